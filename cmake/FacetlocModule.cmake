@@ -1,0 +1,42 @@
+# facetloc_add_module(<name> SOURCES ... HEADERS ... [DEPENDS <facetloc modules>] [LINK <targets>] [PRIVATE_LINK <targets>])
+# One library per top-level folder: target facetloc_<name>, alias facetloc::<name>, public headers under
+# <name>/include/facetloc/<name>/. Header installation, include directories and the check that each header compiles on
+# its own (target all_verify_interface_header_sets) follow from the one HEADERS list.
+function(facetloc_add_module name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;HEADERS;DEPENDS;LINK;PRIVATE_LINK")
+  set(lib facetloc_${name})
+  add_library(${lib} ${arg_SOURCES})
+  add_library(facetloc::${name} ALIAS ${lib})
+  target_sources(${lib} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${arg_HEADERS})
+  list(TRANSFORM arg_DEPENDS PREPEND facetloc::)
+  target_link_libraries(${lib} PUBLIC ${arg_DEPENDS} ${arg_LINK}
+                        PRIVATE ${arg_PRIVATE_LINK} $<BUILD_INTERFACE:facetloc_warnings>)
+  target_include_directories(${lib} SYSTEM PUBLIC ${PCL_INCLUDE_DIRS})
+  target_compile_features(${lib} PUBLIC cxx_std_17)
+  # Every translation unit that sees PCL clouds has to agree with Debian's SSE2 build, also under -mavx2 and sanitizers.
+  target_compile_definitions(${lib} PUBLIC EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MALLOC_ALREADY_ALIGNED=1)
+  # RUNPATH is not transitive: libfacetloc_registration.so must find libfacetloc_features.so beside itself.
+  set_target_properties(${lib} PROPERTIES
+    EXPORT_NAME ${name} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+    POSITION_INDEPENDENT_CODE ON VERIFY_INTERFACE_HEADER_SETS ON CXX_EXTENSIONS OFF INSTALL_RPATH "$ORIGIN")
+  install(TARGETS ${lib} EXPORT facetloc-targets FILE_SET HEADERS)
+endfunction()
+
+add_library(facetloc_warnings INTERFACE)
+target_compile_options(facetloc_warnings INTERFACE
+  $<$<CXX_COMPILER_ID:GNU,Clang>:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wno-sign-conversion>
+  $<$<BOOL:${FACETLOC_WERROR}>:-Werror>)
+
+function(facetloc_install_package)
+  cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "COMPONENTS")
+  include(CMakePackageConfigHelpers)
+  set(FACETLOC_COMPONENTS ${arg_COMPONENTS})
+  set(dir ${CMAKE_INSTALL_LIBDIR}/cmake/facetloc)
+  install(EXPORT facetloc-targets NAMESPACE facetloc:: DESTINATION ${dir})
+  configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/facetloc-config.cmake.in
+    ${PROJECT_BINARY_DIR}/facetloc-config.cmake INSTALL_DESTINATION ${dir})
+  write_basic_package_version_file(${PROJECT_BINARY_DIR}/facetloc-config-version.cmake
+    COMPATIBILITY SameMinorVersion)
+  install(FILES ${PROJECT_BINARY_DIR}/facetloc-config.cmake ${PROJECT_BINARY_DIR}/facetloc-config-version.cmake
+          DESTINATION ${dir})
+endfunction()

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/camera_model.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief A depth image: z in metres, row-major, camera.width x camera.height; 0 = not measured. */
+struct DepthImage {
+  Intrinsics camera;
+  std::vector<float> depth;
+
+  bool empty() const { return depth.empty(); }
+  float at(int u, int v) const { return depth[static_cast<std::size_t>(v) * camera.width + u]; }
+};
+
+/** \brief Every step-th pixel of every step-th row. Never averages: that would invent depth at silhouettes. */
+DepthImage subsampled(const DepthImage& image, int step);
+
+/** \brief The largest step that keeps at least the given width; 1 for smaller images. */
+int subsamplingStep(const Intrinsics& camera, int working_width);
+
+/** \brief One label per pixel, row-major; 0 = none, k = k-th segment counted from 1. */
+struct LabelImage {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint16_t> label;
+
+  int maxLabel() const;
+};
+
+}  // namespace facetloc

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/depth_image.h>
+
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+
+#include <optional>
+
+namespace facetloc {
+
+/** \brief Intrinsics of an organized cloud, recovered from its points: x/z is linear in the column, y/z in the row.
+ * Empty if the cloud is unorganized, has fewer than 16 finite points in front of the camera, does not spread over
+ * columns and rows, or is not the image of a pinhole camera (residual above 1 px in the median). */
+template <typename PointT> std::optional<Intrinsics> recoverIntrinsics(const pcl::PointCloud<PointT>& cloud);
+
+/** \brief The depth image of an organized cloud: z of every point, 0 where it is not finite or not positive. */
+template <typename PointT> DepthImage depthImage(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera);
+
+}  // namespace facetloc
+
+#include <facetloc/features/impl/organized_cloud.hpp>
+
+namespace facetloc {
+extern template std::optional<Intrinsics> recoverIntrinsics(const pcl::PointCloud<pcl::PointXYZ>&);
+extern template std::optional<Intrinsics> recoverIntrinsics(const pcl::PointCloud<pcl::PointXYZI>&);
+extern template std::optional<Intrinsics> recoverIntrinsics(const pcl::PointCloud<pcl::PointXYZRGB>&);
+extern template std::optional<Intrinsics> recoverIntrinsics(const pcl::PointCloud<pcl::PointXYZRGBA>&);
+extern template DepthImage depthImage(const pcl::PointCloud<pcl::PointXYZ>&, const Intrinsics&);
+extern template DepthImage depthImage(const pcl::PointCloud<pcl::PointXYZI>&, const Intrinsics&);
+extern template DepthImage depthImage(const pcl::PointCloud<pcl::PointXYZRGB>&, const Intrinsics&);
+extern template DepthImage depthImage(const pcl::PointCloud<pcl::PointXYZRGBA>&, const Intrinsics&);
+}  // namespace facetloc

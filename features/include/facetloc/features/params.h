@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace facetloc {
+
+/** \file
+ * Parameters are plain structs with defaults. Each has one static template
+ *
+ *     template <class Self, class Visitor> static void describe(Self& p, Visitor&& field) {
+ *       field("name", p.name, lowest, highest, "A sentence with unit and source.");
+ *     }
+ *
+ * and this one list drives validation, command-line options, parameter files, help texts and what is
+ * recorded beside maps and results. Fields are bool, int or double; angles named *_deg are in degrees. */
+
+/** \brief Throws std::invalid_argument naming the first field that lies outside its range (NaN does). */
+template <class Params> void checkRanges(const Params& params) {
+  Params::describe(params, [](const char* name, const auto& value, auto lowest, auto highest, const char*) {
+    if (value >= lowest && value <= highest) return;
+    std::ostringstream message;
+    message << "parameter " << name << " = " << value << " is outside [" << lowest << ", " << highest << "]";
+    throw std::invalid_argument(message.str());
+  });
+}
+
+/** \brief The parameters as "name = value" lines, in the order of their description. */
+template <class Params> std::string toIni(const Params& params) {
+  std::ostringstream out;
+  out.precision(17);
+  Params::describe(params, [&out](const char* name, const auto& value, auto, auto, const char*) {
+    out << name << " = " << value << "\n";
+  });
+  return out.str();
+}
+
+}  // namespace facetloc

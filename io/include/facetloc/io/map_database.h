@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/local_model.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief A map file (*.flmap): one SQLite database, DESIGN 5. All functions throw IoError with file and cause.
+ *
+ * Writing: one transaction per local model, so that a process killed at any time leaves a sound map of the models
+ * added so far. Reading: read-only, columns by name, everything checked; a newer major format is refused. */
+class MapDatabase {
+public:
+  static constexpr int kApplicationId = 0x464C4D50;  ///< "FLMP"
+  static constexpr int kMajor = 1;
+  static constexpr int kMinor = 0;
+
+  /** \brief Creates a new, empty map; refuses an existing file unless overwrite is set. */
+  static MapDatabase create(const std::filesystem::path& path, bool overwrite = false);
+  /** \brief Opens an existing map for reading and appending. */
+  static MapDatabase open(const std::filesystem::path& path);
+  MapDatabase(MapDatabase&&) noexcept;
+  MapDatabase& operator=(MapDatabase&&) noexcept;
+  ~MapDatabase();
+
+  void setMeta(const std::string& key, const std::string& value);
+  void setMounting(const CameraMounting& mounting);
+  /** \brief Adds a local model with its segments and depth picture in one transaction; returns its index. */
+  int add(const LocalModel& model);
+  /** \brief Adds a link between two models that are already there. */
+  void add(const Link& link);
+  /** \brief The names of the models so far, by index; lets a build resume. */
+  std::vector<std::string> modelNames() const;
+
+private:
+  struct Impl;
+  explicit MapDatabase(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/** \brief Reads a whole map through a read-only connection. The models are in the order of their index. */
+Map readMap(const std::filesystem::path& path);
+/** \brief Writes a whole map, atomically. */
+void writeMap(const std::filesystem::path& path, const Map& map);
+/** \brief Every fault found in a map file, in words; empty for a sound one. Throws only if the file cannot be opened as
+ * a map at all. */
+std::vector<std::string> checkMap(const std::filesystem::path& path);
+
+}  // namespace facetloc

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief A raster, row-major, top row first, channels interleaved. */
+template <typename T> struct Raster {
+  int width = 0;
+  int height = 0;
+  int channels = 1;
+  std::vector<T> data;
+};
+
+/** \brief Reads a greyscale PNG of 8 or 16 bits. Throws IoError for anything else and for truncated or corrupt files. */
+Raster<std::uint16_t> readGreyPng(const std::filesystem::path& path);
+/** \brief Writes a 16-bit greyscale PNG, atomically. */
+void writePng(const std::filesystem::path& path, const Raster<std::uint16_t>& image);
+/** \brief Writes an 8-bit PNG, greyscale (1 channel) or RGB (3 channels), atomically. */
+void writePng(const std::filesystem::path& path, const Raster<std::uint8_t>& image);
+
+}  // namespace facetloc

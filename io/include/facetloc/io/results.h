@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief One line of RESULTS/hypotheses.csv (DESIGN 4). rank 1 = best; rank 0 = no hypothesis, with a reason. */
+struct ResultRow {
+  std::string frame;
+  int rank = 0;
+  std::string model;  ///< name of the local model
+  double probability = 0;
+  double score = 0;
+  Eigen::Isometry3d T_m_c = Eigen::Isometry3d::Identity();
+  std::optional<Eigen::Isometry3d> T_w_c;  ///< empty columns where the map has no poses
+  double sd_rot_deg = 0;   ///< largest standard deviation of the orientation over directions [deg]
+  double sd_trans_m = 0;   ///< largest standard deviation of the position over directions [m]
+  std::string reason;      ///< remarks such as "depth-assisted"; why there is no hypothesis
+};
+
+/** \brief One line of RESULTS/timing.csv. */
+struct TimingRow {
+  std::string frame;
+  double segment_ms = 0;
+  double features_ms = 0;
+  double localize_ms = 0;
+  int models = 0;
+};
+
+/** \brief The results of one frame, as they are written. */
+struct FrameResult {
+  double stamp = 0;
+  std::vector<ResultRow> rows;  ///< at least one
+  TimingRow timing;
+};
+
+/** \brief Writes a results folder: hypotheses.csv, poses_tum.txt, timing.csv (all atomically, frames in the given
+ * order) and params.ini. */
+void writeResults(const std::filesystem::path& folder, const std::vector<FrameResult>& frames,
+                  const std::string& params_ini);
+/** \brief Reads hypotheses.csv (columns by name). Throws IoError with the line for malformed files. */
+std::vector<ResultRow> readHypotheses(const std::filesystem::path& folder);
+/** \brief Reads timing.csv. */
+std::vector<TimingRow> readTiming(const std::filesystem::path& folder);
+
+}  // namespace facetloc

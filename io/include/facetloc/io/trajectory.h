@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief A pose T_w_c of the camera optical frame in the world at a time [s]. */
+struct StampedPose {
+  double stamp = 0;
+  Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();
+};
+
+/** \brief Poses sorted by time. */
+class Trajectory {
+public:
+  Trajectory() = default;
+  explicit Trajectory(std::vector<StampedPose> poses);
+  const std::vector<StampedPose>& poses() const { return poses_; }
+  bool empty() const { return poses_.empty(); }
+  /** \brief The pose nearest in time, if it lies within the tolerance [s]. */
+  std::optional<Eigen::Isometry3d> nearest(double stamp, double tolerance = 0.02) const;
+
+private:
+  std::vector<StampedPose> poses_;
+};
+
+/** \brief Reads the TUM format: `stamp tx ty tz qx qy qz qw`, # starts a comment. Throws IoError with the line number
+ * for a malformed line, a value that is not finite or a quaternion that is no rotation. */
+Trajectory readTumTrajectory(const std::filesystem::path& path);
+/** \brief Writes the TUM format: a header line, stamps with 6 decimals, exactly 8 columns, no trailing space. */
+void writeTumTrajectory(const std::filesystem::path& path, const std::vector<StampedPose>& poses);
+
+}  // namespace facetloc
