@@ -8,7 +8,8 @@
 
 namespace facetloc {
 
-/** \brief Pinhole intrinsics of a depth image [px]; pixel centres are at integer coordinates, fx and fy may differ. */
+/** \brief Pinhole intrinsics of a depth image [px]; pixel centres are at integer coordinates, fx and fy may
+ * differ. */
 struct Intrinsics {
   int width = 0;
   int height = 0;
@@ -32,8 +33,8 @@ struct Intrinsics {
 };
 
 /** \name Kinect v1 (METHOD 2.1): z = kKinectGain / (kKinectOffset - d), d the raw disparity in 1/8 px. @{ */
-constexpr double kKinectGain = 351.218540681877;     ///< [m DU]
-constexpr double kKinectOffset = 1092.93080891449;   ///< [DU]
+constexpr double kKinectGain = 351.218540681877;    ///< [m DU]
+constexpr double kKinectOffset = 1092.93080891449;  ///< [DU]
 inline double kinectDisparity(double z) { return kKinectOffset - kKinectGain / z; }
 inline double kinectDepth(double disparity) { return kKinectGain / (kKinectOffset - disparity); }
 /** \brief The depth camera of a Kinect v1, 640x480, as calibrated by the paper's authors. */
@@ -42,29 +43,38 @@ Intrinsics kinectIntrinsics();
 
 /** \brief Errors of a depth camera that measures by triangulation: constant in inverse depth (disparity).
  *
- * The defaults are those of a Kinect v1 (0.5 DU of noise, a smooth distortion of 0.25 DU plus 0.5 DU per unit of b).
- * For a camera of standard depth deviation sigma_z at depth z, inverse_depth_std = sigma_z / z^2. */
+ * The defaults are those of a Kinect v1 (0.5 DU of noise, a smooth distortion of 0.25 DU plus 0.5 DU per unit
+ * of b). For a camera of standard depth deviation sigma_z at depth z, inverse_depth_std = sigma_z / z^2. */
 struct SensorNoise {
-  double inverse_depth_std = 0.5 / kKinectGain;   ///< random error of 1/z [1/m]
-  double pixel_std = 0.3;                         ///< lateral error [px]
-  double distortion_offset = 0.25 / kKinectGain;  ///< smooth distortion of 1/z over the image, constant part [1/m]
-  double distortion_slope = 0.5 / kKinectGain;    ///< its part per unit of the normalised ray [1/m]
+  double inverse_depth_std = 0.5 / kKinectGain;  ///< random error of 1/z [1/m]
+  double pixel_std = 0.3;                        ///< lateral error [px]
+  double distortion_offset =
+      0.25 / kKinectGain;  ///< smooth distortion of 1/z over the image, constant part [1/m]
+  double distortion_slope = 0.5 / kKinectGain;  ///< its part per unit of the normalised ray [1/m]
 
-  template <class Self, class Visitor> static void describe(Self& p, Visitor&& field) {
-    field("inverse_depth_std", p.inverse_depth_std, 1e-7, 1.0, "Random error of inverse depth, standard deviation [1/m]; sigma_z / z^2. Kinect: 0.00142.");
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& field) {
+    field("inverse_depth_std", p.inverse_depth_std, 1e-7, 1.0,
+          "Random error of inverse depth, standard deviation [1/m]; sigma_z / z^2. Kinect: 0.00142.");
     field("pixel_std", p.pixel_std, 0.0, 10.0, "Lateral error of a pixel, standard deviation [px].");
-    field("distortion_offset", p.distortion_offset, 0.0, 1.0, "Smooth distortion of inverse depth, constant part, standard deviation [1/m] (METHOD_MEASURED 4.3).");
-    field("distortion_slope", p.distortion_slope, 0.0, 1.0, "Smooth distortion of inverse depth per unit of the normalised ray, standard deviation [1/m] (METHOD_MEASURED 4.3).");
+    field(
+        "distortion_offset", p.distortion_offset, 0.0, 1.0,
+        "Smooth distortion of inverse depth, constant part, standard deviation [1/m] (METHOD_MEASURED 4.3).");
+    field("distortion_slope", p.distortion_slope, 0.0, 1.0,
+          "Smooth distortion of inverse depth per unit of the normalised ray, standard deviation [1/m] "
+          "(METHOD_MEASURED 4.3).");
   }
   void validate() const { checkRanges(*this); }
 };
 
-/** \brief Covariance of a measured point p [m^2], 3x3, triangulation model in closed form (METHOD 2.2, eq. 2.1):
- * a pancake of the pixel errors plus an elongated term exactly along the viewing ray. Requires p_z > 0. */
+/** \brief Covariance of a measured point p [m^2], 3x3, triangulation model in closed form (METHOD 2.2,
+ * eq. 2.1): a pancake of the pixel errors plus an elongated term exactly along the viewing ray. Requires p_z
+ * > 0. */
 Eigen::Matrix3d pointCovariance(const Eigen::Vector3d& p, const Intrinsics& camera, double pixel_std,
                                 double inverse_depth_std);
 
-/** \brief How the camera sits on a robot that drives on a floor: forward, above the axle, tilted downwards. */
+/** \brief How the camera sits on a robot that drives on a floor: forward, above the axle, tilted downwards.
+ */
 struct CameraMounting {
   double height = 0;    ///< of the optical centre above the floor [m]
   double tilt_deg = 0;  ///< of the optical axis below the horizon [deg]

@@ -17,7 +17,8 @@ struct DepthImage {
   float at(int u, int v) const { return depth[static_cast<std::size_t>(v) * camera.width + u]; }
 };
 
-/** \brief Every step-th pixel of every step-th row. Never averages: that would invent depth at silhouettes. */
+/** \brief Every step-th pixel of every step-th row. Never averages: that would invent depth at silhouettes.
+ */
 DepthImage subsampled(const DepthImage& image, int step);
 
 /** \brief The largest step that keeps at least the given width; 1 for smaller images. */

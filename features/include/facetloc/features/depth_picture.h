@@ -10,12 +10,14 @@ namespace facetloc {
 
 /** \brief The small depth picture that a view keeps for dense checks (METHOD_MEASURED 11.4 (5)).
  *
- * Inverse depth at half the working resolution, in steps of kQuantum, with the smallest and largest value of each
- * 3x3 neighbourhood (5x5 px of the working image), which tolerates silhouettes and lateral errors. 0 = unknown. */
+ * Inverse depth at half the working resolution, in steps of kQuantum, with the smallest and largest value of
+ * each 3x3 neighbourhood (5x5 px of the working image), which tolerates silhouettes and lateral errors. 0 =
+ * unknown. */
 struct DepthPicture {
-  static constexpr double kQuantum = 1.0 / 16384;  ///< [1/m]: 0.02 disparity units of a Kinect; reaches to 0.25 m
+  static constexpr double kQuantum =
+      1.0 / 16384;  ///< [1/m]: 0.02 disparity units of a Kinect; reaches to 0.25 m
 
-  Intrinsics camera;                        ///< of the picture itself
+  Intrinsics camera;                         ///< of the picture itself
   std::vector<std::uint16_t> inverse_depth;  ///< [kQuantum], row-major
   std::vector<std::uint16_t> lowest;         ///< over 3x3 known neighbours; derived
   std::vector<std::uint16_t> highest;        ///< over 3x3 known neighbours; derived
@@ -23,7 +25,8 @@ struct DepthPicture {
   bool empty() const { return inverse_depth.empty(); }
   /** \brief Of a depth image at working resolution; empty for an empty image. */
   static DepthPicture fromDepth(const DepthImage& image);
-  /** \brief From stored values; lowest and highest are derived. Throws std::invalid_argument if the size is wrong. */
+  /** \brief From stored values; lowest and highest are derived. Throws std::invalid_argument if the size is
+   * wrong. */
   static DepthPicture fromStored(const Intrinsics& camera, std::vector<std::uint16_t> inverse_depth);
 };
 

@@ -11,7 +11,8 @@
 
 namespace facetloc {
 
-/** \brief What one depth image tells: its segments and its small depth picture, in the camera optical frame. */
+/** \brief What one depth image tells: its segments and its small depth picture, in the camera optical frame.
+ */
 struct View {
   Intrinsics camera;              ///< of the working image
   std::vector<Segment> segments;  ///< sorted by information content, the most useful first (METHOD 10.1)
@@ -38,7 +39,8 @@ struct Map {
   std::optional<CameraMounting> mounting;
   std::vector<LocalModel> models;
   std::vector<Link> links;
-  std::map<std::string, std::string> meta;  ///< how it was made: parameters, software version, conventions in words
+  std::map<std::string, std::string>
+      meta;  ///< how it was made: parameters, software version, conventions in words
 };
 
 }  // namespace facetloc

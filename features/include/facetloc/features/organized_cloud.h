@@ -10,13 +10,17 @@
 
 namespace facetloc {
 
-/** \brief Intrinsics of an organized cloud, recovered from its points: x/z is linear in the column, y/z in the row.
- * Empty if the cloud is unorganized, has fewer than 16 finite points in front of the camera, does not spread over
- * columns and rows, or is not the image of a pinhole camera (residual above 1 px in the median). */
-template <typename PointT> std::optional<Intrinsics> recoverIntrinsics(const pcl::PointCloud<PointT>& cloud);
+/** \brief Intrinsics of an organized cloud, recovered from its points: x/z is linear in the column, y/z in
+ * the row. Empty if the cloud is unorganized, has fewer than 16 finite points in front of the camera, does
+ * not spread over columns and rows, or is not the image of a pinhole camera (residual above 1 px in the
+ * median). */
+template <typename PointT>
+std::optional<Intrinsics> recoverIntrinsics(const pcl::PointCloud<PointT>& cloud);
 
-/** \brief The depth image of an organized cloud: z of every point, 0 where it is not finite or not positive. */
-template <typename PointT> DepthImage depthImage(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera);
+/** \brief The depth image of an organized cloud: z of every point, 0 where it is not finite or not positive.
+ */
+template <typename PointT>
+DepthImage depthImage(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera);
 
 }  // namespace facetloc
 

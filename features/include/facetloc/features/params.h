@@ -18,7 +18,8 @@ namespace facetloc {
  * recorded beside maps and results. Fields are bool, int or double; angles named *_deg are in degrees. */
 
 /** \brief Throws std::invalid_argument naming the first field that lies outside its range (NaN does). */
-template <class Params> void checkRanges(const Params& params) {
+template <class Params>
+void checkRanges(const Params& params) {
   Params::describe(params, [](const char* name, const auto& value, auto lowest, auto highest, const char*) {
     if (value >= lowest && value <= highest) return;
     std::ostringstream message;
@@ -28,7 +29,8 @@ template <class Params> void checkRanges(const Params& params) {
 }
 
 /** \brief The parameters as "name = value" lines, in the order of their description. */
-template <class Params> std::string toIni(const Params& params) {
+template <class Params>
+std::string toIni(const Params& params) {
   std::ostringstream out;
   out.precision(17);
   Params::describe(params, [&out](const char* name, const auto& value, auto, auto, const char*) {

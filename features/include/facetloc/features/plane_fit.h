@@ -9,7 +9,8 @@ namespace facetloc {
 
 /** \brief A plane in pixel space: inverse depth (or any multiple of it, disparity) d = a u + b v + c.
  *
- * A plane m . p = 1 of space is exactly such a plane of the image (METHOD 2.3), where noise is homoscedastic. */
+ * A plane m . p = 1 of space is exactly such a plane of the image (METHOD 2.3), where noise is homoscedastic.
+ */
 struct PixelPlane {
   double a = 0;
   double b = 0;
@@ -26,8 +27,8 @@ struct PixelPlane {
   }
 };
 
-/** \brief Moments of pixels (u, v, d). Adding moments of disjoint sets gives the moments of their union, exactly
- * as long as the sums of u and v are integers below 2^53. */
+/** \brief Moments of pixels (u, v, d). Adding moments of disjoint sets gives the moments of their union,
+ * exactly as long as the sums of u and v are integers below 2^53. */
 struct PlaneMoments {
   double n = 0, u = 0, v = 0, d = 0, uu = 0, uv = 0, vv = 0, ud = 0, vd = 0, dd = 0;
 
@@ -48,8 +49,8 @@ struct PlaneMoments {
     PixelPlane plane;
     double sse = 0;  ///< sum of squared residuals, vertical in d
   };
-  /** \brief Least squares of d on (u, v): METHOD eq. (4.1) in pixel coordinates. Fewer than three pixels, or pixels
-   * on one line, give the horizontal plane through their mean. */
+  /** \brief Least squares of d on (u, v): METHOD eq. (4.1) in pixel coordinates. Fewer than three pixels, or
+   * pixels on one line, give the horizontal plane through their mean. */
   Fit fit() const {
     if (n < 1) return {};
     const double mu = u / n, mv = v / n, md = d / n;

@@ -21,21 +21,24 @@ struct ConvexHull {
   float area() const;  ///< [m^2]
 };
 
-/** \brief A planar surface segment F = (R_F, t_F, Sigma_q, Sigma_p) of the paper, eq. (6), in double precision.
+/** \brief A planar surface segment F = (R_F, t_F, Sigma_q, Sigma_p) of the paper, eq. (6), in double
+ * precision.
  *
- * The z axis of S_F is the plane's normal and points away from the camera (n . t_F > 0), x and y are the principal
- * axes of the supporting points. q = (s_x, s_y, r): tilt about the axes and offset of the true plane, eqs. (2)-(3). */
+ * The z axis of S_F is the plane's normal and points away from the camera (n . t_F > 0), x and y are the
+ * principal axes of the supporting points. q = (s_x, s_y, r): tilt about the axes and offset of the true
+ * plane, eqs. (2)-(3). */
 struct Segment {
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();       ///< R_F: columns x, y, normal, in the camera or model frame
-  Eigen::Vector3d t = Eigen::Vector3d::Zero();           ///< t_F: centroid of the supporting points [m]
-  Eigen::Matrix3d Sigma_q = Eigen::Matrix3d::Zero();     ///< covariance of q [1, 1, m^2]
-  Eigen::Vector2d lambda = Eigen::Vector2d::Zero();      ///< Sigma_p = diag(lambda), lambda_1 >= lambda_2 [m^2]
-  std::int32_t num_points = 0;                           ///< support [px at the working size]
-  ConvexHull hull;                                       ///< of the supporting points, in S_F
+  Eigen::Matrix3d R =
+      Eigen::Matrix3d::Identity();              ///< R_F: columns x, y, normal, in the camera or model frame
+  Eigen::Vector3d t = Eigen::Vector3d::Zero();  ///< t_F: centroid of the supporting points [m]
+  Eigen::Matrix3d Sigma_q = Eigen::Matrix3d::Zero();  ///< covariance of q [1, 1, m^2]
+  Eigen::Vector2d lambda = Eigen::Vector2d::Zero();   ///< Sigma_p = diag(lambda), lambda_1 >= lambda_2 [m^2]
+  std::int32_t num_points = 0;                        ///< support [px at the working size]
+  ConvexHull hull;                                    ///< of the supporting points, in S_F
 
   auto normal() const { return R.col(2); }
-  double offset() const { return R.col(2).dot(t); }      ///< rho: distance of the plane from the origin [m]
-  double area() const { return hull.area(); }            ///< [m^2]
+  double offset() const { return R.col(2).dot(t); }  ///< rho: distance of the plane from the origin [m]
+  double area() const { return hull.area(); }        ///< [m^2]
 };
 
 /** \brief The segment expressed in another frame: every part of F moves with it. */

@@ -10,32 +10,43 @@
 
 namespace facetloc {
 
-/** \brief Which regions of a labelled depth image become segments, and how uncertain they are (METHOD 3.3, 4). */
+/** \brief Which regions of a labelled depth image become segments, and how uncertain they are (METHOD 3.3,
+ * 4). */
 struct SegmentEstimationParams {
-  double min_support = 150;     ///< [px at 320x240], scaled with the image area
-  double max_depth = 7.5;       ///< nearest end of the segment's ellipse [m]
-  double min_width = 0.03;      ///< smallest sqrt(lambda_2) [m]
-  double min_width_px = 2.0;    ///< smallest sqrt(lambda_2) seen from the camera [px at the working size]
-  double min_incidence = 0.1;   ///< smallest |cosine| between normal and ray at the centroid
-  double trim = 3.0;            ///< residual beyond which a pixel leaves the fit [noise std]
-  bool faithful = false;        ///< the paper's eqs. (4)-(5) instead of METHOD_MEASURED 4.3
+  double min_support = 150;       ///< [px at 320x240], scaled with the image area
+  double max_depth = 7.5;         ///< nearest end of the segment's ellipse [m]
+  double min_width = 0.03;        ///< smallest sqrt(lambda_2) [m]
+  double min_width_px = 2.0;      ///< smallest sqrt(lambda_2) seen from the camera [px at the working size]
+  double min_incidence = 0.1;     ///< smallest |cosine| between normal and ray at the centroid
+  double trim = 3.0;              ///< residual beyond which a pixel leaves the fit [noise std]
+  bool faithful = false;          ///< the paper's eqs. (4)-(5) instead of METHOD_MEASURED 4.3
   double faithful_factor = 0.25;  ///< kappa_u on sigma_r of eq. (4), 1 = literal
-  double edge_factor = 0.15;    ///< kappa_u of the added term of METHOD_MEASURED 4.3
-  double slope_floor_deg = 0.1;  ///< s_0
-  double offset_floor = 0.002;  ///< r_0 [m]
+  double edge_factor = 0.15;      ///< kappa_u of the added term of METHOD_MEASURED 4.3
+  double slope_floor_deg = 0.1;   ///< s_0
+  double offset_floor = 0.002;    ///< r_0 [m]
 
-  template <class Self, class Visitor> static void describe(Self& p, Visitor&& field) {
-    field("min_support", p.min_support, 3.0, 1e6, "Smallest support of a segment [px at 320x240, scaled with the image area].");
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& field) {
+    field("min_support", p.min_support, 3.0, 1e6,
+          "Smallest support of a segment [px at 320x240, scaled with the image area].");
     field("max_depth", p.max_depth, 0.1, 1e3, "Segments whose nearest end is farther are dropped [m].");
-    field("min_width", p.min_width, 0.0, 10.0, "Smallest standard deviation of the support along its minor axis [m].");
+    field("min_width", p.min_width, 0.0, 10.0,
+          "Smallest standard deviation of the support along its minor axis [m].");
     field("min_width_px", p.min_width_px, 0.0, 100.0, "The same seen from the camera [px].");
-    field("min_incidence", p.min_incidence, 0.0, 1.0, "Smallest cosine between normal and viewing ray at the centroid.");
-    field("trim", p.trim, 1.0, 100.0, "Residual beyond which a pixel leaves the plane fit [noise standard deviations].");
-    field("faithful", p.faithful, false, true, "Uncertainty by the paper's eqs. (4)-(5) instead of the full covariance of METHOD_MEASURED 4.3.");
-    field("faithful_factor", p.faithful_factor, 0.01, 10.0, "Factor on sigma_r of eq. (4); 1 is the paper's.");
-    field("edge_factor", p.edge_factor, 0.0, 10.0, "Factor on sigma_r in the term for uncertain outlines (METHOD_MEASURED 4.3).");
-    field("slope_floor_deg", p.slope_floor_deg, 0.0, 10.0, "Floor of the slope uncertainty, standard deviation [deg].");
-    field("offset_floor", p.offset_floor, 0.0, 1.0, "Floor of the offset uncertainty, standard deviation [m].");
+    field("min_incidence", p.min_incidence, 0.0, 1.0,
+          "Smallest cosine between normal and viewing ray at the centroid.");
+    field("trim", p.trim, 1.0, 100.0,
+          "Residual beyond which a pixel leaves the plane fit [noise standard deviations].");
+    field("faithful", p.faithful, false, true,
+          "Uncertainty by the paper's eqs. (4)-(5) instead of the full covariance of METHOD_MEASURED 4.3.");
+    field("faithful_factor", p.faithful_factor, 0.01, 10.0,
+          "Factor on sigma_r of eq. (4); 1 is the paper's.");
+    field("edge_factor", p.edge_factor, 0.0, 10.0,
+          "Factor on sigma_r in the term for uncertain outlines (METHOD_MEASURED 4.3).");
+    field("slope_floor_deg", p.slope_floor_deg, 0.0, 10.0,
+          "Floor of the slope uncertainty, standard deviation [deg].");
+    field("offset_floor", p.offset_floor, 0.0, 1.0,
+          "Floor of the offset uncertainty, standard deviation [m].");
   }
   void validate() const { checkRanges(*this); }
 };
@@ -55,10 +66,12 @@ Eigen::Matrix3d slopeOffsetCovariance(const Eigen::Matrix3d& R, const Eigen::Vec
  * \param image depth at working size, \param labels of the same size,
  * \param noise of the sensor; noise.inverse_depth_std should already be that of the image if it is noisier.
  * \param kept receives, if given, the label of each returned segment.
- * \return segments sorted by information content (METHOD 10.1). Labels that fail a test of the parameters are left
- * out; an empty or all-invalid image gives an empty list. Throws std::invalid_argument if the sizes differ. */
-std::vector<Segment> estimateSegments(const DepthImage& image, const LabelImage& labels, const SensorNoise& noise,
-                                      const SegmentEstimationParams& params, std::vector<int>* kept = nullptr);
+ * \return segments sorted by information content (METHOD 10.1). Labels that fail a test of the parameters are
+ * left out; an empty or all-invalid image gives an empty list. Throws std::invalid_argument if the sizes
+ * differ. */
+std::vector<Segment> estimateSegments(const DepthImage& image, const LabelImage& labels,
+                                      const SensorNoise& noise, const SegmentEstimationParams& params,
+                                      std::vector<int>* kept = nullptr);
 
 /** \brief Order of segments by the share of information that each provides about translation along its normal
  * (METHOD 10.1, the ranking of the paper's reference [14]); ties by index. */

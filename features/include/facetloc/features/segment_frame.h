@@ -14,14 +14,16 @@
 
 namespace facetloc {
 
-/** \brief A planar surface segment as a PCL point: Segment in single precision, at home in PCD files and viewers. */
+/** \brief A planar surface segment as a PCL point: Segment in single precision, at home in PCD files and
+ * viewers. */
 struct EIGEN_ALIGN16 SegmentFrame {
-  PCL_ADD_POINT4D;                                ///< t_F: centroid of the supporting points [m]
-  float orientation[4] = {0.f, 0.f, 0.f, 1.f};    ///< R_F as a unit quaternion (x, y, z, w); z axis = normal
-  float sigma_q[6] = {0.f, 0.f, 0.f, 0.f, 0.f, 0.f};  ///< upper triangle of Sigma_q: (sx,sx) (sx,sy) (sx,r) (sy,sy) (sy,r) (r,r)
-  float lambda[2] = {0.f, 0.f};                   ///< eigenvalues of Sigma_p [m^2]
-  std::int32_t num_points = 0;                    ///< support [px]
-  std::int32_t hull_size = 0;                     ///< vertices of the contour
+  PCL_ADD_POINT4D;                              ///< t_F: centroid of the supporting points [m]
+  float orientation[4] = {0.f, 0.f, 0.f, 1.f};  ///< R_F as a unit quaternion (x, y, z, w); z axis = normal
+  float sigma_q[6] = {0.f, 0.f, 0.f, 0.f,
+                      0.f, 0.f};  ///< upper triangle of Sigma_q: (sx,sx) (sx,sy) (sx,r) (sy,sy) (sy,r) (r,r)
+  float lambda[2] = {0.f, 0.f};   ///< eigenvalues of Sigma_p [m^2]
+  std::int32_t num_points = 0;    ///< support [px]
+  std::int32_t hull_size = 0;     ///< vertices of the contour
   float hull[2 * ConvexHull::kMaxVertices] = {};  ///< (x, y) pairs in S_F, counter-clockwise [m]
 
   SegmentFrame() {
@@ -36,8 +38,8 @@ struct EIGEN_ALIGN16 SegmentFrame {
 };
 
 SegmentFrame toSegmentFrame(const Segment& segment);
-/** \brief False if a field is not finite, the quaternion is not a rotation, Sigma_q is not positive definite or the
- * hull is malformed; out is then unchanged. Never crashes, whatever the bytes. */
+/** \brief False if a field is not finite, the quaternion is not a rotation, Sigma_q is not positive definite
+ * or the hull is malformed; out is then unchanged. Never crashes, whatever the bytes. */
 bool toSegment(const SegmentFrame& frame, Segment& out);
 
 pcl::PointCloud<SegmentFrame> toCloud(const std::vector<Segment>& segments);
@@ -47,8 +49,8 @@ SegmentFrame transformed(const SegmentFrame& frame, const Eigen::Isometry3d& T);
 
 }  // namespace facetloc
 
-POINT_CLOUD_REGISTER_POINT_STRUCT(facetloc::SegmentFrame,
-                                  (float, x, x)(float, y, y)(float, z, z)(float[4], orientation, orientation)(
-                                      float[6], sigma_q, sigma_q)(float[2], lambda, lambda)(
-                                      std::int32_t, num_points, num_points)(std::int32_t, hull_size, hull_size)(
-                                      float[48], hull, hull))
+POINT_CLOUD_REGISTER_POINT_STRUCT(
+    facetloc::SegmentFrame,
+    (float, x, x)(float, y, y)(float, z, z)(float[4], orientation, orientation)(float[6], sigma_q, sigma_q)(
+        float[2], lambda, lambda)(std::int32_t, num_points, num_points)(std::int32_t, hull_size,
+                                                                        hull_size)(float[48], hull, hull))

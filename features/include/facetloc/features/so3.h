@@ -27,7 +27,8 @@ inline Eigen::Matrix3d expSO3(const Eigen::Vector3d& phi) {
   return Eigen::AngleAxisd(angle, phi / angle).toRotationMatrix();
 }
 
-/** \brief Rotation vector of a rotation matrix [rad], norm in [0, pi]; at pi the sign of the axis is arbitrary. */
+/** \brief Rotation vector of a rotation matrix [rad], norm in [0, pi]; at pi the sign of the axis is
+ * arbitrary. */
 inline Eigen::Vector3d logSO3(const Eigen::Matrix3d& R) {
   const Eigen::AngleAxisd a(R);
   return a.angle() * a.axis();

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/organized_cloud.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace facetloc {
+namespace detail {
+
+/** \brief Least squares of x = (i - centre) / focal from the sums of (i, x). */
+struct PixelLine {
+  double n = 0, i = 0, x = 0, ii = 0, ix = 0;
+
+  void add(double pixel, double slope) {
+    n += 1, i += pixel, x += slope, ii += pixel * pixel, ix += pixel * slope;
+  }
+  bool solve(double& focal, double& centre) const {
+    const double var = ii - i * i / n, cov = ix - i * x / n;
+    if (!(var > 0) || !(cov > 1e-9 * var)) return false;
+    focal = var / cov;
+    centre = i / n - focal * x / n;
+    return true;
+  }
+};
+
+template <typename PointT>
+bool inFront(const PointT& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && p.z > 0;
+}
+
+}  // namespace detail
+
+template <typename PointT>
+std::optional<Intrinsics> recoverIntrinsics(const pcl::PointCloud<PointT>& cloud) {
+  if (cloud.height <= 1 || cloud.width <= 1 || cloud.size() != std::size_t(cloud.width) * cloud.height)
+    return {};
+  detail::PixelLine columns, rows;
+  for (std::uint32_t v = 0, k = 0; v < cloud.height; ++v)
+    for (std::uint32_t u = 0; u < cloud.width; ++u, ++k) {
+      const PointT& p = cloud[k];
+      if (!detail::inFront(p)) continue;
+      columns.add(u, double(p.x) / p.z);
+      rows.add(v, double(p.y) / p.z);
+    }
+  constexpr double kEnough = 16;
+  Intrinsics c{int(cloud.width), int(cloud.height), 0, 0, 0, 0};
+  if (columns.n < kEnough || !columns.solve(c.fx, c.cx) || !rows.solve(c.fy, c.cy) || !c.valid()) return {};
+
+  std::vector<double> residual;  // a cloud that is organized but no pinhole image is told from its residuals
+  const std::uint32_t stride = std::max<std::uint32_t>(1, cloud.size() / 1000);
+  for (std::uint32_t k = 0; k < cloud.size(); k += stride)
+    if (detail::inFront(cloud[k])) {
+      const Eigen::Vector2d pixel = c.project({cloud[k].x, cloud[k].y, cloud[k].z});
+      residual.push_back((pixel - Eigen::Vector2d(k % cloud.width, k / cloud.width)).norm());
+    }
+  if (residual.empty()) return c;
+  std::nth_element(residual.begin(), residual.begin() + residual.size() / 2, residual.end());
+  if (residual[residual.size() / 2] > 1.0) return {};
+  return c;
+}
+
+template <typename PointT>
+DepthImage depthImage(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera) {
+  DepthImage image;
+  image.camera = camera;
+  image.depth.resize(cloud.size());
+  std::transform(cloud.begin(), cloud.end(), image.depth.begin(),
+                 [](const PointT& p) { return std::isfinite(p.z) && p.z > 0 ? p.z : 0.f; });
+  return image;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/organized_cloud.h>
+#include <facetloc/features/segment_estimation.h>
+#include <facetloc/features/segment_frame.h>
+
+#include <pcl/pcl_base.h>
+
+#include <optional>
+#include <string>
+
+namespace facetloc {
+
+/** \brief Segment frames of an organized, labelled cloud, in PCL's feature vocabulary.
+ *
+ *     facetloc::SegmentFrameEstimation<pcl::PointXYZ> estimation;
+ *     estimation.setInputCloud(cloud);
+ *     estimation.setLabels(labels);     // of PlanarSegmentation, or of any other segmenter
+ *     estimation.compute(frames);       // frames[i] is the segment of label estimation.usedLabels()[i]
+ *
+ * Derived from PCLBase, since pcl::Feature is made for one feature per point. Indices restrict the supporting
+ * points. Bad data (no cloud, unorganized, labels of another size) gives an empty output and a sentence in
+ * getStatus(). */
+template <typename PointT>
+class SegmentFrameEstimation : public pcl::PCLBase<PointT> {
+public:
+  using Ptr = pcl::shared_ptr<SegmentFrameEstimation<PointT>>;
+  using ConstPtr = pcl::shared_ptr<const SegmentFrameEstimation<PointT>>;
+  using PointCloudOut = pcl::PointCloud<SegmentFrame>;
+
+  /** \brief One label per point of the input cloud, row-major; 0 = none. */
+  void setLabels(const pcl::PointCloud<pcl::Label>::ConstPtr& labels) { labels_ = labels; }
+  /** \brief Intrinsics of the camera; without them they are recovered from the points. */
+  void setIntrinsics(const std::optional<Intrinsics>& camera) { camera_ = camera; }
+  void setParams(const SegmentEstimationParams& params) { params_ = params; }
+  const SegmentEstimationParams& getParams() const { return params_; }
+  void setSensorNoise(const SensorNoise& noise) { noise_ = noise; }
+  const SensorNoise& getSensorNoise() const { return noise_; }
+
+  /** \brief Estimates the frames, the most informative segment first. */
+  void compute(PointCloudOut& output);
+
+  /** \brief The label of each frame of the last compute(). */
+  const std::vector<int>& usedLabels() const { return used_labels_; }
+  /** \brief Why the last output is empty; empty if all went well. */
+  const std::string& getStatus() const { return status_; }
+
+private:
+  using pcl::PCLBase<PointT>::input_;
+  using pcl::PCLBase<PointT>::indices_;
+
+  pcl::PointCloud<pcl::Label>::ConstPtr labels_;
+  std::optional<Intrinsics> camera_;
+  SegmentEstimationParams params_;
+  SensorNoise noise_;
+  std::vector<int> used_labels_;
+  std::string status_;
+};
+
+}  // namespace facetloc
+
+#include <facetloc/features/impl/segment_frame_estimation.hpp>
+
+extern template class facetloc::SegmentFrameEstimation<pcl::PointXYZ>;
+extern template class facetloc::SegmentFrameEstimation<pcl::PointXYZI>;
+extern template class facetloc::SegmentFrameEstimation<pcl::PointXYZRGB>;
+extern template class facetloc::SegmentFrameEstimation<pcl::PointXYZRGBA>;

@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/plane_fit.h>
+#include <facetloc/features/segment_estimation.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+namespace facetloc {
+namespace {
+
+constexpr double kReferenceArea = 320.0 * 240.0;  // the image size that thresholds in pixels refer to
+constexpr double kReferenceWidth = 320.0;
+constexpr double kMinPlaneDistance =
+    0.05;  // planes through the camera centre are seen edge-on [m] (METHOD 16.1)
+// The paper's eq. (4) with its authors' sensor constants: 1 disparity unit, twice the noise, and 1 px at
+// 320x240.
+constexpr double kFaithfulDepthFactor = 2.0;
+constexpr double kFaithfulPixelStd = 1.0;
+constexpr double kCorrelatedPixels = 100.0;  // pixels that share one independent error, N_eff of METHOD 4.3
+constexpr double kMinIndependent = 8.0;
+
+// Sums over the points z b of a region, from which centroid and covariance follow.
+struct PointMoments {
+  double n = 0;
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d pp = Eigen::Matrix3d::Zero();
+};
+
+struct Region {
+  PlaneMoments plane;
+  PointMoments points;
+  Eigen::Matrix3d bb = Eigen::Matrix3d::Zero();  // sum of b b^T, from plane
+  PixelPlane fitted;
+  double tolerance = 0;  // residual beyond which a pixel does not count
+  std::vector<std::pair<int, int>>
+      row_extremes;  // (first, last) column per row; first > last where there is none
+};
+
+// Calls f(label, v, u0, u1) for every horizontal run of equal, non-zero labels.
+template <typename F>
+void forEachRun(const LabelImage& labels, F f) {
+  for (int v = 0; v < labels.height; ++v) {
+    const std::uint16_t* row = labels.label.data() + static_cast<std::size_t>(v) * labels.width;
+    for (int u0 = 0, u1; u0 < labels.width; u0 = u1) {
+      const std::uint16_t label = row[u0];
+      for (u1 = u0 + 1; u1 < labels.width && row[u1] == label;) ++u1;
+      if (label) f(label, v, u0, u1);
+    }
+  }
+}
+
+// First pass: the plane of each region from all of its pixels, and how far they scatter.
+void fitRegions(const DepthImage& image, const LabelImage& labels, double noise_std, double trim,
+                std::vector<Region>& regions) {
+  forEachRun(labels, [&](int label, int v, int u0, int u1) {
+    PlaneMoments run;
+    const float* z = image.depth.data() + static_cast<std::size_t>(v) * image.camera.width;
+    for (int u = u0; u < u1; ++u)
+      if (z[u] > 0) run.add(u, v, 1.0 / z[u]);
+    regions[label].plane += run;
+  });
+  for (Region& r : regions) {
+    const PlaneMoments::Fit fit = r.plane.fit();
+    r.fitted = fit.plane;
+    const double rms = r.plane.n > 0 ? std::sqrt(fit.sse / r.plane.n) : 0;
+    r.tolerance = trim * std::max(noise_std, rms);
+  }
+}
+
+// Second pass: plane and points of the pixels that belong, row by row.
+void gatherSupport(const DepthImage& image, const LabelImage& labels, std::vector<Region>& regions) {
+  const Intrinsics& c = image.camera;
+  for (Region& r : regions) {
+    r.plane = {};
+    r.row_extremes.assign(c.height, {c.width, -1});
+  }
+  forEachRun(labels, [&](int label, int v, int u0, int u1) {
+    Region& r = regions[label];
+    const float* depth = image.depth.data() + static_cast<std::size_t>(v) * c.width;
+    const double by = (v - c.cy) / c.fy;
+    PlaneMoments run;
+    double z1 = 0, zx = 0, z2 = 0, z2x = 0, z2xx = 0;  // sums of z, z b_x, z^2, z^2 b_x, z^2 b_x^2
+    int first = u1, last = -1;
+    for (int u = u0; u < u1; ++u) {
+      const double z = depth[u];
+      if (!(z > 0)) continue;
+      const double d = 1.0 / z;
+      if (std::abs(d - r.fitted.at(u, v)) > r.tolerance) continue;
+      run.add(u, v, d);
+      const double x = (u - c.cx) / c.fx;
+      z1 += z, zx += z * x, z2 += z * z, z2x += z * z * x, z2xx += z * z * x * x;
+      first = std::min(first, u), last = u;
+    }
+    if (last < 0) return;
+    r.plane += run;
+    r.points.n += run.n;
+    r.points.p += Eigen::Vector3d(zx, by * z1, z1);
+    Eigen::Matrix3d pp;
+    pp << z2xx, by * z2x, z2x, by * z2x, by * by * z2, by * z2, z2x, by * z2, z2;
+    r.points.pp += pp;
+    auto& [row_first, row_last] = r.row_extremes[v];
+    row_first = std::min(row_first, first), row_last = std::max(row_last, last);
+  });
+}
+
+// Sum of b b^T over the pixels of the moments.
+Eigen::Matrix3d rayMoments(const PlaneMoments& m, const Intrinsics& c) {
+  const double x = (m.u - c.cx * m.n) / c.fx, y = (m.v - c.cy * m.n) / c.fy;
+  const double xx = (m.uu - 2 * c.cx * m.u + c.cx * c.cx * m.n) / (c.fx * c.fx);
+  const double yy = (m.vv - 2 * c.cy * m.v + c.cy * c.cy * m.n) / (c.fy * c.fy);
+  const double xy = (m.uv - c.cy * m.u - c.cx * m.v + c.cx * c.cy * m.n) / (c.fx * c.fy);
+  Eigen::Matrix3d bb;
+  bb << xx, xy, x, xy, yy, y, x, y, m.n;
+  return bb;
+}
+
+using Pixels = std::vector<Eigen::Vector2d>;
+
+double cross(const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return (a - o).x() * (b - o).y() - (a - o).y() * (b - o).x();
+}
+
+// Convex hull by monotone chain; the row extremes come sorted by v, then u. Exact: the coordinates are
+// integers.
+Pixels pixelHull(const std::vector<std::pair<int, int>>& row_extremes) {
+  Pixels points;
+  for (std::size_t v = 0; v < row_extremes.size(); ++v) {
+    const auto [first, last] = row_extremes[v];
+    if (first > last) continue;
+    points.emplace_back(first, v);
+    if (last > first) points.emplace_back(last, v);
+  }
+  if (points.size() < 3) return points;
+  Pixels hull;
+  const auto chain = [&hull](auto begin, auto end) {
+    const std::size_t base = hull.size();
+    for (auto it = begin; it != end; ++it) {
+      while (hull.size() >= base + 2 && cross(hull[hull.size() - 2], hull.back(), *it) <= 0) hull.pop_back();
+      hull.push_back(*it);
+    }
+    hull.pop_back();  // the last point of one chain is the first of the other
+  };
+  chain(points.begin(), points.end());
+  chain(points.rbegin(), points.rend());
+  return hull;
+}
+
+// Drops the vertex whose loss costs the least area until at most n remain.
+void simplify(Pixels& hull, std::size_t n) {
+  while (hull.size() > n) {
+    std::size_t best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < hull.size(); ++i) {
+      const double lost =
+          std::abs(cross(hull[(i + hull.size() - 1) % hull.size()], hull[i], hull[(i + 1) % hull.size()]));
+      if (lost < least) least = lost, best = i;
+    }
+    hull.erase(hull.begin() + best);
+  }
+}
+
+// Perspective keeps convexity, so the hull of the pixels is the hull of the points on the plane.
+ConvexHull hullInPlane(Pixels pixels, const Intrinsics& camera, const Segment& s, double rho) {
+  simplify(pixels, ConvexHull::kMaxVertices);
+  ConvexHull hull;
+  for (const Eigen::Vector2d& pixel : pixels) {
+    const Eigen::Vector3d b = camera.ray(pixel.x(), pixel.y());
+    const double along = s.normal().dot(b);
+    if (along < 1e-3) continue;  // the fitted plane runs along this ray: no point to speak of
+    const Eigen::Vector3d p = s.R.transpose() * (b * (rho / along) - s.t);
+    hull.vertex[hull.size++] = p.head<2>().cast<float>();
+  }
+  if (hull.area() < 0) std::reverse(hull.vertex.begin(), hull.vertex.begin() + hull.size);
+  return hull;
+}
+
+Eigen::Matrix3d robustCovariance(const Region& r, const Segment& s, double rho, const Intrinsics& camera,
+                                 const SensorNoise& noise, const SegmentEstimationParams& params) {
+  const double area_scale = kReferenceArea / (double(camera.width) * camera.height);
+  const double independent = std::max(kMinIndependent, r.plane.n * area_scale / kCorrelatedPixels);
+  const double variance = noise.inverse_depth_std * noise.inverse_depth_std;
+  Eigen::Matrix3d Sigma_m = (r.plane.n / independent) * variance * r.bb.inverse();  // Eq. (4.2) of METHOD
+  Sigma_m.diagonal() +=
+      Eigen::Array3d(noise.distortion_slope, noise.distortion_slope, noise.distortion_offset)
+          .square()
+          .matrix();
+  Eigen::Matrix3d Sigma_q = slopeOffsetCovariance(s.R, s.t, rho, Sigma_m);
+  Sigma_q += faithfulCovariance(s.normal(), s.t, s.lambda, camera, params.edge_factor, noise);
+  Sigma_q.diagonal() +=
+      Eigen::Array3d(params.slope_floor_deg * kDegree, params.slope_floor_deg * kDegree, params.offset_floor)
+          .square()
+          .matrix();
+  return Sigma_q;
+}
+
+// The segment of a region, or false if it fails one of the tests of METHOD 3.3.
+bool makeSegment(Region& r, const Intrinsics& camera, const SensorNoise& noise,
+                 const SegmentEstimationParams& params, Segment& s) {
+  const double support =
+      std::max(3.0, params.min_support * double(camera.width) * camera.height / kReferenceArea);
+  if (r.plane.n < support) return false;
+  const Eigen::Vector3d m = r.plane.fit().plane.toSpace(camera);  // Eq. (4.1) of METHOD
+  const double length = m.norm();
+  if (!(length > 1e-6) || 1.0 / length < kMinPlaneDistance) return false;
+  const Eigen::Vector3d n = m / length;
+  const double rho = 1.0 / length;
+
+  // Support points projected orthogonally onto the plane.
+  const Eigen::Vector3d mean = r.points.p / r.points.n;
+  const Eigen::Matrix3d in_plane = Eigen::Matrix3d::Identity() - n * n.transpose();
+  const Eigen::Matrix3d C = in_plane * (r.points.pp / r.points.n - mean * mean.transpose()) * in_plane;
+  s.t = mean - (n.dot(mean) - rho) * n;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eig(C);
+  Eigen::Vector3d x = eig.eigenvectors().col(2);
+  x = (x - n * n.dot(x)).normalized();
+  s.R << x, n.cross(x), n;
+  s.lambda = {eig.eigenvalues()[2], std::max(0.0, eig.eigenvalues()[1])};
+  s.num_points = static_cast<std::int32_t>(r.plane.n);
+
+  const double width = std::sqrt(s.lambda[1]);
+  const double nearest =
+      s.t.z() - std::max(std::sqrt(s.lambda[0]) * std::abs(s.R(2, 0)), width * std::abs(s.R(2, 1)));
+  if (nearest > params.max_depth || n.dot(s.t.normalized()) < params.min_incidence) return false;
+  if (width < params.min_width || width * camera.fx / s.t.z() < params.min_width_px) return false;
+
+  r.bb = rayMoments(r.plane, camera);
+  s.Sigma_q = params.faithful ? faithfulCovariance(n, s.t, s.lambda, camera, params.faithful_factor, noise)
+                              : robustCovariance(r, s, rho, camera, noise, params);
+  if (s.Sigma_q.llt().info() != Eigen::Success) return false;
+  s.hull = hullInPlane(pixelHull(r.row_extremes), camera, s, rho);
+  return s.hull.size >= 3;
+}
+
+}  // namespace
+
+Eigen::Matrix3d faithfulCovariance(const Eigen::Vector3d& normal, const Eigen::Vector3d& centroid,
+                                   const Eigen::Vector2d& lambda, const Intrinsics& camera, double kappa_u,
+                                   const SensorNoise& noise) {
+  const Eigen::Matrix3d Sigma_C =
+      pointCovariance(centroid, camera, kFaithfulPixelStd * camera.width / kReferenceWidth,
+                      kFaithfulDepthFactor * noise.inverse_depth_std);
+  const double var_r = kappa_u * kappa_u * normal.dot(Sigma_C * normal);  // Eq. (4)
+  return Eigen::Vector3d(var_r / (lambda[0] + var_r), var_r / (lambda[1] + var_r), var_r)
+      .asDiagonal();  // Eq. (5)
+}
+
+Eigen::Matrix3d slopeOffsetCovariance(const Eigen::Matrix3d& R, const Eigen::Vector3d& t, double rho,
+                                      const Eigen::Matrix3d& Sigma_m) {
+  Eigen::Matrix3d J_q;
+  J_q << R.col(0).transpose(), R.col(1).transpose(), -t.transpose();
+  J_q *= rho;
+  return J_q * Sigma_m * J_q.transpose();
+}
+
+std::vector<Segment> estimateSegments(const DepthImage& image, const LabelImage& labels,
+                                      const SensorNoise& noise, const SegmentEstimationParams& params,
+                                      std::vector<int>* kept) {
+  if (kept) kept->clear();
+  const std::size_t pixels = image.depth.size();
+  if (labels.label.size() != pixels || labels.width != image.camera.width ||
+      labels.height != image.camera.height)
+    throw std::invalid_argument("labels and depth image differ in size");
+  if (pixels == 0) return {};
+  std::vector<Region> regions(labels.maxLabel() + 1);
+  fitRegions(image, labels, noise.inverse_depth_std, params.trim, regions);
+  gatherSupport(image, labels, regions);
+
+  std::vector<Segment> segments;
+  std::vector<int> label_of;
+  for (std::size_t label = 1; label < regions.size(); ++label) {
+    Segment s;
+    if (!makeSegment(regions[label], image.camera, noise, params, s)) continue;
+    segments.push_back(s);
+    label_of.push_back(static_cast<int>(label));
+  }
+  std::vector<Segment> ranked;
+  for (const int i : rankByInformation(segments)) {
+    ranked.push_back(segments[i]);
+    if (kept) kept->push_back(label_of[i]);
+  }
+  return ranked;
+}
+
+std::vector<int> rankByInformation(const std::vector<Segment>& segments) {
+  Eigen::Matrix3d Y = Eigen::Matrix3d::Zero();
+  for (const Segment& s : segments) Y += s.num_points * s.normal() * s.normal().transpose();
+  std::vector<double> share(segments.size());  // Eq. (10.1) of METHOD
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const double all = segments[i].normal().dot(Y * segments[i].normal());
+    share[i] = all > 0 ? segments[i].num_points / all : 0;
+  }
+  std::vector<int> order(segments.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return share[a] > share[b]; });
+  return order;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/depth_picture.h>
+#include <facetloc/features/params.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+
+namespace facetloc {
+
+/** \brief How depth pictures are compared (METHOD_MEASURED 11.4 (5)). */
+struct DepthConsistencyParams {
+  double absolute_error = 3.0;   ///< of a predicted inverse depth [noise std]
+  double relative_error = 0.01;  ///< of a predicted inverse depth
+  double gate = 3.0;             ///< times the error: beyond it, pixels do not agree
+  double max_depth = 6.0;        ///< farther pixels are not compared [m]
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& field) {
+    field("depth_absolute_error", p.absolute_error, 0.0, 1e3,
+          "Error of a predicted inverse depth [noise standard deviations].");
+    field("depth_relative_error", p.relative_error, 0.0, 1.0, "Relative error of a predicted inverse depth.");
+    field("depth_gate", p.gate, 0.1, 100.0,
+          "Pixels whose inverse depths differ by more than this many errors do not agree.");
+    field("depth_max", p.max_depth, 0.1, 1e3, "Pixels farther than this are not compared [m].");
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** \brief Result of moving the pixels of one picture into another. */
+struct DepthAgreement {
+  int agree = 0;
+  int contradict = 0;     ///< predicted nearer than measured: the other camera looked through it
+  int occluded = 0;       ///< predicted farther: behind what the other camera saw
+  double likelihood = 0;  ///< sum of bounded Gaussian log likelihoods of the error [nats]
+
+  DepthAgreement& operator+=(const DepthAgreement& o) {
+    agree += o.agree, contradict += o.contradict, occluded += o.occluded, likelihood += o.likelihood;
+    return *this;
+  }
+  int net() const { return agree - 5 * contradict; }  ///< METHOD_MEASURED 10.5
+};
+
+enum class DepthVerdict : signed char { outside, agree, contradict, occluded };
+
+/** \brief Compares pictures; noise_std is the sensor's noise of inverse depth [1/m]. */
+class DepthComparison {
+public:
+  DepthComparison(const DepthConsistencyParams& params, double noise_std);
+
+  /** \brief Moves every pixel on a grid of so many columns from a into b. Nothing is counted where b is
+   * unknown. */
+  DepthAgreement compare(const DepthPicture& a, const DepthPicture& b, const Eigen::Isometry3d& T_b_a,
+                         int columns) const;
+  /** \brief Both directions. */
+  DepthAgreement compareBoth(const DepthPicture& a, const DepthPicture& b, const Eigen::Isometry3d& T_b_a,
+                             int columns) const;
+  /** \brief The verdict of b on one pixel of a. */
+  DepthVerdict judge(const DepthPicture& a, int u, int v, const DepthPicture& b,
+                     const Eigen::Isometry3d& T_b_a) const;
+
+private:
+  DepthConsistencyParams params_;
+  double absolute_error_;  // [1/m]
+};
+
+constexpr int kFineColumns = 40;    ///< an 8 px grid at 320x240
+constexpr int kCoarseColumns = 20;  ///< a 16 px grid at 320x240
+
+/** \brief Spacing of a grid of so many columns in a picture. */
+inline int gridStep(const DepthPicture& p, int columns) { return std::max(1, p.camera.width / columns); }
+
+}  // namespace facetloc

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/registration/place_ranking.h>
+#include <facetloc/registration/pose_prior.h>
+#include <facetloc/registration/view_registration.h>
+
+#include <memory>
+
+namespace facetloc {
+
+struct GlobalLocalizationParams {
+  PosePriorParams prior;
+  ViewRegistrationParams registration;
+  PlaceRankingParams ranking;
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& field) {
+    PosePriorParams::describe(p.prior, field);
+    ViewRegistrationParams::describe(p.registration, field);
+    PlaceRankingParams::describe(p.ranking, field);
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** \brief Finds a view in a map: registers it with every local model and returns one ranked list of places.
+ *
+ *     facetloc::GlobalLocalization localization(map);           // shared, never changed
+ *     facetloc::Localization answer = localization.localize(view);
+ *     if (answer.hypotheses.empty()) std::cout << answer.reason;
+ *     else use(*answer.hypotheses[0].T_w_c, answer.hypotheses[0].probability);
+ *
+ * The answer is the same for any number of threads. */
+class GlobalLocalization {
+public:
+  explicit GlobalLocalization(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params = {},
+                              const SensorNoise& noise = {});
+  const Map& map() const { return *map_; }
+  /** \brief OpenMP threads over local models; 1 by default, 0 = all cores. */
+  void setNumberOfThreads(int n) { threads_ = n; }
+
+  /** \brief Thread-safe. A view without segments, an empty map, and views that fix no pose give a reason. */
+  Localization localize(const View& scene) const;
+
+private:
+  std::shared_ptr<const Map> map_;
+  GlobalLocalizationParams params_;
+  ViewRegistration registration_;
+  PoseWithCovariance prior_;
+  int threads_ = 1;
+};
+
+}  // namespace facetloc

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/registration/segment_matching.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief A pose of the scene camera relative to a local model, with what speaks for it. */
+struct Hypothesis {
+  int model = 0;                           ///< index of the local model
+  PoseWithCovariance T_m_c;                ///< w and its covariance
+  std::optional<Eigen::Isometry3d> T_w_c;  ///< in the world, if the model's pose is known
+  std::vector<SegmentPair> pairs;          ///< that took part in the estimate
+  bool depth_assisted = false;             ///< one translation comes from dense depth, not from planes
+  double consensus = 0;                    ///< sum of the segments' log likelihood ratios, or METHOD 11.1
+  double contradiction = 0;                ///< f: share of compared depth pixels that contradict
+  double evidence = 0;                     ///< of the nearest local models (METHOD_MEASURED 11.4 (6))
+  double score = 0;                        ///< what the list is ranked by
+  double probability = 0;                  ///< that this place is the right one
+};
+
+/** \brief What localization or registration answers: a ranked list, or why there is none. */
+struct Localization {
+  std::vector<Hypothesis> hypotheses;  ///< best first
+  std::string reason;                  ///< why there is no hypothesis; empty if there is one
+};
+
+}  // namespace facetloc

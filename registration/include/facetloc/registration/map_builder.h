@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/features/params.h>
+
+namespace facetloc {
+
+/** \brief When an image becomes a local model: the paper's rule. */
+struct MapBuilderParams {
+  double min_distance = 0.5;           ///< from the latest local model [m]
+  double min_rotation_deg = 15;        ///< from the latest local model
+  double pose_rotation_std_deg = 0.5;  ///< accuracy of the given poses, recorded in the links
+  double pose_translation_std = 0.02;  ///< [m]
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& field) {
+    field("model_distance", p.min_distance, 0.0, 1e3,
+          "An image this far from the latest local model becomes one [m].");
+    field("model_rotation_deg", p.min_rotation_deg, 0.0, 180.0,
+          "An image turned this far from the latest local model becomes one [deg].");
+    field("pose_rotation_std_deg", p.pose_rotation_std_deg, 1e-6, 180.0,
+          "Accuracy of the given poses, standard deviation [deg].");
+    field("pose_translation_std", p.pose_translation_std, 1e-6, 1e3,
+          "Accuracy of the given poses, standard deviation [m].");
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** \brief Chooses the images of a run that become local models: the first one, and every later one that lies
+ * at least 0.5 m or 15 deg from the latest local model (paper, section III). */
+class MapBuilder {
+public:
+  explicit MapBuilder(const MapBuilderParams& params = {}) : params_(params) {}
+
+  /** \brief True if an image at this pose becomes a local model; it is then the latest one. */
+  bool accept(const Eigen::Isometry3d& T_w_c);
+  /** \brief The link from the model before the latest one to the latest, given their indices in the map. */
+  Link link(int from, int to, const Eigen::Isometry3d& T_w_from, const Eigen::Isometry3d& T_w_to) const;
+
+private:
+  MapBuilderParams params_;
+  std::optional<Eigen::Isometry3d> latest_;
+};
+
+}  // namespace facetloc

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/features/params.h>
+#include <facetloc/registration/depth_consistency.h>
+#include <facetloc/registration/hypothesis.h>
+
+#include <vector>
+
+namespace facetloc {
+
+/** \brief How the hypotheses of all local models become one ranked list of places
+ * (METHOD_MEASURED 11.4-11.6). */
+struct PlaceRankingParams {
+  bool multi_model = true;          ///< evidence of the nearest local models
+  int evidence_models = 5;          ///< so many of them
+  int evidence_hypotheses = 60;     ///< for so many of the best hypotheses
+  double evidence_weight = 0.1;     ///< correlated pixels
+  bool merge = true;                ///< hypotheses of one place become one
+  double merge_translation = 0.15;  ///< [m]
+  double merge_rotation_deg = 2.0;
+  double softmax_slope = 0.13;  ///< beta of the probability [1/nat]
+  double null_score = 90;       ///< S_0: score at which a place is as likely as none of the list [nats]
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& field) {
+    field("multi_model", p.multi_model, false, true,
+          "Test the best hypotheses against the nearest local models, whichever generated them.");
+    field("evidence_models", p.evidence_models, 1, 100, "Number of local models that give evidence.");
+    field("evidence_hypotheses", p.evidence_hypotheses, 1, 100000,
+          "Number of best hypotheses that are tested so.");
+    field("evidence_weight", p.evidence_weight, 0.0, 10.0,
+          "Weight of a pixel's evidence; below 1 because pixels are correlated.");
+    field("merge_places", p.merge, false, true, "Report hypotheses of one place once.");
+    field("merge_translation", p.merge_translation, 0.0, 10.0,
+          "World poses nearer than this and merge_rotation_deg are one place [m].");
+    field("merge_rotation_deg", p.merge_rotation_deg, 0.0, 180.0,
+          "World poses nearer than this and merge_translation are one place [deg].");
+    field("softmax_slope", p.softmax_slope, 0.0001, 10.0, "Slope of the probability in the score [1/nat].");
+    field("null_score", p.null_score, -1e4, 1e4,
+          "Score at which a place is as likely as none of the list [nats].");
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** \brief Adds the evidence of the nearest local models to the scores of the best hypotheses. Hypotheses
+ * without a world pose, and those below the best, keep the evidence of no pixel at all, the least. */
+void addEvidence(const View& scene, const Map& map, const DepthComparison& comparison,
+                 const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses);
+
+/** \brief Sorts by score, merges hypotheses of one place into the best of them and gives each place its
+ * probability by softmax with a null place. */
+void rankPlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses);
+
+}  // namespace facetloc

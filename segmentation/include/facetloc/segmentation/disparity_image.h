@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/depth_image.h>
+
+#include <vector>
+
+namespace facetloc {
+
+/** \brief Inverse depth in units of its own noise: a disparity image whose standard deviation is 1
+ * everywhere.
+ *
+ * All segmentation is done here: planes of space are planes of (u, v, d), noise is homoscedastic, and
+ * thresholds are plain multiples of the noise, whatever the sensor (METHOD 2.3). 0 = not measured; measured
+ * values are positive. */
+struct DisparityImage {
+  Intrinsics camera;
+  double unit = 1;  ///< inverse depth of one step [1/m]
+  std::vector<float> d;
+};
+
+/** \brief Noise of inverse depth, estimated from the image itself [1/m] (METHOD 3.4): the median absolute
+ * second difference along rows over triples of valid pixels, scaled for white noise. 0 if there are fewer
+ * than 100 triples. */
+double estimateNoise(const DepthImage& image);
+
+/** \brief Depth to disparity in units of the given inverse-depth noise [1/m]. */
+void toDisparity(const DepthImage& image, double unit, DisparityImage& out);
+
+}  // namespace facetloc

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/segmentation/planar_segmentation.h>
+
+#include <pcl/impl/pcl_base.hpp>
+
+namespace facetloc {
+
+template <typename PointT>
+bool PlanarSegmentation<PointT>::compute() {
+  result_ = {};
+  status_.clear();
+  if (!input_ || input_->empty()) {
+    status_ = "no input cloud";
+    return false;
+  }
+  if (input_->height <= 1) {
+    status_ = "the input cloud is not organized";
+    return false;
+  }
+  const std::optional<Intrinsics> camera = camera_ ? camera_ : recoverIntrinsics(*input_);
+  if (!camera || camera->width != int(input_->width) || camera->height != int(input_->height)) {
+    status_ = "the camera of the input cloud is not known and not to be had from its points";
+    return false;
+  }
+  if (!this->initCompute()) {
+    status_ = "the indices do not fit the input cloud";
+    return false;
+  }
+  DepthImage image = depthImage(*input_, *camera);
+  if (!this->fake_indices_) {
+    std::vector<float> wanted(image.depth.size(), 0.f);
+    for (const auto i : *indices_) wanted[i] = image.depth[i];
+    image.depth.swap(wanted);
+  }
+  this->deinitCompute();
+  PlaneSegmenter(params_, noise_).segment(image, result_);
+  if (result_.planes.empty()) status_ = "no planar segment of the minimum support";
+  return true;
+}
+
+template <typename PointT>
+void PlanarSegmentation<PointT>::segment(std::vector<pcl::PointIndices>& segments) {
+  segments.clear();
+  if (!compute()) return;
+  segments.resize(result_.planes.size());
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    segments[k].header = input_->header;
+    segments[k].indices.reserve(result_.support[k]);
+  }
+  for (std::size_t i = 0; i < result_.labels.label.size(); ++i)
+    if (const int k = result_.labels.label[i]) segments[k - 1].indices.push_back(static_cast<int>(i));
+}
+
+template <typename PointT>
+void PlanarSegmentation<PointT>::segment(std::vector<pcl::PointIndices>& segments,
+                                         std::vector<pcl::ModelCoefficients>& coefficients) {
+  segment(segments);
+  coefficients.assign(segments.size(), {});
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    const Eigen::Vector3d m = result_.planes[k].toSpace(result_.camera);  // m . p = 1
+    const double length = m.norm();
+    coefficients[k].header = input_->header;
+    coefficients[k].values = {static_cast<float>(-m.x() / length), static_cast<float>(-m.y() / length),
+                              static_cast<float>(-m.z() / length), static_cast<float>(1 / length)};
+  }
+}
+
+template <typename PointT>
+void PlanarSegmentation<PointT>::segment(Labels& labels) {
+  labels.clear();
+  if (!compute()) return;
+  labels.header = input_->header;
+  labels.resize(input_->size());
+  labels.width = input_->width;
+  labels.height = input_->height;
+  for (std::size_t i = 0; i < labels.size(); ++i) labels[i].label = result_.labels.label[i];
+}
+
+}  // namespace facetloc

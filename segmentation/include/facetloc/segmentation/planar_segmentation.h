@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/organized_cloud.h>
+#include <facetloc/segmentation/plane_segmenter.h>
+#include <facetloc/segmentation/segmentation.h>
+
+#include <optional>
+
+namespace facetloc {
+
+/** \brief Cuts organized clouds into planar surface segments: the pcl::Segmentation of PlaneSegmenter.
+ *
+ *     facetloc::PlanarSegmentation<pcl::PointXYZRGBA> segmentation;
+ *     segmentation.setInputCloud(cloud);
+ *     std::vector<pcl::PointIndices> segments;
+ *     std::vector<pcl::ModelCoefficients> planes;
+ *     segmentation.segment(segments, planes);
+ *
+ * NaN and zero depth are the normal case. Normals point towards the cloud's sensor origin, as PCL users
+ * expect. Indices restrict the points that are looked at. */
+template <typename PointT>
+class PlanarSegmentation : public pcl::Segmentation<PointT> {
+public:
+  using Ptr = pcl::shared_ptr<PlanarSegmentation<PointT>>;
+  using ConstPtr = pcl::shared_ptr<const PlanarSegmentation<PointT>>;
+  using Labels = pcl::PointCloud<pcl::Label>;
+
+  void setParams(const SegmentationParams& params) { params_ = params; }
+  const SegmentationParams& getParams() const { return params_; }
+  void setSensorNoise(const SensorNoise& noise) { noise_ = noise; }
+  const SensorNoise& getSensorNoise() const { return noise_; }
+  /** \brief Smallest segment [points at 320x240, scaled with the size of the cloud]. */
+  void setMinInliers(unsigned n) { params_.min_support = n; }
+  unsigned getMinInliers() const { return static_cast<unsigned>(params_.min_support); }
+  /** \brief Intrinsics of the camera; without them they are recovered from the points. */
+  void setIntrinsics(const std::optional<Intrinsics>& camera) { camera_ = camera; }
+
+  void segment(std::vector<pcl::PointIndices>& segments) override;
+  void segment(std::vector<pcl::PointIndices>& segments,
+               std::vector<pcl::ModelCoefficients>& coefficients) override;
+  /** \brief One label per point, 0 = none, k = k-th segment. */
+  void segment(Labels& labels);
+
+  /** \brief The segmentation behind the last call; empty after a failed one. */
+  const PlaneSegmentation& getSegmentation() const { return result_; }
+  std::string getClassName() const override { return "PlanarSegmentation"; }
+
+private:
+  using pcl::PCLBase<PointT>::input_;
+  using pcl::PCLBase<PointT>::indices_;
+  using pcl::Segmentation<PointT>::status_;
+
+  bool compute();
+
+  SegmentationParams params_;
+  SensorNoise noise_;
+  std::optional<Intrinsics> camera_;
+  PlaneSegmentation result_;
+};
+
+}  // namespace facetloc
+
+#include <facetloc/segmentation/impl/planar_segmentation.hpp>
+
+extern template class facetloc::PlanarSegmentation<pcl::PointXYZ>;
+extern template class facetloc::PlanarSegmentation<pcl::PointXYZI>;
+extern template class facetloc::PlanarSegmentation<pcl::PointXYZRGB>;
+extern template class facetloc::PlanarSegmentation<pcl::PointXYZRGBA>;

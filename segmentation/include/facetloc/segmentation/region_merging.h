@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/segmentation/depth_triangulation.h>
+
+namespace facetloc {
+
+/** \brief Merge stage: when two regions are one plane (METHOD 3.2, 3.4). */
+struct RegionMergingParams {
+  double merge_tolerance = 2.75;  ///< largest cost of a merge [noise std]
+  double min_plane_distance =
+      0.12;  ///< triangles whose plane passes nearer to the camera are discontinuities [m]
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& field) {
+    field("merge_tolerance", p.merge_tolerance, 0.1, 1e3,
+          "Largest residual or displacement that still merges two regions [noise standard deviations] "
+          "(METHOD 3.4: 2.5-3).");
+    field("min_plane_distance", p.min_plane_distance, 0.0, 10.0,
+          "Triangles whose plane passes nearer to the camera centre span a depth discontinuity [m].");
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** \brief Hierarchical clustering of triangles into planar regions after Garland, Willmott & Heckbert
+ * (METHOD 3.2).
+ *
+ * Contracts the cheapest edge between neighbouring regions first, adds their moments, and stops at
+ * merge_tolerance, which is the cut of the full binary forest at that cost. The cost is the larger of the RMS
+ * residual of the union and the displacement of the smaller region, so that a large plane cannot swallow a
+ * small one that is several sigma away. Deterministic: ties by index. */
+class RegionMerging {
+public:
+  struct Region {
+    PlaneMoments moments;  ///< of its valid pixels in (u, v, disparity)
+    PixelPlane plane;
+  };
+
+  explicit RegionMerging(const RegionMergingParams& params = {}) : params_(params) {}
+  const RegionMergingParams& params() const { return params_; }
+
+  void compute(const DepthTriangulation& triangulation, const DisparityImage& image);
+
+  const std::vector<Region>& regions() const { return regions_; }
+  /** \brief Region of each triangle; -1 for discontinuities and poorly filled triangles. */
+  const std::vector<std::int32_t>& regionOfTriangle() const { return region_of_triangle_; }
+
+  /** \brief Cost of making one region of two [units of d]; symmetric, never negative. */
+  static double cost(const PlaneMoments& a, double sse_a, const PlaneMoments& b, double sse_b);
+
+private:
+  struct Node {
+    PlaneMoments moments;
+    double sse = 0;
+    std::int32_t parent = 0;
+    std::uint32_t version = 0;
+    std::vector<std::int32_t> neighbours;
+  };
+  struct Edge {
+    float cost;
+    std::int32_t a, b;
+    std::uint32_t version_a, version_b;
+    bool operator<(const Edge& o) const {  // cheapest on top, ties by index
+      if (cost != o.cost) return cost > o.cost;
+      return a != o.a ? a > o.a : b > o.b;
+    }
+  };
+  int root(int i);
+  void pushEdge(int a, int b);
+  void contract(int a, int b);
+
+  RegionMergingParams params_;
+  std::vector<Node> nodes_;
+  std::vector<Edge> heap_;
+  std::vector<Region> regions_;
+  std::vector<std::int32_t> region_of_triangle_;
+  std::vector<DepthTriangulation::Span> spans_;
+};
+
+}  // namespace facetloc

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/segment_estimation.h>
+#include <facetloc/segmentation/plane_segmenter.h>
+
+namespace facetloc {
+
+/** \brief Parameters of the way from a depth image to a view. */
+struct ViewParams {
+  SensorNoise noise;
+  SegmentationParams segmentation;
+  SegmentEstimationParams features;
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& field) {
+    SensorNoise::describe(p.noise, field);
+    SegmentationParams::describe(p.segmentation, field);
+    SegmentEstimationParams::describe(p.features, field);
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** \brief Depth image -> view: segmentation, features, small depth picture. Keeps its buffers; one per
+ * thread. */
+class ViewBuilder {
+public:
+  explicit ViewBuilder(const ViewParams& params = {});
+
+  /** \brief An empty or all-invalid image gives a view without segments, never an error. */
+  View build(const DepthImage& image);
+
+  /** \brief The segmentation of the last image, its labels renumbered: label k is segment k - 1 of the view.
+   */
+  const PlaneSegmentation& segmentation() const { return segmentation_; }
+  double segmentMilliseconds() const { return segment_ms_; }    ///< of the last image
+  double featuresMilliseconds() const { return features_ms_; }  ///< of the last image
+
+private:
+  ViewParams params_;
+  PlaneSegmenter segmenter_;
+  PlaneSegmentation segmentation_;
+  double segment_ms_ = 0;
+  double features_ms_ = 0;
+};
+
+}  // namespace facetloc

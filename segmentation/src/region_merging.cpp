@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/segmentation/region_merging.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace facetloc {
+
+double RegionMerging::cost(const PlaneMoments& a, double sse_a, const PlaneMoments& b, double sse_b) {
+  const PlaneMoments both = a + b;
+  const double sse = both.fit().sse;
+  const double rms = std::sqrt(sse / std::max(1.0, both.n));
+  // How far the smaller region lies off the common plane; three pixels always lie on it.
+  const double displacement =
+      std::sqrt(std::max(0.0, sse - sse_a - sse_b) / std::max(3.0, std::min(a.n, b.n)));
+  return std::max(rms, displacement);
+}
+
+void RegionMerging::compute(const DepthTriangulation& triangulation, const DisparityImage& image) {
+  const auto& triangles = triangulation.triangles();
+  const int n = static_cast<int>(triangles.size());
+  nodes_.resize(n);
+  heap_.clear();
+  regions_.clear();
+  region_of_triangle_.assign(n, -1);
+
+  std::vector<char> alive(n, 0);
+  for (int i = 0; i < n; ++i) {
+    const DepthTriangulation::Triangle& t = triangles[i];
+    Node& node = nodes_[i];
+    node.moments = {};
+    node.parent = i;
+    node.version = 0;
+    node.neighbours.clear();
+    if (t.num_valid == 0 || t.num_valid < triangulation.params().min_fill * t.num_pixels) continue;
+    if (image.unit * t.plane.toSpace(image.camera).norm() * params_.min_plane_distance > 1) continue;
+    alive[i] = 1;
+    triangulation.spans(t, spans_);
+    for (const DepthTriangulation::Span& s : spans_) {
+      const float* row = image.d.data() + static_cast<std::size_t>(s.v) * image.camera.width;
+      for (int u = s.first; u <= s.last; ++u)
+        if (row[u] > 0) node.moments.add(u, s.v, row[u]);
+    }
+    node.sse = node.moments.fit().sse;
+  }
+  for (int i = 0; i < n; ++i)
+    if (alive[i])
+      for (const int j : triangles[i].neighbour)
+        if (j >= 0 && alive[j]) nodes_[i].neighbours.push_back(j);
+  for (int i = 0; i < n; ++i)
+    for (const int j : nodes_[i].neighbours)
+      if (i < j) pushEdge(i, j);
+
+  while (!heap_.empty()) {
+    std::pop_heap(heap_.begin(), heap_.end());
+    const Edge e = heap_.back();
+    heap_.pop_back();
+    const bool current = nodes_[e.a].parent == e.a && nodes_[e.b].parent == e.b &&
+                         nodes_[e.a].version == e.version_a && nodes_[e.b].version == e.version_b;
+    if (current) contract(e.a, e.b);
+  }
+
+  for (int i = 0; i < n; ++i) {
+    if (!alive[i]) continue;
+    const int r = root(i);
+    if (region_of_triangle_[r] < 0) {
+      region_of_triangle_[r] = static_cast<int>(regions_.size());
+      regions_.push_back({nodes_[r].moments, nodes_[r].moments.fit().plane});
+    }
+    region_of_triangle_[i] = region_of_triangle_[r];
+  }
+}
+
+int RegionMerging::root(int i) {
+  while (nodes_[i].parent != i) i = nodes_[i].parent = nodes_[nodes_[i].parent].parent;
+  return i;
+}
+
+void RegionMerging::pushEdge(int a, int b) {
+  const double c = cost(nodes_[a].moments, nodes_[a].sse, nodes_[b].moments, nodes_[b].sse);
+  if (c > params_.merge_tolerance) return;  // costs of either side are computed anew when it changes
+  heap_.push_back({static_cast<float>(c), a, b, nodes_[a].version, nodes_[b].version});
+  std::push_heap(heap_.begin(), heap_.end());
+}
+
+void RegionMerging::contract(int a, int b) {
+  if (nodes_[a].neighbours.size() < nodes_[b].neighbours.size()) std::swap(a, b);
+  Node &to = nodes_[a], &from = nodes_[b];
+  from.parent = a;
+  to.moments += from.moments;
+  to.sse = to.moments.fit().sse;
+  ++to.version;
+  ++from.version;
+  std::vector<std::int32_t>& all = to.neighbours;
+  all.insert(all.end(), from.neighbours.begin(), from.neighbours.end());
+  from.neighbours.clear();
+  for (std::int32_t& i : all) i = root(i);
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  all.erase(std::remove(all.begin(), all.end(), a), all.end());
+  for (const int i : all) pushEdge(a, i);
+}
+
+}  // namespace facetloc
