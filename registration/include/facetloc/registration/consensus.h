@@ -51,7 +51,7 @@ std::vector<std::vector<Eigen::Vector3d>> samplePoints(const View& scene);
  * (1)-(4)) [nats]. Visibility comes from the model's depth picture; without one every sample counts as
  * visible. */
 double logLikelihoodRatio(const View& scene, const std::vector<std::vector<Eigen::Vector3d>>& samples,
-                          const View& model, const PoseWithCovariance& T_m_c, const MatchingParams& matching,
+                          const View& model, const PoseWithCovariance& T_m_c,
                           const DepthComparison& comparison, const ConsensusParams& params);
 
 /** \brief Segment-overlap score (METHOD 11.1), the paper's consensus measure as far as is known. */

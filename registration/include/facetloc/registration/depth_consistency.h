@@ -57,6 +57,10 @@ public:
   /** \brief Both directions. */
   DepthAgreement compareBoth(const DepthPicture& a, const DepthPicture& b, const Eigen::Isometry3d& T_b_a,
                              int columns) const;
+  /** \brief Largest error of a predicted inverse depth that still counts as agreement [1/m]. */
+  double tolerance(double predicted) const {
+    return params_.gate * (absolute_error_ + params_.relative_error * predicted);
+  }
   /** \brief The verdict of b on one pixel of a. */
   DepthVerdict judge(const DepthPicture& a, int u, int v, const DepthPicture& b,
                      const Eigen::Isometry3d& T_b_a) const;

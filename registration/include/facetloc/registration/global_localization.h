@@ -40,7 +40,9 @@ public:
   void setNumberOfThreads(int n) { threads_ = n; }
 
   /** \brief Thread-safe. A view without segments, an empty map, and views that fix no pose give a reason. */
-  Localization localize(const View& scene) const;
+  Localization localize(const View& scene) const { return localize(scene, prior_); }
+  /** \brief The same with another prior of the pose relative to each local model. */
+  Localization localize(const View& scene, const PoseWithCovariance& prior) const;
 
 private:
   std::shared_ptr<const Map> map_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/registration/segment_matching.h>
+#include <facetloc/registration/candidate_pairs.h>
 
 #include <optional>
 #include <string>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/registration/candidate_pairs.h>
 #include <facetloc/registration/ekf_pose_update.h>
-#include <facetloc/registration/segment_matching.h>
 
 #include <vector>
 
@@ -84,6 +84,7 @@ struct TreeSearchResult {
  * search is exhaustive over all gate-consistent sets. */
 TreeSearchResult searchHypotheses(const std::vector<Segment>& scene, const std::vector<Segment>& model,
                                   const std::vector<SegmentPair>& candidates, const PoseWithCovariance& prior,
-                                  const HypothesisTreeParams& params, const EkfParams& ekf);
+                                  const MatchingParams& matching, const EkfParams& ekf,
+                                  const HypothesisTreeParams& params);
 
 }  // namespace facetloc

@@ -20,8 +20,10 @@ struct PlaceRankingParams {
   bool merge = true;                ///< hypotheses of one place become one
   double merge_translation = 0.15;  ///< [m]
   double merge_rotation_deg = 2.0;
-  double softmax_slope = 0.13;  ///< beta of the probability [1/nat]
-  double null_score = 90;       ///< S_0: score at which a place is as likely as none of the list [nats]
+  double softmax_slope = 0.13;        ///< beta of the probability [1/nat]
+  double null_score = 90;             ///< S_0: score at which a place is as likely as none of the list [nats]
+  double plain_softmax_slope = 0.35;  ///< the same for scores without evidence of local models
+  double plain_null_score = 27;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& field) {
@@ -40,17 +42,22 @@ struct PlaceRankingParams {
     field("softmax_slope", p.softmax_slope, 0.0001, 10.0, "Slope of the probability in the score [1/nat].");
     field("null_score", p.null_score, -1e4, 1e4,
           "Score at which a place is as likely as none of the list [nats].");
+    field("plain_softmax_slope", p.plain_softmax_slope, 0.0001, 10.0,
+          "The same slope for scores without evidence of local models [1/nat].");
+    field("plain_null_score", p.plain_null_score, -1e4, 1e4,
+          "The same score where there is no evidence of local models [nats].");
   }
   void validate() const { checkRanges(*this); }
 };
 
-/** \brief Adds the evidence of the nearest local models to the scores of the best hypotheses. Hypotheses
- * without a world pose, and those below the best, keep the evidence of no pixel at all, the least. */
-void addEvidence(const View& scene, const Map& map, const DepthComparison& comparison,
+/** \brief Adds the evidence of the nearest local models to the scores (METHOD_MEASURED 11.4 (6)). Hypotheses
+ * beyond the best ones get the least evidence of those. False, and no change, where there is none: no world
+ * poses, no depth. */
+bool addEvidence(const View& scene, const Map& map, const DepthComparison& comparison,
                  const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses);
 
 /** \brief Sorts by score, merges hypotheses of one place into the best of them and gives each place its
- * probability by softmax with a null place. */
-void rankPlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses);
+ * probability by softmax with a null place; with_evidence tells which calibration fits the scores. */
+void rankPlaces(const PlaceRankingParams& params, bool with_evidence, std::vector<Hypothesis>& hypotheses);
 
 }  // namespace facetloc

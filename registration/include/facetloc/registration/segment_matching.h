@@ -1,50 +1,43 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/features/params.h>
-#include <facetloc/features/segment.h>
+#include <facetloc/features/segment_frame.h>
+#include <facetloc/registration/candidate_pairs.h>
 
-#include <vector>
+#include <pcl/registration/correspondence_estimation.h>
 
 namespace facetloc {
 
-/** \brief When a scene and a model segment may be the same surface (METHOD 9). */
-struct MatchingParams {
-  double coplanarity_gate = 11.345;  ///< EPS_1 on d^2, chi2(3) at 99 %
-  double overlap_gate = 11.345;      ///< EPS_2 on the distance of the centroids
-  int max_segments = 30;             ///< N_dom: the most informative segments of each image
+/** \brief The initial feature matching of the paper (II.B) as a PCL correspondence estimation.
+ *
+ * Source frames are those of the scene, target frames those of the local model; the pose and its uncertainty
+ * come from setPose(). A correspondence's distance is the squared Mahalanobis distance of the planes, eq.
+ * (14). */
+class SegmentMatching : public pcl::registration::CorrespondenceEstimationBase<SegmentFrame, SegmentFrame> {
+public:
+  using Base = pcl::registration::CorrespondenceEstimationBase<SegmentFrame, SegmentFrame>;
+  using Ptr = pcl::shared_ptr<SegmentMatching>;
+  using ConstPtr = pcl::shared_ptr<const SegmentMatching>;
 
-  template <class Self, class Visitor>
-  static void describe(Self& p, Visitor&& field) {
-    field("coplanarity_gate", p.coplanarity_gate, 0.1, 1e6,
-          "Largest squared Mahalanobis distance between the planes of a pair (METHOD 9.1).");
-    field("overlap_gate", p.overlap_gate, 0.1, 1e6,
-          "Largest squared Mahalanobis distance between the outlines of a pair (METHOD 9.2).");
-    field("max_segments", p.max_segments, 1, 64,
-          "Number of most informative segments of an image that generate hypotheses.");
-  }
-  void validate() const { checkRanges(*this); }
+  SegmentMatching();
+  /** \brief T_target_source and its covariance; the wide prior of posePrior() unless set. */
+  void setPose(const PoseWithCovariance& T_target_source) { pose_ = T_target_source; }
+  void setParams(const MatchingParams& params) { params_ = params; }
+  const MatchingParams& getParams() const { return params_; }
+
+  /** \brief All candidate pairs, the most promising first: many per source frame, as the hypothesis tree
+   * needs them. max_distance lowers the gate of the parameters. Empty for missing clouds; invalid frames
+   * match nothing. */
+  void determineCorrespondences(pcl::Correspondences& correspondences,
+                                double max_distance = std::numeric_limits<double>::max()) override;
+  /** \brief The pairs in which either frame is the best partner of the other. */
+  void determineReciprocalCorrespondences(pcl::Correspondences& correspondences,
+                                          double max_distance = std::numeric_limits<double>::max()) override;
+  Base::Ptr clone() const override { return Base::Ptr(new SegmentMatching(*this)); }
+
+private:
+  MatchingParams params_;
+  PoseWithCovariance pose_;
 };
-
-/** \brief A pair (scene segment, model segment) that may be the same surface. */
-struct SegmentPair {
-  int scene = 0;
-  int model = 0;
-  double distance = 0;  ///< squared Mahalanobis distance of the planes
-};
-
-/** \brief Coplanarity criterion: d^2 of the pair under the pose uncertainty; infinity for opposite normals.
- */
-double coplanarityDistance(const Segment& scene, const Segment& model, const PoseWithCovariance& T_m_c);
-
-/** \brief Overlap criterion (METHOD 9.2): squared Mahalanobis distance of the centroids under shapes and
- * pose; the shape of each counts as its 50 % ellipse, the pose at full uncertainty. */
-double overlapDistance(const Segment& scene, const Segment& model, const PoseWithCovariance& T_m_c);
-
-/** \brief All candidate pairs under a pose prior, the most promising first: by the sum of the ranks of both
- * segments (METHOD 10.2), ties by scene, then model index. Only the first max_segments segments of each list
- * are used; both must be sorted by information content. */
-std::vector<SegmentPair> matchSegments(const std::vector<Segment>& scene, const std::vector<Segment>& model,
-                                       const PoseWithCovariance& prior, const MatchingParams& params = {});
 
 }  // namespace facetloc

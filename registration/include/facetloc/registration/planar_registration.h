@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/organized_cloud.h>
+#include <facetloc/registration/ranked_registration.h>
+#include <facetloc/segmentation/view_builder.h>
+
+#include <optional>
+
+namespace facetloc {
+
+/** \brief Registers organized clouds by their planes: the drop-in where code holds a
+ * pcl::Registration<PointT, PointT>.
+ *
+ * Source and target are depth images as organized clouds; they need no overlap guess better than the prior,
+ * no normals and no search tree. The intrinsics are recovered from the points unless set. Indices restrict
+ * the source's points. */
+template <typename PointT>
+class PlanarRegistration : public RankedRegistration<PointT> {
+public:
+  using Ptr = pcl::shared_ptr<PlanarRegistration<PointT>>;
+  using ConstPtr = pcl::shared_ptr<const PlanarRegistration<PointT>>;
+  PlanarRegistration() { this->reg_name_ = "PlanarRegistration"; }
+
+  void setViewParams(const ViewParams& params) { view_params_ = params; }
+  const ViewParams& getViewParams() const { return view_params_; }
+  void setIntrinsics(const std::optional<Intrinsics>& camera) { camera_ = camera; }
+  /** \brief Width that clouds are subsampled to before segmentation [px]; 0 = full size. 320 unless set. */
+  void setWorkingWidth(int width) { working_width_ = width; }
+
+protected:
+  /** \brief A view without segments if the cloud is not organized or its camera is not to be had. */
+  View makeView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices) override;
+  SensorNoise sensorNoise() const override { return view_params_.noise; }
+
+private:
+  ViewParams view_params_;
+  std::optional<Intrinsics> camera_;
+  int working_width_ = 320;
+};
+
+}  // namespace facetloc
+
+#include <facetloc/registration/impl/planar_registration.hpp>
+
+extern template class facetloc::PlanarRegistration<pcl::PointXYZ>;
+extern template class facetloc::PlanarRegistration<pcl::PointXYZI>;
+extern template class facetloc::PlanarRegistration<pcl::PointXYZRGB>;
+extern template class facetloc::PlanarRegistration<pcl::PointXYZRGBA>;

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/candidate_pairs.h>
+#include <facetloc/registration/plane_measurement.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace facetloc {
+namespace {
+
+// Shapes count as their 50 % ellipse while the pose is gated at 99 %: chi2(3) quantiles (METHOD 9.2).
+constexpr double kShape = 2.366 / 11.34;
+
+// Shape of a segment as a flat covariance with its offset uncertainty across, in the frame that its axes R
+// are given in.
+Eigen::Matrix3d shapeCovariance(const Segment& s, const Eigen::Matrix3d& R) {
+  return R * Eigen::Vector3d(kShape * s.lambda[0], kShape * s.lambda[1], s.Sigma_q(2, 2)).asDiagonal() *
+         R.transpose();
+}
+
+}  // namespace
+
+double coplanarityDistance(const Segment& scene, const Segment& model, const PoseWithCovariance& T_m_c) {
+  PlaneMeasurement m;
+  if (!measurePlane(scene, model, T_m_c.T, 0.0, m)) return std::numeric_limits<double>::infinity();
+  return innovationDistance(m, T_m_c.P);
+}
+
+double overlapDistance(const Segment& scene, const Segment& model, const PoseWithCovariance& T_m_c) {
+  const Eigen::Matrix3d R = T_m_c.T.linear();
+  const Eigen::Vector3d moved = R * scene.t;
+  const Eigen::Vector3d delta = moved + T_m_c.T.translation() - model.t;
+  const Eigen::Matrix3d K = -skew(moved);  // d delta / d phi; d delta / d t = I
+  const Matrix6d& P = T_m_c.P;
+  const Eigen::Matrix3d cross = K * P.topRightCorner<3, 3>();
+  Eigen::Matrix3d S =
+      K * P.topLeftCorner<3, 3>() * K.transpose() + cross + cross.transpose() + P.bottomRightCorner<3, 3>();
+  S += shapeCovariance(scene, R * scene.R) + shapeCovariance(model, model.R);  // Eq. (9.1) of METHOD
+  const Eigen::LLT<Eigen::Matrix3d> llt(S);
+  if (llt.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  return llt.matrixL().solve(delta).squaredNorm();
+}
+
+std::vector<SegmentPair> candidatePairs(const std::vector<Segment>& scene, const std::vector<Segment>& model,
+                                        const PoseWithCovariance& prior, const MatchingParams& params) {
+  std::vector<SegmentPair> pairs;
+  const int n = std::min<int>(scene.size(), params.max_segments),
+            m = std::min<int>(model.size(), params.max_segments);
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < m; ++k) {
+      const double distance = coplanarityDistance(scene[i], model[k], prior);
+      if (!(distance <= params.coplanarity_gate)) continue;
+      if (!(overlapDistance(scene[i], model[k], prior) <= params.overlap_gate)) continue;
+      pairs.push_back({i, k, distance});
+    }
+  std::stable_sort(pairs.begin(), pairs.end(), [](const SegmentPair& a, const SegmentPair& b) {
+    return a.scene + a.model < b.scene + b.model;  // Eq. (10.2) of METHOD
+  });
+  return pairs;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/consensus.h>
+#include <facetloc/registration/plane_measurement.h>
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace facetloc {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kMinSceneCosine = 0.7;          // normals further apart explain nothing
+constexpr double kParallelSpread = 3 * kDegree;  // width of a direction already seen (METHOD 11.4 (2))
+constexpr double kHullMargin = 0.05;  // slack of outlines [m], besides twice the position's uncertainty
+constexpr double kMinVisible = 0.05;  // share of visible samples below which a segment says nothing
+constexpr double kMinLlr = -10, kMaxLlr = 15;  // bounds of a pair's log likelihood ratio (METHOD 11.4 (4))
+
+// Log likelihood of a pair under the hypothesis, with slack (METHOD 11.4 (1)).
+double pairLogLikelihood(const PlaneMeasurement& m, const Matrix6d& P, const ConsensusParams& params) {
+  Eigen::Matrix3d S = m.H * P * m.H.transpose() + m.W;
+  const double slope = std::pow(params.slope_slack_deg * kDegree, 2);
+  S.diagonal() += Eigen::Vector3d(slope, slope, params.offset_slack * params.offset_slack);
+  const Eigen::LLT<Eigen::Matrix3d> llt(S);
+  const double log_det = 2 * llt.matrixLLT().diagonal().array().log().sum();
+  return -0.5 * (llt.matrixL().solve(m.h).squaredNorm() + 3 * std::log(2 * kPi) + log_det);
+}
+
+// Density of a chance plane with normal u, given the directions that the scene has shown already (METHOD 11.4
+// (2)).
+double chanceDensity(const Eigen::Vector3d& u, const std::vector<Eigen::Vector3d>& seen,
+                     const ConsensusParams& params) {
+  const double uniform = 1 / (2 * kPi);
+  if (seen.empty()) return uniform / params.max_offset;
+  double parallel = 0;
+  for (const Eigen::Vector3d& d : seen) {
+    const double angle = std::acos(std::clamp(u.dot(d), -1.0, 1.0));
+    parallel = std::max(parallel, std::exp(-0.5 * std::pow(angle / kParallelSpread, 2)));
+  }
+  parallel /= 2 * kPi * kParallelSpread * kParallelSpread;
+  return ((1 - params.parallel_weight) * uniform + params.parallel_weight * parallel) / params.max_offset;
+}
+
+// Is a point, given in the model's frame, in the model's view and not behind something that the model saw?
+bool visible(const Eigen::Vector3d& p, const DepthPicture& picture, const DepthComparison& comparison) {
+  constexpr double kNearest = 0.4, kFarthest = 7.5;  // range in which planes are used [m]
+  if (picture.empty()) return true;
+  if (p.z() < kNearest || p.z() > kFarthest) return false;
+  const Eigen::Vector2d pixel = picture.camera.project(p);
+  const int u = static_cast<int>(std::lround(pixel.x())), v = static_cast<int>(std::lround(pixel.y()));
+  if (u < 0 || v < 0 || u >= picture.camera.width || v >= picture.camera.height) return false;
+  const std::size_t i = static_cast<std::size_t>(v) * picture.camera.width + u;
+  if (picture.inverse_depth[i] == 0) return false;
+  return 1 / p.z() >= picture.inverse_depth[i] * DepthPicture::kQuantum - comparison.tolerance(1 / p.z());
+}
+
+struct Explanation {
+  const Segment* model;
+  double llr;
+};
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> samplePoints(const Segment& s) {
+  constexpr double kSamples = 24;  // about so many, at least a few
+  std::vector<Eigen::Vector3d> points;
+  if (s.hull.size < 3) return points;
+  Eigen::Vector2f low = s.hull.vertex[0], high = low;
+  for (const Eigen::Vector2f& v : s.hull) low = low.cwiseMin(v), high = high.cwiseMax(v);
+  const float spacing = std::sqrt(std::max(1e-6f, s.hull.area()) / static_cast<float>(kSamples));
+  for (float y = low.y() + spacing / 2; y < high.y(); y += spacing)
+    for (float x = low.x() + spacing / 2; x < high.x(); x += spacing)
+      if (s.hull.contains({x, y})) points.push_back(s.t + x * s.R.col(0) + y * s.R.col(1));
+  if (points.empty()) points.push_back(s.t);
+  return points;
+}
+
+std::vector<std::vector<Eigen::Vector3d>> samplePoints(const View& scene) {
+  std::vector<std::vector<Eigen::Vector3d>> samples;
+  for (const Segment& s : scene.segments) samples.push_back(samplePoints(s));
+  return samples;
+}
+
+double logLikelihoodRatio(const View& scene, const std::vector<std::vector<Eigen::Vector3d>>& samples,
+                          const View& model, const PoseWithCovariance& T_m_c,
+                          const DepthComparison& comparison, const ConsensusParams& params) {
+  const float margin =
+      static_cast<float>(kHullMargin + 2 * std::sqrt(std::max(0.0, T_m_c.P.diagonal().tail<3>().maxCoeff())));
+  double sum = 0;
+  std::vector<Eigen::Vector3d> seen;
+  std::vector<Explanation> explanations;
+  std::vector<int> covered;
+  for (std::size_t j = 0; j < scene.segments.size(); ++j) {
+    const Segment& F = scene.segments[j];
+    const Eigen::Vector3d u = T_m_c.T.linear() * F.normal();
+    const double log_chance = std::log(chanceDensity(u, seen, params));
+    explanations.clear();
+    for (const Segment& Fp : model.segments) {
+      PlaneMeasurement m;
+      if (!measurePlane(F, Fp, T_m_c.T, kMinSceneCosine, m)) continue;
+      const double llr = pairLogLikelihood(m, T_m_c.P, params) - log_chance;
+      if (llr > kMinLlr) explanations.push_back({&Fp, std::min(llr, kMaxLlr)});
+    }
+    std::sort(explanations.begin(), explanations.end(),
+              [](const Explanation& a, const Explanation& b) { return a.llr > b.llr; });
+
+    int num_visible = 0;
+    covered.assign(explanations.size(), 0);
+    for (const Eigen::Vector3d& sample : samples[j]) {
+      const Eigen::Vector3d p = T_m_c.T * sample;
+      if (!visible(p, model.depth, comparison)) continue;
+      ++num_visible;
+      for (std::size_t i = 0; i < explanations.size(); ++i) {
+        const Segment& Fp = *explanations[i].model;
+        const Eigen::Vector3d in_plane = Fp.R.transpose() * (p - Fp.t);
+        if (!Fp.hull.contains(in_plane.head<2>().cast<float>(), margin)) continue;
+        ++covered[i];  // each sample counts for the best explanation that covers it
+        break;
+      }
+    }
+    const double visible_share = num_visible / static_cast<double>(samples[j].size());
+    if (visible_share > kMinVisible) {
+      double explained = 0;
+      for (std::size_t i = 0; i < explanations.size(); ++i)
+        explained += covered[i] / static_cast<double>(num_visible) * std::exp(explanations[i].llr);
+      sum += visible_share * std::log(1 - params.match_probability + params.match_probability * explained);
+    }
+    const bool new_direction = std::none_of(seen.begin(), seen.end(), [&u](const Eigen::Vector3d& d) {
+      return u.dot(d) > std::cos(kParallelSpread);
+    });
+    if (new_direction) seen.push_back(u);
+  }
+  return sum;
+}
+
+double surfaceMatchingScore(const std::vector<Segment>& scene, const std::vector<Segment>& model,
+                            const PoseWithCovariance& T_m_c, const MatchingParams& matching) {
+  const auto upperTail = [](double d2) {  // of chi2(3)
+    return 1 - std::erf(std::sqrt(d2 / 2)) + std::sqrt(2 * d2 / kPi) * std::exp(-d2 / 2);
+  };
+  double sum = 0;
+  for (const Segment& F : scene) {
+    double best = 0;
+    for (const Segment& Fp : model) {
+      const double d2 = coplanarityDistance(F, Fp, T_m_c);
+      if (!(d2 <= matching.coplanarity_gate)) continue;
+      if (!(overlapDistance(F, Fp, T_m_c) <= matching.overlap_gate)) continue;
+      best = std::max(best, 100 * upperTail(d2) * std::min(F.num_points, Fp.num_points));
+    }
+    sum += best;
+  }
+  return sum;
+}
+
+}  // namespace facetloc

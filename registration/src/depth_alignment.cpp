@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/depth_alignment.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace facetloc {
+
+std::vector<double> alignDepth(const DepthPicture& scene, const DepthPicture& model,
+                               const Eigen::Isometry3d& T_m_c, const Eigen::Vector3d& direction,
+                               double centre, const DepthComparison& comparison,
+                               const DepthAlignmentParams& params) {
+  if (scene.empty() || model.empty()) return {};
+  const auto at = [&](double position) {
+    Eigen::Isometry3d T = T_m_c;
+    T.translation() += direction * (position - direction.dot(T_m_c.translation()));
+    return T;
+  };
+  const int half = std::max(1, static_cast<int>(std::lround(params.range / params.step)));
+  std::vector<double> agreement;
+  for (int i = -half; i <= half; ++i)
+    agreement.push_back(
+        comparison.compareBoth(scene, model, at(centre + i * params.step), kCoarseColumns).net());
+  const double best = *std::max_element(agreement.begin(), agreement.end());
+  const double mean = std::accumulate(agreement.begin(), agreement.end(), 0.0) / agreement.size();
+  if (best - mean < params.prominence) return {};
+
+  std::vector<int> maxima;
+  for (int i = 1; i + 1 < static_cast<int>(agreement.size()); ++i)
+    if (agreement[i] >= agreement[i - 1] && agreement[i] > agreement[i + 1] &&
+        agreement[i] >= best - params.runner_up)
+      maxima.push_back(i);
+  std::stable_sort(maxima.begin(), maxima.end(), [&](int a, int b) { return agreement[a] > agreement[b]; });
+  if (maxima.size() > 2) maxima.resize(2);
+
+  constexpr int kFineHalf = 5;  // fine steps on each side, a fifth of the coarse step each
+  std::vector<double> positions;
+  for (const int i : maxima) {
+    const double coarse = centre + (i - half) * params.step;
+    double best_position = coarse, best_likelihood = -std::numeric_limits<double>::infinity();
+    for (int j = -kFineHalf; j <= kFineHalf; ++j) {
+      const double position = coarse + j * params.step / kFineHalf;
+      const double likelihood = comparison.compareBoth(scene, model, at(position), kFineColumns).likelihood;
+      if (likelihood > best_likelihood) best_likelihood = likelihood, best_position = position;
+    }
+    positions.push_back(best_position);
+  }
+  return positions;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/ekf_registration.h>
+#include <facetloc/registration/segment_frames.h>
+
+#include <pcl/kdtree/impl/kdtree_flann.hpp>
+#include <pcl/search/impl/kdtree.hpp>
+#include <pcl/search/impl/search.hpp>
+
+namespace facetloc {
+
+View EkfRegistration::makeView(const pcl::PointCloud<SegmentFrame>& cloud, const pcl::Indices* indices) {
+  View view;
+  view.segments = rankedSegments(cloud, indices).segments;
+  return view;
+}
+
+void EkfRegistration::transformPoint(const Eigen::Isometry3d& T, SegmentFrame& frame) const {
+  frame = transformed(frame, T);
+}
+
+}  // namespace facetloc
+
+template class pcl::PCLBase<facetloc::SegmentFrame>;
+template class pcl::KdTreeFLANN<facetloc::SegmentFrame>;
+template class pcl::search::KdTree<facetloc::SegmentFrame>;
+template class pcl::Registration<facetloc::SegmentFrame, facetloc::SegmentFrame>;
+template class facetloc::RankedRegistration<facetloc::SegmentFrame>;

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/global_localization.h>
+
+#include <omp.h>
+
+namespace facetloc {
+
+GlobalLocalization::GlobalLocalization(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params,
+                                       const SensorNoise& noise)
+    : map_(std::move(map)), params_(params), registration_(params.registration, noise) {
+  prior_.P = posePrior(map_->mounting, params.prior);
+}
+
+Localization GlobalLocalization::localize(const View& scene, const PoseWithCovariance& prior) const {
+  Localization answer;
+  const int n = static_cast<int>(map_->models.size());
+  if (n == 0) answer.reason = "the map has no local model";
+  if (scene.segments.empty()) answer.reason = "the view shows no planar segment";
+  if (!answer.reason.empty()) return answer;
+
+  // Each model's list is written by its index, so that the answer does not depend on the number of threads.
+  const auto samples = samplePoints(scene);
+  std::vector<std::vector<Hypothesis>> of_model(n);
+  const int threads = threads_ > 0 ? threads_ : omp_get_num_procs();
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
+  for (int i = 0; i < n; ++i) of_model[i] = registration_.align(scene, samples, map_->models[i].view, prior);
+
+  for (int i = 0; i < n; ++i)
+    for (Hypothesis& h : of_model[i]) {
+      h.model = i;
+      if (map_->models[i].T_w_m) h.T_w_c = *map_->models[i].T_w_m * h.T_m_c.T;
+      answer.hypotheses.push_back(std::move(h));
+    }
+  const bool evidence =
+      addEvidence(scene, *map_, registration_.comparison(), params_.ranking, answer.hypotheses);
+  rankPlaces(params_.ranking, evidence, answer.hypotheses);
+
+  if (answer.hypotheses.empty()) {
+    const HypothesisTreeParams& tree = params_.registration.tree;
+    const std::string open =
+        unconstrainedDirections(scene.segments, tree.complete_rotation_deg, tree.complete_translation);
+    answer.reason =
+        open.empty() ? "no local model agrees with the view" : "the planes in view leave free: " + open;
+  }
+  return answer;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/hypothesis_tree.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <queue>
+
+namespace facetloc {
+namespace {
+
+// What two segments of one image have to do with each other, whatever the pose of the camera.
+struct Relation {
+  double angle = 0;      // between the normals [rad]
+  double angle_var = 0;  // its variance
+  double gap = 0;  // from the plane of the one to the centroid of the other, for nearly parallel planes [m]
+  double gap_var = 0;
+};
+
+// Up to this angle the distance between two planes is a property of the pair, with the tilt as its error.
+constexpr double kNearlyParallel = 5 * kDegree;
+
+class Relations {
+public:
+  explicit Relations(const std::vector<Segment>& s, int n) : n_(n), table_(static_cast<std::size_t>(n) * n) {
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        if (i == j) continue;
+        Relation& r = table_[static_cast<std::size_t>(i) * n + j];
+        const Eigen::Vector3d a = s[i].normal(), b = s[j].normal(), d = s[j].t - s[i].t;
+        r.angle = std::atan2(a.cross(b).norm(), a.dot(b));
+        r.angle_var = slopeVariance(s[i]) + slopeVariance(s[j]);
+        r.gap = a.dot(d);
+        r.gap_var = s[i].Sigma_q(2, 2) + s[j].Sigma_q(2, 2) +
+                    (slopeVariance(s[i]) + slopeVariance(s[j]) + r.angle * r.angle) * d.squaredNorm();
+      }
+  }
+  const Relation& at(int i, int j) const { return table_[static_cast<std::size_t>(i) * n_ + j]; }
+
+private:
+  static double slopeVariance(const Segment& s) { return s.Sigma_q(0, 0) + s.Sigma_q(1, 1); }
+
+  int n_;
+  std::vector<Relation> table_;
+};
+
+bool consistent(const Relation& scene, const Relation& model, double gate) {
+  const double angle = scene.angle - model.angle;
+  if (angle * angle > gate * gate * (scene.angle_var + model.angle_var)) return false;
+  if (scene.angle > kNearlyParallel || model.angle > kNearlyParallel) return true;
+  const double gap = scene.gap - model.gap;
+  return gap * gap <= gate * gate * (scene.gap_var + model.gap_var);
+}
+
+// A set of candidate pairs, one bit each.
+using PairSet = std::vector<std::uint64_t>;
+
+int firstAfter(const PairSet& set, int i) {
+  for (std::size_t word = static_cast<std::size_t>(++i) / 64; word < set.size();
+       ++word, i = static_cast<int>(word * 64)) {
+    const std::uint64_t rest = set[word] >> (i % 64);
+    if (rest) return i + __builtin_ctzll(rest);
+  }
+  return -1;
+}
+
+struct Node {
+  int parent;
+  int last;   // index of its last candidate pair
+  int depth;  // number of pairs
+  PoseWithCovariance pose;
+  Matrix6d information;
+  PairSet allowed;  // pairs that may follow
+};
+
+class Search {
+public:
+  Search(const std::vector<Segment>& scene, const std::vector<Segment>& model,
+         const std::vector<SegmentPair>& candidates, const PoseWithCovariance& prior,
+         const MatchingParams& matching, const EkfParams& ekf, const HypothesisTreeParams& params)
+      : scene_(scene),
+        model_(model),
+        candidates_(candidates),
+        matching_(matching),
+        ekf_(ekf),
+        params_(params) {
+    findCompatible();
+    nodes_.push_back({-1, -1, 0, prior, Matrix6d::Zero(), PairSet(words_, ~std::uint64_t{0})});
+    for (std::size_t bit = candidates.size(); bit < words_ * 64; ++bit)
+      nodes_[0].allowed[bit / 64] &= ~(std::uint64_t{1} << (bit % 64));
+  }
+
+  TreeSearchResult run() {
+    push(0, firstAfter(nodes_[0].allowed, -1));
+    while (!queue_.empty() && result_.expansions < params_.max_expansions &&
+           static_cast<int>(result_.complete.size()) < params_.max_hypotheses) {
+      const int id = -queue_.top().second;
+      queue_.pop();
+      const int parent = nodes_[id].parent;
+      push(parent, firstAfter(nodes_[parent].allowed, nodes_[id].last));  // the next sibling, made lazily
+      expand(id);
+    }
+    return std::move(result_);
+  }
+
+private:
+  void findCompatible() {
+    const int m = static_cast<int>(candidates_.size());
+    words_ = (m + 63) / 64;
+    compatible_.assign(m, PairSet(words_, 0));
+    int n_scene = 0, n_model = 0;
+    for (const SegmentPair& c : candidates_) {
+      n_scene = std::max(n_scene, c.scene + 1);
+      n_model = std::max(n_model, c.model + 1);
+    }
+    const Relations scene(scene_, n_scene), model(model_, n_model);
+    for (int a = 0; a < m; ++a)
+      for (int b = a + 1; b < m; ++b) {
+        const SegmentPair &p = candidates_[a], &q = candidates_[b];
+        if (p.scene == q.scene || p.model == q.model) continue;
+        if (consistent(scene.at(p.scene, q.scene), model.at(p.model, q.model), params_.angle_gate))
+          compatible_[a][b / 64] |= std::uint64_t{1} << (b % 64);
+      }
+  }
+
+  void push(int parent, int pair) {
+    if (pair < 0) return;
+    nodes_.push_back({parent, pair, nodes_[parent].depth + 1, {}, Matrix6d::Zero(), {}});
+    queue_.push({-pair, -(static_cast<int>(nodes_.size()) - 1)});
+  }
+
+  void expand(int id) {
+    const SegmentPair& pair = candidates_[nodes_[id].last];
+    const Segment &F = scene_[pair.scene], &Fp = model_[pair.model];
+    const Node& parent = nodes_[nodes_[id].parent];
+    if (parent.depth > 0 && !(overlapDistance(F, Fp, parent.pose) <= matching_.overlap_gate)) return;
+    ++result_.expansions;
+    const EkfUpdate update = ekfPoseUpdate(F, Fp, parent.pose, ekf_);
+    if (!update.accepted || update.gain < params_.min_gain) return;
+    Node& node = nodes_[id];
+    node.pose = update.pose;
+    node.information = parent.information + update.information;
+    node.allowed.resize(words_);
+    for (std::size_t w = 0; w < words_; ++w) node.allowed[w] = parent.allowed[w] & compatible_[node.last][w];
+
+    const Observability seen = observability(node.information);
+    const double max_rotation = params_.complete_rotation_deg * kDegree;
+    if (seen.complete(max_rotation, params_.complete_translation)) {
+      emit(node, {}, result_.complete);
+      return;
+    }
+    if (seen.oneTranslationFree(max_rotation, params_.complete_translation))
+      emit(node, seen.directions.col(2), result_.incomplete);
+    if (node.depth < params_.max_pairs) push(id, firstAfter(node.allowed, node.last));
+  }
+
+  // Keeps a pose unless it was found before; of incomplete poses the position along the free direction does
+  // not count.
+  void emit(const Node& node, const Eigen::Vector3d& free_direction, std::vector<PoseNode>& found) {
+    const double same_direction = std::cos(10 * kDegree);  // METHOD 10.6
+    const bool incomplete = !free_direction.isZero();
+    const double factor =
+        incomplete ? 2 : 1;  // METHOD_MEASURED 10.3, 10.5: (1 deg, 0.05 m) and (2 deg, 0.1 m)
+    for (const PoseNode& other : found) {
+      if (incomplete && std::abs(other.free_direction.dot(free_direction)) < same_direction) continue;
+      Eigen::Vector3d shift = node.pose.T.translation() - other.pose.T.translation();
+      if (incomplete) shift -= free_direction * free_direction.dot(shift);
+      if (shift.norm() > factor * params_.duplicate_translation) continue;
+      const double turn = rotationAngle(node.pose.T.linear() * other.pose.T.linear().transpose());
+      if (turn <= factor * params_.duplicate_rotation_deg * kDegree) return;
+    }
+    PoseNode out;
+    out.pose = node.pose;
+    out.information = node.information;
+    out.free_direction = free_direction;
+    for (const Node* n = &node; n->parent >= 0; n = &nodes_[n->parent])
+      out.pairs.push_back(candidates_[n->last]);
+    std::reverse(out.pairs.begin(), out.pairs.end());
+    found.push_back(std::move(out));
+  }
+
+  const std::vector<Segment>& scene_;
+  const std::vector<Segment>& model_;
+  const std::vector<SegmentPair>& candidates_;
+  const MatchingParams& matching_;
+  const EkfParams& ekf_;
+  const HypothesisTreeParams& params_;
+  std::size_t words_ = 0;
+  std::vector<PairSet> compatible_;  // of each pair: the later ones that may stand beside it
+  std::vector<Node> nodes_;
+  std::priority_queue<std::pair<int, int>>
+      queue_;  // (-last pair, -node): best-ranked last pair first, oldest first
+  TreeSearchResult result_;
+};
+
+}  // namespace
+
+Observability observability(const Matrix6d& information) {
+  constexpr double kWeakRotation = 30 * kDegree, kWeakTranslation = 10;  // METHOD 10.4
+  Matrix6d Lambda = information;
+  Lambda.diagonal().head<3>().array() += 1 / (kWeakRotation * kWeakRotation);
+  Lambda.diagonal().tail<3>().array() += 1 / (kWeakTranslation * kWeakTranslation);
+  Observability o;
+  o.P = Lambda.llt().solve(Matrix6d::Identity());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> rotation(o.P.topLeftCorner<3, 3>(),
+                                                                Eigen::EigenvaluesOnly);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> translation(o.P.bottomRightCorner<3, 3>());
+  o.rotation_std = std::sqrt(rotation.eigenvalues()[2]);
+  o.translation_std = translation.eigenvalues().cwiseMax(0).cwiseSqrt();
+  o.directions = translation.eigenvectors();
+  return o;
+}
+
+TreeSearchResult searchHypotheses(const std::vector<Segment>& scene, const std::vector<Segment>& model,
+                                  const std::vector<SegmentPair>& candidates, const PoseWithCovariance& prior,
+                                  const MatchingParams& matching, const EkfParams& ekf,
+                                  const HypothesisTreeParams& params) {
+  if (candidates.empty()) return {};
+  return Search(scene, model, candidates, prior, matching, ekf, params).run();
+}
+
+}  // namespace facetloc

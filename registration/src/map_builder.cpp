@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/map_builder.h>
+
+namespace facetloc {
+
+bool MapBuilder::accept(const Eigen::Isometry3d& T_w_c) {
+  constexpr double kSlack = 1e-9;  // exactly half a metre counts as half a metre, whatever the rounding
+  if (latest_) {
+    const double distance = (T_w_c.translation() - latest_->translation()).norm();
+    const double rotation = rotationAngle(T_w_c.linear() * latest_->linear().transpose());
+    if (distance < params_.min_distance - kSlack && rotation < params_.min_rotation_deg * kDegree - kSlack)
+      return false;
+  }
+  latest_ = T_w_c;
+  return true;
+}
+
+Link MapBuilder::link(int from, int to, const Eigen::Isometry3d& T_w_from,
+                      const Eigen::Isometry3d& T_w_to) const {
+  Link l;
+  l.from = from;
+  l.to = to;
+  l.T_from_to.T = T_w_from.inverse() * T_w_to;
+  l.T_from_to.P.diagonal().head<3>().setConstant(std::pow(params_.pose_rotation_std_deg * kDegree, 2));
+  l.T_from_to.P.diagonal().tail<3>().setConstant(std::pow(params_.pose_translation_std, 2));
+  return l;
+}
+
+}  // namespace facetloc

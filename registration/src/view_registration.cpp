@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/view_registration.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace facetloc {
+namespace {
+
+bool byScore(const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; }
+
+std::string vectorText(const Eigen::Vector3d& v) {
+  // The sign of a direction means nothing; the largest component is shown positive.
+  int largest = 0;
+  v.cwiseAbs().maxCoeff(&largest);
+  const Eigen::Vector3d d = v[largest] < 0 ? Eigen::Vector3d(-v) : v;
+  char text[64];
+  std::snprintf(text, sizeof text, "(%.2f, %.2f, %.2f)", d.x() + 0.0, d.y() + 0.0, d.z() + 0.0);
+  return text;
+}
+
+}  // namespace
+
+ViewRegistration::ViewRegistration(const ViewRegistrationParams& params, const SensorNoise& noise)
+    : params_(params), comparison_(params.depth, noise.inverse_depth_std) {}
+
+std::vector<Hypothesis>
+ViewRegistration::align(const View& scene, const std::vector<std::vector<Eigen::Vector3d>>& scene_samples,
+                        const View& model, const PoseWithCovariance& prior) const {
+  const std::vector<SegmentPair> candidates =
+      candidatePairs(scene.segments, model.segments, prior, params_.matching);
+  const TreeSearchResult found = searchHypotheses(scene.segments, model.segments, candidates, prior,
+                                                  params_.matching, params_.ekf, params_.tree);
+
+  std::vector<Hypothesis> hypotheses;
+  for (const PoseNode& node : found.complete) {
+    Hypothesis h;
+    h.T_m_c = node.pose;
+    h.pairs = node.pairs;
+    if (params_.joint_refinement &&
+        !refineJointly(scene.segments, model.segments, prior, params_.matching, {}, h))
+      continue;
+    addDistinct(std::move(h), hypotheses);
+  }
+  if (hypotheses.empty() && params_.depth_assistance)
+    completeByDepth(scene, model, prior, found.incomplete, hypotheses);
+
+  for (Hypothesis& h : hypotheses) {
+    h.consensus =
+        params_.consensus.surface_score
+            ? surfaceMatchingScore(scene.segments, model.segments, h.T_m_c, params_.matching)
+            : logLikelihoodRatio(scene, scene_samples, model, h.T_m_c, comparison_, params_.consensus);
+    h.score = h.consensus;
+    if (params_.consensus.free_space_weight > 0) {
+      const DepthAgreement depth = comparison_.compareBoth(scene.depth, model.depth, h.T_m_c.T, kFineColumns);
+      h.contradiction = depth.contradict / std::max(1.0, double(depth.contradict + depth.agree));
+      h.score -= params_.consensus.free_space_weight * h.contradiction;
+    }
+  }
+  std::stable_sort(hypotheses.begin(), hypotheses.end(), byScore);
+  return hypotheses;
+}
+
+void ViewRegistration::addDistinct(Hypothesis&& h, std::vector<Hypothesis>& hypotheses) const {
+  constexpr double kRefinedFactor = 2;  // refined duplicates within 2 deg and 0.1 m are one (METHOD 10.6)
+  for (const Hypothesis& other : hypotheses) {
+    const double shift = (other.T_m_c.T.translation() - h.T_m_c.T.translation()).norm();
+    if (shift > kRefinedFactor * params_.tree.duplicate_translation) continue;
+    if (rotationAngle(other.T_m_c.T.linear() * h.T_m_c.T.linear().transpose()) <=
+        kRefinedFactor * params_.tree.duplicate_rotation_deg * kDegree)
+      return;
+  }
+  hypotheses.push_back(std::move(h));
+}
+
+void ViewRegistration::completeByDepth(const View& scene, const View& model, const PoseWithCovariance& prior,
+                                       const std::vector<PoseNode>& incomplete,
+                                       std::vector<Hypothesis>& hypotheses) const {
+  const int n = std::min<int>(incomplete.size(), params_.max_assisted);
+  for (int i = 0; i < n; ++i) {
+    const PoseNode& node = incomplete[i];
+    const Eigen::Vector3d& v = node.free_direction;
+    for (const double position : alignDepth(scene.depth, model.depth, node.pose.T, v,
+                                            v.dot(prior.T.translation()), comparison_, params_.alignment)) {
+      Hypothesis h;
+      h.depth_assisted = true;
+      h.pairs = node.pairs;
+      h.T_m_c = node.pose;
+      h.T_m_c.T.translation() += v * (position - v.dot(node.pose.T.translation()));
+      // The position along v is a measurement of its own: fold it into the covariance.
+      const double variance = params_.alignment.std * params_.alignment.std;
+      const Vector6d Pv = node.pose.P.rightCols<3>() * v;
+      h.T_m_c.P -= Pv * Pv.transpose() / (v.dot(Pv.tail<3>()) + variance);
+      const TranslationConstraint constraint{v, position, params_.alignment.std};
+      if (params_.joint_refinement &&
+          !refineJointly(scene.segments, model.segments, prior, params_.matching, constraint, h))
+        continue;
+      addDistinct(std::move(h), hypotheses);
+    }
+  }
+}
+
+std::string unconstrainedDirections(const std::vector<Segment>& segments, double max_rotation_std_deg,
+                                    double max_translation_std) {
+  Matrix6d information = Matrix6d::Zero();
+  for (const Segment& s : segments) {
+    PlaneMeasurement m;  // of the view against itself
+    if (measurePlane(s, s, Eigen::Isometry3d::Identity(), 0.0, m))
+      information += m.H.transpose() * m.W.llt().solve(m.H);
+  }
+  const Observability seen = observability(information);
+  std::string text;
+  const auto add = [&text](const char* motion, const Eigen::Vector3d& v) {
+    text += (text.empty() ? "" : ", ") + std::string(motion) + vectorText(v);
+  };
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> rotation(seen.P.topLeftCorner<3, 3>());
+  for (int i = 0; i < 3; ++i)
+    if (std::sqrt(rotation.eigenvalues()[i]) > max_rotation_std_deg * kDegree)
+      add("rotation about ", rotation.eigenvectors().col(i));
+  for (int i = 0; i < 3; ++i)
+    if (seen.translation_std[i] > max_translation_std) add("translation along ", seen.directions.col(i));
+  return text;
+}
+
+}  // namespace facetloc
