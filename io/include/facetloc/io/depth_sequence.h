@@ -16,13 +16,14 @@ namespace facetloc {
 struct FrameFile {
   std::string name;             ///< file name without its extension; unique within a sequence
   std::filesystem::path path;   ///< 16-bit PNG or organized PCD
-  double stamp = 0;             ///< [s]: the name if it is a number (TUM), else the index
+  double stamp = 0;             ///< [s]: the name if all names are numbers (TUM), else the index
 };
 
 /** \brief A sequence of depth images on disk, in the order of their stamps.
  *
  * Accepted: a folder with depth/ in it (DESIGN 4); a folder of PNGs or organized PCDs; a single PNG or PCD file; a
- * text file (.txt, .lst) with one path per line, relative to the list. camera.ini is looked for in the folder, in its
+ * text file (.txt, .lst) with one path per line, relative to the list; # starts a comment line. Where names are no
+ * numbers, folders are in the order of the names and lists in their own. camera.ini is looked for in the folder, in its
  * parent, and beside the file; PNGs need one, PCDs fall back to the intrinsics in their points.
  * groundtruth.txt is looked for in the same places. */
 class DepthSequence {
@@ -35,7 +36,7 @@ public:
   const Trajectory& groundTruth() const { return ground_truth_; }
 
   /** \brief Reads a frame, subsampled so that at least working_width columns remain (0 = full size). Thread-safe.
-   * Throws IoError for unreadable, truncated, unorganized or wrongly sized files. */
+   * Throws IoError for unreadable, truncated, unorganized or wrongly sized files, std::out_of_range for the index. */
   DepthImage load(std::size_t index, int working_width = 0) const;
 
 private:

@@ -8,15 +8,17 @@
 namespace facetloc {
 
 /** \brief A raster, row-major, top row first, channels interleaved. */
-template <typename T> struct Raster {
+template <typename T>
+struct Raster {
   int width = 0;
   int height = 0;
   int channels = 1;
   std::vector<T> data;
 };
 
-/** \brief Reads a greyscale PNG of 8 or 16 bits. Throws IoError for anything else and for truncated or corrupt files. */
-Raster<std::uint16_t> readGreyPng(const std::filesystem::path& path);
+/** \brief Reads a greyscale PNG of 8 or 16 bits, or of 16 bits only. Throws IoError for anything else and for
+ * truncated or corrupt files. */
+Raster<std::uint16_t> readGreyPng(const std::filesystem::path& path, int min_bits = 8);
 /** \brief Writes a 16-bit greyscale PNG, atomically. */
 void writePng(const std::filesystem::path& path, const Raster<std::uint16_t>& image);
 /** \brief Writes an 8-bit PNG, greyscale (1 channel) or RGB (3 channels), atomically. */

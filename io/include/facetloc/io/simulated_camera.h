@@ -24,8 +24,8 @@ using Scene = std::vector<Rectangle>;
 
 /** \brief Adds the six faces of a box (centre, orientation, half sizes); plane ids count up from next_id. */
 void addBox(Scene& scene, const Eigen::Isometry3d& T_w_box, const Eigen::Vector3d& half_size, std::uint16_t& next_id);
-/** \brief A closed room of random size with random boxes on its floor and walls, z up, floor at z = 0. Same seed,
- * same room. */
+/** \brief A closed room of random size with random boxes on its floor and walls, z up, floor at z = 0. The middle, within
+ * 0.8 m of the z axis, is free for a camera. Same seed, same room. */
 Scene randomRoom(std::uint64_t seed, int boxes = 8);
 
 /** \brief Errors of the simulated camera, those of a structured-light sensor. */

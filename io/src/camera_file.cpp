@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "files.h"
+#include "text.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/camera_file.h>
+#include <facetloc/io/error.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+namespace facetloc {
+namespace {
+
+constexpr double kPositive = std::numeric_limits<double>::min();
+constexpr double kLargestSide = 65535;  // [px]
+constexpr double kLargest = 1e6;        // of focal lengths and centres [px], generously
+
+struct Key {
+  std::string_view name;
+  double lowest;
+  double highest;
+  bool whole;
+  bool required;
+};
+
+constexpr Key kKeys[] = {
+    {"width", 1, kLargestSide, true, true},       {"height", 1, kLargestSide, true, true},
+    {"fx", kPositive, kLargest, false, true},     {"fy", kPositive, kLargest, false, true},
+    {"cx", -kLargest, kLargest, false, true},     {"cy", -kLargest, kLargest, false, true},
+    {"depth_scale", kPositive, 1e9, false, true}, {"mount_height", 0, 100, false, false},
+    {"mount_tilt_deg", -90, 90, false, false},    {"inverse_depth_std", 1e-7, 1, false, false},
+};
+
+using Values = std::map<std::string_view, double>;
+
+const Key* findKey(std::string_view name) {
+  for (const Key& key : kKeys)
+    if (key.name == name) return &key;
+  return nullptr;
+}
+
+std::string knownKeys() {
+  std::string names;
+  for (const Key& key : kKeys) names.append(names.empty() ? "" : ", ").append(key.name);
+  return names;
+}
+
+/** The words of a line with every '=' as a word of its own, so that blanks around it do not matter. */
+std::string spaced(std::string_view line) {
+  std::string out;
+  for (const char c : line) c == '=' ? out.append(" = ") : out.append(1, c);
+  return out;
+}
+
+class Parser {
+public:
+  explicit Parser(const std::filesystem::path& path) : path_(path.string()) {}
+
+  Values parse(std::string_view content) {
+    for (const std::string_view line : text::lines(content)) {
+      ++line_;
+      parseLine(spaced(text::withoutComment(line)));
+    }
+    requireComplete();
+    return values_;
+  }
+
+private:
+  [[noreturn]] void fail(const std::string& cause) const {
+    throw IoError(path_, "line " + std::to_string(line_) + ": " + cause);
+  }
+
+  void parseLine(const std::string& line) {
+    const auto words = text::words(line);
+    for (std::size_t i = 0; i < words.size(); i += 3) {
+      if (i + 2 >= words.size() || words[i + 1] != "=" || words[i] == "=" || words[i + 2] == "=")
+        fail("expected key = value at " + text::quoted(words[i]));
+      store(words[i], words[i + 2]);
+    }
+  }
+
+  void store(std::string_view name, std::string_view word) {
+    const Key* key = findKey(name);
+    if (!key) fail("unknown key " + text::quoted(name) + " (known: " + knownKeys() + ")");
+    const auto value = text::to<double>(word);
+    if (!value) fail(text::quoted(word) + " is not a number (" + std::string(name) + ")");
+    if (!(*value >= key->lowest && *value <= key->highest) || (key->whole && *value != std::floor(*value)))
+      fail(std::string(name) + " = " + std::string(word) + " is impossible");
+    if (!values_.emplace(key->name, *value).second) fail(std::string(name) + " is given twice");
+  }
+
+  void requireComplete() const {
+    for (const Key& key : kKeys)
+      if (key.required && !values_.count(key.name)) throw IoError(path_, "has no " + std::string(key.name));
+    if (values_.count("mount_height") != values_.count("mount_tilt_deg"))
+      throw IoError(path_, "has only one of mount_height and mount_tilt_deg");
+  }
+
+  std::string path_;
+  int line_ = 0;
+  Values values_;
+};
+
+}  // namespace
+
+CameraFile readCameraFile(const std::filesystem::path& path) {
+  const std::string content = files::readText(path);
+  const Values v = Parser(path).parse(content);
+  CameraFile camera;
+  camera.intrinsics = {static_cast<int>(v.at("width")),
+                       static_cast<int>(v.at("height")),
+                       v.at("fx"),
+                       v.at("fy"),
+                       v.at("cx"),
+                       v.at("cy")};
+  camera.depth_scale = v.at("depth_scale");
+  if (v.count("mount_height")) camera.mounting = CameraMounting{v.at("mount_height"), v.at("mount_tilt_deg")};
+  if (v.count("inverse_depth_std")) camera.inverse_depth_std = v.at("inverse_depth_std");
+  return camera;
+}
+
+void writeCameraFile(const std::filesystem::path& path, const CameraFile& camera) {
+  if (!camera.intrinsics.valid() || !(camera.depth_scale > 0))
+    throw std::invalid_argument("writeCameraFile: the camera is impossible");
+  writeTextAtomically(path, [&](std::ostream& out) {
+    const Intrinsics& k = camera.intrinsics;
+    out << "width=" << k.width << "\nheight=" << k.height << "\n";
+    const auto line = [&out](const char* key, double value) {
+      out << key << "=" << text::shortest(value) << "\n";
+    };
+    line("fx", k.fx), line("fy", k.fy), line("cx", k.cx), line("cy", k.cy);
+    line("depth_scale", camera.depth_scale);
+    if (camera.mounting) {
+      line("mount_height", camera.mounting->height);
+      line("mount_tilt_deg", camera.mounting->tilt_deg);
+    }
+    if (camera.inverse_depth_std) line("inverse_depth_std", *camera.inverse_depth_std);
+  });
+}
+
+}  // namespace facetloc

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "files.h"
+#include "text.h"
+
+#include <facetloc/io/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/** \file CSV with a header line and RFC 4180 quotes, private to io. */
+
+namespace facetloc::csv {
+
+/** \brief A cell as it is written: in quotes if it has to be. */
+inline std::string cell(const std::string& s) {
+  if (s.find_first_of(",\"\r\n") == std::string::npos) return s;
+  std::string out = "\"";
+  for (const char c : s) out.append(c == '"' ? 2 : 1, c);
+  return out + "\"";
+}
+
+struct Row {
+  int line = 0;  ///< where it begins, counted from 1
+  std::vector<std::string> cells;
+};
+
+/** \brief Splits a file into rows; blank lines are left out. */
+class Scanner {
+public:
+  Scanner(std::string_view content, std::string path) : content_(content), path_(std::move(path)) {}
+
+  std::vector<Row> rows() {
+    std::vector<Row> found;
+    while (position_ < content_.size()) {
+      Row row = scanRow();
+      if (row.cells.size() > 1 || !row.cells.front().empty()) found.push_back(std::move(row));
+    }
+    return found;
+  }
+
+private:
+  Row scanRow() {
+    Row row{line_, {}};
+    do row.cells.push_back(scanCell());
+    while (take(','));
+    take('\r');
+    if (!take('\n') && position_ < content_.size()) fail(line_, "a comma or the end of the line is missing");
+    ++line_;
+    return row;
+  }
+
+  std::string scanCell() {
+    if (take('"')) return scanQuoted();
+    const auto end = std::min(content_.find_first_of(",\r\n", position_), content_.size());
+    std::string found(content_.substr(position_, end - position_));
+    position_ = end;
+    return found;
+  }
+
+  std::string scanQuoted() {
+    const int first_line = line_;
+    std::string found;
+    while (position_ < content_.size()) {
+      const char c = content_[position_++];
+      if (c == '"' && !take('"')) return found;
+      if (c == '\n') ++line_;
+      found += c;
+    }
+    fail(first_line, "a quote is not closed");
+  }
+
+  bool take(char c) {
+    if (position_ == content_.size() || content_[position_] != c) return false;
+    ++position_;
+    return true;
+  }
+
+  [[noreturn]] void fail(int line, const std::string& cause) const {
+    throw IoError(path_, "line " + std::to_string(line) + ": " + cause);
+  }
+
+  std::string_view content_;
+  std::string path_;
+  std::size_t position_ = 0;
+  int line_ = 1;
+};
+
+/** \brief A CSV file whose columns are found by their names in the header line. */
+class Table {
+public:
+  explicit Table(const std::filesystem::path& path) : path_(path.string()) {
+    const std::string content = files::readText(path);
+    rows_ = Scanner(content, path_).rows();
+    if (rows_.empty()) throw IoError(path_, "is empty: it has not even a header line");
+    header_ = std::move(rows_.front().cells);
+    rows_.erase(rows_.begin());
+    for (const Row& row : rows_)
+      if (row.cells.size() != header_.size())
+        fail(row, "has " + std::to_string(row.cells.size()) + " columns, the header has " +
+                      std::to_string(header_.size()));
+  }
+
+  const std::vector<Row>& rows() const { return rows_; }
+
+  /** \brief The place of a column. */
+  std::size_t column(std::string_view name) const {
+    const auto found = std::find(header_.begin(), header_.end(), name);
+    if (found == header_.end()) throw IoError(path_, "line 1: there is no column " + text::quoted(name));
+    return found - header_.begin();
+  }
+  const std::string& string(const Row& row, std::string_view name) const { return row.cells[column(name)]; }
+  double real(const Row& row, std::string_view name) const {
+    const double value = number<double>(row, name);
+    if (!std::isfinite(value)) fail(row, std::string(name) + " is not finite");
+    return value;
+  }
+  /** \brief A number that cannot be negative. */
+  int count(const Row& row, std::string_view name) const {
+    const int value = number<int>(row, name);
+    if (value < 0) fail(row, std::string(name) + " is negative");
+    return value;
+  }
+
+  [[noreturn]] void fail(const Row& row, const std::string& cause) const {
+    throw IoError(path_, "line " + std::to_string(row.line) + ": " + cause);
+  }
+
+private:
+  template <typename Number>
+  Number number(const Row& row, std::string_view name) const {
+    const auto word = text::trimmed(string(row, name));
+    const auto value = text::to<Number>(word);
+    if (!value) fail(row, std::string(name) + " = " + text::quoted(word) + " is not a number");
+    return *value;
+  }
+
+  std::string path_;
+  std::vector<std::string> header_;
+  std::vector<Row> rows_;
+};
+
+}  // namespace facetloc::csv

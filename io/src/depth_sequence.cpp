@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "files.h"
+#include "pcd_header.h"
+#include "text.h"
+
+#include <facetloc/features/organized_cloud.h>
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/png.h>
+
+#include <pcl/PCLPointCloud2.h>
+#include <pcl/io/pcd_io.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <map>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kCameraFile = "camera.ini";
+constexpr const char* kGroundTruthFile = "groundtruth.txt";
+
+std::string lowerExtension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+bool isPng(const fs::path& path) { return lowerExtension(path) == ".png"; }
+bool isPcd(const fs::path& path) { return lowerExtension(path) == ".pcd"; }
+bool isImage(const fs::path& path) { return isPng(path) || isPcd(path); }
+bool isList(const fs::path& path) { return lowerExtension(path) == ".txt" || lowerExtension(path) == ".lst"; }
+
+FrameFile frameOf(const fs::path& path) { return {path.stem().string(), path, 0}; }
+
+/** Sorted by name, since a folder lists its files in any order. */
+std::vector<FrameFile> framesOfFolder(const fs::path& folder) {
+  std::vector<FrameFile> frames;
+  try {
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      const bool hidden = entry.path().filename().string().front() == '.';
+      if (!hidden && isImage(entry.path()) && entry.is_regular_file())
+        frames.push_back(frameOf(entry.path()));
+    }
+  } catch (const fs::filesystem_error& e) {
+    throw IoError(folder.string(), e.what());
+  }
+  std::sort(frames.begin(), frames.end(),
+            [](const FrameFile& a, const FrameFile& b) { return a.path < b.path; });
+  return frames;
+}
+
+std::vector<FrameFile> framesOfList(const fs::path& list) {
+  const std::string content = files::readText(list);
+  std::vector<FrameFile> frames;
+  int number = 0;
+  for (const std::string_view line : text::lines(content)) {
+    ++number;
+    const auto entry = text::trimmed(line);
+    if (entry.empty() || entry.front() == '#') continue;
+    const fs::path path = list.parent_path() / fs::path(entry);  // an absolute entry stays as it is
+    const auto fail = [&](const char* cause) {
+      throw IoError(list.string(), "line " + std::to_string(number) + ": " + std::string(entry) + cause);
+    };
+    if (!isImage(path)) fail(" is neither a .png nor a .pcd file");
+    if (!fs::is_regular_file(path)) fail(" does not exist");
+    frames.push_back(frameOf(path));
+  }
+  return frames;
+}
+
+void requireUniqueNames(const std::vector<FrameFile>& frames, const fs::path& source) {
+  std::map<std::string, fs::path> seen;
+  for (const FrameFile& frame : frames) {
+    const auto [other, is_new] = seen.emplace(frame.name, frame.path);
+    if (!is_new)
+      throw IoError(source.string(), "two frames have the name " + text::quoted(frame.name) + ": " +
+                                         other->second.string() + " and " + frame.path.string());
+  }
+}
+
+/** Stamps from the names if all of them are numbers, and then in their order; else the index, in the given
+ * order. */
+void stampFrames(std::vector<FrameFile>& frames) {
+  const bool numbers = std::all_of(frames.begin(), frames.end(), [](const FrameFile& frame) {
+    return std::isfinite(text::to<double>(frame.name).value_or(std::numeric_limits<double>::quiet_NaN()));
+  });
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    frames[i].stamp = numbers ? *text::to<double>(frames[i].name) : static_cast<double>(i);
+  std::stable_sort(frames.begin(), frames.end(),
+                   [](const FrameFile& a, const FrameFile& b) { return a.stamp < b.stamp; });
+}
+
+/** The first file of this name in the folder of the images, its parent, or the folder that was asked for and
+ * its parent. */
+std::optional<fs::path> findBeside(const fs::path& images, const fs::path& asked, const char* name) {
+  for (const fs::path& folder : {images, images / "..", asked, asked / ".."})
+    if (fs::is_regular_file(folder / name)) return (folder / name).lexically_normal();
+  return {};
+}
+
+/** An image of another size was not taken with this camera. */
+void requireSize(const fs::path& path, int width, int height, const Intrinsics& camera) {
+  if (width == camera.width && height == camera.height) return;
+  const auto size = [](int w, int h) { return std::to_string(w) + "x" + std::to_string(h); };
+  throw IoError(path.string(), "is of " + size(width, height) + " pixels, but the camera of " +
+                                   size(camera.width, camera.height));
+}
+
+}  // namespace
+
+DepthSequence DepthSequence::open(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) throw IoError(path.string(), "does not exist");
+  const bool is_folder = fs::is_directory(path, ignored);
+  const fs::path asked = fs::absolute(is_folder ? path : path.parent_path());
+  const fs::path images = is_folder && fs::is_directory(path / "depth", ignored) ? path / "depth" : asked;
+
+  DepthSequence sequence;
+  if (is_folder)
+    sequence.frames_ = framesOfFolder(images == asked ? path : images);
+  else if (isImage(path))
+    sequence.frames_ = {frameOf(path)};
+  else if (isList(path))
+    sequence.frames_ = framesOfList(path);
+  else
+    throw IoError(path.string(),
+                  "is no sequence: expected a folder, a .png, a .pcd or a list in a .txt or .lst file");
+  if (sequence.frames_.empty()) throw IoError(path.string(), "has no .png or .pcd depth images");
+  requireUniqueNames(sequence.frames_, path);
+  stampFrames(sequence.frames_);
+
+  if (const auto file = findBeside(images, asked, kCameraFile)) sequence.camera_ = readCameraFile(*file);
+  if (const auto file = findBeside(images, asked, kGroundTruthFile))
+    sequence.ground_truth_ = readTumTrajectory(*file);
+  const bool needs_camera = std::any_of(sequence.frames_.begin(), sequence.frames_.end(),
+                                        [](const FrameFile& frame) { return isPng(frame.path); });
+  if (needs_camera && !sequence.camera_)
+    throw IoError(path.string(), "PNG images need a camera.ini beside them or in the folder above");
+  return sequence;
+}
+
+DepthImage DepthSequence::load(std::size_t index, int working_width) const {
+  const fs::path& path = frames_.at(index).path;
+  DepthImage image;
+  if (isPng(path))
+    image = readDepthPng(path, *camera_);
+  else
+    image = readDepthPcd(path, camera_ ? std::optional(camera_->intrinsics) : std::nullopt);
+  const int step = working_width > 0 ? subsamplingStep(image.camera, working_width) : 1;
+  return step > 1 ? subsampled(image, step) : image;
+}
+
+DepthImage readDepthPng(const std::filesystem::path& path, const CameraFile& camera) {
+  constexpr int kBits = 16;
+  const Raster<std::uint16_t> raster = readGreyPng(path, kBits);
+  requireSize(path, raster.width, raster.height, camera.intrinsics);
+  DepthImage image{camera.intrinsics, std::vector<float>(raster.data.size())};
+  std::transform(raster.data.begin(), raster.data.end(), image.depth.begin(),
+                 [&](std::uint16_t value) { return static_cast<float>(value / camera.depth_scale); });
+  return image;
+}
+
+void writeDepthPng(const std::filesystem::path& path, const DepthImage& image, double depth_scale) {
+  constexpr double kLargest = std::numeric_limits<std::uint16_t>::max();
+  Raster<std::uint16_t> raster{image.camera.width, image.camera.height, 1, {}};
+  raster.data.resize(image.depth.size());
+  std::transform(image.depth.begin(), image.depth.end(), raster.data.begin(), [&](float z) {
+    const double value = std::round(z * depth_scale);
+    return static_cast<std::uint16_t>(value > 0 && value <= kLargest ? value : 0);
+  });
+  writePng(path, raster);
+}
+
+namespace {
+
+/** One coordinate of a cloud of any point type. */
+class Coordinate {
+public:
+  Coordinate(const pcl::PCLPointCloud2& cloud, const char* name, const std::string& path) : cloud_(cloud) {
+    const auto field = std::find_if(cloud.fields.begin(), cloud.fields.end(),
+                                    [name](const pcl::PCLPointField& f) { return f.name == name; });
+    if (field == cloud.fields.end()) throw IoError(path, std::string("has no field ") + name);
+    is_double_ = field->datatype == pcl::PCLPointField::FLOAT64;
+    if (!is_double_ && field->datatype != pcl::PCLPointField::FLOAT32)
+      throw IoError(path, std::string("has a field ") + name + " that is not of floating point");
+    offset_ = field->offset;
+    if (offset_ + (is_double_ ? sizeof(double) : sizeof(float)) > cloud.point_step)
+      throw IoError(path, "has a corrupt header");
+  }
+  float of(std::size_t point) const {
+    const std::uint8_t* bytes = cloud_.data.data() + point * cloud_.point_step + offset_;
+    return is_double_ ? static_cast<float>(as<double>(bytes)) : as<float>(bytes);
+  }
+
+private:
+  template <typename T>
+  static T as(const std::uint8_t* bytes) {
+    T value;
+    std::memcpy(&value, bytes, sizeof value);
+    return value;
+  }
+
+  const pcl::PCLPointCloud2& cloud_;
+  bool is_double_ = false;
+  std::size_t offset_ = 0;
+};
+
+pcl::PCLPointCloud2 readPcd(const fs::path& path, const PcdHeader& header) {
+  pcl::PCLPointCloud2 cloud;
+  Eigen::Vector4f origin;
+  Eigen::Quaternionf orientation;
+  int version = 0;
+  int status = 0;
+  try {
+    status = pcl::PCDReader().read(path.string(), cloud, origin, orientation, version);
+  } catch (const std::exception& e) {
+    throw IoError(path.string(), std::string("cannot be read by PCL: ") + e.what());
+  }
+  const std::size_t points = std::size_t(header.width()) * header.height();
+  if (status < 0 || cloud.width != static_cast<unsigned>(header.width()) ||
+      cloud.data.size() != points * cloud.point_step)
+    throw IoError(path.string(), "is a corrupt PCD file");
+  return cloud;
+}
+
+pcl::PointCloud<pcl::PointXYZ> readOrganizedPoints(const fs::path& path) {
+  const PcdHeader header(path);
+  if (header.height() < 2 || header.width() < 2)
+    throw IoError(path.string(), "is not an organized cloud (" + std::to_string(header.width()) + "x" +
+                                     std::to_string(header.height()) + ")");
+  const pcl::PCLPointCloud2 raw = readPcd(path, header);
+  const Coordinate x(raw, "x", path.string()), y(raw, "y", path.string()), z(raw, "z", path.string());
+  pcl::PointCloud<pcl::PointXYZ> cloud(header.width(), header.height());
+  for (std::size_t i = 0; i < cloud.size(); ++i) cloud[i] = pcl::PointXYZ(x.of(i), y.of(i), z.of(i));
+  cloud.is_dense = false;
+  return cloud;
+}
+
+}  // namespace
+
+DepthImage readDepthPcd(const std::filesystem::path& path, const std::optional<Intrinsics>& camera) {
+  const auto cloud = readOrganizedPoints(path);
+  if (camera) {
+    requireSize(path, static_cast<int>(cloud.width), static_cast<int>(cloud.height), *camera);
+    return depthImage(cloud, *camera);
+  }
+  const auto recovered = recoverIntrinsics(cloud);
+  if (!recovered)
+    throw IoError(path.string(),
+                  "has too few points, or none of a pinhole camera, to recover the intrinsics from; "
+                  "a camera.ini would tell them");
+  return depthImage(cloud, *recovered);
+}
+
+}  // namespace facetloc

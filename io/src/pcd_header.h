@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "files.h"
+#include "text.h"
+
+#include <facetloc/io/error.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief The header of a PCD file, read strictly and held against the size of the file.
+ *
+ * PCL believes a header: it allocates what POINTS promises and unpacks as far as SIZE and COUNT say. A file
+ * that passes here is safe to be given to PCL. */
+class PcdHeader {
+public:
+  /** \brief Throws IoError for anything that is not a sound PCD file of the promised length. */
+  explicit PcdHeader(const std::filesystem::path& path) : path_(path.string()) {
+    files::requireFile(path);
+    std::ifstream in(path, std::ios::binary);
+    if (!in) throw IoError(path_, "cannot be opened: " + files::lastError());
+    std::string start(kMaxHeaderBytes, '\0');
+    in.read(start.data(), static_cast<std::streamsize>(start.size()));
+    start.resize(static_cast<std::size_t>(in.gcount()));
+    if (start.empty()) throw IoError(path_, "is empty");
+    parse(start);
+    requireSound();
+    in.clear();
+    in.seekg(0, std::ios::end);
+    requireLength(in, static_cast<std::uint64_t>(in.tellg()));
+  }
+
+  int width() const { return static_cast<int>(width_); }
+  int height() const { return static_cast<int>(height_); }
+
+private:
+  static constexpr std::size_t kMaxHeaderBytes = 65536;
+  static constexpr std::uint64_t kMaxSide = 65535;
+  static constexpr std::uint64_t kMaxCount = 65535;
+  static constexpr std::uint64_t kMaxDataBytes = 1ull << 31;  // PCL counts in 32 bits
+  static constexpr std::uint64_t kLzfMaxRatio = 88;           // LZF unpacks 3 bytes to 264 at most
+
+  using Words = std::vector<std::string_view>;
+
+  [[noreturn]] void fail(const std::string& cause) const { throw IoError(path_, cause); }
+
+  /** PCL looks at a header line by line and lets later lines change earlier ones; hence each once and in
+   * their order. */
+  void parse(std::string_view start) {
+    constexpr std::string_view kOrder[] = {"VERSION", "FIELDS", "SIZE",      "TYPE",   "COUNT",
+                                           "WIDTH",   "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
+    const auto* next = std::begin(kOrder);
+    while (!start.empty()) {
+      const std::size_t length = std::min(start.find('\n'), start.size() - 1) + 1;
+      const Words words = text::words(start.substr(0, length));
+      start.remove_prefix(length);
+      data_offset_ += length;
+      if (words.empty() || words[0].front() == '#') continue;
+      const auto* key = std::find(next, std::end(kOrder), words[0]);
+      if (key == std::end(kOrder)) fail("is not a PCD file, or its header is corrupt");
+      next = key + 1;
+      store(words);
+      if (*key == "DATA") return;
+    }
+    fail("is not a PCD file, or is truncated: its header has no DATA line");
+  }
+
+  void store(const Words& words) {
+    if (words[0] == "FIELDS") fields_ = words.size() - 1;
+    if (words[0] == "SIZE") sizes_ = numbers(words);
+    if (words[0] == "TYPE") types_ = words.size() - 1;
+    if (words[0] == "COUNT") counts_ = numbers(words);
+    if (words[0] == "WIDTH") width_ = number(words);
+    if (words[0] == "HEIGHT") height_ = number(words);
+    if (words[0] == "POINTS") points_ = number(words);
+    if (words[0] == "DATA") encoding_ = words.size() == 2 ? words[1] : "";
+  }
+
+  std::vector<std::uint64_t> numbers(const Words& words) const {
+    std::vector<std::uint64_t> found;
+    for (std::size_t i = 1; i < words.size(); ++i) {
+      const auto value = text::to<std::uint64_t>(words[i]);
+      if (!value) fail("has a corrupt header: " + text::quoted(words[i]) + " is not a count");
+      found.push_back(*value);
+    }
+    return found;
+  }
+
+  std::uint64_t number(const Words& words) const {
+    const auto found = numbers(words);
+    if (found.size() != 1) fail("has a corrupt header: " + std::string(words[0]) + " is not one number");
+    return found[0];
+  }
+
+  void requireSound() {
+    if (counts_.empty()) counts_.assign(fields_, 1);
+    const auto isSize = [](std::uint64_t s) { return s == 1 || s == 2 || s == 4 || s == 8; };
+    const auto isCount = [](std::uint64_t c) { return c >= 1 && c <= kMaxCount; };
+    const bool fields_ok = fields_ > 0 && sizes_.size() == fields_ && types_ == fields_ &&
+                           counts_.size() == fields_ && std::all_of(sizes_.begin(), sizes_.end(), isSize) &&
+                           std::all_of(counts_.begin(), counts_.end(), isCount);
+    if (!fields_ok) fail("has a corrupt header: FIELDS, SIZE, TYPE and COUNT do not fit together");
+    if (width_ < 1 || width_ > kMaxSide || height_ < 1 || height_ > kMaxSide || points_ != width_ * height_)
+      fail("has a corrupt header: WIDTH, HEIGHT and POINTS do not fit together");
+    if (points_ * step() > kMaxDataBytes) fail("has a corrupt header: it promises too many points");
+  }
+
+  std::uint64_t step() const {
+    std::uint64_t bytes = 0;
+    for (std::size_t i = 0; i < fields_; ++i) bytes += sizes_[i] * counts_[i];
+    return bytes;
+  }
+
+  void requireLength(std::istream& in, std::uint64_t file_size) const {
+    const std::uint64_t body = file_size - std::min<std::uint64_t>(file_size, data_offset_);
+    const std::uint64_t promised = points_ * step();
+    const auto requireBytes = [&](std::uint64_t needed) {
+      if (body < needed)
+        fail("is truncated: " + std::to_string(body) + " bytes of points instead of " +
+             std::to_string(needed));
+    };
+    if (encoding_ == "ascii") {
+      std::uint64_t values = 0;
+      for (const std::uint64_t count : counts_) values += points_ * count;
+      requireBytes(2 * values - 1);  // a digit and a blank each
+    } else if (encoding_ == "binary") {
+      requireBytes(promised);
+    } else if (encoding_ == "binary_compressed") {
+      std::uint32_t sizes[2] = {0, 0};  // packed, unpacked
+      requireBytes(sizeof sizes);
+      in.seekg(static_cast<std::streamoff>(data_offset_));
+      in.read(reinterpret_cast<char*>(sizes), sizeof sizes);
+      requireBytes(sizeof sizes + sizes[0]);
+      if (sizes[1] != promised || promised > kLzfMaxRatio * sizes[0])
+        fail("is corrupt: its compressed size does not fit its header");
+    } else {
+      fail("has a corrupt header: unknown DATA " + text::quoted(encoding_));
+    }
+  }
+
+  std::string path_;
+  std::size_t fields_ = 0, types_ = 0;
+  std::vector<std::uint64_t> sizes_, counts_;
+  std::uint64_t width_ = 0, height_ = 0, points_ = 0;
+  std::uint64_t data_offset_ = 0;
+  std::string encoding_;
+};
+
+}  // namespace facetloc

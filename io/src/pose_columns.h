@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace facetloc {
+
+/** \brief A pose as our files and tables have it: tx ty tz qx qy qz qw, with qw >= 0. */
+using PoseColumns = std::array<double, 7>;
+
+inline PoseColumns toColumns(const Eigen::Isometry3d& T) {
+  Eigen::Quaterniond q = Eigen::Quaterniond(T.linear()).normalized();
+  if (q.w() < 0) q.coeffs() = -q.coeffs();
+  const auto& t = T.translation();
+  return {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+/** \brief Empty if a value is not finite or |q|^2 differs from 1 by more than the tolerance. */
+inline std::optional<Eigen::Isometry3d> fromColumns(const PoseColumns& c, double tolerance) {
+  if (!std::all_of(c.begin(), c.end(), [](double x) { return std::isfinite(x); })) return {};
+  const Eigen::Quaterniond q(c[6], c[3], c[4], c[5]);
+  if (!(std::abs(q.squaredNorm() - 1) <= tolerance)) return {};
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = q.normalized().toRotationMatrix();
+  T.translation() << c[0], c[1], c[2];
+  return T;
+}
+
+}  // namespace facetloc

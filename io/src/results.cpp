@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "csv.h"
+#include "files.h"
+#include "pose_columns.h"
+#include "text.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/results.h>
+#include <facetloc/io/trajectory.h>
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+namespace facetloc {
+namespace {
+
+constexpr const char* kHypotheses = "hypotheses.csv";
+constexpr const char* kTiming = "timing.csv";
+constexpr const char* kPoses = "poses_tum.txt";
+constexpr const char* kParams = "params.ini";
+constexpr std::array<const char*, 7> kModelPose = {"m_tx", "m_ty", "m_tz", "m_qx", "m_qy", "m_qz", "m_qw"};
+constexpr std::array<const char*, 7> kWorldPose = {"w_tx", "w_ty", "w_tz", "w_qx", "w_qy", "w_qz", "w_qw"};
+constexpr double kQuaternionTolerance = 1e-3;  // of |q|^2 as read
+constexpr int kTimeDecimals = 3;               // of milliseconds
+
+void requireWritable(const FrameResult& frame) {
+  if (frame.rows.empty()) throw std::invalid_argument("writeResults: a frame has no row");
+  for (const ResultRow& row : frame.rows) {
+    const bool finite = std::isfinite(row.probability) && std::isfinite(row.score) &&
+                        std::isfinite(row.sd_rot_deg) && std::isfinite(row.sd_trans_m) &&
+                        row.T_m_c.matrix().allFinite() && (!row.T_w_c || row.T_w_c->matrix().allFinite());
+    if (row.rank < 0 || !finite)
+      throw std::invalid_argument("writeResults: row of frame " + row.frame + " is not finite");
+  }
+}
+
+std::string poseCells(const std::optional<Eigen::Isometry3d>& T) {
+  if (!T) return std::string(kWorldPose.size() - 1, ',');
+  std::string cells;
+  for (const double value : toColumns(*T))
+    cells.append(cells.empty() ? "" : ",").append(text::significant(value));
+  return cells;
+}
+
+/** What a row with a hypothesis says between its rank and its reason. */
+std::string hypothesisCells(const ResultRow& row) {
+  return csv::cell(row.model) + ',' + text::significant(row.probability) + ',' +
+         text::significant(row.score) + ',' + poseCells(row.T_m_c) + ',' + poseCells(row.T_w_c) + ',' +
+         text::significant(row.sd_rot_deg) + ',' + text::significant(row.sd_trans_m);
+}
+
+constexpr std::size_t kHypothesisCells = 3 + kModelPose.size() + kWorldPose.size() + 2;
+
+void writeHypotheses(std::ostream& out, const std::vector<FrameResult>& frames) {
+  out << "frame,rank,model,probability,score";
+  for (const char* name : kModelPose) out << ',' << name;
+  for (const char* name : kWorldPose) out << ',' << name;
+  out << ",sd_rot_deg,sd_trans_m,reason\n";
+  const std::string no_hypothesis(kHypothesisCells - 1, ',');
+  for (const FrameResult& frame : frames)
+    for (const ResultRow& row : frame.rows)
+      out << csv::cell(row.frame) << ',' << row.rank << ','
+          << (row.rank ? hypothesisCells(row) : no_hypothesis) << ',' << csv::cell(row.reason) << '\n';
+}
+
+void writeTiming(std::ostream& out, const std::vector<FrameResult>& frames) {
+  out << "frame,segment_ms,features_ms,localize_ms,models\n";
+  for (const FrameResult& frame : frames) {
+    const TimingRow& t = frame.timing;
+    out << csv::cell(t.frame);
+    for (const double ms : {t.segment_ms, t.features_ms, t.localize_ms})
+      out << ',' << text::decimals(ms, kTimeDecimals);
+    out << ',' << t.models << '\n';
+  }
+}
+
+std::vector<StampedPose> bestWorldPoses(const std::vector<FrameResult>& frames) {
+  std::vector<StampedPose> poses;
+  for (const FrameResult& frame : frames)
+    for (const ResultRow& row : frame.rows)
+      if (row.rank == 1 && row.T_w_c) poses.push_back({frame.stamp, *row.T_w_c});
+  return poses;
+}
+
+Eigen::Isometry3d readPose(const csv::Table& table, const csv::Row& row,
+                           const std::array<const char*, 7>& names) {
+  PoseColumns columns;
+  for (std::size_t i = 0; i < names.size(); ++i) columns[i] = table.real(row, names[i]);
+  const auto T = fromColumns(columns, kQuaternionTolerance);
+  if (!T) table.fail(row, std::string(names[3]) + " to " + names[6] + " is not a rotation");
+  return *T;
+}
+
+bool allEmpty(const csv::Table& table, const csv::Row& row, const std::array<const char*, 7>& names) {
+  return std::all_of(names.begin(), names.end(),
+                     [&](const char* name) { return text::trimmed(table.string(row, name)).empty(); });
+}
+
+ResultRow readRow(const csv::Table& table, const csv::Row& row) {
+  ResultRow result;
+  result.frame = table.string(row, "frame");
+  result.rank = table.count(row, "rank");
+  result.reason = table.string(row, "reason");
+  if (result.rank == 0) return result;
+  result.model = table.string(row, "model");
+  result.probability = table.real(row, "probability");
+  result.score = table.real(row, "score");
+  result.T_m_c = readPose(table, row, kModelPose);
+  if (!allEmpty(table, row, kWorldPose)) result.T_w_c = readPose(table, row, kWorldPose);
+  result.sd_rot_deg = table.real(row, "sd_rot_deg");
+  result.sd_trans_m = table.real(row, "sd_trans_m");
+  return result;
+}
+
+}  // namespace
+
+void writeResults(const std::filesystem::path& folder, const std::vector<FrameResult>& frames,
+                  const std::string& params_ini) {
+  for (const FrameResult& frame : frames) requireWritable(frame);
+  files::createFolders(folder);
+  writeTextAtomically(folder / kParams, [&](std::ostream& out) { out << params_ini; });
+  writeTextAtomically(folder / kTiming, [&](std::ostream& out) { writeTiming(out, frames); });
+  writeTumTrajectory(folder / kPoses, bestWorldPoses(frames));
+  writeTextAtomically(folder / kHypotheses, [&](std::ostream& out) { writeHypotheses(out, frames); });
+}
+
+std::vector<ResultRow> readHypotheses(const std::filesystem::path& folder) {
+  const csv::Table table(folder / kHypotheses);
+  std::vector<ResultRow> rows;
+  for (const csv::Row& row : table.rows()) rows.push_back(readRow(table, row));
+  return rows;
+}
+
+std::vector<TimingRow> readTiming(const std::filesystem::path& folder) {
+  const csv::Table table(folder / kTiming);
+  std::vector<TimingRow> rows;
+  for (const csv::Row& row : table.rows())
+    rows.push_back({table.string(row, "frame"), table.real(row, "segment_ms"), table.real(row, "features_ms"),
+                    table.real(row, "localize_ms"), table.count(row, "models")});
+  return rows;
+}
+
+}  // namespace facetloc

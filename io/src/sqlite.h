@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/io/error.h>
+
+#include <sqlite3.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+/** \file A thin, owning C++ face of SQLite, private to io. Errors are IoError with the file's name. */
+
+namespace facetloc::sqlite {
+
+using Blob = std::vector<std::uint8_t>;
+
+/** \brief An open database. */
+class Connection {
+public:
+  Connection(const std::filesystem::path& path, int flags) : Connection(path, path, flags) {}
+  /** \brief Errors speak of `shown`, whatever file is opened. */
+  Connection(const std::filesystem::path& path, const std::filesystem::path& shown, int flags)
+      : name_(shown.string()) {
+    constexpr int kBusyTimeout = 5000;              // [ms] another process may be writing
+    constexpr int kLargestCell = 64 * 1024 * 1024;  // [bytes] a corrupt file may claim any size
+    sqlite3* db = nullptr;
+    const int status = sqlite3_open_v2(path.string().c_str(), &db, flags | SQLITE_OPEN_EXRESCODE, nullptr);
+    db_.reset(db);
+    if (status != SQLITE_OK) fail("cannot be opened");
+    sqlite3_busy_timeout(db, kBusyTimeout);
+    sqlite3_limit(db, SQLITE_LIMIT_LENGTH, kLargestCell);
+    sqlite3_db_config(db, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+    sqlite3_db_config(db, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+  }
+
+  void execute(const std::string& sql) {
+    if (sqlite3_exec(handle(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) fail();
+  }
+  sqlite3* handle() const { return db_.get(); }
+  const std::string& name() const { return name_; }
+  int lastCode() const { return sqlite3_extended_errcode(handle()); }
+  [[noreturn]] void fail(const std::string& doing = "database error") const {
+    throw IoError(name_, doing + ": " + (db_ ? sqlite3_errmsg(handle()) : "out of memory"));
+  }
+
+private:
+  struct Close {
+    void operator()(sqlite3* db) const { sqlite3_close_v2(db); }
+  };
+  std::string name_;
+  std::unique_ptr<sqlite3, Close> db_;
+};
+
+/** \brief A cell does not hold what its column is for. */
+class BadCell : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/** \brief A prepared statement. Values are bound, and cells of a row are read, one after the other. */
+class Statement {
+public:
+  Statement(Connection& db, const std::string& sql) : db_(db) {
+    sqlite3_stmt* statement = nullptr;
+    if (sqlite3_prepare_v2(db.handle(), sql.c_str(), -1, &statement, nullptr) != SQLITE_OK) db.fail();
+    statement_.reset(statement);
+  }
+
+  Statement& operator<<(double value) { return check(sqlite3_bind_double(get(), ++bound_, value)); }
+  Statement& operator<<(int value) { return check(sqlite3_bind_int(get(), ++bound_, value)); }
+  Statement& operator<<(std::nullptr_t) { return check(sqlite3_bind_null(get(), ++bound_)); }
+  Statement& operator<<(const std::string& value) {
+    return check(
+        sqlite3_bind_text(get(), ++bound_, value.data(), static_cast<int>(value.size()), SQLITE_TRANSIENT));
+  }
+  Statement& operator<<(const Blob& value) {
+    // Without data SQLite would bind NULL.
+    const void* data = value.empty() ? static_cast<const void*>("") : value.data();
+    return check(sqlite3_bind_blob(get(), ++bound_, data, static_cast<int>(value.size()), SQLITE_TRANSIENT));
+  }
+  template <typename Range>
+  Statement& bindAll(const Range& values) {
+    for (const auto& value : values) *this << value;
+    return *this;
+  }
+
+  /** \brief Goes to the next row; false after the last. */
+  bool step() {
+    cell_ = 0;
+    const int status = sqlite3_step(get());
+    if (status != SQLITE_ROW && status != SQLITE_DONE) db_.fail();
+    return status == SQLITE_ROW;
+  }
+  /** \brief Runs a statement that returns no rows, and makes it ready for the next values. */
+  void run() {
+    step();
+    sqlite3_reset(get());
+    bound_ = 0;
+  }
+
+  bool isNull() const { return sqlite3_column_type(get(), cell_) == SQLITE_NULL; }
+  void skip(int cells) { cell_ += cells; }
+  double real() {
+    const int type = sqlite3_column_type(get(), cell_);
+    if (type != SQLITE_FLOAT && type != SQLITE_INTEGER) bad("is not a number");
+    return sqlite3_column_double(get(), cell_++);
+  }
+  template <std::size_t N>
+  std::array<double, N> reals() {
+    std::array<double, N> values;
+    for (double& value : values) value = real();
+    return values;
+  }
+  int integer() {
+    if (sqlite3_column_type(get(), cell_) != SQLITE_INTEGER) bad("is not an integer");
+    const sqlite3_int64 value = sqlite3_column_int64(get(), cell_);
+    if (value < std::numeric_limits<int>::min() || value > std::numeric_limits<int>::max())
+      bad("is out of range");
+    ++cell_;
+    return static_cast<int>(value);
+  }
+  std::string text() {
+    if (sqlite3_column_type(get(), cell_) != SQLITE_TEXT) bad("is not a text");
+    const auto* data = reinterpret_cast<const char*>(sqlite3_column_text(get(), cell_));
+    const int size = sqlite3_column_bytes(get(), cell_++);
+    return data ? std::string(data, size) : std::string();
+  }
+  Blob blob() {
+    if (sqlite3_column_type(get(), cell_) != SQLITE_BLOB) bad("is not a blob");
+    const auto* data = static_cast<const std::uint8_t*>(sqlite3_column_blob(get(), cell_));
+    const int size = sqlite3_column_bytes(get(), cell_++);
+    return data ? Blob(data, data + size) : Blob();
+  }
+
+private:
+  struct Finalize {
+    void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+  };
+  sqlite3_stmt* get() const { return statement_.get(); }
+  Statement& check(int status) {
+    if (status != SQLITE_OK) db_.fail();
+    return *this;
+  }
+  [[noreturn]] void bad(const char* what) const {
+    const char* column = sqlite3_column_name(get(), cell_);
+    throw BadCell(std::string("column ") + (column ? column : "?") + " " + what);
+  }
+
+  Connection& db_;
+  std::unique_ptr<sqlite3_stmt, Finalize> statement_;
+  int bound_ = 0;
+  int cell_ = 0;
+};
+
+/** \brief All or nothing: rolled back unless committed. */
+class Transaction {
+public:
+  explicit Transaction(Connection& db) : db_(db) { db_.execute("BEGIN IMMEDIATE"); }
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+  ~Transaction() {
+    if (!committed_) sqlite3_exec(db_.handle(), "ROLLBACK", nullptr, nullptr, nullptr);
+  }
+  void commit() {
+    db_.execute("COMMIT");
+    committed_ = true;
+  }
+
+private:
+  Connection& db_;
+  bool committed_ = false;
+};
+
+}  // namespace facetloc::sqlite

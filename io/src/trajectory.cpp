@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "files.h"
+#include "pose_columns.h"
+#include "text.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/trajectory.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace facetloc {
+namespace {
+
+constexpr int kStampDecimals = 6;
+constexpr double kStampRounding = 1e-6;        // [s] stamps are written with 6 decimals
+constexpr double kQuaternionTolerance = 1e-2;  // of |q|^2: TUM's own files have four decimals
+constexpr std::size_t kColumns = 8;
+
+StampedPose parsePose(const std::vector<std::string_view>& words) {
+  if (words.size() != kColumns)
+    throw std::invalid_argument("has " + std::to_string(words.size()) + " columns instead of 8");
+  std::array<double, kColumns> values{};
+  for (std::size_t i = 0; i < kColumns; ++i) {
+    const auto value = text::to<double>(words[i]);
+    if (!value || !std::isfinite(*value))
+      throw std::invalid_argument(text::quoted(words[i]) + " is not a finite number");
+    values[i] = *value;
+  }
+  PoseColumns columns;
+  std::copy(values.begin() + 1, values.end(), columns.begin());
+  const auto T = fromColumns(columns, kQuaternionTolerance);
+  if (!T) throw std::invalid_argument("the quaternion is not a rotation");
+  return {values[0], *T};
+}
+
+}  // namespace
+
+Trajectory::Trajectory(std::vector<StampedPose> poses) : poses_(std::move(poses)) {
+  std::stable_sort(poses_.begin(), poses_.end(),
+                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+}
+
+std::optional<Eigen::Isometry3d> Trajectory::nearest(double stamp, double tolerance) const {
+  const auto distance = [stamp](const StampedPose& p) { return std::abs(p.stamp - stamp); };
+  auto best = std::lower_bound(poses_.begin(), poses_.end(), stamp,
+                               [](const StampedPose& p, double s) { return p.stamp < s; });
+  if (best == poses_.end() || (best != poses_.begin() && distance(best[-1]) <= distance(*best))) {
+    if (best == poses_.begin()) return {};
+    --best;
+  }
+  if (!(distance(*best) <= tolerance + kStampRounding)) return {};
+  return best->T_w_c;
+}
+
+Trajectory readTumTrajectory(const std::filesystem::path& path) {
+  const std::string content = files::readText(path);
+  std::vector<StampedPose> poses;
+  int number = 0;
+  for (const std::string_view line : text::lines(content)) {
+    ++number;
+    const auto words = text::words(text::withoutComment(line));
+    if (words.empty()) continue;
+    try {
+      poses.push_back(parsePose(words));
+    } catch (const std::invalid_argument& e) {
+      throw IoError(path.string(), "line " + std::to_string(number) + ": " + e.what());
+    }
+  }
+  return Trajectory(std::move(poses));
+}
+
+void writeTumTrajectory(const std::filesystem::path& path, const std::vector<StampedPose>& poses) {
+  writeTextAtomically(path, [&](std::ostream& out) {
+    out << "# timestamp tx ty tz qx qy qz qw\n";
+    for (const StampedPose& pose : poses) {
+      if (!std::isfinite(pose.stamp) || !pose.T_w_c.matrix().allFinite())
+        throw std::invalid_argument("writeTumTrajectory: a pose is not finite");
+      out << text::decimals(pose.stamp, kStampDecimals);
+      for (const double value : toColumns(pose.T_w_c)) out << ' ' << text::significant(value);
+      out << '\n';
+    }
+  });
+}
+
+}  // namespace facetloc

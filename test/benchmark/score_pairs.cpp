@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Registration of pairs of single images from one place: how many are found, how well, how fast.
+//
+//   score_pairs [--param=value ...] SEQUENCE...     sequences with ground truth in one common world
+//
+// Pairs are 0.6-1.7 m and 20-60 deg apart by the true poses and share at least 30 % of their pixels; a fixed
+// seed chooses them. The prior is 60 deg and 1.5 m about the identity. Registered = within 0.3 m and 10 deg
+// of the truth.
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/registration/global_localization.h>
+#include <facetloc/segmentation/view_builder.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <random>
+
+namespace {
+
+using namespace facetloc;
+
+constexpr int kPairs = 40;
+constexpr int kWorkingWidth = 320;
+constexpr std::uint32_t kSeed = 1;
+constexpr double kMaxTranslationError = 0.3, kMaxRotationError = 10 * kDegree;
+
+struct Frame {
+  std::string name;
+  DepthImage image;
+  Eigen::Isometry3d T_w_c;
+};
+
+double milliseconds(std::chrono::steady_clock::time_point since) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
+}
+
+// Share of a's pixels that b sees too, by the true poses.
+double overlap(const DepthImage& a, const DepthImage& b, const Eigen::Isometry3d& T_b_a) {
+  constexpr int kStep = 8;
+  constexpr double kSameDepth = 0.05;  // of the depth
+  int valid = 0, shared = 0;
+  for (int v = kStep / 2; v < a.camera.height; v += kStep)
+    for (int u = kStep / 2; u < a.camera.width; u += kStep) {
+      const double z = a.at(u, v);
+      if (!(z > 0)) continue;
+      ++valid;
+      const Eigen::Vector3d p = T_b_a * (z * a.camera.ray(u, v));
+      if (!(p.z() > 0)) continue;
+      const Eigen::Vector2d q = b.camera.project(p);
+      const int x = static_cast<int>(std::lround(q.x())), y = static_cast<int>(std::lround(q.y()));
+      if (x < 0 || y < 0 || x >= b.camera.width || y >= b.camera.height) continue;
+      const double seen = b.at(x, y);
+      shared += seen > 0 && std::abs(seen - p.z()) < kSameDepth * p.z();
+    }
+  return valid ? shared / static_cast<double>(valid) : 0;
+}
+
+std::vector<Frame> readFrames(const std::vector<std::string>& folders) {
+  std::vector<Frame> frames;
+  for (const std::string& folder : folders) {
+    const DepthSequence sequence = DepthSequence::open(folder);
+    for (std::size_t i = 0; i < sequence.frames().size(); ++i)
+      if (const auto T = sequence.groundTruth().nearest(sequence.frames()[i].stamp))
+        frames.push_back({sequence.frames()[i].name, sequence.load(i, kWorkingWidth), *T});
+  }
+  return frames;
+}
+
+std::vector<std::pair<int, int>> choosePairs(const std::vector<Frame>& frames) {
+  std::mt19937 random(kSeed);
+  std::vector<std::pair<int, int>> pairs;
+  for (int attempt = 0; attempt < 200000 && static_cast<int>(pairs.size()) < kPairs; ++attempt) {
+    const int i = static_cast<int>(random() % frames.size()), j = static_cast<int>(random() % frames.size());
+    const Eigen::Isometry3d T = frames[j].T_w_c.inverse() * frames[i].T_w_c;
+    const double distance = T.translation().norm(), angle = rotationAngle(T.linear());
+    if (distance < 0.6 || distance > 1.7 || angle < 20 * kDegree || angle > 60 * kDegree) continue;
+    if (overlap(frames[i].image, frames[j].image, T) < 0.3) continue;
+    if (overlap(frames[j].image, frames[i].image, T.inverse()) < 0.3) continue;
+    pairs.emplace_back(i, j);
+  }
+  return pairs;
+}
+
+struct PairError {
+  double translation, rotation;
+  bool registered() const { return translation <= kMaxTranslationError && rotation <= kMaxRotationError; }
+};
+
+PairError errorOf(const Hypothesis& h, const Eigen::Isometry3d& truth) {
+  return {(h.T_m_c.T.translation() - truth.translation()).norm(),
+          rotationAngle(h.T_m_c.T.linear() * truth.linear().transpose())};
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  return values[values.size() / 2];
+}
+
+// --name=value sets a parameter of any group.
+bool setParameter(const std::string& argument, ViewParams& view, GlobalLocalizationParams& localization) {
+  const std::size_t equals = argument.find('=');
+  const std::string wanted = argument.substr(2, equals - 2);
+  const double number = std::atof(argument.substr(equals + 1).c_str());
+  bool found = false;
+  const auto set = [&](const char* name, auto& value, auto, auto, const char*) {
+    if (wanted != name) return;
+    value = static_cast<std::decay_t<decltype(value)>>(number);
+    found = true;
+  };
+  ViewParams::describe(view, set);
+  GlobalLocalizationParams::describe(localization, set);
+  return found;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ViewParams view_params;
+  GlobalLocalizationParams params;
+  params.prior.rotation_std_deg = 60;
+  params.prior.translation_std = 1.5;
+  std::vector<std::string> folders;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument.rfind("--", 0) != 0)
+      folders.push_back(argument);
+    else if (!setParameter(argument, view_params, params)) {
+      std::fprintf(stderr, "score_pairs: unknown parameter %s\n", argv[i]);
+      return 2;
+    }
+  }
+  if (folders.empty()) {
+    std::fprintf(stderr, "usage: score_pairs [--param=value ...] SEQUENCE...\n");
+    return 2;
+  }
+  const std::vector<Frame> frames = readFrames(folders);
+  const std::vector<std::pair<int, int>> pairs = choosePairs(frames);
+
+  ViewBuilder builder(view_params);
+  int registered = 0, anywhere = 0;
+  std::vector<double> view_ms, align_ms, translation_errors, rotation_errors;
+  std::printf("source      target      distance angle | hyps  rank   error        probability | segments\n");
+  for (const auto& [i, j] : pairs) {
+    const Eigen::Isometry3d truth = frames[j].T_w_c.inverse() * frames[i].T_w_c;
+    auto start = std::chrono::steady_clock::now();
+    const View scene = builder.build(frames[i].image);
+    auto map = std::make_shared<Map>();
+    map->models.resize(1);
+    map->models[0].T_w_m = Eigen::Isometry3d::Identity();
+    map->models[0].view = builder.build(frames[j].image);
+    view_ms.push_back(milliseconds(start));
+    const GlobalLocalization localization(map, params, view_params.noise);
+    start = std::chrono::steady_clock::now();
+    const Localization answer = localization.localize(scene);
+    align_ms.push_back(milliseconds(start));
+
+    int rank = 0;
+    for (std::size_t k = 0; k < answer.hypotheses.size() && !rank; ++k)
+      if (errorOf(answer.hypotheses[k], truth).registered()) rank = static_cast<int>(k) + 1;
+    registered += rank == 1;
+    anywhere += rank > 0;
+    const PairError first =
+        answer.hypotheses.empty() ? PairError{9.99, kDegree * 180} : errorOf(answer.hypotheses[0], truth);
+    if (rank == 1) translation_errors.push_back(first.translation), rotation_errors.push_back(first.rotation);
+    std::printf("%-11s %-11s %5.2f m %5.1f | %4zu %5d %6.3f m %6.2f %8.3f%s | %zu %zu  %.1f ms\n",
+                frames[i].name.c_str(), frames[j].name.c_str(), truth.translation().norm(),
+                rotationAngle(truth.linear()) / kDegree, answer.hypotheses.size(), rank, first.translation,
+                first.rotation / kDegree, answer.hypotheses.empty() ? 0.0 : answer.hypotheses[0].probability,
+                !answer.hypotheses.empty() && answer.hypotheses[0].depth_assisted ? "d" : " ",
+                scene.segments.size(), map->models[0].view.segments.size(), align_ms.back());
+  }
+  std::printf("%d of %zu pairs registered (rank 1 within %.1f m and %.0f deg), %d anywhere in the list\n",
+              registered, pairs.size(), kMaxTranslationError, kMaxRotationError / kDegree, anywhere);
+  std::printf(
+      "median error %.3f m %.2f deg; median time per pair: views %.1f ms, registration %.1f ms (max %.1f)\n",
+      median(translation_errors), median(rotation_errors) / kDegree, median(view_ms), median(align_ms),
+      *std::max_element(align_ms.begin(), align_ms.end()));
+}

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/depth_image.h>
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+namespace facetloc {
+namespace {
+
+DepthImage counting(int width, int height) {
+  DepthImage image;
+  image.camera = {width, height, 100, 110, 0.5 * width, 0.5 * height};
+  image.depth.resize(static_cast<std::size_t>(width) * height);
+  std::iota(image.depth.begin(), image.depth.end(), 0.f);
+  return image;
+}
+
+TEST(DepthImage, SubsamplingTakesPixelsAndNeverAverages) {
+  for (const int step : {1, 2, 3, 7}) {
+    const DepthImage full = counting(13, 10), small = subsampled(full, step);
+    EXPECT_EQ(small.camera, full.camera.subsampled(step));
+    ASSERT_EQ(small.depth.size(), static_cast<std::size_t>(small.camera.width) * small.camera.height);
+    for (int v = 0; v < small.camera.height; ++v)
+      for (int u = 0; u < small.camera.width; ++u) EXPECT_EQ(small.at(u, v), full.at(step * u, step * v));
+  }
+}
+
+TEST(DepthImage, SubsamplingOfAnEmptyImageIsEmpty) { EXPECT_TRUE(subsampled(DepthImage{}, 2).empty()); }
+
+TEST(DepthImage, TheWorkingWidthIsALowerBound) {
+  Intrinsics c = kinectIntrinsics();
+  EXPECT_EQ(subsamplingStep(c, 320), 2);
+  EXPECT_EQ(subsamplingStep(c, 640), 1);
+  EXPECT_EQ(subsamplingStep(c, 1000), 1);
+  EXPECT_EQ(subsamplingStep(c, 0), 1);  // full size
+  c.width = 959;
+  EXPECT_EQ(subsamplingStep(c, 320), 2);
+  EXPECT_GE(c.subsampled(2).width, 320);
+}
+
+TEST(LabelImage, MaxLabelOfNothingIsZero) {
+  EXPECT_EQ(LabelImage{}.maxLabel(), 0);
+  EXPECT_EQ((LabelImage{2, 2, {0, 7, 3, 0}}).maxLabel(), 7);
+}
+
+}  // namespace
+}  // namespace facetloc

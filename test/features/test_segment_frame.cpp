@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/segment_frame.h>
+#include <facetloc/testing/pose_matchers.h>
+#include <facetloc/testing/random_segments.h>
+
+#include <gtest/gtest.h>
+#include <pcl/io/pcd_io.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+
+namespace facetloc {
+namespace {
+
+using test::MatrixNear;
+using test::randomSegment;
+using test::Rng;
+
+std::vector<Segment> randomSegments(int n) {
+  Rng rng(1);
+  std::vector<Segment> segments;
+  for (int i = 0; i < n; ++i) segments.push_back(randomSegment(rng));
+  return segments;
+}
+
+// Everything that is data; behind it there is only padding.
+constexpr std::size_t kBytes = offsetof(SegmentFrame, hull) + sizeof(SegmentFrame::hull);
+
+TEST(SegmentFrame, ComesBackAsTheSegmentItWas) {
+  for (const Segment& s : randomSegments(200)) {
+    Segment again;
+    ASSERT_TRUE(toSegment(toSegmentFrame(s), again));
+    EXPECT_THAT(again.R, MatrixNear(s.R, 1e-6));
+    EXPECT_THAT(again.R, test::IsRotation());
+    EXPECT_THAT(again.t, MatrixNear(s.t, 1e-6));
+    EXPECT_LT((again.Sigma_q - s.Sigma_q).norm(), 1e-6 * s.Sigma_q.norm());
+    EXPECT_THAT(again.Sigma_q, MatrixNear(again.Sigma_q.transpose(), 0));
+    EXPECT_THAT(again.lambda, MatrixNear(s.lambda, 1e-6));
+    EXPECT_EQ(again.num_points, s.num_points);
+    ASSERT_EQ(again.hull.size, s.hull.size);
+    for (int i = 0; i < s.hull.size; ++i) EXPECT_EQ(again.hull.vertex[i], s.hull.vertex[i]);
+  }
+}
+
+TEST(SegmentFrame, NormalIsTheThirdAxis) {
+  for (const Segment& s : randomSegments(50))
+    EXPECT_THAT(toSegmentFrame(s).normal(), MatrixNear(s.normal().cast<float>(), 1e-6));
+}
+
+TEST(SegmentFrame, TransformedAgreesWithTheTransformedSegment) {
+  Rng rng(2);
+  for (const Segment& s : randomSegments(100)) {
+    const Eigen::Isometry3d T = test::randomPose(rng, 3, 3);
+    Segment moved;
+    ASSERT_TRUE(toSegment(transformed(toSegmentFrame(s), T), moved));
+    const Segment want = transformed(s, T);
+    EXPECT_THAT(moved.t, MatrixNear(want.t, 1e-5));
+    EXPECT_THAT(moved.R, MatrixNear(want.R, 1e-6));
+    EXPECT_LT((moved.Sigma_q - want.Sigma_q).norm(), 1e-6 * want.Sigma_q.norm());
+  }
+}
+
+class SegmentFramePcd : public testing::TestWithParam<bool> {};
+
+TEST_P(SegmentFramePcd, RoundTripIsExactToTheByte) {
+  pcl::PointCloud<SegmentFrame> cloud = toCloud(randomSegments(100)), again;
+  cloud[3].x = std::numeric_limits<float>::quiet_NaN();  // invalid frames are stored like all others
+  cloud[4].sigma_q[2] = std::numeric_limits<float>::infinity();
+  cloud.is_dense = false;
+  std::string folder = (std::filesystem::temp_directory_path() / "facetloc_XXXXXX").string();
+  ASSERT_TRUE(mkdtemp(folder.data()));
+  const std::string path = folder + "/frames.pcd";
+  const bool compressed = GetParam();
+  ASSERT_EQ(compressed ? pcl::io::savePCDFileBinaryCompressed(path, cloud)
+                       : pcl::io::savePCDFileBinary(path, cloud),
+            0);
+  EXPECT_EQ(pcl::io::loadPCDFile(path, again), 0);
+  std::filesystem::remove_all(folder);
+  ASSERT_EQ(again.size(), cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) EXPECT_EQ(std::memcmp(&again[i], &cloud[i], kBytes), 0) << i;
+}
+
+INSTANTIATE_TEST_SUITE_P(BinaryAndCompressed, SegmentFramePcd, testing::Bool());
+
+TEST(SegmentFrame, FieldsThatAreNotFiniteAreRefused) {
+  const SegmentFrame good = toSegmentFrame(randomSegments(1)[0]);
+  Segment out;
+  ASSERT_TRUE(toSegment(good, out));
+  const Segment before = out;
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+                          -std::numeric_limits<float>::infinity()}) {
+    const auto refused = [&](auto set) {
+      SegmentFrame f = good;
+      set(f);
+      EXPECT_FALSE(toSegment(f, out));
+    };
+    for (int i = 0; i < 3; ++i) refused([&](SegmentFrame& f) { f.data[i] = bad; });
+    for (int i = 0; i < 4; ++i) refused([&](SegmentFrame& f) { f.orientation[i] = bad; });
+    for (int i = 0; i < 6; ++i) refused([&](SegmentFrame& f) { f.sigma_q[i] = bad; });
+    for (int i = 0; i < 2; ++i) refused([&](SegmentFrame& f) { f.lambda[i] = bad; });
+    for (int i = 0; i < 2 * good.hull_size; ++i) refused([&](SegmentFrame& f) { f.hull[i] = bad; });
+  }
+  EXPECT_EQ(out.t, before.t);  // unchanged by refusals
+  EXPECT_EQ(out.R, before.R);
+  EXPECT_EQ(out.num_points, before.num_points);
+}
+
+TEST(SegmentFrame, WhatIsNotARotationOrACovarianceIsRefused) {
+  const SegmentFrame good = toSegmentFrame(randomSegments(1)[0]);
+  Segment out;
+  SegmentFrame f = good;
+  std::fill_n(f.orientation, 4, 0.f);
+  EXPECT_FALSE(toSegment(f, out));
+  f = good;
+  for (float& q : f.orientation) q *= 1.1f;
+  EXPECT_FALSE(toSegment(f, out));
+  f = good;
+  f.sigma_q[0] = -f.sigma_q[0];
+  EXPECT_FALSE(toSegment(f, out));
+  f = good;
+  f.sigma_q[1] = 2 * std::sqrt(f.sigma_q[0] * f.sigma_q[3]);
+  EXPECT_FALSE(toSegment(f, out));
+  EXPECT_FALSE(toSegment(SegmentFrame{}, out));  // an empty frame has no uncertainty
+  f = good;
+  f.lambda[1] = -1;
+  EXPECT_FALSE(toSegment(f, out));
+  f = good;
+  f.num_points = -1;
+  EXPECT_FALSE(toSegment(f, out));
+}
+
+TEST(SegmentFrame, AnOutlineOfAnImpossibleSizeIsRefused) {
+  const SegmentFrame good = toSegmentFrame(randomSegments(1)[0]);
+  Segment out;
+  for (const std::int32_t size : {-1, ConvexHull::kMaxVertices + 1, std::numeric_limits<std::int32_t>::max(),
+                                  std::numeric_limits<std::int32_t>::min()}) {
+    SegmentFrame f = good;
+    f.hull_size = size;
+    EXPECT_FALSE(toSegment(f, out)) << size;
+  }
+}
+
+TEST(SegmentFrame, AnyBytesAreReadWithoutACrash) {
+  Rng rng(3);
+  int accepted = 0;
+  for (int i = 0; i < 20000; ++i) {
+    SegmentFrame f = toSegmentFrame(randomSegment(rng));
+    auto* bytes = reinterpret_cast<unsigned char*>(f.data);
+    for (int k = 0; k < 1 + i % 40; ++k) bytes[rng() % kBytes] = static_cast<unsigned char>(rng());
+    Segment out;
+    if (!toSegment(f, out)) continue;
+    ++accepted;
+    EXPECT_TRUE(out.R.allFinite() && out.t.allFinite() && out.Sigma_q.allFinite());
+    EXPECT_LE(out.hull.size, ConvexHull::kMaxVertices);
+  }
+  EXPECT_GT(accepted, 0);
+  EXPECT_LT(accepted, 20000);
+}
+
+}  // namespace
+}  // namespace facetloc

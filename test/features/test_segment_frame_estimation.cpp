@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/segment_frame_estimation.h>
+#include <facetloc/testing/organized_clouds.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace facetloc {
+namespace {
+
+using test::organizedCloud;
+using test::Rendering;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+pcl::PointCloud<pcl::Label>::Ptr labelCloud(const LabelImage& labels) {
+  auto cloud = pcl::make_shared<pcl::PointCloud<pcl::Label>>(labels.width, labels.height);
+  for (std::size_t i = 0; i < labels.label.size(); ++i) (*cloud)[i].label = labels.label[i];
+  return cloud;
+}
+
+template <typename PointT>
+class SegmentFrameEstimationTest : public testing::Test {
+protected:
+  SegmentFrameEstimationTest() {
+    view = test::render(test::furnishedRoom(), test::tinyCamera(),
+                        test::lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2}));
+    cloud = organizedCloud<PointT>(view.image);
+    labels = labelCloud(view.labels);
+    estimation.setInputCloud(cloud);
+    estimation.setLabels(labels);
+  }
+  void expectEmpty(const std::string& why) {
+    estimation.compute(frames);
+    EXPECT_TRUE(frames.empty());
+    EXPECT_THAT(estimation.usedLabels(), IsEmpty());
+    EXPECT_THAT(estimation.getStatus(), HasSubstr(why));
+  }
+
+  Rendering view;
+  typename pcl::PointCloud<PointT>::Ptr cloud;
+  pcl::PointCloud<pcl::Label>::Ptr labels;
+  SegmentFrameEstimation<PointT> estimation;
+  pcl::PointCloud<SegmentFrame> frames;
+};
+using PointTypes = testing::Types<pcl::PointXYZ, pcl::PointXYZI, pcl::PointXYZRGB, pcl::PointXYZRGBA>;
+TYPED_TEST_SUITE(SegmentFrameEstimationTest, PointTypes);
+
+TYPED_TEST(SegmentFrameEstimationTest, FramesAreThoseOfTheDepthImage) {
+  this->cloud->header.stamp = 42;
+  this->cloud->header.frame_id = "camera";
+  this->estimation.setIntrinsics(this->view.image.camera);
+  this->estimation.compute(this->frames);
+  EXPECT_EQ(this->estimation.getStatus(), "");
+  EXPECT_EQ(this->frames.header.stamp, 42u);
+  EXPECT_EQ(this->frames.header.frame_id, "camera");
+  std::vector<int> kept;
+  const std::vector<Segment> want = estimateSegments(this->view.image, this->view.labels, {}, {}, &kept);
+  ASSERT_GE(want.size(), 4u);
+  ASSERT_EQ(this->frames.size(), want.size());
+  EXPECT_EQ(this->estimation.usedLabels(), kept);
+  for (std::size_t i = 0; i < want.size(); ++i) {
+    EXPECT_LT((this->frames[i].getVector3fMap() - want[i].t.template cast<float>()).norm(), 1e-6);
+    EXPECT_EQ(this->frames[i].num_points, want[i].num_points);
+  }
+}
+
+TYPED_TEST(SegmentFrameEstimationTest, BadDataGivesAnEmptyOutputAndAReason) {
+  this->estimation.compute(this->frames);
+  ASSERT_FALSE(this->frames.empty());
+  const auto good = this->cloud;
+  const auto setCloud = [&](auto input) { this->estimation.setInputCloud(input); };
+  using Cloud = pcl::PointCloud<TypeParam>;
+
+  setCloud(pcl::make_shared<Cloud>());
+  this->expectEmpty("no input cloud");
+  setCloud(typename Cloud::ConstPtr());
+  this->expectEmpty("no input cloud");
+
+  auto unorganized = pcl::make_shared<Cloud>(*good);
+  unorganized->width = static_cast<std::uint32_t>(unorganized->size());
+  unorganized->height = 1;
+  setCloud(unorganized);
+  this->expectEmpty("not organized");
+
+  auto nan = pcl::make_shared<Cloud>(*good);
+  for (auto& p : *nan) p.x = p.y = p.z = std::numeric_limits<float>::quiet_NaN();
+  setCloud(nan);
+  this->expectEmpty("camera");
+  this->estimation.setIntrinsics(this->view.image.camera);
+  this->expectEmpty("no label");
+
+  setCloud(good);
+  this->estimation.setIntrinsics(kinectIntrinsics());
+  this->expectEmpty("camera");  // of another size
+  this->estimation.setIntrinsics({});
+  this->estimation.setLabels({});
+  this->expectEmpty("one label per point");
+  auto few = pcl::make_shared<pcl::PointCloud<pcl::Label>>(*this->labels);
+  few->points.pop_back();
+  this->estimation.setLabels(few);
+  this->expectEmpty("one label per point");
+
+  this->estimation.setLabels(this->labels);
+  this->estimation.compute(this->frames);
+  EXPECT_FALSE(this->frames.empty());
+  EXPECT_EQ(this->estimation.getStatus(), "");
+}
+
+TYPED_TEST(SegmentFrameEstimationTest, IndicesRestrictTheSupport) {
+  this->estimation.compute(this->frames);
+  const auto whole = this->frames;
+  const int chosen = this->estimation.usedLabels().at(0);
+  auto indices = pcl::make_shared<pcl::Indices>();
+  int left = 0;
+  for (std::size_t i = 0; i < this->cloud->size(); ++i)
+    if ((*this->labels)[i].label == static_cast<std::uint32_t>(chosen) && i % this->cloud->width < 100)
+      indices->push_back(static_cast<int>(i)), ++left;
+  this->estimation.setIndices(indices);
+  this->estimation.compute(this->frames);
+  ASSERT_EQ(this->frames.size(), 1u);
+  EXPECT_LE(this->frames[0].num_points, left);
+  EXPECT_GT(this->frames[0].num_points, 0.99 * left);
+  EXPECT_EQ(this->estimation.usedLabels(), std::vector<int>{chosen});
+
+  this->estimation.setIndices(pcl::make_shared<pcl::Indices>(pcl::Indices{0, 1, 2}));
+  this->expectEmpty("no label");
+}
+
+TYPED_TEST(SegmentFrameEstimationTest, LabelsBeyondSixteenBitsAreNone) {
+  for (auto& l : *this->labels)
+    if (l.label) l.label += 65536;  // would wrap around to the old labels
+  this->expectEmpty("no label");
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/so3.h>
+#include <facetloc/testing/numeric_jacobian.h>
+#include <facetloc/testing/pose_matchers.h>
+#include <facetloc/testing/random_segments.h>
+
+#include <gtest/gtest.h>
+
+namespace facetloc {
+namespace {
+
+using test::gaussian;
+using test::IsRotation;
+using test::MatrixNear;
+using test::PoseNear;
+using test::randomDirection;
+using test::Rng;
+
+constexpr double kPi = 3.14159265358979323846;
+
+// Zero, around the switch-over points of the series, moderate, and nearly half a turn.
+const double kAngles[] = {0, 1e-12, 1e-9, 1.1e-9, 1e-8, 0.99e-5, 1.01e-5, 1e-3, 0.1, 1, 2.5, kPi - 1e-6};
+
+TEST(So3, SkewIsTheCrossProduct) {
+  Rng rng(1);
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d a = gaussian<3>(rng), b = gaussian<3>(rng);
+    EXPECT_THAT((skew(a) * b).eval(), MatrixNear(a.cross(b), 1e-15));
+  }
+}
+
+TEST(So3, ExpIsARotationAndLogItsInverse) {
+  Rng rng(2);
+  for (const double angle : kAngles)
+    for (int i = 0; i < 20; ++i) {
+      const Eigen::Vector3d phi = angle * randomDirection(rng);
+      const Eigen::Matrix3d R = expSO3(phi);
+      EXPECT_THAT(R, IsRotation()) << angle;
+      EXPECT_THAT(logSO3(R), MatrixNear(phi, 1e-14 + 1e-9 * angle)) << angle;
+      EXPECT_THAT(expSO3(-phi), MatrixNear(R.transpose(), 1e-15)) << angle;
+    }
+}
+
+TEST(So3, ExpAgreesWithItsPowerSeries) {
+  Rng rng(3);
+  for (const double angle : {1e-8, 1e-3, 0.1, 1.0}) {
+    const Eigen::Matrix3d K = skew(angle * randomDirection(rng));
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Identity(), term = sum;
+    for (int k = 1; k < 25; ++k) sum += term = (term * K / k).eval();
+    EXPECT_THAT(expSO3({K(2, 1), K(0, 2), K(1, 0)}), MatrixNear(sum, 1e-15));
+  }
+}
+
+TEST(So3, HalfATurnComesBackUpToTheSignOfItsAxis) {
+  Rng rng(4);
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Matrix3d R = expSO3(kPi * randomDirection(rng));
+    EXPECT_NEAR(logSO3(R).norm(), kPi, 1e-9);
+    EXPECT_THAT(expSO3(logSO3(R)), MatrixNear(R, 1e-12));
+  }
+}
+
+TEST(So3, LeftJacobianIsTheDerivativeOfExp) {
+  Rng rng(5);
+  for (const double angle : kAngles)
+    for (int i = 0; i < 20; ++i) {
+      const Eigen::Vector3d phi = angle * randomDirection(rng);
+      const auto displaced = [&](const Eigen::Vector3d& d) {
+        return logSO3(expSO3(phi + d) * expSO3(phi).transpose());
+      };
+      const Eigen::Matrix3d J = test::numericJacobian<3, 3>(displaced, Eigen::Vector3d::Zero().eval());
+      EXPECT_THAT(leftJacobianSO3(phi), MatrixNear(J, 1e-9)) << angle;
+    }
+}
+
+TEST(So3, LeftJacobianKeepsItsAxisAndIsTheRightOneTurned) {
+  Rng rng(6);
+  for (const double angle : kAngles) {
+    const Eigen::Vector3d phi = angle * randomDirection(rng);
+    EXPECT_THAT((leftJacobianSO3(phi) * phi).eval(), MatrixNear(phi, 1e-14)) << angle;
+    EXPECT_THAT((expSO3(phi) * leftJacobianSO3(-phi)).eval(), MatrixNear(leftJacobianSO3(phi), 1e-10))
+        << angle;
+  }
+}
+
+TEST(So3, RotationAngleIsAccurateNearZero) {
+  Rng rng(7);
+  for (const double angle : kAngles)
+    EXPECT_NEAR(rotationAngle(expSO3(angle * randomDirection(rng))), angle, 1e-15 + 1e-9 * angle);
+}
+
+TEST(So3, PerturbationUndoesPerturbed) {
+  Rng rng(8);
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Isometry3d T = test::randomPose(rng, 3, 5);
+    Vector6d d = gaussian<6>(rng);
+    d.head<3>() *= 0.5;
+    const Eigen::Isometry3d moved = perturbed(T, d);
+    EXPECT_THAT(perturbation(T, moved), MatrixNear(d, 1e-12));
+    EXPECT_THAT(perturbed(T, Vector6d::Zero()), PoseNear(T, 0, 1e-12));
+    // Left and decoupled: the rotation error is in the outer frame, the position moves by d t alone.
+    EXPECT_THAT(moved.linear(), MatrixNear(expSO3(d.head<3>()) * T.linear(), 1e-15));
+    EXPECT_THAT(moved.translation(), MatrixNear(T.translation() + d.tail<3>(), 1e-15));
+  }
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/segmentation/disparity_image.h>
+#include <facetloc/testing/random_segments.h>
+#include <facetloc/testing/synthetic_depth.h>
+
+#include <cmath>
+
+namespace facetloc::test {
+
+/** \brief An image of the given size with nothing measured. */
+inline DisparityImage blankDisparity(int width, int height) {
+  DisparityImage image;
+  image.camera = {width, height, 0.9 * width + 1, 0.9 * width + 2, 0.5 * width, 0.5 * height};
+  image.unit = 0.5 / kKinectGain;
+  image.d.assign(static_cast<std::size_t>(width) * height, 0.f);
+  return image;
+}
+
+/** \brief Independent random values: the worst case of a segmentation. */
+inline DisparityImage randomDisparity(int width, int height, double valid_share, unsigned seed) {
+  DisparityImage image = blankDisparity(width, height);
+  Rng rng(seed);
+  for (float& d : image.d)
+    if (uniform(rng, 0, 1) < valid_share) d = static_cast<float>(uniform(rng, 100, 1000));
+  return image;
+}
+
+/** \brief A furnished room with unit white noise, in steps of 1/1024 so that sums with integers are exact. */
+inline DisparityImage roomDisparity(const Intrinsics& camera, unsigned seed, double noise = 1) {
+  const DepthImage depth = render(furnishedRoom(), camera, lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2})).image;
+  DisparityImage image;
+  toDisparity(depth, 0.5 / kKinectGain, image);
+  Rng rng(seed);
+  for (float& d : image.d)
+    if (d > 0) d = static_cast<float>(std::round((d + noise * gaussian<1>(rng)[0]) * 1024) / 1024);
+  return image;
+}
+
+}  // namespace facetloc::test

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "temporary_folder.h"
+
+#include <facetloc/io/camera_file.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <clocale>
+#include <stdexcept>
+
+namespace facetloc {
+namespace {
+
+using test::ioErrorOf;
+using test::putBytes;
+using test::TemporaryFolder;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr const char* kMinimal = "width=640 height=480 fx=525 fy=526.5 cx=319.5 cy=239.5 depth_scale=5000\n";
+
+CameraFile read(const std::string& content) {
+  const TemporaryFolder folder;
+  return readCameraFile(putBytes(folder / "camera.ini", content));
+}
+
+std::string errorOf(const std::string& content) {
+  return ioErrorOf([&] { read(content); });
+}
+
+TEST(CameraFile, ReadsSeveralPairsOnALineAndComments) {
+  const CameraFile camera = read("# a Kinect\n" + std::string(kMinimal) +
+                                 "mount_height = 0.98  mount_tilt_deg= 10 # on the robot\r\n\n"
+                                 "inverse_depth_std =0.00142");
+  EXPECT_EQ(camera.intrinsics, (Intrinsics{640, 480, 525, 526.5, 319.5, 239.5}));
+  EXPECT_EQ(camera.depth_scale, 5000);
+  ASSERT_TRUE(camera.mounting);
+  EXPECT_EQ(camera.mounting->height, 0.98);
+  EXPECT_EQ(camera.mounting->tilt_deg, 10);
+  EXPECT_EQ(camera.inverse_depth_std, 0.00142);
+}
+
+TEST(CameraFile, MountingAndNoiseAreOptional) {
+  const CameraFile camera = read(kMinimal);
+  EXPECT_FALSE(camera.mounting);
+  EXPECT_FALSE(camera.inverse_depth_std);
+}
+
+TEST(CameraFile, RoundTripsExactly) {
+  const TemporaryFolder folder;
+  CameraFile camera;
+  camera.intrinsics = {320, 240, 262.5 + 1.0 / 3, 1e-3, -17.25, 119.75};
+  camera.depth_scale = 1000.0 / 7;
+  camera.mounting = CameraMounting{1.0 / 3, -12.3456789};
+  camera.inverse_depth_std = 0.1 / 3;
+  writeCameraFile(folder / "camera.ini", camera);
+  const CameraFile again = readCameraFile(folder / "camera.ini");
+  EXPECT_EQ(again.intrinsics, camera.intrinsics);
+  EXPECT_EQ(again.depth_scale, camera.depth_scale);
+  EXPECT_EQ(again.mounting->height, camera.mounting->height);
+  EXPECT_EQ(again.mounting->tilt_deg, camera.mounting->tilt_deg);
+  EXPECT_EQ(again.inverse_depth_std, camera.inverse_depth_std);
+}
+
+TEST(CameraFile, DoesNotDependOnTheLocale) {
+  const std::string before = std::setlocale(LC_ALL, nullptr);
+  if (!std::setlocale(LC_ALL, "de_DE.UTF-8")) GTEST_SKIP() << "no German locale";
+  const double fy = read(kMinimal).intrinsics.fy;
+  std::setlocale(LC_ALL, before.c_str());
+  EXPECT_EQ(fy, 526.5);
+}
+
+TEST(CameraFile, NamesTheLineOfAFault) {
+  const std::string good = kMinimal;
+  EXPECT_THAT(errorOf(good + "fxx=3"),
+              AllOf(HasSubstr("camera.ini"), HasSubstr("line 2"), HasSubstr("'fxx'")));
+  EXPECT_THAT(errorOf(good + "\nmount_height=high"), AllOf(HasSubstr("line 3"), HasSubstr("'high'")));
+  EXPECT_THAT(errorOf(good + "mount_height"), AllOf(HasSubstr("line 2"), HasSubstr("key = value")));
+  EXPECT_THAT(errorOf(good + "mount_height="), HasSubstr("line 2"));
+  EXPECT_THAT(errorOf(good + "= 3 ="), HasSubstr("line 2"));
+  EXPECT_THAT(errorOf(good + "fx=500"), HasSubstr("twice"));
+  EXPECT_THAT(errorOf(good + "mount_height=1,5 mount_tilt_deg=0"), HasSubstr("'1,5'"));
+}
+
+TEST(CameraFile, RefusesImpossibleValues) {
+  for (const char* pair : {"width=0", "width=-640", "width=640.5", "width=1e9", "fx=0", "fy=-1", "cx=nan",
+                           "cy=inf", "depth_scale=0"}) {
+    std::string content = kMinimal;
+    const std::string key = std::string(pair).substr(0, std::string(pair).find('=') + 1);
+    const auto at = content.find(key);
+    content.replace(at, content.find_first_of(" \n", at) - at, pair);
+    EXPECT_THAT(errorOf(content), HasSubstr("impossible")) << pair;
+  }
+}
+
+TEST(CameraFile, RefusesIncompleteFiles) {
+  EXPECT_THAT(errorOf(""), HasSubstr("has no width"));
+  EXPECT_THAT(errorOf("width=640 height=480 fy=525 cx=319.5 cy=239.5 depth_scale=5000"),
+              HasSubstr("has no fx"));
+  EXPECT_THAT(errorOf(kMinimal + std::string("mount_height=1")), HasSubstr("mount_tilt_deg"));
+}
+
+TEST(CameraFile, MissingFileAndFolderAreErrors) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(ioErrorOf([&] { readCameraFile(folder / "camera.ini"); }), HasSubstr("does not exist"));
+  EXPECT_THAT(ioErrorOf([&] { readCameraFile(folder.path()); }), HasSubstr("folder"));
+  CameraFile camera;
+  EXPECT_THROW(writeCameraFile(folder / "camera.ini", camera), std::invalid_argument);
+  camera.intrinsics = kinectIntrinsics();
+  EXPECT_NE(ioErrorOf([&] { writeCameraFile(folder / "none/camera.ini", camera); }), "");
+}
+
+}  // namespace
+}  // namespace facetloc

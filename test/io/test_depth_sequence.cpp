@@ -1,0 +1,373 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "temporary_folder.h"
+
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/png.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <pcl/io/pcd_io.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <stdexcept>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using test::bytesOf;
+using test::ioErrorOf;
+using test::putBytes;
+using test::TemporaryFolder;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const Intrinsics kCamera{32, 24, 26.25, 26.25, 15.5, 11.5};
+
+CameraFile cameraFile() {
+  CameraFile file;
+  file.intrinsics = kCamera;
+  file.depth_scale = 5000;
+  return file;
+}
+
+/** A slanted wall with a hole. */
+DepthImage image() {
+  DepthImage out{kCamera, {}};
+  for (int v = 0; v < kCamera.height; ++v)
+    for (int u = 0; u < kCamera.width; ++u)
+      out.depth.push_back(u < 4 && v < 4 ? 0.f : 1.f + 0.02f * u + 0.01f * v);
+  return out;
+}
+
+template <typename PointT>
+pcl::PointCloud<PointT> cloud() {
+  pcl::PointCloud<PointT> out(kCamera.width, kCamera.height);
+  const DepthImage depth = image();
+  for (int v = 0; v < kCamera.height; ++v) {
+    for (int u = 0; u < kCamera.width; ++u) {
+      const float z = depth.at(u, v) > 0 ? depth.at(u, v) : std::numeric_limits<float>::quiet_NaN();
+      out(u, v).getVector3fMap() = (kCamera.ray(u, v) * z).cast<float>();
+    }
+  }
+  out.is_dense = false;
+  return out;
+}
+
+void expectNear(const DepthImage& read, const DepthImage& expected, float tolerance) {
+  ASSERT_EQ(read.depth.size(), expected.depth.size());
+  for (std::size_t i = 0; i < read.depth.size(); ++i)
+    ASSERT_NEAR(read.depth[i], expected.depth[i], tolerance) << i;
+}
+
+std::vector<std::string> namesOf(const DepthSequence& sequence) {
+  std::vector<std::string> names;
+  for (const FrameFile& frame : sequence.frames()) names.push_back(frame.name);
+  return names;
+}
+
+std::vector<double> stampsOf(const DepthSequence& sequence) {
+  std::vector<double> stamps;
+  for (const FrameFile& frame : sequence.frames()) stamps.push_back(frame.stamp);
+  return stamps;
+}
+
+class Sequence : public testing::Test {
+protected:
+  fs::path putPng(const std::string& name) const {
+    fs::create_directories((folder_ / name).parent_path());
+    writeDepthPng(folder_ / name, image(), 5000);
+    return folder_ / name;
+  }
+  template <typename PointT = pcl::PointXYZ>
+  fs::path putPcd(const std::string& name) const {
+    fs::create_directories((folder_ / name).parent_path());
+    pcl::io::savePCDFileBinary((folder_ / name).string(), cloud<PointT>());
+    return folder_ / name;
+  }
+  void putCamera(const std::string& name = "camera.ini") const {
+    writeCameraFile(folder_ / name, cameraFile());
+  }
+  std::string openError(const std::string& name = "") const {
+    return ioErrorOf([&] { DepthSequence::open(name.empty() ? folder_.path() : folder_ / name); });
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Sequence, ATumFolderIsOrderedByItsStamps) {
+  for (const char* stamp : {"10.5", "9.25", "100"}) putPng("depth/" + std::string(stamp) + ".png");
+  putBytes(folder_ / "depth/readme.md", "not an image");
+  putBytes(folder_ / "depth/.hidden.png", "not an image");
+  putBytes(folder_ / "groundtruth.txt", "9.25 1 2 3 0 0 0 1\n");
+  putCamera();
+  const auto sequence = DepthSequence::open(folder_.path());
+  EXPECT_THAT(namesOf(sequence), ElementsAre("9.25", "10.5", "100"));
+  EXPECT_THAT(stampsOf(sequence), ElementsAre(9.25, 10.5, 100));
+  EXPECT_EQ(sequence.frames()[0].path, folder_ / "depth/9.25.png");
+  ASSERT_TRUE(sequence.camera());
+  EXPECT_EQ(sequence.camera()->depth_scale, 5000);
+  EXPECT_EQ(sequence.groundTruth().poses().size(), 1u);
+  const DepthImage read = sequence.load(1);
+  EXPECT_EQ(read.camera, kCamera);
+  expectNear(read, image(), 1e-4f + 1e-6f);
+  EXPECT_EQ(read.at(0, 0), 0.f);
+}
+
+TEST_F(Sequence, NamesThatAreNoNumbersAreOrderedLexicographically) {
+  for (const char* name : {"frame_2", "frame_10", "frame_1"}) putPng(std::string(name) + ".PNG");
+  putCamera();
+  const auto sequence = DepthSequence::open(folder_.path());
+  EXPECT_THAT(namesOf(sequence), ElementsAre("frame_1", "frame_10", "frame_2"));
+  EXPECT_THAT(stampsOf(sequence), ElementsAre(0, 1, 2));
+}
+
+TEST_F(Sequence, CameraAndTruthAreFoundInTheParentToo) {
+  putPng("depth/1.png");
+  putPng("single/2.png");
+  putCamera();
+  putBytes(folder_ / "groundtruth.txt", "1 1 2 3 0 0 0 1\n");
+  for (const char* path : {"depth", "depth/", "depth/1.png", "single", "single/2.png"}) {
+    const auto sequence = DepthSequence::open(folder_ / path);
+    EXPECT_EQ(sequence.frames().size(), 1u) << path;
+    EXPECT_TRUE(sequence.camera()) << path;
+    EXPECT_FALSE(sequence.groundTruth().empty()) << path;
+    EXPECT_FALSE(sequence.load(0).empty()) << path;
+  }
+}
+
+TEST_F(Sequence, ListsAreRelativeToThemselvesAndKeepTheirOrder) {
+  putPng("a/z.png");
+  putPcd("b/y.pcd");
+  putCamera();
+  putBytes(folder_ / "list.txt", "# two images\na/z.png\r\n\n" + (folder_ / "b/y.pcd").string() + "\n");
+  const auto sequence = DepthSequence::open(folder_ / "list.txt");
+  EXPECT_THAT(namesOf(sequence), ElementsAre("z", "y"));
+  EXPECT_THAT(stampsOf(sequence), ElementsAre(0, 1));
+  expectNear(sequence.load(1), image(), 1e-6f);
+}
+
+TEST_F(Sequence, ListsWithFaultsNameTheLine) {
+  putPng("1.png");
+  putCamera();
+  putBytes(folder_ / "list.lst", "1.png\nnone.png\n");
+  EXPECT_THAT(openError("list.lst"), AllOf(HasSubstr("line 2"), HasSubstr("none.png")));
+  putBytes(folder_ / "list.lst", "1.png\ncamera.ini\n");
+  EXPECT_THAT(openError("list.lst"), AllOf(HasSubstr("line 2"), HasSubstr("neither")));
+  putBytes(folder_ / "list.lst", "");
+  EXPECT_THAT(openError("list.lst"), HasSubstr("no .png or .pcd"));
+}
+
+TEST_F(Sequence, NamesMustBeUnique) {
+  putPng("1.png");
+  putPcd("1.pcd");
+  putCamera();
+  EXPECT_THAT(openError(), HasSubstr("two frames have the name '1'"));
+}
+
+TEST_F(Sequence, ThereMustBeSomethingToRead) {
+  EXPECT_THAT(openError(), HasSubstr("no .png or .pcd"));
+  EXPECT_THAT(openError("none"), HasSubstr("does not exist"));
+  putBytes(folder_ / "a.jpg", "x");
+  EXPECT_THAT(openError("a.jpg"), HasSubstr("no sequence"));
+  putPng("1.png");
+  EXPECT_THAT(openError(), HasSubstr("camera.ini"));
+  putBytes(folder_ / "camera.ini", "nonsense");
+  EXPECT_THAT(openError(), AllOf(HasSubstr("camera.ini"), HasSubstr("line 1")));
+}
+
+TEST_F(Sequence, ImagesAreSubsampledToTheWorkingWidth) {
+  putPng("1.png");
+  putCamera();
+  const auto sequence = DepthSequence::open(folder_.path());
+  const DepthImage half = sequence.load(0, 16);
+  EXPECT_EQ(half.camera, kCamera.subsampled(2));
+  EXPECT_NEAR(half.at(5, 6), image().at(10, 12), 1e-4f);
+  EXPECT_EQ(sequence.load(0, 17).camera, kCamera);
+  EXPECT_THROW(sequence.load(1), std::out_of_range);
+}
+
+TEST_F(Sequence, ImagesOfTheWrongSizeAreRefused) {
+  putPng("1.png");
+  putPcd("2.pcd");
+  CameraFile camera = cameraFile();
+  camera.intrinsics.width = 640;
+  writeCameraFile(folder_ / "camera.ini", camera);
+  const auto sequence = DepthSequence::open(folder_.path());
+  for (const int i : {0, 1})
+    EXPECT_THAT(ioErrorOf([&] { sequence.load(i); }), AllOf(HasSubstr("32x24"), HasSubstr("640x24")));
+}
+
+TEST_F(Sequence, BrokenImagesAreErrorsAndOthersStillRead) {
+  putPng("1.png");
+  putBytes(folder_ / "2.png", "");
+  putBytes(folder_ / "3.png", bytesOf(folder_ / "1.png").substr(0, 200));
+  writePng(folder_ / "4.png",
+           Raster<std::uint8_t>{kCamera.width, kCamera.height, 1,
+                                std::vector<std::uint8_t>(kCamera.width * kCamera.height, 100)});
+  putCamera();
+  const auto sequence = DepthSequence::open(folder_.path());
+  EXPECT_FALSE(sequence.load(0).empty());
+  EXPECT_THAT(ioErrorOf([&] { sequence.load(1); }), HasSubstr("empty"));
+  EXPECT_THAT(ioErrorOf([&] { sequence.load(2); }), HasSubstr("truncated"));
+  EXPECT_THAT(ioErrorOf([&] { sequence.load(3); }), HasSubstr("8 bits"));
+}
+
+TEST(DepthPng, WhatDoesNotFitSixteenBitsBecomesZero) {
+  const TemporaryFolder folder;
+  const Intrinsics camera{5, 1, 1, 1, 0, 0};
+  const float inf = std::numeric_limits<float>::infinity();
+  writeDepthPng(folder / "a.png", {camera, {13.107f, 13.2f, -1.f, inf, NAN}}, 5000);
+  EXPECT_THAT(readGreyPng(folder / "a.png").data, ElementsAre(65535, 0, 0, 0, 0));
+}
+
+TEST_F(Sequence, PcdsNeedNoCameraFile) {
+  putPcd<pcl::PointXYZ>("1.pcd");
+  putPcd<pcl::PointXYZRGBA>("2.pcd");
+  putPcd<pcl::PointNormal>("3.pcd");
+  pcl::io::savePCDFileASCII((folder_ / "4.pcd").string(), cloud<pcl::PointXYZI>());
+  pcl::io::savePCDFileBinaryCompressed((folder_ / "5.pcd").string(), cloud<pcl::PointXYZRGB>());
+  const auto sequence = DepthSequence::open(folder_.path());
+  EXPECT_FALSE(sequence.camera());
+  ASSERT_EQ(sequence.frames().size(), 5u);
+  for (int i = 0; i < 5; ++i) {
+    const DepthImage read = sequence.load(i);
+    expectNear(read, image(), 1e-6f);
+    EXPECT_EQ(read.camera.width, kCamera.width);
+    EXPECT_NEAR(read.camera.fx, kCamera.fx, 0.01);
+    EXPECT_NEAR(read.camera.cx, kCamera.cx, 0.01);
+    EXPECT_NEAR(read.camera.cy, kCamera.cy, 0.01);
+  }
+}
+
+TEST_F(Sequence, ACameraFileBesidePcdsIsBelieved) {
+  putPcd("1.pcd");
+  putCamera();
+  EXPECT_EQ(DepthSequence::open(folder_.path()).load(0).camera, kCamera);
+}
+
+// ---- PCD files that lie
+// --------------------------------------------------------------------------------------------
+
+/** An ASCII PCD of doubles: 3 x 2 points (u, v, 2). */
+std::string asciiPcd(const std::string& x_type = "F") {
+  return "VERSION 0.7\nFIELDS x y z\nSIZE 8 8 8\nTYPE " + x_type +
+         " F F\nCOUNT 1 1 1\nWIDTH 3\nHEIGHT 2\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 6\nDATA ascii\n"
+         "0 0 2\n1 0 2\n2 0 2\n0 1 2\n1 1 nan\n2 1 2.5\n";
+}
+
+std::string replaced(std::string s, const std::string& what, const std::string& by) {
+  return s.replace(s.find(what), what.size(), by);
+}
+
+class Pcd : public Sequence {
+protected:
+  std::string errorOf(const std::string& bytes) const {
+    putBytes(folder_ / "a.pcd", bytes);
+    return ioErrorOf([this] { readDepthPcd(folder_ / "a.pcd", Intrinsics{3, 2, 1, 1, 1, 1}); });
+  }
+};
+
+TEST_F(Pcd, DoublesAreRead) {
+  putBytes(folder_ / "a.pcd", asciiPcd());
+  const DepthImage read = readDepthPcd(folder_ / "a.pcd", Intrinsics{3, 2, 1, 1, 1, 1});
+  EXPECT_THAT(read.depth, ElementsAre(2, 2, 2, 2, 0, 2.5f));
+}
+
+TEST_F(Pcd, FaultsAreToldWithTheFile) {
+  EXPECT_EQ(errorOf(asciiPcd()), "");
+  EXPECT_THAT(errorOf(""), AllOf(HasSubstr("a.pcd"), HasSubstr("empty")));
+  EXPECT_THAT(errorOf("a text\n"), HasSubstr("not a PCD"));
+  EXPECT_THAT(errorOf(asciiPcd().substr(0, 60)), HasSubstr("not a PCD"));
+  EXPECT_THAT(errorOf(asciiPcd().substr(0, asciiPcd().size() - 8)), HasSubstr("truncated"));
+  EXPECT_THAT(errorOf(asciiPcd("I")), HasSubstr("field x"));
+  EXPECT_THAT(errorOf(replaced(asciiPcd(), "x y z", "a b c")), HasSubstr("no field x"));
+  EXPECT_THAT(errorOf(replaced(asciiPcd(), "WIDTH 3\nHEIGHT 2", "WIDTH 6\nHEIGHT 1")),
+              HasSubstr("not an organized"));
+  EXPECT_THAT(ioErrorOf([this] { readDepthPcd(folder_ / "none.pcd"); }), HasSubstr("does not exist"));
+  EXPECT_THAT(ioErrorOf([this] { readDepthPcd(folder_.path()); }), HasSubstr("folder"));
+}
+
+TEST_F(Pcd, LyingHeadersAreRefused) {
+  for (const auto& [what, by] : {std::pair<const char*, const char*>{"POINTS 6", "POINTS 4000000000"},
+                                 {"POINTS 6", "POINTS -6"},
+                                 {"POINTS 6", "POINTS"},
+                                 {"POINTS 6\n", ""},
+                                 {"WIDTH 3", "WIDTH 4294967299"},
+                                 {"WIDTH 3", "WIDTH 0"},
+                                 {"HEIGHT 2", "HEIGHT 65536"},
+                                 {"COUNT 1 1 1", "COUNT 1 1 4000000"},
+                                 {"COUNT 1 1 1", "COUNT 1 -1 1"},
+                                 {"COUNT 1 1 1", "COUNT 1 1"},
+                                 {"SIZE 8 8 8", "SIZE 8 8"},
+                                 {"SIZE 8 8 8", "SIZE 8 8 3"},
+                                 {"SIZE 8 8 8", "SIZE 8 8 8\nSIZE 1 1 1"},
+                                 {"TYPE F F F", "TYPE F"},
+                                 {"FIELDS x y z", "FIELDS"},
+                                 {"DATA ascii", "DATA brotli"},
+                                 {"DATA ascii", "DATA"},
+                                 {"DATA ascii", "DATA binary"},
+                                 {"DATA ascii", "DATA binary_compressed"},
+                                 {"VERSION", "POINTS 6\nVERSION"}})
+    EXPECT_THAT(errorOf(replaced(asciiPcd(), what, by)), HasSubstr("a.pcd")) << what << " -> " << by;
+  const std::string large = "WIDTH 60000\nHEIGHT 60000\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 3600000000\n";
+  EXPECT_THAT(errorOf(replaced(asciiPcd(), "WIDTH 3\nHEIGHT 2\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 6\n", large)),
+              HasSubstr("too many points"));
+}
+
+TEST_F(Pcd, TruncatedFilesAreRefused) {
+  pcl::io::savePCDFileBinary((folder_ / "binary.pcd").string(), cloud<pcl::PointXYZ>());
+  pcl::io::savePCDFileBinaryCompressed((folder_ / "compressed.pcd").string(), cloud<pcl::PointXYZ>());
+  for (const char* name : {"binary.pcd", "compressed.pcd"}) {
+    const std::string bytes = bytesOf(folder_ / name);
+    for (std::size_t size = 0; size < bytes.size(); size += 1 + size / 50) {
+      putBytes(folder_ / "a.pcd", bytes.substr(0, size));
+      EXPECT_NE(ioErrorOf([this] { readDepthPcd(folder_ / "a.pcd", kCamera); }), "") << name << " " << size;
+    }
+  }
+}
+
+TEST_F(Pcd, FlippedBytesAreErrorsOrImages) {
+  pcl::io::savePCDFileBinary((folder_ / "binary.pcd").string(), cloud<pcl::PointXYZ>());
+  pcl::io::savePCDFileBinaryCompressed((folder_ / "compressed.pcd").string(), cloud<pcl::PointXYZ>());
+  putBytes(folder_ / "ascii.pcd", asciiPcd());
+  std::mt19937 engine(11);
+  for (const char* name : {"ascii.pcd", "binary.pcd", "compressed.pcd"}) {
+    const std::string bytes = bytesOf(folder_ / name);
+    for (int i = 0; i < 400; ++i) {
+      std::string corrupt = bytes;
+      const std::size_t range = i % 2 ? bytes.size() : std::min<std::size_t>(bytes.size(), 250);
+      corrupt[engine() % range] = static_cast<char>(i % 4 ? '0' + engine() % 10 : engine());
+      putBytes(folder_ / "a.pcd", corrupt);
+      ioErrorOf([this] { readDepthPcd(folder_ / "a.pcd"); });
+    }
+  }
+}
+
+TEST_F(Pcd, ACompressedSizeThatLiesIsRefused) {
+  pcl::io::savePCDFileBinaryCompressed((folder_ / "b.pcd").string(), cloud<pcl::PointXYZ>());
+  const std::string bytes = bytesOf(folder_ / "b.pcd");
+  const std::size_t data = bytes.find("DATA binary_compressed\n") + 23;
+  for (const std::size_t at : {data + 3, data + 4, data + 7}) {
+    std::string lie = bytes;
+    lie[at] ^= 0x7F;
+    putBytes(folder_ / "a.pcd", lie);
+    EXPECT_NE(ioErrorOf([this] { readDepthPcd(folder_ / "a.pcd", kCamera); }), "") << at - data;
+  }
+}
+
+TEST_F(Pcd, CloudsWithoutPoints) {
+  auto empty = cloud<pcl::PointXYZ>();
+  for (auto& point : empty) point.x = point.y = point.z = NAN;
+  pcl::io::savePCDFileBinary((folder_ / "a.pcd").string(), empty);
+  EXPECT_THAT(ioErrorOf([this] { readDepthPcd(folder_ / "a.pcd"); }), HasSubstr("intrinsics"));
+  const DepthImage read = readDepthPcd(folder_ / "a.pcd", kCamera);
+  for (const float z : read.depth) EXPECT_EQ(z, 0.f);
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,509 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "example_map.h"
+#include "temporary_folder.h"
+
+#include <facetloc/features/so3.h>
+#include <facetloc/io/map_database.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <functional>
+#include <random>
+#include <stdexcept>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+
+namespace facetloc {
+namespace {
+
+using test::bytesOf;
+using test::ExampleMap;
+using test::ioErrorOf;
+using test::putBytes;
+using test::TemporaryFolder;
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/** Does to a map file what another program might. */
+void sql(const std::filesystem::path& path, const std::string& statement) {
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open(path.c_str(), &db), SQLITE_OK);
+  char* message = nullptr;
+  sqlite3_exec(db, statement.c_str(), nullptr, nullptr, &message);
+  EXPECT_STREQ(message, nullptr);
+  sqlite3_free(message);
+  sqlite3_close(db);
+}
+
+/** The same against the CHECKs of the tables. */
+void vandalize(const std::filesystem::path& path, const std::string& statement) {
+  sql(path, "PRAGMA ignore_check_constraints = ON; PRAGMA foreign_keys = OFF; " + statement);
+}
+
+void expectEqual(const Segment& a, const Segment& b) {
+  EXPECT_EQ(a.t, b.t);
+  EXPECT_LT((a.R - b.R).cwiseAbs().maxCoeff(), 2e-15);
+  EXPECT_LT((b.R.transpose() * b.R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), 2e-15);
+  EXPECT_EQ(a.Sigma_q, b.Sigma_q);
+  EXPECT_EQ(a.lambda, b.lambda);
+  EXPECT_EQ(a.num_points, b.num_points);
+  ASSERT_EQ(a.hull.size, b.hull.size);
+  for (int i = 0; i < a.hull.size; ++i) EXPECT_EQ(a.hull.vertex[i], b.hull.vertex[i]);
+}
+
+void expectEqual(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  EXPECT_EQ(a.translation(), b.translation());
+  EXPECT_LT((a.linear() - b.linear()).cwiseAbs().maxCoeff(), 2e-15);
+}
+
+void expectEqual(const LocalModel& a, const LocalModel& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.stamp, b.stamp);
+  ASSERT_EQ(a.T_w_m.has_value(), b.T_w_m.has_value());
+  if (a.T_w_m) expectEqual(*a.T_w_m, *b.T_w_m);
+  EXPECT_EQ(a.view.camera, b.view.camera);
+  ASSERT_EQ(a.view.segments.size(), b.view.segments.size());
+  for (std::size_t i = 0; i < a.view.segments.size(); ++i)
+    expectEqual(a.view.segments[i], b.view.segments[i]);
+  EXPECT_EQ(a.view.depth.camera, b.view.depth.camera);
+  EXPECT_EQ(a.view.depth.inverse_depth, b.view.depth.inverse_depth);
+  EXPECT_EQ(a.view.depth.lowest, b.view.depth.lowest);
+}
+
+class MapFile : public testing::Test {
+protected:
+  std::string readError() const {
+    return ioErrorOf([this] { readMap(path_); });
+  }
+  void writeExample(int models = 3) const { writeMap(path_, ExampleMap().map(models)); }
+
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_ / "room.flmap";
+};
+
+TEST_F(MapFile, RoundTripsExactly) {
+  Map map = ExampleMap().map(3);
+  map.models[1].T_w_m.reset();
+  map.models[2].view.depth = {};
+  map.models[2].view.segments[0].hull.size = 0;
+  map.models.push_back(ExampleMap(5).model("nothing seen; 'quotes' and Umlaute \xC3\xA4", 0));
+  map.links.back().T_from_to.P.setZero();
+  writeMap(path_, map);
+  EXPECT_EQ(folder_.count(), 1);
+
+  const Map read = readMap(path_);
+  ASSERT_TRUE(read.mounting);
+  EXPECT_EQ(read.mounting->height, 0.98);
+  EXPECT_EQ(read.mounting->tilt_deg, 10.1);
+  for (const auto& [key, value] : map.meta) EXPECT_EQ(read.meta.at(key), value);
+  EXPECT_EQ(read.meta.at("format"), "facetloc map 1.0");
+  EXPECT_THAT(read.meta.at("conventions"), HasSubstr("T_a_b"));
+  ASSERT_EQ(read.models.size(), map.models.size());
+  for (std::size_t i = 0; i < map.models.size(); ++i) expectEqual(map.models[i], read.models[i]);
+  ASSERT_EQ(read.links.size(), map.links.size());
+  for (std::size_t i = 0; i < map.links.size(); ++i) {
+    EXPECT_EQ(read.links[i].from, map.links[i].from);
+    EXPECT_EQ(read.links[i].to, map.links[i].to);
+    expectEqual(map.links[i].T_from_to.T, read.links[i].T_from_to.T);
+    EXPECT_EQ(read.links[i].T_from_to.P, map.links[i].T_from_to.P);
+  }
+}
+
+TEST_F(MapFile, AnEmptyMapIsLegal) {
+  writeMap(path_, Map());
+  EXPECT_THAT(readMap(path_).models, IsEmpty());
+  EXPECT_FALSE(readMap(path_).mounting);
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+}
+
+TEST_F(MapFile, SameMapSameBytes) {
+  writeExample();
+  writeMap(folder_ / "b.flmap", ExampleMap().map(3));
+  EXPECT_EQ(bytesOf(path_), bytesOf(folder_ / "b.flmap"));
+}
+
+TEST_F(MapFile, IsTheSameWhetherBuiltStepByStepOrAtOnce) {
+  const Map map = ExampleMap().map(3);
+  {
+    MapDatabase db = MapDatabase::create(path_);
+    for (const auto& [key, value] : map.meta) db.setMeta(key, value);
+    db.setMounting(*map.mounting);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(db.add(map.models[i]), i);
+    for (const Link& link : map.links) db.add(link);
+  }
+  EXPECT_EQ(folder_.count(), 1) << "no journal is left";
+  const Map read = readMap(path_);
+  ASSERT_EQ(read.models.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) expectEqual(map.models[i], read.models[i]);
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+}
+
+TEST_F(MapFile, ABuildCanBeResumed) {
+  ExampleMap example;
+  MapDatabase::create(path_).add(example.model("a"));
+  MapDatabase db = MapDatabase::open(path_);
+  EXPECT_THAT(db.modelNames(), ElementsAre("a"));
+  EXPECT_EQ(db.add(example.model("b")), 1);
+  db.add(example.link(1, 0));
+  EXPECT_THAT(db.modelNames(), ElementsAre("a", "b"));
+}
+
+TEST_F(MapFile, AFailedAddLeavesTheMapAsItWas) {
+  ExampleMap example;
+  MapDatabase db = MapDatabase::create(path_);
+  db.add(example.model("a"));
+  EXPECT_THAT(ioErrorOf([&] { db.add(example.model("a")); }), HasSubstr("UNIQUE"));
+  LocalModel bad = example.model("b");
+  bad.view.segments[2].Sigma_q(0, 0) = -1;
+  EXPECT_THAT(ioErrorOf([&] { db.add(bad); }),
+              AllOf(HasSubstr("room.flmap"), HasSubstr("segment 2 of model 1 ('b')"),
+                    HasSubstr("positive definite")));
+  EXPECT_NE(ioErrorOf([&] { db.add(example.link(0, 5)); }), "");
+  EXPECT_NE(ioErrorOf([&] { db.add(example.link(0, 0)); }), "");
+  EXPECT_THAT(db.modelNames(), ElementsAre("a"));
+  EXPECT_EQ(db.add(example.model("b")), 1);
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+}
+
+TEST_F(MapFile, NonsenseIsNotWritten) {
+  const auto errorWith = [this](const std::function<void(LocalModel&)>& spoil) {
+    Map map = ExampleMap().map(1);
+    spoil(map.models[0]);
+    return ioErrorOf([&] { writeMap(path_, map); });
+  };
+  EXPECT_THAT(errorWith([](LocalModel& m) { m.view.segments[0].t.x() = NAN; }), HasSubstr("centroid"));
+  EXPECT_THAT(errorWith([](LocalModel& m) { m.view.segments[0].R *= 2; }), HasSubstr("rotation"));
+  EXPECT_THAT(errorWith([](LocalModel& m) { m.view.segments[0].R *= -1; }), HasSubstr("rotation"));
+  EXPECT_THAT(errorWith([](LocalModel& m) { m.view.segments[0].lambda << 1, 2; }), HasSubstr("lambda"));
+  EXPECT_THAT(errorWith([](LocalModel& m) { m.view.segments[0].hull.size = 25; }), HasSubstr("hull"));
+  EXPECT_THAT(errorWith([](LocalModel& m) { m.view.camera.fx = 0; }), HasSubstr("intrinsics"));
+  EXPECT_THAT(errorWith([](LocalModel& m) { m.stamp = INFINITY; }), HasSubstr("stamp"));
+  EXPECT_THAT(errorWith([](LocalModel& m) { m.T_w_m->translation().z() = NAN; }), HasSubstr("pose"));
+  EXPECT_THAT(errorWith([](LocalModel& m) { m.view.depth.inverse_depth.pop_back(); }),
+              HasSubstr("depth picture"));
+  EXPECT_EQ(folder_.count(), 0);
+}
+
+TEST_F(MapFile, ExistingFilesAreNotOverwrittenByAccident) {
+  writeExample();
+  EXPECT_THAT(ioErrorOf([&] { MapDatabase::create(path_); }), HasSubstr("exists"));
+  EXPECT_EQ(readMap(path_).models.size(), 3u);
+  MapDatabase::create(path_, true).add(ExampleMap().model("new"));
+  EXPECT_EQ(readMap(path_).models.size(), 1u);
+}
+
+TEST_F(MapFile, AStaleJournalDoesNotHarmANewMap) {
+  writeExample();
+  putBytes(path_.string() + "-journal", "not a journal");
+  putBytes(path_.string() + ".tmp-journal", "nor this");
+  writeExample(2);
+  EXPECT_EQ(readMap(path_).models.size(), 2u);
+  EXPECT_EQ(folder_.count(), 1);
+}
+
+TEST_F(MapFile, MissingFoldersAndFilesAreErrors) {
+  EXPECT_THAT(ioErrorOf([&] { writeMap(folder_ / "none/a.flmap", Map()); }), HasSubstr("does not exist"));
+  EXPECT_THAT(ioErrorOf([&] { MapDatabase::create(folder_ / "none/a.flmap"); }), HasSubstr("does not exist"));
+  EXPECT_THAT(ioErrorOf([&] { MapDatabase::open(path_); }), HasSubstr("does not exist"));
+  EXPECT_THAT(readError(), HasSubstr("does not exist"));
+  EXPECT_THAT(ioErrorOf([&] { checkMap(path_); }), HasSubstr("does not exist"));
+  EXPECT_THAT(ioErrorOf([&] { readMap(folder_.path()); }), HasSubstr("folder"));
+  EXPECT_NE(ioErrorOf([&] { MapDatabase::create(folder_.path(), true); }), "");
+  EXPECT_EQ(folder_.count(), 0);
+}
+
+TEST_F(MapFile, OtherFilesAreRefused) {
+  putBytes(path_, "");
+  EXPECT_THAT(readError(), HasSubstr("not a map"));
+  putBytes(path_, "a text that is no database at all, however long it may go on");
+  EXPECT_THAT(readError(), AllOf(HasSubstr("not a map"), HasSubstr("no SQLite")));
+  EXPECT_NE(ioErrorOf([&] { checkMap(path_); }), "");
+  EXPECT_NE(ioErrorOf([&] { MapDatabase::open(path_); }), "");
+  std::filesystem::remove(path_);
+  sql(path_, "CREATE TABLE model(id INTEGER)");
+  EXPECT_THAT(readError(), AllOf(HasSubstr("not a map"), HasSubstr("another application")));
+}
+
+TEST_F(MapFile, ANewerMajorFormatIsRefused) {
+  writeExample();
+  sql(path_, "PRAGMA user_version = 2000");
+  const std::string expected = "map format 2.0 is newer than this program understands (1.x)";
+  EXPECT_THAT(readError(), AllOf(HasSubstr("room.flmap"), HasSubstr(expected)));
+  EXPECT_THAT(ioErrorOf([&] { MapDatabase::open(path_); }), HasSubstr(expected));
+  EXPECT_THAT(ioErrorOf([&] { checkMap(path_); }), HasSubstr(expected));
+  sql(path_, "PRAGMA user_version = 7");
+  EXPECT_THAT(readError(), HasSubstr("unknown"));
+}
+
+TEST_F(MapFile, ANewerMinorFormatWithMoreColumnsAndTablesIsRead) {
+  writeExample();
+  sql(path_,
+      "PRAGMA user_version = 1003; ALTER TABLE segment ADD COLUMN colour TEXT;"
+      "ALTER TABLE model ADD COLUMN place TEXT DEFAULT 'home'; CREATE TABLE photo(id INTEGER, data BLOB);");
+  const Map read = readMap(path_);
+  ASSERT_EQ(read.models.size(), 3u);
+  const Map map = ExampleMap().map(3);
+  for (std::size_t i = 0; i < 3; ++i) expectEqual(map.models[i], read.models[i]);
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+  EXPECT_EQ(MapDatabase::open(path_).add(ExampleMap(9).model("more")), 3);
+}
+
+TEST_F(MapFile, ReadingChangesNoByte) {
+  writeExample();
+  const std::string before = bytesOf(path_);
+  const auto time = std::filesystem::last_write_time(path_);
+  readMap(path_);
+  checkMap(path_);
+  EXPECT_EQ(bytesOf(path_), before);
+  EXPECT_EQ(std::filesystem::last_write_time(path_), time);
+  EXPECT_EQ(folder_.count(), 1);
+}
+
+TEST_F(MapFile, AReadOnlyFileCanBeRead) {
+  writeExample();
+  std::filesystem::permissions(path_, std::filesystem::perms::owner_read);
+  EXPECT_EQ(readMap(path_).models.size(), 3u);
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+}
+
+TEST_F(MapFile, ReservedMetaBelongsToTheFormat) {
+  MapDatabase db = MapDatabase::create(path_);
+  EXPECT_THROW(db.setMeta("format", "mine"), std::invalid_argument);
+  db.setMeta("a", "1");
+  db.setMeta("a", "2");
+  EXPECT_EQ(readMap(path_).meta.at("a"), "2");
+}
+
+TEST_F(MapFile, TheTablesThemselvesRefuseNonsense) {
+  writeExample();
+  for (const char* statement :
+       {"UPDATE segment SET var_sx = 0", "UPDATE segment SET qw = 2", "UPDATE segment SET tx = 'far'",
+        "UPDATE segment SET lambda1 = 0", "UPDATE segment SET hull = x'00'", "UPDATE model SET tx = NULL",
+        "UPDATE model SET name = 'same'", "UPDATE link SET to_id = from_id"}) {
+    sqlite3* db = nullptr;
+    ASSERT_EQ(sqlite3_open(path_.c_str(), &db), SQLITE_OK);
+    EXPECT_NE(sqlite3_exec(db, statement, nullptr, nullptr, nullptr), SQLITE_OK) << statement;
+    sqlite3_close(db);
+  }
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+}
+
+TEST_F(MapFile, FaultsAreToldInWords) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"UPDATE segment SET var_sx = -1 WHERE model_id = 1 AND idx = 2", "segment 2 of model 1: its Sigma_q"},
+      {"UPDATE segment SET cov_sx_sy = 5 WHERE model_id = 1 AND idx = 2",
+       "segment 2 of model 1: its Sigma_q"},
+      {"UPDATE segment SET tx = 9e999 WHERE model_id = 0 AND idx = 0", "segment 0 of model 0: its pose"},
+      {"UPDATE segment SET qw = 3 WHERE model_id = 0 AND idx = 0", "segment 0 of model 0: its pose"},
+      {"UPDATE segment SET lambda2 = -1 WHERE model_id = 0 AND idx = 1", "segment 1 of model 0: its lambda"},
+      {"UPDATE segment SET hull = x'0000' WHERE model_id = 0 AND idx = 1", "segment 1 of model 0: its hull"},
+      {"UPDATE segment SET hull = zeroblob(8000) WHERE model_id = 0", "segment 1 of model 0: its hull"},
+      {"UPDATE segment SET hull = x'0000C07F0000C07F' WHERE model_id = 0",
+       "segment 1 of model 0: its hull is not finite"},
+      {"UPDATE segment SET num_points = -4 WHERE model_id = 0", "number of points"},
+      {"DELETE FROM segment WHERE model_id = 2 AND idx = 1",
+       "segment 2 of model 2: the segment numbers have a gap"},
+      {"DELETE FROM segment WHERE model_id = 2 AND idx = 4", "num_segments says 5, but there are 4"},
+      {"UPDATE segment SET model_id = 77 WHERE model_id = 2",
+       "segment 0 of model 77: there is no such model"},
+      {"UPDATE model SET id = 9 WHERE id = 2", "model 2: the model numbers have a gap"},
+      {"UPDATE model SET qx = 5 WHERE id = 1", "model 1: its pose"},
+      {"UPDATE model SET ty = NULL WHERE id = 1", "model 1: column ty is not a number"},
+      {"UPDATE model SET fx = -5 WHERE id = 1", "model 1: its camera intrinsics"},
+      {"UPDATE model SET width = 123456789012 WHERE id = 1", "model 1: column width is out of range"},
+      {"UPDATE depth_picture SET data = x'1234' WHERE model_id = 1",
+       "the depth picture of model 1: its depth picture is corrupt"},
+      {"UPDATE depth_picture SET width = 41 WHERE model_id = 1",
+       "the depth picture of model 1: its depth picture is corrupt"},
+      {"UPDATE depth_picture SET width = 2000000 WHERE model_id = 1", "too large"},
+      {"UPDATE depth_picture SET encoding = 'jpeg' WHERE model_id = 1", "unknown encoding"},
+      {"UPDATE link SET to_id = 12 WHERE id = 0", "there is no such model"},
+      {"UPDATE link SET qw = 7 WHERE id = 0", "link 0: its pose"},
+      {"UPDATE link SET c_rx_rx = -1 WHERE id = 0", "link 0: its covariance"},
+      {"DROP TABLE link", "no such table: link"},
+  };
+  for (const auto& [statement, fault] : cases) {
+    writeExample();
+    vandalize(path_, statement);
+    EXPECT_THAT(checkMap(path_), Contains(HasSubstr(fault))) << statement;
+    EXPECT_NE(readError(), "") << statement;
+  }
+}
+
+TEST_F(MapFile, CheckTellsEveryFault) {
+  writeExample();
+  vandalize(path_, "UPDATE segment SET var_sx = -1 WHERE idx = 0; UPDATE link SET qw = 7 WHERE id = 0");
+  const auto faults = checkMap(path_);
+  for (const char* fault : {"segment 0 of model 0", "segment 0 of model 1", "segment 0 of model 2", "link 0"})
+    EXPECT_THAT(faults, Contains(HasSubstr(fault)));
+  EXPECT_THAT(readError(), AllOf(HasSubstr("segment 0 of model 0"), HasSubstr("more faults")));
+}
+
+TEST_F(MapFile, CheckTellsEmptyModelsAndSeveredGraphs) {
+  Map map = ExampleMap().map(4);
+  map.models[3].view.segments.clear();
+  map.links.erase(map.links.begin() + 1);
+  writeMap(path_, map);
+  EXPECT_EQ(readError(), "");
+  EXPECT_THAT(checkMap(path_),
+              ElementsAre("model 3 ('frame 3') has no segments", "the graph of links falls into 2 parts"));
+}
+
+TEST_F(MapFile, EveryTruncationIsAnError) {
+  writeExample();
+  const std::string bytes = bytesOf(path_);
+  for (std::size_t size = 0; size < bytes.size(); size += 997) {
+    putBytes(path_, bytes.substr(0, size));
+    EXPECT_NE(readError(), "") << size;
+  }
+}
+
+TEST_F(MapFile, FlippedBytesAreErrorsOrMaps) {
+  writeExample();
+  const std::string bytes = bytesOf(path_);
+  std::mt19937 engine(42);
+  int refused = 0;
+  for (int i = 0; i < 400; ++i) {
+    std::string corrupt = bytes;
+    // Every second flip hits the first pages, where the tables are described.
+    const std::size_t range = i % 2 ? bytes.size() : std::min<std::size_t>(bytes.size(), 8192);
+    corrupt[engine() % range] ^= static_cast<char>(1 + engine() % 255);
+    putBytes(path_, corrupt);
+    refused += !readError().empty();
+    ioErrorOf([this] { checkMap(path_); });
+    ioErrorOf([this] { MapDatabase::open(path_).add(ExampleMap().model("one more")); });
+  }
+  EXPECT_GT(refused, 20);
+  EXPECT_LT(refused, 400);
+}
+
+TEST_F(MapFile, AFullDiskLeavesTheOldMap) {
+  writeExample();
+  const std::string before = bytesOf(path_);
+  // A limit of file sizes stands in for a full disk.
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const struct rlimit limit = {32768, 32768};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    const bool failed = !ioErrorOf([this] { writeMap(path_, ExampleMap().map(60)); }).empty();
+    _exit(failed ? 0 : 1);
+  }
+  int status = -1;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(bytesOf(path_), before);
+  EXPECT_EQ(folder_.count(), 1);
+}
+
+/** A child process that adds models for ever and tells each one by a byte in a pipe. */
+class Builder {
+public:
+  explicit Builder(const std::filesystem::path& path) {
+    int ends[2];
+    if (pipe(ends) != 0) throw std::runtime_error("no pipe");
+    child_ = fork();
+    if (child_ == 0) {
+      close(ends[0]);
+      try {
+        ExampleMap example;
+        MapDatabase db = MapDatabase::open(path);
+        for (;;) {
+          db.add(example.model("model " + std::to_string(db.modelNames().size()), 25));
+          if (write(ends[1], "+", 1) != 1) _exit(2);
+        }
+      } catch (...) {
+        _exit(3);
+      }
+    }
+    close(ends[1]);
+    told_ = ends[0];
+  }
+  /** \brief Kills the child and returns how many models it has told; -1 if it ended by itself. */
+  int kill() {
+    ::kill(child_, SIGKILL);
+    int status = 0;
+    waitpid(child_, &status, 0);
+    while (waitForModel()) {
+    }
+    close(told_);
+    return WIFSIGNALED(status) ? count_ : -1;
+  }
+  /** \brief False once the child has ended and all that it told is counted. */
+  bool waitForModel() {
+    char byte;
+    const bool told = read(told_, &byte, 1) == 1;
+    count_ += told;
+    return told;
+  }
+
+private:
+  pid_t child_ = -1;
+  int told_ = -1;
+  int count_ = 0;
+};
+
+TEST_F(MapFile, SurvivesBeingKilled) {
+  constexpr int kRounds = 15;
+  MapDatabase::create(path_);
+  std::mt19937 engine(3);
+  int promised = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    Builder builder(path_);
+    if (round == 0) builder.waitForModel();  // however slow the disk, there is something to lose
+    std::this_thread::sleep_for(std::chrono::microseconds(2000 + engine() % 30000));
+    const int told = builder.kill();
+    ASSERT_GE(told, 0) << "the builder failed";
+    promised += told;
+    const Map map = readMap(path_);
+    EXPECT_GE(static_cast<int>(map.models.size()), promised);
+    EXPECT_LE(static_cast<int>(map.models.size()), promised + 1) << "at most one was not told any more";
+    EXPECT_THAT(checkMap(path_), IsEmpty());
+    promised = static_cast<int>(map.models.size());
+  }
+  EXPECT_GT(promised, 0);
+}
+
+TEST_F(MapFile, AnUnfinishedTransactionIsRolledBack) {
+  writeExample();
+  const auto killed = folder_ / "killed.flmap";
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open(path_.c_str(), &db), SQLITE_OK);
+  // A cache of one page makes SQLite write to the file before it commits.
+  const char* half =
+      "PRAGMA cache_size = 1; BEGIN; UPDATE segment SET num_points = 1; UPDATE model SET stamp = 0;"
+      "DELETE FROM depth_picture;";
+  ASSERT_EQ(sqlite3_exec(db, half, nullptr, nullptr, nullptr), SQLITE_OK);
+  std::filesystem::copy_file(path_, killed);
+  std::filesystem::copy_file(path_.string() + "-journal", killed.string() + "-journal");
+  sqlite3_close(db);
+  ASSERT_NE(bytesOf(killed), bytesOf(path_)) << "the copy is half written";
+
+  EXPECT_THAT(checkMap(killed), IsEmpty());
+  EXPECT_EQ(bytesOf(killed), bytesOf(path_));
+  EXPECT_EQ(readMap(killed).models.size(), 3u);
+}
+
+TEST_F(MapFile, ManyReadersAtOnce) {
+  writeExample();
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i)
+    threads.emplace_back([this] {
+      for (int k = 0; k < 20; ++k) EXPECT_EQ(readMap(path_).models.size(), 3u);
+    });
+  for (auto& thread : threads) thread.join();
+}
+
+}  // namespace
+}  // namespace facetloc

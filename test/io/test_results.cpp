@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "temporary_folder.h"
+
+#include <facetloc/features/so3.h>
+#include <facetloc/io/results.h>
+#include <facetloc/io/trajectory.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace facetloc {
+namespace {
+
+using test::bytesOf;
+using test::ioErrorOf;
+using test::putBytes;
+using test::TemporaryFolder;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr const char* kHeader = "frame,rank,model,probability,score,m_tx,m_ty,m_tz,m_qx,m_qy,m_qz,m_qw,"
+                                "w_tx,w_ty,w_tz,w_qx,w_qy,w_qz,w_qw,sd_rot_deg,sd_trans_m,reason\n";
+
+ResultRow hypothesis(const std::string& frame, int rank) {
+  ResultRow row;
+  row.frame = frame;
+  row.rank = rank;
+  row.model = "room, left \"side\"";
+  row.probability = 1.0 / 3;
+  row.score = -12.5;
+  row.T_m_c.linear() = expSO3({0.1, 2.5, -0.3});
+  row.T_m_c.translation() << 1, -2, 3.25;
+  row.sd_rot_deg = 0.5;
+  row.sd_trans_m = 0.01;
+  return row;
+}
+
+ResultRow noHypothesis(const std::string& frame) {
+  ResultRow row;
+  row.frame = frame;
+  row.reason = "fewer than 6 constrained\ndegrees, \"sorry\"";
+  return row;
+}
+
+std::vector<FrameResult> twoFrames() {
+  FrameResult a, b;
+  a.stamp = 1.5;
+  a.rows = {hypothesis("1.5", 1), hypothesis("1.5", 2)};
+  a.rows[0].T_w_c = Eigen::Isometry3d(Eigen::Translation3d(7, 8, 9));
+  a.timing = {"1.5", 10.25, 2, 3.5, 140};
+  b.stamp = 2;
+  b.rows = {noHypothesis("2")};
+  b.timing = {"2", 1, 2, 3, 0};
+  return {a, b};
+}
+
+std::string errorOf(const std::string& content) {
+  const TemporaryFolder folder;
+  putBytes(folder / "hypotheses.csv", content);
+  return ioErrorOf([&] { readHypotheses(folder.path()); });
+}
+
+TEST(Results, RoundTrip) {
+  const TemporaryFolder folder;
+  const auto frames = twoFrames();
+  writeResults(folder / "a/b", frames, "min_support = 150\n");
+
+  const auto rows = readHypotheses(folder / "a/b");
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[0].frame, "1.5");
+  EXPECT_EQ(rows[1].rank, 2);
+  EXPECT_EQ(rows[0].model, "room, left \"side\"");
+  EXPECT_NEAR(rows[0].probability, 1.0 / 3, 1e-9);
+  EXPECT_EQ(rows[0].score, -12.5);
+  EXPECT_LT(perturbation(frames[0].rows[0].T_m_c, rows[0].T_m_c).norm(), 1e-8);
+  ASSERT_TRUE(rows[0].T_w_c);
+  EXPECT_EQ(rows[0].T_w_c->translation().y(), 8);
+  EXPECT_FALSE(rows[1].T_w_c);
+  EXPECT_EQ(rows[0].sd_rot_deg, 0.5);
+  EXPECT_EQ(rows[0].sd_trans_m, 0.01);
+  EXPECT_EQ(rows[2].rank, 0);
+  EXPECT_EQ(rows[2].reason, frames[1].rows[0].reason);
+
+  const auto timing = readTiming(folder / "a/b");
+  ASSERT_EQ(timing.size(), 2u);
+  EXPECT_EQ(timing[0].frame, "1.5");
+  EXPECT_EQ(timing[0].segment_ms, 10.25);
+  EXPECT_EQ(timing[0].localize_ms, 3.5);
+  EXPECT_EQ(timing[0].models, 140);
+
+  const Trajectory poses = readTumTrajectory(folder / "a/b/poses_tum.txt");
+  ASSERT_EQ(poses.poses().size(), 1u) << "only rank 1 with a world pose";
+  EXPECT_EQ(poses.poses()[0].stamp, 1.5);
+  EXPECT_EQ(bytesOf(folder / "a/b/params.ini"), "min_support = 150\n");
+}
+
+TEST(Results, TheBytesAreThoseOfTheContract) {
+  const TemporaryFolder folder;
+  FrameResult frame;
+  ResultRow row = hypothesis("f", 1);
+  row.model = "m";
+  row.T_m_c = Eigen::Translation3d(1.0 / 3, -0.0, 1e-9);
+  frame.rows = {row};
+  FrameResult lost;
+  lost.rows = {noHypothesis("g")};
+  lost.rows[0].reason = "dark, \"very\"";
+  writeResults(folder.path(), {frame, lost}, "");
+  EXPECT_EQ(bytesOf(folder / "hypotheses.csv"),
+            kHeader + std::string("f,1,m,0.333333333,-12.5,0.333333333,0,1e-09,0,0,0,1,,,,,,,,0.5,0.01,\n"
+                                  "g,0,,,,,,,,,,,,,,,,,,,,\"dark, \"\"very\"\"\"\n"));
+}
+
+TEST(Results, SameResultsSameBytes) {
+  const TemporaryFolder folder;
+  writeResults(folder / "a", twoFrames(), "x");
+  writeResults(folder / "b", twoFrames(), "x");
+  for (const char* name : {"hypotheses.csv", "poses_tum.txt", "timing.csv", "params.ini"})
+    EXPECT_EQ(bytesOf(folder / "a" / name), bytesOf(folder / "b" / name)) << name;
+}
+
+TEST(Results, ColumnsAreFoundByName) {
+  const TemporaryFolder folder;
+  putBytes(folder / "timing.csv",
+           "models,extra,localize_ms,features_ms,segment_ms,frame\r\n7,,3,2,1,\"a,b\"\r\n");
+  const auto timing = readTiming(folder.path());
+  ASSERT_EQ(timing.size(), 1u);
+  EXPECT_EQ(timing[0].frame, "a,b");
+  EXPECT_EQ(timing[0].segment_ms, 1);
+  EXPECT_EQ(timing[0].models, 7);
+}
+
+TEST(Results, NamesTheLineOfAFault) {
+  const std::string header = kHeader;
+  const std::string none = "f,0,,,,,,,,,,,,,,,,,,,,why\n";
+  EXPECT_EQ(errorOf(header + none), "");
+  EXPECT_EQ(errorOf(header), "");
+  EXPECT_THAT(errorOf(""), HasSubstr("empty"));
+  EXPECT_THAT(errorOf("frame,rank\nf,0\n"), AllOf(HasSubstr("hypotheses.csv"), HasSubstr("'reason'")));
+  EXPECT_THAT(errorOf(header + none + "f,0,,,,,\n"), AllOf(HasSubstr("line 3"), HasSubstr("columns")));
+  EXPECT_THAT(errorOf(header + "f,x,,,,,,,,,,,,,,,,,,,,why\n"),
+              AllOf(HasSubstr("line 2"), HasSubstr("rank = 'x'")));
+  EXPECT_THAT(errorOf(header + "f,-1,,,,,,,,,,,,,,,,,,,,why\n"), HasSubstr("negative"));
+  EXPECT_THAT(errorOf(header + "f,1,m,,,,,,,,,,,,,,,,,,,why\n"), HasSubstr("probability"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,2,,,,,,,,1,1,\n"), HasSubstr("rotation"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,nan,0,0,0,0,0,0,1,,,,,,,,1,1,\n"), HasSubstr("finite"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,1,1,,,,,,,1,1,\n"), HasSubstr("w_ty"));
+  EXPECT_THAT(errorOf(header + "f,0,,,,,,,,,,,,,,,,,,,,\"why\n"),
+              AllOf(HasSubstr("line 2"), HasSubstr("quote")));
+  EXPECT_THAT(errorOf(header + "\"f\"x,0,,,,,,,,,,,,,,,,,,,,why\n"), HasSubstr("line 2"));
+  EXPECT_NE(ioErrorOf([] { readTiming("no/such/folder"); }), "");
+}
+
+TEST(Results, LineNumbersCountLinesInsideQuotes) {
+  const std::string two_lines = "f,0,,,,,,,,,,,,,,,,,,,,\"a\nb\"\n\n";
+  EXPECT_THAT(errorOf(kHeader + two_lines + "bad\n"), HasSubstr("line 5"));
+}
+
+TEST(Results, WritingIsChecked) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(writeResults(folder / "a", {FrameResult()}, ""), std::invalid_argument);
+  FrameResult frame;
+  frame.rows = {hypothesis("f", 1)};
+  frame.rows[0].score = NAN;
+  EXPECT_THROW(writeResults(folder / "a", {frame}, ""), std::invalid_argument);
+  EXPECT_EQ(folder.count(), 0);
+  putBytes(folder / "a", "a file");
+  EXPECT_THAT(ioErrorOf([&] { writeResults(folder / "a", twoFrames(), ""); }),
+              HasSubstr("cannot be created"));
+}
+
+}  // namespace
+}  // namespace facetloc

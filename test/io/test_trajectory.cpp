@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "temporary_folder.h"
+
+#include <facetloc/features/so3.h>
+#include <facetloc/io/trajectory.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace facetloc {
+namespace {
+
+using test::bytesOf;
+using test::ioErrorOf;
+using test::putBytes;
+using test::TemporaryFolder;
+using testing::AllOf;
+using testing::HasSubstr;
+
+const Eigen::Vector3d kUpright = Eigen::Vector3d::Zero();
+
+StampedPose poseAt(double stamp, const Eigen::Vector3d& phi = {0.1, -0.2, 0.3},
+                   const Eigen::Vector3d& t = {1, 2, 3}) {
+  StampedPose pose;
+  pose.stamp = stamp;
+  pose.T_w_c.linear() = expSO3(phi);
+  pose.T_w_c.translation() = t;
+  return pose;
+}
+
+std::string errorOf(const std::string& content) {
+  const TemporaryFolder folder;
+  putBytes(folder / "groundtruth.txt", content);
+  return ioErrorOf([&] { readTumTrajectory(folder / "groundtruth.txt"); });
+}
+
+TEST(Trajectory, RoundTrips) {
+  const TemporaryFolder folder;
+  const std::vector<StampedPose> poses = {poseAt(1305031102.175304, {3.1, 0.1, -0.2}, {1.0 / 3, -1e-7, 1e5}),
+                                          poseAt(1305031102.275304)};
+  writeTumTrajectory(folder / "poses.txt", poses);
+  const Trajectory read = readTumTrajectory(folder / "poses.txt");
+  ASSERT_EQ(read.poses().size(), 2u);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_NEAR(read.poses()[i].stamp, poses[i].stamp, 1e-6);
+    EXPECT_LT(perturbation(poses[i].T_w_c, read.poses()[i].T_w_c).head<3>().norm(), 1e-8);
+    EXPECT_TRUE(read.poses()[i].T_w_c.translation().isApprox(poses[i].T_w_c.translation(), 1e-8));
+  }
+}
+
+TEST(Trajectory, WritesExactlyEightColumns) {
+  const TemporaryFolder folder;
+  StampedPose identity = poseAt(0.5, kUpright, {-0.0, 1, 2});
+  writeTumTrajectory(folder / "poses.txt", {identity});
+  EXPECT_EQ(bytesOf(folder / "poses.txt"), "# timestamp tx ty tz qx qy qz qw\n0.500000 0 1 2 0 0 0 1\n");
+}
+
+TEST(Trajectory, RefusesToWriteWhatIsNotFinite) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(writeTumTrajectory(folder / "poses.txt", {poseAt(NAN)}), std::invalid_argument);
+  EXPECT_EQ(folder.count(), 0);
+}
+
+TEST(Trajectory, FindsTheNearestPoseWithinTheTolerance) {
+  const Trajectory trajectory(
+      {poseAt(2, kUpright, {2, 0, 0}), poseAt(1, kUpright, {1, 0, 0}), poseAt(1.1, kUpright, {1.1, 0, 0})});
+  EXPECT_EQ(trajectory.nearest(1.01)->translation().x(), 1);
+  EXPECT_EQ(trajectory.nearest(1.09)->translation().x(), 1.1);
+  EXPECT_EQ(trajectory.nearest(1.02)->translation().x(), 1) << "the tolerance is meant in decimals";
+  EXPECT_EQ(trajectory.nearest(0.99)->translation().x(), 1);
+  EXPECT_EQ(trajectory.nearest(2.015)->translation().x(), 2);
+  EXPECT_FALSE(trajectory.nearest(1.05));
+  EXPECT_FALSE(trajectory.nearest(0.9));
+  EXPECT_FALSE(trajectory.nearest(2.1));
+  EXPECT_FALSE(trajectory.nearest(NAN));
+  EXPECT_EQ(trajectory.nearest(1.5, 1)->translation().x(), 1.1);
+  EXPECT_FALSE(Trajectory().nearest(0));
+}
+
+TEST(Trajectory, ReadsCommentsAndUnorderedLines) {
+  const TemporaryFolder folder;
+  putBytes(folder / "g.txt", "# header\n\n 2 0 0 0 0 0 0 1 # later\r\n+1e0\t0 0 0 0 0 0 -1\n");
+  const Trajectory trajectory = readTumTrajectory(folder / "g.txt");
+  ASSERT_EQ(trajectory.poses().size(), 2u);
+  EXPECT_EQ(trajectory.poses()[0].stamp, 1);
+  EXPECT_TRUE(trajectory.poses()[0].T_w_c.isApprox(Eigen::Isometry3d::Identity()));
+}
+
+TEST(Trajectory, AnEmptyFileIsAnEmptyTrajectory) {
+  EXPECT_EQ(errorOf(""), "");
+  EXPECT_EQ(errorOf("# nothing yet\n"), "");
+}
+
+TEST(Trajectory, NamesTheLineOfAFault) {
+  const std::string good = "1 0 0 0 0 0 0 1\n";
+  EXPECT_THAT(errorOf(good + "2 0 0 0 0 0 0\n"),
+              AllOf(HasSubstr("groundtruth.txt"), HasSubstr("line 2"), HasSubstr("7 columns")));
+  EXPECT_THAT(errorOf(good + "2 0 0 0 0 0 0 1 9\n"), HasSubstr("9 columns"));
+  EXPECT_THAT(errorOf(good + "2 0 0 zero 0 0 0 1\n"), HasSubstr("'zero'"));
+  EXPECT_THAT(errorOf(good + "2 0 0 nan 0 0 0 1\n"), HasSubstr("'nan'"));
+  EXPECT_THAT(errorOf(good + "\n2 0 0 0 0 0 0 0\n"), AllOf(HasSubstr("line 3"), HasSubstr("rotation")));
+  EXPECT_THAT(errorOf(good + "2 0 0 0 1 0 0 1\n"), HasSubstr("rotation"));
+  EXPECT_THAT(errorOf(std::string("\0\x89PNG\xFF", 6)), HasSubstr("line 1"));
+  EXPECT_THAT(ioErrorOf([] { readTumTrajectory("no/such/file.txt"); }), HasSubstr("does not exist"));
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/segmentation/depth_triangulation.h>
+#include <facetloc/testing/disparity_images.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <utility>
+
+namespace facetloc {
+namespace {
+
+using test::blankDisparity;
+using test::randomDisparity;
+using test::roomDisparity;
+using Vertex = DepthTriangulation::Vertex;
+using Triangle = DepthTriangulation::Triangle;
+using Span = DepthTriangulation::Span;
+
+// ---- oracles, in integers wide enough for anything
+
+__extension__ typedef __int128 Wide;
+
+Wide orientation(const Vertex& a, const Vertex& b, const Vertex& c) {
+  return Wide(b.u - a.u) * (c.v - a.v) - Wide(b.v - a.v) * (c.u - a.u);
+}
+
+// Positive if d lies strictly inside the circle through a, b, c of positive orientation.
+Wide inCircle(const Vertex& a, const Vertex& b, const Vertex& c, const Vertex& d) {
+  const Wide m[3][2] = {{a.u - d.u, a.v - d.v}, {b.u - d.u, b.v - d.v}, {c.u - d.u, c.v - d.v}};
+  const auto square = [&](int i) { return m[i][0] * m[i][0] + m[i][1] * m[i][1]; };
+  const auto minor = [&](int i, int k) { return m[i][0] * m[k][1] - m[i][1] * m[k][0]; };
+  return square(0) * minor(1, 2) - square(1) * minor(0, 2) + square(2) * minor(0, 1);
+}
+
+struct Named {
+  std::string name;
+  DisparityImage image;
+};
+
+std::vector<Named> images() {
+  std::vector<Named> list;
+  list.push_back({"room", roomDisparity(test::tinyCamera(), 1)});
+  list.push_back({"exact room", roomDisparity(test::tinyCamera(), 1, 0)});
+  list.push_back({"noise", randomDisparity(60, 45, 1.0, 2)});
+  list.push_back({"noise with holes", randomDisparity(64, 48, 0.6, 3)});
+  list.push_back({"sparse", randomDisparity(64, 48, 0.02, 4)});
+  list.push_back({"narrow", randomDisparity(2, 50, 1.0, 5)});
+  list.push_back({"flat", randomDisparity(50, 2, 1.0, 6)});
+  list.push_back({"two by two", randomDisparity(2, 2, 1.0, 7)});
+  DisparityImage constant = blankDisparity(31, 17);
+  std::fill(constant.d.begin(), constant.d.end(), 300.f);
+  list.push_back({"constant", constant});
+  DisparityImage hole = roomDisparity(test::tinyCamera(), 8);
+  for (int v = 30; v < 90; ++v)
+    for (int u = 50; u < 130; ++u) hole.d[static_cast<std::size_t>(v) * 160 + u] = 0;
+  list.push_back({"large hole", hole});
+  DisparityImage grid = blankDisparity(33, 33);  // cocircular vertices everywhere
+  for (int v = 0; v < 33; ++v)
+    for (int u = 0; u < 33; ++u)
+      grid.d[static_cast<std::size_t>(v) * 33 + u] = (u % 8 == 0) && (v % 8 == 0) ? 900.f : 100.f;
+  list.push_back({"grid", grid});
+  return list;
+}
+
+class EveryImage : public testing::TestWithParam<Named> {
+protected:
+  void SetUp() override { split.compute(image()); }
+  const DisparityImage& image() const { return GetParam().image; }
+  const Vertex& vertex(int i) const { return split.vertices()[i]; }
+  DepthTriangulation split;
+};
+
+TEST_P(EveryImage, IsADelaunayTriangulation) {
+  ASSERT_FALSE(split.triangles().empty());
+  for (const Triangle& t : split.triangles()) {
+    const Vertex &a = vertex(t.vertex[0]), &b = vertex(t.vertex[1]), &c = vertex(t.vertex[2]);
+    ASSERT_GT(orientation(a, b, c), 0);
+    for (const Vertex& d : split.vertices())
+      ASSERT_LE(inCircle(a, b, c, d), 0) << "(" << d.u << ", " << d.v << ") lies in a circumcircle";
+  }
+}
+
+TEST_P(EveryImage, TrianglesCoverTheImageOnce) {
+  Wide twice_area = 0;
+  int border_edges = 0;
+  for (const Triangle& t : split.triangles()) {
+    twice_area += orientation(vertex(t.vertex[0]), vertex(t.vertex[1]), vertex(t.vertex[2]));
+    border_edges += static_cast<int>(std::count(t.neighbour.begin(), t.neighbour.end(), -1));
+  }
+  const int w = image().camera.width, h = image().camera.height;
+  EXPECT_EQ(static_cast<long>(twice_area), 2l * w * h);
+  // Euler: a triangulation of n points, b of them on the border, has 2 n - 2 - b triangles.
+  EXPECT_EQ(split.triangles().size(), 2 * split.vertices().size() - 2 - border_edges);
+}
+
+TEST_P(EveryImage, SpansPartitionTheImage) {
+  const int w = image().camera.width;
+  std::vector<int> count(image().d.size(), 0);
+  std::vector<Span> spans;
+  for (const Triangle& t : split.triangles()) {
+    split.spans(t, spans);
+    int pixels = 0;
+    for (const Span& s : spans) {
+      ASSERT_LE(s.first, s.last);
+      for (int u = s.first; u <= s.last; ++u, ++pixels) ++count.at(static_cast<std::size_t>(s.v) * w + u);
+    }
+    EXPECT_EQ(pixels, t.num_pixels);
+  }
+  EXPECT_TRUE(std::all_of(count.begin(), count.end(), [](int n) { return n == 1; }));
+}
+
+TEST_P(EveryImage, NeighboursShareTheirEdge) {
+  const auto& triangles = split.triangles();
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      const int j = triangles[i].neighbour[k];
+      const int a = triangles[i].vertex[k], b = triangles[i].vertex[(k + 1) % 3];
+      if (j < 0) {  // on the border of the image
+        const int w = image().camera.width, h = image().camera.height;
+        EXPECT_TRUE((vertex(a).u == vertex(b).u && (vertex(a).u == 0 || vertex(a).u == w)) ||
+                    (vertex(a).v == vertex(b).v && (vertex(a).v == 0 || vertex(a).v == h)));
+        continue;
+      }
+      int shared = 0;
+      for (int m = 0; m < 3; ++m)
+        if (triangles[j].neighbour[m] == static_cast<int>(i) && triangles[j].vertex[m] == b &&
+            triangles[j].vertex[(m + 1) % 3] == a)
+          ++shared;
+      EXPECT_EQ(shared, 1);
+    }
+}
+
+TEST_P(EveryImage, TrianglesKnowTheirPlaneAndTheirWorstPixel) {
+  std::vector<Span> spans;
+  for (const Triangle& t : split.triangles()) {
+    for (const int k : t.vertex)
+      EXPECT_NEAR(t.plane.at(vertex(k).u, vertex(k).v), vertex(k).d, 1e-3 * (1 + std::abs(vertex(k).d)));
+    split.spans(t, spans);
+    int valid = 0;
+    double largest = 0, at_worst = 0;
+    for (const Span& s : spans)
+      for (int u = s.first; u <= s.last; ++u) {
+        const int i = s.v * image().camera.width + u;
+        if (!(image().d[i] > 0)) continue;
+        ++valid;
+        const double e = std::abs(image().d[i] - t.plane.at(u, s.v));
+        largest = std::max(largest, e);
+        if (i == t.worst_pixel) at_worst = e;
+      }
+    EXPECT_EQ(t.num_valid, valid);
+    EXPECT_NEAR(t.max_deviation, largest, 2e-3);
+    EXPECT_NEAR(at_worst, largest, 2e-3);
+  }
+}
+
+TEST_P(EveryImage, NothingIsLeftToRefine) {
+  const DepthTriangulationParams p;
+  for (const Triangle& t : split.triangles()) {
+    const bool flat = t.max_deviation <= p.split_tolerance;
+    const bool filled = t.num_pixels < p.min_fill_pixels || t.num_valid >= p.min_fill * t.num_pixels;
+    bool worst_is_vertex = t.worst_pixel < 0;
+    for (const int k : t.vertex)
+      worst_is_vertex = worst_is_vertex || vertex(k).v * image().camera.width + vertex(k).u == t.worst_pixel;
+    EXPECT_TRUE((flat && filled) || worst_is_vertex);
+  }
+}
+
+TEST_P(EveryImage, VerticesAreDistinctValidPixelsBesideTheCorners) {
+  std::set<std::pair<int, int>> seen;
+  for (std::size_t i = 0; i < split.vertices().size(); ++i) {
+    const Vertex& p = vertex(static_cast<int>(i));
+    EXPECT_TRUE(seen.insert({p.u, p.v}).second);
+    EXPECT_GT(p.d, 0);
+    if (i >= 4) {
+      EXPECT_EQ(p.d, image().d[static_cast<std::size_t>(p.v) * image().camera.width + p.u]);
+    }
+  }
+}
+
+TEST_P(EveryImage, TwoRunsAgreeInEveryNumber) {
+  DepthTriangulation again;
+  again.compute(roomDisparity(test::tinyCamera(), 99));  // buffers of another image do not matter
+  again.compute(image());
+  ASSERT_EQ(again.vertices().size(), split.vertices().size());
+  ASSERT_EQ(again.triangles().size(), split.triangles().size());
+  for (std::size_t i = 0; i < split.triangles().size(); ++i) {
+    EXPECT_EQ(again.triangles()[i].vertex, split.triangles()[i].vertex);
+    EXPECT_EQ(again.triangles()[i].neighbour, split.triangles()[i].neighbour);
+    EXPECT_EQ(again.triangles()[i].max_deviation, split.triangles()[i].max_deviation);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(DepthTriangulation, EveryImage, testing::ValuesIn(images()), [](const auto& i) {
+  std::string name = i.param.name;
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return name;
+});
+
+// ---- special cases
+
+TEST(DepthTriangulation, OfNothingIsEmpty) {
+  DepthTriangulation split;
+  for (const DisparityImage& image :
+       {DisparityImage{}, blankDisparity(40, 30), blankDisparity(1, 1), randomDisparity(1, 1, 1, 1),
+        randomDisparity(1, 50, 1, 1), randomDisparity(50, 1, 1, 1), blankDisparity(2, 2)}) {
+    split.compute(roomDisparity(test::tinyCamera(), 1));
+    split.compute(image);
+    EXPECT_TRUE(split.triangles().empty());
+    EXPECT_TRUE(split.vertices().empty());
+  }
+}
+
+TEST(DepthTriangulation, OneValidPixelGivesAPlaneThroughIt) {
+  for (const int at : {0, 39, 620, 1199}) {
+    DisparityImage image = blankDisparity(40, 30);
+    image.d[at] = 500;
+    DepthTriangulation split;
+    split.compute(image);
+    ASSERT_FALSE(split.triangles().empty());
+    for (const Vertex& p : split.vertices()) EXPECT_EQ(p.d, 500);
+    for (const Triangle& t : split.triangles()) EXPECT_EQ(t.max_deviation, 0);
+  }
+}
+
+TEST(DepthTriangulation, AnExactPlaneIsTwoTriangles) {
+  DisparityImage image = blankDisparity(64, 48);
+  for (int v = 0; v < 48; ++v)
+    for (int u = 0; u < 64; ++u)
+      image.d[static_cast<std::size_t>(v) * 64 + u] = static_cast<float>(200 + 2 * u - v);
+  DepthTriangulation split;
+  split.compute(image);
+  EXPECT_EQ(split.triangles().size(), 2u);
+}
+
+TEST(DepthTriangulation, CornersWithoutDepthTakeThatOfTheNearestPixel) {
+  DisparityImage image = blankDisparity(40, 30);
+  for (int v = 10; v < 20; ++v)
+    for (int u = 10; u < 30; ++u) image.d[static_cast<std::size_t>(v) * 40 + u] = u < 20 ? 100.f : 104.f;
+  DepthTriangulation split;
+  split.compute(image);
+  const float want[] = {100, 104, 104, 100};
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(split.vertices()[k].d, want[k]);
+}
+
+TEST(DepthTriangulation, VertexLimitIsKept) {
+  DepthTriangulationParams params;
+  params.max_vertices = 50;
+  DepthTriangulation split(params);
+  split.compute(randomDisparity(64, 48, 1, 1));
+  EXPECT_EQ(split.vertices().size(), 50u);
+}
+
+TEST(DepthTriangulation, IsExactAtTheLargestSize) {
+  DisparityImage image = blankDisparity(2048, 2048);
+  for (int v = 0; v < 2048; ++v)
+    for (int u = 0; u < 2048; ++u)
+      image.d[static_cast<std::size_t>(v) * 2048 + u] =
+          static_cast<float>(500 + std::abs(u - 1023) * 0.5 + 40 * ((u / 700 + v / 500) % 2));
+  DepthTriangulationParams params;
+  params.max_vertices = 250;
+  DepthTriangulation split(params);
+  split.compute(image);
+  for (const Triangle& t : split.triangles()) {
+    const Vertex &a = split.vertices()[t.vertex[0]], &b = split.vertices()[t.vertex[1]],
+                 &c = split.vertices()[t.vertex[2]];
+    ASSERT_GT(orientation(a, b, c), 0);
+    for (const Vertex& d : split.vertices()) ASSERT_LE(inCircle(a, b, c, d), 0);
+  }
+}
+
+TEST(DepthTriangulation, AConstantOffsetChangesNothing) {
+  const DisparityImage image = roomDisparity(test::smallCamera(), 5);
+  DisparityImage shifted = image;
+  for (float& d : shifted.d)
+    if (d > 0) d += 256;
+  DepthTriangulation a, b;
+  a.compute(image);
+  b.compute(shifted);
+  ASSERT_EQ(a.vertices().size(), b.vertices().size());
+  for (std::size_t i = 0; i < a.vertices().size(); ++i) {
+    EXPECT_EQ(a.vertices()[i].u, b.vertices()[i].u);
+    EXPECT_EQ(a.vertices()[i].v, b.vertices()[i].v);
+  }
+  ASSERT_EQ(a.triangles().size(), b.triangles().size());
+  for (std::size_t i = 0; i < a.triangles().size(); ++i)
+    EXPECT_EQ(a.triangles()[i].vertex, b.triangles()[i].vertex);
+}
+
+}  // namespace
+}  // namespace facetloc

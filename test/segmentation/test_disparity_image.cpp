@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/segmentation/disparity_image.h>
+#include <facetloc/testing/random_segments.h>
+#include <facetloc/testing/synthetic_depth.h>
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace facetloc {
+namespace {
+
+using test::endlessPlane;
+using test::noisy;
+using test::render;
+using test::smallCamera;
+
+DepthImage wall() { return render({endlessPlane({0, 0, 2}, {0.3, 0.2, 1})}, smallCamera()).image; }
+
+TEST(DisparityImage, IsInverseDepthInItsUnit) {
+  DepthImage image = wall();
+  image.depth[0] = 0;
+  image.depth[1] = std::numeric_limits<float>::quiet_NaN();
+  image.depth[2] = -1;
+  image.depth[3] = std::numeric_limits<float>::infinity();
+  DisparityImage d;
+  toDisparity(image, 0.0014, d);
+  EXPECT_EQ(d.camera, image.camera);
+  EXPECT_EQ(d.unit, 0.0014);
+  ASSERT_EQ(d.d.size(), image.depth.size());
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(d.d[i], 0.f) << i;
+  for (std::size_t i = 4; i < d.d.size(); ++i) {
+    EXPECT_GT(d.d[i], 0.f);
+    EXPECT_NEAR(d.d[i] * d.unit * image.depth[i], 1, 1e-6);
+  }
+}
+
+TEST(DisparityImage, ReplacesWhatItHeldBefore) {
+  DisparityImage d;
+  toDisparity(wall(), 1, d);
+  toDisparity({}, 1, d);
+  EXPECT_TRUE(d.d.empty());
+}
+
+TEST(EstimateNoise, IsThatOfWhiteNoiseWithinATenth) {
+  for (const double sigma : {0.2, 0.5, 1.5, 5.0})
+    for (unsigned seed = 0; seed < 5; ++seed)
+      EXPECT_NEAR(estimateNoise(noisy(wall(), sigma / kKinectGain, seed)) * kKinectGain, sigma, 0.1 * sigma);
+}
+
+TEST(EstimateNoise, DoesNotMindEdgesAndHoles) {
+  DepthImage image =
+      render(test::furnishedRoom(), smallCamera(), test::lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2})).image;
+  image = noisy(image, 0.5 / kKinectGain, 1);
+  test::Rng rng(2);
+  for (float& z : image.depth)
+    if (test::uniform(rng, 0, 1) < 0.2) z = 0;
+  EXPECT_NEAR(estimateNoise(image) * kKinectGain, 0.5, 0.05);
+}
+
+TEST(EstimateNoise, OfTooFewPixelsIsUnknown) {
+  EXPECT_EQ(estimateNoise({}), 0);
+  DepthImage image = wall();
+  std::fill(image.depth.begin() + 300, image.depth.end(), 0.f);
+  EXPECT_EQ(estimateNoise(image), 0);
+  std::fill(image.depth.begin(), image.depth.end(), std::numeric_limits<float>::quiet_NaN());
+  EXPECT_EQ(estimateNoise(image), 0);
+}
+
+TEST(EstimateNoise, OfAnExactPlaneIsNextToNothing) { EXPECT_LT(estimateNoise(wall()) * kKinectGain, 1e-3); }
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/segmentation/planar_segmentation.h>
+#include <facetloc/testing/organized_clouds.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <set>
+
+namespace facetloc::test {
+
+/** \brief A point type that no library knows. */
+struct EIGEN_ALIGN16 PointOfAUser {
+  PCL_ADD_POINT4D;
+  double confidence = 0;
+  PCL_MAKE_ALIGNED_OPERATOR_NEW
+};
+
+}  // namespace facetloc::test
+
+POINT_CLOUD_REGISTER_POINT_STRUCT(facetloc::test::PointOfAUser,
+                                  (float, x, x)(float, y, y)(float, z, z)(double, confidence, confidence))
+
+namespace facetloc {
+namespace {
+
+using test::organizedCloud;
+using testing::HasSubstr;
+
+template <typename PointT>
+class PlanarSegmentationTest : public testing::Test {
+protected:
+  using Cloud = pcl::PointCloud<PointT>;
+
+  PlanarSegmentationTest() {
+    const DepthImage image = test::render(test::furnishedRoom(), test::smallCamera(),
+                                          test::lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2}))
+                                 .image;
+    cloud = organizedCloud<PointT>(test::noisy(image, 0.5 / kKinectGain, 1));
+    (*cloud)[7].x = (*cloud)[7].y = (*cloud)[7].z = std::numeric_limits<float>::quiet_NaN();
+    segmentation = pcl::make_shared<PlanarSegmentation<PointT>>();
+  }
+  // Fills the outputs from a good cloud, then expects a bad one to leave nothing of them.
+  void expectNothingFrom(const typename Cloud::ConstPtr& bad, const std::string& why) {
+    segmentation->setInputCloud(cloud);
+    segmentation->segment(segments, planes);
+    ASSERT_FALSE(segments.empty());
+    ASSERT_EQ(segmentation->getStatus(), "");
+    segmentation->setInputCloud(bad);
+    segmentation->segment(segments, planes);
+    EXPECT_TRUE(segments.empty());
+    EXPECT_TRUE(planes.empty());
+    EXPECT_THAT(segmentation->getStatus(), HasSubstr(why));
+    segmentation->segment(segments);
+    EXPECT_TRUE(segments.empty());
+    EXPECT_TRUE(segmentationOf().getSegmentation().planes.empty());
+    pcl::PointCloud<pcl::Label> labels(3, 2);
+    segmentationOf().segment(labels);
+    for (const pcl::Label& l : labels) EXPECT_EQ(l.label, 0u);
+  }
+  PlanarSegmentation<PointT>& segmentationOf() {
+    return dynamic_cast<PlanarSegmentation<PointT>&>(*segmentation);
+  }
+
+  typename Cloud::Ptr cloud;
+  typename pcl::Segmentation<PointT>::Ptr segmentation;  // everything through the base
+  std::vector<pcl::PointIndices> segments;
+  std::vector<pcl::ModelCoefficients> planes;
+};
+using PointTypes =
+    testing::Types<pcl::PointXYZ, pcl::PointXYZI, pcl::PointXYZRGB, pcl::PointXYZRGBA, test::PointOfAUser>;
+TYPED_TEST_SUITE(PlanarSegmentationTest, PointTypes);
+
+TYPED_TEST(PlanarSegmentationTest, PointsOfASegmentLieOnItsPlaneWhichFacesTheSensor) {
+  this->cloud->header.frame_id = "camera";
+  this->segmentation->setInputCloud(this->cloud);
+  this->segmentation->segment(this->segments, this->planes);
+  ASSERT_GE(this->segments.size(), 4u);
+  ASSERT_EQ(this->planes.size(), this->segments.size());
+  std::set<int> seen;
+  std::size_t size_before = this->cloud->size();
+  for (std::size_t k = 0; k < this->segments.size(); ++k) {
+    EXPECT_EQ(this->segments[k].header.frame_id, "camera");
+    EXPECT_EQ(this->planes[k].header.frame_id, "camera");
+    ASSERT_EQ(this->planes[k].values.size(), 4u);
+    const Eigen::Vector3f n(this->planes[k].values[0], this->planes[k].values[1], this->planes[k].values[2]);
+    const float d = this->planes[k].values[3];
+    EXPECT_NEAR(n.norm(), 1, 1e-5);
+    EXPECT_GT(d, 0);  // the sensor, at the origin, lies in front
+    double sum = 0;
+    for (const int i : this->segments[k].indices) {
+      EXPECT_TRUE(seen.insert(i).second) << "point " << i << " is in two segments";
+      const Eigen::Vector3f p = (*this->cloud)[i].getVector3fMap();
+      EXPECT_LT(n.dot(p), 0);
+      sum += n.dot(p) + d;
+      EXPECT_NEAR(n.dot(p) + d, 0,
+                  0.02 * p.z() * p.z());  // five times the noise, and the distortion of the ray
+    }
+    EXPECT_NEAR(sum / this->segments[k].indices.size(), 0, 0.005);
+    EXPECT_LE(this->segments[k].indices.size(), size_before);
+    size_before = this->segments[k].indices.size();
+  }
+  EXPECT_EQ(seen.count(7), 0u);  // the point that is not one
+}
+
+TYPED_TEST(PlanarSegmentationTest, LabelsAndIndicesSayTheSame) {
+  this->segmentation->setInputCloud(this->cloud);
+  this->segmentation->segment(this->segments);
+  pcl::PointCloud<pcl::Label> labels;
+  this->segmentationOf().segment(labels);
+  EXPECT_EQ(labels.width, this->cloud->width);
+  EXPECT_EQ(labels.height, this->cloud->height);
+  std::size_t labelled = 0;
+  for (const pcl::Label& l : labels) labelled += l.label != 0;
+  for (std::size_t k = 0; k < this->segments.size(); ++k) {
+    labelled -= this->segments[k].indices.size();
+    for (const int i : this->segments[k].indices) EXPECT_EQ(labels[i].label, k + 1);
+  }
+  EXPECT_EQ(labelled, 0u);
+}
+
+TYPED_TEST(PlanarSegmentationTest, BadCloudsLeaveNothingOfTheCallBefore) {
+  using Cloud = pcl::PointCloud<TypeParam>;
+  this->expectNothingFrom(nullptr, "no input cloud");
+  this->expectNothingFrom(pcl::make_shared<Cloud>(), "no input cloud");
+  auto unorganized = pcl::make_shared<Cloud>(*this->cloud);
+  unorganized->width *= unorganized->height;
+  unorganized->height = 1;
+  this->expectNothingFrom(unorganized, "not organized");
+  auto nan = pcl::make_shared<Cloud>(*this->cloud);
+  for (auto& p : *nan) p.x = p.y = p.z = std::numeric_limits<float>::quiet_NaN();
+  this->expectNothingFrom(nan, "camera");
+  auto two_by_two = pcl::make_shared<Cloud>(2, 2);
+  this->expectNothingFrom(two_by_two, "camera");
+}
+
+TYPED_TEST(PlanarSegmentationTest, AnAllInvalidCloudOfAKnownCameraHasNoSegment) {
+  this->segmentationOf().setIntrinsics(test::smallCamera());
+  auto nan = pcl::make_shared<pcl::PointCloud<TypeParam>>(*this->cloud);
+  for (auto& p : *nan) p.x = p.y = p.z = std::numeric_limits<float>::quiet_NaN();
+  this->expectNothingFrom(nan, "no planar segment");
+}
+
+TYPED_TEST(PlanarSegmentationTest, IndicesAreRespected) {
+  auto indices = pcl::make_shared<pcl::Indices>();
+  for (int v = 0; v < 240; ++v)
+    for (int u = 150; u < 320; ++u) indices->push_back(320 * v + u);
+  this->segmentation->setInputCloud(this->cloud);
+  this->segmentation->setIndices(indices);
+  this->segmentation->segment(this->segments, this->planes);
+  ASSERT_FALSE(this->segments.empty());
+  for (const auto& s : this->segments)
+    for (const int i : s.indices) EXPECT_GE(i % 320, 150);
+  this->segmentation->setIndices(pcl::make_shared<pcl::Indices>());
+  this->segmentation->segment(this->segments, this->planes);
+  EXPECT_TRUE(this->segments.empty());
+  EXPECT_NE(this->segmentation->getStatus(), "");
+}
+
+TYPED_TEST(PlanarSegmentationTest, SettersSetWhatGettersGet) {
+  PlanarSegmentation<TypeParam>& s = this->segmentationOf();
+  s.setMinInliers(777);
+  EXPECT_EQ(s.getMinInliers(), 777u);
+  EXPECT_EQ(s.getParams().min_support, 777);
+  SensorNoise noise;
+  noise.inverse_depth_std = 0.01;
+  s.setSensorNoise(noise);
+  EXPECT_EQ(s.getSensorNoise().inverse_depth_std, 0.01);
+  EXPECT_EQ(this->segmentation->getClassName(), "PlanarSegmentation");
+  s.setMinInliers(1000000);
+  this->segmentation->setInputCloud(this->cloud);
+  this->segmentation->segment(this->segments);
+  EXPECT_TRUE(this->segments.empty());
+  EXPECT_THAT(this->segmentation->getStatus(), HasSubstr("minimum support"));
+}
+
+}  // namespace
+}  // namespace facetloc

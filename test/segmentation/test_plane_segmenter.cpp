@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/segmentation/plane_segmenter.h>
+#include <facetloc/testing/pose_matchers.h>
+#include <facetloc/testing/random_segments.h>
+#include <facetloc/testing/synthetic_depth.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace facetloc {
+namespace {
+
+using test::box;
+using test::endlessPlane;
+using test::lookingAlong;
+using test::noisy;
+using test::render;
+using test::Rendering;
+using test::Rng;
+using test::rounded;
+using test::Scene;
+using test::smallCamera;
+using test::uniform;
+
+constexpr double kDisparityUnit = 1 / kKinectGain;
+
+PlaneSegmentation segmented(const DepthImage& image, const SegmentationParams& params = {}) {
+  PlaneSegmentation out;
+  PlaneSegmenter(params).segment(image, out);
+  return out;
+}
+
+// Two walls and the floor, seen into the corner of a room.
+Rendering corner() {
+  return render(box({0, 0, 0}, {4, 4, 3}), smallCamera(), lookingAlong({1.8, 1.6, 1.3}, {1, 1.1, -0.65}));
+}
+
+// Share of the pixels on which two labellings agree, each label of a renamed to the one of b that it meets
+// most.
+double agreement(const LabelImage& a, const LabelImage& b) {
+  std::vector<std::vector<int>> meets(a.maxLabel() + 1, std::vector<int>(b.maxLabel() + 1, 0));
+  for (std::size_t i = 0; i < a.label.size(); ++i) ++meets[a.label[i]][b.label[i]];
+  int same = 0;
+  for (const auto& row : meets) same += *std::max_element(row.begin(), row.end());
+  return same / static_cast<double>(a.label.size());
+}
+
+void expectConsistent(const PlaneSegmentation& s, const DepthImage& image,
+                      const SegmentationParams& params = {}) {
+  ASSERT_EQ(s.labels.label.size(), image.depth.size());
+  ASSERT_EQ(s.planes.size(), s.support.size());
+  std::vector<int> count(s.planes.size() + 1, 0);
+  for (std::size_t i = 0; i < image.depth.size(); ++i) {
+    const int k = s.labels.label[i];
+    ASSERT_LE(k, static_cast<int>(s.planes.size()));
+    ++count[k];
+    if (k == 0) continue;
+    ASSERT_GT(image.depth[i], 0);
+    const int u = static_cast<int>(i) % image.camera.width, v = static_cast<int>(i) / image.camera.width;
+    EXPECT_LE(std::abs(1 / image.depth[i] - s.planes[k - 1].at(u, v)),
+              params.label_tolerance * s.noise * 1.001);
+  }
+  const double min_support = params.min_support * static_cast<double>(image.depth.size()) / (320 * 240);
+  for (std::size_t k = 0; k < s.planes.size(); ++k) {
+    EXPECT_EQ(s.support[k], count[k + 1]);
+    EXPECT_GE(s.support[k], min_support);
+    if (k > 0) {
+      EXPECT_LE(s.support[k], s.support[k - 1]);
+    }
+  }
+}
+
+TEST(PlaneSegmenter, AnExactCornerOfARoomIsThreePlanes) {
+  const Rendering r = corner();
+  const PlaneSegmentation s = segmented(r.image);
+  EXPECT_EQ(s.planes.size(), 3u);
+  EXPECT_GT(agreement(s.labels, r.labels), 0.995);
+  expectConsistent(s, r.image);
+}
+
+TEST(PlaneSegmenter, ANoisyRoundedCornerIsStillThreePlanes) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    const Rendering r = corner();
+    const DepthImage image = rounded(noisy(r.image, 0.5 * kDisparityUnit, seed));
+    const PlaneSegmentation s = segmented(image);
+    EXPECT_EQ(s.planes.size(), 3u) << seed;
+    EXPECT_GT(agreement(s.labels, r.labels), 0.97) << seed;
+    expectConsistent(s, image);
+  }
+}
+
+TEST(PlaneSegmenter, PlanesAreThoseOfTheRoom) {
+  const Scene room = box({0, 0, 0}, {4, 4, 3});
+  const Eigen::Isometry3d T = lookingAlong({1.8, 1.6, 1.3}, {1, 1.1, -0.65});
+  const Rendering r = render(room, smallCamera(), T);
+  const PlaneSegmentation s = segmented(r.image);
+  for (std::size_t k = 0; k < s.planes.size(); ++k) {
+    const auto first =
+        std::find(s.labels.label.begin(), s.labels.label.end(), k + 1) - s.labels.label.begin();
+    const test::Face& face = room.at(r.labels.label[first] - 1);
+    Eigen::Vector3d n = T.linear().transpose() * face.x.cross(face.y);
+    const double rho = n.dot(T.inverse() * face.centre);
+    EXPECT_THAT(s.planes[k].toSpace(r.image.camera), test::MatrixNear(n / rho, 1e-4));
+  }
+}
+
+// A wall with a step of so many disparity units along a vertical line.
+DepthImage steppedWall(double step, int at) {
+  DepthImage image;
+  image.camera = smallCamera();
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u)
+      image.depth.push_back(static_cast<float>(kinectDepth(900 + (u < at ? 0 : step))));
+  return image;
+}
+
+TEST(PlaneSegmenter, AStepOfSixDisparityUnitsSplits) {
+  for (const int at : {60, 160, 280}) {
+    const PlaneSegmentation s = segmented(steppedWall(6, at));
+    EXPECT_EQ(s.planes.size(), 2u) << at;
+    for (unsigned seed = 0; seed < 3; ++seed)
+      EXPECT_EQ(segmented(rounded(noisy(steppedWall(6, at), 0.5 * kDisparityUnit, seed))).planes.size(), 2u)
+          << at;
+  }
+}
+
+TEST(PlaneSegmenter, AStepOfOneDisparityUnitDoesNot) {
+  for (const int at : {60, 160, 280}) {
+    EXPECT_EQ(segmented(steppedWall(1, at)).planes.size(), 1u) << at;
+    for (unsigned seed = 0; seed < 3; ++seed)
+      EXPECT_EQ(segmented(rounded(noisy(steppedWall(1, at), 0.5 * kDisparityUnit, seed))).planes.size(), 1u)
+          << at;
+  }
+}
+
+TEST(PlaneSegmenter, SilhouettesAreRightWithinTwoPixels) {
+  const Scene scene =
+      test::operator+({endlessPlane({0, 0, 3}, {0.1, 0, 1})}, box({-0.4, -0.3, 1.5}, {0.5, 0.5, 2}));
+  const Rendering r = render(scene, smallCamera());
+  for (const DepthImage& image : {r.image, noisy(r.image, 0.5 * kDisparityUnit, 1)}) {
+    const PlaneSegmentation s = segmented(image);
+    // Which face each label is: the one that it meets most.
+    std::vector<std::vector<int>> meets(s.planes.size() + 1, std::vector<int>(scene.size() + 1, 0));
+    for (std::size_t i = 0; i < s.labels.label.size(); ++i) ++meets[s.labels.label[i]][r.labels.label[i]];
+    int checked = 0;
+    for (int v = 0; v < 240; ++v)
+      for (int u = 0; u < 320; ++u) {
+        const auto at = [&](const LabelImage& l, int x, int y) {
+          return int(l.label[static_cast<std::size_t>(y) * 320 + x]);
+        };
+        const int truth = at(r.labels, u, v), label = at(s.labels, u, v);
+        const auto face_of = [&](int k) {
+          return static_cast<int>(std::max_element(meets[k].begin(), meets[k].end()) - meets[k].begin());
+        };
+        if (label > 0 && face_of(label) == truth) continue;
+        // A pixel of another face, or of none, lies within two pixels of the outline of its true face.
+        bool near_outline = false;
+        for (int y = std::max(0, v - 2); y <= std::min(239, v + 2); ++y)
+          for (int x = std::max(0, u - 2); x <= std::min(319, u + 2); ++x)
+            near_outline = near_outline || at(r.labels, x, y) != truth;
+        const bool large = std::count(r.labels.label.begin(), r.labels.label.end(), truth) > 400;
+        if (large) {
+          EXPECT_TRUE(near_outline || image.depth != r.image.depth) << u << ", " << v;
+        }
+        ++checked;
+      }
+    EXPECT_LT(checked, 0.02 * 320 * 240);
+  }
+}
+
+TEST(PlaneSegmenter, AnOffsetOfAllDisparitiesChangesNoLabel) {
+  // A corner and boxes far from the limits of the plane-distance criterion, moved by 40 DU.
+  const DepthImage image = noisy(corner().image, 0.5 * kDisparityUnit, 3);
+  DepthImage shifted = image;
+  for (float& z : shifted.depth) z = static_cast<float>(1 / (1 / double(z) + 40 * kDisparityUnit));
+  const PlaneSegmentation a = segmented(image), b = segmented(shifted);
+  EXPECT_EQ(a.planes.size(), b.planes.size());
+  EXPECT_GT(agreement(a.labels, b.labels), 0.9999);  // depth is stored in single precision
+}
+
+TEST(PlaneSegmenter, TolerancesFollowTheNoiseOfTheImage) {
+  const Rendering r = corner();
+  EXPECT_NEAR(segmented(r.image).noise, 0.5 * kDisparityUnit, 1e-12);  // never below the configured noise
+  const DepthImage image = noisy(r.image, 2 * kDisparityUnit, 4);
+  const PlaneSegmentation s = segmented(image);
+  EXPECT_NEAR(s.noise, 2 * kDisparityUnit, 0.2 * kDisparityUnit);
+  EXPECT_EQ(s.planes.size(), 3u);
+  SegmentationParams fixed;
+  fixed.estimate_noise = false;
+  EXPECT_NEAR(segmented(image, fixed).noise, 0.5 * kDisparityUnit, 1e-12);
+}
+
+TEST(PlaneSegmenter, ThresholdsScaleWithTheSensorNotWithTheKinect) {
+  // The same image in a unit a hundred times finer, of a sensor a hundred times better: metres become
+  // hectometres.
+  const DepthImage image = noisy(corner().image, 0.5 * kDisparityUnit, 5);
+  DepthImage far = image;
+  for (float& z : far.depth) z *= 64;
+  SensorNoise better;
+  better.inverse_depth_std /= 64;
+  SegmentationParams params;
+  params.merge.min_plane_distance *= 64;
+  PlaneSegmentation a = segmented(image), b;
+  PlaneSegmenter(params, better).segment(far, b);
+  EXPECT_GT(agreement(a.labels, b.labels), 0.9999);
+}
+
+TEST(PlaneSegmenter, LabelsAndSupportsAgreeOnFurnishedRooms) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const Rendering r = render(test::furnishedRoom(), smallCamera(),
+                               lookingAlong({1, 0.5, 1.2}, {0.4 + 0.2 * seed, 1, -0.2}));
+    DepthImage image = rounded(noisy(r.image, 0.5 * kDisparityUnit, seed));
+    Rng rng(seed);
+    for (float& z : image.depth)
+      if (uniform(rng, 0, 1) < 0.05) z = std::numeric_limits<float>::quiet_NaN();
+    const PlaneSegmentation s = segmented(image);
+    EXPECT_GE(s.planes.size(), 4u);
+    expectConsistent(s, image);
+  }
+}
+
+TEST(PlaneSegmenter, NothingGivesNothing) {
+  PlaneSegmenter segmenter;
+  PlaneSegmentation out;
+  const auto expectNone = [&](const DepthImage& image) {
+    segmenter.segment(corner().image, out);  // leave an answer that could go stale
+    ASSERT_FALSE(out.planes.empty());
+    segmenter.segment(image, out);
+    EXPECT_TRUE(out.planes.empty());
+    EXPECT_TRUE(out.support.empty());
+    EXPECT_EQ(out.labels.label, std::vector<std::uint16_t>(image.depth.size(), 0));
+  };
+  expectNone({});
+  for (const float z :
+       {0.f, -1.f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    DepthImage image = corner().image;
+    std::fill(image.depth.begin(), image.depth.end(), z);
+    expectNone(image);
+    image.depth[12345] = 2;  // a single pixel is no plane either
+    expectNone(image);
+  }
+  for (const int size : {1, 2}) {
+    DepthImage image;
+    image.camera = {size, size, 100, 100, 0, 0};
+    image.depth.assign(static_cast<std::size_t>(size) * size, 2.f);
+    if (size == 1) expectNone(image);
+    segmenter.segment(image, out);  // two by two pixels may be a plane; they must be no crash
+  }
+}
+
+TEST(PlaneSegmenter, RandomDepthIsSlowWorkButEnds) {
+  DepthImage image;
+  image.camera = smallCamera();
+  Rng rng(6);
+  for (int i = 0; i < 320 * 240; ++i)
+    image.depth.push_back(uniform(rng, 0, 1) < 0.8 ? static_cast<float>(uniform(rng, 0.5, 5)) : 0.f);
+  SegmentationParams fixed;
+  fixed.estimate_noise = false;  // otherwise the noise explains the image
+  expectConsistent(segmented(image, fixed), image, fixed);
+  expectConsistent(segmented(image), image);
+}
+
+TEST(PlaneSegmenter, ReusedBuffersDoNotShow) {
+  PlaneSegmenter segmenter;
+  PlaneSegmentation first, again;
+  const DepthImage image = noisy(corner().image, 0.5 * kDisparityUnit, 7);
+  segmenter.segment(image, first);
+  segmenter.segment(noisy(image, kDisparityUnit, 8), again);
+  segmenter.segment(image, again);
+  EXPECT_EQ(again.labels.label, first.labels.label);
+  EXPECT_EQ(again.support, first.support);
+}
+
+}  // namespace
+}  // namespace facetloc

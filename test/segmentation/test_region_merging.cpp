@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/segmentation/region_merging.h>
+#include <facetloc/testing/disparity_images.h>
+
+#include <Eigen/QR>
+#include <gtest/gtest.h>
+
+namespace facetloc {
+namespace {
+
+using test::blankDisparity;
+using test::randomDisparity;
+using test::Rng;
+using test::roomDisparity;
+using test::uniform;
+
+struct Merged {
+  explicit Merged(const DisparityImage& image, const RegionMergingParams& params = {}) : merging(params) {
+    split.compute(image);
+    merging.compute(split, image);
+  }
+  DepthTriangulation split;
+  RegionMerging merging;
+};
+
+// Sum of squared residuals of pixels (u, v, d) about their own plane, by dense least squares.
+double sseOf(const std::vector<Eigen::Vector3d>& pixels) {
+  Eigen::MatrixX3d A(pixels.size(), 3);
+  Eigen::VectorXd b(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    A.row(static_cast<int>(i)) << pixels[i].x(), pixels[i].y(), 1;
+    b[static_cast<int>(i)] = pixels[i].z();
+  }
+  return (A * A.colPivHouseholderQr().solve(b) - b).squaredNorm();
+}
+
+PlaneMoments momentsOf(const std::vector<Eigen::Vector3d>& pixels) {
+  PlaneMoments m;
+  for (const Eigen::Vector3d& p : pixels) m.add(p.x(), p.y(), p.z());
+  return m;
+}
+
+std::vector<Eigen::Vector3d> randomRegion(Rng& rng, int n) {
+  const PixelPlane plane{uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, 100, 300)};
+  const double u0 = uniform(rng, 0, 200), v0 = uniform(rng, 0, 200);
+  std::vector<Eigen::Vector3d> pixels;
+  for (int i = 0; i < n; ++i) {
+    const double u = std::floor(u0 + uniform(rng, 0, 30)), v = std::floor(v0 + uniform(rng, 0, 30));
+    pixels.emplace_back(u, v, plane.at(u, v) + test::gaussian<1>(rng)[0]);
+  }
+  return pixels;
+}
+
+TEST(RegionMerging, CostIsTheLargerOfResidualAndDisplacement) {
+  Rng rng(1);
+  for (int i = 0; i < 100; ++i) {
+    const auto a = randomRegion(rng, 10 + i), b = randomRegion(rng, 200 - i);
+    auto both = a;
+    both.insert(both.end(), b.begin(), b.end());
+    const double sse_a = sseOf(a), sse_b = sseOf(b), sse = sseOf(both);
+    const double rms = std::sqrt(sse / both.size());
+    const double displacement = std::sqrt((sse - sse_a - sse_b) / std::min(a.size(), b.size()));
+    const double cost = RegionMerging::cost(momentsOf(a), sse_a, momentsOf(b), sse_b);
+    EXPECT_NEAR(cost, std::max(rms, displacement), 1e-5 * (1 + cost));
+    EXPECT_GE(cost, 0);
+    EXPECT_DOUBLE_EQ(RegionMerging::cost(momentsOf(b), sse_b, momentsOf(a), sse_a), cost);
+  }
+}
+
+TEST(RegionMerging, OfNothingAndOfOnePlaneCostsNothing) {
+  EXPECT_EQ(RegionMerging::cost({}, 0, {}, 0), 0);
+  PlaneMoments a, b;
+  for (int u = 0; u < 20; ++u)
+    for (int v = 0; v < 20; ++v) (u < 10 ? a : b).add(u, v, 100 + 2 * u - v);
+  EXPECT_NEAR(RegionMerging::cost(a, 0, b, 0), 0, 1e-3);
+}
+
+TEST(RegionMerging, ASmallRegionSeveralSigmaAwayIsNotSwallowed) {
+  PlaneMoments large, small;
+  for (int u = 0; u < 100; ++u)
+    for (int v = 0; v < 100; ++v) large.add(u, v, 200);
+  for (int u = 100; u < 105; ++u)
+    for (int v = 0; v < 5; ++v) small.add(u, v, 205);
+  const double rms = std::sqrt((large + small).fit().sse / (large + small).n);
+  EXPECT_LT(rms, 0.5);  // the residual alone would merge them
+  EXPECT_GT(RegionMerging::cost(large, 0, small, 0), 4);
+}
+
+TEST(RegionMerging, MomentsOfARegionAreTheSumOverItsPixels) {
+  for (const DisparityImage& image : {roomDisparity(test::tinyCamera(), 1), randomDisparity(64, 48, 0.7, 2),
+                                      randomDisparity(64, 48, 0.3, 3)}) {
+    const Merged m(image);
+    std::vector<PlaneMoments> sum(m.merging.regions().size());
+    std::vector<DepthTriangulation::Span> spans;
+    ASSERT_EQ(m.merging.regionOfTriangle().size(), m.split.triangles().size());
+    for (std::size_t t = 0; t < m.split.triangles().size(); ++t) {
+      const int r = m.merging.regionOfTriangle()[t];
+      if (r < 0) continue;
+      m.split.spans(m.split.triangles()[t], spans);
+      for (const auto& s : spans)
+        for (int u = s.first; u <= s.last; ++u) {
+          const float d = image.d[static_cast<std::size_t>(s.v) * image.camera.width + u];
+          if (d > 0) sum.at(r).add(u, s.v, d);
+        }
+    }
+    for (std::size_t r = 0; r < sum.size(); ++r) {
+      const PlaneMoments& got = m.merging.regions()[r].moments;
+      EXPECT_GT(got.n, 0);
+      EXPECT_EQ(got.n, sum[r].n);
+      EXPECT_EQ(got.u, sum[r].u);
+      EXPECT_EQ(got.v, sum[r].v);
+      EXPECT_EQ(got.uu, sum[r].uu);
+      EXPECT_EQ(got.uv, sum[r].uv);
+      EXPECT_EQ(got.vv, sum[r].vv);
+      EXPECT_NEAR(got.d, sum[r].d, 1e-9 * sum[r].d);
+      EXPECT_NEAR(got.dd, sum[r].dd, 1e-9 * sum[r].dd);
+      const PixelPlane fitted = got.fit().plane;
+      EXPECT_EQ(m.merging.regions()[r].plane.a, fitted.a);
+      EXPECT_EQ(m.merging.regions()[r].plane.c, fitted.c);
+    }
+  }
+}
+
+TEST(RegionMerging, RegionsAreConnectedAndNoNeighboursCouldStillMerge) {
+  const DisparityImage image = roomDisparity(test::tinyCamera(), 4);
+  const Merged m(image);
+  const auto& region = m.merging.regionOfTriangle();
+  const auto& triangles = m.split.triangles();
+  // Connected: the triangles of a region are reached from one of them over shared edges.
+  std::vector<char> reached(triangles.size(), 0);
+  std::vector<char> begun(m.merging.regions().size(), 0);
+  for (std::size_t start = 0; start < triangles.size(); ++start) {
+    if (region[start] < 0 || reached[start]) continue;
+    EXPECT_FALSE(begun[region[start]]) << "region " << region[start] << " falls apart";
+    begun[region[start]] = 1;
+    std::vector<int> stack{static_cast<int>(start)};
+    reached[start] = 1;
+    while (!stack.empty()) {
+      const int t = stack.back();
+      stack.pop_back();
+      for (const int j : triangles[t].neighbour)
+        if (j >= 0 && !reached[j] && region[j] == region[t]) reached[j] = 1, stack.push_back(j);
+    }
+  }
+  // Finished: every pair of neighbouring regions costs more than the tolerance.
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (const int j : triangles[t].neighbour) {
+      if (j < 0 || region[t] < 0 || region[j] < 0 || region[j] == region[t]) continue;
+      const PlaneMoments &a = m.merging.regions()[region[t]].moments,
+                         &b = m.merging.regions()[region[j]].moments;
+      EXPECT_GT(RegionMerging::cost(a, a.fit().sse, b, b.fit().sse),
+                m.merging.params().merge_tolerance - 1e-6);
+    }
+}
+
+TEST(RegionMerging, ACheaperCutIsARefinementInNumbers) {
+  const DisparityImage image = roomDisparity(test::tinyCamera(), 5);
+  std::size_t before = 0;
+  for (const double tolerance : {20.0, 5.0, 2.75, 1.5, 0.5}) {
+    RegionMergingParams params;
+    params.merge_tolerance = tolerance;
+    const std::size_t regions = Merged(image, params).merging.regions().size();
+    EXPECT_GE(regions, before);
+    before = regions;
+  }
+}
+
+TEST(RegionMerging, PoorlyFilledTrianglesAndDiscontinuitiesBelongToNoRegion) {
+  DisparityImage image = blankDisparity(64, 48);
+  for (int v = 0; v < 48; ++v)
+    for (int u = 0; u < 64; ++u)
+      if (u < 20 || u >= 44) image.d[static_cast<std::size_t>(v) * 64 + u] = u < 20 ? 200.f : 600.f;
+  const Merged m(image);
+  std::vector<DepthTriangulation::Span> spans;
+  for (std::size_t t = 0; t < m.split.triangles().size(); ++t) {
+    const auto& triangle = m.split.triangles()[t];
+    if (triangle.num_valid < 0.5 * triangle.num_pixels || triangle.num_valid == 0) {
+      EXPECT_EQ(m.merging.regionOfTriangle()[t], -1);
+    }
+  }
+  EXPECT_EQ(m.merging.regions().size(), 2u);
+}
+
+TEST(RegionMerging, OfNothingIsEmpty) {
+  for (const DisparityImage& image :
+       {DisparityImage{}, blankDisparity(10, 10), randomDisparity(1, 1, 1, 1)}) {
+    const Merged m(image);
+    EXPECT_TRUE(m.merging.regions().empty());
+    EXPECT_TRUE(m.merging.regionOfTriangle().empty());
+  }
+}
+
+TEST(RegionMerging, AConstantOffsetChangesNothing) {
+  const DisparityImage image = roomDisparity(test::smallCamera(), 6);
+  DisparityImage shifted = image;
+  for (float& d : shifted.d)
+    if (d > 0) d += 256;
+  RegionMergingParams params;
+  params.min_plane_distance = 0;  // the one criterion that is about space, not about disparity
+  const Merged a(image, params), b(shifted, params);
+  EXPECT_EQ(a.merging.regionOfTriangle(), b.merging.regionOfTriangle());
+}
+
+}  // namespace
+}  // namespace facetloc

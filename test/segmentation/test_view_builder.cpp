@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/segmentation/view_builder.h>
+#include <facetloc/testing/pose_matchers.h>
+#include <facetloc/testing/synthetic_depth.h>
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace facetloc {
+namespace {
+
+using test::lookingAlong;
+using test::noisy;
+using test::render;
+using test::smallCamera;
+
+DepthImage roomImage(unsigned seed = 1) {
+  return noisy(
+      render(test::furnishedRoom(), smallCamera(), lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2})).image,
+      0.5 / kKinectGain, seed);
+}
+
+TEST(ViewBuilder, LabelKIsSegmentKOfTheView) {
+  ViewBuilder builder;
+  const DepthImage image = roomImage();
+  const View view = builder.build(image);
+  EXPECT_EQ(view.camera, image.camera);
+  ASSERT_GE(view.segments.size(), 4u);
+  const PlaneSegmentation& s = builder.segmentation();
+  ASSERT_EQ(s.planes.size(), view.segments.size());
+  ASSERT_EQ(s.support.size(), view.segments.size());
+  EXPECT_EQ(s.labels.maxLabel(), static_cast<int>(view.segments.size()));
+  for (std::size_t k = 0; k < view.segments.size(); ++k) {
+    const Segment& segment = view.segments[k];
+    EXPECT_LE(segment.num_points, s.support[k]);
+    EXPECT_GT(segment.num_points, 0.9 * s.support[k]);
+    const Eigen::Vector3d m = s.planes[k].toSpace(image.camera);
+    EXPECT_GT(m.normalized().dot(segment.normal()), std::cos(2 * kDegree));
+    // The mean point of its labelled pixels is its centroid.
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    int count = 0;
+    for (int v = 0; v < 240; ++v)
+      for (int u = 0; u < 320; ++u)
+        if (s.labels.label[static_cast<std::size_t>(v) * 320 + u] == k + 1)
+          mean += image.at(u, v) * image.camera.ray(u, v), ++count;
+    EXPECT_EQ(count, s.support[k]);
+    EXPECT_LT((mean / count - segment.t).norm(), 0.02);
+  }
+}
+
+TEST(ViewBuilder, SegmentsComeInTheOrderOfInformation) {
+  const View view = ViewBuilder().build(roomImage());
+  const std::vector<int> order = rankByInformation(view.segments);
+  for (std::size_t i = 0; i < order.size(); ++i) EXPECT_EQ(order[i], static_cast<int>(i));
+}
+
+TEST(ViewBuilder, DepthPictureIsThatOfTheImage) {
+  const DepthImage image = roomImage();
+  EXPECT_EQ(ViewBuilder().build(image).depth.inverse_depth, DepthPicture::fromDepth(image).inverse_depth);
+}
+
+TEST(ViewBuilder, ANoisierImageGivesLessCertainSegments) {
+  const View good = ViewBuilder().build(roomImage());
+  const View bad = ViewBuilder().build(noisy(roomImage(), 3 / kKinectGain, 2));
+  ASSERT_FALSE(bad.segments.empty());
+  EXPECT_GT(bad.segments[0].Sigma_q.trace(), good.segments[0].Sigma_q.trace());
+}
+
+TEST(ViewBuilder, NothingGivesAViewWithoutSegments) {
+  ViewBuilder builder;
+  builder.build(roomImage());
+  EXPECT_TRUE(builder.build({}).segments.empty());
+  EXPECT_TRUE(builder.build({}).depth.empty());
+  DepthImage image = roomImage();
+  std::fill(image.depth.begin(), image.depth.end(), std::numeric_limits<float>::quiet_NaN());
+  const View view = builder.build(image);
+  EXPECT_TRUE(view.segments.empty());
+  EXPECT_EQ(builder.segmentation().labels.maxLabel(), 0);
+}
+
+TEST(ViewBuilder, TwoBuildersAgreeInEveryBit) {
+  ViewBuilder a, b;
+  b.build(roomImage(9));
+  const View x = a.build(roomImage()), y = b.build(roomImage());
+  ASSERT_EQ(x.segments.size(), y.segments.size());
+  for (std::size_t i = 0; i < x.segments.size(); ++i) {
+    EXPECT_EQ(x.segments[i].t, y.segments[i].t);
+    EXPECT_EQ(x.segments[i].R, y.segments[i].R);
+    EXPECT_EQ(x.segments[i].Sigma_q, y.segments[i].Sigma_q);
+  }
+}
+
+}  // namespace
+}  // namespace facetloc
