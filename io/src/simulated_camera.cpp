@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "random.h"
 
+#include <facetloc/features/so3.h>
 #include <facetloc/io/simulated_camera.h>
 
 #include <algorithm>
@@ -270,14 +271,18 @@ std::vector<double> correlatedNoise(int width, int height, double sigma, Random 
 std::vector<double> smoothField(int width, int height, Random random) {
   constexpr int kOrders = 4;
   std::vector<double> field(std::size_t(width) * height, 0.0);
-  const auto wave = [](int order, int i, int size) { return std::cos(EIGEN_PI * order * (i + 0.5) / size); };
+  const auto waves = [](int order, int size) {
+    std::vector<double> wave(size);
+    for (int i = 0; i < size; ++i) wave[i] = std::cos(180 * kDegree * order * (i + 0.5) / size);
+    return wave;
+  };
   for (int a = 0; a < kOrders; ++a) {
     for (int b = 0; b < kOrders; ++b) {
       const double amplitude = random.normal() / (1 + a + b);
       if (a + b == 0) continue;
+      const std::vector<double> across = waves(a, width), down = waves(b, height);
       for (int v = 0; v < height; ++v)
-        for (int u = 0; u < width; ++u)
-          field[std::size_t(v) * width + u] += amplitude * wave(a, u, width) * wave(b, v, height);
+        for (int u = 0; u < width; ++u) field[std::size_t(v) * width + u] += amplitude * across[u] * down[v];
     }
   }
   double squares = 0;
@@ -344,7 +349,7 @@ SimulatedFrame SimulatedCamera::render(const Scene& scene, const Eigen::Isometry
   const auto noise =
       correlatedNoise(camera_.width, camera_.height, noise_.correlation_px * scale, stream(kDisparity));
   Random dropouts = stream(kDropouts);
-  const double min_cosine = std::cos(noise_.grazing_dropout_deg * EIGEN_PI / 180);
+  const double min_cosine = std::cos(noise_.grazing_dropout_deg * kDegree);
 
   SimulatedFrame frame = emptyFrame(camera_);
   for (int v = 0; v < camera_.height; ++v) {

@@ -148,7 +148,7 @@ private:
     const Observability seen = observability(node.information);
     const double max_rotation = params_.complete_rotation_deg * kDegree;
     if (seen.complete(max_rotation, params_.complete_translation)) {
-      emit(node, {}, result_.complete);
+      emit(node, Eigen::Vector3d::Zero(), result_.complete);
       return;
     }
     if (seen.oneTranslationFree(max_rotation, params_.complete_translation))

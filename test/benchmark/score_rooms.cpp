@@ -30,7 +30,8 @@ using namespace facetloc;
 constexpr int kRooms = 20, kQueriesPerRoom = 10, kPlaces = 3, kHeadings = 24;
 constexpr int kWorkingWidth = 320;
 constexpr int kBoxes = 16;
-constexpr double kFreeView = 2.0;   // distance of what the robot looks at [m]: nearer, a wall fills the view
+constexpr int kAttempts = 500;      // to find a sensible query; a small, crowded room may have none
+constexpr double kFreeView = 1.5;   // distance of what the robot looks at [m]: nearer, a wall fills the view
 constexpr double kClearance = 0.6;  // of the robot from walls and boxes [m]
 constexpr CameraMounting kMounting{1.0, 10.0};
 
@@ -95,8 +96,7 @@ public:
     return T * kMounting.T_b_c();
   }
   bool looksIntoTheRoom(const Eigen::Isometry3d& T_w_c) const {
-    const Intrinsics c{3, 3, 1.0, 1.0, 1.0, 1.0};  // the central pixel is enough
-    return SimulatedCamera(c, SimulatedNoise{}, 0).renderExact(scene_, T_w_c).depth.at(1, 1) >= kFreeView;
+    return pinhole_.renderExact(scene_, T_w_c).depth.at(1, 1) >= kFreeView;  // the central pixel is enough
   }
   View view(const Eigen::Isometry3d& T_w_c) {
     const SimulatedFrame frame = camera_.render(scene_, T_w_c, frame_++);
@@ -104,8 +104,7 @@ public:
   }
   // The true segments of a pose by plane id.
   std::map<int, Segment> trueSegments(const Eigen::Isometry3d& T_w_c) const {
-    const SimulatedCamera exact(kinectIntrinsics().subsampled(2), SimulatedNoise{}, 0);
-    const SimulatedFrame frame = exact.renderExact(scene_, T_w_c);
+    const SimulatedFrame frame = small_camera_.renderExact(scene_, T_w_c);
     SegmentEstimationParams params;
     params.min_support = kSharedPixels;
     std::vector<int> ids;
@@ -119,6 +118,8 @@ private:
   Scene scene_;
   std::mt19937_64 random_;
   SimulatedCamera camera_;
+  SimulatedCamera small_camera_{kinectIntrinsics().subsampled(2), SimulatedNoise{}, 0};
+  SimulatedCamera pinhole_{Intrinsics{3, 3, 1.0, 1.0, 1.0, 1.0}, SimulatedNoise{}, 0};
   ViewBuilder builder_;
   Eigen::Vector2d centre_, half_;
   std::uint64_t frame_ = 0;
@@ -174,7 +175,8 @@ std::vector<Answered> localizeInRoom(std::uint64_t seed) {
   std::vector<Answered> answers;
   for (int q = 0; q < kQueriesPerRoom; ++q) {
     Eigen::Isometry3d truth;
-    for (bool sensible = false; !sensible;) {
+    bool sensible = false;
+    for (int attempt = 0; attempt < kAttempts && !sensible; ++attempt) {
       const RobotPose& from =
           mapped[static_cast<std::size_t>(room.uniform(0, static_cast<double>(mapped.size())))];
       const Eigen::Vector2d at(from.x + room.gauss(), from.y + room.gauss());

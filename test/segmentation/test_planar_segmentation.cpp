@@ -121,17 +121,17 @@ TYPED_TEST(PlanarSegmentationTest, LabelsAndIndicesSayTheSame) {
 }
 
 TYPED_TEST(PlanarSegmentationTest, BadCloudsLeaveNothingOfTheCallBefore) {
-  using Cloud = pcl::PointCloud<TypeParam>;
+  using Points = pcl::PointCloud<TypeParam>;
   this->expectNothingFrom(nullptr, "no input cloud");
-  this->expectNothingFrom(pcl::make_shared<Cloud>(), "no input cloud");
-  auto unorganized = pcl::make_shared<Cloud>(*this->cloud);
+  this->expectNothingFrom(pcl::make_shared<Points>(), "no input cloud");
+  auto unorganized = pcl::make_shared<Points>(*this->cloud);
   unorganized->width *= unorganized->height;
   unorganized->height = 1;
   this->expectNothingFrom(unorganized, "not organized");
-  auto nan = pcl::make_shared<Cloud>(*this->cloud);
+  auto nan = pcl::make_shared<Points>(*this->cloud);
   for (auto& p : *nan) p.x = p.y = p.z = std::numeric_limits<float>::quiet_NaN();
   this->expectNothingFrom(nan, "camera");
-  auto two_by_two = pcl::make_shared<Cloud>(2, 2);
+  auto two_by_two = pcl::make_shared<Points>(2, 2);
   this->expectNothingFrom(two_by_two, "camera");
 }
 

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tool_runner.h"
+
+#include <facetloc/apps/batch.h>
+#include <facetloc/apps/progress.h>
+#include <facetloc/io/error.h>
+
+#include <gmock/gmock.h>
+
+namespace facetloc {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class BatchTest : public testing::TestWithParam<int> {
+protected:
+  std::ostringstream out_, err_;
+  Console console_{out_, err_, false, false, "facetloc_test"};
+  static std::string name(std::size_t i) { return "image" + std::to_string(i); }
+};
+
+TEST_P(BatchTest, DoesEachItemOnceByAKnownWorker) {
+  Batch batch(GetParam(), 100, console_);
+  std::vector<int> done(100, 0);
+  batch.run(name, [&](std::size_t i, int worker) {
+    EXPECT_LT(worker, batch.workers());
+    ++done[i];
+  });
+  EXPECT_THAT(done, testing::Each(1));
+  EXPECT_EQ(batch.report(), kOk);
+  EXPECT_THAT(err_.str(), IsEmpty());
+}
+
+TEST_P(BatchTest, OneBadItemStopsNothing) {
+  Batch batch(GetParam(), 10, console_);
+  const std::vector<bool> done = batch.run(name, [&](std::size_t i, int) {
+    if (i == 7) throw std::runtime_error("is torn");
+    if (i == 3) throw IoError("depth/3.png", "is no PNG");
+  });
+  for (std::size_t i = 0; i < done.size(); ++i) EXPECT_EQ(done[i], i != 3 && i != 7);
+  EXPECT_EQ(batch.report(), kFailed);
+  EXPECT_EQ(err_.str(), "facetloc_test: depth/3.png: is no PNG\n"
+                        "facetloc_test: image7: is torn\n"
+                        "facetloc_test: 2 of 10 items failed\n");
+}
+
+TEST_P(BatchTest, RunsPartAfterPart) {
+  Batch batch(GetParam(), 6, console_);
+  std::vector<int> done(6, 0);
+  for (std::size_t first = 0; first < 6; first += 2)
+    EXPECT_EQ(batch.run(first, first + 2, name, [&](std::size_t i, int) { done[i] = 1; }).size(), 2u);
+  EXPECT_THAT(done, testing::Each(1));
+}
+
+TEST_P(BatchTest, NothingToDo) {
+  Batch batch(GetParam(), 0, console_);
+  EXPECT_THAT(batch.run(name, [](std::size_t, int) { FAIL(); }), IsEmpty());
+  EXPECT_EQ(batch.report(), kOk);
+}
+
+INSTANTIATE_TEST_SUITE_P(Threads, BatchTest, testing::Values(0, 1, 2, 5));
+
+TEST(Progress, LineTellsRateAndTimeLeft) {
+  EXPECT_EQ(progressLine(0, 250, 0), "  0/250");
+  EXPECT_EQ(progressLine(37, 250, 3.7), " 37/250  10.0/s  22 s left");
+  EXPECT_EQ(progressLine(10, 10000, 10), "   10/10000  1.0/s  2.8 h left");
+  EXPECT_EQ(progressLine(10, 1000, 10), "  10/1000  1.0/s  17 min left");
+  EXPECT_EQ(progressLine(250, 250, 25), "250/250  10.0/s");
+}
+
+TEST(Progress, ShowsOnTerminalsOnly) {
+  std::ostringstream out, err;
+  for (const bool terminal : {false, true})
+    for (const bool quiet : {false, true}) {
+      err.str("");
+      const Console console{out, err, terminal, quiet, {}};
+      {
+        Progress progress(console, 2);
+        progress.step();
+        progress.step();
+      }
+      if (terminal && !quiet)
+        EXPECT_THAT(err.str(), HasSubstr("2/2"));
+      else
+        EXPECT_THAT(err.str(), IsEmpty());
+    }
+  EXPECT_THAT(out.str(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace facetloc

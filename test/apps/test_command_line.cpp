@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tool_runner.h"
+
+#include <facetloc/features/params.h>
+
+#include <gmock/gmock.h>
+
+namespace facetloc {
+namespace {
+
+using test::runTool;
+using test::TemporaryFolder;
+using test::ToolRun;
+using testing::AllOf;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+struct ExampleParams {
+  double angular_threshold = 2.5;
+  int max_pairs = 6;
+  bool faithful = false;
+  bool robust = true;
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& field) {
+    field("angular_threshold", p.angular_threshold, -90.0, 90.0, "Largest angle [deg].");
+    field("max_pairs", p.max_pairs, 1, 16, "Limit of pairs.");
+    field("faithful", p.faithful, false, true, "As the paper.");
+    field("robust", p.robust, false, true, "Trimmed.");
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** Prints what it was told. */
+class EchoApp : public App {
+public:
+  EchoApp() : App("facetloc_echo", "INPUT... -o DIR", "Repeats its options.") {}
+
+private:
+  void addOptions(CommandLine& line) override {
+    line.addArguments("INPUT", inputs_);
+    line.addOption("output,o", output_, "DIR", "Folder.");
+    line.addOption("max-hypotheses", max_hypotheses_, "K", "Limit.");
+    line.addSwitch("labels", labels_, "Labels.");
+    line.addParams(params_);
+  }
+  int execute(const CommandLine& line, const Console& console) override {
+    console.out << inputs_.size() << " " << output_ << " " << max_hypotheses_ << " " << labels_ << " "
+                << params_.angular_threshold << " " << params_.max_pairs << " " << params_.faithful << " "
+                << params_.robust << " " << threads() << " " << console.quiet << " "
+                << line.given("angular_threshold");
+    return kOk;
+  }
+
+  std::vector<std::string> inputs_;
+  std::string output_;
+  int max_hypotheses_ = 100;
+  bool labels_ = false;
+  ExampleParams params_;
+};
+
+ToolRun echo(const std::vector<std::string>& arguments) { return runTool<EchoApp>(arguments); }
+
+void expectUsageError(const ToolRun& run, const std::string& cause) {
+  EXPECT_EQ(run.code, kUsage);
+  EXPECT_THAT(run.err, AllOf(HasSubstr("facetloc_echo: "), HasSubstr(cause), HasSubstr("--help")));
+  EXPECT_THAT(run.out, IsEmpty());
+}
+
+TEST(CommandLine, DefaultsComeFromTheVariables) { EXPECT_EQ(echo({"a"}).out, "1  100 0 2.5 6 0 1 0 0 0"); }
+
+TEST(CommandLine, GnuAndPclStyleAreTheSame) {
+  const std::string told = "2 dir 7 1 -30 3 0 1 4 1 1";
+  EXPECT_EQ(echo({"a", "b", "-o", "dir", "--max-hypotheses", "7", "--labels", "--angular_threshold=-30",
+                  "--max-pairs", "3", "--threads", "4", "--quiet"})
+                .out,
+            told);
+  EXPECT_EQ(echo({"-output", "dir", "-max_hypotheses=7", "a", "-labels", "-angular-threshold", "-30",
+                  "-max_pairs", "3", "b", "-threads=4", "-q"})
+                .out,
+            told);
+}
+
+TEST(CommandLine, TruthValuesMayStandAlone) {
+  EXPECT_EQ(echo({"--faithful", "a"}).out, "1  100 0 2.5 6 1 1 0 0 0");
+  EXPECT_EQ(echo({"-faithful", "1", "-robust", "0", "a"}).out, "1  100 0 2.5 6 1 0 0 0 0");
+  EXPECT_EQ(echo({"--faithful=false", "--robust=no", "a"}).out, "1  100 0 2.5 6 0 0 0 0 0");
+}
+
+TEST(CommandLine, MisspeltOptionsAreRefused) {
+  expectUsageError(echo({"a", "--angular_treshold", "2"}), "unrecognised option '--angular_treshold'");
+  expectUsageError(echo({"a", "-angular_treshold", "2"}), "unrecognised option '-angular_treshold'");
+  expectUsageError(echo({"a", "--angular", "2"}), "unrecognised option '--angular'");  // no guessing
+  expectUsageError(echo({"a", "-oops"}), "unrecognised option '-oops'");               // is not -o oops
+  expectUsageError(echo({"--INPUT=a"}), "unrecognised option '--INPUT'");
+}
+
+TEST(CommandLine, BadValuesAreRefused) {
+  expectUsageError(echo({"a", "--max_pairs", "abc"}), "'abc'");
+  expectUsageError(echo({"a", "--max_pairs", "2.5"}), "'2.5'");
+  expectUsageError(echo({"a", "--angular_threshold"}), "angular_threshold' is missing");
+  expectUsageError(echo({"a", "--angular_threshold", "--labels"}), "angular_threshold' is missing");
+  expectUsageError(echo({"a", "--max_pairs=1", "--max_pairs=2"}), "more than once");
+  expectUsageError(echo({"a", "--threads", "-1"}), "threads");
+  expectUsageError(echo({"a", "--labels=1"}), "labels");
+  expectUsageError(echo({"a", "--faithful=maybe"}), "'maybe'");
+}
+
+TEST(CommandLine, ValuesOutOfRangeNameTheParameter) {
+  expectUsageError(echo({"a", "--max_pairs", "17"}), "parameter max_pairs = 17 is outside [1, 16]");
+  expectUsageError(echo({"a", "--angular_threshold", "nan"}), "parameter angular_threshold");
+}
+
+TEST(CommandLine, ArgumentsAreRequired) { expectUsageError(echo({}), "INPUT is missing"); }
+
+TEST(CommandLine, HelpAndVersion) {
+  const ToolRun help = echo({"--help"});
+  EXPECT_EQ(help.code, kOk);
+  EXPECT_THAT(help.out,
+              AllOf(HasSubstr("Usage: facetloc_echo INPUT... -o DIR"), HasSubstr("Repeats its options."),
+                    HasSubstr("--max-hypotheses K (=100)"), HasSubstr("Algorithm parameters"),
+                    HasSubstr("--angular_threshold NUMBER (=2.5)"), HasSubstr("--params")));
+  EXPECT_LT(help.out.find("--labels"), help.out.find("Algorithm parameters"));
+  EXPECT_THAT(echo({"--version"}).out, testing::MatchesRegex("facetloc [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+class ParamsFile : public testing::Test {
+protected:
+  ToolRun echoWith(const std::string& content, std::vector<std::string> arguments = {"a"}) {
+    test::writeContent(path_, content);
+    arguments.insert(arguments.end(), {"--params", path_});
+    return echo(arguments);
+  }
+  TemporaryFolder folder_;
+  const std::string path_ = folder_ / "params.ini";
+};
+
+TEST_F(ParamsFile, IsReadAndTheCommandLineWins) {
+  const std::string content =
+      "# ours\nmax_pairs = 9   # few\n\nangular-threshold=1.5\nfaithful = 1\nlabels = true\n";
+  EXPECT_EQ(echoWith(content).out, "1  100 1 1.5 9 1 1 0 0 1");
+  EXPECT_EQ(echoWith(content, {"a", "-max_pairs", "2", "--faithful=0"}).out, "1  100 1 1.5 2 0 1 0 0 1");
+}
+
+TEST_F(ParamsFile, TakesWhatToIniWrites) {
+  ExampleParams params;
+  params.angular_threshold = 1.0 / 4;
+  params.robust = false;
+  EXPECT_EQ(echoWith(toIni(params)).out, "1  100 0 0.25 6 0 0 0 0 1");
+}
+
+TEST_F(ParamsFile, FaultsAreUsageErrors) {
+  expectUsageError(echoWith("max_pears = 9\n"), "line 1: unknown parameter 'max_pears'");
+  expectUsageError(echoWith("\nmax_pairs 9\n"), "line 2: expected name = value");
+  expectUsageError(echoWith("max_pairs = nine\n"), "'nine'");
+  expectUsageError(echoWith("max_pairs = 99\n"), "parameter max_pairs = 99");
+  expectUsageError(echoWith("help = 1\n"), "unknown parameter 'help'");
+  expectUsageError(echo({"a", "--params", folder_ / "nowhere.ini"}), "nowhere.ini: cannot be read");
+}
+
+/** Fails in the way it is told to. */
+class FailingApp : public App {
+public:
+  FailingApp() : App("facetloc_fail", "", "Fails.") {}
+
+private:
+  void addOptions(CommandLine&) override {}
+  int execute(const CommandLine&, const Console&) override {
+    throw std::runtime_error("map.flmap: no such file");
+  }
+};
+
+TEST(App, ExceptionsBecomeAMessageAndAnExitCode) {
+  const ToolRun run = runTool<FailingApp>({});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_EQ(run.err, "facetloc_fail: map.flmap: no such file\n");
+}
+
+}  // namespace
+}  // namespace facetloc

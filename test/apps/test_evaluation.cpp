@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tool_runner.h"
+
+#include <facetloc/apps/evaluate_app.h>
+#include <facetloc/apps/evaluation.h>
+#include <facetloc/apps/evaluation_report.h>
+#include <facetloc/apps/localization_report.h>
+#include <facetloc/features/so3.h>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+namespace facetloc {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+Eigen::Isometry3d pose(double x, double yaw_deg = 0, double roll_deg = 0) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = expSO3({0, 0, yaw_deg * kDegree}) * expSO3({roll_deg * kDegree, 0, 0});
+  T.translation().x() = x;
+  return T;
+}
+
+ResultRow hypothesis(const std::string& frame, int rank, double probability, const Eigen::Isometry3d& T_w_c) {
+  ResultRow row;
+  row.frame = frame;
+  row.rank = rank;
+  row.model = "10.0";
+  row.probability = probability;
+  row.T_w_c = T_w_c;
+  return row;
+}
+
+/** Five frames at the origin: right, right at rank 2, wrong, none, and right but unsure. A sixth has no
+ * truth. */
+std::vector<ResultRow> exampleRows() {
+  return {hypothesis("1.0", 1, 0.95, pose(0.03, 0.4)),
+          hypothesis("2.0", 1, 0.60, pose(5)),
+          hypothesis("2.0", 2, 0.30, pose(0.05, 1.0)),
+          hypothesis("2.0", 3, 0.05, pose(0.01, 0.1)),
+          hypothesis("3.0", 1, 0.15, pose(0.1, 3)),
+          noHypothesis("4.0", "the planes in view leave free: translation along (1, 0, 0)"),
+          hypothesis("5.0", 1, 0.55, pose(0.01, 0, 0.5)),
+          hypothesis("99.0", 1, 0.99, pose(0))};
+}
+
+Trajectory exampleTruth() {
+  std::vector<StampedPose> poses;
+  for (const double stamp : {1.0, 2.0, 3.0, 4.0, 5.001}) poses.push_back({stamp, pose(0)});
+  return Trajectory(poses);
+}
+
+/** The first frame is a model itself; another model covers nothing. */
+std::vector<ModelPose> exampleModels() { return {{"1.0", 1, pose(0)}, {"far", 50, pose(0, 60)}}; }
+
+TEST(PoseError, KnownDifferences) {
+  const PoseError e = poseError(pose(0.25, 0, 0), pose(0.05, 2, 0));
+  EXPECT_NEAR(e.translation, 0.2, 1e-12);
+  EXPECT_NEAR(e.rotation_deg, 2, 1e-9);
+  EXPECT_NEAR(e.heading_deg, 2, 1e-9);
+  EXPECT_NEAR(poseError(pose(0, 0, 1), pose(0)).heading_deg, 0, 1e-9);
+  EXPECT_NEAR(poseError(pose(0, 0, 1), pose(0)).rotation_deg, 1, 1e-9);
+  EXPECT_EQ(poseError(pose(0), pose(0)).rotation_deg, 0);
+}
+
+TEST(Evaluation, JudgesEachFrame) {
+  const Evaluation evaluation = evaluate(exampleRows(), exampleTruth(), exampleModels(), {});
+  EXPECT_THAT(evaluation.without_truth, ElementsAre("99.0"));
+  ASSERT_EQ(evaluation.frames.size(), 5u);
+  std::vector<int> ranks, counts;
+  for (const FrameEvaluation& f : evaluation.frames) {
+    ranks.push_back(f.first_correct);
+    counts.push_back(f.hypotheses);
+  }
+  EXPECT_THAT(ranks, ElementsAre(1, 2, 0, 0, 1));
+  EXPECT_THAT(counts, ElementsAre(1, 3, 1, 0, 1));
+  const FrameEvaluation& second = evaluation.frames[1];
+  EXPECT_NEAR(second.first_correct_error.translation, 0.05, 1e-12);
+  EXPECT_NEAR(second.first_correct_error.rotation_deg, 1.0, 1e-9);
+  EXPECT_NEAR(second.best_error.translation, 5, 1e-12);
+  EXPECT_DOUBLE_EQ(second.probability, 0.6);
+  EXPECT_THAT(evaluation.frames[3].reason, HasSubstr("leave free"));
+  EXPECT_EQ(evaluation.frames[0].frame_class, FrameClass::map_image);
+  EXPECT_EQ(evaluation.frames[1].frame_class, FrameClass::new_image);
+  EXPECT_TRUE(evaluation.frames[1].covered);
+  EXPECT_EQ(evaluation.frames[1].nearest->name, "1.0");
+}
+
+TEST(Evaluation, TheMapTellsWorldPosesThatTheResultsLack) {
+  ResultRow row = hypothesis("1.0", 1, 0.9, pose(0));
+  row.T_w_c.reset();
+  row.model = "m";
+  row.T_m_c = pose(0.1);
+  const Trajectory truth({{1.0, pose(2.1)}});
+  EXPECT_EQ(evaluate({row}, truth, {{"m", 7, pose(2)}}, {}).frames[0].first_correct, 1);
+  EXPECT_EQ(evaluate({row}, truth, {}, {}).frames[0].first_correct, 0);
+  EXPECT_EQ(evaluate({row}, truth, {}, {}).frames[0].frame_class, FrameClass::unknown);
+}
+
+TEST(Evaluation, FramesWithoutNumbersAreStampedByIndex) {
+  const std::vector<ResultRow> rows = {hypothesis("b", 1, 0.9, pose(0)), hypothesis("a", 1, 0.9, pose(1))};
+  const Evaluation evaluation = evaluate(rows, Trajectory({{0, pose(0)}, {1, pose(1)}}), {}, {});
+  ASSERT_EQ(evaluation.frames.size(), 2u);
+  for (const FrameEvaluation& f : evaluation.frames) EXPECT_EQ(f.first_correct, 1) << f.name;
+}
+
+TEST(Evaluation, ModelsCoverWithinBothLimits) {
+  const std::vector<ResultRow> rows = {hypothesis("1.0", 1, 0.9, pose(0))};
+  const Trajectory truth({{1.0, pose(0)}});
+  const auto covered = [&](const Eigen::Isometry3d& T_w_m) {
+    return evaluate(rows, truth, {{"m", 7, T_w_m}}, {}).frames[0].covered;
+  };
+  EXPECT_TRUE(covered(pose(0.99, 19)));
+  EXPECT_FALSE(covered(pose(1.01, 19)));
+  EXPECT_FALSE(covered(pose(0.99, 21)));
+}
+
+TEST(Summary, CountsAndStatistics) {
+  const Summary s = summarize("all", evaluate(exampleRows(), exampleTruth(), {}, {}).frames);
+  EXPECT_EQ(s.total, 5u);
+  EXPECT_EQ(s.none, 1u);
+  EXPECT_EQ(s.wrong, 1u);
+  EXPECT_EQ(s.correct, 3u);
+  EXPECT_EQ(s.best_correct, 2u);
+  EXPECT_NEAR(s.translation_stats.mean, 30, 1e-9);  // of 30, 50, 10 mm
+  EXPECT_NEAR(s.translation_stats.std, 20, 1e-9);
+  EXPECT_NEAR(s.translation_stats.max, 50, 1e-9);
+  EXPECT_NEAR(s.rotation_stats.max, 1.0, 1e-9);
+  EXPECT_NEAR(s.index_stats.mean, 4.0 / 3, 1e-12);
+}
+
+TEST(Summary, RecallAtFullPrecision) {
+  // The largest probability of a wrong rank 1 is 0.6, which one of five frames exceeds rightly.
+  const Summary s = summarize("all", evaluate(exampleRows(), exampleTruth(), {}, {}).frames);
+  EXPECT_DOUBLE_EQ(s.threshold, 0.6);
+  EXPECT_DOUBLE_EQ(s.recall, 0.2);
+}
+
+TEST(Summary, Reliability) {
+  const Summary s = summarize("all", evaluate(exampleRows(), exampleTruth(), {}, {}).frames);
+  ASSERT_EQ(s.reliability.size(), 10u);
+  EXPECT_EQ(s.reliability[9].n, 1u);
+  EXPECT_DOUBLE_EQ(s.reliability[9].correct, 1);
+  EXPECT_EQ(s.reliability[6].n, 1u);
+  EXPECT_DOUBLE_EQ(s.reliability[6].correct, 0);
+  EXPECT_DOUBLE_EQ(s.reliability[6].mean_probability, 0.6);
+  const double squares = 0.05 * 0.05 + 0.6 * 0.6 + 0.15 * 0.15 + 0.45 * 0.45;
+  EXPECT_NEAR(s.brier, squares / 4, 1e-12);
+}
+
+TEST(Summary, OfNothingIsZero) {
+  const Summary s = summarize("none", {});
+  EXPECT_EQ(s.total, 0u);
+  EXPECT_EQ(s.recall, 0);
+  EXPECT_EQ(s.translation_mm.bound(0.99), 0);
+}
+
+TEST(CumulativeHistogram, IsSortedAndNormalised) {
+  const CumulativeHistogram h = cumulativeHistogram({3, 1, 2, 2});
+  EXPECT_THAT(h.x, ElementsAre(1, 2, 2, 3));
+  EXPECT_THAT(h.y, ElementsAre(0.25, 0.5, 0.75, 1));
+  EXPECT_EQ(h.bound(0.5), 2);
+  EXPECT_EQ(h.bound(0.76), 3);
+  EXPECT_EQ(h.bound(0.99), 3);
+  EXPECT_EQ(h.bound(0.1), 1);
+}
+
+TEST(EvaluationReport, SetsOfFrames) {
+  const auto names = [](const std::vector<ModelPose>& models) {
+    std::vector<std::string> found;
+    for (const Summary& s : summarizeSets(evaluate(exampleRows(), exampleTruth(), models, {})))
+      found.push_back(s.name + " " + std::to_string(s.total));
+    return found;
+  };
+  EXPECT_THAT(names({}), ElementsAre("all 5"));
+  EXPECT_THAT(names(exampleModels()),
+              ElementsAre("all 5", "map images 1", "new images 4", "new and covered 4"));
+  EXPECT_THAT(names({{"far", 50, pose(0, 60)}}), ElementsAre("all (new) 5"));
+}
+
+TEST(EvaluateApp, PrintsAndWritesTheTables) {
+  const test::TemporaryFolder folder;
+  std::vector<FrameResult> results;
+  for (const ResultRow& row : exampleRows()) {
+    if (results.empty() || results.back().rows.back().frame != row.frame) results.emplace_back();
+    results.back().rows.push_back(row);
+    results.back().timing.frame = row.frame;
+  }
+  writeResults(folder / "results", results, "");
+  writeTumTrajectory(folder / "truth.txt", exampleTruth().poses());
+  const test::ToolRun run = test::runTool<EvaluateApp>({folder / "results", folder / "truth.txt"});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("718 (90.65 %)"));
+  EXPECT_THAT(run.out, HasSubstr("3 (60.00 %)"));
+  EXPECT_EQ(test::lastLine(run.out), "evaluation in " + (folder / "results/evaluation"));
+  EXPECT_THAT(test::contentOf(folder / "results/evaluation/tables.csv"),
+              HasSubstr("II,Translation error [mm],Avg.,36.83,30\n"));
+  EXPECT_THAT(test::contentOf(folder / "results/evaluation/frames.csv"),
+              HasSubstr("\n2.0,2,unknown,,3,2,50,1,1,0.6,"));
+  EXPECT_THAT(test::contentOf(folder / "results/evaluation/fig6.csv"),
+              HasSubstr("set,share,translation_mm,orientation_deg,index\nall,0.333333333,10,"));
+  EXPECT_EQ(test::runTool<EvaluateApp>({folder / "nowhere", folder / "truth.txt"}).code, kFailed);
+  EXPECT_EQ(test::runTool<EvaluateApp>({folder / "results"}).code, kUsage);
+}
+
+TEST(EvaluateApp, MapPosesFollowThePapersRule) {
+  std::vector<StampedPose> run;
+  for (int i = 0; i < 20; ++i) run.push_back({0.1 * i, pose(0.1 * i)});
+  EXPECT_EQ(modelPosesOf(Trajectory(run), {}).size(), 4u);  // at 0, 0.5, 1.0 and 1.5 m
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tool_runner.h"
+
+#include <facetloc/apps/charts.h>
+#include <facetloc/apps/offscreen_display.h>
+
+#include <gmock/gmock.h>
+
+#include <optional>
+
+namespace facetloc {
+namespace {
+
+/** Sets a variable of the environment for the life of the object. */
+class Environment {
+public:
+  Environment(const char* name, const char* value) : name_(name) {
+    if (const char* before = std::getenv(name)) before_ = before;
+    value ? setenv(name, value, 1) : unsetenv(name);
+  }
+  ~Environment() { before_ ? setenv(name_, before_->c_str(), 1) : unsetenv(name_); }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+private:
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+TEST(OffscreenDisplay, LeavesTheEnvironmentAsItWas) {
+  const Environment display("DISPLAY", ":9999");  // nobody there
+  {
+    const OffscreenDisplay offscreen;
+    if (!offscreen.available()) GTEST_SKIP() << offscreen.problem();
+    EXPECT_STRNE(std::getenv("DISPLAY"), ":9999");
+  }
+  EXPECT_STREQ(std::getenv("DISPLAY"), ":9999");
+}
+
+TEST(OffscreenDisplay, SaysWhyThereIsNone) {
+  const Environment display("DISPLAY", nullptr), path("PATH", "/nonexistent");
+  const OffscreenDisplay offscreen;
+  EXPECT_FALSE(offscreen.available());
+  EXPECT_THAT(offscreen.problem(), testing::HasSubstr("xvfb"));
+}
+
+TEST(Charts, AreTheSameEachTime) {
+  const Environment display("DISPLAY", nullptr);
+  const OffscreenDisplay offscreen;
+  if (!offscreen.available()) GTEST_SKIP() << offscreen.problem();
+  const test::TemporaryFolder folder;
+  Panel panel;
+  panel.title = "Example";
+  panel.curves = {{"line", {0, 0.5, 1}, {0, 1, 0.5}}, {"", {}, {}}};
+  drawCharts(folder / "a.png", 320, 240, {panel});
+  drawCharts(folder / "b.png", 320, 240, {panel});
+  const std::string a = test::contentOf(folder / "a.png");
+  EXPECT_EQ(a.substr(1, 3), "PNG");
+  EXPECT_EQ(a, test::contentOf(folder / "b.png"));
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The tools one after the other, as a user runs them, on a small simulated room.
+#include "tool_runner.h"
+
+#include <facetloc/apps/evaluate_app.h>
+#include <facetloc/apps/localize_app.h>
+#include <facetloc/apps/map_apps.h>
+#include <facetloc/apps/register_app.h>
+#include <facetloc/apps/segment_app.h>
+#include <facetloc/apps/simulate_app.h>
+#include <facetloc/features/segment_frame.h>
+#include <facetloc/io/png.h>
+
+#include <gmock/gmock.h>
+#include <pcl/impl/pcl_base.hpp>
+#include <pcl/io/pcd_io.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using test::contentOf;
+using test::lastLine;
+using test::runTool;
+using test::TemporaryFolder;
+using test::ToolRun;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr int kFrames = 12;
+
+ToolRun runMap(const std::vector<std::string>& arguments) {
+  return test::captured([&](const Console& console) { return runMapTool(arguments, console); });
+}
+
+std::vector<fs::path> filesOf(const std::string& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/** One simulated room for all tests of this file; each test writes to a folder of its own. */
+class Tools : public testing::Test {
+protected:
+  static void SetUpTestSuite() {
+    room_ = std::make_unique<TemporaryFolder>();
+    const ToolRun run = runTool<SimulateApp>({"room", "-o", *room_ / "", "--seed", "5", "--frames",
+                                              std::to_string(kFrames), "--width", "320", "--turn_deg", "8"});
+    ASSERT_EQ(run.code, kOk) << run.err;
+    const ToolRun build = runMap({"build", map_run(), "-o", map(), "--model_distance", "0.1"});
+    ASSERT_EQ(build.code, kOk) << build.err;
+  }
+  static void TearDownTestSuite() { room_.reset(); }
+
+  static std::string map_run() { return *room_ / "map"; }
+  static std::string query() { return *room_ / "query"; }
+  static std::string map() { return *room_ / "map.flmap"; }
+  static std::string firstImage() { return filesOf(query() + "/depth").front().string(); }
+
+  /** A folder of good images, one corrupt among them. */
+  std::string withOneCorruptImage() const {
+    const std::string folder = folder_ / "input";
+    fs::create_directories(folder);
+    fs::copy(query(), folder, fs::copy_options::recursive);
+    test::writeContent(filesOf(folder + "/depth")[4], "no PNG at all");
+    return folder;
+  }
+
+  TemporaryFolder folder_;
+
+private:
+  static std::unique_ptr<TemporaryFolder> room_;
+};
+std::unique_ptr<TemporaryFolder> Tools::room_;
+
+TEST_F(Tools, SimulateIsReproducible) {
+  const std::vector<std::string> arguments = {"room", "--seed", "9", "--frames", "2", "--width", "160"};
+  for (const char* threads : {"1", "2"}) {
+    auto all = arguments;
+    all.insert(all.end(), {"-o", folder_ / threads, "--threads", threads});
+    const ToolRun run = runTool<SimulateApp>(all);
+    ASSERT_EQ(run.code, kOk) << run.err;
+    EXPECT_THAT(lastLine(run.out), HasSubstr(folder_ / threads));
+  }
+  int compared = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "1")) {
+    if (!entry.is_regular_file()) continue;
+    EXPECT_EQ(contentOf(entry.path()),
+              contentOf(fs::path(folder_ / "2") / fs::relative(entry.path(), folder_ / "1")))
+        << entry.path();
+    ++compared;
+  }
+  EXPECT_EQ(compared, 2 * (2 + 2 * 2));  // two runs of camera.ini, groundtruth.txt, depth and labels
+}
+
+TEST_F(Tools, SimulateWritesASequenceWithItsTruth) {
+  const DepthSequence sequence = DepthSequence::open(map_run());
+  EXPECT_EQ(sequence.frames().size(), static_cast<std::size_t>(kFrames));
+  ASSERT_TRUE(sequence.camera() && sequence.camera()->mounting);
+  EXPECT_EQ(sequence.camera()->intrinsics, scaledKinect(320));
+  for (const FrameFile& frame : sequence.frames()) {
+    EXPECT_TRUE(sequence.groundTruth().nearest(frame.stamp, 1e-6));
+    EXPECT_TRUE(fs::exists(map_run() + "/labels/" + frame.path.filename().string()));
+  }
+}
+
+TEST_F(Tools, FromMapToEvaluation) {
+  const ToolRun info = runMap({"info", map()});
+  EXPECT_EQ(info.code, kOk);
+  EXPECT_THAT(info.out,
+              AllOf(HasSubstr("local models"), HasSubstr("model_distance = 0.1"), HasSubstr("facetloc 0")));
+  EXPECT_EQ(runMap({"check", map()}).code, kOk);
+
+  for (const char* threads : {"1", "2"}) {
+    const ToolRun run = runTool<LocalizeApp>({map(), query(), "-o", folder_ / threads, "--threads", threads});
+    ASSERT_EQ(run.code, kOk) << run.err;
+    EXPECT_THAT(lastLine(run.out), AllOf(HasSubstr("12 images"), HasSubstr(folder_ / threads)));
+  }
+  for (const char* file : {"/hypotheses.csv", "/poses_tum.txt", "/params.ini"}) {
+    EXPECT_FALSE(contentOf(folder_ / "1" + file).empty());
+    EXPECT_EQ(contentOf(folder_ / "1" + file), contentOf(folder_ / "2" + file)) << file;
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "1/partial.txt"));
+
+  const ToolRun run = runTool<EvaluateApp>({folder_ / "1", query() + "/groundtruth.txt", "--map", map()});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("TABLE I."), HasSubstr("TABLE II."), HasSubstr("12 (100.00 %)")));
+  for (const char* file : {"evaluation.txt", "tables.csv", "frames.csv", "fig6.csv"})
+    EXPECT_TRUE(fs::exists(folder_ / "1/evaluation/" + file)) << file;
+}
+
+TEST_F(Tools, MapImagesAreFoundInTheirMap) {
+  ASSERT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "results"}).code, kOk);
+  const auto rows = readHypotheses(folder_ / "results");
+  const Trajectory truth = readTumTrajectory(map_run() + "/groundtruth.txt");
+  const Evaluation evaluation = evaluate(rows, truth, {}, {});
+  int localized = 0;
+  for (const FrameEvaluation& f : evaluation.frames) localized += f.first_correct == 1;
+  EXPECT_GE(localized, kFrames * 2 / 3);
+}
+
+TEST_F(Tools, ParametersOfResultsCanBeUsedAgain) {
+  ASSERT_EQ(
+      runTool<LocalizeApp>({map(), firstImage(), "-o", folder_ / "a", "--null_score", "-5", "--width=160"})
+          .code,
+      kOk);
+  ASSERT_EQ(
+      runTool<LocalizeApp>({map(), firstImage(), "-o", folder_ / "b", "--params", folder_ / "a/params.ini"})
+          .code,
+      kOk);
+  EXPECT_EQ(contentOf(folder_ / "a/params.ini"), contentOf(folder_ / "b/params.ini"));
+  EXPECT_EQ(contentOf(folder_ / "a/hypotheses.csv"), contentOf(folder_ / "b/hypotheses.csv"));
+}
+
+TEST_F(Tools, LocalizeResumes) {
+  const std::string input = withOneCorruptImage();
+  const std::string results = folder_ / "results";
+  const ToolRun failed = runTool<LocalizeApp>({map(), input, "-o", results});
+  EXPECT_EQ(failed.code, kFailed);
+  EXPECT_THAT(failed.err, AllOf(HasSubstr(".png: "), HasSubstr("1 of 12 items failed")));
+  EXPECT_EQ(readTiming(results).size(),
+            static_cast<std::size_t>(kFrames));  // the corrupt one with its reason
+
+  fs::copy(query() + "/depth", input + "/depth", fs::copy_options::overwrite_existing);
+  ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", results, "--resume"}).code, kOk);
+  ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "at_once"}).code, kOk);
+  EXPECT_EQ(contentOf(results + "/hypotheses.csv"), contentOf(folder_ / "at_once/hypotheses.csv"));
+
+  const auto before = fs::last_write_time(results + "/hypotheses.csv");
+  EXPECT_EQ(runTool<LocalizeApp>({map(), input, "-o", results, "--resume"}).code, kOk);
+  EXPECT_EQ(fs::last_write_time(results + "/hypotheses.csv"), before);
+
+  const ToolRun other =
+      runTool<LocalizeApp>({map(), input, "-o", results, "--resume", "--min_support", "99"});
+  EXPECT_EQ(other.code, kFailed);
+  EXPECT_THAT(other.err, HasSubstr("other parameters"));
+}
+
+TEST_F(Tools, LocalizeSaysWhatIsMissing) {
+  EXPECT_EQ(runTool<LocalizeApp>({map(), query()}).code, kUsage);
+  EXPECT_EQ(runTool<LocalizeApp>({folder_ / "nowhere.flmap", query(), "-o", folder_ / "x"}).code, kFailed);
+  const ToolRun run = runTool<LocalizeApp>({map(), folder_ / "nowhere", "-o", folder_ / "x"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_EQ(run.err, "facetloc_localize: " + (folder_ / "nowhere") + ": does not exist\n");
+}
+
+TEST_F(Tools, MapBuildRefusesToOverwriteAndResumes) {
+  const std::string path = folder_ / "m.flmap";
+  ASSERT_EQ(runMap({"build", map_run(), "-o", path, "--every", "3"}).code, kOk);
+  EXPECT_EQ(readMap(path).models.size(), 4u);
+  EXPECT_EQ(readMap(path).links.size(), 3u);
+  EXPECT_EQ(runMap({"build", map_run(), "-o", path, "--every", "3"}).code, kFailed);
+  EXPECT_EQ(runMap({"build", map_run(), "-o", path, "--every", "3", "--resume", "--overwrite"}).code, kUsage);
+  const ToolRun resumed = runMap({"build", map_run(), "-o", path, "--every", "3", "--resume"});
+  EXPECT_EQ(resumed.code, kOk) << resumed.err;
+  EXPECT_THAT(resumed.out, HasSubstr("0 local models added from 12 images, 4 in all"));
+  EXPECT_EQ(readMap(path).links.size(), 3u);
+  EXPECT_EQ(runMap({"build", map_run(), "-o", path, "--every", "4", "--resume"}).code,
+            kFailed);  // other parameters
+  EXPECT_EQ(runMap({"build", map_run(), "-o", path, "--every", "4", "--overwrite"}).code, kOk);
+  EXPECT_EQ(readMap(path).models.size(), 3u);
+}
+
+TEST_F(Tools, MapBuildReportsABadImage) {
+  const std::string input = withOneCorruptImage(), path = folder_ / "m.flmap";
+  const ToolRun run = runMap({"build", input, "-o", path, "--every", "1"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("1 of 12 items failed"));
+  EXPECT_EQ(readMap(path).models.size(), 11u);
+  fs::copy(query() + "/depth", input + "/depth", fs::copy_options::overwrite_existing);
+  EXPECT_EQ(runMap({"build", input, "-o", path, "--every", "1", "--resume"}).code, kOk);
+  EXPECT_EQ(readMap(path).models.size(), 12u);
+}
+
+TEST_F(Tools, MapBuildNeedsPosesOrEvery) {
+  const std::string input = folder_ / "input";
+  fs::copy(map_run(), input, fs::copy_options::recursive);
+  fs::remove(input + "/groundtruth.txt");
+  const ToolRun run = runMap({"build", input, "-o", folder_ / "m.flmap"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("has no poses"));
+  EXPECT_FALSE(fs::exists(folder_ / "m.flmap"));
+  EXPECT_EQ(runMap({"build", input, "-o", folder_ / "m.flmap", "--every", "6"}).code, kOk);
+  EXPECT_FALSE(readMap(folder_ / "m.flmap").models[0].T_w_m);
+  EXPECT_EQ(
+      runMap({"build", input, "-o", folder_ / "n.flmap", "--poses", map_run() + "/groundtruth.txt"}).code,
+      kOk);
+}
+
+TEST_F(Tools, MapMergeAndExport) {
+  const std::string twin = folder_ / "twin.flmap", merged = folder_ / "merged.flmap";
+  fs::copy_file(map(), twin);
+  ASSERT_EQ(runMap({"merge", map(), twin, "-o", merged}).code, kOk);
+  const Map one = readMap(map()), both = readMap(merged);
+  ASSERT_EQ(both.models.size(), 2 * one.models.size());
+  EXPECT_EQ(both.links.size(), 2 * one.links.size());
+  EXPECT_EQ(both.models[0].name, "map_" + one.models[0].name);
+  EXPECT_EQ(both.models[one.models.size()].name, "twin_" + one.models[0].name);
+  EXPECT_TRUE(both.mounting);
+  EXPECT_EQ(runMap({"merge", map(), "-o", merged}).code, kFailed);  // exists
+  EXPECT_EQ(runMap({"merge", map(), map(), "-o", folder_ / "x.flmap"}).code, kFailed);
+
+  ASSERT_EQ(runMap({"export", map(), "-o", folder_ / "export"}).code, kOk);
+  EXPECT_TRUE(fs::exists(folder_ / "export/graph.g2o"));
+}
+
+TEST_F(Tools, MapCommandsAreKnown) {
+  EXPECT_EQ(runMap({}).code, kUsage);
+  EXPECT_EQ(runMap({"biuld"}).code, kUsage);
+  EXPECT_EQ(runMap({"--help"}).code, kOk);
+  test::writeContent(folder_ / "broken.flmap", "not a map");
+  EXPECT_EQ(runMap({"check", folder_ / "broken.flmap"}).code, kFailed);
+  EXPECT_EQ(runMap({"info", folder_ / "broken.flmap"}).code, kFailed);
+}
+
+TEST_F(Tools, SegmentWritesSegmentsLabelsAndOverlays) {
+  const ToolRun run = runTool<SegmentApp>({firstImage(), "-o", folder_ / "out", "--labels", "--overlay"});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  const std::string base = folder_ / "out/" + fs::path(firstImage()).stem().string();
+  pcl::PointCloud<SegmentFrame> cloud;
+  ASSERT_EQ(pcl::PCDReader().read(base + ".segments.pcd", cloud), 0);
+  const Raster<std::uint16_t> labels = readGreyPng(base + ".png", 16);
+  EXPECT_EQ(labels.width, 320);
+  EXPECT_EQ(*std::max_element(labels.data.begin(), labels.data.end()), cloud.size());
+  EXPECT_TRUE(fs::exists(base + "_overlay.png"));
+}
+
+TEST_F(Tools, SegmentReportsABadImageAndDoesTheOthers) {
+  const std::string input = withOneCorruptImage();
+  const ToolRun run = runTool<SegmentApp>({input, "-o", folder_ / "out"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("1 of 12 items failed"));
+  EXPECT_EQ(filesOf(folder_ / "out").size(), 11u);
+
+  // What is there is not touched, what is missing is done.
+  const fs::path first = filesOf(folder_ / "out").front();
+  const auto old = fs::file_time_type::clock::now() - std::chrono::hours(24);
+  fs::last_write_time(first, old);
+  fs::copy(query() + "/depth", input + "/depth", fs::copy_options::overwrite_existing);
+  const ToolRun resumed = runTool<SegmentApp>({input, "-o", folder_ / "out", "--resume"});
+  EXPECT_EQ(resumed.code, kOk) << resumed.err;
+  EXPECT_THAT(resumed.out, AllOf(HasSubstr("1 image with"), HasSubstr("11 were done before")));
+  EXPECT_EQ(filesOf(folder_ / "out").size(), 12u);
+  EXPECT_EQ(fs::last_write_time(first), old);
+}
+
+TEST_F(Tools, SegmentsOfAnEmptyImageAreAValidFile) {
+  const std::string input = folder_ / "input";
+  fs::create_directories(input);
+  fs::copy_file(query() + "/camera.ini", input + "/camera.ini");
+  const Intrinsics camera = scaledKinect(320);
+  writePng(input + "/0.png",
+           Raster<std::uint16_t>{320, camera.height, 1, std::vector<std::uint16_t>(320 * 240, 0)});
+  const ToolRun run = runTool<SegmentApp>({input, "-o", folder_ / "out", "--labels", "--overlay"});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.err, IsEmpty());
+  pcl::PointCloud<SegmentFrame> cloud;
+  cloud.resize(3);
+  EXPECT_EQ(pcl::PCDReader().read(folder_ / "out/0.segments.pcd", cloud), 0);
+  EXPECT_TRUE(cloud.empty());
+}
+
+TEST_F(Tools, SegmentTellsImagesOfTheSameNameApart) {
+  for (const char* run : {"map", "query"}) {
+    fs::create_directories(folder_ / run + "/depth");
+    fs::copy_file(query() + "/camera.ini", folder_ / run + "/camera.ini");
+    fs::copy_file(firstImage(), folder_ / run + "/depth/7.png");
+  }
+  ASSERT_EQ(runTool<SegmentApp>({folder_ / "map", folder_ / "query/depth/7.png", "-o", folder_ / "out"}).code,
+            kOk);
+  EXPECT_TRUE(fs::exists(folder_ / "out/map_7.segments.pcd"));
+  EXPECT_TRUE(fs::exists(folder_ / "out/query_7.segments.pcd"));
+  const ToolRun twice = runTool<SegmentApp>({folder_ / "map", folder_ / "map", "-o", folder_ / "out"});
+  EXPECT_EQ(twice.code, kUsage);
+  EXPECT_THAT(twice.err, HasSubstr("would both be named"));
+}
+
+TEST_F(Tools, RegisterFindsAnImageInItself) {
+  const auto images = filesOf(map_run() + "/depth");
+  const ToolRun run = runTool<RegisterApp>({images[0].string(), images[1].string(), "-o", folder_ / "out"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.out, HasSubstr(folder_ / "out"));
+  const auto rows = readHypotheses(folder_ / "out");
+  ASSERT_FALSE(rows.empty());
+  EXPECT_EQ(rows[0].frame, images[0].stem().string());
+  EXPECT_EQ(rows[0].rank > 0 ? rows[0].model : images[1].stem().string(), images[1].stem().string());
+  EXPECT_EQ(runTool<RegisterApp>({images[0].string(), map_run()}).code, kUsage);
+  EXPECT_EQ(runTool<RegisterApp>({images[0].string(), folder_ / "nowhere.png"}).code, kFailed);
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/segment_estimation.h>
+#include <facetloc/registration/ekf_pose_update.h>
+#include <facetloc/registration/pose_prior.h>
+#include <facetloc/testing/pose_matchers.h>
+#include <facetloc/testing/random_segments.h>
+#include <facetloc/testing/synthetic_depth.h>
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <limits>
+#include <numeric>
+
+namespace facetloc {
+namespace {
+
+using test::disturbed;
+using test::gaussian;
+using test::IsPositiveSemidefinite;
+using test::MatrixNear;
+using test::PoseNear;
+using test::randomDirection;
+using test::Rng;
+using test::uniform;
+
+constexpr double kGate = 11.345;  // chi2(3) at 99 %
+
+EkfParams ungated(int iterations = 8) {
+  EkfParams p;
+  p.iterations = iterations;
+  p.gate = std::numeric_limits<double>::max();
+  return p;
+}
+
+// The prior of the paper: a robot with a camera that looks forward, slightly down.
+PoseWithCovariance paperPrior() {
+  PoseWithCovariance prior;
+  prior.P = posePrior(CameraMounting{0.98, 10});
+  return prior;
+}
+
+PoseWithCovariance narrowPrior(Rng& rng) {
+  PoseWithCovariance prior;
+  prior.T = test::randomPose(rng, 0.5, 1);
+  Vector6d std;
+  std << 0.02, 0.03, 0.01, 0.05, 0.04, 0.06;
+  prior.P = test::randomCovariance<6>(rng, std);
+  return prior;
+}
+
+// Three nearly orthogonal surfaces about 2 m around a local model.
+std::array<Segment, 3> corner(Rng& rng) {
+  std::array<Segment, 3> model;
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d n = expSO3(0.1 * gaussian<3>(rng)) * Eigen::Vector3d::Unit(k);
+    const Eigen::Vector3d centre =
+        Eigen::Vector3d(uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1)) +
+        2 * Eigen::Vector3d::Unit(k);
+    model[k] = test::rectangle(centre, n, 1, 0.6, uniform(rng, -3, 3), 0.01, 0.01);
+  }
+  return model;
+}
+
+// What the camera at T_m_c measures of a true surface: another part of it, with an error drawn from Sigma_q.
+Segment seen(const Segment& truth, const Eigen::Isometry3d& T_m_c, const Eigen::Matrix3d& Sigma_q, Rng& rng) {
+  Segment part =
+      test::movedInPlane(truth, uniform(rng, -0.3, 0.3), uniform(rng, -0.3, 0.3), uniform(rng, -3, 3));
+  part.Sigma_q = Sigma_q;
+  return transformed(disturbed(part, gaussian<3>(rng, Sigma_q)), T_m_c.inverse());
+}
+
+Segment measured(const Segment& truth, Rng& rng) { return disturbed(truth, gaussian<3>(rng, truth.Sigma_q)); }
+
+double nees(const PoseWithCovariance& estimate, const Eigen::Isometry3d& truth) {
+  const Vector6d e = perturbation(estimate.T, truth);
+  return e.dot(estimate.P.llt().solve(e));
+}
+
+struct Consistency {
+  double mean_nees = 0;
+  std::array<double, 3> accepted{};  // share of the correct first, second, third pairs within the gate
+};
+
+// The experiment of METHOD 8.2 with given true surfaces per trial.
+template <class Surfaces>
+Consistency experiment(const EkfParams& params, int trials, const Surfaces& surfaces) {
+  Rng rng(5);
+  const PoseWithCovariance prior = paperPrior();
+  Consistency result;
+  int converged = 0;
+  for (int i = 0; i < trials; ++i) {
+    const Eigen::Isometry3d truth = perturbed(prior.T, gaussian<6>(rng, prior.P));
+    PoseWithCovariance pose = prior;
+    bool all = true;
+    const std::array<Segment, 3> corner_segments = surfaces(rng);
+    for (int k = 0; k < 3 && all; ++k) {
+      const Segment& surface = corner_segments[k];
+      const EkfUpdate u =
+          ekfPoseUpdate(seen(surface, truth, surface.Sigma_q, rng), measured(surface, rng), pose, params);
+      all = u.accepted;
+      result.accepted[k] += u.accepted && u.cost <= kGate;
+      if (all) pose = u.pose;
+    }
+    if (!all) continue;
+    ++converged;
+    result.mean_nees += nees(pose, truth);
+  }
+  result.mean_nees /= converged;
+  for (double& share : result.accepted) share /= trials;
+  return result;
+}
+
+TEST(EkfPoseUpdate, ErrorsOfTheIteratedFilterAreAsLargeAsItSays) {
+  const Consistency c = experiment(ungated(), 3000, corner);
+  EXPECT_GE(c.mean_nees, 5.5);  // ideal: 6
+  EXPECT_LE(c.mean_nees, 7.0);
+  for (const double share : c.accepted) {
+    EXPECT_GE(share, 0.98);  // nominal: 0.99
+    EXPECT_LE(share, 0.995);
+  }
+}
+
+TEST(EkfPoseUpdate, TheFilterOfOneIterationIsOverconfident) {
+  EXPECT_GT(experiment(ungated(1), 500, corner).mean_nees, 50);  // METHOD 8.2: 630
+}
+
+TEST(EkfPoseUpdate, IsConsistentWithTheUncertaintyOfRealSegments) {
+  // Surfaces and Sigma_q of rendered corners of rooms, METHOD_MEASURED 4.3.
+  std::vector<std::array<Segment, 3>> corners;
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Isometry3d T =
+        test::lookingAlong({1.2 + 0.2 * i, 1.9 - 0.1 * i, 1.3}, {1, 0.7 + 0.1 * i, -0.6 + 0.03 * i});
+    const test::Rendering r = test::render(test::box({0, 0, 0}, {4, 4, 3}), test::smallCamera(), T);
+    const std::vector<Segment> s = estimateSegments(r.image, r.labels, {}, {});
+    ASSERT_GE(s.size(), 3u);
+    corners.push_back({s[0], s[1], s[2]});
+  }
+  const Consistency c =
+      experiment(ungated(), 3000, [&corners](Rng& rng) { return corners[rng() % corners.size()]; });
+  EXPECT_GE(c.mean_nees, 5.5);
+  EXPECT_LE(c.mean_nees, 7.0);
+  for (const double share : c.accepted) {
+    EXPECT_GE(share, 0.98);
+    EXPECT_LE(share, 0.995);
+  }
+}
+
+TEST(EkfPoseUpdate, OneIterationIsTheImplicitFilterOfTheTextbook) {
+  Rng rng(6);
+  for (int i = 0; i < 200; ++i) {
+    const PoseWithCovariance prior = narrowPrior(rng);
+    const Segment surface = test::randomSegment(rng);
+    const Eigen::Isometry3d truth = perturbed(prior.T, gaussian<6>(rng, prior.P));
+    const Segment scene = seen(surface, truth, surface.Sigma_q, rng), model = measured(surface, rng);
+    const EkfUpdate u = ekfPoseUpdate(scene, model, prior, ungated(1));
+    ASSERT_TRUE(u.accepted);
+    // Ayache & Faugeras: linearise 0 = h(w, q, q') about the prior mean and zero disturbances.
+    PlaneJacobians J;
+    const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+    const Eigen::Vector3d h = planeResidual(scene, model, prior.T, zero, zero, &J);
+    const Eigen::Matrix3d W =
+        J.E * scene.Sigma_q * J.E.transpose() + J.E_model * model.Sigma_q * J.E_model.transpose();
+    const Eigen::Matrix<double, 6, 3> K =
+        prior.P * J.H.transpose() * (J.H * prior.P * J.H.transpose() + W).inverse();
+    const Vector6d dw = -K * h;
+    const Matrix6d IKH = Matrix6d::Identity() - K * J.H;
+    Matrix6d reset = Matrix6d::Identity();
+    reset.topLeftCorner<3, 3>() = leftJacobianSO3(dw.head<3>());
+    const Matrix6d P = reset * (IKH * prior.P * IKH.transpose() + K * W * K.transpose()) * reset.transpose();
+    EXPECT_THAT(u.pose.T, PoseNear(perturbed(prior.T, dw), 1e-12, 1e-10));
+    EXPECT_THAT(u.pose.P, MatrixNear(P, 1e-12));
+  }
+}
+
+// Everything about an update that does not depend on the error of the measurement.
+class RandomUpdates : public testing::Test {
+protected:
+  void forEach(int n, const std::function<void(const Segment&, const Segment&, const PoseWithCovariance&,
+                                               const EkfUpdate&)>& check) {
+    Rng rng(7);
+    for (int i = 0; i < n; ++i) {
+      const PoseWithCovariance prior = narrowPrior(rng);
+      const Segment surface = test::randomSegment(rng);
+      const Eigen::Isometry3d truth = perturbed(prior.T, gaussian<6>(rng, prior.P));
+      const Segment scene = seen(surface, truth, surface.Sigma_q, rng), model = measured(surface, rng);
+      const EkfUpdate u = ekfPoseUpdate(scene, model, prior, ungated());
+      ASSERT_TRUE(u.accepted);
+      check(scene, model, prior, u);
+    }
+  }
+  // Takes the posterior covariance back to the tangent space of the prior mean, where it was computed.
+  static Matrix6d beforeReset(const PoseWithCovariance& prior, const EkfUpdate& u,
+                              Matrix6d* reset = nullptr) {
+    Matrix6d G = Matrix6d::Identity();
+    G.topLeftCorner<3, 3>() = leftJacobianSO3(perturbation(prior.T, u.pose.T).head<3>());
+    if (reset) *reset = G;
+    return G.inverse() * u.pose.P * G.inverse().transpose();
+  }
+};
+
+TEST_F(RandomUpdates, CovarianceStaysPositiveAndNeverGrows) {
+  forEach(500, [](auto&, auto&, const PoseWithCovariance& prior, const EkfUpdate& u) {
+    EXPECT_THAT(u.pose.P, IsPositiveSemidefinite(1e-15));
+    EXPECT_THAT((prior.P - beforeReset(prior, u)).eval(), IsPositiveSemidefinite(1e-12));
+  });
+}
+
+TEST_F(RandomUpdates, GainIsTheInformationThatThePairAdds) {
+  forEach(500, [](auto&, auto&, const PoseWithCovariance& prior, const EkfUpdate& u) {
+    Matrix6d reset;
+    const Matrix6d P = beforeReset(prior, u, &reset);
+    const Matrix6d added = reset.transpose() * u.information * reset;
+    const double by_information = 0.5 * std::log((Matrix6d::Identity() + prior.P * added).determinant());
+    EXPECT_GE(u.gain, 0);
+    EXPECT_NEAR(u.gain, by_information, 1e-6);
+    EXPECT_NEAR(u.gain, 0.5 * std::log(prior.P.determinant() / P.determinant()), 1e-6);
+    EXPECT_THAT((P.inverse() - prior.P.inverse()).eval(), MatrixNear(added, 1e-6 * added.norm()));
+  });
+}
+
+TEST_F(RandomUpdates, CostIsThatOfTheMaximumAPosteriori) {
+  forEach(500, [](const Segment& scene, const Segment& model, const PoseWithCovariance& prior,
+                  const EkfUpdate& u) {
+    const auto cost = [&](const Vector6d& e) {
+      PlaneMeasurement m;
+      EXPECT_TRUE(measurePlane(scene, model, perturbed(prior.T, e), 0, m));
+      return e.dot(prior.P.llt().solve(e)) + m.h.dot(m.W.llt().solve(m.h));
+    };
+    const Vector6d e = perturbation(prior.T, u.pose.T);
+    EXPECT_NEAR(u.cost, cost(e), 1e-6 * (1 + u.cost));
+  });
+}
+
+TEST_F(RandomUpdates, ADuplicateOfAPairAddsInformation) {
+  forEach(200, [](const Segment& scene, const Segment& model, const PoseWithCovariance& prior,
+                  const EkfUpdate& u) {
+    const EkfUpdate again = ekfPoseUpdate(scene, model, u.pose, ungated());
+    ASSERT_TRUE(again.accepted);
+    EXPECT_GT(again.gain, 0);
+    EXPECT_LT(again.gain, u.gain);
+    EXPECT_LT(again.pose.P.determinant(), u.pose.P.determinant());
+    EXPECT_THAT((u.pose.P - beforeReset(u.pose, again)).eval(), IsPositiveSemidefinite(1e-12));
+  });
+}
+
+TEST_F(RandomUpdates, PosesMoveWithTheFrameOfTheModel) {
+  Rng rng(8);
+  forEach(200, [&rng](const Segment& scene, const Segment& model, const PoseWithCovariance& prior,
+                      const EkfUpdate& u) {
+    const Eigen::Isometry3d X = test::randomPose(rng, 3, 5);
+    Matrix6d A = Matrix6d::Zero();
+    A.topLeftCorner<3, 3>() = A.bottomRightCorner<3, 3>() = X.linear();
+    const EkfUpdate moved =
+        ekfPoseUpdate(scene, transformed(model, X), {X * prior.T, A * prior.P * A.transpose()}, ungated());
+    ASSERT_TRUE(moved.accepted);
+    EXPECT_THAT(moved.pose.T, PoseNear(X * u.pose.T, 1e-9, 1e-8));
+    EXPECT_THAT(moved.pose.P, MatrixNear(A * u.pose.P * A.transpose(), 1e-9));
+    EXPECT_NEAR(moved.cost, u.cost, 1e-8 * (1 + u.cost));
+    EXPECT_NEAR(moved.gain, u.gain, 1e-8);
+  });
+}
+
+TEST_F(RandomUpdates, PosesMoveWithTheFrameOfTheCamera) {
+  Rng rng(9);
+  forEach(200, [&rng](const Segment& scene, const Segment& model, const PoseWithCovariance& prior,
+                      const EkfUpdate& u) {
+    // Turned axes of the camera: exact. (A moved origin changes what "Gaussian in (phi, t)" means.)
+    Eigen::Isometry3d Y = Eigen::Isometry3d::Identity();
+    Y.linear() = test::randomRotation(rng);
+    const EkfUpdate moved =
+        ekfPoseUpdate(transformed(scene, Y), model, {prior.T * Y.inverse(), prior.P}, ungated());
+    ASSERT_TRUE(moved.accepted);
+    EXPECT_THAT(moved.pose.T, PoseNear(u.pose.T * Y.inverse(), 1e-9, 1e-8));
+    EXPECT_THAT(moved.pose.P, MatrixNear(u.pose.P, 1e-9));
+    EXPECT_NEAR(moved.cost, u.cost, 1e-8 * (1 + u.cost));
+  });
+}
+
+TEST(EkfPoseUpdate, AMovedOriginOfTheCameraChangesNothingToFirstOrder) {
+  Rng rng(10);
+  for (int i = 0; i < 100; ++i) {
+    PoseWithCovariance prior = narrowPrior(rng);
+    prior.P *= 1e-4;
+    Segment surface = test::randomSegment(rng);
+    surface.Sigma_q *= 1e-4;
+    const Eigen::Isometry3d truth = perturbed(prior.T, gaussian<6>(rng, prior.P));
+    const Segment scene = seen(surface, truth, surface.Sigma_q, rng), model = measured(surface, rng);
+    const Eigen::Isometry3d Y = test::randomPose(rng, 2, 1);
+    Matrix6d A = Matrix6d::Identity();  // t' = t - R Y^-1 t_Y moves with the rotation
+    A.bottomLeftCorner<3, 3>() = skew(prior.T.linear() * Y.linear().transpose() * Y.translation());
+    const EkfUpdate u = ekfPoseUpdate(scene, model, prior, ungated());
+    const EkfUpdate moved = ekfPoseUpdate(transformed(scene, Y), model,
+                                          {prior.T * Y.inverse(), A * prior.P * A.transpose()}, ungated());
+    ASSERT_TRUE(u.accepted && moved.accepted);
+    EXPECT_THAT(moved.pose.T, PoseNear(u.pose.T * Y.inverse(), 1e-5, 1e-4));
+    EXPECT_NEAR(moved.cost, u.cost, 1e-2 * (1 + u.cost));
+  }
+}
+
+TEST(EkfPoseUpdate, OrderOfThreePairsHardlyMatters) {
+  Rng rng(11);
+  double worst = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    PoseWithCovariance prior = paperPrior();
+    const Eigen::Isometry3d truth = perturbed(prior.T, gaussian<6>(rng, prior.P));
+    std::array<Segment, 3> scene, model = corner(rng);
+    for (int k = 0; k < 3; ++k) {
+      scene[k] = seen(model[k], truth, model[k].Sigma_q, rng);
+      model[k] = measured(model[k], rng);
+    }
+    std::array<int, 3> order{0, 1, 2};
+    std::vector<PoseWithCovariance> poses;
+    do {
+      PoseWithCovariance pose = prior;
+      bool all = true;
+      for (const int k : order) {
+        const EkfUpdate u = ekfPoseUpdate(scene[k], model[k], pose, ungated());
+        all = all && u.accepted;
+        pose = u.pose;
+      }
+      if (all) poses.push_back(pose);
+    } while (std::next_permutation(order.begin(), order.end()));
+    for (const PoseWithCovariance& p : poses) {
+      const Vector6d e = perturbation(poses[0].T, p.T);
+      worst = std::max(worst, (e.cwiseAbs().array() / poses[0].P.diagonal().cwiseSqrt().array()).maxCoeff());
+    }
+  }
+  EXPECT_LT(worst, 0.1);
+}
+
+TEST(EkfPoseUpdate, AnExactPairCorrectsWhatItSees) {
+  Rng rng(12);
+  const PoseWithCovariance prior = paperPrior();
+  for (int i = 0; i < 50; ++i) {
+    std::array<Segment, 3> model = corner(rng);
+    const Eigen::Isometry3d truth = perturbed(prior.T, gaussian<6>(rng, prior.P));
+    PoseWithCovariance pose = prior;
+    for (Segment& s : model) {
+      s.Sigma_q *= 1e-6;
+      const EkfUpdate u = ekfPoseUpdate(transformed(s, truth.inverse()), s, pose, ungated());
+      if (!u.accepted) break;
+      pose = u.pose;
+      if (&s == &model.back()) {
+        EXPECT_THAT(pose.T, PoseNear(truth, 0.01, 0.1));
+      }
+    }
+  }
+}
+
+TEST(EkfPoseUpdate, WhatDoesNotFitIsRefused) {
+  Rng rng(13);
+  const PoseWithCovariance prior = narrowPrior(rng);
+  const Segment surface = test::randomSegment(rng);
+  const Segment scene = transformed(surface, prior.T.inverse());
+  EXPECT_TRUE(ekfPoseUpdate(scene, surface, prior).accepted);
+  Segment other = surface;
+  other.t += 2 * surface.normal();
+  EXPECT_FALSE(ekfPoseUpdate(scene, other, prior).accepted);  // far off along the normal
+  other = surface;
+  other.R = expSO3(1.2 * surface.R.col(0)) * surface.R;
+  EXPECT_FALSE(ekfPoseUpdate(scene, other, prior).accepted);  // turned out of min_cosine
+  other.R.col(1) = -surface.R.col(1);
+  other.R.col(2) = -surface.R.col(2);
+  EXPECT_FALSE(ekfPoseUpdate(scene, other, prior).accepted);  // seen from the other side
+}
+
+TEST(EkfPoseUpdate, NumbersThatAreNoneAreRefused) {
+  Rng rng(14);
+  const PoseWithCovariance prior = narrowPrior(rng);
+  const Segment surface = test::randomSegment(rng);
+  Segment scene = transformed(surface, prior.T.inverse());
+  scene.t.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(ekfPoseUpdate(scene, surface, prior).accepted);
+  PoseWithCovariance unknown = prior;
+  unknown.P.setConstant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_FALSE(ekfPoseUpdate(transformed(surface, prior.T.inverse()), surface, unknown).accepted);
+}
+
+}  // namespace
+}  // namespace facetloc

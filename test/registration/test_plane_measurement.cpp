@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/plane_measurement.h>
+#include <facetloc/testing/numeric_jacobian.h>
+#include <facetloc/testing/pose_matchers.h>
+#include <facetloc/testing/random_segments.h>
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+namespace facetloc {
+namespace {
+
+using test::disturbed;
+using test::gaussian;
+using test::IsPositiveSemidefinite;
+using test::MatrixNear;
+using test::numericJacobian;
+using test::randomPose;
+using test::randomSegment;
+using test::Rng;
+using test::uniform;
+
+Eigen::Vector3d smallDisturbance(Rng& rng) {
+  return {uniform(rng, -0.3, 0.3), uniform(rng, -0.3, 0.3), uniform(rng, -0.3, 0.3)};
+}
+
+// A model segment, a pose, and the same surface as the camera sees it: another part of it, in other axes.
+struct TruePair {
+  explicit TruePair(Rng& rng) : model(randomSegment(rng)), T_m_c(randomPose(rng, 0.6, 1.0)) {
+    const Segment part =
+        test::movedInPlane(model, uniform(rng, -0.5, 0.5), uniform(rng, -0.5, 0.5), uniform(rng, -3, 3));
+    scene = transformed(part, T_m_c.inverse());
+  }
+  Segment model;
+  Eigen::Isometry3d T_m_c;
+  Segment scene;
+};
+
+Matrix6d randomPoseCovariance(Rng& rng) {
+  Vector6d std;
+  std << 0.1, 0.2, 0.15, 0.5, 0.8, 0.3;
+  return test::randomCovariance<6>(rng, std);
+}
+
+TEST(PlaneMeasurement, JacobiansAreTheDerivatives) {
+  Rng rng(1);
+  for (int i = 0; i < 500; ++i) {
+    const Segment F = randomSegment(rng), Fp = randomSegment(rng);
+    const Eigen::Isometry3d T = randomPose(rng, 3.1, 3);
+    const Eigen::Vector3d q = smallDisturbance(rng), qp = smallDisturbance(rng);
+    PlaneJacobians J;
+    planeResidual(F, Fp, T, q, qp, &J);
+    const auto by_pose =
+        numericJacobian<3, 6>([&](const Vector6d& d) { return planeResidual(F, Fp, perturbed(T, d), q, qp); },
+                              Vector6d::Zero().eval());
+    const auto by_scene =
+        numericJacobian<3, 3>([&](const Eigen::Vector3d& x) { return planeResidual(F, Fp, T, x, qp); }, q);
+    const auto by_model =
+        numericJacobian<3, 3>([&](const Eigen::Vector3d& x) { return planeResidual(F, Fp, T, q, x); }, qp);
+    EXPECT_THAT(J.H, MatrixNear(by_pose, 1e-7));  // worst observed: 2e-9
+    EXPECT_THAT(J.E, MatrixNear(by_scene, 1e-7));
+    EXPECT_THAT(J.E_model, MatrixNear(by_model, 1e-7));
+  }
+}
+
+TEST(PlaneMeasurement, ATruePairUnderTheTruePoseHasNoResidual) {
+  Rng rng(2);
+  for (int i = 0; i < 500; ++i) {
+    const TruePair pair(rng);
+    const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+    EXPECT_THAT(planeResidual(pair.scene, pair.model, pair.T_m_c, zero, zero), MatrixNear(zero, 1e-12));
+  }
+}
+
+TEST(PlaneMeasurement, DisturbancesThatExplainThePlanesLeaveNoResidual) {
+  Rng rng(3);
+  for (int i = 0; i < 500; ++i) {
+    const TruePair pair(rng);
+    const Eigen::Vector3d q = 0.2 * smallDisturbance(rng), qp = 0.2 * smallDisturbance(rng);
+    const Segment scene = disturbed(pair.scene, q), model = disturbed(pair.model, qp);
+    // In the disturbed frames the true plane has the disturbances q and q'.
+    EXPECT_LT(planeResidual(scene, model, pair.T_m_c, q, qp).norm(), 1e-12);
+  }
+}
+
+// Eqs. (10)-(14) of the paper as they stand there.
+Eigen::Vector3d residualOfThePaper(const Segment& F, const Segment& Fp, const Eigen::Isometry3d& w,
+                                   const Eigen::Vector3d& q, const Eigen::Vector3d& qp) {
+  const auto normalOf = [](const Eigen::Vector3d& d) {
+    return Eigen::Vector3d(Eigen::Vector3d(d[0], d[1], 1) /
+                           std::sqrt(d[0] * d[0] + d[1] * d[1] + 1));  // Eq. (2)
+  };
+  const Eigen::Matrix3d R = w.linear();
+  const Eigen::Vector3d n_F = normalOf(q), n_Fp = Fp.R.transpose() * R * F.R * n_F;  // Eq. (10)
+  const double rho =
+      q[2] + n_F.dot(F.R.transpose() * (F.t + R.transpose() * (w.translation() - Fp.t)));  // Eq. (11)
+  const Eigen::Vector3d model = normalOf(qp);
+  return {n_Fp.x() - model.x(), n_Fp.y() - model.y(), rho - qp[2]};
+}
+
+TEST(PlaneMeasurement, IsThatOfThePaper) {
+  Rng rng(4);
+  for (int i = 0; i < 500; ++i) {
+    const Segment F = randomSegment(rng), Fp = randomSegment(rng);
+    const Eigen::Isometry3d T = randomPose(rng, 3.1, 3);
+    const Eigen::Vector3d q = smallDisturbance(rng), qp = smallDisturbance(rng);
+    EXPECT_THAT(planeResidual(F, Fp, T, q, qp), MatrixNear(residualOfThePaper(F, Fp, T, q, qp), 1e-12));
+  }
+}
+
+TEST(PlaneMeasurement, ThirdComponentIsTheDistanceOfTheModelsCentroidFromTheScenesPlane) {
+  Rng rng(5);
+  for (int i = 0; i < 100; ++i) {
+    const Segment F = randomSegment(rng), Fp = randomSegment(rng);
+    const Eigen::Isometry3d T = randomPose(rng, 3.1, 3);
+    const Segment moved = transformed(F, T);
+    const double h3 = planeResidual(F, Fp, T, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero())[2];
+    EXPECT_NEAR(h3, moved.offset() - moved.normal().dot(Fp.t), 1e-12);
+  }
+}
+
+TEST(PlaneMeasurement, MeasurePlaneIsTheResidualOfUndisturbedPlanes) {
+  Rng rng(6);
+  int measured = 0;
+  for (int i = 0; i < 500; ++i) {
+    const Segment F = randomSegment(rng), Fp = randomSegment(rng);
+    const Eigen::Isometry3d T = randomPose(rng, 1.5, 3);
+    PlaneMeasurement m;
+    const double cosine = (T.linear() * F.normal()).dot(Fp.normal());
+    ASSERT_EQ(measurePlane(F, Fp, T, 0.3, m), cosine > 0.3);
+    if (!(cosine > 0.3)) continue;
+    ++measured;
+    PlaneJacobians J;
+    const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+    EXPECT_THAT(m.h, MatrixNear(planeResidual(F, Fp, T, zero, zero, &J), 1e-12));
+    EXPECT_THAT(m.H, MatrixNear(J.H, 1e-12));
+    const Eigen::Matrix3d W =
+        J.E * F.Sigma_q * J.E.transpose() + J.E_model * Fp.Sigma_q * J.E_model.transpose();
+    EXPECT_THAT(m.W, MatrixNear(W, 1e-12));
+    EXPECT_THAT(m.W, IsPositiveSemidefinite(1e-12));
+    const Matrix6d P = randomPoseCovariance(rng);
+    const Eigen::Matrix3d S = m.H * P * m.H.transpose() + m.W;
+    EXPECT_NEAR(innovationDistance(m, P), m.h.dot(S.inverse() * m.h), 1e-9 * (1 + innovationDistance(m, P)));
+  }
+  EXPECT_GT(measured, 100);
+}
+
+TEST(PlaneMeasurement, OppositeNormalsAreNoMeasurement) {
+  Rng rng(7);
+  const TruePair pair(rng);
+  Segment flipped = pair.scene;
+  flipped.R.col(1) *= -1;
+  flipped.R.col(2) *= -1;  // the wall seen from its other side: h would be zero
+  PlaneMeasurement m;
+  EXPECT_TRUE(measurePlane(pair.scene, pair.model, pair.T_m_c, 0, m));
+  EXPECT_FALSE(measurePlane(flipped, pair.model, pair.T_m_c, 0, m));
+}
+
+TEST(PlaneMeasurement, SlopeNoiseIsLeveredByTheDistanceOfTheCentroids) {
+  Rng rng(8);
+  const TruePair pair(rng);
+  Segment far = pair.model;
+  far.t += 3 * far.R.col(0);
+  PlaneMeasurement near_m, far_m;
+  ASSERT_TRUE(measurePlane(pair.scene, pair.model, pair.T_m_c, 0, near_m));
+  ASSERT_TRUE(measurePlane(pair.scene, far, pair.T_m_c, 0, far_m));
+  EXPECT_GT(far_m.W(2, 2), near_m.W(2, 2));
+}
+
+TEST(PlaneMeasurement, DistanceDoesNotChangeUnderInPlaneRotations) {
+  Rng rng(9);
+  for (int i = 0; i < 200; ++i) {
+    TruePair pair(rng);
+    pair.scene = disturbed(pair.scene, 0.05 * smallDisturbance(rng));
+    const Matrix6d P = randomPoseCovariance(rng);
+    PlaneMeasurement m, turned_scene, turned_model;
+    ASSERT_TRUE(measurePlane(pair.scene, pair.model, pair.T_m_c, 0, m));
+    const double d2 = innovationDistance(m, P);
+    const double angle = uniform(rng, -3, 3);
+    ASSERT_TRUE(
+        measurePlane(test::movedInPlane(pair.scene, 0, 0, angle), pair.model, pair.T_m_c, 0, turned_scene));
+    ASSERT_TRUE(
+        measurePlane(pair.scene, test::movedInPlane(pair.model, 0, 0, angle), pair.T_m_c, 0, turned_model));
+    EXPECT_NEAR(turned_scene.h[2], m.h[2], 1e-12);
+    EXPECT_NEAR(turned_model.h[2], m.h[2], 1e-12);
+    EXPECT_NEAR(innovationDistance(turned_scene, P), d2, 1e-9 * (1 + d2));
+    EXPECT_NEAR(innovationDistance(turned_model, P), d2, 1e-9 * (1 + d2));
+  }
+}
+
+TEST(PlaneMeasurement, DistanceDoesNotChangeWithTheFrameOfTheModel) {
+  Rng rng(10);
+  for (int i = 0; i < 200; ++i) {
+    TruePair pair(rng);
+    pair.scene = disturbed(pair.scene, 0.05 * smallDisturbance(rng));
+    const Matrix6d P = randomPoseCovariance(rng);
+    const Eigen::Isometry3d X = randomPose(rng, 3, 5);
+    Matrix6d A = Matrix6d::Zero();
+    A.topLeftCorner<3, 3>() = A.bottomRightCorner<3, 3>() = X.linear();
+    PlaneMeasurement m, moved;
+    ASSERT_TRUE(measurePlane(pair.scene, pair.model, pair.T_m_c, 0, m));
+    ASSERT_TRUE(measurePlane(pair.scene, transformed(pair.model, X), X * pair.T_m_c, 0, moved));
+    EXPECT_THAT(moved.h, MatrixNear(m.h, 1e-12));
+    const double d2 = innovationDistance(m, P);
+    EXPECT_NEAR(innovationDistance(moved, A * P * A.transpose()), d2, 1e-9 * (1 + d2));
+  }
+}
+
+TEST(PlaneMeasurement, SwappingSceneAndModelGivesTheSameDistanceToFirstOrder) {
+  Rng rng(11);
+  double worst = 0;
+  for (int i = 0; i < 200; ++i) {
+    TruePair pair(rng);
+    pair.scene = disturbed(pair.scene, 1e-3 * smallDisturbance(rng));
+    Vector6d std;
+    std << 1e-3, 2e-3, 1e-3, 5e-3, 5e-3, 5e-3;
+    const Matrix6d P = test::randomCovariance<6>(rng, std);
+    // Covariance of the inverse pose: dphi' = -R^T dphi, dt' = -R^T (t x dphi + dt).
+    const Eigen::Matrix3d Rt = pair.T_m_c.linear().transpose();
+    Matrix6d A = Matrix6d::Zero();
+    A.topLeftCorner<3, 3>() = A.bottomRightCorner<3, 3>() = -Rt;
+    A.bottomLeftCorner<3, 3>() = -Rt * skew(pair.T_m_c.translation());
+    PlaneMeasurement m, swapped;
+    ASSERT_TRUE(measurePlane(pair.scene, pair.model, pair.T_m_c, 0, m));
+    ASSERT_TRUE(measurePlane(pair.model, pair.scene, pair.T_m_c.inverse(), 0, swapped));
+    const double d2 = innovationDistance(m, P),
+                 d2_swapped = innovationDistance(swapped, A * P * A.transpose());
+    worst = std::max(worst, std::abs(d2 - d2_swapped) / d2);
+  }
+  EXPECT_LT(worst, 1e-3);
+}
+
+// Information of pairs whose model normals are given, all pairs exact.
+Matrix6d informationOf(const std::vector<Eigen::Vector3d>& normals, Rng& rng) {
+  Matrix6d sum = Matrix6d::Zero();
+  for (const Eigen::Vector3d& n : normals) {
+    Segment model = test::rectangle(gaussian<3>(rng) + 3 * n, n, 1, 0.7, uniform(rng, -3, 3));
+    PlaneMeasurement m;
+    EXPECT_TRUE(measurePlane(model, model, Eigen::Isometry3d::Identity(), 0, m));
+    EXPECT_EQ(Eigen::FullPivLU<Matrix36d>(m.H).rank(), 3);
+    sum += m.H.transpose() * m.W.inverse() * m.H;
+  }
+  return sum;
+}
+
+int rankOf(const Matrix6d& information) {
+  Eigen::FullPivLU<Matrix6d> lu(information);
+  lu.setThreshold(1e-9);
+  return static_cast<int>(lu.rank());
+}
+
+TEST(PlaneMeasurement, NormalsThatSpanOneTwoThreeDimensionsFixThreeFiveSixDegreesOfFreedom) {
+  Rng rng(12);
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Vector3d a = test::randomDirection(rng), b = a.unitOrthogonal(), c = a.cross(b);
+    EXPECT_EQ(rankOf(informationOf({a}, rng)), 3);
+    EXPECT_EQ(rankOf(informationOf({a, a, a}, rng)), 3);  // parallel planes
+    EXPECT_EQ(rankOf(informationOf({a, b}, rng)), 5);
+    EXPECT_EQ(rankOf(informationOf({a, b, a + b, a - 0.3 * b}, rng)), 5);  // a corridor's cross section
+    EXPECT_EQ(rankOf(informationOf({a, b, c}, rng)), 6);
+    EXPECT_EQ(rankOf(informationOf({a, b, a + 0.2 * c}, rng)), 6);
+  }
+}
+
+}  // namespace
+}  // namespace facetloc

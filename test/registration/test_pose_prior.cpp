@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/pose_prior.h>
+#include <facetloc/testing/pose_matchers.h>
+#include <facetloc/testing/random_segments.h>
+
+#include <gtest/gtest.h>
+
+namespace facetloc {
+namespace {
+
+using test::gaussian;
+using test::IsPositiveSemidefinite;
+using test::MatrixNear;
+using test::Rng;
+
+TEST(PosePrior, WithoutAMountingIsIsotropic) {
+  PosePriorParams params;
+  params.rotation_std_deg = 60;
+  params.translation_std = 1.5;
+  const Matrix6d P = posePrior({}, params);
+  Vector6d variance;
+  variance << Eigen::Vector3d::Constant(std::pow(60 * kDegree, 2)), Eigen::Vector3d::Constant(2.25);
+  EXPECT_THAT(P, MatrixNear(Matrix6d(variance.asDiagonal()), 1e-15));
+}
+
+TEST(PosePrior, OfALevelCameraOnAFlatFloorIsHeadingAndPlanarMotion) {
+  PosePriorParams params;
+  params.floor_std = 0;
+  const Matrix6d P = posePrior(CameraMounting{0, 0}, params);
+  Vector6d variance = Vector6d::Zero();  // camera axes: x right, y down, z forward
+  variance[1] = std::pow(20 * kDegree, 2);
+  variance[3] = variance[5] = 1;
+  EXPECT_THAT(P, MatrixNear(Matrix6d(variance.asDiagonal()), 1e-12));
+}
+
+TEST(PosePrior, FloorTiltsHaveTheSizesOfThePaper) {
+  const Eigen::Matrix3d C = 2 * floorCovariance({});  // under the scene and under the model pose
+  EXPECT_NEAR(std::sqrt(C(0, 0)) / kDegree, 1.76, 0.005);
+  EXPECT_NEAR(std::sqrt(C(1, 1)) / kDegree, 3.01, 0.005);
+  EXPECT_NEAR(std::sqrt(C(2, 2)), 0.005, 1e-12);
+}
+
+TEST(PosePrior, FloorCovarianceIsThatOfThreeWheels) {
+  // A plane through the feet of three wheels at independent heights.
+  const PosePriorParams p;
+  Rng rng(1);
+  Eigen::Matrix3d sampled = Eigen::Matrix3d::Zero();
+  constexpr int kTrials = 200000;
+  for (int i = 0; i < kTrials; ++i) {
+    const Eigen::Vector3d f = p.floor_std * gaussian<3>(rng);
+    Eigen::Matrix3d A;  // z = z0 + gx x + gy y at the left, the right wheel and the caster
+    A << 1, 0, p.wheel_track / 2, 1, 0, -p.wheel_track / 2, 1, -p.caster_distance, 0;
+    const Eigen::Vector3d plane = A.inverse() * f;
+    const Eigen::Vector3d q(plane[2], -plane[1], plane[0]);
+    sampled += q * q.transpose() / kTrials;
+  }
+  const Eigen::Matrix3d C = floorCovariance(p);
+  const Eigen::Vector3d scale = C.diagonal().cwiseSqrt().cwiseInverse();
+  EXPECT_THAT((scale.asDiagonal() * (sampled - C) * scale.asDiagonal()).eval(),
+              MatrixNear(Eigen::Matrix3d::Zero().eval(), 0.02));
+}
+
+TEST(PosePrior, PropagatesTheFloorThroughTheMounting) {
+  PosePriorParams p;
+  p.rotation_std_deg = 1;
+  p.translation_std = 0.05;
+  p.floor_std = 0.002;
+  const CameraMounting mounting{1.2, 20};
+  const Matrix6d P = posePrior(mounting, p);
+  EXPECT_THAT(P, IsPositiveSemidefinite(1e-12));
+
+  // The exact composition T_m_c = (floor_m T_b_c)^-1 motion floor_c T_b_c, sampled.
+  Rng rng(2);
+  const Eigen::Isometry3d T_b_c = mounting.T_b_c();
+  const auto onTheFloor = [&] {
+    const Eigen::Vector3d f = p.floor_std * gaussian<3>(rng);
+    const double z0 = (f[0] + f[1]) / 2, gy = (f[0] - f[1]) / p.wheel_track,
+                 gx = (z0 - f[2]) / p.caster_distance;
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() = expSO3({gy, -gx, 0});
+    T.translation().z() = z0;
+    return T;
+  };
+  Matrix6d sampled = Matrix6d::Zero();
+  constexpr int kTrials = 200000;
+  for (int i = 0; i < kTrials; ++i) {
+    Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+    motion.linear() = expSO3({0, 0, p.rotation_std_deg * kDegree * gaussian<1>(rng)[0]});
+    motion.translation().head<2>() = p.translation_std * gaussian<2>(rng);
+    const Eigen::Isometry3d T_m_c = (onTheFloor() * T_b_c).inverse() * motion * onTheFloor() * T_b_c;
+    const Vector6d e = perturbation(Eigen::Isometry3d::Identity(), T_m_c);
+    sampled += e * e.transpose() / kTrials;
+  }
+  EXPECT_LT((sampled - P).norm() / P.norm(), 0.02);
+  // The same for every component beside its own size, not only for the large ones.
+  const Vector6d scale = P.diagonal().cwiseSqrt().cwiseInverse();
+  EXPECT_LT((scale.asDiagonal() * (sampled - P) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 0.02);
+}
+
+TEST(PosePrior, ATiltedCameraRollsWhenTheRobotTurns) {
+  const Matrix6d P = posePrior(CameraMounting{1, 30});
+  EXPECT_GT(P(2, 2), std::pow(0.9 * 20 * std::sin(30 * kDegree) * kDegree, 2));
+}
+
+}  // namespace
+}  // namespace facetloc
