@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// An outside project: the PCL classes through their base pointers, with a built-in and a custom point type.
+#include <facetloc/io/simulated_camera.h>
+#include <facetloc/registration/ekf_registration.h>
+#include <facetloc/registration/planar_registration.h>
+#include <facetloc/segmentation/planar_segmentation.h>
+
+#include <cstdio>
+#include <limits>
+
+struct EIGEN_ALIGN16 RadarPoint {
+  PCL_ADD_POINT4D;
+  float strength = 0;
+  PCL_MAKE_ALIGNED_OPERATOR_NEW
+};
+POINT_CLOUD_REGISTER_POINT_STRUCT(RadarPoint,
+                                  (float, x, x)(float, y, y)(float, z, z)(float, strength, strength))
+
+namespace {
+
+template <typename PointT>
+typename pcl::PointCloud<PointT>::Ptr roomCloud(double heading) {
+  facetloc::SimulatedCamera camera(facetloc::kinectIntrinsics().subsampled(2), {}, 1);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = facetloc::expSO3({0, 0, heading});
+  T = T * facetloc::CameraMounting{1.0, 10.0}.T_b_c();
+  const facetloc::DepthImage image = camera.render(facetloc::randomRoom(1, 16), T, 0).depth;
+  auto cloud = pcl::make_shared<pcl::PointCloud<PointT>>(image.camera.width, image.camera.height);
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u) {
+      const float z = image.at(u, v);
+      const float nan = std::numeric_limits<float>::quiet_NaN();
+      (*cloud)(u, v).getVector3fMap() =
+          z > 0 ? Eigen::Vector3f(z * image.camera.ray(u, v).cast<float>()) : Eigen::Vector3f(nan, nan, nan);
+    }
+  cloud->is_dense = false;
+  return cloud;
+}
+
+template <typename PointT>
+std::size_t segments(const typename pcl::PointCloud<PointT>::Ptr& cloud) {
+  typename pcl::Segmentation<PointT>::Ptr segmentation(new facetloc::PlanarSegmentation<PointT>);
+  segmentation->setInputCloud(cloud);
+  std::vector<pcl::PointIndices> found;
+  segmentation->segment(found);
+  return found.size();
+}
+
+}  // namespace
+
+int main() {
+  const auto source = roomCloud<pcl::PointXYZ>(0.2), target = roomCloud<pcl::PointXYZ>(0.0);
+  const std::size_t built_in = segments<pcl::PointXYZ>(target),
+                    custom = segments<RadarPoint>(roomCloud<RadarPoint>(0.0));
+
+  pcl::Registration<pcl::PointXYZ, pcl::PointXYZ>::Ptr registration(
+      new facetloc::PlanarRegistration<pcl::PointXYZ>);
+  registration->setInputSource(source);
+  registration->setInputTarget(target);
+  pcl::PointCloud<pcl::PointXYZ> aligned;
+  registration->align(aligned);
+  const Eigen::Matrix3d R = registration->getFinalTransformation().topLeftCorner<3, 3>().cast<double>();
+  const double turn = facetloc::rotationAngle(R);
+  std::printf("segments: %zu built-in, %zu custom; converged %d, turned by %.3f rad of 0.200\n", built_in,
+              custom, registration->hasConverged(), turn);
+  const bool good =
+      built_in > 2 && custom == built_in && registration->hasConverged() && std::abs(turn - 0.2) < 0.02;
+  return good ? 0 : 1;
+}

@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Installs the packages, builds everything and runs all tests. Arguments go to ctest, such as -R PlanarSegmentation.
+set -euo pipefail
+
+root=$(cd "$(dirname "$0")/.." && pwd)
+build=${FACETLOC_BUILD:-$root/build}
+
+"$root/cmake/install_dependencies.sh"
+cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DFACETLOC_BUILD_TESTS=ON \
+      -DFACETLOC_BUILD_BENCHMARKS=ON "-DCMAKE_CXX_COMPILER_LAUNCHER=$(command -v ccache)" ${FACETLOC_CMAKE_FLAGS:-}
+cmake --build "$build"
+ctest --test-dir "$build" --output-on-failure --parallel "$(nproc)" "$@"
