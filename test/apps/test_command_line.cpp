@@ -99,8 +99,9 @@ TEST(CommandLine, MisspeltOptionsAreRefused) {
 TEST(CommandLine, BadValuesAreRefused) {
   expectUsageError(echo({"a", "--max_pairs", "abc"}), "'abc'");
   expectUsageError(echo({"a", "--max_pairs", "2.5"}), "'2.5'");
-  expectUsageError(echo({"a", "--angular_threshold"}), "angular_threshold' is missing");
-  expectUsageError(echo({"a", "--angular_threshold", "--labels"}), "angular_threshold' is missing");
+  expectUsageError(echo({"a", "--angular_threshold"}), "value of option '--angular_threshold' is missing");
+  expectUsageError(echo({"a", "-o", "--labels"}), "value of option '-o' is missing");
+  expectUsageError(echo({"--output=", "a"}), "value of option '--output' is empty");
   expectUsageError(echo({"a", "--max_pairs=1", "--max_pairs=2"}), "more than once");
   expectUsageError(echo({"a", "--threads", "-1"}), "threads");
   expectUsageError(echo({"a", "--labels=1"}), "labels");
@@ -153,6 +154,7 @@ TEST_F(ParamsFile, TakesWhatToIniWrites) {
 TEST_F(ParamsFile, FaultsAreUsageErrors) {
   expectUsageError(echoWith("max_pears = 9\n"), "line 1: unknown parameter 'max_pears'");
   expectUsageError(echoWith("\nmax_pairs 9\n"), "line 2: expected name = value");
+  expectUsageError(echoWith("max_pairs =\n"), "line 1: max_pairs has no value");
   expectUsageError(echoWith("max_pairs = nine\n"), "'nine'");
   expectUsageError(echoWith("max_pairs = 99\n"), "parameter max_pairs = 99");
   expectUsageError(echoWith("help = 1\n"), "unknown parameter 'help'");

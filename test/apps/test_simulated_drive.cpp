@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace facetloc {
 namespace {
 
@@ -15,16 +17,31 @@ protected:
 TEST_P(SimulatedDrive, StaysInsideAndClearOfWalls) {
   Eigen::AlignedBox3d room;
   for (const Rectangle& r : scene_) room.extend(r.centre);
-  for (const Eigen::Isometry3d& T_w_c : simulateDrive(scene_, 150, {}, GetParam())) {
+  DriveParams even;
+  even.floor_std = 0;
+  const double clear = even.clearance - 0.01;
+  for (const Eigen::Isometry3d& T_w_c : simulateDrive(scene_, 150, even, GetParam())) {
     const Eigen::Vector3d t = T_w_c.translation();
-    EXPECT_GT(t.x(), room.min().x() + 0.4);
-    EXPECT_LT(t.x(), room.max().x() - 0.4);
-    EXPECT_GT(t.y(), room.min().y() + 0.4);
-    EXPECT_LT(t.y(), room.max().y() - 0.4);
-    EXPECT_NEAR(t.z(), 1.0, 0.05);
-    EXPECT_GT(T_w_c.linear().col(2).z(), -0.45);  // looks 10 deg down, on an uneven floor
-    EXPECT_LT(T_w_c.linear().col(2).z(), 0.1);
+    EXPECT_GT(t.x(), room.min().x() + clear);
+    EXPECT_LT(t.x(), room.max().x() - clear);
+    EXPECT_GT(t.y(), room.min().y() + clear);
+    EXPECT_LT(t.y(), room.max().y() - clear);
+    EXPECT_NEAR(t.z(), even.camera_height, 1e-9);
+    EXPECT_NEAR(T_w_c.linear().col(2).z(), -std::sin(even.camera_tilt_deg * kDegree), 1e-9);
   }
+}
+
+TEST_P(SimulatedDrive, AnUnevenFloorTiltsTheCamera) {
+  const DriveParams params;
+  double squares = 0;
+  const auto poses = simulateDrive(scene_, 400, params, GetParam());
+  for (const Eigen::Isometry3d& T_w_c : poses) {
+    const double pitch = std::asin(-T_w_c.linear().col(2).z()) / kDegree - params.camera_tilt_deg;
+    squares += pitch * pitch;
+  }
+  // METHOD eq. (6.1): Var(w_y) = 3 sigma_f^2 / (2 b^2)
+  const double expected = params.floor_std * std::sqrt(1.5) / params.caster_distance / kDegree;
+  EXPECT_NEAR(std::sqrt(squares / static_cast<double>(poses.size())), expected, 0.15 * expected);
 }
 
 TEST_P(SimulatedDrive, StepsAreSmall) {

@@ -32,6 +32,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr int kFrames = 12;
+constexpr auto kReplace = fs::copy_options::recursive | fs::copy_options::overwrite_existing;
 
 ToolRun runMap(const std::vector<std::string>& arguments) {
   return test::captured([&](const Console& console) { return runMapTool(arguments, console); });
@@ -166,7 +167,7 @@ TEST_F(Tools, LocalizeResumes) {
   EXPECT_EQ(readTiming(results).size(),
             static_cast<std::size_t>(kFrames));  // the corrupt one with its reason
 
-  fs::copy(query() + "/depth", input + "/depth", fs::copy_options::overwrite_existing);
+  fs::copy(query() + "/depth", input + "/depth", kReplace);
   ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", results, "--resume"}).code, kOk);
   ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "at_once"}).code, kOk);
   EXPECT_EQ(contentOf(results + "/hypotheses.csv"), contentOf(folder_ / "at_once/hypotheses.csv"));
@@ -212,7 +213,7 @@ TEST_F(Tools, MapBuildReportsABadImage) {
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("1 of 12 items failed"));
   EXPECT_EQ(readMap(path).models.size(), 11u);
-  fs::copy(query() + "/depth", input + "/depth", fs::copy_options::overwrite_existing);
+  fs::copy(query() + "/depth", input + "/depth", kReplace);
   EXPECT_EQ(runMap({"build", input, "-o", path, "--every", "1", "--resume"}).code, kOk);
   EXPECT_EQ(readMap(path).models.size(), 12u);
 }
@@ -281,7 +282,7 @@ TEST_F(Tools, SegmentReportsABadImageAndDoesTheOthers) {
   const fs::path first = filesOf(folder_ / "out").front();
   const auto old = fs::file_time_type::clock::now() - std::chrono::hours(24);
   fs::last_write_time(first, old);
-  fs::copy(query() + "/depth", input + "/depth", fs::copy_options::overwrite_existing);
+  fs::copy(query() + "/depth", input + "/depth", kReplace);
   const ToolRun resumed = runTool<SegmentApp>({input, "-o", folder_ / "out", "--resume"});
   EXPECT_EQ(resumed.code, kOk) << resumed.err;
   EXPECT_THAT(resumed.out, AllOf(HasSubstr("1 image with"), HasSubstr("11 were done before")));

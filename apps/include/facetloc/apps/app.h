@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/apps/command_line.h>
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief What a tool tells the shell. */
+enum ExitCode { kOk = 0, kFailed = 1, kUsage = 2 };
+
+/** \brief Where a tool writes: results and their place to out, everything else to err. */
+struct Console {
+  std::ostream& out;
+  std::ostream& err;
+  bool terminal = false;  ///< err is watched by a person, so that a progress line makes sense
+  bool quiet = false;     ///< no progress and no remarks
+  std::string tool;
+
+  /** \brief A remark on err, unless quiet. */
+  void note(const std::string& text) const;
+  /** \brief "facetloc_x: what" on err, always. */
+  void error(const std::string& what) const;
+};
+
+/** \brief A command-line tool as a class, so that tests can run it.
+ *
+ * Every tool has --help, --version, --params, --threads and --quiet. Whatever is thrown becomes a message on
+ * err and an exit code here, and nowhere else. */
+class App {
+public:
+  virtual ~App() = default;
+  /** \brief Runs the tool. The arguments are those of main without the program's name. Never throws. */
+  int run(const std::vector<std::string>& arguments, Console console);
+
+protected:
+  App(std::string name, std::string synopsis, std::string about);
+
+  virtual void addOptions(CommandLine& line) = 0;
+  /** \brief Does the work; the last line on console.out says where the results are. */
+  virtual int execute(const CommandLine& line, const Console& console) = 0;
+
+  int threads() const { return threads_; }  ///< as given; 0 = all cores
+  /** \brief Creates a folder and those above it. Throws IoError. */
+  static void createFolder(const std::string& path);
+
+private:
+  int parseAndExecute(const std::vector<std::string>& arguments, Console& console);
+
+  std::string name_;
+  std::string synopsis_;
+  std::string about_;
+  int threads_ = 0;
+};
+
+/** \brief The body of a main(): runs the tool on the standard streams. */
+int runApp(App& app, int argc, const char* const* argv);
+/** \brief The standard streams. */
+Console standardConsole();
+
+/** \brief "facetloc 1.2.3". */
+std::string versionText();
+
+}  // namespace facetloc

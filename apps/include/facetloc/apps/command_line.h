@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <boost/program_options.hpp>
+
+#include <functional>
+#include <map>
+#include <ostream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief The command line, or a file of parameters, asks for something that does not exist: exit code 2. */
+class UsageError : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/** \brief The options of a tool: Boost.Program_options with the habits of GNU and PCL.
+ *
+ * `--name value`, `--name=value` and `-name value` are the same, and so are dashes and underscores within a
+ * name. What is not an option is refused, never ignored. Options are bound to variables, whose values are the
+ * defaults that the help shows. A switch needs no value; a parameter of type bool may have one (`--faithful`,
+ * `--faithful=0`). */
+class CommandLine {
+public:
+  /** \param tool its name, as in `facetloc_segment`; \param synopsis what follows the name in the usage line;
+   * \param about one paragraph. */
+  CommandLine(std::string tool, std::string synopsis, std::string about);
+
+  /** \brief An argument without a name. Optional ones come last. */
+  void addArgument(const std::string& name, std::string& value, bool required = true);
+  /** \brief The last argument, of which there is at least one. */
+  void addArguments(const std::string& name, std::vector<std::string>& values);
+
+  /** \brief An option with a value; "name,n" gives it a short form. Strings are shown without their default.
+   */
+  template <class T>
+  void addOption(const std::string& name, T& value, const std::string& value_name, const std::string& help) {
+    add(common_, name, bound(value, value_name), help);
+  }
+  void addSwitch(const std::string& name, bool& value, const std::string& help);
+  /** \brief One option for each field of a parameter struct (features/params.h), validated after parsing. */
+  template <class Params>
+  void addParams(Params& params) {
+    Params::describe(params, [this](const char* name, auto& value, auto, auto, const char* help) {
+      addParameter(name, value, help);
+    });
+    checks_.push_back([&params] { params.validate(); });
+  }
+
+  /** \brief Reads the arguments (without the program's name) and the file of --params; the command line wins.
+   * \return false if --help or --version was asked for and printed. Throws UsageError. */
+  bool parse(const std::vector<std::string>& arguments, std::ostream& out);
+
+  /** \brief The options of every tool beside --help, --version and --params. */
+  void addGeneralOptions(int& threads, bool& quiet);
+
+  /** \brief True if the option was given, be it on the command line or in the file of --params. */
+  bool given(const std::string& name) const;
+  void printHelp(std::ostream& out) const;
+
+private:
+  using Options = boost::program_options::options_description;
+  using Semantic = const boost::program_options::value_semantic;
+
+  enum class Needs { Value, Nothing, Either };
+  struct Option {
+    std::string name;  // as declared
+    Needs needs = Needs::Value;
+    bool in_files = true;
+  };
+  struct Argument {
+    std::string name;
+    bool required = true;
+  };
+
+  static Semantic* bound(std::string& value, const std::string& value_name);
+  static Semantic* bound(double& value, const std::string& value_name);
+  static Semantic* bound(int& value, const std::string& value_name);
+  void add(Options& group, const std::string& name, Semantic* semantic, const std::string& help,
+           Needs needs = Needs::Value);
+  void addParameter(const std::string& name, bool& value, const std::string& help);
+  void addParameter(const std::string& name, double& value, const std::string& help);
+  void addParameter(const std::string& name, int& value, const std::string& help);
+
+  const Option* find(std::string name) const;
+  std::vector<std::string> spelledOut(const std::vector<std::string>& arguments) const;
+  std::vector<std::string> readFile(const std::string& path) const;
+  void store(const std::vector<std::string>& arguments);
+  void requireArguments() const;
+
+  std::string tool_;
+  std::string synopsis_;
+  std::string about_;
+  std::vector<Argument> arguments_;
+  std::map<std::string, Option> options_;  // by name with underscores only, and by short name
+  std::string params_file_;
+  Options common_;
+  Options general_;
+  Options parameters_;
+  Options hidden_;
+  boost::program_options::positional_options_description positions_;
+  std::vector<std::function<void()>> checks_;
+  boost::program_options::variables_map values_;
+};
+
+}  // namespace facetloc

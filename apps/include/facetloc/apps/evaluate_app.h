@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/apps/app.h>
+#include <facetloc/apps/evaluation_report.h>
+#include <facetloc/registration/map_builder.h>
+
+namespace facetloc {
+
+/** \brief facetloc_evaluate: results against the truth, as the paper does it and beyond. */
+class EvaluateApp : public App {
+public:
+  EvaluateApp();
+
+private:
+  void addOptions(CommandLine& line) override;
+  int execute(const CommandLine& line, const Console& console) override;
+  std::vector<ModelPose> modelPoses() const;
+  void drawPictures(const EvaluationReport& report, const Console& console) const;
+
+  std::string results_;
+  std::string truth_;
+  std::string folder_;
+  std::string map_;
+  std::string map_truth_;
+  double pose_tolerance_ = 0.02;
+  EvaluationParams params_;
+  MapBuilderParams builder_;
+};
+
+/** \brief The local models that the paper's rule makes of a run. */
+std::vector<ModelPose> modelPosesOf(const Trajectory& run, const MapBuilderParams& params);
+
+}  // namespace facetloc

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/params.h>
+#include <facetloc/io/results.h>
+#include <facetloc/io/trajectory.h>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief When a hypothesis is correct and an image covered by the map. */
+struct EvaluationParams {
+  double max_translation = 0.2;      ///< the paper's [m]
+  double max_rotation_deg = 2;       ///< the paper's
+  double covered_distance = 1.0;     ///< of a local model [m]
+  double covered_rotation_deg = 20;  ///< of the same local model
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& field) {
+    field("max_translation", p.max_translation, 0.0, 1e6,
+          "Largest position error of a correct hypothesis [m].");
+    field("max_rotation_deg", p.max_rotation_deg, 0.0, 180.0,
+          "Largest orientation error of a correct hypothesis [deg].");
+    field("covered_distance", p.covered_distance, 0.0, 1e6,
+          "An image is covered if a local model lies within this distance ... [m].");
+    field("covered_rotation_deg", p.covered_rotation_deg, 0.0, 180.0, "... and this angle [deg].");
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** \brief The difference of a pose from the true one. */
+struct PoseError {
+  double translation = 0;   ///< [m]
+  double rotation_deg = 0;  ///< angle of the relative rotation
+  double heading_deg = 0;   ///< its part about the world's z axis
+};
+PoseError poseError(const Eigen::Isometry3d& T_w_c, const Eigen::Isometry3d& T_w_c_true);
+
+/** \brief Where a local model of the map was taken. */
+struct ModelPose {
+  std::string name;  ///< may be empty
+  double stamp = 0;
+  Eigen::Isometry3d T_w_m = Eigen::Isometry3d::Identity();
+};
+
+/** \brief A map image is itself one of the local models. */
+enum class FrameClass { unknown, map_image, new_image };
+const char* toString(FrameClass frame_class);
+
+/** \brief How far the most similar local model is away. */
+struct NearestModel {
+  std::string name;
+  double distance = 0;  ///< [m]
+  double angle_deg = 0;
+};
+
+/** \brief What became of one image. */
+struct FrameEvaluation {
+  std::string name;
+  double stamp = 0;
+  FrameClass frame_class = FrameClass::unknown;
+  bool covered = false;
+  int hypotheses = 0;
+  int first_correct = 0;  ///< rank of the first correct hypothesis; 0 = none is
+  PoseError first_correct_error;
+  double probability = 0;  ///< of rank 1
+  PoseError best_error;    ///< of rank 1
+  std::optional<NearestModel> nearest;
+  std::string reason;  ///< why there is no hypothesis
+};
+
+struct Evaluation {
+  std::vector<FrameEvaluation> frames;     ///< those with a true pose
+  std::vector<std::string> without_truth;  ///< names of the others
+};
+
+/** \brief Judges every frame of a results folder.
+ *
+ * The stamp of a frame is its name if all names are numbers, else its index. Hypotheses without a world pose
+ * get it from their model's pose in models, where it is known. \param models may be empty: frames are then of
+ * unknown class. \param tolerance [s] largest distance in time of a frame and its true pose. */
+Evaluation evaluate(const std::vector<ResultRow>& rows, const Trajectory& truth,
+                    const std::vector<ModelPose>& models, const EvaluationParams& params,
+                    double tolerance = 0.02);
+
+/** \brief Of a sample; all zero without one. The standard deviation is that of the sample (n - 1). */
+struct Statistics {
+  double mean = 0;
+  double std = 0;
+  double max = 0;
+};
+Statistics statistics(const std::vector<double>& values);
+
+constexpr double kMarkedShare = 0.99;  ///< whose bound Fig. 6 marks
+
+/** \brief A normalised cumulative histogram: y is the share of values up to x; x ascends. */
+struct CumulativeHistogram {
+  std::vector<double> x;
+  std::vector<double> y;
+  /** \brief The smallest value that at least this share does not exceed; 0 without values. */
+  double bound(double share) const;
+};
+CumulativeHistogram cumulativeHistogram(std::vector<double> values);
+
+/** \brief Probabilities of one range, and how often they were right. */
+struct ReliabilityBin {
+  double lowest = 0;
+  double highest = 0;
+  std::size_t n = 0;
+  double mean_probability = 0;
+  double correct = 0;  ///< share
+};
+
+/** \brief The figures of a set of frames. */
+struct Summary {
+  std::string name;
+  std::size_t total = 0;
+  std::size_t none = 0;                                                  ///< no hypothesis
+  std::size_t wrong = 0;                                                 ///< no correct hypothesis
+  std::size_t correct = 0;                                               ///< at least one
+  std::size_t best_correct = 0;                                          ///< rank 1 is
+  CumulativeHistogram translation_mm, rotation_deg, heading_deg, index;  ///< of the first correct hypotheses
+  Statistics translation_stats, rotation_stats, heading_stats, index_stats;
+  double threshold = 0;  ///< the largest probability of a wrong rank 1
+  double recall = 0;     ///< share of all frames whose rank 1 is correct and more probable than that
+  double brier = 0;      ///< mean squared difference of the probability of rank 1 and its truth
+  std::vector<ReliabilityBin> reliability;
+};
+Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames);
+/** \brief Of the frames that are chosen. */
+template <class Chosen>
+Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames, const Chosen& chosen) {
+  std::vector<FrameEvaluation> some;
+  for (const FrameEvaluation& frame : frames)
+    if (chosen(frame)) some.push_back(frame);
+  return summarize(name, some);
+}
+
+}  // namespace facetloc

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/apps/app.h>
+#include <facetloc/apps/depth_input.h>
+#include <facetloc/apps/results_journal.h>
+#include <facetloc/registration/global_localization.h>
+
+#include <map>
+
+namespace facetloc {
+
+/** \brief facetloc_localize: finds depth images in a map, in batch. */
+class LocalizeApp : public App {
+public:
+  LocalizeApp();
+
+private:
+  void addOptions(CommandLine& line) override;
+  int execute(const CommandLine& line, const Console& console) override;
+  std::map<std::string, FrameResult> earlierResults(const ResultsJournal& journal,
+                                                    const std::string& params_ini) const;
+  static std::vector<FrameResult> startWith(const std::map<std::string, FrameResult>& earlier,
+                                            const std::vector<FrameFile>& frames,
+                                            std::vector<std::size_t>& todo);
+  int localize(const DepthSequence& sequence, const ViewParams& view_params,
+               const GlobalLocalization& localization, const std::vector<std::size_t>& todo,
+               ResultsJournal& journal, std::vector<FrameResult>& results, const Console& console) const;
+  void printSummary(const std::vector<FrameResult>& results, const Console& console) const;
+
+  std::string map_;
+  std::string input_path_;
+  std::string folder_;
+  int max_hypotheses_ = 100;
+  bool resume_ = false;
+  DepthInput input_;
+  GlobalLocalizationParams localization_;
+};
+
+}  // namespace facetloc

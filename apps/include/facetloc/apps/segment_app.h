@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/apps/app.h>
+#include <facetloc/apps/depth_input.h>
+
+#include <filesystem>
+
+namespace facetloc {
+
+/** \brief facetloc_segment: depth images -> planar surface segments, in batch. */
+class SegmentApp : public App {
+public:
+  SegmentApp();
+
+private:
+  struct Image;  // one image of one of the inputs, and where it goes
+  class Worker;
+
+  void addOptions(CommandLine& line) override;
+  int execute(const CommandLine& line, const Console& console) override;
+  std::vector<Image> images(const std::vector<DepthSequence>& sequences) const;
+  bool done(const Image& image) const;
+
+  std::vector<std::string> inputs_;
+  std::string folder_;
+  bool labels_ = false;
+  bool overlay_ = false;
+  bool resume_ = false;
+  DepthInput input_;
+};
+
+}  // namespace facetloc

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/apps/app.h>
+#include <facetloc/apps/simulated_drive.h>
+#include <facetloc/io/camera_file.h>
+
+namespace facetloc {
+
+class Batch;
+
+/** \brief facetloc_simulate: depth sequences of a made-up place, with the truth. */
+class SimulateApp : public App {
+public:
+  SimulateApp();
+
+private:
+  struct Run;  // a sequence to be: folder, poses, stamps
+
+  void addOptions(CommandLine& line) override;
+  int execute(const CommandLine& line, const Console& console) override;
+  void prepareFolder(const Run& run, const CameraFile& camera) const;
+
+  std::string scene_;
+  std::string folder_;
+  int seed_ = 1;
+  int width_ = 640;
+  int frames_ = 100;
+  DriveParams drive_;
+  SimulatedNoise noise_;
+};
+
+/** \brief The depth camera of a Kinect with images of another width, same field of view. */
+Intrinsics scaledKinect(int width);
+
+}  // namespace facetloc

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/camera_model.h>
+#include <facetloc/features/params.h>
+#include <facetloc/io/simulated_camera.h>
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief How a robot with a camera drives through a room, looking around. */
+struct DriveParams {
+  double camera_height = 1.0;      ///< [m]
+  double camera_tilt_deg = 10;     ///< downwards
+  double step = 0.25;              ///< between two images while driving [m]
+  double turn_deg = 15;            ///< between two images while turning
+  double clearance = 0.5;          ///< from walls and boxes [m]
+  double floor_std = 0.005;        ///< deviation of the floor under each wheel [m]
+  double wheel_track = 0.325;      ///< [m]
+  double caster_distance = 0.165;  ///< [m]
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& field) {
+    field("camera_height", p.camera_height, 0.0, 100.0, "Height of the camera above the floor [m].");
+    field("camera_tilt_deg", p.camera_tilt_deg, -90.0, 90.0, "Tilt of the camera downwards [deg].");
+    field("step", p.step, 0.001, 10.0, "Distance of two images while driving [m].");
+    field("turn_deg", p.turn_deg, 0.1, 180.0, "Angle between two images while turning [deg].");
+    field("clearance", p.clearance, 0.0, 10.0, "Distance that the robot keeps from walls and boxes [m].");
+    field("floor_std", p.floor_std, 0.0, 1.0,
+          "Unevenness of the floor under each wheel, standard deviation [m].");
+    field("wheel_track", p.wheel_track, 0.01, 10.0, "Distance of the drive wheels [m].");
+    field("caster_distance", p.caster_distance, 0.01, 10.0, "Distance of the caster behind the axle [m].");
+  }
+  void validate() const { checkRanges(*this); }
+  CameraMounting mounting() const { return {camera_height, camera_tilt_deg}; }
+};
+
+/** \brief Camera poses T_w_c of a drive through a closed room (z up, floor at z = 0): from one free place to
+ * the next in sight, mostly to where it has not been, with a look around at each. The same arguments give the
+ * same drive.
+ *
+ * \param start where it begins, so that two drives can be of the same part of a room; a free place by
+ * default. Throws std::runtime_error if the room leaves no place to drive. */
+std::vector<Eigen::Isometry3d> simulateDrive(const Scene& scene, std::size_t frames,
+                                             const DriveParams& params, std::uint64_t seed,
+                                             const std::optional<Eigen::Vector2d>& start = {});
+
+}  // namespace facetloc

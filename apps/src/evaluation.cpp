@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/apps/evaluation.h>
+#include <facetloc/apps/text.h>
+#include <facetloc/features/so3.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+namespace facetloc {
+namespace {
+
+constexpr double kSameStamp = 1e-6;     // [s]
+constexpr double kSamePosition = 1e-3;  // [m]
+constexpr int kReliabilityBins = 10;
+
+/** The rows of one frame, in the order of their ranks. */
+struct FrameRows {
+  std::string name;
+  double stamp = 0;
+  std::vector<const ResultRow*> rows;
+};
+
+std::vector<FrameRows> groupByFrame(const std::vector<ResultRow>& rows) {
+  std::vector<FrameRows> frames;
+  std::map<std::string, std::size_t> index;
+  for (const ResultRow& row : rows) {
+    const auto [found, is_new] = index.emplace(row.frame, frames.size());
+    if (is_new) frames.push_back({row.frame, 0, {}});
+    frames[found->second].rows.push_back(&row);
+  }
+  const bool numbers = std::all_of(frames.begin(), frames.end(),
+                                   [](const FrameRows& f) { return toNumber(f.name).has_value(); });
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].stamp = numbers ? *toNumber(frames[i].name) : static_cast<double>(i);
+    std::stable_sort(frames[i].rows.begin(), frames[i].rows.end(),
+                     [](const ResultRow* a, const ResultRow* b) { return a->rank < b->rank; });
+  }
+  return frames;
+}
+
+double angleDeg(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return rotationAngle(a.linear() * b.linear().transpose()) / kDegree;
+}
+
+/** Judges frames against the true poses and the map. */
+class Judge {
+public:
+  Judge(const std::vector<ModelPose>& models, const EvaluationParams& params)
+      : models_(models), params_(params) {
+    for (const ModelPose& model : models) pose_of_[model.name] = model.T_w_m;
+  }
+
+  FrameEvaluation judge(const FrameRows& frame, const Eigen::Isometry3d& truth) const {
+    FrameEvaluation e;
+    e.name = frame.name;
+    e.stamp = frame.stamp;
+    judgeHypotheses(frame, truth, e);
+    if (!models_.empty()) locate(truth, e);
+    return e;
+  }
+
+private:
+  void judgeHypotheses(const FrameRows& frame, const Eigen::Isometry3d& truth, FrameEvaluation& e) const {
+    for (const ResultRow* row : frame.rows) {
+      if (row->rank == 0) {
+        e.reason = row->reason;
+        continue;
+      }
+      ++e.hypotheses;
+      if (row->rank == 1) e.probability = row->probability;
+      const auto pose = worldPose(*row);
+      if (!pose) continue;
+      const PoseError error = poseError(*pose, truth);
+      if (row->rank == 1) e.best_error = error;
+      const bool correct =
+          error.translation <= params_.max_translation && error.rotation_deg <= params_.max_rotation_deg;
+      if (!correct || e.first_correct) continue;
+      e.first_correct = row->rank;
+      e.first_correct_error = error;
+    }
+  }
+
+  std::optional<Eigen::Isometry3d> worldPose(const ResultRow& row) const {
+    if (row.T_w_c) return row.T_w_c;
+    const auto model = pose_of_.find(row.model);
+    if (model == pose_of_.end()) return {};
+    return model->second * row.T_m_c;
+  }
+
+  /** The nearest local model, in units of what counts as covered. */
+  void locate(const Eigen::Isometry3d& truth, FrameEvaluation& e) const {
+    e.frame_class = FrameClass::new_image;
+    double least = 0;
+    for (const ModelPose& model : models_) {
+      const NearestModel near{model.name, (model.T_w_m.translation() - truth.translation()).norm(),
+                              angleDeg(model.T_w_m, truth)};
+      const bool same =
+          (!model.name.empty() && model.name == e.name) || std::abs(model.stamp - e.stamp) < kSameStamp;
+      if (same && near.distance < kSamePosition) e.frame_class = FrameClass::map_image;
+      if (near.distance <= params_.covered_distance && near.angle_deg <= params_.covered_rotation_deg)
+        e.covered = true;
+      const double cost =
+          std::max(near.distance * params_.covered_rotation_deg, near.angle_deg * params_.covered_distance);
+      if (e.nearest && cost >= least) continue;
+      least = cost;
+      e.nearest = near;
+    }
+  }
+
+  const std::vector<ModelPose>& models_;
+  const EvaluationParams& params_;
+  std::map<std::string, Eigen::Isometry3d> pose_of_;
+};
+
+void addReliability(const std::vector<FrameEvaluation>& frames, Summary& summary) {
+  auto& bins = summary.reliability;
+  bins.resize(kReliabilityBins);
+  for (int i = 0; i < kReliabilityBins; ++i) {
+    bins[i].lowest = static_cast<double>(i) / kReliabilityBins;
+    bins[i].highest = static_cast<double>(i + 1) / kReliabilityBins;
+  }
+  std::size_t answers = 0;
+  for (const FrameEvaluation& frame : frames) {
+    if (frame.hypotheses == 0) continue;
+    const double p = frame.probability, correct = frame.first_correct == 1 ? 1 : 0;
+    ReliabilityBin& bin = bins[std::clamp(static_cast<int>(p * kReliabilityBins), 0, kReliabilityBins - 1)];
+    ++bin.n;
+    bin.mean_probability += p;
+    bin.correct += correct;
+    summary.brier += (p - correct) * (p - correct);
+    ++answers;
+  }
+  for (ReliabilityBin& bin : bins) {
+    if (bin.n == 0) continue;
+    bin.mean_probability /= static_cast<double>(bin.n);
+    bin.correct /= static_cast<double>(bin.n);
+  }
+  if (answers > 0) summary.brier /= static_cast<double>(answers);
+}
+
+/** Answers only above the largest probability that was ever wrong. */
+void addRecall(const std::vector<FrameEvaluation>& frames, Summary& summary) {
+  for (const FrameEvaluation& frame : frames)
+    if (frame.hypotheses > 0 && frame.first_correct != 1)
+      summary.threshold = std::max(summary.threshold, frame.probability);
+  const auto answered = std::count_if(frames.begin(), frames.end(), [&](const FrameEvaluation& frame) {
+    return frame.first_correct == 1 && frame.probability > summary.threshold;
+  });
+  if (!frames.empty()) summary.recall = static_cast<double>(answered) / static_cast<double>(frames.size());
+}
+
+}  // namespace
+
+PoseError poseError(const Eigen::Isometry3d& T_w_c, const Eigen::Isometry3d& T_w_c_true) {
+  const Eigen::Matrix3d R = T_w_c.linear() * T_w_c_true.linear().transpose();  // in world axes
+  PoseError error;
+  error.translation = (T_w_c.translation() - T_w_c_true.translation()).norm();
+  error.rotation_deg = rotationAngle(R) / kDegree;
+  error.heading_deg = std::abs(logSO3(R).z()) / kDegree;
+  return error;
+}
+
+const char* toString(FrameClass frame_class) {
+  switch (frame_class) {
+  case FrameClass::map_image:
+    return "map";
+  case FrameClass::new_image:
+    return "new";
+  case FrameClass::unknown:
+    break;
+  }
+  return "unknown";
+}
+
+Evaluation evaluate(const std::vector<ResultRow>& rows, const Trajectory& truth,
+                    const std::vector<ModelPose>& models, const EvaluationParams& params, double tolerance) {
+  Evaluation evaluation;
+  const Judge judge(models, params);
+  for (const FrameRows& frame : groupByFrame(rows)) {
+    if (const auto pose = truth.nearest(frame.stamp, tolerance))
+      evaluation.frames.push_back(judge.judge(frame, *pose));
+    else
+      evaluation.without_truth.push_back(frame.name);
+  }
+  return evaluation;
+}
+
+Statistics statistics(const std::vector<double>& values) {
+  Statistics s;
+  if (values.empty()) return s;
+  const double n = static_cast<double>(values.size());
+  s.mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+  s.max = *std::max_element(values.begin(), values.end());
+  double squares = 0;
+  for (const double v : values) squares += (v - s.mean) * (v - s.mean);
+  if (values.size() > 1) s.std = std::sqrt(squares / (n - 1));
+  return s;
+}
+
+CumulativeHistogram cumulativeHistogram(std::vector<double> values) {
+  CumulativeHistogram histogram;
+  std::sort(values.begin(), values.end());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    histogram.y.push_back(static_cast<double>(i + 1) / static_cast<double>(values.size()));
+  histogram.x = std::move(values);
+  return histogram;
+}
+
+double CumulativeHistogram::bound(double share) const {
+  const auto found = std::lower_bound(y.begin(), y.end(), share);
+  if (x.empty()) return 0;
+  return found == y.end() ? x.back() : x[found - y.begin()];
+}
+
+Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames) {
+  Summary summary;
+  summary.name = name;
+  std::vector<double> translation_mm, rotation_deg, heading_deg, index;
+  for (const FrameEvaluation& frame : frames) {
+    ++summary.total;
+    summary.none += frame.hypotheses == 0;
+    summary.wrong += frame.hypotheses > 0 && frame.first_correct == 0;
+    summary.best_correct += frame.first_correct == 1;
+    if (frame.first_correct == 0) continue;
+    ++summary.correct;
+    translation_mm.push_back(1000 * frame.first_correct_error.translation);
+    rotation_deg.push_back(frame.first_correct_error.rotation_deg);
+    heading_deg.push_back(frame.first_correct_error.heading_deg);
+    index.push_back(frame.first_correct);
+  }
+  summary.translation_stats = statistics(translation_mm);
+  summary.rotation_stats = statistics(rotation_deg);
+  summary.heading_stats = statistics(heading_deg);
+  summary.index_stats = statistics(index);
+  summary.translation_mm = cumulativeHistogram(std::move(translation_mm));
+  summary.rotation_deg = cumulativeHistogram(std::move(rotation_deg));
+  summary.heading_deg = cumulativeHistogram(std::move(heading_deg));
+  summary.index = cumulativeHistogram(std::move(index));
+  addReliability(frames, summary);
+  addRecall(frames, summary);
+  return summary;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/apps/map_apps.h>
+#include <facetloc/apps/text.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/map_export.h>
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string meanMinMax(const std::vector<double>& values, int decimals) {
+  if (values.empty()) return "-";
+  double sum = 0;
+  for (const double v : values) sum += v;
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  return fixed(sum / static_cast<double>(values.size()), decimals) + " (" + fixed(*least, decimals) + " to " +
+         fixed(*most, decimals) + ")";
+}
+
+std::string extentOf(const Map& map) {
+  Eigen::AlignedBox3d box;
+  for (const LocalModel& model : map.models)
+    if (model.T_w_m) box.extend(model.T_w_m->translation());
+  if (box.isEmpty()) return "unknown: no model has a pose";
+  const Eigen::Vector3d size = box.sizes();
+  return fixed(size.x(), 2) + " x " + fixed(size.y(), 2) + " x " + fixed(size.z(), 2) + " m, from (" +
+         fixed(box.min().x(), 2) + ", " + fixed(box.min().y(), 2) + ", " + fixed(box.min().z(), 2) + ")";
+}
+
+std::string cameraOf(const Map& map) {
+  if (map.models.empty()) return "-";
+  const Intrinsics& k = map.models.front().view.camera;
+  return std::to_string(k.width) + "x" + std::to_string(k.height) + ", fx " + fixed(k.fx, 2) + ", fy " +
+         fixed(k.fy, 2) + ", cx " + fixed(k.cx, 2) + ", cy " + fixed(k.cy, 2);
+}
+
+void printSummary(std::ostream& out, const Map& map) {
+  std::vector<double> segments, areas;
+  std::size_t with_pose = 0, with_depth = 0;
+  for (const LocalModel& model : map.models) {
+    segments.push_back(static_cast<double>(model.view.segments.size()));
+    with_pose += model.T_w_m.has_value();
+    with_depth += !model.view.depth.empty();
+    for (const Segment& s : model.view.segments) areas.push_back(s.area());
+  }
+  TextTable table({"local models", ""});
+  table.setWordsLast();
+  table.add({"  number", std::to_string(map.models.size())});
+  table.add({"  with a pose", std::to_string(with_pose)});
+  table.add({"  with a depth picture", std::to_string(with_depth)});
+  table.add({"  extent of their poses", extentOf(map)});
+  table.add({"  working camera", cameraOf(map)});
+  table.add({"links", std::to_string(map.links.size())});
+  table.add({"segments", std::to_string(areas.size())});
+  table.add({"  per model", meanMinMax(segments, 1)});
+  table.add({"  area of the hull [m2]", meanMinMax(areas, 3)});
+  table.add({"camera mounting", map.mounting ? fixed(map.mounting->height, 3) + " m above the floor, " +
+                                                   fixed(map.mounting->tilt_deg, 1) + " deg down"
+                                             : "unknown"});
+  out << table;
+}
+
+/** Values of several lines, such as parameters, are indented below their key. */
+void printMeta(std::ostream& out, const Map& map) {
+  for (const auto& [key, value] : map.meta) {
+    const bool several = value.find('\n') != std::string::npos;
+    out << key << (several ? ":" : ": " + value) << "\n";
+    if (!several) continue;
+    std::istringstream lines(value);
+    for (std::string text; std::getline(lines, text);) out << "  " << text << "\n";
+  }
+}
+
+void appendMap(const Map& map, const std::string& prefix, const std::set<std::string>& ambiguous,
+               Map& merged) {
+  const int offset = static_cast<int>(merged.models.size());
+  for (LocalModel model : map.models) {
+    if (ambiguous.count(model.name)) model.name = prefix + "_" + model.name;
+    merged.models.push_back(std::move(model));
+  }
+  for (Link link : map.links) {
+    link.from += offset;
+    link.to += offset;
+    merged.links.push_back(link);
+  }
+}
+
+bool sameMounting(const std::optional<CameraMounting>& a, const std::optional<CameraMounting>& b) {
+  if (!a || !b) return !a && !b;
+  return a->height == b->height && a->tilt_deg == b->tilt_deg;
+}
+
+}  // namespace
+
+Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& stems) {
+  std::set<std::string> seen, ambiguous, final_names;
+  for (const Map& map : maps)
+    for (const LocalModel& model : map.models)
+      if (!seen.insert(model.name).second) ambiguous.insert(model.name);
+
+  Map merged;
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    appendMap(maps[i], stems[i], ambiguous, merged);
+    if (i == 0) merged.mounting = maps[i].mounting;
+    if (!sameMounting(merged.mounting, maps[i].mounting)) merged.mounting.reset();
+    for (const auto& [key, value] : maps[i].meta) {
+      const bool of_format = key == "format" || key == "conventions";  // the new file has its own
+      if (!of_format) merged.meta[stems[i] + "." + key] = value;
+    }
+  }
+  for (const LocalModel& model : merged.models)
+    if (!final_names.insert(model.name).second)
+      throw std::invalid_argument("two local models would be named " + model.name +
+                                  "; rename the maps so that their names differ");
+  merged.meta["software"] = versionText();
+  return merged;
+}
+
+MapInfoApp::MapInfoApp()
+    : App("facetloc_map info", "MAP.flmap", "Says what is in a map and how it was made.") {}
+
+void MapInfoApp::addOptions(CommandLine& line) { line.addArgument("MAP.flmap", map_); }
+
+int MapInfoApp::execute(const CommandLine&, const Console& console) {
+  const Map map = readMap(map_);
+  printSummary(console.out, map);
+  console.out << "\n";
+  printMeta(console.out, map);
+  console.out << "\nmap: " << map_ << ", " << fs::file_size(map_) / 1024 << " KiB\n";
+  return kOk;
+}
+
+MapCheckApp::MapCheckApp()
+    : App("facetloc_map check", "MAP.flmap", "Proves a map sound, or lists every fault and exits with 1.") {}
+
+void MapCheckApp::addOptions(CommandLine& line) { line.addArgument("MAP.flmap", map_); }
+
+int MapCheckApp::execute(const CommandLine&, const Console& console) {
+  const std::vector<std::string> faults = checkMap(map_);
+  for (const std::string& fault : faults) console.out << fault << "\n";
+  console.out << map_ << ": " << (faults.empty() ? "sound" : counted(faults.size(), "fault")) << "\n";
+  return faults.empty() ? kOk : kFailed;
+}
+
+MapExportApp::MapExportApp()
+    : App("facetloc_map export", "MAP.flmap -o DIR",
+          "Writes a map for other programs: DIR/models/<name>.pcd (SegmentFrame clouds, each in its model's "
+          "frame), "
+          "DIR/poses_tum.txt and DIR/graph.g2o.") {}
+
+void MapExportApp::addOptions(CommandLine& line) {
+  line.addArgument("MAP.flmap", map_);
+  line.addOption("output,o", folder_, "DIR", "Folder of the exported files.");
+}
+
+int MapExportApp::execute(const CommandLine&, const Console& console) {
+  if (folder_.empty()) throw UsageError("the folder of the exported files is missing: -o DIR");
+  const Map map = readMap(map_);
+  exportMap(map, folder_);
+  console.out << counted(map.models.size(), "local model") << " exported; files in " << folder_ << "\n";
+  return kOk;
+}
+
+MapMergeApp::MapMergeApp()
+    : App("facetloc_map merge", "A.flmap B.flmap ... -o OUT.flmap",
+          "Puts the local models and links of several maps into one. Their poses are taken as they are: the "
+          "maps must "
+          "share a world frame, or have no poses. Names that occur more than once get the stem of their map "
+          "in front.") {}
+
+void MapMergeApp::addOptions(CommandLine& line) {
+  line.addArguments("MAPS", maps_);
+  line.addOption("output,o", output_, "OUT.flmap", "The map to write.");
+  line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
+}
+
+int MapMergeApp::execute(const CommandLine&, const Console& console) {
+  if (output_.empty()) throw UsageError("the map to write is missing: -o OUT.flmap");
+  if (!overwrite_ && fs::exists(output_))
+    throw IoError(output_, "exists already; give --overwrite to replace it");
+  std::vector<Map> maps;
+  std::vector<std::string> stems;
+  for (const std::string& path : maps_) {
+    maps.push_back(readMap(path));
+    stems.push_back(fs::path(path).stem().string());
+  }
+  const Map merged = mergedMap(maps, stems);
+  const auto hasMounting = [](const Map& map) { return map.mounting.has_value(); };
+  if (!merged.mounting && std::any_of(maps.begin(), maps.end(), hasMounting))
+    console.note("the maps differ in the camera's mounting; the merged one has none");
+  writeMap(output_, merged);
+  console.out << counted(merged.models.size(), "local model") << ", " << counted(merged.links.size(), "link")
+              << "; map in " << output_ << "\n";
+  return kOk;
+}
+
+int runMapTool(const std::vector<std::string>& arguments, Console console) {
+  const std::string command = arguments.empty() ? "" : arguments.front();
+  const auto run = [&](App&& app) { return app.run({arguments.begin() + 1, arguments.end()}, console); };
+  if (command == "build") return run(MapBuildApp());
+  if (command == "info") return run(MapInfoApp());
+  if (command == "check") return run(MapCheckApp());
+  if (command == "export") return run(MapExportApp());
+  if (command == "merge") return run(MapMergeApp());
+  if (command == "--version") return console.out << versionText() << "\n", kOk;
+
+  const bool help = command == "--help" || command == "-help" || command == "-h";
+  std::ostream& out = help ? console.out : console.err;
+  if (!help)
+    out << "facetloc_map: " << (command.empty() ? "no command" : "unknown command '" + command + "'") << "\n";
+  out << "Usage: facetloc_map build|info|check|export|merge ...\n\n"
+         "  build SEQUENCE -o MAP.flmap   make a map of one run of depth images\n"
+         "  info MAP.flmap                say what is in a map\n"
+         "  check MAP.flmap               prove a map sound\n"
+         "  export MAP.flmap -o DIR       write PCD, TUM and g2o files\n"
+         "  merge MAPS -o OUT.flmap       put several maps into one\n\n"
+         "'facetloc_map build --help' and so on tell the options.\n";
+  return help ? kOk : kUsage;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/apps/batch.h>
+#include <facetloc/apps/map_apps.h>
+#include <facetloc/apps/text.h>
+#include <facetloc/io/error.h>
+
+#include <map>
+#include <set>
+
+namespace facetloc {
+namespace {
+
+constexpr const char* kParametersKey = "parameters";
+constexpr std::size_t kImagesPerThread = 8;  // views kept in memory until they are written, in order
+
+}  // namespace
+
+struct MapBuildApp::Candidate {
+  std::size_t frame;
+  std::optional<Eigen::Isometry3d> T_w_m;
+};
+
+struct MapBuildApp::Selection {
+  std::vector<Candidate> candidates;
+  std::size_t without_pose = 0;
+};
+
+/** Adds local models in order, and a link from each to the next. What the map has already is left alone. */
+class MapBuildApp::Writer {
+public:
+  Writer(MapDatabase& database, const Map& present, const MapBuilder& builder)
+      : database_(database), builder_(builder) {
+    for (std::size_t i = 0; i < present.models.size(); ++i)
+      index_[present.models[i].name] = static_cast<int>(i);
+    for (const Link& link : present.links) links_.emplace(link.from, link.to);
+  }
+
+  bool has(const std::string& name) const { return index_.count(name) > 0; }
+  std::size_t added() const { return added_; }
+  std::size_t models() const { return index_.size(); }
+
+  void add(const LocalModel& model) {
+    index_[model.name] = database_.add(model);
+    ++added_;
+    advance(model.name, model.T_w_m);
+  }
+  /** Goes on to a model, new or present. */
+  void advance(const std::string& name, const std::optional<Eigen::Isometry3d>& T_w_m) {
+    const int current = index_.at(name);
+    if (latest_ >= 0 && T_w_latest_ && T_w_m && links_.emplace(latest_, current).second)
+      database_.add(builder_.link(latest_, current, *T_w_latest_, *T_w_m));
+    latest_ = current;
+    T_w_latest_ = T_w_m;
+  }
+
+private:
+  MapDatabase& database_;
+  const MapBuilder& builder_;
+  std::map<std::string, int> index_;
+  std::set<std::pair<int, int>> links_;
+  int latest_ = -1;
+  std::optional<Eigen::Isometry3d> T_w_latest_;
+  std::size_t added_ = 0;
+};
+
+MapBuildApp::MapBuildApp()
+    : App("facetloc_map build", "SEQUENCE -o MAP.flmap [options]",
+          "Builds a map of local models from one run of depth images whose camera poses are known, from "
+          "groundtruth.txt of the SEQUENCE or from --poses. The first image becomes a local model, and so "
+          "does each "
+          "later one that lies --model_distance or --model_rotation_deg from the latest local model. With "
+          "--every N, "
+          "each N-th image becomes a local model, with or without a pose.") {}
+
+void MapBuildApp::addOptions(CommandLine& line) {
+  line.addArgument("SEQUENCE", sequence_);
+  line.addOption("output,o", map_, "MAP.flmap", "The map to write.");
+  line.addOption("poses", poses_, "FILE", "Camera poses in the TUM format: stamp tx ty tz qx qy qz qw.");
+  line.addOption("pose-tolerance", pose_tolerance_, "S",
+                 "Largest distance in time of an image and its pose [s].");
+  line.addOption("every", every_, "N", "Make each N-th image a local model, whatever its pose; 0 = off.");
+  line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
+  line.addSwitch("resume", resume_, "Go on with a map that is there already.");
+  input_.addOptions(line);
+  line.addParams(builder_);
+}
+
+MapBuildApp::Selection MapBuildApp::select(const DepthSequence& sequence) const {
+  const Trajectory trajectory = poses_.empty() ? sequence.groundTruth() : readTumTrajectory(poses_);
+  if (trajectory.empty() && every_ == 0)
+    throw IoError(sequence_, "has no poses: no groundtruth.txt; give --poses FILE or --every N");
+  Selection selection;
+  MapBuilder rule(builder_);
+  for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
+    const auto pose = trajectory.nearest(sequence.frames()[i].stamp, pose_tolerance_);
+    if (!pose) ++selection.without_pose;
+    const bool accepted = every_ > 0 ? i % every_ == 0 : pose && rule.accept(*pose);
+    if (accepted) selection.candidates.push_back({i, pose});
+  }
+  if (selection.candidates.empty())
+    throw IoError(sequence_, "none of its images has a pose within " + shortNumber(pose_tolerance_) + " s");
+  return selection;
+}
+
+MapDatabase MapBuildApp::openDatabase(const DepthSequence& sequence, const std::string& parameters) const {
+  if (resume_ && std::filesystem::exists(map_)) {
+    const Map present = readMap(map_);
+    if (present.models.empty()) return createDatabase(sequence, parameters, true);  // killed before it began
+    const auto recorded = present.meta.find(kParametersKey);
+    if (recorded == present.meta.end() || recorded->second != parameters)
+      throw IoError(map_, "was built with other parameters; give the same ones, or --overwrite");
+    return MapDatabase::open(map_);
+  }
+  return createDatabase(sequence, parameters, overwrite_);
+}
+
+MapDatabase MapBuildApp::createDatabase(const DepthSequence& sequence, const std::string& parameters,
+                                        bool overwrite) const {
+  MapDatabase database = MapDatabase::create(map_, overwrite);
+  database.setMeta("software", versionText());
+  database.setMeta("source", sequence_);
+  if (sequence.camera() && sequence.camera()->mounting) database.setMounting(*sequence.camera()->mounting);
+  database.setMeta(kParametersKey, parameters);
+  return database;
+}
+
+/** Builds views in parallel, some at a time, and adds them in order. \return how many had no segments. */
+std::size_t MapBuildApp::addModels(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
+                                   const ViewParams& view_params, Batch& batch, Writer& writer) const {
+  const auto fileOf = [&](std::size_t i) -> const FrameFile& {
+    return sequence.frames()[candidates[i].frame];
+  };
+  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(view_params));
+  std::size_t without_segments = 0;
+  const std::size_t chunk = kImagesPerThread * batch.workers();
+  for (std::size_t first = 0; first < candidates.size(); first += chunk) {
+    const std::size_t last = std::min(first + chunk, candidates.size());
+    std::vector<LocalModel> models(last - first);
+    const auto build = [&](std::size_t i, int worker) {
+      LocalModel& model = models[i - first];
+      model = {fileOf(i).name, fileOf(i).stamp, candidates[i].T_w_m, {}};
+      if (!writer.has(model.name))
+        model.view = builders[worker].build(sequence.load(candidates[i].frame, input_.width));
+    };
+    const auto built = batch.run(
+        first, last, [&](std::size_t i) { return fileOf(i).path.string(); }, build);
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      if (!built[i]) continue;
+      const LocalModel& model = models[i];
+      if (writer.has(model.name))
+        writer.advance(model.name, model.T_w_m);
+      else if (model.view.segments.empty())
+        ++without_segments;
+      else
+        writer.add(model);
+    }
+  }
+  return without_segments;
+}
+
+int MapBuildApp::execute(const CommandLine& line, const Console& console) {
+  if (map_.empty()) throw UsageError("the map to write is missing: -o MAP.flmap");
+  if (every_ < 0) throw UsageError("every must not be negative");
+  if (overwrite_ && resume_) throw UsageError("overwrite and resume exclude each other");
+  const DepthSequence sequence = DepthSequence::open(sequence_);
+  const Selection selection = select(sequence);
+  const ViewParams view_params = input_.viewParams(sequence.camera(), line);
+  const std::string parameters =
+      toIni(input_, view_params) + toIni(builder_) + "every = " + std::to_string(every_) + "\n";
+  MapDatabase database = openDatabase(sequence, parameters);
+  const MapBuilder builder(builder_);
+  Writer writer(database, readMap(map_), builder);
+  Batch batch(threads(), selection.candidates.size(), console);
+  const std::size_t without_segments = addModels(sequence, selection.candidates, view_params, batch, writer);
+
+  const int code = batch.report();
+  if (selection.without_pose > 0)
+    console.note(counted(selection.without_pose, "image") + " without a pose within " +
+                 shortNumber(pose_tolerance_) + " s");
+  if (without_segments > 0) console.note(counted(without_segments, "image") + " without segments left out");
+  console.out << counted(writer.added(), "local model") << " added from "
+              << counted(sequence.frames().size(), "image") << ", " << writer.models() << " in all; map in "
+              << map_ << "\n";
+  return code;
+}
+
+}  // namespace facetloc

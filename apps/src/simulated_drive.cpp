@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/apps/simulated_drive.h>
+#include <facetloc/features/so3.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <stdexcept>
+
+namespace facetloc {
+namespace {
+
+constexpr double kPi = 180 * kDegree;
+constexpr double kSpacing = 0.1;        // of the points that stand for surfaces [m]
+constexpr double kFloor = 0.05;         // what lies lower is driven over [m]
+constexpr double kShortestDrive = 0.8;  // between two looks around [m]
+constexpr int kTries = 2000;            // to find a free place
+constexpr int kGoals = 10;              // to choose the next one from
+
+class Random {
+public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  double uniform(double lowest, double highest) {
+    return lowest + (highest - lowest) * (static_cast<double>(engine_() >> 11) * 0x1p-53);
+  }
+  double normal(double std) { return std * normal_(engine_); }
+
+private:
+  std::mt19937_64 engine_;
+  std::normal_distribution<double> normal_;
+};
+
+/** The room as a robot sees it: where it may stand. */
+class FloorPlan {
+public:
+  FloorPlan(const Scene& scene, double robot_height, double clearance) : clearance_(clearance) {
+    for (const Rectangle& r : scene) addExtent(r);
+    for (const Rectangle& r : scene) addObstacle(r, robot_height);
+  }
+
+  std::optional<Eigen::Vector2d> freePlace(Random& random) const {
+    for (int i = 0; i < kTries; ++i) {
+      const double x = random.uniform(box_.min().x(), box_.max().x());
+      const double y = random.uniform(box_.min().y(), box_.max().y());
+      if (isFree({x, y})) return Eigen::Vector2d(x, y);
+    }
+    return {};
+  }
+
+  bool isFreeWay(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const {
+    const int steps = static_cast<int>(std::ceil((to - from).norm() / kSpacing));
+    for (int i = 0; i <= steps; ++i)
+      if (!isFree(from + (to - from) * (static_cast<double>(i) / std::max(steps, 1)))) return false;
+    return true;
+  }
+
+private:
+  void addExtent(const Rectangle& r) {
+    for (const double u : {-r.half_u, r.half_u})
+      for (const double v : {-r.half_v, r.half_v}) box_.extend(r.centre + u * r.axis_u + v * r.axis_v);
+  }
+
+  /** Covers of boxes block at any height, so that nobody starts inside a cupboard; the ceiling does not. */
+  void addObstacle(const Rectangle& r, double robot_height) {
+    const bool level = r.axis_u.cross(r.axis_v).normalized().cwiseAbs().z() > 0.9;
+    const double ceiling = box_.max().z() - kFloor;
+    const double top = level ? ceiling : robot_height;
+    const int nu = static_cast<int>(std::ceil(2 * r.half_u / kSpacing));
+    const int nv = static_cast<int>(std::ceil(2 * r.half_v / kSpacing));
+    for (int i = 0; i <= nu; ++i)
+      for (int j = 0; j <= nv; ++j) {
+        const Eigen::Vector3d p = r.centre + (2.0 * i / std::max(nu, 1) - 1) * r.half_u * r.axis_u +
+                                  (2.0 * j / std::max(nv, 1) - 1) * r.half_v * r.axis_v;
+        if (p.z() > kFloor && p.z() < top) obstacles_.push_back(p.head<2>());
+      }
+  }
+
+  bool isFree(const Eigen::Vector2d& place) const {
+    for (const Eigen::Vector2d& p : obstacles_)
+      if ((p - place).squaredNorm() < clearance_ * clearance_) return false;
+    return true;
+  }
+
+  double clearance_;
+  Eigen::AlignedBox3d box_;
+  std::vector<Eigen::Vector2d> obstacles_;
+};
+
+/** The robot: where it stands and looks, and what its camera has seen. */
+class Robot {
+public:
+  Robot(const DriveParams& params, Random& random, std::size_t frames)
+      : params_(params), random_(random), frames_(frames), T_b_c_(params.mounting().T_b_c()) {}
+
+  bool done() const { return poses_.size() >= frames_; }
+  const Eigen::Vector2d& place() const { return place_; }
+  std::vector<Eigen::Isometry3d> poses() && { return std::move(poses_); }
+
+  void putDown(const Eigen::Vector2d& place, double heading) {
+    place_ = place;
+    heading_ = heading;
+    look();
+  }
+  void turn(double angle) {
+    const int steps = static_cast<int>(std::ceil(std::abs(angle) / (params_.turn_deg * kDegree)));
+    for (int i = 0; i < steps; ++i) {
+      heading_ += angle / steps;
+      look();
+    }
+  }
+  void driveTo(const Eigen::Vector2d& goal) {
+    const Eigen::Vector2d way = goal - place_;
+    turn(std::remainder(std::atan2(way.y(), way.x()) - heading_, 2 * kPi));
+    const int steps = static_cast<int>(std::ceil(way.norm() / params_.step));
+    for (int i = 0; i < steps; ++i) {
+      place_ += way / steps;
+      look();
+    }
+  }
+
+private:
+  void look() {
+    if (!done()) poses_.push_back(basePose() * T_b_c_);
+  }
+
+  /** T_w_b on a floor that differs under each wheel (METHOD 6). */
+  Eigen::Isometry3d basePose() {
+    const double left = random_.normal(params_.floor_std);
+    const double right = random_.normal(params_.floor_std);
+    const double caster = random_.normal(params_.floor_std);
+    const double axle = (left + right) / 2;
+    const double slope_y = (left - right) / params_.wheel_track,
+                 slope_x = (axle - caster) / params_.caster_distance;
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() = expSO3({0, 0, heading_}) * expSO3({slope_y, -slope_x, 0});
+    T.translation() << place_, axle;
+    return T;
+  }
+
+  const DriveParams& params_;
+  Random& random_;
+  std::size_t frames_;
+  Eigen::Isometry3d T_b_c_;
+  Eigen::Vector2d place_ = Eigen::Vector2d::Zero();
+  double heading_ = 0;
+  std::vector<Eigen::Isometry3d> poses_;
+};
+
+/** Of some places in sight the one farthest from where the robot has been. */
+std::optional<Eigen::Vector2d> nextGoal(const FloorPlan& plan, const Eigen::Vector2d& place,
+                                        const std::vector<Eigen::Vector2d>& visited, Random& random) {
+  std::optional<Eigen::Vector2d> best;
+  double farthest = 0;
+  for (int i = 0; i < kGoals; ++i) {
+    const auto goal = plan.freePlace(random);
+    if (!goal || (*goal - place).norm() < kShortestDrive || !plan.isFreeWay(place, *goal)) continue;
+    double distance = std::numeric_limits<double>::max();
+    for (const Eigen::Vector2d& v : visited) distance = std::min(distance, (*goal - v).norm());
+    if (distance <= farthest) continue;
+    farthest = distance;
+    best = goal;
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<Eigen::Isometry3d> simulateDrive(const Scene& scene, std::size_t frames,
+                                             const DriveParams& params, std::uint64_t seed,
+                                             const std::optional<Eigen::Vector2d>& start) {
+  Random random(seed);
+  const FloorPlan plan(scene, params.camera_height + 0.1, params.clearance);
+  const auto first = start ? start : plan.freePlace(random);
+  if (!first)
+    throw std::runtime_error("the room leaves no place to drive; take another seed or a smaller clearance");
+  std::vector<Eigen::Vector2d> visited = {*first};
+  Robot robot(params, random, frames);
+  robot.putDown(*first, random.uniform(-kPi, kPi));
+  while (!robot.done()) {
+    const double side = random.uniform(-1, 1) < 0 ? -1 : 1;
+    robot.turn(side * random.uniform(kPi / 2, 2 * kPi));
+    const auto goal = nextGoal(plan, robot.place(), visited, random);
+    if (!goal) continue;
+    robot.driveTo(*goal);
+    visited.push_back(*goal);
+  }
+  return std::move(robot).poses();
+}
+
+}  // namespace facetloc
