@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/registration/candidate_pairs.h>
+#include <facetloc/registration/cholesky3.h>
 #include <facetloc/registration/plane_measurement.h>
 
 #include <algorithm>
@@ -14,15 +15,21 @@ constexpr double kShape = 2.366 / 11.34;
 // Shape of a segment as a flat covariance with its offset uncertainty across, in the frame that its axes R
 // are given in.
 Eigen::Matrix3d shapeCovariance(const Segment& s, const Eigen::Matrix3d& R) {
-  return R * Eigen::Vector3d(kShape * s.lambda[0], kShape * s.lambda[1], s.Sigma_q(2, 2)).asDiagonal() *
-         R.transpose();
+  const Eigen::Vector3d x = std::sqrt(kShape * s.lambda[0]) * R.col(0),
+                        y = std::sqrt(kShape * s.lambda[1]) * R.col(1),
+                        z = std::sqrt(s.Sigma_q(2, 2)) * R.col(2);
+  return x * x.transpose() + y * y.transpose() + z * z.transpose();
 }
 
 }  // namespace
 
-double coplanarityDistance(const Segment& scene, const Segment& model, const PoseWithCovariance& T_m_c) {
+double coplanarityDistance(const Segment& scene, const Segment& model, const PoseWithCovariance& T_m_c,
+                           double gate, double min_cosine) {
+  constexpr double kTooFar = std::numeric_limits<double>::infinity();
+  if (!((T_m_c.T.linear() * scene.normal()).dot(model.normal()) > min_cosine)) return kTooFar;
+  if (offsetDistance(scene, model, T_m_c) > gate) return kTooFar;
   PlaneMeasurement m;
-  if (!measurePlane(scene, model, T_m_c.T, 0.0, m)) return std::numeric_limits<double>::infinity();
+  if (!measurePlane(scene, model, T_m_c.T, min_cosine, m)) return kTooFar;
   return innovationDistance(m, T_m_c.P);
 }
 
@@ -36,9 +43,8 @@ double overlapDistance(const Segment& scene, const Segment& model, const PoseWit
   Eigen::Matrix3d S =
       K * P.topLeftCorner<3, 3>() * K.transpose() + cross + cross.transpose() + P.bottomRightCorner<3, 3>();
   S += shapeCovariance(scene, R * scene.R) + shapeCovariance(model, model.R);  // Eq. (9.1) of METHOD
-  const Eigen::LLT<Eigen::Matrix3d> llt(S);
-  if (llt.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
-  return llt.matrixL().solve(delta).squaredNorm();
+  Cholesky3 cholesky;
+  return cholesky.compute(S) ? cholesky.squaredMahalanobis(delta) : std::numeric_limits<double>::infinity();
 }
 
 std::vector<SegmentPair> candidatePairs(const std::vector<Segment>& scene, const std::vector<Segment>& model,
@@ -48,7 +54,7 @@ std::vector<SegmentPair> candidatePairs(const std::vector<Segment>& scene, const
             m = std::min<int>(model.size(), params.max_segments);
   for (int i = 0; i < n; ++i)
     for (int k = 0; k < m; ++k) {
-      const double distance = coplanarityDistance(scene[i], model[k], prior);
+      const double distance = coplanarityDistance(scene[i], model[k], prior, params.coplanarity_gate);
       if (!(distance <= params.coplanarity_gate)) continue;
       if (!(overlapDistance(scene[i], model[k], prior) <= params.overlap_gate)) continue;
       pairs.push_back({i, k, distance});

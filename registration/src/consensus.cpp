@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/cholesky3.h>
 #include <facetloc/registration/consensus.h>
 #include <facetloc/registration/plane_measurement.h>
 
-#include <Eigen/LU>
-
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace facetloc {
 namespace {
@@ -22,9 +22,9 @@ double pairLogLikelihood(const PlaneMeasurement& m, const Matrix6d& P, const Con
   Eigen::Matrix3d S = m.H * P * m.H.transpose() + m.W;
   const double slope = std::pow(params.slope_slack_deg * kDegree, 2);
   S.diagonal() += Eigen::Vector3d(slope, slope, params.offset_slack * params.offset_slack);
-  const Eigen::LLT<Eigen::Matrix3d> llt(S);
-  const double log_det = 2 * llt.matrixLLT().diagonal().array().log().sum();
-  return -0.5 * (llt.matrixL().solve(m.h).squaredNorm() + 3 * std::log(2 * kPi) + log_det);
+  Cholesky3 cholesky;
+  if (!cholesky.compute(S)) return -std::numeric_limits<double>::infinity();
+  return -0.5 * (cholesky.squaredMahalanobis(m.h) + 3 * std::log(2 * kPi) + cholesky.logDeterminant());
 }
 
 // Density of a chance plane with normal u, given the directions that the scene has shown already (METHOD 11.4
@@ -87,6 +87,9 @@ double logLikelihoodRatio(const View& scene, const std::vector<std::vector<Eigen
                           const DepthComparison& comparison, const ConsensusParams& params) {
   const float margin =
       static_cast<float>(kHullMargin + 2 * std::sqrt(std::max(0.0, T_m_c.P.diagonal().tail<3>().maxCoeff())));
+  // No pair is likelier than an exact one whose uncertainty is the slack alone.
+  const double highest = -0.5 * 3 * std::log(2 * kPi) -
+                         std::log(std::pow(params.slope_slack_deg * kDegree, 2) * params.offset_slack);
   double sum = 0;
   std::vector<Eigen::Vector3d> seen;
   std::vector<Explanation> explanations;
@@ -97,6 +100,8 @@ double logLikelihoodRatio(const View& scene, const std::vector<std::vector<Eigen
     const double log_chance = std::log(chanceDensity(u, seen, params));
     explanations.clear();
     for (const Segment& Fp : model.segments) {
+      if (!(u.dot(Fp.normal()) > kMinSceneCosine)) continue;
+      if (highest - 0.5 * offsetDistance(F, Fp, T_m_c, params.offset_slack) - log_chance < kMinLlr) continue;
       PlaneMeasurement m;
       if (!measurePlane(F, Fp, T_m_c.T, kMinSceneCosine, m)) continue;
       const double llr = pairLogLikelihood(m, T_m_c.P, params) - log_chance;
@@ -143,7 +148,7 @@ double surfaceMatchingScore(const std::vector<Segment>& scene, const std::vector
   for (const Segment& F : scene) {
     double best = 0;
     for (const Segment& Fp : model) {
-      const double d2 = coplanarityDistance(F, Fp, T_m_c);
+      const double d2 = coplanarityDistance(F, Fp, T_m_c, matching.coplanarity_gate);
       if (!(d2 <= matching.coplanarity_gate)) continue;
       if (!(overlapDistance(F, Fp, T_m_c) <= matching.overlap_gate)) continue;
       best = std::max(best, 100 * upperTail(d2) * std::min(F.num_points, Fp.num_points));

@@ -21,25 +21,31 @@ struct Projection {
 class Mover {
 public:
   Mover(const DepthPicture& a, const DepthPicture& b, const Eigen::Isometry3d& T_b_a)
-      : a_(a.camera), b_(b.camera), R_(T_b_a.linear()), t_(T_b_a.translation()) {}
+      : b_(b.camera), t_(T_b_a.translation()) {
+    // R ray(u, v) = across u + down v + origin
+    const Eigen::Matrix3d R = T_b_a.linear();
+    across_ = R.col(0) / a.camera.fx;
+    down_ = R.col(1) / a.camera.fy;
+    origin_ = R.col(2) - a.camera.cx * across_ - a.camera.cy * down_;
+  }
 
   // The point of inverse depth rho on ray (u, v) is (R b + t rho) / rho.
   bool move(int u, int v, double rho, Projection& out) const {
-    const Eigen::Vector3d p = R_ * a_.ray(u, v) + t_ * rho;
+    const Eigen::Vector3d p = across_ * u + down_ * v + origin_ + t_ * rho;
     if (!(p.z() > kNearest * rho)) return false;
     const double inverse = 1 / p.z();
     const double x = b_.fx * p.x() * inverse + b_.cx + 0.5, y = b_.fy * p.y() * inverse + b_.cy + 0.5;
     if (!(x >= 1 && y >= 1 && x < b_.width - 1 && y < b_.height - 1)) return false;
     out.predicted = rho * inverse;
-    out.index = static_cast<std::size_t>(y) * b_.width + static_cast<std::size_t>(x);
+    out.index = static_cast<std::size_t>(static_cast<int>(y) * b_.width + static_cast<int>(x));
     return true;
   }
 
 private:
   static constexpr double kNearest = 0.5;  // points nearer than this are outside the sensor's range [m]
-  const Intrinsics &a_, &b_;
-  const Eigen::Matrix3d R_;
+  const Intrinsics& b_;
   const Eigen::Vector3d t_;
+  Eigen::Vector3d across_, down_, origin_;
 };
 
 }  // namespace

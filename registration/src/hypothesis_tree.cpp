@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/cholesky3.h>
 #include <facetloc/registration/hypothesis_tree.h>
 
 #include <Eigen/Eigenvalues>
@@ -93,13 +94,12 @@ public:
   }
 
   TreeSearchResult run() {
-    push(0, firstAfter(nodes_[0].allowed, -1));
+    pushNext(0, -1);
     while (!queue_.empty() && result_.expansions < params_.max_expansions &&
            static_cast<int>(result_.complete.size()) < params_.max_hypotheses) {
       const int id = -queue_.top().second;
       queue_.pop();
-      const int parent = nodes_[id].parent;
-      push(parent, firstAfter(nodes_[parent].allowed, nodes_[id].last));  // the next sibling, made lazily
+      pushNext(nodes_[id].parent, nodes_[id].last);  // the next sibling, made lazily
       expand(id);
     }
     return std::move(result_);
@@ -125,17 +125,29 @@ private:
       }
   }
 
-  void push(int parent, int pair) {
+  // Queues the first pair after the given one that may follow the parent's. Cheap tests come first: most
+  // pairs fail.
+  void pushNext(int parent, int after) {
+    const Node& p = nodes_[parent];
+    int pair = firstAfter(p.allowed, after);
+    while (pair >= 0 && p.depth > 0 && !plausible(candidates_[pair], p.pose))
+      pair = firstAfter(p.allowed, pair);
     if (pair < 0) return;
-    nodes_.push_back({parent, pair, nodes_[parent].depth + 1, {}, Matrix6d::Zero(), {}});
+    nodes_.push_back({parent, pair, p.depth + 1, {}, Matrix6d::Zero(), {}});
     queue_.push({-pair, -(static_cast<int>(nodes_.size()) - 1)});
+  }
+
+  bool plausible(const SegmentPair& pair, const PoseWithCovariance& pose) const {
+    constexpr double kHopeless =
+        40;  // before the update: no iteration saves such a pair (METHOD_MEASURED 8.3)
+    const Segment &F = scene_[pair.scene], &Fp = model_[pair.model];
+    return offsetDistance(F, Fp, pose) <= kHopeless && overlapDistance(F, Fp, pose) <= matching_.overlap_gate;
   }
 
   void expand(int id) {
     const SegmentPair& pair = candidates_[nodes_[id].last];
     const Segment &F = scene_[pair.scene], &Fp = model_[pair.model];
     const Node& parent = nodes_[nodes_[id].parent];
-    if (parent.depth > 0 && !(overlapDistance(F, Fp, parent.pose) <= matching_.overlap_gate)) return;
     ++result_.expansions;
     const EkfUpdate update = ekfPoseUpdate(F, Fp, parent.pose, ekf_);
     if (!update.accepted || update.gain < params_.min_gain) return;
@@ -153,7 +165,7 @@ private:
     }
     if (seen.oneTranslationFree(max_rotation, params_.complete_translation))
       emit(node, seen.directions.col(2), result_.incomplete);
-    if (node.depth < params_.max_pairs) push(id, firstAfter(node.allowed, node.last));
+    if (node.depth < params_.max_pairs) pushNext(id, node.last);
   }
 
   // Keeps a pose unless it was found before; of incomplete poses the position along the free direction does
@@ -202,14 +214,24 @@ Observability observability(const Matrix6d& information) {
   Matrix6d Lambda = information;
   Lambda.diagonal().head<3>().array() += 1 / (kWeakRotation * kWeakRotation);
   Lambda.diagonal().tail<3>().array() += 1 / (kWeakTranslation * kWeakTranslation);
+  // Blocks of the inverse by Schur complements; eigenvalues of 3x3 matrices in closed form.
+  const Eigen::Matrix3d A = Lambda.topLeftCorner<3, 3>(), B = Lambda.topRightCorner<3, 3>(),
+                        C = Lambda.bottomRightCorner<3, 3>();
   Observability o;
-  o.P = Lambda.llt().solve(Matrix6d::Identity());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> rotation(o.P.topLeftCorner<3, 3>(),
-                                                                Eigen::EigenvaluesOnly);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> translation(o.P.bottomRightCorner<3, 3>());
-  o.rotation_std = std::sqrt(rotation.eigenvalues()[2]);
-  o.translation_std = translation.eigenvalues().cwiseMax(0).cwiseSqrt();
-  o.directions = translation.eigenvectors();
+  Cholesky3 of_A, of_C;
+  if (!of_A.compute(A) || !of_C.compute(C)) return o;
+  const Eigen::Matrix3d rotation = A - B * of_C.solve<3>(B.transpose());
+  const Eigen::Matrix3d translation = C - B.transpose() * of_A.solve<3>(B);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eig;
+  const auto stds = [&eig] {
+    return Eigen::Vector3d(eig.eigenvalues().reverse().cwiseMax(1e-12).cwiseInverse().cwiseSqrt());
+  };
+  eig.computeDirect(rotation);
+  o.rotation_std = stds();
+  o.rotations = eig.eigenvectors().rowwise().reverse();
+  eig.computeDirect(translation);
+  o.translation_std = stds();
+  o.directions = eig.eigenvectors().rowwise().reverse();
   return o;
 }
 

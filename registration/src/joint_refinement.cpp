@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/cholesky3.h>
 #include <facetloc/registration/joint_refinement.h>
 
 #include <algorithm>
@@ -9,7 +10,7 @@ namespace {
 
 constexpr int kCollections = 2;          // how often the pairs are collected
 constexpr int kIterations = 10;          // Gauss-Newton steps per collection
-constexpr double kConverged = 1e-7;      // norm of a step [rad, m]
+constexpr double kConverged = 1e-6;      // norm of a step [rad, m]
 constexpr double kHuber2 = 11.345;       // square of the Huber threshold on d, chi2(3) at 99 % (METHOD 8.5)
 constexpr double kMinCosine = 0.9;       // between the normals of a pair at the hypothesis
 constexpr double kInformationCap = 2.0;  // of a model segment, in terms of its most informative pair
@@ -21,9 +22,7 @@ std::vector<SegmentPair> collectPairs(const std::vector<Segment>& scene, const s
   for (std::size_t i = 0; i < scene.size(); ++i) {
     SegmentPair best{static_cast<int>(i), -1, matching.coplanarity_gate};
     for (std::size_t k = 0; k < model.size(); ++k) {
-      PlaneMeasurement m;
-      if (!measurePlane(scene[i], model[k], pose.T, kMinCosine, m)) continue;
-      const double distance = innovationDistance(m, pose.P);
+      const double distance = coplanarityDistance(scene[i], model[k], pose, best.distance, kMinCosine);
       if (distance >= best.distance || !(overlapDistance(scene[i], model[k], pose) <= matching.overlap_gate))
         continue;
       best.model = static_cast<int>(k);
@@ -32,6 +31,12 @@ std::vector<SegmentPair> collectPairs(const std::vector<Segment>& scene, const s
     if (best.model >= 0) pairs.push_back(best);
   }
   return pairs;
+}
+
+bool samePairs(const std::vector<SegmentPair>& a, const std::vector<SegmentPair>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const SegmentPair& p, const SegmentPair& q) {
+    return p.scene == q.scene && p.model == q.model;
+  });
 }
 
 // Quadratic model of the cost about a pose: information and gradient by a left, decoupled perturbation.
@@ -51,8 +56,9 @@ struct NormalEquations {
   void addPair(const Segment& scene, const Segment& model, const Eigen::Isometry3d& T, double share) {
     PlaneMeasurement m;
     if (!measurePlane(scene, model, T, 0.0, m)) return;
-    const Eigen::LLT<Eigen::Matrix3d> W(m.W);
-    const double d2 = W.matrixL().solve(m.h).squaredNorm();
+    Cholesky3 W;
+    if (!W.compute(m.W)) return;
+    const double d2 = W.squaredMahalanobis(m.h);
     const double weight = share * (d2 <= kHuber2 ? 1.0 : std::sqrt(kHuber2 / d2));
     const Matrix36d WiH = W.solve(m.H);
     A += weight * m.H.transpose() * WiH;
@@ -75,6 +81,7 @@ bool refineJointly(const std::vector<Segment>& scene, const std::vector<Segment>
   for (int collection = 0; collection < kCollections; ++collection) {
     std::vector<SegmentPair> pairs = collectPairs(scene, model, h.T_m_c, matching);
     if (pairs.empty()) return false;
+    if (collection > 0 && samePairs(pairs, h.pairs)) break;
     std::vector<int> partners(model.size(), 0);
     for (const SegmentPair& p : pairs) ++partners[p.model];
     for (int i = 0; i < kIterations; ++i) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/cholesky3.h>
 #include <facetloc/registration/plane_measurement.h>
 
 #include <limits>
@@ -64,11 +65,24 @@ bool measurePlane(const Segment& F, const Segment& Fp, const Eigen::Isometry3d& 
   return true;
 }
 
+double offsetDistance(const Segment& F, const Segment& Fp, const PoseWithCovariance& T_m_c, double slack) {
+  const Eigen::Matrix3d R = T_m_c.T.linear();
+  const Eigen::Vector3d u = R * F.R.col(2);
+  const Eigen::Vector3d lever = Fp.t - T_m_c.T.translation();
+  const Eigen::Vector3d delta = R * F.t - lever;
+  Vector6d H;  // third row of the Jacobian, and of E below
+  H << lever.cross(u), u;
+  const Eigen::Vector3d back = R.transpose() * delta;
+  const Eigen::Vector3d e(back.dot(F.R.col(0)), back.dot(F.R.col(1)), 1);
+  const double variance = H.dot(T_m_c.P * H) + e.dot(F.Sigma_q * e) + Fp.Sigma_q(2, 2) + slack * slack;
+  const double h = u.dot(delta);
+  return h * h / variance;
+}
+
 double innovationDistance(const PlaneMeasurement& m, const Matrix6d& P) {
   const Eigen::Matrix3d S = m.H * P * m.H.transpose() + m.W;
-  const Eigen::LLT<Eigen::Matrix3d> llt(S);
-  if (llt.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
-  return llt.matrixL().solve(m.h).squaredNorm();
+  Cholesky3 cholesky;
+  return cholesky.compute(S) ? cholesky.squaredMahalanobis(m.h) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace facetloc

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/registration/view_registration.h>
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cstdio>
 
@@ -115,10 +113,8 @@ std::string unconstrainedDirections(const std::vector<Segment>& segments, double
   const auto add = [&text](const char* motion, const Eigen::Vector3d& v) {
     text += (text.empty() ? "" : ", ") + std::string(motion) + vectorText(v);
   };
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> rotation(seen.P.topLeftCorner<3, 3>());
   for (int i = 0; i < 3; ++i)
-    if (std::sqrt(rotation.eigenvalues()[i]) > max_rotation_std_deg * kDegree)
-      add("rotation about ", rotation.eigenvectors().col(i));
+    if (seen.rotation_std[i] > max_rotation_std_deg * kDegree) add("rotation about ", seen.rotations.col(i));
   for (int i = 0; i < 3; ++i)
     if (seen.translation_std[i] > max_translation_std) add("translation along ", seen.directions.col(i));
   return text;

@@ -16,7 +16,8 @@ using namespace facetloc;
 
 constexpr std::uint64_t kSeed = 7;
 constexpr int kModels = 142;   // the paper's map
-constexpr int kSegments = 20;  // per model and scene
+constexpr int kSegments = 20;  // per model and scene, at most
+constexpr int kBoxes = 90;     // of a cluttered room
 
 Eigen::Isometry3d cameraPose(double x, double y, double heading) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
@@ -25,10 +26,31 @@ Eigen::Isometry3d cameraPose(double x, double y, double heading) {
   return T * CameraMounting{1.0, 10.0}.T_b_c();
 }
 
-// A Kinect image of a furnished room at the given width.
+// A room full of boxes, on the floor and on shelves, with free space in the middle: about twenty segments per
+// view.
+Scene clutteredRoom(std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const auto uniform = [&random](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  Scene scene;
+  std::uint16_t id = 1;
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation().z() = 1.5;
+  addBox(scene, T, {5, 5, 1.5}, id);
+  for (int i = 0; i < kBoxes; ++i) {
+    const double bearing = uniform(0, 360 * kDegree), distance = uniform(2.0, 4.5);
+    T.translation() << distance * std::cos(bearing), distance * std::sin(bearing), uniform(0.2, 2.4);
+    T.linear() = expSO3({0, 0, uniform(0, 90 * kDegree)});
+    addBox(scene, T, {uniform(0.15, 0.5), uniform(0.15, 0.5), uniform(0.1, 0.4)}, id);
+  }
+  return scene;
+}
+
+// A Kinect image of a cluttered room at the given width.
 DepthImage roomImage(int width, double heading) {
   const SimulatedCamera camera(kinectIntrinsics(), SimulatedNoise{}, kSeed);
-  const DepthImage image = camera.render(randomRoom(kSeed, 24), cameraPose(0.3, -0.2, heading), 0).depth;
+  const DepthImage image = camera.render(clutteredRoom(kSeed), cameraPose(0.3, -0.2, heading), 0).depth;
   return subsampled(image, subsamplingStep(image.camera, width));
 }
 
@@ -71,7 +93,7 @@ View viewOf(const Scene& scene, const Eigen::Isometry3d& T_w_c, std::uint64_t fr
   return view;
 }
 
-// 142 local models of up to 20 segments, in furnished rooms.
+// 142 local models of up to 20 segments, in cluttered rooms.
 std::shared_ptr<const Map> paperSizedMap() {
   auto map = std::make_shared<Map>();
   map->mounting = CameraMounting{1.0, 10.0};
@@ -81,7 +103,7 @@ std::shared_ptr<const Map> paperSizedMap() {
     LocalModel m;
     const std::uint64_t room = static_cast<std::uint64_t>(i) / 12;  // twelve models per room
     m.T_w_m = cameraPose(place(random), place(random), heading(random));
-    m.view = viewOf(randomRoom(kSeed + room, 24), *m.T_w_m, static_cast<std::uint64_t>(i));
+    m.view = viewOf(clutteredRoom(kSeed + room), *m.T_w_m, static_cast<std::uint64_t>(i));
     m.T_w_m->translation().x() += 20.0 * static_cast<double>(room);
     map->models.push_back(std::move(m));
   }
@@ -98,7 +120,7 @@ void localization(benchmark::State& state) {
   std::vector<View> scenes;
   for (int i = 0; i < 8; ++i)
     scenes.push_back(
-        viewOf(randomRoom(kSeed + static_cast<std::uint64_t>(i), 24), cameraPose(0.2, 0.1, 0.8 * i), 1000));
+        viewOf(clutteredRoom(kSeed + static_cast<std::uint64_t>(i)), cameraPose(0.2, 0.1, 0.8 * i), 1000));
   std::size_t next = 0, hypotheses = 0;
   for (auto _ : state) hypotheses += localizer.localize(scenes[next++ % scenes.size()]).hypotheses.size();
   double segments = 0;

@@ -4,6 +4,7 @@
 #include <facetloc/features/params.h>
 #include <facetloc/features/segment.h>
 
+#include <limits>
 #include <vector>
 
 namespace facetloc {
@@ -33,9 +34,10 @@ struct SegmentPair {
   double distance = 0;  ///< squared Mahalanobis distance of the planes
 };
 
-/** \brief Coplanarity criterion: d^2 of the pair under the pose uncertainty; infinity for opposite normals.
- */
-double coplanarityDistance(const Segment& scene, const Segment& model, const PoseWithCovariance& T_m_c);
+/** \brief Coplanarity criterion: d^2 of the pair under the pose uncertainty. Infinity if the normals are
+ * further apart than the cosine allows, or if d^2 certainly exceeds the gate. */
+double coplanarityDistance(const Segment& scene, const Segment& model, const PoseWithCovariance& T_m_c,
+                           double gate = std::numeric_limits<double>::infinity(), double min_cosine = 0);
 
 /** \brief Overlap criterion (METHOD 9.2): squared Mahalanobis distance of the centroids under shapes and
  * pose; the shape of each counts as its 50 % ellipse, the pose at full uncertainty. */

@@ -13,7 +13,7 @@ struct HypothesisTreeParams {
   int max_expansions = 1000;  ///< Kalman updates per local model
   int max_hypotheses = 20;    ///< distinct poses per local model
   int max_pairs = 6;          ///< pairs of a hypothesis
-  double min_gain = 0.5;      ///< information that a further pair must add [nats]
+  double min_gain = 1.0;      ///< information that a further pair must add [nats]
   double angle_gate = 3.0;  ///< on the difference between the angles of two scene and two model normals [std]
   double complete_rotation_deg = 3.0;   ///< largest orientation std of a complete hypothesis
   double complete_translation = 0.2;    ///< largest position std of a complete hypothesis [m]
@@ -41,21 +41,20 @@ struct HypothesisTreeParams {
   void validate() const { checkRanges(*this); }
 };
 
-/** \brief Uncertainty of a pose from measurements alone: P_meas = (Lambda + weak prior)^-1 and what it
- * constrains. */
+/** \brief What measurements alone say of a pose: standard deviations along the principal directions of
+ * P_meas = (Lambda + weak prior)^-1, ascending. */
 struct Observability {
-  Matrix6d P = Matrix6d::Zero();
-  double rotation_std = 0;  ///< largest over directions [rad]
-  Eigen::Vector3d translation_std =
-      Eigen::Vector3d::Zero();  ///< along the principal directions, ascending [m]
-  Eigen::Matrix3d directions = Eigen::Matrix3d::Identity();  ///< columns: those principal directions
+  Eigen::Vector3d rotation_std = Eigen::Vector3d::Constant(1e6);     ///< [rad]
+  Eigen::Matrix3d rotations = Eigen::Matrix3d::Identity();           ///< columns: axes of those rotations
+  Eigen::Vector3d translation_std = Eigen::Vector3d::Constant(1e6);  ///< [m]
+  Eigen::Matrix3d directions = Eigen::Matrix3d::Identity();  ///< columns: directions of those translations
 
   bool complete(double max_rotation_std, double max_translation_std) const {
-    return rotation_std <= max_rotation_std && translation_std[2] <= max_translation_std;
+    return rotation_std[2] <= max_rotation_std && translation_std[2] <= max_translation_std;
   }
   /** \brief Orientation and two translations are fixed, the third is not. */
   bool oneTranslationFree(double max_rotation_std, double max_translation_std) const {
-    return rotation_std <= max_rotation_std && translation_std[1] <= max_translation_std &&
+    return rotation_std[2] <= max_rotation_std && translation_std[1] <= max_translation_std &&
            translation_std[2] > max_translation_std;
   }
 };

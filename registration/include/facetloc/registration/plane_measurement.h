@@ -39,6 +39,12 @@ struct PlaneMeasurement {
 bool measurePlane(const Segment& scene, const Segment& model, const Eigen::Isometry3d& T_m_c,
                   double min_cosine, PlaneMeasurement& out);
 
+/** \brief Squared Mahalanobis distance of the offset h_3 alone, with its variance enlarged by slack^2 [m^2].
+ * Never larger than that of all three components, and much cheaper: it rejects most pairs before anything
+ * else is computed. */
+double offsetDistance(const Segment& scene, const Segment& model, const PoseWithCovariance& T_m_c,
+                      double slack = 0);
+
 /** \brief Squared Mahalanobis distance d^2 = h^T (H P H^T + W)^-1 h under the pose uncertainty P
  * (METHOD 7.5), ~ chi2(3) for a correct pair. */
 double innovationDistance(const PlaneMeasurement& m, const Matrix6d& P);
