@@ -14,7 +14,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <numeric>
 #include <stdexcept>
 
 namespace facetloc {
@@ -512,38 +511,6 @@ std::vector<std::string> integrityFaults(Connection& db) {
   return faults;
 }
 
-std::vector<std::string> emptyModels(const Map& map) {
-  std::vector<std::string> faults;
-  for (std::size_t i = 0; i < map.models.size(); ++i)
-    if (map.models[i].view.segments.empty())
-      faults.push_back(nameOf(static_cast<int>(i), map.models[i].name) + " has no segments");
-  return faults;
-}
-
-/** The number of parts of the graph that are not linked with each other. */
-int numberOfParts(const Map& map) {
-  std::vector<int> parent(map.models.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&parent](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  int parts = static_cast<int>(map.models.size());
-  for (const Link& link : map.links) {
-    const int a = root(link.from), b = root(link.to);
-    if (a == b) continue;
-    parent[a] = b;
-    --parts;
-  }
-  return parts;
-}
-
-std::vector<std::string> graphFaults(const Map& map) {
-  const int parts = map.links.empty() ? 1 : numberOfParts(map);
-  if (parts <= 1) return {};
-  return {"the graph of links falls into " + std::to_string(parts) + " parts"};
-}
-
 }  // namespace
 
 // ---- The public face
@@ -638,10 +605,8 @@ std::vector<std::string> checkMap(const std::filesystem::path& path) {
   try {
     append(faults, integrityFaults(db));
     MapReader reader(db);
-    const Map map = reader.read();
+    reader.read();
     append(faults, reader.faults());
-    append(faults, emptyModels(map));
-    append(faults, graphFaults(map));
   } catch (const IoError& e) {
     faults.push_back(std::string("cannot be read: ") + e.what());
   } catch (const BadCell& e) {

@@ -3,6 +3,8 @@
 #include <facetloc/registration/consensus.h>
 #include <facetloc/registration/plane_measurement.h>
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -85,8 +87,11 @@ std::vector<std::vector<Eigen::Vector3d>> samplePoints(const View& scene) {
 double logLikelihoodRatio(const View& scene, const std::vector<std::vector<Eigen::Vector3d>>& samples,
                           const View& model, const PoseWithCovariance& T_m_c,
                           const DepthComparison& comparison, const ConsensusParams& params) {
-  const float margin =
-      static_cast<float>(kHullMargin + 2 * std::sqrt(std::max(0.0, T_m_c.P.diagonal().tail<3>().maxCoeff())));
+  // The largest over all directions, not over the axes of the model: the score does not depend on those.
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> position;
+  position.computeDirect(T_m_c.P.bottomRightCorner<3, 3>(), Eigen::EigenvaluesOnly);
+  const auto margin =
+      static_cast<float>(kHullMargin + 2 * std::sqrt(std::max(0.0, position.eigenvalues()[2])));
   // No pair is likelier than an exact one whose uncertainty is the slack alone.
   const double highest = -0.5 * 3 * std::log(2 * kPi) -
                          std::log(std::pow(params.slope_slack_deg * kDegree, 2) * params.offset_slack);

@@ -18,10 +18,20 @@ std::vector<double> alignDepth(const DepthPicture& scene, const DepthPicture& mo
     return T;
   };
   const int half = std::max(1, static_cast<int>(std::lround(params.range / params.step)));
+  // How many pixels the pictures share depends on the position and says nothing about it; what counts is how
+  // the shared ones agree. Otherwise a bare corridor would be found where the overlap is largest.
+  std::vector<DepthAgreement> found;
+  int largest = 0;
+  for (int i = -half; i <= half; ++i) {
+    found.push_back(comparison.compareBoth(scene, model, at(centre + i * params.step), kCoarseColumns));
+    largest = std::max(largest, found.back().judged());
+  }
+  constexpr double kEnoughShared = 0.25;  // of the largest overlap; fewer pixels agree by chance
   std::vector<double> agreement;
-  for (int i = -half; i <= half; ++i)
-    agreement.push_back(
-        comparison.compareBoth(scene, model, at(centre + i * params.step), kCoarseColumns).net());
+  for (const DepthAgreement& a : found) {
+    const double shared = std::max<double>(a.judged(), kEnoughShared * largest);
+    agreement.push_back(largest > 0 ? largest * a.net() / shared : 0);
+  }
   const double best = *std::max_element(agreement.begin(), agreement.end());
   const double mean = std::accumulate(agreement.begin(), agreement.end(), 0.0) / agreement.size();
   if (best - mean < params.prominence) return {};
@@ -41,7 +51,8 @@ std::vector<double> alignDepth(const DepthPicture& scene, const DepthPicture& mo
     double best_position = coarse, best_likelihood = -std::numeric_limits<double>::infinity();
     for (int j = -kFineHalf; j <= kFineHalf; ++j) {
       const double position = coarse + j * params.step / kFineHalf;
-      const double likelihood = comparison.compareBoth(scene, model, at(position), kFineColumns).likelihood;
+      const DepthAgreement a = comparison.compareBoth(scene, model, at(position), kFineColumns);
+      const double likelihood = a.likelihood / std::max(1, a.judged());
       if (likelihood > best_likelihood) best_likelihood = likelihood, best_position = position;
     }
     positions.push_back(best_position);

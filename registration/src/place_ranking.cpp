@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace facetloc {
@@ -83,7 +84,7 @@ bool addEvidence(const View& scene, const Map& map, const DepthComparison& compa
   if (!params.multi_model || scene.depth.empty()) return false;
   const std::size_t n = std::min<std::size_t>(hypotheses.size(), params.evidence_hypotheses);
   bool any = false;
-  double least = 0;
+  double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < n; ++i) {
     Hypothesis& h = hypotheses[i];
     if (!h.T_w_c) continue;
@@ -92,7 +93,7 @@ bool addEvidence(const View& scene, const Map& map, const DepthComparison& compa
     any = any || !models.empty();
     least = std::min(least, h.evidence);
   }
-  for (std::size_t i = n; i < hypotheses.size(); ++i) hypotheses[i].evidence = least;
+  for (std::size_t i = n; any && i < hypotheses.size(); ++i) hypotheses[i].evidence = least;
   for (Hypothesis& h : hypotheses) h.score += h.evidence;
   return any;
 }

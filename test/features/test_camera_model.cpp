@@ -41,7 +41,7 @@ TEST(CameraModel, ProjectionInvertsTheRay) {
   const Intrinsics c = kinectIntrinsics();
   Rng rng(1);
   for (int i = 0; i < 100; ++i) {
-    const Eigen::Vector2d pixel(uniform(rng, -50, 700), uniform(rng, -50, 500));
+    const Eigen::Vector2d pixel{uniform(rng, -50, 700), uniform(rng, -50, 500)};
     EXPECT_THAT(c.project(uniform(rng, 0.1, 10) * c.ray(pixel.x(), pixel.y())), MatrixNear(pixel, 1e-10));
   }
 }
@@ -50,8 +50,8 @@ TEST(CameraModel, PointCovarianceIsThatOfTheDisparityModel) {
   const Intrinsics c = kinectIntrinsics();
   Rng rng(2);
   for (int i = 0; i < 500; ++i) {
-    const Eigen::Vector3d uvd(uniform(rng, 0, 640), uniform(rng, 0, 480),
-                              kinectDisparity(uniform(rng, 0.5, 6)));
+    const Eigen::Vector3d uvd{uniform(rng, 0, 640), uniform(rng, 0, 480),
+                              kinectDisparity(uniform(rng, 0.5, 6))};
     const double sigma_pixel = uniform(rng, 0.1, 2), sigma_d = uniform(rng, 0.1, 2);
     const auto J =
         test::numericJacobian<3, 3>([&](const Eigen::Vector3d& x) { return kinectPoint(c, x); }, uvd, 3e-4);

@@ -36,9 +36,10 @@ TEST(Params, NotANumberIsOutsideEveryRange) {
 
 TEST(Params, IniTextKeepsEveryDigitInTheOrderOfTheDescription) {
   SegmentEstimationParams p;
-  p.max_depth = 0.1;
+  p.max_depth = 1.0 / 3;
   const std::string text = toIni(p);
-  EXPECT_THAT(text, HasSubstr("max_depth = 0.10000000000000001\n"));
+  EXPECT_THAT(text, HasSubstr("max_depth = 0.3333333333333333\n"));
+  EXPECT_THAT(text, HasSubstr("offset_floor = 0.002\n"));
   EXPECT_LT(text.find("min_support"), text.find("offset_floor"));
 }
 

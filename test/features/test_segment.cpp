@@ -40,7 +40,7 @@ TEST(ConvexHull, ContainsWhatLiesInsideAndNotWhatLiesOutside) {
   const ConvexHull hull = rectangleHull(1, 0.5);
   Rng rng(1);
   for (int i = 0; i < 2000; ++i) {
-    const Eigen::Vector2f p(uniform(rng, -2, 2), uniform(rng, -2, 2));
+    const Eigen::Vector2f p = Eigen::Vector2d{uniform(rng, -2, 2), uniform(rng, -2, 2)}.cast<float>();
     EXPECT_EQ(hull.contains(p), std::abs(p.x()) <= 1 && std::abs(p.y()) <= 0.5) << p.transpose();
   }
 }
@@ -71,7 +71,7 @@ TEST(Segment, TransformedMovesEveryPointOfItsPlane) {
     const Segment s = test::randomSegment(rng);
     const Eigen::Isometry3d T = test::randomPose(rng, 3, 4);
     const Segment moved = transformed(s, T);
-    const Eigen::Vector3d in_plane(uniform(rng, -1, 1), uniform(rng, -1, 1), 0);
+    const Eigen::Vector3d in_plane{uniform(rng, -1, 1), uniform(rng, -1, 1), 0};
     EXPECT_THAT((moved.R * in_plane + moved.t).eval(), MatrixNear(T * (s.R * in_plane + s.t), 1e-12));
     EXPECT_THAT(moved.normal(), MatrixNear(T.linear() * s.normal(), 1e-12));
     EXPECT_THAT(moved.Sigma_q, MatrixNear(s.Sigma_q, 0));  // q lives in S_F

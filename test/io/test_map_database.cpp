@@ -349,14 +349,14 @@ TEST_F(MapFile, CheckTellsEveryFault) {
   EXPECT_THAT(readError(), AllOf(HasSubstr("segment 0 of model 0"), HasSubstr("more faults")));
 }
 
-TEST_F(MapFile, CheckTellsEmptyModelsAndSeveredGraphs) {
+TEST_F(MapFile,
+       EmptyModelsAndSeveredGraphsAreSound) {  // images of nothing, merged maps, a build that was killed
   Map map = ExampleMap().map(4);
   map.models[3].view.segments.clear();
   map.links.erase(map.links.begin() + 1);
   writeMap(path_, map);
   EXPECT_EQ(readError(), "");
-  EXPECT_THAT(checkMap(path_),
-              ElementsAre("model 3 ('frame 3') has no segments", "the graph of links falls into 2 parts"));
+  EXPECT_THAT(checkMap(path_), IsEmpty());
 }
 
 TEST_F(MapFile, EveryTruncationIsAnError) {

@@ -27,8 +27,7 @@ Eigen::Vector3d smallDisturbance(Rng& rng) {
 // A model segment, a pose, and the same surface as the camera sees it: another part of it, in other axes.
 struct TruePair {
   explicit TruePair(Rng& rng) : model(randomSegment(rng)), T_m_c(randomPose(rng, 0.6, 1.0)) {
-    const Segment part =
-        test::movedInPlane(model, uniform(rng, -0.5, 0.5), uniform(rng, -0.5, 0.5), uniform(rng, -3, 3));
+    const Segment part = test::anotherPart(rng, model, 0.5);
     scene = transformed(part, T_m_c.inverse());
   }
   Segment model;
@@ -143,6 +142,23 @@ TEST(PlaneMeasurement, MeasurePlaneIsTheResidualOfUndisturbedPlanes) {
     EXPECT_NEAR(innovationDistance(m, P), m.h.dot(S.inverse() * m.h), 1e-9 * (1 + innovationDistance(m, P)));
   }
   EXPECT_GT(measured, 100);
+}
+
+TEST(PlaneMeasurement, DistanceOfTheOffsetAloneIsNeverLarger) {
+  Rng rng(13);
+  for (int i = 0; i < 500; ++i) {
+    TruePair pair(rng);
+    pair.scene = disturbed(pair.scene, 0.1 * smallDisturbance(rng));
+    const PoseWithCovariance pose{pair.T_m_c, randomPoseCovariance(rng)};
+    PlaneMeasurement m;
+    ASSERT_TRUE(measurePlane(pair.scene, pair.model, pose.T, 0, m));
+    const double variance = (m.H * pose.P * m.H.transpose() + m.W)(2, 2);
+    const double want = m.h[2] * m.h[2] / variance;
+    EXPECT_NEAR(offsetDistance(pair.scene, pair.model, pose), want, 1e-9 * (1 + want));
+    EXPECT_NEAR(offsetDistance(pair.scene, pair.model, pose, 0.05), m.h[2] * m.h[2] / (variance + 0.0025),
+                1e-9 * (1 + want));
+    EXPECT_LE(want, innovationDistance(m, pose.P) * (1 + 1e-9));
+  }
 }
 
 TEST(PlaneMeasurement, OppositeNormalsAreNoMeasurement) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <charconv>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 namespace facetloc {
 
@@ -28,15 +30,24 @@ void checkRanges(const Params& params) {
   });
 }
 
+/** \brief A number as the shortest text that reads back as the same number; bool as 0 or 1. */
+template <typename T>
+std::string numberText(T value) {
+  char text[32];
+  if constexpr (std::is_same_v<T, bool>)
+    return value ? "1" : "0";
+  else
+    return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
 /** \brief The parameters as "name = value" lines, in the order of their description. */
 template <class Params>
 std::string toIni(const Params& params) {
-  std::ostringstream out;
-  out.precision(17);
+  std::string out;
   Params::describe(params, [&out](const char* name, const auto& value, auto, auto, const char*) {
-    out << name << " = " << value << "\n";
+    out += std::string(name) + " = " + numberText(value) + "\n";
   });
-  return out.str();
+  return out;
 }
 
 }  // namespace facetloc

@@ -40,6 +40,7 @@ struct DepthAgreement {
     agree += o.agree, contradict += o.contradict, occluded += o.occluded, likelihood += o.likelihood;
     return *this;
   }
+  int judged() const { return agree + contradict + occluded; }
   int net() const { return agree - 5 * contradict; }  ///< METHOD_MEASURED 10.5
 };
 

@@ -8,7 +8,7 @@ namespace facetloc {
 
 /** \brief The iterated Extended Kalman Filter for one pair of segments (METHOD 8). */
 struct EkfParams {
-  int iterations = 8;       ///< 1 = the paper's EKF
+  int iterations = 20;      ///< 1 = the paper's EKF
   double gate = 11.345;     ///< on the post-fit cost, chi2(3) at 99 %
   double min_cosine = 0.5;  ///< between the normals of a pair, before each linearisation
 

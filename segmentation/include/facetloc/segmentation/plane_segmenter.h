@@ -21,7 +21,7 @@ struct SegmentationParams {
     field("label_tolerance", p.label_tolerance, 1.0, 1e3,
           "Largest residual of a labelled pixel [noise standard deviations].");
     field("min_segment", p.min_support, 3.0, 1e6,
-          "Smallest segment [px at 320x240, scaled with the image area].");
+          "Smallest labelled region [px at 320x240, scaled with the image area]; see min_support.");
     field("estimate_noise", p.estimate_noise, false, true,
           "Raise the configured noise to what the image itself shows (METHOD 3.4).");
   }

@@ -37,23 +37,24 @@ inline Eigen::Vector3d randomDirection(Rng& rng) { return gaussian<3>(rng).norma
 
 /** \brief Any rotation, uniformly in angle about a random axis. */
 inline Eigen::Matrix3d randomRotation(Rng& rng, double max_angle = 3.14) {
-  return expSO3(uniform(rng, 0, max_angle) * randomDirection(rng));
+  const double angle = uniform(rng, 0, max_angle);
+  return expSO3(angle * randomDirection(rng));
 }
 
 inline Eigen::Isometry3d randomPose(Rng& rng, double max_angle, double max_distance) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = randomRotation(rng, max_angle);
-  T.translation() = uniform(rng, 0, max_distance) * randomDirection(rng);
+  const double distance = uniform(rng, 0, max_distance);
+  T.translation() = distance * randomDirection(rng);
   return T;
 }
 
-/** \brief A random symmetric, positive definite matrix with the given standard deviations and correlations
- * that are moderate. */
+/** \brief A random covariance with the given standard deviations and moderate correlations. */
 template <int N>
 Eigen::Matrix<double, N, N> randomCovariance(Rng& rng, const Eigen::Matrix<double, N, 1>& std) {
-  Eigen::Matrix<double, N, N> A = 2 * Eigen::Matrix<double, N, N>::Identity();
-  for (int i = 0; i < N; ++i) A.col(i) += gaussian<N>(rng);
-  Eigen::Matrix<double, N, N> C = A * A.transpose();
+  Eigen::Matrix<double, N, N> A;
+  for (int i = 0; i < N; ++i) A.col(i) = gaussian<N>(rng);
+  const Eigen::Matrix<double, N, N> C = A * A.transpose() / N + 0.5 * Eigen::Matrix<double, N, N>::Identity();
   const Eigen::Matrix<double, N, 1> scale = std.cwiseQuotient(C.diagonal().cwiseSqrt());
   return scale.asDiagonal() * C * scale.asDiagonal();
 }
@@ -86,7 +87,7 @@ inline Segment rectangle(const Eigen::Vector3d& centre, const Eigen::Vector3d& n
 /** \brief A plausible segment: 1 to 5 m in front of the camera, 0.2 to 2 m large, not edge-on, with a full
  * Sigma_q. */
 inline Segment randomSegment(Rng& rng) {
-  const Eigen::Vector3d ray(uniform(rng, -0.5, 0.5), uniform(rng, -0.4, 0.4), 1);
+  const Eigen::Vector3d ray{uniform(rng, -0.5, 0.5), uniform(rng, -0.4, 0.4), 1};
   const Eigen::Vector3d centre = uniform(rng, 1, 5) * ray;
   Eigen::Vector3d n = randomDirection(rng);
   while (std::abs(n.dot(centre.normalized())) < 0.2) n = randomDirection(rng);
@@ -117,6 +118,22 @@ inline Segment movedInPlane(const Segment& s, double x, double y, double turn) {
   Eigen::Matrix3d to_turned = expSO3({0, 0, -turn});  // slopes turn with the axes, the offset stays
   out.Sigma_q = to_turned * s.Sigma_q * to_turned.transpose();
   return out;
+}
+
+/** \brief A random other part of the same plane, up to so far away [m], its axes turned anyhow. */
+inline Segment anotherPart(Rng& rng, const Segment& s, double max_x, double max_y) {
+  const double x = uniform(rng, -max_x, max_x), y = uniform(rng, -max_y, max_y);
+  return movedInPlane(s, x, y, uniform(rng, -3, 3));
+}
+inline Segment anotherPart(Rng& rng, const Segment& s, double max_shift) {
+  return anotherPart(rng, s, max_shift, max_shift);
+}
+
+/** \brief A point of a cube about the origin. */
+inline Eigen::Vector3d uniformVector(Rng& rng, double half_side) {
+  Eigen::Vector3d v;
+  for (int i = 0; i < 3; ++i) v[i] = uniform(rng, -half_side, half_side);
+  return v;
 }
 
 }  // namespace facetloc::test

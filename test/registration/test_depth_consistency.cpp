@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/camera_model.h>
+#include <facetloc/registration/depth_consistency.h>
+#include <facetloc/testing/random_segments.h>
+#include <facetloc/testing/synthetic_depth.h>
+
+#include <gtest/gtest.h>
+
+namespace facetloc {
+namespace {
+
+using test::endlessPlane;
+using test::lookingAlong;
+using test::render;
+using test::smallCamera;
+
+const Eigen::Isometry3d kHere = Eigen::Isometry3d::Identity();
+
+DepthComparison comparison() { return {DepthConsistencyParams{}, SensorNoise{}.inverse_depth_std}; }
+
+DepthPicture wallAt(double z, const Eigen::Vector3d& normal = Eigen::Vector3d::UnitZ()) {
+  return DepthPicture::fromDepth(render({endlessPlane({0, 0, z}, normal)}, smallCamera()).image);
+}
+
+DepthPicture roomFrom(const Eigen::Isometry3d& T_w_c) {
+  return DepthPicture::fromDepth(render(test::furnishedRoom(), smallCamera(), T_w_c).image);
+}
+
+int pixelsOfGrid(const DepthPicture& p, int columns) {
+  const int step = gridStep(p, columns);
+  return ((p.camera.width - step / 2 - 1) / step + 1) * ((p.camera.height - step / 2 - 1) / step + 1);
+}
+
+TEST(DepthConsistency, APictureAgreesWithItselfEverywhere) {
+  const DepthPicture p = roomFrom(lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2}));
+  for (const int columns : {kCoarseColumns, kFineColumns}) {
+    const DepthAgreement a = comparison().compare(p, p, kHere, columns);
+    EXPECT_EQ(a.contradict, 0);
+    EXPECT_EQ(a.occluded, 0);
+    EXPECT_EQ(a.agree, pixelsOfGrid(p, columns));
+    EXPECT_EQ(a.net(), a.agree);
+  }
+}
+
+TEST(DepthConsistency, AWallPredictedNearerThanMeasuredContradicts) {
+  // a sees a wall at 2 m; the other camera, at the same place, looked through it to 3 m.
+  const DepthAgreement a = comparison().compare(wallAt(2), wallAt(3), kHere, kFineColumns);
+  EXPECT_EQ(a.agree + a.occluded, 0);
+  EXPECT_EQ(a.contradict, pixelsOfGrid(wallAt(2), kFineColumns));
+  EXPECT_EQ(a.net(), -5 * a.contradict);
+}
+
+TEST(DepthConsistency, AWallPredictedFartherThanMeasuredIsOccluded) {
+  const DepthAgreement a = comparison().compare(wallAt(3), wallAt(2), kHere, kFineColumns);
+  EXPECT_EQ(a.agree + a.contradict, 0);
+  EXPECT_EQ(a.occluded, pixelsOfGrid(wallAt(3), kFineColumns));
+}
+
+TEST(DepthConsistency, MovingTheCameraExplainsTheDifference) {
+  Eigen::Isometry3d T = kHere;
+  T.translation().z() = 1;  // a stands one metre nearer to the wall
+  const DepthAgreement a = comparison().compare(wallAt(2), wallAt(3), T, kFineColumns);
+  EXPECT_EQ(a.contradict + a.occluded, 0);
+  EXPECT_GT(a.agree, 0);
+}
+
+TEST(DepthConsistency, BothDirectionsAreTheSumOfEach) {
+  const Eigen::Isometry3d A = lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2}),
+                          B = lookingAlong({1.4, 0.8, 1.3}, {0.2, 1, -0.1});
+  const DepthPicture a = roomFrom(A), b = roomFrom(B);
+  Eigen::Isometry3d T = B.inverse() * A;
+  T.translation().x() += 0.1;
+  const DepthAgreement there = comparison().compare(a, b, T, kFineColumns),
+                       back = comparison().compare(b, a, T.inverse(), kFineColumns),
+                       both = comparison().compareBoth(a, b, T, kFineColumns),
+                       swapped = comparison().compareBoth(b, a, T.inverse(), kFineColumns);
+  EXPECT_EQ(both.agree, there.agree + back.agree);
+  EXPECT_EQ(both.contradict, there.contradict + back.contradict);
+  EXPECT_EQ(both.occluded, there.occluded + back.occluded);
+  EXPECT_EQ(swapped.agree, both.agree);
+  EXPECT_EQ(swapped.contradict, both.contradict);
+  EXPECT_EQ(swapped.occluded, both.occluded);
+  EXPECT_DOUBLE_EQ(swapped.likelihood, both.likelihood);
+}
+
+TEST(DepthConsistency, TwoViewsOfARoomAgreeAtTheTruePoseOnly) {
+  const Eigen::Isometry3d A = lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2}),
+                          B = lookingAlong({1.5, 0.9, 1.3}, {0.2, 1, -0.1});
+  const DepthPicture a = roomFrom(A), b = roomFrom(B);
+  const auto at = [&](const Eigen::Vector3d& shift) {
+    Eigen::Isometry3d T = B.inverse() * A;
+    T.translation() += shift;
+    return comparison().compareBoth(a, b, T, kFineColumns);
+  };
+  const DepthAgreement truth = at({0, 0, 0});
+  EXPECT_LT(truth.contradict, 0.005 * truth.agree);
+  for (const double metres : {0.3, -0.3})
+    for (int axis = 0; axis < 3; ++axis) {
+      const DepthAgreement moved = at(metres * Eigen::Vector3d::Unit(axis));
+      EXPECT_GT(moved.contradict, truth.contradict);
+      EXPECT_LT(moved.net(), truth.net());
+      EXPECT_LT(moved.likelihood, truth.likelihood);
+    }
+}
+
+TEST(DepthConsistency, JudgeSaysWhatCompareCounts) {
+  const Eigen::Isometry3d A = lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2}),
+                          B = lookingAlong({1.4, 0.8, 1.3}, {0.2, 1, -0.1});
+  const DepthPicture a = roomFrom(A), b = roomFrom(B);
+  Eigen::Isometry3d T = B.inverse() * A;
+  T.translation() += Eigen::Vector3d(0.15, -0.05, 0.1);
+  const DepthAgreement want = comparison().compare(a, b, T, kFineColumns);
+  DepthAgreement sum;
+  const int step = gridStep(a, kFineColumns);
+  for (int v = step / 2; v < a.camera.height; v += step)
+    for (int u = step / 2; u < a.camera.width; u += step) switch (comparison().judge(a, u, v, b, T)) {
+      case DepthVerdict::agree:
+        ++sum.agree;
+        break;
+      case DepthVerdict::contradict:
+        ++sum.contradict;
+        break;
+      case DepthVerdict::occluded:
+        ++sum.occluded;
+        break;
+      case DepthVerdict::outside:
+        break;
+      }
+  EXPECT_GT(want.contradict, 0);
+  EXPECT_GT(want.occluded, 0);
+  EXPECT_EQ(sum.agree, want.agree);
+  EXPECT_EQ(sum.contradict, want.contradict);
+  EXPECT_EQ(sum.occluded, want.occluded);
+}
+
+TEST(DepthConsistency, TheToleranceIsThreeTimesTheErrorOfAPrediction) {
+  // METHOD_MEASURED 11.4 (5): sigma_e = 1.5 DU + 0.01 d, gate 3 sigma_e.
+  const double d = 0.5;
+  EXPECT_NEAR(comparison().tolerance(d), 3 * (1.5 / kKinectGain + 0.01 * d), 1e-9);
+  const double slack = comparison().tolerance(1 / 2.0);
+  const double inside = 1 / (0.5 - 0.9 * slack), outside = 1 / (0.5 - 1.1 * slack);
+  EXPECT_EQ(comparison().compare(wallAt(2), wallAt(inside), kHere, kFineColumns).contradict, 0);
+  EXPECT_EQ(comparison().compare(wallAt(2), wallAt(outside), kHere, kFineColumns).agree, 0);
+}
+
+TEST(DepthConsistency, WhatIsUnknownFarOrOutOfViewIsNotCounted) {
+  const auto total = [](const DepthAgreement& a) { return a.agree + a.contradict + a.occluded; };
+  DepthImage blank = render({}, smallCamera()).image;
+  EXPECT_EQ(total(comparison().compare(wallAt(2), DepthPicture::fromDepth(blank), kHere, kFineColumns)), 0);
+  EXPECT_EQ(total(comparison().compare(DepthPicture::fromDepth(blank), wallAt(2), kHere, kFineColumns)), 0);
+  EXPECT_EQ(total(comparison().compare({}, wallAt(2), kHere, kFineColumns)), 0);
+  EXPECT_EQ(total(comparison().compare(wallAt(2), {}, kHere, kFineColumns)), 0);
+  EXPECT_EQ(total(comparison().compare(wallAt(6.1), wallAt(6.1), kHere, kFineColumns)),
+            0);  // beyond max_depth
+  EXPECT_GT(total(comparison().compare(wallAt(5.9), wallAt(5.9), kHere, kFineColumns)), 0);
+  Eigen::Isometry3d behind = kHere;
+  behind.translation().z() = -5;
+  EXPECT_EQ(total(comparison().compare(wallAt(2), wallAt(2), behind, kFineColumns)), 0);
+  Eigen::Isometry3d turned = kHere;
+  turned.linear() = expSO3({0, 2, 0});
+  EXPECT_EQ(total(comparison().compare(wallAt(2), wallAt(2), turned, kFineColumns)), 0);
+}
+
+TEST(DepthConsistency, AnyPoseIsSafe) {
+  test::Rng rng(1);
+  const DepthPicture a = roomFrom(lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2}));
+  for (int i = 0; i < 300; ++i) {
+    const DepthAgreement d =
+        comparison().compareBoth(a, a, test::randomPose(rng, 3.1, i % 2 ? 1 : 1e6), kFineColumns);
+    EXPECT_LE(d.agree + d.contradict + d.occluded, 2 * pixelsOfGrid(a, kFineColumns));
+    EXPECT_TRUE(std::isfinite(d.likelihood));
+  }
+}
+
+}  // namespace
+}  // namespace facetloc

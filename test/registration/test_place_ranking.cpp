@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/so3.h>
+#include <facetloc/registration/place_ranking.h>
+#include <facetloc/testing/synthetic_depth.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace facetloc {
+namespace {
+
+using test::lookingAlong;
+
+Hypothesis hypothesis(double score, const std::optional<Eigen::Isometry3d>& T_w_c = {}, int model = 0) {
+  Hypothesis h;
+  h.score = score;
+  h.T_w_c = T_w_c;
+  h.model = model;
+  return h;
+}
+
+Eigen::Isometry3d pose(double x, double turn_deg = 0) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = expSO3({0, turn_deg * kDegree, 0});
+  T.translation().x() = x;
+  return T;
+}
+
+TEST(RankPlaces, ProbabilitiesAreTheSoftmaxWithANullPlace) {
+  const PlaceRankingParams params;
+  for (const bool with_evidence : {false, true}) {
+    const double slope = with_evidence ? 0.13 : 0.35, null_score = with_evidence ? 90 : 27;
+    std::vector<Hypothesis> h{hypothesis(20, pose(0)), hypothesis(35, pose(1)), hypothesis(28, pose(2))};
+    rankPlaces(params, with_evidence, h);
+    double sum = std::exp(slope * null_score);
+    for (const double score : {35, 28, 20}) sum += std::exp(slope * score);
+    ASSERT_EQ(h.size(), 3u);
+    const double scores[] = {35, 28, 20};
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_EQ(h[i].score, scores[i]);
+      EXPECT_NEAR(h[i].probability, std::exp(slope * scores[i]) / sum, 1e-12);
+    }
+  }
+}
+
+TEST(RankPlaces, ProbabilitiesSumToLessThanOneForAnyScores) {
+  for (const double score : {-1e6, -10.0, 0.0, 27.0, 500.0, 1e6}) {
+    std::vector<Hypothesis> h{hypothesis(score, pose(0)), hypothesis(score - 1, pose(1)),
+                              hypothesis(-score, pose(2))};
+    rankPlaces({}, false, h);
+    double sum = 0;
+    for (const Hypothesis& x : h) {
+      EXPECT_TRUE(x.probability >= 0 && x.probability <= 1);
+      sum += x.probability;
+    }
+    EXPECT_LE(sum, 1 + 1e-12);
+  }
+}
+
+TEST(RankPlaces, APlaceAtTheNullScoreIsAsLikelyAsNone) {
+  std::vector<Hypothesis> h{hypothesis(27, pose(0))};
+  rankPlaces({}, false, h);
+  EXPECT_NEAR(h[0].probability, 0.5, 1e-12);
+}
+
+TEST(RankPlaces, HypothesesOfOnePlaceBecomeTheBestOfThem) {
+  std::vector<Hypothesis> h{hypothesis(10, pose(0), 1), hypothesis(30, pose(0.14, 1.9), 2),
+                            hypothesis(20, pose(0, 2.1), 3), hypothesis(25, pose(0.16), 4)};
+  rankPlaces({}, false, h);
+  // 25 lies 0.02 m and 1.9 deg from 30 and is absorbed; so are 10 and 20, the latter within 0.14 m and 0.2
+  // deg.
+  ASSERT_EQ(h.size(), 1u);
+  EXPECT_EQ(h[0].model, 2);
+
+  h = {hypothesis(30, pose(0)), hypothesis(20, pose(0.151)), hypothesis(10, pose(0, 2.01)),
+       hypothesis(5, pose(0.149, 1.99))};
+  rankPlaces({}, false, h);
+  ASSERT_EQ(h.size(), 3u);
+  EXPECT_EQ(h[2].score, 10);
+
+  PlaceRankingParams apart;
+  apart.merge = false;
+  h = {hypothesis(30, pose(0)), hypothesis(20, pose(0))};
+  rankPlaces(apart, false, h);
+  EXPECT_EQ(h.size(), 2u);
+}
+
+TEST(RankPlaces, WithoutWorldPosesNothingIsMerged) {
+  std::vector<Hypothesis> h{hypothesis(10), hypothesis(30), hypothesis(20, pose(0))};
+  rankPlaces({}, false, h);
+  EXPECT_EQ(h.size(), 3u);
+  EXPECT_EQ(h[0].score, 30);
+}
+
+TEST(RankPlaces, EqualScoresKeepTheirOrder) {
+  std::vector<Hypothesis> h;
+  for (int i = 0; i < 20; ++i) h.push_back(hypothesis(i % 2, pose(i), i));
+  rankPlaces({}, false, h);
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(h[i].model, 2 * i + 1);
+    EXPECT_EQ(h[10 + i].model, 2 * i);
+  }
+}
+
+TEST(RankPlaces, OfNothingIsNothing) {
+  std::vector<Hypothesis> h;
+  rankPlaces({}, true, h);
+  EXPECT_TRUE(h.empty());
+}
+
+// ---- evidence of the nearest local models
+
+class Evidence : public testing::Test {
+protected:
+  Evidence() {
+    for (const double x : {0.8, 1.3, 1.8}) {
+      LocalModel m;
+      m.T_w_m = lookingAlong({x, 0.5, 1.2}, {0.4, 1, -0.2});
+      m.view = viewFrom(*m.T_w_m);
+      map.models.push_back(m);
+    }
+  }
+  static View viewFrom(const Eigen::Isometry3d& T_w_c) {
+    View view;
+    const DepthImage image = test::render(test::furnishedRoom(), test::smallCamera(), T_w_c).image;
+    view.camera = image.camera;
+    view.depth = DepthPicture::fromDepth(image);
+    return view;
+  }
+  bool add(std::vector<Hypothesis>& h) { return addEvidence(scene, map, comparison, params, h); }
+
+  Map map;
+  const Eigen::Isometry3d truth = lookingAlong({1.5, 0.8, 1.2}, {0.3, 1, -0.2});
+  View scene = viewFrom(truth);
+  DepthComparison comparison{DepthConsistencyParams{}, SensorNoise{}.inverse_depth_std};
+  PlaceRankingParams params;
+};
+
+TEST_F(Evidence, IsForTheTruePlaceAndAgainstAnother) {
+  Eigen::Isometry3d wrong = truth;
+  wrong.translation() += Eigen::Vector3d(0.4, 0.3, 0);
+  std::vector<Hypothesis> h{hypothesis(20, wrong), hypothesis(10, truth)};
+  ASSERT_TRUE(add(h));
+  EXPECT_LT(h[0].evidence, 0);  // sorted by the old scores
+  EXPECT_GT(h[1].evidence, 20);
+  EXPECT_DOUBLE_EQ(h[0].score, 20 + h[0].evidence);
+  EXPECT_DOUBLE_EQ(h[1].score, 10 + h[1].evidence);
+}
+
+TEST_F(Evidence, WeighsWhatAllNearModelsSay) {
+  std::vector<Hypothesis> h{hypothesis(0, truth)}, doubled = h;
+  ASSERT_TRUE(add(h));
+  params.evidence_weight *= 2;
+  ASSERT_TRUE(add(doubled));
+  EXPECT_NEAR(doubled[0].evidence, 2 * h[0].evidence, 1e-9);
+}
+
+TEST_F(Evidence, HypothesesBeyondTheBestGetTheLeastOfThose) {
+  params.evidence_hypotheses = 2;
+  Eigen::Isometry3d near = truth;
+  near.translation().x() += 0.02;
+  std::vector<Hypothesis> h{hypothesis(30, truth), hypothesis(20, near), hypothesis(10, truth),
+                            hypothesis(5)};
+  ASSERT_TRUE(add(h));
+  const double least = std::min(h[0].evidence, h[1].evidence);
+  EXPECT_GT(least, 0);
+  EXPECT_EQ(h[2].evidence, least);
+  EXPECT_EQ(h[3].evidence, least);
+}
+
+TEST_F(Evidence, IsNoneWhereThereIsNothingToCompare) {
+  const std::vector<Hypothesis> plain{hypothesis(20, truth)};
+  const auto expectNone = [&](std::vector<Hypothesis> h) {
+    EXPECT_FALSE(add(h));
+    for (const Hypothesis& x : h) EXPECT_EQ(x.evidence, 0);
+  };
+  expectNone({});
+  expectNone({hypothesis(20)});  // no world pose
+  params.multi_model = false;
+  expectNone(plain);
+  params.multi_model = true;
+  Eigen::Isometry3d far = truth;
+  far.translation().x() += 50;  // no model looks there
+  expectNone({hypothesis(20, far)});
+  const View with_depth = scene;
+  scene.depth = {};
+  expectNone(plain);
+  scene = with_depth;
+  for (LocalModel& m : map.models) m.view.depth = {};
+  expectNone(plain);
+  map.models.clear();
+  expectNone(plain);
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/pose_prior.h>
+#include <facetloc/registration/view_registration.h>
+#include <facetloc/testing/pose_matchers.h>
+#include <facetloc/testing/random_segments.h>
+#include <facetloc/testing/synthetic_views.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace facetloc {
+namespace {
+
+using test::lookingAlong;
+using test::PoseNear;
+using test::rectangle;
+using test::Rng;
+using test::viewFrom;
+using testing::HasSubstr;
+using testing::Not;
+
+PoseWithCovariance isotropicPrior() {
+  PoseWithCovariance prior;
+  prior.P = posePrior({});
+  return prior;
+}
+
+const Eigen::Isometry3d kModelPose = lookingAlong({1.2, 1, 1.2}, {1, 1, -0.25});
+const Eigen::Isometry3d kScenePose = lookingAlong({1.5, 1.3, 1.25}, {1.2, 1, -0.2});
+
+class TwoViewsOfARoom : public testing::Test {
+protected:
+  std::vector<Hypothesis> align(const ViewRegistrationParams& params = {}) const {
+    return ViewRegistration(params).align(scene, model, isotropicPrior());
+  }
+  const View model = viewFrom(test::largeRoom(), kModelPose, 1),
+             scene = viewFrom(test::largeRoom(), kScenePose, 2);
+  const Eigen::Isometry3d truth = kModelPose.inverse() * kScenePose;
+};
+
+TEST_F(TwoViewsOfARoom, AreRegistered) {
+  const std::vector<Hypothesis> h = align();
+  ASSERT_FALSE(h.empty());
+  EXPECT_THAT(h[0].T_m_c.T, PoseNear(truth, 0.02, 0.4));
+  EXPECT_FALSE(h[0].depth_assisted);
+  EXPECT_GE(h[0].pairs.size(), 3u);
+  EXPECT_LT(h[0].contradiction, 0.02);
+  const Vector6d e = perturbation(h[0].T_m_c.T, truth);
+  EXPECT_LT(e.dot(h[0].T_m_c.P.llt().solve(e)), 22.5);  // chi2(6) at 99.9 %
+}
+
+TEST_F(TwoViewsOfARoom, HypothesesComeByScoreAndScoresAddUp) {
+  const std::vector<Hypothesis> h = align();
+  for (std::size_t i = 0; i < h.size(); ++i) {
+    if (i > 0) {
+      EXPECT_LE(h[i].score, h[i - 1].score);
+    }
+    EXPECT_NEAR(h[i].score, h[i].consensus - 60 * h[i].contradiction, 1e-9);
+    EXPECT_EQ(h[i].probability, 0);
+    EXPECT_FALSE(h[i].T_w_c);
+  }
+}
+
+TEST_F(TwoViewsOfARoom, TheSwappedViewsGiveTheInversePose) {
+  const std::vector<Hypothesis> there = align(),
+                                back = ViewRegistration().align(model, scene, isotropicPrior());
+  ASSERT_FALSE(there.empty() || back.empty());
+  EXPECT_THAT(back[0].T_m_c.T, PoseNear(there[0].T_m_c.T.inverse(), 0.02, 0.3));
+}
+
+TEST_F(TwoViewsOfARoom, EveryStepCanBeSwitchedOff) {
+  const auto expectFound = [&](const ViewRegistrationParams& p, const char* what) {
+    const std::vector<Hypothesis> h = align(p);
+    ASSERT_FALSE(h.empty()) << what;
+    EXPECT_THAT(h[0].T_m_c.T, PoseNear(truth, 0.1, 1.5)) << what;
+  };
+  ViewRegistrationParams p;
+  p.joint_refinement = false;
+  expectFound(p, "no joint refinement");
+  p = {};
+  p.depth_assistance = false;
+  expectFound(p, "no depth assistance");
+  p = {};
+  p.consensus.surface_score = true;
+  expectFound(p, "surface score");
+  p = {};
+  p.consensus.free_space_weight = 0;
+  expectFound(p, "no free space");
+  EXPECT_EQ(align(p)[0].contradiction, 0);
+  p = {};
+  p.ekf.iterations = 1;
+  EXPECT_NO_THROW(align(p));
+}
+
+TEST_F(TwoViewsOfARoom, HypothesesMoveWithTheFrameOfTheModel) {
+  View flat_scene = scene, flat_model = model;
+  flat_scene.depth = flat_model.depth = {};
+  const ViewRegistration registration;
+  const std::vector<Hypothesis> here = registration.align(flat_scene, flat_model, isotropicPrior());
+  ASSERT_FALSE(here.empty());
+  Rng rng(1);
+  for (int i = 0; i < 5; ++i) {
+    const Eigen::Isometry3d X = test::randomPose(rng, 3, 5);
+    View moved = flat_model;
+    for (Segment& s : moved.segments) s = transformed(s, X);
+    PoseWithCovariance prior = isotropicPrior();
+    prior.T = X * prior.T;
+    const std::vector<Hypothesis> there = registration.align(flat_scene, moved, prior);
+    ASSERT_EQ(there.size(), here.size());
+    for (std::size_t k = 0; k < here.size(); ++k) {
+      EXPECT_THAT(there[k].T_m_c.T, PoseNear(X * here[k].T_m_c.T, 1e-7, 1e-6));
+      EXPECT_NEAR(there[k].score, here[k].score, 1e-8 * (1 + std::abs(here[k].score)));
+    }
+  }
+}
+
+TEST_F(TwoViewsOfARoom, HypothesesMoveWithTheAxesOfTheCamera) {
+  View flat_scene = scene, flat_model = model;
+  flat_scene.depth = flat_model.depth = {};
+  const ViewRegistration registration;
+  const std::vector<Hypothesis> here = registration.align(flat_scene, flat_model, isotropicPrior());
+  Rng rng(2);
+  for (int i = 0; i < 5; ++i) {
+    Eigen::Isometry3d Y = Eigen::Isometry3d::Identity();
+    Y.linear() = test::randomRotation(rng);
+    View turned = flat_scene;
+    for (Segment& s : turned.segments) s = transformed(s, Y);
+    PoseWithCovariance prior = isotropicPrior();
+    prior.T = prior.T * Y.inverse();
+    const std::vector<Hypothesis> there = registration.align(turned, flat_model, prior);
+    ASSERT_EQ(there.size(), here.size());
+    for (std::size_t k = 0; k < here.size(); ++k) {
+      EXPECT_THAT(there[k].T_m_c.T, PoseNear(here[k].T_m_c.T * Y.inverse(), 1e-7, 1e-6));
+      EXPECT_NEAR(there[k].score, here[k].score, 1e-8 * (1 + std::abs(here[k].score)));
+    }
+  }
+}
+
+TEST_F(TwoViewsOfARoom, AViewIsRegisteredWithItselfAtTheIdentity) {
+  const std::vector<Hypothesis> h = ViewRegistration().align(model, model, isotropicPrior());
+  ASSERT_FALSE(h.empty());
+  EXPECT_THAT(h[0].T_m_c.T, PoseNear(Eigen::Isometry3d::Identity(), 1e-9, 1e-7));
+  EXPECT_EQ(h[0].contradiction, 0);
+}
+
+TEST_F(TwoViewsOfARoom, EmptyViewsHaveNoHypothesis) {
+  const ViewRegistration registration;
+  EXPECT_TRUE(registration.align({}, model, isotropicPrior()).empty());
+  EXPECT_TRUE(registration.align(scene, {}, isotropicPrior()).empty());
+  EXPECT_TRUE(registration.align({}, {}, isotropicPrior()).empty());
+}
+
+TEST_F(TwoViewsOfARoom, NoTwoHypothesesAreTheSame) {
+  const std::vector<Hypothesis> h = align();
+  for (std::size_t i = 0; i < h.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k) {
+      const Vector6d e = perturbation(h[k].T_m_c.T, h[i].T_m_c.T);
+      EXPECT_TRUE(e.head<3>().norm() > 2 * kDegree || e.tail<3>().norm() > 0.1);
+    }
+}
+
+// ---- depth-assisted poses
+
+class Corridor : public testing::Test {
+protected:
+  // The camera of the model looks along the corridor, that of the scene stands so far ahead of it and is
+  // turned a little.
+  static Eigen::Isometry3d modelPose() { return lookingAlong({0, 0, 1.2}, {0, 1, -0.15}); }
+  static Eigen::Isometry3d scenePose(double ahead) {
+    return lookingAlong({0.1, ahead, 1.2}, {0.05, 1, -0.15});
+  }
+
+  static std::vector<Hypothesis> align(const test::Scene& scene, double ahead,
+                                       const ViewRegistrationParams& params = {}) {
+    return ViewRegistration(params).align(wallsOnly(viewFrom(scene, scenePose(ahead), 2, 12)),
+                                          wallsOnly(viewFrom(scene, modelPose(), 1, 12)), isotropicPrior());
+  }
+  // Floor, ceiling and the long walls; what else there is shows in the depth picture alone.
+  static View wallsOnly(View view) {
+    auto& s = view.segments;
+    s.erase(
+        std::remove_if(s.begin(), s.end(), [](const Segment& x) { return std::abs(x.normal().z()) > 0.5; }),
+        s.end());
+    return view;
+  }
+};
+
+TEST_F(Corridor, DepthTellsThePositionThatThePlanesLeaveOpen) {
+  const test::Scene scene = test::endlessCorridor() + test::box({0.4, 3, 0}, {0.9, 3.4, 1.2});
+  for (const double ahead : {-0.4, 0.0, 0.35, 0.8}) {
+    const std::vector<Hypothesis> h = align(scene, ahead);
+    ASSERT_FALSE(h.empty()) << ahead;
+    EXPECT_TRUE(h[0].depth_assisted);
+    EXPECT_THAT(h[0].T_m_c.T, PoseNear(modelPose().inverse() * scenePose(ahead), 0.06, 0.5)) << ahead;
+    const Eigen::Vector3d along = modelPose().linear().transpose() * Eigen::Vector3d::UnitY();
+    EXPECT_LE(std::sqrt(along.dot(h[0].T_m_c.P.bottomRightCorner<3, 3>() * along)), 0.031);
+  }
+  ViewRegistrationParams params;
+  params.depth_assistance = false;
+  EXPECT_TRUE(align(scene, 0.35, params).empty());
+}
+
+TEST_F(Corridor, WithoutReliefAlongItNoPositionIsMadeUp) {
+  for (const double ahead : {0.0, 0.3, -0.6})
+    EXPECT_TRUE(align(test::endlessCorridor(), ahead).empty()) << ahead;
+}
+
+// ---- reasons
+
+std::string freeDirections(const std::vector<Segment>& segments) {
+  return unconstrainedDirections(segments, 3, 0.2);
+}
+
+TEST(UnconstrainedDirections, OfARoomCornerAreNone) {
+  EXPECT_EQ(freeDirections({rectangle({0, 1, 3}, {0, 1, 0}, 1, 0.8), rectangle({1, 0, 3}, {1, 0, 0}, 1, 0.9),
+                            rectangle({0, 0, 4}, {0, 0, 1}, 0.8, 0.8)}),
+            "");
+}
+
+TEST(UnconstrainedDirections, OfACorridorIsTheTranslationAlongIt) {
+  EXPECT_EQ(
+      freeDirections({rectangle({0, 1, 3}, {0, 1, 0}, 1, 0.8), rectangle({1, 0, 3}, {1, 0, 0}, 1, 0.9)}),
+      "translation along (0.00, 0.00, 1.00)");
+}
+
+TEST(UnconstrainedDirections, OfASingleWallAreTwoTranslationsAndTheTurnAboutItsNormal) {
+  const std::string text = freeDirections({rectangle({0, 0, 3}, {0, 0, 1}, 1, 0.8)});
+  EXPECT_THAT(text, HasSubstr("rotation about (0.00, 0.00, 1.00)"));
+  EXPECT_THAT(text, HasSubstr("translation along"));
+  EXPECT_NE(text.find("translation along"), text.rfind("translation along"));
+  EXPECT_THAT(text, Not(HasSubstr("-0.00")));
+}
+
+TEST(UnconstrainedDirections, OfNothingAreAllSix) {
+  const std::string text = freeDirections({});
+  int commas = 0;
+  for (std::size_t at = text.find("), "); at != std::string::npos; at = text.find("), ", at + 1)) ++commas;
+  EXPECT_EQ(commas, 5);
+}
+
+}  // namespace
+}  // namespace facetloc
