@@ -16,7 +16,8 @@ struct ConvexHull {
 
   const Eigen::Vector2f* begin() const { return vertex.data(); }
   const Eigen::Vector2f* end() const { return vertex.data() + size; }
-  /** \brief True if the point lies inside, or outside by at most the margin [m]. False for an empty hull. */
+  /** \brief True if the point lies inside, or beyond no edge by more than the margin [m]. False for an empty
+   * hull. */
   bool contains(const Eigen::Vector2f& p, float margin = 0.f) const;
   float area() const;  ///< [m^2]
 };

@@ -22,7 +22,8 @@ struct CameraFile {
   std::optional<double> inverse_depth_std;  ///< [1/m]
 };
 
-/** \brief Throws IoError with the line for unknown keys, missing keys, values that are no numbers or impossible. */
+/** \brief Throws IoError with the line for unknown keys, missing keys, values that are no numbers or
+ * impossible. */
 CameraFile readCameraFile(const std::filesystem::path& path);
 void writeCameraFile(const std::filesystem::path& path, const CameraFile& camera);
 

@@ -14,18 +14,18 @@ namespace facetloc {
 
 /** \brief One image of a sequence, not yet read. */
 struct FrameFile {
-  std::string name;             ///< file name without its extension; unique within a sequence
-  std::filesystem::path path;   ///< 16-bit PNG or organized PCD
-  double stamp = 0;             ///< [s]: the name if all names are numbers (TUM), else the index
+  std::string name;            ///< file name without its extension; unique within a sequence
+  std::filesystem::path path;  ///< 16-bit PNG or organized PCD
+  double stamp = 0;            ///< [s]: the name if all names are numbers (TUM), else the index
 };
 
 /** \brief A sequence of depth images on disk, in the order of their stamps.
  *
- * Accepted: a folder with depth/ in it (DESIGN 4); a folder of PNGs or organized PCDs; a single PNG or PCD file; a
- * text file (.txt, .lst) with one path per line, relative to the list; # starts a comment line. Where names are no
- * numbers, folders are in the order of the names and lists in their own. camera.ini is looked for in the folder, in its
- * parent, and beside the file; PNGs need one, PCDs fall back to the intrinsics in their points.
- * groundtruth.txt is looked for in the same places. */
+ * Accepted: a folder with depth/ in it (DESIGN 4); a folder of PNGs or organized PCDs; a single PNG or PCD
+ * file; a text file (.txt, .lst) with one path per line, relative to the list; # starts a comment line. Where
+ * names are no numbers, folders are in the order of the names and lists in their own. camera.ini is looked
+ * for in the folder, in its parent, and beside the file; PNGs need one, PCDs fall back to the intrinsics in
+ * their points. groundtruth.txt is looked for in the same places. */
 class DepthSequence {
 public:
   /** \brief Lists the frames; reads no image. Throws IoError if there is nothing to read. */
@@ -35,8 +35,9 @@ public:
   const std::optional<CameraFile>& camera() const { return camera_; }
   const Trajectory& groundTruth() const { return ground_truth_; }
 
-  /** \brief Reads a frame, subsampled so that at least working_width columns remain (0 = full size). Thread-safe.
-   * Throws IoError for unreadable, truncated, unorganized or wrongly sized files, std::out_of_range for the index. */
+  /** \brief Reads a frame, subsampled so that at least working_width columns remain (0 = full size).
+   * Thread-safe. Throws IoError for unreadable, truncated, unorganized or wrongly sized files,
+   * std::out_of_range for the index. */
   DepthImage load(std::size_t index, int working_width = 0) const;
 
 private:
@@ -49,7 +50,8 @@ private:
 DepthImage readDepthPng(const std::filesystem::path& path, const CameraFile& camera);
 /** \brief Writes depth as a 16-bit PNG at the given scale; what does not fit 16 bits becomes 0. */
 void writeDepthPng(const std::filesystem::path& path, const DepthImage& image, double depth_scale);
-/** \brief Reads one organized PCD; intrinsics from the points unless given. Throws IoError for unorganized clouds. */
+/** \brief Reads one organized PCD; intrinsics from the points unless given. Throws IoError for unorganized
+ * clouds. */
 DepthImage readDepthPcd(const std::filesystem::path& path, const std::optional<Intrinsics>& camera = {});
 
 }  // namespace facetloc

@@ -10,10 +10,12 @@
 
 namespace facetloc {
 
-/** \brief A map file (*.flmap): one SQLite database, DESIGN 5. All functions throw IoError with file and cause.
+/** \brief A map file (*.flmap): one SQLite database, DESIGN 5. All functions throw IoError with file and
+ * cause.
  *
- * Writing: one transaction per local model, so that a process killed at any time leaves a sound map of the models
- * added so far. Reading: read-only, columns by name, everything checked; a newer major format is refused. */
+ * Writing: one transaction per local model, so that a process killed at any time leaves a sound map of the
+ * models added so far. Reading: read-only, columns by name, everything checked; a newer major format is
+ * refused. */
 class MapDatabase {
 public:
   static constexpr int kApplicationId = 0x464C4D50;  ///< "FLMP"
@@ -47,8 +49,8 @@ private:
 Map readMap(const std::filesystem::path& path);
 /** \brief Writes a whole map, atomically. */
 void writeMap(const std::filesystem::path& path, const Map& map);
-/** \brief Every fault found in a map file, in words; empty for a sound one. Throws only if the file cannot be opened as
- * a map at all. */
+/** \brief Every fault found in a map file, in words; empty for a sound one. Throws only if the file cannot be
+ * opened as a map at all. */
 std::vector<std::string> checkMap(const std::filesystem::path& path);
 
 }  // namespace facetloc

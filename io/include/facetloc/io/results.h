@@ -10,7 +10,8 @@
 
 namespace facetloc {
 
-/** \brief One line of RESULTS/hypotheses.csv (DESIGN 4). rank 1 = best; rank 0 = no hypothesis, with a reason. */
+/** \brief One line of RESULTS/hypotheses.csv (DESIGN 4). rank 1 = best; rank 0 = no hypothesis, with a
+ * reason. */
 struct ResultRow {
   std::string frame;
   int rank = 0;
@@ -19,9 +20,9 @@ struct ResultRow {
   double score = 0;
   Eigen::Isometry3d T_m_c = Eigen::Isometry3d::Identity();
   std::optional<Eigen::Isometry3d> T_w_c;  ///< empty columns where the map has no poses
-  double sd_rot_deg = 0;   ///< largest standard deviation of the orientation over directions [deg]
-  double sd_trans_m = 0;   ///< largest standard deviation of the position over directions [m]
-  std::string reason;      ///< remarks such as "depth-assisted"; why there is no hypothesis
+  double sd_rot_deg = 0;  ///< largest standard deviation of the orientation over directions [deg]
+  double sd_trans_m = 0;  ///< largest standard deviation of the position over directions [m]
+  std::string reason;     ///< remarks such as "depth-assisted"; why there is no hypothesis
 };
 
 /** \brief One line of RESULTS/timing.csv. */
@@ -40,8 +41,8 @@ struct FrameResult {
   TimingRow timing;
 };
 
-/** \brief Writes a results folder: hypotheses.csv, poses_tum.txt, timing.csv (all atomically, frames in the given
- * order) and params.ini. */
+/** \brief Writes a results folder: hypotheses.csv, poses_tum.txt, timing.csv (all atomically, frames in the
+ * given order) and params.ini. */
 void writeResults(const std::filesystem::path& folder, const std::vector<FrameResult>& frames,
                   const std::string& params_ini);
 /** \brief Reads hypotheses.csv (columns by name). Throws IoError with the line for malformed files. */

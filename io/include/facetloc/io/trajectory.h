@@ -29,10 +29,11 @@ private:
   std::vector<StampedPose> poses_;
 };
 
-/** \brief Reads the TUM format: `stamp tx ty tz qx qy qz qw`, # starts a comment. Throws IoError with the line number
- * for a malformed line, a value that is not finite or a quaternion that is no rotation. */
+/** \brief Reads the TUM format: `stamp tx ty tz qx qy qz qw`, # starts a comment. Throws IoError with the
+ * line number for a malformed line, a value that is not finite or a quaternion that is no rotation. */
 Trajectory readTumTrajectory(const std::filesystem::path& path);
-/** \brief Writes the TUM format: a header line, stamps with 6 decimals, exactly 8 columns, no trailing space. */
+/** \brief Writes the TUM format: a header line, stamps with 6 decimals, exactly 8 columns, no trailing space.
+ */
 void writeTumTrajectory(const std::filesystem::path& path, const std::vector<StampedPose>& poses);
 
 }  // namespace facetloc

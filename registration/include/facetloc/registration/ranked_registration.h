@@ -33,13 +33,16 @@ public:
   }
 #endif
   using Base::nearestKSearch;
+  using Base::radiusSearch;
   int nearestKSearch(const PointT& point, int k, pcl::Indices& indices,
                      std::vector<float>& distances) const override {
-    if (waiting_) {
-      const_cast<LazyKdTree*>(this)->Base::setInputCloud(cloud_, cloud_indices_);
-      waiting_ = false;
-    }
+    build();
     return Base::nearestKSearch(point, k, indices, distances);
+  }
+  int radiusSearch(const PointT& point, double radius, pcl::Indices& indices, std::vector<float>& distances,
+                   unsigned max_nn = 0) const override {
+    build();
+    return Base::radiusSearch(point, radius, indices, distances, max_nn);
   }
 
 private:
@@ -47,6 +50,11 @@ private:
     cloud_ = cloud;
     cloud_indices_ = indices;
     waiting_ = true;
+  }
+  void build() const {
+    if (!waiting_) return;
+    const_cast<LazyKdTree*>(this)->Base::setInputCloud(cloud_, cloud_indices_);
+    waiting_ = false;
   }
   PointCloudConstPtr cloud_;
   IndicesConstPtr cloud_indices_;
