@@ -12,8 +12,8 @@ cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DFACETLOC_BUIL
 cmake --build "$build"
 bin=$build/apps
 
-rm -rf "$out"
 mkdir -p "$out"
+rm -rf "$out"/{room,segments,results,evaluation,room.flmap}  # of an earlier demo
 "$bin/facetloc_simulate" room -o "$out/room" --seed 3 --frames 60
 "$bin/facetloc_segment" "$out/room/query" -o "$out/segments" --overlay --labels
 "$bin/facetloc_map" build "$out/room/map" -o "$out/room.flmap"

@@ -13,12 +13,14 @@ function(facetloc_add_module name)
                         PRIVATE ${arg_PRIVATE_LINK} $<BUILD_INTERFACE:facetloc_warnings>)
   target_include_directories(${lib} SYSTEM PUBLIC ${PCL_INCLUDE_DIRS})
   target_compile_features(${lib} PUBLIC cxx_std_17)
+  # No fused multiply-add behind our back: the same input gives the same bytes on every machine.
+  target_compile_options(${lib} PRIVATE $<$<CXX_COMPILER_ID:GNU,Clang>:-ffp-contract=off>)
   # Every translation unit that sees PCL clouds has to agree with Debian's SSE2 build, also under -mavx2 and sanitizers.
   target_compile_definitions(${lib} PUBLIC EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MALLOC_ALREADY_ALIGNED=1)
   # RUNPATH is not transitive: libfacetloc_registration.so must find libfacetloc_features.so beside itself.
   set_target_properties(${lib} PROPERTIES
     EXPORT_NAME ${name} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
-    POSITION_INDEPENDENT_CODE ON VERIFY_INTERFACE_HEADER_SETS ON CXX_EXTENSIONS OFF INSTALL_RPATH "$ORIGIN")
+    POSITION_INDEPENDENT_CODE ON DEFINE_SYMBOL "" VERIFY_INTERFACE_HEADER_SETS ON CXX_EXTENSIONS OFF INSTALL_RPATH "$ORIGIN")
   install(TARGETS ${lib} EXPORT facetloc-targets FILE_SET HEADERS)
 endfunction()
 

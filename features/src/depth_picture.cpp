@@ -39,12 +39,12 @@ std::vector<std::uint16_t> extremeOf3x3(const Intrinsics& c, const std::vector<s
 }  // namespace
 
 DepthPicture DepthPicture::fromDepth(const DepthImage& image) {
-  if (image.empty()) return {};
+  if (!image.valid()) return {};
   const DepthImage half = subsampled(image, 2);
   constexpr double largest = std::numeric_limits<std::uint16_t>::max();
   std::vector<std::uint16_t> stored(half.depth.size());
   std::transform(half.depth.begin(), half.depth.end(), stored.begin(), [](float z) {
-    if (!(z > 0)) return std::uint16_t{0};
+    if (!isMeasured(z)) return std::uint16_t{0};
     const double steps = std::round(1.0 / (z * kQuantum));
     return steps >= 1 && steps <= largest ? static_cast<std::uint16_t>(steps) : std::uint16_t{0};
   });

@@ -6,13 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
 
 namespace facetloc {
 namespace {
 
-constexpr double kReferenceArea = 320.0 * 240.0;  // the image size that thresholds in pixels refer to
 constexpr double kReferenceWidth = 320.0;
 constexpr double kMinPlaneDistance =
     0.05;  // planes through the camera centre are seen edge-on [m] (METHOD 16.1)
@@ -20,7 +20,8 @@ constexpr double kMinPlaneDistance =
 // 320x240.
 constexpr double kFaithfulDepthFactor = 2.0;
 constexpr double kFaithfulPixelStd = 1.0;
-constexpr double kCorrelatedPixels = 100.0;  // pixels that share one independent error, N_eff of METHOD 4.3
+constexpr double kCorrelatedPixels =
+    100.0;  // pixels at 320x240 that share one independent error, N_eff of METHOD 4.3
 constexpr double kMinIndependent = 8.0;
 
 // Sums over the points z b of a region, from which centroid and covariance follow.
@@ -60,7 +61,7 @@ void fitRegions(const DepthImage& image, const LabelImage& labels, double noise_
     PlaneMoments run;
     const float* z = image.depth.data() + static_cast<std::size_t>(v) * image.camera.width;
     for (int u = u0; u < u1; ++u)
-      if (z[u] > 0) run.add(u, v, 1.0 / z[u]);
+      if (isMeasured(z[u])) run.add(u, v, 1.0 / z[u]);
     regions[label].plane += run;
   });
   for (Region& r : regions) {
@@ -72,22 +73,24 @@ void fitRegions(const DepthImage& image, const LabelImage& labels, double noise_
 }
 
 // Second pass: plane and points of the pixels that belong, row by row.
-void gatherSupport(const DepthImage& image, const LabelImage& labels, std::vector<Region>& regions) {
+void gatherSupport(const DepthImage& image, const LabelImage& labels, double min_support,
+                   std::vector<Region>& regions) {
   const Intrinsics& c = image.camera;
   for (Region& r : regions) {
+    if (r.plane.n >= min_support) r.row_extremes.assign(c.height, {c.width, -1});
     r.plane = {};
-    r.row_extremes.assign(c.height, {c.width, -1});
   }
   forEachRun(labels, [&](int label, int v, int u0, int u1) {
     Region& r = regions[label];
+    if (r.row_extremes.empty()) return;  // too small from the start
     const float* depth = image.depth.data() + static_cast<std::size_t>(v) * c.width;
     const double by = (v - c.cy) / c.fy;
     PlaneMoments run;
     double z1 = 0, zx = 0, z2 = 0, z2x = 0, z2xx = 0;  // sums of z, z b_x, z^2, z^2 b_x, z^2 b_x^2
     int first = u1, last = -1;
     for (int u = u0; u < u1; ++u) {
+      if (!isMeasured(depth[u])) continue;
       const double z = depth[u];
-      if (!(z > 0)) continue;
       const double d = 1.0 / z;
       if (std::abs(d - r.fitted.at(u, v)) > r.tolerance) continue;
       run.add(u, v, d);
@@ -180,8 +183,7 @@ ConvexHull hullInPlane(Pixels pixels, const Intrinsics& camera, const Segment& s
 
 Eigen::Matrix3d robustCovariance(const Region& r, const Segment& s, double rho, const Intrinsics& camera,
                                  const SensorNoise& noise, const SegmentEstimationParams& params) {
-  const double area_scale = kReferenceArea / (double(camera.width) * camera.height);
-  const double independent = std::max(kMinIndependent, r.plane.n * area_scale / kCorrelatedPixels);
+  const double independent = std::max(kMinIndependent, r.plane.n / scaledPixels(kCorrelatedPixels, camera));
   const double variance = noise.inverse_depth_std * noise.inverse_depth_std;
   Eigen::Matrix3d Sigma_m = (r.plane.n / independent) * variance * r.bb.inverse();  // Eq. (4.2) of METHOD
   Sigma_m.diagonal() +=
@@ -199,10 +201,8 @@ Eigen::Matrix3d robustCovariance(const Region& r, const Segment& s, double rho, 
 
 // The segment of a region, or false if it fails one of the tests of METHOD 3.3.
 bool makeSegment(Region& r, const Intrinsics& camera, const SensorNoise& noise,
-                 const SegmentEstimationParams& params, Segment& s) {
-  const double support =
-      std::max(3.0, params.min_support * double(camera.width) * camera.height / kReferenceArea);
-  if (r.plane.n < support) return false;
+                 const SegmentEstimationParams& params, double min_support, Segment& s) {
+  if (r.plane.n < min_support) return false;
   const Eigen::Vector3d m = r.plane.fit().plane.toSpace(camera);  // Eq. (4.1) of METHOD
   const double length = m.norm();
   if (!(length > 1e-6) || 1.0 / length < kMinPlaneDistance) return false;
@@ -260,20 +260,20 @@ std::vector<Segment> estimateSegments(const DepthImage& image, const LabelImage&
                                       const SensorNoise& noise, const SegmentEstimationParams& params,
                                       std::vector<int>* kept) {
   if (kept) kept->clear();
-  const std::size_t pixels = image.depth.size();
-  if (labels.label.size() != pixels || labels.width != image.camera.width ||
+  if (labels.label.size() != image.depth.size() || labels.width != image.camera.width ||
       labels.height != image.camera.height)
     throw std::invalid_argument("labels and depth image differ in size");
-  if (pixels == 0) return {};
+  if (!image.valid()) return {};
   std::vector<Region> regions(labels.maxLabel() + 1);
   fitRegions(image, labels, noise.inverse_depth_std, params.trim, regions);
-  gatherSupport(image, labels, regions);
+  const double min_support = std::max(3.0, scaledPixels(params.min_support, image.camera));
+  gatherSupport(image, labels, min_support, regions);
 
   std::vector<Segment> segments;
   std::vector<int> label_of;
   for (std::size_t label = 1; label < regions.size(); ++label) {
     Segment s;
-    if (!makeSegment(regions[label], image.camera, noise, params, s)) continue;
+    if (!makeSegment(regions[label], image.camera, noise, params, min_support, s)) continue;
     segments.push_back(s);
     label_of.push_back(static_cast<int>(label));
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/segment_frame.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace facetloc {
@@ -15,6 +16,15 @@ bool finite(const float* values, int n) {
   for (int i = 0; i < n; ++i)
     if (!std::isfinite(values[i])) return false;
   return true;
+}
+
+// A contour is empty, or a counter-clockwise polygon of a size that a depth camera can see.
+bool wellFormed(const ConvexHull& hull) {
+  constexpr float kLargest = 1e3f;  // [m]
+  if (hull.size == 0) return true;
+  const bool bounded = std::all_of(
+      hull.begin(), hull.end(), [](const Eigen::Vector2f& v) { return v.cwiseAbs().maxCoeff() < kLargest; });
+  return hull.size >= 3 && bounded && hull.area() > 0;
 }
 
 }  // namespace
@@ -54,6 +64,7 @@ bool toSegment(const SegmentFrame& f, Segment& out) {
   s.num_points = f.num_points;
   s.hull.size = f.hull_size;
   for (int i = 0; i < f.hull_size; ++i) s.hull.vertex[i] = {f.hull[2 * i], f.hull[2 * i + 1]};
+  if (!wellFormed(s.hull)) return false;
   out = s;
   return true;
 }

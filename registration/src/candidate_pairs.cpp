@@ -4,6 +4,7 @@
 #include <facetloc/registration/plane_measurement.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace facetloc {

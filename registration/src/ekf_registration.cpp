@@ -8,9 +8,11 @@
 
 namespace facetloc {
 
-View EkfRegistration::makeView(const pcl::PointCloud<SegmentFrame>& cloud, const pcl::Indices* indices) {
+View EkfRegistration::makeView(const pcl::PointCloud<SegmentFrame>& cloud, const pcl::Indices* indices,
+                               std::string& why_empty) {
   View view;
   view.segments = rankedSegments(cloud, indices).segments;
+  if (view.segments.empty()) why_empty = "the cloud has no valid segment frame";
   return view;
 }
 

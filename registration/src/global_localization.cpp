@@ -32,6 +32,7 @@ Localization GlobalLocalization::localize(const View& scene, const PoseWithCovar
       answer.hypotheses.push_back(std::move(h));
     }
   const bool evidence =
+      !params_.registration.consensus.surface_score &&  // a score in pixels, not in nats
       addEvidence(scene, *map_, registration_.comparison(), params_.ranking, answer.hypotheses);
   rankPlaces(params_.ranking, evidence, answer.hypotheses);
 

@@ -76,7 +76,9 @@ struct NormalEquations {
 bool refineJointly(const std::vector<Segment>& scene, const std::vector<Segment>& model,
                    const PoseWithCovariance& prior, const MatchingParams& matching,
                    const std::optional<TranslationConstraint>& constraint, Hypothesis& hypothesis) {
-  const Matrix6d prior_information = prior.P.llt().solve(Matrix6d::Identity());
+  const Eigen::LLT<Matrix6d> prior_factor(prior.P);
+  if (prior_factor.info() != Eigen::Success) return false;
+  const Matrix6d prior_information = prior_factor.solve(Matrix6d::Identity());
   Hypothesis h = hypothesis;
   for (int collection = 0; collection < kCollections; ++collection) {
     std::vector<SegmentPair> pairs = collectPairs(scene, model, h.T_m_c, matching);

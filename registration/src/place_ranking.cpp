@@ -40,15 +40,18 @@ std::vector<int> nearestModels(const Map& map, const Eigen::Isometry3d& T_w_c, i
 double evidence(const View& scene, const Map& map, const std::vector<int>& models,
                 const Eigen::Isometry3d& T_w_c, const DepthComparison& comparison) {
   std::vector<Eigen::Isometry3d> T_m_c;
-  for (const int i : models) T_m_c.push_back(map.models[i].T_w_m->inverse() * T_w_c);
+  std::vector<DepthJudge> judges;
+  for (const int i : models) {
+    T_m_c.push_back(map.models[i].T_w_m->inverse() * T_w_c);
+    judges.emplace_back(comparison, scene.depth, map.models[i].view.depth, T_m_c.back());
+  }
   double sum = 0;
   const int step = gridStep(scene.depth, kFineColumns);
   for (int v = step / 2; v < scene.depth.camera.height; v += step)
     for (int u = step / 2; u < scene.depth.camera.width; u += step) {
       int agree = 0, contradict = 0, judged = 0;
-      for (std::size_t k = 0; k < models.size(); ++k) {
-        const DepthVerdict verdict =
-            comparison.judge(scene.depth, u, v, map.models[models[k]].view.depth, T_m_c[k]);
+      for (const DepthJudge& judge : judges) {
+        const DepthVerdict verdict = judge(u, v);
         judged += verdict != DepthVerdict::outside;
         agree += verdict == DepthVerdict::agree;
         contradict += verdict == DepthVerdict::contradict;

@@ -2,6 +2,7 @@
 #include <facetloc/registration/cholesky3.h>
 #include <facetloc/registration/plane_measurement.h>
 
+#include <cmath>
 #include <limits>
 
 namespace facetloc {

@@ -19,8 +19,8 @@ SegmentMatching::SegmentMatching() {
 void SegmentMatching::determineCorrespondences(pcl::Correspondences& correspondences, double max_distance) {
   correspondences.clear();
   if (!input_ || !target_) return;
-  const pcl::Indices* chosen = indices_ && !indices_->empty() ? indices_.get() : nullptr;
-  const RankedFrames source = rankedSegments(*input_, chosen), target = rankedSegments(*target_, nullptr);
+  const RankedFrames source = rankedSegments(*input_, use_indices_ ? indices_.get() : nullptr),
+                     target = rankedSegments(*target_, target_indices_.get());
   MatchingParams params = params_;
   params.coplanarity_gate = std::min(params.coplanarity_gate, max_distance);
   for (const SegmentPair& p : candidatePairs(source.segments, target.segments, pose_, params))

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 // GCC compiles a leaf kernel once per instruction set and picks at load time. No fused multiply-add among
 // them: all versions give the same bits.
@@ -24,7 +23,7 @@ std::int64_t orientation(const Vertex& a, const Vertex& b, const Vertex& c) {
   return std::int64_t(b.u - a.u) * (c.v - a.v) - std::int64_t(b.v - a.v) * (c.u - a.u);
 }
 
-// True if d lies strictly inside the circle through a, b, c (of positive orientation). Exact up to 2048 px.
+// True if d lies strictly inside the circle through a, b, c (of positive orientation). Exact up to 16000 px.
 bool inCircle(const Vertex& a, const Vertex& b, const Vertex& c, const Vertex& d) {
   const std::int64_t ax = a.u - d.u, ay = a.v - d.v, bx = b.u - d.u, by = b.v - d.v, cx = c.u - d.u,
                      cy = c.v - d.v;
@@ -240,12 +239,13 @@ void DepthTriangulation::splitEdge(int t, int edge, int p) {
     const auto& nj = triangles_[j].neighbour;
     const int m = static_cast<int>(std::find(nj.begin(), nj.end(), t) - nj.begin());
     const int d = rotated(triangles_[j].vertex, m)[2];
-    const auto [same, nad, ndb] = rotated(nj, m);
+    const auto [back, nad, ndb] = rotated(nj, m);  // back leads to t
+    (void)back;
     const int j1 = addTriangle(p, a, d);
     triangles_[j].vertex = {b, p, d};
     triangles_[j].neighbour = {t1, j1, ndb};
     triangles_[j1].neighbour = {t, nad, j};
-    replaceNeighbour(nad, same == t ? j : same, j1);
+    replaceNeighbour(nad, j, j1);
     triangles_[t].neighbour[0] = j1;
     dirty_.push_back(j);
     dirty_.push_back(j1);

@@ -17,7 +17,8 @@ double estimateNoise(const DepthImage& image) {
   for (int v = kRowStep / 2; v < image.camera.height; v += kRowStep)
     for (int u = 1; u + 1 < image.camera.width; ++u) {
       const float a = image.at(u - 1, v), b = image.at(u, v), c = image.at(u + 1, v);
-      if (a > 0 && b > 0 && c > 0) difference.push_back(std::abs(1 / a - 2 / b + 1 / c));
+      if (isMeasured(a) && isMeasured(b) && isMeasured(c))
+        difference.push_back(std::abs(1 / a - 2 / b + 1 / c));
     }
   if (difference.size() < kMinTriples) return 0;
   const auto middle = difference.begin() + difference.size() / 2;
@@ -31,7 +32,7 @@ void toDisparity(const DepthImage& image, double unit, DisparityImage& out) {
   out.d.resize(image.depth.size());
   const float scale = static_cast<float>(1.0 / unit);
   std::transform(image.depth.begin(), image.depth.end(), out.d.begin(),
-                 [scale](float z) { return z > 0 ? scale / z : 0.f; });
+                 [scale](float z) { return isMeasured(z) ? scale / z : 0.f; });
 }
 
 }  // namespace facetloc

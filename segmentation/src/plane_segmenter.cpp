@@ -6,16 +6,10 @@
 #include <numeric>
 
 namespace facetloc {
-namespace {
-
-constexpr double kReferenceArea = 320.0 * 240.0;
-
-}  // namespace
-
 PlaneSegmenter::PlaneSegmenter(const SegmentationParams& params, const SensorNoise& noise)
     : params_(params), noise_(noise), split_(params.split), merge_(params.merge) {}
 
-void PlaneSegmenter::segment(const DepthImage& image, PlaneSegmentation& out) {
+void PlaneSegmenter::segment(const DepthImage& image, LabelledPlanes& out) {
   out.camera = image.camera;
   out.planes.clear();
   out.support.clear();
@@ -23,7 +17,7 @@ void PlaneSegmenter::segment(const DepthImage& image, PlaneSegmentation& out) {
   out.labels.height = image.camera.height;
   out.labels.label.assign(image.depth.size(), 0);
   out.noise = noise_.inverse_depth_std;
-  if (image.empty()) return;
+  if (!image.valid()) return;
   if (params_.estimate_noise) out.noise = std::max(out.noise, estimateNoise(image));
 
   toDisparity(image, out.noise, disparity_);
@@ -31,17 +25,16 @@ void PlaneSegmenter::segment(const DepthImage& image, PlaneSegmentation& out) {
   merge_.compute(split_, disparity_);
   label(out);
   reassignBoundaries(out.labels);
-  keepLargeRegions(out, std::max(3.0, params_.min_support * double(image.depth.size()) / kReferenceArea));
+  keepLargeRegions(out, std::max(3.0, scaledPixels(params_.min_support, image.camera)));
   for (PixelPlane& p : out.planes) p = {p.a * out.noise, p.b * out.noise, p.c * out.noise};
 }
 
 // Provisional labels: every pixel of a region that lies near its plane. Specks are left for their neighbours
 // to take.
-void PlaneSegmenter::label(PlaneSegmentation& out) {
+void PlaneSegmenter::label(LabelledPlanes& out) {
   constexpr double kSpeck =
       0.3;  // share of the minimum support below which a region gets no label of its own
-  const double min_region =
-      std::max(3.0, kSpeck * params_.min_support * double(disparity_.d.size()) / kReferenceArea);
+  const double min_region = std::max(3.0, kSpeck * scaledPixels(params_.min_support, disparity_.camera));
   region_planes_.assign(1, {});
   std::vector<std::uint16_t> label_of_region(merge_.regions().size(), 0);
   for (std::size_t r = 0; r < merge_.regions().size() && region_planes_.size() < 65535; ++r) {
@@ -103,7 +96,7 @@ void PlaneSegmenter::reassignBoundaries(LabelImage& labels) {
 }
 
 // Final labels: regions of enough support, the largest first, ties by provisional label.
-void PlaneSegmenter::keepLargeRegions(PlaneSegmentation& out, double min_support) {
+void PlaneSegmenter::keepLargeRegions(LabelledPlanes& out, double min_support) {
   std::vector<int> support(region_planes_.size(), 0);
   for (const std::uint16_t k : out.labels.label) ++support[k];
   std::vector<std::uint16_t> order(region_planes_.size() - 1);

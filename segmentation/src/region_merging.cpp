@@ -78,7 +78,7 @@ int RegionMerging::root(int i) {
 
 void RegionMerging::pushEdge(int a, int b) {
   const double c = cost(nodes_[a].moments, nodes_[a].sse, nodes_[b].moments, nodes_[b].sse);
-  if (c > params_.merge_tolerance) return;  // costs of either side are computed anew when it changes
+  if (!(c <= params_.merge_tolerance)) return;  // costs of either side are computed anew when it changes
   heap_.push_back({static_cast<float>(c), a, b, nodes_[a].version, nodes_[b].version});
   std::push_heap(heap_.begin(), heap_.end());
 }

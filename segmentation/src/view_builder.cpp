@@ -13,7 +13,7 @@ double millisecondsSince(Clock::time_point start) {
 }
 
 // Label kept[i] becomes i + 1, all others 0; planes and supports follow.
-void renumber(const std::vector<int>& kept, PlaneSegmentation& s) {
+void renumber(const std::vector<int>& kept, LabelledPlanes& s) {
   std::vector<std::uint16_t> new_label(s.planes.size() + 1, 0);
   std::vector<PixelPlane> planes;
   std::vector<int> support;

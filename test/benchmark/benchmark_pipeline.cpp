@@ -57,7 +57,7 @@ DepthImage roomImage(int width, double heading) {
 void segmentation(benchmark::State& state) {
   const DepthImage image = roomImage(static_cast<int>(state.range(0)), 0.4);
   PlaneSegmenter segmenter;
-  PlaneSegmentation result;
+  LabelledPlanes result;
   for (auto _ : state) segmenter.segment(image, result);
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(image.depth.size()));
   state.counters["segments"] = static_cast<double>(result.planes.size());

@@ -103,6 +103,7 @@ double median(std::vector<double> values) {
 // --name=value sets a parameter of any group.
 bool setParameter(const std::string& argument, ViewParams& view, GlobalLocalizationParams& localization) {
   const std::size_t equals = argument.find('=');
+  if (equals == std::string::npos) return false;
   const std::string wanted = argument.substr(2, equals - 2);
   const double number = std::atof(argument.substr(equals + 1).c_str());
   bool found = false;
@@ -138,7 +139,13 @@ int main(int argc, char** argv) {
     return 2;
   }
   const std::vector<Frame> frames = readFrames(folders);
-  const std::vector<std::pair<int, int>> pairs = choosePairs(frames);
+  const std::vector<std::pair<int, int>> pairs =
+      frames.empty() ? std::vector<std::pair<int, int>>{} : choosePairs(frames);
+  if (pairs.empty()) {
+    std::fprintf(stderr,
+                 "score_pairs: no pair of frames with true poses is far enough apart and overlaps enough\n");
+    return 1;
+  }
 
   ViewBuilder builder(view_params);
   int registered = 0, anywhere = 0;

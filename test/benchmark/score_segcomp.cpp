@@ -9,8 +9,10 @@
 #include <facetloc/io/png.h>
 #include <facetloc/segmentation/view_builder.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -63,7 +65,6 @@ int main(int argc, char** argv) {
   std::string line;
   std::getline(calibration, line);  // header: name,fx,fy,cx,cy,depth_scale
   Count sum;
-  double milliseconds = 0;
   int images = 0;
   std::printf("image                regions correct segments  noise/sigma\n");
   while (std::getline(calibration, line)) {
@@ -80,7 +81,7 @@ int main(int argc, char** argv) {
     params.min_support =
         kMinRegion * 320.0 * 240.0 / (truth.width * truth.height);  // the benchmark's smallest region
 
-    PlaneSegmentation s;
+    LabelledPlanes s;
     PlaneSegmenter(params, noise).segment(image, s);
     const Count c = score(s.labels, truth);
     std::printf("%-20s %7d %7d %8d %8.2f\n", name.c_str(), c.regions, c.correct, c.segments,
@@ -88,7 +89,6 @@ int main(int argc, char** argv) {
     sum.regions += c.regions, sum.correct += c.correct, sum.segments += c.segments;
     ++images;
   }
-  (void)milliseconds;
   std::printf("correct %d of %d regions in %d images: %.1f %%\n", sum.correct, sum.regions, images,
               100.0 * sum.correct / std::max(1, sum.regions));
 }

@@ -110,10 +110,12 @@ TEST(DepthConsistency, JudgeSaysWhatCompareCounts) {
   Eigen::Isometry3d T = B.inverse() * A;
   T.translation() += Eigen::Vector3d(0.15, -0.05, 0.1);
   const DepthAgreement want = comparison().compare(a, b, T, kFineColumns);
+  const DepthComparison compared = comparison();
+  const DepthJudge judge(compared, a, b, T);
   DepthAgreement sum;
   const int step = gridStep(a, kFineColumns);
   for (int v = step / 2; v < a.camera.height; v += step)
-    for (int u = step / 2; u < a.camera.width; u += step) switch (comparison().judge(a, u, v, b, T)) {
+    for (int u = step / 2; u < a.camera.width; u += step) switch (judge(u, v)) {
       case DepthVerdict::agree:
         ++sum.agree;
         break;

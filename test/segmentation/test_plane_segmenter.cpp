@@ -26,8 +26,8 @@ using test::uniform;
 
 constexpr double kDisparityUnit = 1 / kKinectGain;
 
-PlaneSegmentation segmented(const DepthImage& image, const SegmentationParams& params = {}) {
-  PlaneSegmentation out;
+LabelledPlanes segmented(const DepthImage& image, const SegmentationParams& params = {}) {
+  LabelledPlanes out;
   PlaneSegmenter(params).segment(image, out);
   return out;
 }
@@ -47,7 +47,7 @@ double agreement(const LabelImage& a, const LabelImage& b) {
   return same / static_cast<double>(a.label.size());
 }
 
-void expectConsistent(const PlaneSegmentation& s, const DepthImage& image,
+void expectConsistent(const LabelledPlanes& s, const DepthImage& image,
                       const SegmentationParams& params = {}) {
   ASSERT_EQ(s.labels.label.size(), image.depth.size());
   ASSERT_EQ(s.planes.size(), s.support.size());
@@ -74,7 +74,7 @@ void expectConsistent(const PlaneSegmentation& s, const DepthImage& image,
 
 TEST(PlaneSegmenter, AnExactCornerOfARoomIsThreePlanes) {
   const Rendering r = corner();
-  const PlaneSegmentation s = segmented(r.image);
+  const LabelledPlanes s = segmented(r.image);
   EXPECT_EQ(s.planes.size(), 3u);
   EXPECT_GT(agreement(s.labels, r.labels), 0.995);
   expectConsistent(s, r.image);
@@ -84,7 +84,7 @@ TEST(PlaneSegmenter, ANoisyRoundedCornerIsStillThreePlanes) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     const Rendering r = corner();
     const DepthImage image = rounded(noisy(r.image, 0.5 * kDisparityUnit, seed));
-    const PlaneSegmentation s = segmented(image);
+    const LabelledPlanes s = segmented(image);
     EXPECT_EQ(s.planes.size(), 3u) << seed;
     EXPECT_GT(agreement(s.labels, r.labels), 0.97) << seed;
     expectConsistent(s, image);
@@ -95,7 +95,7 @@ TEST(PlaneSegmenter, PlanesAreThoseOfTheRoom) {
   const Scene room = box({0, 0, 0}, {4, 4, 3});
   const Eigen::Isometry3d T = lookingAlong({1.8, 1.6, 1.3}, {1, 1.1, -0.65});
   const Rendering r = render(room, smallCamera(), T);
-  const PlaneSegmentation s = segmented(r.image);
+  const LabelledPlanes s = segmented(r.image);
   for (std::size_t k = 0; k < s.planes.size(); ++k) {
     const auto first =
         std::find(s.labels.label.begin(), s.labels.label.end(), k + 1) - s.labels.label.begin();
@@ -118,7 +118,7 @@ DepthImage steppedWall(double step, int at) {
 
 TEST(PlaneSegmenter, AStepOfSixDisparityUnitsSplits) {
   for (const int at : {60, 160, 280}) {
-    const PlaneSegmentation s = segmented(steppedWall(6, at));
+    const LabelledPlanes s = segmented(steppedWall(6, at));
     EXPECT_EQ(s.planes.size(), 2u) << at;
     for (unsigned seed = 0; seed < 3; ++seed)
       EXPECT_EQ(segmented(rounded(noisy(steppedWall(6, at), 0.5 * kDisparityUnit, seed))).planes.size(), 2u)
@@ -173,7 +173,7 @@ TEST(PlaneSegmenter, AnOffsetOfAllDisparitiesChangesNoLabel) {
   const DepthImage image = noisy(corner().image, 0.5 * kDisparityUnit, 3);
   DepthImage shifted = image;
   for (float& z : shifted.depth) z = static_cast<float>(1 / (1 / double(z) + 40 * kDisparityUnit));
-  const PlaneSegmentation a = segmented(image), b = segmented(shifted);
+  const LabelledPlanes a = segmented(image), b = segmented(shifted);
   EXPECT_EQ(a.planes.size(), b.planes.size());
   EXPECT_GT(agreement(a.labels, b.labels), 0.9999);  // depth is stored in single precision
 }
@@ -182,7 +182,7 @@ TEST(PlaneSegmenter, TolerancesFollowTheNoiseOfTheImage) {
   const Rendering r = corner();
   EXPECT_NEAR(segmented(r.image).noise, 0.5 * kDisparityUnit, 1e-12);  // never below the configured noise
   const DepthImage image = noisy(r.image, 2 * kDisparityUnit, 4);
-  const PlaneSegmentation s = segmented(image);
+  const LabelledPlanes s = segmented(image);
   EXPECT_NEAR(s.noise, 2 * kDisparityUnit, 0.2 * kDisparityUnit);
   EXPECT_EQ(s.planes.size(), 3u);
   SegmentationParams fixed;
@@ -200,7 +200,7 @@ TEST(PlaneSegmenter, ThresholdsScaleWithTheSensorNotWithTheKinect) {
   better.inverse_depth_std /= 64;
   SegmentationParams params;
   params.merge.min_plane_distance *= 64;
-  PlaneSegmentation a = segmented(image), b;
+  LabelledPlanes a = segmented(image), b;
   PlaneSegmenter(params, better).segment(far, b);
   EXPECT_GT(agreement(a.labels, b.labels), 0.9999);
 }
@@ -213,7 +213,7 @@ TEST(PlaneSegmenter, LabelsAndSupportsAgreeOnFurnishedRooms) {
     Rng rng(seed);
     for (float& z : image.depth)
       if (uniform(rng, 0, 1) < 0.05) z = std::numeric_limits<float>::quiet_NaN();
-    const PlaneSegmentation s = segmented(image);
+    const LabelledPlanes s = segmented(image);
     EXPECT_GE(s.planes.size(), 4u);
     expectConsistent(s, image);
   }
@@ -221,7 +221,7 @@ TEST(PlaneSegmenter, LabelsAndSupportsAgreeOnFurnishedRooms) {
 
 TEST(PlaneSegmenter, NothingGivesNothing) {
   PlaneSegmenter segmenter;
-  PlaneSegmentation out;
+  LabelledPlanes out;
   const auto expectNone = [&](const DepthImage& image) {
     segmenter.segment(corner().image, out);  // leave an answer that could go stale
     ASSERT_FALSE(out.planes.empty());
@@ -262,7 +262,7 @@ TEST(PlaneSegmenter, RandomDepthIsSlowWorkButEnds) {
 
 TEST(PlaneSegmenter, ReusedBuffersDoNotShow) {
   PlaneSegmenter segmenter;
-  PlaneSegmentation first, again;
+  LabelledPlanes first, again;
   const DepthImage image = noisy(corner().image, 0.5 * kDisparityUnit, 7);
   segmenter.segment(image, first);
   segmenter.segment(noisy(image, kDisparityUnit, 8), again);

@@ -27,7 +27,7 @@ TEST(ViewBuilder, LabelKIsSegmentKOfTheView) {
   const View view = builder.build(image);
   EXPECT_EQ(view.camera, image.camera);
   ASSERT_GE(view.segments.size(), 4u);
-  const PlaneSegmentation& s = builder.segmentation();
+  const LabelledPlanes& s = builder.segmentation();
   ASSERT_EQ(s.planes.size(), view.segments.size());
   ASSERT_EQ(s.support.size(), view.segments.size());
   EXPECT_EQ(s.labels.maxLabel(), static_cast<int>(view.segments.size()));

@@ -14,8 +14,20 @@ struct DepthImage {
   std::vector<float> depth;
 
   bool empty() const { return depth.empty(); }
+  /** \brief True if the camera is possible and there is one depth per pixel; other images count as empty. */
+  bool valid() const {
+    return camera.valid() && depth.size() == static_cast<std::size_t>(camera.width) * camera.height;
+  }
   float at(int u, int v) const { return depth[static_cast<std::size_t>(v) * camera.width + u]; }
 };
+
+/** \brief Is this a depth that a camera measured? 0, NaN, infinities and what is nearer than 1 mm are not. */
+inline bool isMeasured(float z) { return z >= 1e-3f && z <= 1e6f; }
+
+/** \brief A number of pixels given for a 320x240 image, scaled with the area of another one. */
+inline double scaledPixels(double pixels_at_320x240, const Intrinsics& camera) {
+  return pixels_at_320x240 * (double(camera.width) * camera.height) / (320.0 * 240.0);
+}
 
 /** \brief Every step-th pixel of every step-th row. Never averages: that would invent depth at silhouettes.
  */

@@ -5,7 +5,9 @@
 
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
+#include <pcl/types.h>
 
+#include <algorithm>
 #include <optional>
 
 namespace facetloc {
@@ -16,6 +18,19 @@ namespace facetloc {
  * median). */
 template <typename PointT>
 std::optional<Intrinsics> recoverIntrinsics(const pcl::PointCloud<PointT>& cloud);
+
+/** \brief True for a cloud of several rows and columns with one point for each. */
+template <typename PointT>
+bool isOrganized(const pcl::PointCloud<PointT>& cloud) {
+  return cloud.height > 1 && cloud.width > 1 && cloud.size() == std::size_t(cloud.width) * cloud.height;
+}
+
+/** \brief True if all indices lie in the cloud; PCL itself does not look. */
+template <typename PointT>
+bool areIndicesOf(const pcl::PointCloud<PointT>& cloud, const pcl::Indices& indices) {
+  return std::all_of(indices.begin(), indices.end(),
+                     [n = cloud.size()](auto i) { return i >= 0 && std::size_t(i) < n; });
+}
 
 /** \brief The depth image of an organized cloud: z of every point, 0 where it is not finite or not positive.
  */

@@ -13,7 +13,7 @@ namespace facetloc {
 /** \brief What segments say for a hypothesis (METHOD 11, METHOD_MEASURED 11.4). */
 struct ConsensusParams {
   bool surface_score =
-      false;  ///< the segment-overlap score of METHOD 11.1 instead of the log likelihood ratio
+      false;  ///< the segment-overlap score of METHOD 11.1 alone: no depth terms, probabilities mean nothing
   double match_probability = 0.9;  ///< pi_m: that a visible, static surface is in the model
   double slope_slack_deg = 1.0;    ///< s_o
   double offset_slack = 0.02;      ///< r_o [m]

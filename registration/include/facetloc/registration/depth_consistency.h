@@ -58,17 +58,39 @@ public:
   /** \brief Both directions. */
   DepthAgreement compareBoth(const DepthPicture& a, const DepthPicture& b, const Eigen::Isometry3d& T_b_a,
                              int columns) const;
-  /** \brief Largest error of a predicted inverse depth that still counts as agreement [1/m]. */
-  double tolerance(double predicted) const {
-    return params_.gate * (absolute_error_ + params_.relative_error * predicted);
-  }
-  /** \brief The verdict of b on one pixel of a. */
-  DepthVerdict judge(const DepthPicture& a, int u, int v, const DepthPicture& b,
-                     const Eigen::Isometry3d& T_b_a) const;
+  /** \brief Error of a predicted inverse depth [1/m]. */
+  double error(double predicted) const { return absolute_error_ + params_.relative_error * predicted; }
+  /** \brief Largest difference from a predicted inverse depth that still counts as agreement [1/m]. */
+  double tolerance(double predicted) const { return params_.gate * error(predicted); }
+
+  double gate() const { return params_.gate; }
+  double absoluteError() const { return absolute_error_; }
+  double farthest() const { return 1 / params_.max_depth; }  ///< smallest inverse depth compared [1/m]
 
 private:
   DepthConsistencyParams params_;
   double absolute_error_;  // [1/m]
+};
+
+/** \brief The verdicts of picture b on the pixels of picture a, seen from T_b_a. Both must outlive it. */
+class DepthJudge {
+public:
+  DepthJudge(const DepthComparison& comparison, const DepthPicture& a, const DepthPicture& b,
+             const Eigen::Isometry3d& T_b_a);
+
+  DepthVerdict operator()(int u, int v) const {
+    double likelihood = 0;
+    return judge(u, v, likelihood);
+  }
+  /** \brief The same; adds the bounded log likelihood of the pixel's error [nats]. */
+  DepthVerdict judge(int u, int v, double& likelihood) const;
+
+private:
+  const DepthComparison& comparison_;
+  const DepthPicture& a_;
+  const DepthPicture& b_;
+  const Eigen::Vector3d t_;
+  Eigen::Vector3d across_, down_, origin_;  // R ray(u, v) = across u + down v + origin
 };
 
 constexpr int kFineColumns = 40;    ///< an 8 px grid at 320x240

@@ -24,7 +24,8 @@ public:
   EkfRegistration() { reg_name_ = "EkfRegistration"; }
 
 protected:
-  View makeView(const pcl::PointCloud<SegmentFrame>& cloud, const pcl::Indices* indices) override;
+  View makeView(const pcl::PointCloud<SegmentFrame>& cloud, const pcl::Indices* indices,
+                std::string& why_empty) override;
   void transformPoint(const Eigen::Isometry3d& T, SegmentFrame& frame) const override;
 };
 

@@ -29,8 +29,8 @@ public:
   void setWorkingWidth(int width) { working_width_ = width; }
 
 protected:
-  /** \brief A view without segments if the cloud is not organized or its camera is not to be had. */
-  View makeView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices) override;
+  View makeView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices,
+                std::string& why_empty) override;
   SensorNoise sensorNoise() const override { return view_params_.noise; }
 
 private:

@@ -24,7 +24,7 @@ struct PosePriorParams {
     field("prior_translation", p.translation_std, 0.001, 100.0,
           "Prior of the position on the floor, standard deviation [m]; of every axis where the mounting is "
           "unknown.");
-    field("floor_std", p.floor_std, 0.0, 1.0, "Unevenness of the floor, standard deviation [m].");
+    field("floor_std", p.floor_std, 1e-6, 1.0, "Unevenness of the floor, standard deviation [m].");
     field("wheel_track", p.wheel_track, 0.01, 10.0, "Distance of the drive wheels [m].");
     field("caster_distance", p.caster_distance, 0.01, 10.0, "Distance of the caster behind the axle [m].");
   }

@@ -6,6 +6,7 @@
 #include <pcl/impl/pcl_base.hpp>
 #include <pcl/registration/registration.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -79,12 +80,14 @@ public:
   void setInputSource(const PointCloudSourceConstPtr& cloud) override;
   void setInputTarget(const PointCloudTargetConstPtr& cloud) override;
 
-  void setRegistrationParams(const GlobalLocalizationParams& params);
+  void setRegistrationParams(const GlobalLocalizationParams& params) { params_ = params; }
   const GlobalLocalizationParams& getRegistrationParams() const { return params_; }
   /** \brief Covariance of the guess given to align(), order (phi, t); that of the parameters' prior unless
    * set. */
   void setPriorCovariance(const Matrix6d& P) { prior_covariance_ = P; }
-  const Matrix6d& getPriorCovariance() const { return prior_covariance_; }
+  Matrix6d getPriorCovariance() const {
+    return prior_covariance_ ? *prior_covariance_ : posePrior({}, params_.prior);
+  }
 
   /** \brief All poses of the source in the target, best first; empty if there is none. */
   const std::vector<Hypothesis>& getHypotheses() const { return answer_.hypotheses; }
@@ -96,8 +99,9 @@ public:
   const std::string& getStatus() const { return answer_.reason; }
 
 protected:
-  /** \brief The view of the chosen points of a cloud. */
-  virtual View makeView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices) = 0;
+  /** \brief The view of the chosen points of a cloud, or without segments and why there are none. */
+  virtual View makeView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices,
+                        std::string& why_empty) = 0;
   virtual SensorNoise sensorNoise() const { return {}; }
   /** \brief Moves one point; points with more than a position override it. */
   virtual void transformPoint(const Eigen::Isometry3d& T, PointT& p) const {
@@ -119,7 +123,7 @@ private:
   void reset(const std::string& reason);
 
   GlobalLocalizationParams params_;
-  Matrix6d prior_covariance_;
+  std::optional<Matrix6d> prior_covariance_;
   Localization answer_;
 };
 

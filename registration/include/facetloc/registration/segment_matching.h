@@ -30,7 +30,7 @@ public:
    * match nothing. */
   void determineCorrespondences(pcl::Correspondences& correspondences,
                                 double max_distance = std::numeric_limits<double>::max()) override;
-  /** \brief The pairs in which either frame is the best partner of the other. */
+  /** \brief The pairs in which each frame is the best partner of the other. */
   void determineReciprocalCorrespondences(pcl::Correspondences& correspondences,
                                           double max_distance = std::numeric_limits<double>::max()) override;
   Base::Ptr clone() const override { return Base::Ptr(new SegmentMatching(*this)); }

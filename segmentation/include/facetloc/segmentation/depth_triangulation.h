@@ -36,7 +36,7 @@ struct DepthTriangulationParams {
  *
  * Starts with the image's four corners and inserts the pixel that deviates most from its triangle until all
  * triangles are within tolerance. Exact integer predicates: the result is a Delaunay triangulation of its
- * vertices, the same on every machine. Images up to 2048 px wide and high. */
+ * vertices, the same on every machine. Images up to 16000 px wide and high. */
 class DepthTriangulation {
 public:
   struct Vertex {

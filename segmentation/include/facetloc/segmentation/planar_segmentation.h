@@ -43,7 +43,7 @@ public:
   void segment(Labels& labels);
 
   /** \brief The segmentation behind the last call; empty after a failed one. */
-  const PlaneSegmentation& getSegmentation() const { return result_; }
+  const LabelledPlanes& getSegmentation() const { return result_; }
   std::string getClassName() const override { return "PlanarSegmentation"; }
 
 private:
@@ -56,7 +56,7 @@ private:
   SegmentationParams params_;
   SensorNoise noise_;
   std::optional<Intrinsics> camera_;
-  PlaneSegmentation result_;
+  LabelledPlanes result_;
 };
 
 }  // namespace facetloc

@@ -29,7 +29,7 @@ struct SegmentationParams {
 };
 
 /** \brief Labels of a depth image and the plane of each label. */
-struct PlaneSegmentation {
+struct LabelledPlanes {
   Intrinsics camera;               ///< of the image
   LabelImage labels;               ///< labels count from 1 in the order of decreasing support
   std::vector<PixelPlane> planes;  ///< planes[k - 1] of label k, in inverse depth [1/m]
@@ -45,16 +45,12 @@ public:
   explicit PlaneSegmenter(const SegmentationParams& params = {}, const SensorNoise& noise = {});
 
   /** \brief Segments an image; an empty or all-invalid image gives no labels, never an error. */
-  void segment(const DepthImage& image, PlaneSegmentation& out);
-
-  const DisparityImage& disparity() const { return disparity_; }
-  const DepthTriangulation& triangulation() const { return split_; }
-  const RegionMerging& merging() const { return merge_; }
+  void segment(const DepthImage& image, LabelledPlanes& out);
 
 private:
-  void label(PlaneSegmentation& out);
+  void label(LabelledPlanes& out);
   void reassignBoundaries(LabelImage& labels);
-  void keepLargeRegions(PlaneSegmentation& out, double min_support);
+  void keepLargeRegions(LabelledPlanes& out, double min_support);
 
   SegmentationParams params_;
   SensorNoise noise_;

@@ -32,14 +32,14 @@ public:
 
   /** \brief The segmentation of the last image, its labels renumbered: label k is segment k - 1 of the view.
    */
-  const PlaneSegmentation& segmentation() const { return segmentation_; }
+  const LabelledPlanes& segmentation() const { return segmentation_; }
   double segmentMilliseconds() const { return segment_ms_; }    ///< of the last image
   double featuresMilliseconds() const { return features_ms_; }  ///< of the last image
 
 private:
   ViewParams params_;
   PlaneSegmenter segmenter_;
-  PlaneSegmentation segmentation_;
+  LabelledPlanes segmentation_;
   double segment_ms_ = 0;
   double features_ms_ = 0;
 };

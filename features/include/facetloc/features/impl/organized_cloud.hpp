@@ -35,8 +35,7 @@ bool inFront(const PointT& p) {
 
 template <typename PointT>
 std::optional<Intrinsics> recoverIntrinsics(const pcl::PointCloud<PointT>& cloud) {
-  if (cloud.height <= 1 || cloud.width <= 1 || cloud.size() != std::size_t(cloud.width) * cloud.height)
-    return {};
+  if (!isOrganized(cloud)) return {};
   detail::PixelLine columns, rows;
   for (std::uint32_t v = 0, k = 0; v < cloud.height; ++v)
     for (std::uint32_t u = 0; u < cloud.width; ++u, ++k) {
@@ -68,7 +67,7 @@ DepthImage depthImage(const pcl::PointCloud<PointT>& cloud, const Intrinsics& ca
   image.camera = camera;
   image.depth.resize(cloud.size());
   std::transform(cloud.begin(), cloud.end(), image.depth.begin(),
-                 [](const PointT& p) { return std::isfinite(p.z) && p.z > 0 ? p.z : 0.f; });
+                 [](const PointT& p) { return isMeasured(p.z) ? p.z : 0.f; });
   return image;
 }
 

@@ -18,7 +18,7 @@ void SegmentFrameEstimation<PointT>::compute(PointCloudOut& output) {
     status_ = "no input cloud";
     return;
   }
-  if (input_->height <= 1) {
+  if (!isOrganized(*input_)) {
     status_ = "the input cloud is not organized";
     return;
   }
@@ -31,7 +31,7 @@ void SegmentFrameEstimation<PointT>::compute(PointCloudOut& output) {
     status_ = "the camera of the input cloud is not known and not to be had from its points";
     return;
   }
-  if (!this->initCompute()) {
+  if (!this->initCompute() || !areIndicesOf(*input_, *indices_)) {
     status_ = "the indices do not fit the input cloud";
     return;
   }

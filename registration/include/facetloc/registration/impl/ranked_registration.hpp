@@ -6,7 +6,7 @@
 namespace facetloc {
 
 template <typename PointT>
-RankedRegistration<PointT>::RankedRegistration() : prior_covariance_(posePrior({})) {
+RankedRegistration<PointT>::RankedRegistration() {
   this->setSearchMethodTarget(pcl::make_shared<LazyKdTree<PointT>>());
   reset("not aligned yet");
 }
@@ -28,12 +28,6 @@ void RankedRegistration<PointT>::setInputTarget(const PointCloudTargetConstPtr& 
 }
 
 template <typename PointT>
-void RankedRegistration<PointT>::setRegistrationParams(const GlobalLocalizationParams& params) {
-  params_ = params;
-  prior_covariance_ = posePrior({}, params.prior);
-}
-
-template <typename PointT>
 Eigen::Isometry3d RankedRegistration<PointT>::getFinalPose() const {
   return answer_.hypotheses.empty() ? Eigen::Isometry3d::Identity() : answer_.hypotheses.front().T_m_c.T;
 }
@@ -49,17 +43,20 @@ void RankedRegistration<PointT>::computeTransformation(PointCloudSource& output,
   auto map = std::make_shared<Map>();
   map->models.resize(1);
   map->models[0].T_w_m = Eigen::Isometry3d::Identity();
-  map->models[0].view = makeView(*target_, nullptr);
-  const View scene = makeView(*input_, use_indices_ ? indices_.get() : nullptr);
+  std::string source_fault, target_fault;
+  map->models[0].view = makeView(*target_, nullptr, target_fault);
+  const View scene = makeView(*input_, use_indices_ ? indices_.get() : nullptr, source_fault);
 
   PoseWithCovariance prior;
   prior.T.matrix() = guess.template cast<double>();
   prior.T.linear() = Eigen::Quaterniond(prior.T.linear()).normalized().toRotationMatrix();
-  prior.P = prior_covariance_;
-  if (!prior.T.matrix().allFinite())
-    answer_.reason = "the guess is not finite";
-  else if (map->models[0].view.segments.empty())
-    answer_.reason = "the target has no planar segment";
+  prior.P = getPriorCovariance();
+  if (!prior.T.matrix().allFinite() || !prior.P.allFinite())
+    answer_.reason = "the guess or its covariance is not finite";
+  else if (!target_fault.empty())
+    answer_.reason = "target: " + target_fault;
+  else if (!source_fault.empty())
+    answer_.reason = "source: " + source_fault;
   else
     answer_ = GlobalLocalization(map, params_, sensorNoise()).localize(scene, prior);
 

@@ -15,7 +15,7 @@ bool PlanarSegmentation<PointT>::compute() {
     status_ = "no input cloud";
     return false;
   }
-  if (input_->height <= 1) {
+  if (!isOrganized(*input_)) {
     status_ = "the input cloud is not organized";
     return false;
   }
@@ -24,7 +24,7 @@ bool PlanarSegmentation<PointT>::compute() {
     status_ = "the camera of the input cloud is not known and not to be had from its points";
     return false;
   }
-  if (!this->initCompute()) {
+  if (!this->initCompute() || !areIndicesOf(*input_, *indices_)) {
     status_ = "the indices do not fit the input cloud";
     return false;
   }
