@@ -32,8 +32,11 @@ std::string progressLine(std::size_t done, std::size_t total, double seconds) {
 Progress::Progress(const Console& console, std::size_t total)
     : console_(console), visible_(console.terminal && !console.quiet && total > 1), total_(total) {}
 
-Progress::~Progress() {
+Progress::~Progress() { clear(); }
+
+void Progress::clear() {
   if (visible_) console_.err << "\r\033[K" << std::flush;
+  visible_ = false;
 }
 
 void Progress::step() {
@@ -45,6 +48,7 @@ void Progress::step() {
   shown_ = now;
   const double seconds = std::chrono::duration<double>(now - start_).count();
   console_.err << "\r\033[K" << progressLine(done_, total_, seconds) << std::flush;
+  if (done_ == total_) clear();  // what follows begins on an empty line
 }
 
 }  // namespace facetloc

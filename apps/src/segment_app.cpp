@@ -114,6 +114,12 @@ int SegmentApp::execute(const CommandLine& line, const Console& console) {
   std::vector<Image> todo = images(sequences);
   const std::size_t total = todo.size();
   createFolder(folder_);
+  for (const Image& image : todo)
+    if (fs::equivalent(image.file().path.parent_path().empty() ? fs::path(".")
+                                                               : image.file().path.parent_path(),
+                       folder_))
+      throw UsageError("the results would overwrite the images in " + folder_ +
+                       "; use another output folder");
   if (resume_)
     todo.erase(std::remove_if(todo.begin(), todo.end(), [this](const Image& i) { return done(i); }),
                todo.end());

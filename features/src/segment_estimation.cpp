@@ -23,6 +23,7 @@ constexpr double kFaithfulPixelStd = 1.0;
 constexpr double kCorrelatedPixels =
     100.0;  // pixels at 320x240 that share one independent error, N_eff of METHOD 4.3
 constexpr double kMinIndependent = 8.0;
+constexpr double kWideInNoise = 5.0;  // a strip this many sigma_r wide has a slope worth measuring
 
 // Sums over the points z b of a region, from which centroid and covariance follow.
 struct PointMoments {
@@ -119,6 +120,15 @@ Eigen::Matrix3d rayMoments(const PlaneMoments& m, const Intrinsics& c) {
   Eigen::Matrix3d bb;
   bb << xx, xy, x, xy, yy, y, x, y, m.n;
   return bb;
+}
+
+// sigma_r^2: how far a single point may lie off a plane, Eq. (4).
+double offsetVariance(const Eigen::Vector3d& normal, const Eigen::Vector3d& centroid,
+                      const Intrinsics& camera, const SensorNoise& noise) {
+  const double pixel_std = kFaithfulPixelStd * camera.width / kReferenceWidth;
+  const Eigen::Matrix3d Sigma_C =
+      pointCovariance(centroid, camera, pixel_std, kFaithfulDepthFactor * noise.inverse_depth_std);
+  return normal.dot(Sigma_C * normal);
 }
 
 using Pixels = std::vector<Eigen::Vector2d>;
@@ -225,7 +235,11 @@ bool makeSegment(Region& r, const Intrinsics& camera, const SensorNoise& noise,
   const double nearest =
       s.t.z() - std::max(std::sqrt(s.lambda[0]) * std::abs(s.R(2, 0)), width * std::abs(s.R(2, 1)));
   if (nearest > params.max_depth || n.dot(s.t.normalized()) < params.min_incidence) return false;
-  if (width < params.min_width || width * camera.fx / s.t.z() < params.min_width_px) return false;
+  // A strip fixes its slope across only if it is wide compared with the noise, or with what furniture is made
+  // of.
+  const double noise_width = kWideInNoise * std::sqrt(offsetVariance(n, s.t, camera, noise));
+  if (!(width >= std::min(params.min_width, noise_width))) return false;
+  if (!(width * camera.fx / s.t.z() >= params.min_width_px)) return false;
 
   r.bb = rayMoments(r.plane, camera);
   s.Sigma_q = params.faithful ? faithfulCovariance(n, s.t, s.lambda, camera, params.faithful_factor, noise)
@@ -240,10 +254,7 @@ bool makeSegment(Region& r, const Intrinsics& camera, const SensorNoise& noise,
 Eigen::Matrix3d faithfulCovariance(const Eigen::Vector3d& normal, const Eigen::Vector3d& centroid,
                                    const Eigen::Vector2d& lambda, const Intrinsics& camera, double kappa_u,
                                    const SensorNoise& noise) {
-  const Eigen::Matrix3d Sigma_C =
-      pointCovariance(centroid, camera, kFaithfulPixelStd * camera.width / kReferenceWidth,
-                      kFaithfulDepthFactor * noise.inverse_depth_std);
-  const double var_r = kappa_u * kappa_u * normal.dot(Sigma_C * normal);  // Eq. (4)
+  const double var_r = kappa_u * kappa_u * offsetVariance(normal, centroid, camera, noise);  // Eq. (4)
   return Eigen::Vector3d(var_r / (lambda[0] + var_r), var_r / (lambda[1] + var_r), var_r)
       .asDiagonal();  // Eq. (5)
 }

@@ -86,16 +86,25 @@ void requireUniqueNames(const std::vector<FrameFile>& frames, const fs::path& so
   }
 }
 
-/** Stamps from the names if all of them are numbers, and then in their order; else the index, in the given
- * order. */
-void stampFrames(std::vector<FrameFile>& frames) {
-  const bool numbers = std::all_of(frames.begin(), frames.end(), [](const FrameFile& frame) {
-    return std::isfinite(text::to<double>(frame.name).value_or(std::numeric_limits<double>::quiet_NaN()));
-  });
+bool isStamp(const std::string& name) {
+  return std::isfinite(text::to<double>(name).value_or(std::numeric_limits<double>::quiet_NaN()));
+}
+
+/** Stamps from the names if they are numbers, and then in their order; else the index, in the given order.
+ * One stray name among stamps is an error: it would silently turn all stamps into indices. False for indices.
+ */
+bool stampFrames(std::vector<FrameFile>& frames) {
+  const auto stray =
+      std::find_if(frames.begin(), frames.end(), [](const FrameFile& f) { return !isStamp(f.name); });
+  const bool numbers = stray == frames.end();
+  if (!numbers &&
+      std::any_of(frames.begin(), frames.end(), [](const FrameFile& f) { return isStamp(f.name); }))
+    throw IoError(stray->path.string(), "its name is no time stamp, unlike those of other images beside it");
   for (std::size_t i = 0; i < frames.size(); ++i)
     frames[i].stamp = numbers ? *text::to<double>(frames[i].name) : static_cast<double>(i);
   std::stable_sort(frames.begin(), frames.end(),
                    [](const FrameFile& a, const FrameFile& b) { return a.stamp < b.stamp; });
+  return numbers;
 }
 
 /** The first file of this name in the folder of the images, its parent, or the folder that was asked for and
@@ -120,7 +129,7 @@ DepthSequence DepthSequence::open(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) throw IoError(path.string(), "does not exist");
   const bool is_folder = fs::is_directory(path, ignored);
-  const fs::path asked = fs::absolute(is_folder ? path : path.parent_path());
+  const fs::path asked = is_folder ? fs::absolute(path) : fs::absolute(path).parent_path();
   const fs::path images = is_folder && fs::is_directory(path / "depth", ignored) ? path / "depth" : asked;
 
   DepthSequence sequence;
@@ -135,10 +144,11 @@ DepthSequence DepthSequence::open(const std::filesystem::path& path) {
                   "is no sequence: expected a folder, a .png, a .pcd or a list in a .txt or .lst file");
   if (sequence.frames_.empty()) throw IoError(path.string(), "has no .png or .pcd depth images");
   requireUniqueNames(sequence.frames_, path);
-  stampFrames(sequence.frames_);
+  const bool stamped = stampFrames(sequence.frames_);
 
   if (const auto file = findBeside(images, asked, kCameraFile)) sequence.camera_ = readCameraFile(*file);
-  if (const auto file = findBeside(images, asked, kGroundTruthFile))
+  // Indices are no times: poses would be matched to them at random.
+  if (const auto file = findBeside(images, asked, kGroundTruthFile); file && stamped)
     sequence.ground_truth_ = readTumTrajectory(*file);
   const bool needs_camera = std::any_of(sequence.frames_.begin(), sequence.frames_.end(),
                                         [](const FrameFile& frame) { return isPng(frame.path); });

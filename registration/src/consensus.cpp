@@ -70,18 +70,16 @@ std::vector<Eigen::Vector3d> samplePoints(const Segment& s) {
   if (s.hull.size < 3) return points;
   Eigen::Vector2f low = s.hull.vertex[0], high = low;
   for (const Eigen::Vector2f& v : s.hull) low = low.cwiseMin(v), high = high.cwiseMax(v);
-  const float spacing = std::sqrt(s.hull.area() / static_cast<float>(kSamples));
-  if (spacing > 0) {
-    const Eigen::Vector2f extent = high - low;
-    constexpr float kMost = 256;  // samples along one side, for slivers
-    const int columns = static_cast<int>(std::min(kMost, extent.x() / spacing + 0.5f));
-    const int rows = static_cast<int>(std::min(kMost, extent.y() / spacing + 0.5f));
-    for (int j = 0; j < rows; ++j)
-      for (int i = 0; i < columns; ++i) {
-        const Eigen::Vector2f p = low + spacing * Eigen::Vector2f(i + 0.5f, j + 0.5f);
-        if (s.hull.contains(p)) points.push_back(s.t + p.x() * s.R.col(0) + p.y() * s.R.col(1));
-      }
-  }
+  const float spacing = std::sqrt(std::max(1e-6f, s.hull.area()) / static_cast<float>(kSamples));
+  const Eigen::Vector2f extent = high - low;
+  constexpr float kMost = 256;  // samples along one side, for slivers
+  const int columns = static_cast<int>(std::min(kMost, extent.x() / spacing + 0.5f));
+  const int rows = static_cast<int>(std::min(kMost, extent.y() / spacing + 0.5f));
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const Eigen::Vector2f p = low + spacing * Eigen::Vector2f(i + 0.5f, j + 0.5f);
+      if (s.hull.contains(p)) points.push_back(s.t + p.x() * s.R.col(0) + p.y() * s.R.col(1));
+    }
   if (points.empty()) points.push_back(s.t);
   return points;
 }

@@ -1,11 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/registration/view_registration.h>
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace facetloc {
 namespace {
+
+// Does a pose fix all six degrees of freedom? A refinement that lost pairs leaves the prior's uncertainty.
+bool isComplete(const Matrix6d& P, const HypothesisTreeParams& params) {
+  const auto largestStd = [](const Eigen::Matrix3d& block) {
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eig;
+    eig.computeDirect(block, Eigen::EigenvaluesOnly);
+    return std::sqrt(std::max(0.0, eig.eigenvalues()[2]));
+  };
+  return largestStd(P.topLeftCorner<3, 3>()) <= params.complete_rotation_deg * kDegree &&
+         largestStd(P.bottomRightCorner<3, 3>()) <= params.complete_translation;
+}
 
 bool byScore(const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; }
 
@@ -62,6 +76,7 @@ ViewRegistration::align(const View& scene, const std::vector<std::vector<Eigen::
 }
 
 void ViewRegistration::addDistinct(Hypothesis&& h, std::vector<Hypothesis>& hypotheses) const {
+  if (!isComplete(h.T_m_c.P, params_.tree)) return;
   constexpr double kRefinedFactor = 2;  // refined duplicates within 2 deg and 0.1 m are one (METHOD 10.6)
   for (const Hypothesis& other : hypotheses) {
     const double shift = (other.T_m_c.T.translation() - h.T_m_c.T.translation()).norm();

@@ -24,10 +24,12 @@ public:
   void step();
 
 private:
+  void clear();
+
   using Clock = std::chrono::steady_clock;
 
   const Console& console_;
-  const bool visible_;
+  bool visible_;
   const std::size_t total_;
   const Clock::time_point start_ = Clock::now();
   Clock::time_point shown_;

@@ -15,7 +15,7 @@ namespace facetloc {
 struct SegmentEstimationParams {
   double min_support = 150;       ///< [px at 320x240], scaled with the image area
   double max_depth = 7.5;         ///< nearest end of the segment's ellipse [m]
-  double min_width = 0.03;        ///< smallest sqrt(lambda_2) [m]
+  double min_width = 0.03;        ///< smallest sqrt(lambda_2) [m], unless it is wide compared with the noise
   double min_width_px = 2.0;      ///< smallest sqrt(lambda_2) seen from the camera [px at the working size]
   double min_incidence = 0.1;     ///< smallest |cosine| between normal and ray at the centroid
   double trim = 3.0;              ///< residual beyond which a pixel leaves the fit [noise std]
@@ -31,7 +31,8 @@ struct SegmentEstimationParams {
           "Smallest support of a segment [px at 320x240, scaled with the image area].");
     field("max_depth", p.max_depth, 0.1, 1e3, "Segments whose nearest end is farther are dropped [m].");
     field("min_width", p.min_width, 0.0, 10.0,
-          "Smallest standard deviation of the support along its minor axis [m].");
+          "Smallest standard deviation of the support along its minor axis [m]; less if that is five times "
+          "the depth noise.");
     field("min_width_px", p.min_width_px, 0.0, 100.0, "The same seen from the camera [px].");
     field("min_incidence", p.min_incidence, 0.0, 1.0,
           "Smallest cosine between normal and viewing ray at the centroid.");

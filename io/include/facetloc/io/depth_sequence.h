@@ -25,7 +25,7 @@ struct FrameFile {
  * file; a text file (.txt, .lst) with one path per line, relative to the list; # starts a comment line. Where
  * names are no numbers, folders are in the order of the names and lists in their own. camera.ini is looked
  * for in the folder, in its parent, and beside the file; PNGs need one, PCDs fall back to the intrinsics in
- * their points. groundtruth.txt is looked for in the same places. */
+ * their points. groundtruth.txt is looked for in the same places, and read if the names are time stamps. */
 class DepthSequence {
 public:
   /** \brief Lists the frames; reads no image. Throws IoError if there is nothing to read. */
