@@ -14,7 +14,7 @@ bin=$build/apps
 
 mkdir -p "$out"
 rm -rf "$out"/{room,segments,results,evaluation,room.flmap}  # of an earlier demo
-"$bin/facetloc_simulate" room -o "$out/room" --seed 3 --frames 60
+"$bin/facetloc_simulate" room -o "$out/room" --seed 2 --frames 60
 "$bin/facetloc_segment" "$out/room/query" -o "$out/segments" --overlay --labels
 "$bin/facetloc_map" build "$out/room/map" -o "$out/room.flmap"
 "$bin/facetloc_map" check "$out/room.flmap"

@@ -219,7 +219,7 @@ int EvaluateApp::execute(const CommandLine&, const Console& console) {
   const bool any = std::any_of(rows.begin(), rows.end(), [](const ResultRow& row) { return row.rank > 0; });
   const bool posed =
       std::any_of(rows.begin(), rows.end(), [](const ResultRow& row) { return row.T_w_c.has_value(); });
-  if (map_.empty() && any && !posed) throw IoError(results_, "has no world poses: the map has none");
+  if (any && !posed) throw IoError(results_, "has no world poses: the map has none");
   report.summaries = summarizeSets(report.evaluation);
 
   if (folder_.empty()) folder_ = (fs::path(results_) / "evaluation").string();

@@ -116,6 +116,8 @@ MapDatabase MapBuildApp::openDatabase(const DepthSequence& sequence, const std::
 
 MapDatabase MapBuildApp::createDatabase(const DepthSequence& sequence, const std::string& parameters,
                                         bool overwrite) const {
+  if (std::filesystem::exists(map_) && !overwrite)
+    throw IoError(map_, "exists already; give --overwrite to replace it or --resume to go on");
   MapDatabase database = MapDatabase::create(map_, overwrite);
   database.setMeta("software", versionText());
   database.setMeta("source", sequence_);

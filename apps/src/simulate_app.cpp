@@ -4,6 +4,7 @@
 #include <facetloc/apps/simulate_app.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/error.h>
 
 #include <cmath>
 #include <filesystem>
@@ -80,7 +81,8 @@ int SimulateApp::execute(const CommandLine&, const Console& console) {
 
   const auto seed = static_cast<std::uint64_t>(seed_);
   const auto frames = static_cast<std::size_t>(frames_);
-  const Scene scene = randomRoom(seed);
+  constexpr int kBoxes = 16;  // furnished: most views then show planes of three directions
+  const Scene scene = randomRoom(seed, kBoxes);
   const SimulatedCamera camera(scaledKinect(width_), noise_, seed);  // one camera for both runs
   const CameraFile camera_file{camera.camera(), kDepthScale, drive_.mounting(), {}};
   const auto map_drive = simulateDrive(scene, frames, drive_, kRunSeeds * seed);
@@ -88,6 +90,9 @@ int SimulateApp::execute(const CommandLine&, const Console& console) {
   const auto query_drive = simulateDrive(scene, frames, drive_, kRunSeeds * seed + 1, start);
   const Run runs[] = {{fs::path(folder_) / "map", 0, 0, map_drive},
                       {fs::path(folder_) / "query", kQueryStart, frames, query_drive}};
+  for (const Run& run : runs)
+    if (fs::exists(run.folder))
+      throw IoError(run.folder.string(), "exists already; remove it or use another folder");
   for (const Run& run : runs) prepareFolder(run, camera_file);
 
   Batch batch(threads(), 2 * frames, console);
