@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The whole pipeline on real depth images, where they are there.
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/registration/global_localization.h>
+#include <facetloc/registration/map_builder.h>
+#include <facetloc/segmentation/view_builder.h>
+#include <facetloc/testing/overlap_score.h>
+#include <facetloc/testing/segcomp.h>
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+
+namespace facetloc {
+namespace {
+
+constexpr int kWorkingWidth = 320;
+
+class RealImages : public testing::Test {
+protected:
+  /** The folder of that name, or a skipped test. */
+  std::filesystem::path folder(const std::string& name) {
+    const char* set = std::getenv("FACETLOC_DATA");
+    return std::filesystem::path(set ? set : FACETLOC_DATA_DIR) / name;
+  }
+};
+
+#define SKIP_WITHOUT(path)                                                                                   \
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no data at " << (path) << "; see FACETLOC_DATA"
+
+std::shared_ptr<const Map> mapOf(const DepthSequence& sequence) {
+  auto map = std::make_shared<Map>();
+  MapBuilder rule;
+  ViewBuilder builder;
+  for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
+    const auto T_w_c = sequence.groundTruth().nearest(sequence.frames()[i].stamp);
+    if (!T_w_c || !rule.accept(*T_w_c)) continue;
+    LocalModel model;
+    model.T_w_m = T_w_c;
+    model.view = builder.build(sequence.load(i, kWorkingWidth));
+    map->models.push_back(std::move(model));
+  }
+  return map;
+}
+
+TEST_F(RealImages, OfAKitchenAreFoundInAMapOfItsOtherHalf) {
+  const auto data = folder("redkitchen");
+  SKIP_WITHOUT(data);
+  const GlobalLocalization localization(mapOf(DepthSequence::open(data / "map")));
+  const DepthSequence query = DepthSequence::open(data / "query");
+  ViewBuilder builder;
+  int images = 0, correct = 0;
+  for (std::size_t i = 0; i < query.frames().size(); i += 10) {
+    const auto truth = query.groundTruth().nearest(query.frames()[i].stamp);
+    ASSERT_TRUE(truth);
+    const Localization answer = localization.localize(builder.build(query.load(i, kWorkingWidth)));
+    ++images;
+    if (answer.hypotheses.empty()) continue;
+    const Eigen::Isometry3d& T = *answer.hypotheses[0].T_w_c;
+    correct += (T.translation() - truth->translation()).norm() <= 0.3 &&
+               rotationAngle(T.linear() * truth->linear().transpose()) <= 5 * kDegree;
+  }
+  EXPECT_GE(correct, 0.95 * images);  // observed: all
+}
+
+TEST_F(RealImages, OfAnotherSensorAreSegmentedWithTheThresholdsOfAKinect) {
+  const auto data = folder("abw");
+  SKIP_WITHOUT(data);
+  test::OverlapScore sum;
+  for (const test::SegCompImage& image : test::readSegComp(data)) {
+    SegmentationParams params;
+    params.min_support = 100 / scaledPixels(1, image.depth.camera);
+    LabelledPlanes found;
+    PlaneSegmenter(params).segment(image.depth, found);
+    sum += test::overlapScore(found.labels, image.truth);
+  }
+  EXPECT_GT(sum.rate(), 0.75);  // observed: 0.761
+}
+
+TEST_F(RealImages, FullOfHolesStillShowPlanes) {
+  const auto data = folder("cafe");
+  SKIP_WITHOUT(data);
+  const DepthSequence sequence = DepthSequence::open(data);
+  ViewBuilder builder;
+  for (std::size_t i = 0; i < sequence.frames().size(); i += 8)
+    EXPECT_GE(builder.build(sequence.load(i, kWorkingWidth)).segments.size(), 3u)
+        << sequence.frames()[i].name;
+}
+
+}  // namespace
+}  // namespace facetloc
