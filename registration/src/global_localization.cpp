@@ -3,6 +3,8 @@
 
 #include <omp.h>
 
+#include <algorithm>
+
 namespace facetloc {
 
 GlobalLocalization::GlobalLocalization(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params,
@@ -21,7 +23,7 @@ Localization GlobalLocalization::localize(const View& scene, const PoseWithCovar
   // Each model's list is written by its index, so that the answer does not depend on the number of threads.
   const auto samples = samplePoints(scene);
   std::vector<std::vector<Hypothesis>> of_model(n);
-  const int threads = threads_ > 0 ? threads_ : omp_get_num_procs();
+  const int threads = std::min(n, threads_ > 0 ? threads_ : omp_get_num_procs());
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
   for (int i = 0; i < n; ++i) of_model[i] = registration_.align(scene, samples, map_->models[i].view, prior);
 
