@@ -66,12 +66,10 @@ std::vector<FrameFile> framesOfList(const fs::path& list) {
     const auto entry = text::trimmed(line);
     if (entry.empty() || entry.front() == '#') continue;
     const fs::path path = list.parent_path() / fs::path(entry);  // an absolute entry stays as it is
-    const auto fail = [&](const char* cause) {
-      throw IoError(list.string(), "line " + std::to_string(number) + ": " + std::string(entry) + cause);
-    };
-    if (!isImage(path)) fail(" is neither a .png nor a .pcd file");
-    if (!fs::is_regular_file(path)) fail(" does not exist");
-    frames.push_back(frameOf(path));
+    if (!isImage(path))
+      throw IoError(list.string(), "line " + std::to_string(number) + ": " + std::string(entry) +
+                                       " is neither a .png nor a .pcd file");
+    frames.push_back(frameOf(path));  // one that is missing fails when it is read, and stops no other
   }
   return frames;
 }

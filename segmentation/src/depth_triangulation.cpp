@@ -239,8 +239,7 @@ void DepthTriangulation::splitEdge(int t, int edge, int p) {
     const auto& nj = triangles_[j].neighbour;
     const int m = static_cast<int>(std::find(nj.begin(), nj.end(), t) - nj.begin());
     const int d = rotated(triangles_[j].vertex, m)[2];
-    const auto [back, nad, ndb] = rotated(nj, m);  // back leads to t
-    (void)back;
+    const int nad = nj[(m + 1) % 3], ndb = nj[(m + 2) % 3];
     const int j1 = addTriangle(p, a, d);
     triangles_[j].vertex = {b, p, d};
     triangles_[j].neighbour = {t1, j1, ndb};

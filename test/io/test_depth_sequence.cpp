@@ -151,11 +151,30 @@ TEST_F(Sequence, ListsAreRelativeToThemselvesAndKeepTheirOrder) {
   expectNear(sequence.load(1), image(), 1e-6f);
 }
 
+TEST_F(Sequence, AMissingImageOfAListStopsNoOther) {
+  putPng("1.png");
+  putCamera();
+  putBytes(folder_ / "list.lst", "1.png\n2.png\n");
+  const auto sequence = DepthSequence::open(folder_ / "list.lst");
+  EXPECT_NO_THROW(sequence.load(0));
+  try {
+    sequence.load(1);
+    ADD_FAILURE() << "a missing image was read";
+  } catch (const IoError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("2.png"));
+  }
+}
+
+TEST_F(Sequence, OneNameThatIsNoStampAmongStampsIsAnError) {
+  putPng("1.png");
+  putPng("readme.png");
+  putCamera();
+  EXPECT_THAT(openError("."), HasSubstr("readme.png"));
+}
+
 TEST_F(Sequence, ListsWithFaultsNameTheLine) {
   putPng("1.png");
   putCamera();
-  putBytes(folder_ / "list.lst", "1.png\nnone.png\n");
-  EXPECT_THAT(openError("list.lst"), AllOf(HasSubstr("line 2"), HasSubstr("none.png")));
   putBytes(folder_ / "list.lst", "1.png\ncamera.ini\n");
   EXPECT_THAT(openError("list.lst"), AllOf(HasSubstr("line 2"), HasSubstr("neither")));
   putBytes(folder_ / "list.lst", "");
