@@ -150,6 +150,11 @@ double logLikelihoodRatio(const View& scene, const std::vector<std::vector<Eigen
   return sum;
 }
 
+double freeSpaceTerm(const DepthAgreement& compared, const ConsensusParams& params) {
+  const double share = compared.contradict / std::max(1.0, double(compared.judged()));
+  return -params.free_space_weight * std::log1p(share / params.free_space_share);
+}
+
 double surfaceMatchingScore(const std::vector<Segment>& scene, const std::vector<Segment>& model,
                             const PoseWithCovariance& T_m_c, const MatchingParams& matching) {
   const auto upperTail = [](double d2) {  // of chi2(3)

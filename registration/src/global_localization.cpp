@@ -33,9 +33,9 @@ Localization GlobalLocalization::localize(const View& scene, const PoseWithCovar
       if (map_->models[i].T_w_m) h.T_w_c = *map_->models[i].T_w_m * h.T_m_c.T;
       answer.hypotheses.push_back(std::move(h));
     }
-  const bool evidence =
-      !params_.registration.consensus.surface_score &&  // a score in pixels, not in nats
-      addEvidence(scene, *map_, registration_.comparison(), params_.ranking, answer.hypotheses);
+  const bool evidence = !params_.registration.consensus.surface_score &&  // a score in pixels, not in nats
+                        addEvidence(scene, *map_, registration_.comparison(), params_.registration.consensus,
+                                    params_.ranking, answer.hypotheses);
   rankPlaces(params_.ranking, evidence, answer.hypotheses);
 
   if (answer.hypotheses.empty()) {

@@ -10,10 +10,6 @@
 namespace facetloc {
 namespace {
 
-// Log likelihood ratios of a pixel that agrees, contradicts, is hidden (METHOD_MEASURED 11.4 (6)).
-const double kAgree = std::log(1.6), kContradict = std::log(0.05), kOccluded = std::log(0.5);
-constexpr double kCoarsePixels = 4;  // pixels of the fine grid that one of the coarse grid stands for
-
 // The models that look at about the same place, nearest first: metres + 1.5 m per radian of the viewing
 // direction.
 std::vector<int> nearestModels(const Map& map, const Eigen::Isometry3d& T_w_c, int n) {
@@ -35,17 +31,23 @@ std::vector<int> nearestModels(const Map& map, const Eigen::Isometry3d& T_w_c, i
   return index;
 }
 
-// Evidence of several models for one world pose: each scene pixel is judged by all of them together, and each
-// model's own pixels are moved into the scene.
-double evidence(const View& scene, const Map& map, const std::vector<int>& models,
-                const Eigen::Isometry3d& T_w_c, const DepthComparison& comparison) {
-  std::vector<Eigen::Isometry3d> T_m_c;
+// What several models say about one world pose: all together about each pixel of the scene, and one by one
+// about their own pixels, moved into the scene.
+struct DepthEvidence {
+  DepthAgreement of_scene, of_models;
+  int pixels = 0;  // of the scene
+};
+
+DepthEvidence compareWithModels(const View& scene, const Map& map, const std::vector<int>& models,
+                                const Eigen::Isometry3d& T_w_c, const DepthComparison& comparison) {
+  DepthEvidence sum;
   std::vector<DepthJudge> judges;
   for (const int i : models) {
-    T_m_c.push_back(map.models[i].T_w_m->inverse() * T_w_c);
-    judges.emplace_back(comparison, scene.depth, map.models[i].view.depth, T_m_c.back());
+    const DepthPicture& depth = map.models[i].view.depth;
+    const Eigen::Isometry3d T_m_c = map.models[i].T_w_m->inverse() * T_w_c;
+    judges.emplace_back(comparison, scene.depth, depth, T_m_c);
+    sum.of_models += comparison.compare(depth, scene.depth, T_m_c.inverse(), kCoarseColumns);
   }
-  double sum = 0;
   const int step = gridStep(scene.depth, kFineColumns);
   for (int v = step / 2; v < scene.depth.camera.height; v += step)
     for (int u = step / 2; u < scene.depth.camera.width; u += step) {
@@ -56,15 +58,22 @@ double evidence(const View& scene, const Map& map, const std::vector<int>& model
         agree += verdict == DepthVerdict::agree;
         contradict += verdict == DepthVerdict::contradict;
       }
-      if (judged) sum += contradict > agree ? kContradict : agree > 0 ? kAgree : kOccluded;
+      ++sum.pixels;
+      if (judged == 0) continue;
+      ++(contradict > agree ? sum.of_scene.contradict
+         : agree > 0        ? sum.of_scene.agree
+                            : sum.of_scene.occluded);
     }
-  double reverse = 0;
-  for (std::size_t k = 0; k < models.size(); ++k) {
-    const DepthAgreement a =
-        comparison.compare(map.models[models[k]].view.depth, scene.depth, T_m_c[k].inverse(), kCoarseColumns);
-    reverse += kCoarsePixels * (a.agree * kAgree + a.contradict * kContradict + a.occluded * kOccluded);
-  }
-  return sum + reverse / std::max<std::size_t>(1, models.size());
+  return sum;
+}
+
+double evidence(const DepthEvidence& depth, const ConsensusParams& consensus,
+                const PlaceRankingParams& params) {
+  const double agreement = depth.of_scene.agree / std::max(1.0, double(depth.pixels));
+  const double hidden = depth.of_models.occluded / std::max(1.0, double(depth.of_models.judged()));
+  return params.agreement_weight * agreement -
+         params.occlusion_weight * std::log1p(hidden / consensus.free_space_share) +
+         freeSpaceTerm(depth.of_scene, consensus) + freeSpaceTerm(depth.of_models, consensus);
 }
 
 void sortByScore(std::vector<Hypothesis>& h) {
@@ -82,7 +91,8 @@ bool samePlace(const Hypothesis& a, const Hypothesis& b, const PlaceRankingParam
 }  // namespace
 
 bool addEvidence(const View& scene, const Map& map, const DepthComparison& comparison,
-                 const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses) {
+                 const ConsensusParams& consensus, const PlaceRankingParams& params,
+                 std::vector<Hypothesis>& hypotheses) {
   sortByScore(hypotheses);
   if (!params.multi_model || scene.depth.empty()) return false;
   const std::size_t n = std::min<std::size_t>(hypotheses.size(), params.evidence_hypotheses);
@@ -92,13 +102,14 @@ bool addEvidence(const View& scene, const Map& map, const DepthComparison& compa
     Hypothesis& h = hypotheses[i];
     if (!h.T_w_c) continue;
     const std::vector<int> models = nearestModels(map, *h.T_w_c, params.evidence_models);
-    h.evidence = params.evidence_weight * evidence(scene, map, models, *h.T_w_c, comparison);
+    h.evidence = evidence(compareWithModels(scene, map, models, *h.T_w_c, comparison), consensus, params);
     any = any || !models.empty();
     least = std::min(least, h.evidence);
   }
-  for (std::size_t i = n; any && i < hypotheses.size(); ++i) hypotheses[i].evidence = least;
-  for (Hypothesis& h : hypotheses) h.score += h.evidence;
-  return any;
+  if (!any) return false;
+  for (std::size_t i = n; i < hypotheses.size(); ++i) hypotheses[i].evidence = least;
+  for (Hypothesis& h : hypotheses) h.score = h.consensus + h.evidence;
+  return true;
 }
 
 void rankPlaces(const PlaceRankingParams& params, bool with_evidence, std::vector<Hypothesis>& hypotheses) {

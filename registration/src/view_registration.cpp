@@ -65,11 +65,12 @@ ViewRegistration::align(const View& scene, const std::vector<std::vector<Eigen::
             ? surfaceMatchingScore(scene.segments, model.segments, h.T_m_c, params_.matching)
             : logLikelihoodRatio(scene, scene_samples, model, h.T_m_c, comparison_, params_.consensus);
     h.score = h.consensus;
-    if (!params_.consensus.surface_score && params_.consensus.free_space_weight > 0) {
-      const DepthAgreement depth = comparison_.compareBoth(scene.depth, model.depth, h.T_m_c.T, kFineColumns);
-      h.contradiction = depth.contradict / std::max(1.0, double(depth.contradict + depth.agree));
-      h.score -= params_.consensus.free_space_weight * h.contradiction;
-    }
+    if (params_.consensus.surface_score || params_.consensus.free_space_weight == 0) continue;
+    for (const auto& compared :
+         {comparison_.compare(scene.depth, model.depth, h.T_m_c.T, kFineColumns),
+          comparison_.compare(model.depth, scene.depth, h.T_m_c.T.inverse(), kFineColumns)})
+      h.free_space += freeSpaceTerm(compared, params_.consensus);
+    h.score += h.free_space;
   }
   std::stable_sort(hypotheses.begin(), hypotheses.end(), byScore);
   return hypotheses;

@@ -101,7 +101,7 @@ TEST_F(LocalizationInARoom, TheListIsSortedMergedAndItsProbabilitiesLeaveRoomFor
     const Hypothesis& h = answer.hypotheses[i];
     sum += h.probability;
     EXPECT_THAT(*h.T_w_c, PoseNear(*map->models[h.model].T_w_m * h.T_m_c.T, 1e-12, 1e-9));
-    EXPECT_NEAR(h.score, h.consensus - 60 * h.contradiction + h.evidence, 1e-9);
+    EXPECT_NEAR(h.score, h.consensus + h.evidence, 1e-9);
     for (std::size_t k = 0; k < i; ++k) {
       EXPECT_LE(h.score, answer.hypotheses[k].score);
       const Vector6d e = perturbation(*answer.hypotheses[k].T_w_c, *h.T_w_c);
@@ -136,8 +136,7 @@ std::string bytesOf(const Localization& answer) {
     put(&h.model, sizeof h.model);
     put(h.T_m_c.T.data(), 16 * sizeof(double));
     put(h.T_m_c.P.data(), 36 * sizeof(double));
-    for (const double x : {h.consensus, h.contradiction, h.evidence, h.score, h.probability})
-      put(&x, sizeof x);
+    for (const double x : {h.consensus, h.free_space, h.evidence, h.score, h.probability}) put(&x, sizeof x);
     for (const SegmentPair& p : h.pairs) {
       put(&p.scene, sizeof p.scene);
       put(&p.model, sizeof p.model);

@@ -15,7 +15,7 @@ using test::lookingAlong;
 
 Hypothesis hypothesis(double score, const std::optional<Eigen::Isometry3d>& T_w_c = {}, int model = 0) {
   Hypothesis h;
-  h.score = score;
+  h.score = h.consensus = score;
   h.T_w_c = T_w_c;
   h.model = model;
   return h;
@@ -31,7 +31,8 @@ Eigen::Isometry3d pose(double x, double turn_deg = 0) {
 TEST(RankPlaces, ProbabilitiesAreTheSoftmaxWithANullPlace) {
   const PlaceRankingParams params;
   for (const bool with_evidence : {false, true}) {
-    const double slope = with_evidence ? 0.13 : 0.35, null_score = with_evidence ? 90 : 27;
+    const double slope = with_evidence ? params.softmax_slope : params.plain_softmax_slope;
+    const double null_score = with_evidence ? params.null_score : params.plain_null_score;
     std::vector<Hypothesis> h{hypothesis(20, pose(0)), hypothesis(35, pose(1)), hypothesis(28, pose(2))};
     rankPlaces(params, with_evidence, h);
     double sum = std::exp(slope * null_score);
@@ -60,9 +61,13 @@ TEST(RankPlaces, ProbabilitiesSumToLessThanOneForAnyScores) {
 }
 
 TEST(RankPlaces, APlaceAtTheNullScoreIsAsLikelyAsNone) {
-  std::vector<Hypothesis> h{hypothesis(27, pose(0))};
-  rankPlaces({}, false, h);
-  EXPECT_NEAR(h[0].probability, 0.5, 1e-12);
+  for (const bool with_evidence : {false, true}) {
+    const PlaceRankingParams params;
+    const double null_score = with_evidence ? params.null_score : params.plain_null_score;
+    std::vector<Hypothesis> h{hypothesis(null_score, pose(0))};
+    rankPlaces(params, with_evidence, h);
+    EXPECT_NEAR(h[0].probability, 0.5, 1e-12);
+  }
 }
 
 TEST(RankPlaces, HypothesesOfOnePlaceBecomeTheBestOfThem) {
@@ -129,12 +134,13 @@ protected:
     view.depth = DepthPicture::fromDepth(image);
     return view;
   }
-  bool add(std::vector<Hypothesis>& h) { return addEvidence(scene, map, comparison, params, h); }
+  bool add(std::vector<Hypothesis>& h) { return addEvidence(scene, map, comparison, consensus, params, h); }
 
   Map map;
   const Eigen::Isometry3d truth = lookingAlong({1.5, 0.8, 1.2}, {0.3, 1, -0.2});
   View scene = viewFrom(truth);
   DepthComparison comparison{DepthConsistencyParams{}, SensorNoise{}.inverse_depth_std};
+  ConsensusParams consensus;
   PlaceRankingParams params;
 };
 
@@ -144,15 +150,45 @@ TEST_F(Evidence, IsForTheTruePlaceAndAgainstAnother) {
   std::vector<Hypothesis> h{hypothesis(20, wrong), hypothesis(10, truth)};
   ASSERT_TRUE(add(h));
   EXPECT_LT(h[0].evidence, 0);  // sorted by the old scores
-  EXPECT_GT(h[1].evidence, 20);
+  EXPECT_GT(h[1].evidence, 0.9 * params.agreement_weight);
   EXPECT_DOUBLE_EQ(h[0].score, 20 + h[0].evidence);
   EXPECT_DOUBLE_EQ(h[1].score, 10 + h[1].evidence);
+}
+
+TEST_F(Evidence, TakesThePlaceOfWhatTheirOwnModelSays) {
+  std::vector<Hypothesis> h{hypothesis(20, truth)};
+  h[0].free_space = -7;
+  h[0].score = h[0].consensus + h[0].free_space;
+  ASSERT_TRUE(add(h));
+  EXPECT_DOUBLE_EQ(h[0].score, 20 + h[0].evidence);
+}
+
+TEST_F(Evidence, OfSomethingThatMovedIsBounded) {
+  // A board at half the distance of all that is seen through a quarter of the image: it was not there before.
+  const auto evidenceFor = [&](const Eigen::Isometry3d& pose) {
+    std::vector<Hypothesis> h{hypothesis(0, pose)};
+    EXPECT_TRUE(add(h));
+    return h[0].evidence;
+  };
+  const double before = evidenceFor(truth);
+  DepthImage image = test::render(test::furnishedRoom(), test::smallCamera(), truth).image;
+  for (int v = 0; v < image.camera.height / 2; ++v)
+    for (int u = 0; u < image.camera.width / 2; ++u) image.depth[v * image.camera.width + u] *= 0.5f;
+  scene.depth = DepthPicture::fromDepth(image);
+  const double after = evidenceFor(truth);
+  EXPECT_LT(after, before - 10);
+  EXPECT_GT(after, before - 60);
+  Eigen::Isometry3d wrong = truth;
+  wrong.translation() += Eigen::Vector3d(0.4, 0.3, 0);
+  EXPECT_LT(evidenceFor(wrong), after) << "elsewhere more than that contradicts";
 }
 
 TEST_F(Evidence, WeighsWhatAllNearModelsSay) {
   std::vector<Hypothesis> h{hypothesis(0, truth)}, doubled = h;
   ASSERT_TRUE(add(h));
-  params.evidence_weight *= 2;
+  params.agreement_weight *= 2;
+  params.occlusion_weight *= 2;
+  consensus.free_space_weight *= 2;
   ASSERT_TRUE(add(doubled));
   EXPECT_NEAR(doubled[0].evidence, 2 * h[0].evidence, 1e-9);
 }

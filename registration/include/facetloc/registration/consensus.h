@@ -19,8 +19,8 @@ struct ConsensusParams {
   double offset_slack = 0.02;      ///< r_o [m]
   double max_offset = 6.0;         ///< rho_max of the chance density [m]
   double parallel_weight = 0.5;  ///< mu: how much a direction already seen explains a further parallel plane
-  double free_space_weight =
-      60;  ///< of the share of contradicting depth pixels [nats]; 0 = no free-space term
+  double free_space_weight = 5.5;   ///< w of the free-space term, in each direction [nats]; 0 = none
+  double free_space_share = 0.005;  ///< c_0, a share of contradicting pixels that says little
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& field) {
@@ -35,8 +35,11 @@ struct ConsensusParams {
     field("max_offset", p.max_offset, 0.1, 1e3, "Range of offsets of a chance plane [m].");
     field("parallel_weight", p.parallel_weight, 0.0, 0.99,
           "Share of chance planes that are parallel to one already seen.");
-    field("free_space_weight", p.free_space_weight, 0.0, 1e4,
-          "Weight of the share of contradicting depth pixels [nats]; 0 switches the term off.");
+    field(
+        "free_space_weight", p.free_space_weight, 0.0, 1e4,
+        "Weight of depth pixels that contradict a pose, in each direction [nats]; 0 switches the term off.");
+    field("free_space_share", p.free_space_share, 1e-6, 1.0,
+          "Share of contradicting depth pixels that says little.");
   }
   void validate() const { checkRanges(*this); }
 };
@@ -53,6 +56,14 @@ std::vector<std::vector<Eigen::Vector3d>> samplePoints(const View& scene);
 double logLikelihoodRatio(const View& scene, const std::vector<std::vector<Eigen::Vector3d>>& samples,
                           const View& model, const PoseWithCovariance& T_m_c,
                           const DepthComparison& comparison, const ConsensusParams& params);
+
+/** \brief What the contradicting pixels among those compared say against a pose: -w ln(1 + c / c_0) [nats], c
+ * being their share.
+ *
+ * The term is not linear in c (as METHOD_MEASURED 11.4 (5) has it) since pixels do not contradict one by one:
+ * what has moved takes a whole region with it. The share of changed pixels in a true view is mostly tiny and
+ * now and then large, with a tail like a power of c; so is the evidence against the pose. */
+double freeSpaceTerm(const DepthAgreement& compared, const ConsensusParams& params);
 
 /** \brief Segment-overlap score (METHOD 11.1), the paper's consensus measure as far as is known. */
 double surfaceMatchingScore(const std::vector<Segment>& scene, const std::vector<Segment>& model,

@@ -17,8 +17,8 @@ struct Hypothesis {
   std::vector<SegmentPair> pairs;          ///< that took part in the estimate
   bool depth_assisted = false;             ///< one translation comes from dense depth, not from planes
   double consensus = 0;                    ///< sum of the segments' log likelihood ratios, or METHOD 11.1
-  double contradiction = 0;                ///< f: share of compared depth pixels that contradict
-  double evidence = 0;                     ///< of the nearest local models (METHOD_MEASURED 11.4 (6))
+  double free_space = 0;                   ///< what the depth of its own local model says against it [nats]
+  double evidence = 0;                     ///< of the nearest local models, which takes the place of that
   double score = 0;                        ///< what the list is ranked by
   double probability = 0;                  ///< that this place is the right one
 };

@@ -3,6 +3,7 @@
 
 #include <facetloc/features/local_model.h>
 #include <facetloc/features/params.h>
+#include <facetloc/registration/consensus.h>
 #include <facetloc/registration/depth_consistency.h>
 #include <facetloc/registration/hypothesis.h>
 
@@ -16,12 +17,13 @@ struct PlaceRankingParams {
   bool multi_model = true;          ///< evidence of the nearest local models
   int evidence_models = 5;          ///< so many of them
   int evidence_hypotheses = 60;     ///< for so many of the best hypotheses
-  double evidence_weight = 0.1;     ///< correlated pixels
+  double agreement_weight = 11;     ///< of a scene that agrees with them in all its pixels [nats]
+  double occlusion_weight = 3;      ///< of what they saw and the scene hides, like free_space_weight [nats]
   bool merge = true;                ///< hypotheses of one place become one
   double merge_translation = 0.15;  ///< [m]
   double merge_rotation_deg = 2.0;
-  double softmax_slope = 0.13;        ///< beta of the probability [1/nat]
-  double null_score = 90;             ///< S_0: score at which a place is as likely as none of the list [nats]
+  double softmax_slope = 0.156;       ///< beta of the probability [1/nat]
+  double null_score = 26;             ///< S_0: score at which a place is as likely as none of the list [nats]
   double plain_softmax_slope = 0.35;  ///< the same for scores without evidence of local models
   double plain_null_score = 27;
 
@@ -32,8 +34,10 @@ struct PlaceRankingParams {
     field("evidence_models", p.evidence_models, 1, 100, "Number of local models that give evidence.");
     field("evidence_hypotheses", p.evidence_hypotheses, 1, 100000,
           "Number of best hypotheses that are tested so.");
-    field("evidence_weight", p.evidence_weight, 0.0, 10.0,
-          "Weight of a pixel's evidence; below 1 because pixels are correlated.");
+    field("agreement_weight", p.agreement_weight, 0.0, 1e4,
+          "Evidence of local models for a scene that agrees with them in all its depth pixels [nats].");
+    field("occlusion_weight", p.occlusion_weight, 0.0, 1e4,
+          "Weight of depth pixels of local models that are hidden in the scene [nats].");
     field("merge_places", p.merge, false, true, "Report hypotheses of one place once.");
     field("merge_translation", p.merge_translation, 0.0, 10.0,
           "World poses nearer than this and merge_rotation_deg are one place [m].");
@@ -50,11 +54,16 @@ struct PlaceRankingParams {
   void validate() const { checkRanges(*this); }
 };
 
-/** \brief Adds the evidence of the nearest local models to the scores (METHOD_MEASURED 11.4 (6)). Hypotheses
- * beyond the best ones get the least evidence of those. False, and no change, where there is none: no world
- * poses, no depth. */
+/** \brief Scores the best hypotheses by the depth of the local models nearest to their world poses, whichever
+ * generated them, instead of their own model's alone (METHOD_MEASURED 11.4 (6)): the consensus, plus the
+ * share of the scene's pixels that agree, plus the free-space terms of both directions, minus what the models
+ * saw and the scene hides.
+ *
+ * Hypotheses beyond the best ones get the least evidence of those. False, and no change, where there is none:
+ * no world poses, no depth. */
 bool addEvidence(const View& scene, const Map& map, const DepthComparison& comparison,
-                 const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses);
+                 const ConsensusParams& consensus, const PlaceRankingParams& params,
+                 std::vector<Hypothesis>& hypotheses);
 
 /** \brief Sorts by score, merges hypotheses of one place into the best of them and gives each place its
  * probability by softmax with a null place; with_evidence tells which calibration fits the scores. */
