@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# From a clone to a result: installs the packages, builds the tools, maps a simulated room from one drive of a depth
-# camera, localizes the images of another drive in it, and says how good that was and where the pictures are.
+# From a clone to a result: installs the packages, builds the tools and repeats the paper's experiment in small. A
+# simulated office floor is mapped from one drive of a depth camera, the images of that drive and of a later one are
+# localized in the map, and tables and pictures say how good that was. In full: apps/README.md.
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -13,20 +14,26 @@ cmake --build "$build"
 bin=$build/apps
 
 mkdir -p "$out"
-rm -rf "$out"/{room,segments,results,evaluation,room.flmap}  # of an earlier demo
-"$bin/facetloc_simulate" room -o "$out/room" --seed 2 --frames 60
-"$bin/facetloc_segment" "$out/room/query" -o "$out/segments" --overlay --labels
-"$bin/facetloc_map" build "$out/room/map" -o "$out/room.flmap"
-"$bin/facetloc_map" check "$out/room.flmap"
-"$bin/facetloc_localize" "$out/room.flmap" "$out/room/query" -o "$out/results"
-"$bin/facetloc_evaluate" "$out/results" "$out/room/query/groundtruth.txt" --map "$out/room.flmap" -o "$out/evaluation"
+rm -rf "$out"/{office,segments,results,evaluation,office.flmap,fig1.png,map.png}  # of an earlier demo
+"$bin/facetloc_simulate" office -o "$out/office" --seed 1 --width 320
+"$bin/facetloc_map" build "$out/office/map" -o "$out/office.flmap"
+"$bin/facetloc_map" check "$out/office.flmap"
+"$bin/facetloc_segment" "$out/office/query" -o "$out/segments" --overlay
+for run in map query; do
+  "$bin/facetloc_localize" "$out/office.flmap" "$out/office/$run" -o "$out/results/$run"
+done
+"$bin/facetloc_render" "$out/office/query/depth/1000.000000.png" -o "$out/fig1.png"
+"$bin/facetloc_render" "$out/office.flmap" -o "$out/map.png" --trajectory "$out/office/query"
+"$bin/facetloc_evaluate" "$out/results" "$out/office" --map "$out/office.flmap" -o "$out/evaluation"
 
 cat <<TEXT
 
 Where things are:
-  images of both drives     ${out}/room/{map,query}/depth
-  segments and overlays     ${out}/segments
-  map                       ${out}/room.flmap
-  ranked poses per image    ${out}/results/hypotheses.csv
-  tables and charts         ${out}/evaluation
+  report with all pictures  ${out}/evaluation/report.html
+  tables, charts, failures  ${out}/evaluation
+  one image, the floor map  ${out}/fig1.png ${out}/map.png
+  images of both drives     ${out}/office/{map,query}/depth
+  segment overlays          ${out}/segments
+  map                       ${out}/office.flmap
+  ranked poses per image    ${out}/results/{map,query}/hypotheses.csv
 TEXT

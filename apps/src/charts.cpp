@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "vtk_picture.h"
+
 #include <facetloc/apps/charts.h>
-#include <facetloc/io/atomic_file.h>
-#include <facetloc/io/error.h>
 
 #include <vtkAxis.h>
 #include <vtkChartLegend.h>
@@ -10,14 +10,12 @@
 #include <vtkContextView.h>
 #include <vtkDoubleArray.h>
 #include <vtkNew.h>
-#include <vtkPNGWriter.h>
 #include <vtkPen.h>
 #include <vtkPlotPoints.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
 #include <vtkTable.h>
 #include <vtkTextProperty.h>
-#include <vtkWindowToImageFilter.h>
 
 #include <algorithm>
 #include <cmath>
@@ -93,33 +91,15 @@ vtkNew<vtkChartXY> makeChart(const Panel& panel, int width, int height) {
   return chart;
 }
 
-void writePicture(vtkRenderWindow* window, const std::filesystem::path& path) {
-  vtkNew<vtkWindowToImageFilter> picture;
-  picture->SetInput(window);
-  picture->SetInputBufferTypeToRGB();
-  picture->ReadFrontBufferOff();
-  picture->Update();
-  writeAtomically(path, [&](const std::filesystem::path& temporary) {
-    vtkNew<vtkPNGWriter> writer;
-    writer->SetFileName(temporary.c_str());
-    writer->SetInputConnection(picture->GetOutputPort());
-    writer->Write();
-    if (writer->GetErrorCode() != 0) throw IoError(path.string(), "cannot be written");
-  });
-}
-
 }  // namespace
 
 void drawCharts(const std::filesystem::path& path, int width, int height, const std::vector<Panel>& panels) {
   vtkNew<vtkContextView> view;
   vtkRenderWindow* window = view->GetRenderWindow();
-  window->SetOffScreenRendering(1);
-  window->SetMultiSamples(0);  // the same picture on every machine
-  window->SetSize(width, height);
+  setOffscreen(window, width, height);
   view->GetRenderer()->SetBackground(1, 1, 1);
   for (const Panel& panel : panels) view->GetScene()->AddItem(makeChart(panel, width, height));
-  window->Render();
-  writePicture(window, path);
+  writePng(path, rendered(window));
 }
 
 }  // namespace facetloc

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 
 namespace facetloc {
 namespace {
@@ -14,6 +15,8 @@ namespace {
 constexpr double kSameStamp = 1e-6;     // [s]
 constexpr double kSamePosition = 1e-3;  // [m]
 constexpr int kReliabilityBins = 10;
+constexpr const char* kHypotheses = "hypotheses.csv";
+constexpr const char* kTiming = "timing.csv";
 
 /** The rows of one frame, in the order of their ranks. */
 struct FrameRows {
@@ -44,20 +47,24 @@ double angleDeg(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   return rotationAngle(a.linear() * b.linear().transpose()) / kDegree;
 }
 
-/** Judges frames against the true poses and the map. */
+/** Judges frames against what is true and the map. */
 class Judge {
 public:
-  Judge(const std::vector<ModelPose>& models, const EvaluationParams& params)
-      : models_(models), params_(params) {
+  Judge(const PlaceTruth& truth, const std::vector<ModelPose>& models, const EvaluationParams& params)
+      : truth_(truth), models_(models), params_(params), model_segments_(models.size()) {
     for (const ModelPose& model : models) pose_of_[model.name] = model.T_w_m;
   }
 
-  FrameEvaluation judge(const FrameRows& frame, const Eigen::Isometry3d& truth) const {
+  FrameEvaluation judge(const std::string& run, const FrameRows& frame, const Eigen::Isometry3d& T_w_c) {
     FrameEvaluation e;
+    e.run = run;
     e.name = frame.name;
     e.stamp = frame.stamp;
-    judgeHypotheses(frame, truth, e);
-    if (!models_.empty()) locate(truth, e);
+    e.T_w_c = T_w_c;
+    e.unmapped = truth_.unmapped(frame.name);
+    judgeHypotheses(frame, T_w_c, e);
+    const std::vector<std::size_t> covering = locate(e);
+    judgePlanes(covering, e);
     return e;
   }
 
@@ -74,12 +81,22 @@ private:
       if (!pose) continue;
       const PoseError error = poseError(*pose, truth);
       if (row->rank == 1) e.best_error = error;
+      if (!e.closest || cost(error) < cost(e.closest_error)) {
+        e.closest = row->rank;
+        e.closest_error = error;
+      }
       const bool correct =
           error.translation <= params_.max_translation && error.rotation_deg <= params_.max_rotation_deg;
       if (!correct || e.first_correct) continue;
       e.first_correct = row->rank;
       e.first_correct_error = error;
     }
+  }
+
+  /** Orders errors; multiplied out, since a limit may be zero. */
+  double cost(const PoseError& error) const {
+    return std::max(error.translation * params_.max_rotation_deg,
+                    error.rotation_deg * params_.max_translation);
   }
 
   std::optional<Eigen::Isometry3d> worldPose(const ResultRow& row) const {
@@ -89,30 +106,73 @@ private:
     return model->second * row.T_m_c;
   }
 
-  /** The nearest local model, in units of what counts as covered. */
-  void locate(const Eigen::Isometry3d& truth, FrameEvaluation& e) const {
-    e.frame_class = FrameClass::new_image;
+  /** The nearest local model, in units of what counts as covered. Returns the covering ones. */
+  std::vector<std::size_t> locate(FrameEvaluation& e) const {
+    std::vector<std::size_t> covering;
+    if (!models_.empty()) e.frame_class = FrameClass::new_image;
     double least = 0;
-    for (const ModelPose& model : models_) {
-      const NearestModel near{model.name, (model.T_w_m.translation() - truth.translation()).norm(),
-                              angleDeg(model.T_w_m, truth)};
+    for (std::size_t i = 0; i < models_.size(); ++i) {
+      const ModelPose& model = models_[i];
+      const NearestModel near{model.name, (model.T_w_m.translation() - e.T_w_c.translation()).norm(),
+                              angleDeg(model.T_w_m, e.T_w_c)};
       const bool same =
           (!model.name.empty() && model.name == e.name) || std::abs(model.stamp - e.stamp) < kSameStamp;
       if (same && near.distance < kSamePosition) e.frame_class = FrameClass::map_image;
       if (near.distance <= params_.covered_distance && near.angle_deg <= params_.covered_rotation_deg)
-        e.covered = true;
+        covering.push_back(i);
       const double cost =
           std::max(near.distance * params_.covered_rotation_deg, near.angle_deg * params_.covered_distance);
       if (e.nearest && cost >= least) continue;
       least = cost;
       e.nearest = near;
     }
+    e.covered = !covering.empty() && !e.unmapped;
+    return covering;
   }
 
+  void judgePlanes(const std::vector<std::size_t>& covering, FrameEvaluation& e) {
+    const auto seen = truth_.segments(e.name, e.T_w_c, params_.visible_pixels);
+    if (!seen) return;
+    e.visible_planes = static_cast<int>(seen->size());
+    if (models_.empty()) return;
+    bool compared = !e.covered;  // then no model's planes need be known
+    for (const std::size_t i : covering) {
+      const auto& model = segmentsOf(i);
+      if (!e.covered || !model) continue;
+      compared = true;
+      if (!sharedPlanesSuffice(*seen, *model, params_.solvable_position,
+                               params_.solvable_rotation_deg * kDegree))
+        continue;
+      e.solvable = true;
+      return;
+    }
+    if (compared) e.solvable = false;
+  }
+
+  /** The true segments of a local model, read when they are needed first. */
+  const std::optional<TrueSegments>& segmentsOf(std::size_t i) {
+    if (!model_segments_[i])
+      model_segments_[i] = truth_.segments(models_[i].name, models_[i].T_w_m, params_.visible_pixels);
+    return *model_segments_[i];
+  }
+
+  const PlaceTruth& truth_;
   const std::vector<ModelPose>& models_;
   const EvaluationParams& params_;
   std::map<std::string, Eigen::Isometry3d> pose_of_;
+  std::vector<std::optional<std::optional<TrueSegments>>> model_segments_;
 };
+
+/** Of several runs, one that the map was made of has no new images. */
+void markMappingRuns(const std::vector<RunResults>& runs, std::vector<FrameEvaluation>& frames) {
+  if (runs.size() < 2) return;
+  std::set<std::string> mapping;
+  for (const FrameEvaluation& frame : frames)
+    if (frame.frame_class == FrameClass::map_image) mapping.insert(frame.run);
+  for (FrameEvaluation& frame : frames)
+    if (mapping.count(frame.run) && frame.frame_class == FrameClass::new_image)
+      frame.frame_class = FrameClass::map_run;
+}
 
 void addReliability(const std::vector<FrameEvaluation>& frames, Summary& summary) {
   auto& bins = summary.reliability;
@@ -136,6 +196,8 @@ void addReliability(const std::vector<FrameEvaluation>& frames, Summary& summary
     if (bin.n == 0) continue;
     bin.mean_probability /= static_cast<double>(bin.n);
     bin.correct /= static_cast<double>(bin.n);
+    if (bin.n >= kReliableCount)
+      summary.largest_deviation = std::max(summary.largest_deviation, bin.deviation());
   }
   if (answers > 0) summary.brier /= static_cast<double>(answers);
 }
@@ -166,6 +228,8 @@ const char* toString(FrameClass frame_class) {
   switch (frame_class) {
   case FrameClass::map_image:
     return "map";
+  case FrameClass::map_run:
+    return "mapping run";
   case FrameClass::new_image:
     return "new";
   case FrameClass::unknown:
@@ -174,17 +238,41 @@ const char* toString(FrameClass frame_class) {
   return "unknown";
 }
 
-Evaluation evaluate(const std::vector<ResultRow>& rows, const Trajectory& truth,
+std::vector<RunResults> readRuns(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  std::vector<fs::path> folders;
+  if (fs::is_directory(folder) && !fs::exists(folder / kHypotheses))
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+      if (fs::exists(entry.path() / kHypotheses)) folders.push_back(entry.path());
+  std::sort(folders.begin(), folders.end());
+  const bool single = folders.empty();
+  if (single) folders = {folder};
+  std::vector<RunResults> runs;
+  for (const fs::path& run : folders) {
+    runs.push_back({single ? "" : run.filename().string(), readHypotheses(run), {}});
+    if (fs::exists(run / kTiming)) runs.back().timing = readTiming(run);
+  }
+  return runs;
+}
+
+Evaluation evaluate(const std::vector<RunResults>& runs, const PlaceTruth& truth,
                     const std::vector<ModelPose>& models, const EvaluationParams& params, double tolerance) {
   Evaluation evaluation;
-  const Judge judge(models, params);
-  for (const FrameRows& frame : groupByFrame(rows)) {
-    if (const auto pose = truth.nearest(frame.stamp, tolerance))
-      evaluation.frames.push_back(judge.judge(frame, *pose));
-    else
-      evaluation.without_truth.push_back(frame.name);
-  }
+  Judge judge(truth, models, params);
+  for (const RunResults& run : runs)
+    for (const FrameRows& frame : groupByFrame(run.rows)) {
+      if (const auto pose = truth.poses().nearest(frame.stamp, tolerance))
+        evaluation.frames.push_back(judge.judge(run.name, frame, *pose));
+      else
+        evaluation.without_truth.push_back(frame.name);
+    }
+  markMappingRuns(runs, evaluation.frames);
   return evaluation;
+}
+
+Evaluation evaluate(const std::vector<ResultRow>& rows, const Trajectory& truth,
+                    const std::vector<ModelPose>& models, const EvaluationParams& params, double tolerance) {
+  return evaluate({{"", rows, {}}}, PlaceTruth(truth), models, params, tolerance);
 }
 
 Statistics statistics(const std::vector<double>& values) {
@@ -223,6 +311,10 @@ Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& f
     summary.none += frame.hypotheses == 0;
     summary.wrong += frame.hypotheses > 0 && frame.first_correct == 0;
     summary.best_correct += frame.first_correct == 1;
+    const bool confident = frame.hypotheses > 0 && frame.probability >= kConfident;
+    summary.confident += confident;
+    summary.confident_correct += confident && frame.first_correct == 1;
+    summary.unsure += frame.hypotheses == 0 || frame.probability < kUnsure;
     if (frame.first_correct == 0) continue;
     ++summary.correct;
     translation_mm.push_back(1000 * frame.first_correct_error.translation);

@@ -1,191 +1,49 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/evaluation_report.h>
+#include <facetloc/apps/html_report.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/atomic_file.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <optional>
 
 namespace facetloc {
 namespace {
 
-/** One line of a table: what it is, the paper's figure if there is one, and ours for each set of frames. */
-struct Quantity {
-  const char* table;
-  const char* group;  // printed above the first quantity of a group; may be empty
-  const char* name;
-  std::optional<double> paper;
-  std::optional<double> paper_percent;
-  int decimals;
-  std::function<double(const Summary&)> value;
-  std::function<double(const Summary&)> percent;  // printed beside the value; may be empty
-};
-
-double percentOf(std::size_t n, const Summary& s) {
-  return s.total == 0 ? 0 : 100.0 * static_cast<double>(n) / static_cast<double>(s.total);
+template <class T>
+std::string wholeCell(const std::optional<T>& value) {
+  return value ? std::to_string(*value) : "";
 }
 
-Quantity count(const char* table, const char* name, std::optional<double> paper,
-               std::optional<double> paper_percent, std::size_t Summary::*n) {
-  return {table,
-          "",
-          name,
-          paper,
-          paper_percent,
-          0,
-          [n](const Summary& s) { return static_cast<double>(s.*n); },
-          [n](const Summary& s) { return percentOf(s.*n, s); }};
+/** "mm,deg", empty if there is no hypothesis that the error could be of. */
+std::string errorCells(int hypothesis, const PoseError& error) {
+  if (hypothesis == 0) return ",";
+  return shortNumber(1000 * error.translation) + "," + shortNumber(error.rotation_deg);
 }
 
-Quantity moment(const char* group, const char* name, std::optional<double> paper, Statistics Summary::*of,
-                double Statistics::*which) {
-  return {"II", group, name, paper, {}, 2, [of, which](const Summary& s) { return (s.*of).*which; }, {}};
-}
-
-Quantity bound(const char* group, std::optional<double> paper, CumulativeHistogram Summary::*of) {
-  return {"II",
-          group,
-          "99 % are below",
-          paper,
-          {},
-          2,
-          [of](const Summary& s) { return (s.*of).bound(kMarkedShare); },
-          {}};
-}
-
-const std::vector<Quantity>& quantities() {
-  constexpr const char* kTranslation = "Translation error [mm]";
-  constexpr const char* kOrientation = "Orientation error [deg]";
-  constexpr const char* kHeading = "Heading error [deg]";
-  constexpr const char* kIndex = "Index of the first correct hypothesis";
-  using S = Statistics;
-  using Y = Summary;
-  static const std::vector<Quantity> all = {
-      count("I", "Total", 792, 100.00, &Y::total),
-      count("I", "No hypothesis", 30, 3.79, &Y::none),
-      count("I", "No correct hypothesis", 44, 5.56, &Y::wrong),
-      count("I", "Correct hypothesis", 718, 90.65, &Y::correct),
-      moment(kTranslation, "Avg.", 36.83, &Y::translation_stats, &S::mean),
-      moment(kTranslation, "Std.", 38.22, &Y::translation_stats, &S::std),
-      moment(kTranslation, "Max.", 199.65, &Y::translation_stats, &S::max),
-      bound(kTranslation, 164, &Y::translation_mm),
-      moment(kOrientation, "Avg.", 0.62, &Y::rotation_stats, &S::mean),
-      moment(kOrientation, "Std.", 0.56, &Y::rotation_stats, &S::std),
-      moment(kOrientation, "Max.", 1.99, &Y::rotation_stats, &S::max),
-      bound(kOrientation, 1.9, &Y::rotation_deg),
-      moment(kHeading, "Avg.", {}, &Y::heading_stats, &S::mean),
-      moment(kHeading, "Std.", {}, &Y::heading_stats, &S::std),
-      moment(kHeading, "Max.", {}, &Y::heading_stats, &S::max),
-      bound(kHeading, {}, &Y::heading_deg),
-      moment(kIndex, "Avg.", 4.29, &Y::index_stats, &S::mean),
-      moment(kIndex, "Std.", 25.53, &Y::index_stats, &S::std),
-      moment(kIndex, "Max.", 530, &Y::index_stats, &S::max),
-      bound(kIndex, {}, &Y::index),
-      count("beyond", "Rank 1 correct", {}, {}, &Y::best_correct),
-      {"beyond",
-       "",
-       "Recall at 100 % precision [%]",
-       {},
-       {},
-       2,
-       [](const Y& s) { return 100 * s.recall; },
-       {}},
-      {"beyond", "", "  at a probability above", {}, {}, 4, [](const Y& s) { return s.threshold; }, {}},
-      {"beyond", "", "Brier score of rank 1", {}, {}, 4, [](const Y& s) { return s.brier; }, {}}};
-  return all;
-}
-
-std::string cell(double value, int decimals, std::optional<double> percent) {
-  return fixed(value, decimals) + (percent ? " (" + fixed(*percent, 2) + " %)" : "");
-}
-
-std::string paperCell(const Quantity& q) {
-  return q.paper ? cell(*q.paper, q.decimals, q.paper_percent) : "";
-}
-
-std::string ownCell(const Quantity& q, const Summary& s) {
-  return cell(q.value(s), q.decimals, q.percent ? std::optional<double>(q.percent(s)) : std::nullopt);
-}
-
-void printTable(std::ostream& out, const std::string& name, const std::vector<Summary>& summaries) {
-  std::vector<std::string> header = {"", "paper"};
-  for (const Summary& s : summaries) header.push_back(s.name);
-  TextTable table(header);
-  std::string group;
-  for (const Quantity& q : quantities()) {
-    if (q.table != name) continue;
-    if (group != q.group) table.add({group = q.group});
-    std::vector<std::string> row = {(group.empty() ? "" : "  ") + std::string(q.name), paperCell(q)};
-    for (const Summary& s : summaries) row.push_back(ownCell(q, s));
-    table.add(row);
-  }
-  out << table;
-}
-
-void printReliability(std::ostream& out, const Summary& summary) {
-  TextTable table({"probability", "images", "mean", "correct"});
-  for (const ReliabilityBin& bin : summary.reliability) {
-    const std::string range = fixed(bin.lowest, 1) + " to " + fixed(bin.highest, 1);
-    if (bin.n == 0)
-      table.add({range, "0", "-", "-"});
-    else
-      table.add({range, std::to_string(bin.n), fixed(bin.mean_probability, 3), fixed(bin.correct, 3)});
-  }
-  out << table;
-}
-
-void writeTables(std::ostream& out, const std::vector<Summary>& summaries) {
-  out << "table,group,quantity,paper";
-  for (const Summary& s : summaries) out << "," << csvCell(s.name);
-  out << "\n";
-  for (const Quantity& q : quantities()) {
-    std::string name = q.name;
-    name.erase(0, name.find_first_not_of(' '));
-    out << q.table << "," << csvCell(q.group) << "," << csvCell(name) << ","
-        << (q.paper ? shortNumber(*q.paper) : "");
-    for (const Summary& s : summaries) out << "," << shortNumber(q.value(s));
-    out << "\n";
-  }
-  for (std::size_t i = 0; i < summaries.front().reliability.size(); ++i) {
-    const ReliabilityBin& range = summaries.front().reliability[i];
-    const std::string group = "probability " + fixed(range.lowest, 1) + " to " + fixed(range.highest, 1);
-    const auto line = [&](const char* name, double (*value)(const ReliabilityBin&)) {
-      out << "reliability," << group << "," << name << ",";
-      for (const Summary& s : summaries) out << "," << shortNumber(value(s.reliability[i]));
-      out << "\n";
-    };
-    line("images", [](const ReliabilityBin& b) { return static_cast<double>(b.n); });
-    line("mean probability", [](const ReliabilityBin& b) { return b.mean_probability; });
-    line("share correct", [](const ReliabilityBin& b) { return b.correct; });
-  }
+std::string nearestCells(const std::optional<NearestModel>& nearest) {
+  if (!nearest) return ",,";
+  return csvCell(nearest->name) + "," + shortNumber(nearest->distance) + "," +
+         shortNumber(nearest->angle_deg);
 }
 
 void writeFrames(std::ostream& out, const Evaluation& evaluation) {
-  out << "frame,stamp,class,covered,hypotheses,first_correct_rank,translation_mm,orientation_deg,heading_deg,"
+  out << "run,frame,stamp,class,nothing_there,covered,solvable,visible_planes,hypotheses,first_correct_rank,"
+         "translation_mm,orientation_deg,heading_deg,"
          "rank1_probability,rank1_translation_mm,rank1_orientation_deg,nearest_model,nearest_distance_m,"
-         "nearest_angle_deg,reason\n";
+         "nearest_angle_deg,closest_rank,closest_translation_mm,closest_orientation_deg,reason\n";
   for (const FrameEvaluation& f : evaluation.frames) {
     const bool known = f.frame_class != FrameClass::unknown;
-    out << csvCell(f.name) << "," << exactNumber(f.stamp) << "," << toString(f.frame_class) << ","
-        << (known ? (f.covered ? "1" : "0") : "") << "," << f.hypotheses << "," << f.first_correct << ",";
-    if (f.first_correct)
-      out << shortNumber(1000 * f.first_correct_error.translation) << ","
-          << shortNumber(f.first_correct_error.rotation_deg) << ","
-          << shortNumber(f.first_correct_error.heading_deg);
-    else
-      out << ",,";
-    if (f.hypotheses)
-      out << "," << shortNumber(f.probability) << "," << shortNumber(1000 * f.best_error.translation) << ","
-          << shortNumber(f.best_error.rotation_deg);
-    else
-      out << ",,,";
-    if (f.nearest)
-      out << "," << csvCell(f.nearest->name) << "," << shortNumber(f.nearest->distance) << ","
-          << shortNumber(f.nearest->angle_deg);
-    else
-      out << ",,,";
-    out << "," << csvCell(f.reason) << "\n";
+    out << csvCell(f.run) << "," << csvCell(f.name) << "," << exactNumber(f.stamp) << ","
+        << toString(f.frame_class) << "," << f.unmapped << "," << (known ? std::to_string(f.covered) : "")
+        << "," << wholeCell(f.solvable) << "," << wholeCell(f.visible_planes) << "," << f.hypotheses << ","
+        << f.first_correct << "," << errorCells(f.first_correct, f.first_correct_error) << ","
+        << (f.first_correct ? shortNumber(f.first_correct_error.heading_deg) : "") << ","
+        << (f.hypotheses ? shortNumber(f.probability) : "") << "," << errorCells(f.hypotheses, f.best_error)
+        << "," << nearestCells(f.nearest) << "," << (f.closest ? std::to_string(f.closest) : "") << ","
+        << errorCells(f.closest, f.closest_error) << "," << csvCell(f.reason) << "\n";
   }
 }
 
@@ -198,56 +56,98 @@ void writeHistograms(std::ostream& out, const std::vector<Summary>& summaries) {
           << shortNumber(s.index.x[i]) << "\n";
 }
 
+void writeErrors(std::ostream& out, const Evaluation& evaluation) {
+  const std::vector<FrameEvaluation> frames = framesInQuestion(evaluation);
+  out << "by,from,below,images,correct,rank1_correct,mean_translation_mm,mean_orientation_deg\n";
+  const auto lines = [&](const char* quantity, const std::vector<ErrorGroup>& groups) {
+    for (const ErrorGroup& group : groups) {
+      const Summary& s = group.summary;
+      out << quantity << "," << shortNumber(group.lowest) << ","
+          << (std::isinf(group.highest) ? "" : shortNumber(group.highest)) << "," << s.total << ","
+          << s.correct << "," << s.best_correct << "," << shortNumber(s.translation_stats.mean) << ","
+          << shortNumber(s.rotation_stats.mean) << "\n";
+    }
+  };
+  lines("visible planes", errorsByVisiblePlanes(frames));
+  lines("distance [m]", errorsByDistance(frames));
+}
+
+void writeTimes(std::ostream& out, const std::vector<StageTime>& times) {
+  out << "stage,images,mean_ms,median_ms,p95_ms,max_ms\n";
+  for (const StageTime& t : times)
+    out << t.stage << "," << t.n << "," << fixed(t.mean, 3) << "," << fixed(t.median, 3) << ","
+        << fixed(t.most, 3) << "," << fixed(t.max, 3) << "\n";
+}
+
 }  // namespace
 
-std::vector<Summary> summarizeSets(const Evaluation& evaluation) {
-  using F = FrameEvaluation;
-  const auto isMapImage = [](const F& f) { return f.frame_class == FrameClass::map_image; };
-  const auto isNew = [](const F& f) { return f.frame_class == FrameClass::new_image; };
-  std::vector<Summary> summaries = {summarize("all", evaluation.frames)};
-  const auto add = [&](const std::string& name, const auto& chosen) {
-    Summary summary = summarize(name, evaluation.frames, chosen);
-    if (summary.total > 0) summaries.push_back(std::move(summary));
-  };
-  if (std::any_of(evaluation.frames.begin(), evaluation.frames.end(), isMapImage)) {
-    add("map images", isMapImage);
-    add("new images", isNew);
-    add("new and covered", [&](const F& f) { return isNew(f) && f.covered; });
-  } else {
-    if (isNew(evaluation.frames.front())) summaries.front().name = "all (new)";
-    add("covered", [](const F& f) { return f.covered; });
+std::vector<std::string> reportPreface(const EvaluationReport& report) {
+  const EvaluationParams& p = report.params;
+  const auto& frames = report.evaluation.frames;
+  std::vector<std::string> lines = {"Results " + report.results + " against " + report.truth,
+                                    "Correct: position within " + shortNumber(p.max_translation) +
+                                        " m and orientation within " + shortNumber(p.max_rotation_deg) +
+                                        " deg."};
+  if (frames.front().nearest)
+    lines.push_back("Covered: a local model within " + shortNumber(p.covered_distance) + " m and " +
+                    shortNumber(p.covered_rotation_deg) + " deg.");
+  if (std::any_of(frames.begin(), frames.end(), [](const auto& f) { return f.solvable.has_value(); }))
+    lines.push_back("Solvable: the true planes of at least " + shortNumber(p.visible_pixels) +
+                    " px at 320x240 that the image shares with a covering local model fix its pose to " +
+                    shortNumber(p.solvable_position) + " m and " + shortNumber(p.solvable_rotation_deg) +
+                    " deg (standard deviation).");
+  const auto unmapped = [](const auto& f) { return f.unmapped; };
+  if (const auto n = std::count_if(frames.begin(), frames.end(), unmapped)) {
+    const auto near = std::count_if(frames.begin(), frames.end(), [&](const auto& f) {
+      return f.unmapped && f.nearest && f.nearest->distance <= p.covered_distance &&
+             f.nearest->angle_deg <= p.covered_rotation_deg;
+    });
+    lines.push_back(
+        "Nothing there: " + counted(static_cast<std::size_t>(n), "image") +
+        " of places that the map does not know" +
+        (near ? "; " + std::to_string(near) +
+                    " of them are near a local model, such as behind a wall, and not counted as covered."
+              : "."));
   }
-  return summaries;
+  if (const std::size_t n = report.evaluation.without_truth.size())
+    lines.push_back("Left out, without a true pose: " + counted(n, "image") + ".");
+  return lines;
 }
 
 void printReport(std::ostream& out, const EvaluationReport& report) {
-  const EvaluationParams& p = report.params;
-  out << "Results " << report.results << " against " << report.truth << "\n"
-      << "Correct: position within " << shortNumber(p.max_translation) << " m and orientation within "
-      << shortNumber(p.max_rotation_deg) << " deg.";
-  if (report.evaluation.frames.front().nearest)
-    out << " Covered: a local model within " << shortNumber(p.covered_distance) << " m and "
-        << shortNumber(p.covered_rotation_deg) << " deg.";
-  out << "\n";
-  if (!report.evaluation.without_truth.empty())
-    out << "Left out, without a true pose: " << counted(report.evaluation.without_truth.size(), "image")
-        << ".\n";
-  out << "\nTABLE I. GLOBAL LOCALIZATION RESULTS (number of images)\n";
-  printTable(out, "I", report.summaries);
-  out << "\nTABLE II. POSE ERROR AND INDEX OF THE FIRST CORRECT HYPOTHESIS\n";
-  printTable(out, "II", report.summaries);
-  out << "\nBEYOND THE PAPER\n";
-  printTable(out, "beyond", report.summaries);
-  out << "\nRELIABILITY OF THE PROBABILITY OF RANK 1, ALL IMAGES\n";
-  printReliability(out, report.summaries.front());
+  for (const std::string& line : reportPreface(report)) out << line << "\n";
+  for (const ReportTable& t : reportTables(report.evaluation, report.summaries, report.timing))
+    out << "\n" << t.title << "\n" << t.table;
 }
 
 void writeReport(const std::filesystem::path& folder, const EvaluationReport& report) {
-  writeTextAtomically(folder / "evaluation.txt", [&](std::ostream& out) { printReport(out, report); });
-  writeTextAtomically(folder / "tables.csv", [&](std::ostream& out) { writeTables(out, report.summaries); });
-  writeTextAtomically(folder / "frames.csv", [&](std::ostream& out) { writeFrames(out, report.evaluation); });
-  writeTextAtomically(folder / "fig6.csv",
-                      [&](std::ostream& out) { writeHistograms(out, report.summaries); });
+  const auto write = [&](const char* name, const std::function<void(std::ostream&)>& content) {
+    writeTextAtomically(folder / name, content);
+  };
+  write("evaluation.txt", [&](std::ostream& out) { printReport(out, report); });
+  write("tables.csv", [&](std::ostream& out) { writeTables(out, report.summaries); });
+  write("frames.csv", [&](std::ostream& out) { writeFrames(out, report.evaluation); });
+  write("fig6.csv", [&](std::ostream& out) { writeHistograms(out, report.summaries); });
+  write("errors.csv", [&](std::ostream& out) { writeErrors(out, report.evaluation); });
+  const std::vector<StageTime> times = stageTimes(report.timing);
+  if (!times.empty()) write("timing_summary.csv", [&](std::ostream& out) { writeTimes(out, times); });
+}
+
+void writeHtmlReport(const std::filesystem::path& folder, const EvaluationReport& report,
+                     const std::vector<ReportPicture>& pictures) {
+  HtmlPage page("Evaluation of " + report.results);
+  for (const std::string& line : reportPreface(report)) page.paragraph(line);
+  page.heading("Tables");
+  for (const ReportTable& t : reportTables(report.evaluation, report.summaries, report.timing))
+    page.table(t.title, t.table);
+  if (!pictures.empty()) page.heading("Pictures");
+  for (const ReportPicture& p : pictures) page.picture(p.path, p.caption);
+  page.heading("Images that miss");
+  const std::vector<ReportTable> missing = missTables(report.evaluation);
+  if (missing.empty()) page.paragraph("None.");
+  for (const ReportTable& t : missing)
+    page.table(t.title + " (" + std::to_string(t.table.rows().size() - 1) + ")", t.table, true);
+  writeTextAtomically(folder / "report.html", [&](std::ostream& out) { out << page.str(); });
 }
 
 }  // namespace facetloc

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/batch.h>
+#include <facetloc/apps/depth_drawing.h>
 #include <facetloc/apps/segment_app.h>
 #include <facetloc/apps/segment_file.h>
 #include <facetloc/apps/text.h>

@@ -15,8 +15,11 @@ constexpr double kPi = 180 * kDegree;
 constexpr double kSpacing = 0.1;        // of the points that stand for surfaces [m]
 constexpr double kFloor = 0.05;         // what lies lower is driven over [m]
 constexpr double kShortestDrive = 0.8;  // between two looks around [m]
-constexpr int kTries = 2000;            // to find a free place
-constexpr int kGoals = 10;              // to choose the next one from
+constexpr double kDriveStep = 0.01;     // [m]
+constexpr double kTurnStep = 0.5 * kDegree;
+constexpr double kRounding = 1e-9;
+constexpr int kTries = 2000;  // to find a free place
+constexpr int kGoals = 10;    // to choose the next one from
 
 class Random {
 public:
@@ -35,8 +38,8 @@ private:
 class FloorPlan {
 public:
   FloorPlan(const Scene& scene, double robot_height, double clearance) : clearance_(clearance) {
-    for (const Rectangle& r : scene) addExtent(r);
-    for (const Rectangle& r : scene) addObstacle(r, robot_height);
+    for (const Rectangle& r : scene.rectangles) addExtent(r);
+    for (const Rectangle& r : scene.rectangles) addObstacle(r, robot_height);
   }
 
   std::optional<Eigen::Vector2d> freePlace(Random& random) const {
@@ -91,36 +94,56 @@ private:
 class Robot {
 public:
   Robot(const DriveParams& params, Random& random, std::size_t frames)
-      : params_(params), random_(random), frames_(frames), T_b_c_(params.mounting().T_b_c()) {}
+      : params_(params),
+        random_(random),
+        frames_(frames),
+        T_b_c_(params.mounting().T_b_c()),
+        sway_phase_(random.uniform(-kPi, kPi)) {}
 
   bool done() const { return poses_.size() >= frames_; }
   const Eigen::Vector2d& place() const { return place_; }
   std::vector<Eigen::Isometry3d> poses() && { return std::move(poses_); }
 
-  void putDown(const Eigen::Vector2d& place, double heading) {
+  void putDown(const Eigen::Vector2d& place, double course) {
     place_ = place;
-    heading_ = heading;
+    course_ = course;
     look();
   }
   void turn(double angle) {
-    const int steps = static_cast<int>(std::ceil(std::abs(angle) / (params_.turn_deg * kDegree)));
-    for (int i = 0; i < steps; ++i) {
-      heading_ += angle / steps;
-      look();
+    const double end = course_ + angle;
+    while (!done() && course_ != end) {
+      const double left = end - course_;
+      const double step = std::min(kTurnStep, params_.turn_deg * kDegree - turned());
+      course_ = std::abs(left) <= step ? end : course_ + std::copysign(step, left);
+      lookIfDue();
     }
   }
   void driveTo(const Eigen::Vector2d& goal) {
     const Eigen::Vector2d way = goal - place_;
-    turn(std::remainder(std::atan2(way.y(), way.x()) - heading_, 2 * kPi));
-    const int steps = static_cast<int>(std::ceil(way.norm() / params_.step));
-    for (int i = 0; i < steps; ++i) {
-      place_ += way / steps;
-      look();
+    turn(std::remainder(std::atan2(way.y(), way.x()) - course_, 2 * kPi));
+    while (!done() && place_ != goal) {
+      const double left = (goal - place_).norm();
+      const double step = std::min({left, kDriveStep, params_.step - driven_});
+      place_ = step >= left ? goal : Eigen::Vector2d(place_ + step / left * (goal - place_));
+      driven_ += step;
+      odometer_ += step;
+      lookIfDue();
     }
   }
 
 private:
+  double heading() const {
+    const double sway = std::sin(2 * kPi * odometer_ / params_.sway_length + sway_phase_);
+    return course_ + params_.sway_deg * kDegree * sway;
+  }
+  /** Since the last image. */
+  double turned() const { return std::abs(std::remainder(heading() - heading_seen_, 2 * kPi)); }
+  void lookIfDue() {
+    if (driven_ >= params_.step - kRounding || turned() >= params_.turn_deg * kDegree - kRounding) look();
+  }
   void look() {
+    driven_ = 0;
+    heading_seen_ = heading();
     if (!done()) poses_.push_back(basePose() * T_b_c_);
   }
 
@@ -133,7 +156,7 @@ private:
     const double slope_y = (left - right) / params_.wheel_track,
                  slope_x = (axle - caster) / params_.caster_distance;
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.linear() = expSO3({0, 0, heading_}) * expSO3({slope_y, -slope_x, 0});
+    T.linear() = expSO3({0, 0, heading()}) * expSO3({slope_y, -slope_x, 0});
     T.translation() << place_, axle;
     return T;
   }
@@ -143,7 +166,11 @@ private:
   std::size_t frames_;
   Eigen::Isometry3d T_b_c_;
   Eigen::Vector2d place_ = Eigen::Vector2d::Zero();
-  double heading_ = 0;
+  double sway_phase_;
+  double course_ = 0;        // the heading without the sway [rad]
+  double odometer_ = 0;      // [m]
+  double driven_ = 0;        // since the last image [m]
+  double heading_seen_ = 0;  // at the last image [rad]
   std::vector<Eigen::Isometry3d> poses_;
 };
 
@@ -165,6 +192,21 @@ std::optional<Eigen::Vector2d> nextGoal(const FloorPlan& plan, const Eigen::Vect
 }
 
 }  // namespace
+
+std::vector<Eigen::Isometry3d> simulateDrive(const Route& route, std::size_t frames,
+                                             const DriveParams& params, std::uint64_t seed) {
+  Random random(seed);
+  Robot robot(params, random, frames);
+  if (route.size() < 2) throw std::invalid_argument("simulateDrive: a route has at least two waypoints");
+  const Eigen::Vector2d way = route[1].place - route[0].place;
+  robot.putDown(route[0].place, std::atan2(way.y(), way.x()));
+  for (std::size_t next = 1; !robot.done(); ++next) {
+    const Waypoint& waypoint = route[next % route.size()];
+    robot.driveTo(waypoint.place);
+    robot.turn(waypoint.look_deg * kDegree);
+  }
+  return std::move(robot).poses();
+}
 
 std::vector<Eigen::Isometry3d> simulateDrive(const Scene& scene, std::size_t frames,
                                              const DriveParams& params, std::uint64_t seed,

@@ -6,6 +6,7 @@
 #include <facetloc/apps/evaluation_report.h>
 #include <facetloc/apps/localization_report.h>
 #include <facetloc/features/so3.h>
+#include <facetloc/io/error.h>
 
 #include <gmock/gmock.h>
 
@@ -176,9 +177,122 @@ TEST(EvaluationReport, SetsOfFrames) {
     return found;
   };
   EXPECT_THAT(names({}), ElementsAre("all 5"));
-  EXPECT_THAT(names(exampleModels()),
-              ElementsAre("all 5", "map images 1", "new images 4", "new and covered 4"));
-  EXPECT_THAT(names({{"far", 50, pose(0, 60)}}), ElementsAre("all (new) 5"));
+  EXPECT_THAT(names(exampleModels()), ElementsAre("all images 5", "map images 1", "new 4", "covered 4"));
+  EXPECT_THAT(names({{"far", 50, pose(0, 60)}}), ElementsAre("all (new) 5", "rest 5"));
+}
+
+/** Frames of a query run in each class, and their mapping run. */
+std::vector<RunResults> exampleRuns() {
+  return {{"map", {hypothesis("1.0", 1, 0.99, pose(0)), hypothesis("1.5", 1, 0.8, pose(0.3))}, {}},
+          {"query",
+           {hypothesis("1001.0", 1, 0.95, pose(0.4)), hypothesis("1002.0", 1, 0.7, pose(9)),
+            noHypothesis("1003.0", "too few planes")},
+           {}}};
+}
+
+Trajectory exampleRunsTruth() {
+  return Trajectory(
+      {{1, pose(0)}, {1.5, pose(0.3)}, {1001, pose(0.4)}, {1002, pose(5)}, {1003, pose(0, 90)}});
+}
+
+TEST(Evaluation, RunsAreReadFromOneFolderOrSeveral) {
+  const test::TemporaryFolder folder;
+  for (const RunResults& run : exampleRuns()) {
+    std::vector<FrameResult> results;
+    for (const ResultRow& row : run.rows) results.push_back({0, {row}, {row.frame, 1, 2, 3, 4}});
+    writeResults(folder / run.name, results, "");
+  }
+  std::filesystem::create_directory(folder / "evaluation");
+  const std::vector<RunResults> runs = readRuns(folder / "");
+  ASSERT_EQ(runs.size(), 2u);
+  EXPECT_EQ(runs[0].name, "map");
+  EXPECT_EQ(runs[1].name, "query");
+  EXPECT_EQ(runs[1].rows.size(), 3u);
+  EXPECT_EQ(runs[1].timing.size(), 3u);
+  std::filesystem::remove(folder / "query/timing.csv");
+  const std::vector<RunResults> alone = readRuns(folder / "query");
+  ASSERT_EQ(alone.size(), 1u);
+  EXPECT_EQ(alone[0].name, "");
+  EXPECT_TRUE(alone[0].timing.empty());
+  EXPECT_THROW(readRuns(folder / "evaluation"), IoError);
+}
+
+TEST(Evaluation, TheMappingRunHasNoNewImages) {
+  const Evaluation evaluation =
+      evaluate(exampleRuns(), PlaceTruth(exampleRunsTruth()), {{"1.0", 1, pose(0)}}, {});
+  std::vector<std::string> classes;
+  for (const FrameEvaluation& f : evaluation.frames) classes.push_back(f.run + " " + toString(f.frame_class));
+  EXPECT_THAT(classes, ElementsAre("map map", "map mapping run", "query new", "query new", "query new"));
+  // Alone, the mapping run is judged as before: what is no local model is new.
+  const Evaluation alone =
+      evaluate({exampleRuns().front()}, PlaceTruth(exampleRunsTruth()), {{"1.0", 1, pose(0)}}, {});
+  EXPECT_EQ(alone.frames[1].frame_class, FrameClass::new_image);
+}
+
+FrameEvaluation newFrame(bool covered, std::optional<bool> solvable, bool unmapped) {
+  FrameEvaluation f;
+  f.frame_class = FrameClass::new_image;
+  f.covered = covered;
+  f.solvable = solvable;
+  f.unmapped = unmapped;
+  return f;
+}
+
+std::vector<std::string> setsOf(const Evaluation& evaluation) {
+  std::vector<std::string> found;
+  for (const Summary& s : summarizeSets(evaluation)) found.push_back(s.name + " " + std::to_string(s.total));
+  return found;
+}
+
+TEST(EvaluationReport, EachNewImageIsCoveredOrRestOrWhereNothingIs) {
+  Evaluation evaluation;
+  evaluation.frames = {newFrame(true, true, false), newFrame(true, false, false), newFrame(true, {}, false),
+                       newFrame(false, false, false), newFrame(false, false, true)};
+  EXPECT_THAT(setsOf(evaluation),
+              ElementsAre("all (new) 5", "covered 3", "solvable 1", "rest 1", "nothing there 1"));
+}
+
+TEST(EvaluationReport, FramesOfSeveralPlacesArePooled) {
+  Evaluation pooled = evaluate(exampleRuns(), PlaceTruth(exampleRunsTruth()), {{"1.0", 1, pose(0)}}, {});
+  EXPECT_THAT(setsOf(pooled), ElementsAre("all images 5", "new 3", "covered 1", "rest 2"));
+  const std::vector<FrameEvaluation> again = pooled.frames;
+  pooled.frames.insert(pooled.frames.end(), again.begin(), again.end());
+  EXPECT_THAT(setsOf(pooled), ElementsAre("all images 10", "new 6", "covered 2", "rest 4"));
+  EXPECT_EQ(summarizeSets(pooled)[1].none, 2u);
+  EXPECT_EQ(summarizeSets(pooled)[2].correct, 2u);
+}
+
+TEST(Summary, ConfidentAndUnsureAnswers) {
+  // Probabilities 0.95 (right), 0.6 and 0.15 (wrong), 0.55 (right), and no answer.
+  Summary s = summarize("all", evaluate(exampleRows(), exampleTruth(), {}, {}).frames);
+  EXPECT_EQ(s.confident, 1u);
+  EXPECT_EQ(s.confident_correct, 1u);
+  EXPECT_EQ(s.unsure, 2u);
+  // The limits themselves count as confident, and not as unsure.
+  s = summarize("limits", evaluate({hypothesis("1.0", 1, 0.9, pose(5)), hypothesis("2.0", 1, 0.5, pose(0))},
+                                   exampleTruth(), {}, {})
+                              .frames);
+  EXPECT_EQ(s.confident, 1u);
+  EXPECT_EQ(s.confident_correct, 0u);
+  EXPECT_EQ(s.unsure, 0u);
+}
+
+TEST(Summary, OnlyFullBinsDeviate) {
+  std::vector<FrameEvaluation> frames;
+  const auto add = [&](int n, double probability, int first_correct) {
+    FrameEvaluation f;
+    f.hypotheses = 1;
+    f.probability = probability;
+    f.first_correct = first_correct;
+    frames.insert(frames.end(), n, f);
+  };
+  add(19, 0.35, 1);  // far from the truth, but too few
+  EXPECT_EQ(summarize("few", frames).largest_deviation, 0);
+  add(15, 0.85, 1);
+  add(5, 0.85, 0);
+  EXPECT_NEAR(summarize("enough", frames).largest_deviation, 0.1, 1e-12);  // 0.85 and 15 of 20
+  add(1, 0.35, 1);
+  EXPECT_NEAR(summarize("more", frames).largest_deviation, 0.65, 1e-12);
 }
 
 TEST(EvaluateApp, PrintsAndWritesTheTables) {
@@ -199,7 +313,7 @@ TEST(EvaluateApp, PrintsAndWritesTheTables) {
   EXPECT_THAT(test::contentOf(folder / "results/evaluation/tables.csv"),
               HasSubstr("II,Translation error [mm],Avg.,36.83,30\n"));
   EXPECT_THAT(test::contentOf(folder / "results/evaluation/frames.csv"),
-              HasSubstr("\n2.0,2,unknown,,3,2,50,1,1,0.6,"));
+              HasSubstr("\n,2.0,2,unknown,0,,,,3,2,50,1,1,0.6,"));
   EXPECT_THAT(test::contentOf(folder / "results/evaluation/fig6.csv"),
               HasSubstr("set,share,translation_mm,orientation_deg,index\nall,0.333333333,10,"));
   EXPECT_EQ(test::runTool<EvaluateApp>({folder / "nowhere", folder / "truth.txt"}).code, kFailed);

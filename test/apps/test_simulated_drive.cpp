@@ -16,7 +16,7 @@ protected:
 
 TEST_P(SimulatedDrive, StaysInsideAndClearOfWalls) {
   Eigen::AlignedBox3d room;
-  for (const Rectangle& r : scene_) room.extend(r.centre);
+  for (const Rectangle& r : scene_.rectangles) room.extend(r.centre);
   DriveParams even;
   even.floor_std = 0;
   const double clear = even.clearance - 0.01;

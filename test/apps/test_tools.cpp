@@ -5,7 +5,9 @@
 #include <facetloc/apps/evaluate_app.h>
 #include <facetloc/apps/localize_app.h>
 #include <facetloc/apps/map_apps.h>
+#include <facetloc/apps/offscreen_display.h>
 #include <facetloc/apps/register_app.h>
+#include <facetloc/apps/render_app.h>
 #include <facetloc/apps/segment_app.h>
 #include <facetloc/apps/simulate_app.h>
 #include <facetloc/features/segment_frame.h>
@@ -80,23 +82,29 @@ private:
 std::unique_ptr<TemporaryFolder> Tools::room_;
 
 TEST_F(Tools, SimulateIsReproducible) {
-  const std::vector<std::string> arguments = {"room", "--seed", "9", "--frames", "2", "--width", "160"};
-  for (const char* threads : {"1", "2"}) {
-    auto all = arguments;
-    all.insert(all.end(), {"-o", folder_ / threads, "--threads", threads});
-    const ToolRun run = runTool<SimulateApp>(all);
-    ASSERT_EQ(run.code, kOk) << run.err;
-    EXPECT_THAT(lastLine(run.out), HasSubstr(folder_ / threads));
+  for (const std::string scene : {"room", "office", "home", "hall"}) {
+    for (const std::string threads : {"1", "2"}) {
+      const ToolRun run = runTool<SimulateApp>({scene, "--seed", "9", "--frames", "2", "--width", "160", "-o",
+                                                folder_ / scene + threads, "--threads", threads});
+      ASSERT_EQ(run.code, kOk) << run.err;
+      EXPECT_THAT(lastLine(run.out), HasSubstr(folder_ / scene + threads));
+    }
+    const fs::path one = folder_ / scene + "1", two = folder_ / scene + "2";
+    int compared = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(one)) {
+      if (!entry.is_regular_file()) continue;
+      EXPECT_EQ(contentOf(entry.path()), contentOf(two / fs::relative(entry.path(), one))) << entry.path();
+      ++compared;
+    }
+    // Two runs of camera.ini, groundtruth.txt, planes.csv, depth and labels; unmapped.txt.
+    EXPECT_EQ(compared, 2 * (3 + 2 * 2) + 1);
   }
-  int compared = 0;
-  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "1")) {
-    if (!entry.is_regular_file()) continue;
-    EXPECT_EQ(contentOf(entry.path()),
-              contentOf(fs::path(folder_ / "2") / fs::relative(entry.path(), folder_ / "1")))
-        << entry.path();
-    ++compared;
-  }
-  EXPECT_EQ(compared, 2 * (2 + 2 * 2));  // two runs of camera.ini, groundtruth.txt, depth and labels
+}
+
+TEST_F(Tools, SimulateRefusesWhatThereIsNot) {
+  const ToolRun run = runTool<SimulateApp>({"palace", "-o", folder_ / "x"});
+  EXPECT_EQ(run.code, kUsage);
+  for (const char* scene : {"office", "home", "hall", "room"}) EXPECT_THAT(run.err, HasSubstr(scene));
 }
 
 TEST_F(Tools, SimulateWritesASequenceWithItsTruth) {
@@ -332,6 +340,68 @@ TEST_F(Tools, RegisterFindsAnImageInItself) {
   EXPECT_EQ(rows[0].rank > 0 ? rows[0].model : images[1].stem().string(), images[1].stem().string());
   EXPECT_EQ(runTool<RegisterApp>({images[0].string(), map_run()}).code, kUsage);
   EXPECT_EQ(runTool<RegisterApp>({images[0].string(), folder_ / "nowhere.png"}).code, kFailed);
+}
+
+TEST_F(Tools, EvaluateTellsThePlacesOfBothRuns) {
+  const std::string place = fs::path(map_run()).parent_path().string();
+  for (const char* run : {"map", "query"})
+    ASSERT_EQ(
+        runTool<LocalizeApp>({map(), place + "/" + run, "-o", folder_ / (std::string("results/") + run)})
+            .code,
+        kOk);
+  const std::vector<std::string> arguments = {folder_ / "results", place, "--map", map()};
+  const ToolRun run = runTool<EvaluateApp>(arguments);
+  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.out,
+              AllOf(HasSubstr("all images"), HasSubstr("new"), HasSubstr("covered"), HasSubstr("Solvable:"),
+                    HasSubstr("ERRORS BY THE NUMBER OF VISIBLE PLANES"), HasSubstr("TIME PER IMAGE")));
+  EXPECT_THAT(contentOf(folder_ / "results/evaluation/report.html"), HasSubstr("TABLE II."));
+  auto again = arguments;
+  again.insert(again.end(), {"-o", folder_ / "again"});
+  ASSERT_EQ(runTool<EvaluateApp>(again).code, kOk);
+  for (const char* file : {"tables.csv", "frames.csv", "fig6.csv", "errors.csv", "timing_summary.csv"})
+    EXPECT_EQ(contentOf(folder_ / "results/evaluation/" + file), contentOf(folder_ / "again/" + file))
+        << file;
+}
+
+TEST_F(Tools, RenderDrawsWhatItIsGiven) {
+  if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
+  const auto draws = [&](std::vector<std::string> arguments, const std::string& output) {
+    arguments.insert(arguments.end(), {"-o", output});
+    const ToolRun run = runTool<RenderApp>(arguments);
+    EXPECT_EQ(run.code, kOk) << run.err;
+    EXPECT_THAT(lastLine(run.out), HasSubstr(output));
+    return fs::exists(output);
+  };
+  EXPECT_TRUE(draws({firstImage()}, folder_ / "image.png"));
+  EXPECT_TRUE(draws({firstImage(), "--map", map(), "--max-hypotheses", "2"}, folder_ / "answers.png"));
+  EXPECT_TRUE(draws({map(), "--trajectory", query()}, folder_ / "map.png"));
+  const std::string name = fs::path(firstImage()).stem().string();
+  EXPECT_TRUE(draws({query(), "--frame", name}, folder_ / "again.png"));
+  EXPECT_EQ(contentOf(folder_ / "image.png"), contentOf(folder_ / "again.png"));
+  EXPECT_TRUE(draws({query()}, folder_ / "all"));
+  EXPECT_EQ(filesOf(folder_ / "all").size(), static_cast<std::size_t>(kFrames));
+
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", folder_ / "results"}).code, kOk);
+  const std::vector<std::string> failures = {folder_ / "results", "--map", map(),    "--sequence", query(),
+                                             "--max_translation", "0",     "--most", "2"};
+  EXPECT_TRUE(draws(failures, folder_ / "failures"));
+  EXPECT_EQ(filesOf(folder_ / "failures").size(), 3u);  // and failures.png
+}
+
+TEST_F(Tools, RenderSaysWhatIsMissing) {
+  if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
+  EXPECT_EQ(runTool<RenderApp>({firstImage()}).code, kUsage);
+  EXPECT_EQ(runTool<RenderApp>({firstImage(), "-o", firstImage()}).code, kUsage);
+  EXPECT_EQ(runTool<RenderApp>({map(), "-o", map()}).code, kUsage);
+  EXPECT_EQ(runTool<RenderApp>({query(), "-o", query() + "/depth"}).code, kUsage);
+  EXPECT_EQ(runTool<RenderApp>({query(), "-o", folder_ / "several.png"}).code, kUsage);
+  EXPECT_EQ(runTool<RenderApp>({query(), "--frame", "nowhere", "-o", folder_ / "x.png"}).code, kUsage);
+  const ToolRun run = runTool<RenderApp>({folder_ / "nowhere.png", "-o", folder_ / "x.png"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("nowhere.png: does not exist"));
+  ASSERT_EQ(runTool<LocalizeApp>({map(), firstImage(), "-o", folder_ / "results"}).code, kOk);
+  EXPECT_EQ(runTool<RenderApp>({folder_ / "results", "-o", folder_ / "x"}).code, kUsage);
 }
 
 }  // namespace

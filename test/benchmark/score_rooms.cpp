@@ -10,6 +10,7 @@
 // rendered truth, a query is covered if a local model lies within 1 m and 20 deg, and solvable if the true
 // planes of at least 150 px (at 320x240) that it shares with such a model fix all six degrees of freedom to 5
 // cm.
+#include <facetloc/apps/frame_truth.h>
 #include <facetloc/io/simulated_camera.h>
 #include <facetloc/registration/global_localization.h>
 #include <facetloc/segmentation/view_builder.h>
@@ -17,7 +18,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <map>
 #include <memory>
 #include <random>
 #include <string>
@@ -49,7 +49,7 @@ struct Answered {
 // The room's extent is that of its largest horizontal rectangle, the floor.
 Eigen::Vector2d floorHalfSize(const Scene& scene, Eigen::Vector2d& centre) {
   const Rectangle* floor = nullptr;
-  for (const Rectangle& r : scene)
+  for (const Rectangle& r : scene.rectangles)
     if (std::abs(r.centre.z()) < 1e-9 && (!floor || r.half_u * r.half_v > floor->half_u * floor->half_v))
       floor = &r;
   centre = floor->centre.head<2>();
@@ -68,7 +68,7 @@ public:
   // Is the robot clear of walls and boxes? All of them stand upright, so their faces are enough.
   bool isFree(const Eigen::Vector2d& p) const {
     if (((p - centre_).cwiseAbs() - half_).maxCoeff() > -kClearance) return false;
-    return std::all_of(scene_.begin(), scene_.end(), [&p](const Rectangle& r) {
+    return std::all_of(scene_.rectangles.begin(), scene_.rectangles.end(), [&p](const Rectangle& r) {
       if (r.axis_u.cross(r.axis_v).z() == 0 && r.centre.z() - r.half_v > kMounting.height + 0.3)
         return true;  // above it
       const Eigen::Vector2d u = r.axis_u.head<2>() * r.half_u, v = r.axis_v.head<2>() * r.half_v;
@@ -103,16 +103,9 @@ public:
     const SimulatedFrame frame = camera_.render(scene_, T_w_c, frame_++);
     return builder_.build(subsampled(frame.depth, subsamplingStep(frame.depth.camera, kWorkingWidth)));
   }
-  // The true segments of a pose by plane id.
-  std::map<int, Segment> trueSegments(const Eigen::Isometry3d& T_w_c) const {
+  TrueSegments trueSegmentsOf(const Eigen::Isometry3d& T_w_c) const {
     const SimulatedFrame frame = small_camera_.renderExact(scene_, T_w_c);
-    SegmentEstimationParams params;
-    params.min_support = kSharedPixels;
-    std::vector<int> ids;
-    const std::vector<Segment> segments = estimateSegments(frame.depth, frame.labels, {}, params, &ids);
-    std::map<int, Segment> by_id;
-    for (std::size_t i = 0; i < ids.size(); ++i) by_id.emplace(ids[i], segments[i]);
-    return by_id;
+    return trueSegments(frame.depth, frame.labels, kSharedPixels);
   }
 
 private:
@@ -129,17 +122,6 @@ private:
 struct RobotPose {
   double x, y, heading;
 };
-
-// Do the planes that both poses see fix the one relative to the other?
-bool sharedPlanesSuffice(const std::map<int, Segment>& query, const std::map<int, Segment>& model) {
-  Matrix6d information = Matrix6d::Zero();
-  for (const auto& [id, s] : query) {
-    PlaneMeasurement m;
-    if (model.count(id) && measurePlane(s, s, Eigen::Isometry3d::Identity(), 0.0, m))
-      information += m.H.transpose() * m.W.llt().solve(m.H);
-  }
-  return observability(information).complete(kSolvableRotationStd, kSolvableStd);
-}
 
 Answered judge(const Localization& answer, const Eigen::Isometry3d& truth) {
   Answered a;
@@ -171,8 +153,8 @@ std::vector<Answered> localizeInRoom(std::uint64_t seed) {
     }
   }
   const GlobalLocalization localization(map);
-  std::vector<std::map<int, Segment>> true_segments;
-  for (const LocalModel& m : map->models) true_segments.push_back(room.trueSegments(*m.T_w_m));
+  std::vector<TrueSegments> true_segments;
+  for (const LocalModel& m : map->models) true_segments.push_back(room.trueSegmentsOf(*m.T_w_m));
   std::vector<Answered> answers;
   for (int q = 0; q < kQueriesPerRoom; ++q) {
     Eigen::Isometry3d truth;
@@ -187,13 +169,14 @@ std::vector<Answered> localizeInRoom(std::uint64_t seed) {
     }
     if (!sensible) continue;
     Answered a = judge(localization.localize(room.view(truth)), truth);
-    const std::map<int, Segment> seen = room.trueSegments(truth);
+    const TrueSegments seen = room.trueSegmentsOf(truth);
     for (std::size_t i = 0; i < map->models.size(); ++i) {
       const LocalModel& m = map->models[i];
       if ((m.T_w_m->translation() - truth.translation()).norm() > kCoveredDistance) continue;
       if (rotationAngle(m.T_w_m->linear() * truth.linear().transpose()) > kCoveredRotation) continue;
       a.covered = true;
-      a.solvable = a.solvable || sharedPlanesSuffice(seen, true_segments[i]);
+      a.solvable =
+          a.solvable || sharedPlanesSuffice(seen, true_segments[i], kSolvableStd, kSolvableRotationStd);
     }
     answers.push_back(a);
   }

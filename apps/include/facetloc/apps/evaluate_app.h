@@ -13,10 +13,15 @@ public:
   EvaluateApp();
 
 private:
+  struct Input;
+
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
-  std::vector<ModelPose> modelPoses() const;
-  void drawPictures(const EvaluationReport& report, const Console& console) const;
+  std::vector<ModelPose> modelPoses(const std::optional<Map>& map) const;
+  void requireWorldPoses(const std::vector<RunResults>& runs) const;
+  EvaluationReport reportOf(const Input& input) const;
+  std::vector<ReportPicture> drawPictures(const EvaluationReport& report, const Input& input,
+                                          const Console& console) const;
 
   std::string results_;
   std::string truth_;

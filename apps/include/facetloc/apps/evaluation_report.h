@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/apps/evaluation.h>
+#include <facetloc/apps/evaluation_tables.h>
 
 #include <filesystem>
 #include <ostream>
+#include <string>
 #include <vector>
 
 namespace facetloc {
@@ -16,16 +17,27 @@ struct EvaluationReport {
   EvaluationParams params;
   Evaluation evaluation;
   std::vector<Summary> summaries;
+  std::vector<TimingRow> timing;  ///< of all runs; may be empty
 };
 
-/** \brief Summaries of all frames and, as far as there are any, of map images, new images and covered ones.
- */
-std::vector<Summary> summarizeSets(const Evaluation& evaluation);
+/** \brief What was judged and by which rules, in sentences. */
+std::vector<std::string> reportPreface(const EvaluationReport& report);
 
-/** \brief Tables I and II beside the paper's figures, and what goes beyond them. */
+/** \brief The preface and the tables. */
 void printReport(std::ostream& out, const EvaluationReport& report);
 
-/** \brief Writes evaluation.txt, tables.csv, frames.csv and fig6.csv, atomically. */
+/** \brief Writes evaluation.txt, tables.csv, frames.csv, fig6.csv, errors.csv and, where times are known,
+ * timing_summary.csv, atomically. Times are in the last one and in the text only: everything else depends on
+ * nothing but the answers. */
 void writeReport(const std::filesystem::path& folder, const EvaluationReport& report);
+
+/** \brief A picture file and what it shows. */
+struct ReportPicture {
+  std::filesystem::path path;
+  std::string caption;
+};
+/** \brief Writes report.html, atomically: everything in one file. Throws IoError. */
+void writeHtmlReport(const std::filesystem::path& folder, const EvaluationReport& report,
+                     const std::vector<ReportPicture>& pictures);
 
 }  // namespace facetloc

@@ -3,7 +3,6 @@
 
 #include <facetloc/features/depth_image.h>
 #include <facetloc/features/segment.h>
-#include <facetloc/io/png.h>
 
 #include <filesystem>
 #include <vector>
@@ -16,9 +15,5 @@ void writeSegments(const std::filesystem::path& path, const std::vector<Segment>
 
 /** \brief Writes labels as a 16-bit PNG, atomically. */
 void writeLabels(const std::filesystem::path& path, const LabelImage& labels);
-
-/** \brief The paper's Fig. 1c: depth in grey, darker = closer, black = not measured, segment borders in
- * green. */
-Raster<std::uint8_t> overlay(const DepthImage& image, const LabelImage& labels);
 
 }  // namespace facetloc

@@ -4,10 +4,12 @@
 #include <facetloc/apps/app.h>
 #include <facetloc/apps/simulated_drive.h>
 #include <facetloc/io/camera_file.h>
+#include <facetloc/io/simulated_camera.h>
+
+#include <string>
+#include <vector>
 
 namespace facetloc {
-
-class Batch;
 
 /** \brief facetloc_simulate: depth sequences of a made-up place, with the truth. */
 class SimulateApp : public App {
@@ -15,17 +17,23 @@ public:
   SimulateApp();
 
 private:
-  struct Run;  // a sequence to be: folder, poses, stamps
+  struct Run;    // a sequence to be: folder, poses, stamps
+  struct Place;  // two runs through a place
 
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
+  Place makePlace() const;
   void prepareFolder(const Run& run, const CameraFile& camera) const;
+  void writeUnmapped(const Run& query, const std::vector<char>& unmapped) const;
 
   std::string scene_;
   std::string folder_;
   int seed_ = 1;
   int width_ = 640;
-  int frames_ = 100;
+  int frames_ = 0;
+  int map_frames_ = 444;    // the paper's
+  int query_frames_ = 348;  // the paper's
+  double map_step_ = 0.25;
   DriveParams drive_;
   SimulatedNoise noise_;
 };

@@ -3,7 +3,7 @@
 
 #include <facetloc/features/camera_model.h>
 #include <facetloc/features/params.h>
-#include <facetloc/io/simulated_camera.h>
+#include <facetloc/io/simulated_place.h>
 
 #include <cstdint>
 #include <optional>
@@ -11,13 +11,15 @@
 
 namespace facetloc {
 
-/** \brief How a robot with a camera drives through a room, looking around. */
+/** \brief How a robot with a camera drives, and when it takes an image. */
 struct DriveParams {
   double camera_height = 1.0;      ///< [m]
   double camera_tilt_deg = 10;     ///< downwards
-  double step = 0.25;              ///< between two images while driving [m]
-  double turn_deg = 15;            ///< between two images while turning
-  double clearance = 0.5;          ///< from walls and boxes [m]
+  double step = 0.5;               ///< an image is taken after so much driving [m] ...
+  double turn_deg = 5;             ///< ... or turning, as in the paper
+  double sway_deg = 0;             ///< amplitude of the heading about the line that is driven
+  double sway_length = 5;          ///< period of that [m]
+  double clearance = 0.5;          ///< from walls and boxes of a room [m]
   double floor_std = 0.005;        ///< deviation of the floor under each wheel [m]
   double wheel_track = 0.325;      ///< [m]
   double caster_distance = 0.165;  ///< [m]
@@ -26,9 +28,12 @@ struct DriveParams {
   static void describe(Self& p, Visitor&& field) {
     field("camera_height", p.camera_height, 0.0, 100.0, "Height of the camera above the floor [m].");
     field("camera_tilt_deg", p.camera_tilt_deg, -90.0, 90.0, "Tilt of the camera downwards [deg].");
-    field("step", p.step, 0.001, 10.0, "Distance of two images while driving [m].");
-    field("turn_deg", p.turn_deg, 0.1, 180.0, "Angle between two images while turning [deg].");
-    field("clearance", p.clearance, 0.0, 10.0, "Distance that the robot keeps from walls and boxes [m].");
+    field("step", p.step, 0.01, 10.0, "An image is taken after so much driving ... [m].");
+    field("turn_deg", p.turn_deg, 0.1, 180.0, "... or turning [deg].");
+    field("sway_deg", p.sway_deg, 0.0, 90.0, "Amplitude of the heading about the line that is driven [deg].");
+    field("sway_length", p.sway_length, 0.1, 1000.0, "Period of that along the line [m].");
+    field("clearance", p.clearance, 0.0, 10.0,
+          "Distance that the robot keeps from walls and boxes of a room [m].");
     field("floor_std", p.floor_std, 0.0, 1.0,
           "Unevenness of the floor under each wheel, standard deviation [m].");
     field("wheel_track", p.wheel_track, 0.01, 10.0, "Distance of the drive wheels [m].");
@@ -38,9 +43,13 @@ struct DriveParams {
   CameraMounting mounting() const { return {camera_height, camera_tilt_deg}; }
 };
 
-/** \brief Camera poses T_w_c of a drive through a closed room (z up, floor at z = 0): from one free place to
- * the next in sight, mostly to where it has not been, with a look around at each. The same arguments give the
- * same drive.
+/** \brief Camera poses T_w_c of a drive along a route, again and again until there are enough (z up, floor at
+ * z = 0). The same arguments give the same drive. */
+std::vector<Eigen::Isometry3d> simulateDrive(const Route& route, std::size_t frames,
+                                             const DriveParams& params, std::uint64_t seed);
+
+/** \brief Camera poses T_w_c of a drive through a closed room: from one free place to the next in sight,
+ * mostly to where it has not been, with a look around at each.
  *
  * \param start where it begins, so that two drives can be of the same part of a room; a free place by
  * default. Throws std::runtime_error if the room leaves no place to drive. */

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/apps/evaluation_report.h>
+#include <facetloc/features/local_model.h>
+
+#include <filesystem>
+#include <vector>
+
+namespace facetloc {
+
+// Pictures of an evaluation whose map and images are at hand, PNG. They need an X display (OffscreenDisplay)
+// and throw IoError.
+
+/** \brief The map with all runs through it, and where it failed. */
+ReportPicture drawMapOfRuns(const std::filesystem::path& path, const Map& map, const PlaceTruth& truth,
+                            const Evaluation& evaluation);
+
+/** \brief Misses to be shown, at most that many: as many of each kind as far as there are, spread
+ * over the run. */
+std::vector<Miss> chosenMisses(const Evaluation& evaluation, std::size_t most);
+
+/** \brief Draws folder/NAME.png for misses whose depth images are there: the answer of rank 1, and the local
+ * model that would have been right with the true pose. */
+std::vector<ReportPicture> drawMisses(const std::filesystem::path& folder, const std::vector<Miss>& misses,
+                                      const Map& map, const PlaceTruth& truth,
+                                      const std::vector<RunResults>& runs);
+
+}  // namespace facetloc

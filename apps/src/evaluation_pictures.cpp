@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/apps/evaluation_pictures.h>
+#include <facetloc/apps/failures.h>
+#include <facetloc/apps/pictures.h>
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/segmentation/view_builder.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kWorkingWidth = 320;  // [px]
+using Rgb = std::array<std::uint8_t, 3>;
+constexpr std::array<Rgb, 2> kRunColours = {{{31, 119, 180}, {44, 160, 44}}};
+constexpr Rgb kWrong = {200, 40, 40}, kMissing = {230, 130, 20}, kNotFirst = {200, 170, 0};
+
+const Rgb& colourOf(MissKind kind) {
+  if (kind == MissKind::not_first) return kNotFirst;
+  return kind == MissKind::not_found ? kMissing : kWrong;
+}
+
+std::vector<Eigen::Isometry3d> posesOf(const Trajectory& trajectory) {
+  std::vector<Eigen::Isometry3d> poses;
+  for (const StampedPose& pose : trajectory.poses()) poses.push_back(pose.T_w_c);
+  return poses;
+}
+
+std::vector<DrawnRun> drawnRuns(const PlaceTruth& truth) {
+  std::vector<DrawnRun> runs;
+  for (const PlaceTruth::Sequence& s : truth.sequences())
+    runs.push_back(
+        {s.folder.filename().string(), posesOf(s.poses), kRunColours[runs.size() % kRunColours.size()]});
+  if (runs.empty()) runs.push_back({"true poses", posesOf(truth.poses()), kRunColours[0]});
+  return runs;
+}
+
+std::vector<DrawnMarks> drawnMarks(const Evaluation& evaluation) {
+  std::vector<DrawnMarks> marks;
+  for (const Miss& miss : misses(evaluation)) {
+    if (marks.empty() || marks.back().name != toString(miss.kind))
+      marks.push_back({toString(miss.kind), {}, colourOf(miss.kind)});
+    marks.back().T_w_c.push_back(miss.frame.T_w_c);
+  }
+  return marks;
+}
+
+/** The depth images of all runs, by the names of their frames. */
+class Images {
+public:
+  explicit Images(const PlaceTruth& truth) {
+    for (const PlaceTruth::Sequence& s : truth.sequences())
+      if (fs::is_directory(s.folder / "depth")) sequences_.push_back(DepthSequence::open(s.folder));
+    for (const DepthSequence& sequence : sequences_)
+      for (std::size_t i = 0; i < sequence.frames().size(); ++i)
+        places_.emplace(sequence.frames()[i].name, Place{&sequence, i});
+  }
+
+  bool has(const std::string& name) const { return places_.count(name) > 0; }
+
+  SeenImage seen(const std::string& name) const {
+    const Place& place = places_.at(name);
+    ViewParams params;
+    const auto& camera = place.sequence->camera();
+    if (camera && camera->inverse_depth_std) params.noise.inverse_depth_std = *camera->inverse_depth_std;
+    ViewBuilder builder(params);
+    SeenImage image;
+    image.name = name;
+    image.depth = place.sequence->load(place.index, kWorkingWidth);
+    image.view = builder.build(image.depth);
+    image.labels = builder.segmentation().labels;
+    return image;
+  }
+
+private:
+  struct Place {
+    const DepthSequence* sequence;
+    std::size_t index;
+  };
+  std::vector<DepthSequence> sequences_;  // not changed once places_ points into it
+  std::map<std::string, Place> places_;
+};
+
+}  // namespace
+
+ReportPicture drawMapOfRuns(const fs::path& path, const Map& map, const PlaceTruth& truth,
+                            const Evaluation& evaluation) {
+  drawFloorMap(path, map, drawnRuns(truth), drawnMarks(evaluation));
+  return {path, "Segments of all local models in plan view, the runs, and the images that miss."};
+}
+
+std::vector<Miss> chosenMisses(const Evaluation& evaluation, std::size_t most) {
+  std::map<MissKind, std::vector<Miss>> by_kind;
+  for (const Miss& miss : misses(evaluation)) by_kind[miss.kind].push_back(miss);
+  std::map<MissKind, std::size_t> shares;
+  std::size_t total = 0;
+  for (bool any = true; any && total < most;) {
+    any = false;
+    for (const auto& [kind, of_kind] : by_kind)
+      if (total < most && shares[kind] < of_kind.size()) ++shares[kind], ++total, any = true;
+  }
+  std::vector<Miss> chosen;
+  for (const auto& [kind, of_kind] : by_kind)  // far apart: neighbours in a run look alike
+    for (std::size_t i = 0; i < shares[kind]; ++i)
+      chosen.push_back(of_kind[i * of_kind.size() / shares[kind]]);
+  return chosen;
+}
+
+std::vector<ReportPicture> drawMisses(const fs::path& folder, const std::vector<Miss>& misses, const Map& map,
+                                      const PlaceTruth& truth, const std::vector<RunResults>& runs) {
+  const Images images(truth);
+  Evaluation drawn;
+  for (const Miss& miss : misses)
+    if (images.has(miss.frame.name)) drawn.frames.push_back(miss.frame);
+  std::vector<ResultRow> rows;
+  for (const RunResults& run : runs) rows.insert(rows.end(), run.rows.begin(), run.rows.end());
+
+  std::vector<ReportPicture> pictures;
+  if (!drawn.frames.empty()) fs::create_directories(folder);
+  for (const Failure& failure : findFailures(drawn, rows, map)) {
+    const fs::path path = folder / (failure.frame + ".png");
+    drawMatches(path, images.seen(failure.frame), map, failure.answers);
+    pictures.push_back({path, failure.frame + ": " + failure.what});
+  }
+  return pictures;
+}
+
+}  // namespace facetloc

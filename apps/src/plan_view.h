@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/local_model.h>
+
+#include <optional>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief Which way is up in a camera's frame, unit vector: by its mounting, or else by the planes that lie
+ * about across the image's vertical. */
+Eigen::Vector3d upInView(const View& view, const std::optional<CameraMounting>& mounting);
+
+/** \brief Which way is up in the world of a map: z where that is about right, else what its views say. Models
+ * without a pose do not count. */
+Eigen::Vector3d upInWorld(const Map& map);
+
+/** \brief What a segment is from above. */
+struct PlanLine {
+  Eigen::Vector2d from, to;  ///< [m]
+  double height = 0;         ///< vertical extent of the segment [m]
+};
+
+/** \brief The world from above. */
+class PlanView {
+public:
+  /** \param up unit vector; with z up, x is to the right and y to the top. */
+  explicit PlanView(const Eigen::Vector3d& up);
+  Eigen::Vector2d point(const Eigen::Vector3d& p) const { return axes_ * p; }
+  /** \brief The horizontal part of a direction; not normalised. */
+  Eigen::Vector2d direction(const Eigen::Vector3d& d) const { return axes_ * d; }
+  /** \brief An upright segment from above; nothing for one that leans by more than 15 degrees. */
+  std::optional<PlanLine> line(const Segment& segment, const Eigen::Isometry3d& T_w_m) const;
+
+private:
+  Eigen::Vector3d up_;
+  Eigen::Matrix<double, 2, 3> axes_;  // rows: to the right, to the top
+};
+
+}  // namespace facetloc

@@ -1,0 +1,939 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "furniture.h"
+
+#include <facetloc/features/so3.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace facetloc {
+
+// ---- Parts ----
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kBoard = 0.02;                                                 // thickness of boards [m]
+constexpr double kDarkCupboards = 0.15, kDarkSofas = 0.3, kDarkClothes = 0.35;  // shares
+
+Material darkIf(bool dark) { return dark ? Material::dark : Material::matt; }
+
+bool chance(Random& random, double probability) { return random.uniform() < probability; }
+
+int count(Random& random, int least, int most) {
+  return least + static_cast<int>((most - least + 1) * random.uniform());
+}
+
+/** A box that leans: pitched about the y axis of its spot, to the front if positive, after its middle was put
+ * at height z above the spot. */
+void slab(SceneBuilder& builder, const Spot& spot, double z, double pitch_deg, const Vector3d& size,
+          When when, Material material = Material::matt) {
+  const Eigen::Isometry3d T =
+      spot.pose() * Eigen::Translation3d(0, 0, z) * Eigen::AngleAxisd(pitch_deg * kDegree, Vector3d::UnitY());
+  const Vector3d half = size / 2;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    for (const int side : {-1, 1})
+      builder.rectangle(T * (side * half[axis] * Vector3d::Unit(axis)), half[u] * T.linear().col(u),
+                        half[v] * T.linear().col(v), when, material);
+  }
+}
+
+/** Four legs under a top: the spot is in the middle, on the floor. */
+void legs(SceneBuilder& builder, const Spot& spot, double depth, double width, double height, double side,
+          When when) {
+  for (const int x : {-1, 1})
+    for (const int y : {-1, 1})
+      builder.box(spot.relative(x * (depth - side) / 2, y * (width - side) / 2), {side, side, height}, when);
+}
+
+constexpr double kHandled = 0.25;  // share of small things that are elsewhere when the robot comes back
+
+void addOddment(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double a = random.uniform(0.08, 0.2), b = random.uniform(0.08, 0.2), c = random.uniform(0.06, 0.3);
+  const double shape = random.uniform();
+  if (shape < 0.6) {
+    builder.box(spot, {a, b, c}, when);
+  } else if (shape < 0.8) {
+    builder.cylinder(spot, a / 2, c, when);
+  } else {
+    builder.ellipsoid(spot, a / 2, {a / 2, a / 2, a / 2}, when);
+  }
+}
+
+/** Small things on a board or a table top: boxes, jars, bowls. Those on what stays are used now and then. */
+void addOddments(SceneBuilder& builder, const Spot& on_top, double depth, double width, int number,
+                 Random& random, When when) {
+  constexpr double kLargest = 0.26;  // [m]
+  if (depth < kLargest || width < kLargest) return;
+  for (int i = 0; i < number; ++i) {
+    const auto draw_spot = [&] {
+      const double x = random.uniform(-0.5, 0.5) * (depth - kLargest);
+      const double y = (i + 0.5 + random.uniform(-0.2, 0.2)) / number * width - width / 2;
+      return on_top.relative(x, y, random.uniform(-40, 40) * kDegree);
+    };
+    const Spot first = draw_spot();
+    const Spot second = draw_spot();
+    const bool handled = chance(random, kHandled);
+    if (when == When::always && handled) {
+      Random again = random;
+      addOddment(builder, second, again, When::later);
+      addOddment(builder, first, random, When::mapped);
+    } else {
+      addOddment(builder, first, random, when);
+    }
+  }
+}
+
+/** A screen on its foot; seen along x. */
+void addScreen(SceneBuilder& builder, const Spot& on_top, double width, Random& random, When when) {
+  const double lean = random.uniform(-12, -2);
+  const double height = 0.58 * width;
+  const double gap = random.uniform(0.08, 0.14);
+  builder.box(on_top, {0.16, 0.24, 0.015}, when, Material::dark);
+  builder.box(on_top.relative(-0.04, 0, 0, 0.015), {0.03, 0.06, gap}, when, Material::dark);
+  slab(builder, on_top, gap + height / 2, lean, {0.035, width, height}, when, Material::dark);
+}
+
+/** Books along a board, in groups of the same size, with gaps; some lean. */
+void addBooks(SceneBuilder& builder, const Spot& board, double depth, double width, double height,
+              Random& random, When when) {
+  double y = -width / 2;
+  while (true) {
+    if (chance(random, 0.3)) y += random.uniform(0.05, 0.35);
+    const double group = random.uniform(0.07, 0.32);
+    const double tall = height * random.uniform(0.55, 0.92);
+    const double deep = depth * random.uniform(0.5, 0.9);
+    const double pushed = random.uniform(0, depth - deep);
+    const bool lies = chance(random, 0.12);
+    const bool handled = when == When::always && chance(random, kHandled / 2);
+    if (y + group > width / 2) return;
+    const Spot spot = board.relative(depth / 2 - deep / 2 - pushed, y + group / 2);
+    builder.box(spot, {deep, group, lies ? tall / 2 : tall}, handled ? When::mapped : when);
+    y += group;
+  }
+}
+
+/** A carcass of boards that is open to the front, and the heights of its boards. */
+std::vector<double> addOpenShelf(SceneBuilder& builder, const Spot& spot, double depth, double width,
+                                 double height, double distance, When when) {
+  const double inner = width - 2 * kBoard;
+  for (const int side : {-1, 1})
+    builder.box(spot.relative(0, side * (width - kBoard) / 2), {depth, kBoard, height}, when);
+  builder.box(spot.relative(-depth / 2 + 0.005, 0), {0.01, inner, height}, when);
+  const int boards = std::max(2, static_cast<int>(std::lround(height / distance)) + 1);
+  constexpr double kPlinth = 0.06;
+  std::vector<double> tops;
+  for (int i = 0; i < boards; ++i) {
+    const double z = kPlinth + i * (height - kPlinth - kBoard) / (boards - 1);
+    builder.box(spot.relative(0, 0, 0, z), {depth - 0.01, inner, kBoard}, when);
+    tops.push_back(z + kBoard);
+  }
+  return tops;
+}
+
+/** A closed box with a plinth, a top that juts out, and handles. */
+void addCarcass(SceneBuilder& builder, const Spot& spot, double depth, double width, double height, int doors,
+                When when, Material material) {
+  constexpr double kPlinth = 0.08, kRecess = 0.04, kTop = 0.025, kJut = 0.015, kHandle = 0.02;
+  builder.box(spot.relative(-kRecess / 2, 0), {depth - kJut - kRecess, width - 0.02, kPlinth}, when,
+              material);
+  builder.box(spot.relative(-kJut / 2, 0, 0, kPlinth), {depth - kJut, width, height - kPlinth - kTop}, when,
+              material);
+  builder.box(spot.relative(0, 0, 0, height - kTop), {depth, width, kTop}, when, material);
+  for (int i = 0; i < doors; ++i) {
+    const double y = (i + (i % 2 ? 0.12 : 0.88)) / doors * width - width / 2;
+    const double z = std::min(height - 0.3, 1.0);
+    builder.box(spot.relative(depth / 2 - kJut + kHandle / 2, y, 0, z), {kHandle, 0.02, 0.14}, when);
+  }
+}
+
+}  // namespace
+
+// ---- Offices and homes ----
+
+void addDesk(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.68, kind::kDesk.depth);
+  const double width = random.uniform(1.2, kind::kDesk.width);
+  const double height = random.uniform(0.70, 0.76);
+  const Spot middle = spot.relative((depth - kind::kDesk.depth) / 2, 0);
+  builder.box(middle.relative(0, 0, 0, height - 0.03), {depth, width, 0.03}, when);
+  if (chance(random, 0.5)) {
+    legs(builder, middle, depth, width, height - 0.03, 0.05, when);
+    builder.box(middle.relative(-depth / 2 + 0.02, 0, 0, 0.3), {0.02, width - 0.12, 0.36}, when);
+  } else {
+    for (const int side : {-1, 1})
+      builder.box(middle.relative(0, side * (width / 2 - 0.02)), {depth - 0.04, 0.03, height - 0.03}, when);
+  }
+  const int side = chance(random, 0.5) ? 1 : -1;
+  const double chest = random.uniform(0.5, 0.6);
+  builder.box(middle.relative(0, side * (width / 2 - 0.28)), {0.55, 0.42, chest}, when);
+  const double screen_y = random.uniform(-0.25, 0.25);
+  const double turn = random.uniform(-25, 25) * kDegree;
+  const double screen_width = random.uniform(0.45, 0.62);
+  addScreen(builder, middle.relative(-0.14, screen_y, turn, height), screen_width, random, when);
+  const double stack = random.uniform(0.03, 0.2);
+  const double stack_turn = random.uniform(-30, 30) * kDegree;
+  builder.box(middle.relative(0.08, -side * (width / 2 - 0.25), stack_turn, height), {0.3, 0.22, stack},
+              when);
+}
+
+void addChair(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double side = random.uniform(0.41, 0.47);
+  const double seat = random.uniform(0.42, 0.48);
+  const double back = random.uniform(0.38, 0.5);
+  const double lean = -random.uniform(6, 16);
+  const bool swivels = chance(random, 0.5);
+  const double thickness = swivels ? 0.08 : 0.035;
+  builder.box(spot.relative(0, 0, 0, seat - thickness), {side, side, thickness}, when);
+  if (swivels) {
+    builder.cylinder(spot.relative(0, 0, 0, 0.1), 0.03, seat - thickness - 0.1, when, Material::dark);
+    constexpr int kFeet = 5;
+    for (int i = 0; i < kFeet; ++i)
+      builder.box(spot.relative(0, 0, i * 360 * kDegree / kFeet, 0.06).relative(0.15, 0), {0.26, 0.04, 0.04},
+                  when, Material::dark);
+  } else {
+    legs(builder, spot, side, side, seat - thickness, 0.035, when);
+  }
+  const double back_width = swivels ? side - 0.04 : side;
+  const double gap = swivels ? 0.12 : 0.06;
+  const double back_x = -side / 2 + 0.01 + std::sin(lean * kDegree) * (gap + back / 2);
+  slab(builder, spot.relative(back_x, 0), seat + gap + back / 2, lean,
+       {swivels ? 0.06 : 0.025, back_width, back}, when);
+  if (swivels)
+    slab(builder, spot.relative(-side / 2, 0), seat + 0.04, lean, {0.02, 0.08, 0.26}, when, Material::dark);
+}
+
+void addTable(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.75, kind::kTable.depth);
+  const double width = random.uniform(1.2, kind::kTable.width);
+  const double height = random.uniform(0.71, 0.77);
+  builder.box(spot.relative(0, 0, 0, height - 0.03), {depth, width, 0.03}, when);
+  builder.box(spot.relative(0, 0, 0, height - 0.11), {depth - 0.16, width - 0.16, 0.08}, when);
+  legs(builder, spot, depth - 0.06, width - 0.06, height - 0.03, 0.07, when);
+  const int things = count(random, 0, 3);
+  addOddments(builder, spot.relative(0, 0, 0, height), depth, width, things, random, when);
+}
+
+void addRoundTable(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double radius = random.uniform(0.42, kind::kRoundTable.width / 2);
+  const double height = random.uniform(0.71, 0.76);
+  builder.cylinder(spot.relative(0, 0, 0, height - 0.03), radius, 0.03, when);
+  builder.cylinder(spot, 0.05, height - 0.03, when);
+  builder.cylinder(spot, 0.25, 0.03, when);
+  addOddments(builder, spot.relative(0, 0, 0, height), radius, radius, count(random, 0, 2), random, when);
+}
+
+void addCoffeeTable(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.5, kind::kCoffeeTable.depth);
+  const double width = random.uniform(0.7, kind::kCoffeeTable.width);
+  const double height = random.uniform(0.38, 0.5);
+  const bool glass = chance(random, 0.2);
+  builder.box(spot.relative(0, 0, 0, height - 0.025), {depth, width, 0.025}, when,
+              glass ? Material::glass : Material::matt);
+  legs(builder, spot, depth, width, height - 0.025, 0.05, when);
+  if (chance(random, 0.6)) builder.box(spot.relative(0, 0, 0, 0.14), {depth - 0.1, width - 0.1, 0.02}, when);
+  addOddments(builder, spot.relative(0, 0, 0, height), depth, width, count(random, 0, 2), random, when);
+}
+
+void addCupboard(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.36, kind::kCupboard.depth);
+  const double width = random.uniform(0.7, kind::kCupboard.width);
+  const bool tall = chance(random, 0.5);
+  const double height = tall ? random.uniform(1.5, 2.0) : random.uniform(0.75, 1.25);
+  const bool dark = chance(random, kDarkCupboards);
+  const Spot middle = spot.relative((depth - kind::kCupboard.depth) / 2, 0);
+  addCarcass(builder, middle, depth, width, height, 2, when, darkIf(dark));
+  const int things = count(random, 0, 3);
+  addOddments(builder, middle.relative(0, 0, 0, height), depth, width, things, random, when);
+}
+
+void addSideboard(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.38, kind::kSideboard.depth);
+  const double width = random.uniform(1.2, kind::kSideboard.width);
+  const double height = random.uniform(0.7, 0.95);
+  const bool dark = chance(random, kDarkCupboards);
+  const Spot middle = spot.relative((depth - kind::kSideboard.depth) / 2, 0);
+  addCarcass(builder, middle, depth, width, height, 3, when, darkIf(dark));
+  addOddments(builder, middle.relative(0, 0, 0, height), depth, width, count(random, 1, 4), random, when);
+}
+
+void addWardrobe(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.55, kind::kWardrobe.depth);
+  const double width = random.uniform(1.0, kind::kWardrobe.width);
+  const double height = random.uniform(1.9, 2.2);
+  const bool dark = chance(random, kDarkCupboards);
+  const Spot middle = spot.relative((depth - kind::kWardrobe.depth) / 2, 0);
+  addCarcass(builder, middle, depth, width, height, width > 1.3 ? 3 : 2, when, darkIf(dark));
+}
+
+void addShoeCupboard(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.22, kind::kShoeCupboard.depth);
+  const double width = random.uniform(0.6, kind::kShoeCupboard.width);
+  const double height = random.uniform(0.75, 1.2);
+  const Spot middle = spot.relative((depth - kind::kShoeCupboard.depth) / 2, 0);
+  addCarcass(builder, middle, depth, width, height, 1, when, Material::matt);
+  if (chance(random, 0.6)) builder.box(middle.relative(0, 0.1, 0.3, height), {0.16, 0.2, 0.1}, when);
+}
+
+void addBookcase(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.27, kind::kBookcase.depth);
+  const double width = random.uniform(0.6, kind::kBookcase.width);
+  const double height = random.uniform(1.2, 2.1);
+  const double distance = random.uniform(0.3, 0.4);
+  const Spot middle = spot.relative((depth - kind::kBookcase.depth) / 2, 0);
+  const std::vector<double> tops = addOpenShelf(builder, middle, depth, width, height, distance, when);
+  for (std::size_t i = 0; i + 1 < tops.size(); ++i)
+    addBooks(builder, middle.relative(0.005, 0, 0, tops[i]), depth - 0.02, width - 2 * kBoard,
+             tops[i + 1] - tops[i] - kBoard, random, when);
+}
+
+namespace {
+
+/** What sofas and armchairs have in common: arms, a back that leans, seat cushions. */
+void addSeat(SceneBuilder& builder, const Spot& spot, double depth, double width, int cushions,
+             Random& random, When when) {
+  const double arm = random.uniform(0.12, 0.2);
+  const double arm_height = random.uniform(0.5, 0.65);
+  const double seat = random.uniform(0.38, 0.45);
+  const double back = random.uniform(0.72, 0.95);
+  const double lean = -random.uniform(4, 14);
+  const Material material = darkIf(chance(random, kDarkSofas));
+  constexpr double kCushion = 0.14, kBack = 0.2, kFoot = 0.06;
+  const double inner = width - 2 * arm;
+  builder.box(spot.relative(0, 0, 0, kFoot), {depth - 0.04, inner, seat - kCushion - kFoot}, when, material);
+  for (const int side : {-1, 1})
+    builder.box(spot.relative(0, side * (width - arm) / 2), {depth, arm, arm_height}, when, material);
+  for (int i = 0; i < cushions; ++i) {
+    const double y = ((i + 0.5) / cushions - 0.5) * inner;
+    const double out = random.uniform(0, 0.03);
+    builder.box(spot.relative(kBack / 2 - 0.02 + out, y, 0, seat - kCushion),
+                {depth - kBack, inner / cushions - 0.015, kCushion}, when, material);
+  }
+  builder.box(spot.relative(-depth / 2 + 0.03, 0), {0.06, inner, back - 0.12}, when, material);
+  slab(builder, spot.relative(-depth / 2 + kBack / 2 + 0.06, 0), (seat + back) / 2 - 0.04, lean,
+       {kBack - 0.04, inner, back - seat + 0.06}, when, material);
+  const int pillows = count(random, 0, cushions);
+  for (int i = 0; i < pillows; ++i) {
+    const double y = random.uniform(-0.4, 0.4) * inner;
+    const double turn = random.uniform(-30, 30) * kDegree;
+    builder.ellipsoid(spot.relative(-0.1, y, turn), seat + 0.18, {0.09, 0.2, 0.19}, when);
+  }
+}
+
+}  // namespace
+
+void addSofa(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.82, kind::kSofa.depth);
+  const double width = random.uniform(1.6, kind::kSofa.width);
+  addSeat(builder, spot.relative((depth - kind::kSofa.depth) / 2, 0), depth, width, width > 1.85 ? 3 : 2,
+          random, when);
+}
+
+void addArmchair(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.75, kind::kArmchair.depth);
+  const double width = random.uniform(0.75, kind::kArmchair.width);
+  addSeat(builder, spot.relative((depth - kind::kArmchair.depth) / 2, 0), depth, width, 1, random, when);
+}
+
+void addTvStand(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.36, kind::kTvStand.depth);
+  const double width = random.uniform(1.2, kind::kTvStand.width);
+  const double height = random.uniform(0.4, 0.6);
+  const Spot middle = spot.relative((depth - kind::kTvStand.depth) / 2, 0);
+  addCarcass(builder, middle, depth, width, height, 2, when, Material::matt);
+  const double screen = random.uniform(0.9, 1.2);
+  const double turn = random.uniform(-8, 8) * kDegree;
+  const double y = random.uniform(-0.1, 0.1);
+  const Spot top = middle.relative(-0.02, y, turn, height);
+  builder.box(top, {0.2, 0.4, 0.02}, when, Material::dark);
+  slab(builder, top, 0.06 + 0.29 * screen, -2, {0.05, screen, 0.58 * screen}, when, Material::dark);
+  if (chance(random, 0.7))
+    builder.cylinder(middle.relative(0, width / 2 - 0.12, 0, height), 0.06, random.uniform(0.12, 0.3), when);
+}
+
+namespace {
+
+/** Pillows, a blanket thrown back or spread, and perhaps somebody under it. */
+void addBedding(SceneBuilder& builder, const Spot& top, double length, double width, Random& random,
+                When when) {
+  const int pillows = width > 1.3 ? 2 : 1;
+  for (int i = 0; i < pillows; ++i) {
+    const double y = (pillows == 1 ? 0 : (i - 0.5) * width * 0.48) + random.uniform(-0.06, 0.06);
+    const double turn = random.uniform(-15, 15) * kDegree;
+    builder.ellipsoid(top.relative(-length / 2 + 0.32, y, turn), 0.06, {0.22, 0.32, 0.09}, when);
+  }
+  const double cover = random.uniform(0.5, 1.3);
+  const double turn = random.uniform(-4, 4) * kDegree;
+  builder.box(top.relative(length / 2 - 0.1 - cover / 2, 0, turn), {cover, width - 0.2, 0.05}, when);
+  if (chance(random, 0.5)) builder.ellipsoid(top.relative(0.1, 0.05), 0.04, {0.3, 0.3 * width, 0.14}, when);
+}
+
+}  // namespace
+
+void addBed(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double width =
+      chance(random, 0.5) ? random.uniform(0.95, 1.1) : random.uniform(1.45, kind::kBed.width);
+  const double length = random.uniform(2.02, kind::kBed.depth);
+  const double frame = random.uniform(0.22, 0.32);
+  const double mattress = random.uniform(0.16, 0.24);
+  const double head = random.uniform(0.75, 1.1);
+  const Spot middle = spot.relative((length - kind::kBed.depth) / 2, 0);
+  builder.box(middle, {length, width, frame}, when);
+  builder.box(middle.relative(0.01, 0, 0, frame), {length - 0.1, width - 0.08, mattress}, when);
+  builder.box(middle.relative(-length / 2 + 0.025, 0), {0.05, width, head}, when);
+  if (chance(random, 0.5))
+    builder.box(middle.relative(length / 2 - 0.02, 0), {0.04, width, frame + mattress + 0.1}, when);
+  const Spot mattress_top = middle.relative(0, 0, 0, frame + mattress);
+  const bool slept_in = when == When::always && chance(random, 0.5);
+  addBedding(builder, mattress_top, length, width, random, slept_in ? When::mapped : when);
+  if (slept_in) addBedding(builder, mattress_top, length, width, random, When::later);
+}
+
+void addBedsideTable(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.32, kind::kBedsideTable.depth);
+  const double width = random.uniform(0.35, kind::kBedsideTable.width);
+  const double height = random.uniform(0.42, 0.6);
+  const Spot middle = spot.relative((depth - kind::kBedsideTable.depth) / 2, 0);
+  addCarcass(builder, middle, depth, width, height, 1, when, Material::matt);
+  const Spot top = middle.relative(-0.04, 0.03, 0, height);
+  builder.cylinder(top, 0.015, 0.2, when);
+  builder.cylinder(top.relative(0, 0, 0, 0.2), 0.11, 0.17, when);
+}
+
+void addLamp(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double height = random.uniform(1.35, 1.65);
+  const double shade = random.uniform(0.14, kind::kLamp.width / 2);
+  builder.cylinder(spot, 0.14, 0.025, when);
+  builder.cylinder(spot, 0.015, height, when, Material::dark);
+  builder.cylinder(spot.relative(0, 0, 0, height - 0.15), shade, 0.3, when);
+}
+
+void addBin(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double height = random.uniform(0.28, 0.62);
+  const double width = random.uniform(0.22, kind::kBin.width);
+  if (chance(random, 0.5)) {
+    builder.cylinder(spot, width / 2, height, when);
+  } else {
+    const double depth = random.uniform(0.2, width);
+    builder.box(spot, {depth, width, height}, when);
+  }
+}
+
+void addPlant(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double pot = random.uniform(0.12, 0.19);
+  const double pot_height = random.uniform(0.22, 0.4);
+  const double height = random.uniform(0.8, 1.7);
+  const double crown = random.uniform(0.18, 0.27);
+  builder.cylinder(spot, pot, pot_height, when);
+  builder.cylinder(spot.relative(0.01, 0.02, 0, pot_height), 0.015, 0.7 * (height - pot_height), when);
+  const int leaves = count(random, 10, 18);
+  for (int i = 0; i < leaves; ++i) {
+    const double direction = random.uniform(0, 360) * kDegree;
+    const double out = crown * std::sqrt(random.uniform());
+    const double z = random.uniform(pot_height + 0.12, height);
+    const double length = random.uniform(0.06, 0.13);
+    const double thickness = random.uniform(0.01, 0.05);
+    builder.ellipsoid(spot.relative(0, 0, direction).relative(out, 0), z,
+                      {length, 0.5 * length + 0.01, thickness}, when);
+  }
+}
+
+void addPerson(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double height = random.uniform(1.58, 1.88);
+  const double stout = random.uniform(0.85, 1.2);
+  const double stride = random.uniform(0, 0.12);
+  const Material trousers = darkIf(chance(random, kDarkClothes));
+  const Material jacket = darkIf(chance(random, kDarkClothes));
+  for (const int side : {-1, 1}) {
+    builder.ellipsoid(spot.relative(side * stride, side * 0.1), 0.25 * height,
+                      {0.08 * stout, 0.08 * stout, 0.27 * height}, when, trousers);
+    builder.ellipsoid(spot.relative(side * stride + 0.05, side * 0.1), 0.04, {0.13, 0.05, 0.05}, when);
+    builder.ellipsoid(spot.relative(-side * stride / 2, side * 0.21 * stout), 0.63 * height,
+                      {0.05, 0.05, 0.17 * height}, when, jacket);
+  }
+  builder.ellipsoid(spot, 0.65 * height, {0.13 * stout, 0.2 * stout, 0.19 * height}, when, jacket);
+  builder.cylinder(spot.relative(0, 0, 0, 0.8 * height), 0.055, 0.06 * height, when);
+  builder.ellipsoid(spot, 0.93 * height, {0.1, 0.08, 0.07 * height}, when);
+}
+
+void addRadiator(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double width = random.uniform(0.7, kind::kRadiator.width);
+  const double height = random.uniform(0.5, 0.75);
+  const double depth = random.uniform(0.06, 0.11);
+  constexpr double kFoot = 0.12;
+  builder.box(spot.relative((kind::kRadiator.depth - depth) / 2, 0, 0, kFoot), {depth, width, height}, when);
+  builder.cylinder(spot.relative(0.02, width / 2 + 0.03, 0, kFoot), 0.025, 0.12, when);
+}
+
+void addCoats(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double back = -kind::kCoats.depth / 2, width = kind::kCoats.width;
+  const double hooks = random.uniform(1.6, 1.75);
+  builder.box(spot.relative(back + 0.1, 0, 0, hooks), {0.2, width, 0.03}, when);
+  const int coats = count(random, 1, 4);
+  for (int i = 0; i < coats; ++i) {
+    const double y = ((i + 0.5) / coats - 0.5) * width + random.uniform(-0.04, 0.04);
+    const double half_length = random.uniform(0.3, 0.5);
+    const double half_depth = random.uniform(0.06, 0.13);
+    builder.ellipsoid(spot.relative(back + half_depth, y), hooks - half_length,
+                      {half_depth, 0.14, half_length}, when, darkIf(chance(random, kDarkClothes)));
+  }
+}
+
+void addCarton(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.25, 0.45), width = random.uniform(0.25, 0.5);
+  const double height = random.uniform(0.2, 0.45);
+  builder.box(spot, {depth, width, height}, when);
+  if (chance(random, 0.4))
+    builder.box(spot.relative(0, 0, 0.2, height), {0.7 * depth, 0.7 * width, 0.7 * height}, when);
+}
+
+// ---- Kitchens and bathrooms ----
+
+void addKitchenUnit(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double width = kind::kKitchenUnit.width, depth = kind::kKitchenUnit.depth;
+  constexpr double kWorktop = 0.9, kTop = 0.04, kPlinth = 0.1, kJut = 0.03, kOven = 0.6;
+  const double body = depth - kJut;
+  const Spot middle = spot.relative(-kJut / 2, 0);
+  builder.box(middle.relative(-0.04, 0), {body - 0.08, width, kPlinth}, when, Material::dark);
+  builder.box(middle.relative(0, 0, 0, kPlinth), {body, width, kWorktop - kTop - kPlinth}, when);
+  builder.box(spot.relative(0, 0, 0, kWorktop - kTop), {depth, width, kTop}, when);
+  const double front = depth / 2 - kJut;
+  for (int i = 0; i < 4; ++i)
+    builder.box(spot.relative(front + 0.012, (i - 1.5) * width / 4, 0, 0.78), {0.024, 0.3, 0.015}, when);
+  const int side = chance(random, 0.5) ? 1 : -1;
+  const double oven = side * (width / 2 - kOven);
+  builder.box(spot.relative(front + 0.008, oven, 0, 0.2), {0.016, kOven - 0.04, 0.5}, when, Material::dark);
+  builder.box(spot.relative(0, oven, 0, kWorktop), {0.5, 0.56, 0.008}, when, Material::dark);
+  // A hood above the hob, wall cupboards beside it.
+  const double shelf_depth = random.uniform(0.32, 0.37);
+  const double bottom = random.uniform(1.38, 1.5);
+  const double top = random.uniform(2.05, 2.2);
+  const double shelf_x = -depth / 2 + shelf_depth / 2;
+  slab(builder, spot.relative(-depth / 2 + 0.24, oven), 1.62, -random.uniform(35, 55), {0.02, kOven, 0.46},
+       when);
+  builder.box(spot.relative(-depth / 2 + 0.14, oven, 0, 1.75), {0.28, 0.3, top - 1.75}, when);
+  const double free = width - 1.5 * kOven;
+  builder.box(spot.relative(shelf_x, side * (free / 2 - width / 2), 0, bottom),
+              {shelf_depth, free, top - bottom}, when);
+  // A tap, and what stands on the worktop.
+  const double tap = side * random.uniform(-0.8, -0.4);
+  builder.cylinder(spot.relative(-depth / 2 + 0.1, tap, 0, kWorktop), 0.018, 0.28, when);
+  const double oven_width = random.uniform(0.42, 0.5);
+  builder.box(spot.relative(-0.08, oven - side * 0.65, 0.05, kWorktop), {0.34, oven_width, 0.27}, when,
+              darkIf(chance(random, 0.5)));
+  addOddments(builder, spot.relative(-0.05, -side * width / 4, 0, kWorktop), 0.45, width / 2,
+              count(random, 1, 3), random, when);
+}
+
+void addFridge(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double height = random.uniform(1.45, 1.95);
+  const double freezer = random.uniform(0.5, 0.75);
+  constexpr double kDoor = 0.05;
+  const double body = kind::kFridge.depth - 0.06;
+  builder.box(spot.relative(-0.03, 0), {body, kind::kFridge.width, height}, when);
+  const double front = body / 2 - 0.03 + kDoor / 2;
+  builder.box(spot.relative(front, 0, 0, 0.05), {kDoor, kind::kFridge.width - 0.02, freezer - 0.06}, when);
+  builder.box(spot.relative(front, 0, 0, freezer),
+              {kDoor, kind::kFridge.width - 0.02, height - freezer - 0.01}, when);
+  if (chance(random, 0.5)) builder.box(spot.relative(0, 0, 0.1, height), {0.3, 0.4, 0.2}, when);
+}
+
+void addBathtub(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  constexpr double kRim = 0.07, kGround = 0.14;
+  const double height = random.uniform(0.52, 0.6);
+  const double depth = kind::kBathtub.depth, width = kind::kBathtub.width;
+  builder.box(spot, {depth - 2 * kRim, width - 2 * kRim, kGround}, when);
+  for (const int side : {-1, 1}) {
+    builder.box(spot.relative(side * (depth - kRim) / 2, 0), {kRim, width, height}, when);
+    builder.box(spot.relative(0, side * (width - kRim) / 2), {depth - 2 * kRim, kRim, height}, when);
+  }
+  builder.cylinder(spot.relative(-depth / 2 + 0.08, 0, 0, height), 0.025, 0.2, when);
+  if (chance(random, 0.5))  // a screen against splashes
+    builder.box(spot.relative(depth / 2 - 0.04, width / 4, 0, height), {0.01, width / 2, 1.3}, when,
+                Material::glass);
+}
+
+void addToilet(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double back = -kind::kToilet.depth / 2;
+  const double tank = random.uniform(0.75, 0.9);
+  builder.box(spot.relative(back + 0.09, 0, 0, 0.4), {0.18, 0.38, tank - 0.4}, when);
+  builder.box(spot.relative(back + 0.2, 0), {0.36, 0.2, 0.36}, when);
+  builder.ellipsoid(spot.relative(back + 0.42, 0), 0.26, {0.24, 0.18, 0.15}, when);
+  builder.cylinder(spot.relative(back + 0.44, 0, 0, 0.36), 0.19, 0.05, when);
+}
+
+void addWashbasin(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.42, kind::kWashbasin.depth);
+  const double width = random.uniform(0.5, kind::kWashbasin.width);
+  const double height = random.uniform(0.82, 0.88);
+  const double back = -kind::kWashbasin.depth / 2;
+  const Spot middle = spot.relative(back + depth / 2, 0);
+  builder.box(middle.relative(0, 0, 0, height - 0.14), {depth, width, 0.14}, when);
+  if (chance(random, 0.5)) {
+    builder.cylinder(middle.relative(-0.05, 0), 0.09, height - 0.14, when);
+  } else {
+    builder.box(middle.relative(-0.03, 0, 0, 0.2), {depth - 0.08, width - 0.06, height - 0.34}, when);
+  }
+  builder.cylinder(spot.relative(back + 0.07, 0, 0, height), 0.02, 0.14, when);
+  // A cabinet with a mirror above it: mirrors answer a depth camera in patches, like glass.
+  const double mirror = random.uniform(0.5, 0.8);
+  builder.box(spot.relative(back + 0.07, 0, 0, 1.25), {0.14, width, mirror}, when);
+  builder.box(spot.relative(back + 0.145, 0, 0, 1.26), {0.01, width - 0.04, mirror - 0.02}, when,
+              Material::glass);
+}
+
+void addWashingMachine(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.52, kind::kWashingMachine.depth - 0.02);
+  const double back = -kind::kWashingMachine.depth / 2;
+  builder.box(spot.relative(back + depth / 2, 0), {depth, kind::kWashingMachine.width, 0.85}, when);
+  builder.ellipsoid(spot.relative(back + depth, 0), 0.45, {0.02, 0.17, 0.17}, when, Material::dark);
+  addOddments(builder, spot.relative(back + depth / 2, 0, 0, 0.85), depth, kind::kWashingMachine.width,
+              count(random, 0, 2), random, when);
+}
+
+// ---- Halls ----
+
+namespace {
+
+/** A wooden pallet: three runners, a deck. */
+void addPalletWood(SceneBuilder& builder, const Spot& spot, double depth, double width, When when) {
+  for (int i = -1; i <= 1; ++i)
+    builder.box(spot.relative(0, i * (width / 2 - 0.05)), {depth, 0.1, 0.12}, when);
+  builder.box(spot.relative(0, 0, 0, 0.12), {depth, width, 0.024}, when);
+}
+
+constexpr double kPalletHeight = 0.144;
+
+/** Layers of equal cartons, as they come from a maker; the last layer is not full. */
+void addStack(SceneBuilder& builder, const Spot& spot, double depth, double width, double max_height,
+              Random& random, When when) {
+  const int along = count(random, 1, 3), across = count(random, 1, 2);
+  const double high = random.uniform(0.25, 0.5);
+  const int layers = count(random, 1, std::max(1, static_cast<int>(max_height / high)));
+  const double share = random.uniform(0.4, 1);
+  const double a = depth / along, b = width / across;
+  for (int k = 0; k < layers; ++k) {
+    for (int i = 0; i < along * across; ++i) {
+      const double turn = random.uniform(-2.5, 2.5) * kDegree;
+      const double shrink = random.uniform(0.93, 0.985);
+      const bool there = chance(random, share);
+      if (k + 1 == layers && k > 0 && !there) continue;
+      builder.box(spot.relative((i / across + 0.5) * a - depth / 2, (i % across + 0.5) * b - width / 2, turn,
+                                k * high),
+                  {a * shrink, b * shrink, high}, when);
+    }
+  }
+}
+
+}  // namespace
+
+void addPallet(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  constexpr double kDepth = 1.2, kWidth = 0.8, kFreight = 1.5;  // Euro pallets, and the freight's height [m]
+  addPalletWood(builder, spot, kDepth, kWidth, when);
+  const double freight = random.uniform();
+  const Spot deck = spot.relative(0, 0, 0, kPalletHeight);
+  if (freight < 0.1) {  // a pile of empty ones
+    const int more = count(random, 1, 6);
+    for (int i = 1; i <= more; ++i)
+      addPalletWood(builder, spot.relative(0, 0, random.uniform(-2, 2) * kDegree, i * kPalletHeight), kDepth,
+                    kWidth, when);
+  } else if (freight < 0.25) {  // drums
+    for (const double x : {-0.3, 0.3}) {
+      const double height = random.uniform(0.6, 0.9);
+      builder.cylinder(deck.relative(x, random.uniform(-0.05, 0.05)), 0.28, height, when);
+    }
+  } else if (freight < 0.35) {  // a lattice box
+    builder.box(deck, {kDepth, kWidth, random.uniform(0.6, 0.9)}, when, darkIf(chance(random, 0.5)));
+  } else {
+    addStack(builder, deck, kDepth, kWidth, kFreight, random, when);
+  }
+}
+
+void addMachine(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(1.0, kind::kMachine.depth - 0.2);
+  const double width = random.uniform(1.5, kind::kMachine.width);
+  const double base = random.uniform(0.5, 0.9);
+  const double height = random.uniform(1.5, 2.4);
+  const int side = chance(random, 0.5) ? 1 : -1;
+  const double body = random.uniform(0.4, 0.65) * width;
+  const Material material = darkIf(chance(random, 0.2));
+  const Spot middle = spot.relative((depth - kind::kMachine.depth) / 2, 0);
+  builder.box(middle, {depth, width, base}, when, material);
+  builder.box(middle.relative(-0.1 * depth, side * (width - body) / 2, 0, base),
+              {0.8 * depth, body, height - base}, when, material);
+  // A hood that slopes to the front over the bed, a window in the body, a control panel on an arm.
+  slab(builder, middle.relative(0, -side * body / 2), base + 0.35, random.uniform(-60, -30),
+       {0.02, width - body - 0.06, 0.7 * depth}, when);
+  builder.box(middle.relative(0.3 * depth + 0.01, side * (width - body) / 2, 0, base + 0.15),
+              {0.02, 0.7 * body, 0.5 * (height - base)}, when, Material::glass);
+  const Spot panel =
+      middle.relative(depth / 2 - 0.15, -side * (width / 2 - 0.2), random.uniform(-40, 40) * kDegree);
+  builder.cylinder(panel.relative(0, 0, 0, base), 0.03, 1.3 - base, when);
+  slab(builder, panel, 1.35, -20, {0.08, 0.35, 0.3}, when, Material::dark);
+  if (chance(random, 0.6)) {
+    const double radius = random.uniform(0.12, 0.25);
+    builder.cylinder(middle.relative(-depth / 4, side * (width / 2 - 0.4), 0, height), radius, 0.4, when);
+  }
+}
+
+void addWorkbench(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.65, kind::kWorkbench.depth);
+  const double width = random.uniform(1.4, kind::kWorkbench.width);
+  const double height = random.uniform(0.82, 0.95);
+  const Spot middle = spot.relative((depth - kind::kWorkbench.depth) / 2, 0);
+  builder.box(middle.relative(0, 0, 0, height - 0.05), {depth, width, 0.05}, when);
+  legs(builder, middle, depth, width, height - 0.05, 0.08, when);
+  builder.box(middle.relative(0, width / 4, 0, 0.15), {depth - 0.15, 0.42, height - 0.25}, when);
+  builder.box(middle.relative(0, -width / 8, 0, 0.2), {depth - 0.2, 0.6 * width, 0.03}, when);
+  if (chance(random, 0.6))  // a panel for tools at its back
+    builder.box(middle.relative(-depth / 2 + 0.02, 0, 0, height), {0.03, width, random.uniform(0.5, 0.9)},
+                when);
+  builder.box(middle.relative(0.2, -width / 3, random.uniform(-20, 20) * kDegree, height), {0.3, 0.16, 0.18},
+              when, Material::dark);
+  addOddments(builder, middle.relative(0, 0, 0, height), depth, width, count(random, 2, 5), random, when);
+}
+
+void addForklift(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  constexpr double kWidth = 1.1;
+  const double mast = random.uniform(2.0, 2.3);
+  const double lift = random.uniform(0.06, 0.5);
+  // Counterweight, bonnet, footwell, from the rear to the front.
+  builder.box(spot.relative(-1.2, 0, 0, 0.2), {0.5, kWidth, 0.85}, when, Material::dark);
+  builder.box(spot.relative(-0.65, 0, 0, 0.2), {0.6, kWidth, 0.75}, when);
+  builder.box(spot.relative(0, 0, 0, 0.2), {0.7, kWidth, 0.3}, when);
+  builder.box(spot.relative(-0.55, 0, 0, 0.95), {0.45, 0.5, 0.1}, when, Material::dark);
+  slab(builder, spot.relative(-0.85, 0), 1.35, -10, {0.08, 0.45, 0.55}, when, Material::dark);
+  for (const double x : {-1.0, 0.15})
+    for (const int side : {-1, 1})
+      builder.box(spot.relative(x, side * (kWidth / 2 - 0.13)), {0.5, 0.22, 0.5}, when, Material::dark);
+  for (const double x : {-1.0, 0.3})  // the guard above the driver
+    for (const int side : {-1, 1})
+      builder.box(spot.relative(x, side * (kWidth / 2 - 0.05), 0, 0.5), {0.06, 0.06, 1.5}, when);
+  builder.box(spot.relative(-0.35, 0, 0, 2.0), {1.4, kWidth, 0.05}, when);
+  for (const int side : {-1, 1}) {
+    builder.box(spot.relative(0.45, side * 0.3), {0.12, 0.1, mast}, when);
+    builder.box(spot.relative(1.02, side * 0.28, 0, lift), {1.0, 0.12, 0.04}, when);
+  }
+  builder.box(spot.relative(0.53, 0, 0, lift), {0.05, 0.9, 0.5}, when);
+}
+
+void addTrolley(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.8, kind::kTrolley.depth - 0.1), width = kind::kTrolley.width - 0.05;
+  builder.box(spot.relative(0, 0, 0, 0.15), {depth, width, 0.04}, when);
+  for (const int x : {-1, 1})
+    for (const int y : {-1, 1})
+      builder.cylinder(spot.relative(x * (depth / 2 - 0.1), y * (width / 2 - 0.08)), 0.05, 0.15, when,
+                       Material::dark);
+  for (const int y : {-1, 1})
+    slab(builder, spot.relative(-depth / 2 - 0.02, y * (width / 2 - 0.03)), 0.55, -6, {0.03, 0.03, 0.8},
+         when);
+  slab(builder, spot.relative(-depth / 2 - 0.06, 0), 0.95, -6, {0.03, width, 0.03}, when);
+  if (chance(random, 0.7))
+    addStack(builder, spot.relative(0, 0, 0, 0.19), depth - 0.08, width - 0.06, 0.8, random, when);
+}
+
+void addBarrels(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  constexpr double kRadius = 0.29, kHeight = 0.88;
+  const int number = count(random, 1, 4);
+  for (int i = 0; i < number; ++i) {
+    const double x = (i % 2 ? 0.31 : -0.31) + random.uniform(-0.015, 0.015);
+    const double y = (i / 2 ? 0.31 : -0.31) + random.uniform(-0.015, 0.015);
+    builder.cylinder(spot.relative(x, y), kRadius, kHeight, when);
+  }
+}
+
+void addStepladder(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  constexpr double kLean = 18, kStile = 0.03;  // [deg], [m]
+  const double length = random.uniform(1.4, 1.9);
+  const double foot = length * std::sin(kLean * kDegree) / 2;
+  const double middle = length * std::cos(kLean * kDegree) / 2;
+  for (const int side : {-1, 1}) {
+    const double width = side > 0 ? 0.5 : 0.44;
+    for (const int y : {-1, 1})
+      slab(builder, spot.relative(side * foot, y * width / 2), middle, -side * kLean, {0.06, kStile, length},
+           when);
+    if (side < 0) continue;
+    const int steps = static_cast<int>(length / 0.25);
+    for (int i = 1; i < steps; ++i) {
+      const double share = static_cast<double>(i) / steps;
+      builder.box(spot.relative(2 * foot * (1 - share), 0, 0, 2 * middle * share),
+                  {0.1, width - kStile, 0.025}, when);
+    }
+  }
+  builder.box(spot.relative(0, 0, 0, 2 * middle), {0.22, 0.5, 0.03}, when);
+}
+
+void addLocker(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const int doors = count(random, 2, 4);
+  const double width = doors * 0.3, height = random.uniform(1.75, 1.9);
+  addCarcass(builder, spot, kind::kLocker.depth, width, height, doors, when,
+             darkIf(chance(random, kDarkCupboards)));
+  if (chance(random, 0.4)) builder.box(spot.relative(0, 0.1, 0.2, height), {0.3, 0.4, 0.25}, when);
+}
+
+// ---- What is built in ----
+
+void addPicture(SceneBuilder& builder, const Spot& on_wall, double width, double height) {
+  constexpr double kFrame = 0.03;
+  builder.box(on_wall.relative(kFrame / 2, 0), {kFrame, width, height});
+}
+
+void addDoorFrame(SceneBuilder& builder, const Spot& on_wall, double width, double height) {
+  constexpr double kThickness = 0.02, kWidth = 0.08;
+  for (const int side : {-1, 1})
+    builder.box(on_wall.relative(kThickness / 2, side * (width + kWidth) / 2), {kThickness, kWidth, height});
+  builder.box(on_wall.relative(kThickness / 2, 0, 0, height), {kThickness, width + 2 * kWidth, kWidth});
+}
+
+void addWallShelf(SceneBuilder& builder, const Spot& on_wall, double width, Random& random) {
+  constexpr double kDepth = 0.24;
+  const Spot board = on_wall.relative(kDepth / 2, 0);
+  builder.box(board, {kDepth, width, 0.03});
+  addBooks(builder, board.relative(0, 0, 0, 0.03), kDepth, width, 0.32, random, When::always);
+}
+
+void addCurtain(SceneBuilder& builder, const Spot& on_wall, double width, double height, Random& random,
+                When when) {
+  double y = -width / 2;
+  while (true) {
+    const double radius = random.uniform(0.03, 0.06);
+    const double out = random.uniform(0.06, 0.09);
+    if (y + 1.7 * radius > width / 2) return;
+    builder.cylinder(on_wall.relative(out, y + 0.85 * radius), radius, height, when);
+    y += 1.7 * radius;  // folds overlap a little
+  }
+}
+
+void addPendantLamp(SceneBuilder& builder, const Spot& on_floor, double ceiling, Random& random) {
+  const double length = random.uniform(0.5, 0.8), radius = random.uniform(0.15, 0.28);
+  builder.cylinder(on_floor.relative(0, 0, 0, ceiling - length), 0.006, length, When::always, Material::dark);
+  builder.ellipsoid(on_floor, ceiling - length, {radius, radius, 0.6 * radius});
+}
+
+// ---- Racks ----
+
+namespace {
+
+/** The freight of one bay: what makes the bays of equal racks differ. */
+enum class Freight { cartons, crates, rolls, nothing };
+
+Freight drawFreight(Random& random) {
+  const double draw = random.uniform();
+  if (draw < 0.55) return Freight::cartons;
+  if (draw < 0.8) return Freight::crates;
+  if (draw < 0.9) return Freight::rolls;
+  return Freight::nothing;
+}
+
+/** One thing on a board: it stays, is taken away, comes new, or is pushed aside. */
+template <class Add>
+void addLoad(double moved_share, double slack, Random& random, Add&& add) {
+  const double fate = random.uniform() / moved_share;
+  const double push = slack * random.uniform(-1, 1);
+  if (fate >= 1) return add(0.0, When::always);
+  if (fate < 0.35) return add(0.0, When::mapped);
+  if (fate < 0.7) return add(0.0, When::later);
+  add(0.0, When::mapped);
+  add(push, When::later);
+}
+
+void loadCartons(SceneBuilder& builder, const Spot& board, double depth, double width, double height,
+                 double moved_share, Random& random) {
+  for (double y = -width / 2 + 0.04;;) {
+    if (chance(random, 0.25)) y += random.uniform(0.1, 0.5);
+    const double wide = random.uniform(0.22, 0.65);
+    const double deep = random.uniform(0.45, 0.95) * depth;
+    const double high = random.uniform(0.3, 0.92) * height;
+    const double pushed = random.uniform(0, depth - deep);
+    const double turn = random.uniform(-5, 5) * kDegree;
+    constexpr double kSlack = 0.04;  // [m]
+    if (y + wide + kSlack > width / 2) return;
+    const Spot spot = board.relative(depth / 2 - deep / 2 - pushed, y + wide / 2, turn);
+    addLoad(moved_share, kSlack, random, [&](double push, When when) {
+      builder.box(spot.relative(push, push / 2, push), {deep, wide, high}, when);
+    });
+    y += wide + random.uniform(0.02, 0.1);
+  }
+}
+
+void loadCrates(SceneBuilder& builder, const Spot& board, double depth, double width, double height,
+                double moved_share, Random& random) {
+  constexpr double kWide = 0.4, kDeep = 0.6, kPitch = 0.45;
+  const double high = std::min(0.32, 0.9 * height);
+  for (double y = -width / 2 + kPitch / 2; y + kPitch / 2 <= width / 2; y += kPitch) {
+    const bool there = chance(random, 0.8);
+    const double in = random.uniform(0, 0.06);
+    if (!there) continue;
+    const Spot spot = board.relative(depth / 2 - std::min(kDeep, depth) / 2 - in, y);
+    addLoad(moved_share, 0.04, random, [&](double push, When when) {
+      builder.box(spot.relative(-std::abs(push), 0, push), {std::min(kDeep, depth - 0.06), kWide, high},
+                  when);
+    });
+  }
+}
+
+void loadRolls(SceneBuilder& builder, const Spot& board, double depth, double width, double height,
+               double moved_share, Random& random) {
+  const double radius = std::min(random.uniform(0.12, 0.22), 0.4 * depth);
+  for (double y = -width / 2 + radius + 0.05; y + radius < width / 2; y += 2 * radius + 0.06) {
+    const double high = random.uniform(0.4, 0.9) * height;
+    const double in = random.uniform(0, 0.2 * depth);
+    const bool there = chance(random, 0.8);
+    if (!there) continue;
+    const Spot spot = board.relative(depth / 2 - radius - in, y);
+    addLoad(moved_share, 0.02, random, [&](double push, When when) {
+      builder.cylinder(spot.relative(-push, push), radius, high, when);
+    });
+  }
+}
+
+}  // namespace
+
+void addRackRow(SceneBuilder& builder, const Spot& spot, const RackRow& rack, Random& random) {
+  constexpr double kPost = 0.07, kBoardThickness = 0.04, kLowest = 0.1, kLip = 0.08;  // [m]
+  const double bay = rack.length / rack.bays;
+  for (int i = 0; i <= rack.bays; ++i) {
+    const double y = (i - 0.5 * rack.bays) * bay;
+    for (const int side : {-1, 1})
+      builder.box(spot.relative(side * (rack.depth - kPost) / 2, y), {kPost, kPost, rack.height});
+    // Braces between the posts, which slope up and down by turns.
+    const double rise = 0.9, length = std::hypot(rise, rack.depth - kPost);
+    int sign = 1;
+    for (double z = 0.3; z + rise < rack.height; z += rise, sign = -sign)
+      slab(builder, spot.relative(0, y), z + rise / 2, sign * std::acos(rise / length) / kDegree,
+           {0.04, 0.02, length}, When::always);
+  }
+  const double free = rack.board_distance - kBoardThickness - 0.03;
+  std::vector<Freight> freight;
+  for (int i = 0; i < rack.bays; ++i) freight.push_back(drawFreight(random));
+  for (double z = kLowest; z + kBoardThickness < rack.height; z += rack.board_distance) {
+    // Boards run through, with a beam along each edge.
+    builder.box(spot.relative(0, 0, 0, z), {rack.depth - 0.02, rack.length, kBoardThickness});
+    for (const int side : {-1, 1})
+      builder.box(spot.relative(side * (rack.depth / 2 - 0.01), 0, 0, z + kBoardThickness - kLip),
+                  {0.03, rack.length, kLip});
+    for (int i = 0; i < rack.bays; ++i) {
+      const bool odd_one = chance(random, 0.2);
+      const Freight odd = drawFreight(random);
+      const Spot board = spot.relative(0, (i + 0.5 - 0.5 * rack.bays) * bay, 0, z + kBoardThickness);
+      const double width = bay - kPost, depth = rack.depth - 0.04;
+      switch (odd_one ? odd : freight[i]) {
+      case Freight::cartons:
+        loadCartons(builder, board, depth, width, free, rack.moved_share, random);
+        break;
+      case Freight::crates:
+        loadCrates(builder, board, depth, width, free, rack.moved_share, random);
+        break;
+      case Freight::rolls:
+        loadRolls(builder, board, depth, width, free, rack.moved_share, random);
+        break;
+      case Freight::nothing:
+        break;
+      }
+    }
+  }
+}
+
+}  // namespace facetloc

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tool_runner.h"
+
+#include <facetloc/apps/evaluation_report.h>
+#include <facetloc/apps/html_report.h>
+#include <facetloc/io/error.h>
+
+#include <gmock/gmock.h>
+
+#include <cctype>
+
+namespace facetloc {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+/** The first fault in the nesting of a page's elements; empty for a sound page. */
+std::string faultOf(const std::string& html) {
+  std::vector<std::string> open;
+  for (std::size_t at = html.find('<'); at != std::string::npos; at = html.find('<', at + 1)) {
+    const std::size_t end = html.find('>', at);
+    if (end == std::string::npos) return "a tag without an end";
+    const std::string tag = html.substr(at + 1, end - at - 1);
+    if (tag.front() == '!' || tag.back() == '/') continue;
+    std::string name = tag.substr(0, tag.find(' '));
+    if (name.front() != '/') {
+      open.push_back(name);
+      continue;
+    }
+    if (open.empty() || open.back() != name.substr(1))
+      return "</" + name.substr(1) + "> without its beginning";
+    open.pop_back();
+  }
+  return open.empty() ? "" : "<" + open.back() + "> without its end";
+}
+
+std::size_t countOf(const std::string& text, const std::string& what) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
+  return n;
+}
+
+TEST(Html, TextIsEscaped) {
+  EXPECT_EQ(htmlEscaped("a < b & \"c\" > d"), "a &lt; b &amp; &quot;c&quot; &gt; d");
+  EXPECT_EQ(htmlEscaped("line\nbreak, 2.0°"), "line break, 2.0°");
+}
+
+TEST(Html, Base64AsInTheStandard) {  // RFC 4648, section 10
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foo"), "Zm9v");
+  EXPECT_EQ(base64("foob"), "Zm9vYg==");
+  EXPECT_EQ(base64("fooba"), "Zm9vYmE=");
+  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(base64(std::string("\xff\x00\xfe", 3)), "/wD+");
+}
+
+TEST(Html, APageIsWholeInItself) {
+  const test::TemporaryFolder folder;
+  test::writeContent(folder / "picture.png", "foobar");
+  HtmlPage page("A <page>");
+  page.heading("First & last");
+  page.paragraph("<script>alert(1)</script>");
+  TextTable table({"", "n"});
+  table.add({"Group"});
+  table.add({"  part", "1"});
+  page.table("Counts", table);
+  page.picture(folder / "picture.png", "A picture");
+  const std::string html = page.str();
+  EXPECT_EQ(faultOf(html), "");
+  EXPECT_THAT(html, HasSubstr("<title>A &lt;page&gt;</title>"));
+  EXPECT_THAT(html, HasSubstr("<th colspan=\"2\">Group</th>"));
+  EXPECT_THAT(html, HasSubstr("<td class=\"part\">part</td><td>1</td>"));
+  EXPECT_THAT(html, HasSubstr("src=\"data:image/png;base64,Zm9vYmFy\""));
+  EXPECT_THAT(html, Not(HasSubstr("<script")));
+  EXPECT_THAT(html, Not(HasSubstr("http")));
+  EXPECT_THROW(page.picture(folder / "nowhere.png", ""), IoError);
+}
+
+FrameEvaluation answered(const std::string& name, double probability, int first_correct) {
+  FrameEvaluation f;
+  f.name = name;
+  f.run = "query";
+  f.frame_class = FrameClass::new_image;
+  f.covered = true;
+  f.solvable = true;
+  f.visible_planes = 5;
+  f.nearest = NearestModel{"10.0", 0.4, 8};
+  f.hypotheses = 3;
+  f.probability = probability;
+  f.first_correct = first_correct;
+  f.closest = std::max(first_correct, 1);
+  return f;
+}
+
+EvaluationReport exampleReport() {
+  EvaluationReport report{"results <1>", "place", {}, {}, {}, {}};
+  FrameEvaluation none = answered("1004", 0, 0);
+  none.hypotheses = none.closest = 0;
+  none.reason = "the planes in view leave free: rotation & more";
+  report.evaluation.frames = {answered("1001", 0.95, 1), answered("1002", 0.97, 0), answered("1003", 0.4, 2),
+                              none};
+  report.summaries = summarizeSets(report.evaluation);
+  report.timing = {{"1001", 5, 1, 100, 40}, {"1002", 7, 1, 200, 40}};
+  return report;
+}
+
+TEST(EvaluationHtml, HasEveryTableOfTheText) {
+  const test::TemporaryFolder folder;
+  const EvaluationReport report = exampleReport();
+  writeHtmlReport(folder / "", report, {});
+  const std::string html = test::contentOf(folder / "report.html");
+  EXPECT_EQ(faultOf(html), "");
+  EXPECT_THAT(html, Not(HasSubstr("http")));
+  const auto tables = reportTables(report.evaluation, report.summaries, report.timing);
+  EXPECT_EQ(tables.size(), 7u);
+  for (const ReportTable& t : tables) {
+    EXPECT_THAT(html, HasSubstr("<caption>" + htmlEscaped(t.title) + "</caption>"));
+    for (const auto& row : t.table.rows())
+      for (const std::string& cell : row)
+        EXPECT_THAT(html,
+                    HasSubstr(">" +
+                              htmlEscaped(cell.substr(std::min(cell.find_first_not_of(' '), cell.size()))) +
+                              "<"));
+  }
+}
+
+TEST(EvaluationHtml, NamesTheImagesThatMiss) {
+  const test::TemporaryFolder folder;
+  writeHtmlReport(folder / "", exampleReport(), {});
+  const std::string html = test::contentOf(folder / "report.html");
+  EXPECT_THAT(html, HasSubstr("<caption>Confident and wrong (1)</caption>"));
+  EXPECT_THAT(html, HasSubstr("<caption>No correct hypothesis (1)</caption>"));
+  EXPECT_THAT(html, HasSubstr("<caption>Correct, but not at rank 1 (1)</caption>"));
+  EXPECT_THAT(html, HasSubstr("rotation &amp; more"));
+  EXPECT_THAT(html, HasSubstr("correct at rank 2"));
+  EXPECT_EQ(countOf(html, "<td>query 1001</td>"), 0u);
+  for (const char* name : {"1002", "1003", "1004"})
+    EXPECT_EQ(countOf(html, std::string("<td>query ") + name + "</td>"), 1u);
+}
+
+}  // namespace
+}  // namespace facetloc
