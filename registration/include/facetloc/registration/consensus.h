@@ -19,7 +19,7 @@ struct ConsensusParams {
   double offset_slack = 0.02;      ///< r_o [m]
   double max_offset = 6.0;         ///< rho_max of the chance density [m]
   double parallel_weight = 0.5;  ///< mu: how much a direction already seen explains a further parallel plane
-  double free_space_weight = 5.5;   ///< w of the free-space term, in each direction [nats]; 0 = none
+  double free_space_weight = 6.9;   ///< w of the free-space term, in each direction [nats]; 0 = none
   double free_space_share = 0.005;  ///< c_0, a share of contradicting pixels that says little
 
   template <class Self, class Visitor>

@@ -17,15 +17,15 @@ struct PlaceRankingParams {
   bool multi_model = true;          ///< evidence of the nearest local models
   int evidence_models = 5;          ///< so many of them
   int evidence_hypotheses = 60;     ///< for so many of the best hypotheses
-  double agreement_weight = 11;     ///< of a scene that agrees with them in all its pixels [nats]
-  double occlusion_weight = 3;      ///< of what they saw and the scene hides, like free_space_weight [nats]
+  double agreement_weight = 23;     ///< of a scene that agrees with them in all its pixels [nats]
+  double occlusion_weight = 1.3;    ///< of what they saw and the scene hides, like free_space_weight [nats]
   bool merge = true;                ///< hypotheses of one place become one
   double merge_translation = 0.15;  ///< [m]
   double merge_rotation_deg = 2.0;
-  double softmax_slope = 0.156;       ///< beta of the probability [1/nat]
-  double null_score = 26;             ///< S_0: score at which a place is as likely as none of the list [nats]
-  double plain_softmax_slope = 0.35;  ///< the same for scores without evidence of local models
-  double plain_null_score = 27;
+  double softmax_slope = 0.139;  ///< beta of the probability [1/nat]
+  double null_score = 32.3;      ///< S_0: score at which a place is as likely as none of the list [nats]
+  double plain_softmax_slope = 0.155;  ///< the same for scores without evidence of local models
+  double plain_null_score = 22.3;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& field) {
