@@ -4,6 +4,8 @@
 #include "furniture.h"
 #include "scene_builder.h"
 
+#include <facetloc/features/so3.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -142,7 +144,7 @@ public:
                          bool light = false, double slack = 0, double turn_deg = 0) {
     const auto draw = [&] {
       const double x = random_.uniform(-slack, slack), y = random_.uniform(-slack, slack);
-      return spot.relative(x, y, turn_deg * kRadians * random_.uniform(-1, 1));
+      return spot.relative(x, y, turn_deg * kDegree * random_.uniform(-1, 1));
     };
     return put(kind, light, draw, area);
   }
@@ -173,7 +175,6 @@ private:
   static constexpr int kTries = 200;
   static constexpr double kShareMoved = 0.25;  // of what is light
   static constexpr double kGap = 0.01;         // between a thing and its wall [m]
-  static constexpr double kRadians = 3.14159265358979323846 / 180;
 
   static double spotOffset(const Kind& kind) { return kind.depth / 2 + kGap; }
   static unsigned heights(const Kind& kind) { return kind.tall ? kAllHeights : kLow; }
@@ -182,7 +183,7 @@ private:
   Spot drawSpot(const Eigen::AlignedBox2d& area) {
     const double x = random_.uniform(area.min().x(), area.max().x());
     const double y = random_.uniform(area.min().y(), area.max().y());
-    return {{x, y}, random_.uniform(-180, 180) * kRadians};
+    return {{x, y}, random_.uniform(-180, 180) * kDegree};
   }
 
   Spot drawSpotAtWall(const Kind& kind, const Eigen::AlignedBox2d& room, double turn_deg) {
@@ -193,7 +194,7 @@ private:
     while (wall < 3 && along > sizes[wall % 2]) along -= sizes[wall++ % 2];
     const std::array<Eigen::Vector2d, 4> corners = {
         room.min(), {room.max().x(), room.min().y()}, room.max(), {room.min().x(), room.max().y()}};
-    const double yaw = 90 * kRadians * (wall + 1);
+    const double yaw = 90 * kDegree * (wall + 1);
     const Spot corner{corners[wall], yaw};
     // Snapped to the corner if there is no room for anything else beside it.
     constexpr double kUselessGap = 0.35;  // [m]
@@ -201,7 +202,7 @@ private:
     along = std::clamp(along, std::min(kind.width / 2 + kGap, end), end);
     if (along - kind.width / 2 < kUselessGap) along = kind.width / 2 + kGap;
     if (end - along < kUselessGap) along = end;
-    const double turn = turn_deg * kRadians * random_.uniform(-1, 1);
+    const double turn = turn_deg * kDegree * random_.uniform(-1, 1);
     // Turned things keep off the wall with their corners.
     const double off = kind.width / 2 * std::abs(std::sin(turn)) - kind.depth / 2 * (1 - std::cos(turn));
     return corner.relative(spotOffset(kind) + std::max(off, 0.0), -along, turn);
@@ -242,7 +243,7 @@ private:
   Spot pushed(const Spot& spot) {
     constexpr double kFar = 1.2, kTurn = 60;  // [m], [deg]
     const double x = random_.uniform(-kFar, kFar), y = random_.uniform(-kFar, kFar);
-    return spot.relative(x, y, kTurn * kRadians * random_.uniform(-1, 1));
+    return spot.relative(x, y, kTurn * kDegree * random_.uniform(-1, 1));
   }
 
   SceneBuilder& builder_;

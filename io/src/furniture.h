@@ -9,64 +9,58 @@ namespace facetloc {
 // along the spot's x axis; sizes vary with the random numbers. What is mapped and later moved is added twice,
 // with the same sizes: pass a copy of the random numbers' state.
 
-using AddThing = void (*)(SceneBuilder&, const Spot&, Random&, When);
+using AddThing = void(SceneBuilder&, const Spot&, Random&, When);
 
 /** \brief A kind of thing and the floor that it needs: depth along the x axis of its spot, width along y [m].
  * Single things may be smaller; the back of what stands at a wall is always at x = -depth / 2. */
 struct Kind {
-  AddThing add;
+  AddThing* add;
   double depth;
   double width;
   bool tall = false;  ///< hides what hangs on the wall behind it
 };
 
 // ---- Offices and homes ----
-void addDesk(SceneBuilder& builder, const Spot& spot, Random& random,
-             When when = When::always);  // with a screen
-void addChair(SceneBuilder& builder, const Spot& spot, Random& random,
-              When when = When::always);  // with its back
-void addTable(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addRoundTable(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addCoffeeTable(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addCupboard(SceneBuilder& builder, const Spot& spot, Random& random,
-                 When when = When::always);  // closed
-void addSideboard(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addWardrobe(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addShoeCupboard(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addBookcase(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addSofa(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addArmchair(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addTvStand(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addBed(SceneBuilder& builder, const Spot& spot, Random& random,
-            When when = When::always);  // head at its back
-void addBedsideTable(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addLamp(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addBin(SceneBuilder& builder, const Spot& spot, Random& random,
-            When when = When::always);  // round or square
-void addPlant(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addPerson(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addRadiator(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addCoats(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);  // on hooks
-void addCarton(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
+AddThing addDesk;   // with a screen
+AddThing addChair;  // with its back
+AddThing addTable;
+AddThing addRoundTable;
+AddThing addCoffeeTable;
+AddThing addCupboard;  // closed
+AddThing addSideboard;
+AddThing addWardrobe;
+AddThing addShoeCupboard;
+AddThing addBookcase;
+AddThing addSofa;
+AddThing addArmchair;
+AddThing addTvStand;
+AddThing addBed;  // head at its back
+AddThing addBedsideTable;
+AddThing addLamp;
+AddThing addBin;  // round or square
+AddThing addPlant;
+AddThing addPerson;
+AddThing addRadiator;
+AddThing addCoats;  // on hooks
+AddThing addCarton;
 
 // ---- Kitchens and bathrooms ----
-void addKitchenUnit(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addFridge(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addBathtub(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addToilet(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addWashbasin(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addWashingMachine(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
+AddThing addKitchenUnit;
+AddThing addFridge;
+AddThing addBathtub;
+AddThing addToilet;
+AddThing addWashbasin;
+AddThing addWashingMachine;
 
 // ---- Halls ----
-void addPallet(SceneBuilder& builder, const Spot& spot, Random& random,
-               When when = When::always);  // with boxes
-void addMachine(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addWorkbench(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addForklift(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addTrolley(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addBarrels(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addStepladder(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
-void addLocker(SceneBuilder& builder, const Spot& spot, Random& random, When when = When::always);
+AddThing addPallet;  // with boxes
+AddThing addMachine;
+AddThing addWorkbench;
+AddThing addForklift;
+AddThing addTrolley;
+AddThing addBarrels;
+AddThing addStepladder;
+AddThing addLocker;
 
 namespace kind {
 constexpr Kind kDesk{addDesk, 0.8, 1.6};

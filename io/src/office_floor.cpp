@@ -46,6 +46,7 @@ struct Room {
   double door = 0;
   double left = 2, right = 2;  // of the door, as seen from the corridor
   double depth = 4;
+  std::vector<Opening> windows;  // in its outer wall, from the left
 };
 
 class OfficeFloor {
@@ -74,6 +75,13 @@ private:
       room.left = random_.uniform(1.95, 2.4);
       room.right = random_.uniform(1.7, 2.2);
       room.depth = random_.uniform(3.8, 4.8);
+      const int windows = 1 + static_cast<int>(2 * random_.uniform());
+      const double bay = (room.left + room.right) / windows;
+      for (int i = 0; i < windows; ++i) {
+        const double width = random_.uniform(0.9, std::min(2.0, bay - 0.5));
+        const double middle = (i + 0.5) * bay + random_.uniform(-0.15, 0.15);
+        room.windows.push_back({middle, width, random_.uniform(0.8, 1.0), 2.2, true});
+      }
     }
     unmapped_ = random_.uniform() < 0.5 ? 0 : 1;
     mapped_ = random_.uniform() < 0.5 ? 2 : 3;
@@ -233,9 +241,8 @@ private:
     // Side walls, and an outer wall with windows. The corridor's wall is the fourth.
     builder_.wall(corner(0, room.left), corner(room.depth, room.left), kWall, kCeiling);
     builder_.wall(corner(0, -room.right), corner(room.depth, -room.right), kWall, kCeiling);
-    const double width = room.left + room.right;
     builder_.wall(corner(room.depth, room.left), corner(room.depth, -room.right), kWall, kCeiling,
-                  {{0.27 * width, 0.3 * width, 0.9, 2.2, true}, {0.73 * width, 0.3 * width, 0.9, 2.2, true}});
+                  room.windows);
     frameDoor(door);
     // The door stands open at a wall; the one of the unmapped room was closed when the map was made.
     const double open = random_.uniform(110, 165) * kDegree;
@@ -260,30 +267,39 @@ private:
     builder_.box(door.relative(kThickness / 2, 0, 0, kDoorHeight), {kThickness, 1 + 2 * kBoard, kBoard});
   }
 
-  /** Desks at the side walls, radiators below the windows, cupboards, boards, chairs; the way in stays free.
-   */
+  /** Desks at the side walls, radiators below the windows, cupboards, boards, chairs, the one or the other
+   * way around; the way in stays free. */
   void furnishRoom(const Spot& door, const Room& room) {
-    const double left = room.left - kWall / 2, right = room.right - kWall / 2;
+    const double turn = random_.uniform() < 0.5 ? 1 : -1;  // which side is called the left
+    const double left = (turn > 0 ? room.left : room.right) - kWall / 2;
+    const double right = (turn > 0 ? room.right : room.left) - kWall / 2;
     const double depth = room.depth - kWall / 2;
-    furniture(door.relative(depth - 1.3, left - 0.4, -kQuarter), addDesk);
-    furniture(door.relative(depth - 1.3, left - 1.0, kQuarter), addChair);
-    if (random_.uniform() < 0.6) furniture(door.relative(depth - 1.1, -(right - 0.4), kQuarter), addDesk);
-    if (random_.uniform() < 0.6) furniture(door.relative(1.1, -(right - 0.2), kQuarter), addBookcase);
-    if (random_.uniform() < 0.6) furniture(door.relative(1.5, left - 0.25, -kQuarter), addCupboard);
-    if (random_.uniform() < 0.5)
-      furniture(door.relative(depth - 0.4, random_.uniform(-0.4, 0.4), 2 * kQuarter), addPlant);
-    if (random_.uniform() < 0.35)
-      furniture(door.relative(depth - 0.7, -(right - 1.0), random_.uniform(-3, 3)), addPerson);
-    for (const double share : {0.27, 0.73}) {
-      const double y = room.left - share * (room.left + room.right);
-      builder_.box(door.relative(depth - 0.06, y, 0, 0.15), {0.1, 0.9, 0.6});
-    }
+    const auto at = [&](double x, double y, double yaw, double z = 0) {
+      return door.relative(x, turn * y, turn * yaw, z);
+    };
+    const auto likely = [&](double probability) { return random_.uniform() < probability; };
+
+    const double desk = depth - random_.uniform(0.9, 1.5);
+    furniture(at(desk, left - 0.4, -kQuarter), addDesk);
+    furniture(at(desk + random_.uniform(-0.2, 0.2), left - 1.0, kQuarter), addChair);
+    if (likely(0.6)) furniture(at(depth - random_.uniform(0.9, 1.4), -(right - 0.4), kQuarter), addDesk);
+    if (likely(0.6)) furniture(at(random_.uniform(0.9, 1.3), -(right - 0.2), kQuarter), addBookcase);
+    if (likely(0.6)) furniture(at(random_.uniform(1.2, 1.6), left - 0.25, -kQuarter), addCupboard);
+    if (likely(0.5)) furniture(at(depth - 0.4, random_.uniform(-0.4, 0.4), 2 * kQuarter), addPlant);
+    if (likely(0.35)) furniture(at(depth - 0.7, -(right - 1.0), random_.uniform(-3, 3)), addPerson);
+    for (const Opening& window : room.windows)
+      builder_.box(door.relative(depth - 0.06, room.left - window.at, 0, 0.15),
+                   {0.1, 0.75 * window.width, 0.6});
+
     // Boards on the walls at the sides, and beside the door.
-    builder_.box(door.relative(random_.uniform(1.6, 2.4), left - 0.02, 0, 1.1),
-                 {random_.uniform(0.9, 1.6), 0.04, 0.9});
-    builder_.box(door.relative(random_.uniform(1.6, 2.6), -(right - 0.02), 0, 1.2),
-                 {random_.uniform(0.5, 1.2), 0.04, 0.8});
-    builder_.box(door.relative(0.02, -(0.75 + right) / 2, 0, 1.1), {0.04, 0.6 * (right - 0.7), 0.7});
+    const auto board = [&](const Spot& spot, double width) {
+      builder_.box(spot, {0.04, width, random_.uniform(0.5, 1.0)});
+    };
+    if (likely(0.8))
+      board(at(random_.uniform(1.6, 2.6), left - 0.02, -kQuarter, 1.15), random_.uniform(0.6, 1.6));
+    if (likely(0.7))
+      board(at(random_.uniform(1.6, 2.8), -(right - 0.02), kQuarter, 1.2), random_.uniform(0.4, 1.4));
+    if (likely(0.5)) board(at(0.02, -(0.75 + right) / 2, 0, random_.uniform(0.9, 1.3)), 0.6 * (right - 0.7));
   }
 
   /** A ceiling with beams across the corridors. */

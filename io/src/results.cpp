@@ -125,6 +125,11 @@ void writeResults(const std::filesystem::path& folder, const std::vector<FrameRe
   writeTextAtomically(folder / kHypotheses, [&](std::ostream& out) { writeHypotheses(out, frames); });
 }
 
+bool isResultsFolder(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  return std::filesystem::exists(folder / kHypotheses, ignored);
+}
+
 std::vector<ResultRow> readHypotheses(const std::filesystem::path& folder) {
   const csv::Table table(folder / kHypotheses);
   std::vector<ResultRow> rows;

@@ -54,15 +54,23 @@ std::uint16_t SceneBuilder::rectangle(const Eigen::Vector3d& centre, const Eigen
 }
 
 void SceneBuilder::box(const Spot& spot, const Eigen::Vector3d& size, When when, Material material) {
-  const Eigen::Isometry3d T = spot.pose();
+  addFaces(spot.pose() * Eigen::Translation3d(0, 0, size.z() / 2), size, when, material, spot.z >= kOnFloor);
+}
+
+void SceneBuilder::box(const Eigen::Isometry3d& T_w_box, const Eigen::Vector3d& size, When when,
+                       Material material) {
+  addFaces(T_w_box, size, when, material, true);
+}
+
+void SceneBuilder::addFaces(const Eigen::Isometry3d& T_w_box, const Eigen::Vector3d& size, When when,
+                            Material material, bool with_foot) {
   const Eigen::Vector3d half = size / 2;
-  const Eigen::Vector3d centre = T * up(half.z());
   for (int axis = 0; axis < 3; ++axis) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     for (const int side : {-1, 1}) {
-      if (axis == 2 && side < 0 && spot.z < kOnFloor) continue;
-      rectangle(centre + side * half[axis] * T.linear().col(axis), half[u] * T.linear().col(u),
-                half[v] * T.linear().col(v), when, material);
+      if (axis == 2 && side < 0 && !with_foot) continue;
+      rectangle(T_w_box.translation() + side * half[axis] * T_w_box.linear().col(axis),
+                half[u] * T_w_box.linear().col(u), half[v] * T_w_box.linear().col(v), when, material);
     }
   }
 }

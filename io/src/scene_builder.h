@@ -46,6 +46,8 @@ public:
    * stands on the floor. */
   void box(const Spot& spot, const Eigen::Vector3d& size, When when = When::always,
            Material material = Material::matt);
+  /** \brief A box anywhere, given by its middle; all its faces. */
+  void box(const Eigen::Isometry3d& T_w_box, const Eigen::Vector3d& size, When when, Material material);
   /** \brief An upright cylinder with a flat lid. */
   void cylinder(const Spot& spot, double radius, double height, When when = When::always,
                 Material material = Material::matt);
@@ -64,6 +66,8 @@ public:
 private:
   void add(const Rectangle& rectangle, When when);
   void add(const RoundBody& body, When when);
+  void addFaces(const Eigen::Isometry3d& T_w_box, const Eigen::Vector3d& size, When when, Material material,
+                bool with_foot);
 
   SimulatedPlace& place_;
   std::uint16_t next_id_ = 1;

@@ -12,8 +12,7 @@
 
 namespace facetloc {
 
-// ---- Rays
-// ------------------------------------------------------------------------------------------------------------
+// ---- Rays ----
 
 namespace {
 
@@ -219,8 +218,7 @@ SimulatedFrame emptyFrame(const Intrinsics& camera) {
           {camera.width, camera.height, std::vector<std::uint16_t>(pixelCount(camera), 0)}};
 }
 
-// ---- Errors
-// ----------------------------------------------------------------------------------------------------------
+// ---- Errors ----
 
 constexpr double kReferenceWidth = 640;  // [px] lengths in SimulatedNoise refer to an image of this width
 constexpr double kBlobSize = 6;          // [px] correlation length of what is lost in patches

@@ -223,7 +223,7 @@ TEST_P(SimulatedPlaces, SomethingHasMovedAndHasNewIdsButMostIsTheSame) {
     }
     EXPECT_LT(common, mapped.size());
     EXPECT_LT(common, later.size());
-    constexpr double kMost = 0.75;
+    constexpr double kMost = 0.5;  // one bookcase that has moved takes a hundred planes with it
     EXPECT_GT(static_cast<double>(common), kMost * static_cast<double>(mapped.size()));
     EXPECT_GT(static_cast<double>(common), kMost * static_cast<double>(later.size()));
   }

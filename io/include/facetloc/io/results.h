@@ -45,6 +45,8 @@ struct FrameResult {
  * given order) and params.ini. */
 void writeResults(const std::filesystem::path& folder, const std::vector<FrameResult>& frames,
                   const std::string& params_ini);
+/** \brief Is there a hypotheses.csv in it? */
+bool isResultsFolder(const std::filesystem::path& folder);
 /** \brief Reads hypotheses.csv (columns by name). Throws IoError with the line for malformed files. */
 std::vector<ResultRow> readHypotheses(const std::filesystem::path& folder);
 /** \brief Reads timing.csv. */
