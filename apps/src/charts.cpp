@@ -41,7 +41,7 @@ void addCurve(vtkChartXY* chart, const Curve& curve) {
   vtkPlot* plot = chart->AddPlot(curve.x.size() > 1 ? vtkChart::LINE : vtkChart::POINTS);
   plot->SetInputData(table, 0, 1);
   plot->SetLabel(curve.label);
-  plot->SetColor(curve.colour[0], curve.colour[1], curve.colour[2], 255);
+  plot->SetColor(curve.colour.red, curve.colour.green, curve.colour.blue, curve.colour.alpha);
   plot->SetWidth(curve.width);
   plot->GetPen()->SetLineType(curve.dashed ? vtkPen::DASH_LINE : vtkPen::SOLID_LINE);
   plot->SetLegendVisibility(!curve.label.empty());

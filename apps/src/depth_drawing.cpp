@@ -3,6 +3,7 @@
 #include <facetloc/registration/depth_consistency.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 namespace facetloc {

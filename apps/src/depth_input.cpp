@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/depth_input.h>
+#include <facetloc/io/map_database.h>
 
 namespace facetloc {
 
@@ -10,10 +11,21 @@ void DepthInput::addOptions(CommandLine& line) {
 }
 
 ViewParams DepthInput::viewParams(const std::optional<CameraFile>& camera, const CommandLine& line) const {
-  ViewParams params = view;
-  if (camera && camera->inverse_depth_std && !line.given("inverse_depth_std"))
-    params.noise.inverse_depth_std = *camera->inverse_depth_std;
+  return line.given("inverse_depth_std") ? view : withNoiseOf(camera, view);
+}
+
+ViewParams withNoiseOf(const std::optional<CameraFile>& camera, ViewParams params) {
+  if (camera && camera->inverse_depth_std) params.noise.inverse_depth_std = *camera->inverse_depth_std;
   return params;
+}
+
+Map readMapFor(const std::optional<CameraFile>& camera, const std::string& path, const Console& console) {
+  Map map = readMap(path);
+  if (map.mounting && !(camera && camera->mounting)) {
+    console.note("the mounting of the images' camera is unknown: the prior is isotropic");
+    map.mounting.reset();
+  }
+  return map;
 }
 
 std::string toIni(const DepthInput& input, const ViewParams& view) {

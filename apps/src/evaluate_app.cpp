@@ -3,12 +3,12 @@
 #include <facetloc/apps/evaluation_charts.h>
 #include <facetloc/apps/evaluation_pictures.h>
 #include <facetloc/apps/offscreen_display.h>
-#include <facetloc/apps/text.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 namespace facetloc {
 namespace {
@@ -16,6 +16,28 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kFailures = 6;  // that are drawn
+constexpr const char* kFailureFolder = "failures";
+
+/** Removes what an earlier evaluation has written and this one perhaps will not. */
+void removeEarlier(const fs::path& folder) {
+  for (const char* name :
+       {"report.html", "timing_summary.csv", "fig6.png", "reliability.png", "errors.png", "floor_map.png"})
+    fs::remove(folder / name);
+  if (!fs::is_directory(folder / kFailureFolder)) return;
+  std::vector<fs::path> pictures;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder / kFailureFolder))
+    if (entry.path().extension() == ".png") pictures.push_back(entry.path());
+  for (const fs::path& picture : pictures) fs::remove(picture);
+}
+
+void requireSameMap(const std::vector<RunResults>& runs, const Map& map, const std::string& path) {
+  std::set<std::string> names;
+  for (const LocalModel& model : map.models) names.insert(model.name);
+  for (const RunResults& run : runs)
+    for (const ResultRow& row : run.rows)
+      if (row.rank > 0 && !names.count(row.model))
+        throw IoError(path, "has no local model " + row.model + ": the results are of another map");
+}
 
 }  // namespace
 
@@ -29,21 +51,18 @@ std::vector<ModelPose> modelPosesOf(const Trajectory& run, const MapBuilderParam
 
 EvaluateApp::EvaluateApp()
     : App("facetloc_evaluate", "RESULTS GROUNDTRUTH [options]",
-          "Judges a results folder of facetloc_localize, or a folder of such folders, one per run, by what "
-          "is "
-          "true: camera poses in the TUM format, a sequence folder with groundtruth.txt, or the folder of a "
-          "simulated place. Prints the paper's Tables I and II beside the paper's figures, the rate of rank "
-          "1, "
-          "recall at 100 % precision, how reliable the probabilities are, errors by what is in view and how "
-          "far "
-          "the map is, and times. Where the map is known, images are told apart: map images and new ones, "
-          "and "
-          "of the new ones those that a local model covers; where the true planes are known too, those that "
-          "the "
-          "planes suffice to localize. Writes report.html with everything in one file, evaluation.txt, "
-          "tables.csv, frames.csv, fig6.csv, errors.csv, timing_summary.csv, and the charts fig6.png, "
-          "reliability.png and errors.png; with --map also floor_map.png and, where the images are at hand, "
-          "pictures of failures.") {}
+          "Judges a results folder of facetloc_localize, or a folder of such folders, one per run, by "
+          "what is true: camera poses in the TUM format, a sequence folder with groundtruth.txt, or the "
+          "folder of a simulated place. Prints the paper's Tables I and II beside the paper's figures, "
+          "the rate of rank 1, recall at 100 % precision, how reliable the probabilities are, errors by "
+          "what is in view and how far the map is, and times. Where the map is known, images are told "
+          "apart: map images and new ones, and of the new ones those that a local model covers; where the "
+          "true planes are known too, those that the planes suffice to localize. Writes report.html with "
+          "everything in one file, evaluation.txt, tables.csv, frames.csv, fig6.csv, errors.csv, "
+          "timing_summary.csv, and the charts fig6.png, reliability.png and errors.png; with --map also "
+          "floor_map.png and, where the images are at hand, pictures of some failures in failures/. What "
+          "an earlier evaluation left in the folder is replaced or removed. Charts and pictures need an X "
+          "display; without one, Xvfb is started if it is installed.") {}
 
 void EvaluateApp::addOptions(CommandLine& line) {
   line.addArgument("RESULTS", results_);
@@ -72,10 +91,7 @@ std::vector<ModelPose> EvaluateApp::modelPoses(const std::optional<Map>& map) co
   if (!map)
     return map_truth_.empty() ? std::vector<ModelPose>()
                               : modelPosesOf(readTumTrajectory(map_truth_), builder_);
-  std::vector<ModelPose> models;
-  for (const LocalModel& model : map->models)
-    if (model.T_w_m) models.push_back({model.name, model.stamp, *model.T_w_m});
-  return models;
+  return modelPosesOf(*map);
 }
 
 void EvaluateApp::requireWorldPoses(const std::vector<RunResults>& runs) const {
@@ -90,6 +106,9 @@ void EvaluateApp::requireWorldPoses(const std::vector<RunResults>& runs) const {
 
 EvaluationReport EvaluateApp::reportOf(const Input& input) const {
   EvaluationReport report{results_, truth_, params_, {}, {}, {}};
+  if (std::all_of(input.runs.begin(), input.runs.end(), [](const RunResults& r) { return r.rows.empty(); }))
+    throw IoError(results_, "has results of no image");
+  if (input.map) requireSameMap(input.runs, *input.map, map_);
   report.evaluation = evaluate(input.runs, input.truth, modelPoses(input.map), params_, pose_tolerance_);
   if (report.evaluation.frames.empty()) throw IoError(truth_, "has no pose for any image of " + results_);
   requireWorldPoses(input.runs);
@@ -117,13 +136,13 @@ std::vector<ReportPicture> EvaluateApp::drawPictures(const EvaluationReport& rep
     pictures.push_back({folder / "errors.png", "Results over what is in view and how far the map is."});
   if (!input.map) return pictures;
 
-  // A map without poses or an image that is gone is no reason to miss the report.
   try {
     pictures.push_back(drawMapOfRuns(folder / "floor_map.png", *input.map, input.truth, report.evaluation));
-    for (ReportPicture& picture : drawMisses(folder / "failures", chosenMisses(report.evaluation, kFailures),
-                                             *input.map, input.truth, input.runs))
+    for (ReportPicture& picture :
+         drawMisses(folder / kFailureFolder, chosenMisses(report.evaluation, kFailures), *input.map,
+                    input.truth, input.runs, console))
       pictures.push_back(std::move(picture));
-  } catch (const IoError& e) {
+  } catch (const std::exception& e) {  // a map without poses is no reason to miss the report
     console.note(std::string("a picture is missing: ") + e.what());
   }
   return pictures;
@@ -135,6 +154,7 @@ int EvaluateApp::execute(const CommandLine&, const Console& console) {
   const EvaluationReport report = reportOf(input);
   if (folder_.empty()) folder_ = (fs::path(results_) / "evaluation").string();
   createFolder(folder_);
+  removeEarlier(folder_);
   printReport(console.out, report);
   writeReport(folder_, report);
   writeHtmlReport(folder_, report, drawPictures(report, input, console));

@@ -15,7 +15,6 @@ namespace {
 constexpr double kSameStamp = 1e-6;     // [s]
 constexpr double kSamePosition = 1e-3;  // [m]
 constexpr int kReliabilityBins = 10;
-constexpr const char* kHypotheses = "hypotheses.csv";
 constexpr const char* kTiming = "timing.csv";
 
 /** The rows of one frame, in the order of their ranks. */
@@ -238,12 +237,19 @@ const char* toString(FrameClass frame_class) {
   return "unknown";
 }
 
+std::vector<ModelPose> modelPosesOf(const Map& map) {
+  std::vector<ModelPose> poses;
+  for (const LocalModel& model : map.models)
+    if (model.T_w_m) poses.push_back({model.name, model.stamp, *model.T_w_m});
+  return poses;
+}
+
 std::vector<RunResults> readRuns(const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
   std::vector<fs::path> folders;
-  if (fs::is_directory(folder) && !fs::exists(folder / kHypotheses))
+  if (fs::is_directory(folder) && !isResultsFolder(folder))
     for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-      if (fs::exists(entry.path() / kHypotheses)) folders.push_back(entry.path());
+      if (isResultsFolder(entry.path())) folders.push_back(entry.path());
   std::sort(folders.begin(), folders.end());
   const bool single = folders.empty();
   if (single) folders = {folder};

@@ -5,23 +5,18 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace facetloc {
 namespace {
 
-using Rgb = std::array<std::uint8_t, 3>;
-constexpr std::array<Rgb, 5> kPalette = {
-    {{31, 119, 180}, {44, 160, 44}, {255, 127, 14}, {148, 103, 189}, {140, 86, 75}}};
-constexpr Rgb kGrey = {110, 110, 110};
-constexpr Rgb kRed = {200, 40, 40};
+constexpr Colour kGrey = {110, 110, 110};
 constexpr const char* kOfPlanes = "True planes in view";
 constexpr const char* kOfDistance = "Distance to the nearest local model [m]";
 constexpr double kManyRanks = 30;  // from here on the axis of ranks is logarithmic
 
 /** A histogram as a staircase from the axis to the edge of the chart. */
 Curve staircase(const Summary& summary, const CumulativeHistogram& histogram, const Panel& panel,
-                const Rgb& colour) {
+                const Colour& colour) {
   Curve curve;
   curve.label = summary.name + " (" + std::to_string(histogram.x.size()) + ")";
   curve.colour = colour;
@@ -41,7 +36,7 @@ Curve staircase(const Summary& summary, const CumulativeHistogram& histogram, co
 }
 
 /** The 99 % mark of Fig. 6: across to the curve and down to the axis. */
-Curve mark(const Panel& panel, double bound, const std::string& label, const Rgb& colour) {
+Curve mark(const Panel& panel, double bound, const std::string& label, const Colour& colour) {
   Curve curve;
   curve.label = label;
   curve.x = {panel.x_min, bound, bound};
@@ -67,7 +62,7 @@ Panel drawn(const Fig6Panel& what, const std::vector<Summary>& summaries) {
   for (const Summary& summary : summaries)
     if (summary.correct > 0)
       panel.curves.push_back(staircase(summary, summary.*what.histogram, panel,
-                                       kPalette[panel.curves.size() % kPalette.size()]));
+                                       kCurveColours[panel.curves.size() % kCurveColours.size()]));
   if (panel.curves.empty()) return panel;
   panel.curves.front().width = 5;  // shows beside the others where they coincide
   const double bound = (summaries.front().*what.histogram).bound(kMarkedShare);
@@ -180,7 +175,7 @@ double shareOf(std::size_t n, const Summary& s) {
 
 /** One figure of each group, at the mean of the quantity in it. */
 using Figure = double (*)(const Summary&);
-Curve curveOf(const std::vector<ErrorGroup>& groups, bool only_correct, Figure figure, const Rgb& colour) {
+Curve curveOf(const std::vector<ErrorGroup>& groups, bool only_correct, Figure figure, const Colour& colour) {
   Curve curve;  // without a label: the legend would hide points
   curve.colour = colour;
   curve.markers = true;
@@ -207,9 +202,9 @@ Panel shares(const std::string& x_title, const std::vector<ErrorGroup>& groups) 
   panel.y_max = 1.05;
   panel.curves = {
       curveOf(
-          groups, false, [](const Summary& s) { return shareOf(s.correct, s); }, kPalette[0]),
+          groups, false, [](const Summary& s) { return shareOf(s.correct, s); }, kCurveColours[0]),
       curveOf(
-          groups, false, [](const Summary& s) { return shareOf(s.best_correct, s); }, kPalette[2])};
+          groups, false, [](const Summary& s) { return shareOf(s.best_correct, s); }, kCurveColours[2])};
   return panel;
 }
 
@@ -217,7 +212,7 @@ Panel meanErrors(const std::string& x_title, const std::string& y_title,
                  const std::vector<ErrorGroup>& groups, Figure figure) {
   Panel panel = errorPanel(x_title, y_title, groups);
   panel.title = "Mean error of the first correct hypothesis";
-  panel.curves = {curveOf(groups, true, figure, kPalette[1])};
+  panel.curves = {curveOf(groups, true, figure, kCurveColours[1])};
   const std::vector<double>& y = panel.curves[0].y;
   if (!y.empty()) panel.y_max = std::max(1e-3, 1.2 * *std::max_element(y.begin(), y.end()));
   return panel;

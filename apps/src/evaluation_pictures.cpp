@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/apps/depth_input.h>
 #include <facetloc/apps/evaluation_pictures.h>
 #include <facetloc/apps/failures.h>
 #include <facetloc/apps/pictures.h>
 #include <facetloc/io/depth_sequence.h>
-#include <facetloc/segmentation/view_builder.h>
 
-#include <algorithm>
-#include <array>
 #include <map>
 
 namespace facetloc {
@@ -14,14 +12,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kWorkingWidth = 320;  // [px]
-using Rgb = std::array<std::uint8_t, 3>;
-constexpr std::array<Rgb, 2> kRunColours = {{{31, 119, 180}, {44, 160, 44}}};
-constexpr Rgb kWrong = {200, 40, 40}, kMissing = {230, 130, 20}, kNotFirst = {200, 170, 0};
+constexpr Colour kMissing = {230, 130, 20}, kNotFirst = {200, 170, 0};
 
-const Rgb& colourOf(MissKind kind) {
+const Colour& colourOf(MissKind kind) {
   if (kind == MissKind::not_first) return kNotFirst;
-  return kind == MissKind::not_found ? kMissing : kWrong;
+  return kind == MissKind::not_found ? kMissing : kRed;
 }
 
 std::vector<Eigen::Isometry3d> posesOf(const Trajectory& trajectory) {
@@ -34,8 +29,8 @@ std::vector<DrawnRun> drawnRuns(const PlaceTruth& truth) {
   std::vector<DrawnRun> runs;
   for (const PlaceTruth::Sequence& s : truth.sequences())
     runs.push_back(
-        {s.folder.filename().string(), posesOf(s.poses), kRunColours[runs.size() % kRunColours.size()]});
-  if (runs.empty()) runs.push_back({"true poses", posesOf(truth.poses()), kRunColours[0]});
+        {s.folder.filename().string(), posesOf(s.poses), kCurveColours[runs.size() % kCurveColours.size()]});
+  if (runs.empty()) runs.push_back({"true poses", posesOf(truth.poses())});
   return runs;
 }
 
@@ -64,16 +59,9 @@ public:
 
   SeenImage seen(const std::string& name) const {
     const Place& place = places_.at(name);
-    ViewParams params;
-    const auto& camera = place.sequence->camera();
-    if (camera && camera->inverse_depth_std) params.noise.inverse_depth_std = *camera->inverse_depth_std;
-    ViewBuilder builder(params);
-    SeenImage image;
-    image.name = name;
-    image.depth = place.sequence->load(place.index, kWorkingWidth);
-    image.view = builder.build(image.depth);
-    image.labels = builder.segmentation().labels;
-    return image;
+    const DepthInput defaults;
+    ViewBuilder builder(withNoiseOf(place.sequence->camera(), defaults.view));
+    return see(name, place.sequence->load(place.index, defaults.width), builder);
   }
 
 private:
@@ -111,20 +99,24 @@ std::vector<Miss> chosenMisses(const Evaluation& evaluation, std::size_t most) {
 }
 
 std::vector<ReportPicture> drawMisses(const fs::path& folder, const std::vector<Miss>& misses, const Map& map,
-                                      const PlaceTruth& truth, const std::vector<RunResults>& runs) {
+                                      const PlaceTruth& truth, const std::vector<RunResults>& runs,
+                                      const Console& console) {
   const Images images(truth);
   Evaluation drawn;
   for (const Miss& miss : misses)
     if (images.has(miss.frame.name)) drawn.frames.push_back(miss.frame);
-  std::vector<ResultRow> rows;
-  for (const RunResults& run : runs) rows.insert(rows.end(), run.rows.begin(), run.rows.end());
 
   std::vector<ReportPicture> pictures;
   if (!drawn.frames.empty()) fs::create_directories(folder);
-  for (const Failure& failure : findFailures(drawn, rows, map)) {
-    const fs::path path = folder / (failure.frame + ".png");
-    drawMatches(path, images.seen(failure.frame), map, failure.answers);
-    pictures.push_back({path, failure.frame + ": " + failure.what});
+  for (const Failure& failure : findFailures(drawn, runs, map)) {
+    const std::string run = failure.run.empty() ? "" : failure.run + "_";
+    const fs::path path = folder / (run + failure.frame + ".png");
+    try {
+      drawMatches(path, images.seen(failure.frame), map, failure.answers);
+      pictures.push_back({path, run + failure.frame + ": " + failure.what});
+    } catch (const std::exception& e) {
+      console.note("a picture of " + failure.frame + " is missing: " + e.what());
+    }
   }
   return pictures;
 }

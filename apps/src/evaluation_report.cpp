@@ -88,7 +88,7 @@ std::vector<std::string> reportPreface(const EvaluationReport& report) {
                                     "Correct: position within " + shortNumber(p.max_translation) +
                                         " m and orientation within " + shortNumber(p.max_rotation_deg) +
                                         " deg."};
-  if (frames.front().nearest)
+  if (!frames.empty() && frames.front().nearest)
     lines.push_back("Covered: a local model within " + shortNumber(p.covered_distance) + " m and " +
                     shortNumber(p.covered_rotation_deg) + " deg.");
   if (std::any_of(frames.begin(), frames.end(), [](const auto& f) { return f.solvable.has_value(); }))
@@ -146,7 +146,7 @@ void writeHtmlReport(const std::filesystem::path& folder, const EvaluationReport
   const std::vector<ReportTable> missing = missTables(report.evaluation);
   if (missing.empty()) page.paragraph("None.");
   for (const ReportTable& t : missing)
-    page.table(t.title + " (" + std::to_string(t.table.rows().size() - 1) + ")", t.table, true);
+    page.table(t.title + " (" + std::to_string(t.table.rows().size() - 1) + ")", t.table);
   writeTextAtomically(folder / "report.html", [&](std::ostream& out) { out << page.str(); });
 }
 

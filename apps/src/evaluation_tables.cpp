@@ -258,10 +258,12 @@ std::vector<ReportTable> reportTables(const Evaluation& evaluation, const std::v
 std::vector<ReportTable> missTables(const Evaluation& evaluation) {
   std::vector<ReportTable> tables;
   for (const Miss& miss : misses(evaluation)) {
-    if (tables.empty() || tables.back().title != toString(miss.kind))
+    if (tables.empty() || tables.back().title != toString(miss.kind)) {
       tables.push_back({toString(miss.kind),
                         TextTable({"image", "planes", "solvable", "nearest local model", "probability",
                                    "error of rank 1", "closest answer", "why there is none"})});
+      tables.back().table.setWordsLast();
+    }
     addMiss(miss.frame, tables.back().table);
   }
   return tables;

@@ -10,10 +10,8 @@
 namespace facetloc {
 namespace {
 
-constexpr double kLikely = 0.5;  // an answer of this probability claims to be one
-
 bool failed(const FrameEvaluation& frame) {
-  if (frame.unmapped) return frame.hypotheses > 0 && frame.probability >= kLikely;
+  if (frame.unmapped) return frame.hypotheses > 0 && frame.probability >= kUnsure;
   return frame.first_correct != 1;
 }
 
@@ -43,19 +41,21 @@ int indexIn(const std::map<std::string, int>& indices, const std::string& name) 
 
 }  // namespace
 
-std::vector<Failure> findFailures(const Evaluation& evaluation, const std::vector<ResultRow>& rows,
+std::vector<Failure> findFailures(const Evaluation& evaluation, const std::vector<RunResults>& runs,
                                   const Map& map) {
   const std::map<std::string, int> indices = indicesOf(map);
-  std::map<std::string, const ResultRow*> first;
-  for (const ResultRow& row : rows)
-    if (row.rank == 1) first[row.frame] = &row;
+  std::map<std::pair<std::string, std::string>, const ResultRow*> first;  // by run and frame
+  for (const RunResults& run : runs)
+    for (const ResultRow& row : run.rows)
+      if (row.rank == 1) first[{run.name, row.frame}] = &row;
 
   std::vector<Failure> failures;
   for (const FrameEvaluation& frame : evaluation.frames) {
     if (!failed(frame)) continue;
-    Failure failure{frame.name, whatFailed(frame), frame.probability, {}};
-    if (frame.hypotheses > 0) {
-      const ResultRow& row = *first.at(frame.name);
+    Failure failure{frame.run, frame.name, whatFailed(frame), frame.probability, {}};
+    const auto best = first.find({frame.run, frame.name});
+    if (best != first.end()) {
+      const ResultRow& row = *best->second;
       failure.answers.push_back({indexIn(indices, row.model), row.T_m_c, "rank 1: " + failure.what});
     } else {
       failure.answers.push_back({-1, Eigen::Isometry3d::Identity(), failure.what});

@@ -2,12 +2,14 @@
 #include <facetloc/apps/frame_truth.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/features/segment_estimation.h>
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/png.h>
 #include <facetloc/registration/hypothesis_tree.h>
 #include <facetloc/registration/plane_measurement.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <stdexcept>
@@ -109,6 +111,18 @@ std::map<int, WorldPlane> readPlanes(const fs::path& path) {
   return planes;
 }
 
+void writePlanes(const fs::path& path, const std::map<int, WorldPlane>& planes) {
+  writeTextAtomically(path, [&](std::ostream& out) {
+    out << kPlanesHeader << "\n";
+    for (const auto& [id, plane] : planes) {
+      const auto& [n, d] = plane;
+      out << id;
+      for (const double value : {n.x(), n.y(), n.z(), d}) out << "," << exactNumber(value);
+      out << "\n";
+    }
+  });
+}
+
 DepthImage exactDepth(const LabelImage& labels, const Intrinsics& camera,
                       const std::map<int, WorldPlane>& planes, const Eigen::Isometry3d& T_w_c) {
   DepthImage image{camera, std::vector<float>(labels.label.size(), 0.f)};
@@ -171,9 +185,7 @@ void PlaceTruth::addSequence(const fs::path& folder) {
   poses.insert(poses.end(), sequence.poses.poses().begin(), sequence.poses.poses().end());
   poses_ = Trajectory(std::move(poses));
   sequences_.push_back(std::move(sequence));
-  if (!fs::exists(folder / kUnmapped)) return;
-  knows_unmapped_ = true;
-  unmapped_.merge(namesOf(folder / kUnmapped));
+  if (fs::exists(folder / kUnmapped)) unmapped_.merge(namesOf(folder / kUnmapped));
 }
 
 std::optional<TrueSegments> PlaceTruth::segments(const std::string& name, const Eigen::Isometry3d& T_w_c,

@@ -91,8 +91,8 @@ void HtmlPage::heading(const std::string& text) { body_ += element("h2", text) +
 
 void HtmlPage::paragraph(const std::string& text) { body_ += element("p", text) + "\n"; }
 
-void HtmlPage::table(const std::string& caption, const TextTable& table, bool words_last) {
-  body_ += std::string("<div class=\"wide\"><table") + (words_last ? " class=\"words\"" : "") + ">" +
+void HtmlPage::table(const std::string& caption, const TextTable& table) {
+  body_ += std::string("<div class=\"wide\"><table") + (table.wordsLast() ? " class=\"words\"" : "") + ">" +
            element("caption", caption) + "\n<thead><tr>";
   for (const std::string& cell : table.rows().front()) body_ += element("th", cell);
   body_ += "</tr></thead>\n<tbody>\n";

@@ -5,7 +5,6 @@
 #include <facetloc/apps/text.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/map_database.h>
 
 #include <algorithm>
 #include <chrono>
@@ -22,17 +21,6 @@ constexpr const char* kParamsFile = "params.ini";
 
 double millisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-/** The map as far as it holds for these images: its mounting says nothing about another camera. */
-std::shared_ptr<const Map> mapFor(const std::string& path, const std::optional<CameraFile>& camera,
-                                  const Console& console) {
-  Map map = readMap(path);
-  if (map.mounting && !(camera && camera->mounting)) {
-    console.note("the mounting of the images' camera is unknown: the prior is isotropic");
-    map.mounting.reset();
-  }
-  return std::make_shared<const Map>(std::move(map));
 }
 
 std::string readText(const fs::path& path) {
@@ -95,8 +83,7 @@ std::map<std::string, FrameResult> LocalizeApp::earlierResults(const ResultsJour
     throw IoError(folder_,
                   "was begun with another map or other parameters; leave out --resume or use another folder");
   if (journal.exists()) return journal.read();
-  return fs::exists(folder / "hypotheses.csv") ? finishedResults(folder)
-                                               : std::map<std::string, FrameResult>();
+  return isResultsFolder(folder) ? finishedResults(folder) : std::map<std::string, FrameResult>();
 }
 
 /** \param todo receives the frames that earlier has no result of. */
@@ -156,7 +143,8 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
   if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
   const DepthSequence sequence = DepthSequence::open(input_path_);
   const ViewParams view_params = input_.viewParams(sequence.camera(), line);
-  GlobalLocalization localization(mapFor(map_, sequence.camera(), console), localization_, view_params.noise);
+  const auto map = std::make_shared<const Map>(readMapFor(sequence.camera(), map_, console));
+  GlobalLocalization localization(map, localization_, view_params.noise);
   if (sequence.frames().size() == 1) localization.setNumberOfThreads(threads());
   const std::string params_ini = "# " + versionText() + ", map " + fs::path(map_).filename().string() +
                                  " of " + counted(localization.map().models.size(), "local model") +

@@ -112,15 +112,15 @@ void drawPlan(Page& page, const Scale& scale, const PlanView& plan, const Conten
   for (const DrawnRun& run : runs) {
     Page::Points points;
     for (const Eigen::Isometry3d& T : run.T_w_c) points.push_back(scale(plan.point(T.translation())));
-    page.line(points, {Colour(run.colour), 2});
-    if (!points.empty()) page.disk(points.front(), 4.5, Colour(run.colour));
+    page.line(points, {run.colour, 2});
+    if (!points.empty()) page.disk(points.front(), 4.5, run.colour);
   }
   const double size = std::clamp(0.35 * scale.pixels_per_metre, 10.0, 18.0);
   for (const Eigen::Isometry3d& T : content.models)
     drawModel(page, scale(plan.point(T.translation())), onPage(plan.direction(T.linear().col(2))), size);
   for (const DrawnMarks& mark : marks)
     for (const Eigen::Isometry3d& T : mark.T_w_c)
-      drawCross(page, scale(plan.point(T.translation())), Colour(mark.colour));
+      drawCross(page, scale(plan.point(T.translation())), mark.colour);
 }
 
 /** A sample, drawn at the middle of its left edge, and what it stands for. */
@@ -147,16 +147,15 @@ std::vector<LegendEntry> legendOf(const Content& content, const std::vector<Draw
                        },
                        "links" + number(content.links.size())});
   for (const DrawnRun& run : runs)
-    entries.push_back({[=, colour = Colour(run.colour)](Page& p, const Vector& at) {
+    entries.push_back({[=, colour = run.colour](Page& p, const Vector& at) {
                          p.line({at, at + to_end}, {colour, 2});
                          p.disk(at, 4.5, colour);
                        },
                        run.name + number(run.T_w_c.size())});
   for (const DrawnMarks& mark : marks)
-    entries.push_back({[=, colour = Colour(mark.colour)](Page& p, const Vector& at) {
-                         drawCross(p, at + to_middle, colour);
-                       },
-                       mark.name + number(mark.T_w_c.size())});
+    entries.push_back(
+        {[=, colour = mark.colour](Page& p, const Vector& at) { drawCross(p, at + to_middle, colour); },
+         mark.name + number(mark.T_w_c.size())});
   return entries;
 }
 

@@ -7,10 +7,8 @@
 #include <facetloc/apps/depth_drawing.h>
 #include <facetloc/apps/matched_segments.h>
 #include <facetloc/apps/text.h>
-#include <facetloc/io/error.h>
 
 #include <algorithm>
-#include <map>
 
 namespace facetloc {
 namespace {

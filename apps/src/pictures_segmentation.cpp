@@ -7,6 +7,7 @@
 #include <facetloc/apps/depth_drawing.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/registration/candidate_pairs.h>
+#include <facetloc/segmentation/view_builder.h>
 
 #include <algorithm>
 #include <stdexcept>
@@ -36,6 +37,15 @@ void drawModel3d(Page& page, const Box& box, const View& view) {
 }
 
 }  // namespace
+
+SeenImage see(const std::string& name, DepthImage depth, ViewBuilder& builder) {
+  SeenImage image;
+  image.name = name;
+  image.view = builder.build(depth);
+  image.labels = builder.segmentation().labels;
+  image.depth = std::move(depth);
+  return image;
+}
 
 void checkDrawable(const SeenImage& image) {
   if (!image.depth.valid()) throw std::invalid_argument("the image " + image.name + " has no pixels to draw");

@@ -4,7 +4,6 @@
 #include <facetloc/features/local_model.h>
 
 #include <optional>
-#include <vector>
 
 namespace facetloc {
 

@@ -21,20 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 
 bool isMap(const fs::path& path) { return path.extension() == ".flmap"; }
-bool isResults(const fs::path& path) { return fs::exists(path / "hypotheses.csv"); }
 
 bool same(const fs::path& a, const fs::path& b) {
   std::error_code ignored;
   return fs::equivalent(a, b, ignored);
-}
-
-SeenImage seen(const std::string& name, DepthImage depth, ViewBuilder& builder) {
-  SeenImage image;
-  image.name = name;
-  image.view = builder.build(depth);
-  image.labels = builder.segmentation().labels;
-  image.depth = std::move(depth);
-  return image;
 }
 
 std::size_t indexOf(const DepthSequence& sequence, const std::string& name) {
@@ -52,7 +42,6 @@ public:
       : sequence_(sequence), width_(width), view_(view), builder_(view) {}
 
   void localizeIn(Map map, const GlobalLocalizationParams& params, int threads, int max_hypotheses) {
-    if (!(sequence_.camera() && sequence_.camera()->mounting)) map.mounting.reset();  // of another camera
     localization_.emplace(std::make_shared<const Map>(std::move(map)), params, view_.noise);
     localization_->setNumberOfThreads(threads);
     max_hypotheses_ = max_hypotheses;
@@ -60,7 +49,7 @@ public:
 
   void render(std::size_t index, const fs::path& path) {
     const FrameFile& file = sequence_.frames()[index];
-    const SeenImage image = seen(file.name, sequence_.load(index, width_), builder_);
+    const SeenImage image = see(file.name, sequence_.load(index, width_), builder_);
     if (localization_)
       drawMatches(path, image, localization_->map(), answers(image, file.stamp));
     else
@@ -96,15 +85,6 @@ private:
   int max_hypotheses_ = 1;
 };
 
-std::vector<ModelPose> posesOf(const Map& map) {
-  std::vector<ModelPose> poses;
-  for (const LocalModel& model : map.models)
-    if (model.T_w_m) poses.push_back({model.name, model.stamp, *model.T_w_m});
-  if (poses.empty())
-    throw std::runtime_error("no local model of the map has a pose: what is true cannot be drawn");
-  return poses;
-}
-
 DrawnRun runOf(const fs::path& path) {
   DrawnRun run{"trajectory", {}};
   const Trajectory trajectory = readTumTrajectory(fs::is_directory(path) ? path / "groundtruth.txt" : path);
@@ -116,17 +96,14 @@ DrawnRun runOf(const fs::path& path) {
 
 RenderApp::RenderApp()
     : App("facetloc_render", "INPUT -o OUT [--map MAP.flmap] [options]",
-          "Draws pictures. INPUT is one of these: a depth image (OUT is a PNG file) or a sequence (OUT is a "
-          "folder, or, "
-          "with --frame, a file): the depth image, its segments outlined, and the dominant segments in 3D; "
-          "with --map, "
-          "the image beside the local models that it is localized in, matched segments in the same colour. A "
-          "map file "
-          "*.flmap (OUT is a PNG file): the segments of all local models from above, the local models and "
-          "their links. "
-          "A results folder of facetloc_localize with --map and --sequence (OUT is a folder): each image "
-          "whose first "
-          "answer is wrong or missing, beside what would be right.") {}
+          "Draws pictures. INPUT is one of these: a depth image (OUT is a PNG file) or a sequence (OUT is "
+          "a folder, or, with --frame, a file): the depth image, its segments outlined, and the dominant "
+          "segments in 3D; with --map, the image beside the local models that it is localized in, "
+          "matched segments in the same colour. A map file *.flmap (OUT is a PNG file): the segments of "
+          "all local models from above, the local models and their links. A results folder of "
+          "facetloc_localize with --map and --sequence (OUT is a folder): each image whose first answer "
+          "is wrong or missing, beside what would be right, and the first six of them in failures.png. "
+          "Needs an X display; without one, Xvfb is started if it is installed.") {}
 
 void RenderApp::addOptions(CommandLine& line) {
   line.addArgument("INPUT", input_);
@@ -176,7 +153,9 @@ int RenderApp::renderImages(const CommandLine& line, const Console& console) con
       throw UsageError("the picture would overwrite the image " + sequence.frames()[i].path.string());
 
   ImageRenderer renderer(sequence, depth_.width, depth_.viewParams(sequence.camera(), line));
-  if (!map_.empty()) renderer.localizeIn(readMap(map_), localization_, threads(), max_hypotheses_);
+  if (!map_.empty())
+    renderer.localizeIn(readMapFor(sequence.camera(), map_, console), localization_, threads(),
+                        max_hypotheses_);
   Batch batch(1, chosen.size(), console);  // OpenGL is used by one thread
   batch.run([&](std::size_t k) { return sequence.frames()[chosen[k]].path.string(); },
             [&](std::size_t k, int) { renderer.render(chosen[k], pathOf(chosen[k])); });
@@ -191,13 +170,16 @@ int RenderApp::renderFailures(const CommandLine& line, const Console& console) c
     throw UsageError("the pictures of results need --map and --sequence");
   const DepthSequence sequence = DepthSequence::open(sequence_);
   const Map map = readMap(map_);
-  const std::vector<ResultRow> rows = readHypotheses(input_);
-  const Evaluation evaluation =
-      evaluate({{"", rows, {}}}, PlaceTruth::open(sequence_), posesOf(map), evaluation_);
+  const std::vector<ModelPose> models = modelPosesOf(map);
+  if (models.empty()) throw IoError(map_, "has no poses of local models: what is true cannot be drawn");
+  const std::vector<RunResults> runs = readRuns(input_);
+  const Evaluation evaluation = evaluate(runs, PlaceTruth::open(sequence_), models, evaluation_);
   if (evaluation.frames.empty()) throw IoError(sequence_, "has no pose for any image of " + input_);
-  const std::vector<Failure> failures = findFailures(evaluation, rows, map);
+  const std::vector<Failure> failures = findFailures(evaluation, runs, map);
   const std::size_t drawn = std::min<std::size_t>(failures.size(), most_);
   createFolder(output_);
+  const fs::path sheet_path = fs::path(output_) / "failures.png";
+  fs::remove(sheet_path);  // of an earlier run; there may be nothing to draw now
 
   ViewBuilder builder(depth_.viewParams(sequence.camera(), line));
   std::vector<Raster<std::uint8_t>> sheet(std::min(drawn, kOnSheet));
@@ -209,13 +191,13 @@ int RenderApp::renderFailures(const CommandLine& line, const Console& console) c
             [&](std::size_t i, int) {
               const Failure& failure = failures[i];
               const std::size_t index = indexOf(sequence, failure.frame);
-              const SeenImage image = seen(failure.frame, sequence.load(index, depth_.width), builder);
+              const SeenImage image = see(failure.frame, sequence.load(index, depth_.width), builder);
               Raster<std::uint8_t> picture = matchesPicture(image, map, failure.answers);
               writePng(fs::path(output_) / (failure.frame + ".png"), picture);
               if (i < sheet.size()) sheet[i] = std::move(picture);
             });
   const int code = batch.report();
-  if (code == kOk && drawn > 0) writePng(fs::path(output_) / "failures.png", contactSheet(sheet, titles));
+  if (code == kOk && drawn > 0) writePng(sheet_path, contactSheet(sheet, titles));
   console.out << failures.size() << " of " << counted(evaluation.frames.size(), "image") << " failed, "
               << drawn << " drawn; pictures in " << output_ << "\n";
   return code;
@@ -229,7 +211,7 @@ int RenderApp::execute(const CommandLine& line, const Console& console) {
   const OffscreenDisplay display;
   if (!display.available()) throw std::runtime_error("nothing can be drawn: " + display.problem());
   if (isMap(input_)) return renderMap(console);
-  return isResults(input_) ? renderFailures(line, console) : renderImages(line, console);
+  return isResultsFolder(input_) ? renderFailures(line, console) : renderImages(line, console);
 }
 
 }  // namespace facetloc

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/batch.h>
+#include <facetloc/apps/frame_truth.h>
 #include <facetloc/apps/segment_file.h>
 #include <facetloc/apps/simulate_app.h>
 #include <facetloc/apps/text.h>
@@ -11,7 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <set>
+#include <map>
 
 namespace facetloc {
 namespace {
@@ -23,7 +24,7 @@ constexpr double kFrameInterval = 0.1;   // [s]
 constexpr double kQueryStart = 1000;     // [s] no query has the stamp of a map image
 constexpr std::uint64_t kRunSeeds = 64;  // seeds per place, for its runs
 constexpr int kMostFrames = 1000000;
-const std::string kRoom = "room";
+constexpr const char *kRoom = "room", *kMap = "map", *kQuery = "query";
 constexpr double kWalls = 0.3;    // [m] thickness that belongs to a room
 constexpr double kInside = 0.95;  // of the pixels, where a room is all that is seen
 constexpr int kGrid = 4;          // [px] between the pixels that are asked
@@ -48,19 +49,11 @@ bool showsOnly(const std::vector<Eigen::AlignedBox2d>& rooms, const DepthImage& 
   return false;
 }
 
-/** The planes of a scene, n . p = d in the world. */
-void writePlanes(const fs::path& path, const Scene& scene) {
-  std::map<std::uint16_t, const Rectangle*> planes;
-  for (const Rectangle& r : scene.rectangles) planes.emplace(r.plane_id, &r);
-  writeTextAtomically(path, [&](std::ostream& out) {
-    out << "plane,nx,ny,nz,d\n";
-    for (const auto& [id, r] : planes) {
-      const Eigen::Vector3d n = r->normal();
-      out << id;
-      for (const double value : {n.x(), n.y(), n.z(), n.dot(r->centre)}) out << "," << exactNumber(value);
-      out << "\n";
-    }
-  });
+std::map<int, WorldPlane> planesOf(const Scene& scene) {
+  std::map<int, WorldPlane> planes;
+  for (const Rectangle& r : scene.rectangles)
+    planes.emplace(r.plane_id, WorldPlane{r.normal(), r.normal().dot(r.centre)});
+  return planes;
 }
 
 }  // namespace
@@ -84,16 +77,13 @@ struct SimulateApp::Place {
 SimulateApp::SimulateApp()
     : App("facetloc_simulate", "SCENE -o DIR [options]",
           "Makes two depth sequences of a simulated place, taken by a robot with a Kinect-like camera: "
-          "DIR/map and DIR/query, "
-          "a later drive on another line, after some things have moved, partly where the first one never "
-          "was. With "
-          "camera.ini, groundtruth.txt, the true planes of each pixel (labels/, 16-bit PNG; planes.csv: "
-          "their "
-          "equations) and query/unmapped.txt, the images of a room that the first drive never entered. SCENE "
-          "is one "
-          "of: "
-          "office (a loop of corridors and some rooms), home (a flat), hall (shelves and columns), "
-          "room (one closed room with random boxes). The same seed gives the same files.") {
+          "DIR/map and DIR/query, a later drive on another line, after some things have moved, partly "
+          "where the first one never was. With camera.ini, groundtruth.txt, the true planes of each pixel "
+          "(labels/, 16-bit PNG; planes.csv: their equations) and query/unmapped.txt, the images that "
+          "show only a room that the first drive never entered. SCENE is one of: office (a loop of "
+          "corridors and some rooms), home (a flat), hall (shelves and columns), room (one closed room "
+          "with random boxes, where nothing moves). DIR/map and DIR/query must not exist yet. The same "
+          "seed and options give the same files.") {
   drive_.sway_deg = 10;
 }
 
@@ -130,7 +120,7 @@ SimulateApp::Place SimulateApp::makePlace() const {
   map_drive.step = map_step_;
   map_drive.sway_deg = 0;
 
-  Place place{{"map", {}, 0, 0, {}}, {"query", {}, kQueryStart, map_frames, {}}, {}};
+  Place place{{kMap, {}, 0, 0, {}}, {kQuery, {}, kQueryStart, map_frames, {}}, {}};
   if (scene_ == kRoom) {
     constexpr int kBoxes = 16;  // furnished: most views then show planes of three directions
     place.map.scene = place.query.scene = randomRoom(seed, kBoxes);
@@ -153,7 +143,7 @@ void SimulateApp::prepareFolder(const Run& run, const CameraFile& camera) const 
   createFolder((folder / "depth").string());
   createFolder((folder / "labels").string());
   writeCameraFile(folder / "camera.ini", camera);
-  writePlanes(folder / "planes.csv", run.scene);
+  writePlanes(folder / "planes.csv", planesOf(run.scene));
   std::vector<StampedPose> truth;
   for (std::size_t i = 0; i < run.poses.size(); ++i) truth.push_back({run.stamp(i), run.poses[i]});
   writeTumTrajectory(folder / "groundtruth.txt", truth);
@@ -167,7 +157,7 @@ void SimulateApp::writeUnmapped(const Run& query, const std::vector<char>& unmap
   });
 }
 
-int SimulateApp::execute(const CommandLine&, const Console& console) {
+void SimulateApp::checkOptions() const {
   std::vector<std::string> scenes = simulatedPlaceNames();
   scenes.push_back(kRoom);
   if (std::find(scenes.begin(), scenes.end(), scene_) == scenes.end()) {
@@ -183,13 +173,16 @@ int SimulateApp::execute(const CommandLine&, const Console& console) {
     if (frames < 1 || frames > kMostFrames)
       throw UsageError("map-frames and query-frames must lie in [1, 1000000]");
   if (!(map_step_ >= 0.01 && map_step_ <= 10)) throw UsageError("map-step must lie in [0.01, 10]");
+  for (const char* run : {kMap, kQuery})
+    if (const fs::path folder = fs::path(folder_) / run; fs::exists(folder))
+      throw IoError(folder.string(), "exists already; remove it or use another folder");
+}
 
+int SimulateApp::execute(const CommandLine&, const Console& console) {
+  checkOptions();
   const Place place = makePlace();
   const SimulatedCamera camera(scaledKinect(width_), noise_, static_cast<std::uint64_t>(seed_));
   const CameraFile camera_file{camera.camera(), kDepthScale, drive_.mounting(), {}};
-  for (const Run* run : {&place.map, &place.query})
-    if (const fs::path folder = fs::path(folder_) / run->name; fs::exists(folder))
-      throw IoError(folder.string(), "exists already; remove it or use another folder");
   for (const Run* run : {&place.map, &place.query}) prepareFolder(*run, camera_file);
 
   const std::size_t map_frames = place.map.poses.size(), frames = map_frames + place.query.poses.size();

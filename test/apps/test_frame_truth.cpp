@@ -11,13 +11,10 @@
 
 #include <gmock/gmock.h>
 
-#include <functional>
-
 namespace facetloc {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Key;
@@ -74,11 +71,7 @@ void writeSequence(const fs::path& folder, const std::string& frame, const std::
   writeCameraFile(folder / "camera.ini", {camera, 5000, {}, {}});
   writeLabels(folder / "labels" / (frame + ".png"), seen(ids, T_w_c, camera));
   writeTumTrajectory(folder / "groundtruth.txt", {{std::stod(frame), T_w_c}});
-  std::string planes = "plane,nx,ny,nz,d\n";
-  for (const auto& [id, p] : kPlanes)
-    planes += std::to_string(id) + "," + std::to_string(p.normal.x()) + "," + std::to_string(p.normal.y()) +
-              "," + std::to_string(p.normal.z()) + "," + std::to_string(p.offset) + "\n";
-  test::writeContent(folder / "planes.csv", planes);
+  writePlanes(folder / "planes.csv", kPlanes);
 }
 
 TEST(FrameTruth, SegmentsLieInTheirPlanes) {
@@ -148,6 +141,15 @@ TEST(RenderedTruth, ReadsWhatIsInTheFolder) {
     EXPECT_NEAR((read.at(id).t - s.t).norm(), 0, 0.02) << id;
   }
   EXPECT_THROW(truth->segments("8.000000", displaced(), kPixels), IoError);
+  const std::string whole = test::contentOf(run / "labels/7.500000.png");
+  test::writeContent(run / "labels/8.000000.png", whole.substr(0, whole.size() / 2));
+  EXPECT_THROW(truth->segments("8.000000", displaced(), kPixels), IoError);
+  writeLabels(run / "labels/9.000000.png", seen({kFloor}, displaced()));  // half the size of camera.ini
+  EXPECT_THROW(truth->segments("9.000000", displaced(), kPixels), IoError);
+  writeLabels(run / "labels/10.000000.png", {640, 480, std::vector<std::uint16_t>(640 * 480, 99)});
+  EXPECT_THROW(truth->segments("10.000000", displaced(), kPixels), IoError);  // there is no plane 99
+  writeLabels(run / "labels/11.000000.png", {640, 480, std::vector<std::uint16_t>(640 * 480, 0)});
+  EXPECT_TRUE(truth->segments("11.000000", displaced(), kPixels).empty());
   fs::remove(run / "planes.csv");
   EXPECT_FALSE(RenderedTruth::open(run));
 }
@@ -198,7 +200,6 @@ TEST_F(Place, TheTruthsOfBothRunsAreOne) {
   EXPECT_TRUE(truth.segments("1.000000", Eigen::Isometry3d::Identity(), kPixels));
   EXPECT_TRUE(truth.segments("1001.000000", displaced(), kPixels));
   EXPECT_FALSE(truth.segments("5", displaced(), kPixels));
-  EXPECT_FALSE(truth.knowsUnmapped());
   EXPECT_EQ(PlaceTruth::open(folder_ / "query").poses().poses().size(), 1u);
   EXPECT_EQ(PlaceTruth::open(folder_ / "query/groundtruth.txt").poses().poses().size(), 1u);
   EXPECT_TRUE(PlaceTruth::open(folder_ / "query/groundtruth.txt").sequences().empty());
@@ -237,7 +238,6 @@ TEST_F(Place, WithoutTheMapsPlanesNobodyKnows) {
 TEST_F(Place, WhereTheMapHasNothingNothingIsCovered) {
   test::writeContent(folder_ / "query/unmapped.txt", "# a room that was closed\n 1001.000000 # here\n\n");
   const PlaceTruth truth = PlaceTruth::open(place());
-  EXPECT_TRUE(truth.knowsUnmapped());
   EXPECT_TRUE(truth.unmapped("1001.000000"));
   EXPECT_FALSE(truth.unmapped("1.000000"));
   const FrameEvaluation f = query(truth);

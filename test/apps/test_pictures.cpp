@@ -113,16 +113,16 @@ TEST(Failures, AreWhatIsWrongOrMissing) {
   add("second", 3, 2, 0.4);
   add("wrong", 2, 0, 0.7);
   add("nowhere", 2, 0, 0.3).unmapped = true;
-  std::vector<ResultRow> rows;
+  std::vector<RunResults> runs(1);
   for (const FrameEvaluation& frame : evaluation.frames) {
     ResultRow row;
     row.frame = frame.name;
     row.rank = frame.hypotheses > 0 ? 1 : 0;
     row.model = frame.hypotheses > 0 ? "right" : "";
-    rows.push_back(row);
+    runs[0].rows.push_back(row);
   }
 
-  const auto failures = findFailures(evaluation, rows, map);
+  const auto failures = findFailures(evaluation, runs, map);
   ASSERT_EQ(failures.size(), 3u);
   EXPECT_EQ(failures[0].frame, "wrong");
   EXPECT_EQ(failures[1].frame, "second");
@@ -132,8 +132,32 @@ TEST(Failures, AreWhatIsWrongOrMissing) {
   EXPECT_EQ(failures[0].answers[0].model, 2);
   EXPECT_EQ(failures[0].answers[1].model, 1);
   EXPECT_TRUE((*map.models[1].T_w_m * failures[0].answers[1].T_m_c).isApprox(kQueryPose, 1e-12));
-  rows[3].model = "of another map";
-  EXPECT_THROW(findFailures(evaluation, rows, map), std::runtime_error);
+  runs[0].rows[3].model = "of another map";
+  EXPECT_THROW(findFailures(evaluation, runs, map), std::runtime_error);
+}
+
+TEST(Failures, OfRunsWithTheSameNamesAreToldApart) {
+  const Map map = ExampleScene().map();
+  Evaluation evaluation;
+  std::vector<RunResults> runs;
+  for (const std::string name : {"left", "right"}) {
+    FrameEvaluation frame;
+    frame.run = name;
+    frame.name = "1.0";
+    frame.hypotheses = 1;
+    evaluation.frames.push_back(frame);
+    ResultRow row;
+    row.frame = "1.0";
+    row.rank = 1;
+    row.model = name;
+    runs.push_back({name, {row}, {}});
+  }
+  const auto failures = findFailures(evaluation, runs, map);
+  ASSERT_EQ(failures.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(failures[i].run, runs[i].name);
+    EXPECT_EQ(map.models.at(failures[i].answers.at(0).model).name, runs[i].name);
+  }
 }
 
 /** Pictures that VTK renders. */
@@ -229,9 +253,12 @@ TEST_F(Pictures, AViewWithoutSegmentsIsDrawn) {
 
 TEST_F(Pictures, AModelWithoutDepthIsDrawn) {
   Map map = map_;
+  drawMatches(path_, query_, map, answers());
+  const Raster<std::uint8_t> with_depth = written();
   map.models[1].view.depth = {};
   drawMatches(path_, query_, map, answers());
-  EXPECT_GT(written().width, 0);
+  EXPECT_EQ(written().width, with_depth.width);
+  EXPECT_GT(test::strangePixels(with_depth, written()), 100);  // its segments stand before an empty ground
 }
 
 TEST_F(Pictures, AMapNeedsPoses) {

@@ -364,6 +364,38 @@ TEST_F(Tools, EvaluateTellsThePlacesOfBothRuns) {
         << file;
 }
 
+TEST_F(Tools, EvaluateLeavesNothingOfAnEarlierOne) {
+  const std::string results = folder_ / "results", evaluation = results + "/evaluation";
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  fs::create_directories(evaluation + "/failures");
+  for (const char* stale :
+       {"/failures/stale.png", "/failures/note.txt", "/floor_map.png", "/timing_summary.csv"})
+    test::writeContent(evaluation + stale, "stale");
+  fs::remove(results + "/timing.csv");
+  ASSERT_EQ(runTool<EvaluateApp>({results, query()}).code, kOk);
+  for (const char* stale : {"/failures/stale.png", "/floor_map.png", "/timing_summary.csv"})
+    EXPECT_FALSE(fs::exists(evaluation + stale)) << stale;
+  EXPECT_TRUE(fs::exists(evaluation + "/failures/note.txt"));  // not ours
+  EXPECT_TRUE(fs::exists(evaluation + "/report.html"));
+}
+
+TEST_F(Tools, EvaluateSaysWhatIsWrongWithItsInput) {
+  const std::string results = folder_ / "results";
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  ASSERT_EQ(runMap({"build", query(), "-o", folder_ / "other.flmap"}).code, kOk);
+  ToolRun run = runTool<EvaluateApp>({results, query(), "--map", folder_ / "other.flmap"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("of another map"));
+  EXPECT_FALSE(fs::exists(results + "/evaluation"));
+
+  const std::string hypotheses = contentOf(results + "/hypotheses.csv");
+  test::writeContent(results + "/hypotheses.csv", hypotheses.substr(0, hypotheses.find('\n') + 1));
+  run = runTool<EvaluateApp>({results, query()});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("has results of no image"));
+  EXPECT_EQ(runTool<EvaluateApp>({folder_ / "nowhere", query()}).code, kFailed);
+}
+
 TEST_F(Tools, RenderDrawsWhatItIsGiven) {
   if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
   const auto draws = [&](std::vector<std::string> arguments, const std::string& output) {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/apps/colours.h>
+
 #include <array>
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -14,7 +15,7 @@ struct Curve {
   std::string label;  ///< in the legend; none if empty
   std::vector<double> x;
   std::vector<double> y;
-  std::array<std::uint8_t, 3> colour = {31, 119, 180};
+  Colour colour = kCurveColours[0];
   float width = 2.5f;
   bool dashed = false;
   bool markers = false;

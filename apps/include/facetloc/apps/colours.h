@@ -17,7 +17,6 @@ struct Colour {
   Colour() = default;
   constexpr Colour(std::uint8_t r, std::uint8_t g, std::uint8_t b, std::uint8_t a = 255)
       : red(r), green(g), blue(b), alpha(a) {}
-  constexpr Colour(const std::array<std::uint8_t, 3>& rgb) : Colour(rgb[0], rgb[1], rgb[2]) {}
 
   constexpr Colour withAlpha(std::uint8_t a) const { return {red, green, blue, a}; }
 };
@@ -25,7 +24,11 @@ struct Colour {
 /** \brief The mixture of two opaque colours; share of the second one from 0 to 1. */
 Colour mixed(const Colour& a, const Colour& b, double share_of_b);
 
-constexpr Colour kBlack = {0, 0, 0}, kWhite = {255, 255, 255};
+constexpr Colour kBlack = {0, 0, 0}, kWhite = {255, 255, 255}, kRed = {200, 40, 40};
+
+/** \brief Of the curves of a chart and the runs of a map: blue, green, orange, purple, brown. */
+constexpr std::array<Colour, 5> kCurveColours = {
+    {{31, 119, 180}, {44, 160, 44}, {255, 127, 14}, {148, 103, 189}, {140, 86, 75}}};
 
 /** \brief The k-th of the colours that tell segments apart, also for the colour-blind (Okabe and Ito; Tol);
  * they repeat. */

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/apps/command_line.h>
+#include <facetloc/apps/app.h>
+#include <facetloc/features/local_model.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/segmentation/view_builder.h>
 
+#include <optional>
 #include <string>
 
 namespace facetloc {
@@ -18,6 +20,13 @@ struct DepthInput {
   /** \brief The parameters for images of this camera: its own noise, unless the user gave another. */
   ViewParams viewParams(const std::optional<CameraFile>& camera, const CommandLine& line) const;
 };
+
+/** \brief The same with the noise that camera.ini tells, if it does. */
+ViewParams withNoiseOf(const std::optional<CameraFile>& camera, ViewParams params);
+
+/** \brief The map as far as it holds for images of this camera: its mounting says nothing about another
+ * one, and is dropped with a remark if theirs is not known. Throws IoError. */
+Map readMapFor(const std::optional<CameraFile>& camera, const std::string& path, const Console& console);
 
 /** \brief The options as "name = value" lines, for what is recorded beside maps and results. */
 std::string toIni(const DepthInput& input, const ViewParams& view);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <facetloc/apps/frame_truth.h>
+#include <facetloc/features/local_model.h>
 #include <facetloc/features/params.h>
 #include <facetloc/io/results.h>
 #include <facetloc/io/trajectory.h>
@@ -56,9 +57,11 @@ PoseError poseError(const Eigen::Isometry3d& T_w_c, const Eigen::Isometry3d& T_w
 /** \brief Where a local model of the map was taken. */
 struct ModelPose {
   std::string name;  ///< may be empty
-  double stamp = 0;
+  double stamp = 0;  ///< [s]
   Eigen::Isometry3d T_w_m = Eigen::Isometry3d::Identity();
 };
+/** \brief Of those local models of a map that have a pose. */
+std::vector<ModelPose> modelPosesOf(const Map& map);
 
 /** \brief A map image is itself one of the local models; the other images of the mapping run are no news
  * either, if there are further runs. */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/apps/app.h>
 #include <facetloc/apps/evaluation_report.h>
 #include <facetloc/features/local_model.h>
 
@@ -16,14 +17,15 @@ namespace facetloc {
 ReportPicture drawMapOfRuns(const std::filesystem::path& path, const Map& map, const PlaceTruth& truth,
                             const Evaluation& evaluation);
 
-/** \brief Misses to be shown, at most that many: as many of each kind as far as there are, spread
+/** \brief Misses to be shown, at most that many: equally many of each kind, as far as there are, spread
  * over the run. */
 std::vector<Miss> chosenMisses(const Evaluation& evaluation, std::size_t most);
 
-/** \brief Draws folder/NAME.png for misses whose depth images are there: the answer of rank 1, and the local
- * model that would have been right with the true pose. */
+/** \brief Draws folder/NAME.png, of several runs folder/RUN_NAME.png, for misses whose depth images are
+ * there: the answer of rank 1, and the local model that would have been right with the true pose. An image
+ * that cannot be read or drawn is left out with a remark. */
 std::vector<ReportPicture> drawMisses(const std::filesystem::path& folder, const std::vector<Miss>& misses,
                                       const Map& map, const PlaceTruth& truth,
-                                      const std::vector<RunResults>& runs);
+                                      const std::vector<RunResults>& runs, const Console& console);
 
 }  // namespace facetloc

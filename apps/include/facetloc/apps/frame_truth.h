@@ -37,6 +37,9 @@ struct WorldPlane {
  * malformed, an id below 1 or twice, or a normal that is no unit vector. */
 std::map<int, WorldPlane> readPlanes(const std::filesystem::path& path);
 
+/** \brief Writes such a file, atomically. Throws IoError. */
+void writePlanes(const std::filesystem::path& path, const std::map<int, WorldPlane>& planes);
+
 /** \brief The exact depth of labelled pixels: where the ray of the pixel meets its plane; 0 without a label.
  * Throws std::invalid_argument for a label that is no plane. */
 DepthImage exactDepth(const LabelImage& labels, const Intrinsics& camera,
@@ -81,8 +84,7 @@ public:
   static PlaceTruth open(const std::filesystem::path& path);
 
   const Trajectory& poses() const { return poses_; }  ///< of all runs
-  /** \brief Is there a list of frames taken where the map has nothing? */
-  bool knowsUnmapped() const { return knows_unmapped_; }
+  /** \brief Was a frame taken where the map has nothing? */
   bool unmapped(const std::string& name) const { return unmapped_.count(name) > 0; }
   /** \brief The true segments of a frame of any run; nothing if its labels are not there. */
   std::optional<TrueSegments> segments(const std::string& name, const Eigen::Isometry3d& T_w_c,
@@ -96,7 +98,6 @@ private:
   Trajectory poses_;
   std::vector<Sequence> sequences_;
   std::set<std::string> unmapped_;
-  bool knows_unmapped_ = false;
 };
 
 }  // namespace facetloc

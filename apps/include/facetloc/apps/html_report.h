@@ -22,8 +22,8 @@ public:
   void heading(const std::string& text);
   void paragraph(const std::string& text);
   /** \brief The first row is the header. A row with nothing but its first cell is the title of those below
-   * it. \param words_last the last column is aligned left as well. */
-  void table(const std::string& caption, const TextTable& table, bool words_last = false);
+   * it. */
+  void table(const std::string& caption, const TextTable& table);
   /** \brief A PNG file, embedded. Throws IoError if it cannot be read. */
   void picture(const std::filesystem::path& png, const std::string& caption);
   std::string str() const;

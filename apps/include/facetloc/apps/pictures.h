@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/apps/colours.h>
 #include <facetloc/features/depth_image.h>
 #include <facetloc/features/local_model.h>
-#include <facetloc/io/trajectory.h>
 
-#include <array>
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 namespace facetloc {
+
+class ViewBuilder;
 
 // Pictures of what the tools found, PNG, written atomically; all need an X display (OffscreenDisplay). They
 // throw IoError for a file that cannot be written, std::invalid_argument for an image without pixels or with
@@ -24,6 +24,8 @@ struct SeenImage {
   LabelImage labels;  ///< k = segment k - 1 of the view
   View view;
 };
+/** \brief Segments an image. */
+SeenImage see(const std::string& name, DepthImage depth, ViewBuilder& builder);
 
 /** \brief The paper's Fig. 1: the depth image, the same with its segments outlined in green, and a 3D model
  * of the dominant segments. */
@@ -33,13 +35,13 @@ void drawSegmentation(const std::filesystem::path& path, const SeenImage& image)
 struct DrawnRun {
   std::string name;
   std::vector<Eigen::Isometry3d> T_w_c;
-  std::array<std::uint8_t, 3> colour = {31, 119, 180};
+  Colour colour = kCurveColours[0];
 };
 /** \brief Poses that are marked in a floor map, such as failures. */
 struct DrawnMarks {
   std::string name;
   std::vector<Eigen::Isometry3d> T_w_c;
-  std::array<std::uint8_t, 3> colour = {200, 40, 40};
+  Colour colour = kRed;
 };
 /** \brief The paper's Fig. 4: the segments of all local models in plan view (upright ones as lines, level
  * ones not), the local models with their headings, their links, runs and marks, a scale bar. Models without a

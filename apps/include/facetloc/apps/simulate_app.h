@@ -22,6 +22,7 @@ private:
 
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
+  void checkOptions() const;
   Place makePlace() const;
   void prepareFolder(const Run& run, const CameraFile& camera) const;
   void writeUnmapped(const Run& query, const std::vector<char>& unmapped) const;

@@ -31,6 +31,7 @@ public:
   void add(std::vector<std::string> row);
   /** \brief The last column is aligned left as well: it holds words. */
   void setWordsLast() { words_last_ = true; }
+  bool wordsLast() const { return words_last_; }
 
   const std::vector<std::vector<std::string>>& rows() const { return rows_; }
   friend std::ostream& operator<<(std::ostream& out, const TextTable& table);
