@@ -9,7 +9,10 @@ namespace facetloc {
 
 GlobalLocalization::GlobalLocalization(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params,
                                        const SensorNoise& noise)
-    : map_(std::move(map)), params_(params), registration_(params.registration, noise) {
+    : map_(std::move(map)),
+      params_(params),
+      registration_(params.registration, noise),
+      inverse_depth_std_(noise.inverse_depth_std) {
   prior_.P = posePrior(map_->mounting, params.prior);
 }
 
@@ -36,7 +39,11 @@ Localization GlobalLocalization::localize(const View& scene, const PoseWithCovar
   const bool evidence = !params_.registration.consensus.surface_score &&  // a score in pixels, not in nats
                         addEvidence(scene, *map_, registration_.comparison(), params_.registration.consensus,
                                     params_.ranking, answer.hypotheses);
-  rankPlaces(params_.ranking, evidence, answer.hypotheses);
+  mergePlaces(params_.ranking, answer.hypotheses);
+  if (evidence && params_.ranking.dense_refinement)
+    refinePlaces(scene, *map_, params_.registration.depth, inverse_depth_std_, params_.registration.consensus,
+                 params_.ranking, answer.hypotheses);
+  assignProbabilities(params_.ranking, evidence, answer.hypotheses);
 
   if (answer.hypotheses.empty()) {
     const HypothesisTreeParams& tree = params_.registration.tree;

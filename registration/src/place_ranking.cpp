@@ -34,19 +34,20 @@ std::vector<int> nearestModels(const Map& map, const Eigen::Isometry3d& T_w_c, i
 // What several models say about one world pose: all together about each pixel of the scene, and one by one
 // about their own pixels, moved into the scene.
 struct DepthEvidence {
-  DepthAgreement of_scene, of_models;
+  DepthAgreement of_scene;
   int pixels = 0;  // of the scene
+  std::vector<DepthAgreement> of_models;
 };
 
 DepthEvidence compareWithModels(const View& scene, const Map& map, const std::vector<int>& models,
                                 const Eigen::Isometry3d& T_w_c, const DepthComparison& comparison) {
-  DepthEvidence sum;
+  DepthEvidence found;
   std::vector<DepthJudge> judges;
   for (const int i : models) {
     const DepthPicture& depth = map.models[i].view.depth;
     const Eigen::Isometry3d T_m_c = map.models[i].T_w_m->inverse() * T_w_c;
     judges.emplace_back(comparison, scene.depth, depth, T_m_c);
-    sum.of_models += comparison.compare(depth, scene.depth, T_m_c.inverse(), kCoarseColumns);
+    found.of_models.push_back(comparison.compare(depth, scene.depth, T_m_c.inverse(), kCoarseColumns));
   }
   const int step = gridStep(scene.depth, kFineColumns);
   for (int v = step / 2; v < scene.depth.camera.height; v += step)
@@ -58,22 +59,55 @@ DepthEvidence compareWithModels(const View& scene, const Map& map, const std::ve
         agree += verdict == DepthVerdict::agree;
         contradict += verdict == DepthVerdict::contradict;
       }
-      ++sum.pixels;
+      ++found.pixels;
       if (judged == 0) continue;
-      ++(contradict > agree ? sum.of_scene.contradict
-         : agree > 0        ? sum.of_scene.agree
-                            : sum.of_scene.occluded);
+      ++(contradict > agree ? found.of_scene.contradict
+         : agree > 0        ? found.of_scene.agree
+                            : found.of_scene.occluded);
     }
-  return sum;
+  return found;
 }
 
-double evidence(const DepthEvidence& depth, const ConsensusParams& consensus,
+double evidence(const DepthEvidence& found, const ConsensusParams& consensus,
                 const PlaceRankingParams& params) {
-  const double agreement = depth.of_scene.agree / std::max(1.0, double(depth.pixels));
-  const double hidden = depth.of_models.occluded / std::max(1.0, double(depth.of_models.judged()));
-  return params.agreement_weight * agreement -
-         params.occlusion_weight * std::log1p(hidden / consensus.free_space_share) +
-         freeSpaceTerm(depth.of_scene, consensus) + freeSpaceTerm(depth.of_models, consensus);
+  const auto tail = [&](double share) { return std::log1p(share / consensus.free_space_share); };
+  const double untested = params.untested_pixels * found.pixels;
+  const auto contradiction = [&](const DepthAgreement& a, double untested_here) {
+    const double n = a.judged() + untested_here;
+    return tail(n > 0 ? (a.contradict + untested_here * params.untested_contradiction) / n : 0);
+  };
+  // The models' pixels are counted on the coarser grid.
+  constexpr double kCoarser = double(kCoarseColumns * kCoarseColumns) / (kFineColumns * kFineColumns);
+  double of_models = 0, hidden = 0;
+  int tested = 0;
+  for (const DepthAgreement& a : found.of_models) {
+    if (a.judged() == 0) continue;
+    ++tested;
+    of_models += contradiction(a, kCoarser * untested);
+    hidden += tail(a.occluded / static_cast<double>(a.judged()));
+  }
+  if (tested > 0)
+    of_models /= tested, hidden /= tested;
+  else
+    of_models = contradiction({}, untested);
+  const double disagreement =
+      (found.of_scene.judged() - found.of_scene.agree) / std::max(1.0, double(found.pixels));
+  return -params.contradiction_weight * (contradiction(found.of_scene, untested) + of_models) -
+         params.occlusion_weight * hidden - params.disagreement_weight * disagreement;
+}
+
+// Moves a hypothesis in the world to where the pixels of these models fit best.
+void refine(const View& scene, const Map& map, const std::vector<int>& models, double inverse_depth_std,
+            const DenseRefinementParams& params, Hypothesis& h) {
+  std::vector<PosedPicture> pictures;
+  for (const int m : models) pictures.push_back({&map.models[m].view.depth, *map.models[m].T_w_m});
+  const Eigen::Isometry3d& T_w_m = *map.models[h.model].T_w_m;
+  Matrix6d rotation = Matrix6d::Zero();  // of the covariance into the world's axes
+  rotation.topLeftCorner<3, 3>() = rotation.bottomRightCorner<3, 3>() = T_w_m.linear();
+  PoseWithCovariance pose{*h.T_w_c, rotation * h.T_m_c.P * rotation.transpose()};
+  if (!refineByDepth(scene.depth, pictures, inverse_depth_std, params, pose)) return;
+  h.T_w_c = pose.T;
+  h.T_m_c.T = T_w_m.inverse() * pose.T;
 }
 
 void sortByScore(std::vector<Hypothesis>& h) {
@@ -98,31 +132,62 @@ bool addEvidence(const View& scene, const Map& map, const DepthComparison& compa
   const std::size_t n = std::min<std::size_t>(hypotheses.size(), params.evidence_hypotheses);
   bool any = false;
   double least = std::numeric_limits<double>::infinity();
+  std::vector<double> found(n, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Hypothesis& h = hypotheses[i];
+    if (!h.T_w_c) continue;
+    const std::vector<int> models = nearestModels(map, *h.T_w_c, params.evidence_models);
+    found[i] = evidence(compareWithModels(scene, map, models, *h.T_w_c, comparison), consensus, params);
+    any = any || !models.empty();
+    least = std::min(least, found[i]);
+  }
+  if (!any) return false;
+  for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+    Hypothesis& h = hypotheses[i];
+    h.evidence = i < n && h.T_w_c ? found[i] : least;
+    h.score = h.consensus + h.evidence;
+  }
+  return true;
+}
+
+void mergePlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses) {
+  sortByScore(hypotheses);
+  if (!params.merge) return;
+  std::vector<Hypothesis> places;
+  for (Hypothesis& h : hypotheses) {
+    const bool known = std::any_of(places.begin(), places.end(),
+                                   [&](const Hypothesis& p) { return samePlace(p, h, params); });
+    if (!known) places.push_back(std::move(h));
+  }
+  hypotheses.swap(places);
+}
+
+void refinePlaces(const View& scene, const Map& map, const DepthConsistencyParams& depth,
+                  double inverse_depth_std, const ConsensusParams& consensus,
+                  const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses) {
+  DepthConsistencyParams errors = depth;
+  errors.absolute_error = params.refined_absolute_error;
+  errors.relative_error = params.refined_relative_error;
+  const DepthComparison comparison(errors, inverse_depth_std);
+  const std::size_t n = std::min<std::size_t>(hypotheses.size(), params.refined_places);
+  double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < n; ++i) {
     Hypothesis& h = hypotheses[i];
     if (!h.T_w_c) continue;
     const std::vector<int> models = nearestModels(map, *h.T_w_c, params.evidence_models);
+    refine(scene, map, models, inverse_depth_std, params.dense, h);
     h.evidence = evidence(compareWithModels(scene, map, models, *h.T_w_c, comparison), consensus, params);
-    any = any || !models.empty();
     least = std::min(least, h.evidence);
   }
-  if (!any) return false;
-  for (std::size_t i = n; i < hypotheses.size(); ++i) hypotheses[i].evidence = least;
+  // The others are compared with the larger errors of a pose that is not refined, which is no merit.
+  for (std::size_t i = n; i < hypotheses.size(); ++i)
+    hypotheses[i].evidence = std::min(hypotheses[i].evidence, least);
   for (Hypothesis& h : hypotheses) h.score = h.consensus + h.evidence;
-  return true;
+  mergePlaces(params, hypotheses);
 }
 
-void rankPlaces(const PlaceRankingParams& params, bool with_evidence, std::vector<Hypothesis>& hypotheses) {
-  sortByScore(hypotheses);
-  if (params.merge) {
-    std::vector<Hypothesis> places;
-    for (Hypothesis& h : hypotheses) {
-      const bool known = std::any_of(places.begin(), places.end(),
-                                     [&](const Hypothesis& p) { return samePlace(p, h, params); });
-      if (!known) places.push_back(std::move(h));
-    }
-    hypotheses.swap(places);
-  }
+void assignProbabilities(const PlaceRankingParams& params, bool with_evidence,
+                         std::vector<Hypothesis>& hypotheses) {
   if (hypotheses.empty()) return;
   const double slope = with_evidence ? params.softmax_slope : params.plain_softmax_slope;
   const double null_score = with_evidence ? params.null_score : params.plain_null_score;

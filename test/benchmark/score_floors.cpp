@@ -53,8 +53,11 @@ std::vector<Variant> variants(bool ablation) {
   add("segment-overlap score").localization.registration.consensus.surface_score = true;
   add("no joint refinement").localization.registration.joint_refinement = false;
   add("no dense last degree of freedom").localization.registration.depth_assistance = false;
-  add("no free-space term").localization.registration.consensus.free_space_weight = 0;
+  Variant& free_space = add("no free-space term");
+  free_space.localization.registration.consensus.free_space_weight = 0;
+  free_space.localization.ranking.contradiction_weight = 0;
   add("no multi-model evidence").localization.ranking.multi_model = false;
+  add("no dense refinement").localization.ranking.dense_refinement = false;
   add("minimum support 1000 px").view.features.min_support = 1000;
   return all;
 }

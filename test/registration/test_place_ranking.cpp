@@ -28,6 +28,11 @@ Eigen::Isometry3d pose(double x, double turn_deg = 0) {
   return T;
 }
 
+void rankPlaces(const PlaceRankingParams& params, bool with_evidence, std::vector<Hypothesis>& h) {
+  mergePlaces(params, h);
+  assignProbabilities(params, with_evidence, h);
+}
+
 TEST(RankPlaces, ProbabilitiesAreTheSoftmaxWithANullPlace) {
   const PlaceRankingParams params;
   for (const bool with_evidence : {false, true}) {
@@ -150,7 +155,7 @@ TEST_F(Evidence, IsForTheTruePlaceAndAgainstAnother) {
   std::vector<Hypothesis> h{hypothesis(20, wrong), hypothesis(10, truth)};
   ASSERT_TRUE(add(h));
   EXPECT_LT(h[0].evidence, 0);  // sorted by the old scores
-  EXPECT_GT(h[1].evidence, 0.9 * params.agreement_weight);
+  EXPECT_GT(h[1].evidence, h[0].evidence + 30);
   EXPECT_DOUBLE_EQ(h[0].score, 20 + h[0].evidence);
   EXPECT_DOUBLE_EQ(h[1].score, 10 + h[1].evidence);
 }
@@ -186,9 +191,9 @@ TEST_F(Evidence, OfSomethingThatMovedIsBounded) {
 TEST_F(Evidence, WeighsWhatAllNearModelsSay) {
   std::vector<Hypothesis> h{hypothesis(0, truth)}, doubled = h;
   ASSERT_TRUE(add(h));
-  params.agreement_weight *= 2;
+  params.contradiction_weight *= 2;
   params.occlusion_weight *= 2;
-  consensus.free_space_weight *= 2;
+  params.disagreement_weight *= 2;
   ASSERT_TRUE(add(doubled));
   EXPECT_NEAR(doubled[0].evidence, 2 * h[0].evidence, 1e-9);
 }
@@ -201,9 +206,67 @@ TEST_F(Evidence, HypothesesBeyondTheBestGetTheLeastOfThose) {
                             hypothesis(5)};
   ASSERT_TRUE(add(h));
   const double least = std::min(h[0].evidence, h[1].evidence);
-  EXPECT_GT(least, 0);
   EXPECT_EQ(h[2].evidence, least);
   EXPECT_EQ(h[3].evidence, least);
+}
+
+TEST_F(Evidence, OfAPerfectViewIsThatOfItsUntestedPixels) {
+  // Closed form: no pixel contradicts, is hidden or disagrees; what is left is the share that came untested.
+  map.models.resize(1);
+  map.models[0].view = scene;
+  map.models[0].T_w_m = truth;
+  std::vector<Hypothesis> h{hypothesis(0, truth)};
+  ASSERT_TRUE(add(h));
+  const double share = params.untested_pixels * params.untested_contradiction / (1 + params.untested_pixels);
+  EXPECT_NEAR(h[0].evidence,
+              -2 * params.contradiction_weight * std::log1p(share / consensus.free_space_share), 0.2);
+}
+
+TEST_F(Evidence, APoseThatNothingTestsGainsNothingByThat) {
+  Eigen::Isometry3d away = truth;
+  away.linear() = Eigen::AngleAxisd(60 * kDegree, Eigen::Vector3d::UnitZ()) * away.linear();
+  Eigen::Isometry3d wrong = truth;
+  wrong.translation() += Eigen::Vector3d(0.1, 0.1, 0);
+  std::vector<Hypothesis> h{hypothesis(30, truth), hypothesis(20, away), hypothesis(10, wrong)};
+  ASSERT_TRUE(add(h));
+  EXPECT_LT(h[1].evidence, h[0].evidence - 20);
+  EXPECT_LT(h[1].evidence, h[2].evidence + 20);
+}
+
+TEST_F(Evidence, APasserByInOneModelIsForgiven) {
+  const auto evidenceOfTruth = [&] {
+    std::vector<Hypothesis> h{hypothesis(0, truth)};
+    EXPECT_TRUE(add(h));
+    return h[0].evidence;
+  };
+  const double before = evidenceOfTruth();
+  // Somebody stood half as far away in a third of the view when the model was made.
+  DepthImage image = test::render(test::furnishedRoom(), test::smallCamera(), *map.models[1].T_w_m).image;
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 100; u < 200; ++u) image.depth[v * image.camera.width + u] *= 0.5f;
+  map.models[1].view.depth = DepthPicture::fromDepth(image);
+  const double after = evidenceOfTruth();
+  EXPECT_LT(after, before);
+  const double alone = params.contradiction_weight * std::log1p(0.3 / consensus.free_space_share);
+  EXPECT_GT(after, before - 0.5 * alone);
+}
+
+TEST_F(Evidence, RefinedPlacesAreNearerToTheTruth) {
+  Eigen::Isometry3d near = truth;
+  near.translation() += Eigen::Vector3d(0.03, -0.02, 0.02);
+  Eigen::Isometry3d wrong = truth;
+  wrong.translation() += Eigen::Vector3d(0.8, 0.5, 0);
+  std::vector<Hypothesis> h{hypothesis(20, near), hypothesis(15, wrong)};
+  for (Hypothesis& x : h) {
+    x.T_m_c.T = map.models[0].T_w_m->inverse() * *x.T_w_c;
+    x.T_m_c.P.diagonal() << Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(1e-3);
+  }
+  ASSERT_TRUE(add(h));
+  refinePlaces(scene, map, {}, SensorNoise{}.inverse_depth_std, consensus, params, h);
+  ASSERT_EQ(h.size(), 2u);
+  EXPECT_LT((h[0].T_w_c->translation() - truth.translation()).norm(), 0.005);
+  EXPECT_TRUE((*map.models[0].T_w_m * h[0].T_m_c.T).isApprox(*h[0].T_w_c, 1e-12));
+  EXPECT_GT(h[0].score, h[1].score + 30);
 }
 
 TEST_F(Evidence, IsNoneWhereThereIsNothingToCompare) {

@@ -48,6 +48,7 @@ private:
   std::shared_ptr<const Map> map_;
   GlobalLocalizationParams params_;
   ViewRegistration registration_;
+  double inverse_depth_std_;
   PoseWithCovariance prior_;
   int threads_ = 1;
 };

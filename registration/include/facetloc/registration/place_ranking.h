@@ -4,6 +4,7 @@
 #include <facetloc/features/local_model.h>
 #include <facetloc/features/params.h>
 #include <facetloc/registration/consensus.h>
+#include <facetloc/registration/dense_refinement.h>
 #include <facetloc/registration/depth_consistency.h>
 #include <facetloc/registration/hypothesis.h>
 
@@ -14,16 +15,25 @@ namespace facetloc {
 /** \brief How the hypotheses of all local models become one ranked list of places
  * (METHOD_MEASURED 11.4-11.6). */
 struct PlaceRankingParams {
-  bool multi_model = true;          ///< evidence of the nearest local models
-  int evidence_models = 5;          ///< so many of them
-  int evidence_hypotheses = 60;     ///< for so many of the best hypotheses
-  double agreement_weight = 23;     ///< of a scene that agrees with them in all its pixels [nats]
-  double occlusion_weight = 1.3;    ///< of what they saw and the scene hides, like free_space_weight [nats]
-  bool merge = true;                ///< hypotheses of one place become one
-  double merge_translation = 0.15;  ///< [m]
+  bool multi_model = true;           ///< evidence of the nearest local models
+  int evidence_models = 5;           ///< so many of them
+  int evidence_hypotheses = 60;      ///< for so many of the best hypotheses
+  double contradiction_weight = 10;  ///< of contradicting pixels, in each direction [nats]; 0 = none
+  double occlusion_weight = 4;       ///< of what the models saw and the scene hides, in the same form [nats]
+  double disagreement_weight = 48;   ///< of a scene none of whose pixels agree with the models [nats]
+  double untested_pixels =
+      0.05;  ///< share of the pixels that contradict by untested_contradiction beforehand
+  double untested_contradiction = 0.15;  ///< share of contradicting pixels that a pose has until it is tested
+  bool merge = true;                     ///< hypotheses of one place become one
+  double merge_translation = 0.15;       ///< [m]
   double merge_rotation_deg = 2.0;
-  double softmax_slope = 0.139;  ///< beta of the probability [1/nat]
-  double null_score = 32.3;      ///< S_0: score at which a place is as likely as none of the list [nats]
+  bool dense_refinement = true;  ///< poses of the best places are refined by all pixels
+  int refined_places = 12;       ///< so many of them
+  DenseRefinementParams dense;
+  double refined_absolute_error = 1.6;    ///< as depth_absolute_error, once refined [noise std]
+  double refined_relative_error = 0.003;  ///< as depth_relative_error, once refined
+  double softmax_slope = 0.124;           ///< beta of the probability [1/nat]
+  double null_score = -21.9;  ///< S_0: score at which a place is as likely as none of the list [nats]
   double plain_softmax_slope = 0.155;  ///< the same for scores without evidence of local models
   double plain_null_score = 22.3;
 
@@ -34,15 +44,29 @@ struct PlaceRankingParams {
     field("evidence_models", p.evidence_models, 1, 100, "Number of local models that give evidence.");
     field("evidence_hypotheses", p.evidence_hypotheses, 1, 100000,
           "Number of best hypotheses that are tested so.");
-    field("agreement_weight", p.agreement_weight, 0.0, 1e4,
-          "Evidence of local models for a scene that agrees with them in all its depth pixels [nats].");
+    field("contradiction_weight", p.contradiction_weight, 0.0, 1e4,
+          "Weight of depth pixels that contradict local models or are contradicted by them [nats].");
     field("occlusion_weight", p.occlusion_weight, 0.0, 1e4,
           "Weight of depth pixels of local models that are hidden in the scene [nats].");
+    field("disagreement_weight", p.disagreement_weight, 0.0, 1e4,
+          "Weight of depth pixels of the scene that do not agree with local models [nats].");
+    field("untested_pixels", p.untested_pixels, 0.0, 1.0,
+          "Share of the pixels that a pose brings along as untested ones.");
+    field("untested_contradiction", p.untested_contradiction, 0.0, 1.0,
+          "Share of contradicting pixels among the untested ones.");
     field("merge_places", p.merge, false, true, "Report hypotheses of one place once.");
     field("merge_translation", p.merge_translation, 0.0, 10.0,
           "World poses nearer than this and merge_rotation_deg are one place [m].");
     field("merge_rotation_deg", p.merge_rotation_deg, 0.0, 180.0,
           "World poses nearer than this and merge_translation are one place [deg].");
+    field("dense_refinement", p.dense_refinement, false, true,
+          "Refine the poses of the best places by all depth pixels.");
+    field("refined_places", p.refined_places, 1, 100000, "Number of best places that are refined.");
+    DenseRefinementParams::describe(p.dense, field);
+    field("refined_absolute_error", p.refined_absolute_error, 0.0, 1e3,
+          "Error of a predicted inverse depth at a refined pose [noise standard deviations].");
+    field("refined_relative_error", p.refined_relative_error, 0.0, 1.0,
+          "Relative error of a predicted inverse depth at a refined pose.");
     field("softmax_slope", p.softmax_slope, 0.0001, 10.0, "Slope of the probability in the score [1/nat].");
     field("null_score", p.null_score, -1e4, 1e4,
           "Score at which a place is as likely as none of the list [nats].");
@@ -55,9 +79,16 @@ struct PlaceRankingParams {
 };
 
 /** \brief Scores the best hypotheses by the depth of the local models nearest to their world poses, whichever
- * generated them, instead of their own model's alone (METHOD_MEASURED 11.4 (6)): the consensus, plus the
- * share of the scene's pixels that agree, plus the free-space terms of both directions, minus what the models
- * saw and the scene hides.
+ * generated them, instead of their own model's alone (METHOD_MEASURED 11.4 (6)). The score is the consensus
+ * minus
+ *
+ *     w_c (ln(1 + c / c_0) + mean ln(1 + c_m / c_0)) + w_o mean ln(1 + o_m / c_0) + w_d d   [nats]
+ *
+ * c: share of the scene's pixels that contradict the models (more of them than agree with it); c_m, o_m:
+ * share of model m's pixels that contradict the scene, and that are hidden in it; d: share of the scene's
+ * pixels that are compared and do not agree. The mean is over models, not over pixels: a passer-by in one of
+ * them spoils its own term only. A pose that hardly any pixel tests counts as contradicted like most wrong
+ * ones.
  *
  * Hypotheses beyond the best ones get the least evidence of those. False, and no change, where there is none:
  * no world poses, no depth. */
@@ -65,8 +96,20 @@ bool addEvidence(const View& scene, const Map& map, const DepthComparison& compa
                  const ConsensusParams& consensus, const PlaceRankingParams& params,
                  std::vector<Hypothesis>& hypotheses);
 
-/** \brief Sorts by score, merges hypotheses of one place into the best of them and gives each place its
- * probability by softmax with a null place; with_evidence tells which calibration fits the scores. */
-void rankPlaces(const PlaceRankingParams& params, bool with_evidence, std::vector<Hypothesis>& hypotheses);
+/** \brief Sorts by score and merges hypotheses of one place into the best of them. */
+void mergePlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses);
+
+/** \brief Refines the poses of the best places by all pixels (refineByDepth) and weighs their evidence again,
+ * with the errors that a refined pose leaves; sorts and merges. For places that have evidence.
+ *
+ * \param inverse_depth_std the sensor's noise of inverse depth [1/m] */
+void refinePlaces(const View& scene, const Map& map, const DepthConsistencyParams& depth,
+                  double inverse_depth_std, const ConsensusParams& consensus,
+                  const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses);
+
+/** \brief Gives each place of a sorted list its probability by softmax with a null place; with_evidence tells
+ * which calibration fits the scores. */
+void assignProbabilities(const PlaceRankingParams& params, bool with_evidence,
+                         std::vector<Hypothesis>& hypotheses);
 
 }  // namespace facetloc

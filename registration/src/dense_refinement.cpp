@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/dense_refinement.h>
+#include <facetloc/registration/depth_consistency.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace facetloc {
+namespace {
+
+constexpr double kFarthest = 1 / 8.0;  // smallest inverse depth used [1/m]
+constexpr double kNearest = 0.5;       // points nearer than this are outside the sensor's range [m]
+constexpr double kConverged = 1e-5;    // norm of a step [rad, m]
+
+/** The inverse depth that a picture has at a point between its pixels, and its gradient [1/m, 1/m/px]. */
+struct LocalSlope {
+  double value, du, dv;
+};
+
+// The picture is linear on planes; where it is not (edges, noise of curved things) nothing is measured.
+bool slopeAt(const DepthPicture& b, double x, double y, double error, LocalSlope& slope) {
+  const Intrinsics& c = b.camera;
+  const int u = static_cast<int>(std::floor(x + 0.5)), v = static_cast<int>(std::floor(y + 0.5));
+  constexpr int kReach = 2;
+  constexpr double kStraight = 12;  // errors that the second difference may have
+  if (!(u >= kReach && v >= kReach && u < c.width - kReach && v < c.height - kReach)) return false;
+  const auto at = [&](int column, int row) {
+    return DepthPicture::kQuantum * b.inverse_depth[static_cast<std::size_t>(row) * c.width + column];
+  };
+  const double centre = at(u, v);
+  const double left = at(u - kReach, v), right = at(u + kReach, v);
+  const double up = at(u, v - kReach), down = at(u, v + kReach);
+  if (centre == 0 || left == 0 || right == 0 || up == 0 || down == 0) return false;
+  const double tolerance = kStraight * error;
+  if (std::abs(left + right - 2 * centre) > tolerance || std::abs(up + down - 2 * centre) > tolerance)
+    return false;
+  slope.du = (right - left) / (2 * kReach), slope.dv = (down - up) / (2 * kReach);
+  // The mean of the five is the value of their plane at the centre.
+  slope.value = (centre + left + right + up + down) / 5 + slope.du * (x - u) + slope.dv * (y - v);
+  return true;
+}
+
+struct NormalEquations {
+  Matrix6d A = Matrix6d::Zero();
+  Vector6d g = Vector6d::Zero();
+  double weight = 0;  // sum of the robust weights
+};
+
+void addPicture(const DepthPicture& scene, const PosedPicture& model, const Eigen::Isometry3d& T_w_c,
+                const Matrix6d& uncertainty, double error, double gate, NormalEquations& n) {
+  const DepthPicture& b = *model.picture;
+  const Eigen::Isometry3d T_m_c = model.T_w_c.inverse() * T_w_c;
+  const Eigen::Matrix3d R_m_c = T_m_c.linear(), R_w_m = model.T_w_c.linear();
+  const Intrinsics& c = b.camera;
+  const int step = gridStep(scene, kFineColumns);
+  for (int v = step / 2; v < scene.camera.height; v += step)
+    for (int u = step / 2; u < scene.camera.width; u += step) {
+      const double rho =
+          DepthPicture::kQuantum * scene.inverse_depth[static_cast<std::size_t>(v) * scene.camera.width + u];
+      if (rho < kFarthest) continue;
+      const Eigen::Vector3d ray = scene.camera.ray(u, v);
+      const Eigen::Vector3d p = R_m_c * ray + T_m_c.translation() * rho;  // times the depth: the point
+      if (!(p.z() > kNearest * rho)) continue;
+      const double inverse_z = rho / p.z();
+      const double px = p.x() / p.z(), py = p.y() / p.z();
+      LocalSlope slope;
+      if (!slopeAt(b, c.fx * px + c.cx, c.fy * py + c.cy, error, slope)) continue;
+      // Gradient of the residual by the point in the model's frame; a plane's normal up to scale.
+      const double gx = slope.du * c.fx, gy = slope.dv * c.fy;
+      const Eigen::Vector3d by_point = inverse_z * Eigen::Vector3d(-gx, -gy, -inverse_z + gx * px + gy * py);
+      const Eigen::Vector3d a = R_w_m * by_point;
+      const Eigen::Vector3d arm = T_w_c.linear() * ray / rho;
+      Vector6d J;
+      J << arm.cross(a), a;
+      const double residual = inverse_z - slope.value;
+      const double largest2 = gate * gate * (error * error + J.dot(uncertainty * J));
+      if (residual * residual >= largest2) continue;
+      const double robust = std::pow(1 - residual * residual / largest2, 2);  // Tukey's weight
+      n.A.selfadjointView<Eigen::Lower>().rankUpdate(J, robust);
+      n.g += robust * residual * J;
+      n.weight += robust;
+    }
+}
+
+}  // namespace
+
+bool refineByDepth(const DepthPicture& scene, const std::vector<PosedPicture>& pictures,
+                   double inverse_depth_std, const DenseRefinementParams& params, PoseWithCovariance& pose) {
+  if (scene.empty()) return false;
+  const Eigen::LLT<Matrix6d> prior_factor(pose.P);
+  if (prior_factor.info() != Eigen::Success) return false;
+  const Matrix6d prior_information = prior_factor.solve(Matrix6d::Identity());
+  const double error = params.pixel_error * inverse_depth_std;
+  Eigen::Isometry3d T = pose.T;
+  Matrix6d uncertainty = pose.P;
+  for (int i = 0; i < params.iterations; ++i) {
+    NormalEquations n;
+    for (const PosedPicture& picture : pictures)
+      if (!picture.picture->empty()) addPicture(scene, picture, T, uncertainty, error, params.robust_gate, n);
+    if (!(n.weight > 0)) return false;
+    const double information = 1 / (error * error);
+    const Matrix6d A = information * Matrix6d(n.A.selfadjointView<Eigen::Lower>());
+    const Eigen::LDLT<Matrix6d> solver(A + prior_information);
+    if (solver.info() != Eigen::Success || !solver.isPositive()) return false;
+    const Vector6d step = -solver.solve(information * n.g + prior_information * perturbation(pose.T, T));
+    if (!step.allFinite()) return false;
+    T = perturbed(T, step);
+    if (i > 0 && step.norm() < kConverged) break;
+    constexpr double kSmaller = 0.25;  // variance after a step, while distant pixels may still mislead it
+    uncertainty *= kSmaller;
+  }
+  pose.T = T;
+  return true;
+}
+
+}  // namespace facetloc

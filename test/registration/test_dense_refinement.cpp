@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/camera_model.h>
+#include <facetloc/registration/dense_refinement.h>
+#include <facetloc/testing/synthetic_views.h>
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace facetloc {
+namespace {
+
+using test::lookingAlong;
+
+const double kNoise = SensorNoise{}.inverse_depth_std;
+
+DepthPicture pictureOf(const test::Scene& scene, const Eigen::Isometry3d& T_w_c, unsigned seed) {
+  return DepthPicture::fromDepth(
+      test::noisy(test::render(scene, test::smallCamera(), T_w_c, 8).image, kNoise, seed));
+}
+
+Matrix6d priorCovariance(double rotation_std, double translation_std) {
+  Vector6d variance;
+  variance << Eigen::Vector3d::Constant(rotation_std * rotation_std),
+      Eigen::Vector3d::Constant(translation_std * translation_std);
+  return variance.asDiagonal();
+}
+
+class DenseRefinement : public testing::Test {
+protected:
+  DenseRefinement() {
+    for (const double x : {2.2, 2.9}) cameras.push_back(lookingAlong({x, 1.4, 1.2}, {0.2, 1, -0.3}));
+    for (std::size_t i = 0; i < cameras.size(); ++i)
+      depth.push_back(pictureOf(test::largeRoom(), cameras[i], static_cast<unsigned>(10 + i)));
+  }
+  std::vector<PosedPicture> pictures() const { return {{&depth[0], cameras[0]}, {&depth[1], cameras[1]}}; }
+  bool refine(PoseWithCovariance& pose) const {
+    return refineByDepth(scene, pictures(), kNoise, params, pose);
+  }
+
+  const Eigen::Isometry3d truth = lookingAlong({2.6, 1.7, 1.25}, {0.1, 1, -0.25});
+  std::vector<Eigen::Isometry3d> cameras;
+  std::vector<DepthPicture> depth;
+  DepthPicture scene = pictureOf(test::largeRoom(), truth, 1);
+  DenseRefinementParams params;
+};
+
+TEST_F(DenseRefinement, FindsTheTruthFromNearIt) {
+  std::mt19937 rng(5);
+  std::normal_distribution<double> normal;
+  for (int trial = 0; trial < 20; ++trial) {
+    Vector6d d;
+    for (int i = 0; i < 6; ++i) d[i] = (i < 3 ? 0.5 * kDegree : 0.02) * normal(rng);
+    PoseWithCovariance pose{perturbed(truth, d), priorCovariance(0.5 * kDegree, 0.02)};
+    ASSERT_TRUE(refine(pose));
+    EXPECT_LT((pose.T.translation() - truth.translation()).norm(), 0.005) << trial;
+    EXPECT_LT(rotationAngle(pose.T.linear() * truth.linear().transpose()), 0.1 * kDegree) << trial;
+  }
+}
+
+TEST_F(DenseRefinement, LeavesTheCovarianceAsItIs) {
+  // The pixels are those that the planes were fitted to: they are not a second measurement.
+  PoseWithCovariance pose{truth, priorCovariance(1 * kDegree, 0.05)};
+  const Matrix6d before = pose.P;
+  ASSERT_TRUE(refine(pose));
+  EXPECT_EQ(pose.P, before);
+}
+
+TEST_F(DenseRefinement, IsNotMisledByWhatHasMoved) {
+  // A board that no picture saw covers a quarter of the scene.
+  const test::Scene changed = test::largeRoom() + test::box({1.2, 2.6, 0}, {2.3, 2.9, 2.5});
+  scene = pictureOf(changed, truth, 1);
+  PoseWithCovariance pose{truth, priorCovariance(1 * kDegree, 0.05)};
+  pose.T.translation() += Eigen::Vector3d(0.01, -0.01, 0.01);
+  ASSERT_TRUE(refine(pose));
+  EXPECT_LT((pose.T.translation() - truth.translation()).norm(), 0.005);
+}
+
+TEST_F(DenseRefinement, KeepsThePriorWhereThePixelsSayNothing) {
+  // One wall: it fixes its distance and two rotations, and nothing else.
+  const test::Scene wall{test::endlessPlane({0, 3, 0}, {0, -1, 0})};
+  const Eigen::Isometry3d here = lookingAlong({0, 1, 1.2}, {0, 1, 0});
+  scene = pictureOf(wall, here, 1);
+  const DepthPicture model = pictureOf(wall, here, 2);
+  PoseWithCovariance pose{here, priorCovariance(2 * kDegree, 0.05)};
+  pose.T.translation() += Eigen::Vector3d(0.03, 0.02, -0.03);
+  ASSERT_TRUE(refineByDepth(scene, {{&model, here}}, kNoise, params, pose));
+  const Eigen::Vector3d off = pose.T.translation() - here.translation();
+  EXPECT_NEAR(off.x(), 0.03, 0.01);  // a fifth of the prior's deviation
+  EXPECT_NEAR(off.y(), 0, 1e-3);
+  EXPECT_NEAR(off.z(), -0.03, 0.01);
+}
+
+TEST_F(DenseRefinement, DoesNotDependOnTheWorldFrame) {
+  PoseWithCovariance pose{truth, priorCovariance(1 * kDegree, 0.05)};
+  pose.T.translation() += Eigen::Vector3d(0.02, 0.01, -0.01);
+  Eigen::Isometry3d T_v_w = Eigen::Isometry3d::Identity();
+  T_v_w.linear() = expSO3({0.3, -1.1, 2.0});
+  T_v_w.translation() = Eigen::Vector3d(5, -7, 1);
+  PoseWithCovariance moved{T_v_w * pose.T, pose.P};
+  std::vector<PosedPicture> there = pictures();
+  for (PosedPicture& p : there) p.T_w_c = T_v_w * p.T_w_c;
+  ASSERT_TRUE(refine(pose));
+  ASSERT_TRUE(refineByDepth(scene, there, kNoise, params, moved));
+  EXPECT_TRUE((T_v_w * pose.T).isApprox(moved.T, 1e-6));
+}
+
+TEST_F(DenseRefinement, WithoutSharedPixelsChangesNothing) {
+  const PoseWithCovariance start{truth, priorCovariance(1 * kDegree, 0.05)};
+  const auto expectNone = [&](const DepthPicture& s, const std::vector<PosedPicture>& p) {
+    PoseWithCovariance pose = start;
+    EXPECT_FALSE(refineByDepth(s, p, kNoise, params, pose));
+    EXPECT_EQ(pose.T.matrix(), start.T.matrix());
+  };
+  expectNone({}, pictures());
+  expectNone(scene, {});
+  const DepthPicture empty;
+  expectNone(scene, {{&empty, truth}});
+  expectNone(scene, {{&depth[0], lookingAlong({2.6, 1.7, 1.25}, {0, -1, 0})}});
+  PoseWithCovariance singular{truth, Matrix6d::Zero()};
+  EXPECT_FALSE(refine(singular));
+}
+
+}  // namespace
+}  // namespace facetloc
