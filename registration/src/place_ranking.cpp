@@ -96,30 +96,33 @@ double evidence(const DepthEvidence& found, const ConsensusParams& consensus,
          params.occlusion_weight * hidden - params.disagreement_weight * disagreement;
 }
 
-// Moves a hypothesis in the world to where the pixels of these models fit best.
+void sortByScore(std::vector<Hypothesis>& h) {
+  std::stable_sort(h.begin(), h.end(),
+                   [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
+}
+
+bool samePlace(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, const PlaceRankingParams& params) {
+  return (a.translation() - b.translation()).norm() <= params.merge_translation &&
+         rotationAngle(a.linear() * b.linear().transpose()) <= params.merge_rotation_deg * kDegree;
+}
+
+bool samePlace(const Hypothesis& a, const Hypothesis& b, const PlaceRankingParams& params) {
+  return a.T_w_c && b.T_w_c && samePlace(*a.T_w_c, *b.T_w_c, params);
+}
+
+// Moves a hypothesis, within its place, to where the pixels of these models fit best.
 void refine(const View& scene, const Map& map, const std::vector<int>& models, double inverse_depth_std,
-            const DenseRefinementParams& params, Hypothesis& h) {
+            const PlaceRankingParams& params, Hypothesis& h) {
   std::vector<PosedPicture> pictures;
   for (const int m : models) pictures.push_back({&map.models[m].view.depth, *map.models[m].T_w_m});
   const Eigen::Isometry3d& T_w_m = *map.models[h.model].T_w_m;
   Matrix6d rotation = Matrix6d::Zero();  // of the covariance into the world's axes
   rotation.topLeftCorner<3, 3>() = rotation.bottomRightCorner<3, 3>() = T_w_m.linear();
   PoseWithCovariance pose{*h.T_w_c, rotation * h.T_m_c.P * rotation.transpose()};
-  if (!refineByDepth(scene.depth, pictures, inverse_depth_std, params, pose)) return;
+  if (!refineByDepth(scene.depth, pictures, inverse_depth_std, params.dense, pose)) return;
+  if (!samePlace(*h.T_w_c, pose.T, params)) return;  // that is no refinement: planes found another place
   h.T_w_c = pose.T;
   h.T_m_c.T = T_w_m.inverse() * pose.T;
-}
-
-void sortByScore(std::vector<Hypothesis>& h) {
-  std::stable_sort(h.begin(), h.end(),
-                   [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
-}
-
-bool samePlace(const Hypothesis& a, const Hypothesis& b, const PlaceRankingParams& params) {
-  if (!a.T_w_c || !b.T_w_c) return false;
-  if ((a.T_w_c->translation() - b.T_w_c->translation()).norm() > params.merge_translation) return false;
-  return rotationAngle(a.T_w_c->linear() * b.T_w_c->linear().transpose()) <=
-         params.merge_rotation_deg * kDegree;
 }
 
 }  // namespace
@@ -175,7 +178,7 @@ void refinePlaces(const View& scene, const Map& map, const DepthConsistencyParam
     Hypothesis& h = hypotheses[i];
     if (!h.T_w_c) continue;
     const std::vector<int> models = nearestModels(map, *h.T_w_c, params.evidence_models);
-    refine(scene, map, models, inverse_depth_std, params.dense, h);
+    refine(scene, map, models, inverse_depth_std, params, h);
     h.evidence = evidence(compareWithModels(scene, map, models, *h.T_w_c, comparison), consensus, params);
     least = std::min(least, h.evidence);
   }

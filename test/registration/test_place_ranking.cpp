@@ -269,6 +269,20 @@ TEST_F(Evidence, RefinedPlacesAreNearerToTheTruth) {
   EXPECT_GT(h[0].score, h[1].score + 30);
 }
 
+TEST_F(Evidence, ARefinementThatLeavesItsPlaceIsNotTaken) {
+  Eigen::Isometry3d beside = truth;
+  beside.translation() += Eigen::Vector3d(0.2, 0, 0);
+  std::vector<Hypothesis> h{hypothesis(20, beside)};
+  h[0].T_m_c.T = map.models[0].T_w_m->inverse() * beside;
+  h[0].T_m_c.P.diagonal() << Eigen::Vector3d::Constant(1e-3), Eigen::Vector3d::Constant(0.1);
+  ASSERT_TRUE(add(h));
+  refinePlaces(scene, map, {}, SensorNoise{}.inverse_depth_std, consensus, params, h);
+  EXPECT_EQ(h[0].T_w_c->matrix(), beside.matrix());
+  params.merge_translation = 0.5;  // a larger place, and the truth is in it
+  refinePlaces(scene, map, {}, SensorNoise{}.inverse_depth_std, consensus, params, h);
+  EXPECT_LT((h[0].T_w_c->translation() - truth.translation()).norm(), 0.01);
+}
+
 TEST_F(Evidence, IsNoneWhereThereIsNothingToCompare) {
   const std::vector<Hypothesis> plain{hypothesis(20, truth)};
   const auto expectNone = [&](std::vector<Hypothesis> h) {
