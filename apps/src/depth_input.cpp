@@ -21,11 +21,14 @@ ViewParams withNoiseOf(const std::optional<CameraFile>& camera, ViewParams param
 
 Map readMapFor(const std::optional<CameraFile>& camera, const std::string& path, const Console& console) {
   Map map = readMap(path);
-  if (map.mounting && !(camera && camera->mounting)) {
-    console.note("the mounting of the images' camera is unknown: the prior is isotropic");
-    map.mounting.reset();
-  }
+  dropUnknownMounting(camera, map, console);
   return map;
+}
+
+void dropUnknownMounting(const std::optional<CameraFile>& camera, Map& map, const Console& console) {
+  if (!map.mounting || (camera && camera->mounting)) return;
+  console.note("the mounting of the images' camera is unknown: the prior is isotropic");
+  map.mounting.reset();
 }
 
 std::string toIni(const DepthInput& input, const ViewParams& view) {

@@ -58,8 +58,8 @@ LocalizeApp::LocalizeApp()
     : App("facetloc_localize", "MAP.flmap INPUT -o RESULTS [options]",
           "Finds where depth images were taken. INPUT is a depth sequence (a folder with depth/ in it), a "
           "folder or a "
-          "list of 16-bit PNG or organized PCD files, or one such file. RESULTS/hypotheses.csv lists the "
-          "ranked poses "
+          "list of 16-bit PNG or organized PCD files, one such file, or an .oni recording. "
+          "RESULTS/hypotheses.csv lists the ranked poses "
           "of each image, RESULTS/poses_tum.txt the best one; images that cannot be localized are listed "
           "with the "
           "reason.") {}

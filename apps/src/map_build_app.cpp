@@ -66,8 +66,8 @@ private:
 MapBuildApp::MapBuildApp()
     : App("facetloc_map build", "SEQUENCE -o MAP.flmap [options]",
           "Builds a map of local models from one run of depth images whose camera poses are known, from "
-          "groundtruth.txt of the SEQUENCE or from --poses. The first image becomes a local model, and so "
-          "does each "
+          "groundtruth.txt of the SEQUENCE (a folder, a list or an .oni recording) or from --poses. The "
+          "first image becomes a local model, and so does each "
           "later one that lies --model_distance or --model_rotation_deg from the latest local model. With "
           "--every N, "
           "each N-th image becomes a local model, with or without a pose.") {}

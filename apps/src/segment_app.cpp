@@ -65,8 +65,8 @@ SegmentApp::SegmentApp()
     : App("facetloc_segment", "INPUT... -o DIR [options]",
           "Cuts depth images into planar surface segments. INPUT is a depth sequence (a folder with depth/ "
           "in it), a "
-          "folder of 16-bit PNG or organized PCD files, a list of such files (.txt, .lst), or one such file. "
-          "PNG files "
+          "folder of 16-bit PNG or organized PCD files, a list of such files (.txt, .lst), one such file, or "
+          "an .oni recording. PNG files "
           "need a camera.ini beside them or in the folder above. For each image, DIR/<name>.segments.pcd "
           "holds its "
           "segments.") {}

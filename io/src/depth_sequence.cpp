@@ -6,6 +6,7 @@
 #include <facetloc/features/organized_cloud.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/oni_file.h>
 #include <facetloc/io/png.h>
 
 #include <pcl/PCLPointCloud2.h>
@@ -26,6 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kCameraFile = "camera.ini";
 constexpr const char* kGroundTruthFile = "groundtruth.txt";
+constexpr int kStampDigits = 6;  // of the frames of a recording: microseconds
 
 std::string lowerExtension(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -35,6 +37,7 @@ std::string lowerExtension(const fs::path& path) {
 
 bool isPng(const fs::path& path) { return lowerExtension(path) == ".png"; }
 bool isPcd(const fs::path& path) { return lowerExtension(path) == ".pcd"; }
+bool isRecording(const fs::path& path) { return lowerExtension(path) == ".oni"; }
 bool isImage(const fs::path& path) { return isPng(path) || isPcd(path); }
 bool isList(const fs::path& path) { return lowerExtension(path) == ".txt" || lowerExtension(path) == ".lst"; }
 
@@ -121,6 +124,17 @@ void requireSize(const fs::path& path, int width, int height, const Intrinsics& 
                                    size(camera.width, camera.height));
 }
 
+/** What a recording tells of its camera. */
+CameraFile cameraOf(const OniFile& recording) {
+  if (!recording.camera().valid())
+    throw IoError(recording.path().string(),
+                  "does not tell the field of view of its camera; a camera.ini beside it would");
+  CameraFile camera;
+  camera.intrinsics = recording.camera();
+  camera.depth_scale = 1000 / recording.millimetres();
+  return camera;
+}
+
 }  // namespace
 
 DepthSequence DepthSequence::open(const std::filesystem::path& path) {
@@ -131,15 +145,18 @@ DepthSequence DepthSequence::open(const std::filesystem::path& path) {
   const fs::path images = is_folder && fs::is_directory(path / "depth", ignored) ? path / "depth" : asked;
 
   DepthSequence sequence;
+  const bool is_recording = !is_folder && isRecording(path);
   if (is_folder)
     sequence.frames_ = framesOfFolder(images == asked ? path : images);
   else if (isImage(path))
     sequence.frames_ = {frameOf(path)};
+  else if (is_recording)
+    sequence.openRecording(path);
   else if (isList(path))
     sequence.frames_ = framesOfList(path);
   else
-    throw IoError(path.string(),
-                  "is no sequence: expected a folder, a .png, a .pcd or a list in a .txt or .lst file");
+    throw IoError(path.string(), "is no sequence: expected a folder, a .png, a .pcd, an .oni recording or a "
+                                 "list in a .txt or .lst file");
   if (sequence.frames_.empty()) throw IoError(path.string(), "has no .png or .pcd depth images");
   requireUniqueNames(sequence.frames_, path);
   const bool stamped = stampFrames(sequence.frames_);
@@ -152,13 +169,31 @@ DepthSequence DepthSequence::open(const std::filesystem::path& path) {
                                         [](const FrameFile& frame) { return isPng(frame.path); });
   if (needs_camera && !sequence.camera_)
     throw IoError(path.string(), "PNG images need a camera.ini beside them or in the folder above");
+  if (is_recording && !sequence.camera_) sequence.camera_ = cameraOf(*sequence.recording_);
   return sequence;
+}
+
+/** Named by their stamps, as images of the TUM format; by their numbers if the stamps do not tell them apart.
+ */
+void DepthSequence::openRecording(const fs::path& path) {
+  recording_ = std::make_shared<const OniFile>(OniFile::open(path));
+  bool ascending = true;
+  for (std::size_t i = 1; i < recording_->size(); ++i)
+    ascending = ascending && recording_->stamp(i) > recording_->stamp(i - 1);
+  for (std::size_t i = 0; i < recording_->size(); ++i) {
+    const std::string number = "frame_" + std::to_string(i);
+    frames_.push_back({ascending ? text::decimals(recording_->stamp(i), kStampDigits) : number, path, 0});
+  }
 }
 
 DepthImage DepthSequence::load(std::size_t index, int working_width) const {
   const fs::path& path = frames_.at(index).path;
   DepthImage image;
-  if (isPng(path))
+  if (recording_) {
+    image = recording_->read(index);
+    requireSize(path, image.camera.width, image.camera.height, camera_->intrinsics);
+    image.camera = camera_->intrinsics;
+  } else if (isPng(path))
     image = readDepthPng(path, *camera_);
   else
     image = readDepthPcd(path, camera_ ? std::optional(camera_->intrinsics) : std::nullopt);

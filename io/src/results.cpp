@@ -3,6 +3,7 @@
 #include "files.h"
 #include "pose_columns.h"
 #include "text.h"
+#include "tum_line.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/results.h>
@@ -25,13 +26,13 @@ constexpr double kQuaternionTolerance = 1e-3;  // of |q|^2 as read
 constexpr int kTimeDecimals = 3;               // of milliseconds
 
 void requireWritable(const FrameResult& frame) {
-  if (frame.rows.empty()) throw std::invalid_argument("writeResults: a frame has no row");
+  if (frame.rows.empty()) throw std::invalid_argument("a frame of the results has no row");
   for (const ResultRow& row : frame.rows) {
     const bool finite = std::isfinite(row.probability) && std::isfinite(row.score) &&
                         std::isfinite(row.sd_rot_deg) && std::isfinite(row.sd_trans_m) &&
                         row.T_m_c.matrix().allFinite() && (!row.T_w_c || row.T_w_c->matrix().allFinite());
     if (row.rank < 0 || !finite)
-      throw std::invalid_argument("writeResults: row of frame " + row.frame + " is not finite");
+      throw std::invalid_argument("results of frame " + row.frame + " are not finite");
   }
 }
 
@@ -52,35 +53,47 @@ std::string hypothesisCells(const ResultRow& row) {
 
 constexpr std::size_t kHypothesisCells = 3 + kModelPose.size() + kWorldPose.size() + 2;
 
-void writeHypotheses(std::ostream& out, const std::vector<FrameResult>& frames) {
-  out << "frame,rank,model,probability,score";
-  for (const char* name : kModelPose) out << ',' << name;
-  for (const char* name : kWorldPose) out << ',' << name;
-  out << ",sd_rot_deg,sd_trans_m,reason\n";
-  const std::string no_hypothesis(kHypothesisCells - 1, ',');
-  for (const FrameResult& frame : frames)
-    for (const ResultRow& row : frame.rows)
-      out << csv::cell(row.frame) << ',' << row.rank << ','
-          << (row.rank ? hypothesisCells(row) : no_hypothesis) << ',' << csv::cell(row.reason) << '\n';
+std::string hypothesesHeader() {
+  std::string header = "frame,rank,model,probability,score";
+  for (const auto& names : {kModelPose, kWorldPose})
+    for (const char* name : names) header.append(",").append(name);
+  return header + ",sd_rot_deg,sd_trans_m,reason\n";
 }
 
-void writeTiming(std::ostream& out, const std::vector<FrameResult>& frames) {
-  out << "frame,segment_ms,features_ms,localize_ms,models\n";
-  for (const FrameResult& frame : frames) {
-    const TimingRow& t = frame.timing;
-    out << csv::cell(t.frame);
-    for (const double ms : {t.segment_ms, t.features_ms, t.localize_ms})
-      out << ',' << text::decimals(ms, kTimeDecimals);
-    out << ',' << t.models << '\n';
-  }
+std::string hypothesesLines(const FrameResult& frame) {
+  static const std::string no_hypothesis(kHypothesisCells - 1, ',');
+  std::string lines;
+  for (const ResultRow& row : frame.rows)
+    lines += csv::cell(row.frame) + ',' + std::to_string(row.rank) + ',' +
+             (row.rank ? hypothesisCells(row) : no_hypothesis) + ',' + csv::cell(row.reason) + '\n';
+  return lines;
 }
 
-std::vector<StampedPose> bestWorldPoses(const std::vector<FrameResult>& frames) {
-  std::vector<StampedPose> poses;
-  for (const FrameResult& frame : frames)
-    for (const ResultRow& row : frame.rows)
-      if (row.rank == 1 && row.T_w_c) poses.push_back({frame.stamp, *row.T_w_c});
-  return poses;
+constexpr const char* kTimingHeader = "frame,segment_ms,features_ms,localize_ms,models\n";
+
+std::string timingLine(const FrameResult& frame) {
+  const TimingRow& t = frame.timing;
+  std::string line = csv::cell(t.frame);
+  for (const double ms : {t.segment_ms, t.features_ms, t.localize_ms})
+    line.append(",").append(text::decimals(ms, kTimeDecimals));
+  return line + ',' + std::to_string(t.models) + '\n';
+}
+
+std::string poseLines(const FrameResult& frame) {
+  std::string lines;
+  for (const ResultRow& row : frame.rows)
+    if (row.rank == 1 && row.T_w_c) lines += tum::line({frame.stamp, *row.T_w_c});
+  return lines;
+}
+
+/** What a file holds of all frames. */
+template <class LinesOf>
+void writeAll(const std::filesystem::path& path, const std::string& header,
+              const std::vector<FrameResult>& frames, const LinesOf& linesOf) {
+  writeTextAtomically(path, [&](std::ostream& out) {
+    out << header;
+    for (const FrameResult& frame : frames) out << linesOf(frame);
+  });
 }
 
 Eigen::Isometry3d readPose(const csv::Table& table, const csv::Row& row,
@@ -113,6 +126,11 @@ ResultRow readRow(const csv::Table& table, const csv::Row& row) {
   return result;
 }
 
+std::filesystem::path created(const std::filesystem::path& folder) {
+  files::createFolders(folder);
+  return folder;
+}
+
 }  // namespace
 
 void writeResults(const std::filesystem::path& folder, const std::vector<FrameResult>& frames,
@@ -120,9 +138,23 @@ void writeResults(const std::filesystem::path& folder, const std::vector<FrameRe
   for (const FrameResult& frame : frames) requireWritable(frame);
   files::createFolders(folder);
   writeTextAtomically(folder / kParams, [&](std::ostream& out) { out << params_ini; });
-  writeTextAtomically(folder / kTiming, [&](std::ostream& out) { writeTiming(out, frames); });
-  writeTumTrajectory(folder / kPoses, bestWorldPoses(frames));
-  writeTextAtomically(folder / kHypotheses, [&](std::ostream& out) { writeHypotheses(out, frames); });
+  writeAll(folder / kTiming, kTimingHeader, frames, timingLine);
+  writeAll(folder / kPoses, tum::kHeader, frames, poseLines);
+  writeAll(folder / kHypotheses, hypothesesHeader(), frames, hypothesesLines);
+}
+
+ResultsWriter::ResultsWriter(const std::filesystem::path& folder, const std::string& params_ini)
+    : timing_(created(folder) / kTiming, kTimingHeader),
+      poses_(folder / kPoses, tum::kHeader),
+      hypotheses_(folder / kHypotheses, hypothesesHeader()) {
+  writeTextAtomically(folder / kParams, [&](std::ostream& out) { out << params_ini; });
+}
+
+void ResultsWriter::append(const FrameResult& frame) {
+  requireWritable(frame);
+  timing_.append(timingLine(frame));
+  poses_.append(poseLines(frame));
+  hypotheses_.append(hypothesesLines(frame));
 }
 
 bool isResultsFolder(const std::filesystem::path& folder) {

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
-#include "pose_columns.h"
-#include "text.h"
+#include "tum_line.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/trajectory.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +13,6 @@
 namespace facetloc {
 namespace {
 
-constexpr int kStampDecimals = 6;
 constexpr double kStampRounding = 1e-6;        // [s] stamps are written with 6 decimals
 constexpr double kQuaternionTolerance = 1e-2;  // of |q|^2: TUM's own files have four decimals
 constexpr std::size_t kColumns = 8;
@@ -75,14 +72,8 @@ Trajectory readTumTrajectory(const std::filesystem::path& path) {
 
 void writeTumTrajectory(const std::filesystem::path& path, const std::vector<StampedPose>& poses) {
   writeTextAtomically(path, [&](std::ostream& out) {
-    out << "# timestamp tx ty tz qx qy qz qw\n";
-    for (const StampedPose& pose : poses) {
-      if (!std::isfinite(pose.stamp) || !pose.T_w_c.matrix().allFinite())
-        throw std::invalid_argument("writeTumTrajectory: a pose is not finite");
-      out << text::decimals(pose.stamp, kStampDecimals);
-      for (const double value : toColumns(pose.T_w_c)) out << ' ' << text::significant(value);
-      out << '\n';
-    }
+    out << tum::kHeader;
+    for (const StampedPose& pose : poses) out << tum::line(pose);
   });
 }
 

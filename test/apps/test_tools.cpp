@@ -118,6 +118,40 @@ TEST_F(Tools, SimulateWritesASequenceWithItsTruth) {
   }
 }
 
+TEST_F(Tools, SimulateDrivesInRealTime) {
+  const std::vector<std::string> common = {"room", "--seed",  "5",   "--frames", "2", "--width",
+                                           "80",   "--drive", "1.5", "--rate",   "10"};
+  const auto simulate = [&](const std::string& folder, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = common;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    arguments.insert(arguments.end(), {"-o", folder_ / folder});
+    return runTool<SimulateApp>(arguments);
+  };
+  ASSERT_EQ(simulate("all", {"--threads", "2"}).code, kOk);
+  for (const char* run : {"map", "query", "drive"}) EXPECT_TRUE(fs::exists(folder_ / "all/" + run)) << run;
+  const ToolRun alone = simulate("alone", {"--runs", "drive"});
+  ASSERT_EQ(alone.code, kOk) << alone.err;
+  EXPECT_THAT(alone.out, HasSubstr("15 images"));
+  EXPECT_FALSE(fs::exists(folder_ / "alone/map"));
+  EXPECT_FALSE(fs::exists(folder_ / "alone/query"));
+
+  const DepthSequence drive = DepthSequence::open(folder_ / "alone/drive");
+  ASSERT_EQ(drive.frames().size(), 15u);
+  EXPECT_EQ(drive.groundTruth().poses().size(), 15u);
+  for (std::size_t i = 0; i < drive.frames().size(); ++i) {
+    EXPECT_NEAR(drive.frames()[i].stamp, drive.frames()[0].stamp + 0.1 * static_cast<double>(i), 1e-6);
+    EXPECT_TRUE(drive.groundTruth().nearest(drive.frames()[i].stamp, 1e-6));
+    const fs::path file = drive.frames()[i].path.filename();
+    EXPECT_EQ(contentOf(drive.frames()[i].path), contentOf(fs::path(folder_ / "all/drive/depth") / file));
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "alone/drive/labels"));
+
+  EXPECT_EQ(simulate("alone", {"--runs", "drive"}).code, kFailed);  // is there already
+  EXPECT_EQ(simulate("alone", {"--runs", "map"}).code, kOk);        // beside it
+  EXPECT_THAT(simulate("other", {"--runs", "flight"}).err, HasSubstr("map query drive"));
+  EXPECT_EQ(simulate("other", {"--rate", "0"}).code, kUsage);
+}
+
 TEST_F(Tools, FromMapToEvaluation) {
   const ToolRun info = runMap({"info", map()});
   EXPECT_EQ(info.code, kOk);

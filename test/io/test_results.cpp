@@ -158,6 +158,41 @@ TEST(Results, LineNumbersCountLinesInsideQuotes) {
   EXPECT_THAT(errorOf(kHeader + two_lines + "bad\n"), HasSubstr("line 5"));
 }
 
+TEST(ResultsWriter, WritesTheSameFrameByFrame) {
+  const TemporaryFolder folder;
+  writeResults(folder / "whole", twoFrames(), "width = 320\n");
+  ResultsWriter writer(folder / "growing", "width = 320\n");
+  EXPECT_TRUE(isResultsFolder(folder / "growing"));
+  EXPECT_TRUE(readHypotheses(folder / "growing").empty());
+  for (const FrameResult& frame : twoFrames()) {
+    const std::size_t before = readTiming(folder / "growing").size();
+    writer.append(frame);
+    EXPECT_EQ(readTiming(folder / "growing").size(), before + 1) << "there when append() returns";
+  }
+  for (const char* name : {"hypotheses.csv", "timing.csv", "poses_tum.txt", "params.ini"})
+    EXPECT_EQ(bytesOf(folder / "whole" / name), bytesOf(folder / "growing" / name)) << name;
+}
+
+TEST(ResultsWriter, BeginsAnewAndIsChecked) {
+  const TemporaryFolder folder;
+  writeResults(folder / "a", twoFrames(), "");
+  ResultsWriter writer(folder / "a", "new = 1\n");
+  EXPECT_TRUE(readHypotheses(folder / "a").empty());
+  EXPECT_EQ(bytesOf(folder / "a" / "params.ini"), "new = 1\n");
+  FrameResult bad = twoFrames()[0];
+  bad.rows[0].score = NAN;
+  EXPECT_THROW(writer.append(bad), std::invalid_argument);
+  EXPECT_TRUE(readTiming(folder / "a").empty()) << "nothing of it is written";
+  putBytes(folder / "b", "a file");
+  EXPECT_THAT(ioErrorOf([&] { ResultsWriter(folder / "b", ""); }), HasSubstr("cannot be created"));
+}
+
+TEST(GrowingFile, SaysThatTheDiskIsFull) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  EXPECT_THAT(ioErrorOf([] { GrowingFile("/dev/full", "header\n"); }),
+              AllOf(HasSubstr("/dev/full"), HasSubstr("cannot be written: ")));
+}
+
 TEST(Results, WritingIsChecked) {
   const TemporaryFolder folder;
   EXPECT_THROW(writeResults(folder / "a", {FrameResult()}, ""), std::invalid_argument);

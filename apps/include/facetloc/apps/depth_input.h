@@ -28,6 +28,9 @@ ViewParams withNoiseOf(const std::optional<CameraFile>& camera, ViewParams param
  * one, and is dropped with a remark if theirs is not known. Throws IoError. */
 Map readMapFor(const std::optional<CameraFile>& camera, const std::string& path, const Console& console);
 
+/** \brief The same for a map that is read already. */
+void dropUnknownMounting(const std::optional<CameraFile>& camera, Map& map, const Console& console);
+
 /** \brief The options as "name = value" lines, for what is recorded beside maps and results. */
 std::string toIni(const DepthInput& input, const ViewParams& view);
 

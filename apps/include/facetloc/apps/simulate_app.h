@@ -2,9 +2,9 @@
 #pragma once
 
 #include <facetloc/apps/app.h>
-#include <facetloc/apps/simulated_drive.h>
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/simulated_camera.h>
+#include <facetloc/io/simulated_drive.h>
 
 #include <string>
 #include <vector>
@@ -18,7 +18,7 @@ public:
 
 private:
   struct Run;    // a sequence to be: folder, poses, stamps
-  struct Place;  // two runs through a place
+  struct Place;  // the runs through a place
 
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
@@ -26,15 +26,19 @@ private:
   Place makePlace() const;
   void prepareFolder(const Run& run, const CameraFile& camera) const;
   void writeUnmapped(const Run& query, const std::vector<char>& unmapped) const;
+  std::vector<std::string> wantedRuns() const;
 
   std::string scene_;
   std::string folder_;
+  std::string runs_;
   int seed_ = 1;
   int width_ = 640;
   int frames_ = 0;
   int map_frames_ = 444;    // the paper's
   int query_frames_ = 348;  // the paper's
   double map_step_ = 0.25;
+  double seconds_ = 60;  // of the continuous drive
+  PaceParams pace_;
   DriveParams drive_;
   SimulatedNoise noise_;
 };

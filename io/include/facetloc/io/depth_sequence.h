@@ -6,26 +6,31 @@
 #include <facetloc/io/trajectory.h>
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace facetloc {
 
+class OniFile;
+
 /** \brief One image of a sequence, not yet read. */
 struct FrameFile {
   std::string name;            ///< file name without its extension; unique within a sequence
-  std::filesystem::path path;  ///< 16-bit PNG or organized PCD
+  std::filesystem::path path;  ///< 16-bit PNG, organized PCD, or the recording that it is in
   double stamp = 0;            ///< [s]: the name if all names are numbers (TUM), else the index
 };
 
 /** \brief A sequence of depth images on disk, in the order of their stamps.
  *
  * Accepted: a folder with depth/ in it (DESIGN 4); a folder of PNGs or organized PCDs; a single PNG or PCD
- * file; a text file (.txt, .lst) with one path per line, relative to the list; # starts a comment line. Where
+ * file; an .oni recording, whose frames are named by their time stamps, in seconds with 6 decimals; a text
+ * file (.txt, .lst) with one path per line, relative to the list; # starts a comment line. Where
  * names are no numbers, folders are in the order of the names and lists in their own. camera.ini is looked
  * for in the folder, in its parent, and beside the file; PNGs need one, PCDs fall back to the intrinsics in
- * their points. groundtruth.txt is looked for in the same places, and read if the names are time stamps. */
+ * their points, recordings to their field of view. groundtruth.txt is looked for in the same places, and read
+ * if the names are time stamps. */
 class DepthSequence {
 public:
   /** \brief Lists the frames; reads no image. Throws IoError if there is nothing to read. */
@@ -41,7 +46,10 @@ public:
   DepthImage load(std::size_t index, int working_width = 0) const;
 
 private:
+  void openRecording(const std::filesystem::path& path);
+
   std::vector<FrameFile> frames_;
+  std::shared_ptr<const OniFile> recording_;  // that all frames are in, if they are
   std::optional<CameraFile> camera_;
   Trajectory ground_truth_;
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/io/growing_file.h>
+
 #include <Eigen/Geometry>
 
 #include <filesystem>
@@ -45,6 +47,17 @@ struct FrameResult {
  * given order) and params.ini. */
 void writeResults(const std::filesystem::path& folder, const std::vector<FrameResult>& frames,
                   const std::string& params_ini);
+/** \brief A results folder that grows while a run goes on: a frame is in all files when append() returns. */
+class ResultsWriter {
+public:
+  /** \brief Begins anew, in the place of older results. Throws IoError. */
+  ResultsWriter(const std::filesystem::path& folder, const std::string& params_ini);
+  /** \brief Throws IoError, std::invalid_argument for values that are not finite. */
+  void append(const FrameResult& frame);
+
+private:
+  GrowingFile timing_, poses_, hypotheses_;
+};
 /** \brief Is there a hypotheses.csv in it? */
 bool isResultsFolder(const std::filesystem::path& folder);
 /** \brief Reads hypotheses.csv (columns by name). Throws IoError with the line for malformed files. */

@@ -43,10 +43,29 @@ struct DriveParams {
   CameraMounting mounting() const { return {camera_height, camera_tilt_deg}; }
 };
 
+/** \brief A drive in time: the camera takes images by the clock, whatever the robot does. */
+struct PaceParams {
+  double rate = 30;           ///< images per second
+  double speed = 0.5;         ///< straight on [m/s]
+  double turn_rate_deg = 45;  ///< on the spot [deg/s]
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& field) {
+    field("rate", p.rate, 0.1, 1000.0, "Images per second of the continuous drive.");
+    field("speed", p.speed, 0.01, 10.0, "Its speed straight on [m/s].");
+    field("turn_rate_deg", p.turn_rate_deg, 1.0, 360.0, "Its speed of turning on the spot [deg/s].");
+  }
+  void validate() const { checkRanges(*this); }
+};
+
 /** \brief Camera poses T_w_c of a drive along a route, again and again until there are enough (z up, floor at
- * z = 0). The same arguments give the same drive. */
+ * z = 0). The same arguments give the same drive.
+ *
+ * With a pace, an image is taken every 1/rate s instead of after each step or turn, and the floor is uneven
+ * as a floor is: of the same height whenever a wheel comes to the same place. */
 std::vector<Eigen::Isometry3d> simulateDrive(const Route& route, std::size_t frames,
-                                             const DriveParams& params, std::uint64_t seed);
+                                             const DriveParams& params, std::uint64_t seed,
+                                             const std::optional<PaceParams>& pace = {});
 
 /** \brief Camera poses T_w_c of a drive through a closed room: from one free place to the next in sight,
  * mostly to where it has not been, with a look around at each.
@@ -55,6 +74,7 @@ std::vector<Eigen::Isometry3d> simulateDrive(const Route& route, std::size_t fra
  * default. Throws std::runtime_error if the room leaves no place to drive. */
 std::vector<Eigen::Isometry3d> simulateDrive(const Scene& scene, std::size_t frames,
                                              const DriveParams& params, std::uint64_t seed,
-                                             const std::optional<Eigen::Vector2d>& start = {});
+                                             const std::optional<Eigen::Vector2d>& start = {},
+                                             const std::optional<PaceParams>& pace = {});
 
 }  // namespace facetloc

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/apps/simulated_drive.h>
 #include <facetloc/features/so3.h>
+#include <facetloc/io/simulated_drive.h>
 
 #include <algorithm>
 #include <cmath>
@@ -90,15 +90,43 @@ private:
   std::vector<Eigen::Vector2d> obstacles_;
 };
 
+/** The height of an uneven floor, some waves of all directions. */
+class UnevenFloor {
+public:
+  UnevenFloor(double std, Random& random) {
+    constexpr int kWaves = 12;
+    constexpr double kShortest = 0.4, kLongest = 1.2;  // about the size of the robot [m]
+    amplitude_ = std * std::sqrt(2.0 / kWaves);
+    for (int i = 0; i < kWaves; ++i) {
+      const double direction = random.uniform(-kPi, kPi);
+      const double wave_number = 2 * kPi / random.uniform(kShortest, kLongest);
+      const double phase = random.uniform(-kPi, kPi);
+      waves_.push_back({wave_number * std::cos(direction), wave_number * std::sin(direction), phase});
+    }
+  }
+  double height(const Eigen::Vector2d& p) const {
+    double sum = 0;
+    for (const Eigen::Vector3d& w : waves_) sum += std::sin(w.x() * p.x() + w.y() * p.y() + w.z());
+    return amplitude_ * sum;
+  }
+
+private:
+  double amplitude_;
+  std::vector<Eigen::Vector3d> waves_;  // (wave vector, phase)
+};
+
 /** The robot: where it stands and looks, and what its camera has seen. */
 class Robot {
 public:
-  Robot(const DriveParams& params, Random& random, std::size_t frames)
+  Robot(const DriveParams& params, const std::optional<PaceParams>& pace, Random& random, std::size_t frames)
       : params_(params),
+        pace_(pace),
         random_(random),
         frames_(frames),
         T_b_c_(params.mounting().T_b_c()),
-        sway_phase_(random.uniform(-kPi, kPi)) {}
+        sway_phase_(random.uniform(-kPi, kPi)) {
+    if (pace) floor_.emplace(params.floor_std, random);
+  }
 
   bool done() const { return poses_.size() >= frames_; }
   const Eigen::Vector2d& place() const { return place_; }
@@ -113,8 +141,10 @@ public:
     const double end = course_ + angle;
     while (!done() && course_ != end) {
       const double left = end - course_;
-      const double step = std::min(kTurnStep, params_.turn_deg * kDegree - turned());
+      const double due = pace_ ? timeLeft() * turnRate() : params_.turn_deg * kDegree - turned();
+      const double step = std::min({std::abs(left), kTurnStep, due});
       course_ = std::abs(left) <= step ? end : course_ + std::copysign(step, left);
+      if (pace_) time_ += step / turnRate();
       lookIfDue();
     }
   }
@@ -123,10 +153,12 @@ public:
     turn(std::remainder(std::atan2(way.y(), way.x()) - course_, 2 * kPi));
     while (!done() && place_ != goal) {
       const double left = (goal - place_).norm();
-      const double step = std::min({left, kDriveStep, params_.step - driven_});
+      const double due = pace_ ? timeLeft() * pace_->speed : params_.step - driven_;
+      const double step = std::min({left, kDriveStep, due});
       place_ = step >= left ? goal : Eigen::Vector2d(place_ + step / left * (goal - place_));
       driven_ += step;
       odometer_ += step;
+      if (pace_) time_ += step / pace_->speed;
       lookIfDue();
     }
   }
@@ -138,8 +170,15 @@ private:
   }
   /** Since the last image. */
   double turned() const { return std::abs(std::remainder(heading() - heading_seen_, 2 * kPi)); }
+  double turnRate() const { return pace_->turn_rate_deg * kDegree; }
+  /** Until the next image is due; images are counted, so that no rounding adds up. */
+  double timeLeft() const { return static_cast<double>(poses_.size()) / pace_->rate - time_; }
+  bool due() const {
+    if (pace_) return timeLeft() <= kRounding;
+    return driven_ >= params_.step - kRounding || turned() >= params_.turn_deg * kDegree - kRounding;
+  }
   void lookIfDue() {
-    if (driven_ >= params_.step - kRounding || turned() >= params_.turn_deg * kDegree - kRounding) look();
+    if (due()) look();
   }
   void look() {
     driven_ = 0;
@@ -149,9 +188,9 @@ private:
 
   /** T_w_b on a floor that differs under each wheel (METHOD 6). */
   Eigen::Isometry3d basePose() {
-    const double left = random_.normal(params_.floor_std);
-    const double right = random_.normal(params_.floor_std);
-    const double caster = random_.normal(params_.floor_std);
+    const double left = floorAt({0, params_.wheel_track / 2});
+    const double right = floorAt({0, -params_.wheel_track / 2});
+    const double caster = floorAt({-params_.caster_distance, 0});
     const double axle = (left + right) / 2;
     const double slope_y = (left - right) / params_.wheel_track,
                  slope_x = (axle - caster) / params_.caster_distance;
@@ -161,9 +200,17 @@ private:
     return T;
   }
 
+  /** Under a wheel, given in the robot's frame. Images that are taken now and then show any two floors. */
+  double floorAt(const Eigen::Vector2d& wheel) {
+    if (!floor_) return random_.normal(params_.floor_std);
+    return floor_->height(place_ + Eigen::Rotation2Dd(heading()) * wheel);
+  }
+
   const DriveParams& params_;
+  const std::optional<PaceParams>& pace_;
   Random& random_;
   std::size_t frames_;
+  std::optional<UnevenFloor> floor_;
   Eigen::Isometry3d T_b_c_;
   Eigen::Vector2d place_ = Eigen::Vector2d::Zero();
   double sway_phase_;
@@ -171,6 +218,7 @@ private:
   double odometer_ = 0;      // [m]
   double driven_ = 0;        // since the last image [m]
   double heading_seen_ = 0;  // at the last image [rad]
+  double time_ = 0;          // since the first image [s]
   std::vector<Eigen::Isometry3d> poses_;
 };
 
@@ -194,9 +242,10 @@ std::optional<Eigen::Vector2d> nextGoal(const FloorPlan& plan, const Eigen::Vect
 }  // namespace
 
 std::vector<Eigen::Isometry3d> simulateDrive(const Route& route, std::size_t frames,
-                                             const DriveParams& params, std::uint64_t seed) {
+                                             const DriveParams& params, std::uint64_t seed,
+                                             const std::optional<PaceParams>& pace) {
   Random random(seed);
-  Robot robot(params, random, frames);
+  Robot robot(params, pace, random, frames);
   if (route.size() < 2) throw std::invalid_argument("simulateDrive: a route has at least two waypoints");
   const Eigen::Vector2d way = route[1].place - route[0].place;
   robot.putDown(route[0].place, std::atan2(way.y(), way.x()));
@@ -210,14 +259,15 @@ std::vector<Eigen::Isometry3d> simulateDrive(const Route& route, std::size_t fra
 
 std::vector<Eigen::Isometry3d> simulateDrive(const Scene& scene, std::size_t frames,
                                              const DriveParams& params, std::uint64_t seed,
-                                             const std::optional<Eigen::Vector2d>& start) {
+                                             const std::optional<Eigen::Vector2d>& start,
+                                             const std::optional<PaceParams>& pace) {
   Random random(seed);
   const FloorPlan plan(scene, params.camera_height + 0.1, params.clearance);
   const auto first = start ? start : plan.freePlace(random);
   if (!first)
     throw std::runtime_error("the room leaves no place to drive; take another seed or a smaller clearance");
   std::vector<Eigen::Vector2d> visited = {*first};
-  Robot robot(params, random, frames);
+  Robot robot(params, pace, random, frames);
   robot.putDown(*first, random.uniform(-kPi, kPi));
   while (!robot.done()) {
     const double side = random.uniform(-1, 1) < 0 ? -1 : 1;

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/depth_image.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief The depth frames of an .oni recording (OpenNI 1 and 2), read without OpenNI: each frame once, in
+ * any order, from any thread, and never a wait. Colour and infrared streams are passed over.
+ *
+ * Frames are as they were recorded, and as OpenNI2 plays them. A recording that is marked as mirrored may
+ * show the world as a mirror does. */
+class OniFile {
+public:
+  /** \brief Lists the frames. Throws IoError for what is no recording, or a truncated or corrupt one, and if
+   * it has no depth or depth that is cropped or of an unknown format. */
+  static OniFile open(const std::filesystem::path& path);
+
+  const std::filesystem::path& path() const { return path_; }
+  std::size_t size() const { return frames_.size(); }
+  /** \brief When a frame was taken, since a time that the device chose [s]. */
+  double stamp(std::size_t index) const { return 1e-6 * static_cast<double>(frames_.at(index).stamp); }
+  /** \brief From the field of view, the centre in the middle; its size only, and invalid, if there is none.
+   */
+  const Intrinsics& camera() const { return camera_; }
+  /** \brief Frames per second, nominal. */
+  int rate() const { return rate_; }
+  /** \brief Was the device told to mirror its images? */
+  bool mirrored() const { return mirrored_; }
+
+  /** \brief One frame with the intrinsics of camera(). Throws IoError if it is corrupt, std::out_of_range for
+   * the index. */
+  DepthImage read(std::size_t index) const;
+  /** \brief The numbers of a frame as they were recorded, row-major, 0 = not measured; millimetres() each. */
+  std::vector<std::uint16_t> readRaw(std::size_t index) const;
+  double millimetres() const { return millimetres_; }
+  /** \brief The bytes that the recording takes; OpenNI2 leaves as many zeros behind them. */
+  std::uint64_t bytes() const { return bytes_; }
+
+private:
+  friend class OniFileIndexer;
+
+  struct Frame {
+    std::uint64_t stamp;   // [us]
+    std::uint64_t offset;  // of its data in the file
+    std::uint32_t size;    // of its data
+  };
+  enum class Codec { none, differences, differences_of_table };
+
+  OniFile() = default;
+
+  std::filesystem::path path_;
+  std::vector<Frame> frames_;
+  Codec codec_ = Codec::none;
+  Intrinsics camera_;
+  int rate_ = 0;
+  bool mirrored_ = false;
+  double millimetres_ = 1;
+  std::uint64_t bytes_ = 0;
+};
+
+}  // namespace facetloc

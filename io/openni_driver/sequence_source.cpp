@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sequence_source.h"
+
+#include "millimetres.h"
+
+#include <facetloc/io/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace facetloc {
+namespace {
+
+constexpr int kUsualRate = 30;  // [Hz]
+constexpr int kHighestRate = 1000;
+
+/** Stamps count up by whole numbers where they are indices and not times. */
+bool areTimes(const std::vector<FrameFile>& frames) {
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    if (frames[i].stamp != static_cast<double>(i)) return frames.front().stamp >= 0;
+  return false;
+}
+
+/** From the median time between images, so that a gap does not count. */
+int rateOf(const std::vector<FrameFile>& frames) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < frames.size(); ++i) steps.push_back(frames[i].stamp - frames[i - 1].stamp);
+  if (steps.empty()) return kUsualRate;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle > 0 ? static_cast<int>(std::clamp(std::round(1 / *middle), 1.0, double(kHighestRate)))
+                     : kUsualRate;
+}
+
+}  // namespace
+
+SequenceSource::SequenceSource(const std::string& folder) : sequence_(DepthSequence::open(folder)) {
+  has_times_ = areTimes(sequence_.frames());
+  rate_ = has_times_ ? rateOf(sequence_.frames()) : kUsualRate;
+  camera_ = sequence_.camera() ? sequence_.camera()->intrinsics : sequence_.load(0).camera;
+}
+
+std::uint64_t SequenceSource::stamp(std::size_t index) const {
+  const double seconds =
+      has_times_ ? sequence_.frames().at(index).stamp : static_cast<double>(index) / kUsualRate;
+  return static_cast<std::uint64_t>(std::llround(1e6 * seconds));
+}
+
+void SequenceSource::read(std::size_t index, std::uint16_t* depth) const {
+  const DepthImage image = sequence_.load(index);
+  if (image.camera.width != camera_.width || image.camera.height != camera_.height)
+    throw IoError(sequence_.frames().at(index).path.string(), "is of another size than the first image");
+  toMillimetres(image, depth);
+}
+
+}  // namespace facetloc

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "files.h"
+#include "lasting_threads.h"
+#include "openni_handle.h"
+
+#include <facetloc/io/error.h>
+#include <facetloc/io/oni_file.h>
+#include <facetloc/io/oni_recorder.h>
+
+#include <OpenNI.h>
+
+#include <array>
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+namespace facetloc {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kPatience = 2s;  // for the thread that writes
+
+/** Is the record that says that data will follow the last one in the file? */
+bool awaitsData(const std::filesystem::path& path) {
+  constexpr long kSize = 40;
+  constexpr std::uint32_t kMark = 0x0052494E, kDataBegin = 0x08;
+  const auto file = files::open(path, "rb");
+  std::array<std::uint32_t, 2> record{};  // its mark and its type
+  return std::fseek(file.get(), -kSize, SEEK_END) == 0 &&
+         std::fread(record.data(), sizeof record, 1, file.get()) == 1 && record[0] == kMark &&
+         record[1] == kDataBegin;
+}
+
+/** The recorder starts on a thread of its own, and lets go all frames that come before that. */
+bool waitForStart(const std::filesystem::path& path) {
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (!awaitsData(path)) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(1ms);
+  }
+  std::this_thread::sleep_for(5ms);  // from the record to the next line of that thread
+  return true;
+}
+
+}  // namespace
+
+/** Handles of our own, which share the device with those of others. */
+struct OniRecorder::Recording {
+  bool initialized = openni::OpenNI::initialize() == openni::STATUS_OK;
+  openni::Device device;
+  openni::VideoStream depth;
+  openni::Recorder recorder;
+
+  ~Recording() {
+    if (recorder.isValid()) recorder.stop(), recorder.destroy();
+    if (depth.isValid()) depth.stop(), depth.destroy();
+    device.close();
+    if (initialized) openni::OpenNI::shutdown();
+  }
+};
+
+OniRecorder::OniRecorder(const std::string& device_uri, const std::filesystem::path& file)
+    : file_(std::filesystem::absolute(file)), part_(file_.string() + ".part") {
+  files::requireFolderOf(file_);
+  files::open(part_, "wb");  // OpenNI2 would not say why it cannot
+  callOnLastingThread([&] {
+    try {
+      recording_ = std::make_unique<Recording>();
+      start(device_uri);
+    } catch (const IoError&) {
+      recording_.reset();
+      std::filesystem::remove(part_);
+      throw;
+    }
+  });
+}
+
+void OniRecorder::start(const std::string& device_uri) {
+  Recording& r = *recording_;
+  const auto require = [](bool done, const std::string& path, const char* what) {
+    if (!done) throw IoError(path, what + (": " + openniError()));
+  };
+  const auto ok = openni::STATUS_OK;
+  require(r.initialized, device_uri, "OpenNI2 does not work");
+  require(r.device.open(device_uri.c_str()) == ok, device_uri, "cannot be opened");
+  require(r.depth.create(r.device, openni::SENSOR_DEPTH) == ok, device_uri, "has no depth to record");
+  require(r.recorder.create(part_.c_str()) == ok, part_, "cannot be recorded to");
+  require(r.recorder.attach(r.depth) == ok, device_uri, "cannot be recorded");
+  require(r.recorder.start() == ok, part_, "cannot be recorded to");
+  require(waitForStart(part_), part_, "cannot be recorded to");
+  require(r.depth.start() == ok, device_uri, "cannot be started");
+}
+
+OniRecorder::~OniRecorder() noexcept {
+  try {
+    stop();
+  } catch (const std::exception&) {  // who wants to know calls stop()
+  }
+}
+
+std::size_t OniRecorder::stop() {
+  if (!recording_) return frames_;
+  callOnLastingThread([this] { recording_.reset(); });  // which waits until all is written
+  std::uint64_t bytes = 0;
+  try {
+    const OniFile whole = OniFile::open(part_);
+    frames_ = whole.size();
+    bytes = whole.bytes();
+  } catch (const IoError& e) {
+    if (std::string(e.what()).find("has no depth frames") == std::string::npos) throw;
+  }
+  if (frames_ > 0) {
+    std::filesystem::resize_file(part_, bytes);
+    std::filesystem::rename(part_, file_);
+  } else {
+    std::filesystem::remove(part_);
+  }
+  return frames_;
+}
+
+}  // namespace facetloc
