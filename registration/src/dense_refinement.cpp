@@ -2,6 +2,8 @@
 #include <facetloc/registration/dense_refinement.h>
 #include <facetloc/registration/depth_consistency.h>
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
 
@@ -18,10 +20,10 @@ struct LocalSlope {
 };
 
 // The picture is linear on planes; where it is not (edges, noise of curved things) nothing is measured.
+constexpr int kReach = 2;  // of the gradient to each side [px]
 bool slopeAt(const DepthPicture& b, double x, double y, double error, LocalSlope& slope) {
   const Intrinsics& c = b.camera;
   const int u = static_cast<int>(std::floor(x + 0.5)), v = static_cast<int>(std::floor(y + 0.5));
-  constexpr int kReach = 2;
   constexpr double kStraight = 12;  // errors that the second difference may have
   if (!(u >= kReach && v >= kReach && u < c.width - kReach && v < c.height - kReach)) return false;
   const auto at = [&](int column, int row) {
@@ -44,6 +46,8 @@ struct NormalEquations {
   Matrix6d A = Matrix6d::Zero();
   Vector6d g = Vector6d::Zero();
   double weight = 0;  // sum of the robust weights
+  bool of_noise = false;
+  Matrix6d noise = Matrix6d::Zero();  // if wanted: what gradients of unit variance add to A by chance
 };
 
 void addPicture(const DepthPicture& scene, const PosedPicture& model, const Eigen::Isometry3d& T_w_c,
@@ -79,30 +83,61 @@ void addPicture(const DepthPicture& scene, const PosedPicture& model, const Eige
       n.A.selfadjointView<Eigen::Lower>().rankUpdate(J, robust);
       n.g += robust * residual * J;
       n.weight += robust;
+      if (!n.of_noise) continue;
+      for (const Eigen::Vector3d& by_gradient :
+           {Eigen::Vector3d(-c.fx, 0, c.fx * px), Eigen::Vector3d(0, -c.fy, c.fy * py)}) {
+        const Eigen::Vector3d da = inverse_z * R_w_m * by_gradient;
+        J << arm.cross(da), da;
+        n.noise.selfadjointView<Eigen::Lower>().rankUpdate(J, robust);
+      }
     }
+}
+
+// Drops the directions in which the gradients tell hardly more than their own noise and the bands of a coarse
+// quantisation would (after Zhang, Kaess, Singh, ICRA 2016), and takes the noise out of the others.
+void dropFeigned(double inverse_depth_std, double significance, NormalEquations& n) {
+  const double gradient_variance = inverse_depth_std * inverse_depth_std / (2 * kReach * kReach);
+  constexpr double kRegular = 1e-9;  // of the trace
+  Matrix6d N = gradient_variance * Matrix6d(n.noise.selfadjointView<Eigen::Lower>());
+  N.diagonal().array() += kRegular * N.trace();
+  const Matrix6d A = n.A.selfadjointView<Eigen::Lower>();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> eig(A, N);
+  // V^T N V = 1 and V^T A V = diag(lambda): lambda is 1 where there is nothing but noise.
+  const Matrix6d NV = N * eig.eigenvectors();
+  const Vector6d lambda = eig.eigenvalues();
+  const Vector6d kept = (lambda.array() > significance).select(Vector6d::Ones(), Vector6d::Zero());
+  n.g = NV * kept.cwiseProduct(eig.eigenvectors().transpose() * n.g);
+  n.A = NV * kept.cwiseProduct((lambda.array() - 1).matrix()).asDiagonal() * NV.transpose();
 }
 
 }  // namespace
 
 bool refineByDepth(const DepthPicture& scene, const std::vector<PosedPicture>& pictures,
-                   double inverse_depth_std, const DenseRefinementParams& params, PoseWithCovariance& pose) {
+                   double inverse_depth_std, const DenseRefinementParams& params, PoseWithCovariance& pose,
+                   Matrix6d* information) {
   if (scene.empty()) return false;
   const Eigen::LLT<Matrix6d> prior_factor(pose.P);
   if (prior_factor.info() != Eigen::Success) return false;
   const Matrix6d prior_information = prior_factor.solve(Matrix6d::Identity());
   const double error = params.pixel_error * inverse_depth_std;
+  const double of_pixel = 1 / (error * error * params.correlated_pixels);
   Eigen::Isometry3d T = pose.T;
   Matrix6d uncertainty = pose.P;
-  for (int i = 0; i < params.iterations; ++i) {
+  const auto normalEquations = [&] {
     NormalEquations n;
+    n.of_noise = params.significance > 0;
     for (const PosedPicture& picture : pictures)
       if (!picture.picture->empty()) addPicture(scene, picture, T, uncertainty, error, params.robust_gate, n);
+    if (n.of_noise && n.weight > 0) dropFeigned(inverse_depth_std, params.significance, n);
+    return n;
+  };
+  for (int i = 0; i < params.iterations; ++i) {
+    const NormalEquations n = normalEquations();
     if (!(n.weight > 0)) return false;
-    const double information = 1 / (error * error);
-    const Matrix6d A = information * Matrix6d(n.A.selfadjointView<Eigen::Lower>());
+    const Matrix6d A = of_pixel * Matrix6d(n.A.selfadjointView<Eigen::Lower>());
     const Eigen::LDLT<Matrix6d> solver(A + prior_information);
     if (solver.info() != Eigen::Success || !solver.isPositive()) return false;
-    const Vector6d step = -solver.solve(information * n.g + prior_information * perturbation(pose.T, T));
+    const Vector6d step = -solver.solve(of_pixel * n.g + prior_information * perturbation(pose.T, T));
     if (!step.allFinite()) return false;
     T = perturbed(T, step);
     if (i > 0 && step.norm() < kConverged) break;
@@ -110,6 +145,7 @@ bool refineByDepth(const DepthPicture& scene, const std::vector<PosedPicture>& p
     uncertainty *= kSmaller;
   }
   pose.T = T;
+  if (information) *information = of_pixel * Matrix6d(normalEquations().A.selfadjointView<Eigen::Lower>());
   return true;
 }
 

@@ -91,6 +91,44 @@ TEST_F(DenseRefinement, KeepsThePriorWhereThePixelsSayNothing) {
   EXPECT_NEAR(off.z(), -0.03, 0.01);
 }
 
+TEST_F(DenseRefinement, TellsHowMuchThePixelsTell) {
+  // Errors of white noise in the scene's pixels: of variance 1 + 1/5 instead of pixel_error^2, as the model's
+  // pixels are averaged and the same each time.
+  constexpr int kTrials = 40;
+  double squares = 0;
+  Vector6d mean = Vector6d::Zero();
+  std::vector<Vector6d> errors;
+  Matrix6d information;
+  for (int i = 0; i < kTrials; ++i) {
+    scene = pictureOf(test::largeRoom(), truth, static_cast<unsigned>(100 + i));
+    PoseWithCovariance pose{truth, priorCovariance(5 * kDegree, 0.5)};
+    ASSERT_TRUE(refineByDepth(scene, pictures(), kNoise, params, pose, &information));
+    errors.push_back(perturbation(truth, pose.T));
+    mean += errors.back() / kTrials;
+  }
+  for (const Vector6d& e : errors) squares += (e - mean).dot(information * (e - mean)) / (kTrials - 1);
+  EXPECT_GT(squares, 6 / std::pow(params.pixel_error, 2) / 2);
+  EXPECT_LT(squares, 6);
+}
+
+TEST_F(DenseRefinement, ABareWallFeignsNoInformation) {
+  const Eigen::Isometry3d here = lookingAlong({0, 0, 1.2}, {0.1, 1, -0.1});
+  scene = pictureOf(test::endlessCorridor(), here, 1);
+  const DepthPicture model = pictureOf(test::endlessCorridor(), here, 2);
+  const PoseWithCovariance prior{here, priorCovariance(2 * kDegree, 0.05)};
+  const auto stdAlong = [&](double significance) {
+    params.significance = significance;
+    PoseWithCovariance pose = prior;
+    Matrix6d information;
+    EXPECT_TRUE(refineByDepth(scene, {{&model, here}}, kNoise, params, pose, &information));
+    const Matrix6d P = (information + prior.P.inverse()).inverse();
+    EXPECT_LT(P(3, 3), 1e-3 * prior.P(3, 3));  // across, the walls tell
+    return std::sqrt(P(4, 4));
+  };
+  EXPECT_LT(stdAlong(0), 0.02);  // what the noise of the gradients feigns
+  EXPECT_GT(stdAlong(4), 0.045);
+}
+
 TEST_F(DenseRefinement, DoesNotDependOnTheWorldFrame) {
   PoseWithCovariance pose{truth, priorCovariance(1 * kDegree, 0.05)};
   pose.T.translation() += Eigen::Vector3d(0.02, 0.01, -0.01);

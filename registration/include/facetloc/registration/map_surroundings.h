@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/registration/view_alignment.h>
+
+#include <memory>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief Finds the local models of a map that surround a pose. */
+class MapSurroundings {
+public:
+  MapSurroundings(std::shared_ptr<const Map> map, const DepthComparison& comparison);
+  const Map& map() const { return *map_; }
+  /** \brief False if no local model has a pose in the world: nothing surrounds anything then. */
+  bool anyPose() const { return any_pose_; }
+  /** \brief The at most n nearest models by viewDistance() that confirm some of a view taken about at T_w_c,
+   * nearest first; if they are fewer, then the nearest others. Indices are those in the map. A model that
+   * confirms next to nothing, because it is behind a wall, gives its planes but no picture. */
+  Surroundings around(const View& view, const Eigen::Isometry3d& T_w_c, int n) const;
+
+private:
+  std::shared_ptr<const Map> map_;
+  DepthComparison comparison_;
+  bool any_pose_ = false;
+};
+
+}  // namespace facetloc

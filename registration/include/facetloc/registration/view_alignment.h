@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/registration/dense_refinement.h>
+#include <facetloc/registration/depth_consistency.h>
+#include <facetloc/registration/hypothesis.h>
+
+#include <vector>
+
+namespace facetloc {
+
+/** \brief The views of one place, as one: a view shares some planes with one of them and some with another.
+ * Refers to their depth pictures. */
+struct Surroundings {
+  /** \brief Where a segment comes from. */
+  struct Origin {
+    int view = 0;     ///< index among the views
+    int segment = 0;  ///< index in that view
+  };
+  std::vector<Segment> segments;       ///< of all of them, in world axes
+  std::vector<Origin> origins;         ///< of each segment
+  std::vector<PosedPicture> pictures;  ///< of those that have one
+
+  /** \brief Adds view number `index`, taken at T_w_c. */
+  void add(int index, const View& view, const Eigen::Isometry3d& T_w_c);
+};
+
+/** \brief How a view is aligned with its surroundings. */
+struct ViewAlignmentParams {
+  MatchingParams matching;
+  DenseRefinementParams dense;
+
+  ViewAlignmentParams() { dense.correlated_pixels = 50; }
+};
+
+/** \brief Where a view is in its surroundings. */
+struct ViewAlignment {
+  PoseWithCovariance T_w_c;
+  std::vector<SegmentPair> pairs;  ///< (segment of the view, segment of the surroundings)
+  bool dense = false;              ///< depth pixels took part
+  bool measured() const { return dense || !pairs.empty(); }
+};
+
+/** \brief Aligns a view with its surroundings: first all planes that they have in common (refineJointly),
+ * then all pixels (refineByDepth), which see what is no plane.
+ *
+ * \param prior T_w_c and its covariance
+ * \param inverse_depth_std noise of inverse depth [1/m]
+ * \return the pose with the covariance of everything; the prior where nothing is in common. */
+ViewAlignment alignView(const View& view, const Surroundings& surroundings, const PoseWithCovariance& prior,
+                        const ViewAlignmentParams& params, double inverse_depth_std);
+
+/** \brief What several pictures say together of each pixel of one, on a grid of so many columns: contradicted
+ * if more of them contradict than agree, else agreed if one agrees. */
+DepthAgreement compareWithAll(const DepthPicture& scene, const Eigen::Isometry3d& T_w_c,
+                              const std::vector<PosedPicture>& others, const DepthComparison& comparison,
+                              int columns);
+
+/** \brief Distance of two cameras by what they see [m]: that of their centres, and 1.5 m per radian between
+ * their viewing directions (METHOD_MEASURED 11.4 (6)); infinite if they cannot have much in common. */
+double viewDistance(const Eigen::Isometry3d& T_w_a, const Eigen::Isometry3d& T_w_b);
+
+}  // namespace facetloc

@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/pose_tracking.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+namespace facetloc {
+namespace {
+
+constexpr const char* kUnconfirmed = "a likely place waits for the next view to confirm it";
+
+// Standard deviations along the principal axes of a block, ascending, and the axes.
+struct PrincipalAxes {
+  Eigen::Vector3d std;
+  Eigen::Matrix3d axes;
+
+  explicit PrincipalAxes(const Eigen::Matrix3d& block) {
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eig;
+    eig.computeDirect(block);
+    std = eig.eigenvalues().cwiseMax(0).cwiseSqrt();
+    axes = eig.eigenvectors();
+  }
+};
+PrincipalAxes rotationAxes(const Matrix6d& P) { return PrincipalAxes(P.topLeftCorner<3, 3>()); }
+PrincipalAxes translationAxes(const Matrix6d& P) { return PrincipalAxes(P.bottomRightCorner<3, 3>()); }
+
+bool exceeds(const Matrix6d& P, double rotation_deg, double translation) {
+  return !(rotationAxes(P).std[2] <= rotation_deg * kDegree && translationAxes(P).std[2] <= translation);
+}
+
+std::string vectorText(const Eigen::Vector3d& v) {
+  // The sign of a direction means nothing; the largest component is shown positive.
+  int largest = 0;
+  v.cwiseAbs().maxCoeff(&largest);
+  const Eigen::Vector3d d = v[largest] < 0 ? Eigen::Vector3d(-v) : v;
+  char text[64];
+  std::snprintf(text, sizeof text, "(%.2f, %.2f, %.2f)", d.x() + 0.0, d.y() + 0.0, d.z() + 0.0);
+  return text;
+}
+
+// The motions that are less certain than that, in words and camera axes.
+std::string freeDirections(const PoseWithCovariance& pose, double rotation_deg, double translation) {
+  const Eigen::Matrix3d R_c_w = pose.T.linear().transpose();
+  std::string text;
+  const auto add = [&](const char* motion, const Eigen::Vector3d& v) {
+    text += (text.empty() ? "" : ", ") + std::string(motion) + vectorText(R_c_w * v);
+  };
+  const PrincipalAxes turns = rotationAxes(pose.P), shifts = translationAxes(pose.P);
+  for (int i = 0; i < 3; ++i)
+    if (!(turns.std[i] <= rotation_deg * kDegree)) add("rotation about ", turns.axes.col(i));
+  for (int i = 0; i < 3; ++i)
+    if (!(shifts.std[i] <= translation)) add("translation along ", shifts.axes.col(i));
+  return text;
+}
+
+// What is hidden from the other camera says nothing.
+double share(const DepthAgreement& a) {
+  return a.agree + a.contradict > 0 ? a.agree / double(a.agree + a.contradict) : 0;
+}
+
+PoseWithCovariance inFrame(const PoseWithCovariance& T_w_c, const Eigen::Isometry3d& T_w_m) {
+  Matrix6d turn = Matrix6d::Zero();  // of a left, decoupled perturbation into other axes
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = T_w_m.linear().transpose();
+  return {T_w_m.inverse() * T_w_c.T, turn * T_w_c.P * turn.transpose()};
+}
+
+PoseWithCovariance outOfFrame(const PoseWithCovariance& T_m_c, const Eigen::Isometry3d& T_w_m) {
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = T_w_m.linear();
+  return {T_w_m * T_m_c.T, turn * T_m_c.P * turn.transpose()};
+}
+
+// A pose after a motion: its rotation error turns the way.
+PoseWithCovariance moved(const PoseWithCovariance& T_w_a, const PoseWithCovariance& T_a_b) {
+  const Eigen::Matrix3d R = T_w_a.T.linear();
+  Matrix6d F = Matrix6d::Identity(), turn = Matrix6d::Zero();
+  F.bottomLeftCorner<3, 3>() = -skew(R * T_a_b.T.translation());
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = R;
+  return {T_w_a.T * T_a_b.T, F * T_w_a.P * F.transpose() + turn * T_a_b.P * turn.transpose()};
+}
+
+// The covariance of a posterior if what was added to the prior told only a part of what it says.
+Matrix6d discounted(const Matrix6d& prior, const Matrix6d& posterior, double part) {
+  const Matrix6d before = prior.ldlt().solve(Matrix6d::Identity());
+  const Matrix6d after = posterior.ldlt().solve(Matrix6d::Identity());
+  const Matrix6d P = Matrix6d(before + part * (after - before)).ldlt().solve(Matrix6d::Identity());
+  return 0.5 * (P + P.transpose());
+}
+
+bool near(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double translation, double rotation_deg) {
+  return (a.translation() - b.translation()).norm() <= translation &&
+         rotationAngle(a.linear() * b.linear().transpose()) <= rotation_deg * kDegree;
+}
+
+// Once aligned by all pixels, a view errs less than a pose of planes alone.
+DepthConsistencyParams refinedErrors(const GlobalLocalizationParams& params) {
+  DepthConsistencyParams depth = params.registration.depth;
+  depth.absolute_error = params.ranking.refined_absolute_error;
+  depth.relative_error = params.ranking.refined_relative_error;
+  return depth;
+}
+
+ViewAlignmentParams alignmentParams(const GlobalLocalizationParams& localization,
+                                    const PoseTrackingParams& tracking) {
+  ViewAlignmentParams params;
+  params.matching = localization.registration.matching;
+  params.dense = localization.ranking.dense;
+  params.dense.correlated_pixels = tracking.correlated_pixels;
+  params.dense.significance = tracking.significance;
+  params.dense.iterations = tracking.dense_iterations;
+  return params;
+}
+
+}  // namespace
+
+const char* text(TrackingState state) {
+  switch (state) {
+  case TrackingState::searching:
+    return "searching";
+  case TrackingState::localized:
+    return "localized";
+  case TrackingState::tracking:
+    return "tracking";
+  case TrackingState::cannot_tell:
+    return "cannot tell";
+  case TrackingState::lost:
+    return "lost";
+  }
+  return "";
+}
+
+struct PoseTracking::Step {
+  ViewAlignment alignment;
+  Surroundings surroundings;
+  DepthAgreement of_map;
+  double view_agreement = 0;
+
+  bool is_judged = false;  // the map knows enough of them
+};
+
+PoseTracking::PoseTracking(std::shared_ptr<const Map> map, const PoseTrackingParams& params,
+                           const GlobalLocalizationParams& localization, const SensorNoise& noise)
+    : params_(params),
+      localization_(map, localization, noise),
+      surroundings_(map, DepthComparison(localization.registration.depth, noise.inverse_depth_std)),
+      alignment_(alignmentParams(localization, params)),
+      comparison_(refinedErrors(localization), noise.inverse_depth_std),
+      inverse_depth_std_(noise.inverse_depth_std),
+      odometry_(params.odometry, alignment_, comparison_, noise.inverse_depth_std) {}
+
+void PoseTracking::relocalize() {
+  active_ = confirmed_ = ever_ = false;
+  candidate_.reset();
+}
+
+TrackedPose PoseTracking::update(const View& view, double stamp) {
+  const double dt = stamp - stamp_;
+  stamp_ = stamp;
+  if (!surroundings_.anyPose()) {
+    TrackedPose out;
+    out.reason = "no local model of the map has a pose in the world";
+    return out;
+  }
+  const bool in_time = dt >= 0 && dt <= params_.max_gap;
+  if (!in_time) odometry_.reset();
+  ViewMotion motion = odometry_.add(view, in_time ? dt : 0);
+  motion.broken = motion.broken || !in_time;
+  if (!active_) return search(view, motion);
+  if (!(dt >= 0)) return lose(view, motion, "the time went back");
+  if (!in_time) return lose(view, motion, "no view came for " + numberText(std::round(10 * dt) / 10) + " s");
+  return track(view, motion);
+}
+
+TrackedPose PoseTracking::track(const View& view, const ViewMotion& motion) {
+  T_w_c_ = moved(T_w_c_, motion.T_a_b);
+  if (exceeds(T_w_c_.P, params_.lost_rotation_deg, params_.lost_translation))
+    return lose(view, motion, "the pose has become as uncertain as any");
+  doubtful_ = doubtful_ || motion.broken || !confirmed_;
+  Step step = align(view, T_w_c_);
+  step.view_agreement = motion.agreement;
+  const double agreement = share(step.of_map);
+
+  std::string objection;
+  if (step.is_judged && agreement < (doubtful_ ? params_.sure_map_agreement : params_.min_map_agreement))
+    objection = "the map contradicts the view";
+  else if (doubtful_ && !view.depth.empty() && !isSure(step))
+    objection = motion.broken ? "the view contradicts the ones before" : "the map does not confirm the view";
+  if (objection.empty()) {
+    T_w_c_ = step.alignment.T_w_c;
+    bad_views_ = 0;
+    if (isSure(step) || view.depth.empty()) doubtful_ = false;
+  } else {
+    if (bad_views_++ == 0) bad_since_ = stamp_;
+    const bool enough =
+        doubtful_ ? bad_views_ >= params_.max_bad_views : stamp_ - bad_since_ >= params_.patience;
+    if (!confirmed_ || enough) return lose(view, motion, objection);
+    step.alignment = {T_w_c_, {}, false};
+  }
+  const bool in_doubt = step.is_judged && agreement < params_.sure_map_agreement;
+  const bool check = in_doubt && stamp_ >= next_check_;
+  if (check && hasBetterPlace(view, step)) {
+    TrackedPose out;
+    out.state = TrackingState::lost;
+    out.reason = "another place agrees better with the view";
+    out.searched = true;
+    return out;
+  }
+  TrackedPose out = answer(view, step);
+  out.searched = check;
+  if (!objection.empty()) {
+    out.state = TrackingState::cannot_tell;
+    out.reason = objection;
+  } else if (!confirmed_) {
+    if (out.state != TrackingState::tracking) return lose(view, motion, kUnconfirmed);
+    out.state = TrackingState::localized;
+    confirmed_ = ever_ = true;
+  }
+  return out;
+}
+
+// At a new place what is hidden does not count as nothing: most of the view must be seen in the map.
+bool PoseTracking::isSure(const Step& step) const {
+  constexpr double kSeen = 0.7;
+  return step.is_judged && share(step.of_map) >= params_.sure_map_agreement &&
+         step.of_map.agree >= kSeen * step.of_map.judged();
+}
+
+PoseTracking::Step PoseTracking::align(const View& view, const PoseWithCovariance& prior) const {
+  Step step;
+  step.surroundings = surroundings_.around(view, prior.T, params_.track_models);
+  step.alignment = alignView(view, step.surroundings, prior, alignment_, inverse_depth_std_);
+  step.alignment.T_w_c.P = discounted(prior.P, step.alignment.T_w_c.P, 1 / params_.correlated_views);
+  step.of_map = compareWithAll(view.depth, step.alignment.T_w_c.T, step.surroundings.pictures, comparison_,
+                               kFineColumns);
+  if (view.depth.empty()) return step;
+  const int grid = gridStep(view.depth, kFineColumns);
+  const int pixels = (view.depth.camera.width / grid) * (view.depth.camera.height / grid);
+  step.is_judged = step.of_map.agree + step.of_map.contradict >= params_.min_map_pixels * pixels;
+  return step;
+}
+
+TrackedPose PoseTracking::answer(const View& view, const Step& step) const {
+  TrackedPose out;
+  out.T_w_c = step.alignment.T_w_c;
+  out.probability = probability_;
+  out.map_agreement = share(step.of_map);
+  out.view_agreement = step.view_agreement;
+  out.reason = freeDirections(*out.T_w_c, params_.free_rotation_deg, params_.free_translation);
+  if (!out.reason.empty()) out.reason = "nothing in view fixes " + out.reason;
+  if (view.segments.empty()) out.reason = "the view shows no planar segment";
+  out.state = out.reason.empty() ? TrackingState::tracking : TrackingState::cannot_tell;
+
+  // The model with most pairs; of several the first in the map.
+  std::map<int, std::vector<SegmentPair>> of_model;
+  for (const SegmentPair& p : step.alignment.pairs) {
+    const Surroundings::Origin& origin = step.surroundings.origins[p.model];
+    of_model[origin.view].push_back({p.scene, origin.segment, p.distance});
+  }
+  if (of_model.empty()) return out;
+  const auto most = std::max_element(of_model.begin(), of_model.end(), [](const auto& a, const auto& b) {
+    return a.second.size() < b.second.size();
+  });
+  Hypothesis match;
+  match.model = most->first;
+  match.pairs = most->second;
+  match.T_m_c = inFrame(*out.T_w_c, *surroundings_.map().models[match.model].T_w_m);
+  match.T_w_c = out.T_w_c->T;
+  match.probability = probability_;
+  out.match = std::move(match);
+  return out;
+}
+
+TrackedPose PoseTracking::lose(const View& view, const ViewMotion& motion, const std::string& reason) {
+  active_ = confirmed_ = false;
+  candidate_.reset();
+  TrackedPose out = search(view, motion);
+  if (out.reason.empty() || ever_) out.reason = reason;
+  return out;
+}
+
+// A place that several views in a row find is right if one of them is.
+TrackedPose PoseTracking::search(const View& view, const ViewMotion& motion) {
+  TrackedPose out;
+  out.state = ever_ ? TrackingState::lost : TrackingState::searching;
+  out.searched = true;
+  std::optional<Place> best = bestPlace(view, out.reason);
+  if (candidate_) candidate_->T_w_c = moved(candidate_->T_w_c, motion.T_a_b);
+  constexpr double kSameTranslation = 0.2, kSameRotation = 3;  // [m, deg]
+  if (best && candidate_ && !motion.broken &&
+      near(best->T_w_c.T, candidate_->T_w_c.T, kSameTranslation, kSameRotation))
+    best->probability = 1 - (1 - best->probability) * (1 - candidate_->probability);
+  candidate_ = best;
+  if (!best) return out;
+  out.probability = best->probability;
+  out.reason = "no place is likely enough";
+  if (!(best->probability >= params_.min_probability)) return out;
+  out.reason = kUnconfirmed;
+  begin(*best);
+  return out;
+}
+
+std::optional<PoseTracking::Place> PoseTracking::bestPlace(const View& view, std::string& reason) const {
+  const Localization found = localization_.localize(view);
+  reason = found.reason;
+  if (found.hypotheses.empty() || !found.hypotheses.front().T_w_c) return {};
+  const Hypothesis& best = found.hypotheses.front();
+  return Place{outOfFrame(best.T_m_c, *surroundings_.map().models[best.model].T_w_m), best.probability};
+}
+
+void PoseTracking::begin(const Place& place) {
+  T_w_c_ = place.T_w_c;
+  probability_ = place.probability;
+  candidate_.reset();
+  bad_views_ = 0;
+  active_ = true;
+  confirmed_ = false;
+}
+
+// Compares the place that is tracked with what the whole map says; goes there if it is better.
+bool PoseTracking::hasBetterPlace(const View& view, const Step& step) {
+  constexpr double kSameTranslation = 0.3, kSameRotation = 5;  // [m, deg]
+  next_check_ = stamp_ + params_.check_interval;
+  std::string reason;
+  const std::optional<Place> best = bestPlace(view, reason);
+  if (!best || !(best->probability >= params_.min_probability)) return false;
+  if (near(best->T_w_c.T, T_w_c_.T, kSameTranslation, kSameRotation)) return false;
+  const Step there = align(view, best->T_w_c);
+  if (!isSure(there) || !(share(there.of_map) > share(step.of_map))) return false;
+  begin(*best);
+  return true;
+}
+
+}  // namespace facetloc

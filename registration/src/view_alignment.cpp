@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/joint_refinement.h>
+#include <facetloc/registration/view_alignment.h>
+
+#include <Eigen/Cholesky>
+
+#include <cmath>
+#include <limits>
+
+namespace facetloc {
+
+void Surroundings::add(int index, const View& view, const Eigen::Isometry3d& T_w_c) {
+  for (std::size_t i = 0; i < view.segments.size(); ++i) {
+    segments.push_back(transformed(view.segments[i], T_w_c));
+    origins.push_back({index, static_cast<int>(i)});
+  }
+  if (!view.depth.empty()) pictures.push_back({&view.depth, T_w_c});
+}
+
+ViewAlignment alignView(const View& view, const Surroundings& surroundings, const PoseWithCovariance& prior,
+                        const ViewAlignmentParams& params, double inverse_depth_std) {
+  ViewAlignment out;
+  out.T_w_c = prior;
+  Hypothesis h;
+  h.T_m_c = prior;
+  if (refineJointly(view.segments, surroundings.segments, prior, params.matching, {}, h)) {
+    out.T_w_c = h.T_m_c;
+    out.pairs = std::move(h.pairs);
+  }
+  Matrix6d information;
+  out.dense = refineByDepth(view.depth, surroundings.pictures, inverse_depth_std, params.dense, out.T_w_c,
+                            &information);
+  if (out.dense) {
+    const Matrix6d A = out.T_w_c.P.ldlt().solve(Matrix6d::Identity()) + information;
+    const Matrix6d P = A.ldlt().solve(Matrix6d::Identity());
+    out.T_w_c.P = 0.5 * (P + P.transpose());
+  }
+  return out;
+}
+
+DepthAgreement compareWithAll(const DepthPicture& scene, const Eigen::Isometry3d& T_w_c,
+                              const std::vector<PosedPicture>& others, const DepthComparison& comparison,
+                              int columns) {
+  DepthAgreement sum;
+  if (scene.empty()) return sum;
+  std::vector<DepthJudge> judges;
+  for (const PosedPicture& other : others)
+    judges.emplace_back(comparison, scene, *other.picture, other.T_w_c.inverse() * T_w_c);
+  const int step = gridStep(scene, columns);
+  for (int v = step / 2; v < scene.camera.height; v += step)
+    for (int u = step / 2; u < scene.camera.width; u += step) {
+      int agree = 0, contradict = 0, judged = 0;
+      for (const DepthJudge& judge : judges) {
+        const DepthVerdict verdict = judge(u, v);
+        judged += verdict != DepthVerdict::outside;
+        agree += verdict == DepthVerdict::agree;
+        contradict += verdict == DepthVerdict::contradict;
+      }
+      if (judged == 0) continue;
+      ++(contradict > agree ? sum.contradict : agree > 0 ? sum.agree : sum.occluded);
+    }
+  return sum;
+}
+
+double viewDistance(const Eigen::Isometry3d& T_w_a, const Eigen::Isometry3d& T_w_b) {
+  constexpr double kMetresPerRadian = 1.5, kMaxDistance = 4, kMaxAngle = 60 * kDegree;
+  const double distance = (T_w_a.translation() - T_w_b.translation()).norm();
+  const Eigen::Vector3d a = T_w_a.linear().col(2), b = T_w_b.linear().col(2);
+  const double angle = std::atan2(a.cross(b).norm(), a.dot(b));
+  if (!(distance < kMaxDistance && angle < kMaxAngle)) return std::numeric_limits<double>::infinity();
+  return distance + kMetresPerRadian * angle;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/view_odometry.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace facetloc {
+namespace {
+
+constexpr int kFewestPixels = 60;  // that must be compared before their agreement says anything
+constexpr double kLongStep = 0.2;  // after which a velocity says nothing of the next one [s]
+// Keeps the prior regular when no time has passed.
+constexpr double kLeastRotation = 1e-4, kLeastTranslation = 1e-4;  // [rad, m]
+
+}  // namespace
+
+ViewOdometry::ViewOdometry(const ViewOdometryParams& params, const ViewAlignmentParams& alignment,
+                           const DepthComparison& comparison, double inverse_depth_std)
+    : params_(params),
+      alignment_(alignment),
+      comparison_(comparison),
+      inverse_depth_std_(inverse_depth_std) {}
+
+void ViewOdometry::reset() {
+  keys_.clear();
+  T_o_c_.setIdentity();
+  velocity_.setZero();
+}
+
+ViewMotion ViewOdometry::add(const View& view, double dt) {
+  ViewMotion out;
+  const PoseWithCovariance predicted = predict(dt);
+  PoseWithCovariance T_o_c = predicted;
+  if (!keys_.empty()) {
+    const Surroundings around_us = around(predicted.T);
+    T_o_c = alignView(view, around_us, predicted, alignment_, inverse_depth_std_).T_w_c;
+    const DepthAgreement found =
+        compareWithAll(view.depth, T_o_c.T, around_us.pictures, comparison_, kFineColumns);
+    if (found.judged() >= kFewestPixels) {
+      out.agreement = found.agree / double(found.judged());
+      out.broken = !(out.agreement >= params_.min_view_agreement);
+    }
+  }
+  if (out.broken) {
+    T_o_c = predicted;
+    keys_.clear();
+    velocity_.setZero();
+  }
+  out.T_a_b.T = T_o_c_.inverse() * T_o_c.T;
+  Matrix6d turn = Matrix6d::Zero();  // of the covariance into the axes of the last camera
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = T_o_c_.linear().transpose();
+  out.T_a_b.P = turn * T_o_c.P * turn.transpose();
+  const bool moves = !out.broken && dt > 0 && dt < kLongStep;
+  if (moves) learnVelocity(predicted, T_o_c, dt);
+  if (!moves && dt > 0) velocity_.setZero();
+  T_o_c_ = T_o_c.T;
+  takeKey(view);
+  return out;
+}
+
+// As far as the views have told the motion, and smoothed: the difference of two poses is too rough to go on
+// with where the views tell nothing. Who goes straight on will do so; who turns will stop.
+void ViewOdometry::learnVelocity(const PoseWithCovariance& predicted, const PoseWithCovariance& found,
+                                 double dt) {
+  constexpr double kNew = 0.25, kTurn = 1.0;  // share of what is new, time constant of turning [s]
+  const Matrix6d known = Matrix6d::Identity() - found.P * predicted.P.inverse();
+  const Vector6d change = known * perturbation(predicted.T, found.T) / dt;
+  const Eigen::Matrix3d R_c_o = T_o_c_.linear().transpose();
+  velocity_.head<3>() *= std::exp(-dt / kTurn);
+  velocity_.head<3>() += kNew * R_c_o * change.head<3>();
+  velocity_.tail<3>() += kNew * R_c_o * change.tail<3>();
+}
+
+PoseWithCovariance ViewOdometry::predict(double dt) const {
+  PoseWithCovariance out;
+  const Vector6d motion = dt < kLongStep ? Vector6d(dt * velocity_) : Vector6d(Vector6d::Zero());
+  out.T = T_o_c_ * perturbed(Eigen::Isometry3d::Identity(), motion);
+  const double turn = params_.turn_rate_change_deg * kDegree * dt, shift = params_.speed_change * dt;
+  out.P.diagonal().head<3>().setConstant(turn * turn + kLeastRotation * kLeastRotation);
+  out.P.diagonal().tail<3>().setConstant(shift * shift + kLeastTranslation * kLeastTranslation);
+  return out;
+}
+
+Surroundings ViewOdometry::around(const Eigen::Isometry3d& T_o_c) const {
+  std::vector<std::pair<double, int>> near;
+  for (std::size_t i = 0; i < keys_.size(); ++i)
+    near.emplace_back(viewDistance(keys_[i].T_o_k, T_o_c), static_cast<int>(i));
+  std::sort(near.begin(), near.end());
+  if (static_cast<int>(near.size()) > params_.keys) near.resize(params_.keys);
+  Surroundings out;
+  for (const auto& [distance, i] : near)
+    if (std::isfinite(distance)) out.add(i, keys_[i].view, keys_[i].T_o_k);
+  return out;
+}
+
+void ViewOdometry::takeKey(const View& view) {
+  if (view.segments.empty() && view.depth.empty()) return;
+  const bool known = std::any_of(keys_.begin(), keys_.end(), [&](const Key& key) {
+    const Eigen::Isometry3d T = key.T_o_k.inverse() * T_o_c_;
+    return T.translation().norm() <= params_.key_distance &&
+           rotationAngle(T.linear()) <= params_.key_rotation_deg * kDegree;
+  });
+  if (known) return;
+  keys_.push_back({view, T_o_c_});
+  if (static_cast<int>(keys_.size()) > params_.kept_keys) keys_.pop_front();
+}
+
+}  // namespace facetloc

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// How well a camera is tracked on simulated floors, in the time that it really has.
+//
+//   facetloc_simulate office -o office1 --runs map,drive --width 320; ...
+//   score_tracking [--kidnap SECONDS] [--busy MS] [--step MS] [--frames] [--set PARAMETER VALUE] FLOOR...
+//
+// For each floor a map is built of its run map/ by the paper's rule, and its run drive/ is tracked in it. A
+// view that is searched in the whole map takes --busy ms (300), and tracking one takes --step ms (40, with
+// segmentation): what comes in the meantime is dropped, as in a live run. With --kidnap it is tracked once
+// more, jumping by half of its length every so many seconds. --frames prints every frame.
+#include <facetloc/features/so3.h>
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/registration/map_builder.h>
+#include <facetloc/registration/pose_tracking.h>
+#include <facetloc/segmentation/view_builder.h>
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace facetloc;
+
+constexpr int kWorkingWidth = 320;
+constexpr double kTolerance = 0.02;  // [s]
+constexpr double kGoodTranslation = 0.05, kGoodRotation = 1 * kDegree;
+
+struct Options {
+  double kidnap = 0;   // [s]
+  double busy = 0.3;   // [s]
+  double step = 0.04;  // [s]
+  bool frames = false;
+  PoseTrackingParams tracking;
+};
+
+// Sets the parameter of that name; false if there is none.
+bool set(PoseTrackingParams& params, const std::string& name, double value) {
+  bool found = false;
+  PoseTrackingParams::describe(params, [&](const char* of_field, auto& field, auto, auto, const char*) {
+    if (name != of_field) return;
+    field = static_cast<std::decay_t<decltype(field)>>(value);
+    found = true;
+  });
+  return found;
+}
+
+std::vector<View> viewsOf(const DepthSequence& sequence, const std::vector<std::size_t>& frames) {
+  std::vector<View> views(frames.size());
+  const int n = static_cast<int>(frames.size());
+#pragma omp parallel
+  {
+    ViewBuilder builder;
+#pragma omp for schedule(dynamic)
+    for (int i = 0; i < n; ++i) views[i] = builder.build(sequence.load(frames[i], kWorkingWidth));
+  }
+  return views;
+}
+
+struct Floor {
+  std::shared_ptr<Map> map = std::make_shared<Map>();
+  std::vector<double> stamps;
+  std::vector<Eigen::Isometry3d> truth;
+  std::vector<View> views;
+
+  explicit Floor(const fs::path& folder) {
+    const DepthSequence mapping = DepthSequence::open(folder / "map"),
+                        drive = DepthSequence::open(folder / "drive");
+    MapBuilder rule;
+    std::vector<std::size_t> chosen;
+    for (std::size_t i = 0; i < mapping.frames().size(); ++i) {
+      const FrameFile& frame = mapping.frames()[i];
+      const auto pose = mapping.groundTruth().nearest(frame.stamp, kTolerance);
+      if (!pose || !rule.accept(*pose)) continue;
+      chosen.push_back(i);
+      map->models.push_back({frame.name, frame.stamp, *pose, {}});
+    }
+    map->mounting = mapping.camera()->mounting;
+    std::vector<View> of_models = viewsOf(mapping, chosen);
+    for (std::size_t i = 0; i < chosen.size(); ++i) map->models[i].view = std::move(of_models[i]);
+
+    std::vector<std::size_t> all;
+    for (std::size_t i = 0; i < drive.frames().size(); ++i) {
+      const auto pose = drive.groundTruth().nearest(drive.frames()[i].stamp, kTolerance);
+      if (!pose) continue;
+      all.push_back(i);
+      stamps.push_back(drive.frames()[i].stamp);
+      truth.push_back(*pose);
+    }
+    views = viewsOf(drive, all);
+  }
+};
+
+struct Score {
+  int frames = 0, after_fix = 0, good = 0, posed = 0;
+  std::array<int, 5> states{};
+  double translation = 0, rotation = 0, nees = 0, step_ms = 0, search_ms = 0, worst_ms = 0;
+  int steps = 0, searches = 0;
+  int kidnaps = 0, noticed = 0, repaired = 0;
+  double notice = 0, worst_notice = 0, repair = 0, worst_repair = 0;  // [s]
+};
+
+double milliseconds(const std::chrono::steady_clock::time_point& since) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
+}
+
+bool isPosed(const TrackedPose& p) {
+  return p.T_w_c && (p.state == TrackingState::localized || p.state == TrackingState::tracking ||
+                     p.state == TrackingState::cannot_tell);
+}
+
+Score track(const Floor& floor, const Options& options) {
+  Score score;
+  PoseTracking tracking(floor.map, options.tracking);
+  const std::size_t n = floor.views.size();
+  bool fixed = false, noticed = true, repaired = true;
+  std::size_t jump = 0;
+  double free_at = 0, jumped_at = 0, next_jump = options.kidnap;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double now = floor.stamps[i] - floor.stamps[0];
+    if (options.kidnap > 0 && now >= next_jump) {
+      jump = (jump + n / 2) % n;
+      next_jump += options.kidnap;
+      jumped_at = now;
+      ++score.kidnaps;
+      noticed = repaired = false;
+    }
+    if (now < free_at) continue;
+    const std::size_t k = (i + jump) % n;
+    const auto start = std::chrono::steady_clock::now();
+    const TrackedPose pose = tracking.update(floor.views[k], now);
+    const double ms = milliseconds(start);
+    const bool searched = pose.searched;
+    free_at = now + (searched ? options.busy : options.step);
+    (searched ? score.search_ms : score.step_ms) += ms;
+    ++(searched ? score.searches : score.steps);
+    if (!searched) score.worst_ms = std::max(score.worst_ms, ms);
+
+    ++score.frames;
+    ++score.states[static_cast<int>(pose.state)];
+    fixed = fixed || pose.state == TrackingState::localized;
+    Vector6d e = Vector6d::Zero();
+    bool good = false;
+    double nees = 0;
+    if (isPosed(pose)) {
+      e = perturbation(pose.T_w_c->T, floor.truth[k]);
+      good = e.tail<3>().norm() <= kGoodTranslation && e.head<3>().norm() <= kGoodRotation;
+      nees = e.dot(pose.T_w_c->P.ldlt().solve(e));
+    }
+    if (!noticed && !isPosed(pose)) {
+      noticed = true;
+      ++score.noticed;
+      score.notice += now - jumped_at;
+      score.worst_notice = std::max(score.worst_notice, now - jumped_at);
+    }
+    if (!repaired && good) {
+      repaired = true;
+      ++score.repaired;
+      score.repair += now - jumped_at;
+      score.worst_repair = std::max(score.worst_repair, now - jumped_at);
+    }
+    if (fixed) {
+      ++score.after_fix;
+      score.good += good;
+      if (isPosed(pose)) {
+        ++score.posed;
+        score.translation += e.tail<3>().norm();
+        score.rotation += e.head<3>().norm() / kDegree;
+        score.nees += nees;
+      }
+    }
+    if (options.frames) {
+      Vector6d std = Vector6d::Zero();
+      if (pose.T_w_c) std = pose.T_w_c->P.diagonal().cwiseSqrt();
+      std::printf(
+          "%8.3f %5zu %-11s %c %6.1f mm %5.2f deg  std %5.1f mm %5.2f deg  nees %7.1f  map %.2f view %.2f  "
+          "model %4d %2zu pairs  p %.2f  %5.1f ms  %s\n",
+          now, k, text(pose.state), good ? '+' : '-', 1e3 * e.tail<3>().norm(), e.head<3>().norm() / kDegree,
+          1e3 * std.tail<3>().maxCoeff(), std.head<3>().maxCoeff() / kDegree, nees, pose.map_agreement,
+          pose.view_agreement, pose.match ? pose.match->model : -1, pose.match ? pose.match->pairs.size() : 0,
+          pose.probability, ms, pose.reason.c_str());
+    }
+  }
+  return score;
+}
+
+double ratio(double a, double b) { return b > 0 ? a / b : 0; }
+
+void print(const std::string& name, const Score& s) {
+  std::printf("%s: %d frames processed, %d after the first fix\n", name.c_str(), s.frames, s.after_fix);
+  std::printf("  within 5 cm and 1 deg %.2f %%; mean error %.1f mm, %.3f deg; mean NEES %.1f of 6\n",
+              100 * ratio(s.good, s.after_fix), 1e3 * ratio(s.translation, s.posed),
+              ratio(s.rotation, s.posed), ratio(s.nees, s.posed));
+  std::printf("  ");
+  for (std::size_t i = 0; i < s.states.size(); ++i)
+    std::printf("%s%s %.2f %%", i > 0 ? ", " : "", text(static_cast<TrackingState>(i)),
+                100 * ratio(s.states[i], s.frames));
+  std::printf("\n  %.2f ms a tracked frame (at most %.1f), %.0f ms a searched one\n",
+              ratio(s.step_ms, s.steps), s.worst_ms, ratio(s.search_ms, s.searches));
+  if (s.kidnaps > 0)
+    std::printf(
+        "  %d kidnappings: %d noticed after %.2f s (at most %.2f), %d repaired after %.2f s (at most %.2f)\n",
+        s.kidnaps, s.noticed, ratio(s.notice, s.noticed), s.worst_notice, s.repaired,
+        ratio(s.repair, s.repaired), s.worst_repair);
+  std::fflush(stdout);
+}
+
+int run(int argc, char** argv) {
+  Options options;
+  std::vector<std::string> names;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    const bool has_value = i + 1 < argc;
+    if (argument == "--frames") {
+      options.frames = true;
+    } else if (argument == "--kidnap" && has_value) {
+      options.kidnap = std::atof(argv[++i]);
+    } else if (argument == "--busy" && has_value) {
+      options.busy = 1e-3 * std::atof(argv[++i]);
+    } else if (argument == "--step" && has_value) {
+      options.step = 1e-3 * std::atof(argv[++i]);
+    } else if (argument == "--set" && i + 2 < argc) {
+      if (!set(options.tracking, argv[i + 1], std::atof(argv[i + 2]))) {
+        std::fprintf(stderr, "score_tracking: no parameter %s\n", argv[i + 1]);
+        return 2;
+      }
+      i += 2;
+    } else {
+      names.push_back(argument);
+    }
+  }
+  if (names.empty()) {
+    std::fprintf(
+        stderr,
+        "usage: score_tracking [--kidnap SECONDS] [--busy MS] [--step MS] [--frames] [--set NAME VALUE] "
+        "FLOOR...\n");
+    return 2;
+  }
+  for (const std::string& name : names) {
+    const Floor floor(name);
+    Options undisturbed = options;
+    undisturbed.kidnap = 0;
+    print(name, track(floor, undisturbed));
+    if (options.kidnap > 0) print(name + ", kidnapped", track(floor, options));
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "score_tracking: %s\n", e.what());
+    return 1;
+  }
+}

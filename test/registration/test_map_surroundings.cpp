@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/map_surroundings.h>
+#include <facetloc/testing/pose_matchers.h>
+#include <facetloc/testing/synthetic_views.h>
+
+#include <gtest/gtest.h>
+
+namespace facetloc {
+namespace {
+
+using test::largeRoom;
+using test::lookingAlong;
+using test::viewFrom;
+using testing::ElementsAre;
+
+LocalModel modelAt(const Eigen::Isometry3d& T_w_m, unsigned seed) {
+  LocalModel m;
+  m.T_w_m = T_w_m;
+  m.view = viewFrom(largeRoom(), T_w_m, seed);
+  return m;
+}
+
+class SurroundingsOfAPose : public testing::Test {
+protected:
+  SurroundingsOfAPose() {
+    map->models.push_back(modelAt(lookingAlong({3, 2.5, 1.2}, {1, 0, -0.2}), 1));
+    map->models.push_back(modelAt(lookingAlong({3.5, 2.5, 1.2}, {1, 0.1, -0.2}), 2));
+    map->models.push_back(modelAt(lookingAlong({3, 2.5, 1.2}, {-1, 0, -0.2}), 3));  // the other way
+    map->models.push_back(modelAt(lookingAlong({3, 2.5, 1.2}, {1, 0, -0.2}), 4));
+    map->models.back().T_w_m.reset();  // nobody knows where
+  }
+  MapSurroundings surroundings() const {
+    return MapSurroundings(map, DepthComparison({}, SensorNoise{}.inverse_depth_std));
+  }
+  static std::vector<int> viewsOf(const Surroundings& found) {
+    std::vector<int> views;
+    for (const Surroundings::Origin& o : found.origins)
+      if (views.empty() || views.back() != o.view) views.push_back(o.view);
+    return views;
+  }
+
+  const Eigen::Isometry3d pose = lookingAlong({3.1, 2.5, 1.2}, {1, 0.02, -0.2});
+  const View view = viewFrom(largeRoom(), pose, 9);
+  std::shared_ptr<Map> map = std::make_shared<Map>();
+};
+
+TEST_F(SurroundingsOfAPose, AreTheNearestModels) {
+  const MapSurroundings all = surroundings();
+  EXPECT_TRUE(all.anyPose());
+  const Surroundings found = all.around(view, pose, 5);
+  EXPECT_THAT(viewsOf(found), ElementsAre(0, 1));
+  EXPECT_EQ(found.pictures.size(), 2u);
+  EXPECT_THAT(viewsOf(all.around(view, pose, 1)), ElementsAre(0));
+  Eigen::Isometry3d far = pose;
+  far.translation().x() += 100;
+  EXPECT_TRUE(all.around(view, far, 5).segments.empty());
+}
+
+TEST_F(SurroundingsOfAPose, WithoutDepthAreTheNearest) {
+  for (LocalModel& m : map->models) m.view.depth = {};
+  const Surroundings found = surroundings().around(view, pose, 1);
+  EXPECT_THAT(viewsOf(found), ElementsAre(0));
+  EXPECT_TRUE(found.pictures.empty());
+}
+
+TEST_F(SurroundingsOfAPose, AModelBehindAWallGivesNoPicture) {
+  // The same pose, but what that model saw is nearer than all that the view sees.
+  map->models[0].view = viewFrom(test::box({2.5, 2, 0}, {3.9, 3, 2.5}), *map->models[0].T_w_m, 5);
+  const Surroundings found = surroundings().around(view, pose, 5);
+  ASSERT_EQ(found.pictures.size(), 1u);
+  EXPECT_EQ(found.pictures[0].picture, &map->models[1].view.depth);
+  EXPECT_EQ(viewsOf(found).front(), 1);
+}
+
+TEST_F(SurroundingsOfAPose, HaveTheirSegmentsInTheWorld) {
+  const Surroundings found = surroundings().around(view, pose, 5);
+  ASSERT_EQ(found.segments.size(), map->models[0].view.segments.size() + map->models[1].view.segments.size());
+  ASSERT_EQ(found.origins.size(), found.segments.size());
+  for (std::size_t i = 0; i < found.segments.size(); ++i) {
+    const LocalModel& m = map->models[found.origins[i].view];
+    const Segment& s = m.view.segments[found.origins[i].segment];
+    EXPECT_LT((*m.T_w_m * s.t - found.segments[i].t).norm(), 1e-12);
+    EXPECT_LT((m.T_w_m->linear() * s.R - found.segments[i].R).norm(), 1e-12);
+  }
+}
+
+TEST(MapSurroundings, OfAnEmptyMapAreEmpty) {
+  const MapSurroundings none(std::make_shared<Map>(), DepthComparison({}, SensorNoise{}.inverse_depth_std));
+  EXPECT_FALSE(none.anyPose());
+  EXPECT_TRUE(none.around({}, Eigen::Isometry3d::Identity(), 5).segments.empty());
+}
+
+}  // namespace
+}  // namespace facetloc

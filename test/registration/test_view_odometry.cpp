@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/camera_model.h>
+#include <facetloc/registration/view_odometry.h>
+#include <facetloc/testing/pose_matchers.h>
+#include <facetloc/testing/synthetic_views.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace facetloc {
+namespace {
+
+using test::largeRoom;
+using test::lookingAlong;
+using test::PoseNear;
+using test::viewFrom;
+
+constexpr double kStep = 1.0 / 15;  // [s]
+
+ViewOdometry odometry() {
+  const double noise = SensorNoise{}.inverse_depth_std;
+  ViewAlignmentParams alignment;
+  alignment.dense.significance = 4;
+  return ViewOdometry({}, alignment, DepthComparison({}, noise), noise);
+}
+
+/** Around the middle of the room: 0.4 m/s and 30 deg/s. */
+Eigen::Isometry3d onCircle(int i) {
+  const double a = 2 * kDegree * i;
+  return lookingAlong({3 + 0.75 * std::cos(a), 2.5 + 0.75 * std::sin(a), 1.2},
+                      {std::cos(a), std::sin(a), -0.25});
+}
+
+TEST(ViewOdometry, FollowsTheCameraWithoutAMap) {
+  ViewOdometry camera = odometry();
+  constexpr int kViews = 40;
+  Eigen::Isometry3d way = Eigen::Isometry3d::Identity();
+  for (int i = 0; i < kViews; ++i) {
+    const ViewMotion motion = camera.add(viewFrom(largeRoom(), onCircle(i), 50 + i), kStep);
+    EXPECT_FALSE(motion.broken) << i;
+    way = way * motion.T_a_b.T;
+    if (i == 0) {
+      EXPECT_THAT(motion.T_a_b.T, PoseNear(Eigen::Isometry3d::Identity(), 1e-12, 1e-9));
+      continue;
+    }
+    EXPECT_GT(motion.agreement, 0.9) << i;
+    EXPECT_THAT(motion.T_a_b.T, PoseNear(onCircle(i - 1).inverse() * onCircle(i), 0.02, 0.5)) << i;
+  }
+  // 1 m and 78 deg later
+  EXPECT_THAT(way, PoseNear(onCircle(0).inverse() * onCircle(kViews - 1), 0.04, 1.0));
+}
+
+TEST(ViewOdometry, NoticesAJumpAndGoesOnFromThere) {
+  ViewOdometry camera = odometry();
+  for (int i = 0; i < 5; ++i)
+    EXPECT_FALSE(camera.add(viewFrom(largeRoom(), onCircle(i), 50 + i), kStep).broken);
+  EXPECT_TRUE(camera.add(viewFrom(largeRoom(), onCircle(22), 3), kStep).broken);
+  const ViewMotion next = camera.add(viewFrom(largeRoom(), onCircle(23), 4), kStep);
+  EXPECT_FALSE(next.broken);
+  EXPECT_THAT(next.T_a_b.T, PoseNear(onCircle(22).inverse() * onCircle(23), 0.02, 0.5));
+}
+
+TEST(ViewOdometry, WhereViewsTellNothingItGoesOnAsBeforeAndSaysSo) {
+  // Along a corridor with one cupboard, past it.
+  const test::Scene corridor = test::endlessCorridor() + test::box({0.4, 1.5, 0}, {0.9, 2.0, 1.5});
+  const auto at = [](int i) { return lookingAlong({0, 0.5 * kStep * i, 1.2}, {0.05, 1, -0.2}); };
+  ViewOdometry camera = odometry();
+  constexpr int kViews = 60;
+  Eigen::Isometry3d way = at(0);
+  ViewMotion motion;
+  for (int i = 0; i < kViews; ++i) {
+    motion = camera.add(viewFrom(corridor, at(i), 70 + i, 5), kStep);
+    way = way * motion.T_a_b.T;
+  }
+  EXPECT_FALSE(motion.broken);
+  // The cupboard leaves the picture at 1.3 m: a camera that believed the bare walls would stop there, 0.7 m
+  // too early.
+  EXPECT_NEAR(way.translation().y(), at(kViews - 1).translation().y(), 0.35);
+  EXPECT_NEAR(way.translation().x(), 0, 0.03);
+  const Eigen::Vector3d along = at(0).linear().transpose() * Eigen::Vector3d::UnitY();
+  EXPECT_GT(along.dot(motion.T_a_b.P.bottomRightCorner<3, 3>() * along), std::pow(0.01, 2));
+}
+
+TEST(ViewOdometry, AnEmptyViewIsNoObstacle) {
+  ViewOdometry camera = odometry();
+  EXPECT_FALSE(camera.add({}, 0).broken);
+  for (int i = 0; i < 6; ++i) camera.add(viewFrom(largeRoom(), onCircle(i), 50 + i), kStep);
+  EXPECT_FALSE(camera.add({}, kStep).broken);
+  const ViewMotion motion = camera.add(viewFrom(largeRoom(), onCircle(7), 9), kStep);
+  EXPECT_FALSE(motion.broken);
+  EXPECT_GT(motion.agreement, 0.9);
+}
+
+}  // namespace
+}  // namespace facetloc
