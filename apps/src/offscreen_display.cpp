@@ -16,17 +16,10 @@ namespace {
 
 constexpr int kPatience = 10000;  // [ms] for Xvfb to come up
 
-bool displayUsable() {
-  const char* name = std::getenv("DISPLAY");
-  if (!name || !*name) return false;
-  Display* display = XOpenDisplay(nullptr);
-  if (display) XCloseDisplay(display);
-  return display != nullptr;
-}
-
 /** In the child: becomes Xvfb, which writes the number of its display to a pipe. */
 [[noreturn]] void becomeServer(int pipe_end, const char* pipe_name) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);  // it does not outlive us, however we end
+  setsid();                          // and is not killed by a Ctrl-C that ends us in peace
   const int nowhere = open("/dev/null", O_RDWR);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, stream);
   fcntl(pipe_end, F_SETFD, 0);
@@ -48,6 +41,14 @@ std::string readDisplayNumber(int pipe_end) {
 }
 
 }  // namespace
+
+bool displayUsable() {
+  const char* name = std::getenv("DISPLAY");
+  if (!name || !*name) return false;
+  Display* display = XOpenDisplay(nullptr);
+  if (display) XCloseDisplay(display);
+  return display != nullptr;
+}
 
 OffscreenDisplay::OffscreenDisplay() {
   if (displayUsable()) return;

@@ -18,10 +18,15 @@ void setOffscreen(vtkRenderWindow* window, int width, int height) {
 
 Raster<std::uint8_t> rendered(vtkRenderWindow* window) {
   window->Render();
+  return grabbed(window);
+}
+
+Raster<std::uint8_t> grabbed(vtkRenderWindow* window) {
   vtkNew<vtkWindowToImageFilter> filter;
   filter->SetInput(window);
   filter->SetInputBufferTypeToRGB();
   filter->ReadFrontBufferOff();
+  filter->ShouldRerenderOff();
   filter->Update();
   vtkImageData* image = filter->GetOutput();
   Raster<std::uint8_t> picture{image->GetDimensions()[0], image->GetDimensions()[1], 3, {}};

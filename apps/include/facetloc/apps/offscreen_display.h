@@ -7,6 +7,9 @@
 
 namespace facetloc {
 
+/** \brief Can the X server that DISPLAY names be reached? */
+bool displayUsable();
+
 /** \brief An X display to render into, for as long as the object lives.
  *
  * Debian's VTK renders through X only, and aborts the process without it. Where no X server can be reached, a

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/apps/live_result.h>
+#include <facetloc/io/growing_file.h>
+#include <facetloc/io/results.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace facetloc {
+
+/** \brief The results folder of a live run, written frame by frame: that of facetloc_localize, with one row
+ * per frame and a pose where it is certain, and states.csv. */
+class LiveResults {
+public:
+  /** \brief Begins anew, in the place of older results. \param map may be null. Throws IoError. */
+  LiveResults(const std::filesystem::path& folder, const std::string& params_ini,
+              std::shared_ptr<const Map> map);
+  /** \brief All of a frame is in the files when it returns. Throws IoError. */
+  void append(const LiveResult& result);
+
+private:
+  std::shared_ptr<const Map> map_;
+  ResultsWriter results_;
+  GrowingFile states_;
+};
+
+}  // namespace facetloc

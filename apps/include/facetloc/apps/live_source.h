@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/depth_image.h>
+#include <facetloc/io/camera_file.h>
+
+#include <pcl/io/grabber.h>
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace facetloc {
+
+class OpenNIGrabber;
+
+/** \brief A frame of a camera that nobody has looked at: a pointer to what the grabber delivered. */
+struct LiveFrame {
+  double stamp = 0;                   ///< [s] of the source; may start again when a recording is repeated
+  std::function<DepthImage()> image;  ///< converts it; to be called on one thread at a time
+};
+using FrameSink = std::function<void(LiveFrame)>;
+
+/** \brief The time stamp [s] of the n-th frame, from 0, of a grabber whose clouds have none. */
+using FrameStamps = std::function<double(std::uint64_t n)>;
+/** \brief Those of a steady rate [Hz]. */
+FrameStamps countedStamps(double rate);
+
+/** \brief Makes a grabber hand its frames to a sink: depth images if it has them (they cost nothing), else
+ * clouds of PointXYZ. The sink is called by a thread of the grabber and must not wait. To be called before
+ * start().
+ * \param camera intrinsics of the full image, which go before what the frames themselves tell.
+ * Throws std::runtime_error for a grabber that has neither. */
+void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camera, const FrameStamps& stamps,
+                   const FrameSink& sink);
+
+/** \brief What is played, and how. */
+struct LiveSourceOptions {
+  std::string device;       ///< as OpenNIGrabber, or a folder of PCD or PCLZF files
+  std::string camera_file;  ///< of the device; empty = what lies beside its files
+  bool repeat = false;      ///< files and recordings begin again at their end
+  double speed = 1;         ///< of files and recordings
+};
+
+/** \brief A depth camera, or what stands for one: a recording, or a folder of depth images that is played. */
+class LiveSource {
+public:
+  /** \brief Opens it. Throws IoError if there is no such device or file, or nothing in it. */
+  explicit LiveSource(const LiveSourceOptions& options);
+  /** \brief Stops it. */
+  ~LiveSource();
+  LiveSource(const LiveSource&) = delete;
+  LiveSource& operator=(const LiveSource&) = delete;
+
+  /** \brief Frames go to the sink from now on; once. */
+  void start(const FrameSink& sink);
+  /** \brief When it returns, the sink is not called any more. */
+  void stop();
+
+  const std::string& name() const { return name_; }
+  const std::optional<CameraFile>& camera() const { return camera_; }
+  double framesPerSecond() const;
+  /** \brief Were all files delivered, or did the recording end? Never with repeat. */
+  bool atEnd() const;
+  /** \brief False when a device has been unplugged. */
+  bool connected() const;
+  /** \brief What the driver says of that; may be empty. */
+  std::string lastError() const;
+  /** \brief The device of OpenNI2; nothing for files that PCL plays. */
+  const OpenNIGrabber* device() const { return device_; }
+
+private:
+  void openDevice(const LiveSourceOptions& options);
+
+  std::string name_;
+  std::optional<CameraFile> camera_;
+  std::optional<Intrinsics> calibration_;  // without a camera file
+  std::unique_ptr<pcl::Grabber> grabber_;
+  FrameStamps stamps_;
+  std::atomic<std::uint64_t> delivered_{0};
+  std::optional<std::uint64_t> last_;  // number of files, where only counting tells the end
+  OpenNIGrabber* device_ = nullptr;    // the same, if it is one
+};
+
+}  // namespace facetloc

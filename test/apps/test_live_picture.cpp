@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "example_scene.h"
+#include "golden.h"
+#include "tool_runner.h"
+
+#include <facetloc/apps/live_picture.h>
+#include <facetloc/apps/live_results.h>
+#include <facetloc/apps/live_window.h>
+#include <facetloc/apps/matched_segments.h>
+#include <facetloc/apps/offscreen_display.h>
+
+#include <gmock/gmock.h>
+
+namespace facetloc {
+namespace {
+
+using test::ExampleScene;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const Eigen::Isometry3d kPose = ExampleScene::pose(0.2, 0.15, -4);
+
+/** A frame of the example, tracked in its map. */
+LiveResult exampleResult(TrackingState state) {
+  LiveResult result;
+  result.number = 7;
+  result.stamp = 12.5;
+  result.image = ExampleScene().see("12.500000", kPose);
+  TrackedPose tracked;
+  tracked.state = state;
+  if (state == TrackingState::cannot_tell) tracked.reason = "nothing in view fixes translation along x";
+  if (state != TrackingState::searching && state != TrackingState::lost) {
+    tracked.T_w_c.emplace();
+    tracked.T_w_c->T = kPose;
+    tracked.T_w_c->P.diagonal() << 1e-6, 1e-6, 1e-6, 4e-4, 1e-4, 1e-4;
+    Hypothesis match;
+    match.model = 1;
+    match.T_m_c.T = ExampleScene::pose(0.4, 0.5, 8).inverse() * kPose;
+    match.T_m_c.P = tracked.T_w_c->P;
+    match.T_w_c = kPose;
+    match.probability = 0.97;
+    tracked.match = match;
+  }
+  result.tracked = tracked;
+  for (int i = 0; i < 5; ++i) result.trail.add({0.05 * i, 0.03 * i, 1});
+  return result;
+}
+
+std::shared_ptr<const Map> exampleMap() { return std::make_shared<const Map>(ExampleScene().map()); }
+
+int pixelsOf(const Raster<std::uint8_t>& picture, const Colour& c) {
+  int n = 0;
+  for (std::size_t i = 0; i < picture.data.size(); i += 3)
+    n += picture.data[i] == c.red && picture.data[i + 1] == c.green && picture.data[i + 2] == c.blue;
+  return n;
+}
+
+class LivePictureTest : public testing::Test {
+protected:
+  void SetUp() override {
+    if (!display_.available()) GTEST_SKIP() << display_.problem();
+  }
+  const OffscreenDisplay display_;
+};
+
+TEST_F(LivePictureTest, ShowsTheState) {
+  LiveScreenshot screenshot(exampleMap());
+  for (const TrackingState state :
+       {TrackingState::searching, TrackingState::localized, TrackingState::tracking,
+        TrackingState::cannot_tell, TrackingState::lost}) {
+    const LiveResult result = exampleResult(state);
+    const Raster<std::uint8_t> picture = screenshot.draw(result);
+    EXPECT_EQ(picture.width, 1280);
+    EXPECT_EQ(picture.height, 720);
+    EXPECT_GT(pixelsOf(picture, stateColour(result)), 1000) << text(state);
+  }
+}
+
+TEST_F(LivePictureTest, IsTheSameForTheSameFrameWhateverWasDrawnBefore) {
+  const LiveResult result = exampleResult(TrackingState::tracking);
+  LiveScreenshot first(exampleMap());
+  const Raster<std::uint8_t> expected = first.draw(result);
+  LiveScreenshot second(exampleMap());
+  second.draw(exampleResult(TrackingState::lost));
+  LiveResult later = result;  // times are no part of the picture
+  later.number = 100;
+  later.age_ms = later.segment_ms = 50;
+  later.received = later.dropped = 1000;
+  EXPECT_TRUE(second.draw(later).data == expected.data);
+  test::expectLikeGolden("live", expected);
+
+  const LiveResult lost = exampleResult(TrackingState::lost);
+  EXPECT_TRUE(LiveScreenshot(exampleMap()).draw(lost).data == second.draw(lost).data);
+}
+
+TEST_F(LivePictureTest, DrawsWithoutAMapAndWithoutAnything) {
+  LiveResult result = exampleResult(TrackingState::searching);
+  result.tracked.reset();
+  LiveScreenshot screenshot(nullptr);
+  test::expectLikeGolden("live_segmenting", screenshot.draw(result));
+
+  LiveResult blind;
+  blind.image.depth.camera = {160, 120, 140, 140, 79.5, 59.5};
+  blind.image.depth.depth.assign(160 * 120, 0.f);
+  blind.image.labels = {160, 120, std::vector<std::uint16_t>(160 * 120, 0)};
+  EXPECT_NO_THROW(screenshot.draw(blind));
+  EXPECT_NO_THROW(screenshot.draw(LiveResult()));
+}
+
+TEST_F(LivePictureTest, DrawsAMapWithoutPoses) {
+  Map map = ExampleScene().map();
+  for (LocalModel& model : map.models) model.T_w_m.reset();
+  LiveScreenshot screenshot(std::make_shared<const Map>(map));
+  LiveResult result = exampleResult(TrackingState::tracking);
+  result.tracked->T_w_c.reset();
+  EXPECT_GT(pixelsOf(screenshot.draw(result), stateColour(result)), 1000);
+}
+
+TEST_F(LivePictureTest, WindowTellsWhatItsUserWants) {
+  LiveWindow window("test", exampleMap());
+  window.show(exampleResult(TrackingState::tracking), {"30.0 frames/s"});
+  EXPECT_THAT(window.commands(), IsEmpty());
+  for (const char* key : {"s", "x", "r", "space", "p", "l", "q"}) window.press(key);
+  EXPECT_THAT(window.commands(), ElementsAre(LiveCommand::screenshot, LiveCommand::record, LiveCommand::pause,
+                                             LiveCommand::pause, LiveCommand::relocalize, LiveCommand::quit));
+  EXPECT_THAT(window.commands(), IsEmpty());
+}
+
+TEST(LiveKeys, AreAllExplained) {
+  for (const char* key : {"s", "r", "p", "l", "q"}) {
+    EXPECT_TRUE(commandOf(key)) << key;
+    EXPECT_THAT(keysText(), HasSubstr(std::string(key) + " "));
+  }
+  EXPECT_FALSE(commandOf("Shift_L"));
+}
+
+TEST(LiveResults, GiveAPoseWhereItIsCertain) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "results";
+  LiveResults results(path, "width = 320\n", exampleMap());
+  EXPECT_TRUE(readHypotheses(path).empty()) << "there from the begin";
+  for (const TrackingState state :
+       {TrackingState::searching, TrackingState::localized, TrackingState::tracking,
+        TrackingState::cannot_tell, TrackingState::lost}) {
+    results.append(exampleResult(state));
+  }
+  const auto rows = readHypotheses(path);  // while it is being written
+  ASSERT_EQ(rows.size(), 5u);
+  const std::vector<int> ranks = {0, 1, 1, 0, 0};
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(rows[i].rank, ranks[i]) << i;
+  EXPECT_EQ(rows[1].model, "left");
+  ASSERT_TRUE(rows[1].T_w_c);
+  EXPECT_LT((rows[1].T_w_c->translation() - kPose.translation()).norm(), 1e-6);
+  EXPECT_THAT(rows[3].reason, HasSubstr("cannot tell: nothing in view fixes"));
+  EXPECT_THAT(test::contentOf(path + "/states.csv"), HasSubstr("12.500000,12.500000,tracking,,0,0,0.000\n"));
+}
+
+}  // namespace
+}  // namespace facetloc

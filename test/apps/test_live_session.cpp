@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The processing of a live run, fed by a grabber that has no camera.
+#include <facetloc/apps/live_session.h>
+#include <facetloc/testing/synthetic_views.h>
+
+#include <gmock/gmock.h>
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+
+#include <condition_variable>
+#include <deque>
+
+namespace facetloc {
+namespace {
+
+using namespace std::chrono_literals;
+using Cloud = pcl::PointCloud<pcl::PointXYZ>;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Key;
+
+/** A pcl::Grabber that delivers what a test hands to it. */
+class FakeGrabber : public pcl::Grabber {
+public:
+  explicit FakeGrabber(bool has_clouds = true) {
+    if (has_clouds) signal_ = createSignal<void(const Cloud::ConstPtr&)>();
+  }
+  void start() override { running_ = true; }
+  void stop() override { running_ = false; }
+  bool isRunning() const override { return running_; }
+  std::string getName() const override { return "FakeGrabber"; }
+  float getFramesPerSecond() const override { return 30; }
+
+  void deliver(const Cloud::ConstPtr& cloud) { (*signal_)(cloud); }
+
+private:
+  boost::signals2::signal<void(const Cloud::ConstPtr&)>* signal_ = nullptr;
+  bool running_ = false;
+};
+
+Cloud::Ptr cloudOf(const DepthImage& image, double stamp) {
+  Cloud::Ptr cloud(new Cloud(image.camera.width, image.camera.height));
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u) {
+      const float z = image.at(u, v);
+      const Eigen::Vector3f p = z * image.camera.ray(u, v).cast<float>();
+      (*cloud)(u, v) = z > 0 ? pcl::PointXYZ(p.x(), p.y(), p.z()) : pcl::PointXYZ(NAN, NAN, NAN);
+    }
+  cloud->header.stamp = static_cast<std::uint64_t>(1e6 * stamp);
+  return cloud;
+}
+
+/** What a session answers, in the order of its answers. */
+class Answers {
+public:
+  LiveSession::OnResult sink() {
+    return [this](const LiveResultPtr& result) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      results_.push_back(result);
+      changed_.notify_all();
+    };
+  }
+  std::vector<LiveResultPtr> wait(std::size_t n) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    EXPECT_TRUE(changed_.wait_for(lock, 60s, [&] { return results_.size() >= n; }))
+        << results_.size() << " of " << n;
+    return results_;
+  }
+
+private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<LiveResultPtr> results_;
+};
+
+const Eigen::Isometry3d kFirstPose = test::lookingAlong({1, 1.5, 1.2}, {1, 0.7, -0.2});
+
+/** The camera goes slowly to the right. */
+Eigen::Isometry3d poseAt(int frame) { return kFirstPose * Eigen::Translation3d(0.01 * frame, 0, 0); }
+
+DepthImage imageAt(int frame) {
+  const DepthImage image = test::render(test::largeRoom(), test::smallCamera(), poseAt(frame)).image;
+  return test::noisy(image, SensorNoise{}.inverse_depth_std, static_cast<unsigned>(frame));
+}
+
+std::shared_ptr<const Map> mapOfTheRoom() {
+  auto map = std::make_shared<Map>();
+  for (int i = 0; i < 3; ++i) {
+    LocalModel model;
+    model.name = "model " + std::to_string(i);
+    model.T_w_m = kFirstPose * Eigen::Translation3d(0.15 * i, 0, 0) *
+                  Eigen::AngleAxisd(0.05 * i, Eigen::Vector3d::UnitY());
+    model.view = test::viewFrom(test::largeRoom(), *model.T_w_m, 1000u + static_cast<unsigned>(i));
+    map->models.push_back(std::move(model));
+  }
+  return map;
+}
+
+LiveFrame frameOf(DepthImage image, double stamp) {
+  return {stamp, [image = std::move(image)] { return image; }};
+}
+
+class LiveSessionTest : public testing::Test {
+protected:
+  /** Frame after frame through a grabber, each when the one before is done. */
+  std::vector<LiveResultPtr> feed(LiveSession& session, int frames) {
+    FakeGrabber grabber;
+    connectFrames(grabber, {}, countedStamps(30),
+                  [&](LiveFrame frame) { session.mailbox().put(std::move(frame)); });
+    grabber.start();
+    for (int i = 0; i < frames; ++i) {
+      grabber.deliver(cloudOf(imageAt(i), 100 + i / 30.0));
+      answers_.wait(static_cast<std::size_t>(i) + 1);
+    }
+    grabber.stop();
+    session.finish();
+    return answers_.wait(static_cast<std::size_t>(frames));
+  }
+
+  Answers answers_;
+  LiveSessionOptions options_;
+};
+
+TEST_F(LiveSessionTest, SegmentsWithoutAMap) {
+  LiveSession session(options_, nullptr, answers_.sink());
+  const auto results = feed(session, 3);
+  ASSERT_EQ(results.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const LiveResult& r = *results[i];
+    EXPECT_EQ(r.number, i + 1);
+    EXPECT_EQ(r.state(), "segmenting");
+    EXPECT_GE(r.image.view.segments.size(), 5u);
+    EXPECT_EQ(r.image.labels.maxLabel(), static_cast<int>(r.image.view.segments.size()));
+    EXPECT_NEAR(r.stamp, 100 + static_cast<double>(i) / 30, 1e-5);
+    EXPECT_NEAR(r.image.depth.camera.fx, test::smallCamera().fx, 0.5);
+    EXPECT_EQ(r.dropped, 0u);
+  }
+  EXPECT_EQ(results[0]->image.name, "100.000000");
+  EXPECT_THAT(session.summary().states, ElementsAre(Key("segmenting")));
+}
+
+TEST_F(LiveSessionTest, FindsAndFollowsTheCamera) {
+  LiveSession session(options_, mapOfTheRoom(), answers_.sink());
+  const auto results = feed(session, 12);
+  int localized = 0;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (!results[i]->isLocalized()) continue;
+    ++localized;
+    ASSERT_TRUE(results[i]->pose());
+    const Eigen::Isometry3d error = poseAt(static_cast<int>(i)).inverse() * results[i]->pose()->T;
+    EXPECT_LT(error.translation().norm(), 0.05) << i;
+    EXPECT_LT(Eigen::AngleAxisd(error.linear()).angle(), 1.0 * kDegree) << i;
+  }
+  EXPECT_GE(localized, 10);
+  EXPECT_EQ(results.back()->state(), "tracking");
+  EXPECT_FALSE(results.back()->trail.lines().empty());
+  EXPECT_THAT(session.summary().text(), HasSubstr("tracking"));
+}
+
+TEST_F(LiveSessionTest, RelocalizesWhenAsked) {
+  LiveSession session(options_, mapOfTheRoom(), answers_.sink());
+  const auto put = [&](int i) {
+    session.mailbox().put(frameOf(imageAt(i), i / 30.0));
+    return answers_.wait(static_cast<std::size_t>(i) + 1).back()->state();
+  };
+  std::string state;
+  for (int i = 0; i < 6; ++i) state = put(i);
+  EXPECT_EQ(state, "tracking");
+  session.relocalize();
+  EXPECT_NE(put(6), "tracking");
+}
+
+TEST_F(LiveSessionTest, AnOldFrameIsDropped) {
+  options_.max_frames = 1;
+  LiveSession session(options_, nullptr, answers_.sink());
+  session.setPaused(true);
+  std::this_thread::sleep_for(50ms);  // the thread has seen it
+  session.mailbox().put(frameOf(imageAt(0), 1));
+  std::this_thread::sleep_for(200ms);
+  session.setPaused(false);
+  std::this_thread::sleep_for(100ms);
+  session.mailbox().put(frameOf(imageAt(1), 2));
+  const auto results = answers_.wait(1);
+  EXPECT_EQ(results[0]->stamp, 2) << "not the one that had grown old";
+  EXPECT_LE(results[0]->age_ms, LiveSession::kOldestFrame);
+  EXPECT_EQ(results[0]->received, 2u);
+  EXPECT_EQ(results[0]->dropped, 1u);
+}
+
+TEST_F(LiveSessionTest, EndsAfterEnoughFrames) {
+  options_.max_frames = 2;
+  LiveSession session(options_, nullptr, answers_.sink());
+  for (int i = 0; i < 2; ++i) {
+    session.mailbox().put(frameOf(imageAt(i), i));
+    answers_.wait(static_cast<std::size_t>(i) + 1);
+  }
+  for (int i = 0; i < 500 && !session.done(); ++i) std::this_thread::sleep_for(10ms);
+  EXPECT_TRUE(session.done());
+  session.mailbox().put(frameOf(imageAt(2), 3));
+  session.finish();
+  EXPECT_EQ(session.summary().processed, 2u);
+  EXPECT_EQ(session.summary().received, 2u);
+}
+
+TEST_F(LiveSessionTest, TheLastFrameOfAFileIsProcessed) {
+  for (int round = 0; round < 20; ++round) {
+    Answers answers;
+    LiveSession session(options_, nullptr, answers.sink());
+    session.mailbox().put(frameOf({}, 1));
+    session.finish();
+    EXPECT_EQ(session.summary().processed, 1u);
+  }
+}
+
+TEST_F(LiveSessionTest, TimeGoesOnWhenARecordingIsRepeated) {
+  LiveSession session(options_, nullptr, answers_.sink());
+  const std::vector<double> stamps = {5.0, 5.1, 5.0, 5.1};
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    session.mailbox().put(frameOf(imageAt(0), stamps[i]));
+    answers_.wait(i + 1);
+  }
+  const auto results = answers_.wait(4);
+  for (std::size_t i = 1; i < 4; ++i) EXPECT_GT(results[i]->stamp, results[i - 1]->stamp);
+  EXPECT_NE(results[0]->image.name, results[2]->image.name);
+}
+
+TEST_F(LiveSessionTest, WhatASinkThrowsComesOut) {
+  LiveSession session(options_, nullptr, [](const LiveResultPtr&) { throw std::runtime_error("disk full"); });
+  session.mailbox().put(frameOf(imageAt(0), 1));
+  for (int i = 0; i < 500 && !session.done(); ++i) std::this_thread::sleep_for(10ms);
+  EXPECT_TRUE(session.done());
+  EXPECT_THROW(session.finish(), std::runtime_error);
+}
+
+TEST_F(LiveSessionTest, WhatAFrameThrowsComesOut) {
+  LiveSession session(options_, nullptr, answers_.sink());
+  session.mailbox().put({1, []() -> DepthImage { throw std::runtime_error("not organized"); }});
+  EXPECT_THROW(session.finish(), std::runtime_error);
+}
+
+TEST_F(LiveSessionTest, LetsGoOfFrames) {
+  LiveSession session(options_, nullptr, answers_.sink());
+  const auto buffer = std::make_shared<DepthImage>(imageAt(0));
+  const std::weak_ptr<DepthImage> watched = buffer;
+  for (int i = 0; i < 50; ++i)
+    session.mailbox().put({double(i), [copy = std::make_shared<DepthImage>(*buffer)] { return *copy; }});
+  session.mailbox().put({50, [buffer] { return *buffer; }});
+  session.letGo();
+  EXPECT_EQ(watched.use_count(), 1) << "only the test itself";
+}
+
+TEST_F(LiveSessionTest, CanBeDestroyedAtAnyTime) {
+  for (int i = 0; i < 20; ++i) {
+    LiveSession session(options_, nullptr, answers_.sink());
+    session.mailbox().put(frameOf(imageAt(0), i));
+    std::this_thread::sleep_for(std::chrono::milliseconds(i));
+  }
+}
+
+TEST(ConnectFrames, RefusesAGrabberWithoutDepth) {
+  FakeGrabber grabber(false);
+  EXPECT_THROW(connectFrames(grabber, {}, countedStamps(30), [](LiveFrame) {}), std::runtime_error);
+}
+
+TEST(ConnectFrames, CountsTimeWhereCloudsHaveNone) {
+  FakeGrabber grabber;
+  std::vector<double> stamps;
+  connectFrames(grabber, {}, countedStamps(10),
+                [&](const LiveFrame& frame) { stamps.push_back(frame.stamp); });
+  for (int i = 0; i < 3; ++i) grabber.deliver(cloudOf(imageAt(0), 0));
+  EXPECT_THAT(stamps, ElementsAre(0, 0.1, 0.2));
+}
+
+TEST(ConnectFrames, TheGivenCameraGoesFirst) {
+  FakeGrabber grabber;
+  LiveFrame last;
+  Intrinsics twice = test::smallCamera();
+  twice = {640, 480, 2 * twice.fx, 2 * twice.fy, 2 * twice.cx, 2 * twice.cy};
+  connectFrames(grabber, twice, countedStamps(30), [&](LiveFrame frame) { last = std::move(frame); });
+  grabber.deliver(cloudOf(imageAt(0), 1));
+  EXPECT_EQ(last.image().camera, test::smallCamera());
+
+  FakeGrabber other;
+  connectFrames(other, Intrinsics{100, 100, 50, 50, 50, 50}, countedStamps(30),
+                [&](LiveFrame frame) { last = std::move(frame); });
+  other.deliver(cloudOf(imageAt(0), 1));
+  EXPECT_THROW(last.image(), std::runtime_error) << "a calibration of another camera";
+}
+
+TEST(ConnectFrames, AnImageWithoutDepthIsNoError) {
+  FakeGrabber grabber;
+  LiveFrame last;
+  connectFrames(grabber, {}, countedStamps(30), [&](LiveFrame frame) { last = std::move(frame); });
+  DepthImage blind = imageAt(0);
+  blind.depth.assign(blind.depth.size(), 0.f);
+  grabber.deliver(cloudOf(blind, 1));
+  const DepthImage image = last.image();
+  EXPECT_TRUE(image.valid());
+  EXPECT_TRUE(ViewBuilder().build(image).segments.empty());
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/apps/live_status.h>
+#include <facetloc/apps/stop_signal.h>
+
+#include <gmock/gmock.h>
+
+#include <sstream>
+#include <thread>
+
+namespace facetloc {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+LiveResult trackedResult(TrackingState state, const std::string& reason) {
+  LiveResult result;
+  result.received = 12;
+  result.dropped = 3;
+  result.tracked.emplace();
+  result.tracked->state = state;
+  result.tracked->reason = reason;
+  result.tracked->T_w_c.emplace();
+  result.tracked->T_w_c->T.translation() << 1.234, -2, 0.5;
+  return result;
+}
+
+TEST(LiveStatus, TellsStateAndPlaceOnATerminal) {
+  std::ostringstream out, err;
+  const Console console{out, err, true, false, {}};
+  LiveStatus status(console);
+  status.show(trackedResult(TrackingState::tracking, ""), 29.96);
+  EXPECT_THAT(err.str(), AllOf(HasSubstr("tracking"), HasSubstr("1.23 -2.00 0.50 m"), HasSubstr("30.0/s"),
+                               HasSubstr("3 of 12 dropped")));
+  err.str("");
+  status.show(trackedResult(TrackingState::cannot_tell, "free: x"), 30);
+  EXPECT_THAT(err.str(), AllOf(HasSubstr("cannot tell: free: x"), Not(HasSubstr("1.23"))));
+  err.str("");
+  status.clear();
+  status.clear();
+  EXPECT_EQ(err.str(), "\r\033[K") << "once";
+  EXPECT_THAT(out.str(), IsEmpty());
+}
+
+TEST(LiveStatus, IsSilentWhereNobodyWatches) {
+  std::ostringstream out, err;
+  for (const Console& console : {Console{out, err, false, false, {}}, Console{out, err, true, true, {}}}) {
+    LiveStatus status(console);
+    status.show(trackedResult(TrackingState::lost, "why"), 30);
+  }
+  EXPECT_THAT(err.str(), IsEmpty());
+}
+
+TEST(LiveStatus, TellsTimes) {
+  LiveResult result = trackedResult(TrackingState::tracking, "");
+  result.segment_ms = 5.14;
+  result.localize_ms = 9.06;
+  EXPECT_THAT(timesText(result, 30), AllOf(HasSubstr("segmentation 5.1 ms"), HasSubstr("localization 9.1 ms"),
+                                           HasSubstr("3 of 12 dropped")));
+  result.tracked.reset();
+  EXPECT_THAT(timesText(result, 30), Not(HasSubstr("localization")));
+  EXPECT_EQ(stateText(result), "segmenting");
+}
+
+TEST(FrameRate, CountsFramesPerSecond) {
+  FrameRate rate;
+  rate.update(10);
+  EXPECT_EQ(rate.value(), 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1050));
+  rate.update(31);
+  EXPECT_GT(rate.value(), 1);
+  EXPECT_LE(rate.value(), 20.1);
+}
+
+TEST(StopSignal, TurnsTheFirstSignalIntoAFlag) {
+  for (const int number : {SIGINT, SIGTERM}) {
+    const StopSignal stop;
+    EXPECT_FALSE(stop.raised());
+    std::raise(number);
+    EXPECT_TRUE(stop.raised());
+  }
+  const StopSignal again;
+  EXPECT_FALSE(again.raised());
+}
+
+TEST(StopSignalDeathTest, TheSecondSignalKills) {
+  EXPECT_EXIT(
+      {
+        const StopSignal stop;
+        std::raise(SIGINT);
+        std::raise(SIGTERM);
+      },
+      testing::KilledBySignal(SIGTERM), "");
+}
+
+TEST(StopSignal, LeavesHandlersAsTheyWere) {
+  struct sigaction before = {}, after = {};
+  sigaction(SIGINT, nullptr, &before);
+  { const StopSignal stop; }
+  sigaction(SIGINT, nullptr, &after);
+  EXPECT_EQ(before.sa_handler, after.sa_handler);
+}
+
+}  // namespace
+}  // namespace facetloc
