@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/so3.h>
 #include <facetloc/registration/place_ranking.h>
+#include <facetloc/registration/view_alignment.h>
 
 #include <algorithm>
 #include <cmath>
@@ -42,29 +43,17 @@ struct DepthEvidence {
 DepthEvidence compareWithModels(const View& scene, const Map& map, const std::vector<int>& models,
                                 const Eigen::Isometry3d& T_w_c, const DepthComparison& comparison) {
   DepthEvidence found;
-  std::vector<DepthJudge> judges;
+  std::vector<PosedPicture> pictures;
   for (const int i : models) {
     const DepthPicture& depth = map.models[i].view.depth;
     const Eigen::Isometry3d T_m_c = map.models[i].T_w_m->inverse() * T_w_c;
-    judges.emplace_back(comparison, scene.depth, depth, T_m_c);
+    pictures.push_back({&depth, *map.models[i].T_w_m});
     found.of_models.push_back(comparison.compare(depth, scene.depth, T_m_c.inverse(), kCoarseColumns));
   }
-  const int step = gridStep(scene.depth, kFineColumns);
-  for (int v = step / 2; v < scene.depth.camera.height; v += step)
-    for (int u = step / 2; u < scene.depth.camera.width; u += step) {
-      int agree = 0, contradict = 0, judged = 0;
-      for (const DepthJudge& judge : judges) {
-        const DepthVerdict verdict = judge(u, v);
-        judged += verdict != DepthVerdict::outside;
-        agree += verdict == DepthVerdict::agree;
-        contradict += verdict == DepthVerdict::contradict;
-      }
-      ++found.pixels;
-      if (judged == 0) continue;
-      ++(contradict > agree ? found.of_scene.contradict
-         : agree > 0        ? found.of_scene.agree
-                            : found.of_scene.occluded);
-    }
+  found.of_scene = compareWithAll(scene.depth, T_w_c, pictures, comparison, kFineColumns);
+  const int step = gridStep(scene.depth, kFineColumns), first = step / 2;
+  const auto onGrid = [&](int size) { return size > first ? (size - first - 1) / step + 1 : 0; };
+  found.pixels = onGrid(scene.depth.camera.width) * onGrid(scene.depth.camera.height);
   return found;
 }
 
