@@ -4,6 +4,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <numeric>
 
 namespace facetloc {
 
@@ -17,25 +18,41 @@ GlobalLocalization::GlobalLocalization(std::shared_ptr<const Map> map, const Glo
 }
 
 Localization GlobalLocalization::localize(const View& scene, const PoseWithCovariance& prior) const {
-  Localization answer;
-  const int n = static_cast<int>(map_->models.size());
-  if (n == 0) answer.reason = "the map has no local model";
-  if (scene.segments.empty()) answer.reason = "the view shows no planar segment";
-  if (!answer.reason.empty()) return answer;
+  std::vector<int> all(map_->models.size());
+  std::iota(all.begin(), all.end(), 0);
+  return rank(scene, registerWith(all, scene, prior));
+}
 
+std::vector<Hypothesis> GlobalLocalization::registerWith(const std::vector<int>& models, const View& scene,
+                                                         const PoseWithCovariance& prior) const {
+  const int n = static_cast<int>(models.size());
+  if (n == 0 || scene.segments.empty()) return {};
   // Each model's list is written by its index, so that the answer does not depend on the number of threads.
   const auto samples = samplePoints(scene);
   std::vector<std::vector<Hypothesis>> of_model(n);
   const int threads = std::min(n, threads_ > 0 ? threads_ : omp_get_num_procs());
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
-  for (int i = 0; i < n; ++i) of_model[i] = registration_.align(scene, samples, map_->models[i].view, prior);
+  for (int i = 0; i < n; ++i)
+    of_model[i] = registration_.align(scene, samples, map_->models[models[i]].view, prior);
 
+  std::vector<Hypothesis> hypotheses;
   for (int i = 0; i < n; ++i)
     for (Hypothesis& h : of_model[i]) {
-      h.model = i;
-      if (map_->models[i].T_w_m) h.T_w_c = *map_->models[i].T_w_m * h.T_m_c.T;
-      answer.hypotheses.push_back(std::move(h));
+      const LocalModel& model = map_->models[models[i]];
+      h.model = models[i];
+      if (model.T_w_m) h.T_w_c = *model.T_w_m * h.T_m_c.T;
+      hypotheses.push_back(std::move(h));
     }
+  return hypotheses;
+}
+
+Localization GlobalLocalization::rank(const View& scene, std::vector<Hypothesis> hypotheses) const {
+  Localization answer;
+  if (map_->models.empty()) answer.reason = "the map has no local model";
+  if (scene.segments.empty()) answer.reason = "the view shows no planar segment";
+  if (!answer.reason.empty()) return answer;
+
+  answer.hypotheses = std::move(hypotheses);
   const bool evidence = !params_.registration.consensus.surface_score &&  // a score in pixels, not in nats
                         addEvidence(scene, *map_, registration_.comparison(), params_.registration.consensus,
                                     params_.ranking, answer.hypotheses);

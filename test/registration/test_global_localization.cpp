@@ -76,6 +76,21 @@ TEST_F(LocalizationInARoom, EveryMapImageAgreesWithItsNeighbours) {
   }
 }
 
+TEST_F(LocalizationInARoom, ModelsThatAreDealtOutGiveTheSameAnswer) {
+  const GlobalLocalization localization(map);
+  const View& scene = map->models[3].view;
+  std::vector<Hypothesis> hypotheses = localization.registerWith({0, 1, 2}, scene, localization.prior());
+  for (const Hypothesis& h : localization.registerWith({3, 4, 5, 6, 7}, scene, localization.prior()))
+    hypotheses.push_back(h);
+  const Localization dealt = localization.rank(scene, hypotheses), whole = localization.localize(scene);
+  ASSERT_EQ(dealt.hypotheses.size(), whole.hypotheses.size());
+  for (std::size_t i = 0; i < whole.hypotheses.size(); ++i) {
+    EXPECT_EQ(dealt.hypotheses[i].model, whole.hypotheses[i].model);
+    EXPECT_EQ(dealt.hypotheses[i].score, whole.hypotheses[i].score);
+    EXPECT_TRUE(dealt.hypotheses[i].T_w_c->isApprox(*whole.hypotheses[i].T_w_c, 0));
+  }
+}
+
 TEST_F(LocalizationInARoom, NewImagesWhosePlanesFixThePoseAreFound) {
   const GlobalLocalization localization(map);
   Rng rng(1);

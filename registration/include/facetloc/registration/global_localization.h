@@ -44,6 +44,18 @@ public:
   /** \brief The same with another prior of the pose relative to each local model. */
   Localization localize(const View& scene, const PoseWithCovariance& prior) const;
 
+  /** \name The two halves of localize(), for who deals out the local models */
+  //@{
+  /** \brief Registers the view with some local models of the map. \return their hypotheses, in the order of
+   * the models given, unranked. */
+  std::vector<Hypothesis> registerWith(const std::vector<int>& models, const View& scene,
+                                       const PoseWithCovariance& prior) const;
+  /** \brief Ranks the hypotheses of the whole map. */
+  Localization rank(const View& scene, std::vector<Hypothesis> hypotheses) const;
+  //@}
+  /** \brief Prior of the pose relative to each local model, from the camera's mounting. */
+  const PoseWithCovariance& prior() const { return prior_; }
+
 private:
   std::shared_ptr<const Map> map_;
   GlobalLocalizationParams params_;
