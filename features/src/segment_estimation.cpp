@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/impl/lanes.h>
 #include <facetloc/features/plane_fit.h>
 #include <facetloc/features/segment_estimation.h>
 
@@ -55,15 +56,77 @@ void forEachRun(const LabelImage& labels, F f) {
   }
 }
 
+// Inverse depth; 0 = not measured.
+FACETLOC_MULTIVERSION void invert(const float* z, std::size_t n, float* d) {
+  for (std::size_t i = 0; i < n; i += kLanes) {
+    Floats depth;
+    load(z + i, z + n, depth);
+    const Floats inverse = 1 / depth;
+    const Floats out = (depth >= kNearestMeasured) & (depth <= kFarthestMeasured) ? inverse : Floats{};
+    store(out, d + i, d + n);
+  }
+}
+
+// Sums over pixels k = 0, 1, ... of a run.
+struct RunSums {
+  double n, k, kk, d, kd, dd;   // of inverse depth d
+  double z, kz, zz, kzz, kkzz;  // of depth z
+};
+
+// Of all measured pixels.
+FACETLOC_MULTIVERSION void sumMeasured(const float* d, int length, RunSums& out) {
+  Doubles n{}, k1{}, k2{}, d1{}, kd{}, dd{}, k = kDoubleOffset;
+  for (int i = 0; i < length; i += kDoubleLanes) {
+    FloatQuad pixel;
+    load(d + i, d + length, pixel);
+    const Doubles one = __builtin_convertvector((pixel > 0) & 1, Doubles);
+    const Doubles value = __builtin_convertvector(pixel, Doubles);
+    const Doubles one_k = one * k;
+    n += one, k1 += one_k, k2 += one_k * k;
+    d1 += value, kd += value * k, dd += value * value;
+    k += static_cast<double>(kDoubleLanes);
+  }
+  out = {total(n), total(k1), total(k2), total(d1), total(kd), total(dd), 0, 0, 0, 0, 0};
+}
+
+// Of the measured pixels whose inverse depth is near start + k slope.
+FACETLOC_MULTIVERSION void sumSupport(const float* d, const float* z, int length, float start, float slope,
+                                      float tolerance, RunSums& out) {
+  Doubles n{}, k1{}, k2{}, d1{}, kd{}, dd{}, z1{}, kz{}, zz{}, kzz{}, kkzz{}, k = kDoubleOffset;
+  FloatQuad offset = kQuadOffset;
+  for (int i = 0; i < length; i += kDoubleLanes) {
+    FloatQuad inverse, depth;
+    load(d + i, d + length, inverse);
+    load(z + i, z + length, depth);
+    const FloatQuad e = inverse - (start + slope * offset);
+    const IntQuad counts = (inverse > 0) & (e <= tolerance) & (e >= -tolerance);
+    const Doubles one = __builtin_convertvector(counts & 1, Doubles);
+    const Doubles value = __builtin_convertvector((FloatQuad)((IntQuad)inverse & counts), Doubles);
+    const Doubles range = __builtin_convertvector((FloatQuad)((IntQuad)depth & counts), Doubles);
+    const Doubles one_k = one * k, squared = range * range, squared_k = squared * k;
+    n += one, k1 += one_k, k2 += one_k * k;
+    d1 += value, kd += value * k, dd += value * value;
+    z1 += range, kz += range * k, zz += squared, kzz += squared_k, kkzz += squared_k * k;
+    k += static_cast<double>(kDoubleLanes), offset += static_cast<float>(kDoubleLanes);
+  }
+  out = {total(n),  total(k1), total(k2), total(d1),  total(kd),  total(dd),
+         total(z1), total(kz), total(zz), total(kzz), total(kkzz)};
+}
+
+// Moments of a run of row v from column u on.
+PlaneMoments momentsOf(const RunSums& s, int u, int v) {
+  PlaneMoments m;
+  m.n = s.n, m.u = s.k, m.d = s.d, m.uu = s.kk, m.ud = s.kd, m.dd = s.dd;
+  return m.shifted(u, v);
+}
+
 // First pass: the plane of each region from all of its pixels, and how far they scatter.
-void fitRegions(const DepthImage& image, const LabelImage& labels, double noise_std, double trim,
-                std::vector<Region>& regions) {
+void fitRegions(const Intrinsics& camera, const float* inverse, const LabelImage& labels, double noise_std,
+                double trim, std::vector<Region>& regions) {
   forEachRun(labels, [&](int label, int v, int u0, int u1) {
-    PlaneMoments run;
-    const float* z = image.depth.data() + static_cast<std::size_t>(v) * image.camera.width;
-    for (int u = u0; u < u1; ++u)
-      if (isMeasured(z[u])) run.add(u, v, 1.0 / z[u]);
-    regions[label].plane += run;
+    RunSums sums;
+    sumMeasured(inverse + static_cast<std::size_t>(v) * camera.width + u0, u1 - u0, sums);
+    regions[label].plane += momentsOf(sums, u0, v);
   });
   for (Region& r : regions) {
     const PlaneMoments::Fit fit = r.plane.fit();
@@ -74,40 +137,42 @@ void fitRegions(const DepthImage& image, const LabelImage& labels, double noise_
 }
 
 // Second pass: plane and points of the pixels that belong, row by row.
-void gatherSupport(const DepthImage& image, const LabelImage& labels, double min_support,
-                   std::vector<Region>& regions) {
+void gatherSupport(const DepthImage& image, const float* inverse, const LabelImage& labels,
+                   double min_support, std::vector<Region>& regions) {
   const Intrinsics& c = image.camera;
   for (Region& r : regions) {
+    r.row_extremes.clear();
     if (r.plane.n >= min_support) r.row_extremes.assign(c.height, {c.width, -1});
     r.plane = {};
   }
   forEachRun(labels, [&](int label, int v, int u0, int u1) {
     Region& r = regions[label];
     if (r.row_extremes.empty()) return;  // too small from the start
-    const float* depth = image.depth.data() + static_cast<std::size_t>(v) * c.width;
-    const double by = (v - c.cy) / c.fy;
-    PlaneMoments run;
-    double z1 = 0, zx = 0, z2 = 0, z2x = 0, z2xx = 0;  // sums of z, z b_x, z^2, z^2 b_x, z^2 b_x^2
-    int first = u1, last = -1;
-    for (int u = u0; u < u1; ++u) {
-      if (!isMeasured(depth[u])) continue;
-      const double z = depth[u];
-      const double d = 1.0 / z;
-      if (std::abs(d - r.fitted.at(u, v)) > r.tolerance) continue;
-      run.add(u, v, d);
-      const double x = (u - c.cx) / c.fx;
-      z1 += z, zx += z * x, z2 += z * z, z2x += z * z * x, z2xx += z * z * x * x;
-      first = std::min(first, u), last = u;
-    }
-    if (last < 0) return;
-    r.plane += run;
-    r.points.n += run.n;
-    r.points.p += Eigen::Vector3d(zx, by * z1, z1);
+    const std::size_t begin = static_cast<std::size_t>(v) * c.width + u0;
+    const float* d = inverse + begin;
+    const float start = static_cast<float>(r.fitted.at(u0, v)), slope = static_cast<float>(r.fitted.a);
+    const float tolerance = static_cast<float>(r.tolerance);
+    RunSums sums;
+    sumSupport(d, image.depth.data() + begin, u1 - u0, start, slope, tolerance, sums);
+    if (sums.n == 0) return;
+    r.plane += momentsOf(sums, u0, v);
+    // b_x = x0 + k / f, and b_y is the same in the whole row.
+    const double x0 = (u0 - c.cx) / c.fx, step = 1 / c.fx, by = (v - c.cy) / c.fy;
+    const double zx = x0 * sums.z + step * sums.kz, z2 = sums.zz, z2x = x0 * sums.zz + step * sums.kzz;
+    const double z2xx = x0 * x0 * sums.zz + 2 * x0 * step * sums.kzz + step * step * sums.kkzz;
+    r.points.n += sums.n;
+    r.points.p += Eigen::Vector3d(zx, by * sums.z, sums.z);
     Eigen::Matrix3d pp;
     pp << z2xx, by * z2x, z2x, by * z2x, by * by * z2, by * z2, z2x, by * z2, z2;
     r.points.pp += pp;
+    const auto belongs = [&](int k) {
+      return d[k] > 0 && std::fabs(d[k] - (start + slope * static_cast<float>(k))) <= tolerance;
+    };
+    int first = 0, last = u1 - u0 - 1;
+    while (!belongs(first)) ++first;
+    while (!belongs(last)) --last;
     auto& [row_first, row_last] = r.row_extremes[v];
-    row_first = std::min(row_first, first), row_last = std::max(row_last, last);
+    row_first = std::min(row_first, u0 + first), row_last = std::max(row_last, u0 + last);
   });
 }
 
@@ -139,16 +204,19 @@ double cross(const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Ve
 
 // Convex hull by monotone chain; the row extremes come sorted by v, then u. Exact: the coordinates are
 // integers.
-Pixels pixelHull(const std::vector<std::pair<int, int>>& row_extremes) {
-  Pixels points;
+void pixelHull(const std::vector<std::pair<int, int>>& row_extremes, Pixels& points, Pixels& hull) {
+  points.clear();
+  hull.clear();
   for (std::size_t v = 0; v < row_extremes.size(); ++v) {
     const auto [first, last] = row_extremes[v];
     if (first > last) continue;
     points.emplace_back(first, v);
     if (last > first) points.emplace_back(last, v);
   }
-  if (points.size() < 3) return points;
-  Pixels hull;
+  if (points.size() < 3) {
+    hull = points;
+    return;
+  }
   const auto chain = [&hull](auto begin, auto end) {
     const std::size_t base = hull.size();
     for (auto it = begin; it != end; ++it) {
@@ -159,7 +227,6 @@ Pixels pixelHull(const std::vector<std::pair<int, int>>& row_extremes) {
   };
   chain(points.begin(), points.end());
   chain(points.rbegin(), points.rend());
-  return hull;
 }
 
 // Drops the vertex whose loss costs the least area until at most n remain.
@@ -177,8 +244,7 @@ void simplify(Pixels& hull, std::size_t n) {
 }
 
 // Perspective keeps convexity, so the hull of the pixels is the hull of the points on the plane.
-ConvexHull hullInPlane(Pixels pixels, const Intrinsics& camera, const Segment& s, double rho) {
-  simplify(pixels, ConvexHull::kMaxVertices);
+ConvexHull hullInPlane(const Pixels& pixels, const Intrinsics& camera, const Segment& s, double rho) {
   ConvexHull hull;
   for (const Eigen::Vector2d& pixel : pixels) {
     const Eigen::Vector3d b = camera.ray(pixel.x(), pixel.y());
@@ -209,9 +275,39 @@ Eigen::Matrix3d robustCovariance(const Region& r, const Segment& s, double rho, 
   return Sigma_q;
 }
 
+void rankByInformation(const std::vector<Segment>& segments, std::vector<double>& share,
+                       std::vector<int>& order) {
+  Eigen::Matrix3d Y = Eigen::Matrix3d::Zero();
+  for (const Segment& s : segments) Y += s.num_points * s.normal() * s.normal().transpose();
+  share.resize(segments.size());  // Eq. (10.1) of METHOD
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const double all = segments[i].normal().dot(Y * segments[i].normal());
+    share[i] = all > 0 ? segments[i].num_points / all : 0;
+  }
+  order.resize(segments.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return share[a] > share[b] || (share[a] == share[b] && a < b); });
+}
+
+}  // namespace
+
+struct SegmentEstimation::Buffers {
+  std::vector<float> inverse;   // depth
+  std::vector<Region> regions;  // by label; those behind the last label only keep their memory
+  Pixels points, hull;
+  std::vector<Segment> found;
+  std::vector<int> label_of, order;
+  std::vector<double> share;
+
+  bool makeSegment(Region& r, const Intrinsics& camera, const SensorNoise& noise,
+                   const SegmentEstimationParams& params, double min_support, Segment& s);
+};
+
 // The segment of a region, or false if it fails one of the tests of METHOD 3.3.
-bool makeSegment(Region& r, const Intrinsics& camera, const SensorNoise& noise,
-                 const SegmentEstimationParams& params, double min_support, Segment& s) {
+bool SegmentEstimation::Buffers::makeSegment(Region& r, const Intrinsics& camera, const SensorNoise& noise,
+                                             const SegmentEstimationParams& params, double min_support,
+                                             Segment& s) {
   if (r.plane.n < min_support) return false;
   const Eigen::Vector3d m = r.plane.fit().plane.toSpace(camera);  // Eq. (4.1) of METHOD
   const double length = m.norm();
@@ -245,11 +341,11 @@ bool makeSegment(Region& r, const Intrinsics& camera, const SensorNoise& noise,
   s.Sigma_q = params.faithful ? faithfulCovariance(n, s.t, s.lambda, camera, params.faithful_factor, noise)
                               : robustCovariance(r, s, rho, camera, noise, params);
   if (s.Sigma_q.llt().info() != Eigen::Success) return false;
-  s.hull = hullInPlane(pixelHull(r.row_extremes), camera, s, rho);
+  pixelHull(r.row_extremes, points, hull);
+  simplify(hull, ConvexHull::kMaxVertices);
+  s.hull = hullInPlane(hull, camera, s, rho);
   return s.hull.size >= 3;
 }
-
-}  // namespace
 
 Eigen::Matrix3d faithfulCovariance(const Eigen::Vector3d& normal, const Eigen::Vector3d& centroid,
                                    const Eigen::Vector2d& lambda, const Intrinsics& camera, double kappa_u,
@@ -267,46 +363,62 @@ Eigen::Matrix3d slopeOffsetCovariance(const Eigen::Matrix3d& R, const Eigen::Vec
   return J_q * Sigma_m * J_q.transpose();
 }
 
-std::vector<Segment> estimateSegments(const DepthImage& image, const LabelImage& labels,
-                                      const SensorNoise& noise, const SegmentEstimationParams& params,
-                                      std::vector<int>* kept) {
-  if (kept) kept->clear();
+SegmentEstimation::SegmentEstimation(const SegmentEstimationParams& params)
+    : params_(params), buffers_(std::make_unique<Buffers>()) {}
+SegmentEstimation::~SegmentEstimation() = default;
+SegmentEstimation::SegmentEstimation(const SegmentEstimation& other) : SegmentEstimation(other.params_) {}
+SegmentEstimation& SegmentEstimation::operator=(const SegmentEstimation& other) {
+  params_ = other.params_;
+  return *this;
+}
+
+void SegmentEstimation::estimate(const DepthImage& image, const LabelImage& labels, const SensorNoise& noise,
+                                 std::vector<Segment>& segments, std::vector<int>& kept) {
+  segments.clear();
+  kept.clear();
   if (labels.label.size() != image.depth.size() || labels.width != image.camera.width ||
       labels.height != image.camera.height)
     throw std::invalid_argument("labels and depth image differ in size");
-  if (!image.valid()) return {};
-  std::vector<Region> regions(labels.maxLabel() + 1);
-  fitRegions(image, labels, noise.inverse_depth_std, params.trim, regions);
-  const double min_support = std::max(3.0, scaledPixels(params.min_support, image.camera));
-  gatherSupport(image, labels, min_support, regions);
+  if (!image.valid()) return;
+  Buffers& b = *buffers_;
+  b.inverse.resize(image.depth.size());
+  invert(image.depth.data(), image.depth.size(), b.inverse.data());
+  const std::size_t num_labels = labels.maxLabel() + 1;
+  if (b.regions.size() < num_labels) b.regions.resize(num_labels);
+  for (Region& r : b.regions) r.plane = {}, r.points = {};
+  fitRegions(image.camera, b.inverse.data(), labels, noise.inverse_depth_std, params_.trim, b.regions);
+  const double min_support = std::max(3.0, scaledPixels(params_.min_support, image.camera));
+  gatherSupport(image, b.inverse.data(), labels, min_support, b.regions);
 
-  std::vector<Segment> segments;
-  std::vector<int> label_of;
-  for (std::size_t label = 1; label < regions.size(); ++label) {
+  b.found.clear();
+  b.label_of.clear();
+  for (std::size_t label = 1; label < num_labels; ++label) {
     Segment s;
-    if (!makeSegment(regions[label], image.camera, noise, params, min_support, s)) continue;
-    segments.push_back(s);
-    label_of.push_back(static_cast<int>(label));
+    if (!b.makeSegment(b.regions[label], image.camera, noise, params_, min_support, s)) continue;
+    b.found.push_back(s);
+    b.label_of.push_back(static_cast<int>(label));
   }
-  std::vector<Segment> ranked;
-  for (const int i : rankByInformation(segments)) {
-    ranked.push_back(segments[i]);
-    if (kept) kept->push_back(label_of[i]);
+  rankByInformation(b.found, b.share, b.order);
+  for (const int i : b.order) {
+    segments.push_back(b.found[i]);
+    kept.push_back(b.label_of[i]);
   }
-  return ranked;
+}
+
+std::vector<Segment> estimateSegments(const DepthImage& image, const LabelImage& labels,
+                                      const SensorNoise& noise, const SegmentEstimationParams& params,
+                                      std::vector<int>* kept) {
+  std::vector<Segment> segments;
+  std::vector<int> of_segments;
+  SegmentEstimation(params).estimate(image, labels, noise, segments, of_segments);
+  if (kept) kept->swap(of_segments);
+  return segments;
 }
 
 std::vector<int> rankByInformation(const std::vector<Segment>& segments) {
-  Eigen::Matrix3d Y = Eigen::Matrix3d::Zero();
-  for (const Segment& s : segments) Y += s.num_points * s.normal() * s.normal().transpose();
-  std::vector<double> share(segments.size());  // Eq. (10.1) of METHOD
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    const double all = segments[i].normal().dot(Y * segments[i].normal());
-    share[i] = all > 0 ? segments[i].num_points / all : 0;
-  }
-  std::vector<int> order(segments.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return share[a] > share[b]; });
+  std::vector<double> share;
+  std::vector<int> order;
+  rankByInformation(segments, share, order);
   return order;
 }
 

@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "triangle_rows.h"
+
+#include <facetloc/features/impl/lanes.h>
 #include <facetloc/segmentation/depth_triangulation.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-
-// GCC compiles a leaf kernel once per instruction set and picks at load time. No fused multiply-add among
-// them: all versions give the same bits.
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
-#define FACETLOC_MULTIVERSION __attribute__((target_clones("avx2", "default")))
-#else
-#define FACETLOC_MULTIVERSION
-#endif
 
 namespace facetloc {
 namespace {
@@ -31,37 +25,47 @@ bool inCircle(const Vertex& a, const Vertex& b, const Vertex& c, const Vertex& d
   return aa * (bx * cy - by * cx) - bb * (ax * cy - ay * cx) + cc * (ax * by - ay * bx) > 0;
 }
 
-std::int64_t floorDiv(std::int64_t a, std::int64_t b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
-
 struct ScanResult {
-  std::int32_t max_bits;  // bits of the largest deviation: non-negative floats order like integers
-  std::int32_t span;      // where it is
-  std::int32_t num_valid;
+  std::int32_t num_pixels, num_valid;
+  float max_deviation;  // |d - plane| of the valid pixels
+  std::int32_t pixel;   // where that is, the first of equal ones; -1 if there is no deviation
 };
 
-// Largest deviation |d - plane| of the valid pixels in the spans. Integer maxima vectorise without relaxed
-// float rules.
-FACETLOC_MULTIVERSION ScanResult scanSpans(const float* image, int width, const Span* spans, int n, double a,
-                                           double b, double c) {
-  ScanResult r{0, -1, 0};
-  const float slope = static_cast<float>(a);
-  for (int s = 0; s < n; ++s) {
-    const int first = spans[s].first, length = spans[s].last - first + 1;
-    const float* row = image + static_cast<std::ptrdiff_t>(spans[s].v) * width + first;
-    const float start = static_cast<float>(a * first + b * spans[s].v + c);
-    std::int32_t max_bits = 0, valid = 0;
-    for (int k = 0; k < length; ++k) {
-      const float e = std::fabs(row[k] - (start + slope * static_cast<float>(k)));
-      std::int32_t bits;
-      std::memcpy(&bits, &e, sizeof bits);
-      const std::int32_t is_valid = row[k] > 0.f ? -1 : 0;
-      bits &= is_valid;
+FACETLOC_MULTIVERSION ScanResult scanPixels(const DisparityImage& image, TriangleRows rows,
+                                            const PixelPlane& plane) {
+  const float* const end = image.d.data() + image.d.size();
+  const float slope = static_cast<float>(plane.a);
+  ScanResult r{0, 0, 0, -1};
+  Ints max_bits{}, where{}, valid{};  // non-negative floats order like integers
+  for (; !rows.done(); rows.next()) {
+    const std::int32_t length = rows.last() - rows.first() + 1;
+    if (length <= 0) continue;
+    r.num_pixels += length;
+    const std::int32_t first = rows.v() * image.camera.width + rows.first();
+    const float* pixels = image.d.data() + first;
+    const float start = static_cast<float>(plane.a * rows.first() + plane.b * rows.v() + plane.c);
+    Floats offset = kLaneOffset;
+    Ints position = kLane + first, left = length - kLane;
+    for (std::int32_t k = 0; k < length; k += kLanes) {
+      Floats d;
+      load(pixels + k, end, d);
+      const Floats e = d - (start + slope * offset);
+      const Ints is_valid = (d > 0) & (left > 0);
+      const Ints bits = (Ints)e & is_valid & 0x7fffffff;
+      const Ints is_larger = bits > max_bits;
+      max_bits = is_larger ? bits : max_bits;
+      where = is_larger ? position : where;
       valid -= is_valid;
-      max_bits = bits > max_bits ? bits : max_bits;
+      offset += static_cast<float>(kLanes), position += kLanes, left -= kLanes;
     }
-    r.num_valid += valid;
-    if (max_bits > r.max_bits) r.max_bits = max_bits, r.span = s;
   }
+  std::int32_t largest = 0;
+  for (int k = 0; k < kLanes; ++k) {
+    r.num_valid += valid[k];
+    if (max_bits[k] > largest || (max_bits[k] == largest && largest > 0 && where[k] < r.pixel))
+      largest = max_bits[k], r.pixel = where[k];
+  }
+  std::memcpy(&r.max_deviation, &largest, sizeof largest);
   return r;
 }
 
@@ -83,127 +87,142 @@ float nearestValid(const DisparityImage& image, int u, int v) {
 void DepthTriangulation::compute(const DisparityImage& image) {
   vertices_.clear();
   triangles_.clear();
-  queue_.clear();
+  fresh_.clear();
   image_ = &image;
   const int w = image.camera.width, h = image.camera.height;
   if (w < 2 || h < 2 || std::none_of(image.d.begin(), image.d.end(), [](float d) { return d > 0; })) return;
 
-  // The corners lie one pixel outside at the right and the bottom, so that half-open triangles cover every
-  // pixel once.
+  round_ = 1;
+  beginWithCorners();
+  insertGrid();
+  while (!fresh_.empty()) {
+    bad_.clear();
+    for (const int i : fresh_) {
+      Triangle& t = triangles_[i];
+      fitPlane(t);
+      if (isSmall(t)) continue;
+      scan(t);
+      if (mustSplit(t)) bad_.push_back({t.max_deviation, i});
+    }
+    std::sort(bad_.begin(), bad_.end());
+    fresh_.clear();
+    ++round_;
+    for (const Bad& b : bad_) {
+      if (static_cast<int>(vertices_.size()) >= params_.max_vertices) break;
+      if (triangles_[b.triangle].round < round_) insert(b.triangle, triangles_[b.triangle].worst_pixel);
+    }
+  }
+  for (Triangle& t : triangles_)
+    if (isSmall(t)) scan(t);
+}
+
+// The corners lie one pixel outside at the right and the bottom, so that half-open triangles cover every
+// pixel once.
+void DepthTriangulation::beginWithCorners() {
+  const int w = image_->camera.width, h = image_->camera.height;
   const std::array<std::array<int, 2>, 4> corners{{{0, 0}, {w, 0}, {w, h}, {0, h}}};
   for (const auto& [u, v] : corners)
-    vertices_.push_back({u, v, nearestValid(image, std::min(u, w - 1), std::min(v, h - 1))});
+    vertices_.push_back({u, v, nearestValid(*image_, std::min(u, w - 1), std::min(v, h - 1))});
   addTriangle(0, 1, 2);
   addTriangle(0, 2, 3);
   triangles_[0].neighbour[2] = 1;
   triangles_[1].neighbour[0] = 0;
-  for (int t : {0, 1}) rescan(t), push(t);
+}
 
-  while (!queue_.empty() && static_cast<int>(vertices_.size()) < params_.max_vertices) {
-    std::pop_heap(queue_.begin(), queue_.end());
-    const QueueEntry worst = queue_.back();
-    queue_.pop_back();
-    if (triangles_[worst.triangle].version == worst.version) insert(worst.triangle);
-  }
+// Without it, each of the first vertices would have most of the image scanned again.
+void DepthTriangulation::insertGrid() {
+  constexpr int kColumns = 4;  // a finer grid has more triangles across creases
+  const int w = image_->camera.width, h = image_->camera.height, step = w / kColumns;
+  if (step < 2) return;
+  int t = 0;
+  for (int v = step / 2; v < h; v += step)
+    for (int u = step / 2; u < w; u += step) {
+      const int pixel = v * w + u;
+      if (!(image_->d[pixel] > 0)) continue;
+      t = locate(u, v, t);
+      insert(t, pixel);
+    }
 }
 
 int DepthTriangulation::addTriangle(int a, int b, int c) {
   Triangle t;
   t.vertex = {a, b, c};
   triangles_.push_back(t);
-  return static_cast<int>(triangles_.size()) - 1;
+  const int index = static_cast<int>(triangles_.size()) - 1;
+  touch(index);
+  return index;
+}
+
+void DepthTriangulation::touch(int t) {
+  if (triangles_[t].round == round_) return;
+  triangles_[t].round = round_;
+  fresh_.push_back(t);
 }
 
 void DepthTriangulation::spans(const Triangle& t, std::vector<Span>& out) const {
-  // A pixel (u, v) counts as (u + eps, v + eps^2): a pixel on an edge then lies on exactly one side of it.
   out.clear();
-  const std::array<const Vertex*, 3> p{&vertices_[t.vertex[0]], &vertices_[t.vertex[1]],
-                                       &vertices_[t.vertex[2]]};
-  const auto [top, bottom] = std::minmax({p[0]->v, p[1]->v, p[2]->v});
-  for (int v = top; v <= bottom; ++v) {
-    std::int64_t first = 0, last = image_->camera.width - 1;
-    bool inside = v < image_->camera.height;
-    for (int k = 0; k < 3 && inside; ++k) {
-      const Vertex &a = *p[k], &b = *p[(k + 1) % 3];
-      const std::int64_t du = b.u - a.u, dv = b.v - a.v;
-      // Inside: du (v - a.v) - dv (u - a.u) >= 0, strictly unless the shift moves the pixel inwards.
-      const bool on_edge_is_inside = dv < 0 || (dv == 0 && du > 0);
-      const std::int64_t rest = du * (v - a.v) + dv * a.u - (on_edge_is_inside ? 0 : 1);
-      if (dv > 0)
-        last = std::min(last, floorDiv(rest, dv));
-      else if (dv < 0)
-        first = std::max(first, -floorDiv(rest, -dv));
-      else
-        inside = rest >= 0;
-    }
-    if (inside && first <= last) out.push_back({v, static_cast<int>(first), static_cast<int>(last)});
-  }
+  for (TriangleRows rows(vertices_[t.vertex[0]], vertices_[t.vertex[1]], vertices_[t.vertex[2]]);
+       !rows.done(); rows.next())
+    if (rows.first() <= rows.last()) out.push_back({rows.v(), rows.first(), rows.last()});
 }
 
-void DepthTriangulation::rescan(int index) {
-  Triangle& t = triangles_[index];
+void DepthTriangulation::fitPlane(Triangle& t) const {
   const Vertex &A = vertices_[t.vertex[0]], &B = vertices_[t.vertex[1]], &C = vertices_[t.vertex[2]];
   const double det = static_cast<double>(orientation(A, B, C));
   const double bu = B.u - A.u, bv = B.v - A.v, bd = B.d - A.d, cu = C.u - A.u, cv = C.v - A.v, cd = C.d - A.d;
   t.plane.a = (bd * cv - cd * bv) / det;
   t.plane.b = (bu * cd - cu * bd) / det;
   t.plane.c = A.d - t.plane.a * A.u - t.plane.b * A.v;
-
-  spans(t, spans_);
-  t.num_pixels = 0;
-  for (const Span& s : spans_) t.num_pixels += s.last - s.first + 1;
-  const int width = image_->camera.width;
-  const ScanResult r = scanSpans(image_->d.data(), width, spans_.data(), static_cast<int>(spans_.size()),
-                                 t.plane.a, t.plane.b, t.plane.c);
-  t.num_valid = r.num_valid;
-  std::memcpy(&t.max_deviation, &r.max_bits, sizeof t.max_deviation);
-  t.worst_pixel = -1;
-  if (r.span < 0) return;
-  const Span& s = spans_[r.span];
-  const float* row = image_->d.data() + static_cast<std::size_t>(s.v) * width;
-  const float start = static_cast<float>(t.plane.a * s.first + t.plane.b * s.v + t.plane.c);
-  const float slope = static_cast<float>(t.plane.a);
-  for (int u = s.first; u <= s.last && t.worst_pixel < 0; ++u)
-    if (row[u] > 0 &&
-        std::fabs(row[u] - (start + slope * static_cast<float>(u - s.first))) == t.max_deviation)
-      t.worst_pixel = s.v * width + u;
 }
 
-void DepthTriangulation::push(int index) {
-  const Triangle& t = triangles_[index];
-  if (t.worst_pixel < 0) return;
+void DepthTriangulation::scan(Triangle& t) const {
+  const TriangleRows rows(vertices_[t.vertex[0]], vertices_[t.vertex[1]], vertices_[t.vertex[2]]);
+  const ScanResult r = scanPixels(*image_, rows, t.plane);
+  t.num_pixels = r.num_pixels;
+  t.num_valid = r.num_valid;
+  t.max_deviation = r.max_deviation;
+  t.worst_pixel = r.pixel;
+}
+
+bool DepthTriangulation::isSmall(const Triangle& t) const {
+  const std::int64_t twice_area =
+      orientation(vertices_[t.vertex[0]], vertices_[t.vertex[1]], vertices_[t.vertex[2]]);
+  return 0.5 * static_cast<double>(twice_area) <= scaledPixels(params_.min_split, image_->camera);
+}
+
+bool DepthTriangulation::mustSplit(const Triangle& t) const {
+  if (t.worst_pixel < 0) return false;
   const bool poorly_filled =
       t.num_pixels >= params_.min_fill_pixels && t.num_valid < params_.min_fill * t.num_pixels;
-  if (!(t.max_deviation > params_.split_tolerance) && !poorly_filled) return;
+  if (!(t.max_deviation > params_.split_tolerance) && !poorly_filled) return false;
+  // Rounding noise at a vertex: nothing left to refine.
   const int u = t.worst_pixel % image_->camera.width, v = t.worst_pixel / image_->camera.width;
-  for (const int k : t.vertex)
-    if (vertices_[k].u == u && vertices_[k].v == v)
-      return;  // rounding noise at a vertex: nothing left to refine
-  queue_.push_back({t.max_deviation, index, t.version});
-  std::push_heap(queue_.begin(), queue_.end());
+  return std::none_of(t.vertex.begin(), t.vertex.end(),
+                      [&](int k) { return vertices_[k].u == u && vertices_[k].v == v; });
 }
 
-void DepthTriangulation::insert(int t) {
-  const int width = image_->camera.width, pixel = triangles_[t].worst_pixel;
+// The triangle of a pixel, by walking there from another one.
+int DepthTriangulation::locate(int u, int v, int t) const {
+  const Vertex p{u, v, 0};
+  for (int k = 0; k < 3;) {
+    const auto& vertex = triangles_[t].vertex;
+    const bool outside = orientation(vertices_[vertex[k]], vertices_[vertex[(k + 1) % 3]], p) < 0;
+    if (outside) t = triangles_[t].neighbour[k];
+    k = outside ? 0 : k + 1;
+  }
+  return t;
+}
+
+void DepthTriangulation::insert(int t, int pixel) {
+  const int width = image_->camera.width;
   vertices_.push_back({pixel % width, pixel / width, image_->d[pixel]});
   const int p = static_cast<int>(vertices_.size()) - 1;
-  int on_edge = -1;
   for (int k = 0; k < 3; ++k) {
     const auto& vertex = triangles_[t].vertex;
-    if (orientation(vertices_[vertex[k]], vertices_[vertex[(k + 1) % 3]], vertices_[p]) == 0) on_edge = k;
+    if (orientation(vertices_[vertex[k]], vertices_[vertex[(k + 1) % 3]], vertices_[p]) == 0)
+      return splitEdge(t, k, p);
   }
-  dirty_.clear();
-  if (on_edge < 0)
-    splitFace(t, p);
-  else
-    splitEdge(t, on_edge, p);
-  std::sort(dirty_.begin(), dirty_.end());
-  dirty_.erase(std::unique(dirty_.begin(), dirty_.end()), dirty_.end());
-  for (const int i : dirty_) {
-    ++triangles_[i].version;
-    rescan(i);
-    push(i);
-  }
+  splitFace(t, p);
 }
 
 // t = (a, b, c) becomes (a, b, p), (b, c, p), (c, a, p); edge 0 of each lies opposite to p.
@@ -217,7 +236,7 @@ void DepthTriangulation::splitFace(int t, int p) {
   triangles_[t2].neighbour = {n2, t, t1};
   replaceNeighbour(n1, t, t1);
   replaceNeighbour(n2, t, t2);
-  for (const int i : {t, t1, t2}) dirty_.push_back(i);
+  touch(t);
   for (const int i : {t, t1, t2}) legalize(i, 0);
 }
 
@@ -233,8 +252,7 @@ void DepthTriangulation::splitEdge(int t, int edge, int p) {
   triangles_[t].neighbour = {j, t1, nc};
   triangles_[t1].neighbour = {j, nb, t};
   replaceNeighbour(nb, t, t1);
-  dirty_.push_back(t);
-  dirty_.push_back(t1);
+  touch(t);
   if (j >= 0) {
     const auto& nj = triangles_[j].neighbour;
     const int m = static_cast<int>(std::find(nj.begin(), nj.end(), t) - nj.begin());
@@ -246,8 +264,7 @@ void DepthTriangulation::splitEdge(int t, int edge, int p) {
     triangles_[j1].neighbour = {t, nad, j};
     replaceNeighbour(nad, j, j1);
     triangles_[t].neighbour[0] = j1;
-    dirty_.push_back(j);
-    dirty_.push_back(j1);
+    touch(j);
     legalize(j, 2);
     legalize(j1, 1);
   }
@@ -276,8 +293,8 @@ void DepthTriangulation::legalize(int t, int edge) {
   triangles_[j].neighbour = {t, n_db, n_bp};
   replaceNeighbour(n_ad, j, t);
   replaceNeighbour(n_bp, t, j);
-  dirty_.push_back(t);
-  dirty_.push_back(j);
+  touch(t);
+  touch(j);
   legalize(t, 1);
   legalize(j, 1);
 }

@@ -1,38 +1,60 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/impl/lanes.h>
 #include <facetloc/segmentation/disparity_image.h>
 
 #include <algorithm>
 #include <cmath>
 
 namespace facetloc {
+namespace {
+
+// Inverse depth times scale; 0 = not measured.
+FACETLOC_MULTIVERSION void invert(const float* z, std::size_t n, float scale, float* d) {
+  for (std::size_t i = 0; i < n; i += kLanes) {
+    Floats depth;
+    load(z + i, z + n, depth);
+    const Floats inverse = scale / depth;
+    const Floats out = (depth >= kNearestMeasured) & (depth <= kFarthestMeasured) ? inverse : Floats{};
+    store(out, d + i, d + n);
+  }
+}
+
+}  // namespace
 
 double estimateNoise(const DepthImage& image) {
+  std::vector<float> scratch;
+  return estimateNoise(image, scratch);
+}
+
+double estimateNoise(const DepthImage& image, std::vector<float>& scratch) {
   constexpr int kRowStep = 4;  // a quarter of the rows gives the median to a percent
   constexpr std::size_t kMinTriples = 100;
   constexpr double kMadToStd = 1.4826;
   const double scale =
       kMadToStd / std::sqrt(6.0);  // the variance of d0 - 2 d1 + d2 is 6 for unit white noise
-  std::vector<float> difference;
-  difference.reserve(image.depth.size() / kRowStep);
-  for (int v = kRowStep / 2; v < image.camera.height; v += kRowStep)
-    for (int u = 1; u + 1 < image.camera.width; ++u) {
-      const float a = image.at(u - 1, v), b = image.at(u, v), c = image.at(u + 1, v);
-      if (isMeasured(a) && isMeasured(b) && isMeasured(c))
-        difference.push_back(std::abs(1 / a - 2 / b + 1 / c));
+  const int w = image.camera.width;
+  scratch.resize(w + static_cast<std::size_t>(w) * (image.camera.height / kRowStep + 1));
+  float* const row = scratch.data();  // of inverse depths; behind it the differences
+  float* const differences = row + w;
+  float* next = differences;
+  for (int v = kRowStep / 2; v < image.camera.height; v += kRowStep) {
+    invert(image.depth.data() + static_cast<std::size_t>(v) * w, w, 1.f, row);
+    for (int u = 1; u + 1 < w; ++u) {
+      *next = std::abs(row[u - 1] - 2 * row[u] + row[u + 1]);
+      next += row[u - 1] > 0 && row[u] > 0 && row[u + 1] > 0;
     }
-  if (difference.size() < kMinTriples) return 0;
-  const auto middle = difference.begin() + difference.size() / 2;
-  std::nth_element(difference.begin(), middle, difference.end());
-  return scale * *middle;
+  }
+  const std::size_t n = next - differences;
+  if (n < kMinTriples) return 0;
+  std::nth_element(differences, differences + n / 2, next);
+  return scale * differences[n / 2];
 }
 
 void toDisparity(const DepthImage& image, double unit, DisparityImage& out) {
   out.camera = image.camera;
   out.unit = unit;
   out.d.resize(image.depth.size());
-  const float scale = static_cast<float>(1.0 / unit);
-  std::transform(image.depth.begin(), image.depth.end(), out.d.begin(),
-                 [scale](float z) { return isMeasured(z) ? scale / z : 0.f; });
+  invert(image.depth.data(), image.depth.size(), static_cast<float>(1.0 / unit), out.d.data());
 }
 
 }  // namespace facetloc

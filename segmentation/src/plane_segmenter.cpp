@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/impl/lanes.h>
 #include <facetloc/segmentation/plane_segmenter.h>
 
 #include <algorithm>
@@ -6,6 +7,69 @@
 #include <numeric>
 
 namespace facetloc {
+namespace {
+
+using Span = DepthTriangulation::Span;
+
+// Labels the pixels in the spans that lie near a plane. \return how many.
+FACETLOC_MULTIVERSION int labelPixels(const DisparityImage& image, const Span* spans, std::size_t n,
+                                      const PixelPlane& plane, float tolerance, std::uint16_t label,
+                                      std::uint16_t* labels) {
+  const float* const end = image.d.data() + image.d.size();
+  const std::uint16_t* const labels_end = labels + image.d.size();
+  const float slope = static_cast<float>(plane.a);
+  const Shorts of_plane = Shorts{} + static_cast<std::int16_t>(label);
+  Ints labelled{};
+  for (const Span* s = spans; s < spans + n; ++s) {
+    const std::size_t first = static_cast<std::size_t>(s->v) * image.camera.width + s->first;
+    const std::int32_t length = s->last - s->first + 1;
+    const float start = static_cast<float>(plane.at(s->first, s->v));
+    Floats offset = kLaneOffset;
+    Ints rest = length - kLane;
+    for (std::int32_t k = 0; k < length; k += kLanes) {
+      Floats d;
+      load(image.d.data() + first + k, end, d);
+      const Floats e = d - (start + slope * offset);
+      const Ints is_near = (d > 0) & (e <= tolerance) & (e >= -tolerance) & (rest > 0);
+      const Shorts mask = __builtin_convertvector(is_near, Shorts);
+      Shorts out;
+      load(labels + first + k, labels_end, out);
+      out = (out & ~mask) | (of_plane & mask);
+      store(out, labels + first + k, labels_end);
+      labelled -= is_near;
+      offset += static_cast<float>(kLanes), rest -= kLanes;
+    }
+  }
+  int sum = 0;
+  for (int k = 0; k < kLanes; ++k) sum += labelled[k];
+  return sum;
+}
+
+// Marks a row of labels: not 0 where a pixel has a label and one of its four neighbours has another.
+FACETLOC_MULTIVERSION void markBorders(const std::uint16_t* row, const std::uint16_t* above,
+                                       const std::uint16_t* below, int width, std::uint16_t* mark) {
+  const auto at = [&](int u) -> std::uint16_t {
+    const std::uint16_t k = row[u], left = row[std::max(0, u - 1)], right = row[std::min(u + 1, width - 1)];
+    return k == 0 ? 0 : (k ^ left) | (k ^ right) | (k ^ above[u]) | (k ^ below[u]);
+  };
+  int u = 0;
+  for (; u < std::min(1, width); ++u) mark[u] = at(u);
+  for (; u + kLanes < width; u += kLanes) {
+    Shorts here, left, right, up, down;
+    std::memcpy(&here, row + u, sizeof here);
+    std::memcpy(&left, row + u - 1, sizeof left);
+    std::memcpy(&right, row + u + 1, sizeof right);
+    std::memcpy(&up, above + u, sizeof up);
+    std::memcpy(&down, below + u, sizeof down);
+    const Shorts differs = (here ^ left) | (here ^ right) | (here ^ up) | (here ^ down);
+    const Shorts out = here != 0 ? differs : Shorts{};
+    std::memcpy(mark + u, &out, sizeof out);
+  }
+  for (; u < width; ++u) mark[u] = at(u);
+}
+
+}  // namespace
+
 PlaneSegmenter::PlaneSegmenter(const SegmentationParams& params, const SensorNoise& noise)
     : params_(params), noise_(noise), split_(params.split), merge_(params.merge) {}
 
@@ -18,7 +82,7 @@ void PlaneSegmenter::segment(const DepthImage& image, LabelledPlanes& out) {
   out.labels.label.assign(image.depth.size(), 0);
   out.noise = noise_.inverse_depth_std;
   if (!image.valid()) return;
-  if (params_.estimate_noise) out.noise = std::max(out.noise, estimateNoise(image));
+  if (params_.estimate_noise) out.noise = std::max(out.noise, estimateNoise(image, scratch_));
 
   toDisparity(image, out.noise, disparity_);
   split_.compute(disparity_);
@@ -36,26 +100,21 @@ void PlaneSegmenter::label(LabelledPlanes& out) {
       0.3;  // share of the minimum support below which a region gets no label of its own
   const double min_region = std::max(3.0, kSpeck * scaledPixels(params_.min_support, disparity_.camera));
   region_planes_.assign(1, {});
-  std::vector<std::uint16_t> label_of_region(merge_.regions().size(), 0);
+  label_of_region_.assign(merge_.regions().size(), 0);
   for (std::size_t r = 0; r < merge_.regions().size() && region_planes_.size() < 65535; ++r) {
     if (merge_.regions()[r].moments.n < min_region) continue;
-    label_of_region[r] = static_cast<std::uint16_t>(region_planes_.size());
+    label_of_region_[r] = static_cast<std::uint16_t>(region_planes_.size());
     region_planes_.push_back(merge_.regions()[r].plane);
   }
+  support_.assign(region_planes_.size(), 0);
   const float tolerance = static_cast<float>(params_.label_tolerance);
   for (std::size_t t = 0; t < split_.triangles().size(); ++t) {
     const int r = merge_.regionOfTriangle()[t];
-    if (r < 0 || label_of_region[r] == 0) continue;
-    const PixelPlane& plane = region_planes_[label_of_region[r]];
+    if (r < 0 || label_of_region_[r] == 0) continue;
+    const std::uint16_t k = label_of_region_[r];
     split_.spans(split_.triangles()[t], spans_);
-    for (const DepthTriangulation::Span& s : spans_) {
-      const std::size_t base = static_cast<std::size_t>(s.v) * disparity_.camera.width;
-      for (int u = s.first; u <= s.last; ++u) {
-        const float d = disparity_.d[base + u];
-        if (d > 0 && std::fabs(d - static_cast<float>(plane.at(u, s.v))) <= tolerance)
-          out.labels.label[base + u] = label_of_region[r];
-      }
-    }
+    support_[k] += labelPixels(disparity_, spans_.data(), spans_.size(), region_planes_[k], tolerance, k,
+                               out.labels.label.data());
   }
 }
 
@@ -63,50 +122,53 @@ void PlaneSegmenter::label(LabelledPlanes& out) {
 // neighbouring region whose plane it fits better (METHOD 3.2 (ii)).
 void PlaneSegmenter::reassignBoundaries(LabelImage& labels) {
   const int w = labels.width, h = labels.height;
-  std::vector<std::uint16_t>& label = labels.label;
-  const auto residual = [&](std::int32_t i, std::uint16_t k) {
-    return std::fabs(disparity_.d[i] - static_cast<float>(region_planes_[k].at(i % w, i / w)));
-  };
-  const auto forEachNeighbour = [w, h](std::int32_t i, auto f) {
-    const int u = i % w, v = i / w;
-    if (u > 0) f(i - 1);
-    if (u + 1 < w) f(i + 1);
-    if (v > 0) f(i - w);
-    if (v + 1 < h) f(i + w);
-  };
+  std::uint16_t* const label = labels.label.data();
   front_.clear();
-  for (std::int32_t i = 0; i < w * h; ++i) {
-    if (label[i] == 0) continue;
-    const int u = i % w, v = i / w;
-    const bool border = (u > 0 && label[i - 1] != label[i]) || (u + 1 < w && label[i + 1] != label[i]) ||
-                        (v > 0 && label[i - w] != label[i]) || (v + 1 < h && label[i + w] != label[i]);
-    if (border) front_.push_back(i);
+  marks_.resize(w);
+  for (int v = 0; v < h; ++v) {
+    const std::uint16_t* row = label + static_cast<std::size_t>(v) * w;
+    markBorders(row, v > 0 ? row - w : row, v + 1 < h ? row + w : row, w, marks_.data());
+    for (int u = 0; u < w; ++u)
+      if (marks_[u] != 0) front_.push_back({u, v});
   }
   const float tolerance = static_cast<float>(params_.label_tolerance);
   for (std::size_t f = 0; f < front_.size(); ++f) {
-    const std::uint16_t k = label[front_[f]];
-    forEachNeighbour(front_[f], [&](std::int32_t j) {
-      if (label[j] == k || !(disparity_.d[j] > 0)) return;
-      const float r = residual(j, k);
-      if (r > tolerance || (label[j] != 0 && residual(j, label[j]) <= r)) return;
+    const auto [u, v] = front_[f];
+    const std::uint16_t k = label[v * w + u];
+    const auto offer = [&](int x, int y) {
+      const int j = y * w + x;
+      const float d = disparity_.d[j];
+      const std::uint16_t other = label[j];
+      if (other == k || !(d > 0)) return;
+      const float e = std::fabs(d - static_cast<float>(region_planes_[k].at(x, y)));
+      if (e > tolerance) return;
+      if (other != 0) {
+        if (std::fabs(d - static_cast<float>(region_planes_[other].at(x, y))) <= e) return;
+        --support_[other];
+      }
+      ++support_[k];
       label[j] = k;
-      front_.push_back(j);
-    });
+      front_.push_back({x, y});
+    };
+    if (u > 0) offer(u - 1, v);
+    if (u + 1 < w) offer(u + 1, v);
+    if (v > 0) offer(u, v - 1);
+    if (v + 1 < h) offer(u, v + 1);
   }
 }
 
 // Final labels: regions of enough support, the largest first, ties by provisional label.
 void PlaneSegmenter::keepLargeRegions(LabelledPlanes& out, double min_support) {
-  std::vector<int> support(region_planes_.size(), 0);
-  for (const std::uint16_t k : out.labels.label) ++support[k];
-  std::vector<std::uint16_t> order(region_planes_.size() - 1);
-  std::iota(order.begin(), order.end(), std::uint16_t{1});
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return support[a] > support[b]; });
-  std::vector<std::uint16_t> final_label(region_planes_.size(), 0);
-  for (const std::uint16_t k : order) {
-    if (support[k] < min_support) break;
+  order_.resize(region_planes_.size() - 1);
+  std::iota(order_.begin(), order_.end(), std::uint16_t{1});
+  std::sort(order_.begin(), order_.end(),
+            [&](int a, int b) { return support_[a] > support_[b] || (support_[a] == support_[b] && a < b); });
+  std::vector<std::uint16_t>& final_label = label_of_region_;
+  final_label.assign(region_planes_.size(), 0);
+  for (const std::uint16_t k : order_) {
+    if (support_[k] < min_support) break;
     out.planes.push_back(region_planes_[k]);
-    out.support.push_back(support[k]);
+    out.support.push_back(support_[k]);
     final_label[k] = static_cast<std::uint16_t>(out.planes.size());
   }
   for (std::uint16_t& k : out.labels.label) k = final_label[k];

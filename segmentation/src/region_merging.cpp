@@ -1,10 +1,49 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/impl/lanes.h>
 #include <facetloc/segmentation/region_merging.h>
 
 #include <algorithm>
 #include <cmath>
 
 namespace facetloc {
+namespace {
+
+using Span = DepthTriangulation::Span;
+
+// Moments of the valid pixels in the spans, counted from their first row and a column; shifted afterwards,
+// which leaves sums of integers exact.
+FACETLOC_MULTIVERSION PlaneMoments momentsOf(const DisparityImage& image, const Span* spans, std::size_t n) {
+  if (n == 0) return {};
+  const float* const end = image.d.data() + image.d.size();
+  const std::int32_t top = spans->v, left = spans->first;
+  Doubles m{}, mu{}, mv{}, muu{}, muv{}, mvv{}, d{}, ud{}, vd{}, dd{};
+  for (const Span* s = spans; s < spans + n; ++s) {
+    const float* pixels = image.d.data() + static_cast<std::size_t>(s->v) * image.camera.width + s->first;
+    const std::int32_t length = s->last - s->first + 1;
+    const double v = s->v - top;
+    Doubles u = kDoubleOffset + static_cast<double>(s->first - left);
+    IntQuad rest = length - kQuadLane;
+    for (std::int32_t i = 0; i < length; i += kDoubleLanes) {
+      FloatQuad pixel;
+      load(pixels + i, end, pixel);
+      const IntQuad is_valid = (pixel > 0) & (rest > 0);
+      const Doubles one = __builtin_convertvector(is_valid & 1, Doubles);
+      const Doubles value = __builtin_convertvector((FloatQuad)((IntQuad)pixel & is_valid), Doubles);
+      const Doubles one_u = one * u, one_v = one * v;
+      m += one, mu += one_u, mv += one_v;
+      muu += one_u * u, muv += one_v * u, mvv += one_v * v;
+      d += value, ud += value * u, vd += value * v, dd += value * value;
+      u += static_cast<double>(kDoubleLanes), rest -= kDoubleLanes;
+    }
+  }
+  PlaneMoments sum;
+  sum.n = total(m), sum.u = total(mu), sum.v = total(mv), sum.d = total(d);
+  sum.uu = total(muu), sum.uv = total(muv), sum.vv = total(mvv);
+  sum.ud = total(ud), sum.vd = total(vd), sum.dd = total(dd);
+  return sum.shifted(left, top);
+}
+
+}  // namespace
 
 double RegionMerging::cost(const PlaneMoments& a, double sse_a, const PlaneMoments& b, double sse_b) {
   const PlaneMoments both = a + b;
@@ -28,19 +67,15 @@ void RegionMerging::compute(const DepthTriangulation& triangulation, const Dispa
   for (int i = 0; i < n; ++i) {
     const DepthTriangulation::Triangle& t = triangles[i];
     Node& node = nodes_[i];
-    node.moments = {};
     node.parent = i;
     node.version = 0;
     node.neighbours.clear();
     if (t.num_valid == 0 || t.num_valid < triangulation.params().min_fill * t.num_pixels) continue;
     if (image.unit * t.plane.toSpace(image.camera).norm() * params_.min_plane_distance > 1) continue;
+    if (t.max_deviation > triangulation.params().split_tolerance) continue;
     alive[i] = 1;
     triangulation.spans(t, spans_);
-    for (const DepthTriangulation::Span& s : spans_) {
-      const float* row = image.d.data() + static_cast<std::size_t>(s.v) * image.camera.width;
-      for (int u = s.first; u <= s.last; ++u)
-        if (row[u] > 0) node.moments.add(u, s.v, row[u]);
-    }
+    node.moments = momentsOf(image, spans_.data(), spans_.size());
     node.sse = node.moments.fit().sse;
   }
   for (int i = 0; i < n; ++i)

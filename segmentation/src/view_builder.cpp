@@ -12,27 +12,18 @@ double millisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// Label kept[i] becomes i + 1, all others 0; planes and supports follow.
-void renumber(const std::vector<int>& kept, LabelledPlanes& s) {
-  std::vector<std::uint16_t> new_label(s.planes.size() + 1, 0);
-  std::vector<PixelPlane> planes;
-  std::vector<int> support;
-  for (const int label : kept) {
-    planes.push_back(s.planes[label - 1]);
-    support.push_back(s.support[label - 1]);
-    new_label[label] = static_cast<std::uint16_t>(planes.size());
-  }
-  for (std::uint16_t& label : s.labels.label) label = new_label[label];
-  s.planes.swap(planes);
-  s.support.swap(support);
-}
-
 }  // namespace
 
 ViewBuilder::ViewBuilder(const ViewParams& params)
-    : params_(params), segmenter_(params.segmentation, params.noise) {}
+    : params_(params), segmenter_(params.segmentation, params.noise), estimation_(params.features) {}
 
 View ViewBuilder::build(const DepthImage& image) {
+  View view;
+  build(image, view);
+  return view;
+}
+
+void ViewBuilder::build(const DepthImage& image, View& view) {
   const Clock::time_point start = Clock::now();
   segmenter_.segment(image, segmentation_);
   segment_ms_ = millisecondsSince(start);
@@ -40,14 +31,27 @@ View ViewBuilder::build(const DepthImage& image) {
   const Clock::time_point features_start = Clock::now();
   SensorNoise noise = params_.noise;
   noise.inverse_depth_std = segmentation_.noise;
-  View view;
   view.camera = image.camera;
-  std::vector<int> kept;
-  view.segments = estimateSegments(image, segmentation_.labels, noise, params_.features, &kept);
-  view.depth = DepthPicture::fromDepth(image);
-  renumber(kept, segmentation_);
+  estimation_.estimate(image, segmentation_.labels, noise, view.segments, kept_);
+  view.depth.assign(image);
+  renumber();
   features_ms_ = millisecondsSince(features_start);
-  return view;
+}
+
+// Label kept_[i] becomes i + 1, all others 0; planes and supports follow.
+void ViewBuilder::renumber() {
+  LabelledPlanes& s = segmentation_;
+  unsorted_.planes.swap(s.planes);
+  unsorted_.support.swap(s.support);
+  s.planes.clear();
+  s.support.clear();
+  new_label_.assign(unsorted_.planes.size() + 1, 0);
+  for (const int label : kept_) {
+    s.planes.push_back(unsorted_.planes[label - 1]);
+    s.support.push_back(unsorted_.support[label - 1]);
+    new_label_[label] = static_cast<std::uint16_t>(s.planes.size());
+  }
+  for (std::uint16_t& label : s.labels.label) label = new_label_[label];
 }
 
 }  // namespace facetloc

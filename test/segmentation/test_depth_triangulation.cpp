@@ -161,10 +161,13 @@ TEST_P(EveryImage, NothingIsLeftToRefine) {
   for (const Triangle& t : split.triangles()) {
     const bool flat = t.max_deviation <= p.split_tolerance;
     const bool filled = t.num_pixels < p.min_fill_pixels || t.num_valid >= p.min_fill * t.num_pixels;
+    const double area =
+        0.5 * static_cast<double>(orientation(vertex(t.vertex[0]), vertex(t.vertex[1]), vertex(t.vertex[2])));
+    const bool small = area <= scaledPixels(p.min_split, image().camera);
     bool worst_is_vertex = t.worst_pixel < 0;
     for (const int k : t.vertex)
       worst_is_vertex = worst_is_vertex || vertex(k).v * image().camera.width + vertex(k).u == t.worst_pixel;
-    EXPECT_TRUE((flat && filled) || worst_is_vertex);
+    EXPECT_TRUE((flat && filled) || small || worst_is_vertex);
   }
 }
 
@@ -225,14 +228,34 @@ TEST(DepthTriangulation, OneValidPixelGivesAPlaneThroughIt) {
   }
 }
 
-TEST(DepthTriangulation, AnExactPlaneIsTwoTriangles) {
+TEST(DepthTriangulation, AnExactPlaneIsTheGridItStartsWith) {
   DisparityImage image = blankDisparity(64, 48);
   for (int v = 0; v < 48; ++v)
     for (int u = 0; u < 64; ++u)
       image.d[static_cast<std::size_t>(v) * 64 + u] = static_cast<float>(200 + 2 * u - v);
   DepthTriangulation split;
   split.compute(image);
-  EXPECT_EQ(split.triangles().size(), 2u);
+  EXPECT_EQ(split.vertices().size(), 4u + 4 * 3);
+  // Corners outside the image have the depth of the pixel beside them.
+  for (const Triangle& t : split.triangles()) EXPECT_LE(t.max_deviation, 2);
+}
+
+TEST(DepthTriangulation, SmallTrianglesAreNotRefined) {
+  const DisparityImage image = randomDisparity(64, 48, 1, 3);  // wants a vertex at each pixel
+  DepthTriangulationParams params;
+  params.min_split = 8 / scaledPixels(1, image.camera);  // 8 px of this image
+  DepthTriangulation split(params);
+  split.compute(image);
+  const std::size_t refined = split.vertices().size();
+  for (const Triangle& t : split.triangles()) {
+    const auto& v = split.vertices();
+    const auto twice_area = orientation(v[t.vertex[0]], v[t.vertex[1]], v[t.vertex[2]]);
+    EXPECT_TRUE(twice_area <= 16 || t.max_deviation <= params.split_tolerance);
+  }
+  params.min_split = 0;
+  DepthTriangulation whole(params);
+  whole.compute(image);
+  EXPECT_GT(whole.vertices().size(), refined);
 }
 
 TEST(DepthTriangulation, CornersWithoutDepthTakeThatOfTheNearestPixel) {

@@ -21,8 +21,9 @@ struct DepthImage {
   float at(int u, int v) const { return depth[static_cast<std::size_t>(v) * camera.width + u]; }
 };
 
+constexpr float kNearestMeasured = 1e-3f, kFarthestMeasured = 1e6f;  // [m]
 /** \brief Is this a depth that a camera measured? 0, NaN, infinities and what is nearer than 1 mm are not. */
-inline bool isMeasured(float z) { return z >= 1e-3f && z <= 1e6f; }
+inline bool isMeasured(float z) { return z >= kNearestMeasured && z <= kFarthestMeasured; }
 
 /** \brief A number of pixels given for a 320x240 image, scaled with the area of another one. */
 inline double scaledPixels(double pixels_at_320x240, const Intrinsics& camera) {

@@ -45,6 +45,16 @@ struct PlaneMoments {
   }
   friend PlaneMoments operator+(PlaneMoments a, const PlaneMoments& b) { return a += b; }
 
+  /** \brief The moments of the same pixels, du further to the right and dv further down. */
+  PlaneMoments shifted(double du, double dv) const {
+    PlaneMoments m = *this;
+    m.u += n * du, m.v += n * dv;
+    m.uu += 2 * du * u + n * du * du, m.vv += 2 * dv * v + n * dv * dv;
+    m.uv += du * v + dv * u + n * du * dv;
+    m.ud += du * d, m.vd += dv * d;
+    return m;
+  }
+
   struct Fit {
     PixelPlane plane;
     double sse = 0;  ///< sum of squared residuals, vertical in d

@@ -6,6 +6,7 @@
 #include <facetloc/features/params.h>
 #include <facetloc/features/segment.h>
 
+#include <memory>
 #include <vector>
 
 namespace facetloc {
@@ -62,14 +63,30 @@ Eigen::Matrix3d faithfulCovariance(const Eigen::Vector3d& normal, const Eigen::V
 Eigen::Matrix3d slopeOffsetCovariance(const Eigen::Matrix3d& R, const Eigen::Vector3d& t, double rho,
                                       const Eigen::Matrix3d& Sigma_m);
 
-/** \brief Estimates the segments of a labelled depth image.
- *
- * \param image depth at working size, \param labels of the same size,
- * \param noise of the sensor; noise.inverse_depth_std should already be that of the image if it is noisier.
- * \param kept receives, if given, the label of each returned segment.
- * \return segments sorted by information content (METHOD 10.1). Labels that fail a test of the parameters are
- * left out; an empty or all-invalid image gives an empty list. Throws std::invalid_argument if the sizes
- * differ. */
+/** \brief Estimates the segments of a labelled depth image. Keeps its buffers between images; use one per
+ * thread. */
+class SegmentEstimation {
+public:
+  explicit SegmentEstimation(const SegmentEstimationParams& params = {});
+  ~SegmentEstimation();
+  SegmentEstimation(const SegmentEstimation&);
+  SegmentEstimation& operator=(const SegmentEstimation&);
+
+  /** \param image depth at working size, \param labels of the same size,
+   * \param noise of the sensor; noise.inverse_depth_std should already be that of the image if it is noisier.
+   * \param segments receives the segments, sorted by information content (METHOD 10.1). Labels that fail a
+   * test of the parameters are left out; an empty or all-invalid image gives an empty list.
+   * \param kept receives the label of each of them. Throws std::invalid_argument if the sizes differ. */
+  void estimate(const DepthImage& image, const LabelImage& labels, const SensorNoise& noise,
+                std::vector<Segment>& segments, std::vector<int>& kept);
+
+private:
+  struct Buffers;
+  SegmentEstimationParams params_;
+  std::unique_ptr<Buffers> buffers_;
+};
+
+/** \brief The same once. \param kept receives, if given, the label of each returned segment. */
 std::vector<Segment> estimateSegments(const DepthImage& image, const LabelImage& labels,
                                       const SensorNoise& noise, const SegmentEstimationParams& params,
                                       std::vector<int>* kept = nullptr);

@@ -16,6 +16,7 @@ struct DepthTriangulationParams {
   double split_tolerance = 7.0;  ///< largest deviation of a pixel from its triangle [noise std]
   double min_fill = 0.5;         ///< share of valid pixels below which a triangle is refined or dropped
   int min_fill_pixels = 20;      ///< size from which the fill rule refines [px]
+  double min_split = 2;          ///< smaller triangles are not refined [px at 320x240]
   int max_vertices = 20000;      ///< safety limit; the worst triangles are refined first
 
   template <class Self, class Visitor>
@@ -26,6 +27,8 @@ struct DepthTriangulationParams {
           "Share of valid pixels below which a triangle is refined or dropped.");
     field("min_fill_pixels", p.min_fill_pixels, 1, 1000000,
           "Size of a triangle from which poor filling refines it [px].");
+    field("min_split", p.min_split, 0.0, 1e6,
+          "Triangles up to this area are not refined [px at 320x240, scaled with the image area].");
     field("max_vertices", p.max_vertices, 4, 1000000,
           "Safety limit of the triangulation; the worst triangles are refined first.");
   }
@@ -34,9 +37,11 @@ struct DepthTriangulationParams {
 
 /** \brief Iterative Delaunay triangulation of a disparity image after Schmitt & Chen (METHOD 3.1).
  *
- * Starts with the image's four corners and inserts the pixel that deviates most from its triangle until all
- * triangles are within tolerance. Exact integer predicates: the result is a Delaunay triangulation of its
- * vertices, the same on every machine. Images up to 16000 px wide and high. */
+ * Starts with a coarse grid and goes on in rounds: of each triangle beyond tolerance, the worst one first, it
+ * inserts the pixel that deviates most, until all triangles are within tolerance or too small to refine. A
+ * round scans the pixels of a changed triangle once, however many insertions have changed it. Exact integer
+ * predicates: the result is a Delaunay triangulation of its vertices, the same on every machine. Images up to
+ * 16000 px wide and high. */
 class DepthTriangulation {
 public:
   struct Vertex {
@@ -52,7 +57,7 @@ public:
     std::int32_t worst_pixel = -1;  ///< where that is, row-major
     std::int32_t num_pixels = 0;    ///< pixels of the triangle; every image pixel has one triangle
     std::int32_t num_valid = 0;
-    std::uint32_t version = 0;
+    std::int32_t round = 0;  ///< in which it last changed
   };
   /** \brief A row of pixels inside a triangle: [first, last] of row v. */
   struct Span {
@@ -72,18 +77,24 @@ public:
   void spans(const Triangle& t, std::vector<Span>& out) const;
 
 private:
-  struct QueueEntry {
+  /** A triangle that is to be refined. */
+  struct Bad {
     float deviation;
     std::int32_t triangle;
-    std::uint32_t version;
-    bool operator<(const QueueEntry& o) const {  // largest deviation on top, ties by the smaller index
-      return deviation < o.deviation || (deviation == o.deviation && triangle > o.triangle);
+    bool operator<(const Bad& o) const {  // largest deviation first, ties by the smaller index
+      return deviation > o.deviation || (deviation == o.deviation && triangle < o.triangle);
     }
   };
+  void beginWithCorners();
+  void insertGrid();
   int addTriangle(int a, int b, int c);
-  void rescan(int t);
-  void push(int t);
-  void insert(int t);
+  void touch(int t);
+  void fitPlane(Triangle& t) const;
+  void scan(Triangle& t) const;
+  bool isSmall(const Triangle& t) const;
+  bool mustSplit(const Triangle& t) const;
+  int locate(int u, int v, int t) const;
+  void insert(int t, int pixel);
   void splitFace(int t, int p);
   void splitEdge(int t, int edge, int p);
   void legalize(int t, int edge);
@@ -93,9 +104,9 @@ private:
   const DisparityImage* image_ = nullptr;
   std::vector<Vertex> vertices_;
   std::vector<Triangle> triangles_;
-  std::vector<QueueEntry> queue_;    // a heap
-  std::vector<std::int32_t> dirty_;  // triangles changed by the current insertion
-  std::vector<Span> spans_;
+  int round_ = 0;
+  std::vector<std::int32_t> fresh_;  // triangles that have changed in this round
+  std::vector<Bad> bad_;             // those of the last one that are to be refined
 };
 
 }  // namespace facetloc

@@ -23,6 +23,8 @@ struct DisparityImage {
  * second difference along rows over triples of valid pixels, scaled for white noise. 0 if there are fewer
  * than 100 triples. */
 double estimateNoise(const DepthImage& image);
+/** \brief The same with memory that is kept from image to image. */
+double estimateNoise(const DepthImage& image, std::vector<float>& scratch);
 
 /** \brief Depth to disparity in units of the given inverse-depth noise [1/m]. */
 void toDisparity(const DepthImage& image, double unit, DisparityImage& out);

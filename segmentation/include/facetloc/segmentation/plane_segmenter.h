@@ -48,6 +48,9 @@ public:
   void segment(const DepthImage& image, LabelledPlanes& out);
 
 private:
+  struct Pixel {
+    std::int32_t u, v;
+  };
   void label(LabelledPlanes& out);
   void reassignBoundaries(LabelImage& labels);
   void keepLargeRegions(LabelledPlanes& out, double min_support);
@@ -59,7 +62,10 @@ private:
   RegionMerging merge_;
   std::vector<DepthTriangulation::Span> spans_;
   std::vector<PixelPlane> region_planes_;  // by provisional label, in units of the disparity image
-  std::vector<std::int32_t> front_;
+  std::vector<int> support_;               // of it [px]
+  std::vector<std::uint16_t> label_of_region_, order_, marks_;
+  std::vector<Pixel> front_;
+  std::vector<float> scratch_;
 };
 
 }  // namespace facetloc

@@ -29,6 +29,8 @@ public:
 
   /** \brief An empty or all-invalid image gives a view without segments, never an error. */
   View build(const DepthImage& image);
+  /** \brief The same, in the memory that a view has: from image to image of a camera nothing is allocated. */
+  void build(const DepthImage& image, View& view);
 
   /** \brief The segmentation of the last image, its labels renumbered: label k is segment k - 1 of the view.
    */
@@ -37,9 +39,14 @@ public:
   double featuresMilliseconds() const { return features_ms_; }  ///< of the last image
 
 private:
+  void renumber();
+
   ViewParams params_;
   PlaneSegmenter segmenter_;
-  LabelledPlanes segmentation_;
+  SegmentEstimation estimation_;
+  LabelledPlanes segmentation_, unsorted_;
+  std::vector<int> kept_;
+  std::vector<std::uint16_t> new_label_;
   double segment_ms_ = 0;
   double features_ms_ = 0;
 };

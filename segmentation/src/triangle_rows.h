@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/segmentation/depth_triangulation.h>
+
+#include <utility>
+
+namespace facetloc {
+
+/** \brief Where an edge that runs downwards crosses the rows, rounded up to the next column; exact, by
+ * integer steps. */
+class EdgeColumns {
+public:
+  using Vertex = DepthTriangulation::Vertex;
+
+  EdgeColumns() = default;
+  EdgeColumns(const Vertex& top, const Vertex& bottom) : column_(top.u), rows_(bottom.v - top.v) {
+    if (rows_ == 0) return;
+    const std::int32_t du = bottom.u - top.u;
+    step_ = du / rows_, rest_ = du % rows_;
+    if (rest_ < 0) --step_, rest_ += rows_;
+  }
+  std::int32_t column() const { return column_; }
+  void next() {
+    column_ += step_, excess_ += rest_;
+    if (excess_ > 0) ++column_, excess_ -= rows_;
+  }
+
+private:
+  std::int32_t column_ = 0, rows_ = 0, step_ = 0, rest_ = 0;
+  std::int32_t excess_ = 0;  // the edge lies excess_ / rows_ right of column_; in (-rows_, 0]
+};
+
+/** \brief Walks through the rows of a triangle from top to bottom.
+ *
+ * A pixel (u, v) counts as (u + eps, v + eps^2): a pixel on an edge then lies on exactly one side of it, and
+ * a row goes from where the left edge crosses it to before where the right edge does. Rows may be empty. */
+class TriangleRows {
+public:
+  using Vertex = DepthTriangulation::Vertex;
+
+  TriangleRows(const Vertex& a, const Vertex& b, const Vertex& c) {
+    const Vertex *top = &a, *middle = &b, *bottom = &c;
+    if (middle->v < top->v) std::swap(top, middle);
+    if (bottom->v < middle->v) std::swap(middle, bottom);
+    if (middle->v < top->v) std::swap(top, middle);
+    v_ = top->v, middle_ = middle->v, bottom_ = bottom->v;
+    const std::int64_t side = std::int64_t(bottom->u - top->u) * (middle->v - top->v) -
+                              std::int64_t(bottom->v - top->v) * (middle->u - top->u);
+    bends_left_ = side > 0;
+    (bends_left_ ? right_ : left_) = EdgeColumns(*top, *bottom);
+    lower_ = EdgeColumns(*middle, *bottom);
+    (bends_left_ ? left_ : right_) = v_ < middle_ ? EdgeColumns(*top, *middle) : lower_;
+  }
+  bool done() const { return v_ >= bottom_; }
+  std::int32_t v() const { return v_; }
+  std::int32_t first() const { return left_.column(); }
+  std::int32_t last() const { return right_.column() - 1; }
+  void next() {
+    left_.next(), right_.next();
+    if (++v_ == middle_) (bends_left_ ? left_ : right_) = lower_;
+  }
+
+private:
+  std::int32_t v_, middle_, bottom_;
+  bool bends_left_;  // the middle vertex is one of the left edges
+  EdgeColumns left_, right_, lower_;
+};
+
+}  // namespace facetloc
