@@ -16,10 +16,14 @@ constexpr double kShape = 2.366 / 11.34;
 // Shape of a segment as a flat covariance with its offset uncertainty across, in the frame that its axes R
 // are given in.
 Eigen::Matrix3d shapeCovariance(const Segment& s, const Eigen::Matrix3d& R) {
-  const Eigen::Vector3d x = std::sqrt(kShape * s.lambda[0]) * R.col(0),
-                        y = std::sqrt(kShape * s.lambda[1]) * R.col(1),
-                        z = std::sqrt(s.Sigma_q(2, 2)) * R.col(2);
-  return x * x.transpose() + y * y.transpose() + z * z.transpose();
+  const Eigen::Vector3d variances(kShape * s.lambda[0], kShape * s.lambda[1], s.Sigma_q(2, 2));
+  return R * variances.asDiagonal() * R.transpose();
+}
+
+// d^T (shape covariance) d, for d given in the segment's axes.
+double shapeVariance(const Segment& s, const Eigen::Vector3d& d) {
+  return kShape * (s.lambda[0] * d.x() * d.x() + s.lambda[1] * d.y() * d.y()) +
+         s.Sigma_q(2, 2) * d.z() * d.z();
 }
 
 }  // namespace
@@ -34,12 +38,21 @@ double coplanarityDistance(const Segment& scene, const Segment& model, const Pos
   return innovationDistance(m, T_m_c.P);
 }
 
-double overlapDistance(const Segment& scene, const Segment& model, const PoseWithCovariance& T_m_c) {
+double overlapDistance(const Segment& scene, const Segment& model, const PoseWithCovariance& T_m_c,
+                       double gate) {
   const Eigen::Matrix3d R = T_m_c.T.linear();
   const Eigen::Vector3d moved = R * scene.t;
   const Eigen::Vector3d delta = moved + T_m_c.T.translation() - model.t;
-  const Eigen::Matrix3d K = -skew(moved);  // d delta / d phi; d delta / d t = I
   const Matrix6d& P = T_m_c.P;
+  // By Cauchy and Schwarz d^T S^-1 d >= (d^T d)^2 / d^T S d, which tells most pairs apart without S.
+  Vector6d J;
+  J << moved.cross(delta), delta;
+  const double variance = J.dot(P * J) + shapeVariance(scene, scene.R.transpose() * (R.transpose() * delta)) +
+                          shapeVariance(model, model.R.transpose() * delta);
+  const double bound = delta.squaredNorm() * delta.squaredNorm() / variance;
+  if (bound > gate) return bound;
+
+  const Eigen::Matrix3d K = -skew(moved);  // d delta / d phi; d delta / d t = I
   const Eigen::Matrix3d cross = K * P.topRightCorner<3, 3>();
   Eigen::Matrix3d S =
       K * P.topLeftCorner<3, 3>() * K.transpose() + cross + cross.transpose() + P.bottomRightCorner<3, 3>();
@@ -57,7 +70,7 @@ std::vector<SegmentPair> candidatePairs(const std::vector<Segment>& scene, const
     for (int k = 0; k < m; ++k) {
       const double distance = coplanarityDistance(scene[i], model[k], prior, params.coplanarity_gate);
       if (!(distance <= params.coplanarity_gate)) continue;
-      if (!(overlapDistance(scene[i], model[k], prior) <= params.overlap_gate)) continue;
+      if (!(overlapDistance(scene[i], model[k], prior, params.overlap_gate) <= params.overlap_gate)) continue;
       pairs.push_back({i, k, distance});
     }
   std::stable_sort(pairs.begin(), pairs.end(), [](const SegmentPair& a, const SegmentPair& b) {

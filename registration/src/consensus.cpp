@@ -166,7 +166,7 @@ double surfaceMatchingScore(const std::vector<Segment>& scene, const std::vector
     for (const Segment& Fp : model) {
       const double d2 = coplanarityDistance(F, Fp, T_m_c, matching.coplanarity_gate);
       if (!(d2 <= matching.coplanarity_gate)) continue;
-      if (!(overlapDistance(F, Fp, T_m_c) <= matching.overlap_gate)) continue;
+      if (!(overlapDistance(F, Fp, T_m_c, matching.overlap_gate) <= matching.overlap_gate)) continue;
       best = std::max(best, 100 * upperTail(d2) * std::min(F.num_points, Fp.num_points));
     }
     sum += best;

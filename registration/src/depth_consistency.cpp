@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/impl/lanes.h>
 #include <facetloc/registration/depth_consistency.h>
 
-#include <cmath>
+#include <algorithm>
+#include <array>
+#include <vector>
 
 namespace facetloc {
 namespace {
 
 // Bounded log likelihoods of METHOD_MEASURED 10.5, 11.4: a contradiction is as bad as ln 0.02, an occlusion
 // as ln 0.25.
-constexpr double kContradicting = -3.912;
-constexpr double kOccluded = -1.386;
-constexpr double kUnitError = 1.673;  // error at which an exact agreement counts 0 [absolute errors]
-constexpr double kNearest = 0.5;      // points nearer than this are outside the sensor's range [m]
+constexpr float kContradicting = -3.912f;
+constexpr float kOccluded = -1.386f;
+constexpr float kUnitError = 1.673f;  // error at which an exact agreement counts 0 [absolute errors]
+constexpr float kNearest = 0.5f;      // points nearer than this are outside the sensor's range [m]
+constexpr float kLn2 = 0.69314718f;
+constexpr float kQuantum = static_cast<float>(DepthPicture::kQuantum);
 
 }  // namespace
 
@@ -24,20 +29,15 @@ DepthAgreement DepthComparison::compare(const DepthPicture& a, const DepthPictur
   if (a.empty() || b.empty()) return sum;
   const DepthJudge judge(*this, a, b, T_b_a);
   const int step = gridStep(a, columns);
-  for (int v = step / 2; v < a.camera.height; v += step)
-    for (int u = step / 2; u < a.camera.width; u += step) switch (judge.judge(u, v, sum.likelihood)) {
-      case DepthVerdict::agree:
-        ++sum.agree;
-        break;
-      case DepthVerdict::contradict:
-        ++sum.contradict;
-        break;
-      case DepthVerdict::occluded:
-        ++sum.occluded;
-        break;
-      case DepthVerdict::outside:
-        break;
-      }
+  std::array<int, 4> count{};
+  DepthVerdicts verdicts;
+  for (int v = step / 2; v < a.camera.height; v += step) {
+    judge.row(v, step, verdicts, &sum.likelihood);
+    for (const DepthVerdict verdict : verdicts) ++count[static_cast<int>(verdict)];
+  }
+  sum.agree = count[static_cast<int>(DepthVerdict::agree)];
+  sum.contradict = count[static_cast<int>(DepthVerdict::contradict)];
+  sum.occluded = count[static_cast<int>(DepthVerdict::occluded)];
   return sum;
 }
 
@@ -48,46 +48,104 @@ DepthAgreement DepthComparison::compareBoth(const DepthPicture& a, const DepthPi
   return sum;
 }
 
-DepthJudge::DepthJudge(const DepthComparison& comparison, const DepthPicture& a, const DepthPicture& b,
-                       const Eigen::Isometry3d& T_b_a)
-    : comparison_(comparison), a_(a), b_(b), t_(T_b_a.translation()) {
-  const Eigen::Matrix3d R = T_b_a.linear();
-  across_ = R.col(0) / a.camera.fx;
-  down_ = R.col(1) / a.camera.fy;
-  origin_ = R.col(2) - a.camera.cx * across_ - a.camera.cy * down_;
+namespace {
+
+// Judges pixels u, u + step, ... of a row of picture a; the point of inverse depth rho on a ray b is
+// (R b + t rho) / rho, so that everything stays in inverse depth. Adds the likelihoods to a sum.
+FACETLOC_MULTIVERSION void judgePixels(const DepthJudge::Geometry& g, const std::uint16_t* row, int v, int u,
+                                       int step, int n, DepthVerdict* out, double* likelihood) {
+  const float row_x = g.down[0] * v + g.origin[0], row_y = g.down[1] * v + g.origin[1],
+              row_z = g.down[2] * v + g.origin[2];
+  Floats sum{};
+  for (int i = 0; i < n; i += kLanes) {
+    std::int32_t known[kLanes], smallest[kLanes], largest[kLanes], index[kLanes];
+    for (int k = 0; k < kLanes; ++k) known[k] = row[u + std::min(i + k, n - 1) * step];
+    Ints quanta, low, high;
+    std::memcpy(&quanta, known, sizeof quanta);
+    const Floats rho = __builtin_convertvector(quanta, Floats) * kQuantum;
+    const Floats column = static_cast<float>(u + i * step) + kLaneOffset * static_cast<float>(step);
+    const Floats px = g.across[0] * column + row_x + g.t[0] * rho;
+    const Floats py = g.across[1] * column + row_y + g.t[1] * rho;
+    const Floats pz = g.across[2] * column + row_z + g.t[2] * rho;
+    const Floats inverse = 1.f / pz;
+    const Floats x = g.fx * px * inverse + g.cx, y = g.fy * py * inverse + g.cy;
+    Ints inside = (kLane < n - i) & (rho >= g.farthest) & (pz > kNearest * rho) & (x >= 1.f) & (y >= 1.f) &
+                  (x < static_cast<float>(g.width - 1)) & (y < static_cast<float>(g.height - 1));
+    const Ints where = __builtin_convertvector((Floats)((Ints)y & inside), Ints) * g.width +
+                       __builtin_convertvector((Floats)((Ints)x & inside), Ints);
+    std::memcpy(index, &where, sizeof index);
+    for (int k = 0; k < kLanes; ++k) smallest[k] = g.lowest[index[k]], largest[k] = g.highest[index[k]];
+    std::memcpy(&low, smallest, sizeof low);
+    std::memcpy(&high, largest, sizeof high);
+    inside &= high != 0;
+
+    const Floats predicted = rho * inverse, none{};
+    const Floats below = predicted - __builtin_convertvector(low, Floats) * kQuantum;
+    const Floats above = predicted - __builtin_convertvector(high, Floats) * kQuantum;
+    const Floats difference = below < 0.f ? below : above > 0.f ? above : none;
+    const Floats error = g.absolute_error + g.relative_error * predicted;
+    const Ints contradicts = difference > g.gate * error, hides = difference < -g.gate * error;
+    constexpr Ints kAgree = Ints{} + int(DepthVerdict::agree),
+                   kContradict = Ints{} + int(DepthVerdict::contradict),
+                   kOcclude = Ints{} + int(DepthVerdict::occluded);
+    const Ints verdict = inside & (contradicts ? kContradict : hides ? kOcclude : kAgree);
+    const Chars codes = __builtin_convertvector(verdict, Chars);
+    std::memcpy(out + i, &codes, std::min(kLanes, n - i));
+    if (!likelihood) continue;
+
+    // The logarithm of x = 2^e (1 + f) with f in [-0.25, 0.5], to 1e-6: ln(1 + f) = 2 artanh(f / (2 + f)).
+    const Floats argument = error * (1 / (kUnitError * g.absolute_error));
+    const Ints exponent = (((Ints)argument + 0x00400000) >> 23) - 127;
+    const Floats f = (Floats)((Ints)argument - (exponent << 23)) - 1.f;
+    const Floats s = f / (2.f + f), s2 = s * s;
+    const Floats log_error = __builtin_convertvector(exponent, Floats) * kLn2 +
+                             2.f * s * (1.f + s2 * (1.f / 3 + s2 * (1.f / 5 + s2 * (1.f / 7))));
+    const Floats ratio = difference / error;
+    const Floats gaussian = -log_error - 0.5f * ratio * ratio, contradiction = none + kContradicting,
+                 occlusion = none + kOccluded;
+    const Floats agreement = gaussian > kContradicting ? gaussian : contradiction;
+    const Floats counts = contradicts ? contradiction : hides ? occlusion : agreement;
+    sum += inside ? counts : none;
+  }
+  if (likelihood)
+    for (int k = 0; k < kLanes; ++k) *likelihood += sum[k];
 }
 
-DepthVerdict DepthJudge::judge(int u, int v, double& likelihood) const {
-  const double rho =
-      DepthPicture::kQuantum * a_.inverse_depth[static_cast<std::size_t>(v) * a_.camera.width + u];
-  if (rho < comparison_.farthest()) return DepthVerdict::outside;
+}  // namespace
 
-  // The point of inverse depth rho on a ray b is (R b + t rho) / rho; everything stays in inverse depth.
-  const Eigen::Vector3d p = across_ * u + down_ * v + origin_ + t_ * rho;
-  if (!(p.z() > kNearest * rho)) return DepthVerdict::outside;
-  const double inverse = 1 / p.z();
-  const Intrinsics& c = b_.camera;
-  const double x = c.fx * p.x() * inverse + c.cx + 0.5, y = c.fy * p.y() * inverse + c.cy + 0.5;
-  if (!(x >= 1 && y >= 1 && x < c.width - 1 && y < c.height - 1)) return DepthVerdict::outside;
-  const std::size_t i = static_cast<std::size_t>(static_cast<int>(y) * c.width + static_cast<int>(x));
-  if (b_.highest[i] == 0) return DepthVerdict::outside;
+DepthJudge::DepthJudge(const DepthComparison& comparison, const DepthPicture& a, const DepthPicture& b,
+                       const Eigen::Isometry3d& T_b_a)
+    : a_(a) {
+  const Eigen::Matrix3d R = T_b_a.linear();
+  const Eigen::Vector3d across = R.col(0) / a.camera.fx, down = R.col(1) / a.camera.fy,
+                        origin = R.col(2) - a.camera.cx * across - a.camera.cy * down;
+  for (int i = 0; i < 3; ++i) {
+    g_.across[i] = static_cast<float>(across[i]), g_.down[i] = static_cast<float>(down[i]);
+    g_.origin[i] = static_cast<float>(origin[i]), g_.t[i] = static_cast<float>(T_b_a.translation()[i]);
+  }
+  // Pixel i covers [i, i + 1) after this shift.
+  g_.fx = static_cast<float>(b.camera.fx), g_.cx = static_cast<float>(b.camera.cx + 0.5);
+  g_.fy = static_cast<float>(b.camera.fy), g_.cy = static_cast<float>(b.camera.cy + 0.5);
+  g_.width = b.camera.width, g_.height = b.camera.height;
+  g_.lowest = b.lowest.data(), g_.highest = b.highest.data();
+  g_.farthest = static_cast<float>(comparison.farthest());
+  g_.absolute_error = static_cast<float>(comparison.absoluteError());
+  g_.relative_error = static_cast<float>(comparison.relativeError());
+  g_.gate = static_cast<float>(comparison.gate());
+}
 
-  const double predicted = rho * inverse;
-  const double low = DepthPicture::kQuantum * b_.lowest[i], high = DepthPicture::kQuantum * b_.highest[i];
-  const double difference = predicted < low ? predicted - low : predicted > high ? predicted - high : 0;
-  const double error = comparison_.error(predicted);
-  const double ratio = difference / error;
-  if (ratio > comparison_.gate()) {
-    likelihood += kContradicting;
-    return DepthVerdict::contradict;
-  }
-  if (ratio < -comparison_.gate()) {
-    likelihood += kOccluded;
-    return DepthVerdict::occluded;
-  }
-  const double gaussian = std::log(kUnitError * comparison_.absoluteError() / error) - 0.5 * ratio * ratio;
-  likelihood += std::max(kContradicting, gaussian);
-  return DepthVerdict::agree;
+void DepthJudge::row(int v, int step, DepthVerdicts& out, double* likelihood) const {
+  const int first = step / 2, width = a_.camera.width;
+  out.resize(width > first ? (width - first - 1) / step + 1 : 0);
+  judgePixels(g_, a_.inverse_depth.data() + static_cast<std::size_t>(v) * width, v, first, step,
+              static_cast<int>(out.size()), out.data(), likelihood);
+}
+
+DepthVerdict DepthJudge::operator()(int u, int v) const {
+  DepthVerdict verdict;
+  judgePixels(g_, a_.inverse_depth.data() + static_cast<std::size_t>(v) * a_.camera.width, v, u, 1, 1,
+              &verdict, nullptr);
+  return verdict;
 }
 
 }  // namespace facetloc

@@ -2,11 +2,23 @@
 #include <facetloc/registration/cholesky3.h>
 #include <facetloc/registration/ekf_pose_update.h>
 
+#include <cmath>
+
 namespace facetloc {
 namespace {
 
-constexpr double kConvergedRotation = 1e-5;     // [rad]
-constexpr double kConvergedTranslation = 1e-5;  // [m]
+// A step of so much leaves an error of some 3e-5, a fiftieth of the least uncertainty of a plane's slope and
+// offset.
+constexpr double kConvergedRotation = 1e-4;     // [rad]
+constexpr double kConvergedTranslation = 1e-4;  // [m]
+
+// Steps shrink by about the same factor from one to the next. False if they cannot become small enough in the
+// iterations that are left, going by the length of the last one and of the second before it.
+bool mayConverge(double length, double length_before, int iterations_left) {
+  if (!(length < length_before)) return false;
+  const double of_two = length / length_before;
+  return length * std::pow(of_two, 0.5 * iterations_left) < kConvergedTranslation;
+}
 
 // One linearisation of h about the displacement e from the prior mean.
 struct Linearization {
@@ -37,13 +49,18 @@ EkfUpdate ekfPoseUpdate(const Segment& scene, const Segment& model, const PoseWi
   Vector6d e = Vector6d::Zero(), step = Vector6d::Zero();
   Linearization lin;
   bool converged = false;
+  constexpr int kSettled = 8;  // iterations after which the pace is known
+  double length[2] = {0, 0};   // of the last two steps [rad + m]
   for (int i = 0; i < params.iterations && !converged; ++i) {
     e += step;
     if (!lin.at(scene, model, prior, e, params.min_cosine)) return out;
     step = lin.PHt * lin.v - e;  // Eq. (8.1) of METHOD
     // The paper's EKF, one iteration, takes its only step on trust.
-    converged = params.iterations == 1 ||
-                (step.head<3>().norm() < kConvergedRotation && step.tail<3>().norm() < kConvergedTranslation);
+    const double turn = step.head<3>().norm(), shift = step.tail<3>().norm();
+    converged = params.iterations == 1 || (turn < kConvergedRotation && shift < kConvergedTranslation);
+    if (!converged && i >= kSettled && !mayConverge(turn + shift, length[i % 2], params.iterations - 1 - i))
+      return out;
+    length[i % 2] = turn + shift;
   }
   Cholesky3 noise;
   if (!converged || !noise.compute(lin.m.W)) return out;

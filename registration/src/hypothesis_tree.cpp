@@ -141,7 +141,8 @@ private:
     constexpr double kHopeless =
         40;  // before the update: no iteration saves such a pair (METHOD_MEASURED 8.3)
     const Segment &F = scene_[pair.scene], &Fp = model_[pair.model];
-    return offsetDistance(F, Fp, pose) <= kHopeless && overlapDistance(F, Fp, pose) <= matching_.overlap_gate;
+    return offsetDistance(F, Fp, pose) <= kHopeless &&
+           overlapDistance(F, Fp, pose, matching_.overlap_gate) <= matching_.overlap_gate;
   }
 
   void expand(int id) {

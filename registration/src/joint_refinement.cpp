@@ -23,7 +23,8 @@ std::vector<SegmentPair> collectPairs(const std::vector<Segment>& scene, const s
     SegmentPair best{static_cast<int>(i), -1, matching.coplanarity_gate};
     for (std::size_t k = 0; k < model.size(); ++k) {
       const double distance = coplanarityDistance(scene[i], model[k], pose, best.distance, kMinCosine);
-      if (distance >= best.distance || !(overlapDistance(scene[i], model[k], pose) <= matching.overlap_gate))
+      if (distance >= best.distance ||
+          !(overlapDistance(scene[i], model[k], pose, matching.overlap_gate) <= matching.overlap_gate))
         continue;
       best.model = static_cast<int>(k);
       best.distance = distance;

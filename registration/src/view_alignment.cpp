@@ -47,18 +47,20 @@ DepthAgreement compareWithAll(const DepthPicture& scene, const Eigen::Isometry3d
   for (const PosedPicture& other : others)
     judges.emplace_back(comparison, scene, *other.picture, other.T_w_c.inverse() * T_w_c);
   const int step = gridStep(scene, columns);
-  for (int v = step / 2; v < scene.camera.height; v += step)
-    for (int u = step / 2; u < scene.camera.width; u += step) {
+  std::vector<DepthVerdicts> verdicts(judges.size());  // of each picture on a row
+  for (int v = step / 2; v < scene.camera.height; v += step) {
+    for (std::size_t k = 0; k < judges.size(); ++k) judges[k].row(v, step, verdicts[k]);
+    for (std::size_t i = 0; !verdicts.empty() && i < verdicts.front().size(); ++i) {
       int agree = 0, contradict = 0, judged = 0;
-      for (const DepthJudge& judge : judges) {
-        const DepthVerdict verdict = judge(u, v);
-        judged += verdict != DepthVerdict::outside;
-        agree += verdict == DepthVerdict::agree;
-        contradict += verdict == DepthVerdict::contradict;
+      for (const DepthVerdicts& of_picture : verdicts) {
+        judged += of_picture[i] != DepthVerdict::outside;
+        agree += of_picture[i] == DepthVerdict::agree;
+        contradict += of_picture[i] == DepthVerdict::contradict;
       }
       if (judged == 0) continue;
       ++(contradict > agree ? sum.contradict : agree > 0 ? sum.agree : sum.occluded);
     }
+  }
   return sum;
 }
 

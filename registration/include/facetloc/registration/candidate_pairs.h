@@ -40,8 +40,10 @@ double coplanarityDistance(const Segment& scene, const Segment& model, const Pos
                            double gate = std::numeric_limits<double>::infinity(), double min_cosine = 0);
 
 /** \brief Overlap criterion (METHOD 9.2): squared Mahalanobis distance of the centroids under shapes and
- * pose; the shape of each counts as its 50 % ellipse, the pose at full uncertainty. */
-double overlapDistance(const Segment& scene, const Segment& model, const PoseWithCovariance& T_m_c);
+ * pose; the shape of each counts as its 50 % ellipse, the pose at full uncertainty. Beyond the gate it may be
+ * a lower bound of it. */
+double overlapDistance(const Segment& scene, const Segment& model, const PoseWithCovariance& T_m_c,
+                       double gate = std::numeric_limits<double>::infinity());
 
 /** \brief All candidate pairs under a pose prior, the most promising first: by the sum of the ranks of both
  * segments (METHOD 10.2), ties by scene, then model index. Only the first max_segments segments of each list

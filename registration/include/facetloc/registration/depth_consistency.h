@@ -7,6 +7,8 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <cstdint>
+#include <vector>
 
 namespace facetloc {
 
@@ -45,6 +47,7 @@ struct DepthAgreement {
 };
 
 enum class DepthVerdict : signed char { outside, agree, contradict, occluded };
+using DepthVerdicts = std::vector<DepthVerdict>;
 
 /** \brief Compares pictures; noise_std is the sensor's noise of inverse depth [1/m]. */
 class DepthComparison {
@@ -65,6 +68,7 @@ public:
 
   double gate() const { return params_.gate; }
   double absoluteError() const { return absolute_error_; }
+  double relativeError() const { return params_.relative_error; }
   double farthest() const { return 1 / params_.max_depth; }  ///< smallest inverse depth compared [1/m]
 
 private:
@@ -78,19 +82,23 @@ public:
   DepthJudge(const DepthComparison& comparison, const DepthPicture& a, const DepthPicture& b,
              const Eigen::Isometry3d& T_b_a);
 
-  DepthVerdict operator()(int u, int v) const {
-    double likelihood = 0;
-    return judge(u, v, likelihood);
-  }
-  /** \brief The same; adds the bounded log likelihood of the pixel's error [nats]. */
-  DepthVerdict judge(int u, int v, double& likelihood) const;
+  DepthVerdict operator()(int u, int v) const;
+  /** \brief Of the pixels step / 2, step / 2 + step, ... of row v. Adds to likelihood, if given, the bounded
+   * log likelihoods of their errors [nats]. */
+  void row(int v, int step, DepthVerdicts& out, double* likelihood = nullptr) const;
+
+  /** \brief Where the pixels of a appear in b, in numbers: R ray(u, v) = across u + down v + origin. */
+  struct Geometry {
+    float across[3], down[3], origin[3], t[3];
+    float fx, fy, cx, cy;  // of b, moved by half a pixel
+    int width, height;
+    const std::uint16_t *lowest, *highest;
+    float farthest, absolute_error, relative_error, gate;
+  };
 
 private:
-  const DepthComparison& comparison_;
   const DepthPicture& a_;
-  const DepthPicture& b_;
-  const Eigen::Vector3d t_;
-  Eigen::Vector3d across_, down_, origin_;  // R ray(u, v) = across u + down v + origin
+  Geometry g_;
 };
 
 constexpr int kFineColumns = 40;    ///< an 8 px grid at 320x240

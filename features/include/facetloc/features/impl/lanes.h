@@ -19,6 +19,7 @@ constexpr int kLanes = 8, kDoubleLanes = 4;
 typedef float Floats __attribute__((vector_size(4 * kLanes)));
 typedef std::int32_t Ints __attribute__((vector_size(4 * kLanes)));
 typedef std::int16_t Shorts __attribute__((vector_size(2 * kLanes)));
+typedef signed char Chars __attribute__((vector_size(kLanes)));
 typedef float FloatQuad __attribute__((vector_size(4 * kDoubleLanes)));
 typedef std::int32_t IntQuad __attribute__((vector_size(4 * kDoubleLanes)));
 typedef double Doubles __attribute__((vector_size(8 * kDoubleLanes)));
