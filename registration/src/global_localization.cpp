@@ -15,12 +15,27 @@ GlobalLocalization::GlobalLocalization(std::shared_ptr<const Map> map, const Glo
       registration_(params.registration, noise),
       inverse_depth_std_(noise.inverse_depth_std) {
   prior_.P = posePrior(map_->mounting, params.prior);
+  const PlaceIndexParams& index = params.index;
+  if (index.shortlist > 0 && map_->mounting &&
+      map_->models.size() > static_cast<std::size_t>(index.exhaustive_up_to) &&
+      map_->models.size() > static_cast<std::size_t>(index.shortlist))
+    index_ = std::make_shared<PlaceIndex>(*map_, index, params.prior);
 }
 
 Localization GlobalLocalization::localize(const View& scene, const PoseWithCovariance& prior) const {
-  std::vector<int> all(map_->models.size());
-  std::iota(all.begin(), all.end(), 0);
-  return rank(scene, registerWith(all, scene, prior));
+  return rank(scene, registerWith(candidates(scene), scene, prior));
+}
+
+std::vector<int> GlobalLocalization::candidates(const View& scene) const {
+  std::vector<int> models;
+  if (index_) {
+    models = index_->shortlist(scene, params_.index.shortlist);
+    std::sort(models.begin(), models.end());  // as if the others had given no hypothesis
+  } else {
+    models.resize(map_->models.size());
+    std::iota(models.begin(), models.end(), 0);
+  }
+  return models;
 }
 
 std::vector<Hypothesis> GlobalLocalization::registerWith(const std::vector<int>& models, const View& scene,

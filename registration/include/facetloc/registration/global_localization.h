@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/registration/place_index.h>
 #include <facetloc/registration/place_ranking.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/registration/view_registration.h>
@@ -13,17 +14,22 @@ struct GlobalLocalizationParams {
   PosePriorParams prior;
   ViewRegistrationParams registration;
   PlaceRankingParams ranking;
+  PlaceIndexParams index;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& field) {
     PosePriorParams::describe(p.prior, field);
     ViewRegistrationParams::describe(p.registration, field);
     PlaceRankingParams::describe(p.ranking, field);
+    PlaceIndexParams::describe(p.index, field);
   }
   void validate() const { checkRanges(*this); }
 };
 
 /** \brief Finds a view in a map: registers it with every local model and returns one ranked list of places.
+ *
+ * In a large map with a known camera mounting it registers with the models on a shortlist only (PlaceIndex).
+ * The index is made with the object.
  *
  *     facetloc::GlobalLocalization localization(map);           // shared, never changed
  *     facetloc::Localization answer = localization.localize(view);
@@ -44,8 +50,11 @@ public:
   /** \brief The same with another prior of the pose relative to each local model. */
   Localization localize(const View& scene, const PoseWithCovariance& prior) const;
 
-  /** \name The two halves of localize(), for who deals out the local models */
+  /** \name The parts of localize(), for who deals out the local models */
   //@{
+  /** \brief The local models that localize() registers a view with, by increasing index: the shortlist, or
+   * all of a small map. */
+  std::vector<int> candidates(const View& scene) const;
   /** \brief Registers the view with some local models of the map. \return their hypotheses, in the order of
    * the models given, unranked. */
   std::vector<Hypothesis> registerWith(const std::vector<int>& models, const View& scene,
@@ -62,6 +71,7 @@ private:
   ViewRegistration registration_;
   double inverse_depth_std_;
   PoseWithCovariance prior_;
+  std::shared_ptr<const PlaceIndex> index_;  ///< of a large map
   int threads_ = 1;
 };
 

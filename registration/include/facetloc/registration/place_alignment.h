@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/registration/place_signature.h>
+
+#include <limits>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief How one place may be laid over another: a turn about the vertical, then a move on the floor. */
+struct PlaceAlignment {
+  float score = std::numeric_limits<float>::lowest();  ///< lowest if nothing can be laid over anything
+  float heading = 0;                                   ///< of the scene's upright frame in the model's [rad]
+  float x = 0, y = 0;                                  ///< of its origin [m]
+};
+
+/** \brief A quick look whether two views may show the same place: about a hundredth of the work of a
+ * registration, and not as good.
+ *
+ * Pairs of walls vote for a heading, then for a position: a pair leaves a line of positions, as long as both
+ * walls overlap there, and ends of walls that fit leave a point. The best positions are made exact by least
+ * squares and compared in depth, each view's coarse picture in the other's. Keeps its buffers; one per
+ * thread. The same signatures give the same answer. */
+class PlaceAligner {
+public:
+  PlaceAlignment align(const PlaceSignature& scene, const PlaceSignature& model);
+
+private:
+  /** Two walls that may be one. */
+  struct Pair {
+    float turn;            ///< heading of the model's wall less that of the scene's [rad]
+    float move;            ///< offset of the model's wall less that of the scene's [m]
+    float slide0, slide1;  ///< moves along the model's wall with which the two overlap [m]
+    float weight;
+    const Wall* scene;
+    const Wall* model;
+  };
+  struct Pose {
+    float turn, x, y, support;
+  };
+
+  void findPairs(const std::vector<Wall>& scene, const std::vector<Wall>& model);
+  void findTurns();
+  void findPositions(float turn);
+  void refine(Pose& pose) const;
+
+  std::vector<Pair> pairs_;
+  std::vector<const Pair*> turned_;
+  std::vector<float> turns_, grid_;
+  std::vector<Pose> poses_;
+};
+
+}  // namespace facetloc

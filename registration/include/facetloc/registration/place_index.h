@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/params.h>
+#include <facetloc/registration/place_signature.h>
+
+#include <memory>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief When the search of a map is cut short, and how. */
+struct PlaceIndexParams {
+  int shortlist = 150;         ///< local models that are registered with in a large map; 0 = always all
+  int exhaustive_up_to = 500;  ///< local models of a map that is small
+  int aligned_models = 2000;   ///< local models with the most votes that are aligned
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& field) {
+    field("shortlist", p.shortlist, 0, 100000000,
+          "Number of local models of a large map that a view is registered with; 0 = always all.");
+    field("exhaustive_up_to", p.exhaustive_up_to, 0, 100000000,
+          "A map of so many local models is small: the view is registered with all of them.");
+    field("shortlist_aligned", p.aligned_models, 1, 100000000,
+          "Number of local models with the most votes from which the shortlist is chosen.");
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** \brief Tells which local models of a large map may show the place of a view.
+ *
+ *     facetloc::PlaceIndex index(map);
+ *     for (const int model : index.shortlist(view, 150)) ...
+ *
+ * Every wall, pair of parallel walls, upper or lower edge of a wall and level surface of a model is a
+ * descriptor in a FLANN tree, in units of how much it may differ between two views of a place: a standard
+ * deviation of the pose for where it is, of its error for what the motion does not change. A view's
+ * descriptors vote for the models that have alike ones, by nearness and rarity, and only those agreeing on
+ * one heading add up. The models with the most votes are aligned with the view (PlaceAligner) and come out in
+ * the order of that.
+ *
+ * Needs a map whose camera mounting is known. Never changes; all functions are thread-safe. The same map
+ * gives the same answers. */
+class PlaceIndex {
+public:
+  /** \brief Throws std::invalid_argument if the map tells no camera mounting. */
+  explicit PlaceIndex(const Map& map, const PlaceIndexParams& params = {}, const PosePriorParams& prior = {});
+  PlaceIndex(PlaceIndex&&) noexcept;
+  PlaceIndex& operator=(PlaceIndex&&) noexcept;
+  ~PlaceIndex();
+
+  /** \brief The at most n models most like the view, the likeliest first; ties by index. Empty for a view
+   * without a wall and without a level surface. */
+  std::vector<int> shortlist(const View& view, int n) const;
+  std::size_t models() const;
+  std::size_t descriptors() const;
+  std::size_t bytes() const;  ///< of memory, about
+
+private:
+  struct Impl;
+  std::unique_ptr<const Impl> impl_;
+};
+
+}  // namespace facetloc

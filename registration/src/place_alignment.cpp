@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/so3.h>
+#include <facetloc/registration/place_alignment.h>
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace facetloc {
+namespace {
+
+constexpr float kTwoPi = static_cast<float>(360 * kDegree);
+constexpr float kDegreeF = static_cast<float>(kDegree);
+constexpr float kLargestTurn = 60;  // three standard deviations of the prior [deg]
+constexpr float kTurnStep = 2;      // [deg]
+constexpr int kTurnBins = static_cast<int>(2 * kLargestTurn / kTurnStep) + 1;
+constexpr int kTurns = 2;                  // headings that are tried
+constexpr int kTurnGap = 3;                // bins between them
+constexpr float kTurnStd = 30 * kDegreeF;  // wide, for the prior is wide
+constexpr float kParallel = 3 * kDegreeF;
+constexpr float kReach = 2.8f;  // largest move in each axis [m]
+constexpr float kCell = 0.2f;   // of the grid of positions [m]
+constexpr int kCells = static_cast<int>(2 * kReach / kCell) + 1;
+constexpr int kStride = kCells + 2;      // with a border
+constexpr int kPositions = 3;            // for each heading
+constexpr int kCompared = 3;             // poses that are compared in depth
+constexpr float kEnd = 1, kEdge = 0.5f;  // worth of a matching end, upper or lower edge, in walls
+constexpr float kEndError = 0.1f, kEdgeError = 0.06f;  // [m]
+constexpr float kWallStd = 0.05f;                      // [m]
+
+float wrapped(float angle) { return angle - kTwoPi * std::round(angle / kTwoPi); }
+
+float edgeBonus(const Wall& a, const Wall& b) {
+  float bonus = 0;
+  if (a.bottom_end && b.bottom_end && std::abs(a.bottom - b.bottom) < kEdgeError) bonus += kEdge;
+  if (a.top_end && b.top_end && std::abs(a.top - b.top) < kEdgeError) bonus += kEdge;
+  return bonus;
+}
+
+struct Comparison {
+  int agree = 0, in_front = 0, behind = 0;
+};
+
+// Points seen from elsewhere against a picture: x_c = R x + t.
+Comparison compare(const std::vector<Eigen::Vector3f>& points, const Eigen::Matrix3f& R,
+                   const Eigen::Vector3f& t, const CoarseDepth& picture) {
+  constexpr float kAbsolute = 0.04f, kRelative = 0.02f, kNearest = 0.3f;  // [m], 1, [m]
+  Comparison found;
+  const Intrinsics& c = picture.camera;
+  const auto fx = static_cast<float>(c.fx), fy = static_cast<float>(c.fy),
+             cx = static_cast<float>(c.cx) + 0.5f, cy = static_cast<float>(c.cy) + 0.5f;
+  const auto width = static_cast<float>(c.width), height = static_cast<float>(c.height);
+  for (const Eigen::Vector3f& x : points) {
+    const Eigen::Vector3f p = R * x + t;
+    if (p.z() < kNearest) continue;
+    const float scale = 1 / p.z(), u = p.x() * scale * fx + cx, v = p.y() * scale * fy + cy;
+    if (!(u >= 0 && v >= 0 && u < width && v < height)) continue;
+    const float z =
+        0.001f * picture.depth[static_cast<std::size_t>(v) * c.width + static_cast<std::size_t>(u)];
+    if (z <= 0) continue;
+    const float tolerance = kAbsolute + kRelative * z, d = p.z() - z;
+    if (d < -tolerance)
+      ++found.in_front;
+    else if (d > tolerance)
+      ++found.behind;
+    else
+      ++found.agree;
+  }
+  return found;
+}
+
+// Saturates: what has moved, or who passes by, costs the more the less of it there is.
+float worth(const Comparison& found, std::size_t points) {
+  constexpr float kFewPoints = 10, kFewJudged = 20, kUnknown = 2;  // a pose that nothing tests is in doubt
+  constexpr float kBehind = 0.6f, kUsualShare = 0.05f, kWeight = 0.2f;
+  const float judged = static_cast<float>(found.agree + found.in_front + found.behind);
+  const float against = static_cast<float>(found.in_front) + kBehind * static_cast<float>(found.behind);
+  return std::sqrt(static_cast<float>(found.agree) / (static_cast<float>(points) + kFewPoints)) -
+         kWeight * std::log1p((against + kUnknown) / (judged + kFewJudged) / kUsualShare);
+}
+
+}  // namespace
+
+void PlaceAligner::findPairs(const std::vector<Wall>& scene, const std::vector<Wall>& model) {
+  constexpr float kGap = 0.05f;  // between the heights of two parts of one wall [m]
+  pairs_.clear();
+  for (const Wall& a : scene)
+    for (const Wall& b : model) {
+      Pair p{wrapped(b.heading - a.heading), b.offset - a.offset, 0, 0, 0, &a, &b};
+      if (std::abs(p.turn) > kLargestTurn * kDegreeF || std::abs(p.move) > kReach) continue;
+      if (std::max(a.bottom - b.top, b.bottom - a.top) > kGap) continue;
+      p.slide0 = std::max(-kReach, b.right - a.left);
+      p.slide1 = std::min(kReach, b.left - a.right);
+      p.weight = std::min(a.weight, b.weight);
+      if (p.slide0 <= p.slide1) pairs_.push_back(p);
+    }
+}
+
+void PlaceAligner::findTurns() {
+  float votes[kTurnBins + 2] = {};  // with a border
+  for (const Pair& p : pairs_) {
+    const float at = (p.turn / kDegreeF + kLargestTurn) / kTurnStep + 1;
+    const int bin = static_cast<int>(at);
+    const float rest = at - static_cast<float>(bin);
+    votes[bin] += p.weight * (1 - rest);
+    votes[bin + 1] += p.weight * rest;
+  }
+  float smooth[kTurnBins];
+  for (int b = 0; b < kTurnBins; ++b) {
+    const float turn = (kTurnStep * static_cast<float>(b) - kLargestTurn) * kDegreeF / kTurnStd;
+    smooth[b] = (votes[b + 1] + 0.5f * (votes[b] + votes[b + 2])) * std::exp(-0.5f * turn * turn);
+  }
+  turns_.clear();
+  for (int k = 0; k < kTurns; ++k) {
+    const int best = static_cast<int>(std::max_element(smooth, smooth + kTurnBins) - smooth);
+    if (smooth[best] <= 0) return;
+    const float sum = votes[best] + votes[best + 1] + votes[best + 2];
+    const float centre = static_cast<float>(best) + (votes[best + 2] - votes[best]) / sum;
+    turns_.push_back((centre * kTurnStep - kLargestTurn) * kDegreeF);
+    std::fill(smooth + std::max(0, best - kTurnGap), smooth + std::min(kTurnBins, best + kTurnGap + 1), 0.f);
+  }
+}
+
+void PlaceAligner::findPositions(float turn) {
+  grid_.assign(static_cast<std::size_t>(kStride) * kStride, 0);
+  turned_.clear();
+  const auto vote = [this](const Pair& p, float slide, float weight) {
+    const float x = (p.move * p.model->cosine - slide * p.model->sine + kReach) / kCell,
+                y = (p.move * p.model->sine + slide * p.model->cosine + kReach) / kCell;
+    if (!(x >= 0 && y >= 0 && x < kCells - 1 && y < kCells - 1)) return;
+    const int column = static_cast<int>(x), row = static_cast<int>(y);
+    const float right = x - static_cast<float>(column), up = y - static_cast<float>(row);
+    float* cell = &grid_[static_cast<std::size_t>(row + 1) * kStride + column + 1];
+    cell[0] += weight * (1 - right) * (1 - up);
+    cell[1] += weight * right * (1 - up);
+    cell[kStride] += weight * (1 - right) * up;
+    cell[kStride + 1] += weight * right * up;
+  };
+  for (const Pair& p : pairs_) {
+    if (std::abs(p.turn - turn) > kParallel) continue;
+    turned_.push_back(&p);
+    const float weight = p.weight * (1 + edgeBonus(*p.scene, *p.model));
+    for (float slide = p.slide0; slide <= p.slide1; slide += kCell) vote(p, slide, weight);
+    if (p.scene->right_end && p.model->right_end) vote(p, p.model->right - p.scene->right, kEnd * p.weight);
+    if (p.scene->left_end && p.model->left_end) vote(p, p.model->left - p.scene->left, kEnd * p.weight);
+  }
+  for (int k = 0; k < kPositions; ++k) {
+    const auto best = static_cast<int>(std::max_element(grid_.begin(), grid_.end()) - grid_.begin());
+    if (grid_[best] <= 0) return;
+    float sum = 0, x = 0, y = 0;
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) {
+        const int i = best + dy * kStride + dx;
+        if (i < 0 || i >= kStride * kStride) continue;
+        const float votes = std::max(0.f, grid_[i]);
+        sum += votes;
+        x += votes * static_cast<float>(dx);
+        y += votes * static_cast<float>(dy);
+        grid_[i] = 0;
+      }
+    const float column = static_cast<float>(best % kStride - 1), row = static_cast<float>(best / kStride - 1);
+    poses_.push_back({turn, (column + x / sum) * kCell - kReach, (row + y / sum) * kCell - kReach, 0});
+  }
+}
+
+void PlaceAligner::refine(Pose& pose) const {
+  constexpr float kGates[] = {0.25f, 0.12f};  // [m]
+  constexpr float kInformation = 400;         // of a wall of weight 1: 1 / kWallStd^2 [1/m^2]
+  constexpr float kPositionInformation = 4;   // of the position found, along what no wall fixes [1/m^2]
+  const auto overlap = [&](const Pair& p) {
+    const float slide = pose.y * p.model->cosine - pose.x * p.model->sine;
+    return slide >= p.slide0 && slide <= p.slide1;
+  };
+  const auto residual = [&](const Pair& p) {
+    return p.move - p.model->cosine * pose.x - p.model->sine * pose.y;
+  };
+  for (const float gate : kGates) {
+    Eigen::Matrix2f A = kPositionInformation * Eigen::Matrix2f::Identity();
+    Eigen::Vector2f b = kPositionInformation * Eigen::Vector2f(pose.x, pose.y);
+    float turn = 0, sum = 0;
+    for (const Pair* p : turned_) {
+      if (std::abs(residual(*p)) > gate || !overlap(*p)) continue;
+      const Eigen::Vector2f n(p->model->cosine, p->model->sine);
+      const float w = p->weight * p->weight;
+      A += kInformation * w * n * n.transpose();
+      b += kInformation * w * p->move * n;
+      turn += w * p->turn;
+      sum += w;
+    }
+    if (sum <= 0) break;
+    const Eigen::Vector2f t = A.inverse() * b;
+    pose = {turn / sum, t.x(), t.y(), 0};
+  }
+  float support = 0;
+  for (const Pair* p : turned_) {
+    const float r = residual(*p) / kWallStd;
+    if (r * r > 9 || !overlap(*p)) continue;
+    const float slide = pose.y * p->model->cosine - pose.x * p->model->sine;
+    float walls = 1 + edgeBonus(*p->scene, *p->model);
+    if (p->scene->right_end && p->model->right_end &&
+        std::abs(p->model->right - p->scene->right - slide) < kEndError)
+      walls += kEnd;
+    if (p->scene->left_end && p->model->left_end &&
+        std::abs(p->model->left - p->scene->left - slide) < kEndError)
+      walls += kEnd;
+    support += p->weight * walls * std::exp(-0.5f * r * r);
+  }
+  pose.support = support;
+}
+
+PlaceAlignment PlaceAligner::align(const PlaceSignature& scene, const PlaceSignature& model) {
+  constexpr float kSupport = 0.4f;                          // worth of the walls, by their square root
+  constexpr float kTurnPrior = 0.01f, kMovePrior = 0.005f;  // [1], [1/m^2]
+  findPairs(scene.walls, model.walls);
+  findTurns();
+  poses_.clear();
+  for (const float turn : turns_) {
+    const std::size_t first = poses_.size();
+    findPositions(turn);
+    for (std::size_t i = first; i < poses_.size(); ++i) refine(poses_[i]);
+  }
+  std::stable_sort(poses_.begin(), poses_.end(),
+                   [](const Pose& a, const Pose& b) { return a.support > b.support; });
+  if (poses_.size() > kCompared) poses_.resize(kCompared);
+
+  PlaceAlignment best;
+  for (const Pose& p : poses_) {
+    const Eigen::Matrix3f turn = Eigen::AngleAxisf(p.turn, Eigen::Vector3f::UnitZ()).toRotationMatrix();
+    const Eigen::Vector3f move(p.x, p.y, scene.height - model.height);
+    const Eigen::Matrix3f to_model = model.R_u_c.transpose(), to_scene = (turn * scene.R_u_c).transpose();
+    const float score =
+        worth(compare(scene.points, to_model * turn, to_model * move, model.picture), scene.points.size()) +
+        worth(compare(model.points, to_scene, -(to_scene * move), scene.picture), model.points.size()) +
+        kSupport * std::sqrt(p.support) - kTurnPrior * p.turn * p.turn / (kTurnStd * kTurnStd) -
+        kMovePrior * (p.x * p.x + p.y * p.y);
+    if (score > best.score) best = {score, p.turn, p.x, p.y};
+  }
+  return best;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/place_signature.h>
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace facetloc {
+namespace {
+
+constexpr double kPlaneStd = 0.3 * kDegree;  // of how horizontal or vertical things are built
+constexpr double kFirstGate = 7 * kDegree, kGate = 3 * kDegree;  // 3 std of pitch and roll, then of planes
+constexpr double kOblique = 6 * kDegree;  // a plane farther from vertical and horizontal is neither
+constexpr double kFloorHeight = 0.05;     // a level surface within this is the floor [m]
+constexpr double kFloorPixels = 0.12;     // what lies lower may be floor: everybody sees that [m]
+constexpr double kMargin = 7;             // [px] of the working image: nearer to its border a hull is cut off
+constexpr int kPictureStep = 4, kPointStep = 2;  // pixels of the depth picture, of the coarse picture
+constexpr double kMostMillimetres = 65535, kFarthestPoint = 7;  // [m]
+
+bool isSound(const Segment& s) { return s.R.allFinite() && s.t.allFinite() && s.Sigma_q.allFinite(); }
+
+/** Camera axes in the upright frame: small turns about x and y that make the planes vertical or level. */
+Eigen::Matrix3d upright(const std::vector<Segment>& segments, const Eigen::Matrix3d& R_nominal,
+                        const PosePriorParams& prior) {
+  // Roll and pitch in the prior's sense; the same that the floor does to any pose.
+  const Eigen::Matrix2d information = floorCovariance(prior).topLeftCorner<2, 2>().inverse();
+  Eigen::Matrix3d R = R_nominal;
+  constexpr int kIterations = 3;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const double gate = iteration == 0 ? kFirstGate : kGate;
+    const Eigen::Vector2d turned = logSO3(R * R_nominal.transpose()).head<2>();
+    Eigen::Matrix2d A = information;
+    Eigen::Vector2d b = -information * turned;
+    for (const Segment& s : segments) {
+      const Eigen::Vector3d n = R * s.normal();
+      const double w = 1 / (s.Sigma_q(0, 0) + s.Sigma_q(1, 1) + kPlaneStd * kPlaneStd);
+      // n + omega x n has no horizontal part, or no vertical one.
+      if (std::abs(n.z()) > std::cos(gate)) {
+        A += w * n.z() * n.z() * Eigen::Matrix2d::Identity();
+        b += w * n.z() * Eigen::Vector2d(n.y(), -n.x());
+      } else if (std::abs(n.z()) < std::sin(gate)) {
+        const Eigen::Vector2d J(n.y(), -n.x());
+        A += w * J * J.transpose();
+        b -= w * n.z() * J;
+      }
+    }
+    const Eigen::Vector2d step = A.inverse() * b;
+    R = expSO3({step.x(), step.y(), 0}) * R;
+  }
+  return R;
+}
+
+/** Height of the camera by the floor, if one is where it should be. */
+double heightAboveFloor(const std::vector<Segment>& segments, const Eigen::Matrix3d& R, double nominal) {
+  double height = nominal, least = kFloorHeight;
+  for (const Segment& s : segments) {
+    if (!isSound(s) || (R * s.normal()).z() > -std::cos(kGate)) continue;
+    const double z = -(R * s.t).z();
+    if (std::abs(z - nominal) >= least) continue;
+    least = std::abs(z - nominal);
+    height = z;
+  }
+  return height;
+}
+
+Wall wallOf(const Segment& s, const Eigen::Matrix3d& R, double height, const Intrinsics& camera) {
+  const Eigen::Vector3d n = R * s.normal();
+  const Eigen::Vector2d normal = n.head<2>().normalized(), along(-normal.y(), normal.x());
+  Wall w;
+  w.heading = static_cast<float>(std::atan2(normal.y(), normal.x()));
+  w.cosine = static_cast<float>(normal.x());
+  w.sine = static_cast<float>(normal.y());
+  w.offset = static_cast<float>(normal.dot((R * s.t).head<2>()));
+  w.weight = static_cast<float>(std::sqrt(std::sqrt(s.area())));
+  w.right = w.bottom = std::numeric_limits<float>::max();
+  w.left = w.top = std::numeric_limits<float>::lowest();
+  for (const Eigen::Vector2f& vertex : s.hull) {
+    const Eigen::Vector3d in_camera = s.R.leftCols<2>() * vertex.cast<double>() + s.t, p = R * in_camera;
+    const Eigen::Vector2d pixel = camera.project(in_camera);
+    const bool inside = in_camera.z() > 0 && pixel.x() >= kMargin && pixel.y() >= kMargin &&
+                        pixel.x() < camera.width - 1 - kMargin && pixel.y() < camera.height - 1 - kMargin;
+    const auto a = static_cast<float>(along.dot(p.head<2>())), z = static_cast<float>(p.z() + height);
+    if (a < w.right) w.right = a, w.right_end = inside;
+    if (a > w.left) w.left = a, w.left_end = inside;
+    if (z < w.bottom) w.bottom = z, w.bottom_end = inside;
+    if (z > w.top) w.top = z, w.top_end = inside;
+  }
+  return w;
+}
+
+CoarseDepth coarseDepth(const DepthPicture& picture) {
+  CoarseDepth coarse;
+  const Intrinsics& c = picture.camera;
+  if (picture.empty() || c.width < kPictureStep || c.height < kPictureStep) return coarse;
+  constexpr int kFirst = kPictureStep / 2;
+  coarse.camera = {c.width / kPictureStep, c.height / kPictureStep,        c.fx / kPictureStep,
+                   c.fy / kPictureStep,    (c.cx - kFirst) / kPictureStep, (c.cy - kFirst) / kPictureStep};
+  coarse.depth.reserve(static_cast<std::size_t>(coarse.camera.width) * coarse.camera.height);
+  for (int v = 0; v < coarse.camera.height; ++v)
+    for (int u = 0; u < coarse.camera.width; ++u) {
+      const std::uint16_t q =
+          picture.inverse_depth[static_cast<std::size_t>(v * kPictureStep + kFirst) * c.width +
+                                u * kPictureStep + kFirst];
+      const double mm = q == 0 ? 0 : 1000 / (q * DepthPicture::kQuantum);
+      coarse.depth.push_back(mm <= kMostMillimetres ? static_cast<std::uint16_t>(mm) : std::uint16_t{0});
+    }
+  return coarse;
+}
+
+std::vector<Eigen::Vector3f> pointsAboveFloor(const CoarseDepth& picture, const Eigen::Matrix3f& R_u_c,
+                                              float height) {
+  std::vector<Eigen::Vector3f> points;
+  const Intrinsics& c = picture.camera;
+  for (int v = kPointStep / 2; v < c.height; v += kPointStep)
+    for (int u = kPointStep / 2; u < c.width; u += kPointStep) {
+      const double z = 0.001 * picture.depth[static_cast<std::size_t>(v) * c.width + u];
+      if (z <= 0 || z > kFarthestPoint) continue;
+      const Eigen::Vector3f p = R_u_c * (z * c.ray(u, v)).cast<float>();
+      if (p.z() + height > kFloorPixels) points.push_back(p);
+    }
+  return points;
+}
+
+}  // namespace
+
+PlaceSignature placeSignature(const View& view, const CameraMounting& mounting,
+                              const PosePriorParams& prior) {
+  const Eigen::Isometry3d T_b_c = mounting.T_b_c();
+  std::vector<Segment> sound;
+  std::copy_if(view.segments.begin(), view.segments.end(), std::back_inserter(sound), isSound);
+  const Eigen::Matrix3d R = upright(sound, T_b_c.linear(), prior);
+  const double height = heightAboveFloor(sound, R, mounting.height);
+  PlaceSignature out;
+  out.R_u_c = R.cast<float>();
+  out.height = static_cast<float>(height);
+  for (const Segment& s : sound) {
+    const double vertical = std::abs((R * s.normal()).z());
+    if (vertical < std::sin(kOblique) && s.hull.size > 0) {
+      out.walls.push_back(wallOf(s, R, height, view.camera));
+    } else if (vertical > std::cos(kOblique)) {
+      const Eigen::Vector3f t = (R * s.t).cast<float>();
+      const float z = t.z() + out.height;
+      if (std::abs(z) >= kFloorHeight) out.surfaces.push_back({z, (R * s.normal()).z() > 0, t.x(), t.y()});
+    }
+  }
+  out.picture = coarseDepth(view.depth);
+  out.points = pointsAboveFloor(out.picture, out.R_u_c, out.height);
+  return out;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What the shortlist costs and saves in large maps of simulated floors.
+//
+//   score_large_maps --floors DIR [--models N,N,...] [--queries N] [--exhaustive N] [--csv FILE]
+//                    [--first-seed N] [--set PARAMETER VALUE]
+//
+// The floors (office, home and hall of every seed) are rendered once and kept in DIR. A map of N local models
+// is made of as many floors as that takes, far from each other. The queries are images of the later runs on
+// these floors, at most --queries of them (200).
+//
+// A query is answerable if registering it with some local model near the truth gives a pose within 0.2 m and
+// 2 deg of it. Recall of a shortlist: the share of the answerable queries for which it holds such a model.
+// --exhaustive localizes so many of the queries with the shortlist and with all models, and counts which
+// answers are right.
+#include "simulated_floors.h"
+
+#include <facetloc/features/so3.h>
+#include <facetloc/io/simulated_place.h>
+#include <facetloc/registration/global_localization.h>
+#include <facetloc/registration/place_index.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace {
+
+using namespace facetloc;
+
+constexpr double kFloorDistance = 1000;  // [m]
+constexpr double kRightTranslation = 0.2, kRightRotation = 2 * kDegree;
+constexpr double kNear = 3, kNearRotation = 45 * kDegree;  // of models that may show the same
+constexpr int kLengths[] = {1, 10, 20, 50, 75, 100, 150, 200, 300, 500, 1000};
+
+struct Options {
+  std::string floors, csv;
+  std::vector<std::size_t> models = {1000, 10000};
+  std::size_t queries = 200, exhaustive = 0;
+  std::uint64_t first_seed = 1;
+  bool misses = false;
+  PlaceIndexParams index;
+};
+
+struct Query {
+  std::string name;
+  View view;
+  Eigen::Isometry3d T_w_c;
+  std::vector<int> shown_by;  // local models that give the right pose
+};
+
+double seconds(std::chrono::steady_clock::time_point since) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - since).count();
+}
+
+bool isRight(const Eigen::Isometry3d& T_w_c, const Eigen::Isometry3d& truth) {
+  const Eigen::Isometry3d error = truth.inverse() * T_w_c;
+  return error.translation().norm() <= kRightTranslation && rotationAngle(error.linear()) <= kRightRotation;
+}
+
+/** Floors, one after the other, as one map. */
+class Building {
+public:
+  explicit Building(const Options& options) : options_(options), seed_(options.first_seed) {}
+
+  /** The map of exactly n models, of the floors that it takes. */
+  std::shared_ptr<Map> map(std::size_t n) {
+    while (models_.size() < n) addFloor();
+    auto map = std::make_shared<Map>();
+    map->mounting = mounting_;
+    map->models.assign(models_.begin(), models_.begin() + static_cast<std::ptrdiff_t>(n));
+    return map;
+  }
+  /** Queries on the floors that are in a map of n models as a whole, evenly chosen. */
+  std::vector<Query> queries(std::size_t n) const {
+    std::size_t all = 0;
+    while (all < queries_.size() && ends_[all] <= n) ++all;
+    std::vector<Query> chosen;
+    const std::size_t wanted = std::min(all, options_.queries);
+    for (std::size_t i = 0; i < wanted; ++i) chosen.push_back(queries_[i * all / wanted]);
+    return chosen;
+  }
+
+private:
+  void addFloor() {
+    const std::string scene = simulatedPlaceNames()[kind_];
+    SimulatedFloor floor = simulatedFloor(options_.floors, scene, seed_);
+    const std::string name = scene + std::to_string(seed_);
+    Eigen::Isometry3d shift = Eigen::Isometry3d::Identity();
+    shift.translation().x() = kFloorDistance * static_cast<double>(number_++);
+    mounting_ = floor.map.mounting;
+    for (LocalModel& m : floor.map.models) {
+      m.name = name + "/" + m.name;
+      m.T_w_m = shift * *m.T_w_m;
+      models_.push_back(std::move(m));
+    }
+    for (LocalModel& q : floor.query.models) {
+      queries_.push_back({name + "/" + q.name, std::move(q.view), shift * *q.T_w_m, {}});
+      ends_.push_back(models_.size());
+    }
+    if (++kind_ == simulatedPlaceNames().size()) kind_ = 0, ++seed_;
+  }
+
+  const Options& options_;
+  std::uint64_t seed_;
+  std::size_t kind_ = 0, number_ = 0;
+  std::optional<CameraMounting> mounting_;
+  std::vector<LocalModel> models_;
+  std::vector<Query> queries_;
+  std::vector<std::size_t> ends_;  // of each query: the models of its floor end here
+};
+
+void findWhoShows(const GlobalLocalization& localization, std::vector<Query>& queries) {
+  const std::vector<LocalModel>& models = localization.map().models;
+  const int n = static_cast<int>(queries.size());
+#pragma omp parallel for schedule(dynamic)
+  for (int i = 0; i < n; ++i) {
+    Query& q = queries[i];
+    std::vector<int> near;
+    for (std::size_t m = 0; m < models.size(); ++m) {
+      const Eigen::Isometry3d apart = models[m].T_w_m->inverse() * q.T_w_c;
+      if (apart.translation().norm() <= kNear && rotationAngle(apart.linear()) <= kNearRotation)
+        near.push_back(static_cast<int>(m));
+    }
+    for (const Hypothesis& h : localization.registerWith(near, q.view, localization.prior()))
+      if (isRight(*h.T_w_c, q.T_w_c) && (q.shown_by.empty() || q.shown_by.back() != h.model))
+        q.shown_by.push_back(h.model);
+  }
+}
+
+bool answersRight(const GlobalLocalization& localization, const Query& q) {
+  const Localization answer = localization.localize(q.view);
+  return !answer.hypotheses.empty() && isRight(*answer.hypotheses[0].T_w_c, q.T_w_c);
+}
+
+void score(const Options& options, Building& building, std::size_t n, std::FILE* csv) {
+  const std::shared_ptr<const Map> map = building.map(n);
+  std::vector<Query> queries = building.queries(n);
+  GlobalLocalizationParams all;
+  all.index = options.index;
+  all.index.shortlist = 0;
+  const GlobalLocalization exhaustive(map, all);
+  findWhoShows(exhaustive, queries);
+
+  auto start = std::chrono::steady_clock::now();
+  const PlaceIndex index(*map, options.index);
+  const double build = seconds(start);
+  std::printf("\n%zu local models: index of %zu descriptors, %.1f MB, built in %.2f s\n", n,
+              index.descriptors(), 1e-6 * static_cast<double>(index.bytes()), build);
+
+  std::vector<int> ranks;  // of the first model that shows the place
+  start = std::chrono::steady_clock::now();
+  for (const Query& q : queries) {
+    const std::vector<int> list = index.shortlist(q.view, kLengths[std::size(kLengths) - 1]);
+    if (q.shown_by.empty()) continue;
+    const auto shows = [&q](int m) { return std::binary_search(q.shown_by.begin(), q.shown_by.end(), m); };
+    ranks.push_back(static_cast<int>(std::find_if(list.begin(), list.end(), shows) - list.begin()));
+    if (options.misses && ranks.back() > options.index.shortlist)
+      std::printf("  %s: rank %d of %zu, %zu segments\n", q.name.c_str(), ranks.back(), list.size(),
+                  q.view.segments.size());
+  }
+  const double vote = 1e3 * seconds(start) / static_cast<double>(queries.size());
+  std::printf("%zu queries, %zu answerable; shortlist in %.1f ms\n", queries.size(), ranks.size(), vote);
+  std::printf("%10s %10s\n", "shortlist", "recall");
+  for (const int length : kLengths) {
+    const auto held = std::count_if(ranks.begin(), ranks.end(), [length](int r) { return r < length; });
+    const double recall =
+        static_cast<double>(held) / static_cast<double>(std::max<std::size_t>(ranks.size(), 1));
+    std::printf("%10d %8.1f %%\n", length, 100 * recall);
+    if (csv)
+      std::fprintf(csv, "%zu,%d,%zu,%.5f,%.3f,%.3f,%.1f\n", n, length, ranks.size(), recall, vote, build,
+                   1e-6 * static_cast<double>(index.bytes()));
+  }
+
+  if (options.exhaustive == 0) return;
+  GlobalLocalizationParams some = all;
+  some.index = options.index;
+  some.index.exhaustive_up_to = 0;
+  const GlobalLocalization quick(map, some);
+  std::vector<Query> asked;
+  for (std::size_t i = 0; i < std::min(options.exhaustive, queries.size()); ++i)
+    asked.push_back(queries[i * queries.size() / std::min(options.exhaustive, queries.size())]);
+  std::vector<char> right_quick, right_all;
+  start = std::chrono::steady_clock::now();
+  for (const Query& q : asked) right_quick.push_back(answersRight(quick, q));
+  const double ms_quick = 1e3 * seconds(start) / static_cast<double>(asked.size());
+  start = std::chrono::steady_clock::now();
+  for (const Query& q : asked) right_all.push_back(answersRight(exhaustive, q));
+  const double ms_all = 1e3 * seconds(start) / static_cast<double>(asked.size());
+  int both = 0, only_all = 0, only_quick = 0;
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    both += right_all[i] && right_quick[i];
+    only_all += right_all[i] && !right_quick[i];
+    only_quick += !right_all[i] && right_quick[i];
+  }
+  std::printf(
+      "rank 1 of %zu queries: right with all models and with the shortlist of %d: %d, with all only: %d, "
+      "with the shortlist only: %d; %.0f ms with all, %.0f ms with the shortlist\n",
+      asked.size(), options.index.shortlist, both, only_all, only_quick, ms_all, ms_quick);
+  std::fflush(stdout);
+}
+
+bool set(PlaceIndexParams& params, const std::string& name, double value) {
+  bool found = false;
+  PlaceIndexParams::describe(params, [&](const char* of_field, auto& field, auto, auto, const char*) {
+    if (name != of_field) return;
+    field = static_cast<std::decay_t<decltype(field)>>(value);
+    found = true;
+  });
+  return found;
+}
+
+int run(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    const bool has_value = i + 1 < argc;
+    if (argument == "--misses") {
+      options.misses = true;
+    } else if (argument == "--floors" && has_value) {
+      options.floors = argv[++i];
+    } else if (argument == "--models" && has_value) {
+      options.models.clear();
+      std::istringstream list(argv[++i]);
+      for (std::string n; std::getline(list, n, ',');)
+        options.models.push_back(std::strtoul(n.c_str(), nullptr, 10));
+    } else if (argument == "--queries" && has_value) {
+      options.queries = std::strtoul(argv[++i], nullptr, 10);
+    } else if (argument == "--exhaustive" && has_value) {
+      options.exhaustive = std::strtoul(argv[++i], nullptr, 10);
+    } else if (argument == "--first-seed" && has_value) {
+      options.first_seed = std::strtoul(argv[++i], nullptr, 10);
+    } else if (argument == "--csv" && has_value) {
+      options.csv = argv[++i];
+    } else if (argument == "--set" && i + 2 < argc &&
+               set(options.index, argv[i + 1], std::atof(argv[i + 2]))) {
+      i += 2;
+    } else {
+      std::fprintf(stderr, "score_large_maps: cannot use %s\n", argument.c_str());
+      options.floors.clear();
+      break;
+    }
+  }
+  if (options.floors.empty()) {
+    std::fprintf(stderr,
+                 "usage: score_large_maps --floors DIR [--models N,N,...] [--queries N] [--exhaustive N] "
+                 "[--csv FILE] [--first-seed N] [--misses] [--set PARAMETER VALUE]\n");
+    return 2;
+  }
+  std::FILE* csv = options.csv.empty() ? nullptr : std::fopen(options.csv.c_str(), "w");
+  if (!options.csv.empty() && !csv) throw std::runtime_error("cannot write " + options.csv);
+  if (csv) std::fprintf(csv, "models,shortlist,answerable,recall,shortlist_ms,build_s,index_mb\n");
+  Building building(options);
+  for (const std::size_t n : options.models) score(options, building, n, csv);
+  if (csv && std::fclose(csv) != 0) throw std::runtime_error("cannot write " + options.csv);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "score_large_maps: %s\n", e.what());
+    return 1;
+  }
+}

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulated_floors.h"
+
+#include <facetloc/io/map_database.h>
+#include <facetloc/io/simulated_camera.h>
+#include <facetloc/io/simulated_drive.h>
+#include <facetloc/registration/map_builder.h>
+#include <facetloc/segmentation/view_builder.h>
+
+#include <vector>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Those of facetloc_simulate.
+constexpr std::size_t kMapFrames = 444, kQueryFrames = 348;
+constexpr double kMapStep = 0.25;     // [m]
+constexpr double kSwayDeg = 10;       // of the later run
+constexpr double kInterval = 0.1;     // [s]
+constexpr double kQueryStart = 1000;  // [s]
+constexpr std::uint64_t kRunSeeds = 64;
+
+Map seen(const Scene& scene, const SimulatedCamera& camera, const CameraMounting& mounting,
+         const std::vector<Eigen::Isometry3d>& poses, const std::vector<std::size_t>& frames,
+         std::size_t first_frame, double first_stamp) {
+  Map map;
+  map.mounting = mounting;
+  map.models.resize(frames.size());
+  const int n = static_cast<int>(frames.size());
+#pragma omp parallel
+  {
+    ViewBuilder builder;
+#pragma omp for schedule(dynamic)
+    for (int i = 0; i < n; ++i) {
+      const std::size_t frame = frames[i];
+      const double stamp = first_stamp + kInterval * static_cast<double>(frame);
+      map.models[i] = {std::to_string(frame), stamp, poses[frame],
+                       builder.build(camera.render(scene, poses[frame], first_frame + frame).depth)};
+    }
+  }
+  return map;
+}
+
+}  // namespace
+
+SimulatedFloor simulatedFloor(const fs::path& folder, const std::string& scene, std::uint64_t seed) {
+  const std::string name = scene + "-" + std::to_string(seed);
+  const fs::path map_file = folder / (name + "-map.flmap"), query_file = folder / (name + "-query.flmap");
+  if (fs::exists(map_file) && fs::exists(query_file)) return {readMap(map_file), readMap(query_file)};
+
+  const SimulatedPlace place = simulatedPlace(scene, seed);
+  const SimulatedCamera camera(kinectIntrinsics().subsampled(2), SimulatedNoise{}, seed);
+  DriveParams drive;
+  drive.step = kMapStep;
+  const std::vector<Eigen::Isometry3d> mapping =
+      simulateDrive(place.mapping_route, kMapFrames, drive, kRunSeeds * seed);
+  drive.step = DriveParams{}.step;
+  drive.sway_deg = kSwayDeg;
+  const std::vector<Eigen::Isometry3d> later =
+      simulateDrive(place.query_route, kQueryFrames, drive, kRunSeeds * seed + 1);
+
+  std::vector<std::size_t> models, queries;
+  MapBuilder rule;
+  for (std::size_t i = 0; i < mapping.size(); ++i)
+    if (rule.accept(mapping[i])) models.push_back(i);
+  for (std::size_t i = kQueryStep / 2; i < later.size(); i += kQueryStep) queries.push_back(i);
+  SimulatedFloor floor{seen(place.mapped, camera, drive.mounting(), mapping, models, 0, 0),
+                       seen(place.later, camera, drive.mounting(), later, queries, kMapFrames, kQueryStart)};
+  writeMap(query_file, floor.query);
+  writeMap(map_file, floor.map);
+  return floor;
+}
+
+}  // namespace facetloc
