@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace facetloc {
@@ -29,7 +30,24 @@ constexpr float kEnd = 1, kEdge = 0.5f;  // worth of a matching end, upper or lo
 constexpr float kEndError = 0.1f, kEdgeError = 0.06f;  // [m]
 constexpr float kWallStd = 0.05f;                      // [m]
 
-float wrapped(float angle) { return angle - kTwoPi * std::round(angle / kTwoPi); }
+// The difference of two headings, not more than half a turn.
+float wrapped(float difference) {
+  if (difference > kTwoPi / 2) return difference - kTwoPi;
+  return difference < -kTwoPi / 2 ? difference + kTwoPi : difference;
+}
+
+// Prior of each bin of headings.
+const std::array<float, kTurnBins>& turnPrior() {
+  static const std::array<float, kTurnBins> prior = [] {
+    std::array<float, kTurnBins> p{};
+    for (int b = 0; b < kTurnBins; ++b) {
+      const float turn = (kTurnStep * static_cast<float>(b) - kLargestTurn) * kDegreeF / kTurnStd;
+      p[b] = std::exp(-0.5f * turn * turn);
+    }
+    return p;
+  }();
+  return prior;
+}
 
 float edgeBonus(const Wall& a, const Wall& b) {
   float bonus = 0;
@@ -87,9 +105,11 @@ void PlaceAligner::findPairs(const std::vector<Wall>& scene, const std::vector<W
   pairs_.clear();
   for (const Wall& a : scene)
     for (const Wall& b : model) {
-      Pair p{wrapped(b.heading - a.heading), b.offset - a.offset, 0, 0, 0, &a, &b};
-      if (std::abs(p.turn) > kLargestTurn * kDegreeF || std::abs(p.move) > kReach) continue;
-      if (std::max(a.bottom - b.top, b.bottom - a.top) > kGap) continue;
+      const float move = b.offset - a.offset;
+      if (std::abs(move) > kReach || std::max(a.bottom - b.top, b.bottom - a.top) > kGap) continue;
+      const float turn = wrapped(b.heading - a.heading);
+      if (std::abs(turn) > kLargestTurn * kDegreeF) continue;
+      Pair p{turn, move, 0, 0, 0, &a, &b};
       p.slide0 = std::max(-kReach, b.right - a.left);
       p.slide1 = std::min(kReach, b.left - a.right);
       p.weight = std::min(a.weight, b.weight);
@@ -106,10 +126,10 @@ void PlaceAligner::findTurns() {
     votes[bin] += p.weight * (1 - rest);
     votes[bin + 1] += p.weight * rest;
   }
+  const std::array<float, kTurnBins>& prior = turnPrior();
   float smooth[kTurnBins];
   for (int b = 0; b < kTurnBins; ++b) {
-    const float turn = (kTurnStep * static_cast<float>(b) - kLargestTurn) * kDegreeF / kTurnStd;
-    smooth[b] = (votes[b + 1] + 0.5f * (votes[b] + votes[b + 2])) * std::exp(-0.5f * turn * turn);
+    smooth[b] = (votes[b + 1] + 0.5f * (votes[b] + votes[b + 2])) * prior[b];
   }
   turns_.clear();
   for (int k = 0; k < kTurns; ++k) {
@@ -207,6 +227,58 @@ void PlaceAligner::refine(Pose& pose) const {
     support += p->weight * walls * std::exp(-0.5f * r * r);
   }
   pose.support = support;
+}
+
+float PlaceAligner::outlook(const PlaceSignature& scene, const PlaceSignature& model) {
+  constexpr float kStep = 0.05f, kAside = 0.6f;  // [m]; worth of a neighbouring step
+  constexpr int kSteps = static_cast<int>(2 * kReach / kStep) + 1;
+  constexpr float kAxis = 0.996f;        // cosine of 5 deg
+  constexpr float kLargestSlide = 1.5f;  // [m]
+  constexpr float kSurface = 0.3f, kHeightError = 0.05f, kTurnPrior = 0.15f, kMovePrior = 0.15f;
+  constexpr float kBaseWeight = 5, kPower = 0.3f;
+  findPairs(scene.walls, model.walls);
+  findTurns();
+  float best = 0;
+  for (const float turn : turns_) {
+    const Pair* main = nullptr;
+    for (const Pair& p : pairs_)
+      if (std::abs(p.turn - turn) <= kParallel && (!main || p.weight > main->weight)) main = &p;
+    if (!main) continue;
+    float votes[2][kSteps + 2] = {};  // with a border
+    for (const Pair& p : pairs_) {
+      if (std::abs(p.turn - turn) > kParallel || p.slide0 > kLargestSlide || p.slide1 < -kLargestSlide)
+        continue;
+      const float x = p.model->cosine * main->model->cosine + p.model->sine * main->model->sine,
+                  y = p.model->sine * main->model->cosine - p.model->cosine * main->model->sine;
+      const bool across = std::abs(y) > kAxis;
+      if (!across && std::abs(x) < kAxis) continue;
+      const float at = ((across ? y : x) > 0 ? p.move + kReach : kReach - p.move) / kStep;
+      const int step = static_cast<int>(at);
+      if (step < 0 || step + 1 >= kSteps) continue;
+      const float rest = at - static_cast<float>(step),
+                  weight = p.weight * (1 + edgeBonus(*p.scene, *p.model));
+      votes[across][step + 1] += weight * (1 - rest);
+      votes[across][step + 2] += weight * rest;
+    }
+    float sum = -kTurnPrior * turn * turn / (kTurnStd * kTurnStd);
+    for (const auto& along : votes) {
+      float most = 0;
+      for (int step = 0; step < kSteps; ++step) {
+        const float move = kStep * static_cast<float>(step) - kReach;
+        most = std::max(most, along[step + 1] + kAside * (along[step] + along[step + 2]) -
+                                  kMovePrior * move * move);
+      }
+      sum += most;
+    }
+    best = std::max(best, sum);
+  }
+  for (const LevelSurface& a : scene.surfaces)
+    best += kSurface * std::any_of(model.surfaces.begin(), model.surfaces.end(), [&a](const LevelSurface& b) {
+              return a.from_below == b.from_below && std::abs(a.height - b.height) < kHeightError;
+            });
+  float total = kBaseWeight;
+  for (const Wall& w : model.walls) total += w.weight;
+  return best / std::pow(total, kPower);
 }
 
 PlaceAlignment PlaceAligner::align(const PlaceSignature& scene, const PlaceSignature& model) {

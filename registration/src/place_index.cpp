@@ -33,6 +33,7 @@ constexpr float kDifferenceStd = 0.04f;  // of the distance of two parallel wall
 constexpr float kEdgeStd = 0.08f;        // of an upper or lower edge [m]
 constexpr float kHeightStd = 0.03f;      // of a level surface [m]
 constexpr float kRadius = 1.3f;          // of neighbours
+constexpr double kVoted = 0.33;          // share of the aligned models that are there by votes
 constexpr float kParallel = 4 * static_cast<float>(kDegree);
 
 std::vector<Descriptor> describe(const PlaceSignature& place) {
@@ -175,25 +176,31 @@ std::vector<int> PlaceIndex::shortlist(const View& view, int n) const {
   const auto byScore = [](const std::vector<float>& score) {
     return [&score](int a, int b) { return score[a] != score[b] ? score[a] > score[b] : a < b; };
   };
-  const std::vector<float> votes = impl_->votes(scene);
-  std::vector<int> order(votes.size());
+  PlaceAligner aligner;
+  const std::size_t all = impl_->places.size();
+  const auto kept = static_cast<std::size_t>(std::max(n, impl_->params.aligned_models));
+  std::vector<int> order(all);
   std::iota(order.begin(), order.end(), 0);
-  if (const auto kept = static_cast<std::size_t>(std::max(n, impl_->params.aligned_models));
-      order.size() > kept) {
-    std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(kept), order.end(),
-                     byScore(votes));
+  if (all > kept) {
+    const std::vector<float> votes = impl_->votes(scene);
+    const auto by_votes = static_cast<std::ptrdiff_t>(kVoted * static_cast<double>(kept)),
+               by_outlook = static_cast<std::ptrdiff_t>(kept);
+    std::nth_element(order.begin(), order.begin() + by_votes, order.end(), byScore(votes));
+    std::vector<float> outlook(all, 0);
+    for (auto m = order.begin() + by_votes; m != order.end(); ++m)
+      outlook[*m] = aligner.outlook(scene, impl_->places[*m]);
+    std::nth_element(order.begin() + by_votes, order.begin() + by_outlook, order.end(), byScore(outlook));
     order.resize(kept);
   }
-  PlaceAligner aligner;
-  std::vector<float> score(votes.size(), 0);
+  std::vector<float> score(all, 0);
   for (const int m : order) {
     const PlaceSignature& place = impl_->places[m];
     score[m] = aligner.align(scene, place).score;
   }
-  const std::size_t kept = std::min(order.size(), static_cast<std::size_t>(n));
-  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(kept), order.end(),
+  const std::size_t listed = std::min(order.size(), static_cast<std::size_t>(n));
+  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(listed), order.end(),
                     byScore(score));
-  order.resize(kept);
+  order.resize(listed);
   return order;
 }
 

@@ -21,9 +21,9 @@
 #include <facetloc/registration/place_index.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <exception>
 #include <memory>
 #include <optional>
@@ -58,9 +58,8 @@ struct Query {
   std::vector<int> shown_by;  // local models that give the right pose
 };
 
-double seconds(std::chrono::steady_clock::time_point since) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - since).count();
-}
+// Of the processor, so that who else uses it does not matter. [s]
+double seconds(std::clock_t since) { return static_cast<double>(std::clock() - since) / CLOCKS_PER_SEC; }
 
 bool isRight(const Eigen::Isometry3d& T_w_c, const Eigen::Isometry3d& truth) {
   const Eigen::Isometry3d error = truth.inverse() * T_w_c;
@@ -151,16 +150,18 @@ void score(const Options& options, Building& building, std::size_t n, std::FILE*
   const GlobalLocalization exhaustive(map, all);
   findWhoShows(exhaustive, queries);
 
-  auto start = std::chrono::steady_clock::now();
+  auto start = std::clock();
   const PlaceIndex index(*map, options.index);
   const double build = seconds(start);
   std::printf("\n%zu local models: index of %zu descriptors, %.1f MB, built in %.2f s\n", n,
               index.descriptors(), 1e-6 * static_cast<double>(index.bytes()), build);
 
+  // Not longer than what is aligned anyway, so that it takes the time of a shortlist of any length.
+  const int longest = std::min(kLengths[std::size(kLengths) - 1], options.index.aligned_models);
   std::vector<int> ranks;  // of the first model that shows the place
-  start = std::chrono::steady_clock::now();
+  start = std::clock();
   for (const Query& q : queries) {
-    const std::vector<int> list = index.shortlist(q.view, kLengths[std::size(kLengths) - 1]);
+    const std::vector<int> list = index.shortlist(q.view, longest);
     if (q.shown_by.empty()) continue;
     const auto shows = [&q](int m) { return std::binary_search(q.shown_by.begin(), q.shown_by.end(), m); };
     ranks.push_back(static_cast<int>(std::find_if(list.begin(), list.end(), shows) - list.begin()));
@@ -172,6 +173,7 @@ void score(const Options& options, Building& building, std::size_t n, std::FILE*
   std::printf("%zu queries, %zu answerable; shortlist in %.1f ms\n", queries.size(), ranks.size(), vote);
   std::printf("%10s %10s\n", "shortlist", "recall");
   for (const int length : kLengths) {
+    if (length > longest) break;
     const auto held = std::count_if(ranks.begin(), ranks.end(), [length](int r) { return r < length; });
     const double recall =
         static_cast<double>(held) / static_cast<double>(std::max<std::size_t>(ranks.size(), 1));
@@ -190,10 +192,10 @@ void score(const Options& options, Building& building, std::size_t n, std::FILE*
   for (std::size_t i = 0; i < std::min(options.exhaustive, queries.size()); ++i)
     asked.push_back(queries[i * queries.size() / std::min(options.exhaustive, queries.size())]);
   std::vector<char> right_quick, right_all;
-  start = std::chrono::steady_clock::now();
+  start = std::clock();
   for (const Query& q : asked) right_quick.push_back(answersRight(quick, q));
   const double ms_quick = 1e3 * seconds(start) / static_cast<double>(asked.size());
-  start = std::chrono::steady_clock::now();
+  start = std::clock();
   for (const Query& q : asked) right_all.push_back(answersRight(exhaustive, q));
   const double ms_all = 1e3 * seconds(start) / static_cast<double>(asked.size());
   int both = 0, only_all = 0, only_quick = 0;

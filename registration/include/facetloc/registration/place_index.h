@@ -13,7 +13,7 @@ namespace facetloc {
 struct PlaceIndexParams {
   int shortlist = 150;         ///< local models that are registered with in a large map; 0 = always all
   int exhaustive_up_to = 500;  ///< local models of a map that is small
-  int aligned_models = 2000;   ///< local models with the most votes that are aligned
+  int aligned_models = 1000;   ///< local models with the most votes that are aligned
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& field) {

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/place_alignment.h>
+#include <facetloc/testing/synthetic_views.h>
+
+#include <gtest/gtest.h>
+
+namespace facetloc {
+namespace {
+
+constexpr CameraMounting kMounting{1.0, 10.0};
+
+Eigen::Isometry3d robot(double x, double y, double heading) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = expSO3({0, 0, heading});
+  T.translation() << x, y, 0;
+  return T;
+}
+
+View seenFrom(const Eigen::Isometry3d& T_w_b, unsigned seed) {
+  return viewFrom(test::largeRoom(), T_w_b * kMounting.T_b_c(), seed);
+}
+
+TEST(PlaceAligner, FindsTheMotionBetweenTwoViews) {
+  const Eigen::Isometry3d T_w_m = robot(2, 2.5, 0.1), T_w_s = robot(2.4, 2.2, -0.15);
+  const PlaceSignature model = placeSignature(seenFrom(T_w_m, 1), kMounting),
+                       scene = placeSignature(seenFrom(T_w_s, 2), kMounting);
+  const PlaceAlignment found = PlaceAligner().align(scene, model);
+  const Eigen::Isometry3d T_m_s = T_w_m.inverse() * T_w_s;
+  EXPECT_NEAR(found.x, T_m_s.translation().x(), 0.1);
+  EXPECT_NEAR(found.y, T_m_s.translation().y(), 0.1);
+  EXPECT_NEAR(found.heading, -0.25, 1.5 * kDegree);
+}
+
+TEST(PlaceAligner, StillFindsItWithHalfOfTheSegments) {
+  const Eigen::Isometry3d T_w_m = robot(2, 2.5, 0.1), T_w_s = robot(2.3, 2.4, 0.0);
+  View halved = seenFrom(T_w_s, 2), other_half = halved;
+  halved.segments.clear();
+  for (std::size_t i = 0; i < other_half.segments.size(); i += 2)
+    halved.segments.push_back(other_half.segments[i]);
+  const PlaceSignature model = placeSignature(seenFrom(T_w_m, 1), kMounting),
+                       elsewhere = placeSignature(seenFrom(robot(4, 1.5, 2.4), 3), kMounting),
+                       scene = placeSignature(halved, kMounting);
+  PlaceAligner aligner;
+  EXPECT_GT(aligner.align(scene, model).score, aligner.align(scene, elsewhere).score);
+  EXPECT_GT(aligner.outlook(scene, model), aligner.outlook(scene, elsewhere));
+}
+
+TEST(PlaceAligner, NothingFitsNothing) {
+  const PlaceSignature place = placeSignature(seenFrom(robot(2, 2.5, 0), 1), kMounting);
+  PlaceAligner aligner;
+  EXPECT_EQ(aligner.align(PlaceSignature{}, place).score, PlaceAlignment{}.score);
+  EXPECT_EQ(aligner.align(place, PlaceSignature{}).score, PlaceAlignment{}.score);
+  EXPECT_EQ(aligner.outlook(PlaceSignature{}, place), 0);
+}
+
+TEST(PlaceAligner, BuffersDoNotChangeTheAnswer) {
+  const PlaceSignature a = placeSignature(seenFrom(robot(2, 2.5, 0.1), 1), kMounting),
+                       b = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting),
+                       c = placeSignature(seenFrom(robot(4, 1.5, 2.4), 3), kMounting);
+  PlaceAligner used;
+  used.align(c, a);
+  used.outlook(c, b);
+  EXPECT_EQ(used.align(b, a).score, PlaceAligner().align(b, a).score);
+}
+
+}  // namespace
+}  // namespace facetloc

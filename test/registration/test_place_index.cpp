@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/global_localization.h>
+#include <facetloc/registration/place_index.h>
+#include <facetloc/testing/synthetic_views.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace facetloc {
+namespace {
+
+constexpr CameraMounting kMounting{1.0, 10.0};
+
+Eigen::Isometry3d robotCamera(double x, double y, double heading) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = expSO3({0, 0, heading});
+  T.translation() << x, y, 0;
+  return T * kMounting.T_b_c();
+}
+
+// Views of the room all around from two places; four rooms in a row, each with one more cupboard.
+class PlaceIndexOfRooms : public testing::Test {
+protected:
+  static constexpr int kRooms = 4, kViews = 24;
+  static test::Scene room(int i) {
+    test::Scene scene = test::largeRoom();
+    if (i & 1) scene = scene + test::box({3.4, 0, 0}, {4.3, 0.4, 2.1});
+    if (i & 2) scene = scene + test::box({5.5, 2.6, 0}, {6, 3.0, 2.0});
+    return scene;
+  }
+  static void SetUpTestSuite() {
+    auto made = std::make_shared<Map>();
+    made->mounting = kMounting;
+    for (int r = 0; r < kRooms; ++r)
+      for (int i = 0; i < kViews; ++i) {
+        const Eigen::Isometry3d T = robotCamera(i < kViews / 2 ? 2 : 3.2, 2.4, 30 * kDegree * i);
+        LocalModel m;
+        m.name = std::to_string(r) + "/" + std::to_string(i);
+        m.T_w_m = T;
+        m.T_w_m->pretranslate(Eigen::Vector3d(20.0 * r, 0, 0));
+        m.view = viewFrom(room(r), T, unsigned(100 + r * kViews + i));
+        made->models.push_back(m);
+      }
+    map = made;
+  }
+  static void TearDownTestSuite() { map.reset(); }
+  static View query(int r, double heading, unsigned seed) {
+    return viewFrom(room(r), robotCamera(2.3, 2.2, heading), seed);
+  }
+  static PlaceIndexParams few() {
+    PlaceIndexParams params;
+    params.aligned_models = 30;
+    return params;
+  }
+  static std::shared_ptr<const Map> map;
+};
+std::shared_ptr<const Map> PlaceIndexOfRooms::map;
+
+TEST_F(PlaceIndexOfRooms, EveryModelLeadsItsOwnList) {
+  const PlaceIndex index(*map, few());
+  EXPECT_EQ(index.models(), map->models.size());
+  EXPECT_GT(index.descriptors(), map->models.size());
+  EXPECT_GT(index.bytes(), 0u);
+  // Most views are alike in all rooms, but for the noise.
+  int near_front = 0;
+  for (std::size_t i = 0; i < map->models.size(); ++i) {
+    const std::vector<int> list = index.shortlist(map->models[i].view, kRooms);
+    ASSERT_EQ(list.size(), kRooms);
+    EXPECT_EQ(list.front() % kViews, static_cast<int>(i) % kViews);
+    near_front += std::count(list.begin(), list.end(), static_cast<int>(i));
+  }
+  EXPECT_GE(near_front, 0.95 * static_cast<double>(map->models.size()));
+}
+
+TEST_F(PlaceIndexOfRooms, TheSameMapGivesTheSameList) {
+  const PlaceIndex one(*map, few()), other(*map, few());
+  for (unsigned i = 0; i < 6; ++i) {
+    const View view = query(int(i % kRooms), 0.9 * i, 500 + i);
+    const std::vector<int> list = one.shortlist(view, 20);
+    EXPECT_EQ(list, other.shortlist(view, 20));
+    EXPECT_EQ(list, one.shortlist(view, 20));
+    std::vector<int> sorted = list;
+    std::sort(sorted.begin(), sorted.end());
+    EXPECT_EQ(std::unique(sorted.begin(), sorted.end()), sorted.end());
+    const std::vector<int> shorter = one.shortlist(view, 7);
+    EXPECT_EQ(shorter, std::vector<int>(list.begin(), list.begin() + 7));
+  }
+}
+
+TEST_F(PlaceIndexOfRooms, AViewWithHalfOfItsSegmentsFindsItsPlace) {
+  const PlaceIndex index(*map, few());
+  for (unsigned i = 0; i < 6; ++i) {
+    const double heading = 30 * kDegree * i + 0.1;
+    View view = query(0, heading, 600 + i);
+    std::vector<Segment> half;
+    for (std::size_t k = 0; k < view.segments.size(); k += 2) half.push_back(view.segments[k]);
+    view.segments = half;
+    const std::vector<int> list = index.shortlist(view, 20);
+    // Any room's: half of the segments need not tell which.
+    const Eigen::Isometry3d truth = robotCamera(2.3, 2.2, heading);
+    EXPECT_TRUE(std::any_of(list.begin(), list.end(), [&](int m) {
+      return rotationAngle(map->models[m].T_w_m->linear().transpose() * truth.linear()) < 25 * kDegree;
+    })) << heading;
+  }
+}
+
+TEST_F(PlaceIndexOfRooms, TheShortlistedAnswerIsThatOfAllModelsIfTheListHoldsTheRightOne) {
+  GlobalLocalizationParams params;
+  const GlobalLocalization all(map, params);
+  params.index.exhaustive_up_to = 0;
+  params.index.shortlist = 20;
+  params.index.aligned_models = 40;
+  const GlobalLocalization some(map, params);
+  int compared = 0;
+  for (unsigned i = 0; i < 8; ++i) {
+    const View view = query(int(i % kRooms), 0.7 * i, 700 + i);
+    const Localization whole = all.localize(view), brief = some.localize(view);
+    if (whole.hypotheses.empty()) continue;
+    const std::vector<int> list = some.candidates(view);
+    EXPECT_EQ(list.size(), 20u);
+    EXPECT_TRUE(std::is_sorted(list.begin(), list.end()));
+    if (!std::binary_search(list.begin(), list.end(), whole.hypotheses[0].model)) continue;
+    ++compared;
+    ASSERT_FALSE(brief.hypotheses.empty());
+    EXPECT_EQ(brief.hypotheses[0].model, whole.hypotheses[0].model);
+    EXPECT_TRUE(brief.hypotheses[0].T_w_c->isApprox(*whole.hypotheses[0].T_w_c, 1e-9));
+  }
+  EXPECT_GE(compared, 4);
+}
+
+TEST_F(PlaceIndexOfRooms, ASmallMapIsSearchedAsAWhole) {
+  const GlobalLocalization localization(map);
+  EXPECT_EQ(localization.candidates(map->models[0].view).size(), map->models.size());
+  GlobalLocalizationParams off;
+  off.index.exhaustive_up_to = 0;
+  off.index.shortlist = 0;
+  EXPECT_EQ(GlobalLocalization(map, off).candidates(map->models[0].view).size(), map->models.size());
+}
+
+TEST_F(PlaceIndexOfRooms, BadInput) {
+  const PlaceIndex index(*map, few());
+  EXPECT_TRUE(index.shortlist(View{}, 10).empty());
+  EXPECT_TRUE(index.shortlist(map->models[0].view, 0).empty());
+  View bad = map->models[0].view;
+  for (Segment& s : bad.segments) s.R(0, 0) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(index.shortlist(bad, 10).empty());
+
+  Map empty;
+  EXPECT_THROW(PlaceIndex{empty}, std::invalid_argument);  // no mounting
+  empty.mounting = kMounting;
+  EXPECT_TRUE(PlaceIndex(empty).shortlist(map->models[0].view, 10).empty());
+
+  Map without_segments = empty;
+  without_segments.models.resize(3);
+  EXPECT_EQ(PlaceIndex(without_segments).shortlist(map->models[0].view, 10), (std::vector<int>{0, 1, 2}));
+}
+
+}  // namespace
+}  // namespace facetloc

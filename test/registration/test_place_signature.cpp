@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/place_signature.h>
+#include <facetloc/testing/synthetic_views.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace facetloc {
+namespace {
+
+constexpr CameraMounting kMounting{1.0, 10.0};
+
+// A robot at (x, y) that looks along a heading, its floor tilted by roll and pitch [rad].
+Eigen::Isometry3d robotCamera(double x, double y, double heading, double roll = 0, double pitch = 0) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = expSO3({0, 0, heading}) * expSO3({roll, pitch, 0});
+  T.translation() << x, y, 0;
+  return T * kMounting.T_b_c();
+}
+
+// The wall whose normal has that heading in the world, the farthest of them.
+const Wall* wallFacing(const PlaceSignature& place, double robot_heading, double world_heading) {
+  const Wall* farthest = nullptr;
+  for (const Wall& w : place.walls) {
+    if (std::abs(std::remainder(w.heading + robot_heading - world_heading, 360 * kDegree)) > 3 * kDegree)
+      continue;
+    if (!farthest || w.offset > farthest->offset) farthest = &w;
+  }
+  return farthest;
+}
+
+TEST(PlaceSignature, WallsLieWhereTheRoomHasThem) {
+  // The room's wall x = 6 is seen from x = 2: at 4 m, whatever the heading.
+  for (const double heading : {-0.3, 0.0, 0.3}) {
+    const PlaceSignature place =
+        placeSignature(viewFrom(test::largeRoom(), robotCamera(2, 2.5, heading), 1), kMounting);
+    const Wall* wall = wallFacing(place, heading, 0);
+    ASSERT_NE(wall, nullptr) << heading;
+    EXPECT_NEAR(wall->offset, 4, 0.05) << heading;
+    EXPECT_NEAR(wall->heading, -heading, 1 * kDegree);
+    EXPECT_NEAR(wall->cosine, std::cos(wall->heading), 1e-6);
+    EXPECT_NEAR(wall->sine, std::sin(wall->heading), 1e-6);
+    EXPECT_LE(wall->right, wall->left);
+    EXPECT_LE(wall->bottom, wall->top);
+  }
+}
+
+TEST(PlaceSignature, AnUnevenFloorChangesLittle) {
+  const double roll = 1 * kDegree, pitch = 2 * kDegree;
+  const Eigen::Isometry3d tilted = robotCamera(2, 2.5, 0.1, roll, pitch);
+  const PlaceSignature place = placeSignature(viewFrom(test::largeRoom(), tilted, 2), kMounting);
+  const Wall* wall = wallFacing(place, 0.1, 0);
+  ASSERT_NE(wall, nullptr);
+  EXPECT_NEAR(wall->offset, 6 - tilted.translation().x(), 0.05);
+  // The upright frame is the world's but for the heading: its z axis in camera axes is the world's.
+  const Eigen::Vector3d up = place.R_u_c.cast<double>().transpose() * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d truth = tilted.linear().transpose() * Eigen::Vector3d::UnitZ();
+  EXPECT_LT(std::acos(std::min(1.0, up.dot(truth))), 0.6 * kDegree);
+}
+
+TEST(PlaceSignature, LevelSurfacesHaveTheHeightOfTheFurniture) {
+  // The low box in the corner, 0.5 m high, from two places.
+  for (const double distance : {0.9, 1.2}) {
+    const View view = viewFrom(test::largeRoom(), robotCamera(0.7 + distance, 1.3, 180 * kDegree), 3);
+    const PlaceSignature place = placeSignature(view, kMounting);
+    EXPECT_TRUE(std::any_of(place.surfaces.begin(), place.surfaces.end(), [](const LevelSurface& s) {
+      return !s.from_below && std::abs(s.height - 0.5) < 0.03;
+    })) << distance;
+    for (const LevelSurface& s : place.surfaces) EXPECT_GT(std::abs(s.height), 0.04);  // the floor is none
+  }
+}
+
+TEST(PlaceSignature, PointsLieAboveTheFloorAndInTheRoom) {
+  const Eigen::Isometry3d T_w_c = robotCamera(2, 2.5, 0.2);
+  const PlaceSignature place = placeSignature(viewFrom(test::largeRoom(), T_w_c, 4), kMounting);
+  ASSERT_GT(place.points.size(), 20u);
+  for (const Eigen::Vector3f& p : place.points) {
+    EXPECT_GT(p.z() + place.height, 0);
+    EXPECT_LT(p.z() + place.height, 2.7);
+    const Eigen::Vector3d w = expSO3({0, 0, 0.2}) * p.cast<double>() + T_w_c.translation();
+    EXPECT_GT(w.x(), -0.4);
+    EXPECT_LT(w.x(), 6.4);
+  }
+}
+
+TEST(PlaceSignature, BadSegmentsAreLeftOut) {
+  View view = viewFrom(test::largeRoom(), robotCamera(2, 2.5, 0), 5);
+  const PlaceSignature sound = placeSignature(view, kMounting);
+  Segment bad = view.segments.front();
+  bad.t.x() = std::numeric_limits<double>::quiet_NaN();
+  view.segments.push_back(bad);
+  const PlaceSignature place = placeSignature(view, kMounting);
+  EXPECT_EQ(place.walls.size(), sound.walls.size());
+  EXPECT_EQ(place.R_u_c, sound.R_u_c);
+  EXPECT_EQ(place.height, sound.height);
+
+  const PlaceSignature nothing = placeSignature(View{}, kMounting);
+  EXPECT_TRUE(nothing.walls.empty());
+  EXPECT_TRUE(nothing.surfaces.empty());
+  EXPECT_TRUE(nothing.points.empty());
+}
+
+}  // namespace
+}  // namespace facetloc
