@@ -13,7 +13,7 @@ namespace facetloc {
 struct PlaceIndexParams {
   int shortlist = 150;         ///< local models that are registered with in a large map; 0 = always all
   int exhaustive_up_to = 500;  ///< local models of a map that is small
-  int aligned_models = 1000;   ///< local models with the most votes that are aligned
+  int aligned_models = 1000;   ///< local models that are aligned with a view
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& field) {
@@ -22,7 +22,7 @@ struct PlaceIndexParams {
     field("exhaustive_up_to", p.exhaustive_up_to, 0, 100000000,
           "A map of so many local models is small: the view is registered with all of them.");
     field("shortlist_aligned", p.aligned_models, 1, 100000000,
-          "Number of local models with the most votes from which the shortlist is chosen.");
+          "Number of local models, chosen by votes and outlook, from which the shortlist is chosen.");
   }
   void validate() const { checkRanges(*this); }
 };
@@ -36,8 +36,8 @@ struct PlaceIndexParams {
  * descriptor in a FLANN tree, in units of how much it may differ between two views of a place: a standard
  * deviation of the pose for where it is, of its error for what the motion does not change. A view's
  * descriptors vote for the models that have alike ones, by nearness and rarity, and only those agreeing on
- * one heading add up. The models with the most votes are aligned with the view (PlaceAligner) and come out in
- * the order of that.
+ * one heading add up. The models with the most votes, and of the others those that give most hope
+ * (PlaceAligner::outlook), are aligned with the view and come out in the order of that (PlaceAligner::align).
  *
  * Needs a map whose camera mounting is known. Never changes; all functions are thread-safe. The same map
  * gives the same answers. */
