@@ -183,6 +183,8 @@ void score(const Options& options, Building& building, std::size_t n, std::FILE*
                    1e-6 * static_cast<double>(index.bytes()));
   }
 
+  std::fflush(stdout);
+  if (csv) std::fflush(csv);
   if (options.exhaustive == 0) return;
   GlobalLocalizationParams some = all;
   some.index = options.index;
