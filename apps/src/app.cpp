@@ -4,13 +4,21 @@
 
 #include <pcl/console/print.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <sstream>
+#include <thread>
 #include <unistd.h>
 
 namespace facetloc {
+namespace {
+
+constexpr auto kWordOfTheFirst = std::chrono::seconds(1);  // that other ranks leave it
+
+}  // namespace
 
 void Console::note(const std::string& text) const {
   if (!quiet) err << tool << ": " << text << "\n";
@@ -23,18 +31,37 @@ App::App(std::string name, std::string synopsis, std::string about)
 
 int App::run(const std::vector<std::string>& arguments, Console console) {
   console.tool = name_;
+  int code = kFailed;
+  std::string what = "failed for an unknown reason";
   try {
-    return parseAndExecute(arguments, console);
+    ranks_ = Ranks::join();
+    code = runOnRank(arguments, console);
+    ranks_.leave();
+    return code;
   } catch (const UsageError& e) {
-    console.error(e.what());
-    console.err << "Try '" << name_ << " --help'.\n";
-    return kUsage;
+    code = kUsage;
+    what = std::string(e.what()) + "\nTry '" + name_ + " --help'.";
   } catch (const std::exception& e) {
-    console.error(e.what());
+    what = e.what();
   } catch (...) {
-    console.error("failed for an unknown reason");
   }
-  return kFailed;
+  if (!ranks_.isFirst()) {
+    std::this_thread::sleep_for(kWordOfTheFirst);  // if it fails alike, it tells it and ends us
+    console.tool += " (rank " + std::to_string(ranks_.rank()) + ")";
+  }
+  console.error(what);
+  console.err.flush();
+  ranks_.abort(code);
+  return code;
+}
+
+int App::runOnRank(const std::vector<std::string>& arguments, Console& console) {
+  if (ranks_.size() > 1 && !dealsOut()) throw UsageError("works in one process: start it without mpirun");
+  if (ranks_.isFirst()) return parseAndExecute(arguments, console);
+  std::ostringstream nowhere;
+  Console silent{nowhere, console.err, false, true, console.tool};
+  parseAndExecute(arguments, silent);
+  return kOk;
 }
 
 int App::parseAndExecute(const std::vector<std::string>& arguments, Console& console) {
@@ -42,6 +69,7 @@ int App::parseAndExecute(const std::vector<std::string>& arguments, Console& con
   addOptions(line);
   line.addGeneralOptions(threads_, console.quiet);
   if (!line.parse(arguments, console.out)) return kOk;
+  console.quiet = console.quiet || !ranks_.isFirst();
   const int code = execute(line, console);
   console.out.flush();
   if (!console.out) throw std::runtime_error("the output cannot be written");

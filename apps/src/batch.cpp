@@ -31,14 +31,19 @@ std::string failureOf(const Batch::Name& name, const Batch::Job& job, std::size_
 
 }  // namespace
 
-Batch::Batch(int threads, std::size_t total, const Console& console)
-    : workers_(workersFor(threads, total)), total_(total), console_(console), progress_(console, total) {}
+Batch::Batch(int threads, std::size_t total, const Console& console, const Ranks& ranks)
+    : workers_(workersFor(threads, ranks.share(total))),
+      total_(total),
+      console_(console),
+      ranks_(ranks),
+      progress_(console, ranks.share(total)) {}
 
 std::vector<bool> Batch::run(std::size_t first, std::size_t last, const Name& name, const Job& job) {
   std::vector<std::string> causes(last - first);
   std::atomic<std::size_t> next{first};
   const auto work = [&](int worker) {
     for (std::size_t i = next++; i < last; i = next++) {
+      if (!ranks_.owns(i - first)) continue;
       causes[i - first] = failureOf(name, job, i, worker);
       progress_.step();
     }
@@ -47,6 +52,7 @@ std::vector<bool> Batch::run(std::size_t first, std::size_t last, const Name& na
   for (int worker = 1; worker < workers_; ++worker) others.emplace_back(work, worker);
   work(0);
   for (std::thread& thread : others) thread.join();
+  ranks_.collect(causes);
 
   std::vector<bool> done;
   for (const std::string& cause : causes) {
@@ -57,7 +63,7 @@ std::vector<bool> Batch::run(std::size_t first, std::size_t last, const Name& na
 }
 
 int Batch::report() const {
-  if (failures_.empty()) return kOk;
+  if (failures_.empty() || !ranks_.isFirst()) return kOk;
   for (const std::string& failure : failures_) console_.error(failure);
   console_.error(std::to_string(failures_.size()) + " of " + counted(total_, "item") + " failed");
   return kFailed;

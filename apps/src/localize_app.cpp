@@ -40,7 +40,7 @@ std::map<std::string, FrameResult> finishedResults(const fs::path& folder) {
 }
 
 FrameResult localizeFrame(const FrameFile& file, const DepthImage& image, ViewBuilder& builder,
-                          const GlobalLocalization& localization, int max_hypotheses) {
+                          const ShardedLocalization& localization, int max_hypotheses) {
   FrameResult result;
   const View scene = builder.build(image);
   const Clock::time_point start = Clock::now();
@@ -69,6 +69,9 @@ void LocalizeApp::addOptions(CommandLine& line) {
   line.addArgument("INPUT", input_path_);
   line.addOption("output,o", folder_, "RESULTS", "Folder of the results.");
   line.addOption("max-hypotheses", max_hypotheses_, "K", "Keep so many hypotheses per image at most.");
+  line.addSwitch("shard-map", shard_map_,
+                 "Under mpirun: deal out the local models of each image instead of the images, for a quicker "
+                 "answer from a huge map.");
   line.addSwitch("resume", resume_, "Skip images that an earlier, perhaps interrupted run has done.");
   input_.addOptions(line);
   line.addParams(localization_);
@@ -102,27 +105,46 @@ std::vector<FrameResult> LocalizeApp::startWith(const std::map<std::string, Fram
   return results;
 }
 
-/** The images one after the other, several at a time. \return the exit code. */
+/** Begins a run, or goes on with an earlier one. \param journal is left alone if all is done already. */
+std::vector<FrameResult> LocalizeApp::begin(const std::vector<FrameFile>& frames,
+                                            const std::string& params_ini, ResultsJournal& journal,
+                                            std::vector<std::size_t>& todo) const {
+  createFolder(folder_);
+  const auto earlier = earlierResults(journal, params_ini);
+  std::vector<FrameResult> results = startWith(earlier, frames, todo);
+  if (!todo.empty() || journal.exists()) {
+    writeTextAtomically(fs::path(folder_) / kParamsFile, [&](std::ostream& out) { out << params_ini; });
+    journal.begin(earlier);
+  }
+  return results;
+}
+
+/** The images one after the other, several at a time. \param results of all ranks, on the first one.
+ * \return the exit code. */
 int LocalizeApp::localize(const DepthSequence& sequence, const ViewParams& view_params,
-                          const GlobalLocalization& localization, const std::vector<std::size_t>& todo,
+                          const ShardedLocalization& localization, const std::vector<std::size_t>& todo,
                           ResultsJournal& journal, std::vector<FrameResult>& results,
                           const Console& console) const {
-  Batch batch(threads(), todo.size(), console);
+  Batch batch(shard_map_ ? 1 : threads(), todo.size(), console, imageRanks());
   std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(view_params));
+  std::vector<FrameResult> found(todo.size());
   const auto fileOf = [&](std::size_t i) -> const FrameFile& { return sequence.frames()[todo[i]]; };
   batch.run([&](std::size_t i) { return fileOf(i).path.string(); },
             [&](std::size_t i, int worker) {
-              FrameResult& result = results[todo[i]];
+              FrameResult& result = found[i];
               try {
                 const DepthImage image = sequence.load(todo[i], input_.width);
                 result = localizeFrame(fileOf(i), image, builders[worker], localization, max_hypotheses_);
               } catch (const std::exception& e) {
+                result.stamp = fileOf(i).stamp;
                 result.timing.frame = fileOf(i).name;
                 result.rows = {noHypothesis(fileOf(i).name, e.what())};
                 throw;
               }
               journal.append(fileOf(i).name, result);
             });
+  imageRanks().collect(found);
+  for (std::size_t i = 0; i < todo.size() && ranks().isFirst(); ++i) results[todo[i]] = std::move(found[i]);
   return batch.report();
 }
 
@@ -138,29 +160,37 @@ void LocalizeApp::printSummary(const std::vector<FrameResult>& results, const Co
               << " ms per image and thread; results in " << folder_ << "\n";
 }
 
+/** What the results depend on. */
+std::string LocalizeApp::paramsIni(const ViewParams& view_params, const Map& map) const {
+  return "# " + versionText() + ", map " + fs::path(map_).filename().string() + " of " +
+         counted(map.models.size(), "local model") + "\nmax-hypotheses = " + std::to_string(max_hypotheses_) +
+         "\n" + toIni(input_, view_params) + toIni(localization_);
+}
+
 int LocalizeApp::execute(const CommandLine& line, const Console& console) {
   if (folder_.empty()) throw UsageError("the folder of the results is missing: -o RESULTS");
   if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
   const DepthSequence sequence = DepthSequence::open(input_path_);
   const ViewParams view_params = input_.viewParams(sequence.camera(), line);
-  const auto map = std::make_shared<const Map>(readMapFor(sequence.camera(), map_, console));
-  GlobalLocalization localization(map, localization_, view_params.noise);
-  if (sequence.frames().size() == 1) localization.setNumberOfThreads(threads());
-  const std::string params_ini = "# " + versionText() + ", map " + fs::path(map_).filename().string() +
-                                 " of " + counted(localization.map().models.size(), "local model") +
-                                 "\nmax-hypotheses = " + std::to_string(max_hypotheses_) + "\n" +
-                                 toIni(input_, view_params) + toIni(localization_);
+  const ShardedLocalization localization(readMapFor(sequence.camera(), map_, console), localization_,
+                                         view_params.noise, shard_map_ ? ranks() : Ranks(),
+                                         shard_map_ || sequence.frames().size() == 1 ? threads() : 1);
+  if (shard_map_ && !ranks().isFirst()) {
+    localization.serve();
+    return kOk;
+  }
 
-  createFolder(folder_);
-  ResultsJournal journal(folder_);
-  const auto earlier = earlierResults(journal, params_ini);
+  const std::string params_ini = paramsIni(view_params, localization.map());
+  ResultsJournal journal(folder_, imageRanks().rank());
+  std::vector<FrameResult> results;
   std::vector<std::size_t> todo;
-  std::vector<FrameResult> results = startWith(earlier, sequence.frames(), todo);
-  int code = kOk;
-  if (!todo.empty() || journal.exists()) {
-    writeTextAtomically(fs::path(folder_) / kParamsFile, [&](std::ostream& out) { out << params_ini; });
-    journal.begin(earlier);
-    code = localize(sequence, view_params, localization, todo, journal, results, console);
+  if (ranks().isFirst()) results = begin(sequence.frames(), params_ini, journal, todo);
+  todo = imageRanks().broadcast(todo);
+  if (!ranks().isFirst() && !todo.empty()) journal.begin({});
+  const int code = localize(sequence, view_params, localization, todo, journal, results, console);
+  localization.finish();
+  if (!ranks().isFirst()) return kOk;
+  if (journal.exists()) {
     writeResults(folder_, results, params_ini);
     if (code == kOk) journal.remove();  // else it tells --resume which images are still to be done
   }

@@ -28,8 +28,8 @@ struct MapBuildApp::Selection {
 /** Adds local models in order, and a link from each to the next. What the map has already is left alone. */
 class MapBuildApp::Writer {
 public:
-  Writer(MapDatabase& database, const Map& present, const MapBuilder& builder)
-      : database_(database), builder_(builder) {
+  Writer(MapDatabase database, const Map& present, const MapBuilder& builder)
+      : database_(std::move(database)), builder_(builder) {
     for (std::size_t i = 0; i < present.models.size(); ++i)
       index_[present.models[i].name] = static_cast<int>(i);
     for (const Link& link : present.links) links_.emplace(link.from, link.to);
@@ -38,6 +38,7 @@ public:
   bool has(const std::string& name) const { return index_.count(name) > 0; }
   std::size_t added() const { return added_; }
   std::size_t models() const { return index_.size(); }
+  std::vector<std::string> names() const { return database_.modelNames(); }
 
   void add(const LocalModel& model) {
     index_[model.name] = database_.add(model);
@@ -54,7 +55,7 @@ public:
   }
 
 private:
-  MapDatabase& database_;
+  MapDatabase database_;
   const MapBuilder& builder_;
   std::map<std::string, int> index_;
   std::set<std::pair<int, int>> links_;
@@ -126,35 +127,40 @@ MapDatabase MapBuildApp::createDatabase(const DepthSequence& sequence, const std
   return database;
 }
 
-/** Builds views in parallel, some at a time, and adds them in order. \return how many had no segments. */
+/** Builds views in parallel, some at a time, and adds them in order. \param writer of the first rank; others
+ * have none. \return how many had no segments. */
 std::size_t MapBuildApp::addModels(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
-                                   const ViewParams& view_params, Batch& batch, Writer& writer) const {
+                                   const ViewParams& view_params, Batch& batch, Writer* writer) const {
   const auto fileOf = [&](std::size_t i) -> const FrameFile& {
     return sequence.frames()[candidates[i].frame];
   };
+  const auto names = ranks().broadcast(writer ? writer->names() : std::vector<std::string>());
+  const std::set<std::string> present(names.begin(), names.end());
   std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(view_params));
   std::size_t without_segments = 0;
-  const std::size_t chunk = kImagesPerThread * batch.workers();
+  const std::size_t chunk =
+      kImagesPerThread * ranks().broadcast(static_cast<std::size_t>(batch.workers())) * ranks().size();
   for (std::size_t first = 0; first < candidates.size(); first += chunk) {
     const std::size_t last = std::min(first + chunk, candidates.size());
     std::vector<LocalModel> models(last - first);
     const auto build = [&](std::size_t i, int worker) {
       LocalModel& model = models[i - first];
       model = {fileOf(i).name, fileOf(i).stamp, candidates[i].T_w_m, {}};
-      if (!writer.has(model.name))
+      if (!present.count(model.name))
         model.view = builders[worker].build(sequence.load(candidates[i].frame, input_.width));
     };
     const auto built = batch.run(
         first, last, [&](std::size_t i) { return fileOf(i).path.string(); }, build);
-    for (std::size_t i = 0; i < models.size(); ++i) {
+    ranks().collect(models);
+    for (std::size_t i = 0; writer && i < models.size(); ++i) {
       if (!built[i]) continue;
       const LocalModel& model = models[i];
-      if (writer.has(model.name))
-        writer.advance(model.name, model.T_w_m);
+      if (writer->has(model.name))
+        writer->advance(model.name, model.T_w_m);
       else if (model.view.segments.empty())
         ++without_segments;
       else
-        writer.add(model);
+        writer->add(model);
     }
   }
   return without_segments;
@@ -169,11 +175,15 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   const ViewParams view_params = input_.viewParams(sequence.camera(), line);
   const std::string parameters =
       toIni(input_, view_params) + toIni(builder_) + "every = " + std::to_string(every_) + "\n";
-  MapDatabase database = openDatabase(sequence, parameters);
   const MapBuilder builder(builder_);
-  Writer writer(database, readMap(map_), builder);
-  Batch batch(threads(), selection.candidates.size(), console);
-  const std::size_t without_segments = addModels(sequence, selection.candidates, view_params, batch, writer);
+  Batch batch(threads(), selection.candidates.size(), console, ranks());
+  if (!ranks().isFirst()) {
+    addModels(sequence, selection.candidates, view_params, batch, nullptr);
+    return kOk;
+  }
+  MapDatabase database = openDatabase(sequence, parameters);
+  Writer writer(std::move(database), readMap(map_), builder);
+  const std::size_t without_segments = addModels(sequence, selection.candidates, view_params, batch, &writer);
 
   const int code = batch.report();
   if (selection.without_pose > 0)

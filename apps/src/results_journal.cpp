@@ -6,10 +6,23 @@
 
 #include <iomanip>
 #include <optional>
+#include <regex>
 #include <sstream>
 
 namespace facetloc {
 namespace {
+
+namespace fs = std::filesystem;
+
+std::string fileName(int rank) {
+  return rank == 0 ? "partial.txt" : "partial." + std::to_string(rank) + ".txt";
+}
+
+/** Is it the fileName() of any rank? */
+bool isJournal(const std::string& name) {
+  static const std::regex names("partial\\.([1-9][0-9]*\\.)?txt");
+  return std::regex_match(name, names);
+}
 
 constexpr const char* kEnd = "end";  // tells a whole line from a torn one
 
@@ -112,16 +125,28 @@ std::optional<FrameResult> resultOf(const std::string& text) {
 
 }  // namespace
 
-ResultsJournal::ResultsJournal(const std::filesystem::path& folder) : path_(folder / "partial.txt") {}
+ResultsJournal::ResultsJournal(const fs::path& folder, int rank)
+    : folder_(folder), path_(folder / fileName(rank)), rank_(rank) {}
 
-bool ResultsJournal::exists() const { return std::filesystem::exists(path_); }
+/** Those of all ranks; how many these were is not known. */
+std::vector<fs::path> ResultsJournal::files() const {
+  std::vector<fs::path> files;
+  if (!fs::is_directory(folder_)) return files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_))
+    if (isJournal(entry.path().filename().string())) files.push_back(entry.path());
+  return files;
+}
+
+bool ResultsJournal::exists() const { return !files().empty(); }
 
 std::map<std::string, FrameResult> ResultsJournal::read() const {
   std::map<std::string, FrameResult> results;
-  std::ifstream in(path_);
-  if (!in) throw IoError(path_.string(), "cannot be read");
-  for (std::string line; std::getline(in, line);)
-    if (auto result = resultOf(line)) results[result->timing.frame] = std::move(*result);
+  for (const fs::path& file : files()) {
+    std::ifstream in(file);
+    if (!in) throw IoError(file.string(), "cannot be read");
+    for (std::string line; std::getline(in, line);)
+      if (auto result = resultOf(line)) results[result->timing.frame] = std::move(*result);
+  }
   return results;
 }
 
@@ -129,6 +154,8 @@ void ResultsJournal::begin(const std::map<std::string, FrameResult>& earlier) {
   writeTextAtomically(path_, [&](std::ostream& out) {
     for (const auto& [frame, result] : earlier) out << lineOf(frame, result);
   });
+  for (const fs::path& file : files())
+    if (rank_ == 0 && file != path_) fs::remove(file);  // its frames are among the earlier ones
   out_.open(path_, std::ios::app);
   if (!out_) throw IoError(path_.string(), "cannot be written");
 }
@@ -143,7 +170,7 @@ void ResultsJournal::append(const std::string& frame, const FrameResult& result)
 void ResultsJournal::remove() {
   out_.close();
   std::error_code ignored;
-  std::filesystem::remove(path_, ignored);
+  for (const fs::path& file : files()) fs::remove(file, ignored);
 }
 
 }  // namespace facetloc

@@ -6,9 +6,9 @@
 #include <facetloc/apps/text.h>
 #include <facetloc/io/error.h>
 
-#include <algorithm>
 #include <chrono>
 #include <map>
+#include <numeric>
 
 namespace facetloc {
 namespace {
@@ -108,38 +108,45 @@ bool SegmentApp::done(const Image& image) const {
          (!overlay_ || fs::exists(base + "_overlay.png"));
 }
 
+/** Makes the folder of the results. \return which images are still to be done. */
+std::vector<std::size_t> SegmentApp::prepare(const std::vector<Image>& images) const {
+  createFolder(folder_);
+  std::vector<std::size_t> todo;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const fs::path source = images[i].file().path.parent_path();
+    if (fs::equivalent(source.empty() ? fs::path(".") : source, folder_))
+      throw UsageError("the results would overwrite the images in " + folder_ +
+                       "; use another output folder");
+    if (!resume_ || !done(images[i])) todo.push_back(i);
+  }
+  return todo;
+}
+
 int SegmentApp::execute(const CommandLine& line, const Console& console) {
   if (folder_.empty()) throw UsageError("the folder of the results is missing: -o DIR");
   std::vector<DepthSequence> sequences;
   for (const std::string& input : inputs_) sequences.push_back(DepthSequence::open(input));
-  std::vector<Image> todo = images(sequences);
-  const std::size_t total = todo.size();
-  createFolder(folder_);
-  for (const Image& image : todo)
-    if (fs::equivalent(image.file().path.parent_path().empty() ? fs::path(".")
-                                                               : image.file().path.parent_path(),
-                       folder_))
-      throw UsageError("the results would overwrite the images in " + folder_ +
-                       "; use another output folder");
-  if (resume_)
-    todo.erase(std::remove_if(todo.begin(), todo.end(), [this](const Image& i) { return done(i); }),
-               todo.end());
+  const std::vector<Image> all = images(sequences);
+  std::vector<std::size_t> todo;
+  if (ranks().isFirst()) todo = prepare(all);
+  todo = ranks().broadcast(todo);
 
   const auto start = std::chrono::steady_clock::now();
   std::vector<std::size_t> segments(todo.size(), 0);
-  Batch batch(threads(), todo.size(), console);
+  Batch batch(threads(), todo.size(), console, ranks());
   std::vector<Worker> workers(batch.workers(), Worker(*this, line));
-  batch.run([&](std::size_t i) { return todo[i].file().path.string(); },
-            [&](std::size_t i, int worker) { segments[i] = workers[worker].process(todo[i]); });
+  batch.run([&](std::size_t i) { return all[todo[i]].file().path.string(); },
+            [&](std::size_t i, int worker) { segments[i] = workers[worker].process(all[todo[i]]); });
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   std::size_t sum = 0;
-  for (const std::size_t n : segments) sum += n;
+  for (const std::size_t n : ranks().gather(std::accumulate(segments.begin(), segments.end(), std::size_t{})))
+    sum += n;
   const int code = batch.report();
   const std::size_t done = todo.size() - batch.failures().size();
   console.out << counted(done, "image") << " with " << counted(sum, "segment") << " in " << fixed(seconds, 1)
               << " s";
-  if (total > todo.size()) console.out << " (" << total - todo.size() << " were done before)";
+  if (all.size() > todo.size()) console.out << " (" << all.size() - todo.size() << " were done before)";
   console.out << "; results in " << folder_ << "\n";
   return code;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The live tool as a user runs it: a process of its own, with the real OpenNI2 and our driver.
-#include "tool_runner.h"
+#include "process.h"
 
 #include <facetloc/apps/live_app.h>
 #include <facetloc/apps/map_apps.h>
@@ -18,11 +18,6 @@
 
 #include <array>
 #include <chrono>
-#include <csignal>
-#include <fcntl.h>
-#include <sys/wait.h>
-#include <thread>
-#include <unistd.h>
 
 namespace facetloc {
 namespace {
@@ -31,6 +26,8 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 using test::contentOf;
+using test::eventually;
+using test::kPatience;
 using test::lastLine;
 using test::runTool;
 using test::TemporaryFolder;
@@ -40,73 +37,26 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-constexpr auto kPatience = 120s;  // for anything on a busy machine; longer means that it hangs
+/** The command of facetloc_live. \param display of the process; empty = it has none. */
+std::vector<std::string> liveCommand(const std::vector<std::string>& arguments, const std::string& display) {
+  std::vector<std::string> command = {"/usr/bin/env"};
+  if (display.empty())
+    command.insert(command.end(), {"-u", "DISPLAY"});
+  else
+    command.push_back("DISPLAY=" + display);
+  command.push_back(FACETLOC_LIVE);
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return command;
+}
 
 /** facetloc_live as a process. */
-class LiveProcess {
+class LiveProcess : public test::Process {
 public:
-  /** \param display of the process; empty = it has none. */
-  explicit LiveProcess(const std::vector<std::string>& arguments, const std::string& display = "") {
-    process_ = fork();
-    if (process_ == 0) become(arguments, display);
-    setpgid(process_, process_);  // whoever of the two is first
-  }
-  ~LiveProcess() {
-    if (process_ <= 0) return;
-    kill(process_, SIGKILL);
-    waitpid(process_, nullptr, 0);
-  }
-  LiveProcess(const LiveProcess&) = delete;
-  LiveProcess& operator=(const LiveProcess&) = delete;
-
-  /** To it and all that it has started, as a terminal does. */
-  void signal(int number) const { kill(-process_, number); }
-
-  /** Waits for its end. The code is 128 + n if signal n killed it, -1 if it hangs. */
-  ToolRun wait() {
-    const auto end = Clock::now() + kPatience;
-    int status = 0;
-    while (waitpid(process_, &status, WNOHANG) == 0) {
-      if (Clock::now() > end) return {-1, contentOf(folder_ / "out"), contentOf(folder_ / "err")};
-      std::this_thread::sleep_for(5ms);
-    }
-    process_ = -1;
-    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    return {code, contentOf(folder_ / "out"), contentOf(folder_ / "err")};
-  }
-  std::string err() const { return contentOf(folder_ / "err"); }
-
-private:
-  [[noreturn]] void become(const std::vector<std::string>& arguments, const std::string& display) const {
-    setpgid(0, 0);
-    const auto redirect = [&](const char* name, int stream) {
-      dup2(open((folder_ / name).c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600), stream);
-    };
-    redirect("out", STDOUT_FILENO);
-    redirect("err", STDERR_FILENO);
-    display.empty() ? unsetenv("DISPLAY") : setenv("DISPLAY", display.c_str(), 1);
-    std::string program = FACETLOC_LIVE;
-    std::vector<std::string> copies = arguments;
-    std::vector<char*> argv = {program.data()};
-    for (std::string& argument : copies) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    execv(program.c_str(), argv.data());
-    _exit(127);
-  }
-
-  TemporaryFolder folder_;
-  pid_t process_ = -1;
+  explicit LiveProcess(const std::vector<std::string>& arguments, const std::string& display = "")
+      : Process(liveCommand(arguments, display)) {}
 };
 
 ToolRun runLive(const std::vector<std::string>& arguments) { return LiveProcess(arguments).wait(); }
-
-/** Waits until a condition holds. */
-template <class Condition>
-bool eventually(const Condition& condition) {
-  for (const auto end = Clock::now() + kPatience; Clock::now() < end; std::this_thread::sleep_for(10ms))
-    if (condition()) return true;
-  return false;
-}
 
 std::vector<std::string> linesOf(const std::string& path) {
   std::istringstream in(contentOf(path));

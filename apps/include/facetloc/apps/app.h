@@ -2,6 +2,7 @@
 #pragma once
 
 #include <facetloc/apps/command_line.h>
+#include <facetloc/apps/ranks.h>
 
 #include <iosfwd>
 #include <string>
@@ -29,7 +30,11 @@ struct Console {
 /** \brief A command-line tool as a class, so that tests can run it.
  *
  * Every tool has --help, --version, --params, --threads and --quiet. Whatever is thrown becomes a message on
- * err and an exit code here, and nowhere else. */
+ * err and an exit code here, and nowhere else.
+ *
+ * Tools that deal out their work run in several processes if mpirun starts them, which ranks() brings
+ * together: all execute(), the first one alone has a console.out, remarks and an exit code of its own. A rank
+ * that throws ends the job. */
 class App {
 public:
   virtual ~App() = default;
@@ -42,17 +47,23 @@ protected:
   virtual void addOptions(CommandLine& line) = 0;
   /** \brief Does the work; the last line on console.out says where the results are. */
   virtual int execute(const CommandLine& line, const Console& console) = 0;
+  /** \brief Is the work dealt out to ranks()? Otherwise there is one. */
+  virtual bool dealsOut() const { return false; }
 
-  int threads() const { return threads_; }  ///< as given; 0 = all cores
+  const Ranks& ranks() const { return ranks_; }
+  /** \brief As given, or else this rank's share of the machine; 0 = all cores. */
+  int threads() const { return threads_ > 0 ? threads_ : ranks_.threads(); }
   /** \brief Creates a folder and those above it. Throws IoError. */
   static void createFolder(const std::string& path);
 
 private:
+  int runOnRank(const std::vector<std::string>& arguments, Console& console);
   int parseAndExecute(const std::vector<std::string>& arguments, Console& console);
 
   std::string name_;
   std::string synopsis_;
   std::string about_;
+  Ranks ranks_;
   int threads_ = 0;
 };
 

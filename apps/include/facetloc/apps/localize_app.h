@@ -4,7 +4,7 @@
 #include <facetloc/apps/app.h>
 #include <facetloc/apps/depth_input.h>
 #include <facetloc/apps/results_journal.h>
-#include <facetloc/registration/global_localization.h>
+#include <facetloc/apps/sharded_localization.h>
 
 #include <map>
 
@@ -18,13 +18,19 @@ public:
 private:
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
+  bool dealsOut() const override { return true; }
+  std::string paramsIni(const ViewParams& view_params, const Map& map) const;
+  /** \brief Those that the images are dealt out to. */
+  Ranks imageRanks() const { return shard_map_ ? Ranks() : ranks(); }
   std::map<std::string, FrameResult> earlierResults(const ResultsJournal& journal,
                                                     const std::string& params_ini) const;
   static std::vector<FrameResult> startWith(const std::map<std::string, FrameResult>& earlier,
                                             const std::vector<FrameFile>& frames,
                                             std::vector<std::size_t>& todo);
+  std::vector<FrameResult> begin(const std::vector<FrameFile>& frames, const std::string& params_ini,
+                                 ResultsJournal& journal, std::vector<std::size_t>& todo) const;
   int localize(const DepthSequence& sequence, const ViewParams& view_params,
-               const GlobalLocalization& localization, const std::vector<std::size_t>& todo,
+               const ShardedLocalization& localization, const std::vector<std::size_t>& todo,
                ResultsJournal& journal, std::vector<FrameResult>& results, const Console& console) const;
   void printSummary(const std::vector<FrameResult>& results, const Console& console) const;
 
@@ -33,6 +39,7 @@ private:
   std::string folder_;
   int max_hypotheses_ = 100;
   bool resume_ = false;
+  bool shard_map_ = false;
   DepthInput input_;
   GlobalLocalizationParams localization_;
 };

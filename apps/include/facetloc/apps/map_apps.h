@@ -24,12 +24,13 @@ private:
 
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
+  bool dealsOut() const override { return true; }
   Selection select(const DepthSequence& sequence) const;
   MapDatabase openDatabase(const DepthSequence& sequence, const std::string& parameters) const;
   MapDatabase createDatabase(const DepthSequence& sequence, const std::string& parameters,
                              bool overwrite) const;
   std::size_t addModels(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
-                        const ViewParams& view_params, Batch& batch, Writer& writer) const;
+                        const ViewParams& view_params, Batch& batch, Writer* writer) const;
 
   std::string sequence_;
   std::string map_;

@@ -19,8 +19,10 @@ private:
 
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
+  bool dealsOut() const override { return true; }
   std::vector<Image> images(const std::vector<DepthSequence>& sequences) const;
   bool done(const Image& image) const;
+  std::vector<std::size_t> prepare(const std::vector<Image>& images) const;
 
   std::vector<std::string> inputs_;
   std::string folder_;

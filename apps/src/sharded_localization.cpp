@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/apps/sharded_localization.h>
+
+#include <iterator>
+#include <numeric>
+#include <optional>
+
+namespace facetloc {
+namespace {
+
+/** A run of the models, as long as that of any other rank, or one longer. */
+std::vector<int> shareOf(std::size_t models, const Ranks& ranks) {
+  const auto begin = [&](std::size_t rank) { return static_cast<int>(models * rank / ranks.size()); };
+  std::vector<int> own(begin(ranks.rank() + 1) - begin(ranks.rank()));
+  std::iota(own.begin(), own.end(), begin(ranks.rank()));
+  return own;
+}
+
+std::shared_ptr<const Map> withViewsOf(const std::vector<int>& own, Map map) {
+  std::vector<View> views;
+  for (const int i : own) views.push_back(std::move(map.models[i].view));
+  for (LocalModel& model : map.models) model.view = {};
+  for (std::size_t i = 0; i < own.size(); ++i) map.models[own[i]].view = std::move(views[i]);
+  return std::make_shared<const Map>(std::move(map));
+}
+
+}  // namespace
+
+ShardedLocalization::ShardedLocalization(Map map, const GlobalLocalizationParams& params,
+                                         const SensorNoise& noise, const Ranks& ranks, int threads)
+    : ranks_(ranks),
+      own_(shareOf(map.models.size(), ranks)),
+      localization_(ranks.isFirst() ? std::make_shared<const Map>(std::move(map))
+                                    : withViewsOf(own_, std::move(map)),
+                    params, noise) {
+  localization_.setNumberOfThreads(threads);
+}
+
+std::vector<Hypothesis> ShardedLocalization::registerOwn(const View& scene) const {
+  return localization_.registerWith(own_, scene, localization_.prior());
+}
+
+Localization ShardedLocalization::localize(const View& scene) const {
+  if (ranks_.size() > 1) ranks_.broadcast(std::optional<View>(scene));
+  std::vector<Hypothesis> hypotheses;
+  for (std::vector<Hypothesis>& of_rank : ranks_.gather(registerOwn(scene)))
+    std::move(of_rank.begin(), of_rank.end(), std::back_inserter(hypotheses));
+  return localization_.rank(scene, std::move(hypotheses));
+}
+
+void ShardedLocalization::finish() const { ranks_.broadcast(std::optional<View>()); }
+
+void ShardedLocalization::serve() const {
+  while (const auto scene = ranks_.broadcast(std::optional<View>())) ranks_.gather(registerOwn(*scene));
+}
+
+}  // namespace facetloc

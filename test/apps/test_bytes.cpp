@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/apps/bytes.h>
+#include <facetloc/features/local_model.h>
+#include <facetloc/io/results.h>
+#include <facetloc/io/simulated_camera.h>
+#include <facetloc/registration/hypothesis.h>
+#include <facetloc/segmentation/view_builder.h>
+
+#include <gmock/gmock.h>
+
+#include <limits>
+
+namespace facetloc {
+namespace {
+
+/** A corner of a room, 2 m away, seen obliquely. */
+View exampleView() {
+  DepthImage image;
+  image.camera = scaledKinect(160);
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u) {
+      const Eigen::Vector3d ray = image.camera.ray(u, v);
+      const double left = 2.0 / (0.8 - 0.6 * ray.x()), right = 2.0 / (0.8 + 0.6 * ray.x());
+      image.depth.push_back(static_cast<float>(std::min(left, right)));
+    }
+  return ViewBuilder().build(image);
+}
+
+Hypothesis exampleHypothesis() {
+  Hypothesis h;
+  h.model = 7;
+  h.T_m_c.T =
+      Eigen::AngleAxisd(0.1, Eigen::Vector3d(1, 2, 3).normalized()) * Eigen::Translation3d(1, 2, 1.0 / 7);
+  h.T_m_c.P = Matrix6d::Identity() / 3;
+  h.pairs = {{1, 2, 1.0 / 3}, {4, 5, std::numeric_limits<double>::infinity()}};
+  h.depth_assisted = true;
+  h.consensus = -1e-300;
+  h.free_space = -0.0;
+  h.evidence = std::numeric_limits<double>::denorm_min();
+  h.score = std::numeric_limits<double>::quiet_NaN();
+  h.probability = 1.0 / 9;
+  return h;
+}
+
+/** The bytes hold every number: two values of equal bytes are equal. */
+template <class T>
+void expectSurvives(const T& value) {
+  const std::string bytes = toBytes(value);
+  EXPECT_EQ(toBytes(fromBytes<T>(bytes)), bytes);
+}
+
+TEST(Bytes, ViewsSurvive) {
+  const View view = exampleView();
+  ASSERT_FALSE(view.segments.empty());
+  ASSERT_FALSE(view.depth.empty());
+  expectSurvives(std::optional<View>(view));
+  expectSurvives(std::optional<View>(View()));
+  const auto again = fromBytes<std::optional<View>>(toBytes(std::optional<View>(view)));
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->camera, view.camera);
+  ASSERT_EQ(again->segments.size(), view.segments.size());
+  for (std::size_t i = 0; i < view.segments.size(); ++i) {
+    const Segment &a = again->segments[i], &b = view.segments[i];
+    EXPECT_EQ(a.R, b.R);
+    EXPECT_EQ(a.t, b.t);
+    EXPECT_EQ(a.Sigma_q, b.Sigma_q);
+    EXPECT_EQ(a.lambda, b.lambda);
+    EXPECT_EQ(a.num_points, b.num_points);
+    EXPECT_TRUE(std::equal(a.hull.begin(), a.hull.end(), b.hull.begin(), b.hull.end()));
+  }
+  EXPECT_EQ(again->depth.camera, view.depth.camera);
+  EXPECT_EQ(again->depth.inverse_depth, view.depth.inverse_depth);
+  EXPECT_EQ(again->depth.lowest, view.depth.lowest);
+  EXPECT_EQ(again->depth.highest, view.depth.highest);
+  EXPECT_FALSE(fromBytes<std::optional<View>>(toBytes(std::optional<View>())));
+}
+
+TEST(Bytes, LocalModelsSurvive) {
+  LocalModel model{"a model", 1.0 / 3, Eigen::Isometry3d(Eigen::Translation3d(1, 2, 3)), exampleView()};
+  expectSurvives(std::vector<LocalModel>{model, {}});
+  const auto again = fromBytes<std::vector<LocalModel>>(toBytes(std::vector<LocalModel>{{}, model}));
+  ASSERT_EQ(again.size(), 2u);
+  EXPECT_FALSE(again[0].T_w_m);
+  EXPECT_EQ(again[1].name, model.name);
+  EXPECT_EQ(again[1].stamp, model.stamp);
+  EXPECT_EQ(again[1].T_w_m->matrix(), model.T_w_m->matrix());
+}
+
+TEST(Bytes, HypothesesSurvive) {
+  Hypothesis posed = exampleHypothesis();
+  posed.T_w_c = posed.T_m_c.T.inverse();
+  expectSurvives(std::vector<Hypothesis>{exampleHypothesis(), posed});
+  const Hypothesis h = fromBytes<std::vector<Hypothesis>>(toBytes(std::vector<Hypothesis>{posed})).at(0);
+  EXPECT_EQ(h.model, posed.model);
+  EXPECT_EQ(h.T_m_c.T.matrix(), posed.T_m_c.T.matrix());
+  EXPECT_EQ(h.T_m_c.P, posed.T_m_c.P);
+  EXPECT_EQ(h.T_w_c->matrix(), posed.T_w_c->matrix());
+  ASSERT_EQ(h.pairs.size(), 2u);
+  EXPECT_EQ(h.pairs[1].model, 5);
+  EXPECT_TRUE(h.depth_assisted);
+  EXPECT_EQ(h.consensus, posed.consensus);
+  EXPECT_TRUE(std::signbit(h.free_space));
+  EXPECT_EQ(h.evidence, posed.evidence);
+  EXPECT_TRUE(std::isnan(h.score));
+  EXPECT_EQ(h.probability, posed.probability);
+}
+
+TEST(Bytes, ResultsSurvive) {
+  FrameResult result;
+  result.stamp = 1.0 / 3;
+  result.timing = {"frame", 1, 2, 3, 4};
+  result.rows.resize(2);
+  result.rows[1].reason = "a \"reason\"\nof two lines";
+  result.rows[1].T_w_c = Eigen::Isometry3d::Identity();
+  expectSurvives(std::vector<FrameResult>{result, {}});
+  const auto again = fromBytes<std::vector<FrameResult>>(toBytes(std::vector<FrameResult>{result}));
+  EXPECT_EQ(again.at(0).timing.frame, "frame");
+  EXPECT_EQ(again.at(0).rows.at(1).reason, result.rows[1].reason);
+}
+
+TEST(Bytes, TornOnesAreRefused) {
+  const std::string bytes = toBytes(std::optional<View>(exampleView()));
+  for (std::size_t n = 0; n < bytes.size(); n += 97)
+    EXPECT_THROW(fromBytes<std::optional<View>>(bytes.substr(0, n)), std::exception) << n;
+  EXPECT_THROW(fromBytes<std::optional<View>>(bytes + "x"), std::runtime_error);
+  EXPECT_THROW(fromBytes<std::vector<std::string>>(std::string(8, '\xFF')), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The tools under mpirun, as a user runs them: what several processes write is what one writes.
+#include "process.h"
+
+#include <facetloc/apps/localize_app.h>
+#include <facetloc/apps/map_apps.h>
+#include <facetloc/apps/ranks.h>
+#include <facetloc/apps/results_journal.h>
+#include <facetloc/apps/segment_app.h>
+#include <facetloc/apps/simulate_app.h>
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <sys/stat.h>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using test::contentOf;
+using test::eventually;
+using test::lastLine;
+using test::Process;
+using test::runTool;
+using test::TemporaryFolder;
+using test::ToolRun;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr int kFrames = 13;  // not a multiple of the numbers of ranks
+
+TEST(Ranks, AProcessOfItsOwnIsTheFirstAndOnlyOne) {
+  const Ranks ranks = Ranks::join();
+  EXPECT_TRUE(ranks.isFirst());
+  EXPECT_EQ(ranks.size(), 1);
+  EXPECT_EQ(ranks.threads(), 0);
+  EXPECT_EQ(ranks.share(5), 5u);
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_TRUE(ranks.owns(i));
+  EXPECT_EQ(ranks.broadcast(std::size_t{7}), 7u);
+  EXPECT_THAT(ranks.gather(std::size_t{7}), testing::ElementsAre(7u));
+  std::vector<std::string> items = {"a", "b"};
+  ranks.collect(items);
+  EXPECT_THAT(items, testing::ElementsAre("a", "b"));
+  ranks.leave();
+  ranks.abort(1);
+}
+
+/** \param command a tool and its arguments */
+std::vector<std::string> mpirun(int ranks, const std::vector<std::string>& command) {
+  // What Open MPI refuses otherwise: to run as root, and more ranks than cores.
+  std::vector<std::string> all = {"/usr/bin/env",
+                                  "OMPI_ALLOW_RUN_AS_ROOT=1",
+                                  "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",
+                                  "OMPI_MCA_rmaps_base_oversubscribe=1",
+                                  FACETLOC_MPIRUN,
+                                  "-np",
+                                  std::to_string(ranks)};
+  all.insert(all.end(), command.begin(), command.end());
+  return all;
+}
+
+ToolRun runRanks(int ranks, const std::vector<std::string>& command) {
+  return Process(mpirun(ranks, command)).wait();
+}
+
+std::vector<fs::path> filesOf(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/** All files but timing.csv, whose contents no two runs share. */
+void expectSameFiles(const fs::path& folder, const fs::path& expected) {
+  const auto files = filesOf(folder), expected_files = filesOf(expected);
+  ASSERT_EQ(files.size(), expected_files.size());
+  ASSERT_FALSE(files.empty());
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    EXPECT_EQ(files[i].filename(), expected_files[i].filename());
+    if (files[i].filename() != "timing.csv")
+      EXPECT_EQ(contentOf(files[i]), contentOf(expected_files[i])) << files[i];
+  }
+}
+
+/** The processes that this one has started and that still run. */
+std::vector<pid_t> childrenOf(pid_t parent) {
+  std::vector<pid_t> children;
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    const std::string status = contentOf(entry.path() / "status");
+    if (status.find("\nPPid:\t" + std::to_string(parent) + "\n") != std::string::npos)
+      children.push_back(std::stoi(entry.path().filename().string()));
+  }
+  std::sort(children.begin(), children.end());
+  return children;
+}
+
+/** The number of frames in a rank's journal. */
+auto framesIn(const std::string& journal) {
+  const std::string content = contentOf(journal);
+  return std::count(content.begin(), content.end(), '\n');
+}
+
+/** One simulated room for all tests of this file, and what a single process makes of it. */
+class RanksTest : public testing::TestWithParam<int> {
+protected:
+  static void SetUpTestSuite() {
+    if (!available()) return;
+    room_ = std::make_unique<TemporaryFolder>();
+    ToolRun run = runTool<SimulateApp>({"room", "-o", *room_ / "", "--seed", "5", "--frames",
+                                        std::to_string(kFrames), "--width", "320", "--turn_deg", "8"});
+    ASSERT_EQ(run.code, kOk) << run.err;
+    run = runTool<MapBuildApp>({mapRun(), "-o", map(), "--model_distance", "0.1"});
+    ASSERT_EQ(run.code, kOk) << run.err;
+    run = runTool<LocalizeApp>({map(), query(), "-o", results()});
+    ASSERT_EQ(run.code, kOk) << run.err;
+  }
+  static void TearDownTestSuite() { room_.reset(); }
+  void SetUp() override {
+    if (!available()) GTEST_SKIP() << "built without MPI, or there is no mpirun";
+  }
+  static bool available() { return *FACETLOC_MPIRUN && fs::exists(FACETLOC_MPIRUN); }
+
+  static std::string mapRun() { return *room_ / "map"; }
+  static std::string query() { return *room_ / "query"; }
+  static std::string map() { return *room_ / "map.flmap"; }
+  static std::string results() { return *room_ / "results"; }
+
+  /** A list of the query's images, one of them somewhere else. */
+  std::string listWith(std::size_t index, const std::string& image) const {
+    fs::create_directories(folder_ / "list");
+    fs::copy_file(query() + "/camera.ini", folder_ / "list/camera.ini");
+    std::ofstream list(folder_ / "list/images.txt");
+    const auto files = filesOf(query() + "/depth");
+    for (std::size_t i = 0; i < files.size(); ++i) list << (i == index ? image : files[i].string()) << "\n";
+    return folder_ / "list/images.txt";
+  }
+
+  TemporaryFolder folder_;
+
+private:
+  static std::unique_ptr<TemporaryFolder> room_;
+};
+std::unique_ptr<TemporaryFolder> RanksTest::room_;
+
+class NumberOfRanks : public RanksTest {};
+
+TEST_P(NumberOfRanks, SegmentsAreTheSame) {
+  ASSERT_EQ(runTool<SegmentApp>({query(), "-o", folder_ / "one", "--labels", "--overlay"}).code, kOk);
+  const ToolRun run =
+      runRanks(GetParam(), {FACETLOC_SEGMENT, query(), "-o", folder_ / "several", "--labels", "--overlay"});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  expectSameFiles(folder_ / "several", folder_ / "one");
+  EXPECT_THAT(run.out, HasSubstr("13 images with "));
+  EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1);  // the first rank alone has the word
+
+  fs::remove(filesOf(folder_ / "several")[4]);
+  const ToolRun resumed = runRanks(GetParam(), {FACETLOC_SEGMENT, query(), "-o", folder_ / "several",
+                                                "--labels", "--overlay", "--resume"});
+  EXPECT_EQ(resumed.code, kOk) << resumed.err;
+  EXPECT_THAT(resumed.out, AllOf(HasSubstr("1 image with"), HasSubstr("12 were done before")));
+  expectSameFiles(folder_ / "several", folder_ / "one");
+}
+
+TEST_P(NumberOfRanks, TheMapIsTheSame) {
+  const std::string path = folder_ / "map.flmap";
+  const std::vector<std::string> build = {FACETLOC_MAP,       "build", mapRun(), "-o", path,
+                                          "--model_distance", "0.1"};
+  const ToolRun run = runRanks(GetParam(), build);
+  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_EQ(contentOf(path), contentOf(map()));
+  EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1);
+
+  std::vector<std::string> resume = build;
+  resume.push_back("--resume");
+  const ToolRun resumed = runRanks(GetParam(), resume);
+  EXPECT_EQ(resumed.code, kOk) << resumed.err;
+  EXPECT_THAT(resumed.out, HasSubstr("0 local models added"));
+  EXPECT_EQ(contentOf(path), contentOf(map()));
+  EXPECT_EQ(runRanks(GetParam(), build).code, kFailed);  // is there already
+}
+
+TEST_P(NumberOfRanks, PosesAreTheSameWhateverIsDealtOut) {
+  for (const bool shard : {false, true}) {
+    const std::string folder = folder_ / (shard ? "sharded" : "dealt");
+    std::vector<std::string> command = {FACETLOC_LOCALIZE, map(), query(), "-o", folder};
+    if (shard) command.push_back("--shard-map");
+    const ToolRun run = runRanks(GetParam(), command);
+    ASSERT_EQ(run.code, kOk) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("13 images, 13 with hypotheses"));
+    EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1);
+    expectSameFiles(folder, results());  // no journal among them
+  }
+}
+
+TEST_P(NumberOfRanks, ABadImageIsToldOnceAndDoneLater) {
+  const std::string bad = folder_ / filesOf(query() + "/depth")[6].filename().string();
+  test::writeContent(bad, "no PNG at all");
+  const std::string input = listWith(6, bad);
+  ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "one"}).code, kFailed);
+  for (const bool shard : {false, true}) {
+    std::vector<std::string> command = {FACETLOC_LOCALIZE, map(), input, "-o", folder_ / "several"};
+    if (shard) command.push_back("--shard-map");
+    const ToolRun run = runRanks(GetParam(), command);
+    EXPECT_EQ(run.code, kFailed);
+    EXPECT_THAT(run.err, AllOf(HasSubstr(bad), HasSubstr("1 of 13 items failed")));
+    for (const char* file : {"/hypotheses.csv", "/poses_tum.txt"})
+      EXPECT_EQ(contentOf(folder_ / "several" + file), contentOf(folder_ / "one" + file)) << file;
+  }
+  const auto done = ResultsJournal(folder_ / "several").read();
+  EXPECT_EQ(done.size(), 12u);
+
+  fs::copy_file(filesOf(query() + "/depth")[6], bad, fs::copy_options::overwrite_existing);
+  const ToolRun run =
+      runRanks(GetParam(), {FACETLOC_LOCALIZE, map(), input, "-o", folder_ / "several", "--resume"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  expectSameFiles(folder_ / "several", results());
+}
+
+INSTANTIATE_TEST_SUITE_P(Mpirun, NumberOfRanks, testing::Values(2, 3, 4));
+
+/** One image is a pipe that nobody writes to: its rank waits in it, however fast the machine is. */
+TEST_F(RanksTest, ARankThatIsKilledEndsTheJobAndLosesNothingThatWasFinished) {
+  const auto images = filesOf(query() + "/depth");
+  const std::string pipe = folder_ / images[7].filename().string();  // of the second rank
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const std::string input = listWith(7, pipe);
+  const std::string results = folder_ / "results";
+  Process job(mpirun(2, {FACETLOC_LOCALIZE, map(), input, "-o", results, "--threads", "1"}));
+  ASSERT_TRUE(eventually([&] {  // images 0, 2 ... 12 of the first rank, 1, 3, 5 of the second
+    return framesIn(results + "/partial.txt") == 7 && framesIn(results + "/partial.1.txt") == 3;
+  }));
+  const auto ranks = childrenOf(job.id());
+  ASSERT_EQ(ranks.size(), 2u);
+  kill(ranks[1], SIGKILL);
+  EXPECT_THAT(job.wait().code, AllOf(testing::Gt(0), testing::Ne(127)));
+  EXPECT_FALSE(fs::exists(results + "/hypotheses.csv"));
+  EXPECT_EQ(ResultsJournal(results).read().size(), 10u);
+
+  fs::remove(pipe);
+  fs::copy_file(images[7], pipe);
+  fs::copy(results, folder_ / "alone");
+  ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "alone", "--resume"}).code, kOk);
+  ASSERT_EQ(runRanks(3, {FACETLOC_LOCALIZE, map(), input, "-o", results, "--resume"}).code, kOk);
+  expectSameFiles(folder_ / "alone", RanksTest::results());
+  expectSameFiles(results, RanksTest::results());
+}
+
+TEST_F(RanksTest, AnErrorOfAllIsToldOnceAndEndsTheJob) {
+  const ToolRun run = runRanks(3, {FACETLOC_LOCALIZE, folder_ / "no.flmap", query(), "-o", folder_ / "x"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("facetloc_localize: " + (folder_ / "no.flmap") + ": does not exist"));
+  EXPECT_THAT(run.err, testing::Not(HasSubstr("(rank")));
+  EXPECT_EQ(runRanks(2, {FACETLOC_SEGMENT, query(), "--bad"}).code, kUsage);
+}
+
+/** The folder of the results is one that only the second rank cannot write to: its journal is in the way. */
+TEST_F(RanksTest, AnErrorOfOneRankEndsTheJob) {
+  fs::create_directories(folder_ / "results/partial.1.txt.tmp");
+  const ToolRun run = runRanks(2, {FACETLOC_LOCALIZE, map(), query(), "-o", folder_ / "results"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("facetloc_localize (rank 1): "));
+}
+
+TEST_F(RanksTest, ToolsThatDealNothingOutRefuse) {
+  const ToolRun run = runRanks(2, {FACETLOC_MAP, "info", map()});
+  EXPECT_EQ(run.code, kUsage);
+  EXPECT_THAT(run.err, HasSubstr("start it without mpirun"));
+}
+
+/** As a terminal stops a job. */
+TEST_F(RanksTest, CtrlCEndsTheJob) {
+  const std::string pipe = folder_ / filesOf(query() + "/depth")[7].filename().string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  Process job(mpirun(2, {FACETLOC_LOCALIZE, map(), listWith(7, pipe), "-o", folder_ / "results"}));
+  ASSERT_TRUE(eventually([&] { return fs::exists(folder_ / "results/partial.1.txt"); }));
+  const auto ranks = childrenOf(job.id());
+  job.signal(SIGINT);
+  EXPECT_GT(job.wait().code, 0);
+  for (const pid_t rank : ranks)
+    EXPECT_TRUE(eventually([&] { return !fs::exists("/proc/" + std::to_string(rank)); }));
+}
+
+}  // namespace
+}  // namespace facetloc
