@@ -1,29 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "example_scene.h"
+
 #include <facetloc/apps/bytes.h>
 #include <facetloc/features/local_model.h>
 #include <facetloc/io/results.h>
-#include <facetloc/io/simulated_camera.h>
 #include <facetloc/registration/hypothesis.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <limits>
 
 namespace facetloc {
 namespace {
 
-/** A corner of a room, 2 m away, seen obliquely. */
+using test::ExampleScene;
+
 View exampleView() {
-  DepthImage image;
-  image.camera = scaledKinect(160);
-  for (int v = 0; v < image.camera.height; ++v)
-    for (int u = 0; u < image.camera.width; ++u) {
-      const Eigen::Vector3d ray = image.camera.ray(u, v);
-      const double left = 2.0 / (0.8 - 0.6 * ray.x()), right = 2.0 / (0.8 + 0.6 * ray.x());
-      image.depth.push_back(static_cast<float>(std::min(left, right)));
-    }
-  return ViewBuilder().build(image);
+  return ViewBuilder().build(ExampleScene().see("corner", ExampleScene::pose(0, 0, 10)).depth);
 }
 
 Hypothesis exampleHypothesis() {

@@ -95,5 +95,29 @@ TEST_F(ResultsJournalTest, BeginsWithEarlierResults) {
   EXPECT_EQ(journal.read().size(), 2u);
 }
 
+TEST_F(ResultsJournalTest, RanksHaveFilesOfTheirOwnAndShareWhatIsInThem) {
+  ResultsJournal first(folder_ / "."), second(folder_ / ".", 1), twelfth(folder_ / ".", 11);
+  first.begin({});
+  second.begin({});
+  twelfth.begin({});
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "partial.11.txt"));
+  first.append("a", exampleResult("a", 1));
+  second.append("b", exampleResult("b", 1));
+  twelfth.append("c", exampleResult("c", 1));
+  test::writeContent(folder_ / "partial.old.txt", "of somebody else");
+  EXPECT_EQ(first.read().size(), 3u);
+
+  ResultsJournal next(folder_ / ".");  // of the first rank, perhaps of fewer
+  next.begin(first.read());
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "partial.1.txt"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "partial.11.txt"));
+  EXPECT_EQ(next.read().size(), 3u);
+  ResultsJournal(folder_ / ".", 1).begin({});
+  EXPECT_EQ(next.read().size(), 3u);
+  next.remove();
+  EXPECT_FALSE(next.exists());
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "partial.old.txt"));
+}
+
 }  // namespace
 }  // namespace facetloc
