@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/bytes.h>
-#include <facetloc/features/local_model.h>
+#include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
 #include <facetloc/registration/hypothesis.h>
 
@@ -49,6 +49,11 @@ void fields(Archive& archive, View& view) {
 template <class Archive>
 void fields(Archive& archive, LocalModel& model) {
   archive(model.name, model.stamp, model.T_w_m, model.view);
+}
+
+template <class Archive>
+void fields(Archive& archive, PackedModel& packed) {
+  archive(packed.model, packed.depth);
 }
 
 template <class Archive>
@@ -213,7 +218,7 @@ FACETLOC_BYTES_OF(std::size_t)
 FACETLOC_BYTES_OF(std::vector<std::size_t>)
 FACETLOC_BYTES_OF(std::vector<std::string>)
 FACETLOC_BYTES_OF(std::optional<View>)
-FACETLOC_BYTES_OF(std::vector<LocalModel>)
+FACETLOC_BYTES_OF(std::vector<PackedModel>)
 FACETLOC_BYTES_OF(std::vector<Hypothesis>)
 FACETLOC_BYTES_OF(std::vector<FrameResult>)
 #undef FACETLOC_BYTES_OF

@@ -62,7 +62,7 @@ LocalizeApp::LocalizeApp()
           "RESULTS/hypotheses.csv lists the ranked poses "
           "of each image, RESULTS/poses_tum.txt the best one; images that cannot be localized are listed "
           "with the "
-          "reason.") {}
+          "reason. Under mpirun, the images are dealt out to its processes.") {}
 
 void LocalizeApp::addOptions(CommandLine& line) {
   line.addArgument("MAP.flmap", map_);

@@ -40,8 +40,9 @@ public:
   std::size_t models() const { return index_.size(); }
   std::vector<std::string> names() const { return database_.modelNames(); }
 
-  void add(const LocalModel& model) {
-    index_[model.name] = database_.add(model);
+  void add(const PackedModel& packed) {
+    const LocalModel& model = packed.model;
+    index_[model.name] = database_.add(packed);
     ++added_;
     advance(model.name, model.T_w_m);
   }
@@ -71,7 +72,8 @@ MapBuildApp::MapBuildApp()
           "first image becomes a local model, and so does each "
           "later one that lies --model_distance or --model_rotation_deg from the latest local model. With "
           "--every N, "
-          "each N-th image becomes a local model, with or without a pose.") {}
+          "each N-th image becomes a local model, with or without a pose. Under mpirun, the images are dealt "
+          "out to its processes.") {}
 
 void MapBuildApp::addOptions(CommandLine& line) {
   line.addArgument("SEQUENCE", sequence_);
@@ -142,25 +144,25 @@ std::size_t MapBuildApp::addModels(const DepthSequence& sequence, const std::vec
       kImagesPerThread * ranks().broadcast(static_cast<std::size_t>(batch.workers())) * ranks().size();
   for (std::size_t first = 0; first < candidates.size(); first += chunk) {
     const std::size_t last = std::min(first + chunk, candidates.size());
-    std::vector<LocalModel> models(last - first);
+    std::vector<PackedModel> models(last - first);
     const auto build = [&](std::size_t i, int worker) {
-      LocalModel& model = models[i - first];
-      model = {fileOf(i).name, fileOf(i).stamp, candidates[i].T_w_m, {}};
+      LocalModel model{fileOf(i).name, fileOf(i).stamp, candidates[i].T_w_m, {}};
       if (!present.count(model.name))
         model.view = builders[worker].build(sequence.load(candidates[i].frame, input_.width));
+      models[i - first] = packed(std::move(model));
     };
     const auto built = batch.run(
         first, last, [&](std::size_t i) { return fileOf(i).path.string(); }, build);
     ranks().collect(models);
     for (std::size_t i = 0; writer && i < models.size(); ++i) {
       if (!built[i]) continue;
-      const LocalModel& model = models[i];
+      const LocalModel& model = models[i].model;
       if (writer->has(model.name))
         writer->advance(model.name, model.T_w_m);
       else if (model.view.segments.empty())
         ++without_segments;
       else
-        writer->add(model);
+        writer->add(models[i]);
     }
   }
   return without_segments;

@@ -69,7 +69,7 @@ SegmentApp::SegmentApp()
           "an .oni recording. PNG files "
           "need a camera.ini beside them or in the folder above. For each image, DIR/<name>.segments.pcd "
           "holds its "
-          "segments.") {}
+          "segments. Under mpirun, the images are dealt out to its processes.") {}
 
 void SegmentApp::addOptions(CommandLine& line) {
   line.addArguments("INPUT", inputs_);

@@ -348,15 +348,16 @@ void insertSegments(Connection& db, int model_id, const LocalModel& model) {
   }
 }
 
-void insertPicture(Connection& db, int model_id, const DepthPicture& picture) {
-  if (picture.empty()) return;
+void insertPicture(Connection& db, int model_id, const PackedModel& packed) {
+  if (packed.depth.empty()) return;
   Statement statement(db, schema::insert(schema::kPictureColumns, "depth_picture"));
-  statement << model_id << picture.camera << std::string(depth_blob::kEncoding)
-            << depth_blob::encode(picture.inverse_depth, picture.camera.width);
+  statement << model_id << packed.model.view.depth.camera << std::string(depth_blob::kEncoding)
+            << packed.depth;
   statement.run();
 }
 
-int insertModel(Connection& db, const LocalModel& model) {
+int insertModel(Connection& db, const PackedModel& packed) {
+  const LocalModel& model = packed.model;
   const int id = nextId(db, "model");
   describing(db, nameOf(id, model.name), [&] { requireSound(model); });
   Statement statement(db, schema::insert(schema::kModelColumns, "model"));
@@ -368,7 +369,7 @@ int insertModel(Connection& db, const LocalModel& model) {
   statement << model.view.camera << static_cast<int>(model.view.segments.size());
   statement.run();
   insertSegments(db, id, model);
-  insertPicture(db, id, model.view.depth);
+  insertPicture(db, id, packed);
   return id;
 }
 
@@ -546,7 +547,19 @@ void MapDatabase::setMeta(const std::string& key, const std::string& value) {
 
 void MapDatabase::setMounting(const CameraMounting& mounting) { insertMounting(impl_->db, mounting); }
 
-int MapDatabase::add(const LocalModel& model) {
+PackedModel packed(LocalModel model) {
+  DepthPicture& picture = model.view.depth;
+  std::vector<std::uint8_t> depth;
+  if (!picture.empty()) depth = depth_blob::encode(picture.inverse_depth, picture.camera.width);
+  const Intrinsics camera = picture.camera;
+  picture = {};
+  picture.camera = camera;
+  return {std::move(model), std::move(depth)};
+}
+
+int MapDatabase::add(const LocalModel& model) { return add(packed(model)); }
+
+int MapDatabase::add(const PackedModel& model) {
   Transaction transaction(impl_->db);
   const int id = insertModel(impl_->db, model);
   transaction.commit();
@@ -590,7 +603,7 @@ void writeMap(const std::filesystem::path& path, const Map& map) {
       for (const auto& [key, value] : map.meta)
         if (!isReserved(key)) insertMeta(db, key, value);
       if (map.mounting) insertMounting(db, *map.mounting);
-      for (const LocalModel& model : map.models) insertModel(db, model);
+      for (const LocalModel& model : map.models) insertModel(db, packed(model));
       for (const Link& link : map.links) insertLink(db, link);
       transaction.commit();
     }

@@ -2,7 +2,7 @@
 #include "example_scene.h"
 
 #include <facetloc/apps/bytes.h>
-#include <facetloc/features/local_model.h>
+#include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
 #include <facetloc/registration/hypothesis.h>
 #include <facetloc/segmentation/view_builder.h>
@@ -71,14 +71,17 @@ TEST(Bytes, ViewsSurvive) {
 }
 
 TEST(Bytes, LocalModelsSurvive) {
-  LocalModel model{"a model", 1.0 / 3, Eigen::Isometry3d(Eigen::Translation3d(1, 2, 3)), exampleView()};
-  expectSurvives(std::vector<LocalModel>{model, {}});
-  const auto again = fromBytes<std::vector<LocalModel>>(toBytes(std::vector<LocalModel>{{}, model}));
+  const LocalModel model{"a model", 1.0 / 3, Eigen::Isometry3d(Eigen::Translation3d(1, 2, 3)), exampleView()};
+  const std::vector<PackedModel> models = {packed(model), {}};
+  expectSurvives(models);
+  const auto again = fromBytes<std::vector<PackedModel>>(toBytes(models));
   ASSERT_EQ(again.size(), 2u);
-  EXPECT_FALSE(again[0].T_w_m);
-  EXPECT_EQ(again[1].name, model.name);
-  EXPECT_EQ(again[1].stamp, model.stamp);
-  EXPECT_EQ(again[1].T_w_m->matrix(), model.T_w_m->matrix());
+  EXPECT_EQ(again[0].model.name, model.name);
+  EXPECT_EQ(again[0].model.stamp, model.stamp);
+  EXPECT_EQ(again[0].model.T_w_m->matrix(), model.T_w_m->matrix());
+  EXPECT_EQ(again[0].model.view.depth.camera, model.view.depth.camera);
+  EXPECT_EQ(again[0].depth, models[0].depth);
+  EXPECT_FALSE(again[1].model.T_w_m);
 }
 
 TEST(Bytes, HypothesesSurvive) {

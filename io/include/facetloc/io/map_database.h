@@ -3,12 +3,21 @@
 
 #include <facetloc/features/local_model.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace facetloc {
+
+/** \brief A local model whose depth picture is packed as a map file holds it. Packing loses nothing, takes
+ * longer than everything else about adding a model, and any thread can do it. */
+struct PackedModel {
+  LocalModel model;                 ///< of view.depth the camera alone
+  std::vector<std::uint8_t> depth;  ///< empty if there is no depth picture
+};
+PackedModel packed(LocalModel model);
 
 /** \brief A map file (*.flmap): one SQLite database, DESIGN 5. All functions throw IoError with file and
  * cause.
@@ -34,6 +43,7 @@ public:
   void setMounting(const CameraMounting& mounting);
   /** \brief Adds a local model with its segments and depth picture in one transaction; returns its index. */
   int add(const LocalModel& model);
+  int add(const PackedModel& model);
   /** \brief Adds a link between two models that are already there. */
   void add(const Link& link);
   /** \brief The names of the models so far, by index; lets a build resume. */
