@@ -373,6 +373,12 @@ int insertModel(Connection& db, const PackedModel& packed) {
   return id;
 }
 
+/** Packs it first, if there is sense in it. */
+int insertModel(Connection& db, const LocalModel& model) {
+  describing(db, nameOf(nextId(db, "model"), model.name), [&] { requireSound(model); });
+  return insertModel(db, packed(model));
+}
+
 void insertLink(Connection& db, const Link& link) {
   describing(db, "link " + std::to_string(link.from) + " -> " + std::to_string(link.to),
              [&] { requireSound(link); });
@@ -518,6 +524,14 @@ std::vector<std::string> integrityFaults(Connection& db) {
 // -------------------------------------------------------------------------------------------------
 
 struct MapDatabase::Impl {
+  template <class Model>
+  int add(const Model& model) {
+    Transaction transaction(db);
+    const int id = insertModel(db, model);
+    transaction.commit();
+    return id;
+  }
+
   Connection db;
 };
 
@@ -557,14 +571,9 @@ PackedModel packed(LocalModel model) {
   return {std::move(model), std::move(depth)};
 }
 
-int MapDatabase::add(const LocalModel& model) { return add(packed(model)); }
+int MapDatabase::add(const LocalModel& model) { return impl_->add(model); }
 
-int MapDatabase::add(const PackedModel& model) {
-  Transaction transaction(impl_->db);
-  const int id = insertModel(impl_->db, model);
-  transaction.commit();
-  return id;
-}
+int MapDatabase::add(const PackedModel& model) { return impl_->add(model); }
 
 void MapDatabase::add(const Link& link) {
   Transaction transaction(impl_->db);
@@ -603,7 +612,7 @@ void writeMap(const std::filesystem::path& path, const Map& map) {
       for (const auto& [key, value] : map.meta)
         if (!isReserved(key)) insertMeta(db, key, value);
       if (map.mounting) insertMounting(db, *map.mounting);
-      for (const LocalModel& model : map.models) insertModel(db, packed(model));
+      for (const LocalModel& model : map.models) insertModel(db, model);
       for (const Link& link : map.links) insertLink(db, link);
       transaction.commit();
     }

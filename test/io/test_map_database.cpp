@@ -148,6 +148,20 @@ TEST_F(MapFile, IsTheSameWhetherBuiltStepByStepOrAtOnce) {
   EXPECT_THAT(checkMap(path_), IsEmpty());
 }
 
+TEST_F(MapFile, IsTheSameWhoeverPacksItsModels) {
+  LocalModel flat = ExampleMap().model("flat");
+  flat.view.depth = {};
+  const auto other = folder_ / "b.flmap";
+  {
+    MapDatabase mine = MapDatabase::create(path_), theirs = MapDatabase::create(other);
+    for (const LocalModel& model : {ExampleMap().model("a"), flat}) {
+      mine.add(model);
+      theirs.add(packed(model));
+    }
+  }
+  EXPECT_EQ(bytesOf(path_), bytesOf(other));
+}
+
 TEST_F(MapFile, ABuildCanBeResumed) {
   ExampleMap example;
   MapDatabase::create(path_).add(example.model("a"));

@@ -12,7 +12,8 @@
 namespace facetloc {
 
 /** \brief A local model whose depth picture is packed as a map file holds it. Packing loses nothing, takes
- * longer than everything else about adding a model, and any thread can do it. */
+ * longer than everything else about adding a model, and any thread can do it. The picture is to have the size
+ * that its camera says. */
 struct PackedModel {
   LocalModel model;                 ///< of view.depth the camera alone
   std::vector<std::uint8_t> depth;  ///< empty if there is no depth picture
