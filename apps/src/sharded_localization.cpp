@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/sharded_localization.h>
 
+#include <algorithm>
 #include <iterator>
 #include <numeric>
 #include <optional>
@@ -24,6 +25,12 @@ std::shared_ptr<const Map> withViewsOf(const std::vector<int>& own, Map map) {
   return std::make_shared<const Map>(std::move(map));
 }
 
+/** The first rank, which has all views, makes the shortlist. */
+GlobalLocalizationParams withoutShortlist(GlobalLocalizationParams params) {
+  params.index.shortlist = 0;
+  return params;
+}
+
 }  // namespace
 
 ShardedLocalization::ShardedLocalization(Map map, const GlobalLocalizationParams& params,
@@ -32,18 +39,26 @@ ShardedLocalization::ShardedLocalization(Map map, const GlobalLocalizationParams
       own_(shareOf(map.models.size(), ranks)),
       localization_(ranks.isFirst() ? std::make_shared<const Map>(std::move(map))
                                     : withViewsOf(own_, std::move(map)),
-                    params, noise) {
+                    ranks.isFirst() ? params : withoutShortlist(params), noise) {
   localization_.setNumberOfThreads(threads);
 }
 
-std::vector<Hypothesis> ShardedLocalization::registerOwn(const View& scene) const {
-  return localization_.registerWith(own_, scene, localization_.prior());
+std::vector<Hypothesis> ShardedLocalization::registerOwn(const View& scene,
+                                                         const std::vector<int>& candidates) const {
+  std::vector<int> models;
+  std::set_intersection(own_.begin(), own_.end(), candidates.begin(), candidates.end(),
+                        std::back_inserter(models));
+  return localization_.registerWith(models, scene, localization_.prior());
 }
 
 Localization ShardedLocalization::localize(const View& scene) const {
-  if (ranks_.size() > 1) ranks_.broadcast(std::optional<View>(scene));
+  const std::vector<int> candidates = localization_.candidates(scene);
+  if (ranks_.size() > 1) {
+    ranks_.broadcast(std::optional<View>(scene));
+    ranks_.broadcast(candidates);
+  }
   std::vector<Hypothesis> hypotheses;
-  for (std::vector<Hypothesis>& of_rank : ranks_.gather(registerOwn(scene)))
+  for (std::vector<Hypothesis>& of_rank : ranks_.gather(registerOwn(scene, candidates)))
     std::move(of_rank.begin(), of_rank.end(), std::back_inserter(hypotheses));
   return localization_.rank(scene, std::move(hypotheses));
 }
@@ -51,7 +66,10 @@ Localization ShardedLocalization::localize(const View& scene) const {
 void ShardedLocalization::finish() const { ranks_.broadcast(std::optional<View>()); }
 
 void ShardedLocalization::serve() const {
-  while (const auto scene = ranks_.broadcast(std::optional<View>())) ranks_.gather(registerOwn(*scene));
+  while (const auto scene = ranks_.broadcast(std::optional<View>())) {
+    const std::vector<int> candidates = ranks_.broadcast(std::vector<int>());
+    ranks_.gather(registerOwn(*scene, candidates));
+  }
 }
 
 }  // namespace facetloc

@@ -193,6 +193,19 @@ TEST_P(NumberOfRanks, PosesAreTheSameWhateverIsDealtOut) {
   }
 }
 
+TEST_P(NumberOfRanks, TheShortlistOfALargeMapIsDealtOut) {
+  const auto command = [&](const std::string& name) -> std::vector<std::string> {
+    return {FACETLOC_LOCALIZE,    map(), query(),       "-o", folder_ / name,
+            "--exhaustive_up_to", "1",   "--shortlist", "3"};
+  };
+  ASSERT_EQ(runRanks(1, command("one")).code, kOk);
+  std::vector<std::string> sharded = command("sharded");
+  sharded.push_back("--shard-map");
+  const ToolRun run = runRanks(GetParam(), sharded);
+  ASSERT_EQ(run.code, kOk) << run.err;
+  expectSameFiles(folder_ / "sharded", folder_ / "one");
+}
+
 TEST_P(NumberOfRanks, ABadImageIsToldOnceAndDoneLater) {
   const std::string bad = folder_ / filesOf(query() + "/depth")[6].filename().string();
   test::writeContent(bad, "no PNG at all");

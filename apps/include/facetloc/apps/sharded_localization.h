@@ -31,7 +31,7 @@ public:
   void serve() const;
 
 private:
-  std::vector<Hypothesis> registerOwn(const View& scene) const;
+  std::vector<Hypothesis> registerOwn(const View& scene, const std::vector<int>& candidates) const;
 
   Ranks ranks_;
   std::vector<int> own_;  // models
