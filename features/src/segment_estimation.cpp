@@ -33,14 +33,18 @@ struct PointMoments {
   Eigen::Matrix3d pp = Eigen::Matrix3d::Zero();
 };
 
+// First and last column of a region in a row; first > last where there is none.
+struct RowExtreme {
+  int first, last;
+};
+
 struct Region {
   PlaneMoments plane;
   PointMoments points;
   Eigen::Matrix3d bb = Eigen::Matrix3d::Zero();  // sum of b b^T, from plane
   PixelPlane fitted;
-  double tolerance = 0;  // residual beyond which a pixel does not count
-  std::vector<std::pair<int, int>>
-      row_extremes;  // (first, last) column per row; first > last where there is none
+  double tolerance = 0;                // residual beyond which a pixel does not count
+  RowExtreme* row_extremes = nullptr;  // one per row; none if the region is too small from the start
 };
 
 // Calls f(label, v, u0, u1) for every horizontal run of equal, non-zero labels.
@@ -138,16 +142,17 @@ void fitRegions(const Intrinsics& camera, const float* inverse, const LabelImage
 
 // Second pass: plane and points of the pixels that belong, row by row.
 void gatherSupport(const DepthImage& image, const float* inverse, const LabelImage& labels,
-                   double min_support, std::vector<Region>& regions) {
+                   double min_support, std::vector<Region>& regions, std::vector<RowExtreme>& row_extremes) {
   const Intrinsics& c = image.camera;
-  for (Region& r : regions) {
-    r.row_extremes.clear();
-    if (r.plane.n >= min_support) r.row_extremes.assign(c.height, {c.width, -1});
+  row_extremes.assign(regions.size() * c.height, {c.width, -1});
+  for (std::size_t k = 0; k < regions.size(); ++k) {
+    Region& r = regions[k];
+    r.row_extremes = r.plane.n >= min_support ? row_extremes.data() + k * c.height : nullptr;
     r.plane = {};
   }
   forEachRun(labels, [&](int label, int v, int u0, int u1) {
     Region& r = regions[label];
-    if (r.row_extremes.empty()) return;  // too small from the start
+    if (!r.row_extremes) return;
     const std::size_t begin = static_cast<std::size_t>(v) * c.width + u0;
     const float* d = inverse + begin;
     const float start = static_cast<float>(r.fitted.at(u0, v)), slope = static_cast<float>(r.fitted.a);
@@ -171,8 +176,8 @@ void gatherSupport(const DepthImage& image, const float* inverse, const LabelIma
     int first = 0, last = u1 - u0 - 1;
     while (!belongs(first)) ++first;
     while (!belongs(last)) --last;
-    auto& [row_first, row_last] = r.row_extremes[v];
-    row_first = std::min(row_first, u0 + first), row_last = std::max(row_last, u0 + last);
+    RowExtreme& row = r.row_extremes[v];
+    row.first = std::min(row.first, u0 + first), row.last = std::max(row.last, u0 + last);
   });
 }
 
@@ -204,10 +209,10 @@ double cross(const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Ve
 
 // Convex hull by monotone chain; the row extremes come sorted by v, then u. Exact: the coordinates are
 // integers.
-void pixelHull(const std::vector<std::pair<int, int>>& row_extremes, Pixels& points, Pixels& hull) {
+void pixelHull(const RowExtreme* row_extremes, int height, Pixels& points, Pixels& hull) {
   points.clear();
   hull.clear();
-  for (std::size_t v = 0; v < row_extremes.size(); ++v) {
+  for (int v = 0; v < height; ++v) {
     const auto [first, last] = row_extremes[v];
     if (first > last) continue;
     points.emplace_back(first, v);
@@ -294,7 +299,8 @@ void rankByInformation(const std::vector<Segment>& segments, std::vector<double>
 
 struct SegmentEstimation::Buffers {
   std::vector<float> inverse;   // depth
-  std::vector<Region> regions;  // by label; those behind the last label only keep their memory
+  std::vector<Region> regions;  // by label
+  std::vector<RowExtreme> row_extremes;
   Pixels points, hull;
   std::vector<Segment> found;
   std::vector<int> label_of, order;
@@ -341,7 +347,7 @@ bool SegmentEstimation::Buffers::makeSegment(Region& r, const Intrinsics& camera
   s.Sigma_q = params.faithful ? faithfulCovariance(n, s.t, s.lambda, camera, params.faithful_factor, noise)
                               : robustCovariance(r, s, rho, camera, noise, params);
   if (s.Sigma_q.llt().info() != Eigen::Success) return false;
-  pixelHull(r.row_extremes, points, hull);
+  pixelHull(r.row_extremes, camera.height, points, hull);
   simplify(hull, ConvexHull::kMaxVertices);
   s.hull = hullInPlane(hull, camera, s, rho);
   return s.hull.size >= 3;
@@ -384,11 +390,10 @@ void SegmentEstimation::estimate(const DepthImage& image, const LabelImage& labe
   b.inverse.resize(image.depth.size());
   invert(image.depth.data(), image.depth.size(), b.inverse.data());
   const std::size_t num_labels = labels.maxLabel() + 1;
-  if (b.regions.size() < num_labels) b.regions.resize(num_labels);
-  for (Region& r : b.regions) r.plane = {}, r.points = {};
+  b.regions.assign(num_labels, {});
   fitRegions(image.camera, b.inverse.data(), labels, noise.inverse_depth_std, params_.trim, b.regions);
   const double min_support = std::max(3.0, scaledPixels(params_.min_support, image.camera));
-  gatherSupport(image, b.inverse.data(), labels, min_support, b.regions);
+  gatherSupport(image, b.inverse.data(), labels, min_support, b.regions, b.row_extremes);
 
   b.found.clear();
   b.label_of.clear();

@@ -58,33 +58,25 @@ double RegionMerging::cost(const PlaneMoments& a, double sse_a, const PlaneMomen
 void RegionMerging::compute(const DepthTriangulation& triangulation, const DisparityImage& image) {
   const auto& triangles = triangulation.triangles();
   const int n = static_cast<int>(triangles.size());
-  nodes_.resize(n);
+  if (nodes_.capacity() < triangles.size()) {  // with room for the next images of the camera
+    const std::size_t room = triangles.size() + triangles.size() / 2;
+    nodes_.reserve(room), mark_.reserve(room), region_of_triangle_.reserve(room);
+    links_.reserve(3 * room);
+  }
   heap_.clear();
   regions_.clear();
   region_of_triangle_.assign(n, -1);
+  mark_.assign(n, 0);
+  contractions_ = 0;
 
-  std::vector<char> alive(n, 0);
-  for (int i = 0; i < n; ++i) {
-    const DepthTriangulation::Triangle& t = triangles[i];
-    Node& node = nodes_[i];
-    node.parent = i;
-    node.version = 0;
-    node.neighbours.clear();
-    if (t.num_valid == 0 || t.num_valid < triangulation.params().min_fill * t.num_pixels) continue;
-    if (image.unit * t.plane.toSpace(image.camera).norm() * params_.min_plane_distance > 1) continue;
-    if (t.max_deviation > triangulation.params().split_tolerance) continue;
-    alive[i] = 1;
-    triangulation.spans(t, spans_);
-    node.moments = momentsOf(image, spans_.data(), spans_.size());
-    node.sse = node.moments.fit().sse;
-  }
+  makeNodes(triangulation, image);
   for (int i = 0; i < n; ++i)
-    if (alive[i])
+    if (nodes_[i].takes_part)
       for (const int j : triangles[i].neighbour)
-        if (j >= 0 && alive[j]) nodes_[i].neighbours.push_back(j);
-  for (int i = 0; i < n; ++i)
-    for (const int j : nodes_[i].neighbours)
-      if (i < j) pushEdge(i, j);
+        if (j >= 0 && nodes_[j].takes_part) {
+          append(i, j);
+          if (i < j) pushEdge(i, j);
+        }
 
   while (!heap_.empty()) {
     std::pop_heap(heap_.begin(), heap_.end());
@@ -96,13 +88,31 @@ void RegionMerging::compute(const DepthTriangulation& triangulation, const Dispa
   }
 
   for (int i = 0; i < n; ++i) {
-    if (!alive[i]) continue;
+    if (!nodes_[i].takes_part) continue;
     const int r = root(i);
     if (region_of_triangle_[r] < 0) {
       region_of_triangle_[r] = static_cast<int>(regions_.size());
       regions_.push_back({nodes_[r].moments, nodes_[r].moments.fit().plane});
     }
     region_of_triangle_[i] = region_of_triangle_[r];
+  }
+}
+
+void RegionMerging::makeNodes(const DepthTriangulation& triangulation, const DisparityImage& image) {
+  const auto& triangles = triangulation.triangles();
+  nodes_.assign(triangles.size(), {});
+  links_.clear();
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const DepthTriangulation::Triangle& t = triangles[i];
+    Node& node = nodes_[i];
+    node.parent = static_cast<std::int32_t>(i);
+    if (t.num_valid == 0 || t.num_valid < triangulation.params().min_fill * t.num_pixels) continue;
+    if (t.max_deviation > triangulation.params().split_tolerance) continue;
+    if (image.unit * t.plane.toSpace(image.camera).norm() * params_.min_plane_distance > 1) continue;
+    node.takes_part = true;
+    triangulation.spans(t, spans_);
+    node.moments = momentsOf(image, spans_.data(), spans_.size());
+    node.sse = node.moments.fit().sse;
   }
 }
 
@@ -118,22 +128,43 @@ void RegionMerging::pushEdge(int a, int b) {
   std::push_heap(heap_.begin(), heap_.end());
 }
 
+void RegionMerging::append(int node, int neighbour) {
+  links_.push_back({neighbour, -1});
+  const int link = static_cast<int>(links_.size()) - 1;
+  Node& n = nodes_[node];
+  (n.last < 0 ? n.first : links_[n.last].next) = link;
+  n.last = link;
+  ++n.degree;
+}
+
 void RegionMerging::contract(int a, int b) {
-  if (nodes_[a].neighbours.size() < nodes_[b].neighbours.size()) std::swap(a, b);
+  if (nodes_[a].degree < nodes_[b].degree) std::swap(a, b);
   Node &to = nodes_[a], &from = nodes_[b];
   from.parent = a;
   to.moments += from.moments;
   to.sse = to.moments.fit().sse;
   ++to.version;
   ++from.version;
-  std::vector<std::int32_t>& all = to.neighbours;
-  all.insert(all.end(), from.neighbours.begin(), from.neighbours.end());
-  from.neighbours.clear();
-  for (std::int32_t& i : all) i = root(i);
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  all.erase(std::remove(all.begin(), all.end(), a), all.end());
-  for (const int i : all) pushEdge(a, i);
+  // The lists, which name each other at least, become one; regions that are in both are dropped once.
+  links_[to.last].next = from.first;
+  mark_[a] = ++contractions_;
+  int last = -1;
+  to.degree = 0;
+  for (int link = to.first; link >= 0; link = links_[link].next) {
+    const int i = root(links_[link].node);
+    if (mark_[i] == contractions_) continue;
+    mark_[i] = contractions_;
+    links_[link].node = i;
+    (last < 0 ? to.first : links_[last].next) = link;
+    last = link;
+    ++to.degree;
+    pushEdge(a, i);
+  }
+  to.last = last;
+  if (last < 0)
+    to.first = -1;
+  else
+    links_[last].next = -1;
 }
 
 }  // namespace facetloc

@@ -54,7 +54,12 @@ private:
     double sse = 0;
     std::int32_t parent = 0;
     std::uint32_t version = 0;
-    std::vector<std::int32_t> neighbours;
+    std::int32_t first = -1, last = -1;  // its list of neighbours, in links_
+    std::int32_t degree = 0;             // length of the list
+    bool takes_part = false;             // else a discontinuity, or poorly filled
+  };
+  struct Link {
+    std::int32_t node, next;
   };
   struct Edge {
     float cost;
@@ -65,12 +70,17 @@ private:
       return a != o.a ? a > o.a : b > o.b;
     }
   };
+  void makeNodes(const DepthTriangulation& triangulation, const DisparityImage& image);
   int root(int i);
+  void append(int node, int neighbour);
   void pushEdge(int a, int b);
   void contract(int a, int b);
 
   RegionMergingParams params_;
-  std::vector<Node> nodes_;
+  std::vector<Node> nodes_;  // one for each triangle, later for each region
+  std::vector<Link> links_;
+  std::vector<std::uint32_t> mark_;  // by node: the last contraction that met it
+  std::uint32_t contractions_ = 0;
   std::vector<Edge> heap_;
   std::vector<Region> regions_;
   std::vector<std::int32_t> region_of_triangle_;
