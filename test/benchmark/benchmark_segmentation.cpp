@@ -9,12 +9,12 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/segmentation/view_builder.h>
 
+#include <benchmark/benchmark.h>
 #include <pcl/features/integral_image_normal.h>
 #include <pcl/segmentation/organized_multi_plane_segmentation.h>
 
-#include <benchmark/benchmark.h>
-
 #include <cstdlib>
+#include <limits>
 
 namespace {
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/so3.h>
 #include <facetloc/io/simulated_camera.h>
 
 #include <random>

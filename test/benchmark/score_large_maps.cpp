@@ -3,7 +3,7 @@
 // What the shortlist costs and saves in large maps of simulated floors.
 //
 //   score_large_maps --floors DIR [--models N,N,...] [--queries N] [--exhaustive N] [--csv FILE]
-//                    [--first-seed N] [--set PARAMETER VALUE]
+//                    [--plot FILE.png] [--first-seed N] [--set PARAMETER VALUE]
 //
 // The floors (office, home and hall of every seed) are rendered once and kept in DIR. A map of N local models
 // is made of as many floors as that takes, far from each other. The queries are images of the later runs on
@@ -15,6 +15,8 @@
 // answers are right.
 #include "simulated_floors.h"
 
+#include <facetloc/apps/charts.h>
+#include <facetloc/apps/offscreen_display.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/io/simulated_place.h>
 #include <facetloc/registration/global_localization.h>
@@ -43,7 +45,7 @@ constexpr double kNear = 3, kNearRotation = 45 * kDegree;  // of models that may
 constexpr int kLengths[] = {1, 10, 20, 50, 75, 100, 150, 200, 300, 500, 1000};
 
 struct Options {
-  std::string floors, csv;
+  std::string floors, csv, plot;
   std::vector<std::size_t> models = {1000, 10000};
   std::size_t queries = 200, exhaustive = 0;
   std::uint64_t first_seed = 1;
@@ -141,7 +143,8 @@ bool answersRight(const GlobalLocalization& localization, const Query& q) {
   return !answer.hypotheses.empty() && isRight(*answer.hypotheses[0].T_w_c, q.T_w_c);
 }
 
-void score(const Options& options, Building& building, std::size_t n, std::FILE* csv) {
+/** \return recall by the length of the shortlist. */
+Curve score(const Options& options, Building& building, std::size_t n, std::FILE* csv) {
   const std::shared_ptr<const Map> map = building.map(n);
   std::vector<Query> queries = building.queries(n);
   GlobalLocalizationParams all;
@@ -172,12 +175,17 @@ void score(const Options& options, Building& building, std::size_t n, std::FILE*
   const double vote = 1e3 * seconds(start) / static_cast<double>(queries.size());
   std::printf("%zu queries, %zu answerable; shortlist in %.1f ms\n", queries.size(), ranks.size(), vote);
   std::printf("%10s %10s\n", "shortlist", "recall");
+  Curve curve;
+  curve.label = std::to_string(n) + " local models";
+  curve.markers = true;
   for (const int length : kLengths) {
     if (length > longest) break;
     const auto held = std::count_if(ranks.begin(), ranks.end(), [length](int r) { return r < length; });
     const double recall =
         static_cast<double>(held) / static_cast<double>(std::max<std::size_t>(ranks.size(), 1));
     std::printf("%10d %8.1f %%\n", length, 100 * recall);
+    curve.x.push_back(length);
+    curve.y.push_back(100 * recall);
     if (csv)
       std::fprintf(csv, "%zu,%d,%zu,%.5f,%.3f,%.3f,%.1f\n", n, length, ranks.size(), recall, vote, build,
                    1e-6 * static_cast<double>(index.bytes()));
@@ -185,7 +193,7 @@ void score(const Options& options, Building& building, std::size_t n, std::FILE*
 
   std::fflush(stdout);
   if (csv) std::fflush(csv);
-  if (options.exhaustive == 0) return;
+  if (options.exhaustive == 0) return curve;
   GlobalLocalizationParams some = all;
   some.index = options.index;
   some.index.exhaustive_up_to = 0;
@@ -211,6 +219,21 @@ void score(const Options& options, Building& building, std::size_t n, std::FILE*
       "with the shortlist only: %d; %.0f ms with all, %.0f ms with the shortlist\n",
       asked.size(), options.index.shortlist, both, only_all, only_quick, ms_all, ms_quick);
   std::fflush(stdout);
+  return curve;
+}
+
+void plot(const std::string& path, std::vector<Curve> curves) {
+  Panel panel;
+  panel.title = "Queries whose place is on the shortlist";
+  panel.x_title = "local models on the shortlist";
+  panel.y_title = "recall [%]";
+  panel.x_min = 1, panel.x_max = 1000, panel.logarithmic_x = true;
+  panel.y_min = 60, panel.y_max = 100;
+  for (std::size_t i = 0; i < curves.size(); ++i)
+    curves[i].colour = kCurveColours[i % std::size(kCurveColours)];
+  panel.curves = std::move(curves);
+  const OffscreenDisplay display;
+  drawCharts(path, 900, 600, {panel});
 }
 
 bool set(PlaceIndexParams& params, const std::string& name, double value) {
@@ -245,6 +268,8 @@ int run(int argc, char** argv) {
       options.first_seed = std::strtoul(argv[++i], nullptr, 10);
     } else if (argument == "--csv" && has_value) {
       options.csv = argv[++i];
+    } else if (argument == "--plot" && has_value) {
+      options.plot = argv[++i];
     } else if (argument == "--set" && i + 2 < argc &&
                set(options.index, argv[i + 1], std::atof(argv[i + 2]))) {
       i += 2;
@@ -257,14 +282,16 @@ int run(int argc, char** argv) {
   if (options.floors.empty()) {
     std::fprintf(stderr,
                  "usage: score_large_maps --floors DIR [--models N,N,...] [--queries N] [--exhaustive N] "
-                 "[--csv FILE] [--first-seed N] [--misses] [--set PARAMETER VALUE]\n");
+                 "[--csv FILE] [--plot FILE.png] [--first-seed N] [--misses] [--set PARAMETER VALUE]\n");
     return 2;
   }
   std::FILE* csv = options.csv.empty() ? nullptr : std::fopen(options.csv.c_str(), "w");
   if (!options.csv.empty() && !csv) throw std::runtime_error("cannot write " + options.csv);
   if (csv) std::fprintf(csv, "models,shortlist,answerable,recall,shortlist_ms,build_s,index_mb\n");
   Building building(options);
-  for (const std::size_t n : options.models) score(options, building, n, csv);
+  std::vector<Curve> curves;
+  for (const std::size_t n : options.models) curves.push_back(score(options, building, n, csv));
+  if (!options.plot.empty()) plot(options.plot, std::move(curves));
   if (csv && std::fclose(csv) != 0) throw std::runtime_error("cannot write " + options.csv);
   return 0;
 }
