@@ -12,25 +12,26 @@ bin=$build/test/benchmark
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 
-run() { "$bin/$1" --benchmark_format=csv --benchmark_min_time="${3:-1}" --benchmark_filter="$2" 2>/dev/null; }
+# Lines of: name, time, unit, processor time, unit, ...
+run() { "$bin/$1" --benchmark_color=false --benchmark_min_time="${3:-1}" --benchmark_filter="$2" 2>/dev/null; }
 
 echo "Processor time of one core, $(nproc)-core machine, $(sed -n 's/^model name.*: //p;T;q' /proc/cpuinfo)"
 echo
-run benchmark_segmentation . > "$out/segmentation.csv"
+run benchmark_segmentation . > "$out/segmentation"
 for source in 0 1; do
   [ $source = 0 ] && echo "| simulated room | 320x240 | x (a) | 640x480 | x (a) | (b) / it |" \
                   || echo "| real image | 320x240 | x (a) | 640x480 | x (a) | (b) / it |"
   echo "|---|---|---|---|---|---|"
-  awk -F, -v real="real:$source" '
-    /^"/ && $0 !~ /SkipWithError|,true,/ && index($1, real) {
-      gsub(/"/, ""); split($1, part, "/"); sub("width:", "", part[2]); ms[part[1], part[2]] = $4
+  awk -v real="real:$source" '
+    $5 == "ms" && index($1, real) {
+      split($1, part, "/"); sub("width:", "", part[2]); ms[part[1], part[2]] = $4
       if (!(part[1] in seen)) { seen[part[1]] = 1; order[++n] = part[1] } }
     END {
       if (n == 0) { print "| no sequence given | | | | | |"; exit }
       for (i = 1; i <= n; ++i) { s = order[i]
         printf "| %s | %.2f ms | %.1f | %.2f ms | %.1f | %.1f |\n", s, ms[s, 320], ms[s, 320] / ms["yardstickMoments", 320],
                ms[s, 640], ms[s, 640] / ms["yardstickMoments", 640], ms["yardstickPcl", 640] / ms[s, 640] } }
-  ' "$out/segmentation.csv"
+  ' "$out/segmentation"
   echo
 done
 echo "(a) yardstickMoments: one pass that reads the image and accumulates moments; (b) yardstickPcl: integral-image normals"
@@ -38,7 +39,7 @@ echo "and OrganizedMultiPlaneSegmentation, at 640x480."
 echo
 echo "| localization, one view | processor time | for each local model |"
 echo "|---|---|---|"
-run benchmark_localization . 3 | awk -F, '/^"/ { gsub(/"/, ""); split($1, part, "/"); sub("models:", "", part[2])
+run benchmark_localization . 3 | awk '$5 == "ms" { split($1, part, "/"); sub("models:", "", part[2])
   printf "| %s local models, %s | %.1f ms | %.2f ms |\n", part[2], part[3] == "dense:1" ? "all dense steps" : "planes only",
          $4, $4 / part[2] }'
 
