@@ -1,9 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/depth_image.h>
+#include <facetloc/features/impl/inverse_depth.h>
+#include <facetloc/features/impl/lanes.h>
 
 #include <algorithm>
 
 namespace facetloc {
+
+FACETLOC_MULTIVERSION void invertDepth(const float* depth, std::size_t n, float scale, float* out) {
+  for (std::size_t i = 0; i < n; i += kLanes) {
+    Floats z;
+    load(depth + i, depth + n, z);
+    const Floats inverse = scale / z;
+    store((z >= kNearestMeasured) & (z <= kFarthestMeasured) ? inverse : Floats{}, out + i, out + n);
+  }
+}
 
 DepthImage subsampled(const DepthImage& image, int step) {
   if (step <= 1) return image;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/impl/inverse_depth.h>
 #include <facetloc/features/impl/lanes.h>
 #include <facetloc/features/plane_fit.h>
 #include <facetloc/features/segment_estimation.h>
@@ -57,17 +58,6 @@ void forEachRun(const LabelImage& labels, F f) {
       for (u1 = u0 + 1; u1 < labels.width && row[u1] == label;) ++u1;
       if (label) f(label, v, u0, u1);
     }
-  }
-}
-
-// Inverse depth; 0 = not measured.
-FACETLOC_MULTIVERSION void invert(const float* z, std::size_t n, float* d) {
-  for (std::size_t i = 0; i < n; i += kLanes) {
-    Floats depth;
-    load(z + i, z + n, depth);
-    const Floats inverse = 1 / depth;
-    const Floats out = (depth >= kNearestMeasured) & (depth <= kFarthestMeasured) ? inverse : Floats{};
-    store(out, d + i, d + n);
   }
 }
 
@@ -174,8 +164,8 @@ void gatherSupport(const DepthImage& image, const float* inverse, const LabelIma
       return d[k] > 0 && std::fabs(d[k] - (start + slope * static_cast<float>(k))) <= tolerance;
     };
     int first = 0, last = u1 - u0 - 1;
-    while (!belongs(first)) ++first;
-    while (!belongs(last)) --last;
+    while (first < last && !belongs(first)) ++first;
+    while (first < last && !belongs(last)) --last;
     RowExtreme& row = r.row_extremes[v];
     row.first = std::min(row.first, u0 + first), row.last = std::max(row.last, u0 + last);
   });
@@ -388,7 +378,7 @@ void SegmentEstimation::estimate(const DepthImage& image, const LabelImage& labe
   if (!image.valid()) return;
   Buffers& b = *buffers_;
   b.inverse.resize(image.depth.size());
-  invert(image.depth.data(), image.depth.size(), b.inverse.data());
+  invertDepth(image.depth.data(), image.depth.size(), 1.f, b.inverse.data());
   const std::size_t num_labels = labels.maxLabel() + 1;
   b.regions.assign(num_labels, {});
   fitRegions(image.camera, b.inverse.data(), labels, noise.inverse_depth_std, params_.trim, b.regions);

@@ -1,25 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/impl/lanes.h>
+#include <facetloc/features/impl/inverse_depth.h>
 #include <facetloc/segmentation/disparity_image.h>
 
 #include <algorithm>
 #include <cmath>
 
 namespace facetloc {
-namespace {
-
-// Inverse depth times scale; 0 = not measured.
-FACETLOC_MULTIVERSION void invert(const float* z, std::size_t n, float scale, float* d) {
-  for (std::size_t i = 0; i < n; i += kLanes) {
-    Floats depth;
-    load(z + i, z + n, depth);
-    const Floats inverse = scale / depth;
-    const Floats out = (depth >= kNearestMeasured) & (depth <= kFarthestMeasured) ? inverse : Floats{};
-    store(out, d + i, d + n);
-  }
-}
-
-}  // namespace
 
 double estimateNoise(const DepthImage& image) {
   std::vector<float> scratch;
@@ -38,7 +24,7 @@ double estimateNoise(const DepthImage& image, std::vector<float>& scratch) {
   float* const differences = row + w;
   float* next = differences;
   for (int v = kRowStep / 2; v < image.camera.height; v += kRowStep) {
-    invert(image.depth.data() + static_cast<std::size_t>(v) * w, w, 1.f, row);
+    invertDepth(image.depth.data() + static_cast<std::size_t>(v) * w, w, 1.f, row);
     for (int u = 1; u + 1 < w; ++u) {
       *next = std::abs(row[u - 1] - 2 * row[u] + row[u + 1]);
       next += row[u - 1] > 0 && row[u] > 0 && row[u + 1] > 0;
@@ -54,7 +40,7 @@ void toDisparity(const DepthImage& image, double unit, DisparityImage& out) {
   out.camera = image.camera;
   out.unit = unit;
   out.d.resize(image.depth.size());
-  invert(image.depth.data(), image.depth.size(), static_cast<float>(1.0 / unit), out.d.data());
+  invertDepth(image.depth.data(), image.depth.size(), static_cast<float>(1.0 / unit), out.d.data());
 }
 
 }  // namespace facetloc
