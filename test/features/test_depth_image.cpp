@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/depth_image.h>
+#include <facetloc/features/impl/inverse_depth.h>
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numeric>
+#include <vector>
 
 namespace facetloc {
 namespace {
@@ -42,6 +45,18 @@ TEST(DepthImage, TheWorkingWidthIsALowerBound) {
 TEST(LabelImage, MaxLabelOfNothingIsZero) {
   EXPECT_EQ(LabelImage{}.maxLabel(), 0);
   EXPECT_EQ((LabelImage{2, 2, {0, 7, 3, 0}}).maxLabel(), 7);
+}
+
+TEST(InvertDepth, IsOneDividedByEachDepthOfAnyNumberOfThem) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(),
+              infinity = std::numeric_limits<float>::infinity();
+  const std::vector<float> depths = {0, 1, 2.5f, nan, 0.5f, -1, infinity, 1e-4f, 4, 7.5f, 1e-3f, 1e6f, 2e6f};
+  for (std::size_t n = 0; n <= depths.size(); ++n) {
+    std::vector<float> out(n + 1, -7);
+    invertDepth(depths.data(), n, 3, out.data());
+    for (std::size_t i = 0; i < n; ++i) EXPECT_EQ(out[i], isMeasured(depths[i]) ? 3 / depths[i] : 0) << i;
+    EXPECT_EQ(out[n], -7) << "written beyond the end";
+  }
 }
 
 }  // namespace

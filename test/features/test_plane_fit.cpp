@@ -141,5 +141,26 @@ TEST(PlaneMoments, ResidualsAreNeverNegative) {
   for (int i = 0; i < 200; ++i) EXPECT_GE(momentsOf(randomPixels(rng, 50, {0, 0, 1e3}, 1e-12)).fit().sse, 0);
 }
 
+TEST(PlaneMoments, ShiftedOnesAreThoseOfTheShiftedPixels) {
+  PlaneMoments here, there;
+  for (int k = 0; k < 50; ++k) {
+    const int u = (7 * k) % 13, v = (5 * k) % 11;
+    const double d = 100 + 0.5 * u - 0.25 * v + k % 3;
+    here.add(u, v, d);
+    there.add(u + 310, v + 47, d);
+  }
+  const PlaneMoments m = here.shifted(310, 47);
+  EXPECT_EQ(m.n, there.n);
+  EXPECT_EQ(m.u, there.u);
+  EXPECT_EQ(m.v, there.v);
+  EXPECT_EQ(m.uu, there.uu);
+  EXPECT_EQ(m.uv, there.uv);
+  EXPECT_EQ(m.vv, there.vv);
+  EXPECT_DOUBLE_EQ(m.d, there.d);
+  EXPECT_DOUBLE_EQ(m.ud, there.ud);
+  EXPECT_DOUBLE_EQ(m.vd, there.vd);
+  EXPECT_DOUBLE_EQ(m.dd, there.dd);
+}
+
 }  // namespace
 }  // namespace facetloc

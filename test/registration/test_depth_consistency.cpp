@@ -145,6 +145,16 @@ TEST(DepthConsistency, TheToleranceIsThreeTimesTheErrorOfAPrediction) {
   EXPECT_EQ(comparison().compare(wallAt(2), wallAt(outside), kHere, kFineColumns).agree, 0);
 }
 
+TEST(DepthConsistency, LikelihoodIsThatOfTheErrorOfThePrediction) {
+  constexpr double kUnitError = 1.673;  // METHOD_MEASURED 10.5
+  for (const double z : {0.7, 1.0, 1.6, 2.0, 3.3, 5.5}) {
+    const DepthAgreement a = comparison().compare(wallAt(z), wallAt(z), kHere, kFineColumns);
+    ASSERT_GT(a.agree, 0);
+    const double want = std::log(kUnitError * comparison().absoluteError() / comparison().error(1 / z));
+    EXPECT_NEAR(a.likelihood / a.agree, want, 2e-4) << z;  // the pictures are in quanta
+  }
+}
+
 TEST(DepthConsistency, WhatIsUnknownFarOrOutOfViewIsNotCounted) {
   const auto total = [](const DepthAgreement& a) { return a.agree + a.contradict + a.occluded; };
   DepthImage blank = render({}, smallCamera()).image;
