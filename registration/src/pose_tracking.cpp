@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "direction_text.h"
+
 #include <facetloc/registration/pose_tracking.h>
 
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 namespace facetloc {
@@ -32,22 +33,12 @@ bool exceeds(const Matrix6d& P, double rotation_deg, double translation) {
   return !(rotationAxes(P).std[2] <= rotation_deg * kDegree && translationAxes(P).std[2] <= translation);
 }
 
-std::string vectorText(const Eigen::Vector3d& v) {
-  // The sign of a direction means nothing; the largest component is shown positive.
-  int largest = 0;
-  v.cwiseAbs().maxCoeff(&largest);
-  const Eigen::Vector3d d = v[largest] < 0 ? Eigen::Vector3d(-v) : v;
-  char text[64];
-  std::snprintf(text, sizeof text, "(%.2f, %.2f, %.2f)", d.x() + 0.0, d.y() + 0.0, d.z() + 0.0);
-  return text;
-}
-
 // The motions that are less certain than that, in words and camera axes.
 std::string freeDirections(const PoseWithCovariance& pose, double rotation_deg, double translation) {
   const Eigen::Matrix3d R_c_w = pose.T.linear().transpose();
   std::string text;
   const auto add = [&](const char* motion, const Eigen::Vector3d& v) {
-    text += (text.empty() ? "" : ", ") + std::string(motion) + vectorText(R_c_w * v);
+    text += (text.empty() ? "" : ", ") + std::string(motion) + directionText(R_c_w * v);
   };
   const PrincipalAxes turns = rotationAxes(pose.P), shifts = translationAxes(pose.P);
   for (int i = 0; i < 3; ++i)

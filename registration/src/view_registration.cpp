@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "direction_text.h"
+
 #include <facetloc/registration/view_registration.h>
 
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace facetloc {
 namespace {
@@ -22,16 +23,6 @@ bool isComplete(const Matrix6d& P, const HypothesisTreeParams& params) {
 }
 
 bool byScore(const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; }
-
-std::string vectorText(const Eigen::Vector3d& v) {
-  // The sign of a direction means nothing; the largest component is shown positive.
-  int largest = 0;
-  v.cwiseAbs().maxCoeff(&largest);
-  const Eigen::Vector3d d = v[largest] < 0 ? Eigen::Vector3d(-v) : v;
-  char text[64];
-  std::snprintf(text, sizeof text, "(%.2f, %.2f, %.2f)", d.x() + 0.0, d.y() + 0.0, d.z() + 0.0);
-  return text;
-}
 
 }  // namespace
 
@@ -127,7 +118,7 @@ std::string unconstrainedDirections(const std::vector<Segment>& segments, double
   const Observability seen = observability(information);
   std::string text;
   const auto add = [&text](const char* motion, const Eigen::Vector3d& v) {
-    text += (text.empty() ? "" : ", ") + std::string(motion) + vectorText(v);
+    text += (text.empty() ? "" : ", ") + std::string(motion) + directionText(v);
   };
   for (int i = 0; i < 3; ++i)
     if (seen.rotation_std[i] > max_rotation_std_deg * kDegree) add("rotation about ", seen.rotations.col(i));

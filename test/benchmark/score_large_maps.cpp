@@ -13,6 +13,7 @@
 // 2 deg of it. Recall of a shortlist: the share of the answerable queries for which it holds such a model.
 // --exhaustive localizes so many of the queries with the shortlist and with all models, and counts which
 // answers are right.
+#include "set_parameter.h"
 #include "simulated_floors.h"
 
 #include <facetloc/apps/charts.h>
@@ -32,7 +33,6 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 namespace {
@@ -236,16 +236,6 @@ void plot(const std::string& path, std::vector<Curve> curves) {
   drawCharts(path, 900, 600, {panel});
 }
 
-bool set(PlaceIndexParams& params, const std::string& name, double value) {
-  bool found = false;
-  PlaceIndexParams::describe(params, [&](const char* of_field, auto& field, auto, auto, const char*) {
-    if (name != of_field) return;
-    field = static_cast<std::decay_t<decltype(field)>>(value);
-    found = true;
-  });
-  return found;
-}
-
 int run(int argc, char** argv) {
   Options options;
   for (int i = 1; i < argc; ++i) {
@@ -271,7 +261,7 @@ int run(int argc, char** argv) {
     } else if (argument == "--plot" && has_value) {
       options.plot = argv[++i];
     } else if (argument == "--set" && i + 2 < argc &&
-               set(options.index, argv[i + 1], std::atof(argv[i + 2]))) {
+               benchmarks::setParameter(options.index, argv[i + 1], std::atof(argv[i + 2]))) {
       i += 2;
     } else {
       std::fprintf(stderr, "score_large_maps: cannot use %s\n", argument.c_str());

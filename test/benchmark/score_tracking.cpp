@@ -9,6 +9,8 @@
 // view that is searched in the whole map takes --busy ms (300), and tracking one takes --step ms (40, with
 // segmentation): what comes in the meantime is dropped, as in a live run. With --kidnap it is tracked once
 // more, jumping by half of its length every so many seconds. --frames prints every frame.
+#include "set_parameter.h"
+
 #include <facetloc/features/so3.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/registration/map_builder.h>
@@ -27,7 +29,6 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 namespace {
@@ -46,17 +47,6 @@ struct Options {
   bool frames = false;
   PoseTrackingParams tracking;
 };
-
-// Sets the parameter of that name; false if there is none.
-bool set(PoseTrackingParams& params, const std::string& name, double value) {
-  bool found = false;
-  PoseTrackingParams::describe(params, [&](const char* of_field, auto& field, auto, auto, const char*) {
-    if (name != of_field) return;
-    field = static_cast<std::decay_t<decltype(field)>>(value);
-    found = true;
-  });
-  return found;
-}
 
 std::vector<View> viewsOf(const DepthSequence& sequence, const std::vector<std::size_t>& frames) {
   std::vector<View> views(frames.size());
@@ -233,7 +223,7 @@ int run(int argc, char** argv) {
     } else if (argument == "--step" && has_value) {
       options.step = 1e-3 * std::atof(argv[++i]);
     } else if (argument == "--set" && i + 2 < argc) {
-      if (!set(options.tracking, argv[i + 1], std::atof(argv[i + 2]))) {
+      if (!benchmarks::setParameter(options.tracking, argv[i + 1], std::atof(argv[i + 2]))) {
         std::fprintf(stderr, "score_tracking: no parameter %s\n", argv[i + 1]);
         return 2;
       }
