@@ -43,4 +43,18 @@ Surroundings MapSurroundings::around(const View& view, const Eigen::Isometry3d& 
   return out;
 }
 
+std::optional<FloorPlane> MapSurroundings::floorNear(const Eigen::Vector3d& place, int n) const {
+  if (!map_->mounting || !any_pose_) return {};
+  std::vector<Eigen::Isometry3d> poses;
+  for (const LocalModel& m : map_->models)
+    if (m.T_w_m) poses.push_back(*m.T_w_m);
+  const auto nearer = [&](const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+    return (a.translation() - place).squaredNorm() < (b.translation() - place).squaredNorm();
+  };
+  const auto count = std::min<std::ptrdiff_t>(n, static_cast<std::ptrdiff_t>(poses.size()));
+  std::partial_sort(poses.begin(), poses.begin() + count, poses.end(), nearer);
+  poses.resize(static_cast<std::size_t>(count));
+  return floorUnder(poses, *map_->mounting);
+}
+
 }  // namespace facetloc

@@ -10,6 +10,16 @@ Eigen::Matrix3d floorCovariance(const PosePriorParams& p) {
   return p.floor_std * p.floor_std * C;
 }
 
+Matrix6d cameraMotion(const CameraMounting& mounting) {
+  const Eigen::Isometry3d T_b_c = mounting.T_b_c();
+  const Eigen::Matrix3d R_c_b = T_b_c.linear().transpose();
+  Matrix6d A = Matrix6d::Zero();
+  A.topLeftCorner<3, 3>() = R_c_b;
+  A.bottomLeftCorner<3, 3>() = -R_c_b * skew(T_b_c.translation());
+  A.bottomRightCorner<3, 3>() = R_c_b;
+  return A;
+}
+
 Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePriorParams& p) {
   const double var_rotation = std::pow(p.rotation_std_deg * kDegree, 2);
   const double var_translation = p.translation_std * p.translation_std;
@@ -26,13 +36,7 @@ Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePrio
   const int at[3] = {0, 1, 5};  // roll, pitch, height
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) Sigma(at[i], at[j]) += 2 * C(i, j);
-
-  const Eigen::Isometry3d T_b_c = mounting->T_b_c();
-  const Eigen::Matrix3d R_c_b = T_b_c.linear().transpose();
-  Matrix6d A = Matrix6d::Zero();  // Eq. (6.2) of METHOD
-  A.topLeftCorner<3, 3>() = R_c_b;
-  A.bottomLeftCorner<3, 3>() = -R_c_b * skew(T_b_c.translation());
-  A.bottomRightCorner<3, 3>() = R_c_b;
+  const Matrix6d A = cameraMotion(*mounting);
   return A * Sigma * A.transpose();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "direction_text.h"
 
+#include <facetloc/registration/pose_prior.h>
 #include <facetloc/registration/pose_tracking.h>
 
 #include <Eigen/Eigenvalues>
@@ -138,10 +139,12 @@ PoseTracking::PoseTracking(std::shared_ptr<const Map> map, const PoseTrackingPar
     : params_(params),
       localization_(map, localization, noise),
       surroundings_(map, DepthComparison(localization.registration.depth, noise.inverse_depth_std)),
+      floor_covariance_(2 * floorCovariance(localization.prior)),
       alignment_(alignmentParams(localization, params)),
       comparison_(refinedErrors(localization), noise.inverse_depth_std),
       inverse_depth_std_(noise.inverse_depth_std),
-      odometry_(params.odometry, alignment_, comparison_, noise.inverse_depth_std) {}
+      odometry_(params.odometry, alignment_, comparison_, noise.inverse_depth_std,
+                surroundings_.map().mounting) {}
 
 void PoseTracking::relocalize() {
   active_ = confirmed_ = ever_ = false;
@@ -163,11 +166,21 @@ TrackedPose PoseTracking::update(const View& view, double stamp) {
   if (!active_) return search(view, motion);
   if (!(dt >= 0)) return lose(view, motion, "the time went back");
   if (!in_time) return lose(view, motion, "no view came for " + numberText(std::round(10 * dt) / 10) + " s");
-  return track(view, motion);
+  return track(view, motion, dt);
 }
 
-TrackedPose PoseTracking::track(const View& view, const ViewMotion& motion) {
+// The floor's errors last for a while: each view brings its share of what is new.
+void PoseTracking::stand(double dt) {
+  const std::optional<FloorPlane> floor =
+      surroundings_.floorNear(T_w_c_.T.translation(), params_.track_models);
+  if (!floor || !(dt > 0)) return;
+  const double times = std::max(1.0, params_.floor_memory / dt);
+  T_w_c_ = updatedByFloor(T_w_c_, *surroundings_.map().mounting, *floor, times * floor_covariance_);
+}
+
+TrackedPose PoseTracking::track(const View& view, const ViewMotion& motion, double dt) {
   T_w_c_ = moved(T_w_c_, motion.T_a_b);
+  stand(dt);
   if (exceeds(T_w_c_.P, params_.lost_rotation_deg, params_.lost_translation))
     return lose(view, motion, "the pose has become as uncertain as any");
   doubtful_ = doubtful_ || motion.broken || !confirmed_;

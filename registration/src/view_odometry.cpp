@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/pose_prior.h>
 #include <facetloc/registration/view_odometry.h>
 
 #include <algorithm>
@@ -7,19 +8,22 @@
 namespace facetloc {
 namespace {
 
-constexpr int kFewestPixels = 60;  // that must be compared before their agreement says anything
-constexpr double kLongStep = 0.2;  // after which a velocity says nothing of the next one [s]
+constexpr int kFewestPixels = 60;     // that must be compared before their agreement says anything
+constexpr double kLongStep = 0.2;     // after which a velocity says nothing of the next one [s]
+constexpr double kSlipTime = 1.0;     // for which wheels slip alike [s]
+constexpr double kSlideChange = 0.2;  // of the speed sideways in a second [m/s]
+constexpr double kSure = 3;           // standard deviations
 // Keeps the prior regular when no time has passed.
 constexpr double kLeastRotation = 1e-4, kLeastTranslation = 1e-4;  // [rad, m]
 
 }  // namespace
 
 ViewOdometry::ViewOdometry(const ViewOdometryParams& params, const ViewAlignmentParams& alignment,
-                           const DepthComparison& comparison, double inverse_depth_std)
-    : params_(params),
-      alignment_(alignment),
-      comparison_(comparison),
-      inverse_depth_std_(inverse_depth_std) {}
+                           const DepthComparison& comparison, double inverse_depth_std,
+                           const std::optional<CameraMounting>& mounting)
+    : params_(params), alignment_(alignment), comparison_(comparison), inverse_depth_std_(inverse_depth_std) {
+  if (mounting) camera_motion_ = cameraMotion(*mounting);
+}
 
 void ViewOdometry::reset() {
   keys_.clear();
@@ -46,16 +50,47 @@ ViewMotion ViewOdometry::add(const View& view, double dt) {
     keys_.clear();
     velocity_.setZero();
   }
+  const bool moves = !out.broken && dt > 0 && dt < kLongStep;
+  if (moves) learnVelocity(predicted, T_o_c, dt);
+  if (!moves && dt > 0) velocity_.setZero();
+  if (camera_motion_ && moves) rollOn(T_o_c, dt);
+
   out.T_a_b.T = T_o_c_.inverse() * T_o_c.T;
   Matrix6d turn = Matrix6d::Zero();  // of the covariance into the axes of the last camera
   turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = T_o_c_.linear().transpose();
   out.T_a_b.P = turn * T_o_c.P * turn.transpose();
-  const bool moves = !out.broken && dt > 0 && dt < kLongStep;
-  if (moves) learnVelocity(predicted, T_o_c, dt);
-  if (!moves && dt > 0) velocity_.setZero();
   T_o_c_ = T_o_c.T;
   takeKey(view);
   return out;
+}
+
+// Kalman update of the pose after a motion by wheels that do not slip sideways, seen through the mounting. A
+// robot that has been seen to slide is believed.
+void ViewOdometry::rollOn(PoseWithCovariance& T_o_c, double dt) {
+  const Eigen::Matrix3d R_c_o = T_o_c_.linear().transpose();
+  const Vector6d sideways =
+      camera_motion_->inverse().row(4).transpose();  // of a motion in the last camera's axes
+  Vector6d h;
+  h << R_c_o.transpose() * sideways.head<3>(), R_c_o.transpose() * sideways.tail<3>();
+  const Eigen::Isometry3d motion = T_o_c_.inverse() * T_o_c.T;
+  const double shift = sideways.dot(perturbation(Eigen::Isometry3d::Identity(), motion));
+  const double variance = h.dot(T_o_c.P * h);
+
+  slide_.variance += kSlideChange * kSlideChange * dt;
+  const double weight = slide_.variance / (slide_.variance + variance / (dt * dt));
+  slide_.speed += weight * (shift / dt - slide_.speed);
+  slide_.variance *= 1 - weight;
+  if (slides()) return;
+
+  const double slip = params_.slip_speed * std::sqrt(dt * kSlipTime) + kLeastTranslation;
+  const Vector6d gain = T_o_c.P * h / (variance + slip * slip);
+  T_o_c.T = perturbed(T_o_c.T, -gain * shift);
+  const Matrix6d left = Matrix6d::Identity() - gain * h.transpose();  // Joseph form
+  T_o_c.P = left * T_o_c.P * left.transpose() + slip * slip * gain * gain.transpose();
+}
+
+bool ViewOdometry::slides() const {
+  return std::abs(slide_.speed) > kSure * std::sqrt(slide_.variance) + params_.slip_speed;
 }
 
 // As far as the views have told the motion, and smoothed: the difference of two poses is too rough to go on
@@ -69,16 +104,32 @@ void ViewOdometry::learnVelocity(const PoseWithCovariance& predicted, const Pose
   velocity_.head<3>() *= std::exp(-dt / kTurn);
   velocity_.head<3>() += kNew * R_c_o * change.head<3>();
   velocity_.tail<3>() += kNew * R_c_o * change.tail<3>();
+  if (!camera_motion_) return;
+  Vector6d base = camera_motion_->partialPivLu().solve(velocity_);
+  base[0] = base[1] = base[5] = 0;  // on its floor
+  velocity_ = *camera_motion_ * base;
 }
 
 PoseWithCovariance ViewOdometry::predict(double dt) const {
-  PoseWithCovariance out;
-  const Vector6d motion = dt < kLongStep ? Vector6d(dt * velocity_) : Vector6d(Vector6d::Zero());
-  out.T = T_o_c_ * perturbed(Eigen::Isometry3d::Identity(), motion);
-  const double turn = params_.turn_rate_change_deg * kDegree * dt, shift = params_.speed_change * dt;
-  out.P.diagonal().head<3>().setConstant(turn * turn + kLeastRotation * kLeastRotation);
-  out.P.diagonal().tail<3>().setConstant(shift * shift + kLeastTranslation * kLeastTranslation);
-  return out;
+  Vector6d motion = dt < kLongStep ? Vector6d(dt * velocity_) : Vector6d(Vector6d::Zero());
+  Vector6d std;
+  std << Eigen::Vector3d::Constant(params_.turn_rate_change_deg * kDegree * dt),
+      Eigen::Vector3d::Constant(params_.speed_change * dt);
+  Matrix6d P = std.cwiseAbs2().asDiagonal();
+  if (camera_motion_) {
+    const Matrix6d& A = *camera_motion_;
+    Vector6d base = A.partialPivLu().solve(motion);
+    if (!slides()) base[4] = 0;
+    motion = A * base;
+    std[0] = std[1] = params_.tilt_rate_deg * kDegree * dt;
+    std[5] = params_.slip_speed * std::sqrt(dt * kSlipTime);
+    P = A * std.cwiseAbs2().asDiagonal() * A.transpose();
+  }
+  P.diagonal().head<3>().array() += kLeastRotation * kLeastRotation;
+  P.diagonal().tail<3>().array() += kLeastTranslation * kLeastTranslation;
+  Matrix6d turn = Matrix6d::Zero();  // of the covariance out of the axes of the last camera
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = T_o_c_.linear();
+  return {T_o_c_ * perturbed(Eigen::Isometry3d::Identity(), motion), turn * P * turn.transpose()};
 }
 
 Surroundings ViewOdometry::around(const Eigen::Isometry3d& T_o_c) const {

@@ -84,6 +84,26 @@ TEST_F(SurroundingsOfAPose, HaveTheirSegmentsInTheWorld) {
   }
 }
 
+TEST_F(SurroundingsOfAPose, StandOnTheFloorOfTheNearestRobots) {
+  EXPECT_FALSE(surroundings().floorNear(pose.translation(), 2));  // no mounting, no robot
+  map->mounting = CameraMounting{1.2, 0};
+  map->models.resize(2);
+  const auto standing = [](double x, double floor) {
+    Eigen::Isometry3d T_w_b = Eigen::Isometry3d::Identity();
+    T_w_b.translation() << x, 0, floor;
+    return T_w_b * CameraMounting{1.2, 0}.T_b_c();
+  };
+  map->models[0].T_w_m = standing(0, 0.1);
+  map->models[1].T_w_m = standing(5, 0.3);
+  const auto height = [&](double x, int n) { return surroundings().floorNear({x, 0, 1}, n)->distance; };
+  EXPECT_NEAR(height(1, 1), 0.1, 1e-9);
+  EXPECT_NEAR(height(4, 1), 0.3, 1e-9);
+  EXPECT_NEAR(height(4, 2), 0.2, 1e-9);
+  EXPECT_NEAR(height(4, 9), 0.2, 1e-9);
+  for (LocalModel& m : map->models) m.T_w_m.reset();
+  EXPECT_FALSE(surroundings().floorNear({0, 0, 1}, 2));
+}
+
 TEST(MapSurroundings, OfAnEmptyMapAreEmpty) {
   const MapSurroundings none(std::make_shared<Map>(), DepthComparison({}, SensorNoise{}.inverse_depth_std));
   EXPECT_FALSE(none.anyPose());

@@ -60,6 +60,17 @@ TEST(PosePrior, FloorCovarianceIsThatOfThreeWheels) {
               MatrixNear(Eigen::Matrix3d::Zero().eval(), 0.02));
 }
 
+TEST(PosePrior, TheCameraMovesAsItsRobotDoes) {
+  const CameraMounting mounting{1.2, 20};
+  const Eigen::Isometry3d T_b_c = mounting.T_b_c();
+  constexpr double kStep = 1e-6;
+  for (int i = 0; i < 6; ++i) {
+    const Eigen::Isometry3d moved = perturbed(Eigen::Isometry3d::Identity(), kStep * Vector6d::Unit(i));
+    const Vector6d seen = perturbation(Eigen::Isometry3d::Identity(), T_b_c.inverse() * moved * T_b_c);
+    EXPECT_THAT(Vector6d(cameraMotion(mounting).col(i)), MatrixNear(Vector6d(seen / kStep), 1e-5)) << i;
+  }
+}
+
 TEST(PosePrior, PropagatesTheFloorThroughTheMounting) {
   PosePriorParams p;
   p.rotation_std_deg = 1;

@@ -79,6 +79,9 @@ protected:
     EXPECT_EQ(last_.state, TrackingState::tracking) << last_.reason;
     return tracking;
   }
+  static double tiltOf(const Eigen::Isometry3d& T_w_c) {
+    return -std::asin(T_w_c.linear().col(2).z()) / kDegree;
+  }
   static bool isGood(const TrackedPose& pose, const Eigen::Isometry3d& truth) {
     if (!pose.T_w_c) return false;
     const Vector6d e = perturbation(pose.T_w_c->T, truth);
@@ -208,6 +211,32 @@ TEST_F(TrackingInARoom, EmptyViewsAreBridgedForAWhile) {
   const TrackedPose pose = tracking.update(drive->views[next_], next_ * kFrame);
   EXPECT_EQ(pose.state, TrackingState::tracking) << pose.reason;
   EXPECT_TRUE(isGood(pose, drive->truth[next_]));
+}
+
+TEST_F(TrackingInARoom, ARobotOnWheelsIsKeptOnItsFloorInTheDark) {
+  double height[2] = {0, 0};  // std [m]: as it likes, on wheels
+  for (const bool on_wheels : {false, true}) {
+    auto floor = std::make_shared<Map>(*map);
+    if (on_wheels) floor->mounting = CameraMounting{1.2, tiltOf(drive->truth[0])};
+    PoseTracking tracking(floor);
+    for (next_ = 0; next_ < 10; ++next_) last_ = tracking.update(drive->views[next_], next_ * kFrame);
+    for (; next_ < 16; ++next_) last_ = tracking.update({}, next_ * kFrame);
+    ASSERT_TRUE(last_.T_w_c) << last_.reason;
+    EXPECT_NEAR(last_.T_w_c->T.translation().z(), 1.2, 0.05);
+    height[on_wheels] = std::sqrt(last_.T_w_c->P(5, 5));
+  }
+  EXPECT_LT(height[1], 0.3 * height[0]);
+}
+
+TEST_F(TrackingInARoom, ARobotThatGoesSidewaysIsBelieved) {
+  // It circles about the middle and looks outwards, on wheels that can do so.
+  auto floor = std::make_shared<Map>(*map);
+  floor->mounting = CameraMounting{1.2, tiltOf(drive->truth[0])};
+  PoseTracking tracking(floor);
+  for (int i = 0; i < kViews; ++i) {
+    const TrackedPose pose = tracking.update(drive->views[i], i * kFrame);
+    if (i > 0) EXPECT_TRUE(isGood(pose, drive->truth[i])) << i << ": " << pose.reason;
+  }
 }
 
 TEST_F(TrackingInARoom, AfterADarkWhileItIsLostAndFindsItselfAgain) {

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace facetloc {
@@ -16,13 +17,14 @@ using test::lookingAlong;
 using test::PoseNear;
 using test::viewFrom;
 
+constexpr double kPi = 180 * kDegree;
 constexpr double kStep = 1.0 / 15;  // [s]
 
-ViewOdometry odometry() {
+ViewOdometry odometry(const std::optional<CameraMounting>& mounting = {}) {
   const double noise = SensorNoise{}.inverse_depth_std;
   ViewAlignmentParams alignment;
   alignment.dense.significance = 4;
-  return ViewOdometry({}, alignment, DepthComparison({}, noise), noise);
+  return ViewOdometry({}, alignment, DepthComparison({}, noise), noise, mounting);
 }
 
 /** Around the middle of the room: 0.4 m/s and 30 deg/s. */
@@ -80,6 +82,31 @@ TEST(ViewOdometry, WhereViewsTellNothingItGoesOnAsBeforeAndSaysSo) {
   EXPECT_NEAR(way.translation().x(), 0, 0.03);
   const Eigen::Vector3d along = at(0).linear().transpose() * Eigen::Vector3d::UnitY();
   EXPECT_GT(along.dot(motion.T_a_b.P.bottomRightCorner<3, 3>() * along), std::pow(0.01, 2));
+}
+
+TEST(ViewOdometry, ARobotOnWheelsKnowsThatItDoesNotSlipAlongABareWall) {
+  // Drives towards a cupboard in an endless corridor and turns to the wall on the spot, which shows nothing
+  // of where along the corridor it is.
+  const test::Scene corridor = test::endlessCorridor() + test::box({0.4, 2.5, 0}, {0.9, 3.0, 1.5});
+  constexpr int kDriving = 30, kTurning = 30, kWaiting = 15;
+  const auto at = [&](int i) {
+    const double a = kPi / 2 * std::clamp((i - kDriving) / double(kTurning), 0.0, 1.0);
+    return lookingAlong({0, 0.5 * kStep * std::min(i, kDriving), 1.2}, {std::sin(a), std::cos(a), 0});
+  };
+  double std[2] = {0, 0};  // of a step along the wall: as it likes, on wheels [m]
+  for (const bool on_wheels : {false, true}) {
+    ViewOdometry camera = on_wheels ? odometry(CameraMounting{1.2, 0}) : odometry();
+    Eigen::Isometry3d way = at(0);
+    ViewMotion motion;
+    for (int i = 0; i < kDriving + kTurning + kWaiting; ++i) {
+      motion = camera.add(viewFrom(corridor, at(i), 70 + i, 5), kStep);
+      EXPECT_FALSE(motion.broken) << i;
+      way = way * motion.T_a_b.T;
+    }
+    EXPECT_NEAR(way.translation().y(), at(kDriving).translation().y(), 0.03);
+    std[on_wheels] = std::sqrt(motion.T_a_b.P(3, 3));
+  }
+  EXPECT_LT(std[1], 0.6 * std[0]);
 }
 
 TEST(ViewOdometry, AnEmptyViewIsNoObstacle) {

@@ -34,6 +34,10 @@ struct PosePriorParams {
 /** \brief Covariance of (roll, pitch, height) of the robot base on an uneven floor, METHOD eq. (6.1). */
 Eigen::Matrix3d floorCovariance(const PosePriorParams& params);
 
+/** \brief The motion (phi, t) of a camera in its own axes by a small one of the robot base in the base's
+ * axes, 6x6, METHOD eq. (6.2). */
+Matrix6d cameraMotion(const CameraMounting& mounting);
+
 /** \brief Covariance of T_m_c about the identity, order (phi, t) in camera axes, METHOD eq. (6.2): planar
  * motion and uneven floor seen through the camera mounting; isotropic without one. */
 Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePriorParams& params = {});

@@ -28,9 +28,10 @@ struct PoseTrackingParams {
   ViewOdometryParams odometry;
   int track_models = 5;             ///< nearest local models that a view is aligned with
   int dense_iterations = 4;         ///< of the alignment by all pixels
-  double correlated_pixels = 50;    ///< so many depth pixels tell as much as one: neighbours err alike
+  double correlated_pixels = 200;   ///< so many depth pixels tell as much as one: neighbours err alike
   double significance = 2;          ///< least information of a direction that pixels may tell [their noise's]
   double correlated_views = 2;      ///< so many views tell as much as one: they see the same models alike
+  double floor_memory = 10;         ///< after that time the floor under a robot on wheels is another one [s]
   double free_translation = 0.1;    ///< std from which on the pose cannot be told [m]: half the paper's 0.2 m
   double free_rotation_deg = 2.0;   ///< the same; the paper's 2 deg
   double lost_translation = 1.0;    ///< std at which nothing is left to track [m]: the paper's prior
@@ -59,6 +60,10 @@ struct PoseTrackingParams {
           "noise].");
     field("track_correlated_views", p.correlated_views, 1.0, 1e6,
           "Number of successive views that together tell as much as one with independent errors.");
+    field(
+        "floor_memory", p.floor_memory, 1e-3, 1e6,
+        "Time after which a robot on wheels (known camera mounting) stands on another piece of uneven floor "
+        "[s].");
     field("free_translation", p.free_translation, 0.0, 100.0,
           "Position uncertainty from which on the pose cannot be told, standard deviation [m].");
     field("free_rotation_deg", p.free_rotation_deg, 0.0, 180.0,
@@ -111,7 +116,8 @@ struct TrackedPose {
  *     }
  *
  * The camera's own views tell how it has moved (ViewOdometry), the nearest local models where it is
- * (alignView), and depth judges the outcome. A place must be likely and be confirmed by the next view; one
+ * (alignView), and depth judges the outcome. Where the map knows the camera's mounting, a robot on wheels is
+ * assumed, which stands on its floor. A place must be likely and be confirmed by the next view; one
  * that agrees only half with the map is compared with what the whole map says, now and then. A step takes
  * some milliseconds; a view that is searched in the whole map takes as long as global localization. Same
  * views and stamps, same answers. */
@@ -136,7 +142,8 @@ private:
     double probability = 0;
   };
 
-  TrackedPose track(const View& view, const ViewMotion& motion);
+  TrackedPose track(const View& view, const ViewMotion& motion, double dt);
+  void stand(double dt);
   TrackedPose search(const View& view, const ViewMotion& motion);
   TrackedPose lose(const View& view, const ViewMotion& motion, const std::string& reason);
   TrackedPose answer(const View& view, const Step& step) const;
@@ -149,6 +156,7 @@ private:
   PoseTrackingParams params_;
   GlobalLocalization localization_;
   MapSurroundings surroundings_;
+  Eigen::Matrix3d floor_covariance_;  // of (roll, pitch, height)
   ViewAlignmentParams alignment_;
   DepthComparison comparison_;
   double inverse_depth_std_;

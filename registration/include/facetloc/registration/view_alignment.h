@@ -31,7 +31,7 @@ struct ViewAlignmentParams {
   MatchingParams matching;
   DenseRefinementParams dense;
 
-  ViewAlignmentParams() { dense.correlated_pixels = 50; }
+  ViewAlignmentParams() { dense.correlated_pixels = 200; }
 };
 
 /** \brief Where a view is in its surroundings. */
