@@ -129,6 +129,22 @@ TEST(SimulatedRoute, InTimeItIsDrivenAsInSteps) {
   EXPECT_LT((poses[0].translation() - poses[30 * 24].translation()).norm(), 0.05);
 }
 
+TEST(SimulatedRoute, InTimeWheelsDoNotSlipSideways) {
+  DriveParams swaying;
+  swaying.floor_std = 0;
+  swaying.sway_deg = 10;
+  const Route there_and_back = {{{0, 0}, 0}, {{6, 0}, 0}};
+  const auto poses = simulateDrive(there_and_back, 300, swaying, 3, PaceParams{});
+  double farthest = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const Eigen::Isometry3d step = poses[i - 1].inverse() * poses[i];
+    // Camera axes: x is to the right. The sine and the tangent of 10 deg differ by 1.5 %.
+    EXPECT_NEAR(step.translation().x(), 0, 0.02 * step.translation().norm() + 1e-9) << i;
+    farthest = std::max(farthest, std::abs(poses[i].translation().y()));
+  }
+  EXPECT_GT(farthest, 0.1);  // it weaves about the line
+}
+
 TEST(SimulatedDriveErrors, ARoomWithoutSpaceIsTold) {
   DriveParams params;
   params.clearance = 10;
