@@ -83,11 +83,6 @@ Matrix6d discounted(const Matrix6d& prior, const Matrix6d& posterior, double par
   return 0.5 * (P + P.transpose());
 }
 
-bool near(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double translation, double rotation_deg) {
-  return (a.translation() - b.translation()).norm() <= translation &&
-         rotationAngle(a.linear() * b.linear().transpose()) <= rotation_deg * kDegree;
-}
-
 // Once aligned by all pixels, a view errs less than a pose of planes alone.
 DepthConsistencyParams refinedErrors(const GlobalLocalizationParams& params) {
   DepthConsistencyParams depth = params.registration.depth;
@@ -148,7 +143,7 @@ PoseTracking::PoseTracking(std::shared_ptr<const Map> map, const PoseTrackingPar
 
 void PoseTracking::relocalize() {
   active_ = confirmed_ = ever_ = false;
-  candidate_.reset();
+  candidates_.clear();
 }
 
 TrackedPose PoseTracking::update(const View& view, double stamp) {
@@ -280,45 +275,48 @@ TrackedPose PoseTracking::answer(const View& view, const Step& step) const {
 
 TrackedPose PoseTracking::lose(const View& view, const ViewMotion& motion, const std::string& reason) {
   active_ = confirmed_ = false;
-  candidate_.reset();
+  candidates_.clear();
   TrackedPose out = search(view, motion);
   if (out.reason.empty() || ever_) out.reason = reason;
   return out;
 }
 
-// A place that several views in a row find is right if one of them is.
+// What one view leaves open the next one may tell: places that views in a row find win over the others.
 TrackedPose PoseTracking::search(const View& view, const ViewMotion& motion) {
   TrackedPose out;
   out.state = ever_ ? TrackingState::lost : TrackingState::searching;
   out.searched = true;
-  std::optional<Place> best = bestPlace(view, out.reason);
-  if (candidate_) candidate_->T_w_c = moved(candidate_->T_w_c, motion.T_a_b);
-  constexpr double kSameTranslation = 0.2, kSameRotation = 3;  // [m, deg]
-  if (best && candidate_ && !motion.broken &&
-      near(best->T_w_c.T, candidate_->T_w_c.T, kSameTranslation, kSameRotation))
-    best->probability = 1 - (1 - best->probability) * (1 - candidate_->probability);
-  candidate_ = best;
-  if (!best) return out;
-  out.probability = best->probability;
+  if (motion.broken) candidates_.clear();
+  for (LikelyPlace& place : candidates_) place.T_w_c = moved(place.T_w_c, motion.T_a_b);
+  const std::vector<LikelyPlace> found = placesOf(view, out.reason);
+  if (found.empty()) return out;
+  const int models = static_cast<int>(surroundings_.map().models.size());
+  candidates_ = candidates_.empty() ? found : placesOfBoth(candidates_, found, models);
+  const LikelyPlace best = *std::max_element(
+      candidates_.begin(), candidates_.end(),
+      [](const LikelyPlace& a, const LikelyPlace& b) { return a.probability < b.probability; });
+  out.probability = best.probability;
   out.reason = "no place is likely enough";
-  if (!(best->probability >= params_.min_probability)) return out;
+  if (!(best.probability >= params_.min_probability)) return out;
   out.reason = kUnconfirmed;
-  begin(*best);
+  begin(best);
   return out;
 }
 
-std::optional<PoseTracking::Place> PoseTracking::bestPlace(const View& view, std::string& reason) const {
+std::vector<LikelyPlace> PoseTracking::placesOf(const View& view, std::string& reason) const {
   const Localization found = localization_.localize(view);
   reason = found.reason;
-  if (found.hypotheses.empty() || !found.hypotheses.front().T_w_c) return {};
-  const Hypothesis& best = found.hypotheses.front();
-  return Place{outOfFrame(best.T_m_c, *surroundings_.map().models[best.model].T_w_m), best.probability};
+  std::vector<LikelyPlace> places;
+  for (const Hypothesis& h : found.hypotheses)
+    if (h.T_w_c)
+      places.push_back({outOfFrame(h.T_m_c, *surroundings_.map().models[h.model].T_w_m), h.probability});
+  return places;
 }
 
-void PoseTracking::begin(const Place& place) {
+void PoseTracking::begin(const LikelyPlace& place) {
   T_w_c_ = place.T_w_c;
   probability_ = place.probability;
-  candidate_.reset();
+  candidates_.clear();
   bad_views_ = 0;
   active_ = true;
   confirmed_ = false;
@@ -329,9 +327,10 @@ bool PoseTracking::hasBetterPlace(const View& view, const Step& step) {
   constexpr double kSameTranslation = 0.3, kSameRotation = 5;  // [m, deg]
   next_check_ = stamp_ + params_.check_interval;
   std::string reason;
-  const std::optional<Place> best = bestPlace(view, reason);
+  const std::vector<LikelyPlace> places = placesOf(view, reason);
+  const LikelyPlace* best = places.empty() ? nullptr : &places.front();
   if (!best || !(best->probability >= params_.min_probability)) return false;
-  if (near(best->T_w_c.T, T_w_c_.T, kSameTranslation, kSameRotation)) return false;
+  if (isNear(best->T_w_c.T, T_w_c_.T, kSameTranslation, kSameRotation)) return false;
   const Step there = align(view, best->T_w_c);
   if (!isSure(there) || !(share(there.of_map) > share(step.of_map))) return false;
   begin(*best);

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <facetloc/registration/global_localization.h>
+#include <facetloc/registration/likely_places.h>
 #include <facetloc/registration/map_surroundings.h>
 #include <facetloc/registration/view_odometry.h>
 
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace facetloc {
 
@@ -136,20 +138,15 @@ public:
 
 private:
   struct Step;  // a view at its place in the map
-  /** A place that a search has found and its probability. */
-  struct Place {
-    PoseWithCovariance T_w_c;
-    double probability = 0;
-  };
 
   TrackedPose track(const View& view, const ViewMotion& motion, double dt);
   void stand(double dt);
   TrackedPose search(const View& view, const ViewMotion& motion);
   TrackedPose lose(const View& view, const ViewMotion& motion, const std::string& reason);
   TrackedPose answer(const View& view, const Step& step) const;
-  void begin(const Place& place);
+  void begin(const LikelyPlace& place);
   bool hasBetterPlace(const View& view, const Step& step);
-  std::optional<Place> bestPlace(const View& view, std::string& reason) const;
+  std::vector<LikelyPlace> placesOf(const View& view, std::string& reason) const;
   bool isSure(const Step& step) const;
   Step align(const View& view, const PoseWithCovariance& prior) const;
 
@@ -162,7 +159,7 @@ private:
   double inverse_depth_std_;
   ViewOdometry odometry_;
   PoseWithCovariance T_w_c_;
-  std::optional<Place> candidate_;  // of the last search, not likely enough by itself
+  std::vector<LikelyPlace> candidates_;  // of the last searches, none likely enough yet
   double stamp_ = 0;
   double probability_ = 0;
   double bad_since_ = 0, next_check_ = 0;  // [s]

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/so3.h>
+
+#include <vector>
+
+namespace facetloc {
+
+/** \brief A place where a camera may be. */
+struct LikelyPlace {
+  PoseWithCovariance T_w_c;
+  double probability = 0;
+};
+
+/** \brief True if two poses are no farther apart than that [m, deg]. */
+bool isNear(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double translation, double rotation_deg);
+
+/** \brief What two views in a row say together: what one of them leaves open the other may tell.
+ *
+ * Bayes' rule. What one list does not have is given the rest of its probability, spread over all local
+ * models. That the place is in neither list is not as unlikely as for independent views: those in a row look
+ * alike.
+ *
+ * \param before places of the view before, moved to where the camera is now; probabilities of at most 1 in
+ * all \param now places of the view, each once \param models local models of the map, at least 1 \return the
+ * places of both, those of `now` first in their order, within 0.2 m and 3 deg one place */
+std::vector<LikelyPlace> placesOfBoth(const std::vector<LikelyPlace>& before,
+                                      const std::vector<LikelyPlace>& now, int models);
+
+}  // namespace facetloc

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/likely_places.h>
+
+#include <algorithm>
+
+namespace facetloc {
+namespace {
+
+constexpr double kSameTranslation = 0.2, kSameRotation = 3;  // [m, deg]
+constexpr double kAlike = 1.0 / 3;  // of two views that both have a wrong list; 1 / models if independent
+
+double rest(const std::vector<LikelyPlace>& places) {
+  double sum = 0;
+  for (const LikelyPlace& p : places) sum += p.probability;
+  return std::max(1 - sum, 0.0);
+}
+
+}  // namespace
+
+bool isNear(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double translation, double rotation_deg) {
+  return (a.translation() - b.translation()).norm() <= translation &&
+         rotationAngle(a.linear() * b.linear().transpose()) <= rotation_deg * kDegree;
+}
+
+std::vector<LikelyPlace> placesOfBoth(const std::vector<LikelyPlace>& before,
+                                      const std::vector<LikelyPlace>& now, int models) {
+  const double rest_before = rest(before), rest_now = rest(now);
+  std::vector<LikelyPlace> out;
+  std::vector<char> listed(before.size(), 0);  // in both
+  for (const LikelyPlace& place : now) {
+    double probability = rest_before / models;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      if (!isNear(before[i].T_w_c.T, place.T_w_c.T, kSameTranslation, kSameRotation)) continue;
+      listed[i] = 1;
+      probability = std::max(probability, before[i].probability);
+    }
+    out.push_back({place.T_w_c, place.probability * probability});
+  }
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (!listed[i]) out.push_back({before[i].T_w_c, before[i].probability * rest_now / models});
+  double sum = kAlike * rest_before * rest_now;
+  for (const LikelyPlace& p : out) sum += p.probability;
+  for (LikelyPlace& p : out) p.probability = sum > 0 ? p.probability / sum : 0;
+  return out;
+}
+
+}  // namespace facetloc
