@@ -19,7 +19,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kPatience = 2s;  // for the thread that writes
+constexpr auto kPatience = 2s;               // for the thread that writes
+constexpr std::uintmax_t kLeastRoom = 4096;  // for one frame, if none tells how much it takes [bytes]
 
 /** Is the record that says that data will follow the last one in the file? */
 bool awaitsData(const std::filesystem::path& path) {
@@ -110,12 +111,18 @@ std::size_t OniRecorder::stop() {
   } catch (const IoError& e) {
     if (std::string(e.what()).find("has no depth frames") == std::string::npos) throw;
   }
+  // OpenNI2 does not say that it could not write; the next frame then had no room.
+  std::error_code error;
+  const auto space = std::filesystem::space(part_, error);
+  const bool full = !error && space.available < (frames_ > 0 ? bytes / frames_ : kLeastRoom);
   if (frames_ > 0) {
     std::filesystem::resize_file(part_, bytes);
     std::filesystem::rename(part_, file_);
   } else {
     std::filesystem::remove(part_);
   }
+  if (full)
+    throw IoError(file_.string(), "the disk is full: it has " + std::to_string(frames_) + " frames only");
   return frames_;
 }
 

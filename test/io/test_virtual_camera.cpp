@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <sys/mount.h>
 
 namespace facetloc {
 namespace {
@@ -277,6 +278,43 @@ TEST_F(VirtualCamera, IsRecordedBitByBit) {
   ASSERT_GE(played.size(), 15u);
   for (const test::GrabbedFrame& frame : played.frames())
     EXPECT_EQ(frame.depth, oni.readRaw(static_cast<std::size_t>(frame.index - 1))) << frame.index;
+}
+
+/** A disk of that size in memory, as long as it lives. */
+class SmallDisk {
+public:
+  SmallDisk(const fs::path& folder, const std::string& size) : folder_(folder) {
+    fs::create_directory(folder);
+    mounted_ = mount("tmpfs", folder.c_str(), "tmpfs", 0, ("size=" + size).c_str()) == 0;
+  }
+  ~SmallDisk() {
+    if (mounted_) umount2(folder_.c_str(), MNT_DETACH);
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+  bool mounted() const { return mounted_; }
+
+private:
+  fs::path folder_;
+  bool mounted_ = false;
+};
+
+TEST_F(VirtualCamera, KeepsWhatADiskHasRoomForAndSaysThatItIsFull) {
+  const Watchdog watchdog(30s);
+  const SmallDisk disk(folder_ / "disk", "32k");
+  if (!disk.mounted()) GTEST_SKIP() << "no right to mount a disk";
+  test::ExampleSequence example;
+  example.frames = 60;
+  OpenNIGrabber grabber(sequence(example));
+  grabber.trigger(0);
+  const fs::path file = folder_ / "disk" / "a.oni";
+  OniRecorder recorder(grabber.uri(), file);
+  EXPECT_EQ(triggered(grabber, 60).size(), 60u);
+  EXPECT_THAT(ioErrorOf([&] { recorder.stop(); }), HasSubstr("the disk is full"));
+  const OniFile oni = OniFile::open(file);
+  EXPECT_LT(oni.size(), 60u);
+  for (std::size_t i = 0; i < oni.size(); ++i)
+    EXPECT_EQ(oni.read(i).depth, example.image(static_cast<int>(i)).depth) << i;
 }
 
 TEST_F(VirtualCamera, IsNotRecordedWhereThatIsImpossible) {

@@ -24,7 +24,7 @@ public:
 
   /** \brief Finishes the file; at most once does anything.
    * \return the number of frames in it; with none there is no file.
-   * Throws IoError if it is not whole, such as when the disk is full. */
+   * Throws IoError if it is not whole, such as when the disk is full; what there was room for is kept. */
   std::size_t stop();
 
 private:
