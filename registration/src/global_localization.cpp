@@ -17,8 +17,7 @@ GlobalLocalization::GlobalLocalization(std::shared_ptr<const Map> map, const Glo
   prior_.P = posePrior(map_->mounting, params.prior);
   const PlaceIndexParams& index = params.index;
   if (index.shortlist > 0 && map_->mounting &&
-      map_->models.size() > static_cast<std::size_t>(index.exhaustive_up_to) &&
-      map_->models.size() > static_cast<std::size_t>(index.shortlist))
+      map_->models.size() > static_cast<std::size_t>(index.exhaustive_up_to))
     index_ = std::make_shared<PlaceIndex>(*map_, index, params.prior);
 }
 
@@ -28,10 +27,9 @@ Localization GlobalLocalization::localize(const View& scene, const PoseWithCovar
 
 std::vector<int> GlobalLocalization::candidates(const View& scene) const {
   std::vector<int> models;
-  if (index_) {
-    models = index_->shortlist(scene, params_.index.shortlist);
-    std::sort(models.begin(), models.end());  // as if the others had given no hypothesis
-  } else {
+  if (index_) models = index_->shortlist(scene, params_.index.shortlist);
+  std::sort(models.begin(), models.end());  // as if the others had given no hypothesis
+  if (models.empty()) {
     models.resize(map_->models.size());
     std::iota(models.begin(), models.end(), 0);
   }

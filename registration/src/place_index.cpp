@@ -201,6 +201,9 @@ std::vector<int> PlaceIndex::shortlist(const View& view, int n) const {
   std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(listed), order.end(),
                     byScore(score));
   order.resize(listed);
+  const float hopeless =
+      order.empty() ? 0 : score[order.front()] - static_cast<float>(impl_->params.shortlist_gap);
+  while (!order.empty() && score[order.back()] < hopeless) order.pop_back();
   return order;
 }
 

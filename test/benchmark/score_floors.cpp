@@ -3,12 +3,14 @@
 // The paper's experiment on simulated floors, pooled, and what each choice of ours is worth in it.
 //
 //   facetloc_simulate office -o office1 --seed 1; ...
-//   score_floors [--ablation] [--every N] FLOOR...
+//   score_floors [--ablation] [--every N] [--set PARAMETER VALUE] FLOOR...
 //
 // For each floor a map is built of its run map/ by the paper's rule, and every N-th image of its run query/
 // is localized in it. With --ablation the same is done again and again, with one choice at a time put back to
 // the paper's. Frames are classed by the rendered truth (facetloc_evaluate). Two threads or twenty: same
 // figures.
+#include "set_parameter.h"
+
 #include <facetloc/apps/evaluation.h>
 #include <facetloc/apps/localization_report.h>
 #include <facetloc/io/depth_sequence.h>
@@ -168,24 +170,31 @@ int run(int argc, char** argv) {
   std::size_t every = 1;
   std::vector<Floor> floors;
   std::vector<std::string> names;
+  std::vector<std::pair<std::string, double>> settings;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--ablation") {
       ablation = true;
     } else if (argument == "--every" && i + 1 < argc) {
       every = std::max(1l, std::atol(argv[++i]));
+    } else if (argument == "--set" && i + 2 < argc) {
+      settings.emplace_back(argv[i + 1], std::atof(argv[i + 2]));
+      i += 2;
     } else {
       names.push_back(argument);
     }
   }
   if (names.empty()) {
-    std::fprintf(stderr, "usage: score_floors [--ablation] [--every N] FLOOR...\n");
+    std::fprintf(stderr, "usage: score_floors [--ablation] [--every N] [--set NAME VALUE] FLOOR...\n");
     return 2;
   }
   for (const std::string& name : names) floors.emplace_back(name, every);
 
   printHeader();
-  for (const Variant& variant : variants(ablation)) {
+  for (Variant variant : variants(ablation)) {
+    for (const auto& [name, value] : settings)
+      if (!benchmarks::setParameter(variant.localization, name, value))
+        throw std::invalid_argument("no parameter " + name);
     Evaluation pooled;
     for (std::size_t i = 0; i < floors.size(); ++i) {
       Evaluation one = floors[i].evaluate(variant);

@@ -52,6 +52,7 @@ protected:
   static PlaceIndexParams few() {
     PlaceIndexParams params;
     params.aligned_models = 30;
+    params.shortlist_gap = 1e6;
     return params;
   }
   static std::shared_ptr<const Map> map;
@@ -108,9 +109,11 @@ TEST_F(PlaceIndexOfRooms, AViewWithHalfOfItsSegmentsFindsItsPlace) {
 
 TEST_F(PlaceIndexOfRooms, TheShortlistedAnswerIsThatOfAllModelsIfTheListHoldsTheRightOne) {
   GlobalLocalizationParams params;
+  params.index.shortlist = 0;
   const GlobalLocalization all(map, params);
   params.index.exhaustive_up_to = 0;
   params.index.shortlist = 20;
+  params.index.shortlist_gap = 1e6;
   params.index.aligned_models = 40;
   const GlobalLocalization some(map, params);
   int compared = 0;
@@ -130,8 +133,24 @@ TEST_F(PlaceIndexOfRooms, TheShortlistedAnswerIsThatOfAllModelsIfTheListHoldsThe
   EXPECT_GE(compared, 4);
 }
 
+TEST_F(PlaceIndexOfRooms, HopelessModelsAreLeftOut) {
+  const View view = query(1, 0.7, 701);
+  const auto listed = [&](double gap) {
+    PlaceIndexParams params = few();
+    params.shortlist_gap = gap;
+    return PlaceIndex(*map, params).shortlist(view, 1000);
+  };
+  const std::vector<int> best = listed(0), some = listed(0.5), all = listed(1e6);
+  EXPECT_LE(best.size(), 2u);
+  EXPECT_LT(best.size(), some.size());
+  EXPECT_LT(some.size(), all.size());
+  EXPECT_TRUE(std::equal(some.begin(), some.end(), all.begin()));  // the same order, cut short
+}
+
 TEST_F(PlaceIndexOfRooms, ASmallMapIsSearchedAsAWhole) {
-  const GlobalLocalization localization(map);
+  GlobalLocalizationParams small;
+  small.index.exhaustive_up_to = static_cast<int>(map->models.size());
+  const GlobalLocalization localization(map, small);
   EXPECT_EQ(localization.candidates(map->models[0].view).size(), map->models.size());
   GlobalLocalizationParams off;
   off.index.exhaustive_up_to = 0;

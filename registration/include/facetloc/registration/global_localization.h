@@ -28,8 +28,8 @@ struct GlobalLocalizationParams {
 
 /** \brief Finds a view in a map: registers it with every local model and returns one ranked list of places.
  *
- * In a large map with a known camera mounting it registers with the models on a shortlist only (PlaceIndex).
- * The index is made with the object.
+ * With a known camera mounting it registers with the models on a shortlist only (PlaceIndex), unless the map
+ * is small. The index is made with the object.
  *
  *     facetloc::GlobalLocalization localization(map);           // shared, never changed
  *     facetloc::Localization answer = localization.localize(view);
@@ -53,7 +53,7 @@ public:
   /** \name The parts of localize(), for who deals out the local models */
   //@{
   /** \brief The local models that localize() registers a view with, by increasing index: the shortlist, or
-   * all of a small map. */
+   * all of a small map, and for a view that has nothing to look up. */
   std::vector<int> candidates(const View& scene) const;
   /** \brief Registers the view with some local models of the map. \return their hypotheses, in the order of
    * the models given, unranked. */
