@@ -10,10 +10,10 @@ namespace facetloc {
 
 /** \brief Best-first search for consistent sets of pairs (METHOD 10.3-10.4). */
 struct HypothesisTreeParams {
-  int max_expansions = 1000;  ///< Kalman updates per local model
-  int max_hypotheses = 10;    ///< distinct poses per local model (METHOD_MEASURED 10.3: 10 are enough)
-  int max_pairs = 6;          ///< pairs of a hypothesis
-  double min_gain = 1.0;      ///< information that a further pair must add [nats]
+  int max_expansions = 400;  ///< Kalman updates per local model
+  int max_hypotheses = 10;   ///< distinct poses per local model (METHOD_MEASURED 10.3: 10 are enough)
+  int max_pairs = 6;         ///< pairs of a hypothesis
+  double min_gain = 1.0;     ///< information that a further pair must add [nats]
   double angle_gate = 3.0;  ///< on the difference between the angles of two scene and two model normals [std]
   double complete_rotation_deg = 3.0;   ///< largest orientation std of a complete hypothesis
   double complete_translation = 0.2;    ///< largest position std of a complete hypothesis [m]
