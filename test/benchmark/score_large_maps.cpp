@@ -28,6 +28,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -153,8 +154,10 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
   const GlobalLocalization exhaustive(map, all);
   findWhoShows(exhaustive, queries);
 
+  PlaceIndexParams whole = options.index;
+  whole.shortlist_gap = 1e6;  // hopeless models too: the curve tells what they are worth
   auto start = std::clock();
-  const PlaceIndex index(*map, options.index);
+  const PlaceIndex index(*map, whole);
   const double build = seconds(start);
   std::printf("\n%zu local models: index of %zu descriptors, %.1f MB, built in %.2f s\n", n,
               index.descriptors(), 1e-6 * static_cast<double>(index.bytes()), build);
@@ -167,12 +170,14 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
     const std::vector<int> list = index.shortlist(q.view, longest);
     if (q.shown_by.empty()) continue;
     const auto shows = [&q](int m) { return std::binary_search(q.shown_by.begin(), q.shown_by.end(), m); };
-    ranks.push_back(static_cast<int>(std::find_if(list.begin(), list.end(), shows) - list.begin()));
+    const auto first = std::find_if(list.begin(), list.end(), shows);
+    ranks.push_back(first == list.end() ? std::numeric_limits<int>::max()
+                                        : static_cast<int>(first - list.begin()));
     if (options.misses && ranks.back() > options.index.shortlist)
       std::printf("  %s: rank %d of %zu, %zu segments\n", q.name.c_str(), ranks.back(), list.size(),
                   q.view.segments.size());
   }
-  const double vote = 1e3 * seconds(start) / static_cast<double>(queries.size());
+  const double vote = 1e3 * seconds(start) / static_cast<double>(std::max<std::size_t>(queries.size(), 1));
   std::printf("%zu queries, %zu answerable; shortlist in %.1f ms\n", queries.size(), ranks.size(), vote);
   std::printf("%10s %10s\n", "shortlist", "recall");
   Curve curve;
@@ -190,6 +195,19 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
       std::fprintf(csv, "%zu,%d,%zu,%.5f,%.3f,%.3f,%.1f\n", n, length, ranks.size(), recall, vote, build,
                    1e-6 * static_cast<double>(index.bytes()));
   }
+
+  std::size_t listed = 0, held = 0;
+  const PlaceIndex used(*map, options.index);
+  for (const Query& q : queries) {
+    const std::vector<int> list = used.shortlist(q.view, options.index.shortlist);
+    listed += list.size();
+    held += std::any_of(list.begin(), list.end(),
+                        [&q](int m) { return std::binary_search(q.shown_by.begin(), q.shown_by.end(), m); });
+  }
+  std::printf("without the hopeless ones of the first %d: %.1f models, recall %.1f %%\n",
+              options.index.shortlist,
+              static_cast<double>(listed) / static_cast<double>(std::max<std::size_t>(queries.size(), 1)),
+              100 * static_cast<double>(held) / static_cast<double>(std::max<std::size_t>(ranks.size(), 1)));
 
   std::fflush(stdout);
   if (csv) std::fflush(csv);

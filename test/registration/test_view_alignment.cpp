@@ -71,7 +71,7 @@ TEST_F(AlignmentOfAView, FindsTheTruthAndDoesNotBoast) {
 TEST_F(AlignmentOfAView, WithoutPlanesUsesThePixels) {
   View view = viewFrom(largeRoom(), truth, 1);
   view.segments.clear();
-  const Matrix6d P = priorCovariance(0.5, 0.02);
+  const Matrix6d P = priorCovariance(0.5, 0.04);
   PoseWithCovariance prior{truth, P};
   prior.T.translation() += Eigen::Vector3d(0.02, -0.02, 0.01);
   const ViewAlignment found = alignView(view, around, prior, {}, kNoise);
