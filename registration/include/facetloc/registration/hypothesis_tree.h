@@ -10,7 +10,7 @@ namespace facetloc {
 
 /** \brief Best-first search for consistent sets of pairs (METHOD 10.3-10.4). */
 struct HypothesisTreeParams {
-  int max_expansions = 400;  ///< Kalman updates per local model
+  int max_expansions = 700;  ///< Kalman updates per local model
   int max_hypotheses = 10;   ///< distinct poses per local model (METHOD_MEASURED 10.3: 10 are enough)
   int max_pairs = 6;         ///< pairs of a hypothesis
   double min_gain = 1.0;     ///< information that a further pair must add [nats]

@@ -22,9 +22,10 @@ bool isNear(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double trans
  * models. That the place is in neither list is not as unlikely as for independent views: those in a row look
  * alike.
  *
- * \param before places of the view before, moved to where the camera is now; probabilities of at most 1 in
- * all \param now places of the view, each once \param models local models of the map, at least 1 \return the
- * places of both, those of `now` first in their order, within 0.2 m and 3 deg one place */
+ * \param before places of the view before, moved to where the camera is now
+ * \param now places of the view, each once; the probabilities of both are at most 1 in all
+ * \param models local models of the map, at least 1
+ * \return the places of both, those of `now` first in their order; within 0.2 m and 3 deg is one place */
 std::vector<LikelyPlace> placesOfBoth(const std::vector<LikelyPlace>& before,
                                       const std::vector<LikelyPlace>& now, int models);
 

@@ -9,9 +9,10 @@
 
 namespace facetloc {
 
-/** \brief When the search of a map is cut short, and how. Of simulated floors with 150 local models, a gap
- * of 1.2 leaves 28 for a query, and for 99.6 % of the queries one that gives the right pose (1.5: 48, 99.9
- * %). */
+/** \brief When the search of a map is cut short, and how.
+ *
+ * On simulated floors of 150 local models, a gap of 1.2 leaves 28 of them for a query, among them one that
+ * gives the right pose for 99.6 % of the queries; a gap of 1.5 leaves 48, for 99.9 %. */
 struct PlaceIndexParams {
   int shortlist = 150;         ///< most local models that a view is registered with; 0 = always all
   double shortlist_gap = 1.2;  ///< score below the best at which a local model is hopeless
