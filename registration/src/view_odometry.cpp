@@ -29,6 +29,7 @@ void ViewOdometry::reset() {
   keys_.clear();
   T_o_c_.setIdentity();
   velocity_.setZero();
+  slide_ = {};
 }
 
 ViewMotion ViewOdometry::add(const View& view, double dt) {
@@ -49,6 +50,7 @@ ViewMotion ViewOdometry::add(const View& view, double dt) {
     T_o_c = predicted;
     keys_.clear();
     velocity_.setZero();
+    slide_ = {};
   }
   const bool moves = !out.broken && dt > 0 && dt < kLongStep;
   if (moves) learnVelocity(predicted, T_o_c, dt);

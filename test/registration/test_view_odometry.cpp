@@ -109,6 +109,21 @@ TEST(ViewOdometry, ARobotOnWheelsKnowsThatItDoesNotSlipAlongABareWall) {
   EXPECT_LT(std[1], 0.6 * std[0]);
 }
 
+TEST(ViewOdometry, ResetForgetsEverything) {
+  const CameraMounting mounting{1.2, std::atan(0.25) / kDegree};
+  ViewOdometry used = odometry(mounting), fresh = odometry(mounting);
+  for (int i = 0; i < 10; ++i)  // sideways
+    used.add(viewFrom(largeRoom(), onCircle(i), 50 + i), kStep);
+  used.reset();
+  const View empty;
+  for (int i = 0; i < 4; ++i) {
+    const View view = i < 3 ? viewFrom(largeRoom(), onCircle(20), 90 + i) : empty;
+    const ViewMotion a = used.add(view, kStep), b = fresh.add(view, kStep);
+    EXPECT_EQ(a.T_a_b.T.matrix(), b.T_a_b.T.matrix()) << i;
+    EXPECT_EQ(a.T_a_b.P, b.T_a_b.P) << i;
+  }
+}
+
 TEST(ViewOdometry, AnEmptyViewIsNoObstacle) {
   ViewOdometry camera = odometry();
   EXPECT_FALSE(camera.add({}, 0).broken);
