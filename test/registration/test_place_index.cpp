@@ -158,6 +158,14 @@ TEST_F(PlaceIndexOfRooms, ASmallMapIsSearchedAsAWhole) {
   EXPECT_EQ(GlobalLocalization(map, off).candidates(map->models[0].view).size(), map->models.size());
 }
 
+TEST_F(PlaceIndexOfRooms, AViewThatHasNothingToLookUpIsRegisteredWithAll) {
+  GlobalLocalizationParams params;
+  params.index.exhaustive_up_to = 0;
+  const GlobalLocalization localization(map, params);
+  EXPECT_LT(localization.candidates(map->models[0].view).size(), map->models.size());
+  EXPECT_EQ(localization.candidates(View{}).size(), map->models.size());
+}
+
 TEST_F(PlaceIndexOfRooms, BadInput) {
   const PlaceIndex index(*map, few());
   EXPECT_TRUE(index.shortlist(View{}, 10).empty());
