@@ -19,8 +19,8 @@ ViewParams withNoiseOf(const std::optional<CameraFile>& camera, ViewParams param
   return params;
 }
 
-Map readMapFor(const std::optional<CameraFile>& camera, const std::string& path, const Console& console) {
-  Map map = readMap(path);
+Map openMapFor(const std::optional<CameraFile>& camera, const std::string& path, const Console& console) {
+  Map map = openMap(path);
   dropUnknownMounting(camera, map, console);
   return map;
 }

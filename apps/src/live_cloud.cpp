@@ -39,10 +39,10 @@ LiveColours::LiveColours(const LiveResult& result, const Map* map) {
     for (std::size_t k = 0; k < segments.size(); ++k) of_view.push_back(segmentColour(k));
     return;
   }
-  const View& model = map->models.at(match->model).view;
+  const std::shared_ptr<const View> model = map->view(match->model);
   of_view.assign(segments.size(), kNoMatch);
-  of_model.resize(model.segments.size());
-  for (const SegmentPair& pair : matchedSegments(result.image.view, model, match->T_m_c.T)) {
+  of_model.resize(model->segments.size());
+  for (const SegmentPair& pair : matchedSegments(result.image.view, *model, match->T_m_c.T)) {
     const Colour colour = segmentColour(static_cast<std::size_t>(pair.model));
     of_view[pair.scene] = colour;
     of_model[pair.model] = colour;
@@ -141,7 +141,8 @@ void LiveCloud::show(const LiveResult& result, const LiveColours& colours, const
   for (std::size_t k = 0; k < std::min(segments.size(), kMostFrames); ++k) addFrame(segments[k]);
   if (const Hypothesis* match = map ? result.match() : nullptr) {
     const Eigen::Isometry3d T_c_m = match->T_m_c.T.inverse();
-    const auto& model = map->models.at(match->model).view.segments;
+    const std::shared_ptr<const View> view = map->view(match->model);
+    const std::vector<Segment>& model = view->segments;
     for (std::size_t k = 0; k < model.size(); ++k) {
       const auto& colour = colours.of_model[k];
       Shapes& shapes = colour ? model_ : unmatched_model_;

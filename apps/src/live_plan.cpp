@@ -59,13 +59,14 @@ LivePlan::LivePlan(const Map& map) : plan_(upInWorld(map)) {
 }
 
 void LivePlan::addMap(const Map& map) {
-  for (const LocalModel& model : map.models) {
+  for (std::size_t i = 0; i < map.models.size(); ++i) {
+    const LocalModel& model = map.models[i];
     if (!model.T_w_m) continue;
     const Eigen::Vector2d place = plan_.point(model.T_w_m->translation());
     extent_.extend(place);
     constexpr double kRadius = 0.06;  // [m]
     links_.polygon(disk(place, kRadius * Eigen::Matrix2d::Identity(), kModelLevel), kModel);
-    for (const Segment& segment : model.view.segments)
+    for (const Segment& segment : map.view(static_cast<int>(i))->segments)
       if (const auto line = plan_.line(segment, *model.T_w_m)) {
         const double dark = 0.2 + 0.7 * std::min(1.0, line->height / kTallest);
         walls_.line({at(line->from, kGround), at(line->to, kGround)}, mixed(kWhite, kWall, dark));

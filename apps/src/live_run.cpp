@@ -40,7 +40,7 @@ fs::path unused(const fs::path& file) {
 
 LiveRun::LiveRun(const LiveRunOptions& options, LiveAlgorithms algorithms, const Console& console)
     : options_(options), algorithms_(std::move(algorithms)), console_(console), status_(console) {
-  if (!options_.map.empty()) map_ = std::make_shared<Map>(readMap(options_.map));
+  if (!options_.map.empty()) map_ = std::make_shared<Map>(openMap(options_.map));
   if (!options_.headless) {
     if (!displayUsable())
       throw std::runtime_error("no X server can be reached (DISPLAY); without a window: --headless");

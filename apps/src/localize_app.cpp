@@ -172,7 +172,7 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
   if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
   const DepthSequence sequence = DepthSequence::open(input_path_);
   const ViewParams view_params = input_.viewParams(sequence.camera(), line);
-  const ShardedLocalization localization(readMapFor(sequence.camera(), map_, console), localization_,
+  const ShardedLocalization localization(openMapFor(sequence.camera(), map_, console), localization_,
                                          view_params.noise, shard_map_ ? ranks() : Ranks(),
                                          shard_map_ || sequence.frames().size() == 1 ? threads() : 1);
   if (shard_map_ && !ranks().isFirst()) {

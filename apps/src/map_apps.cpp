@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/map_apps.h>
+#include <facetloc/apps/place_index_file.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_export.h>
@@ -194,6 +195,7 @@ int MapMergeApp::execute(const CommandLine&, const Console& console) {
   if (!merged.mounting && std::any_of(maps.begin(), maps.end(), hasMounting))
     console.note("the maps differ in the camera's mounting; the merged one has none");
   writeMap(output_, merged);
+  writePlaceIndex(output_);
   console.out << counted(merged.models.size(), "local model") << ", " << counted(merged.links.size(), "link")
               << "; map in " << output_ << "\n";
   return kOk;

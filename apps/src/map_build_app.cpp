@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/batch.h>
 #include <facetloc/apps/map_apps.h>
+#include <facetloc/apps/place_index_file.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/error.h>
 
@@ -107,7 +108,7 @@ MapBuildApp::Selection MapBuildApp::select(const DepthSequence& sequence) const 
 
 MapDatabase MapBuildApp::openDatabase(const DepthSequence& sequence, const std::string& parameters) const {
   if (resume_ && std::filesystem::exists(map_)) {
-    const Map present = readMap(map_);
+    const Map present = openMap(map_);
     if (present.models.empty()) return createDatabase(sequence, parameters, true);  // killed before it began
     const auto recorded = present.meta.find(kParametersKey);
     if (recorded == present.meta.end() || recorded->second != parameters)
@@ -184,8 +185,9 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
     return kOk;
   }
   MapDatabase database = openDatabase(sequence, parameters);
-  Writer writer(std::move(database), readMap(map_), builder);
+  Writer writer(std::move(database), openMap(map_), builder);
   const std::size_t without_segments = addModels(sequence, selection.candidates, view_params, batch, &writer);
+  writePlaceIndex(map_);
 
   const int code = batch.report();
   if (selection.without_pose > 0)

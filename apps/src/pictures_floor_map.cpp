@@ -42,10 +42,11 @@ struct Content {
 
 Content contentOf(const Map& map, const PlanView& plan) {
   Content content;
-  for (const LocalModel& model : map.models) {
+  for (std::size_t i = 0; i < map.models.size(); ++i) {
+    const LocalModel& model = map.models[i];
     if (!model.T_w_m) continue;
     content.models.push_back(*model.T_w_m);
-    for (const Segment& segment : model.view.segments)
+    for (const Segment& segment : map.view(static_cast<int>(i))->segments)
       if (const auto line = plan.line(segment, *model.T_w_m)) content.walls.push_back(*line);
   }
   for (const Link& link : map.links) {

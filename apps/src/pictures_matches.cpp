@@ -170,17 +170,19 @@ std::string matchedOf(const std::vector<int>& numbers) {
   return std::to_string(matched) + " of " + counted(numbers.size(), "segment") + " matched";
 }
 
-void drawAnswer(Page& page, Row& row, const SeenImage& query, const LocalModel& model,
-                const Eigen::Isometry3d& T_m_c, const std::optional<CameraMounting>& mounting) {
-  const Numbering numbers(query.view, model.view, matchedSegments(query.view, model.view, T_m_c));
+void drawAnswer(Page& page, Row& row, const SeenImage& query, const Map& map, int model,
+                const Eigen::Isometry3d& T_m_c) {
+  const std::shared_ptr<const View> view = map.view(model);
+  const Numbering numbers(query.view, *view, matchedSegments(query.view, *view, T_m_c));
   const Side query_side{query.depth, query.labels, numbers.of_query};
-  const Side model_side{depthOf(model.view), seenSegments(model.view), numbers.of_model};
+  const Side model_side{depthOf(*view), seenSegments(*view), numbers.of_model};
   const Box left = row.panel(0, "query " + query.name + ": " + matchedOf(numbers.of_query));
   drawSide(page, fitted(left, query.depth.camera), query_side);
-  const Box middle = row.panel(1, "local model " + model.name + ": " + matchedOf(numbers.of_model));
+  const Box middle =
+      row.panel(1, "local model " + map.models[model].name + ": " + matchedOf(numbers.of_model));
   drawSide(page, fitted(middle, model_side.depth.camera), model_side);
   const Box right = row.panel(2, "both aligned: local model filled, query outlined");
-  drawFit(page, right, query.view, model.view, numbers, T_m_c, mounting);
+  drawFit(page, right, query.view, *view, numbers, T_m_c, map.mounting);
   page.frame(right, {kUnmatched, 1});
 }
 
@@ -206,7 +208,7 @@ Raster<std::uint8_t> matchesPicture(const SeenImage& query, const Map& map,
     if (answer.model < 0)
       drawQueryAlone(page, row, query);
     else
-      drawAnswer(page, row, query, map.models.at(answer.model), answer.T_m_c, map.mounting);
+      drawAnswer(page, row, query, map, answer.model, answer.T_m_c);
     top += Row::height(panel_height);
   }
   if (answers.empty()) {

@@ -51,10 +51,11 @@ Eigen::Vector3d upInView(const View& view, const std::optional<CameraMounting>& 
 Eigen::Vector3d upInWorld(const Map& map) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   std::vector<WeightedNormal> normals;
-  for (const LocalModel& model : map.models) {
-    if (!model.T_w_m) continue;
-    sum += model.T_w_m->linear() * guessInView(map.mounting);
-    const auto more = normalsOf(model.view, model.T_w_m->linear());
+  for (std::size_t i = 0; i < map.models.size(); ++i) {
+    const auto& T_w_m = map.models[i].T_w_m;
+    if (!T_w_m) continue;
+    sum += T_w_m->linear() * guessInView(map.mounting);
+    const auto more = normalsOf(*map.view(static_cast<int>(i)), T_w_m->linear());
     normals.insert(normals.end(), more.begin(), more.end());
   }
   const Eigen::Vector3d up = levelNormal(normals, sum.normalized());

@@ -154,7 +154,7 @@ int RenderApp::renderImages(const CommandLine& line, const Console& console) con
 
   ImageRenderer renderer(sequence, depth_.width, depth_.viewParams(sequence.camera(), line));
   if (!map_.empty())
-    renderer.localizeIn(readMapFor(sequence.camera(), map_, console), localization_, threads(),
+    renderer.localizeIn(openMapFor(sequence.camera(), map_, console), localization_, threads(),
                         max_hypotheses_);
   Batch batch(1, chosen.size(), console);  // OpenGL is used by one thread
   batch.run([&](std::size_t k) { return sequence.frames()[chosen[k]].path.string(); },

@@ -17,7 +17,9 @@ std::vector<int> shareOf(std::size_t models, const Ranks& ranks) {
   return own;
 }
 
+/** A map with a store has none in memory anyway. */
 std::shared_ptr<const Map> withViewsOf(const std::vector<int>& own, Map map) {
+  if (map.store) return std::make_shared<const Map>(std::move(map));
   std::vector<View> views;
   for (const int i : own) views.push_back(std::move(map.models[i].view));
   for (LocalModel& model : map.models) model.view = {};

@@ -85,11 +85,21 @@ CREATE TABLE link(               -- topological links
 ) STRICT;
 )sql";
 
+/** \brief Since 1.1. */
+inline constexpr const char* kPlaceIndexTable = R"sql(
+CREATE TABLE IF NOT EXISTS place_index(  -- what PlaceIndex has written, in parts; gone when a model is added
+  part INTEGER PRIMARY KEY CHECK(part >= 0),  -- 0, 1, 2, ...
+  crc32 INTEGER NOT NULL,                     -- of data
+  data BLOB NOT NULL
+) STRICT;
+)sql";
+
 inline constexpr const char* kModelColumns =
     "id, name, stamp, tx, ty, tz, qx, qy, qz, qw, width, height, fx, fy, cx, cy, num_segments";
 inline constexpr const char* kSegmentColumns =
     "model_id, idx, tx, ty, tz, qx, qy, qz, qw, var_sx, cov_sx_sy, cov_sx_r, var_sy, cov_sy_r, var_r, "
     "lambda1, lambda2, num_points, hull";
+inline constexpr const char* kPictureCameraColumns = "model_id, width, height, fx, fy, cx, cy";
 inline constexpr const char* kPictureColumns = "model_id, width, height, fx, fy, cx, cy, encoding, data";
 inline constexpr const char* kLinkColumns =
     "id, from_id, to_id, tx, ty, tz, qx, qy, qz, qw, "
@@ -104,8 +114,13 @@ inline constexpr const char* kConventions = "metres, radians, seconds; T_a_b map
                                             "translation) of a left, decoupled perturbation; q = (s_x, s_y, "
                                             "r): tilts about the axes of F and offset along its normal";
 
+inline constexpr const char* kIndexColumns = "part, crc32, data";
+
+inline std::string select(const std::string& columns, const std::string& table) {
+  return "SELECT " + columns + " FROM " + table;
+}
 inline std::string select(const std::string& columns, const std::string& table, const std::string& order) {
-  return "SELECT " + columns + " FROM " + table + " ORDER BY " + order;
+  return select(columns, table) + " ORDER BY " + order;
 }
 
 /** \brief An INSERT with one placeholder per column. */

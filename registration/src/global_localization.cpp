@@ -13,12 +13,13 @@ GlobalLocalization::GlobalLocalization(std::shared_ptr<const Map> map, const Glo
     : map_(std::move(map)),
       params_(params),
       registration_(params.registration, noise),
-      inverse_depth_std_(noise.inverse_depth_std) {
+      ranking_(map_, params.ranking, params.registration.consensus, params.registration.depth,
+               noise.inverse_depth_std) {
   prior_.P = posePrior(map_->mounting, params.prior);
   const PlaceIndexParams& index = params.index;
   if (index.shortlist > 0 && map_->mounting &&
       map_->models.size() > static_cast<std::size_t>(index.exhaustive_up_to))
-    index_ = std::make_shared<PlaceIndex>(*map_, index, params.prior);
+    index_ = std::make_shared<PlaceIndex>(PlaceIndex::of(*map_, index, params.prior));
 }
 
 Localization GlobalLocalization::localize(const View& scene, const PoseWithCovariance& prior) const {
@@ -46,7 +47,7 @@ std::vector<Hypothesis> GlobalLocalization::registerWith(const std::vector<int>&
   const int threads = std::min(n, threads_ > 0 ? threads_ : omp_get_num_procs());
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
   for (int i = 0; i < n; ++i)
-    of_model[i] = registration_.align(scene, samples, map_->models[models[i]].view, prior);
+    of_model[i] = registration_.align(scene, samples, *map_->view(models[i]), prior);
 
   std::vector<Hypothesis> hypotheses;
   for (int i = 0; i < n; ++i)
@@ -66,15 +67,7 @@ Localization GlobalLocalization::rank(const View& scene, std::vector<Hypothesis>
   if (!answer.reason.empty()) return answer;
 
   answer.hypotheses = std::move(hypotheses);
-  const bool evidence = !params_.registration.consensus.surface_score &&  // a score in pixels, not in nats
-                        addEvidence(scene, *map_, registration_.comparison(), params_.registration.consensus,
-                                    params_.ranking, answer.hypotheses);
-  mergePlaces(params_.ranking, answer.hypotheses);
-  if (evidence && params_.ranking.dense_refinement)
-    refinePlaces(scene, *map_, params_.registration.depth, inverse_depth_std_, params_.registration.consensus,
-                 params_.ranking, answer.hypotheses);
-  assignProbabilities(params_.ranking, evidence, answer.hypotheses);
-
+  ranking_.rank(scene, answer.hypotheses);
   if (answer.hypotheses.empty()) {
     const HypothesisTreeParams& tree = params_.registration.tree;
     const std::string open =

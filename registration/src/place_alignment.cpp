@@ -100,11 +100,15 @@ float worth(const Comparison& found, std::size_t points) {
 
 }  // namespace
 
-void PlaceAligner::findPairs(const std::vector<Wall>& scene, const std::vector<Wall>& model) {
+PlaceAligner::PlaceAligner(const PlaceSignature& scene) : scene_(scene) {
+  pointsAboveFloor(scene_, scene_points_);
+}
+
+void PlaceAligner::findPairs(const PlaceSignature& model) {
   constexpr float kGap = 0.05f;  // between the heights of two parts of one wall [m]
   pairs_.clear();
-  for (const Wall& a : scene)
-    for (const Wall& b : model) {
+  for (const Wall& a : scene_.walls)
+    for (const Wall& b : model.walls) {
       const float move = b.offset - a.offset;
       if (std::abs(move) > kReach || std::max(a.bottom - b.top, b.bottom - a.top) > kGap) continue;
       const float turn = wrapped(b.heading - a.heading);
@@ -229,14 +233,14 @@ void PlaceAligner::refine(Pose& pose) const {
   pose.support = support;
 }
 
-float PlaceAligner::outlook(const PlaceSignature& scene, const PlaceSignature& model) {
+float PlaceAligner::outlook(const PlaceSignature& model) {
   constexpr float kStep = 0.05f, kAside = 0.6f;  // [m]; worth of a neighbouring step
   constexpr int kSteps = static_cast<int>(2 * kReach / kStep) + 1;
   constexpr float kAxis = 0.996f;        // cosine of 5 deg
   constexpr float kLargestSlide = 1.5f;  // [m]
   constexpr float kSurface = 0.3f, kHeightError = 0.05f, kTurnPrior = 0.15f, kMovePrior = 0.15f;
   constexpr float kBaseWeight = 5, kPower = 0.3f;
-  findPairs(scene.walls, model.walls);
+  findPairs(model);
   findTurns();
   float best = 0;
   for (const float turn : turns_) {
@@ -272,7 +276,7 @@ float PlaceAligner::outlook(const PlaceSignature& scene, const PlaceSignature& m
     }
     best = std::max(best, sum);
   }
-  for (const LevelSurface& a : scene.surfaces)
+  for (const LevelSurface& a : scene_.surfaces)
     best += kSurface * std::any_of(model.surfaces.begin(), model.surfaces.end(), [&a](const LevelSurface& b) {
               return a.from_below == b.from_below && std::abs(a.height - b.height) < kHeightError;
             });
@@ -281,10 +285,10 @@ float PlaceAligner::outlook(const PlaceSignature& scene, const PlaceSignature& m
   return best / std::pow(total, kPower);
 }
 
-PlaceAlignment PlaceAligner::align(const PlaceSignature& scene, const PlaceSignature& model) {
+PlaceAlignment PlaceAligner::align(const PlaceSignature& model) {
   constexpr float kSupport = 0.4f;                          // worth of the walls, by their square root
   constexpr float kTurnPrior = 0.01f, kMovePrior = 0.005f;  // [1], [1/m^2]
-  findPairs(scene.walls, model.walls);
+  findPairs(model);
   findTurns();
   poses_.clear();
   for (const float turn : turns_) {
@@ -297,13 +301,14 @@ PlaceAlignment PlaceAligner::align(const PlaceSignature& scene, const PlaceSigna
   if (poses_.size() > kCompared) poses_.resize(kCompared);
 
   PlaceAlignment best;
+  if (!poses_.empty()) pointsAboveFloor(model, model_points_);
   for (const Pose& p : poses_) {
     const Eigen::Matrix3f turn = Eigen::AngleAxisf(p.turn, Eigen::Vector3f::UnitZ()).toRotationMatrix();
-    const Eigen::Vector3f move(p.x, p.y, scene.height - model.height);
-    const Eigen::Matrix3f to_model = model.R_u_c.transpose(), to_scene = (turn * scene.R_u_c).transpose();
+    const Eigen::Vector3f move(p.x, p.y, scene_.height - model.height);
+    const Eigen::Matrix3f to_model = model.R_u_c.transpose(), to_scene = (turn * scene_.R_u_c).transpose();
     const float score =
-        worth(compare(scene.points, to_model * turn, to_model * move, model.picture), scene.points.size()) +
-        worth(compare(model.points, to_scene, -(to_scene * move), scene.picture), model.points.size()) +
+        worth(compare(scene_points_, to_model * turn, to_model * move, model.picture), scene_points_.size()) +
+        worth(compare(model_points_, to_scene, -(to_scene * move), scene_.picture), model_points_.size()) +
         kSupport * std::sqrt(p.support) - kTurnPrior * p.turn * p.turn / (kTurnStd * kTurnStd) -
         kMovePrior * (p.x * p.x + p.y * p.y);
     if (score > best.score) best = {score, p.turn, p.x, p.y};

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/binary_archive.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/registration/place_alignment.h>
 #include <facetloc/registration/place_index.h>
@@ -6,12 +7,28 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <flann/flann.hpp>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
 
 namespace facetloc {
+
+template <class Archive>
+void fields(Archive& archive, Wall& w) {
+  archive(w.heading, w.cosine, w.sine, w.offset, w.right, w.left, w.bottom, w.top, w.weight, w.right_end,
+          w.left_end, w.bottom_end, w.top_end);
+}
+template <class Archive>
+void fields(Archive& archive, LevelSurface& s) {
+  archive(s.height, s.from_below, s.x, s.y);
+}
+template <class Archive>
+void fields(Archive& archive, PlaceSignature& p) {
+  archive(p.R_u_c, p.height, p.walls, p.surfaces, p.picture.camera, p.picture.depth);
+}
+
 namespace {
 
 constexpr int kDimensions = 5;
@@ -74,51 +91,151 @@ std::vector<Descriptor> describe(const PlaceSignature& place) {
 constexpr float kLargestTurn = 60 * static_cast<float>(kDegree), kTurnBin = 4 * static_cast<float>(kDegree);
 constexpr int kTurnBins = 31, kNoTurn = kTurnBins, kBins = kTurnBins + 1;
 
-using Index = flann::KDTreeSingleIndex<flann::L2_Simple<float>>;
+// Keeps its own, reordered copy of the points.
+using Tree = flann::KDTreeSingleIndex<flann::L2_Simple<float>>;
+const flann::KDTreeSingleIndexParams kTreeParams(10, true);
+
+/** What FLANN writes to a C stream and reads from one. */
+class TreeBytes {
+public:
+  TreeBytes() : file_(std::tmpfile(), std::fclose) {
+    if (!file_) throw std::runtime_error("PlaceIndex: there is no room for a temporary file");
+  }
+  std::vector<char> of(Tree& tree) {
+    tree.saveIndex(file_.get());
+    std::vector<char> bytes(static_cast<std::size_t>(std::ftell(file_.get())));
+    std::rewind(file_.get());
+    require(std::fread(bytes.data(), 1, bytes.size(), file_.get()) == bytes.size());
+    return bytes;
+  }
+  std::unique_ptr<Tree> tree(const std::vector<char>& bytes, std::size_t points) {
+    require(std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) == bytes.size());
+    std::rewind(file_.get());
+    // FLANN wants points of that number, though it reads and uses its own.
+    std::vector<float> none(points * kDimensions);
+    auto tree = std::make_unique<Tree>(flann::Matrix<float>(none.data(), points, kDimensions), kTreeParams);
+    tree->loadIndex(file_.get());
+    return tree;
+  }
+
+private:
+  static void require(bool done) {
+    if (!done) throw std::runtime_error("PlaceIndex: a temporary file cannot be used");
+  }
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+};
+
+/** What a written index depends on. */
+struct Header {
+  std::string format = "facetloc place index 1";  // changes with signatures and descriptors
+  std::size_t models = 0;
+  double height = 0, tilt_deg = 0;  // of the camera
+  Eigen::Matrix3d floor = Eigen::Matrix3d::Zero();
+
+  Header() = default;
+  Header(const Map& map, const PosePriorParams& prior)
+      : models(map.models.size()),
+        height(map.mounting->height),
+        tilt_deg(map.mounting->tilt_deg),
+        floor(floorCovariance(prior)) {}
+  bool operator==(const Header& o) const {
+    return format == o.format && models == o.models && height == o.height && tilt_deg == o.tilt_deg &&
+           floor == o.floor;
+  }
+};
 
 }  // namespace
+
+template <class Archive>
+void fields(Archive& archive, Header& h) {
+  archive(h.format, h.models, h.height, h.tilt_deg, h.floor);
+}
 
 struct PlaceIndex::Impl {
   PlaceIndexParams params;
   PosePriorParams prior;
   CameraMounting mounting;
+  Header header;
   std::vector<PlaceSignature> places;
-  std::vector<float> points;    // kDimensions each
   std::vector<int> owner;       // model of each descriptor
   std::vector<float> heading;   // of each descriptor
   std::vector<float> expected;  // of each model: grows with the votes that it gets anyway
-  std::unique_ptr<Index> tree;
+  std::unique_ptr<Tree> tree;   // of the descriptors; null without any
 
+  Impl(const Map& map, const PlaceIndexParams& params, const PosePriorParams& prior);
+  void build(const Map& map);
+  void expectVotes();
   std::vector<float> votes(const PlaceSignature& scene) const;
 };
 
-PlaceIndex::PlaceIndex(const Map& map, const PlaceIndexParams& params, const PosePriorParams& prior) {
+PlaceIndex::Impl::Impl(const Map& map, const PlaceIndexParams& index_params,
+                       const PosePriorParams& pose_prior)
+    : params(index_params), prior(pose_prior) {
   if (!map.mounting)
     throw std::invalid_argument("PlaceIndex: the map does not tell how its camera is mounted");
-  auto impl = std::make_unique<Impl>();
-  impl->params = params;
-  impl->prior = prior;
-  impl->mounting = *map.mounting;
+  mounting = *map.mounting;
+  header = Header(map, prior);
+}
+
+void PlaceIndex::Impl::build(const Map& map) {
+  std::vector<float> points;  // kDimensions each
   const int n = static_cast<int>(map.models.size());
-  constexpr float kBaseCount = 5;
   for (int m = 0; m < n; ++m) {
-    impl->places.push_back(placeSignature(map.models[m].view, *map.mounting, prior));
-    const std::vector<Descriptor> descriptors = describe(impl->places.back());
-    for (const Descriptor& d : descriptors) {
-      impl->points.insert(impl->points.end(), d.at.begin(), d.at.end());
-      impl->owner.push_back(m);
-      impl->heading.push_back(d.heading);
+    places.push_back(placeSignature(*map.view(m), mounting, prior));
+    for (const Descriptor& d : describe(places.back())) {
+      points.insert(points.end(), d.at.begin(), d.at.end());
+      owner.push_back(m);
+      heading.push_back(d.heading);
     }
-    impl->expected.push_back(std::sqrt(static_cast<float>(descriptors.size()) + kBaseCount));
   }
-  if (!impl->owner.empty()) {
-    constexpr int kLeaf = 10;
-    impl->tree =
-        std::make_unique<Index>(flann::Matrix<float>(impl->points.data(), impl->owner.size(), kDimensions),
-                                flann::KDTreeSingleIndexParams(kLeaf, true));
-    impl->tree->buildIndex();
-  }
+  expectVotes();
+  if (owner.empty()) return;
+  tree = std::make_unique<Tree>(flann::Matrix<float>(points.data(), owner.size(), kDimensions), kTreeParams);
+  tree->buildIndex();
+}
+
+void PlaceIndex::Impl::expectVotes() {
+  constexpr float kBaseCount = 5;
+  expected.assign(places.size(), kBaseCount);
+  for (const int m : owner) ++expected[static_cast<std::size_t>(m)];
+  for (float& e : expected) e = std::sqrt(e);
+}
+
+PlaceIndex::PlaceIndex(const Map& map, const PlaceIndexParams& params, const PosePriorParams& prior) {
+  auto impl = std::make_unique<Impl>(map, params, prior);
+  impl->build(map);
   impl_ = std::move(impl);
+}
+
+PlaceIndex::PlaceIndex(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+
+PlaceIndex PlaceIndex::of(const Map& map, const PlaceIndexParams& params, const PosePriorParams& prior) {
+  const auto written = map.store ? map.store->placeIndex() : nullptr;
+  auto read = written ? PlaceIndex::read(*written, map, params, prior) : std::nullopt;
+  return read ? std::move(*read) : PlaceIndex(map, params, prior);
+}
+
+void PlaceIndex::write(std::ostream& out) const {
+  BinaryWriter archive(out);
+  archive(impl_->header, impl_->places, impl_->owner, impl_->heading);
+  if (impl_->tree) archive(TreeBytes().of(*impl_->tree));
+}
+
+std::optional<PlaceIndex> PlaceIndex::read(std::istream& in, const Map& map, const PlaceIndexParams& params,
+                                           const PosePriorParams& prior) {
+  auto impl = std::make_unique<Impl>(map, params, prior);
+  BinaryReader archive(in);
+  Header written;
+  archive(written);
+  if (!(written == impl->header)) return std::nullopt;
+  archive(impl->places, impl->owner, impl->heading);
+  impl->expectVotes();
+  if (!impl->owner.empty()) {
+    std::vector<char> tree;
+    archive(tree);
+    impl->tree = TreeBytes().tree(tree, impl->owner.size());
+  }
+  return PlaceIndex(std::move(impl));
 }
 
 PlaceIndex::PlaceIndex(PlaceIndex&&) noexcept = default;
@@ -176,7 +293,7 @@ std::vector<int> PlaceIndex::shortlist(const View& view, int n) const {
   const auto byScore = [](const std::vector<float>& score) {
     return [&score](int a, int b) { return score[a] != score[b] ? score[a] > score[b] : a < b; };
   };
-  PlaceAligner aligner;
+  PlaceAligner aligner(scene);
   const std::size_t all = impl_->places.size();
   const auto kept = static_cast<std::size_t>(std::max(n, impl_->params.aligned_models));
   std::vector<int> order(all);
@@ -188,15 +305,12 @@ std::vector<int> PlaceIndex::shortlist(const View& view, int n) const {
     std::nth_element(order.begin(), order.begin() + by_votes, order.end(), byScore(votes));
     std::vector<float> outlook(all, 0);
     for (auto m = order.begin() + by_votes; m != order.end(); ++m)
-      outlook[*m] = aligner.outlook(scene, impl_->places[*m]);
+      outlook[*m] = aligner.outlook(impl_->places[*m]);
     std::nth_element(order.begin() + by_votes, order.begin() + by_outlook, order.end(), byScore(outlook));
     order.resize(kept);
   }
   std::vector<float> score(all, 0);
-  for (const int m : order) {
-    const PlaceSignature& place = impl_->places[m];
-    score[m] = aligner.align(scene, place).score;
-  }
+  for (const int m : order) score[m] = aligner.align(impl_->places[m]).score;
   const std::size_t listed = std::min(order.size(), static_cast<std::size_t>(n));
   std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(listed), order.end(),
                     byScore(score));
@@ -214,11 +328,12 @@ std::size_t PlaceIndex::bytes() const {
   std::size_t sum = sizeof *impl_;
   for (const PlaceSignature& p : impl_->places)
     sum += sizeof p + p.walls.capacity() * sizeof(Wall) + p.surfaces.capacity() * sizeof(LevelSurface) +
-           p.picture.depth.capacity() * sizeof(std::uint16_t) + p.points.capacity() * sizeof(Eigen::Vector3f);
-  sum += impl_->points.capacity() * sizeof(float) + impl_->owner.capacity() * sizeof(int) +
+           p.picture.depth.capacity() * sizeof(std::uint16_t);
+  sum += impl_->owner.capacity() * sizeof(int) +
          (impl_->heading.capacity() + impl_->expected.capacity()) * sizeof(float);
-  if (impl_->tree)
-    sum += static_cast<std::size_t>(impl_->tree->usedMemory()) + impl_->points.size() * sizeof(float);
+  // FLANN does not count its points, nor that it keeps a pointer to each and its number.
+  constexpr std::size_t kPoint = kDimensions * sizeof(float) + sizeof(float*) + sizeof(std::size_t);
+  if (impl_->tree) sum += static_cast<std::size_t>(impl_->tree->usedMemory()) + impl_->owner.size() * kPoint;
   return sum;
 }
 

@@ -6,31 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace facetloc {
 namespace {
 
-// The models that look at about the same place, nearest first: metres + 1.5 m per radian of the viewing
-// direction.
-std::vector<int> nearestModels(const Map& map, const Eigen::Isometry3d& T_w_c, int n) {
-  constexpr double kMetresPerRadian = 1.5, kMaxDistance = 2.5, kMaxAngle = 50 * kDegree;
-  std::vector<std::pair<double, int>> near;
-  for (std::size_t i = 0; i < map.models.size(); ++i) {
-    const LocalModel& m = map.models[i];
-    if (!m.T_w_m || m.view.depth.empty()) continue;
-    const double distance = (m.T_w_m->translation() - T_w_c.translation()).norm();
-    if (!(distance < kMaxDistance)) continue;
-    const Eigen::Vector3d a = m.T_w_m->linear().col(2), b = T_w_c.linear().col(2);
-    const double angle = std::atan2(a.cross(b).norm(), a.dot(b));
-    if (angle < kMaxAngle) near.emplace_back(distance + kMetresPerRadian * angle, static_cast<int>(i));
-  }
-  std::sort(near.begin(), near.end());
-  if (static_cast<int>(near.size()) > n) near.resize(n);
-  std::vector<int> index;
-  for (const auto& [cost, i] : near) index.push_back(i);
-  return index;
-}
+constexpr ViewReach kReach{2.5, 50 * kDegree};  // of models that may show what the scene shows
 
 // What several models say about one world pose: all together about each pixel of the scene, and one by one
 // about their own pixels, moved into the scene.
@@ -40,25 +20,8 @@ struct DepthEvidence {
   std::vector<DepthAgreement> of_models;
 };
 
-DepthEvidence compareWithModels(const View& scene, const Map& map, const std::vector<int>& models,
-                                const Eigen::Isometry3d& T_w_c, const DepthComparison& comparison) {
-  DepthEvidence found;
-  std::vector<PosedPicture> pictures;
-  for (const int i : models) {
-    const DepthPicture& depth = map.models[i].view.depth;
-    const Eigen::Isometry3d T_m_c = map.models[i].T_w_m->inverse() * T_w_c;
-    pictures.push_back({&depth, *map.models[i].T_w_m});
-    found.of_models.push_back(comparison.compare(depth, scene.depth, T_m_c.inverse(), kCoarseColumns));
-  }
-  found.of_scene = compareWithAll(scene.depth, T_w_c, pictures, comparison, kFineColumns);
-  const int step = gridStep(scene.depth, kFineColumns), first = step / 2;
-  const auto onGrid = [&](int size) { return size > first ? (size - first - 1) / step + 1 : 0; };
-  found.pixels = onGrid(scene.depth.camera.width) * onGrid(scene.depth.camera.height);
-  return found;
-}
-
-double evidence(const DepthEvidence& found, const ConsensusParams& consensus,
-                const PlaceRankingParams& params) {
+double weighed(const DepthEvidence& found, const ConsensusParams& consensus,
+               const PlaceRankingParams& params) {
   const auto tail = [&](double share) { return std::log1p(share / consensus.free_space_share); };
   const double untested = params.untested_pixels * found.pixels;
   const auto contradiction = [&](const DepthAgreement& a, double untested_here) {
@@ -99,37 +62,83 @@ bool samePlace(const Hypothesis& a, const Hypothesis& b, const PlaceRankingParam
   return a.T_w_c && b.T_w_c && samePlace(*a.T_w_c, *b.T_w_c, params);
 }
 
-// Moves a hypothesis, within its place, to where the pixels of these models fit best.
-void refine(const View& scene, const Map& map, const std::vector<int>& models, double inverse_depth_std,
-            const PlaceRankingParams& params, Hypothesis& h) {
+}  // namespace
+
+DepthConsistencyParams refinedErrors(DepthConsistencyParams depth, const PlaceRankingParams& params) {
+  depth.absolute_error = params.refined_absolute_error;
+  depth.relative_error = params.refined_relative_error;
+  return depth;
+}
+
+PlaceRanking::PlaceRanking(std::shared_ptr<const Map> map, const PlaceRankingParams& params,
+                           const ConsensusParams& consensus, const DepthConsistencyParams& depth,
+                           double inverse_depth_std)
+    : map_(std::move(map)),
+      params_(params),
+      consensus_(consensus),
+      comparison_(depth, inverse_depth_std),
+      refined_comparison_(refinedErrors(depth, params), inverse_depth_std),
+      inverse_depth_std_(inverse_depth_std),
+      near_(map_, true) {}
+
+void PlaceRanking::rank(const View& scene, std::vector<Hypothesis>& hypotheses) const {
+  const bool of_pixels = consensus_.surface_score;  // a score in pixels, not in nats
+  const bool evidence = !of_pixels && addEvidence(scene, hypotheses);
+  mergePlaces(params_, hypotheses);
+  if (evidence && params_.dense_refinement) refinePlaces(scene, hypotheses);
+  assignProbabilities(params_, evidence, hypotheses);
+}
+
+std::vector<PlaceRanking::Neighbour> PlaceRanking::neighbours(const Eigen::Isometry3d& T_w_c) const {
+  std::vector<Neighbour> found;
+  for (const int i : near_.bySight(T_w_c, kReach, params_.evidence_models))
+    found.push_back({map_->view(i), *map_->models[i].T_w_m});
+  return found;
+}
+
+double PlaceRanking::evidence(const View& scene, const std::vector<Neighbour>& neighbours,
+                              const Eigen::Isometry3d& T_w_c, const DepthComparison& comparison) const {
+  DepthEvidence found;
   std::vector<PosedPicture> pictures;
-  for (const int m : models) pictures.push_back({&map.models[m].view.depth, *map.models[m].T_w_m});
-  const Eigen::Isometry3d& T_w_m = *map.models[h.model].T_w_m;
+  for (const Neighbour& n : neighbours) {
+    const DepthPicture& depth = n.view->depth;
+    const Eigen::Isometry3d T_m_c = n.T_w_m.inverse() * T_w_c;
+    pictures.push_back({&depth, n.T_w_m});
+    found.of_models.push_back(comparison.compare(depth, scene.depth, T_m_c.inverse(), kCoarseColumns));
+  }
+  found.of_scene = compareWithAll(scene.depth, T_w_c, pictures, comparison, kFineColumns);
+  const int step = gridStep(scene.depth, kFineColumns), first = step / 2;
+  const auto onGrid = [&](int size) { return size > first ? (size - first - 1) / step + 1 : 0; };
+  found.pixels = onGrid(scene.depth.camera.width) * onGrid(scene.depth.camera.height);
+  return weighed(found, consensus_, params_);
+}
+
+// Moves a hypothesis, within its place, to where the pixels of these models fit best.
+void PlaceRanking::refine(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h) const {
+  std::vector<PosedPicture> pictures;
+  for (const Neighbour& n : neighbours) pictures.push_back({&n.view->depth, n.T_w_m});
+  const Eigen::Isometry3d& T_w_m = *map_->models[h.model].T_w_m;
   Matrix6d rotation = Matrix6d::Zero();  // of the covariance into the world's axes
   rotation.topLeftCorner<3, 3>() = rotation.bottomRightCorner<3, 3>() = T_w_m.linear();
   PoseWithCovariance pose{*h.T_w_c, rotation * h.T_m_c.P * rotation.transpose()};
-  if (!refineByDepth(scene.depth, pictures, inverse_depth_std, params.dense, pose)) return;
-  if (!samePlace(*h.T_w_c, pose.T, params)) return;  // that is no refinement: planes found another place
+  if (!refineByDepth(scene.depth, pictures, inverse_depth_std_, params_.dense, pose)) return;
+  if (!samePlace(*h.T_w_c, pose.T, params_)) return;  // that is no refinement: planes found another place
   h.T_w_c = pose.T;
   h.T_m_c.T = T_w_m.inverse() * pose.T;
 }
 
-}  // namespace
-
-bool addEvidence(const View& scene, const Map& map, const DepthComparison& comparison,
-                 const ConsensusParams& consensus, const PlaceRankingParams& params,
-                 std::vector<Hypothesis>& hypotheses) {
+bool PlaceRanking::addEvidence(const View& scene, std::vector<Hypothesis>& hypotheses) const {
   sortByScore(hypotheses);
-  if (!params.multi_model || scene.depth.empty()) return false;
-  const std::size_t n = std::min<std::size_t>(hypotheses.size(), params.evidence_hypotheses);
+  if (!params_.multi_model || scene.depth.empty()) return false;
+  const std::size_t n = std::min<std::size_t>(hypotheses.size(), params_.evidence_hypotheses);
   bool any = false;
   double least = std::numeric_limits<double>::infinity();
   std::vector<double> found(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     const Hypothesis& h = hypotheses[i];
     if (!h.T_w_c) continue;
-    const std::vector<int> models = nearestModels(map, *h.T_w_c, params.evidence_models);
-    found[i] = evidence(compareWithModels(scene, map, models, *h.T_w_c, comparison), consensus, params);
+    const std::vector<Neighbour> models = neighbours(*h.T_w_c);
+    found[i] = evidence(scene, models, *h.T_w_c, comparison_);
     any = any || !models.empty();
     least = std::min(least, found[i]);
   }
@@ -142,6 +151,24 @@ bool addEvidence(const View& scene, const Map& map, const DepthComparison& compa
   return true;
 }
 
+void PlaceRanking::refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses) const {
+  const std::size_t n = std::min<std::size_t>(hypotheses.size(), params_.refined_places);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < n; ++i) {
+    Hypothesis& h = hypotheses[i];
+    if (!h.T_w_c) continue;
+    const std::vector<Neighbour> models = neighbours(*h.T_w_c);
+    refine(scene, models, h);
+    h.evidence = evidence(scene, models, *h.T_w_c, refined_comparison_);
+    least = std::min(least, h.evidence);
+  }
+  // The others are compared with the larger errors of a pose that is not refined, which is no merit.
+  for (std::size_t i = n; i < hypotheses.size(); ++i)
+    hypotheses[i].evidence = std::min(hypotheses[i].evidence, least);
+  for (Hypothesis& h : hypotheses) h.score = h.consensus + h.evidence;
+  mergePlaces(params_, hypotheses);
+}
+
 void mergePlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses) {
   sortByScore(hypotheses);
   if (!params.merge) return;
@@ -152,30 +179,6 @@ void mergePlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypo
     if (!known) places.push_back(std::move(h));
   }
   hypotheses.swap(places);
-}
-
-void refinePlaces(const View& scene, const Map& map, const DepthConsistencyParams& depth,
-                  double inverse_depth_std, const ConsensusParams& consensus,
-                  const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses) {
-  DepthConsistencyParams errors = depth;
-  errors.absolute_error = params.refined_absolute_error;
-  errors.relative_error = params.refined_relative_error;
-  const DepthComparison comparison(errors, inverse_depth_std);
-  const std::size_t n = std::min<std::size_t>(hypotheses.size(), params.refined_places);
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < n; ++i) {
-    Hypothesis& h = hypotheses[i];
-    if (!h.T_w_c) continue;
-    const std::vector<int> models = nearestModels(map, *h.T_w_c, params.evidence_models);
-    refine(scene, map, models, inverse_depth_std, params, h);
-    h.evidence = evidence(compareWithModels(scene, map, models, *h.T_w_c, comparison), consensus, params);
-    least = std::min(least, h.evidence);
-  }
-  // The others are compared with the larger errors of a pose that is not refined, which is no merit.
-  for (std::size_t i = n; i < hypotheses.size(); ++i)
-    hypotheses[i].evidence = std::min(hypotheses[i].evidence, least);
-  for (Hypothesis& h : hypotheses) h.score = h.consensus + h.evidence;
-  mergePlaces(params, hypotheses);
 }
 
 void assignProbabilities(const PlaceRankingParams& params, bool with_evidence,

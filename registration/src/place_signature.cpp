@@ -109,20 +109,6 @@ CoarseDepth coarseDepth(const DepthPicture& picture) {
   return coarse;
 }
 
-std::vector<Eigen::Vector3f> pointsAboveFloor(const CoarseDepth& picture, const Eigen::Matrix3f& R_u_c,
-                                              float height) {
-  std::vector<Eigen::Vector3f> points;
-  const Intrinsics& c = picture.camera;
-  for (int v = kPointStep / 2; v < c.height; v += kPointStep)
-    for (int u = kPointStep / 2; u < c.width; u += kPointStep) {
-      const double z = 0.001 * picture.depth[static_cast<std::size_t>(v) * c.width + u];
-      if (z <= 0 || z > kFarthestPoint) continue;
-      const Eigen::Vector3f p = R_u_c * (z * c.ray(u, v)).cast<float>();
-      if (p.z() + height > kFloorPixels) points.push_back(p);
-    }
-  return points;
-}
-
 }  // namespace
 
 PlaceSignature placeSignature(const View& view, const CameraMounting& mounting,
@@ -146,8 +132,19 @@ PlaceSignature placeSignature(const View& view, const CameraMounting& mounting,
     }
   }
   out.picture = coarseDepth(view.depth);
-  out.points = pointsAboveFloor(out.picture, out.R_u_c, out.height);
   return out;
+}
+
+void pointsAboveFloor(const PlaceSignature& place, std::vector<Eigen::Vector3f>& points) {
+  points.clear();
+  const Intrinsics& c = place.picture.camera;
+  for (int v = kPointStep / 2; v < c.height; v += kPointStep)
+    for (int u = kPointStep / 2; u < c.width; u += kPointStep) {
+      const double z = 0.001 * place.picture.depth[static_cast<std::size_t>(v) * c.width + u];
+      if (z <= 0 || z > kFarthestPoint) continue;
+      const Eigen::Vector3f p = place.R_u_c * (z * c.ray(u, v)).cast<float>();
+      if (p.z() + place.height > kFloorPixels) points.push_back(p);
+    }
 }
 
 }  // namespace facetloc

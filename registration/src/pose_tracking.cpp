@@ -83,14 +83,6 @@ Matrix6d discounted(const Matrix6d& prior, const Matrix6d& posterior, double par
   return 0.5 * (P + P.transpose());
 }
 
-// Once aligned by all pixels, a view errs less than a pose of planes alone.
-DepthConsistencyParams refinedErrors(const GlobalLocalizationParams& params) {
-  DepthConsistencyParams depth = params.registration.depth;
-  depth.absolute_error = params.ranking.refined_absolute_error;
-  depth.relative_error = params.ranking.refined_relative_error;
-  return depth;
-}
-
 ViewAlignmentParams alignmentParams(const GlobalLocalizationParams& localization,
                                     const PoseTrackingParams& tracking) {
   ViewAlignmentParams params;
@@ -136,7 +128,8 @@ PoseTracking::PoseTracking(std::shared_ptr<const Map> map, const PoseTrackingPar
       surroundings_(map, DepthComparison(localization.registration.depth, noise.inverse_depth_std)),
       floor_covariance_(2 * floorCovariance(localization.prior)),
       alignment_(alignmentParams(localization, params)),
-      comparison_(refinedErrors(localization), noise.inverse_depth_std),
+      comparison_(refinedErrors(localization.registration.depth, localization.ranking),
+                  noise.inverse_depth_std),
       inverse_depth_std_(noise.inverse_depth_std),
       odometry_(params.odometry, alignment_, comparison_, noise.inverse_depth_std,
                 surroundings_.map().mounting) {}

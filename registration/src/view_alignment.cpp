@@ -9,12 +9,13 @@
 
 namespace facetloc {
 
-void Surroundings::add(int index, const View& view, const Eigen::Isometry3d& T_w_c) {
-  for (std::size_t i = 0; i < view.segments.size(); ++i) {
-    segments.push_back(transformed(view.segments[i], T_w_c));
+void Surroundings::add(int index, std::shared_ptr<const View> view, const Eigen::Isometry3d& T_w_c) {
+  for (std::size_t i = 0; i < view->segments.size(); ++i) {
+    segments.push_back(transformed(view->segments[i], T_w_c));
     origins.push_back({index, static_cast<int>(i)});
   }
-  if (!view.depth.empty()) pictures.push_back({&view.depth, T_w_c});
+  if (!view->depth.empty()) pictures.push_back({&view->depth, T_w_c});
+  views.push_back(std::move(view));
 }
 
 ViewAlignment alignView(const View& view, const Surroundings& surroundings, const PoseWithCovariance& prior,
@@ -64,12 +65,12 @@ DepthAgreement compareWithAll(const DepthPicture& scene, const Eigen::Isometry3d
   return sum;
 }
 
-double viewDistance(const Eigen::Isometry3d& T_w_a, const Eigen::Isometry3d& T_w_b) {
-  constexpr double kMetresPerRadian = 1.5, kMaxDistance = 4, kMaxAngle = 60 * kDegree;
+double viewDistance(const Eigen::Isometry3d& T_w_a, const Eigen::Isometry3d& T_w_b, const ViewReach& reach) {
+  constexpr double kMetresPerRadian = 1.5;
   const double distance = (T_w_a.translation() - T_w_b.translation()).norm();
   const Eigen::Vector3d a = T_w_a.linear().col(2), b = T_w_b.linear().col(2);
   const double angle = std::atan2(a.cross(b).norm(), a.dot(b));
-  if (!(distance < kMaxDistance && angle < kMaxAngle)) return std::numeric_limits<double>::infinity();
+  if (!(distance < reach.distance && angle < reach.angle)) return std::numeric_limits<double>::infinity();
   return distance + kMetresPerRadian * angle;
 }
 

@@ -142,7 +142,7 @@ Surroundings ViewOdometry::around(const Eigen::Isometry3d& T_o_c) const {
   if (static_cast<int>(near.size()) > params_.keys) near.resize(params_.keys);
   Surroundings out;
   for (const auto& [distance, i] : near)
-    if (std::isfinite(distance)) out.add(i, keys_[i].view, keys_[i].T_o_k);
+    if (std::isfinite(distance)) out.add(i, borrowed(keys_[i].view), keys_[i].T_o_k);
   return out;
 }
 

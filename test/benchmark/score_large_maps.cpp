@@ -6,8 +6,9 @@
 //                    [--plot FILE.png] [--first-seed N] [--set PARAMETER VALUE]
 //
 // The floors (office, home and hall of every seed) are rendered once and kept in DIR. A map of N local models
-// is made of as many floors as that takes, far from each other. The queries are images of the later runs on
-// these floors, at most --queries of them (200).
+// is made of as many floors as that takes, far from each other, and kept in DIR/large-N.flmap. It is used as
+// the tools use it: views are read when they are needed, and the index comes with the file. The queries are
+// images of the later runs on these floors, at most --queries of them (200).
 //
 // A query is answerable if registering it with some local model near the truth gives a pose within 0.2 m and
 // 2 deg of it. Recall of a shortlist: the share of the answerable queries for which it holds such a model.
@@ -19,6 +20,7 @@
 #include <facetloc/apps/charts.h>
 #include <facetloc/apps/offscreen_display.h>
 #include <facetloc/features/so3.h>
+#include <facetloc/io/map_database.h>
 #include <facetloc/io/simulated_place.h>
 #include <facetloc/registration/global_localization.h>
 #include <facetloc/registration/place_index.h>
@@ -28,12 +30,16 @@
 #include <cstdlib>
 #include <ctime>
 #include <exception>
+#include <filesystem>
+#include <fstream>
 #include <limits>
+#include <malloc.h>
 #include <memory>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
 namespace {
@@ -69,57 +75,115 @@ bool isRight(const Eigen::Isometry3d& T_w_c, const Eigen::Isometry3d& truth) {
   return error.translation().norm() <= kRightTranslation && rotationAngle(error.linear()) <= kRightRotation;
 }
 
+/** Which floor of how many local models and queries. */
+struct Floor {
+  std::string scene;
+  std::uint64_t seed;
+  std::size_t models, queries;
+  std::string name() const { return scene + std::to_string(seed); }
+};
+
+/** The views of floors, one after the other, in the order of the floors. */
+class ViewsOfFloors : public MapStore {
+public:
+  ViewsOfFloors(std::string folder, std::vector<Floor> floors)
+      : folder_(std::move(folder)), floors_(std::move(floors)) {}
+
+  std::shared_ptr<const View> view(int i) const override {
+    auto rest = static_cast<std::size_t>(i);
+    std::size_t k = 0;
+    while (rest >= floors_[k].models) rest -= floors_[k++].models;
+    if (k != loaded_) map_ = simulatedFloor(folder_, floors_[k].scene, floors_[k].seed).map;
+    loaded_ = k;
+    return borrowed(map_.models[rest].view);
+  }
+  std::unique_ptr<std::istream> placeIndex() const override { return nullptr; }
+
+private:
+  std::string folder_;
+  std::vector<Floor> floors_;
+  mutable std::size_t loaded_ = std::numeric_limits<std::size_t>::max();
+  mutable Map map_;
+};
+
 /** Floors, one after the other, as one map. */
 class Building {
 public:
   explicit Building(const Options& options) : options_(options), seed_(options.first_seed) {}
 
-  /** The map of exactly n models, of the floors that it takes. */
-  std::shared_ptr<Map> map(std::size_t n) {
+  /** The file of the map of exactly n models, of the floors that it takes. */
+  std::string map(std::size_t n) {
     while (models_.size() < n) addFloor();
-    auto map = std::make_shared<Map>();
-    map->mounting = mounting_;
-    map->models.assign(models_.begin(), models_.begin() + static_cast<std::ptrdiff_t>(n));
-    return map;
+    const std::string path = options_.floors + "/large-" + std::to_string(n) + ".flmap";
+    if (std::filesystem::exists(path)) return path;
+    Map map;
+    map.mounting = mounting_;
+    map.models.assign(models_.begin(), models_.begin() + static_cast<std::ptrdiff_t>(n));
+    map.store = std::make_shared<ViewsOfFloors>(options_.floors, floors_);
+    writeMap(path, map);
+    return path;
   }
   /** Queries on the floors that are in a map of n models as a whole, evenly chosen. */
   std::vector<Query> queries(std::size_t n) const {
-    std::size_t all = 0;
-    while (all < queries_.size() && ends_[all] <= n) ++all;
+    std::size_t floors = 0, all = 0;
+    for (std::size_t models = 0; floors < floors_.size(); ++floors) {
+      models += floors_[floors].models;
+      if (models > n) break;
+      all += floors_[floors].queries;
+    }
     std::vector<Query> chosen;
     const std::size_t wanted = std::min(all, options_.queries);
-    for (std::size_t i = 0; i < wanted; ++i) chosen.push_back(queries_[i * all / wanted]);
+    for (std::size_t k = 0, before = 0; k < floors; before += floors_[k++].queries) {
+      SimulatedFloor floor;
+      while (chosen.size() < wanted && chosen.size() * all / wanted < before + floors_[k].queries) {
+        if (floor.query.models.empty())
+          floor = simulatedFloor(options_.floors, floors_[k].scene, floors_[k].seed);
+        const LocalModel& q = floor.query.models[chosen.size() * all / wanted - before];
+        chosen.push_back({floors_[k].name() + "/" + q.name, q.view, placeOf(k) * *q.T_w_m, {}});
+      }
+    }
     return chosen;
   }
 
 private:
+  static Eigen::Isometry3d placeOf(std::size_t floor) {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.translation().x() = kFloorDistance * static_cast<double>(floor);
+    return T;
+  }
   void addFloor() {
     const std::string scene = simulatedPlaceNames()[kind_];
-    SimulatedFloor floor = simulatedFloor(options_.floors, scene, seed_);
-    const std::string name = scene + std::to_string(seed_);
-    Eigen::Isometry3d shift = Eigen::Isometry3d::Identity();
-    shift.translation().x() = kFloorDistance * static_cast<double>(number_++);
+    const SimulatedFloor floor = simulatedFloor(options_.floors, scene, seed_);
     mounting_ = floor.map.mounting;
-    for (LocalModel& m : floor.map.models) {
-      m.name = name + "/" + m.name;
-      m.T_w_m = shift * *m.T_w_m;
-      models_.push_back(std::move(m));
-    }
-    for (LocalModel& q : floor.query.models) {
-      queries_.push_back({name + "/" + q.name, std::move(q.view), shift * *q.T_w_m, {}});
-      ends_.push_back(models_.size());
+    const Eigen::Isometry3d place = placeOf(floors_.size());
+    floors_.push_back({scene, seed_, floor.map.models.size(), floor.query.models.size()});
+    for (const LocalModel& m : floor.map.models) {
+      LocalModel light;
+      light.name = floors_.back().name() + "/" + m.name;
+      light.stamp = m.stamp;
+      light.T_w_m = place * *m.T_w_m;
+      light.view.camera = m.view.camera;
+      light.view.depth.camera = m.view.depth.camera;
+      models_.push_back(std::move(light));
     }
     if (++kind_ == simulatedPlaceNames().size()) kind_ = 0, ++seed_;
   }
 
   const Options& options_;
   std::uint64_t seed_;
-  std::size_t kind_ = 0, number_ = 0;
+  std::size_t kind_ = 0;
   std::optional<CameraMounting> mounting_;
-  std::vector<LocalModel> models_;
-  std::vector<Query> queries_;
-  std::vector<std::size_t> ends_;  // of each query: the models of its floor end here
+  std::vector<Floor> floors_;
+  std::vector<LocalModel> models_;  // without their views
 };
+
+/** Memory of this process [MB]. */
+double memory() {
+  std::ifstream statm("/proc/self/statm");
+  double size = 0, resident = 0;
+  statm >> size >> resident;
+  return 1e-6 * resident * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
 
 void findWhoShows(const GlobalLocalization& localization, std::vector<Query>& queries) {
   const std::vector<LocalModel>& models = localization.map().models;
@@ -144,9 +208,42 @@ bool answersRight(const GlobalLocalization& localization, const Query& q) {
   return !answer.hypotheses.empty() && isRight(*answer.hypotheses[0].T_w_c, q.T_w_c);
 }
 
+/** The map as the tools open it, with the index in its file. */
+struct Opened {
+  std::shared_ptr<const Map> map;
+  double build_s, open_s, map_mb, index_mb;
+};
+
+Opened open(const std::string& path, const PlaceIndexParams& params) {
+  Opened opened;
+  {
+    const Map map = openMap(path);
+    const auto start = std::clock();
+    const PlaceIndex index(map);
+    MapDatabase::open(path).setPlaceIndex([&index](std::ostream& out) { index.write(out); });
+    opened.build_s = seconds(start);
+  }
+  malloc_trim(0);
+  const double before = memory();
+  const auto start = std::clock();
+  opened.map = std::make_shared<Map>(openMap(path));
+  opened.map_mb = memory() - before;
+  const PlaceIndex index = PlaceIndex::of(*opened.map, params);
+  opened.open_s = seconds(start);
+  opened.index_mb = memory() - before - opened.map_mb;
+  std::printf(
+      "\n%zu local models: file of %.0f MB; map opened with its index in %.2f s; index of %zu descriptors, "
+      "built in %.1f s; memory: map %.1f MB, index %.1f MB (%.1f MB by its own count)\n",
+      opened.map->models.size(), 1e-6 * static_cast<double>(std::filesystem::file_size(path)), opened.open_s,
+      index.descriptors(), opened.build_s, opened.map_mb, opened.index_mb,
+      1e-6 * static_cast<double>(index.bytes()));
+  return opened;
+}
+
 /** \return recall by the length of the shortlist. */
 Curve score(const Options& options, Building& building, std::size_t n, std::FILE* csv) {
-  const std::shared_ptr<const Map> map = building.map(n);
+  const Opened opened = open(building.map(n), options.index);
+  const std::shared_ptr<const Map>& map = opened.map;
   std::vector<Query> queries = building.queries(n);
   GlobalLocalizationParams all;
   all.index = options.index;
@@ -156,16 +253,12 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
 
   PlaceIndexParams whole = options.index;
   whole.shortlist_gap = 1e6;  // hopeless models too: the curve tells what they are worth
-  auto start = std::clock();
-  const PlaceIndex index(*map, whole);
-  const double build = seconds(start);
-  std::printf("\n%zu local models: index of %zu descriptors, %.1f MB, built in %.2f s\n", n,
-              index.descriptors(), 1e-6 * static_cast<double>(index.bytes()), build);
+  const PlaceIndex index = PlaceIndex::of(*map, whole);
 
   // Not longer than what is aligned anyway, so that it takes the time of a shortlist of any length.
   const int longest = std::min(kLengths[std::size(kLengths) - 1], options.index.aligned_models);
   std::vector<int> ranks;  // of the first model that shows the place
-  start = std::clock();
+  auto start = std::clock();
   for (const Query& q : queries) {
     const std::vector<int> list = index.shortlist(q.view, longest);
     if (q.shown_by.empty()) continue;
@@ -192,50 +285,60 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
     curve.x.push_back(length);
     curve.y.push_back(100 * recall);
     if (csv)
-      std::fprintf(csv, "%zu,%d,%zu,%.5f,%.3f,%.3f,%.1f\n", n, length, ranks.size(), recall, vote, build,
-                   1e-6 * static_cast<double>(index.bytes()));
+      std::fprintf(csv, "%zu,%d,%zu,%.5f,%.3f,%.3f,%.3f,%.1f,%.1f\n", n, length, ranks.size(), recall, vote,
+                   opened.build_s, opened.open_s, opened.map_mb, opened.index_mb);
   }
 
-  std::size_t listed = 0, held = 0;
-  const PlaceIndex used(*map, options.index);
-  for (const Query& q : queries) {
-    const std::vector<int> list = used.shortlist(q.view, options.index.shortlist);
-    listed += list.size();
-    held += std::any_of(list.begin(), list.end(),
-                        [&q](int m) { return std::binary_search(q.shown_by.begin(), q.shown_by.end(), m); });
-  }
-  std::printf("without the hopeless ones of the first %d: %.1f models, recall %.1f %%\n",
-              options.index.shortlist,
-              static_cast<double>(listed) / static_cast<double>(std::max<std::size_t>(queries.size(), 1)),
-              100 * static_cast<double>(held) / static_cast<double>(std::max<std::size_t>(ranks.size(), 1)));
-
-  std::fflush(stdout);
-  if (csv) std::fflush(csv);
-  if (options.exhaustive == 0) return curve;
   GlobalLocalizationParams some = all;
   some.index = options.index;
   some.index.exhaustive_up_to = 0;
   const GlobalLocalization quick(map, some);
-  std::vector<Query> asked;
-  for (std::size_t i = 0; i < std::min(options.exhaustive, queries.size()); ++i)
-    asked.push_back(queries[i * queries.size() / std::min(options.exhaustive, queries.size())]);
-  std::vector<char> right_quick, right_all;
+  std::size_t listed = 0, held = 0;
+  for (const Query& q : queries) {
+    const std::vector<int> list = quick.candidates(q.view);
+    listed += list.size();
+    held += std::any_of(list.begin(), list.end(),
+                        [&q](int m) { return std::binary_search(q.shown_by.begin(), q.shown_by.end(), m); });
+  }
+  std::vector<char> right_quick;
   start = std::clock();
-  for (const Query& q : asked) right_quick.push_back(answersRight(quick, q));
-  const double ms_quick = 1e3 * seconds(start) / static_cast<double>(asked.size());
+  for (const Query& q : queries) right_quick.push_back(answersRight(quick, q));
+  const double query_ms =
+      1e3 * seconds(start) / static_cast<double>(std::max<std::size_t>(queries.size(), 1));
+  const double of_answerable = 100 / static_cast<double>(std::max<std::size_t>(ranks.size(), 1));
+  std::printf("without the hopeless ones of the first %d: %.1f models, recall %.1f %%\n",
+              options.index.shortlist,
+              static_cast<double>(listed) / static_cast<double>(std::max<std::size_t>(queries.size(), 1)),
+              static_cast<double>(held) * of_answerable);
+  std::printf(
+      "a whole query takes %.1f ms, views that were not in memory included; rank 1 is right for %.1f %% of "
+      "the answerable; %.0f MB in use\n",
+      query_ms, static_cast<double>(std::count(right_quick.begin(), right_quick.end(), 1)) * of_answerable,
+      memory());
+
+  std::fflush(stdout);
+  if (csv) std::fflush(csv);
+  if (options.exhaustive == 0) return curve;
+  std::vector<Query> asked;
+  std::vector<char> asked_quick, right_all;
+  for (std::size_t i = 0; i < std::min(options.exhaustive, queries.size()); ++i) {
+    const std::size_t k = i * queries.size() / std::min(options.exhaustive, queries.size());
+    asked.push_back(queries[k]);
+    asked_quick.push_back(right_quick[k]);
+  }
   start = std::clock();
   for (const Query& q : asked) right_all.push_back(answersRight(exhaustive, q));
   const double ms_all = 1e3 * seconds(start) / static_cast<double>(asked.size());
   int both = 0, only_all = 0, only_quick = 0;
   for (std::size_t i = 0; i < asked.size(); ++i) {
-    both += right_all[i] && right_quick[i];
-    only_all += right_all[i] && !right_quick[i];
-    only_quick += !right_all[i] && right_quick[i];
+    both += right_all[i] && asked_quick[i];
+    only_all += right_all[i] && !asked_quick[i];
+    only_quick += !right_all[i] && asked_quick[i];
   }
   std::printf(
       "rank 1 of %zu queries: right with all models and with the shortlist of %d: %d, with all only: %d, "
-      "with the shortlist only: %d; %.0f ms with all, %.0f ms with the shortlist\n",
-      asked.size(), options.index.shortlist, both, only_all, only_quick, ms_all, ms_quick);
+      "with the shortlist only: %d; %.0f ms with all\n",
+      asked.size(), options.index.shortlist, both, only_all, only_quick, ms_all);
   std::fflush(stdout);
   return curve;
 }
@@ -295,7 +398,8 @@ int run(int argc, char** argv) {
   }
   std::FILE* csv = options.csv.empty() ? nullptr : std::fopen(options.csv.c_str(), "w");
   if (!options.csv.empty() && !csv) throw std::runtime_error("cannot write " + options.csv);
-  if (csv) std::fprintf(csv, "models,shortlist,answerable,recall,shortlist_ms,build_s,index_mb\n");
+  if (csv)
+    std::fprintf(csv, "models,shortlist,answerable,recall,shortlist_ms,build_s,open_s,map_mb,index_mb\n");
   Building building(options);
   std::vector<Curve> curves;
   for (const std::size_t n : options.models) curves.push_back(score(options, building, n, csv));

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -106,7 +107,7 @@ TEST_F(MapFile, RoundTripsExactly) {
   EXPECT_EQ(read.mounting->height, 0.98);
   EXPECT_EQ(read.mounting->tilt_deg, 10.1);
   for (const auto& [key, value] : map.meta) EXPECT_EQ(read.meta.at(key), value);
-  EXPECT_EQ(read.meta.at("format"), "facetloc map 1.0");
+  EXPECT_EQ(read.meta.at("format"), "facetloc map 1.1");
   EXPECT_THAT(read.meta.at("conventions"), HasSubstr("T_a_b"));
   ASSERT_EQ(read.models.size(), map.models.size());
   for (std::size_t i = 0; i < map.models.size(); ++i) expectEqual(map.models[i], read.models[i]);
@@ -257,6 +258,18 @@ TEST_F(MapFile, ANewerMajorFormatIsRefused) {
   EXPECT_THAT(ioErrorOf([&] { checkMap(path_); }), HasSubstr(expected));
   sql(path_, "PRAGMA user_version = 7");
   EXPECT_THAT(readError(), HasSubstr("unknown"));
+}
+
+TEST_F(MapFile, AnOlderMinorFormatIsReadAndUpgradedWhenItIsWrittenTo) {
+  writeExample();
+  sql(path_, "DROP TABLE place_index; PRAGMA user_version = 1000;"
+             "UPDATE meta SET value = 'facetloc map 1.0' WHERE key = 'format'");
+  EXPECT_EQ(readMap(path_).meta.at("format"), "facetloc map 1.0");
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+  EXPECT_EQ(openMap(path_, 0).store->placeIndex(), nullptr);
+  EXPECT_EQ(MapDatabase::open(path_).add(ExampleMap(9).model("more")), 3);
+  EXPECT_EQ(readMap(path_).meta.at("format"), "facetloc map 1.1");
+  EXPECT_THAT(checkMap(path_), IsEmpty());
 }
 
 TEST_F(MapFile, ANewerMinorFormatWithMoreColumnsAndTablesIsRead) {
@@ -517,6 +530,149 @@ TEST_F(MapFile, ManyReadersAtOnce) {
       for (int k = 0; k < 20; ++k) EXPECT_EQ(readMap(path_).models.size(), 3u);
     });
   for (auto& thread : threads) thread.join();
+}
+
+// ---- views that stay in the file
+
+TEST_F(MapFile, ASmallMapIsOpenedAsAWhole) {
+  writeExample(3);
+  EXPECT_EQ(openMap(path_, 3).store, nullptr);
+  EXPECT_FALSE(openMap(path_, 3).models[2].view.segments.empty());
+  EXPECT_NE(openMap(path_, 2).store, nullptr);
+}
+
+TEST_F(MapFile, AMapWhoseViewsStayInTheFileIsTheSameMap) {
+  Map map = ExampleMap().map(4);
+  map.models[2].view.depth = {};
+  map.models[3].view.segments.clear();
+  writeMap(path_, map);
+  const Map whole = readMap(path_), opened = openMap(path_, 2);
+  ASSERT_EQ(opened.models.size(), whole.models.size());
+  EXPECT_EQ(opened.links.size(), whole.links.size());
+  EXPECT_EQ(opened.meta, whole.meta);
+  EXPECT_TRUE(opened.mounting);
+  for (int pass = 0; pass < 2; ++pass)
+    for (int i = 0; i < 4; ++i) {
+      LocalModel model = opened.models[i];
+      EXPECT_TRUE(model.view.segments.empty());
+      EXPECT_TRUE(model.view.depth.empty());
+      EXPECT_EQ(model.hasPicture(), i != 2);
+      model.view = *opened.view(i);
+      expectEqual(whole.models[i], model);
+      expectEqual(whole.models[i], {model.name, model.stamp, model.T_w_m, *whole.view(i)});
+    }
+}
+
+TEST_F(MapFile, ViewsThatWereAskedForLastStayInMemory) {
+  writeExample(4);
+  const Map opened = openMap(path_, 2);
+  const auto first = opened.view(0);
+  opened.view(1);
+  EXPECT_EQ(opened.view(0), first);
+  opened.view(2);  // in place of 1
+  EXPECT_EQ(opened.view(0), first);
+  opened.view(1), opened.view(2);
+  EXPECT_NE(opened.view(0), first);
+  EXPECT_EQ(opened.view(0)->segments.size(), first->segments.size());  // and the old one is still there
+}
+
+TEST_F(MapFile, ViewsCanBeAskedForByManyThreads) {
+  writeExample(8);
+  const Map whole = readMap(path_), opened = openMap(path_, 3);
+  std::vector<std::thread> threads;
+  std::array<int, 4> different{};
+  for (std::size_t t = 0; t < different.size(); ++t)
+    threads.emplace_back([&, t] {
+      for (int n = 0; n < 300; ++n) {
+        const int i = static_cast<int>((n * (2 * t + 1)) % 8);
+        different[t] += opened.view(i)->depth.inverse_depth != whole.models[i].view.depth.inverse_depth;
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_THAT(different, testing::Each(0));
+}
+
+TEST_F(MapFile, AViewThatIsNotSoundIsToldWhenItIsAskedFor) {
+  writeExample(3);
+  vandalize(path_, "UPDATE depth_picture SET data = x'00' WHERE model_id = 1");
+  vandalize(path_, "DELETE FROM segment WHERE model_id = 2 AND idx = 1");
+  const Map opened = openMap(path_, 0);
+  EXPECT_EQ(opened.view(0)->segments.size(), 3u);
+  EXPECT_THAT(ioErrorOf([&] { opened.view(1); }),
+              AllOf(HasSubstr("room.flmap"), HasSubstr("model 1: its depth picture is corrupt")));
+  EXPECT_THAT(ioErrorOf([&] { opened.view(2); }), HasSubstr("model 2: its segment numbers have a gap"));
+  EXPECT_THAT(ioErrorOf([&] { opened.view(3); }), HasSubstr("no such model"));
+  EXPECT_NE(ioErrorOf([&] { openMap(path_); }), "") << "a small map is checked at once";
+}
+
+TEST_F(MapFile, AnOpenMapCanBeWrittenTo) {
+  writeExample(3);
+  const Map opened = openMap(path_, 1);
+  opened.view(0);
+  EXPECT_EQ(MapDatabase::open(path_).add(ExampleMap(9).model("more")), 3);
+  EXPECT_EQ(opened.view(2)->segments.size(), 5u);
+}
+
+// ---- the place index
+
+class PlaceIndexInAMapFile : public MapFile {
+protected:
+  void SetUp() override {
+    writeExample(3);
+    std::mt19937 engine(3);
+    for (int i = 0; i < 2500000; ++i)
+      bytes_.push_back(static_cast<char>(engine()));  // of more than two parts
+    write();
+  }
+  void write() {
+    MapDatabase::open(path_).setPlaceIndex([this](std::ostream& out) {
+      out.put(bytes_[0]);
+      out.write(bytes_.data() + 1, static_cast<std::streamsize>(bytes_.size()) - 1);
+    });
+  }
+  std::string read() const {
+    const Map map = openMap(path_, 0);
+    const auto in = map.store->placeIndex();
+    if (!in) return "";
+    std::string found(bytes_.size(), '\0');
+    in->read(found.data(), static_cast<std::streamsize>(found.size()));
+    EXPECT_EQ(in->peek(), std::istream::traits_type::eof());
+    return found;
+  }
+  std::string bytes_;
+};
+
+TEST_F(PlaceIndexInAMapFile, IsReadAsItWasWritten) {
+  EXPECT_TRUE(read() == bytes_);
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+  bytes_ = "another one";
+  write();
+  EXPECT_EQ(read(), bytes_);
+}
+
+TEST_F(PlaceIndexInAMapFile, IsGoneWhenAModelIsAdded) {
+  EXPECT_TRUE(MapDatabase::open(path_).hasPlaceIndex());
+  MapDatabase::open(path_).add(ExampleMap(9).model("more"));
+  EXPECT_FALSE(MapDatabase::open(path_).hasPlaceIndex());
+  EXPECT_EQ(read(), "");
+}
+
+TEST_F(PlaceIndexInAMapFile, IsNotReplacedByOneThatCannotBeWritten) {
+  EXPECT_THROW(MapDatabase::open(path_).setPlaceIndex([](std::ostream& out) {
+    out << "half of it";
+    throw std::runtime_error("stop");
+  }),
+               std::runtime_error);
+  EXPECT_TRUE(read() == bytes_);
+}
+
+TEST_F(PlaceIndexInAMapFile, ACorruptOneIsToldInWords) {
+  sql(path_, "UPDATE place_index SET data = zeroblob(100) WHERE part = 1");
+  EXPECT_THAT(checkMap(path_), Contains(HasSubstr("the place index: part 1 is corrupt")));
+  EXPECT_THAT(ioErrorOf([this] { read(); }), HasSubstr("its place index: part 1 is corrupt"));
+  sql(path_, "DELETE FROM place_index WHERE part = 1");
+  EXPECT_THAT(checkMap(path_), Contains(HasSubstr("the place index: a part is missing")));
+  EXPECT_THROW(read(), std::exception);
 }
 
 }  // namespace

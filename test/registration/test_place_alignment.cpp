@@ -24,7 +24,7 @@ TEST(PlaceAligner, FindsTheMotionBetweenTwoViews) {
   const Eigen::Isometry3d T_w_m = robot(2, 2.5, 0.1), T_w_s = robot(2.4, 2.2, -0.15);
   const PlaceSignature model = placeSignature(seenFrom(T_w_m, 1), kMounting),
                        scene = placeSignature(seenFrom(T_w_s, 2), kMounting);
-  const PlaceAlignment found = PlaceAligner().align(scene, model);
+  const PlaceAlignment found = PlaceAligner(scene).align(model);
   const Eigen::Isometry3d T_m_s = T_w_m.inverse() * T_w_s;
   EXPECT_NEAR(found.x, T_m_s.translation().x(), 0.1);
   EXPECT_NEAR(found.y, T_m_s.translation().y(), 0.1);
@@ -40,27 +40,26 @@ TEST(PlaceAligner, StillFindsItWithHalfOfTheSegments) {
   const PlaceSignature model = placeSignature(seenFrom(T_w_m, 1), kMounting),
                        elsewhere = placeSignature(seenFrom(robot(4, 1.5, 2.4), 3), kMounting),
                        scene = placeSignature(halved, kMounting);
-  PlaceAligner aligner;
-  EXPECT_GT(aligner.align(scene, model).score, aligner.align(scene, elsewhere).score);
-  EXPECT_GT(aligner.outlook(scene, model), aligner.outlook(scene, elsewhere));
+  PlaceAligner aligner(scene);
+  EXPECT_GT(aligner.align(model).score, aligner.align(elsewhere).score);
+  EXPECT_GT(aligner.outlook(model), aligner.outlook(elsewhere));
 }
 
 TEST(PlaceAligner, NothingFitsNothing) {
-  const PlaceSignature place = placeSignature(seenFrom(robot(2, 2.5, 0), 1), kMounting);
-  PlaceAligner aligner;
-  EXPECT_EQ(aligner.align(PlaceSignature{}, place).score, PlaceAlignment{}.score);
-  EXPECT_EQ(aligner.align(place, PlaceSignature{}).score, PlaceAlignment{}.score);
-  EXPECT_EQ(aligner.outlook(PlaceSignature{}, place), 0);
+  const PlaceSignature place = placeSignature(seenFrom(robot(2, 2.5, 0), 1), kMounting), nothing;
+  EXPECT_EQ(PlaceAligner(nothing).align(place).score, PlaceAlignment{}.score);
+  EXPECT_EQ(PlaceAligner(place).align(nothing).score, PlaceAlignment{}.score);
+  EXPECT_EQ(PlaceAligner(nothing).outlook(place), 0);
 }
 
 TEST(PlaceAligner, BuffersDoNotChangeTheAnswer) {
   const PlaceSignature a = placeSignature(seenFrom(robot(2, 2.5, 0.1), 1), kMounting),
                        b = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting),
                        c = placeSignature(seenFrom(robot(4, 1.5, 2.4), 3), kMounting);
-  PlaceAligner used;
-  used.align(c, a);
-  used.outlook(c, b);
-  EXPECT_EQ(used.align(b, a).score, PlaceAligner().align(b, a).score);
+  PlaceAligner used(b);
+  used.align(c);
+  used.outlook(c);
+  EXPECT_EQ(used.align(a).score, PlaceAligner(b).align(a).score);
 }
 
 }  // namespace

@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
+#include <sstream>
 
 namespace facetloc {
 namespace {
@@ -164,6 +166,101 @@ TEST_F(PlaceIndexOfRooms, AViewThatHasNothingToLookUpIsRegisteredWithAll) {
   const GlobalLocalization localization(map, params);
   EXPECT_LT(localization.candidates(map->models[0].view).size(), map->models.size());
   EXPECT_EQ(localization.candidates(View{}).size(), map->models.size());
+}
+
+// Keeps the views of a map, and perhaps its index, somewhere else.
+class Store : public MapStore {
+public:
+  explicit Store(const Map& map, std::string index = "") : map_(map), index_(std::move(index)) {}
+  std::shared_ptr<const View> view(int i) const override {
+    ++asked;
+    return std::make_shared<const View>(map_.models[i].view);
+  }
+  std::unique_ptr<std::istream> placeIndex() const override {
+    return index_.empty() ? nullptr : std::make_unique<std::istringstream>(index_);
+  }
+  mutable std::atomic<int> asked{0};
+
+private:
+  Map map_;
+  std::string index_;
+};
+
+Map kept(const Map& map, std::shared_ptr<const Store> store) {
+  Map light = map;
+  for (LocalModel& m : light.models) {
+    m.view.segments.clear();
+    const Intrinsics camera = m.view.depth.camera;
+    m.view.depth = {};
+    m.view.depth.camera = camera;
+  }
+  light.store = std::move(store);
+  return light;
+}
+
+std::string written(const PlaceIndex& index) {
+  std::ostringstream out;
+  index.write(out);
+  return out.str();
+}
+
+TEST_F(PlaceIndexOfRooms, IsTheSameAfterItWasWrittenAndRead) {
+  const PlaceIndex made(*map, few());
+  const std::string bytes = written(made);
+  EXPECT_EQ(written(PlaceIndex(*map, few())), bytes);
+  const auto store = std::make_shared<const Store>(*map, bytes);
+  const Map light = kept(*map, store);
+  const PlaceIndex read = PlaceIndex::of(light, few());
+  EXPECT_EQ(store->asked, 0) << "no view is needed";
+  EXPECT_EQ(read.models(), made.models());
+  EXPECT_EQ(read.descriptors(), made.descriptors());
+  EXPECT_EQ(written(read), bytes);
+  for (unsigned i = 0; i < 6; ++i) {
+    const View view = query(int(i % kRooms), 0.9 * i, 800 + i);
+    EXPECT_EQ(read.shortlist(view, 50), made.shortlist(view, 50));
+  }
+}
+
+TEST_F(PlaceIndexOfRooms, IsMadeAnewWhereTheWrittenOneIsForSomethingElse) {
+  const std::string bytes = written(PlaceIndex(*map, few()));
+  const auto reads = [&bytes](const Map& other, const PosePriorParams& prior = {}) {
+    std::istringstream in(bytes);
+    return PlaceIndex::read(in, other, {}, prior).has_value();
+  };
+  EXPECT_TRUE(reads(*map));
+  Map other = *map;
+  other.models.pop_back();
+  EXPECT_FALSE(reads(other));
+  other = *map;
+  other.mounting->tilt_deg += 1;
+  EXPECT_FALSE(reads(other));
+  PosePriorParams prior;
+  prior.floor_std *= 2;
+  EXPECT_FALSE(reads(*map, prior));
+  prior = {};
+  prior.rotation_std_deg *= 2;  // does not matter to it
+  EXPECT_TRUE(reads(*map, prior));
+  EXPECT_EQ(PlaceIndex::of(kept(other, std::make_shared<const Store>(other, bytes))).models(),
+            other.models.size());
+  std::istringstream torn(bytes.substr(0, bytes.size() / 2));
+  EXPECT_THROW(PlaceIndex::read(torn, *map), std::runtime_error);
+}
+
+TEST_F(PlaceIndexOfRooms, AMapWhoseViewsAreElsewhereGivesTheSameAnswers) {
+  GlobalLocalizationParams params;
+  params.index.exhaustive_up_to = 0;
+  const auto store = std::make_shared<const Store>(*map);
+  const GlobalLocalization here(map, params), there(std::make_shared<const Map>(kept(*map, store)), params);
+  for (unsigned i = 0; i < 4; ++i) {
+    const View view = query(int(i % kRooms), 0.7 * i, 900 + i);
+    const Localization a = here.localize(view), b = there.localize(view);
+    ASSERT_EQ(a.hypotheses.size(), b.hypotheses.size());
+    for (std::size_t k = 0; k < a.hypotheses.size(); ++k) {
+      EXPECT_EQ(a.hypotheses[k].model, b.hypotheses[k].model);
+      EXPECT_EQ(a.hypotheses[k].T_w_c->matrix(), b.hypotheses[k].T_w_c->matrix());
+      EXPECT_EQ(a.hypotheses[k].probability, b.hypotheses[k].probability);
+    }
+  }
 }
 
 TEST_F(PlaceIndexOfRooms, BadInput) {

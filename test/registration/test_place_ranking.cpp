@@ -139,12 +139,14 @@ protected:
     view.depth = DepthPicture::fromDepth(image);
     return view;
   }
-  bool add(std::vector<Hypothesis>& h) { return addEvidence(scene, map, comparison, consensus, params, h); }
+  PlaceRanking ranking() const {
+    return PlaceRanking(borrowed(map), params, consensus, {}, SensorNoise{}.inverse_depth_std);
+  }
+  bool add(std::vector<Hypothesis>& h) const { return ranking().addEvidence(scene, h); }
 
   Map map;
   const Eigen::Isometry3d truth = lookingAlong({1.5, 0.8, 1.2}, {0.3, 1, -0.2});
   View scene = viewFrom(truth);
-  DepthComparison comparison{DepthConsistencyParams{}, SensorNoise{}.inverse_depth_std};
   ConsensusParams consensus;
   PlaceRankingParams params;
 };
@@ -262,7 +264,7 @@ TEST_F(Evidence, RefinedPlacesAreNearerToTheTruth) {
     x.T_m_c.P.diagonal() << Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(1e-3);
   }
   ASSERT_TRUE(add(h));
-  refinePlaces(scene, map, {}, SensorNoise{}.inverse_depth_std, consensus, params, h);
+  ranking().refinePlaces(scene, h);
   ASSERT_EQ(h.size(), 2u);
   EXPECT_LT((h[0].T_w_c->translation() - truth.translation()).norm(), 0.005);
   EXPECT_TRUE((*map.models[0].T_w_m * h[0].T_m_c.T).isApprox(*h[0].T_w_c, 1e-12));
@@ -276,10 +278,10 @@ TEST_F(Evidence, ARefinementThatLeavesItsPlaceIsNotTaken) {
   h[0].T_m_c.T = map.models[0].T_w_m->inverse() * beside;
   h[0].T_m_c.P.diagonal() << Eigen::Vector3d::Constant(1e-3), Eigen::Vector3d::Constant(0.1);
   ASSERT_TRUE(add(h));
-  refinePlaces(scene, map, {}, SensorNoise{}.inverse_depth_std, consensus, params, h);
+  ranking().refinePlaces(scene, h);
   EXPECT_EQ(h[0].T_w_c->matrix(), beside.matrix());
   params.merge_translation = 0.5;  // a larger place, and the truth is in it
-  refinePlaces(scene, map, {}, SensorNoise{}.inverse_depth_std, consensus, params, h);
+  ranking().refinePlaces(scene, h);
   EXPECT_LT((h[0].T_w_c->translation() - truth.translation()).norm(), 0.01);
 }
 

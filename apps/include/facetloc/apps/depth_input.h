@@ -26,7 +26,7 @@ ViewParams withNoiseOf(const std::optional<CameraFile>& camera, ViewParams param
 
 /** \brief The map as far as it holds for images of this camera: its mounting says nothing about another
  * one, and is dropped with a remark if theirs is not known. Throws IoError. */
-Map readMapFor(const std::optional<CameraFile>& camera, const std::string& path, const Console& console);
+Map openMapFor(const std::optional<CameraFile>& camera, const std::string& path, const Console& console);
 
 /** \brief The same for a map that is read already. */
 void dropUnknownMounting(const std::optional<CameraFile>& camera, Map& map, const Console& console);

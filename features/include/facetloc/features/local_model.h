@@ -4,7 +4,9 @@
 #include <facetloc/features/depth_picture.h>
 #include <facetloc/features/segment.h>
 
+#include <istream>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,12 +21,21 @@ struct View {
   DepthPicture depth;             ///< may be empty: dense checks are then skipped
 };
 
+/** \brief A pointer to what somebody else keeps. */
+template <class T>
+std::shared_ptr<const T> borrowed(const T& object) {
+  return std::shared_ptr<const T>(std::shared_ptr<const T>(), &object);
+}
+
 /** \brief A local model of the map: the view of one map image, in the frame S_M of its camera. */
 struct LocalModel {
   std::string name;
   double stamp = 0;                        ///< [s]
   std::optional<Eigen::Isometry3d> T_w_m;  ///< pose of S_M in the world; unknown in a purely topological map
   View view;
+
+  /** \brief True also where the picture itself is in a MapStore. */
+  bool hasPicture() const { return view.depth.camera.valid(); }
 };
 
 /** \brief A topological link between two local models. */
@@ -34,6 +45,17 @@ struct Link {
   PoseWithCovariance T_from_to;
 };
 
+/** \brief Where the parts of a map are that are too large to be in memory all at once. Thread-safe; all
+ * functions throw what reading throws. */
+class MapStore {
+public:
+  virtual ~MapStore() = default;
+  /** \brief The view of local model number i. */
+  virtual std::shared_ptr<const View> view(int i) const = 0;
+  /** \brief The map's PlaceIndex as it was written; null if there is none. */
+  virtual std::unique_ptr<std::istream> placeIndex() const = 0;
+};
+
 /** \brief A map: local models and links between them. */
 struct Map {
   std::optional<CameraMounting> mounting;
@@ -41,6 +63,12 @@ struct Map {
   std::vector<Link> links;
   std::map<std::string, std::string>
       meta;  ///< how it was made: parameters, software version, conventions in words
+  std::shared_ptr<const MapStore> store;  ///< if not null, the models' own views tell their cameras alone
+
+  /** \brief The view of local model number i, wherever it is; in the map's memory, valid while the map is. */
+  std::shared_ptr<const View> view(int i) const {
+    return store ? store->view(i) : borrowed(models[static_cast<std::size_t>(i)].view);
+  }
 };
 
 }  // namespace facetloc

@@ -5,6 +5,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <iosfwd>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,7 +32,7 @@ class MapDatabase {
 public:
   static constexpr int kApplicationId = 0x464C4D50;  ///< "FLMP"
   static constexpr int kMajor = 1;
-  static constexpr int kMinor = 0;
+  static constexpr int kMinor = 1;
 
   /** \brief Creates a new, empty map; refuses an existing file unless overwrite is set. */
   static MapDatabase create(const std::filesystem::path& path, bool overwrite = false);
@@ -42,6 +44,10 @@ public:
 
   void setMeta(const std::string& key, const std::string& value);
   void setMounting(const CameraMounting& mounting);
+  /** \brief Keeps what PlaceIndex::write() writes, so that it need not be made when the map is opened. It is
+   * lost when a model is added. */
+  void setPlaceIndex(const std::function<void(std::ostream&)>& write);
+  bool hasPlaceIndex() const;
   /** \brief Adds a local model with its segments and depth picture in one transaction; returns its index. */
   int add(const LocalModel& model);
   int add(const PackedModel& model);
@@ -58,6 +64,10 @@ private:
 
 /** \brief Reads a whole map through a read-only connection. The models are in the order of their index. */
 Map readMap(const std::filesystem::path& path);
+/** \brief Opens a map to localize in it. A map of more local models than that keeps their views in its file
+ * (Map::store), which stays open, and in memory only those that were asked for last: 0.12 MB each. A fault in
+ * such a view throws IoError when it is asked for. */
+Map openMap(const std::filesystem::path& path, std::size_t views_in_memory = 512);
 /** \brief Writes a whole map, atomically. */
 void writeMap(const std::filesystem::path& path, const Map& map);
 /** \brief Every fault found in a map file, in words; empty for a sound one. Throws only if the file cannot be

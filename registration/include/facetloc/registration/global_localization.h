@@ -69,7 +69,7 @@ private:
   std::shared_ptr<const Map> map_;
   GlobalLocalizationParams params_;
   ViewRegistration registration_;
-  double inverse_depth_std_;
+  PlaceRanking ranking_;
   PoseWithCovariance prior_;
   std::shared_ptr<const PlaceIndex> index_;  ///< of a large map
   int threads_ = 1;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <facetloc/registration/floor_update.h>
+#include <facetloc/registration/nearby_models.h>
 #include <facetloc/registration/view_alignment.h>
 
 #include <memory>
@@ -16,7 +17,7 @@ public:
   MapSurroundings(std::shared_ptr<const Map> map, const DepthComparison& comparison);
   const Map& map() const { return *map_; }
   /** \brief False if no local model has a pose in the world: nothing surrounds anything then. */
-  bool anyPose() const { return any_pose_; }
+  bool anyPose() const { return !near_.empty(); }
   /** \brief The at most n nearest models by viewDistance() that confirm some of a view taken about at T_w_c,
    * nearest first; if they are fewer, then the nearest others. Indices are those in the map. A model that
    * confirms next to nothing, because it is behind a wall, gives its planes but no picture. */
@@ -27,7 +28,7 @@ public:
 private:
   std::shared_ptr<const Map> map_;
   DepthComparison comparison_;
-  bool any_pose_ = false;
+  NearbyModels near_;
 };
 
 }  // namespace facetloc

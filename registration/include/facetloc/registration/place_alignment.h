@@ -24,10 +24,12 @@ struct PlaceAlignment {
  * thread. The same signatures give the same answer. */
 class PlaceAligner {
 public:
-  PlaceAlignment align(const PlaceSignature& scene, const PlaceSignature& model);
+  /** \param scene must outlive the aligner */
+  explicit PlaceAligner(const PlaceSignature& scene);
+  PlaceAlignment align(const PlaceSignature& model);
   /** \brief How much can be hoped for from align(), for a tenth of its work: the weight of the walls that fit
    * when the views are moved along each of the two main directions on its own. */
-  float outlook(const PlaceSignature& scene, const PlaceSignature& model);
+  float outlook(const PlaceSignature& model);
 
 private:
   /** Two walls that may be one. */
@@ -43,11 +45,13 @@ private:
     float turn, x, y, support;
   };
 
-  void findPairs(const std::vector<Wall>& scene, const std::vector<Wall>& model);
+  void findPairs(const PlaceSignature& model);
   void findTurns();
   void findPositions(float turn);
   void refine(Pose& pose) const;
 
+  const PlaceSignature& scene_;
+  std::vector<Eigen::Vector3f> scene_points_, model_points_;
   std::vector<Pair> pairs_;
   std::vector<const Pair*> turned_;
   std::vector<float> turns_, grid_;

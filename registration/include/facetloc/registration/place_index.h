@@ -4,7 +4,9 @@
 #include <facetloc/features/params.h>
 #include <facetloc/registration/place_signature.h>
 
+#include <iosfwd>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace facetloc {
@@ -51,6 +53,15 @@ class PlaceIndex {
 public:
   /** \brief Throws std::invalid_argument if the map tells no camera mounting. */
   explicit PlaceIndex(const Map& map, const PlaceIndexParams& params = {}, const PosePriorParams& prior = {});
+  /** \brief The index that is written in the map's store, if it is one of this map and prior; else made. */
+  static PlaceIndex of(const Map& map, const PlaceIndexParams& params = {},
+                       const PosePriorParams& prior = {});
+  /** \brief Writes it for this program on machines of this kind. The same map gives the same bytes. */
+  void write(std::ostream& out) const;
+  /** \brief What write() wrote, or nothing if that was for another map or prior, or by another version.
+   * Throws std::runtime_error if the bytes end too early, and what the stream throws. */
+  static std::optional<PlaceIndex> read(std::istream& in, const Map& map, const PlaceIndexParams& params = {},
+                                        const PosePriorParams& prior = {});
   PlaceIndex(PlaceIndex&&) noexcept;
   PlaceIndex& operator=(PlaceIndex&&) noexcept;
   ~PlaceIndex();
@@ -64,6 +75,7 @@ public:
 
 private:
   struct Impl;
+  explicit PlaceIndex(std::unique_ptr<const Impl> impl);
   std::unique_ptr<const Impl> impl_;
 };
 

@@ -7,7 +7,9 @@
 #include <facetloc/registration/dense_refinement.h>
 #include <facetloc/registration/depth_consistency.h>
 #include <facetloc/registration/hypothesis.h>
+#include <facetloc/registration/nearby_models.h>
 
+#include <memory>
 #include <vector>
 
 namespace facetloc {
@@ -78,34 +80,63 @@ struct PlaceRankingParams {
   void validate() const { checkRanges(*this); }
 };
 
-/** \brief Scores the best hypotheses by the depth of the local models nearest to their world poses, whichever
- * generated them, instead of their own model's alone (METHOD_MEASURED 11.4 (6)). The score is the consensus
- * minus
- *
- *     w_c (ln(1 + c / c_0) + mean ln(1 + c_m / c_0)) + w_o mean ln(1 + o_m / c_0) + w_d d   [nats]
- *
- * c: share of the scene's pixels that contradict the models (more of them than agree with it); c_m, o_m:
- * share of model m's pixels that contradict the scene, and that are hidden in it; d: share of the scene's
- * pixels that are compared and do not agree. The mean is over models, not over pixels: a passer-by in one of
- * them spoils its own term only. A pose that hardly any pixel tests counts as contradicted like most wrong
- * ones.
- *
- * Hypotheses beyond the best ones get the least evidence of those. False, and no change, where there is none:
- * no world poses, no depth. */
-bool addEvidence(const View& scene, const Map& map, const DepthComparison& comparison,
-                 const ConsensusParams& consensus, const PlaceRankingParams& params,
-                 std::vector<Hypothesis>& hypotheses);
+/** \brief How depth is compared at a pose that all pixels have refined. */
+DepthConsistencyParams refinedErrors(DepthConsistencyParams depth, const PlaceRankingParams& params);
+
+/** \brief Makes the hypotheses of all local models of a map one ranked list of places. Never changes; all
+ * functions are thread-safe. */
+class PlaceRanking {
+public:
+  /** \param depth errors of predicted depth at poses that are not refined
+   * \param inverse_depth_std the sensor's noise of inverse depth [1/m] */
+  PlaceRanking(std::shared_ptr<const Map> map, const PlaceRankingParams& params,
+               const ConsensusParams& consensus, const DepthConsistencyParams& depth,
+               double inverse_depth_std);
+
+  /** \brief The whole of it: evidence, merging, refinement, probabilities. */
+  void rank(const View& scene, std::vector<Hypothesis>& hypotheses) const;
+
+  /** \brief Scores the best hypotheses by the depth of the local models nearest to their world poses,
+   * whichever generated them, instead of their own model's alone (METHOD_MEASURED 11.4 (6)). The score is the
+   * consensus minus
+   *
+   *     w_c (ln(1 + c / c_0) + mean ln(1 + c_m / c_0)) + w_o mean ln(1 + o_m / c_0) + w_d d   [nats]
+   *
+   * c: share of the scene's pixels that contradict the models (more of them than agree with it); c_m, o_m:
+   * share of model m's pixels that contradict the scene, and that are hidden in it; d: share of the scene's
+   * pixels that are compared and do not agree. The mean is over models, not over pixels: a passer-by in one
+   * of them spoils its own term only. A pose that hardly any pixel tests counts as contradicted like most
+   * wrong ones.
+   *
+   * Hypotheses beyond the best ones get the least evidence of those. False, and no change, where there is
+   * none: no world poses, no depth. */
+  bool addEvidence(const View& scene, std::vector<Hypothesis>& hypotheses) const;
+
+  /** \brief Refines the poses of the best places by all pixels (refineByDepth) and weighs their evidence
+   * again, with the errors that a refined pose leaves; sorts and merges. For places that have evidence. */
+  void refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses) const;
+
+private:
+  /** \brief A local model near a place. */
+  struct Neighbour {
+    std::shared_ptr<const View> view;
+    Eigen::Isometry3d T_w_m;
+  };
+  std::vector<Neighbour> neighbours(const Eigen::Isometry3d& T_w_c) const;
+  double evidence(const View& scene, const std::vector<Neighbour>& neighbours, const Eigen::Isometry3d& T_w_c,
+                  const DepthComparison& comparison) const;
+  void refine(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h) const;
+
+  std::shared_ptr<const Map> map_;
+  PlaceRankingParams params_;
+  ConsensusParams consensus_;
+  DepthComparison comparison_, refined_comparison_;
+  double inverse_depth_std_;
+  NearbyModels near_;
+};
 
 /** \brief Sorts by score and merges hypotheses of one place into the best of them. */
 void mergePlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses);
-
-/** \brief Refines the poses of the best places by all pixels (refineByDepth) and weighs their evidence again,
- * with the errors that a refined pose leaves; sorts and merges. For places that have evidence.
- *
- * \param inverse_depth_std the sensor's noise of inverse depth [1/m] */
-void refinePlaces(const View& scene, const Map& map, const DepthConsistencyParams& depth,
-                  double inverse_depth_std, const ConsensusParams& consensus,
-                  const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses);
 
 /** \brief Gives each place of a sorted list its probability by softmax with a null place; with_evidence tells
  * which calibration fits the scores. */

@@ -47,9 +47,7 @@ struct PlaceSignature {
   float height = 0;                                     ///< of the camera above the floor [m]
   std::vector<Wall> walls;
   std::vector<LevelSurface> surfaces;
-  CoarseDepth picture;                  ///< empty if the view has no depth
-  std::vector<Eigen::Vector3f> points;  ///< some of its pixels, without the floor, relative to the camera,
-                                        ///< upright axes [m]
+  CoarseDepth picture;  ///< empty if the view has no depth
 };
 
 /** \brief The signature of a view whose camera is mounted so.
@@ -59,5 +57,8 @@ struct PlaceSignature {
  * out; a view without any gives an empty signature. */
 PlaceSignature placeSignature(const View& view, const CameraMounting& mounting,
                               const PosePriorParams& prior = {});
+
+/** \brief Some pixels of the picture, without the floor, relative to the camera in upright axes [m]. */
+void pointsAboveFloor(const PlaceSignature& place, std::vector<Eigen::Vector3f>& points);
 
 }  // namespace facetloc

@@ -6,24 +6,26 @@
 #include <facetloc/registration/depth_consistency.h>
 #include <facetloc/registration/hypothesis.h>
 
+#include <memory>
 #include <vector>
 
 namespace facetloc {
 
 /** \brief The views of one place, as one: a view shares some planes with one of them and some with another.
- * Refers to their depth pictures. */
+ */
 struct Surroundings {
   /** \brief Where a segment comes from. */
   struct Origin {
     int view = 0;     ///< index among the views
     int segment = 0;  ///< index in that view
   };
-  std::vector<Segment> segments;       ///< of all of them, in world axes
-  std::vector<Origin> origins;         ///< of each segment
-  std::vector<PosedPicture> pictures;  ///< of those that have one
+  std::vector<Segment> segments;                   ///< of all of them, in world axes
+  std::vector<Origin> origins;                     ///< of each segment
+  std::vector<PosedPicture> pictures;              ///< of those that have one
+  std::vector<std::shared_ptr<const View>> views;  ///< whose pictures these are
 
   /** \brief Adds view number `index`, taken at T_w_c. */
-  void add(int index, const View& view, const Eigen::Isometry3d& T_w_c);
+  void add(int index, std::shared_ptr<const View> view, const Eigen::Isometry3d& T_w_c);
 };
 
 /** \brief How a view is aligned with its surroundings. */
@@ -57,8 +59,16 @@ DepthAgreement compareWithAll(const DepthPicture& scene, const Eigen::Isometry3d
                               const std::vector<PosedPicture>& others, const DepthComparison& comparison,
                               int columns);
 
+/** \brief How far apart two cameras can be that have much in common. */
+struct ViewReach {
+  double distance;  ///< of their centres [m]
+  double angle;     ///< of their viewing directions [rad]
+};
+constexpr ViewReach kTrackingReach{4, 60 * kDegree};
+
 /** \brief Distance of two cameras by what they see [m]: that of their centres, and 1.5 m per radian between
- * their viewing directions (METHOD_MEASURED 11.4 (6)); infinite if they cannot have much in common. */
-double viewDistance(const Eigen::Isometry3d& T_w_a, const Eigen::Isometry3d& T_w_b);
+ * their viewing directions (METHOD_MEASURED 11.4 (6)); infinite beyond the reach. */
+double viewDistance(const Eigen::Isometry3d& T_w_a, const Eigen::Isometry3d& T_w_b,
+                    const ViewReach& reach = kTrackingReach);
 
 }  // namespace facetloc

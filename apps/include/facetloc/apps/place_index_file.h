@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+
+namespace facetloc {
+
+/** \brief Makes the place index of a map and writes it into its file, unless it is there already or the
+ * camera's mounting is not known. Throws IoError. */
+void writePlaceIndex(const std::filesystem::path& map);
+
+}  // namespace facetloc

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_connection.h"
+
+#include "files.h"
+#include "map_schema.h"
+
+namespace facetloc::map_connection {
+
+namespace fs = std::filesystem;
+using sqlite::Connection;
+using sqlite::Statement;
+using sqlite::Transaction;
+
+namespace {
+
+int pragma(Connection& db, const std::string& name) {
+  Statement statement(db, "PRAGMA " + name);
+  return statement.step() ? statement.integer() : 0;
+}
+
+std::string versionText(int version) {
+  return std::to_string(version / 1000) + "." + std::to_string(version % 1000);
+}
+
+constexpr int kVersion = 1000 * MapDatabase::kMajor + MapDatabase::kMinor;
+
+/** Throws unless the file is a map of a format that we understand. Newer minor formats only add columns and
+ * tables. */
+void requireMap(Connection& db) {
+  int id = 0;
+  try {
+    id = pragma(db, "application_id");
+  } catch (const IoError&) {
+    if ((db.lastCode() & 0xFF) == SQLITE_NOTADB)
+      throw IoError(db.name(), "is not a map: it is no SQLite database");
+    throw;
+  }
+  if (id != MapDatabase::kApplicationId)
+    throw IoError(db.name(), "is not a map: it is an SQLite database of another application, or empty");
+  const int version = pragma(db, "user_version");
+  const std::string ours = std::to_string(MapDatabase::kMajor) + ".x";
+  if (version / 1000 > MapDatabase::kMajor)
+    throw IoError(db.name(), "map format " + versionText(version) +
+                                 " is newer than this program understands (" + ours + ")");
+  if (version / 1000 < MapDatabase::kMajor)
+    throw IoError(db.name(),
+                  "map format " + versionText(version) + " is unknown to this program (" + ours + ")");
+}
+
+void configureForWriting(Connection& db) {
+  db.execute("PRAGMA journal_mode = DELETE; PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON");
+}
+
+void markFormat(Connection& db) {
+  db.execute("PRAGMA user_version = " + std::to_string(kVersion));
+  Statement meta(db, "INSERT OR REPLACE INTO meta(key, value) VALUES(?, ?)");
+  (meta << kFormatKey << "facetloc map " + versionText(kVersion)).run();
+}
+
+/** Adds what an older minor format lacks. */
+void upgrade(Connection& db) {
+  if (pragma(db, "user_version") >= kVersion) return;
+  Transaction transaction(db);
+  db.execute(schema::kPlaceIndexTable);
+  markFormat(db);
+  transaction.commit();
+}
+
+/** SQLite notices by itself that pages are missing, but not a part of the last one. */
+void requireWhole(Connection& db, const fs::path& path) {
+  const int page_size = pragma(db, "page_size");
+  if (page_size <= 0 || fs::file_size(path) % static_cast<std::uintmax_t>(page_size) != 0)
+    throw IoError(path.string(), "is truncated");
+}
+
+Connection connect(const fs::path& path, int flags) {
+  Connection db(path, flags);
+  requireMap(db);
+  requireWhole(db, path);
+  return db;
+}
+
+}  // namespace
+
+Connection openForWriting(const fs::path& path) {
+  files::requireFile(path);
+  Connection db = connect(path, SQLITE_OPEN_READWRITE);
+  configureForWriting(db);
+  upgrade(db);
+  return db;
+}
+
+Connection openForReading(const fs::path& path) {
+  files::requireFile(path);
+  Connection db(path, SQLITE_OPEN_READONLY);
+  try {
+    requireMap(db);
+    requireWhole(db, path);
+    return db;
+  } catch (const IoError&) {
+    if (db.lastCode() != SQLITE_READONLY_ROLLBACK) throw;
+  }
+  connect(path, SQLITE_OPEN_READWRITE);
+  return connect(path, SQLITE_OPEN_READONLY);
+}
+
+fs::path journalOf(const fs::path& path) { return path.string() + "-journal"; }
+
+void removeWithJournal(const fs::path& path) {
+  std::error_code error;
+  fs::remove(journalOf(path), error);
+  if (!error) fs::remove(path, error);
+  if (error) throw IoError(path.string(), "cannot be replaced: " + error.message());
+}
+
+Connection create(const fs::path& path, const fs::path& shown) {
+  Connection db(path, shown, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
+  configureForWriting(db);
+  Transaction transaction(db);
+  db.execute("PRAGMA application_id = " + std::to_string(MapDatabase::kApplicationId));
+  db.execute(schema::kTables);
+  db.execute(schema::kPlaceIndexTable);
+  markFormat(db);
+  Statement meta(db, schema::insert("key, value", "meta"));
+  (meta << kConventionsKey << schema::kConventions).run();
+  transaction.commit();
+  return db;
+}
+
+}  // namespace facetloc::map_connection

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_reader.h"
+
+#include "map_rows.h"
+#include "map_schema.h"
+
+#include <utility>
+
+namespace facetloc {
+
+using namespace map_rows;
+using sqlite::BadCell;
+using sqlite::Connection;
+using sqlite::Statement;
+
+std::string nameOf(int model, const std::string& name) {
+  return "model " + std::to_string(model) + " ('" + name + "')";
+}
+
+Map MapReader::read() {
+  readMeta();
+  readModels();
+  readSegments();
+  readPictures(true);
+  readLinks();
+  return std::move(map_);
+}
+
+Map MapReader::readWithoutViews() {
+  readMeta();
+  readModels();
+  readPictures(false);
+  readLinks();
+  return std::move(map_);
+}
+
+void MapReader::requireSound() const {
+  if (faults_.empty()) return;
+  const std::string more =
+      faults_.size() > 1 ? " (and " + std::to_string(faults_.size() - 1) + " more faults)" : "";
+  throw IoError(db_.name(), "is not sound: " + faults_.front() + more);
+}
+
+/** Calls a function for every row; a bad row is told with the label that the function has set so far. */
+template <typename Function>
+void MapReader::forEachRow(const std::string& sql, const Function& function) {
+  Statement row(db_, sql);
+  while (row.step()) {
+    std::string label = "a row";
+    try {
+      function(row, label);
+    } catch (const BadCell& e) {
+      faults_.push_back(label + ": " + e.what());
+    }
+  }
+}
+
+/** The model that a row belongs to. */
+LocalModel& MapReader::modelOf(int id, std::string& label) {
+  label += " of model " + std::to_string(id);
+  require(id >= 0 && id < static_cast<int>(map_.models.size()), "there is no such model");
+  return map_.models[id];
+}
+
+void MapReader::readMeta() {
+  forEachRow(schema::select("key, value", "meta", "key"), [this](Statement& row, std::string& label) {
+    label = "a row of meta";
+    const std::string key = row.text();
+    map_.meta[key] = row.text();
+  });
+  forEachRow(schema::select("height, tilt_deg", "mounting", "id"),
+             [this](Statement& row, std::string& label) {
+               label = "the camera mounting";
+               const double height = row.real(), tilt_deg = row.real();
+               require(std::isfinite(height) && std::isfinite(tilt_deg), "it is not finite");
+               map_.mounting = CameraMounting{height, tilt_deg};
+             });
+}
+
+void MapReader::readModels() {
+  forEachRow(
+      schema::select(schema::kModelColumns, "model", "id"), [this](Statement& row, std::string& label) {
+        const int index = static_cast<int>(map_.models.size());
+        label = "model " + std::to_string(index);
+        map_.models.emplace_back();  // even a bad model keeps its place, so that the next ones have theirs
+        num_segments_.push_back(0);
+        require(row.integer() == index, "the model numbers have a gap before it");
+        map_.models.back() = readModel(row);
+        num_segments_.back() = row.integer();
+      });
+}
+
+void MapReader::readSegments() {
+  std::vector<int> found(map_.models.size(), 0);
+  forEachRow(schema::select(schema::kSegmentColumns, "segment", "model_id, idx"),
+             [&](Statement& row, std::string& label) {
+               label = "a segment";
+               const int model_id = row.integer(), index = row.integer();
+               label = "segment " + std::to_string(index);
+               LocalModel& model = modelOf(model_id, label);
+               require(index == found[model_id]++, "the segment numbers have a gap before it");
+               model.view.segments.push_back(readSegment(row));
+             });
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (found[i] != num_segments_[i])
+      faults_.push_back(nameOf(static_cast<int>(i), map_.models[i].name) + ": num_segments says " +
+                        std::to_string(num_segments_[i]) + ", but there are " + std::to_string(found[i]));
+}
+
+void MapReader::readPictures(bool whole) {
+  forEachRow(schema::select(whole ? schema::kPictureColumns : schema::kPictureCameraColumns, "depth_picture",
+                            "model_id"),
+             [&](Statement& row, std::string& label) {
+               label = "the depth picture";
+               LocalModel& model = modelOf(row.integer(), label);
+               const Intrinsics camera = readPictureCamera(row);
+               if (whole)
+                 model.view.depth = unpackedPicture(camera, readPackedPicture(row));
+               else
+                 model.view.depth.camera = camera;
+             });
+}
+
+void MapReader::readLinks() {
+  forEachRow(schema::select(schema::kLinkColumns, "link", "id"), [this](Statement& row, std::string& label) {
+    label = "a link";
+    label = "link " + std::to_string(row.integer());
+    const Link link = readLink(row);
+    for (const int end : {link.from, link.to}) modelOf(end, label);
+    map_.links.push_back(link);
+  });
+}
+
+ViewReader::ViewReader(Connection& db, int model)
+    : file_(db.name()), label_("model " + std::to_string(model)) {
+  const auto rowsOf = [&](const char* columns, const char* table, const char* key) {
+    return Statement(db, schema::select(columns, table) + " WHERE " + key + " = " + std::to_string(model));
+  };
+  try {
+    Statement of_model = rowsOf(schema::kModelColumns, "model", "id");
+    require(of_model.step(), "there is no such model");
+    of_model.skip(1);
+    view_ = readModel(of_model).view;
+    const int num_segments = of_model.integer();
+
+    Statement segment(db, schema::select(schema::kSegmentColumns, "segment") +
+                              " WHERE model_id = " + std::to_string(model) + " ORDER BY idx");
+    while (segment.step()) {
+      segment.skip(1);
+      require(segment.integer() == static_cast<int>(view_.segments.size()), "its segment numbers have a gap");
+      view_.segments.push_back(readSegment(segment));
+    }
+    require(num_segments == static_cast<int>(view_.segments.size()), "num_segments is wrong");
+
+    Statement picture = rowsOf(schema::kPictureColumns, "depth_picture", "model_id");
+    if (!picture.step()) return;
+    picture.skip(1);
+    view_.depth.camera = readPictureCamera(picture);
+    packed_ = readPackedPicture(picture);
+  } catch (const BadCell& e) {
+    throw IoError(file_, "is not sound: " + label_ + ": " + e.what());
+  }
+}
+
+View ViewReader::view() && {
+  try {
+    if (!packed_.empty()) view_.depth = unpackedPicture(view_.depth.camera, packed_);
+  } catch (const BadCell& e) {
+    throw IoError(file_, "is not sound: " + label_ + ": " + e.what());
+  }
+  return std::move(view_);
+}
+
+}  // namespace facetloc

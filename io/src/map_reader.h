@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "sqlite.h"
+
+#include <facetloc/features/local_model.h>
+
+#include <string>
+#include <vector>
+
+/** \file Reading of map files, private to io. */
+
+namespace facetloc {
+
+/** \brief "model 3 ('name')" */
+std::string nameOf(int model, const std::string& name);
+
+/** \brief Reads a map; what is not sound is left out and told. For one reading each. */
+class MapReader {
+public:
+  explicit MapReader(sqlite::Connection& db) : db_(db) {}
+
+  /** \brief All of it. */
+  Map read();
+  /** \brief All but segments and depth pictures; of the views the cameras. */
+  Map readWithoutViews();
+
+  const std::vector<std::string>& faults() const { return faults_; }
+  /** \brief Throws IoError with the first fault, if there is one. */
+  void requireSound() const;
+
+private:
+  template <typename Function>
+  void forEachRow(const std::string& sql, const Function& function);
+  LocalModel& modelOf(int id, std::string& label);
+  void readMeta();
+  void readModels();
+  void readSegments();
+  void readPictures(bool whole);
+  void readLinks();
+
+  sqlite::Connection& db_;
+  Map map_;
+  std::vector<int> num_segments_;
+  std::vector<std::string> faults_;
+};
+
+/** \brief Reads the view of one local model. Throws IoError if there is none or it is not sound. */
+class ViewReader {
+public:
+  /** \brief Looks it up in the file. */
+  ViewReader(sqlite::Connection& db, int model);
+  /** \brief Unpacks it; needs the file no more. */
+  View view() &&;
+
+private:
+  std::string file_, label_;
+  View view_;
+  sqlite::Blob packed_;
+};
+
+}  // namespace facetloc

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_rows.h"
+
+#include "depth_blob.h"
+#include "pose_columns.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <cmath>
+#include <cstring>
+
+namespace facetloc::map_rows {
+
+using sqlite::BadCell;
+using sqlite::Blob;
+using sqlite::Statement;
+
+void require(bool condition, const char* fault) {
+  if (!condition) throw BadCell(fault);
+}
+
+namespace {
+
+constexpr double kRotationTolerance = 1e-6;  // of |q|^2 and R^T R
+constexpr double kSymmetryTolerance = 1e-9;  // of covariances, relative to their largest value
+constexpr int kMaxPictureSide = 4096;        // [px] bounds what a corrupt picture can claim
+
+void requireSound(const Intrinsics& camera) {
+  require(camera.valid(), "its camera intrinsics are impossible");
+}
+
+void requireRotation(const Eigen::Matrix3d& R) {
+  require(R.allFinite() && (R.transpose() * R).isIdentity(kRotationTolerance) && R.determinant() > 0,
+          "its rotation matrix is not a rotation");
+}
+
+void requireSound(const Eigen::Isometry3d& T) {
+  require(T.translation().allFinite(), "its pose is not finite");
+  requireRotation(T.linear());
+}
+
+void requireSizeOfPicture(const Intrinsics& camera) {
+  require(camera.width <= kMaxPictureSide && camera.height <= kMaxPictureSide,
+          "its depth picture is too large");
+}
+
+void requireSound(const DepthPicture& picture) {
+  if (picture.empty()) return;
+  requireSound(picture.camera);
+  requireSizeOfPicture(picture.camera);
+  require(picture.inverse_depth.size() == std::size_t(picture.camera.width) * picture.camera.height,
+          "its depth picture has the wrong size");
+}
+
+Eigen::Isometry3d readPose(Statement& row) {
+  const auto T = fromColumns(row.reals<7>(), kRotationTolerance);
+  require(T.has_value(), "its pose is not finite or not a rotation");
+  return *T;
+}
+
+template <typename Matrix>
+void readUpperTriangle(Statement& row, Matrix& m) {
+  for (int i = 0; i < m.rows(); ++i)
+    for (int j = i; j < m.cols(); ++j) m(i, j) = m(j, i) = row.real();
+}
+
+ConvexHull hullOf(const Blob& blob) {
+  constexpr std::size_t kVertexBytes = 8;
+  require(blob.size() % kVertexBytes == 0 && blob.size() <= kVertexBytes * ConvexHull::kMaxVertices,
+          "its hull has the wrong size");
+  const auto coordinate = [&blob](std::size_t offset) {
+    std::uint32_t bits = 0;
+    for (int i = 0; i < 4; ++i) bits |= std::uint32_t(blob[offset + i]) << (8 * i);
+    float value;
+    std::memcpy(&value, &bits, sizeof value);
+    return value;
+  };
+  ConvexHull hull;
+  hull.size = static_cast<int>(blob.size() / kVertexBytes);
+  for (int i = 0; i < hull.size; ++i)
+    hull.vertex[i] = {coordinate(kVertexBytes * i), coordinate(kVertexBytes * i + 4)};
+  return hull;
+}
+
+}  // namespace
+
+void requireSound(const Segment& s) {
+  requireRotation(s.R);
+  require(s.t.allFinite(), "its centroid is not finite");
+  require(s.Sigma_q.allFinite() && s.Sigma_q.isApprox(s.Sigma_q.transpose(), kSymmetryTolerance) &&
+              s.Sigma_q.llt().info() == Eigen::Success,
+          "its Sigma_q is not positive definite");
+  require(s.lambda.allFinite() && s.lambda[0] >= s.lambda[1] && s.lambda[1] >= 0,
+          "its lambda are not finite, descending and positive");
+  require(s.num_points >= 0, "its number of points is negative");
+  require(s.hull.size >= 0 && s.hull.size <= ConvexHull::kMaxVertices, "its hull has too many vertices");
+  for (const Eigen::Vector2f& vertex : s.hull) require(vertex.allFinite(), "its hull is not finite");
+}
+
+/** A link may be known exactly: its covariance need not be regular. */
+void requireSound(const Link& link) {
+  require(link.from != link.to, "it leads from a model to itself");
+  requireSound(link.T_from_to.T);
+  const Matrix6d& P = link.T_from_to.P;
+  require(P.allFinite(), "its covariance is not finite");
+  const double rounding = kSymmetryTolerance * P.cwiseAbs().maxCoeff();
+  require((P - P.transpose()).cwiseAbs().maxCoeff() <= rounding &&
+              Eigen::SelfAdjointEigenSolver<Matrix6d>(P, Eigen::EigenvaluesOnly).eigenvalues()[0] >=
+                  -rounding,
+          "its covariance is not symmetric and positive");
+}
+
+void requireSound(const LocalModel& model) {
+  require(!model.name.empty(), "it has no name");
+  require(std::isfinite(model.stamp), "its stamp is not finite");
+  requireSound(model.view.camera);
+  if (model.T_w_m) requireSound(*model.T_w_m);
+  requireSound(model.view.depth);
+}
+
+Statement& operator<<(Statement& s, const Intrinsics& k) {
+  return s << k.width << k.height << k.fx << k.fy << k.cx << k.cy;
+}
+Statement& operator<<(Statement& s, const Eigen::Isometry3d& T) { return s.bindAll(toColumns(T)); }
+
+Intrinsics readIntrinsics(Statement& row) {
+  Intrinsics k;
+  k.width = row.integer(), k.height = row.integer();
+  k.fx = row.real(), k.fy = row.real(), k.cx = row.real(), k.cy = row.real();
+  requireSound(k);
+  return k;
+}
+
+Blob hullBlob(const ConvexHull& hull) {
+  Blob blob;
+  for (const Eigen::Vector2f& vertex : hull) {
+    for (const float coordinate : {vertex.x(), vertex.y()}) {
+      std::uint32_t bits;
+      std::memcpy(&bits, &coordinate, sizeof bits);
+      for (int shift = 0; shift < 32; shift += 8) blob.push_back(static_cast<std::uint8_t>(bits >> shift));
+    }
+  }
+  return blob;
+}
+
+Segment readSegment(Statement& row) {
+  Segment s;
+  const Eigen::Isometry3d T = readPose(row);
+  s.R = T.linear();
+  s.t = T.translation();
+  readUpperTriangle(row, s.Sigma_q);
+  s.lambda[0] = row.real(), s.lambda[1] = row.real();
+  s.num_points = row.integer();
+  s.hull = hullOf(row.blob());
+  requireSound(s);
+  return s;
+}
+
+LocalModel readModel(Statement& row) {
+  LocalModel model;
+  model.name = row.text();
+  model.stamp = row.real();
+  if (row.isNull())
+    row.skip(std::tuple_size<PoseColumns>::value);
+  else
+    model.T_w_m = readPose(row);
+  model.view.camera = readIntrinsics(row);
+  requireSound(model);
+  return model;
+}
+
+Intrinsics readPictureCamera(Statement& row) {
+  const Intrinsics camera = readIntrinsics(row);
+  requireSizeOfPicture(camera);
+  return camera;
+}
+
+Blob readPackedPicture(Statement& row) {
+  require(row.text() == depth_blob::kEncoding, "its depth picture is of an unknown encoding");
+  return row.blob();
+}
+
+DepthPicture unpackedPicture(const Intrinsics& camera, const Blob& packed) {
+  auto values = depth_blob::decode(packed, camera.width, camera.height);
+  require(values.has_value(), "its depth picture is corrupt");
+  return DepthPicture::fromStored(camera, std::move(*values));
+}
+
+Link readLink(Statement& row) {
+  Link link;
+  link.from = row.integer();
+  link.to = row.integer();
+  link.T_from_to.T = readPose(row);
+  readUpperTriangle(row, link.T_from_to.P);
+  requireSound(link);
+  return link;
+}
+
+}  // namespace facetloc::map_rows

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "sqlite.h"
+
+#include <facetloc/features/local_model.h>
+
+/** \file The parts of a map as rows of its file, and what a sound map holds; private to io.
+ *
+ * Reading and requireSound() throw BadCell, which says what is wrong with the part. */
+
+namespace facetloc::map_rows {
+
+void require(bool condition, const char* fault);
+void requireSound(const Segment& segment);
+void requireSound(const LocalModel& model);
+void requireSound(const Link& link);
+
+sqlite::Statement& operator<<(sqlite::Statement& s, const Intrinsics& camera);
+sqlite::Statement& operator<<(sqlite::Statement& s, const Eigen::Isometry3d& T);
+template <typename Matrix>
+sqlite::Statement& bindUpperTriangle(sqlite::Statement& s, const Matrix& m) {
+  for (int row = 0; row < m.rows(); ++row)
+    for (int col = row; col < m.cols(); ++col) s << m(row, col);
+  return s;
+}
+sqlite::Blob hullBlob(const ConvexHull& hull);
+
+/** \brief Each reads its cells from where the row is. */
+Intrinsics readIntrinsics(sqlite::Statement& row);
+Segment readSegment(sqlite::Statement& row);
+LocalModel readModel(sqlite::Statement& row);
+Link readLink(sqlite::Statement& row);
+/** \brief The camera of a depth picture. */
+Intrinsics readPictureCamera(sqlite::Statement& row);
+/** \brief The rest of a depth picture, still packed. */
+sqlite::Blob readPackedPicture(sqlite::Statement& row);
+DepthPicture unpackedPicture(const Intrinsics& camera, const sqlite::Blob& packed);
+
+}  // namespace facetloc::map_rows

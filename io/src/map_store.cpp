@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_connection.h"
+#include "map_reader.h"
+#include "place_index_parts.h"
+
+#include <facetloc/io/map_database.h>
+
+#include <list>
+#include <mutex>
+#include <unordered_map>
+#include <utility>
+
+namespace facetloc {
+namespace {
+
+using sqlite::Connection;
+using sqlite::Statement;
+
+/** The views that were asked for last. */
+class RecentViews {
+public:
+  explicit RecentViews(std::size_t most) : most_(most) {}
+
+  std::shared_ptr<const View> find(int model) {
+    const auto found = places_.find(model);
+    if (found == places_.end()) return nullptr;
+    views_.splice(views_.begin(), views_, found->second);
+    return found->second->second;
+  }
+  void add(int model, std::shared_ptr<const View> view) {
+    if (places_.count(model)) return;  // another thread was faster
+    views_.emplace_front(model, std::move(view));
+    places_[model] = views_.begin();
+    if (views_.size() <= most_) return;
+    places_.erase(views_.back().first);
+    views_.pop_back();
+  }
+
+private:
+  using Views = std::list<std::pair<int, std::shared_ptr<const View>>>;
+  std::size_t most_;
+  Views views_;  // the latest first
+  std::unordered_map<int, Views::iterator> places_;
+};
+
+/** Reads views from a map file when they are asked for. */
+class MapFileStore : public MapStore {
+public:
+  MapFileStore(Connection db, std::size_t views) : db_(std::move(db)), recent_(views) {}
+
+  std::shared_ptr<const View> view(int i) const override {
+    std::unique_lock<std::mutex> lock(mutex_);
+    if (auto known = recent_.find(i)) return known;
+    ViewReader reader(db_, i);
+    lock.unlock();  // unpacking takes longest
+    auto view = std::make_shared<const View>(std::move(reader).view());
+    lock.lock();
+    recent_.add(i, view);
+    return view;
+  }
+  std::unique_ptr<std::istream> placeIndex() const override { return place_index_parts::open(db_, mutex_); }
+
+private:
+  mutable std::mutex mutex_;
+  mutable Connection db_;
+  mutable RecentViews recent_;
+};
+
+std::size_t numberOfModels(Connection& db) {
+  Statement count(db, "SELECT count(*) AS n FROM model");
+  return count.step() ? static_cast<std::size_t>(count.integer()) : 0;
+}
+
+}  // namespace
+
+Map openMap(const std::filesystem::path& path, std::size_t views_in_memory) {
+  Connection db = map_connection::openForReading(path);
+  const bool small = numberOfModels(db) <= views_in_memory;
+  MapReader reader(db);
+  Map map = small ? reader.read() : reader.readWithoutViews();
+  reader.requireSound();
+  if (!small) map.store = std::make_shared<MapFileStore>(std::move(db), views_in_memory);
+  return map;
+}
+
+}  // namespace facetloc

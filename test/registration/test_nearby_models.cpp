@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/nearby_models.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace facetloc {
+namespace {
+
+// Cameras all over a building, many of them in the same places; some nobody knows where.
+std::shared_ptr<const Map> building() {
+  std::mt19937 engine(7);
+  std::uniform_real_distribution<double> place(-15, 15), turn(-3, 3);
+  auto map = std::make_shared<Map>();
+  for (int i = 0; i < 400; ++i) {
+    LocalModel m;
+    if (i % 9 > 0) {
+      m.T_w_m = Eigen::Isometry3d::Identity();
+      m.T_w_m->linear() = Eigen::AngleAxisd(turn(engine), Eigen::Vector3d::UnitZ()).toRotationMatrix() *
+                          Eigen::AngleAxisd(EIGEN_PI / 2, Eigen::Vector3d::UnitX());
+      m.T_w_m->translation() << std::round(place(engine)), place(engine), 1;
+    }
+    if (i % 5 > 0) m.view.depth.camera = {160, 120, 130, 130, 80, 60};
+    map->models.push_back(m);
+  }
+  return map;
+}
+
+std::vector<int> sorted(std::vector<std::pair<double, int>> found, int n) {
+  std::sort(found.begin(), found.end());
+  std::vector<int> models;
+  for (const auto& [distance, i] : found)
+    if (static_cast<int>(models.size()) < n) models.push_back(i);
+  return models;
+}
+
+TEST(NearbyModels, AreThoseOfBruteForce) {
+  const std::shared_ptr<const Map> map = building();
+  for (const bool with_picture : {false, true}) {
+    const NearbyModels near(map, with_picture);
+    EXPECT_FALSE(near.empty());
+    const auto isOne = [&](const LocalModel& m) { return m.T_w_m && (m.hasPicture() || !with_picture); };
+    for (std::size_t k = 1; k < map->models.size(); k += 3) {
+      if (!map->models[k].T_w_m) continue;
+      const Eigen::Isometry3d& T = *map->models[k].T_w_m;
+      for (const ViewReach reach : {ViewReach{2.5, 0.9}, ViewReach{4, 1.05}, ViewReach{100, 4}}) {
+        std::vector<std::pair<double, int>> by_sight, by_place;
+        for (std::size_t i = 0; i < map->models.size(); ++i) {
+          if (!isOne(map->models[i])) continue;
+          const double distance = viewDistance(*map->models[i].T_w_m, T, reach);
+          if (std::isfinite(distance)) by_sight.emplace_back(distance, static_cast<int>(i));
+          by_place.emplace_back((map->models[i].T_w_m->translation() - T.translation()).squaredNorm(),
+                                static_cast<int>(i));
+        }
+        for (const int n : {0, 1, 5, 1000}) {
+          EXPECT_EQ(near.bySight(T, reach, n), sorted(by_sight, n));
+          EXPECT_EQ(near.byPlace(T.translation(), n), sorted(by_place, n));
+        }
+      }
+    }
+  }
+}
+
+TEST(NearbyModels, AreNoneWhereThereAreNone) {
+  const NearbyModels none(std::make_shared<Map>());
+  EXPECT_TRUE(none.empty());
+  EXPECT_TRUE(none.byPlace({0, 0, 0}, 5).empty());
+  EXPECT_TRUE(none.bySight(Eigen::Isometry3d::Identity(), kTrackingReach, 5).empty());
+  const NearbyModels near(building());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(near.byPlace({nan, 0, 0}, 5).empty());
+  EXPECT_EQ(near.byPlace({5000, 0, 0}, 5).size(), 5u);
+  Eigen::Isometry3d nowhere = Eigen::Isometry3d::Identity();
+  nowhere.translation().x() = nan;
+  EXPECT_TRUE(near.bySight(nowhere, kTrackingReach, 5).empty());
+}
+
+}  // namespace
+}  // namespace facetloc
