@@ -4,6 +4,7 @@
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
 #include <facetloc/registration/hypothesis.h>
+#include <facetloc/registration/place_index.h>
 
 #include <sstream>
 #include <stdexcept>
@@ -63,6 +64,11 @@ void fields(Archive& archive, Hypothesis& h) {
 }
 
 template <class Archive>
+void fields(Archive& archive, Candidate& c) {
+  archive(c.model, c.start);
+}
+
+template <class Archive>
 void fields(Archive& archive, ResultRow& row) {
   archive(row.frame, row.rank, row.model, row.probability, row.score, row.T_m_c, row.T_w_c, row.sd_rot_deg,
           row.sd_trans_m, row.reason);
@@ -101,6 +107,7 @@ FACETLOC_BYTES_OF(std::vector<std::size_t>)
 FACETLOC_BYTES_OF(std::vector<std::string>)
 FACETLOC_BYTES_OF(std::optional<View>)
 FACETLOC_BYTES_OF(std::vector<PackedModel>)
+FACETLOC_BYTES_OF(std::vector<Candidate>)
 FACETLOC_BYTES_OF(std::vector<Hypothesis>)
 FACETLOC_BYTES_OF(std::vector<FrameResult>)
 #undef FACETLOC_BYTES_OF

@@ -3,27 +3,20 @@
 
 #include <algorithm>
 #include <iterator>
-#include <numeric>
 #include <optional>
 
 namespace facetloc {
 namespace {
 
-/** A run of the models, as long as that of any other rank, or one longer. */
-std::vector<int> shareOf(std::size_t models, const Ranks& ranks) {
-  const auto begin = [&](std::size_t rank) { return static_cast<int>(models * rank / ranks.size()); };
-  std::vector<int> own(begin(ranks.rank() + 1) - begin(ranks.rank()));
-  std::iota(own.begin(), own.end(), begin(ranks.rank()));
-  return own;
+/** The models of a rank are a run, as long as that of any other rank, or one longer. */
+int beginOf(std::size_t rank, std::size_t models, const Ranks& ranks) {
+  return static_cast<int>(models * rank / ranks.size());
 }
 
 /** A map with a store has none in memory anyway. */
-std::shared_ptr<const Map> withViewsOf(const std::vector<int>& own, Map map) {
-  if (map.store) return std::make_shared<const Map>(std::move(map));
-  std::vector<View> views;
-  for (const int i : own) views.push_back(std::move(map.models[i].view));
-  for (LocalModel& model : map.models) model.view = {};
-  for (std::size_t i = 0; i < own.size(); ++i) map.models[own[i]].view = std::move(views[i]);
+std::shared_ptr<const Map> withViewsOf(int own_begin, int own_end, Map map) {
+  for (int i = 0; i < static_cast<int>(map.models.size()) && !map.store; ++i)
+    if (i < own_begin || i >= own_end) map.models[i].view = {};
   return std::make_shared<const Map>(std::move(map));
 }
 
@@ -38,23 +31,24 @@ GlobalLocalizationParams withoutShortlist(GlobalLocalizationParams params) {
 ShardedLocalization::ShardedLocalization(Map map, const GlobalLocalizationParams& params,
                                          const SensorNoise& noise, const Ranks& ranks, int threads)
     : ranks_(ranks),
-      own_(shareOf(map.models.size(), ranks)),
+      own_begin_(beginOf(ranks.rank(), map.models.size(), ranks)),
+      own_end_(beginOf(ranks.rank() + 1, map.models.size(), ranks)),
       localization_(ranks.isFirst() ? std::make_shared<const Map>(std::move(map))
-                                    : withViewsOf(own_, std::move(map)),
+                                    : withViewsOf(own_begin_, own_end_, std::move(map)),
                     ranks.isFirst() ? params : withoutShortlist(params), noise) {
   localization_.setNumberOfThreads(threads);
 }
 
 std::vector<Hypothesis> ShardedLocalization::registerOwn(const View& scene,
-                                                         const std::vector<int>& candidates) const {
-  std::vector<int> models;
-  std::set_intersection(own_.begin(), own_.end(), candidates.begin(), candidates.end(),
-                        std::back_inserter(models));
-  return localization_.registerWith(models, scene, localization_.prior());
+                                                         const std::vector<Candidate>& candidates) const {
+  std::vector<Candidate> own;
+  std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(own),
+               [this](const Candidate& c) { return own_begin_ <= c.model && c.model < own_end_; });
+  return localization_.registerWith(own, scene, localization_.prior());
 }
 
 Localization ShardedLocalization::localize(const View& scene) const {
-  const std::vector<int> candidates = localization_.candidates(scene);
+  const std::vector<Candidate> candidates = localization_.candidates(scene);
   if (ranks_.size() > 1) {
     ranks_.broadcast(std::optional<View>(scene));
     ranks_.broadcast(candidates);
@@ -69,7 +63,7 @@ void ShardedLocalization::finish() const { ranks_.broadcast(std::optional<View>(
 
 void ShardedLocalization::serve() const {
   while (const auto scene = ranks_.broadcast(std::optional<View>())) {
-    const std::vector<int> candidates = ranks_.broadcast(std::vector<int>());
+    const std::vector<Candidate> candidates = ranks_.broadcast(std::vector<Candidate>());
     ranks_.gather(registerOwn(*scene, candidates));
   }
 }

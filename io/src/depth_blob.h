@@ -27,8 +27,7 @@ inline std::vector<std::uint8_t> encode(const std::vector<std::uint16_t>& values
   }
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::vector<std::uint8_t> packed(size);
-  if (compress2(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION) !=
-      Z_OK)
+  if (compress(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size())) != Z_OK)
     throw std::runtime_error("zlib is out of memory");
   packed.resize(size);
   return packed;

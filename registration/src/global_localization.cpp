@@ -4,7 +4,6 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <numeric>
 
 namespace facetloc {
 
@@ -17,43 +16,58 @@ GlobalLocalization::GlobalLocalization(std::shared_ptr<const Map> map, const Glo
                noise.inverse_depth_std) {
   prior_.P = posePrior(map_->mounting, params.prior);
   const PlaceIndexParams& index = params.index;
+  PosePriorParams start = params.prior;
+  start.translation_std = index.start_translation;
+  start.rotation_std_deg = index.start_rotation_deg;
+  start_covariance_ = posePrior(map_->mounting, start);
   if (index.shortlist > 0 && map_->mounting &&
       map_->models.size() > static_cast<std::size_t>(index.exhaustive_up_to))
     index_ = std::make_shared<PlaceIndex>(PlaceIndex::of(*map_, index, params.prior));
 }
 
-Localization GlobalLocalization::localize(const View& scene, const PoseWithCovariance& prior) const {
-  return rank(scene, registerWith(candidates(scene), scene, prior));
+Localization GlobalLocalization::localize(const View& scene) const {
+  return rank(scene, registerWith(candidates(scene), scene, prior_));
 }
 
-std::vector<int> GlobalLocalization::candidates(const View& scene) const {
-  std::vector<int> models;
-  if (index_) models = index_->shortlist(scene, params_.index.shortlist);
-  std::sort(models.begin(), models.end());  // as if the others had given no hypothesis
+Localization GlobalLocalization::localize(const View& scene, const PoseWithCovariance& prior) const {
+  std::vector<Candidate> models = candidates(scene);
+  for (Candidate& c : models) c.start.reset();  // they are what this map's prior leads to
+  return rank(scene, registerWith(models, scene, prior));
+}
+
+std::vector<Candidate> GlobalLocalization::candidates(const View& scene) const {
+  std::vector<Candidate> models;
+  if (index_) models = index_->candidates(scene, params_.index.shortlist);
+  std::sort(models.begin(), models.end(),  // as if the others had given no hypothesis
+            [](const Candidate& a, const Candidate& b) { return a.model < b.model; });
   if (models.empty()) {
     models.resize(map_->models.size());
-    std::iota(models.begin(), models.end(), 0);
+    for (std::size_t i = 0; i < models.size(); ++i) models[i].model = static_cast<int>(i);
   }
   return models;
 }
 
-std::vector<Hypothesis> GlobalLocalization::registerWith(const std::vector<int>& models, const View& scene,
+std::vector<Hypothesis> GlobalLocalization::registerWith(const std::vector<Candidate>& candidates,
+                                                         const View& scene,
                                                          const PoseWithCovariance& prior) const {
-  const int n = static_cast<int>(models.size());
+  const int n = static_cast<int>(candidates.size());
   if (n == 0 || scene.segments.empty()) return {};
   // Each model's list is written by its index, so that the answer does not depend on the number of threads.
   const auto samples = samplePoints(scene);
   std::vector<std::vector<Hypothesis>> of_model(n);
   const int threads = std::min(n, threads_ > 0 ? threads_ : omp_get_num_procs());
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
-  for (int i = 0; i < n; ++i)
-    of_model[i] = registration_.align(scene, samples, *map_->view(models[i]), prior);
+  for (int i = 0; i < n; ++i) {
+    const Candidate& c = candidates[i];
+    const PoseWithCovariance start = c.start ? PoseWithCovariance{*c.start, start_covariance_} : prior;
+    of_model[i] = registration_.align(scene, samples, *map_->view(c.model), prior, start);
+  }
 
   std::vector<Hypothesis> hypotheses;
   for (int i = 0; i < n; ++i)
     for (Hypothesis& h : of_model[i]) {
-      const LocalModel& model = map_->models[models[i]];
-      h.model = models[i];
+      h.model = candidates[i].model;
+      const LocalModel& model = map_->models[h.model];
       if (model.T_w_m) h.T_w_c = *model.T_w_m * h.T_m_c.T;
       hypotheses.push_back(std::move(h));
     }

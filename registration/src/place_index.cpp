@@ -95,6 +95,21 @@ constexpr int kTurnBins = 31, kNoTurn = kTurnBins, kBins = kTurnBins + 1;
 using Tree = flann::KDTreeSingleIndex<flann::L2_Simple<float>>;
 const flann::KDTreeSingleIndexParams kTreeParams(10, true);
 
+auto byScore(const std::vector<float>& score) {
+  return [&score](int a, int b) { return score[a] != score[b] ? score[a] > score[b] : a < b; };
+}
+
+// T_m_c of an alignment.
+Eigen::Isometry3d cameraPose(const PlaceAlignment& a, const PlaceSignature& scene,
+                             const PlaceSignature& model) {
+  const Eigen::Matrix3f turn = Eigen::AngleAxisf(a.heading, Eigen::Vector3f::UnitZ()).toRotationMatrix();
+  const Eigen::Matrix3f to_camera = model.R_u_c.transpose();
+  Eigen::Isometry3d T_m_c = Eigen::Isometry3d::Identity();
+  T_m_c.linear() = Eigen::Quaternionf(to_camera * turn * scene.R_u_c).cast<double>().normalized().matrix();
+  T_m_c.translation() = (to_camera * Eigen::Vector3f(a.x, a.y, scene.height - model.height)).cast<double>();
+  return T_m_c;
+}
+
 /** What FLANN writes to a C stream and reads from one. */
 class TreeBytes {
 public:
@@ -165,6 +180,7 @@ struct PlaceIndex::Impl {
   Impl(const Map& map, const PlaceIndexParams& params, const PosePriorParams& prior);
   void build(const Map& map);
   void expectVotes();
+  std::vector<int> likeliest(const PlaceSignature& scene, PlaceAligner& aligner, int n) const;
   std::vector<float> votes(const PlaceSignature& scene) const;
 };
 
@@ -242,6 +258,22 @@ PlaceIndex::PlaceIndex(PlaceIndex&&) noexcept = default;
 PlaceIndex& PlaceIndex::operator=(PlaceIndex&&) noexcept = default;
 PlaceIndex::~PlaceIndex() = default;
 
+// At most n models, by votes and by outlook.
+std::vector<int> PlaceIndex::Impl::likeliest(const PlaceSignature& scene, PlaceAligner& aligner,
+                                             int n) const {
+  std::vector<int> order(places.size());
+  std::iota(order.begin(), order.end(), 0);
+  if (order.size() <= static_cast<std::size_t>(n)) return order;
+  const std::vector<float> by_vote = votes(scene);
+  const auto voted = order.begin() + static_cast<std::ptrdiff_t>(kVoted * n), last = order.begin() + n;
+  std::nth_element(order.begin(), voted, order.end(), byScore(by_vote));
+  std::vector<float> outlook(places.size(), 0);
+  for (auto m = voted; m != order.end(); ++m) outlook[*m] = aligner.outlook(places[*m]);
+  std::nth_element(voted, last, order.end(), byScore(outlook));
+  order.erase(last, order.end());
+  return order;
+}
+
 std::vector<float> PlaceIndex::Impl::votes(const PlaceSignature& scene) const {
   std::vector<Descriptor> asked = describe(scene);
   std::vector<float> total(places.size(), 0);
@@ -288,37 +320,33 @@ std::vector<float> PlaceIndex::Impl::votes(const PlaceSignature& scene) const {
 }
 
 std::vector<int> PlaceIndex::shortlist(const View& view, int n) const {
+  std::vector<int> models;
+  for (const Candidate& candidate : candidates(view, n)) models.push_back(candidate.model);
+  return models;
+}
+
+std::vector<Candidate> PlaceIndex::candidates(const View& view, int n) const {
   const PlaceSignature scene = placeSignature(view, impl_->mounting, impl_->prior);
   if (n <= 0 || (scene.walls.empty() && scene.surfaces.empty())) return {};
-  const auto byScore = [](const std::vector<float>& score) {
-    return [&score](int a, int b) { return score[a] != score[b] ? score[a] > score[b] : a < b; };
-  };
   PlaceAligner aligner(scene);
-  const std::size_t all = impl_->places.size();
-  const auto kept = static_cast<std::size_t>(std::max(n, impl_->params.aligned_models));
-  std::vector<int> order(all);
-  std::iota(order.begin(), order.end(), 0);
-  if (all > kept) {
-    const std::vector<float> votes = impl_->votes(scene);
-    const auto by_votes = static_cast<std::ptrdiff_t>(kVoted * static_cast<double>(kept)),
-               by_outlook = static_cast<std::ptrdiff_t>(kept);
-    std::nth_element(order.begin(), order.begin() + by_votes, order.end(), byScore(votes));
-    std::vector<float> outlook(all, 0);
-    for (auto m = order.begin() + by_votes; m != order.end(); ++m)
-      outlook[*m] = aligner.outlook(impl_->places[*m]);
-    std::nth_element(order.begin() + by_votes, order.begin() + by_outlook, order.end(), byScore(outlook));
-    order.resize(kept);
-  }
-  std::vector<float> score(all, 0);
-  for (const int m : order) score[m] = aligner.align(impl_->places[m]).score;
+  std::vector<int> order = impl_->likeliest(scene, aligner, std::max(n, impl_->params.aligned_models));
+  std::vector<PlaceAlignment> found(impl_->places.size());
+  for (const int m : order) found[m] = aligner.align(impl_->places[m]);
   const std::size_t listed = std::min(order.size(), static_cast<std::size_t>(n));
   std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(listed), order.end(),
-                    byScore(score));
-  order.resize(listed);
-  const float hopeless =
-      order.empty() ? 0 : score[order.front()] - static_cast<float>(impl_->params.shortlist_gap);
-  while (!order.empty() && score[order.back()] < hopeless) order.pop_back();
-  return order;
+                    [&found](int a, int b) {
+                      return found[a].score != found[b].score ? found[a].score > found[b].score : a < b;
+                    });
+  const auto gap = static_cast<float>(impl_->params.shortlist_gap);
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < listed && found[order[i]].score >= found[order[0]].score - gap; ++i) {
+    const PlaceAlignment& a = found[order[i]];
+    Candidate candidate{order[i], {}};
+    if (impl_->params.start_translation > 0 && a.score > PlaceAlignment{}.score)
+      candidate.start = cameraPose(a, scene, impl_->places[order[i]]);
+    candidates.push_back(candidate);
+  }
+  return candidates;
 }
 
 std::size_t PlaceIndex::models() const { return impl_->places.size(); }

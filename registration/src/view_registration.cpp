@@ -31,10 +31,11 @@ ViewRegistration::ViewRegistration(const ViewRegistrationParams& params, const S
 
 std::vector<Hypothesis>
 ViewRegistration::align(const View& scene, const std::vector<std::vector<Eigen::Vector3d>>& scene_samples,
-                        const View& model, const PoseWithCovariance& prior) const {
+                        const View& model, const PoseWithCovariance& prior,
+                        const PoseWithCovariance& start) const {
   const std::vector<SegmentPair> candidates =
-      candidatePairs(scene.segments, model.segments, prior, params_.matching);
-  const TreeSearchResult found = searchHypotheses(scene.segments, model.segments, candidates, prior,
+      candidatePairs(scene.segments, model.segments, start, params_.matching);
+  const TreeSearchResult found = searchHypotheses(scene.segments, model.segments, candidates, start,
                                                   params_.matching, params_.ekf, params_.tree);
 
   std::vector<Hypothesis> hypotheses;

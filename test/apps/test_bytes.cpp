@@ -5,6 +5,7 @@
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
 #include <facetloc/registration/hypothesis.h>
+#include <facetloc/registration/place_index.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <gmock/gmock.h>
@@ -101,6 +102,16 @@ TEST(Bytes, HypothesesSurvive) {
   EXPECT_EQ(h.evidence, posed.evidence);
   EXPECT_TRUE(std::isnan(h.score));
   EXPECT_EQ(h.probability, posed.probability);
+}
+
+TEST(Bytes, CandidatesSurvive) {
+  const Eigen::Isometry3d start(Eigen::Translation3d(1.0 / 3, -0.0, 2));
+  const auto again = fromBytes<std::vector<Candidate>>(toBytes(std::vector<Candidate>{{7, start}, {8, {}}}));
+  ASSERT_EQ(again.size(), 2u);
+  EXPECT_EQ(again[0].model, 7);
+  EXPECT_EQ(again[0].start->matrix(), start.matrix());
+  EXPECT_EQ(again[1].model, 8);
+  EXPECT_FALSE(again[1].start);
 }
 
 TEST(Bytes, ResultsSurvive) {

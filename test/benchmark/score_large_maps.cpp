@@ -191,11 +191,11 @@ void findWhoShows(const GlobalLocalization& localization, std::vector<Query>& qu
 #pragma omp parallel for schedule(dynamic)
   for (int i = 0; i < n; ++i) {
     Query& q = queries[i];
-    std::vector<int> near;
+    std::vector<Candidate> near;
     for (std::size_t m = 0; m < models.size(); ++m) {
       const Eigen::Isometry3d apart = models[m].T_w_m->inverse() * q.T_w_c;
       if (apart.translation().norm() <= kNear && rotationAngle(apart.linear()) <= kNearRotation)
-        near.push_back(static_cast<int>(m));
+        near.push_back({static_cast<int>(m), {}});
     }
     for (const Hypothesis& h : localization.registerWith(near, q.view, localization.prior()))
       if (isRight(*h.T_w_c, q.T_w_c) && (q.shown_by.empty() || q.shown_by.back() != h.model))
@@ -295,10 +295,11 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
   const GlobalLocalization quick(map, some);
   std::size_t listed = 0, held = 0;
   for (const Query& q : queries) {
-    const std::vector<int> list = quick.candidates(q.view);
+    const std::vector<Candidate> list = quick.candidates(q.view);
     listed += list.size();
-    held += std::any_of(list.begin(), list.end(),
-                        [&q](int m) { return std::binary_search(q.shown_by.begin(), q.shown_by.end(), m); });
+    held += std::any_of(list.begin(), list.end(), [&q](const Candidate& c) {
+      return std::binary_search(q.shown_by.begin(), q.shown_by.end(), c.model);
+    });
   }
   std::vector<char> right_quick;
   start = std::clock();

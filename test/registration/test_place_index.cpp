@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/registration/global_localization.h>
 #include <facetloc/registration/place_index.h>
+#include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
 
 #include <gtest/gtest.h>
@@ -61,6 +62,12 @@ protected:
 };
 std::shared_ptr<const Map> PlaceIndexOfRooms::map;
 
+std::vector<int> modelsOf(const std::vector<Candidate>& candidates) {
+  std::vector<int> models;
+  for (const Candidate& c : candidates) models.push_back(c.model);
+  return models;
+}
+
 TEST_F(PlaceIndexOfRooms, EveryModelLeadsItsOwnList) {
   const PlaceIndex index(*map, few());
   EXPECT_EQ(index.models(), map->models.size());
@@ -117,13 +124,15 @@ TEST_F(PlaceIndexOfRooms, TheShortlistedAnswerIsThatOfAllModelsIfTheListHoldsThe
   params.index.shortlist = 20;
   params.index.shortlist_gap = 1e6;
   params.index.aligned_models = 40;
+  const GlobalLocalization from_starts(map, params);
+  params.index.start_translation = 0;
   const GlobalLocalization some(map, params);
   int compared = 0;
   for (unsigned i = 0; i < 8; ++i) {
     const View view = query(int(i % kRooms), 0.7 * i, 700 + i);
     const Localization whole = all.localize(view), brief = some.localize(view);
     if (whole.hypotheses.empty()) continue;
-    const std::vector<int> list = some.candidates(view);
+    const std::vector<int> list = modelsOf(some.candidates(view));
     EXPECT_EQ(list.size(), 20u);
     EXPECT_TRUE(std::is_sorted(list.begin(), list.end()));
     if (!std::binary_search(list.begin(), list.end(), whole.hypotheses[0].model)) continue;
@@ -131,6 +140,10 @@ TEST_F(PlaceIndexOfRooms, TheShortlistedAnswerIsThatOfAllModelsIfTheListHoldsThe
     ASSERT_FALSE(brief.hypotheses.empty());
     EXPECT_EQ(brief.hypotheses[0].model, whole.hypotheses[0].model);
     EXPECT_TRUE(brief.hypotheses[0].T_w_c->isApprox(*whole.hypotheses[0].T_w_c, 1e-9));
+    // From where the alignments lead to, the place is the same, perhaps by another model.
+    const Localization quick = from_starts.localize(view);
+    ASSERT_FALSE(quick.hypotheses.empty());
+    EXPECT_THAT(*quick.hypotheses[0].T_w_c, test::PoseNear(*whole.hypotheses[0].T_w_c, 0.02, 0.3));
   }
   EXPECT_GE(compared, 4);
 }
@@ -147,6 +160,33 @@ TEST_F(PlaceIndexOfRooms, HopelessModelsAreLeftOut) {
   EXPECT_LT(best.size(), some.size());
   EXPECT_LT(some.size(), all.size());
   EXPECT_TRUE(std::equal(some.begin(), some.end(), all.begin()));  // the same order, cut short
+}
+
+TEST_F(PlaceIndexOfRooms, CandidatesTellAboutWhereTheViewIsInThem) {
+  const PlaceIndex index(*map, few());
+  int near = 0, all = 0;
+  for (unsigned i = 0; i < 12; ++i) {
+    const double heading = 30 * kDegree * i + 0.1;
+    const Eigen::Isometry3d truth = robotCamera(2.3, 2.2, heading);
+    const std::vector<Candidate> found = index.candidates(query(0, heading, 400 + i), 4);
+    ASSERT_FALSE(found.empty());
+    for (const Candidate& c : found) {
+      if (c.model >= kViews) continue;  // of another room
+      ASSERT_TRUE(c.start);
+      EXPECT_TRUE(c.start->linear().isUnitary(1e-9));
+      const Vector6d e = perturbation(*c.start, map->models[c.model].T_w_m->inverse() * truth);
+      near += e.head<3>().norm() < 5 * kDegree && e.tail<3>().norm() < 0.4;
+      ++all;
+    }
+  }
+  EXPECT_GE(all, 12);
+  EXPECT_GE(near, 0.9 * all);
+}
+
+TEST_F(PlaceIndexOfRooms, WithoutStartsEveryCandidateIsSearchedEverywhere) {
+  PlaceIndexParams params = few();
+  params.start_translation = 0;
+  for (const Candidate& c : PlaceIndex(*map, params).candidates(query(1, 0.4, 77), 10)) EXPECT_FALSE(c.start);
 }
 
 TEST_F(PlaceIndexOfRooms, ASmallMapIsSearchedAsAWhole) {

@@ -62,6 +62,28 @@ TEST_F(TwoViewsOfARoom, HypothesesComeByScoreAndScoresAddUp) {
   }
 }
 
+TEST_F(TwoViewsOfARoom, FromAboutTheRightPoseTheAnswerIsTheSameAndLessIsTried) {
+  const PoseWithCovariance prior = isotropicPrior();
+  const std::vector<Hypothesis> everywhere = align();
+  ASSERT_FALSE(everywhere.empty());
+  const Vector6d std =
+      (Vector6d() << Eigen::Vector3d::Constant(3 * kDegree), Eigen::Vector3d::Constant(0.2)).finished();
+  const auto from = [&](const Eigen::Isometry3d& T_m_c) {
+    return ViewRegistration().align(scene, samplePoints(scene), model, prior,
+                                    {T_m_c, std.cwiseAbs2().asDiagonal()});
+  };
+  const Vector6d off = (Vector6d() << 0.03, -0.04, 0.02, 0.1, -0.05, 0.15).finished();
+  const std::vector<Hypothesis> near = from(perturbed(truth, off));
+  ASSERT_FALSE(near.empty());
+  EXPECT_THAT(near[0].T_m_c.T, PoseNear(everywhere[0].T_m_c.T, 1e-3, 0.05));
+  // The start is no measurement: what is told of the pose is what the pairs tell.
+  EXPECT_NEAR(near[0].T_m_c.P.trace(), everywhere[0].T_m_c.P.trace(), 0.1 * everywhere[0].T_m_c.P.trace());
+  EXPECT_LE(near.size(), everywhere.size());
+  Eigen::Isometry3d away = truth;
+  away.translation() += Eigen::Vector3d(1.5, 0, 1.5);
+  for (const Hypothesis& h : from(away)) EXPECT_LT(h.score, near[0].score - 10);
+}
+
 TEST_F(TwoViewsOfARoom, TheSwappedViewsGiveTheInversePose) {
   const std::vector<Hypothesis> there = align(),
                                 back = ViewRegistration().align(model, scene, isotropicPrior());

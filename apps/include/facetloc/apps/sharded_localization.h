@@ -31,10 +31,10 @@ public:
   void serve() const;
 
 private:
-  std::vector<Hypothesis> registerOwn(const View& scene, const std::vector<int>& candidates) const;
+  std::vector<Hypothesis> registerOwn(const View& scene, const std::vector<Candidate>& candidates) const;
 
   Ranks ranks_;
-  std::vector<int> own_;  // models
+  int own_begin_, own_end_;  // models
   GlobalLocalization localization_;
 };
 

@@ -46,7 +46,7 @@ public:
   void setNumberOfThreads(int n) { threads_ = n; }
 
   /** \brief Thread-safe. A view without segments, an empty map, and views that fix no pose give a reason. */
-  Localization localize(const View& scene) const { return localize(scene, prior_); }
+  Localization localize(const View& scene) const;
   /** \brief The same with another prior of the pose relative to each local model. */
   Localization localize(const View& scene, const PoseWithCovariance& prior) const;
 
@@ -54,10 +54,10 @@ public:
   //@{
   /** \brief The local models that localize() registers a view with, by increasing index: the shortlist, or
    * all of a small map, and for a view that has nothing to look up. */
-  std::vector<int> candidates(const View& scene) const;
+  std::vector<Candidate> candidates(const View& scene) const;
   /** \brief Registers the view with some local models of the map. \return their hypotheses, in the order of
-   * the models given, unranked. */
-  std::vector<Hypothesis> registerWith(const std::vector<int>& models, const View& scene,
+   * the candidates given, unranked. */
+  std::vector<Hypothesis> registerWith(const std::vector<Candidate>& candidates, const View& scene,
                                        const PoseWithCovariance& prior) const;
   /** \brief Ranks the hypotheses of the whole map. */
   Localization rank(const View& scene, std::vector<Hypothesis> hypotheses) const;
@@ -71,6 +71,7 @@ private:
   ViewRegistration registration_;
   PlaceRanking ranking_;
   PoseWithCovariance prior_;
+  Matrix6d start_covariance_;                // of a pose by quick alignment
   std::shared_ptr<const PlaceIndex> index_;  ///< of a large map
   int threads_ = 1;
 };

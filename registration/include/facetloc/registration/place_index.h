@@ -16,10 +16,12 @@ namespace facetloc {
  * On simulated floors of 150 local models, a gap of 1.2 leaves 28 of them for a query, among them one that
  * gives the right pose for 99.6 % of the queries; a gap of 1.5 leaves 48, for 99.9 %. */
 struct PlaceIndexParams {
-  int shortlist = 150;         ///< most local models that a view is registered with; 0 = always all
-  double shortlist_gap = 1.2;  ///< score below the best at which a local model is hopeless
-  int exhaustive_up_to = 30;   ///< local models of a map that is small
-  int aligned_models = 1000;   ///< local models that are aligned with a view
+  int shortlist = 150;             ///< most local models that a view is registered with; 0 = always all
+  double shortlist_gap = 1.2;      ///< score below the best at which a local model is hopeless
+  int exhaustive_up_to = 30;       ///< local models of a map that is small
+  int aligned_models = 1000;       ///< local models that are aligned with a view
+  double start_translation = 0.2;  ///< how well an alignment tells the position, standard deviation [m]
+  double start_rotation_deg = 3;   ///< and the heading
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& field) {
@@ -31,8 +33,19 @@ struct PlaceIndexParams {
           "A map of so many local models is small: the view is registered with all of them.");
     field("shortlist_aligned", p.aligned_models, 1, 100000000,
           "Number of local models, chosen by votes and outlook, from which the shortlist is chosen.");
+    field("start_translation", p.start_translation, 0.0, 100.0,
+          "Standard deviation of the position in a local model by its quick alignment, from which a view is "
+          "registered with it [m]; 0 = the prior's.");
+    field("start_rotation_deg", p.start_rotation_deg, 0.01, 180.0, "The same of the heading [deg].");
   }
   void validate() const { checkRanges(*this); }
+};
+
+/** \brief A local model that may show the place of a view. */
+struct Candidate {
+  int model = 0;
+  /// T_m_c by a quick alignment; none: anywhere that the prior allows
+  std::optional<Eigen::Isometry3d> start;
 };
 
 /** \brief Tells which local models of a large map may show the place of a view.
@@ -69,6 +82,8 @@ public:
   /** \brief The at most n models most like the view that are not hopeless beside the best, the likeliest
    * first; ties by index. Empty for a view without a wall and without a level surface. */
   std::vector<int> shortlist(const View& view, int n) const;
+  /** \brief The same with the poses of the quick alignment. */
+  std::vector<Candidate> candidates(const View& view, int n) const;
   std::size_t models() const;
   std::size_t descriptors() const;
   std::size_t bytes() const;  ///< of memory, about

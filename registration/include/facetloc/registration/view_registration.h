@@ -48,11 +48,14 @@ public:
   const ViewRegistrationParams& params() const { return params_; }
   const DepthComparison& comparison() const { return comparison_; }
 
+  /** \param prior T_m_c before anything was seen
+   * \param start about where correspondences are looked for: the prior, or what else tells the pose */
   std::vector<Hypothesis> align(const View& scene,
                                 const std::vector<std::vector<Eigen::Vector3d>>& scene_samples,
-                                const View& model, const PoseWithCovariance& prior) const;
+                                const View& model, const PoseWithCovariance& prior,
+                                const PoseWithCovariance& start) const;
   std::vector<Hypothesis> align(const View& scene, const View& model, const PoseWithCovariance& prior) const {
-    return align(scene, samplePoints(scene), model, prior);
+    return align(scene, samplePoints(scene), model, prior, prior);
   }
 
 private:
