@@ -48,15 +48,17 @@ std::vector<Hypothesis> ShardedLocalization::registerOwn(const View& scene,
 }
 
 Localization ShardedLocalization::localize(const View& scene) const {
-  const std::vector<Candidate> candidates = localization_.candidates(scene);
-  if (ranks_.size() > 1) {
-    ranks_.broadcast(std::optional<View>(scene));
-    ranks_.broadcast(candidates);
-  }
-  std::vector<Hypothesis> hypotheses;
-  for (std::vector<Hypothesis>& of_rank : ranks_.gather(registerOwn(scene, candidates)))
-    std::move(of_rank.begin(), of_rank.end(), std::back_inserter(hypotheses));
-  return localization_.rank(scene, std::move(hypotheses));
+  const auto registerAll = [&](const std::vector<Candidate>& candidates) {
+    if (ranks_.size() > 1) {
+      ranks_.broadcast(std::optional<View>(scene));
+      ranks_.broadcast(candidates);
+    }
+    std::vector<Hypothesis> hypotheses;
+    for (std::vector<Hypothesis>& of_rank : ranks_.gather(registerOwn(scene, candidates)))
+      std::move(of_rank.begin(), of_rank.end(), std::back_inserter(hypotheses));
+    return hypotheses;
+  };
+  return localization_.localizeBy(registerAll, scene);
 }
 
 void ShardedLocalization::finish() const { ranks_.broadcast(std::optional<View>()); }

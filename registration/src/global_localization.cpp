@@ -25,13 +25,32 @@ GlobalLocalization::GlobalLocalization(std::shared_ptr<const Map> map, const Glo
     index_ = std::make_shared<PlaceIndex>(PlaceIndex::of(*map_, index, params.prior));
 }
 
+namespace {
+
+void searchEverywhere(std::vector<Candidate>& candidates) {
+  for (Candidate& c : candidates) c.start.reset();
+}
+
+}  // namespace
+
 Localization GlobalLocalization::localize(const View& scene) const {
-  return rank(scene, registerWith(candidates(scene), scene, prior_));
+  return localizeBy([&](const std::vector<Candidate>& c) { return registerWith(c, scene, prior_); }, scene);
+}
+
+Localization GlobalLocalization::localizeBy(const Registering& registerAll, const View& scene) const {
+  std::vector<Candidate> models = candidates(scene);
+  Localization answer = rank(scene, registerAll(models));
+  const bool from_starts =
+      std::any_of(models.begin(), models.end(), [](const Candidate& c) { return c.start.has_value(); });
+  const double probability = answer.hypotheses.empty() ? 0 : answer.hypotheses.front().probability;
+  if (!from_starts || probability >= params_.index.start_probability) return answer;
+  searchEverywhere(models);
+  return rank(scene, registerAll(models));
 }
 
 Localization GlobalLocalization::localize(const View& scene, const PoseWithCovariance& prior) const {
   std::vector<Candidate> models = candidates(scene);
-  for (Candidate& c : models) c.start.reset();  // they are what this map's prior leads to
+  searchEverywhere(models);  // the starts are what this map's prior leads to
   return rank(scene, registerWith(models, scene, prior));
 }
 

@@ -6,6 +6,7 @@
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/registration/view_registration.h>
 
+#include <functional>
 #include <memory>
 
 namespace facetloc {
@@ -59,6 +60,10 @@ public:
    * the candidates given, unranked. */
   std::vector<Hypothesis> registerWith(const std::vector<Candidate>& candidates, const View& scene,
                                        const PoseWithCovariance& prior) const;
+  /** \brief What registerWith() does with the map's prior, by whoever does it. */
+  using Registering = std::function<std::vector<Hypothesis>(const std::vector<Candidate>&)>;
+  /** \brief localize(); registers a second time, without starts, if the first answer is in doubt. */
+  Localization localizeBy(const Registering& registerAll, const View& scene) const;
   /** \brief Ranks the hypotheses of the whole map. */
   Localization rank(const View& scene, std::vector<Hypothesis> hypotheses) const;
   //@}

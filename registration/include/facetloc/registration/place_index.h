@@ -22,6 +22,7 @@ struct PlaceIndexParams {
   int aligned_models = 1000;       ///< local models that are aligned with a view
   double start_translation = 0.2;  ///< how well an alignment tells the position, standard deviation [m]
   double start_rotation_deg = 3;   ///< and the heading
+  double start_probability = 0.5;  ///< of the best place from there; if it has less, everywhere is searched
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& field) {
@@ -37,6 +38,9 @@ struct PlaceIndexParams {
           "Standard deviation of the position in a local model by its quick alignment, from which a view is "
           "registered with it [m]; 0 = the prior's.");
     field("start_rotation_deg", p.start_rotation_deg, 0.01, 180.0, "The same of the heading [deg].");
+    field("start_probability", p.start_probability, 0.0, 1.0,
+          "If the best place found from there is less probable, the view is registered again with the whole "
+          "prior.");
   }
   void validate() const { checkRanges(*this); }
 };
