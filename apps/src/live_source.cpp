@@ -174,6 +174,8 @@ void LiveSource::openDevice(const LiveSourceOptions& options) {
   device->setPlayback(options.speed, options.repeat);
   device_ = device.get();
   calibration_ = calibrationOf(*device);
+  if (!camera_ && calibration_ && device->mounting())
+    camera_ = CameraFile{*calibration_, CameraFile{}.depth_scale, device->mounting(), {}};
   grabber_ = std::move(device);
   if (name_.empty()) name_ = device_->uri();
 }

@@ -46,6 +46,8 @@ OniBool DepthDevice::isPropertySupported(int id) {
   case kVirtualCameraError:
   case kVirtualCameraIntrinsics:
     return TRUE;
+  case kVirtualCameraMounting:
+    return playback_->source().mounting() ? TRUE : FALSE;
   default:
     return FALSE;
   }
@@ -70,6 +72,11 @@ OniStatus DepthDevice::getProperty(int id, void* data, int* size) {
   case kVirtualCameraIntrinsics: {
     const Intrinsics& camera = playback_->source().camera();
     return giveProperty(std::array<double, 4>{camera.fx, camera.fy, camera.cx, camera.cy}, data, size);
+  }
+  case kVirtualCameraMounting: {
+    const std::optional<CameraMounting>& mounting = playback_->source().mounting();
+    if (!mounting) return ONI_STATUS_NOT_IMPLEMENTED;
+    return giveProperty(std::array<double, 2>{mounting->height, mounting->tilt_deg}, data, size);
   }
   default:
     return ONI_STATUS_NOT_IMPLEMENTED;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace facetloc {
@@ -19,6 +20,8 @@ public:
   virtual ~FrameSource() = default;
   /** \brief Of all images. */
   const Intrinsics& camera() const { return camera_; }
+  /** \brief On its robot, if that is known. */
+  const std::optional<CameraMounting>& mounting() const { return mounting_; }
   /** \brief Images per second, nominal. */
   int rate() const { return rate_; }
   virtual std::size_t size() const = 0;
@@ -29,6 +32,7 @@ public:
 
 protected:
   Intrinsics camera_;
+  std::optional<CameraMounting> mounting_;
   int rate_ = 0;
 };
 

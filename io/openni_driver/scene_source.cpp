@@ -29,6 +29,7 @@ Intrinsics centredKinect(int width) {
 SceneSource::SceneSource(const SceneFile& file)
     : file_(file), simulated_camera_(centredKinect(file.width), file.noise, file.seed) {
   camera_ = simulated_camera_.camera();
+  mounting_ = file.drive.mounting();
   rate_ = std::max(1, static_cast<int>(std::lround(file.pace.rate)));
   const bool is_map = file.run == "map";
   const std::uint64_t seed = kRunSeeds * file.seed + (is_map ? 0 : 1);

@@ -39,6 +39,7 @@ SequenceSource::SequenceSource(const std::string& folder) : sequence_(DepthSeque
   has_times_ = areTimes(sequence_.frames());
   rate_ = has_times_ ? rateOf(sequence_.frames()) : kUsualRate;
   camera_ = sequence_.camera() ? sequence_.camera()->intrinsics : sequence_.load(0).camera;
+  if (sequence_.camera()) mounting_ = sequence_.camera()->mounting;
 }
 
 std::uint64_t SequenceSource::stamp(std::size_t index) const {

@@ -150,7 +150,8 @@ struct OpenNIGrabber::State : openni::OpenNI::DeviceStateChangedListener,
   const bool is_file;
   bool has_trigger = false;  // is it our virtual camera?
   float rate = 0;            // [Hz]
-  double focal_length = 0;   // [px]
+  std::optional<CameraMounting> mounting;
+  double focal_length = 0;  // [px]
   openni::Device device;
   std::array<Stream, 3> streams{{{openni::SENSOR_DEPTH, &OpenNIGrabber::readDepth},
                                  {openni::SENSOR_COLOR, &OpenNIGrabber::processColorFrame},
@@ -183,6 +184,10 @@ OpenNIGrabber::OpenNIGrabber(const std::string& device_id, Mode depth_mode) try
   if (shrunk == 1 &&
       state_->device.getProperty(kVirtualCameraIntrinsics, k.data(), &size) == openni::STATUS_OK)
     setDepthCameraIntrinsics(k[0], k[1], k[2], k[3]);
+  std::array<double, 2> mounting{};
+  size = sizeof mounting;
+  if (state_->device.getProperty(kVirtualCameraMounting, mounting.data(), &size) == openni::STATUS_OK)
+    state_->mounting = CameraMounting{mounting[0], mounting[1]};
   if (!std::isfinite(focalLength()) || !(focalLength() > 0))
     throw IoError(nameOf(device_id), "its driver tells no field of view");
   setPlayback(1, false);
@@ -323,6 +328,8 @@ bool OpenNIGrabber::isEndOfFile() const {
 
 bool OpenNIGrabber::isFile() const { return state_->is_file; }
 bool OpenNIGrabber::isConnected() const { return state_->connected; }
+const std::optional<CameraMounting>& OpenNIGrabber::mounting() const { return state_->mounting; }
+
 const std::string& OpenNIGrabber::uri() const { return state_->uri; }
 float OpenNIGrabber::getFramesPerSecond() const { return state_->rate; }
 

@@ -245,6 +245,10 @@ std::optional<PlaceIndex> PlaceIndex::read(std::istream& in, const Map& map, con
   archive(written);
   if (!(written == impl->header)) return std::nullopt;
   archive(impl->places, impl->owner, impl->heading);
+  const int models = static_cast<int>(map.models.size());
+  if (impl->places.size() != map.models.size() || impl->heading.size() != impl->owner.size() ||
+      !std::all_of(impl->owner.begin(), impl->owner.end(), [models](int m) { return 0 <= m && m < models; }))
+    throw std::runtime_error("PlaceIndex: these bytes are not an index");
   impl->expectVotes();
   if (!impl->owner.empty()) {
     std::vector<char> tree;

@@ -200,6 +200,17 @@ TEST_F(VirtualCamera, DrivesThroughSimulatedPlaces) {
   }
 }
 
+TEST_F(VirtualCamera, TellsHowItsCameraIsMountedWhereThatIsKnown) {
+  const Watchdog watchdog(30s);
+  const OpenNIGrabber driven(
+      scene("scene = room\nframes = 3\ncamera_height = 1.2\ncamera_tilt_deg = 7\n", "a.scene"));
+  ASSERT_TRUE(driven.mounting());
+  EXPECT_EQ(driven.mounting()->height, 1.2);
+  EXPECT_EQ(driven.mounting()->tilt_deg, 7);
+  const OpenNIGrabber unknown(sequence(test::ExampleSequence()));
+  EXPECT_FALSE(unknown.mounting());
+}
+
 /** Where a jump leads is where the drive would have been. */
 TEST_F(VirtualCamera, JumpsWhenTheSceneSaysSo) {
   const Watchdog watchdog(60s);

@@ -113,6 +113,7 @@ private:
     } else {
       values.clear();
       for (std::size_t n = count(); n > 0; --n) read(values.emplace_back());
+      values.shrink_to_fit();
     }
   }
 

@@ -67,7 +67,7 @@ Map readMap(const std::filesystem::path& path);
 /** \brief Opens a map to localize in it. A map of more local models than that keeps their views in its file
  * (Map::store), which stays open, and in memory only those that were asked for last: 0.12 MB each. A fault in
  * such a view throws IoError when it is asked for. */
-Map openMap(const std::filesystem::path& path, std::size_t views_in_memory = 512);
+Map openMap(const std::filesystem::path& path, std::size_t views_in_memory = 400);
 /** \brief Writes a whole map, atomically. */
 void writeMap(const std::filesystem::path& path, const Map& map);
 /** \brief Every fault found in a map file, in words; empty for a sound one. Throws only if the file cannot be

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/camera_model.h>
+
 #include <pcl/io/openni2_grabber.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace facetloc {
@@ -68,6 +71,8 @@ public:
   /** \brief Focal length of the depth stream and of the clouds [px]. Their centre is that of the image, but
    * for our virtual camera, whose clouds have the camera of the sequence (getDepthCameraIntrinsics). */
   double focalLength() const;
+  /** \brief How the camera sits on its robot; only our virtual camera tells. */
+  const std::optional<CameraMounting>& mounting() const;
   /** \brief The URI of the device, as OpenNI2 knows it. */
   const std::string& uri() const;
 

@@ -16,6 +16,9 @@ constexpr int kVirtualCameraTextSize = 1024;
 /** \brief Device property, double[4], read: fx, fy, cx, cy [px]. OpenNI2 itself knows only fields of view,
  * and PCL takes the centre to be that of the image. */
 constexpr int kVirtualCameraIntrinsics = 0x7D000003;
+/** \brief Device property, double[2], read: height above the floor [m] and tilt downwards [deg] of the camera
+ * on its robot; not implemented where they are unknown. */
+constexpr int kVirtualCameraMounting = 0x7D000004;
 
 /** \brief Environment variable: a path that the driver announces as a connected device, for programs that can
  * only open the first one. Without it nothing is announced. */
