@@ -65,7 +65,7 @@ void fields(Archive& archive, Hypothesis& h) {
 
 template <class Archive>
 void fields(Archive& archive, Candidate& c) {
-  archive(c.model, c.start);
+  archive(c.model, c.rank, c.start);
 }
 
 template <class Archive>

@@ -25,32 +25,33 @@ GlobalLocalization::GlobalLocalization(std::shared_ptr<const Map> map, const Glo
     index_ = std::make_shared<PlaceIndex>(PlaceIndex::of(*map_, index, params.prior));
 }
 
-namespace {
-
-void searchEverywhere(std::vector<Candidate>& candidates) {
-  for (Candidate& c : candidates) c.start.reset();
-}
-
-}  // namespace
-
 Localization GlobalLocalization::localize(const View& scene) const {
   return localizeBy([&](const std::vector<Candidate>& c) { return registerWith(c, scene, prior_); }, scene);
 }
 
 Localization GlobalLocalization::localizeBy(const Registering& registerAll, const View& scene) const {
-  std::vector<Candidate> models = candidates(scene);
-  Localization answer = rank(scene, registerAll(models));
-  const bool from_starts =
-      std::any_of(models.begin(), models.end(), [](const Candidate& c) { return c.start.has_value(); });
+  const std::vector<Candidate> models = candidates(scene);
+  std::vector<Hypothesis> hypotheses = registerAll(models);
+  Localization answer = rank(scene, hypotheses);
   const double probability = answer.hypotheses.empty() ? 0 : answer.hypotheses.front().probability;
-  if (!from_starts || probability >= params_.index.start_probability) return answer;
-  searchEverywhere(models);
-  return rank(scene, registerAll(models));
+  if (probability >= params_.index.start_probability) return answer;
+
+  std::vector<Candidate> likeliest;  // to be searched as a small map is
+  for (const Candidate& c : models)
+    if (c.start && c.rank < params_.index.exhaustive_up_to) likeliest.push_back({c.model, c.rank, {}});
+  if (likeliest.empty()) return answer;
+  const auto again = [&](const Hypothesis& h) {
+    return std::any_of(likeliest.begin(), likeliest.end(),
+                       [&h](const Candidate& c) { return c.model == h.model; });
+  };
+  hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), again), hypotheses.end());
+  for (Hypothesis& h : registerAll(likeliest)) hypotheses.push_back(std::move(h));
+  return rank(scene, std::move(hypotheses));
 }
 
 Localization GlobalLocalization::localize(const View& scene, const PoseWithCovariance& prior) const {
   std::vector<Candidate> models = candidates(scene);
-  searchEverywhere(models);  // the starts are what this map's prior leads to
+  for (Candidate& c : models) c.start.reset();  // they are what this map's prior leads to
   return rank(scene, registerWith(models, scene, prior));
 }
 

@@ -345,7 +345,7 @@ std::vector<Candidate> PlaceIndex::candidates(const View& view, int n) const {
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < listed && found[order[i]].score >= found[order[0]].score - gap; ++i) {
     const PlaceAlignment& a = found[order[i]];
-    Candidate candidate{order[i], {}};
+    Candidate candidate{order[i], static_cast<int>(i), {}};
     if (impl_->params.start_translation > 0 && a.score > PlaceAlignment{}.score)
       candidate.start = cameraPose(a, scene, impl_->places[order[i]]);
     candidates.push_back(candidate);

@@ -106,9 +106,11 @@ TEST(Bytes, HypothesesSurvive) {
 
 TEST(Bytes, CandidatesSurvive) {
   const Eigen::Isometry3d start(Eigen::Translation3d(1.0 / 3, -0.0, 2));
-  const auto again = fromBytes<std::vector<Candidate>>(toBytes(std::vector<Candidate>{{7, start}, {8, {}}}));
+  const auto again =
+      fromBytes<std::vector<Candidate>>(toBytes(std::vector<Candidate>{{7, 3, start}, {8, 0, {}}}));
   ASSERT_EQ(again.size(), 2u);
   EXPECT_EQ(again[0].model, 7);
+  EXPECT_EQ(again[0].rank, 3);
   EXPECT_EQ(again[0].start->matrix(), start.matrix());
   EXPECT_EQ(again[1].model, 8);
   EXPECT_FALSE(again[1].start);

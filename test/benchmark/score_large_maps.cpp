@@ -195,7 +195,7 @@ void findWhoShows(const GlobalLocalization& localization, std::vector<Query>& qu
     for (std::size_t m = 0; m < models.size(); ++m) {
       const Eigen::Isometry3d apart = models[m].T_w_m->inverse() * q.T_w_c;
       if (apart.translation().norm() <= kNear && rotationAngle(apart.linear()) <= kNearRotation)
-        near.push_back({static_cast<int>(m), {}});
+        near.push_back({static_cast<int>(m), 0, {}});
     }
     for (const Hypothesis& h : localization.registerWith(near, q.view, localization.prior()))
       if (isRight(*h.T_w_c, q.T_w_c) && (q.shown_by.empty() || q.shown_by.back() != h.model))

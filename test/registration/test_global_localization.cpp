@@ -80,9 +80,9 @@ TEST_F(LocalizationInARoom, ModelsThatAreDealtOutGiveTheSameAnswer) {
   const GlobalLocalization localization(map);
   const View& scene = map->models[3].view;
   std::vector<Hypothesis> hypotheses =
-      localization.registerWith({{0, {}}, {1, {}}, {2, {}}}, scene, localization.prior());
-  for (const Hypothesis& h :
-       localization.registerWith({{3, {}}, {4, {}}, {5, {}}, {6, {}}, {7, {}}}, scene, localization.prior()))
+      localization.registerWith({{0, 0, {}}, {1, 0, {}}, {2, 0, {}}}, scene, localization.prior());
+  for (const Hypothesis& h : localization.registerWith(
+           {{3, 0, {}}, {4, 0, {}}, {5, 0, {}}, {6, 0, {}}, {7, 0, {}}}, scene, localization.prior()))
     hypotheses.push_back(h);
   const Localization dealt = localization.rank(scene, hypotheses), whole = localization.localize(scene);
   ASSERT_EQ(dealt.hypotheses.size(), whole.hypotheses.size());

@@ -191,13 +191,15 @@ TEST_F(PlaceIndexOfRooms, WithoutStartsEveryCandidateIsSearchedEverywhere) {
 
 TEST_F(PlaceIndexOfRooms, ADoubtfulAnswerIsSearchedForEverywhere) {
   GlobalLocalizationParams params;
-  params.index.exhaustive_up_to = 0;
+  params.index.exhaustive_up_to = 5;
   const View view = query(1, 0.4, 77);
   const auto askedOf = [&](const GlobalLocalization& localization) {
     std::vector<bool> with_starts;
     localization.localizeBy(
         [&](const std::vector<Candidate>& candidates) {
           with_starts.push_back(candidates.front().start.has_value());
+          EXPECT_TRUE(with_starts.back() || params.index.start_translation == 0 ||
+                      candidates.size() <= static_cast<std::size_t>(params.index.exhaustive_up_to));
           return std::vector<Hypothesis>{};
         },
         view);

@@ -39,8 +39,8 @@ struct PlaceIndexParams {
           "registered with it [m]; 0 = the prior's.");
     field("start_rotation_deg", p.start_rotation_deg, 0.01, 180.0, "The same of the heading [deg].");
     field("start_probability", p.start_probability, 0.0, 1.0,
-          "If the best place found from there is less probable, the view is registered again with the whole "
-          "prior.");
+          "If the best place found from there is less probable, the view is registered again with the "
+          "likeliest local models, as many as a small map has, and the whole prior.");
   }
   void validate() const { checkRanges(*this); }
 };
@@ -48,6 +48,7 @@ struct PlaceIndexParams {
 /** \brief A local model that may show the place of a view. */
 struct Candidate {
   int model = 0;
+  int rank = 0;  ///< 0 = the likeliest
   /// T_m_c by a quick alignment; none: anywhere that the prior allows
   std::optional<Eigen::Isometry3d> start;
 };
