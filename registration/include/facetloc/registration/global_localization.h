@@ -30,7 +30,8 @@ struct GlobalLocalizationParams {
 /** \brief Finds a view in a map: registers it with every local model and returns one ranked list of places.
  *
  * With a known camera mounting it registers with the models on a shortlist only (PlaceIndex), unless the map
- * is small. The index is made with the object.
+ * is small, about the poses that the shortlist tells, and everywhere if that leaves a doubt. The index comes
+ * with the map's file or is made with the object.
  *
  *     facetloc::GlobalLocalization localization(map);           // shared, never changed
  *     facetloc::Localization answer = localization.localize(view);
