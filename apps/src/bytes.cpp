@@ -6,6 +6,7 @@
 #include <facetloc/registration/hypothesis.h>
 #include <facetloc/registration/place_index.h>
 
+#include <algorithm>
 #include <sstream>
 #include <stdexcept>
 
@@ -35,6 +36,18 @@ void fields(Archive& archive, DepthPicture& picture) {
   archive(picture.camera, picture.inverse_depth);
   if (Archive::kReads && !picture.empty())  // the rest is derived
     picture = DepthPicture::fromStored(picture.camera, std::move(picture.inverse_depth));
+}
+
+template <class Archive>
+void fields(Archive& archive, DepthDistortion& distortion) {
+  Eigen::Vector2d low = distortion.extent().min(), high = distortion.extent().max();
+  std::vector<double> nodes(distortion.values().begin(), distortion.values().end());
+  archive(low, high, nodes);
+  if (!Archive::kReads) return;
+  DepthDistortion::Values values;
+  require(nodes.size() == values.size());
+  std::copy(nodes.begin(), nodes.end(), values.begin());
+  distortion = DepthDistortion({low, high}, values);
 }
 
 template <class Archive>
@@ -106,6 +119,7 @@ FACETLOC_BYTES_OF(std::vector<int>)
 FACETLOC_BYTES_OF(std::vector<std::size_t>)
 FACETLOC_BYTES_OF(std::vector<std::string>)
 FACETLOC_BYTES_OF(std::optional<View>)
+FACETLOC_BYTES_OF(std::optional<DepthDistortion>)
 FACETLOC_BYTES_OF(std::vector<PackedModel>)
 FACETLOC_BYTES_OF(std::vector<Candidate>)
 FACETLOC_BYTES_OF(std::vector<Hypothesis>)

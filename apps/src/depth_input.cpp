@@ -19,6 +19,11 @@ ViewParams withNoiseOf(const std::optional<CameraFile>& camera, ViewParams param
   return params;
 }
 
+ViewParams withDistortionOf(const Map& map, ViewParams params) {
+  params.distortion = map.distortion;
+  return params;
+}
+
 Map openMapFor(const std::optional<CameraFile>& camera, const std::string& path, const Console& console) {
   Map map = openMap(path);
   dropUnknownMounting(camera, map, console);

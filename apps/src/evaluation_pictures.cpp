@@ -47,7 +47,7 @@ std::vector<DrawnMarks> drawnMarks(const Evaluation& evaluation) {
 /** The depth images of all runs, by the names of their frames. */
 class Images {
 public:
-  explicit Images(const PlaceTruth& truth) {
+  Images(const PlaceTruth& truth, const Map& map) : map_(map) {
     for (const PlaceTruth::Sequence& s : truth.sequences())
       if (fs::is_directory(s.folder / "depth")) sequences_.push_back(DepthSequence::open(s.folder));
     for (const DepthSequence& sequence : sequences_)
@@ -60,7 +60,7 @@ public:
   SeenImage seen(const std::string& name) const {
     const Place& place = places_.at(name);
     const DepthInput defaults;
-    ViewBuilder builder(withNoiseOf(place.sequence->camera(), defaults.view));
+    ViewBuilder builder(withDistortionOf(map_, withNoiseOf(place.sequence->camera(), defaults.view)));
     return see(name, place.sequence->load(place.index, defaults.width), builder);
   }
 
@@ -69,6 +69,7 @@ private:
     const DepthSequence* sequence;
     std::size_t index;
   };
+  const Map& map_;
   std::vector<DepthSequence> sequences_;  // not changed once places_ points into it
   std::map<std::string, Place> places_;
 };
@@ -101,7 +102,7 @@ std::vector<Miss> chosenMisses(const Evaluation& evaluation, std::size_t most) {
 std::vector<ReportPicture> drawMisses(const fs::path& folder, const std::vector<Miss>& misses, const Map& map,
                                       const PlaceTruth& truth, const std::vector<RunResults>& runs,
                                       const Console& console) {
-  const Images images(truth);
+  const Images images(truth, map);
   Evaluation drawn;
   for (const Miss& miss : misses)
     if (images.has(miss.frame.name)) drawn.frames.push_back(miss.frame);

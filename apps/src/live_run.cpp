@@ -106,7 +106,10 @@ void LiveRun::startSession() {
   LiveSessionOptions options = algorithms_.session;
   options.view = algorithms_.view(source_->camera());
   options.max_frames = static_cast<std::uint64_t>(options_.max_frames);
-  if (map_) dropUnknownMounting(source_->camera(), *map_, console_);
+  if (map_) {
+    dropUnknownMounting(source_->camera(), *map_, console_);
+    options.view = withDistortionOf(*map_, options.view);
+  }
   if (!options_.results.empty()) {
     const std::string params_ini = "# " + versionText() + ", live from " + source_->name() +
                                    (map_ ? ", map " + fs::path(options_.map).filename().string() + " of " +

@@ -171,15 +171,16 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
   if (folder_.empty()) throw UsageError("the folder of the results is missing: -o RESULTS");
   if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
   const DepthSequence sequence = DepthSequence::open(input_path_);
-  const ViewParams view_params = input_.viewParams(sequence.camera(), line);
+  const ViewParams of_camera = input_.viewParams(sequence.camera(), line);
   const ShardedLocalization localization(openMapFor(sequence.camera(), map_, console), localization_,
-                                         view_params.noise, shard_map_ ? ranks() : Ranks(),
+                                         of_camera.noise, shard_map_ ? ranks() : Ranks(),
                                          shard_map_ || sequence.frames().size() == 1 ? threads() : 1);
   if (shard_map_ && !ranks().isFirst()) {
     localization.serve();
     return kOk;
   }
 
+  const ViewParams view_params = withDistortionOf(localization.map(), of_camera);
   const std::string params_ini = paramsIni(view_params, localization.map());
   ResultsJournal journal(folder_, imageRanks().rank());
   std::vector<FrameResult> results;

@@ -40,6 +40,11 @@ std::string cameraOf(const Map& map) {
          fixed(k.fy, 2) + ", cx " + fixed(k.cx, 2) + ", cy " + fixed(k.cy, 2);
 }
 
+/** A Kinect's unit is the one that people know. */
+std::string inDisparity(const DepthDistortion& distortion) {
+  return fixed(kKinectGain * distortion.rms(), 2) + " disparity units (1/8 px of a Kinect) on average";
+}
+
 void printSummary(std::ostream& out, const Map& map) {
   std::vector<double> segments, areas;
   std::size_t with_pose = 0, with_depth = 0;
@@ -63,6 +68,7 @@ void printSummary(std::ostream& out, const Map& map) {
   table.add({"camera mounting", map.mounting ? fixed(map.mounting->height, 3) + " m above the floor, " +
                                                    fixed(map.mounting->tilt_deg, 1) + " deg down"
                                              : "unknown"});
+  table.add({"distortion taken out", map.distortion ? inDisparity(*map.distortion) : "none"});
   out << table;
 }
 
@@ -108,6 +114,8 @@ Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& stem
   for (std::size_t i = 0; i < maps.size(); ++i) {
     appendMap(maps[i], stems[i], ambiguous, merged);
     if (i == 0) merged.mounting = maps[i].mounting;
+    // One camera's field differs a little from map to map; of two cameras one has to be chosen.
+    if (!merged.distortion) merged.distortion = maps[i].distortion;
     if (!sameMounting(merged.mounting, maps[i].mounting)) merged.mounting.reset();
     for (const auto& [key, value] : maps[i].meta) {
       const bool of_format = key == "format" || key == "conventions";  // the new file has its own

@@ -4,6 +4,7 @@
 #include <facetloc/apps/place_index_file.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/error.h>
+#include <facetloc/registration/distortion_calibration.h>
 
 #include <map>
 #include <set>
@@ -12,7 +13,8 @@ namespace facetloc {
 namespace {
 
 constexpr const char* kParametersKey = "parameters";
-constexpr std::size_t kImagesPerThread = 8;  // views kept in memory until they are written, in order
+constexpr std::size_t kCalibrationImages = 200;  // at most
+constexpr std::size_t kImagesPerThread = 8;      // views kept in memory until they are written, in order
 
 }  // namespace
 
@@ -85,12 +87,21 @@ void MapBuildApp::addOptions(CommandLine& line) {
   line.addOption("every", every_, "N", "Make each N-th image a local model, whatever its pose; 0 = off.");
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
   line.addSwitch("resume", resume_, "Go on with a map that is there already.");
+  line.addSwitch(
+      "raw-depth", raw_depth_,
+      "Leave the depth as it is. Without it, what the camera always measures wrongly at the same "
+      "place of its image is found from images with poses, taken out, and kept in the map, so that it "
+      "is also taken out of the images that are localized.");
   input_.addOptions(line);
   line.addParams(builder_);
 }
 
+Trajectory MapBuildApp::poses(const DepthSequence& sequence) const {
+  return poses_.empty() ? sequence.groundTruth() : readTumTrajectory(poses_);
+}
+
 MapBuildApp::Selection MapBuildApp::select(const DepthSequence& sequence) const {
-  const Trajectory trajectory = poses_.empty() ? sequence.groundTruth() : readTumTrajectory(poses_);
+  const Trajectory trajectory = poses(sequence);
   if (trajectory.empty() && every_ == 0)
     throw IoError(sequence_, "has no poses: no groundtruth.txt; give --poses FILE or --every N");
   Selection selection;
@@ -169,23 +180,60 @@ std::size_t MapBuildApp::addModels(const DepthSequence& sequence, const std::vec
   return without_segments;
 }
 
+/** What the camera always measures wrongly, from images of the whole run; the same for any number of threads.
+ */
+std::optional<DepthDistortion> MapBuildApp::calibrate(const DepthSequence& sequence, const SensorNoise& noise,
+                                                      const Console& console) const {
+  const Trajectory trajectory = poses(sequence);
+  std::vector<Candidate> posed;
+  for (std::size_t i = 0; i < sequence.frames().size(); ++i)
+    if (const auto pose = trajectory.nearest(sequence.frames()[i].stamp, pose_tolerance_))
+      posed.push_back({i, pose});
+  const std::size_t n = std::min(posed.size(), kCalibrationImages);
+  std::vector<DepthPicture> depth(n);
+  std::vector<PosedPicture> pictures;
+  for (std::size_t i = 0; i < n; ++i) pictures.push_back({&depth[i], *posed[i * posed.size() / n].T_w_m});
+  const auto frameOf = [&](std::size_t i) { return posed[i * posed.size() / n].frame; };
+  // Images that cannot be read are left out: those that become local models are told of later.
+  Batch(threads(), n, console)
+      .run([&](std::size_t i) { return sequence.frames()[frameOf(i)].name; },
+           [&](std::size_t i, int) { depth[i].assign(sequence.load(frameOf(i), input_.width)); });
+  const auto found = calibrateDistortion(
+      pictures, noise, {builder_.pose_rotation_std_deg * kDegree, builder_.pose_translation_std});
+  if (!found) return {};
+  if (found->reliable()) return found->distortion;
+  console.note("the distortion of the camera is left in: the poses are too far from what the images show (" +
+               fixed(found->poses.rotation_std / kDegree, 2) + " deg, " +
+               fixed(1e3 * found->poses.translation_std, 0) + " mm) to find it");
+  return {};
+}
+
 int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   if (map_.empty()) throw UsageError("the map to write is missing: -o MAP.flmap");
   if (every_ < 0) throw UsageError("every must not be negative");
   if (overwrite_ && resume_) throw UsageError("overwrite and resume exclude each other");
   const DepthSequence sequence = DepthSequence::open(sequence_);
   const Selection selection = select(sequence);
-  const ViewParams view_params = input_.viewParams(sequence.camera(), line);
-  const std::string parameters =
-      toIni(input_, view_params) + toIni(builder_) + "every = " + std::to_string(every_) + "\n";
+  ViewParams view_params = input_.viewParams(sequence.camera(), line);
+  const std::string parameters = toIni(input_, view_params) + toIni(builder_) +
+                                 "every = " + std::to_string(every_) + "\n" +
+                                 "raw-depth = " + (raw_depth_ ? "1" : "0") + "\n";
   const MapBuilder builder(builder_);
   Batch batch(threads(), selection.candidates.size(), console, ranks());
   if (!ranks().isFirst()) {
+    view_params.distortion = ranks().broadcast(view_params.distortion);
     addModels(sequence, selection.candidates, view_params, batch, nullptr);
     return kOk;
   }
   MapDatabase database = openDatabase(sequence, parameters);
-  Writer writer(std::move(database), openMap(map_), builder);
+  const Map present = openMap(map_);
+  if (!present.models.empty())
+    view_params.distortion = present.distortion;
+  else if (!raw_depth_)
+    view_params.distortion = calibrate(sequence, view_params.noise, console);
+  if (view_params.distortion && present.models.empty()) database.setDistortion(*view_params.distortion);
+  view_params.distortion = ranks().broadcast(view_params.distortion);
+  Writer writer(std::move(database), present, builder);
   const std::size_t without_segments = addModels(sequence, selection.candidates, view_params, batch, &writer);
   writePlaceIndex(map_);
 

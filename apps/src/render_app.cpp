@@ -42,6 +42,7 @@ public:
       : sequence_(sequence), width_(width), view_(view), builder_(view) {}
 
   void localizeIn(Map map, const GlobalLocalizationParams& params, int threads, int max_hypotheses) {
+    builder_ = ViewBuilder(withDistortionOf(map, view_));
     localization_.emplace(std::make_shared<const Map>(std::move(map)), params, view_.noise);
     localization_->setNumberOfThreads(threads);
     max_hypotheses_ = max_hypotheses;
@@ -181,7 +182,7 @@ int RenderApp::renderFailures(const CommandLine& line, const Console& console) c
   const fs::path sheet_path = fs::path(output_) / "failures.png";
   fs::remove(sheet_path);  // of an earlier run; there may be nothing to draw now
 
-  ViewBuilder builder(depth_.viewParams(sequence.camera(), line));
+  ViewBuilder builder(withDistortionOf(map, depth_.viewParams(sequence.camera(), line)));
   std::vector<Raster<std::uint8_t>> sheet(std::min(drawn, kOnSheet));
   std::vector<std::string> titles;
   for (std::size_t i = 0; i < sheet.size(); ++i)

@@ -57,11 +57,17 @@ void markFormat(Connection& db) {
   (meta << kFormatKey << "facetloc map " + versionText(kVersion)).run();
 }
 
+/** What 1.0 has not. */
+void createLaterTables(Connection& db) {
+  db.execute(schema::kPlaceIndexTable);
+  db.execute(schema::kDistortionTable);
+}
+
 /** Adds what an older minor format lacks. */
 void upgrade(Connection& db) {
   if (pragma(db, "user_version") >= kVersion) return;
   Transaction transaction(db);
-  db.execute(schema::kPlaceIndexTable);
+  createLaterTables(db);
   markFormat(db);
   transaction.commit();
 }
@@ -119,7 +125,7 @@ Connection create(const fs::path& path, const fs::path& shown) {
   Transaction transaction(db);
   db.execute("PRAGMA application_id = " + std::to_string(MapDatabase::kApplicationId));
   db.execute(schema::kTables);
-  db.execute(schema::kPlaceIndexTable);
+  createLaterTables(db);
   markFormat(db);
   Statement meta(db, schema::insert("key, value", "meta"));
   (meta << kConventionsKey << schema::kConventions).run();

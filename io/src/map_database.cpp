@@ -50,6 +50,15 @@ void insertMounting(Connection& db, const CameraMounting& mounting) {
   (statement << mounting.height << mounting.tilt_deg).run();
 }
 
+void insertDistortion(Connection& db, const DepthDistortion& distortion) {
+  Statement statement(
+      db, "INSERT OR REPLACE INTO distortion(node, ray_x, ray_y, inverse_depth) VALUES(?, ?, ?, ?)");
+  for (int i = 0; i < DepthDistortion::kNodes; ++i) {
+    const Eigen::Vector2d ray = distortion.rayOf(i);
+    (statement << i << ray.x() << ray.y() << distortion.values()[i]).run();
+  }
+}
+
 int nextId(Connection& db, const std::string& table) {
   Statement statement(db, "SELECT coalesce(max(id) + 1, 0) AS next_id FROM " + table);
   statement.step();
@@ -175,6 +184,12 @@ void MapDatabase::setMeta(const std::string& key, const std::string& value) {
 
 void MapDatabase::setMounting(const CameraMounting& mounting) { insertMounting(impl_->db, mounting); }
 
+void MapDatabase::setDistortion(const DepthDistortion& distortion) {
+  Transaction transaction(impl_->db);
+  insertDistortion(impl_->db, distortion);
+  transaction.commit();
+}
+
 void MapDatabase::setPlaceIndex(const std::function<void(std::ostream&)>& write) {
   Transaction transaction(impl_->db);
   place_index_parts::write(impl_->db, write);
@@ -231,6 +246,7 @@ void writeMap(const std::filesystem::path& path, const Map& map) {
       for (const auto& [key, value] : map.meta)
         if (!isReserved(key)) insertMeta(db, key, value);
       if (map.mounting) insertMounting(db, *map.mounting);
+      if (map.distortion) insertDistortion(db, *map.distortion);
       for (std::size_t i = 0; i < map.models.size(); ++i) {
         LocalModel model = map.models[i];
         if (map.store) model.view = *map.view(static_cast<int>(i));

@@ -4,6 +4,7 @@
 #include "map_rows.h"
 #include "map_schema.h"
 
+#include <stdexcept>
 #include <utility>
 
 namespace facetloc {
@@ -19,6 +20,7 @@ std::string nameOf(int model, const std::string& name) {
 
 Map MapReader::read() {
   readMeta();
+  readDistortion();
   readModels();
   readSegments();
   readPictures(true);
@@ -28,6 +30,7 @@ Map MapReader::read() {
 
 Map MapReader::readWithoutViews() {
   readMeta();
+  readDistortion();
   readModels();
   readPictures(false);
   readLinks();
@@ -75,6 +78,28 @@ void MapReader::readMeta() {
                require(std::isfinite(height) && std::isfinite(tilt_deg), "it is not finite");
                map_.mounting = CameraMounting{height, tilt_deg};
              });
+}
+
+void MapReader::readDistortion() {
+  if (!sqlite::hasTable(db_, "distortion")) return;
+  std::vector<Eigen::Vector2d> rays;
+  DepthDistortion::Values values;
+  forEachRow(schema::select(schema::kDistortionColumns, "distortion", "node"),
+             [&](Statement& row, std::string& label) {
+               label = "the distortion";
+               require(rays.size() < values.size(), "it has too many nodes");
+               require(row.integer() == static_cast<int>(rays.size()), "its node numbers have a gap");
+               const double x = row.real(), y = row.real();
+               values[rays.size()] = row.real();
+               rays.emplace_back(x, y);
+             });
+  if (rays.empty()) return;
+  try {
+    require(rays.size() == values.size(), "it has too few nodes");
+    map_.distortion.emplace(Eigen::AlignedBox2d(rays.front(), rays.back()), values);
+  } catch (const std::exception& e) {
+    faults_.push_back(std::string("the distortion: ") + e.what());
+  }
 }
 
 void MapReader::readModels() {

@@ -34,6 +34,7 @@ private:
   void forEachRow(const std::string& sql, const Function& function);
   LocalModel& modelOf(int id, std::string& label);
   void readMeta();
+  void readDistortion();
   void readModels();
   void readSegments();
   void readPictures(bool whole);

@@ -94,6 +94,15 @@ CREATE TABLE IF NOT EXISTS place_index(  -- what PlaceIndex has written, in part
 ) STRICT;
 )sql";
 
+/** \brief Since 1.2. */
+inline constexpr const char* kDistortionTable = R"sql(
+CREATE TABLE IF NOT EXISTS distortion(   -- of the depth camera, taken out of the models' images; a grid or nothing
+  node INTEGER PRIMARY KEY CHECK(node >= 0),  -- row by row, from the top left
+  ray_x REAL NOT NULL, ray_y REAL NOT NULL,   -- normalised ray (b_x, b_y) of the node
+  inverse_depth REAL NOT NULL                 -- measured minus true [1/m], bilinear between the nodes
+) STRICT;
+)sql";
+
 inline constexpr const char* kModelColumns =
     "id, name, stamp, tx, ty, tz, qx, qy, qz, qw, width, height, fx, fy, cx, cy, num_segments";
 inline constexpr const char* kSegmentColumns =
@@ -114,6 +123,7 @@ inline constexpr const char* kConventions = "metres, radians, seconds; T_a_b map
                                             "translation) of a left, decoupled perturbation; q = (s_x, s_y, "
                                             "r): tilts about the axes of F and offset along its normal";
 
+inline constexpr const char* kDistortionColumns = "node, ray_x, ray_y, inverse_depth";
 inline constexpr const char* kIndexColumns = "part, crc32, data";
 
 inline std::string select(const std::string& columns, const std::string& table) {

@@ -108,14 +108,6 @@ private:
   PartsReader buffer_;
 };
 
-/** Maps of format 1.0 have no such table. */
-bool hasTable(Connection& db) {
-  Statement table(db,
-                  std::string("SELECT count(*) AS n FROM sqlite_master WHERE type = 'table' AND name = '") +
-                      kTable + "'");
-  return table.step() && table.integer() > 0;
-}
-
 }  // namespace
 
 void write(Connection& db, const std::function<void(std::ostream&)>& writer) {
@@ -128,7 +120,7 @@ void write(Connection& db, const std::function<void(std::ostream&)>& writer) {
 }
 
 int number(Connection& db) {
-  if (!hasTable(db)) return 0;
+  if (!hasTable(db, kTable)) return 0;
   Statement count(db, std::string("SELECT count(*) AS n FROM ") + kTable);
   return count.step() ? count.integer() : 0;
 }

@@ -178,4 +178,11 @@ private:
   bool committed_ = false;
 };
 
+/** \brief Files of an older format lack some. */
+inline bool hasTable(Connection& db, const std::string& name) {
+  Statement table(db,
+                  "SELECT count(*) AS n FROM sqlite_master WHERE type = 'table' AND name = '" + name + "'");
+  return table.step() && table.integer() > 0;
+}
+
 }  // namespace facetloc::sqlite

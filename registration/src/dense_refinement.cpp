@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/registration/dense_refinement.h>
 #include <facetloc/registration/depth_consistency.h>
+#include <facetloc/registration/depth_difference.h>
 
 #include <Eigen/Eigenvalues>
 
@@ -11,36 +12,7 @@ namespace facetloc {
 namespace {
 
 constexpr double kFarthest = 1 / 8.0;  // smallest inverse depth used [1/m]
-constexpr double kNearest = 0.5;       // points nearer than this are outside the sensor's range [m]
 constexpr double kConverged = 1e-5;    // norm of a step [rad, m]
-
-/** The inverse depth that a picture has at a point between its pixels, and its gradient [1/m, 1/m/px]. */
-struct LocalSlope {
-  double value, du, dv;
-};
-
-// The picture is linear on planes; where it is not (edges, noise of curved things) nothing is measured.
-constexpr int kReach = 2;  // of the gradient to each side [px]
-bool slopeAt(const DepthPicture& b, double x, double y, double error, LocalSlope& slope) {
-  const Intrinsics& c = b.camera;
-  const int u = static_cast<int>(std::floor(x + 0.5)), v = static_cast<int>(std::floor(y + 0.5));
-  constexpr double kStraight = 12;  // errors that the second difference may have
-  if (!(u >= kReach && v >= kReach && u < c.width - kReach && v < c.height - kReach)) return false;
-  const auto at = [&](int column, int row) {
-    return DepthPicture::kQuantum * b.inverse_depth[static_cast<std::size_t>(row) * c.width + column];
-  };
-  const double centre = at(u, v);
-  const double left = at(u - kReach, v), right = at(u + kReach, v);
-  const double up = at(u, v - kReach), down = at(u, v + kReach);
-  if (centre == 0 || left == 0 || right == 0 || up == 0 || down == 0) return false;
-  const double tolerance = kStraight * error;
-  if (std::abs(left + right - 2 * centre) > tolerance || std::abs(up + down - 2 * centre) > tolerance)
-    return false;
-  slope.du = (right - left) / (2 * kReach), slope.dv = (down - up) / (2 * kReach);
-  // The mean of the five is the value of their plane at the centre.
-  slope.value = (centre + left + right + up + down) / 5 + slope.du * (x - u) + slope.dv * (y - v);
-  return true;
-}
 
 struct NormalEquations {
   Matrix6d A = Matrix6d::Zero();
@@ -63,30 +35,22 @@ void addPicture(const DepthPicture& scene, const PosedPicture& model, const Eige
           DepthPicture::kQuantum * scene.inverse_depth[static_cast<std::size_t>(v) * scene.camera.width + u];
       if (rho < kFarthest) continue;
       const Eigen::Vector3d ray = scene.camera.ray(u, v);
-      const Eigen::Vector3d p = R_m_c * ray + T_m_c.translation() * rho;  // times the depth: the point
-      if (!(p.z() > kNearest * rho)) continue;
-      const double inverse_z = rho / p.z();
-      const double px = p.x() / p.z(), py = p.y() / p.z();
-      LocalSlope slope;
-      if (!slopeAt(b, c.fx * px + c.cx, c.fy * py + c.cy, error, slope)) continue;
-      // Gradient of the residual by the point in the model's frame; a plane's normal up to scale.
-      const double gx = slope.du * c.fx, gy = slope.dv * c.fy;
-      const Eigen::Vector3d by_point = inverse_z * Eigen::Vector3d(-gx, -gy, -inverse_z + gx * px + gy * py);
-      const Eigen::Vector3d a = R_w_m * by_point;
+      DepthDifference d;
+      if (!compareDepth(R_m_c * ray, T_m_c.translation(), rho, b, error, d)) continue;
+      const Eigen::Vector3d a = R_w_m * d.by_point;
       const Eigen::Vector3d arm = T_w_c.linear() * ray / rho;
       Vector6d J;
       J << arm.cross(a), a;
-      const double residual = inverse_z - slope.value;
       const double largest2 = gate * gate * (error * error + J.dot(uncertainty * J));
-      if (residual * residual >= largest2) continue;
-      const double robust = std::pow(1 - residual * residual / largest2, 2);  // Tukey's weight
+      if (d.residual * d.residual >= largest2) continue;
+      const double robust = std::pow(1 - d.residual * d.residual / largest2, 2);  // Tukey's weight
       n.A.selfadjointView<Eigen::Lower>().rankUpdate(J, robust);
-      n.g += robust * residual * J;
+      n.g += robust * d.residual * J;
       n.weight += robust;
       if (!n.of_noise) continue;
       for (const Eigen::Vector3d& by_gradient :
-           {Eigen::Vector3d(-c.fx, 0, c.fx * px), Eigen::Vector3d(0, -c.fy, c.fy * py)}) {
-        const Eigen::Vector3d da = inverse_z * R_w_m * by_gradient;
+           {Eigen::Vector3d(-c.fx, 0, c.fx * d.x), Eigen::Vector3d(0, -c.fy, c.fy * d.y)}) {
+        const Eigen::Vector3d da = d.inverse_depth * R_w_m * by_gradient;
         J << arm.cross(da), da;
         n.noise.selfadjointView<Eigen::Lower>().rankUpdate(J, robust);
       }
@@ -96,7 +60,8 @@ void addPicture(const DepthPicture& scene, const PosedPicture& model, const Eige
 // Drops the directions in which the gradients tell hardly more than their own noise and the bands of a coarse
 // quantisation would (after Zhang, Kaess, Singh, ICRA 2016), and takes the noise out of the others.
 void dropFeigned(double inverse_depth_std, double significance, NormalEquations& n) {
-  const double gradient_variance = inverse_depth_std * inverse_depth_std / (2 * kReach * kReach);
+  const double gradient_variance =
+      inverse_depth_std * inverse_depth_std / (2 * DepthSlope::kReach * DepthSlope::kReach);
   constexpr double kRegular = 1e-9;  // of the trace
   Matrix6d N = gradient_variance * Matrix6d(n.noise.selfadjointView<Eigen::Lower>());
   N.diagonal().array() += kRegular * N.trace();

@@ -15,7 +15,9 @@ double millisecondsSince(Clock::time_point start) {
 }  // namespace
 
 ViewBuilder::ViewBuilder(const ViewParams& params)
-    : params_(params), segmenter_(params.segmentation, params.noise), estimation_(params.features) {}
+    : params_(params), segmenter_(params.segmentation, params.noise), estimation_(params.features) {
+  if (params.distortion) correction_.emplace(*params.distortion);
+}
 
 View ViewBuilder::build(const DepthImage& image) {
   View view;
@@ -23,8 +25,9 @@ View ViewBuilder::build(const DepthImage& image) {
   return view;
 }
 
-void ViewBuilder::build(const DepthImage& image, View& view) {
+void ViewBuilder::build(const DepthImage& measured, View& view) {
   const Clock::time_point start = Clock::now();
+  const DepthImage& image = correction_ ? (*correction_)(measured) : measured;
   segmenter_.segment(image, segmentation_);
   segment_ms_ = millisecondsSince(start);
 

@@ -104,6 +104,19 @@ TEST(Bytes, HypothesesSurvive) {
   EXPECT_EQ(h.probability, posed.probability);
 }
 
+TEST(Bytes, DistortionsSurvive) {
+  DepthDistortion::Values values;
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = 1.0 / (3.0 + static_cast<double>(i));
+  const std::optional<DepthDistortion> distortion(
+      DepthDistortion(DepthDistortion::extentOf(kinectIntrinsics()), values));
+  const auto again = fromBytes<std::optional<DepthDistortion>>(toBytes(distortion));
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->extent().min(), distortion->extent().min());
+  EXPECT_EQ(again->extent().max(), distortion->extent().max());
+  EXPECT_EQ(again->values(), values);
+  EXPECT_FALSE(fromBytes<std::optional<DepthDistortion>>(toBytes(std::optional<DepthDistortion>())));
+}
+
 TEST(Bytes, CandidatesSurvive) {
   const Eigen::Isometry3d start(Eigen::Translation3d(1.0 / 3, -0.0, 2));
   const auto again =

@@ -232,6 +232,39 @@ TEST_F(Tools, LocalizeSaysWhatIsMissing) {
   EXPECT_EQ(run.err, "facetloc_localize: " + (folder_ / "nowhere") + ": does not exist\n");
 }
 
+TEST_F(Tools, MapBuildTakesOutWhatTheCameraAlwaysMeasuresWrongly) {
+  constexpr double kStrength = 3;  // [DU]: a bad camera
+  ASSERT_EQ(
+      runTool<SimulateApp>({"room", "-o", folder_ / "", "--seed", "8", "--map-frames", "60", "--query-frames",
+                            "20", "--width", "320", "--turn_deg", "8", "--distortion", fixed(kStrength, 0)})
+          .code,
+      kOk);
+  const auto meanError = [&](const std::string& name, const std::vector<std::string>& options) {
+    const std::string map = folder_ / name + ".flmap", results = folder_ / name;
+    std::vector<std::string> build{"build", folder_ / "map", "-o", map};
+    build.insert(build.end(), options.begin(), options.end());
+    EXPECT_EQ(runMap(build).code, kOk);
+    EXPECT_EQ(runTool<LocalizeApp>({map, folder_ / "query", "-o", results}).code, kOk);
+    const Evaluation evaluation =
+        evaluate(readHypotheses(results), readTumTrajectory(folder_ / "query/groundtruth.txt"), {}, {});
+    return summarize("", evaluation.frames).translation_stats.mean;
+  };
+  const double raw = meanError("raw", {"--raw-depth"}), corrected = meanError("corrected", {});
+  EXPECT_LT(corrected, 0.5 * raw);
+  EXPECT_FALSE(readMap(folder_ / "raw.flmap").distortion);
+  const auto distortion = readMap(folder_ / "corrected.flmap").distortion;
+  ASSERT_TRUE(distortion);
+  EXPECT_NEAR(distortion->rms() * kKinectGain, kStrength, 0.4 * kStrength);
+  EXPECT_THAT(runMap({"info", folder_ / "raw.flmap"}).out, HasSubstr("distortion taken out"));
+  EXPECT_THAT(runMap({"info", folder_ / "corrected.flmap"}).out, HasSubstr("disparity units"));
+
+  ASSERT_EQ(runMap({"merge", folder_ / "corrected.flmap", map(), "-o", folder_ / "both.flmap"}).code, kOk);
+  EXPECT_EQ(readMap(folder_ / "both.flmap").distortion->values(), distortion->values());
+  // Going on with a map leaves its distortion as it is.
+  ASSERT_EQ(runMap({"build", folder_ / "map", "-o", folder_ / "corrected.flmap", "--resume"}).code, kOk);
+  EXPECT_EQ(readMap(folder_ / "corrected.flmap").distortion->values(), distortion->values());
+}
+
 TEST_F(Tools, MapBuildRefusesToOverwriteAndResumes) {
   const std::string path = folder_ / "m.flmap";
   ASSERT_EQ(runMap({"build", map_run(), "-o", path, "--every", "3"}).code, kOk);

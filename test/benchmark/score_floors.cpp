@@ -9,6 +9,7 @@
 // is localized in it. With --ablation the same is done again and again, with one choice at a time put back to
 // the paper's. Frames are classed by the rendered truth (facetloc_evaluate). Two threads or twenty: same
 // figures.
+#include "mapping_camera.h"
 #include "set_parameter.h"
 
 #include <facetloc/apps/evaluation.h>
@@ -41,13 +42,14 @@ struct Variant {
   const char* name;
   ViewParams view;
   GlobalLocalizationParams localization;
+  bool calibrated = true;  ///< as facetloc_map build does
 };
 
 std::vector<Variant> variants(bool ablation) {
-  std::vector<Variant> all = {{"facetloc", {}, {}}};
+  std::vector<Variant> all = {{"facetloc", {}, {}, true}};
   if (!ablation) return all;
   const auto add = [&all](const char* name) -> Variant& {
-    all.push_back({name, {}, {}});
+    all.push_back({name, {}, {}, true});
     return all.back();
   };
   Variant& sigma = add("Sigma_q by eq. (4)-(5)");
@@ -62,6 +64,7 @@ std::vector<Variant> variants(bool ablation) {
   free_space.localization.ranking.contradiction_weight = 0;
   add("no multi-model evidence").localization.ranking.multi_model = false;
   add("no dense refinement").localization.ranking.dense_refinement = false;
+  add("no calibration of the camera").calibrated = false;
   add("minimum support 1000 px").view.features.min_support = 1000;
   return all;
 }
@@ -101,13 +104,15 @@ public:
     for (std::size_t i = 0; i < query_.sequence.frames().size(); i += every) query_.frames.push_back(i);
   }
 
-  Evaluation evaluate(const Variant& variant) {
+  Evaluation evaluate(Variant variant) {
     mapping_.see(variant.view);
+    if (variant.calibrated) {
+      const Map raw = map();
+      variant.view.distortion = benchmarks::distortionOf(raw, variant.view.noise);
+      mapping_.see(variant.view);
+    }
     query_.see(variant.view);
-    auto map = std::make_shared<Map>();
-    map->mounting = mapping_.sequence.camera()->mounting;
-    for (std::size_t i = 0; i < models_.size(); ++i)
-      map->models.push_back({models_[i].name, models_[i].stamp, models_[i].T_w_m, mapping_.views[i]});
+    const auto map = std::make_shared<const Map>(this->map());
     GlobalLocalization localization(map, variant.localization, variant.view.noise);
     localization.setNumberOfThreads(1);
 
@@ -125,6 +130,14 @@ public:
 
 private:
   static constexpr double kTolerance = 0.02;  // [s]
+
+  Map map() const {
+    Map map;
+    map.mounting = mapping_.sequence.camera()->mounting;
+    for (std::size_t i = 0; i < models_.size(); ++i)
+      map.models.push_back({models_[i].name, models_[i].stamp, models_[i].T_w_m, mapping_.views[i]});
+    return map;
+  }
 
   PlaceTruth truth_;
   Run mapping_, query_;

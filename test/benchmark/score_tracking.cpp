@@ -9,6 +9,7 @@
 // view that is searched in the whole map takes --busy ms (300), and tracking one takes --step ms (40, with
 // segmentation): what comes in the meantime is dropped, as in a live run. With --kidnap it is tracked once
 // more, jumping by half of its length every so many seconds. --frames prints every frame.
+#include "mapping_camera.h"
 #include "set_parameter.h"
 
 #include <facetloc/features/so3.h>
@@ -48,12 +49,13 @@ struct Options {
   PoseTrackingParams tracking;
 };
 
-std::vector<View> viewsOf(const DepthSequence& sequence, const std::vector<std::size_t>& frames) {
+std::vector<View> viewsOf(const DepthSequence& sequence, const std::vector<std::size_t>& frames,
+                          const ViewParams& params = {}) {
   std::vector<View> views(frames.size());
   const int n = static_cast<int>(frames.size());
 #pragma omp parallel
   {
-    ViewBuilder builder;
+    ViewBuilder builder(params);
 #pragma omp for schedule(dynamic)
     for (int i = 0; i < n; ++i) views[i] = builder.build(sequence.load(frames[i], kWorkingWidth));
   }
@@ -81,6 +83,10 @@ struct Floor {
     map->mounting = mapping.camera()->mounting;
     std::vector<View> of_models = viewsOf(mapping, chosen);
     for (std::size_t i = 0; i < chosen.size(); ++i) map->models[i].view = std::move(of_models[i]);
+    ViewParams params;
+    params.distortion = map->distortion = benchmarks::distortionOf(*map, params.noise);
+    of_models = viewsOf(mapping, chosen, params);
+    for (std::size_t i = 0; i < chosen.size(); ++i) map->models[i].view = std::move(of_models[i]);
 
     std::vector<std::size_t> all;
     for (std::size_t i = 0; i < drive.frames().size(); ++i) {
@@ -90,7 +96,7 @@ struct Floor {
       stamps.push_back(drive.frames()[i].stamp);
       truth.push_back(*pose);
     }
-    views = viewsOf(drive, all);
+    views = viewsOf(drive, all, params);
   }
 };
 

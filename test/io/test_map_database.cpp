@@ -34,6 +34,7 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 /** Does to a map file what another program might. */
 void sql(const std::filesystem::path& path, const std::string& statement) {
@@ -107,7 +108,7 @@ TEST_F(MapFile, RoundTripsExactly) {
   EXPECT_EQ(read.mounting->height, 0.98);
   EXPECT_EQ(read.mounting->tilt_deg, 10.1);
   for (const auto& [key, value] : map.meta) EXPECT_EQ(read.meta.at(key), value);
-  EXPECT_EQ(read.meta.at("format"), "facetloc map 1.1");
+  EXPECT_EQ(read.meta.at("format"), "facetloc map 1.2");
   EXPECT_THAT(read.meta.at("conventions"), HasSubstr("T_a_b"));
   ASSERT_EQ(read.models.size(), map.models.size());
   for (std::size_t i = 0; i < map.models.size(); ++i) expectEqual(map.models[i], read.models[i]);
@@ -117,6 +118,43 @@ TEST_F(MapFile, RoundTripsExactly) {
     EXPECT_EQ(read.links[i].to, map.links[i].to);
     expectEqual(map.links[i].T_from_to.T, read.links[i].T_from_to.T);
     EXPECT_EQ(read.links[i].T_from_to.P, map.links[i].T_from_to.P);
+  }
+}
+
+DepthDistortion exampleDistortion() {
+  DepthDistortion::Values values;
+  for (int i = 0; i < DepthDistortion::kNodes; ++i) values[i] = 1e-3 * std::sin(i);
+  return DepthDistortion(DepthDistortion::extentOf(kinectIntrinsics()), values);
+}
+
+TEST_F(MapFile, TheDistortionRoundTripsExactly) {
+  Map map = ExampleMap().map(2);
+  map.distortion = exampleDistortion();
+  writeMap(path_, map);
+  for (const Map& read : {readMap(path_), openMap(path_, 0)}) {
+    ASSERT_TRUE(read.distortion);
+    EXPECT_EQ(read.distortion->extent().min(), map.distortion->extent().min());
+    EXPECT_EQ(read.distortion->extent().max(), map.distortion->extent().max());
+    EXPECT_EQ(read.distortion->values(), map.distortion->values());
+  }
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+  MapDatabase::create(path_, true).setDistortion(exampleDistortion());
+  EXPECT_EQ(readMap(path_).distortion->values(), map.distortion->values());
+  writeExample();
+  EXPECT_FALSE(readMap(path_).distortion);
+}
+
+TEST_F(MapFile, ATornDistortionIsAFault) {
+  for (const char* damage :
+       {"DELETE FROM distortion WHERE node = 62", "DELETE FROM distortion WHERE node = 7",
+        "INSERT INTO distortion VALUES(63, 0, 0, 0)", "UPDATE distortion SET ray_x = -9 WHERE node = 62",
+        "UPDATE distortion SET inverse_depth = 9e999 WHERE node = 3"}) {
+    Map map = ExampleMap().map(1);
+    map.distortion = exampleDistortion();
+    writeMap(path_, map);
+    sql(path_, damage);
+    EXPECT_THAT(readError(), HasSubstr("the distortion")) << damage;
+    EXPECT_THAT(checkMap(path_), Not(IsEmpty())) << damage;
   }
 }
 
@@ -262,13 +300,13 @@ TEST_F(MapFile, ANewerMajorFormatIsRefused) {
 
 TEST_F(MapFile, AnOlderMinorFormatIsReadAndUpgradedWhenItIsWrittenTo) {
   writeExample();
-  sql(path_, "DROP TABLE place_index; PRAGMA user_version = 1000;"
+  sql(path_, "DROP TABLE place_index; DROP TABLE distortion; PRAGMA user_version = 1000;"
              "UPDATE meta SET value = 'facetloc map 1.0' WHERE key = 'format'");
   EXPECT_EQ(readMap(path_).meta.at("format"), "facetloc map 1.0");
   EXPECT_THAT(checkMap(path_), IsEmpty());
   EXPECT_EQ(openMap(path_, 0).store->placeIndex(), nullptr);
   EXPECT_EQ(MapDatabase::open(path_).add(ExampleMap(9).model("more")), 3);
-  EXPECT_EQ(readMap(path_).meta.at("format"), "facetloc map 1.1");
+  EXPECT_EQ(readMap(path_).meta.at("format"), "facetloc map 1.2");
   EXPECT_THAT(checkMap(path_), IsEmpty());
 }
 

@@ -50,7 +50,9 @@ TEST(Allocations, AreCounted) {
 
 TEST(Allocations, ViewsOfARunningCameraNeedNone) {
   const std::vector<DepthImage> warm_up = pan(12, 1), running = pan(12, 100);
-  ViewBuilder builder;
+  ViewParams params;
+  params.distortion.emplace(DepthDistortion::extentOf(test::smallCamera()));
+  ViewBuilder builder(params);
   View view;
   for (const DepthImage& image : warm_up) builder.build(image, view);
   const long before = allocations;

@@ -67,6 +67,29 @@ TEST(ViewBuilder, ANoisierImageGivesLessCertainSegments) {
   EXPECT_GT(bad.segments[0].Sigma_q.trace(), good.segments[0].Sigma_q.trace());
 }
 
+TEST(ViewBuilder, AKnownDistortionIsTakenOut) {
+  DepthDistortion::Values values;
+  for (int i = 0; i < DepthDistortion::kNodes; ++i)
+    values[i] = (i % DepthDistortion::kColumns - 4) / kKinectGain;
+  const DepthImage truth = roomImage();
+  const DepthDistortion distortion(DepthDistortion::extentOf(truth.camera), values);
+  DepthImage measured = truth;
+  for (int v = 0; v < truth.camera.height; ++v)
+    for (int u = 0; u < truth.camera.width; ++u) {
+      float& z = measured.depth[static_cast<std::size_t>(v) * truth.camera.width + u];
+      if (isMeasured(z))
+        z = static_cast<float>(1 / (1 / z + distortion.at(truth.camera.ray(u, v).head<2>())));
+    }
+  ViewParams params;
+  params.distortion = distortion;
+  const View expected = ViewBuilder().build(truth), found = ViewBuilder(params).build(measured),
+             raw = ViewBuilder().build(measured);
+  const Eigen::Vector3d place = expected.segments.at(0).t;
+  EXPECT_LT((found.segments.at(0).t - place).norm(), 0.002);
+  EXPECT_GT((raw.segments.at(0).t - place).norm(), 0.004);
+  EXPECT_EQ(found.segments.size(), expected.segments.size());
+}
+
 TEST(ViewBuilder, NothingGivesAViewWithoutSegments) {
   ViewBuilder builder;
   builder.build(roomImage());

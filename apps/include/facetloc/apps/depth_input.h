@@ -24,6 +24,10 @@ struct DepthInput {
 /** \brief The same with the noise that camera.ini tells, if it does. */
 ViewParams withNoiseOf(const std::optional<CameraFile>& camera, ViewParams params);
 
+/** \brief The same for images that are localized in a map: what its camera was found to measure wrongly is
+ * taken out of them, as it was out of the map's own images. */
+ViewParams withDistortionOf(const Map& map, ViewParams params);
+
 /** \brief The map as far as it holds for images of this camera: its mounting says nothing about another
  * one, and is dropped with a remark if theirs is not known. Throws IoError. */
 Map openMapFor(const std::optional<CameraFile>& camera, const std::string& path, const Console& console);

@@ -26,9 +26,12 @@ private:
   int execute(const CommandLine& line, const Console& console) override;
   bool dealsOut() const override { return true; }
   Selection select(const DepthSequence& sequence) const;
+  Trajectory poses(const DepthSequence& sequence) const;
   MapDatabase openDatabase(const DepthSequence& sequence, const std::string& parameters) const;
   MapDatabase createDatabase(const DepthSequence& sequence, const std::string& parameters,
                              bool overwrite) const;
+  std::optional<DepthDistortion> calibrate(const DepthSequence& sequence, const SensorNoise& noise,
+                                           const Console& console) const;
   std::size_t addModels(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
                         const ViewParams& view_params, Batch& batch, Writer* writer) const;
 
@@ -39,6 +42,7 @@ private:
   double pose_tolerance_ = 0.02;
   bool overwrite_ = false;
   bool resume_ = false;
+  bool raw_depth_ = false;
   DepthInput input_;
   MapBuilderParams builder_;
 };

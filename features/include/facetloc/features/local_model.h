@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/depth_distortion.h>
 #include <facetloc/features/depth_picture.h>
 #include <facetloc/features/segment.h>
 
@@ -59,6 +60,8 @@ public:
 /** \brief A map: local models and links between them. */
 struct Map {
   std::optional<CameraMounting> mounting;
+  std::optional<DepthDistortion>
+      distortion;  ///< of the camera: taken out of the models' images, to be taken out of others
   std::vector<LocalModel> models;
   std::vector<Link> links;
   std::map<std::string, std::string>

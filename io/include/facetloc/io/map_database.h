@@ -32,7 +32,7 @@ class MapDatabase {
 public:
   static constexpr int kApplicationId = 0x464C4D50;  ///< "FLMP"
   static constexpr int kMajor = 1;
-  static constexpr int kMinor = 1;
+  static constexpr int kMinor = 2;
 
   /** \brief Creates a new, empty map; refuses an existing file unless overwrite is set. */
   static MapDatabase create(const std::filesystem::path& path, bool overwrite = false);
@@ -44,6 +44,7 @@ public:
 
   void setMeta(const std::string& key, const std::string& value);
   void setMounting(const CameraMounting& mounting);
+  void setDistortion(const DepthDistortion& distortion);
   /** \brief Keeps what PlaceIndex::write() writes, so that it need not be made when the map is opened. It is
    * lost when a model is added. */
   void setPlaceIndex(const std::function<void(std::ostream&)>& write);

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/depth_distortion.h>
 #include <facetloc/features/segment_estimation.h>
 #include <facetloc/segmentation/plane_segmenter.h>
+
+#include <optional>
 
 namespace facetloc {
 
@@ -11,6 +14,7 @@ struct ViewParams {
   SensorNoise noise;
   SegmentationParams segmentation;
   SegmentEstimationParams features;
+  std::optional<DepthDistortion> distortion;  ///< of the camera; taken out of its images first
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& field) {
@@ -21,8 +25,8 @@ struct ViewParams {
   void validate() const { checkRanges(*this); }
 };
 
-/** \brief Depth image -> view: segmentation, features, small depth picture. Keeps its buffers; one per
- * thread. */
+/** \brief Depth image -> view: correction of a known distortion, segmentation, features, small depth picture.
+ * Keeps its buffers; one per thread. */
 class ViewBuilder {
 public:
   explicit ViewBuilder(const ViewParams& params = {});
@@ -42,6 +46,7 @@ private:
   void renumber();
 
   ViewParams params_;
+  std::optional<DepthCorrection> correction_;
   PlaneSegmenter segmenter_;
   SegmentEstimation estimation_;
   LabelledPlanes segmentation_, unsorted_;

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/registration/distortion_calibration.h>
+#include <facetloc/registration/map_builder.h>
+
+#include <optional>
+#include <vector>
+
+namespace facetloc::benchmarks {
+
+/** \brief What the camera that made a map always measures wrongly; the map's views are uncorrected. */
+inline std::optional<DepthDistortion> distortionOf(const Map& map, const SensorNoise& noise) {
+  std::vector<PosedPicture> pictures;
+  for (const LocalModel& model : map.models) pictures.push_back({&model.view.depth, *model.T_w_m});
+  const MapBuilderParams poses;
+  const auto found = calibrateDistortion(pictures, noise,
+                                         {poses.pose_rotation_std_deg * kDegree, poses.pose_translation_std});
+  return found && found->reliable() ? std::make_optional(found->distortion) : std::nullopt;
+}
+
+}  // namespace facetloc::benchmarks
