@@ -1,3 +1,16 @@
+# facetloc_precompile(<target> [<header> ...])
+# What nearly all files include is parsed once for each target, which saves a third of the time to build. ccache can only use it with
+# CCACHE_SLOPPINESS=pch_defines,time_macros.
+function(facetloc_precompile target)
+  if(NOT FACETLOC_PRECOMPILE)
+    return()
+  endif()
+  target_precompile_headers(${target} PRIVATE
+    <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <algorithm> <cmath> <functional> <map> <memory> <optional> <string> <vector>
+    ${ARGN})
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)  # for ccache
+endfunction()
+
 # facetloc_add_module(<name> SOURCES ... HEADERS ... [DEPENDS <facetloc modules>] [LINK <targets>] [PRIVATE_LINK <targets>])
 # One library per top-level folder: target facetloc_<name>, alias facetloc::<name>, public headers under
 # <name>/include/facetloc/<name>/. Header installation, include directories and the check that each header compiles on
@@ -21,6 +34,7 @@ function(facetloc_add_module name)
   set_target_properties(${lib} PROPERTIES
     EXPORT_NAME ${name} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
     POSITION_INDEPENDENT_CODE ON DEFINE_SYMBOL "" VERIFY_INTERFACE_HEADER_SETS ON CXX_EXTENSIONS OFF INSTALL_RPATH "$ORIGIN")
+  facetloc_precompile(${lib})
   install(TARGETS ${lib} EXPORT facetloc-targets FILE_SET HEADERS)
 endfunction()
 

@@ -6,6 +6,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 build=${FACETLOC_BUILD:-$root/build}
 
 "$root/cmake/install_dependencies.sh"
+export CCACHE_SLOPPINESS=pch_defines,time_macros  # else it leaves alone what uses precompiled headers
 cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DFACETLOC_BUILD_TESTS=ON \
       -DFACETLOC_BUILD_BENCHMARKS=ON "-DCMAKE_CXX_COMPILER_LAUNCHER=$(command -v ccache)" ${FACETLOC_CMAKE_FLAGS:-}
 cmake --build "$build"

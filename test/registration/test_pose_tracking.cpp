@@ -4,6 +4,7 @@
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_views.h>
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include <cmath>
