@@ -168,6 +168,7 @@ void PoseTracking::stand(double dt) {
 
 TrackedPose PoseTracking::track(const View& view, const ViewMotion& motion, double dt) {
   T_w_c_ = moved(T_w_c_, motion.T_a_b);
+  looks_.move(motion.T_a_b.T);
   stand(dt);
   if (exceeds(T_w_c_.P, params_.lost_rotation_deg, params_.lost_translation))
     return lose(view, motion, "the pose has become as uncertain as any");
@@ -183,6 +184,7 @@ TrackedPose PoseTracking::track(const View& view, const ViewMotion& motion, doub
     objection = motion.broken ? "the view contradicts the ones before" : "the map does not confirm the view";
   if (objection.empty()) {
     T_w_c_ = step.alignment.T_w_c;
+    looks_.add(step.alignment.pairs, step.surroundings);
     bad_views_ = 0;
     if (isSure(step) || view.depth.empty()) doubtful_ = false;
   } else {
@@ -224,6 +226,7 @@ bool PoseTracking::isSure(const Step& step) const {
 PoseTracking::Step PoseTracking::align(const View& view, const PoseWithCovariance& prior) const {
   Step step;
   step.surroundings = surroundings_.around(view, prior.T, params_.track_models);
+  looks_.discount(step.surroundings);
   step.alignment = alignView(view, step.surroundings, prior, alignment_, inverse_depth_std_);
   step.alignment.T_w_c.P = discounted(prior.P, step.alignment.T_w_c.P, 1 / params_.correlated_views);
   step.of_map = compareWithAll(view.depth, step.alignment.T_w_c.T, step.surroundings.pictures, comparison_,
@@ -308,6 +311,7 @@ std::vector<LikelyPlace> PoseTracking::placesOf(const View& view, std::string& r
 
 void PoseTracking::begin(const LikelyPlace& place) {
   T_w_c_ = place.T_w_c;
+  looks_.clear();
   probability_ = place.probability;
   candidates_.clear();
   bad_views_ = 0;

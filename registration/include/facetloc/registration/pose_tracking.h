@@ -4,6 +4,7 @@
 #include <facetloc/registration/global_localization.h>
 #include <facetloc/registration/likely_places.h>
 #include <facetloc/registration/map_surroundings.h>
+#include <facetloc/registration/repeated_looks.h>
 #include <facetloc/registration/view_odometry.h>
 
 #include <memory>
@@ -158,6 +159,7 @@ private:
   DepthComparison comparison_;
   double inverse_depth_std_;
   ViewOdometry odometry_;
+  RepeatedLooks looks_;
   PoseWithCovariance T_w_c_;
   std::vector<LikelyPlace> candidates_;  // of the last searches, none likely enough yet
   double stamp_ = 0;
