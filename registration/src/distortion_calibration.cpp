@@ -24,10 +24,9 @@ constexpr ViewReach kReach{2.5, 60 * kDegree};
 constexpr int kPairsPerPicture = 8;
 constexpr int kFewestPixels = 40;    // of a coarse grid that two pictures must have in common
 constexpr double kPixelError = 1.5;  // of a difference of two inverse depths [noise std]: sqrt 2 and a bit
-constexpr double kCorrelatedPixels =
-    8;                                 // so many tell as much as one: neighbours share their surface's errors
-constexpr double kGate = 3;            // differences beyond so many errors have no weight
-constexpr double kFarthest = 1 / 8.0;  // smallest inverse depth used [1/m]
+constexpr double kCorrelatedPixels = 8;  // so many tell as much as one: neighbours err alike
+constexpr double kGate = 3;              // differences beyond so many errors have no weight
+constexpr double kFarthest = 1 / 8.0;    // smallest inverse depth used [1/m]
 constexpr int kIterations = 10;
 constexpr PoseAccuracy kExact{0.01 * kDegree, 0.0003};  // nobody knows them better
 constexpr PoseAccuracy kGoodEnough{0.3 * kDegree, 0.015};
@@ -58,16 +57,18 @@ public:
       const double across = field_.rayOf(i).norm();
       prior_std_[i] = std::hypot(noise.distortion_offset, noise.distortion_slope * across);
     }
+    NodeMatrix covariance;
     for (int i = 0; i < kNodes; ++i)
       for (int k = 0; k < kNodes; ++k) {
         const double d = (field_.rayOf(i) - field_.rayOf(k)).norm() / kCorrelationLength;
-        prior_information_(i, k) =
-            prior_std_[i] * prior_std_[k] * (std::exp(-d * d / 2) + (i == k ? kRoughness : 0));
+        covariance(i, k) = prior_std_[i] * prior_std_[k] * (std::exp(-d * d / 2) + (i == k ? kRoughness : 0));
       }
-    prior_information_ = prior_information_.llt().solve(NodeMatrix::Identity()).eval();
+    prior_information_ = covariance.llt().solve(NodeMatrix::Identity());
     setPoseAccuracy(poses);
     choosePairs(pictures);
   }
+
+  bool empty() const { return pairs_.empty(); }
 
   DistortionEstimate solve() {
     for (int i = 0; i < kIterations && improve() > kConverged; ++i) {
@@ -87,7 +88,7 @@ private:
   DepthDistortion field_;
   double error_;
   NodeVector prior_std_;
-  NodeMatrix prior_information_;  // first the covariance
+  NodeMatrix prior_information_;
   PoseAccuracy poses_;
   Vector6d motion_variance_;  // of the difference of two poses
   std::vector<Pair> pairs_;
@@ -106,6 +107,7 @@ void Calibration::forEachDifference(const Pair& pair, int columns, const Visitor
           DepthPicture::kQuantum * a.inverse_depth[static_cast<std::size_t>(v) * a.camera.width + u];
       if (measured < kFarthest) continue;
       const double inverse_depth = measured - field_.at(ray.head<2>());
+      if (!(inverse_depth > 0)) continue;
       const Eigen::Vector3d turned = pair.T_b_a.linear() * ray;
       DepthDifference d;
       if (!compareDepth(turned, pair.T_b_a.translation(), inverse_depth, *pair.b, error_, d)) continue;
@@ -204,6 +206,7 @@ double Calibration::improve() {
     h += e.h - e.coupling.transpose() * motions.back().alone;
   }
   const NodeVector step = -A.llt().solve(h);
+  if (!step.allFinite()) return 0;
   values += step;
   DepthDistortion::Values nodes;
   std::copy(values.data(), values.data() + kNodes, nodes.begin());
@@ -215,10 +218,8 @@ double Calibration::improve() {
     pairs_[i].T_b_a = perturbed(pairs_[i].T_b_a, motion);
     squares += pairs_[i].motion.cwiseAbs2() + motions[i].variance;
   }
-  if (!pairs_.empty()) {
-    const double n = 2 * 3 * static_cast<double>(pairs_.size());  // two poses, three axes
-    setPoseAccuracy({std::sqrt(squares.head<3>().sum() / n), std::sqrt(squares.tail<3>().sum() / n)});
-  }
+  const double n = 2 * 3 * static_cast<double>(pairs_.size());  // two poses, three axes
+  setPoseAccuracy({std::sqrt(squares.head<3>().sum() / n), std::sqrt(squares.tail<3>().sum() / n)});
   return std::sqrt(step.cwiseQuotient(prior_std_).squaredNorm() / kNodes);
 }
 
@@ -239,7 +240,9 @@ std::optional<DistortionEstimate> calibrateDistortion(const std::vector<PosedPic
   if (std::any_of(used.begin(), used.end(),
                   [&](const PosedPicture& p) { return p.picture->camera != camera; }))
     return {};
-  return Calibration(used, noise, poses).solve();
+  Calibration calibration(used, noise, poses);
+  if (calibration.empty()) return {};
+  return calibration.solve();
 }
 
 }  // namespace facetloc

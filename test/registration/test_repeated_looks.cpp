@@ -2,6 +2,7 @@
 #include <facetloc/registration/repeated_looks.h>
 #include <facetloc/testing/random_segments.h>
 
+#include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -40,33 +41,43 @@ TEST(RepeatedLooks, TheFirstOneCountsInFull) {
   EXPECT_GT(factor(looks, 2), 1);
 }
 
-TEST(RepeatedLooks, TellAllTogetherWhatOneMapAndManyViewsDo) {
-  // A number is measured n times as the sum of an error of the map, always the same, and one of the view, of
-  // variance 1 each: the mean of the measurements has the variance 1 + 1 / n.
-  RepeatedLooks looks;
-  double information = 0;
-  for (int n = 1; n <= 30; ++n) {
-    information += 1 / (1 + factor(looks, 0));
-    EXPECT_NEAR(1 / information, 1 + 1.0 / n, 1e-9) << n;
+TEST(RepeatedLooks, TellWhatMeasurementsWithACorrelatedErrorDo) {
+  // The mean of n measurements whose errors have the correlation rho^|i - k|, by their whole covariance.
+  for (const double way : {0.01, 0.1, 0.4}) {
+    RepeatedLooks looks;
     looks.add({{0, 0, 0}}, twoModels());
+    looks.move(Eigen::Isometry3d(Eigen::Translation3d(0, way, 0)));
+    const double rho = std::exp(-way / RepeatedLooks::kDistance);
+    const auto information = [rho](int n) {
+      Eigen::MatrixXd C(n, n);
+      for (int i = 0; i < n; ++i)
+        for (int k = 0; k < n; ++k) C(i, k) = std::pow(rho, std::abs(i - k));
+      return C.llt().solve(Eigen::VectorXd::Ones(n)).sum();
+    };
+    EXPECT_NEAR(1 / factor(looks, 0), information(11) - information(10), 1e-9) << way;
   }
+}
+
+TEST(RepeatedLooks, TellNothingNewWhileTheCameraStands) {
+  RepeatedLooks looks;
+  looks.add({{0, 0, 0}}, twoModels());
+  looks.move(kStill);
+  EXPECT_GT(factor(looks, 0), 1e4);
+  EXPECT_TRUE(std::isfinite(factor(looks, 0)));
 }
 
 TEST(RepeatedLooks, AreNewAgainElsewhere) {
   for (const bool turns : {false, true}) {
     RepeatedLooks looks;
     looks.add({{0, 0, 0}}, twoModels());
-    const double there = factor(looks, 0);
     Eigen::Isometry3d step = kStill;
     if (turns)
       step.linear() = expSO3({0, 0, RepeatedLooks::kRotation});
     else
       step.translation().x() = RepeatedLooks::kDistance;
-    looks.move(kStill);
-    EXPECT_EQ(factor(looks, 0), there);
     looks.move(step);
-    const double n = 1 + std::exp(-1.0);  // looks that are left, and the next one
-    EXPECT_NEAR(factor(looks, 0), n * (n + 1) - 1, 1e-9);
+    const double rho = std::exp(-1.0);
+    EXPECT_NEAR(factor(looks, 0), (1 + rho) / (1 - rho), 1e-9);
     for (int i = 0; i < 5; ++i) looks.move(step);
     EXPECT_EQ(factor(looks, 0), 1);
   }

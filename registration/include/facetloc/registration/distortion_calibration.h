@@ -38,7 +38,7 @@ struct DistortionEstimate {
  * \param pictures of one camera, uncorrected
  * \param noise of that camera: random error and expected distortion
  * \param poses first guess of their accuracy
- * \return nothing if there are no pictures, or of more than one camera. */
+ * \return nothing if no two pictures show the same, or they are of several cameras. */
 std::optional<DistortionEstimate> calibrateDistortion(const std::vector<PosedPicture>& pictures,
                                                       const SensorNoise& noise, const PoseAccuracy& poses);
 
