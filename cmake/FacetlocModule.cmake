@@ -1,5 +1,5 @@
 # facetloc_precompile(<target> [<header> ...])
-# What nearly all files include is parsed once for each target, which saves a third of the time to build. ccache can only use it with
+# What nearly all files include is parsed once for each target, not for each file. ccache can only use it with
 # CCACHE_SLOPPINESS=pch_defines,time_macros.
 function(facetloc_precompile target)
   if(NOT FACETLOC_PRECOMPILE)
