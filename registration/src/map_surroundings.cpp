@@ -33,11 +33,12 @@ Surroundings MapSurroundings::around(const View& view, const Eigen::Isometry3d& 
   return out;
 }
 
-std::optional<FloorPlane> MapSurroundings::floorNear(const Eigen::Vector3d& place, int n) const {
+std::optional<FloorPlane> MapSurroundings::floorNear(const Eigen::Vector3d& place, int n,
+                                                     const Eigen::Matrix3d& covariance) const {
   if (!map_->mounting || near_.empty()) return {};
   std::vector<Eigen::Isometry3d> poses;
   for (const int i : near_.byPlace(place, n)) poses.push_back(*map_->models[i].T_w_m);
-  return floorUnder(poses, *map_->mounting);
+  return floorUnder(poses, *map_->mounting, covariance, place);
 }
 
 }  // namespace facetloc

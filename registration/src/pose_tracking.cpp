@@ -126,7 +126,7 @@ PoseTracking::PoseTracking(std::shared_ptr<const Map> map, const PoseTrackingPar
     : params_(params),
       localization_(map, localization, noise),
       surroundings_(map, DepthComparison(localization.registration.depth, noise.inverse_depth_std)),
-      floor_covariance_(2 * floorCovariance(localization.prior)),
+      floor_covariance_(floorCovariance(localization.prior)),
       alignment_(alignmentParams(localization, params)),
       comparison_(refinedErrors(localization.registration.depth, localization.ranking),
                   noise.inverse_depth_std),
@@ -159,11 +159,12 @@ TrackedPose PoseTracking::update(const View& view, double stamp) {
 
 // The floor's errors last for a while: each view brings its share of what is new.
 void PoseTracking::stand(double dt) {
+  constexpr int kFloorModels = 20;
   const std::optional<FloorPlane> floor =
-      surroundings_.floorNear(T_w_c_.T.translation(), params_.track_models);
+      surroundings_.floorNear(T_w_c_.T.translation(), kFloorModels, floor_covariance_);
   if (!floor || !(dt > 0)) return;
-  const double times = std::max(1.0, params_.floor_memory / dt);
-  T_w_c_ = updatedByFloor(T_w_c_, *surroundings_.map().mounting, *floor, times * floor_covariance_);
+  const double repeated = std::max(1.0, params_.floor_memory / dt);
+  T_w_c_ = updatedByFloor(T_w_c_, *surroundings_.map().mounting, *floor, floor_covariance_, repeated);
 }
 
 TrackedPose PoseTracking::track(const View& view, const ViewMotion& motion, double dt) {
