@@ -4,8 +4,20 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <iterator>
 
 namespace facetloc {
+namespace {
+
+double probability(const Localization& answer) {
+  return answer.hypotheses.empty() ? 0 : answer.hypotheses.front().probability;
+}
+
+void append(std::vector<Hypothesis>&& some, std::vector<Hypothesis>& all) {
+  std::move(some.begin(), some.end(), std::back_inserter(all));
+}
+
+}  // namespace
 
 GlobalLocalization::GlobalLocalization(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params,
                                        const SensorNoise& noise)
@@ -30,22 +42,28 @@ Localization GlobalLocalization::localize(const View& scene) const {
 }
 
 Localization GlobalLocalization::localizeBy(const Registering& registerAll, const View& scene) const {
+  const PlaceIndexParams& index = params_.index;
   const std::vector<Candidate> models = candidates(scene);
-  std::vector<Hypothesis> hypotheses = registerAll(models);
+  std::vector<Candidate> first, others;
+  for (const Candidate& c : models) (c.rank < index.first_models ? first : others).push_back(c);
+  std::vector<Hypothesis> hypotheses = registerAll(first);
   Localization answer = rank(scene, hypotheses);
-  const double probability = answer.hypotheses.empty() ? 0 : answer.hypotheses.front().probability;
-  if (probability >= params_.index.start_probability) return answer;
+  if (!others.empty() && !(probability(answer) >= index.sure_probability)) {
+    append(registerAll(others), hypotheses);
+    answer = rank(scene, hypotheses);
+  }
+  if (probability(answer) >= index.start_probability) return answer;
 
   std::vector<Candidate> likeliest;  // to be searched as a small map is
   for (const Candidate& c : models)
-    if (c.start && c.rank < params_.index.exhaustive_up_to) likeliest.push_back({c.model, c.rank, {}});
+    if (c.start && c.rank < index.exhaustive_up_to) likeliest.push_back({c.model, c.rank, {}});
   if (likeliest.empty()) return answer;
   const auto again = [&](const Hypothesis& h) {
     return std::any_of(likeliest.begin(), likeliest.end(),
                        [&h](const Candidate& c) { return c.model == h.model; });
   };
   hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), again), hypotheses.end());
-  for (Hypothesis& h : registerAll(likeliest)) hypotheses.push_back(std::move(h));
+  append(registerAll(likeliest), hypotheses);
   return rank(scene, std::move(hypotheses));
 }
 

@@ -89,6 +89,7 @@ Comparison compare(const std::vector<Eigen::Vector3f>& points, const Eigen::Matr
 }
 
 // Saturates: what has moved, or who passes by, costs the more the less of it there is.
+constexpr float kMostWorth = 1;
 float worth(const Comparison& found, std::size_t points) {
   constexpr float kFewPoints = 10, kFewJudged = 20, kUnknown = 2;  // a pose that nothing tests is in doubt
   constexpr float kBehind = 0.6f, kUsualShare = 0.05f, kWeight = 0.2f;
@@ -106,19 +107,24 @@ PlaceAligner::PlaceAligner(const PlaceSignature& scene) : scene_(scene) {
 
 void PlaceAligner::findPairs(const PlaceSignature& model) {
   constexpr float kGap = 0.05f;  // between the heights of two parts of one wall [m]
-  pairs_.clear();
+  constexpr float kLargest = kLargestTurn * kDegreeF;
+  pairs_.resize(scene_.walls.size() * model.walls.size());
+  std::size_t n = 0;
   for (const Wall& a : scene_.walls)
     for (const Wall& b : model.walls) {
-      const float move = b.offset - a.offset;
-      if (std::abs(move) > kReach || std::max(a.bottom - b.top, b.bottom - a.top) > kGap) continue;
-      const float turn = wrapped(b.heading - a.heading);
-      if (std::abs(turn) > kLargestTurn * kDegreeF) continue;
-      Pair p{turn, move, 0, 0, 0, &a, &b};
+      Pair& p = pairs_[n];  // kept or written over: no branch, for nobody can guess it
+      p.scene = &a, p.model = &b;
+      p.turn = wrapped(b.heading - a.heading);
+      p.move = b.offset - a.offset;
       p.slide0 = std::max(-kReach, b.right - a.left);
       p.slide1 = std::min(kReach, b.left - a.right);
       p.weight = std::min(a.weight, b.weight);
-      if (p.slide0 <= p.slide1) pairs_.push_back(p);
+      n += static_cast<std::size_t>(std::abs(p.turn) <= kLargest) &
+           static_cast<std::size_t>(std::abs(p.move) <= kReach) &
+           static_cast<std::size_t>(std::max(a.bottom - b.top, b.bottom - a.top) <= kGap) &
+           static_cast<std::size_t>(p.slide0 <= p.slide1);
     }
+  pairs_.resize(n);
 }
 
 void PlaceAligner::findTurns() {
@@ -235,7 +241,7 @@ void PlaceAligner::refine(Pose& pose) const {
 
 float PlaceAligner::outlook(const PlaceSignature& model) {
   constexpr float kStep = 0.05f, kAside = 0.6f;  // [m]; worth of a neighbouring step
-  constexpr int kSteps = static_cast<int>(2 * kReach / kStep) + 1;
+  constexpr int kSteps = static_cast<int>(2 * kReach / kStep) + 1, kBorder = 2;
   constexpr float kAxis = 0.996f;        // cosine of 5 deg
   constexpr float kLargestSlide = 1.5f;  // [m]
   constexpr float kSurface = 0.3f, kHeightError = 0.05f, kTurnPrior = 0.15f, kMovePrior = 0.15f;
@@ -248,7 +254,8 @@ float PlaceAligner::outlook(const PlaceSignature& model) {
     for (const Pair& p : pairs_)
       if (std::abs(p.turn - turn) <= kParallel && (!main || p.weight > main->weight)) main = &p;
     if (!main) continue;
-    float votes[2][kSteps + 2] = {};  // with a border
+    float votes[2][kSteps + 2 * kBorder] = {};
+    touched_.clear();
     for (const Pair& p : pairs_) {
       if (std::abs(p.turn - turn) > kParallel || p.slide0 > kLargestSlide || p.slide1 < -kLargestSlide)
         continue;
@@ -261,20 +268,18 @@ float PlaceAligner::outlook(const PlaceSignature& model) {
       if (step < 0 || step + 1 >= kSteps) continue;
       const float rest = at - static_cast<float>(step),
                   weight = p.weight * (1 + edgeBonus(*p.scene, *p.model));
-      votes[across][step + 1] += weight * (1 - rest);
-      votes[across][step + 2] += weight * rest;
+      votes[across][step + kBorder] += weight * (1 - rest);
+      votes[across][step + kBorder + 1] += weight * rest;
+      touched_.push_back({across, step});
     }
-    float sum = -kTurnPrior * turn * turn / (kTurnStd * kTurnStd);
-    for (const auto& along : votes) {
-      float most = 0;
-      for (int step = 0; step < kSteps; ++step) {
+    float most[2] = {0, 0};
+    for (const auto& [across, first] : touched_)
+      for (int step = first - 1; step <= first + 2; ++step) {
+        const float* at = &votes[across][step + kBorder];
         const float move = kStep * static_cast<float>(step) - kReach;
-        most = std::max(most, along[step + 1] + kAside * (along[step] + along[step + 2]) -
-                                  kMovePrior * move * move);
+        most[across] = std::max(most[across], at[0] + kAside * (at[-1] + at[1]) - kMovePrior * move * move);
       }
-      sum += most;
-    }
-    best = std::max(best, sum);
+    best = std::max(best, most[0] + most[1] - kTurnPrior * turn * turn / (kTurnStd * kTurnStd));
   }
   for (const LevelSurface& a : scene_.surfaces)
     best += kSurface * std::any_of(model.surfaces.begin(), model.surfaces.end(), [&a](const LevelSurface& b) {
@@ -306,11 +311,13 @@ PlaceAlignment PlaceAligner::align(const PlaceSignature& model) {
     const Eigen::Matrix3f turn = Eigen::AngleAxisf(p.turn, Eigen::Vector3f::UnitZ()).toRotationMatrix();
     const Eigen::Vector3f move(p.x, p.y, scene_.height - model.height);
     const Eigen::Matrix3f to_model = model.R_u_c.transpose(), to_scene = (turn * scene_.R_u_c).transpose();
-    const float score =
-        worth(compare(scene_points_, to_model * turn, to_model * move, model.picture), scene_points_.size()) +
-        worth(compare(model_points_, to_scene, -(to_scene * move), scene_.picture), model_points_.size()) +
-        kSupport * std::sqrt(p.support) - kTurnPrior * p.turn * p.turn / (kTurnStd * kTurnStd) -
-        kMovePrior * (p.x * p.x + p.y * p.y);
+    float score = kSupport * std::sqrt(p.support) - kTurnPrior * p.turn * p.turn / (kTurnStd * kTurnStd) -
+                  kMovePrior * (p.x * p.x + p.y * p.y);
+    score +=
+        worth(compare(scene_points_, to_model * turn, to_model * move, model.picture), scene_points_.size());
+    if (score + kMostWorth <= best.score) continue;
+    score +=
+        worth(compare(model_points_, to_scene, -(to_scene * move), scene_.picture), model_points_.size());
     if (score > best.score) best = {score, p.turn, p.x, p.y};
   }
   return best;

@@ -192,6 +192,7 @@ TEST_F(PlaceIndexOfRooms, WithoutStartsEveryCandidateIsSearchedEverywhere) {
 TEST_F(PlaceIndexOfRooms, ADoubtfulAnswerIsSearchedForEverywhere) {
   GlobalLocalizationParams params;
   params.index.exhaustive_up_to = 5;
+  params.index.first_models = 1000;
   const View view = query(1, 0.4, 77);
   const auto askedOf = [&](const GlobalLocalization& localization) {
     std::vector<bool> with_starts;
@@ -211,6 +212,37 @@ TEST_F(PlaceIndexOfRooms, ADoubtfulAnswerIsSearchedForEverywhere) {
   params.index.start_translation = 0;
   params.index.start_probability = 0.5;
   EXPECT_EQ(askedOf(GlobalLocalization(map, params)), (std::vector<bool>{false}));
+}
+
+TEST_F(PlaceIndexOfRooms, WhatTheLikeliestModelsShowBeyondDoubtIsNotSearchedForInTheOthers) {
+  GlobalLocalizationParams params;
+  params.index.exhaustive_up_to = 0;
+  params.index.shortlist_gap = 1e6;
+  params.index.start_probability = 0;
+  params.index.first_models = 4;
+  const View view = query(1, 0.4, 77);
+  const auto asked = [&](double sure_probability) {
+    params.index.sure_probability = sure_probability;
+    const GlobalLocalization localization(map, params);
+    std::vector<std::vector<Candidate>> rounds;
+    const Localization answer = localization.localizeBy(
+        [&](const std::vector<Candidate>& candidates) {
+          rounds.push_back(candidates);
+          return localization.registerWith(candidates, view, localization.prior());
+        },
+        view);
+    EXPECT_FALSE(answer.hypotheses.empty());
+    return rounds;
+  };
+  const auto sure = asked(0), doubtful = asked(1);
+  const std::vector<Candidate> all = GlobalLocalization(map, params).candidates(view);
+  ASSERT_EQ(sure.size(), 1u);
+  ASSERT_EQ(doubtful.size(), 2u);
+  EXPECT_EQ(sure[0].size(), 4u);
+  for (const Candidate& c : sure[0]) EXPECT_LT(c.rank, 4);
+  EXPECT_EQ(modelsOf(doubtful[0]), modelsOf(sure[0]));
+  EXPECT_EQ(doubtful[0].size() + doubtful[1].size(), all.size());
+  for (const Candidate& c : doubtful[1]) EXPECT_GE(c.rank, 4);
 }
 
 TEST_F(PlaceIndexOfRooms, ASmallMapIsSearchedAsAWhole) {

@@ -4,6 +4,7 @@
 #include <facetloc/registration/place_signature.h>
 
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace facetloc {
@@ -56,6 +57,7 @@ private:
   std::vector<const Pair*> turned_;
   std::vector<float> turns_, grid_;
   std::vector<Pose> poses_;
+  std::vector<std::pair<bool, int>> touched_;  // across, step
 };
 
 }  // namespace facetloc

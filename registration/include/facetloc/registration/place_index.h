@@ -20,6 +20,8 @@ struct PlaceIndexParams {
   double shortlist_gap = 1.2;      ///< score below the best at which a local model is hopeless
   int exhaustive_up_to = 30;       ///< local models of a map that is small
   int aligned_models = 1000;       ///< local models that are aligned with a view
+  int first_models = 15;           ///< likeliest ones that a view is registered with first
+  double sure_probability = 0.95;  ///< of a place that they show, with which no others are asked
   double start_translation = 0.2;  ///< how well an alignment tells the position, standard deviation [m]
   double start_rotation_deg = 3;   ///< and the heading
   double start_probability = 0.5;  ///< of the best place from there; if it has less, everywhere is searched
@@ -34,6 +36,10 @@ struct PlaceIndexParams {
           "A map of so many local models is small: the view is registered with all of them.");
     field("shortlist_aligned", p.aligned_models, 1, 100000000,
           "Number of local models, chosen by votes and outlook, from which the shortlist is chosen.");
+    field("first_models", p.first_models, 1, 100000000,
+          "Number of likeliest local models of the shortlist that a view is registered with first.");
+    field("sure_probability", p.sure_probability, 0.0, 1.0,
+          "If the best place that those show is so probable, the view is not registered with the others.");
     field("start_translation", p.start_translation, 0.0, 100.0,
           "Standard deviation of the position in a local model by its quick alignment, from which a view is "
           "registered with it [m]; 0 = the prior's.");
