@@ -4,29 +4,41 @@
 #include <facetloc/apps/text.h>
 
 namespace facetloc {
-namespace {
-
-std::vector<ResultRow> rowsOf(const LiveResult& result, const Map* map) {
-  const std::string& frame = result.image.name;
-  if (!result.tracked || !map) return {noHypothesis(frame, "segmented without a map")};
-  const Hypothesis* match = result.match();
-  if (!result.isLocalized() || !match)
-    return {noHypothesis(frame, result.state() + (result.reason().empty() ? "" : ": " + result.reason()))};
-  return resultRows(frame, {{*match}, {}}, *map, 1);
-}
-
-}  // namespace
 
 LiveResults::LiveResults(const std::filesystem::path& folder, const std::string& params_ini,
                          std::shared_ptr<const Map> map)
     : map_(std::move(map)),
+      near_(map_ ? map_ : std::make_shared<const Map>()),
       results_(folder, params_ini),
       states_(folder / "states.csv", "frame,stamp,state,reason,received,dropped,age_ms\n") {}
+
+ResultRow LiveResults::rowOf(const LiveResult& result) const {
+  const std::string& frame = result.image.name;
+  if (!result.tracked || !map_) return noHypothesis(frame, "segmented without a map");
+  if (!result.isLocalized())
+    return noHypothesis(frame, result.state() + (result.reason().empty() ? "" : ": " + result.reason()));
+  if (const Hypothesis* match = result.match()) return resultRows(frame, {{*match}, {}}, *map_, 1).front();
+
+  // The camera's own views carry the pose where no local model shows anything of the place.
+  const PoseWithCovariance& pose = *result.pose();
+  Hypothesis carried;
+  carried.model = near_.byPlace(pose.T.translation(), 1).front();
+  const Eigen::Isometry3d T_m_w = map_->models[carried.model].T_w_m->inverse();
+  carried.T_w_c = pose.T;
+  carried.T_m_c.T = T_m_w * pose.T;
+  Matrix6d turn = Matrix6d::Zero();  // of the covariance into the local model's axes
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = T_m_w.linear();
+  carried.T_m_c.P = turn * pose.P * turn.transpose();
+  carried.probability = result.tracked->probability;
+  ResultRow row = resultRows(frame, {{carried}, {}}, *map_, 1).front();
+  row.reason = "carried on: no local model shows what is in view";
+  return row;
+}
 
 void LiveResults::append(const LiveResult& result) {
   FrameResult frame;
   frame.stamp = result.stamp;
-  frame.rows = rowsOf(result, map_.get());
+  frame.rows = {rowOf(result)};
   frame.timing = {result.image.name, result.segment_ms, result.features_ms, result.localize_ms,
                   map_ ? static_cast<int>(map_->models.size()) : 0};
   results_.append(frame);

@@ -154,23 +154,27 @@ TrackedPose PoseTracking::update(const View& view, double stamp) {
   if (!active_) return search(view, motion);
   if (!(dt >= 0)) return lose(view, motion, "the time went back");
   if (!in_time) return lose(view, motion, "no view came for " + numberText(std::round(10 * dt) / 10) + " s");
-  return track(view, motion, dt);
+  return track(view, motion);
 }
 
-// The floor's errors last for a while: each view brings its share of what is new.
-void PoseTracking::stand(double dt) {
+// The floor errs alike for a while: what it tells of roll, pitch and height is new by the way that the wheels
+// have gone.
+void PoseTracking::stand(const Eigen::Isometry3d& motion) {
   constexpr int kFloorModels = 20;
+  constexpr double kTurningWheel = 0.2;  // way of a wheel by turning on the spot [m/rad]
+  const double way = motion.translation().norm() + kTurningWheel * rotationAngle(motion.linear());
+  if (!(way > 0)) return;
   const std::optional<FloorPlane> floor =
       surroundings_.floorNear(T_w_c_.T.translation(), kFloorModels, floor_covariance_);
-  if (!floor || !(dt > 0)) return;
-  const double repeated = std::max(1.0, params_.floor_memory / dt);
+  if (!floor) return;
+  const double repeated = std::max(1.0, params_.floor_length / way);
   T_w_c_ = updatedByFloor(T_w_c_, *surroundings_.map().mounting, *floor, floor_covariance_, repeated);
 }
 
-TrackedPose PoseTracking::track(const View& view, const ViewMotion& motion, double dt) {
+TrackedPose PoseTracking::track(const View& view, const ViewMotion& motion) {
   T_w_c_ = moved(T_w_c_, motion.T_a_b);
   looks_.move(motion.T_a_b.T);
-  stand(dt);
+  stand(motion.T_a_b.T);
   if (exceeds(T_w_c_.P, params_.lost_rotation_deg, params_.lost_translation))
     return lose(view, motion, "the pose has become as uncertain as any");
   doubtful_ = doubtful_ || motion.broken || !confirmed_;

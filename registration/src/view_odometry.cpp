@@ -2,6 +2,8 @@
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/registration/view_odometry.h>
 
+#include <Eigen/Cholesky>
+
 #include <algorithm>
 #include <cmath>
 
@@ -54,6 +56,7 @@ ViewMotion ViewOdometry::add(const View& view, double dt) {
   }
   const bool moves = !out.broken && dt > 0 && dt < kLongStep;
   if (moves) learnVelocity(predicted, T_o_c, dt);
+  if (!out.broken) T_o_c.P = errorOfStep(predicted.P, T_o_c);
   if (!moves && dt > 0) velocity_.setZero();
   if (camera_motion_ && moves) rollOn(T_o_c, dt);
 
@@ -93,6 +96,18 @@ void ViewOdometry::rollOn(PoseWithCovariance& T_o_c, double dt) {
 
 bool ViewOdometry::slides() const {
   return std::abs(slide_.speed) > kSure * std::sqrt(slide_.variance) + params_.slip_speed;
+}
+
+// What this step adds to the error of where the camera is. Of a posterior P after a prediction P0, the part P
+// P0^-1 P comes from the prediction and is new with every view. The other comes from the key views, whose
+// errors stay the same until the camera has moved on to the next ones.
+Matrix6d ViewOdometry::errorOfStep(const Matrix6d& predicted, const PoseWithCovariance& T_o_c) const {
+  const Eigen::Isometry3d step = T_o_c_.inverse() * T_o_c.T;
+  const double of_keys = step.translation().norm() / params_.key_distance +
+                         rotationAngle(step.linear()) / (params_.key_rotation_deg * kDegree);
+  const double part = std::min(1.0, of_keys);
+  const Matrix6d P = part * T_o_c.P + (1 - part) * T_o_c.P * predicted.ldlt().solve(T_o_c.P);
+  return 0.5 * (P + P.transpose());
 }
 
 // As far as the views have told the motion, and smoothed: the difference of two poses is too rough to go on

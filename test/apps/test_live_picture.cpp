@@ -11,6 +11,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 namespace facetloc {
 namespace {
 
@@ -154,6 +156,28 @@ TEST(LiveResults, GiveAPoseWhereItIsCertain) {
   EXPECT_LT((rows[1].T_w_c->translation() - kPose.translation()).norm(), 1e-6);
   EXPECT_THAT(rows[3].reason, HasSubstr("cannot tell: nothing in view fixes"));
   EXPECT_THAT(test::contentOf(path + "/states.csv"), HasSubstr("12.500000,12.500000,tracking,,0,0,0.000\n"));
+}
+
+TEST(LiveResults, GiveAPoseThatIsCarriedOnWhereTheMapShowsNothing) {
+  const test::TemporaryFolder folder;
+  LiveResult result = exampleResult(TrackingState::tracking);
+  result.tracked->match.reset();
+  LiveResults(folder / "results", "", exampleMap()).append(result);
+  const auto rows = readHypotheses(folder / "results");
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0].rank, 1);
+  const std::shared_ptr<const Map> map = exampleMap();
+  const auto nearest =
+      std::min_element(map->models.begin(), map->models.end(), [](const LocalModel& a, const LocalModel& b) {
+        return (a.T_w_m->translation() - kPose.translation()).norm() <
+               (b.T_w_m->translation() - kPose.translation()).norm();
+      });
+  EXPECT_EQ(rows[0].model, nearest->name);
+  EXPECT_THAT(rows[0].reason, HasSubstr("carried on"));
+  ASSERT_TRUE(rows[0].T_w_c);
+  EXPECT_TRUE(rows[0].T_w_c->isApprox(kPose, 1e-6));
+  EXPECT_TRUE((*nearest->T_w_m * rows[0].T_m_c).isApprox(kPose, 1e-6));
+  EXPECT_NEAR(rows[0].sd_trans_m, 0.02, 1e-9);
 }
 
 }  // namespace

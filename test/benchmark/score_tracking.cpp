@@ -6,7 +6,7 @@
 //   score_tracking [--kidnap SECONDS] [--busy MS] [--step MS] [--frames] [--set PARAMETER VALUE] FLOOR...
 //
 // For each floor a map is built of its run map/ by the paper's rule, and its run drive/ is tracked in it. A
-// view that is searched in the whole map takes --busy ms (300), and tracking one takes --step ms (40, with
+// view that is searched in the whole map takes --busy ms (300), and tracking one takes --step ms (20, with
 // segmentation): what comes in the meantime is dropped, as in a live run. With --kidnap it is tracked once
 // more, jumping by half of its length every so many seconds; the time until it is found again counts only
 // where a local model shows the place, within 1 m and 20 deg. --frames prints every frame.
@@ -46,7 +46,7 @@ constexpr double kCoveredTranslation = 1, kCoveredRotation = 20 * kDegree;
 struct Options {
   double kidnap = 0;   // [s]
   double busy = 0.3;   // [s]
-  double step = 0.04;  // [s]
+  double step = 0.02;  // [s]
   bool frames = false;
   PoseTrackingParams tracking;
 };

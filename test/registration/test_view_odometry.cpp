@@ -109,6 +109,28 @@ TEST(ViewOdometry, ARobotOnWheelsKnowsThatItDoesNotSlipAlongABareWall) {
   EXPECT_LT(std[1], 0.6 * std[0]);
 }
 
+// Variance of the way [m^2] through a part of the circle, or without moving, by so many views.
+double varianceOfWay(int views, double degrees) {
+  ViewOdometry camera = odometry();
+  double sum = 0;
+  for (int i = 0; i <= views; ++i) {
+    const double a = degrees * kDegree * i / views;
+    const Eigen::Isometry3d T = lookingAlong({3 + 0.75 * std::cos(a), 2.5 + 0.75 * std::sin(a), 1.2},
+                                             {std::cos(a), std::sin(a), -0.25});
+    const ViewMotion motion = camera.add(viewFrom(largeRoom(), T, 50 + i), kStep);
+    EXPECT_FALSE(motion.broken) << i;
+    if (i > 0) sum += motion.T_a_b.P.bottomRightCorner<3, 3>().trace();
+  }
+  return sum;
+}
+
+TEST(ViewOdometry, ErrorsAgainstAKeyViewAddUpByTheWayNotByTheNumberOfViews) {
+  const double few = varianceOfWay(16, 40), many = varianceOfWay(48, 40), standing = varianceOfWay(48, 0);
+  EXPECT_LT(many, 1.5 * few);
+  EXPECT_GT(many, 0.5 * few);
+  EXPECT_LT(standing, 0.7 * many);  // what is left comes from the prediction, which knows of no standing
+}
+
 TEST(ViewOdometry, ResetForgetsEverything) {
   const CameraMounting mounting{1.2, std::atan(0.25) / kDegree};
   ViewOdometry used = odometry(mounting), fresh = odometry(mounting);

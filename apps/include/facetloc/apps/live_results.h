@@ -4,6 +4,7 @@
 #include <facetloc/apps/live_result.h>
 #include <facetloc/io/growing_file.h>
 #include <facetloc/io/results.h>
+#include <facetloc/registration/nearby_models.h>
 
 #include <filesystem>
 #include <memory>
@@ -12,7 +13,8 @@
 namespace facetloc {
 
 /** \brief The results folder of a live run, written frame by frame: that of facetloc_localize, with one row
- * per frame and a pose where it is certain, and states.csv. */
+ * per frame and a pose where it is certain, and states.csv. Where the view has nothing in common with the
+ * map, the pose is told relative to the nearest local model, with a remark. */
 class LiveResults {
 public:
   /** \brief Begins anew, in the place of older results. \param map may be null. Throws IoError. */
@@ -22,7 +24,10 @@ public:
   void append(const LiveResult& result);
 
 private:
+  ResultRow rowOf(const LiveResult& result) const;
+
   std::shared_ptr<const Map> map_;
+  NearbyModels near_;
   ResultsWriter results_;
   GrowingFile states_;
 };

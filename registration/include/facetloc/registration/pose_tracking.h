@@ -34,7 +34,7 @@ struct PoseTrackingParams {
   double correlated_pixels = 200;   ///< so many depth pixels tell as much as one: neighbours err alike
   double significance = 2;          ///< least information of a direction that pixels may tell [their noise's]
   double correlated_views = 2;      ///< so many views tell as much as one: they see the same models alike
-  double floor_memory = 10;         ///< after that time the floor under a robot on wheels is another one [s]
+  double floor_length = 0.7;        ///< way after which a robot on wheels stands on other unevenness [m]
   double free_translation = 0.1;    ///< std from which on the pose cannot be told [m]: half the paper's 0.2 m
   double free_rotation_deg = 2.0;   ///< the same; the paper's 2 deg
   double lost_translation = 1.0;    ///< std at which nothing is left to track [m]: the paper's prior
@@ -63,10 +63,9 @@ struct PoseTrackingParams {
           "noise].");
     field("track_correlated_views", p.correlated_views, 1.0, 1e6,
           "Number of successive views that together tell as much as one with independent errors.");
-    field(
-        "floor_memory", p.floor_memory, 1e-3, 1e6,
-        "Time after which a robot on wheels (known camera mounting) stands on another piece of uneven floor "
-        "[s].");
+    field("floor_length", p.floor_length, 1e-3, 1e6,
+          "Way after which a robot on wheels (known camera mounting) stands on another piece of uneven floor "
+          "[m].");
     field("free_translation", p.free_translation, 0.0, 100.0,
           "Position uncertainty from which on the pose cannot be told, standard deviation [m].");
     field("free_rotation_deg", p.free_rotation_deg, 0.0, 180.0,
@@ -140,8 +139,8 @@ public:
 private:
   struct Step;  // a view at its place in the map
 
-  TrackedPose track(const View& view, const ViewMotion& motion, double dt);
-  void stand(double dt);
+  TrackedPose track(const View& view, const ViewMotion& motion);
+  void stand(const Eigen::Isometry3d& motion);
   TrackedPose search(const View& view, const ViewMotion& motion);
   TrackedPose lose(const View& view, const ViewMotion& motion, const std::string& reason);
   TrackedPose answer(const View& view, const Step& step) const;

@@ -46,9 +46,11 @@ struct ViewOdometryParams {
 
 /** \brief A motion between two views. */
 struct ViewMotion {
-  PoseWithCovariance T_a_b;  ///< of the camera: a = the view before, b = this view
-  double agreement = 0;      ///< share of the view's depth pixels that the key views confirm; 0 if unknown
-  bool broken = false;       ///< the view contradicts the key views: nobody knows how the camera moved
+  /// of the camera: a = the view before, b = this view; the covariance is what the step adds to an error of
+  /// the pose, not that of this pair of views alone: errors against a key view last as long as it does
+  PoseWithCovariance T_a_b;
+  double agreement = 0;  ///< share of the view's depth pixels that the key views confirm; 0 if unknown
+  bool broken = false;   ///< the view contradicts the key views: nobody knows how the camera moved
 };
 
 /** \brief Tells from its own latest views how a camera moves. It knows no map: its world is where it began.
@@ -80,6 +82,7 @@ private:
   PoseWithCovariance predict(double dt) const;
   Surroundings around(const Eigen::Isometry3d& T_o_c) const;
   void learnVelocity(const PoseWithCovariance& predicted, const PoseWithCovariance& found, double dt);
+  Matrix6d errorOfStep(const Matrix6d& predicted, const PoseWithCovariance& T_o_c) const;
   bool slides() const;
   void rollOn(PoseWithCovariance& T_o_c, double dt);
   void takeKey(const View& view);
