@@ -50,7 +50,7 @@ constexpr float kDifferenceStd = 0.04f;  // of the distance of two parallel wall
 constexpr float kEdgeStd = 0.08f;        // of an upper or lower edge [m]
 constexpr float kHeightStd = 0.03f;      // of a level surface [m]
 constexpr float kRadius = 1.3f;          // of neighbours
-constexpr double kVotedFor = 0.5;        // share of all models that have enough votes for an outlook
+constexpr std::size_t kSeen = 5;         // times as many as are aligned have an outlook; half of all at least
 constexpr double kVoted = 0.33;          // share of the aligned models that are there by votes
 constexpr float kParallel = 4 * static_cast<float>(kDegree);
 
@@ -270,11 +270,12 @@ std::vector<int> PlaceIndex::Impl::likeliest(const PlaceSignature& scene, PlaceA
   std::iota(order.begin(), order.end(), 0);
   if (order.size() <= static_cast<std::size_t>(n)) return order;
   const std::vector<float> by_vote = votes(scene);
-  const std::size_t voted_for =
-      std::max(static_cast<std::size_t>(n), static_cast<std::size_t>(kVotedFor * double(order.size())));
-  std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(voted_for), order.end(),
-                   byScore(by_vote));
-  order.resize(voted_for);
+  const std::size_t seen = std::max(kSeen * static_cast<std::size_t>(n), order.size() / 2);
+  if (seen < order.size()) {
+    std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(seen), order.end(),
+                     byScore(by_vote));
+    order.resize(seen);
+  }
   const auto voted = order.begin() + static_cast<std::ptrdiff_t>(kVoted * n), last = order.begin() + n;
   std::nth_element(order.begin(), voted, order.end(), byScore(by_vote));
   std::vector<float> outlook(places.size(), 0);
