@@ -48,15 +48,31 @@ struct Region {
   RowExtreme* row_extremes = nullptr;  // one per row; none if the region is too small from the start
 };
 
-// Calls f(label, v, u0, u1) for every horizontal run of equal, non-zero labels.
-template <typename F>
-void forEachRun(const LabelImage& labels, F f) {
+// Pixels [begin, end) of row v that have the same label, which is not 0.
+struct Run {
+  std::int32_t label, v, begin, end;
+};
+
+// The first column from u on that has another label than column u.
+int endOfRun(const std::uint16_t* row, int u, int width) {
+  constexpr int kTogether = 4;
+  const std::uint16_t label = row[u++];
+  const std::uint64_t same = label * 0x0001000100010001u;
+  for (std::uint64_t four; u + kTogether <= width; u += kTogether) {
+    std::memcpy(&four, row + u, sizeof four);
+    if (four != same) break;
+  }
+  while (u < width && row[u] == label) ++u;
+  return u;
+}
+
+void findRuns(const LabelImage& labels, std::vector<Run>& runs) {
+  runs.clear();
   for (int v = 0; v < labels.height; ++v) {
     const std::uint16_t* row = labels.label.data() + static_cast<std::size_t>(v) * labels.width;
-    for (int u0 = 0, u1; u0 < labels.width; u0 = u1) {
-      const std::uint16_t label = row[u0];
-      for (u1 = u0 + 1; u1 < labels.width && row[u1] == label;) ++u1;
-      if (label) f(label, v, u0, u1);
+    for (int begin = 0, end; begin < labels.width; begin = end) {
+      end = endOfRun(row, begin, labels.width);
+      if (row[begin]) runs.push_back({row[begin], v, begin, end});
     }
   }
 }
@@ -115,13 +131,13 @@ PlaneMoments momentsOf(const RunSums& s, int u, int v) {
 }
 
 // First pass: the plane of each region from all of its pixels, and how far they scatter.
-void fitRegions(const Intrinsics& camera, const float* inverse, const LabelImage& labels, double noise_std,
-                double trim, std::vector<Region>& regions) {
-  forEachRun(labels, [&](int label, int v, int u0, int u1) {
+void fitRegions(const Intrinsics& camera, const float* inverse, const std::vector<Run>& runs,
+                double noise_std, double trim, std::vector<Region>& regions) {
+  for (const auto& [label, v, begin, end] : runs) {
     RunSums sums;
-    sumMeasured(inverse + static_cast<std::size_t>(v) * camera.width + u0, u1 - u0, sums);
-    regions[label].plane += momentsOf(sums, u0, v);
-  });
+    sumMeasured(inverse + static_cast<std::size_t>(v) * camera.width + begin, end - begin, sums);
+    regions[label].plane += momentsOf(sums, begin, v);
+  }
   for (Region& r : regions) {
     const PlaneMoments::Fit fit = r.plane.fit();
     r.fitted = fit.plane;
@@ -131,7 +147,7 @@ void fitRegions(const Intrinsics& camera, const float* inverse, const LabelImage
 }
 
 // Second pass: plane and points of the pixels that belong, row by row.
-void gatherSupport(const DepthImage& image, const float* inverse, const LabelImage& labels,
+void gatherSupport(const DepthImage& image, const float* inverse, const std::vector<Run>& runs,
                    double min_support, std::vector<Region>& regions, std::vector<RowExtreme>& row_extremes) {
   const Intrinsics& c = image.camera;
   row_extremes.assign(regions.size() * c.height, {c.width, -1});
@@ -140,19 +156,19 @@ void gatherSupport(const DepthImage& image, const float* inverse, const LabelIma
     r.row_extremes = r.plane.n >= min_support ? row_extremes.data() + k * c.height : nullptr;
     r.plane = {};
   }
-  forEachRun(labels, [&](int label, int v, int u0, int u1) {
+  for (const auto& [label, v, begin, end] : runs) {
     Region& r = regions[label];
-    if (!r.row_extremes) return;
-    const std::size_t begin = static_cast<std::size_t>(v) * c.width + u0;
-    const float* d = inverse + begin;
-    const float start = static_cast<float>(r.fitted.at(u0, v)), slope = static_cast<float>(r.fitted.a);
+    if (!r.row_extremes) continue;
+    const std::size_t pixel = static_cast<std::size_t>(v) * c.width + begin;
+    const float* d = inverse + pixel;
+    const float start = static_cast<float>(r.fitted.at(begin, v)), slope = static_cast<float>(r.fitted.a);
     const float tolerance = static_cast<float>(r.tolerance);
     RunSums sums;
-    sumSupport(d, image.depth.data() + begin, u1 - u0, start, slope, tolerance, sums);
-    if (sums.n == 0) return;
-    r.plane += momentsOf(sums, u0, v);
+    sumSupport(d, image.depth.data() + pixel, end - begin, start, slope, tolerance, sums);
+    if (sums.n == 0) continue;
+    r.plane += momentsOf(sums, begin, v);
     // b_x = x0 + k / f, and b_y is the same in the whole row.
-    const double x0 = (u0 - c.cx) / c.fx, step = 1 / c.fx, by = (v - c.cy) / c.fy;
+    const double x0 = (begin - c.cx) / c.fx, step = 1 / c.fx, by = (v - c.cy) / c.fy;
     const double zx = x0 * sums.z + step * sums.kz, z2 = sums.zz, z2x = x0 * sums.zz + step * sums.kzz;
     const double z2xx = x0 * x0 * sums.zz + 2 * x0 * step * sums.kzz + step * step * sums.kkzz;
     r.points.n += sums.n;
@@ -163,12 +179,12 @@ void gatherSupport(const DepthImage& image, const float* inverse, const LabelIma
     const auto belongs = [&](int k) {
       return d[k] > 0 && std::fabs(d[k] - (start + slope * static_cast<float>(k))) <= tolerance;
     };
-    int first = 0, last = u1 - u0 - 1;
+    int first = 0, last = end - begin - 1;
     while (first < last && !belongs(first)) ++first;
     while (first < last && !belongs(last)) --last;
     RowExtreme& row = r.row_extremes[v];
-    row.first = std::min(row.first, u0 + first), row.last = std::max(row.last, u0 + last);
-  });
+    row.first = std::min(row.first, begin + first), row.last = std::max(row.last, begin + last);
+  }
 }
 
 // Sum of b b^T over the pixels of the moments.
@@ -288,7 +304,8 @@ void rankByInformation(const std::vector<Segment>& segments, std::vector<double>
 }  // namespace
 
 struct SegmentEstimation::Buffers {
-  std::vector<float> inverse;   // depth
+  std::vector<float> inverse;  // depth
+  std::vector<Run> runs;
   std::vector<Region> regions;  // by label
   std::vector<RowExtreme> row_extremes;
   Pixels points, hull;
@@ -379,19 +396,21 @@ void SegmentEstimation::estimate(const DepthImage& image, const LabelImage& labe
   Buffers& b = *buffers_;
   b.inverse.resize(image.depth.size());
   invertDepth(image.depth.data(), image.depth.size(), 1.f, b.inverse.data());
-  const std::size_t num_labels = labels.maxLabel() + 1;
-  b.regions.assign(num_labels, {});
-  fitRegions(image.camera, b.inverse.data(), labels, noise.inverse_depth_std, params_.trim, b.regions);
+  findRuns(labels, b.runs);
+  std::int32_t max_label = 0;
+  for (const Run& run : b.runs) max_label = std::max(max_label, run.label);
+  b.regions.assign(max_label + 1, {});
+  fitRegions(image.camera, b.inverse.data(), b.runs, noise.inverse_depth_std, params_.trim, b.regions);
   const double min_support = std::max(3.0, scaledPixels(params_.min_support, image.camera));
-  gatherSupport(image, b.inverse.data(), labels, min_support, b.regions, b.row_extremes);
+  gatherSupport(image, b.inverse.data(), b.runs, min_support, b.regions, b.row_extremes);
 
   b.found.clear();
   b.label_of.clear();
-  for (std::size_t label = 1; label < num_labels; ++label) {
+  for (int label = 1; label <= max_label; ++label) {
     Segment s;
     if (!b.makeSegment(b.regions[label], image.camera, noise, params_, min_support, s)) continue;
     b.found.push_back(s);
-    b.label_of.push_back(static_cast<int>(label));
+    b.label_of.push_back(label);
   }
   rankByInformation(b.found, b.share, b.order);
   for (const int i : b.order) {

@@ -31,41 +31,60 @@ struct ScanResult {
   std::int32_t pixel;   // where that is, the first of equal ones; -1 if there is no deviation
 };
 
+// Counts the valid ones of eight pixels and keeps, lane by lane, the bits of their largest deviation from
+// what a plane makes expect; non-negative floats order like integers.
+FACETLOC_ALWAYS_INLINE void lookAt(const Floats& d, const Floats& expected, const Ints& is_valid,
+                                   Ints& largest, Ints& num_valid) {
+  const Ints bits = (Ints)(d - expected) & is_valid & 0x7fffffff;
+  largest = bits > largest ? bits : largest;
+  num_valid -= is_valid;
+}
+
 FACETLOC_MULTIVERSION ScanResult scanPixels(const DisparityImage& image, TriangleRows rows,
                                             const PixelPlane& plane) {
   const float* const end = image.d.data() + image.d.size();
   const float slope = static_cast<float>(plane.a);
   ScanResult r{0, 0, 0, -1};
-  Ints max_bits{}, where{}, valid{};  // non-negative floats order like integers
+  Ints largest{}, in_row{}, valid{};  // by lane: the largest deviation, where the row begins that has it
   for (; !rows.done(); rows.next()) {
     const std::int32_t length = rows.last() - rows.first() + 1;
     if (length <= 0) continue;
     r.num_pixels += length;
     const std::int32_t first = rows.v() * image.camera.width + rows.first();
-    const float* pixels = image.d.data() + first;
-    const float start = static_cast<float>(plane.a * rows.first() + plane.b * rows.v() + plane.c);
-    Floats offset = kLaneOffset;
-    Ints position = kLane + first, left = length - kLane;
-    for (std::int32_t k = 0; k < length; k += kLanes) {
-      Floats d;
-      load(pixels + k, end, d);
-      const Floats e = d - (start + slope * offset);
-      const Ints is_valid = (d > 0) & (left > 0);
-      const Ints bits = (Ints)e & is_valid & 0x7fffffff;
-      const Ints is_larger = bits > max_bits;
-      max_bits = is_larger ? bits : max_bits;
-      where = is_larger ? position : where;
-      valid -= is_valid;
-      offset += static_cast<float>(kLanes), position += kLanes, left -= kLanes;
+    const float* const pixels = image.d.data() + first;
+    const float start = static_cast<float>(plane.at(rows.first(), rows.v()));
+    Floats d, offset = kLaneOffset;
+    Ints of_row = largest;
+    std::int32_t k = 0;
+    for (; k + kLanes <= length; k += kLanes, offset += static_cast<float>(kLanes)) {
+      std::memcpy(&d, pixels + k, sizeof d);
+      lookAt(d, start + slope * offset, d > 0, of_row, valid);
     }
+    if (k < length) {
+      load(pixels + k, end, d);
+      lookAt(d, start + slope * offset, (d > 0) & (kLane < length - k), of_row, valid);
+    }
+    const Ints is_larger = of_row > largest;
+    in_row = is_larger ? Ints{} + first : in_row;
+    largest = of_row;
   }
-  std::int32_t largest = 0;
+  std::int32_t worst = 0, row = 0;
   for (int k = 0; k < kLanes; ++k) {
     r.num_valid += valid[k];
-    if (max_bits[k] > largest || (max_bits[k] == largest && largest > 0 && where[k] < r.pixel))
-      largest = max_bits[k], r.pixel = where[k];
+    if (largest[k] > worst || (largest[k] == worst && in_row[k] < row)) worst = largest[k], row = in_row[k];
   }
-  std::memcpy(&r.max_deviation, &largest, sizeof largest);
+  std::memcpy(&r.max_deviation, &worst, sizeof worst);
+  if (worst == 0) return r;
+  // The first pixel of that row with that deviation.
+  const int u = row % image.camera.width, v = row / image.camera.width;
+  const float start = static_cast<float>(plane.at(u, v));
+  float offset = 0;
+  const auto deviates = [&](float d) {
+    return d > 0 && std::fabs(d - (start + slope * offset)) == r.max_deviation;
+  };
+  const auto last =
+      static_cast<std::int32_t>(image.d.size()) - 1;  // which only disparities like infinity reach
+  for (r.pixel = row; r.pixel < last && !deviates(image.d[r.pixel]); ++r.pixel) ++offset;
   return r;
 }
 

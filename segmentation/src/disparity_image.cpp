@@ -13,17 +13,17 @@ double estimateNoise(const DepthImage& image) {
 }
 
 double estimateNoise(const DepthImage& image, std::vector<float>& scratch) {
-  constexpr int kRowStep = 4;  // a quarter of the rows gives the median to a percent
+  constexpr int kRows = 60;  // give the median to a percent
   constexpr std::size_t kMinTriples = 100;
   constexpr double kMadToStd = 1.4826;
   const double scale =
       kMadToStd / std::sqrt(6.0);  // the variance of d0 - 2 d1 + d2 is 6 for unit white noise
-  const int w = image.camera.width;
-  scratch.resize(w + static_cast<std::size_t>(w) * (image.camera.height / kRowStep + 1));
+  const int w = image.camera.width, step = std::max(1, image.camera.height / kRows);
+  scratch.resize(w + static_cast<std::size_t>(w) * (image.camera.height / step + 1));
   float* const row = scratch.data();  // of inverse depths; behind it the differences
   float* const differences = row + w;
   float* next = differences;
-  for (int v = kRowStep / 2; v < image.camera.height; v += kRowStep) {
+  for (int v = step / 2; v < image.camera.height; v += step) {
     invertDepth(image.depth.data() + static_cast<std::size_t>(v) * w, w, 1.f, row);
     for (int u = 1; u + 1 < w; ++u) {
       *next = std::abs(row[u - 1] - 2 * row[u] + row[u + 1]);

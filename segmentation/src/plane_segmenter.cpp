@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "relabel.h"
+
 #include <facetloc/features/impl/lanes.h>
 #include <facetloc/segmentation/plane_segmenter.h>
 
@@ -171,7 +173,7 @@ void PlaneSegmenter::keepLargeRegions(LabelledPlanes& out, double min_support) {
     out.support.push_back(support_[k]);
     final_label[k] = static_cast<std::uint16_t>(out.planes.size());
   }
-  for (std::uint16_t& k : out.labels.label) k = final_label[k];
+  relabel(out.labels.label, final_label);
 }
 
 }  // namespace facetloc

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "relabel.h"
+
 #include <facetloc/segmentation/view_builder.h>
 
 #include <chrono>
@@ -54,7 +56,7 @@ void ViewBuilder::renumber() {
     s.support.push_back(unsorted_.support[label - 1]);
     new_label_[label] = static_cast<std::uint16_t>(s.planes.size());
   }
-  for (std::uint16_t& label : s.labels.label) label = new_label_[label];
+  relabel(s.labels.label, new_label_);
 }
 
 }  // namespace facetloc

@@ -276,6 +276,31 @@ TEST(DepthTriangulation, VertexLimitIsKept) {
   EXPECT_EQ(split.vertices().size(), 50u);
 }
 
+TEST(DepthTriangulation, TrianglesKnowAllTheirPixelsAtTheVertexLimit) {
+  const DisparityImage image = randomDisparity(320, 240, 1, 1);
+  DepthTriangulationParams params;
+  params.max_vertices = 12;
+  DepthTriangulation split(params);
+  split.compute(image);
+  std::vector<Span> spans;
+  for (const Triangle& t : split.triangles()) {
+    int pixels = 0, valid = 0;
+    double largest = 0;
+    split.spans(t, spans);
+    for (const Span& s : spans)
+      for (int u = s.first; u <= s.last; ++u) {
+        const float d = image.d[static_cast<std::size_t>(s.v) * 320 + u];
+        ++pixels;
+        if (!(d > 0)) continue;
+        ++valid;
+        largest = std::max(largest, std::abs(d - t.plane.at(u, s.v)));
+      }
+    EXPECT_EQ(t.num_pixels, pixels);
+    EXPECT_EQ(t.num_valid, valid);
+    EXPECT_NEAR(t.max_deviation, largest, 2e-3 * (1 + largest));
+  }
+}
+
 TEST(DepthTriangulation, IsExactAtTheLargestSize) {
   DisparityImage image = blankDisparity(2048, 2048);
   for (int v = 0; v < 2048; ++v)
