@@ -23,12 +23,8 @@ ResultRow LiveResults::rowOf(const LiveResult& result) const {
   const PoseWithCovariance& pose = *result.pose();
   Hypothesis carried;
   carried.model = near_.byPlace(pose.T.translation(), 1).front();
-  const Eigen::Isometry3d T_m_w = map_->models[carried.model].T_w_m->inverse();
   carried.T_w_c = pose.T;
-  carried.T_m_c.T = T_m_w * pose.T;
-  Matrix6d turn = Matrix6d::Zero();  // of the covariance into the local model's axes
-  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = T_m_w.linear();
-  carried.T_m_c.P = turn * pose.P * turn.transpose();
+  carried.T_m_c = map_->models[carried.model].T_w_m->inverse() * pose;
   carried.probability = result.tracked->probability;
   ResultRow row = resultRows(frame, {{carried}, {}}, *map_, 1).front();
   row.reason = "carried on: no local model shows what is in view";

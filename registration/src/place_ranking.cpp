@@ -118,9 +118,7 @@ void PlaceRanking::refine(const View& scene, const std::vector<Neighbour>& neigh
   std::vector<PosedPicture> pictures;
   for (const Neighbour& n : neighbours) pictures.push_back({&n.view->depth, n.T_w_m});
   const Eigen::Isometry3d& T_w_m = *map_->models[h.model].T_w_m;
-  Matrix6d rotation = Matrix6d::Zero();  // of the covariance into the world's axes
-  rotation.topLeftCorner<3, 3>() = rotation.bottomRightCorner<3, 3>() = T_w_m.linear();
-  PoseWithCovariance pose{*h.T_w_c, rotation * h.T_m_c.P * rotation.transpose()};
+  PoseWithCovariance pose = T_w_m * h.T_m_c;
   if (!refineByDepth(scene.depth, pictures, inverse_depth_std_, params_.dense, pose)) return;
   if (!samePlace(*h.T_w_c, pose.T, params_)) return;  // that is no refinement: planes found another place
   h.T_w_c = pose.T;

@@ -54,25 +54,12 @@ double share(const DepthAgreement& a) {
   return a.agree + a.contradict > 0 ? a.agree / double(a.agree + a.contradict) : 0;
 }
 
-PoseWithCovariance inFrame(const PoseWithCovariance& T_w_c, const Eigen::Isometry3d& T_w_m) {
-  Matrix6d turn = Matrix6d::Zero();  // of a left, decoupled perturbation into other axes
-  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = T_w_m.linear().transpose();
-  return {T_w_m.inverse() * T_w_c.T, turn * T_w_c.P * turn.transpose()};
-}
-
-PoseWithCovariance outOfFrame(const PoseWithCovariance& T_m_c, const Eigen::Isometry3d& T_w_m) {
-  Matrix6d turn = Matrix6d::Zero();
-  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = T_w_m.linear();
-  return {T_w_m * T_m_c.T, turn * T_m_c.P * turn.transpose()};
-}
-
 // A pose after a motion: its rotation error turns the way.
 PoseWithCovariance moved(const PoseWithCovariance& T_w_a, const PoseWithCovariance& T_a_b) {
   const Eigen::Matrix3d R = T_w_a.T.linear();
-  Matrix6d F = Matrix6d::Identity(), turn = Matrix6d::Zero();
+  Matrix6d F = Matrix6d::Identity();
   F.bottomLeftCorner<3, 3>() = -skew(R * T_a_b.T.translation());
-  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = R;
-  return {T_w_a.T * T_a_b.T, F * T_w_a.P * F.transpose() + turn * T_a_b.P * turn.transpose()};
+  return {T_w_a.T * T_a_b.T, F * T_w_a.P * F.transpose() + turned(R, T_a_b.P)};
 }
 
 // The covariance of a posterior if what was added to the prior told only a part of what it says.
@@ -267,7 +254,7 @@ TrackedPose PoseTracking::answer(const View& view, const Step& step) const {
   Hypothesis match;
   match.model = most->first;
   match.pairs = most->second;
-  match.T_m_c = inFrame(*out.T_w_c, *surroundings_.map().models[match.model].T_w_m);
+  match.T_m_c = surroundings_.map().models[match.model].T_w_m->inverse() * *out.T_w_c;
   match.T_w_c = out.T_w_c->T;
   match.probability = probability_;
   out.match = std::move(match);
@@ -309,8 +296,7 @@ std::vector<LikelyPlace> PoseTracking::placesOf(const View& view, std::string& r
   reason = found.reason;
   std::vector<LikelyPlace> places;
   for (const Hypothesis& h : found.hypotheses)
-    if (h.T_w_c)
-      places.push_back({outOfFrame(h.T_m_c, *surroundings_.map().models[h.model].T_w_m), h.probability});
+    if (h.T_w_c) places.push_back({*surroundings_.map().models[h.model].T_w_m * h.T_m_c, h.probability});
   return places;
 }
 

@@ -60,10 +60,7 @@ ViewMotion ViewOdometry::add(const View& view, double dt) {
   if (!moves && dt > 0) velocity_.setZero();
   if (camera_motion_ && moves) rollOn(T_o_c, dt);
 
-  out.T_a_b.T = T_o_c_.inverse() * T_o_c.T;
-  Matrix6d turn = Matrix6d::Zero();  // of the covariance into the axes of the last camera
-  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = T_o_c_.linear().transpose();
-  out.T_a_b.P = turn * T_o_c.P * turn.transpose();
+  out.T_a_b = T_o_c_.inverse() * T_o_c;
   T_o_c_ = T_o_c.T;
   takeKey(view);
   return out;
@@ -144,9 +141,7 @@ PoseWithCovariance ViewOdometry::predict(double dt) const {
   }
   P.diagonal().head<3>().array() += kLeastRotation * kLeastRotation;
   P.diagonal().tail<3>().array() += kLeastTranslation * kLeastTranslation;
-  Matrix6d turn = Matrix6d::Zero();  // of the covariance out of the axes of the last camera
-  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = T_o_c_.linear();
-  return {T_o_c_ * perturbed(Eigen::Isometry3d::Identity(), motion), turn * P * turn.transpose()};
+  return T_o_c_ * PoseWithCovariance{perturbed(Eigen::Isometry3d::Identity(), motion), P};
 }
 
 Surroundings ViewOdometry::around(const Eigen::Isometry3d& T_o_c) const {

@@ -104,5 +104,22 @@ TEST(So3, PerturbationUndoesPerturbed) {
   }
 }
 
+TEST(So3, APoseToldInAnotherFrameHasThePerturbationOfThatFrame) {
+  Rng rng(9);
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::Isometry3d T_a_b = test::randomPose(rng, 3, 5), T_b_c = test::randomPose(rng, 3, 5);
+    Matrix6d root;
+    for (int k = 0; k < 6; ++k) root.col(k) = gaussian<6>(rng);
+    const Matrix6d P = root * root.transpose();
+    const auto inA = [&](const Vector6d& d) {
+      return perturbation(T_a_b * T_b_c, T_a_b * perturbed(T_b_c, d));
+    };
+    const Matrix6d J = test::numericJacobian<6, 6>(inA, Vector6d::Zero().eval());
+    const PoseWithCovariance T_a_c = T_a_b * PoseWithCovariance{T_b_c, P};
+    EXPECT_THAT(T_a_c.T, PoseNear(T_a_b * T_b_c, 1e-12, 1e-12));
+    EXPECT_THAT(T_a_c.P, MatrixNear(J * P * J.transpose(), 1e-7 * P.norm()));
+  }
+}
+
 }  // namespace
 }  // namespace facetloc

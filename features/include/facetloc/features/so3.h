@@ -56,6 +56,20 @@ struct PoseWithCovariance {
   Matrix6d P = Matrix6d::Zero();
 };
 
+/** \brief The covariance P of a left, decoupled perturbation, told in axes that R turns its own into. */
+inline Matrix6d turned(const Eigen::Matrix3d& R, const Matrix6d& P) {
+  Matrix6d out;
+  for (const int row : {0, 3})
+    for (const int column : {0, 3})
+      out.block<3, 3>(row, column) = R * P.block<3, 3>(row, column) * R.transpose();
+  return out;
+}
+
+/** \brief The pose of c in b, told in a. */
+inline PoseWithCovariance operator*(const Eigen::Isometry3d& T_a_b, const PoseWithCovariance& T_b_c) {
+  return {T_a_b * T_b_c.T, turned(T_a_b.linear(), T_b_c.P)};
+}
+
 /** \brief T moved by a left, decoupled perturbation (d phi, d t). */
 inline Eigen::Isometry3d perturbed(const Eigen::Isometry3d& T, const Vector6d& d) {
   Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
