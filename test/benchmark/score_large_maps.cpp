@@ -40,6 +40,7 @@
 #include <stdexcept>
 #include <string>
 #include <unistd.h>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -208,6 +209,25 @@ bool answersRight(const GlobalLocalization& localization, const Query& q) {
   return !answer.hypotheses.empty() && isRight(*answer.hypotheses[0].T_w_c, q.T_w_c);
 }
 
+/** \return how many queries need no more than the first models of their shortlist, and how many of those are
+ * right. */
+std::pair<std::size_t, std::size_t> surelyAnswered(const GlobalLocalization& localization,
+                                                   const PlaceIndexParams& params,
+                                                   const std::vector<Query>& queries) {
+  std::size_t sure = 0, right = 0;
+  for (const Query& q : queries) {
+    std::vector<Candidate> first = localization.candidates(q.view);
+    const auto isLater = [&](const Candidate& c) { return c.rank >= params.first_models; };
+    first.erase(std::remove_if(first.begin(), first.end(), isLater), first.end());
+    const Localization answer =
+        localization.rank(q.view, localization.registerWith(first, q.view, localization.prior()));
+    if (answer.hypotheses.empty() || answer.hypotheses[0].probability < params.sure_probability) continue;
+    ++sure;
+    right += isRight(*answer.hypotheses[0].T_w_c, q.T_w_c);
+  }
+  return {sure, right};
+}
+
 /** The map as the tools open it, with the index in its file. */
 struct Opened {
   std::shared_ptr<const Map> map;
@@ -316,6 +336,10 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
       "the answerable; %.0f MB in use\n",
       query_ms, static_cast<double>(std::count(right_quick.begin(), right_quick.end(), 1)) * of_answerable,
       memory());
+
+  const auto [sure, sure_and_right] = surelyAnswered(quick, some.index, queries);
+  std::printf("the first %d models are enough for %zu of them, %zu right\n", some.index.first_models, sure,
+              sure_and_right);
 
   std::fflush(stdout);
   if (csv) std::fflush(csv);

@@ -26,9 +26,14 @@ Colour mixed(const Colour& a, const Colour& b, double share_of_b);
 
 constexpr Colour kBlack = {0, 0, 0}, kWhite = {255, 255, 255}, kRed = {200, 40, 40};
 
-/** \brief Of the curves of a chart and the runs of a map: blue, green, orange, purple, brown. */
-constexpr std::array<Colour, 5> kCurveColours = {
-    {{31, 119, 180}, {44, 160, 44}, {255, 127, 14}, {148, 103, 189}, {140, 86, 75}}};
+/** \brief Of the curves of a chart and the runs of a map: blue, green, orange, purple, brown, pink, teal. */
+constexpr std::array<Colour, 7> kCurveColours = {{{31, 119, 180},
+                                                  {44, 160, 44},
+                                                  {255, 127, 14},
+                                                  {148, 103, 189},
+                                                  {140, 86, 75},
+                                                  {227, 119, 194},
+                                                  {23, 190, 207}}};
 
 /** \brief The k-th of the colours that tell segments apart, also for the colour-blind (Okabe and Ito; Tol);
  * they repeat. */
