@@ -48,7 +48,10 @@ command -v valgrind >/dev/null || { echo; echo "no valgrind: no instruction coun
 count() {
   valgrind --tool=callgrind --callgrind-out-file="$out/callgrind" --collect-atstart=no "--toggle-collect=$3" \
     "$bin/$1" "--benchmark_filter=$2" --benchmark_min_time=0.000001 >/dev/null 2>&1
-  sed -n 's/^summary: //p' "$out/callgrind"
+  local instructions
+  instructions=$(sed -n 's/^summary: //p' "$out/callgrind")
+  [ "${instructions:-0}" -gt 0 ] || { echo "callgrind has seen no call of $3" >&2; return 1; }
+  echo "$instructions"
 }
 echo
 echo "| hot path | instructions |"
@@ -60,7 +63,7 @@ for width in 320 640; do
 done
 for dense in 0 1; do
   n=$(count benchmark_localization "^localization/models:12/dense:$dense" \
-      'facetloc::GlobalLocalization::localize(facetloc::View const&, facetloc::PoseWithCovariance const&) const')
+      'facetloc::GlobalLocalization::localize(facetloc::View const&) const')
   [ $dense = 0 ] && what="planes only" || what="all dense steps"
   echo "| one view in 12 local models, $what | $(awk "BEGIN { printf \"%.1f\", $n / 1e6 }") M |"
 done
