@@ -6,6 +6,7 @@
 #include <facetloc/io/error.h>
 #include <facetloc/registration/distortion_calibration.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 

@@ -63,9 +63,7 @@ Eigen::Vector3d upInWorld(const Map& map) {
 }
 
 PlanView::PlanView(const Eigen::Vector3d& up) : up_(up) {
-  const Eigen::Matrix3d R =
-      Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  axes_ = R.topRows<2>();
+  axes_ = rotationBetween(up, Eigen::Vector3d::UnitZ()).topRows<2>();
 }
 
 std::optional<PlanLine> PlanView::line(const Segment& segment, const Eigen::Isometry3d& T_w_m) const {

@@ -2,6 +2,7 @@
 #include <facetloc/apps/progress.h>
 #include <facetloc/apps/text.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 

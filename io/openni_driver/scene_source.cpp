@@ -6,6 +6,7 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/simulated_place.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace facetloc {

@@ -5,6 +5,7 @@
 
 #include <facetloc/features/so3.h>
 
+#include <cmath>
 #include <utility>
 #include <vector>
 

@@ -6,6 +6,7 @@
 #include <facetloc/features/so3.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 

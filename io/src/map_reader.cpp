@@ -4,6 +4,7 @@
 #include "map_rows.h"
 #include "map_schema.h"
 
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 

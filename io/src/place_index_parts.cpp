@@ -3,6 +3,7 @@
 
 #include "map_schema.h"
 
+#include <algorithm>
 #include <streambuf>
 #include <utility>
 #include <zlib.h>

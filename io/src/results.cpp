@@ -9,6 +9,7 @@
 #include <facetloc/io/results.h>
 #include <facetloc/io/trajectory.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>

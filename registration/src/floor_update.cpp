@@ -21,7 +21,7 @@ struct Stand {
 
 Eigen::Isometry3d frame(const Eigen::Vector3d& normal, const Eigen::Vector3d& origin) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal).toRotationMatrix();
+  T.linear() = rotationBetween(Eigen::Vector3d::UnitZ(), normal);
   T.translation() = origin;
   return T;
 }

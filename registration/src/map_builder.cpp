@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/registration/map_builder.h>
 
+#include <cmath>
+
 namespace facetloc {
 
 bool MapBuilder::accept(const Eigen::Isometry3d& T_w_c) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/registration/pose_prior.h>
 
+#include <cmath>
+
 namespace facetloc {
 
 Eigen::Matrix3d floorCovariance(const PosePriorParams& p) {

@@ -16,6 +16,7 @@
 #include <pcl/io/lzf_image_io.h>
 #include <pcl/io/pcd_io.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 

@@ -4,6 +4,7 @@
 #include <facetloc/features/so3.h>
 #include <facetloc/io/simulated_camera.h>
 
+#include <cmath>
 #include <random>
 
 namespace facetloc::benchmarks {

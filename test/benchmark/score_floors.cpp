@@ -19,6 +19,7 @@
 #include <facetloc/registration/map_builder.h>
 #include <facetloc/segmentation/view_builder.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>

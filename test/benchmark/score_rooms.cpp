@@ -16,6 +16,7 @@
 #include <facetloc/segmentation/view_builder.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>

@@ -6,6 +6,7 @@
 #include <facetloc/registration/planar_registration.h>
 #include <facetloc/segmentation/planar_segmentation.h>
 
+#include <cmath>
 #include <cstdio>
 #include <limits>
 

@@ -7,6 +7,7 @@
 #include <Eigen/QR>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 namespace facetloc {

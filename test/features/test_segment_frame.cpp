@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <pcl/io/pcd_io.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -46,7 +47,7 @@ TEST(SegmentFrame, ComesBackAsTheSegmentItWas) {
 
 TEST(SegmentFrame, NormalIsTheThirdAxis) {
   for (const Segment& s : randomSegments(50))
-    EXPECT_THAT(toSegmentFrame(s).normal(), MatrixNear(s.normal().cast<float>(), 1e-6));
+    EXPECT_THAT(toSegmentFrame(s).normal().cast<double>(), MatrixNear(s.normal(), 1e-6));
 }
 
 TEST(SegmentFrame, TransformedAgreesWithTheTransformedSegment) {

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace facetloc {
 namespace {
 
@@ -87,6 +89,20 @@ TEST(So3, RotationAngleIsAccurateNearZero) {
   Rng rng(7);
   for (const double angle : kAngles)
     EXPECT_NEAR(rotationAngle(expSO3(angle * randomDirection(rng))), angle, 1e-15 + 1e-9 * angle);
+}
+
+TEST(So3, RotationBetweenTurnsOneDirectionIntoAnotherByTheAngleBetweenThem) {
+  Rng rng(10);
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d from = randomDirection(rng), to = randomDirection(rng);
+    const Eigen::Matrix3d R = rotationBetween(from, 3 * to);
+    EXPECT_THAT(R, IsRotation());
+    EXPECT_THAT((R * from).eval(), MatrixNear(to, 1e-12));
+    EXPECT_NEAR(rotationAngle(R), std::acos(from.dot(to)), 1e-6);
+    const Eigen::Matrix3d back = rotationBetween(from, -from);
+    EXPECT_THAT(back, IsRotation());
+    EXPECT_THAT((back * from).eval(), MatrixNear(-from, 1e-6));
+  }
 }
 
 TEST(So3, PerturbationUndoesPerturbed) {

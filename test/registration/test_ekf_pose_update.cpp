@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <numeric>
@@ -197,7 +198,8 @@ protected:
     Matrix6d G = Matrix6d::Identity();
     G.topLeftCorner<3, 3>() = leftJacobianSO3(perturbation(prior.T, u.pose.T).head<3>());
     if (reset) *reset = G;
-    return G.inverse() * u.pose.P * G.inverse().transpose();
+    const Matrix6d back = G.inverse();
+    return back * u.pose.P * back.transpose();
   }
 };
 

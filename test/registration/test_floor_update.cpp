@@ -123,7 +123,7 @@ TEST(FloorUpdate, IsTheInformationFilterOfTheNumericJacobian) {
         const Eigen::Vector3d e = step * Eigen::Vector3d::Unit(i);
         const Eigen::Vector3d normal(-e.x(), -e.y(), 1);
         Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-        T.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal).toRotationMatrix();
+        T.linear() = rotationBetween(Eigen::Vector3d::UnitZ(), normal);
         T.translation().z() = e.z();
         return ofTheRobot(T.inverse() * prior.T);
       };

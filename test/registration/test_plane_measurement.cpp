@@ -7,6 +7,9 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace facetloc {
 namespace {
 

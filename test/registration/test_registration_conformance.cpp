@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 #include <pcl/registration/icp.h>
 
+#include <cmath>
 #include <limits>
 
 namespace facetloc {

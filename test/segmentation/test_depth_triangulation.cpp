@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 #include <utility>
@@ -38,6 +39,7 @@ Wide inCircle(const Vertex& a, const Vertex& b, const Vertex& c, const Vertex& d
 struct Named {
   std::string name;
   DisparityImage image;
+  friend void PrintTo(const Named& n, std::ostream* out) { *out << n.name; }  // not its bytes
 };
 
 std::vector<Named> images() {

@@ -5,6 +5,9 @@
 #include <Eigen/QR>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace facetloc {
 namespace {
 

@@ -9,41 +9,34 @@
 
 namespace facetloc::test {
 
+/** \name What the matchers do, compiled once for all types of matrices. @{ */
+using AnyMatrix = Eigen::Ref<const Eigen::MatrixXd>;
+using Listener = testing::MatchResultListener;
+bool posesNear(const Eigen::Isometry3d& got, const Eigen::Isometry3d& expected, double metres, double degrees,
+               Listener& listener);
+bool matricesNear(const AnyMatrix& got, const AnyMatrix& expected, double tolerance, Listener& listener);
+bool positiveSemidefinite(const AnyMatrix& matrix, double tolerance, Listener& listener);
+bool rotation(const Eigen::Matrix3d& matrix, Listener& listener);
+/** @} */
+
 /** \brief Matches a pose within a distance [m] and an angle [deg]. */
 MATCHER_P3(PoseNear, expected, metres, degrees,
            "is a pose within " + std::to_string(metres) + " m and " + std::to_string(degrees) + " deg") {
-  const Eigen::Isometry3d want(expected), got(arg);
-  const double distance = (got.translation() - want.translation()).norm();
-  const double angle = rotationAngle(got.linear() * want.linear().transpose()) / kDegree;
-  *result_listener << "differs by " << distance << " m and " << angle << " deg";
-  return distance <= metres && angle <= degrees;
+  return posesNear(Eigen::Isometry3d(arg), Eigen::Isometry3d(expected), metres, degrees, *result_listener);
 }
 
 /** \brief Matches a matrix whose entries all lie within a tolerance. */
 MATCHER_P2(MatrixNear, expected, tolerance,
            "is a matrix with entries within " + testing::PrintToString(tolerance)) {
-  const double worst = (arg - expected).cwiseAbs().maxCoeff();
-  *result_listener << "differs by up to " << worst << ":\n" << (arg - expected).eval();
-  return worst <= tolerance;
+  return matricesNear(arg, expected, tolerance, *result_listener);
 }
-
-/** \brief The smallest eigenvalue of a symmetric matrix, column-major; compiled once, for it takes Eigen ten
- * seconds. */
-double smallestEigenvalue(const double* matrix, Eigen::Index size);
 
 /** \brief Matches a symmetric matrix without an eigenvalue below -tolerance. */
 MATCHER_P(IsPositiveSemidefinite, tolerance, "is symmetric without an eigenvalue below zero") {
-  const double asymmetry = (arg - arg.transpose()).cwiseAbs().maxCoeff();
-  const double smallest = smallestEigenvalue(arg.data(), arg.rows());
-  *result_listener << "asymmetry " << asymmetry << ", smallest eigenvalue " << smallest;
-  return asymmetry <= tolerance && smallest >= -tolerance;
+  return positiveSemidefinite(arg, tolerance, *result_listener);
 }
 
 /** \brief Matches a rotation matrix. */
-MATCHER(IsRotation, "is a rotation matrix") {
-  const double error = (arg * arg.transpose() - Eigen::Matrix3d::Identity()).norm();
-  *result_listener << "R R^T - I has norm " << error << ", det R = " << arg.determinant();
-  return error < 1e-12 && arg.determinant() > 0;
-}
+MATCHER(IsRotation, "is a rotation matrix") { return rotation(arg, *result_listener); }
 
 }  // namespace facetloc::test

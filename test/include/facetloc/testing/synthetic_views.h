@@ -5,6 +5,7 @@
 #include <facetloc/testing/synthetic_depth.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace facetloc::test {
 
