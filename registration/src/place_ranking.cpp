@@ -125,10 +125,20 @@ void PlaceRanking::refine(const View& scene, const std::vector<Neighbour>& neigh
   h.T_m_c.T = T_w_m.inverse() * pose.T;
 }
 
+// How many of the sorted hypotheses, at most so many, are not hopeless beside the best.
+std::size_t PlaceRanking::hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const {
+  if (sorted.empty()) return 0;
+  const double least = sorted.front().score + std::log(params_.hopeless_odds) / slope;
+  const auto end =
+      sorted.begin() + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(sorted.size()), most);
+  const auto isHopeless = [least](const Hypothesis& h) { return h.score < least; };
+  return static_cast<std::size_t>(std::find_if(sorted.begin(), end, isHopeless) - sorted.begin());
+}
+
 bool PlaceRanking::addEvidence(const View& scene, std::vector<Hypothesis>& hypotheses) const {
   sortByScore(hypotheses);
   if (!params_.multi_model || scene.depth.empty()) return false;
-  const std::size_t n = std::min<std::size_t>(hypotheses.size(), params_.evidence_hypotheses);
+  const std::size_t n = hopeful(hypotheses, params_.evidence_hypotheses, params_.plain_softmax_slope);
   bool any = false;
   double least = std::numeric_limits<double>::infinity();
   std::vector<double> found(n, 0);
@@ -150,7 +160,7 @@ bool PlaceRanking::addEvidence(const View& scene, std::vector<Hypothesis>& hypot
 }
 
 void PlaceRanking::refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses) const {
-  const std::size_t n = std::min<std::size_t>(hypotheses.size(), params_.refined_places);
+  const std::size_t n = hopeful(hypotheses, params_.refined_places, params_.softmax_slope);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < n; ++i) {
     Hypothesis& h = hypotheses[i];

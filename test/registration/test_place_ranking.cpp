@@ -213,6 +213,22 @@ TEST_F(Evidence, HypothesesBeyondTheBestGetTheLeastOfThose) {
   EXPECT_EQ(h[3].evidence, least);
 }
 
+TEST_F(Evidence, HopelessHypothesesGetTheLeastOfTheOthers) {
+  Eigen::Isometry3d wrong = truth;
+  wrong.translation() += Eigen::Vector3d(0.4, 0.3, 0);
+  const double hopeless = -std::log(params.hopeless_odds) / params.plain_softmax_slope;
+  const std::vector<Hypothesis> given{hypothesis(50, wrong), hypothesis(50 - hopeless + 0.1, truth),
+                                      hypothesis(50 - hopeless - 0.1, truth)};
+  std::vector<Hypothesis> h = given;
+  ASSERT_TRUE(add(h));
+  EXPECT_GT(h[1].evidence, h[0].evidence);
+  EXPECT_EQ(h[2].evidence, h[0].evidence);
+  params.hopeless_odds = 0;
+  h = given;
+  ASSERT_TRUE(add(h));
+  EXPECT_EQ(h[2].evidence, h[1].evidence);
+}
+
 TEST_F(Evidence, OfAPerfectViewIsThatOfItsUntestedPixels) {
   // Closed form: no pixel contradicts, is hidden or disagrees; what is left is the share that came untested.
   map.models.resize(1);
@@ -270,6 +286,25 @@ TEST_F(Evidence, RefinedPlacesAreNearerToTheTruth) {
   EXPECT_LT((h[0].T_w_c->translation() - truth.translation()).norm(), 0.005);
   EXPECT_TRUE((*map.models[0].T_w_m * h[0].T_m_c.T).isApprox(*h[0].T_w_c, 1e-12));
   EXPECT_GT(h[0].score, h[1].score + 30);
+}
+
+TEST_F(Evidence, HopelessPlacesAreNotRefined) {
+  const double hopeless = -std::log(params.hopeless_odds) / params.softmax_slope;
+  Eigen::Isometry3d near = truth;
+  near.translation() += Eigen::Vector3d(0.03, -0.02, 0.02);
+  const auto refined = [&](double below) {
+    std::vector<Hypothesis> h{hypothesis(50, lookingAlong({3, 3, 1.2}, {-1, 0, 0})),
+                              hypothesis(50 - below, near)};
+    for (Hypothesis& x : h) {
+      x.T_m_c.T = map.models[0].T_w_m->inverse() * *x.T_w_c;
+      x.T_m_c.P.diagonal() << Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(1e-3);
+    }
+    ranking().refinePlaces(scene, h);
+    return std::none_of(h.begin(), h.end(),
+                        [&](const Hypothesis& x) { return x.T_w_c->isApprox(near, 1e-12); });
+  };
+  EXPECT_TRUE(refined(hopeless - 0.1));
+  EXPECT_FALSE(refined(hopeless + 0.1));
 }
 
 TEST_F(Evidence, ARefinementThatLeavesItsPlaceIsNotTaken) {

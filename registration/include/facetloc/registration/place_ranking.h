@@ -20,6 +20,7 @@ struct PlaceRankingParams {
   bool multi_model = true;           ///< evidence of the nearest local models
   int evidence_models = 5;           ///< so many of them
   int evidence_hypotheses = 60;      ///< for so many of the best hypotheses
+  double hopeless_odds = 0.003;      ///< against the best: neither evidence nor refinement makes up for less
   double contradiction_weight = 10;  ///< of contradicting pixels, in each direction [nats]; 0 = none
   double occlusion_weight = 4;       ///< of what the models saw and the scene hides, in the same form [nats]
   double disagreement_weight = 48;   ///< of a scene none of whose pixels agree with the models [nats]
@@ -46,6 +47,8 @@ struct PlaceRankingParams {
     field("evidence_models", p.evidence_models, 1, 100, "Number of local models that give evidence.");
     field("evidence_hypotheses", p.evidence_hypotheses, 1, 100000,
           "Number of best hypotheses that are tested so.");
+    field("hopeless_odds", p.hopeless_odds, 0.0, 1.0,
+          "Hypotheses whose odds against the best are worse are not looked at more closely.");
     field("contradiction_weight", p.contradiction_weight, 0.0, 1e4,
           "Weight of depth pixels that contradict local models or are contradicted by them [nats].");
     field("occlusion_weight", p.occlusion_weight, 0.0, 1e4,
@@ -126,6 +129,7 @@ private:
   double evidence(const View& scene, const std::vector<Neighbour>& neighbours, const Eigen::Isometry3d& T_w_c,
                   const DepthComparison& comparison) const;
   void refine(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h) const;
+  std::size_t hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const;
 
   std::shared_ptr<const Map> map_;
   PlaceRankingParams params_;
