@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "depth_normal_equations.h"
+
 #include <facetloc/registration/dense_refinement.h>
 #include <facetloc/registration/depth_consistency.h>
 #include <facetloc/registration/depth_difference.h>
@@ -11,55 +13,11 @@
 namespace facetloc {
 namespace {
 
-constexpr double kFarthest = 1 / 8.0;  // smallest inverse depth used [1/m]
-constexpr double kConverged = 1e-5;    // norm of a step [rad, m]
-
-struct NormalEquations {
-  Matrix6d A = Matrix6d::Zero();
-  Vector6d g = Vector6d::Zero();
-  double weight = 0;  // sum of the robust weights
-  bool of_noise = false;
-  Matrix6d noise = Matrix6d::Zero();  // if wanted: what gradients of unit variance add to A by chance
-};
-
-void addPicture(const DepthPicture& scene, const PosedPicture& model, const Eigen::Isometry3d& T_w_c,
-                const Matrix6d& uncertainty, double error, double gate, NormalEquations& n) {
-  const DepthPicture& b = *model.picture;
-  const Eigen::Isometry3d T_m_c = model.T_w_c.inverse() * T_w_c;
-  const Eigen::Matrix3d R_m_c = T_m_c.linear(), R_w_m = model.T_w_c.linear();
-  const Intrinsics& c = b.camera;
-  const int step = gridStep(scene, kFineColumns);
-  for (int v = step / 2; v < scene.camera.height; v += step)
-    for (int u = step / 2; u < scene.camera.width; u += step) {
-      const double rho =
-          DepthPicture::kQuantum * scene.inverse_depth[static_cast<std::size_t>(v) * scene.camera.width + u];
-      if (rho < kFarthest) continue;
-      const Eigen::Vector3d ray = scene.camera.ray(u, v);
-      DepthDifference d;
-      if (!compareDepth(R_m_c * ray, T_m_c.translation(), rho, b, error, d)) continue;
-      const Eigen::Vector3d a = R_w_m * d.by_point;
-      const Eigen::Vector3d arm = T_w_c.linear() * ray / rho;
-      Vector6d J;
-      J << arm.cross(a), a;
-      const double largest2 = gate * gate * (error * error + J.dot(uncertainty * J));
-      if (d.residual * d.residual >= largest2) continue;
-      const double robust = std::pow(1 - d.residual * d.residual / largest2, 2);  // Tukey's weight
-      n.A.selfadjointView<Eigen::Lower>().rankUpdate(J, robust);
-      n.g += robust * d.residual * J;
-      n.weight += robust;
-      if (!n.of_noise) continue;
-      for (const Eigen::Vector3d& by_gradient :
-           {Eigen::Vector3d(-c.fx, 0, c.fx * d.x), Eigen::Vector3d(0, -c.fy, c.fy * d.y)}) {
-        const Eigen::Vector3d da = d.inverse_depth * R_w_m * by_gradient;
-        J << arm.cross(da), da;
-        n.noise.selfadjointView<Eigen::Lower>().rankUpdate(J, robust);
-      }
-    }
-}
+constexpr double kConverged = 1e-5;  // norm of a step [rad, m]
 
 // Drops the directions in which the gradients tell hardly more than their own noise and the bands of a coarse
 // quantisation would (after Zhang, Kaess, Singh, ICRA 2016), and takes the noise out of the others.
-void dropFeigned(double inverse_depth_std, double significance, NormalEquations& n) {
+void dropFeigned(double inverse_depth_std, double significance, DepthNormalEquations& n) {
   const double gradient_variance =
       inverse_depth_std * inverse_depth_std / (2 * DepthSlope::kReach * DepthSlope::kReach);
   constexpr double kRegular = 1e-9;  // of the trace
@@ -89,15 +47,16 @@ bool refineByDepth(const DepthPicture& scene, const std::vector<PosedPicture>& p
   Eigen::Isometry3d T = pose.T;
   Matrix6d uncertainty = pose.P;
   const auto normalEquations = [&] {
-    NormalEquations n;
+    DepthNormalEquations n;
     n.of_noise = params.significance > 0;
-    for (const PosedPicture& picture : pictures)
-      if (!picture.picture->empty()) addPicture(scene, picture, T, uncertainty, error, params.robust_gate, n);
+    for (const PosedPicture& p : pictures)
+      n.add(scene, gridStep(scene, kFineColumns), T, *p.picture, p.T_w_c, uncertainty, error,
+            params.robust_gate);
     if (n.of_noise && n.weight > 0) dropFeigned(inverse_depth_std, params.significance, n);
     return n;
   };
   for (int i = 0; i < params.iterations; ++i) {
-    const NormalEquations n = normalEquations();
+    const DepthNormalEquations n = normalEquations();
     if (!(n.weight > 0)) return false;
     const Matrix6d A = of_pixel * Matrix6d(n.A.selfadjointView<Eigen::Lower>());
     const Eigen::LDLT<Matrix6d> solver(A + prior_information);

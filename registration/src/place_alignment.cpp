@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/impl/lanes.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/registration/place_alignment.h>
 
@@ -61,30 +62,38 @@ struct Comparison {
 };
 
 // Points seen from elsewhere against a picture: x_c = R x + t.
-Comparison compare(const std::vector<Eigen::Vector3f>& points, const Eigen::Matrix3f& R,
-                   const Eigen::Vector3f& t, const CoarseDepth& picture) {
+FACETLOC_MULTIVERSION Comparison compare(const PointColumns& points, const Eigen::Matrix3f& R,
+                                         const Eigen::Vector3f& t, const CoarseDepth& picture) {
   constexpr float kAbsolute = 0.04f, kRelative = 0.02f, kNearest = 0.3f;  // [m], 1, [m]
-  Comparison found;
   const Intrinsics& c = picture.camera;
   const auto fx = static_cast<float>(c.fx), fy = static_cast<float>(c.fy),
              cx = static_cast<float>(c.cx) + 0.5f, cy = static_cast<float>(c.cy) + 0.5f;
   const auto width = static_cast<float>(c.width), height = static_cast<float>(c.height);
-  for (const Eigen::Vector3f& x : points) {
-    const Eigen::Vector3f p = R * x + t;
-    if (p.z() < kNearest) continue;
-    const float scale = 1 / p.z(), u = p.x() * scale * fx + cx, v = p.y() * scale * fy + cy;
-    if (!(u >= 0 && v >= 0 && u < width && v < height)) continue;
-    const float z =
-        0.001f * picture.depth[static_cast<std::size_t>(v) * c.width + static_cast<std::size_t>(u)];
-    if (z <= 0) continue;
-    const float tolerance = kAbsolute + kRelative * z, d = p.z() - z;
-    if (d < -tolerance)
-      ++found.in_front;
-    else if (d > tolerance)
-      ++found.behind;
-    else
-      ++found.agree;
+  const float *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
+  const auto n = static_cast<std::int32_t>(points.size());
+  if (picture.depth.empty()) return {};
+  Ints agree{}, in_front{}, behind{};
+  for (std::int32_t i = 0; i < n; i += kLanes) {
+    Floats px, py, pz;
+    load(x + i, x + n, px), load(y + i, y + n, py), load(z + i, z + n, pz);
+    const Floats qx = R(0, 0) * px + R(0, 1) * py + R(0, 2) * pz + t[0],
+                 qy = R(1, 0) * px + R(1, 1) * py + R(1, 2) * pz + t[1],
+                 qz = R(2, 0) * px + R(2, 1) * py + R(2, 2) * pz + t[2];
+    const Floats scale = 1 / qz, u = qx * scale * fx + cx, v = qy * scale * fy + cy;
+    Ints judged = (kLane < n - i) & (qz >= kNearest) & (u >= 0) & (v >= 0) & (u < width) & (v < height);
+    const Ints column = __builtin_convertvector(u, Ints) & judged,
+               row = __builtin_convertvector(v, Ints) & judged, at = row * c.width + column;
+    Ints millimetres;
+    for (int k = 0; k < kLanes; ++k) millimetres[k] = picture.depth[static_cast<std::size_t>(at[k])];
+    judged &= millimetres > 0;
+    const Floats measured = 0.001f * __builtin_convertvector(millimetres, Floats);
+    const Floats tolerance = kAbsolute + kRelative * measured, d = qz - measured;
+    const Ints nearer = judged & (d < -tolerance), farther = judged & (d > tolerance);
+    in_front -= nearer, behind -= farther, agree -= judged & ~nearer & ~farther;
   }
+  Comparison found;
+  for (int k = 0; k < kLanes; ++k)
+    found.agree += agree[k], found.in_front += in_front[k], found.behind += behind[k];
   return found;
 }
 
@@ -176,7 +185,9 @@ void PlaceAligner::findPositions(float turn) {
     if (p.scene->left_end && p.model->left_end) vote(p, p.model->left - p.scene->left, kEnd * p.weight);
   }
   for (int k = 0; k < kPositions; ++k) {
-    const auto best = static_cast<int>(std::max_element(grid_.begin(), grid_.end()) - grid_.begin());
+    const float most =
+        Eigen::Map<const Eigen::ArrayXf>(grid_.data(), grid_.size()).maxCoeff();  // many at once
+    const auto best = static_cast<int>(std::find(grid_.begin(), grid_.end(), most) - grid_.begin());
     if (grid_[best] <= 0) return;
     float sum = 0, x = 0, y = 0;
     for (int dy = -1; dy <= 1; ++dy)

@@ -135,7 +135,7 @@ PlaceSignature placeSignature(const View& view, const CameraMounting& mounting,
   return out;
 }
 
-void pointsAboveFloor(const PlaceSignature& place, std::vector<Eigen::Vector3f>& points) {
+void pointsAboveFloor(const PlaceSignature& place, PointColumns& points) {
   points.clear();
   const Intrinsics& c = place.picture.camera;
   for (int v = kPointStep / 2; v < c.height; v += kPointStep)

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/camera_model.h>
 #include <facetloc/registration/dense_refinement.h>
+#include <facetloc/registration/depth_consistency.h>
+#include <facetloc/registration/depth_difference.h>
+#include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,6 +17,8 @@ namespace facetloc {
 namespace {
 
 using test::lookingAlong;
+using test::MatrixNear;
+using test::PoseNear;
 
 const double kNoise = SensorNoise{}.inverse_depth_std;
 
@@ -57,6 +64,68 @@ TEST_F(DenseRefinement, FindsTheTruthFromNearIt) {
     EXPECT_LT((pose.T.translation() - truth.translation()).norm(), 0.005) << trial;
     EXPECT_LT(rotationAngle(pose.T.linear() * truth.linear().transpose()), 0.1 * kDegree) << trial;
   }
+}
+
+// Normal equations of all pixels, one by one and in double precision.
+struct Sums {
+  Matrix6d A = Matrix6d::Zero();
+  Vector6d g = Vector6d::Zero();
+};
+Sums ofAllPixels(const DepthPicture& scene, const std::vector<PosedPicture>& pictures,
+                 const Eigen::Isometry3d& T_w_c, const Matrix6d& uncertainty, double error, double gate) {
+  Sums sums;
+  const int step = gridStep(scene, kFineColumns);
+  for (const PosedPicture& p : pictures) {
+    const Eigen::Isometry3d T_m_c = p.T_w_c.inverse() * T_w_c;
+    for (int v = step / 2; v < scene.camera.height; v += step)
+      for (int u = step / 2; u < scene.camera.width; u += step) {
+        const double rho = DepthPicture::kQuantum * scene.inverse_depth[v * scene.camera.width + u];
+        const Eigen::Vector3d ray = scene.camera.ray(u, v);
+        DepthDifference d;
+        if (rho < 1 / 8.0 ||
+            !compareDepth(T_m_c.linear() * ray, T_m_c.translation(), rho, *p.picture, error, d))
+          continue;
+        const Eigen::Vector3d a = p.T_w_c.linear() * d.by_point, arm = T_w_c.linear() * ray / rho;
+        Vector6d J;
+        J << arm.cross(a), a;
+        const double largest = gate * std::sqrt(error * error + J.dot(uncertainty * J));
+        if (std::abs(d.residual) >= largest) continue;
+        const double weight = std::pow(1 - std::pow(d.residual / largest, 2), 2);
+        sums.A += weight * J * J.transpose();
+        sums.g += weight * d.residual * J;
+      }
+  }
+  return sums;
+}
+
+TEST_F(DenseRefinement, AStepIsThatOfAllPixelsOneByOne) {
+  params.iterations = 1;
+  params.significance = 0;
+  const double error = params.pixel_error * kNoise, of_pixel = 1 / (error * error * params.correlated_pixels);
+  std::mt19937 rng(6);
+  std::normal_distribution<double> normal;
+  // In single precision a pixel on the border of what is compared may fall to the other side: one of a
+  // thousand.
+  int exact = 0;
+  for (int trial = 0; trial < 10; ++trial) {
+    Vector6d d;
+    for (int i = 0; i < 6; ++i) d[i] = (i < 3 ? 0.5 * kDegree : 0.02) * normal(rng);
+    const PoseWithCovariance start{perturbed(truth, d), priorCovariance(0.5 * kDegree, 0.02)};
+    const Sums first = ofAllPixels(scene, pictures(), start.T, start.P, error, params.robust_gate);
+    const Matrix6d A = of_pixel * first.A + start.P.inverse();
+    const Eigen::Isometry3d stepped = perturbed(start.T, -A.ldlt().solve(of_pixel * first.g));
+
+    PoseWithCovariance pose = start;
+    Matrix6d information;
+    ASSERT_TRUE(refineByDepth(scene, pictures(), kNoise, params, pose, &information));
+    EXPECT_THAT(pose.T, PoseNear(stepped, 1e-4, 5e-3)) << trial;
+    const Vector6d apart = perturbation(stepped, pose.T);
+    exact += apart.head<3>().norm() < 1e-5 && apart.tail<3>().norm() < 1e-5;
+    const Matrix6d there =
+        of_pixel * ofAllPixels(scene, pictures(), pose.T, 0.25 * start.P, error, params.robust_gate).A;
+    EXPECT_THAT(information, MatrixNear(there, 3e-3 * there.norm())) << trial;
+  }
+  EXPECT_GE(exact, 8);
 }
 
 TEST_F(DenseRefinement, LeavesTheCovarianceAsItIs) {

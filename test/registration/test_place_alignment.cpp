@@ -52,6 +52,30 @@ TEST(PlaceAligner, NothingFitsNothing) {
   EXPECT_EQ(PlaceAligner(nothing).outlook(place), 0);
 }
 
+TEST(PlaceAligner, WithoutDepthTheWallsAloneAreLaidOverEachOther) {
+  const Eigen::Isometry3d T_w_m = robot(2, 2.5, 0.1), T_w_s = robot(2.4, 2.2, -0.15);
+  const PlaceSignature model = placeSignature(seenFrom(T_w_m, 1), kMounting),
+                       scene = placeSignature(seenFrom(T_w_s, 2), kMounting);
+  PlaceSignature flat_model = model, flat_scene = scene;
+  flat_model.picture = flat_scene.picture = {};
+  const float score = PlaceAligner(scene).align(model).score;
+  for (const PlaceAlignment& found :
+       {PlaceAligner(scene).align(flat_model), PlaceAligner(flat_scene).align(model),
+        PlaceAligner(flat_scene).align(flat_model)}) {
+    EXPECT_NEAR(found.heading, -0.25, 1.5 * kDegree);
+    EXPECT_LT(found.score, score);
+  }
+}
+
+TEST(PlaceAligner, DepthThatContradictsCosts) {
+  const PlaceSignature scene = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting);
+  PlaceSignature model = placeSignature(seenFrom(robot(2, 2.5, 0.1), 1), kMounting);
+  PlaceAligner aligner(scene);
+  const float score = aligner.align(model).score;
+  for (std::uint16_t& mm : model.picture.depth) mm /= 2;
+  EXPECT_LT(aligner.align(model).score, score - 0.3f);
+}
+
 TEST(PlaceAligner, BuffersDoNotChangeTheAnswer) {
   const PlaceSignature a = placeSignature(seenFrom(robot(2, 2.5, 0.1), 1), kMounting),
                        b = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting),

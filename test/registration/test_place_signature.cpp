@@ -76,10 +76,11 @@ TEST(PlaceSignature, LevelSurfacesHaveTheHeightOfTheFurniture) {
 TEST(PlaceSignature, PointsLieAboveTheFloorAndInTheRoom) {
   const Eigen::Isometry3d T_w_c = robotCamera(2, 2.5, 0.2);
   const PlaceSignature place = placeSignature(viewFrom(test::largeRoom(), T_w_c, 4), kMounting);
-  std::vector<Eigen::Vector3f> points;
+  PointColumns points;
   pointsAboveFloor(place, points);
   ASSERT_GT(points.size(), 20u);
-  for (const Eigen::Vector3f& p : points) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f p(points.x[i], points.y[i], points.z[i]);
     EXPECT_GT(p.z() + place.height, 0);
     EXPECT_LT(p.z() + place.height, 2.7);
     const Eigen::Vector3d w = expSO3({0, 0, 0.2}) * p.cast<double>() + T_w_c.translation();
@@ -102,9 +103,10 @@ TEST(PlaceSignature, BadSegmentsAreLeftOut) {
   const PlaceSignature nothing = placeSignature(View{}, kMounting);
   EXPECT_TRUE(nothing.walls.empty());
   EXPECT_TRUE(nothing.surfaces.empty());
-  std::vector<Eigen::Vector3f> points(1);
+  PointColumns points;
+  points.push_back({1, 2, 3});
   pointsAboveFloor(nothing, points);
-  EXPECT_TRUE(points.empty());
+  EXPECT_EQ(points.size(), 0u);
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ private:
   void refine(Pose& pose) const;
 
   const PlaceSignature& scene_;
-  std::vector<Eigen::Vector3f> scene_points_, model_points_;
+  PointColumns scene_points_, model_points_;
   std::vector<Pair> pairs_;
   std::vector<const Pair*> turned_;
   std::vector<float> turns_, grid_;

@@ -4,6 +4,7 @@
 #include <facetloc/features/local_model.h>
 #include <facetloc/registration/pose_prior.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -58,7 +59,16 @@ struct PlaceSignature {
 PlaceSignature placeSignature(const View& view, const CameraMounting& mounting,
                               const PosePriorParams& prior = {});
 
-/** \brief Some pixels of the picture, without the floor, relative to the camera in upright axes [m]. */
-void pointsAboveFloor(const PlaceSignature& place, std::vector<Eigen::Vector3f>& points);
+/** \brief Points, coordinate by coordinate, for many of them at once are moved and looked up [m]. */
+struct PointColumns {
+  std::vector<float> x, y, z;
+
+  std::size_t size() const { return x.size(); }
+  void clear() { x.clear(), y.clear(), z.clear(); }
+  void push_back(const Eigen::Vector3f& p) { x.push_back(p.x()), y.push_back(p.y()), z.push_back(p.z()); }
+};
+
+/** \brief Some pixels of the picture, without the floor, relative to the camera in upright axes. */
+void pointsAboveFloor(const PlaceSignature& place, PointColumns& points);
 
 }  // namespace facetloc

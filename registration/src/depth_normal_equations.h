@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/depth_picture.h>
+#include <facetloc/features/so3.h>
+
+namespace facetloc {
+
+/** \brief Normal equations of a pose T_w_c by all pixels of its depth picture against other pictures:
+ * residuals of inverse depth, weighed robustly, by its left perturbation. */
+struct DepthNormalEquations {
+  Matrix6d A = Matrix6d::Zero();  ///< lower triangle
+  Vector6d g = Vector6d::Zero();
+  double weight = 0;                  ///< sum of the robust weights
+  bool of_noise = false;              ///< whether noise is wanted
+  Matrix6d noise = Matrix6d::Zero();  ///< what gradients of unit variance add to A by chance; lower triangle
+
+  /** \brief Adds what a picture, taken at T_w_m, tells.
+   * \param step distance of the scene's pixels that are compared
+   * \param uncertainty covariance of T_w_c, by which residuals may be larger than by the error alone
+   * \param error of a difference of inverse depths [1/m]
+   * \param gate so many standard deviations are still believed a little */
+  void add(const DepthPicture& scene, int step, const Eigen::Isometry3d& T_w_c, const DepthPicture& picture,
+           const Eigen::Isometry3d& T_w_m, const Matrix6d& uncertainty, double error, double gate);
+};
+
+}  // namespace facetloc
