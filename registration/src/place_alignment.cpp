@@ -81,8 +81,8 @@ FACETLOC_MULTIVERSION Comparison compare(const PointColumns& points, const Eigen
                  qz = R(2, 0) * px + R(2, 1) * py + R(2, 2) * pz + t[2];
     const Floats scale = 1 / qz, u = qx * scale * fx + cx, v = qy * scale * fy + cy;
     Ints judged = (kLane < n - i) & (qz >= kNearest) & (u >= 0) & (v >= 0) & (u < width) & (v < height);
-    const Ints column = __builtin_convertvector(u, Ints) & judged,
-               row = __builtin_convertvector(v, Ints) & judged, at = row * c.width + column;
+    const Ints column = __builtin_convertvector((Floats)((Ints)u & judged), Ints),
+               row = __builtin_convertvector((Floats)((Ints)v & judged), Ints), at = row * c.width + column;
     Ints millimetres;
     for (int k = 0; k < kLanes; ++k) millimetres[k] = picture.depth[static_cast<std::size_t>(at[k])];
     judged &= millimetres > 0;

@@ -204,28 +204,8 @@ void findWhoShows(const GlobalLocalization& localization, std::vector<Query>& qu
   }
 }
 
-bool answersRight(const GlobalLocalization& localization, const Query& q) {
-  const Localization answer = localization.localize(q.view);
+bool isRight(const Localization& answer, const Query& q) {
   return !answer.hypotheses.empty() && isRight(*answer.hypotheses[0].T_w_c, q.T_w_c);
-}
-
-/** \return how many queries need no more than the first models of their shortlist, and how many of those are
- * right. */
-std::pair<std::size_t, std::size_t> surelyAnswered(const GlobalLocalization& localization,
-                                                   const PlaceIndexParams& params,
-                                                   const std::vector<Query>& queries) {
-  std::size_t sure = 0, right = 0;
-  for (const Query& q : queries) {
-    std::vector<Candidate> first = localization.candidates(q.view);
-    const auto isLater = [&](const Candidate& c) { return c.rank >= params.first_models; };
-    first.erase(std::remove_if(first.begin(), first.end(), isLater), first.end());
-    const Localization answer =
-        localization.rank(q.view, localization.registerWith(first, q.view, localization.prior()));
-    if (answer.hypotheses.empty() || answer.hypotheses[0].probability < params.sure_probability) continue;
-    ++sure;
-    right += isRight(*answer.hypotheses[0].T_w_c, q.T_w_c);
-  }
-  return {sure, right};
 }
 
 /** The map as the tools open it, with the index in its file. */
@@ -322,8 +302,18 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
     });
   }
   std::vector<char> right_quick;
+  std::size_t by_first = 0, by_first_and_right = 0;  // answered by the first models of the shortlist
   start = std::clock();
-  for (const Query& q : queries) right_quick.push_back(answersRight(quick, q));
+  for (const Query& q : queries) {
+    int asked = 0;
+    const auto registering = [&](const std::vector<Candidate>& models) {
+      ++asked;
+      return quick.registerWith(models, q.view, quick.prior());
+    };
+    right_quick.push_back(isRight(quick.localizeBy(registering, q.view), q));
+    by_first += asked == 1;
+    by_first_and_right += asked == 1 && right_quick.back();
+  }
   const double query_ms =
       1e3 * seconds(start) / static_cast<double>(std::max<std::size_t>(queries.size(), 1));
   const double of_answerable = 100 / static_cast<double>(std::max<std::size_t>(ranks.size(), 1));
@@ -337,9 +327,8 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
       query_ms, static_cast<double>(std::count(right_quick.begin(), right_quick.end(), 1)) * of_answerable,
       memory());
 
-  const auto [sure, sure_and_right] = surelyAnswered(quick, some.index, queries);
-  std::printf("the first %d models are enough for %zu of them, %zu right\n", some.index.first_models, sure,
-              sure_and_right);
+  std::printf("the first %d models are enough for %zu of them, %zu right\n", some.index.first_models,
+              by_first, by_first_and_right);
 
   std::fflush(stdout);
   if (csv) std::fflush(csv);
@@ -352,7 +341,7 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
     asked_quick.push_back(right_quick[k]);
   }
   start = std::clock();
-  for (const Query& q : asked) right_all.push_back(answersRight(exhaustive, q));
+  for (const Query& q : asked) right_all.push_back(isRight(exhaustive.localize(q.view), q));
   const double ms_all = 1e3 * seconds(start) / static_cast<double>(asked.size());
   int both = 0, only_all = 0, only_quick = 0;
   for (std::size_t i = 0; i < asked.size(); ++i) {

@@ -51,6 +51,24 @@ TEST(ViewBuilder, LabelKIsSegmentKOfTheView) {
   }
 }
 
+TEST(ViewBuilder, LabelsAndSupportsAgreeInImagesOfAnySize) {
+  const DepthImage image = roomImage();
+  for (const int width : {317, 318, 319}) {
+    DepthImage cropped;
+    cropped.camera = image.camera;
+    cropped.camera.width = width, cropped.camera.height = 239;
+    for (int v = 0; v < cropped.camera.height; ++v)
+      for (int u = 0; u < width; ++u) cropped.depth.push_back(image.at(u, v));
+    ViewBuilder builder;
+    const View view = builder.build(cropped);
+    const LabelledPlanes& s = builder.segmentation();
+    ASSERT_GE(view.segments.size(), 4u);
+    for (std::size_t k = 0; k < view.segments.size(); ++k)
+      EXPECT_EQ(std::count(s.labels.label.begin(), s.labels.label.end(), k + 1), s.support[k]) << width;
+    EXPECT_GT(s.labels.label.back(), 0) << "the last pixel is on the floor";
+  }
+}
+
 TEST(ViewBuilder, SegmentsComeInTheOrderOfInformation) {
   const View view = ViewBuilder().build(roomImage());
   const std::vector<int> order = rankByInformation(view.segments);

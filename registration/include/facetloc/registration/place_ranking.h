@@ -36,7 +36,7 @@ struct PlaceRankingParams {
   double refined_absolute_error = 1.6;    ///< as depth_absolute_error, once refined [noise std]
   double refined_relative_error = 0.003;  ///< as depth_relative_error, once refined
   double softmax_slope = 0.124;           ///< beta of the probability [1/nat]
-  double null_score = -21.9;  ///< S_0: score at which a place is as likely as none of the list [nats]
+  double null_score = -26;  ///< S_0: score at which a place is as likely as none of the list [nats]
   double plain_softmax_slope = 0.155;  ///< the same for scores without evidence of local models
   double plain_null_score = 22.3;
 
