@@ -63,7 +63,8 @@ FACETLOC_ALWAYS_INLINE void byPose(const Floats (&arm)[3], const Floats (&a)[3],
 // compareDepth for n pixels first, first + step, ... of a row v, and what they add.
 FACETLOC_MULTIVERSION void addRow(const Comparison& c, const std::uint16_t* row, int v, int first, int step,
                                   int n, Sums& sums) {
-  constexpr float kNearest = 0.5f, kStraight = 12;  // as compareDepth, depthSlopeAt
+  constexpr auto kNearest = static_cast<float>(DepthDifference::kNearest),
+                 kStraight = static_cast<float>(DepthSlope::kStraight);
   constexpr int kReach = DepthSlope::kReach;
   const auto fv = static_cast<float>(v);
   for (int i = 0; i < n; i += kLanes) {

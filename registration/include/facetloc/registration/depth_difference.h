@@ -11,7 +11,8 @@ namespace facetloc {
 /** \brief The inverse depth that a picture has at a point between its pixels, and its gradient [1/m, 1/m/px].
  */
 struct DepthSlope {
-  static constexpr int kReach = 2;  ///< of the gradient to each side [px]
+  static constexpr int kReach = 2;         ///< of the gradient to each side [px]
+  static constexpr double kStraight = 12;  ///< errors that the second difference may have
   double value, du, dv;
 };
 
@@ -19,7 +20,6 @@ struct DepthSlope {
  * nothing is measured, and the result is false. \param error of a difference of inverse depths [1/m] */
 inline bool depthSlopeAt(const DepthPicture& picture, double x, double y, double error, DepthSlope& slope) {
   constexpr int kReach = DepthSlope::kReach;
-  constexpr double kStraight = 12;  // errors that the second difference may have
   const Intrinsics& c = picture.camera;
   const int u = static_cast<int>(std::floor(x + 0.5)), v = static_cast<int>(std::floor(y + 0.5));
   if (!(u >= kReach && v >= kReach && u < c.width - kReach && v < c.height - kReach)) return false;
@@ -30,7 +30,7 @@ inline bool depthSlopeAt(const DepthPicture& picture, double x, double y, double
   const double left = at(u - kReach, v), right = at(u + kReach, v);
   const double up = at(u, v - kReach), down = at(u, v + kReach);
   if (centre == 0 || left == 0 || right == 0 || up == 0 || down == 0) return false;
-  const double tolerance = kStraight * error;
+  const double tolerance = DepthSlope::kStraight * error;
   if (std::abs(left + right - 2 * centre) > tolerance || std::abs(up + down - 2 * centre) > tolerance)
     return false;
   slope.du = (right - left) / (2 * kReach), slope.dv = (down - up) / (2 * kReach);
@@ -41,9 +41,10 @@ inline bool depthSlopeAt(const DepthPicture& picture, double x, double y, double
 
 /** \brief A point that one depth picture has measured, beside what another picture measured there. */
 struct DepthDifference {
-  double inverse_depth;      ///< of the point in the other picture's camera [1/m]
-  double x, y;               ///< the ray (b_x, b_y) on which it lies there
-  double residual;           ///< inverse_depth minus that of the picture [1/m]
+  static constexpr double kNearest = 0.5;  ///< points nearer than this are outside the sensor's range [m]
+  double inverse_depth;                    ///< of the point in the other picture's camera [1/m]
+  double x, y;                             ///< the ray (b_x, b_y) on which it lies there
+  double residual;                         ///< inverse_depth minus that of the picture [1/m]
   Eigen::Vector3d by_point;  ///< derivative of the residual by the point in that camera's axes [1/m^2]
 };
 
@@ -54,9 +55,8 @@ struct DepthDifference {
  * \return false where there is nothing to compare */
 inline bool compareDepth(const Eigen::Vector3d& ray, const Eigen::Vector3d& t, double inverse_depth,
                          const DepthPicture& picture, double error, DepthDifference& out) {
-  constexpr double kNearest = 0.5;  // points nearer than this are outside the sensor's range [m]
   const Eigen::Vector3d p = ray + t * inverse_depth;  // times the depth: the point
-  if (!(p.z() > kNearest * inverse_depth)) return false;
+  if (!(p.z() > DepthDifference::kNearest * inverse_depth)) return false;
   const Intrinsics& c = picture.camera;
   out.inverse_depth = inverse_depth / p.z();
   out.x = p.x() / p.z(), out.y = p.y() / p.z();
