@@ -17,7 +17,7 @@ FACETLOC_MULTIVERSION void invertDepth(const float* depth, std::size_t n, float 
 }
 
 DepthImage subsampled(const DepthImage& image, int step) {
-  if (step <= 1) return image;
+  if (step <= 1 || !image.valid()) return image;
   DepthImage out;
   out.camera = image.camera.subsampled(step);
   out.depth.reserve(static_cast<std::size_t>(out.camera.width) * out.camera.height);

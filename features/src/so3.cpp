@@ -51,9 +51,14 @@ PoseWithCovariance operator*(const Eigen::Isometry3d& T_a_b, const PoseWithCovar
   return {T_a_b * T_b_c.T, turned(T_a_b.linear(), T_b_c.P)};
 }
 
+bool isNear(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double translation, double rotation_deg) {
+  return (a.translation() - b.translation()).norm() <= translation &&
+         rotationAngle(a.linear() * b.linear().transpose()) <= rotation_deg * kDegree;
+}
+
 Eigen::Isometry3d perturbed(const Eigen::Isometry3d& T, const Vector6d& d) {
   Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
-  out.linear() = expSO3(d.head<3>()) * T.linear();
+  out.linear() = Eigen::Quaterniond(expSO3(d.head<3>()) * T.linear()).normalized().toRotationMatrix();
   out.translation() = T.translation() + d.tail<3>();
   return out;
 }

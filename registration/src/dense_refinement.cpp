@@ -25,10 +25,11 @@ void dropFeigned(double inverse_depth_std, double significance, DepthNormalEquat
   N.diagonal().array() += kRegular * N.trace();
   const Matrix6d A = n.A.selfadjointView<Eigen::Lower>();
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> eig(A, N);
-  // V^T N V = 1 and V^T A V = diag(lambda): lambda is 1 where there is nothing but noise.
+  // V^T N V = 1 and V^T A V = diag(lambda): lambda is 1 where there is nothing but noise, or less.
   const Matrix6d NV = N * eig.eigenvectors();
   const Vector6d lambda = eig.eigenvalues();
-  const Vector6d kept = (lambda.array() > significance).select(Vector6d::Ones(), Vector6d::Zero());
+  const Vector6d kept =
+      (lambda.array() > std::max(1.0, significance)).select(Vector6d::Ones(), Vector6d::Zero());
   n.g = NV * kept.cwiseProduct(eig.eigenvectors().transpose() * n.g);
   n.A = NV * kept.cwiseProduct((lambda.array() - 1).matrix()).asDiagonal() * NV.transpose();
 }

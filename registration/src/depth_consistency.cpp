@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/impl/lanes.h>
 #include <facetloc/registration/depth_consistency.h>
+#include <facetloc/registration/depth_difference.h>
 
 #include <algorithm>
 #include <array>
@@ -13,8 +14,8 @@ namespace {
 // as ln 0.25.
 constexpr float kContradicting = -3.912f;
 constexpr float kOccluded = -1.386f;
-constexpr float kUnitError = 1.673f;  // error at which an exact agreement counts 0 [absolute errors]
-constexpr float kNearest = 0.5f;      // points nearer than this are outside the sensor's range [m]
+constexpr double kUnitDepth = 3.479;  // at which an exact agreement counts 0 [m]
+constexpr auto kNearest = static_cast<float>(DepthDifference::kNearest);
 constexpr float kLn2 = 0.69314718f;
 constexpr float kQuantum = static_cast<float>(DepthPicture::kQuantum);
 
@@ -94,7 +95,7 @@ FACETLOC_MULTIVERSION void judgePixels(const DepthJudge::Geometry& g, const std:
     if (!likelihood) continue;
 
     // The logarithm of x = 2^e (1 + f) with f in [-0.25, 0.5], to 1e-6: ln(1 + f) = 2 artanh(f / (2 + f)).
-    const Floats argument = error * (1 / (kUnitError * g.absolute_error));
+    const Floats argument = error * (1 / g.unit_error);
     const Ints exponent = (((Ints)argument + 0x00400000) >> 23) - 127;
     const Floats f = (Floats)((Ints)argument - (exponent << 23)) - 1.f;
     const Floats s = f / (2.f + f), s2 = s * s;
@@ -131,6 +132,7 @@ DepthJudge::DepthJudge(const DepthComparison& comparison, const DepthPicture& a,
   g_.farthest = static_cast<float>(comparison.farthest());
   g_.absolute_error = static_cast<float>(comparison.absoluteError());
   g_.relative_error = static_cast<float>(comparison.relativeError());
+  g_.unit_error = static_cast<float>(comparison.error(1 / kUnitDepth));
   g_.gate = static_cast<float>(comparison.gate());
 }
 

@@ -10,8 +10,8 @@ namespace facetloc {
 namespace {
 
 constexpr float kQuantum = static_cast<float>(DepthPicture::kQuantum);
-constexpr float kFarthest = 1 / 8.0f;  // smallest inverse depth used [1/m]
-constexpr int kSums = 21;              // of a lower triangle
+constexpr auto kFarthest = static_cast<float>(DepthDifference::kFarthest);
+constexpr int kSums = 21;  // of a lower triangle
 
 /** The ray of pixel (u, v), told in other axes: across u + down v + origin. */
 struct Rays {

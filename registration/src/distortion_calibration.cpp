@@ -26,7 +26,6 @@ constexpr int kFewestPixels = 40;    // of a coarse grid that two pictures must 
 constexpr double kPixelError = 1.5;  // of a difference of two inverse depths [noise std]: sqrt 2 and a bit
 constexpr double kCorrelatedPixels = 8;  // so many tell as much as one: neighbours err alike
 constexpr double kGate = 3;              // differences beyond so many errors have no weight
-constexpr double kFarthest = 1 / 8.0;    // smallest inverse depth used [1/m]
 constexpr int kIterations = 10;
 constexpr PoseAccuracy kExact{0.01 * kDegree, 0.0003};  // nobody knows them better
 constexpr PoseAccuracy kGoodEnough{0.3 * kDegree, 0.015};
@@ -105,7 +104,7 @@ void Calibration::forEachDifference(const Pair& pair, int columns, const Visitor
       const Eigen::Vector3d ray = a.camera.ray(u, v);
       const double measured =
           DepthPicture::kQuantum * a.inverse_depth[static_cast<std::size_t>(v) * a.camera.width + u];
-      if (measured < kFarthest) continue;
+      if (measured < DepthDifference::kFarthest) continue;
       const double inverse_depth = measured - field_.at(ray.head<2>());
       if (!(inverse_depth > 0)) continue;
       const Eigen::Vector3d turned = pair.T_b_a.linear() * ray;

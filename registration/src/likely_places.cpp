@@ -7,6 +7,7 @@ namespace facetloc {
 namespace {
 
 constexpr double kSameTranslation = 0.2, kSameRotation = 3;  // [m, deg]
+constexpr double kForgotten = 1e-6;                          // probability that no later view makes up for
 constexpr double kAlike = 1.0 / 3;  // of two views that both have a wrong list; 1 / models if independent
 
 double rest(const std::vector<LikelyPlace>& places) {
@@ -16,11 +17,6 @@ double rest(const std::vector<LikelyPlace>& places) {
 }
 
 }  // namespace
-
-bool isNear(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double translation, double rotation_deg) {
-  return (a.translation() - b.translation()).norm() <= translation &&
-         rotationAngle(a.linear() * b.linear().transpose()) <= rotation_deg * kDegree;
-}
 
 std::vector<LikelyPlace> placesOfBoth(const std::vector<LikelyPlace>& before,
                                       const std::vector<LikelyPlace>& now, int models) {
@@ -41,6 +37,8 @@ std::vector<LikelyPlace> placesOfBoth(const std::vector<LikelyPlace>& before,
   double sum = kAlike * rest_before * rest_now;
   for (const LikelyPlace& p : out) sum += p.probability;
   for (LikelyPlace& p : out) p.probability = sum > 0 ? p.probability / sum : 0;
+  const auto isForgotten = [](const LikelyPlace& p) { return p.probability < kForgotten; };
+  out.erase(std::remove_if(out.begin(), out.end(), isForgotten), out.end());
   return out;
 }
 

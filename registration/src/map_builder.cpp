@@ -23,8 +23,14 @@ Link MapBuilder::link(int from, int to, const Eigen::Isometry3d& T_w_from,
   l.from = from;
   l.to = to;
   l.T_from_to.T = T_w_from.inverse() * T_w_to;
-  l.T_from_to.P.diagonal().head<3>().setConstant(std::pow(params_.pose_rotation_std_deg * kDegree, 2));
-  l.T_from_to.P.diagonal().tail<3>().setConstant(std::pow(params_.pose_translation_std, 2));
+  // Both poses err, and an error of the first one's rotation turns the way.
+  const double rotation = std::pow(params_.pose_rotation_std_deg * kDegree, 2);
+  const Eigen::Matrix3d lever = skew(l.T_from_to.T.translation());
+  l.T_from_to.P.diagonal() << Eigen::Vector3d::Constant(2 * rotation),
+      Eigen::Vector3d::Constant(2 * std::pow(params_.pose_translation_std, 2));
+  l.T_from_to.P.bottomRightCorner<3, 3>() += rotation * lever * lever.transpose();
+  l.T_from_to.P.bottomLeftCorner<3, 3>() = -rotation * lever;
+  l.T_from_to.P.topRightCorner<3, 3>() = -rotation * lever.transpose();
   return l;
 }
 

@@ -136,6 +136,7 @@ TrackedPose PoseTracking::update(const View& view, double stamp) {
   }
   const bool in_time = dt >= 0 && dt <= params_.max_gap;
   if (!in_time) odometry_.reset();
+  if (dt < 0) next_check_ = stamp;
   ViewMotion motion = odometry_.add(view, in_time ? dt : 0);
   motion.broken = motion.broken || !in_time;
   if (!active_) return search(view, motion);

@@ -16,6 +16,7 @@ double estimateNoise(const DepthImage& image, std::vector<float>& scratch) {
   constexpr int kRows = 60;  // give the median to a percent
   constexpr std::size_t kMinTriples = 100;
   constexpr double kMadToStd = 1.4826;
+  if (!image.valid()) return 0;
   const double scale =
       kMadToStd / std::sqrt(6.0);  // the variance of d0 - 2 d1 + d2 is 6 for unit white noise
   const int w = image.camera.width, step = std::max(1, image.camera.height / kRows);

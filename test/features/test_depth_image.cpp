@@ -31,6 +31,13 @@ TEST(DepthImage, SubsamplingTakesPixelsAndNeverAverages) {
 
 TEST(DepthImage, SubsamplingOfAnEmptyImageIsEmpty) { EXPECT_TRUE(subsampled(DepthImage{}, 2).empty()); }
 
+TEST(DepthImage, SubsamplingOfOneWithoutItsDepthsIsThatOne) {
+  DepthImage image;
+  image.camera = kinectIntrinsics();
+  EXPECT_FALSE(subsampled(image, 2).valid());
+  EXPECT_TRUE(subsampled(image, 2).empty());
+}
+
 TEST(DepthImage, TheWorkingWidthIsALowerBound) {
   Intrinsics c = kinectIntrinsics();
   EXPECT_EQ(subsamplingStep(c, 320), 2);

@@ -115,9 +115,32 @@ TEST(So3, PerturbationUndoesPerturbed) {
     EXPECT_THAT(perturbation(T, moved), MatrixNear(d, 1e-12));
     EXPECT_THAT(perturbed(T, Vector6d::Zero()), PoseNear(T, 0, 1e-12));
     // Left and decoupled: the rotation error is in the outer frame, the position moves by d t alone.
-    EXPECT_THAT(moved.linear(), MatrixNear(expSO3(d.head<3>()) * T.linear(), 1e-15));
+    EXPECT_THAT(moved.linear(), MatrixNear(expSO3(d.head<3>()) * T.linear(), 1e-14));
     EXPECT_THAT(moved.translation(), MatrixNear(T.translation() + d.tail<3>(), 1e-15));
   }
+}
+
+TEST(So3, APosePerturbedAgainAndAgainStaysAPose) {
+  Rng rng(11);
+  Eigen::Isometry3d T = test::randomPose(rng, 3, 5), other = T;
+  for (int i = 0; i < 100000; ++i) {
+    const Eigen::Isometry3d motion = other.inverse() * perturbed(T, 0.01 * gaussian<6>(rng));
+    other = T;
+    T = perturbed(T * motion, Vector6d::Zero());  // its error would double with each
+  }
+  EXPECT_THAT(T.linear().eval(), IsRotation());
+}
+
+TEST(So3, NearIsBothInPlaceAndInDirection) {
+  const auto at = [](double x, double degrees) {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.translation().x() = x;
+    T.linear() = expSO3({0, 0, degrees * kDegree});
+    return T;
+  };
+  EXPECT_TRUE(isNear(at(0, 0), at(0.19, 2.9), 0.2, 3));
+  EXPECT_FALSE(isNear(at(0, 0), at(0.21, 0), 0.2, 3));
+  EXPECT_FALSE(isNear(at(0, 0), at(0, 3.1), 0.2, 3));
 }
 
 TEST(So3, APoseToldInAnotherFrameHasThePerturbationOfThatFrame) {

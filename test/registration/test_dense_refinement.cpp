@@ -197,6 +197,7 @@ TEST_F(DenseRefinement, ABareWallFeignsNoInformation) {
   };
   EXPECT_LT(stdAlong(0), 0.02);  // what the noise of the gradients feigns
   EXPECT_GT(stdAlong(4), 0.045);
+  for (const double less : {0.01, 0.5}) EXPECT_EQ(stdAlong(less), stdAlong(1));  // never less than nothing
 }
 
 TEST_F(DenseRefinement, DoesNotDependOnTheWorldFrame) {

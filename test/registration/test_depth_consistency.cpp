@@ -157,6 +157,19 @@ TEST(DepthConsistency, LikelihoodIsThatOfTheErrorOfThePrediction) {
   }
 }
 
+TEST(DepthConsistency, ExactAgreementIsLikelierThanContradictionWhateverTheErrors) {
+  for (const double absolute : {0.01, 0.3, 3.0, 30.0})
+    for (const double relative : {0.0, 0.003, 0.1}) {
+      DepthConsistencyParams params;
+      params.absolute_error = absolute;
+      params.relative_error = relative;
+      const DepthAgreement a =
+          DepthComparison(params, 1 / kKinectGain).compare(wallAt(2), wallAt(2), kHere, kFineColumns);
+      ASSERT_GT(a.agree, 0);
+      EXPECT_GT(a.likelihood / a.agree, std::log(0.25)) << absolute << " " << relative;  // an occlusion
+    }
+}
+
 TEST(DepthConsistency, WhatIsUnknownFarOrOutOfViewIsNotCounted) {
   const auto total = [](const DepthAgreement& a) { return a.agree + a.contradict + a.occluded; };
   DepthImage blank = render({}, smallCamera()).image;

@@ -79,9 +79,32 @@ TEST(MapBuilder, LinksHoldTheRelativePoseAndTheAccuracyOfThePoses) {
   EXPECT_EQ(link.from, 3);
   EXPECT_EQ(link.to, 4);
   EXPECT_THAT(a * link.T_from_to.T, test::PoseNear(b, 1e-12, 1e-10));
-  EXPECT_NEAR(link.T_from_to.P(0, 0), std::pow(0.5 * kDegree, 2), 1e-15);
-  EXPECT_NEAR(link.T_from_to.P(5, 5), 0.0004, 1e-15);
-  EXPECT_THAT(link.T_from_to.P, test::IsPositiveSemidefinite(0.0));
+  EXPECT_THAT(link.T_from_to.P, test::IsPositiveSemidefinite(1e-15));
+}
+
+TEST(MapBuilder, TheErrorOfALinkIsThatOfBothPoses) {
+  Rng rng(5);
+  const MapBuilderParams params;
+  const Eigen::Isometry3d a = test::randomPose(rng, 3, 5), b = test::randomPose(rng, 3, 5);
+  const Link link = MapBuilder(params).link(0, 1, a, b);
+  const auto given = [&](const Eigen::Isometry3d& T) {  // as if measured
+    Vector6d error = test::gaussian<6>(rng);
+    error.head<3>() *= params.pose_rotation_std_deg * kDegree;
+    error.tail<3>() *= params.pose_translation_std;
+    return perturbed(T, error);
+  };
+  constexpr int kTrials = 20000;
+  Matrix6d sampled = Matrix6d::Zero();
+  for (int i = 0; i < kTrials; ++i) {
+    const Vector6d e = perturbation(link.T_from_to.T, given(a).inverse() * given(b));
+    sampled += e * e.transpose() / kTrials;
+  }
+  const Matrix6d inverse = link.T_from_to.P.inverse();
+  EXPECT_THAT((inverse * sampled).eval(), test::MatrixNear(Matrix6d::Identity(), 0.4));
+  EXPECT_NEAR((inverse * sampled).trace(), 6, 0.1);
+  EXPECT_NEAR(sampled(2, 2), link.T_from_to.P(2, 2), 0.05 * link.T_from_to.P(2, 2));
+  EXPECT_NEAR(sampled(3, 3), link.T_from_to.P(3, 3), 0.05 * link.T_from_to.P(3, 3));
+  EXPECT_NEAR(sampled(5, 1), link.T_from_to.P(5, 1), 0.05 * link.T_from_to.P(5, 5));
 }
 
 }  // namespace

@@ -270,6 +270,19 @@ TYPED_TEST(OurRegistration, IndicesChooseThePointsOfTheSourceAndOfTheOutput) {
               PoseNear(this->truth, TypeParam::kMetres, TypeParam::kDegrees));
 }
 
+TEST(PlanarRegistration, IndicesOutsideTheCloudAreToldNotUsed) {
+  struct Opened : PlanarRegistration<pcl::PointXYZ> {
+    using PlanarRegistration::makeView;
+  };
+  const auto cloud = PlanarCase<pcl::PointXYZ>::cloudFrom(kTargetPose, 1);
+  for (const int bad : {-1, static_cast<int>(cloud->size())}) {
+    const pcl::Indices indices{0, bad};
+    std::string why;
+    EXPECT_TRUE(Opened().makeView(*cloud, &indices, why).segments.empty());
+    EXPECT_EQ(why, "the indices do not fit the cloud");
+  }
+}
+
 TYPED_TEST(OurRegistration, HasTheAnswerInDoublePrecisionWithItsCovariance) {
   this->alignGoodClouds();
   const Eigen::Isometry3d pose = this->ranked().getFinalPose();

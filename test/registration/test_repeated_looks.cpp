@@ -26,12 +26,11 @@ Surroundings twoModels() {
   return surroundings;
 }
 
-/** How many times as large the covariance of a segment is. */
+/** How often the covariance of a segment counts. */
 double factor(const RepeatedLooks& looks, int segment) {
-  const Surroundings before = twoModels();
-  Surroundings after = before;
-  looks.discount(after);
-  return after.segments[segment].Sigma_q(0, 0) / before.segments[segment].Sigma_q(0, 0);
+  Surroundings surroundings = twoModels();
+  looks.discount(surroundings);
+  return surroundings.times[segment];
 }
 
 TEST(RepeatedLooks, TheFirstOneCountsInFull) {

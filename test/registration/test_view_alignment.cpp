@@ -85,7 +85,8 @@ TEST_F(AlignmentOfAView, WithoutAnythingInCommonIsThePrior) {
   const PoseWithCovariance prior{truth, priorCovariance(1, 0.03)};
   for (const View& view : {View(), viewFrom(largeRoom(), truth, 1)}) {
     const ViewAlignment found = alignView(view, {}, prior, {}, kNoise);
-    EXPECT_FALSE(found.measured());
+    EXPECT_FALSE(found.dense);
+    EXPECT_TRUE(found.pairs.empty());
     EXPECT_EQ(found.T_w_c.T.matrix(), prior.T.matrix());
     EXPECT_EQ(found.T_w_c.P, prior.P);
   }

@@ -68,6 +68,12 @@ TEST(EstimateNoise, OfTooFewPixelsIsUnknown) {
   EXPECT_EQ(estimateNoise(image), 0);
 }
 
+TEST(EstimateNoise, OfAnImageWithoutItsDepthsIsUnknown) {
+  DepthImage image = wall();
+  image.depth.clear();
+  EXPECT_EQ(estimateNoise(image), 0);
+}
+
 TEST(EstimateNoise, OfAnExactPlaneIsNextToNothing) { EXPECT_LT(estimateNoise(wall()) * kKinectGain, 1e-3); }
 
 }  // namespace

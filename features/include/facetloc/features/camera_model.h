@@ -47,7 +47,6 @@ Intrinsics kinectIntrinsics();
  * of b). For a camera of standard depth deviation sigma_z at depth z, inverse_depth_std = sigma_z / z^2. */
 struct SensorNoise {
   double inverse_depth_std = 0.5 / kKinectGain;  ///< random error of 1/z [1/m]
-  double pixel_std = 0.3;                        ///< lateral error [px]
   double distortion_offset =
       0.25 / kKinectGain;  ///< smooth distortion of 1/z over the image, constant part [1/m]
   double distortion_slope = 0.5 / kKinectGain;  ///< its part per unit of the normalised ray [1/m]
@@ -56,7 +55,6 @@ struct SensorNoise {
   static void describe(Self& p, Visitor&& field) {
     field("inverse_depth_std", p.inverse_depth_std, 1e-7, 1.0,
           "Random error of inverse depth, standard deviation [1/m]; sigma_z / z^2. Kinect: 0.00142.");
-    field("pixel_std", p.pixel_std, 0.0, 10.0, "Lateral error of a pixel, standard deviation [px].");
     field(
         "distortion_offset", p.distortion_offset, 0.0, 1.0,
         "Smooth distortion of inverse depth, constant part, standard deviation [1/m] (METHOD_MEASURED 4.3).");

@@ -42,7 +42,11 @@ Matrix6d turned(const Eigen::Matrix3d& R, const Matrix6d& P);
 /** \brief The pose of c in b, told in a. */
 PoseWithCovariance operator*(const Eigen::Isometry3d& T_a_b, const PoseWithCovariance& T_b_c);
 
-/** \brief T moved by a left, decoupled perturbation (d phi, d t). */
+/** \brief True if two poses are no farther apart than that [m, deg]. */
+bool isNear(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double translation, double rotation_deg);
+
+/** \brief T moved by a left, decoupled perturbation (d phi, d t). Its rotation stays orthonormal, however
+ * often this is done. */
 Eigen::Isometry3d perturbed(const Eigen::Isometry3d& T, const Vector6d& d);
 
 /** \brief The left, decoupled perturbation that leads from T0 to T: perturbed(T0, d) = T. */

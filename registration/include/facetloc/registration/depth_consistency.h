@@ -21,7 +21,7 @@ struct DepthConsistencyParams {
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& field) {
-    field("depth_absolute_error", p.absolute_error, 0.0, 1e3,
+    field("depth_absolute_error", p.absolute_error, 0.01, 1e3,
           "Error of a predicted inverse depth [noise standard deviations].");
     field("depth_relative_error", p.relative_error, 0.0, 1.0, "Relative error of a predicted inverse depth.");
     field("depth_gate", p.gate, 0.1, 100.0,
@@ -93,7 +93,7 @@ public:
     float fx, fy, cx, cy;  // of b, moved by half a pixel
     int width, height;
     const std::uint16_t *lowest, *highest;
-    float farthest, absolute_error, relative_error, gate;
+    float farthest, absolute_error, relative_error, unit_error, gate;
   };
 
 private:

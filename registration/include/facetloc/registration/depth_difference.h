@@ -42,9 +42,11 @@ inline bool depthSlopeAt(const DepthPicture& picture, double x, double y, double
 /** \brief A point that one depth picture has measured, beside what another picture measured there. */
 struct DepthDifference {
   static constexpr double kNearest = 0.5;  ///< points nearer than this are outside the sensor's range [m]
-  double inverse_depth;                    ///< of the point in the other picture's camera [1/m]
-  double x, y;                             ///< the ray (b_x, b_y) on which it lies there
-  double residual;                         ///< inverse_depth minus that of the picture [1/m]
+  static constexpr double kFarthest =
+      1 / 8.0;               ///< smallest inverse depth used where poses are estimated [1/m]
+  double inverse_depth;      ///< of the point in the other picture's camera [1/m]
+  double x, y;               ///< the ray (b_x, b_y) on which it lies there
+  double residual;           ///< inverse_depth minus that of the picture [1/m]
   Eigen::Vector3d by_point;  ///< derivative of the residual by the point in that camera's axes [1/m^2]
 };
 

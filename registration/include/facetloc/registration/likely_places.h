@@ -13,9 +13,6 @@ struct LikelyPlace {
   double probability = 0;
 };
 
-/** \brief True if two poses are no farther apart than that [m, deg]. */
-bool isNear(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double translation, double rotation_deg);
-
 /** \brief What two views in a row say together: what one of them leaves open the other may tell.
  *
  * Bayes' rule. What one list does not have is given the rest of its probability, spread over all local
@@ -25,7 +22,8 @@ bool isNear(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double trans
  * \param before places of the view before, moved to where the camera is now
  * \param now places of the view, each once; the probabilities of both are at most 1 in all
  * \param models local models of the map, at least 1
- * \return the places of both, those of `now` first in their order; within 0.2 m and 3 deg is one place */
+ * \return the places of both, those of `now` first in their order; within 0.2 m and 3 deg is one place.
+ * Those that have become less probable than one in a million are left out. */
 std::vector<LikelyPlace> placesOfBoth(const std::vector<LikelyPlace>& before,
                                       const std::vector<LikelyPlace>& now, int models);
 

@@ -12,6 +12,10 @@ View PlanarRegistration<PointT>::makeView(const pcl::PointCloud<PointT>& cloud, 
     why_empty = "the cloud is not organized";
     return {};
   }
+  if (indices && !areIndicesOf(cloud, *indices)) {
+    why_empty = "the indices do not fit the cloud";
+    return {};
+  }
   const std::optional<Intrinsics> camera = camera_ ? camera_ : recoverIntrinsics(cloud);
   if (!camera || camera->width != int(cloud.width) || camera->height != int(cloud.height)) {
     why_empty = "the camera of the cloud is not known and not to be had from its points";
