@@ -4,6 +4,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <exception>
 #include <iterator>
 
 namespace facetloc {
@@ -23,7 +24,7 @@ GlobalLocalization::GlobalLocalization(std::shared_ptr<const Map> map, const Glo
                                        const SensorNoise& noise)
     : map_(std::move(map)),
       params_(params),
-      registration_(params.registration, noise),
+      registration_(params.registration, noise, floorInformation(map_->mounting, params.prior)),
       ranking_(map_, params.ranking, params.registration.consensus, params.registration.depth,
                noise.inverse_depth_std) {
   prior_.P = posePrior(map_->mounting, params.prior);
@@ -90,16 +91,22 @@ std::vector<Hypothesis> GlobalLocalization::registerWith(const std::vector<Candi
                                                          const PoseWithCovariance& prior) const {
   const int n = static_cast<int>(candidates.size());
   if (n == 0 || scene.segments.empty()) return {};
-  // Each model's list is written by its index, so that the answer does not depend on the number of threads.
+  // Each model's list is written by its index, so that the answer does not depend on the number of threads;
+  // nor does what is thrown where models cannot be read.
   const auto samples = samplePoints(scene);
   std::vector<std::vector<Hypothesis>> of_model(n);
+  std::vector<std::exception_ptr> failure(n);
   const int threads = std::min(n, threads_ > 0 ? threads_ : omp_get_num_procs());
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
-  for (int i = 0; i < n; ++i) {
-    const Candidate& c = candidates[i];
-    const PoseWithCovariance start = c.start ? PoseWithCovariance{*c.start, start_covariance_} : prior;
-    of_model[i] = registration_.align(scene, samples, *map_->view(c.model), prior, start);
-  }
+  for (int i = 0; i < n; ++i) try {
+      const Candidate& c = candidates[i];
+      const PoseWithCovariance start = c.start ? PoseWithCovariance{*c.start, start_covariance_} : prior;
+      of_model[i] = registration_.align(scene, samples, *map_->view(c.model), prior, start);
+    } catch (...) {
+      failure[i] = std::current_exception();
+    }
+  for (const std::exception_ptr& f : failure)
+    if (f) std::rethrow_exception(f);
 
   std::vector<Hypothesis> hypotheses;
   for (int i = 0; i < n; ++i)
@@ -123,7 +130,8 @@ Localization GlobalLocalization::rank(const View& scene, std::vector<Hypothesis>
   if (answer.hypotheses.empty()) {
     const HypothesisTreeParams& tree = params_.registration.tree;
     const std::string open =
-        unconstrainedDirections(scene.segments, tree.complete_rotation_deg, tree.complete_translation);
+        unconstrainedDirections(scene.segments, tree.complete_rotation_deg, tree.complete_translation,
+                                floorInformation(map_->mounting, params_.prior));
     answer.reason =
         open.empty() ? "no local model agrees with the view" : "the planes in view leave free: " + open;
   }

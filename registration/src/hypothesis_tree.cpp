@@ -80,7 +80,8 @@ class Search {
 public:
   Search(const std::vector<Segment>& scene, const std::vector<Segment>& model,
          const std::vector<SegmentPair>& candidates, const PoseWithCovariance& prior,
-         const MatchingParams& matching, const EkfParams& ekf, const HypothesisTreeParams& params)
+         const MatchingParams& matching, const EkfParams& ekf, const HypothesisTreeParams& params,
+         const Matrix6d& known)
       : scene_(scene),
         model_(model),
         candidates_(candidates),
@@ -88,7 +89,7 @@ public:
         ekf_(ekf),
         params_(params) {
     findCompatible();
-    nodes_.push_back({-1, -1, 0, prior, Matrix6d::Zero(), PairSet(words_, ~std::uint64_t{0})});
+    nodes_.push_back({-1, -1, 0, prior, known, PairSet(words_, ~std::uint64_t{0})});
     for (std::size_t bit = candidates.size(); bit < words_ * 64; ++bit)
       nodes_[0].allowed[bit / 64] &= ~(std::uint64_t{1} << (bit % 64));
   }
@@ -239,9 +240,9 @@ Observability observability(const Matrix6d& information) {
 TreeSearchResult searchHypotheses(const std::vector<Segment>& scene, const std::vector<Segment>& model,
                                   const std::vector<SegmentPair>& candidates, const PoseWithCovariance& prior,
                                   const MatchingParams& matching, const EkfParams& ekf,
-                                  const HypothesisTreeParams& params) {
+                                  const HypothesisTreeParams& params, const Matrix6d& known) {
   if (candidates.empty()) return {};
-  return Search(scene, model, candidates, prior, matching, ekf, params).run();
+  return Search(scene, model, candidates, prior, matching, ekf, params, known).run();
 }
 
 }  // namespace facetloc

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace facetloc {
@@ -54,8 +55,7 @@ void sortByScore(std::vector<Hypothesis>& h) {
 }
 
 bool samePlace(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, const PlaceRankingParams& params) {
-  return (a.translation() - b.translation()).norm() <= params.merge_translation &&
-         rotationAngle(a.linear() * b.linear().transpose()) <= params.merge_rotation_deg * kDegree;
+  return isNear(a, b, params.merge_translation, params.merge_rotation_deg);
 }
 
 bool samePlace(const Hypothesis& a, const Hypothesis& b, const PlaceRankingParams& params) {
@@ -85,6 +85,7 @@ void PlaceRanking::rank(const View& scene, std::vector<Hypothesis>& hypotheses) 
   const bool of_pixels = consensus_.surface_score;  // a score in pixels, not in nats
   const bool evidence = !of_pixels && addEvidence(scene, hypotheses);
   mergePlaces(params_, hypotheses);
+  if (evidence) score(hypotheses);
   if (evidence && params_.dense_refinement) refinePlaces(scene, hypotheses);
   assignProbabilities(params_, evidence, hypotheses);
 }
@@ -173,8 +174,18 @@ void PlaceRanking::refinePlaces(const View& scene, std::vector<Hypothesis>& hypo
   // The others are compared with the larger errors of a pose that is not refined, which is no merit.
   for (std::size_t i = n; i < hypotheses.size(); ++i)
     hypotheses[i].evidence = std::min(hypotheses[i].evidence, least);
-  for (Hypothesis& h : hypotheses) h.score = h.consensus + h.evidence;
+  score(hypotheses);
   mergePlaces(params_, hypotheses);
+  score(hypotheses);
+}
+
+// Local models see a place from different sides: several that find it by themselves hardly err alike.
+void PlaceRanking::score(std::vector<Hypothesis>& places) const {
+  for (Hypothesis& h : places) {
+    const double models = static_cast<double>(std::max<std::size_t>(1, h.found_by.size()));
+    h.score = h.consensus + h.evidence + params_.support_weight * std::log(models);
+  }
+  sortByScore(places);
 }
 
 void mergePlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses) {
@@ -182,9 +193,17 @@ void mergePlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypo
   if (!params.merge) return;
   std::vector<Hypothesis> places;
   for (Hypothesis& h : hypotheses) {
-    const bool known = std::any_of(places.begin(), places.end(),
-                                   [&](const Hypothesis& p) { return samePlace(p, h, params); });
-    if (!known) places.push_back(std::move(h));
+    if (h.found_by.empty()) h.found_by = {h.model};
+    const auto known = std::find_if(places.begin(), places.end(),
+                                    [&](const Hypothesis& p) { return samePlace(p, h, params); });
+    if (known == places.end()) {
+      places.push_back(std::move(h));
+      continue;
+    }
+    std::vector<int> models;
+    std::set_union(known->found_by.begin(), known->found_by.end(), h.found_by.begin(), h.found_by.end(),
+                   std::back_inserter(models));
+    known->found_by.swap(models);
   }
   hypotheses.swap(places);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/registration/pose_prior.h>
 
+#include <Eigen/LU>
+
 #include <cmath>
 
 namespace facetloc {
@@ -22,6 +24,15 @@ Matrix6d cameraMotion(const CameraMounting& mounting) {
   return A;
 }
 
+namespace {
+
+constexpr int kOfFloor[3] = {0, 1, 5};  // roll, pitch, height among the motions of the base
+
+// Of the pose of one robot relative to another: each stands on its own piece of floor.
+Eigen::Matrix3d relativeFloorCovariance(const PosePriorParams& p) { return 2 * floorCovariance(p); }
+
+}  // namespace
+
 Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePriorParams& p) {
   const double var_rotation = std::pow(p.rotation_std_deg * kDegree, 2);
   const double var_translation = p.translation_std * p.translation_std;
@@ -31,15 +42,21 @@ Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePrio
     Sigma.diagonal().tail<3>().setConstant(var_translation);
     return Sigma;
   }
-  // Disturbance of the base (w_x, w_y, w_z, v_x, v_y, v_z); the floor enters twice, under the scene and the
-  // model pose.
+  // Disturbance of the base (w_x, w_y, w_z, v_x, v_y, v_z).
   Sigma.diagonal() << 0, 0, var_rotation, var_translation, var_translation, 0;
-  const Eigen::Matrix3d C = floorCovariance(p);
-  const int at[3] = {0, 1, 5};  // roll, pitch, height
+  const Eigen::Matrix3d C = relativeFloorCovariance(p);
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) Sigma(at[i], at[j]) += 2 * C(i, j);
+    for (int j = 0; j < 3; ++j) Sigma(kOfFloor[i], kOfFloor[j]) += C(i, j);
   const Matrix6d A = cameraMotion(*mounting);
   return A * Sigma * A.transpose();
+}
+
+Matrix6d floorInformation(const std::optional<CameraMounting>& mounting, const PosePriorParams& p) {
+  if (!mounting) return Matrix6d::Zero();
+  const Matrix6d of_base = cameraMotion(*mounting).inverse();
+  Eigen::Matrix<double, 3, 6> of_floor;
+  for (int i = 0; i < 3; ++i) of_floor.row(i) = of_base.row(kOfFloor[i]);
+  return of_floor.transpose() * relativeFloorCovariance(p).inverse() * of_floor;
 }
 
 }  // namespace facetloc

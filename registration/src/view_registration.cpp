@@ -26,8 +26,9 @@ bool byScore(const Hypothesis& a, const Hypothesis& b) { return a.score > b.scor
 
 }  // namespace
 
-ViewRegistration::ViewRegistration(const ViewRegistrationParams& params, const SensorNoise& noise)
-    : params_(params), comparison_(params.depth, noise.inverse_depth_std) {}
+ViewRegistration::ViewRegistration(const ViewRegistrationParams& params, const SensorNoise& noise,
+                                   const Matrix6d& known)
+    : params_(params), comparison_(params.depth, noise.inverse_depth_std), known_(known) {}
 
 std::vector<Hypothesis>
 ViewRegistration::align(const View& scene, const std::vector<std::vector<Eigen::Vector3d>>& scene_samples,
@@ -36,7 +37,7 @@ ViewRegistration::align(const View& scene, const std::vector<std::vector<Eigen::
   const std::vector<SegmentPair> candidates =
       candidatePairs(scene.segments, model.segments, start, params_.matching);
   const TreeSearchResult found = searchHypotheses(scene.segments, model.segments, candidates, start,
-                                                  params_.matching, params_.ekf, params_.tree);
+                                                  params_.matching, params_.ekf, params_.tree, known_);
 
   std::vector<Hypothesis> hypotheses;
   for (const PoseNode& node : found.complete) {
@@ -71,14 +72,11 @@ ViewRegistration::align(const View& scene, const std::vector<std::vector<Eigen::
 void ViewRegistration::addDistinct(Hypothesis&& h, std::vector<Hypothesis>& hypotheses) const {
   if (!isComplete(h.T_m_c.P, params_.tree)) return;
   constexpr double kRefinedFactor = 2;  // refined duplicates within 2 deg and 0.1 m are one (METHOD 10.6)
-  for (const Hypothesis& other : hypotheses) {
-    const double shift = (other.T_m_c.T.translation() - h.T_m_c.T.translation()).norm();
-    if (shift > kRefinedFactor * params_.tree.duplicate_translation) continue;
-    if (rotationAngle(other.T_m_c.T.linear() * h.T_m_c.T.linear().transpose()) <=
-        kRefinedFactor * params_.tree.duplicate_rotation_deg * kDegree)
-      return;
-  }
-  hypotheses.push_back(std::move(h));
+  const bool known = std::any_of(hypotheses.begin(), hypotheses.end(), [&](const Hypothesis& other) {
+    return isNear(other.T_m_c.T, h.T_m_c.T, kRefinedFactor * params_.tree.duplicate_translation,
+                  kRefinedFactor * params_.tree.duplicate_rotation_deg);
+  });
+  if (!known) hypotheses.push_back(std::move(h));
 }
 
 void ViewRegistration::completeByDepth(const View& scene, const View& model, const PoseWithCovariance& prior,
@@ -109,8 +107,8 @@ void ViewRegistration::completeByDepth(const View& scene, const View& model, con
 }
 
 std::string unconstrainedDirections(const std::vector<Segment>& segments, double max_rotation_std_deg,
-                                    double max_translation_std) {
-  Matrix6d information = Matrix6d::Zero();
+                                    double max_translation_std, const Matrix6d& known) {
+  Matrix6d information = known;
   for (const Segment& s : segments) {
     PlaneMeasurement m;  // of the view against itself
     if (measurePlane(s, s, Eigen::Isometry3d::Identity(), 0.0, m))

@@ -68,6 +68,27 @@ TEST_F(LocalizationInARoom, EveryMapImageIsFoundAtItsOwnPlace) {
   }
 }
 
+TEST_F(LocalizationInARoom, AModelThatCannotBeReadIsAnErrorForAnyNumberOfThreads) {
+  struct BrokenStore : MapStore {
+    std::shared_ptr<const View> view(int i) const override {
+      throw std::runtime_error("local model " + std::to_string(i) + " is damaged");
+    }
+    std::unique_ptr<std::istream> placeIndex() const override { return nullptr; }
+  };
+  auto broken = std::make_shared<Map>(*map);
+  broken->store = std::make_shared<BrokenStore>();
+  for (const int threads : {1, 2}) {
+    GlobalLocalization localization(broken);
+    localization.setNumberOfThreads(threads);
+    try {
+      localization.localize(map->models[3].view);
+      FAIL() << "the damage was not told";
+    } catch (const std::runtime_error& e) {
+      EXPECT_STREQ(e.what(), "local model 0 is damaged");
+    }
+  }
+}
+
 TEST_F(LocalizationInARoom, EveryMapImageAgreesWithItsNeighbours) {
   const GlobalLocalization localization(map);
   for (const LocalModel& m : map->models) {
@@ -130,7 +151,8 @@ TEST_F(LocalizationInARoom, TheListIsSortedMergedAndItsProbabilitiesLeaveRoomFor
     const Hypothesis& h = answer.hypotheses[i];
     sum += h.probability;
     EXPECT_THAT(*h.T_w_c, PoseNear(*map->models[h.model].T_w_m * h.T_m_c.T, 1e-12, 1e-9));
-    EXPECT_NEAR(h.score, h.consensus + h.evidence, 1e-9);
+    const double support = PlaceRankingParams().support_weight * std::log(h.found_by.size());
+    EXPECT_NEAR(h.score, h.consensus + h.evidence + support, 1e-9);
     for (std::size_t k = 0; k < i; ++k) {
       EXPECT_LE(h.score, answer.hypotheses[k].score);
       const Vector6d e = perturbation(*answer.hypotheses[k].T_w_c, *h.T_w_c);

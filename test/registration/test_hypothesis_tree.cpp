@@ -241,6 +241,21 @@ TEST(HypothesisTree, OneFreeTranslationIsReportedWithItsDirection) {
   }
 }
 
+TEST(HypothesisTree, WhatIsKnownWithoutPairsNeedsNone) {
+  // Two walls of a corner; roll, pitch and height are known.
+  const std::vector<Segment> corner{rectangle({0, 0, 3}, {0, 0, -1}, 2, 0.8),
+                                    rectangle({1, 0, 2}, {-1, 0, 0}, 2, 0.9)};
+  const PoseWithCovariance prior = widePrior();
+  const auto pairs = candidatePairs(corner, corner, prior);
+  const auto search = [&](const Matrix6d& known) {
+    return searchHypotheses(corner, corner, pairs, prior, {}, {}, {}, known);
+  };
+  EXPECT_TRUE(search(Matrix6d::Zero()).complete.empty());
+  const Matrix6d floor = floorInformation(CameraMounting{1, 0});
+  EXPECT_FALSE(search(floor).complete.empty());
+  for (const PoseNode& n : search(floor).complete) EXPECT_EQ(n.pairs.size(), 2u);
+}
+
 TEST(HypothesisTree, OfNothingIsEmpty) {
   const TreeSearchResult result = searchHypotheses({}, {}, {}, widePrior(), {}, {}, {});
   EXPECT_TRUE(result.complete.empty());

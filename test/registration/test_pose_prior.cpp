@@ -62,6 +62,20 @@ TEST(PosePrior, FloorCovarianceIsThatOfThreeWheels) {
               MatrixNear(Eigen::Matrix3d::Zero().eval(), 0.02));
 }
 
+TEST(PosePrior, IsWhatTheFloorTellsAndTheRangeOfHeadingAndPlace) {
+  const CameraMounting mounting{1.2, 20};
+  PosePriorParams p;
+  p.rotation_std_deg = 5;
+  p.translation_std = 0.2;
+  const Matrix6d A = cameraMotion(mounting);
+  const Matrix6d rest = posePrior(mounting, p).inverse() - floorInformation(mounting, p);
+  Vector6d want = Vector6d::Zero();  // of the base: heading, then the place
+  want[2] = 1 / std::pow(5 * kDegree, 2);
+  want[3] = want[4] = 25;
+  EXPECT_THAT(Matrix6d(A.transpose() * rest * A), MatrixNear(Matrix6d(want.asDiagonal()), 1e-6));
+  EXPECT_EQ(floorInformation({}, p), Matrix6d::Zero());
+}
+
 TEST(PosePrior, TheCameraMovesAsItsRobotDoes) {
   const CameraMounting mounting{1.2, 20};
   const Eigen::Isometry3d T_b_c = mounting.T_b_c();

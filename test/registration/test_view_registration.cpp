@@ -229,6 +229,50 @@ TEST_F(Corridor, WithoutReliefAlongItNoPositionIsMadeUp) {
     EXPECT_TRUE(align(test::endlessCorridor(), ahead).empty()) << ahead;
 }
 
+// ---- a robot's camera
+
+class RobotBeforeAWall : public testing::Test {
+protected:
+  static constexpr double kHeight = 1.0;
+  static Eigen::Isometry3d poseAt(double along, double turn) {
+    return lookingAlong({along, 0, kHeight}, {turn, 1, 0});
+  }
+  // The wall fills both views. What is no part of it shows in the depth pictures alone.
+  static std::vector<Hypothesis> align(const test::Scene& scene, double along, bool on_floor) {
+    const CameraMounting mounting{kHeight, 0};
+    PoseWithCovariance prior;
+    prior.P = posePrior(mounting);
+    const ViewRegistration registration({}, {}, on_floor ? floorInformation(mounting) : Matrix6d::Zero());
+    return registration.align(wallOnly(viewFrom(scene, poseAt(along, 0.05), 2)),
+                              wallOnly(viewFrom(scene, poseAt(0, 0), 1)), prior);
+  }
+  static View wallOnly(View view) {
+    auto& s = view.segments;
+    const auto isOther = [](const Segment& x) { return x.normal().z() < 0.9 || x.normal().dot(x.t) > 1.65; };
+    s.erase(std::remove_if(s.begin(), s.end(), isOther), s.end());
+    return view;
+  }
+  const test::Scene wall = test::box({-20, 1.5, -10}, {20, 2, 10});
+};
+
+TEST_F(RobotBeforeAWall, IsFoundByWhatIsNoPartOfIt) {
+  const test::Scene scene = test::box({-20, 1.5, -10}, {-0.3, 2, 10}) +  // a door in a recess
+                            test::box({0.6, 1.5, -10}, {20, 2, 10}) +
+                            test::box({-0.3, 1.8, -10}, {0.6, 2, 10});
+  for (const double along : {-0.25, 0.1, 0.3}) {
+    EXPECT_TRUE(align(scene, along, false).empty());
+    const std::vector<Hypothesis> h = align(scene, along, true);
+    const Eigen::Isometry3d truth = poseAt(0, 0).inverse() * poseAt(along, 0.05);
+    EXPECT_TRUE(std::any_of(h.begin(), h.end(), [&](const Hypothesis& x) {
+      return x.depth_assisted && isNear(x.T_m_c.T, truth, 0.06, 2);
+    })) << along;
+  }
+}
+
+TEST_F(RobotBeforeAWall, IsNotToldAPlaceAlongABareOne) {
+  for (const double along : {-0.25, 0.1, 0.3}) EXPECT_TRUE(align(wall, along, true).empty());
+}
+
 // ---- reasons
 
 std::string freeDirections(const std::vector<Segment>& segments) {
@@ -253,6 +297,12 @@ TEST(UnconstrainedDirections, OfASingleWallAreTwoTranslationsAndTheTurnAboutItsN
   EXPECT_THAT(text, HasSubstr("translation along"));
   EXPECT_NE(text.find("translation along"), text.rfind("translation along"));
   EXPECT_THAT(text, Not(HasSubstr("-0.00")));
+}
+
+TEST(UnconstrainedDirections, OfAWallBeforeARobotIsTheWayAlongIt) {
+  const std::vector<Segment> wall{rectangle({0, 0, 3}, {0, 0, -1}, 1, 0.8)};
+  EXPECT_EQ(unconstrainedDirections(wall, 3, 0.2, floorInformation(CameraMounting{1, 0})),
+            "translation along (1.00, 0.00, 0.00)");
 }
 
 TEST(UnconstrainedDirections, OfNothingAreAllSix) {

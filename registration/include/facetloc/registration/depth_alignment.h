@@ -10,7 +10,7 @@ namespace facetloc {
 /** \brief Search for the last translation by dense depth (METHOD_MEASURED 10.5). */
 struct DepthAlignmentParams {
   double range = 1.4;  ///< on both sides of the prior mean [m]
-  double step = 0.2;   ///< of the coarse search [m]
+  double step = 0.1;   ///< of the coarse search [m]: near a wall, pixels a step off do not agree
   double prominence =
       12;  ///< by which the best position must exceed the mean [net agreements of the coarse grid]
   double runner_up = 8;  ///< how far below the best a second maximum may lie

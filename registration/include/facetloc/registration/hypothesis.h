@@ -15,6 +15,7 @@ struct Hypothesis {
   PoseWithCovariance T_m_c;                ///< w and its covariance
   std::optional<Eigen::Isometry3d> T_w_c;  ///< in the world, if the model's pose is known
   std::vector<SegmentPair> pairs;          ///< that took part in the estimate
+  std::vector<int> found_by;               ///< local models with a hypothesis of this place, once merged
   bool depth_assisted = false;             ///< one translation comes from dense depth, not from planes
   double consensus = 0;                    ///< sum of the segments' log likelihood ratios, or METHOD 11.1
   double free_space = 0;                   ///< what the depth of its own local model says against it [nats]

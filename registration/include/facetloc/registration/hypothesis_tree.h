@@ -41,8 +41,8 @@ struct HypothesisTreeParams {
   void validate() const { checkRanges(*this); }
 };
 
-/** \brief What measurements alone say of a pose: standard deviations along the principal directions of
- * P_meas = (Lambda + weak prior)^-1, ascending. */
+/** \brief What measurements alone say of a pose, without its prior: standard deviations along the principal
+ * directions of P_meas = (Lambda + weak prior)^-1, ascending. */
 struct Observability {
   Eigen::Vector3d rotation_std = Eigen::Vector3d::Constant(1e6);     ///< [rad]
   Eigen::Matrix3d rotations = Eigen::Matrix3d::Identity();           ///< columns: axes of those rotations
@@ -64,7 +64,7 @@ Observability observability(const Matrix6d& information);
 /** \brief A set of mutually consistent pairs and the pose that they give. */
 struct PoseNode {
   PoseWithCovariance pose;
-  Matrix6d information = Matrix6d::Zero();  ///< of the pairs alone
+  Matrix6d information = Matrix6d::Zero();  ///< of the pairs, and what is known without them
   std::vector<SegmentPair> pairs;
   Eigen::Vector3d free_direction =
       Eigen::Vector3d::Zero();  ///< unit vector in model axes, for incomplete nodes
@@ -80,10 +80,13 @@ struct TreeSearchResult {
 
 /** \brief Searches the index-increasing sequences of candidate pairs in which no segment occurs twice; each
  * set of pairs is visited at most once, the ones of the best-ranked pairs first. Without the limits the
- * search is exhaustive over all gate-consistent sets. */
+ * search is exhaustive over all gate-consistent sets.
+ * \param known information about the pose that needs no pair, such as floorInformation(): a pose is complete
+ * if pairs and this fix it, whatever the prior */
 TreeSearchResult searchHypotheses(const std::vector<Segment>& scene, const std::vector<Segment>& model,
                                   const std::vector<SegmentPair>& candidates, const PoseWithCovariance& prior,
                                   const MatchingParams& matching, const EkfParams& ekf,
-                                  const HypothesisTreeParams& params);
+                                  const HypothesisTreeParams& params,
+                                  const Matrix6d& known = Matrix6d::Zero());
 
 }  // namespace facetloc

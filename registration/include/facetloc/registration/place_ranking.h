@@ -25,18 +25,19 @@ struct PlaceRankingParams {
   double occlusion_weight = 4;       ///< of what the models saw and the scene hides, in the same form [nats]
   double disagreement_weight = 48;   ///< of a scene none of whose pixels agree with the models [nats]
   double untested_pixels =
-      0.05;  ///< share of the pixels that contradict by untested_contradiction beforehand
+      0.01;  ///< share of the pixels that contradict by untested_contradiction beforehand
   double untested_contradiction = 0.15;  ///< share of contradicting pixels that a pose has until it is tested
-  bool merge = true;                     ///< hypotheses of one place become one
-  double merge_translation = 0.15;       ///< [m]
+  double support_weight = 8;        ///< of the logarithm of the number of models that found a place [nats]
+  bool merge = true;                ///< hypotheses of one place become one
+  double merge_translation = 0.15;  ///< [m]
   double merge_rotation_deg = 2.0;
   bool dense_refinement = true;  ///< poses of the best places are refined by all pixels
   int refined_places = 12;       ///< so many of them
   DenseRefinementParams dense;
   double refined_absolute_error = 1.6;    ///< as depth_absolute_error, once refined [noise std]
   double refined_relative_error = 0.003;  ///< as depth_relative_error, once refined
-  double softmax_slope = 0.124;           ///< beta of the probability [1/nat]
-  double null_score = -26;  ///< S_0: score at which a place is as likely as none of the list [nats]
+  double softmax_slope = 0.108;           ///< beta of the probability [1/nat]
+  double null_score = -7.4;  ///< S_0: score at which a place is as likely as none of the list [nats]
   double plain_softmax_slope = 0.155;  ///< the same for scores without evidence of local models
   double plain_null_score = 22.3;
 
@@ -59,6 +60,8 @@ struct PlaceRankingParams {
           "Share of the pixels that a pose brings along as untested ones.");
     field("untested_contradiction", p.untested_contradiction, 0.0, 1.0,
           "Share of contradicting pixels among the untested ones.");
+    field("support_weight", p.support_weight, 0.0, 1e4,
+          "Weight of the logarithm of the number of local models that found a place [nats].");
     field("merge_places", p.merge, false, true, "Report hypotheses of one place once.");
     field("merge_translation", p.merge_translation, 0.0, 10.0,
           "World poses nearer than this and merge_rotation_deg are one place [m].");
@@ -96,7 +99,8 @@ public:
                const ConsensusParams& consensus, const DepthConsistencyParams& depth,
                double inverse_depth_std);
 
-  /** \brief The whole of it: evidence, merging, refinement, probabilities. */
+  /** \brief The whole of it: evidence, merging, refinement, probabilities. A place that has evidence and was
+   * found by n local models, each for itself, gets w_s ln n more [nats]. */
   void rank(const View& scene, std::vector<Hypothesis>& hypotheses) const;
 
   /** \brief Scores the best hypotheses by the depth of the local models nearest to their world poses,
@@ -116,7 +120,7 @@ public:
   bool addEvidence(const View& scene, std::vector<Hypothesis>& hypotheses) const;
 
   /** \brief Refines the poses of the best places by all pixels (refineByDepth) and weighs their evidence
-   * again, with the errors that a refined pose leaves; sorts and merges. For places that have evidence. */
+   * again, with the errors that a refined pose leaves; merges and scores. For places that have evidence. */
   void refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses) const;
 
 private:
@@ -129,6 +133,7 @@ private:
   double evidence(const View& scene, const std::vector<Neighbour>& neighbours, const Eigen::Isometry3d& T_w_c,
                   const DepthComparison& comparison) const;
   void refine(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h) const;
+  void score(std::vector<Hypothesis>& places) const;
   std::size_t hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const;
 
   std::shared_ptr<const Map> map_;
@@ -139,7 +144,8 @@ private:
   NearbyModels near_;
 };
 
-/** \brief Sorts by score and merges hypotheses of one place into the best of them. */
+/** \brief Sorts by score and merges hypotheses of one place into the best of them, which tells which local
+ * models have found it. */
 void mergePlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses);
 
 /** \brief Gives each place of a sorted list its probability by softmax with a null place; with_evidence tells

@@ -42,4 +42,8 @@ Matrix6d cameraMotion(const CameraMounting& mounting);
  * motion and uneven floor seen through the camera mounting; isotropic without one. */
 Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePriorParams& params = {});
 
+/** \brief What the floor alone tells of it: the information of roll, pitch and height, none of heading and of
+ * the position on the floor; zero without a mounting. */
+Matrix6d floorInformation(const std::optional<CameraMounting>& mounting, const PosePriorParams& params = {});
+
 }  // namespace facetloc

@@ -44,7 +44,9 @@ struct ViewRegistrationParams {
  * probability). */
 class ViewRegistration {
 public:
-  explicit ViewRegistration(const ViewRegistrationParams& params = {}, const SensorNoise& noise = {});
+  /** \param known information about T_m_c that no view needs to tell, such as floorInformation() */
+  explicit ViewRegistration(const ViewRegistrationParams& params = {}, const SensorNoise& noise = {},
+                            const Matrix6d& known = Matrix6d::Zero());
   const ViewRegistrationParams& params() const { return params_; }
   const DepthComparison& comparison() const { return comparison_; }
 
@@ -65,11 +67,13 @@ private:
 
   ViewRegistrationParams params_;
   DepthComparison comparison_;
+  Matrix6d known_;
 };
 
 /** \brief Which motions of the camera the segments of a view leave free, in words and camera axes, such as
- * "translation along (1.00, 0.02, 0.00)"; empty if the view fixes all six degrees of freedom by itself. */
+ * "translation along (1.00, 0.02, 0.00)"; empty if they, with what is known without them, fix all six degrees
+ * of freedom. */
 std::string unconstrainedDirections(const std::vector<Segment>& segments, double max_rotation_std_deg,
-                                    double max_translation_std);
+                                    double max_translation_std, const Matrix6d& known = Matrix6d::Zero());
 
 }  // namespace facetloc
