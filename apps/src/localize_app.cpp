@@ -28,14 +28,14 @@ std::string readText(const fs::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/** The results of a finished run. */
+/** The results of a finished run. A frame that one of its files lacks is still to be done. */
 std::map<std::string, FrameResult> finishedResults(const fs::path& folder) {
+  std::map<std::string, std::vector<ResultRow>> rows;
+  for (ResultRow& row : readHypotheses(folder)) rows[row.frame].push_back(std::move(row));
   std::map<std::string, FrameResult> results;
-  for (const TimingRow& row : readTiming(folder)) results[row.frame].timing = row;
-  for (ResultRow& row : readHypotheses(folder)) {
-    const std::string frame = row.frame;
-    results[frame].rows.push_back(std::move(row));
-  }
+  for (const TimingRow& timing : readTiming(folder))
+    if (const auto found = rows.find(timing.frame); found != rows.end())
+      results[timing.frame] = {0, found->second, timing};
   return results;
 }
 

@@ -19,6 +19,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
+#include <sstream>
 
 namespace facetloc {
 namespace {
@@ -222,6 +224,30 @@ TEST_F(Tools, LocalizeResumes) {
       runTool<LocalizeApp>({map(), input, "-o", results, "--resume", "--min_support", "99"});
   EXPECT_EQ(other.code, kFailed);
   EXPECT_THAT(other.err, HasSubstr("other parameters"));
+}
+
+TEST_F(Tools, LocalizeResumesWhereItsFilesDiffer) {
+  const std::string results = folder_ / "results";
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  std::vector<std::string> frames;
+  for (const TimingRow& row : readTiming(results)) frames.push_back(row.frame);
+  const auto removeFrame = [&](const std::string& file, const std::string& frame) {
+    std::istringstream in(contentOf(results + file));
+    std::string kept;
+    for (std::string line; std::getline(in, line);)
+      if (line.rfind(frame + ",", 0) != 0) kept += line + "\n";
+    test::writeContent(results + file, kept);
+  };
+  removeFrame("/hypotheses.csv", frames[2]);
+  removeFrame("/timing.csv", frames[5]);
+  const ToolRun run = runTool<LocalizeApp>({map(), query(), "-o", results, "--resume"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  std::vector<std::string> timed;
+  for (const TimingRow& row : readTiming(results)) timed.push_back(row.frame);
+  EXPECT_EQ(timed, frames);
+  std::set<std::string> answered;
+  for (const ResultRow& row : readHypotheses(results)) answered.insert(row.frame);
+  EXPECT_EQ(answered, std::set<std::string>(frames.begin(), frames.end()));
 }
 
 TEST_F(Tools, LocalizeSaysWhatIsMissing) {
