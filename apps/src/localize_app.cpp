@@ -105,7 +105,8 @@ std::vector<FrameResult> LocalizeApp::startWith(const std::map<std::string, Fram
   return results;
 }
 
-/** Begins a run, or goes on with an earlier one. \param journal is left alone if all is done already. */
+/** Begins a run, or goes on with an earlier one, so that what is in the folder belongs together whenever it
+ * is interrupted. \param journal is left alone if all is done already. */
 std::vector<FrameResult> LocalizeApp::begin(const std::vector<FrameFile>& frames,
                                             const std::string& params_ini, ResultsJournal& journal,
                                             std::vector<std::size_t>& todo) const {
@@ -113,8 +114,9 @@ std::vector<FrameResult> LocalizeApp::begin(const std::vector<FrameFile>& frames
   const auto earlier = earlierResults(journal, params_ini);
   std::vector<FrameResult> results = startWith(earlier, frames, todo);
   if (!todo.empty() || journal.exists()) {
-    writeTextAtomically(fs::path(folder_) / kParamsFile, [&](std::ostream& out) { out << params_ini; });
+    if (earlier.empty()) removeResults(folder_);
     journal.begin(earlier);
+    writeTextAtomically(fs::path(folder_) / kParamsFile, [&](std::ostream& out) { out << params_ini; });
   }
   return results;
 }

@@ -144,6 +144,14 @@ void writeResults(const std::filesystem::path& folder, const std::vector<FrameRe
   writeAll(folder / kHypotheses, hypothesesHeader(), frames, hypothesesLines);
 }
 
+void removeResults(const std::filesystem::path& folder) {
+  for (const char* name : {kHypotheses, kPoses, kTiming}) {
+    std::error_code error;
+    std::filesystem::remove(folder / name, error);
+    if (error) throw IoError((folder / name).string(), "cannot be replaced: " + error.message());
+  }
+}
+
 ResultsWriter::ResultsWriter(const std::filesystem::path& folder, const std::string& params_ini)
     : timing_(created(folder) / kTiming, kTimingHeader),
       poses_(folder / kPoses, tum::kHeader),

@@ -250,6 +250,15 @@ TEST_F(Tools, LocalizeResumesWhereItsFilesDiffer) {
   EXPECT_EQ(answered, std::set<std::string>(frames.begin(), frames.end()));
 }
 
+TEST_F(Tools, LocalizeBeginsAnewWithNothingOfAnEarlierRun) {
+  const std::string results = folder_ / "results";
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  fs::create_directories(results + "/params.ini.tmp");  // as if it were interrupted there
+  EXPECT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results, "--min_support", "99"}).code, kFailed);
+  for (const char* file : {"/hypotheses.csv", "/poses_tum.txt", "/timing.csv"})
+    EXPECT_FALSE(fs::exists(results + file)) << file;
+}
+
 TEST_F(Tools, LocalizeSaysWhatIsMissing) {
   EXPECT_EQ(runTool<LocalizeApp>({map(), query()}).code, kUsage);
   EXPECT_EQ(runTool<LocalizeApp>({folder_ / "nowhere.flmap", query(), "-o", folder_ / "x"}).code, kFailed);
