@@ -151,14 +151,15 @@ int LocalizeApp::localize(const DepthSequence& sequence, const ViewParams& view_
 }
 
 void LocalizeApp::printSummary(const std::vector<FrameResult>& results, const Console& console) const {
-  std::size_t localized = 0;
+  std::size_t localized = 0, timed = 0;
   double milliseconds = 0;
   for (const FrameResult& result : results) {
     localized += result.rows.front().rank > 0;
-    milliseconds += result.timing.segment_ms + result.timing.features_ms + result.timing.localize_ms;
+    timed += result.timing.sum() > 0;  // others failed
+    milliseconds += result.timing.sum();
   }
   console.out << counted(results.size(), "image") << ", " << localized << " with hypotheses, "
-              << fixed(milliseconds / static_cast<double>(std::max<std::size_t>(results.size(), 1)), 1)
+              << fixed(milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)), 1)
               << " ms per image and thread; results in " << folder_ << "\n";
 }
 

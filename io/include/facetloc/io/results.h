@@ -34,6 +34,9 @@ struct TimingRow {
   double features_ms = 0;
   double localize_ms = 0;
   int models = 0;
+
+  /** \brief All together [ms]; 0 for an image that failed. */
+  double sum() const { return segment_ms + features_ms + localize_ms; }
 };
 
 /** \brief The results of one frame, as they are written. */
