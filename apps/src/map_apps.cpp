@@ -75,6 +75,7 @@ void printSummary(std::ostream& out, const Map& map) {
 /** Values of several lines, such as parameters, are indented below their key. */
 void printMeta(std::ostream& out, const Map& map) {
   for (const auto& [key, value] : map.meta) {
+    if (key == kImagesKey) continue;  // for programs
     const bool several = value.find('\n') != std::string::npos;
     out << key << (several ? ":" : ": " + value) << "\n";
     if (!several) continue;
@@ -119,7 +120,7 @@ Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& stem
     if (!sameMounting(merged.mounting, maps[i].mounting)) merged.mounting.reset();
     for (const auto& [key, value] : maps[i].meta) {
       const bool of_format = key == "format" || key == "conventions";  // the new file has its own
-      if (!of_format) merged.meta[stems[i] + "." + key] = value;
+      if (!of_format && key != kImagesKey) merged.meta[stems[i] + "." + key] = value;
     }
   }
   for (const LocalModel& model : merged.models)

@@ -2,6 +2,7 @@
 #include <facetloc/apps/batch.h>
 #include <facetloc/apps/map_apps.h>
 #include <facetloc/apps/place_index_file.h>
+#include <facetloc/apps/provenance.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/error.h>
 #include <facetloc/registration/distortion_calibration.h>
@@ -14,8 +15,14 @@ namespace facetloc {
 namespace {
 
 constexpr const char* kParametersKey = "parameters";
+constexpr double kSamePose = 1e-9;  // [m], and of the entries of a rotation: what a file may round
 constexpr std::size_t kCalibrationImages = 200;  // at most
 constexpr std::size_t kImagesPerThread = 8;      // views kept in memory until they are written, in order
+
+bool samePose(const std::optional<Eigen::Isometry3d>& a, const std::optional<Eigen::Isometry3d>& b) {
+  if (!a || !b) return !a && !b;
+  return (a->matrix() - b->matrix()).cwiseAbs().maxCoeff() < kSamePose;
+}
 
 }  // namespace
 
@@ -118,16 +125,37 @@ MapBuildApp::Selection MapBuildApp::select(const DepthSequence& sequence) const 
   return selection;
 }
 
-MapDatabase MapBuildApp::openDatabase(const DepthSequence& sequence, const std::string& parameters) const {
-  if (resume_ && std::filesystem::exists(map_)) {
-    const Map present = openMap(map_);
-    if (present.models.empty()) return createDatabase(sequence, parameters, true);  // killed before it began
-    const auto recorded = present.meta.find(kParametersKey);
-    if (recorded == present.meta.end() || recorded->second != parameters)
-      throw IoError(map_, "was built with other parameters; give the same ones, or --overwrite");
-    return MapDatabase::open(map_);
-  }
-  return createDatabase(sequence, parameters, overwrite_);
+/** Were the local models that are there already made of the same images, with the same poses? */
+bool MapBuildApp::madeOf(const Map& present, const DepthSequence& sequence,
+                         const std::vector<Candidate>& candidates) const {
+  std::map<std::string, const Candidate*> by_name;
+  for (const Candidate& c : candidates) by_name[sequence.frames()[c.frame].name] = &c;
+  const auto recorded = present.meta.find(kImagesKey);
+  const ImageSizes sizes = recorded == present.meta.end() ? ImageSizes() : imageSizes(recorded->second);
+  return std::all_of(present.models.begin(), present.models.end(), [&](const LocalModel& model) {
+    const auto candidate = by_name.find(model.name);
+    const auto size = sizes.find(model.name);
+    if (candidate == by_name.end() || size == sizes.end()) return false;
+    const auto& [frame, T_w_m] = *candidate->second;
+    return size->second == sizeOf(sequence.frames()[frame]) && samePose(model.T_w_m, T_w_m);
+  });
+}
+
+MapDatabase MapBuildApp::openDatabase(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
+                                      const std::string& parameters) const {
+  if (!resume_ || !std::filesystem::exists(map_)) return createDatabase(sequence, parameters, overwrite_);
+  const Map present = openMap(map_);
+  if (present.models.empty()) return createDatabase(sequence, parameters, true);  // killed before it began
+  const auto recorded = present.meta.find(kParametersKey);
+  if (recorded == present.meta.end() || recorded->second != parameters ||
+      !madeOf(present, sequence, candidates))
+    throw IoError(map_,
+                  "was built of other images, with other poses or other parameters; give the same ones, or "
+                  "--overwrite");
+  MapDatabase database = MapDatabase::open(map_);
+  const std::string images = toText(imageSizes(sequence));  // some may have been repaired since
+  if (images != present.meta.at(kImagesKey)) database.setMeta(kImagesKey, images);
+  return database;
 }
 
 MapDatabase MapBuildApp::createDatabase(const DepthSequence& sequence, const std::string& parameters,
@@ -139,6 +167,7 @@ MapDatabase MapBuildApp::createDatabase(const DepthSequence& sequence, const std
   database.setMeta("source", sequence_);
   if (sequence.camera() && sequence.camera()->mounting) database.setMounting(*sequence.camera()->mounting);
   database.setMeta(kParametersKey, parameters);
+  database.setMeta(kImagesKey, toText(imageSizes(sequence)));
   return database;
 }
 
@@ -216,8 +245,8 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   const DepthSequence sequence = DepthSequence::open(sequence_);
   const Selection selection = select(sequence);
   ViewParams view_params = input_.viewParams(sequence.camera(), line);
-  const std::string parameters = toIni(input_, view_params) + toIni(builder_) +
-                                 "every = " + std::to_string(every_) + "\n" +
+  const std::string parameters = cameraLine(sequence.camera()) + toIni(input_, view_params) +
+                                 toIni(builder_) + "every = " + std::to_string(every_) + "\n" +
                                  "raw-depth = " + (raw_depth_ ? "1" : "0") + "\n";
   const MapBuilder builder(builder_);
   Batch batch(threads(), selection.candidates.size(), console, ranks());
@@ -226,7 +255,7 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
     addModels(sequence, selection.candidates, view_params, batch, nullptr);
     return kOk;
   }
-  MapDatabase database = openDatabase(sequence, parameters);
+  MapDatabase database = openDatabase(sequence, selection.candidates, parameters);
   const Map present = openMap(map_);
   if (!present.models.empty())
     view_params.distortion = present.distortion;

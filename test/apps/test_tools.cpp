@@ -34,6 +34,7 @@ using test::ToolRun;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 constexpr int kFrames = 12;
 constexpr auto kReplace = fs::copy_options::recursive | fs::copy_options::overwrite_existing;
@@ -74,6 +75,13 @@ protected:
     fs::copy(query(), folder, fs::copy_options::recursive);
     test::writeContent(filesOf(folder + "/depth")[4], "no PNG at all");
     return folder;
+  }
+
+  /** Those of the other run, under the names that are there. */
+  static void giveOtherImages(const std::string& input) {
+    const auto names = filesOf(input + "/depth"), images = filesOf(map_run() + "/depth");
+    for (std::size_t i = 0; i < names.size(); ++i)
+      fs::copy_file(images[i], names[i], fs::copy_options::overwrite_existing);
   }
 
   TemporaryFolder folder_;
@@ -226,6 +234,33 @@ TEST_F(Tools, LocalizeResumes) {
   EXPECT_THAT(other.err, HasSubstr("other parameters"));
 }
 
+TEST_F(Tools, LocalizeResumesNothingOfOtherInputs) {
+  const std::string input = folder_ / "input", copy = folder_ / "m.flmap", results = folder_ / "results";
+  const auto restore = [&] {
+    fs::copy(query(), input, kReplace);
+    fs::copy_file(map(), copy, fs::copy_options::overwrite_existing);
+  };
+  const auto resume = [&] { return runTool<LocalizeApp>({copy, input, "-o", results, "--resume"}); };
+  const auto expectRefused = [&] {
+    const ToolRun run = resume();
+    EXPECT_EQ(run.code, kFailed);
+    EXPECT_THAT(run.err, HasSubstr("was begun with another map, other images or other parameters"));
+  };
+  restore();
+  ASSERT_EQ(resume().code, kOk);
+  EXPECT_EQ(resume().code, kOk);
+  MapDatabase::open(copy).setMeta("changed", "yes");
+  expectRefused();
+  restore();
+  giveOtherImages(input);
+  expectRefused();
+  restore();
+  std::ofstream(input + "/camera.ini", std::ios::app) << "\ninverse_depth_std = 0.002\n";
+  expectRefused();
+  restore();
+  EXPECT_EQ(resume().code, kOk);
+}
+
 TEST_F(Tools, LocalizeResumesWhereItsFilesDiffer) {
   const std::string results = folder_ / "results";
   ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
@@ -317,6 +352,25 @@ TEST_F(Tools, MapBuildRefusesToOverwriteAndResumes) {
   EXPECT_EQ(readMap(path).models.size(), 3u);
 }
 
+TEST_F(Tools, MapBuildResumesNothingOfOtherInputs) {
+  const std::string input = folder_ / "input", path = folder_ / "m.flmap";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  const auto resume = [&] { return runMap({"build", input, "-o", path, "--every", "3", "--resume"}); };
+  ASSERT_EQ(resume().code, kOk);
+  EXPECT_EQ(resume().code, kOk);
+  std::vector<StampedPose> poses = readTumTrajectory(query() + "/groundtruth.txt").poses();
+  for (StampedPose& pose : poses) pose.T_w_c.translation().x() += 0.01;
+  writeTumTrajectory(input + "/groundtruth.txt", poses);
+  EXPECT_EQ(resume().code, kFailed);
+  fs::copy(query(), input, kReplace);
+  EXPECT_EQ(resume().code, kOk);
+  giveOtherImages(input);
+  const ToolRun run = resume();
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("was built of other images, with other poses or other parameters"));
+  EXPECT_THAT(runMap({"info", path}).out, Not(HasSubstr("images:")));
+}
+
 TEST_F(Tools, MapBuildReportsABadImage) {
   const std::string input = withOneCorruptImage(), path = folder_ / "m.flmap";
   const ToolRun run = runMap({"build", input, "-o", path, "--every", "1"});
@@ -386,7 +440,7 @@ TEST_F(Tools, SegmentReportsABadImageAndDoesTheOthers) {
   const ToolRun run = runTool<SegmentApp>({input, "-o", folder_ / "out"});
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("1 of 12 items failed"));
-  EXPECT_EQ(filesOf(folder_ / "out").size(), 11u);
+  EXPECT_EQ(filesOf(folder_ / "out").size(), 13u);  // and params.ini and images.txt
 
   // What is there is not touched, what is missing is done.
   const fs::path first = filesOf(folder_ / "out").front();
@@ -396,8 +450,24 @@ TEST_F(Tools, SegmentReportsABadImageAndDoesTheOthers) {
   const ToolRun resumed = runTool<SegmentApp>({input, "-o", folder_ / "out", "--resume"});
   EXPECT_EQ(resumed.code, kOk) << resumed.err;
   EXPECT_THAT(resumed.out, AllOf(HasSubstr("1 image with"), HasSubstr("11 were done before")));
-  EXPECT_EQ(filesOf(folder_ / "out").size(), 12u);
+  EXPECT_EQ(filesOf(folder_ / "out").size(), 14u);
   EXPECT_EQ(fs::last_write_time(first), old);
+}
+
+TEST_F(Tools, SegmentResumesNothingOfOtherInputs) {
+  const std::string input = folder_ / "input", out = folder_ / "out";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  const auto resume = [&](const std::string& width) {
+    return runTool<SegmentApp>({input, "-o", out, "--width", width, "--resume"});
+  };
+  ASSERT_EQ(resume("160").code, kOk);
+  EXPECT_THAT(resume("160").out, HasSubstr("12 were done before"));
+  EXPECT_THAT(resume("320").err, HasSubstr("other parameters"));
+  giveOtherImages(input);
+  EXPECT_THAT(resume("160").err, HasSubstr("other images"));
+  const ToolRun anew = runTool<SegmentApp>({input, "-o", out});
+  EXPECT_EQ(anew.code, kOk) << anew.err;
+  EXPECT_THAT(resume("320").out, HasSubstr("12 were done before"));
 }
 
 TEST_F(Tools, SegmentsOfAnEmptyImageAreAValidFile) {
