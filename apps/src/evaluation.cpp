@@ -2,6 +2,7 @@
 #include <facetloc/apps/evaluation.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/features/so3.h>
+#include <facetloc/io/error.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +25,14 @@ struct FrameRows {
   std::vector<const ResultRow*> rows;
 };
 
-std::vector<FrameRows> groupByFrame(const std::vector<ResultRow>& rows) {
+/** Are these poses of images that are numbered from 0? */
+bool areNumbered(const Trajectory& truth) {
+  double index = 0;
+  return std::all_of(truth.poses().begin(), truth.poses().end(),
+                     [&](const StampedPose& pose) { return pose.stamp == index++; });
+}
+
+std::vector<FrameRows> groupByFrame(const std::vector<ResultRow>& rows, const Trajectory& truth) {
   std::vector<FrameRows> frames;
   std::map<std::string, std::size_t> index;
   for (const ResultRow& row : rows) {
@@ -32,8 +40,11 @@ std::vector<FrameRows> groupByFrame(const std::vector<ResultRow>& rows) {
     if (is_new) frames.push_back({row.frame, 0, {}});
     frames[found->second].rows.push_back(&row);
   }
-  const bool numbers = std::all_of(frames.begin(), frames.end(),
-                                   [](const FrameRows& f) { return toNumber(f.name).has_value(); });
+  const auto stray = std::find_if(frames.begin(), frames.end(),
+                                  [](const FrameRows& f) { return !toNumber(f.name).has_value(); });
+  const bool numbers = stray == frames.end();
+  if (!numbers && !areNumbered(truth))
+    throw IoError(stray->name, "the name of this image is no time stamp: true poses cannot be matched");
   for (std::size_t i = 0; i < frames.size(); ++i) {
     frames[i].stamp = numbers ? *toNumber(frames[i].name) : static_cast<double>(i);
     std::stable_sort(frames[i].rows.begin(), frames[i].rows.end(),
@@ -266,7 +277,7 @@ Evaluation evaluate(const std::vector<RunResults>& runs, const PlaceTruth& truth
   Evaluation evaluation;
   Judge judge(truth, models, params);
   for (const RunResults& run : runs)
-    for (const FrameRows& frame : groupByFrame(run.rows)) {
+    for (const FrameRows& frame : groupByFrame(run.rows, truth.poses())) {
       if (const auto pose = truth.poses().nearest(frame.stamp, tolerance))
         evaluation.frames.push_back(judge.judge(run.name, frame, *pose));
       else

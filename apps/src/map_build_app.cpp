@@ -109,6 +109,9 @@ Trajectory MapBuildApp::poses(const DepthSequence& sequence) const {
 }
 
 MapBuildApp::Selection MapBuildApp::select(const DepthSequence& sequence) const {
+  const bool asks_for_poses = every_ == 0 || !poses_.empty();
+  if (asks_for_poses && !sequence.stamped())
+    throw IoError(sequence_, "its image names are no time stamps: poses cannot be matched");
   const Trajectory trajectory = poses(sequence);
   if (trajectory.empty() && every_ == 0)
     throw IoError(sequence_, "has no poses: no groundtruth.txt; give --poses FILE or --every N");

@@ -397,6 +397,24 @@ TEST_F(Tools, MapBuildNeedsPosesOrEvery) {
       kOk);
 }
 
+TEST_F(Tools, MapBuildMatchesNoPosesByIndex) {
+  const std::string input = folder_ / "input", truth = query() + "/groundtruth.txt";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  int number = 0;
+  for (const fs::path& image : filesOf(input + "/depth"))
+    fs::rename(image, input + "/depth/frame_" + std::to_string(10 + number++) + ".png");
+  for (const std::vector<std::string>& poses : {std::vector<std::string>(), {"--poses", truth}}) {
+    std::vector<std::string> arguments = {"build", input, "-o", folder_ / "m.flmap"};
+    arguments.insert(arguments.end(), poses.begin(), poses.end());
+    EXPECT_THAT(runMap(arguments).err, HasSubstr("no time stamps: poses cannot be matched"));
+  }
+  ASSERT_EQ(runMap({"build", input, "-o", folder_ / "m.flmap", "--every", "6"}).code, kOk);
+  ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "results"}).code, kOk);
+  const ToolRun run = runTool<EvaluateApp>({folder_ / "results", truth});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("is no time stamp"));
+}
+
 TEST_F(Tools, MapMergeAndExport) {
   const std::string twin = folder_ / "twin.flmap", merged = folder_ / "merged.flmap";
   fs::copy_file(map(), twin);
