@@ -14,6 +14,8 @@
 namespace facetloc {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr const char* kParametersKey = "parameters";
 constexpr double kSamePose = 1e-9;  // [m], and of the entries of a rotation: what a file may round
 constexpr std::size_t kCalibrationImages = 200;  // at most
@@ -144,28 +146,30 @@ bool MapBuildApp::madeOf(const Map& present, const DepthSequence& sequence,
   });
 }
 
-MapDatabase MapBuildApp::openDatabase(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
+MapDatabase MapBuildApp::openDatabase(const fs::path& path, const DepthSequence& sequence,
+                                      const std::vector<Candidate>& candidates,
                                       const std::string& parameters) const {
-  if (!resume_ || !std::filesystem::exists(map_)) return createDatabase(sequence, parameters, overwrite_);
-  const Map present = openMap(map_);
-  if (present.models.empty()) return createDatabase(sequence, parameters, true);  // killed before it began
+  if (!resume_ || !fs::exists(path)) return createDatabase(path, sequence, parameters, overwrite_);
+  const Map present = openMap(path);
+  if (present.models.empty())
+    return createDatabase(path, sequence, parameters, true);  // killed before it began
   const auto recorded = present.meta.find(kParametersKey);
   if (recorded == present.meta.end() || recorded->second != parameters ||
       !madeOf(present, sequence, candidates))
     throw IoError(map_,
                   "was built of other images, with other poses or other parameters; give the same ones, or "
                   "--overwrite");
-  MapDatabase database = MapDatabase::open(map_);
+  MapDatabase database = MapDatabase::open(path);
   const std::string images = toText(imageSizes(sequence));  // some may have been repaired since
   if (images != present.meta.at(kImagesKey)) database.setMeta(kImagesKey, images);
   return database;
 }
 
-MapDatabase MapBuildApp::createDatabase(const DepthSequence& sequence, const std::string& parameters,
-                                        bool overwrite) const {
-  if (std::filesystem::exists(map_) && !overwrite)
+MapDatabase MapBuildApp::createDatabase(const fs::path& path, const DepthSequence& sequence,
+                                        const std::string& parameters, bool overwrite) const {
+  if (fs::exists(path) && !overwrite)
     throw IoError(map_, "exists already; give --overwrite to replace it or --resume to go on");
-  MapDatabase database = MapDatabase::create(map_, overwrite);
+  MapDatabase database = MapDatabase::create(path, overwrite);
   database.setMeta("software", versionText());
   database.setMeta("source", sequence_);
   if (sequence.camera() && sequence.camera()->mounting) database.setMounting(*sequence.camera()->mounting);
@@ -241,6 +245,41 @@ std::optional<DepthDistortion> MapBuildApp::calibrate(const DepthSequence& seque
   return {};
 }
 
+/** By the first rank. \param path of the map until it is whole. \return the exit code. Throws IoError, and
+ * leaves no map, if there would be nothing in it. */
+int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence, const Selection& selection,
+                       ViewParams view_params, Batch& batch, const Console& console) const {
+  const std::string parameters = cameraLine(sequence.camera()) + toIni(input_, view_params) +
+                                 toIni(builder_) + "every = " + std::to_string(every_) + "\n" +
+                                 "raw-depth = " + (raw_depth_ ? "1" : "0") + "\n";
+  MapDatabase database = openDatabase(path, sequence, selection.candidates, parameters);
+  const Map present = openMap(path);
+  if (!present.models.empty())
+    view_params.distortion = present.distortion;
+  else if (!raw_depth_)
+    view_params.distortion = calibrate(sequence, view_params.noise, console);
+  if (view_params.distortion && present.models.empty()) database.setDistortion(*view_params.distortion);
+  view_params.distortion = ranks().broadcast(view_params.distortion);
+  const MapBuilder builder(builder_);
+  Writer writer(std::move(database), present, builder);
+  const std::size_t without_segments = addModels(sequence, selection.candidates, view_params, batch, &writer);
+
+  const int code = batch.report();
+  if (selection.without_pose > 0)
+    console.note(counted(selection.without_pose, "image") + " without a pose within " +
+                 shortNumber(pose_tolerance_) + " s");
+  if (without_segments > 0) console.note(counted(without_segments, "image") + " without segments left out");
+  if (writer.models() == 0) {
+    fs::remove(path);
+    throw IoError(map_, "is not written: none of the images makes a local model");
+  }
+  writePlaceIndex(path);
+  console.out << counted(writer.added(), "local model") << " added from "
+              << counted(sequence.frames().size(), "image") << ", " << writer.models() << " in all; map in "
+              << map_ << "\n";
+  return code;
+}
+
 int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   if (map_.empty()) throw UsageError("the map to write is missing: -o MAP.flmap");
   if (every_ < 0) throw UsageError("every must not be negative");
@@ -248,36 +287,20 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   const DepthSequence sequence = DepthSequence::open(sequence_);
   const Selection selection = select(sequence);
   ViewParams view_params = input_.viewParams(sequence.camera(), line);
-  const std::string parameters = cameraLine(sequence.camera()) + toIni(input_, view_params) +
-                                 toIni(builder_) + "every = " + std::to_string(every_) + "\n" +
-                                 "raw-depth = " + (raw_depth_ ? "1" : "0") + "\n";
-  const MapBuilder builder(builder_);
   Batch batch(threads(), selection.candidates.size(), console, ranks());
   if (!ranks().isFirst()) {
     view_params.distortion = ranks().broadcast(view_params.distortion);
     addModels(sequence, selection.candidates, view_params, batch, nullptr);
     return kOk;
   }
-  MapDatabase database = openDatabase(sequence, selection.candidates, parameters);
-  const Map present = openMap(map_);
-  if (!present.models.empty())
-    view_params.distortion = present.distortion;
-  else if (!raw_depth_)
-    view_params.distortion = calibrate(sequence, view_params.noise, console);
-  if (view_params.distortion && present.models.empty()) database.setDistortion(*view_params.distortion);
-  view_params.distortion = ranks().broadcast(view_params.distortion);
-  Writer writer(std::move(database), present, builder);
-  const std::size_t without_segments = addModels(sequence, selection.candidates, view_params, batch, &writer);
-  writePlaceIndex(map_);
-
-  const int code = batch.report();
-  if (selection.without_pose > 0)
-    console.note(counted(selection.without_pose, "image") + " without a pose within " +
-                 shortNumber(pose_tolerance_) + " s");
-  if (without_segments > 0) console.note(counted(without_segments, "image") + " without segments left out");
-  console.out << counted(writer.added(), "local model") << " added from "
-              << counted(sequence.frames().size(), "image") << ", " << writer.models() << " in all; map in "
-              << map_ << "\n";
+  int code = kOk;
+  const auto buildAt = [&](const fs::path& path) {
+    code = build(path, sequence, selection, view_params, batch, console);
+  };
+  if (overwrite_ && fs::exists(map_))
+    replaceMap(map_, buildAt);
+  else
+    buildAt(map_);
   return code;
 }
 

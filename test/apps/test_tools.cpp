@@ -352,6 +352,26 @@ TEST_F(Tools, MapBuildRefusesToOverwriteAndResumes) {
   EXPECT_EQ(readMap(path).models.size(), 3u);
 }
 
+TEST_F(Tools, MapBuildLeavesTheOldMapUntilTheNewOneIsThere) {
+  const std::string input = folder_ / "input", path = folder_ / "m.flmap";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  ASSERT_EQ(runMap({"build", input, "-o", path, "--every", "3"}).code, kOk);
+  const std::string old = contentOf(path);
+  for (const fs::path& image : filesOf(input + "/depth")) test::writeContent(image, "no PNG at all");
+  const ToolRun failed = runMap({"build", input, "-o", path, "--every", "3", "--overwrite"});
+  EXPECT_EQ(failed.code, kFailed);
+  EXPECT_THAT(failed.err, AllOf(HasSubstr("4 of 4 items failed"), HasSubstr("m.flmap: is not written")));
+  EXPECT_EQ(contentOf(path), old);
+  EXPECT_FALSE(fs::exists(path + ".tmp"));
+
+  fs::create_directories(path + ".tmp/in the way");  // the new map is made there, and cannot be
+  EXPECT_EQ(runMap({"build", query(), "-o", path, "--every", "3", "--overwrite"}).code, kFailed);
+  EXPECT_EQ(contentOf(path), old);
+
+  EXPECT_EQ(runMap({"build", input, "-o", folder_ / "new.flmap", "--every", "3"}).code, kFailed);
+  EXPECT_FALSE(fs::exists(folder_ / "new.flmap"));
+}
+
 TEST_F(Tools, MapBuildResumesNothingOfOtherInputs) {
   const std::string input = folder_ / "input", path = folder_ / "m.flmap";
   fs::copy(query(), input, fs::copy_options::recursive);

@@ -32,10 +32,12 @@ private:
   Trajectory poses(const DepthSequence& sequence) const;
   bool madeOf(const Map& present, const DepthSequence& sequence,
               const std::vector<Candidate>& candidates) const;
-  MapDatabase openDatabase(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
-                           const std::string& parameters) const;
-  MapDatabase createDatabase(const DepthSequence& sequence, const std::string& parameters,
-                             bool overwrite) const;
+  MapDatabase openDatabase(const std::filesystem::path& path, const DepthSequence& sequence,
+                           const std::vector<Candidate>& candidates, const std::string& parameters) const;
+  MapDatabase createDatabase(const std::filesystem::path& path, const DepthSequence& sequence,
+                             const std::string& parameters, bool overwrite) const;
+  int build(const std::filesystem::path& path, const DepthSequence& sequence, const Selection& selection,
+            ViewParams view_params, Batch& batch, const Console& console) const;
   std::optional<DepthDistortion> calibrate(const DepthSequence& sequence, const SensorNoise& noise,
                                            const Console& console) const;
   std::size_t addModels(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
