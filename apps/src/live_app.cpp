@@ -2,6 +2,8 @@
 #include "live_run.h"
 
 #include <facetloc/apps/live_app.h>
+#include <facetloc/apps/outputs.h>
+#include <facetloc/io/error.h>
 
 #include <filesystem>
 
@@ -67,6 +69,10 @@ int LiveApp::execute(const CommandLine& line, const Console& console) {
   if (fs::exists(options.source.device)) makeAbsolute(options.source.device);
   for (const std::string* folder : {&options.results, &options.screenshots})
     if (!folder->empty()) createFolder(*folder);
+  const fs::path played = options.source.device, depth = played / "depth";
+  if (!options.screenshots.empty() && fs::is_directory(played))
+    requireOtherFolder(options.screenshots, fs::is_directory(depth) ? depth : played);
+  if (fs::exists(options.recording)) throw IoError(options.recording, "exists already");
 
   LiveAlgorithms algorithms;
   algorithms.view = [&](const std::optional<CameraFile>& camera) { return input_.viewParams(camera, line); };

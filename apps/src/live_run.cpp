@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live_run.h"
 
+#include <facetloc/apps/outputs.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
@@ -224,6 +225,7 @@ void LiveRun::drawWindow() {
 
 void LiveRun::drawScreenshot(const LiveResult& result, const fs::path& path) {
   if (!screenshot_) screenshot_ = std::make_unique<LiveScreenshot>(map_);
+  requireNoneButPicture(path);
   writePng(path, screenshot_->draw(result));
   ++screenshots_;
 }

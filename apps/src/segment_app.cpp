@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/batch.h>
 #include <facetloc/apps/depth_drawing.h>
+#include <facetloc/apps/outputs.h>
 #include <facetloc/apps/provenance.h>
 #include <facetloc/apps/segment_app.h>
 #include <facetloc/apps/segment_file.h>
@@ -132,12 +133,7 @@ Provenance SegmentApp::provenance(const std::vector<Image>& images, const Comman
 std::vector<std::size_t> SegmentApp::prepare(const std::vector<Image>& images,
                                              const Provenance& provenance) const {
   createFolder(folder_);
-  for (const Image& image : images) {
-    const fs::path source = image.file().path.parent_path();
-    if (fs::equivalent(source.empty() ? fs::path(".") : source, folder_))
-      throw UsageError("the results would overwrite the images in " + folder_ +
-                       "; use another output folder");
-  }
+  for (const Image& image : images) requireOtherFolder(folder_, image.file().path.parent_path());
   const auto before = resume_ ? Provenance::read(folder_) : std::nullopt;
   std::vector<std::size_t> todo;
   std::vector<std::string> finished;

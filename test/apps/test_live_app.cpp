@@ -338,6 +338,25 @@ TEST_F(LiveTool, RecordsWhatItSees) {
   expectWholeResults(folder_ / "played", 10);
 }
 
+TEST_F(LiveTool, OverwritesNoInputs) {
+  const std::string copy = folder_ / "copy", file = folder_ / "run.oni";
+  fs::copy(sequence(), copy, fs::copy_options::recursive);
+  const auto names = namesIn(copy + "/depth");
+  const ToolRun shots = runLive({"--device", copy, "--headless", "--screenshots", copy + "/depth"});
+  EXPECT_EQ(shots.code, kUsage);
+  EXPECT_THAT(shots.err, HasSubstr("among the images"));
+  EXPECT_EQ(namesIn(copy + "/depth"), names);
+
+  ASSERT_EQ(runLive({"--device", sequence(), "--headless", "--record", file, "--max-frames", "3"}).code, kOk);
+  const std::string recorded = contentOf(file);
+  for (const std::string& device : {file, sequence()}) {
+    const ToolRun again = runLive({"--device", device, "--headless", "--record", file});
+    EXPECT_EQ(again.code, kFailed);
+    EXPECT_THAT(again.err, HasSubstr(file + ": exists already"));
+    EXPECT_TRUE(contentOf(file) == recorded);
+  }
+}
+
 TEST_F(LiveTool, PlaysAFolderOfClouds) {
   const std::string clouds = writeClouds(10), results = folder_ / "results";
   const ToolRun run = runLive({"--device", clouds, "--map", map(), "--headless", "--results", results});

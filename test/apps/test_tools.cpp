@@ -646,5 +646,33 @@ TEST_F(Tools, RenderSaysWhatIsMissing) {
   EXPECT_EQ(runTool<RenderApp>({folder_ / "results", "-o", folder_ / "x"}).code, kUsage);
 }
 
+TEST_F(Tools, RenderOverwritesNothingButPictures) {
+  if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
+  const std::string input = folder_ / "input", results = folder_ / "results";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  fs::copy_file(map(), folder_ / "m.flmap");
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  const auto images = filesOf(input + "/depth");
+  const auto refused = [](const std::vector<std::string>& arguments) {
+    return runTool<RenderApp>(arguments).code == kUsage;
+  };
+  for (const std::string& output :
+       {images[1].string(), folder_ / "m.flmap", filesOf(input + "/labels")[0].string()})
+    EXPECT_TRUE(refused({images[0].string(), "-o", output})) << output;
+  EXPECT_TRUE(refused({map(), "-o", folder_ / "m.flmap"}));
+  EXPECT_TRUE(refused({input, "-o", input + "/labels"}));
+  const std::vector<std::string> failures = {
+      results, "--map", map(), "--sequence", input, "--max_translation", "0"};
+  for (const char* folder : {"/depth", "/labels"}) {
+    std::vector<std::string> arguments = failures;
+    arguments.insert(arguments.end(), {"-o", input + folder});
+    EXPECT_TRUE(refused(arguments)) << folder;
+  }
+  for (const fs::path& image : images)
+    EXPECT_EQ(contentOf(image), contentOf(query() + "/depth/" + image.filename().string()));
+  EXPECT_EQ(contentOf(folder_ / "m.flmap"), contentOf(map()));
+  EXPECT_EQ(filesOf(input + "/depth").size(), images.size());
+}
+
 }  // namespace
 }  // namespace facetloc
