@@ -23,11 +23,7 @@ void removeEarlier(const fs::path& folder) {
   for (const char* name :
        {"report.html", "timing_summary.csv", "fig6.png", "reliability.png", "errors.png", "floor_map.png"})
     fs::remove(folder / name);
-  if (!fs::is_directory(folder / kFailureFolder)) return;
-  std::vector<fs::path> pictures;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder / kFailureFolder))
-    if (entry.path().extension() == ".png") pictures.push_back(entry.path());
-  for (const fs::path& picture : pictures) fs::remove(picture);
+  removeMisses(folder / kFailureFolder);
 }
 
 void requireSameMap(const std::vector<RunResults>& runs, const Map& map, const std::string& path) {

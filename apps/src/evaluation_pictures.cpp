@@ -12,6 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kMissPrefix = "miss_";
 constexpr Colour kMissing = {230, 130, 20}, kNotFirst = {200, 170, 0};
 
 const Colour& colourOf(MissKind kind) {
@@ -99,6 +100,15 @@ std::vector<Miss> chosenMisses(const Evaluation& evaluation, std::size_t most) {
   return chosen;
 }
 
+void removeMisses(const fs::path& folder) {
+  if (!fs::is_directory(folder)) return;
+  std::vector<fs::path> pictures;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (entry.path().filename().string().rfind(kMissPrefix, 0) == 0 && entry.path().extension() == ".png")
+      pictures.push_back(entry.path());
+  for (const fs::path& picture : pictures) fs::remove(picture);
+}
+
 std::vector<ReportPicture> drawMisses(const fs::path& folder, const std::vector<Miss>& misses, const Map& map,
                                       const PlaceTruth& truth, const std::vector<RunResults>& runs,
                                       const Console& console) {
@@ -111,7 +121,7 @@ std::vector<ReportPicture> drawMisses(const fs::path& folder, const std::vector<
   if (!drawn.frames.empty()) fs::create_directories(folder);
   for (const Failure& failure : findFailures(drawn, runs, map)) {
     const std::string run = failure.run.empty() ? "" : failure.run + "_";
-    const fs::path path = folder / (run + failure.frame + ".png");
+    const fs::path path = folder / (kMissPrefix + run + failure.frame + ".png");
     try {
       drawMatches(path, images.seen(failure.frame), map, failure.answers);
       pictures.push_back({path, run + failure.frame + ": " + failure.what});

@@ -578,14 +578,15 @@ TEST_F(Tools, EvaluateLeavesNothingOfAnEarlierOne) {
   const std::string results = folder_ / "results", evaluation = results + "/evaluation";
   ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
   fs::create_directories(evaluation + "/failures");
-  for (const char* stale :
-       {"/failures/stale.png", "/failures/note.txt", "/floor_map.png", "/timing_summary.csv"})
+  for (const char* stale : {"/failures/miss_1.5.png", "/failures/1.5.png", "/failures/miss_1.5.txt",
+                            "/floor_map.png", "/timing_summary.csv"})
     test::writeContent(evaluation + stale, "stale");
   fs::remove(results + "/timing.csv");
   ASSERT_EQ(runTool<EvaluateApp>({results, query()}).code, kOk);
-  for (const char* stale : {"/failures/stale.png", "/floor_map.png", "/timing_summary.csv"})
+  for (const char* stale : {"/failures/miss_1.5.png", "/floor_map.png", "/timing_summary.csv"})
     EXPECT_FALSE(fs::exists(evaluation + stale)) << stale;
-  EXPECT_TRUE(fs::exists(evaluation + "/failures/note.txt"));  // not ours
+  for (const char* others : {"/failures/1.5.png", "/failures/miss_1.5.txt"})
+    EXPECT_TRUE(fs::exists(evaluation + others)) << others;
   EXPECT_TRUE(fs::exists(evaluation + "/report.html"));
 }
 
