@@ -188,9 +188,19 @@ void LiveRun::run() {
   status_.clear();
 }
 
+/** Of images that could not be read, the source tells the last one. */
+void LiveRun::tellWhatIsMissing() {
+  const std::string cause = source_->lastError();
+  if (session_->mailbox().counts().received == 0)
+    throw IoError(source_->name(), "ended without a frame" + (cause.empty() ? "" : ": " + cause));
+  if (cause.empty()) return;
+  status_.clear();
+  console_.note(source_->name() + ": frames are missing: " + cause);
+}
+
 void LiveRun::loop() {
   while (!stopAsked() && !timeIsUp() && !session_->done()) {
-    if (sourceEnded()) return;
+    if (sourceEnded()) return tellWhatIsMissing();
     const std::string problem = sourceProblem();
     if (!problem.empty()) throw SourceError(problem);
     tick();

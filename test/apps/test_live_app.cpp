@@ -392,6 +392,24 @@ TEST_F(LiveTool, PlaysAFolderOfPclzf) {
   EXPECT_THAT(lastLine(run.out), HasSubstr("tracking"));
 }
 
+TEST_F(LiveTool, SaysThatImagesCannotBeRead) {
+  const std::string copy = folder_ / "copy", results = folder_ / "results";
+  fs::copy(sequence(), copy, fs::copy_options::recursive);
+  const auto names = namesIn(copy + "/depth");
+  test::writeContent(copy + "/depth/" + names[7], "no PNG at all");
+  const std::vector<std::string> arguments = {"--device", copy, "--headless", "--results", results};
+  const ToolRun run = runLive(arguments);
+  EXPECT_EQ(run.code, kOk);
+  EXPECT_THAT(run.err, HasSubstr("frames are missing: "));
+  EXPECT_THAT(run.err, HasSubstr(names[7]));
+  EXPECT_THAT(lastLine(run.out), HasSubstr("39 frames received"));
+
+  for (const std::string& name : names) test::writeContent(copy + "/depth/" + name, "no PNG at all");
+  const ToolRun none = runLive(arguments);
+  EXPECT_EQ(none.code, kFailed);
+  EXPECT_THAT(none.err, HasSubstr("ended without a frame: "));
+}
+
 TEST_F(LiveTool, SaysWhatIsWrongWithFiles) {
   const ToolRun map_run = runLive({"--device", sequence(), "--map", folder_ / "no.flmap", "--headless"});
   EXPECT_EQ(map_run.code, kFailed);

@@ -67,7 +67,7 @@ public:
   bool atEnd() const;
   /** \brief False when a device has been unplugged. */
   bool connected() const;
-  /** \brief What the driver says of that; may be empty. */
+  /** \brief What the driver says of that, or of an image that it could not read; may be empty. */
   std::string lastError() const;
   /** \brief The device of OpenNI2; nothing for files that PCL plays. */
   const OpenNIGrabber* device() const { return device_; }
