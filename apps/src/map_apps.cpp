@@ -103,6 +103,22 @@ bool sameMounting(const std::optional<CameraMounting>& a, const std::optional<Ca
   return a->height == b->height && a->tilt_deg == b->tilt_deg;
 }
 
+std::optional<DepthDistortion::Values> distortionOf(const Map& map) {
+  return map.distortion ? std::optional(map.distortion->values()) : std::nullopt;
+}
+
+/** Tells which map's distortion mergedMap() takes, unless all have the same. */
+void noteChosenDistortion(const std::vector<Map>& maps, const std::vector<std::string>& paths,
+                          const Console& console) {
+  const auto chosen =
+      std::find_if(maps.begin(), maps.end(), [](const Map& map) { return map.distortion.has_value(); });
+  if (chosen == maps.end()) return;
+  if (std::any_of(maps.begin(), maps.end(),
+                  [&](const Map& map) { return distortionOf(map) != distortionOf(*chosen); }))
+    console.note("the maps differ in the distortion that was taken out; the merged one has that of " +
+                 paths[chosen - maps.begin()]);
+}
+
 }  // namespace
 
 Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& stems) {
@@ -203,6 +219,7 @@ int MapMergeApp::execute(const CommandLine&, const Console& console) {
   const auto hasMounting = [](const Map& map) { return map.mounting.has_value(); };
   if (!merged.mounting && std::any_of(maps.begin(), maps.end(), hasMounting))
     console.note("the maps differ in the camera's mounting; the merged one has none");
+  noteChosenDistortion(maps, maps_, console);
   writeMap(output_, merged);
   writePlaceIndex(output_);
   console.out << counted(merged.models.size(), "local model") << ", " << counted(merged.links.size(), "link")

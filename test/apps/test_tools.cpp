@@ -328,7 +328,11 @@ TEST_F(Tools, MapBuildTakesOutWhatTheCameraAlwaysMeasuresWrongly) {
   EXPECT_THAT(runMap({"info", folder_ / "raw.flmap"}).out, HasSubstr("distortion taken out"));
   EXPECT_THAT(runMap({"info", folder_ / "corrected.flmap"}).out, HasSubstr("disparity units"));
 
-  ASSERT_EQ(runMap({"merge", folder_ / "corrected.flmap", map(), "-o", folder_ / "both.flmap"}).code, kOk);
+  const ToolRun merge = runMap({"merge", folder_ / "corrected.flmap", map(), "-o", folder_ / "both.flmap"});
+  ASSERT_EQ(merge.code, kOk) << merge.err;
+  EXPECT_THAT(merge.err,
+              HasSubstr("differ in the distortion that was taken out; the merged one has that of " +
+                        (folder_ / "corrected.flmap")));
   EXPECT_EQ(readMap(folder_ / "both.flmap").distortion->values(), distortion->values());
   // Going on with a map leaves its distortion as it is.
   ASSERT_EQ(runMap({"build", folder_ / "map", "-o", folder_ / "corrected.flmap", "--resume"}).code, kOk);
