@@ -65,16 +65,18 @@ public:
     for (const ModelPose& model : models) pose_of_[model.name] = model.T_w_m;
   }
 
-  FrameEvaluation judge(const std::string& run, const FrameRows& frame, const Eigen::Isometry3d& T_w_c) {
+  /** \param truth of the run */
+  FrameEvaluation judge(const std::string& run, const FrameRows& frame, const Eigen::Isometry3d& T_w_c,
+                        const PlaceTruth& truth) {
     FrameEvaluation e;
     e.run = run;
     e.name = frame.name;
     e.stamp = frame.stamp;
     e.T_w_c = T_w_c;
-    e.unmapped = truth_.unmapped(frame.name);
+    e.unmapped = truth.unmapped(frame.name);
     judgeHypotheses(frame, T_w_c, e);
     const std::vector<std::size_t> covering = locate(e);
-    judgePlanes(covering, e);
+    judgePlanes(covering, truth, e);
     return e;
   }
 
@@ -140,8 +142,8 @@ private:
     return covering;
   }
 
-  void judgePlanes(const std::vector<std::size_t>& covering, FrameEvaluation& e) {
-    const auto seen = truth_.segments(e.name, e.T_w_c, params_.visible_pixels);
+  void judgePlanes(const std::vector<std::size_t>& covering, const PlaceTruth& truth, FrameEvaluation& e) {
+    const auto seen = truth.segments(e.name, e.T_w_c, params_.visible_pixels);
     if (!seen) return;
     e.visible_planes = static_cast<int>(seen->size());
     if (models_.empty()) return;
@@ -276,13 +278,15 @@ Evaluation evaluate(const std::vector<RunResults>& runs, const PlaceTruth& truth
                     const std::vector<ModelPose>& models, const EvaluationParams& params, double tolerance) {
   Evaluation evaluation;
   Judge judge(truth, models, params);
-  for (const RunResults& run : runs)
-    for (const FrameRows& frame : groupByFrame(run.rows, truth.poses())) {
-      if (const auto pose = truth.poses().nearest(frame.stamp, tolerance))
-        evaluation.frames.push_back(judge.judge(run.name, frame, *pose));
+  for (const RunResults& run : runs) {
+    const PlaceTruth of_run = truth.of(run.name);
+    for (const FrameRows& frame : groupByFrame(run.rows, of_run.poses())) {
+      if (const auto pose = of_run.poses().nearest(frame.stamp, tolerance))
+        evaluation.frames.push_back(judge.judge(run.name, frame, *pose, of_run));
       else
         evaluation.without_truth.push_back(frame.name);
     }
+  }
   markMappingRuns(runs, evaluation.frames);
   return evaluation;
 }
