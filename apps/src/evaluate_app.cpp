@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/apps/depth_input.h>
 #include <facetloc/apps/evaluate_app.h>
 #include <facetloc/apps/evaluation_charts.h>
 #include <facetloc/apps/evaluation_pictures.h>
@@ -69,6 +70,7 @@ void EvaluateApp::addOptions(CommandLine& line) {
                  "Without --map: the trajectory of the map's images, one pose per image.");
   line.addOption("pose-tolerance", pose_tolerance_, "S",
                  "Largest distance in time of an image and its pose [s].");
+  line.addCheck([this] { requireTolerance(pose_tolerance_); });
   line.addParams(params_);
   line.addOption("model-distance", builder_.min_distance, "M",
                  "With --map-groundtruth: spacing of local models [m].");

@@ -94,6 +94,7 @@ void MapBuildApp::addOptions(CommandLine& line) {
   line.addOption("poses", poses_, "FILE", "Camera poses in the TUM format: stamp tx ty tz qx qy qz qw.");
   line.addOption("pose-tolerance", pose_tolerance_, "S",
                  "Largest distance in time of an image and its pose [s].");
+  line.addCheck([this] { requireTolerance(pose_tolerance_); });
   line.addOption("every", every_, "N", "Make each N-th image a local model, whatever its pose; 0 = off.");
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
   line.addSwitch("resume", resume_, "Go on with a map that is there already.");

@@ -216,8 +216,8 @@ void SimulateApp::checkOptions() const {
     if (frames < 1 || frames > kMostFrames)
       throw UsageError("map-frames and query-frames must lie in [1, 1000000]");
   if (!(map_step_ >= 0.01 && map_step_ <= 10)) throw UsageError("map-step must lie in [0.01, 10]");
-  if (!(seconds_ > 0 && seconds_ * pace_.rate <= kMostFrames))
-    throw UsageError("drive must be positive and no longer than a million images");
+  if (!(seconds_ * pace_.rate >= 0.5 && seconds_ * pace_.rate <= kMostFrames))
+    throw UsageError("drive must be as long as one image at least, and no longer than a million");
   for (const std::string& run : wantedRuns())
     if (const fs::path folder = fs::path(folder_) / run; fs::exists(folder))
       throw IoError(folder.string(), "exists already; remove it or use another folder");

@@ -117,6 +117,19 @@ TEST_F(Tools, SimulateRefusesWhatThereIsNot) {
   for (const char* scene : {"office", "home", "hall", "room"}) EXPECT_THAT(run.err, HasSubstr(scene));
 }
 
+TEST_F(Tools, RefuseOptionsThatMakeNoSense) {
+  const std::string out = folder_ / "out";
+  for (const char* width : {"-5", "1", "39"})
+    EXPECT_EQ(runTool<SegmentApp>({query(), "-o", out, "--width", width}).code, kUsage) << width;
+  EXPECT_EQ(runTool<SegmentApp>({firstImage(), "-o", out, "--width", "0"}).code, kOk);
+  for (const char* tolerance : {"-1", "nan"}) {
+    EXPECT_EQ(runMap({"build", query(), "-o", out + ".flmap", "--pose-tolerance", tolerance}).code, kUsage);
+    EXPECT_EQ(runTool<EvaluateApp>({out, query(), "--pose-tolerance", tolerance}).code, kUsage);
+  }
+  EXPECT_EQ(runTool<SimulateApp>({"room", "-o", folder_ / "x", "--drive", "0.001"}).code, kUsage);
+  EXPECT_FALSE(fs::exists(folder_ / "x"));
+}
+
 TEST_F(Tools, SimulateWritesASequenceWithItsTruth) {
   const DepthSequence sequence = DepthSequence::open(map_run());
   EXPECT_EQ(sequence.frames().size(), static_cast<std::size_t>(kFrames));
