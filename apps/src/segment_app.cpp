@@ -4,9 +4,9 @@
 #include <facetloc/apps/outputs.h>
 #include <facetloc/apps/provenance.h>
 #include <facetloc/apps/segment_app.h>
-#include <facetloc/apps/segment_file.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/segment_file.h>
 
 #include <chrono>
 #include <map>

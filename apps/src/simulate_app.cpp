@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/batch.h>
 #include <facetloc/apps/frame_truth.h>
-#include <facetloc/apps/segment_file.h>
 #include <facetloc/apps/simulate_app.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/segment_file.h>
 #include <facetloc/io/trajectory.h>
 
 #include <algorithm>

@@ -4,10 +4,10 @@
 #include <facetloc/apps/evaluation_report.h>
 #include <facetloc/apps/frame_truth.h>
 #include <facetloc/apps/localization_report.h>
-#include <facetloc/apps/segment_file.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/segment_file.h>
 
 #include <gmock/gmock.h>
 
