@@ -4,6 +4,7 @@
 #include <facetloc/apps/evaluation_charts.h>
 #include <facetloc/apps/evaluation_pictures.h>
 #include <facetloc/apps/offscreen_display.h>
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 
@@ -151,7 +152,7 @@ int EvaluateApp::execute(const CommandLine&, const Console& console) {
   if (!map_.empty()) input.map = readMap(map_);
   const EvaluationReport report = reportOf(input);
   if (folder_.empty()) folder_ = (fs::path(results_) / "evaluation").string();
-  createFolder(folder_);
+  createFolders(folder_);
   removeEarlier(folder_);
   printReport(console.out, report);
   writeReport(folder_, report);

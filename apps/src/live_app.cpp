@@ -3,6 +3,7 @@
 
 #include <facetloc/apps/live_app.h>
 #include <facetloc/apps/outputs.h>
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 
 #include <filesystem>
@@ -68,7 +69,7 @@ int LiveApp::execute(const CommandLine& line, const Console& console) {
     makeAbsolute(*path);
   if (fs::exists(options.source.device)) makeAbsolute(options.source.device);
   for (const std::string* folder : {&options.results, &options.screenshots})
-    if (!folder->empty()) createFolder(*folder);
+    if (!folder->empty()) createFolders(*folder);
   const fs::path played = options.source.device, depth = played / "depth";
   if (!options.screenshots.empty() && fs::is_directory(played))
     requireOtherFolder(options.screenshots, fs::is_directory(depth) ? depth : played);

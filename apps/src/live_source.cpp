@@ -162,8 +162,6 @@ void LiveSource::start(const FrameSink& sink) {
 
 void LiveSource::stop() { grabber_->stop(); }
 
-double LiveSource::framesPerSecond() const { return grabber_->getFramesPerSecond(); }
-
 bool LiveSource::atEnd() const {
   if (device_) return device_->isEndOfFile();
   return !grabber_->isRunning() || (last_ && delivered_ >= *last_);  // one of PCL's grabbers never stops

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "milliseconds.h"
+
 #include <facetloc/apps/batch.h>
 #include <facetloc/apps/localization_report.h>
 #include <facetloc/apps/localize_app.h>
 #include <facetloc/apps/text.h>
+#include <facetloc/io/atomic_file.h>
 
 #include <algorithm>
 #include <chrono>
@@ -12,10 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
-
-double millisecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 /** The results of a finished run. A frame that one of its files lacks is still to be done. */
 std::map<std::string, FrameResult> finishedResults(const fs::path& folder) {
@@ -105,7 +104,7 @@ std::vector<FrameResult> LocalizeApp::startWith(const std::map<std::string, Fram
 std::vector<FrameResult> LocalizeApp::begin(const std::vector<FrameFile>& frames,
                                             const Provenance& provenance, ResultsJournal& journal,
                                             std::vector<std::size_t>& todo) const {
-  createFolder(folder_);
+  createFolders(folder_);
   const auto earlier = earlierResults(journal, provenance);
   std::vector<FrameResult> results = startWith(earlier, frames, todo);
   if (!todo.empty() || journal.exists()) {

@@ -227,6 +227,18 @@ int MapMergeApp::execute(const CommandLine&, const Console& console) {
   return kOk;
 }
 
+namespace {
+
+constexpr const char* kMapUsage = "Usage: facetloc_map build|info|check|export|merge ...\n\n"
+                                  "  build SEQUENCE -o MAP.flmap   make a map of one run of depth images\n"
+                                  "  info MAP.flmap                say what is in a map\n"
+                                  "  check MAP.flmap               prove a map sound\n"
+                                  "  export MAP.flmap -o DIR       write PCD, TUM and g2o files\n"
+                                  "  merge MAPS -o OUT.flmap       put several maps into one\n\n"
+                                  "'facetloc_map build --help' and so on tell the options.\n";
+
+}  // namespace
+
 int runMapTool(const std::vector<std::string>& arguments, Console console) {
   const std::string command = arguments.empty() ? "" : arguments.front();
   const auto run = [&](App&& app) { return app.run({arguments.begin() + 1, arguments.end()}, console); };
@@ -235,20 +247,24 @@ int runMapTool(const std::vector<std::string>& arguments, Console console) {
   if (command == "check") return run(MapCheckApp());
   if (command == "export") return run(MapExportApp());
   if (command == "merge") return run(MapMergeApp());
-  if (command == "--version") return console.out << versionText() << "\n", kOk;
 
-  const bool help = command == "--help" || command == "-help" || command == "-h";
-  std::ostream& out = help ? console.out : console.err;
-  if (!help)
-    out << "facetloc_map: " << (command.empty() ? "no command" : "unknown command '" + command + "'") << "\n";
-  out << "Usage: facetloc_map build|info|check|export|merge ...\n\n"
-         "  build SEQUENCE -o MAP.flmap   make a map of one run of depth images\n"
-         "  info MAP.flmap                say what is in a map\n"
-         "  check MAP.flmap               prove a map sound\n"
-         "  export MAP.flmap -o DIR       write PCD, TUM and g2o files\n"
-         "  merge MAPS -o OUT.flmap       put several maps into one\n\n"
-         "'facetloc_map build --help' and so on tell the options.\n";
-  return help ? kOk : kUsage;
+  const auto isOption = [&](const std::string& name) {
+    return command == "-" + name || command == "--" + name;
+  };
+  if (isOption("version")) {
+    console.out << versionText() << "\n";
+  } else if (isOption("help") || isOption("h")) {
+    console.out << kMapUsage;
+  } else {
+    console.err << "facetloc_map: " << (command.empty() ? "no command" : "unknown command '" + command + "'")
+                << "\n"
+                << kMapUsage;
+    return kUsage;
+  }
+  console.out.flush();
+  if (console.out) return kOk;
+  console.err << "facetloc_map: the output cannot be written\n";
+  return kFailed;
 }
 
 }  // namespace facetloc

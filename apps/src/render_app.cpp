@@ -8,6 +8,7 @@
 #include <facetloc/apps/pictures.h>
 #include <facetloc/apps/render_app.h>
 #include <facetloc/apps/text.h>
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 
@@ -141,7 +142,7 @@ int RenderApp::renderImages(const CommandLine& line, const Console& console) con
   const bool to_folder = chosen.size() > 1 || fs::is_directory(output_);
   if (to_folder && fs::path(output_).extension() == ".png")
     throw UsageError(input_ + " has several images: -o names a folder, or use --frame");
-  if (to_folder) createFolder(output_);
+  if (to_folder) createFolders(output_);
   const auto pathOf = [&](std::size_t i) {
     return to_folder ? fs::path(output_) / (sequence.frames()[i].name + ".png") : fs::path(output_);
   };
@@ -175,7 +176,7 @@ int RenderApp::renderFailures(const CommandLine& line, const Console& console) c
   if (evaluation.frames.empty()) throw IoError(sequence_, "has no pose for any image of " + input_);
   const std::vector<Failure> failures = findFailures(evaluation, runs, map);
   const std::size_t drawn = std::min<std::size_t>(failures.size(), most_);
-  createFolder(output_);
+  createFolders(output_);
   for (const FrameFile& frame : sequence.frames()) requireOtherFolder(output_, frame.path.parent_path());
   const auto pathOf = [&](const std::string& name) { return fs::path(output_) / (name + ".png"); };
   const fs::path sheet_path = pathOf("failures");

@@ -5,6 +5,7 @@
 #include <facetloc/apps/provenance.h>
 #include <facetloc/apps/segment_app.h>
 #include <facetloc/apps/text.h>
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/segment_file.h>
 
@@ -132,7 +133,7 @@ Provenance SegmentApp::provenance(const std::vector<Image>& images, const Comman
 /** Makes the folder of the results. \return which images are still to be done. */
 std::vector<std::size_t> SegmentApp::prepare(const std::vector<Image>& images,
                                              const Provenance& provenance) const {
-  createFolder(folder_);
+  createFolders(folder_);
   for (const Image& image : images) requireOtherFolder(folder_, image.file().path.parent_path());
   const auto before = resume_ ? Provenance::read(folder_) : std::nullopt;
   std::vector<std::size_t> todo;

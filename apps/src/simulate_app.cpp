@@ -181,10 +181,10 @@ std::vector<std::string> SimulateApp::wantedRuns() const {
 
 void SimulateApp::prepareFolder(const Run& run, const CameraFile& camera) const {
   const fs::path folder = fs::path(folder_) / run.name;
-  createFolder((folder / "depth").string());
+  createFolders(folder / "depth");
   writeCameraFile(folder / "camera.ini", camera);
   if (run.labels) {
-    createFolder((folder / "labels").string());
+    createFolders(folder / "labels");
     writePlanes(folder / "planes.csv", planesOf(*run.scene));
   }
   std::vector<StampedPose> truth;

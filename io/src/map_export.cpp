@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "files.h"
 #include "pose_columns.h"
 #include "text.h"
 
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/error.h>
 #include <facetloc/io/map_export.h>
 #include <facetloc/io/segment_file.h>
 #include <facetloc/io/trajectory.h>
@@ -83,7 +81,7 @@ std::vector<StampedPose> posesOf(const Map& map) {
 }  // namespace
 
 void exportMap(const Map& map, const std::filesystem::path& folder) {
-  files::createFolders(folder / "models");
+  createFolders(folder / "models");
   std::set<std::string> taken;
   for (const LocalModel& model : map.models) {
     const std::string name = fileName(model.name, taken);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "csv.h"
-#include "files.h"
 #include "pose_columns.h"
 #include "text.h"
 #include "tum_line.h"
@@ -128,7 +127,7 @@ ResultRow readRow(const csv::Table& table, const csv::Row& row) {
 }
 
 std::filesystem::path created(const std::filesystem::path& folder) {
-  files::createFolders(folder);
+  createFolders(folder);
   return folder;
 }
 
@@ -137,7 +136,7 @@ std::filesystem::path created(const std::filesystem::path& folder) {
 void writeResults(const std::filesystem::path& folder, const std::vector<FrameResult>& frames,
                   const std::string& params_ini) {
   for (const FrameResult& frame : frames) requireWritable(frame);
-  files::createFolders(folder);
+  createFolders(folder);
   writeTextAtomically(folder / kParams, [&](std::ostream& out) { out << params_ini; });
   writeAll(folder / kTiming, kTimingHeader, frames, timingLine);
   writeAll(folder / kPoses, tum::kHeader, frames, poseLines);

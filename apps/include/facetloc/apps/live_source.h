@@ -62,7 +62,6 @@ public:
 
   const std::string& name() const { return name_; }
   const std::optional<CameraFile>& camera() const { return camera_; }
-  double framesPerSecond() const;
   /** \brief Were all files delivered, or did the recording end? Never with repeat. */
   bool atEnd() const;
   /** \brief False when a device has been unplugged. */
