@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
 #include "pcd_header.h"
-#include "text.h"
 
 #include <facetloc/features/organized_cloud.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/oni_file.h>
 #include <facetloc/io/png.h>
+#include <facetloc/io/text.h>
 
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/io/pcd_io.h>

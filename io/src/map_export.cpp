@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose_columns.h"
-#include "text.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/map_export.h>
 #include <facetloc/io/segment_file.h>
+#include <facetloc/io/text.h>
 #include <facetloc/io/trajectory.h>
 
 #include <Eigen/Cholesky>

@@ -166,6 +166,15 @@ TEST_F(ParamsFile, FaultsAreUsageErrors) {
   expectUsageError(echo({"a", "--params", folder_ / "."}), "cannot be read");
 }
 
+TEST(App, HelpThatCannotBeWrittenIsAFailure) {
+  for (const char* option : {"--help", "--version"}) {
+    std::ostringstream full, err;
+    full.setstate(std::ios::badbit);
+    EXPECT_EQ(EchoApp().run({option}, Console{full, err, false, false, {}}), kFailed);
+    EXPECT_THAT(err.str(), HasSubstr("the output cannot be written"));
+  }
+}
+
 /** Fails in the way it is told to. */
 class FailingApp : public App {
 public:

@@ -303,6 +303,9 @@ TEST_F(LiveTool, SaysThatADeviceIsMissing) {
   const ToolRun file = runLive({"--device", folder_ / "nothing.oni", "--headless"});
   EXPECT_EQ(file.code, kFailed);
   EXPECT_THAT(file.err, HasSubstr("nothing.oni"));
+  const ToolRun relative = runLive({"--device", "runs/mistyped", "--headless"});
+  EXPECT_EQ(relative.code, kFailed);
+  EXPECT_THAT(relative.err, HasSubstr("runs/mistyped: does not exist"));
 }
 
 TEST_F(LiveTool, WaitsForADeviceUntilToldToStop) {

@@ -472,7 +472,13 @@ TEST_F(Tools, MapMergeAndExport) {
 TEST_F(Tools, MapCommandsAreKnown) {
   EXPECT_EQ(runMap({}).code, kUsage);
   EXPECT_EQ(runMap({"biuld"}).code, kUsage);
-  EXPECT_EQ(runMap({"--help"}).code, kOk);
+  for (const char* option : {"--help", "-help", "-h", "--version", "-version"}) {
+    EXPECT_EQ(runMap({option}).code, kOk) << option;
+    std::ostringstream full, err;
+    full.setstate(std::ios::badbit);
+    EXPECT_EQ(runMapTool({option}, Console{full, err, false, false, {}}), kFailed) << option;
+    EXPECT_THAT(err.str(), HasSubstr("cannot be written"));
+  }
   test::writeContent(folder_ / "broken.flmap", "not a map");
   EXPECT_EQ(runMap({"check", folder_ / "broken.flmap"}).code, kFailed);
   EXPECT_EQ(runMap({"info", folder_ / "broken.flmap"}).code, kFailed);
