@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/app.h>
-#include <facetloc/io/error.h>
 
 #include <pcl/console/print.h>
 
 #include <chrono>
 #include <cstdlib>
 #include <exception>
-#include <filesystem>
 #include <iostream>
 #include <sstream>
 #include <thread>
@@ -68,19 +66,14 @@ int App::parseAndExecute(const std::vector<std::string>& arguments, Console& con
   CommandLine line(name_, synopsis_, about_);
   addOptions(line);
   line.addGeneralOptions(threads_, console.quiet);
-  if (!line.parse(arguments, console.out)) return kOk;
-  console.quiet = console.quiet || !ranks_.isFirst();
-  const int code = execute(line, console);
+  int code = kOk;
+  if (line.parse(arguments, console.out)) {
+    console.quiet = console.quiet || !ranks_.isFirst();
+    code = execute(line, console);
+  }
   console.out.flush();
   if (!console.out) throw std::runtime_error("the output cannot be written");
   return code;
-}
-
-void App::createFolder(const std::string& path) {
-  std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (!std::filesystem::is_directory(path))
-    throw IoError(path, "cannot be created: " + (error ? error.message() : "it is a file"));
 }
 
 Console standardConsole() {

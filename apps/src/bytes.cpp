@@ -115,7 +115,6 @@ T fromBytes(const std::string& bytes) {
   template std::string toBytes(const __VA_ARGS__&);                                                          \
   template __VA_ARGS__ fromBytes(const std::string&);
 FACETLOC_BYTES_OF(std::size_t)
-FACETLOC_BYTES_OF(std::vector<int>)
 FACETLOC_BYTES_OF(std::vector<std::size_t>)
 FACETLOC_BYTES_OF(std::vector<std::string>)
 FACETLOC_BYTES_OF(std::optional<View>)

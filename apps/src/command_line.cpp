@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -169,11 +170,13 @@ std::vector<std::string> CommandLine::spelledOut(const std::vector<std::string>&
 
 /** The lines of a parameter file as arguments. */
 std::vector<std::string> CommandLine::readFile(const std::string& path) const {
+  constexpr const char* kByteOrderMark = "\xEF\xBB\xBF";  // some editors put it in front
   std::ifstream in(path);
-  if (!in) throw UsageError(path + ": cannot be read");
+  if (!in || std::filesystem::is_directory(path)) throw UsageError(path + ": cannot be read");
   std::vector<std::string> arguments;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
+    if (number == 1 && line.rfind(kByteOrderMark, 0) == 0) line.erase(0, 3);
     line = trimmed(line.substr(0, line.find('#')));
     if (line.empty()) continue;
     const auto fail = [&](const std::string& cause) {

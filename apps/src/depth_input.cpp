@@ -7,6 +7,12 @@ namespace facetloc {
 void DepthInput::addOptions(CommandLine& line) {
   line.addOption("width", width, "N",
                  "Working width: images are subsampled to at least so many columns; 0 = full size.");
+  line.addCheck([this] {
+    constexpr int kLeastWidth = 40;  // [px] below, an image shows no segments
+    if (width != 0 && width < kLeastWidth)
+      throw UsageError("width = " + std::to_string(width) + " is neither 0 nor at least " +
+                       std::to_string(kLeastWidth));
+  });
   line.addParams(view);
 }
 
@@ -34,6 +40,10 @@ void dropUnknownMounting(const std::optional<CameraFile>& camera, Map& map, cons
   if (!map.mounting || (camera && camera->mounting)) return;
   console.note("the mounting of the images' camera is unknown: the prior is isotropic");
   map.mounting.reset();
+}
+
+void requireTolerance(double seconds) {
+  if (!(seconds >= 0)) throw UsageError("pose-tolerance must not be negative");
 }
 
 std::string toIni(const DepthInput& input, const ViewParams& view) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/apps/depth_input.h>
 #include <facetloc/apps/evaluate_app.h>
 #include <facetloc/apps/evaluation_charts.h>
 #include <facetloc/apps/evaluation_pictures.h>
 #include <facetloc/apps/offscreen_display.h>
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 
@@ -23,11 +25,7 @@ void removeEarlier(const fs::path& folder) {
   for (const char* name :
        {"report.html", "timing_summary.csv", "fig6.png", "reliability.png", "errors.png", "floor_map.png"})
     fs::remove(folder / name);
-  if (!fs::is_directory(folder / kFailureFolder)) return;
-  std::vector<fs::path> pictures;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder / kFailureFolder))
-    if (entry.path().extension() == ".png") pictures.push_back(entry.path());
-  for (const fs::path& picture : pictures) fs::remove(picture);
+  removeMisses(folder / kFailureFolder);
 }
 
 void requireSameMap(const std::vector<RunResults>& runs, const Map& map, const std::string& path) {
@@ -73,6 +71,7 @@ void EvaluateApp::addOptions(CommandLine& line) {
                  "Without --map: the trajectory of the map's images, one pose per image.");
   line.addOption("pose-tolerance", pose_tolerance_, "S",
                  "Largest distance in time of an image and its pose [s].");
+  line.addCheck([this] { requireTolerance(pose_tolerance_); });
   line.addParams(params_);
   line.addOption("model-distance", builder_.min_distance, "M",
                  "With --map-groundtruth: spacing of local models [m].");
@@ -153,7 +152,7 @@ int EvaluateApp::execute(const CommandLine&, const Console& console) {
   if (!map_.empty()) input.map = readMap(map_);
   const EvaluationReport report = reportOf(input);
   if (folder_.empty()) folder_ = (fs::path(results_) / "evaluation").string();
-  createFolder(folder_);
+  createFolders(folder_);
   removeEarlier(folder_);
   printReport(console.out, report);
   writeReport(folder_, report);

@@ -2,6 +2,7 @@
 #include <facetloc/apps/evaluation.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/features/so3.h>
+#include <facetloc/io/error.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +25,14 @@ struct FrameRows {
   std::vector<const ResultRow*> rows;
 };
 
-std::vector<FrameRows> groupByFrame(const std::vector<ResultRow>& rows) {
+/** Are these poses of images that are numbered from 0? */
+bool areNumbered(const Trajectory& truth) {
+  double index = 0;
+  return std::all_of(truth.poses().begin(), truth.poses().end(),
+                     [&](const StampedPose& pose) { return pose.stamp == index++; });
+}
+
+std::vector<FrameRows> groupByFrame(const std::vector<ResultRow>& rows, const Trajectory& truth) {
   std::vector<FrameRows> frames;
   std::map<std::string, std::size_t> index;
   for (const ResultRow& row : rows) {
@@ -32,8 +40,11 @@ std::vector<FrameRows> groupByFrame(const std::vector<ResultRow>& rows) {
     if (is_new) frames.push_back({row.frame, 0, {}});
     frames[found->second].rows.push_back(&row);
   }
-  const bool numbers = std::all_of(frames.begin(), frames.end(),
-                                   [](const FrameRows& f) { return toNumber(f.name).has_value(); });
+  const auto stray = std::find_if(frames.begin(), frames.end(),
+                                  [](const FrameRows& f) { return !toNumber(f.name).has_value(); });
+  const bool numbers = stray == frames.end();
+  if (!numbers && !areNumbered(truth))
+    throw IoError(stray->name, "the name of this image is no time stamp: true poses cannot be matched");
   for (std::size_t i = 0; i < frames.size(); ++i) {
     frames[i].stamp = numbers ? *toNumber(frames[i].name) : static_cast<double>(i);
     std::stable_sort(frames[i].rows.begin(), frames[i].rows.end(),
@@ -54,16 +65,18 @@ public:
     for (const ModelPose& model : models) pose_of_[model.name] = model.T_w_m;
   }
 
-  FrameEvaluation judge(const std::string& run, const FrameRows& frame, const Eigen::Isometry3d& T_w_c) {
+  /** \param truth of the run */
+  FrameEvaluation judge(const std::string& run, const FrameRows& frame, const Eigen::Isometry3d& T_w_c,
+                        const PlaceTruth& truth) {
     FrameEvaluation e;
     e.run = run;
     e.name = frame.name;
     e.stamp = frame.stamp;
     e.T_w_c = T_w_c;
-    e.unmapped = truth_.unmapped(frame.name);
+    e.unmapped = truth.unmapped(frame.name);
     judgeHypotheses(frame, T_w_c, e);
     const std::vector<std::size_t> covering = locate(e);
-    judgePlanes(covering, e);
+    judgePlanes(covering, truth, e);
     return e;
   }
 
@@ -129,8 +142,8 @@ private:
     return covering;
   }
 
-  void judgePlanes(const std::vector<std::size_t>& covering, FrameEvaluation& e) {
-    const auto seen = truth_.segments(e.name, e.T_w_c, params_.visible_pixels);
+  void judgePlanes(const std::vector<std::size_t>& covering, const PlaceTruth& truth, FrameEvaluation& e) {
+    const auto seen = truth.segments(e.name, e.T_w_c, params_.visible_pixels);
     if (!seen) return;
     e.visible_planes = static_cast<int>(seen->size());
     if (models_.empty()) return;
@@ -265,13 +278,15 @@ Evaluation evaluate(const std::vector<RunResults>& runs, const PlaceTruth& truth
                     const std::vector<ModelPose>& models, const EvaluationParams& params, double tolerance) {
   Evaluation evaluation;
   Judge judge(truth, models, params);
-  for (const RunResults& run : runs)
-    for (const FrameRows& frame : groupByFrame(run.rows)) {
-      if (const auto pose = truth.poses().nearest(frame.stamp, tolerance))
-        evaluation.frames.push_back(judge.judge(run.name, frame, *pose));
+  for (const RunResults& run : runs) {
+    const PlaceTruth of_run = truth.of(run.name);
+    for (const FrameRows& frame : groupByFrame(run.rows, of_run.poses())) {
+      if (const auto pose = of_run.poses().nearest(frame.stamp, tolerance))
+        evaluation.frames.push_back(judge.judge(run.name, frame, *pose, of_run));
       else
         evaluation.without_truth.push_back(frame.name);
     }
+  }
   markMappingRuns(runs, evaluation.frames);
   return evaluation;
 }

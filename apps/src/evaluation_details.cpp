@@ -84,14 +84,15 @@ std::vector<ErrorGroup> errorsByDistance(const std::vector<FrameEvaluation>& fra
 }
 
 std::vector<StageTime> stageTimes(const std::vector<TimingRow>& rows) {
-  if (rows.empty()) return {};
   std::vector<double> segment, features, localize, sum;
   for (const TimingRow& row : rows) {
+    if (row.sum() == 0) continue;  // it failed
     segment.push_back(row.segment_ms);
     features.push_back(row.features_ms);
     localize.push_back(row.localize_ms);
-    sum.push_back(row.segment_ms + row.features_ms + row.localize_ms);
+    sum.push_back(row.sum());
   }
+  if (sum.empty()) return {};
   return {stageTime("segmentation", segment), stageTime("features", features),
           stageTime("localization", localize), stageTime("all", sum)};
 }

@@ -6,12 +6,15 @@
 #include <facetloc/io/depth_sequence.h>
 
 #include <map>
+#include <memory>
+#include <utility>
 
 namespace facetloc {
 namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kMissPrefix = "miss_";
 constexpr Colour kMissing = {230, 130, 20}, kNotFirst = {200, 170, 0};
 
 const Colour& colourOf(MissKind kind) {
@@ -44,21 +47,24 @@ std::vector<DrawnMarks> drawnMarks(const Evaluation& evaluation) {
   return marks;
 }
 
-/** The depth images of all runs, by the names of their frames. */
+/** The depth images of all runs. Of runs with the same names, the one that is asked for goes first. */
 class Images {
 public:
   Images(const PlaceTruth& truth, const Map& map) : map_(map) {
-    for (const PlaceTruth::Sequence& s : truth.sequences())
-      if (fs::is_directory(s.folder / "depth")) sequences_.push_back(DepthSequence::open(s.folder));
-    for (const DepthSequence& sequence : sequences_)
-      for (std::size_t i = 0; i < sequence.frames().size(); ++i)
-        places_.emplace(sequence.frames()[i].name, Place{&sequence, i});
+    for (const PlaceTruth::Sequence& s : truth.sequences()) {
+      if (!fs::is_directory(s.folder / "depth")) continue;
+      const auto sequence = std::make_shared<const DepthSequence>(DepthSequence::open(s.folder));
+      for (std::size_t i = 0; i < sequence->frames().size(); ++i)
+        for (const std::string& run : {s.folder.filename().string(), std::string()})
+          places_.emplace(std::make_pair(run, sequence->frames()[i].name), Place{sequence, i});
+    }
   }
 
-  bool has(const std::string& name) const { return places_.count(name) > 0; }
+  bool has(const std::string& name) const { return places_.count({"", name}) > 0; }
 
-  SeenImage seen(const std::string& name) const {
-    const Place& place = places_.at(name);
+  SeenImage seen(const std::string& run, const std::string& name) const {
+    const auto found = places_.find({run, name});
+    const Place& place = found == places_.end() ? places_.at({"", name}) : found->second;
     const DepthInput defaults;
     ViewBuilder builder(withDistortionOf(map_, withNoiseOf(place.sequence->camera(), defaults.view)));
     return see(name, place.sequence->load(place.index, defaults.width), builder);
@@ -66,12 +72,11 @@ public:
 
 private:
   struct Place {
-    const DepthSequence* sequence;
+    std::shared_ptr<const DepthSequence> sequence;
     std::size_t index;
   };
   const Map& map_;
-  std::vector<DepthSequence> sequences_;  // not changed once places_ points into it
-  std::map<std::string, Place> places_;
+  std::map<std::pair<std::string, std::string>, Place> places_;  // by run, or "", and name
 };
 
 }  // namespace
@@ -99,6 +104,15 @@ std::vector<Miss> chosenMisses(const Evaluation& evaluation, std::size_t most) {
   return chosen;
 }
 
+void removeMisses(const fs::path& folder) {
+  if (!fs::is_directory(folder)) return;
+  std::vector<fs::path> pictures;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (entry.path().filename().string().rfind(kMissPrefix, 0) == 0 && entry.path().extension() == ".png")
+      pictures.push_back(entry.path());
+  for (const fs::path& picture : pictures) fs::remove(picture);
+}
+
 std::vector<ReportPicture> drawMisses(const fs::path& folder, const std::vector<Miss>& misses, const Map& map,
                                       const PlaceTruth& truth, const std::vector<RunResults>& runs,
                                       const Console& console) {
@@ -111,9 +125,9 @@ std::vector<ReportPicture> drawMisses(const fs::path& folder, const std::vector<
   if (!drawn.frames.empty()) fs::create_directories(folder);
   for (const Failure& failure : findFailures(drawn, runs, map)) {
     const std::string run = failure.run.empty() ? "" : failure.run + "_";
-    const fs::path path = folder / (run + failure.frame + ".png");
+    const fs::path path = folder / (kMissPrefix + run + failure.frame + ".png");
     try {
-      drawMatches(path, images.seen(failure.frame), map, failure.answers);
+      drawMatches(path, images.seen(failure.run, failure.frame), map, failure.answers);
       pictures.push_back({path, run + failure.frame + ": " + failure.what});
     } catch (const std::exception& e) {
       console.note("a picture of " + failure.frame + " is missing: " + e.what());

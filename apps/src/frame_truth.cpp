@@ -166,26 +166,61 @@ TrueSegments RenderedTruth::segments(const std::string& name, const Eigen::Isome
   }
 }
 
+namespace {
+
+PlaceTruth::Sequence openSequence(const fs::path& folder) {
+  PlaceTruth::Sequence sequence{folder, readTumTrajectory(folder / kPoses), RenderedTruth::open(folder), {}};
+  if (fs::exists(folder / kUnmapped)) sequence.unmapped = namesOf(folder / kUnmapped);
+  return sequence;
+}
+
+bool overlap(const Trajectory& a, const Trajectory& b) {
+  if (a.empty() || b.empty()) return false;
+  return a.poses().front().stamp <= b.poses().back().stamp &&
+         b.poses().front().stamp <= a.poses().back().stamp;
+}
+
+}  // namespace
+
 PlaceTruth PlaceTruth::open(const fs::path& path) {
   if (!fs::is_directory(path)) return PlaceTruth(readTumTrajectory(path));
   PlaceTruth truth;
   if (fs::exists(path / kPoses))
-    truth.addSequence(path);
+    truth.add(openSequence(path));
   else
     for (const char* run : {"map", "query"})
-      if (fs::exists(path / run / kPoses)) truth.addSequence(path / run);
+      if (fs::exists(path / run / kPoses)) truth.add(openSequence(path / run));
   if (truth.sequences_.empty())
     throw IoError(path.string(), "has no groundtruth.txt, nor have folders map and query in it");
   return truth;
 }
 
-void PlaceTruth::addSequence(const fs::path& folder) {
-  Sequence sequence{folder, readTumTrajectory(folder / kPoses), RenderedTruth::open(folder)};
+void PlaceTruth::add(const Sequence& sequence) {
   std::vector<StampedPose> poses = poses_.poses();
   poses.insert(poses.end(), sequence.poses.poses().begin(), sequence.poses.poses().end());
   poses_ = Trajectory(std::move(poses));
-  sequences_.push_back(std::move(sequence));
-  if (fs::exists(folder / kUnmapped)) unmapped_.merge(namesOf(folder / kUnmapped));
+  sequences_.push_back(sequence);
+}
+
+PlaceTruth PlaceTruth::of(const std::string& run) const {
+  PlaceTruth truth;
+  for (const Sequence& sequence : sequences_)
+    if (sequence.folder.filename() == run) truth.add(sequence);
+  if (!truth.sequences_.empty()) return truth;
+  for (std::size_t i = 0; i < sequences_.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (overlap(sequences_[i].poses, sequences_[k].poses))
+        throw IoError(
+            sequences_[i].folder.string(),
+            "its stamps overlap those of " + sequences_[k].folder.string() +
+                ", so that images cannot be told apart: name the folders of the results after the runs, or "
+                "give the folder of one run as the truth");
+  return *this;
+}
+
+bool PlaceTruth::unmapped(const std::string& name) const {
+  return std::any_of(sequences_.begin(), sequences_.end(),
+                     [&](const Sequence& sequence) { return sequence.unmapped.count(name) > 0; });
 }
 
 std::optional<TrueSegments> PlaceTruth::segments(const std::string& name, const Eigen::Isometry3d& T_w_c,

@@ -2,6 +2,9 @@
 #include "live_run.h"
 
 #include <facetloc/apps/live_app.h>
+#include <facetloc/apps/outputs.h>
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/error.h>
 
 #include <filesystem>
 
@@ -21,7 +24,7 @@ LiveApp::LiveApp()
     : App("facetloc_live", "[--device DEVICE] [--map MAP.flmap] [options]",
           "Cuts what a depth camera sees now into planar segments and, with --map, finds and follows the "
           "camera in a map. DEVICE is a camera of OpenNI2 (#1 is the first one, or a URI), an .oni "
-          "recording, a depth sequence or a .scene file that is served as a camera, or a folder of PCD or "
+          "recording, a depth sequence or a .scene file that is served as a camera, or a folder of "
           "PCLZF files that is played. Frames that come faster than they can be processed are dropped. "
           "Keys in the window: " +
               keysText() + ".") {}
@@ -66,7 +69,11 @@ int LiveApp::execute(const CommandLine& line, const Console& console) {
     makeAbsolute(*path);
   if (fs::exists(options.source.device)) makeAbsolute(options.source.device);
   for (const std::string* folder : {&options.results, &options.screenshots})
-    if (!folder->empty()) createFolder(*folder);
+    if (!folder->empty()) createFolders(*folder);
+  const fs::path played = options.source.device, depth = played / "depth";
+  if (!options.screenshots.empty() && fs::is_directory(played))
+    requireOtherFolder(options.screenshots, fs::is_directory(depth) ? depth : played);
+  if (fs::exists(options.recording)) throw IoError(options.recording, "exists already");
 
   LiveAlgorithms algorithms;
   algorithms.view = [&](const std::optional<CameraFile>& camera) { return input_.viewParams(camera, line); };

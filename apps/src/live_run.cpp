@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live_run.h"
 
+#include <facetloc/apps/outputs.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
@@ -187,9 +188,19 @@ void LiveRun::run() {
   status_.clear();
 }
 
+/** Of images that could not be read, the source tells the last one. */
+void LiveRun::tellWhatIsMissing() {
+  const std::string cause = source_->lastError();
+  if (session_->mailbox().counts().received == 0)
+    throw IoError(source_->name(), "ended without a frame" + (cause.empty() ? "" : ": " + cause));
+  if (cause.empty()) return;
+  status_.clear();
+  console_.note(source_->name() + ": frames are missing: " + cause);
+}
+
 void LiveRun::loop() {
   while (!stopAsked() && !timeIsUp() && !session_->done()) {
-    if (sourceEnded()) return;
+    if (sourceEnded()) return tellWhatIsMissing();
     const std::string problem = sourceProblem();
     if (!problem.empty()) throw SourceError(problem);
     tick();
@@ -224,6 +235,7 @@ void LiveRun::drawWindow() {
 
 void LiveRun::drawScreenshot(const LiveResult& result, const fs::path& path) {
   if (!screenshot_) screenshot_ = std::make_unique<LiveScreenshot>(map_);
+  requireNoneButPicture(path);
   writePng(path, screenshot_->draw(result));
   ++screenshots_;
 }

@@ -56,6 +56,7 @@ private:
   bool timeIsUp() const;
   bool sourceEnded() const;
   std::string sourceProblem() const;
+  void tellWhatIsMissing();
   void loop();
   void tick();
   void obey(LiveCommand command);

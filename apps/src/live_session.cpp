@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "milliseconds.h"
+
 #include <facetloc/apps/live_session.h>
 #include <facetloc/apps/text.h>
 
@@ -14,10 +16,6 @@ using std::chrono::milliseconds;
 constexpr milliseconds kWakeUp(100);         // to look whether something else is to be done
 constexpr milliseconds kNap(10);             // between looks whether the pause is over
 constexpr double kUsualInterval = 1.0 / 30;  // [s]
-
-double millisecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 }  // namespace
 

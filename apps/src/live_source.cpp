@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/live_source.h>
 #include <facetloc/features/organized_cloud.h>
-#include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/openni_grabber.h>
 
 #include <pcl/io/image_grabber.h>
-#include <pcl/io/pcd_grabber.h>
 
 #include <algorithm>
 #include <cmath>
@@ -85,21 +83,6 @@ bool hasFiles(const fs::path& folder, const std::string& extension) {
   return false;
 }
 
-/** The folder of the images: the depth/ in it, if there is one. */
-fs::path imageFolder(const fs::path& folder) {
-  return fs::is_directory(folder / "depth") ? folder / "depth" : folder;
-}
-
-/** Frames per second by the median time between stamps; nothing if the stamps only count. */
-std::optional<double> rateOf(const std::vector<FrameFile>& frames) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < frames.size(); ++i) steps.push_back(frames[i].stamp - frames[i - 1].stamp);
-  if (steps.empty()) return {};
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle > 0 && *middle < 1 ? std::optional(1 / *middle) : std::nullopt;
-}
-
 /** What our virtual camera, or a program, told the grabber; nothing for a device as it is. */
 std::optional<Intrinsics> calibrationOf(const OpenNIGrabber& grabber) {
   const auto mode = grabber.getDevice()->getDepthVideoMode();
@@ -136,30 +119,15 @@ void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camer
   }
 }
 
-LiveSource::LiveSource(const LiveSourceOptions& options)
-    : name_(options.device), stamps_(countedStamps(kUsualRate)) {
+LiveSource::LiveSource(const LiveSourceOptions& options) : name_(options.device) {
   if (!options.camera_file.empty()) camera_ = readCameraFile(options.camera_file);
   const fs::path path = options.device;
-  const float rate_factor = static_cast<float>(options.speed > 0 ? options.speed : 1);
   if (fs::is_directory(path) && hasFiles(path, ".pclzf")) {
-    const float rate = static_cast<float>(kUsualRate) * rate_factor;
+    const float rate = static_cast<float>(kUsualRate * (options.speed > 0 ? options.speed : 1));
     auto images =
         std::make_unique<pcl::ImageGrabber<pcl::PointXYZ>>(path.string(), rate, options.repeat, true);
     if (!options.repeat) last_ = images->size();
     grabber_ = std::move(images);
-  } else if (fs::is_directory(path) && hasFiles(imageFolder(path), ".pcd")) {
-    const DepthSequence sequence = DepthSequence::open(path);
-    if (!camera_) camera_ = sequence.camera();
-    std::vector<std::string> files;
-    std::vector<double> times;
-    for (const FrameFile& frame : sequence.frames()) {
-      files.push_back(frame.path.string());
-      times.push_back(frame.stamp);
-    }
-    const std::optional<double> own_rate = rateOf(sequence.frames());
-    if (own_rate) stamps_ = [times](std::uint64_t n) { return times[n % times.size()]; };
-    const float rate = static_cast<float>(own_rate.value_or(kUsualRate)) * rate_factor;
-    grabber_ = std::make_unique<pcl::PCDGrabber<pcl::PointXYZ>>(files, rate, options.repeat);
   } else {
     openDevice(options);
   }
@@ -185,7 +153,7 @@ LiveSource::~LiveSource() { stop(); }
 void LiveSource::start(const FrameSink& sink) {
   std::optional<Intrinsics> intrinsics = calibration_;
   if (camera_) intrinsics = camera_->intrinsics;
-  connectFrames(*grabber_, intrinsics, stamps_, [this, sink](LiveFrame frame) {
+  connectFrames(*grabber_, intrinsics, countedStamps(kUsualRate), [this, sink](LiveFrame frame) {
     sink(std::move(frame));
     ++delivered_;
   });
@@ -193,8 +161,6 @@ void LiveSource::start(const FrameSink& sink) {
 }
 
 void LiveSource::stop() { grabber_->stop(); }
-
-double LiveSource::framesPerSecond() const { return grabber_->getFramesPerSecond(); }
 
 bool LiveSource::atEnd() const {
   if (device_) return device_->isEndOfFile();

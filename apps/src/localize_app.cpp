@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "milliseconds.h"
+
 #include <facetloc/apps/batch.h>
 #include <facetloc/apps/localization_report.h>
 #include <facetloc/apps/localize_app.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/error.h>
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
-#include <iterator>
 
 namespace facetloc {
 namespace {
@@ -17,25 +16,14 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* kParamsFile = "params.ini";
-
-double millisecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-std::string readText(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-/** The results of a finished run. */
+/** The results of a finished run. A frame that one of its files lacks is still to be done. */
 std::map<std::string, FrameResult> finishedResults(const fs::path& folder) {
+  std::map<std::string, std::vector<ResultRow>> rows;
+  for (ResultRow& row : readHypotheses(folder)) rows[row.frame].push_back(std::move(row));
   std::map<std::string, FrameResult> results;
-  for (const TimingRow& row : readTiming(folder)) results[row.frame].timing = row;
-  for (ResultRow& row : readHypotheses(folder)) {
-    const std::string frame = row.frame;
-    results[frame].rows.push_back(std::move(row));
-  }
+  for (const TimingRow& timing : readTiming(folder))
+    if (const auto found = rows.find(timing.frame); found != rows.end())
+      results[timing.frame] = {0, found->second, timing};
   return results;
 }
 
@@ -77,16 +65,22 @@ void LocalizeApp::addOptions(CommandLine& line) {
   line.addParams(localization_);
 }
 
-/** Of a run with the same parameters: of the journal if it was interrupted, else of its results. */
+/** Of a run of the same images with the same map and parameters: of the journal if it was interrupted, else
+ * of its results. */
 std::map<std::string, FrameResult> LocalizeApp::earlierResults(const ResultsJournal& journal,
-                                                               const std::string& params_ini) const {
-  const fs::path folder = folder_, params = folder / kParamsFile;
-  if (!resume_ || !fs::exists(params)) return {};
-  if (readText(params) != params_ini)
-    throw IoError(folder_,
-                  "was begun with another map or other parameters; leave out --resume or use another folder");
-  if (journal.exists()) return journal.read();
-  return isResultsFolder(folder) ? finishedResults(folder) : std::map<std::string, FrameResult>();
+                                                               const Provenance& provenance) const {
+  const auto before = resume_ ? Provenance::read(folder_) : std::nullopt;
+  if (!before) return {};
+  std::map<std::string, FrameResult> earlier;
+  if (journal.exists())
+    earlier = journal.read();
+  else if (isResultsFolder(folder_))
+    earlier = finishedResults(folder_);
+  std::vector<std::string> done;
+  for (const auto& [frame, result] : earlier)
+    if (provenance.images.count(frame)) done.push_back(frame);
+  before->requireSame(provenance, done, folder_);
+  return earlier;
 }
 
 /** \param todo receives the frames that earlier has no result of. */
@@ -105,16 +99,18 @@ std::vector<FrameResult> LocalizeApp::startWith(const std::map<std::string, Fram
   return results;
 }
 
-/** Begins a run, or goes on with an earlier one. \param journal is left alone if all is done already. */
+/** Begins a run, or goes on with an earlier one, so that what is in the folder belongs together whenever it
+ * is interrupted. \param journal is left alone if all is done already. */
 std::vector<FrameResult> LocalizeApp::begin(const std::vector<FrameFile>& frames,
-                                            const std::string& params_ini, ResultsJournal& journal,
+                                            const Provenance& provenance, ResultsJournal& journal,
                                             std::vector<std::size_t>& todo) const {
-  createFolder(folder_);
-  const auto earlier = earlierResults(journal, params_ini);
+  createFolders(folder_);
+  const auto earlier = earlierResults(journal, provenance);
   std::vector<FrameResult> results = startWith(earlier, frames, todo);
   if (!todo.empty() || journal.exists()) {
-    writeTextAtomically(fs::path(folder_) / kParamsFile, [&](std::ostream& out) { out << params_ini; });
+    if (earlier.empty()) removeResults(folder_);
     journal.begin(earlier);
+    provenance.write(folder_);
   }
   return results;
 }
@@ -149,22 +145,25 @@ int LocalizeApp::localize(const DepthSequence& sequence, const ViewParams& view_
 }
 
 void LocalizeApp::printSummary(const std::vector<FrameResult>& results, const Console& console) const {
-  std::size_t localized = 0;
+  std::size_t localized = 0, timed = 0;
   double milliseconds = 0;
   for (const FrameResult& result : results) {
     localized += result.rows.front().rank > 0;
-    milliseconds += result.timing.segment_ms + result.timing.features_ms + result.timing.localize_ms;
+    timed += result.timing.sum() > 0;  // others failed
+    milliseconds += result.timing.sum();
   }
   console.out << counted(results.size(), "image") << ", " << localized << " with hypotheses, "
-              << fixed(milliseconds / static_cast<double>(std::max<std::size_t>(results.size(), 1)), 1)
+              << fixed(milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)), 1)
               << " ms per image and thread; results in " << folder_ << "\n";
 }
 
-/** What the results depend on. */
-std::string LocalizeApp::paramsIni(const ViewParams& view_params, const Map& map) const {
+/** What the results depend on beside the images. */
+std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& camera, const ViewParams& view_params,
+                                   const Map& map) const {
   return "# " + versionText() + ", map " + fs::path(map_).filename().string() + " of " +
-         counted(map.models.size(), "local model") + "\nmax-hypotheses = " + std::to_string(max_hypotheses_) +
-         "\n" + toIni(input_, view_params) + toIni(localization_);
+         counted(map.models.size(), "local model") + ", checksum " + checksum(map_) + "\n" +
+         cameraLine(camera) + "max-hypotheses = " + std::to_string(max_hypotheses_) + "\n" +
+         toIni(input_, view_params) + toIni(localization_);
 }
 
 int LocalizeApp::execute(const CommandLine& line, const Console& console) {
@@ -181,18 +180,21 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
   }
 
   const ViewParams view_params = withDistortionOf(localization.map(), of_camera);
-  const std::string params_ini = paramsIni(view_params, localization.map());
   ResultsJournal journal(folder_, imageRanks().rank());
   std::vector<FrameResult> results;
   std::vector<std::size_t> todo;
-  if (ranks().isFirst()) results = begin(sequence.frames(), params_ini, journal, todo);
+  Provenance provenance;
+  if (ranks().isFirst()) {
+    provenance = {paramsIni(sequence.camera(), view_params, localization.map()), imageSizes(sequence)};
+    results = begin(sequence.frames(), provenance, journal, todo);
+  }
   todo = imageRanks().broadcast(todo);
   if (!ranks().isFirst() && !todo.empty()) journal.begin({});
   const int code = localize(sequence, view_params, localization, todo, journal, results, console);
   localization.finish();
   if (!ranks().isFirst()) return kOk;
   if (journal.exists()) {
-    writeResults(folder_, results, params_ini);
+    writeResults(folder_, results, provenance.params_ini);
     if (code == kOk) journal.remove();  // else it tells --resume which images are still to be done
   }
   printSummary(results, console);

@@ -75,6 +75,7 @@ void printSummary(std::ostream& out, const Map& map) {
 /** Values of several lines, such as parameters, are indented below their key. */
 void printMeta(std::ostream& out, const Map& map) {
   for (const auto& [key, value] : map.meta) {
+    if (key == kImagesKey) continue;  // for programs
     const bool several = value.find('\n') != std::string::npos;
     out << key << (several ? ":" : ": " + value) << "\n";
     if (!several) continue;
@@ -102,6 +103,22 @@ bool sameMounting(const std::optional<CameraMounting>& a, const std::optional<Ca
   return a->height == b->height && a->tilt_deg == b->tilt_deg;
 }
 
+std::optional<DepthDistortion::Values> distortionOf(const Map& map) {
+  return map.distortion ? std::optional(map.distortion->values()) : std::nullopt;
+}
+
+/** Tells which map's distortion mergedMap() takes, unless all have the same. */
+void noteChosenDistortion(const std::vector<Map>& maps, const std::vector<std::string>& paths,
+                          const Console& console) {
+  const auto chosen =
+      std::find_if(maps.begin(), maps.end(), [](const Map& map) { return map.distortion.has_value(); });
+  if (chosen == maps.end()) return;
+  if (std::any_of(maps.begin(), maps.end(),
+                  [&](const Map& map) { return distortionOf(map) != distortionOf(*chosen); }))
+    console.note("the maps differ in the distortion that was taken out; the merged one has that of " +
+                 paths[chosen - maps.begin()]);
+}
+
 }  // namespace
 
 Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& stems) {
@@ -119,7 +136,7 @@ Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& stem
     if (!sameMounting(merged.mounting, maps[i].mounting)) merged.mounting.reset();
     for (const auto& [key, value] : maps[i].meta) {
       const bool of_format = key == "format" || key == "conventions";  // the new file has its own
-      if (!of_format) merged.meta[stems[i] + "." + key] = value;
+      if (!of_format && key != kImagesKey) merged.meta[stems[i] + "." + key] = value;
     }
   }
   for (const LocalModel& model : merged.models)
@@ -202,12 +219,25 @@ int MapMergeApp::execute(const CommandLine&, const Console& console) {
   const auto hasMounting = [](const Map& map) { return map.mounting.has_value(); };
   if (!merged.mounting && std::any_of(maps.begin(), maps.end(), hasMounting))
     console.note("the maps differ in the camera's mounting; the merged one has none");
+  noteChosenDistortion(maps, maps_, console);
   writeMap(output_, merged);
   writePlaceIndex(output_);
   console.out << counted(merged.models.size(), "local model") << ", " << counted(merged.links.size(), "link")
               << "; map in " << output_ << "\n";
   return kOk;
 }
+
+namespace {
+
+constexpr const char* kMapUsage = "Usage: facetloc_map build|info|check|export|merge ...\n\n"
+                                  "  build SEQUENCE -o MAP.flmap   make a map of one run of depth images\n"
+                                  "  info MAP.flmap                say what is in a map\n"
+                                  "  check MAP.flmap               prove a map sound\n"
+                                  "  export MAP.flmap -o DIR       write PCD, TUM and g2o files\n"
+                                  "  merge MAPS -o OUT.flmap       put several maps into one\n\n"
+                                  "'facetloc_map build --help' and so on tell the options.\n";
+
+}  // namespace
 
 int runMapTool(const std::vector<std::string>& arguments, Console console) {
   const std::string command = arguments.empty() ? "" : arguments.front();
@@ -217,20 +247,24 @@ int runMapTool(const std::vector<std::string>& arguments, Console console) {
   if (command == "check") return run(MapCheckApp());
   if (command == "export") return run(MapExportApp());
   if (command == "merge") return run(MapMergeApp());
-  if (command == "--version") return console.out << versionText() << "\n", kOk;
 
-  const bool help = command == "--help" || command == "-help" || command == "-h";
-  std::ostream& out = help ? console.out : console.err;
-  if (!help)
-    out << "facetloc_map: " << (command.empty() ? "no command" : "unknown command '" + command + "'") << "\n";
-  out << "Usage: facetloc_map build|info|check|export|merge ...\n\n"
-         "  build SEQUENCE -o MAP.flmap   make a map of one run of depth images\n"
-         "  info MAP.flmap                say what is in a map\n"
-         "  check MAP.flmap               prove a map sound\n"
-         "  export MAP.flmap -o DIR       write PCD, TUM and g2o files\n"
-         "  merge MAPS -o OUT.flmap       put several maps into one\n\n"
-         "'facetloc_map build --help' and so on tell the options.\n";
-  return help ? kOk : kUsage;
+  const auto isOption = [&](const std::string& name) {
+    return command == "-" + name || command == "--" + name;
+  };
+  if (isOption("version")) {
+    console.out << versionText() << "\n";
+  } else if (isOption("help") || isOption("h")) {
+    console.out << kMapUsage;
+  } else {
+    console.err << "facetloc_map: " << (command.empty() ? "no command" : "unknown command '" + command + "'")
+                << "\n"
+                << kMapUsage;
+    return kUsage;
+  }
+  console.out.flush();
+  if (console.out) return kOk;
+  console.err << "facetloc_map: the output cannot be written\n";
+  return kFailed;
 }
 
 }  // namespace facetloc

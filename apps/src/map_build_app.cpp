@@ -2,6 +2,7 @@
 #include <facetloc/apps/batch.h>
 #include <facetloc/apps/map_apps.h>
 #include <facetloc/apps/place_index_file.h>
+#include <facetloc/apps/provenance.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/error.h>
 #include <facetloc/registration/distortion_calibration.h>
@@ -13,9 +14,17 @@
 namespace facetloc {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr const char* kParametersKey = "parameters";
+constexpr double kSamePose = 1e-9;  // [m], and of the entries of a rotation: what a file may round
 constexpr std::size_t kCalibrationImages = 200;  // at most
 constexpr std::size_t kImagesPerThread = 8;      // views kept in memory until they are written, in order
+
+bool samePose(const std::optional<Eigen::Isometry3d>& a, const std::optional<Eigen::Isometry3d>& b) {
+  if (!a || !b) return !a && !b;
+  return (a->matrix() - b->matrix()).cwiseAbs().maxCoeff() < kSamePose;
+}
 
 }  // namespace
 
@@ -85,6 +94,7 @@ void MapBuildApp::addOptions(CommandLine& line) {
   line.addOption("poses", poses_, "FILE", "Camera poses in the TUM format: stamp tx ty tz qx qy qz qw.");
   line.addOption("pose-tolerance", pose_tolerance_, "S",
                  "Largest distance in time of an image and its pose [s].");
+  line.addCheck([this] { requireTolerance(pose_tolerance_); });
   line.addOption("every", every_, "N", "Make each N-th image a local model, whatever its pose; 0 = off.");
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
   line.addSwitch("resume", resume_, "Go on with a map that is there already.");
@@ -102,6 +112,9 @@ Trajectory MapBuildApp::poses(const DepthSequence& sequence) const {
 }
 
 MapBuildApp::Selection MapBuildApp::select(const DepthSequence& sequence) const {
+  const bool asks_for_poses = every_ == 0 || !poses_.empty();
+  if (asks_for_poses && !sequence.stamped())
+    throw IoError(sequence_, "its image names are no time stamps: poses cannot be matched");
   const Trajectory trajectory = poses(sequence);
   if (trajectory.empty() && every_ == 0)
     throw IoError(sequence_, "has no poses: no groundtruth.txt; give --poses FILE or --every N");
@@ -118,27 +131,51 @@ MapBuildApp::Selection MapBuildApp::select(const DepthSequence& sequence) const 
   return selection;
 }
 
-MapDatabase MapBuildApp::openDatabase(const DepthSequence& sequence, const std::string& parameters) const {
-  if (resume_ && std::filesystem::exists(map_)) {
-    const Map present = openMap(map_);
-    if (present.models.empty()) return createDatabase(sequence, parameters, true);  // killed before it began
-    const auto recorded = present.meta.find(kParametersKey);
-    if (recorded == present.meta.end() || recorded->second != parameters)
-      throw IoError(map_, "was built with other parameters; give the same ones, or --overwrite");
-    return MapDatabase::open(map_);
-  }
-  return createDatabase(sequence, parameters, overwrite_);
+/** Were the local models that are there already made of the same images, with the same poses? */
+bool MapBuildApp::madeOf(const Map& present, const DepthSequence& sequence,
+                         const std::vector<Candidate>& candidates) const {
+  std::map<std::string, const Candidate*> by_name;
+  for (const Candidate& c : candidates) by_name[sequence.frames()[c.frame].name] = &c;
+  const auto recorded = present.meta.find(kImagesKey);
+  const ImageSizes sizes = recorded == present.meta.end() ? ImageSizes() : imageSizes(recorded->second);
+  return std::all_of(present.models.begin(), present.models.end(), [&](const LocalModel& model) {
+    const auto candidate = by_name.find(model.name);
+    const auto size = sizes.find(model.name);
+    if (candidate == by_name.end() || size == sizes.end()) return false;
+    const auto& [frame, T_w_m] = *candidate->second;
+    return size->second == sizeOf(sequence.frames()[frame]) && samePose(model.T_w_m, T_w_m);
+  });
 }
 
-MapDatabase MapBuildApp::createDatabase(const DepthSequence& sequence, const std::string& parameters,
-                                        bool overwrite) const {
-  if (std::filesystem::exists(map_) && !overwrite)
+MapDatabase MapBuildApp::openDatabase(const fs::path& path, const DepthSequence& sequence,
+                                      const std::vector<Candidate>& candidates,
+                                      const std::string& parameters) const {
+  if (!resume_ || !fs::exists(path)) return createDatabase(path, sequence, parameters, overwrite_);
+  const Map present = openMap(path);
+  if (present.models.empty())
+    return createDatabase(path, sequence, parameters, true);  // killed before it began
+  const auto recorded = present.meta.find(kParametersKey);
+  if (recorded == present.meta.end() || recorded->second != parameters ||
+      !madeOf(present, sequence, candidates))
+    throw IoError(map_,
+                  "was built of other images, with other poses or other parameters; give the same ones, or "
+                  "--overwrite");
+  MapDatabase database = MapDatabase::open(path);
+  const std::string images = toText(imageSizes(sequence));  // some may have been repaired since
+  if (images != present.meta.at(kImagesKey)) database.setMeta(kImagesKey, images);
+  return database;
+}
+
+MapDatabase MapBuildApp::createDatabase(const fs::path& path, const DepthSequence& sequence,
+                                        const std::string& parameters, bool overwrite) const {
+  if (fs::exists(path) && !overwrite)
     throw IoError(map_, "exists already; give --overwrite to replace it or --resume to go on");
-  MapDatabase database = MapDatabase::create(map_, overwrite);
+  MapDatabase database = MapDatabase::create(path, overwrite);
   database.setMeta("software", versionText());
   database.setMeta("source", sequence_);
   if (sequence.camera() && sequence.camera()->mounting) database.setMounting(*sequence.camera()->mounting);
   database.setMeta(kParametersKey, parameters);
+  database.setMeta(kImagesKey, toText(imageSizes(sequence)));
   return database;
 }
 
@@ -209,6 +246,41 @@ std::optional<DepthDistortion> MapBuildApp::calibrate(const DepthSequence& seque
   return {};
 }
 
+/** By the first rank. \param path of the map until it is whole. \return the exit code. Throws IoError, and
+ * leaves no map, if there would be nothing in it. */
+int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence, const Selection& selection,
+                       ViewParams view_params, Batch& batch, const Console& console) const {
+  const std::string parameters = cameraLine(sequence.camera()) + toIni(input_, view_params) +
+                                 toIni(builder_) + "every = " + std::to_string(every_) + "\n" +
+                                 "raw-depth = " + (raw_depth_ ? "1" : "0") + "\n";
+  MapDatabase database = openDatabase(path, sequence, selection.candidates, parameters);
+  const Map present = openMap(path);
+  if (!present.models.empty())
+    view_params.distortion = present.distortion;
+  else if (!raw_depth_)
+    view_params.distortion = calibrate(sequence, view_params.noise, console);
+  if (view_params.distortion && present.models.empty()) database.setDistortion(*view_params.distortion);
+  view_params.distortion = ranks().broadcast(view_params.distortion);
+  const MapBuilder builder(builder_);
+  Writer writer(std::move(database), present, builder);
+  const std::size_t without_segments = addModels(sequence, selection.candidates, view_params, batch, &writer);
+
+  const int code = batch.report();
+  if (selection.without_pose > 0)
+    console.note(counted(selection.without_pose, "image") + " without a pose within " +
+                 shortNumber(pose_tolerance_) + " s");
+  if (without_segments > 0) console.note(counted(without_segments, "image") + " without segments left out");
+  if (writer.models() == 0) {
+    fs::remove(path);
+    throw IoError(map_, "is not written: none of the images makes a local model");
+  }
+  writePlaceIndex(path);
+  console.out << counted(writer.added(), "local model") << " added from "
+              << counted(sequence.frames().size(), "image") << ", " << writer.models() << " in all; map in "
+              << map_ << "\n";
+  return code;
+}
+
 int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   if (map_.empty()) throw UsageError("the map to write is missing: -o MAP.flmap");
   if (every_ < 0) throw UsageError("every must not be negative");
@@ -216,36 +288,20 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   const DepthSequence sequence = DepthSequence::open(sequence_);
   const Selection selection = select(sequence);
   ViewParams view_params = input_.viewParams(sequence.camera(), line);
-  const std::string parameters = toIni(input_, view_params) + toIni(builder_) +
-                                 "every = " + std::to_string(every_) + "\n" +
-                                 "raw-depth = " + (raw_depth_ ? "1" : "0") + "\n";
-  const MapBuilder builder(builder_);
   Batch batch(threads(), selection.candidates.size(), console, ranks());
   if (!ranks().isFirst()) {
     view_params.distortion = ranks().broadcast(view_params.distortion);
     addModels(sequence, selection.candidates, view_params, batch, nullptr);
     return kOk;
   }
-  MapDatabase database = openDatabase(sequence, parameters);
-  const Map present = openMap(map_);
-  if (!present.models.empty())
-    view_params.distortion = present.distortion;
-  else if (!raw_depth_)
-    view_params.distortion = calibrate(sequence, view_params.noise, console);
-  if (view_params.distortion && present.models.empty()) database.setDistortion(*view_params.distortion);
-  view_params.distortion = ranks().broadcast(view_params.distortion);
-  Writer writer(std::move(database), present, builder);
-  const std::size_t without_segments = addModels(sequence, selection.candidates, view_params, batch, &writer);
-  writePlaceIndex(map_);
-
-  const int code = batch.report();
-  if (selection.without_pose > 0)
-    console.note(counted(selection.without_pose, "image") + " without a pose within " +
-                 shortNumber(pose_tolerance_) + " s");
-  if (without_segments > 0) console.note(counted(without_segments, "image") + " without segments left out");
-  console.out << counted(writer.added(), "local model") << " added from "
-              << counted(sequence.frames().size(), "image") << ", " << writer.models() << " in all; map in "
-              << map_ << "\n";
+  int code = kOk;
+  const auto buildAt = [&](const fs::path& path) {
+    code = build(path, sequence, selection, view_params, batch, console);
+  };
+  if (overwrite_ && fs::exists(map_))
+    replaceMap(map_, buildAt);
+  else
+    buildAt(map_);
   return code;
 }
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "milliseconds.h"
+
 #include <facetloc/apps/localization_report.h>
 #include <facetloc/apps/register_app.h>
 #include <facetloc/apps/text.h>
@@ -9,10 +11,6 @@ namespace facetloc {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double millisecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 DepthSequence openImage(const std::string& path) {
   DepthSequence sequence = DepthSequence::open(path);

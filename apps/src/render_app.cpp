@@ -4,9 +4,11 @@
 #include <facetloc/apps/batch.h>
 #include <facetloc/apps/failures.h>
 #include <facetloc/apps/offscreen_display.h>
+#include <facetloc/apps/outputs.h>
 #include <facetloc/apps/pictures.h>
 #include <facetloc/apps/render_app.h>
 #include <facetloc/apps/text.h>
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 
@@ -21,11 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 
 bool isMap(const fs::path& path) { return path.extension() == ".flmap"; }
-
-bool same(const fs::path& a, const fs::path& b) {
-  std::error_code ignored;
-  return fs::equivalent(a, b, ignored);
-}
 
 std::size_t indexOf(const DepthSequence& sequence, const std::string& name) {
   const auto& frames = sequence.frames();
@@ -125,7 +122,7 @@ void RenderApp::addOptions(CommandLine& line) {
 
 int RenderApp::renderMap(const Console& console) const {
   if (!map_.empty()) throw UsageError("--map goes with images and results; " + input_ + " is a map itself");
-  if (same(output_, input_)) throw UsageError("the picture would overwrite the map");
+  requireNoneButPicture(output_);
   const Map map = readMap(input_);
   std::vector<DrawnRun> runs;
   if (!trajectory_.empty()) runs.push_back(runOf(trajectory_));
@@ -145,13 +142,14 @@ int RenderApp::renderImages(const CommandLine& line, const Console& console) con
   const bool to_folder = chosen.size() > 1 || fs::is_directory(output_);
   if (to_folder && fs::path(output_).extension() == ".png")
     throw UsageError(input_ + " has several images: -o names a folder, or use --frame");
-  if (to_folder) createFolder(output_);
+  if (to_folder) createFolders(output_);
   const auto pathOf = [&](std::size_t i) {
     return to_folder ? fs::path(output_) / (sequence.frames()[i].name + ".png") : fs::path(output_);
   };
-  for (const std::size_t i : chosen)
-    if (same(pathOf(i), sequence.frames()[i].path))
-      throw UsageError("the picture would overwrite the image " + sequence.frames()[i].path.string());
+  for (const std::size_t i : chosen) {
+    if (to_folder) requireOtherFolder(output_, sequence.frames()[i].path.parent_path());
+    requireNoneButPicture(pathOf(i));
+  }
 
   ImageRenderer renderer(sequence, depth_.width, depth_.viewParams(sequence.camera(), line));
   if (!map_.empty())
@@ -178,8 +176,12 @@ int RenderApp::renderFailures(const CommandLine& line, const Console& console) c
   if (evaluation.frames.empty()) throw IoError(sequence_, "has no pose for any image of " + input_);
   const std::vector<Failure> failures = findFailures(evaluation, runs, map);
   const std::size_t drawn = std::min<std::size_t>(failures.size(), most_);
-  createFolder(output_);
-  const fs::path sheet_path = fs::path(output_) / "failures.png";
+  createFolders(output_);
+  for (const FrameFile& frame : sequence.frames()) requireOtherFolder(output_, frame.path.parent_path());
+  const auto pathOf = [&](const std::string& name) { return fs::path(output_) / (name + ".png"); };
+  const fs::path sheet_path = pathOf("failures");
+  requireNoneButPicture(sheet_path);
+  for (std::size_t i = 0; i < drawn; ++i) requireNoneButPicture(pathOf(failures[i].frame));
   fs::remove(sheet_path);  // of an earlier run; there may be nothing to draw now
 
   ViewBuilder builder(withDistortionOf(map, depth_.viewParams(sequence.camera(), line)));
@@ -194,7 +196,7 @@ int RenderApp::renderFailures(const CommandLine& line, const Console& console) c
               const std::size_t index = indexOf(sequence, failure.frame);
               const SeenImage image = see(failure.frame, sequence.load(index, depth_.width), builder);
               Raster<std::uint8_t> picture = matchesPicture(image, map, failure.answers);
-              writePng(fs::path(output_) / (failure.frame + ".png"), picture);
+              writePng(pathOf(failure.frame), picture);
               if (i < sheet.size()) sheet[i] = std::move(picture);
             });
   const int code = batch.report();

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/batch.h>
 #include <facetloc/apps/depth_drawing.h>
+#include <facetloc/apps/outputs.h>
+#include <facetloc/apps/provenance.h>
 #include <facetloc/apps/segment_app.h>
-#include <facetloc/apps/segment_file.h>
 #include <facetloc/apps/text.h>
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/segment_file.h>
 
 #include <chrono>
 #include <map>
@@ -50,7 +53,7 @@ public:
     const fs::path base = fs::path(app_.folder_) / image.name;
     if (app_.labels_) writeLabels(base.string() + ".png", labels);
     if (app_.overlay_) writePng(base.string() + "_overlay.png", overlay(depth, labels));
-    writeSegments(base.string() + ".segments.pcd", view.segments);  // last: with it, the image is done
+    writeSegments(app_.segmentsOf(image), view.segments);
     return view.segments.size();
   }
 
@@ -102,23 +105,48 @@ std::vector<SegmentApp::Image> SegmentApp::images(const std::vector<DepthSequenc
   return images;
 }
 
+/** Written last: with it, an image is done. */
+fs::path SegmentApp::segmentsOf(const Image& image) const {
+  return fs::path(folder_) / (image.name + ".segments.pcd");
+}
+
 bool SegmentApp::done(const Image& image) const {
   const std::string base = (fs::path(folder_) / image.name).string();
-  return fs::exists(base + ".segments.pcd") && (!labels_ || fs::exists(base + ".png")) &&
+  return fs::exists(segmentsOf(image)) && (!labels_ || fs::exists(base + ".png")) &&
          (!overlay_ || fs::exists(base + "_overlay.png"));
 }
 
-/** Makes the folder of the results. \return which images are still to be done. */
-std::vector<std::size_t> SegmentApp::prepare(const std::vector<Image>& images) const {
-  createFolder(folder_);
-  std::vector<std::size_t> todo;
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    const fs::path source = images[i].file().path.parent_path();
-    if (fs::equivalent(source.empty() ? fs::path(".") : source, folder_))
-      throw UsageError("the results would overwrite the images in " + folder_ +
-                       "; use another output folder");
-    if (!resume_ || !done(images[i])) todo.push_back(i);
+/** What the results depend on. */
+Provenance SegmentApp::provenance(const std::vector<Image>& images, const CommandLine& line) const {
+  Provenance provenance{"# " + versionText() + "\n", {}};
+  const DepthSequence* sequence = nullptr;
+  for (const Image& image : images) {
+    if (image.sequence != sequence) provenance.params_ini += cameraLine(image.sequence->camera());
+    sequence = image.sequence;
+    provenance.images[image.name] = sizeOf(image.file());
   }
+  const ViewParams view = input_.viewParams(images.front().sequence->camera(), line);
+  provenance.params_ini += toIni(input_, view);
+  return provenance;
+}
+
+/** Makes the folder of the results. \return which images are still to be done. */
+std::vector<std::size_t> SegmentApp::prepare(const std::vector<Image>& images,
+                                             const Provenance& provenance) const {
+  createFolders(folder_);
+  for (const Image& image : images) requireOtherFolder(folder_, image.file().path.parent_path());
+  const auto before = resume_ ? Provenance::read(folder_) : std::nullopt;
+  std::vector<std::size_t> todo;
+  std::vector<std::string> finished;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (before && done(images[i]))
+      finished.push_back(images[i].name);
+    else
+      todo.push_back(i);
+  }
+  if (before) before->requireSame(provenance, finished, folder_);
+  for (const std::size_t i : todo) fs::remove(segmentsOf(images[i]));  // else --resume would take it for done
+  provenance.write(folder_);
   return todo;
 }
 
@@ -128,7 +156,7 @@ int SegmentApp::execute(const CommandLine& line, const Console& console) {
   for (const std::string& input : inputs_) sequences.push_back(DepthSequence::open(input));
   const std::vector<Image> all = images(sequences);
   std::vector<std::size_t> todo;
-  if (ranks().isFirst()) todo = prepare(all);
+  if (ranks().isFirst()) todo = prepare(all, provenance(all, line));
   todo = ranks().broadcast(todo);
 
   const auto start = std::chrono::steady_clock::now();

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/batch.h>
 #include <facetloc/apps/frame_truth.h>
-#include <facetloc/apps/segment_file.h>
 #include <facetloc/apps/simulate_app.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/segment_file.h>
 #include <facetloc/io/trajectory.h>
 
 #include <algorithm>
@@ -181,10 +181,10 @@ std::vector<std::string> SimulateApp::wantedRuns() const {
 
 void SimulateApp::prepareFolder(const Run& run, const CameraFile& camera) const {
   const fs::path folder = fs::path(folder_) / run.name;
-  createFolder((folder / "depth").string());
+  createFolders(folder / "depth");
   writeCameraFile(folder / "camera.ini", camera);
   if (run.labels) {
-    createFolder((folder / "labels").string());
+    createFolders(folder / "labels");
     writePlanes(folder / "planes.csv", planesOf(*run.scene));
   }
   std::vector<StampedPose> truth;
@@ -216,8 +216,8 @@ void SimulateApp::checkOptions() const {
     if (frames < 1 || frames > kMostFrames)
       throw UsageError("map-frames and query-frames must lie in [1, 1000000]");
   if (!(map_step_ >= 0.01 && map_step_ <= 10)) throw UsageError("map-step must lie in [0.01, 10]");
-  if (!(seconds_ > 0 && seconds_ * pace_.rate <= kMostFrames))
-    throw UsageError("drive must be positive and no longer than a million images");
+  if (!(seconds_ * pace_.rate >= 0.5 && seconds_ * pace_.rate <= kMostFrames))
+    throw UsageError("drive must be as long as one image at least, and no longer than a million");
   for (const std::string& run : wantedRuns())
     if (const fs::path folder = fs::path(folder_) / run; fs::exists(folder))
       throw IoError(folder.string(), "exists already; remove it or use another folder");

@@ -1,20 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/text.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
-#include <array>
-#include <charconv>
-#include <iomanip>
 
 namespace facetloc {
 namespace {
-
-template <typename... Format>
-std::string printed(double value, Format... format) {
-  std::array<char, 400>
-      buffer;  // room for the longest double in fixed notation; adding zero makes -0 positive
-  return {buffer.data(), std::to_chars(buffer.begin(), buffer.end(), value + 0.0, format...).ptr};
-}
 
 /** Characters on the screen: continuation bytes of UTF-8 take no room. */
 std::size_t displayWidth(const std::string& text) {
@@ -23,24 +14,11 @@ std::size_t displayWidth(const std::string& text) {
 
 }  // namespace
 
-std::string fixed(double value, int decimals) { return printed(value, std::chars_format::fixed, decimals); }
-std::string shortNumber(double value) { return printed(value, std::chars_format::general, 9); }
-std::string exactNumber(double value) { return printed(value); }
-
-std::optional<double> toNumber(const std::string& text) {
-  double value = 0;
-  const char* last = text.data() + text.size();
-  const auto [end, error] = std::from_chars(text.data(), last, value);
-  if (error != std::errc() || end != last) return {};
-  return value;
-}
-
-std::string csvCell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string cell = "\"";
-  for (const char c : text) cell.append(c == '"' ? 2 : 1, c);
-  return cell + "\"";
-}
+std::string fixed(double value, int decimals) { return text::decimals(value, decimals); }
+std::string shortNumber(double value) { return text::significant(value); }
+std::string exactNumber(double value) { return text::shortest(value); }
+std::optional<double> toNumber(const std::string& text) { return text::to<double>(text); }
+std::string csvCell(const std::string& text) { return text::csvCell(text); }
 
 std::string counted(std::size_t n, const std::string& noun) {
   return std::to_string(n) + " " + noun + (n == 1 ? "" : "s");

@@ -33,12 +33,23 @@ int rateOf(const std::vector<FrameFile>& frames) {
                      : kUsualRate;
 }
 
+/** Of the first image that can be read. */
+Intrinsics cameraOfImages(const DepthSequence& sequence) {
+  for (std::size_t i = 0;; ++i) {
+    try {
+      return sequence.load(i).camera;
+    } catch (const IoError&) {
+      if (i + 1 == sequence.frames().size()) throw;
+    }
+  }
+}
+
 }  // namespace
 
 SequenceSource::SequenceSource(const std::string& folder) : sequence_(DepthSequence::open(folder)) {
   has_times_ = areTimes(sequence_.frames());
   rate_ = has_times_ ? rateOf(sequence_.frames()) : kUsualRate;
-  camera_ = sequence_.camera() ? sequence_.camera()->intrinsics : sequence_.load(0).camera;
+  camera_ = sequence_.camera() ? sequence_.camera()->intrinsics : cameraOfImages(sequence_);
   if (sequence_.camera()) mounting_ = sequence_.camera()->mounting;
 }
 

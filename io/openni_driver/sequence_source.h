@@ -10,7 +10,7 @@ namespace facetloc {
 /** \brief The images of a folder, at the times of their stamps; at 30 Hz if their names are no times. */
 class SequenceSource : public FrameSource {
 public:
-  /** \brief Reads the first image, for its camera. Throws IoError. */
+  /** \brief Reads the first image that can be read, for its camera. Throws IoError. */
   explicit SequenceSource(const std::string& folder);
   std::size_t size() const override { return sequence_.frames().size(); }
   std::uint64_t stamp(std::size_t index) const override;

@@ -44,6 +44,13 @@ void requireReplaceable(const std::filesystem::path& path) {
 
 }  // namespace
 
+void createFolders(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!std::filesystem::is_directory(folder))
+    throw IoError(folder.string(), "cannot be created: " + (error ? error.message() : "it is a file"));
+}
+
 void writeAtomically(const std::filesystem::path& path,
                      const std::function<void(const std::filesystem::path& temporary)>& write) {
   files::requireFolderOf(path);

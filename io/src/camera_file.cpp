@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
-#include "text.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/text.h>
 
 #include <cmath>
 #include <limits>

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "files.h"
-#include "text.h"
 
 #include <facetloc/io/error.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,14 +15,6 @@
 /** \file CSV with a header line and RFC 4180 quotes, private to io. */
 
 namespace facetloc::csv {
-
-/** \brief A cell as it is written: in quotes if it has to be. */
-inline std::string cell(const std::string& s) {
-  if (s.find_first_of(",\"\r\n") == std::string::npos) return s;
-  std::string out = "\"";
-  for (const char c : s) out.append(c == '"' ? 2 : 1, c);
-  return out + "\"";
-}
 
 struct Row {
   int line = 0;  ///< where it begins, counted from 1

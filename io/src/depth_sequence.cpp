@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
 #include "pcd_header.h"
-#include "text.h"
 
 #include <facetloc/features/organized_cloud.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/oni_file.h>
 #include <facetloc/io/png.h>
+#include <facetloc/io/text.h>
 
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/io/pcd_io.h>
@@ -159,11 +159,11 @@ DepthSequence DepthSequence::open(const std::filesystem::path& path) {
                                  "list in a .txt or .lst file");
   if (sequence.frames_.empty()) throw IoError(path.string(), "has no .png or .pcd depth images");
   requireUniqueNames(sequence.frames_, path);
-  const bool stamped = stampFrames(sequence.frames_);
+  sequence.stamped_ = stampFrames(sequence.frames_);
 
   if (const auto file = findBeside(images, asked, kCameraFile)) sequence.camera_ = readCameraFile(*file);
   // Indices are no times: poses would be matched to them at random.
-  if (const auto file = findBeside(images, asked, kGroundTruthFile); file && stamped)
+  if (const auto file = findBeside(images, asked, kGroundTruthFile); file && sequence.stamped_)
     sequence.ground_truth_ = readTumTrajectory(*file);
   const bool needs_camera = std::any_of(sequence.frames_.begin(), sequence.frames_.end(),
                                         [](const FrameFile& frame) { return isPng(frame.path); });

@@ -35,13 +35,6 @@ inline void requireFolderOf(const std::filesystem::path& path) {
     throw IoError(path.string(), "its folder " + folder.string() + " does not exist");
 }
 
-inline void createFolders(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder))
-    throw IoError(folder.string(), "cannot be created: " + (error ? error.message() : "it is a file"));
-}
-
 /** \brief A whole text file, without the byte order mark that some editors put in front. */
 inline std::string readText(const std::filesystem::path& path) {
   requireFile(path);

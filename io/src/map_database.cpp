@@ -237,26 +237,30 @@ Map readMap(const std::filesystem::path& path) {
   return map;
 }
 
-void writeMap(const std::filesystem::path& path, const Map& map) {
+void replaceMap(const fs::path& path, const std::function<void(const fs::path& temporary)>& write) {
   writeAtomically(path, [&](const fs::path& temporary) {
     removeWithJournal(temporary);
-    {
-      Connection db = map_connection::create(temporary, path);
-      Transaction transaction(db);
-      for (const auto& [key, value] : map.meta)
-        if (!isReserved(key)) insertMeta(db, key, value);
-      if (map.mounting) insertMounting(db, *map.mounting);
-      if (map.distortion) insertDistortion(db, *map.distortion);
-      for (std::size_t i = 0; i < map.models.size(); ++i) {
-        LocalModel model = map.models[i];
-        if (map.store) model.view = *map.view(static_cast<int>(i));
-        insertModel(db, model);
-      }
-      for (const Link& link : map.links) insertLink(db, link);
-      transaction.commit();
-    }
+    write(temporary);
     std::error_code ignored;
     fs::remove(journalOf(path), ignored);
+  });
+}
+
+void writeMap(const fs::path& path, const Map& map) {
+  replaceMap(path, [&](const fs::path& temporary) {
+    Connection db = map_connection::create(temporary, path);
+    Transaction transaction(db);
+    for (const auto& [key, value] : map.meta)
+      if (!isReserved(key)) insertMeta(db, key, value);
+    if (map.mounting) insertMounting(db, *map.mounting);
+    if (map.distortion) insertDistortion(db, *map.distortion);
+    for (std::size_t i = 0; i < map.models.size(); ++i) {
+      LocalModel model = map.models[i];
+      if (map.store) model.view = *map.view(static_cast<int>(i));
+      insertModel(db, model);
+    }
+    for (const Link& link : map.links) insertLink(db, link);
+    transaction.commit();
   });
 }
 

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "files.h"
 #include "pose_columns.h"
-#include "text.h"
 
-#include <facetloc/features/segment_frame.h>
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/error.h>
 #include <facetloc/io/map_export.h>
+#include <facetloc/io/segment_file.h>
+#include <facetloc/io/text.h>
 #include <facetloc/io/trajectory.h>
 
 #include <Eigen/Cholesky>
-#include <pcl/io/pcd_io.h>
 
 #include <cctype>
 #include <set>
@@ -33,17 +30,6 @@ std::string fileName(const std::string& name, std::set<std::string>& taken) {
   if (safe.empty() || safe.front() == '.') safe.insert(0, "_");
   while (!taken.insert(safe).second) safe += "_";
   return safe;
-}
-
-void writeSegments(const fs::path& path, const std::vector<Segment>& segments) {
-  writeAtomically(path, [&](const fs::path& temporary) {
-    try {
-      if (pcl::PCDWriter().writeBinary(temporary.string(), toCloud(segments)) < 0)
-        throw IoError(path.string(), "cannot be written");
-    } catch (const pcl::IOException& e) {
-      throw IoError(path.string(), std::string("cannot be written: ") + e.what());
-    }
-  });
 }
 
 void printPose(std::ostream& out, const Eigen::Isometry3d& T) {
@@ -95,7 +81,7 @@ std::vector<StampedPose> posesOf(const Map& map) {
 }  // namespace
 
 void exportMap(const Map& map, const std::filesystem::path& folder) {
-  files::createFolders(folder / "models");
+  createFolders(folder / "models");
   std::set<std::string> taken;
   for (const LocalModel& model : map.models) {
     const std::string name = fileName(model.name, taken);

@@ -54,14 +54,22 @@ std::string causeOf(const std::string& what) {
 
 std::string nameOf(const std::string& device_id) { return device_id.empty() ? "depth camera" : device_id; }
 
+/** Devices are numbered, or have a URI such as 1d27/0601@1/6 or freenect://0. */
+bool meansFile(const std::string& device_id) {
+  const fs::path path(device_id);
+  const bool device = device_id.front() == '#' || device_id.find('@') != std::string::npos ||
+                      device_id.find("://") != std::string::npos;
+  return !device || path.is_absolute() || isRecording(path) || path.extension() == ".scene";
+}
+
 /** The id as the base class shall see it. It takes what exists on disk for a path and all else for a URI,
  * says of a missing file that no device is connected, and follows a null pointer if a device has no depth. */
 std::string checkedId(const std::string& device_id) {
   std::error_code ignored;
   const fs::path path(device_id);
-  if (device_id.empty() || !fs::exists(path, ignored)) {
-    const bool means_file = path.is_absolute() || isRecording(path) || path.extension() == ".scene";
-    if (means_file) throw IoError(device_id, "does not exist");
+  if (device_id.empty()) return device_id;
+  if (!fs::exists(path, ignored)) {
+    if (meansFile(device_id)) throw IoError(device_id, "does not exist");
     return device_id;
   }
   // Relative paths would depend on the working directory, which OpenNI2 changes.

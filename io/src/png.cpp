@@ -168,6 +168,19 @@ Header headerOf(int width, int height, int bits, int colour) {
 
 }  // namespace
 
+int pngBits(const std::filesystem::path& path) {
+  try {
+    files::requireFile(path);
+    const files::FilePtr file = files::open(path, "rb");
+    requireSignature(file.get(), path.string());
+    Header header;
+    Codec(Codec::Kind::kRead, file.get(), path.string()).run(readHeader, &header);
+    return header.bits;
+  } catch (const IoError&) {
+    return 0;
+  }
+}
+
 Raster<std::uint16_t> readGreyPng(const std::filesystem::path& path, int min_bits) {
   files::requireFile(path);
   const files::FilePtr file = files::open(path, "rb");

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "csv.h"
-#include "files.h"
 #include "pose_columns.h"
-#include "text.h"
 #include "tum_line.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/results.h>
+#include <facetloc/io/text.h>
 #include <facetloc/io/trajectory.h>
 
 #include <algorithm>
@@ -47,7 +46,7 @@ std::string poseCells(const std::optional<Eigen::Isometry3d>& T) {
 
 /** What a row with a hypothesis says between its rank and its reason. */
 std::string hypothesisCells(const ResultRow& row) {
-  return csv::cell(row.model) + ',' + text::significant(row.probability) + ',' +
+  return text::csvCell(row.model) + ',' + text::significant(row.probability) + ',' +
          text::significant(row.score) + ',' + poseCells(row.T_m_c) + ',' + poseCells(row.T_w_c) + ',' +
          text::significant(row.sd_rot_deg) + ',' + text::significant(row.sd_trans_m);
 }
@@ -65,8 +64,8 @@ std::string hypothesesLines(const FrameResult& frame) {
   static const std::string no_hypothesis(kHypothesisCells - 1, ',');
   std::string lines;
   for (const ResultRow& row : frame.rows)
-    lines += csv::cell(row.frame) + ',' + std::to_string(row.rank) + ',' +
-             (row.rank ? hypothesisCells(row) : no_hypothesis) + ',' + csv::cell(row.reason) + '\n';
+    lines += text::csvCell(row.frame) + ',' + std::to_string(row.rank) + ',' +
+             (row.rank ? hypothesisCells(row) : no_hypothesis) + ',' + text::csvCell(row.reason) + '\n';
   return lines;
 }
 
@@ -74,7 +73,7 @@ constexpr const char* kTimingHeader = "frame,segment_ms,features_ms,localize_ms,
 
 std::string timingLine(const FrameResult& frame) {
   const TimingRow& t = frame.timing;
-  std::string line = csv::cell(t.frame);
+  std::string line = text::csvCell(t.frame);
   for (const double ms : {t.segment_ms, t.features_ms, t.localize_ms})
     line.append(",").append(text::decimals(ms, kTimeDecimals));
   return line + ',' + std::to_string(t.models) + '\n';
@@ -128,7 +127,7 @@ ResultRow readRow(const csv::Table& table, const csv::Row& row) {
 }
 
 std::filesystem::path created(const std::filesystem::path& folder) {
-  files::createFolders(folder);
+  createFolders(folder);
   return folder;
 }
 
@@ -137,11 +136,19 @@ std::filesystem::path created(const std::filesystem::path& folder) {
 void writeResults(const std::filesystem::path& folder, const std::vector<FrameResult>& frames,
                   const std::string& params_ini) {
   for (const FrameResult& frame : frames) requireWritable(frame);
-  files::createFolders(folder);
+  createFolders(folder);
   writeTextAtomically(folder / kParams, [&](std::ostream& out) { out << params_ini; });
   writeAll(folder / kTiming, kTimingHeader, frames, timingLine);
   writeAll(folder / kPoses, tum::kHeader, frames, poseLines);
   writeAll(folder / kHypotheses, hypothesesHeader(), frames, hypothesesLines);
+}
+
+void removeResults(const std::filesystem::path& folder) {
+  for (const char* name : {kHypotheses, kPoses, kTiming}) {
+    std::error_code error;
+    std::filesystem::remove(folder / name, error);
+    if (error) throw IoError((folder / name).string(), "cannot be replaced: " + error.message());
+  }
 }
 
 ResultsWriter::ResultsWriter(const std::filesystem::path& folder, const std::string& params_ini)

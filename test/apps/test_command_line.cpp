@@ -144,6 +144,10 @@ TEST_F(ParamsFile, IsReadAndTheCommandLineWins) {
   EXPECT_EQ(echoWith(content, {"a", "-max_pairs", "2", "--faithful=0"}).out, "1  100 1 1.5 2 0 1 0 0 1");
 }
 
+TEST_F(ParamsFile, MayBeginWithAByteOrderMark) {
+  EXPECT_EQ(echoWith("\xEF\xBB\xBFmax_pairs = 9\n").out, "1  100 0 2.5 9 0 1 0 0 0");
+}
+
 TEST_F(ParamsFile, TakesWhatToIniWrites) {
   ExampleParams params;
   params.angular_threshold = 1.0 / 4;
@@ -159,6 +163,16 @@ TEST_F(ParamsFile, FaultsAreUsageErrors) {
   expectUsageError(echoWith("max_pairs = 99\n"), "parameter max_pairs = 99");
   expectUsageError(echoWith("help = 1\n"), "unknown parameter 'help'");
   expectUsageError(echo({"a", "--params", folder_ / "nowhere.ini"}), "nowhere.ini: cannot be read");
+  expectUsageError(echo({"a", "--params", folder_ / "."}), "cannot be read");
+}
+
+TEST(App, HelpThatCannotBeWrittenIsAFailure) {
+  for (const char* option : {"--help", "--version"}) {
+    std::ostringstream full, err;
+    full.setstate(std::ios::badbit);
+    EXPECT_EQ(EchoApp().run({option}, Console{full, err, false, false, {}}), kFailed);
+    EXPECT_THAT(err.str(), HasSubstr("the output cannot be written"));
+  }
 }
 
 /** Fails in the way it is told to. */

@@ -101,11 +101,13 @@ TEST(Evaluation, TheMapTellsWorldPosesThatTheResultsLack) {
   EXPECT_EQ(evaluate({row}, truth, {}, {}).frames[0].frame_class, FrameClass::unknown);
 }
 
-TEST(Evaluation, FramesWithoutNumbersAreStampedByIndex) {
+TEST(Evaluation, FramesWithoutNumbersAreStampedByIndexIfTheTruthIs) {
   const std::vector<ResultRow> rows = {hypothesis("b", 1, 0.9, pose(0)), hypothesis("a", 1, 0.9, pose(1))};
   const Evaluation evaluation = evaluate(rows, Trajectory({{0, pose(0)}, {1, pose(1)}}), {}, {});
   ASSERT_EQ(evaluation.frames.size(), 2u);
   for (const FrameEvaluation& f : evaluation.frames) EXPECT_EQ(f.first_correct, 1) << f.name;
+  EXPECT_THROW(evaluate(rows, Trajectory({{0, pose(0)}, {0.5, pose(1)}}), {}, {}), IoError);
+  EXPECT_THROW(evaluate(rows, Trajectory({{1, pose(0)}, {2, pose(1)}}), {}, {}), IoError);
 }
 
 TEST(Evaluation, ModelsCoverWithinBothLimits) {

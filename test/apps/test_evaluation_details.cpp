@@ -81,6 +81,17 @@ TEST(StageTimes, OfAHandfulOfImages) {
   EXPECT_THAT(stageTimes({}), IsEmpty());
 }
 
+TEST(StageTimes, ImagesThatFailedTookNoTime) {
+  TimingRow failed;
+  failed.frame = "failed";
+  const auto times = stageTimes({failed, {"done", 4, 1, 5, 7}, failed});
+  ASSERT_EQ(times.size(), 4u);
+  EXPECT_EQ(times[3].n, 1u);
+  EXPECT_DOUBLE_EQ(times[3].mean, 10);
+  EXPECT_DOUBLE_EQ(times[3].median, 10);
+  EXPECT_THAT(stageTimes({failed}), IsEmpty());
+}
+
 TEST(Misses, TheWorstKindOfEach) {
   FrameEvaluation uncovered = frame("uncovered", 0), nowhere = frame("nowhere", 0), rightly_unsure = nowhere;
   uncovered.covered = false;

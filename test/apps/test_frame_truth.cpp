@@ -4,10 +4,10 @@
 #include <facetloc/apps/evaluation_report.h>
 #include <facetloc/apps/frame_truth.h>
 #include <facetloc/apps/localization_report.h>
-#include <facetloc/apps/segment_file.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/segment_file.h>
 
 #include <gmock/gmock.h>
 
@@ -204,6 +204,20 @@ TEST_F(Place, TheTruthsOfBothRunsAreOne) {
   EXPECT_EQ(PlaceTruth::open(folder_ / "query/groundtruth.txt").poses().poses().size(), 1u);
   EXPECT_TRUE(PlaceTruth::open(folder_ / "query/groundtruth.txt").sequences().empty());
   EXPECT_THROW(PlaceTruth::open(folder_ / "query/labels"), IoError);
+}
+
+TEST_F(Place, RunsAtTheSameTimeAreToldApartByName) {
+  std::filesystem::remove_all(folder_ / "query");
+  writeSequence(folder_ / "query", "1.000000", {kFloor, kBack}, displaced());
+  const PlaceTruth truth = PlaceTruth::open(place());
+  const auto judged = [&](const std::string& run) {
+    return evaluate({{run, {noHypothesis("1.000000", "")}, {}}}, truth, models_, {}).frames.at(0);
+  };
+  EXPECT_TRUE(judged("map").T_w_c.isApprox(Eigen::Isometry3d::Identity()));
+  EXPECT_TRUE(judged("query").T_w_c.isApprox(displaced(), 1e-6));
+  EXPECT_EQ(judged("map").visible_planes, 3);
+  EXPECT_EQ(judged("query").visible_planes, 2);
+  EXPECT_THROW(judged(""), IoError);
 }
 
 TEST_F(Place, AQueryThatSharesTheCornerIsSolvable) {

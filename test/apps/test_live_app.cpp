@@ -125,6 +125,26 @@ protected:
     return clouds;
   }
 
+  /** The first images of the sequence as a folder of PCLZF files. */
+  std::string writePclzf(std::size_t n) const {
+    const fs::path folder = folder_ / "pclzf";
+    fs::create_directories(folder);
+    const DepthSequence images = DepthSequence::open(sequence());
+    for (std::size_t i = 0; i < n; ++i) {
+      const DepthImage image = images.load(i);
+      std::vector<std::uint16_t> millimetres;
+      for (const float z : image.depth) millimetres.push_back(static_cast<std::uint16_t>(1000 * z + 0.5f));
+      const Intrinsics& k = image.camera;
+      const std::string name = "frame_20200101T000000." + std::to_string(i) + "00000";  // each 0.1 s
+      pcl::io::LZFDepth16ImageWriter writer;
+      EXPECT_TRUE(writer.write(reinterpret_cast<const char*>(millimetres.data()),
+                               static_cast<std::uint32_t>(k.width), static_cast<std::uint32_t>(k.height),
+                               (folder / (name + "_depth.pclzf")).string()));
+      EXPECT_TRUE(writer.writeParameters({k.fx, k.fy, k.cx, k.cy}, (folder / (name + ".xml")).string()));
+    }
+    return folder.string();
+  }
+
   TemporaryFolder folder_;
 
 private:
@@ -283,6 +303,9 @@ TEST_F(LiveTool, SaysThatADeviceIsMissing) {
   const ToolRun file = runLive({"--device", folder_ / "nothing.oni", "--headless"});
   EXPECT_EQ(file.code, kFailed);
   EXPECT_THAT(file.err, HasSubstr("nothing.oni"));
+  const ToolRun relative = runLive({"--device", "runs/mistyped", "--headless"});
+  EXPECT_EQ(relative.code, kFailed);
+  EXPECT_THAT(relative.err, HasSubstr("runs/mistyped: does not exist"));
 }
 
 TEST_F(LiveTool, WaitsForADeviceUntilToldToStop) {
@@ -296,15 +319,15 @@ TEST_F(LiveTool, WaitsForADeviceUntilToldToStop) {
 }
 
 TEST_F(LiveTool, SaysThatNoFrameComes) {
-  const std::string clouds = writeClouds(3), results = folder_ / "results";
-  const std::vector<std::string> slow = {"--device", clouds, "--headless", "--speed", "0.001"};
+  const std::string images = writePclzf(3), results = folder_ / "results";
+  const std::vector<std::string> slow = {"--device", images, "--headless", "--speed", "0.001"};
   std::vector<std::string> arguments = slow;
   arguments.insert(arguments.end(), {"--results", results});
   const ToolRun run = runLive(arguments);
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("no frame for 3 s"));
-  EXPECT_THAT(lastLine(run.out), HasSubstr("1 processed"));
-  expectWholeResults(results, 1);
+  EXPECT_THAT(lastLine(run.out), HasSubstr("0 processed"));
+  expectWholeResults(results, 0);
 
   arguments = slow;
   arguments.push_back("--wait");
@@ -338,39 +361,78 @@ TEST_F(LiveTool, RecordsWhatItSees) {
   expectWholeResults(folder_ / "played", 10);
 }
 
+TEST_F(LiveTool, OverwritesNoInputs) {
+  const std::string copy = folder_ / "copy", file = folder_ / "run.oni";
+  fs::copy(sequence(), copy, fs::copy_options::recursive);
+  const auto names = namesIn(copy + "/depth");
+  const ToolRun shots = runLive({"--device", copy, "--headless", "--screenshots", copy + "/depth"});
+  EXPECT_EQ(shots.code, kUsage);
+  EXPECT_THAT(shots.err, HasSubstr("among the images"));
+  EXPECT_EQ(namesIn(copy + "/depth"), names);
+
+  ASSERT_EQ(runLive({"--device", sequence(), "--headless", "--record", file, "--max-frames", "3"}).code, kOk);
+  const std::string recorded = contentOf(file);
+  for (const std::string& device : {file, sequence()}) {
+    const ToolRun again = runLive({"--device", device, "--headless", "--record", file});
+    EXPECT_EQ(again.code, kFailed);
+    EXPECT_THAT(again.err, HasSubstr(file + ": exists already"));
+    EXPECT_TRUE(contentOf(file) == recorded);
+  }
+}
+
 TEST_F(LiveTool, PlaysAFolderOfClouds) {
   const std::string clouds = writeClouds(10), results = folder_ / "results";
   const ToolRun run = runLive({"--device", clouds, "--map", map(), "--headless", "--results", results});
   EXPECT_EQ(run.code, kOk) << run.err;
   expectWholeResults(results, 5);
   EXPECT_EQ(readHypotheses(results).front().frame, DepthSequence::open(sequence()).frames()[0].name);
-  const ToolRun record = runLive({"--device", clouds, "--headless", "--record", folder_ / "x.oni"});
+}
+
+TEST_F(LiveTool, LeavesOutCloudsThatCannotBeRead) {
+  const std::string clouds = writeClouds(10), results = folder_ / "results";
+  const auto names = namesIn(clouds);
+  for (const int bad : {0, 4}) test::writeContent(clouds + "/" + names[bad], "no PCD at all");
+  const ToolRun run = runLive({"--device", clouds, "--map", map(), "--headless", "--results", results});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("frames are missing: "));
+  const Trajectory truth = readTumTrajectory(sequence() + "/groundtruth.txt");
+  const auto poses = readTumTrajectory(results + "/poses_tum.txt").poses();
+  EXPECT_GE(poses.size(), 3u);
+  for (const StampedPose& pose : poses) {
+    const auto true_pose = truth.nearest(pose.stamp, 1e-6);
+    ASSERT_TRUE(true_pose) << pose.stamp;
+    EXPECT_LT((pose.T_w_c.translation() - true_pose->translation()).norm(), 0.05) << pose.stamp;
+  }
+}
+
+TEST_F(LiveTool, PlaysAFolderOfPclzf) {
+  const std::string folder = writePclzf(10);
+  const std::string results = folder_ / "results";
+  const ToolRun run = runLive({"--device", folder, "--map", map(), "--headless", "--results", results});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  expectWholeResults(results, 5);
+  EXPECT_THAT(lastLine(run.out), HasSubstr("tracking"));
+  const ToolRun record = runLive({"--device", folder, "--headless", "--record", folder_ / "x.oni"});
   EXPECT_EQ(record.code, kFailed);
   EXPECT_THAT(record.err, HasSubstr("only devices of OpenNI2 can be recorded"));
 }
 
-TEST_F(LiveTool, PlaysAFolderOfPclzf) {
-  const fs::path folder = folder_ / "pclzf";
-  fs::create_directories(folder);
-  const DepthSequence images = DepthSequence::open(sequence());
-  for (int i = 0; i < 10; ++i) {
-    const DepthImage image = images.load(static_cast<std::size_t>(i));
-    std::vector<std::uint16_t> millimetres;
-    for (const float z : image.depth) millimetres.push_back(static_cast<std::uint16_t>(1000 * z + 0.5f));
-    const Intrinsics& k = image.camera;
-    const std::string name = "frame_20200101T000000." + std::to_string(i) + "00000";  // each 0.1 s
-    pcl::io::LZFDepth16ImageWriter writer;
-    ASSERT_TRUE(writer.write(reinterpret_cast<const char*>(millimetres.data()),
-                             static_cast<std::uint32_t>(k.width), static_cast<std::uint32_t>(k.height),
-                             (folder / (name + "_depth.pclzf")).string()));
-    ASSERT_TRUE(writer.writeParameters({k.fx, k.fy, k.cx, k.cy}, (folder / (name + ".xml")).string()));
-  }
-  const std::string results = folder_ / "results";
-  const ToolRun run =
-      runLive({"--device", folder.string(), "--map", map(), "--headless", "--results", results});
-  EXPECT_EQ(run.code, kOk) << run.err;
-  expectWholeResults(results, 5);
-  EXPECT_THAT(lastLine(run.out), HasSubstr("tracking"));
+TEST_F(LiveTool, SaysThatImagesCannotBeRead) {
+  const std::string copy = folder_ / "copy", results = folder_ / "results";
+  fs::copy(sequence(), copy, fs::copy_options::recursive);
+  const auto names = namesIn(copy + "/depth");
+  test::writeContent(copy + "/depth/" + names[7], "no PNG at all");
+  const std::vector<std::string> arguments = {"--device", copy, "--headless", "--results", results};
+  const ToolRun run = runLive(arguments);
+  EXPECT_EQ(run.code, kOk);
+  EXPECT_THAT(run.err, HasSubstr("frames are missing: "));
+  EXPECT_THAT(run.err, HasSubstr(names[7]));
+  EXPECT_THAT(lastLine(run.out), HasSubstr("39 frames received"));
+
+  for (const std::string& name : names) test::writeContent(copy + "/depth/" + name, "no PNG at all");
+  const ToolRun none = runLive(arguments);
+  EXPECT_EQ(none.code, kFailed);
+  EXPECT_THAT(none.err, HasSubstr("ended without a frame: "));
 }
 
 TEST_F(LiveTool, SaysWhatIsWrongWithFiles) {

@@ -14,6 +14,7 @@ TEST(Text, Numbers) {
   EXPECT_EQ(fixed(-0.0, 2), "0.00");
   EXPECT_EQ(shortNumber(1.0 / 3), "0.333333333");
   EXPECT_EQ(toNumber(exactNumber(1.0 / 3)), 1.0 / 3);
+  EXPECT_EQ(toNumber("+5"), 5);  // as in all files
   EXPECT_FALSE(toNumber("1.5 m"));
   EXPECT_FALSE(toNumber(""));
   EXPECT_EQ(counted(1, "image"), "1 image");

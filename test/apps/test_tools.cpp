@@ -19,6 +19,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
+#include <sstream>
 
 namespace facetloc {
 namespace {
@@ -32,6 +34,7 @@ using test::ToolRun;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 constexpr int kFrames = 12;
 constexpr auto kReplace = fs::copy_options::recursive | fs::copy_options::overwrite_existing;
@@ -74,6 +77,13 @@ protected:
     return folder;
   }
 
+  /** Those of the other run, under the names that are there. */
+  static void giveOtherImages(const std::string& input) {
+    const auto names = filesOf(input + "/depth"), images = filesOf(map_run() + "/depth");
+    for (std::size_t i = 0; i < names.size(); ++i)
+      fs::copy_file(images[i], names[i], fs::copy_options::overwrite_existing);
+  }
+
   TemporaryFolder folder_;
 
 private:
@@ -105,6 +115,19 @@ TEST_F(Tools, SimulateRefusesWhatThereIsNot) {
   const ToolRun run = runTool<SimulateApp>({"palace", "-o", folder_ / "x"});
   EXPECT_EQ(run.code, kUsage);
   for (const char* scene : {"office", "home", "hall", "room"}) EXPECT_THAT(run.err, HasSubstr(scene));
+}
+
+TEST_F(Tools, RefuseOptionsThatMakeNoSense) {
+  const std::string out = folder_ / "out";
+  for (const char* width : {"-5", "1", "39"})
+    EXPECT_EQ(runTool<SegmentApp>({query(), "-o", out, "--width", width}).code, kUsage) << width;
+  EXPECT_EQ(runTool<SegmentApp>({firstImage(), "-o", out, "--width", "0"}).code, kOk);
+  for (const char* tolerance : {"-1", "nan"}) {
+    EXPECT_EQ(runMap({"build", query(), "-o", out + ".flmap", "--pose-tolerance", tolerance}).code, kUsage);
+    EXPECT_EQ(runTool<EvaluateApp>({out, query(), "--pose-tolerance", tolerance}).code, kUsage);
+  }
+  EXPECT_EQ(runTool<SimulateApp>({"room", "-o", folder_ / "x", "--drive", "0.001"}).code, kUsage);
+  EXPECT_FALSE(fs::exists(folder_ / "x"));
 }
 
 TEST_F(Tools, SimulateWritesASequenceWithItsTruth) {
@@ -224,6 +247,66 @@ TEST_F(Tools, LocalizeResumes) {
   EXPECT_THAT(other.err, HasSubstr("other parameters"));
 }
 
+TEST_F(Tools, LocalizeResumesNothingOfOtherInputs) {
+  const std::string input = folder_ / "input", copy = folder_ / "m.flmap", results = folder_ / "results";
+  const auto restore = [&] {
+    fs::copy(query(), input, kReplace);
+    fs::copy_file(map(), copy, fs::copy_options::overwrite_existing);
+  };
+  const auto resume = [&] { return runTool<LocalizeApp>({copy, input, "-o", results, "--resume"}); };
+  const auto expectRefused = [&] {
+    const ToolRun run = resume();
+    EXPECT_EQ(run.code, kFailed);
+    EXPECT_THAT(run.err, HasSubstr("was begun with another map, other images or other parameters"));
+  };
+  restore();
+  ASSERT_EQ(resume().code, kOk);
+  EXPECT_EQ(resume().code, kOk);
+  MapDatabase::open(copy).setMeta("changed", "yes");
+  expectRefused();
+  restore();
+  giveOtherImages(input);
+  expectRefused();
+  restore();
+  std::ofstream(input + "/camera.ini", std::ios::app) << "\ninverse_depth_std = 0.002\n";
+  expectRefused();
+  restore();
+  EXPECT_EQ(resume().code, kOk);
+}
+
+TEST_F(Tools, LocalizeResumesWhereItsFilesDiffer) {
+  const std::string results = folder_ / "results";
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  std::vector<std::string> frames;
+  for (const TimingRow& row : readTiming(results)) frames.push_back(row.frame);
+  const auto removeFrame = [&](const std::string& file, const std::string& frame) {
+    std::istringstream in(contentOf(results + file));
+    std::string kept;
+    for (std::string line; std::getline(in, line);)
+      if (line.rfind(frame + ",", 0) != 0) kept += line + "\n";
+    test::writeContent(results + file, kept);
+  };
+  removeFrame("/hypotheses.csv", frames[2]);
+  removeFrame("/timing.csv", frames[5]);
+  const ToolRun run = runTool<LocalizeApp>({map(), query(), "-o", results, "--resume"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  std::vector<std::string> timed;
+  for (const TimingRow& row : readTiming(results)) timed.push_back(row.frame);
+  EXPECT_EQ(timed, frames);
+  std::set<std::string> answered;
+  for (const ResultRow& row : readHypotheses(results)) answered.insert(row.frame);
+  EXPECT_EQ(answered, std::set<std::string>(frames.begin(), frames.end()));
+}
+
+TEST_F(Tools, LocalizeBeginsAnewWithNothingOfAnEarlierRun) {
+  const std::string results = folder_ / "results";
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  fs::create_directories(results + "/params.ini.tmp");  // as if it were interrupted there
+  EXPECT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results, "--min_support", "99"}).code, kFailed);
+  for (const char* file : {"/hypotheses.csv", "/poses_tum.txt", "/timing.csv"})
+    EXPECT_FALSE(fs::exists(results + file)) << file;
+}
+
 TEST_F(Tools, LocalizeSaysWhatIsMissing) {
   EXPECT_EQ(runTool<LocalizeApp>({map(), query()}).code, kUsage);
   EXPECT_EQ(runTool<LocalizeApp>({folder_ / "nowhere.flmap", query(), "-o", folder_ / "x"}).code, kFailed);
@@ -258,7 +341,11 @@ TEST_F(Tools, MapBuildTakesOutWhatTheCameraAlwaysMeasuresWrongly) {
   EXPECT_THAT(runMap({"info", folder_ / "raw.flmap"}).out, HasSubstr("distortion taken out"));
   EXPECT_THAT(runMap({"info", folder_ / "corrected.flmap"}).out, HasSubstr("disparity units"));
 
-  ASSERT_EQ(runMap({"merge", folder_ / "corrected.flmap", map(), "-o", folder_ / "both.flmap"}).code, kOk);
+  const ToolRun merge = runMap({"merge", folder_ / "corrected.flmap", map(), "-o", folder_ / "both.flmap"});
+  ASSERT_EQ(merge.code, kOk) << merge.err;
+  EXPECT_THAT(merge.err,
+              HasSubstr("differ in the distortion that was taken out; the merged one has that of " +
+                        (folder_ / "corrected.flmap")));
   EXPECT_EQ(readMap(folder_ / "both.flmap").distortion->values(), distortion->values());
   // Going on with a map leaves its distortion as it is.
   ASSERT_EQ(runMap({"build", folder_ / "map", "-o", folder_ / "corrected.flmap", "--resume"}).code, kOk);
@@ -280,6 +367,45 @@ TEST_F(Tools, MapBuildRefusesToOverwriteAndResumes) {
             kFailed);  // other parameters
   EXPECT_EQ(runMap({"build", map_run(), "-o", path, "--every", "4", "--overwrite"}).code, kOk);
   EXPECT_EQ(readMap(path).models.size(), 3u);
+}
+
+TEST_F(Tools, MapBuildLeavesTheOldMapUntilTheNewOneIsThere) {
+  const std::string input = folder_ / "input", path = folder_ / "m.flmap";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  ASSERT_EQ(runMap({"build", input, "-o", path, "--every", "3"}).code, kOk);
+  const std::string old = contentOf(path);
+  for (const fs::path& image : filesOf(input + "/depth")) test::writeContent(image, "no PNG at all");
+  const ToolRun failed = runMap({"build", input, "-o", path, "--every", "3", "--overwrite"});
+  EXPECT_EQ(failed.code, kFailed);
+  EXPECT_THAT(failed.err, AllOf(HasSubstr("4 of 4 items failed"), HasSubstr("m.flmap: is not written")));
+  EXPECT_EQ(contentOf(path), old);
+  EXPECT_FALSE(fs::exists(path + ".tmp"));
+
+  fs::create_directories(path + ".tmp/in the way");  // the new map is made there, and cannot be
+  EXPECT_EQ(runMap({"build", query(), "-o", path, "--every", "3", "--overwrite"}).code, kFailed);
+  EXPECT_EQ(contentOf(path), old);
+
+  EXPECT_EQ(runMap({"build", input, "-o", folder_ / "new.flmap", "--every", "3"}).code, kFailed);
+  EXPECT_FALSE(fs::exists(folder_ / "new.flmap"));
+}
+
+TEST_F(Tools, MapBuildResumesNothingOfOtherInputs) {
+  const std::string input = folder_ / "input", path = folder_ / "m.flmap";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  const auto resume = [&] { return runMap({"build", input, "-o", path, "--every", "3", "--resume"}); };
+  ASSERT_EQ(resume().code, kOk);
+  EXPECT_EQ(resume().code, kOk);
+  std::vector<StampedPose> poses = readTumTrajectory(query() + "/groundtruth.txt").poses();
+  for (StampedPose& pose : poses) pose.T_w_c.translation().x() += 0.01;
+  writeTumTrajectory(input + "/groundtruth.txt", poses);
+  EXPECT_EQ(resume().code, kFailed);
+  fs::copy(query(), input, kReplace);
+  EXPECT_EQ(resume().code, kOk);
+  giveOtherImages(input);
+  const ToolRun run = resume();
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("was built of other images, with other poses or other parameters"));
+  EXPECT_THAT(runMap({"info", path}).out, Not(HasSubstr("images:")));
 }
 
 TEST_F(Tools, MapBuildReportsABadImage) {
@@ -308,6 +434,24 @@ TEST_F(Tools, MapBuildNeedsPosesOrEvery) {
       kOk);
 }
 
+TEST_F(Tools, MapBuildMatchesNoPosesByIndex) {
+  const std::string input = folder_ / "input", truth = query() + "/groundtruth.txt";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  int number = 0;
+  for (const fs::path& image : filesOf(input + "/depth"))
+    fs::rename(image, input + "/depth/frame_" + std::to_string(10 + number++) + ".png");
+  for (const std::vector<std::string>& poses : {std::vector<std::string>(), {"--poses", truth}}) {
+    std::vector<std::string> arguments = {"build", input, "-o", folder_ / "m.flmap"};
+    arguments.insert(arguments.end(), poses.begin(), poses.end());
+    EXPECT_THAT(runMap(arguments).err, HasSubstr("no time stamps: poses cannot be matched"));
+  }
+  ASSERT_EQ(runMap({"build", input, "-o", folder_ / "m.flmap", "--every", "6"}).code, kOk);
+  ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "results"}).code, kOk);
+  const ToolRun run = runTool<EvaluateApp>({folder_ / "results", truth});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("is no time stamp"));
+}
+
 TEST_F(Tools, MapMergeAndExport) {
   const std::string twin = folder_ / "twin.flmap", merged = folder_ / "merged.flmap";
   fs::copy_file(map(), twin);
@@ -328,7 +472,13 @@ TEST_F(Tools, MapMergeAndExport) {
 TEST_F(Tools, MapCommandsAreKnown) {
   EXPECT_EQ(runMap({}).code, kUsage);
   EXPECT_EQ(runMap({"biuld"}).code, kUsage);
-  EXPECT_EQ(runMap({"--help"}).code, kOk);
+  for (const char* option : {"--help", "-help", "-h", "--version", "-version"}) {
+    EXPECT_EQ(runMap({option}).code, kOk) << option;
+    std::ostringstream full, err;
+    full.setstate(std::ios::badbit);
+    EXPECT_EQ(runMapTool({option}, Console{full, err, false, false, {}}), kFailed) << option;
+    EXPECT_THAT(err.str(), HasSubstr("cannot be written"));
+  }
   test::writeContent(folder_ / "broken.flmap", "not a map");
   EXPECT_EQ(runMap({"check", folder_ / "broken.flmap"}).code, kFailed);
   EXPECT_EQ(runMap({"info", folder_ / "broken.flmap"}).code, kFailed);
@@ -351,7 +501,7 @@ TEST_F(Tools, SegmentReportsABadImageAndDoesTheOthers) {
   const ToolRun run = runTool<SegmentApp>({input, "-o", folder_ / "out"});
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("1 of 12 items failed"));
-  EXPECT_EQ(filesOf(folder_ / "out").size(), 11u);
+  EXPECT_EQ(filesOf(folder_ / "out").size(), 13u);  // and params.ini and images.txt
 
   // What is there is not touched, what is missing is done.
   const fs::path first = filesOf(folder_ / "out").front();
@@ -361,8 +511,24 @@ TEST_F(Tools, SegmentReportsABadImageAndDoesTheOthers) {
   const ToolRun resumed = runTool<SegmentApp>({input, "-o", folder_ / "out", "--resume"});
   EXPECT_EQ(resumed.code, kOk) << resumed.err;
   EXPECT_THAT(resumed.out, AllOf(HasSubstr("1 image with"), HasSubstr("11 were done before")));
-  EXPECT_EQ(filesOf(folder_ / "out").size(), 12u);
+  EXPECT_EQ(filesOf(folder_ / "out").size(), 14u);
   EXPECT_EQ(fs::last_write_time(first), old);
+}
+
+TEST_F(Tools, SegmentResumesNothingOfOtherInputs) {
+  const std::string input = folder_ / "input", out = folder_ / "out";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  const auto resume = [&](const std::string& width) {
+    return runTool<SegmentApp>({input, "-o", out, "--width", width, "--resume"});
+  };
+  ASSERT_EQ(resume("160").code, kOk);
+  EXPECT_THAT(resume("160").out, HasSubstr("12 were done before"));
+  EXPECT_THAT(resume("320").err, HasSubstr("other parameters"));
+  giveOtherImages(input);
+  EXPECT_THAT(resume("160").err, HasSubstr("other images"));
+  const ToolRun anew = runTool<SegmentApp>({input, "-o", out});
+  EXPECT_EQ(anew.code, kOk) << anew.err;
+  EXPECT_THAT(resume("320").out, HasSubstr("12 were done before"));
 }
 
 TEST_F(Tools, SegmentsOfAnEmptyImageAreAValidFile) {
@@ -435,14 +601,15 @@ TEST_F(Tools, EvaluateLeavesNothingOfAnEarlierOne) {
   const std::string results = folder_ / "results", evaluation = results + "/evaluation";
   ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
   fs::create_directories(evaluation + "/failures");
-  for (const char* stale :
-       {"/failures/stale.png", "/failures/note.txt", "/floor_map.png", "/timing_summary.csv"})
+  for (const char* stale : {"/failures/miss_1.5.png", "/failures/1.5.png", "/failures/miss_1.5.txt",
+                            "/floor_map.png", "/timing_summary.csv"})
     test::writeContent(evaluation + stale, "stale");
   fs::remove(results + "/timing.csv");
   ASSERT_EQ(runTool<EvaluateApp>({results, query()}).code, kOk);
-  for (const char* stale : {"/failures/stale.png", "/floor_map.png", "/timing_summary.csv"})
+  for (const char* stale : {"/failures/miss_1.5.png", "/floor_map.png", "/timing_summary.csv"})
     EXPECT_FALSE(fs::exists(evaluation + stale)) << stale;
-  EXPECT_TRUE(fs::exists(evaluation + "/failures/note.txt"));  // not ours
+  for (const char* others : {"/failures/1.5.png", "/failures/miss_1.5.txt"})
+    EXPECT_TRUE(fs::exists(evaluation + others)) << others;
   EXPECT_TRUE(fs::exists(evaluation + "/report.html"));
 }
 
@@ -501,6 +668,34 @@ TEST_F(Tools, RenderSaysWhatIsMissing) {
   EXPECT_THAT(run.err, HasSubstr("nowhere.png: does not exist"));
   ASSERT_EQ(runTool<LocalizeApp>({map(), firstImage(), "-o", folder_ / "results"}).code, kOk);
   EXPECT_EQ(runTool<RenderApp>({folder_ / "results", "-o", folder_ / "x"}).code, kUsage);
+}
+
+TEST_F(Tools, RenderOverwritesNothingButPictures) {
+  if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
+  const std::string input = folder_ / "input", results = folder_ / "results";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  fs::copy_file(map(), folder_ / "m.flmap");
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  const auto images = filesOf(input + "/depth");
+  const auto refused = [](const std::vector<std::string>& arguments) {
+    return runTool<RenderApp>(arguments).code == kUsage;
+  };
+  for (const std::string& output :
+       {images[1].string(), folder_ / "m.flmap", filesOf(input + "/labels")[0].string()})
+    EXPECT_TRUE(refused({images[0].string(), "-o", output})) << output;
+  EXPECT_TRUE(refused({map(), "-o", folder_ / "m.flmap"}));
+  EXPECT_TRUE(refused({input, "-o", input + "/labels"}));
+  const std::vector<std::string> failures = {
+      results, "--map", map(), "--sequence", input, "--max_translation", "0"};
+  for (const char* folder : {"/depth", "/labels"}) {
+    std::vector<std::string> arguments = failures;
+    arguments.insert(arguments.end(), {"-o", input + folder});
+    EXPECT_TRUE(refused(arguments)) << folder;
+  }
+  for (const fs::path& image : images)
+    EXPECT_EQ(contentOf(image), contentOf(query() + "/depth/" + image.filename().string()));
+  EXPECT_EQ(contentOf(folder_ / "m.flmap"), contentOf(map()));
+  EXPECT_EQ(filesOf(input + "/depth").size(), images.size());
 }
 
 }  // namespace

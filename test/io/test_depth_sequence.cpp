@@ -108,6 +108,7 @@ TEST_F(Sequence, ATumFolderIsOrderedByItsStamps) {
   const auto sequence = DepthSequence::open(folder_.path());
   EXPECT_THAT(namesOf(sequence), ElementsAre("9.25", "10.5", "100"));
   EXPECT_THAT(stampsOf(sequence), ElementsAre(9.25, 10.5, 100));
+  EXPECT_TRUE(sequence.stamped());
   EXPECT_EQ(sequence.frames()[0].path, folder_ / "depth/9.25.png");
   ASSERT_TRUE(sequence.camera());
   EXPECT_EQ(sequence.camera()->depth_scale, 5000);
@@ -124,6 +125,7 @@ TEST_F(Sequence, NamesThatAreNoNumbersAreOrderedLexicographically) {
   const auto sequence = DepthSequence::open(folder_.path());
   EXPECT_THAT(namesOf(sequence), ElementsAre("frame_1", "frame_10", "frame_2"));
   EXPECT_THAT(stampsOf(sequence), ElementsAre(0, 1, 2));
+  EXPECT_FALSE(sequence.stamped());
 }
 
 TEST_F(Sequence, CameraAndTruthAreFoundInTheParentToo) {

@@ -141,5 +141,16 @@ TEST(Png, AFullDiskIsAnError) {
   EXPECT_EQ(folder.count(), 0);
 }
 
+TEST(Png, TellsTheBitsOfItsChannels) {
+  const TemporaryFolder folder;
+  writePng(folder / "depth.png", Raster<std::uint16_t>{2, 1, 1, {1, 2}});
+  writePng(folder / "picture.png", Raster<std::uint8_t>{1, 1, 3, {1, 2, 3}});
+  putBytes(folder / "text.png", "no PNG at all");
+  EXPECT_EQ(pngBits(folder / "depth.png"), 16);
+  EXPECT_EQ(pngBits(folder / "picture.png"), 8);
+  EXPECT_EQ(pngBits(folder / "text.png"), 0);
+  EXPECT_EQ(pngBits(folder / "nowhere.png"), 0);
+}
+
 }  // namespace
 }  // namespace facetloc

@@ -53,8 +53,6 @@ protected:
   const Ranks& ranks() const { return ranks_; }
   /** \brief As given, or else this rank's share of the machine; 0 = all cores. */
   int threads() const { return threads_ > 0 ? threads_ : ranks_.threads(); }
-  /** \brief Creates a folder and those above it. Throws IoError. */
-  static void createFolder(const std::string& path);
 
 private:
   int runOnRank(const std::vector<std::string>& arguments, Console& console);

@@ -51,6 +51,9 @@ public:
     checks_.push_back([&params] { params.validate(); });
   }
 
+  /** \brief Called when the options have their values; throws UsageError if they make no sense. */
+  void addCheck(const std::function<void()>& check) { checks_.push_back(check); }
+
   /** \brief Reads the arguments (without the program's name) and the file of --params; the command line wins.
    * \return false if --help or --version was asked for and printed. Throws UsageError. */
   bool parse(const std::vector<std::string>& arguments, std::ostream& out);

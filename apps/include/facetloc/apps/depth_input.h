@@ -35,6 +35,9 @@ Map openMapFor(const std::optional<CameraFile>& camera, const std::string& path,
 /** \brief The same for a map that is read already. */
 void dropUnknownMounting(const std::optional<CameraFile>& camera, Map& map, const Console& console);
 
+/** \brief Throws UsageError unless images and poses can be matched within this time [s]. */
+void requireTolerance(double seconds);
+
 /** \brief The options as "name = value" lines, for what is recorded beside maps and results. */
 std::string toIni(const DepthInput& input, const ViewParams& view);
 

@@ -115,10 +115,11 @@ std::vector<RunResults> readRuns(const std::filesystem::path& folder);
 
 /** \brief Judges every frame of one or several runs in the same map.
  *
- * The stamp of a frame is its name if all names of its run are numbers, else its index. Hypotheses without a
- * world pose get it from their model's pose in models, where it is known. Of several runs those with a map
- * image are mapping runs. \param models may be empty: frames are then of unknown class. \param tolerance [s]
- * largest distance in time of a frame and its true pose. */
+ * The stamp of a frame is its name if all names of its run are numbers, else its index, which the true poses
+ * must then be numbered by: 0, 1, 2, ... Hypotheses without a world pose get it from their model's pose in
+ * models, where it is known. Of several runs those with a map image are mapping runs. \param models may be
+ * empty: frames are then of unknown class. \param tolerance [s] largest distance in time of a frame and its
+ * true pose. Throws IoError for images without time stamps. */
 Evaluation evaluate(const std::vector<RunResults>& runs, const PlaceTruth& truth,
                     const std::vector<ModelPose>& models, const EvaluationParams& params,
                     double tolerance = 0.02);

@@ -34,7 +34,8 @@ struct StageTime {
   double most = 0;  ///< 95 % of the images took no longer
   double max = 0;
 };
-/** \brief Of segmentation, features, localization and their sum; none without rows. */
+/** \brief Of segmentation, features, localization and their sum; none without rows. Images that failed are
+ * left out. */
 std::vector<StageTime> stageTimes(const std::vector<TimingRow>& rows);
 
 /** \brief In which way an answer was not what one wishes, the worst first. */

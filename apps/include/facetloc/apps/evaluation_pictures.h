@@ -21,9 +21,12 @@ ReportPicture drawMapOfRuns(const std::filesystem::path& path, const Map& map, c
  * over the run. */
 std::vector<Miss> chosenMisses(const Evaluation& evaluation, std::size_t most);
 
-/** \brief Draws folder/NAME.png, of several runs folder/RUN_NAME.png, for misses whose depth images are
- * there: the answer of rank 1, and the local model that would have been right with the true pose. An image
- * that cannot be read or drawn is left out with a remark. */
+/** \brief Removes the pictures that drawMisses() has drawn, and nothing else. */
+void removeMisses(const std::filesystem::path& folder);
+
+/** \brief Draws folder/miss_NAME.png, of several runs folder/miss_RUN_NAME.png, for misses whose depth images
+ * are there: the answer of rank 1, and the local model that would have been right with the true pose. An
+ * image that cannot be read or drawn is left out with a remark. */
 std::vector<ReportPicture> drawMisses(const std::filesystem::path& folder, const std::vector<Miss>& misses,
                                       const Map& map, const PlaceTruth& truth,
                                       const std::vector<RunResults>& runs, const Console& console);

@@ -74,18 +74,22 @@ public:
     std::filesystem::path folder;
     Trajectory poses;
     std::optional<RenderedTruth> rendered;
+    std::set<std::string> unmapped;
   };
 
   PlaceTruth() = default;
   /** \brief Poses alone. */
   explicit PlaceTruth(Trajectory poses) : poses_(std::move(poses)) {}
   /** \brief A trajectory in the TUM format, the folder of a sequence, or that of a simulated place, which has
-   * sequences map and query; their stamps do not overlap. Throws IoError. */
+   * sequences map and query. Throws IoError. */
   static PlaceTruth open(const std::filesystem::path& path);
+  /** \brief What is true of one run: of the sequence in the folder of this name, or of all if there is none.
+   * Throws IoError if their stamps overlap then: a frame could be of either. */
+  PlaceTruth of(const std::string& run) const;
 
   const Trajectory& poses() const { return poses_; }  ///< of all runs
   /** \brief Was a frame taken where the map has nothing? */
-  bool unmapped(const std::string& name) const { return unmapped_.count(name) > 0; }
+  bool unmapped(const std::string& name) const;
   /** \brief The true segments of a frame of any run; nothing if its labels are not there. */
   std::optional<TrueSegments> segments(const std::string& name, const Eigen::Isometry3d& T_w_c,
                                        double min_pixels) const;
@@ -93,11 +97,10 @@ public:
   const std::vector<Sequence>& sequences() const { return sequences_; }
 
 private:
-  void addSequence(const std::filesystem::path& folder);
+  void add(const Sequence& sequence);
 
   Trajectory poses_;
   std::vector<Sequence> sequences_;
-  std::set<std::string> unmapped_;
 };
 
 }  // namespace facetloc

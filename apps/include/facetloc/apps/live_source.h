@@ -39,7 +39,7 @@ void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camer
 
 /** \brief What is played, and how. */
 struct LiveSourceOptions {
-  std::string device;       ///< as OpenNIGrabber, or a folder of PCD or PCLZF files
+  std::string device;       ///< as OpenNIGrabber, or a folder of PCLZF files
   std::string camera_file;  ///< of the device; empty = what lies beside its files
   bool repeat = false;      ///< files and recordings begin again at their end
   double speed = 1;         ///< of files and recordings
@@ -62,12 +62,11 @@ public:
 
   const std::string& name() const { return name_; }
   const std::optional<CameraFile>& camera() const { return camera_; }
-  double framesPerSecond() const;
   /** \brief Were all files delivered, or did the recording end? Never with repeat. */
   bool atEnd() const;
   /** \brief False when a device has been unplugged. */
   bool connected() const;
-  /** \brief What the driver says of that; may be empty. */
+  /** \brief What the driver says of that, or of an image that it could not read; may be empty. */
   std::string lastError() const;
   /** \brief The device of OpenNI2; nothing for files that PCL plays. */
   const OpenNIGrabber* device() const { return device_; }
@@ -79,7 +78,6 @@ private:
   std::optional<CameraFile> camera_;
   std::optional<Intrinsics> calibration_;  // without a camera file
   std::unique_ptr<pcl::Grabber> grabber_;
-  FrameStamps stamps_;
   std::atomic<std::uint64_t> delivered_{0};
   std::optional<std::uint64_t> last_;  // number of files, where only counting tells the end
   OpenNIGrabber* device_ = nullptr;    // the same, if it is one

@@ -3,6 +3,7 @@
 
 #include <facetloc/apps/app.h>
 #include <facetloc/apps/depth_input.h>
+#include <facetloc/apps/provenance.h>
 #include <facetloc/apps/results_journal.h>
 #include <facetloc/apps/sharded_localization.h>
 
@@ -19,15 +20,16 @@ private:
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
   bool dealsOut() const override { return true; }
-  std::string paramsIni(const ViewParams& view_params, const Map& map) const;
+  std::string paramsIni(const std::optional<CameraFile>& camera, const ViewParams& view_params,
+                        const Map& map) const;
   /** \brief Those that the images are dealt out to. */
   Ranks imageRanks() const { return shard_map_ ? Ranks() : ranks(); }
   std::map<std::string, FrameResult> earlierResults(const ResultsJournal& journal,
-                                                    const std::string& params_ini) const;
+                                                    const Provenance& provenance) const;
   static std::vector<FrameResult> startWith(const std::map<std::string, FrameResult>& earlier,
                                             const std::vector<FrameFile>& frames,
                                             std::vector<std::size_t>& todo);
-  std::vector<FrameResult> begin(const std::vector<FrameFile>& frames, const std::string& params_ini,
+  std::vector<FrameResult> begin(const std::vector<FrameFile>& frames, const Provenance& provenance,
                                  ResultsJournal& journal, std::vector<std::size_t>& todo) const;
   int localize(const DepthSequence& sequence, const ViewParams& view_params,
                const ShardedLocalization& localization, const std::vector<std::size_t>& todo,

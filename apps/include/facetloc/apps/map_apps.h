@@ -12,6 +12,9 @@ namespace facetloc {
 
 class Batch;
 
+/** \brief Key of the sizes of the images that a map was built of (provenance.h), for --resume. */
+constexpr const char* kImagesKey = "images";
+
 /** \brief facetloc_map build: one run of depth images -> a map. */
 class MapBuildApp : public App {
 public:
@@ -27,9 +30,14 @@ private:
   bool dealsOut() const override { return true; }
   Selection select(const DepthSequence& sequence) const;
   Trajectory poses(const DepthSequence& sequence) const;
-  MapDatabase openDatabase(const DepthSequence& sequence, const std::string& parameters) const;
-  MapDatabase createDatabase(const DepthSequence& sequence, const std::string& parameters,
-                             bool overwrite) const;
+  bool madeOf(const Map& present, const DepthSequence& sequence,
+              const std::vector<Candidate>& candidates) const;
+  MapDatabase openDatabase(const std::filesystem::path& path, const DepthSequence& sequence,
+                           const std::vector<Candidate>& candidates, const std::string& parameters) const;
+  MapDatabase createDatabase(const std::filesystem::path& path, const DepthSequence& sequence,
+                             const std::string& parameters, bool overwrite) const;
+  int build(const std::filesystem::path& path, const DepthSequence& sequence, const Selection& selection,
+            ViewParams view_params, Batch& batch, const Console& console) const;
   std::optional<DepthDistortion> calibrate(const DepthSequence& sequence, const SensorNoise& noise,
                                            const Console& console) const;
   std::size_t addModels(const DepthSequence& sequence, const std::vector<Candidate>& candidates,

@@ -3,6 +3,7 @@
 
 #include <facetloc/apps/app.h>
 #include <facetloc/apps/depth_input.h>
+#include <facetloc/apps/provenance.h>
 
 #include <filesystem>
 
@@ -21,8 +22,10 @@ private:
   int execute(const CommandLine& line, const Console& console) override;
   bool dealsOut() const override { return true; }
   std::vector<Image> images(const std::vector<DepthSequence>& sequences) const;
+  std::filesystem::path segmentsOf(const Image& image) const;
   bool done(const Image& image) const;
-  std::vector<std::size_t> prepare(const std::vector<Image>& images) const;
+  Provenance provenance(const std::vector<Image>& images, const CommandLine& line) const;
+  std::vector<std::size_t> prepare(const std::vector<Image>& images, const Provenance& provenance) const;
 
   std::vector<std::string> inputs_;
   std::string folder_;

@@ -7,6 +7,9 @@
 
 namespace facetloc {
 
+/** \brief Creates a folder and those above it, if they are not there. Throws IoError. */
+void createFolders(const std::filesystem::path& folder);
+
 /** \brief Writes a file so that it is there whole or not at all: path.tmp, then renamed.
  *
  * \param write gets the path of the temporary file and writes it. Throws IoError if that fails (full disk,

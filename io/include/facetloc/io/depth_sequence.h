@@ -39,6 +39,8 @@ public:
   const std::vector<FrameFile>& frames() const { return frames_; }
   const std::optional<CameraFile>& camera() const { return camera_; }
   const Trajectory& groundTruth() const { return ground_truth_; }
+  /** \brief Are the stamps times, rather than indices? Without times no poses can be matched. */
+  bool stamped() const { return stamped_; }
 
   /** \brief Reads a frame, subsampled so that at least working_width columns remain (0 = full size).
    * Thread-safe. Throws IoError for unreadable, truncated, unorganized or wrongly sized files,
@@ -52,6 +54,7 @@ private:
   std::shared_ptr<const OniFile> recording_;  // that all frames are in, if they are
   std::optional<CameraFile> camera_;
   Trajectory ground_truth_;
+  bool stamped_ = false;
 };
 
 /** \brief Reads one 16-bit depth PNG; value / depth_scale = metres, 0 = not measured. */

@@ -69,6 +69,10 @@ Map readMap(const std::filesystem::path& path);
  * (Map::store), which stays open, and in memory only those that were asked for last: 0.12 MB each. A fault in
  * such a view throws IoError when it is asked for. */
 Map openMap(const std::filesystem::path& path, std::size_t views_in_memory = 400);
+/** \brief Writes a map beside path and renames it in the end: until then, a map that is at path is left as it
+ * is. \param write creates it at the path that it gets, and closes it. */
+void replaceMap(const std::filesystem::path& path,
+                const std::function<void(const std::filesystem::path& temporary)>& write);
 /** \brief Writes a whole map, atomically. */
 void writeMap(const std::filesystem::path& path, const Map& map);
 /** \brief Every fault found in a map file, in words; empty for a sound one. Throws only if the file cannot be

@@ -34,6 +34,9 @@ struct TimingRow {
   double features_ms = 0;
   double localize_ms = 0;
   int models = 0;
+
+  /** \brief All together [ms]; 0 for an image that failed. */
+  double sum() const { return segment_ms + features_ms + localize_ms; }
 };
 
 /** \brief The results of one frame, as they are written. */
@@ -47,6 +50,9 @@ struct FrameResult {
  * given order) and params.ini. */
 void writeResults(const std::filesystem::path& folder, const std::vector<FrameResult>& frames,
                   const std::string& params_ini);
+/** \brief Removes the answers of an earlier run, so that they are never taken for those of one that begins.
+ * Throws IoError. */
+void removeResults(const std::filesystem::path& folder);
 /** \brief A results folder that grows while a run goes on: a frame is in all files when append() returns. */
 class ResultsWriter {
 public:

@@ -9,13 +9,14 @@
 #include <string_view>
 #include <vector>
 
-/** \file Text in and out, private to io: numbers never depend on the locale. */
+/** \file Text in and out: numbers never depend on the locale. */
 
 namespace facetloc::text {
 
 constexpr std::string_view kBlank = " \t\r\n\v\f";
 constexpr int kPoseDigits = 9;  ///< significant digits of poses, covariances and scores in text files
 
+/** \brief Without the blanks around it. */
 inline std::string_view trimmed(std::string_view s) {
   const auto first = s.find_first_not_of(kBlank);
   if (first == std::string_view::npos) return {};
@@ -25,6 +26,7 @@ inline std::string_view trimmed(std::string_view s) {
 /** \brief The text before the first comment character. */
 inline std::string_view withoutComment(std::string_view line) { return line.substr(0, line.find('#')); }
 
+/** \brief The parts between separators, one more than these. */
 inline std::vector<std::string_view> split(std::string_view s, char separator) {
   std::vector<std::string_view> parts;
   for (;;) {
@@ -58,6 +60,7 @@ std::optional<Number> to(std::string_view s) {
   return value;
 }
 
+/** \brief As std::to_chars, which takes the format. */
 template <typename... Format>
 std::string printed(double value, Format... format) {
   // Room for the longest double in fixed notation. Adding zero makes -0 positive.
@@ -77,6 +80,15 @@ inline std::string decimals(double value, int digits) {
   return printed(value, std::chars_format::fixed, digits);
 }
 
+/** \brief A cell of a CSV file, in quotes if it has to be (RFC 4180). */
+inline std::string csvCell(const std::string& s) {
+  if (s.find_first_of(",\"\r\n") == std::string::npos) return s;
+  std::string out = "\"";
+  for (const char c : s) out.append(c == '"' ? 2 : 1, c);
+  return out + "\"";
+}
+
+/** \brief In quotes, for messages. */
 inline std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
 
 }  // namespace facetloc::text

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+
+/** \file What the tools write never takes the place of what was measured. */
+
+namespace facetloc {
+
+/** \brief Throws UsageError if a folder of results is that of the images. */
+void requireOtherFolder(const std::filesystem::path& results, const std::filesystem::path& images);
+
+/** \brief Throws UsageError if a file is there already, unless it is a picture, as one that the tools draw
+ * may be: a PNG of 16 bits is a depth image or labels. */
+void requireNoneButPicture(const std::filesystem::path& path);
+
+}  // namespace facetloc

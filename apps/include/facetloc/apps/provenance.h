@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/io/depth_sequence.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+/** \file What results were made of, so that --resume does not mix those of different inputs. */
+
+namespace facetloc {
+
+/** \brief The sizes of image files [bytes], by their names: what tells them from others of the same names. */
+using ImageSizes = std::map<std::string, std::uintmax_t>;
+/** \brief 0 if it is no regular file. */
+std::uintmax_t sizeOf(const FrameFile& image);
+ImageSizes imageSizes(const DepthSequence& sequence);
+/** \brief One image per line. */
+std::string toText(const ImageSizes& sizes);
+/** \brief The sizes again. */
+ImageSizes imageSizes(const std::string& text);
+
+/** \brief A comment line for params.ini. */
+std::string cameraLine(const std::optional<CameraFile>& camera);
+/** \brief CRC-32 of a file, in hexadecimal digits. Throws IoError. */
+std::string checksum(const std::filesystem::path& file);
+
+/** \brief What the results in a folder were made of and how: its params.ini and images.txt. */
+struct Provenance {
+  std::string params_ini;
+  ImageSizes images;
+
+  /** \brief Nothing if there is none. Throws IoError. */
+  static std::optional<Provenance> read(const std::filesystem::path& folder);
+  void write(const std::filesystem::path& folder) const;
+  /** \brief Throws IoError, which names the folder, unless results of these images, made as this says, are
+   * what they would be if they were made now. Other images may have changed. */
+  void requireSame(const Provenance& now, const std::vector<std::string>& done,
+                   const std::string& folder) const;
+};
+
+}  // namespace facetloc
