@@ -45,13 +45,14 @@ std::vector<double> alignDepth(const DepthPicture& scene, const DepthPicture& mo
   std::stable_sort(maxima.begin(), maxima.end(), [&](int a, int b) { return agreement[a] > agreement[b]; });
   if (maxima.size() > 2) maxima.resize(2);
 
-  constexpr int kFineHalf = 5;  // fine steps on each side, a fifth of the coarse step each
+  constexpr int kFineHalf = 5;  // fine steps on each side
+  constexpr double kReach = 2;  // so far [coarse steps]: on the coarse grid the maximum may be a neighbour's
   std::vector<double> positions;
   for (const int i : maxima) {
     const double coarse = centre + (i - half) * params.step;
     double best_position = coarse, best_likelihood = -std::numeric_limits<double>::infinity();
     for (int j = -kFineHalf; j <= kFineHalf; ++j) {
-      const double position = coarse + j * params.step / kFineHalf;
+      const double position = coarse + j * kReach * params.step / kFineHalf;
       const DepthAgreement a = comparison.compareBoth(scene, model, at(position), kFineColumns);
       const double likelihood = a.likelihood / std::max(1, a.judged());
       if (likelihood > best_likelihood) best_likelihood = likelihood, best_position = position;

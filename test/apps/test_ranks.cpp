@@ -48,11 +48,14 @@ TEST(Ranks, AProcessOfItsOwnIsTheFirstAndOnlyOne) {
 
 /** \param command a tool and its arguments */
 std::vector<std::string> mpirun(int ranks, const std::vector<std::string>& command) {
-  // What Open MPI refuses otherwise: to run as root, and more ranks than cores.
+  // What Open MPI refuses otherwise: to run as root, and more ranks than cores. One run that ends removes the
+  // folder of sessions in which another one begins, unless each process has a folder of its own.
+  static const TemporaryFolder sessions;
   std::vector<std::string> all = {"/usr/bin/env",
                                   "OMPI_ALLOW_RUN_AS_ROOT=1",
                                   "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",
                                   "OMPI_MCA_rmaps_base_oversubscribe=1",
+                                  "OMPI_MCA_orte_tmpdir_base=" + sessions / "",
                                   FACETLOC_MPIRUN,
                                   "-np",
                                   std::to_string(ranks)};
