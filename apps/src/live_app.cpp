@@ -24,8 +24,9 @@ LiveApp::LiveApp()
     : App("facetloc_live", "[--device DEVICE] [--map MAP.flmap] [options]",
           "Cuts what a depth camera sees now into planar segments and, with --map, finds and follows the "
           "camera in a map. DEVICE is a camera of OpenNI2 (#1 is the first one, or a URI), an .oni "
-          "recording, a depth sequence or a .scene file that is served as a camera, or a folder of "
-          "PCLZF files that is played. Frames that come faster than they can be processed are dropped. "
+          "recording, a depth sequence of PNG or PCD files or a .scene file that is served as a camera, or a "
+          "folder of PCLZF files that is played. Frames that come faster than they can be processed are "
+          "dropped. "
           "Keys in the window: " +
               keysText() + ".") {}
 

@@ -87,9 +87,11 @@ public:
         candidates_(candidates),
         matching_(matching),
         ekf_(ekf),
-        params_(params) {
+        params_(params),
+        known_(known),
+        something_known_(!known.isZero()) {
     findCompatible();
-    nodes_.push_back({-1, -1, 0, prior, known, PairSet(words_, ~std::uint64_t{0})});
+    nodes_.push_back({-1, -1, 0, prior, Matrix6d::Zero(), PairSet(words_, ~std::uint64_t{0})});
     for (std::size_t bit = candidates.size(); bit < words_ * 64; ++bit)
       nodes_[0].allowed[bit / 64] &= ~(std::uint64_t{1} << (bit % 64));
   }
@@ -97,7 +99,7 @@ public:
   TreeSearchResult run() {
     pushNext(0, -1);
     while (!queue_.empty() && result_.expansions < params_.max_expansions &&
-           static_cast<int>(result_.complete.size()) < params_.max_hypotheses) {
+           static_cast<int>(result_.by_pairs.complete.size()) < params_.max_hypotheses) {
       const int id = -queue_.top().second;
       queue_.pop();
       pushNext(nodes_[id].parent, nodes_[id].last);  // the next sibling, made lazily
@@ -159,15 +161,35 @@ private:
     node.allowed.resize(words_);
     for (std::size_t w = 0; w < words_; ++w) node.allowed[w] = parent.allowed[w] & compatible_[node.last][w];
 
-    const Observability seen = observability(node.information);
-    const double max_rotation = params_.complete_rotation_deg * kDegree;
-    if (seen.complete(max_rotation, params_.complete_translation)) {
-      emit(node, Eigen::Vector3d::Zero(), result_.complete);
-      return;
-    }
-    if (seen.oneTranslationFree(max_rotation, params_.complete_translation))
-      emit(node, seen.directions.col(2), result_.incomplete);
+    if (keep(node)) return;
     if (node.depth < params_.max_pairs) pushNext(id, node.last);
+  }
+
+  // True if pairs alone make the pose complete.
+  bool keep(const Node& node) {
+    const double max_rotation = params_.complete_rotation_deg * kDegree;
+    const auto isComplete = [&](const Observability& o) {
+      return o.complete(max_rotation, params_.complete_translation);
+    };
+    const auto leavesOneFree = [&](const Observability& o) {
+      return o.oneTranslationFree(max_rotation, params_.complete_translation);
+    };
+    const Eigen::Vector3d none_free = Eigen::Vector3d::Zero();
+    const Observability alone = observability(node.information);
+    if (isComplete(alone)) {
+      emit(node, none_free, result_.by_pairs.complete);
+      return true;
+    }
+    const bool one_free = leavesOneFree(alone);
+    if (one_free) emit(node, alone.directions.col(2), result_.by_pairs.incomplete);
+    std::vector<PoseNode>& with_known = result_.with_known.complete;
+    if (!something_known_ || static_cast<int>(with_known.size()) >= params_.max_hypotheses) return false;
+    const Observability together = observability(node.information + known_);
+    if (isComplete(together))
+      emit(node, none_free, with_known);
+    else if (!one_free && leavesOneFree(together))
+      emit(node, together.directions.col(2), result_.with_known.incomplete);
+    return false;
   }
 
   // Keeps a pose unless it was found before; of incomplete poses the position along the free direction does
@@ -201,6 +223,8 @@ private:
   const MatchingParams& matching_;
   const EkfParams& ekf_;
   const HypothesisTreeParams& params_;
+  const Matrix6d known_;
+  const bool something_known_;
   std::size_t words_ = 0;
   std::vector<PairSet> compatible_;  // of each pair: the later ones that may stand beside it
   std::vector<Node> nodes_;

@@ -39,18 +39,15 @@ ViewRegistration::align(const View& scene, const std::vector<std::vector<Eigen::
   const TreeSearchResult found = searchHypotheses(scene.segments, model.segments, candidates, start,
                                                   params_.matching, params_.ekf, params_.tree, known_);
 
+  // Pairs alone tell wrong poses from right ones better than together with what holds for all of them.
   std::vector<Hypothesis> hypotheses;
-  for (const PoseNode& node : found.complete) {
-    Hypothesis h;
-    h.T_m_c = node.pose;
-    h.pairs = node.pairs;
-    if (params_.joint_refinement &&
-        !refineJointly(scene.segments, model.segments, prior, params_.matching, {}, h))
-      continue;
-    addDistinct(std::move(h), hypotheses);
+  for (const FoundPoses* poses : {&found.by_pairs, &found.with_known}) {
+    if (hypotheses.empty()) addComplete(scene, model, prior, poses->complete, hypotheses);
   }
-  if (hypotheses.empty() && params_.depth_assistance)
-    completeByDepth(scene, model, prior, found.incomplete, hypotheses);
+  for (const FoundPoses* poses : {&found.by_pairs, &found.with_known}) {
+    if (hypotheses.empty() && params_.depth_assistance)
+      completeByDepth(scene, model, prior, poses->incomplete, hypotheses);
+  }
 
   for (Hypothesis& h : hypotheses) {
     h.consensus =
@@ -67,6 +64,20 @@ ViewRegistration::align(const View& scene, const std::vector<std::vector<Eigen::
   }
   std::stable_sort(hypotheses.begin(), hypotheses.end(), byScore);
   return hypotheses;
+}
+
+void ViewRegistration::addComplete(const View& scene, const View& model, const PoseWithCovariance& prior,
+                                   const std::vector<PoseNode>& complete,
+                                   std::vector<Hypothesis>& hypotheses) const {
+  for (const PoseNode& node : complete) {
+    Hypothesis h;
+    h.T_m_c = node.pose;
+    h.pairs = node.pairs;
+    if (params_.joint_refinement &&
+        !refineJointly(scene.segments, model.segments, prior, params_.matching, {}, h))
+      continue;
+    addDistinct(std::move(h), hypotheses);
+  }
 }
 
 void ViewRegistration::addDistinct(Hypothesis&& h, std::vector<Hypothesis>& hypotheses) const {

@@ -130,7 +130,7 @@ TEST(HypothesisTree, WithoutLimitsFindsWhatBruteForceOverAllSubsetsFinds) {
       const BruteForce want(c, params);
       const TreeSearchResult got = c.search(params);
       std::set<PairSet> emitted;
-      for (const PoseNode& node : got.complete)
+      for (const PoseNode& node : got.by_pairs.complete)
         EXPECT_TRUE(emitted.insert(setOf(node.pairs)).second) << "a set was emitted twice";
       EXPECT_EQ(emitted, want.emitted) << "seed " << seed;
       EXPECT_EQ(got.expansions, want.updates) << "seed " << seed;
@@ -144,10 +144,11 @@ TEST(HypothesisTree, FindsTheTruePose) {
   for (unsigned seed = 1; seed <= 40; ++seed) {
     const Case c(seed);
     const TreeSearchResult result = c.search({});
-    found += std::any_of(result.complete.begin(), result.complete.end(), [&c](const PoseNode& n) {
-      const Vector6d e = perturbation(c.truth, n.pose.T);
-      return e.head<3>().norm() < 3 * kDegree && e.tail<3>().norm() < 0.15;
-    });
+    found += std::any_of(result.by_pairs.complete.begin(), result.by_pairs.complete.end(),
+                         [&c](const PoseNode& n) {
+                           const Vector6d e = perturbation(c.truth, n.pose.T);
+                           return e.head<3>().norm() < 3 * kDegree && e.tail<3>().norm() < 0.15;
+                         });
   }
   EXPECT_GE(found, 36);
 }
@@ -160,8 +161,8 @@ TEST(HypothesisTree, PairFilterLosesNoConsistentHypothesis) {
     HypothesisTreeParams open = exhaustive(), gated = exhaustive();
     gated.angle_gate = 3;
     std::set<PairSet> all, kept;
-    for (const PoseNode& n : c.search(open).complete) all.insert(setOf(n.pairs));
-    for (const PoseNode& n : c.search(gated).complete) kept.insert(setOf(n.pairs));
+    for (const PoseNode& n : c.search(open).by_pairs.complete) all.insert(setOf(n.pairs));
+    for (const PoseNode& n : c.search(gated).by_pairs.complete) kept.insert(setOf(n.pairs));
     EXPECT_TRUE(std::includes(all.begin(), all.end(), kept.begin(), kept.end()));
     EXPECT_LE(c.search(gated).expansions, c.search(open).expansions);
   }
@@ -169,7 +170,7 @@ TEST(HypothesisTree, PairFilterLosesNoConsistentHypothesis) {
 
 TEST(HypothesisTree, AHypothesisUsesEverySegmentOnce) {
   for (unsigned seed = 1; seed <= 10; ++seed)
-    for (const PoseNode& node : Case(seed).search(exhaustive()).complete) {
+    for (const PoseNode& node : Case(seed).search(exhaustive()).by_pairs.complete) {
       std::set<int> scene, model;
       for (const SegmentPair& p : node.pairs) {
         EXPECT_TRUE(scene.insert(p.scene).second);
@@ -183,10 +184,10 @@ TEST(HypothesisTree, DuplicatesAreSuppressed) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const Case c(seed);
     HypothesisTreeParams params = exhaustive();
-    const std::size_t all = c.search(params).complete.size();
+    const std::size_t all = c.search(params).by_pairs.complete.size();
     params.duplicate_rotation_deg = 1;
     params.duplicate_translation = 0.05;
-    const std::vector<PoseNode> distinct = c.search(params).complete;
+    const std::vector<PoseNode> distinct = c.search(params).by_pairs.complete;
     EXPECT_LE(distinct.size(), all);
     for (std::size_t i = 0; i < distinct.size(); ++i)
       for (std::size_t k = 0; k < i; ++k) {
@@ -206,12 +207,13 @@ TEST(HypothesisTree, LimitsAreKept) {
   params = exhaustive();
   params.max_hypotheses = 1;
   const TreeSearchResult one = c.search(params);
-  ASSERT_EQ(one.complete.size(), 1u);
-  EXPECT_EQ(setOf(one.complete[0].pairs), setOf(all.complete[0].pairs));  // the best-ranked first
+  ASSERT_EQ(one.by_pairs.complete.size(), 1u);
+  EXPECT_EQ(setOf(one.by_pairs.complete[0].pairs),
+            setOf(all.by_pairs.complete[0].pairs));  // the best-ranked first
   params = exhaustive();
   params.max_pairs = 2;
-  for (const PoseNode& n : c.search(params).complete) EXPECT_LE(n.pairs.size(), 2u);
-  for (const PoseNode& n : c.search(params).incomplete) EXPECT_LE(n.pairs.size(), 2u);
+  for (const PoseNode& n : c.search(params).by_pairs.complete) EXPECT_LE(n.pairs.size(), 2u);
+  for (const PoseNode& n : c.search(params).by_pairs.incomplete) EXPECT_LE(n.pairs.size(), 2u);
 }
 
 TEST(HypothesisTree, AGainThresholdPrunes) {
@@ -221,7 +223,7 @@ TEST(HypothesisTree, AGainThresholdPrunes) {
   params.min_gain = 3;
   EXPECT_LT(c.search(params).expansions, all);
   params.min_gain = 100;
-  EXPECT_TRUE(c.search(params).complete.empty());
+  EXPECT_TRUE(c.search(params).by_pairs.complete.empty());
 }
 
 TEST(HypothesisTree, OneFreeTranslationIsReportedWithItsDirection) {
@@ -232,9 +234,9 @@ TEST(HypothesisTree, OneFreeTranslationIsReportedWithItsDirection) {
   const PoseWithCovariance prior = widePrior();
   const TreeSearchResult result =
       searchHypotheses(corridor, corridor, candidatePairs(corridor, corridor, prior), prior, {}, {}, {});
-  EXPECT_TRUE(result.complete.empty());
-  ASSERT_FALSE(result.incomplete.empty());
-  for (const PoseNode& n : result.incomplete) {
+  EXPECT_TRUE(result.by_pairs.complete.empty());
+  ASSERT_FALSE(result.by_pairs.incomplete.empty());
+  for (const PoseNode& n : result.by_pairs.incomplete) {
     EXPECT_NEAR(n.free_direction.norm(), 1, 1e-9);
     EXPECT_GT(std::abs(n.free_direction.z()), 0.99);
     EXPECT_TRUE(observability(n.information).oneTranslationFree(3 * kDegree, 0.2));
@@ -250,16 +252,16 @@ TEST(HypothesisTree, WhatIsKnownWithoutPairsNeedsNone) {
   const auto search = [&](const Matrix6d& known) {
     return searchHypotheses(corner, corner, pairs, prior, {}, {}, {}, known);
   };
-  EXPECT_TRUE(search(Matrix6d::Zero()).complete.empty());
+  EXPECT_TRUE(search(Matrix6d::Zero()).with_known.complete.empty());
   const Matrix6d floor = floorInformation(CameraMounting{1, 0});
-  EXPECT_FALSE(search(floor).complete.empty());
-  for (const PoseNode& n : search(floor).complete) EXPECT_EQ(n.pairs.size(), 2u);
+  EXPECT_FALSE(search(floor).with_known.complete.empty());
+  for (const PoseNode& n : search(floor).with_known.complete) EXPECT_EQ(n.pairs.size(), 2u);
 }
 
 TEST(HypothesisTree, OfNothingIsEmpty) {
   const TreeSearchResult result = searchHypotheses({}, {}, {}, widePrior(), {}, {}, {});
-  EXPECT_TRUE(result.complete.empty());
-  EXPECT_TRUE(result.incomplete.empty());
+  EXPECT_TRUE(result.by_pairs.complete.empty());
+  EXPECT_TRUE(result.by_pairs.incomplete.empty());
   EXPECT_EQ(result.expansions, 0);
 }
 

@@ -231,6 +231,19 @@ TEST_F(Corridor, WithoutReliefAlongItNoPositionIsMadeUp) {
 
 // ---- a robot's camera
 
+TEST_F(TwoViewsOfARoom, ThatPairsAloneRegisterNeedNothingElse) {
+  PoseWithCovariance prior;
+  const CameraMounting mounting{1.2, 10};
+  prior.P = posePrior(mounting);
+  const std::vector<Hypothesis> alone = ViewRegistration().align(scene, model, prior),
+                                known = ViewRegistration({}, {}, floorInformation(mounting))
+                                            .align(scene, model, prior);
+  ASSERT_FALSE(alone.empty());
+  ASSERT_EQ(alone.size(), known.size());
+  for (std::size_t i = 0; i < alone.size(); ++i)
+    EXPECT_EQ(alone[i].T_m_c.T.matrix(), known[i].T_m_c.T.matrix());
+}
+
 class RobotBeforeAWall : public testing::Test {
 protected:
   static constexpr double kHeight = 1.0;

@@ -61,6 +61,8 @@ public:
   }
 
 private:
+  void addComplete(const View& scene, const View& model, const PoseWithCovariance& prior,
+                   const std::vector<PoseNode>& complete, std::vector<Hypothesis>& hypotheses) const;
   void addDistinct(Hypothesis&& h, std::vector<Hypothesis>& hypotheses) const;
   void completeByDepth(const View& scene, const View& model, const PoseWithCovariance& prior,
                        const std::vector<PoseNode>& incomplete, std::vector<Hypothesis>& hypotheses) const;
