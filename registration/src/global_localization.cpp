@@ -129,9 +129,8 @@ Localization GlobalLocalization::rank(const View& scene, std::vector<Hypothesis>
   ranking_.rank(scene, answer.hypotheses);
   if (answer.hypotheses.empty()) {
     const HypothesisTreeParams& tree = params_.registration.tree;
-    const std::string open =
-        unconstrainedDirections(scene.segments, tree.complete_rotation_deg, tree.complete_translation,
-                                floorInformation(map_->mounting, params_.prior));
+    const std::string open = unconstrainedDirections(scene.segments, tree.complete_rotation_deg,
+                                                     tree.complete_translation, registration_.known());
     answer.reason =
         open.empty() ? "no local model agrees with the view" : "the planes in view leave free: " + open;
   }

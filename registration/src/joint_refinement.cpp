@@ -40,11 +40,6 @@ bool samePairs(const std::vector<SegmentPair>& a, const std::vector<SegmentPair>
   });
 }
 
-Segment timesAsUncertain(Segment s, double times) {
-  s.Sigma_q *= times;
-  return s;
-}
-
 // Quadratic model of the cost about a pose: information and gradient by a left, decoupled perturbation.
 struct NormalEquations {
   Matrix6d A = Matrix6d::Zero();
@@ -59,10 +54,9 @@ struct NormalEquations {
     A += GtI * G;
     g += GtI * e;
   }
-  void addPair(const Segment& scene, const Segment& model, double times, const Eigen::Isometry3d& T,
-               double share) {
+  void addPair(const Segment& scene, const Segment& model, const Eigen::Isometry3d& T, double share) {
     PlaneMeasurement m;
-    if (!measurePlane(scene, times == 1 ? model : timesAsUncertain(model, times), T, 0.0, m)) return;
+    if (!measurePlane(scene, model, T, 0.0, m)) return;
     Cholesky3 W;
     if (!W.compute(m.W)) return;
     const double d2 = W.squaredMahalanobis(m.h);
@@ -82,8 +76,7 @@ struct NormalEquations {
 
 bool refineJointly(const std::vector<Segment>& scene, const std::vector<Segment>& model,
                    const PoseWithCovariance& prior, const MatchingParams& matching,
-                   const std::optional<TranslationConstraint>& constraint, Hypothesis& hypothesis,
-                   const std::vector<double>& times) {
+                   const std::optional<TranslationConstraint>& constraint, Hypothesis& hypothesis) {
   const Eigen::LLT<Matrix6d> prior_factor(prior.P);
   if (prior_factor.info() != Eigen::Success) return false;
   const Matrix6d prior_information = prior_factor.solve(Matrix6d::Identity());
@@ -98,7 +91,7 @@ bool refineJointly(const std::vector<Segment>& scene, const std::vector<Segment>
       NormalEquations n;
       n.addPrior(prior, prior_information, h.T_m_c.T);
       for (const SegmentPair& p : pairs)
-        n.addPair(scene[p.scene], model[p.model], times.empty() ? 1 : times[p.model], h.T_m_c.T,
+        n.addPair(scene[p.scene], model[p.model], h.T_m_c.T,
                   std::min(1.0, kInformationCap / partners[p.model]));
       if (constraint) n.addConstraint(*constraint, h.T_m_c.T);
       const Eigen::LDLT<Matrix6d> solver(n.A);

@@ -14,7 +14,7 @@ void RepeatedLooks::discount(Surroundings& surroundings) const {
     const auto found = correlation_.find({origin.view, origin.segment});
     if (found == correlation_.end()) continue;
     const double rho = std::min(found->second, kMost);
-    surroundings.times[i] = (1 + rho) / (1 - rho);
+    surroundings.segments[i].Sigma_q *= (1 + rho) / (1 - rho);
   }
 }
 

@@ -13,7 +13,6 @@ void Surroundings::add(int index, std::shared_ptr<const View> view, const Eigen:
   for (std::size_t i = 0; i < view->segments.size(); ++i) {
     segments.push_back(transformed(view->segments[i], T_w_c));
     origins.push_back({index, static_cast<int>(i)});
-    times.push_back(1);
   }
   if (!view->depth.empty()) pictures.push_back({&view->depth, T_w_c});
   views.push_back(std::move(view));
@@ -25,8 +24,7 @@ ViewAlignment alignView(const View& view, const Surroundings& surroundings, cons
   out.T_w_c = prior;
   Hypothesis h;
   h.T_m_c = prior;
-  if (refineJointly(view.segments, surroundings.segments, prior, params.matching, {}, h,
-                    surroundings.times)) {
+  if (refineJointly(view.segments, surroundings.segments, prior, params.matching, {}, h)) {
     out.T_w_c = h.T_m_c;
     out.pairs = std::move(h.pairs);
   }

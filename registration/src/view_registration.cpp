@@ -28,7 +28,9 @@ bool byScore(const Hypothesis& a, const Hypothesis& b) { return a.score > b.scor
 
 ViewRegistration::ViewRegistration(const ViewRegistrationParams& params, const SensorNoise& noise,
                                    const Matrix6d& known)
-    : params_(params), comparison_(params.depth, noise.inverse_depth_std), known_(known) {}
+    : params_(params), comparison_(params.depth, noise.inverse_depth_std) {
+  if (params.floor_information) known_ = known;
+}
 
 std::vector<Hypothesis>
 ViewRegistration::align(const View& scene, const std::vector<std::vector<Eigen::Vector3d>>& scene_samples,

@@ -59,11 +59,13 @@ std::vector<Variant> variants(bool ablation) {
   add("a single EKF step").localization.registration.ekf.iterations = 1;
   add("segment-overlap score").localization.registration.consensus.surface_score = true;
   add("no joint refinement").localization.registration.joint_refinement = false;
+  add("no information of the floor").localization.registration.floor_information = false;
   add("no dense last degree of freedom").localization.registration.depth_assistance = false;
   Variant& free_space = add("no free-space term");
   free_space.localization.registration.consensus.free_space_weight = 0;
   free_space.localization.ranking.contradiction_weight = 0;
   add("no multi-model evidence").localization.ranking.multi_model = false;
+  add("no support by several models").localization.ranking.support_weight = 0;
   add("no dense refinement").localization.ranking.dense_refinement = false;
   add("no calibration of the camera").calibrated = false;
   add("minimum support 1000 px").view.features.min_support = 1000;

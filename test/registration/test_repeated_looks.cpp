@@ -26,11 +26,12 @@ Surroundings twoModels() {
   return surroundings;
 }
 
-/** How often the covariance of a segment counts. */
+/** How many times as large the covariance of a segment is. */
 double factor(const RepeatedLooks& looks, int segment) {
-  Surroundings surroundings = twoModels();
-  looks.discount(surroundings);
-  return surroundings.times[segment];
+  const Surroundings before = twoModels();
+  Surroundings after = before;
+  looks.discount(after);
+  return after.segments[segment].Sigma_q(0, 0) / before.segments[segment].Sigma_q(0, 0);
 }
 
 TEST(RepeatedLooks, TheFirstOneCountsInFull) {

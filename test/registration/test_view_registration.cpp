@@ -255,7 +255,9 @@ protected:
     const CameraMounting mounting{kHeight, 0};
     PoseWithCovariance prior;
     prior.P = posePrior(mounting);
-    const ViewRegistration registration({}, {}, on_floor ? floorInformation(mounting) : Matrix6d::Zero());
+    ViewRegistrationParams params;
+    params.floor_information = on_floor;
+    const ViewRegistration registration(params, {}, floorInformation(mounting));
     return registration.align(wallOnly(viewFrom(scene, poseAt(along, 0.05), 2)),
                               wallOnly(viewFrom(scene, poseAt(0, 0), 1)), prior);
   }

@@ -5,7 +5,6 @@
 #include <facetloc/registration/hypothesis.h>
 
 #include <optional>
-#include <vector>
 
 namespace facetloc {
 
@@ -18,12 +17,9 @@ struct TranslationConstraint {
 
 /** \brief Re-estimates a hypothesis from all pairs that agree with it (METHOD 8.5): the maximum a posteriori
  * pose by Gauss-Newton with Huber weights, independent of any order; pairs are collected twice. Replaces
- * pose, covariance and pairs; false, and no change, if no pair agrees.
- * \param times how many times as large the covariance of each model segment counts in the estimate, not in
- * the choice of pairs; empty = once */
+ * pose, covariance and pairs; false, and no change, if no pair agrees. */
 bool refineJointly(const std::vector<Segment>& scene, const std::vector<Segment>& model,
                    const PoseWithCovariance& prior, const MatchingParams& matching,
-                   const std::optional<TranslationConstraint>& constraint, Hypothesis& hypothesis,
-                   const std::vector<double>& times = {});
+                   const std::optional<TranslationConstraint>& constraint, Hypothesis& hypothesis);
 
 }  // namespace facetloc

@@ -20,8 +20,7 @@ public:
   /** \brief The motion after which a look is as good as new: that between two local models [m, rad]. */
   static constexpr double kDistance = 0.5, kRotation = 15 * kDegree;
 
-  /** \brief Lets Sigma_q of the segments that were looked at already count several times. Which segments a
-   * view sees does not depend on that. */
+  /** \brief Enlarges Sigma_q of the segments that were looked at already. */
   void discount(Surroundings& surroundings) const;
   /** \brief A view was aligned with these. */
   void add(const std::vector<SegmentPair>& pairs, const Surroundings& surroundings);

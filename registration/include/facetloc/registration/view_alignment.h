@@ -19,10 +19,9 @@ struct Surroundings {
     int view = 0;     ///< index among the views
     int segment = 0;  ///< index in that view
   };
-  std::vector<Segment> segments;       ///< of all of them, in world axes
-  std::vector<Origin> origins;         ///< of each segment
-  std::vector<double> times;           ///< how often the covariance of each counts (RepeatedLooks)
-  std::vector<PosedPicture> pictures;  ///< of those that have one
+  std::vector<Segment> segments;                   ///< of all of them, in world axes
+  std::vector<Origin> origins;                     ///< of each segment
+  std::vector<PosedPicture> pictures;              ///< of those that have one
   std::vector<std::shared_ptr<const View>> views;  ///< whose pictures these are
 
   /** \brief Adds view number `index`, taken at T_w_c. */

@@ -14,8 +14,9 @@ struct ViewRegistrationParams {
   EkfParams ekf;
   HypothesisTreeParams tree;
   bool joint_refinement = true;
-  bool depth_assistance = true;  ///< the dense last-degree-of-freedom step
-  int max_assisted = 1;          ///< incomplete poses per local model that depth may complete
+  bool floor_information = true;  ///< where pairs alone fix no pose, what is known without them counts too
+  bool depth_assistance = true;   ///< the dense last-degree-of-freedom step
+  int max_assisted = 1;           ///< incomplete poses per local model that depth may complete
   DepthAlignmentParams alignment;
   DepthConsistencyParams depth;
   ConsensusParams consensus;
@@ -27,6 +28,9 @@ struct ViewRegistrationParams {
     HypothesisTreeParams::describe(p.tree, field);
     field("joint_refinement", p.joint_refinement, false, true,
           "Re-estimate each hypothesis from all pairs that agree with it (METHOD 8.5).");
+    field(
+        "floor_information", p.floor_information, false, true,
+        "Where planes alone fix no pose, count what the camera's mounting tells of roll, pitch and height.");
     field("depth_assistance", p.depth_assistance, false, true,
           "Find a translation that the planes leave free by dense depth (METHOD_MEASURED 10.5).");
     field("max_assisted", p.max_assisted, 0, 1000,
@@ -49,6 +53,7 @@ public:
                             const Matrix6d& known = Matrix6d::Zero());
   const ViewRegistrationParams& params() const { return params_; }
   const DepthComparison& comparison() const { return comparison_; }
+  const Matrix6d& known() const { return known_; }  ///< zero if that does not count
 
   /** \param prior T_m_c before anything was seen
    * \param start about where correspondences are looked for: the prior, or what else tells the pose */
@@ -69,7 +74,7 @@ private:
 
   ViewRegistrationParams params_;
   DepthComparison comparison_;
-  Matrix6d known_;
+  Matrix6d known_ = Matrix6d::Zero();
 };
 
 /** \brief Which motions of the camera the segments of a view leave free, in words and camera axes, such as
