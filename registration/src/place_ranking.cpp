@@ -87,7 +87,11 @@ void PlaceRanking::rank(const View& scene, std::vector<Hypothesis>& hypotheses) 
   mergePlaces(params_, hypotheses);
   if (evidence) score(hypotheses);
   if (evidence && params_.dense_refinement) refinePlaces(scene, hypotheses);
-  assignProbabilities(params_, evidence, hypotheses);
+  if (evidence)
+    assignProbabilities(params_.softmax_slope,
+                        nullScore(params_, attainableConsensus(scene, comparison_, consensus_)), hypotheses);
+  else
+    assignProbabilities(params_.plain_softmax_slope, params_.plain_null_score, hypotheses);
 }
 
 std::vector<PlaceRanking::Neighbour> PlaceRanking::neighbours(const Eigen::Isometry3d& T_w_c) const {
@@ -208,11 +212,13 @@ void mergePlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypo
   hypotheses.swap(places);
 }
 
-void assignProbabilities(const PlaceRankingParams& params, bool with_evidence,
-                         std::vector<Hypothesis>& hypotheses) {
+double nullScore(const PlaceRankingParams& params, double attainable_consensus) {
+  return params.null_score +
+         params.poor_view_null * std::clamp(1 - attainable_consensus / params.poor_view, 0.0, 1.0);
+}
+
+void assignProbabilities(double slope, double null_score, std::vector<Hypothesis>& hypotheses) {
   if (hypotheses.empty()) return;
-  const double slope = with_evidence ? params.softmax_slope : params.plain_softmax_slope;
-  const double null_score = with_evidence ? params.null_score : params.plain_null_score;
   const double largest = std::max(hypotheses.front().score, null_score);  // keeps the exponentials in range
   double sum = std::exp(slope * (null_score - largest));
   for (Hypothesis& h : hypotheses) sum += h.probability = std::exp(slope * (h.score - largest));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/so3.h>
 #include <facetloc/registration/place_ranking.h>
+#include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_depth.h>
 
 #include <gtest/gtest.h>
@@ -29,26 +30,23 @@ Eigen::Isometry3d pose(double x, double turn_deg = 0) {
   return T;
 }
 
-void rankPlaces(const PlaceRankingParams& params, bool with_evidence, std::vector<Hypothesis>& h) {
+void rankPlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& h) {
   mergePlaces(params, h);
-  assignProbabilities(params, with_evidence, h);
+  assignProbabilities(params.plain_softmax_slope, params.plain_null_score, h);
 }
 
 TEST(RankPlaces, ProbabilitiesAreTheSoftmaxWithANullPlace) {
-  const PlaceRankingParams params;
-  for (const bool with_evidence : {false, true}) {
-    const double slope = with_evidence ? params.softmax_slope : params.plain_softmax_slope;
-    const double null_score = with_evidence ? params.null_score : params.plain_null_score;
-    std::vector<Hypothesis> h{hypothesis(20, pose(0)), hypothesis(35, pose(1)), hypothesis(28, pose(2))};
-    rankPlaces(params, with_evidence, h);
-    double sum = std::exp(slope * null_score);
-    for (const double score : {35, 28, 20}) sum += std::exp(slope * score);
-    ASSERT_EQ(h.size(), 3u);
-    const double scores[] = {35, 28, 20};
-    for (int i = 0; i < 3; ++i) {
-      EXPECT_EQ(h[i].score, scores[i]);
-      EXPECT_NEAR(h[i].probability, std::exp(slope * scores[i]) / sum, 1e-12);
-    }
+  constexpr double kSlope = 0.11, kNullScore = 17;
+  std::vector<Hypothesis> h{hypothesis(20, pose(0)), hypothesis(35, pose(1)), hypothesis(28, pose(2))};
+  mergePlaces({}, h);
+  assignProbabilities(kSlope, kNullScore, h);
+  double sum = std::exp(kSlope * kNullScore);
+  for (const double score : {35, 28, 20}) sum += std::exp(kSlope * score);
+  ASSERT_EQ(h.size(), 3u);
+  const double scores[] = {35, 28, 20};
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(h[i].score, scores[i]);
+    EXPECT_NEAR(h[i].probability, std::exp(kSlope * scores[i]) / sum, 1e-12);
   }
 }
 
@@ -56,7 +54,7 @@ TEST(RankPlaces, ProbabilitiesSumToLessThanOneForAnyScores) {
   for (const double score : {-1e6, -10.0, 0.0, 27.0, 500.0, 1e6}) {
     std::vector<Hypothesis> h{hypothesis(score, pose(0)), hypothesis(score - 1, pose(1)),
                               hypothesis(-score, pose(2))};
-    rankPlaces({}, false, h);
+    rankPlaces({}, h);
     double sum = 0;
     for (const Hypothesis& x : h) {
       EXPECT_TRUE(x.probability >= 0 && x.probability <= 1);
@@ -67,19 +65,25 @@ TEST(RankPlaces, ProbabilitiesSumToLessThanOneForAnyScores) {
 }
 
 TEST(RankPlaces, APlaceAtTheNullScoreIsAsLikelyAsNone) {
-  for (const bool with_evidence : {false, true}) {
-    const PlaceRankingParams params;
-    const double null_score = with_evidence ? params.null_score : params.plain_null_score;
-    std::vector<Hypothesis> h{hypothesis(null_score, pose(0))};
-    rankPlaces(params, with_evidence, h);
-    EXPECT_NEAR(h[0].probability, 0.5, 1e-12);
-  }
+  std::vector<Hypothesis> h{hypothesis(-12, pose(0))};
+  assignProbabilities(0.1, -12, h);
+  EXPECT_NEAR(h[0].probability, 0.5, 1e-12);
+}
+
+TEST(RankPlaces, TheLessAViewTellsTheLikelierIsNoPlaceOfTheList) {
+  PlaceRankingParams params;
+  params.null_score = -10, params.poor_view = 50, params.poor_view_null = 30;
+  EXPECT_DOUBLE_EQ(nullScore(params, 200), -10);
+  EXPECT_DOUBLE_EQ(nullScore(params, 50), -10);
+  EXPECT_DOUBLE_EQ(nullScore(params, 25), 5);
+  EXPECT_DOUBLE_EQ(nullScore(params, 0), 20);
+  EXPECT_DOUBLE_EQ(nullScore(params, -5), 20);
 }
 
 TEST(RankPlaces, HypothesesOfOnePlaceBecomeTheBestOfThem) {
   std::vector<Hypothesis> h{hypothesis(10, pose(0), 1), hypothesis(30, pose(0.14, 1.9), 2),
                             hypothesis(20, pose(0, 2.1), 3), hypothesis(25, pose(0.16), 4)};
-  rankPlaces({}, false, h);
+  rankPlaces({}, h);
   // 25 lies 0.02 m and 1.9 deg from 30 and is absorbed; so are 10 and 20, the latter within 0.14 m and 0.2
   // deg.
   ASSERT_EQ(h.size(), 1u);
@@ -87,14 +91,14 @@ TEST(RankPlaces, HypothesesOfOnePlaceBecomeTheBestOfThem) {
 
   h = {hypothesis(30, pose(0)), hypothesis(20, pose(0.151)), hypothesis(10, pose(0, 2.01)),
        hypothesis(5, pose(0.149, 1.99))};
-  rankPlaces({}, false, h);
+  rankPlaces({}, h);
   ASSERT_EQ(h.size(), 3u);
   EXPECT_EQ(h[2].score, 10);
 
   PlaceRankingParams apart;
   apart.merge = false;
   h = {hypothesis(30, pose(0)), hypothesis(20, pose(0))};
-  rankPlaces(apart, false, h);
+  rankPlaces(apart, h);
   EXPECT_EQ(h.size(), 2u);
 }
 
@@ -114,7 +118,7 @@ TEST(RankPlaces, APlaceTellsWhichModelsHaveFoundIt) {
 
 TEST(RankPlaces, WithoutWorldPosesNothingIsMerged) {
   std::vector<Hypothesis> h{hypothesis(10), hypothesis(30), hypothesis(20, pose(0))};
-  rankPlaces({}, false, h);
+  rankPlaces({}, h);
   EXPECT_EQ(h.size(), 3u);
   EXPECT_EQ(h[0].score, 30);
 }
@@ -122,7 +126,7 @@ TEST(RankPlaces, WithoutWorldPosesNothingIsMerged) {
 TEST(RankPlaces, EqualScoresKeepTheirOrder) {
   std::vector<Hypothesis> h;
   for (int i = 0; i < 20; ++i) h.push_back(hypothesis(i % 2, pose(i), i));
-  rankPlaces({}, false, h);
+  rankPlaces({}, h);
   for (int i = 0; i < 10; ++i) {
     EXPECT_EQ(h[i].model, 2 * i + 1);
     EXPECT_EQ(h[10 + i].model, 2 * i);
@@ -131,7 +135,7 @@ TEST(RankPlaces, EqualScoresKeepTheirOrder) {
 
 TEST(RankPlaces, OfNothingIsNothing) {
   std::vector<Hypothesis> h;
-  rankPlaces({}, true, h);
+  rankPlaces({}, h);
   EXPECT_TRUE(h.empty());
 }
 
@@ -217,6 +221,21 @@ TEST_F(Evidence, WeighsWhatAllNearModelsSay) {
   params.disagreement_weight *= 2;
   ASSERT_TRUE(add(doubled));
   EXPECT_NEAR(doubled[0].evidence, 2 * h[0].evidence, 1e-9);
+}
+
+TEST_F(Evidence, InAViewThatTellsLittleAPlaceIsLessProbable) {
+  params.dense_refinement = false;
+  scene.segments = {test::rectangle({0, 0, 3}, {0, 0, 1}, 1, 0.8, 0, 0.02, 0.02)};
+  const double attainable = attainableConsensus(scene, {{}, SensorNoise{}.inverse_depth_std}, consensus);
+  const auto odds = [&] {  // of the place against none
+    std::vector<Hypothesis> h{hypothesis(20, truth)};
+    ranking().rank(scene, h);
+    return h[0].probability / (1 - h[0].probability);
+  };
+  params.poor_view = attainable;
+  const double rich = odds();
+  params.poor_view = 3 * attainable;
+  EXPECT_NEAR(odds(), rich * std::exp(-params.softmax_slope * params.poor_view_null * 2 / 3), 1e-9 * rich);
 }
 
 TEST_F(Evidence, HypothesesBeyondTheBestGetTheLeastOfThose) {

@@ -36,8 +36,10 @@ struct PlaceRankingParams {
   DenseRefinementParams dense;
   double refined_absolute_error = 1.6;    ///< as depth_absolute_error, once refined [noise std]
   double refined_relative_error = 0.003;  ///< as depth_relative_error, once refined
-  double softmax_slope = 0.108;           ///< beta of the probability [1/nat]
-  double null_score = -7.4;  ///< S_0: score at which a place is as likely as none of the list [nats]
+  double softmax_slope = 0.117;           ///< beta of the probability [1/nat]
+  double null_score = -7;      ///< S_0: score at which a place is as likely as none of the list [nats]
+  double poor_view = 60;       ///< attainable consensus below which a view tells little [nats]
+  double poor_view_null = 20;  ///< by how much S_0 of a view that tells nothing is higher [nats]
   double plain_softmax_slope = 0.155;  ///< the same for scores without evidence of local models
   double plain_null_score = 22.3;
 
@@ -78,6 +80,10 @@ struct PlaceRankingParams {
     field("softmax_slope", p.softmax_slope, 0.0001, 10.0, "Slope of the probability in the score [1/nat].");
     field("null_score", p.null_score, -1e4, 1e4,
           "Score at which a place is as likely as none of the list [nats].");
+    field("poor_view", p.poor_view, 0.001, 1e4,
+          "Views whose consensus with themselves is lower tell little [nats].");
+    field("poor_view_null", p.poor_view_null, 0.0, 1e4,
+          "By how much the null score of a view that tells nothing is higher [nats].");
     field("plain_softmax_slope", p.plain_softmax_slope, 0.0001, 10.0,
           "The same slope for scores without evidence of local models [1/nat].");
     field("plain_null_score", p.plain_null_score, -1e4, 1e4,
@@ -148,9 +154,12 @@ private:
  * models have found it. */
 void mergePlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses);
 
-/** \brief Gives each place of a sorted list its probability by softmax with a null place; with_evidence tells
- * which calibration fits the scores. */
-void assignProbabilities(const PlaceRankingParams& params, bool with_evidence,
-                         std::vector<Hypothesis>& hypotheses);
+/** \brief Score at which a place that has evidence is as likely as none of the list [nats]. It is higher the
+ * less a view can tell (attainableConsensus): the right place is then more often not in the list. */
+double nullScore(const PlaceRankingParams& params, double attainable_consensus);
+
+/** \brief Gives each place of a sorted list its probability: softmax of slope times score, with a null place.
+ */
+void assignProbabilities(double slope, double null_score, std::vector<Hypothesis>& hypotheses);
 
 }  // namespace facetloc
