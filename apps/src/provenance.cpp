@@ -5,11 +5,12 @@
 #include <facetloc/io/error.h>
 
 #include <array>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <libdeflate.h>
 #include <sstream>
 #include <system_error>
-#include <zlib.h>
 
 namespace facetloc {
 namespace {
@@ -78,9 +79,9 @@ std::string cameraLine(const std::optional<CameraFile>& camera) {
 std::string checksum(const fs::path& file) {
   std::ifstream in = opened(file);
   std::array<char, 1 << 16> bytes;
-  uLong sum = crc32(0, nullptr, 0);
+  std::uint32_t sum = 0;
   while (in.read(bytes.data(), bytes.size()), in.gcount() > 0)
-    sum = crc32(sum, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(in.gcount()));
+    sum = libdeflate_crc32(sum, bytes.data(), static_cast<std::size_t>(in.gcount()));
   if (in.bad()) throw IoError(file.string(), "cannot be read");
   std::ostringstream text;
   text << std::hex << sum;

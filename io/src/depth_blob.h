@@ -3,18 +3,27 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <libdeflate.h>
+#include <memory>
+#include <new>
 #include <optional>
-#include <stdexcept>
 #include <vector>
-#include <zlib.h>
 
 /** \file Lossless packing of the small depth pictures in a map file, private to io. */
 
 namespace facetloc::depth_blob {
 
 /** \brief Each value less its left neighbour (0 before the first of a row), modulo 2^16, as 16 bits
- * little-endian, deflated by zlib. Neighbours are alike, so that the differences pack well. */
+ * little-endian, in a zlib stream. Neighbours are alike, so that the differences pack well. */
 inline constexpr const char* kEncoding = "u16le-left-difference-zlib";
+
+template <auto Free>
+struct Freeing {
+  template <typename T>
+  void operator()(T* object) const {
+    Free(object);
+  }
+};
 
 inline std::vector<std::uint8_t> encode(const std::vector<std::uint16_t>& values, int width) {
   std::vector<std::uint8_t> bytes;
@@ -25,11 +34,13 @@ inline std::vector<std::uint8_t> encode(const std::vector<std::uint16_t>& values
     bytes.push_back(static_cast<std::uint8_t>(difference & 0xFF));
     bytes.push_back(static_cast<std::uint8_t>(difference >> 8));
   }
-  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
-  std::vector<std::uint8_t> packed(size);
-  if (compress(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size())) != Z_OK)
-    throw std::runtime_error("zlib is out of memory");
-  packed.resize(size);
+  constexpr int kLevel = 6;
+  const std::unique_ptr<libdeflate_compressor, Freeing<libdeflate_free_compressor>> compressor(
+      libdeflate_alloc_compressor(kLevel));
+  if (!compressor) throw std::bad_alloc();
+  std::vector<std::uint8_t> packed(libdeflate_zlib_compress_bound(compressor.get(), bytes.size()));
+  packed.resize(
+      libdeflate_zlib_compress(compressor.get(), bytes.data(), bytes.size(), packed.data(), packed.size()));
   return packed;
 }
 
@@ -37,14 +48,21 @@ inline std::vector<std::uint8_t> encode(const std::vector<std::uint16_t>& values
 inline std::optional<std::vector<std::uint16_t>> decode(const std::vector<std::uint8_t>& packed, int width,
                                                         int height) {
   const std::size_t count = std::size_t(width) * height;
-  std::vector<std::uint8_t> bytes(2 * count);
-  auto size = static_cast<uLongf>(bytes.size());
-  const int status = uncompress(bytes.data(), &size, packed.data(), static_cast<uLong>(packed.size()));
-  if (status != Z_OK || size != bytes.size()) return {};
+  const std::unique_ptr<std::uint8_t[]> bytes(new std::uint8_t[2 * count]);
+  const std::unique_ptr<libdeflate_decompressor, Freeing<libdeflate_free_decompressor>> decompressor(
+      libdeflate_alloc_decompressor());
+  if (!decompressor) throw std::bad_alloc();
+  // Without a place for the size it insists on filling all of the buffer.
+  if (libdeflate_zlib_decompress(decompressor.get(), packed.data(), packed.size(), bytes.get(), 2 * count,
+                                 nullptr) != LIBDEFLATE_SUCCESS)
+    return {};
   std::vector<std::uint16_t> values(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint16_t left = i % width ? values[i - 1] : 0;
-    values[i] = static_cast<std::uint16_t>(left + (bytes[2 * i] | bytes[2 * i + 1] << 8));
+  const std::uint8_t* from = bytes.get();
+  std::uint16_t* to = values.data();
+  for (int v = 0; v < height; ++v) {
+    std::uint16_t left = 0;
+    for (int u = 0; u < width; ++u, from += 2)
+      *to++ = left = static_cast<std::uint16_t>(left + (from[0] | from[1] << 8));
   }
   return values;
 }

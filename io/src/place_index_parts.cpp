@@ -4,9 +4,9 @@
 #include "map_schema.h"
 
 #include <algorithm>
+#include <libdeflate.h>
 #include <streambuf>
 #include <utility>
-#include <zlib.h>
 
 namespace facetloc::place_index_parts {
 
@@ -21,7 +21,7 @@ constexpr std::size_t kPartSize = 1 << 20;  // [bytes]
 constexpr const char* kTable = "place_index";
 
 int checksum(const Blob& data) {  // as SQLite's signed integers
-  return static_cast<int>(static_cast<std::uint32_t>(crc32(0, data.data(), static_cast<uInt>(data.size()))));
+  return static_cast<int>(libdeflate_crc32(0, data.data(), data.size()));
 }
 
 /** Collects what is written, and inserts a part whenever there is enough. */

@@ -21,7 +21,7 @@ namespace facetloc::sqlite {
 
 using Blob = std::vector<std::uint8_t>;
 
-/** \brief An open database. */
+/** \brief An open database, for one thread at a time. */
 class Connection {
 public:
   Connection(const std::filesystem::path& path, int flags) : Connection(path, path, flags) {}
@@ -31,7 +31,8 @@ public:
     constexpr int kBusyTimeout = 5000;              // [ms] another process may be writing
     constexpr int kLargestCell = 64 * 1024 * 1024;  // [bytes] a corrupt file may claim any size
     sqlite3* db = nullptr;
-    const int status = sqlite3_open_v2(path.string().c_str(), &db, flags | SQLITE_OPEN_EXRESCODE, nullptr);
+    const int status = sqlite3_open_v2(path.string().c_str(), &db,
+                                       flags | SQLITE_OPEN_EXRESCODE | SQLITE_OPEN_NOMUTEX, nullptr);
     db_.reset(db);
     if (status != SQLITE_OK) fail("cannot be opened");
     sqlite3_busy_timeout(db, kBusyTimeout);
