@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace facetloc {
 namespace {
@@ -110,30 +111,68 @@ float worth(const Comparison& found, std::size_t points) {
 
 }  // namespace
 
-PlaceAligner::PlaceAligner(const PlaceSignature& scene) : scene_(scene) {
+PlaceAligner::PlaceAligner(const PlaceSignature& scene)
+    : scene_(scene), scene_walls_(scene.walls), alike_(scene_walls_.size + 1) {
   pointsAboveFloor(scene_, scene_points_);
 }
 
-void PlaceAligner::findPairs(const PlaceSignature& model) {
+PlaceAligner::WallColumns::WallColumns(const std::vector<Wall>& walls)
+    : size((walls.size() + kLanes - 1) / kLanes * kLanes) {
+  const auto column = [&](float Wall::*property) {
+    std::vector<float> values(size, std::numeric_limits<float>::quiet_NaN());  // which is like nothing
+    std::transform(walls.begin(), walls.end(), values.begin(), [&](const Wall& w) { return w.*property; });
+    return values;
+  };
+  heading = column(&Wall::heading), offset = column(&Wall::offset);
+  right = column(&Wall::right), left = column(&Wall::left);
+  bottom = column(&Wall::bottom), top = column(&Wall::top);
+}
+
+// The numbers of the walls that may be this wall of a model; returns how many.
+FACETLOC_MULTIVERSION int PlaceAligner::findAlike(const WallColumns& walls, const Wall& wall, int* alike) {
   constexpr float kGap = 0.05f;  // between the heights of two parts of one wall [m]
   constexpr float kLargest = kLargestTurn * kDegreeF;
-  pairs_.resize(scene_.walls.size() * model.walls.size());
-  std::size_t n = 0;
-  for (const Wall& a : scene_.walls)
-    for (const Wall& b : model.walls) {
-      Pair& p = pairs_[n];  // kept or written over: no branch, for nobody can guess it
-      p.scene = &a, p.model = &b;
+  int n = 0;
+  for (std::size_t i = 0; i < walls.size; i += kLanes) {
+    Floats heading, offset, right, left, bottom, top;
+    std::memcpy(&heading, &walls.heading[i], sizeof heading);
+    std::memcpy(&offset, &walls.offset[i], sizeof offset);
+    std::memcpy(&right, &walls.right[i], sizeof right);
+    std::memcpy(&left, &walls.left[i], sizeof left);
+    std::memcpy(&bottom, &walls.bottom[i], sizeof bottom);
+    std::memcpy(&top, &walls.top[i], sizeof top);
+    const Floats none{}, turn = wall.heading - heading, move = wall.offset - offset;
+    const Floats once = turn > kTwoPi / 2 ? none + kTwoPi : turn < -kTwoPi / 2 ? none - kTwoPi : none;
+    const Floats wrapped = turn - once, first = wall.right - left, last = wall.left - right;
+    const Ints fits = (wrapped <= kLargest) & (wrapped >= -kLargest) & (move <= kReach) & (move >= -kReach) &
+                      (bottom - wall.top <= kGap) & (wall.bottom - top <= kGap) & (first <= last) &
+                      (first <= kReach) & (last >= -kReach);
+    std::int32_t fit[kLanes];
+    std::memcpy(fit, &fits, sizeof fit);
+    for (int k = 0; k < kLanes; ++k) {
+      alike[n] = static_cast<int>(i) + k;  // kept or written over: no branch, for nobody can guess it
+      n -= fit[k];
+    }
+  }
+  return n;
+}
+
+void PlaceAligner::findPairs(const PlaceSignature& model) {
+  pairs_.clear();
+  for (const Wall& b : model.walls) {
+    const int n = findAlike(scene_walls_, b, alike_.data());
+    for (int k = 0; k < n; ++k) {
+      const Wall& a = scene_.walls[static_cast<std::size_t>(alike_[k])];
+      Pair p;
       p.turn = wrapped(b.heading - a.heading);
       p.move = b.offset - a.offset;
       p.slide0 = std::max(-kReach, b.right - a.left);
       p.slide1 = std::min(kReach, b.left - a.right);
       p.weight = std::min(a.weight, b.weight);
-      n += static_cast<std::size_t>(std::abs(p.turn) <= kLargest) &
-           static_cast<std::size_t>(std::abs(p.move) <= kReach) &
-           static_cast<std::size_t>(std::max(a.bottom - b.top, b.bottom - a.top) <= kGap) &
-           static_cast<std::size_t>(p.slide0 <= p.slide1);
+      p.scene = &a, p.model = &b;
+      pairs_.push_back(p);
     }
-  pairs_.resize(n);
+  }
 }
 
 void PlaceAligner::findTurns() {
@@ -184,11 +223,19 @@ void PlaceAligner::findPositions(float turn) {
     if (p.scene->right_end && p.model->right_end) vote(p, p.model->right - p.scene->right, kEnd * p.weight);
     if (p.scene->left_end && p.model->left_end) vote(p, p.model->left - p.scene->left, kEnd * p.weight);
   }
+  std::array<float, kStride> most;  // of each row
+  const auto findMost = [&](int first, int last) {
+    for (int row = std::max(first, 0); row <= std::min(last, kStride - 1); ++row)
+      most[row] = Eigen::Map<const Eigen::Array<float, kStride, 1>>(&grid_[row * kStride]).maxCoeff();
+  };
+  findMost(0, kStride - 1);
   for (int k = 0; k < kPositions; ++k) {
-    const float most =
-        Eigen::Map<const Eigen::ArrayXf>(grid_.data(), grid_.size()).maxCoeff();  // many at once
-    const auto best = static_cast<int>(std::find(grid_.begin(), grid_.end(), most) - grid_.begin());
-    if (grid_[best] <= 0) return;
+    const auto row_of_best = std::max_element(most.begin(), most.end());
+    if (*row_of_best <= 0) return;
+    const auto row_number = static_cast<int>(row_of_best - most.begin());
+    const auto start_of_row = grid_.begin() + row_number * kStride;
+    const auto best =
+        static_cast<int>(std::find(start_of_row, start_of_row + kStride, *row_of_best) - grid_.begin());
     float sum = 0, x = 0, y = 0;
     for (int dy = -1; dy <= 1; ++dy)
       for (int dx = -1; dx <= 1; ++dx) {
@@ -200,7 +247,8 @@ void PlaceAligner::findPositions(float turn) {
         y += votes * static_cast<float>(dy);
         grid_[i] = 0;
       }
-    const float column = static_cast<float>(best % kStride - 1), row = static_cast<float>(best / kStride - 1);
+    findMost(row_number - 1, row_number + 1);
+    const auto column = static_cast<float>(best % kStride - 1), row = static_cast<float>(row_number - 1);
     poses_.push_back({turn, (column + x / sum) * kCell - kReach, (row + y / sum) * kCell - kReach, 0});
   }
 }

@@ -45,14 +45,23 @@ private:
   struct Pose {
     float turn, x, y, support;
   };
+  /** The walls of the scene, property by property, for many of them at once; size is a multiple of that. */
+  struct WallColumns {
+    explicit WallColumns(const std::vector<Wall>& walls);
+    std::size_t size;
+    std::vector<float> heading, offset, right, left, bottom, top;
+  };
 
+  static int findAlike(const WallColumns& walls, const Wall& wall, int* alike);
   void findPairs(const PlaceSignature& model);
   void findTurns();
   void findPositions(float turn);
   void refine(Pose& pose) const;
 
   const PlaceSignature& scene_;
+  const WallColumns scene_walls_;
   PointColumns scene_points_, model_points_;
+  std::vector<int> alike_;
   std::vector<Pair> pairs_;
   std::vector<const Pair*> turned_;
   std::vector<float> turns_, grid_;
