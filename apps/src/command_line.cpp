@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/app.h>
-#include <facetloc/apps/text.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <cctype>
@@ -34,7 +34,7 @@ bool isTruthValue(const std::string& text) {
 
 /** "-5" is a number, "-x" and "--x" ask for an option. */
 bool asksForOption(const std::string& argument) {
-  return argument.size() > 1 && argument[0] == '-' && !toNumber(argument);
+  return argument.size() > 1 && argument[0] == '-' && !text::to<double>(argument);
 }
 
 /** A default as the help shows it. */

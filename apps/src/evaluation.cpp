@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/evaluation.h>
-#include <facetloc/apps/text.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <cmath>
@@ -41,12 +41,12 @@ std::vector<FrameRows> groupByFrame(const std::vector<ResultRow>& rows, const Tr
     frames[found->second].rows.push_back(&row);
   }
   const auto stray = std::find_if(frames.begin(), frames.end(),
-                                  [](const FrameRows& f) { return !toNumber(f.name).has_value(); });
+                                  [](const FrameRows& f) { return !text::to<double>(f.name).has_value(); });
   const bool numbers = stray == frames.end();
   if (!numbers && !areNumbered(truth))
     throw IoError(stray->name, "the name of this image is no time stamp: true poses cannot be matched");
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    frames[i].stamp = numbers ? *toNumber(frames[i].name) : static_cast<double>(i);
+    frames[i].stamp = numbers ? *text::to<double>(frames[i].name) : static_cast<double>(i);
     std::stable_sort(frames[i].rows.begin(), frames[i].rows.end(),
                      [](const ResultRow* a, const ResultRow* b) { return a->rank < b->rank; });
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/charts.h>
 #include <facetloc/apps/evaluation_charts.h>
-#include <facetloc/apps/text.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <array>
@@ -66,11 +66,12 @@ Panel drawn(const Fig6Panel& what, const std::vector<Summary>& summaries) {
   if (panel.curves.empty()) return panel;
   panel.curves.front().width = 5;  // shows beside the others where they coincide
   const double bound = (summaries.front().*what.histogram).bound(kMarkedShare);
-  panel.curves.push_back(mark(panel, bound, "99 %: " + fixed(bound, what.decimals) + what.unit, kRed));
+  panel.curves.push_back(
+      mark(panel, bound, "99 %: " + text::decimals(bound, what.decimals) + what.unit, kRed));
   if (what.paper_bound > 0)
-    panel.curves.push_back(mark(panel, what.paper_bound,
-                                "99 % in the paper: " + fixed(what.paper_bound, what.decimals) + what.unit,
-                                kGrey));
+    panel.curves.push_back(
+        mark(panel, what.paper_bound,
+             "99 % in the paper: " + text::decimals(what.paper_bound, what.decimals) + what.unit, kGrey));
   return panel;
 }
 
@@ -115,7 +116,7 @@ Curve guide(const std::string& label, double x0, double y0, double x1, double y1
 /** All ranges by a thin line; those that say something are marked, each a curve of a single point. */
 std::vector<Curve> reliabilityCurves(const Summary& summary) {
   Curve line;
-  line.label = "rank 1, Brier score " + fixed(summary.brier, 3);
+  line.label = "rank 1, Brier score " + text::decimals(summary.brier, 3);
   line.width = 1.5f;
   std::vector<Curve> curves;
   for (const ReliabilityBin& bin : summary.reliability) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/evaluation_details.h>
-#include <facetloc/apps/text.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,13 +14,14 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMostShare = 0.95;
 
 std::string wholeRange(double lowest, double highest) {
-  if (std::isinf(highest)) return fixed(lowest, 0) + " or more";
-  if (highest - lowest == 1) return fixed(lowest, 0);
-  return fixed(lowest, 0) + " to " + fixed(highest - 1, 0);
+  if (std::isinf(highest)) return text::decimals(lowest, 0) + " or more";
+  if (highest - lowest == 1) return text::decimals(lowest, 0);
+  return text::decimals(lowest, 0) + " to " + text::decimals(highest - 1, 0);
 }
 
 std::string realRange(double lowest, double highest) {
-  return std::isinf(highest) ? fixed(lowest, 2) + " or more" : fixed(lowest, 2) + " to " + fixed(highest, 2);
+  return std::isinf(highest) ? text::decimals(lowest, 2) + " or more"
+                             : text::decimals(lowest, 2) + " to " + text::decimals(highest, 2);
 }
 
 using Quantity = std::function<std::optional<double>(const FrameEvaluation&)>;

@@ -3,6 +3,7 @@
 #include <facetloc/apps/html_report.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/atomic_file.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,13 +21,13 @@ std::string wholeCell(const std::optional<T>& value) {
 /** "mm,deg", empty if there is no hypothesis that the error could be of. */
 std::string errorCells(int hypothesis, const PoseError& error) {
   if (hypothesis == 0) return ",";
-  return shortNumber(1000 * error.translation) + "," + shortNumber(error.rotation_deg);
+  return text::significant(1000 * error.translation) + "," + text::significant(error.rotation_deg);
 }
 
 std::string nearestCells(const std::optional<NearestModel>& nearest) {
   if (!nearest) return ",,";
-  return csvCell(nearest->name) + "," + shortNumber(nearest->distance) + "," +
-         shortNumber(nearest->angle_deg);
+  return text::csvCell(nearest->name) + "," + text::significant(nearest->distance) + "," +
+         text::significant(nearest->angle_deg);
 }
 
 void writeFrames(std::ostream& out, const Evaluation& evaluation) {
@@ -36,14 +37,15 @@ void writeFrames(std::ostream& out, const Evaluation& evaluation) {
          "nearest_angle_deg,closest_rank,closest_translation_mm,closest_orientation_deg,reason\n";
   for (const FrameEvaluation& f : evaluation.frames) {
     const bool known = f.frame_class != FrameClass::unknown;
-    out << csvCell(f.run) << "," << csvCell(f.name) << "," << exactNumber(f.stamp) << ","
+    out << text::csvCell(f.run) << "," << text::csvCell(f.name) << "," << text::shortest(f.stamp) << ","
         << toString(f.frame_class) << "," << f.unmapped << "," << (known ? std::to_string(f.covered) : "")
         << "," << wholeCell(f.solvable) << "," << wholeCell(f.visible_planes) << "," << f.hypotheses << ","
         << f.first_correct << "," << errorCells(f.first_correct, f.first_correct_error) << ","
-        << (f.first_correct ? shortNumber(f.first_correct_error.heading_deg) : "") << ","
-        << (f.hypotheses ? shortNumber(f.probability) : "") << "," << errorCells(f.hypotheses, f.best_error)
-        << "," << nearestCells(f.nearest) << "," << (f.closest ? std::to_string(f.closest) : "") << ","
-        << errorCells(f.closest, f.closest_error) << "," << csvCell(f.reason) << "\n";
+        << (f.first_correct ? text::significant(f.first_correct_error.heading_deg) : "") << ","
+        << (f.hypotheses ? text::significant(f.probability) : "") << ","
+        << errorCells(f.hypotheses, f.best_error) << "," << nearestCells(f.nearest) << ","
+        << (f.closest ? std::to_string(f.closest) : "") << "," << errorCells(f.closest, f.closest_error)
+        << "," << text::csvCell(f.reason) << "\n";
   }
 }
 
@@ -51,9 +53,9 @@ void writeHistograms(std::ostream& out, const std::vector<Summary>& summaries) {
   out << "set,share,translation_mm,orientation_deg,index\n";
   for (const Summary& s : summaries)
     for (std::size_t i = 0; i < s.translation_mm.x.size(); ++i)
-      out << csvCell(s.name) << "," << shortNumber(s.translation_mm.y[i]) << ","
-          << shortNumber(s.translation_mm.x[i]) << "," << shortNumber(s.rotation_deg.x[i]) << ","
-          << shortNumber(s.index.x[i]) << "\n";
+      out << text::csvCell(s.name) << "," << text::significant(s.translation_mm.y[i]) << ","
+          << text::significant(s.translation_mm.x[i]) << "," << text::significant(s.rotation_deg.x[i]) << ","
+          << text::significant(s.index.x[i]) << "\n";
 }
 
 void writeErrors(std::ostream& out, const Evaluation& evaluation) {
@@ -62,10 +64,10 @@ void writeErrors(std::ostream& out, const Evaluation& evaluation) {
   const auto lines = [&](const char* quantity, const std::vector<ErrorGroup>& groups) {
     for (const ErrorGroup& group : groups) {
       const Summary& s = group.summary;
-      out << quantity << "," << shortNumber(group.lowest) << ","
-          << (std::isinf(group.highest) ? "" : shortNumber(group.highest)) << "," << s.total << ","
-          << s.correct << "," << s.best_correct << "," << shortNumber(s.translation_stats.mean) << ","
-          << shortNumber(s.rotation_stats.mean) << "\n";
+      out << quantity << "," << text::significant(group.lowest) << ","
+          << (std::isinf(group.highest) ? "" : text::significant(group.highest)) << "," << s.total << ","
+          << s.correct << "," << s.best_correct << "," << text::significant(s.translation_stats.mean) << ","
+          << text::significant(s.rotation_stats.mean) << "\n";
     }
   };
   lines("visible planes", errorsByVisiblePlanes(frames));
@@ -75,8 +77,8 @@ void writeErrors(std::ostream& out, const Evaluation& evaluation) {
 void writeTimes(std::ostream& out, const std::vector<StageTime>& times) {
   out << "stage,images,mean_ms,median_ms,p95_ms,max_ms\n";
   for (const StageTime& t : times)
-    out << t.stage << "," << t.n << "," << fixed(t.mean, 3) << "," << fixed(t.median, 3) << ","
-        << fixed(t.most, 3) << "," << fixed(t.max, 3) << "\n";
+    out << t.stage << "," << t.n << "," << text::decimals(t.mean, 3) << "," << text::decimals(t.median, 3)
+        << "," << text::decimals(t.most, 3) << "," << text::decimals(t.max, 3) << "\n";
 }
 
 }  // namespace
@@ -85,17 +87,17 @@ std::vector<std::string> reportPreface(const EvaluationReport& report) {
   const EvaluationParams& p = report.params;
   const auto& frames = report.evaluation.frames;
   std::vector<std::string> lines = {"Results " + report.results + " against " + report.truth,
-                                    "Correct: position within " + shortNumber(p.max_translation) +
-                                        " m and orientation within " + shortNumber(p.max_rotation_deg) +
+                                    "Correct: position within " + text::significant(p.max_translation) +
+                                        " m and orientation within " + text::significant(p.max_rotation_deg) +
                                         " deg."};
   if (!frames.empty() && frames.front().nearest)
-    lines.push_back("Covered: a local model within " + shortNumber(p.covered_distance) + " m and " +
-                    shortNumber(p.covered_rotation_deg) + " deg.");
+    lines.push_back("Covered: a local model within " + text::significant(p.covered_distance) + " m and " +
+                    text::significant(p.covered_rotation_deg) + " deg.");
   if (std::any_of(frames.begin(), frames.end(), [](const auto& f) { return f.solvable.has_value(); }))
-    lines.push_back("Solvable: the true planes of at least " + shortNumber(p.visible_pixels) +
+    lines.push_back("Solvable: the true planes of at least " + text::significant(p.visible_pixels) +
                     " px at 320x240 that the image shares with a covering local model fix its pose to " +
-                    shortNumber(p.solvable_position) + " m and " + shortNumber(p.solvable_rotation_deg) +
-                    " deg (standard deviation).");
+                    text::significant(p.solvable_position) + " m and " +
+                    text::significant(p.solvable_rotation_deg) + " deg (standard deviation).");
   const auto unmapped = [](const auto& f) { return f.unmapped; };
   if (const auto n = std::count_if(frames.begin(), frames.end(), unmapped)) {
     const auto near = std::count_if(frames.begin(), frames.end(), [&](const auto& f) {

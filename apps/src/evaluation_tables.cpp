@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/evaluation_tables.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <functional>
@@ -117,7 +118,7 @@ const std::vector<Quantity>& quantities() {
 }
 
 std::string cell(double value, int decimals, std::optional<double> percent) {
-  return fixed(value, decimals) + (percent ? " (" + fixed(*percent, 2) + " %)" : "");
+  return text::decimals(value, decimals) + (percent ? " (" + text::decimals(*percent, 2) + " %)" : "");
 }
 
 std::string paperCell(const Quantity& q) {
@@ -149,11 +150,12 @@ ReportTable reliabilityTable(const std::vector<Summary>& summaries) {
   const Summary& summary = newImages(summaries);
   TextTable table({"probability", "images", "mean", "correct"});
   for (const ReliabilityBin& bin : summary.reliability) {
-    const std::string range = fixed(bin.lowest, 1) + " to " + fixed(bin.highest, 1);
+    const std::string range = text::decimals(bin.lowest, 1) + " to " + text::decimals(bin.highest, 1);
     if (bin.n == 0)
       table.add({range, "0", "-", "-"});
     else
-      table.add({range, std::to_string(bin.n), fixed(bin.mean_probability, 3), fixed(bin.correct, 3)});
+      table.add({range, std::to_string(bin.n), text::decimals(bin.mean_probability, 3),
+                 text::decimals(bin.correct, 3)});
   }
   return {"RELIABILITY OF THE PROBABILITY OF RANK 1, " + summary.name, table};
 }
@@ -165,9 +167,10 @@ void addErrorTable(const std::string& title, const std::string& quantity,
   for (const ErrorGroup& group : groups) {
     const Summary& s = group.summary;
     const bool any = s.correct > 0;
-    table.add({s.name, std::to_string(s.total), fixed(percentOf(s.correct, s), 1) + " %",
-               fixed(percentOf(s.best_correct, s), 1) + " %", any ? fixed(s.translation_stats.mean, 1) : "-",
-               any ? fixed(s.rotation_stats.mean, 2) : "-"});
+    table.add({s.name, std::to_string(s.total), text::decimals(percentOf(s.correct, s), 1) + " %",
+               text::decimals(percentOf(s.best_correct, s), 1) + " %",
+               any ? text::decimals(s.translation_stats.mean, 1) : "-",
+               any ? text::decimals(s.rotation_stats.mean, 2) : "-"});
   }
   tables.push_back({title, table});
 }
@@ -176,13 +179,13 @@ void addTimeTable(const std::vector<StageTime>& times, std::vector<ReportTable>&
   if (times.empty()) return;
   TextTable table({"stage", "images", "mean", "median", "95 % below", "max."});
   for (const StageTime& t : times)
-    table.add({t.stage, std::to_string(t.n), fixed(t.mean, 1), fixed(t.median, 1), fixed(t.most, 1),
-               fixed(t.max, 1)});
+    table.add({t.stage, std::to_string(t.n), text::decimals(t.mean, 1), text::decimals(t.median, 1),
+               text::decimals(t.most, 1), text::decimals(t.max, 1)});
   tables.push_back({"TIME PER IMAGE [ms]", table});
 }
 
 std::string errorText(const PoseError& error) {
-  return fixed(error.translation, 2) + " m, " + fixed(error.rotation_deg, 1) + " deg";
+  return text::decimals(error.translation, 2) + " m, " + text::decimals(error.rotation_deg, 1) + " deg";
 }
 
 std::string closestText(const FrameEvaluation& f) {
@@ -197,15 +200,15 @@ std::string solvableText(const FrameEvaluation& f) {
 std::string nearestText(const FrameEvaluation& f) {
   if (!f.nearest) return "";
   const NearestModel& n = *f.nearest;
-  return (n.name.empty() ? "" : n.name + ": ") + fixed(n.distance, 2) + " m, " + fixed(n.angle_deg, 1) +
-         " deg";
+  return (n.name.empty() ? "" : n.name + ": ") + text::decimals(n.distance, 2) + " m, " +
+         text::decimals(n.angle_deg, 1) + " deg";
 }
 
 void addMiss(const FrameEvaluation& f, TextTable& table) {
   table.add({(f.run.empty() ? "" : f.run + " ") + f.name,
              f.visible_planes ? std::to_string(*f.visible_planes) : "", solvableText(f), nearestText(f),
-             f.hypotheses ? fixed(f.probability, 3) : "-", f.hypotheses ? errorText(f.best_error) : "-",
-             closestText(f), f.reason});
+             f.hypotheses ? text::decimals(f.probability, 3) : "-",
+             f.hypotheses ? errorText(f.best_error) : "-", closestText(f), f.reason});
 }
 
 }  // namespace
@@ -271,22 +274,23 @@ std::vector<ReportTable> missTables(const Evaluation& evaluation) {
 
 void writeTables(std::ostream& out, const std::vector<Summary>& summaries) {
   out << "table,group,quantity,paper";
-  for (const Summary& s : summaries) out << "," << csvCell(s.name);
+  for (const Summary& s : summaries) out << "," << text::csvCell(s.name);
   out << "\n";
   for (const Quantity& q : quantities()) {
     std::string name = q.name;
     name.erase(0, name.find_first_not_of(' '));
-    out << q.table << "," << csvCell(q.group) << "," << csvCell(name) << ","
-        << (q.paper ? shortNumber(*q.paper) : "");
-    for (const Summary& s : summaries) out << "," << shortNumber(q.value(s));
+    out << q.table << "," << text::csvCell(q.group) << "," << text::csvCell(name) << ","
+        << (q.paper ? text::significant(*q.paper) : "");
+    for (const Summary& s : summaries) out << "," << text::significant(q.value(s));
     out << "\n";
   }
   for (std::size_t i = 0; i < summaries.front().reliability.size(); ++i) {
     const ReliabilityBin& range = summaries.front().reliability[i];
-    const std::string group = "probability " + fixed(range.lowest, 1) + " to " + fixed(range.highest, 1);
+    const std::string group =
+        "probability " + text::decimals(range.lowest, 1) + " to " + text::decimals(range.highest, 1);
     const auto line = [&](const char* name, double (*value)(const ReliabilityBin&)) {
       out << "reliability," << group << "," << name << ",";
-      for (const Summary& s : summaries) out << "," << shortNumber(value(s.reliability[i]));
+      for (const Summary& s : summaries) out << "," << text::significant(value(s.reliability[i]));
       out << "\n";
     };
     line("images", [](const ReliabilityBin& b) { return static_cast<double>(b.n); });

@@ -2,7 +2,7 @@
 #include "page.h"
 
 #include <facetloc/apps/failures.h>
-#include <facetloc/apps/text.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <map>
@@ -16,13 +16,13 @@ bool failed(const FrameEvaluation& frame) {
 }
 
 std::string poseDifference(double translation, double rotation_deg) {
-  return fixed(translation, 2) + " m and " + fixed(rotation_deg, 2) + "°";
+  return text::decimals(translation, 2) + " m and " + text::decimals(rotation_deg, 2) + "°";
 }
 
 std::string whatFailed(const FrameEvaluation& frame) {
   if (frame.hypotheses == 0) return "no hypothesis: " + frame.reason;
   return poseDifference(frame.best_error.translation, frame.best_error.rotation_deg) + " off, probability " +
-         fixed(frame.probability, 2) +
+         text::decimals(frame.probability, 2) +
          (frame.first_correct > 0 ? ", correct at rank " + std::to_string(frame.first_correct) : "");
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/frame_truth.h>
-#include <facetloc/apps/text.h>
 #include <facetloc/features/segment_estimation.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/png.h>
+#include <facetloc/io/text.h>
 #include <facetloc/registration/hypothesis_tree.h>
 #include <facetloc/registration/plane_measurement.h>
 
@@ -41,7 +41,7 @@ std::vector<double> numbersOf(const std::string& line) {
   std::vector<double> numbers;
   for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + 1) {
     end = line.find(',', begin);
-    const auto number = toNumber(line.substr(begin, end - begin));
+    const auto number = text::to<double>(line.substr(begin, end - begin));
     if (!number || !std::isfinite(*number)) return {};
     numbers.push_back(*number);
   }
@@ -117,7 +117,7 @@ void writePlanes(const fs::path& path, const std::map<int, WorldPlane>& planes) 
     for (const auto& [id, plane] : planes) {
       const auto& [n, d] = plane;
       out << id;
-      for (const double value : {n.x(), n.y(), n.z(), d}) out << "," << exactNumber(value);
+      for (const double value : {n.x(), n.y(), n.z(), d}) out << "," << text::shortest(value);
       out << "\n";
     }
   });

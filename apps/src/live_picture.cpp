@@ -7,6 +7,7 @@
 #include <facetloc/apps/depth_drawing.h>
 #include <facetloc/apps/live_picture.h>
 #include <facetloc/apps/text.h>
+#include <facetloc/io/text.h>
 
 #include <Eigen/Eigenvalues>
 #include <vtkActor2D.h>
@@ -121,7 +122,7 @@ struct Layout {
   }
 };
 
-std::string degrees(double value, int decimals) { return fixed(value, decimals) + "°"; }
+std::string degrees(double value, int decimals) { return text::decimals(value, decimals) + "°"; }
 
 double largestStd(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
@@ -130,20 +131,21 @@ double largestStd(const Eigen::Matrix3d& covariance) {
 
 /** "x 1.20  y -3.41  z 0.98 m". */
 std::string positionText(const Eigen::Vector3d& p) {
-  return "x " + fixed(p.x(), 2) + "   y " + fixed(p.y(), 2) + "   z " + fixed(p.z(), 2) + " m";
+  return "x " + text::decimals(p.x(), 2) + "   y " + text::decimals(p.y(), 2) + "   z " +
+         text::decimals(p.z(), 2) + " m";
 }
 
 std::string seenText(const SeenImage& image) {
   const auto& labels = image.labels.label;
   const auto labelled = labels.size() - std::count(labels.begin(), labels.end(), 0);
   const auto measured = std::count_if(image.depth.depth.begin(), image.depth.depth.end(), isMeasured);
-  const std::string share = measured ? fixed(100.0 * labelled / measured, 0) : "0";
+  const std::string share = measured ? text::decimals(100.0 * labelled / measured, 0) : "0";
   return counted(image.view.segments.size(), "planar segment") + " on " + share + " % of the measured pixels";
 }
 
 /** "± 12 mm, 0.30°": the largest standard deviations over directions. */
 std::string accuracyText(const Matrix6d& P) {
-  return "± " + fixed(1000 * largestStd(P.bottomRightCorner<3, 3>()), 0) + " mm, " +
+  return "± " + text::decimals(1000 * largestStd(P.bottomRightCorner<3, 3>()), 0) + " mm, " +
          degrees(largestStd(P.topLeftCorner<3, 3>()) / kDegree, 2);
 }
 
@@ -257,7 +259,7 @@ void LivePicture::Scene::showPlan(const LiveResult& result, const Layout& layout
   addFrame(layout.whole), addFrame(layout.near);
   caption(whole_caption_, "map from above: " + counted(map_->models.size(), "local model"), layout.whole);
   const double factor = plan_->magnification();
-  const std::string enlarged = factor > 1 ? ", × " + shortNumber(factor) : "";
+  const std::string enlarged = factor > 1 ? ", × " + text::significant(factor) : "";
   const std::string ellipse = "; ellipse: 2 std" + enlarged;
   caption(near_caption_, "from near" + (result.pose() ? ellipse : ""), layout.near);
 }

@@ -3,7 +3,7 @@
 
 namespace facetloc {
 
-std::string LiveResult::state() const { return tracked ? text(tracked->state) : "segmenting"; }
+std::string LiveResult::state() const { return tracked ? stateName(tracked->state) : "segmenting"; }
 
 bool LiveResult::isLocalized() const {
   return tracked && (tracked->state == TrackingState::localized || tracked->state == TrackingState::tracking);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/live_results.h>
 #include <facetloc/apps/localization_report.h>
-#include <facetloc/apps/text.h>
+#include <facetloc/io/text.h>
 
 namespace facetloc {
 
@@ -38,9 +38,9 @@ void LiveResults::append(const LiveResult& result) {
   frame.timing = {result.image.name, result.segment_ms, result.features_ms, result.localize_ms,
                   map_ ? static_cast<int>(map_->models.size()) : 0};
   results_.append(frame);
-  states_.append(result.image.name + "," + fixed(result.stamp, 6) + "," + result.state() + "," +
-                 csvCell(result.reason()) + "," + std::to_string(result.received) + "," +
-                 std::to_string(result.dropped) + "," + fixed(result.age_ms, 3) + "\n");
+  states_.append(result.image.name + "," + text::decimals(result.stamp, 6) + "," + result.state() + "," +
+                 text::csvCell(result.reason()) + "," + std::to_string(result.received) + "," +
+                 std::to_string(result.dropped) + "," + text::decimals(result.age_ms, 3) + "\n");
 }
 
 }  // namespace facetloc

@@ -3,6 +3,7 @@
 
 #include <facetloc/apps/live_session.h>
 #include <facetloc/apps/text.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <chrono>
@@ -24,12 +25,13 @@ std::string LiveSummary::text() const {
                       " processed, " + std::to_string(dropped()) + " dropped";
   if (processed == 0) return words;
   const auto n = static_cast<double>(processed);
-  if (seconds > 0) words += ", " + fixed((n - 1) / seconds, 1) + "/s";
-  words += ", " + fixed(processing_ms / n, 1) + " ms each, none older than " + fixed(oldest_ms, 0) + " ms";
+  if (seconds > 0) words += ", " + text::decimals((n - 1) / seconds, 1) + "/s";
+  words += ", " + text::decimals(processing_ms / n, 1) + " ms each, none older than " +
+           text::decimals(oldest_ms, 0) + " ms";
   std::string shares;
   for (const auto& [state, count] : states)
-    shares +=
-        (shares.empty() ? "" : ", ") + state + " " + fixed(100 * static_cast<double>(count) / n, 1) + " %";
+    shares += (shares.empty() ? "" : ", ") + state + " " +
+              text::decimals(100 * static_cast<double>(count) / n, 1) + " %";
   return words + "; " + shares;
 }
 
@@ -103,8 +105,8 @@ void LiveSession::process(const LatestFrame<LiveFrame>::Arrived& arrived) {
   const Clock::time_point start = Clock::now();
   const DepthImage full = arrived.frame.image();
   result->stamp = increasingStamp(arrived.frame.stamp);
-  result->image =
-      see(fixed(result->stamp, 6), subsampled(full, subsamplingStep(full.camera, options_.width)), builder_);
+  result->image = see(text::decimals(result->stamp, 6),
+                      subsampled(full, subsamplingStep(full.camera, options_.width)), builder_);
   result->segment_ms = builder_.segmentMilliseconds();
   result->features_ms = builder_.featuresMilliseconds();
   if (tracking_) {

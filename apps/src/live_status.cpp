@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/live_status.h>
-#include <facetloc/apps/text.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <sys/ioctl.h>
@@ -23,11 +23,12 @@ std::string stateText(const LiveResult& result) {
 }
 
 std::string timesText(const LiveResult& result, double rate) {
-  std::string words = fixed(rate, 1) + " frames/s,  segmentation " + fixed(result.segment_ms, 1) +
-                      " ms,  features " + fixed(result.features_ms, 1) + " ms";
-  if (result.tracked) words += ",  localization " + fixed(result.localize_ms, 1) + " ms";
-  return words + ",  age " + fixed(result.age_ms, 0) + " ms,  " + std::to_string(result.dropped) + " of " +
-         std::to_string(result.received) + " dropped";
+  std::string words = text::decimals(rate, 1) + " frames/s,  segmentation " +
+                      text::decimals(result.segment_ms, 1) + " ms,  features " +
+                      text::decimals(result.features_ms, 1) + " ms";
+  if (result.tracked) words += ",  localization " + text::decimals(result.localize_ms, 1) + " ms";
+  return words + ",  age " + text::decimals(result.age_ms, 0) + " ms,  " + std::to_string(result.dropped) +
+         " of " + std::to_string(result.received) + " dropped";
 }
 
 void FrameRate::update(std::uint64_t frames) {
@@ -46,9 +47,10 @@ void LiveStatus::show(const LiveResult& result, double rate) {
   std::string line = stateText(result);
   if (const PoseWithCovariance* pose = result.isLocalized() ? result.pose() : nullptr) {
     const Eigen::Vector3d p = pose->T.translation();
-    line += "  " + fixed(p.x(), 2) + " " + fixed(p.y(), 2) + " " + fixed(p.z(), 2) + " m";
+    line += "  " + text::decimals(p.x(), 2) + " " + text::decimals(p.y(), 2) + " " +
+            text::decimals(p.z(), 2) + " m";
   }
-  line += "  " + fixed(rate, 1) + "/s  " + std::to_string(result.dropped) + " of " +
+  line += "  " + text::decimals(rate, 1) + "/s  " + std::to_string(result.dropped) + " of " +
           std::to_string(result.received) + " dropped";
   console_.err << "\r\033[K" << line.substr(0, terminalWidth() - 1) << std::flush;
   shown_ = true;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/localization_report.h>
 #include <facetloc/apps/text.h>
+#include <facetloc/io/text.h>
 
 #include <Eigen/Eigenvalues>
 
@@ -32,7 +33,8 @@ ResultRow resultRow(const std::string& frame, int rank, const Hypothesis& h, con
 }
 
 std::string vectorText(const Eigen::Vector3d& v, int decimals) {
-  return fixed(v.x(), decimals) + " " + fixed(v.y(), decimals) + " " + fixed(v.z(), decimals);
+  return text::decimals(v.x(), decimals) + " " + text::decimals(v.y(), decimals) + " " +
+         text::decimals(v.z(), decimals);
 }
 
 }  // namespace
@@ -61,9 +63,10 @@ void printPoses(std::ostream& out, const std::vector<ResultRow>& rows) {
   table.setWordsLast();
   for (const ResultRow& row : rows) {
     const Eigen::Vector3d rotation = logSO3(row.T_m_c.linear()) / kDegree;
-    table.add({std::to_string(row.rank), fixed(row.probability, 4), fixed(row.score, 1),
-               vectorText(row.T_m_c.translation(), 3), vectorText(rotation, 2), fixed(rotation.norm(), 2),
-               fixed(row.sd_trans_m, 3), fixed(row.sd_rot_deg, 2), row.reason});
+    table.add({std::to_string(row.rank), text::decimals(row.probability, 4), text::decimals(row.score, 1),
+               vectorText(row.T_m_c.translation(), 3), vectorText(rotation, 2),
+               text::decimals(rotation.norm(), 2), text::decimals(row.sd_trans_m, 3),
+               text::decimals(row.sd_rot_deg, 2), row.reason});
   }
   out << table;
 }

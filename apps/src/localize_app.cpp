@@ -6,6 +6,7 @@
 #include <facetloc/apps/localize_app.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/atomic_file.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <chrono>
@@ -153,7 +154,7 @@ void LocalizeApp::printSummary(const std::vector<FrameResult>& results, const Co
     milliseconds += result.timing.sum();
   }
   console.out << counted(results.size(), "image") << ", " << localized << " with hypotheses, "
-              << fixed(milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)), 1)
+              << text::decimals(milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)), 1)
               << " ms per image and thread; results in " << folder_ << "\n";
 }
 

@@ -4,6 +4,7 @@
 #include <facetloc/apps/text.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_export.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <set>
@@ -19,8 +20,8 @@ std::string meanMinMax(const std::vector<double>& values, int decimals) {
   double sum = 0;
   for (const double v : values) sum += v;
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
-  return fixed(sum / static_cast<double>(values.size()), decimals) + " (" + fixed(*least, decimals) + " to " +
-         fixed(*most, decimals) + ")";
+  return text::decimals(sum / static_cast<double>(values.size()), decimals) + " (" +
+         text::decimals(*least, decimals) + " to " + text::decimals(*most, decimals) + ")";
 }
 
 std::string extentOf(const Map& map) {
@@ -29,20 +30,23 @@ std::string extentOf(const Map& map) {
     if (model.T_w_m) box.extend(model.T_w_m->translation());
   if (box.isEmpty()) return "unknown: no model has a pose";
   const Eigen::Vector3d size = box.sizes();
-  return fixed(size.x(), 2) + " x " + fixed(size.y(), 2) + " x " + fixed(size.z(), 2) + " m, from (" +
-         fixed(box.min().x(), 2) + ", " + fixed(box.min().y(), 2) + ", " + fixed(box.min().z(), 2) + ")";
+  return text::decimals(size.x(), 2) + " x " + text::decimals(size.y(), 2) + " x " +
+         text::decimals(size.z(), 2) + " m, from (" + text::decimals(box.min().x(), 2) + ", " +
+         text::decimals(box.min().y(), 2) + ", " + text::decimals(box.min().z(), 2) + ")";
 }
 
 std::string cameraOf(const Map& map) {
   if (map.models.empty()) return "-";
   const Intrinsics& k = map.models.front().view.camera;
-  return std::to_string(k.width) + "x" + std::to_string(k.height) + ", fx " + fixed(k.fx, 2) + ", fy " +
-         fixed(k.fy, 2) + ", cx " + fixed(k.cx, 2) + ", cy " + fixed(k.cy, 2);
+  return std::to_string(k.width) + "x" + std::to_string(k.height) + ", fx " + text::decimals(k.fx, 2) +
+         ", fy " + text::decimals(k.fy, 2) + ", cx " + text::decimals(k.cx, 2) + ", cy " +
+         text::decimals(k.cy, 2);
 }
 
 /** A Kinect's unit is the one that people know. */
 std::string inDisparity(const DepthDistortion& distortion) {
-  return fixed(kKinectGain * distortion.rms(), 2) + " disparity units (1/8 px of a Kinect) on average";
+  return text::decimals(kKinectGain * distortion.rms(), 2) +
+         " disparity units (1/8 px of a Kinect) on average";
 }
 
 void printSummary(std::ostream& out, const Map& map) {
@@ -65,9 +69,10 @@ void printSummary(std::ostream& out, const Map& map) {
   table.add({"segments", std::to_string(areas.size())});
   table.add({"  per model", meanMinMax(segments, 1)});
   table.add({"  area of the hull [m2]", meanMinMax(areas, 3)});
-  table.add({"camera mounting", map.mounting ? fixed(map.mounting->height, 3) + " m above the floor, " +
-                                                   fixed(map.mounting->tilt_deg, 1) + " deg down"
-                                             : "unknown"});
+  table.add({"camera mounting", map.mounting
+                                    ? text::decimals(map.mounting->height, 3) + " m above the floor, " +
+                                          text::decimals(map.mounting->tilt_deg, 1) + " deg down"
+                                    : "unknown"});
   table.add({"distortion taken out", map.distortion ? inDisparity(*map.distortion) : "none"});
   out << table;
 }

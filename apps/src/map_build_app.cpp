@@ -5,6 +5,7 @@
 #include <facetloc/apps/provenance.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/text.h>
 #include <facetloc/registration/distortion_calibration.h>
 
 #include <algorithm>
@@ -127,7 +128,8 @@ MapBuildApp::Selection MapBuildApp::select(const DepthSequence& sequence) const 
     if (accepted) selection.candidates.push_back({i, pose});
   }
   if (selection.candidates.empty())
-    throw IoError(sequence_, "none of its images has a pose within " + shortNumber(pose_tolerance_) + " s");
+    throw IoError(sequence_,
+                  "none of its images has a pose within " + text::significant(pose_tolerance_) + " s");
   return selection;
 }
 
@@ -241,8 +243,8 @@ std::optional<DepthDistortion> MapBuildApp::calibrate(const DepthSequence& seque
   if (!found) return {};
   if (found->reliable()) return found->distortion;
   console.note("the distortion of the camera is left in: the poses are too far from what the images show (" +
-               fixed(found->poses.rotation_std / kDegree, 2) + " deg, " +
-               fixed(1e3 * found->poses.translation_std, 0) + " mm) to find it");
+               text::decimals(found->poses.rotation_std / kDegree, 2) + " deg, " +
+               text::decimals(1e3 * found->poses.translation_std, 0) + " mm) to find it");
   return {};
 }
 
@@ -268,7 +270,7 @@ int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence, cons
   const int code = batch.report();
   if (selection.without_pose > 0)
     console.note(counted(selection.without_pose, "image") + " without a pose within " +
-                 shortNumber(pose_tolerance_) + " s");
+                 text::significant(pose_tolerance_) + " s");
   if (without_segments > 0) console.note(counted(without_segments, "image") + " without segments left out");
   if (writer.models() == 0) {
     fs::remove(path);

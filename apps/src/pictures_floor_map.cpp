@@ -3,8 +3,8 @@
 #include "plan_view.h"
 
 #include <facetloc/apps/pictures.h>
-#include <facetloc/apps/text.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <cmath>
@@ -197,7 +197,7 @@ void drawScaleBar(Page& page, const Scale& scale, double right, double y) {
   for (const double x : {right - width, right}) page.line({{x, y - kTick}, {x, y + kTick}}, pen);
   TextStyle style;
   style.across = Across::right;
-  page.text({right - width - 8, y}, shortNumber(length) + " m", style);
+  page.text({right - width - 8, y}, text::significant(length) + " m", style);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/progress.h>
-#include <facetloc/apps/text.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@ std::string duration(double seconds) {
   const auto s = static_cast<long long>(std::ceil(seconds));
   if (s < 120) return std::to_string(s) + " s";
   if (s < 7200) return std::to_string((s + 30) / 60) + " min";
-  return fixed(static_cast<double>(s) / 3600, 1) + " h";
+  return text::decimals(static_cast<double>(s) / 3600, 1) + " h";
 }
 
 }  // namespace
@@ -25,7 +25,7 @@ std::string progressLine(std::size_t done, std::size_t total, double seconds) {
   std::string line = std::string(all.size() - std::min(all.size(), so_far.size()), ' ') + so_far + "/" + all;
   if (done == 0 || !(seconds > 0)) return line;
   const double rate = static_cast<double>(done) / seconds;
-  line += "  " + fixed(rate, 1) + "/s";
+  line += "  " + text::decimals(rate, 1) + "/s";
   if (done < total) line += "  " + duration(static_cast<double>(total - done) / rate) + " left";
   return line;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/provenance.h>
-#include <facetloc/apps/text.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/text.h>
 
 #include <array>
 #include <cstdint>
@@ -68,7 +68,7 @@ std::string cameraLine(const std::optional<CameraFile>& camera) {
   const Intrinsics& k = camera->intrinsics;
   std::string line = "# camera: " + std::to_string(k.width) + "x" + std::to_string(k.height);
   const auto add = [&line](const char* name, double value) {
-    line.append(", ").append(name).append(" ").append(exactNumber(value));
+    line.append(", ").append(name).append(" ").append(text::shortest(value));
   };
   add("fx", k.fx), add("fy", k.fy), add("cx", k.cx), add("cy", k.cy), add("depth_scale", camera->depth_scale);
   if (camera->mounting)

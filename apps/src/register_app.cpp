@@ -4,6 +4,7 @@
 #include <facetloc/apps/localization_report.h>
 #include <facetloc/apps/register_app.h>
 #include <facetloc/apps/text.h>
+#include <facetloc/io/text.h>
 
 #include <chrono>
 
@@ -87,7 +88,7 @@ int RegisterApp::execute(const CommandLine& line, const Console& console) {
     printPoses(console.out, result.rows);
   console.out << counted(scene.segments.size(), "source segment") << ", "
               << counted(map.models[0].view.segments.size(), "target segment") << ", registered in "
-              << fixed(milliseconds, 1) << " ms";
+              << text::decimals(milliseconds, 1) << " ms";
   if (!folder_.empty()) {
     writeResults(folder_, {result}, toIni(input_, source_params) + toIni(localization_));
     console.out << "; results in " << folder_;

@@ -11,6 +11,7 @@
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -64,11 +65,12 @@ private:
     for (const Hypothesis& h : answer.hypotheses) {
       const std::size_t rank = drawn.size() + 1;
       if (static_cast<int>(rank) > max_hypotheses_) break;
-      std::string caption = "rank " + std::to_string(rank) + ", probability " + fixed(h.probability, 2);
+      std::string caption =
+          "rank " + std::to_string(rank) + ", probability " + text::decimals(h.probability, 2);
       if (truth && h.T_w_c) {
         const PoseError error = poseError(*h.T_w_c, *truth);
-        caption += ": " + fixed(error.translation, 3) + " m and " + fixed(error.rotation_deg, 2) +
-                   "° from the truth";
+        caption += ": " + text::decimals(error.translation, 3) + " m and " +
+                   text::decimals(error.rotation_deg, 2) + "° from the truth";
       }
       drawn.push_back({h.model, h.T_m_c.T, caption});
     }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/results_journal.h>
-#include <facetloc/apps/text.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/text.h>
 
 #include <iomanip>
 #include <optional>
@@ -29,7 +29,7 @@ constexpr const char* kEnd = "end";  // tells a whole line from a torn one
 /** Words on one line: numbers to the last bit, texts in quotes. */
 class LineWriter {
 public:
-  LineWriter& operator<<(double value) { return word(exactNumber(value)); }
+  LineWriter& operator<<(double value) { return word(text::shortest(value)); }
   LineWriter& operator<<(int value) { return word(std::to_string(value)); }
   LineWriter& operator<<(const std::string& text) {
     std::ostringstream quoted;
@@ -58,7 +58,7 @@ public:
   LineReader& operator>>(double& value) {
     std::string word;
     in_ >> word;
-    if (const auto number = toNumber(word))
+    if (const auto number = text::to<double>(word))
       value = *number;
     else
       in_.setstate(std::ios::failbit);

@@ -8,6 +8,7 @@
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/segment_file.h>
+#include <facetloc/io/text.h>
 
 #include <chrono>
 #include <map>
@@ -172,8 +173,8 @@ int SegmentApp::execute(const CommandLine& line, const Console& console) {
     sum += n;
   const int code = batch.report();
   const std::size_t done = todo.size() - batch.failures().size();
-  console.out << counted(done, "image") << " with " << counted(sum, "segment") << " in " << fixed(seconds, 1)
-              << " s";
+  console.out << counted(done, "image") << " with " << counted(sum, "segment") << " in "
+              << text::decimals(seconds, 1) << " s";
   if (all.size() > todo.size()) console.out << " (" << all.size() - todo.size() << " were done before)";
   console.out << "; results in " << folder_ << "\n";
   return code;

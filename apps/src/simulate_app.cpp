@@ -7,6 +7,7 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/segment_file.h>
+#include <facetloc/io/text.h>
 #include <facetloc/io/trajectory.h>
 
 #include <algorithm>
@@ -71,7 +72,7 @@ struct SimulateApp::Run {
   std::vector<Eigen::Isometry3d> poses;
 
   double stamp(std::size_t i) const { return first_stamp + interval * static_cast<double>(i); }
-  std::string frameName(std::size_t i) const { return fixed(stamp(i), 6); }
+  std::string frameName(std::size_t i) const { return text::decimals(stamp(i), 6); }
 };
 
 struct SimulateApp::Place {

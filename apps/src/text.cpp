@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/text.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 
@@ -13,12 +12,6 @@ std::size_t displayWidth(const std::string& text) {
 }
 
 }  // namespace
-
-std::string fixed(double value, int decimals) { return text::decimals(value, decimals); }
-std::string shortNumber(double value) { return text::significant(value); }
-std::string exactNumber(double value) { return text::shortest(value); }
-std::optional<double> toNumber(const std::string& text) { return text::to<double>(text); }
-std::string csvCell(const std::string& text) { return text::csvCell(text); }
 
 std::string counted(std::size_t n, const std::string& noun) {
   return std::to_string(n) + " " + noun + (n == 1 ? "" : "s");

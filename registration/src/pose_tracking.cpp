@@ -83,7 +83,7 @@ ViewAlignmentParams alignmentParams(const GlobalLocalizationParams& localization
 
 }  // namespace
 
-const char* text(TrackingState state) {
+const char* stateName(TrackingState state) {
   switch (state) {
   case TrackingState::searching:
     return "searching";

@@ -10,6 +10,7 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
+#include <facetloc/io/text.h>
 #include <facetloc/io/trajectory.h>
 
 #include <gmock/gmock.h>
@@ -179,7 +180,7 @@ TEST_F(LiveTool, LocalizesInAMap) {
   }
   // No frame older than 100 ms is processed.
   for (const std::string& line : linesOf(results + "/states.csv")) {
-    const auto age = toNumber(line.substr(line.rfind(',') + 1));
+    const auto age = text::to<double>(line.substr(line.rfind(',') + 1));
     if (age) {
       EXPECT_LE(*age, 100.0) << line;
     }

@@ -75,7 +75,7 @@ TEST_F(LivePictureTest, ShowsTheState) {
     const Raster<std::uint8_t> picture = screenshot.draw(result);
     EXPECT_EQ(picture.width, 1280);
     EXPECT_EQ(picture.height, 720);
-    EXPECT_GT(pixelsOf(picture, stateColour(result)), 1000) << text(state);
+    EXPECT_GT(pixelsOf(picture, stateColour(result)), 1000) << stateName(state);
   }
 }
 

@@ -12,6 +12,7 @@
 #include <facetloc/apps/simulate_app.h>
 #include <facetloc/features/segment_frame.h>
 #include <facetloc/io/png.h>
+#include <facetloc/io/text.h>
 
 #include <gmock/gmock.h>
 #include <pcl/impl/pcl_base.hpp>
@@ -317,11 +318,11 @@ TEST_F(Tools, LocalizeSaysWhatIsMissing) {
 
 TEST_F(Tools, MapBuildTakesOutWhatTheCameraAlwaysMeasuresWrongly) {
   constexpr double kStrength = 3;  // [DU]: a bad camera
-  ASSERT_EQ(
-      runTool<SimulateApp>({"room", "-o", folder_ / "", "--seed", "8", "--map-frames", "60", "--query-frames",
-                            "20", "--width", "320", "--turn_deg", "8", "--distortion", fixed(kStrength, 0)})
-          .code,
-      kOk);
+  ASSERT_EQ(runTool<SimulateApp>({"room", "-o", folder_ / "", "--seed", "8", "--map-frames", "60",
+                                  "--query-frames", "20", "--width", "320", "--turn_deg", "8", "--distortion",
+                                  text::decimals(kStrength, 0)})
+                .code,
+            kOk);
   const auto meanError = [&](const std::string& name, const std::vector<std::string>& options) {
     const std::string map = folder_ / name + ".flmap", results = folder_ / name;
     std::vector<std::string> build{"build", folder_ / "map", "-o", map};

@@ -207,7 +207,7 @@ Score track(const Floor& floor, const Options& options) {
       std::printf("%8.3f %5zu %s %-11s %c %6.1f mm %5.2f deg  std %5.1f mm %5.2f deg  nees %7.1f  map %.2f "
                   "view %.2f  "
                   "model %4d %2zu pairs  p %.2f  %5.1f ms  %s\n",
-                  now, k, floor.covered[k] ? "in map" : "      ", text(pose.state), good ? '+' : '-',
+                  now, k, floor.covered[k] ? "in map" : "      ", stateName(pose.state), good ? '+' : '-',
                   1e3 * e.tail<3>().norm(), e.head<3>().norm() / kDegree, 1e3 * std.tail<3>().maxCoeff(),
                   std.head<3>().maxCoeff() / kDegree, nees, pose.map_agreement, pose.view_agreement,
                   pose.match ? pose.match->model : -1, pose.match ? pose.match->pairs.size() : 0,
@@ -227,7 +227,7 @@ void print(const std::string& name, const Score& s) {
               ratio(s.rotation, s.posed), ratio(s.nees, s.posed));
   std::printf("  ");
   for (std::size_t i = 0; i < s.states.size(); ++i)
-    std::printf("%s%s %.2f %%", i > 0 ? ", " : "", text(static_cast<TrackingState>(i)),
+    std::printf("%s%s %.2f %%", i > 0 ? ", " : "", stateName(static_cast<TrackingState>(i)),
                 100 * ratio(s.states[i], s.frames));
   std::printf("\n  %.2f ms a tracked frame (at most %.1f), %.0f ms a searched one\n",
               ratio(s.step_ms, s.steps), s.worst_ms, ratio(s.search_ms, s.searches));

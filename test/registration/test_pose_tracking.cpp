@@ -294,7 +294,7 @@ TEST_F(TrackingInARoom, TheSameViewsGiveTheSameBytes) {
     std::string out;
     for (int i = 0; i < 20; ++i) {
       const TrackedPose p = tracking.update(drive->views[i < 12 ? i : i + 40], i * kFrame);
-      out += std::string(text(p.state)) + p.reason;
+      out += std::string(stateName(p.state)) + p.reason;
       if (!p.T_w_c) continue;
       out.append(reinterpret_cast<const char*>(p.T_w_c->T.data()), 16 * sizeof(double));
       out.append(reinterpret_cast<const char*>(p.T_w_c->P.data()), 36 * sizeof(double));

@@ -1,25 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
 
-/** \file Text for people and for tables; numbers are in the classic locale. */
+/** \file Text for people; of numbers see io/text.h. */
 
 namespace facetloc {
 
-/** \brief As printf("%.*f"). */
-std::string fixed(double value, int decimals);
-/** \brief As printf("%.9g"): what a table of results needs. */
-std::string shortNumber(double value);
-/** \brief As many digits as read back to the same double. */
-std::string exactNumber(double value);
-/** \brief The number that a text is, and nothing but it. */
-std::optional<double> toNumber(const std::string& text);
-/** \brief A cell of a CSV file, in quotes if it has to be (RFC 4180). */
-std::string csvCell(const std::string& text);
 /** \brief "1 image", "2 images". */
 std::string counted(std::size_t n, const std::string& noun);
 

@@ -24,7 +24,7 @@ enum class TrackingState {
 };
 
 /** \brief "searching", "localized", "tracking", "cannot tell", "lost". */
-const char* text(TrackingState state);
+const char* stateName(TrackingState state);
 
 /** \brief How a camera is tracked in a map. */
 struct PoseTrackingParams {
@@ -114,7 +114,7 @@ struct TrackedPose {
  *     facetloc::PoseTracking tracking(map);
  *     for (...) {
  *       const facetloc::TrackedPose pose = tracking.update(view, stamp);
- *       show(text(pose.state), pose.T_w_c, pose.reason);
+ *       show(stateName(pose.state), pose.T_w_c, pose.reason);
  *     }
  *
  * The camera's own views tell how it has moved (ViewOdometry), the nearest local models where it is
