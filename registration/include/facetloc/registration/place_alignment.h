@@ -45,7 +45,7 @@ private:
   struct Pose {
     float turn, x, y, support;
   };
-  /** The walls of the scene, property by property, for many of them at once; size is a multiple of that. */
+  /** The walls of the scene, property by property, filled up to whole vectors (lanes.h). */
   struct WallColumns {
     explicit WallColumns(const std::vector<Wall>& walls);
     std::size_t size;
