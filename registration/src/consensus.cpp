@@ -150,12 +150,6 @@ double logLikelihoodRatio(const View& scene, const std::vector<std::vector<Eigen
   return sum;
 }
 
-double attainableConsensus(const View& scene, const DepthComparison& comparison,
-                           const ConsensusParams& params) {
-  const PoseWithCovariance exact{Eigen::Isometry3d::Identity(), Matrix6d::Zero()};
-  return logLikelihoodRatio(scene, samplePoints(scene), scene, exact, comparison, params);
-}
-
 double freeSpaceTerm(const DepthAgreement& compared, const ConsensusParams& params) {
   const double share = compared.contradict / std::max(1.0, double(compared.judged()));
   return -params.free_space_weight * std::log1p(share / params.free_space_share);

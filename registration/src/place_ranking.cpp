@@ -88,8 +88,7 @@ void PlaceRanking::rank(const View& scene, std::vector<Hypothesis>& hypotheses) 
   if (evidence) score(hypotheses);
   if (evidence && params_.dense_refinement) refinePlaces(scene, hypotheses);
   if (evidence)
-    assignProbabilities(params_.softmax_slope,
-                        nullScore(params_, attainableConsensus(scene, comparison_, consensus_)), hypotheses);
+    assignProbabilities(params_.softmax_slope, nullScore(params_, hypotheses), hypotheses);
   else
     assignProbabilities(params_.plain_softmax_slope, params_.plain_null_score, hypotheses);
 }
@@ -212,9 +211,13 @@ void mergePlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypo
   hypotheses.swap(places);
 }
 
-double nullScore(const PlaceRankingParams& params, double attainable_consensus) {
-  return params.null_score +
-         params.poor_view_null * std::clamp(1 - attainable_consensus / params.poor_view, 0.0, 1.0);
+double nullScore(const PlaceRankingParams& params, const std::vector<Hypothesis>& sorted) {
+  constexpr double kHopeless = -60;  // of a place that depth refutes, as in a list without runners-up [nats]
+  const std::size_t end = std::min<std::size_t>(sorted.size(), 1 + params.runners_up);
+  if (end < 2) return params.null_score + params.runners_up_weight * kHopeless;
+  double sum = 0;
+  for (std::size_t i = 1; i < end; ++i) sum += sorted[i].score;
+  return params.null_score + params.runners_up_weight * sum / static_cast<double>(end - 1);
 }
 
 void assignProbabilities(double slope, double null_score, std::vector<Hypothesis>& hypotheses) {

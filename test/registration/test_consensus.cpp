@@ -193,24 +193,6 @@ TEST(LogLikelihoodRatio, MovesWithTheFrameOfTheModel) {
   }
 }
 
-TEST(AttainableConsensus, IsThatWithALocalModelThatShowsAllOfTheView) {
-  const DepthComparison comparison({}, SensorNoise{}.inverse_depth_std);
-  const auto attainable = [&](const View& view) { return attainableConsensus(view, comparison, {}); };
-  const View room = viewOf(threeWalls());
-  const PoseWithCovariance exact{Eigen::Isometry3d::Identity(), Matrix6d::Zero()};
-  EXPECT_DOUBLE_EQ(attainable(room), llr(room, room, exact));
-  Rng rng(3);
-  PoseWithCovariance pose = exact;
-  pose.T = test::randomPose(rng, 0.5, 2);
-  View elsewhere = room;
-  for (Segment& s : elsewhere.segments) s = transformed(s, pose.T);
-  EXPECT_NEAR(llr(room, elsewhere, pose), attainable(room), 1e-6);
-  View corner = room;
-  corner.segments.pop_back();
-  EXPECT_LT(attainable(corner), attainable(room) - 1);
-  EXPECT_EQ(attainable(View{}), 0);
-}
-
 TEST(LogLikelihoodRatio, OfNothingIsZero) {
   EXPECT_EQ(llr(std::vector<Segment>{}, threeWalls()), 0);
   std::vector<Segment> without_outline = threeWalls();

@@ -70,14 +70,22 @@ TEST(RankPlaces, APlaceAtTheNullScoreIsAsLikelyAsNone) {
   EXPECT_NEAR(h[0].probability, 0.5, 1e-12);
 }
 
-TEST(RankPlaces, TheLessAViewTellsTheLikelierIsNoPlaceOfTheList) {
+TEST(RankPlaces, TheHigherTheRunnersUpScoreTheLikelierIsNoPlaceOfTheList) {
   PlaceRankingParams params;
-  params.null_score = -10, params.poor_view = 50, params.poor_view_null = 30;
-  EXPECT_DOUBLE_EQ(nullScore(params, 200), -10);
-  EXPECT_DOUBLE_EQ(nullScore(params, 50), -10);
-  EXPECT_DOUBLE_EQ(nullScore(params, 25), 5);
-  EXPECT_DOUBLE_EQ(nullScore(params, 0), 20);
-  EXPECT_DOUBLE_EQ(nullScore(params, -5), 20);
+  params.null_score = 10, params.runners_up = 3, params.runners_up_weight = 0.5;
+  std::vector<Hypothesis> h{hypothesis(50)};
+  const double alone = nullScore(params, h);
+  EXPECT_LT(alone, -10);
+  h.push_back(hypothesis(20));
+  EXPECT_DOUBLE_EQ(nullScore(params, h), 20);
+  h.push_back(hypothesis(-10));
+  h.push_back(hypothesis(-40));
+  EXPECT_DOUBLE_EQ(nullScore(params, h), 5);
+  h.push_back(hypothesis(-1000));
+  EXPECT_DOUBLE_EQ(nullScore(params, h), 5) << "of the best three only";
+  h[0].score = 60;
+  EXPECT_DOUBLE_EQ(nullScore(params, h), 5) << "whatever the best one scores";
+  EXPECT_DOUBLE_EQ(nullScore(params, {}), alone);
 }
 
 TEST(RankPlaces, HypothesesOfOnePlaceBecomeTheBestOfThem) {
@@ -223,19 +231,17 @@ TEST_F(Evidence, WeighsWhatAllNearModelsSay) {
   EXPECT_NEAR(doubled[0].evidence, 2 * h[0].evidence, 1e-9);
 }
 
-TEST_F(Evidence, InAViewThatTellsLittleAPlaceIsLessProbable) {
+TEST_F(Evidence, TheBestPlaceIsBelievedByItsLeadOverTheNextOnes) {
   params.dense_refinement = false;
-  scene.segments = {test::rectangle({0, 0, 3}, {0, 0, 1}, 1, 0.8, 0, 0.02, 0.02)};
-  const double attainable = attainableConsensus(scene, {{}, SensorNoise{}.inverse_depth_std}, consensus);
-  const auto odds = [&] {  // of the place against none
-    std::vector<Hypothesis> h{hypothesis(20, truth)};
-    ranking().rank(scene, h);
-    return h[0].probability / (1 - h[0].probability);
-  };
-  params.poor_view = attainable;
-  const double rich = odds();
-  params.poor_view = 3 * attainable;
-  EXPECT_NEAR(odds(), rich * std::exp(-params.softmax_slope * params.poor_view_null * 2 / 3), 1e-9 * rich);
+  Eigen::Isometry3d wrong = truth;
+  wrong.translation() += Eigen::Vector3d(0.4, 0.3, 0);
+  std::vector<Hypothesis> h{hypothesis(20, truth), hypothesis(20, wrong)};
+  ranking().rank(scene, h);
+  ASSERT_EQ(h.size(), 2u);
+  const double null = nullScore(params, h);
+  EXPECT_DOUBLE_EQ(null, params.null_score + params.runners_up_weight * h[1].score);
+  const double none = 1 - h[0].probability - h[1].probability;
+  EXPECT_NEAR(std::log(h[0].probability / none), params.softmax_slope * (h[0].score - null), 1e-6);
 }
 
 TEST_F(Evidence, HypothesesBeyondTheBestGetTheLeastOfThose) {

@@ -57,11 +57,6 @@ double logLikelihoodRatio(const View& scene, const std::vector<std::vector<Eigen
                           const View& model, const PoseWithCovariance& T_m_c,
                           const DepthComparison& comparison, const ConsensusParams& params);
 
-/** \brief The log likelihood ratio of a scene in a local model that shows all of it: that with itself [nats].
- * No pose has much more, and a view with little in it has little. */
-double attainableConsensus(const View& scene, const DepthComparison& comparison,
-                           const ConsensusParams& params);
-
 /** \brief What the contradicting pixels among those compared say against a pose: -w ln(1 + c / c_0) [nats], c
  * being their share.
  *

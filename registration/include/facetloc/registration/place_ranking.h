@@ -36,10 +36,10 @@ struct PlaceRankingParams {
   DenseRefinementParams dense;
   double refined_absolute_error = 1.6;    ///< as depth_absolute_error, once refined [noise std]
   double refined_relative_error = 0.003;  ///< as depth_relative_error, once refined
-  double softmax_slope = 0.117;           ///< beta of the probability [1/nat]
-  double null_score = -7;      ///< S_0: score at which a place is as likely as none of the list [nats]
-  double poor_view = 60;       ///< attainable consensus below which a view tells little [nats]
-  double poor_view_null = 20;  ///< by how much S_0 of a view that tells nothing is higher [nats]
+  double softmax_slope = 0.112;           ///< beta of the probability [1/nat]
+  double null_score = 18;                 ///< S_0 of a view whose runners-up score 0, see nullScore [nats]
+  int runners_up = 10;                 ///< places after the best whose mean score tells what wrong ones have
+  double runners_up_weight = 0.44;     ///< of that mean in S_0
   double plain_softmax_slope = 0.155;  ///< the same for scores without evidence of local models
   double plain_null_score = 22.3;
 
@@ -79,11 +79,10 @@ struct PlaceRankingParams {
           "Relative error of a predicted inverse depth at a refined pose.");
     field("softmax_slope", p.softmax_slope, 0.0001, 10.0, "Slope of the probability in the score [1/nat].");
     field("null_score", p.null_score, -1e4, 1e4,
-          "Score at which a place is as likely as none of the list [nats].");
-    field("poor_view", p.poor_view, 0.001, 1e4,
-          "Views whose consensus with themselves is lower tell little [nats].");
-    field("poor_view_null", p.poor_view_null, 0.0, 1e4,
-          "By how much the null score of a view that tells nothing is higher [nats].");
+          "Score at which a place is as likely as none of the list, where the runners-up score 0 [nats].");
+    field("runners_up", p.runners_up, 1, 100000,
+          "Number of places after the best whose mean score raises or lowers the null score.");
+    field("runners_up_weight", p.runners_up_weight, 0.0, 1.0, "Weight of that mean in the null score.");
     field("plain_softmax_slope", p.plain_softmax_slope, 0.0001, 10.0,
           "The same slope for scores without evidence of local models [1/nat].");
     field("plain_null_score", p.plain_null_score, -1e4, 1e4,
@@ -154,9 +153,13 @@ private:
  * models have found it. */
 void mergePlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses);
 
-/** \brief Score at which a place that has evidence is as likely as none of the list [nats]. It is higher the
- * less a view can tell (attainableConsensus): the right place is then more often not in the list. */
-double nullScore(const PlaceRankingParams& params, double attainable_consensus);
+/** \brief Score at which a place that has evidence is as likely as none of the list [nats]:
+ *
+ *     S_0 = null_score + runners_up_weight * mean score of the next best places.
+ *
+ * What those score is a sample of what wrong places score in this view, in this map: a bare view, and a large
+ * map, has many that score high, and the best one has to score higher to be believed. */
+double nullScore(const PlaceRankingParams& params, const std::vector<Hypothesis>& sorted);
 
 /** \brief Gives each place of a sorted list its probability: softmax of slope times score, with a null place.
  */
