@@ -157,38 +157,66 @@ void MapReader::readLinks() {
   });
 }
 
-ViewReader::ViewReader(Connection& db, int model)
-    : file_(db.name()), label_("model " + std::to_string(model)) {
-  const auto rowsOf = [&](const char* columns, const char* table, const char* key) {
-    return Statement(db, schema::select(columns, table) + " WHERE " + key + " = " + std::to_string(model));
-  };
-  try {
-    Statement of_model = rowsOf(schema::kModelColumns, "model", "id");
-    require(of_model.step(), "there is no such model");
-    of_model.skip(1);
-    view_ = readModel(of_model).view;
-    const int num_segments = of_model.integer();
+namespace {
 
-    Statement segment(db, schema::select(schema::kSegmentColumns, "segment") +
-                              " WHERE model_id = " + std::to_string(model) + " ORDER BY idx");
-    while (segment.step()) {
-      segment.skip(1);
-      require(segment.integer() == static_cast<int>(view_.segments.size()), "its segment numbers have a gap");
-      view_.segments.push_back(readSegment(segment));
-    }
-    require(num_segments == static_cast<int>(view_.segments.size()), "num_segments is wrong");
+/** The rows that a prepared statement has for a model. Left open, they would keep others from writing. */
+class RowsOf {
+public:
+  RowsOf(Statement& statement, int model) : statement_(statement) { statement_ << model; }
+  RowsOf(const RowsOf&) = delete;
+  RowsOf& operator=(const RowsOf&) = delete;
+  ~RowsOf() { statement_.reset(); }
+  Statement* operator->() const { return &statement_; }
+  Statement& row() const { return statement_; }
 
-    Statement picture = rowsOf(schema::kPictureColumns, "depth_picture", "model_id");
-    if (!picture.step()) return;
-    picture.skip(1);
-    view_.depth.camera = readPictureCamera(picture);
-    packed_ = readPackedPicture(picture);
-  } catch (const BadCell& e) {
-    throw IoError(file_, "is not sound: " + label_ + ": " + e.what());
-  }
+private:
+  Statement& statement_;
+};
+
+std::string ofModel(const char* columns, const char* table, const char* model) {
+  return schema::select(columns, table) + " WHERE " + model + " = ?";
 }
 
-View ViewReader::view() && {
+}  // namespace
+
+ViewReader::ViewReader(Connection& db)
+    : db_(db),
+      of_model_(db, ofModel(schema::kModelColumns, "model", "id")),
+      segments_(db, ofModel(schema::kSegmentColumns, "segment", "model_id") + " ORDER BY idx"),
+      picture_(db, ofModel(schema::kPictureColumns, "depth_picture", "model_id")) {}
+
+PackedView ViewReader::read(int model) {
+  PackedView packed;
+  packed.file_ = db_.name();
+  packed.label_ = "model " + std::to_string(model);
+  View& view = packed.view_;
+  try {
+    const RowsOf of_model(of_model_, model);
+    require(of_model->step(), "there is no such model");
+    of_model->skip(1);
+    view = readModel(of_model.row()).view;
+    const int num_segments = of_model->integer();
+
+    const RowsOf segment(segments_, model);
+    while (segment->step()) {
+      segment->skip(1);
+      require(segment->integer() == static_cast<int>(view.segments.size()), "its segment numbers have a gap");
+      view.segments.push_back(readSegment(segment.row()));
+    }
+    require(num_segments == static_cast<int>(view.segments.size()), "num_segments is wrong");
+
+    const RowsOf picture(picture_, model);
+    if (!picture->step()) return packed;
+    picture->skip(1);
+    view.depth.camera = readPictureCamera(picture.row());
+    packed.packed_ = readPackedPicture(picture.row());
+  } catch (const BadCell& e) {
+    throw IoError(packed.file_, "is not sound: " + packed.label_ + ": " + e.what());
+  }
+  return packed;
+}
+
+View PackedView::unpacked() && {
   try {
     if (!packed_.empty()) view_.depth = unpackedPicture(view_.depth.camera, packed_);
   } catch (const BadCell& e) {

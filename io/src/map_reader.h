@@ -46,18 +46,29 @@ private:
   std::vector<std::string> faults_;
 };
 
-/** \brief Reads the view of one local model. Throws IoError if there is none or it is not sound. */
-class ViewReader {
+/** \brief The view of one local model as its file has it. */
+class PackedView {
 public:
-  /** \brief Looks it up in the file. */
-  ViewReader(sqlite::Connection& db, int model);
-  /** \brief Unpacks it; needs the file no more. */
-  View view() &&;
+  /** \brief Needs the file no more. Throws IoError if the view is not sound. */
+  View unpacked() &&;
 
 private:
+  friend class ViewReader;
   std::string file_, label_;
   View view_;
   sqlite::Blob packed_;
+};
+
+/** \brief Looks up views of local models, one at a time. */
+class ViewReader {
+public:
+  explicit ViewReader(sqlite::Connection& db);
+  /** \brief Throws IoError if there is none or it is not sound. */
+  PackedView read(int model);
+
+private:
+  sqlite::Connection& db_;
+  sqlite::Statement of_model_, segments_, picture_;  // of the model that is bound to them
 };
 
 }  // namespace facetloc

@@ -46,14 +46,14 @@ private:
 /** Reads views from a map file when they are asked for. */
 class MapFileStore : public MapStore {
 public:
-  MapFileStore(Connection db, std::size_t views) : db_(std::move(db)), recent_(views) {}
+  MapFileStore(Connection db, std::size_t views) : db_(std::move(db)), reader_(db_), recent_(views) {}
 
   std::shared_ptr<const View> view(int i) const override {
     std::unique_lock<std::mutex> lock(mutex_);
     if (auto known = recent_.find(i)) return known;
-    ViewReader reader(db_, i);
-    lock.unlock();  // unpacking takes longest
-    auto view = std::make_shared<const View>(std::move(reader).view());
+    PackedView packed = reader_.read(i);
+    lock.unlock();  // unpacking takes long
+    auto view = std::make_shared<const View>(std::move(packed).unpacked());
     lock.lock();
     recent_.add(i, view);
     return view;
@@ -63,6 +63,7 @@ public:
 private:
   mutable std::mutex mutex_;
   mutable Connection db_;
+  mutable ViewReader reader_;
   mutable RecentViews recent_;
 };
 

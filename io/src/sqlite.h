@@ -102,6 +102,10 @@ public:
   /** \brief Runs a statement that returns no rows, and makes it ready for the next values. */
   void run() {
     step();
+    reset();
+  }
+  /** \brief Makes it ready for the next values. */
+  void reset() {
     sqlite3_reset(get());
     bound_ = 0;
   }
