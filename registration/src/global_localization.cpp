@@ -49,22 +49,8 @@ Localization GlobalLocalization::localizeBy(const Registering& registerAll, cons
   for (const Candidate& c : models) (c.rank < index.first_models ? first : others).push_back(c);
   std::vector<Hypothesis> hypotheses = registerAll(first);
   Localization answer = rank(scene, hypotheses);
-  if (!others.empty() && !(probability(answer) >= index.sure_probability)) {
-    append(registerAll(others), hypotheses);
-    answer = rank(scene, hypotheses);
-  }
-  if (probability(answer) >= index.start_probability) return answer;
-
-  std::vector<Candidate> likeliest;  // to be searched as a small map is
-  for (const Candidate& c : models)
-    if (c.start && c.rank < index.exhaustive_up_to) likeliest.push_back({c.model, c.rank, {}});
-  if (likeliest.empty()) return answer;
-  const auto again = [&](const Hypothesis& h) {
-    return std::any_of(likeliest.begin(), likeliest.end(),
-                       [&h](const Candidate& c) { return c.model == h.model; });
-  };
-  hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), again), hypotheses.end());
-  append(registerAll(likeliest), hypotheses);
+  if (others.empty() || probability(answer) >= index.sure_probability) return answer;
+  append(registerAll(others), hypotheses);
   return rank(scene, std::move(hypotheses));
 }
 

@@ -18,9 +18,10 @@ constexpr float kDegreeF = static_cast<float>(kDegree);
 constexpr float kLargestTurn = 60;  // three standard deviations of the prior [deg]
 constexpr float kTurnStep = 2;      // [deg]
 constexpr int kTurnBins = static_cast<int>(2 * kLargestTurn / kTurnStep) + 1;
-constexpr int kTurns = 2;                  // headings that are tried
-constexpr int kTurnGap = 3;                // bins between them
-constexpr float kTurnStd = 30 * kDegreeF;  // wide, for the prior is wide
+constexpr int kTurnLanes = (kTurnBins + kLanes - 1) / kLanes * kLanes;  // filled up to whole vectors
+constexpr int kTurns = 2;                                               // headings that are tried
+constexpr int kTurnGap = 3;                                             // bins between them
+constexpr float kTurnStd = 30 * kDegreeF;                               // wide, for the prior is wide
 constexpr float kParallel = 3 * kDegreeF;
 constexpr float kReach = 2.8f;  // largest move in each axis [m]
 constexpr float kCell = 0.2f;   // of the grid of positions [m]
@@ -32,16 +33,10 @@ constexpr float kEnd = 1, kEdge = 0.5f;  // worth of a matching end, upper or lo
 constexpr float kEndError = 0.1f, kEdgeError = 0.06f;  // [m]
 constexpr float kWallStd = 0.05f;                      // [m]
 
-// The difference of two headings, not more than half a turn.
-float wrapped(float difference) {
-  if (difference > kTwoPi / 2) return difference - kTwoPi;
-  return difference < -kTwoPi / 2 ? difference + kTwoPi : difference;
-}
-
 // Prior of each bin of headings.
-const std::array<float, kTurnBins>& turnPrior() {
-  static const std::array<float, kTurnBins> prior = [] {
-    std::array<float, kTurnBins> p{};
+const std::array<float, kTurnLanes>& turnPrior() {
+  static const std::array<float, kTurnLanes> prior = [] {
+    std::array<float, kTurnLanes> p{};
     for (int b = 0; b < kTurnBins; ++b) {
       const float turn = (kTurnStep * static_cast<float>(b) - kLargestTurn) * kDegreeF / kTurnStd;
       p[b] = std::exp(-0.5f * turn * turn);
@@ -176,7 +171,7 @@ void PlaceAligner::findPairs(const PlaceSignature& model) {
 }
 
 void PlaceAligner::findTurns() {
-  float votes[kTurnBins + 2] = {};  // with a border
+  float votes[kTurnLanes + 2] = {};  // with a border
   for (const Pair& p : pairs_) {
     const float at = (p.turn / kDegreeF + kLargestTurn) / kTurnStep + 1;
     const int bin = static_cast<int>(at);
@@ -184,19 +179,20 @@ void PlaceAligner::findTurns() {
     votes[bin] += p.weight * (1 - rest);
     votes[bin + 1] += p.weight * rest;
   }
-  const std::array<float, kTurnBins>& prior = turnPrior();
-  float smooth[kTurnBins];
-  for (int b = 0; b < kTurnBins; ++b) {
-    smooth[b] = (votes[b + 1] + 0.5f * (votes[b] + votes[b + 2])) * prior[b];
-  }
+  using Bins = Eigen::Array<float, kTurnLanes, 1>;
+  const auto from = [&votes](int first) { return Eigen::Map<const Bins>(votes + first); };
+  Bins smooth = (from(1) + 0.5f * (from(0) + from(2))) * Eigen::Map<const Bins>(turnPrior().data());
   turns_.clear();
   for (int k = 0; k < kTurns; ++k) {
-    const int best = static_cast<int>(std::max_element(smooth, smooth + kTurnBins) - smooth);
-    if (smooth[best] <= 0) return;
+    const float most = smooth.maxCoeff();
+    if (most <= 0) return;
+    const int best =
+        static_cast<int>(std::find(smooth.data(), smooth.data() + kTurnBins, most) - smooth.data());
     const float sum = votes[best] + votes[best + 1] + votes[best + 2];
     const float centre = static_cast<float>(best) + (votes[best + 2] - votes[best]) / sum;
     turns_.push_back((centre * kTurnStep - kLargestTurn) * kDegreeF);
-    std::fill(smooth + std::max(0, best - kTurnGap), smooth + std::min(kTurnBins, best + kTurnGap + 1), 0.f);
+    const int first = std::max(0, best - kTurnGap);
+    smooth.segment(first, std::min(kTurnBins, best + kTurnGap + 1) - first) = 0;
   }
 }
 

@@ -70,7 +70,7 @@ std::vector<Descriptor> describe(const PlaceSignature& place) {
     if (w.bottom_end && w.bottom > kBaseboard)
       add(kBottom, w.bottom / kEdgeStd, x, y, offset, middle, w.heading);
     for (const Wall& other : place.walls) {
-      const float turn = std::abs(std::remainder(other.heading - w.heading, 2 * kPi));
+      const float turn = std::abs(wrapped(other.heading - w.heading));
       const float other_middle = 0.5f * (other.right + other.left) / kPositionStd;
       if (&other == &w) continue;
       if (turn < kParallel && w.offset <= other.offset)
@@ -290,6 +290,7 @@ std::vector<float> PlaceIndex::Impl::votes(const PlaceSignature& scene) const {
   std::vector<float> total(places.size(), 0);
   if (!tree || asked.empty()) return total;
   std::vector<float> sums(places.size() * kBins, 0), nearest(places.size() * kBins, 0);
+  std::vector<const Descriptor*> last(places.size(), nullptr);  // that a model has something like
   std::vector<int> cells;
   std::vector<std::vector<int>> found;
   std::vector<std::vector<float>> distances;
@@ -303,17 +304,16 @@ std::vector<float> PlaceIndex::Impl::votes(const PlaceSignature& scene) const {
       const int id = found[0][i];
       int bin = kNoTurn;
       if (std::isfinite(d.heading)) {
-        const float turn = std::remainder(heading[id] - d.heading, 360 * static_cast<float>(kDegree));
+        const float turn = wrapped(heading[id] - d.heading);
         if (std::abs(turn) > kLargestTurn) continue;
         bin = static_cast<int>((turn + kLargestTurn) / kTurnBin);
       }
       const int cell = owner[id] * kBins + bin;
       if (nearest[cell] == 0) cells.push_back(cell);
       nearest[cell] = std::max(nearest[cell], std::exp(-0.5f * distances[0][i]));
+      models += last[owner[id]] != &d;
+      last[owner[id]] = &d;
     }
-    std::sort(cells.begin(), cells.end());
-    for (std::size_t i = 0; i < cells.size(); ++i)
-      models += i == 0 || cells[i] / kBins != cells[i - 1] / kBins;
     const float rarity =
         std::log((static_cast<float>(places.size()) + 1) / static_cast<float>(std::max(models, 1)));
     for (const int cell : cells) {

@@ -14,10 +14,11 @@ constexpr double kPlaneStd = 0.3 * kDegree;  // of how horizontal or vertical th
 constexpr double kFirstGate = 7 * kDegree, kGate = 3 * kDegree;  // 3 std of pitch and roll, then of planes
 constexpr double kOblique = 6 * kDegree;  // a plane farther from vertical and horizontal is neither
 constexpr double kFloorHeight = 0.05;     // a level surface within this is the floor [m]
-constexpr double kFloorPixels = 0.12;     // what lies lower may be floor: everybody sees that [m]
+constexpr float kFloorPixels = 0.12f;     // what lies lower may be floor: everybody sees that [m]
 constexpr double kMargin = 7;             // [px] of the working image: nearer to its border a hull is cut off
 constexpr int kPictureStep = 4, kPointStep = 2;  // pixels of the depth picture, of the coarse picture
-constexpr double kMostMillimetres = 65535, kFarthestPoint = 7;  // [m]
+constexpr double kMostMillimetres = 65535;
+constexpr float kFarthestPoint = 7;  // [m]
 
 bool isSound(const Segment& s) { return s.R.allFinite() && s.t.allFinite() && s.Sigma_q.allFinite(); }
 
@@ -136,15 +137,27 @@ PlaceSignature placeSignature(const View& view, const CameraMounting& mounting,
 }
 
 void pointsAboveFloor(const PlaceSignature& place, PointColumns& points) {
-  points.clear();
   const Intrinsics& c = place.picture.camera;
-  for (int v = kPointStep / 2; v < c.height; v += kPointStep)
-    for (int u = kPointStep / 2; u < c.width; u += kPointStep) {
-      const double z = 0.001 * place.picture.depth[static_cast<std::size_t>(v) * c.width + u];
-      if (z <= 0 || z > kFarthestPoint) continue;
-      const Eigen::Vector3f p = place.R_u_c * (z * c.ray(u, v)).cast<float>();
-      if (p.z() + place.height > kFloorPixels) points.push_back(p);
+  const auto fx = static_cast<float>(c.fx), fy = static_cast<float>(c.fy), cx = static_cast<float>(c.cx),
+             cy = static_cast<float>(c.cy);
+  const Eigen::Vector3f across = place.R_u_c.col(0) / fx, down = place.R_u_c.col(1) / fy,
+                        origin = place.R_u_c.col(2) - cx * across - cy * down;
+  constexpr int kFirst = kPointStep / 2;
+  const auto onGrid = [](int size) { return size > kFirst ? (size - kFirst - 1) / kPointStep + 1 : 0; };
+  points.resize(static_cast<std::size_t>(onGrid(c.width)) * onGrid(c.height));
+  float *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
+  std::size_t n = 0;
+  for (int v = kFirst; v < c.height; v += kPointStep) {
+    const std::uint16_t* depth = place.picture.depth.data() + static_cast<std::size_t>(v) * c.width;
+    const Eigen::Vector3f row = static_cast<float>(v) * down + origin;
+    for (int u = kFirst; u < c.width; u += kPointStep) {
+      const float d = 0.001f * depth[u];
+      const Eigen::Vector3f p = d * (static_cast<float>(u) * across + row);
+      x[n] = p.x(), y[n] = p.y(), z[n] = p.z();  // written over unless it counts: nobody can guess whether
+      n += (d > 0) & (d <= kFarthestPoint) & (p.z() + place.height > kFloorPixels);
     }
+  }
+  points.resize(n);
 }
 
 }  // namespace facetloc

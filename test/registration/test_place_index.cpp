@@ -192,36 +192,10 @@ TEST_F(PlaceIndexOfRooms, WithoutStartsEveryCandidateIsSearchedEverywhere) {
   for (const Candidate& c : PlaceIndex(*map, params).candidates(query(1, 0.4, 77), 10)) EXPECT_FALSE(c.start);
 }
 
-TEST_F(PlaceIndexOfRooms, ADoubtfulAnswerIsSearchedForEverywhere) {
-  GlobalLocalizationParams params;
-  params.index.exhaustive_up_to = 5;
-  params.index.first_models = 1000;
-  const View view = query(1, 0.4, 77);
-  const auto askedOf = [&](const GlobalLocalization& localization) {
-    std::vector<bool> with_starts;
-    localization.localizeBy(
-        [&](const std::vector<Candidate>& candidates) {
-          with_starts.push_back(candidates.front().start.has_value());
-          EXPECT_TRUE(with_starts.back() || params.index.start_translation == 0 ||
-                      candidates.size() <= static_cast<std::size_t>(params.index.exhaustive_up_to));
-          return std::vector<Hypothesis>{};
-        },
-        view);
-    return with_starts;
-  };
-  EXPECT_EQ(askedOf(GlobalLocalization(map, params)), (std::vector<bool>{true, false}));
-  params.index.start_probability = 0;
-  EXPECT_EQ(askedOf(GlobalLocalization(map, params)), (std::vector<bool>{true}));
-  params.index.start_translation = 0;
-  params.index.start_probability = 0.5;
-  EXPECT_EQ(askedOf(GlobalLocalization(map, params)), (std::vector<bool>{false}));
-}
-
 TEST_F(PlaceIndexOfRooms, WhatTheLikeliestModelsShowBeyondDoubtIsNotSearchedForInTheOthers) {
   GlobalLocalizationParams params;
   params.index.exhaustive_up_to = 0;
   params.index.shortlist_gap = 1e6;
-  params.index.start_probability = 0;
   params.index.first_models = 4;
   const View view = query(1, 0.4, 77);
   const auto asked = [&](double sure_probability) {

@@ -104,7 +104,7 @@ TEST(PlaceSignature, BadSegmentsAreLeftOut) {
   EXPECT_TRUE(nothing.walls.empty());
   EXPECT_TRUE(nothing.surfaces.empty());
   PointColumns points;
-  points.push_back({1, 2, 3});
+  points.resize(1);
   pointsAboveFloor(nothing, points);
   EXPECT_EQ(points.size(), 0u);
 }

@@ -30,8 +30,8 @@ struct GlobalLocalizationParams {
 /** \brief Finds a view in a map: registers it with every local model and returns one ranked list of places.
  *
  * With a known camera mounting it registers with the models on a shortlist only (PlaceIndex), unless the map
- * is small, about the poses that the shortlist tells, and everywhere if that leaves a doubt. The index comes
- * with the map's file or is made with the object.
+ * is small, about the poses that the shortlist tells. The index comes with the map's file or is made with the
+ * object.
  *
  *     facetloc::GlobalLocalization localization(map);           // shared, never changed
  *     facetloc::Localization answer = localization.localize(view);
@@ -63,7 +63,8 @@ public:
                                        const PoseWithCovariance& prior) const;
   /** \brief What registerWith() does with the map's prior, by whoever does it. */
   using Registering = std::function<std::vector<Hypothesis>(const std::vector<Candidate>&)>;
-  /** \brief localize(); registers a second time, without starts, if the first answer is in doubt. */
+  /** \brief localize(); registers a second time, with the less likely models of the shortlist, if the answer
+   * of the likeliest is in doubt. */
   Localization localizeBy(const Registering& registerAll, const View& scene) const;
   /** \brief Ranks the hypotheses of the whole map. */
   Localization rank(const View& scene, std::vector<Hypothesis> hypotheses) const;

@@ -16,15 +16,14 @@ namespace facetloc {
  * On simulated floors of 150 local models, a gap of 1.2 leaves 28 of them for a query, among them one that
  * gives the right pose for 99.6 % of the queries; a gap of 1.5 leaves 48, for 99.9 %. */
 struct PlaceIndexParams {
-  int shortlist = 150;             ///< most local models that a view is registered with; 0 = always all
+  int shortlist = 40;              ///< most local models that a view is registered with; 0 = always all
   double shortlist_gap = 1.2;      ///< score below the best at which a local model is hopeless
   int exhaustive_up_to = 30;       ///< local models of a map that is small
   int aligned_models = 1000;       ///< local models that are aligned with a view
-  int first_models = 15;           ///< likeliest ones that a view is registered with first
+  int first_models = 10;           ///< likeliest ones that a view is registered with first
   double sure_probability = 0.95;  ///< of a place that they show, with which no others are asked
   double start_translation = 0.2;  ///< how well an alignment tells the position, standard deviation [m]
   double start_rotation_deg = 3;   ///< and the heading
-  double start_probability = 0.5;  ///< of the best place from there; if it has less, everywhere is searched
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& field) {
@@ -44,9 +43,6 @@ struct PlaceIndexParams {
           "Standard deviation of the position in a local model by its quick alignment, from which a view is "
           "registered with it [m]; 0 = the prior's.");
     field("start_rotation_deg", p.start_rotation_deg, 0.01, 180.0, "The same of the heading [deg].");
-    field("start_probability", p.start_probability, 0.0, 1.0,
-          "If the best place found from there is less probable, the view is registered again with the "
-          "likeliest local models, as many as a small map has, and the whole prior.");
   }
   void validate() const { checkRanges(*this); }
 };

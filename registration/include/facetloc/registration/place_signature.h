@@ -2,6 +2,7 @@
 #pragma once
 
 #include <facetloc/features/local_model.h>
+#include <facetloc/features/so3.h>
 #include <facetloc/registration/pose_prior.h>
 
 #include <cstddef>
@@ -24,6 +25,13 @@ struct Wall {
   float weight = 0;            ///< fourth root of its area [m^0.5]
   bool right_end = false, left_end = false, bottom_end = false, top_end = false;  ///< seen in the image
 };
+
+/** \brief The difference of two headings, not more than half a turn [rad]. */
+inline float wrapped(float difference) {
+  constexpr auto kPi = static_cast<float>(180 * kDegree);
+  if (difference > kPi) return difference - 2 * kPi;
+  return difference < -kPi ? difference + 2 * kPi : difference;
+}
 
 /** \brief A horizontal plane of a view that is not the floor, in the same frame. */
 struct LevelSurface {
@@ -64,8 +72,7 @@ struct PointColumns {
   std::vector<float> x, y, z;
 
   std::size_t size() const { return x.size(); }
-  void clear() { x.clear(), y.clear(), z.clear(); }
-  void push_back(const Eigen::Vector3f& p) { x.push_back(p.x()), y.push_back(p.y()), z.push_back(p.z()); }
+  void resize(std::size_t n) { x.resize(n), y.resize(n), z.resize(n); }
 };
 
 /** \brief Some pixels of the picture, without the floor, relative to the camera in upright axes. */
