@@ -212,12 +212,12 @@ void mergePlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypo
 }
 
 double nullScore(const PlaceRankingParams& params, const std::vector<Hypothesis>& sorted) {
-  constexpr double kHopeless = -60;  // of a place that depth refutes, as in a list without runners-up [nats]
   const std::size_t end = std::min<std::size_t>(sorted.size(), 1 + params.runners_up);
-  if (end < 2) return params.null_score + params.runners_up_weight * kHopeless;
+  if (end < 2) return params.least_null_score;
   double sum = 0;
   for (std::size_t i = 1; i < end; ++i) sum += sorted[i].score;
-  return params.null_score + params.runners_up_weight * sum / static_cast<double>(end - 1);
+  return std::max(params.least_null_score,
+                  params.null_score + params.runners_up_weight * sum / static_cast<double>(end - 1));
 }
 
 void assignProbabilities(double slope, double null_score, std::vector<Hypothesis>& hypotheses) {

@@ -73,9 +73,10 @@ TEST(RankPlaces, APlaceAtTheNullScoreIsAsLikelyAsNone) {
 TEST(RankPlaces, TheHigherTheRunnersUpScoreTheLikelierIsNoPlaceOfTheList) {
   PlaceRankingParams params;
   params.null_score = 10, params.runners_up = 3, params.runners_up_weight = 0.5;
+  params.least_null_score = -15;
   std::vector<Hypothesis> h{hypothesis(50)};
-  const double alone = nullScore(params, h);
-  EXPECT_LT(alone, -10);
+  EXPECT_EQ(nullScore(params, {}), -15);
+  EXPECT_EQ(nullScore(params, h), -15);
   h.push_back(hypothesis(20));
   EXPECT_DOUBLE_EQ(nullScore(params, h), 20);
   h.push_back(hypothesis(-10));
@@ -85,7 +86,8 @@ TEST(RankPlaces, TheHigherTheRunnersUpScoreTheLikelierIsNoPlaceOfTheList) {
   EXPECT_DOUBLE_EQ(nullScore(params, h), 5) << "of the best three only";
   h[0].score = 60;
   EXPECT_DOUBLE_EQ(nullScore(params, h), 5) << "whatever the best one scores";
-  EXPECT_DOUBLE_EQ(nullScore(params, {}), alone);
+  h = {hypothesis(-20), hypothesis(-80)};
+  EXPECT_EQ(nullScore(params, h), -15) << "the best of hopeless ones is hopeless too";
 }
 
 TEST(RankPlaces, HypothesesOfOnePlaceBecomeTheBestOfThem) {
@@ -239,7 +241,8 @@ TEST_F(Evidence, TheBestPlaceIsBelievedByItsLeadOverTheNextOnes) {
   ranking().rank(scene, h);
   ASSERT_EQ(h.size(), 2u);
   const double null = nullScore(params, h);
-  EXPECT_DOUBLE_EQ(null, params.null_score + params.runners_up_weight * h[1].score);
+  EXPECT_DOUBLE_EQ(
+      null, std::max(params.least_null_score, params.null_score + params.runners_up_weight * h[1].score));
   const double none = 1 - h[0].probability - h[1].probability;
   EXPECT_NEAR(std::log(h[0].probability / none), params.softmax_slope * (h[0].score - null), 1e-6);
 }

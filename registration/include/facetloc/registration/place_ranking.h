@@ -36,10 +36,11 @@ struct PlaceRankingParams {
   DenseRefinementParams dense;
   double refined_absolute_error = 1.6;    ///< as depth_absolute_error, once refined [noise std]
   double refined_relative_error = 0.003;  ///< as depth_relative_error, once refined
-  double softmax_slope = 0.112;           ///< beta of the probability [1/nat]
-  double null_score = 18;                 ///< S_0 of a view whose runners-up score 0, see nullScore [nats]
-  int runners_up = 10;                 ///< places after the best whose mean score tells what wrong ones have
-  double runners_up_weight = 0.44;     ///< of that mean in S_0
+  double softmax_slope = 0.116;           ///< beta of the probability [1/nat]
+  int runners_up = 3;                  ///< places after the best, whose mean score tells what wrong ones have
+  double runners_up_weight = 0.62;     ///< of that mean in S_0, see nullScore
+  double null_score = 13;              ///< S_0 of a view whose runners-up score 0 [nats]
+  double least_null_score = -12;       ///< S_0 if runners-up have hardly any score, or there is none [nats]
   double plain_softmax_slope = 0.155;  ///< the same for scores without evidence of local models
   double plain_null_score = 22.3;
 
@@ -83,6 +84,8 @@ struct PlaceRankingParams {
     field("runners_up", p.runners_up, 1, 100000,
           "Number of places after the best whose mean score raises or lowers the null score.");
     field("runners_up_weight", p.runners_up_weight, 0.0, 1.0, "Weight of that mean in the null score.");
+    field("least_null_score", p.least_null_score, -1e4, 1e4,
+          "Null score at least, however little the runners-up score [nats].");
     field("plain_softmax_slope", p.plain_softmax_slope, 0.0001, 10.0,
           "The same slope for scores without evidence of local models [1/nat].");
     field("plain_null_score", p.plain_null_score, -1e4, 1e4,
@@ -155,7 +158,7 @@ void mergePlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypo
 
 /** \brief Score at which a place that has evidence is as likely as none of the list [nats]:
  *
- *     S_0 = null_score + runners_up_weight * mean score of the next best places.
+ *     S_0 = max(least_null_score, null_score + runners_up_weight * mean score of the next best places).
  *
  * What those score is a sample of what wrong places score in this view, in this map: a bare view, and a large
  * map, has many that score high, and the best one has to score higher to be believed. */
