@@ -138,7 +138,7 @@ DepthJudge::DepthJudge(const DepthComparison& comparison, const DepthPicture& a,
 
 void DepthJudge::row(int v, int step, DepthVerdicts& out, double* likelihood) const {
   const int first = step / 2, width = a_.camera.width;
-  out.resize(width > first ? (width - first - 1) / step + 1 : 0);
+  out.resize(gridPoints(width, step));
   judgePixels(g_, a_.inverse_depth.data() + static_cast<std::size_t>(v) * width, v, first, step,
               static_cast<int>(out.size()), out.data(), likelihood);
 }

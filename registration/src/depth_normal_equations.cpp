@@ -2,6 +2,7 @@
 #include "depth_normal_equations.h"
 
 #include <facetloc/features/impl/lanes.h>
+#include <facetloc/registration/depth_consistency.h>
 #include <facetloc/registration/depth_difference.h>
 
 #include <algorithm>
@@ -175,8 +176,7 @@ void DepthNormalEquations::add(const DepthPicture& scene, int step, const Eigen:
   c.error = static_cast<float>(error), c.gate = static_cast<float>(gate);
   c.width = to.width, c.height = to.height, c.picture = picture.inverse_depth.data(), c.of_noise = of_noise;
 
-  const int first = step / 2;
-  const int n = from.width > first ? (from.width - first - 1) / step + 1 : 0;
+  const int first = step / 2, n = gridPoints(from.width, step);
   Sums sums;
   for (int v = first; v < from.height; v += step)
     addRow(c, scene.inverse_depth.data() + static_cast<std::size_t>(v) * from.width, v, first, step, n, sums);

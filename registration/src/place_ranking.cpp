@@ -111,9 +111,8 @@ double PlaceRanking::evidence(const View& scene, const std::vector<Neighbour>& n
     found.of_models.push_back(comparison.compare(depth, scene.depth, T_m_c.inverse(), kCoarseColumns));
   }
   found.of_scene = compareWithAll(scene.depth, T_w_c, pictures, comparison, kFineColumns);
-  const int step = gridStep(scene.depth, kFineColumns), first = step / 2;
-  const auto onGrid = [&](int size) { return size > first ? (size - first - 1) / step + 1 : 0; };
-  found.pixels = onGrid(scene.depth.camera.width) * onGrid(scene.depth.camera.height);
+  const int step = gridStep(scene.depth, kFineColumns);
+  found.pixels = gridPoints(scene.depth.camera.width, step) * gridPoints(scene.depth.camera.height, step);
   return weighed(found, consensus_, params_);
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/registration/depth_consistency.h>
 #include <facetloc/registration/place_signature.h>
 
 #include <Eigen/LU>
@@ -143,8 +144,7 @@ void pointsAboveFloor(const PlaceSignature& place, PointColumns& points) {
   const Eigen::Vector3f across = place.R_u_c.col(0) / fx, down = place.R_u_c.col(1) / fy,
                         origin = place.R_u_c.col(2) - cx * across - cy * down;
   constexpr int kFirst = kPointStep / 2;
-  const auto onGrid = [](int size) { return size > kFirst ? (size - kFirst - 1) / kPointStep + 1 : 0; };
-  points.resize(static_cast<std::size_t>(onGrid(c.width)) * onGrid(c.height));
+  points.resize(static_cast<std::size_t>(gridPoints(c.width, kPointStep)) * gridPoints(c.height, kPointStep));
   float *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
   std::size_t n = 0;
   for (int v = kFirst; v < c.height; v += kPointStep) {

@@ -107,4 +107,7 @@ constexpr int kCoarseColumns = 20;  ///< a 16 px grid at 320x240
 /** \brief Spacing of a grid of so many columns in a picture. */
 inline int gridStep(const DepthPicture& p, int columns) { return std::max(1, p.camera.width / columns); }
 
+/** \brief Number of the points step / 2, step / 2 + step, ... of a grid in a row or column of that size. */
+inline int gridPoints(int size, int step) { return size > step / 2 ? (size - step / 2 - 1) / step + 1 : 0; }
+
 }  // namespace facetloc
