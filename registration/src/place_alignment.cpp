@@ -107,20 +107,8 @@ float worth(const Comparison& found, std::size_t points) {
 }  // namespace
 
 PlaceAligner::PlaceAligner(const PlaceSignature& scene)
-    : scene_(scene), scene_walls_(scene.walls), alike_(scene_walls_.size + 1) {
+    : scene_(scene), scene_walls_(scene.walls), alike_(scene_walls_.size() + 1) {
   pointsAboveFloor(scene_, scene_points_);
-}
-
-PlaceAligner::WallColumns::WallColumns(const std::vector<Wall>& walls)
-    : size((walls.size() + kLanes - 1) / kLanes * kLanes) {
-  const auto column = [&](float Wall::*property) {
-    std::vector<float> values(size, std::numeric_limits<float>::quiet_NaN());  // which is like nothing
-    std::transform(walls.begin(), walls.end(), values.begin(), [&](const Wall& w) { return w.*property; });
-    return values;
-  };
-  heading = column(&Wall::heading), offset = column(&Wall::offset);
-  right = column(&Wall::right), left = column(&Wall::left);
-  bottom = column(&Wall::bottom), top = column(&Wall::top);
 }
 
 // The numbers of the walls that may be this wall of a model; returns how many.
@@ -128,7 +116,7 @@ FACETLOC_MULTIVERSION int PlaceAligner::findAlike(const WallColumns& walls, cons
   constexpr float kGap = 0.05f;  // between the heights of two parts of one wall [m]
   constexpr float kLargest = kLargestTurn * kDegreeF;
   int n = 0;
-  for (std::size_t i = 0; i < walls.size; i += kLanes) {
+  for (std::size_t i = 0; i < walls.size(); i += kLanes) {
     Floats heading, offset, right, left, bottom, top;
     std::memcpy(&heading, &walls.heading[i], sizeof heading);
     std::memcpy(&offset, &walls.offset[i], sizeof offset);
@@ -292,57 +280,6 @@ void PlaceAligner::refine(Pose& pose) const {
     support += p->weight * walls * std::exp(-0.5f * r * r);
   }
   pose.support = support;
-}
-
-float PlaceAligner::outlook(const PlaceSignature& model) {
-  constexpr float kStep = 0.05f, kAside = 0.6f;  // [m]; worth of a neighbouring step
-  constexpr int kSteps = static_cast<int>(2 * kReach / kStep) + 1, kBorder = 2;
-  constexpr float kAxis = 0.996f;        // cosine of 5 deg
-  constexpr float kLargestSlide = 1.5f;  // [m]
-  constexpr float kSurface = 0.3f, kHeightError = 0.05f, kTurnPrior = 0.15f, kMovePrior = 0.15f;
-  constexpr float kBaseWeight = 5, kPower = 0.3f;
-  findPairs(model);
-  findTurns();
-  float best = 0;
-  for (const float turn : turns_) {
-    const Pair* main = nullptr;
-    for (const Pair& p : pairs_)
-      if (std::abs(p.turn - turn) <= kParallel && (!main || p.weight > main->weight)) main = &p;
-    if (!main) continue;
-    float votes[2][kSteps + 2 * kBorder] = {};
-    touched_.clear();
-    for (const Pair& p : pairs_) {
-      if (std::abs(p.turn - turn) > kParallel || p.slide0 > kLargestSlide || p.slide1 < -kLargestSlide)
-        continue;
-      const float x = p.model->cosine * main->model->cosine + p.model->sine * main->model->sine,
-                  y = p.model->sine * main->model->cosine - p.model->cosine * main->model->sine;
-      const bool across = std::abs(y) > kAxis;
-      if (!across && std::abs(x) < kAxis) continue;
-      const float at = ((across ? y : x) > 0 ? p.move + kReach : kReach - p.move) / kStep;
-      const int step = static_cast<int>(at);
-      if (step < 0 || step + 1 >= kSteps) continue;
-      const float rest = at - static_cast<float>(step),
-                  weight = p.weight * (1 + edgeBonus(*p.scene, *p.model));
-      votes[across][step + kBorder] += weight * (1 - rest);
-      votes[across][step + kBorder + 1] += weight * rest;
-      touched_.push_back({across, step});
-    }
-    float most[2] = {0, 0};
-    for (const auto& [across, first] : touched_)
-      for (int step = first - 1; step <= first + 2; ++step) {
-        const float* at = &votes[across][step + kBorder];
-        const float move = kStep * static_cast<float>(step) - kReach;
-        most[across] = std::max(most[across], at[0] + kAside * (at[-1] + at[1]) - kMovePrior * move * move);
-      }
-    best = std::max(best, most[0] + most[1] - kTurnPrior * turn * turn / (kTurnStd * kTurnStd));
-  }
-  for (const LevelSurface& a : scene_.surfaces)
-    best += kSurface * std::any_of(model.surfaces.begin(), model.surfaces.end(), [&a](const LevelSurface& b) {
-              return a.from_below == b.from_below && std::abs(a.height - b.height) < kHeightError;
-            });
-  float total = kBaseWeight;
-  for (const Wall& w : model.walls) total += w.weight;
-  return best / std::pow(total, kPower);
 }
 
 PlaceAlignment PlaceAligner::align(const PlaceSignature& model) {

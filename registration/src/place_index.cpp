@@ -3,6 +3,7 @@
 #include <facetloc/features/so3.h>
 #include <facetloc/registration/place_alignment.h>
 #include <facetloc/registration/place_index.h>
+#include <facetloc/registration/place_outlook.h>
 
 #include <algorithm>
 #include <array>
@@ -26,7 +27,8 @@ void fields(Archive& archive, LevelSurface& s) {
 }
 template <class Archive>
 void fields(Archive& archive, PlaceSignature& p) {
-  archive(p.R_u_c, p.height, p.walls, p.surfaces, p.picture.camera, p.picture.depth);
+  archive(p.R_u_c, p.height, p.main_heading, p.walls, p.surfaces, p.picture.camera, p.picture.depth);
+  for (std::int32_t& first : p.facing) archive(first);
 }
 
 namespace {
@@ -36,68 +38,60 @@ constexpr int kDimensions = 5;
 /** A point in a space where neighbours are about one apart. */
 struct Descriptor {
   std::array<float, kDimensions> at;
-  float heading;  // of what it describes [rad]; NaN if it has none
+  float heading;  // of what it describes [rad]
 };
 
 // Kinds are farther from each other than any neighbours.
-enum Kind { kWall, kSameWay, kAcross, kTop, kBottom, kSurface, kCeiling };
-constexpr float kKindDistance = 2000;
+enum Kind { kTop, kBottom };
+constexpr float kKindDistance = 1000;
 
 // How much things differ between two views of one place, standard deviations.
 constexpr float kHeadingStd = 20 * static_cast<float>(kDegree), kPositionStd = 1;  // the prior's [m]
-constexpr float kSizeStd = 1;            // of the logarithm of the area
-constexpr float kDifferenceStd = 0.04f;  // of the distance of two parallel walls [m]
-constexpr float kEdgeStd = 0.08f;        // of an upper or lower edge [m]
-constexpr float kHeightStd = 0.03f;      // of a level surface [m]
-constexpr float kRadius = 1.3f;          // of neighbours
-constexpr std::size_t kSeen = 5;         // times as many as are aligned have an outlook; half of all at least
-constexpr double kVoted = 0.33;          // share of the aligned models that are there by votes
-constexpr float kParallel = 4 * static_cast<float>(kDegree);
+constexpr float kHeightStd = 0.08f;  // of an upper or lower edge [m]
+constexpr float kRadius = 1.3f;      // of neighbours
+// Worth of votes in outlook, and of both in the score of an alignment.
+constexpr float kVotesWorth = 0.3f, kHopeWorth = 0.1f;
 
 std::vector<Descriptor> describe(const PlaceSignature& place) {
-  constexpr float kPi = 180 * static_cast<float>(kDegree), kSmallArea = 0.02f,
-                  kBaseboard = 0.15f;  // [m^2], [m]
+  constexpr float kBaseboard = 0.15f;  // [m]
   std::vector<Descriptor> all;
-  const auto add = [&all](Kind kind, float precise, float b, float c, float d, float e, float heading) {
-    all.push_back({{kKindDistance * static_cast<float>(kind) + precise, b, c, d, e}, heading});
-  };
   for (const Wall& w : place.walls) {
-    const float x = w.cosine / kHeadingStd, y = w.sine / kHeadingStd, offset = w.offset / kPositionStd,
-                middle = 0.5f * (w.right + w.left) / kPositionStd;
-    const float area = w.weight * w.weight * w.weight * w.weight;
-    add(kWall, std::log(area + kSmallArea) / kSizeStd, x, y, offset, middle, w.heading);
-    if (w.top_end) add(kTop, w.top / kEdgeStd, x, y, offset, middle, w.heading);
-    if (w.bottom_end && w.bottom > kBaseboard)
-      add(kBottom, w.bottom / kEdgeStd, x, y, offset, middle, w.heading);
-    for (const Wall& other : place.walls) {
-      const float turn = std::abs(wrapped(other.heading - w.heading));
-      const float other_middle = 0.5f * (other.right + other.left) / kPositionStd;
-      if (&other == &w) continue;
-      if (turn < kParallel && w.offset <= other.offset)
-        add(kSameWay, (other.offset - w.offset) / kDifferenceStd, x, y, offset, other_middle - middle,
-            w.heading);
-      else if (turn > kPi - kParallel && w.heading >= 0)
-        add(kAcross, (other.offset + w.offset) / kDifferenceStd, x, y, offset, other_middle + middle,
-            w.heading);
-    }
+    const auto add = [&](Kind kind, float height) {
+      all.push_back(
+          {{kKindDistance * static_cast<float>(kind) + height / kHeightStd, w.cosine / kHeadingStd,
+            w.sine / kHeadingStd, w.offset / kPositionStd, 0.5f * (w.right + w.left) / kPositionStd},
+           w.heading});
+    };
+    if (w.top_end) add(kTop, w.top);
+    if (w.bottom_end && w.bottom > kBaseboard) add(kBottom, w.bottom);
   }
-  for (const LevelSurface& s : place.surfaces)
-    add(s.from_below ? kCeiling : kSurface, s.height / kHeightStd, s.x / kPositionStd, s.y / kPositionStd, 0,
-        0, std::numeric_limits<float>::quiet_NaN());
   return all;
 }
 
-// Headings of a model relative to a view; two neighbouring bins count as one. The last bin is for what has
-// none.
+// Headings of a model relative to a view; two neighbouring bins count as one.
 constexpr float kLargestTurn = 60 * static_cast<float>(kDegree), kTurnBin = 4 * static_cast<float>(kDegree);
-constexpr int kTurnBins = 31, kNoTurn = kTurnBins, kBins = kTurnBins + 1;
+constexpr int kTurnBins = 31;
 
 // Keeps its own, reordered copy of the points.
 using Tree = flann::KDTreeSingleIndex<flann::L2_Simple<float>>;
 const flann::KDTreeSingleIndexParams kTreeParams(10, true);
 
-auto byScore(const std::vector<float>& score) {
-  return [&score](int a, int b) { return score[a] != score[b] ? score[a] > score[b] : a < b; };
+/** The n best models, the best first; ties by index. */
+void keepBest(const std::vector<float>& score, int n, std::vector<int>& models) {
+  const auto isBetter = [&score](int a, int b) { return score[a] != score[b] ? score[a] > score[b] : a < b; };
+  if (static_cast<std::size_t>(n) < models.size()) {
+    std::nth_element(models.begin(), models.begin() + n, models.end(), isBetter);
+    models.resize(static_cast<std::size_t>(n));
+  }
+  std::sort(models.begin(), models.end(), isBetter);
+}
+
+/** Asks for elements that are needed soon: those of places are all over the memory. */
+template <class T>
+void prefetch(const std::vector<T>& values) {
+  constexpr std::size_t kLine = 64;
+  const char* bytes = reinterpret_cast<const char*>(values.data());
+  for (std::size_t i = 0; i < values.size() * sizeof(T); i += kLine) __builtin_prefetch(bytes + i);
 }
 
 // T_m_c of an alignment.
@@ -143,7 +137,7 @@ private:
 
 /** What a written index depends on. */
 struct Header {
-  std::string format = "facetloc place index 1";  // changes with signatures and descriptors
+  std::string format = "facetloc place index 2";  // changes with signatures and descriptors
   std::size_t models = 0;
   double height = 0, tilt_deg = 0;  // of the camera
   Eigen::Matrix3d floor = Eigen::Matrix3d::Zero();
@@ -181,7 +175,7 @@ struct PlaceIndex::Impl {
   Impl(const Map& map, const PlaceIndexParams& params, const PosePriorParams& prior);
   void build(const Map& map);
   void expectVotes();
-  std::vector<int> likeliest(const PlaceSignature& scene, PlaceAligner& aligner, int n) const;
+  std::vector<float> hopes(const PlaceSignature& scene) const;
   std::vector<float> votes(const PlaceSignature& scene) const;
 };
 
@@ -247,7 +241,12 @@ std::optional<PlaceIndex> PlaceIndex::read(std::istream& in, const Map& map, con
   if (!(written == impl->header)) return std::nullopt;
   archive(impl->places, impl->owner, impl->heading);
   const int models = static_cast<int>(map.models.size());
+  const auto isSound = [](const PlaceSignature& p) {
+    return p.facing.front() >= 0 && std::is_sorted(p.facing.begin(), p.facing.end()) &&
+           static_cast<std::size_t>(p.facing.back()) <= p.walls.size();
+  };
   if (impl->places.size() != map.models.size() || impl->heading.size() != impl->owner.size() ||
+      !std::all_of(impl->places.begin(), impl->places.end(), isSound) ||
       !std::all_of(impl->owner.begin(), impl->owner.end(), [models](int m) { return 0 <= m && m < models; }))
     throw std::runtime_error("PlaceIndex: these bytes are not an index");
   impl->expectVotes();
@@ -263,33 +262,24 @@ PlaceIndex::PlaceIndex(PlaceIndex&&) noexcept = default;
 PlaceIndex& PlaceIndex::operator=(PlaceIndex&&) noexcept = default;
 PlaceIndex::~PlaceIndex() = default;
 
-// At most n models, by votes and by outlook.
-std::vector<int> PlaceIndex::Impl::likeliest(const PlaceSignature& scene, PlaceAligner& aligner,
-                                             int n) const {
-  std::vector<int> order(places.size());
-  std::iota(order.begin(), order.end(), 0);
-  if (order.size() <= static_cast<std::size_t>(n)) return order;
-  const std::vector<float> by_vote = votes(scene);
-  const std::size_t seen = std::max(kSeen * static_cast<std::size_t>(n), order.size() / 2);
-  if (seen < order.size()) {
-    std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(seen), order.end(),
-                     byScore(by_vote));
-    order.resize(seen);
+// How much can be hoped for from each model before it is aligned.
+std::vector<float> PlaceIndex::Impl::hopes(const PlaceSignature& scene) const {
+  std::vector<float> hope = votes(scene);
+  const PlaceOutlook outlook(scene);
+  constexpr std::size_t kAhead = 4;
+  for (std::size_t m = 0; m < places.size(); ++m) {
+    const PlaceSignature& ahead = places[std::min(m + kAhead, places.size() - 1)];
+    prefetch(ahead.walls), prefetch(ahead.surfaces);
+    hope[m] = kVotesWorth * hope[m] + outlook.of(places[m]);
   }
-  const auto voted = order.begin() + static_cast<std::ptrdiff_t>(kVoted * n), last = order.begin() + n;
-  std::nth_element(order.begin(), voted, order.end(), byScore(by_vote));
-  std::vector<float> outlook(places.size(), 0);
-  for (auto m = voted; m != order.end(); ++m) outlook[*m] = aligner.outlook(places[*m]);
-  std::nth_element(voted, last, order.end(), byScore(outlook));
-  order.erase(last, order.end());
-  return order;
+  return hope;
 }
 
 std::vector<float> PlaceIndex::Impl::votes(const PlaceSignature& scene) const {
   std::vector<Descriptor> asked = describe(scene);
   std::vector<float> total(places.size(), 0);
   if (!tree || asked.empty()) return total;
-  std::vector<float> sums(places.size() * kBins, 0), nearest(places.size() * kBins, 0);
+  std::vector<float> sums(places.size() * kTurnBins, 0), nearest(places.size() * kTurnBins, 0);
   std::vector<const Descriptor*> last(places.size(), nullptr);  // that a model has something like
   std::vector<int> cells;
   std::vector<std::vector<int>> found;
@@ -302,13 +292,9 @@ std::vector<float> PlaceIndex::Impl::votes(const PlaceSignature& scene) const {
     int models = 0;
     for (std::size_t i = 0; i < found[0].size(); ++i) {
       const int id = found[0][i];
-      int bin = kNoTurn;
-      if (std::isfinite(d.heading)) {
-        const float turn = wrapped(heading[id] - d.heading);
-        if (std::abs(turn) > kLargestTurn) continue;
-        bin = static_cast<int>((turn + kLargestTurn) / kTurnBin);
-      }
-      const int cell = owner[id] * kBins + bin;
+      const float turn = wrapped(heading[id] - d.heading);
+      if (std::abs(turn) > kLargestTurn) continue;
+      const int cell = owner[id] * kTurnBins + static_cast<int>((turn + kLargestTurn) / kTurnBin);
       if (nearest[cell] == 0) cells.push_back(cell);
       nearest[cell] = std::max(nearest[cell], std::exp(-0.5f * distances[0][i]));
       models += last[owner[id]] != &d;
@@ -322,10 +308,10 @@ std::vector<float> PlaceIndex::Impl::votes(const PlaceSignature& scene) const {
     }
   }
   for (std::size_t m = 0; m < places.size(); ++m) {
-    const float* bins = &sums[m * kBins];
+    const float* bins = &sums[m * kTurnBins];
     float best = 0;
     for (int b = 0; b + 1 < kTurnBins; ++b) best = std::max(best, bins[b] + bins[b + 1]);
-    total[m] = (best + bins[kNoTurn]) / expected[m];
+    total[m] = best / expected[m];
   }
   return total;
 }
@@ -337,24 +323,35 @@ std::vector<int> PlaceIndex::shortlist(const View& view, int n) const {
 }
 
 std::vector<Candidate> PlaceIndex::candidates(const View& view, int n) const {
+  const PlaceIndexParams& params = impl_->params;
+  const std::vector<PlaceSignature>& places = impl_->places;
   const PlaceSignature scene = placeSignature(view, impl_->mounting, impl_->prior);
   if (n <= 0 || (scene.walls.empty() && scene.surfaces.empty())) return {};
+
+  const std::vector<float> hope = impl_->hopes(scene);
+  std::vector<int> models(places.size());
+  std::iota(models.begin(), models.end(), 0);
+  keepBest(hope, std::max(n, params.aligned_models), models);
+
   PlaceAligner aligner(scene);
-  std::vector<int> order = impl_->likeliest(scene, aligner, std::max(n, impl_->params.aligned_models));
-  std::vector<PlaceAlignment> found(impl_->places.size());
-  for (const int m : order) found[m] = aligner.align(impl_->places[m]);
-  const std::size_t listed = std::min(order.size(), static_cast<std::size_t>(n));
-  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(listed), order.end(),
-                    [&found](int a, int b) {
-                      return found[a].score != found[b].score ? found[a].score > found[b].score : a < b;
-                    });
-  const auto gap = static_cast<float>(impl_->params.shortlist_gap);
+  std::vector<PlaceAlignment> found(places.size());
+  std::vector<float> score(places.size());
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    const int m = models[i];
+    const PlaceSignature& ahead = places[models[std::min(i + 1, models.size() - 1)]];
+    prefetch(ahead.walls), prefetch(ahead.picture.depth);
+    found[m] = aligner.align(places[m]);
+    score[m] = found[m].score + kHopeWorth * hope[m];
+  }
+  keepBest(score, n, models);
+
+  const auto gap = static_cast<float>(params.shortlist_gap);
   std::vector<Candidate> candidates;
-  for (std::size_t i = 0; i < listed && found[order[i]].score >= found[order[0]].score - gap; ++i) {
-    const PlaceAlignment& a = found[order[i]];
-    Candidate candidate{order[i], static_cast<int>(i), {}};
-    if (impl_->params.start_translation > 0 && a.score > PlaceAlignment{}.score)
-      candidate.start = cameraPose(a, scene, impl_->places[order[i]]);
+  for (const int m : models) {
+    if (score[m] < score[models.front()] - gap) break;
+    Candidate candidate{m, static_cast<int>(candidates.size()), {}};
+    if (params.start_translation > 0 && found[m].score > PlaceAlignment{}.score)
+      candidate.start = cameraPose(found[m], scene, places[m]);
     candidates.push_back(candidate);
   }
   return candidates;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/impl/lanes.h>
 #include <facetloc/registration/depth_consistency.h>
 #include <facetloc/registration/place_signature.h>
 
@@ -92,6 +93,46 @@ Wall wallOf(const Segment& s, const Eigen::Matrix3d& R, double height, const Int
   return w;
 }
 
+/** The least turn that makes one heading the other or one across it [rad]. */
+float turnToMainHeading(float heading, float main_heading) {
+  constexpr auto kQuarter = static_cast<float>(90 * kDegree);
+  const float turn = heading - main_heading;
+  return turn - kQuarter * std::round(turn / kQuarter);
+}
+
+/** The heading that most walls face or lie across. */
+float mainHeading(const std::vector<Wall>& walls) {
+  constexpr auto kAlike = static_cast<float>(4 * kDegree);
+  float heading = 0, most = 0;
+  for (const Wall& about : walls) {
+    float weight = 0, moment = 0;
+    for (const Wall& w : walls) {
+      const float turn = turnToMainHeading(w.heading, about.heading);
+      if (std::abs(turn) > kAlike) continue;
+      weight += w.weight;
+      moment += w.weight * turn;
+    }
+    if (weight <= most) continue;
+    most = weight;
+    heading = turnToMainHeading(about.heading + moment / weight, 0);
+  }
+  return heading;
+}
+
+void sortByHeading(PlaceSignature& place) {
+  constexpr auto kQuarter = static_cast<float>(90 * kDegree), kAlong = static_cast<float>(8 * kDegree);
+  place.main_heading = mainHeading(place.walls);
+  const auto quarters = [&place](const Wall& w) {  // 4 for what faces no main heading
+    if (std::abs(turnToMainHeading(w.heading, place.main_heading)) > kAlong) return 4;
+    return static_cast<int>(std::lround((w.heading - place.main_heading) / kQuarter)) & 3;
+  };
+  std::stable_sort(place.walls.begin(), place.walls.end(),
+                   [&](const Wall& a, const Wall& b) { return quarters(a) < quarters(b); });
+  for (int k = 0; k < 5; ++k)
+    place.facing[k] = static_cast<std::int32_t>(std::count_if(
+        place.walls.begin(), place.walls.end(), [&](const Wall& w) { return quarters(w) < k; }));
+}
+
 CoarseDepth coarseDepth(const DepthPicture& picture) {
   CoarseDepth coarse;
   const Intrinsics& c = picture.camera;
@@ -133,8 +174,27 @@ PlaceSignature placeSignature(const View& view, const CameraMounting& mounting,
       if (std::abs(z) >= kFloorHeight) out.surfaces.push_back({z, (R * s.normal()).z() > 0, t.x(), t.y()});
     }
   }
+  sortByHeading(out);
   out.picture = coarseDepth(view.depth);
   return out;
+}
+
+WallColumns::WallColumns(const std::vector<Wall>& walls)
+    : size_((walls.size() + kLanes - 1) / kLanes * kLanes) {
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  const auto column = [&](auto value) {
+    std::vector<float> values(size_ + kLanes, kNaN);
+    std::transform(walls.begin(), walls.end(), values.begin(), value);
+    return values;
+  };
+  const auto all = [&](float Wall::*value) { return column([=](const Wall& w) { return w.*value; }); };
+  const auto seen = [&](float Wall::*value, bool Wall::*is_end) {
+    return column([=](const Wall& w) { return w.*is_end ? w.*value : kNaN; });
+  };
+  heading = all(&Wall::heading), offset = all(&Wall::offset), weight = all(&Wall::weight);
+  right = all(&Wall::right), left = all(&Wall::left), bottom = all(&Wall::bottom), top = all(&Wall::top);
+  seen_right = seen(&Wall::right, &Wall::right_end), seen_left = seen(&Wall::left, &Wall::left_end);
+  seen_bottom = seen(&Wall::bottom, &Wall::bottom_end), seen_top = seen(&Wall::top, &Wall::top_end);
 }
 
 void pointsAboveFloor(const PlaceSignature& place, PointColumns& points) {

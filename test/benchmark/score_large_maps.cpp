@@ -12,8 +12,8 @@
 //
 // A query is answerable if registering it with some local model near the truth gives a pose within 0.2 m and
 // 2 deg of it. Recall of a shortlist: the share of the answerable queries for which it holds such a model.
-// --exhaustive localizes so many of the queries with the shortlist and with all models, and counts which
-// answers are right.
+// --exhaustive localizes so many of the queries with the shortlist and with all models, and counts whose
+// answers have a right place among their first ones.
 #include "set_parameter.h"
 #include "simulated_floors.h"
 
@@ -204,15 +204,13 @@ void findWhoShows(const GlobalLocalization& localization, std::vector<Query>& qu
   }
 }
 
-struct Rightness {
-  bool first = false, any = false;  // of the places of an answer
-};
-
-Rightness rightness(const Localization& answer, const Query& q) {
-  Rightness right;
-  for (const Hypothesis& h : answer.hypotheses) right.any |= isRight(*h.T_w_c, q.T_w_c);
-  right.first = right.any && isRight(*answer.hypotheses.front().T_w_c, q.T_w_c);
-  return right;
+// Of the first right place of an answer; kNoRank if none is right.
+constexpr std::size_t kNoRank = std::numeric_limits<std::size_t>::max();
+std::size_t rankOfRight(const Localization& answer, const Query& q) {
+  const auto right = std::find_if(answer.hypotheses.begin(), answer.hypotheses.end(),
+                                  [&q](const Hypothesis& h) { return isRight(*h.T_w_c, q.T_w_c); });
+  return right == answer.hypotheses.end() ? kNoRank
+                                          : static_cast<std::size_t>(right - answer.hypotheses.begin());
 }
 
 /** The map as the tools open it, with the index in its file. */
@@ -308,7 +306,7 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
       return std::binary_search(q.shown_by.begin(), q.shown_by.end(), c.model);
     });
   }
-  std::vector<Rightness> right_quick;
+  std::vector<std::size_t> quick_ranks;
   std::size_t by_first = 0, by_first_and_right = 0;  // answered by the first models of the shortlist
   start = std::clock();
   for (const Query& q : queries) {
@@ -317,9 +315,9 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
       ++asked;
       return quick.registerWith(models, q.view, quick.prior());
     };
-    right_quick.push_back(rightness(quick.localizeBy(registering, q.view), q));
+    quick_ranks.push_back(rankOfRight(quick.localizeBy(registering, q.view), q));
     by_first += asked == 1;
-    by_first_and_right += asked == 1 && right_quick.back().first;
+    by_first_and_right += asked == 1 && quick_ranks.back() == 0;
   }
   const double query_ms =
       1e3 * seconds(start) / static_cast<double>(std::max<std::size_t>(queries.size(), 1));
@@ -331,9 +329,7 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
   std::printf(
       "a whole query takes %.1f ms, views that were not in memory included; rank 1 is right for %.1f %% of "
       "the answerable; %.0f MB in use\n",
-      query_ms,
-      of_answerable * static_cast<double>(std::count_if(right_quick.begin(), right_quick.end(),
-                                                        [](const Rightness& r) { return r.first; })),
+      query_ms, of_answerable * static_cast<double>(std::count(quick_ranks.begin(), quick_ranks.end(), 0)),
       memory());
 
   std::printf("the first %d models are enough for %zu of them, %zu right\n", some.index.first_models,
@@ -343,23 +339,25 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
   if (csv) std::fflush(csv);
   if (options.exhaustive == 0) return curve;
   const std::size_t asked = std::min(options.exhaustive, queries.size());
-  constexpr bool Rightness::*kPlaces[] = {&Rightness::first, &Rightness::any};
-  int with_all[2] = {}, with_shortlist[2] = {}, with_both[2] = {};
+  std::vector<std::pair<std::size_t, std::size_t>> ranks_of_both;  // with all models, with the shortlist
   start = std::clock();
   for (std::size_t i = 0; i < asked; ++i) {
     const std::size_t k = i * queries.size() / asked;
-    const Rightness right = rightness(exhaustive.localize(queries[k].view), queries[k]);
-    for (int p = 0; p < 2; ++p) {
-      const bool all_models = right.*kPlaces[p], shortlist = right_quick[k].*kPlaces[p];
-      with_all[p] += all_models, with_shortlist[p] += shortlist, with_both[p] += all_models && shortlist;
-    }
+    ranks_of_both.emplace_back(rankOfRight(exhaustive.localize(queries[k].view), queries[k]), quick_ranks[k]);
   }
   std::printf("%zu queries with all models, %.0f ms each\n", asked,
               1e3 * seconds(start) / static_cast<double>(asked));
-  for (int p = 0; p < 2; ++p)
-    std::printf("  %s right: %d with all, %d with the shortlist of %d, %d with both\n",
-                p == 0 ? "the first place" : "any place", with_all[p], with_shortlist[p],
-                options.index.shortlist, with_both[p]);
+  std::printf("%22s %10s %10s %5s\n", "right among the first", "all models", "shortlist", "both");
+  for (const std::size_t places : {std::size_t{1}, std::size_t{2}, std::size_t{5}, std::size_t{10},
+                                   std::size_t{20}, std::size_t{100}, kNoRank}) {
+    int of_all = 0, of_shortlist = 0, of_both = 0;
+    for (const auto& [all_models, shortlist] : ranks_of_both) {
+      of_all += all_models < places, of_shortlist += shortlist < places;
+      of_both += all_models < places && shortlist < places;
+    }
+    std::printf("%22s %10d %10d %5d\n", places == kNoRank ? "any" : std::to_string(places).c_str(), of_all,
+                of_shortlist, of_both);
+  }
   std::fflush(stdout);
   return curve;
 }

@@ -42,14 +42,12 @@ TEST(PlaceAligner, StillFindsItWithHalfOfTheSegments) {
                        scene = placeSignature(halved, kMounting);
   PlaceAligner aligner(scene);
   EXPECT_GT(aligner.align(model).score, aligner.align(elsewhere).score);
-  EXPECT_GT(aligner.outlook(model), aligner.outlook(elsewhere));
 }
 
 TEST(PlaceAligner, NothingFitsNothing) {
   const PlaceSignature place = placeSignature(seenFrom(robot(2, 2.5, 0), 1), kMounting), nothing;
   EXPECT_EQ(PlaceAligner(nothing).align(place).score, PlaceAlignment{}.score);
   EXPECT_EQ(PlaceAligner(place).align(nothing).score, PlaceAlignment{}.score);
-  EXPECT_EQ(PlaceAligner(nothing).outlook(place), 0);
 }
 
 TEST(PlaceAligner, WithoutDepthTheWallsAloneAreLaidOverEachOther) {
@@ -82,7 +80,6 @@ TEST(PlaceAligner, BuffersDoNotChangeTheAnswer) {
                        c = placeSignature(seenFrom(robot(4, 1.5, 2.4), 3), kMounting);
   PlaceAligner used(b);
   used.align(c);
-  used.outlook(c);
   EXPECT_EQ(used.align(a).score, PlaceAligner(b).align(a).score);
 }
 

@@ -48,6 +48,46 @@ TEST(PlaceSignature, WallsLieWhereTheRoomHasThem) {
   }
 }
 
+TEST(PlaceSignature, WallsThatFaceAMainHeadingComeFirst) {
+  for (const double heading : {-2.0, -0.7, 0.1, 0.6, 0.9, 2.5}) {
+    const PlaceSignature place =
+        placeSignature(viewFrom(test::largeRoom(), robotCamera(2, 2.5, heading), 1), kMounting);
+    // The room's walls are along its axes.
+    EXPECT_NEAR(std::remainder(place.main_heading + heading, 90 * kDegree), 0, 1 * kDegree) << heading;
+    EXPECT_LE(std::abs(place.main_heading), 45 * kDegree + 1e-6) << heading;
+    EXPECT_EQ(place.facing.front(), 0);
+    ASSERT_TRUE(std::is_sorted(place.facing.begin(), place.facing.end()));
+    ASSERT_LE(place.facing.back(), static_cast<std::int32_t>(place.walls.size()));
+    EXPECT_GE(place.facing.back(), 3) << heading;
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(place.walls.size()); ++i)
+      for (int k = 0; k < 4; ++k) {
+        const double turn =
+            std::remainder(place.walls[i].heading - place.main_heading - k * 90 * kDegree, 360 * kDegree);
+        const bool listed = place.facing[k] <= i && i < place.facing[k + 1];
+        EXPECT_EQ(listed, std::abs(turn) <= 8 * kDegree) << heading << ", wall " << i << ", " << k;
+      }
+  }
+}
+
+TEST(WallColumns, EndsThatAreNotSeenAreNone) {
+  Wall w;
+  w.offset = 3, w.right = -1, w.left = 2, w.bottom = 0.5f, w.top = 1.5f, w.weight = 0.8f;
+  w.left_end = w.top_end = true;
+  const WallColumns columns({w, w, w});
+  EXPECT_EQ(columns.size() % 8, 0u);
+  EXPECT_GE(columns.size(), 3u);
+  EXPECT_EQ(columns.offset[2], 3);
+  EXPECT_EQ(columns.weight[2], 0.8f);
+  EXPECT_EQ(columns.right[2], -1);
+  EXPECT_EQ(columns.seen_left[2], 2);
+  EXPECT_EQ(columns.seen_top[2], 1.5f);
+  EXPECT_TRUE(std::isnan(columns.seen_right[2]));
+  EXPECT_TRUE(std::isnan(columns.seen_bottom[2]));
+  ASSERT_GE(columns.offset.size(), columns.size() + 8);  // a whole vector from any wall on
+  EXPECT_TRUE(std::isnan(columns.offset[3]));
+  EXPECT_TRUE(std::isnan(columns.offset.back()));
+}
+
 TEST(PlaceSignature, AnUnevenFloorChangesLittle) {
   const double roll = 1 * kDegree, pitch = 2 * kDegree;
   const Eigen::Isometry3d tilted = robotCamera(2, 2.5, 0.1, roll, pitch);

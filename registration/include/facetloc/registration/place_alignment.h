@@ -4,7 +4,6 @@
 #include <facetloc/registration/place_signature.h>
 
 #include <limits>
-#include <utility>
 #include <vector>
 
 namespace facetloc {
@@ -28,9 +27,6 @@ public:
   /** \param scene must outlive the aligner */
   explicit PlaceAligner(const PlaceSignature& scene);
   PlaceAlignment align(const PlaceSignature& model);
-  /** \brief How much can be hoped for from align(), for a tenth of its work: the weight of the walls that fit
-   * when the views are moved along each of the two main directions on its own. */
-  float outlook(const PlaceSignature& model);
 
 private:
   /** Two walls that may be one. */
@@ -45,13 +41,6 @@ private:
   struct Pose {
     float turn, x, y, support;
   };
-  /** The walls of the scene, property by property, filled up to whole vectors (lanes.h). */
-  struct WallColumns {
-    explicit WallColumns(const std::vector<Wall>& walls);
-    std::size_t size;
-    std::vector<float> heading, offset, right, left, bottom, top;
-  };
-
   static int findAlike(const WallColumns& walls, const Wall& wall, int* alike);
   void findPairs(const PlaceSignature& model);
   void findTurns();
@@ -66,7 +55,6 @@ private:
   std::vector<const Pair*> turned_;
   std::vector<float> turns_, grid_;
   std::vector<Pose> poses_;
-  std::vector<std::pair<bool, int>> touched_;  // across, step
 };
 
 }  // namespace facetloc

@@ -11,14 +11,11 @@
 
 namespace facetloc {
 
-/** \brief When the search of a map is cut short, and how.
- *
- * On simulated floors of 150 local models, the defaults leave 25 of them for a query, among them one that
- * gives the right pose for 98.3 % of the answerable queries; a shortlist of up to 150 has 49, for 98.6 %. */
+/** \brief When the search of a map is cut short, and how. */
 struct PlaceIndexParams {
   int shortlist = 40;              ///< most local models that a view is registered with; 0 = always all
   double shortlist_gap = 1.2;      ///< score below the best at which a local model is hopeless
-  int exhaustive_up_to = 30;       ///< local models of a map that is small
+  int exhaustive_up_to = 5;        ///< local models of a map that is small
   int aligned_models = 1000;       ///< local models that are aligned with a view
   int first_models = 10;           ///< likeliest ones that a view is registered with first
   double sure_probability = 0.95;  ///< of a place that they show, with which no others are asked
@@ -60,12 +57,12 @@ struct Candidate {
  *     facetloc::PlaceIndex index(map);
  *     for (const int model : index.shortlist(view, 150)) ...
  *
- * Every wall, pair of parallel walls, upper or lower edge of a wall and level surface of a model is a
- * descriptor in a FLANN tree, in units of how much it may differ between two views of a place: a standard
- * deviation of the pose for where it is, of its error for what the motion does not change. A view's
- * descriptors vote for the models that have alike ones, by nearness and rarity, and only those agreeing on
- * one heading add up. The models with the most votes, and of the others those that give most hope
- * (PlaceAligner::outlook), are aligned with the view and come out in the order of that (PlaceAligner::align).
+ * Upper and lower edges of the walls of all models are descriptors in a FLANN tree, in units of how much they
+ * may differ between two views of a place: standard deviations of the pose for where an edge is, of its error
+ * for how high. Those of a view vote for the models that have alike ones, by nearness and rarity, and only
+ * those agreeing on one heading add up. Votes and outlook (PlaceOutlook) tell how much is to be hoped for from
+ * each model. Those that give most hope are aligned with the view (PlaceAligner), and come out in the order of
+ * that, to which hope adds a little.
  *
  * Needs a map whose camera mounting is known. Never changes; all functions are thread-safe. The same map
  * gives the same answers. */

@@ -5,6 +5,7 @@
 #include <facetloc/features/so3.h>
 #include <facetloc/registration/pose_prior.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -50,10 +51,15 @@ struct CoarseDepth {
  * floor changes without telling anything: roll, pitch and height.
  *
  * Heading and position on the floor remain unknown; the offsets of parallel walls differ by the same amount
- * from everywhere, and so do heights, angles between walls, and ends of walls from walls across. */
+ * from everywhere, and so do heights, angles between walls, and ends of walls from walls across.
+ *
+ * Most places are built along two directions at right angles. Walls facing a main heading come first, side
+ * by side: those from facing[k] to facing[k + 1] face main_heading + k quarters of a turn. */
 struct PlaceSignature {
   Eigen::Matrix3f R_u_c = Eigen::Matrix3f::Identity();  ///< camera axes in the upright frame
   float height = 0;                                     ///< of the camera above the floor [m]
+  float main_heading = 0;                               ///< [rad], within an eighth of a turn of 0
+  std::array<std::int32_t, 5> facing{};
   std::vector<Wall> walls;
   std::vector<LevelSurface> surfaces;
   CoarseDepth picture;  ///< empty if the view has no depth
@@ -66,6 +72,20 @@ struct PlaceSignature {
  * out; a view without any gives an empty signature. */
 PlaceSignature placeSignature(const View& view, const CameraMounting& mounting,
                               const PosePriorParams& prior = {});
+
+/** \brief Walls, property by property, for many of them at once are compared. Filled up beyond the last one
+ * with NaN, which is like nothing. */
+struct WallColumns {
+  explicit WallColumns(const std::vector<Wall>& walls);
+  /** \brief Filled up to whole vectors (lanes.h). From each of so many on, a whole vector can be read. */
+  std::size_t size() const { return size_; }
+
+  std::vector<float> heading, offset, right, left, bottom, top, weight;
+  std::vector<float> seen_right, seen_left, seen_bottom, seen_top;  ///< NaN where the end is not seen
+
+private:
+  std::size_t size_;
+};
 
 /** \brief Points, coordinate by coordinate, for many of them at once are moved and looked up [m]. */
 struct PointColumns {
