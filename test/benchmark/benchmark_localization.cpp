@@ -54,6 +54,8 @@ void localization(benchmark::State& state) {
   const bool dense = state.range(1) != 0;
   params.registration.depth_assistance = params.ranking.multi_model = dense;
   if (!dense) params.registration.consensus.free_space_weight = 0;
+  params.index.shortlist = state.range(2) != 0 ? params.index.shortlist : 0;
+  params.index.exhaustive_up_to = 0;
   const GlobalLocalization localizer(map, params);
   std::vector<View> scenes;
   for (int i = 0; i < 8; ++i)
@@ -67,10 +69,12 @@ void localization(benchmark::State& state) {
   state.counters["segments_per_model"] = segments;
   state.counters["places"] = static_cast<double>(hypotheses) / static_cast<double>(state.iterations());
 }
-// 142 local models are the paper's map.
+// 142 local models are the paper's map. Small maps tell from how many on a shortlist is worth its time.
 BENCHMARK(localization)
-    ->ArgNames({"models", "dense"})
-    ->ArgsProduct({{kPerRoom, 142}, {0, 1}})
+    ->ArgNames({"models", "dense", "shortlist"})
+    ->ArgsProduct({{kPerRoom, 142}, {0, 1}, {1}})
+    ->ArgsProduct({{2, 5, 30}, {1}, {1}})
+    ->ArgsProduct({{2, 5, kPerRoom, 30}, {1}, {0}})
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
