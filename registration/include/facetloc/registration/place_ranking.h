@@ -36,11 +36,11 @@ struct PlaceRankingParams {
   DenseRefinementParams dense;
   double refined_absolute_error = 1.6;    ///< as depth_absolute_error, once refined [noise std]
   double refined_relative_error = 0.003;  ///< as depth_relative_error, once refined
-  double softmax_slope = 0.116;           ///< beta of the probability [1/nat]
+  double softmax_slope = 0.11;            ///< beta of the probability [1/nat]
   int runners_up = 3;                  ///< places after the best, whose mean score tells what wrong ones have
-  double runners_up_weight = 0.62;     ///< of that mean in S_0, see nullScore
-  double null_score = 13;              ///< S_0 of a view whose runners-up score 0 [nats]
-  double least_null_score = -12;       ///< S_0 if runners-up have hardly any score, or there is none [nats]
+  double runners_up_weight = 0.54;     ///< of that mean in S_0, see nullScore
+  double null_score = 10;              ///< S_0 of a view whose runners-up score 0 [nats]
+  double least_null_score = -14;       ///< S_0 if runners-up have hardly any score, or there is none [nats]
   double plain_softmax_slope = 0.155;  ///< the same for scores without evidence of local models
   double plain_null_score = 22.3;
 
