@@ -54,6 +54,25 @@ FACETLOC_ALWAYS_INLINE float seen(bool is_end, float value) {
   return is_end ? value : std::numeric_limits<float>::quiet_NaN();
 }
 
+// What the best move gets.
+FACETLOC_ALWAYS_INLINE float most(Votes& votes) {
+  votes.front() = votes.back() = 0;
+  const float* prior = movePrior().data();
+  Floats best{};
+  for (int i = 0; i < kMoves; i += kLanes) {
+    Floats before, at, after, less;
+    std::memcpy(&before, &votes[i], sizeof before);
+    std::memcpy(&at, &votes[i + 1], sizeof at);
+    std::memcpy(&after, &votes[i + 2], sizeof after);
+    std::memcpy(&less, prior + i, sizeof less);
+    const Floats got = at + kAside * (before + after) - less;
+    best = got > best ? got : best;
+  }
+  float of_lanes = 0;
+  for (int lane = 0; lane < kLanes; ++lane) of_lanes = best[lane] > of_lanes ? best[lane] : of_lanes;
+  return of_lanes;
+}
+
 // What the best moves get if the model's main heading is the scene's plus quarters of a turn.
 FACETLOC_MULTIVERSION float bestMoves(const PlaceSignature& scene, const WallColumns& walls,
                                       const PlaceSignature& model, int quarters) {
@@ -75,12 +94,14 @@ FACETLOC_MULTIVERSION float bestMoves(const PlaceSignature& scene, const WallCol
         read(walls.bottom, j, bottom), read(walls.top, j, top);
         read(walls.seen_right, j, seen_right), read(walls.seen_left, j, seen_left);
         read(walls.seen_bottom, j, seen_bottom), read(walls.seen_top, j, seen_top);
-        const Floats model_weight = none + m.weight, edge = none + kEdge;
+        const Floats model_weight = none + m.weight, edge = none + kEdge, higher = m_top - seen_top,
+                     lower = m_bottom - seen_bottom;
         weight = weight < model_weight ? weight : model_weight;
-        weight = (bottom - m.top <= kGap) & (m.bottom - top <= kGap) ? weight : none;
-        const Floats higher = m_top - seen_top, lower = m_bottom - seen_bottom;
-        const Floats edges = ((higher < kEdgeError) & (higher > -kEdgeError) ? edge : none) +
-                             ((lower < kEdgeError) & (lower > -kEdgeError) ? edge : none);
+        const Ints overlaps = (bottom - m.top <= kGap) & (m.bottom - top <= kGap),
+                   same_top = (higher < kEdgeError) & (higher > -kEdgeError),
+                   same_bottom = (lower < kEdgeError) & (lower > -kEdgeError);
+        weight = overlaps ? weight : none;
+        const Floats edges = (same_top ? edge : none) + (same_bottom ? edge : none);
         Floats bin = along * (m.offset - offset) + kMiddle, right = across * (m_right - seen_right) + kMiddle,
                left = across * (m_left - seen_left) + kMiddle;
         bound(bin), bound(right), bound(left);
@@ -96,23 +117,7 @@ FACETLOC_MULTIVERSION float bestMoves(const PlaceSignature& scene, const WallCol
       }
     }
   }
-  float sum = 0;
-  const float* prior = movePrior().data();
-  for (Votes& direction : votes) {
-    direction.front() = direction.back() = 0;
-    Floats most{};
-    for (int i = 0; i < kMoves; i += kLanes) {
-      Floats before, at, after, p;
-      std::memcpy(&before, &direction[i], sizeof before), std::memcpy(&at, &direction[i + 1], sizeof at);
-      std::memcpy(&after, &direction[i + 2], sizeof after), std::memcpy(&p, prior + i, sizeof p);
-      const Floats got = at + kAside * (before + after) - p;
-      most = got > most ? got : most;
-    }
-    float best = 0;
-    for (int lane = 0; lane < kLanes; ++lane) best = most[lane] > best ? most[lane] : best;
-    sum += best;
-  }
-  return sum;
+  return most(votes[0]) + most(votes[1]);
 }
 
 }  // namespace
