@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cstdint>
 #include <limits>
 #include <sstream>
 
@@ -317,6 +319,21 @@ TEST_F(PlaceIndexOfRooms, IsMadeAnewWhereTheWrittenOneIsForSomethingElse) {
             other.models.size());
   std::istringstream torn(bytes.substr(0, bytes.size() / 2));
   EXPECT_THROW(PlaceIndex::read(torn, *map), std::runtime_error);
+}
+
+TEST_F(PlaceIndexOfRooms, BytesThatTellOfMoreWallsThanThereAreAreRefused) {
+  std::string bytes = written(PlaceIndex(*map, few()));
+  std::array<std::int32_t, 5> facing = placeSignature(map->models[0].view, kMounting).facing;
+  const auto asBytes = [&facing] {
+    return std::string(reinterpret_cast<const char*>(facing.data()), sizeof facing);
+  };
+  const std::size_t at = bytes.find(asBytes());
+  ASSERT_NE(at, std::string::npos);
+  for (const std::int32_t wrong : {1000, -1}) {
+    facing.back() = wrong;
+    std::istringstream in(bytes.replace(at, sizeof facing, asBytes()));
+    EXPECT_THROW(PlaceIndex::read(in, *map), std::runtime_error) << wrong;
+  }
 }
 
 TEST_F(PlaceIndexOfRooms, AMapWhoseViewsAreElsewhereGivesTheSameAnswers) {
