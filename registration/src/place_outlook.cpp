@@ -28,18 +28,6 @@ constexpr float kBaseWeight = 2, kPower = 0.6f;
 // Votes for moves in one direction; the first and the last are for those that are too large.
 using Votes = std::array<float, kMoves + 2>;
 
-const std::array<float, kMoves>& movePrior() {
-  static const std::array<float, kMoves> prior = [] {
-    std::array<float, kMoves> p{};
-    for (int i = 0; i < kMoves; ++i) {
-      const float move = kStep * static_cast<float>(i) - kReach;
-      p[static_cast<std::size_t>(i)] = kMovePrior * move * move;
-    }
-    return p;
-  }();
-  return prior;
-}
-
 FACETLOC_ALWAYS_INLINE void bound(Floats& bin) {
   const Floats first{}, last = first + (kMoves + 1.5f);
   bin = bin > first ? bin : first;  // where a value is NaN, too
@@ -57,15 +45,14 @@ FACETLOC_ALWAYS_INLINE float seen(bool is_end, float value) {
 // What the best move gets.
 FACETLOC_ALWAYS_INLINE float most(Votes& votes) {
   votes.front() = votes.back() = 0;
-  const float* prior = movePrior().data();
   Floats best{};
   for (int i = 0; i < kMoves; i += kLanes) {
-    Floats before, at, after, less;
+    Floats before, at, after;
     std::memcpy(&before, &votes[i], sizeof before);
     std::memcpy(&at, &votes[i + 1], sizeof at);
     std::memcpy(&after, &votes[i + 2], sizeof after);
-    std::memcpy(&less, prior + i, sizeof less);
-    const Floats got = at + kAside * (before + after) - less;
+    const Floats move = kStep * (kLaneOffset + static_cast<float>(i)) - kReach,
+                 got = at + kAside * (before + after) - kMovePrior * move * move;
     best = got > best ? got : best;
   }
   float of_lanes = 0;

@@ -15,9 +15,10 @@ namespace {
 constexpr double kPlaneStd = 0.3 * kDegree;  // of how horizontal or vertical things are built
 constexpr double kFirstGate = 7 * kDegree, kGate = 3 * kDegree;  // 3 std of pitch and roll, then of planes
 constexpr double kOblique = 6 * kDegree;  // a plane farther from vertical and horizontal is neither
-constexpr double kFloorHeight = 0.05;     // a level surface within this is the floor [m]
-constexpr float kFloorPixels = 0.12f;     // what lies lower may be floor: everybody sees that [m]
-constexpr double kMargin = 7;             // [px] of the working image: nearer to its border a hull is cut off
+constexpr float kQuarter = static_cast<float>(90 * kDegree);
+constexpr double kFloorHeight = 0.05;  // a level surface within this is the floor [m]
+constexpr float kFloorPixels = 0.12f;  // what lies lower may be floor: everybody sees that [m]
+constexpr double kMargin = 7;          // [px] of the working image: nearer to its border a hull is cut off
 constexpr int kPictureStep = 4, kPointStep = 2;  // pixels of the depth picture, of the coarse picture
 constexpr double kMostMillimetres = 65535;
 constexpr float kFarthestPoint = 7;  // [m]
@@ -95,7 +96,6 @@ Wall wallOf(const Segment& s, const Eigen::Matrix3d& R, double height, const Int
 
 /** The least turn that makes one heading the other or one across it [rad]. */
 float turnToMainHeading(float heading, float main_heading) {
-  constexpr auto kQuarter = static_cast<float>(90 * kDegree);
   const float turn = heading - main_heading;
   return turn - kQuarter * std::round(turn / kQuarter);
 }
@@ -120,7 +120,7 @@ float mainHeading(const std::vector<Wall>& walls) {
 }
 
 void sortByHeading(PlaceSignature& place) {
-  constexpr auto kQuarter = static_cast<float>(90 * kDegree), kAlong = static_cast<float>(8 * kDegree);
+  constexpr auto kAlong = static_cast<float>(8 * kDegree);
   place.main_heading = mainHeading(place.walls);
   const auto quarters = [&place](const Wall& w) {  // 4 for what faces no main heading
     if (std::abs(turnToMainHeading(w.heading, place.main_heading)) > kAlong) return 4;

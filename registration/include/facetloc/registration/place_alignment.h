@@ -41,6 +41,7 @@ private:
   struct Pose {
     float turn, x, y, support;
   };
+
   static int findAlike(const WallColumns& walls, const Wall& wall, int* alike);
   void findPairs(const PlaceSignature& model);
   void findTurns();
