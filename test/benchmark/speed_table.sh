@@ -65,5 +65,5 @@ for dense in 0 1; do
   n=$(count benchmark_localization "^localization/models:12/dense:$dense/shortlist:1" \
       'facetloc::GlobalLocalization::localize(facetloc::View const&) const')
   [ $dense = 0 ] && what="planes only" || what="all dense steps"
-  echo "| one view in 12 local models, $what | $(awk "BEGIN { printf \"%.1f\", $n / 1e6 }") M |"
+  echo "| one view in 12 local models with the shortlist, $what | $(awk "BEGIN { printf \"%.1f\", $n / 1e6 }") M |"
 done
