@@ -83,14 +83,15 @@ struct RunSums {
   double z, kz, zz, kzz, kkzz;  // of depth z
 };
 
-// Of all measured pixels.
-FACETLOC_MULTIVERSION void sumMeasured(const float* d, int length, RunSums& out) {
+// Of all measured pixels; the image ends at end.
+FACETLOC_MULTIVERSION void sumMeasured(const float* d, const float* end, int length, RunSums& out) {
   Doubles n{}, k1{}, k2{}, d1{}, kd{}, dd{}, k = kDoubleOffset;
   for (int i = 0; i < length; i += kDoubleLanes) {
     FloatQuad pixel;
-    load(d + i, d + length, pixel);
-    const Doubles one = __builtin_convertvector((pixel > 0) & 1, Doubles);
-    const Doubles value = __builtin_convertvector(pixel, Doubles);
+    load(d + i, end, pixel);
+    const IntQuad counts = (pixel > 0) & (kQuadLane < length - i);
+    const Doubles one = __builtin_convertvector(counts & 1, Doubles);
+    const Doubles value = __builtin_convertvector((FloatQuad)((IntQuad)pixel & counts), Doubles);
     const Doubles one_k = one * k;
     n += one, k1 += one_k, k2 += one_k * k;
     d1 += value, kd += value * k, dd += value * value;
@@ -100,16 +101,16 @@ FACETLOC_MULTIVERSION void sumMeasured(const float* d, int length, RunSums& out)
 }
 
 // Of the measured pixels whose inverse depth is near start + k slope.
-FACETLOC_MULTIVERSION void sumSupport(const float* d, const float* z, int length, float start, float slope,
-                                      float tolerance, RunSums& out) {
+FACETLOC_MULTIVERSION void sumSupport(const float* d, const float* end, const float* z, int length,
+                                      float start, float slope, float tolerance, RunSums& out) {
   Doubles n{}, k1{}, k2{}, d1{}, kd{}, dd{}, z1{}, kz{}, zz{}, kzz{}, kkzz{}, k = kDoubleOffset;
   FloatQuad offset = kQuadOffset;
   for (int i = 0; i < length; i += kDoubleLanes) {
     FloatQuad inverse, depth;
-    load(d + i, d + length, inverse);
-    load(z + i, z + length, depth);
+    load(d + i, end, inverse);
+    load(z + i, z + (end - d), depth);
     const FloatQuad e = inverse - (start + slope * offset);
-    const IntQuad counts = (inverse > 0) & (e <= tolerance) & (e >= -tolerance);
+    const IntQuad counts = (inverse > 0) & (e <= tolerance) & (e >= -tolerance) & (kQuadLane < length - i);
     const Doubles one = __builtin_convertvector(counts & 1, Doubles);
     const Doubles value = __builtin_convertvector((FloatQuad)((IntQuad)inverse & counts), Doubles);
     const Doubles range = __builtin_convertvector((FloatQuad)((IntQuad)depth & counts), Doubles);
@@ -131,11 +132,12 @@ PlaneMoments momentsOf(const RunSums& s, int u, int v) {
 }
 
 // First pass: the plane of each region from all of its pixels, and how far they scatter.
-void fitRegions(const Intrinsics& camera, const float* inverse, const std::vector<Run>& runs,
+void fitRegions(const Intrinsics& camera, const std::vector<float>& inverse, const std::vector<Run>& runs,
                 double noise_std, double trim, std::vector<Region>& regions) {
   for (const auto& [label, v, begin, end] : runs) {
     RunSums sums;
-    sumMeasured(inverse + static_cast<std::size_t>(v) * camera.width + begin, end - begin, sums);
+    sumMeasured(inverse.data() + static_cast<std::size_t>(v) * camera.width + begin,
+                inverse.data() + inverse.size(), end - begin, sums);
     regions[label].plane += momentsOf(sums, begin, v);
   }
   for (Region& r : regions) {
@@ -147,7 +149,7 @@ void fitRegions(const Intrinsics& camera, const float* inverse, const std::vecto
 }
 
 // Second pass: plane and points of the pixels that belong, row by row.
-void gatherSupport(const DepthImage& image, const float* inverse, const std::vector<Run>& runs,
+void gatherSupport(const DepthImage& image, const std::vector<float>& inverse, const std::vector<Run>& runs,
                    double min_support, std::vector<Region>& regions, std::vector<RowExtreme>& row_extremes) {
   const Intrinsics& c = image.camera;
   row_extremes.assign(regions.size() * c.height, {c.width, -1});
@@ -160,11 +162,12 @@ void gatherSupport(const DepthImage& image, const float* inverse, const std::vec
     Region& r = regions[label];
     if (!r.row_extremes) continue;
     const std::size_t pixel = static_cast<std::size_t>(v) * c.width + begin;
-    const float* d = inverse + pixel;
+    const float* d = inverse.data() + pixel;
     const float start = static_cast<float>(r.fitted.at(begin, v)), slope = static_cast<float>(r.fitted.a);
     const float tolerance = static_cast<float>(r.tolerance);
     RunSums sums;
-    sumSupport(d, image.depth.data() + pixel, end - begin, start, slope, tolerance, sums);
+    sumSupport(d, inverse.data() + inverse.size(), image.depth.data() + pixel, end - begin, start, slope,
+               tolerance, sums);
     if (sums.n == 0) continue;
     r.plane += momentsOf(sums, begin, v);
     // b_x = x0 + k / f, and b_y is the same in the whole row.
@@ -400,9 +403,9 @@ void SegmentEstimation::estimate(const DepthImage& image, const LabelImage& labe
   std::int32_t max_label = 0;
   for (const Run& run : b.runs) max_label = std::max(max_label, run.label);
   b.regions.assign(max_label + 1, {});
-  fitRegions(image.camera, b.inverse.data(), b.runs, noise.inverse_depth_std, params_.trim, b.regions);
+  fitRegions(image.camera, b.inverse, b.runs, noise.inverse_depth_std, params_.trim, b.regions);
   const double min_support = std::max(3.0, scaledPixels(params_.min_support, image.camera));
-  gatherSupport(image, b.inverse.data(), b.runs, min_support, b.regions, b.row_extremes);
+  gatherSupport(image, b.inverse, b.runs, min_support, b.regions, b.row_extremes);
 
   b.found.clear();
   b.label_of.clear();

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "triangle_rows.h"
-
 #include <facetloc/features/impl/lanes.h>
 #include <facetloc/segmentation/depth_triangulation.h>
+#include <facetloc/segmentation/impl/float_bits.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace facetloc {
 namespace {
 
 using Vertex = DepthTriangulation::Vertex;
-using Span = DepthTriangulation::Span;
 
 std::int64_t orientation(const Vertex& a, const Vertex& b, const Vertex& c) {
   return std::int64_t(b.u - a.u) * (c.v - a.v) - std::int64_t(b.v - a.v) * (c.u - a.u);
@@ -30,6 +29,12 @@ struct ScanResult {
   float max_deviation;  // |d - plane| of the valid pixels
   std::int32_t pixel;   // where that is, the first of equal ones; -1 if there is no deviation
 };
+
+// Deviations and where they are, as numbers: the larger deviation is the larger one, then the smaller index.
+constexpr std::uint64_t keyOf(std::uint64_t deviation_bits, std::int32_t index) {
+  return deviation_bits << 32 | static_cast<std::uint32_t>(~index);
+}
+constexpr std::int32_t indexOf(std::uint64_t key) { return ~static_cast<std::int32_t>(key); }
 
 // Counts the valid ones of eight pixels and keeps, lane by lane, the bits of their largest deviation from
 // what a plane makes expect; non-negative floats order like integers.
@@ -60,21 +65,21 @@ FACETLOC_MULTIVERSION ScanResult scanPixels(const DisparityImage& image, Triangl
       std::memcpy(&d, pixels + k, sizeof d);
       lookAt(d, start + slope * offset, d > 0, of_row, valid);
     }
-    if (k < length) {
-      load(pixels + k, end, d);
-      lookAt(d, start + slope * offset, (d > 0) & (kLane < length - k), of_row, valid);
-    }
+    load(pixels + k, end, d);
+    lookAt(d, start + slope * offset, (d > 0) & (kLane < length - k), of_row, valid);
     const Ints is_larger = of_row > largest;
     in_row = is_larger ? Ints{} + first : in_row;
     largest = of_row;
   }
-  std::int32_t worst = 0, row = 0;
+  std::uint64_t worst = 0;  // the larger deviation, then the earlier row
   for (int k = 0; k < kLanes; ++k) {
     r.num_valid += valid[k];
-    if (largest[k] > worst || (largest[k] == worst && in_row[k] < row)) worst = largest[k], row = in_row[k];
+    worst = std::max(worst, keyOf(largest[k], in_row[k]));
   }
-  std::memcpy(&r.max_deviation, &worst, sizeof worst);
-  if (worst == 0) return r;
+  const std::int32_t row = indexOf(worst);
+  const auto bits = static_cast<std::uint32_t>(worst >> 32);
+  std::memcpy(&r.max_deviation, &bits, sizeof bits);
+  if (bits == 0) return r;
   // The first pixel of that row with that deviation.
   const int u = row % image.camera.width, v = row / image.camera.width;
   const float start = static_cast<float>(plane.at(u, v));
@@ -87,6 +92,9 @@ FACETLOC_MULTIVERSION ScanResult scanPixels(const DisparityImage& image, Triangl
   for (r.pixel = row; r.pixel < last && !deviates(image.d[r.pixel]); ++r.pixel) ++offset;
   return r;
 }
+
+// Which of the three is x; one of them is.
+int whichIs(std::int32_t x, const std::array<std::int32_t, 3>& of) { return (of[1] == x) + 2 * (of[2] == x); }
 
 // Disparity of the valid pixel nearest to (u, v) in the maximum norm, ties row-major; 0 if there is none.
 float nearestValid(const DisparityImage& image, int u, int v) {
@@ -121,14 +129,15 @@ void DepthTriangulation::compute(const DisparityImage& image) {
       fitPlane(t);
       if (isSmall(t)) continue;
       scan(t);
-      if (mustSplit(t)) bad_.push_back({t.max_deviation, i});
+      if (mustSplit(t)) bad_.push_back(keyOf(bitsOf(t.max_deviation), i));
     }
-    std::sort(bad_.begin(), bad_.end());
+    std::sort(bad_.begin(), bad_.end(), std::greater<>());
     fresh_.clear();
     ++round_;
-    for (const Bad& b : bad_) {
+    for (const std::uint64_t key : bad_) {
       if (static_cast<int>(vertices_.size()) >= params_.max_vertices) break;
-      if (triangles_[b.triangle].round < round_) insert(b.triangle, triangles_[b.triangle].worst_pixel);
+      const int t = indexOf(key);
+      if (triangles_[t].round < round_) insert(t, triangles_[t].worst_pixel);
     }
   }
   for (Triangle& t : triangles_)
@@ -178,13 +187,6 @@ void DepthTriangulation::touch(int t) {
   fresh_.push_back(t);
 }
 
-void DepthTriangulation::spans(const Triangle& t, std::vector<Span>& out) const {
-  out.clear();
-  for (TriangleRows rows(vertices_[t.vertex[0]], vertices_[t.vertex[1]], vertices_[t.vertex[2]]);
-       !rows.done(); rows.next())
-    if (rows.first() <= rows.last()) out.push_back({rows.v(), rows.first(), rows.last()});
-}
-
 void DepthTriangulation::fitPlane(Triangle& t) const {
   const Vertex &A = vertices_[t.vertex[0]], &B = vertices_[t.vertex[1]], &C = vertices_[t.vertex[2]];
   const double det = static_cast<double>(orientation(A, B, C));
@@ -195,8 +197,7 @@ void DepthTriangulation::fitPlane(Triangle& t) const {
 }
 
 void DepthTriangulation::scan(Triangle& t) const {
-  const TriangleRows rows(vertices_[t.vertex[0]], vertices_[t.vertex[1]], vertices_[t.vertex[2]]);
-  const ScanResult r = scanPixels(*image_, rows, t.plane);
+  const ScanResult r = scanPixels(*image_, rows(t), t.plane);
   t.num_pixels = r.num_pixels;
   t.num_valid = r.num_valid;
   t.max_deviation = r.max_deviation;
@@ -274,7 +275,7 @@ void DepthTriangulation::splitEdge(int t, int edge, int p) {
   touch(t);
   if (j >= 0) {
     const auto& nj = triangles_[j].neighbour;
-    const int m = static_cast<int>(std::find(nj.begin(), nj.end(), t) - nj.begin());
+    const int m = whichIs(t, nj);
     const int d = rotated(triangles_[j].vertex, m)[2];
     const int nad = nj[(m + 1) % 3], ndb = nj[(m + 2) % 3];
     const int j1 = addTriangle(p, a, d);
@@ -299,7 +300,7 @@ void DepthTriangulation::legalize(int t, int edge) {
   const auto& vt = triangles_[t].vertex;
   const int a = vt[edge], b = vt[(edge + 1) % 3], p = vt[(edge + 2) % 3];
   const auto& nj = triangles_[j].neighbour;
-  const int m = static_cast<int>(std::find(nj.begin(), nj.end(), t) - nj.begin());
+  const int m = whichIs(t, nj);
   const int d = triangles_[j].vertex[(m + 2) % 3];
   if (!inCircle(vertices_[a], vertices_[b], vertices_[p], vertices_[d])) return;
 
@@ -320,11 +321,7 @@ void DepthTriangulation::legalize(int t, int edge) {
 
 void DepthTriangulation::replaceNeighbour(int t, int from, int to) {
   if (t < 0) return;
-  for (std::int32_t& n : triangles_[t].neighbour)
-    if (n == from) {
-      n = to;
-      return;
-    }
+  triangles_[t].neighbour[whichIs(from, triangles_[t].neighbour)] = to;
 }
 
 }  // namespace facetloc

@@ -11,21 +11,18 @@
 namespace facetloc {
 namespace {
 
-using Span = DepthTriangulation::Span;
-
-// Labels the pixels in the spans that lie near a plane. \return how many.
-FACETLOC_MULTIVERSION int labelPixels(const DisparityImage& image, const Span* spans, std::size_t n,
-                                      const PixelPlane& plane, float tolerance, std::uint16_t label,
-                                      std::uint16_t* labels) {
+// Labels the pixels in the rows that lie near a plane. \return how many.
+FACETLOC_MULTIVERSION int labelPixels(const DisparityImage& image, TriangleRows rows, const PixelPlane& plane,
+                                      float tolerance, std::uint16_t label, std::uint16_t* labels) {
   const float* const end = image.d.data() + image.d.size();
   const std::uint16_t* const labels_end = labels + image.d.size();
   const float slope = static_cast<float>(plane.a);
   const Shorts of_plane = Shorts{} + static_cast<std::int16_t>(label);
   Ints labelled{};
-  for (const Span* s = spans; s < spans + n; ++s) {
-    const std::size_t first = static_cast<std::size_t>(s->v) * image.camera.width + s->first;
-    const std::int32_t length = s->last - s->first + 1;
-    const float start = static_cast<float>(plane.at(s->first, s->v));
+  for (; !rows.done(); rows.next()) {
+    const std::size_t first = static_cast<std::size_t>(rows.v()) * image.camera.width + rows.first();
+    const std::int32_t length = rows.last() - rows.first() + 1;
+    const float start = static_cast<float>(plane.at(rows.first(), rows.v()));
     Floats offset = kLaneOffset;
     Ints rest = length - kLane;
     for (std::int32_t k = 0; k < length; k += kLanes) {
@@ -114,9 +111,8 @@ void PlaneSegmenter::label(LabelledPlanes& out) {
     const int r = merge_.regionOfTriangle()[t];
     if (r < 0 || label_of_region_[r] == 0) continue;
     const std::uint16_t k = label_of_region_[r];
-    split_.spans(split_.triangles()[t], spans_);
-    support_[k] += labelPixels(disparity_, spans_.data(), spans_.size(), region_planes_[k], tolerance, k,
-                               out.labels.label.data());
+    support_[k] += labelPixels(disparity_, split_.rows(split_.triangles()[t]), region_planes_[k], tolerance,
+                               k, out.labels.label.data());
   }
 }
 

@@ -8,20 +8,18 @@
 namespace facetloc {
 namespace {
 
-using Span = DepthTriangulation::Span;
-
-// Moments of the valid pixels in the spans, counted from their first row and a column; shifted afterwards,
+// Moments of the valid pixels in the rows, counted from the first row and its column; shifted afterwards,
 // which leaves sums of integers exact.
-FACETLOC_MULTIVERSION PlaneMoments momentsOf(const DisparityImage& image, const Span* spans, std::size_t n) {
-  if (n == 0) return {};
+FACETLOC_MULTIVERSION PlaneMoments momentsOf(const DisparityImage& image, TriangleRows rows) {
   const float* const end = image.d.data() + image.d.size();
-  const std::int32_t top = spans->v, left = spans->first;
+  const std::int32_t top = rows.v(), left = rows.first();
   Doubles m{}, mu{}, mv{}, muu{}, muv{}, mvv{}, d{}, ud{}, vd{}, dd{};
-  for (const Span* s = spans; s < spans + n; ++s) {
-    const float* pixels = image.d.data() + static_cast<std::size_t>(s->v) * image.camera.width + s->first;
-    const std::int32_t length = s->last - s->first + 1;
-    const double v = s->v - top;
-    Doubles u = kDoubleOffset + static_cast<double>(s->first - left);
+  for (; !rows.done(); rows.next()) {
+    const float* pixels =
+        image.d.data() + static_cast<std::size_t>(rows.v()) * image.camera.width + rows.first();
+    const std::int32_t length = rows.last() - rows.first() + 1;
+    const double v = rows.v() - top;
+    Doubles u = kDoubleOffset + static_cast<double>(rows.first() - left);
     IntQuad rest = length - kQuadLane;
     for (std::int32_t i = 0; i < length; i += kDoubleLanes) {
       FloatQuad pixel;
@@ -63,7 +61,7 @@ void RegionMerging::compute(const DepthTriangulation& triangulation, const Dispa
     nodes_.reserve(room), mark_.reserve(room), region_of_triangle_.reserve(room);
     links_.reserve(3 * room);
   }
-  heap_.clear();
+  queue_.clear(params_.merge_tolerance);
   regions_.clear();
   region_of_triangle_.assign(n, -1);
   mark_.assign(n, 0);
@@ -78,14 +76,10 @@ void RegionMerging::compute(const DepthTriangulation& triangulation, const Dispa
           if (i < j) pushEdge(i, j);
         }
 
-  while (!heap_.empty()) {
-    std::pop_heap(heap_.begin(), heap_.end());
-    const Edge e = heap_.back();
-    heap_.pop_back();
-    const bool current = nodes_[e.a].parent == e.a && nodes_[e.b].parent == e.b &&
-                         nodes_[e.a].version == e.version_a && nodes_[e.b].version == e.version_b;
-    if (current) contract(e.a, e.b);
-  }
+  const auto is_current = [this](const EdgeQueue::Edge& e) {
+    return nodes_[e.a].version == e.version_a && nodes_[e.b].version == e.version_b;
+  };
+  for (EdgeQueue::Edge e; queue_.pop(e, is_current);) contract(e.a, e.b);
 
   for (int i = 0; i < n; ++i) {
     if (!nodes_[i].takes_part) continue;
@@ -110,8 +104,7 @@ void RegionMerging::makeNodes(const DepthTriangulation& triangulation, const Dis
     if (t.max_deviation > triangulation.params().split_tolerance) continue;
     if (image.unit * t.plane.toSpace(image.camera).norm() * params_.min_plane_distance > 1) continue;
     node.takes_part = true;
-    triangulation.spans(t, spans_);
-    node.moments = momentsOf(image, spans_.data(), spans_.size());
+    node.moments = momentsOf(image, triangulation.rows(t));
     node.sse = node.moments.fit().sse;
   }
 }
@@ -124,8 +117,7 @@ int RegionMerging::root(int i) {
 void RegionMerging::pushEdge(int a, int b) {
   const double c = cost(nodes_[a].moments, nodes_[a].sse, nodes_[b].moments, nodes_[b].sse);
   if (!(c <= params_.merge_tolerance)) return;  // costs of either side are computed anew when it changes
-  heap_.push_back({static_cast<float>(c), a, b, nodes_[a].version, nodes_[b].version});
-  std::push_heap(heap_.begin(), heap_.end());
+  queue_.push({static_cast<float>(c), a, b, nodes_[a].version, nodes_[b].version});
 }
 
 void RegionMerging::append(int node, int neighbour) {

@@ -18,7 +18,6 @@ using test::randomDisparity;
 using test::roomDisparity;
 using Vertex = DepthTriangulation::Vertex;
 using Triangle = DepthTriangulation::Triangle;
-using Span = DepthTriangulation::Span;
 
 // ---- oracles, in integers wide enough for anything
 
@@ -98,17 +97,14 @@ TEST_P(EveryImage, TrianglesCoverTheImageOnce) {
   EXPECT_EQ(split.triangles().size(), 2 * split.vertices().size() - 2 - border_edges);
 }
 
-TEST_P(EveryImage, SpansPartitionTheImage) {
+TEST_P(EveryImage, RowsPartitionTheImage) {
   const int w = image().camera.width;
   std::vector<int> count(image().d.size(), 0);
-  std::vector<Span> spans;
   for (const Triangle& t : split.triangles()) {
-    split.spans(t, spans);
     int pixels = 0;
-    for (const Span& s : spans) {
-      ASSERT_LE(s.first, s.last);
-      for (int u = s.first; u <= s.last; ++u, ++pixels) ++count.at(static_cast<std::size_t>(s.v) * w + u);
-    }
+    for (TriangleRows rows = split.rows(t); !rows.done(); rows.next())
+      for (int u = rows.first(); u <= rows.last(); ++u, ++pixels)
+        ++count.at(static_cast<std::size_t>(rows.v()) * w + u);
     EXPECT_EQ(pixels, t.num_pixels);
   }
   EXPECT_TRUE(std::all_of(count.begin(), count.end(), [](int n) { return n == 1; }));
@@ -136,19 +132,17 @@ TEST_P(EveryImage, NeighboursShareTheirEdge) {
 }
 
 TEST_P(EveryImage, TrianglesKnowTheirPlaneAndTheirWorstPixel) {
-  std::vector<Span> spans;
   for (const Triangle& t : split.triangles()) {
     for (const int k : t.vertex)
       EXPECT_NEAR(t.plane.at(vertex(k).u, vertex(k).v), vertex(k).d, 1e-3 * (1 + std::abs(vertex(k).d)));
-    split.spans(t, spans);
     int valid = 0;
     double largest = 0, at_worst = 0;
-    for (const Span& s : spans)
-      for (int u = s.first; u <= s.last; ++u) {
-        const int i = s.v * image().camera.width + u;
+    for (TriangleRows rows = split.rows(t); !rows.done(); rows.next())
+      for (int u = rows.first(); u <= rows.last(); ++u) {
+        const int i = rows.v() * image().camera.width + u;
         if (!(image().d[i] > 0)) continue;
         ++valid;
-        const double e = std::abs(image().d[i] - t.plane.at(u, s.v));
+        const double e = std::abs(image().d[i] - t.plane.at(u, rows.v()));
         largest = std::max(largest, e);
         if (i == t.worst_pixel) at_worst = e;
       }
@@ -284,18 +278,16 @@ TEST(DepthTriangulation, TrianglesKnowAllTheirPixelsAtTheVertexLimit) {
   params.max_vertices = 12;
   DepthTriangulation split(params);
   split.compute(image);
-  std::vector<Span> spans;
   for (const Triangle& t : split.triangles()) {
     int pixels = 0, valid = 0;
     double largest = 0;
-    split.spans(t, spans);
-    for (const Span& s : spans)
-      for (int u = s.first; u <= s.last; ++u) {
-        const float d = image.d[static_cast<std::size_t>(s.v) * 320 + u];
+    for (TriangleRows rows = split.rows(t); !rows.done(); rows.next())
+      for (int u = rows.first(); u <= rows.last(); ++u) {
+        const float d = image.d[static_cast<std::size_t>(rows.v()) * 320 + u];
         ++pixels;
         if (!(d > 0)) continue;
         ++valid;
-        largest = std::max(largest, std::abs(d - t.plane.at(u, s.v)));
+        largest = std::max(largest, std::abs(d - t.plane.at(u, rows.v())));
       }
     EXPECT_EQ(t.num_pixels, pixels);
     EXPECT_EQ(t.num_valid, valid);

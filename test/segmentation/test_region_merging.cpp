@@ -94,16 +94,14 @@ TEST(RegionMerging, MomentsOfARegionAreTheSumOverItsPixels) {
                                       randomDisparity(64, 48, 0.3, 3)}) {
     const Merged m(image);
     std::vector<PlaneMoments> sum(m.merging.regions().size());
-    std::vector<DepthTriangulation::Span> spans;
     ASSERT_EQ(m.merging.regionOfTriangle().size(), m.split.triangles().size());
     for (std::size_t t = 0; t < m.split.triangles().size(); ++t) {
       const int r = m.merging.regionOfTriangle()[t];
       if (r < 0) continue;
-      m.split.spans(m.split.triangles()[t], spans);
-      for (const auto& s : spans)
-        for (int u = s.first; u <= s.last; ++u) {
-          const float d = image.d[static_cast<std::size_t>(s.v) * image.camera.width + u];
-          if (d > 0) sum.at(r).add(u, s.v, d);
+      for (TriangleRows rows = m.split.rows(m.split.triangles()[t]); !rows.done(); rows.next())
+        for (int u = rows.first(); u <= rows.last(); ++u) {
+          const float d = image.d[static_cast<std::size_t>(rows.v()) * image.camera.width + u];
+          if (d > 0) sum.at(r).add(u, rows.v(), d);
         }
     }
     for (std::size_t r = 0; r < sum.size(); ++r) {
@@ -174,7 +172,6 @@ TEST(RegionMerging, PoorlyFilledTrianglesAndDiscontinuitiesBelongToNoRegion) {
     for (int u = 0; u < 64; ++u)
       if (u < 20 || u >= 44) image.d[static_cast<std::size_t>(v) * 64 + u] = u < 20 ? 200.f : 600.f;
   const Merged m(image);
-  std::vector<DepthTriangulation::Span> spans;
   for (std::size_t t = 0; t < m.split.triangles().size(); ++t) {
     const auto& triangle = m.split.triangles()[t];
     if (triangle.num_valid < 0.5 * triangle.num_pixels || triangle.num_valid == 0) {

@@ -4,6 +4,7 @@
 #include <facetloc/features/params.h>
 #include <facetloc/features/plane_fit.h>
 #include <facetloc/segmentation/disparity_image.h>
+#include <facetloc/segmentation/triangle_rows.h>
 
 #include <array>
 #include <cstdint>
@@ -44,10 +45,7 @@ struct DepthTriangulationParams {
  * 16000 px wide and high. */
 class DepthTriangulation {
 public:
-  struct Vertex {
-    std::int32_t u = 0, v = 0;  ///< [px]
-    float d = 0;                ///< disparity; of the nearest valid pixel at a corner without one
-  };
+  using Vertex = TriangleVertex;
   struct Triangle {
     std::array<std::int32_t, 3> vertex{};  ///< counter-clockwise in (u right, v up), clockwise on screen
     std::array<std::int32_t, 3> neighbour{
@@ -59,10 +57,6 @@ public:
     std::int32_t num_valid = 0;
     std::int32_t round = 0;  ///< in which it last changed
   };
-  /** \brief A row of pixels inside a triangle: [first, last] of row v. */
-  struct Span {
-    std::int32_t v, first, last;
-  };
 
   explicit DepthTriangulation(const DepthTriangulationParams& params = {}) : params_(params) {}
   const DepthTriangulationParams& params() const { return params_; }
@@ -73,18 +67,12 @@ public:
 
   const std::vector<Vertex>& vertices() const { return vertices_; }
   const std::vector<Triangle>& triangles() const { return triangles_; }
-  /** \brief The pixels of a triangle, row by row. Spans of all triangles partition the image. */
-  void spans(const Triangle& t, std::vector<Span>& out) const;
+  /** \brief The pixels of a triangle, row by row. Rows of all triangles partition the image. */
+  TriangleRows rows(const Triangle& t) const {
+    return {vertices_[t.vertex[0]], vertices_[t.vertex[1]], vertices_[t.vertex[2]]};
+  }
 
 private:
-  /** A triangle that is to be refined. */
-  struct Bad {
-    float deviation;
-    std::int32_t triangle;
-    bool operator<(const Bad& o) const {  // largest deviation first, ties by the smaller index
-      return deviation > o.deviation || (deviation == o.deviation && triangle < o.triangle);
-    }
-  };
   void beginWithCorners();
   void insertGrid();
   int addTriangle(int a, int b, int c);
@@ -106,7 +94,7 @@ private:
   std::vector<Triangle> triangles_;
   int round_ = 0;
   std::vector<std::int32_t> fresh_;  // triangles that have changed in this round
-  std::vector<Bad> bad_;             // those of the last one that are to be refined
+  std::vector<std::uint64_t> bad_;   // those of the last one that are to be refined: deviation, ~triangle
 };
 
 }  // namespace facetloc

@@ -60,7 +60,6 @@ private:
   DisparityImage disparity_;
   DepthTriangulation split_;
   RegionMerging merge_;
-  std::vector<DepthTriangulation::Span> spans_;
   std::vector<PixelPlane> region_planes_;  // by provisional label, in units of the disparity image
   std::vector<int> support_;               // of it [px]
   std::vector<std::uint16_t> label_of_region_, order_, marks_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <facetloc/segmentation/depth_triangulation.h>
+#include <facetloc/segmentation/edge_queue.h>
 
 namespace facetloc {
 
@@ -61,15 +62,6 @@ private:
   struct Link {
     std::int32_t node, next;
   };
-  struct Edge {
-    float cost;
-    std::int32_t a, b;
-    std::uint32_t version_a, version_b;
-    bool operator<(const Edge& o) const {  // cheapest on top, ties by index
-      if (cost != o.cost) return cost > o.cost;
-      return a != o.a ? a > o.a : b > o.b;
-    }
-  };
   void makeNodes(const DepthTriangulation& triangulation, const DisparityImage& image);
   int root(int i);
   void append(int node, int neighbour);
@@ -81,10 +73,9 @@ private:
   std::vector<Link> links_;
   std::vector<std::uint32_t> mark_;  // by node: the last contraction that met it
   std::uint32_t contractions_ = 0;
-  std::vector<Edge> heap_;
+  EdgeQueue queue_;
   std::vector<Region> regions_;
   std::vector<std::int32_t> region_of_triangle_;
-  std::vector<DepthTriangulation::Span> spans_;
 };
 
 }  // namespace facetloc

@@ -1,29 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/segmentation/depth_triangulation.h>
-
-#include <utility>
+#include <array>
+#include <cstdint>
 
 namespace facetloc {
 
+/** \brief A corner of triangles of an image. */
+struct TriangleVertex {
+  std::int32_t u = 0, v = 0;  ///< [px]
+  float d = 0;                ///< disparity; of the nearest valid pixel at a corner without one
+};
+
 /** \brief Where an edge that runs downwards crosses the rows, rounded up to the next column; exact, by
- * integer steps. */
+ * integer steps, without branches: no processor could predict them. */
 class EdgeColumns {
 public:
-  using Vertex = DepthTriangulation::Vertex;
-
   EdgeColumns() = default;
-  EdgeColumns(const Vertex& top, const Vertex& bottom) : column_(top.u), rows_(bottom.v - top.v) {
+  EdgeColumns(const TriangleVertex& top, const TriangleVertex& bottom)
+      : column_(top.u), rows_(bottom.v - top.v) {
     if (rows_ == 0) return;
     const std::int32_t du = bottom.u - top.u;
     step_ = du / rows_, rest_ = du % rows_;
-    if (rest_ < 0) --step_, rest_ += rows_;
+    const std::int32_t borrow = rest_ < 0;
+    step_ -= borrow, rest_ += rows_ & -borrow;
   }
   std::int32_t column() const { return column_; }
   void next() {
-    column_ += step_, excess_ += rest_;
-    if (excess_ > 0) ++column_, excess_ -= rows_;
+    excess_ += rest_;
+    const std::int32_t carry = excess_ > 0;
+    column_ += step_ + carry, excess_ -= rows_ & -carry;
   }
 
 private:
@@ -37,13 +43,13 @@ private:
  * a row goes from where the left edge crosses it to before where the right edge does. Rows may be empty. */
 class TriangleRows {
 public:
-  using Vertex = DepthTriangulation::Vertex;
-
-  TriangleRows(const Vertex& a, const Vertex& b, const Vertex& c) {
-    const Vertex *top = &a, *middle = &b, *bottom = &c;
-    if (middle->v < top->v) std::swap(top, middle);
-    if (bottom->v < middle->v) std::swap(middle, bottom);
-    if (middle->v < top->v) std::swap(top, middle);
+  TriangleRows(const TriangleVertex& a, const TriangleVertex& b, const TriangleVertex& c) {
+    const bool b_above_a = b.v < a.v, c_above_a = c.v < a.v, c_above_b = c.v < b.v;
+    std::array<const TriangleVertex*, 3> sorted;  // by rows
+    sorted[b_above_a + c_above_a] = &a;
+    sorted[!b_above_a + c_above_b] = &b;
+    sorted[!c_above_a + !c_above_b] = &c;
+    const auto [top, middle, bottom] = sorted;
     v_ = top->v, middle_ = middle->v, bottom_ = bottom->v;
     const std::int64_t side = std::int64_t(bottom->u - top->u) * (middle->v - top->v) -
                               std::int64_t(bottom->v - top->v) * (middle->u - top->u);
