@@ -49,6 +49,29 @@ TEST(EstimateNoise, IsThatOfWhiteNoiseWithinATenth) {
       EXPECT_NEAR(estimateNoise(noisy(wall(), sigma / kKinectGain, seed)) * kKinectGain, sigma, 0.1 * sigma);
 }
 
+// At 60 rows and less, the differences of all rows count.
+TEST(EstimateNoise, IsTheMedianOfAllSecondDifferencesOfASmallImage) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    DepthImage image;
+    image.camera = smallCamera();
+    image.camera.width = 20 + static_cast<int>(seed), image.camera.height = 60;
+    test::Rng rng(seed);
+    for (int i = 0; i < image.camera.width * image.camera.height; ++i)
+      image.depth.push_back(
+          static_cast<float>(test::uniform(rng, -1, 6)));  // a seventh of them is not measured
+    std::vector<double> differences;
+    for (int v = 0; v < image.camera.height; ++v)
+      for (int u = 1; u + 1 < image.camera.width; ++u) {
+        const double a = image.at(u - 1, v), b = image.at(u, v), c = image.at(u + 1, v);
+        if (isMeasured(a) && isMeasured(b) && isMeasured(c))
+          differences.push_back(std::abs(1 / a - 2 / b + 1 / c));
+      }
+    std::sort(differences.begin(), differences.end());
+    const double median = differences[differences.size() / 2];
+    EXPECT_NEAR(estimateNoise(image), 1.4826 * median / std::sqrt(6.0), 1e-6 * median);
+  }
+}
+
 TEST(EstimateNoise, DoesNotMindEdgesAndHoles) {
   DepthImage image =
       render(test::furnishedRoom(), smallCamera(), test::lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2})).image;

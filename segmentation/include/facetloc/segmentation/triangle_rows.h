@@ -12,29 +12,25 @@ struct TriangleVertex {
   float d = 0;                ///< disparity; of the nearest valid pixel at a corner without one
 };
 
-/** \brief Where an edge that runs downwards crosses the rows, rounded up to the next column; exact, by
- * integer steps, without branches: no processor could predict them. */
+/** \brief Where an edge that runs downwards crosses the rows, rounded up to the next column.
+ *
+ * Exact with steps of fixed precision in images up to 16000 px: they are rounded down, in all by less than
+ * 2^14 * 2^-31 px, while what is not on a column lies at least 1/16000 px right of one. */
 class EdgeColumns {
 public:
   EdgeColumns() = default;
-  EdgeColumns(const TriangleVertex& top, const TriangleVertex& bottom)
-      : column_(top.u), rows_(bottom.v - top.v) {
-    if (rows_ == 0) return;
-    const std::int32_t du = bottom.u - top.u;
-    step_ = du / rows_, rest_ = du % rows_;
-    const std::int32_t borrow = rest_ < 0;
-    step_ -= borrow, rest_ += rows_ & -borrow;
+  EdgeColumns(const TriangleVertex& top, const TriangleVertex& bottom) : column_(top.u * kOne + (kOne - 1)) {
+    const std::int32_t rows = bottom.v - top.v, columns = bottom.u - top.u;
+    if (rows > 0) step_ = columns * kOne / rows - (columns < 0);  // which had been rounded up
   }
-  std::int32_t column() const { return column_; }
-  void next() {
-    excess_ += rest_;
-    const std::int32_t carry = excess_ > 0;
-    column_ += step_ + carry, excess_ -= rows_ & -carry;
-  }
+  std::int32_t column() const { return static_cast<std::int32_t>(column_ >> kFractionBits); }
+  void next() { column_ += step_; }
 
 private:
-  std::int32_t column_ = 0, rows_ = 0, step_ = 0, rest_ = 0;
-  std::int32_t excess_ = 0;  // the edge lies excess_ / rows_ right of column_; in (-rows_, 0]
+  static constexpr int kFractionBits = 32;
+  static constexpr std::int64_t kOne = std::int64_t{1} << kFractionBits;
+
+  std::int64_t column_ = 0, step_ = 0;  // [px / kOne]
 };
 
 /** \brief Walks through the rows of a triangle from top to bottom.
