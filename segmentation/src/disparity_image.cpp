@@ -13,8 +13,8 @@ namespace {
 // The median of n floats that are not negative, the upper of two; moves them about. Counting by exponent and
 // first digits leaves a few percent of them to sort.
 float median(float* x, std::size_t n) {
-  constexpr int kUnsorted = 19;  // bits
-  std::array<std::size_t, std::size_t{1} << (32 - kUnsorted)> count{};
+  constexpr int kUnsorted = 20;  // bits
+  std::array<std::uint32_t, 1u << (32 - kUnsorted)> count{};
   for (std::size_t i = 0; i < n; ++i) ++count[bitsOf(x[i]) >> kUnsorted];
   std::size_t bin = 0, rank = n / 2;
   for (; rank >= count[bin]; ++bin) rank -= count[bin];

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Speed of segmentation and features by stages, on one thread, beside two yardsticks: one pass that reads the
-// image and accumulates moments, and PCL's own plane segmentation. Of a simulated room, and of the first
-// image of a depth sequence that FACETLOC_BENCHMARK_SEQUENCE names.
+// image and accumulates moments, and PCL's own plane segmentation. Of a simulated room, and of images from
+// all over a depth sequence that FACETLOC_BENCHMARK_SEQUENCE names, in turn: times are means over them.
 #include "cluttered_room.h"
 
 #include <facetloc/features/organized_cloud.h>
@@ -13,8 +13,11 @@
 #include <pcl/features/integral_image_normal.h>
 #include <pcl/segmentation/organized_multi_plane_segmentation.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <string>
+#include <vector>
 
 namespace {
 
@@ -23,26 +26,51 @@ using namespace facetloc::benchmarks;
 
 enum Source { kSimulated, kReal };
 
-// At the given width; of a simulated room or of the sequence. Empty if there is no sequence.
-DepthImage imageOf(Source source, int width) {
+// At the given width; of a simulated room or of the sequence. None if there is no sequence.
+std::vector<DepthImage> imagesOf(Source source, int width) {
+  constexpr std::size_t kOfSequence = 16;
+  std::vector<DepthImage> images;
   if (source == kReal) {
     const char* folder = std::getenv("FACETLOC_BENCHMARK_SEQUENCE");
-    return folder ? DepthSequence::open(folder).load(0, width) : DepthImage{};
+    if (!folder) return images;
+    const DepthSequence sequence = DepthSequence::open(folder);
+    const std::size_t size = sequence.frames().size(), n = std::min(kOfSequence, size);
+    for (std::size_t i = 0; i < n; ++i) images.push_back(sequence.load(i * size / n, width));
+    return images;
   }
   const SimulatedCamera camera(kinectIntrinsics(), SimulatedNoise{}, kSeed);
   const DepthImage image = camera.render(clutteredRoom(kSeed), cameraPose(0.3, -0.2, 0.4), 0).depth;
-  return subsampled(image, subsamplingStep(image.camera, width));
+  images.push_back(subsampled(image, subsamplingStep(image.camera, width)));
+  return images;
 }
 
-// The arguments of a benchmark as an image; false, and the benchmark is skipped, if there is none.
-bool prepare(benchmark::State& state, DepthImage& image) {
-  image = imageOf(static_cast<Source>(state.range(1)), static_cast<int>(state.range(0)));
-  if (image.empty()) state.SkipWithError("set FACETLOC_BENCHMARK_SEQUENCE to a depth sequence");
-  return !image.empty();
+// The images that the arguments of a benchmark name; without any, it is skipped.
+std::vector<DepthImage> prepare(benchmark::State& state) {
+  const auto images = imagesOf(static_cast<Source>(state.range(1)), static_cast<int>(state.range(0)));
+  if (images.empty()) state.SkipWithError("set FACETLOC_BENCHMARK_SEQUENCE to a depth sequence");
+  return images;
 }
 
-void report(benchmark::State& state, const DepthImage& image) {
-  const auto pixels = state.iterations() * static_cast<std::int64_t>(image.depth.size());
+std::vector<DisparityImage> disparitiesOf(const std::vector<DepthImage>& images) {
+  std::vector<DisparityImage> disparities(images.size());
+  for (std::size_t i = 0; i < images.size(); ++i)
+    toDisparity(images[i], SensorNoise{}.inverse_depth_std, disparities[i]);
+  return disparities;
+}
+
+// Times a function of each input in turn, which the images are or have been made into. What the function
+// returns is counted under a name, as a mean.
+template <class Input, class Function>
+void time(benchmark::State& state, const std::vector<Input>& inputs, const Function& function,
+          const std::string& counted = "") {
+  std::size_t next = 0;
+  double sum = 0;
+  for (auto _ : state) {
+    sum += static_cast<double>(function(inputs[next]));
+    next = (next + 1) % inputs.size();
+  }
+  if (!counted.empty()) state.counters[counted] = benchmark::Counter(sum, benchmark::Counter::kAvgIterations);
+  const std::int64_t width = state.range(0), pixels = state.iterations() * width * (width * 3 / 4);
   state.SetItemsProcessed(pixels);
   state.SetBytesProcessed(pixels * static_cast<std::int64_t>(sizeof(float)));
 }
@@ -53,33 +81,36 @@ void images(benchmark::internal::Benchmark* b) {
 }
 
 void yardstickMoments(benchmark::State& state) {
-  DepthImage image;
-  if (!prepare(state, image)) return;
-  for (auto _ : state) {
+  time(state, prepare(state), [](const DepthImage& image) {
     PlaneMoments m;
     for (int v = 0, i = 0; v < image.camera.height; ++v)
       for (int u = 0; u < image.camera.width; ++u, ++i)
         if (image.depth[i] > 0) m.add(u, v, 1.0 / image.depth[i]);
     benchmark::DoNotOptimize(m);
-  }
-  report(state, image);
+    return m.n;
+  });
 }
 BENCHMARK(yardstickMoments)->Apply(images);
 
-void yardstickPcl(benchmark::State& state) {
-  DepthImage image;
-  if (!prepare(state, image)) return;
-  const pcl::PointCloud<pcl::PointXYZ>::Ptr cloud(new pcl::PointCloud<pcl::PointXYZ>);
-  cloud->width = image.camera.width, cloud->height = image.camera.height, cloud->is_dense = false;
+using Cloud = pcl::PointCloud<pcl::PointXYZ>;
+
+Cloud::Ptr cloudOf(const DepthImage& image) {
+  const Cloud::Ptr cloud(new Cloud);
   for (int v = 0; v < image.camera.height; ++v)
     for (int u = 0; u < image.camera.width; ++u) {
       const float z = isMeasured(image.at(u, v)) ? image.at(u, v) : std::numeric_limits<float>::quiet_NaN();
       const Eigen::Vector3f p = image.camera.ray(u, v).cast<float>() * z;
       cloud->push_back({p.x(), p.y(), p.z()});
     }
-  cloud->width = image.camera.width, cloud->height = image.camera.height;
-  std::size_t planes = 0;
-  for (auto _ : state) {
+  cloud->width = image.camera.width, cloud->height = image.camera.height, cloud->is_dense = false;
+  return cloud;
+}
+
+void yardstickPcl(benchmark::State& state) {
+  std::vector<Cloud::Ptr> clouds;
+  for (const DepthImage& image : prepare(state)) clouds.push_back(cloudOf(image));
+  const double min_inliers = 150 * std::pow(static_cast<double>(state.range(0)) / 320, 2);
+  const auto segment = [&](const Cloud::Ptr& cloud) {
     const pcl::PointCloud<pcl::Normal>::Ptr normals(new pcl::PointCloud<pcl::Normal>);
     pcl::IntegralImageNormalEstimation<pcl::PointXYZ, pcl::Normal> estimation;
     estimation.setNormalEstimationMethod(estimation.COVARIANCE_MATRIX);
@@ -88,7 +119,7 @@ void yardstickPcl(benchmark::State& state) {
     estimation.setInputCloud(cloud);
     estimation.compute(*normals);
     pcl::OrganizedMultiPlaneSegmentation<pcl::PointXYZ, pcl::Normal, pcl::Label> segmentation;
-    segmentation.setMinInliers(static_cast<unsigned>(scaledPixels(150, image.camera)));
+    segmentation.setMinInliers(static_cast<unsigned>(min_inliers));
     segmentation.setAngularThreshold(3 * kDegree);
     segmentation.setDistanceThreshold(0.02);
     segmentation.setInputNormals(normals);
@@ -96,83 +127,90 @@ void yardstickPcl(benchmark::State& state) {
     std::vector<pcl::PlanarRegion<pcl::PointXYZ>, Eigen::aligned_allocator<pcl::PlanarRegion<pcl::PointXYZ>>>
         regions;
     segmentation.segmentAndRefine(regions);
-    planes = regions.size();
-  }
-  state.counters["segments"] = static_cast<double>(planes);
-  report(state, image);
+    return regions.size();
+  };
+  time(state, clouds, segment, "segments");
 }
 BENCHMARK(yardstickPcl)->Apply(images);
 
 void noise(benchmark::State& state) {
-  DepthImage image;
-  if (!prepare(state, image)) return;
   std::vector<float> scratch;
-  for (auto _ : state) benchmark::DoNotOptimize(estimateNoise(image, scratch));
-  report(state, image);
+  time(state, prepare(state), [&](const DepthImage& image) { return estimateNoise(image, scratch); });
 }
 BENCHMARK(noise)->Apply(images);
 
 void split(benchmark::State& state) {
-  DepthImage image;
-  if (!prepare(state, image)) return;
-  DisparityImage disparity;
-  toDisparity(image, SensorNoise{}.inverse_depth_std, disparity);
   DepthTriangulation triangulation;
-  for (auto _ : state) triangulation.compute(disparity);
-  state.counters["vertices"] = static_cast<double>(triangulation.vertices().size());
-  report(state, image);
+  const auto compute = [&](const DisparityImage& image) {
+    triangulation.compute(image);
+    return triangulation.vertices().size();
+  };
+  time(state, disparitiesOf(prepare(state)), compute, "vertices");
 }
 BENCHMARK(split)->Apply(images);
 
 void merge(benchmark::State& state) {
-  DepthImage image;
-  if (!prepare(state, image)) return;
-  DisparityImage disparity;
-  toDisparity(image, SensorNoise{}.inverse_depth_std, disparity);
-  DepthTriangulation triangulation;
-  triangulation.compute(disparity);
+  struct Input {
+    const DisparityImage* image;
+    DepthTriangulation triangulation;
+  };
+  const std::vector<DisparityImage> disparities = disparitiesOf(prepare(state));
+  std::vector<Input> inputs;
+  for (const DisparityImage& image : disparities) {
+    inputs.push_back({&image, DepthTriangulation()});
+    inputs.back().triangulation.compute(image);
+  }
   RegionMerging merging;
-  for (auto _ : state) merging.compute(triangulation, disparity);
-  state.counters["regions"] = static_cast<double>(merging.regions().size());
-  report(state, image);
+  const auto compute = [&](const Input& input) {
+    merging.compute(input.triangulation, *input.image);
+    return merging.regions().size();
+  };
+  time(state, inputs, compute, "regions");
 }
 BENCHMARK(merge)->Apply(images);
 
 void features(benchmark::State& state) {
-  DepthImage image;
-  if (!prepare(state, image)) return;
-  LabelledPlanes planes;
-  PlaneSegmenter().segment(image, planes);
+  struct Input {
+    DepthImage image;
+    LabelledPlanes planes;
+  };
+  std::vector<Input> inputs;
+  for (const DepthImage& image : prepare(state)) {
+    inputs.push_back({image, {}});
+    PlaneSegmenter().segment(image, inputs.back().planes);
+  }
   SegmentEstimation estimation;
   std::vector<Segment> segments;
   std::vector<int> kept;
   DepthPicture picture;
-  for (auto _ : state) {
-    estimation.estimate(image, planes.labels, {}, segments, kept);
-    picture.assign(image);
-  }
-  report(state, image);
+  const auto estimate = [&](const Input& input) {
+    estimation.estimate(input.image, input.planes.labels, {}, segments, kept);
+    picture.assign(input.image);
+    return segments.size();
+  };
+  time(state, inputs, estimate, "segments");
 }
 BENCHMARK(features)->Apply(images);
 
 void segmentation(benchmark::State& state) {
-  DepthImage image;
-  if (!prepare(state, image)) return;
   PlaneSegmenter segmenter;
   LabelledPlanes result;
-  for (auto _ : state) segmenter.segment(image, result);
-  report(state, image);
+  const auto segment = [&](const DepthImage& image) {
+    segmenter.segment(image, result);
+    return result.planes.size();
+  };
+  time(state, prepare(state), segment, "regions");
 }
 BENCHMARK(segmentation)->Apply(images);
 
 void segmentationAndFeatures(benchmark::State& state) {
-  DepthImage image;
-  if (!prepare(state, image)) return;
   ViewBuilder builder;
   View view;
-  for (auto _ : state) builder.build(image, view);
-  state.counters["segments"] = static_cast<double>(view.segments.size());
-  report(state, image);
+  const auto build = [&](const DepthImage& image) {
+    builder.build(image, view);
+    return view.segments.size();
+  };
+  time(state, prepare(state), build, "segments");
 }
 BENCHMARK(segmentationAndFeatures)->Apply(images);
 
