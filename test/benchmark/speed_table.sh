@@ -20,7 +20,7 @@ echo
 run benchmark_segmentation . > "$out/segmentation"
 for source in 0 1; do
   [ $source = 0 ] && echo "| simulated room | 320x240 | x (a) | 640x480 | x (a) | (b) / it |" \
-                  || echo "| real image | 320x240 | x (a) | 640x480 | x (a) | (b) / it |"
+                  || echo "| real images | 320x240 | x (a) | 640x480 | x (a) | (b) / it |"
   echo "|---|---|---|---|---|---|"
   awk -v real="real:$source" '
     $5 == "ms" && index($1, real) {
