@@ -41,7 +41,7 @@ class TriangleRows {
 public:
   TriangleRows(const TriangleVertex& a, const TriangleVertex& b, const TriangleVertex& c) {
     const bool b_above_a = b.v < a.v, c_above_a = c.v < a.v, c_above_b = c.v < b.v;
-    std::array<const TriangleVertex*, 3> sorted;  // by rows
+    std::array<const TriangleVertex*, 3> sorted;  // by rows, without branches
     sorted[b_above_a + c_above_a] = &a;
     sorted[!b_above_a + c_above_b] = &b;
     sorted[!c_above_a + !c_above_b] = &c;
