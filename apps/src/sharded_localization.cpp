@@ -2,6 +2,7 @@
 #include <facetloc/apps/sharded_localization.h>
 
 #include <algorithm>
+#include <exception>
 #include <iterator>
 #include <optional>
 
@@ -53,9 +54,17 @@ Localization ShardedLocalization::localize(const View& scene) const {
       ranks_.broadcast(std::optional<View>(scene));
       ranks_.broadcast(candidates);
     }
-    std::vector<Hypothesis> hypotheses;
-    for (std::vector<Hypothesis>& of_rank : ranks_.gather(registerOwn(scene, candidates)))
+    // What fails here is told once the others have been heard, or they would be heard in the next image.
+    std::vector<Hypothesis> own, hypotheses;
+    std::exception_ptr failure;
+    try {
+      own = registerOwn(scene, candidates);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    for (std::vector<Hypothesis>& of_rank : ranks_.gather(std::move(own)))
       std::move(of_rank.begin(), of_rank.end(), std::back_inserter(hypotheses));
+    if (failure) std::rethrow_exception(failure);
     return hypotheses;
   };
   return localization_.localizeBy(registerAll, scene);
