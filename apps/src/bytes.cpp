@@ -73,7 +73,7 @@ void fields(Archive& archive, SegmentPair& pair) {
 template <class Archive>
 void fields(Archive& archive, Hypothesis& h) {
   archive(h.model, h.T_m_c.T, h.T_m_c.P, h.T_w_c, h.pairs, h.depth_assisted, h.consensus, h.free_space,
-          h.evidence, h.score, h.probability);
+          h.evidence, h.score, h.probability, h.found_by);
 }
 
 template <class Archive>

@@ -35,6 +35,7 @@ Hypothesis exampleHypothesis() {
   h.evidence = std::numeric_limits<double>::denorm_min();
   h.score = std::numeric_limits<double>::quiet_NaN();
   h.probability = 1.0 / 9;
+  h.found_by = {2, 7};
   return h;
 }
 
@@ -102,6 +103,7 @@ TEST(Bytes, HypothesesSurvive) {
   EXPECT_EQ(h.evidence, posed.evidence);
   EXPECT_TRUE(std::isnan(h.score));
   EXPECT_EQ(h.probability, posed.probability);
+  EXPECT_EQ(h.found_by, posed.found_by);
 }
 
 TEST(Bytes, DistortionsSurvive) {
