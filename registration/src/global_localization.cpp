@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/registration/global_localization.h>
 
+#include <Eigen/Cholesky>
 #include <omp.h>
 
 #include <algorithm>
@@ -33,7 +34,7 @@ GlobalLocalization::GlobalLocalization(std::shared_ptr<const Map> map, const Glo
   start.translation_std = index.start_translation;
   start.rotation_std_deg = index.start_rotation_deg;
   start_covariance_ = posePrior(map_->mounting, start);
-  if (index.shortlist > 0 && map_->mounting &&
+  if (index.shortlist > 0 && map_->mounting && PlaceIndex::covers(prior_) &&
       map_->models.size() > static_cast<std::size_t>(index.exhaustive_up_to))
     index_ = std::make_shared<PlaceIndex>(PlaceIndex::of(*map_, index, params.prior));
 }
@@ -55,7 +56,12 @@ Localization GlobalLocalization::localizeBy(const Registering& registerAll, cons
 }
 
 Localization GlobalLocalization::localize(const View& scene, const PoseWithCovariance& prior) const {
-  std::vector<Candidate> models = candidates(scene);
+  if (Eigen::LLT<Matrix6d>(prior.P).info() != Eigen::Success) {
+    Localization answer;
+    answer.reason = "the covariance of the prior is not positive definite";
+    return answer;
+  }
+  std::vector<Candidate> models = PlaceIndex::covers(prior) ? candidates(scene) : allModels();
   for (Candidate& c : models) c.start.reset();  // they are what this map's prior leads to
   return rank(scene, registerWith(models, scene, prior));
 }
@@ -65,10 +71,12 @@ std::vector<Candidate> GlobalLocalization::candidates(const View& scene) const {
   if (index_) models = index_->candidates(scene, params_.index.shortlist);
   std::sort(models.begin(), models.end(),  // as if the others had given no hypothesis
             [](const Candidate& a, const Candidate& b) { return a.model < b.model; });
-  if (models.empty()) {
-    models.resize(map_->models.size());
-    for (std::size_t i = 0; i < models.size(); ++i) models[i].model = static_cast<int>(i);
-  }
+  return models.empty() ? allModels() : models;
+}
+
+std::vector<Candidate> GlobalLocalization::allModels() const {
+  std::vector<Candidate> models(map_->models.size());
+  for (std::size_t i = 0; i < models.size(); ++i) models[i].model = static_cast<int>(i);
   return models;
 }
 
@@ -76,17 +84,20 @@ std::vector<Hypothesis> GlobalLocalization::registerWith(const std::vector<Candi
                                                          const View& scene,
                                                          const PoseWithCovariance& prior) const {
   const int n = static_cast<int>(candidates.size());
-  if (n == 0 || scene.segments.empty()) return {};
+  if (n == 0 || !registration_.mayFixPose(scene)) return {};
   // Each model's list is written by its index, so that the answer does not depend on the number of threads;
   // nor does what is thrown where models cannot be read.
   const auto samples = samplePoints(scene);
   std::vector<std::vector<Hypothesis>> of_model(n);
   std::vector<std::exception_ptr> failure(n);
+  // Only the joint refinement estimates a pose without where it was looked for.
+  const bool from_starts = params_.registration.joint_refinement;
   const int threads = std::min(n, threads_ > 0 ? threads_ : omp_get_num_procs());
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
   for (int i = 0; i < n; ++i) try {
       const Candidate& c = candidates[i];
-      const PoseWithCovariance start = c.start ? PoseWithCovariance{*c.start, start_covariance_} : prior;
+      const PoseWithCovariance start =
+          c.start && from_starts ? PoseWithCovariance{*c.start, start_covariance_} : prior;
       of_model[i] = registration_.align(scene, samples, *map_->view(c.model), prior, start);
     } catch (...) {
       failure[i] = std::current_exception();

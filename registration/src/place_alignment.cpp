@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "place_reach.h"
+
 #include <facetloc/features/impl/lanes.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/registration/place_alignment.h>
@@ -15,16 +17,16 @@ namespace {
 
 constexpr float kTwoPi = static_cast<float>(360 * kDegree);
 constexpr float kDegreeF = static_cast<float>(kDegree);
-constexpr float kLargestTurn = 60;  // three standard deviations of the prior [deg]
-constexpr float kTurnStep = 2;      // [deg]
+constexpr float kLargestTurn = kReachTurnDeg;
+constexpr float kTurnStep = 2;  // [deg]
 constexpr int kTurnBins = static_cast<int>(2 * kLargestTurn / kTurnStep) + 1;
 constexpr int kTurnLanes = (kTurnBins + kLanes - 1) / kLanes * kLanes;  // filled up to whole vectors
 constexpr int kTurns = 2;                                               // headings that are tried
 constexpr int kTurnGap = 3;                                             // bins between them
 constexpr float kTurnStd = 30 * kDegreeF;                               // wide, for the prior is wide
 constexpr float kParallel = 3 * kDegreeF;
-constexpr float kReach = 2.8f;  // largest move in each axis [m]
-constexpr float kCell = 0.2f;   // of the grid of positions [m]
+constexpr float kReach = kReachMove;
+constexpr float kCell = 0.2f;  // of the grid of positions [m]
 constexpr int kCells = static_cast<int>(2 * kReach / kCell) + 1;
 constexpr int kStride = kCells + 2;      // with a border
 constexpr int kPositions = 3;            // for each heading

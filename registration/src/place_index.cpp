@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "largest_std.h"
+#include "place_reach.h"
+
 #include <facetloc/features/binary_archive.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/registration/place_alignment.h>
@@ -51,6 +54,7 @@ constexpr float kHeightStd = 0.08f;  // of an upper or lower edge [m]
 constexpr float kRadius = 1.3f;      // of neighbours
 // Worth of votes in outlook, and of both in the score of an alignment.
 constexpr float kVotesWorth = 0.3f, kHopeWorth = 0.1f;
+constexpr float kNotAligned = -100;  // less than any alignment
 
 std::vector<Descriptor> describe(const PlaceSignature& place) {
   constexpr float kBaseboard = 0.15f;  // [m]
@@ -69,7 +73,8 @@ std::vector<Descriptor> describe(const PlaceSignature& place) {
 }
 
 // Headings of a model relative to a view; two neighbouring bins count as one.
-constexpr float kLargestTurn = 60 * static_cast<float>(kDegree), kTurnBin = 4 * static_cast<float>(kDegree);
+constexpr float kLargestTurn = kReachTurnDeg * static_cast<float>(kDegree),
+                kTurnBin = 4 * static_cast<float>(kDegree);
 constexpr int kTurnBins = 31;
 
 // Keeps its own, reordered copy of the points.
@@ -135,22 +140,38 @@ private:
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
 };
 
+/** Of the names and stamps of all models in their order, which a map knows without its views: FNV-1a. */
+std::uint64_t checksumOfNames(const Map& map) {
+  std::uint64_t sum = 0xcbf29ce484222325;
+  const auto add = [&sum](const void* bytes, std::size_t size) {
+    for (std::size_t i = 0; i < size; ++i)
+      sum = (sum ^ static_cast<const unsigned char*>(bytes)[i]) * 0x100000001b3;
+  };
+  for (const LocalModel& m : map.models) {
+    add(m.name.c_str(), m.name.size() + 1);
+    add(&m.stamp, sizeof m.stamp);
+  }
+  return sum;
+}
+
 /** What a written index depends on. */
 struct Header {
-  std::string format = "facetloc place index 2";  // changes with signatures and descriptors
+  std::string format = "facetloc place index 3";  // changes with signatures and descriptors
   std::size_t models = 0;
+  std::uint64_t names = 0;
   double height = 0, tilt_deg = 0;  // of the camera
   Eigen::Matrix3d floor = Eigen::Matrix3d::Zero();
 
   Header() = default;
   Header(const Map& map, const PosePriorParams& prior)
       : models(map.models.size()),
+        names(checksumOfNames(map)),
         height(map.mounting->height),
         tilt_deg(map.mounting->tilt_deg),
         floor(floorCovariance(prior)) {}
   bool operator==(const Header& o) const {
-    return format == o.format && models == o.models && height == o.height && tilt_deg == o.tilt_deg &&
-           floor == o.floor;
+    return format == o.format && models == o.models && names == o.names && height == o.height &&
+           tilt_deg == o.tilt_deg && floor == o.floor;
   }
 };
 
@@ -158,7 +179,7 @@ struct Header {
 
 template <class Archive>
 void fields(Archive& archive, Header& h) {
-  archive(h.format, h.models, h.height, h.tilt_deg, h.floor);
+  archive(h.format, h.models, h.names, h.height, h.tilt_deg, h.floor);
 }
 
 struct PlaceIndex::Impl {
@@ -218,6 +239,13 @@ PlaceIndex::PlaceIndex(const Map& map, const PlaceIndexParams& params, const Pos
   impl_ = std::move(impl);
 }
 
+bool PlaceIndex::covers(const PoseWithCovariance& prior) {
+  constexpr double kTurns = 3, kMoves = 2.8;                                           // standard deviations
+  constexpr double kTurn = 1.01 * kReachTurnDeg * kDegree, kMove = 1.01 * kReachMove;  // the usual prior fits
+  return rotationAngle(prior.T.linear()) + kTurns * largestStd(prior.P.topLeftCorner<3, 3>()) <= kTurn &&
+         prior.T.translation().norm() + kMoves * largestStd(prior.P.bottomRightCorner<3, 3>()) <= kMove;
+}
+
 PlaceIndex::PlaceIndex(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 
 PlaceIndex PlaceIndex::of(const Map& map, const PlaceIndexParams& params, const PosePriorParams& prior) {
@@ -242,7 +270,10 @@ std::optional<PlaceIndex> PlaceIndex::read(std::istream& in, const Map& map, con
   archive(impl->places, impl->owner, impl->heading);
   const int models = static_cast<int>(map.models.size());
   const auto isSound = [](const PlaceSignature& p) {
-    return p.facing.front() >= 0 && std::is_sorted(p.facing.begin(), p.facing.end()) &&
+    const auto pixels =
+        static_cast<std::size_t>(p.picture.camera.width) * static_cast<std::size_t>(p.picture.camera.height);
+    return (p.picture.depth.empty() || p.picture.depth.size() == pixels) && p.facing.front() >= 0 &&
+           std::is_sorted(p.facing.begin(), p.facing.end()) &&
            static_cast<std::size_t>(p.facing.back()) <= p.walls.size();
   };
   if (impl->places.size() != map.models.size() || impl->heading.size() != impl->owner.size() ||
@@ -341,7 +372,7 @@ std::vector<Candidate> PlaceIndex::candidates(const View& view, int n) const {
     const PlaceSignature& ahead = places[models[std::min(i + 1, models.size() - 1)]];
     prefetch(ahead.walls), prefetch(ahead.picture.depth);
     found[m] = aligner.align(places[m]);
-    score[m] = found[m].score + kHopeWorth * hope[m];
+    score[m] = std::max(found[m].score, kNotAligned) + kHopeWorth * hope[m];
   }
   keepBest(score, n, models);
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "place_reach.h"
+
 #include <facetloc/features/impl/lanes.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/registration/place_outlook.h>
@@ -12,11 +14,11 @@ namespace facetloc {
 namespace {
 
 constexpr float kQuarter = static_cast<float>(90 * kDegree);
-constexpr float kLargestTurn = static_cast<float>(60 * kDegree);  // three standard deviations of the prior
-constexpr float kTurnPrior = 1.5f;                                // worth of a turn by a radian, squared
-constexpr float kStep = 0.05f;                                    // of moves [m]
+constexpr float kLargestTurn = static_cast<float>(kReachTurnDeg * kDegree);
+constexpr float kTurnPrior = 1.5f;  // worth of a turn by a radian, squared
+constexpr float kStep = 0.05f;      // of moves [m]
 constexpr int kMoves = 14 * kLanes;
-constexpr float kReach = 0.5f * kStep * kMoves;      // largest move [m]
+constexpr float kReach = 0.5f * kStep * kMoves;      // kReachMove, in whole vectors [m]
 constexpr float kMovePrior = 0.4f;                   // worth of a move by a metre, squared
 constexpr float kAside = 0.5f;                       // worth of votes for the next moves
 constexpr float kEdge = 1.5f, kEnd = 1;              // worth of a common edge, of a common end, in walls

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "direction_text.h"
+#include "largest_std.h"
 
+#include <facetloc/registration/cholesky3.h>
 #include <facetloc/registration/view_registration.h>
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -13,13 +13,20 @@ namespace {
 
 // Does a pose fix all six degrees of freedom? A refinement that lost pairs leaves the prior's uncertainty.
 bool isComplete(const Matrix6d& P, const HypothesisTreeParams& params) {
-  const auto largestStd = [](const Eigen::Matrix3d& block) {
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eig;
-    eig.computeDirect(block, Eigen::EigenvaluesOnly);
-    return std::sqrt(std::max(0.0, eig.eigenvalues()[2]));
-  };
   return largestStd(P.topLeftCorner<3, 3>()) <= params.complete_rotation_deg * kDegree &&
          largestStd(P.bottomRightCorner<3, 3>()) <= params.complete_translation;
+}
+
+// What planes tell of the pose from which they are seen, each measured twice with the same error.
+Matrix6d informationOf(const std::vector<Segment>& segments) {
+  Matrix6d information = Matrix6d::Zero();
+  for (const Segment& s : segments) {
+    PlaneMeasurement m;  // of the view against itself
+    Cholesky3 noise;
+    if (measurePlane(s, s, Eigen::Isometry3d::Identity(), 0.0, m) && noise.compute(m.W))
+      information += m.H.transpose() * noise.solve<6>(m.H);
+  }
+  return information;
 }
 
 bool byScore(const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; }
@@ -30,6 +37,15 @@ ViewRegistration::ViewRegistration(const ViewRegistrationParams& params, const S
                                    const Matrix6d& known)
     : params_(params), comparison_(params.depth, noise.inverse_depth_std) {
   if (params.floor_information) known_ = known;
+}
+
+bool ViewRegistration::mayFixPose(const View& scene) const {
+  // A model without any error would double the information; as much again for what linearisation neglects.
+  const Observability most = observability(known_ + 4 * informationOf(scene.segments));
+  const double max_rotation = params_.tree.complete_rotation_deg * kDegree,
+               max_translation = params_.tree.complete_translation;
+  return most.complete(max_rotation, max_translation) ||
+         most.oneTranslationFree(max_rotation, max_translation);
 }
 
 std::vector<Hypothesis>
@@ -121,13 +137,7 @@ void ViewRegistration::completeByDepth(const View& scene, const View& model, con
 
 std::string unconstrainedDirections(const std::vector<Segment>& segments, double max_rotation_std_deg,
                                     double max_translation_std, const Matrix6d& known) {
-  Matrix6d information = known;
-  for (const Segment& s : segments) {
-    PlaneMeasurement m;  // of the view against itself
-    if (measurePlane(s, s, Eigen::Isometry3d::Identity(), 0.0, m))
-      information += m.H.transpose() * m.W.llt().solve(m.H);
-  }
-  const Observability seen = observability(information);
+  const Observability seen = observability(known + informationOf(segments));
   std::string text;
   const auto add = [&text](const char* motion, const Eigen::Vector3d& v) {
     text += (text.empty() ? "" : ", ") + std::string(motion) + directionText(v);

@@ -258,6 +258,11 @@ TEST(GlobalLocalization, AnImpossiblePriorIsNoCrash) {
   PoseWithCovariance prior;
   prior.P.setConstant(std::numeric_limits<double>::quiet_NaN());
   EXPECT_TRUE(GlobalLocalization(map).localize(map->models[0].view, prior).hypotheses.empty());
+  // A robot that neither tilts nor climbs: nothing is left to estimate there, which no update allows for.
+  prior.P = (Vector6d() << 0, 0, 0.1, 1, 1, 0).finished().asDiagonal();
+  const Localization answer = GlobalLocalization(map).localize(map->models[0].view, prior);
+  EXPECT_TRUE(answer.hypotheses.empty());
+  EXPECT_THAT(answer.reason, HasSubstr("not positive definite"));
 }
 
 class Degenerate : public testing::Test {

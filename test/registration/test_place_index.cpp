@@ -10,6 +10,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <sstream>
 
@@ -194,6 +195,20 @@ TEST_F(PlaceIndexOfRooms, WithoutStartsEveryCandidateIsSearchedEverywhere) {
   for (const Candidate& c : PlaceIndex(*map, params).candidates(query(1, 0.4, 77), 10)) EXPECT_FALSE(c.start);
 }
 
+TEST_F(PlaceIndexOfRooms, WithoutJointRefinementAnAlignmentIsNoMeasurementEither) {
+  GlobalLocalizationParams params;
+  params.index.exhaustive_up_to = 0;
+  params.registration.joint_refinement = false;
+  params.index.sure_probability = 0;
+  const View view = query(1, 0.4, 77);
+  const Localization with_starts = GlobalLocalization(map, params).localize(view);
+  params.index.start_translation = 0;
+  const Localization without = GlobalLocalization(map, params).localize(view);
+  ASSERT_FALSE(without.hypotheses.empty());
+  ASSERT_EQ(with_starts.hypotheses.size(), without.hypotheses.size());
+  EXPECT_EQ(with_starts.hypotheses[0].T_m_c.P, without.hypotheses[0].T_m_c.P);
+}
+
 TEST_F(PlaceIndexOfRooms, WhatTheLikeliestModelsShowBeyondDoubtIsNotSearchedForInTheOthers) {
   GlobalLocalizationParams params;
   params.index.exhaustive_up_to = 0;
@@ -241,6 +256,61 @@ TEST_F(PlaceIndexOfRooms, AViewThatHasNothingToLookUpIsRegisteredWithAll) {
   const GlobalLocalization localization(map, params);
   EXPECT_LT(localization.candidates(map->models[0].view).size(), map->models.size());
   EXPECT_EQ(localization.candidates(View{}).size(), map->models.size());
+}
+
+TEST_F(PlaceIndexOfRooms, AWiderPriorThanTheUsualOneIsSearchedInAllModels) {
+  const View& view = map->models[5].view;
+  GlobalLocalizationParams params;
+  params.index.exhaustive_up_to = 0;
+  EXPECT_LT(GlobalLocalization(map, params).candidates(view).size(), map->models.size());
+  params.prior.rotation_std_deg *= 2;
+  EXPECT_EQ(GlobalLocalization(map, params).candidates(view).size(), map->models.size());
+  params.prior = {};
+  params.prior.translation_std *= 2;
+  EXPECT_EQ(GlobalLocalization(map, params).candidates(view).size(), map->models.size());
+
+  // The camera looks the other way: about each model where nothing is compared.
+  PoseWithCovariance turned = GlobalLocalization(map).prior();
+  EXPECT_TRUE(PlaceIndex::covers(turned));
+  turned.T.linear() = expSO3({0, -120 * kDegree, 0});
+  EXPECT_FALSE(PlaceIndex::covers(turned));
+  turned.P *= 0.01;
+  EXPECT_FALSE(PlaceIndex::covers(turned));
+  turned.T.linear() = expSO3({0, -30 * kDegree, 0});
+  EXPECT_TRUE(PlaceIndex::covers(turned));
+  turned.T.translation().z() = 5;
+  EXPECT_FALSE(PlaceIndex::covers(turned));
+}
+
+// Segments of a view that look this way.
+View facing(View view, const std::function<bool(const Eigen::Vector3d&)>& keep) {
+  std::vector<Segment> kept;
+  for (const Segment& s : view.segments)
+    if (keep(kMounting.T_b_c().linear() * s.normal())) kept.push_back(s);
+  view.segments = kept;
+  return view;
+}
+
+TEST_F(PlaceIndexOfRooms, WithoutWallsTheModelsThatShareLevelSurfacesComeFirst) {
+  const auto isLevel = [](const Eigen::Vector3d& n) { return std::abs(n.z()) > 0.98; };
+  const auto withTable = [](int i) {  // tables of different heights
+    return test::box({0, 0, 0}, {6, 4, 2.4}) + test::box({3.2, 1.2, 0}, {4.6, 2.8, 0.2 + 0.08 * i});
+  };
+  Map tables;
+  tables.mounting = kMounting;
+  for (int i = 0; i < 6; ++i) {
+    LocalModel m;
+    m.name = std::to_string(i);
+    m.T_w_m = robotCamera(2, 2, 0);
+    m.view = facing(viewFrom(withTable(i), *m.T_w_m, unsigned(i)), isLevel);
+    ASSERT_GE(placeSignature(m.view, kMounting).surfaces.size(), 1u) << i;
+    tables.models.push_back(m);
+  }
+  const PlaceIndex index(tables);
+  for (int i = 0; i < 6; ++i) {
+    const View view = facing(viewFrom(withTable(i), robotCamera(2.1, 2, 0.05), 50u + i), isLevel);
+    EXPECT_EQ(index.shortlist(view, 1), std::vector<int>{i});
+  }
 }
 
 // Keeps the views of a map, and perhaps its index, somewhere else.
@@ -312,6 +382,9 @@ TEST_F(PlaceIndexOfRooms, IsMadeAnewWhereTheWrittenOneIsForSomethingElse) {
   PosePriorParams prior;
   prior.floor_std *= 2;
   EXPECT_FALSE(reads(*map, prior));
+  other = *map;
+  std::swap(other.models[3].name, other.models[4].name);
+  EXPECT_FALSE(reads(other));
   prior = {};
   prior.rotation_std_deg *= 2;  // does not matter to it
   EXPECT_TRUE(reads(*map, prior));
@@ -334,6 +407,33 @@ TEST_F(PlaceIndexOfRooms, BytesThatTellOfMoreWallsThanThereAreAreRefused) {
     std::istringstream in(bytes.replace(at, sizeof facing, asBytes()));
     EXPECT_THROW(PlaceIndex::read(in, *map), std::runtime_error) << wrong;
   }
+}
+
+TEST_F(PlaceIndexOfRooms, BytesOfATornPictureAreRefused) {
+  std::string bytes = written(PlaceIndex(*map, few()));
+  const Intrinsics camera = placeSignature(map->models[0].view, kMounting).picture.camera;
+  const std::string size(reinterpret_cast<const char*>(&camera), 2 * sizeof camera.width);
+  const std::size_t at = bytes.find(size);
+  ASSERT_NE(at, std::string::npos);
+  const int wider = camera.width + 1;
+  bytes.replace(at, sizeof wider, reinterpret_cast<const char*>(&wider), sizeof wider);
+  std::istringstream in(bytes);
+  EXPECT_THROW(PlaceIndex::read(in, *map), std::runtime_error);
+}
+
+TEST_F(PlaceIndexOfRooms, NoModelIsAskedAboutAViewThatNoneCouldPlace) {
+  const auto isFloor = [](const Eigen::Vector3d& n) { return n.z() < -0.98; };
+  const auto store = std::make_shared<const Store>(*map);
+  GlobalLocalizationParams params;
+  params.index.exhaustive_up_to = 1000000;
+  const GlobalLocalization localization(std::make_shared<const Map>(kept(*map, store)), params);
+  const View view = facing(query(0, 0.3, 900), isFloor);
+  ASSERT_FALSE(view.segments.empty());
+  EXPECT_EQ(localization.candidates(view).size(), map->models.size());
+  const Localization answer = localization.localize(view);
+  EXPECT_TRUE(answer.hypotheses.empty());
+  EXPECT_NE(answer.reason.find("leave free"), std::string::npos) << answer.reason;
+  EXPECT_EQ(store->asked, 0);
 }
 
 TEST_F(PlaceIndexOfRooms, AMapWhoseViewsAreElsewhereGivesTheSameAnswers) {

@@ -294,6 +294,21 @@ std::string freeDirections(const std::vector<Segment>& segments) {
   return unconstrainedDirections(segments, 3, 0.2);
 }
 
+TEST_F(TwoViewsOfARoom, MayFixAPoseWhereItDoes) {
+  const ViewRegistration registration;
+  for (std::size_t n = 0; n <= scene.segments.size(); ++n) {
+    View some = scene;
+    some.segments.resize(n);
+    const bool found = !registration.align(some, model, isotropicPrior()).empty();
+    EXPECT_TRUE(registration.mayFixPose(some) || !found) << n << " segments";
+  }
+  EXPECT_TRUE(registration.mayFixPose(scene));
+  EXPECT_FALSE(registration.mayFixPose(View{}));
+  View one = scene;
+  one.segments.resize(1);
+  EXPECT_FALSE(registration.mayFixPose(one));
+}
+
 TEST(UnconstrainedDirections, OfARoomCornerAreNone) {
   EXPECT_EQ(freeDirections({rectangle({0, 1, 3}, {0, 1, 0}, 1, 0.8), rectangle({1, 0, 3}, {1, 0, 0}, 1, 0.9),
                             rectangle({0, 0, 4}, {0, 0, 1}, 0.8, 0.8)}),

@@ -30,8 +30,8 @@ struct GlobalLocalizationParams {
 /** \brief Finds a view in a map: registers it with every local model and returns one ranked list of places.
  *
  * With a known camera mounting it registers with the models on a shortlist only (PlaceIndex), unless the map
- * is small, about the poses that the shortlist tells. The index comes with the map's file or is made with the
- * object.
+ * is small or the prior wider than the usual one, about the poses that the shortlist tells. The index comes
+ * with the file of a large map or is made with the object.
  *
  *     facetloc::GlobalLocalization localization(map);           // shared, never changed
  *     facetloc::Localization answer = localization.localize(view);
@@ -49,7 +49,8 @@ public:
 
   /** \brief Thread-safe. A view without segments, an empty map, and views that fix no pose give a reason. */
   Localization localize(const View& scene) const;
-  /** \brief The same with another prior of the pose relative to each local model. */
+  /** \brief The same with another prior of the pose relative to each local model; with all models if it
+   * reaches farther than the index. One whose covariance is not positive definite gives a reason. */
   Localization localize(const View& scene, const PoseWithCovariance& prior) const;
 
   /** \name The parts of localize(), for who deals out the local models */
@@ -73,6 +74,8 @@ public:
   const PoseWithCovariance& prior() const { return prior_; }
 
 private:
+  std::vector<Candidate> allModels() const;
+
   std::shared_ptr<const Map> map_;
   GlobalLocalizationParams params_;
   ViewRegistration registration_;

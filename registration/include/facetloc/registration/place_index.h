@@ -70,6 +70,9 @@ class PlaceIndex {
 public:
   /** \brief Throws std::invalid_argument if the map tells no camera mounting. */
   explicit PlaceIndex(const Map& map, const PlaceIndexParams& params = {}, const PosePriorParams& prior = {});
+  /** \brief Whether an index finds the models that a prior of T_m_c leads to: views up to 60 deg and 2.8 m
+   * apart are compared, three standard deviations of the usual prior. */
+  static bool covers(const PoseWithCovariance& prior);
   /** \brief The index that is written in the map's store, if it is one of this map and prior; else made. */
   static PlaceIndex of(const Map& map, const PlaceIndexParams& params = {},
                        const PosePriorParams& prior = {});

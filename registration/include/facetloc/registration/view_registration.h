@@ -55,6 +55,9 @@ public:
   const DepthComparison& comparison() const { return comparison_; }
   const Matrix6d& known() const { return known_; }  ///< zero if that does not count
 
+  /** \brief False if the planes of a view tell so little that align() has no answer, whatever the model. */
+  bool mayFixPose(const View& scene) const;
+
   /** \param prior T_m_c before anything was seen
    * \param start about where correspondences are looked for: the prior, or what else tells the pose */
   std::vector<Hypothesis> align(const View& scene,
