@@ -6,12 +6,11 @@
 namespace facetloc {
 
 void writePlaceIndex(const std::filesystem::path& path) {
-  MapDatabase database = MapDatabase::open(path);
-  if (database.hasPlaceIndex()) return;
   const Map map = openMap(path);
-  if (!map.mounting) return;
+  if (!map.mounting || !map.store) return;
+  if (const auto written = map.store->placeIndex(); written && PlaceIndex::read(*written, map)) return;
   const PlaceIndex index(map);
-  database.setPlaceIndex([&index](std::ostream& out) { index.write(out); });
+  MapDatabase::open(path).setPlaceIndex([&index](std::ostream& out) { index.write(out); });
 }
 
 }  // namespace facetloc

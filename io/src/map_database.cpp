@@ -206,8 +206,6 @@ PackedModel packed(LocalModel model) {
   return {std::move(model), std::move(depth)};
 }
 
-bool MapDatabase::hasPlaceIndex() const { return place_index_parts::number(impl_->db) > 0; }
-
 int MapDatabase::add(const LocalModel& model) { return impl_->add(model); }
 
 int MapDatabase::add(const PackedModel& model) { return impl_->add(model); }

@@ -81,7 +81,10 @@ protected:
   int_type underflow() override {
     try {
       const std::lock_guard<std::mutex> lock(mutex_);
-      part_ = partOf(db_, number_++);
+      part_ = partOf(db_, number_);
+      if (part_.empty() && number_ < number(db_))
+        throw BadCell("part " + std::to_string(number_) + " is missing");
+      ++number_;
     } catch (const BadCell& e) {
       throw IoError(db_.name(), std::string("is not sound: its place index: ") + e.what());
     }
@@ -102,7 +105,7 @@ class PartsStream : public std::istream {
 public:
   PartsStream(Connection& db, std::mutex& mutex) : std::istream(nullptr), buffer_(db, mutex) {
     rdbuf(&buffer_);
-    exceptions(std::ios::badbit | std::ios::failbit);  // passes on what underflow() throws
+    exceptions(std::ios::badbit);  // passes on what underflow() throws
   }
 
 private:

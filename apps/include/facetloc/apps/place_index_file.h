@@ -5,8 +5,9 @@
 
 namespace facetloc {
 
-/** \brief Makes the place index of a map and writes it into its file, unless it is there already or the
- * camera's mounting is not known. Throws IoError. */
+/** \brief Makes the place index of a map and writes it into its file, unless it is there already, or the map
+ * is one that openMap() reads as a whole, of whose views an index is soon made, or the camera's mounting is
+ * not known. Throws IoError. */
 void writePlaceIndex(const std::filesystem::path& map);
 
 }  // namespace facetloc

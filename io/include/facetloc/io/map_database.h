@@ -48,7 +48,6 @@ public:
   /** \brief Keeps what PlaceIndex::write() writes, so that it need not be made when the map is opened. It is
    * lost when a model is added. */
   void setPlaceIndex(const std::function<void(std::ostream&)>& write);
-  bool hasPlaceIndex() const;
   /** \brief Adds a local model with its segments and depth picture in one transaction; returns its index. */
   int add(const LocalModel& model);
   int add(const PackedModel& model);
