@@ -50,7 +50,7 @@ using namespace facetloc;
 constexpr double kFloorDistance = 1000;  // [m]
 constexpr double kRightTranslation = 0.2, kRightRotation = 2 * kDegree;
 constexpr double kNear = 3, kNearRotation = 45 * kDegree;  // of models that may show the same
-constexpr int kLengths[] = {1, 10, 20, 50, 75, 100, 150, 200, 300, 500, 1000};
+constexpr int kLengths[] = {1, 10, 20, 40, 50, 75, 100, 150, 200, 300, 500, 1000};
 
 struct Options {
   std::string floors, csv, plot;
