@@ -55,12 +55,10 @@ struct SensorNoise {
   static void describe(Self& p, Visitor&& field) {
     field("inverse_depth_std", p.inverse_depth_std, 1e-7, 1.0,
           "Random error of inverse depth, standard deviation [1/m]; sigma_z / z^2. Kinect: 0.00142.");
-    field(
-        "distortion_offset", p.distortion_offset, 0.0, 1.0,
-        "Smooth distortion of inverse depth, constant part, standard deviation [1/m] (METHOD_MEASURED 4.3).");
+    field("distortion_offset", p.distortion_offset, 0.0, 1.0,
+          "Smooth distortion of inverse depth, constant part, standard deviation [1/m].");
     field("distortion_slope", p.distortion_slope, 0.0, 1.0,
-          "Smooth distortion of inverse depth per unit of the normalised ray, standard deviation [1/m] "
-          "(METHOD_MEASURED 4.3).");
+          "Smooth distortion of inverse depth per unit of the normalised ray, standard deviation [1/m].");
   }
   void validate() const { checkRanges(*this); }
 };

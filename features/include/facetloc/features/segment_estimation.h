@@ -40,11 +40,10 @@ struct SegmentEstimationParams {
     field("trim", p.trim, 1.0, 100.0,
           "Residual beyond which a pixel leaves the plane fit [noise standard deviations].");
     field("faithful", p.faithful, false, true,
-          "Uncertainty by the paper's eqs. (4)-(5) instead of the full covariance of METHOD_MEASURED 4.3.");
+          "Uncertainty by the paper's eqs. (4)-(5) instead of the full covariance.");
     field("faithful_factor", p.faithful_factor, 0.01, 10.0,
           "Factor on sigma_r of eq. (4); 1 is the paper's.");
-    field("edge_factor", p.edge_factor, 0.0, 10.0,
-          "Factor on sigma_r in the term for uncertain outlines (METHOD_MEASURED 4.3).");
+    field("edge_factor", p.edge_factor, 0.0, 10.0, "Factor on sigma_r in the term for uncertain outlines.");
     field("slope_floor_deg", p.slope_floor_deg, 0.0, 10.0,
           "Floor of the slope uncertainty, standard deviation [deg].");
     field("offset_floor", p.offset_floor, 0.0, 1.0,

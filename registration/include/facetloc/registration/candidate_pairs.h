@@ -18,9 +18,9 @@ struct MatchingParams {
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& field) {
     field("coplanarity_gate", p.coplanarity_gate, 0.1, 1e6,
-          "Largest squared Mahalanobis distance between the planes of a pair (METHOD 9.1).");
+          "Largest squared Mahalanobis distance between the planes of a pair.");
     field("overlap_gate", p.overlap_gate, 0.1, 1e6,
-          "Largest squared Mahalanobis distance between the outlines of a pair (METHOD 9.2).");
+          "Largest squared Mahalanobis distance between the outlines of a pair.");
     field("max_segments", p.max_segments, 1, 64,
           "Number of most informative segments of an image that generate hypotheses.");
   }

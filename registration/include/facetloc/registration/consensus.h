@@ -25,7 +25,7 @@ struct ConsensusParams {
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& field) {
     field("surface_score", p.surface_score, false, true,
-          "Score by segment overlap (METHOD 11.1) instead of the log likelihood ratio.");
+          "Score by segment overlap instead of the log likelihood ratio.");
     field("match_probability", p.match_probability, 0.01, 0.999,
           "Probability that a visible surface is in the model.");
     field("slope_slack_deg", p.slope_slack_deg, 0.0, 45.0,

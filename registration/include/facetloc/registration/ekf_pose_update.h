@@ -16,7 +16,7 @@ struct EkfParams {
   static void describe(Self& p, Visitor&& field) {
     field("ekf_iterations", p.iterations, 1, 100, "Iterations of the Kalman update; 1 is the paper's EKF.");
     field("ekf_gate", p.gate, 0.1, 1e6,
-          "Largest post-fit cost of a pair, chi-square of 3 degrees of freedom (METHOD 8.3).");
+          "Largest post-fit cost of a pair, chi-square of 3 degrees of freedom.");
     field("ekf_min_cosine", p.min_cosine, 0.0, 1.0,
           "Smallest cosine between the normals of a pair at the current pose.");
   }

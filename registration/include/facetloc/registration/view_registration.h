@@ -27,12 +27,12 @@ struct ViewRegistrationParams {
     EkfParams::describe(p.ekf, field);
     HypothesisTreeParams::describe(p.tree, field);
     field("joint_refinement", p.joint_refinement, false, true,
-          "Re-estimate each hypothesis from all pairs that agree with it (METHOD 8.5).");
+          "Re-estimate each hypothesis from all pairs that agree with it.");
     field(
         "floor_information", p.floor_information, false, true,
         "Where planes alone fix no pose, count what the camera's mounting tells of roll, pitch and height.");
     field("depth_assistance", p.depth_assistance, false, true,
-          "Find a translation that the planes leave free by dense depth (METHOD_MEASURED 10.5).");
+          "Find a translation that the planes leave free by dense depth.");
     field("max_assisted", p.max_assisted, 0, 1000,
           "Incomplete poses per local model that depth may complete.");
     DepthAlignmentParams::describe(p.alignment, field);

@@ -23,7 +23,7 @@ struct DepthTriangulationParams {
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& field) {
     field("split_tolerance", p.split_tolerance, 1.0, 1e3,
-          "Largest deviation of a pixel from its triangle [noise standard deviations] (METHOD 3.4: 6-8).");
+          "Largest deviation of a pixel from its triangle [noise standard deviations]; 6 to 8 do well.");
     field("min_fill", p.min_fill, 0.0, 1.0,
           "Share of valid pixels below which a triangle is refined or dropped.");
     field("min_fill_pixels", p.min_fill_pixels, 1, 1000000,

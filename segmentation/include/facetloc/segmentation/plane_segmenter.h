@@ -23,7 +23,7 @@ struct SegmentationParams {
     field("min_segment", p.min_support, 3.0, 1e6,
           "Smallest labelled region [px at 320x240, scaled with the image area]; see min_support.");
     field("estimate_noise", p.estimate_noise, false, true,
-          "Raise the configured noise to what the image itself shows (METHOD 3.4).");
+          "Raise the configured noise to what the image itself shows.");
   }
   void validate() const { checkRanges(*this); }
 };
