@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/testing/pose_matchers.h>
+#include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_depth.h>
 
 #include <gtest/gtest.h>
@@ -21,6 +22,16 @@ DepthImage roomImage(unsigned seed = 1) {
   return noisy(
       render(test::furnishedRoom(), smallCamera(), lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2})).image,
       0.5 / kKinectGain, seed);
+}
+
+// The upper left corner of the image.
+DepthImage cropped(const DepthImage& image, int width, int height) {
+  DepthImage out;
+  out.camera = image.camera;
+  out.camera.width = width, out.camera.height = height;
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u) out.depth.push_back(image.at(u, v));
+  return out;
 }
 
 TEST(ViewBuilder, LabelKIsSegmentKOfTheView) {
@@ -54,13 +65,8 @@ TEST(ViewBuilder, LabelKIsSegmentKOfTheView) {
 TEST(ViewBuilder, LabelsAndSupportsAgreeInImagesOfAnySize) {
   const DepthImage image = roomImage();
   for (const int width : {317, 318, 319}) {
-    DepthImage cropped;
-    cropped.camera = image.camera;
-    cropped.camera.width = width, cropped.camera.height = 239;
-    for (int v = 0; v < cropped.camera.height; ++v)
-      for (int u = 0; u < width; ++u) cropped.depth.push_back(image.at(u, v));
     ViewBuilder builder;
-    const View view = builder.build(cropped);
+    const View view = builder.build(cropped(image, width, 239));
     const LabelledPlanes& s = builder.segmentation();
     ASSERT_GE(view.segments.size(), 4u);
     for (std::size_t k = 0; k < view.segments.size(); ++k)
@@ -122,16 +128,23 @@ TEST(ViewBuilder, NothingGivesAViewWithoutSegments) {
   EXPECT_EQ(builder.segmentation().labels.maxLabel(), 0);
 }
 
-TEST(ViewBuilder, TwoBuildersAgreeInEveryBit) {
-  ViewBuilder a, b;
-  b.build(roomImage(9));
-  const View x = a.build(roomImage()), y = b.build(roomImage());
-  ASSERT_EQ(x.segments.size(), y.segments.size());
-  for (std::size_t i = 0; i < x.segments.size(); ++i) {
-    EXPECT_EQ(x.segments[i].t, y.segments[i].t);
-    EXPECT_EQ(x.segments[i].R, y.segments[i].R);
-    EXPECT_EQ(x.segments[i].Sigma_q, y.segments[i].Sigma_q);
+TEST(ViewBuilder, BuffersOfAnotherImageDoNotShowInAnyNumber) {
+  const DepthImage image = roomImage();
+  ViewBuilder reused;
+  View view;
+  for (const DepthImage& next : {roomImage(9), cropped(image, 317, 239), cropped(image, 1, 50),
+                                 cropped(image, 50, 1), DepthImage{}, image}) {
+    ViewBuilder fresh;
+    const View want = fresh.build(next);
+    reused.build(next, view);
+    EXPECT_EQ(reused.segmentation().labels.label, fresh.segmentation().labels.label);
+    EXPECT_EQ(reused.segmentation().support, fresh.segmentation().support);
+    EXPECT_EQ(view.depth.inverse_depth, want.depth.inverse_depth);
+    ASSERT_EQ(view.segments.size(), want.segments.size());
+    for (std::size_t i = 0; i < want.segments.size(); ++i)
+      EXPECT_TRUE(test::sameNumbers(view.segments[i], want.segments[i])) << i;
   }
+  EXPECT_GE(view.segments.size(), 4u);
 }
 
 }  // namespace

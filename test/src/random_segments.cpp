@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
 #include <cmath>
 
 namespace facetloc::test {
@@ -118,6 +119,12 @@ Segment anotherPart(Rng& rng, const Segment& s, double max_x, double max_y) {
 }
 Segment anotherPart(Rng& rng, const Segment& s, double max_shift) {
   return anotherPart(rng, s, max_shift, max_shift);
+}
+
+bool sameNumbers(const Segment& a, const Segment& b) {
+  return a.R == b.R && a.t == b.t && a.Sigma_q == b.Sigma_q && a.lambda == b.lambda &&
+         a.num_points == b.num_points &&
+         std::equal(a.hull.begin(), a.hull.end(), b.hull.begin(), b.hull.end());
 }
 
 Eigen::Vector3d uniformVector(Rng& rng, double half_side) {

@@ -55,6 +55,9 @@ Segment movedInPlane(const Segment& s, double x, double y, double turn);
 Segment anotherPart(Rng& rng, const Segment& s, double max_x, double max_y);
 Segment anotherPart(Rng& rng, const Segment& s, double max_shift);
 
+/** \brief True if two segments are the same in every number. */
+bool sameNumbers(const Segment& a, const Segment& b);
+
 /** \brief A point of a cube about the origin. */
 Eigen::Vector3d uniformVector(Rng& rng, double half_side);
 
