@@ -152,10 +152,11 @@ void fitRegions(const Intrinsics& camera, const std::vector<float>& inverse, con
 void gatherSupport(const DepthImage& image, const std::vector<float>& inverse, const std::vector<Run>& runs,
                    double min_support, std::vector<Region>& regions, std::vector<RowExtreme>& row_extremes) {
   const Intrinsics& c = image.camera;
-  row_extremes.assign(regions.size() * c.height, {c.width, -1});
-  for (std::size_t k = 0; k < regions.size(); ++k) {
-    Region& r = regions[k];
-    r.row_extremes = r.plane.n >= min_support ? row_extremes.data() + k * c.height : nullptr;
+  const auto is_large = [&](const Region& r) { return r.plane.n >= min_support; };
+  row_extremes.assign(std::count_if(regions.begin(), regions.end(), is_large) * c.height, {c.width, -1});
+  RowExtreme* next = row_extremes.data();
+  for (Region& r : regions) {
+    if (is_large(r)) r.row_extremes = next, next += c.height;
     r.plane = {};
   }
   for (const auto& [label, v, begin, end] : runs) {

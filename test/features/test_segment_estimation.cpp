@@ -55,6 +55,11 @@ std::vector<Segment> estimate(const Patch& p, const SegmentEstimationParams& par
   return estimateSegments(p.image, p.labels, {}, params);
 }
 
+void expectSameNumbers(const std::vector<Segment>& segments, const std::vector<Segment>& want) {
+  ASSERT_EQ(segments.size(), want.size());
+  for (std::size_t i = 0; i < want.size(); ++i) EXPECT_TRUE(test::sameNumbers(segments[i], want[i])) << i;
+}
+
 TEST(SegmentEstimation, AWallInFrontHasTheMomentsOfItsRectangle) {
   const Patch p = patch({0, 0, 2}, {0, 0, 1}, 100, 80, 219, 139);
   const std::vector<Segment> segments = estimate(p);
@@ -240,6 +245,32 @@ TEST(SegmentEstimation, KeptNamesTheLabelOfEachSegment) {
   EXPECT_THAT(kept, ElementsAre(7, 5));
   EXPECT_EQ(segments[0].num_points, 191 * 91);
   EXPECT_EQ(segments[1].num_points, 91 * 51);
+}
+
+TEST(SegmentEstimation, TheValueOfALabelDoesNotMatter) {
+  Patch p = patch({0, 0, 2}, {0.3, 0.1, 1}, 80, 60, 239, 179);
+  const std::vector<Segment> want = estimate(p);
+  ASSERT_EQ(want.size(), 1u);
+  for (std::uint16_t& label : p.labels.label) label *= 65535;
+  std::vector<int> kept;
+  const std::vector<Segment> segments = estimateSegments(p.image, p.labels, {}, {}, &kept);
+  EXPECT_THAT(kept, ElementsAre(65535));
+  expectSameNumbers(segments, want);
+}
+
+TEST(SegmentEstimation, BuffersOfAnotherImageDoNotShow) {
+  const Intrinsics wide{317, 61, 280, 290, 158, 30}, narrow{50, 1, 45, 45, 25, 0}, none;
+  SegmentEstimation reused;
+  std::vector<Segment> segments;
+  for (const Intrinsics& camera : {smallCamera(), wide, narrow, none, smallCamera()}) {
+    const auto [image, labels] =
+        render(test::furnishedRoom(), camera, test::lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2}));
+    std::vector<int> kept, want_kept;
+    reused.estimate(image, labels, {}, segments, kept);
+    expectSameNumbers(segments, estimateSegments(image, labels, {}, {}, &want_kept));
+    EXPECT_EQ(kept, want_kept);
+  }
+  EXPECT_GE(segments.size(), 4u);
 }
 
 // ---- uncertainty
