@@ -167,6 +167,7 @@ void DepthTriangulation::insertGrid() {
     for (int u = step / 2; u < w; u += step) {
       const int pixel = v * w + u;
       if (!(image_->d[pixel] > 0)) continue;
+      if (static_cast<int>(vertices_.size()) >= params_.max_vertices) return;
       t = locate(u, v, t);
       insert(t, pixel);
     }

@@ -272,6 +272,20 @@ TEST(DepthTriangulation, VertexLimitIsKept) {
   EXPECT_EQ(split.vertices().size(), 50u);
 }
 
+TEST(DepthTriangulation, TheGridKeepsTheVertexLimitToo) {
+  DepthTriangulationParams params;
+  for (const int limit : {4, 10}) {
+    params.max_vertices = limit;
+    DepthTriangulation split(params);
+    split.compute(randomDisparity(64, 48, 1, 1));
+    EXPECT_EQ(split.vertices().size(), static_cast<std::size_t>(limit));
+  }
+  params.max_vertices = 100;
+  DepthTriangulation split(params);
+  split.compute(randomDisparity(8, 800, 1, 1));  // would be a grid of 1600
+  EXPECT_EQ(split.vertices().size(), 100u);
+}
+
 TEST(DepthTriangulation, TrianglesKnowAllTheirPixelsAtTheVertexLimit) {
   const DisparityImage image = randomDisparity(320, 240, 1, 1);
   DepthTriangulationParams params;
