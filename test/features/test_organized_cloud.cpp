@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace facetloc {
@@ -62,6 +63,26 @@ TEST(RecoverIntrinsics, HolesDoNotMatter) {
   for (float& z : image.depth)
     if (uniform(rng, 0, 1) < 0.9) z = 0;
   expectNear(recoverIntrinsics(*organizedCloud<pcl::PointXYZ>(image)), camera, 1e-6);
+}
+
+TEST(RecoverIntrinsics, APointThatNoCameraMeasuresDoesNotMatter) {
+  const Intrinsics camera{160, 120, 140, 150, 75, 64};
+  Cloud cloud = *organizedCloud<pcl::PointXYZ>(roomImage(camera));
+  cloud[1000] = {0.1f, -0.1f, 1e-9f};
+  expectNear(recoverIntrinsics(cloud), camera, 1e-6);
+}
+
+// Its first column has no points; one pixel in a thousand would be just those.
+TEST(RecoverIntrinsics, AllColumnsAreLookedAt) {
+  const Intrinsics camera{1280, 1000, 1100, 1100, 640, 500};
+  Cloud cloud(camera.width, camera.height);
+  for (int v = 0, k = 0; v < camera.height; ++v)
+    for (int u = 0; u < camera.width; ++u, ++k)
+      cloud[k].getVector3fMap() = 2 * camera.ray(u, v).cast<float>() * (u > 0 ? 1.f : std::nanf(""));
+  expectNear(recoverIntrinsics(cloud), camera, 1e-6);
+  Rng rng(3);
+  for (auto& p : cloud) p.x += static_cast<float>(uniform(rng, -0.1, 0.1));
+  EXPECT_FALSE(recoverIntrinsics(cloud));  // organized, but by no camera
 }
 
 TEST(RecoverIntrinsics, WhatIsNotAnImageHasNone) {

@@ -13,8 +13,8 @@
 namespace facetloc {
 
 /** \brief Intrinsics of an organized cloud, recovered from its points: x/z is linear in the column, y/z in
- * the row. Empty if the cloud is unorganized, has fewer than 16 finite points in front of the camera, does
- * not spread over columns and rows, or is not the image of a pinhole camera (residual above 1 px in the
+ * the row. Empty if the cloud is unorganized, has fewer than 16 finite points of measured depth (isMeasured),
+ * does not spread over columns and rows, or is not the image of a pinhole camera (residual above 1 px in the
  * median). */
 template <typename PointT>
 std::optional<Intrinsics> recoverIntrinsics(const pcl::PointCloud<PointT>& cloud);

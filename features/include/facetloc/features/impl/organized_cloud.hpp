@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 namespace facetloc {
 namespace detail {
@@ -28,7 +27,7 @@ struct PixelLine {
 
 template <typename PointT>
 bool inFront(const PointT& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && p.z > 0;
+  return std::isfinite(p.x) && std::isfinite(p.y) && isMeasured(p.z);
 }
 
 }  // namespace detail
@@ -48,16 +47,19 @@ std::optional<Intrinsics> recoverIntrinsics(const pcl::PointCloud<PointT>& cloud
   Intrinsics c{int(cloud.width), int(cloud.height), 0, 0, 0, 0};
   if (columns.n < kEnough || !columns.solve(c.fx, c.cx) || !rows.solve(c.fy, c.cy) || !c.valid()) return {};
 
-  std::vector<double> residual;  // a cloud that is organized but no pinhole image is told from its residuals
-  const std::uint32_t stride = std::max<std::uint32_t>(1, cloud.size() / 1000);
-  for (std::uint32_t k = 0; k < cloud.size(); k += stride)
-    if (detail::inFront(cloud[k])) {
-      const Eigen::Vector2d pixel = c.project({cloud[k].x, cloud[k].y, cloud[k].z});
-      residual.push_back((pixel - Eigen::Vector2d(k % cloud.width, k / cloud.width)).norm());
+  // A cloud that is organized but no pinhole image is told from where its points are seen; on diagonals,
+  // which meet all columns and rows.
+  constexpr double kSamples = 10000;
+  const auto step = std::max(std::uint32_t{1}, static_cast<std::uint32_t>(columns.n / kSamples));
+  std::size_t in_place = 0, elsewhere = 0;
+  for (std::uint32_t v = 0; v < cloud.height; ++v)
+    for (std::uint32_t u = v % step; u < cloud.width; u += step) {
+      const PointT& p = cloud[std::size_t(v) * cloud.width + u];
+      if (!detail::inFront(p)) continue;
+      const Eigen::Vector2d pixel = c.project({p.x, p.y, p.z});
+      ++((pixel - Eigen::Vector2d(u, v)).norm() <= 1.0 ? in_place : elsewhere);
     }
-  if (residual.empty()) return c;
-  std::nth_element(residual.begin(), residual.begin() + residual.size() / 2, residual.end());
-  if (residual[residual.size() / 2] > 1.0) return {};
+  if (in_place <= elsewhere) return {};
   return c;
 }
 
