@@ -94,7 +94,10 @@ TYPED_TEST(SegmentFrameEstimationTest, BadDataGivesAnEmptyOutputAndAReason) {
 
   setCloud(good);
   this->estimation.setIntrinsics(kinectIntrinsics());
-  this->expectEmpty("camera");  // of another size
+  this->expectEmpty("camera that was set has not the size");
+  const Intrinsics of_tiny_camera = test::tinyCamera();
+  this->estimation.setIntrinsics(Intrinsics{of_tiny_camera.width, of_tiny_camera.height, 0, 0, 0, 0});
+  this->expectEmpty("camera that was set is impossible");
   this->estimation.setIntrinsics({});
   this->estimation.setLabels({});
   this->expectEmpty("one label per point");

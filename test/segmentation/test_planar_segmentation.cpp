@@ -135,6 +135,27 @@ TYPED_TEST(PlanarSegmentationTest, BadCloudsLeaveNothingOfTheCallBefore) {
   this->expectNothingFrom(two_by_two, "camera");
 }
 
+TYPED_TEST(PlanarSegmentationTest, AnImpossibleCameraOrOneOfAnotherSizeIsRefused) {
+  const Intrinsics camera = test::smallCamera();
+  this->segmentation->setInputCloud(this->cloud);
+  this->segmentationOf().setIntrinsics(Intrinsics{camera.width, camera.height, 0, 0, 0, 0});
+  this->segmentation->segment(this->segments);
+  EXPECT_TRUE(this->segments.empty());
+  EXPECT_THAT(this->segmentation->getStatus(), HasSubstr("camera that was set is impossible"));
+  this->segmentationOf().setIntrinsics(kinectIntrinsics());
+  this->segmentation->segment(this->segments);
+  EXPECT_TRUE(this->segments.empty());
+  EXPECT_THAT(this->segmentation->getStatus(), HasSubstr("camera that was set has not the size"));
+}
+
+TYPED_TEST(PlanarSegmentationTest, IndicesBeyondTheCloudAreRefused) {
+  this->segmentation->setInputCloud(this->cloud);
+  this->segmentation->setIndices(pcl::make_shared<pcl::Indices>(pcl::Indices{0, 320 * 240}));
+  this->segmentation->segment(this->segments);
+  EXPECT_TRUE(this->segments.empty());
+  EXPECT_THAT(this->segmentation->getStatus(), HasSubstr("indices"));
+}
+
 TYPED_TEST(PlanarSegmentationTest, AnAllInvalidCloudOfAKnownCameraHasNoSegment) {
   this->segmentationOf().setIntrinsics(test::smallCamera());
   auto nan = pcl::make_shared<pcl::PointCloud<TypeParam>>(*this->cloud);

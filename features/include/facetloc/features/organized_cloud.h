@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <string>
 
 namespace facetloc {
 
@@ -32,8 +33,15 @@ bool areIndicesOf(const pcl::PointCloud<PointT>& cloud, const pcl::Indices& indi
                      [n = cloud.size()](auto i) { return i >= 0 && std::size_t(i) < n; });
 }
 
-/** \brief The depth image of an organized cloud: z of every point, 0 where it is not finite or not positive.
- */
+/** \brief The camera of the input of a PCL class: the given one, or without one that of the points.
+ * \param cloud may be null, as \param indices, \param why_not receives a sentence if the result is empty:
+ * there is no organized cloud, the indices do not fit it, or the camera is impossible, of another size or not
+ * to be had from the points. */
+template <typename PointT>
+std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,
+                                        const std::optional<Intrinsics>& given, std::string& why_not);
+
+/** \brief The depth image of an organized cloud: z of every point, 0 where isMeasured() says no. */
 template <typename PointT>
 DepthImage depthImage(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera);
 

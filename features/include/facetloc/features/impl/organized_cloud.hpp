@@ -64,6 +64,24 @@ std::optional<Intrinsics> recoverIntrinsics(const pcl::PointCloud<PointT>& cloud
 }
 
 template <typename PointT>
+std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,
+                                        const std::optional<Intrinsics>& given, std::string& why_not) {
+  const auto none = [&why_not](const char* why) -> std::optional<Intrinsics> {
+    why_not = why;
+    return {};
+  };
+  if (!cloud || cloud->empty()) return none("no input cloud");
+  if (!isOrganized(*cloud)) return none("the input cloud is not organized");
+  if (indices && !areIndicesOf(*cloud, *indices)) return none("the indices do not fit the input cloud");
+  if (given && !given->valid()) return none("the camera that was set is impossible");
+  if (given && (given->width != int(cloud->width) || given->height != int(cloud->height)))
+    return none("the camera that was set has not the size of the input cloud");
+  const std::optional<Intrinsics> camera = given ? given : recoverIntrinsics(*cloud);
+  if (!camera) return none("the camera of the input cloud is not known and not to be had from its points");
+  return camera;
+}
+
+template <typename PointT>
 DepthImage depthImage(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera) {
   DepthImage image;
   image.camera = camera;

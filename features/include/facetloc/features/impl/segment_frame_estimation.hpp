@@ -14,25 +14,11 @@ void SegmentFrameEstimation<PointT>::compute(PointCloudOut& output) {
   output.clear();
   used_labels_.clear();
   status_.clear();
-  if (!input_ || input_->empty()) {
-    status_ = "no input cloud";
-    return;
-  }
-  if (!isOrganized(*input_)) {
-    status_ = "the input cloud is not organized";
-    return;
-  }
+  if (input_) this->initCompute();  // which complains aloud of none
+  const std::optional<Intrinsics> camera = cameraOfInput(input_.get(), indices_.get(), camera_, status_);
+  if (!camera) return;
   if (!labels_ || labels_->size() != input_->size()) {
     status_ = "there must be one label per point of the input cloud";
-    return;
-  }
-  const std::optional<Intrinsics> camera = camera_ ? camera_ : recoverIntrinsics(*input_);
-  if (!camera || camera->width != int(input_->width) || camera->height != int(input_->height)) {
-    status_ = "the camera of the input cloud is not known and not to be had from its points";
-    return;
-  }
-  if (!this->initCompute() || !areIndicesOf(*input_, *indices_)) {
-    status_ = "the indices do not fit the input cloud";
     return;
   }
   LabelImage labels{camera->width, camera->height, std::vector<std::uint16_t>(input_->size(), 0)};

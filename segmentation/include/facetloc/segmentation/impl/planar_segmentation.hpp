@@ -11,23 +11,9 @@ template <typename PointT>
 bool PlanarSegmentation<PointT>::compute() {
   result_ = {};
   status_.clear();
-  if (!input_ || input_->empty()) {
-    status_ = "no input cloud";
-    return false;
-  }
-  if (!isOrganized(*input_)) {
-    status_ = "the input cloud is not organized";
-    return false;
-  }
-  const std::optional<Intrinsics> camera = camera_ ? camera_ : recoverIntrinsics(*input_);
-  if (!camera || camera->width != int(input_->width) || camera->height != int(input_->height)) {
-    status_ = "the camera of the input cloud is not known and not to be had from its points";
-    return false;
-  }
-  if (!this->initCompute() || !areIndicesOf(*input_, *indices_)) {
-    status_ = "the indices do not fit the input cloud";
-    return false;
-  }
+  if (input_) this->initCompute();  // which complains aloud of none
+  const std::optional<Intrinsics> camera = cameraOfInput(input_.get(), indices_.get(), camera_, status_);
+  if (!camera) return false;
   DepthImage image = depthImage(*input_, *camera);
   if (!this->fake_indices_) {
     std::vector<float> wanted(image.depth.size(), 0.f);
