@@ -79,7 +79,7 @@ void PlaneSegmenter::segment(const DepthImage& image, LabelledPlanes& out) {
   out.labels.width = image.camera.width;
   out.labels.height = image.camera.height;
   out.labels.label.assign(image.depth.size(), 0);
-  out.noise = noise_.inverse_depth_std;
+  out.noise = std::max(SensorNoise::kLeastInverseDepthStd, noise_.inverse_depth_std);
   if (!image.valid()) return;
   if (params_.estimate_noise) out.noise = std::max(out.noise, estimateNoise(image, scratch_));
 

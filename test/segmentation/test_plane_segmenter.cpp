@@ -191,6 +191,24 @@ TEST(PlaneSegmenter, TolerancesFollowTheNoiseOfTheImage) {
   EXPECT_NEAR(segmented(image, fixed).noise, 0.5 * kDisparityUnit, 1e-12);
 }
 
+TEST(PlaneSegmenter, WithoutAnyNoiseAPlaneIsFound) {
+  DepthImage image;
+  image.camera = smallCamera();
+  image.depth.assign(320 * 240, 2.f);
+  SensorNoise noise;
+  noise.inverse_depth_std = 0;
+  for (const bool estimate_noise : {false, true}) {  // which is 0 as well
+    SegmentationParams params;
+    params.estimate_noise = estimate_noise;
+    LabelledPlanes s;
+    PlaneSegmenter(params, noise).segment(image, s);
+    EXPECT_GT(s.noise, 0);
+    ASSERT_EQ(s.planes.size(), 1u);
+    EXPECT_EQ(s.support[0], 320 * 240);
+    EXPECT_THAT(s.planes[0].toSpace(image.camera), test::MatrixNear(Eigen::Vector3d(0, 0, 0.5), 1e-6));
+  }
+}
+
 TEST(PlaneSegmenter, ThresholdsScaleWithTheSensorNotWithTheKinect) {
   // The same image in a unit a hundred times finer, of a sensor a hundred times better: metres become
   // hectometres.

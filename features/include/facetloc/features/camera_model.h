@@ -46,6 +46,8 @@ Intrinsics kinectIntrinsics();
  * The defaults are those of a Kinect v1 (0.5 DU of noise, a smooth distortion of 0.25 DU plus 0.5 DU per unit
  * of b). For a camera of standard depth deviation sigma_z at depth z, inverse_depth_std = sigma_z / z^2. */
 struct SensorNoise {
+  static constexpr double kLeastInverseDepthStd = 1e-7;  ///< less counts as this: disparities stay finite
+
   double inverse_depth_std = 0.5 / kKinectGain;  ///< random error of 1/z [1/m]
   double distortion_offset =
       0.25 / kKinectGain;  ///< smooth distortion of 1/z over the image, constant part [1/m]
@@ -53,7 +55,7 @@ struct SensorNoise {
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& field) {
-    field("inverse_depth_std", p.inverse_depth_std, 1e-7, 1.0,
+    field("inverse_depth_std", p.inverse_depth_std, kLeastInverseDepthStd, 1.0,
           "Random error of inverse depth, standard deviation [1/m]; sigma_z / z^2. Kinect: 0.00142.");
     field("distortion_offset", p.distortion_offset, 0.0, 1.0,
           "Smooth distortion of inverse depth, constant part, standard deviation [1/m].");
