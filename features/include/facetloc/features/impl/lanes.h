@@ -37,7 +37,7 @@ constexpr Doubles kDoubleOffset = {0, 1, 2, 3};
 template <typename T, typename Lanes>
 FACETLOC_ALWAYS_INLINE void load(const T* p, const T* end, Lanes& out) {
   constexpr int n = sizeof(Lanes) / sizeof(T);
-  if (__builtin_expect(p + n <= end, 1)) {
+  if (__builtin_expect(end - p >= n, 1)) {
     std::memcpy(&out, p, sizeof out);
     return;
   }
@@ -49,7 +49,7 @@ FACETLOC_ALWAYS_INLINE void load(const T* p, const T* end, Lanes& out) {
 template <typename T, typename Lanes>
 FACETLOC_ALWAYS_INLINE void store(const Lanes& x, T* p, const T* end) {
   constexpr int n = sizeof(Lanes) / sizeof(T);
-  if (__builtin_expect(p + n <= end, 1)) {
+  if (__builtin_expect(end - p >= n, 1)) {
     std::memcpy(p, &x, sizeof x);
     return;
   }
