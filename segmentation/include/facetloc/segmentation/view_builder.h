@@ -33,7 +33,8 @@ public:
 
   /** \brief An empty or all-invalid image gives a view without segments, never an error. */
   View build(const DepthImage& image);
-  /** \brief The same, in the memory that a view has: from image to image of a camera nothing is allocated. */
+  /** \brief The same, in the memory that a view has: nothing is allocated once the builder and the view have
+   * held an image as complex. */
   void build(const DepthImage& image, View& view);
 
   /** \brief The segmentation of the last image, its labels renumbered: label k is segment k - 1 of the view.
