@@ -34,7 +34,8 @@ inline double scaledPixels(double pixels_at_320x240, const Intrinsics& camera) {
  */
 DepthImage subsampled(const DepthImage& image, int step);
 
-/** \brief The largest step that keeps at least the given width; 1 for smaller images. */
+/** \brief How often the working width goes into the image's, which is a step that keeps at least that width;
+ * 1 for smaller images and for a working width of 0. */
 int subsamplingStep(const Intrinsics& camera, int working_width);
 
 /** \brief One label per pixel, row-major; 0 = none, k = k-th segment counted from 1. */

@@ -20,8 +20,8 @@ struct DisparityImage {
 };
 
 /** \brief Noise of inverse depth, estimated from the image itself [1/m] (METHOD 3.4): the median absolute
- * second difference along rows over triples of valid pixels, scaled for white noise. 0 if there are fewer
- * than 100 triples. */
+ * second difference along rows over triples of valid pixels in 60 to 119 rows from all over the image (in all
+ * of a lower one), scaled for white noise. 0 if there are fewer than 100 triples. */
 double estimateNoise(const DepthImage& image);
 /** \brief The same with memory that is kept from image to image. */
 double estimateNoise(const DepthImage& image, std::vector<float>& scratch);
