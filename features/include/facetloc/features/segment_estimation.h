@@ -2,7 +2,6 @@
 #pragma once
 
 #include <facetloc/features/depth_image.h>
-#include <facetloc/features/local_model.h>
 #include <facetloc/features/params.h>
 #include <facetloc/features/segment.h>
 

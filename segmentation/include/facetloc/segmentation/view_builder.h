@@ -2,6 +2,7 @@
 #pragma once
 
 #include <facetloc/features/depth_distortion.h>
+#include <facetloc/features/local_model.h>
 #include <facetloc/features/segment_estimation.h>
 #include <facetloc/segmentation/plane_segmenter.h>
 
