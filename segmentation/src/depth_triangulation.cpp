@@ -211,15 +211,32 @@ bool DepthTriangulation::isSmall(const Triangle& t) const {
   return 0.5 * static_cast<double>(twice_area) <= scaledPixels(params_.min_split, image_->camera);
 }
 
-bool DepthTriangulation::mustSplit(const Triangle& t) const {
-  if (t.worst_pixel < 0) return false;
+bool DepthTriangulation::mustSplit(Triangle& t) const {
   const bool poorly_filled =
       t.num_pixels >= params_.min_fill_pixels && t.num_valid < params_.min_fill * t.num_pixels;
   if (!(t.max_deviation > params_.split_tolerance) && !poorly_filled) return false;
-  // Rounding noise at a vertex: nothing left to refine.
-  const int u = t.worst_pixel % image_->camera.width, v = t.worst_pixel / image_->camera.width;
-  return std::none_of(t.vertex.begin(), t.vertex.end(),
-                      [&](int k) { return vertices_[k].u == u && vertices_[k].v == v; });
+  if (t.worst_pixel >= 0 && !isVertex(t, t.worst_pixel)) return true;
+  // Nothing deviates, but for rounding noise at a vertex; an outline may be left to find.
+  if (!poorly_filled || t.num_valid < params_.min_fill_pixels) return false;
+  t.worst_pixel = middlePixel(t);
+  return t.worst_pixel >= 0;
+}
+
+bool DepthTriangulation::isVertex(const Triangle& t, int pixel) const {
+  const int u = pixel % image_->camera.width, v = pixel / image_->camera.width;
+  return std::any_of(t.vertex.begin(), t.vertex.end(),
+                     [&](int k) { return vertices_[k].u == u && vertices_[k].v == v; });
+}
+
+// Half of the valid pixels lie before it: splits there follow an outline with the fewest vertices.
+int DepthTriangulation::middlePixel(const Triangle& t) const {
+  int before = t.num_valid / 2;
+  for (TriangleRows r = rows(t); !r.done(); r.next())
+    for (int u = r.first(); u <= r.last(); ++u) {
+      const int pixel = r.v() * image_->camera.width + u;
+      if (image_->d[pixel] > 0 && --before < 0 && !isVertex(t, pixel)) return pixel;
+    }
+  return -1;
 }
 
 // The triangle of a pixel, by walking there from another one.

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace facetloc {
 namespace {
@@ -222,6 +223,20 @@ TEST(PlaneSegmenter, ThresholdsScaleWithTheSensorNotWithTheKinect) {
   LabelledPlanes a = segmented(image), b;
   PlaneSegmenter(params, better).segment(far, b);
   EXPECT_GT(agreement(a.labels, b.labels), 0.9999);
+}
+
+TEST(PlaneSegmenter, AConstantPatchWithNothingAroundItIsFound) {
+  for (const int side : {40, 60, 80, 100, 120})
+    for (const auto& [left, top] : {std::pair{10, 15}, {101, 59}, {200, 120}}) {
+      DepthImage image;
+      image.camera = smallCamera();
+      image.depth.assign(320 * 240, std::numeric_limits<float>::quiet_NaN());
+      for (int v = top; v < top + side; ++v) std::fill_n(image.depth.begin() + 320 * v + left, side, 2.f);
+      const LabelledPlanes s = segmented(image);
+      ASSERT_FALSE(s.planes.empty()) << side;
+      EXPECT_GT(s.support[0], 0.9 * side * side) << side << " at " << left << ", " << top;
+      expectConsistent(s, image);
+    }
 }
 
 TEST(PlaneSegmenter, LabelsAndSupportsAgreeOnFurnishedRooms) {

@@ -52,7 +52,7 @@ public:
         -1, -1, -1};                ///< across the edge from vertex[k] to vertex[k + 1]; -1 = border
     PixelPlane plane;               ///< through the three vertices
     float max_deviation = 0;        ///< over its valid pixels
-    std::int32_t worst_pixel = -1;  ///< where that is, row-major
+    std::int32_t worst_pixel = -1;  ///< where that is, row-major; any pixel or -1 if nothing deviates
     std::int32_t num_pixels = 0;    ///< pixels of the triangle; every image pixel has one triangle
     std::int32_t num_valid = 0;
     std::int32_t round = 0;  ///< in which it last changed
@@ -80,7 +80,9 @@ private:
   void fitPlane(Triangle& t) const;
   void scan(Triangle& t) const;
   bool isSmall(const Triangle& t) const;
-  bool mustSplit(const Triangle& t) const;
+  bool mustSplit(Triangle& t) const;
+  bool isVertex(const Triangle& t, int pixel) const;
+  int middlePixel(const Triangle& t) const;
   int locate(int u, int v, int t) const;
   void insert(int t, int pixel);
   void splitFace(int t, int p);
