@@ -270,6 +270,17 @@ TYPED_TEST(OurRegistration, IndicesChooseThePointsOfTheSourceAndOfTheOutput) {
               PoseNear(this->truth, TypeParam::kMetres, TypeParam::kDegrees));
 }
 
+TEST(PlanarRegistration, ACameraThatCannotBeIsToldAsSuch) {
+  PlanarRegistration<pcl::PointXYZ> registration;
+  registration.setInputSource(PlanarCase<pcl::PointXYZ>::cloudFrom(kTargetPose, 1));
+  registration.setInputTarget(PlanarCase<pcl::PointXYZ>::cloudFrom(kTargetPose, 2));
+  registration.setIntrinsics(Intrinsics{320, 240, 0, 0, 0, 0});
+  pcl::PointCloud<pcl::PointXYZ> output;
+  registration.align(output);
+  EXPECT_FALSE(registration.hasConverged());
+  EXPECT_EQ(registration.getStatus(), "target: the camera that was set is impossible");
+}
+
 TEST(PlanarRegistration, IndicesOutsideTheCloudAreToldNotUsed) {
   struct Opened : PlanarRegistration<pcl::PointXYZ> {
     using PlanarRegistration::makeView;

@@ -34,9 +34,10 @@ bool areIndicesOf(const pcl::PointCloud<PointT>& cloud, const pcl::Indices& indi
 }
 
 /** \brief The camera of the input of a PCL class: the given one, or without one that of the points.
- * \param cloud may be null, as \param indices, \param why_not receives a sentence if the result is empty:
- * there is no organized cloud, the indices do not fit it, or the camera is impossible, of another size or not
- * to be had from the points. */
+ *
+ * \param cloud, indices may be null
+ * \param why_not receives a sentence if the result is empty: there is no organized cloud, the indices do not
+ * fit it, or the camera is impossible, of another size or not to be had from the points */
 template <typename PointT>
 std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,
                                         const std::optional<Intrinsics>& given, std::string& why_not);

@@ -71,13 +71,13 @@ std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, co
     return {};
   };
   if (!cloud || cloud->empty()) return none("no input cloud");
-  if (!isOrganized(*cloud)) return none("the input cloud is not organized");
-  if (indices && !areIndicesOf(*cloud, *indices)) return none("the indices do not fit the input cloud");
+  if (!isOrganized(*cloud)) return none("the cloud is not organized");
+  if (indices && !areIndicesOf(*cloud, *indices)) return none("the indices do not fit the cloud");
   if (given && !given->valid()) return none("the camera that was set is impossible");
   if (given && (given->width != int(cloud->width) || given->height != int(cloud->height)))
-    return none("the camera that was set has not the size of the input cloud");
+    return none("the camera that was set has not the size of the cloud");
   const std::optional<Intrinsics> camera = given ? given : recoverIntrinsics(*cloud);
-  if (!camera) return none("the camera of the input cloud is not known and not to be had from its points");
+  if (!camera) return none("the camera of the cloud is not known and not to be had from its points");
   return camera;
 }
 
