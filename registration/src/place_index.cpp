@@ -8,6 +8,8 @@
 #include <facetloc/registration/place_index.h>
 #include <facetloc/registration/place_outlook.h>
 
+#include <boost/crc.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -140,25 +142,21 @@ private:
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
 };
 
-/** Of the names and stamps of all models in their order, which a map knows without its views: FNV-1a. */
-std::uint64_t checksumOfNames(const Map& map) {
-  std::uint64_t sum = 0xcbf29ce484222325;
-  const auto add = [&sum](const void* bytes, std::size_t size) {
-    for (std::size_t i = 0; i < size; ++i)
-      sum = (sum ^ static_cast<const unsigned char*>(bytes)[i]) * 0x100000001b3;
-  };
+/** Of the names and stamps of all models in their order, which a map knows without its views. */
+std::uint32_t checksumOfNames(const Map& map) {
+  boost::crc_32_type sum;
   for (const LocalModel& m : map.models) {
-    add(m.name.c_str(), m.name.size() + 1);
-    add(&m.stamp, sizeof m.stamp);
+    sum.process_bytes(m.name.c_str(), m.name.size() + 1);
+    sum.process_bytes(&m.stamp, sizeof m.stamp);
   }
-  return sum;
+  return sum.checksum();
 }
 
 /** What a written index depends on. */
 struct Header {
   std::string format = "facetloc place index 3";  // changes with signatures and descriptors
   std::size_t models = 0;
-  std::uint64_t names = 0;
+  std::uint32_t names = 0;
   double height = 0, tilt_deg = 0;  // of the camera
   Eigen::Matrix3d floor = Eigen::Matrix3d::Zero();
 
