@@ -15,6 +15,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <exception>
 #include <limits>
 #include <string>
 #include <vector>
@@ -46,8 +47,13 @@ std::vector<DepthImage> imagesOf(Source source, int width) {
 
 // The images that the arguments of a benchmark name; without any, it is skipped.
 std::vector<DepthImage> prepare(benchmark::State& state) {
-  const auto images = imagesOf(static_cast<Source>(state.range(1)), static_cast<int>(state.range(0)));
-  if (images.empty()) state.SkipWithError("set FACETLOC_BENCHMARK_SEQUENCE to a depth sequence");
+  std::vector<DepthImage> images;
+  try {
+    images = imagesOf(static_cast<Source>(state.range(1)), static_cast<int>(state.range(0)));
+    if (images.empty()) state.SkipWithError("set FACETLOC_BENCHMARK_SEQUENCE to a depth sequence");
+  } catch (const std::exception& e) {
+    state.SkipWithError(e.what());
+  }
   return images;
 }
 

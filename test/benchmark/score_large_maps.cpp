@@ -13,7 +13,8 @@
 // A query is answerable if registering it with some local model near the truth gives a pose within 0.2 m and
 // 2 deg of it. Recall of a shortlist: the share of the answerable queries for which it holds such a model.
 // --exhaustive localizes so many of the queries with the shortlist and with all models, and counts whose
-// answers have a right place among their first ones.
+// answers have a right place among their first ones, and whose first place is right or wrong at which
+// probability.
 #include "set_parameter.h"
 #include "simulated_floors.h"
 
@@ -204,13 +205,47 @@ void findWhoShows(const GlobalLocalization& localization, std::vector<Query>& qu
   }
 }
 
-// Of the first right place of an answer; kNoRank if none is right.
 constexpr std::size_t kNoRank = std::numeric_limits<std::size_t>::max();
-std::size_t rankOfRight(const Localization& answer, const Query& q) {
-  const auto right = std::find_if(answer.hypotheses.begin(), answer.hypotheses.end(),
+
+/** What an answer to a query is worth. */
+struct Grade {
+  std::size_t rank;    // of the first right place; kNoRank if none is right
+  double probability;  // of the first place
+};
+
+Grade grade(const Localization& answer, const Query& q) {
+  const std::vector<Hypothesis>& places = answer.hypotheses;
+  const auto right = std::find_if(places.begin(), places.end(),
                                   [&q](const Hypothesis& h) { return isRight(*h.T_w_c, q.T_w_c); });
-  return right == answer.hypotheses.end() ? kNoRank
-                                          : static_cast<std::size_t>(right - answer.hypotheses.begin());
+  return {right == places.end() ? kNoRank : static_cast<std::size_t>(right - places.begin()),
+          places.empty() ? 0 : places.front().probability};
+}
+
+/** Answers to the same queries, with all models and with the shortlist. */
+void compare(const std::vector<Grade>& all, const std::vector<Grade>& some) {
+  std::printf("%22s %10s %10s %5s\n", "right among the first", "all models", "shortlist", "both");
+  for (const std::size_t places : {std::size_t{1}, std::size_t{2}, std::size_t{5}, std::size_t{10},
+                                   std::size_t{20}, std::size_t{100}, kNoRank}) {
+    int of_all = 0, of_shortlist = 0, of_both = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      of_all += all[i].rank < places, of_shortlist += some[i].rank < places;
+      of_both += all[i].rank < places && some[i].rank < places;
+    }
+    std::printf("%22s %10d %10d %5d\n", places == kNoRank ? "any" : std::to_string(places).c_str(), of_all,
+                of_shortlist, of_both);
+  }
+  std::printf("%22s %10s %10s %10s %10s\n", "probability at least", "all: right", "wrong", "some: right",
+              "wrong");
+  for (const double least : {0.0, 0.2, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95}) {
+    std::printf("%22.2f", least);
+    for (const std::vector<Grade>* answers : {&all, &some})
+      for (const bool right : {true, false})
+        std::printf(" %10d",
+                    static_cast<int>(std::count_if(answers->begin(), answers->end(), [&](const Grade& a) {
+                      return a.probability >= least && (a.rank == 0) == right;
+                    })));
+    std::printf("\n");
+  }
 }
 
 /** The map as the tools open it, with the index in its file. */
@@ -306,7 +341,7 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
       return std::binary_search(q.shown_by.begin(), q.shown_by.end(), c.model);
     });
   }
-  std::vector<std::size_t> quick_ranks;
+  std::vector<Grade> quick_grades;
   std::size_t by_first = 0, by_first_and_right = 0;  // answered by the first models of the shortlist
   start = std::clock();
   for (const Query& q : queries) {
@@ -315,9 +350,9 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
       ++asked;
       return quick.registerWith(models, q.view, quick.prior());
     };
-    quick_ranks.push_back(rankOfRight(quick.localizeBy(registering, q.view), q));
+    quick_grades.push_back(grade(quick.localizeBy(registering, q.view), q));
     by_first += asked == 1;
-    by_first_and_right += asked == 1 && quick_ranks.back() == 0;
+    by_first_and_right += asked == 1 && quick_grades.back().rank == 0;
   }
   const double query_ms =
       1e3 * seconds(start) / static_cast<double>(std::max<std::size_t>(queries.size(), 1));
@@ -326,11 +361,12 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
               options.index.shortlist,
               static_cast<double>(listed) / static_cast<double>(std::max<std::size_t>(queries.size(), 1)),
               static_cast<double>(held) * of_answerable);
+  const auto right_first = std::count_if(quick_grades.begin(), quick_grades.end(),
+                                         [](const Grade& answer) { return answer.rank == 0; });
   std::printf(
       "a whole query takes %.1f ms, views that were not in memory included; rank 1 is right for %.1f %% of "
       "the answerable; %.0f MB in use\n",
-      query_ms, of_answerable * static_cast<double>(std::count(quick_ranks.begin(), quick_ranks.end(), 0)),
-      memory());
+      query_ms, of_answerable * static_cast<double>(right_first), memory());
 
   std::printf("the first %d models are enough for %zu of them, %zu right\n", some.index.first_models,
               by_first, by_first_and_right);
@@ -339,25 +375,16 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
   if (csv) std::fflush(csv);
   if (options.exhaustive == 0) return curve;
   const std::size_t asked = std::min(options.exhaustive, queries.size());
-  std::vector<std::pair<std::size_t, std::size_t>> ranks_of_both;  // with all models, with the shortlist
+  std::vector<Grade> all_grades, some_grades;
   start = std::clock();
   for (std::size_t i = 0; i < asked; ++i) {
     const std::size_t k = i * queries.size() / asked;
-    ranks_of_both.emplace_back(rankOfRight(exhaustive.localize(queries[k].view), queries[k]), quick_ranks[k]);
+    all_grades.push_back(grade(exhaustive.localize(queries[k].view), queries[k]));
+    some_grades.push_back(quick_grades[k]);
   }
   std::printf("%zu queries with all models, %.0f ms each\n", asked,
               1e3 * seconds(start) / static_cast<double>(asked));
-  std::printf("%22s %10s %10s %5s\n", "right among the first", "all models", "shortlist", "both");
-  for (const std::size_t places : {std::size_t{1}, std::size_t{2}, std::size_t{5}, std::size_t{10},
-                                   std::size_t{20}, std::size_t{100}, kNoRank}) {
-    int of_all = 0, of_shortlist = 0, of_both = 0;
-    for (const auto& [all_models, shortlist] : ranks_of_both) {
-      of_all += all_models < places, of_shortlist += shortlist < places;
-      of_both += all_models < places && shortlist < places;
-    }
-    std::printf("%22s %10d %10d %5d\n", places == kNoRank ? "any" : std::to_string(places).c_str(), of_all,
-                of_shortlist, of_both);
-  }
+  compare(all_grades, some_grades);
   std::fflush(stdout);
   return curve;
 }

@@ -8,7 +8,10 @@ set -euo pipefail
 
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=${1:-$root/build}
-[ $# -lt 2 ] || export FACETLOC_BENCHMARK_SEQUENCE=$2
+if [ $# -ge 2 ]; then
+  [ -d "$2" ] || { echo "speed_table.sh: no folder $2" >&2; exit 1; }
+  export FACETLOC_BENCHMARK_SEQUENCE=$2
+fi
 bin=$build/test/benchmark
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
