@@ -131,7 +131,7 @@ void LiveRun::receive(const LiveResultPtr& result) {
   if (results_) results_->append(*result);
   newest_.put(result);
   const bool its_turn = (result->number - 1) % static_cast<std::uint64_t>(options_.every) == 0;
-  if (screenshot_ && its_turn) to_draw_.put(result);
+  if (!options_.screenshots.empty() && its_turn) to_draw_.put(result);
 }
 
 bool LiveRun::stopAsked() const { return quit_ || stop_.raised(); }
@@ -218,7 +218,14 @@ void LiveRun::tick() {
     drawScreenshot(*result->frame, fs::path(options_.screenshots) / (result->frame->image.name + ".png"));
   if (!window_) return;
   drawWindow();
-  for (const LiveCommand command : window_->commands()) obey(command);
+  for (const LiveCommand command : window_->commands()) {
+    try {
+      obey(command);
+    } catch (const std::exception& e) {  // which is no reason to end the run
+      status_.clear();
+      console_.error(e.what());
+    }
+  }
 }
 
 /** Not more often than leaves half of the time to others, where the processor does the drawing. */

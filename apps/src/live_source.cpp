@@ -44,6 +44,8 @@ DepthImage toDepthImage(const DevicePicture& picture, const std::optional<Intrin
   if (camera) image.camera = scaledTo(*camera, image.camera.width, image.camera.height);
   const std::size_t n = static_cast<std::size_t>(picture.getWidth()) * picture.getHeight();
   std::vector<unsigned short> raw(n);
+  if (picture.getMetaData()->getDataSize() != n * sizeof raw[0])  // PCL copies what there is
+    throw std::runtime_error("a depth image of the source is corrupt");
   picture.fillDepthImageRaw(picture.getWidth(), picture.getHeight(), raw.data());
   const auto unknown = static_cast<unsigned short>(picture.getNoSampleValue());
   const auto shadow = static_cast<unsigned short>(picture.getShadowValue());

@@ -19,6 +19,7 @@
 #include <cstring>
 #include <filesystem>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -81,16 +82,29 @@ std::string checkedId(const std::string& device_id) {
   return absolute;
 }
 
-/** A depth frame that OpenNI2 needs no longer: it may outlive the device, and end on any thread. */
+/** A depth frame that OpenNI2 needs no longer: it may outlive the device, and end on any thread. Holds as
+ * many pixels as it says, in millimetres, as PCL takes them for. */
 class OwnedFrame : public pcl::io::FrameWrapper {
 public:
-  explicit OwnedFrame(const openni::VideoFrameRef& frame)
-      : depth_(static_cast<std::size_t>(frame.getDataSize()) / sizeof(std::uint16_t)),
+  /** \param invalid has no depth, in any unit. Throws std::runtime_error. */
+  OwnedFrame(const openni::VideoFrameRef& frame, std::uint16_t invalid)
+      : depth_(static_cast<std::size_t>(frame.getWidth()) * static_cast<std::size_t>(frame.getHeight())),
         width_(static_cast<unsigned>(frame.getWidth())),
         height_(static_cast<unsigned>(frame.getHeight())),
         index_(static_cast<unsigned>(frame.getFrameIndex())),
         stamp_(frame.getTimestamp()) {
+    // The player does not look at what it has decoded.
+    if (static_cast<std::size_t>(frame.getDataSize()) != getDataSize())
+      throw std::runtime_error("frame " + std::to_string(index_) + " is corrupt: it has " +
+                               std::to_string(frame.getDataSize()) + " bytes instead of " +
+                               std::to_string(getDataSize()));
     std::memcpy(depth_.data(), frame.getData(), getDataSize());
+    const openni::PixelFormat unit = frame.getVideoMode().getPixelFormat();
+    if (unit != openni::PIXEL_FORMAT_DEPTH_1_MM && unit != openni::PIXEL_FORMAT_DEPTH_100_UM)
+      throw std::runtime_error("depth in an unknown unit, " + std::to_string(unit));
+    if (unit == openni::PIXEL_FORMAT_DEPTH_100_UM)
+      for (std::uint16_t& z : depth_)
+        if (z != invalid) z = static_cast<std::uint16_t>((z + 5) / 10);
   }
   const void* getData() const override { return depth_.data(); }
   unsigned getDataSize() const override {
@@ -121,10 +135,10 @@ struct OpenNIGrabber::State : openni::OpenNI::DeviceStateChangedListener,
   };
 
   State(std::string device_uri, bool file) : uri(std::move(device_uri)), is_file(file) {
-    openni::OpenNI::addDeviceStateChangedListener(this);
-    openni::OpenNI::addDeviceDisconnectedListener(this);
     if (device.open(uri.c_str()) != openni::STATUS_OK)
       throw IoError(uri, "cannot be controlled: " + openniError());
+    openni::OpenNI::addDeviceStateChangedListener(this);  // nothing throws from here on
+    openni::OpenNI::addDeviceDisconnectedListener(this);
     has_trigger = device.isPropertySupported(kVirtualCameraTrigger);
   }
   ~State() {
@@ -298,9 +312,14 @@ bool OpenNIGrabber::readFrame() {
 void OpenNIGrabber::readDepth(openni::VideoStream& stream) {
   openni::VideoFrameRef frame;
   if (stream.readFrame(&frame) != openni::STATUS_OK) return;
-  const auto owned = pcl::make_shared<OwnedFrame>(frame);
-  frame.release();
   const auto invalid = device_->getShadowValue();
+  pcl::io::FrameWrapper::Ptr owned;
+  try {
+    owned = pcl::make_shared<OwnedFrame>(frame, invalid);
+  } catch (const std::runtime_error& e) {
+    return state_->setError(e.what());
+  }
+  frame.release();
   depthCallback(pcl::make_shared<pcl::io::DepthImage>(owned, device_->getBaseline(),
                                                       device_->getDepthFocalLength(), invalid, invalid),
                 nullptr);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The live tool as a user runs it: a process of its own, with the real OpenNI2 and our driver.
+#include "keyboard.h"  // the last one, because of the macros of X
 #include "process.h"
 
 #include <facetloc/apps/live_app.h>
@@ -34,7 +35,9 @@ using test::lastLine;
 using test::runTool;
 using test::TemporaryFolder;
 using test::ToolRun;
+using testing::AllOf;
 using testing::Contains;
+using testing::Each;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
@@ -256,6 +259,45 @@ TEST_F(LiveTool, ShowsAWindow) {
   const ToolRun run = process.wait();
   EXPECT_EQ(run.code, kOk) << run.err;
   EXPECT_THAT(lastLine(run.out), HasSubstr("tracking"));
+}
+
+bool press(KeySym key) { return test::Keyboard().press(key, "facetloc_live"); }
+
+/** Shows a device in a window, with that working directory, and presses q in the end. \param play gets the
+ * process before that. */
+template <class Play>
+ToolRun runWithKeys(const std::string& device, const std::string& folder, const Play& play) {
+  std::vector<std::string> command =
+      liveCommand({"--device", device, "--repeat", "--every", "1"}, std::getenv("DISPLAY"));
+  command.insert(command.begin() + 1, "--chdir=" + folder);
+  test::Process process(command);
+  play(process);
+  EXPECT_TRUE(eventually([] { return press(XK_q); }));
+  return process.wait();
+}
+
+TEST_F(LiveTool, MakesNoScreenshotsButThoseOfTheKey) {
+  const OffscreenDisplay display;
+  if (!display.available()) GTEST_SKIP() << display.problem();
+  const ToolRun run = runWithKeys(sequence(), folder_ / "", [](const test::Process& process) {
+    ASSERT_TRUE(
+        eventually([&] { return press(XK_s) && process.err().find("screenshot") != std::string::npos; }));
+    std::this_thread::sleep_for(1s);  // of frames that nobody wants a picture of
+  });
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(namesIn(folder_ / ""), AllOf(Not(IsEmpty()), Each(HasSubstr("live_"))));
+}
+
+TEST_F(LiveTool, GoesOnAfterAKeyThatCannotBeObeyed) {
+  const OffscreenDisplay display;
+  if (!display.available()) GTEST_SKIP() << display.problem();
+  for (const std::string& name : namesIn(sequence() + "/depth"))
+    test::writeContent(folder_ / ("live_" + name), "none of our pictures");
+  const ToolRun run = runWithKeys(sequence(), folder_ / "", [](const test::Process& process) {
+    ASSERT_TRUE(eventually([&] { return press(XK_s) && !process.err().empty(); }));
+  });
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("would overwrite"));
 }
 
 TEST_F(LiveTool, CtrlCEndsInPeaceAndLosesNothing) {

@@ -234,17 +234,19 @@ void compare(const std::vector<Grade>& all, const std::vector<Grade>& some) {
     std::printf("%22s %10d %10d %5d\n", places == kNoRank ? "any" : std::to_string(places).c_str(), of_all,
                 of_shortlist, of_both);
   }
-  std::printf("%22s %10s %10s %10s %10s\n", "probability at least", "all: right", "wrong", "some: right",
-              "wrong");
+  // Lost: right with all models and that probability, wrong with the shortlist.
+  std::printf("%22s %10s %10s %10s %10s %10s\n", "probability at least", "all: right", "wrong", "some: right",
+              "wrong", "lost");
   for (const double least : {0.0, 0.2, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95}) {
-    std::printf("%22.2f", least);
-    for (const std::vector<Grade>* answers : {&all, &some})
-      for (const bool right : {true, false})
-        std::printf(" %10d",
-                    static_cast<int>(std::count_if(answers->begin(), answers->end(), [&](const Grade& a) {
-                      return a.probability >= least && (a.rank == 0) == right;
-                    })));
-    std::printf("\n");
+    int all_right = 0, all_wrong = 0, some_right = 0, some_wrong = 0, lost = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const bool all_sure = all[i].probability >= least, some_sure = some[i].probability >= least;
+      all_right += all_sure && all[i].rank == 0, all_wrong += all_sure && all[i].rank != 0;
+      some_right += some_sure && some[i].rank == 0, some_wrong += some_sure && some[i].rank != 0;
+      lost += all_sure && all[i].rank == 0 && some[i].rank != 0;
+    }
+    std::printf("%22.2f %10d %10d %10d %10d %10d\n", least, all_right, all_wrong, some_right, some_wrong,
+                lost);
   }
 }
 

@@ -293,6 +293,36 @@ TEST_F(VirtualCamera, IsRecordedBitByBit) {
     EXPECT_EQ(frame.depth, oni.readRaw(static_cast<std::size_t>(frame.index - 1))) << frame.index;
 }
 
+TEST_F(VirtualCamera, IsPlayedInMillimetresWhateverTheUnitOfItsRecording) {
+  const Watchdog watchdog(30s);
+  test::ExampleSequence example;
+  example.frames = 10;
+  const fs::path file = folder_ / "a.oni";
+  {
+    OpenNIGrabber grabber(sequence(example));
+    grabber.trigger(0);
+    OniRecorder recorder(grabber.uri(), file);
+    EXPECT_EQ(triggered(grabber, 10).size(), 10u);
+    EXPECT_EQ(recorder.stop(), 10u);
+  }
+  std::string bytes = test::bytesOf(file);
+  const std::string name("oniPixelFormat\0\x08\0\0\0", 19);
+  const std::size_t unit = bytes.find(name);
+  ASSERT_NE(unit, std::string::npos);
+  ASSERT_EQ(bytes[unit + name.size()], 100);
+  bytes[unit + name.size()] = 101;  // 100 um
+  const OniFile oni = OniFile::open(test::putBytes(folder_ / "b.oni", bytes));
+  OpenNIGrabber player(folder_ / "b.oni");
+  const test::GrabbedFrames played(player);
+  player.start();
+  ASSERT_TRUE(test::waitUntil([&] { return player.isEndOfFile(); }));
+  ASSERT_GE(played.size(), 5u);
+  for (const test::GrabbedFrame& frame : played.frames()) {
+    const std::vector<float> metres = oni.read(static_cast<std::size_t>(frame.index - 1)).depth;
+    for (std::size_t i = 0; i < metres.size(); ++i) ASSERT_NEAR(1e-3 * frame.depth[i], metres[i], 0.51e-3);
+  }
+}
+
 /** A disk of that size in memory, as long as it lives. */
 class SmallDisk {
 public:
