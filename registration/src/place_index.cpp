@@ -14,8 +14,10 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <flann/flann.hpp>
 #include <limits>
+#include <new>
 #include <numeric>
 #include <stdexcept>
 
@@ -112,35 +114,31 @@ Eigen::Isometry3d cameraPose(const PlaceAlignment& a, const PlaceSignature& scen
   return T_m_c;
 }
 
-/** What FLANN writes to a C stream and reads from one. */
-class TreeBytes {
-public:
-  TreeBytes() : file_(std::tmpfile(), std::fclose) {
-    if (!file_) throw std::runtime_error("PlaceIndex: there is no room for a temporary file");
-  }
-  std::vector<char> of(Tree& tree) {
-    tree.saveIndex(file_.get());
-    std::vector<char> bytes(static_cast<std::size_t>(std::ftell(file_.get())));
-    std::rewind(file_.get());
-    require(std::fread(bytes.data(), 1, bytes.size(), file_.get()) == bytes.size());
-    return bytes;
-  }
-  std::unique_ptr<Tree> tree(const std::vector<char>& bytes, std::size_t points) {
-    require(std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) == bytes.size());
-    std::rewind(file_.get());
-    // FLANN wants points of that number, though it reads and uses its own.
-    std::vector<float> none(points * kDimensions);
-    auto tree = std::make_unique<Tree>(flann::Matrix<float>(none.data(), points, kDimensions), kTreeParams);
-    tree->loadIndex(file_.get());
-    return tree;
-  }
+/** A C stream in memory, as FLANN writes and reads its indices. */
+using Stream = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
-private:
-  static void require(bool done) {
-    if (!done) throw std::runtime_error("PlaceIndex: a temporary file cannot be used");
-  }
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
-};
+std::vector<char> bytesOf(Tree& tree) {
+  struct Buffer {
+    char* data = nullptr;
+    std::size_t size = 0;
+    ~Buffer() { std::free(data); }
+  } buffer;
+  Stream stream(open_memstream(&buffer.data, &buffer.size), std::fclose);
+  if (!stream) throw std::bad_alloc();
+  tree.saveIndex(stream.get());
+  if (std::fclose(stream.release()) != 0) throw std::bad_alloc();
+  return {buffer.data, buffer.data + buffer.size};
+}
+
+std::unique_ptr<Tree> treeOf(std::vector<char>& bytes, std::size_t points) {
+  const Stream stream(fmemopen(bytes.data(), bytes.size(), "rb"), std::fclose);
+  if (!stream) throw std::runtime_error("PlaceIndex: its search tree is empty");
+  // FLANN wants points of that number, though it reads and uses its own.
+  std::vector<float> none(points * kDimensions);
+  auto tree = std::make_unique<Tree>(flann::Matrix<float>(none.data(), points, kDimensions), kTreeParams);
+  tree->loadIndex(stream.get());
+  return tree;
+}
 
 /** Of the names and stamps of all models in their order, which a map knows without its views. */
 std::uint32_t checksumOfNames(const Map& map) {
@@ -255,7 +253,7 @@ PlaceIndex PlaceIndex::of(const Map& map, const PlaceIndexParams& params, const 
 void PlaceIndex::write(std::ostream& out) const {
   BinaryWriter archive(out);
   archive(impl_->header, impl_->places, impl_->owner, impl_->heading);
-  if (impl_->tree) archive(TreeBytes().of(*impl_->tree));
+  if (impl_->tree) archive(bytesOf(*impl_->tree));
 }
 
 std::optional<PlaceIndex> PlaceIndex::read(std::istream& in, const Map& map, const PlaceIndexParams& params,
@@ -282,7 +280,7 @@ std::optional<PlaceIndex> PlaceIndex::read(std::istream& in, const Map& map, con
   if (!impl->owner.empty()) {
     std::vector<char> tree;
     archive(tree);
-    impl->tree = TreeBytes().tree(tree, impl->owner.size());
+    impl->tree = treeOf(tree, impl->owner.size());
   }
   return PlaceIndex(std::move(impl));
 }

@@ -10,9 +10,11 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <cstdlib>
 #include <functional>
 #include <limits>
 #include <sstream>
+#include <sys/resource.h>
 
 namespace facetloc {
 namespace {
@@ -364,6 +366,18 @@ TEST_F(PlaceIndexOfRooms, IsTheSameAfterItWasWrittenAndRead) {
     const View view = query(int(i % kRooms), 0.9 * i, 800 + i);
     EXPECT_EQ(read.shortlist(view, 50), made.shortlist(view, 50));
   }
+}
+
+TEST_F(PlaceIndexOfRooms, IsWrittenAndReadWithoutTemporaryFiles) {
+  GTEST_FLAG_SET(death_test_style, "fast");  // in this process as it is
+  const PlaceIndex index(*map);
+  const auto writeAndRead = [&] {
+    const rlimit nothing{0, 0};
+    if (setrlimit(RLIMIT_FSIZE, &nothing) != 0) std::_Exit(2);
+    std::istringstream bytes(written(index));
+    std::_Exit(PlaceIndex::read(bytes, *map).has_value() ? 0 : 1);
+  };
+  EXPECT_EXIT(writeAndRead(), testing::ExitedWithCode(0), "");
 }
 
 TEST_F(PlaceIndexOfRooms, IsMadeAnewWhereTheWrittenOneIsForSomethingElse) {
