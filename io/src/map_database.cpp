@@ -83,6 +83,8 @@ void insertSegments(Connection& db, int model_id, const LocalModel& model) {
 
 void insertPicture(Connection& db, int model_id, const PackedModel& packed) {
   if (packed.depth.empty()) return;
+  describing(db, nameOf(model_id, packed.model.name),
+             [&] { requireSizeOfPicture(packed.model.view.depth.camera); });
   Statement statement(db, schema::insert(schema::kPictureColumns, "depth_picture"));
   statement << model_id << packed.model.view.depth.camera << std::string(depth_blob::kEncoding)
             << packed.depth;

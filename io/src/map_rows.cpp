@@ -39,11 +39,6 @@ void requireSound(const Eigen::Isometry3d& T) {
   requireRotation(T.linear());
 }
 
-void requireSizeOfPicture(const Intrinsics& camera) {
-  require(camera.width <= kMaxPictureSide && camera.height <= kMaxPictureSide,
-          "its depth picture is too large");
-}
-
 void requireSound(const DepthPicture& picture) {
   if (picture.empty()) return;
   requireSound(picture.camera);
@@ -84,6 +79,11 @@ ConvexHull hullOf(const Blob& blob) {
 
 }  // namespace
 
+void requireSizeOfPicture(const Intrinsics& camera) {
+  require(camera.width <= kMaxPictureSide && camera.height <= kMaxPictureSide,
+          "its depth picture is too large");
+}
+
 void requireSound(const Segment& s) {
   requireRotation(s.R);
   require(s.t.allFinite(), "its centroid is not finite");
@@ -95,6 +95,7 @@ void requireSound(const Segment& s) {
   require(s.num_points >= 0, "its number of points is negative");
   require(s.hull.size >= 0 && s.hull.size <= ConvexHull::kMaxVertices, "its hull has too many vertices");
   for (const Eigen::Vector2f& vertex : s.hull) require(vertex.allFinite(), "its hull is not finite");
+  require(s.hull.size < 3 || s.hull.area() >= 0, "its hull is not counter-clockwise");
 }
 
 /** A link may be known exactly: its covariance need not be regular. */

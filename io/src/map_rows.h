@@ -12,6 +12,7 @@
 namespace facetloc::map_rows {
 
 void require(bool condition, const char* fault);
+void requireSizeOfPicture(const Intrinsics& camera);
 void requireSound(const Segment& segment);
 void requireSound(const LocalModel& model);
 void requireSound(const Link& link);

@@ -243,12 +243,26 @@ TEST_F(MapFile, NonsenseIsNotWritten) {
   EXPECT_THAT(errorWith([](LocalModel& m) { m.view.segments[0].R *= -1; }), HasSubstr("rotation"));
   EXPECT_THAT(errorWith([](LocalModel& m) { m.view.segments[0].lambda << 1, 2; }), HasSubstr("lambda"));
   EXPECT_THAT(errorWith([](LocalModel& m) { m.view.segments[0].hull.size = 25; }), HasSubstr("hull"));
+  EXPECT_THAT(errorWith([](LocalModel& m) {
+                ConvexHull& hull = m.view.segments[0].hull;
+                std::reverse(hull.vertex.data(), hull.vertex.data() + hull.size);
+              }),
+              HasSubstr("its hull is not counter-clockwise"));
   EXPECT_THAT(errorWith([](LocalModel& m) { m.view.camera.fx = 0; }), HasSubstr("intrinsics"));
   EXPECT_THAT(errorWith([](LocalModel& m) { m.stamp = INFINITY; }), HasSubstr("stamp"));
   EXPECT_THAT(errorWith([](LocalModel& m) { m.T_w_m->translation().z() = NAN; }), HasSubstr("pose"));
   EXPECT_THAT(errorWith([](LocalModel& m) { m.view.depth.inverse_depth.pop_back(); }),
               HasSubstr("depth picture"));
   EXPECT_EQ(folder_.count(), 0);
+}
+
+TEST_F(MapFile, PicturesThatCouldNotBeReadAreNotWritten) {
+  PackedModel model = packed(ExampleMap().model("a"));
+  ASSERT_FALSE(model.depth.empty());
+  model.model.view.depth.camera.width = 5000;
+  MapDatabase db = MapDatabase::create(path_);
+  EXPECT_THAT(ioErrorOf([&] { db.add(model); }), HasSubstr("its depth picture is too large"));
+  EXPECT_THAT(db.modelNames(), IsEmpty());
 }
 
 TEST_F(MapFile, ExistingFilesAreNotOverwrittenByAccident) {
