@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <system_error>
 #include <thread>
 
 namespace facetloc {
@@ -49,7 +50,10 @@ std::vector<bool> Batch::run(std::size_t first, std::size_t last, const Name& na
     }
   };
   std::vector<std::thread> others;
-  for (int worker = 1; worker < workers_; ++worker) others.emplace_back(work, worker);
+  try {
+    for (int worker = 1; worker < workers_; ++worker) others.emplace_back(work, worker);
+  } catch (const std::system_error&) {  // there may be no more threads: those that there are do all the work
+  }
   work(0);
   for (std::thread& thread : others) thread.join();
   ranks_.collect(causes);

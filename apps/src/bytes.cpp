@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/bytes.h>
+#include <facetloc/apps/sharded_localization.h>
 #include <facetloc/features/binary_archive.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
@@ -77,6 +78,11 @@ void fields(Archive& archive, Hypothesis& h) {
 }
 
 template <class Archive>
+void fields(Archive& archive, ShardedLocalization::Share& share) {
+  archive(share.hypotheses, share.failure);
+}
+
+template <class Archive>
 void fields(Archive& archive, Candidate& c) {
   archive(c.model, c.rank, c.start);
 }
@@ -121,7 +127,7 @@ FACETLOC_BYTES_OF(std::optional<View>)
 FACETLOC_BYTES_OF(std::optional<DepthDistortion>)
 FACETLOC_BYTES_OF(std::vector<PackedModel>)
 FACETLOC_BYTES_OF(std::vector<Candidate>)
-FACETLOC_BYTES_OF(std::vector<Hypothesis>)
+FACETLOC_BYTES_OF(ShardedLocalization::Share)
 FACETLOC_BYTES_OF(std::vector<FrameResult>)
 #undef FACETLOC_BYTES_OF
 

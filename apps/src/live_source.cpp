@@ -5,6 +5,7 @@
 #include <facetloc/io/openni_grabber.h>
 
 #include <pcl/io/image_grabber.h>
+#include <pcl/io/lzf_image_io.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 using DevicePicture = pcl::io::DepthImage;
+using OnCloud = void(const Cloud::ConstPtr&);
 
 constexpr double kMicrosecond = 1e-6;  // [s]
 constexpr double kMillimetre = 1e-3;   // [m]
@@ -85,6 +87,27 @@ bool hasFiles(const fs::path& folder, const std::string& extension) {
   return false;
 }
 
+/** PCL takes the n-th .xml for the camera of the n-th depth image, and does not survive it if that is missing
+ * or none. Throws IoError. */
+void requireCameras(const fs::path& folder) {
+  std::size_t images = 0, cameras = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const fs::path& file = entry.path();
+    images += file.extension() == ".pclzf" && file.filename().string().find("depth") != std::string::npos;
+    if (file.extension() != ".xml") continue;
+    bool read = false;
+    try {
+      read = pcl::io::LZFDepth16ImageReader().readParameters(file.string());
+    } catch (const std::exception&) {  // of the parser
+    }
+    if (!read) throw IoError(file.string(), "no camera parameters can be read");
+    ++cameras;
+  }
+  if (cameras < images)
+    throw IoError(folder.string(), "has " + std::to_string(images) + " depth images, but only " +
+                                       std::to_string(cameras) + " .xml files of their camera");
+}
+
 /** What our virtual camera, or a program, told the grabber; nothing for a device as it is. */
 std::optional<Intrinsics> calibrationOf(const OpenNIGrabber& grabber) {
   const auto mode = grabber.getDevice()->getDepthVideoMode();
@@ -102,7 +125,6 @@ FrameStamps countedStamps(double rate) {
 void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camera, const FrameStamps& stamps,
                    const FrameSink& sink) {
   using OnPicture = void(const DevicePicture::Ptr&);
-  using OnCloud = void(const Cloud::ConstPtr&);
   if (grabber.providesCallback<OnPicture>()) {
     grabber.registerCallback<OnPicture>([camera, sink](const DevicePicture::Ptr& picture) {
       sink({kMicrosecond * static_cast<double>(picture->getTimestamp()),
@@ -112,6 +134,7 @@ void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camer
     auto convert = std::make_shared<CloudConverter>(camera);
     auto count = std::make_shared<std::uint64_t>(0);
     grabber.registerCallback<OnCloud>([=](const Cloud::ConstPtr& cloud) {
+      if (cloud->empty()) return;  // of a file that PCL could not read
       const std::uint64_t n = (*count)++, stamp = cloud->header.stamp;
       sink({stamp ? kMicrosecond * static_cast<double>(stamp) : stamps(n),
             [convert, cloud] { return (*convert)(*cloud); }});
@@ -126,6 +149,7 @@ LiveSource::LiveSource(const LiveSourceOptions& options) : name_(options.device)
   const fs::path path = options.device;
   if (fs::is_directory(path) && hasFiles(path, ".pclzf")) {
     const float rate = static_cast<float>(kUsualRate * (options.speed > 0 ? options.speed : 1));
+    requireCameras(path);
     auto images =
         std::make_unique<pcl::ImageGrabber<pcl::PointXYZ>>(path.string(), rate, options.repeat, true);
     if (!options.repeat) last_ = images->size();
@@ -155,10 +179,12 @@ LiveSource::~LiveSource() { stop(); }
 void LiveSource::start(const FrameSink& sink) {
   std::optional<Intrinsics> intrinsics = calibration_;
   if (camera_) intrinsics = camera_->intrinsics;
-  connectFrames(*grabber_, intrinsics, countedStamps(kUsualRate), [this, sink](LiveFrame frame) {
-    sink(std::move(frame));
-    ++delivered_;
-  });
+  connectFrames(*grabber_, intrinsics, countedStamps(kUsualRate), sink);
+  if (!device_)
+    grabber_->registerCallback<OnCloud>([this](const Cloud::ConstPtr& cloud) {
+      ++delivered_;
+      unreadable_ += cloud->empty();
+    });
   grabber_->start();
 }
 
@@ -171,6 +197,9 @@ bool LiveSource::atEnd() const {
 
 bool LiveSource::connected() const { return !device_ || device_->isConnected(); }
 
-std::string LiveSource::lastError() const { return device_ ? device_->lastError() : std::string(); }
+std::string LiveSource::lastError() const {
+  if (device_) return device_->lastError();
+  return unreadable_ ? std::to_string(unreadable_) + " of the images cannot be read" : "";
+}
 
 }  // namespace facetloc

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/apps/command_line.h>
 #include <facetloc/apps/provenance.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
@@ -98,6 +99,14 @@ std::optional<Provenance> Provenance::read(const fs::path& folder) {
 void Provenance::write(const fs::path& folder) const {
   writeText(folder / kImagesFile, toText(images));
   writeText(folder / kParamsFile, params_ini);
+}
+
+void Provenance::requireNotReplaced(const fs::path& input, const fs::path& folder) {
+  for (const char* file : {kParamsFile, kImagesFile}) {
+    std::error_code ignored;
+    if (fs::equivalent(input, folder / file, ignored))
+      throw UsageError("the results would replace " + input.string() + "; use another output folder");
+  }
 }
 
 void Provenance::requireSame(const Provenance& now, const std::vector<std::string>& done,

@@ -153,8 +153,12 @@ std::vector<std::size_t> SegmentApp::prepare(const std::vector<Image>& images,
 
 int SegmentApp::execute(const CommandLine& line, const Console& console) {
   if (folder_.empty()) throw UsageError("the folder of the results is missing: -o DIR");
+  Provenance::requireNotReplaced(line.paramsFile(), folder_);
   std::vector<DepthSequence> sequences;
-  for (const std::string& input : inputs_) sequences.push_back(DepthSequence::open(input));
+  for (const std::string& input : inputs_) {
+    Provenance::requireNotReplaced(input, folder_);
+    sequences.push_back(DepthSequence::open(input));
+  }
   const std::vector<Image> all = images(sequences);
   std::vector<std::size_t> todo;
   if (ranks().isFirst()) todo = prepare(all, provenance(all, line));

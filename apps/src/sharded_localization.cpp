@@ -5,6 +5,7 @@
 #include <exception>
 #include <iterator>
 #include <optional>
+#include <stdexcept>
 
 namespace facetloc {
 namespace {
@@ -40,12 +41,16 @@ ShardedLocalization::ShardedLocalization(Map map, const GlobalLocalizationParams
   localization_.setNumberOfThreads(threads);
 }
 
-std::vector<Hypothesis> ShardedLocalization::registerOwn(const View& scene,
-                                                         const std::vector<Candidate>& candidates) const {
+/** What fails is told with what the others send, or they would be heard in the next image. */
+ShardedLocalization::Share ShardedLocalization::registerOwn(const View& scene,
+                                                            const std::vector<Candidate>& candidates) const
+    try {
   std::vector<Candidate> own;
   std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(own),
                [this](const Candidate& c) { return own_begin_ <= c.model && c.model < own_end_; });
-  return localization_.registerWith(own, scene, localization_.prior());
+  return {localization_.registerWith(own, scene, localization_.prior()), ""};
+} catch (const std::exception& e) {
+  return {{}, e.what()};
 }
 
 Localization ShardedLocalization::localize(const View& scene) const {
@@ -54,17 +59,11 @@ Localization ShardedLocalization::localize(const View& scene) const {
       ranks_.broadcast(std::optional<View>(scene));
       ranks_.broadcast(candidates);
     }
-    // What fails here is told once the others have been heard, or they would be heard in the next image.
-    std::vector<Hypothesis> own, hypotheses;
-    std::exception_ptr failure;
-    try {
-      own = registerOwn(scene, candidates);
-    } catch (...) {
-      failure = std::current_exception();
+    std::vector<Hypothesis> hypotheses;
+    for (Share& share : ranks_.gather(registerOwn(scene, candidates))) {
+      if (!share.failure.empty()) throw std::runtime_error(share.failure);
+      std::move(share.hypotheses.begin(), share.hypotheses.end(), std::back_inserter(hypotheses));
     }
-    for (std::vector<Hypothesis>& of_rank : ranks_.gather(std::move(own)))
-      std::move(of_rank.begin(), of_rank.end(), std::back_inserter(hypotheses));
-    if (failure) std::rethrow_exception(failure);
     return hypotheses;
   };
   return localization_.localizeBy(registerAll, scene);

@@ -7,6 +7,12 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <sys/resource.h>
+#include <unistd.h>
+
 namespace facetloc {
 namespace {
 
@@ -43,6 +49,24 @@ TEST_P(BatchTest, OneBadItemStopsNothing) {
   EXPECT_EQ(err_.str(), "facetloc_test: depth/3.png: is no PNG\n"
                         "facetloc_test: image7: is torn\n"
                         "facetloc_test: 2 of 10 items failed\n");
+}
+
+/** With an address space that has no room for the stacks of all threads. */
+TEST_F(BatchTest, DoesAllWithTheThreadsThatThereAre) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto runWithoutRoom = [&] {
+    constexpr rlim_t kRoom = 512 << 20;  // [bytes]
+    std::ifstream statm("/proc/self/statm");
+    rlim_t pages = 0;
+    statm >> pages;
+    const rlim_t size = pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + kRoom;
+    const rlimit limit{size, size};
+    if (setrlimit(RLIMIT_AS, &limit) != 0) std::_Exit(2);
+    Batch batch(1000, 1000, console_);
+    const std::vector<bool> done = batch.run(name, [](std::size_t, int) {});
+    std::_Exit(std::count(done.begin(), done.end(), true) == 1000 ? 0 : 1);
+  };
+  EXPECT_EXIT(runWithoutRoom(), testing::ExitedWithCode(0), "");
 }
 
 TEST_P(BatchTest, RunsPartAfterPart) {

@@ -2,6 +2,7 @@
 #include "example_scene.h"
 
 #include <facetloc/apps/bytes.h>
+#include <facetloc/apps/sharded_localization.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
 #include <facetloc/registration/hypothesis.h>
@@ -89,8 +90,11 @@ TEST(Bytes, LocalModelsSurvive) {
 TEST(Bytes, HypothesesSurvive) {
   Hypothesis posed = exampleHypothesis();
   posed.T_w_c = posed.T_m_c.T.inverse();
-  expectSurvives(std::vector<Hypothesis>{exampleHypothesis(), posed});
-  const Hypothesis h = fromBytes<std::vector<Hypothesis>>(toBytes(std::vector<Hypothesis>{posed})).at(0);
+  const ShardedLocalization::Share share{{exampleHypothesis(), posed}, "a model cannot be read"};
+  expectSurvives(share);
+  const auto copy = fromBytes<ShardedLocalization::Share>(toBytes(share));
+  EXPECT_EQ(copy.failure, share.failure);
+  const Hypothesis& h = copy.hypotheses.at(1);
   EXPECT_EQ(h.model, posed.model);
   EXPECT_EQ(h.T_m_c.T.matrix(), posed.T_m_c.T.matrix());
   EXPECT_EQ(h.T_m_c.P, posed.T_m_c.P);

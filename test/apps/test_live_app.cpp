@@ -460,6 +460,27 @@ TEST_F(LiveTool, PlaysAFolderOfPclzf) {
   EXPECT_THAT(record.err, HasSubstr("only devices of OpenNI2 can be recorded"));
 }
 
+TEST_F(LiveTool, SaysThatPclzfFilesCannotBeRead) {
+  const std::string folder = writePclzf(10), image = folder + "/frame_20200101T000000.300000_depth.pclzf",
+                    camera = folder + "/frame_20200101T000000.500000.xml";
+  fs::resize_file(image, fs::file_size(image) / 2);
+  const ToolRun run = runLive({"--device", folder, "--headless"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("frames are missing: 1 of the images cannot be read"));
+  EXPECT_THAT(lastLine(run.out), HasSubstr("9 frames received"));
+
+  for (const char* content : {"", "<depth><focal_length_x>", "no XML"}) {
+    test::writeContent(camera, content);
+    const ToolRun torn = runLive({"--device", folder, "--headless"});
+    EXPECT_EQ(torn.code, kFailed);
+    EXPECT_THAT(torn.err, HasSubstr(camera + ": no camera parameters"));
+  }
+  fs::remove(camera);
+  const ToolRun missing = runLive({"--device", folder, "--headless"});
+  EXPECT_EQ(missing.code, kFailed);
+  EXPECT_THAT(missing.err, HasSubstr("10 depth images, but only 9 .xml"));
+}
+
 TEST_F(LiveTool, SaysThatImagesCannotBeRead) {
   const std::string copy = folder_ / "copy", results = folder_ / "results";
   fs::copy(sequence(), copy, fs::copy_options::recursive);

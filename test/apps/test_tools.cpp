@@ -308,6 +308,23 @@ TEST_F(Tools, LocalizeBeginsAnewWithNothingOfAnEarlierRun) {
     EXPECT_FALSE(fs::exists(results + file)) << file;
 }
 
+TEST_F(Tools, ResultsReplaceNoInputs) {
+  const std::string list = folder_ / "images.txt", params = folder_ / "params.ini";
+  test::writeContent(list, firstImage() + "\n");
+  test::writeContent(params, "# mine\nwidth = 320\n");
+  const std::string here = folder_ / "";
+  const auto refuses = [&](const ToolRun& run, const std::string& input) {
+    EXPECT_EQ(run.code, kUsage);
+    EXPECT_THAT(run.err, HasSubstr("the results would replace " + input));
+  };
+  refuses(runTool<LocalizeApp>({map(), list, "-o", here}), list);
+  refuses(runTool<LocalizeApp>({map(), firstImage(), "-o", here, "--params", params}), params);
+  refuses(runTool<SegmentApp>({list, "-o", here}), list);
+  refuses(runTool<SegmentApp>({firstImage(), "-o", here, "--params", params}), params);
+  EXPECT_EQ(contentOf(list), firstImage() + "\n");
+  EXPECT_EQ(contentOf(params), "# mine\nwidth = 320\n");
+}
+
 TEST_F(Tools, LocalizeSaysWhatIsMissing) {
   EXPECT_EQ(runTool<LocalizeApp>({map(), query()}).code, kUsage);
   EXPECT_EQ(runTool<LocalizeApp>({folder_ / "nowhere.flmap", query(), "-o", folder_ / "x"}).code, kFailed);

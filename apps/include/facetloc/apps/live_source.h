@@ -78,7 +78,7 @@ private:
   std::optional<CameraFile> camera_;
   std::optional<Intrinsics> calibration_;  // without a camera file
   std::unique_ptr<pcl::Grabber> grabber_;
-  std::atomic<std::uint64_t> delivered_{0};
+  std::atomic<std::uint64_t> delivered_{0}, unreadable_{0};  // of the files that PCL plays
   std::optional<std::uint64_t> last_;  // number of files, where only counting tells the end
   OpenNIGrabber* device_ = nullptr;    // the same, if it is one
 };

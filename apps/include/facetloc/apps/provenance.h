@@ -37,6 +37,8 @@ struct Provenance {
   /** \brief Nothing if there is none. Throws IoError. */
   static std::optional<Provenance> read(const std::filesystem::path& folder);
   void write(const std::filesystem::path& folder) const;
+  /** \brief Throws UsageError if write() would replace an input file. */
+  static void requireNotReplaced(const std::filesystem::path& input, const std::filesystem::path& folder);
   /** \brief Throws IoError, which names the folder, unless results of these images, made as this says, are
    * what they would be if they were made now. Other images may have changed. */
   void requireSame(const Provenance& now, const std::vector<std::string>& done,

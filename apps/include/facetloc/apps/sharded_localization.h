@@ -30,8 +30,14 @@ public:
   /** \brief On each other rank: takes part in localize() of the first until that one finishes. */
   void serve() const;
 
+  /** \brief What a rank has found in its share of the local models, or why it could not look there. */
+  struct Share {
+    std::vector<Hypothesis> hypotheses;
+    std::string failure;  // empty if there was none
+  };
+
 private:
-  std::vector<Hypothesis> registerOwn(const View& scene, const std::vector<Candidate>& candidates) const;
+  Share registerOwn(const View& scene, const std::vector<Candidate>& candidates) const;
 
   Ranks ranks_;
   int own_begin_, own_end_;  // models
