@@ -170,8 +170,8 @@ std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& camera, cons
 int LocalizeApp::execute(const CommandLine& line, const Console& console) {
   if (folder_.empty()) throw UsageError("the folder of the results is missing: -o RESULTS");
   if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
-  for (const std::string& input : {input_path_, line.paramsFile()})
-    Provenance::requireNotReplaced(input, folder_);
+  Provenance::requireNotReplaced(input_path_, folder_);
+  if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
   const DepthSequence sequence = DepthSequence::open(input_path_);
   const ViewParams of_camera = input_.viewParams(sequence.camera(), line);
   const ShardedLocalization localization(openMapFor(sequence.camera(), map_, console), localization_,

@@ -153,7 +153,7 @@ std::vector<std::size_t> SegmentApp::prepare(const std::vector<Image>& images,
 
 int SegmentApp::execute(const CommandLine& line, const Console& console) {
   if (folder_.empty()) throw UsageError("the folder of the results is missing: -o DIR");
-  Provenance::requireNotReplaced(line.paramsFile(), folder_);
+  if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
   std::vector<DepthSequence> sequences;
   for (const std::string& input : inputs_) {
     Provenance::requireNotReplaced(input, folder_);

@@ -321,8 +321,18 @@ TEST_F(Tools, ResultsReplaceNoInputs) {
   refuses(runTool<LocalizeApp>({map(), firstImage(), "-o", here, "--params", params}), params);
   refuses(runTool<SegmentApp>({list, "-o", here}), list);
   refuses(runTool<SegmentApp>({firstImage(), "-o", here, "--params", params}), params);
+  EXPECT_EQ(runTool<LocalizeApp>({map(), firstImage(), "-o", here, "--params", params, "--resume"}).code,
+            kFailed);
+  EXPECT_EQ(runTool<SegmentApp>({firstImage(), "-o", here, "--params", params, "--resume"}).code, kFailed);
   EXPECT_EQ(contentOf(list), firstImage() + "\n");
   EXPECT_EQ(contentOf(params), "# mine\nwidth = 320\n");
+
+  const std::string results = folder_ / "results";
+  ASSERT_EQ(runTool<LocalizeApp>({map(), firstImage(), "-o", results}).code, kOk);
+  EXPECT_EQ(runTool<LocalizeApp>(
+                {map(), firstImage(), "-o", results, "--params", results + "/params.ini", "--resume"})
+                .code,
+            kOk);
 }
 
 TEST_F(Tools, LocalizeSaysWhatIsMissing) {
