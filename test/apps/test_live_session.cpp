@@ -4,6 +4,7 @@
 #include <facetloc/testing/synthetic_views.h>
 
 #include <gmock/gmock.h>
+#include <pcl/io/image_depth.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
@@ -36,6 +37,31 @@ public:
 private:
   boost::signals2::signal<void(const Cloud::ConstPtr&)>* signal_ = nullptr;
   bool running_ = false;
+};
+
+/** A camera whose frames need not have as many pixels as they say. */
+class FakeCamera : public FakeGrabber {
+public:
+  using Picture = pcl::io::DepthImage;
+
+  FakeCamera() : FakeGrabber(false), pictures_(createSignal<void(const Picture::Ptr&)>()) {}
+  void deliver(std::vector<std::uint16_t> pixels) {
+    (*pictures_)(pcl::make_shared<Picture>(pcl::make_shared<Frame>(std::move(pixels)), 0.f, 2.f, 0, 0));
+  }
+
+private:
+  struct Frame : pcl::io::FrameWrapper {
+    explicit Frame(std::vector<std::uint16_t> pixels) : pixels_(std::move(pixels)) {}
+    const void* getData() const override { return pixels_.data(); }
+    unsigned getDataSize() const override { return static_cast<unsigned>(2 * pixels_.size()); }
+    unsigned getWidth() const override { return 4; }
+    unsigned getHeight() const override { return 3; }
+    unsigned getFrameID() const override { return 1; }
+    std::uint64_t getTimestamp() const override { return 0; }
+    std::vector<std::uint16_t> pixels_;
+  };
+
+  boost::signals2::signal<void(const Picture::Ptr&)>* pictures_;
 };
 
 Cloud::Ptr cloudOf(const DepthImage& image, double stamp) {
@@ -285,6 +311,19 @@ TEST(ConnectFrames, TheGivenCameraGoesFirst) {
                 [&](LiveFrame frame) { last = std::move(frame); });
   other.deliver(cloudOf(imageAt(0), 1));
   EXPECT_THROW(last.image(), std::runtime_error) << "a calibration of another camera";
+}
+
+/** PCL would copy what there is, past the end of the image or not up to it. */
+TEST(ConnectFrames, ImagesOfAWrongLengthAreRefused) {
+  FakeCamera camera;
+  LiveFrame last;
+  connectFrames(camera, {}, countedStamps(30), [&](LiveFrame frame) { last = std::move(frame); });
+  camera.deliver(std::vector<std::uint16_t>(12, 1500));
+  EXPECT_THAT(last.image().depth, testing::Each(1.5f));
+  for (const std::size_t pixels : {0, 11, 13, 100000}) {
+    camera.deliver(std::vector<std::uint16_t>(pixels, 1500));
+    EXPECT_THROW(last.image(), std::runtime_error) << pixels;
+  }
 }
 
 TEST(ConnectFrames, AnImageWithoutDepthIsNoError) {
