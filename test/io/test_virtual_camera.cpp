@@ -53,6 +53,20 @@ protected:
     grabber.stop();
     return frames.frames();
   }
+  /** All frames of a sequence as a recording. */
+  fs::path recorded(const test::ExampleSequence& example) {
+    const fs::path file = folder_ / "a.oni";
+    const auto frames = static_cast<std::size_t>(example.frames);
+    OpenNIGrabber grabber(sequence(example));
+    grabber.trigger(0);  // which the recorder would start
+    OniRecorder recorder(grabber.uri(), file);
+    EXPECT_EQ(triggered(grabber, frames).size(), frames);
+    EXPECT_FALSE(fs::exists(file));
+    EXPECT_EQ(recorder.stop(), frames);
+    EXPECT_EQ(recorder.stop(), frames);
+    EXPECT_FALSE(fs::exists(file.string() + ".part"));
+    return file;
+  }
 
   test::TemporaryFolder folder_;
 };
@@ -263,17 +277,7 @@ TEST_F(VirtualCamera, IsRecordedBitByBit) {
   const Watchdog watchdog(30s);
   test::ExampleSequence example;
   example.frames = 30;
-  const fs::path file = folder_ / "a.oni";
-  {
-    OpenNIGrabber grabber(sequence(example));
-    grabber.trigger(0);  // which the recorder would start
-    OniRecorder recorder(grabber.uri(), file);
-    EXPECT_EQ(triggered(grabber, 30).size(), 30u);
-    EXPECT_FALSE(fs::exists(file));
-    EXPECT_EQ(recorder.stop(), 30u);
-    EXPECT_EQ(recorder.stop(), 30u);
-    EXPECT_FALSE(fs::exists(file.string() + ".part"));
-  }
+  const fs::path file = recorded(example);
   const OniFile oni = OniFile::open(file);
   ASSERT_EQ(oni.size(), 30u);
   EXPECT_NEAR(oni.camera().fx, example.camera.fx, 1e-4);
@@ -297,15 +301,7 @@ TEST_F(VirtualCamera, IsPlayedInMillimetresWhateverTheUnitOfItsRecording) {
   const Watchdog watchdog(30s);
   test::ExampleSequence example;
   example.frames = 10;
-  const fs::path file = folder_ / "a.oni";
-  {
-    OpenNIGrabber grabber(sequence(example));
-    grabber.trigger(0);
-    OniRecorder recorder(grabber.uri(), file);
-    EXPECT_EQ(triggered(grabber, 10).size(), 10u);
-    EXPECT_EQ(recorder.stop(), 10u);
-  }
-  std::string bytes = test::bytesOf(file);
+  std::string bytes = test::bytesOf(recorded(example));
   const std::string name("oniPixelFormat\0\x08\0\0\0", 19);
   const std::size_t unit = bytes.find(name);
   ASSERT_NE(unit, std::string::npos);
