@@ -24,16 +24,15 @@ void append(std::vector<Hypothesis>&& some, std::vector<Hypothesis>& all) {
 GlobalLocalization::GlobalLocalization(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params,
                                        const SensorNoise& noise)
     : map_(std::move(map)),
-      params_(params),
+      params_(checked(params)),
       registration_(params.registration, noise, floorInformation(map_->mounting, params.prior)),
       ranking_(map_, params.ranking, params.registration.consensus, params.registration.depth,
                noise.inverse_depth_std) {
   prior_.P = posePrior(map_->mounting, params.prior);
   const PlaceIndexParams& index = params.index;
-  PosePriorParams start = params.prior;
-  start.translation_std = index.start_translation;
-  start.rotation_std_deg = index.start_rotation_deg;
-  start_covariance_ = posePrior(map_->mounting, start);
+  start_ = params.prior;
+  start_.translation_std = index.start_translation;
+  start_.rotation_std_deg = index.start_rotation_deg;
   if (index.shortlist > 0 && map_->mounting && PlaceIndex::covers(prior_) &&
       map_->models.size() > static_cast<std::size_t>(index.exhaustive_up_to))
     index_ = std::make_shared<PlaceIndex>(PlaceIndex::of(*map_, index, params.prior));
@@ -56,7 +55,7 @@ Localization GlobalLocalization::localizeBy(const Registering& registerAll, cons
 }
 
 Localization GlobalLocalization::localize(const View& scene, const PoseWithCovariance& prior) const {
-  if (Eigen::LLT<Matrix6d>(prior.P).info() != Eigen::Success) {
+  if (!prior.P.allFinite() || Eigen::LLT<Matrix6d>(prior.P).info() != Eigen::Success) {
     Localization answer;
     answer.reason = "the covariance of the prior is not positive definite";
     return answer;
@@ -97,7 +96,8 @@ std::vector<Hypothesis> GlobalLocalization::registerWith(const std::vector<Candi
   for (int i = 0; i < n; ++i) try {
       const Candidate& c = candidates[i];
       const PoseWithCovariance start =
-          c.start && from_starts ? PoseWithCovariance{*c.start, start_covariance_} : prior;
+          c.start && from_starts ? PoseWithCovariance{*c.start, posePrior(map_->mounting, start_, *c.start)}
+                                 : prior;
       of_model[i] = registration_.align(scene, samples, *map_->view(c.model), prior, start);
     } catch (...) {
       failure[i] = std::current_exception();

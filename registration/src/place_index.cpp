@@ -236,8 +236,9 @@ PlaceIndex::PlaceIndex(const Map& map, const PlaceIndexParams& params, const Pos
 }
 
 bool PlaceIndex::covers(const PoseWithCovariance& prior) {
-  constexpr double kTurns = 3, kMoves = 2.8;                                           // standard deviations
-  constexpr double kTurn = 1.01 * kReachTurnDeg * kDegree, kMove = 1.01 * kReachMove;  // the usual prior fits
+  constexpr double kTurns = 3, kMoves = 2.8;  // standard deviations
+  // The usual prior fits, of a camera high above an uneven floor, whose tilts move it, too.
+  constexpr double kTurn = 1.01 * kReachTurnDeg * kDegree, kMove = 1.1 * kReachMove;
   return rotationAngle(prior.T.linear()) + kTurns * largestStd(prior.P.topLeftCorner<3, 3>()) <= kTurn &&
          prior.T.translation().norm() + kMoves * largestStd(prior.P.bottomRightCorner<3, 3>()) <= kMove;
 }

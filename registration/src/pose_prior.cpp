@@ -28,12 +28,31 @@ namespace {
 
 constexpr int kOfFloor[3] = {0, 1, 5};  // roll, pitch, height among the motions of the base
 
-// Of the pose of one robot relative to another: each stands on its own piece of floor.
-Eigen::Matrix3d relativeFloorCovariance(const PosePriorParams& p) { return 2 * floorCovariance(p); }
+Matrix6d motionOnFloor(const Eigen::Matrix3d& C) {
+  Matrix6d Sigma = Matrix6d::Zero();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) Sigma(kOfFloor[i], kOfFloor[j]) = C(i, j);
+  return Sigma;
+}
+
+// Adjoint, order (omega, v): a motion in the axes of b as one in those of a.
+Matrix6d adjoint(const Eigen::Isometry3d& T_a_b) {
+  Matrix6d Ad = Matrix6d::Zero();
+  Ad.topLeftCorner<3, 3>() = Ad.bottomRightCorner<3, 3>() = T_a_b.linear();
+  Ad.bottomLeftCorner<3, 3>() = skew(T_a_b.translation()) * T_a_b.linear();
+  return Ad;
+}
+
+// The floor tilts the model's robot about its own place, which lifts or lowers a robot that stands away.
+double leverVariance(const PosePriorParams& p) {
+  const Eigen::Matrix3d C = floorCovariance(p);
+  return p.translation_std * p.translation_std * (C(0, 0) + C(1, 1));
+}
 
 }  // namespace
 
-Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePriorParams& p) {
+Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePriorParams& p,
+                   const Eigen::Isometry3d& T_m_c) {
   const double var_rotation = std::pow(p.rotation_std_deg * kDegree, 2);
   const double var_translation = p.translation_std * p.translation_std;
   Matrix6d Sigma = Matrix6d::Zero();
@@ -42,12 +61,18 @@ Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePrio
     Sigma.diagonal().tail<3>().setConstant(var_translation);
     return Sigma;
   }
-  // Disturbance of the base (w_x, w_y, w_z, v_x, v_y, v_z).
-  Sigma.diagonal() << 0, 0, var_rotation, var_translation, var_translation, 0;
-  const Eigen::Matrix3d C = relativeFloorCovariance(p);
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) Sigma(kOfFloor[i], kOfFloor[j]) += C(i, j);
-  const Matrix6d A = cameraMotion(*mounting);
+  // Motions of the robot base (omega, v) at that of the model, in its axes. The robot turns about its place.
+  const Eigen::Isometry3d T_b_c = mounting->T_b_c(), T_m_b = T_b_c * T_m_c * T_b_c.inverse();
+  Vector6d turn = Vector6d::Unit(2);
+  turn.tail<3>() = T_m_b.translation().cross(Eigen::Vector3d::UnitZ());
+  Sigma = var_rotation * turn * turn.transpose();
+  Sigma(3, 3) += var_translation;
+  Sigma(4, 4) += var_translation;
+  const Matrix6d of_floor = motionOnFloor(floorCovariance(p)), Ad = adjoint(T_m_b);
+  Sigma += of_floor + Ad * of_floor * Ad.transpose();  // each stands on its own piece of floor
+  Sigma(5, 5) += leverVariance(p);
+  Matrix6d A = cameraMotion(*mounting);
+  A.bottomRows<3>() -= skew(T_m_c.translation()) * A.topRows<3>();  // of where the camera is
   return A * Sigma * A.transpose();
 }
 
@@ -56,7 +81,9 @@ Matrix6d floorInformation(const std::optional<CameraMounting>& mounting, const P
   const Matrix6d of_base = cameraMotion(*mounting).inverse();
   Eigen::Matrix<double, 3, 6> of_floor;
   for (int i = 0; i < 3; ++i) of_floor.row(i) = of_base.row(kOfFloor[i]);
-  return of_floor.transpose() * relativeFloorCovariance(p).inverse() * of_floor;
+  Eigen::Matrix3d C = 2 * floorCovariance(p);
+  C(2, 2) += leverVariance(p);
+  return of_floor.transpose() * C.inverse() * of_floor;
 }
 
 }  // namespace facetloc

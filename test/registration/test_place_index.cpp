@@ -284,6 +284,14 @@ TEST_F(PlaceIndexOfRooms, AWiderPriorThanTheUsualOneIsSearchedInAllModels) {
   EXPECT_FALSE(PlaceIndex::covers(turned));
 }
 
+TEST(PlaceIndex, CoversThePriorOfAHighCameraOnAnUnevenFloor) {
+  PosePriorParams uneven;
+  uneven.floor_std = 0.02;
+  EXPECT_TRUE(PlaceIndex::covers({Eigen::Isometry3d::Identity(), posePrior(CameraMounting{4, 20})}));
+  EXPECT_TRUE(
+      PlaceIndex::covers({Eigen::Isometry3d::Identity(), posePrior(CameraMounting{1.2, 10}, uneven)}));
+}
+
 // Segments of a view that look this way.
 View facing(View view, const std::function<bool(const Eigen::Vector3d&)>& keep) {
   std::vector<Segment> kept;

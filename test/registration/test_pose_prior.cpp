@@ -3,6 +3,7 @@
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
 
+#include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -87,41 +88,83 @@ TEST(PosePrior, TheCameraMovesAsItsRobotDoes) {
   }
 }
 
-TEST(PosePrior, PropagatesTheFloorThroughTheMounting) {
-  PosePriorParams p;
-  p.rotation_std_deg = 1;
-  p.translation_std = 0.05;
-  p.floor_std = 0.002;
-  const CameraMounting mounting{1.2, 20};
-  const Matrix6d P = posePrior(mounting, p);
-  EXPECT_THAT(P, IsPositiveSemidefinite(1e-12));
+// The exact composition T_m_c = (floor_m T_b_c)^-1 motion floor_c T_b_c, sampled.
+class SampledPoses {
+public:
+  SampledPoses(const CameraMounting& mounting, const PosePriorParams& p, int seed)
+      : T_b_c_(mounting.T_b_c()), p_(p), rng_(seed) {}
 
-  // The exact composition T_m_c = (floor_m T_b_c)^-1 motion floor_c T_b_c, sampled.
-  Rng rng(2);
-  const Eigen::Isometry3d T_b_c = mounting.T_b_c();
-  const auto onTheFloor = [&] {
-    const Eigen::Vector3d f = p.floor_std * gaussian<3>(rng);
-    const double z0 = (f[0] + f[1]) / 2, gy = (f[0] - f[1]) / p.wheel_track,
-                 gx = (z0 - f[2]) / p.caster_distance;
+  // About a displacement of the robot; nothing is known of its true pose but how far it may be from there.
+  Eigen::Isometry3d next(const Eigen::Isometry3d& T_m_b = Eigen::Isometry3d::Identity()) {
+    Eigen::Isometry3d motion = T_m_b;
+    motion.linear() = T_m_b.linear() * expSO3({0, 0, p_.rotation_std_deg * kDegree * gaussian<1>(rng_)[0]});
+    motion.translation().head<2>() += p_.translation_std * gaussian<2>(rng_);
+    const Eigen::Isometry3d T_m = onTheFloor(), T_s = onTheFloor();
+    return (T_m * T_b_c_).inverse() * motion * T_s * T_b_c_;
+  }
+
+private:
+  Eigen::Isometry3d onTheFloor() {
+    const Eigen::Vector3d f = p_.floor_std * gaussian<3>(rng_);
+    const double z0 = (f[0] + f[1]) / 2, gy = (f[0] - f[1]) / p_.wheel_track,
+                 gx = (z0 - f[2]) / p_.caster_distance;
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.linear() = expSO3({gy, -gx, 0});
     T.translation().z() = z0;
     return T;
-  };
-  Matrix6d sampled = Matrix6d::Zero();
-  constexpr int kTrials = 200000;
-  for (int i = 0; i < kTrials; ++i) {
-    Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-    motion.linear() = expSO3({0, 0, p.rotation_std_deg * kDegree * gaussian<1>(rng)[0]});
-    motion.translation().head<2>() = p.translation_std * gaussian<2>(rng);
-    const Eigen::Isometry3d T_m_c = (onTheFloor() * T_b_c).inverse() * motion * onTheFloor() * T_b_c;
-    const Vector6d e = perturbation(Eigen::Isometry3d::Identity(), T_m_c);
-    sampled += e * e.transpose() / kTrials;
   }
-  EXPECT_LT((sampled - P).norm() / P.norm(), 0.02);
-  // The same for every component beside its own size, not only for the large ones.
-  const Vector6d scale = P.diagonal().cwiseSqrt().cwiseInverse();
-  EXPECT_LT((scale.asDiagonal() * (sampled - P) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 0.02);
+
+  Eigen::Isometry3d T_b_c_;
+  PosePriorParams p_;
+  Rng rng_;
+};
+
+// Far away, what tilts of the model's robot do to the height is larger than what the floor does to it.
+TEST(PosePrior, PropagatesTheFloorThroughTheMounting) {
+  PosePriorParams p;
+  p.rotation_std_deg = 1;
+  p.floor_std = 0.002;
+  const CameraMounting mounting{1.2, 20};
+  const Eigen::Isometry3d T_b_c = mounting.T_b_c();
+  Eigen::Isometry3d away = Eigen::Isometry3d::Identity();
+  away.linear() = expSO3({0, 0, 0.5});
+  away.translation() << 0.7, -1.1, 0;
+  for (const double translation_std : {0.05, 0.4})
+    for (const Eigen::Isometry3d& T_m_b : {Eigen::Isometry3d(Eigen::Isometry3d::Identity()), away}) {
+      p.translation_std = translation_std;
+      const Eigen::Isometry3d expected = T_b_c.inverse() * T_m_b * T_b_c;
+      const Matrix6d P = posePrior(mounting, p, expected);
+      EXPECT_THAT(P, IsPositiveSemidefinite(1e-12));
+      SampledPoses poses(mounting, p, 2);
+      Matrix6d sampled = Matrix6d::Zero();
+      constexpr int kTrials = 200000;
+      for (int i = 0; i < kTrials; ++i) {
+        const Vector6d e = perturbation(expected, poses.next(T_m_b));
+        sampled += e * e.transpose() / kTrials;
+      }
+      EXPECT_LT((sampled - P).norm() / P.norm(), 0.02);
+      // The same for every component beside its own size, not only for the large ones.
+      const Vector6d scale = P.diagonal().cwiseSqrt().cwiseInverse();
+      EXPECT_LT((scale.asDiagonal() * (sampled - P) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 0.02);
+    }
+}
+
+TEST(PosePrior, TruePosesLieWithinThePriorOfThePaper) {
+  constexpr double kChi2At99Percent = 16.81;  // of six degrees of freedom
+  constexpr int kTrials = 20000;
+  const CameraMounting mounting{1, 10};
+  const Eigen::LDLT<Matrix6d> P(posePrior(mounting));
+  SampledPoses poses(mounting, {}, 3);
+  double mean = 0;
+  int inside = 0;
+  for (int i = 0; i < kTrials; ++i) {
+    const Vector6d e = perturbation(Eigen::Isometry3d::Identity(), poses.next());
+    const double squared = e.dot(P.solve(e));
+    mean += squared / kTrials;
+    inside += squared < kChi2At99Percent;
+  }
+  EXPECT_NEAR(mean, 6, 0.5);
+  EXPECT_GT(inside, 0.97 * kTrials);
 }
 
 TEST(PosePrior, ATiltedCameraRollsWhenTheRobotTurns) {

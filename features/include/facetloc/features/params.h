@@ -30,6 +30,13 @@ void checkRanges(const Params& params) {
   });
 }
 
+/** \brief The parameters, which have been checked; for the lists of constructors and for setters. */
+template <class Params>
+const Params& checked(const Params& params) {
+  checkRanges(params);
+  return params;
+}
+
 /** \brief A number as the shortest text that reads back as the same number; bool as 0 or 1. */
 template <typename T>
 std::string numberText(T value) {

@@ -41,6 +41,7 @@ struct GlobalLocalizationParams {
  * The answer is the same for any number of threads. */
 class GlobalLocalization {
 public:
+  /** \brief Throws std::invalid_argument for a parameter out of its range. */
   explicit GlobalLocalization(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params = {},
                               const SensorNoise& noise = {});
   const Map& map() const { return *map_; }
@@ -81,7 +82,7 @@ private:
   ViewRegistration registration_;
   PlaceRanking ranking_;
   PoseWithCovariance prior_;
-  Matrix6d start_covariance_;                // of a pose by quick alignment
+  PosePriorParams start_;                    // how well a quick alignment tells a pose
   std::shared_ptr<const PlaceIndex> index_;  ///< of a large map
   int threads_ = 1;
 };

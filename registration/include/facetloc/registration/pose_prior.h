@@ -38,12 +38,15 @@ Eigen::Matrix3d floorCovariance(const PosePriorParams& params);
  * axes, 6x6, METHOD eq. (6.2). */
 Matrix6d cameraMotion(const CameraMounting& mounting);
 
-/** \brief Covariance of T_m_c about the identity, order (phi, t) in camera axes, METHOD eq. (6.2): planar
- * motion and uneven floor seen through the camera mounting; isotropic without one. */
-Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePriorParams& params = {});
+/** \brief Covariance of T_m_c about an expected pose, order (phi, t) in the model's camera axes, METHOD eq.
+ * (6.2): planar motion and uneven floor, under the robot and under that of the model, seen through the camera
+ * mounting; isotropic without one. Contains what tilts of the model's robot do to the height at the distance
+ * that the planar motion allows. */
+Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePriorParams& params = {},
+                   const Eigen::Isometry3d& T_m_c = Eigen::Isometry3d::Identity());
 
-/** \brief What the floor alone tells of it: the information of roll, pitch and height, none of heading and of
- * the position on the floor; zero without a mounting. */
+/** \brief What the floor alone tells of it about the identity: the information of roll, pitch and height,
+ * none of heading and of the position on the floor; zero without a mounting. */
 Matrix6d floorInformation(const std::optional<CameraMounting>& mounting, const PosePriorParams& params = {});
 
 }  // namespace facetloc
