@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/depth_input.h>
+#include <facetloc/apps/text.h>
 #include <facetloc/io/map_database.h>
 
 namespace facetloc {
@@ -32,13 +33,18 @@ ViewParams withDistortionOf(const Map& map, ViewParams params) {
 
 Map openMapFor(const std::optional<CameraFile>& camera, const std::string& path, const Console& console) {
   Map map = openMap(path);
-  dropUnknownMounting(camera, map, console);
+  dropOtherMounting(camera, map, console);
   return map;
 }
 
-void dropUnknownMounting(const std::optional<CameraFile>& camera, Map& map, const Console& console) {
-  if (!map.mounting || (camera && camera->mounting)) return;
-  console.note("the mounting of the images' camera is unknown: the prior is isotropic");
+void dropOtherMounting(const std::optional<CameraFile>& camera, Map& map, const Console& console) {
+  const std::optional<CameraMounting> mounting = camera ? camera->mounting : std::nullopt;
+  if (!map.mounting || (mounting && mounting->agreesWith(*map.mounting))) return;
+  if (mounting)
+    console.note("the cameras are mounted differently, " + mountingText(*mounting) + ", and in the map " +
+                 mountingText(*map.mounting) + ": the prior is isotropic");
+  else
+    console.note("the mounting of the images' camera is unknown: the prior is isotropic");
   map.mounting.reset();
 }
 

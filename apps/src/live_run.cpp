@@ -108,7 +108,7 @@ void LiveRun::startSession() {
   options.view = algorithms_.view(source_->camera());
   options.max_frames = static_cast<std::uint64_t>(options_.max_frames);
   if (map_) {
-    dropUnknownMounting(source_->camera(), *map_, console_);
+    dropOtherMounting(source_->camera(), *map_, console_);
     options.view = withDistortionOf(*map_, options.view);
   }
   if (!options_.results.empty()) {

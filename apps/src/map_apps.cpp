@@ -69,10 +69,7 @@ void printSummary(std::ostream& out, const Map& map) {
   table.add({"segments", std::to_string(areas.size())});
   table.add({"  per model", meanMinMax(segments, 1)});
   table.add({"  area of the hull [m2]", meanMinMax(areas, 3)});
-  table.add({"camera mounting", map.mounting
-                                    ? text::decimals(map.mounting->height, 3) + " m above the floor, " +
-                                          text::decimals(map.mounting->tilt_deg, 1) + " deg down"
-                                    : "unknown"});
+  table.add({"camera mounting", map.mounting ? mountingText(*map.mounting) : "unknown"});
   table.add({"distortion taken out", map.distortion ? inDisparity(*map.distortion) : "none"});
   out << table;
 }
@@ -104,8 +101,7 @@ void appendMap(const Map& map, const std::string& prefix, const std::set<std::st
 }
 
 bool sameMounting(const std::optional<CameraMounting>& a, const std::optional<CameraMounting>& b) {
-  if (!a || !b) return !a && !b;
-  return a->height == b->height && a->tilt_deg == b->tilt_deg;
+  return a && b ? a->agreesWith(*b) : !a && !b;
 }
 
 std::optional<DepthDistortion::Values> distortionOf(const Map& map) {

@@ -47,7 +47,7 @@ RegisterApp::RegisterApp()
           "of "
           "--prior_rotation_deg and --prior_translation; it is that of a robot on a floor if both camera.ini "
           "files tell "
-          "the camera's mounting.") {}
+          "the same mounting of the camera.") {}
 
 void RegisterApp::addOptions(CommandLine& line) {
   line.addArgument("SOURCE", source_);
@@ -66,7 +66,8 @@ int RegisterApp::execute(const CommandLine& line, const Console& console) {
   const DepthImage source_image = source.load(0, input_.width), target_image = target.load(0, input_.width);
 
   Map map = mapOf(target, ViewBuilder(input_.viewParams(target.camera(), line)).build(target_image));
-  if (mountingOf(source)) map.mounting = mountingOf(target);
+  map.mounting = mountingOf(target);
+  dropOtherMounting(source.camera(), map, console);
   GlobalLocalization localization(std::make_shared<const Map>(map), localization_, source_params.noise);
   localization.setNumberOfThreads(threads());
 

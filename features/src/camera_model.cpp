@@ -42,4 +42,9 @@ Eigen::Isometry3d CameraMounting::T_b_c() const {
   return T;
 }
 
+bool CameraMounting::agreesWith(const CameraMounting& other) const {
+  constexpr double kHeight = 0.05, kTilt = 5;  // [m], [deg]
+  return std::abs(height - other.height) <= kHeight && std::abs(tilt_deg - other.tilt_deg) <= kTilt;
+}
+
 }  // namespace facetloc

@@ -480,6 +480,25 @@ TEST_F(Tools, MapBuildMatchesNoPosesByIndex) {
   EXPECT_THAT(run.err, HasSubstr("is no time stamp"));
 }
 
+TEST_F(Tools, AMountingOfAnotherHeightIsNotThatOfTheMap) {
+  const std::string lower = folder_ / "lower", unknown = folder_ / "unknown";
+  for (const std::string& input : {lower, unknown}) {
+    fs::copy(query(), input, fs::copy_options::recursive);
+    CameraFile camera = readCameraFile(input + "/camera.ini");
+    camera.mounting =
+        input == lower ? std::optional(CameraMounting{camera.mounting->height - 0.4, 10}) : std::nullopt;
+    writeCameraFile(input + "/camera.ini", camera);
+    const ToolRun run = runTool<LocalizeApp>({map(), input, "-o", input + "/results"});
+    ASSERT_EQ(run.code, kOk) << run.err;
+    EXPECT_THAT(run.err, HasSubstr(input == lower ? "mounted differently, 0.600 m"
+                                                  : "mounting of the images' camera is unknown"));
+    EXPECT_THAT(run.err, HasSubstr("the prior is isotropic"));
+  }
+  EXPECT_EQ(contentOf(lower + "/results/hypotheses.csv"), contentOf(unknown + "/results/hypotheses.csv"));
+  const ToolRun pair = runTool<RegisterApp>({filesOf(lower + "/depth")[0].string(), firstImage()});
+  EXPECT_THAT(pair.err, HasSubstr("mounted differently"));
+}
+
 TEST_F(Tools, MapMergeAndExport) {
   const std::string twin = folder_ / "twin.flmap", merged = folder_ / "merged.flmap";
   fs::copy_file(map(), twin);

@@ -149,6 +149,13 @@ TEST(CameraMounting, ALevelCameraLooksForward) {
   EXPECT_THAT(T.translation(), MatrixNear(Eigen::Vector3d(0, 0, 0.98), 0));
 }
 
+TEST(CameraMounting, AgreesAsWellAsMountingsAreMeasured) {
+  const CameraMounting mounting{1, 10};
+  EXPECT_TRUE(mounting.agreesWith({1.04, 7}));
+  EXPECT_FALSE(mounting.agreesWith({0.9, 10}));
+  EXPECT_FALSE(mounting.agreesWith({1, 20}));
+}
+
 TEST(CameraMounting, TiltTurnsTheOpticalAxisDownwards) {
   const Eigen::Isometry3d T = CameraMounting{1.2, 20}.T_b_c();
   const Eigen::Vector3d axis(std::cos(20 * kDegree), 0, -std::sin(20 * kDegree));

@@ -29,11 +29,11 @@ ViewParams withNoiseOf(const std::optional<CameraFile>& camera, ViewParams param
 ViewParams withDistortionOf(const Map& map, ViewParams params);
 
 /** \brief The map as far as it holds for images of this camera: its mounting says nothing about another
- * one, and is dropped with a remark if theirs is not known. Throws IoError. */
+ * one, and is dropped with a remark if theirs is another or not known. Throws IoError. */
 Map openMapFor(const std::optional<CameraFile>& camera, const std::string& path, const Console& console);
 
 /** \brief The same for a map that is read already. */
-void dropUnknownMounting(const std::optional<CameraFile>& camera, Map& map, const Console& console);
+void dropOtherMounting(const std::optional<CameraFile>& camera, Map& map, const Console& console);
 
 /** \brief Throws UsageError unless images and poses can be matched within this time [s]. */
 void requireTolerance(double seconds);

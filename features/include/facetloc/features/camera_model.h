@@ -79,6 +79,8 @@ struct CameraMounting {
 
   /** \brief T_b_c: camera optical frame in the robot base (x forward, y left, z up, origin on the floor). */
   Eigen::Isometry3d T_b_c() const;
+  /** \brief Is it the other one, as well as mountings are measured: to 5 cm and 5 deg? */
+  bool agreesWith(const CameraMounting& other) const;
 };
 
 }  // namespace facetloc
