@@ -56,7 +56,7 @@ FloorPlane floorUnder(const std::vector<Eigen::Isometry3d>& T_w_c, const CameraM
   floor.covariance = A.inverse();
   const Eigen::Vector3d found = floor.covariance * b;
   const Eigen::Vector3d normal(-found.x(), -found.y(), 1);
-  floor.T_w_f = frame(T_w_f.linear() * normal.normalized(), T_w_f * Eigen::Vector3d(0, 0, found.z()));
+  floor.T_w_f = T_w_f * frame(normal.normalized(), {0, 0, found.z()});  // the covariance's axes stay
   return floor;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/registration/map_surroundings.h>
 
+#include <cmath>
+
 namespace facetloc {
 
 MapSurroundings::MapSurroundings(std::shared_ptr<const Map> map, const DepthComparison& comparison)
@@ -33,12 +35,26 @@ Surroundings MapSurroundings::around(const View& view, const Eigen::Isometry3d& 
   return out;
 }
 
-std::optional<FloorPlane> MapSurroundings::floorNear(const Eigen::Vector3d& place, int n,
+std::optional<FloorPlane> MapSurroundings::floorNear(const Eigen::Isometry3d& T_w_c, int n,
                                                      const Eigen::Matrix3d& covariance) const {
+  constexpr int kAsked = 3;                     // times as many models are asked as are wanted
+  constexpr double kStep = 0.1, kSlope = 0.05;  // of one floor [m], by the distance
   if (!map_->mounting || near_.empty()) return {};
-  std::vector<Eigen::Isometry3d> poses;
-  for (const int i : near_.byPlace(place, n)) poses.push_back(*map_->models[i].T_w_m);
-  return floorUnder(poses, *map_->mounting, covariance, place);
+  const std::vector<int> near = near_.byPlace(T_w_c.translation(), kAsked * n);
+  const Eigen::Isometry3d T_c_b = map_->mounting->T_b_c().inverse();
+  const Eigen::Vector3d here = (T_w_c * T_c_b).translation();
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  for (const int i : near) up += map_->models[i].T_w_m->linear() * T_c_b.linear().col(2);
+  up.normalize();
+  std::vector<Eigen::Isometry3d> poses;  // on the floor that the robot stands on, nearest first
+  for (const int i : near) {
+    const Eigen::Isometry3d& T_w_m = *map_->models[i].T_w_m;
+    const Eigen::Vector3d away = (T_w_m * T_c_b).translation() - here;
+    if (std::abs(up.dot(away)) > kStep + kSlope * away.norm()) continue;
+    if (static_cast<int>(poses.size()) < n) poses.push_back(T_w_m);
+  }
+  if (poses.empty()) return {};
+  return floorUnder(poses, *map_->mounting, covariance, T_w_c.translation());
 }
 
 }  // namespace facetloc

@@ -110,7 +110,7 @@ struct PoseTracking::Step {
 
 PoseTracking::PoseTracking(std::shared_ptr<const Map> map, const PoseTrackingParams& params,
                            const GlobalLocalizationParams& localization, const SensorNoise& noise)
-    : params_(params),
+    : params_(checked(params)),
       localization_(map, localization, noise),
       surroundings_(map, DepthComparison(localization.registration.depth, noise.inverse_depth_std)),
       floor_covariance_(floorCovariance(localization.prior)),
@@ -152,8 +152,7 @@ void PoseTracking::stand(const Eigen::Isometry3d& motion) {
   constexpr double kTurningWheel = 0.2;  // way of a wheel by turning on the spot [m/rad]
   const double way = motion.translation().norm() + kTurningWheel * rotationAngle(motion.linear());
   if (!(way > 0)) return;
-  const std::optional<FloorPlane> floor =
-      surroundings_.floorNear(T_w_c_.T.translation(), kFloorModels, floor_covariance_);
+  const std::optional<FloorPlane> floor = surroundings_.floorNear(T_w_c_.T, kFloorModels, floor_covariance_);
   if (!floor) return;
   const double repeated = std::max(1.0, params_.floor_length / way);
   T_w_c_ = updatedByFloor(T_w_c_, *surroundings_.map().mounting, *floor, floor_covariance_, repeated);
@@ -281,11 +280,12 @@ TrackedPose PoseTracking::search(const View& view, const ViewMotion& motion) {
   if (found.empty()) return out;
   const int models = static_cast<int>(surroundings_.map().models.size());
   candidates_ = candidates_.empty() ? found : placesOfBoth(candidates_, found, models);
+  out.reason = "no place is likely enough";
+  if (candidates_.empty()) return out;
   const LikelyPlace best = *std::max_element(
       candidates_.begin(), candidates_.end(),
       [](const LikelyPlace& a, const LikelyPlace& b) { return a.probability < b.probability; });
   out.probability = best.probability;
-  out.reason = "no place is likely enough";
   if (!(best.probability >= params_.min_probability)) return out;
   out.reason = kUnconfirmed;
   begin(best);

@@ -87,7 +87,7 @@ TEST_F(SurroundingsOfAPose, HaveTheirSegmentsInTheWorld) {
 
 TEST_F(SurroundingsOfAPose, StandOnTheFloorOfTheNearestRobots) {
   const Eigen::Matrix3d covariance = floorCovariance({});
-  EXPECT_FALSE(surroundings().floorNear(pose.translation(), 2, covariance));  // no mounting, no robot
+  EXPECT_FALSE(surroundings().floorNear(pose, 2, covariance));  // no mounting, no robot
   map->mounting = CameraMounting{1.2, 0};
   map->models.resize(2);
   const auto standing = [](double x, double floor) {
@@ -98,7 +98,7 @@ TEST_F(SurroundingsOfAPose, StandOnTheFloorOfTheNearestRobots) {
   map->models[0].T_w_m = standing(0, 0.1);
   map->models[1].T_w_m = standing(5, 0.3);
   const auto height = [&](double x, int n) {
-    const FloorPlane floor = *surroundings().floorNear({x, 0, 1}, n, covariance);
+    const FloorPlane floor = *surroundings().floorNear(standing(x, 0.1 + 0.04 * x), n, covariance);
     const Eigen::Vector3d normal = floor.T_w_f.linear().col(2);
     const Eigen::Vector3d to_plane = floor.T_w_f.translation() - Eigen::Vector3d(x, 0, 0);
     return normal.dot(to_plane) / normal.z();
@@ -109,8 +109,15 @@ TEST_F(SurroundingsOfAPose, StandOnTheFloorOfTheNearestRobots) {
   EXPECT_GT(between, 0.2);
   EXPECT_LT(between, 0.3);
   EXPECT_EQ(height(4, 9), between);
+  // Robots on the storey above, and on a stage, have another floor.
+  for (const auto& [x, floor] : {std::pair(3.9, 3.3), std::pair(4.1, 3.3), std::pair(4.2, 0.8)}) {
+    map->models.push_back(map->models[0]);
+    map->models.back().T_w_m = standing(x, floor);
+  }
+  EXPECT_NEAR(height(4, 9), between, 1e-9);
+  EXPECT_FALSE(surroundings().floorNear(standing(4, 2), 2, covariance));
   for (LocalModel& m : map->models) m.T_w_m.reset();
-  EXPECT_FALSE(surroundings().floorNear({0, 0, 1}, 2, covariance));
+  EXPECT_FALSE(surroundings().floorNear(standing(0, 0), 2, covariance));
 }
 
 TEST(MapSurroundings, OfAnEmptyMapAreEmpty) {

@@ -97,6 +97,41 @@ protected:
 std::shared_ptr<Map> TrackingInARoom::map;
 std::unique_ptr<Drive> TrackingInARoom::drive;
 
+TEST_F(TrackingInARoom, TheStoreyAboveIsNotTheFloor) {
+  auto two_storeys = std::make_shared<Map>(*map);
+  two_storeys->mounting = CameraMounting{1.2, tiltOf(onCircle(0, 0.6, 1.2))};
+  for (LocalModel m : map->models) {  // of another room
+    m.view = viewFrom(test::furnishedRoom(), lookingAlong({2, 1.5, 1.2}, m.T_w_m->linear().col(2)),
+                      static_cast<unsigned>(two_storeys->models.size()));
+    m.T_w_m->translation().z() += 3;
+    two_storeys->models.push_back(std::move(m));
+  }
+  PoseTracking tracking(two_storeys);
+  int good = 0;
+  for (int i = 0; i < kViews; ++i)
+    good += isGood(tracking.update(drive->views[i], i * kFrame), drive->truth[i]);
+  EXPECT_GE(good, kViews - 3);
+}
+
+TEST_F(TrackingInARoom, ViewsThatNoPlaceExplainsAreNoCrash) {
+  auto large = std::make_shared<Map>(*map);  // where a place is very likely not one of a few
+  for (int i = 0; i < 10000; ++i) {
+    LocalModel nothing;
+    nothing.T_w_m = Eigen::Isometry3d(Eigen::Translation3d(100 + i, 0, 1));
+    large->models.push_back(nothing);
+  }
+  PoseTracking tracking(large);
+  for (int i = 0; i < 10; ++i) {
+    const double a = 0.157 * i;
+    const View elsewhere = viewFrom(test::furnishedRoom(),
+                                    lookingAlong({1.5, 1 + 0.05 * i, 1.3}, {std::sin(a), std::cos(a), -0.2}),
+                                    static_cast<unsigned>(i));
+    const TrackedPose pose = tracking.update(elsewhere, i * kFrame);
+    EXPECT_FALSE(pose.T_w_c);
+    EXPECT_NE(pose.reason, "");
+  }
+}
+
 TEST_F(TrackingInARoom, FollowsTheCameraAndKnowsItsError) {
   PoseTracking tracking(map);
   double nees = 0, translation = 0;

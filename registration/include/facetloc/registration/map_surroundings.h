@@ -22,9 +22,10 @@ public:
    * nearest first; if they are fewer, then the nearest others. Indices are those in the map. A model that
    * confirms next to nothing, because it is behind a wall, gives its planes but no picture. */
   Surroundings around(const View& view, const Eigen::Isometry3d& T_w_c, int n) const;
-  /** \brief The floor under the n models next to a place (floorUnder()); nothing without a known camera
-   * mounting. */
-  std::optional<FloorPlane> floorNear(const Eigen::Vector3d& place, int n,
+  /** \brief The floor under a camera and the n models next to it (floorUnder()). Models on another storey or
+   * step do not count, since their robots stand higher or lower; nothing without any other, or without a
+   * known camera mounting. */
+  std::optional<FloorPlane> floorNear(const Eigen::Isometry3d& T_w_c, int n,
                                       const Eigen::Matrix3d& covariance) const;
 
 private:

@@ -125,6 +125,7 @@ struct TrackedPose {
  * views and stamps, same answers. */
 class PoseTracking {
 public:
+  /** \brief Throws std::invalid_argument for a parameter out of its range. */
   explicit PoseTracking(std::shared_ptr<const Map> map, const PoseTrackingParams& params = {},
                         const GlobalLocalizationParams& localization = {}, const SensorNoise& noise = {});
 
