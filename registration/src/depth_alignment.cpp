@@ -50,11 +50,21 @@ std::vector<double> alignDepth(const DepthPicture& scene, const DepthPicture& mo
   std::vector<double> positions;
   for (const int i : maxima) {
     const double coarse = centre + (i - half) * params.step;
-    double best_position = coarse, best_likelihood = -std::numeric_limits<double>::infinity();
+    struct Fine {
+      double position;
+      DepthAgreement agreement;
+    };
+    std::vector<Fine> fine;
+    int most_shared = 1;
     for (int j = -kFineHalf; j <= kFineHalf; ++j) {
       const double position = coarse + j * kReach * params.step / kFineHalf;
-      const DepthAgreement a = comparison.compareBoth(scene, model, at(position), kFineColumns);
-      const double likelihood = a.likelihood / std::max(1, a.judged());
+      fine.push_back({position, comparison.compareBoth(scene, model, at(position), kFineColumns)});
+      most_shared = std::max(most_shared, fine.back().agreement.judged());
+    }
+    double best_position = coarse, best_likelihood = -std::numeric_limits<double>::infinity();
+    for (const auto& [position, a] : fine) {
+      if (a.judged() < kEnoughShared * most_shared) continue;
+      const double likelihood = a.likelihood / a.judged();
       if (likelihood > best_likelihood) best_likelihood = likelihood, best_position = position;
     }
     positions.push_back(best_position);

@@ -19,6 +19,7 @@ using NodeMatrix = Eigen::Matrix<double, kNodes, kNodes>;
 using NodesByMotion = Eigen::Matrix<double, 6, kNodes>;
 
 constexpr double kCorrelationLength = 0.4;  // of the field [normalised ray]: a third of a Kinect's image
+constexpr double kLeastShare = 0.01;        // of the noise, of the field's standard deviation at any node
 constexpr double kRoughness = 1e-4;         // of its variance, not correlated: keeps the prior regular
 constexpr ViewReach kReach{2.5, 60 * kDegree};
 constexpr int kPairsPerPicture = 8;
@@ -54,7 +55,8 @@ public:
         error_(kPixelError * noise.inverse_depth_std) {
     for (int i = 0; i < kNodes; ++i) {
       const double across = field_.rayOf(i).norm();
-      prior_std_[i] = std::hypot(noise.distortion_offset, noise.distortion_slope * across);
+      prior_std_[i] = std::max(kLeastShare * noise.inverse_depth_std,
+                               std::hypot(noise.distortion_offset, noise.distortion_slope * across));
     }
     NodeMatrix covariance;
     for (int i = 0; i < kNodes; ++i)

@@ -174,19 +174,34 @@ void PlaceRanking::refinePlaces(const View& scene, std::vector<Hypothesis>& hypo
     least = std::min(least, h.evidence);
   }
   // The others are compared with the larger errors of a pose that is not refined, which is no merit.
-  for (std::size_t i = n; i < hypotheses.size(); ++i)
-    hypotheses[i].evidence = std::min(hypotheses[i].evidence, least);
+  for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+    Hypothesis& h = hypotheses[i];
+    if (i >= n || !h.T_w_c) h.evidence = std::min(h.evidence, least);
+  }
   score(hypotheses);
   mergePlaces(params_, hypotheses);
   score(hypotheses);
 }
 
+// Models of one pose show the same, as where a map has been merged with itself.
+int PlaceRanking::viewpoints(const std::vector<int>& models) const {
+  std::vector<Eigen::Isometry3d> poses;
+  int n = 0;
+  for (const int i : models) {
+    const std::optional<Eigen::Isometry3d>& T_w_m = map_->models[i].T_w_m;
+    const auto isThere = [&](const Eigen::Isometry3d& T) { return samePlace(T, *T_w_m, params_); };
+    if (T_w_m && std::any_of(poses.begin(), poses.end(), isThere)) continue;
+    if (T_w_m) poses.push_back(*T_w_m);
+    ++n;
+  }
+  return n;
+}
+
 // Local models see a place from different sides: several that find it by themselves hardly err alike.
 void PlaceRanking::score(std::vector<Hypothesis>& places) const {
-  for (Hypothesis& h : places) {
-    const double models = static_cast<double>(std::max<std::size_t>(1, h.found_by.size()));
-    h.score = h.consensus + h.evidence + params_.support_weight * std::log(models);
-  }
+  for (Hypothesis& h : places)
+    h.score =
+        h.consensus + h.evidence + params_.support_weight * std::log(std::max(1, viewpoints(h.found_by)));
   sortByScore(places);
 }
 

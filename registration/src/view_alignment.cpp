@@ -46,7 +46,8 @@ DepthAgreement compareWithAll(const DepthPicture& scene, const Eigen::Isometry3d
   if (scene.empty()) return sum;
   std::vector<DepthJudge> judges;
   for (const PosedPicture& other : others)
-    judges.emplace_back(comparison, scene, *other.picture, other.T_w_c.inverse() * T_w_c);
+    if (!other.picture->empty())
+      judges.emplace_back(comparison, scene, *other.picture, other.T_w_c.inverse() * T_w_c);
   const int step = gridStep(scene, columns);
   std::vector<DepthVerdicts> verdicts(judges.size());  // of each picture on a row
   for (int v = step / 2; v < scene.camera.height; v += step) {

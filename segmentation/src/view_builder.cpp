@@ -17,7 +17,7 @@ double millisecondsSince(Clock::time_point start) {
 }  // namespace
 
 ViewBuilder::ViewBuilder(const ViewParams& params)
-    : params_(params), segmenter_(params.segmentation, params.noise), estimation_(params.features) {
+    : params_(checked(params)), segmenter_(params.segmentation, params.noise), estimation_(params.features) {
   if (params.distortion) correction_.emplace(*params.distortion);
 }
 

@@ -48,6 +48,37 @@ TEST(DepthAlignment, RefusesABareCorridor) {
     EXPECT_TRUE(align(test::endlessCorridor(), shift).empty()) << shift;
 }
 
+// Near a wall even pixels that agree are less likely than average ones far away.
+TEST(DepthAlignment, NeverLeadsWhereThePicturesShareNothing) {
+  const DepthComparison comparison({}, SensorNoise{}.inverse_depth_std);
+  const Eigen::Isometry3d T_w_m = lookingAlong({0, 0, 1}, {0, 1, 0});
+  const Eigen::Vector3d along = T_w_m.linear().transpose() * Eigen::Vector3d::UnitX();
+  int found_at_all = 0;
+  for (const double wall : {0.6, 0.8, 1.2})
+    for (double shift = -1.2; shift <= 1.21; shift += 0.2) {
+      const Scene recess = test::box({-20, wall, -10}, {-0.2, wall + 1, 10}) +
+                           test::box({0.3, wall, -10}, {20, wall + 1, 10}) +
+                           test::box({-0.2, wall + 0.15, -10}, {0.3, wall + 1, 10});
+      const auto seenFrom = [&](double x, unsigned seed) {
+        const DepthImage image =
+            test::render(recess, test::smallCamera(), lookingAlong({x, 0, 1}, {0, 1, 0}), 60).image;
+        return DepthPicture::fromDepth(test::noisy(image, SensorNoise{}.inverse_depth_std, seed));
+      };
+      const DepthPicture scene = seenFrom(shift, 1), model = seenFrom(0, 2);
+      for (const double step : {0.1, 0.2}) {
+        DepthAlignmentParams params;
+        params.step = step;
+        for (const double position :
+             alignDepth(scene, model, Eigen::Isometry3d::Identity(), along, 0, comparison, params)) {
+          const Eigen::Isometry3d there(Eigen::Translation3d(position * along));
+          EXPECT_GT(comparison.compareBoth(scene, model, there, kFineColumns).judged(), 0) << wall << shift;
+          ++found_at_all;
+        }
+      }
+    }
+  EXPECT_GT(found_at_all, 20);
+}
+
 TEST(DepthAlignment, WithoutPicturesFindsNothing) {
   const DepthComparison comparison({}, SensorNoise{}.inverse_depth_std);
   const DepthPicture picture = seenAt(corridorWithABox(), 0, 1);

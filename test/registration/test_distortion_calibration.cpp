@@ -75,6 +75,15 @@ protected:
   std::vector<PosedPicture> pictures_;
 };
 
+TEST_F(DistortionCalibration, FindsTheFieldOfACameraThatIsSaidToBeGoodInTheMiddle) {
+  see(1);
+  SensorNoise noise = kNoise;
+  noise.distortion_offset = 0;
+  const auto found = calibrateDistortion(pictures_, noise, kExact);
+  ASSERT_TRUE(found);
+  EXPECT_LT(errorOf(found->distortion, 1), 0.3 / kKinectGain);
+}
+
 TEST_F(DistortionCalibration, FindsTheField) {
   see(1);
   const auto found = calibrateDistortion(pictures_, kNoise, kExact);

@@ -374,6 +374,28 @@ TEST_F(Evidence, APlaceThatSeveralModelsFindIsLikelier) {
   }
 }
 
+TEST_F(Evidence, ModelsOfOnePoseFindAPlaceOnce) {
+  for (int copies = 0; copies < 2; ++copies) map.models.push_back(map.models[0]);
+  std::vector<Hypothesis> h{hypothesis(20, truth, 0), hypothesis(20, truth, 3), hypothesis(20, truth, 4),
+                            hypothesis(20, truth, 1)};
+  params.dense_refinement = false;
+  ranking().rank(scene, h);
+  ASSERT_EQ(h.size(), 1u);
+  EXPECT_EQ(h[0].found_by.size(), 4u);
+  EXPECT_NEAR(h[0].score - h[0].consensus - h[0].evidence, params.support_weight * std::log(2), 1e-9);
+}
+
+TEST_F(Evidence, OfAHypothesisThatIsNowhereIsNoMerit) {
+  Eigen::Isometry3d wrong = truth;
+  wrong.translation().x() += 0.6;
+  std::vector<Hypothesis> h{hypothesis(22, truth), hypothesis(21.5, wrong), hypothesis(21)};
+  ranking().rank(scene, h);
+  ASSERT_EQ(h.size(), 3u);
+  const auto nowhere = std::find_if(h.begin(), h.end(), [](const Hypothesis& x) { return !x.T_w_c; });
+  ASSERT_NE(nowhere, h.end());
+  for (const Hypothesis& x : h) EXPECT_LE(nowhere->evidence, x.evidence);
+}
+
 TEST_F(Evidence, ARefinementThatLeavesItsPlaceIsNotTaken) {
   Eigen::Isometry3d beside = truth;
   beside.translation() += Eigen::Vector3d(0.2, 0, 0);

@@ -332,10 +332,74 @@ TYPED_TEST(OurRegistration, IndicesWithoutAUsablePointLeaveNothingOfTheCallBefor
   this->expectNoAnswer();
 }
 
-TYPED_TEST(OurRegistration, AGuessThatIsNoPoseHasNoAnswer) {
+TYPED_TEST(OurRegistration, IndicesOutsideTheSourceLeaveNothingOfTheCallBefore) {
+  const int size = static_cast<int>(this->source->size());
   this->alignGoodClouds();
-  this->registration->align(this->output, Eigen::Matrix4f::Constant(std::numeric_limits<float>::quiet_NaN()));
+  for (const int bad : {-1, size, 100000000}) {
+    this->registration->setIndices(pcl::make_shared<pcl::Indices>(pcl::Indices{0, bad}));
+    this->registration->align(this->output);
+    EXPECT_TRUE(this->output.empty());
+    this->expectNoAnswer();
+    EXPECT_THAT(this->ranked().getStatus(), testing::HasSubstr("the indices do not fit the cloud"));
+  }
+  // They fitted the cloud before.
+  this->registration->setIndices(pcl::make_shared<pcl::Indices>(pcl::Indices{0, size - 1}));
+  auto smaller = pcl::make_shared<typename TestFixture::Points>(*this->source);
+  smaller->resize(smaller->size() / 2);
+  this->registration->setInputSource(smaller);
+  this->registration->align(this->output);
   this->expectNoAnswer();
+}
+
+TYPED_TEST(OurRegistration, AGuessThatIsNoPoseHasNoAnswerAndMovesNothing) {
+  Eigen::Matrix4f mirror = Eigen::Matrix4f::Identity(), scale = mirror, sheared = mirror;
+  mirror(0, 0) = -1;
+  scale.topLeftCorner<3, 3>() *= 5;
+  sheared(3, 0) = 1;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const Eigen::Matrix4f& guess : {Eigen::Matrix4f(Eigen::Matrix4f::Constant(nan)),
+                                       Eigen::Matrix4f(Eigen::Matrix4f::Zero()), mirror, scale, sheared}) {
+    this->alignGoodClouds();
+    this->registration->align(this->output, guess);
+    this->expectNoAnswer();
+    EXPECT_THAT(this->ranked().getStatus(), testing::HasSubstr("no rigid motion"));
+    ASSERT_EQ(this->output.size(), this->source->size());
+    for (std::size_t i = 0; i < this->output.size(); i += 97) {
+      if (!pcl::isXYZFinite((*this->source)[i])) continue;
+      EXPECT_EQ(this->output[i].getVector3fMap(), (*this->source)[i].getVector3fMap());
+    }
+  }
+}
+
+TYPED_TEST(OurRegistration, FitnessOfCloudsWithHolesOrOfNoneIsNoCrash) {
+  const auto withHoles = [](const auto& cloud) {
+    auto holes = pcl::make_shared<typename TestFixture::Points>(*cloud);
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    for (std::size_t i = 9; i < holes->size(); i += 10) (*holes)[i].x = (*holes)[i].y = (*holes)[i].z = nan;
+    holes->is_dense = false;
+    return holes;
+  };
+  const auto searched = withHoles(this->target);
+  this->registration->setInputSource(withHoles(this->source));
+  this->registration->setInputTarget(searched);
+  this->registration->align(this->output);
+  ASSERT_TRUE(this->registration->hasConverged());
+  EXPECT_LT(this->registration->getFitnessScore(), 1);
+  const auto tree = this->registration->getSearchMethodTarget();
+  EXPECT_EQ(tree->getInputCloud(), searched);
+  pcl::Indices neighbours;
+  std::vector<float> squared_distances;
+  EXPECT_EQ(tree->nearestKSearch(1, 1, neighbours, squared_distances), 1);
+  this->registration->setInputSource(nullptr);
+  this->registration->align(this->output);
+  EXPECT_TRUE(this->output.empty());
+  EXPECT_EQ(this->registration->getFitnessScore(), std::numeric_limits<double>::max());
+}
+
+TYPED_TEST(OurRegistration, ParametersOutOfTheirRangeAreRefused) {
+  GlobalLocalizationParams params;
+  params.ranking.evidence_models = -1;
+  EXPECT_THROW(this->ranked().setRegistrationParams(params), std::invalid_argument);
 }
 
 TYPED_TEST(OurRegistration, ForgetsItsAnswerAsSoonAsACloudChanges) {
@@ -362,7 +426,25 @@ TYPED_TEST(OurRegistration, APriorThatExcludesTheTruthHasNoAnswer) {
   this->ranked().setPriorCovariance(P);
   EXPECT_EQ(this->ranked().getPriorCovariance(), P);
   this->registration->align(this->output);
-  EXPECT_THAT(this->found(*this->registration), testing::Not(PoseNear(this->truth, 0.05, 1.0)));
+  this->expectNoAnswer();
+}
+
+TEST(PlanarRegistration, TurnsTheNormalsOfTheSource) {
+  const auto cloudWithNormals = [](const Eigen::Isometry3d& T_w_c, unsigned seed) {
+    const auto points = PlanarCase<pcl::PointXYZ>::cloudFrom(T_w_c, seed);
+    auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointNormal>>();
+    pcl::copyPointCloud(*points, *cloud);
+    for (auto& p : *cloud) p.normal_x = 0, p.normal_y = 0, p.normal_z = -1;
+    return cloud;
+  };
+  PlanarRegistration<pcl::PointNormal> registration;
+  registration.setInputSource(cloudWithNormals(kNearPose, 2));
+  registration.setInputTarget(cloudWithNormals(kTargetPose, 1));
+  pcl::PointCloud<pcl::PointNormal> aligned;
+  registration.align(aligned);
+  ASSERT_TRUE(registration.hasConverged());
+  const Eigen::Vector3d turned = -registration.getFinalPose().linear().col(2);
+  EXPECT_LT((aligned[0].getNormalVector3fMap().cast<double>() - turned).norm(), 1e-6);
 }
 
 // ---- what is particular

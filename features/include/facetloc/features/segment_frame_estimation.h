@@ -33,7 +33,7 @@ public:
   void setLabels(const pcl::PointCloud<pcl::Label>::ConstPtr& labels) { labels_ = labels; }
   /** \brief Intrinsics of the camera; without them they are recovered from the points. */
   void setIntrinsics(const std::optional<Intrinsics>& camera) { camera_ = camera; }
-  void setParams(const SegmentEstimationParams& params) { params_ = params; }
+  void setParams(const SegmentEstimationParams& params) { params_ = checked(params); }
   const SegmentEstimationParams& getParams() const { return params_; }
   void setSensorNoise(const SensorNoise& noise) { noise_ = noise; }
   const SensorNoise& getSensorNoise() const { return noise_; }

@@ -141,6 +141,7 @@ private:
   double evidence(const View& scene, const std::vector<Neighbour>& neighbours, const Eigen::Isometry3d& T_w_c,
                   const DepthComparison& comparison) const;
   void refine(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h) const;
+  int viewpoints(const std::vector<int>& models) const;
   void score(std::vector<Hypothesis>& places) const;
   std::size_t hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const;
 

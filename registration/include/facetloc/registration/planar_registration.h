@@ -22,7 +22,7 @@ public:
   using ConstPtr = pcl::shared_ptr<const PlanarRegistration<PointT>>;
   PlanarRegistration() { this->reg_name_ = "PlanarRegistration"; }
 
-  void setViewParams(const ViewParams& params) { view_params_ = params; }
+  void setViewParams(const ViewParams& params) { view_params_ = checked(params); }
   const ViewParams& getViewParams() const { return view_params_; }
   void setIntrinsics(const std::optional<Intrinsics>& camera) { camera_ = camera; }
   /** \brief Width that clouds are subsampled to before segmentation [px]; 0 = full size. 320 unless set. */

@@ -6,6 +6,7 @@
 #include <pcl/impl/pcl_base.hpp>
 #include <pcl/registration/registration.h>
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,7 +14,8 @@
 namespace facetloc {
 
 /** \brief A kd-tree that is built when it is first asked: pcl::Registration sets one up for every target,
- * which costs more than our whole registration, and only getFitnessScore() ever asks it. */
+ * which costs more than our whole registration, and only getFitnessScore() ever asks it. Points that were not
+ * measured have no neighbours. */
 template <typename PointT>
 class LazyKdTree : public pcl::search::KdTree<PointT> {
 public:
@@ -37,35 +39,43 @@ public:
   using Base::radiusSearch;
   int nearestKSearch(const PointT& point, int k, pcl::Indices& indices,
                      std::vector<float>& distances) const override {
-    build();
-    return Base::nearestKSearch(point, k, indices, distances);
+    if (isSearchable(point)) return Base::nearestKSearch(point, k, indices, distances);
+    indices.clear();
+    distances.assign(1, std::numeric_limits<float>::infinity());  // getFitnessScore() looks at the first
+    return 0;
   }
   int radiusSearch(const PointT& point, double radius, pcl::Indices& indices, std::vector<float>& distances,
                    unsigned max_nn = 0) const override {
-    build();
-    return Base::radiusSearch(point, radius, indices, distances, max_nn);
+    if (isSearchable(point)) return Base::radiusSearch(point, radius, indices, distances, max_nn);
+    indices.clear();
+    distances.clear();
+    return 0;
   }
 
 private:
   void remember(const PointCloudConstPtr& cloud, const IndicesConstPtr& indices) {
-    cloud_ = cloud;
-    cloud_indices_ = indices;
+    this->input_ = cloud;  // which searches by index use
+    this->indices_ = indices;
     waiting_ = true;
   }
-  void build() const {
-    if (!waiting_) return;
-    const_cast<LazyKdTree*>(this)->Base::setInputCloud(cloud_, cloud_indices_);
-    waiting_ = false;
+  bool isSearchable(const PointT& point) const {
+    if (!this->input_ || this->input_->empty() || !pcl::isXYZFinite(point)) return false;
+    if (waiting_) {
+      const PointCloudConstPtr cloud = this->input_;
+      const IndicesConstPtr indices = this->indices_;
+      const_cast<LazyKdTree*>(this)->Base::setInputCloud(cloud, indices);
+      waiting_ = false;
+    }
+    return true;
   }
-  PointCloudConstPtr cloud_;
-  IndicesConstPtr cloud_indices_;
   mutable bool waiting_ = false;
 };
 
 /** \brief What our registrations share: pcl::Registration outside, a ranked list of hypotheses inside.
  *
- * Unlike PCL's base, a missing, empty or unusable cloud never leaves the answer of the call before:
- * hasConverged() is then false, the final transformation the identity, and getStatus() says why. */
+ * The answer is that of align() until another cloud is set. Unlike PCL's base, a missing, empty or unusable
+ * cloud, or indices beyond it, never leave the answer of the call before: hasConverged() is then false, the
+ * final transformation the identity, the output the source as it is, and getStatus() says why. */
 template <typename PointT>
 class RankedRegistration : public pcl::Registration<PointT, PointT> {
 public:
@@ -79,8 +89,16 @@ public:
 
   void setInputSource(const PointCloudSourceConstPtr& cloud) override;
   void setInputTarget(const PointCloudTargetConstPtr& cloud) override;
+  /** \name The points of the source that count, as in PCL; which ones are wrong shows when it is aligned. @{
+   */
+  void setIndices(const pcl::IndicesPtr& indices) override;
+  void setIndices(const pcl::IndicesConstPtr& indices) override;
+  void setIndices(const pcl::PointIndicesConstPtr& indices) override;
+  void setIndices(std::size_t row, std::size_t column, std::size_t rows, std::size_t columns) override;
+  /** @} */
 
-  void setRegistrationParams(const GlobalLocalizationParams& params) { params_ = params; }
+  /** \brief Throws std::invalid_argument for a parameter out of its range. */
+  void setRegistrationParams(const GlobalLocalizationParams& params) { params_ = checked(params); }
   const GlobalLocalizationParams& getRegistrationParams() const { return params_; }
   /** \brief Covariance of the guess given to align(), order (phi, t); that of the parameters' prior unless
    * set. */
@@ -103,9 +121,15 @@ protected:
   virtual View makeView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices,
                         std::string& why_empty) = 0;
   virtual SensorNoise sensorNoise() const { return {}; }
-  /** \brief Moves one point; points with more than a position override it. */
+  /** \brief Moves one point and turns its normal; points with more than these override it. */
   virtual void transformPoint(const Eigen::Isometry3d& T, PointT& p) const {
     p.getVector3fMap() = (T * p.getVector3fMap().template cast<double>()).template cast<float>();
+    if constexpr (pcl::traits::has_normal<PointT>::value) {
+      const Eigen::Vector3d normal(p.normal_x, p.normal_y, p.normal_z), turned = T.linear() * normal;
+      p.normal_x = static_cast<float>(turned.x());
+      p.normal_y = static_cast<float>(turned.y());
+      p.normal_z = static_cast<float>(turned.z());
+    }
   }
   void computeTransformation(PointCloudSource& output, const Matrix4& guess) override;
 
@@ -116,12 +140,15 @@ protected:
   using Base::nr_iterations_;
   using Base::reg_name_;
   using Base::target_;
+  using Base::target_cloud_updated_;
   using Base::transformation_;
   using Base::use_indices_;
 
 private:
   void reset(const std::string& reason);
+  void checkIndices();
 
+  bool indices_fit_ = true;
   GlobalLocalizationParams params_;
   std::optional<Matrix6d> prior_covariance_;
   Localization answer_;

@@ -22,7 +22,12 @@ public:
   SegmentMatching();
   /** \brief T_target_source and its covariance; the wide prior of posePrior() unless set. */
   void setPose(const PoseWithCovariance& T_target_source) { pose_ = T_target_source; }
-  void setParams(const MatchingParams& params) { params_ = params; }
+  void setParams(const MatchingParams& params) { params_ = checked(params); }
+  /** \brief As PCL's, which would go on with the old target where the new one is missing or empty. */
+  void setInputTarget(const PointCloudTargetConstPtr& cloud) {
+    target_.reset();
+    if (cloud && !cloud->empty()) Base::setInputTarget(cloud);
+  }
   const MatchingParams& getParams() const { return params_; }
 
   /** \brief All candidate pairs, the most promising first: many per source frame, as the hypothesis tree

@@ -26,7 +26,7 @@ public:
   using ConstPtr = pcl::shared_ptr<const PlanarSegmentation<PointT>>;
   using Labels = pcl::PointCloud<pcl::Label>;
 
-  void setParams(const SegmentationParams& params) { params_ = params; }
+  void setParams(const SegmentationParams& params) { params_ = checked(params); }
   const SegmentationParams& getParams() const { return params_; }
   void setSensorNoise(const SensorNoise& noise) { noise_ = noise; }
   const SensorNoise& getSensorNoise() const { return noise_; }

@@ -30,6 +30,7 @@ struct ViewParams {
  * Keeps its buffers; one per thread. */
 class ViewBuilder {
 public:
+  /** \brief Throws std::invalid_argument for a parameter out of its range. */
   explicit ViewBuilder(const ViewParams& params = {});
 
   /** \brief An empty or all-invalid image gives a view without segments, never an error. */

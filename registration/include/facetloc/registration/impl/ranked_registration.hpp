@@ -3,7 +3,18 @@
 
 #include <facetloc/registration/ranked_registration.h>
 
+#include <algorithm>
+#include <cstdint>
+
 namespace facetloc {
+
+/** \brief Is it a turn and a move, as well as floats tell? */
+inline bool isRigidMotion(const Eigen::Matrix4f& T) {
+  constexpr float kTolerance = 1e-3f;
+  const Eigen::Matrix3f R = T.topLeftCorner<3, 3>();
+  return T.allFinite() && (R.transpose() * R).isIdentity(kTolerance) && R.determinant() > 0 &&
+         T.row(3) == Eigen::RowVector4f(0, 0, 0, 1);
+}
 
 template <typename PointT>
 RankedRegistration<PointT>::RankedRegistration() {
@@ -14,17 +25,51 @@ RankedRegistration<PointT>::RankedRegistration() {
 template <typename PointT>
 void RankedRegistration<PointT>::setInputSource(const PointCloudSourceConstPtr& cloud) {
   reset("not aligned yet");
-  if (cloud && !cloud->empty()) return Base::setInputSource(cloud);
-  input_.reset();  // PCL would keep the old cloud and align that
-  reset("the source cloud is missing or empty");
+  if (cloud && !cloud->empty())
+    Base::setInputSource(cloud);
+  else
+    input_ = pcl::make_shared<PointCloudSource>();  // PCL would keep the old cloud and align that
+  checkIndices();
 }
 
 template <typename PointT>
 void RankedRegistration<PointT>::setInputTarget(const PointCloudTargetConstPtr& cloud) {
   reset("not aligned yet");
   if (cloud && !cloud->empty()) return Base::setInputTarget(cloud);
-  target_.reset();
-  reset("the target cloud is missing or empty");
+  target_ = pcl::make_shared<typename Base::PointCloudTarget>();
+  target_cloud_updated_ = true;
+}
+
+template <typename PointT>
+void RankedRegistration<PointT>::setIndices(const pcl::IndicesPtr& indices) {
+  Base::setIndices(indices);
+  checkIndices();
+}
+template <typename PointT>
+void RankedRegistration<PointT>::setIndices(const pcl::IndicesConstPtr& indices) {
+  Base::setIndices(indices);
+  checkIndices();
+}
+template <typename PointT>
+void RankedRegistration<PointT>::setIndices(const pcl::PointIndicesConstPtr& indices) {
+  Base::setIndices(indices);
+  checkIndices();
+}
+template <typename PointT>
+void RankedRegistration<PointT>::setIndices(std::size_t row, std::size_t column, std::size_t rows,
+                                            std::size_t columns) {
+  Base::setIndices(row, column, rows, columns);
+  checkIndices();
+}
+
+// PCL's align() copies the points before computeTransformation() could look at their indices.
+template <typename PointT>
+void RankedRegistration<PointT>::checkIndices() {
+  if (!use_indices_ || !indices_ || !input_) return;
+  const auto size = static_cast<std::int64_t>(input_->size());
+  indices_fit_ =
+      std::all_of(indices_->begin(), indices_->end(), [size](auto i) { return 0 <= i && i < size; });
+  if (!indices_fit_) indices_ = pcl::make_shared<pcl::Indices>();
 }
 
 template <typename PointT>
@@ -46,13 +91,14 @@ void RankedRegistration<PointT>::computeTransformation(PointCloudSource& output,
   std::string source_fault, target_fault;
   map->models[0].view = makeView(*target_, nullptr, target_fault);
   const View scene = makeView(*input_, use_indices_ ? indices_.get() : nullptr, source_fault);
+  if (!indices_fit_) source_fault = "the indices do not fit the cloud";
 
   PoseWithCovariance prior;
   prior.T.matrix() = guess.template cast<double>();
   prior.T.linear() = Eigen::Quaterniond(prior.T.linear()).normalized().toRotationMatrix();
   prior.P = getPriorCovariance();
-  if (!prior.T.matrix().allFinite() || !prior.P.allFinite())
-    answer_.reason = "the guess or its covariance is not finite";
+  if (!prior.P.allFinite() || !isRigidMotion(guess))
+    answer_.reason = "the guess is no rigid motion, or its covariance is not finite";
   else if (!target_fault.empty())
     answer_.reason = "target: " + target_fault;
   else if (!source_fault.empty())
@@ -62,10 +108,10 @@ void RankedRegistration<PointT>::computeTransformation(PointCloudSource& output,
 
   converged_ = !answer_.hypotheses.empty();
   nr_iterations_ = converged_ ? 1 : 0;
-  const Eigen::Isometry3d T = converged_ ? getFinalPose() : prior.T;
-  if (converged_) transformation_ = final_transformation_ = T.matrix().template cast<float>();
-  if (prior.T.matrix().allFinite())
-    for (PointT& p : output) transformPoint(T, p);
+  if (!converged_) return;
+  const Eigen::Isometry3d T = getFinalPose();
+  transformation_ = final_transformation_ = T.matrix().template cast<float>();
+  for (PointT& p : output) transformPoint(T, p);
 }
 
 template <typename PointT>
