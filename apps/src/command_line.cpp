@@ -21,6 +21,13 @@ std::string underscored(std::string name) {
   return name;
 }
 
+/** A name may contain a '#': only the first one of a word begins a comment. */
+std::string withoutComment(const std::string& line) {
+  for (auto i = line.find('#'); i != std::string::npos; i = line.find('#', i + 1))
+    if (i == 0 || std::isspace(static_cast<unsigned char>(line[i - 1]))) return line.substr(0, i);
+  return line;
+}
+
 std::string trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t\r");
   if (first == std::string::npos) return {};
@@ -177,7 +184,7 @@ std::vector<std::string> CommandLine::readFile(const std::string& path) const {
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
     if (number == 1 && line.rfind(kByteOrderMark, 0) == 0) line.erase(0, 3);
-    line = trimmed(line.substr(0, line.find('#')));
+    line = trimmed(withoutComment(line));
     if (line.empty()) continue;
     const auto fail = [&](const std::string& cause) {
       throw UsageError(path + ": line " + std::to_string(number) + ": " + cause);

@@ -110,7 +110,7 @@ EvaluationReport EvaluateApp::reportOf(const Input& input) const {
   if (input.map) requireSameMap(input.runs, *input.map, map_);
   report.evaluation = evaluate(input.runs, input.truth, modelPoses(input.map), params_, pose_tolerance_);
   if (report.evaluation.frames.empty()) throw IoError(truth_, "has no pose for any image of " + results_);
-  requireWorldPoses(input.runs);
+  if (!input.map || modelPoses(input.map).empty()) requireWorldPoses(input.runs);
   report.summaries = summarizeSets(report.evaluation);
   for (const RunResults& run : input.runs)
     report.timing.insert(report.timing.end(), run.timing.begin(), run.timing.end());
@@ -154,9 +154,9 @@ int EvaluateApp::execute(const CommandLine&, const Console& console) {
   if (folder_.empty()) folder_ = (fs::path(results_) / "evaluation").string();
   createFolders(folder_);
   removeEarlier(folder_);
-  printReport(console.out, report);
   writeReport(folder_, report);
   writeHtmlReport(folder_, report, drawPictures(report, input, console));
+  printReport(console.out, report);  // last, for who reads it may stop doing so
   console.out << "\nevaluation in " << folder_ << "\n";
   return kOk;
 }

@@ -14,7 +14,7 @@ namespace facetloc {
 namespace {
 
 constexpr double kSameStamp = 1e-6;     // [s]
-constexpr double kSamePosition = 1e-3;  // [m]
+constexpr double kSamePosition = 1e-3;  // [m], at least
 constexpr int kReliabilityBins = 10;
 constexpr const char* kTiming = "timing.csv";
 
@@ -129,7 +129,9 @@ private:
                               angleDeg(model.T_w_m, e.T_w_c)};
       const bool same =
           (!model.name.empty() && model.name == e.name) || std::abs(model.stamp - e.stamp) < kSameStamp;
-      if (same && near.distance < kSamePosition) e.frame_class = FrameClass::map_image;
+      // Runs may share names and stamps; the poses that a map is made of may differ from the true ones.
+      if (same && near.distance < std::max(kSamePosition, params_.max_translation))
+        e.frame_class = FrameClass::map_image;
       if (near.distance <= params_.covered_distance && near.angle_deg <= params_.covered_rotation_deg)
         covering.push_back(i);
       const double cost =
@@ -195,7 +197,7 @@ void addReliability(const std::vector<FrameEvaluation>& frames, Summary& summary
   }
   std::size_t answers = 0;
   for (const FrameEvaluation& frame : frames) {
-    if (frame.hypotheses == 0) continue;
+    if (!frame.best_error) continue;
     const double p = frame.probability, correct = frame.first_correct == 1 ? 1 : 0;
     ReliabilityBin& bin = bins[std::clamp(static_cast<int>(p * kReliabilityBins), 0, kReliabilityBins - 1)];
     ++bin.n;
@@ -217,7 +219,7 @@ void addReliability(const std::vector<FrameEvaluation>& frames, Summary& summary
 /** Answers only above the largest probability that was ever wrong. */
 void addRecall(const std::vector<FrameEvaluation>& frames, Summary& summary) {
   for (const FrameEvaluation& frame : frames)
-    if (frame.hypotheses > 0 && frame.first_correct != 1)
+    if (frame.best_error && frame.first_correct != 1)
       summary.threshold = std::max(summary.threshold, frame.probability);
   const auto answered = std::count_if(frames.begin(), frames.end(), [&](const FrameEvaluation& frame) {
     return frame.first_correct == 1 && frame.probability > summary.threshold;
@@ -265,10 +267,11 @@ std::vector<RunResults> readRuns(const std::filesystem::path& folder) {
       if (isResultsFolder(entry.path())) folders.push_back(entry.path());
   std::sort(folders.begin(), folders.end());
   const bool single = folders.empty();
-  if (single) folders = {folder};
+  if (single) folders = {fs::absolute(folder / "").lexically_normal().parent_path()};
   std::vector<RunResults> runs;
   for (const fs::path& run : folders) {
-    runs.push_back({single ? "" : run.filename().string(), readHypotheses(run), {}});
+    const std::string name = run.filename().string();
+    runs.push_back({single ? "" : name, readHypotheses(run), {}, name});
     if (fs::exists(run / kTiming)) runs.back().timing = readTiming(run);
   }
   return runs;
@@ -279,7 +282,7 @@ Evaluation evaluate(const std::vector<RunResults>& runs, const PlaceTruth& truth
   Evaluation evaluation;
   Judge judge(truth, models, params);
   for (const RunResults& run : runs) {
-    const PlaceTruth of_run = truth.of(run.name);
+    const PlaceTruth of_run = truth.of(run.folder.empty() ? run.name : run.folder);
     for (const FrameRows& frame : groupByFrame(run.rows, of_run.poses())) {
       if (const auto pose = of_run.poses().nearest(frame.stamp, tolerance))
         evaluation.frames.push_back(judge.judge(run.name, frame, *pose, of_run));
@@ -332,7 +335,7 @@ Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& f
     summary.none += frame.hypotheses == 0;
     summary.wrong += frame.hypotheses > 0 && frame.first_correct == 0;
     summary.best_correct += frame.first_correct == 1;
-    const bool confident = frame.hypotheses > 0 && frame.probability >= kConfident;
+    const bool confident = frame.best_error && frame.probability >= kConfident;
     summary.confident += confident;
     summary.confident_correct += confident && frame.first_correct == 1;
     summary.unsure += frame.hypotheses == 0 || frame.probability < kUnsure;

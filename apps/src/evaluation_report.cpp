@@ -18,9 +18,9 @@ std::string wholeCell(const std::optional<T>& value) {
   return value ? std::to_string(*value) : "";
 }
 
-/** "mm,deg", empty if there is no hypothesis that the error could be of. */
-std::string errorCells(int hypothesis, const PoseError& error) {
-  if (hypothesis == 0) return ",";
+/** "mm,deg", empty if there is nothing that the error could be of. */
+std::string errorCells(bool known, const PoseError& error) {
+  if (!known) return ",";
   return text::significant(1000 * error.translation) + "," + text::significant(error.rotation_deg);
 }
 
@@ -40,12 +40,12 @@ void writeFrames(std::ostream& out, const Evaluation& evaluation) {
     out << text::csvCell(f.run) << "," << text::csvCell(f.name) << "," << text::shortest(f.stamp) << ","
         << toString(f.frame_class) << "," << f.unmapped << "," << (known ? std::to_string(f.covered) : "")
         << "," << wholeCell(f.solvable) << "," << wholeCell(f.visible_planes) << "," << f.hypotheses << ","
-        << f.first_correct << "," << errorCells(f.first_correct, f.first_correct_error) << ","
+        << f.first_correct << "," << errorCells(f.first_correct > 0, f.first_correct_error) << ","
         << (f.first_correct ? text::significant(f.first_correct_error.heading_deg) : "") << ","
         << (f.hypotheses ? text::significant(f.probability) : "") << ","
-        << errorCells(f.hypotheses, f.best_error) << "," << nearestCells(f.nearest) << ","
-        << (f.closest ? std::to_string(f.closest) : "") << "," << errorCells(f.closest, f.closest_error)
-        << "," << text::csvCell(f.reason) << "\n";
+        << errorCells(f.best_error.has_value(), f.best_error.value_or(PoseError())) << ","
+        << nearestCells(f.nearest) << "," << (f.closest ? std::to_string(f.closest) : "") << ","
+        << errorCells(f.closest > 0, f.closest_error) << "," << text::csvCell(f.reason) << "\n";
   }
 }
 
@@ -66,8 +66,8 @@ void writeErrors(std::ostream& out, const Evaluation& evaluation) {
       const Summary& s = group.summary;
       out << quantity << "," << text::significant(group.lowest) << ","
           << (std::isinf(group.highest) ? "" : text::significant(group.highest)) << "," << s.total << ","
-          << s.correct << "," << s.best_correct << "," << text::significant(s.translation_stats.mean) << ","
-          << text::significant(s.rotation_stats.mean) << "\n";
+          << s.correct << "," << s.best_correct << ","
+          << errorCells(s.correct > 0, {s.translation_stats.mean / 1000, s.rotation_stats.mean, 0}) << "\n";
     }
   };
   lines("visible planes", errorsByVisiblePlanes(frames));
@@ -111,6 +111,11 @@ std::vector<std::string> reportPreface(const EvaluationReport& report) {
                     " of them are near a local model, such as behind a wall, and not counted as covered."
               : "."));
   }
+  const auto isNowhere = [](const auto& f) { return f.hypotheses > 0 && !f.best_error; };
+  if (const auto n = std::count_if(frames.begin(), frames.end(), isNowhere))
+    lines.push_back(
+        "Rank 1 is in a local model without a pose: " + counted(static_cast<std::size_t>(n), "image") +
+        "; what is said of probabilities leaves them out.");
   if (const std::size_t n = report.evaluation.without_truth.size())
     lines.push_back("Left out, without a true pose: " + counted(n, "image") + ".");
   return lines;

@@ -208,7 +208,10 @@ void addMiss(const FrameEvaluation& f, TextTable& table) {
   table.add({(f.run.empty() ? "" : f.run + " ") + f.name,
              f.visible_planes ? std::to_string(*f.visible_planes) : "", solvableText(f), nearestText(f),
              f.hypotheses ? text::decimals(f.probability, 3) : "-",
-             f.hypotheses ? errorText(f.best_error) : "-", closestText(f), f.reason});
+             f.best_error   ? errorText(*f.best_error)
+             : f.hypotheses ? "nowhere"
+                            : "-",
+             closestText(f), f.reason});
 }
 
 }  // namespace
@@ -281,7 +284,10 @@ void writeTables(std::ostream& out, const std::vector<Summary>& summaries) {
     name.erase(0, name.find_first_not_of(' '));
     out << q.table << "," << text::csvCell(q.group) << "," << text::csvCell(name) << ","
         << (q.paper ? text::significant(*q.paper) : "");
-    for (const Summary& s : summaries) out << "," << text::significant(q.value(s));
+    for (const Summary& s : summaries) {
+      const bool of_nothing = std::string(q.table) == "II" && s.correct == 0;  // the printed table has a dash
+      out << "," << (of_nothing ? "" : text::significant(q.value(s)));
+    }
     out << "\n";
   }
   for (std::size_t i = 0; i < summaries.front().reliability.size(); ++i) {

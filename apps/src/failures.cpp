@@ -21,8 +21,10 @@ std::string poseDifference(double translation, double rotation_deg) {
 
 std::string whatFailed(const FrameEvaluation& frame) {
   if (frame.hypotheses == 0) return "no hypothesis: " + frame.reason;
-  return poseDifference(frame.best_error.translation, frame.best_error.rotation_deg) + " off, probability " +
-         text::decimals(frame.probability, 2) +
+  return (frame.best_error
+              ? poseDifference(frame.best_error->translation, frame.best_error->rotation_deg) + " off"
+              : "in a local model without a pose") +
+         ", probability " + text::decimals(frame.probability, 2) +
          (frame.first_correct > 0 ? ", correct at rank " + std::to_string(frame.first_correct) : "");
 }
 

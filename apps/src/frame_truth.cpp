@@ -188,10 +188,10 @@ PlaceTruth PlaceTruth::open(const fs::path& path) {
   if (fs::exists(path / kPoses))
     truth.add(openSequence(path));
   else
-    for (const char* run : {"map", "query"})
+    for (const char* run : {"map", "query", "drive"})
       if (fs::exists(path / run / kPoses)) truth.add(openSequence(path / run));
   if (truth.sequences_.empty())
-    throw IoError(path.string(), "has no groundtruth.txt, nor have folders map and query in it");
+    throw IoError(path.string(), "has no groundtruth.txt, nor have folders map, query and drive in it");
   return truth;
 }
 

@@ -135,9 +135,11 @@ Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& stem
     // One camera's field differs a little from map to map; of two cameras one has to be chosen.
     if (!merged.distortion) merged.distortion = maps[i].distortion;
     if (!sameMounting(merged.mounting, maps[i].mounting)) merged.mounting.reset();
+    const auto alike = std::count(stems.begin(), stems.begin() + static_cast<std::ptrdiff_t>(i), stems[i]);
+    const std::string prefix = stems[i] + (alike > 0 ? "_" + std::to_string(alike + 1) : "") + ".";
     for (const auto& [key, value] : maps[i].meta) {
       const bool of_format = key == "format" || key == "conventions";  // the new file has its own
-      if (!of_format && key != kImagesKey) merged.meta[stems[i] + "." + key] = value;
+      if (!of_format && key != kImagesKey) merged.meta[prefix + key] = value;
     }
   }
   for (const LocalModel& model : merged.models)

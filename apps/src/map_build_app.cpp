@@ -118,7 +118,8 @@ MapBuildApp::Selection MapBuildApp::select(const DepthSequence& sequence) const 
     throw IoError(sequence_, "its image names are no time stamps: poses cannot be matched");
   const Trajectory trajectory = poses(sequence);
   if (trajectory.empty() && every_ == 0)
-    throw IoError(sequence_, "has no poses: no groundtruth.txt; give --poses FILE or --every N");
+    throw IoError(poses_.empty() ? sequence_ : poses_,
+                  "has no poses; put a groundtruth.txt beside the images, or give --poses FILE or --every N");
   Selection selection;
   MapBuilder rule(builder_);
   for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
@@ -300,9 +301,10 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   const auto buildAt = [&](const fs::path& path) {
     code = build(path, sequence, selection, view_params, batch, console);
   };
-  if (overwrite_ && fs::exists(map_))
+  if (overwrite_ && fs::exists(map_)) {
+    openMap(map_);  // what is no map stays
     replaceMap(map_, buildAt);
-  else
+  } else
     buildAt(map_);
   return code;
 }

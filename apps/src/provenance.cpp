@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/command_line.h>
 #include <facetloc/apps/provenance.h>
+#include <facetloc/apps/results_journal.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/text.h>
@@ -102,7 +103,7 @@ void Provenance::write(const fs::path& folder) const {
 }
 
 void Provenance::requireNotReplaced(const fs::path& input, const fs::path& folder) {
-  for (const char* file : {kParamsFile, kImagesFile}) {
+  for (const char* file : {kParamsFile, kImagesFile, kPartial}) {
     std::error_code ignored;
     if (fs::equivalent(input, folder / file, ignored))
       throw UsageError("the results would replace " + input.string() + "; use another output folder");

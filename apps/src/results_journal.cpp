@@ -14,9 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string fileName(int rank) {
-  return rank == 0 ? "partial.txt" : "partial." + std::to_string(rank) + ".txt";
-}
+std::string fileName(int rank) { return rank == 0 ? kPartial : "partial." + std::to_string(rank) + ".txt"; }
 
 /** Is it the fileName() of any rank? */
 bool isJournal(const std::string& name) {

@@ -135,7 +135,11 @@ Provenance SegmentApp::provenance(const std::vector<Image>& images, const Comman
 std::vector<std::size_t> SegmentApp::prepare(const std::vector<Image>& images,
                                              const Provenance& provenance) const {
   createFolders(folder_);
-  for (const Image& image : images) requireOtherFolder(folder_, image.file().path.parent_path());
+  for (const Image& image : images) {
+    const fs::path of_images = image.file().path.parent_path();
+    requireOtherFolder(folder_, of_images);
+    requireOtherFolder(folder_, of_images / ".." / "labels");  // the true ones of a simulated sequence
+  }
   const auto before = resume_ ? Provenance::read(folder_) : std::nullopt;
   std::vector<std::size_t> todo;
   std::vector<std::string> finished;

@@ -51,8 +51,11 @@ void createFolders(const std::filesystem::path& folder) {
     throw IoError(folder.string(), "cannot be created: " + (error ? error.message() : "it is a file"));
 }
 
-void writeAtomically(const std::filesystem::path& path,
+void writeAtomically(const std::filesystem::path& asked,
                      const std::function<void(const std::filesystem::path& temporary)>& write) {
+  // A link stays one: what it leads to is replaced.
+  const std::filesystem::path path =
+      std::filesystem::is_symlink(asked) ? std::filesystem::weakly_canonical(asked) : asked;
   files::requireFolderOf(path);
   requireReplaceable(path);
   TemporaryFile temporary(path.string() + ".tmp");

@@ -49,8 +49,8 @@ std::vector<FrameFile> framesOfFolder(const fs::path& folder) {
   try {
     for (const auto& entry : fs::directory_iterator(folder)) {
       const bool hidden = entry.path().filename().string().front() == '.';
-      if (!hidden && isImage(entry.path()) && entry.is_regular_file())
-        frames.push_back(frameOf(entry.path()));
+      // A link that leads nowhere is an image that cannot be read.
+      if (!hidden && isImage(entry.path()) && !entry.is_directory()) frames.push_back(frameOf(entry.path()));
     }
   } catch (const fs::filesystem_error& e) {
     throw IoError(folder.string(), e.what());
@@ -109,10 +109,11 @@ bool stampFrames(std::vector<FrameFile>& frames) {
 }
 
 /** The first file of this name in the folder of the images, its parent, or the folder that was asked for and
- * its parent. */
+ * its parent. Of a folder that is a link, the parent is where the link is, and else where the folder is. */
 std::optional<fs::path> findBeside(const fs::path& images, const fs::path& asked, const char* name) {
   for (const fs::path& folder : {images, images / "..", asked, asked / ".."})
-    if (fs::is_regular_file(folder / name)) return (folder / name).lexically_normal();
+    for (const fs::path& file : {(folder / name).lexically_normal(), folder / name})
+      if (fs::is_regular_file(file)) return file;
   return {};
 }
 
@@ -168,7 +169,8 @@ DepthSequence DepthSequence::open(const std::filesystem::path& path) {
   const bool needs_camera = std::any_of(sequence.frames_.begin(), sequence.frames_.end(),
                                         [](const FrameFile& frame) { return isPng(frame.path); });
   if (needs_camera && !sequence.camera_)
-    throw IoError(path.string(), "PNG images need a camera.ini beside them or in the folder above");
+    throw IoError(path.string(), std::string("PNG images need a camera.ini beside ") +
+                                     (isList(path) ? "their list" : "them") + " or in the folder above");
   if (is_recording && !sequence.camera_) sequence.camera_ = cameraOf(*sequence.recording_);
   return sequence;
 }

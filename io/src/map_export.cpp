@@ -19,6 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kGraph = "graph.g2o";
 constexpr double kVarianceFloor =
     1e-12;  // [rad^2, m^2] of links that are known exactly: g2o wants finite information
 
@@ -82,6 +83,9 @@ std::vector<StampedPose> posesOf(const Map& map) {
 
 void exportMap(const Map& map, const std::filesystem::path& folder) {
   createFolders(folder / "models");
+  if (std::filesystem::exists(folder / kGraph))  // of an earlier export
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "models"))
+      if (entry.path().extension() == ".pcd") std::filesystem::remove(entry.path());
   std::set<std::string> taken;
   for (const LocalModel& model : map.models) {
     const std::string name = fileName(model.name, taken);
@@ -89,7 +93,7 @@ void exportMap(const Map& map, const std::filesystem::path& folder) {
     writeSegments(folder / "models" / (name + ".pcd"), model.view.segments);
   }
   writeTumTrajectory(folder / "poses_tum.txt", posesOf(map));
-  writeTextAtomically(folder / "graph.g2o", [&](std::ostream& out) { writeGraph(out, map); });
+  writeTextAtomically(folder / kGraph, [&](std::ostream& out) { writeGraph(out, map); });
 }
 
 }  // namespace facetloc

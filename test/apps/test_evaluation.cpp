@@ -15,6 +15,8 @@
 namespace facetloc {
 namespace {
 
+using test::contentOf;
+using test::TemporaryFolder;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -81,7 +83,7 @@ TEST(Evaluation, JudgesEachFrame) {
   const FrameEvaluation& second = evaluation.frames[1];
   EXPECT_NEAR(second.first_correct_error.translation, 0.05, 1e-12);
   EXPECT_NEAR(second.first_correct_error.rotation_deg, 1.0, 1e-9);
-  EXPECT_NEAR(second.best_error.translation, 5, 1e-12);
+  EXPECT_NEAR(second.best_error->translation, 5, 1e-12);
   EXPECT_DOUBLE_EQ(second.probability, 0.6);
   EXPECT_THAT(evaluation.frames[3].reason, HasSubstr("leave free"));
   EXPECT_EQ(evaluation.frames[0].frame_class, FrameClass::map_image);
@@ -99,6 +101,48 @@ TEST(Evaluation, TheMapTellsWorldPosesThatTheResultsLack) {
   EXPECT_EQ(evaluate({row}, truth, {{"m", 7, pose(2)}}, {}).frames[0].first_correct, 1);
   EXPECT_EQ(evaluate({row}, truth, {}, {}).frames[0].first_correct, 0);
   EXPECT_EQ(evaluate({row}, truth, {}, {}).frames[0].frame_class, FrameClass::unknown);
+}
+
+TEST(Evaluation, AnImageOfTheMapIsOneThoughItsPoseThereIsNotQuiteTheTrueOne) {
+  const auto classOf = [](double off, const std::string& name, double stamp) {
+    return evaluate({hypothesis("1.0", 1, 0.9, pose(0))}, Trajectory({{1.0, pose(0)}}),
+                    {{name, stamp, pose(off)}}, {})
+        .frames[0]
+        .frame_class;
+  };
+  for (const double off : {0.0, 0.003, 0.15}) {
+    EXPECT_EQ(classOf(off, "1.0", 7), FrameClass::map_image);
+    EXPECT_EQ(classOf(off, "x", 1.0), FrameClass::map_image);
+    EXPECT_EQ(classOf(off, "x", 7), FrameClass::new_image);
+  }
+  EXPECT_EQ(classOf(3, "1.0", 1.0), FrameClass::new_image);  // of another run with the same stamps
+}
+
+TEST(Evaluation, AFirstAnswerThatIsNowhereInTheWorldIsNotJudged) {
+  ResultRow nowhere = hypothesis("1.0", 1, 0.9, pose(0));
+  nowhere.T_w_c.reset();
+  const std::vector<ResultRow> rows = {nowhere, hypothesis("1.0", 2, 0.05, pose(0.01)),
+                                       hypothesis("2.0", 1, 0.8, pose(0))};
+  const Evaluation evaluation = evaluate(rows, Trajectory({{1, pose(0)}, {2, pose(0)}}), {}, {});
+  EXPECT_FALSE(evaluation.frames[0].best_error);
+  EXPECT_EQ(evaluation.frames[0].first_correct, 2);
+  const Summary summary = summarize("all", evaluation.frames);
+  EXPECT_EQ(summary.threshold, 0);
+  EXPECT_EQ(summary.confident, 0u);
+  EXPECT_NEAR(summary.brier, 0.04, 1e-12);
+  TemporaryFolder folder;
+  const EvaluationReport report{"r", "t", {}, evaluation, {summary}, {}};
+  writeReport(folder / "", report);
+  EXPECT_THAT(contentOf(folder / "frames.csv"), HasSubstr(",0.9,,,,,"));
+  EXPECT_THAT(contentOf(folder / "evaluation.txt"), HasSubstr("in a local model without a pose: 1 image;"));
+}
+
+TEST(Evaluation, ErrorsOfNothingAreNoNumbers) {
+  const Evaluation evaluation =
+      evaluate({hypothesis("1.0", 1, 0.9, pose(5))}, Trajectory({{1, pose(0)}}), {}, {});
+  TemporaryFolder folder;
+  writeReport(folder / "", {"r", "t", {}, evaluation, {summarize("all", evaluation.frames)}, {}});
+  EXPECT_THAT(contentOf(folder / "tables.csv"), HasSubstr("II,Translation error [mm],Avg.,36.83,\n"));
 }
 
 TEST(Evaluation, FramesWithoutNumbersAreStampedByIndexIfTheTruthIs) {
@@ -215,6 +259,8 @@ TEST(Evaluation, RunsAreReadFromOneFolderOrSeveral) {
   const std::vector<RunResults> alone = readRuns(folder / "query");
   ASSERT_EQ(alone.size(), 1u);
   EXPECT_EQ(alone[0].name, "");
+  EXPECT_EQ(alone[0].folder, "query");  // whose truth is meant
+  EXPECT_EQ(readRuns(folder / "query/")[0].folder, "query");
   EXPECT_TRUE(alone[0].timing.empty());
   EXPECT_THROW(readRuns(folder / "evaluation"), IoError);
 }
@@ -285,6 +331,7 @@ TEST(Summary, OnlyFullBinsDeviate) {
     FrameEvaluation f;
     f.hypotheses = 1;
     f.probability = probability;
+    f.best_error = PoseError();
     f.first_correct = first_correct;
     frames.insert(frames.end(), n, f);
   };

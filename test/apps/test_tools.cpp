@@ -499,6 +499,48 @@ TEST_F(Tools, AMountingOfAnotherHeightIsNotThatOfTheMap) {
   EXPECT_THAT(pair.err, HasSubstr("mounted differently"));
 }
 
+TEST_F(Tools, WhatIsNoMapIsNotReplacedByOne) {
+  const std::string truth = folder_ / "truth.txt";
+  fs::copy_file(query() + "/groundtruth.txt", truth);
+  const std::string before = contentOf(truth);
+  EXPECT_EQ(runMap({"build", query(), "-o", truth, "--overwrite"}).code, kFailed);
+  EXPECT_EQ(contentOf(truth), before);
+}
+
+TEST_F(Tools, ALinkToAMapStaysOne) {
+  const std::string map_file = folder_ / "kept/m.flmap", link = folder_ / "link.flmap";
+  fs::create_directories(folder_ / "kept");
+  ASSERT_EQ(runMap({"build", query(), "-o", map_file, "--every", "6"}).code, kOk);
+  fs::create_symlink(map_file, link);
+  ASSERT_EQ(runMap({"build", query(), "-o", link, "--every", "3", "--overwrite"}).code, kOk);
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(readMap(map_file).models.size(), 4u);
+}
+
+TEST_F(Tools, TrueLabelsAreNotReplacedByFoundOnes) {
+  const std::string input = folder_ / "input";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  const ToolRun run = runTool<SegmentApp>({input, "-o", input + "/labels", "--labels"});
+  EXPECT_EQ(run.code, kUsage);
+  EXPECT_THAT(run.err, HasSubstr("use another output folder"));
+}
+
+TEST_F(Tools, AListOfImagesIsNotTakenForAJournal) {
+  const std::string folder = folder_ / "out", list = folder + "/partial.txt";
+  fs::create_directories(folder);
+  fs::copy_file(query() + "/camera.ini", folder + "/camera.ini");
+  std::ofstream(list) << firstImage() << "\n";
+  EXPECT_EQ(runTool<LocalizeApp>({map(), list, "-o", folder}).code, kUsage);
+  EXPECT_TRUE(fs::exists(list));
+}
+
+TEST_F(Tools, ParametersMayContainANumberSign) {
+  const std::string out = folder_ / "run#3", file = folder_ / "p.ini";
+  std::ofstream(file) << "output = " << out << " # where the results go\n#a comment\n";
+  ASSERT_EQ(runTool<SegmentApp>({firstImage(), "--params", file}).code, kOk);
+  EXPECT_TRUE(fs::exists(out));
+}
+
 TEST_F(Tools, MapMergeAndExport) {
   const std::string twin = folder_ / "twin.flmap", merged = folder_ / "merged.flmap";
   fs::copy_file(map(), twin);
@@ -512,7 +554,19 @@ TEST_F(Tools, MapMergeAndExport) {
   EXPECT_EQ(runMap({"merge", map(), "-o", merged}).code, kFailed);  // exists
   EXPECT_EQ(runMap({"merge", map(), map(), "-o", folder_ / "x.flmap"}).code, kFailed);
 
+  const std::string alike = folder_ / "other/map.flmap";
+  fs::create_directories(folder_ / "other");
+  ASSERT_EQ(runMap({"build", query(), "-o", alike, "--every", "6"}).code, kOk);
+  ASSERT_EQ(runMap({"merge", map(), alike, "-o", folder_ / "both.flmap"}).code, kOk);
+  const Map of_both = readMap(folder_ / "both.flmap");
+  EXPECT_NE(of_both.meta.at("map.source"), of_both.meta.at("map_2.source"));
+
   ASSERT_EQ(runMap({"export", map(), "-o", folder_ / "export"}).code, kOk);
+  const auto exported = [this] { return filesOf(folder_ / "export/models").size(); };
+  const std::size_t models = exported();
+  ASSERT_EQ(runMap({"export", alike, "-o", folder_ / "export"}).code, kOk);
+  EXPECT_EQ(exported(), 2u);
+  EXPECT_GT(models, 2u);
   EXPECT_TRUE(fs::exists(folder_ / "export/graph.g2o"));
 }
 

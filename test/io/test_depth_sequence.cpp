@@ -142,6 +142,30 @@ TEST_F(Sequence, CameraAndTruthAreFoundInTheParentToo) {
   }
 }
 
+TEST_F(Sequence, CameraAndTruthAreFoundBesideALink) {
+  putPng("elsewhere/1.0.png");
+  fs::create_directories(folder_ / "walk");
+  fs::create_directory_symlink(folder_ / "elsewhere", folder_ / "walk/depth");
+  putCamera("walk/camera.ini");
+  putBytes(folder_ / "walk/groundtruth.txt", "1 1 2 3 0 0 0 1\n");
+  const DepthSequence sequence = DepthSequence::open(folder_ / "walk");
+  EXPECT_EQ(sequence.camera()->intrinsics, kCamera);
+  EXPECT_FALSE(sequence.groundTruth().empty());
+  EXPECT_EQ(DepthSequence::open(folder_ / "walk/depth").camera()->intrinsics, kCamera);
+  // And where the link leads to.
+  fs::rename(folder_ / "walk/camera.ini", folder_ / "camera.ini");
+  EXPECT_EQ(DepthSequence::open(folder_ / "walk").camera()->intrinsics, kCamera);
+}
+
+TEST_F(Sequence, ALinkThatLeadsNowhereFailsWhenItIsRead) {
+  putPng("1.0.png");
+  putCamera();
+  fs::create_symlink(folder_ / "gone.png", folder_ / "2.0.png");
+  const DepthSequence sequence = DepthSequence::open(folder_ / "");
+  EXPECT_THAT(namesOf(sequence), ElementsAre("1.0", "2.0"));
+  EXPECT_THROW(sequence.load(1), IoError);
+}
+
 TEST_F(Sequence, ListsAreRelativeToThemselvesAndKeepTheirOrder) {
   putPng("a/z.png");
   putPcd("b/y.pcd");

@@ -89,8 +89,8 @@ struct FrameEvaluation {
   int hypotheses = 0;
   int first_correct = 0;  ///< rank of the first correct hypothesis; 0 = none is
   PoseError first_correct_error;
-  double probability = 0;   ///< of rank 1
-  PoseError best_error;     ///< of rank 1
+  double probability = 0;               ///< of rank 1
+  std::optional<PoseError> best_error;  ///< of rank 1; none if nobody knows where in the world that is
   int closest = 0;          ///< rank of the hypothesis with the least error; 0 = there is none with a pose
   PoseError closest_error;  ///< in units of what counts as correct
   std::optional<NearestModel> nearest;
@@ -108,6 +108,7 @@ struct RunResults {
   std::string name;  ///< may be empty
   std::vector<ResultRow> rows;
   std::vector<TimingRow> timing;  ///< may be empty
+  std::string folder{};           ///< named after the run whose truth is meant; may be empty
 };
 /** \brief Reads a results folder, or a folder of results folders, one per run; these are named by their
  * folders and in the order of their names. Throws IoError. */

@@ -81,7 +81,7 @@ public:
   /** \brief Poses alone. */
   explicit PlaceTruth(Trajectory poses) : poses_(std::move(poses)) {}
   /** \brief A trajectory in the TUM format, the folder of a sequence, or that of a simulated place, which has
-   * sequences map and query. Throws IoError. */
+   * sequences map, query and drive. Throws IoError. */
   static PlaceTruth open(const std::filesystem::path& path);
   /** \brief What is true of one run: of the sequence in the folder of this name, or of all if there is none.
    * Throws IoError if their stamps overlap then: a frame could be of either. */

@@ -12,6 +12,8 @@
 
 namespace facetloc {
 
+constexpr const char* kPartial = "partial.txt";  ///< the journal of the first rank
+
 /** \brief The finished frames of a run that is not over: RESULTS/partial.txt, one line per frame, flushed
  * each time. Other ranks than the first have a file of their own, such as partial.2.txt, so that nothing is
  * lost with any of them.
