@@ -266,7 +266,8 @@ ConvexHull hullInPlane(const Pixels& pixels, const Intrinsics& camera, const Seg
     const double along = s.normal().dot(b);
     if (along < 1e-3) continue;  // the fitted plane runs along this ray: no point to speak of
     const Eigen::Vector3d p = s.R.transpose() * (b * (rho / along) - s.t);
-    hull.vertex[hull.size++] = p.head<2>().cast<float>();
+    const Eigen::Vector2f vertex = p.head<2>().cast<float>();
+    if (vertex.cwiseAbs().maxCoeff() < ConvexHull::kLargest) hull.vertex[hull.size++] = vertex;
   }
   if (hull.area() < 0) std::reverse(hull.vertex.begin(), hull.vertex.begin() + hull.size);
   return hull;
@@ -357,11 +358,11 @@ bool SegmentEstimation::Buffers::makeSegment(Region& r, const Intrinsics& camera
   r.bb = rayMoments(r.plane, camera);
   s.Sigma_q = params.faithful ? faithfulCovariance(n, s.t, s.lambda, camera, params.faithful_factor, noise)
                               : robustCovariance(r, s, rho, camera, noise, params);
-  if (s.Sigma_q.llt().info() != Eigen::Success) return false;
+  if (!s.Sigma_q.allFinite() || s.Sigma_q.llt().info() != Eigen::Success) return false;
   pixelHull(r.row_extremes, camera.height, points, hull);
   simplify(hull, ConvexHull::kMaxVertices);
   s.hull = hullInPlane(hull, camera, s, rho);
-  return s.hull.size >= 3;
+  return s.hull.size >= 3 && s.hull.area() > 0;
 }
 
 Eigen::Matrix3d faithfulCovariance(const Eigen::Vector3d& normal, const Eigen::Vector3d& centroid,

@@ -20,10 +20,10 @@ bool finite(const float* values, int n) {
 
 // A contour is empty, or a counter-clockwise polygon of a size that a depth camera can see.
 bool wellFormed(const ConvexHull& hull) {
-  constexpr float kLargest = 1e3f;  // [m]
   if (hull.size == 0) return true;
-  const bool bounded = std::all_of(
-      hull.begin(), hull.end(), [](const Eigen::Vector2f& v) { return v.cwiseAbs().maxCoeff() < kLargest; });
+  const bool bounded = std::all_of(hull.begin(), hull.end(), [](const Eigen::Vector2f& v) {
+    return v.cwiseAbs().maxCoeff() < ConvexHull::kLargest;
+  });
   return hull.size >= 3 && bounded && hull.area() > 0;
 }
 
@@ -80,6 +80,13 @@ SegmentFrame transformed(const SegmentFrame& frame, const Eigen::Isometry3d& T) 
   SegmentFrame out = frame;
   out.getVector3fMap() = (T * frame.getVector3fMap().cast<double>()).cast<float>();
   setOrientation(out, Eigen::Quaterniond(T.linear()) * frame.rotation().cast<double>());
+  return out;
+}
+
+pcl::PointCloud<SegmentFrame> transformed(const pcl::PointCloud<SegmentFrame>& frames,
+                                          const Eigen::Isometry3d& T) {
+  pcl::PointCloud<SegmentFrame> out = frames;
+  for (SegmentFrame& frame : out) frame = transformed(frame, T);
   return out;
 }
 

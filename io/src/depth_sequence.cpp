@@ -295,13 +295,15 @@ DepthImage readDepthPcd(const std::filesystem::path& path, const std::optional<I
   const auto cloud = readOrganizedPoints(path);
   if (camera) {
     requireSize(path, static_cast<int>(cloud.width), static_cast<int>(cloud.height), *camera);
+    if (!isImageOf(cloud, *camera, kCalibrationError * camera->width))
+      throw IoError(path.string(), "its points are not where the camera of the camera.ini sees them");
     return depthImage(cloud, *camera);
   }
   const auto recovered = recoverIntrinsics(cloud);
   if (!recovered)
     throw IoError(path.string(),
-                  "has too few points, or none of a pinhole camera, to recover the intrinsics from; "
-                  "a camera.ini would tell them");
+                  "has too few points to recover the intrinsics from, which a camera.ini would tell, or none "
+                  "of a pinhole camera at the origin");
   return depthImage(cloud, *recovered);
 }
 

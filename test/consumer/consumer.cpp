@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// An outside project: the PCL classes through their base pointers, with a built-in and a custom point type.
+// An outside project: the PCL classes through their base pointers, with a built-in and a custom point type,
+// and the grabber with the virtual camera of the package.
+#include <facetloc/io/openni_grabber.h>
 #include <facetloc/io/simulated_camera.h>
 #include <facetloc/registration/ekf_registration.h>
 #include <facetloc/registration/planar_registration.h>
 #include <facetloc/segmentation/planar_segmentation.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
+#include <functional>
+#include <future>
 #include <limits>
+#include <utility>
 
 struct EIGEN_ALIGN16 RadarPoint {
   PCL_ADD_POINT4D;
@@ -48,6 +55,23 @@ std::size_t segments(const typename pcl::PointCloud<PointT>::Ptr& cloud) {
   return found.size();
 }
 
+// A frame of the virtual camera, whose driver comes with the package.
+int columnsOfTheVirtualCamera() {
+  std::ofstream("room.scene") << "scene = room\nframes = 3\nwidth = 320\n";
+  facetloc::OpenNIGrabber grabber("room.scene");
+  std::promise<int> columns;
+  bool seen = false;
+  grabber.registerCallback(std::function<void(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr&)>(
+      [&](const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud) {
+        if (!std::exchange(seen, true)) columns.set_value(static_cast<int>(cloud->width));
+      }));
+  grabber.start();
+  auto found = columns.get_future();
+  const bool in_time = found.wait_for(std::chrono::seconds(60)) == std::future_status::ready;
+  grabber.stop();
+  return in_time ? found.get() : 0;
+}
+
 }  // namespace
 
 int main() {
@@ -65,7 +89,9 @@ int main() {
   const double turn = facetloc::rotationAngle(R);
   std::printf("segments: %zu built-in, %zu custom; converged %d, turned by %.3f rad of 0.200\n", built_in,
               custom, registration->hasConverged(), turn);
-  const bool good =
-      built_in > 2 && custom == built_in && registration->hasConverged() && std::abs(turn - 0.2) < 0.02;
+  const int columns = columnsOfTheVirtualCamera();
+  std::printf("virtual camera: %d columns\n", columns);
+  const bool good = columns == 320 && built_in > 2 && custom == built_in && registration->hasConverged() &&
+                    std::abs(turn - 0.2) < 0.02;
   return good ? 0 : 1;
 }

@@ -63,6 +63,18 @@ TEST(SegmentFrame, TransformedAgreesWithTheTransformedSegment) {
   }
 }
 
+TEST(SegmentFrame, CloudsAreTransformedFrameByFrame) {
+  Rng rng(4);
+  pcl::PointCloud<SegmentFrame> frames = toCloud(randomSegments(5));
+  frames.header.frame_id = "here";
+  const Eigen::Isometry3d T = test::randomPose(rng, 3, 3);
+  const pcl::PointCloud<SegmentFrame> moved = transformed(frames, T);
+  ASSERT_EQ(moved.size(), frames.size());
+  EXPECT_EQ(moved.header.frame_id, "here");
+  for (std::size_t i = 0; i < moved.size(); ++i)
+    EXPECT_EQ(moved[i].normal(), transformed(frames[i], T).normal());
+}
+
 class SegmentFramePcd : public testing::TestWithParam<bool> {};
 
 TEST_P(SegmentFramePcd, RoundTripIsExactToTheByte) {

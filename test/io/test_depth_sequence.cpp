@@ -295,6 +295,16 @@ TEST_F(Sequence, ACameraFileBesidePcdsIsBelieved) {
   EXPECT_EQ(DepthSequence::open(folder_.path()).load(0).camera, kCamera);
 }
 
+TEST_F(Sequence, ACameraFileThatIsNotOfThePcdsIsRefused) {
+  pcl::PointCloud<pcl::PointXYZ> moved = cloud<pcl::PointXYZ>();
+  for (auto& p : moved) p.x += 0.5f;
+  pcl::io::savePCDFileBinary((folder_ / "1.pcd").string(), moved);
+  putCamera();
+  const DepthSequence sequence = DepthSequence::open(folder_.path());
+  EXPECT_THAT(ioErrorOf([&] { sequence.load(0); }),
+              HasSubstr("not where the camera of the camera.ini sees them"));
+}
+
 // ---- PCD files that lie
 // --------------------------------------------------------------------------------------------
 
@@ -302,7 +312,7 @@ TEST_F(Sequence, ACameraFileBesidePcdsIsBelieved) {
 std::string asciiPcd(const std::string& x_type = "F") {
   return "VERSION 0.7\nFIELDS x y z\nSIZE 8 8 8\nTYPE " + x_type +
          " F F\nCOUNT 1 1 1\nWIDTH 3\nHEIGHT 2\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 6\nDATA ascii\n"
-         "0 0 2\n1 0 2\n2 0 2\n0 1 2\n1 1 nan\n2 1 2.5\n";
+         "0 0 2\n1 0 2\n2 0 2\n0 1 2\n1 1 nan\n2.5 1.25 2.5\n";
 }
 
 std::string replaced(std::string s, const std::string& what, const std::string& by) {
@@ -313,13 +323,13 @@ class Pcd : public Sequence {
 protected:
   std::string errorOf(const std::string& bytes) const {
     putBytes(folder_ / "a.pcd", bytes);
-    return ioErrorOf([this] { readDepthPcd(folder_ / "a.pcd", Intrinsics{3, 2, 1, 1, 1, 1}); });
+    return ioErrorOf([this] { readDepthPcd(folder_ / "a.pcd", Intrinsics{3, 2, 2, 2, 0, 0}); });
   }
 };
 
 TEST_F(Pcd, DoublesAreRead) {
   putBytes(folder_ / "a.pcd", asciiPcd());
-  const DepthImage read = readDepthPcd(folder_ / "a.pcd", Intrinsics{3, 2, 1, 1, 1, 1});
+  const DepthImage read = readDepthPcd(folder_ / "a.pcd", Intrinsics{3, 2, 2, 2, 0, 0});
   EXPECT_THAT(read.depth, ElementsAre(2, 2, 2, 2, 0, 2.5f));
 }
 
@@ -328,7 +338,7 @@ TEST_F(Pcd, FaultsAreToldWithTheFile) {
   EXPECT_THAT(errorOf(""), AllOf(HasSubstr("a.pcd"), HasSubstr("empty")));
   EXPECT_THAT(errorOf("a text\n"), HasSubstr("not a PCD"));
   EXPECT_THAT(errorOf(asciiPcd().substr(0, 60)), HasSubstr("not a PCD"));
-  EXPECT_THAT(errorOf(asciiPcd().substr(0, asciiPcd().size() - 8)), HasSubstr("truncated"));
+  EXPECT_THAT(errorOf(asciiPcd().substr(0, asciiPcd().size() - 13)), HasSubstr("truncated"));
   EXPECT_THAT(errorOf(asciiPcd("I")), HasSubstr("field x"));
   EXPECT_THAT(errorOf(replaced(asciiPcd(), "x y z", "a b c")), HasSubstr("no field x"));
   EXPECT_THAT(errorOf(replaced(asciiPcd(), "WIDTH 3\nHEIGHT 2", "WIDTH 6\nHEIGHT 1")),

@@ -20,6 +20,14 @@ namespace facetloc {
 template <typename PointT>
 std::optional<Intrinsics> recoverIntrinsics(const pcl::PointCloud<PointT>& cloud);
 
+/** \brief True if the camera sees most points of an organized cloud where they are in it, to some pixels; of
+ * a cloud without any, too. */
+template <typename PointT>
+bool isImageOf(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera, double tolerance);
+/** \brief Share of the width by which a better calibration moves the pixels of a cloud at most; one that was
+ * transformed is off by more. */
+constexpr double kCalibrationError = 0.02;
+
 /** \brief True for a cloud of several rows and columns with one point for each. */
 template <typename PointT>
 bool isOrganized(const pcl::PointCloud<PointT>& cloud) {
@@ -37,7 +45,8 @@ bool areIndicesOf(const pcl::PointCloud<PointT>& cloud, const pcl::Indices& indi
  *
  * \param cloud, indices may be null
  * \param why_not receives a sentence if the result is empty: there is no organized cloud, the indices do not
- * fit it, or the camera is impossible, of another size or not to be had from the points */
+ * fit it, or the camera is impossible, of another size, not to be had from the points, or does not see them
+ * where they are */
 template <typename PointT>
 std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,
                                         const std::optional<Intrinsics>& given, std::string& why_not);

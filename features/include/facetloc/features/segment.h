@@ -10,6 +10,7 @@ namespace facetloc {
 
 /** \brief Convex polygon in the plane of a segment, counter-clockwise about +z of S_F [m]. */
 struct ConvexHull {
+  static constexpr float kLargest = 1e3f;  ///< coordinate of a vertex [m]
   static constexpr int kMaxVertices = 24;
   std::array<Eigen::Vector2f, kMaxVertices> vertex;
   int size = 0;

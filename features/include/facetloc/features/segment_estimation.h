@@ -13,10 +13,10 @@ namespace facetloc {
 /** \brief Which regions of a labelled depth image become segments, and how uncertain they are (METHOD 3.3,
  * 4). */
 struct SegmentEstimationParams {
-  double min_support = 150;       ///< [px at 320x240], scaled with the image area
-  double max_depth = 7.5;         ///< nearest end of the segment's ellipse [m]
-  double min_width = 0.03;        ///< smallest sqrt(lambda_2) [m], unless it is wide compared with the noise
-  double min_width_px = 2.0;      ///< smallest sqrt(lambda_2) seen from the camera [px at the working size]
+  double min_support = 150;   ///< [px at 320x240], scaled with the image area
+  double max_depth = 7.5;     ///< nearest end of the segment's ellipse [m]
+  double min_width = 0.03;    ///< smallest sqrt(lambda_2) [m], unless it is wide compared with the noise
+  double min_width_px = 2.0;  ///< smallest sqrt(lambda_2), as if it faced the camera [px at the working size]
   double min_incidence = 0.1;     ///< smallest |cosine| between normal and ray at the centroid
   double trim = 3.0;              ///< residual beyond which a pixel leaves the fit [noise std]
   bool faithful = false;          ///< the paper's eqs. (4)-(5) instead of METHOD_MEASURED 4.3
@@ -33,7 +33,8 @@ struct SegmentEstimationParams {
     field("min_width", p.min_width, 0.0, 10.0,
           "Smallest standard deviation of the support along its minor axis [m]; less if that is five times "
           "the depth noise.");
-    field("min_width_px", p.min_width_px, 0.0, 100.0, "The same seen from the camera [px].");
+    field("min_width_px", p.min_width_px, 0.0, 100.0,
+          "The same in pixels of the image, as if the segment faced the camera [px].");
     field("min_incidence", p.min_incidence, 0.0, 1.0,
           "Smallest cosine between normal and viewing ray at the centroid.");
     field("trim", p.trim, 1.0, 100.0,

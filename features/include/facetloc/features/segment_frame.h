@@ -46,6 +46,9 @@ pcl::PointCloud<SegmentFrame> toCloud(const std::vector<Segment>& segments);
 
 /** \brief The frame in other coordinates, T * F: orientation and origin move, q and hull live in S_F. */
 SegmentFrame transformed(const SegmentFrame& frame, const Eigen::Isometry3d& T);
+/** \brief The same of all; pcl::transformPointCloud() moves x, y and z only and leaves frames that lie. */
+pcl::PointCloud<SegmentFrame> transformed(const pcl::PointCloud<SegmentFrame>& frames,
+                                          const Eigen::Isometry3d& T);
 
 }  // namespace facetloc
 

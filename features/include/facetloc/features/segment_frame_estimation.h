@@ -7,8 +7,11 @@
 
 #include <pcl/pcl_base.h>
 
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace facetloc {
 
@@ -29,12 +32,16 @@ public:
   using ConstPtr = pcl::shared_ptr<const SegmentFrameEstimation<PointT>>;
   using PointCloudOut = pcl::PointCloud<SegmentFrame>;
 
-  /** \brief One label per point of the input cloud, row-major; 0 = none. */
+  /** \brief One label per point of the input cloud, row-major; 0 = none, and so is the largest number, which
+   * PCL's segmenters give to points without a region. At most 65535 different ones. */
   void setLabels(const pcl::PointCloud<pcl::Label>::ConstPtr& labels) { labels_ = labels; }
   /** \brief Intrinsics of the camera; without them they are recovered from the points. */
   void setIntrinsics(const std::optional<Intrinsics>& camera) { camera_ = camera; }
   void setParams(const SegmentEstimationParams& params) { params_ = checked(params); }
   const SegmentEstimationParams& getParams() const { return params_; }
+  /** \brief The noise of these very points. Images may be noisier than their camera's specification: a
+   * segmenter that estimates it tells, PlanarSegmentation by getSegmentation().noise. Too small a noise gives
+   * too small covariances. */
   void setSensorNoise(const SensorNoise& noise) { noise_ = noise; }
   const SensorNoise& getSensorNoise() const { return noise_; }
 
@@ -42,11 +49,15 @@ public:
   void compute(PointCloudOut& output);
 
   /** \brief The label of each frame of the last compute(). */
-  const std::vector<int>& usedLabels() const { return used_labels_; }
+  const std::vector<std::uint32_t>& usedLabels() const { return used_labels_; }
   /** \brief Why the last output is empty; empty if all went well. */
   const std::string& getStatus() const { return status_; }
 
 private:
+  static bool isLabel(std::uint32_t label) {
+    return label != 0 && label != std::numeric_limits<std::uint32_t>::max();
+  }
+
   using pcl::PCLBase<PointT>::input_;
   using pcl::PCLBase<PointT>::indices_;
 
@@ -54,7 +65,7 @@ private:
   std::optional<Intrinsics> camera_;
   SegmentEstimationParams params_;
   SensorNoise noise_;
-  std::vector<int> used_labels_;
+  std::vector<std::uint32_t> used_labels_;
   std::string status_;
 };
 

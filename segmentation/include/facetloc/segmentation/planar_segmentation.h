@@ -17,8 +17,9 @@ namespace facetloc {
  *     std::vector<pcl::ModelCoefficients> planes;
  *     segmentation.segment(segments, planes);
  *
- * NaN and zero depth are the normal case. Normals point towards the cloud's sensor origin, as PCL users
- * expect. Indices restrict the points that are looked at. */
+ * NaN and zero depth are the normal case. Normals point towards the origin of the coordinates, where the
+ * camera must be; the cloud's sensor_origin_ says where that is in the world and does not matter. Indices
+ * restrict the points that are looked at to a part of the image; they are no sample. */
 template <typename PointT>
 class PlanarSegmentation : public pcl::Segmentation<PointT> {
 public:

@@ -47,20 +47,25 @@ std::optional<Intrinsics> recoverIntrinsics(const pcl::PointCloud<PointT>& cloud
   Intrinsics c{int(cloud.width), int(cloud.height), 0, 0, 0, 0};
   if (columns.n < kEnough || !columns.solve(c.fx, c.cx) || !rows.solve(c.fy, c.cy) || !c.valid()) return {};
 
-  // A cloud that is organized but no pinhole image is told from where its points are seen; on diagonals,
-  // which meet all columns and rows.
-  constexpr double kSamples = 10000;
-  const auto step = std::max(std::uint32_t{1}, static_cast<std::uint32_t>(columns.n / kSamples));
+  // A cloud that is organized but no pinhole image is told from where its points are seen.
+  if (!isImageOf(cloud, c, 1.0)) return {};
+  return c;
+}
+
+// Samples lie on diagonals, which meet all columns and rows.
+template <typename PointT>
+bool isImageOf(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera, double tolerance) {
+  constexpr std::size_t kSamples = 10000;
+  const auto step = std::max(std::uint32_t{1}, static_cast<std::uint32_t>(cloud.size() / kSamples));
   std::size_t in_place = 0, elsewhere = 0;
   for (std::uint32_t v = 0; v < cloud.height; ++v)
     for (std::uint32_t u = v % step; u < cloud.width; u += step) {
       const PointT& p = cloud[std::size_t(v) * cloud.width + u];
       if (!detail::inFront(p)) continue;
-      const Eigen::Vector2d pixel = c.project({p.x, p.y, p.z});
-      ++((pixel - Eigen::Vector2d(u, v)).norm() <= 1.0 ? in_place : elsewhere);
+      const Eigen::Vector2d pixel = camera.project({p.x, p.y, p.z});
+      ++((pixel - Eigen::Vector2d(u, v)).norm() <= tolerance ? in_place : elsewhere);
     }
-  if (in_place <= elsewhere) return {};
-  return c;
+  return in_place >= elsewhere;
 }
 
 template <typename PointT>
@@ -76,6 +81,8 @@ std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, co
   if (given && !given->valid()) return none("the camera that was set is impossible");
   if (given && (given->width != int(cloud->width) || given->height != int(cloud->height)))
     return none("the camera that was set has not the size of the cloud");
+  if (given && !isImageOf(*cloud, *given, kCalibrationError * given->width))
+    return none("the points are not where the camera that was set sees them");
   const std::optional<Intrinsics> camera = given ? given : recoverIntrinsics(*cloud);
   if (!camera) return none("the camera of the cloud is not known and not to be had from its points");
   return camera;

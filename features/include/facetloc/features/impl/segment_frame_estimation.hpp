@@ -5,6 +5,7 @@
 
 #include <pcl/impl/pcl_base.hpp>
 
+#include <algorithm>
 #include <limits>
 
 namespace facetloc {
@@ -21,14 +22,25 @@ void SegmentFrameEstimation<PointT>::compute(PointCloudOut& output) {
     status_ = "there must be one label per point of the input cloud";
     return;
   }
+  std::vector<std::uint32_t> given;  // in their order, which breaks ties
+  for (const auto i : *indices_)
+    if (isLabel((*labels_)[i].label)) given.push_back((*labels_)[i].label);
+  std::sort(given.begin(), given.end());
+  given.erase(std::unique(given.begin(), given.end()), given.end());
+  if (given.size() > std::numeric_limits<std::uint16_t>::max()) {
+    status_ = "there are more than 65535 labels";
+    return;
+  }
   LabelImage labels{camera->width, camera->height, std::vector<std::uint16_t>(input_->size(), 0)};
   for (const auto i : *indices_) {
-    const std::uint32_t label = (*labels_)[i].label;
-    if (label <= std::numeric_limits<std::uint16_t>::max())
-      labels.label[i] = static_cast<std::uint16_t>(label);
+    if (!isLabel((*labels_)[i].label)) continue;
+    const auto at = std::lower_bound(given.begin(), given.end(), (*labels_)[i].label);
+    labels.label[i] = static_cast<std::uint16_t>(at - given.begin() + 1);
   }
   this->deinitCompute();
-  output = toCloud(estimateSegments(depthImage(*input_, *camera), labels, noise_, params_, &used_labels_));
+  std::vector<int> used;
+  output = toCloud(estimateSegments(depthImage(*input_, *camera), labels, noise_, params_, &used));
+  for (const int label : used) used_labels_.push_back(given[static_cast<std::size_t>(label) - 1]);
   output.header = input_->header;
   output.sensor_origin_ = input_->sensor_origin_;
   output.sensor_orientation_ = input_->sensor_orientation_;
