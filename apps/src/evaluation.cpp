@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/evaluation.h>
+#include <facetloc/apps/map_apps.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/text.h>
@@ -14,7 +15,7 @@ namespace facetloc {
 namespace {
 
 constexpr double kSameStamp = 1e-6;     // [s]
-constexpr double kSamePosition = 1e-3;  // [m], at least
+constexpr double kSamePosition = 1e-3;  // [m]
 constexpr int kReliabilityBins = 10;
 constexpr const char* kTiming = "timing.csv";
 
@@ -66,16 +67,16 @@ public:
   }
 
   /** \param truth of the run */
-  FrameEvaluation judge(const std::string& run, const FrameRows& frame, const Eigen::Isometry3d& T_w_c,
+  FrameEvaluation judge(const RunResults& run, const FrameRows& frame, const Eigen::Isometry3d& T_w_c,
                         const PlaceTruth& truth) {
     FrameEvaluation e;
-    e.run = run;
+    e.run = run.name;
     e.name = frame.name;
     e.stamp = frame.stamp;
     e.T_w_c = T_w_c;
     e.unmapped = truth.unmapped(frame.name);
     judgeHypotheses(frame, T_w_c, e);
-    const std::vector<std::size_t> covering = locate(e);
+    const std::vector<std::size_t> covering = locate(run.images, e);
     judgePlanes(covering, truth, e);
     return e;
   }
@@ -119,7 +120,9 @@ private:
   }
 
   /** The nearest local model, in units of what counts as covered. Returns the covering ones. */
-  std::vector<std::size_t> locate(FrameEvaluation& e) const {
+  std::vector<std::size_t> locate(const ImageSizes& images, FrameEvaluation& e) const {
+    const auto found = images.find(e.name);
+    const std::uintmax_t size = found == images.end() ? 0 : found->second;
     std::vector<std::size_t> covering;
     if (!models_.empty()) e.frame_class = FrameClass::new_image;
     double least = 0;
@@ -129,9 +132,8 @@ private:
                               angleDeg(model.T_w_m, e.T_w_c)};
       const bool same =
           (!model.name.empty() && model.name == e.name) || std::abs(model.stamp - e.stamp) < kSameStamp;
-      // Runs may share names and stamps; the poses that a map is made of may differ from the true ones.
-      if (same && near.distance < std::max(kSamePosition, params_.max_translation))
-        e.frame_class = FrameClass::map_image;
+      const bool same_file = size > 0 && size == model.image_size && model.name == e.name;
+      if (same && (same_file || near.distance < kSamePosition)) e.frame_class = FrameClass::map_image;
       if (near.distance <= params_.covered_distance && near.angle_deg <= params_.covered_rotation_deg)
         covering.push_back(i);
       const double cost =
@@ -253,9 +255,14 @@ const char* toString(FrameClass frame_class) {
 }
 
 std::vector<ModelPose> modelPosesOf(const Map& map) {
+  const auto images = map.meta.find(kImagesKey);
+  const ImageSizes sizes = images == map.meta.end() ? ImageSizes() : imageSizes(images->second);
   std::vector<ModelPose> poses;
-  for (const LocalModel& model : map.models)
-    if (model.T_w_m) poses.push_back({model.name, model.stamp, *model.T_w_m});
+  for (const LocalModel& model : map.models) {
+    const auto size = sizes.find(model.name);
+    if (model.T_w_m)
+      poses.push_back({model.name, model.stamp, *model.T_w_m, size == sizes.end() ? 0 : size->second});
+  }
   return poses;
 }
 
@@ -271,7 +278,8 @@ std::vector<RunResults> readRuns(const std::filesystem::path& folder) {
   std::vector<RunResults> runs;
   for (const fs::path& run : folders) {
     const std::string name = run.filename().string();
-    runs.push_back({single ? "" : name, readHypotheses(run), {}, name});
+    runs.push_back({single ? "" : name, readHypotheses(run), {}, name, {}});
+    if (auto provenance = Provenance::read(run)) runs.back().images = std::move(provenance->images);
     if (fs::exists(run / kTiming)) runs.back().timing = readTiming(run);
   }
   return runs;
@@ -285,7 +293,7 @@ Evaluation evaluate(const std::vector<RunResults>& runs, const PlaceTruth& truth
     const PlaceTruth of_run = truth.of(run.folder.empty() ? run.name : run.folder);
     for (const FrameRows& frame : groupByFrame(run.rows, of_run.poses())) {
       if (const auto pose = of_run.poses().nearest(frame.stamp, tolerance))
-        evaluation.frames.push_back(judge.judge(run.name, frame, *pose, of_run));
+        evaluation.frames.push_back(judge.judge(run, frame, *pose, of_run));
       else
         evaluation.without_truth.push_back(frame.name);
     }

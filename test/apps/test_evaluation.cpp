@@ -103,19 +103,17 @@ TEST(Evaluation, TheMapTellsWorldPosesThatTheResultsLack) {
   EXPECT_EQ(evaluate({row}, truth, {}, {}).frames[0].frame_class, FrameClass::unknown);
 }
 
-TEST(Evaluation, AnImageOfTheMapIsOneThoughItsPoseThereIsNotQuiteTheTrueOne) {
-  const auto classOf = [](double off, const std::string& name, double stamp) {
-    return evaluate({hypothesis("1.0", 1, 0.9, pose(0))}, Trajectory({{1.0, pose(0)}}),
-                    {{name, stamp, pose(off)}}, {})
-        .frames[0]
-        .frame_class;
+TEST(Evaluation, AnImageOfTheMapIsOneThoughItsPoseThereIsNotTheTrueOne) {
+  const auto classOf = [](double off, const std::string& name, double stamp, std::uintmax_t size) {
+    RunResults run{"", {hypothesis("1.0", 1, 0.9, pose(0))}, {}};
+    run.images = {{"1.0", 4711}};
+    const PlaceTruth truth(Trajectory({{1.0, pose(0)}}));
+    return evaluate({run}, truth, {{name, stamp, pose(off), size}}, {}).frames[0].frame_class;
   };
-  for (const double off : {0.0, 0.003, 0.15}) {
-    EXPECT_EQ(classOf(off, "1.0", 7), FrameClass::map_image);
-    EXPECT_EQ(classOf(off, "x", 1.0), FrameClass::map_image);
-    EXPECT_EQ(classOf(off, "x", 7), FrameClass::new_image);
-  }
-  EXPECT_EQ(classOf(3, "1.0", 1.0), FrameClass::new_image);  // of another run with the same stamps
+  EXPECT_EQ(classOf(0, "1.0", 1, 0), FrameClass::map_image);
+  EXPECT_EQ(classOf(0.3, "1.0", 1, 4711), FrameClass::map_image);
+  EXPECT_EQ(classOf(0.3, "1.0", 1, 4712), FrameClass::new_image);  // of another run with the same stamps
+  EXPECT_EQ(classOf(0.3, "x", 7, 4711), FrameClass::new_image);
 }
 
 TEST(Evaluation, AFirstAnswerThatIsNowhereInTheWorldIsNotJudged) {

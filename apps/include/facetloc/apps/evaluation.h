@@ -2,6 +2,7 @@
 #pragma once
 
 #include <facetloc/apps/frame_truth.h>
+#include <facetloc/apps/provenance.h>
 #include <facetloc/features/local_model.h>
 #include <facetloc/features/params.h>
 #include <facetloc/io/results.h>
@@ -9,6 +10,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -59,12 +61,14 @@ struct ModelPose {
   std::string name;  ///< may be empty
   double stamp = 0;  ///< [s]
   Eigen::Isometry3d T_w_m = Eigen::Isometry3d::Identity();
+  std::uintmax_t image_size = 0;  ///< of its image's file [bytes]; 0 if it is not known
 };
 /** \brief Of those local models of a map that have a pose. */
 std::vector<ModelPose> modelPosesOf(const Map& map);
 
-/** \brief A map image is itself one of the local models; the other images of the mapping run are no news
- * either, if there are further runs. */
+/** \brief A map image is itself one of the local models: of the same name or stamp, and at the same true pose
+ * or from a file of the same name and size, for the poses of a map need not be the true ones. The other
+ * images of the mapping run are no news either, if there are further runs. */
 enum class FrameClass { unknown, map_image, map_run, new_image };
 const char* toString(FrameClass frame_class);
 
@@ -109,6 +113,7 @@ struct RunResults {
   std::vector<ResultRow> rows;
   std::vector<TimingRow> timing;  ///< may be empty
   std::string folder{};           ///< named after the run whose truth is meant; may be empty
+  ImageSizes images{};            ///< that were localized; may be empty
 };
 /** \brief Reads a results folder, or a folder of results folders, one per run; these are named by their
  * folders and in the order of their names. Throws IoError. */

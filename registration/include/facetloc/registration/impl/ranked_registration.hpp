@@ -29,7 +29,7 @@ void RankedRegistration<PointT>::setInputSource(const PointCloudSourceConstPtr& 
     Base::setInputSource(cloud);
   else
     input_ = pcl::make_shared<PointCloudSource>();  // PCL would keep the old cloud and align that
-  checkIndices();
+  if (indices_fit_) checkIndices();                 // else they are wrong until others are set
 }
 
 template <typename PointT>
