@@ -3,7 +3,8 @@
 
 #include <Eigen/Core>
 
-#include <cstdio>
+#include <charconv>
+#include <cmath>
 #include <string>
 
 namespace facetloc {
@@ -13,9 +14,14 @@ inline std::string directionText(const Eigen::Vector3d& v) {
   int largest = 0;
   v.cwiseAbs().maxCoeff(&largest);
   const Eigen::Vector3d d = v[largest] < 0 ? Eigen::Vector3d(-v) : v;
-  char text[64];
-  std::snprintf(text, sizeof text, "(%.2f, %.2f, %.2f)", d.x() + 0.0, d.y() + 0.0, d.z() + 0.0);
-  return text;
+  std::string text;
+  for (int i = 0; i < 3; ++i) {
+    char number[16];
+    const double rounded = std::round(100 * d[i]) / 100 + 0.0;  // adding zero makes -0 positive
+    const auto end = std::to_chars(number, number + sizeof number, rounded, std::chars_format::fixed, 2).ptr;
+    text += (i == 0 ? "(" : ", ") + std::string(number, end);
+  }
+  return text + ")";
 }
 
 }  // namespace facetloc

@@ -13,6 +13,7 @@ if [ $# -ge 2 ]; then
   export FACETLOC_BENCHMARK_SEQUENCE=$2
 fi
 bin=$build/test/benchmark
+[ -x "$bin/benchmark_localization" ] || { echo "speed_table.sh: no benchmarks in $build" >&2; exit 1; }
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/registration/view_registration.h>
+#include <facetloc/testing/decimal_comma.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_views.h>
@@ -316,6 +317,13 @@ TEST(UnconstrainedDirections, OfARoomCornerAreNone) {
 }
 
 TEST(UnconstrainedDirections, OfACorridorIsTheTranslationAlongIt) {
+  EXPECT_EQ(
+      freeDirections({rectangle({0, 1, 3}, {0, 1, 0}, 1, 0.8), rectangle({1, 0, 3}, {1, 0, 0}, 1, 0.9)}),
+      "translation along (0.00, 0.00, 1.00)");
+}
+
+TEST(UnconstrainedDirections, DoNotDependOnTheLocale) {
+  const test::DecimalComma comma;
   EXPECT_EQ(
       freeDirections({rectangle({0, 1, 3}, {0, 1, 0}, 1, 0.8), rectangle({1, 0, 3}, {1, 0, 0}, 1, 0.9)}),
       "translation along (0.00, 0.00, 1.00)");
