@@ -84,9 +84,18 @@ TEST(EstimateNoise, DoesNotMindEdgesAndHoles) {
 
 TEST(EstimateNoise, OfTooFewPixelsIsUnknown) {
   EXPECT_EQ(estimateNoise({}), 0);
-  DepthImage image = wall();
-  std::fill(image.depth.begin() + 300, image.depth.end(), 0.f);
+  constexpr int kLookedAt = 2;  // of every four rows this one
+  const DepthImage whole = noisy(wall(), SensorNoise{}.inverse_depth_std, 1);
+  DepthImage image = whole;
+  const auto keep = [&](int pixels) {  // which make two triples of neighbours less
+    std::fill(image.depth.begin(), image.depth.end(), 0.f);
+    const auto row = static_cast<std::ptrdiff_t>(kLookedAt) * whole.camera.width;
+    std::copy_n(whole.depth.begin() + row, pixels, image.depth.begin() + row);
+  };
+  keep(101);
   EXPECT_EQ(estimateNoise(image), 0);
+  keep(102);
+  EXPECT_GT(estimateNoise(image), 0);
   std::fill(image.depth.begin(), image.depth.end(), std::numeric_limits<float>::quiet_NaN());
   EXPECT_EQ(estimateNoise(image), 0);
 }

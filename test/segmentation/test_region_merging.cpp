@@ -181,6 +181,39 @@ TEST(RegionMerging, PoorlyFilledTrianglesAndDiscontinuitiesBelongToNoRegion) {
   EXPECT_EQ(m.merging.regions().size(), 2u);
 }
 
+// Both are well filled: a triangle that may not be refined, across a step, and a plane that nearly meets the
+// camera.
+TEST(RegionMerging, StepsAndPlanesThroughTheCameraBelongToNoRegion) {
+  DisparityImage image = blankDisparity(64, 48);
+  for (int v = 0; v < 48; ++v)
+    for (int u = 0; u < 64; ++u) image.d[static_cast<std::size_t>(v) * 64 + u] = u < 32 ? 200.f : 600.f;
+  DepthTriangulationParams coarse;
+  coarse.min_split = 1e6;
+  DepthTriangulation split(coarse);
+  split.compute(image);
+  RegionMerging merging;
+  merging.compute(split, image);
+  int across = 0;
+  for (std::size_t t = 0; t < split.triangles().size(); ++t) {
+    if (!(split.triangles()[t].max_deviation > coarse.split_tolerance)) continue;
+    EXPECT_EQ(merging.regionOfTriangle()[t], -1);
+    ++across;
+  }
+  EXPECT_GT(across, 0);
+
+  RegionMergingParams params;
+  std::fill(image.d.begin(), image.d.end(), 200.f);
+  DepthTriangulation flat;
+  flat.compute(image);
+  for (const bool near : {false, true}) {
+    const double distance = 1 / (image.unit * 200);
+    params.min_plane_distance = near ? 1.01 * distance : 0.99 * distance;
+    RegionMerging of_wall(params);
+    of_wall.compute(flat, image);
+    EXPECT_EQ(of_wall.regions().size(), near ? 0u : 1u);
+  }
+}
+
 TEST(RegionMerging, OfNothingIsEmpty) {
   for (const DisparityImage& image :
        {DisparityImage{}, blankDisparity(10, 10), randomDisparity(1, 1, 1, 1)}) {
