@@ -7,6 +7,18 @@
 
 namespace facetloc {
 
+namespace {
+
+// Adjoint, order (omega, v): a motion in the axes of b as one in those of a.
+Matrix6d adjoint(const Eigen::Isometry3d& T_a_b) {
+  Matrix6d Ad = Matrix6d::Zero();
+  Ad.topLeftCorner<3, 3>() = Ad.bottomRightCorner<3, 3>() = T_a_b.linear();
+  Ad.bottomLeftCorner<3, 3>() = skew(T_a_b.translation()) * T_a_b.linear();
+  return Ad;
+}
+
+}  // namespace
+
 Eigen::Matrix3d floorCovariance(const PosePriorParams& p) {
   const double a = p.wheel_track, b = p.caster_distance;
   Eigen::Matrix3d C;  // Eq. (6.1) of METHOD
@@ -14,15 +26,7 @@ Eigen::Matrix3d floorCovariance(const PosePriorParams& p) {
   return p.floor_std * p.floor_std * C;
 }
 
-Matrix6d cameraMotion(const CameraMounting& mounting) {
-  const Eigen::Isometry3d T_b_c = mounting.T_b_c();
-  const Eigen::Matrix3d R_c_b = T_b_c.linear().transpose();
-  Matrix6d A = Matrix6d::Zero();
-  A.topLeftCorner<3, 3>() = R_c_b;
-  A.bottomLeftCorner<3, 3>() = -R_c_b * skew(T_b_c.translation());
-  A.bottomRightCorner<3, 3>() = R_c_b;
-  return A;
-}
+Matrix6d cameraMotion(const CameraMounting& mounting) { return adjoint(mounting.T_b_c().inverse()); }
 
 namespace {
 
@@ -33,14 +37,6 @@ Matrix6d motionOnFloor(const Eigen::Matrix3d& C) {
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) Sigma(kOfFloor[i], kOfFloor[j]) = C(i, j);
   return Sigma;
-}
-
-// Adjoint, order (omega, v): a motion in the axes of b as one in those of a.
-Matrix6d adjoint(const Eigen::Isometry3d& T_a_b) {
-  Matrix6d Ad = Matrix6d::Zero();
-  Ad.topLeftCorner<3, 3>() = Ad.bottomRightCorner<3, 3>() = T_a_b.linear();
-  Ad.bottomLeftCorner<3, 3>() = skew(T_a_b.translation()) * T_a_b.linear();
-  return Ad;
 }
 
 // The floor tilts the model's robot about its own place, which lifts or lowers a robot that stands away.
