@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/evaluation.h>
-#include <facetloc/apps/map_apps.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/text.h>

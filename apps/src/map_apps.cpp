@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/map_apps.h>
 #include <facetloc/apps/place_index_file.h>
+#include <facetloc/apps/provenance.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_export.h>

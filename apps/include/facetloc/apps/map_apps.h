@@ -12,9 +12,6 @@ namespace facetloc {
 
 class Batch;
 
-/** \brief Key of the sizes of the images that a map was built of (provenance.h), for --resume. */
-constexpr const char* kImagesKey = "images";
-
 /** \brief facetloc_map build: one run of depth images -> a map. */
 class MapBuildApp : public App {
 public:

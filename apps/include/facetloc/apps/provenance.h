@@ -16,6 +16,8 @@ namespace facetloc {
 
 /** \brief The sizes of image files [bytes], by their names: what tells them from others of the same names. */
 using ImageSizes = std::map<std::string, std::uintmax_t>;
+/** \brief The key in a map's meta of the sizes of the images that it was built of. */
+constexpr const char* kImagesKey = "images";
 /** \brief 0 if it is no regular file. */
 std::uintmax_t sizeOf(const FrameFile& image);
 ImageSizes imageSizes(const DepthSequence& sequence);
