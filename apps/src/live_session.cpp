@@ -77,8 +77,8 @@ void LiveSession::run() try {
       std::this_thread::sleep_for(kNap);
       continue;
     }
-    const auto arrived = mailbox_.take(kWakeUp);
-    if (arrived && millisecondsSince(arrived->arrival) <= kOldestFrame) process(*arrived);
+    const auto arrived = mailbox_.take(kWakeUp);  // the pause may have begun in here
+    if (arrived && !paused_ && millisecondsSince(arrived->arrival) <= kOldestFrame) process(*arrived);
     if (options_.max_frames > 0 && summary_.processed >= options_.max_frames) break;
     if (!arrived && mailbox_.closed() && !mailbox_.counts().waiting) break;
   }
