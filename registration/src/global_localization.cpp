@@ -7,12 +7,29 @@
 #include <algorithm>
 #include <exception>
 #include <iterator>
+#include <limits>
+#include <numeric>
 
 namespace facetloc {
 namespace {
 
 double probability(const Localization& answer) {
   return answer.hypotheses.empty() ? 0 : answer.hypotheses.front().probability;
+}
+
+/** Calls a function with 0 .. n - 1. What is thrown does not depend on the number of threads. */
+template <class Function>
+void forEach(int n, int threads, const Function& function) {
+  std::vector<std::exception_ptr> failure(static_cast<std::size_t>(n));
+  const int used = std::min(n, threads > 0 ? threads : omp_get_num_procs());
+#pragma omp parallel for schedule(dynamic) num_threads(used) if (used > 1)
+  for (int i = 0; i < n; ++i) try {
+      function(i);
+    } catch (...) {
+      failure[i] = std::current_exception();
+    }
+  for (const std::exception_ptr& f : failure)
+    if (f) std::rethrow_exception(f);
 }
 
 void append(std::vector<Hypothesis>&& some, std::vector<Hypothesis>& all) {
@@ -67,10 +84,41 @@ Localization GlobalLocalization::localize(const View& scene, const PoseWithCovar
 
 std::vector<Candidate> GlobalLocalization::candidates(const View& scene) const {
   std::vector<Candidate> models;
-  if (index_) models = index_->candidates(scene, params_.index.shortlist);
+  if (index_) models = shortlist(scene);
   std::sort(models.begin(), models.end(),  // as if the others had given no hypothesis
             [](const Candidate& a, const Candidate& b) { return a.model < b.model; });
   return models.empty() ? allModels() : models;
+}
+
+// Those of the models that the index aligns with which all planes and some pixels, next to the alignment,
+// agree best.
+std::vector<Candidate> GlobalLocalization::shortlist(const View& scene) const {
+  const PlaceIndexParams& index = params_.index;
+  std::vector<Candidate> aligned =
+      index_->candidates(scene, std::max(index.examined_models, index.shortlist));
+  const int n = static_cast<int>(aligned.size());
+  const auto samples = samplePoints(scene);
+  std::vector<double> score(aligned.size(), std::numeric_limits<double>::lowest());
+  forEach(n, threads_, [&](int i) {
+    if (!aligned[i].start) return;
+    const auto found =
+        registration_.alignFrom(startOf(aligned[i]), scene, samples, *map_->view(aligned[i].model));
+    if (found) score[i] = found->score;
+  });
+  std::vector<int> order(aligned.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&score](int a, int b) { return score[a] > score[b]; });
+  order.resize(static_cast<std::size_t>(std::min(n, index.shortlist)));
+  std::vector<Candidate> likeliest;
+  for (const int i : order) {
+    likeliest.push_back(aligned[i]);
+    likeliest.back().rank = static_cast<int>(likeliest.size()) - 1;
+  }
+  return likeliest;
+}
+
+PoseWithCovariance GlobalLocalization::startOf(const Candidate& c) const {
+  return {*c.start, posePrior(map_->mounting, start_, *c.start)};
 }
 
 std::vector<Candidate> GlobalLocalization::allModels() const {
@@ -84,26 +132,16 @@ std::vector<Hypothesis> GlobalLocalization::registerWith(const std::vector<Candi
                                                          const PoseWithCovariance& prior) const {
   const int n = static_cast<int>(candidates.size());
   if (n == 0 || !registration_.mayFixPose(scene)) return {};
-  // Each model's list is written by its index, so that the answer does not depend on the number of threads;
-  // nor does what is thrown where models cannot be read.
+  // Each model's list is written by its index, so that the answer does not depend on the number of threads.
   const auto samples = samplePoints(scene);
   std::vector<std::vector<Hypothesis>> of_model(n);
-  std::vector<std::exception_ptr> failure(n);
   // Only the joint refinement estimates a pose without where it was looked for.
   const bool from_starts = params_.registration.joint_refinement;
-  const int threads = std::min(n, threads_ > 0 ? threads_ : omp_get_num_procs());
-#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
-  for (int i = 0; i < n; ++i) try {
-      const Candidate& c = candidates[i];
-      const PoseWithCovariance start =
-          c.start && from_starts ? PoseWithCovariance{*c.start, posePrior(map_->mounting, start_, *c.start)}
-                                 : prior;
-      of_model[i] = registration_.align(scene, samples, *map_->view(c.model), prior, start);
-    } catch (...) {
-      failure[i] = std::current_exception();
-    }
-  for (const std::exception_ptr& f : failure)
-    if (f) std::rethrow_exception(f);
+  forEach(n, threads_, [&](int i) {
+    const Candidate& c = candidates[i];
+    of_model[i] = registration_.align(scene, samples, *map_->view(c.model), prior,
+                                      c.start && from_starts ? startOf(c) : prior);
+  });
 
   std::vector<Hypothesis> hypotheses;
   for (int i = 0; i < n; ++i)

@@ -67,21 +67,36 @@ ViewRegistration::align(const View& scene, const std::vector<std::vector<Eigen::
       completeByDepth(scene, model, prior, poses->incomplete, hypotheses);
   }
 
-  for (Hypothesis& h : hypotheses) {
-    h.consensus =
-        params_.consensus.surface_score
-            ? surfaceMatchingScore(scene.segments, model.segments, h.T_m_c, params_.matching)
-            : logLikelihoodRatio(scene, scene_samples, model, h.T_m_c, comparison_, params_.consensus);
-    h.score = h.consensus;
-    if (params_.consensus.surface_score || params_.consensus.free_space_weight == 0) continue;
-    for (const auto& compared :
-         {comparison_.compare(scene.depth, model.depth, h.T_m_c.T, kFineColumns),
-          comparison_.compare(model.depth, scene.depth, h.T_m_c.T.inverse(), kFineColumns)})
-      h.free_space += freeSpaceTerm(compared, params_.consensus);
-    h.score += h.free_space;
-  }
+  for (Hypothesis& h : hypotheses) score(scene, scene_samples, model, kFineColumns, h);
   std::stable_sort(hypotheses.begin(), hypotheses.end(), byScore);
   return hypotheses;
+}
+
+std::optional<Hypothesis>
+ViewRegistration::alignFrom(const PoseWithCovariance& start, const View& scene,
+                            const std::vector<std::vector<Eigen::Vector3d>>& scene_samples,
+                            const View& model) const {
+  Hypothesis h;
+  h.T_m_c = start;
+  if (!refineJointly(scene.segments, model.segments, start, params_.matching, {}, h)) return std::nullopt;
+  score(scene, scene_samples, model, kCoarseColumns, h);
+  return h;
+}
+
+// By pixels on a grid of so many columns.
+void ViewRegistration::score(const View& scene,
+                             const std::vector<std::vector<Eigen::Vector3d>>& scene_samples,
+                             const View& model, int columns, Hypothesis& h) const {
+  h.consensus =
+      params_.consensus.surface_score
+          ? surfaceMatchingScore(scene.segments, model.segments, h.T_m_c, params_.matching)
+          : logLikelihoodRatio(scene, scene_samples, model, h.T_m_c, comparison_, params_.consensus);
+  h.score = h.consensus;
+  if (params_.consensus.surface_score || params_.consensus.free_space_weight == 0) return;
+  for (const auto& compared : {comparison_.compare(scene.depth, model.depth, h.T_m_c.T, columns),
+                               comparison_.compare(model.depth, scene.depth, h.T_m_c.T.inverse(), columns)})
+    h.free_space += freeSpaceTerm(compared, params_.consensus);
+  h.score += h.free_space;
 }
 
 void ViewRegistration::addComplete(const View& scene, const View& model, const PoseWithCovariance& prior,

@@ -156,6 +156,40 @@ TEST_F(PlaceIndexOfRooms, TheShortlistedAnswerIsThatOfAllModelsIfTheListHoldsThe
   EXPECT_GE(compared, 4);
 }
 
+TEST_F(PlaceIndexOfRooms, TheShortlistIsOfThoseWithWhosePlanesAndPixelsTheViewAgreesBest) {
+  constexpr int kExamined = 30, kListed = 6;
+  GlobalLocalizationParams params;
+  params.index = few();
+  params.index.exhaustive_up_to = 0;
+  params.index.examined_models = kExamined;
+  params.index.shortlist = kListed;
+  GlobalLocalization localization(map, params);
+  PosePriorParams about_start;
+  about_start.translation_std = params.index.start_translation;
+  about_start.rotation_std_deg = params.index.start_rotation_deg;
+  const PlaceIndex index(*map, params.index);
+  const ViewRegistration registration;
+  int moved = 0;
+  for (unsigned i = 0; i < 4; ++i) {
+    const View view = query(int(i), 0.7 * i, 800 + i);
+    std::vector<std::pair<double, int>> scores;  // lowest first
+    for (const Candidate& c : index.candidates(view, kExamined)) {
+      ASSERT_TRUE(c.start);
+      const auto h = registration.alignFrom({*c.start, posePrior(kMounting, about_start, *c.start)}, view,
+                                            samplePoints(view), map->models[c.model].view);
+      if (h) scores.emplace_back(-h->score, c.model);
+    }
+    std::sort(scores.begin(), scores.end());
+    ASSERT_GE(scores.size(), std::size_t{kListed});
+    std::vector<int> by_rank(kListed, -1);
+    for (const Candidate& c : localization.candidates(view)) by_rank.at(c.rank) = c.model;
+    for (int k = 0; k < kListed; ++k) EXPECT_EQ(by_rank[k], scores[k].second) << i << " " << k;
+    moved += by_rank != index.shortlist(view, kListed);
+    localization.setNumberOfThreads(3);  // to no effect
+  }
+  EXPECT_GT(moved, 0) << "alignments alone tell as much";
+}
+
 TEST_F(PlaceIndexOfRooms, HopelessModelsAreLeftOut) {
   const View view = query(1, 0.7, 701);
   const auto listed = [&](double gap) {
@@ -201,7 +235,8 @@ TEST_F(PlaceIndexOfRooms, WithoutJointRefinementAnAlignmentIsNoMeasurementEither
   GlobalLocalizationParams params;
   params.index.exhaustive_up_to = 0;
   params.registration.joint_refinement = false;
-  params.index.sure_probability = 0;
+  params.index.shortlist = 1000;  // of all models, in whatever order
+  params.index.shortlist_gap = 1e6;
   const View view = query(1, 0.4, 77);
   const Localization with_starts = GlobalLocalization(map, params).localize(view);
   params.index.start_translation = 0;

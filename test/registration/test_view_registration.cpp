@@ -64,6 +64,30 @@ TEST_F(TwoViewsOfARoom, HypothesesComeByScoreAndScoresAddUp) {
   }
 }
 
+TEST_F(TwoViewsOfARoom, NextToAStartThePoseIsThatOfTheSearch) {
+  const Vector6d std =
+      (Vector6d() << Eigen::Vector3d::Constant(3 * kDegree), Eigen::Vector3d::Constant(0.2)).finished();
+  const auto from = [&](const Vector6d& off) {
+    return ViewRegistration().alignFrom({perturbed(truth, off), std.cwiseAbs2().asDiagonal()}, scene,
+                                        samplePoints(scene), model);
+  };
+  const std::vector<Hypothesis> searched = align();
+  ASSERT_FALSE(searched.empty());
+  Rng rng(5);
+  for (int i = 0; i < 20; ++i) {
+    const auto h = from(0.5 * std.cwiseProduct(test::gaussian<6>(rng)));
+    ASSERT_TRUE(h);
+    EXPECT_THAT(h->T_m_c.T, PoseNear(truth, 0.03, 0.6)) << i;
+    EXPECT_THAT(h->T_m_c.T, PoseNear(searched[0].T_m_c.T, 0.02, 0.4)) << i;
+    EXPECT_NEAR(h->score, h->consensus + h->free_space, 1e-9);
+    EXPECT_NEAR(h->score, searched[0].score, 0.2 * searched[0].score) << "from fewer pixels";
+  }
+  // Somewhere else little agrees, and where the room is behind the camera nothing.
+  const auto elsewhere = from((Vector6d() << 0, 0.6, 0, 1, 0, 0).finished());
+  EXPECT_TRUE(!elsewhere || elsewhere->score < 0.5 * searched[0].score);
+  EXPECT_FALSE(from((Vector6d() << 0, 3, 0, 0, 0, -30).finished()));
+}
+
 TEST_F(TwoViewsOfARoom, FromAboutTheRightPoseTheAnswerIsTheSameAndLessIsTried) {
   const PoseWithCovariance prior = isotropicPrior();
   const std::vector<Hypothesis> everywhere = align();

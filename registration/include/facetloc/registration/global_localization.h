@@ -75,7 +75,9 @@ public:
   const PoseWithCovariance& prior() const { return prior_; }
 
 private:
+  std::vector<Candidate> shortlist(const View& scene) const;
   std::vector<Candidate> allModels() const;
+  PoseWithCovariance startOf(const Candidate& candidate) const;
 
   std::shared_ptr<const Map> map_;
   GlobalLocalizationParams params_;

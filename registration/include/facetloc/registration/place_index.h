@@ -13,10 +13,11 @@ namespace facetloc {
 
 /** \brief When the search of a map is cut short, and how. */
 struct PlaceIndexParams {
-  int shortlist = 40;              ///< most local models that a view is registered with; 0 = always all
-  double shortlist_gap = 1.2;      ///< score below the best at which a local model is hopeless
+  int shortlist = 20;              ///< most local models that a view is registered with; 0 = always all
+  int examined_models = 400;       ///< most aligned local models that are examined for it by all planes
+  double shortlist_gap = 1.0;      ///< score below the best at which a local model is hopeless
   int exhaustive_up_to = 5;        ///< local models of a map that is small
-  int aligned_models = 1000;       ///< local models that are aligned with a view
+  int aligned_models = 3000;       ///< local models that are aligned with a view
   int first_models = 10;           ///< likeliest ones that a view is registered with first
   double sure_probability = 0.95;  ///< of a place that they show, with which no others are asked
   double start_translation = 0.2;  ///< how well an alignment tells the position, standard deviation [m]
@@ -26,12 +27,16 @@ struct PlaceIndexParams {
   static void describe(Self& p, Visitor&& field) {
     field("shortlist", p.shortlist, 0, 100000000,
           "Largest number of local models that a view is registered with; 0 = always all.");
+    field(
+        "shortlist_examined", p.examined_models, 1, 100000000,
+        "Largest number of aligned local models that are examined by all planes, from which the shortlist is "
+        "chosen.");
     field("shortlist_gap", p.shortlist_gap, 0.0, 1e6,
-          "Local models whose quick alignment scores so much less than the best are not registered with.");
+          "Local models whose quick alignment scores so much less than the best are not examined.");
     field("exhaustive_up_to", p.exhaustive_up_to, 0, 100000000,
           "A map of so many local models is small: the view is registered with all of them.");
     field("shortlist_aligned", p.aligned_models, 1, 100000000,
-          "Number of local models, chosen by votes and outlook, from which the shortlist is chosen.");
+          "Number of local models, chosen by votes and outlook, that are aligned quickly.");
     field("first_models", p.first_models, 1, 100000000,
           "Number of likeliest local models of the shortlist that a view is registered with first.");
     field("sure_probability", p.sure_probability, 0.0, 1.0,

@@ -67,8 +67,15 @@ public:
   std::vector<Hypothesis> align(const View& scene, const View& model, const PoseWithCovariance& prior) const {
     return align(scene, samplePoints(scene), model, prior, prior);
   }
+  /** \brief The hypothesis next to a start, from all pairs that agree there, without a search; none if no
+   * pair does. Its score is that of align(), from fewer pixels. A tenth of the work of align(). */
+  std::optional<Hypothesis> alignFrom(const PoseWithCovariance& start, const View& scene,
+                                      const std::vector<std::vector<Eigen::Vector3d>>& scene_samples,
+                                      const View& model) const;
 
 private:
+  void score(const View& scene, const std::vector<std::vector<Eigen::Vector3d>>& scene_samples,
+             const View& model, int columns, Hypothesis& h) const;
   void addComplete(const View& scene, const View& model, const PoseWithCovariance& prior,
                    const std::vector<PoseNode>& complete, std::vector<Hypothesis>& hypotheses) const;
   void addDistinct(Hypothesis&& h, std::vector<Hypothesis>& hypotheses) const;
