@@ -8,7 +8,6 @@
 #include <exception>
 #include <iterator>
 #include <limits>
-#include <numeric>
 
 namespace facetloc {
 namespace {
@@ -90,31 +89,34 @@ std::vector<Candidate> GlobalLocalization::candidates(const View& scene) const {
   return models.empty() ? allModels() : models;
 }
 
-// Those of the models that the index aligns with which all planes and some pixels, next to the alignment,
-// agree best.
+// Where all models can be aligned, alignments tell enough. In larger maps many are aligned as well by chance:
+// of those that come after the best, with whom all planes and some pixels, next to the alignment, agree best.
 std::vector<Candidate> GlobalLocalization::shortlist(const View& scene) const {
   const PlaceIndexParams& index = params_.index;
-  std::vector<Candidate> aligned =
-      index_->candidates(scene, std::max(index.examined_models, index.shortlist));
-  const int n = static_cast<int>(aligned.size());
+  const int listed = index.shortlist, kept = std::min(index.first_models, listed);
+  const bool is_large = map_->models.size() > static_cast<std::size_t>(index.aligned_models);
+  std::vector<Candidate> models =
+      index_->candidates(scene, is_large ? std::max(index.examined_models, listed) : listed);
+  const int n = static_cast<int>(models.size());
+  if (n <= listed) return models;
+
   const auto samples = samplePoints(scene);
-  std::vector<double> score(aligned.size(), std::numeric_limits<double>::lowest());
-  forEach(n, threads_, [&](int i) {
-    if (!aligned[i].start) return;
-    const auto found =
-        registration_.alignFrom(startOf(aligned[i]), scene, samples, *map_->view(aligned[i].model));
-    if (found) score[i] = found->score;
+  std::vector<double> score(models.size(), std::numeric_limits<double>::lowest());  // by rank
+  forEach(n - kept, threads_, [&](int i) {
+    const Candidate& c = models[kept + i];
+    if (!c.start) return;
+    const auto found = registration_.alignFrom(startOf(c), scene, samples, *map_->view(c.model));
+    if (found) score[c.rank] = found->score;
   });
-  std::vector<int> order(aligned.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&score](int a, int b) { return score[a] > score[b]; });
-  order.resize(static_cast<std::size_t>(std::min(n, index.shortlist)));
-  std::vector<Candidate> likeliest;
-  for (const int i : order) {
-    likeliest.push_back(aligned[i]);
-    likeliest.back().rank = static_cast<int>(likeliest.size()) - 1;
-  }
-  return likeliest;
+  std::stable_sort(models.begin() + kept, models.end(), [&score](const Candidate& a, const Candidate& b) {
+    return score[a.rank] > score[b.rank];
+  });
+  const auto isHopeless = [&, best = score[models[kept].rank]](const Candidate& c) {
+    return score[c.rank] < best - index.examined_gap;
+  };
+  models.erase(std::find_if(models.begin() + kept, models.begin() + listed, isHopeless), models.end());
+  for (std::size_t i = 0; i < models.size(); ++i) models[i].rank = static_cast<int>(i);
+  return models;
 }
 
 PoseWithCovariance GlobalLocalization::startOf(const Candidate& c) const {

@@ -156,13 +156,15 @@ TEST_F(PlaceIndexOfRooms, TheShortlistedAnswerIsThatOfAllModelsIfTheListHoldsThe
   EXPECT_GE(compared, 4);
 }
 
-TEST_F(PlaceIndexOfRooms, TheShortlistIsOfThoseWithWhosePlanesAndPixelsTheViewAgreesBest) {
-  constexpr int kExamined = 30, kListed = 6;
+TEST_F(PlaceIndexOfRooms, TheShortlistIsOfTheBestAlignedAndOfThoseWithWhosePlanesTheViewAgreesBest) {
+  constexpr int kAligned = 30, kFirst = 2, kListed = 6;
   GlobalLocalizationParams params;
   params.index = few();
   params.index.exhaustive_up_to = 0;
-  params.index.examined_models = kExamined;
+  params.index.examined_models = kAligned;
+  params.index.first_models = kFirst;
   params.index.shortlist = kListed;
+  params.index.examined_gap = 1e6;
   GlobalLocalization localization(map, params);
   PosePriorParams about_start;
   about_start.translation_std = params.index.start_translation;
@@ -172,19 +174,34 @@ TEST_F(PlaceIndexOfRooms, TheShortlistIsOfThoseWithWhosePlanesAndPixelsTheViewAg
   int moved = 0;
   for (unsigned i = 0; i < 4; ++i) {
     const View view = query(int(i), 0.7 * i, 800 + i);
-    std::vector<std::pair<double, int>> scores;  // lowest first
-    for (const Candidate& c : index.candidates(view, kExamined)) {
+    std::vector<int> expected;
+    std::vector<std::pair<double, int>> others;  // the highest score first
+    for (const Candidate& c : index.candidates(view, kAligned)) {
       ASSERT_TRUE(c.start);
+      if (c.rank < kFirst) {
+        expected.push_back(c.model);
+        continue;
+      }
       const auto h = registration.alignFrom({*c.start, posePrior(kMounting, about_start, *c.start)}, view,
                                             samplePoints(view), map->models[c.model].view);
-      if (h) scores.emplace_back(-h->score, c.model);
+      if (h) others.emplace_back(-h->score, c.model);
     }
-    std::sort(scores.begin(), scores.end());
-    ASSERT_GE(scores.size(), std::size_t{kListed});
+    std::sort(others.begin(), others.end());
+    for (int k = 0; k < kListed - kFirst; ++k) expected.push_back(others.at(k).second);
     std::vector<int> by_rank(kListed, -1);
     for (const Candidate& c : localization.candidates(view)) by_rank.at(c.rank) = c.model;
-    for (int k = 0; k < kListed; ++k) EXPECT_EQ(by_rank[k], scores[k].second) << i << " " << k;
+    EXPECT_EQ(by_rank, expected) << i;
     moved += by_rank != index.shortlist(view, kListed);
+
+    // Without those that come so far behind.
+    GlobalLocalizationParams close = params;
+    close.index.examined_gap = 0.5 * (others[1].first + others[2].first) - others[0].first;
+    EXPECT_EQ(GlobalLocalization(map, close).candidates(view).size(), std::size_t{kFirst + 2}) << i;
+    // Where all are aligned, alignments are enough.
+    close.index.aligned_models = static_cast<int>(map->models.size());
+    std::vector<int> aligned = PlaceIndex(*map, close.index).shortlist(view, kListed);
+    std::sort(aligned.begin(), aligned.end());
+    EXPECT_EQ(modelsOf(GlobalLocalization(map, close).candidates(view)), aligned) << i;
     localization.setNumberOfThreads(3);  // to no effect
   }
   EXPECT_GT(moved, 0) << "alignments alone tell as much";

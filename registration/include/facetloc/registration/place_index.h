@@ -13,9 +13,10 @@ namespace facetloc {
 
 /** \brief When the search of a map is cut short, and how. */
 struct PlaceIndexParams {
-  int shortlist = 20;              ///< most local models that a view is registered with; 0 = always all
-  int examined_models = 400;       ///< most aligned local models that are examined for it by all planes
-  double shortlist_gap = 1.0;      ///< score below the best at which a local model is hopeless
+  int shortlist = 40;              ///< most local models that a view is registered with; 0 = always all
+  int examined_models = 200;       ///< of larger maps than are aligned: best aligned models that are examined
+  double examined_gap = 20;        ///< score below the best of these at which one is hopeless [nats]
+  double shortlist_gap = 1.2;      ///< score below the best at which a local model is hopeless
   int exhaustive_up_to = 5;        ///< local models of a map that is small
   int aligned_models = 3000;       ///< local models that are aligned with a view
   int first_models = 10;           ///< likeliest ones that a view is registered with first
@@ -27,10 +28,13 @@ struct PlaceIndexParams {
   static void describe(Self& p, Visitor&& field) {
     field("shortlist", p.shortlist, 0, 100000000,
           "Largest number of local models that a view is registered with; 0 = always all.");
-    field(
-        "shortlist_examined", p.examined_models, 1, 100000000,
-        "Largest number of aligned local models that are examined by all planes, from which the shortlist is "
-        "chosen.");
+    field("shortlist_examined", p.examined_models, 1, 100000000,
+          "Largest number of well aligned local models that are examined by all planes for the shortlist, in "
+          "maps "
+          "of more models than are aligned.");
+    field("examined_gap", p.examined_gap, 0.0, 1e6,
+          "Examined local models whose score is so much less than the best one's are not registered with "
+          "[nats].");
     field("shortlist_gap", p.shortlist_gap, 0.0, 1e6,
           "Local models whose quick alignment scores so much less than the best are not examined.");
     field("exhaustive_up_to", p.exhaustive_up_to, 0, 100000000,
