@@ -284,7 +284,7 @@ void PlaceAligner::refine(Pose& pose) const {
   pose.support = support;
 }
 
-PlaceAlignment PlaceAligner::align(const PlaceSignature& model) {
+PlaceAlignment PlaceAligner::align(const PlaceSignature& model, float least) {
   constexpr float kSupport = 0.4f;                          // worth of the walls, by their square root
   constexpr float kTurnPrior = 0.01f, kMovePrior = 0.005f;  // [1], [1/m^2]
   findPairs(model);
@@ -300,16 +300,19 @@ PlaceAlignment PlaceAligner::align(const PlaceSignature& model) {
   if (poses_.size() > kCompared) poses_.resize(kCompared);
 
   PlaceAlignment best;
-  if (!poses_.empty()) pointsAboveFloor(model, model_points_);
+  bool has_points = false;
   for (const Pose& p : poses_) {
     const Eigen::Matrix3f turn = Eigen::AngleAxisf(p.turn, Eigen::Vector3f::UnitZ()).toRotationMatrix();
     const Eigen::Vector3f move(p.x, p.y, scene_.height - model.height);
     const Eigen::Matrix3f to_model = model.R_u_c.transpose(), to_scene = (turn * scene_.R_u_c).transpose();
     float score = kSupport * std::sqrt(p.support) - kTurnPrior * p.turn * p.turn / (kTurnStd * kTurnStd) -
                   kMovePrior * (p.x * p.x + p.y * p.y);
+    if (score + 2 * kMostWorth <= std::max(best.score, least)) continue;
     score +=
         worth(compare(scene_points_, to_model * turn, to_model * move, model.picture), scene_points_.size());
-    if (score + kMostWorth <= best.score) continue;
+    if (score + kMostWorth <= std::max(best.score, least)) continue;
+    if (!has_points) pointsAboveFloor(model, model_points_);
+    has_points = true;
     score +=
         worth(compare(model_points_, to_scene, -(to_scene * move), scene_.picture), model_points_.size());
     if (score > best.score) best = {score, p.turn, p.x, p.y};

@@ -364,16 +364,18 @@ std::vector<Candidate> PlaceIndex::candidates(const View& view, int n) const {
   PlaceAligner aligner(scene);
   std::vector<PlaceAlignment> found(places.size());
   std::vector<float> score(places.size());
+  const auto gap = static_cast<float>(params.shortlist_gap);
+  float best = kNotAligned;
   for (std::size_t i = 0; i < models.size(); ++i) {
     const int m = models[i];
     const PlaceSignature& ahead = places[models[std::min(i + 1, models.size() - 1)]];
     prefetch(ahead.walls), prefetch(ahead.picture.depth);
-    found[m] = aligner.align(places[m]);
+    found[m] = aligner.align(places[m], best - gap - kHopeWorth * hope[m]);
     score[m] = std::max(found[m].score, kNotAligned) + kHopeWorth * hope[m];
+    best = std::max(best, score[m]);
   }
   keepBest(score, n, models);
 
-  const auto gap = static_cast<float>(params.shortlist_gap);
   std::vector<Candidate> candidates;
   for (const int m : models) {
     if (score[m] < score[models.front()] - gap) break;

@@ -74,6 +74,25 @@ TEST(PlaceAligner, DepthThatContradictsCosts) {
   EXPECT_LT(aligner.align(model).score, score - 0.3f);
 }
 
+TEST(PlaceAligner, WhatScoresEnoughIsFoundWhateverIsOfNoUse) {
+  const PlaceSignature scene = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting);
+  PlaceAligner aligner(scene);
+  for (int i = 0; i < 12; ++i) {
+    const PlaceSignature model =
+        placeSignature(seenFrom(robot(2 + 0.1 * i, 2.5 - 0.05 * i, 0.2 * i), 10u + unsigned(i)), kMounting);
+    const PlaceAlignment whole = aligner.align(model);
+    for (const float below : {0.001f, 0.3f, 1.f, 3.f}) {
+      const PlaceAlignment found = aligner.align(model, whole.score - below);
+      EXPECT_EQ(found.score, whole.score) << i;
+      EXPECT_EQ(found.heading, whole.heading) << i;
+      EXPECT_EQ(found.x, whole.x) << i;
+      EXPECT_EQ(found.y, whole.y) << i;
+    }
+    for (const float above : {0.f, 0.5f, 5.f})
+      EXPECT_LE(aligner.align(model, whole.score + above).score, whole.score + above) << i;
+  }
+}
+
 TEST(PlaceAligner, BuffersDoNotChangeTheAnswer) {
   const PlaceSignature a = placeSignature(seenFrom(robot(2, 2.5, 0.1), 1), kMounting),
                        b = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting),

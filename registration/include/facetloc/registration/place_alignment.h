@@ -26,7 +26,8 @@ class PlaceAligner {
 public:
   /** \param scene must outlive the aligner */
   explicit PlaceAligner(const PlaceSignature& scene);
-  PlaceAlignment align(const PlaceSignature& model);
+  /** \param least score that is of use: of a model that scores less, that it does is all that is told */
+  PlaceAlignment align(const PlaceSignature& model, float least = std::numeric_limits<float>::lowest());
 
 private:
   /** Two walls that may be one. */

@@ -36,7 +36,7 @@ struct PlaceIndexParams {
           "Examined local models whose score is so much less than the best one's are not registered with "
           "[nats].");
     field("shortlist_gap", p.shortlist_gap, 0.0, 1e6,
-          "Local models whose quick alignment scores so much less than the best are not examined.");
+          "Local models whose quick alignment scores so much less than the best are not registered with.");
     field("exhaustive_up_to", p.exhaustive_up_to, 0, 100000000,
           "A map of so many local models is small: the view is registered with all of them.");
     field("shortlist_aligned", p.aligned_models, 1, 100000000,
