@@ -11,7 +11,8 @@
 // images of the later runs on these floors, at most --queries of them (200).
 //
 // A query is answerable if registering it with some local model near the truth gives a pose within 0.2 m and
-// 2 deg of it. Recall of a shortlist: the share of the answerable queries for which it holds such a model.
+// 2 deg of it. Recall of a list: the share of the answerable queries for which it holds such a model. It is
+// told of the best aligned models, by their number, and of the shortlist.
 // --exhaustive localizes so many of the queries with the shortlist and with all models, and counts whose
 // answers have a right place among their first ones, and whose first place is right or wrong at which
 // probability.
@@ -282,7 +283,7 @@ Opened open(const std::string& path, const PlaceIndexParams& params) {
   return opened;
 }
 
-/** \return recall by the length of the shortlist. */
+/** \return recall of the best aligned models by their number. */
 Curve score(const Options& options, Building& building, std::size_t n, std::FILE* csv) {
   const Opened opened = open(building.map(n), options.index);
   const std::shared_ptr<const Map>& map = opened.map;
@@ -313,8 +314,8 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
                   q.view.segments.size());
   }
   const double vote = 1e3 * seconds(start) / static_cast<double>(std::max<std::size_t>(queries.size(), 1));
-  std::printf("%zu queries, %zu answerable; shortlist in %.1f ms\n", queries.size(), ranks.size(), vote);
-  std::printf("%10s %10s\n", "shortlist", "recall");
+  std::printf("%zu queries, %zu answerable; aligned in %.1f ms\n", queries.size(), ranks.size(), vote);
+  std::printf("%10s %10s\n", "aligned", "recall");
   Curve curve;
   curve.label = std::to_string(n) + " local models";
   curve.markers = true;
@@ -359,8 +360,7 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
   const double query_ms =
       1e3 * seconds(start) / static_cast<double>(std::max<std::size_t>(queries.size(), 1));
   const double of_answerable = 100 / static_cast<double>(std::max<std::size_t>(ranks.size(), 1));
-  std::printf("without the hopeless ones of the first %d: %.1f models, recall %.1f %%\n",
-              options.index.shortlist,
+  std::printf("the shortlist holds %.1f models, recall %.1f %%\n",
               static_cast<double>(listed) / static_cast<double>(std::max<std::size_t>(queries.size(), 1)),
               static_cast<double>(held) * of_answerable);
   const auto right_first = std::count_if(quick_grades.begin(), quick_grades.end(),
@@ -393,8 +393,8 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
 
 void plot(const std::string& path, std::vector<Curve> curves) {
   Panel panel;
-  panel.title = "Queries whose place is on the shortlist";
-  panel.x_title = "local models on the shortlist";
+  panel.title = "Queries whose place is among the best aligned local models";
+  panel.x_title = "best aligned local models";
   panel.y_title = "recall [%]";
   panel.x_min = 1, panel.x_max = 1000, panel.logarithmic_x = true;
   panel.y_min = 60, panel.y_max = 100;
