@@ -111,9 +111,10 @@ std::vector<Candidate> GlobalLocalization::shortlist(const View& scene) const {
   std::stable_sort(models.begin() + kept, models.end(), [&score](const Candidate& a, const Candidate& b) {
     return score[a.rank] > score[b.rank];
   });
-  const auto isHopeless = [&, best = score[models[kept].rank]](const Candidate& c) {
-    return score[c.rank] < best - index.examined_gap;
-  };
+  const double best = score[models[kept].rank], gap = params_.registration.consensus.surface_score
+                                                          ? std::numeric_limits<double>::infinity()
+                                                          : index.examined_gap;
+  const auto isHopeless = [&](const Candidate& c) { return score[c.rank] < best - gap; };
   models.erase(std::find_if(models.begin() + kept, models.begin() + listed, isHopeless), models.end());
   for (std::size_t i = 0; i < models.size(); ++i) models[i].rank = static_cast<int>(i);
   return models;

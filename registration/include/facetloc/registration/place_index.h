@@ -28,13 +28,12 @@ struct PlaceIndexParams {
   static void describe(Self& p, Visitor&& field) {
     field("shortlist", p.shortlist, 0, 100000000,
           "Largest number of local models that a view is registered with; 0 = always all.");
-    field("shortlist_examined", p.examined_models, 1, 100000000,
-          "Largest number of well aligned local models that are examined by all planes for the shortlist, in "
-          "maps "
-          "of more models than are aligned.");
+    field(
+        "shortlist_examined", p.examined_models, 1, 100000000,
+        "In maps of more local models than are aligned: number of best aligned ones that are examined by all "
+        "planes for the shortlist.");
     field("examined_gap", p.examined_gap, 0.0, 1e6,
-          "Examined local models whose score is so much less than the best one's are not registered with "
-          "[nats].");
+          "Examined local models that score so much less than the best one are not registered with [nats].");
     field("shortlist_gap", p.shortlist_gap, 0.0, 1e6,
           "Local models whose quick alignment scores so much less than the best are not registered with.");
     field("exhaustive_up_to", p.exhaustive_up_to, 0, 100000000,
