@@ -44,15 +44,18 @@ FACETLOC_MULTIVERSION int labelPixels(const DisparityImage& image, TriangleRows 
   return sum;
 }
 
-// Marks a row of labels: not 0 where a pixel has a label and one of its four neighbours has another.
-FACETLOC_MULTIVERSION void markBorders(const std::uint16_t* row, const std::uint16_t* above,
-                                       const std::uint16_t* below, int width, std::uint16_t* mark) {
-  const auto at = [&](int u) -> std::uint16_t {
+// Lists the columns of a row where a pixel has a label and one of its four neighbours has another.
+// \return how many they are.
+FACETLOC_MULTIVERSION int listBorders(const std::uint16_t* row, const std::uint16_t* above,
+                                      const std::uint16_t* below, int width, std::int32_t* columns) {
+  int n = 0;
+  const auto look = [&](int u) {
     const std::uint16_t k = row[u], left = row[std::max(0, u - 1)], right = row[std::min(u + 1, width - 1)];
-    return k == 0 ? 0 : (k ^ left) | (k ^ right) | (k ^ above[u]) | (k ^ below[u]);
+    columns[n] = u;
+    n += (k != 0) & (((k ^ left) | (k ^ right) | (k ^ above[u]) | (k ^ below[u])) != 0);
   };
   int u = 0;
-  for (; u < std::min(1, width); ++u) mark[u] = at(u);
+  for (; u < std::min(1, width); ++u) look(u);
   for (; u + kLanes < width; u += kLanes) {
     Shorts here, left, right, up, down;
     std::memcpy(&here, row + u, sizeof here);
@@ -61,10 +64,14 @@ FACETLOC_MULTIVERSION void markBorders(const std::uint16_t* row, const std::uint
     std::memcpy(&up, above + u, sizeof up);
     std::memcpy(&down, below + u, sizeof down);
     const Shorts differs = (here ^ left) | (here ^ right) | (here ^ up) | (here ^ down);
-    const Shorts out = here != 0 ? differs : Shorts{};
-    std::memcpy(mark + u, &out, sizeof out);
+    const Shorts is_border = (here != 0) & (differs != 0);
+    std::uint64_t any[2];
+    std::memcpy(any, &is_border, sizeof any);
+    if ((any[0] | any[1]) == 0) continue;
+    for (int k = 0; k < kLanes; ++k) columns[n] = u + k, n -= is_border[k];
   }
-  for (; u < width; ++u) mark[u] = at(u);
+  for (; u < width; ++u) look(u);
+  return n;
 }
 
 }  // namespace
@@ -122,12 +129,11 @@ void PlaneSegmenter::reassignBoundaries(LabelImage& labels) {
   const int w = labels.width, h = labels.height;
   std::uint16_t* const label = labels.label.data();
   front_.clear();
-  marks_.resize(w);
+  columns_.resize(w + 1);
   for (int v = 0; v < h; ++v) {
     const std::uint16_t* row = label + static_cast<std::size_t>(v) * w;
-    markBorders(row, v > 0 ? row - w : row, v + 1 < h ? row + w : row, w, marks_.data());
-    for (int u = 0; u < w; ++u)
-      if (marks_[u] != 0) front_.push_back({u, v});
+    const int n = listBorders(row, v > 0 ? row - w : row, v + 1 < h ? row + w : row, w, columns_.data());
+    for (int i = 0; i < n; ++i) front_.push_back({columns_[i], v});
   }
   const float tolerance = static_cast<float>(params_.label_tolerance);
   for (std::size_t f = 0; f < front_.size(); ++f) {

@@ -62,7 +62,8 @@ private:
   RegionMerging merge_;
   std::vector<PixelPlane> region_planes_;  // by provisional label, in units of the disparity image
   std::vector<int> support_;               // of it [px]
-  std::vector<std::uint16_t> label_of_region_, order_, marks_;
+  std::vector<std::uint16_t> label_of_region_, order_;
+  std::vector<std::int32_t> columns_;  // of a row, and room for one more
   std::vector<Pixel> front_;
   std::vector<float> scratch_;
 };
