@@ -12,6 +12,8 @@ namespace {
 
 using Vertex = DepthTriangulation::Vertex;
 
+constexpr double kMinFillPixels = 7;  // of so many valid pixels, one behind the middle one is no vertex
+
 std::int64_t orientation(const Vertex& a, const Vertex& b, const Vertex& c) {
   return std::int64_t(b.u - a.u) * (c.v - a.v) - std::int64_t(b.v - a.v) * (c.u - a.u);
 }
@@ -27,7 +29,7 @@ bool inCircle(const Vertex& a, const Vertex& b, const Vertex& c, const Vertex& d
 struct ScanResult {
   std::int32_t num_pixels, num_valid;
   float max_deviation;  // |d - plane| of the valid pixels
-  std::int32_t pixel;   // where that is, the first of equal ones; -1 if there is no deviation
+  std::int32_t row;     // the first pixel of the row where that is, of equal ones the first row; -1 = nowhere
 };
 
 // Deviations and where they are, as numbers: the larger deviation is the larger one, then the smaller index.
@@ -47,7 +49,8 @@ FACETLOC_ALWAYS_INLINE void lookAt(const Floats& d, const Floats& expected, cons
 
 FACETLOC_MULTIVERSION ScanResult scanPixels(const DisparityImage& image, TriangleRows rows,
                                             const PixelPlane& plane) {
-  const float* const end = image.d.data() + image.d.size();
+  const float* const begin = image.d.data();
+  const float* const end = begin + image.d.size();
   const float slope = static_cast<float>(plane.a);
   ScanResult r{0, 0, 0, -1};
   Ints largest{}, in_row{}, valid{};  // by lane: the largest deviation, where the row begins that has it
@@ -56,7 +59,7 @@ FACETLOC_MULTIVERSION ScanResult scanPixels(const DisparityImage& image, Triangl
     if (length <= 0) continue;
     r.num_pixels += length;
     const std::int32_t first = rows.v() * image.camera.width + rows.first();
-    const float* const pixels = image.d.data() + first;
+    const float* const pixels = begin + first;
     const float start = static_cast<float>(plane.at(rows.first(), rows.v()));
     Floats d, offset = kLaneOffset;
     Ints of_row = largest;
@@ -76,21 +79,26 @@ FACETLOC_MULTIVERSION ScanResult scanPixels(const DisparityImage& image, Triangl
     r.num_valid += valid[k];
     worst = std::max(worst, keyOf(largest[k], in_row[k]));
   }
-  const std::int32_t row = indexOf(worst);
   const auto bits = static_cast<std::uint32_t>(worst >> 32);
   std::memcpy(&r.max_deviation, &bits, sizeof bits);
-  if (bits == 0) return r;
-  // The first pixel of that row with that deviation.
+  if (bits != 0) r.row = indexOf(worst);
+  return r;
+}
+
+// The first pixel of a part of a row, which begins there, that deviates so much from the plane; there is one.
+std::int32_t firstDeviating(const DisparityImage& image, std::int32_t row, const PixelPlane& plane,
+                            float deviation) {
   const int u = row % image.camera.width, v = row / image.camera.width;
-  const float start = static_cast<float>(plane.at(u, v));
+  const float start = static_cast<float>(plane.at(u, v)), slope = static_cast<float>(plane.a);
   float offset = 0;
   const auto deviates = [&](float d) {
-    return d > 0 && std::fabs(d - (start + slope * offset)) == r.max_deviation;
+    return std::fabs(d - (start + slope * offset)) == deviation && d > 0;
   };
   const auto last =
       static_cast<std::int32_t>(image.d.size()) - 1;  // which only disparities like infinity reach
-  for (r.pixel = row; r.pixel < last && !deviates(image.d[r.pixel]); ++r.pixel) ++offset;
-  return r;
+  std::int32_t pixel = row;
+  for (; pixel < last && !deviates(image.d[pixel]); ++pixel) ++offset;
+  return pixel;
 }
 
 // Which of the three is x; one of them is.
@@ -116,6 +124,8 @@ void DepthTriangulation::compute(const DisparityImage& image) {
   triangles_.clear();
   fresh_.clear();
   image_ = &image;
+  min_split_ = scaledPixels(params_.min_split, image.camera);
+  min_fill_pixels_ = std::max(kMinFillPixels, scaledPixels(params_.min_fill_pixels, image.camera));
   const int w = image.camera.width, h = image.camera.height;
   if (w < 2 || h < 2 || std::none_of(image.d.begin(), image.d.end(), [](float d) { return d > 0; })) return;
 
@@ -202,22 +212,24 @@ void DepthTriangulation::scan(Triangle& t) const {
   t.num_pixels = r.num_pixels;
   t.num_valid = r.num_valid;
   t.max_deviation = r.max_deviation;
-  t.worst_pixel = r.pixel;
+  t.worst_row = r.row;
+  t.worst_pixel = -1;
 }
 
 bool DepthTriangulation::isSmall(const Triangle& t) const {
   const std::int64_t twice_area =
       orientation(vertices_[t.vertex[0]], vertices_[t.vertex[1]], vertices_[t.vertex[2]]);
-  return 0.5 * static_cast<double>(twice_area) <= scaledPixels(params_.min_split, image_->camera);
+  return 0.5 * static_cast<double>(twice_area) <= min_split_;
 }
 
 bool DepthTriangulation::mustSplit(Triangle& t) const {
   const bool poorly_filled =
-      t.num_pixels >= params_.min_fill_pixels && t.num_valid < params_.min_fill * t.num_pixels;
+      t.num_pixels >= min_fill_pixels_ && t.num_valid < params_.min_fill * t.num_pixels;
   if (!(t.max_deviation > params_.split_tolerance) && !poorly_filled) return false;
+  if (t.worst_row >= 0) t.worst_pixel = firstDeviating(*image_, t.worst_row, t.plane, t.max_deviation);
   if (t.worst_pixel >= 0 && !isVertex(t, t.worst_pixel)) return true;
   // Nothing deviates, but for rounding noise at a vertex; an outline may be left to find.
-  if (!poorly_filled || t.num_valid < params_.min_fill_pixels) return false;
+  if (!poorly_filled || t.num_valid < min_fill_pixels_) return false;
   t.worst_pixel = middlePixel(t);
   return t.worst_pixel >= 0;
 }

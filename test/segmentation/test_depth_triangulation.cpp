@@ -135,12 +135,12 @@ TEST_P(EveryImage, NeighboursShareTheirEdge) {
     }
 }
 
-TEST_P(EveryImage, TrianglesKnowTheirPlaneAndTheirWorstPixel) {
+TEST_P(EveryImage, TrianglesKnowTheirPlaneAndTheirWorstRow) {
   for (const Triangle& t : split.triangles()) {
     for (const int k : t.vertex)
       EXPECT_NEAR(t.plane.at(vertex(k).u, vertex(k).v), vertex(k).d, 1e-3 * (1 + std::abs(vertex(k).d)));
     int valid = 0;
-    double largest = 0, at_worst = 0;
+    double largest = 0, of_row = 0;
     for (TriangleRows rows = split.rows(t); !rows.done(); rows.next())
       for (int u = rows.first(); u <= rows.last(); ++u) {
         const int i = rows.v() * image().camera.width + u;
@@ -148,26 +148,49 @@ TEST_P(EveryImage, TrianglesKnowTheirPlaneAndTheirWorstPixel) {
         ++valid;
         const double e = std::abs(image().d[i] - t.plane.at(u, rows.v()));
         largest = std::max(largest, e);
-        if (i == t.worst_pixel) at_worst = e;
+        if (rows.v() == t.worst_row / image().camera.width) of_row = std::max(of_row, e);
       }
     EXPECT_EQ(t.num_valid, valid);
     EXPECT_NEAR(t.max_deviation, largest, 2e-3);
-    EXPECT_NEAR(at_worst, largest, 2e-3);
+    EXPECT_NEAR(of_row, largest, 2e-3);
+  }
+}
+
+TEST_P(EveryImage, VerticesArePutWhereATriangleDeviatesMost) {
+  constexpr int kGrid = 20;  // corners and grid, at most
+  for (int n = kGrid; n < 60; ++n) {
+    DepthTriangulationParams p;
+    p.max_vertices = n;
+    DepthTriangulation before(p);
+    before.compute(image());
+    p.max_vertices = n + 1;
+    DepthTriangulation after(p);
+    after.compute(image());
+    if (static_cast<int>(after.vertices().size()) <= n) return;
+    const Vertex& added = after.vertices().back();
+    for (const Triangle& t : before.triangles()) {
+      bool is_inside = false;
+      for (TriangleRows rows = before.rows(t); !rows.done(); rows.next())
+        is_inside = is_inside || (rows.v() == added.v && rows.first() <= added.u && added.u <= rows.last());
+      if (!is_inside || !(t.max_deviation > p.split_tolerance)) continue;
+      EXPECT_NEAR(std::abs(added.d - t.plane.at(added.u, added.v)), t.max_deviation, 2e-3);
+    }
   }
 }
 
 TEST_P(EveryImage, NothingIsLeftToRefine) {
   const DepthTriangulationParams p;
+  const double min_fill_pixels = std::max(7.0, scaledPixels(p.min_fill_pixels, image().camera));
   for (const Triangle& t : split.triangles()) {
     const bool flat = t.max_deviation <= p.split_tolerance;
-    const bool filled = t.num_pixels < p.min_fill_pixels || t.num_valid >= p.min_fill * t.num_pixels;
+    const bool filled = t.num_pixels < min_fill_pixels || t.num_valid >= p.min_fill * t.num_pixels;
     const double area =
         0.5 * static_cast<double>(orientation(vertex(t.vertex[0]), vertex(t.vertex[1]), vertex(t.vertex[2])));
     const bool small = area <= scaledPixels(p.min_split, image().camera);
     bool worst_is_vertex = t.worst_pixel < 0;
     for (const int k : t.vertex)
       worst_is_vertex = worst_is_vertex || vertex(k).v * image().camera.width + vertex(k).u == t.worst_pixel;
-    const bool sparse = t.num_valid < p.min_fill_pixels;
+    const bool sparse = t.num_valid < min_fill_pixels;
     EXPECT_TRUE((flat && filled) || small || (worst_is_vertex && (filled || sparse)));
   }
 }
@@ -239,6 +262,20 @@ TEST(DepthTriangulation, AnExactPlaneIsTheGridItStartsWith) {
   EXPECT_EQ(split.vertices().size(), 4u + 4 * 3);
   // Corners outside the image have the depth of the pixel beside them.
   for (const Triangle& t : split.triangles()) EXPECT_LE(t.max_deviation, 2);
+}
+
+TEST(DepthTriangulation, TheFillRuleIsScaledWithTheImage) {
+  DisparityImage image = randomDisparity(640, 480, 0.4, 5);
+  for (float& d : image.d) d = d > 0 ? 300.f : 0.f;
+  DepthTriangulation split;
+  split.compute(image);
+  const auto poorlyFilled = [&](double size) {
+    return std::count_if(split.triangles().begin(), split.triangles().end(), [&](const Triangle& t) {
+      return t.num_valid >= size && t.num_valid < 0.5 * t.num_pixels;
+    });
+  };
+  EXPECT_EQ(poorlyFilled(80), 0);
+  EXPECT_GT(poorlyFilled(20), 0);  // which at 320x240 would be refined
 }
 
 TEST(DepthTriangulation, SmallTrianglesAreNotRefined) {

@@ -16,7 +16,7 @@ namespace facetloc {
 struct DepthTriangulationParams {
   double split_tolerance = 7.0;  ///< largest deviation of a pixel from its triangle [noise std]
   double min_fill = 0.5;         ///< share of valid pixels below which a triangle is refined or dropped
-  int min_fill_pixels = 20;      ///< size from which the fill rule refines [px]
+  double min_fill_pixels = 20;   ///< size from which the fill rule refines, at least 7 px [px at 320x240]
   double min_split = 2;          ///< smaller triangles are not refined [px at 320x240]
   int max_vertices = 20000;      ///< safety limit; the worst triangles are refined first
 
@@ -26,8 +26,9 @@ struct DepthTriangulationParams {
           "Largest deviation of a pixel from its triangle [noise standard deviations]; 6 to 8 do well.");
     field("min_fill", p.min_fill, 0.0, 1.0,
           "Share of valid pixels below which a triangle is refined or dropped.");
-    field("min_fill_pixels", p.min_fill_pixels, 1, 1000000,
-          "Size of a triangle from which poor filling refines it [px].");
+    field(
+        "min_fill_pixels", p.min_fill_pixels, 1.0, 1e6,
+        "Size of a triangle from which poor filling refines it [px at 320x240, scaled with the image area].");
     field("min_split", p.min_split, 0.0, 1e6,
           "Triangles up to this area are not refined [px at 320x240, scaled with the image area].");
     field("max_vertices", p.max_vertices, 4, 1000000,
@@ -52,7 +53,8 @@ public:
         -1, -1, -1};                ///< across the edge from vertex[k] to vertex[k + 1]; -1 = border
     PixelPlane plane;               ///< through the three vertices
     float max_deviation = 0;        ///< over its valid pixels
-    std::int32_t worst_pixel = -1;  ///< where that is, row-major; any pixel or -1 if nothing deviates
+    std::int32_t worst_row = -1;    ///< the first pixel of the row where that is, or -1 if nothing deviates
+    std::int32_t worst_pixel = -1;  ///< where it is to be refined, or -1; row-major
     std::int32_t num_pixels = 0;    ///< pixels of the triangle; every image pixel has one triangle
     std::int32_t num_valid = 0;
     std::int32_t round = 0;  ///< in which it last changed
@@ -92,6 +94,7 @@ private:
 
   DepthTriangulationParams params_;
   const DisparityImage* image_ = nullptr;
+  double min_split_ = 0, min_fill_pixels_ = 0;  // of the image [px]
   std::vector<Vertex> vertices_;
   std::vector<Triangle> triangles_;
   int round_ = 0;
