@@ -199,16 +199,20 @@ TEST_P(NumberOfRanks, PosesAreTheSameWhateverIsDealtOut) {
 }
 
 TEST_P(NumberOfRanks, TheShortlistOfALargeMapIsDealtOut) {
-  const auto command = [&](const std::string& name) -> std::vector<std::string> {
-    return {FACETLOC_LOCALIZE,    map(), query(),       "-o", folder_ / name,
-            "--exhaustive_up_to", "1",   "--shortlist", "3"};
-  };
-  ASSERT_EQ(runRanks(1, command("one")).code, kOk);
-  std::vector<std::string> sharded = command("sharded");
-  sharded.push_back("--shard-map");
-  const ToolRun run = runRanks(GetParam(), sharded);
-  ASSERT_EQ(run.code, kOk) << run.err;
-  expectSameFiles(folder_ / "sharded", folder_ / "one");
+  for (const std::string aligned : {"3000", "6"}) {  // of more models than that, it is chosen by examination
+    const auto command = [&](const std::string& name) {
+      std::vector<std::string> words = {FACETLOC_LOCALIZE, map(), query(), "-o", folder_ / (name + aligned)};
+      words.insert(words.end(), {"--exhaustive_up_to", "1", "--shortlist", "3"});
+      words.insert(words.end(), {"--first_models", "1", "--shortlist_aligned", aligned});
+      return words;
+    };
+    ASSERT_EQ(runRanks(1, command("one")).code, kOk);
+    std::vector<std::string> sharded = command("sharded");
+    sharded.push_back("--shard-map");
+    const ToolRun run = runRanks(GetParam(), sharded);
+    ASSERT_EQ(run.code, kOk) << run.err;
+    expectSameFiles(folder_ / ("sharded" + aligned), folder_ / ("one" + aligned));
+  }
 }
 
 TEST_P(NumberOfRanks, ABadImageIsToldOnceAndDoneLater) {

@@ -13,7 +13,10 @@
 #include <cstdlib>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <sstream>
+#include <stdexcept>
+#include <string>
 #include <sys/resource.h>
 
 namespace facetloc {
@@ -205,6 +208,43 @@ TEST_F(PlaceIndexOfRooms, TheShortlistIsOfTheBestAlignedAndOfThoseWithWhosePlane
     localization.setNumberOfThreads(3);  // to no effect
   }
   EXPECT_GT(moved, 0) << "alignments alone tell as much";
+}
+
+TEST_F(PlaceIndexOfRooms, AnExaminedModelThatCannotBeReadIsAnErrorForAnyNumberOfThreads) {
+  struct Store : MapStore {
+    std::shared_ptr<const View> view(int i) const override {
+      if (i == damaged) throw std::runtime_error("local model " + std::to_string(i) + " is damaged");
+      return std::make_shared<View>(intact->models[i].view);
+    }
+    std::unique_ptr<std::istream> placeIndex() const override { return nullptr; }
+    std::shared_ptr<const Map> intact = map;
+    int damaged = -1;
+  };
+  GlobalLocalizationParams params;
+  params.index = few();
+  params.index.exhaustive_up_to = 0;
+  params.index.examined_models = 20;
+  params.index.shortlist = 15;
+  params.index.examined_gap = 1e6;
+  const View view = query(2, 0.7, 802);
+  const std::vector<int> aligned =
+      PlaceIndex(*map, params.index).shortlist(view, params.index.aligned_models);
+  const auto store = std::make_shared<Store>();
+  auto stored = std::make_shared<Map>(*map);
+  stored->store = store;
+  GlobalLocalization localization(stored, params);
+  for (const int threads : {1, 2}) {
+    localization.setNumberOfThreads(threads);
+    store->damaged = aligned.at(25);  // aligned, but not examined
+    EXPECT_EQ(localization.candidates(view).size(), std::size_t{15});
+    store->damaged = aligned.at(19);
+    try {
+      localization.candidates(view);
+      FAIL() << "the damage was not told";
+    } catch (const std::runtime_error& e) {
+      EXPECT_EQ(e.what(), "local model " + std::to_string(store->damaged) + " is damaged");
+    }
+  }
 }
 
 TEST_F(PlaceIndexOfRooms, HopelessModelsAreLeftOut) {
