@@ -188,10 +188,10 @@ void PlaceAligner::findTurns() {
 
 void PlaceAligner::findPositions(float turn) {
   grid_.assign(static_cast<std::size_t>(kStride) * kStride, 0);
-  turned_.clear();
-  const auto vote = [this](const Pair& p, float slide, float weight) {
-    const float x = (p.move * p.model->cosine - slide * p.model->sine + kReach) / kCell,
-                y = (p.move * p.model->sine + slide * p.model->cosine + kReach) / kCell;
+  parallel_.clear();
+  const auto vote = [this](const ParallelPair& p, float slide, float weight) {
+    const float x = (p.move * p.cosine - slide * p.sine + kReach) / kCell,
+                y = (p.move * p.sine + slide * p.cosine + kReach) / kCell;
     if (!(x >= 0 && y >= 0 && x < kCells - 1 && y < kCells - 1)) return;
     const int column = static_cast<int>(x), row = static_cast<int>(y);
     const float right = x - static_cast<float>(column), up = y - static_cast<float>(row);
@@ -201,13 +201,19 @@ void PlaceAligner::findPositions(float turn) {
     cell[kStride] += weight * (1 - right) * up;
     cell[kStride + 1] += weight * right * up;
   };
-  for (const Pair& p : pairs_) {
-    if (std::abs(p.turn - turn) > kParallel) continue;
-    turned_.push_back(&p);
-    const float weight = p.weight * (1 + edgeBonus(*p.scene, *p.model));
+  for (const Pair& pair : pairs_) {
+    if (std::abs(pair.turn - turn) > kParallel) continue;
+    constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
+    const Wall &a = *pair.scene, &b = *pair.model;
+    ParallelPair p{pair.turn, pair.move, pair.slide0, pair.slide1, pair.weight, b.cosine, b.sine, 0, 0, 0};
+    p.walls = 1 + edgeBonus(a, b);
+    p.right = a.right_end && b.right_end ? b.right - a.right : kNowhere;
+    p.left = a.left_end && b.left_end ? b.left - a.left : kNowhere;
+    parallel_.push_back(p);
+    const float weight = p.weight * p.walls;
     for (float slide = p.slide0; slide <= p.slide1; slide += kCell) vote(p, slide, weight);
-    if (p.scene->right_end && p.model->right_end) vote(p, p.model->right - p.scene->right, kEnd * p.weight);
-    if (p.scene->left_end && p.model->left_end) vote(p, p.model->left - p.scene->left, kEnd * p.weight);
+    vote(p, p.right, kEnd * p.weight);
+    vote(p, p.left, kEnd * p.weight);
   }
   std::array<float, kStride> most;  // of each row
   const auto findMost = [&](int first, int last) {
@@ -243,24 +249,23 @@ void PlaceAligner::refine(Pose& pose) const {
   constexpr float kGates[] = {0.25f, 0.12f};  // [m]
   constexpr float kInformation = 400;         // of a wall of weight 1: 1 / kWallStd^2 [1/m^2]
   constexpr float kPositionInformation = 4;   // of the position found, along what no wall fixes [1/m^2]
-  const auto overlap = [&](const Pair& p) {
-    const float slide = pose.y * p.model->cosine - pose.x * p.model->sine;
+  const auto slideOf = [&](const ParallelPair& p) { return pose.y * p.cosine - pose.x * p.sine; };
+  const auto overlap = [&](const ParallelPair& p) {
+    const float slide = slideOf(p);
     return slide >= p.slide0 && slide <= p.slide1;
   };
-  const auto residual = [&](const Pair& p) {
-    return p.move - p.model->cosine * pose.x - p.model->sine * pose.y;
-  };
+  const auto residual = [&](const ParallelPair& p) { return p.move - p.cosine * pose.x - p.sine * pose.y; };
   for (const float gate : kGates) {
     Eigen::Matrix2f A = kPositionInformation * Eigen::Matrix2f::Identity();
     Eigen::Vector2f b = kPositionInformation * Eigen::Vector2f(pose.x, pose.y);
     float turn = 0, sum = 0;
-    for (const Pair* p : turned_) {
-      if (std::abs(residual(*p)) > gate || !overlap(*p)) continue;
-      const Eigen::Vector2f n(p->model->cosine, p->model->sine);
-      const float w = p->weight * p->weight;
+    for (const ParallelPair& p : parallel_) {
+      if (std::abs(residual(p)) > gate || !overlap(p)) continue;
+      const Eigen::Vector2f n(p.cosine, p.sine);
+      const float w = p.weight * p.weight;
       A += kInformation * w * n * n.transpose();
-      b += kInformation * w * p->move * n;
-      turn += w * p->turn;
+      b += kInformation * w * p.move * n;
+      turn += w * p.turn;
       sum += w;
     }
     if (sum <= 0) break;
@@ -268,18 +273,14 @@ void PlaceAligner::refine(Pose& pose) const {
     pose = {turn / sum, t.x(), t.y(), 0};
   }
   float support = 0;
-  for (const Pair* p : turned_) {
-    const float r = residual(*p) / kWallStd;
-    if (r * r > 9 || !overlap(*p)) continue;
-    const float slide = pose.y * p->model->cosine - pose.x * p->model->sine;
-    float walls = 1 + edgeBonus(*p->scene, *p->model);
-    if (p->scene->right_end && p->model->right_end &&
-        std::abs(p->model->right - p->scene->right - slide) < kEndError)
-      walls += kEnd;
-    if (p->scene->left_end && p->model->left_end &&
-        std::abs(p->model->left - p->scene->left - slide) < kEndError)
-      walls += kEnd;
-    support += p->weight * walls * std::exp(-0.5f * r * r);
+  for (const ParallelPair& p : parallel_) {
+    const float r = residual(p) / kWallStd;
+    if (r * r > 9 || !overlap(p)) continue;
+    const float slide = slideOf(p);
+    float walls = p.walls;
+    if (std::abs(p.right - slide) < kEndError) walls += kEnd;
+    if (std::abs(p.left - slide) < kEndError) walls += kEnd;
+    support += p.weight * walls * std::exp(-0.5f * r * r);
   }
   pose.support = support;
 }

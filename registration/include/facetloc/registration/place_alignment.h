@@ -39,6 +39,13 @@ private:
     const Wall* scene;
     const Wall* model;
   };
+  /** A pair that agrees with a heading: what of it counts there. */
+  struct ParallelPair {
+    float turn, move, slide0, slide1, weight;  ///< of the pair
+    float cosine, sine;                        ///< of the heading of the model's wall
+    float walls;                               ///< worth of the walls and their edges, in walls
+    float right, left;                         ///< moves along the wall that lay ends over ends, or NaN [m]
+  };
   struct Pose {
     float turn, x, y, support;
   };
@@ -54,7 +61,7 @@ private:
   PointColumns scene_points_, model_points_;
   std::vector<int> alike_;
   std::vector<Pair> pairs_;
-  std::vector<const Pair*> turned_;
+  std::vector<ParallelPair> parallel_;
   std::vector<float> turns_, grid_;
   std::vector<Pose> poses_;
 };
