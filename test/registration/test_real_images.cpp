@@ -77,7 +77,7 @@ TEST_F(RealImages, OfAnotherSensorAreSegmentedWithTheThresholdsOfAKinect) {
     PlaneSegmenter(params).segment(image.depth, found);
     sum += test::overlapScore(found.labels, image.truth);
   }
-  EXPECT_GT(sum.rate(), 0.75);  // observed: 0.769
+  EXPECT_GT(sum.rate(), 0.75);  // observed: 0.788
 }
 
 TEST_F(RealImages, FullOfHolesStillShowPlanes) {
