@@ -74,7 +74,8 @@ BENCHMARK(localization)
     ->ArgNames({"models", "dense", "shortlist"})
     ->ArgsProduct({{kPerRoom, 142}, {0, 1}, {1}})
     ->ArgsProduct({{2, 5, 30}, {1}, {1}})
-    ->ArgsProduct({{2, 5, kPerRoom, 30}, {1}, {0}})
+    ->ArgsProduct({{2, 5, kPerRoom, 30, 142}, {1}, {0}})
+    ->ArgsProduct({{142}, {0}, {0}})
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
