@@ -86,18 +86,17 @@ FACETLOC_MULTIVERSION ScanResult scanPixels(const DisparityImage& image, Triangl
 }
 
 // The first pixel of a part of a row, which begins there, that deviates so much from the plane; there is one.
+// Compared by bits, since with disparities like infinity a deviation may be no number.
 std::int32_t firstDeviating(const DisparityImage& image, std::int32_t row, const PixelPlane& plane,
                             float deviation) {
   const int u = row % image.camera.width, v = row / image.camera.width;
   const float start = static_cast<float>(plane.at(u, v)), slope = static_cast<float>(plane.a);
   float offset = 0;
   const auto deviates = [&](float d) {
-    return std::fabs(d - (start + slope * offset)) == deviation && d > 0;
+    return bitsOf(std::fabs(d - (start + slope * offset))) == bitsOf(deviation) && d > 0;
   };
-  const auto last =
-      static_cast<std::int32_t>(image.d.size()) - 1;  // which only disparities like infinity reach
   std::int32_t pixel = row;
-  for (; pixel < last && !deviates(image.d[pixel]); ++pixel) ++offset;
+  for (; !deviates(image.d[pixel]); ++pixel) ++offset;
   return pixel;
 }
 

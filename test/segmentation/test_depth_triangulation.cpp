@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <string>
 #include <utility>
@@ -238,6 +239,28 @@ TEST(DepthTriangulation, OfNothingIsEmpty) {
     EXPECT_TRUE(split.triangles().empty());
     EXPECT_TRUE(split.vertices().empty());
   }
+}
+
+TEST(DepthTriangulation, DisparitiesLikeInfinityLeaveItATriangulation) {
+  for (const float huge : {3e38f, std::numeric_limits<float>::infinity()})
+    for (unsigned seed = 0; seed < 50; ++seed) {
+      DisparityImage image = randomDisparity(64, 48, seed % 3 == 0 ? 0.3 : 0.8, seed);
+      if (seed % 2)
+        for (float& d : image.d) d = d > 0 ? 300.f : 0.f;
+      test::Rng rng(seed);
+      for (unsigned i = 0; i <= seed % 7; ++i)
+        image.d[static_cast<std::size_t>(test::uniform(rng, 0, 64 * 48 - 1))] = huge;
+      DepthTriangulation split;
+      split.compute(image);
+      int pixels = 0;
+      for (const Triangle& t : split.triangles()) {
+        ASSERT_GT(orientation(split.vertices()[t.vertex[0]], split.vertices()[t.vertex[1]],
+                              split.vertices()[t.vertex[2]]),
+                  0);
+        pixels += t.num_pixels;
+      }
+      EXPECT_EQ(pixels, 64 * 48);
+    }
 }
 
 TEST(DepthTriangulation, OneValidPixelGivesAPlaneThroughIt) {
