@@ -205,10 +205,12 @@ void PlaceAligner::findPositions(float turn) {
     if (std::abs(pair.turn - turn) > kParallel) continue;
     constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
     const Wall &a = *pair.scene, &b = *pair.model;
-    ParallelPair p{pair.turn, pair.move, pair.slide0, pair.slide1, pair.weight, b.cosine, b.sine, 0, 0, 0};
-    p.walls = 1 + edgeBonus(a, b);
-    p.right = a.right_end && b.right_end ? b.right - a.right : kNowhere;
-    p.left = a.left_end && b.left_end ? b.left - a.left : kNowhere;
+    const ParallelPair p{pair,
+                         b.cosine,
+                         b.sine,
+                         1 + edgeBonus(a, b),
+                         a.right_end && b.right_end ? b.right - a.right : kNowhere,
+                         a.left_end && b.left_end ? b.left - a.left : kNowhere};
     parallel_.push_back(p);
     const float weight = p.weight * p.walls;
     for (float slide = p.slide0; slide <= p.slide1; slide += kCell) vote(p, slide, weight);

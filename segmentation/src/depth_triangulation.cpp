@@ -85,15 +85,15 @@ FACETLOC_MULTIVERSION ScanResult scanPixels(const DisparityImage& image, Triangl
   return r;
 }
 
-// The first pixel of a part of a row, which begins there, that deviates so much from the plane; there is one.
-// Compared by bits, since with disparities like infinity a deviation may be no number.
-std::int32_t firstDeviating(const DisparityImage& image, std::int32_t row, const PixelPlane& plane,
-                            float deviation) {
+// The first pixel of a part of a row, which begins there, that deviates as much as any does from the plane.
+// With disparities like infinity that is no number, and any pixel will do.
+std::int32_t mostDeviating(const DisparityImage& image, std::int32_t row, const PixelPlane& plane,
+                           float deviation) {
   const int u = row % image.camera.width, v = row / image.camera.width;
   const float start = static_cast<float>(plane.at(u, v)), slope = static_cast<float>(plane.a);
   float offset = 0;
   const auto deviates = [&](float d) {
-    return bitsOf(std::fabs(d - (start + slope * offset))) == bitsOf(deviation) && d > 0;
+    return !(std::fabs(d - (start + slope * offset)) < deviation) && d > 0;
   };
   std::int32_t pixel = row;
   for (; !deviates(image.d[pixel]); ++pixel) ++offset;
@@ -225,7 +225,7 @@ bool DepthTriangulation::mustSplit(Triangle& t) const {
   const bool poorly_filled =
       t.num_pixels >= min_fill_pixels_ && t.num_valid < params_.min_fill * t.num_pixels;
   if (!(t.max_deviation > params_.split_tolerance) && !poorly_filled) return false;
-  if (t.worst_row >= 0) t.worst_pixel = firstDeviating(*image_, t.worst_row, t.plane, t.max_deviation);
+  if (t.worst_row >= 0) t.worst_pixel = mostDeviating(*image_, t.worst_row, t.plane, t.max_deviation);
   if (t.worst_pixel >= 0 && !isVertex(t, t.worst_pixel)) return true;
   // Nothing deviates, but for rounding noise at a vertex; an outline may be left to find.
   if (!poorly_filled || t.num_valid < min_fill_pixels_) return false;

@@ -39,12 +39,11 @@ private:
     const Wall* scene;
     const Wall* model;
   };
-  /** A pair that agrees with a heading: what of it counts there. */
-  struct ParallelPair {
-    float turn, move, slide0, slide1, weight;  ///< of the pair
-    float cosine, sine;                        ///< of the heading of the model's wall
-    float walls;                               ///< worth of the walls and their edges, in walls
-    float right, left;                         ///< moves along the wall that lay ends over ends, or NaN [m]
+  /** A pair that agrees with a heading, and what else of it counts there. */
+  struct ParallelPair : Pair {
+    float cosine, sine;  ///< of the heading of the model's wall
+    float walls;         ///< worth of the walls and their edges, in walls
+    float right, left;   ///< moves along the wall that lay ends over ends, or NaN [m]
   };
   struct Pose {
     float turn, x, y, support;
