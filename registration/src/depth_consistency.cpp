@@ -95,7 +95,7 @@ FACETLOC_MULTIVERSION void judgePixels(const DepthJudge::Geometry& g, const std:
     if (!likelihood) continue;
 
     // The logarithm of x = 2^e (1 + f) with f in [-0.25, 0.5], to 1e-6: ln(1 + f) = 2 artanh(f / (2 + f)).
-    const Floats argument = error * (1 / g.unit_error);
+    const Floats argument = inside ? error * (1 / g.unit_error) : none + 1.f;
     const Ints exponent = (((Ints)argument + 0x00400000) >> 23) - 127;
     const Floats f = (Floats)((Ints)argument - (exponent << 23)) - 1.f;
     const Floats s = f / (2.f + f), s2 = s * s;

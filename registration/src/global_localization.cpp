@@ -12,8 +12,10 @@
 namespace facetloc {
 namespace {
 
-double probability(const Localization& answer) {
-  return answer.hypotheses.empty() ? 0 : answer.hypotheses.front().probability;
+// Is the first place so probable that no other need be asked? Probabilities by surface scores mean nothing.
+bool isSure(const Localization& answer, const GlobalLocalizationParams& params) {
+  return !params.registration.consensus.surface_score && !answer.hypotheses.empty() &&
+         answer.hypotheses.front().probability >= params.index.sure_probability;
 }
 
 /** Calls a function with 0 .. n - 1. What is thrown does not depend on the number of threads. */
@@ -59,13 +61,12 @@ Localization GlobalLocalization::localize(const View& scene) const {
 }
 
 Localization GlobalLocalization::localizeBy(const Registering& registerAll, const View& scene) const {
-  const PlaceIndexParams& index = params_.index;
   const std::vector<Candidate> models = candidates(scene);
   std::vector<Candidate> first, others;
-  for (const Candidate& c : models) (c.rank < index.first_models ? first : others).push_back(c);
+  for (const Candidate& c : models) (c.rank < params_.index.first_models ? first : others).push_back(c);
   std::vector<Hypothesis> hypotheses = registerAll(first);
   Localization answer = rank(scene, hypotheses);
-  if (others.empty() || probability(answer) >= index.sure_probability) return answer;
+  if (others.empty() || isSure(answer, params_)) return answer;
   append(registerAll(others), hypotheses);
   return rank(scene, std::move(hypotheses));
 }

@@ -333,6 +333,26 @@ TEST_F(PlaceIndexOfRooms, WhatTheLikeliestModelsShowBeyondDoubtIsNotSearchedForI
   for (const Candidate& c : doubtful[1]) EXPECT_GE(c.rank, 4);
 }
 
+TEST_F(PlaceIndexOfRooms, AProbabilityBySurfaceScoreLeavesNobodyUnasked) {
+  GlobalLocalizationParams params;
+  params.index.exhaustive_up_to = 0;
+  params.index.shortlist_gap = 1e6;
+  params.index.first_models = 4;
+  params.index.sure_probability = 0;
+  params.registration.consensus.surface_score = true;
+  const GlobalLocalization localization(map, params);
+  const View view = query(1, 0.4, 77);
+  std::size_t asked = 0;
+  localization.localizeBy(
+      [&](const std::vector<Candidate>& candidates) {
+        asked += candidates.size();
+        return localization.registerWith(candidates, view, localization.prior());
+      },
+      view);
+  EXPECT_EQ(asked, localization.candidates(view).size());
+  EXPECT_GT(asked, 4u);
+}
+
 TEST_F(PlaceIndexOfRooms, ASmallMapIsSearchedAsAWhole) {
   GlobalLocalizationParams small;
   small.index.exhaustive_up_to = static_cast<int>(map->models.size());

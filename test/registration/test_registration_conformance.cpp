@@ -351,6 +351,36 @@ TYPED_TEST(OurRegistration, IndicesOutsideTheSourceLeaveNothingOfTheCallBefore) 
   this->expectNoAnswer();
 }
 
+TYPED_TEST(OurRegistration, IndicesHoldForEveryCloudThatTheyFit) {
+  const auto size = this->source->size();
+  const auto chosen = pcl::make_shared<pcl::Indices>();
+  for (std::size_t i = 0; i + 1 < size; ++i) chosen->push_back(static_cast<int>(i));
+  const auto alignedPoints = [this] {
+    this->registration->align(this->output);
+    EXPECT_TRUE(this->registration->hasConverged()) << this->ranked().getStatus();
+    return this->output.size();
+  };
+  this->alignGoodClouds();
+  this->registration->setIndices(chosen);
+  EXPECT_EQ(alignedPoints(), size - 1);
+  // A frame without points, or with too few, is no reason to forget them.
+  this->registration->setInputSource(pcl::make_shared<typename TestFixture::Points>());
+  this->registration->align(this->output);
+  this->expectNoAnswer();
+  this->registration->setInputSource(this->source);
+  EXPECT_EQ(alignedPoints(), size - 1);
+  // No indices mean all points, also after wrong ones and for clouds of any size.
+  this->registration->setIndices(pcl::make_shared<pcl::Indices>(pcl::Indices{-1}));
+  this->registration->setIndices(pcl::IndicesPtr());
+  EXPECT_EQ(alignedPoints(), size);
+  const auto one = pcl::make_shared<typename TestFixture::Points>(1, 1, this->source->front());
+  this->registration->setInputSource(one);
+  this->registration->align(this->output);
+  EXPECT_THAT(this->ranked().getStatus(), testing::Not(testing::HasSubstr("indices")));
+  this->registration->setInputSource(this->source);
+  EXPECT_EQ(alignedPoints(), size);
+}
+
 TYPED_TEST(OurRegistration, AGuessThatIsNoPoseHasNoAnswerAndMovesNothing) {
   Eigen::Matrix4f mirror = Eigen::Matrix4f::Identity(), scale = mirror, sheared = mirror;
   mirror(0, 0) = -1;
@@ -393,6 +423,13 @@ TYPED_TEST(OurRegistration, FitnessOfCloudsWithHolesOrOfNoneIsNoCrash) {
   this->registration->setInputSource(nullptr);
   this->registration->align(this->output);
   EXPECT_TRUE(this->output.empty());
+  EXPECT_EQ(this->registration->getFitnessScore(), std::numeric_limits<double>::max());
+  auto nothing = pcl::make_shared<typename TestFixture::Points>(*this->target);
+  for (auto& p : *nothing) p.x = p.y = p.z = std::numeric_limits<float>::quiet_NaN();
+  nothing->is_dense = false;
+  this->registration->setInputSource(this->source);
+  this->registration->setInputTarget(nothing);
+  this->registration->align(this->output);
   EXPECT_EQ(this->registration->getFitnessScore(), std::numeric_limits<double>::max());
 }
 

@@ -39,7 +39,8 @@ public:
   using Base::radiusSearch;
   int nearestKSearch(const PointT& point, int k, pcl::Indices& indices,
                      std::vector<float>& distances) const override {
-    if (isSearchable(point)) return Base::nearestKSearch(point, k, indices, distances);
+    if (isSearchable(point) && Base::nearestKSearch(point, k, indices, distances) > 0)
+      return static_cast<int>(indices.size());
     indices.clear();
     distances.assign(1, std::numeric_limits<float>::infinity());  // getFitnessScore() looks at the first
     return 0;
@@ -134,6 +135,7 @@ protected:
   void computeTransformation(PointCloudSource& output, const Matrix4& guess) override;
 
   using Base::converged_;
+  using Base::fake_indices_;
   using Base::final_transformation_;
   using Base::indices_;
   using Base::input_;
@@ -146,8 +148,10 @@ protected:
 
 private:
   void reset(const std::string& reason);
-  void checkIndices();
+  void rememberIndices();
+  void applyIndices();
 
+  pcl::IndicesPtr chosen_;  // the points of the source that count; null = all
   bool indices_fit_ = true;
   GlobalLocalizationParams params_;
   std::optional<Matrix6d> prior_covariance_;

@@ -29,7 +29,7 @@ void RankedRegistration<PointT>::setInputSource(const PointCloudSourceConstPtr& 
     Base::setInputSource(cloud);
   else
     input_ = pcl::make_shared<PointCloudSource>();  // PCL would keep the old cloud and align that
-  if (indices_fit_) checkIndices();                 // else they are wrong until others are set
+  applyIndices();
 }
 
 template <typename PointT>
@@ -43,33 +43,45 @@ void RankedRegistration<PointT>::setInputTarget(const PointCloudTargetConstPtr& 
 template <typename PointT>
 void RankedRegistration<PointT>::setIndices(const pcl::IndicesPtr& indices) {
   Base::setIndices(indices);
-  checkIndices();
+  rememberIndices();
 }
 template <typename PointT>
 void RankedRegistration<PointT>::setIndices(const pcl::IndicesConstPtr& indices) {
   Base::setIndices(indices);
-  checkIndices();
+  rememberIndices();
 }
 template <typename PointT>
 void RankedRegistration<PointT>::setIndices(const pcl::PointIndicesConstPtr& indices) {
   Base::setIndices(indices);
-  checkIndices();
+  rememberIndices();
 }
 template <typename PointT>
 void RankedRegistration<PointT>::setIndices(std::size_t row, std::size_t column, std::size_t rows,
                                             std::size_t columns) {
   Base::setIndices(row, column, rows, columns);
-  checkIndices();
+  rememberIndices();
 }
 
-// PCL's align() copies the points before computeTransformation() could look at their indices.
 template <typename PointT>
-void RankedRegistration<PointT>::checkIndices() {
-  if (!use_indices_ || !indices_ || !input_) return;
+void RankedRegistration<PointT>::rememberIndices() {
+  chosen_ = indices_;
+  applyIndices();
+}
+
+// PCL's align() copies the points before computeTransformation() could look at their indices, and makes some
+// for all points if there are none, which would stay when another cloud is set.
+template <typename PointT>
+void RankedRegistration<PointT>::applyIndices() {
+  indices_ = chosen_;
+  use_indices_ = chosen_ != nullptr;
+  fake_indices_ = false;
+  indices_fit_ = true;
+  if (!chosen_ || !input_) return;
   const auto size = static_cast<std::int64_t>(input_->size());
-  indices_fit_ =
-      std::all_of(indices_->begin(), indices_->end(), [size](auto i) { return 0 <= i && i < size; });
-  if (!indices_fit_) indices_ = pcl::make_shared<pcl::Indices>();
+  const auto fits = [size](auto i) { return 0 <= i && i < size; };
+  if (std::all_of(chosen_->begin(), chosen_->end(), fits)) return;
+  indices_ = pcl::make_shared<pcl::Indices>();
+  indices_fit_ = size == 0;  // an empty cloud is a fault of its own
 }
 
 template <typename PointT>
