@@ -45,17 +45,15 @@ void requireReplaceable(const std::filesystem::path& path) {
 }  // namespace
 
 void createFolders(const std::filesystem::path& folder) {
-  std::error_code error;
+  std::error_code error, ignored;
   std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder))
+  if (!std::filesystem::is_directory(folder, ignored))
     throw IoError(folder.string(), "cannot be created: " + (error ? error.message() : "it is a file"));
 }
 
 void writeAtomically(const std::filesystem::path& asked,
                      const std::function<void(const std::filesystem::path& temporary)>& write) {
-  // A link stays one: what it leads to is replaced.
-  const std::filesystem::path path =
-      std::filesystem::is_symlink(asked) ? std::filesystem::weakly_canonical(asked) : asked;
+  const std::filesystem::path path = files::linkedFrom(asked);
   files::requireFolderOf(path);
   requireReplaceable(path);
   TemporaryFile temporary(path.string() + ".tmp");

@@ -164,8 +164,11 @@ DepthSequence DepthSequence::open(const std::filesystem::path& path) {
 
   if (const auto file = findBeside(images, asked, kCameraFile)) sequence.camera_ = readCameraFile(*file);
   // Indices are no times: poses would be matched to them at random.
-  if (const auto file = findBeside(images, asked, kGroundTruthFile); file && sequence.stamped_)
-    sequence.ground_truth_ = readTumTrajectory(*file);
+  if (const auto file = findBeside(images, asked, kGroundTruthFile); file && sequence.stamped_) try {
+      sequence.ground_truth_ = readTumTrajectory(*file);
+    } catch (const IoError&) {  // of no matter to those who do not ask for poses
+      sequence.ground_truth_fault_ = std::current_exception();
+    }
   const bool needs_camera = std::any_of(sequence.frames_.begin(), sequence.frames_.end(),
                                         [](const FrameFile& frame) { return isPng(frame.path); });
   if (needs_camera && !sequence.camera_)
@@ -186,6 +189,11 @@ void DepthSequence::openRecording(const fs::path& path) {
     const std::string number = "frame_" + std::to_string(i);
     frames_.push_back({ascending ? text::decimals(recording_->stamp(i), kStampDigits) : number, path, 0});
   }
+}
+
+const Trajectory& DepthSequence::groundTruth() const {
+  if (ground_truth_fault_) std::rethrow_exception(ground_truth_fault_);
+  return ground_truth_;
 }
 
 DepthImage DepthSequence::load(std::size_t index, int working_width) const {

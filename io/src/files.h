@@ -35,6 +35,16 @@ inline void requireFolderOf(const std::filesystem::path& path) {
     throw IoError(path.string(), "its folder " + folder.string() + " does not exist");
 }
 
+/** \brief Where a file would be written: a link stays one, and what it leads to, which may not be there yet,
+ * is replaced. */
+inline std::filesystem::path linkedFrom(std::filesystem::path path) {
+  constexpr int kMostLinks = 40;  // as the kernel's
+  std::error_code error;
+  for (int i = 0; i < kMostLinks && std::filesystem::is_symlink(path, error); ++i)
+    path = path.parent_path() / std::filesystem::read_symlink(path, error);
+  return path;
+}
+
 /** \brief A whole text file, without the byte order mark that some editors put in front. */
 inline std::string readText(const std::filesystem::path& path) {
   requireFile(path);

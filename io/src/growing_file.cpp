@@ -7,6 +7,7 @@ namespace facetloc {
 
 GrowingFile::GrowingFile(const std::filesystem::path& path, const std::string& header)
     : path_(path), out_(path, std::ios::binary | std::ios::trunc) {
+  if (!out_) throw IoError(path_.string(), "cannot be written: " + files::lastError());
   append(header);
 }
 

@@ -15,11 +15,11 @@ class Pool {
 public:
   void run(std::function<void()> task) {
     const std::lock_guard lock(mutex_);
-    tasks_.push_back(std::move(task));
-    if (tasks_.size() > idle_) {
-      std::thread([this] { work(); }).detach();
+    if (tasks_.size() >= idle_) {
+      std::thread([this] { work(); }).detach();  // before the task is anywhere: this may throw
       ++idle_;
     }
+    tasks_.push_back(std::move(task));
     given_.notify_one();
   }
 

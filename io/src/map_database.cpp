@@ -22,6 +22,7 @@ using namespace map_connection;
 using namespace map_rows;
 using sqlite::BadCell;
 using sqlite::Connection;
+using sqlite::Snapshot;
 using sqlite::Statement;
 using sqlite::Transaction;
 
@@ -171,7 +172,13 @@ MapDatabase MapDatabase::create(const std::filesystem::path& path, bool overwrit
   if (fs::is_directory(path, ignored)) throw IoError(path.string(), "is a folder, not a file");
   if (fs::exists(path, ignored) && !overwrite) throw IoError(path.string(), "exists already");
   removeWithJournal(path);
-  return MapDatabase(std::make_unique<Impl>(Impl{map_connection::create(path, path)}));
+  try {
+    return MapDatabase(std::make_unique<Impl>(Impl{map_connection::create(path, path)}));
+  } catch (const IoError&) {
+    fs::remove(path, ignored);  // it is no map, and would be in the way of the next one
+    fs::remove(journalOf(path), ignored);
+    throw;
+  }
 }
 
 MapDatabase MapDatabase::open(const std::filesystem::path& path) {
@@ -231,6 +238,7 @@ std::vector<std::string> MapDatabase::modelNames() const {
 
 Map readMap(const std::filesystem::path& path) {
   Connection db = openForReading(path);
+  const Snapshot snapshot(db);
   MapReader reader(db);
   Map map = reader.read();
   reader.requireSound();
@@ -266,6 +274,7 @@ void writeMap(const fs::path& path, const Map& map) {
 
 std::vector<std::string> checkMap(const std::filesystem::path& path) {
   Connection db = openForReading(path);
+  const Snapshot snapshot(db);
   std::vector<std::string> faults;
   try {
     append(faults, integrityFaults(db));

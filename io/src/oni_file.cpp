@@ -245,6 +245,10 @@ std::vector<std::uint16_t> OniFile::readRaw(std::size_t index) const {
   return depth;
 }
 
+void OniFile::requireSound() const {
+  for (std::size_t i = 0; i < size(); ++i) readRaw(i);
+}
+
 DepthImage OniFile::read(std::size_t index) const {
   const std::vector<std::uint16_t> raw = readRaw(index);
   DepthImage image{camera_, std::vector<float>(raw.size())};

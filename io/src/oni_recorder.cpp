@@ -91,6 +91,15 @@ void OniRecorder::start(const std::string& device_uri) {
   require(r.recorder.start() == ok, part_, "cannot be recorded to");
   require(waitForStart(part_), part_, "cannot be recorded to");
   require(r.depth.start() == ok, device_uri, "cannot be started");
+  const openni::VideoMode mode = r.depth.getVideoMode();
+  frame_size_ = sizeof(std::uint16_t) * static_cast<std::uintmax_t>(mode.getResolutionX()) *
+                static_cast<std::uintmax_t>(mode.getResolutionY());
+}
+
+bool OniRecorder::hasRoom() const {
+  std::error_code error;
+  const auto space = std::filesystem::space(part_, error);
+  return error || space.available >= frame_size_;
 }
 
 OniRecorder::~OniRecorder() noexcept {

@@ -78,7 +78,7 @@ std::string checkedId(const std::string& device_id) {
   if (absolute.size() > kLongestUri)
     throw IoError(device_id, "its path is longer than the " + std::to_string(kLongestUri) +
                                  " characters that OpenNI2 has room for");
-  if (isRecording(path)) OniFile::open(path);  // the player crashes or hangs on what is none
+  if (isRecording(path)) OniFile::open(path).requireSound();  // the player crashes or hangs on what is none
   return absolute;
 }
 

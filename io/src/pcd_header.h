@@ -109,9 +109,12 @@ private:
                            counts_.size() == fields_ && std::all_of(sizes_.begin(), sizes_.end(), isSize) &&
                            std::all_of(counts_.begin(), counts_.end(), isCount);
     if (!fields_ok) fail("has a corrupt header: FIELDS, SIZE, TYPE and COUNT do not fit together");
-    if (width_ < 1 || width_ > kMaxSide || height_ < 1 || height_ > kMaxSide || points_ != width_ * height_)
+    const bool of_one_row = height_ == 1;  // a cloud that is not organized may have any number of points
+    const bool sides_ok = width_ >= 1 && width_ <= (of_one_row ? kMaxDataBytes : kMaxSide) && height_ >= 1 &&
+                          height_ <= kMaxSide;
+    if (!sides_ok || points_ != width_ * height_)
       fail("has a corrupt header: WIDTH, HEIGHT and POINTS do not fit together");
-    if (points_ * step() > kMaxDataBytes) fail("has a corrupt header: it promises too many points");
+    if (points_ > kMaxDataBytes / step()) fail("has a corrupt header: it promises too many points");
   }
 
   std::uint64_t step() const {

@@ -183,6 +183,18 @@ private:
   bool committed_ = false;
 };
 
+/** \brief All that is read while it lives is of one time, whoever else writes meanwhile; they wait for it. */
+class Snapshot {
+public:
+  explicit Snapshot(Connection& db) : db_(db) { db_.execute("BEGIN"); }
+  Snapshot(const Snapshot&) = delete;
+  Snapshot& operator=(const Snapshot&) = delete;
+  ~Snapshot() { sqlite3_exec(db_.handle(), "ROLLBACK", nullptr, nullptr, nullptr); }
+
+private:
+  Connection& db_;
+};
+
 /** \brief Files of an older format lack some. */
 inline bool hasTable(Connection& db, const std::string& name) {
   Statement table(db,

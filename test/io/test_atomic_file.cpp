@@ -44,6 +44,27 @@ TEST(AtomicFile, AFailedWriterLeavesTheOlderFileAndNoTemporaryOne) {
   EXPECT_EQ(folder.count(), 1);
 }
 
+TEST(AtomicFile, ALinkStaysOneAndWhatItLeadsToIsWritten) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "elsewhere");
+  putBytes(folder / "elsewhere/there", "old");
+  std::filesystem::create_symlink("elsewhere/there", folder / "a");
+  std::filesystem::create_symlink("elsewhere/not_yet", folder / "b");
+  for (const char* link : {"a", "b"}) {
+    writeTextAtomically(folder / link, [](std::ostream& out) { out << "new"; });
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / link)) << link;
+    EXPECT_EQ(bytesOf(folder / link), "new") << link;
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder / "elsewhere/not_yet"));
+}
+
+TEST(AtomicFile, ANameThatIsTooLongIsAnErrorLikeAnyOther) {
+  const TemporaryFolder folder;
+  const auto path = folder / std::string(300, 'x');
+  EXPECT_THAT(ioErrorOf([&] { createFolders(path); }), HasSubstr("xxx"));
+  EXPECT_THAT(ioErrorOf([&] { writeTextAtomically(path, [](std::ostream&) {}); }), HasSubstr("xxx"));
+}
+
 TEST(AtomicFile, MissingFolderIsAnError) {
   const TemporaryFolder folder;
   const auto message = ioErrorOf([&] { writeTextAtomically(folder / "none/a.txt", [](std::ostream&) {}); });

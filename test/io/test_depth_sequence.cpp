@@ -166,6 +166,16 @@ TEST_F(Sequence, ALinkThatLeadsNowhereFailsWhenItIsRead) {
   EXPECT_THROW(sequence.load(1), IoError);
 }
 
+TEST_F(Sequence, ATrajectoryThatCannotBeReadIsAnErrorForWhoAsksForIt) {
+  putPng("1.0.png");
+  putCamera();
+  putBytes(folder_ / "groundtruth.txt", "1 1 2 3 0 0 0 2\n");
+  const DepthSequence sequence = DepthSequence::open(folder_ / "");
+  EXPECT_FALSE(sequence.load(0).empty());
+  for (int i = 0; i < 2; ++i)
+    EXPECT_THAT(ioErrorOf([&] { sequence.groundTruth(); }), HasSubstr("groundtruth.txt: line 1"));
+}
+
 TEST_F(Sequence, ListsAreRelativeToThemselvesAndKeepTheirOrder) {
   putPng("a/z.png");
   putPcd("b/y.pcd");
@@ -343,6 +353,10 @@ TEST_F(Pcd, FaultsAreToldWithTheFile) {
   EXPECT_THAT(errorOf(replaced(asciiPcd(), "x y z", "a b c")), HasSubstr("no field x"));
   EXPECT_THAT(errorOf(replaced(asciiPcd(), "WIDTH 3\nHEIGHT 2", "WIDTH 6\nHEIGHT 1")),
               HasSubstr("not an organized"));
+  std::string large = replaced(replaced(asciiPcd(), "WIDTH 3\nHEIGHT 2", "WIDTH 70000\nHEIGHT 1"), "POINTS 6",
+                               "POINTS 70000");
+  for (int i = 6; i < 70000; ++i) large += "0 0 2\n";
+  EXPECT_THAT(errorOf(large), HasSubstr("not an organized cloud (70000x1)"));
   EXPECT_THAT(ioErrorOf([this] { readDepthPcd(folder_ / "none.pcd"); }), HasSubstr("does not exist"));
   EXPECT_THAT(ioErrorOf([this] { readDepthPcd(folder_.path()); }), HasSubstr("folder"));
 }

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -576,6 +577,47 @@ TEST_F(MapFile, AnUnfinishedTransactionIsRolledBack) {
   EXPECT_THAT(checkMap(killed), IsEmpty());
   EXPECT_EQ(bytesOf(killed), bytesOf(path_));
   EXPECT_EQ(readMap(killed).models.size(), 3u);
+}
+
+TEST_F(MapFile, AReaderSeesTheMapOfOneTimeWhoeverWrites) {
+  writeExample(3);
+  std::atomic<bool> done = false;
+  std::thread writer([&] {
+    MapDatabase map = MapDatabase::open(path_);
+    for (int i = 0; i < 150; ++i) {
+      LocalModel model = ExampleMap(9).model("more" + std::to_string(i));
+      map.add(model);
+    }
+    done = true;
+  });
+  std::size_t models = 0;
+  while (!done) {
+    const Map map = readMap(path_);  // throws if segments of a model are there that itself is not
+    EXPECT_GE(map.models.size(), models);
+    models = map.models.size();
+    EXPECT_GE(openMap(path_, 1).models.size(), models);
+  }
+  writer.join();
+}
+
+TEST_F(MapFile, AMapThatCannotBeCreatedLeavesNoFile) {
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    const rlimit none = {4096, 4096};  // less than a map takes
+    std::signal(SIGXFSZ, SIG_IGN);
+    setrlimit(RLIMIT_FSIZE, &none);
+    try {
+      MapDatabase::create(path_);
+    } catch (const IoError&) {
+      _exit(std::filesystem::exists(path_) ? 2 : 0);
+    }
+    _exit(1);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
 TEST_F(MapFile, ManyReadersAtOnce) {

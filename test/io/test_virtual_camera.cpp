@@ -348,7 +348,9 @@ TEST_F(VirtualCamera, KeepsWhatADiskHasRoomForAndSaysThatItIsFull) {
   grabber.trigger(0);
   const fs::path file = folder_ / "disk" / "a.oni";
   OniRecorder recorder(grabber.uri(), file);
+  EXPECT_TRUE(recorder.hasRoom());
   EXPECT_EQ(triggered(grabber, 60).size(), 60u);
+  EXPECT_FALSE(recorder.hasRoom());
   EXPECT_THAT(ioErrorOf([&] { recorder.stop(); }), HasSubstr("the disk is full"));
   const OniFile oni = OniFile::open(file);
   EXPECT_LT(oni.size(), 60u);

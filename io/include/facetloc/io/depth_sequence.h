@@ -5,6 +5,7 @@
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/trajectory.h>
 
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -38,7 +39,8 @@ public:
 
   const std::vector<FrameFile>& frames() const { return frames_; }
   const std::optional<CameraFile>& camera() const { return camera_; }
-  const Trajectory& groundTruth() const { return ground_truth_; }
+  /** \brief Empty if there is none. Throws IoError if there is one that cannot be read. */
+  const Trajectory& groundTruth() const;
   /** \brief Are the stamps times, rather than indices? Without times no poses can be matched. */
   bool stamped() const { return stamped_; }
 
@@ -54,6 +56,7 @@ private:
   std::shared_ptr<const OniFile> recording_;  // that all frames are in, if they are
   std::optional<CameraFile> camera_;
   Trajectory ground_truth_;
+  std::exception_ptr ground_truth_fault_;  // why it could not be read, if it could not
   bool stamped_ = false;
 };
 

@@ -38,6 +38,8 @@ public:
   /** \brief The numbers of a frame as they were recorded, row-major, 0 = not measured; millimetres() each. */
   std::vector<std::uint16_t> readRaw(std::size_t index) const;
   double millimetres() const { return millimetres_; }
+  /** \brief Reads all frames. Throws IoError, which tells its number, for the first one that is corrupt. */
+  void requireSound() const;
   /** \brief The bytes that the recording takes; OpenNI2 leaves as many zeros behind them. */
   std::uint64_t bytes() const { return bytes_; }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -22,6 +23,10 @@ public:
   OniRecorder(const OniRecorder&) = delete;
   OniRecorder& operator=(const OniRecorder&) = delete;
 
+  /** \brief Is there room on the disk for another frame, however badly it packs? Without it, OpenNI2 loses
+   * frames and does not say so. */
+  bool hasRoom() const;
+
   /** \brief Finishes the file; at most once does anything.
    * \return the number of frames in it; with none there is no file.
    * Throws IoError if it is not whole, such as when the disk is full; what there was room for is kept. */
@@ -34,6 +39,7 @@ private:
   std::filesystem::path file_, part_;
   std::unique_ptr<Recording> recording_;
   std::size_t frames_ = 0;
+  std::uintmax_t frame_size_ = 0;  // unpacked [bytes]
 };
 
 }  // namespace facetloc
