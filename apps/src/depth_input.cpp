@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/apps/depth_input.h>
+#include <facetloc/apps/provenance.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/map_database.h>
 
@@ -33,8 +34,16 @@ ViewParams withDistortionOf(const Map& map, ViewParams params) {
 
 Map openMapFor(const std::optional<CameraFile>& camera, const std::string& path, const Console& console) {
   Map map = openMap(path);
+  noteUnfinished(map, path, console);
   dropOtherMounting(camera, map, console);
   return map;
+}
+
+void noteUnfinished(const Map& map, const std::string& path, const Console& console) {
+  const auto state = map.meta.find(kStateKey);
+  if (state != map.meta.end() && state->second == kUnderWay)
+    console.note(path + ": its build has not ended, or was interrupted: it has " +
+                 counted(map.models.size(), "local model") + " so far; facetloc_map build --resume goes on");
 }
 
 void dropOtherMounting(const std::optional<CameraFile>& camera, Map& map, const Console& console) {

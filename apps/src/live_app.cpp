@@ -3,6 +3,7 @@
 
 #include <facetloc/apps/live_app.h>
 #include <facetloc/apps/outputs.h>
+#include <facetloc/apps/provenance.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 
@@ -72,8 +73,10 @@ int LiveApp::execute(const CommandLine& line, const Console& console) {
   for (const std::string* folder : {&options.results, &options.screenshots})
     if (!folder->empty()) createFolders(*folder);
   const fs::path played = options.source.device, depth = played / "depth";
-  if (!options.screenshots.empty() && fs::is_directory(played))
-    requireOtherFolder(options.screenshots, fs::is_directory(depth) ? depth : played);
+  for (const std::string* folder : {&options.results, &options.screenshots})
+    if (!folder->empty() && fs::is_directory(played))
+      requireOtherFolder(*folder, fs::is_directory(depth) ? depth : played);
+  if (!options.results.empty()) Provenance::requireNotReplaced(line.paramsFile(), options.results);
   if (fs::exists(options.recording)) throw IoError(options.recording, "exists already");
 
   LiveAlgorithms algorithms;

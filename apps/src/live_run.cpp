@@ -41,7 +41,10 @@ fs::path unused(const fs::path& file) {
 
 LiveRun::LiveRun(const LiveRunOptions& options, LiveAlgorithms algorithms, const Console& console)
     : options_(options), algorithms_(std::move(algorithms)), console_(console), status_(console) {
-  if (!options_.map.empty()) map_ = std::make_shared<Map>(openMap(options_.map));
+  if (!options_.map.empty()) {
+    map_ = std::make_shared<Map>(openMap(options_.map));
+    noteUnfinished(*map_, options_.map, console_);
+  }
   if (!options_.headless) {
     if (!displayUsable())
       throw std::runtime_error("no X server can be reached (DISPLAY); without a window: --headless");
@@ -74,6 +77,7 @@ bool LiveRun::openSource() {
       return true;
     } catch (const IoError& e) {
       if (!options_.wait) throw;
+      if (!begin_) begin_ = Clock::now();  // to wait takes of the time that it has
       tellThatItWaits(e.what());
     }
     pause();
@@ -191,7 +195,7 @@ void LiveRun::run() {
 /** Of images that could not be read, the source tells the last one. */
 void LiveRun::tellWhatIsMissing() {
   const std::string cause = source_->lastError();
-  if (session_->mailbox().counts().received == 0)
+  if (sourceEnded() && session_->mailbox().counts().received == 0)
     throw IoError(source_->name(), "ended without a frame" + (cause.empty() ? "" : ": " + cause));
   if (cause.empty()) return;
   status_.clear();
@@ -199,13 +203,17 @@ void LiveRun::tellWhatIsMissing() {
 }
 
 void LiveRun::loop() {
-  while (!stopAsked() && !timeIsUp() && !session_->done()) {
-    if (sourceEnded()) return tellWhatIsMissing();
+  while (!stopAsked() && !timeIsUp() && !session_->done() && !sourceEnded()) {
     const std::string problem = sourceProblem();
     if (!problem.empty()) throw SourceError(problem);
+    if (recorder_ && !recorder_->hasRoom()) {
+      stopRecording();
+      throw IoError(recording_.string(), "the disk is full: what there was room for is recorded");
+    }
     tick();
     std::this_thread::sleep_for(kTick);
   }
+  tellWhatIsMissing();
 }
 
 void LiveRun::tick() {

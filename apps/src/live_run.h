@@ -73,7 +73,7 @@ private:
   std::optional<std::uint64_t> told_at_;  // frames received when it was last told that it waits
   std::shared_ptr<Map> map_;
   std::optional<OffscreenDisplay> display_;
-  std::optional<Clock::time_point> begin_;  // when the first source was opened
+  std::optional<Clock::time_point> begin_;  // when the first source was opened, or first waited for
   Clock::time_point source_start_;
 
   // Frames go from the source to the session, and results from there to the mailboxes.

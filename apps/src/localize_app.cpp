@@ -4,6 +4,7 @@
 #include <facetloc/apps/batch.h>
 #include <facetloc/apps/localization_report.h>
 #include <facetloc/apps/localize_app.h>
+#include <facetloc/apps/outputs.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/text.h>
@@ -101,14 +102,16 @@ std::vector<FrameResult> LocalizeApp::startWith(const std::map<std::string, Fram
 }
 
 /** Begins a run, or goes on with an earlier one, so that what is in the folder belongs together whenever it
- * is interrupted. \param journal is left alone if all is done already. */
+ * is interrupted. \param journal is left alone if all is done already and there is nothing else. */
 std::vector<FrameResult> LocalizeApp::begin(const std::vector<FrameFile>& frames,
                                             const Provenance& provenance, ResultsJournal& journal,
                                             std::vector<std::size_t>& todo) const {
   createFolders(folder_);
+  for (const FrameFile& frame : frames) requireOtherFolder(folder_, frame.path.parent_path());
   const auto earlier = earlierResults(journal, provenance);
   std::vector<FrameResult> results = startWith(earlier, frames, todo);
-  if (!todo.empty() || journal.exists()) {
+  const bool has_others = earlier.size() + todo.size() > frames.size();  // of images that are not there now
+  if (!todo.empty() || has_others || journal.exists()) {
     if (earlier.empty()) removeResults(folder_);
     journal.begin(earlier);
     provenance.write(folder_);

@@ -172,6 +172,7 @@ void MapCheckApp::addOptions(CommandLine& line) { line.addArgument("MAP.flmap", 
 
 int MapCheckApp::execute(const CommandLine&, const Console& console) {
   const std::vector<std::string> faults = checkMap(map_);
+  if (faults.empty()) noteUnfinished(openMap(map_), map_, console);
   for (const std::string& fault : faults) console.out << fault << "\n";
   console.out << map_ << ": " << (faults.empty() ? "sound" : counted(faults.size(), "fault")) << "\n";
   return faults.empty() ? kOk : kFailed;

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <utility>
 
 namespace facetloc {
 namespace {
@@ -25,6 +26,17 @@ constexpr std::size_t kImagesPerThread = 8;      // views kept in memory until t
 bool samePose(const std::optional<Eigen::Isometry3d>& a, const std::optional<Eigen::Isometry3d>& b) {
   if (!a || !b) return !a && !b;
   return (a->matrix() - b->matrix()).cwiseAbs().maxCoeff() < kSamePose;
+}
+
+// An empty file holds nothing that could be lost.
+bool isThere(const fs::path& path) {
+  return fs::exists(path) && !(fs::is_regular_file(path) && fs::file_size(path) == 0);
+}
+
+// Of a build that came to nothing.
+void removeWithoutModels(const fs::path& path) try {
+  if (openMap(path).models.empty()) fs::remove(path);
+} catch (const std::exception&) {  // what ended the build is told
 }
 
 }  // namespace
@@ -47,6 +59,8 @@ public:
     for (std::size_t i = 0; i < present.models.size(); ++i)
       index_[present.models[i].name] = static_cast<int>(i);
     for (const Link& link : present.links) links_.emplace(link.from, link.to);
+    const auto state = present.meta.find(kStateKey);
+    whole_ = state == present.meta.end() || state->second == kWhole;
   }
 
   bool has(const std::string& name) const { return index_.count(name) > 0; }
@@ -55,6 +69,7 @@ public:
   std::vector<std::string> names() const { return database_.modelNames(); }
 
   void add(const PackedModel& packed) {
+    if (std::exchange(whole_, false)) database_.setMeta(kStateKey, kUnderWay);
     const LocalModel& model = packed.model;
     index_[model.name] = database_.add(packed);
     ++added_;
@@ -68,6 +83,9 @@ public:
     latest_ = current;
     T_w_latest_ = T_w_m;
   }
+  void finish() {
+    if (!std::exchange(whole_, true)) database_.setMeta(kStateKey, kWhole);
+  }
 
 private:
   MapDatabase database_;
@@ -77,6 +95,7 @@ private:
   int latest_ = -1;
   std::optional<Eigen::Isometry3d> T_w_latest_;
   std::size_t added_ = 0;
+  bool whole_ = true;
 };
 
 MapBuildApp::MapBuildApp()
@@ -153,7 +172,7 @@ bool MapBuildApp::madeOf(const Map& present, const DepthSequence& sequence,
 MapDatabase MapBuildApp::openDatabase(const fs::path& path, const DepthSequence& sequence,
                                       const std::vector<Candidate>& candidates,
                                       const std::string& parameters) const {
-  if (!resume_ || !fs::exists(path)) return createDatabase(path, sequence, parameters, overwrite_);
+  if (!resume_ || !isThere(path)) return createDatabase(path, sequence, parameters, overwrite_);
   const Map present = openMap(path);
   if (present.models.empty())
     return createDatabase(path, sequence, parameters, true);  // killed before it began
@@ -171,14 +190,15 @@ MapDatabase MapBuildApp::openDatabase(const fs::path& path, const DepthSequence&
 
 MapDatabase MapBuildApp::createDatabase(const fs::path& path, const DepthSequence& sequence,
                                         const std::string& parameters, bool overwrite) const {
-  if (fs::exists(path) && !overwrite)
+  if (isThere(path) && !overwrite)
     throw IoError(map_, "exists already; give --overwrite to replace it or --resume to go on");
-  MapDatabase database = MapDatabase::create(path, overwrite);
+  MapDatabase database = MapDatabase::create(path, true);
   database.setMeta("software", versionText());
   database.setMeta("source", sequence_);
   if (sequence.camera() && sequence.camera()->mounting) database.setMounting(*sequence.camera()->mounting);
   database.setMeta(kParametersKey, parameters);
   database.setMeta(kImagesKey, toText(imageSizes(sequence)));
+  database.setMeta(kStateKey, kUnderWay);
   return database;
 }
 
@@ -277,6 +297,7 @@ int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence, cons
     fs::remove(path);
     throw IoError(map_, "is not written: none of the images makes a local model");
   }
+  writer.finish();
   writePlaceIndex(path);
   console.out << counted(writer.added(), "local model") << " added from "
               << counted(sequence.frames().size(), "image") << ", " << writer.models() << " in all; map in "
@@ -301,11 +322,18 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   const auto buildAt = [&](const fs::path& path) {
     code = build(path, sequence, selection, view_params, batch, console);
   };
-  if (overwrite_ && fs::exists(map_)) {
+  if (overwrite_ && isThere(map_)) {
     openMap(map_);  // what is no map stays
     replaceMap(map_, buildAt);
-  } else
+    return code;
+  }
+  const bool is_new = !isThere(map_);
+  try {
     buildAt(map_);
+  } catch (...) {
+    if (is_new) removeWithoutModels(map_);
+    throw;
+  }
   return code;
 }
 

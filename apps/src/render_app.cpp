@@ -85,6 +85,10 @@ private:
   int max_hypotheses_ = 1;
 };
 
+void requirePng(const fs::path& output) {
+  if (output.extension() != ".png") throw UsageError("pictures are PNG files: -o " + output.string());
+}
+
 DrawnRun runOf(const fs::path& path) {
   DrawnRun run{"trajectory", {}};
   const Trajectory trajectory = readTumTrajectory(fs::is_directory(path) ? path / "groundtruth.txt" : path);
@@ -124,6 +128,7 @@ void RenderApp::addOptions(CommandLine& line) {
 
 int RenderApp::renderMap(const Console& console) const {
   if (!map_.empty()) throw UsageError("--map goes with images and results; " + input_ + " is a map itself");
+  requirePng(output_);
   requireNoneButPicture(output_);
   const Map map = readMap(input_);
   std::vector<DrawnRun> runs;
@@ -141,9 +146,10 @@ int RenderApp::renderImages(const CommandLine& line, const Console& console) con
   else
     for (std::size_t i = 0; i < sequence.frames().size(); ++i) chosen.push_back(i);
 
-  const bool to_folder = chosen.size() > 1 || fs::is_directory(output_);
+  const bool to_folder = chosen.size() > 1 || fs::is_directory(output_) || !fs::path(output_).has_extension();
   if (to_folder && fs::path(output_).extension() == ".png")
     throw UsageError(input_ + " has several images: -o names a folder, or use --frame");
+  if (!to_folder) requirePng(output_);
   if (to_folder) createFolders(output_);
   const auto pathOf = [&](std::size_t i) {
     return to_folder ? fs::path(output_) / (sequence.frames()[i].name + ".png") : fs::path(output_);

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <map>
 #include <numeric>
+#include <set>
 
 namespace facetloc {
 namespace {
@@ -131,6 +132,12 @@ Provenance SegmentApp::provenance(const std::vector<Image>& images, const Comman
   return provenance;
 }
 
+/** What an image, or one that there was in an earlier run, leaves in the folder. */
+void SegmentApp::removeResultsOf(const std::string& name) const {
+  for (const char* ending : {".segments.pcd", ".png", "_overlay.png"})
+    fs::remove(fs::path(folder_) / (name + ending));
+}
+
 /** Makes the folder of the results. \return which images are still to be done. */
 std::vector<std::size_t> SegmentApp::prepare(const std::vector<Image>& images,
                                              const Provenance& provenance) const {
@@ -140,17 +147,21 @@ std::vector<std::size_t> SegmentApp::prepare(const std::vector<Image>& images,
     requireOtherFolder(folder_, of_images);
     requireOtherFolder(folder_, of_images / ".." / "labels");  // the true ones of a simulated sequence
   }
-  const auto before = resume_ ? Provenance::read(folder_) : std::nullopt;
+  const auto before = Provenance::read(folder_);
   std::vector<std::size_t> todo;
   std::vector<std::string> finished;
   for (std::size_t i = 0; i < images.size(); ++i) {
-    if (before && done(images[i]))
+    if (resume_ && before && done(images[i]))
       finished.push_back(images[i].name);
     else
       todo.push_back(i);
   }
-  if (before) before->requireSame(provenance, finished, folder_);
-  for (const std::size_t i : todo) fs::remove(segmentsOf(images[i]));  // else --resume would take it for done
+  if (resume_ && before) before->requireSame(provenance, finished, folder_);
+  // What is left of other images, or was made with other parameters, would be taken for results of this run.
+  const std::set<std::string> kept(finished.begin(), finished.end());
+  for (const auto& [name, size] : before ? before->images : ImageSizes())
+    if (!kept.count(name)) removeResultsOf(name);
+  for (const std::size_t i : todo) fs::remove(segmentsOf(images[i]));
   provenance.write(folder_);
   return todo;
 }

@@ -361,6 +361,14 @@ TEST_F(LiveTool, WaitsForADeviceUntilToldToStop) {
   EXPECT_EQ(run.err.find("waiting"), run.err.rfind("waiting")) << run.err;
 }
 
+TEST_F(LiveTool, WaitsForADeviceForSoManySecondsOnly) {
+  const auto start = Clock::now();
+  const ToolRun run =
+      runLive({"--device", folder_ / "never.oni", "--headless", "--wait", "--duration", "1.5"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_GE(Clock::now() - start, 1500ms);
+}
+
 TEST_F(LiveTool, SaysThatNoFrameComes) {
   const std::string images = writePclzf(3), results = folder_ / "results";
   const std::vector<std::string> slow = {"--device", images, "--headless", "--speed", "0.001"};
@@ -492,6 +500,9 @@ TEST_F(LiveTool, SaysThatImagesCannotBeRead) {
   EXPECT_THAT(run.err, HasSubstr("frames are missing: "));
   EXPECT_THAT(run.err, HasSubstr(names[7]));
   EXPECT_THAT(lastLine(run.out), HasSubstr("39 frames received"));
+  const ToolRun stopped = runLive({"--device", copy, "--headless", "--max-frames", "30"});
+  EXPECT_EQ(stopped.code, kOk);
+  EXPECT_THAT(stopped.err, HasSubstr(names[7]));
 
   for (const std::string& name : names) test::writeContent(copy + "/depth/" + name, "no PNG at all");
   const ToolRun none = runLive(arguments);

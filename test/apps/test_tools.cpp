@@ -275,6 +275,31 @@ TEST_F(Tools, LocalizeResumesNothingOfOtherInputs) {
   EXPECT_EQ(resume().code, kOk);
 }
 
+TEST_F(Tools, LocalizeResumesWithFewerImages) {
+  const std::string input = folder_ / "input", results = folder_ / "results";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", results}).code, kOk);
+  const fs::path gone = filesOf(input + "/depth").front();
+  fs::remove(gone);
+  const ToolRun run = runTool<LocalizeApp>({map(), input, "-o", results, "--resume"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_EQ(readTiming(results).size(), kFrames - 1u);
+  for (const ResultRow& row : readHypotheses(results)) EXPECT_NE(row.frame, gone.stem());
+  EXPECT_THAT(contentOf(results + "/images.txt"), Not(HasSubstr(gone.stem().string())));
+}
+
+TEST_F(Tools, ATrajectoryThatCannotBeReadStopsOnlyWhoNeedsIt) {
+  const std::string input = folder_ / "input", path = folder_ / "m.flmap";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  test::writeContent(input + "/groundtruth.txt", "timestamp tx ty tz qx qy qz qw\n");
+  EXPECT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "results"}).code, kOk);
+  EXPECT_EQ(runTool<SegmentApp>({input, "-o", folder_ / "out"}).code, kOk);
+  EXPECT_EQ(runMap({"build", input, "-o", path, "--poses", query() + "/groundtruth.txt"}).code, kOk);
+  const ToolRun run = runMap({"build", input, "-o", folder_ / "other.flmap"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, AllOf(HasSubstr("groundtruth.txt"), HasSubstr("line 1")));
+}
+
 TEST_F(Tools, LocalizeResumesWhereItsFilesDiffer) {
   const std::string results = folder_ / "results";
   ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
@@ -395,6 +420,35 @@ TEST_F(Tools, MapBuildRefusesToOverwriteAndResumes) {
             kFailed);  // other parameters
   EXPECT_EQ(runMap({"build", map_run(), "-o", path, "--every", "4", "--overwrite"}).code, kOk);
   EXPECT_EQ(readMap(path).models.size(), 3u);
+}
+
+TEST_F(Tools, MapBuildTakesAnEmptyFileForNone) {
+  const std::string path = folder_ / "m.flmap";
+  for (const char* how : {"", "--resume", "--overwrite"}) {
+    test::writeContent(path, "");
+    std::vector<std::string> arguments = {"build", map_run(), "-o", path, "--every", "3"};
+    if (*how) arguments.push_back(how);
+    const ToolRun run = runMap(arguments);
+    EXPECT_EQ(run.code, kOk) << how << ": " << run.err;
+    EXPECT_EQ(readMap(path).models.size(), 4u);
+  }
+}
+
+TEST_F(Tools, AMapWhoseBuildWasInterruptedIsToldFromAWholeOne) {
+  const std::string path = folder_ / "m.flmap";
+  const std::vector<std::string> build = {"build", map_run(), "-o", path, "--every", "3", "--resume"};
+  const auto told = [&](const ToolRun& run) {
+    EXPECT_EQ(run.code, kOk) << run.err;
+    return run.err.find("its build has not ended") != std::string::npos;
+  };
+  ASSERT_EQ(runMap(build).code, kOk);
+  EXPECT_FALSE(told(runMap({"check", path})));
+  EXPECT_THAT(runMap({"info", path}).out, HasSubstr("state: whole"));
+  MapDatabase::open(path).setMeta("state", "under way");  // as until the build ends
+  EXPECT_TRUE(told(runMap({"check", path})));
+  EXPECT_TRUE(told(runTool<LocalizeApp>({path, firstImage(), "-o", folder_ / "results"})));
+  EXPECT_EQ(runMap(build).code, kOk);
+  EXPECT_FALSE(told(runMap({"check", path})));
 }
 
 TEST_F(Tools, MapBuildLeavesTheOldMapUntilTheNewOneIsThere) {
@@ -632,6 +686,28 @@ TEST_F(Tools, SegmentResumesNothingOfOtherInputs) {
   EXPECT_THAT(resume("320").out, HasSubstr("12 were done before"));
 }
 
+TEST_F(Tools, SegmentLeavesNothingThatIsOfAnotherRun) {
+  const std::string input = folder_ / "input", out = folder_ / "out";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  const fs::path gone = filesOf(input + "/depth").front();
+  const fs::path labels = fs::path(out) / gone.filename();  // as large as the image was taken to be
+  ASSERT_EQ(runTool<SegmentApp>({input, "-o", out, "--labels", "--overlay", "--width", "160"}).code, kOk);
+  EXPECT_EQ(filesOf(out).size(), 3u * kFrames + 2);
+  EXPECT_EQ(readGreyPng(labels, 16).width, 160);
+
+  ASSERT_EQ(runTool<SegmentApp>({input, "-o", out}).code, kOk);
+  EXPECT_EQ(filesOf(out).size(), 1u * kFrames + 2) << "labels of width 160";
+  const ToolRun resumed = runTool<SegmentApp>({input, "-o", out, "--labels", "--resume"});
+  EXPECT_EQ(resumed.code, kOk) << resumed.err;
+  EXPECT_THAT(resumed.out, Not(HasSubstr("done before")));
+  EXPECT_EQ(readGreyPng(labels, 16).width, 320);
+
+  fs::remove(gone);
+  ASSERT_EQ(runTool<SegmentApp>({input, "-o", out, "--labels", "--resume"}).code, kOk);
+  EXPECT_EQ(filesOf(out).size(), 2u * (kFrames - 1) + 2);
+  EXPECT_FALSE(fs::exists(labels));
+}
+
 TEST_F(Tools, SegmentsOfAnEmptyImageAreAValidFile) {
   const std::string input = folder_ / "input";
   fs::create_directories(input);
@@ -746,6 +822,8 @@ TEST_F(Tools, RenderDrawsWhatItIsGiven) {
   const std::string name = fs::path(firstImage()).stem().string();
   EXPECT_TRUE(draws({query(), "--frame", name}, folder_ / "again.png"));
   EXPECT_EQ(contentOf(folder_ / "image.png"), contentOf(folder_ / "again.png"));
+  EXPECT_TRUE(draws({firstImage()}, folder_ / "alone"));
+  EXPECT_EQ(filesOf(folder_ / "alone"), std::vector<fs::path>{folder_ / ("alone/" + name + ".png")});
   EXPECT_TRUE(draws({query()}, folder_ / "all"));
   EXPECT_EQ(filesOf(folder_ / "all").size(), static_cast<std::size_t>(kFrames));
 
@@ -763,6 +841,7 @@ TEST_F(Tools, RenderSaysWhatIsMissing) {
   EXPECT_EQ(runTool<RenderApp>({map(), "-o", map()}).code, kUsage);
   EXPECT_EQ(runTool<RenderApp>({query(), "-o", query() + "/depth"}).code, kUsage);
   EXPECT_EQ(runTool<RenderApp>({query(), "-o", folder_ / "several.png"}).code, kUsage);
+  EXPECT_EQ(runTool<RenderApp>({firstImage(), "-o", folder_ / "image.jpg"}).code, kUsage);
   EXPECT_EQ(runTool<RenderApp>({query(), "--frame", "nowhere", "-o", folder_ / "x.png"}).code, kUsage);
   const ToolRun run = runTool<RenderApp>({folder_ / "nowhere.png", "-o", folder_ / "x.png"});
   EXPECT_EQ(run.code, kFailed);

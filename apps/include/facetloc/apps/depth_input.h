@@ -32,6 +32,9 @@ ViewParams withDistortionOf(const Map& map, ViewParams params);
  * one, and is dropped with a remark if theirs is another or not known. Throws IoError. */
 Map openMapFor(const std::optional<CameraFile>& camera, const std::string& path, const Console& console);
 
+/** \brief Remarks if its build was interrupted. */
+void noteUnfinished(const Map& map, const std::string& path, const Console& console);
+
 /** \brief The same for a map that is read already. */
 void dropOtherMounting(const std::optional<CameraFile>& camera, Map& map, const Console& console);
 

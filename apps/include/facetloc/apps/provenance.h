@@ -18,6 +18,10 @@ namespace facetloc {
 using ImageSizes = std::map<std::string, std::uintmax_t>;
 /** \brief The key in a map's meta of the sizes of the images that it was built of. */
 constexpr const char* kImagesKey = "images";
+/** \brief The key of how far the building of a map has come; kUnderWay until it is whole. */
+constexpr const char* kStateKey = "state";
+constexpr const char* kUnderWay = "under way";
+constexpr const char* kWhole = "whole";
 /** \brief 0 if it is no regular file. */
 std::uintmax_t sizeOf(const FrameFile& image);
 ImageSizes imageSizes(const DepthSequence& sequence);

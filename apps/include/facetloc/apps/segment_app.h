@@ -24,6 +24,7 @@ private:
   std::vector<Image> images(const std::vector<DepthSequence>& sequences) const;
   std::filesystem::path segmentsOf(const Image& image) const;
   bool done(const Image& image) const;
+  void removeResultsOf(const std::string& name) const;
   Provenance provenance(const std::vector<Image>& images, const CommandLine& line) const;
   std::vector<std::size_t> prepare(const std::vector<Image>& images, const Provenance& provenance) const;
 
