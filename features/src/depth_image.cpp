@@ -4,6 +4,8 @@
 #include <facetloc/features/impl/lanes.h>
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 namespace facetloc {
 
@@ -16,13 +18,38 @@ FACETLOC_MULTIVERSION void invertDepth(const float* depth, std::size_t n, float 
   }
 }
 
+namespace {
+
+// The first measured pixel of a block, row by row; 0 if there is none.
+float firstMeasured(const DepthImage& image, int u0, int v0, int step) {
+  const int u1 = std::min(u0 + step, image.camera.width), v1 = std::min(v0 + step, image.camera.height);
+  for (int v = v0; v < v1; ++v)
+    for (int u = u0; u < u1; ++u)
+      if (isMeasured(image.at(u, v))) return image.at(u, v);
+  return 0;
+}
+
+}  // namespace
+
 DepthImage subsampled(const DepthImage& image, int step) {
+  constexpr double kMostLost = 0.2;  // share of the blocks with depth; along the holes of a Kinect it is 0.06
   if (step <= 1 || !image.valid()) return image;
   DepthImage out;
   out.camera = image.camera.subsampled(step);
   out.depth.reserve(static_cast<std::size_t>(out.camera.width) * out.camera.height);
+  std::size_t kept = 0;
+  std::vector<std::pair<std::size_t, float>> lost;  // where a block has depth, but not at its corner
   for (int v = 0; v < image.camera.height; v += step)
-    for (int u = 0; u < image.camera.width; u += step) out.depth.push_back(image.at(u, v));
+    for (int u = 0; u < image.camera.width; u += step) {
+      const float corner = image.at(u, v);
+      if (isMeasured(corner))
+        ++kept;
+      else if (const float other = firstMeasured(image, u, v, step); other > 0)
+        lost.emplace_back(out.depth.size(), other);
+      out.depth.push_back(corner);
+    }
+  if (static_cast<double>(lost.size()) > kMostLost * static_cast<double>(kept + lost.size()))
+    for (const auto& [i, depth] : lost) out.depth[i] = depth;
   return out;
 }
 

@@ -6,6 +6,7 @@
 
 #include <limits>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace facetloc {
@@ -15,7 +16,7 @@ DepthImage counting(int width, int height) {
   DepthImage image;
   image.camera = {width, height, 100, 110, 0.5 * width, 0.5 * height};
   image.depth.resize(static_cast<std::size_t>(width) * height);
-  std::iota(image.depth.begin(), image.depth.end(), 0.f);
+  std::iota(image.depth.begin(), image.depth.end(), 1.f);
   return image;
 }
 
@@ -27,6 +28,30 @@ TEST(DepthImage, SubsamplingTakesPixelsAndNeverAverages) {
     for (int v = 0; v < small.camera.height; ++v)
       for (int u = 0; u < small.camera.width; ++u) EXPECT_EQ(small.at(u, v), full.at(step * u, step * v));
   }
+}
+
+// Half of the pixels are missing, in one hole or here and there.
+TEST(DepthImage, ACameraThatLeavesOutPixelsLosesNoPlanes) {
+  DepthImage hole = counting(40, 40), sparse = hole, stripes = hole;
+  for (int v = 0; v < 40; ++v)
+    for (int u = 0; u < 40; ++u) {
+      const int i = v * 40 + u;
+      hole.depth[i] = u < 21 ? 0.f : 1000.f + static_cast<float>(i);
+      sparse.depth[i] = (3 * u + 7 * v) % 5 < 3 ? std::numeric_limits<float>::quiet_NaN() : hole.depth[i] + 1;
+      stripes.depth[i] = u % 2 == 0 ? 0 : static_cast<float>(i);
+    }
+  const DepthImage of_hole = subsampled(hole, 2), of_sparse = subsampled(sparse, 2),
+                   of_stripes = subsampled(stripes, 2);
+  for (int v = 0; v < 20; ++v)
+    for (int u = 0; u < 20; ++u) {
+      EXPECT_EQ(of_hole.at(u, v), hole.at(2 * u, 2 * v)) << "holes stay as large as they are";
+      EXPECT_EQ(of_stripes.at(u, v), stripes.at(2 * u + 1, 2 * v));
+      float first = sparse.at(2 * u, 2 * v);
+      for (const auto& [x, y] : {std::pair(1, 0), {0, 1}, {1, 1}})
+        if (!isMeasured(first)) first = sparse.at(2 * u + x, 2 * v + y);
+      if (!isMeasured(first)) continue;
+      EXPECT_EQ(of_sparse.at(u, v), first) << u << ", " << v;
+    }
 }
 
 TEST(DepthImage, SubsamplingOfAnEmptyImageIsEmpty) { EXPECT_TRUE(subsampled(DepthImage{}, 2).empty()); }

@@ -31,7 +31,8 @@ inline double scaledPixels(double pixels_at_320x240, const Intrinsics& camera) {
 }
 
 /** \brief Every step-th pixel of every step-th row. Never averages: that would invent depth at silhouettes.
- */
+ * If that lost a fifth of what was measured and more, since the camera leaves out pixels here and there, what
+ * was not measured is taken from the first pixel of its step x step block that was. */
 DepthImage subsampled(const DepthImage& image, int step);
 
 /** \brief How often the working width goes into the image's, which is a step that keeps at least that width;
