@@ -13,8 +13,10 @@ namespace facetloc {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kMinSceneCosine = 0.7;          // normals further apart explain nothing
-constexpr double kParallelSpread = 3 * kDegree;  // width of a direction already seen (METHOD 11.4 (2))
+constexpr double kMinSceneCosine = 0.7;            // normals further apart explain nothing
+constexpr double kParallelSpread = 3 * kDegree;    // width of a direction already seen (METHOD 11.4 (2))
+constexpr double kCoplanarSpread = 1.5 * kDegree;  // of the direction of another part of a plane ...
+constexpr double kCoplanarOffset = 0.03;           // ... and of its offset [m]
 constexpr double kHullMargin = 0.05;  // slack of outlines [m], besides twice the position's uncertainty
 constexpr double kMinVisible = 0.05;  // share of visible samples below which a segment says nothing
 constexpr double kMinLlr = -10, kMaxLlr = 15;  // bounds of a pair's log likelihood ratio (METHOD 11.4 (4))
@@ -29,9 +31,25 @@ double pairLogLikelihood(const PlaneMeasurement& m, const Matrix6d& P, const Con
   return -0.5 * (cholesky.squaredMahalanobis(m.h) + 3 * std::log(2 * kPi) + cholesky.logDeterminant());
 }
 
+// Density of a plane that is another part of one that an earlier segment of the scene shows already, where
+// segment j lies.
+double coplanarDensity(const std::vector<Segment>& scene, std::size_t j) {
+  static const double least_cosine = std::cos(4 * kCoplanarSpread);
+  double most = 0;
+  for (std::size_t i = 0; i < j; ++i) {
+    const double cosine = scene[i].normal().dot(scene[j].normal());
+    if (cosine < least_cosine) continue;
+    const double angle = std::acos(std::min(1.0, cosine)) / kCoplanarSpread;
+    const double offset = scene[i].normal().dot(scene[j].t - scene[i].t) / kCoplanarOffset;
+    most = std::max(most, std::exp(-0.5 * (angle * angle + offset * offset)));
+  }
+  return most / (std::pow(2 * kPi, 1.5) * kCoplanarSpread * kCoplanarSpread * kCoplanarOffset);
+}
+
 // Density of a chance plane with normal u, given the directions that the scene has shown already (METHOD 11.4
-// (2)).
-double chanceDensity(const Eigen::Vector3d& u, const std::vector<Eigen::Vector3d>& seen,
+// (2)) and the density that it is part of a plane that it has shown. Of a wall in pieces, which a noisy
+// camera makes of it, each further one is nearly what chance makes expect, however well it fits.
+double chanceDensity(const Eigen::Vector3d& u, const std::vector<Eigen::Vector3d>& seen, double coplanar,
                      const ConsensusParams& params) {
   const double uniform = 1 / (2 * kPi);
   if (seen.empty()) return uniform / params.max_offset;
@@ -41,7 +59,9 @@ double chanceDensity(const Eigen::Vector3d& u, const std::vector<Eigen::Vector3d
     parallel = std::max(parallel, std::exp(-0.5 * std::pow(angle / kParallelSpread, 2)));
   }
   parallel /= 2 * kPi * kParallelSpread * kParallelSpread;
-  return ((1 - params.parallel_weight) * uniform + params.parallel_weight * parallel) / params.max_offset;
+  const double elsewhere = params.parallel_weight * (1 - params.coplanar_weight);
+  return ((1 - params.parallel_weight) * uniform + elsewhere * parallel) / params.max_offset +
+         params.parallel_weight * params.coplanar_weight * coplanar;
 }
 
 // Is a point, given in the model's frame, in the model's view and not behind something that the model saw?
@@ -108,7 +128,8 @@ double logLikelihoodRatio(const View& scene, const std::vector<std::vector<Eigen
   for (std::size_t j = 0; j < scene.segments.size(); ++j) {
     const Segment& F = scene.segments[j];
     const Eigen::Vector3d u = T_m_c.T.linear() * F.normal();
-    const double log_chance = std::log(chanceDensity(u, seen, params));
+    const double coplanar = params.coplanar_weight > 0 ? coplanarDensity(scene.segments, j) : 0;
+    const double log_chance = std::log(chanceDensity(u, seen, coplanar, params));
     explanations.clear();
     for (const Segment& Fp : model.segments) {
       if (!(u.dot(Fp.normal()) > kMinSceneCosine)) continue;

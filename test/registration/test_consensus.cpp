@@ -118,14 +118,58 @@ TEST(LogLikelihoodRatio, AParallelSegmentIsDiscountedByHowLikelyItIsByChance) {
   // Along a direction already seen, a chance plane follows a normal distribution of 3 deg with probability
   // mu.
   const double uniform = 1 / (2 * kPi), parallel = uniform / std::pow(3 * kDegree, 2);
-  const Segment s = threeWalls()[0];
+  const Segment s = threeWalls()[0], table = rectangle({0, 0.6, 3}, {0, 1, 0}, 1, 0.8, 0, 0.02, 0.02);
   for (const double mu : {0.0, 0.5, 0.8}) {
     ConsensusParams params;
     params.parallel_weight = mu;
-    const double first = llr({s}, threeWalls(), accuratePose(), params);
-    const double second = llr({s, s}, threeWalls(), accuratePose(), params) - first;
-    EXPECT_NEAR(first - second, std::log(((1 - mu) * uniform + mu * parallel) / uniform), 1e-2) << mu;
+    const double share = mu * (1 - params.coplanar_weight);
+    const double alone = llr({table}, {s, table}, accuratePose(), params);
+    const double second =
+        llr({s, table}, {s, table}, accuratePose(), params) - llr({s}, {s, table}, accuratePose(), params);
+    EXPECT_NEAR(alone - second, std::log(((1 - mu) * uniform + share * parallel) / uniform), 1e-2) << mu;
   }
+}
+
+TEST(LogLikelihoodRatio, AnotherPartOfAPlaneIsDiscountedByHowWellThatPlaneIsKnown) {
+  const Segment s = threeWalls()[0];
+  const double uniform = 1 / (2 * kPi * 6), parallel = uniform / std::pow(3 * kDegree, 2);
+  for (const double turn_deg : {0.0, 1.0, 3.0})
+    for (const double offset : {0.0, 0.03, 0.08})
+      for (const double w : {0.0, 0.5, 0.8}) {
+        ConsensusParams params;
+        params.coplanar_weight = w;
+        const double mu = params.parallel_weight, turn = turn_deg * kDegree;
+        const Segment part =
+            rectangle({0, 1 + offset, 3}, {0, std::cos(turn), std::sin(turn)}, 1, 0.8, 0, 0.02, 0.02);
+        // The product of three normal distributions: two slopes of 1.5 deg, an offset of 3 cm.
+        const double coplanar =
+            std::exp(-0.5 * (std::pow(turn / (1.5 * kDegree), 2) + std::pow(offset / 0.03, 2))) /
+            (std::pow(2 * kPi, 1.5) * std::pow(1.5 * kDegree, 2) * 0.03);
+        const double chance = (1 - mu) * uniform +
+                              mu * (1 - w) * parallel * std::exp(-0.5 * std::pow(turn_deg / 3, 2)) +
+                              mu * w * coplanar;
+        const double alone = llr({part}, {part}, accuratePose(), params);
+        const double second =
+            llr({s, part}, {part}, accuratePose(), params) - llr({s}, {part}, accuratePose(), params);
+        if (alone - std::log(chance / uniform) < 3) continue;  // not explained by the pair alone
+        EXPECT_NEAR(alone - second, std::log(chance / uniform), 0.05)
+            << turn_deg << ", " << offset << ", " << w;
+      }
+}
+
+// A wall that is seen in nine pieces is no more evidence than a few walls.
+TEST(LogLikelihoodRatio, AWallInPiecesIsNotAsMuchEvidenceAsThereArePieces) {
+  const Segment wall = threeWalls()[2];
+  std::vector<Segment> pieces;
+  for (int i = 0; i < 9; ++i)
+    pieces.push_back(
+        rectangle({-0.5 + 0.5 * (i % 3), -0.5 + 0.5 * (i / 3), 4}, {0, 0, 1}, 0.25, 0.25, 0, 0.02, 0.02));
+  ConsensusParams each_by_itself;
+  each_by_itself.coplanar_weight = 0;
+  const double one = llr({wall}, {wall}), in_pieces = llr(pieces, {wall});
+  EXPECT_GT(in_pieces, one - 1);
+  EXPECT_LT(in_pieces, 2.5 * one);
+  EXPECT_GT(llr(pieces, {wall}, accuratePose(), each_by_itself), 4.5 * one);
 }
 
 TEST(LogLikelihoodRatio, AnUnexplainedSegmentCannotVeto) {

@@ -19,6 +19,7 @@ struct ConsensusParams {
   double offset_slack = 0.02;      ///< r_o [m]
   double max_offset = 6.0;         ///< rho_max of the chance density [m]
   double parallel_weight = 0.5;  ///< mu: how much a direction already seen explains a further parallel plane
+  double coplanar_weight = 0.8;  ///< of these: another part of the very plane; 0 = METHOD 11.4 (2)
   double free_space_weight = 6.9;   ///< w of the free-space term, in each direction [nats]; 0 = none
   double free_space_share = 0.005;  ///< c_0, a share of contradicting pixels that says little
 
@@ -35,6 +36,8 @@ struct ConsensusParams {
     field("max_offset", p.max_offset, 0.1, 1e3, "Range of offsets of a chance plane [m].");
     field("parallel_weight", p.parallel_weight, 0.0, 0.99,
           "Share of chance planes that are parallel to one already seen.");
+    field("coplanar_weight", p.coplanar_weight, 0.0, 0.99,
+          "Share of those that are another part of it; 0 = each part of a wall is evidence of its own.");
     field(
         "free_space_weight", p.free_space_weight, 0.0, 1e4,
         "Weight of depth pixels that contradict a pose, in each direction [nats]; 0 switches the term off.");
