@@ -238,6 +238,7 @@ std::optional<DistortionEstimate> calibrateDistortion(const std::vector<PosedPic
     if (!p.picture->empty()) used.push_back(p);
   if (used.empty()) return {};
   const Intrinsics& camera = used.front().picture->camera;
+  if (camera.width < 2 || camera.height < 2) return {};  // no field on a line
   if (std::any_of(used.begin(), used.end(),
                   [&](const PosedPicture& p) { return p.picture->camera != camera; }))
     return {};

@@ -137,6 +137,9 @@ TEST_F(DistortionCalibration, NoPicturesOrDifferentCamerasGiveNothing) {
   see(1);
   const DepthPicture empty;
   EXPECT_FALSE(calibrateDistortion({{&empty, Eigen::Isometry3d::Identity()}}, kNoise, kExact));
+  const DepthPicture line = DepthPicture::fromStored({2, 1, 1, 1, 0, 0}, {9000, 9000});
+  const PosedPicture of_line{&line, Eigen::Isometry3d::Identity()};
+  EXPECT_FALSE(calibrateDistortion({of_line, of_line}, kNoise, kExact));
   const DepthPicture other =
       DepthPicture::fromDepth(test::render(test::largeRoom(), test::tinyCamera(), pictures_[0].T_w_c).image);
   pictures_.push_back({&other, pictures_[0].T_w_c});
