@@ -132,8 +132,9 @@ Provenance SegmentApp::provenance(const std::vector<Image>& images, const Comman
   return provenance;
 }
 
-/** What an image, or one that there was in an earlier run, leaves in the folder. */
+/** What an image, or one that there was in an earlier run, has left in the folder, if it has. */
 void SegmentApp::removeResultsOf(const std::string& name) const {
+  if (!fs::exists(fs::path(folder_) / (name + ".segments.pcd"))) return;  // another tool's images
   for (const char* ending : {".segments.pcd", ".png", "_overlay.png"})
     fs::remove(fs::path(folder_) / (name + ending));
 }

@@ -26,7 +26,8 @@ class OpenNIGrabber : public pcl::io::OpenNI2Grabber {
 public:
   /** \brief Opens a device.
    * \param device_id "" (the first device), "#1" (by number), a URI, or the path of what a driver takes for a
-   * device: an .oni recording; with our driver a depth sequence folder or a .scene file.
+   * device: an .oni recording, all of which is read first, since OpenNI2 crashes on a corrupt one; with our
+   * driver a depth sequence folder or a .scene file.
    * \param depth_mode for recordings the default, which is the recorded one.
    * Throws IoError: no device, a file that no driver understands, a mode that the device does not have, ...
    */
