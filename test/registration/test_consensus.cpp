@@ -151,8 +151,9 @@ TEST(LogLikelihoodRatio, AnotherPartOfAPlaneIsDiscountedByHowWellThatPlaneIsKnow
         const double alone = llr({part}, {part}, accuratePose(), params);
         const double second =
             llr({s, part}, {part}, accuratePose(), params) - llr({s}, {part}, accuratePose(), params);
-        if (alone - std::log(chance / uniform) < 3) continue;  // not explained by the pair alone
-        EXPECT_NEAR(alone - second, std::log(chance / uniform), 0.05)
+        const double pi_m = params.match_probability;
+        const double explained = (std::exp(alone) - (1 - pi_m)) / pi_m * uniform / chance;
+        EXPECT_NEAR(second, std::log(1 - pi_m + pi_m * explained), 1e-6)
             << turn_deg << ", " << offset << ", " << w;
       }
 }
