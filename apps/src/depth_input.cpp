@@ -39,13 +39,6 @@ Map openMapFor(const std::optional<CameraFile>& camera, const std::string& path,
   return map;
 }
 
-void noteUnfinished(const Map& map, const std::string& path, const Console& console) {
-  const auto state = map.meta.find(kStateKey);
-  if (state != map.meta.end() && state->second == kUnderWay)
-    console.note(path + ": its build has not ended, or was interrupted: it has " +
-                 counted(map.models.size(), "local model") + " so far; facetloc_map build --resume goes on");
-}
-
 void dropOtherMounting(const std::optional<CameraFile>& camera, Map& map, const Console& console) {
   const std::optional<CameraMounting> mounting = camera ? camera->mounting : std::nullopt;
   if (!map.mounting || (mounting && mounting->agreesWith(*map.mounting))) return;
@@ -55,6 +48,13 @@ void dropOtherMounting(const std::optional<CameraFile>& camera, Map& map, const 
   else
     console.note("the mounting of the images' camera is unknown: the prior is isotropic");
   map.mounting.reset();
+}
+
+void noteUnfinished(const Map& map, const std::string& path, const Console& console) {
+  const auto state = map.meta.find(kStateKey);
+  if (state != map.meta.end() && state->second == kUnderWay)
+    console.note(path + ": its build has not ended, or was interrupted: it has " +
+                 counted(map.models.size(), "local model") + " so far; facetloc_map build --resume goes on");
 }
 
 void requireTolerance(double seconds) {

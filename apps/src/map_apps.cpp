@@ -218,6 +218,7 @@ int MapMergeApp::execute(const CommandLine&, const Console& console) {
   std::vector<std::string> stems;
   for (const std::string& path : maps_) {
     maps.push_back(readMap(path));
+    noteUnfinished(maps.back(), path, console);
     stems.push_back(fs::path(path).stem().string());
   }
   const Map merged = mergedMap(maps, stems);

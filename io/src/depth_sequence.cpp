@@ -164,11 +164,13 @@ DepthSequence DepthSequence::open(const std::filesystem::path& path) {
 
   if (const auto file = findBeside(images, asked, kCameraFile)) sequence.camera_ = readCameraFile(*file);
   // Indices are no times: poses would be matched to them at random.
-  if (const auto file = findBeside(images, asked, kGroundTruthFile); file && sequence.stamped_) try {
+  if (const auto file = findBeside(images, asked, kGroundTruthFile); file && sequence.stamped_) {
+    try {
       sequence.ground_truth_ = readTumTrajectory(*file);
     } catch (const IoError&) {  // of no matter to those who do not ask for poses
       sequence.ground_truth_fault_ = std::current_exception();
     }
+  }
   const bool needs_camera = std::any_of(sequence.frames_.begin(), sequence.frames_.end(),
                                         [](const FrameFile& frame) { return isPng(frame.path); });
   if (needs_camera && !sequence.camera_)

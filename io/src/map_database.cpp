@@ -22,7 +22,6 @@ using namespace map_connection;
 using namespace map_rows;
 using sqlite::BadCell;
 using sqlite::Connection;
-using sqlite::Snapshot;
 using sqlite::Statement;
 using sqlite::Transaction;
 
@@ -238,11 +237,7 @@ std::vector<std::string> MapDatabase::modelNames() const {
 
 Map readMap(const std::filesystem::path& path) {
   Connection db = openForReading(path);
-  const Snapshot snapshot(db);
-  MapReader reader(db);
-  Map map = reader.read();
-  reader.requireSound();
-  return map;
+  return readSound(db, true);
 }
 
 void replaceMap(const fs::path& path, const std::function<void(const fs::path& temporary)>& write) {
@@ -274,7 +269,6 @@ void writeMap(const fs::path& path, const Map& map) {
 
 std::vector<std::string> checkMap(const std::filesystem::path& path) {
   Connection db = openForReading(path);
-  const Snapshot snapshot(db);
   std::vector<std::string> faults;
   try {
     append(faults, integrityFaults(db));

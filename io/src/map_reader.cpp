@@ -45,6 +45,13 @@ void MapReader::requireSound() const {
   throw IoError(db_.name(), "is not sound: " + faults_.front() + more);
 }
 
+Map readSound(sqlite::Connection& db, bool with_views) {
+  MapReader reader(db);
+  Map map = with_views ? reader.read() : reader.readWithoutViews();
+  reader.requireSound();
+  return map;
+}
+
 /** Calls a function for every row; a bad row is told with the label that the function has set so far. */
 template <typename Function>
 void MapReader::forEachRow(const std::string& sql, const Function& function) {

@@ -15,10 +15,11 @@ namespace facetloc {
 /** \brief "model 3 ('name')" */
 std::string nameOf(int model, const std::string& name);
 
-/** \brief Reads a map; what is not sound is left out and told. For one reading each. */
+/** \brief Reads a map; what is not sound is left out and told. For one reading each: all is of the time of
+ * the first look, and who writes to the map waits until the reader is gone. */
 class MapReader {
 public:
-  explicit MapReader(sqlite::Connection& db) : db_(db) {}
+  explicit MapReader(sqlite::Connection& db) : db_(db), snapshot_(db) {}
 
   /** \brief All of it. */
   Map read();
@@ -41,10 +42,14 @@ private:
   void readLinks();
 
   sqlite::Connection& db_;
+  sqlite::Snapshot snapshot_;
   Map map_;
   std::vector<int> num_segments_;
   std::vector<std::string> faults_;
 };
+
+/** \brief Reads a map, with or without its views. Throws IoError unless it is sound. */
+Map readSound(sqlite::Connection& db, bool with_views);
 
 /** \brief The view of one local model as its file has it. */
 class PackedView {

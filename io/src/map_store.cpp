@@ -14,7 +14,6 @@ namespace facetloc {
 namespace {
 
 using sqlite::Connection;
-using sqlite::Snapshot;
 using sqlite::Statement;
 
 /** The views that were asked for last. */
@@ -77,15 +76,8 @@ std::size_t numberOfModels(Connection& db) {
 
 Map openMap(const std::filesystem::path& path, std::size_t views_in_memory) {
   Connection db = map_connection::openForReading(path);
-  Map map;
-  bool small = false;
-  {
-    const Snapshot snapshot(db);
-    small = numberOfModels(db) <= views_in_memory;
-    MapReader reader(db);
-    map = small ? reader.read() : reader.readWithoutViews();
-    reader.requireSound();
-  }
+  const bool small = numberOfModels(db) <= views_in_memory;
+  Map map = readSound(db, small);
   if (!small) map.store = std::make_shared<MapFileStore>(std::move(db), views_in_memory);
   return map;
 }

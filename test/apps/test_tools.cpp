@@ -447,6 +447,7 @@ TEST_F(Tools, AMapWhoseBuildWasInterruptedIsToldFromAWholeOne) {
   MapDatabase::open(path).setMeta("state", "under way");  // as until the build ends
   EXPECT_TRUE(told(runMap({"check", path})));
   EXPECT_TRUE(told(runTool<LocalizeApp>({path, firstImage(), "-o", folder_ / "results"})));
+  EXPECT_TRUE(told(runMap({"merge", path, map(), "-o", folder_ / "both.flmap"})));
   EXPECT_EQ(runMap(build).code, kOk);
   EXPECT_FALSE(told(runMap({"check", path})));
 }

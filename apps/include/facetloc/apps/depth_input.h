@@ -28,15 +28,16 @@ ViewParams withNoiseOf(const std::optional<CameraFile>& camera, ViewParams param
  * taken out of them, as it was out of the map's own images. */
 ViewParams withDistortionOf(const Map& map, ViewParams params);
 
-/** \brief The map as far as it holds for images of this camera: its mounting says nothing about another
- * one, and is dropped with a remark if theirs is another or not known. Throws IoError. */
+/** \brief The map as far as it holds for images of this camera, with a remark if it is unfinished: its
+ * mounting says nothing about another one, and is dropped with a remark if theirs is another or not known.
+ * Throws IoError. */
 Map openMapFor(const std::optional<CameraFile>& camera, const std::string& path, const Console& console);
-
-/** \brief Remarks if its build was interrupted. */
-void noteUnfinished(const Map& map, const std::string& path, const Console& console);
 
 /** \brief The same for a map that is read already. */
 void dropOtherMounting(const std::optional<CameraFile>& camera, Map& map, const Console& console);
+
+/** \brief A remark if the build of the map at that path has not ended. */
+void noteUnfinished(const Map& map, const std::string& path, const Console& console);
 
 /** \brief Throws UsageError unless images and poses can be matched within this time [s]. */
 void requireTolerance(double seconds);
