@@ -3,6 +3,9 @@
 #include <facetloc/apps/provenance.h>
 #include <facetloc/apps/text.h>
 #include <facetloc/io/map_database.h>
+#include <facetloc/io/text.h>
+
+#include <algorithm>
 
 namespace facetloc {
 
@@ -55,6 +58,18 @@ void noteUnfinished(const Map& map, const std::string& path, const Console& cons
   if (state != map.meta.end() && state->second == kUnderWay)
     console.note(path + ": its build has not ended, or was interrupted: it has " +
                  counted(map.models.size(), "local model") + " so far; facetloc_map build --resume goes on");
+}
+
+void noteNoise(std::vector<double> found, const SensorNoise& told, const Console& console) {
+  constexpr double kMuch = 1.5;  // times what is told
+  found.erase(std::remove(found.begin(), found.end(), 0.0), found.end());
+  if (found.empty()) return;
+  const auto median = found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2);
+  std::nth_element(found.begin(), median, found.end());
+  if (*median > kMuch * told.inverse_depth_std)
+    console.note("the images are noisier than told: inverse_depth_std is about " +
+                 text::significant(*median, 2) + ", not " + text::significant(told.inverse_depth_std, 2) +
+                 "; told in camera.ini or by --inverse_depth_std, more answers are sure");
 }
 
 void requireTolerance(double seconds) {

@@ -128,6 +128,7 @@ int LocalizeApp::localize(const DepthSequence& sequence, const ViewParams& view_
   Batch batch(shard_map_ ? 1 : threads(), todo.size(), console, imageRanks());
   std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(view_params));
   std::vector<FrameResult> found(todo.size());
+  std::vector<double> noise(todo.size(), 0);
   const auto fileOf = [&](std::size_t i) -> const FrameFile& { return sequence.frames()[todo[i]]; };
   batch.run([&](std::size_t i) { return fileOf(i).path.string(); },
             [&](std::size_t i, int worker) {
@@ -135,6 +136,7 @@ int LocalizeApp::localize(const DepthSequence& sequence, const ViewParams& view_
               try {
                 const DepthImage image = sequence.load(todo[i], input_.width);
                 result = localizeFrame(fileOf(i), image, builders[worker], localization, max_hypotheses_);
+                noise[i] = builders[worker].segmentation().noise;
               } catch (const std::exception& e) {
                 result.stamp = fileOf(i).stamp;
                 result.timing.frame = fileOf(i).name;
@@ -145,6 +147,7 @@ int LocalizeApp::localize(const DepthSequence& sequence, const ViewParams& view_
             });
   imageRanks().collect(found);
   for (std::size_t i = 0; i < todo.size() && ranks().isFirst(); ++i) results[todo[i]] = std::move(found[i]);
+  if (ranks().isFirst()) noteNoise(std::move(noise), view_params.noise, console);
   return batch.report();
 }
 

@@ -51,6 +51,13 @@ struct MapBuildApp::Selection {
   std::size_t without_pose = 0;
 };
 
+/** What the images of local models were like. \param noise of each [1/m], 0 of those that another process
+ * read. */
+struct MapBuildApp::Seen {
+  std::vector<double> noise;
+  std::size_t without_segments = 0;
+};
+
 /** Adds local models in order, and a link from each to the next. What the map has already is left alone. */
 class MapBuildApp::Writer {
 public:
@@ -203,16 +210,18 @@ MapDatabase MapBuildApp::createDatabase(const fs::path& path, const DepthSequenc
 }
 
 /** Builds views in parallel, some at a time, and adds them in order. \param writer of the first rank; others
- * have none. \return how many had no segments. */
-std::size_t MapBuildApp::addModels(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
-                                   const ViewParams& view_params, Batch& batch, Writer* writer) const {
+ * have none. */
+MapBuildApp::Seen MapBuildApp::addModels(const DepthSequence& sequence,
+                                         const std::vector<Candidate>& candidates,
+                                         const ViewParams& view_params, Batch& batch, Writer* writer) const {
   const auto fileOf = [&](std::size_t i) -> const FrameFile& {
     return sequence.frames()[candidates[i].frame];
   };
   const auto names = ranks().broadcast(writer ? writer->names() : std::vector<std::string>());
   const std::set<std::string> present(names.begin(), names.end());
   std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(view_params));
-  std::size_t without_segments = 0;
+  Seen seen;
+  seen.noise.assign(candidates.size(), 0);
   const std::size_t chunk =
       kImagesPerThread * ranks().broadcast(static_cast<std::size_t>(batch.workers())) * ranks().size();
   for (std::size_t first = 0; first < candidates.size(); first += chunk) {
@@ -220,8 +229,10 @@ std::size_t MapBuildApp::addModels(const DepthSequence& sequence, const std::vec
     std::vector<PackedModel> models(last - first);
     const auto build = [&](std::size_t i, int worker) {
       LocalModel model{fileOf(i).name, fileOf(i).stamp, candidates[i].T_w_m, {}};
-      if (!present.count(model.name))
+      if (!present.count(model.name)) {
         model.view = builders[worker].build(sequence.load(candidates[i].frame, input_.width));
+        seen.noise[i] = builders[worker].segmentation().noise;
+      }
       models[i - first] = packed(std::move(model));
     };
     const auto built = batch.run(
@@ -233,12 +244,12 @@ std::size_t MapBuildApp::addModels(const DepthSequence& sequence, const std::vec
       if (writer->has(model.name))
         writer->advance(model.name, model.T_w_m);
       else if (model.view.segments.empty())
-        ++without_segments;
+        ++seen.without_segments;
       else
         writer->add(models[i]);
     }
   }
-  return without_segments;
+  return seen;
 }
 
 /** What the camera always measures wrongly, from images of the whole run; the same for any number of threads.
@@ -286,13 +297,15 @@ int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence, cons
   view_params.distortion = ranks().broadcast(view_params.distortion);
   const MapBuilder builder(builder_);
   Writer writer(std::move(database), present, builder);
-  const std::size_t without_segments = addModels(sequence, selection.candidates, view_params, batch, &writer);
+  const Seen seen = addModels(sequence, selection.candidates, view_params, batch, &writer);
 
   const int code = batch.report();
   if (selection.without_pose > 0)
     console.note(counted(selection.without_pose, "image") + " without a pose within " +
                  text::significant(pose_tolerance_) + " s");
-  if (without_segments > 0) console.note(counted(without_segments, "image") + " without segments left out");
+  if (seen.without_segments > 0)
+    console.note(counted(seen.without_segments, "image") + " without segments left out");
+  noteNoise(seen.noise, view_params.noise, console);
   if (writer.models() == 0) {
     fs::remove(path);
     throw IoError(map_, "is not written: none of the images makes a local model");

@@ -23,35 +23,45 @@ float median(float* x, std::size_t n) {
   return x[rank];
 }
 
-}  // namespace
-
-double estimateNoise(const DepthImage& image) {
-  std::vector<float> scratch;
-  return estimateNoise(image, scratch);
-}
-
-double estimateNoise(const DepthImage& image, std::vector<float>& scratch) {
-  constexpr int kRows = 60;  // give the median to a percent
+// Noise by the median absolute second difference over triples of pixels so far apart, in about so many rows;
+// 0 if there are few.
+double noiseByDifferences(const DepthImage& image, int apart, int rows, std::vector<float>& scratch) {
   constexpr std::size_t kMinTriples = 100;
   constexpr double kMadToStd = 1.4826;
-  if (!image.valid()) return 0;
   const double scale =
       kMadToStd / std::sqrt(6.0);  // the variance of d0 - 2 d1 + d2 is 6 for unit white noise
-  const int w = image.camera.width, step = std::max(1, image.camera.height / kRows);
+  const int w = image.camera.width, step = std::max(1, image.camera.height / rows);
   scratch.resize(w + static_cast<std::size_t>(w) * (image.camera.height / step + 1));
   float* const row = scratch.data();  // of inverse depths; behind it the differences
   float* const differences = row + w;
   float* next = differences;
   for (int v = step / 2; v < image.camera.height; v += step) {
     invertDepth(image.depth.data() + static_cast<std::size_t>(v) * w, w, 1.f, row);
-    for (int u = 1; u + 1 < w; ++u) {
-      *next = std::abs(row[u - 1] - 2 * row[u] + row[u + 1]);
-      next += row[u - 1] > 0 && row[u] > 0 && row[u + 1] > 0;
+    for (int u = apart; u + apart < w; ++u) {
+      *next = std::abs(row[u - apart] - 2 * row[u] + row[u + apart]);
+      next += row[u - apart] > 0 && row[u] > 0 && row[u + apart] > 0;
     }
   }
   const std::size_t n = next - differences;
-  if (n < kMinTriples) return 0;
-  return scale * median(differences, n);
+  return n < kMinTriples ? 0 : scale * median(differences, n);
+}
+
+}  // namespace
+
+double estimateNoise(const DepthImage& image, double least) {
+  std::vector<float> scratch;
+  return estimateNoise(image, least, scratch);
+}
+
+double estimateNoise(const DepthImage& image, double least, std::vector<float>& scratch) {
+  constexpr int kRows = 60;          // give the median to a percent
+  constexpr int kFewRows = 20;       // tell smooth noise well enough
+  constexpr double kApart = 4;       // pixels at 320 columns: most triples of a room lie in one surface
+  constexpr double kOfSmooth = 0.5;  // tolerances of several standard deviations bear the rest
+  if (!image.valid()) return least;
+  const int apart = static_cast<int>(std::lround(kApart * std::sqrt(scaledPixels(1, image.camera))));
+  return std::max({least, noiseByDifferences(image, 1, kRows, scratch),
+                   kOfSmooth * noiseByDifferences(image, std::max(1, apart), kFewRows, scratch)});
 }
 
 void toDisparity(const DepthImage& image, double unit, DisparityImage& out) {

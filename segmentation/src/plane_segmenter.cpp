@@ -88,7 +88,7 @@ void PlaneSegmenter::segment(const DepthImage& image, LabelledPlanes& out) {
   out.labels.label.assign(image.depth.size(), 0);
   out.noise = std::max(SensorNoise::kLeastInverseDepthStd, noise_.inverse_depth_std);
   if (!image.valid()) return;
-  if (params_.estimate_noise) out.noise = std::max(out.noise, estimateNoise(image, scratch_));
+  if (params_.estimate_noise) out.noise = estimateNoise(image, out.noise, scratch_);
 
   toDisparity(image, out.noise, disparity_);
   split_.compute(disparity_);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace facetloc {
@@ -17,6 +18,19 @@ using test::render;
 using test::smallCamera;
 
 DepthImage wall() { return render({endlessPlane({0, 0, 2}, {0.3, 0.2, 1})}, smallCamera()).image; }
+
+// By the differences of neighbours alone, in every step-th row.
+double noiseOfNeighbours(const DepthImage& image, int step) {
+  std::vector<double> differences;
+  for (int v = step / 2; v < image.camera.height; v += step)
+    for (int u = 1; u + 1 < image.camera.width; ++u) {
+      const double a = image.at(u - 1, v), b = image.at(u, v), c = image.at(u + 1, v);
+      if (isMeasured(a) && isMeasured(b) && isMeasured(c))
+        differences.push_back(std::abs(1 / a - 2 / b + 1 / c));
+    }
+  std::sort(differences.begin(), differences.end());
+  return 1.4826 * differences[differences.size() / 2] / std::sqrt(6.0);
+}
 
 TEST(DisparityImage, IsInverseDepthInItsUnit) {
   DepthImage image = wall();
@@ -49,6 +63,49 @@ TEST(EstimateNoise, IsThatOfWhiteNoiseWithinATenth) {
       EXPECT_NEAR(estimateNoise(noisy(wall(), sigma / kKinectGain, seed)) * kKinectGain, sigma, 0.1 * sigma);
 }
 
+// Neighbours at a distance d are correlated by exp(-d^2 / 4 s^2) if s is the smoothing.
+TEST(EstimateNoise, OfSmoothNoiseIsHalfThatOfPixelsApart) {
+  constexpr double kStd = 0.006, kApart = 4;
+  const auto correlated = [](double distance, double smoothing) {
+    return std::exp(-distance * distance / (4 * smoothing * smoothing));
+  };
+  for (const int finer : {1, 2}) {
+    Intrinsics camera = smallCamera();
+    camera.width *= finer, camera.height *= finer, camera.fx *= finer, camera.fy *= finer;
+    camera.cx *= finer, camera.cy *= finer;
+    const DepthImage image = render({endlessPlane({0, 0, 2}, {0.3, 0.2, 1})}, camera).image;
+    for (const double smoothing : {1.0, 1.5, 2.0})
+      for (unsigned seed = 0; seed < 3; ++seed) {
+        const double variance = 6 - 8 * correlated(kApart, smoothing) + 2 * correlated(2 * kApart, smoothing);
+        const double expected = 0.5 * kStd * std::sqrt(variance / 6);
+        const DepthImage smooth = test::smoothlyNoisy(image, kStd, smoothing * finer, seed);
+        EXPECT_NEAR(estimateNoise(smooth, SensorNoise{}.inverse_depth_std), expected, 0.1 * expected)
+            << smoothing << " px at " << camera.width;
+      }
+  }
+}
+
+// What a Kinect rounds, and what has edges and holes, is not taken for smooth noise.
+TEST(EstimateNoise, OfAKinectIsThatOfNeighbours) {
+  for (const double sigma : {0.1, 0.3, 0.5, 0.7}) {
+    DepthImage image =
+        render(test::furnishedRoom(), smallCamera(), test::lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2})).image;
+    image = test::rounded(noisy(image, sigma / kKinectGain, 1));
+    const double least = SensorNoise{}.inverse_depth_std;
+    constexpr int kRowsLookedAt = 4;  // every so many
+    EXPECT_NEAR(estimateNoise(image, least), std::max(least, noiseOfNeighbours(image, kRowsLookedAt)),
+                1e-5 * least)
+        << sigma;
+  }
+}
+
+TEST(EstimateNoise, IsNotLessThanTheGivenOne) {
+  EXPECT_EQ(estimateNoise({}, 0.002), 0.002);
+  EXPECT_EQ(estimateNoise(wall(), 0.002), 0.002);
+  EXPECT_EQ(estimateNoise(noisy(wall(), 0.001, 1), 0.002), 0.002);
+  EXPECT_GT(estimateNoise(noisy(wall(), 0.003, 1), 0.002), 0.0027);
+}
+
 // At 60 rows and less, the differences of all rows count.
 TEST(EstimateNoise, IsTheMedianOfAllSecondDifferencesOfASmallImage) {
   for (unsigned seed = 0; seed < 10; ++seed) {
@@ -59,16 +116,8 @@ TEST(EstimateNoise, IsTheMedianOfAllSecondDifferencesOfASmallImage) {
     for (int i = 0; i < image.camera.width * image.camera.height; ++i)
       image.depth.push_back(
           static_cast<float>(test::uniform(rng, -1, 6)));  // a seventh of them is not measured
-    std::vector<double> differences;
-    for (int v = 0; v < image.camera.height; ++v)
-      for (int u = 1; u + 1 < image.camera.width; ++u) {
-        const double a = image.at(u - 1, v), b = image.at(u, v), c = image.at(u + 1, v);
-        if (isMeasured(a) && isMeasured(b) && isMeasured(c))
-          differences.push_back(std::abs(1 / a - 2 / b + 1 / c));
-      }
-    std::sort(differences.begin(), differences.end());
-    const double median = differences[differences.size() / 2];
-    EXPECT_NEAR(estimateNoise(image), 1.4826 * median / std::sqrt(6.0), 1e-6 * median);
+    const double of_neighbours = noiseOfNeighbours(image, 1);
+    EXPECT_NEAR(estimateNoise(image), of_neighbours, 1e-6 * of_neighbours);
   }
 }
 

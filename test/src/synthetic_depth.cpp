@@ -71,6 +71,34 @@ DepthImage noisy(DepthImage image, double inverse_depth_std, unsigned seed) {
   return image;
 }
 
+DepthImage smoothlyNoisy(DepthImage image, double inverse_depth_std, double smoothing, unsigned seed) {
+  const int w = image.camera.width, h = image.camera.height,
+            reach = static_cast<int>(std::ceil(3 * smoothing));
+  std::vector<double> weights;
+  for (int i = -reach; i <= reach; ++i) weights.push_back(std::exp(-0.5 * i * i / (smoothing * smoothing)));
+  double power = 0;  // of the weights of one direction
+  for (const double weight : weights) power += weight * weight;
+  std::mt19937 rng(seed);
+  std::normal_distribution<double> white(0, inverse_depth_std / power);
+  std::vector<double> noise(image.depth.size()), along_rows(image.depth.size());
+  for (double& x : noise) x = white(rng);
+  const auto at = [&](const std::vector<double>& x, int u, int v) {  // beyond its edge the noise repeats
+    return x[static_cast<std::size_t>((v + h) % h) * w + (u + w) % w];
+  };
+  for (int v = 0; v < h; ++v)
+    for (int u = 0; u < w; ++u)
+      for (int i = -reach; i <= reach; ++i)
+        along_rows[static_cast<std::size_t>(v) * w + u] += weights[i + reach] * at(noise, u + i, v);
+  for (int v = 0; v < h; ++v)
+    for (int u = 0; u < w; ++u) {
+      double sum = 0;
+      for (int i = -reach; i <= reach; ++i) sum += weights[i + reach] * at(along_rows, u, v + i);
+      float& z = image.depth[static_cast<std::size_t>(v) * w + u];
+      if (z > 0) z = static_cast<float>(1 / (1 / double(z) + sum));
+    }
+  return image;
+}
+
 DepthImage rounded(DepthImage image) {
   for (float& z : image.depth)
     if (z > 0) z = static_cast<float>(kinectDepth(std::round(kinectDisparity(z))));

@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace facetloc {
 
@@ -38,6 +39,11 @@ void dropOtherMounting(const std::optional<CameraFile>& camera, Map& map, const 
 
 /** \brief A remark if the build of the map at that path has not ended. */
 void noteUnfinished(const Map& map, const std::string& path, const Console& console);
+
+/** \brief A remark if images are much noisier than told: segmentation finds their noise by itself, but depths
+ * are compared as exactly as told.
+ * \param found inverse-depth noise of each image [1/m], 0 where it is not known */
+void noteNoise(std::vector<double> found, const SensorNoise& told, const Console& console);
 
 /** \brief Throws UsageError unless images and poses can be matched within this time [s]. */
 void requireTolerance(double seconds);

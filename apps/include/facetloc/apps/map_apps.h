@@ -20,6 +20,7 @@ public:
 private:
   struct Candidate;  // an image that becomes a local model
   struct Selection;
+  struct Seen;
   class Writer;
 
   void addOptions(CommandLine& line) override;
@@ -37,8 +38,8 @@ private:
             ViewParams view_params, Batch& batch, const Console& console) const;
   std::optional<DepthDistortion> calibrate(const DepthSequence& sequence, const SensorNoise& noise,
                                            const Console& console) const;
-  std::size_t addModels(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
-                        const ViewParams& view_params, Batch& batch, Writer* writer) const;
+  Seen addModels(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
+                 const ViewParams& view_params, Batch& batch, Writer* writer) const;
 
   std::string sequence_;
   std::string map_;
