@@ -168,8 +168,8 @@ void DepthTriangulation::beginWithCorners() {
 
 // Without it, each of the first vertices would have most of the image scanned again.
 void DepthTriangulation::insertGrid() {
-  constexpr int kColumns = 4;  // a finer grid has more triangles across creases
-  const int w = image_->camera.width, h = image_->camera.height, step = w / kColumns;
+  constexpr int kColumns = 4, kStep = 80;  // at least so many, and no farther apart [px]
+  const int w = image_->camera.width, h = image_->camera.height, step = std::min(w / kColumns, kStep);
   if (step < 2) return;
   int t = 0;
   for (int v = step / 2; v < h; v += step)
