@@ -56,7 +56,7 @@ double estimateNoise(const DepthImage& image, double least) {
 double estimateNoise(const DepthImage& image, double least, std::vector<float>& scratch) {
   constexpr int kRows = 60;          // give the median to a percent
   constexpr int kFewRows = 20;       // tell smooth noise well enough
-  constexpr double kApart = 4;       // pixels at 320 columns: most triples of a room lie in one surface
+  constexpr double kApart = 6;       // pixels at 320 columns: most triples of a room lie in one surface
   constexpr double kOfSmooth = 0.5;  // tolerances of several standard deviations bear the rest
   if (!image.valid()) return least;
   const int apart = static_cast<int>(std::lround(kApart * std::sqrt(scaledPixels(1, image.camera))));
