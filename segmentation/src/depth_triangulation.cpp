@@ -168,8 +168,9 @@ void DepthTriangulation::beginWithCorners() {
 
 // Without it, each of the first vertices would have most of the image scanned again.
 void DepthTriangulation::insertGrid() {
-  constexpr int kColumns = 4, kStep = 80;  // at least so many, and no farther apart [px]
-  const int w = image_->camera.width, h = image_->camera.height, step = std::min(w / kColumns, kStep);
+  constexpr int kStep = 80, kLeastColumns = 4, kMostColumns = 32;  // [px]; as far as so many columns allow
+  const int w = image_->camera.width, h = image_->camera.height,
+            step = std::clamp(kStep, w / kMostColumns, w / kLeastColumns);
   if (step < 2) return;
   int t = 0;
   for (int v = step / 2; v < h; v += step)

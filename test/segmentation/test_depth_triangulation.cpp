@@ -276,15 +276,21 @@ TEST(DepthTriangulation, OneValidPixelGivesAPlaneThroughIt) {
 }
 
 TEST(DepthTriangulation, AnExactPlaneIsTheGridItStartsWith) {
-  DisparityImage image = blankDisparity(64, 48);
-  for (int v = 0; v < 48; ++v)
-    for (int u = 0; u < 64; ++u)
-      image.d[static_cast<std::size_t>(v) * 64 + u] = static_cast<float>(200 + 2 * u - v);
-  DepthTriangulation split;
-  split.compute(image);
-  EXPECT_EQ(split.vertices().size(), 4u + 4 * 3);
-  // Corners outside the image have the depth of the pixel beside them.
-  for (const Triangle& t : split.triangles()) EXPECT_LE(t.max_deviation, 2);
+  struct Size {
+    int width, height, grid;
+  };
+  for (const auto& [w, h, grid] :
+       {Size{64, 48, 4 * 3}, {320, 240, 4 * 3}, {640, 480, 8 * 6}, {5120, 320, 32 * 2}}) {
+    DisparityImage image = blankDisparity(w, h);
+    for (int v = 0; v < h; ++v)
+      for (int u = 0; u < w; ++u)
+        image.d[static_cast<std::size_t>(v) * w + u] = static_cast<float>(2000 + 2 * u - v);
+    DepthTriangulation split;
+    split.compute(image);
+    EXPECT_EQ(split.vertices().size(), 4u + grid) << w;
+    // Corners outside the image have the depth of the pixel beside them.
+    for (const Triangle& t : split.triangles()) EXPECT_LE(t.max_deviation, 2) << w;
+  }
 }
 
 TEST(DepthTriangulation, TheFillRuleIsScaledWithTheImage) {
@@ -381,7 +387,7 @@ TEST(DepthTriangulation, IsExactAtTheLargestSize) {
       image.d[static_cast<std::size_t>(v) * 2048 + u] =
           static_cast<float>(500 + std::abs(u - 1023) * 0.5 + 40 * ((u / 700 + v / 500) % 2));
   DepthTriangulationParams params;
-  params.max_vertices = 250;
+  params.max_vertices = 1000;  // the grid has 676
   DepthTriangulation split(params);
   split.compute(image);
   for (const Triangle& t : split.triangles()) {
