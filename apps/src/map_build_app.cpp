@@ -51,10 +51,9 @@ struct MapBuildApp::Selection {
   std::size_t without_pose = 0;
 };
 
-/** What the images of local models were like. \param noise of each [1/m], 0 of those that another process
- * read. */
+/** What the images of local models were like. */
 struct MapBuildApp::Seen {
-  std::vector<double> noise;
+  std::vector<double> noise;  // of each [1/m]; 0 where it was not read, or by another process
   std::size_t without_segments = 0;
 };
 

@@ -13,7 +13,6 @@
 #include <facetloc/features/segment_frame.h>
 #include <facetloc/io/png.h>
 #include <facetloc/io/text.h>
-#include <facetloc/testing/synthetic_depth.h>
 
 #include <gmock/gmock.h>
 #include <pcl/impl/pcl_base.hpp>
@@ -69,18 +68,6 @@ protected:
   static std::string query() { return *room_ / "query"; }
   static std::string map() { return *room_ / "map.flmap"; }
   static std::string firstImage() { return filesOf(query() + "/depth").front().string(); }
-
-  /** The images of a folder with smooth noise of 0.006 1/m. */
-  std::string withSmoothNoise(const std::string& sequence) const {
-    const std::string folder = folder_ / fs::path(sequence).filename().string();
-    fs::copy(sequence, folder, fs::copy_options::recursive);
-    const DepthSequence images = DepthSequence::open(folder);
-    for (std::size_t i = 0; i < images.frames().size(); ++i)
-      writeDepthPng(images.frames()[i].path,
-                    test::smoothlyNoisy(images.load(i), 0.006, 2, static_cast<unsigned>(i)),
-                    images.camera()->depth_scale);
-    return folder;
-  }
 
   /** A folder of good images, one corrupt among them. */
   std::string withOneCorruptImage() const {
@@ -419,10 +406,15 @@ TEST_F(Tools, MapBuildTakesOutWhatTheCameraAlwaysMeasuresWrongly) {
 }
 
 TEST_F(Tools, SmoothNoiseIsFoundAndToldOf) {
-  const std::string build_images = withSmoothNoise(map_run()), images = withSmoothNoise(query());
+  const std::string room = folder_ / "room";
+  const ToolRun simulate =
+      runTool<SimulateApp>({"room", "-o", room, "--seed", "5", "--frames", std::to_string(kFrames), "--width",
+                            "320", "--turn_deg", "8", "--disparity_std", "2", "--correlation_px", "3"});
+  ASSERT_EQ(simulate.code, kOk) << simulate.err;
+  const std::string images = room + "/query";
   const std::string noisy_map = folder_ / "noisy.flmap";
   const auto tells = HasSubstr("the images are noisier than told: inverse_depth_std is about 0.00");
-  const ToolRun build = runMap({"build", build_images, "-o", noisy_map, "--model_distance", "0.1"});
+  const ToolRun build = runMap({"build", room + "/map", "-o", noisy_map, "--model_distance", "0.1"});
   ASSERT_EQ(build.code, kOk) << build.err;
   EXPECT_THAT(build.err, tells);
   const ToolRun run = runTool<LocalizeApp>({noisy_map, images, "-o", folder_ / "results"});

@@ -20,7 +20,7 @@ public:
 private:
   struct Candidate;  // an image that becomes a local model
   struct Selection;
-  struct Seen;
+  struct Seen;  // what their images were like
   class Writer;
 
   void addOptions(CommandLine& line) override;

@@ -22,9 +22,8 @@ struct DisparityImage {
 /** \brief Noise of inverse depth, estimated from the image itself [1/m] (METHOD 3.4): the median absolute
  * second difference along rows over triples of valid pixels in 60 to 119 rows from all over the image (in all
  * of a lower one), scaled for white noise. Smooth noise, as that of a stereo camera, hardly differs between
- * neighbours: half of what triples of pixels 6 apart (at 320 columns) tell counts too, if it is more; a
- * Kinect's is a little over half. Not less than the given one, which it is if there are fewer than 100
- * triples. */
+ * neighbours: half of what triples of pixels 6 apart (at 320 columns) tell counts too, if it is more, which
+ * it is not for a Kinect. Not less than the given one, which it is if there are fewer than 100 triples. */
 double estimateNoise(const DepthImage& image, double least = 0);
 /** \brief The same with memory that is kept from image to image. */
 double estimateNoise(const DepthImage& image, double least, std::vector<float>& scratch);
