@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/io/simulated_camera.h>
-#include <facetloc/io/simulated_drive.h>
+#include <facetloc/simulation/simulated_camera.h>
+#include <facetloc/simulation/simulated_drive.h>
 
 #include <cstdint>
 #include <filesystem>

@@ -4,7 +4,7 @@
 #include "millimetres.h"
 
 #include <facetloc/io/error.h>
-#include <facetloc/io/simulated_place.h>
+#include <facetloc/simulation/simulated_place.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/apps/pictures.h>
+#include "drawing/pictures.h"
 
 #include <limits>
 #include <string>

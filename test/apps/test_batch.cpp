@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tool_runner.h"
+#include "tools/batch.h"
+#include "tools/progress.h"
 
-#include <facetloc/apps/batch.h>
-#include <facetloc/apps/progress.h>
 #include <facetloc/io/error.h>
 
 #include <gmock/gmock.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "example_scene.h"
+#include "tools/bytes.h"
+#include "tools/sharded_localization.h"
 
-#include <facetloc/apps/bytes.h>
-#include <facetloc/apps/sharded_localization.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
 #include <facetloc/registration/hypothesis.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/evaluate_app.h"
+#include "evaluation/evaluation.h"
+#include "evaluation/evaluation_report.h"
 #include "tool_runner.h"
+#include "tools/localization_report.h"
 
-#include <facetloc/apps/evaluate_app.h>
-#include <facetloc/apps/evaluation.h>
-#include <facetloc/apps/evaluation_report.h>
-#include <facetloc/apps/localization_report.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/io/error.h>
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/evaluation_details.h"
+#include "evaluation/evaluation_pictures.h"
+#include "evaluation/evaluation_report.h"
 #include "tool_runner.h"
-
-#include <facetloc/apps/evaluation_details.h>
-#include <facetloc/apps/evaluation_pictures.h>
-#include <facetloc/apps/evaluation_report.h>
 
 #include <gmock/gmock.h>
 

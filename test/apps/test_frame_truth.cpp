@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/evaluation_report.h"
+#include "evaluation/frame_truth.h"
 #include "tool_runner.h"
+#include "tools/localization_report.h"
 
-#include <facetloc/apps/evaluation_report.h>
-#include <facetloc/apps/frame_truth.h>
-#include <facetloc/apps/localization_report.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/error.h>

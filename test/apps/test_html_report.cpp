@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/evaluation_report.h"
+#include "evaluation/html_report.h"
 #include "tool_runner.h"
 
-#include <facetloc/apps/evaluation_report.h>
-#include <facetloc/apps/html_report.h>
 #include <facetloc/io/error.h>
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/apps/latest_frame.h>
+#include "live/latest_frame.h"
 
 #include <gmock/gmock.h>
 

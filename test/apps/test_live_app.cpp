@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The live tool as a user runs it: a process of its own, with the real OpenNI2 and our driver.
+#include "drawing/offscreen_display.h"
 #include "keyboard.h"  // the last one, because of the macros of X
+#include "live/live_app.h"
 #include "process.h"
+#include "tools/map_apps.h"
+#include "tools/simulate_app.h"
+#include "tools/text.h"
 
-#include <facetloc/apps/live_app.h>
-#include <facetloc/apps/map_apps.h>
-#include <facetloc/apps/offscreen_display.h>
-#include <facetloc/apps/simulate_app.h>
-#include <facetloc/apps/text.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>

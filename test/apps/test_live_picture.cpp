@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "drawing/matched_segments.h"
+#include "drawing/offscreen_display.h"
 #include "example_scene.h"
 #include "golden.h"
+#include "live/live_picture.h"
+#include "live/live_results.h"
+#include "live/live_window.h"
 #include "tool_runner.h"
-
-#include <facetloc/apps/live_picture.h>
-#include <facetloc/apps/live_results.h>
-#include <facetloc/apps/live_window.h>
-#include <facetloc/apps/matched_segments.h>
-#include <facetloc/apps/offscreen_display.h>
 
 #include <gmock/gmock.h>
 

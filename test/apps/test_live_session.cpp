@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The processing of a live run, fed by a grabber that has no camera.
-#include <facetloc/apps/live_session.h>
+#include "live/live_session.h"
+
 #include <facetloc/testing/synthetic_views.h>
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/apps/live_trail.h>
+#include "live/live_trail.h"
 
 #include <gmock/gmock.h>
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "drawing/charts.h"
+#include "drawing/offscreen_display.h"
 #include "tool_runner.h"
-
-#include <facetloc/apps/charts.h>
-#include <facetloc/apps/offscreen_display.h>
 
 #include <gmock/gmock.h>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "drawing/depth_drawing.h"
+#include "drawing/matched_segments.h"
+#include "drawing/offscreen_display.h"
+#include "drawing/pictures.h"
+#include "evaluation/failures.h"
 #include "example_scene.h"
 #include "golden.h"
 #include "tool_runner.h"
 
-#include <facetloc/apps/depth_drawing.h>
-#include <facetloc/apps/failures.h>
-#include <facetloc/apps/matched_segments.h>
-#include <facetloc/apps/offscreen_display.h>
-#include <facetloc/apps/pictures.h>
 #include <facetloc/io/error.h>
 
 #include <gmock/gmock.h>

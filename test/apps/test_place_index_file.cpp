@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "process.h"
+#include "tools/place_index_file.h"
 
-#include <facetloc/apps/place_index_file.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/registration/place_index.h>
 #include <facetloc/testing/synthetic_views.h>

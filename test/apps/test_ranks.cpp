@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tools under mpirun, as a user runs them: what several processes write is what one writes.
 #include "process.h"
+#include "tools/localize_app.h"
+#include "tools/map_apps.h"
+#include "tools/ranks.h"
+#include "tools/results_journal.h"
+#include "tools/segment_app.h"
+#include "tools/simulate_app.h"
 
-#include <facetloc/apps/localize_app.h>
-#include <facetloc/apps/map_apps.h>
-#include <facetloc/apps/ranks.h>
-#include <facetloc/apps/results_journal.h>
-#include <facetloc/apps/segment_app.h>
-#include <facetloc/apps/simulate_app.h>
 #include <facetloc/io/map_database.h>
 
 #include <gmock/gmock.h>

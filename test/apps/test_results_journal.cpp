@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tool_runner.h"
-
-#include <facetloc/apps/localization_report.h>
-#include <facetloc/apps/results_journal.h>
+#include "tools/localization_report.h"
+#include "tools/results_journal.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/apps/text.h>
+#include "tools/text.h"
 
 #include <gtest/gtest.h>
 

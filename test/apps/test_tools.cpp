@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tools one after the other, as a user runs them, on a small simulated room.
+#include "drawing/offscreen_display.h"
+#include "evaluation/evaluate_app.h"
 #include "tool_runner.h"
+#include "tools/localize_app.h"
+#include "tools/map_apps.h"
+#include "tools/register_app.h"
+#include "tools/render_app.h"
+#include "tools/segment_app.h"
+#include "tools/simulate_app.h"
 
-#include <facetloc/apps/evaluate_app.h>
-#include <facetloc/apps/localize_app.h>
-#include <facetloc/apps/map_apps.h>
-#include <facetloc/apps/offscreen_display.h>
-#include <facetloc/apps/register_app.h>
-#include <facetloc/apps/render_app.h>
-#include <facetloc/apps/segment_app.h>
-#include <facetloc/apps/simulate_app.h>
 #include <facetloc/features/segment_frame.h>
 #include <facetloc/io/png.h>
 #include <facetloc/io/text.h>

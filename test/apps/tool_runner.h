@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/apps/app.h>
+#include "tools/app.h"
 
 #include <cstdlib>
 #include <filesystem>

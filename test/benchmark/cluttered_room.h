@@ -2,7 +2,7 @@
 #pragma once
 
 #include <facetloc/features/so3.h>
-#include <facetloc/io/simulated_camera.h>
+#include <facetloc/simulation/simulated_camera.h>
 
 #include <cmath>
 #include <random>

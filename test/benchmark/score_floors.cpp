@@ -9,11 +9,11 @@
 // is localized in it. With --ablation the same is done again and again, with one choice at a time put back to
 // the paper's. Frames are classed by the rendered truth (facetloc_evaluate). Two threads or twenty: same
 // figures.
+#include "evaluation/evaluation.h"
 #include "mapping_camera.h"
 #include "set_parameter.h"
+#include "tools/localization_report.h"
 
-#include <facetloc/apps/evaluation.h>
-#include <facetloc/apps/localization_report.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/registration/global_localization.h>
 #include <facetloc/registration/map_builder.h>

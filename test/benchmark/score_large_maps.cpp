@@ -16,16 +16,16 @@
 // --exhaustive localizes so many of the queries with the shortlist and with all models, and counts whose
 // answers have a right place among their first ones, and whose first place is right or wrong at which
 // probability.
+#include "drawing/charts.h"
+#include "drawing/offscreen_display.h"
 #include "set_parameter.h"
 #include "simulated_floors.h"
 
-#include <facetloc/apps/charts.h>
-#include <facetloc/apps/offscreen_display.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/simulated_place.h>
 #include <facetloc/registration/global_localization.h>
 #include <facetloc/registration/place_index.h>
+#include <facetloc/simulation/simulated_place.h>
 
 #include <algorithm>
 #include <cstdio>

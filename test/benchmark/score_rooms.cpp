@@ -10,10 +10,11 @@
 // rendered truth, a query is covered if a local model lies within 1 m and 20 deg, and solvable if the true
 // planes of at least 150 px (at 320x240) that it shares with such a model fix all six degrees of freedom to 5
 // cm.
-#include <facetloc/apps/frame_truth.h>
-#include <facetloc/io/simulated_camera.h>
+#include "evaluation/frame_truth.h"
+
 #include <facetloc/registration/global_localization.h>
 #include <facetloc/segmentation/view_builder.h>
+#include <facetloc/simulation/simulated_camera.h>
 
 #include <algorithm>
 #include <cmath>

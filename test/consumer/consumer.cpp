@@ -3,10 +3,10 @@
 // An outside project: the PCL classes through their base pointers, with a built-in and a custom point type,
 // and the grabber with the virtual camera of the package.
 #include <facetloc/io/openni_grabber.h>
-#include <facetloc/io/simulated_camera.h>
 #include <facetloc/registration/ekf_registration.h>
 #include <facetloc/registration/planar_registration.h>
 #include <facetloc/segmentation/planar_segmentation.h>
+#include <facetloc/simulation/simulated_camera.h>
 
 #include <chrono>
 #include <cmath>

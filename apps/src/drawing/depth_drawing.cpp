@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drawing/depth_drawing.h"
+
+#include <facetloc/registration/depth_consistency.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace facetloc {
+namespace {
+
+struct DepthRange {
+  float nearest = std::numeric_limits<float>::max();
+  float farthest = 0;
+};
+
+DepthRange rangeOf(const DepthImage& image) {
+  DepthRange range;
+  for (const float z : image.depth) {
+    if (!(z > 0)) continue;
+    range.nearest = std::min(range.nearest, z);
+    range.farthest = std::max(range.farthest, z);
+  }
+  return range;
+}
+
+/** True at the outline of a segment; holes of one pixel are no outline. */
+bool isBorder(const LabelImage& labels, int u, int v) {
+  const auto at = [&](int x, int y) -> int {
+    if (x < 0 || y < 0 || x >= labels.width || y >= labels.height) return -1;
+    return labels.label[static_cast<std::size_t>(y) * labels.width + x];
+  };
+  const int label = at(u, v);
+  const auto endsTowards = [&](int du, int dv) {
+    return at(u + du, v + dv) != label && at(u + 2 * du, v + 2 * dv) != label;
+  };
+  return label > 0 && (endsTowards(1, 0) || endsTowards(0, 1) || endsTowards(-1, 0) || endsTowards(0, -1));
+}
+
+/** Mixes a colour into a pixel by its alpha, rounded. */
+void mixInto(std::uint8_t* pixel, const Colour& colour) {
+  const std::array<int, 3> rgb = {colour.red, colour.green, colour.blue};
+  for (int i = 0; i < 3; ++i)
+    pixel[i] =
+        static_cast<std::uint8_t>((pixel[i] * (255 - colour.alpha) + rgb[i] * colour.alpha + 127) / 255);
+}
+
+/** How well segments explain the pixels of a depth picture. */
+class SegmentsInPicture {
+public:
+  SegmentsInPicture(const View& view, const DepthImage& depth)
+      : view_(view), depth_(depth), comparison_(DepthConsistencyParams(), SensorNoise().inverse_depth_std) {}
+
+  std::uint16_t label(int u, int v) const {
+    std::uint16_t best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    const Eigen::Vector3d ray = depth_.camera.ray(u, v);
+    for (std::size_t k = 0; k < view_.segments.size(); ++k) {
+      const double misfit = misfitOf(view_.segments[k], ray, depth_.at(u, v));
+      if (misfit >= least) continue;
+      least = misfit;
+      best = static_cast<std::uint16_t>(k + 1);
+    }
+    return best;
+  }
+
+private:
+  /** Infinite if the pixel cannot be of the segment. \param z its depth [m], 0 = unknown. */
+  double misfitOf(const Segment& segment, const Eigen::Vector3d& ray, float z) const {
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    const double predicted = segment.normal().dot(ray) / segment.offset();  // inverse depth [1/m]
+    if (!(predicted > 0)) return kNever;
+    const Eigen::Vector3d in_plane = segment.R.transpose() * (ray / predicted - segment.t);
+    if (!segment.hull.contains(in_plane.head<2>().cast<float>())) return kNever;
+    if (view_.depth.empty()) return 1 / predicted;
+    if (!(z > 0)) return kNever;
+    const double error = std::abs(1 / z - predicted);
+    return error <= comparison_.tolerance(predicted) ? error : kNever;
+  }
+
+  const View& view_;
+  const DepthImage& depth_;
+  DepthComparison comparison_;
+};
+
+/** Takes away the grain: a pixel gets the label that most of its surroundings have. */
+LabelImage smoothed(const LabelImage& labels) {
+  constexpr int kMost = 5;  // of the 3x3 pixels
+  LabelImage out = labels;
+  for (int v = 1; v + 1 < labels.height; ++v)
+    for (int u = 1; u + 1 < labels.width; ++u) {
+      std::array<std::uint16_t, 9> around = {};
+      for (int i = 0; i < 9; ++i)
+        around[i] = labels.label[static_cast<std::size_t>(v + i / 3 - 1) * labels.width + u + i % 3 - 1];
+      std::sort(around.begin(), around.end());
+      const std::uint16_t middle = around[4];  // what at least five have is there
+      if (std::count(around.begin(), around.end(), middle) >= kMost)
+        out.label[static_cast<std::size_t>(v) * labels.width + u] = middle;
+    }
+  return out;
+}
+
+}  // namespace
+
+Raster<std::uint8_t> greyDepth(const DepthImage& image, const GreyScale& scale) {
+  const DepthRange range = rangeOf(image);
+  const auto darkest = static_cast<float>(scale.darkest), brightest = static_cast<float>(scale.brightest);
+  const float slope = (brightest - darkest) / std::max(range.farthest - range.nearest, 1e-6f);
+  Raster<std::uint8_t> picture{image.camera.width, image.camera.height, 3, {}};
+  picture.data.reserve(3 * image.depth.size());
+  for (const float z : image.depth)
+    picture.data.insert(picture.data.end(), 3,
+                        z > 0 ? static_cast<std::uint8_t>(darkest + slope * (z - range.nearest))
+                              : scale.unknown);
+  return picture;
+}
+
+void paintBorders(Raster<std::uint8_t>& picture, const LabelImage& labels,
+                  const std::vector<Colour>& colours) {
+  for (int v = 0; v < labels.height; ++v)
+    for (int u = 0; u < labels.width; ++u) {
+      if (!isBorder(labels, u, v)) continue;
+      const std::size_t i = static_cast<std::size_t>(v) * labels.width + u, label = labels.label[i];
+      if (label <= colours.size()) mixInto(&picture.data[3 * i], colours[label - 1]);
+    }
+}
+
+void paintBorders(Raster<std::uint8_t>& picture, const LabelImage& labels, const Colour& colour) {
+  paintBorders(picture, labels, std::vector<Colour>(static_cast<std::size_t>(labels.maxLabel()), colour));
+}
+
+Raster<std::uint8_t> overlay(const DepthImage& image, const LabelImage& labels) {
+  constexpr Colour kGreen = {0, 220, 0};
+  Raster<std::uint8_t> picture = greyDepth(image);
+  paintBorders(picture, labels, kGreen);
+  return picture;
+}
+
+void paintSegments(Raster<std::uint8_t>& picture, const LabelImage& labels,
+                   const std::vector<Colour>& colours) {
+  for (std::size_t i = 0; i < labels.label.size(); ++i) {
+    const std::size_t label = labels.label[i];
+    if (label > 0 && label <= colours.size()) mixInto(&picture.data[3 * i], colours[label - 1]);
+  }
+}
+
+DepthImage depthOf(const View& view) {
+  DepthImage image;
+  image.camera = view.depth.empty() ? view.camera.subsampled(2) : view.depth.camera;
+  image.depth.assign(static_cast<std::size_t>(image.camera.width) * image.camera.height, 0.f);
+  for (std::size_t i = 0; i < view.depth.inverse_depth.size(); ++i)
+    if (view.depth.inverse_depth[i] > 0)
+      image.depth[i] = static_cast<float>(1 / (view.depth.inverse_depth[i] * DepthPicture::kQuantum));
+  return image;
+}
+
+LabelImage seenSegments(const View& view) {
+  const DepthImage depth = depthOf(view);
+  const SegmentsInPicture segments(view, depth);
+  LabelImage labels{depth.camera.width, depth.camera.height, {}};
+  labels.label.reserve(depth.depth.size());
+  for (int v = 0; v < labels.height; ++v)
+    for (int u = 0; u < labels.width; ++u) labels.label.push_back(segments.label(u, v));
+  return smoothed(labels);
+}
+
+Raster<std::uint8_t> resized(const Raster<std::uint8_t>& picture, int width, int height) {
+  Raster<std::uint8_t> out{width, height, picture.channels, {}};
+  out.data.reserve(static_cast<std::size_t>(width) * height * picture.channels);
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u) {
+      const auto x = static_cast<std::size_t>(static_cast<long>(u) * picture.width / width);
+      const auto y = static_cast<std::size_t>(static_cast<long>(v) * picture.height / height);
+      const auto* pixel = &picture.data[(y * picture.width + x) * picture.channels];
+      out.data.insert(out.data.end(), pixel, pixel + picture.channels);
+    }
+  return out;
+}
+
+Raster<std::uint8_t> averaged(const Raster<std::uint8_t>& picture, int n) {
+  Raster<std::uint8_t> out{picture.width / n, picture.height / n, picture.channels, {}};
+  out.data.reserve(static_cast<std::size_t>(out.width) * out.height * out.channels);
+  const std::size_t stride = static_cast<std::size_t>(picture.width) * picture.channels;
+  for (int v = 0; v < out.height; ++v)
+    for (int u = 0; u < out.width; ++u)
+      for (int c = 0; c < out.channels; ++c) {
+        int sum = 0;
+        for (int j = 0; j < n; ++j)
+          for (int i = 0; i < n; ++i)
+            sum += picture.data[(static_cast<std::size_t>(v) * n + j) * stride +
+                                (static_cast<std::size_t>(u) * n + i) * picture.channels + c];
+        out.data.push_back(static_cast<std::uint8_t>((sum + n * n / 2) / (n * n)));
+      }
+  return out;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drawing/outputs.h"
+
+#include "tools/command_line.h"
+
+#include <facetloc/io/png.h>
+
+namespace facetloc {
+
+namespace fs = std::filesystem;
+
+void requireOtherFolder(const fs::path& results, const fs::path& images) {
+  std::error_code ignored;
+  if (fs::equivalent(images.empty() ? fs::path(".") : images, results, ignored))
+    throw UsageError("the results would come among the images in " + results.string() +
+                     "; use another output folder");
+}
+
+void requireNoneButPicture(const fs::path& path) {
+  constexpr int kPictureBits = 8;
+  if (fs::exists(path) && pngBits(path) != kPictureBits)
+    throw UsageError("the picture would overwrite " + path.string() + ", which is none");
+}
+
+}  // namespace facetloc

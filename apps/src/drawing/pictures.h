@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "drawing/colours.h"
+
+#include <facetloc/features/depth_image.h>
+#include <facetloc/features/local_model.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+class ViewBuilder;
+
+// Pictures of what the tools found, PNG, written atomically; all need an X display (OffscreenDisplay). They
+// throw IoError for a file that cannot be written, std::invalid_argument for an image without pixels or with
+// labels of another size. The same input gives the same picture.
+
+/** \brief A depth image and what was made of it. */
+struct SeenImage {
+  std::string name;
+  DepthImage depth;   ///< at the working size
+  LabelImage labels;  ///< k = segment k - 1 of the view
+  View view;
+};
+/** \brief Segments an image. */
+SeenImage see(const std::string& name, DepthImage depth, ViewBuilder& builder);
+
+/** \brief The paper's Fig. 1: the depth image, the same with its segments outlined in green, and a 3D model
+ * of the dominant segments. */
+void drawSegmentation(const std::filesystem::path& path, const SeenImage& image);
+
+/** \brief A run through a floor map. */
+struct DrawnRun {
+  std::string name;
+  std::vector<Eigen::Isometry3d> T_w_c;
+  Colour colour = kCurveColours[0];
+};
+/** \brief Poses that are marked in a floor map, such as failures. */
+struct DrawnMarks {
+  std::string name;
+  std::vector<Eigen::Isometry3d> T_w_c;
+  Colour colour = kRed;
+};
+/** \brief The paper's Fig. 4: the segments of all local models in plan view (upright ones as lines, level
+ * ones not), the local models with their headings, their links, runs and marks, a scale bar. Models without a
+ * world pose are left out; throws IoError if none has one. */
+void drawFloorMap(const std::filesystem::path& path, const Map& map, const std::vector<DrawnRun>& runs,
+                  const std::vector<DrawnMarks>& marks = {});
+
+/** \brief An answer that is to be drawn, and what is true, where it is known. */
+struct DrawnMatch {
+  int model = 0;  ///< index of the local model; -1 = there is no answer, only the query is drawn
+  Eigen::Isometry3d T_m_c = Eigen::Isometry3d::Identity();
+  std::string caption;  ///< such as "rank 1, probability 0.93"
+};
+/** \brief A query beside the local models it was matched to, one answer per row, matched segments in the same
+ * colour; a failure shows rank 1 and the answer that would be right. */
+void drawMatches(const std::filesystem::path& path, const SeenImage& query, const Map& map,
+                 const std::vector<DrawnMatch>& answers);
+
+}  // namespace facetloc

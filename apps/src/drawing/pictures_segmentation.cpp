@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drawing/depth_drawing.h"
+#include "drawing/match_pictures.h"
+#include "drawing/page.h"
+#include "drawing/plan_view.h"
+#include "drawing/segment_scene.h"
+#include "tools/text.h"
+
+#include <facetloc/registration/candidate_pairs.h>
+#include <facetloc/segmentation/view_builder.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace facetloc {
+namespace {
+
+constexpr double kPanelWidth = 480;  // [px]
+constexpr double kMargin = 16, kGap = 12, kTitle = 28;
+
+TextStyle centred() {
+  TextStyle style;
+  style.across = Across::centre;
+  return style;
+}
+
+void drawModel3d(Page& page, const Box& box, const View& view) {
+  SegmentScene scene(page.scene(box));
+  const std::size_t n = std::min<std::size_t>(view.segments.size(), MatchingParams().max_segments);
+  for (std::size_t k = 0; k < n; ++k) {
+    const Colour colour = segmentColour(k);
+    scene.add(view.segments[k], Eigen::Isometry3d::Identity(),
+              {mixed(colour, kWhite, 0.25), mixed(colour, kBlack, 0.3), Page::kFiner * 1.2});
+  }
+  const Eigen::Vector3d up = upInView(view, {});
+  scene.lookAlong(fromBehindAndAbove(up), up);
+}
+
+}  // namespace
+
+SeenImage see(const std::string& name, DepthImage depth, ViewBuilder& builder) {
+  SeenImage image;
+  image.name = name;
+  image.view = builder.build(depth);
+  image.labels = builder.segmentation().labels;
+  image.depth = std::move(depth);
+  return image;
+}
+
+void checkDrawable(const SeenImage& image) {
+  if (!image.depth.valid()) throw std::invalid_argument("the image " + image.name + " has no pixels to draw");
+  if (image.labels.width != image.depth.camera.width || image.labels.height != image.depth.camera.height)
+    throw std::invalid_argument("the labels of image " + image.name + " are of another size");
+}
+
+void drawSegmentation(const std::filesystem::path& path, const SeenImage& image) {
+  checkDrawable(image);
+  const double height = kPanelWidth * image.depth.camera.height / image.depth.camera.width;
+  Page page(static_cast<int>(2 * kMargin + 3 * kPanelWidth + 2 * kGap),
+            static_cast<int>(2 * kMargin + height + kTitle));
+  const auto panel = [&](int column, const std::string& title) {
+    const Box box = {kMargin + column * (kPanelWidth + kGap), kMargin, kPanelWidth, height};
+    page.text({box.centre().x(), box.bottom() + kTitle / 2 + 3}, title, centred());
+    return box;
+  };
+  page.picture(panel(0, "(a) depth image " + image.name), greyDepth(image.depth));
+  page.picture(panel(1, "(b) " + counted(image.view.segments.size(), "planar surface segment")),
+               overlay(image.depth, image.labels));
+  const Box box = panel(2, "(c) 3D model of the dominant segments");
+  if (image.view.segments.empty())
+    page.text(box.centre(), "no segments", centred());
+  else
+    drawModel3d(page, box, image.view);
+  page.frame(box, {Colour(190, 190, 190), 1});
+  writePng(path, page.render());
+}
+
+}  // namespace facetloc

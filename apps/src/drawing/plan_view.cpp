@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drawing/plan_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace facetloc {
+namespace {
+
+constexpr double kWorldTilt = 20 * kDegree;  // a world whose z axis is nearer to the vertical has z up
+constexpr double kLean = 15 * kDegree;       // of an upright segment
+
+struct WeightedNormal {
+  Eigen::Vector3d normal;
+  double area;  // [m^2]
+};
+
+/** The direction near a guess that most area is at right angles to. */
+Eigen::Vector3d levelNormal(const std::vector<WeightedNormal>& normals, Eigen::Vector3d up) {
+  for (const double reach : {30.0, 15.0, 5.0, 5.0}) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const WeightedNormal& n : normals) {
+      const double cosine = n.normal.dot(up);
+      if (std::abs(cosine) > std::cos(reach * kDegree)) sum += n.area * (cosine > 0 ? n.normal : -n.normal);
+    }
+    if (sum.norm() > 0) up = sum.normalized();
+  }
+  return up;
+}
+
+std::vector<WeightedNormal> normalsOf(const View& view, const Eigen::Matrix3d& R) {
+  std::vector<WeightedNormal> normals;
+  for (const Segment& s : view.segments) normals.push_back({R * s.normal(), s.area()});
+  return normals;
+}
+
+Eigen::Vector3d guessInView(const std::optional<CameraMounting>& mounting) {
+  return mounting ? Eigen::Vector3d(mounting->T_b_c().linear().row(2).transpose())
+                  : Eigen::Vector3d(0, -1, 0);
+}
+
+}  // namespace
+
+Eigen::Vector3d upInView(const View& view, const std::optional<CameraMounting>& mounting) {
+  const Eigen::Vector3d guess = guessInView(mounting);
+  return mounting ? guess : levelNormal(normalsOf(view, Eigen::Matrix3d::Identity()), guess);
+}
+
+Eigen::Vector3d upInWorld(const Map& map) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  std::vector<WeightedNormal> normals;
+  for (std::size_t i = 0; i < map.models.size(); ++i) {
+    const auto& T_w_m = map.models[i].T_w_m;
+    if (!T_w_m) continue;
+    sum += T_w_m->linear() * guessInView(map.mounting);
+    const auto more = normalsOf(*map.view(static_cast<int>(i)), T_w_m->linear());
+    normals.insert(normals.end(), more.begin(), more.end());
+  }
+  const Eigen::Vector3d up = levelNormal(normals, sum.normalized());
+  return up.z() > std::cos(kWorldTilt) ? Eigen::Vector3d::UnitZ() : up;
+}
+
+PlanView::PlanView(const Eigen::Vector3d& up) : up_(up) {
+  axes_ = rotationBetween(up, Eigen::Vector3d::UnitZ()).topRows<2>();
+}
+
+std::optional<PlanLine> PlanView::line(const Segment& segment, const Eigen::Isometry3d& T_w_m) const {
+  const Eigen::Matrix3d R = T_w_m.linear() * segment.R;
+  if (segment.hull.size == 0 || std::abs(R.col(2).dot(up_)) > std::sin(kLean)) return {};
+  const Eigen::Vector3d along = up_.cross(R.col(2)).normalized();
+  double first = std::numeric_limits<double>::max(), last = -first, lowest = first, highest = -first;
+  for (const Eigen::Vector2f& vertex : segment.hull) {
+    const Eigen::Vector3d p = R.leftCols<2>() * vertex.cast<double>();
+    first = std::min(first, along.dot(p)), last = std::max(last, along.dot(p));
+    lowest = std::min(lowest, up_.dot(p)), highest = std::max(highest, up_.dot(p));
+  }
+  const Eigen::Vector3d centre = T_w_m * segment.t;
+  return PlanLine{point(centre + first * along), point(centre + last * along), highest - lowest};
+}
+
+}  // namespace facetloc

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drawing/segment_scene.h"
+
+#include <vtkActor.h>
+#include <vtkCamera.h>
+#include <vtkCellArray.h>
+#include <vtkNew.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace facetloc {
+namespace {
+
+constexpr double kViewAngle = 35 * kDegree;  // of the eye, vertical
+
+vtkNew<vtkPoints> toPoints(const std::vector<Eigen::Vector3d>& polygon) {
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  for (const Eigen::Vector3d& p : polygon) points->InsertNextPoint(p.data());
+  return points;
+}
+
+vtkNew<vtkCellArray> oneCell(std::size_t points, bool closed) {
+  vtkNew<vtkCellArray> cells;
+  const auto n = static_cast<vtkIdType>(points);
+  cells->InsertNextCell(static_cast<int>(n + closed));
+  for (vtkIdType i = 0; i < n + closed; ++i) cells->InsertCellPoint(i % n);
+  return cells;
+}
+
+vtkNew<vtkActor> actorOf(vtkPolyData* data, const Colour& colour) {
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(data);
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  actor->GetProperty()->SetColor(colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0);
+  return actor;
+}
+
+/** Smallest distance of the eye from the origin of rotated content, z away from the eye, that shows all of
+ * it. \param tangent of half the angle of view. */
+double fittingDistance(const std::vector<Eigen::Vector3d>& seen, const Eigen::Vector2d& centre,
+                       const Eigen::Vector2d& tangent) {
+  double distance = -1e9;
+  for (const Eigen::Vector3d& p : seen) {
+    const Eigen::Vector2d needed = (p.head<2>() - centre).cwiseAbs().cwiseQuotient(tangent);
+    distance = std::max(distance, needed.maxCoeff() - p.z());
+  }
+  return distance;
+}
+
+/** Where the eye has to be aside of the origin so that content is in the middle of the picture. */
+Eigen::Vector2d centring(const std::vector<Eigen::Vector3d>& seen, Eigen::Vector2d centre,
+                         const Eigen::Vector2d& tangent) {
+  constexpr int kRounds = 10;
+  for (int i = 0; i < kRounds; ++i) {
+    const double distance = fittingDistance(seen, centre, tangent);
+    Eigen::AlignedBox2d picture;  // at depth 1
+    for (const Eigen::Vector3d& p : seen)
+      picture.extend(Eigen::Vector2d((p.head<2>() - centre) / (p.z() + distance)));
+    centre += picture.center() * distance;
+  }
+  return centre;
+}
+
+}  // namespace
+
+void SegmentScene::add(const Segment& segment, const Eigen::Isometry3d& T, const SegmentLook& look) {
+  if (segment.hull.size < 3) return;
+  Polygon corners;
+  for (const Eigen::Vector2f& v : segment.hull)
+    corners.push_back(T * (segment.t + segment.R.leftCols<2>() * v.cast<double>()));
+  content_.insert(content_.end(), corners.begin(), corners.end());
+  if (look.fill) addFill(corners, *look.fill);
+  addLine(corners, true, look.outline, look.outline_width);
+}
+
+void SegmentScene::addCamera(const Intrinsics& camera, const Eigen::Isometry3d& T, double size,
+                             const Colour& colour, double width) {
+  Polygon base;
+  for (const auto& [u, v] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)})
+    base.push_back(T * (size * camera.ray(u * camera.width, v * camera.height)));
+  addLine(base, true, colour, width);
+  for (const Eigen::Vector3d& corner : base) addLine({T.translation(), corner}, false, colour, width);
+  content_.push_back(T.translation());
+}
+
+void SegmentScene::addFill(const Polygon& corners, const Colour& colour) {
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(toPoints(corners));
+  data->SetPolys(oneCell(corners.size(), false));
+  const auto actor = actorOf(data, colour);
+  actor->GetProperty()->SetAmbient(0.55);
+  actor->GetProperty()->SetDiffuse(0.45);
+  actor->GetProperty()->SetInterpolationToFlat();
+  // Behind the lines of the same plane.
+  auto* mapper = vtkPolyDataMapper::SafeDownCast(actor->GetMapper());
+  mapper->SetResolveCoincidentTopologyToPolygonOffset();
+  mapper->SetRelativeCoincidentTopologyPolygonOffsetParameters(1, 1);
+  renderer_->AddActor(actor);
+}
+
+void SegmentScene::addLine(const Polygon& points, bool closed, const Colour& colour, double width) {
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(toPoints(points));
+  data->SetLines(oneCell(points.size(), closed));
+  const auto actor = actorOf(data, colour);
+  actor->GetProperty()->SetLineWidth(static_cast<float>(width));
+  // Of lines in the same place, the thicker one is in front.
+  auto* mapper = vtkPolyDataMapper::SafeDownCast(actor->GetMapper());
+  mapper->SetResolveCoincidentTopologyToPolygonOffset();
+  mapper->SetRelativeCoincidentTopologyLineOffsetParameters(0, -2 * width);
+  actor->GetProperty()->SetLighting(false);
+  renderer_->AddActor(actor);
+}
+
+void SegmentScene::lookAlong(const Eigen::Vector3d& direction, const Eigen::Vector3d& up) {
+  constexpr double kBorder = 0.96;  // of the picture is used
+  if (content_.empty()) return;
+  Eigen::Matrix3d R;  // rows: the eye's axes, right, up, away
+  R.row(2) = direction.normalized();
+  R.row(0) = direction.cross(up).normalized();
+  R.row(1) = R.row(0).cross(R.row(2));
+  std::vector<Eigen::Vector3d> seen;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : content_) seen.push_back(R * p), middle += seen.back();
+  middle /= static_cast<double>(seen.size());
+  for (Eigen::Vector3d& p : seen) p -= middle;
+
+  const double aspect = renderer_->GetTiledAspectRatio();
+  const Eigen::Vector2d tangent = kBorder * std::tan(kViewAngle / 2) * Eigen::Vector2d(aspect, 1);
+  const Eigen::Vector2d centre = centring(seen, Eigen::Vector2d::Zero(), tangent);
+  const double distance = fittingDistance(seen, centre, tangent);
+  const Eigen::Vector3d eye = R.transpose() * (middle + Eigen::Vector3d(centre.x(), centre.y(), -distance));
+  const Eigen::Vector3d focus = eye + R.row(2).transpose();
+
+  vtkCamera* camera = renderer_->GetActiveCamera();
+  camera->SetPosition(eye.x(), eye.y(), eye.z());
+  camera->SetFocalPoint(focus.x(), focus.y(), focus.z());
+  camera->SetViewUp(up.x(), up.y(), up.z());
+  camera->SetViewAngle(kViewAngle / kDegree);
+  renderer_->ResetCameraClippingRange();
+}
+
+Eigen::Vector3d fromBehindAndAbove(const Eigen::Vector3d& up) {
+  constexpr double kElevation = 32 * kDegree, kAside = 18 * kDegree;
+  Eigen::Vector3d ahead = Eigen::Vector3d::UnitZ() - up.z() * up;
+  if (ahead.norm() < 1e-3) ahead = Eigen::Vector3d::UnitY() - up.y() * up;  // it looks straight down
+  const Eigen::Vector3d level = Eigen::AngleAxisd(kAside, up) * ahead.normalized();
+  return std::cos(kElevation) * level - std::sin(kElevation) * up;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/evaluate_app.h"
+
+#include "drawing/offscreen_display.h"
+#include "evaluation/evaluation_charts.h"
+#include "evaluation/evaluation_pictures.h"
+#include "tools/depth_input.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/map_database.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kFailures = 6;  // that are drawn
+constexpr const char* kFailureFolder = "failures";
+
+/** Removes what an earlier evaluation has written and this one perhaps will not. */
+void removeEarlier(const fs::path& folder) {
+  for (const char* name :
+       {"report.html", "timing_summary.csv", "fig6.png", "reliability.png", "errors.png", "floor_map.png"})
+    fs::remove(folder / name);
+  removeMisses(folder / kFailureFolder);
+}
+
+void requireSameMap(const std::vector<RunResults>& runs, const Map& map, const std::string& path) {
+  std::set<std::string> names;
+  for (const LocalModel& model : map.models) names.insert(model.name);
+  for (const RunResults& run : runs)
+    for (const ResultRow& row : run.rows)
+      if (row.rank > 0 && !names.count(row.model))
+        throw IoError(path, "has no local model " + row.model + ": the results are of another map");
+}
+
+}  // namespace
+
+std::vector<ModelPose> modelPosesOf(const Trajectory& run, const MapBuilderParams& params) {
+  std::vector<ModelPose> models;
+  MapBuilder rule(params);
+  for (const StampedPose& pose : run.poses())
+    if (rule.accept(pose.T_w_c)) models.push_back({"", pose.stamp, pose.T_w_c});
+  return models;
+}
+
+EvaluateApp::EvaluateApp()
+    : App("facetloc_evaluate", "RESULTS GROUNDTRUTH [options]",
+          "Judges a results folder of facetloc_localize, or a folder of such folders, one per run, by "
+          "what is true: camera poses in the TUM format, a sequence folder with groundtruth.txt, or the "
+          "folder of a simulated place. Prints the paper's Tables I and II beside the paper's figures, "
+          "the rate of rank 1, recall at 100 % precision, how reliable the probabilities are, errors by "
+          "what is in view and how far the map is, and times. Where the map is known, images are told "
+          "apart: map images and new ones, and of the new ones those that a local model covers; where the "
+          "true planes are known too, those that the planes suffice to localize. Writes report.html with "
+          "everything in one file, evaluation.txt, tables.csv, frames.csv, fig6.csv, errors.csv, "
+          "timing_summary.csv, and the charts fig6.png, reliability.png and errors.png; with --map also "
+          "floor_map.png and, where the images are at hand, pictures of some failures in failures/. What "
+          "an earlier evaluation left in the folder is replaced or removed. Charts and pictures need an X "
+          "display; without one, Xvfb is started if it is installed.") {}
+
+void EvaluateApp::addOptions(CommandLine& line) {
+  line.addArgument("RESULTS", results_);
+  line.addArgument("GROUNDTRUTH", truth_);
+  line.addOption("output,o", folder_, "DIR", "Folder of the evaluation; RESULTS/evaluation if not given.");
+  line.addOption("map", map_, "MAP.flmap", "The map that the images were localized in.");
+  line.addOption("map-groundtruth", map_truth_, "FILE",
+                 "Without --map: the trajectory of the map's images, one pose per image.");
+  line.addOption("pose-tolerance", pose_tolerance_, "S",
+                 "Largest distance in time of an image and its pose [s].");
+  line.addCheck([this] { requireTolerance(pose_tolerance_); });
+  line.addParams(params_);
+  line.addOption("model-distance", builder_.min_distance, "M",
+                 "With --map-groundtruth: spacing of local models [m].");
+  line.addOption("model-rotation-deg", builder_.min_rotation_deg, "DEG",
+                 "With --map-groundtruth: their spacing in orientation [deg].");
+}
+
+/** What is judged, and by what. */
+struct EvaluateApp::Input {
+  std::vector<RunResults> runs;
+  PlaceTruth truth;
+  std::optional<Map> map;
+};
+
+std::vector<ModelPose> EvaluateApp::modelPoses(const std::optional<Map>& map) const {
+  if (!map)
+    return map_truth_.empty() ? std::vector<ModelPose>()
+                              : modelPosesOf(readTumTrajectory(map_truth_), builder_);
+  return modelPosesOf(*map);
+}
+
+void EvaluateApp::requireWorldPoses(const std::vector<RunResults>& runs) const {
+  bool any = false, posed = false;
+  for (const RunResults& run : runs)
+    for (const ResultRow& row : run.rows) {
+      any = any || row.rank > 0;
+      posed = posed || row.T_w_c;
+    }
+  if (any && !posed) throw IoError(results_, "has no world poses: the map has none");
+}
+
+EvaluationReport EvaluateApp::reportOf(const Input& input) const {
+  EvaluationReport report{results_, truth_, params_, {}, {}, {}};
+  if (std::all_of(input.runs.begin(), input.runs.end(), [](const RunResults& r) { return r.rows.empty(); }))
+    throw IoError(results_, "has results of no image");
+  if (input.map) requireSameMap(input.runs, *input.map, map_);
+  report.evaluation = evaluate(input.runs, input.truth, modelPoses(input.map), params_, pose_tolerance_);
+  if (report.evaluation.frames.empty()) throw IoError(truth_, "has no pose for any image of " + results_);
+  if (!input.map || modelPoses(input.map).empty()) requireWorldPoses(input.runs);
+  report.summaries = summarizeSets(report.evaluation);
+  for (const RunResults& run : input.runs)
+    report.timing.insert(report.timing.end(), run.timing.begin(), run.timing.end());
+  return report;
+}
+
+std::vector<ReportPicture> EvaluateApp::drawPictures(const EvaluationReport& report, const Input& input,
+                                                     const Console& console) const {
+  const OffscreenDisplay display;
+  if (!display.available()) {
+    console.note("no pictures: " + display.problem());
+    return {};
+  }
+  const fs::path folder = folder_;
+  std::vector<ReportPicture> pictures = {
+      {folder / "fig6.png", "Cumulative histograms of the first correct hypotheses, as the paper's Fig. 6."},
+      {folder / "reliability.png", "How often rank 1 is correct, over its probability."}};
+  drawFig6(pictures[0].path, report.summaries, params_);
+  drawReliability(pictures[1].path, newImages(report.summaries));
+  const std::vector<FrameEvaluation> frames = framesInQuestion(report.evaluation);
+  if (drawErrors(folder / "errors.png", errorsByVisiblePlanes(frames), errorsByDistance(frames)))
+    pictures.push_back({folder / "errors.png", "Results over what is in view and how far the map is."});
+  if (!input.map) return pictures;
+
+  try {
+    pictures.push_back(drawMapOfRuns(folder / "floor_map.png", *input.map, input.truth, report.evaluation));
+    for (ReportPicture& picture :
+         drawMisses(folder / kFailureFolder, chosenMisses(report.evaluation, kFailures), *input.map,
+                    input.truth, input.runs, console))
+      pictures.push_back(std::move(picture));
+  } catch (const std::exception& e) {  // a map without poses is no reason to miss the report
+    console.note(std::string("a picture is missing: ") + e.what());
+  }
+  return pictures;
+}
+
+int EvaluateApp::execute(const CommandLine&, const Console& console) {
+  Input input{readRuns(results_), PlaceTruth::open(truth_), {}};
+  if (!map_.empty()) input.map = readMap(map_);
+  const EvaluationReport report = reportOf(input);
+  if (folder_.empty()) folder_ = (fs::path(results_) / "evaluation").string();
+  createFolders(folder_);
+  removeEarlier(folder_);
+  writeReport(folder_, report);
+  writeHtmlReport(folder_, report, drawPictures(report, input, console));
+  printReport(console.out, report);  // last, for who reads it may stop doing so
+  console.out << "\nevaluation in " << folder_ << "\n";
+  return kOk;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/evaluation.h"
+
+#include <facetloc/features/so3.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/text.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+
+namespace facetloc {
+namespace {
+
+constexpr double kSameStamp = 1e-6;     // [s]
+constexpr double kSamePosition = 1e-3;  // [m]
+constexpr int kReliabilityBins = 10;
+constexpr const char* kTiming = "timing.csv";
+
+/** The rows of one frame, in the order of their ranks. */
+struct FrameRows {
+  std::string name;
+  double stamp = 0;
+  std::vector<const ResultRow*> rows;
+};
+
+/** Are these poses of images that are numbered from 0? */
+bool areNumbered(const Trajectory& truth) {
+  double index = 0;
+  return std::all_of(truth.poses().begin(), truth.poses().end(),
+                     [&](const StampedPose& pose) { return pose.stamp == index++; });
+}
+
+std::vector<FrameRows> groupByFrame(const std::vector<ResultRow>& rows, const Trajectory& truth) {
+  std::vector<FrameRows> frames;
+  std::map<std::string, std::size_t> index;
+  for (const ResultRow& row : rows) {
+    const auto [found, is_new] = index.emplace(row.frame, frames.size());
+    if (is_new) frames.push_back({row.frame, 0, {}});
+    frames[found->second].rows.push_back(&row);
+  }
+  const auto stray = std::find_if(frames.begin(), frames.end(),
+                                  [](const FrameRows& f) { return !text::to<double>(f.name).has_value(); });
+  const bool numbers = stray == frames.end();
+  if (!numbers && !areNumbered(truth))
+    throw IoError(stray->name, "the name of this image is no time stamp: true poses cannot be matched");
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].stamp = numbers ? *text::to<double>(frames[i].name) : static_cast<double>(i);
+    std::stable_sort(frames[i].rows.begin(), frames[i].rows.end(),
+                     [](const ResultRow* a, const ResultRow* b) { return a->rank < b->rank; });
+  }
+  return frames;
+}
+
+double angleDeg(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return rotationAngle(a.linear() * b.linear().transpose()) / kDegree;
+}
+
+/** Judges frames against what is true and the map. */
+class Judge {
+public:
+  Judge(const PlaceTruth& truth, const std::vector<ModelPose>& models, const EvaluationParams& params)
+      : truth_(truth), models_(models), params_(params), model_segments_(models.size()) {
+    for (const ModelPose& model : models) pose_of_[model.name] = model.T_w_m;
+  }
+
+  /** \param truth of the run */
+  FrameEvaluation judge(const RunResults& run, const FrameRows& frame, const Eigen::Isometry3d& T_w_c,
+                        const PlaceTruth& truth) {
+    FrameEvaluation e;
+    e.run = run.name;
+    e.name = frame.name;
+    e.stamp = frame.stamp;
+    e.T_w_c = T_w_c;
+    e.unmapped = truth.unmapped(frame.name);
+    judgeHypotheses(frame, T_w_c, e);
+    const std::vector<std::size_t> covering = locate(run.images, e);
+    judgePlanes(covering, truth, e);
+    return e;
+  }
+
+private:
+  void judgeHypotheses(const FrameRows& frame, const Eigen::Isometry3d& truth, FrameEvaluation& e) const {
+    for (const ResultRow* row : frame.rows) {
+      if (row->rank == 0) {
+        e.reason = row->reason;
+        continue;
+      }
+      ++e.hypotheses;
+      if (row->rank == 1) e.probability = row->probability;
+      const auto pose = worldPose(*row);
+      if (!pose) continue;
+      const PoseError error = poseError(*pose, truth);
+      if (row->rank == 1) e.best_error = error;
+      if (!e.closest || cost(error) < cost(e.closest_error)) {
+        e.closest = row->rank;
+        e.closest_error = error;
+      }
+      const bool correct =
+          error.translation <= params_.max_translation && error.rotation_deg <= params_.max_rotation_deg;
+      if (!correct || e.first_correct) continue;
+      e.first_correct = row->rank;
+      e.first_correct_error = error;
+    }
+  }
+
+  /** Orders errors; multiplied out, since a limit may be zero. */
+  double cost(const PoseError& error) const {
+    return std::max(error.translation * params_.max_rotation_deg,
+                    error.rotation_deg * params_.max_translation);
+  }
+
+  std::optional<Eigen::Isometry3d> worldPose(const ResultRow& row) const {
+    if (row.T_w_c) return row.T_w_c;
+    const auto model = pose_of_.find(row.model);
+    if (model == pose_of_.end()) return {};
+    return model->second * row.T_m_c;
+  }
+
+  /** The nearest local model, in units of what counts as covered. Returns the covering ones. */
+  std::vector<std::size_t> locate(const ImageSizes& images, FrameEvaluation& e) const {
+    const auto found = images.find(e.name);
+    const std::uintmax_t size = found == images.end() ? 0 : found->second;
+    std::vector<std::size_t> covering;
+    if (!models_.empty()) e.frame_class = FrameClass::new_image;
+    double least = 0;
+    for (std::size_t i = 0; i < models_.size(); ++i) {
+      const ModelPose& model = models_[i];
+      const NearestModel near{model.name, (model.T_w_m.translation() - e.T_w_c.translation()).norm(),
+                              angleDeg(model.T_w_m, e.T_w_c)};
+      const bool same =
+          (!model.name.empty() && model.name == e.name) || std::abs(model.stamp - e.stamp) < kSameStamp;
+      const bool same_file = size > 0 && size == model.image_size && model.name == e.name;
+      if (same && (same_file || near.distance < kSamePosition)) e.frame_class = FrameClass::map_image;
+      if (near.distance <= params_.covered_distance && near.angle_deg <= params_.covered_rotation_deg)
+        covering.push_back(i);
+      const double cost =
+          std::max(near.distance * params_.covered_rotation_deg, near.angle_deg * params_.covered_distance);
+      if (e.nearest && cost >= least) continue;
+      least = cost;
+      e.nearest = near;
+    }
+    e.covered = !covering.empty() && !e.unmapped;
+    return covering;
+  }
+
+  void judgePlanes(const std::vector<std::size_t>& covering, const PlaceTruth& truth, FrameEvaluation& e) {
+    const auto seen = truth.segments(e.name, e.T_w_c, params_.visible_pixels);
+    if (!seen) return;
+    e.visible_planes = static_cast<int>(seen->size());
+    if (models_.empty()) return;
+    bool compared = !e.covered;  // then no model's planes need be known
+    for (const std::size_t i : covering) {
+      const auto& model = segmentsOf(i);
+      if (!e.covered || !model) continue;
+      compared = true;
+      if (!sharedPlanesSuffice(*seen, *model, params_.solvable_position,
+                               params_.solvable_rotation_deg * kDegree))
+        continue;
+      e.solvable = true;
+      return;
+    }
+    if (compared) e.solvable = false;
+  }
+
+  /** The true segments of a local model, read when they are needed first. */
+  const std::optional<TrueSegments>& segmentsOf(std::size_t i) {
+    if (!model_segments_[i])
+      model_segments_[i] = truth_.segments(models_[i].name, models_[i].T_w_m, params_.visible_pixels);
+    return *model_segments_[i];
+  }
+
+  const PlaceTruth& truth_;
+  const std::vector<ModelPose>& models_;
+  const EvaluationParams& params_;
+  std::map<std::string, Eigen::Isometry3d> pose_of_;
+  std::vector<std::optional<std::optional<TrueSegments>>> model_segments_;
+};
+
+/** Of several runs, one that the map was made of has no new images. */
+void markMappingRuns(const std::vector<RunResults>& runs, std::vector<FrameEvaluation>& frames) {
+  if (runs.size() < 2) return;
+  std::set<std::string> mapping;
+  for (const FrameEvaluation& frame : frames)
+    if (frame.frame_class == FrameClass::map_image) mapping.insert(frame.run);
+  for (FrameEvaluation& frame : frames)
+    if (mapping.count(frame.run) && frame.frame_class == FrameClass::new_image)
+      frame.frame_class = FrameClass::map_run;
+}
+
+void addReliability(const std::vector<FrameEvaluation>& frames, Summary& summary) {
+  auto& bins = summary.reliability;
+  bins.resize(kReliabilityBins);
+  for (int i = 0; i < kReliabilityBins; ++i) {
+    bins[i].lowest = static_cast<double>(i) / kReliabilityBins;
+    bins[i].highest = static_cast<double>(i + 1) / kReliabilityBins;
+  }
+  std::size_t answers = 0;
+  for (const FrameEvaluation& frame : frames) {
+    if (!frame.best_error) continue;
+    const double p = frame.probability, correct = frame.first_correct == 1 ? 1 : 0;
+    ReliabilityBin& bin = bins[std::clamp(static_cast<int>(p * kReliabilityBins), 0, kReliabilityBins - 1)];
+    ++bin.n;
+    bin.mean_probability += p;
+    bin.correct += correct;
+    summary.brier += (p - correct) * (p - correct);
+    ++answers;
+  }
+  for (ReliabilityBin& bin : bins) {
+    if (bin.n == 0) continue;
+    bin.mean_probability /= static_cast<double>(bin.n);
+    bin.correct /= static_cast<double>(bin.n);
+    if (bin.n >= kReliableCount)
+      summary.largest_deviation = std::max(summary.largest_deviation, bin.deviation());
+  }
+  if (answers > 0) summary.brier /= static_cast<double>(answers);
+}
+
+/** Answers only above the largest probability that was ever wrong. */
+void addRecall(const std::vector<FrameEvaluation>& frames, Summary& summary) {
+  for (const FrameEvaluation& frame : frames)
+    if (frame.best_error && frame.first_correct != 1)
+      summary.threshold = std::max(summary.threshold, frame.probability);
+  const auto answered = std::count_if(frames.begin(), frames.end(), [&](const FrameEvaluation& frame) {
+    return frame.first_correct == 1 && frame.probability > summary.threshold;
+  });
+  if (!frames.empty()) summary.recall = static_cast<double>(answered) / static_cast<double>(frames.size());
+}
+
+}  // namespace
+
+PoseError poseError(const Eigen::Isometry3d& T_w_c, const Eigen::Isometry3d& T_w_c_true) {
+  const Eigen::Matrix3d R = T_w_c.linear() * T_w_c_true.linear().transpose();  // in world axes
+  PoseError error;
+  error.translation = (T_w_c.translation() - T_w_c_true.translation()).norm();
+  error.rotation_deg = rotationAngle(R) / kDegree;
+  error.heading_deg = std::abs(logSO3(R).z()) / kDegree;
+  return error;
+}
+
+const char* toString(FrameClass frame_class) {
+  switch (frame_class) {
+  case FrameClass::map_image:
+    return "map";
+  case FrameClass::map_run:
+    return "mapping run";
+  case FrameClass::new_image:
+    return "new";
+  case FrameClass::unknown:
+    break;
+  }
+  return "unknown";
+}
+
+std::vector<ModelPose> modelPosesOf(const Map& map) {
+  const auto images = map.meta.find(kImagesKey);
+  const ImageSizes sizes = images == map.meta.end() ? ImageSizes() : imageSizes(images->second);
+  std::vector<ModelPose> poses;
+  for (const LocalModel& model : map.models) {
+    const auto size = sizes.find(model.name);
+    if (model.T_w_m)
+      poses.push_back({model.name, model.stamp, *model.T_w_m, size == sizes.end() ? 0 : size->second});
+  }
+  return poses;
+}
+
+std::vector<RunResults> readRuns(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  std::vector<fs::path> folders;
+  if (fs::is_directory(folder) && !isResultsFolder(folder))
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+      if (isResultsFolder(entry.path())) folders.push_back(entry.path());
+  std::sort(folders.begin(), folders.end());
+  const bool single = folders.empty();
+  if (single) folders = {fs::absolute(folder / "").lexically_normal().parent_path()};
+  std::vector<RunResults> runs;
+  for (const fs::path& run : folders) {
+    const std::string name = run.filename().string();
+    runs.push_back({single ? "" : name, readHypotheses(run), {}, name, {}});
+    if (auto provenance = Provenance::read(run)) runs.back().images = std::move(provenance->images);
+    if (fs::exists(run / kTiming)) runs.back().timing = readTiming(run);
+  }
+  return runs;
+}
+
+Evaluation evaluate(const std::vector<RunResults>& runs, const PlaceTruth& truth,
+                    const std::vector<ModelPose>& models, const EvaluationParams& params, double tolerance) {
+  Evaluation evaluation;
+  Judge judge(truth, models, params);
+  for (const RunResults& run : runs) {
+    const PlaceTruth of_run = truth.of(run.folder.empty() ? run.name : run.folder);
+    for (const FrameRows& frame : groupByFrame(run.rows, of_run.poses())) {
+      if (const auto pose = of_run.poses().nearest(frame.stamp, tolerance))
+        evaluation.frames.push_back(judge.judge(run, frame, *pose, of_run));
+      else
+        evaluation.without_truth.push_back(frame.name);
+    }
+  }
+  markMappingRuns(runs, evaluation.frames);
+  return evaluation;
+}
+
+Evaluation evaluate(const std::vector<ResultRow>& rows, const Trajectory& truth,
+                    const std::vector<ModelPose>& models, const EvaluationParams& params, double tolerance) {
+  return evaluate({{"", rows, {}}}, PlaceTruth(truth), models, params, tolerance);
+}
+
+Statistics statistics(const std::vector<double>& values) {
+  Statistics s;
+  if (values.empty()) return s;
+  const double n = static_cast<double>(values.size());
+  s.mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+  s.max = *std::max_element(values.begin(), values.end());
+  double squares = 0;
+  for (const double v : values) squares += (v - s.mean) * (v - s.mean);
+  if (values.size() > 1) s.std = std::sqrt(squares / (n - 1));
+  return s;
+}
+
+CumulativeHistogram cumulativeHistogram(std::vector<double> values) {
+  CumulativeHistogram histogram;
+  std::sort(values.begin(), values.end());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    histogram.y.push_back(static_cast<double>(i + 1) / static_cast<double>(values.size()));
+  histogram.x = std::move(values);
+  return histogram;
+}
+
+double CumulativeHistogram::bound(double share) const {
+  const auto found = std::lower_bound(y.begin(), y.end(), share);
+  if (x.empty()) return 0;
+  return found == y.end() ? x.back() : x[found - y.begin()];
+}
+
+Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames) {
+  Summary summary;
+  summary.name = name;
+  std::vector<double> translation_mm, rotation_deg, heading_deg, index;
+  for (const FrameEvaluation& frame : frames) {
+    ++summary.total;
+    summary.none += frame.hypotheses == 0;
+    summary.wrong += frame.hypotheses > 0 && frame.first_correct == 0;
+    summary.best_correct += frame.first_correct == 1;
+    const bool confident = frame.best_error && frame.probability >= kConfident;
+    summary.confident += confident;
+    summary.confident_correct += confident && frame.first_correct == 1;
+    summary.unsure += frame.hypotheses == 0 || frame.probability < kUnsure;
+    if (frame.first_correct == 0) continue;
+    ++summary.correct;
+    translation_mm.push_back(1000 * frame.first_correct_error.translation);
+    rotation_deg.push_back(frame.first_correct_error.rotation_deg);
+    heading_deg.push_back(frame.first_correct_error.heading_deg);
+    index.push_back(frame.first_correct);
+  }
+  summary.translation_stats = statistics(translation_mm);
+  summary.rotation_stats = statistics(rotation_deg);
+  summary.heading_stats = statistics(heading_deg);
+  summary.index_stats = statistics(index);
+  summary.translation_mm = cumulativeHistogram(std::move(translation_mm));
+  summary.rotation_deg = cumulativeHistogram(std::move(rotation_deg));
+  summary.heading_deg = cumulativeHistogram(std::move(heading_deg));
+  summary.index = cumulativeHistogram(std::move(index));
+  addReliability(frames, summary);
+  addRecall(frames, summary);
+  return summary;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "evaluation/frame_truth.h"
+#include "tools/provenance.h"
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/features/params.h>
+#include <facetloc/io/results.h>
+#include <facetloc/io/trajectory.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief When a hypothesis is correct, and which images a map can be expected to localize. */
+struct EvaluationParams {
+  double max_translation = 0.2;      ///< the paper's [m]
+  double max_rotation_deg = 2;       ///< the paper's
+  double covered_distance = 1.0;     ///< of a local model [m]
+  double covered_rotation_deg = 20;  ///< of the same local model
+  double visible_pixels = 150;       ///< of a true plane that counts as seen [px at 320x240]
+  double solvable_position = 0.05;   ///< standard deviation that shared planes must reach [m]
+  double solvable_rotation_deg = 3;  ///< the same for the orientation
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& field) {
+    field("max_translation", p.max_translation, 0.0, 1e6,
+          "Largest position error of a correct hypothesis [m].");
+    field("max_rotation_deg", p.max_rotation_deg, 0.0, 180.0,
+          "Largest orientation error of a correct hypothesis [deg].");
+    field("covered_distance", p.covered_distance, 0.0, 1e6,
+          "An image is covered if a local model lies within this distance ... [m].");
+    field("covered_rotation_deg", p.covered_rotation_deg, 0.0, 180.0, "... and this angle [deg].");
+    field("visible_pixels", p.visible_pixels, 3.0, 76800.0,
+          "Least size of a true plane that counts as seen [px at 320x240].");
+    field("solvable_position", p.solvable_position, 0.0, 1e3,
+          "An image is solvable if true planes that it shares with a covering local model fix its position "
+          "to this standard deviation ... [m].");
+    field("solvable_rotation_deg", p.solvable_rotation_deg, 0.0, 180.0,
+          "... and its orientation to this one [deg].");
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** \brief The difference of a pose from the true one. */
+struct PoseError {
+  double translation = 0;   ///< [m]
+  double rotation_deg = 0;  ///< angle of the relative rotation
+  double heading_deg = 0;   ///< its part about the world's z axis
+};
+PoseError poseError(const Eigen::Isometry3d& T_w_c, const Eigen::Isometry3d& T_w_c_true);
+
+/** \brief Where a local model of the map was taken. */
+struct ModelPose {
+  std::string name;  ///< may be empty
+  double stamp = 0;  ///< [s]
+  Eigen::Isometry3d T_w_m = Eigen::Isometry3d::Identity();
+  std::uintmax_t image_size = 0;  ///< of its image's file [bytes]; 0 if it is not known
+};
+/** \brief Of those local models of a map that have a pose. */
+std::vector<ModelPose> modelPosesOf(const Map& map);
+
+/** \brief A map image is itself one of the local models: of the same name or stamp, and at the same true pose
+ * or from a file of the same name and size, for the poses of a map need not be the true ones. The other
+ * images of the mapping run are no news either, if there are further runs. */
+enum class FrameClass { unknown, map_image, map_run, new_image };
+const char* toString(FrameClass frame_class);
+
+/** \brief How far the most similar local model is away. */
+struct NearestModel {
+  std::string name;
+  double distance = 0;  ///< [m]
+  double angle_deg = 0;
+};
+
+/** \brief What became of one image. */
+struct FrameEvaluation {
+  std::string run;  ///< may be empty
+  std::string name;
+  double stamp = 0;
+  Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();  ///< the true pose
+  FrameClass frame_class = FrameClass::unknown;
+  bool unmapped = false;         ///< the map has nothing there; then neither covered nor solvable
+  bool covered = false;          ///< by a local model
+  std::optional<bool> solvable;  ///< by true planes shared with a covering local model, where they are known
+  std::optional<int> visible_planes;  ///< true planes in view, where they are known
+  int hypotheses = 0;
+  int first_correct = 0;  ///< rank of the first correct hypothesis; 0 = none is
+  PoseError first_correct_error;
+  double probability = 0;               ///< of rank 1
+  std::optional<PoseError> best_error;  ///< of rank 1; none if nobody knows where in the world that is
+  int closest = 0;          ///< rank of the hypothesis with the least error; 0 = there is none with a pose
+  PoseError closest_error;  ///< in units of what counts as correct
+  std::optional<NearestModel> nearest;
+  std::string reason;  ///< why there is no hypothesis
+};
+
+/** \brief Frames of several places may be put together into one evaluation. */
+struct Evaluation {
+  std::vector<FrameEvaluation> frames;     ///< those with a true pose
+  std::vector<std::string> without_truth;  ///< names of the others
+};
+
+/** \brief The answers of facetloc_localize to the images of one run. */
+struct RunResults {
+  std::string name;  ///< may be empty
+  std::vector<ResultRow> rows;
+  std::vector<TimingRow> timing;  ///< may be empty
+  std::string folder{};           ///< named after the run whose truth is meant; may be empty
+  ImageSizes images{};            ///< that were localized; may be empty
+};
+/** \brief Reads a results folder, or a folder of results folders, one per run; these are named by their
+ * folders and in the order of their names. Throws IoError. */
+std::vector<RunResults> readRuns(const std::filesystem::path& folder);
+
+/** \brief Judges every frame of one or several runs in the same map.
+ *
+ * The stamp of a frame is its name if all names of its run are numbers, else its index, which the true poses
+ * must then be numbered by: 0, 1, 2, ... Hypotheses without a world pose get it from their model's pose in
+ * models, where it is known. Of several runs those with a map image are mapping runs. \param models may be
+ * empty: frames are then of unknown class. \param tolerance [s] largest distance in time of a frame and its
+ * true pose. Throws IoError for images without time stamps. */
+Evaluation evaluate(const std::vector<RunResults>& runs, const PlaceTruth& truth,
+                    const std::vector<ModelPose>& models, const EvaluationParams& params,
+                    double tolerance = 0.02);
+/** \brief The same for a single run of which only the poses are known. */
+Evaluation evaluate(const std::vector<ResultRow>& rows, const Trajectory& truth,
+                    const std::vector<ModelPose>& models, const EvaluationParams& params,
+                    double tolerance = 0.02);
+
+/** \brief Of a sample; all zero without one. The standard deviation is that of the sample (n - 1). */
+struct Statistics {
+  double mean = 0;
+  double std = 0;
+  double max = 0;
+};
+Statistics statistics(const std::vector<double>& values);
+
+constexpr double kMarkedShare = 0.99;  ///< whose bound Fig. 6 marks
+
+/** \brief A normalised cumulative histogram: y is the share of values up to x; x ascends. */
+struct CumulativeHistogram {
+  std::vector<double> x;
+  std::vector<double> y;
+  /** \brief The smallest value that at least this share does not exceed; 0 without values. */
+  double bound(double share) const;
+};
+CumulativeHistogram cumulativeHistogram(std::vector<double> values);
+
+/** \brief Probabilities of one range, and how often they were right. */
+struct ReliabilityBin {
+  double lowest = 0;
+  double highest = 0;
+  std::size_t n = 0;
+  double mean_probability = 0;
+  double correct = 0;  ///< share
+
+  /** \brief How far the probability is from the truth. */
+  double deviation() const { return std::abs(mean_probability - correct); }
+};
+
+constexpr double kConfident = 0.9;          ///< a probability of rank 1 that one may act on
+constexpr double kUnsure = 0.5;             ///< below, rank 1 is more likely wrong than right
+constexpr std::size_t kReliableCount = 20;  ///< images from which on the share of a bin says something
+
+/** \brief The figures of a set of frames. */
+struct Summary {
+  std::string name;
+  std::size_t total = 0;
+  std::size_t none = 0;                                                  ///< no hypothesis
+  std::size_t wrong = 0;                                                 ///< no correct hypothesis
+  std::size_t correct = 0;                                               ///< at least one
+  std::size_t best_correct = 0;                                          ///< rank 1 is
+  CumulativeHistogram translation_mm, rotation_deg, heading_deg, index;  ///< of the first correct hypotheses
+  Statistics translation_stats, rotation_stats, heading_stats, index_stats;
+  double threshold = 0;       ///< the largest probability of a wrong rank 1
+  double recall = 0;          ///< share of all frames whose rank 1 is correct and more probable than that
+  double brier = 0;           ///< mean squared difference of the probability of rank 1 and its truth
+  std::size_t confident = 0;  ///< rank 1 with a probability of at least kConfident
+  std::size_t confident_correct = 0;  ///< of these
+  std::size_t unsure = 0;             ///< no hypothesis, or rank 1 with a probability below kUnsure
+  std::vector<ReliabilityBin> reliability;
+  double largest_deviation = 0;  ///< of a bin with at least kReliableCount images
+};
+Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames);
+/** \brief Of the frames that are chosen. */
+template <class Chosen>
+Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames, const Chosen& chosen) {
+  std::vector<FrameEvaluation> some;
+  for (const FrameEvaluation& frame : frames)
+    if (chosen(frame)) some.push_back(frame);
+  return summarize(name, some);
+}
+
+}  // namespace facetloc

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "evaluation/evaluation_details.h"
+
+#include <filesystem>
+#include <vector>
+
+namespace facetloc {
+
+// Charts of an evaluation, PNG, written atomically. All need an X display (OffscreenDisplay) and throw
+// IoError.
+
+/** \brief The paper's Fig. 6: cumulative histograms of the errors and the rank of the first correct
+ * hypothesis, with 99 % marks of the first summary. */
+void drawFig6(const std::filesystem::path& path, const std::vector<Summary>& summaries,
+              const EvaluationParams& params);
+/** \brief How often rank 1 is correct over its probability, and how many images that is told from. */
+void drawReliability(const std::filesystem::path& path, const Summary& summary);
+/** \brief Shares and errors over the planes in view and over the distance to the map; false, and nothing
+ * drawn, without groups. */
+bool drawErrors(const std::filesystem::path& path, const std::vector<ErrorGroup>& by_planes,
+                const std::vector<ErrorGroup>& by_distance);
+
+}  // namespace facetloc

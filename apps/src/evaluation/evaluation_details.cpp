@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/evaluation_details.h"
+
+#include <facetloc/io/text.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace facetloc {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kMostShare = 0.95;
+
+std::string wholeRange(double lowest, double highest) {
+  if (std::isinf(highest)) return text::decimals(lowest, 0) + " or more";
+  if (highest - lowest == 1) return text::decimals(lowest, 0);
+  return text::decimals(lowest, 0) + " to " + text::decimals(highest - 1, 0);
+}
+
+std::string realRange(double lowest, double highest) {
+  return std::isinf(highest) ? text::decimals(lowest, 2) + " or more"
+                             : text::decimals(lowest, 2) + " to " + text::decimals(highest, 2);
+}
+
+using Quantity = std::function<std::optional<double>(const FrameEvaluation&)>;
+
+std::vector<ErrorGroup> grouped(const std::vector<FrameEvaluation>& frames, const std::vector<double>& limits,
+                                std::string (*range)(double, double), const Quantity& quantity) {
+  std::vector<ErrorGroup> groups;
+  for (std::size_t i = 0; i + 1 < limits.size(); ++i) {
+    ErrorGroup group{limits[i], limits[i + 1], 0, {}};
+    std::vector<FrameEvaluation> inside;
+    for (const FrameEvaluation& f : frames) {
+      const auto value = quantity(f);
+      if (f.unmapped || !value || *value < group.lowest || *value >= group.highest) continue;
+      inside.push_back(f);
+      group.mean += *value;
+    }
+    if (inside.empty()) continue;
+    group.mean /= static_cast<double>(inside.size());
+    group.summary = summarize(range(group.lowest, group.highest), inside);
+    groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+StageTime stageTime(const std::string& stage, std::vector<double> ms) {
+  const Statistics s = statistics(ms);
+  const CumulativeHistogram histogram = cumulativeHistogram(std::move(ms));
+  return {stage, histogram.x.size(), s.mean, histogram.bound(0.5), histogram.bound(kMostShare), s.max};
+}
+
+std::optional<MissKind> missKind(const FrameEvaluation& f) {
+  if (f.hypotheses > 0 && f.first_correct != 1 && f.probability >= kConfident)
+    return MissKind::confident_wrong;
+  if (f.unmapped) {
+    if (f.hypotheses > 0 && f.probability >= kUnsure) return MissKind::sure_of_nothing;
+    return {};
+  }
+  if (f.first_correct == 0 && (f.covered || f.frame_class == FrameClass::unknown)) return MissKind::not_found;
+  if (f.first_correct > 1) return MissKind::not_first;
+  return {};
+}
+
+}  // namespace
+
+std::vector<FrameEvaluation> framesInQuestion(const Evaluation& evaluation) {
+  std::vector<FrameEvaluation> frames;
+  for (const FrameEvaluation& f : evaluation.frames)
+    if (f.frame_class == FrameClass::new_image) frames.push_back(f);
+  return frames.empty() ? evaluation.frames : frames;
+}
+
+std::vector<ErrorGroup> errorsByVisiblePlanes(const std::vector<FrameEvaluation>& frames) {
+  return grouped(frames, {0, 2, 3, 4, 6, 9, 13, 18, kInfinity}, wholeRange,
+                 [](const FrameEvaluation& f) { return f.visible_planes; });
+}
+
+std::vector<ErrorGroup> errorsByDistance(const std::vector<FrameEvaluation>& frames) {
+  return grouped(frames, {0, 0.25, 0.5, 0.75, 1, 1.5, 2, kInfinity}, realRange, [](const FrameEvaluation& f) {
+    return f.nearest ? std::optional<double>(f.nearest->distance) : std::nullopt;
+  });
+}
+
+std::vector<StageTime> stageTimes(const std::vector<TimingRow>& rows) {
+  std::vector<double> segment, features, localize, sum;
+  for (const TimingRow& row : rows) {
+    if (row.sum() == 0) continue;  // it failed
+    segment.push_back(row.segment_ms);
+    features.push_back(row.features_ms);
+    localize.push_back(row.localize_ms);
+    sum.push_back(row.sum());
+  }
+  if (sum.empty()) return {};
+  return {stageTime("segmentation", segment), stageTime("features", features),
+          stageTime("localization", localize), stageTime("all", sum)};
+}
+
+const char* toString(MissKind kind) {
+  switch (kind) {
+  case MissKind::confident_wrong:
+    return "Confident and wrong";
+  case MissKind::sure_of_nothing:
+    return "Sure where the map has nothing";
+  case MissKind::not_found:
+    return "No correct hypothesis";
+  case MissKind::not_first:
+    break;
+  }
+  return "Correct, but not at rank 1";
+}
+
+std::vector<Miss> misses(const Evaluation& evaluation) {
+  std::vector<Miss> found;
+  for (const FrameEvaluation& f : framesInQuestion(evaluation))
+    if (const auto kind = missKind(f)) found.push_back({*kind, f});
+  std::stable_sort(found.begin(), found.end(), [](const Miss& a, const Miss& b) { return a.kind < b.kind; });
+  return found;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "evaluation/evaluation.h"
+
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief The frames that an evaluation is about: the new ones, or all where it is not known which are new.
+ */
+std::vector<FrameEvaluation> framesInQuestion(const Evaluation& evaluation);
+
+/** \brief The frames for which a quantity lies in [lowest, highest); summary.name is that range in words. */
+struct ErrorGroup {
+  double lowest = 0;
+  double highest = 0;  ///< infinite in the last group
+  double mean = 0;     ///< of the quantity
+  Summary summary;
+};
+/** \brief Frames by the number of true planes in view, without empty groups. Left out: frames of which it is
+ * not known, and those where the map has nothing. */
+std::vector<ErrorGroup> errorsByVisiblePlanes(const std::vector<FrameEvaluation>& frames);
+/** \brief The same by the distance to the most similar local model [m]. */
+std::vector<ErrorGroup> errorsByDistance(const std::vector<FrameEvaluation>& frames);
+
+/** \brief How long a stage took per image [ms]. */
+struct StageTime {
+  std::string stage;
+  std::size_t n = 0;
+  double mean = 0;
+  double median = 0;
+  double most = 0;  ///< 95 % of the images took no longer
+  double max = 0;
+};
+/** \brief Of segmentation, features, localization and their sum; none without rows. Images that failed are
+ * left out. */
+std::vector<StageTime> stageTimes(const std::vector<TimingRow>& rows);
+
+/** \brief In which way an answer was not what one wishes, the worst first. */
+enum class MissKind {
+  confident_wrong,  ///< rank 1 is wrong with a probability of at least kConfident
+  sure_of_nothing,  ///< the map has nothing there, yet rank 1 has a probability of at least kUnsure
+  not_found,        ///< covered, or of unknown class, and no hypothesis is correct
+  not_first         ///< correct, but not at rank 1
+};
+const char* toString(MissKind kind);
+
+struct Miss {
+  MissKind kind = MissKind::not_found;
+  FrameEvaluation frame;
+};
+/** \brief The misses among the frames in question, by kind; a frame is in the first kind that fits. */
+std::vector<Miss> misses(const Evaluation& evaluation);
+
+}  // namespace facetloc

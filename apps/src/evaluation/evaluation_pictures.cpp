@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/evaluation_pictures.h"
+
+#include "drawing/pictures.h"
+#include "evaluation/failures.h"
+#include "tools/depth_input.h"
+
+#include <facetloc/io/depth_sequence.h>
+
+#include <map>
+#include <memory>
+#include <utility>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kMissPrefix = "miss_";
+constexpr Colour kMissing = {230, 130, 20}, kNotFirst = {200, 170, 0};
+
+const Colour& colourOf(MissKind kind) {
+  if (kind == MissKind::not_first) return kNotFirst;
+  return kind == MissKind::not_found ? kMissing : kRed;
+}
+
+std::vector<Eigen::Isometry3d> posesOf(const Trajectory& trajectory) {
+  std::vector<Eigen::Isometry3d> poses;
+  for (const StampedPose& pose : trajectory.poses()) poses.push_back(pose.T_w_c);
+  return poses;
+}
+
+std::vector<DrawnRun> drawnRuns(const PlaceTruth& truth) {
+  std::vector<DrawnRun> runs;
+  for (const PlaceTruth::Sequence& s : truth.sequences())
+    runs.push_back(
+        {s.folder.filename().string(), posesOf(s.poses), kCurveColours[runs.size() % kCurveColours.size()]});
+  if (runs.empty()) runs.push_back({"true poses", posesOf(truth.poses())});
+  return runs;
+}
+
+std::vector<DrawnMarks> drawnMarks(const Evaluation& evaluation) {
+  std::vector<DrawnMarks> marks;
+  for (const Miss& miss : misses(evaluation)) {
+    if (marks.empty() || marks.back().name != toString(miss.kind))
+      marks.push_back({toString(miss.kind), {}, colourOf(miss.kind)});
+    marks.back().T_w_c.push_back(miss.frame.T_w_c);
+  }
+  return marks;
+}
+
+/** The depth images of all runs. Of runs with the same names, the one that is asked for goes first. */
+class Images {
+public:
+  Images(const PlaceTruth& truth, const Map& map) : map_(map) {
+    for (const PlaceTruth::Sequence& s : truth.sequences()) {
+      if (!fs::is_directory(s.folder / "depth")) continue;
+      const auto sequence = std::make_shared<const DepthSequence>(DepthSequence::open(s.folder));
+      for (std::size_t i = 0; i < sequence->frames().size(); ++i)
+        for (const std::string& run : {s.folder.filename().string(), std::string()})
+          places_.emplace(std::make_pair(run, sequence->frames()[i].name), Place{sequence, i});
+    }
+  }
+
+  bool has(const std::string& name) const { return places_.count({"", name}) > 0; }
+
+  SeenImage seen(const std::string& run, const std::string& name) const {
+    const auto found = places_.find({run, name});
+    const Place& place = found == places_.end() ? places_.at({"", name}) : found->second;
+    const DepthInput defaults;
+    ViewBuilder builder(withDistortionOf(map_, withNoiseOf(place.sequence->camera(), defaults.view)));
+    return see(name, place.sequence->load(place.index, defaults.width), builder);
+  }
+
+private:
+  struct Place {
+    std::shared_ptr<const DepthSequence> sequence;
+    std::size_t index;
+  };
+  const Map& map_;
+  std::map<std::pair<std::string, std::string>, Place> places_;  // by run, or "", and name
+};
+
+}  // namespace
+
+ReportPicture drawMapOfRuns(const fs::path& path, const Map& map, const PlaceTruth& truth,
+                            const Evaluation& evaluation) {
+  drawFloorMap(path, map, drawnRuns(truth), drawnMarks(evaluation));
+  return {path, "Segments of all local models in plan view, the runs, and the images that miss."};
+}
+
+std::vector<Miss> chosenMisses(const Evaluation& evaluation, std::size_t most) {
+  std::map<MissKind, std::vector<Miss>> by_kind;
+  for (const Miss& miss : misses(evaluation)) by_kind[miss.kind].push_back(miss);
+  std::map<MissKind, std::size_t> shares;
+  std::size_t total = 0;
+  for (bool any = true; any && total < most;) {
+    any = false;
+    for (const auto& [kind, of_kind] : by_kind)
+      if (total < most && shares[kind] < of_kind.size()) ++shares[kind], ++total, any = true;
+  }
+  std::vector<Miss> chosen;
+  for (const auto& [kind, of_kind] : by_kind)  // far apart: neighbours in a run look alike
+    for (std::size_t i = 0; i < shares[kind]; ++i)
+      chosen.push_back(of_kind[i * of_kind.size() / shares[kind]]);
+  return chosen;
+}
+
+void removeMisses(const fs::path& folder) {
+  if (!fs::is_directory(folder)) return;
+  std::vector<fs::path> pictures;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (entry.path().filename().string().rfind(kMissPrefix, 0) == 0 && entry.path().extension() == ".png")
+      pictures.push_back(entry.path());
+  for (const fs::path& picture : pictures) fs::remove(picture);
+}
+
+std::vector<ReportPicture> drawMisses(const fs::path& folder, const std::vector<Miss>& misses, const Map& map,
+                                      const PlaceTruth& truth, const std::vector<RunResults>& runs,
+                                      const Console& console) {
+  const Images images(truth, map);
+  Evaluation drawn;
+  for (const Miss& miss : misses)
+    if (images.has(miss.frame.name)) drawn.frames.push_back(miss.frame);
+
+  std::vector<ReportPicture> pictures;
+  if (!drawn.frames.empty()) fs::create_directories(folder);
+  for (const Failure& failure : findFailures(drawn, runs, map)) {
+    const std::string run = failure.run.empty() ? "" : failure.run + "_";
+    const fs::path path = folder / (kMissPrefix + run + failure.frame + ".png");
+    try {
+      drawMatches(path, images.seen(failure.run, failure.frame), map, failure.answers);
+      pictures.push_back({path, run + failure.frame + ": " + failure.what});
+    } catch (const std::exception& e) {
+      console.note("a picture of " + failure.frame + " is missing: " + e.what());
+    }
+  }
+  return pictures;
+}
+
+}  // namespace facetloc

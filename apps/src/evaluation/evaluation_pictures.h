@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "evaluation/evaluation_report.h"
+#include "tools/app.h"
+
+#include <facetloc/features/local_model.h>
+
+#include <filesystem>
+#include <vector>
+
+namespace facetloc {
+
+// Pictures of an evaluation whose map and images are at hand, PNG. They need an X display (OffscreenDisplay)
+// and throw IoError.
+
+/** \brief The map with all runs through it, and where it failed. */
+ReportPicture drawMapOfRuns(const std::filesystem::path& path, const Map& map, const PlaceTruth& truth,
+                            const Evaluation& evaluation);
+
+/** \brief Misses to be shown, at most that many: equally many of each kind, as far as there are, spread
+ * over the run. */
+std::vector<Miss> chosenMisses(const Evaluation& evaluation, std::size_t most);
+
+/** \brief Removes the pictures that drawMisses() has drawn, and nothing else. */
+void removeMisses(const std::filesystem::path& folder);
+
+/** \brief Draws folder/miss_NAME.png, of several runs folder/miss_RUN_NAME.png, for misses whose depth images
+ * are there: the answer of rank 1, and the local model that would have been right with the true pose. An
+ * image that cannot be read or drawn is left out with a remark. */
+std::vector<ReportPicture> drawMisses(const std::filesystem::path& folder, const std::vector<Miss>& misses,
+                                      const Map& map, const PlaceTruth& truth,
+                                      const std::vector<RunResults>& runs, const Console& console);
+
+}  // namespace facetloc

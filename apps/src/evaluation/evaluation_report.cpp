@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/evaluation_report.h"
+
+#include "evaluation/html_report.h"
+#include "tools/text.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/text.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+namespace facetloc {
+namespace {
+
+template <class T>
+std::string wholeCell(const std::optional<T>& value) {
+  return value ? std::to_string(*value) : "";
+}
+
+/** "mm,deg", empty if there is nothing that the error could be of. */
+std::string errorCells(bool known, const PoseError& error) {
+  if (!known) return ",";
+  return text::significant(1000 * error.translation) + "," + text::significant(error.rotation_deg);
+}
+
+std::string nearestCells(const std::optional<NearestModel>& nearest) {
+  if (!nearest) return ",,";
+  return text::csvCell(nearest->name) + "," + text::significant(nearest->distance) + "," +
+         text::significant(nearest->angle_deg);
+}
+
+void writeFrames(std::ostream& out, const Evaluation& evaluation) {
+  out << "run,frame,stamp,class,nothing_there,covered,solvable,visible_planes,hypotheses,first_correct_rank,"
+         "translation_mm,orientation_deg,heading_deg,"
+         "rank1_probability,rank1_translation_mm,rank1_orientation_deg,nearest_model,nearest_distance_m,"
+         "nearest_angle_deg,closest_rank,closest_translation_mm,closest_orientation_deg,reason\n";
+  for (const FrameEvaluation& f : evaluation.frames) {
+    const bool known = f.frame_class != FrameClass::unknown;
+    out << text::csvCell(f.run) << "," << text::csvCell(f.name) << "," << text::shortest(f.stamp) << ","
+        << toString(f.frame_class) << "," << f.unmapped << "," << (known ? std::to_string(f.covered) : "")
+        << "," << wholeCell(f.solvable) << "," << wholeCell(f.visible_planes) << "," << f.hypotheses << ","
+        << f.first_correct << "," << errorCells(f.first_correct > 0, f.first_correct_error) << ","
+        << (f.first_correct ? text::significant(f.first_correct_error.heading_deg) : "") << ","
+        << (f.hypotheses ? text::significant(f.probability) : "") << ","
+        << errorCells(f.best_error.has_value(), f.best_error.value_or(PoseError())) << ","
+        << nearestCells(f.nearest) << "," << (f.closest ? std::to_string(f.closest) : "") << ","
+        << errorCells(f.closest > 0, f.closest_error) << "," << text::csvCell(f.reason) << "\n";
+  }
+}
+
+void writeHistograms(std::ostream& out, const std::vector<Summary>& summaries) {
+  out << "set,share,translation_mm,orientation_deg,index\n";
+  for (const Summary& s : summaries)
+    for (std::size_t i = 0; i < s.translation_mm.x.size(); ++i)
+      out << text::csvCell(s.name) << "," << text::significant(s.translation_mm.y[i]) << ","
+          << text::significant(s.translation_mm.x[i]) << "," << text::significant(s.rotation_deg.x[i]) << ","
+          << text::significant(s.index.x[i]) << "\n";
+}
+
+void writeErrors(std::ostream& out, const Evaluation& evaluation) {
+  const std::vector<FrameEvaluation> frames = framesInQuestion(evaluation);
+  out << "by,from,below,images,correct,rank1_correct,mean_translation_mm,mean_orientation_deg\n";
+  const auto lines = [&](const char* quantity, const std::vector<ErrorGroup>& groups) {
+    for (const ErrorGroup& group : groups) {
+      const Summary& s = group.summary;
+      out << quantity << "," << text::significant(group.lowest) << ","
+          << (std::isinf(group.highest) ? "" : text::significant(group.highest)) << "," << s.total << ","
+          << s.correct << "," << s.best_correct << ","
+          << errorCells(s.correct > 0, {s.translation_stats.mean / 1000, s.rotation_stats.mean, 0}) << "\n";
+    }
+  };
+  lines("visible planes", errorsByVisiblePlanes(frames));
+  lines("distance [m]", errorsByDistance(frames));
+}
+
+void writeTimes(std::ostream& out, const std::vector<StageTime>& times) {
+  out << "stage,images,mean_ms,median_ms,p95_ms,max_ms\n";
+  for (const StageTime& t : times)
+    out << t.stage << "," << t.n << "," << text::decimals(t.mean, 3) << "," << text::decimals(t.median, 3)
+        << "," << text::decimals(t.most, 3) << "," << text::decimals(t.max, 3) << "\n";
+}
+
+}  // namespace
+
+std::vector<std::string> reportPreface(const EvaluationReport& report) {
+  const EvaluationParams& p = report.params;
+  const auto& frames = report.evaluation.frames;
+  std::vector<std::string> lines = {"Results " + report.results + " against " + report.truth,
+                                    "Correct: position within " + text::significant(p.max_translation) +
+                                        " m and orientation within " + text::significant(p.max_rotation_deg) +
+                                        " deg."};
+  if (!frames.empty() && frames.front().nearest)
+    lines.push_back("Covered: a local model within " + text::significant(p.covered_distance) + " m and " +
+                    text::significant(p.covered_rotation_deg) + " deg.");
+  if (std::any_of(frames.begin(), frames.end(), [](const auto& f) { return f.solvable.has_value(); }))
+    lines.push_back("Solvable: the true planes of at least " + text::significant(p.visible_pixels) +
+                    " px at 320x240 that the image shares with a covering local model fix its pose to " +
+                    text::significant(p.solvable_position) + " m and " +
+                    text::significant(p.solvable_rotation_deg) + " deg (standard deviation).");
+  const auto unmapped = [](const auto& f) { return f.unmapped; };
+  if (const auto n = std::count_if(frames.begin(), frames.end(), unmapped)) {
+    const auto near = std::count_if(frames.begin(), frames.end(), [&](const auto& f) {
+      return f.unmapped && f.nearest && f.nearest->distance <= p.covered_distance &&
+             f.nearest->angle_deg <= p.covered_rotation_deg;
+    });
+    lines.push_back(
+        "Nothing there: " + counted(static_cast<std::size_t>(n), "image") +
+        " of places that the map does not know" +
+        (near ? "; " + std::to_string(near) +
+                    " of them are near a local model, such as behind a wall, and not counted as covered."
+              : "."));
+  }
+  const auto isNowhere = [](const auto& f) { return f.hypotheses > 0 && !f.best_error; };
+  if (const auto n = std::count_if(frames.begin(), frames.end(), isNowhere))
+    lines.push_back(
+        "Rank 1 is in a local model without a pose: " + counted(static_cast<std::size_t>(n), "image") +
+        "; what is said of probabilities leaves them out.");
+  if (const std::size_t n = report.evaluation.without_truth.size())
+    lines.push_back("Left out, without a true pose: " + counted(n, "image") + ".");
+  return lines;
+}
+
+void printReport(std::ostream& out, const EvaluationReport& report) {
+  for (const std::string& line : reportPreface(report)) out << line << "\n";
+  for (const ReportTable& t : reportTables(report.evaluation, report.summaries, report.timing))
+    out << "\n" << t.title << "\n" << t.table;
+}
+
+void writeReport(const std::filesystem::path& folder, const EvaluationReport& report) {
+  const auto write = [&](const char* name, const std::function<void(std::ostream&)>& content) {
+    writeTextAtomically(folder / name, content);
+  };
+  write("evaluation.txt", [&](std::ostream& out) { printReport(out, report); });
+  write("tables.csv", [&](std::ostream& out) { writeTables(out, report.summaries); });
+  write("frames.csv", [&](std::ostream& out) { writeFrames(out, report.evaluation); });
+  write("fig6.csv", [&](std::ostream& out) { writeHistograms(out, report.summaries); });
+  write("errors.csv", [&](std::ostream& out) { writeErrors(out, report.evaluation); });
+  const std::vector<StageTime> times = stageTimes(report.timing);
+  if (!times.empty()) write("timing_summary.csv", [&](std::ostream& out) { writeTimes(out, times); });
+}
+
+void writeHtmlReport(const std::filesystem::path& folder, const EvaluationReport& report,
+                     const std::vector<ReportPicture>& pictures) {
+  HtmlPage page("Evaluation of " + report.results);
+  for (const std::string& line : reportPreface(report)) page.paragraph(line);
+  page.heading("Tables");
+  for (const ReportTable& t : reportTables(report.evaluation, report.summaries, report.timing))
+    page.table(t.title, t.table);
+  if (!pictures.empty()) page.heading("Pictures");
+  for (const ReportPicture& p : pictures) page.picture(p.path, p.caption);
+  page.heading("Images that miss");
+  const std::vector<ReportTable> missing = missTables(report.evaluation);
+  if (missing.empty()) page.paragraph("None.");
+  for (const ReportTable& t : missing)
+    page.table(t.title + " (" + std::to_string(t.table.rows().size() - 1) + ")", t.table);
+  writeTextAtomically(folder / "report.html", [&](std::ostream& out) { out << page.str(); });
+}
+
+}  // namespace facetloc

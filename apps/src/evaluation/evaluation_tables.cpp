@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/evaluation_tables.h"
+
+#include <facetloc/io/text.h>
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+
+namespace facetloc {
+namespace {
+
+constexpr const char* kNew = "new";
+
+/** One line of a table: what it is, the paper's figure if there is one, and ours for each set of frames. */
+struct Quantity {
+  const char* table;
+  const char* group;  // printed above the first quantity of a group; may be empty
+  const char* name;
+  std::optional<double> paper;
+  std::optional<double> paper_percent;
+  int decimals;
+  std::function<double(const Summary&)> value;
+  std::function<double(const Summary&)> percent;  // printed beside the value; may be empty
+};
+
+double shareOf(std::size_t n, std::size_t total) {
+  return total == 0 ? 0 : 100.0 * static_cast<double>(n) / static_cast<double>(total);
+}
+double percentOf(std::size_t n, const Summary& s) { return shareOf(n, s.total); }
+
+Quantity count(const char* table, const char* name, std::optional<double> paper,
+               std::optional<double> paper_percent, std::size_t Summary::*n) {
+  return {table,
+          "",
+          name,
+          paper,
+          paper_percent,
+          0,
+          [n](const Summary& s) { return static_cast<double>(s.*n); },
+          [n](const Summary& s) { return percentOf(s.*n, s); }};
+}
+
+Quantity moment(const char* group, const char* name, std::optional<double> paper, Statistics Summary::*of,
+                double Statistics::*which) {
+  return {"II", group, name, paper, {}, 2, [of, which](const Summary& s) { return (s.*of).*which; }, {}};
+}
+
+Quantity bound(const char* group, std::optional<double> paper, CumulativeHistogram Summary::*of) {
+  return {"II",
+          group,
+          "99 % are below",
+          paper,
+          {},
+          2,
+          [of](const Summary& s) { return (s.*of).bound(kMarkedShare); },
+          {}};
+}
+
+const std::vector<Quantity>& quantities() {
+  constexpr const char* kTranslation = "Translation error [mm]";
+  constexpr const char* kOrientation = "Orientation error [deg]";
+  constexpr const char* kHeading = "Heading error [deg]";
+  constexpr const char* kIndex = "Index of the first correct hypothesis";
+  using S = Statistics;
+  using Y = Summary;
+  static const std::vector<Quantity> all = {
+      count("I", "Total", 792, 100.00, &Y::total),
+      count("I", "No hypothesis", 30, 3.79, &Y::none),
+      count("I", "No correct hypothesis", 44, 5.56, &Y::wrong),
+      count("I", "Correct hypothesis", 718, 90.65, &Y::correct),
+      moment(kTranslation, "Avg.", 36.83, &Y::translation_stats, &S::mean),
+      moment(kTranslation, "Std.", 38.22, &Y::translation_stats, &S::std),
+      moment(kTranslation, "Max.", 199.65, &Y::translation_stats, &S::max),
+      bound(kTranslation, 164, &Y::translation_mm),
+      moment(kOrientation, "Avg.", 0.62, &Y::rotation_stats, &S::mean),
+      moment(kOrientation, "Std.", 0.56, &Y::rotation_stats, &S::std),
+      moment(kOrientation, "Max.", 1.99, &Y::rotation_stats, &S::max),
+      bound(kOrientation, 1.9, &Y::rotation_deg),
+      moment(kHeading, "Avg.", {}, &Y::heading_stats, &S::mean),
+      moment(kHeading, "Std.", {}, &Y::heading_stats, &S::std),
+      moment(kHeading, "Max.", {}, &Y::heading_stats, &S::max),
+      bound(kHeading, {}, &Y::heading_deg),
+      moment(kIndex, "Avg.", 4.29, &Y::index_stats, &S::mean),
+      moment(kIndex, "Std.", 25.53, &Y::index_stats, &S::std),
+      moment(kIndex, "Max.", 530, &Y::index_stats, &S::max),
+      bound(kIndex, {}, &Y::index),
+      count("beyond", "Rank 1 correct", {}, {}, &Y::best_correct),
+      {"beyond",
+       "",
+       "Recall at 100 % precision [%]",
+       {},
+       {},
+       2,
+       [](const Y& s) { return 100 * s.recall; },
+       {}},
+      {"beyond", "", "  at a probability above", {}, {}, 4, [](const Y& s) { return s.threshold; }, {}},
+      {"beyond", "", "Brier score of rank 1", {}, {}, 4, [](const Y& s) { return s.brier; }, {}},
+      count("beyond", "Rank 1 with a probability of 0.9 or more", {}, {}, &Y::confident),
+      {"beyond",
+       "",
+       "  share of these that is correct [%]",
+       {},
+       {},
+       2,
+       [](const Y& s) { return shareOf(s.confident_correct, s.confident); },
+       {}},
+      count("beyond", "  correct ones, of all images", {}, {}, &Y::confident_correct),
+      count("beyond", "No hypothesis, or rank 1 below 0.5", {}, {}, &Y::unsure),
+      {"beyond",
+       "",
+       "Largest deviation of the probability",
+       {},
+       {},
+       3,
+       [](const Y& s) { return s.largest_deviation; },
+       {}}};
+  return all;
+}
+
+std::string cell(double value, int decimals, std::optional<double> percent) {
+  return text::decimals(value, decimals) + (percent ? " (" + text::decimals(*percent, 2) + " %)" : "");
+}
+
+std::string paperCell(const Quantity& q) {
+  return q.paper ? cell(*q.paper, q.decimals, q.paper_percent) : "";
+}
+
+std::string ownCell(const Quantity& q, const Summary& s) {
+  if (q.table == std::string("II") && s.correct == 0) return "-";
+  return cell(q.value(s), q.decimals, q.percent ? std::optional<double>(q.percent(s)) : std::nullopt);
+}
+
+ReportTable quantityTable(const std::string& title, const std::string& name,
+                          const std::vector<Summary>& summaries) {
+  std::vector<std::string> header = {"", "paper"};
+  for (const Summary& s : summaries) header.push_back(s.name);
+  TextTable table(header);
+  std::string group;
+  for (const Quantity& q : quantities()) {
+    if (q.table != name) continue;
+    if (group != q.group) table.add({group = q.group});
+    std::vector<std::string> row = {(group.empty() ? "" : "  ") + std::string(q.name), paperCell(q)};
+    for (const Summary& s : summaries) row.push_back(ownCell(q, s));
+    table.add(row);
+  }
+  return {title, table};
+}
+
+ReportTable reliabilityTable(const std::vector<Summary>& summaries) {
+  const Summary& summary = newImages(summaries);
+  TextTable table({"probability", "images", "mean", "correct"});
+  for (const ReliabilityBin& bin : summary.reliability) {
+    const std::string range = text::decimals(bin.lowest, 1) + " to " + text::decimals(bin.highest, 1);
+    if (bin.n == 0)
+      table.add({range, "0", "-", "-"});
+    else
+      table.add({range, std::to_string(bin.n), text::decimals(bin.mean_probability, 3),
+                 text::decimals(bin.correct, 3)});
+  }
+  return {"RELIABILITY OF THE PROBABILITY OF RANK 1, " + summary.name, table};
+}
+
+void addErrorTable(const std::string& title, const std::string& quantity,
+                   const std::vector<ErrorGroup>& groups, std::vector<ReportTable>& tables) {
+  if (groups.empty()) return;
+  TextTable table({quantity, "images", "correct", "rank 1", "mean error [mm]", "[deg]"});
+  for (const ErrorGroup& group : groups) {
+    const Summary& s = group.summary;
+    const bool any = s.correct > 0;
+    table.add({s.name, std::to_string(s.total), text::decimals(percentOf(s.correct, s), 1) + " %",
+               text::decimals(percentOf(s.best_correct, s), 1) + " %",
+               any ? text::decimals(s.translation_stats.mean, 1) : "-",
+               any ? text::decimals(s.rotation_stats.mean, 2) : "-"});
+  }
+  tables.push_back({title, table});
+}
+
+void addTimeTable(const std::vector<StageTime>& times, std::vector<ReportTable>& tables) {
+  if (times.empty()) return;
+  TextTable table({"stage", "images", "mean", "median", "95 % below", "max."});
+  for (const StageTime& t : times)
+    table.add({t.stage, std::to_string(t.n), text::decimals(t.mean, 1), text::decimals(t.median, 1),
+               text::decimals(t.most, 1), text::decimals(t.max, 1)});
+  tables.push_back({"TIME PER IMAGE [ms]", table});
+}
+
+std::string errorText(const PoseError& error) {
+  return text::decimals(error.translation, 2) + " m, " + text::decimals(error.rotation_deg, 1) + " deg";
+}
+
+std::string closestText(const FrameEvaluation& f) {
+  if (f.first_correct) return "correct at rank " + std::to_string(f.first_correct);
+  return f.closest ? "rank " + std::to_string(f.closest) + ": " + errorText(f.closest_error) : "-";
+}
+
+std::string solvableText(const FrameEvaluation& f) {
+  return f.unmapped ? "nothing there" : !f.solvable ? "" : *f.solvable ? "yes" : "no";
+}
+
+std::string nearestText(const FrameEvaluation& f) {
+  if (!f.nearest) return "";
+  const NearestModel& n = *f.nearest;
+  return (n.name.empty() ? "" : n.name + ": ") + text::decimals(n.distance, 2) + " m, " +
+         text::decimals(n.angle_deg, 1) + " deg";
+}
+
+void addMiss(const FrameEvaluation& f, TextTable& table) {
+  table.add({(f.run.empty() ? "" : f.run + " ") + f.name,
+             f.visible_planes ? std::to_string(*f.visible_planes) : "", solvableText(f), nearestText(f),
+             f.hypotheses ? text::decimals(f.probability, 3) : "-",
+             f.best_error   ? errorText(*f.best_error)
+             : f.hypotheses ? "nowhere"
+                            : "-",
+             closestText(f), f.reason});
+}
+
+}  // namespace
+
+std::vector<Summary> summarizeSets(const Evaluation& evaluation) {
+  using F = FrameEvaluation;
+  const auto isMapImage = [](const F& f) { return f.frame_class == FrameClass::map_image; };
+  const auto isNew = [](const F& f) { return f.frame_class == FrameClass::new_image; };
+  const auto& frames = evaluation.frames;
+  const bool known = std::any_of(frames.begin(), frames.end(), isNew);
+  const bool mixed = known && !std::all_of(frames.begin(), frames.end(), isNew);
+  const bool several_runs =
+      std::any_of(frames.begin(), frames.end(), [&](const F& f) { return f.run != frames.front().run; });
+
+  std::vector<Summary> summaries;
+  const auto add = [&](const std::string& name, const auto& chosen) {
+    Summary summary = summarize(name, frames, chosen);
+    if (summary.total > 0) summaries.push_back(std::move(summary));
+  };
+  summaries.push_back(summarize(!known ? "all" : mixed ? "all images" : "all (new)", frames));
+  if (mixed && !several_runs) add("map images", isMapImage);
+  if (mixed) add(kNew, isNew);
+  add("covered", [&](const F& f) { return isNew(f) && f.covered; });
+  add("solvable", [&](const F& f) { return isNew(f) && f.solvable.value_or(false); });
+  add("rest", [&](const F& f) { return isNew(f) && !f.covered && !f.unmapped; });
+  add("nothing there", [&](const F& f) { return isNew(f) && f.unmapped; });
+  return summaries;
+}
+
+const Summary& newImages(const std::vector<Summary>& summaries) {
+  const auto found =
+      std::find_if(summaries.begin(), summaries.end(), [](const Summary& s) { return s.name == kNew; });
+  return found == summaries.end() ? summaries.front() : *found;
+}
+
+std::vector<ReportTable> reportTables(const Evaluation& evaluation, const std::vector<Summary>& summaries,
+                                      const std::vector<TimingRow>& timing) {
+  std::vector<ReportTable> tables = {
+      quantityTable("TABLE I. GLOBAL LOCALIZATION RESULTS (number of images)", "I", summaries),
+      quantityTable("TABLE II. POSE ERROR AND INDEX OF THE FIRST CORRECT HYPOTHESIS", "II", summaries),
+      quantityTable("BEYOND THE PAPER", "beyond", summaries), reliabilityTable(summaries)};
+  const std::vector<FrameEvaluation> frames = framesInQuestion(evaluation);
+  addErrorTable("ERRORS BY THE NUMBER OF VISIBLE PLANES", "planes", errorsByVisiblePlanes(frames), tables);
+  addErrorTable("ERRORS BY THE DISTANCE TO THE NEAREST LOCAL MODEL", "distance [m]", errorsByDistance(frames),
+                tables);
+  addTimeTable(stageTimes(timing), tables);
+  return tables;
+}
+
+std::vector<ReportTable> missTables(const Evaluation& evaluation) {
+  std::vector<ReportTable> tables;
+  for (const Miss& miss : misses(evaluation)) {
+    if (tables.empty() || tables.back().title != toString(miss.kind)) {
+      tables.push_back({toString(miss.kind),
+                        TextTable({"image", "planes", "solvable", "nearest local model", "probability",
+                                   "error of rank 1", "closest answer", "why there is none"})});
+      tables.back().table.setWordsLast();
+    }
+    addMiss(miss.frame, tables.back().table);
+  }
+  return tables;
+}
+
+void writeTables(std::ostream& out, const std::vector<Summary>& summaries) {
+  out << "table,group,quantity,paper";
+  for (const Summary& s : summaries) out << "," << text::csvCell(s.name);
+  out << "\n";
+  for (const Quantity& q : quantities()) {
+    std::string name = q.name;
+    name.erase(0, name.find_first_not_of(' '));
+    out << q.table << "," << text::csvCell(q.group) << "," << text::csvCell(name) << ","
+        << (q.paper ? text::significant(*q.paper) : "");
+    for (const Summary& s : summaries) {
+      const bool of_nothing = std::string(q.table) == "II" && s.correct == 0;  // the printed table has a dash
+      out << "," << (of_nothing ? "" : text::significant(q.value(s)));
+    }
+    out << "\n";
+  }
+  for (std::size_t i = 0; i < summaries.front().reliability.size(); ++i) {
+    const ReliabilityBin& range = summaries.front().reliability[i];
+    const std::string group =
+        "probability " + text::decimals(range.lowest, 1) + " to " + text::decimals(range.highest, 1);
+    const auto line = [&](const char* name, double (*value)(const ReliabilityBin&)) {
+      out << "reliability," << group << "," << name << ",";
+      for (const Summary& s : summaries) out << "," << text::significant(value(s.reliability[i]));
+      out << "\n";
+    };
+    line("images", [](const ReliabilityBin& b) { return static_cast<double>(b.n); });
+    line("mean probability", [](const ReliabilityBin& b) { return b.mean_probability; });
+    line("share correct", [](const ReliabilityBin& b) { return b.correct; });
+  }
+}
+
+}  // namespace facetloc

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "evaluation/evaluation_details.h"
+#include "tools/text.h"
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief Summaries of all frames and, as far as there are any, of the map images (of a single run), the new
+ * images, and of the new images the covered ones, those solvable by planes, the rest that is not covered, and
+ * those taken where the map has nothing. */
+std::vector<Summary> summarizeSets(const Evaluation& evaluation);
+/** \brief The summary of the new images; that of all where it is not known which are new. */
+const Summary& newImages(const std::vector<Summary>& summaries);
+
+/** \brief A table for people, in text and HTML alike. */
+struct ReportTable {
+  std::string title;
+  TextTable table;
+};
+/** \brief Tables I and II beside the paper's figures, and what goes beyond them. \param timing may be empty.
+ */
+std::vector<ReportTable> reportTables(const Evaluation& evaluation, const std::vector<Summary>& summaries,
+                                      const std::vector<TimingRow>& timing);
+/** \brief The frames that miss, and why as far as the data tell; the last column holds words. */
+std::vector<ReportTable> missTables(const Evaluation& evaluation);
+
+/** \brief Tables I and II and what goes beyond them as CSV, one column per summary. */
+void writeTables(std::ostream& out, const std::vector<Summary>& summaries);
+
+}  // namespace facetloc

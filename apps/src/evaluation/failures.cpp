@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/failures.h"
+
+#include "drawing/page.h"
+
+#include <facetloc/io/text.h>
+
+#include <algorithm>
+#include <map>
+
+namespace facetloc {
+namespace {
+
+bool failed(const FrameEvaluation& frame) {
+  if (frame.unmapped) return frame.hypotheses > 0 && frame.probability >= kUnsure;
+  return frame.first_correct != 1;
+}
+
+std::string poseDifference(double translation, double rotation_deg) {
+  return text::decimals(translation, 2) + " m and " + text::decimals(rotation_deg, 2) + "°";
+}
+
+std::string whatFailed(const FrameEvaluation& frame) {
+  if (frame.hypotheses == 0) return "no hypothesis: " + frame.reason;
+  return (frame.best_error
+              ? poseDifference(frame.best_error->translation, frame.best_error->rotation_deg) + " off"
+              : "in a local model without a pose") +
+         ", probability " + text::decimals(frame.probability, 2) +
+         (frame.first_correct > 0 ? ", correct at rank " + std::to_string(frame.first_correct) : "");
+}
+
+/** Indices of local models by name. */
+std::map<std::string, int> indicesOf(const Map& map) {
+  std::map<std::string, int> indices;
+  for (std::size_t i = 0; i < map.models.size(); ++i) indices[map.models[i].name] = static_cast<int>(i);
+  return indices;
+}
+
+int indexIn(const std::map<std::string, int>& indices, const std::string& name) {
+  const auto found = indices.find(name);
+  if (found == indices.end()) throw std::runtime_error("the map has no local model " + name);
+  return found->second;
+}
+
+}  // namespace
+
+std::vector<Failure> findFailures(const Evaluation& evaluation, const std::vector<RunResults>& runs,
+                                  const Map& map) {
+  const std::map<std::string, int> indices = indicesOf(map);
+  std::map<std::pair<std::string, std::string>, const ResultRow*> first;  // by run and frame
+  for (const RunResults& run : runs)
+    for (const ResultRow& row : run.rows)
+      if (row.rank == 1) first[{run.name, row.frame}] = &row;
+
+  std::vector<Failure> failures;
+  for (const FrameEvaluation& frame : evaluation.frames) {
+    if (!failed(frame)) continue;
+    Failure failure{frame.run, frame.name, whatFailed(frame), frame.probability, {}};
+    const auto best = first.find({frame.run, frame.name});
+    if (best != first.end()) {
+      const ResultRow& row = *best->second;
+      failure.answers.push_back({indexIn(indices, row.model), row.T_m_c, "rank 1: " + failure.what});
+    } else {
+      failure.answers.push_back({-1, Eigen::Isometry3d::Identity(), failure.what});
+    }
+    if (frame.nearest) {
+      const int nearest = indexIn(indices, frame.nearest->name);
+      failure.answers.push_back({nearest, map.models[nearest].T_w_m->inverse() * frame.T_w_c,
+                                 "true pose in the nearest local model, " +
+                                     poseDifference(frame.nearest->distance, frame.nearest->angle_deg) +
+                                     " away" + (frame.unmapped ? "; the map has nothing here" : "")});
+    }
+    failures.push_back(std::move(failure));
+  }
+  std::stable_sort(failures.begin(), failures.end(),
+                   [](const Failure& a, const Failure& b) { return a.probability > b.probability; });
+  return failures;
+}
+
+Raster<std::uint8_t> contactSheet(const std::vector<Raster<std::uint8_t>>& pictures,
+                                  const std::vector<std::string>& titles) {
+  constexpr double kWidth = 800, kGap = 20, kTitle = 28;  // [px]
+  constexpr int kColumns = 2;
+  double cell = 0;
+  for (const auto& picture : pictures)
+    cell = std::max(cell, kWidth * picture.height / picture.width + kTitle + kGap);
+  const int n = static_cast<int>(pictures.size()), columns = std::min(n, kColumns);
+  const int rows = (n + kColumns - 1) / kColumns;
+  Page page(static_cast<int>(columns * (kWidth + kGap) + kGap), static_cast<int>(rows * cell + kGap));
+  for (int i = 0; i < n; ++i) {
+    const double left = kGap + (i % kColumns) * (kWidth + kGap), top = kGap / 2 + (i / kColumns) * cell;
+    TextStyle style;
+    style.bold = true;
+    page.text({left, top + kTitle / 2}, titles[i], style);
+    const Box box = {left, top + kTitle, kWidth, kWidth * pictures[i].height / pictures[i].width};
+    page.picture(box, pictures[i]);
+    page.frame(box, {Colour(190, 190, 190), 1});
+  }
+  return page.render();
+}
+
+}  // namespace facetloc

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/frame_truth.h"
+
+#include <facetloc/features/segment_estimation.h>
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/camera_file.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/png.h>
+#include <facetloc/io/text.h>
+#include <facetloc/registration/hypothesis_tree.h>
+#include <facetloc/registration/plane_measurement.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kWorkingWidth = 320;       // [px]
+constexpr double kUnitTolerance = 1e-6;  // of |n|
+constexpr const char* kPlanes = "planes.csv";
+constexpr const char* kPlanesHeader = "plane,nx,ny,nz,d";
+constexpr const char* kUnmapped = "unmapped.txt";
+constexpr const char* kPoses = "groundtruth.txt";
+
+std::vector<std::string> linesOf(const fs::path& path) {
+  std::ifstream in(path);
+  if (!in) throw IoError(path.string(), "cannot be read");
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) {
+    line.erase(line.find_last_not_of(" \t\r") + 1);
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+std::vector<double> numbersOf(const std::string& line) {
+  std::vector<double> numbers;
+  for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + 1) {
+    end = line.find(',', begin);
+    const auto number = text::to<double>(line.substr(begin, end - begin));
+    if (!number || !std::isfinite(*number)) return {};
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+/** Every step-th label of every step-th row, as of depth images. */
+LabelImage subsampledLabels(const Raster<std::uint16_t>& image, int step) {
+  LabelImage labels{(image.width + step - 1) / step, (image.height + step - 1) / step, {}};
+  for (int v = 0; v < image.height; v += step)
+    for (int u = 0; u < image.width; u += step)
+      labels.label.push_back(image.data[static_cast<std::size_t>(v) * image.width + u]);
+  return labels;
+}
+
+std::set<std::string> namesOf(const fs::path& path) {
+  std::set<std::string> names;
+  for (std::string line : linesOf(path)) {
+    line.erase(std::min(line.find('#'), line.size()));
+    line.erase(line.find_last_not_of(" \t") + 1);
+    line.erase(0, line.find_first_not_of(" \t"));
+    if (!line.empty()) names.insert(line);
+  }
+  return names;
+}
+
+}  // namespace
+
+TrueSegments trueSegments(const DepthImage& exact_depth, const LabelImage& labels, double min_pixels) {
+  SegmentEstimationParams params;
+  params.min_support = min_pixels;
+  std::vector<int> ids;
+  const std::vector<Segment> segments = estimateSegments(exact_depth, labels, {}, params, &ids);
+  TrueSegments by_id;
+  for (std::size_t i = 0; i < ids.size(); ++i) by_id.emplace(ids[i], segments[i]);
+  return by_id;
+}
+
+bool sharedPlanesSuffice(const TrueSegments& query, const TrueSegments& model, double position_std,
+                         double rotation_std) {
+  Matrix6d information = Matrix6d::Zero();
+  for (const auto& [id, segment] : query) {
+    PlaneMeasurement m;
+    if (model.count(id) && measurePlane(segment, segment, Eigen::Isometry3d::Identity(), 0.0, m))
+      information += m.H.transpose() * m.W.llt().solve(m.H);
+  }
+  return observability(information).complete(rotation_std, position_std);
+}
+
+std::map<int, WorldPlane> readPlanes(const fs::path& path) {
+  const std::vector<std::string> lines = linesOf(path);
+  if (lines.empty() || lines.front() != kPlanesHeader)
+    throw IoError(path.string(), std::string("does not begin with ") + kPlanesHeader);
+  std::map<int, WorldPlane> planes;
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    if (lines[i].empty()) continue;
+    const auto fail = [&](const std::string& cause) {
+      throw IoError(path.string(), "line " + std::to_string(i + 1) + ": " + cause);
+    };
+    const std::vector<double> n = numbersOf(lines[i]);
+    if (n.size() != 5) fail("is not a plane, " + std::string(kPlanesHeader));
+    const WorldPlane plane{{n[1], n[2], n[3]}, n[4]};
+    if (n[0] < 1 || n[0] > 65535 || n[0] != std::floor(n[0])) fail("the id must lie in [1, 65535]");
+    if (std::abs(plane.normal.norm() - 1) > kUnitTolerance) fail("the normal is no unit vector");
+    if (!planes.emplace(static_cast<int>(n[0]), plane).second) fail("this id was there before");
+  }
+  return planes;
+}
+
+void writePlanes(const fs::path& path, const std::map<int, WorldPlane>& planes) {
+  writeTextAtomically(path, [&](std::ostream& out) {
+    out << kPlanesHeader << "\n";
+    for (const auto& [id, plane] : planes) {
+      const auto& [n, d] = plane;
+      out << id;
+      for (const double value : {n.x(), n.y(), n.z(), d}) out << "," << text::shortest(value);
+      out << "\n";
+    }
+  });
+}
+
+DepthImage exactDepth(const LabelImage& labels, const Intrinsics& camera,
+                      const std::map<int, WorldPlane>& planes, const Eigen::Isometry3d& T_w_c) {
+  DepthImage image{camera, std::vector<float>(labels.label.size(), 0.f)};
+  for (int v = 0; v < labels.height; ++v)
+    for (int u = 0; u < labels.width; ++u) {
+      const std::size_t i = static_cast<std::size_t>(v) * labels.width + u;
+      if (labels.label[i] == 0) continue;
+      const auto plane = planes.find(labels.label[i]);
+      if (plane == planes.end())
+        throw std::invalid_argument("no plane has the id " + std::to_string(labels.label[i]));
+      const auto& [n, d] = plane->second;
+      const double z = (d - n.dot(T_w_c.translation())) / n.dot(T_w_c.linear() * camera.ray(u, v));
+      if (isMeasured(static_cast<float>(z))) image.depth[i] = static_cast<float>(z);
+    }
+  return image;
+}
+
+std::optional<RenderedTruth> RenderedTruth::open(const fs::path& folder) {
+  if (!fs::is_directory(folder / "labels") || !fs::exists(folder / kPlanes)) return {};
+  RenderedTruth truth;
+  truth.labels_ = folder / "labels";
+  truth.camera_ = readCameraFile(folder / "camera.ini").intrinsics;
+  truth.planes_ = readPlanes(folder / kPlanes);
+  return truth;
+}
+
+bool RenderedTruth::has(const std::string& name) const { return fs::exists(labels_ / (name + ".png")); }
+
+TrueSegments RenderedTruth::segments(const std::string& name, const Eigen::Isometry3d& T_w_c,
+                                     double min_pixels) const {
+  const fs::path path = labels_ / (name + ".png");
+  const Raster<std::uint16_t> image = readGreyPng(path, 16);
+  if (image.width != camera_.width || image.height != camera_.height)
+    throw IoError(path.string(), "is not of the size that camera.ini tells");
+  const int step = subsamplingStep(camera_, kWorkingWidth);
+  const LabelImage labels = subsampledLabels(image, step);
+  try {
+    return trueSegments(exactDepth(labels, camera_.subsampled(step), planes_, T_w_c), labels, min_pixels);
+  } catch (const std::invalid_argument& e) {
+    throw IoError(path.string(), e.what());
+  }
+}
+
+namespace {
+
+PlaceTruth::Sequence openSequence(const fs::path& folder) {
+  PlaceTruth::Sequence sequence{folder, readTumTrajectory(folder / kPoses), RenderedTruth::open(folder), {}};
+  if (fs::exists(folder / kUnmapped)) sequence.unmapped = namesOf(folder / kUnmapped);
+  return sequence;
+}
+
+bool overlap(const Trajectory& a, const Trajectory& b) {
+  if (a.empty() || b.empty()) return false;
+  return a.poses().front().stamp <= b.poses().back().stamp &&
+         b.poses().front().stamp <= a.poses().back().stamp;
+}
+
+}  // namespace
+
+PlaceTruth PlaceTruth::open(const fs::path& path) {
+  if (!fs::is_directory(path)) return PlaceTruth(readTumTrajectory(path));
+  PlaceTruth truth;
+  if (fs::exists(path / kPoses))
+    truth.add(openSequence(path));
+  else
+    for (const char* run : {"map", "query", "drive"})
+      if (fs::exists(path / run / kPoses)) truth.add(openSequence(path / run));
+  if (truth.sequences_.empty())
+    throw IoError(path.string(), "has no groundtruth.txt, nor have folders map, query and drive in it");
+  return truth;
+}
+
+void PlaceTruth::add(const Sequence& sequence) {
+  std::vector<StampedPose> poses = poses_.poses();
+  poses.insert(poses.end(), sequence.poses.poses().begin(), sequence.poses.poses().end());
+  poses_ = Trajectory(std::move(poses));
+  sequences_.push_back(sequence);
+}
+
+PlaceTruth PlaceTruth::of(const std::string& run) const {
+  PlaceTruth truth;
+  for (const Sequence& sequence : sequences_)
+    if (sequence.folder.filename() == run) truth.add(sequence);
+  if (!truth.sequences_.empty()) return truth;
+  for (std::size_t i = 0; i < sequences_.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (overlap(sequences_[i].poses, sequences_[k].poses))
+        throw IoError(
+            sequences_[i].folder.string(),
+            "its stamps overlap those of " + sequences_[k].folder.string() +
+                ", so that images cannot be told apart: name the folders of the results after the runs, or "
+                "give the folder of one run as the truth");
+  return *this;
+}
+
+bool PlaceTruth::unmapped(const std::string& name) const {
+  return std::any_of(sequences_.begin(), sequences_.end(),
+                     [&](const Sequence& sequence) { return sequence.unmapped.count(name) > 0; });
+}
+
+std::optional<TrueSegments> PlaceTruth::segments(const std::string& name, const Eigen::Isometry3d& T_w_c,
+                                                 double min_pixels) const {
+  for (const Sequence& run : sequences_)
+    if (run.rendered && run.rendered->has(name)) return run.rendered->segments(name, T_w_c, min_pixels);
+  return {};
+}
+
+}  // namespace facetloc

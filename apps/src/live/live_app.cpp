@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "live/live_app.h"
+
+#include "drawing/outputs.h"
+#include "live/live_run.h"
+#include "tools/provenance.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/error.h>
+
+#include <filesystem>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+/** OpenNI2 changes the working directory for a moment while it opens a device. */
+void makeAbsolute(std::string& path) {
+  if (!path.empty()) path = fs::absolute(path).lexically_normal().string();
+}
+
+}  // namespace
+
+LiveApp::LiveApp()
+    : App("facetloc_live", "[--device DEVICE] [--map MAP.flmap] [options]",
+          "Cuts what a depth camera sees now into planar segments and, with --map, finds and follows the "
+          "camera in a map. DEVICE is a camera of OpenNI2 (#1 is the first one, or a URI), an .oni "
+          "recording, a depth sequence of PNG or PCD files or a .scene file that is served as a camera, or a "
+          "folder of PCLZF files that is played. Frames that come faster than they can be processed are "
+          "dropped. "
+          "Keys in the window: " +
+              keysText() + ".") {}
+
+void LiveApp::addOptions(CommandLine& line) {
+  LiveRunOptions& run = run_;
+  line.addOption("device", run.source.device, "DEVICE", "Where frames come from; default: the first camera.");
+  line.addOption("map", run.map, "MAP.flmap", "Localize in this map.");
+  line.addOption("camera", run.source.camera_file, "FILE",
+                 "A camera.ini with the device's calibration, noise and mounting; default: of a folder, the "
+                 "one in it, else what the device says.");
+  line.addSwitch("headless", run.headless, "No window.");
+  line.addOption("results", run.results, "DIR",
+                 "Write poses, states and times to this folder while running.");
+  line.addOption("screenshots", run.screenshots, "DIR",
+                 "Write pictures to this folder; needs no display if Xvfb is installed.");
+  line.addOption("every", run.every, "N", "Of every N-th processed frame.");
+  line.addOption("record", run.recording, "FILE.oni", "Record the device's depth images.");
+  line.addOption("max-frames", run.max_frames, "N", "End after so many processed frames; 0 = never.");
+  line.addOption("duration", run.duration, "S", "End after so many seconds; 0 = never.");
+  line.addSwitch("wait", run.wait, "Wait for a device that is not there, or has gone, or sends nothing.");
+  line.addSwitch("repeat", run.source.repeat, "Play files and recordings again and again.");
+  line.addOption("speed", run.source.speed, "X",
+                 "Play recordings so many times as fast; 0 = as fast as possible, which loses frames.");
+  input_.addOptions(line);
+  line.addParams(tracking_);
+  line.addParams(localization_);
+}
+
+void LiveApp::checkOptions() const {
+  if (run_.every < 1) throw UsageError("every must be positive");
+  if (run_.max_frames < 0) throw UsageError("max-frames must not be negative");
+  if (!(run_.duration >= 0)) throw UsageError("duration must not be negative");
+  if (!(run_.source.speed >= 0)) throw UsageError("speed must not be negative");
+}
+
+int LiveApp::execute(const CommandLine& line, const Console& console) {
+  checkOptions();
+  LiveRunOptions options = run_;
+  for (std::string* path : {&options.map, &options.results, &options.screenshots, &options.recording,
+                            &options.source.camera_file})
+    makeAbsolute(*path);
+  if (fs::exists(options.source.device)) makeAbsolute(options.source.device);
+  for (const std::string* folder : {&options.results, &options.screenshots})
+    if (!folder->empty()) createFolders(*folder);
+  const fs::path played = options.source.device, depth = played / "depth";
+  for (const std::string* folder : {&options.results, &options.screenshots})
+    if (!folder->empty() && fs::is_directory(played))
+      requireOtherFolder(*folder, fs::is_directory(depth) ? depth : played);
+  if (!options.results.empty()) Provenance::requireNotReplaced(line.paramsFile(), options.results);
+  if (fs::exists(options.recording)) throw IoError(options.recording, "exists already");
+
+  LiveAlgorithms algorithms;
+  algorithms.view = [&](const std::optional<CameraFile>& camera) { return input_.viewParams(camera, line); };
+  algorithms.session.width = input_.width;
+  algorithms.session.tracking = tracking_;
+  algorithms.session.localization = localization_;
+  algorithms.session.threads = threads();
+  LiveRun run(options, algorithms, console);
+  try {
+    run.run();
+  } catch (...) {
+    console.out << run.summary() << "\n";
+    throw;
+  }
+  console.out << run.summary() << "\n";
+  return kOk;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "live/live_cloud.h"
+
+#include "drawing/matched_segments.h"
+#include "drawing/plan_view.h"
+#include "drawing/segment_scene.h"
+
+#include <vtkActor.h>
+#include <vtkCamera.h>
+#include <vtkCellArray.h>
+#include <vtkFloatArray.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+#include <vtkUnsignedCharArray.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace facetloc {
+namespace {
+
+constexpr Colour kNoSegment = {205, 205, 205};  // points that belong to none
+constexpr Colour kNoMatch = {160, 160, 160};    // segments of the view that the local model does not have
+constexpr Colour kModelOnly = {120, 120, 120};  // the other way round
+constexpr std::size_t kMostFrames = 10;         // of segments, the most useful first
+constexpr double kAxis = 0.16;                  // [m]
+constexpr double kMagnification = 10;           // of 2 standard deviations of a normal
+constexpr double kTurn = 2 * 3.14159265358979323846;
+
+}  // namespace
+
+LiveColours::LiveColours(const LiveResult& result, const Map* map) {
+  const auto& segments = result.image.view.segments;
+  const Hypothesis* match = result.match();
+  if (!map || !match) {
+    for (std::size_t k = 0; k < segments.size(); ++k) of_view.push_back(segmentColour(k));
+    return;
+  }
+  const std::shared_ptr<const View> model = map->view(match->model);
+  of_view.assign(segments.size(), kNoMatch);
+  of_model.resize(model->segments.size());
+  for (const SegmentPair& pair : matchedSegments(result.image.view, *model, match->T_m_c.T)) {
+    const Colour colour = segmentColour(static_cast<std::size_t>(pair.model));
+    of_view[pair.scene] = colour;
+    of_model[pair.model] = colour;
+    ++matched;
+  }
+}
+
+LiveCloud::LiveCloud() : model_(3), unmatched_model_(1), frames_(1.8), outlines_(1.5) {
+  ground_->SetBackground(1, 1, 1);
+  overlay_->SetActiveCamera(ground_->GetActiveCamera());
+  overlay_->SetLayer(1);
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(cloud_);
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  actor->GetProperty()->SetPointSize(4);
+  actor->GetProperty()->SetLighting(false);
+  ground_->AddActor(actor);
+  for (Shapes* shapes : {&unmatched_model_, &model_, &outlines_}) ground_->AddActor(shapes->actor());
+  overlay_->AddActor(frames_.actor());
+}
+
+void LiveCloud::showPoints(const SeenImage& image, const LiveColours& colours) {
+  const Intrinsics& camera = image.depth.camera;
+  vtkNew<vtkFloatArray> xyz;
+  vtkNew<vtkUnsignedCharArray> rgb;
+  xyz->SetNumberOfComponents(3);
+  rgb->SetNumberOfComponents(3);
+  for (int v = 0; v < camera.height; ++v)
+    for (int u = 0; u < camera.width; ++u) {
+      const std::size_t i = static_cast<std::size_t>(v) * camera.width + u;
+      const float z = image.depth.depth[i];
+      if (!isMeasured(z)) continue;
+      const Eigen::Vector3d p = z * camera.ray(u, v);
+      xyz->InsertNextTuple3(p.x(), p.y(), p.z());
+      const std::size_t label = image.labels.label[i];
+      const Colour c = label > 0 && label <= colours.of_view.size() ? colours.of_view[label - 1] : kNoSegment;
+      const Colour pale = label > 0 ? mixed(c, kWhite, 0.3) : c;  // so that lines stand out
+      rgb->InsertNextTuple3(pale.red, pale.green, pale.blue);
+    }
+  vtkNew<vtkPoints> points;
+  points->SetData(xyz);
+  vtkNew<vtkCellArray> cells;
+  cells->InsertNextCell(static_cast<int>(points->GetNumberOfPoints()));
+  for (vtkIdType i = 0; i < points->GetNumberOfPoints(); ++i) cells->InsertCellPoint(i);
+  cloud_->Initialize();
+  cloud_->SetPoints(points);
+  cloud_->SetVerts(cells);
+  cloud_->GetPointData()->SetScalars(rgb);
+}
+
+/** Axes x red, y green, and the normal blue, around whose tip the true one lies. Eq. (2). */
+void LiveCloud::addFrame(const Segment& segment) {
+  constexpr Colour kX = {200, 30, 30}, kY = {20, 140, 20}, kNormal = {20, 40, 200};
+  constexpr int kCorners = 24;
+  frames_.line({segment.t, segment.t + kAxis * segment.R.col(0)}, kX);
+  frames_.line({segment.t, segment.t + kAxis * segment.R.col(1)}, kY);
+  const Eigen::Vector3d tip = segment.t + kAxis * segment.R.col(2);
+  frames_.line({segment.t, tip}, kNormal);
+  const Eigen::Matrix2d root = segment.Sigma_q.topLeftCorner<2, 2>().llt().matrixL();
+  Shapes::Points ellipse;
+  for (int i = 0; i < kCorners; ++i) {
+    const Eigen::Vector2d unit(std::cos(kTurn * i / kCorners), std::sin(kTurn * i / kCorners));
+    const Eigen::Vector2d tilt = 2 * kMagnification * (root * unit);
+    ellipse.push_back(tip + kAxis * (segment.R.leftCols<2>() * tilt));
+  }
+  frames_.line(ellipse, kBlack, true);
+}
+
+void LiveCloud::lookFromBehind(const std::optional<CameraMounting>& mounting) {
+  const Eigen::Vector3d focus(-0.1, 0.1, 1.95);  // [m] where most rooms have something
+  constexpr double kDistance = 4.25, kViewAngle = 42;
+  const Eigen::Vector3d up =
+      mounting ? Eigen::Vector3d(mounting->T_b_c().linear().row(2).transpose()) : Eigen::Vector3d(0, -1, 0);
+  const Eigen::Vector3d eye = focus - kDistance * fromBehindAndAbove(up);
+  vtkCamera* camera = ground_->GetActiveCamera();
+  camera->SetPosition(eye.x(), eye.y(), eye.z());
+  camera->SetFocalPoint(focus.x(), focus.y(), focus.z());
+  camera->SetViewUp(up.x(), up.y(), up.z());
+  camera->SetViewAngle(kViewAngle);
+  ground_->ResetCameraClippingRange();
+}
+
+void LiveCloud::show(const LiveResult& result, const LiveColours& colours, const Map* map) {
+  const auto cornersOf = [](const Segment& s, const Eigen::Isometry3d& T) {
+    Shapes::Points corners;
+    for (const Eigen::Vector2f& v : s.hull)
+      corners.push_back(T * (s.t + s.R.leftCols<2>() * v.cast<double>()));
+    return corners;
+  };
+  showPoints(result.image, colours);
+  const auto& segments = result.image.view.segments;
+  for (std::size_t k = 0; k < segments.size(); ++k)
+    outlines_.line(cornersOf(segments[k], Eigen::Isometry3d::Identity()),
+                   mixed(colours.of_view[k], kBlack, 0.25), true);
+  for (std::size_t k = 0; k < std::min(segments.size(), kMostFrames); ++k) addFrame(segments[k]);
+  if (const Hypothesis* match = map ? result.match() : nullptr) {
+    const Eigen::Isometry3d T_c_m = match->T_m_c.T.inverse();
+    const std::shared_ptr<const View> view = map->view(match->model);
+    const std::vector<Segment>& model = view->segments;
+    for (std::size_t k = 0; k < model.size(); ++k) {
+      const auto& colour = colours.of_model[k];
+      Shapes& shapes = colour ? model_ : unmatched_model_;
+      shapes.line(cornersOf(model[k], T_c_m), colour ? mixed(*colour, kBlack, 0.35) : kModelOnly, true);
+    }
+  }
+  constexpr double kPyramid = 0.3;  // [m] of the camera itself
+  const Intrinsics& camera = result.image.depth.camera;
+  Shapes::Points base;
+  for (const auto& [u, v] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)}) {
+    base.push_back(kPyramid * camera.ray(u * camera.width, v * camera.height));
+    frames_.line({Eigen::Vector3d::Zero(), base.back()}, kBlack);
+  }
+  frames_.line(base, kBlack, true);
+  for (Shapes* shapes : {&model_, &unmatched_model_, &outlines_, &frames_}) shapes->show();
+  lookFromBehind(map ? map->mounting : std::nullopt);
+}
+
+}  // namespace facetloc

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "drawing/vtk_shapes.h"
+#include "live/live_result.h"
+
+#include <facetloc/features/local_model.h>
+
+#include <vtkNew.h>
+#include <vtkPolyData.h>
+#include <vtkRenderer.h>
+
+#include <vector>
+
+namespace facetloc {
+
+/** \brief The colours of the segments of a view: of what they were matched to in the local model, so that
+ * they stay the same from frame to frame; without a pose, one after the other. */
+struct LiveColours {
+  std::vector<Colour> of_view;                  ///< by segment
+  std::vector<std::optional<Colour>> of_model;  ///< by segment; nothing = not matched
+  std::size_t matched = 0;                      ///< segments of the view
+
+  LiveColours(const LiveResult& result, const Map* map);
+};
+
+/** \brief The cloud in its colours, segment frames, and the segments of the local model, all in the frame of
+ * the camera and seen from behind it. */
+class LiveCloud {
+public:
+  LiveCloud();
+  /** \brief The cloud, and what is drawn over it whatever is in front. Both share their camera. */
+  vtkRenderer* ground() { return ground_; }
+  vtkRenderer* overlay() { return overlay_; }
+
+  void show(const LiveResult& result, const LiveColours& colours, const Map* map);
+
+private:
+  void showPoints(const SeenImage& image, const LiveColours& colours);
+  void addFrame(const Segment& segment);
+  void lookFromBehind(const std::optional<CameraMounting>& mounting);
+
+  vtkNew<vtkRenderer> ground_, overlay_;
+  vtkNew<vtkPolyData> cloud_;
+  Shapes model_, unmatched_model_, frames_, outlines_;
+};
+
+}  // namespace facetloc

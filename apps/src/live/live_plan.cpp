@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "live/live_plan.h"
+
+#include <Eigen/Eigenvalues>
+#include <vtkCamera.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace facetloc {
+namespace {
+
+constexpr Colour kWall = {40, 40, 40}, kModel = {213, 94, 0}, kTrail = {31, 119, 180};
+constexpr double kTallest = 1.5;     // a segment of this height or more is drawn darkest [m]
+constexpr double kNearHeight = 3.0;  // of what is seen from near [m]
+constexpr double kSigmas = 2;        // of the ellipse
+constexpr double kTurn = 2 * 3.14159265358979323846;
+enum Level {
+  kGround,
+  kLinkLevel,
+  kModelLevel,
+  kEllipseLevel,
+  kTrailLevel,
+  kOutlineLevel,
+  kMarkLevel,
+  kEye = 100
+};  // what covers what
+
+Eigen::Vector3d at(const Eigen::Vector2d& p, Level level) { return {p.x(), p.y(), double(level)}; }
+
+Shapes::Points disk(const Eigen::Vector2d& centre, const Eigen::Matrix2d& shape, Level level) {
+  constexpr int kCorners = 36;
+  Shapes::Points points;
+  for (int i = 0; i < kCorners; ++i)
+    points.push_back(
+        at(centre + shape * Eigen::Vector2d(std::cos(kTurn * i / kCorners), std::sin(kTurn * i / kCorners)),
+           level));
+  return points;
+}
+
+/** The round enlargement that makes an ellipse of this radius [m] large enough to be seen. */
+double magnificationOf(double radius) {
+  constexpr double kVisible = 0.05 * kNearHeight;
+  for (const double factor : {1.0, 2.0, 5.0, 10.0, 20.0, 50.0})
+    if (factor * radius >= kVisible) return factor;
+  return 100;
+}
+
+}  // namespace
+
+LivePlan::LivePlan(const Map& map) : plan_(upInWorld(map)) {
+  addMap(map);
+  for (Panel* panel : {&whole_, &near_}) {
+    panel->renderer->SetBackground(1, 1, 1);
+    panel->renderer->UseFXAAOn();
+    for (Shapes* shapes : {&walls_, &links_, &trail_, &panel->marker})
+      panel->renderer->AddActor(shapes->actor());
+  }
+}
+
+void LivePlan::addMap(const Map& map) {
+  for (std::size_t i = 0; i < map.models.size(); ++i) {
+    const LocalModel& model = map.models[i];
+    if (!model.T_w_m) continue;
+    const Eigen::Vector2d place = plan_.point(model.T_w_m->translation());
+    extent_.extend(place);
+    constexpr double kRadius = 0.06;  // [m]
+    links_.polygon(disk(place, kRadius * Eigen::Matrix2d::Identity(), kModelLevel), kModel);
+    for (const Segment& segment : map.view(static_cast<int>(i))->segments)
+      if (const auto line = plan_.line(segment, *model.T_w_m)) {
+        const double dark = 0.2 + 0.7 * std::min(1.0, line->height / kTallest);
+        walls_.line({at(line->from, kGround), at(line->to, kGround)}, mixed(kWhite, kWall, dark));
+        extent_.extend(line->from), extent_.extend(line->to);
+      }
+  }
+  for (const Link& link : map.links) {
+    const auto &from = map.models[link.from].T_w_m, &to = map.models[link.to].T_w_m;
+    if (from && to)
+      links_.line(
+          {at(plan_.point(from->translation()), kLinkLevel), at(plan_.point(to->translation()), kLinkLevel)},
+          mixed(kModel, kWhite, 0.4));
+  }
+  walls_.show(), links_.show();
+}
+
+double LivePlan::heading(const Eigen::Isometry3d& T_w_c) const {
+  const Eigen::Vector2d ahead = plan_.direction(T_w_c.linear().col(2));
+  return std::atan2(ahead.y(), ahead.x()) / kDegree;
+}
+
+void LivePlan::look(Panel& panel, const Eigen::Vector2d& centre, double height) {
+  vtkCamera* camera = panel.renderer->GetActiveCamera();
+  camera->ParallelProjectionOn();
+  camera->SetParallelScale(height / 2);
+  camera->SetPosition(centre.x(), centre.y(), kEye);
+  camera->SetFocalPoint(centre.x(), centre.y(), 0);
+  camera->SetViewUp(0, 1, 0);
+  camera->SetClippingRange(1, 2.0 * kEye);
+}
+
+/** An arrowhead where the camera is, of a size on the screen, and its uncertainty. */
+void LivePlan::mark(Panel& panel, const LiveResult& result, double metres_per_pixel, bool with_ellipse) {
+  if (!result.pose()) return panel.marker.show();
+  const Eigen::Isometry3d& T = result.pose()->T;
+  const Eigen::Vector2d here = plan_.point(T.translation());
+  const Colour colour = stateColour(result);
+  if (with_ellipse) {
+    const Eigen::Matrix3d P = result.pose()->P.bottomRightCorner<3, 3>();
+    Eigen::Matrix<double, 2, 3> axes;
+    for (int i = 0; i < 3; ++i) axes.col(i) = plan_.direction(Eigen::Vector3d::Unit(i));
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(axes * P * axes.transpose());
+    const Eigen::Vector2d radii = kSigmas * solver.eigenvalues().cwiseMax(0).cwiseSqrt();
+    magnification_ = magnificationOf(radii.maxCoeff());
+    const Eigen::Matrix2d shape = magnification_ * (solver.eigenvectors() * radii.asDiagonal());
+    panel.marker.polygon(disk(here, shape, kEllipseLevel), mixed(colour, kWhite, 0.75));
+    panel.marker.line(disk(here, shape, kOutlineLevel), colour, true);
+  }
+  const Eigen::Vector2d ahead = plan_.direction(T.linear().col(2));
+  if (ahead.norm() > 0.1) {
+    const Eigen::Vector2d x = metres_per_pixel * ahead.normalized(), y(-x.y(), x.x());
+    panel.marker.polygon({at(here + 12 * x, kMarkLevel), at(here - 5 * x + 6 * y, kMarkLevel),
+                          at(here - 5 * x - 6 * y, kMarkLevel)},
+                         colour);
+  } else {  // it looks straight up or down
+    panel.marker.polygon(disk(here, 7 * metres_per_pixel * Eigen::Matrix2d::Identity(), kMarkLevel), colour);
+  }
+  panel.marker.show();
+}
+
+/** Where the camera is, or was last. */
+Eigen::Vector2d LivePlan::middleOf(const LiveResult& result) const {
+  if (result.pose()) return plan_.point(result.pose()->T.translation());
+  if (!result.trail.lines().empty()) return plan_.point(result.trail.lines().back().back());
+  return extent_.center();
+}
+
+void LivePlan::show(const LiveResult& result, const Eigen::Vector2d& whole_size,
+                    const Eigen::Vector2d& near_size) {
+  constexpr double kBorder = 1.06;
+  if (empty()) return;
+  Eigen::AlignedBox2d extent = extent_;
+  for (const LiveTrail::Line& line : result.trail.lines()) {
+    Shapes::Points points;
+    for (const Eigen::Vector3d& p : line) points.push_back(at(plan_.point(p), kTrailLevel));
+    for (const Eigen::Vector3d& p : points) extent.extend(Eigen::Vector2d(p.head<2>()));
+    trail_.line(points, kTrail);
+  }
+  trail_.show();
+  const double aspect = whole_size.x() / whole_size.y();
+  const double height = kBorder * std::max(extent.sizes().y(), extent.sizes().x() / aspect);
+  look(whole_, extent.center(), height);
+  mark(whole_, result, height / whole_size.y(), false);
+  look(near_, middleOf(result), kNearHeight);
+  magnification_ = 1;
+  mark(near_, result, kNearHeight / near_size.y(), true);
+}
+
+}  // namespace facetloc

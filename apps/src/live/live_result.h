@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "drawing/colours.h"
+#include "drawing/pictures.h"
+#include "live/live_trail.h"
+
+#include <facetloc/registration/pose_tracking.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace facetloc {
+
+/** \brief One processed frame of a live run: what is drawn and written. */
+struct LiveResult {
+  std::uint64_t number = 0;            ///< of processed frames, from 1
+  double stamp = 0;                    ///< [s]; increases from frame to frame
+  SeenImage image;                     ///< at the working size; its name is the stamp
+  std::optional<TrackedPose> tracked;  ///< nothing if there is no map
+  LiveTrail trail;                     ///< where the camera was in the world so far
+
+  double segment_ms = 0, features_ms = 0, localize_ms = 0;
+  double age_ms = 0;           ///< from the frame's arrival to the begin of its processing
+  std::uint64_t received = 0;  ///< frames of the source so far
+  std::uint64_t dropped = 0;   ///< of these, those that were not processed
+
+  /** \brief "tracking", "cannot tell", ...; "segmenting" without a map. */
+  std::string state() const;
+  /** \brief Why there is no pose, or no certain one. */
+  std::string reason() const { return tracked ? tracked->reason : std::string(); }
+  /** \brief Its local model and the pose relative to it, if there is one. */
+  const Hypothesis* match() const { return tracked && tracked->match ? &*tracked->match : nullptr; }
+  /** \brief The world pose, be it certain or not, if there is one. */
+  const PoseWithCovariance* pose() const { return tracked && tracked->T_w_c ? &*tracked->T_w_c : nullptr; }
+  /** \brief Is the pose one to rely on? */
+  bool isLocalized() const;
+};
+using LiveResultPtr = std::shared_ptr<const LiveResult>;
+
+Colour stateColour(const LiveResult& result);
+
+}  // namespace facetloc

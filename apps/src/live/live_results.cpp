@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "live/live_results.h"
+
+#include "tools/localization_report.h"
+
+#include <facetloc/io/text.h>
+
+namespace facetloc {
+
+LiveResults::LiveResults(const std::filesystem::path& folder, const std::string& params_ini,
+                         std::shared_ptr<const Map> map)
+    : map_(std::move(map)),
+      near_(map_ ? map_ : std::make_shared<const Map>()),
+      results_(folder, params_ini),
+      states_(folder / "states.csv", "frame,stamp,state,reason,received,dropped,age_ms\n") {}
+
+ResultRow LiveResults::rowOf(const LiveResult& result) const {
+  const std::string& frame = result.image.name;
+  if (!result.tracked || !map_) return noHypothesis(frame, "segmented without a map");
+  if (!result.isLocalized())
+    return noHypothesis(frame, result.state() + (result.reason().empty() ? "" : ": " + result.reason()));
+  if (const Hypothesis* match = result.match()) return resultRows(frame, {{*match}, {}}, *map_, 1).front();
+
+  // The camera's own views carry the pose where no local model shows anything of the place.
+  const PoseWithCovariance& pose = *result.pose();
+  Hypothesis carried;
+  carried.model = near_.byPlace(pose.T.translation(), 1).front();
+  carried.T_w_c = pose.T;
+  carried.T_m_c = map_->models[carried.model].T_w_m->inverse() * pose;
+  carried.probability = result.tracked->probability;
+  ResultRow row = resultRows(frame, {{carried}, {}}, *map_, 1).front();
+  row.reason = "carried on: no local model shows what is in view";
+  return row;
+}
+
+void LiveResults::append(const LiveResult& result) {
+  FrameResult frame;
+  frame.stamp = result.stamp;
+  frame.rows = {rowOf(result)};
+  frame.timing = {result.image.name, result.segment_ms, result.features_ms, result.localize_ms,
+                  map_ ? static_cast<int>(map_->models.size()) : 0};
+  results_.append(frame);
+  states_.append(result.image.name + "," + text::decimals(result.stamp, 6) + "," + result.state() + "," +
+                 text::csvCell(result.reason()) + "," + std::to_string(result.received) + "," +
+                 std::to_string(result.dropped) + "," + text::decimals(result.age_ms, 3) + "\n");
+}
+
+}  // namespace facetloc

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "live/live_result.h"
+
+#include <facetloc/io/growing_file.h>
+#include <facetloc/io/results.h>
+#include <facetloc/registration/nearby_models.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace facetloc {
+
+/** \brief The results folder of a live run, written frame by frame: that of facetloc_localize, with one row
+ * per frame and a pose where it is certain, and states.csv. Where the view has nothing in common with the
+ * map, the pose is told relative to the nearest local model, with a remark. */
+class LiveResults {
+public:
+  /** \brief Begins anew, in the place of older results. \param map may be null. Throws IoError. */
+  LiveResults(const std::filesystem::path& folder, const std::string& params_ini,
+              std::shared_ptr<const Map> map);
+  /** \brief All of a frame is in the files when it returns. Throws IoError. */
+  void append(const LiveResult& result);
+
+private:
+  ResultRow rowOf(const LiveResult& result) const;
+
+  std::shared_ptr<const Map> map_;
+  NearbyModels near_;
+  ResultsWriter results_;
+  GrowingFile states_;
+};
+
+}  // namespace facetloc

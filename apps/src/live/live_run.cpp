@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "live/live_run.h"
+
+#include "drawing/outputs.h"
+#include "tools/text.h"
+
+#include <facetloc/io/error.h>
+#include <facetloc/io/map_database.h>
+#include <facetloc/io/openni_grabber.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <thread>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr seconds kStall(3);              // without a frame
+constexpr milliseconds kRetry(1000);      // between looks for a device
+constexpr milliseconds kTick(20);         // between looks whether something has happened
+constexpr milliseconds kLastFrames(250);  // after the end of a file, for what is still under way
+
+/** The source itself is at fault, not what was made of its frames: waiting may help. */
+class SourceError : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/** The file itself or, if it is there already, the first of file-2, file-3, ... that is not. */
+fs::path unused(const fs::path& file) {
+  fs::path name = file;
+  for (int n = 2; fs::exists(name); ++n)
+    name = file.parent_path() / (file.stem().string() + "-" + std::to_string(n) + file.extension().string());
+  return name;
+}
+
+}  // namespace
+
+LiveRun::LiveRun(const LiveRunOptions& options, LiveAlgorithms algorithms, const Console& console)
+    : options_(options), algorithms_(std::move(algorithms)), console_(console), status_(console) {
+  if (!options_.map.empty()) {
+    map_ = std::make_shared<Map>(openMap(options_.map));
+    noteUnfinished(*map_, options_.map, console_);
+  }
+  if (!options_.headless) {
+    if (!displayUsable())
+      throw std::runtime_error("no X server can be reached (DISPLAY); without a window: --headless");
+    display_.emplace();
+  } else if (!options_.screenshots.empty()) {
+    display_.emplace();
+    if (!display_->available()) throw std::runtime_error("no screenshots: " + display_->problem());
+  }
+}
+
+LiveRun::~LiveRun() {
+  recorder_.reset();
+  closeSource();
+}
+
+/** Once for each time that something is missing. */
+void LiveRun::tellThatItWaits(const std::string& cause) {
+  const std::uint64_t received = session_ ? session_->mailbox().counts().received : 0;
+  if (received == told_at_) return;
+  told_at_ = received;
+  status_.clear();
+  console_.error(cause + "; waiting for it");
+}
+
+/** \return false if the user does not want to wait any more. */
+bool LiveRun::openSource() {
+  while (!stopAsked() && !timeIsUp()) {
+    try {
+      source_ = std::make_unique<LiveSource>(options_.source);
+      return true;
+    } catch (const IoError& e) {
+      if (!options_.wait) throw;
+      if (!begin_) begin_ = Clock::now();  // to wait takes of the time that it has
+      tellThatItWaits(e.what());
+    }
+    pause();
+  }
+  return false;
+}
+
+/** Until it makes sense to look for a device again. */
+void LiveRun::pause() const {
+  for (const auto end = Clock::now() + kRetry; Clock::now() < end && !stopAsked() && !timeIsUp();)
+    std::this_thread::sleep_for(kTick);
+}
+
+void LiveRun::startSource() try {
+  source_->start([this](LiveFrame frame) { session_->mailbox().put(std::move(frame)); });
+  source_start_ = Clock::now();
+} catch (const IoError& e) {
+  throw SourceError(e.what());
+}
+
+void LiveRun::closeSource() {
+  if (!source_) return;
+  stopRecording();
+  source_->stop();
+  if (session_) session_->letGo();
+  source_.reset();
+}
+
+/** Now that the camera is known. */
+void LiveRun::startSession() {
+  LiveSessionOptions options = algorithms_.session;
+  options.view = algorithms_.view(source_->camera());
+  options.max_frames = static_cast<std::uint64_t>(options_.max_frames);
+  if (map_) {
+    dropOtherMounting(source_->camera(), *map_, console_);
+    options.view = withDistortionOf(*map_, options.view);
+  }
+  if (!options_.results.empty()) {
+    const std::string params_ini = "# " + versionText() + ", live from " + source_->name() +
+                                   (map_ ? ", map " + fs::path(options_.map).filename().string() + " of " +
+                                               counted(map_->models.size(), "local model")
+                                         : ", without a map") +
+                                   "\nwidth = " + std::to_string(options.width) + "\n" + toIni(options.view) +
+                                   toIni(options.tracking) + toIni(options.localization);
+    results_ = std::make_unique<LiveResults>(options_.results, params_ini, map_);
+  }
+  if (!options_.headless) window_ = std::make_unique<LiveWindow>("facetloc_live " + source_->name(), map_);
+  if (!options_.screenshots.empty()) screenshot_ = std::make_unique<LiveScreenshot>(map_);
+  session_ =
+      std::make_unique<LiveSession>(options, map_, [this](const LiveResultPtr& result) { receive(result); });
+}
+
+/** By the processing thread: what must not be lost is written, what may be is left for who has the time. */
+void LiveRun::receive(const LiveResultPtr& result) {
+  if (results_) results_->append(*result);
+  newest_.put(result);
+  const bool its_turn = (result->number - 1) % static_cast<std::uint64_t>(options_.every) == 0;
+  if (!options_.screenshots.empty() && its_turn) to_draw_.put(result);
+}
+
+bool LiveRun::stopAsked() const { return quit_ || stop_.raised(); }
+
+bool LiveRun::timeIsUp() const {
+  return begin_ && options_.duration > 0 &&
+         Clock::now() - *begin_ >= std::chrono::duration<double>(options_.duration);
+}
+
+/** Did all frames of a file arrive? */
+bool LiveRun::sourceEnded() const {
+  if (!source_->atEnd()) return false;
+  const auto last = session_->mailbox().lastArrival();
+  return Clock::now() - std::max(last.value_or(source_start_), source_start_) > kLastFrames;
+}
+
+/** Why no more frames are to be expected; empty if they are. */
+std::string LiveRun::sourceProblem() const {
+  if (!source_->connected()) {
+    const std::string cause = source_->lastError();
+    return source_->name() + ": the device has gone" + (cause.empty() ? "" : " (" + cause + ")");
+  }
+  const auto last = session_->mailbox().lastArrival();
+  if (Clock::now() - std::max(last.value_or(source_start_), source_start_) <= kStall) return {};
+  return source_->name() + ": no frame for " + std::to_string(kStall.count()) + " s";
+}
+
+void LiveRun::run() {
+  while (openSource()) {
+    if (!begin_) begin_ = Clock::now();
+    if (!session_) startSession();
+    try {
+      startSource();
+      if (!options_.recording.empty())
+        startRecording(recording_.empty() ? fs::path(options_.recording) : unused(options_.recording));
+      loop();
+      break;
+    } catch (const SourceError& e) {
+      status_.clear();
+      if (!options_.wait) {
+        closeSource();
+        session_->finish();
+        tick();
+        throw;
+      }
+      tellThatItWaits(e.what());
+      closeSource();
+      pause();
+    }
+  }
+  if (source_) stopRecording(), source_->stop();
+  if (session_) session_->finish();
+  tick();  // the last screenshot
+  status_.clear();
+}
+
+/** Of images that could not be read, the source tells the last one. */
+void LiveRun::tellWhatIsMissing() {
+  const std::string cause = source_->lastError();
+  if (sourceEnded() && session_->mailbox().counts().received == 0)
+    throw IoError(source_->name(), "ended without a frame" + (cause.empty() ? "" : ": " + cause));
+  if (cause.empty()) return;
+  status_.clear();
+  console_.note(source_->name() + ": frames are missing: " + cause);
+}
+
+void LiveRun::loop() {
+  while (!stopAsked() && !timeIsUp() && !session_->done() && !sourceEnded()) {
+    const std::string problem = sourceProblem();
+    if (!problem.empty()) throw SourceError(problem);
+    if (recorder_ && !recorder_->hasRoom()) {
+      stopRecording();
+      throw IoError(recording_.string(), "the disk is full: what there was room for is recorded");
+    }
+    tick();
+    std::this_thread::sleep_for(kTick);
+  }
+  tellWhatIsMissing();
+}
+
+void LiveRun::tick() {
+  if (auto newest = newest_.take({})) {
+    shown_ = newest->frame;
+    rate_.update(shown_->number);
+    status_.show(*shown_, rate_.value());
+  }
+  if (auto result = to_draw_.take({}))
+    drawScreenshot(*result->frame, fs::path(options_.screenshots) / (result->frame->image.name + ".png"));
+  if (!window_) return;
+  drawWindow();
+  for (const LiveCommand command : window_->commands()) {
+    try {
+      obey(command);
+    } catch (const std::exception& e) {  // which is no reason to end the run
+      status_.clear();
+      console_.error(e.what());
+    }
+  }
+}
+
+/** Not more often than leaves half of the time to others, where the processor does the drawing. */
+void LiveRun::drawWindow() {
+  const Clock::time_point start = Clock::now();
+  if (!shown_ || start < next_draw_) return;
+  std::vector<std::string> footer = {timesText(*shown_, rate_.value())};
+  if (recorder_) footer.front() = "RECORDING " + recording_.filename().string() + ",  " + footer.front();
+  if (session_ && session_->paused()) footer.front() = "PAUSED,  " + footer.front();
+  window_->show(*shown_, footer);
+  const Clock::time_point end = Clock::now();
+  next_draw_ = end + (end - start);
+}
+
+void LiveRun::drawScreenshot(const LiveResult& result, const fs::path& path) {
+  if (!screenshot_) screenshot_ = std::make_unique<LiveScreenshot>(map_);
+  requireNoneButPicture(path);
+  writePng(path, screenshot_->draw(result));
+  ++screenshots_;
+}
+
+void LiveRun::obey(LiveCommand command) {
+  switch (command) {
+  case LiveCommand::screenshot:
+    if (shown_) {
+      const fs::path path = fs::path(options_.screenshots) / ("live_" + shown_->image.name + ".png");
+      drawScreenshot(*shown_, path);
+      status_.clear();
+      console_.note("screenshot " + path.string());
+    }
+    break;
+  case LiveCommand::record:
+    if (recorder_)
+      stopRecording();
+    else if (source_->device())
+      startRecording(unused(options_.recording.empty() ? "live.oni" : options_.recording));
+    break;
+  case LiveCommand::pause:
+    session_->setPaused(!session_->paused());
+    break;
+  case LiveCommand::relocalize:
+    session_->relocalize();
+    break;
+  case LiveCommand::quit:
+    quit_ = true;
+    break;
+  }
+}
+
+void LiveRun::startRecording(const fs::path& file) {
+  if (!source_->device())
+    throw std::runtime_error(source_->name() + ": only devices of OpenNI2 can be recorded, not files");
+  recorder_ = std::make_unique<OniRecorder>(source_->device()->uri(), file);
+  recording_ = file;
+}
+
+void LiveRun::stopRecording() {
+  if (!recorder_) return;
+  const std::unique_ptr<OniRecorder> recorder = std::move(recorder_);
+  const std::size_t frames = recorder->stop();
+  status_.clear();
+  console_.note(counted(frames, "frame") + " recorded" + (frames ? " to " + recording_.string() : ""));
+}
+
+std::string LiveRun::summary() const {
+  if (!session_) return "no device, no frames";
+  std::string words = session_->summary().text();
+  if (!options_.results.empty()) words += "; results in " + options_.results;
+  if (!options_.screenshots.empty())
+    words += "; " + counted(screenshots_, "screenshot") + " in " + options_.screenshots;
+  if (const auto late = to_draw_.counts().dropped)
+    words += " (" + std::to_string(late) + " left out, as drawing took too long)";
+  return words;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "drawing/offscreen_display.h"
+#include "live/live_app.h"
+#include "live/live_picture.h"
+#include "live/live_results.h"
+#include "live/live_session.h"
+#include "live/live_status.h"
+#include "live/live_window.h"
+#include "tools/stop_signal.h"
+
+#include <facetloc/io/oni_recorder.h>
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace facetloc {
+
+/** \brief What a live run needs to know of the algorithms, for a camera that is not known yet. */
+struct LiveAlgorithms {
+  std::function<ViewParams(const std::optional<CameraFile>&)> view;
+  LiveSessionOptions session;  // but for its view
+};
+
+/** \brief A live run from its begin to its end: opens the source, again if it has to, and does on one thread
+ * all that is not done by the processing thread of the session: window, screenshots, and whether it is time
+ * to end. */
+class LiveRun {
+public:
+  LiveRun(const LiveRunOptions& options, LiveAlgorithms algorithms, const Console& console);
+  ~LiveRun();
+  LiveRun(const LiveRun&) = delete;
+  LiveRun& operator=(const LiveRun&) = delete;
+
+  /** \brief Until there is nothing more to do. Throws what went wrong, after all was written. */
+  void run();
+  /** \brief What came of it, on one line. */
+  std::string summary() const;
+
+private:
+  using Clock = std::chrono::steady_clock;
+
+  void tellThatItWaits(const std::string& cause);
+  bool openSource();
+  void startSource();
+  void closeSource();
+  void pause() const;
+  void startSession();
+  void receive(const LiveResultPtr& result);
+  bool stopAsked() const;
+  bool timeIsUp() const;
+  bool sourceEnded() const;
+  std::string sourceProblem() const;
+  void tellWhatIsMissing();
+  void loop();
+  void tick();
+  void obey(LiveCommand command);
+  void drawWindow();
+  void drawScreenshot(const LiveResult& result, const std::filesystem::path& path);
+  void startRecording(const std::filesystem::path& file);
+  void stopRecording();
+
+  const LiveRunOptions options_;
+  const LiveAlgorithms algorithms_;
+  const Console& console_;
+  StopSignal stop_;
+  bool quit_ = false;
+  std::optional<std::uint64_t> told_at_;  // frames received when it was last told that it waits
+  std::shared_ptr<Map> map_;
+  std::optional<OffscreenDisplay> display_;
+  std::optional<Clock::time_point> begin_;  // when the first source was opened, or first waited for
+  Clock::time_point source_start_;
+
+  // Frames go from the source to the session, and results from there to the mailboxes.
+  std::unique_ptr<LiveSource> source_;
+  std::unique_ptr<OniRecorder> recorder_;
+  std::filesystem::path recording_;  // its file
+  std::unique_ptr<LiveResults> results_;
+  LatestFrame<LiveResultPtr> newest_, to_draw_;
+  std::unique_ptr<LiveSession> session_;
+
+  LiveStatus status_;
+  FrameRate rate_;
+  LiveResultPtr shown_;
+  std::unique_ptr<LiveWindow> window_;
+  std::unique_ptr<LiveScreenshot> screenshot_;
+  Clock::time_point next_draw_;  // of the window
+  std::size_t screenshots_ = 0;
+};
+
+}  // namespace facetloc

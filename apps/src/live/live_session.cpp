@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "live/live_session.h"
+
+#include "tools/milliseconds.h"
+#include "tools/text.h"
+
+#include <facetloc/io/text.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace facetloc {
+namespace {
+
+using Clock = LatestFrame<LiveFrame>::Clock;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kWakeUp(100);         // to look whether something else is to be done
+constexpr milliseconds kNap(10);             // between looks whether the pause is over
+constexpr double kUsualInterval = 1.0 / 30;  // [s]
+
+}  // namespace
+
+std::string LiveSummary::text() const {
+  std::string words = counted(received, "frame") + " received, " + std::to_string(processed) +
+                      " processed, " + std::to_string(dropped()) + " dropped";
+  if (processed == 0) return words;
+  const auto n = static_cast<double>(processed);
+  if (seconds > 0) words += ", " + text::decimals((n - 1) / seconds, 1) + "/s";
+  words += ", " + text::decimals(processing_ms / n, 1) + " ms each, none older than " +
+           text::decimals(oldest_ms, 0) + " ms";
+  std::string shares;
+  for (const auto& [state, count] : states)
+    shares += (shares.empty() ? "" : ", ") + state + " " +
+              text::decimals(100 * static_cast<double>(count) / n, 1) + " %";
+  return words + "; " + shares;
+}
+
+LiveSession::LiveSession(const LiveSessionOptions& options, std::shared_ptr<const Map> map,
+                         OnResult on_result)
+    : options_(options), map_(std::move(map)), on_result_(std::move(on_result)), builder_(options.view) {
+  if (map_) {
+    tracking_ =
+        std::make_unique<PoseTracking>(map_, options.tracking, options.localization, options.view.noise);
+    tracking_->setNumberOfThreads(options.threads);
+  }
+  thread_ = std::thread([this] { run(); });
+}
+
+LiveSession::~LiveSession() {
+  abandoned_ = true;
+  end();
+}
+
+void LiveSession::end() {
+  mailbox_.close();
+  paused_ = false;
+  if (thread_.joinable()) thread_.join();
+  mailbox_.clear();  // a frame may be a buffer of a driver that is about to go
+}
+
+void LiveSession::letGo() {
+  mailbox_.clear();
+  // What the present round has taken is gone when the next one begins.
+  const std::uint64_t round = rounds_;
+  while (!done_ && rounds_ == round) std::this_thread::sleep_for(kNap);
+}
+
+void LiveSession::finish() {
+  end();
+  if (error_) std::rethrow_exception(error_);
+}
+
+void LiveSession::run() try {
+  while (!abandoned_) {
+    ++rounds_;
+    if (paused_) {
+      std::this_thread::sleep_for(kNap);
+      continue;
+    }
+    const auto arrived = mailbox_.take(kWakeUp);  // the pause may have begun in here
+    if (arrived && !paused_ && millisecondsSince(arrived->arrival) <= kOldestFrame) process(*arrived);
+    if (options_.max_frames > 0 && summary_.processed >= options_.max_frames) break;
+    if (!arrived && mailbox_.closed() && !mailbox_.counts().waiting) break;
+  }
+  mailbox_.close();
+  done_ = true;
+} catch (...) {
+  error_ = std::current_exception();
+  mailbox_.close();
+  done_ = true;
+}
+
+/** A recording that is repeated begins again: its time goes on, but the camera is somewhere else. */
+double LiveSession::increasingStamp(double stamp) {
+  if (summary_.processed > 0 && stamp + stamp_offset_ <= last_stamp_) {
+    stamp_offset_ = last_stamp_ + kUsualInterval - stamp;
+    relocalize_ = true;
+  }
+  return last_stamp_ = stamp + stamp_offset_;
+}
+
+void LiveSession::process(const LatestFrame<LiveFrame>::Arrived& arrived) {
+  auto result = std::make_shared<LiveResult>();
+  result->age_ms = millisecondsSince(arrived.arrival);
+  const Clock::time_point start = Clock::now();
+  const DepthImage full = arrived.frame.image();
+  result->stamp = increasingStamp(arrived.frame.stamp);
+  result->image = see(text::decimals(result->stamp, 6),
+                      subsampled(full, subsamplingStep(full.camera, options_.width)), builder_);
+  result->segment_ms = builder_.segmentMilliseconds();
+  result->features_ms = builder_.featuresMilliseconds();
+  if (tracking_) {
+    if (relocalize_.exchange(false)) tracking_->relocalize();
+    const Clock::time_point begin = Clock::now();
+    result->tracked = tracking_->update(result->image.view, result->stamp);
+    result->localize_ms = millisecondsSince(begin);
+    if (result->isLocalized() && result->pose())
+      trail_.add(result->pose()->T.translation());
+    else
+      trail_.interrupt();
+    result->trail = trail_;
+  }
+  const auto counts = mailbox_.counts();
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (summary_.processed == 0) first_ = arrived.arrival;
+    last_ = arrived.arrival;
+    ++summary_.processed;
+    ++summary_.states[result->state()];
+    summary_.oldest_ms = std::max(summary_.oldest_ms, result->age_ms);
+    result->number = summary_.processed;
+    result->received = counts.received;
+    result->dropped = counts.received - summary_.processed - counts.waiting;
+  }
+  on_result_(result);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  summary_.processing_ms += millisecondsSince(start);
+}
+
+LiveSummary LiveSession::summary() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  LiveSummary summary = summary_;
+  summary.received = mailbox_.counts().received;
+  summary.seconds = std::chrono::duration<double>(last_ - first_).count();
+  return summary;
+}
+
+}  // namespace facetloc

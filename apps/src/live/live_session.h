@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "live/latest_frame.h"
+#include "live/live_result.h"
+#include "live/live_source.h"
+
+#include <facetloc/segmentation/view_builder.h>
+
+#include <atomic>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace facetloc {
+
+struct LiveSessionOptions {
+  int width = 320;  ///< working width [px]; 0 = full size
+  ViewParams view;
+  PoseTrackingParams tracking;
+  GlobalLocalizationParams localization;
+  int threads = 0;               ///< of global localization; 0 = all cores
+  std::uint64_t max_frames = 0;  ///< ends after so many processed frames; 0 = never
+};
+
+/** \brief What a live run came to. */
+struct LiveSummary {
+  std::uint64_t received = 0, processed = 0;
+  std::map<std::string, std::uint64_t> states;  ///< processed frames by state
+  double processing_ms = 0;                     ///< sum over the processed frames
+  double oldest_ms = 0;                         ///< largest age of a frame when its processing began
+  double seconds = 0;                           ///< from the first frame to the last one
+
+  std::uint64_t dropped() const { return received - processed; }
+  /** \brief Several sentences on one line. */
+  std::string text() const;
+};
+
+/** \brief The processing thread of a live run: takes the newest frame, segments it, and follows the camera in
+ * the map.
+ *
+ * A frame that is older than kOldestFrame when its turn comes is dropped: what is shown is what is. */
+class LiveSession {
+public:
+  using OnResult = std::function<void(const LiveResultPtr&)>;
+  static constexpr double kOldestFrame = 100;  // [ms]
+
+  /** \param map may be null: segmentation only. \param on_result is called by the processing thread after
+   * each frame; if it throws, the session ends and finish() throws the same. */
+  LiveSession(const LiveSessionOptions& options, std::shared_ptr<const Map> map, OnResult on_result);
+  /** \brief Ends the thread; the frame in the mailbox is not processed. */
+  ~LiveSession();
+  LiveSession(const LiveSession&) = delete;
+  LiveSession& operator=(const LiveSession&) = delete;
+
+  /** \brief Where a source puts its frames. */
+  LatestFrame<LiveFrame>& mailbox() { return mailbox_; }
+
+  /** \brief When it returns, no frame is held any more that came before: their source can be destroyed. */
+  void letGo();
+
+  /** \brief While paused, frames are received and dropped. */
+  void setPaused(bool paused) { paused_ = paused; }
+  bool paused() const { return paused_; }
+  /** \brief The next frame is searched in the whole map. */
+  void relocalize() { relocalize_ = true; }
+
+  /** \brief Has the thread ended: enough frames, or an exception? */
+  bool done() const { return done_; }
+  /** \brief Takes no more frames, processes the one that is there, ends the thread, and throws what it threw.
+   */
+  void finish();
+  LiveSummary summary() const;
+
+private:
+  void run();
+  void process(const LatestFrame<LiveFrame>::Arrived& arrived);
+  double increasingStamp(double stamp);
+  void end();
+
+  const LiveSessionOptions options_;
+  std::shared_ptr<const Map> map_;
+  OnResult on_result_;
+  LatestFrame<LiveFrame> mailbox_;
+  ViewBuilder builder_;
+  std::unique_ptr<PoseTracking> tracking_;
+  LiveTrail trail_;
+  double last_stamp_ = 0, stamp_offset_ = 0;
+  LatestFrame<LiveFrame>::Clock::time_point first_, last_;  // arrivals of processed frames
+
+  std::atomic<std::uint64_t> rounds_{0};
+  std::atomic<bool> paused_{false}, relocalize_{false}, abandoned_{false}, done_{false};
+  mutable std::mutex mutex_;  // of the summary and the error
+  LiveSummary summary_;
+  std::exception_ptr error_;
+  std::thread thread_;  // the last member: it uses all others
+};
+
+}  // namespace facetloc

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "live/live_source.h"
+
+#include <facetloc/features/organized_cloud.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/openni_grabber.h>
+
+#include <pcl/io/image_grabber.h>
+#include <pcl/io/lzf_image_io.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using Cloud = pcl::PointCloud<pcl::PointXYZ>;
+using DevicePicture = pcl::io::DepthImage;
+using OnCloud = void(const Cloud::ConstPtr&);
+
+constexpr double kMicrosecond = 1e-6;  // [s]
+constexpr double kMillimetre = 1e-3;   // [m]
+constexpr double kUsualRate = 30;      // [Hz] of files without time stamps
+
+/** Intrinsics for an image of another size: every step-th pixel, as our subsampling and OpenNI's modes. */
+Intrinsics scaledTo(const Intrinsics& camera, int width, int height) {
+  if (width <= 0 || camera.width % width != 0 || camera.width / width * height != camera.height)
+    throw std::runtime_error("the camera file is of an image of " + std::to_string(camera.width) + "x" +
+                             std::to_string(camera.height) + ", the device sends " + std::to_string(width) +
+                             "x" + std::to_string(height));
+  return camera.subsampled(camera.width / width);
+}
+
+/** What PCL makes of the device's field of view: square pixels, the centre in the middle. */
+Intrinsics nominalCamera(const DevicePicture& picture) {
+  const double f = picture.getFocalLength();
+  const int w = static_cast<int>(picture.getWidth()), h = static_cast<int>(picture.getHeight());
+  return {w, h, f, f, (w - 1) / 2.0, (h - 1) / 2.0};
+}
+
+DepthImage toDepthImage(const DevicePicture& picture, const std::optional<Intrinsics>& camera) {
+  DepthImage image;
+  image.camera = nominalCamera(picture);
+  if (camera) image.camera = scaledTo(*camera, image.camera.width, image.camera.height);
+  const std::size_t n = static_cast<std::size_t>(picture.getWidth()) * picture.getHeight();
+  std::vector<unsigned short> raw(n);
+  if (picture.getMetaData()->getDataSize() != n * sizeof raw[0])  // PCL copies what there is
+    throw std::runtime_error("a depth image of the source is corrupt");
+  picture.fillDepthImageRaw(picture.getWidth(), picture.getHeight(), raw.data());
+  const auto unknown = static_cast<unsigned short>(picture.getNoSampleValue());
+  const auto shadow = static_cast<unsigned short>(picture.getShadowValue());
+  image.depth.resize(n);
+  std::transform(raw.begin(), raw.end(), image.depth.begin(), [&](unsigned short z) {
+    return z == unknown || z == shadow ? 0.f : static_cast<float>(kMillimetre * z);
+  });
+  return image;
+}
+
+/** Clouds -> depth images. The camera of a stream does not change: what its points tell is kept. */
+class CloudConverter {
+public:
+  explicit CloudConverter(const std::optional<Intrinsics>& camera) : given_(camera) {}
+
+  DepthImage operator()(const Cloud& cloud) {
+    const int width = static_cast<int>(cloud.width), height = static_cast<int>(cloud.height);
+    if (!isOrganized(cloud)) throw std::runtime_error("a cloud of the source is not organized");
+    if (given_) return depthImage(cloud, scaledTo(*given_, width, height));
+    if (!recovered_ || recovered_->width != width || recovered_->height != height)
+      recovered_ = recoverIntrinsics(cloud);
+    if (recovered_) return depthImage(cloud, *recovered_);
+    DepthImage blind;  // nothing measured yet that would tell the focal length: an image without segments
+    blind.camera = {width, height, double(width), double(width), (width - 1) / 2.0, (height - 1) / 2.0};
+    blind.depth.assign(cloud.size(), 0.f);
+    return blind;
+  }
+
+private:
+  std::optional<Intrinsics> given_, recovered_;
+};
+
+bool hasFiles(const fs::path& folder, const std::string& extension) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().extension() == extension) return true;
+  return false;
+}
+
+/** PCL takes the n-th .xml for the camera of the n-th depth image, and does not survive it if that is missing
+ * or none. Throws IoError. */
+void requireCameras(const fs::path& folder) {
+  std::size_t images = 0, cameras = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const fs::path& file = entry.path();
+    images += file.extension() == ".pclzf" && file.filename().string().find("depth") != std::string::npos;
+    if (file.extension() != ".xml") continue;
+    bool read = false;
+    try {
+      read = pcl::io::LZFDepth16ImageReader().readParameters(file.string());
+    } catch (const std::exception&) {  // of the parser
+    }
+    if (!read) throw IoError(file.string(), "no camera parameters can be read");
+    ++cameras;
+  }
+  if (cameras < images)
+    throw IoError(folder.string(), "has " + std::to_string(images) + " depth images, but only " +
+                                       std::to_string(cameras) + " .xml files of their camera");
+}
+
+/** What our virtual camera, or a program, told the grabber; nothing for a device as it is. */
+std::optional<Intrinsics> calibrationOf(const OpenNIGrabber& grabber) {
+  const auto mode = grabber.getDevice()->getDepthVideoMode();
+  Intrinsics k{mode.x_resolution_, mode.y_resolution_, 0, 0, 0, 0};
+  grabber.getDepthCameraIntrinsics(k.fx, k.fy, k.cx, k.cy);
+  return k.valid() ? std::optional(k) : std::nullopt;
+}
+
+}  // namespace
+
+FrameStamps countedStamps(double rate) {
+  return [rate](std::uint64_t n) { return static_cast<double>(n) / rate; };
+}
+
+void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camera, const FrameStamps& stamps,
+                   const FrameSink& sink) {
+  using OnPicture = void(const DevicePicture::Ptr&);
+  if (grabber.providesCallback<OnPicture>()) {
+    grabber.registerCallback<OnPicture>([camera, sink](const DevicePicture::Ptr& picture) {
+      sink({kMicrosecond * static_cast<double>(picture->getTimestamp()),
+            [picture, camera] { return toDepthImage(*picture, camera); }});
+    });
+  } else if (grabber.providesCallback<OnCloud>()) {
+    auto convert = std::make_shared<CloudConverter>(camera);
+    auto count = std::make_shared<std::uint64_t>(0);
+    grabber.registerCallback<OnCloud>([=](const Cloud::ConstPtr& cloud) {
+      if (cloud->empty()) return;  // of a file that PCL could not read
+      const std::uint64_t n = (*count)++, stamp = cloud->header.stamp;
+      sink({stamp ? kMicrosecond * static_cast<double>(stamp) : stamps(n),
+            [convert, cloud] { return (*convert)(*cloud); }});
+    });
+  } else {
+    throw std::runtime_error(grabber.getName() + " has neither depth images nor clouds of points");
+  }
+}
+
+LiveSource::LiveSource(const LiveSourceOptions& options) : name_(options.device) {
+  if (!options.camera_file.empty()) camera_ = readCameraFile(options.camera_file);
+  const fs::path path = options.device;
+  if (fs::is_directory(path) && hasFiles(path, ".pclzf")) {
+    const float rate = static_cast<float>(kUsualRate * (options.speed > 0 ? options.speed : 1));
+    requireCameras(path);
+    auto images =
+        std::make_unique<pcl::ImageGrabber<pcl::PointXYZ>>(path.string(), rate, options.repeat, true);
+    if (!options.repeat) last_ = images->size();
+    grabber_ = std::move(images);
+  } else {
+    openDevice(options);
+  }
+}
+
+void LiveSource::openDevice(const LiveSourceOptions& options) {
+  const fs::path folder = options.device;
+  if (!camera_ && fs::is_directory(folder))
+    for (const fs::path& place : {folder, folder.parent_path()})
+      if (!camera_ && fs::exists(place / "camera.ini")) camera_ = readCameraFile(place / "camera.ini");
+  auto device = std::make_unique<OpenNIGrabber>(options.device);
+  device->setPlayback(options.speed, options.repeat);
+  device_ = device.get();
+  calibration_ = calibrationOf(*device);
+  if (!camera_ && calibration_ && device->mounting())
+    camera_ = CameraFile{*calibration_, CameraFile{}.depth_scale, device->mounting(), {}};
+  grabber_ = std::move(device);
+  if (name_.empty()) name_ = device_->uri();
+}
+
+LiveSource::~LiveSource() { stop(); }
+
+void LiveSource::start(const FrameSink& sink) {
+  std::optional<Intrinsics> intrinsics = calibration_;
+  if (camera_) intrinsics = camera_->intrinsics;
+  connectFrames(*grabber_, intrinsics, countedStamps(kUsualRate), sink);
+  if (!device_)
+    grabber_->registerCallback<OnCloud>([this](const Cloud::ConstPtr& cloud) {
+      ++delivered_;
+      unreadable_ += cloud->empty();
+    });
+  grabber_->start();
+}
+
+void LiveSource::stop() { grabber_->stop(); }
+
+bool LiveSource::atEnd() const {
+  if (device_) return device_->isEndOfFile();
+  return !grabber_->isRunning() || (last_ && delivered_ >= *last_);  // one of PCL's grabbers never stops
+}
+
+bool LiveSource::connected() const { return !device_ || device_->isConnected(); }
+
+std::string LiveSource::lastError() const {
+  if (device_) return device_->lastError();
+  return unreadable_ ? std::to_string(unreadable_) + " of the images cannot be read" : "";
+}
+
+}  // namespace facetloc

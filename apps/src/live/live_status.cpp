@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "live/live_status.h"
+
+#include <facetloc/io/text.h>
+
+#include <algorithm>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+namespace facetloc {
+namespace {
+
+std::size_t terminalWidth() {
+  constexpr std::size_t kUsual = 80;
+  winsize size = {};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : kUsual;
+}
+
+}  // namespace
+
+std::string stateText(const LiveResult& result) {
+  const std::string reason = result.reason();
+  return result.state() + (reason.empty() ? "" : ": " + reason);
+}
+
+std::string timesText(const LiveResult& result, double rate) {
+  std::string words = text::decimals(rate, 1) + " frames/s,  segmentation " +
+                      text::decimals(result.segment_ms, 1) + " ms,  features " +
+                      text::decimals(result.features_ms, 1) + " ms";
+  if (result.tracked) words += ",  localization " + text::decimals(result.localize_ms, 1) + " ms";
+  return words + ",  age " + text::decimals(result.age_ms, 0) + " ms,  " + std::to_string(result.dropped) +
+         " of " + std::to_string(result.received) + " dropped";
+}
+
+void FrameRate::update(std::uint64_t frames) {
+  constexpr double kLeastInterval = 1.0;  // [s]
+  const Clock::time_point now = Clock::now();
+  const double seconds = std::chrono::duration<double>(now - since_).count();
+  if (started_ && seconds < kLeastInterval) return;
+  if (started_) value_ = static_cast<double>(frames - frames_) / seconds;
+  started_ = true;
+  since_ = now;
+  frames_ = frames;
+}
+
+void LiveStatus::show(const LiveResult& result, double rate) {
+  if (!visible_) return;
+  std::string line = stateText(result);
+  if (const PoseWithCovariance* pose = result.isLocalized() ? result.pose() : nullptr) {
+    const Eigen::Vector3d p = pose->T.translation();
+    line += "  " + text::decimals(p.x(), 2) + " " + text::decimals(p.y(), 2) + " " +
+            text::decimals(p.z(), 2) + " m";
+  }
+  line += "  " + text::decimals(rate, 1) + "/s  " + std::to_string(result.dropped) + " of " +
+          std::to_string(result.received) + " dropped";
+  console_.err << "\r\033[K" << line.substr(0, terminalWidth() - 1) << std::flush;
+  shown_ = true;
+}
+
+void LiveStatus::clear() {
+  if (shown_) console_.err << "\r\033[K" << std::flush;
+  shown_ = false;
+}
+
+}  // namespace facetloc

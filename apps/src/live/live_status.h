@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "live/live_result.h"
+#include "tools/app.h"
+
+#include <chrono>
+#include <string>
+
+namespace facetloc {
+
+/** \brief "tracking" and why, in words for one line. */
+std::string stateText(const LiveResult& result);
+/** \brief Stage times, age and drops of a frame, at so many frames per second. */
+std::string timesText(const LiveResult& result, double rate);
+
+/** \brief Processed frames per second, over the last second or so. */
+class FrameRate {
+public:
+  /** \brief So many frames have been processed by now. */
+  void update(std::uint64_t frames);
+  double value() const { return value_; }
+
+private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point since_;
+  std::uint64_t frames_ = 0;
+  double value_ = 0;
+  bool started_ = false;
+};
+
+/** \brief One line on a terminal that tells the state of a live run; nothing where nobody watches. */
+class LiveStatus {
+public:
+  explicit LiveStatus(const Console& console)
+      : console_(console), visible_(console.terminal && !console.quiet) {}
+  ~LiveStatus() { clear(); }
+  LiveStatus(const LiveStatus&) = delete;
+  LiveStatus& operator=(const LiveStatus&) = delete;
+
+  void show(const LiveResult& result, double rate);
+  /** \brief Before anything else is written. */
+  void clear();
+
+private:
+  const Console& console_;
+  const bool visible_;
+  bool shown_ = false;
+};
+
+}  // namespace facetloc

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "live/live_result.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief What the user of a live window can ask for. */
+enum class LiveCommand { screenshot, record, pause, relocalize, quit };
+/** \brief The command of a key, as X names keys; nothing for the others. */
+std::optional<LiveCommand> commandOf(const std::string& key);
+/** \brief All keys and what they do, on one line. */
+std::string keysText();
+
+/** \brief A window on the screen that shows a live run. Needs an X display; one thread for all of VTK. */
+class LiveWindow {
+public:
+  LiveWindow(const std::string& title, std::shared_ptr<const Map> map);
+  ~LiveWindow();
+  LiveWindow(const LiveWindow&) = delete;
+  LiveWindow& operator=(const LiveWindow&) = delete;
+
+  /** \brief Draws a frame as LivePicture does. \param footer lines at the bottom, above that of the keys. */
+  void show(const LiveResult& result, const std::vector<std::string>& footer);
+  /** \brief Looks what the user did, without waiting. \return what was asked for since the last time. */
+  std::vector<LiveCommand> commands();
+  /** \brief As if the user had pressed a key. */
+  void press(const std::string& key);
+
+private:
+  struct Insides;
+  std::unique_ptr<Insides> insides_;
+};
+
+}  // namespace facetloc

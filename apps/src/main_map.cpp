@@ -1,6 +1,0 @@
-// SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/apps/map_apps.h>
-
-int main(int argc, char** argv) {
-  return facetloc::runMapTool({argv + 1, argv + argc}, facetloc::standardConsole());
-}

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/bytes.h"
+
+#include "tools/sharded_localization.h"
+
+#include <facetloc/features/binary_archive.h>
+#include <facetloc/io/map_database.h>
+#include <facetloc/io/results.h>
+#include <facetloc/registration/hypothesis.h>
+#include <facetloc/registration/place_index.h>
+
+#include <algorithm>
+#include <sstream>
+#include <stdexcept>
+
+namespace facetloc {
+namespace {
+
+void require(bool condition) {
+  if (!condition) throw std::runtime_error("a message of another rank is torn");
+}
+
+}  // namespace
+
+template <class Archive>
+void fields(Archive& archive, ConvexHull& hull) {
+  archive(hull.size);
+  require(hull.size >= 0 && hull.size <= ConvexHull::kMaxVertices);
+  for (int i = 0; i < hull.size; ++i) archive(hull.vertex[i]);
+}
+
+template <class Archive>
+void fields(Archive& archive, Segment& s) {
+  archive(s.R, s.t, s.Sigma_q, s.lambda, s.num_points, s.hull);
+}
+
+template <class Archive>
+void fields(Archive& archive, DepthPicture& picture) {
+  archive(picture.camera, picture.inverse_depth);
+  if (Archive::kReads && !picture.empty())  // the rest is derived
+    picture = DepthPicture::fromStored(picture.camera, std::move(picture.inverse_depth));
+}
+
+template <class Archive>
+void fields(Archive& archive, DepthDistortion& distortion) {
+  Eigen::Vector2d low = distortion.extent().min(), high = distortion.extent().max();
+  std::vector<double> nodes(distortion.values().begin(), distortion.values().end());
+  archive(low, high, nodes);
+  if (!Archive::kReads) return;
+  DepthDistortion::Values values;
+  require(nodes.size() == values.size());
+  std::copy(nodes.begin(), nodes.end(), values.begin());
+  distortion = DepthDistortion({low, high}, values);
+}
+
+template <class Archive>
+void fields(Archive& archive, View& view) {
+  archive(view.camera, view.segments, view.depth);
+}
+
+template <class Archive>
+void fields(Archive& archive, LocalModel& model) {
+  archive(model.name, model.stamp, model.T_w_m, model.view);
+}
+
+template <class Archive>
+void fields(Archive& archive, PackedModel& packed) {
+  archive(packed.model, packed.depth);
+}
+
+template <class Archive>
+void fields(Archive& archive, SegmentPair& pair) {
+  archive(pair.scene, pair.model, pair.distance);
+}
+
+template <class Archive>
+void fields(Archive& archive, Hypothesis& h) {
+  archive(h.model, h.T_m_c.T, h.T_m_c.P, h.T_w_c, h.pairs, h.depth_assisted, h.consensus, h.free_space,
+          h.evidence, h.score, h.probability, h.found_by);
+}
+
+template <class Archive>
+void fields(Archive& archive, ShardedLocalization::Share& share) {
+  archive(share.hypotheses, share.failure);
+}
+
+template <class Archive>
+void fields(Archive& archive, Candidate& c) {
+  archive(c.model, c.rank, c.start);
+}
+
+template <class Archive>
+void fields(Archive& archive, ResultRow& row) {
+  archive(row.frame, row.rank, row.model, row.probability, row.score, row.T_m_c, row.T_w_c, row.sd_rot_deg,
+          row.sd_trans_m, row.reason);
+}
+
+template <class Archive>
+void fields(Archive& archive, FrameResult& result) {
+  TimingRow& t = result.timing;
+  archive(result.stamp, result.rows, t.frame, t.segment_ms, t.features_ms, t.localize_ms, t.models);
+}
+
+template <class T>
+std::string toBytes(const T& value) {
+  std::ostringstream out;
+  BinaryWriter archive(out);
+  archive(value);
+  return out.str();
+}
+
+template <class T>
+T fromBytes(const std::string& bytes) {
+  std::istringstream in(bytes);
+  BinaryReader archive(in);
+  T value{};
+  archive(value);
+  require(in.peek() == std::char_traits<char>::eof());
+  return value;
+}
+
+#define FACETLOC_BYTES_OF(...)                                                                               \
+  template std::string toBytes(const __VA_ARGS__&);                                                          \
+  template __VA_ARGS__ fromBytes(const std::string&);
+FACETLOC_BYTES_OF(std::size_t)
+FACETLOC_BYTES_OF(std::vector<std::size_t>)
+FACETLOC_BYTES_OF(std::vector<std::string>)
+FACETLOC_BYTES_OF(std::optional<View>)
+FACETLOC_BYTES_OF(std::optional<DepthDistortion>)
+FACETLOC_BYTES_OF(std::vector<PackedModel>)
+FACETLOC_BYTES_OF(std::vector<Candidate>)
+FACETLOC_BYTES_OF(ShardedLocalization::Share)
+FACETLOC_BYTES_OF(std::vector<FrameResult>)
+#undef FACETLOC_BYTES_OF
+
+}  // namespace facetloc

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/localization_report.h"
+
+#include "tools/text.h"
+
+#include <facetloc/io/text.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+
+namespace facetloc {
+namespace {
+
+/** Largest standard deviation over all directions. */
+double largestStd(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
+}
+
+ResultRow resultRow(const std::string& frame, int rank, const Hypothesis& h, const Map& map) {
+  ResultRow row;
+  row.frame = frame;
+  row.rank = rank;
+  row.model = map.models[h.model].name;
+  row.probability = h.probability;
+  row.score = h.score;
+  row.T_m_c = h.T_m_c.T;
+  row.T_w_c = h.T_w_c;
+  row.sd_rot_deg = largestStd(h.T_m_c.P.topLeftCorner<3, 3>()) / kDegree;
+  row.sd_trans_m = largestStd(h.T_m_c.P.bottomRightCorner<3, 3>());
+  if (h.depth_assisted) row.reason = "depth-assisted";
+  return row;
+}
+
+std::string vectorText(const Eigen::Vector3d& v, int decimals) {
+  return text::decimals(v.x(), decimals) + " " + text::decimals(v.y(), decimals) + " " +
+         text::decimals(v.z(), decimals);
+}
+
+}  // namespace
+
+std::vector<ResultRow> resultRows(const std::string& frame, const Localization& answer, const Map& map,
+                                  int max_hypotheses) {
+  if (answer.hypotheses.empty()) return {noHypothesis(frame, answer.reason)};
+  std::vector<ResultRow> rows;
+  for (const Hypothesis& h : answer.hypotheses) {
+    if (static_cast<int>(rows.size()) == max_hypotheses) break;
+    rows.push_back(resultRow(frame, static_cast<int>(rows.size()) + 1, h, map));
+  }
+  return rows;
+}
+
+ResultRow noHypothesis(const std::string& frame, const std::string& reason) {
+  ResultRow row;
+  row.frame = frame;
+  row.reason = reason;
+  return row;
+}
+
+void printPoses(std::ostream& out, const std::vector<ResultRow>& rows) {
+  TextTable table({"rank", "probability", "score", "translation [m]", "rotation vector [deg]", "angle [deg]",
+                   "std [m]", "std [deg]", "remarks"});
+  table.setWordsLast();
+  for (const ResultRow& row : rows) {
+    const Eigen::Vector3d rotation = logSO3(row.T_m_c.linear()) / kDegree;
+    table.add({std::to_string(row.rank), text::decimals(row.probability, 4), text::decimals(row.score, 1),
+               vectorText(row.T_m_c.translation(), 3), vectorText(rotation, 2),
+               text::decimals(rotation.norm(), 2), text::decimals(row.sd_trans_m, 3),
+               text::decimals(row.sd_rot_deg, 2), row.reason});
+  }
+  out << table;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/localize_app.h"
+
+#include "drawing/outputs.h"
+#include "tools/batch.h"
+#include "tools/localization_report.h"
+#include "tools/milliseconds.h"
+#include "tools/text.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/text.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+/** The results of a finished run. A frame that one of its files lacks is still to be done. */
+std::map<std::string, FrameResult> finishedResults(const fs::path& folder) {
+  std::map<std::string, std::vector<ResultRow>> rows;
+  for (ResultRow& row : readHypotheses(folder)) rows[row.frame].push_back(std::move(row));
+  std::map<std::string, FrameResult> results;
+  for (const TimingRow& timing : readTiming(folder))
+    if (const auto found = rows.find(timing.frame); found != rows.end())
+      results[timing.frame] = {0, found->second, timing};
+  return results;
+}
+
+FrameResult localizeFrame(const FrameFile& file, const DepthImage& image, ViewBuilder& builder,
+                          const ShardedLocalization& localization, int max_hypotheses) {
+  FrameResult result;
+  const View scene = builder.build(image);
+  const Clock::time_point start = Clock::now();
+  const Localization answer = localization.localize(scene);
+  result.stamp = file.stamp;
+  result.timing = {file.name, builder.segmentMilliseconds(), builder.featuresMilliseconds(),
+                   millisecondsSince(start), static_cast<int>(localization.map().models.size())};
+  result.rows = resultRows(file.name, answer, localization.map(), max_hypotheses);
+  return result;
+}
+
+}  // namespace
+
+LocalizeApp::LocalizeApp()
+    : App("facetloc_localize", "MAP.flmap INPUT -o RESULTS [options]",
+          "Finds where depth images were taken. INPUT is a depth sequence (a folder with depth/ in it), a "
+          "folder or a "
+          "list of 16-bit PNG or organized PCD files, one such file, or an .oni recording. "
+          "RESULTS/hypotheses.csv lists the ranked poses "
+          "of each image, RESULTS/poses_tum.txt the best one; images that cannot be localized are listed "
+          "with the "
+          "reason. Under mpirun, the images are dealt out to its processes.") {}
+
+void LocalizeApp::addOptions(CommandLine& line) {
+  line.addArgument("MAP.flmap", map_);
+  line.addArgument("INPUT", input_path_);
+  line.addOption("output,o", folder_, "RESULTS", "Folder of the results.");
+  line.addOption("max-hypotheses", max_hypotheses_, "K", "Keep so many hypotheses per image at most.");
+  line.addSwitch("shard-map", shard_map_,
+                 "Under mpirun: deal out the local models of each image instead of the images, for a quicker "
+                 "answer from a huge map.");
+  line.addSwitch("resume", resume_, "Skip images that an earlier, perhaps interrupted run has done.");
+  input_.addOptions(line);
+  line.addParams(localization_);
+}
+
+/** Of a run of the same images with the same map and parameters: of the journal if it was interrupted, else
+ * of its results. */
+std::map<std::string, FrameResult> LocalizeApp::earlierResults(const ResultsJournal& journal,
+                                                               const Provenance& provenance) const {
+  const auto before = resume_ ? Provenance::read(folder_) : std::nullopt;
+  if (!before) return {};
+  std::map<std::string, FrameResult> earlier;
+  if (journal.exists())
+    earlier = journal.read();
+  else if (isResultsFolder(folder_))
+    earlier = finishedResults(folder_);
+  std::vector<std::string> done;
+  for (const auto& [frame, result] : earlier)
+    if (provenance.images.count(frame)) done.push_back(frame);
+  before->requireSame(provenance, done, folder_);
+  return earlier;
+}
+
+/** \param todo receives the frames that earlier has no result of. */
+std::vector<FrameResult> LocalizeApp::startWith(const std::map<std::string, FrameResult>& earlier,
+                                                const std::vector<FrameFile>& frames,
+                                                std::vector<std::size_t>& todo) {
+  std::vector<FrameResult> results(frames.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const auto found = earlier.find(frames[i].name);
+    if (found != earlier.end())
+      results[i] = found->second;
+    else
+      todo.push_back(i);
+    results[i].stamp = frames[i].stamp;
+  }
+  return results;
+}
+
+/** Begins a run, or goes on with an earlier one, so that what is in the folder belongs together whenever it
+ * is interrupted. \param journal is left alone if all is done already and there is nothing else. */
+std::vector<FrameResult> LocalizeApp::begin(const std::vector<FrameFile>& frames,
+                                            const Provenance& provenance, ResultsJournal& journal,
+                                            std::vector<std::size_t>& todo) const {
+  createFolders(folder_);
+  for (const FrameFile& frame : frames) requireOtherFolder(folder_, frame.path.parent_path());
+  const auto earlier = earlierResults(journal, provenance);
+  std::vector<FrameResult> results = startWith(earlier, frames, todo);
+  const bool has_others = earlier.size() + todo.size() > frames.size();  // of images that are not there now
+  if (!todo.empty() || has_others || journal.exists()) {
+    if (earlier.empty()) removeResults(folder_);
+    journal.begin(earlier);
+    provenance.write(folder_);
+  }
+  return results;
+}
+
+/** The images one after the other, several at a time. \param results of all ranks, on the first one.
+ * \return the exit code. */
+int LocalizeApp::localize(const DepthSequence& sequence, const ViewParams& view_params,
+                          const ShardedLocalization& localization, const std::vector<std::size_t>& todo,
+                          ResultsJournal& journal, std::vector<FrameResult>& results,
+                          const Console& console) const {
+  Batch batch(shard_map_ ? 1 : threads(), todo.size(), console, imageRanks());
+  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(view_params));
+  std::vector<FrameResult> found(todo.size());
+  std::vector<double> noise(todo.size(), 0);
+  const auto fileOf = [&](std::size_t i) -> const FrameFile& { return sequence.frames()[todo[i]]; };
+  batch.run([&](std::size_t i) { return fileOf(i).path.string(); },
+            [&](std::size_t i, int worker) {
+              FrameResult& result = found[i];
+              try {
+                const DepthImage image = sequence.load(todo[i], input_.width);
+                result = localizeFrame(fileOf(i), image, builders[worker], localization, max_hypotheses_);
+                noise[i] = builders[worker].segmentation().noise;
+              } catch (const std::exception& e) {
+                result.stamp = fileOf(i).stamp;
+                result.timing.frame = fileOf(i).name;
+                result.rows = {noHypothesis(fileOf(i).name, e.what())};
+                throw;
+              }
+              journal.append(fileOf(i).name, result);
+            });
+  imageRanks().collect(found);
+  for (std::size_t i = 0; i < todo.size() && ranks().isFirst(); ++i) results[todo[i]] = std::move(found[i]);
+  if (ranks().isFirst()) noteNoise(std::move(noise), view_params.noise, console);
+  return batch.report();
+}
+
+void LocalizeApp::printSummary(const std::vector<FrameResult>& results, const Console& console) const {
+  std::size_t localized = 0, timed = 0;
+  double milliseconds = 0;
+  for (const FrameResult& result : results) {
+    localized += result.rows.front().rank > 0;
+    timed += result.timing.sum() > 0;  // others failed
+    milliseconds += result.timing.sum();
+  }
+  console.out << counted(results.size(), "image") << ", " << localized << " with hypotheses, "
+              << text::decimals(milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)), 1)
+              << " ms per image and thread; results in " << folder_ << "\n";
+}
+
+/** What the results depend on beside the images. */
+std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& camera, const ViewParams& view_params,
+                                   const Map& map) const {
+  return "# " + versionText() + ", map " + fs::path(map_).filename().string() + " of " +
+         counted(map.models.size(), "local model") + ", checksum " + checksum(map_) + "\n" +
+         cameraLine(camera) + "max-hypotheses = " + std::to_string(max_hypotheses_) + "\n" +
+         toIni(input_, view_params) + toIni(localization_);
+}
+
+int LocalizeApp::execute(const CommandLine& line, const Console& console) {
+  if (folder_.empty()) throw UsageError("the folder of the results is missing: -o RESULTS");
+  if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
+  Provenance::requireNotReplaced(input_path_, folder_);
+  if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
+  const DepthSequence sequence = DepthSequence::open(input_path_);
+  const ViewParams of_camera = input_.viewParams(sequence.camera(), line);
+  const ShardedLocalization localization(openMapFor(sequence.camera(), map_, console), localization_,
+                                         of_camera.noise, shard_map_ ? ranks() : Ranks(),
+                                         shard_map_ || sequence.frames().size() == 1 ? threads() : 1);
+  if (shard_map_ && !ranks().isFirst()) {
+    localization.serve();
+    return kOk;
+  }
+
+  const ViewParams view_params = withDistortionOf(localization.map(), of_camera);
+  ResultsJournal journal(folder_, imageRanks().rank());
+  std::vector<FrameResult> results;
+  std::vector<std::size_t> todo;
+  Provenance provenance;
+  if (ranks().isFirst()) {
+    provenance = {paramsIni(sequence.camera(), view_params, localization.map()), imageSizes(sequence)};
+    results = begin(sequence.frames(), provenance, journal, todo);
+  }
+  todo = imageRanks().broadcast(todo);
+  if (!ranks().isFirst() && !todo.empty()) journal.begin({});
+  const int code = localize(sequence, view_params, localization, todo, journal, results, console);
+  localization.finish();
+  if (!ranks().isFirst()) return kOk;
+  if (journal.exists()) {
+    writeResults(folder_, results, provenance.params_ini);
+    if (code == kOk) journal.remove();  // else it tells --resume which images are still to be done
+  }
+  printSummary(results, console);
+  return code;
+}
+
+}  // namespace facetloc

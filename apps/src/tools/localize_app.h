@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "tools/app.h"
+#include "tools/depth_input.h"
+#include "tools/provenance.h"
+#include "tools/results_journal.h"
+#include "tools/sharded_localization.h"
+
+#include <map>
+
+namespace facetloc {
+
+/** \brief facetloc_localize: finds depth images in a map, in batch. */
+class LocalizeApp : public App {
+public:
+  LocalizeApp();
+
+private:
+  void addOptions(CommandLine& line) override;
+  int execute(const CommandLine& line, const Console& console) override;
+  bool dealsOut() const override { return true; }
+  std::string paramsIni(const std::optional<CameraFile>& camera, const ViewParams& view_params,
+                        const Map& map) const;
+  /** \brief Those that the images are dealt out to. */
+  Ranks imageRanks() const { return shard_map_ ? Ranks() : ranks(); }
+  std::map<std::string, FrameResult> earlierResults(const ResultsJournal& journal,
+                                                    const Provenance& provenance) const;
+  static std::vector<FrameResult> startWith(const std::map<std::string, FrameResult>& earlier,
+                                            const std::vector<FrameFile>& frames,
+                                            std::vector<std::size_t>& todo);
+  std::vector<FrameResult> begin(const std::vector<FrameFile>& frames, const Provenance& provenance,
+                                 ResultsJournal& journal, std::vector<std::size_t>& todo) const;
+  int localize(const DepthSequence& sequence, const ViewParams& view_params,
+               const ShardedLocalization& localization, const std::vector<std::size_t>& todo,
+               ResultsJournal& journal, std::vector<FrameResult>& results, const Console& console) const;
+  void printSummary(const std::vector<FrameResult>& results, const Console& console) const;
+
+  std::string map_;
+  std::string input_path_;
+  std::string folder_;
+  int max_hypotheses_ = 100;
+  bool resume_ = false;
+  bool shard_map_ = false;
+  DepthInput input_;
+  GlobalLocalizationParams localization_;
+};
+
+}  // namespace facetloc

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/map_apps.h"
+
+#include "tools/place_index_file.h"
+#include "tools/provenance.h"
+#include "tools/text.h"
+
+#include <facetloc/io/error.h>
+#include <facetloc/io/map_export.h>
+#include <facetloc/io/text.h>
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string meanMinMax(const std::vector<double>& values, int decimals) {
+  if (values.empty()) return "-";
+  double sum = 0;
+  for (const double v : values) sum += v;
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  return text::decimals(sum / static_cast<double>(values.size()), decimals) + " (" +
+         text::decimals(*least, decimals) + " to " + text::decimals(*most, decimals) + ")";
+}
+
+std::string extentOf(const Map& map) {
+  Eigen::AlignedBox3d box;
+  for (const LocalModel& model : map.models)
+    if (model.T_w_m) box.extend(model.T_w_m->translation());
+  if (box.isEmpty()) return "unknown: no model has a pose";
+  const Eigen::Vector3d size = box.sizes();
+  return text::decimals(size.x(), 2) + " x " + text::decimals(size.y(), 2) + " x " +
+         text::decimals(size.z(), 2) + " m, from (" + text::decimals(box.min().x(), 2) + ", " +
+         text::decimals(box.min().y(), 2) + ", " + text::decimals(box.min().z(), 2) + ")";
+}
+
+std::string cameraOf(const Map& map) {
+  if (map.models.empty()) return "-";
+  const Intrinsics& k = map.models.front().view.camera;
+  return std::to_string(k.width) + "x" + std::to_string(k.height) + ", fx " + text::decimals(k.fx, 2) +
+         ", fy " + text::decimals(k.fy, 2) + ", cx " + text::decimals(k.cx, 2) + ", cy " +
+         text::decimals(k.cy, 2);
+}
+
+/** A Kinect's unit is the one that people know. */
+std::string inDisparity(const DepthDistortion& distortion) {
+  return text::decimals(kKinectGain * distortion.rms(), 2) +
+         " disparity units (1/8 px of a Kinect) on average";
+}
+
+void printSummary(std::ostream& out, const Map& map) {
+  std::vector<double> segments, areas;
+  std::size_t with_pose = 0, with_depth = 0;
+  for (const LocalModel& model : map.models) {
+    segments.push_back(static_cast<double>(model.view.segments.size()));
+    with_pose += model.T_w_m.has_value();
+    with_depth += !model.view.depth.empty();
+    for (const Segment& s : model.view.segments) areas.push_back(s.area());
+  }
+  TextTable table({"local models", ""});
+  table.setWordsLast();
+  table.add({"  number", std::to_string(map.models.size())});
+  table.add({"  with a pose", std::to_string(with_pose)});
+  table.add({"  with a depth picture", std::to_string(with_depth)});
+  table.add({"  extent of their poses", extentOf(map)});
+  table.add({"  working camera", cameraOf(map)});
+  table.add({"links", std::to_string(map.links.size())});
+  table.add({"segments", std::to_string(areas.size())});
+  table.add({"  per model", meanMinMax(segments, 1)});
+  table.add({"  area of the hull [m2]", meanMinMax(areas, 3)});
+  table.add({"camera mounting", map.mounting ? mountingText(*map.mounting) : "unknown"});
+  table.add({"distortion taken out", map.distortion ? inDisparity(*map.distortion) : "none"});
+  out << table;
+}
+
+/** Values of several lines, such as parameters, are indented below their key. */
+void printMeta(std::ostream& out, const Map& map) {
+  for (const auto& [key, value] : map.meta) {
+    if (key == kImagesKey) continue;  // for programs
+    const bool several = value.find('\n') != std::string::npos;
+    out << key << (several ? ":" : ": " + value) << "\n";
+    if (!several) continue;
+    std::istringstream lines(value);
+    for (std::string text; std::getline(lines, text);) out << "  " << text << "\n";
+  }
+}
+
+void appendMap(const Map& map, const std::string& prefix, const std::set<std::string>& ambiguous,
+               Map& merged) {
+  const int offset = static_cast<int>(merged.models.size());
+  for (LocalModel model : map.models) {
+    if (ambiguous.count(model.name)) model.name = prefix + "_" + model.name;
+    merged.models.push_back(std::move(model));
+  }
+  for (Link link : map.links) {
+    link.from += offset;
+    link.to += offset;
+    merged.links.push_back(link);
+  }
+}
+
+bool sameMounting(const std::optional<CameraMounting>& a, const std::optional<CameraMounting>& b) {
+  return a && b ? a->agreesWith(*b) : !a && !b;
+}
+
+std::optional<DepthDistortion::Values> distortionOf(const Map& map) {
+  return map.distortion ? std::optional(map.distortion->values()) : std::nullopt;
+}
+
+/** Tells which map's distortion mergedMap() takes, unless all have the same. */
+void noteChosenDistortion(const std::vector<Map>& maps, const std::vector<std::string>& paths,
+                          const Console& console) {
+  const auto chosen =
+      std::find_if(maps.begin(), maps.end(), [](const Map& map) { return map.distortion.has_value(); });
+  if (chosen == maps.end()) return;
+  if (std::any_of(maps.begin(), maps.end(),
+                  [&](const Map& map) { return distortionOf(map) != distortionOf(*chosen); }))
+    console.note("the maps differ in the distortion that was taken out; the merged one has that of " +
+                 paths[chosen - maps.begin()]);
+}
+
+}  // namespace
+
+Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& stems) {
+  std::set<std::string> seen, ambiguous, final_names;
+  for (const Map& map : maps)
+    for (const LocalModel& model : map.models)
+      if (!seen.insert(model.name).second) ambiguous.insert(model.name);
+
+  Map merged;
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    appendMap(maps[i], stems[i], ambiguous, merged);
+    if (i == 0) merged.mounting = maps[i].mounting;
+    // One camera's field differs a little from map to map; of two cameras one has to be chosen.
+    if (!merged.distortion) merged.distortion = maps[i].distortion;
+    if (!sameMounting(merged.mounting, maps[i].mounting)) merged.mounting.reset();
+    const auto alike = std::count(stems.begin(), stems.begin() + static_cast<std::ptrdiff_t>(i), stems[i]);
+    const std::string prefix = stems[i] + (alike > 0 ? "_" + std::to_string(alike + 1) : "") + ".";
+    for (const auto& [key, value] : maps[i].meta) {
+      const bool of_format = key == "format" || key == "conventions";  // the new file has its own
+      if (!of_format && key != kImagesKey) merged.meta[prefix + key] = value;
+    }
+  }
+  for (const LocalModel& model : merged.models)
+    if (!final_names.insert(model.name).second)
+      throw std::invalid_argument("two local models would be named " + model.name +
+                                  "; rename the maps so that their names differ");
+  merged.meta["software"] = versionText();
+  return merged;
+}
+
+MapInfoApp::MapInfoApp()
+    : App("facetloc_map info", "MAP.flmap", "Says what is in a map and how it was made.") {}
+
+void MapInfoApp::addOptions(CommandLine& line) { line.addArgument("MAP.flmap", map_); }
+
+int MapInfoApp::execute(const CommandLine&, const Console& console) {
+  const Map map = readMap(map_);
+  printSummary(console.out, map);
+  console.out << "\n";
+  printMeta(console.out, map);
+  console.out << "\nmap: " << map_ << ", " << fs::file_size(map_) / 1024 << " KiB\n";
+  return kOk;
+}
+
+MapCheckApp::MapCheckApp()
+    : App("facetloc_map check", "MAP.flmap", "Proves a map sound, or lists every fault and exits with 1.") {}
+
+void MapCheckApp::addOptions(CommandLine& line) { line.addArgument("MAP.flmap", map_); }
+
+int MapCheckApp::execute(const CommandLine&, const Console& console) {
+  const std::vector<std::string> faults = checkMap(map_);
+  if (faults.empty()) noteUnfinished(openMap(map_), map_, console);
+  for (const std::string& fault : faults) console.out << fault << "\n";
+  console.out << map_ << ": " << (faults.empty() ? "sound" : counted(faults.size(), "fault")) << "\n";
+  return faults.empty() ? kOk : kFailed;
+}
+
+MapExportApp::MapExportApp()
+    : App("facetloc_map export", "MAP.flmap -o DIR",
+          "Writes a map for other programs: DIR/models/<name>.pcd (SegmentFrame clouds, each in its model's "
+          "frame), "
+          "DIR/poses_tum.txt and DIR/graph.g2o.") {}
+
+void MapExportApp::addOptions(CommandLine& line) {
+  line.addArgument("MAP.flmap", map_);
+  line.addOption("output,o", folder_, "DIR", "Folder of the exported files.");
+}
+
+int MapExportApp::execute(const CommandLine&, const Console& console) {
+  if (folder_.empty()) throw UsageError("the folder of the exported files is missing: -o DIR");
+  const Map map = readMap(map_);
+  exportMap(map, folder_);
+  console.out << counted(map.models.size(), "local model") << " exported; files in " << folder_ << "\n";
+  return kOk;
+}
+
+MapMergeApp::MapMergeApp()
+    : App("facetloc_map merge", "A.flmap B.flmap ... -o OUT.flmap",
+          "Puts the local models and links of several maps into one. Their poses are taken as they are: the "
+          "maps must "
+          "share a world frame, or have no poses. Names that occur more than once get the stem of their map "
+          "in front.") {}
+
+void MapMergeApp::addOptions(CommandLine& line) {
+  line.addArguments("MAPS", maps_);
+  line.addOption("output,o", output_, "OUT.flmap", "The map to write.");
+  line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
+}
+
+int MapMergeApp::execute(const CommandLine&, const Console& console) {
+  if (output_.empty()) throw UsageError("the map to write is missing: -o OUT.flmap");
+  if (!overwrite_ && fs::exists(output_))
+    throw IoError(output_, "exists already; give --overwrite to replace it");
+  std::vector<Map> maps;
+  std::vector<std::string> stems;
+  for (const std::string& path : maps_) {
+    maps.push_back(readMap(path));
+    noteUnfinished(maps.back(), path, console);
+    stems.push_back(fs::path(path).stem().string());
+  }
+  const Map merged = mergedMap(maps, stems);
+  const auto hasMounting = [](const Map& map) { return map.mounting.has_value(); };
+  if (!merged.mounting && std::any_of(maps.begin(), maps.end(), hasMounting))
+    console.note("the maps differ in the camera's mounting; the merged one has none");
+  noteChosenDistortion(maps, maps_, console);
+  writeMap(output_, merged);
+  writePlaceIndex(output_);
+  console.out << counted(merged.models.size(), "local model") << ", " << counted(merged.links.size(), "link")
+              << "; map in " << output_ << "\n";
+  return kOk;
+}
+
+namespace {
+
+constexpr const char* kMapUsage = "Usage: facetloc_map build|info|check|export|merge ...\n\n"
+                                  "  build SEQUENCE -o MAP.flmap   make a map of one run of depth images\n"
+                                  "  info MAP.flmap                say what is in a map\n"
+                                  "  check MAP.flmap               prove a map sound\n"
+                                  "  export MAP.flmap -o DIR       write PCD, TUM and g2o files\n"
+                                  "  merge MAPS -o OUT.flmap       put several maps into one\n\n"
+                                  "'facetloc_map build --help' and so on tell the options.\n";
+
+}  // namespace
+
+int runMapTool(const std::vector<std::string>& arguments, Console console) {
+  const std::string command = arguments.empty() ? "" : arguments.front();
+  const auto run = [&](App&& app) { return app.run({arguments.begin() + 1, arguments.end()}, console); };
+  if (command == "build") return run(MapBuildApp());
+  if (command == "info") return run(MapInfoApp());
+  if (command == "check") return run(MapCheckApp());
+  if (command == "export") return run(MapExportApp());
+  if (command == "merge") return run(MapMergeApp());
+
+  const auto isOption = [&](const std::string& name) {
+    return command == "-" + name || command == "--" + name;
+  };
+  if (isOption("version")) {
+    console.out << versionText() << "\n";
+  } else if (isOption("help") || isOption("h")) {
+    console.out << kMapUsage;
+  } else {
+    console.err << "facetloc_map: " << (command.empty() ? "no command" : "unknown command '" + command + "'")
+                << "\n"
+                << kMapUsage;
+    return kUsage;
+  }
+  console.out.flush();
+  if (console.out) return kOk;
+  console.err << "facetloc_map: the output cannot be written\n";
+  return kFailed;
+}
+
+}  // namespace facetloc

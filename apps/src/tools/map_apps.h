@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "tools/app.h"
+#include "tools/depth_input.h"
+
+#include <facetloc/io/map_database.h>
+#include <facetloc/registration/map_builder.h>
+
+#include <memory>
+
+namespace facetloc {
+
+class Batch;
+
+/** \brief facetloc_map build: one run of depth images -> a map. */
+class MapBuildApp : public App {
+public:
+  MapBuildApp();
+
+private:
+  struct Candidate;  // an image that becomes a local model
+  struct Selection;
+  struct Seen;  // what their images were like
+  class Writer;
+
+  void addOptions(CommandLine& line) override;
+  int execute(const CommandLine& line, const Console& console) override;
+  bool dealsOut() const override { return true; }
+  Selection select(const DepthSequence& sequence) const;
+  Trajectory poses(const DepthSequence& sequence) const;
+  bool madeOf(const Map& present, const DepthSequence& sequence,
+              const std::vector<Candidate>& candidates) const;
+  MapDatabase openDatabase(const std::filesystem::path& path, const DepthSequence& sequence,
+                           const std::vector<Candidate>& candidates, const std::string& parameters) const;
+  MapDatabase createDatabase(const std::filesystem::path& path, const DepthSequence& sequence,
+                             const std::string& parameters, bool overwrite) const;
+  int build(const std::filesystem::path& path, const DepthSequence& sequence, const Selection& selection,
+            ViewParams view_params, Batch& batch, const Console& console) const;
+  std::optional<DepthDistortion> calibrate(const DepthSequence& sequence, const SensorNoise& noise,
+                                           const Console& console) const;
+  Seen addModels(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
+                 const ViewParams& view_params, Batch& batch, Writer* writer) const;
+
+  std::string sequence_;
+  std::string map_;
+  std::string poses_;
+  int every_ = 0;
+  double pose_tolerance_ = 0.02;
+  bool overwrite_ = false;
+  bool resume_ = false;
+  bool raw_depth_ = false;
+  DepthInput input_;
+  MapBuilderParams builder_;
+};
+
+/** \brief facetloc_map info: what is in a map, for people. */
+class MapInfoApp : public App {
+public:
+  MapInfoApp();
+
+private:
+  void addOptions(CommandLine& line) override;
+  int execute(const CommandLine& line, const Console& console) override;
+  std::string map_;
+};
+
+/** \brief facetloc_map check: proves a map sound, or lists its faults. */
+class MapCheckApp : public App {
+public:
+  MapCheckApp();
+
+private:
+  void addOptions(CommandLine& line) override;
+  int execute(const CommandLine& line, const Console& console) override;
+  std::string map_;
+};
+
+/** \brief facetloc_map export: a map for other programs. */
+class MapExportApp : public App {
+public:
+  MapExportApp();
+
+private:
+  void addOptions(CommandLine& line) override;
+  int execute(const CommandLine& line, const Console& console) override;
+  std::string map_;
+  std::string folder_;
+};
+
+/** \brief facetloc_map merge: the local models of several maps in one. */
+class MapMergeApp : public App {
+public:
+  MapMergeApp();
+
+private:
+  void addOptions(CommandLine& line) override;
+  int execute(const CommandLine& line, const Console& console) override;
+  std::vector<std::string> maps_;
+  std::string output_;
+  bool overwrite_ = false;
+};
+
+/** \brief One map of several: models in the order of the maps, links kept. Names that occur more than once
+ * get the stem of their map in front. \param stems one per map. Throws std::invalid_argument if names still
+ * collide. */
+Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& stems);
+
+/** \brief facetloc_map: hands over to the tool that its first argument names. \return the exit code. */
+int runMapTool(const std::vector<std::string>& arguments, Console console);
+
+}  // namespace facetloc

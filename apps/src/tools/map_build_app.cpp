@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/batch.h"
+#include "tools/map_apps.h"
+#include "tools/place_index_file.h"
+#include "tools/provenance.h"
+#include "tools/text.h"
+
+#include <facetloc/io/error.h>
+#include <facetloc/io/text.h>
+#include <facetloc/registration/distortion_calibration.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kParametersKey = "parameters";
+constexpr double kSamePose = 1e-9;  // [m], and of the entries of a rotation: what a file may round
+constexpr std::size_t kCalibrationImages = 200;  // at most
+constexpr std::size_t kImagesPerThread = 8;      // views kept in memory until they are written, in order
+
+bool samePose(const std::optional<Eigen::Isometry3d>& a, const std::optional<Eigen::Isometry3d>& b) {
+  if (!a || !b) return !a && !b;
+  return (a->matrix() - b->matrix()).cwiseAbs().maxCoeff() < kSamePose;
+}
+
+// An empty file holds nothing that could be lost.
+bool isThere(const fs::path& path) {
+  return fs::exists(path) && !(fs::is_regular_file(path) && fs::file_size(path) == 0);
+}
+
+// Of a build that came to nothing.
+void removeWithoutModels(const fs::path& path) try {
+  if (openMap(path).models.empty()) fs::remove(path);
+} catch (const std::exception&) {  // what ended the build is told
+}
+
+}  // namespace
+
+struct MapBuildApp::Candidate {
+  std::size_t frame;
+  std::optional<Eigen::Isometry3d> T_w_m;
+};
+
+struct MapBuildApp::Selection {
+  std::vector<Candidate> candidates;
+  std::size_t without_pose = 0;
+};
+
+/** What the images of local models were like. */
+struct MapBuildApp::Seen {
+  std::vector<double> noise;  // of each [1/m]; 0 where it was not read, or by another process
+  std::size_t without_segments = 0;
+};
+
+/** Adds local models in order, and a link from each to the next. What the map has already is left alone. */
+class MapBuildApp::Writer {
+public:
+  Writer(MapDatabase database, const Map& present, const MapBuilder& builder)
+      : database_(std::move(database)), builder_(builder) {
+    for (std::size_t i = 0; i < present.models.size(); ++i)
+      index_[present.models[i].name] = static_cast<int>(i);
+    for (const Link& link : present.links) links_.emplace(link.from, link.to);
+    const auto state = present.meta.find(kStateKey);
+    whole_ = state == present.meta.end() || state->second == kWhole;
+  }
+
+  bool has(const std::string& name) const { return index_.count(name) > 0; }
+  std::size_t added() const { return added_; }
+  std::size_t models() const { return index_.size(); }
+  std::vector<std::string> names() const { return database_.modelNames(); }
+
+  void add(const PackedModel& packed) {
+    if (std::exchange(whole_, false)) database_.setMeta(kStateKey, kUnderWay);
+    const LocalModel& model = packed.model;
+    index_[model.name] = database_.add(packed);
+    ++added_;
+    advance(model.name, model.T_w_m);
+  }
+  /** Goes on to a model, new or present. */
+  void advance(const std::string& name, const std::optional<Eigen::Isometry3d>& T_w_m) {
+    const int current = index_.at(name);
+    if (latest_ >= 0 && T_w_latest_ && T_w_m && links_.emplace(latest_, current).second)
+      database_.add(builder_.link(latest_, current, *T_w_latest_, *T_w_m));
+    latest_ = current;
+    T_w_latest_ = T_w_m;
+  }
+  void finish() {
+    if (!std::exchange(whole_, true)) database_.setMeta(kStateKey, kWhole);
+  }
+
+private:
+  MapDatabase database_;
+  const MapBuilder& builder_;
+  std::map<std::string, int> index_;
+  std::set<std::pair<int, int>> links_;
+  int latest_ = -1;
+  std::optional<Eigen::Isometry3d> T_w_latest_;
+  std::size_t added_ = 0;
+  bool whole_ = true;
+};
+
+MapBuildApp::MapBuildApp()
+    : App("facetloc_map build", "SEQUENCE -o MAP.flmap [options]",
+          "Builds a map of local models from one run of depth images whose camera poses are known, from "
+          "groundtruth.txt of the SEQUENCE (a folder, a list or an .oni recording) or from --poses. The "
+          "first image becomes a local model, and so does each "
+          "later one that lies --model_distance or --model_rotation_deg from the latest local model. With "
+          "--every N, "
+          "each N-th image becomes a local model, with or without a pose. Under mpirun, the images are dealt "
+          "out to its processes.") {}
+
+void MapBuildApp::addOptions(CommandLine& line) {
+  line.addArgument("SEQUENCE", sequence_);
+  line.addOption("output,o", map_, "MAP.flmap", "The map to write.");
+  line.addOption("poses", poses_, "FILE", "Camera poses in the TUM format: stamp tx ty tz qx qy qz qw.");
+  line.addOption("pose-tolerance", pose_tolerance_, "S",
+                 "Largest distance in time of an image and its pose [s].");
+  line.addCheck([this] { requireTolerance(pose_tolerance_); });
+  line.addOption("every", every_, "N", "Make each N-th image a local model, whatever its pose; 0 = off.");
+  line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
+  line.addSwitch("resume", resume_, "Go on with a map that is there already.");
+  line.addSwitch(
+      "raw-depth", raw_depth_,
+      "Leave the depth as it is. Without it, what the camera always measures wrongly at the same "
+      "place of its image is found from images with poses, taken out, and kept in the map, so that it "
+      "is also taken out of the images that are localized.");
+  input_.addOptions(line);
+  line.addParams(builder_);
+}
+
+Trajectory MapBuildApp::poses(const DepthSequence& sequence) const {
+  return poses_.empty() ? sequence.groundTruth() : readTumTrajectory(poses_);
+}
+
+MapBuildApp::Selection MapBuildApp::select(const DepthSequence& sequence) const {
+  const bool asks_for_poses = every_ == 0 || !poses_.empty();
+  if (asks_for_poses && !sequence.stamped())
+    throw IoError(sequence_, "its image names are no time stamps: poses cannot be matched");
+  const Trajectory trajectory = poses(sequence);
+  if (trajectory.empty() && every_ == 0)
+    throw IoError(poses_.empty() ? sequence_ : poses_,
+                  "has no poses; put a groundtruth.txt beside the images, or give --poses FILE or --every N");
+  Selection selection;
+  MapBuilder rule(builder_);
+  for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
+    const auto pose = trajectory.nearest(sequence.frames()[i].stamp, pose_tolerance_);
+    if (!pose) ++selection.without_pose;
+    const bool accepted = every_ > 0 ? i % every_ == 0 : pose && rule.accept(*pose);
+    if (accepted) selection.candidates.push_back({i, pose});
+  }
+  if (selection.candidates.empty())
+    throw IoError(sequence_,
+                  "none of its images has a pose within " + text::significant(pose_tolerance_) + " s");
+  return selection;
+}
+
+/** Were the local models that are there already made of the same images, with the same poses? */
+bool MapBuildApp::madeOf(const Map& present, const DepthSequence& sequence,
+                         const std::vector<Candidate>& candidates) const {
+  std::map<std::string, const Candidate*> by_name;
+  for (const Candidate& c : candidates) by_name[sequence.frames()[c.frame].name] = &c;
+  const auto recorded = present.meta.find(kImagesKey);
+  const ImageSizes sizes = recorded == present.meta.end() ? ImageSizes() : imageSizes(recorded->second);
+  return std::all_of(present.models.begin(), present.models.end(), [&](const LocalModel& model) {
+    const auto candidate = by_name.find(model.name);
+    const auto size = sizes.find(model.name);
+    if (candidate == by_name.end() || size == sizes.end()) return false;
+    const auto& [frame, T_w_m] = *candidate->second;
+    return size->second == sizeOf(sequence.frames()[frame]) && samePose(model.T_w_m, T_w_m);
+  });
+}
+
+MapDatabase MapBuildApp::openDatabase(const fs::path& path, const DepthSequence& sequence,
+                                      const std::vector<Candidate>& candidates,
+                                      const std::string& parameters) const {
+  if (!resume_ || !isThere(path)) return createDatabase(path, sequence, parameters, overwrite_);
+  const Map present = openMap(path);
+  if (present.models.empty())
+    return createDatabase(path, sequence, parameters, true);  // killed before it began
+  const auto recorded = present.meta.find(kParametersKey);
+  if (recorded == present.meta.end() || recorded->second != parameters ||
+      !madeOf(present, sequence, candidates))
+    throw IoError(map_,
+                  "was built of other images, with other poses or other parameters; give the same ones, or "
+                  "--overwrite");
+  MapDatabase database = MapDatabase::open(path);
+  const std::string images = toText(imageSizes(sequence));  // some may have been repaired since
+  if (images != present.meta.at(kImagesKey)) database.setMeta(kImagesKey, images);
+  return database;
+}
+
+MapDatabase MapBuildApp::createDatabase(const fs::path& path, const DepthSequence& sequence,
+                                        const std::string& parameters, bool overwrite) const {
+  if (isThere(path) && !overwrite)
+    throw IoError(map_, "exists already; give --overwrite to replace it or --resume to go on");
+  MapDatabase database = MapDatabase::create(path, true);
+  database.setMeta("software", versionText());
+  database.setMeta("source", sequence_);
+  if (sequence.camera() && sequence.camera()->mounting) database.setMounting(*sequence.camera()->mounting);
+  database.setMeta(kParametersKey, parameters);
+  database.setMeta(kImagesKey, toText(imageSizes(sequence)));
+  database.setMeta(kStateKey, kUnderWay);
+  return database;
+}
+
+/** Builds views in parallel, some at a time, and adds them in order. \param writer of the first rank; others
+ * have none. */
+MapBuildApp::Seen MapBuildApp::addModels(const DepthSequence& sequence,
+                                         const std::vector<Candidate>& candidates,
+                                         const ViewParams& view_params, Batch& batch, Writer* writer) const {
+  const auto fileOf = [&](std::size_t i) -> const FrameFile& {
+    return sequence.frames()[candidates[i].frame];
+  };
+  const auto names = ranks().broadcast(writer ? writer->names() : std::vector<std::string>());
+  const std::set<std::string> present(names.begin(), names.end());
+  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(view_params));
+  Seen seen;
+  seen.noise.assign(candidates.size(), 0);
+  const std::size_t chunk =
+      kImagesPerThread * ranks().broadcast(static_cast<std::size_t>(batch.workers())) * ranks().size();
+  for (std::size_t first = 0; first < candidates.size(); first += chunk) {
+    const std::size_t last = std::min(first + chunk, candidates.size());
+    std::vector<PackedModel> models(last - first);
+    const auto build = [&](std::size_t i, int worker) {
+      LocalModel model{fileOf(i).name, fileOf(i).stamp, candidates[i].T_w_m, {}};
+      if (!present.count(model.name)) {
+        model.view = builders[worker].build(sequence.load(candidates[i].frame, input_.width));
+        seen.noise[i] = builders[worker].segmentation().noise;
+      }
+      models[i - first] = packed(std::move(model));
+    };
+    const auto built = batch.run(
+        first, last, [&](std::size_t i) { return fileOf(i).path.string(); }, build);
+    ranks().collect(models);
+    for (std::size_t i = 0; writer && i < models.size(); ++i) {
+      if (!built[i]) continue;
+      const LocalModel& model = models[i].model;
+      if (writer->has(model.name))
+        writer->advance(model.name, model.T_w_m);
+      else if (model.view.segments.empty())
+        ++seen.without_segments;
+      else
+        writer->add(models[i]);
+    }
+  }
+  return seen;
+}
+
+/** What the camera always measures wrongly, from images of the whole run; the same for any number of threads.
+ */
+std::optional<DepthDistortion> MapBuildApp::calibrate(const DepthSequence& sequence, const SensorNoise& noise,
+                                                      const Console& console) const {
+  const Trajectory trajectory = poses(sequence);
+  std::vector<Candidate> posed;
+  for (std::size_t i = 0; i < sequence.frames().size(); ++i)
+    if (const auto pose = trajectory.nearest(sequence.frames()[i].stamp, pose_tolerance_))
+      posed.push_back({i, pose});
+  const std::size_t n = std::min(posed.size(), kCalibrationImages);
+  std::vector<DepthPicture> depth(n);
+  std::vector<PosedPicture> pictures;
+  for (std::size_t i = 0; i < n; ++i) pictures.push_back({&depth[i], *posed[i * posed.size() / n].T_w_m});
+  const auto frameOf = [&](std::size_t i) { return posed[i * posed.size() / n].frame; };
+  // Images that cannot be read are left out: those that become local models are told of later.
+  Batch(threads(), n, console)
+      .run([&](std::size_t i) { return sequence.frames()[frameOf(i)].name; },
+           [&](std::size_t i, int) { depth[i].assign(sequence.load(frameOf(i), input_.width)); });
+  const auto found = calibrateDistortion(
+      pictures, noise, {builder_.pose_rotation_std_deg * kDegree, builder_.pose_translation_std});
+  if (!found) return {};
+  if (found->reliable()) return found->distortion;
+  console.note("the distortion of the camera is left in: the poses are too far from what the images show (" +
+               text::decimals(found->poses.rotation_std / kDegree, 2) + " deg, " +
+               text::decimals(1e3 * found->poses.translation_std, 0) + " mm) to find it");
+  return {};
+}
+
+/** By the first rank. \param path of the map until it is whole. \return the exit code. Throws IoError, and
+ * leaves no map, if there would be nothing in it. */
+int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence, const Selection& selection,
+                       ViewParams view_params, Batch& batch, const Console& console) const {
+  const std::string parameters = cameraLine(sequence.camera()) + toIni(input_, view_params) +
+                                 toIni(builder_) + "every = " + std::to_string(every_) + "\n" +
+                                 "raw-depth = " + (raw_depth_ ? "1" : "0") + "\n";
+  MapDatabase database = openDatabase(path, sequence, selection.candidates, parameters);
+  const Map present = openMap(path);
+  if (!present.models.empty())
+    view_params.distortion = present.distortion;
+  else if (!raw_depth_)
+    view_params.distortion = calibrate(sequence, view_params.noise, console);
+  if (view_params.distortion && present.models.empty()) database.setDistortion(*view_params.distortion);
+  view_params.distortion = ranks().broadcast(view_params.distortion);
+  const MapBuilder builder(builder_);
+  Writer writer(std::move(database), present, builder);
+  const Seen seen = addModels(sequence, selection.candidates, view_params, batch, &writer);
+
+  const int code = batch.report();
+  if (selection.without_pose > 0)
+    console.note(counted(selection.without_pose, "image") + " without a pose within " +
+                 text::significant(pose_tolerance_) + " s");
+  if (seen.without_segments > 0)
+    console.note(counted(seen.without_segments, "image") + " without segments left out");
+  noteNoise(seen.noise, view_params.noise, console);
+  if (writer.models() == 0) {
+    fs::remove(path);
+    throw IoError(map_, "is not written: none of the images makes a local model");
+  }
+  writer.finish();
+  writePlaceIndex(path);
+  console.out << counted(writer.added(), "local model") << " added from "
+              << counted(sequence.frames().size(), "image") << ", " << writer.models() << " in all; map in "
+              << map_ << "\n";
+  return code;
+}
+
+int MapBuildApp::execute(const CommandLine& line, const Console& console) {
+  if (map_.empty()) throw UsageError("the map to write is missing: -o MAP.flmap");
+  if (every_ < 0) throw UsageError("every must not be negative");
+  if (overwrite_ && resume_) throw UsageError("overwrite and resume exclude each other");
+  const DepthSequence sequence = DepthSequence::open(sequence_);
+  const Selection selection = select(sequence);
+  ViewParams view_params = input_.viewParams(sequence.camera(), line);
+  Batch batch(threads(), selection.candidates.size(), console, ranks());
+  if (!ranks().isFirst()) {
+    view_params.distortion = ranks().broadcast(view_params.distortion);
+    addModels(sequence, selection.candidates, view_params, batch, nullptr);
+    return kOk;
+  }
+  int code = kOk;
+  const auto buildAt = [&](const fs::path& path) {
+    code = build(path, sequence, selection, view_params, batch, console);
+  };
+  if (overwrite_ && isThere(map_)) {
+    openMap(map_);  // what is no map stays
+    replaceMap(map_, buildAt);
+    return code;
+  }
+  const bool is_new = !isThere(map_);
+  try {
+    buildAt(map_);
+  } catch (...) {
+    if (is_new) removeWithoutModels(map_);
+    throw;
+  }
+  return code;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/place_index_file.h"
+
+#include <facetloc/io/map_database.h>
+#include <facetloc/registration/place_index.h>
+
+namespace facetloc {
+
+void writePlaceIndex(const std::filesystem::path& path) {
+  const Map map = openMap(path);
+  if (!map.mounting || !map.store) return;
+  if (const auto written = map.store->placeIndex(); written && PlaceIndex::read(*written, map)) return;
+  const PlaceIndex index(map);
+  MapDatabase::open(path).setPlaceIndex([&index](std::ostream& out) { index.write(out); });
+}
+
+}  // namespace facetloc

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/provenance.h"
+
+#include "tools/command_line.h"
+#include "tools/results_journal.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/text.h>
+
+#include <array>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <libdeflate.h>
+#include <sstream>
+#include <system_error>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kParamsFile = "params.ini";
+constexpr const char* kImagesFile = "images.txt";
+
+std::ifstream opened(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw IoError(path.string(), "cannot be read");
+  return in;
+}
+
+std::string readText(const fs::path& path) {
+  std::ifstream in = opened(path);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void writeText(const fs::path& path, const std::string& text) {
+  writeTextAtomically(path, [&](std::ostream& out) { out << text; });
+}
+
+}  // namespace
+
+std::uintmax_t sizeOf(const FrameFile& image) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(image.path, error);
+  return error ? 0 : size;
+}
+
+ImageSizes imageSizes(const DepthSequence& sequence) {
+  ImageSizes sizes;
+  for (const FrameFile& frame : sequence.frames()) sizes[frame.name] = sizeOf(frame);
+  return sizes;
+}
+
+std::string toText(const ImageSizes& sizes) {
+  std::string text;
+  for (const auto& [name, size] : sizes) text += std::to_string(size) + " " + name + "\n";
+  return text;
+}
+
+ImageSizes imageSizes(const std::string& text) {
+  ImageSizes sizes;
+  std::istringstream in(text);
+  std::uintmax_t size = 0;
+  for (std::string name; in >> size && in.get() && std::getline(in, name);) sizes[name] = size;
+  return sizes;
+}
+
+std::string cameraLine(const std::optional<CameraFile>& camera) {
+  if (!camera) return "# camera: as the images say\n";
+  const Intrinsics& k = camera->intrinsics;
+  std::string line = "# camera: " + std::to_string(k.width) + "x" + std::to_string(k.height);
+  const auto add = [&line](const char* name, double value) {
+    line.append(", ").append(name).append(" ").append(text::shortest(value));
+  };
+  add("fx", k.fx), add("fy", k.fy), add("cx", k.cx), add("cy", k.cy), add("depth_scale", camera->depth_scale);
+  if (camera->mounting)
+    add("mount_height", camera->mounting->height), add("mount_tilt_deg", camera->mounting->tilt_deg);
+  return line + "\n";
+}
+
+std::string checksum(const fs::path& file) {
+  std::ifstream in = opened(file);
+  std::array<char, 1 << 16> bytes;
+  std::uint32_t sum = 0;
+  while (in.read(bytes.data(), bytes.size()), in.gcount() > 0)
+    sum = libdeflate_crc32(sum, bytes.data(), static_cast<std::size_t>(in.gcount()));
+  if (in.bad()) throw IoError(file.string(), "cannot be read");
+  std::ostringstream text;
+  text << std::hex << sum;
+  return text.str();
+}
+
+std::optional<Provenance> Provenance::read(const fs::path& folder) {
+  if (!fs::exists(folder / kParamsFile)) return {};
+  Provenance found{readText(folder / kParamsFile), {}};
+  if (fs::exists(folder / kImagesFile)) found.images = imageSizes(readText(folder / kImagesFile));
+  return found;
+}
+
+void Provenance::write(const fs::path& folder) const {
+  writeText(folder / kImagesFile, toText(images));
+  writeText(folder / kParamsFile, params_ini);
+}
+
+void Provenance::requireNotReplaced(const fs::path& input, const fs::path& folder) {
+  for (const char* file : {kParamsFile, kImagesFile, kPartial}) {
+    std::error_code ignored;
+    if (fs::equivalent(input, folder / file, ignored))
+      throw UsageError("the results would replace " + input.string() + "; use another output folder");
+  }
+}
+
+void Provenance::requireSame(const Provenance& now, const std::vector<std::string>& done,
+                             const std::string& folder) const {
+  const auto sizeIn = [](const ImageSizes& sizes, const std::string& name) {
+    const auto found = sizes.find(name);
+    return found == sizes.end() ? std::nullopt : std::optional(found->second);
+  };
+  bool same = params_ini == now.params_ini;
+  for (const std::string& name : done) same = same && sizeIn(images, name) == sizeIn(now.images, name);
+  if (!same)
+    throw IoError(folder,
+                  "was begun with another map, other images or other parameters; leave out --resume or "
+                  "use another folder");
+}
+
+}  // namespace facetloc

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/register_app.h"
+
+#include "tools/localization_report.h"
+#include "tools/milliseconds.h"
+#include "tools/text.h"
+
+#include <facetloc/io/text.h>
+
+#include <chrono>
+
+namespace facetloc {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+DepthSequence openImage(const std::string& path) {
+  DepthSequence sequence = DepthSequence::open(path);
+  if (sequence.frames().size() != 1) throw UsageError(path + " is not one image");
+  return sequence;
+}
+
+std::optional<CameraMounting> mountingOf(const DepthSequence& sequence) {
+  return sequence.camera() ? sequence.camera()->mounting : std::nullopt;
+}
+
+/** A map of nothing but the target, whose camera frame is the world. */
+Map mapOf(const DepthSequence& target, View view) {
+  Map map;
+  LocalModel model;
+  model.name = target.frames()[0].name;
+  model.stamp = target.frames()[0].stamp;
+  model.T_w_m = Eigen::Isometry3d::Identity();
+  model.view = std::move(view);
+  map.models.push_back(std::move(model));
+  return map;
+}
+
+}  // namespace
+
+RegisterApp::RegisterApp()
+    : App("facetloc_register", "SOURCE TARGET [-o DIR] [options]",
+          "Registers two depth images by their planar segments and prints the ranked poses of the SOURCE "
+          "camera in the "
+          "TARGET camera (x right, y down, z forward). SOURCE and TARGET are 16-bit PNG files with a "
+          "camera.ini beside "
+          "them or in the folder above, or organized PCD files. The prior is the identity, with the spread "
+          "of "
+          "--prior_rotation_deg and --prior_translation; it is that of a robot on a floor if both camera.ini "
+          "files tell "
+          "the same mounting of the camera.") {}
+
+void RegisterApp::addOptions(CommandLine& line) {
+  line.addArgument("SOURCE", source_);
+  line.addArgument("TARGET", target_);
+  line.addOption("output,o", folder_, "DIR",
+                 "Also write a results folder: hypotheses.csv, poses_tum.txt, ...");
+  line.addOption("max-hypotheses", max_hypotheses_, "K", "List so many poses at most.");
+  input_.addOptions(line);
+  line.addParams(localization_);
+}
+
+int RegisterApp::execute(const CommandLine& line, const Console& console) {
+  if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
+  const DepthSequence source = openImage(source_), target = openImage(target_);
+  const ViewParams source_params = input_.viewParams(source.camera(), line);
+  const DepthImage source_image = source.load(0, input_.width), target_image = target.load(0, input_.width);
+
+  Map map = mapOf(target, ViewBuilder(input_.viewParams(target.camera(), line)).build(target_image));
+  map.mounting = mountingOf(target);
+  dropOtherMounting(source.camera(), map, console);
+  GlobalLocalization localization(std::make_shared<const Map>(map), localization_, source_params.noise);
+  localization.setNumberOfThreads(threads());
+
+  ViewBuilder builder(source_params);
+  const View scene = builder.build(source_image);
+  const Clock::time_point start = Clock::now();
+  const Localization answer = localization.localize(scene);
+  const double milliseconds = millisecondsSince(start);
+
+  const FrameFile& frame = source.frames()[0];
+  FrameResult result;
+  result.stamp = frame.stamp;
+  result.rows = resultRows(frame.name, answer, map, max_hypotheses_);
+  result.timing = {frame.name, builder.segmentMilliseconds(), builder.featuresMilliseconds(), milliseconds,
+                   1};
+  if (answer.hypotheses.empty())
+    console.out << "no hypothesis: " << answer.reason << "\n";
+  else
+    printPoses(console.out, result.rows);
+  console.out << counted(scene.segments.size(), "source segment") << ", "
+              << counted(map.models[0].view.segments.size(), "target segment") << ", registered in "
+              << text::decimals(milliseconds, 1) << " ms";
+  if (!folder_.empty()) {
+    writeResults(folder_, {result}, toIni(input_, source_params) + toIni(localization_));
+    console.out << "; results in " << folder_;
+  }
+  console.out << "\n";
+  return kOk;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "tools/app.h"
+#include "tools/depth_input.h"
+
+#include <facetloc/registration/global_localization.h>
+
+#include <filesystem>
+
+namespace facetloc {
+
+/** \brief facetloc_register: the pose of one depth image relative to another. */
+class RegisterApp : public App {
+public:
+  RegisterApp();
+
+private:
+  void addOptions(CommandLine& line) override;
+  int execute(const CommandLine& line, const Console& console) override;
+
+  std::string source_;
+  std::string target_;
+  std::string folder_;
+  int max_hypotheses_ = 10;
+  DepthInput input_;
+  GlobalLocalizationParams localization_;
+};
+
+}  // namespace facetloc

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/render_app.h"
+
+#include "drawing/match_pictures.h"
+#include "drawing/offscreen_display.h"
+#include "drawing/outputs.h"
+#include "drawing/pictures.h"
+#include "evaluation/failures.h"
+#include "tools/batch.h"
+#include "tools/text.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/map_database.h>
+#include <facetloc/io/text.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool isMap(const fs::path& path) { return path.extension() == ".flmap"; }
+
+std::size_t indexOf(const DepthSequence& sequence, const std::string& name) {
+  const auto& frames = sequence.frames();
+  const auto found =
+      std::find_if(frames.begin(), frames.end(), [&](const FrameFile& f) { return f.name == name; });
+  if (found == frames.end()) throw UsageError("there is no image " + name);
+  return static_cast<std::size_t>(found - frames.begin());
+}
+
+/** Draws an image, or an image in a map. */
+class ImageRenderer {
+public:
+  ImageRenderer(const DepthSequence& sequence, int width, const ViewParams& view)
+      : sequence_(sequence), width_(width), view_(view), builder_(view) {}
+
+  void localizeIn(Map map, const GlobalLocalizationParams& params, int threads, int max_hypotheses) {
+    builder_ = ViewBuilder(withDistortionOf(map, view_));
+    localization_.emplace(std::make_shared<const Map>(std::move(map)), params, view_.noise);
+    localization_->setNumberOfThreads(threads);
+    max_hypotheses_ = max_hypotheses;
+  }
+
+  void render(std::size_t index, const fs::path& path) {
+    const FrameFile& file = sequence_.frames()[index];
+    const SeenImage image = see(file.name, sequence_.load(index, width_), builder_);
+    if (localization_)
+      drawMatches(path, image, localization_->map(), answers(image, file.stamp));
+    else
+      drawSegmentation(path, image);
+  }
+
+private:
+  std::vector<DrawnMatch> answers(const SeenImage& image, double stamp) const {
+    const Localization answer = localization_->localize(image.view);
+    if (answer.hypotheses.empty())
+      return {{-1, Eigen::Isometry3d::Identity(), "no hypothesis: " + answer.reason}};
+    const auto truth = sequence_.groundTruth().nearest(stamp);
+    std::vector<DrawnMatch> drawn;
+    for (const Hypothesis& h : answer.hypotheses) {
+      const std::size_t rank = drawn.size() + 1;
+      if (static_cast<int>(rank) > max_hypotheses_) break;
+      std::string caption =
+          "rank " + std::to_string(rank) + ", probability " + text::decimals(h.probability, 2);
+      if (truth && h.T_w_c) {
+        const PoseError error = poseError(*h.T_w_c, *truth);
+        caption += ": " + text::decimals(error.translation, 3) + " m and " +
+                   text::decimals(error.rotation_deg, 2) + "° from the truth";
+      }
+      drawn.push_back({h.model, h.T_m_c.T, caption});
+    }
+    return drawn;
+  }
+
+  const DepthSequence& sequence_;
+  const int width_;
+  const ViewParams view_;
+  ViewBuilder builder_;
+  std::optional<GlobalLocalization> localization_;
+  int max_hypotheses_ = 1;
+};
+
+void requirePng(const fs::path& output) {
+  if (output.extension() != ".png") throw UsageError("pictures are PNG files: -o " + output.string());
+}
+
+DrawnRun runOf(const fs::path& path) {
+  DrawnRun run{"trajectory", {}};
+  const Trajectory trajectory = readTumTrajectory(fs::is_directory(path) ? path / "groundtruth.txt" : path);
+  for (const StampedPose& pose : trajectory.poses()) run.T_w_c.push_back(pose.T_w_c);
+  return run;
+}
+
+}  // namespace
+
+RenderApp::RenderApp()
+    : App("facetloc_render", "INPUT -o OUT [--map MAP.flmap] [options]",
+          "Draws pictures. INPUT is one of these: a depth image (OUT is a PNG file) or a sequence (OUT is "
+          "a folder, or, with --frame, a file): the depth image, its segments outlined, and the dominant "
+          "segments in 3D; with --map, the image beside the local models that it is localized in, "
+          "matched segments in the same colour. A map file *.flmap (OUT is a PNG file): the segments of "
+          "all local models from above, the local models and their links. A results folder of "
+          "facetloc_localize with --map and --sequence (OUT is a folder): each image whose first answer "
+          "is wrong or missing, beside what would be right, and the first six of them in failures.png. "
+          "Needs an X display; without one, Xvfb is started if it is installed.") {}
+
+void RenderApp::addOptions(CommandLine& line) {
+  line.addArgument("INPUT", input_);
+  line.addOption("output,o", output_, "OUT", "A PNG file, or a folder of them.");
+  line.addOption("map", map_, "MAP.flmap",
+                 "Localize images in this map; of results, the map they come from.");
+  line.addOption("frame", frame_, "NAME", "Of a sequence, only this image.");
+  line.addOption("max-hypotheses", max_hypotheses_, "K",
+                 "With --map: draw so many answers per image at most.");
+  line.addOption("trajectory", trajectory_, "FILE",
+                 "In a map: draw this trajectory, in the TUM format or the groundtruth.txt of a sequence.");
+  line.addOption("sequence", sequence_, "DIR", "Of results: the images, with groundtruth.txt.");
+  line.addOption("most", most_, "N", "Of results: draw so many failures at most, the most confident first.");
+  depth_.addOptions(line);
+  line.addParams(evaluation_);
+  line.addParams(localization_);
+}
+
+int RenderApp::renderMap(const Console& console) const {
+  if (!map_.empty()) throw UsageError("--map goes with images and results; " + input_ + " is a map itself");
+  requirePng(output_);
+  requireNoneButPicture(output_);
+  const Map map = readMap(input_);
+  std::vector<DrawnRun> runs;
+  if (!trajectory_.empty()) runs.push_back(runOf(trajectory_));
+  drawFloorMap(output_, map, runs);
+  console.out << counted(map.models.size(), "local model") << "; picture in " << output_ << "\n";
+  return kOk;
+}
+
+int RenderApp::renderImages(const CommandLine& line, const Console& console) const {
+  const DepthSequence sequence = DepthSequence::open(input_);
+  std::vector<std::size_t> chosen;
+  if (!frame_.empty())
+    chosen = {indexOf(sequence, frame_)};
+  else
+    for (std::size_t i = 0; i < sequence.frames().size(); ++i) chosen.push_back(i);
+
+  const bool to_folder = chosen.size() > 1 || fs::is_directory(output_) || !fs::path(output_).has_extension();
+  if (to_folder && fs::path(output_).extension() == ".png")
+    throw UsageError(input_ + " has several images: -o names a folder, or use --frame");
+  if (!to_folder) requirePng(output_);
+  if (to_folder) createFolders(output_);
+  const auto pathOf = [&](std::size_t i) {
+    return to_folder ? fs::path(output_) / (sequence.frames()[i].name + ".png") : fs::path(output_);
+  };
+  for (const std::size_t i : chosen) {
+    if (to_folder) requireOtherFolder(output_, sequence.frames()[i].path.parent_path());
+    requireNoneButPicture(pathOf(i));
+  }
+
+  ImageRenderer renderer(sequence, depth_.width, depth_.viewParams(sequence.camera(), line));
+  if (!map_.empty())
+    renderer.localizeIn(openMapFor(sequence.camera(), map_, console), localization_, threads(),
+                        max_hypotheses_);
+  Batch batch(1, chosen.size(), console);  // OpenGL is used by one thread
+  batch.run([&](std::size_t k) { return sequence.frames()[chosen[k]].path.string(); },
+            [&](std::size_t k, int) { renderer.render(chosen[k], pathOf(chosen[k])); });
+  const int code = batch.report();
+  console.out << counted(chosen.size() - batch.failures().size(), "picture") << " in " << output_ << "\n";
+  return code;
+}
+
+int RenderApp::renderFailures(const CommandLine& line, const Console& console) const {
+  constexpr std::size_t kOnSheet = 6;
+  if (map_.empty() || sequence_.empty())
+    throw UsageError("the pictures of results need --map and --sequence");
+  const DepthSequence sequence = DepthSequence::open(sequence_);
+  const Map map = readMap(map_);
+  const std::vector<ModelPose> models = modelPosesOf(map);
+  if (models.empty()) throw IoError(map_, "has no poses of local models: what is true cannot be drawn");
+  const std::vector<RunResults> runs = readRuns(input_);
+  const Evaluation evaluation = evaluate(runs, PlaceTruth::open(sequence_), models, evaluation_);
+  if (evaluation.frames.empty()) throw IoError(sequence_, "has no pose for any image of " + input_);
+  const std::vector<Failure> failures = findFailures(evaluation, runs, map);
+  const std::size_t drawn = std::min<std::size_t>(failures.size(), most_);
+  createFolders(output_);
+  for (const FrameFile& frame : sequence.frames()) requireOtherFolder(output_, frame.path.parent_path());
+  const auto pathOf = [&](const std::string& name) { return fs::path(output_) / (name + ".png"); };
+  const fs::path sheet_path = pathOf("failures");
+  requireNoneButPicture(sheet_path);
+  for (std::size_t i = 0; i < drawn; ++i) requireNoneButPicture(pathOf(failures[i].frame));
+  fs::remove(sheet_path);  // of an earlier run; there may be nothing to draw now
+
+  ViewBuilder builder(withDistortionOf(map, depth_.viewParams(sequence.camera(), line)));
+  std::vector<Raster<std::uint8_t>> sheet(std::min(drawn, kOnSheet));
+  std::vector<std::string> titles;
+  for (std::size_t i = 0; i < sheet.size(); ++i)
+    titles.push_back(failures[i].frame + ": " + failures[i].what);
+  Batch batch(1, drawn, console);  // OpenGL is used by one thread
+  batch.run([&](std::size_t i) { return failures[i].frame; },
+            [&](std::size_t i, int) {
+              const Failure& failure = failures[i];
+              const std::size_t index = indexOf(sequence, failure.frame);
+              const SeenImage image = see(failure.frame, sequence.load(index, depth_.width), builder);
+              Raster<std::uint8_t> picture = matchesPicture(image, map, failure.answers);
+              writePng(pathOf(failure.frame), picture);
+              if (i < sheet.size()) sheet[i] = std::move(picture);
+            });
+  const int code = batch.report();
+  if (code == kOk && drawn > 0) writePng(sheet_path, contactSheet(sheet, titles));
+  console.out << failures.size() << " of " << counted(evaluation.frames.size(), "image") << " failed, "
+              << drawn << " drawn; pictures in " << output_ << "\n";
+  return code;
+}
+
+int RenderApp::execute(const CommandLine& line, const Console& console) {
+  if (output_.empty()) throw UsageError("the picture to write is missing: -o OUT");
+  if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
+  if (most_ < 1) throw UsageError("most must be positive");
+  if (!fs::exists(input_)) throw IoError(input_, "does not exist");
+  const OffscreenDisplay display;
+  if (!display.available()) throw std::runtime_error("nothing can be drawn: " + display.problem());
+  if (isMap(input_)) return renderMap(console);
+  return isResultsFolder(input_) ? renderFailures(line, console) : renderImages(line, console);
+}
+
+}  // namespace facetloc

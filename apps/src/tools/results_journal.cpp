@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/results_journal.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/text.h>
+
+#include <iomanip>
+#include <optional>
+#include <regex>
+#include <sstream>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string fileName(int rank) { return rank == 0 ? kPartial : "partial." + std::to_string(rank) + ".txt"; }
+
+/** Is it the fileName() of any rank? */
+bool isJournal(const std::string& name) {
+  static const std::regex names("partial\\.([1-9][0-9]*\\.)?txt");
+  return std::regex_match(name, names);
+}
+
+constexpr const char* kEnd = "end";  // tells a whole line from a torn one
+
+/** Words on one line: numbers to the last bit, texts in quotes. */
+class LineWriter {
+public:
+  LineWriter& operator<<(double value) { return word(text::shortest(value)); }
+  LineWriter& operator<<(int value) { return word(std::to_string(value)); }
+  LineWriter& operator<<(const std::string& text) {
+    std::ostringstream quoted;
+    quoted << std::quoted(text);
+    return word(quoted.str());
+  }
+  LineWriter& operator<<(const Eigen::Isometry3d& T) {
+    for (int row = 0; row < 3; ++row)
+      for (int col = 0; col < 4; ++col) *this << T(row, col);
+    return *this;
+  }
+  std::string str() const { return line_ + kEnd + "\n"; }
+
+private:
+  LineWriter& word(const std::string& text) {
+    line_ += text + " ";
+    return *this;
+  }
+  std::string line_;
+};
+
+class LineReader {
+public:
+  explicit LineReader(const std::string& line) : in_(line) {}
+
+  LineReader& operator>>(double& value) {
+    std::string word;
+    in_ >> word;
+    if (const auto number = text::to<double>(word))
+      value = *number;
+    else
+      in_.setstate(std::ios::failbit);
+    return *this;
+  }
+  LineReader& operator>>(int& value) { return in_ >> value, *this; }
+  LineReader& operator>>(std::string& text) { return in_ >> std::quoted(text), *this; }
+  LineReader& operator>>(Eigen::Isometry3d& T) {
+    T = Eigen::Isometry3d::Identity();
+    for (int row = 0; row < 3; ++row)
+      for (int col = 0; col < 4; ++col) *this >> T(row, col);
+    return *this;
+  }
+  /** The line was whole. */
+  bool complete() {
+    std::string word;
+    return in_ >> word && word == kEnd;
+  }
+  explicit operator bool() const { return !in_.fail(); }
+
+private:
+  std::istringstream in_;
+};
+
+void write(LineWriter& line, const ResultRow& row) {
+  line << row.rank << row.model << row.probability << row.score << row.T_m_c << int(row.T_w_c.has_value());
+  if (row.T_w_c) line << *row.T_w_c;
+  line << row.sd_rot_deg << row.sd_trans_m << row.reason;
+}
+
+void read(LineReader& line, ResultRow& row) {
+  int has_world_pose = 0;
+  line >> row.rank >> row.model >> row.probability >> row.score >> row.T_m_c >> has_world_pose;
+  if (has_world_pose) line >> row.T_w_c.emplace();
+  line >> row.sd_rot_deg >> row.sd_trans_m >> row.reason;
+}
+
+std::string lineOf(const std::string& frame, const FrameResult& result) {
+  LineWriter line;
+  const TimingRow& t = result.timing;
+  line << frame << result.stamp << t.segment_ms << t.features_ms << t.localize_ms << t.models
+       << static_cast<int>(result.rows.size());
+  for (const ResultRow& row : result.rows) write(line, row);
+  return line.str();
+}
+
+std::optional<FrameResult> resultOf(const std::string& text) {
+  LineReader line(text);
+  std::string frame;
+  FrameResult result;
+  int rows = 0;
+  TimingRow& t = result.timing;
+  line >> frame >> result.stamp >> t.segment_ms >> t.features_ms >> t.localize_ms >> t.models >> rows;
+  t.frame = frame;
+  for (int i = 0; i < rows && line; ++i) {
+    ResultRow row;
+    row.frame = frame;
+    read(line, row);
+    result.rows.push_back(std::move(row));
+  }
+  if (!line || rows < 1 || !line.complete()) return {};
+  return result;
+}
+
+}  // namespace
+
+ResultsJournal::ResultsJournal(const fs::path& folder, int rank)
+    : folder_(folder), path_(folder / fileName(rank)), rank_(rank) {}
+
+/** Those of all ranks; how many these were is not known. */
+std::vector<fs::path> ResultsJournal::files() const {
+  std::vector<fs::path> files;
+  if (!fs::is_directory(folder_)) return files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_))
+    if (isJournal(entry.path().filename().string())) files.push_back(entry.path());
+  return files;
+}
+
+bool ResultsJournal::exists() const { return !files().empty(); }
+
+std::map<std::string, FrameResult> ResultsJournal::read() const {
+  std::map<std::string, FrameResult> results;
+  for (const fs::path& file : files()) {
+    std::ifstream in(file);
+    if (!in) throw IoError(file.string(), "cannot be read");
+    for (std::string line; std::getline(in, line);)
+      if (auto result = resultOf(line)) results[result->timing.frame] = std::move(*result);
+  }
+  return results;
+}
+
+void ResultsJournal::begin(const std::map<std::string, FrameResult>& earlier) {
+  writeTextAtomically(path_, [&](std::ostream& out) {
+    for (const auto& [frame, result] : earlier) out << lineOf(frame, result);
+  });
+  for (const fs::path& file : files())
+    if (rank_ == 0 && file != path_) fs::remove(file);  // its frames are among the earlier ones
+  out_.open(path_, std::ios::app);
+  if (!out_) throw IoError(path_.string(), "cannot be written");
+}
+
+void ResultsJournal::append(const std::string& frame, const FrameResult& result) {
+  const std::string line = lineOf(frame, result);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  out_ << line << std::flush;
+  if (!out_) throw IoError(path_.string(), "cannot be written");
+}
+
+void ResultsJournal::remove() {
+  out_.close();
+  std::error_code ignored;
+  for (const fs::path& file : files()) fs::remove(file, ignored);
+}
+
+}  // namespace facetloc

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/segment_app.h"
+
+#include "drawing/depth_drawing.h"
+#include "drawing/outputs.h"
+#include "tools/batch.h"
+#include "tools/provenance.h"
+#include "tools/text.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/segment_file.h>
+#include <facetloc/io/text.h>
+
+#include <chrono>
+#include <map>
+#include <numeric>
+#include <set>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+/** What tells the images of one input from those of another: the sequence's folder. */
+std::string labelOf(const std::string& input) {
+  fs::path path = fs::absolute(input).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();  // a trailing slash
+  if (!fs::is_directory(path)) path = path.parent_path();
+  if (path.filename() == "depth") path = path.parent_path();
+  return path.filename().string();
+}
+
+}  // namespace
+
+struct SegmentApp::Image {
+  const DepthSequence* sequence;
+  std::size_t index;  // in its sequence
+  std::string name;   // of its output files
+
+  const FrameFile& file() const { return sequence->frames()[index]; }
+};
+
+/** One per thread: keeps its buffers from image to image as long as these are of the same camera. */
+class SegmentApp::Worker {
+public:
+  Worker(const SegmentApp& app, const CommandLine& line) : app_(app), line_(line) {}
+
+  std::size_t process(const Image& image) {
+    const ViewParams params = app_.input_.viewParams(image.sequence->camera(), line_);
+    if (!builder_ || params.noise.inverse_depth_std != noise_) builder_.emplace(params);
+    noise_ = params.noise.inverse_depth_std;
+
+    const DepthImage depth = image.sequence->load(image.index, app_.input_.width);
+    const View view = builder_->build(depth);
+    const LabelImage& labels = builder_->segmentation().labels;
+    const fs::path base = fs::path(app_.folder_) / image.name;
+    if (app_.labels_) writeLabels(base.string() + ".png", labels);
+    if (app_.overlay_) writePng(base.string() + "_overlay.png", overlay(depth, labels));
+    writeSegments(app_.segmentsOf(image), view.segments);
+    return view.segments.size();
+  }
+
+private:
+  const SegmentApp& app_;
+  const CommandLine& line_;
+  std::optional<ViewBuilder> builder_;
+  double noise_ = 0;
+};
+
+SegmentApp::SegmentApp()
+    : App("facetloc_segment", "INPUT... -o DIR [options]",
+          "Cuts depth images into planar surface segments. INPUT is a depth sequence (a folder with depth/ "
+          "in it), a "
+          "folder of 16-bit PNG or organized PCD files, a list of such files (.txt, .lst), one such file, or "
+          "an .oni recording. PNG files "
+          "need a camera.ini beside them or in the folder above. For each image, DIR/<name>.segments.pcd "
+          "holds its "
+          "segments. Under mpirun, the images are dealt out to its processes.") {}
+
+void SegmentApp::addOptions(CommandLine& line) {
+  line.addArguments("INPUT", inputs_);
+  line.addOption("output,o", folder_, "DIR", "Folder of the results.");
+  line.addSwitch("labels", labels_,
+                 "Also write <name>.png: 16 bit, 0 = no segment, k = k-th segment of the PCD.");
+  line.addSwitch("overlay", overlay_,
+                 "Also write <name>_overlay.png: grey depth with segment borders in green.");
+  line.addSwitch("resume", resume_, "Skip images whose results are there already.");
+  input_.addOptions(line);
+}
+
+std::vector<SegmentApp::Image> SegmentApp::images(const std::vector<DepthSequence>& sequences) const {
+  std::map<std::string, int> uses;
+  for (const DepthSequence& sequence : sequences)
+    for (const FrameFile& file : sequence.frames()) ++uses[file.name];
+
+  std::vector<Image> images;
+  std::map<std::string, fs::path> taken;
+  for (std::size_t input = 0; input < sequences.size(); ++input)
+    for (std::size_t i = 0; i < sequences[input].frames().size(); ++i) {
+      const FrameFile& file = sequences[input].frames()[i];
+      const std::string name = uses[file.name] > 1 ? labelOf(inputs_[input]) + "_" + file.name : file.name;
+      const auto [other, is_new] = taken.emplace(name, file.path);
+      if (!is_new)
+        throw UsageError("results of " + other->second.string() + " and " + file.path.string() +
+                         " would both be named " + name + "; use different output folders");
+      images.push_back({&sequences[input], i, name});
+    }
+  return images;
+}
+
+/** Written last: with it, an image is done. */
+fs::path SegmentApp::segmentsOf(const Image& image) const {
+  return fs::path(folder_) / (image.name + ".segments.pcd");
+}
+
+bool SegmentApp::done(const Image& image) const {
+  const std::string base = (fs::path(folder_) / image.name).string();
+  return fs::exists(segmentsOf(image)) && (!labels_ || fs::exists(base + ".png")) &&
+         (!overlay_ || fs::exists(base + "_overlay.png"));
+}
+
+/** What the results depend on. */
+Provenance SegmentApp::provenance(const std::vector<Image>& images, const CommandLine& line) const {
+  Provenance provenance{"# " + versionText() + "\n", {}};
+  const DepthSequence* sequence = nullptr;
+  for (const Image& image : images) {
+    if (image.sequence != sequence) provenance.params_ini += cameraLine(image.sequence->camera());
+    sequence = image.sequence;
+    provenance.images[image.name] = sizeOf(image.file());
+  }
+  const ViewParams view = input_.viewParams(images.front().sequence->camera(), line);
+  provenance.params_ini += toIni(input_, view);
+  return provenance;
+}
+
+/** What an image, or one that there was in an earlier run, has left in the folder, if it has. */
+void SegmentApp::removeResultsOf(const std::string& name) const {
+  if (!fs::exists(fs::path(folder_) / (name + ".segments.pcd"))) return;  // another tool's images
+  for (const char* ending : {".segments.pcd", ".png", "_overlay.png"})
+    fs::remove(fs::path(folder_) / (name + ending));
+}
+
+/** Makes the folder of the results. \return which images are still to be done. */
+std::vector<std::size_t> SegmentApp::prepare(const std::vector<Image>& images,
+                                             const Provenance& provenance) const {
+  createFolders(folder_);
+  for (const Image& image : images) {
+    const fs::path of_images = image.file().path.parent_path();
+    requireOtherFolder(folder_, of_images);
+    requireOtherFolder(folder_, of_images / ".." / "labels");  // the true ones of a simulated sequence
+  }
+  const auto before = Provenance::read(folder_);
+  std::vector<std::size_t> todo;
+  std::vector<std::string> finished;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (resume_ && before && done(images[i]))
+      finished.push_back(images[i].name);
+    else
+      todo.push_back(i);
+  }
+  if (resume_ && before) before->requireSame(provenance, finished, folder_);
+  // What is left of other images, or was made with other parameters, would be taken for results of this run.
+  const std::set<std::string> kept(finished.begin(), finished.end());
+  for (const auto& [name, size] : before ? before->images : ImageSizes())
+    if (!kept.count(name)) removeResultsOf(name);
+  for (const std::size_t i : todo) fs::remove(segmentsOf(images[i]));
+  provenance.write(folder_);
+  return todo;
+}
+
+int SegmentApp::execute(const CommandLine& line, const Console& console) {
+  if (folder_.empty()) throw UsageError("the folder of the results is missing: -o DIR");
+  if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
+  std::vector<DepthSequence> sequences;
+  for (const std::string& input : inputs_) {
+    Provenance::requireNotReplaced(input, folder_);
+    sequences.push_back(DepthSequence::open(input));
+  }
+  const std::vector<Image> all = images(sequences);
+  std::vector<std::size_t> todo;
+  if (ranks().isFirst()) todo = prepare(all, provenance(all, line));
+  todo = ranks().broadcast(todo);
+
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<std::size_t> segments(todo.size(), 0);
+  Batch batch(threads(), todo.size(), console, ranks());
+  std::vector<Worker> workers(batch.workers(), Worker(*this, line));
+  batch.run([&](std::size_t i) { return all[todo[i]].file().path.string(); },
+            [&](std::size_t i, int worker) { segments[i] = workers[worker].process(all[todo[i]]); });
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  std::size_t sum = 0;
+  for (const std::size_t n : ranks().gather(std::accumulate(segments.begin(), segments.end(), std::size_t{})))
+    sum += n;
+  const int code = batch.report();
+  const std::size_t done = todo.size() - batch.failures().size();
+  console.out << counted(done, "image") << " with " << counted(sum, "segment") << " in "
+              << text::decimals(seconds, 1) << " s";
+  if (all.size() > todo.size()) console.out << " (" << all.size() - todo.size() << " were done before)";
+  console.out << "; results in " << folder_ << "\n";
+  return code;
+}
+
+}  // namespace facetloc

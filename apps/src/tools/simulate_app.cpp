@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/simulate_app.h"
+
+#include "evaluation/frame_truth.h"
+#include "tools/batch.h"
+#include "tools/text.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/segment_file.h>
+#include <facetloc/io/text.h>
+#include <facetloc/io/trajectory.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <sstream>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDepthScale = 5000;     // [1/m]
+constexpr double kFrameInterval = 0.1;   // [s]
+constexpr double kQueryStart = 1000;     // [s] no query has the stamp of a map image
+constexpr double kDriveStart = 2000;     // [s]
+constexpr std::uint64_t kRunSeeds = 64;  // seeds per place, for its runs
+constexpr int kMostFrames = 1000000;
+constexpr const char *kRoom = "room", *kMap = "map", *kQuery = "query", *kDrive = "drive";
+constexpr double kWalls = 0.3;    // [m] thickness that belongs to a room
+constexpr double kInside = 0.95;  // of the pixels, where a room is all that is seen
+constexpr int kGrid = 4;          // [px] between the pixels that are asked
+
+/** Does an image show the inside of one of these rooms and hardly anything else? */
+bool showsOnly(const std::vector<Eigen::AlignedBox2d>& rooms, const DepthImage& image,
+               const Eigen::Isometry3d& T_w_c) {
+  const Eigen::Vector2d walls(kWalls, kWalls);
+  for (const Eigen::AlignedBox2d& room : rooms) {
+    const Eigen::AlignedBox2d with_walls(room.min() - walls, room.max() + walls);
+    if (!with_walls.contains(T_w_c.translation().head<2>())) continue;
+    int inside = 0, seen = 0;
+    for (int v = 0; v < image.camera.height; v += kGrid)
+      for (int u = 0; u < image.camera.width; u += kGrid) {
+        const double z = image.at(u, v);
+        if (!isMeasured(z)) continue;
+        ++seen;
+        inside += with_walls.contains((T_w_c * (z * image.camera.ray(u, v))).head<2>());
+      }
+    if (inside >= kInside * seen) return true;
+  }
+  return false;
+}
+
+std::map<int, WorldPlane> planesOf(const Scene& scene) {
+  std::map<int, WorldPlane> planes;
+  for (const Rectangle& r : scene.rectangles)
+    planes.emplace(r.plane_id, WorldPlane{r.normal(), r.normal().dot(r.centre)});
+  return planes;
+}
+
+}  // namespace
+
+struct SimulateApp::Run {
+  std::string name;
+  const Scene* scene;
+  double first_stamp;
+  double interval;            // [s]
+  std::uint64_t first_frame;  // number of its first image, which selects the noise
+  bool labels;
+  std::vector<Eigen::Isometry3d> poses;
+
+  double stamp(std::size_t i) const { return first_stamp + interval * static_cast<double>(i); }
+  std::string frameName(std::size_t i) const { return text::decimals(stamp(i), 6); }
+};
+
+struct SimulateApp::Place {
+  std::shared_ptr<const Scene> mapped, later;
+  std::vector<Run> runs;  // those that are wanted
+  std::vector<Eigen::AlignedBox2d> unmapped_rooms;
+};
+
+SimulateApp::SimulateApp()
+    : App("facetloc_simulate", "SCENE -o DIR [options]",
+          "Makes two depth sequences of a simulated place, taken by a robot with a Kinect-like camera: "
+          "DIR/map and DIR/query, a later drive on another line, after some things have moved, partly "
+          "where the first one never was. With camera.ini, groundtruth.txt, the true planes of each pixel "
+          "(labels/, 16-bit PNG; planes.csv: their equations) and query/unmapped.txt, the images that "
+          "show only a room that the first drive never entered. SCENE is one of: office (a loop of "
+          "corridors and some rooms), home (a flat), hall (shelves and columns), room (one closed room "
+          "with random boxes, where nothing moves). With --runs also DIR/drive, the later drive in real "
+          "time, for trackers; it has no labels. What is made must not exist yet. The same seed and options "
+          "give the same files.") {
+  drive_.sway_deg = 10;
+}
+
+void SimulateApp::addOptions(CommandLine& line) {
+  line.addArgument("SCENE", scene_);
+  line.addOption("output,o", folder_, "DIR", "Folder of the sequences.");
+  line.addOption("seed", seed_, "N", "Selects the place, the drives and the noise.");
+  line.addOption("width", width_, "N", "Width of the images [px]; 4:3.");
+  line.addOption("frames", frames_, "N", "Images per sequence; 0 = as many as the next two options say.");
+  line.addOption("map-frames", map_frames_, "N", "Images of the mapping run.");
+  line.addOption("query-frames", query_frames_, "N", "Images of the later run.");
+  line.addOption("runs", runs_, "RUN,...", "What is made, of map,query,drive; without it map,query.");
+  line.addOption("drive", seconds_, "S", "Length of the continuous drive [s]; makes one.");
+  line.addParams(pace_);
+  line.addOption("map-step", map_step_, "M", "Like step, for the mapping run [m]; that one does not sway.");
+  line.addParams(drive_);
+  line.addParams(noise_);
+}
+
+Intrinsics scaledKinect(int width) {
+  Intrinsics k = kinectIntrinsics();
+  const double scale = static_cast<double>(width) / k.width;
+  k.height = static_cast<int>(std::lround(k.height * scale));
+  k.width = width;
+  k.fx *= scale;
+  k.fy *= scale;
+  k.cx = (k.cx + 0.5) * scale - 0.5;  // pixel centres are at integer coordinates
+  k.cy = (k.cy + 0.5) * scale - 0.5;
+  return k;
+}
+
+SimulateApp::Place SimulateApp::makePlace() const {
+  const auto seed = static_cast<std::uint64_t>(seed_);
+  const auto map_frames = static_cast<std::size_t>(frames_ > 0 ? frames_ : map_frames_);
+  const auto query_frames = static_cast<std::size_t>(frames_ > 0 ? frames_ : query_frames_);
+  const auto drive_frames = static_cast<std::size_t>(std::lround(seconds_ * pace_.rate));
+  DriveParams map_drive = drive_;
+  map_drive.step = map_step_;
+  map_drive.sway_deg = 0;
+
+  Place place;
+  SimulatedPlace made;
+  if (scene_ == kRoom) {
+    constexpr int kBoxes = 16;  // furnished: most views then show planes of three directions
+    made.mapped = made.later = randomRoom(seed, kBoxes);
+  } else {
+    made = simulatedPlace(scene_, seed);
+  }
+  place.mapped = std::make_shared<Scene>(std::move(made.mapped));
+  place.later = std::make_shared<Scene>(std::move(made.later));
+  place.unmapped_rooms = std::move(made.unmapped_rooms);
+
+  // All runs are driven, whatever is wanted: none depends on the others being made. In a room they meet where
+  // the first one starts.
+  std::optional<Eigen::Vector2d> start;
+  const auto drive = [&](const Scene& scene, const Route& route, std::size_t frames,
+                         const DriveParams& params, std::uint64_t run,
+                         const std::optional<PaceParams>& pace) {
+    const std::uint64_t run_seed = kRunSeeds * seed + run;
+    if (!route.empty()) return simulateDrive(route, frames, params, run_seed, pace);
+    std::vector<Eigen::Isometry3d> poses = simulateDrive(scene, frames, params, run_seed, start, pace);
+    if (!start) start = poses.front().translation().head<2>();
+    return poses;
+  };
+  std::vector<Run> runs = {{kMap, place.mapped.get(), 0, kFrameInterval, 0, true,
+                            drive(*place.mapped, made.mapping_route, map_frames, map_drive, 0, {})},
+                           {kQuery, place.later.get(), kQueryStart, kFrameInterval, map_frames, true,
+                            drive(*place.later, made.query_route, query_frames, drive_, 1, {})},
+                           {kDrive, place.later.get(), kDriveStart, 1 / pace_.rate, map_frames + query_frames,
+                            false, drive(*place.later, made.query_route, drive_frames, drive_, 2, pace_)}};
+  const std::vector<std::string> wanted = wantedRuns();
+  for (Run& run : runs)
+    if (std::find(wanted.begin(), wanted.end(), run.name) != wanted.end())
+      place.runs.push_back(std::move(run));
+  return place;
+}
+
+std::vector<std::string> SimulateApp::wantedRuns() const {
+  std::vector<std::string> wanted;
+  std::istringstream list(runs_);
+  for (std::string run; std::getline(list, run, ',');) {
+    if (run != kMap && run != kQuery && run != kDrive)
+      throw UsageError("unknown run '" + run + "'; there are: map query drive");
+    wanted.push_back(run);
+  }
+  return wanted;
+}
+
+void SimulateApp::prepareFolder(const Run& run, const CameraFile& camera) const {
+  const fs::path folder = fs::path(folder_) / run.name;
+  createFolders(folder / "depth");
+  writeCameraFile(folder / "camera.ini", camera);
+  if (run.labels) {
+    createFolders(folder / "labels");
+    writePlanes(folder / "planes.csv", planesOf(*run.scene));
+  }
+  std::vector<StampedPose> truth;
+  for (std::size_t i = 0; i < run.poses.size(); ++i) truth.push_back({run.stamp(i), run.poses[i]});
+  writeTumTrajectory(folder / "groundtruth.txt", truth);
+}
+
+void SimulateApp::writeUnmapped(const Run& query, const std::vector<char>& unmapped) const {
+  writeTextAtomically(fs::path(folder_) / query.name / "unmapped.txt", [&](std::ostream& out) {
+    out << "# images that show only a room the mapping run never entered\n";
+    for (std::size_t i = 0; i < query.poses.size(); ++i)
+      if (unmapped[i]) out << query.frameName(i) << "\n";
+  });
+}
+
+void SimulateApp::checkOptions() const {
+  std::vector<std::string> scenes = simulatedPlaceNames();
+  scenes.push_back(kRoom);
+  if (std::find(scenes.begin(), scenes.end(), scene_) == scenes.end()) {
+    std::string names;
+    for (const std::string& name : scenes) names += " " + name;
+    throw UsageError("unknown scene '" + scene_ + "'; there are:" + names);
+  }
+  if (folder_.empty()) throw UsageError("the folder of the sequences is missing: -o DIR");
+  if (seed_ < 0) throw UsageError("seed must not be negative");
+  if (width_ < 40 || width_ > 2048) throw UsageError("width must lie in [40, 2048]");
+  if (frames_ < 0 || frames_ > kMostFrames) throw UsageError("frames must lie in [0, 1000000]");
+  for (const int frames : {map_frames_, query_frames_})
+    if (frames < 1 || frames > kMostFrames)
+      throw UsageError("map-frames and query-frames must lie in [1, 1000000]");
+  if (!(map_step_ >= 0.01 && map_step_ <= 10)) throw UsageError("map-step must lie in [0.01, 10]");
+  if (!(seconds_ * pace_.rate >= 0.5 && seconds_ * pace_.rate <= kMostFrames))
+    throw UsageError("drive must be as long as one image at least, and no longer than a million");
+  for (const std::string& run : wantedRuns())
+    if (const fs::path folder = fs::path(folder_) / run; fs::exists(folder))
+      throw IoError(folder.string(), "exists already; remove it or use another folder");
+}
+
+int SimulateApp::execute(const CommandLine& line, const Console& console) {
+  if (runs_.empty()) runs_ = line.given("drive") ? "map,query,drive" : "map,query";
+  checkOptions();
+  const Place place = makePlace();
+  const SimulatedCamera camera(scaledKinect(width_), noise_, static_cast<std::uint64_t>(seed_));
+  const CameraFile camera_file{camera.camera(), kDepthScale, drive_.mounting(), {}};
+  struct Image {
+    const Run* run;
+    std::size_t index;
+  };
+  std::vector<Image> images;
+  for (const Run& run : place.runs) {
+    prepareFolder(run, camera_file);
+    for (std::size_t i = 0; i < run.poses.size(); ++i) images.push_back({&run, i});
+  }
+
+  std::vector<char> unmapped(images.size(), 0);  // no bits: threads write beside each other
+  Batch batch(threads(), images.size(), console);
+  batch.run(
+      [&](std::size_t i) { return images[i].run->name + "/" + images[i].run->frameName(images[i].index); },
+      [&](std::size_t i, int) {
+        const auto& [run, index] = images[i];
+        const fs::path folder = fs::path(folder_) / run->name;
+        const std::string file = run->frameName(index) + ".png";
+        const SimulatedFrame frame = camera.render(*run->scene, run->poses[index], run->first_frame + index);
+        writeDepthPng(folder / "depth" / file, frame.depth, kDepthScale);
+        if (run->labels) writeLabels(folder / "labels" / file, frame.labels);
+        if (run->name == kQuery)
+          unmapped[index] = showsOnly(place.unmapped_rooms, frame.depth, run->poses[index]);
+      });
+  const int code = batch.report();
+  std::string what;
+  for (const Run& run : place.runs) {
+    if (run.name == kQuery) writeUnmapped(run, unmapped);
+    what += (what.empty() ? "" : ", ") + run.name + " of " + counted(run.poses.size(), "image");
+  }
+  console.out << what << " in " << folder_ << "\n";
+  return code;
+}
+
+}  // namespace facetloc

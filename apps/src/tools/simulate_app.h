@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "tools/app.h"
+
+#include <facetloc/io/camera_file.h>
+#include <facetloc/simulation/simulated_camera.h>
+#include <facetloc/simulation/simulated_drive.h>
+
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief facetloc_simulate: depth sequences of a made-up place, with the truth. */
+class SimulateApp : public App {
+public:
+  SimulateApp();
+
+private:
+  struct Run;    // a sequence to be: folder, poses, stamps
+  struct Place;  // the runs through a place
+
+  void addOptions(CommandLine& line) override;
+  int execute(const CommandLine& line, const Console& console) override;
+  void checkOptions() const;
+  Place makePlace() const;
+  void prepareFolder(const Run& run, const CameraFile& camera) const;
+  void writeUnmapped(const Run& query, const std::vector<char>& unmapped) const;
+  std::vector<std::string> wantedRuns() const;
+
+  std::string scene_;
+  std::string folder_;
+  std::string runs_;
+  int seed_ = 1;
+  int width_ = 640;
+  int frames_ = 0;
+  int map_frames_ = 444;    // the paper's
+  int query_frames_ = 348;  // the paper's
+  double map_step_ = 0.25;
+  double seconds_ = 60;  // of the continuous drive
+  PaceParams pace_;
+  DriveParams drive_;
+  SimulatedNoise noise_;
+};
+
+/** \brief The depth camera of a Kinect with images of another width, same field of view. */
+Intrinsics scaledKinect(int width);
+
+}  // namespace facetloc

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/depth_image.h>
+#include <facetloc/features/params.h>
+#include <facetloc/simulation/simulated_scene.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief Errors of the simulated camera, those of a structured-light sensor. */
+struct SimulatedNoise {
+  double factor = 1;           ///< raises the random noise, the distortion and the noise of silhouettes
+  double disparity_std = 0.5;  ///< random noise of the disparity [DU = 1/8 px of a Kinect]
+  double correlation_px =
+      2.0;                  ///< its correlation length: a matching window of 9 px [px at 640x480]; 0 = white
+  double distortion = 0.5;  ///< smooth, fixed distortion, standard deviation [DU]
+  double quantization = 1.0;        ///< of the disparity [DU]; 0 = none
+  double edge_std_px = 0.5;         ///< lateral noise of silhouettes [px]
+  double grazing_dropout_deg = 80;  ///< surfaces seen at a larger angle are lost [deg]
+  double grazing_spread_deg = 2;    ///< by how much that angle differs from patch to patch [deg]
+  double dark_range = 3.5;  ///< dark surfaces seen at a right angle are lost farther away [m]; 0 = never
+  double projector_baseline = 0.075;  ///< distance of camera and projector, which casts shadows [m]
+  double random_dropout = 0.005;      ///< share of pixels lost at random
+  double min_depth = 0.5;             ///< [m]
+  double max_depth = 8.0;             ///< [m]
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& field) {
+    field("noise_factor", p.factor, 0.0, 20.0,
+          "Factor of the random noise, the distortion and the noise of silhouettes.");
+    field("disparity_std", p.disparity_std, 0.0, 20.0, "Random noise of the disparity [1/8 px of a Kinect].");
+    field("correlation_px", p.correlation_px, 0.0, 20.0, "Correlation length of the noise [px]; 0 = white.");
+    field("distortion", p.distortion, 0.0, 20.0,
+          "Smooth fixed distortion of the disparity, standard deviation [1/8 px].");
+    field("quantization", p.quantization, 0.0, 20.0, "Step of the disparity [1/8 px]; 0 = none.");
+    field("edge_std_px", p.edge_std_px, 0.0, 10.0, "Lateral noise of silhouettes [px].");
+    field("grazing_dropout_deg", p.grazing_dropout_deg, 10.0, 90.0,
+          "Surfaces seen at a larger angle from their normal are lost [deg].");
+    field("grazing_spread_deg", p.grazing_spread_deg, 0.0, 30.0,
+          "By how much that angle differs from patch to patch, standard deviation [deg].");
+    field("dark_range", p.dark_range, 0.0, 100.0,
+          "Dark surfaces seen at a right angle are lost in patches farther away [m]; 0 = never.");
+    field("projector_baseline", p.projector_baseline, 0.0, 1.0,
+          "Distance of the projector from the camera, which causes shadows [m].");
+    field("random_dropout", p.random_dropout, 0.0, 1.0, "Share of pixels lost at random.");
+    field("min_depth", p.min_depth, 0.0, 100.0, "Nearest depth measured [m].");
+    field("max_depth", p.max_depth, 0.1, 1000.0, "Farthest depth measured [m].");
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** \brief A rendered frame with its truth. */
+struct SimulatedFrame {
+  DepthImage depth;
+  LabelImage labels;  ///< true plane ids, 0 = nothing seen
+};
+
+/** \brief Casts rays at a scene and adds the errors of a depth camera. Deterministic: the same
+ * scene, pose, camera and seed give the same image. */
+class SimulatedCamera {
+public:
+  SimulatedCamera(const Intrinsics& camera, const SimulatedNoise& noise, std::uint64_t seed);
+  const Intrinsics& camera() const { return camera_; }
+  /** \brief Exact depth and labels, without any error; panes of glass are not there. */
+  SimulatedFrame renderExact(const Scene& scene, const Eigen::Isometry3d& T_w_c) const;
+  /** \brief A frame as the sensor sees it; frame_index selects the noise. */
+  SimulatedFrame render(const Scene& scene, const Eigen::Isometry3d& T_w_c, std::uint64_t frame_index) const;
+
+private:
+  bool reflects(Material material, double z, double cosine, double blob) const;
+  std::vector<bool> litByProjector(const std::vector<double>& depth) const;
+
+  Intrinsics camera_;
+  SimulatedNoise noise_;
+  std::uint64_t seed_;
+  std::vector<float> distortion_;  ///< [1/m] per pixel
+};
+
+}  // namespace facetloc

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/simulation/simulated_scene.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief A place on a robot's way, and what it does there before it goes on straight to the next one. */
+struct Waypoint {
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< [m]
+  double look_deg = 0;  ///< turns on the spot by this angle, to the left if positive
+};
+
+/** \brief A way that a robot drives again and again: from the last waypoint it goes on to the first. */
+using Route = std::vector<Waypoint>;
+
+/** \brief A whole floor as it is when a robot maps it, and as it is later: some furniture and doors have
+ * moved.
+ *
+ * A plane that is the same in both has the same id; what has moved has new ones. */
+struct SimulatedPlace {
+  Scene mapped;  ///< when the map is made
+  Scene later;   ///< when the robot comes back
+  Route mapping_route;
+  Route query_route;                                ///< another line through the same places
+  std::vector<Eigen::AlignedBox2d> unmapped_rooms;  ///< on the query route only
+};
+
+/** \brief The names of the places that there are: office, home, hall. */
+const std::vector<std::string>& simulatedPlaceNames();
+/** \brief The place of that name, made up from the seed; the same seed gives the same place. Throws
+ * std::invalid_argument for an unknown name.
+ *
+ * - office: a loop of corridors with doors in recesses, some of them ajar, windows, pillars, beams,
+ *   cupboards, bins and notice boards, all alike on purpose, and a few rooms that are open.
+ * - home: furnished rooms.
+ * - hall: shelves, columns and large distances. */
+SimulatedPlace simulatedPlace(const std::string& name, std::uint64_t seed);
+
+}  // namespace facetloc

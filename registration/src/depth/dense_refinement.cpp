@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "depth/depth_normal_equations.h"
+
+#include <facetloc/registration/dense_refinement.h>
+#include <facetloc/registration/depth_consistency.h>
+#include <facetloc/registration/depth_difference.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+
+namespace facetloc {
+namespace {
+
+constexpr double kConverged = 1e-5;  // norm of a step [rad, m]
+
+// Drops the directions in which the gradients tell hardly more than their own noise and the bands of a coarse
+// quantisation would (after Zhang, Kaess, Singh, ICRA 2016), and takes the noise out of the others.
+void dropFeigned(double inverse_depth_std, double significance, DepthNormalEquations& n) {
+  const double gradient_variance =
+      inverse_depth_std * inverse_depth_std / (2 * DepthSlope::kReach * DepthSlope::kReach);
+  constexpr double kRegular = 1e-9;  // of the trace
+  Matrix6d N = gradient_variance * Matrix6d(n.noise.selfadjointView<Eigen::Lower>());
+  N.diagonal().array() += kRegular * N.trace();
+  const Matrix6d A = n.A.selfadjointView<Eigen::Lower>();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> eig(A, N);
+  // V^T N V = 1 and V^T A V = diag(lambda): lambda is 1 where there is nothing but noise, or less.
+  const Matrix6d NV = N * eig.eigenvectors();
+  const Vector6d lambda = eig.eigenvalues();
+  const Vector6d kept =
+      (lambda.array() > std::max(1.0, significance)).select(Vector6d::Ones(), Vector6d::Zero());
+  n.g = NV * kept.cwiseProduct(eig.eigenvectors().transpose() * n.g);
+  n.A = NV * kept.cwiseProduct((lambda.array() - 1).matrix()).asDiagonal() * NV.transpose();
+}
+
+}  // namespace
+
+bool refineByDepth(const DepthPicture& scene, const std::vector<PosedPicture>& pictures,
+                   double inverse_depth_std, const DenseRefinementParams& params, PoseWithCovariance& pose,
+                   Matrix6d* information) {
+  if (scene.empty()) return false;
+  const Eigen::LLT<Matrix6d> prior_factor(pose.P);
+  if (prior_factor.info() != Eigen::Success) return false;
+  const Matrix6d prior_information = prior_factor.solve(Matrix6d::Identity());
+  const double error = params.pixel_error * inverse_depth_std;
+  const double of_pixel = 1 / (error * error * params.correlated_pixels);
+  Eigen::Isometry3d T = pose.T;
+  Matrix6d uncertainty = pose.P;
+  const auto normalEquations = [&] {
+    DepthNormalEquations n;
+    n.of_noise = params.significance > 0;
+    for (const PosedPicture& p : pictures)
+      n.add(scene, gridStep(scene, kFineColumns), T, *p.picture, p.T_w_c, uncertainty, error,
+            params.robust_gate);
+    if (n.of_noise && n.weight > 0) dropFeigned(inverse_depth_std, params.significance, n);
+    return n;
+  };
+  for (int i = 0; i < params.iterations; ++i) {
+    const DepthNormalEquations n = normalEquations();
+    if (!(n.weight > 0)) return false;
+    const Matrix6d A = of_pixel * Matrix6d(n.A.selfadjointView<Eigen::Lower>());
+    const Eigen::LDLT<Matrix6d> solver(A + prior_information);
+    if (solver.info() != Eigen::Success || !solver.isPositive()) return false;
+    const Vector6d step = -solver.solve(of_pixel * n.g + prior_information * perturbation(pose.T, T));
+    if (!step.allFinite()) return false;
+    T = perturbed(T, step);
+    if (i > 0 && step.norm() < kConverged) break;
+    constexpr double kSmaller = 0.25;  // variance after a step, while distant pixels may still mislead it
+    uncertainty *= kSmaller;
+  }
+  pose.T = T;
+  if (information) *information = of_pixel * Matrix6d(normalEquations().A.selfadjointView<Eigen::Lower>());
+  return true;
+}
+
+}  // namespace facetloc

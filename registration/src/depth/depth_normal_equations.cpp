@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "depth/depth_normal_equations.h"
+
+#include <facetloc/features/impl/lanes.h>
+#include <facetloc/registration/depth_consistency.h>
+#include <facetloc/registration/depth_difference.h>
+
+#include <algorithm>
+
+namespace facetloc {
+namespace {
+
+constexpr float kQuantum = static_cast<float>(DepthPicture::kQuantum);
+constexpr auto kFarthest = static_cast<float>(DepthDifference::kFarthest);
+constexpr int kSums = 21;  // of a lower triangle
+
+/** The ray of pixel (u, v), told in other axes: across u + down v + origin. */
+struct Rays {
+  float across[3], down[3], origin[3];
+};
+
+Rays raysOf(const Intrinsics& c, const Eigen::Matrix3d& R) {
+  Rays rays;
+  for (int i = 0; i < 3; ++i) {
+    rays.across[i] = static_cast<float>(R(i, 0) / c.fx), rays.down[i] = static_cast<float>(R(i, 1) / c.fy);
+    rays.origin[i] = static_cast<float>(R(i, 2) - R(i, 0) * c.cx / c.fx - R(i, 1) * c.cy / c.fy);
+  }
+  return rays;
+}
+
+/** What compareDepth is told, and where the results go. */
+struct Comparison {
+  Rays in_model, in_world;
+  float t[3], to_world[3][3], uncertainty[6][6];
+  float fx, fy, cx, cy, error, gate;
+  std::int32_t width, height;
+  const std::uint16_t* picture;
+  bool of_noise;
+};
+
+/** Sums of eight lanes each. */
+struct Sums {
+  Floats A[kSums]{}, noise[kSums]{}, g[6]{}, weight{};
+};
+
+FACETLOC_ALWAYS_INLINE void turn(const float (&R)[3][3], const Floats (&b)[3], Floats (&a)[3]) {
+  for (int i = 0; i < 3; ++i) a[i] = R[i][0] * b[0] + R[i][1] * b[1] + R[i][2] * b[2];
+}
+
+FACETLOC_ALWAYS_INLINE void addSquare(const Floats (&J)[6], const Floats& weight, Floats (&sums)[kSums]) {
+  for (int i = 0, k = 0; i < 6; ++i) {
+    const Floats wJ = weight * J[i];
+    for (int j = 0; j <= i; ++j, ++k) sums[k] += wJ * J[j];
+  }
+}
+
+// A point moves by a perturbation (rotation, translation) as its arm from the camera says.
+FACETLOC_ALWAYS_INLINE void byPose(const Floats (&arm)[3], const Floats (&a)[3], Floats (&J)[6]) {
+  J[0] = arm[1] * a[2] - arm[2] * a[1], J[1] = arm[2] * a[0] - arm[0] * a[2],
+  J[2] = arm[0] * a[1] - arm[1] * a[0];
+  J[3] = a[0], J[4] = a[1], J[5] = a[2];
+}
+
+// compareDepth for n pixels first, first + step, ... of a row v, and what they add.
+FACETLOC_MULTIVERSION void addRow(const Comparison& c, const std::uint16_t* row, int v, int first, int step,
+                                  int n, Sums& sums) {
+  constexpr auto kNearest = static_cast<float>(DepthDifference::kNearest),
+                 kStraight = static_cast<float>(DepthSlope::kStraight);
+  constexpr int kReach = DepthSlope::kReach;
+  const auto fv = static_cast<float>(v);
+  for (int i = 0; i < n; i += kLanes) {
+    Ints quanta;
+    for (int k = 0; k < kLanes; ++k) quanta[k] = row[first + std::min(i + k, n - 1) * step];
+    const Floats rho = kQuantum * __builtin_convertvector(quanta, Floats);
+    const Floats u = static_cast<float>(first + i * step) + static_cast<float>(step) * kLaneOffset;
+    Floats p[3], arm[3];
+    for (int k = 0; k < 3; ++k) {
+      p[k] = c.in_model.across[k] * u + (c.in_model.down[k] * fv + c.in_model.origin[k]) + c.t[k] * rho;
+      arm[k] = (c.in_world.across[k] * u + (c.in_world.down[k] * fv + c.in_world.origin[k])) / rho;
+    }
+    const Floats inverse = 1 / p[2], inverse_depth = rho * inverse, x = p[0] * inverse, y = p[1] * inverse;
+    const Floats column = c.fx * x + c.cx, line = c.fy * y + c.cy;
+    const Floats rounded_column = column + 0.5f, rounded_line = line + 0.5f;  // before they are cut off
+    Ints used = (kLane < n - i) & (rho >= kFarthest) & (p[2] > kNearest * rho) &
+                (rounded_column >= static_cast<float>(kReach)) &
+                (rounded_line >= static_cast<float>(kReach)) &
+                (rounded_column < static_cast<float>(c.width - kReach)) &
+                (rounded_line < static_cast<float>(c.height - kReach));
+    const Ints uc = __builtin_convertvector((Floats)((Ints)rounded_column & used), Ints),
+               vc = __builtin_convertvector((Floats)((Ints)rounded_line & used), Ints),
+               at = used ? vc * c.width + uc : Ints{} + (kReach * c.width + kReach);
+    Ints five[5];
+    for (int k = 0; k < kLanes; ++k) {
+      const std::uint16_t* centre = c.picture + at[k];
+      five[0][k] = centre[0], five[1][k] = centre[-kReach], five[2][k] = centre[kReach];
+      five[3][k] = centre[-kReach * c.width], five[4][k] = centre[kReach * c.width];
+    }
+    Floats depth[5];
+    for (int k = 0; k < 5; ++k) {
+      used &= five[k] != 0;
+      depth[k] = kQuantum * __builtin_convertvector(five[k], Floats);
+    }
+    const auto& [centre, left, right, up, down] = depth;
+    const Floats bent_u = left + right - 2 * centre, bent_v = up + down - 2 * centre;
+    const float straight = kStraight * c.error;
+    used &= (bent_u <= straight) & (bent_u >= -straight) & (bent_v <= straight) & (bent_v >= -straight);
+    const Floats du = (right - left) / (2 * kReach), dv = (down - up) / (2 * kReach);
+    const Floats value = (centre + left + right + up + down) / 5 +
+                         du * (column - __builtin_convertvector(uc, Floats)) +
+                         dv * (line - __builtin_convertvector(vc, Floats));
+    const Floats residual = inverse_depth - value;
+
+    const Floats gx = c.fx * du, gy = c.fy * dv;
+    const Floats by_point[3] = {-inverse_depth * gx, -inverse_depth * gy,
+                                inverse_depth * (gx * x + gy * y - inverse_depth)};
+    Floats a[3], J[6];
+    turn(c.to_world, by_point, a);
+    byPose(arm, a, J);
+    Floats spread{};  // variance of the residual by the pose
+    for (int k = 0; k < 6; ++k) {
+      Floats row_sum{};
+      for (int j = 0; j < 6; ++j) row_sum += c.uncertainty[k][j] * J[j];
+      spread += J[k] * row_sum;
+    }
+    const Floats largest2 = c.gate * c.gate * (c.error * c.error + spread), squared = residual * residual;
+    used &= squared < largest2;
+    const Floats rest = 1 - squared / largest2, none{};
+    const Floats robust = used ? rest * rest : none;  // Tukey's weight
+    for (Floats& j : J) j = used ? j : none;
+    addSquare(J, robust, sums.A);
+    const Floats weighed = used ? robust * residual : none;
+    for (int k = 0; k < 6; ++k) sums.g[k] += weighed * J[k];
+    sums.weight += robust;
+    if (!c.of_noise) continue;
+    const Floats by_gradient[2][3] = {{-c.fx * inverse_depth, none, c.fx * x * inverse_depth},
+                                      {none, -c.fy * inverse_depth, c.fy * y * inverse_depth}};
+    for (const auto& b : by_gradient) {
+      turn(c.to_world, b, a);
+      byPose(arm, a, J);
+      for (Floats& j : J) j = used ? j : none;
+      addSquare(J, robust, sums.noise);
+    }
+  }
+}
+
+double totalOf(const Floats& x) {
+  double sum = 0;
+  for (int k = 0; k < kLanes; ++k) sum += x[k];
+  return sum;
+}
+
+void addLower(const Floats (&sums)[kSums], Matrix6d& to) {
+  for (int i = 0, k = 0; i < 6; ++i)
+    for (int j = 0; j <= i; ++j, ++k) to(i, j) += totalOf(sums[k]);
+}
+
+}  // namespace
+
+void DepthNormalEquations::add(const DepthPicture& scene, int step, const Eigen::Isometry3d& T_w_c,
+                               const DepthPicture& picture, const Eigen::Isometry3d& T_w_m,
+                               const Matrix6d& uncertainty, double error, double gate) {
+  const Intrinsics &from = scene.camera, &to = picture.camera;
+  constexpr int kLeast = 2 * DepthSlope::kReach + 1;  // pixels that a gradient takes
+  if (scene.empty() || picture.empty() || to.width < kLeast || to.height < kLeast) return;
+  const Eigen::Isometry3d T_m_c = T_w_m.inverse() * T_w_c;
+  Comparison c;
+  c.in_model = raysOf(from, T_m_c.linear()), c.in_world = raysOf(from, T_w_c.linear());
+  for (int i = 0; i < 3; ++i) {
+    c.t[i] = static_cast<float>(T_m_c.translation()[i]);
+    for (int j = 0; j < 3; ++j) c.to_world[i][j] = static_cast<float>(T_w_m.linear()(i, j));
+  }
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) c.uncertainty[i][j] = static_cast<float>(uncertainty(i, j));
+  c.fx = static_cast<float>(to.fx), c.fy = static_cast<float>(to.fy);
+  c.cx = static_cast<float>(to.cx), c.cy = static_cast<float>(to.cy);
+  c.error = static_cast<float>(error), c.gate = static_cast<float>(gate);
+  c.width = to.width, c.height = to.height, c.picture = picture.inverse_depth.data(), c.of_noise = of_noise;
+
+  const int first = step / 2, n = gridPoints(from.width, step);
+  Sums sums;
+  for (int v = first; v < from.height; v += step)
+    addRow(c, scene.inverse_depth.data() + static_cast<std::size_t>(v) * from.width, v, first, step, n, sums);
+  addLower(sums.A, A);
+  if (of_noise) addLower(sums.noise, noise);
+  for (int k = 0; k < 6; ++k) g[k] += totalOf(sums.g[k]);
+  weight += totalOf(sums.weight);
+}
+
+}  // namespace facetloc

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/so3.h>
+#include <facetloc/simulation/simulated_drive.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace facetloc {
+namespace {
+
+class SimulatedDrive : public testing::TestWithParam<int> {
+protected:
+  const Scene scene_ = randomRoom(GetParam());
+};
+
+TEST_P(SimulatedDrive, StaysInsideAndClearOfWalls) {
+  Eigen::AlignedBox3d room;
+  for (const Rectangle& r : scene_.rectangles) room.extend(r.centre);
+  DriveParams even;
+  even.floor_std = 0;
+  const double clear = even.clearance - 0.01;
+  for (const Eigen::Isometry3d& T_w_c : simulateDrive(scene_, 150, even, GetParam())) {
+    const Eigen::Vector3d t = T_w_c.translation();
+    EXPECT_GT(t.x(), room.min().x() + clear);
+    EXPECT_LT(t.x(), room.max().x() - clear);
+    EXPECT_GT(t.y(), room.min().y() + clear);
+    EXPECT_LT(t.y(), room.max().y() - clear);
+    EXPECT_NEAR(t.z(), even.camera_height, 1e-9);
+    EXPECT_NEAR(T_w_c.linear().col(2).z(), -std::sin(even.camera_tilt_deg * kDegree), 1e-9);
+  }
+}
+
+TEST_P(SimulatedDrive, AnUnevenFloorTiltsTheCamera) {
+  const DriveParams params;
+  double squares = 0;
+  const auto poses = simulateDrive(scene_, 400, params, GetParam());
+  for (const Eigen::Isometry3d& T_w_c : poses) {
+    const double pitch = std::asin(-T_w_c.linear().col(2).z()) / kDegree - params.camera_tilt_deg;
+    squares += pitch * pitch;
+  }
+  // METHOD eq. (6.1): Var(w_y) = 3 sigma_f^2 / (2 b^2)
+  const double expected = params.floor_std * std::sqrt(1.5) / params.caster_distance / kDegree;
+  EXPECT_NEAR(std::sqrt(squares / static_cast<double>(poses.size())), expected, 0.15 * expected);
+}
+
+TEST_P(SimulatedDrive, StepsAreSmall) {
+  DriveParams even;
+  even.floor_std = 0;
+  const auto poses = simulateDrive(scene_, 150, even, GetParam());
+  ASSERT_EQ(poses.size(), 150u);
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const Eigen::Isometry3d step = poses[i - 1].inverse() * poses[i];
+    EXPECT_LE(step.translation().norm(), even.step + 1e-9);
+    EXPECT_LE(rotationAngle(step.linear()), even.turn_deg * kDegree + 1e-9);
+  }
+}
+
+TEST_P(SimulatedDrive, SeedsSelectDrives) {
+  const auto a = simulateDrive(scene_, 20, {}, 1), b = simulateDrive(scene_, 20, {}, 1),
+             c = simulateDrive(scene_, 20, {}, 2);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].matrix(), b[i].matrix());
+    EXPECT_NE(a[i].matrix(), c[i].matrix());
+  }
+}
+
+TEST_P(SimulatedDrive, InTimeItKeepsToItsSpeeds) {
+  DriveParams even;
+  even.floor_std = 0;
+  even.sway_deg = 10;
+  const PaceParams pace;
+  const auto poses = simulateDrive(scene_, 900, even, GetParam(), {}, pace);
+  ASSERT_EQ(poses.size(), 900u);
+  const double step = pace.speed / pace.rate, turn = pace.turn_rate_deg * kDegree / pace.rate;
+  const double sway = even.sway_deg * kDegree * 2 * EIGEN_PI / even.sway_length * step;
+  int driving = 0, turning = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const Eigen::Isometry3d motion = poses[i - 1].inverse() * poses[i];
+    const double shift = motion.translation().norm(), angle = rotationAngle(motion.linear());
+    EXPECT_LE(shift, step + 1e-9);
+    EXPECT_LE(angle, turn + sway + 1e-9);
+    driving += shift > 0.999 * step;
+    turning += shift < 1e-9 && angle > 0.999 * turn;
+  }
+  EXPECT_GT(driving, 100);
+  EXPECT_GT(turning, 100);
+  EXPECT_GT(driving + turning, 850);  // the robot never rests
+}
+
+TEST_P(SimulatedDrive, TheRateSelectsImagesOfOneDrive) {
+  PaceParams slow, fast;
+  slow.rate = 10;
+  fast.rate = 30;
+  const auto few = simulateDrive(scene_, 100, {}, GetParam(), {}, slow);
+  const auto many = simulateDrive(scene_, 300, {}, GetParam(), {}, fast);
+  for (std::size_t i = 0; i < few.size(); ++i) EXPECT_TRUE(few[i].isApprox(many[3 * i], 1e-6)) << i;
+}
+
+TEST_P(SimulatedDrive, InTimeTheTiltOfAnUnevenFloorIsSmooth) {
+  const DriveParams params;
+  const auto poses = simulateDrive(scene_, 1800, params, GetParam(), {}, PaceParams{});
+  const auto pitch = [&](std::size_t i) { return std::asin(-poses[i].linear().col(2).z()) / kDegree; };
+  double squares = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    squares += std::pow(pitch(i) - params.camera_tilt_deg, 2) / static_cast<double>(poses.size());
+    EXPECT_LT(std::abs(pitch(i) - pitch(i > 0 ? i - 1 : 0)), 1) << i;
+  }
+  // That of three independent wheels (METHOD eq. 6.1) is the limit of short waves.
+  const double independent = params.floor_std * std::sqrt(1.5) / params.caster_distance / kDegree;
+  EXPECT_GT(std::sqrt(squares), 0.3 * independent);
+  EXPECT_LT(std::sqrt(squares), 1.3 * independent);
+}
+
+INSTANTIATE_TEST_SUITE_P(Rooms, SimulatedDrive, testing::Range(1, 6));
+
+TEST(SimulatedRoute, InTimeItIsDrivenAsInSteps) {
+  const Route square = {{{0, 0}, 90}, {{2, 0}, 0}, {{2, 2}, 0}, {{0, 2}, 0}};
+  DriveParams even;
+  even.floor_std = 0;
+  const auto poses = simulateDrive(square, 30 * 60, even, 1, PaceParams{});
+  for (const Eigen::Vector2d& corner : {Eigen::Vector2d(2, 0), {2, 2}, {0, 2}, {0, 0}}) {
+    double nearest = 10;
+    for (const auto& T : poses) nearest = std::min(nearest, (T.translation().head<2>() - corner).norm());
+    EXPECT_LT(nearest, 0.02);
+  }
+  // 8 m at 0.5 m/s and 360 deg at 45 deg/s: 24 s a round
+  EXPECT_LT((poses[0].translation() - poses[30 * 24].translation()).norm(), 0.05);
+}
+
+TEST(SimulatedRoute, InTimeWheelsDoNotSlipSideways) {
+  DriveParams swaying;
+  swaying.floor_std = 0;
+  swaying.sway_deg = 10;
+  const Route there_and_back = {{{0, 0}, 0}, {{6, 0}, 0}};
+  const auto poses = simulateDrive(there_and_back, 300, swaying, 3, PaceParams{});
+  double farthest = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const Eigen::Isometry3d step = poses[i - 1].inverse() * poses[i];
+    // Camera axes: x is to the right. The sine and the tangent of 10 deg differ by 1.5 %.
+    EXPECT_NEAR(step.translation().x(), 0, 0.02 * step.translation().norm() + 1e-9) << i;
+    farthest = std::max(farthest, std::abs(poses[i].translation().y()));
+  }
+  EXPECT_GT(farthest, 0.1);  // it weaves about the line
+}
+
+TEST(SimulatedDriveErrors, ARoomWithoutSpaceIsTold) {
+  DriveParams params;
+  params.clearance = 10;
+  EXPECT_THROW(simulateDrive(randomRoom(1), 10, params, 1), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace facetloc
