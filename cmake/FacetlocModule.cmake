@@ -24,7 +24,8 @@ function(facetloc_add_module name)
   list(TRANSFORM arg_DEPENDS PREPEND facetloc::)
   target_link_libraries(${lib} PUBLIC ${arg_DEPENDS} ${arg_LINK}
                         PRIVATE ${arg_PRIVATE_LINK} $<BUILD_INTERFACE:facetloc_warnings>)
-  target_include_directories(${lib} PRIVATE src)  # headers that only the module reads, by room
+  # Headers that only the module reads, by room, and features/src/shared, which all modules read.
+  target_include_directories(${lib} PRIVATE src ${PROJECT_SOURCE_DIR}/features/src)
   target_include_directories(${lib} SYSTEM PUBLIC ${PCL_INCLUDE_DIRS})
   target_compile_features(${lib} PUBLIC cxx_std_17)
   # No fused multiply-add behind our back: the same input gives the same bytes on every machine.

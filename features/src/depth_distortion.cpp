@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "shared/lanes.h"
+
 #include <facetloc/features/depth_distortion.h>
-#include <facetloc/features/impl/lanes.h>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 constexpr double kSameOptics = 0.02;  // largest difference at a border of the image [normalised ray]

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "shared/inverse_depth.h"
+#include "shared/lanes.h"
+
 #include <facetloc/features/depth_image.h>
-#include <facetloc/features/impl/inverse_depth.h>
-#include <facetloc/features/impl/lanes.h>
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
-namespace facetloc {
+namespace facetloc::internal {
 
 FACETLOC_MULTIVERSION void invertDepth(const float* depth, std::size_t n, float scale, float* out) {
   for (std::size_t i = 0; i < n; i += kLanes) {
@@ -17,6 +18,12 @@ FACETLOC_MULTIVERSION void invertDepth(const float* depth, std::size_t n, float 
     store((z >= kNearestMeasured) & (z <= kFarthestMeasured) ? inverse : Floats{}, out + i, out + n);
   }
 }
+
+}  // namespace facetloc::internal
+
+namespace facetloc {
+
+using namespace internal;
 
 namespace {
 

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "shared/lanes.h"
+
 #include <facetloc/features/depth_picture.h>
-#include <facetloc/features/impl/lanes.h>
 
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 // Of three values the smallest known one, in steps from 1 so that 0 = unknown comes last; or the largest.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/impl/inverse_depth.h>
-#include <facetloc/features/impl/lanes.h>
+#include "shared/inverse_depth.h"
+#include "shared/lanes.h"
+
 #include <facetloc/features/plane_fit.h>
 #include <facetloc/features/segment_estimation.h>
 
@@ -13,17 +14,19 @@
 #include <stdexcept>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 constexpr double kReferenceWidth = 320.0;
 constexpr double kMinPlaneDistance =
-    0.05;  // planes through the camera centre are seen edge-on [m] (METHOD 16.1)
+    0.05;  // planes through the camera centre are seen edge-on [m] (METHOD 8)
 // The paper's eq. (4) with its authors' sensor constants: 1 disparity unit, twice the noise, and 1 px at
 // 320x240.
-constexpr double kFaithfulDepthFactor = 2.0;
+constexpr double kPaperDepthFactor = 2.0;
 constexpr double kFaithfulPixelStd = 1.0;
 constexpr double kCorrelatedPixels =
-    100.0;  // pixels at 320x240 that share one independent error, N_eff of METHOD 4.3
+    100.0;  // pixels at 320x240 that share one independent error, N_eff of METHOD 7.3
 constexpr double kMinIndependent = 8.0;
 constexpr double kWideInNoise = 5.0;  // a strip this many sigma_r wide has a slope worth measuring
 
@@ -207,7 +210,7 @@ double offsetVariance(const Eigen::Vector3d& normal, const Eigen::Vector3d& cent
                       const Intrinsics& camera, const SensorNoise& noise) {
   const double pixel_std = kFaithfulPixelStd * camera.width / kReferenceWidth;
   const Eigen::Matrix3d Sigma_C =
-      pointCovariance(centroid, camera, pixel_std, kFaithfulDepthFactor * noise.inverse_depth_std);
+      pointCovariance(centroid, camera, pixel_std, kPaperDepthFactor * noise.inverse_depth_std);
   return normal.dot(Sigma_C * normal);
 }
 
@@ -273,17 +276,27 @@ ConvexHull hullInPlane(const Pixels& pixels, const Intrinsics& camera, const Seg
   return hull;
 }
 
-Eigen::Matrix3d robustCovariance(const Region& r, const Segment& s, double rho, const Intrinsics& camera,
+// How uncertain a segment is, by its plane fit (METHOD 7.3) or as the paper has it; chosen once.
+using Uncertainty = Eigen::Matrix3d (*)(const Region& r, const Segment& s, double rho,
+                                        const Intrinsics& camera, const SensorNoise& noise,
+                                        const SegmentEstimationParams& params);
+
+Eigen::Matrix3d paperUncertainty(const Region&, const Segment& s, double, const Intrinsics& camera,
                                  const SensorNoise& noise, const SegmentEstimationParams& params) {
+  return paperCovariance(s.normal(), s.t, s.lambda, camera, params.paper_factor, noise);
+}
+
+Eigen::Matrix3d fullUncertainty(const Region& r, const Segment& s, double rho, const Intrinsics& camera,
+                                const SensorNoise& noise, const SegmentEstimationParams& params) {
   const double independent = std::max(kMinIndependent, r.plane.n / scaledPixels(kCorrelatedPixels, camera));
   const double variance = noise.inverse_depth_std * noise.inverse_depth_std;
-  Eigen::Matrix3d Sigma_m = (r.plane.n / independent) * variance * r.bb.inverse();  // Eq. (4.2) of METHOD
+  Eigen::Matrix3d Sigma_m = (r.plane.n / independent) * variance * r.bb.inverse();  // METHOD 7.3
   Sigma_m.diagonal() +=
       Eigen::Array3d(noise.distortion_slope, noise.distortion_slope, noise.distortion_offset)
           .square()
           .matrix();
   Eigen::Matrix3d Sigma_q = slopeOffsetCovariance(s.R, s.t, rho, Sigma_m);
-  Sigma_q += faithfulCovariance(s.normal(), s.t, s.lambda, camera, params.edge_factor, noise);
+  Sigma_q += paperCovariance(s.normal(), s.t, s.lambda, camera, params.edge_factor, noise);
   Sigma_q.diagonal() +=
       Eigen::Array3d(params.slope_floor_deg * kDegree, params.slope_floor_deg * kDegree, params.offset_floor)
           .square()
@@ -295,7 +308,7 @@ void rankByInformation(const std::vector<Segment>& segments, std::vector<double>
                        std::vector<int>& order) {
   Eigen::Matrix3d Y = Eigen::Matrix3d::Zero();
   for (const Segment& s : segments) Y += s.num_points * s.normal() * s.normal().transpose();
-  share.resize(segments.size());  // Eq. (10.1) of METHOD
+  share.resize(segments.size());  // METHOD 9
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const double all = segments[i].normal().dot(Y * segments[i].normal());
     share[i] = all > 0 ? segments[i].num_points / all : 0;
@@ -309,6 +322,10 @@ void rankByInformation(const std::vector<Segment>& segments, std::vector<double>
 }  // namespace
 
 struct SegmentEstimation::Buffers {
+  explicit Buffers(const SegmentEstimationParams& params)
+      : uncertainty(params.paper_uncertainty ? paperUncertainty : fullUncertainty) {}
+
+  Uncertainty uncertainty;
   std::vector<float> inverse;  // depth
   std::vector<Run> runs;
   std::vector<Region> regions;  // by label
@@ -322,12 +339,12 @@ struct SegmentEstimation::Buffers {
                    const SegmentEstimationParams& params, double min_support, Segment& s);
 };
 
-// The segment of a region, or false if it fails one of the tests of METHOD 3.3.
+// The segment of a region, or false if it fails one of the tests of METHOD 8.
 bool SegmentEstimation::Buffers::makeSegment(Region& r, const Intrinsics& camera, const SensorNoise& noise,
                                              const SegmentEstimationParams& params, double min_support,
                                              Segment& s) {
   if (r.plane.n < min_support) return false;
-  const Eigen::Vector3d m = r.plane.fit().plane.toSpace(camera);  // Eq. (4.1) of METHOD
+  const Eigen::Vector3d m = r.plane.fit().plane.toSpace(camera);  // METHOD 5.1
   const double length = m.norm();
   if (!(length > 1e-6) || 1.0 / length < kMinPlaneDistance) return false;
   const Eigen::Vector3d n = m / length;
@@ -356,8 +373,7 @@ bool SegmentEstimation::Buffers::makeSegment(Region& r, const Intrinsics& camera
   if (!(width * camera.fx / s.t.z() >= params.min_width_px)) return false;
 
   r.bb = rayMoments(r.plane, camera);
-  s.Sigma_q = params.faithful ? faithfulCovariance(n, s.t, s.lambda, camera, params.faithful_factor, noise)
-                              : robustCovariance(r, s, rho, camera, noise, params);
+  s.Sigma_q = uncertainty(r, s, rho, camera, noise, params);
   if (!s.Sigma_q.allFinite() || s.Sigma_q.llt().info() != Eigen::Success) return false;
   pixelHull(r.row_extremes, camera.height, points, hull);
   simplify(hull, ConvexHull::kMaxVertices);
@@ -365,9 +381,9 @@ bool SegmentEstimation::Buffers::makeSegment(Region& r, const Intrinsics& camera
   return s.hull.size >= 3 && s.hull.area() > 0;
 }
 
-Eigen::Matrix3d faithfulCovariance(const Eigen::Vector3d& normal, const Eigen::Vector3d& centroid,
-                                   const Eigen::Vector2d& lambda, const Intrinsics& camera, double kappa_u,
-                                   const SensorNoise& noise) {
+Eigen::Matrix3d paperCovariance(const Eigen::Vector3d& normal, const Eigen::Vector3d& centroid,
+                                const Eigen::Vector2d& lambda, const Intrinsics& camera, double kappa_u,
+                                const SensorNoise& noise) {
   const double var_r = kappa_u * kappa_u * offsetVariance(normal, centroid, camera, noise);  // Eq. (4)
   return Eigen::Vector3d(var_r / (lambda[0] + var_r), var_r / (lambda[1] + var_r), var_r)
       .asDiagonal();  // Eq. (5)
@@ -382,11 +398,12 @@ Eigen::Matrix3d slopeOffsetCovariance(const Eigen::Matrix3d& R, const Eigen::Vec
 }
 
 SegmentEstimation::SegmentEstimation(const SegmentEstimationParams& params)
-    : params_(params), buffers_(std::make_unique<Buffers>()) {}
+    : params_(params), buffers_(std::make_unique<Buffers>(params)) {}
 SegmentEstimation::~SegmentEstimation() = default;
 SegmentEstimation::SegmentEstimation(const SegmentEstimation& other) : SegmentEstimation(other.params_) {}
 SegmentEstimation& SegmentEstimation::operator=(const SegmentEstimation& other) {
   params_ = other.params_;
+  buffers_ = std::make_unique<Buffers>(params_);
   return *this;
 }
 

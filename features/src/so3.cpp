@@ -39,34 +39,4 @@ Eigen::Matrix3d rotationBetween(const Eigen::Vector3d& from, const Eigen::Vector
   return Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
 }
 
-Matrix6d turned(const Eigen::Matrix3d& R, const Matrix6d& P) {
-  Matrix6d out;
-  for (const int row : {0, 3})
-    for (const int column : {0, 3})
-      out.block<3, 3>(row, column) = R * P.block<3, 3>(row, column) * R.transpose();
-  return out;
-}
-
-PoseWithCovariance operator*(const Eigen::Isometry3d& T_a_b, const PoseWithCovariance& T_b_c) {
-  return {T_a_b * T_b_c.T, turned(T_a_b.linear(), T_b_c.P)};
-}
-
-bool isNear(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double translation, double rotation_deg) {
-  return (a.translation() - b.translation()).norm() <= translation &&
-         rotationAngle(a.linear() * b.linear().transpose()) <= rotation_deg * kDegree;
-}
-
-Eigen::Isometry3d perturbed(const Eigen::Isometry3d& T, const Vector6d& d) {
-  Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
-  out.linear() = Eigen::Quaterniond(expSO3(d.head<3>()) * T.linear()).normalized().toRotationMatrix();
-  out.translation() = T.translation() + d.tail<3>();
-  return out;
-}
-
-Vector6d perturbation(const Eigen::Isometry3d& T0, const Eigen::Isometry3d& T) {
-  Vector6d d;
-  d << logSO3(T.linear() * T0.linear().transpose()), T.translation() - T0.translation();
-  return d;
-}
-
 }  // namespace facetloc

@@ -77,9 +77,9 @@ private:
   template <typename Params>
   bool storeField(Params& params, const std::string& key, std::string_view word) {
     bool found = false;
-    Params::describe(params, [&](const char* name, auto& value, auto lowest, auto highest, const char*) {
+    forEachParam(params, [&](const ParamInfo& info, auto& value, auto lowest, auto highest) {
       using Value = std::decay_t<decltype(value)>;
-      if (key != name) return;
+      if (key != info.name.substr(info.name.rfind('.') + 1)) return;
       value = static_cast<Value>(
           number(key, word, double(lowest), double(highest), !std::is_floating_point_v<Value>));
       found = true;

@@ -49,8 +49,8 @@ Intrinsics cameraOfImages(const DepthSequence& sequence) {
 SequenceSource::SequenceSource(const std::string& folder) : sequence_(DepthSequence::open(folder)) {
   has_times_ = areTimes(sequence_.frames());
   rate_ = has_times_ ? rateOf(sequence_.frames()) : kUsualRate;
-  camera_ = sequence_.camera() ? sequence_.camera()->intrinsics : cameraOfImages(sequence_);
-  if (sequence_.camera()) mounting_ = sequence_.camera()->mounting;
+  camera_ = sequence_.camera() ? sequence_.camera()->camera.intrinsics : cameraOfImages(sequence_);
+  if (sequence_.camera()) mounting_ = sequence_.camera()->camera.mounting;
 }
 
 std::uint64_t SequenceSource::stamp(std::size_t index) const {

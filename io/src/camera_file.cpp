@@ -110,21 +110,23 @@ private:
 CameraFile readCameraFile(const std::filesystem::path& path) {
   const std::string content = files::readText(path);
   const Values v = Parser(path).parse(content);
-  CameraFile camera;
+  CameraFile file;
+  Camera& camera = file.camera;
   camera.intrinsics = {static_cast<int>(v.at("width")),
                        static_cast<int>(v.at("height")),
                        v.at("fx"),
                        v.at("fy"),
                        v.at("cx"),
                        v.at("cy")};
-  camera.depth_scale = v.at("depth_scale");
+  file.depth_scale = v.at("depth_scale");
   if (v.count("mount_height")) camera.mounting = CameraMounting{v.at("mount_height"), v.at("mount_tilt_deg")};
-  if (v.count("inverse_depth_std")) camera.inverse_depth_std = v.at("inverse_depth_std");
-  return camera;
+  if (v.count("inverse_depth_std")) camera.noise.inverse_depth_std = v.at("inverse_depth_std");
+  return file;
 }
 
-void writeCameraFile(const std::filesystem::path& path, const CameraFile& camera) {
-  if (!camera.intrinsics.valid() || !(camera.depth_scale > 0))
+void writeCameraFile(const std::filesystem::path& path, const CameraFile& file) {
+  const Camera& camera = file.camera;
+  if (!camera.intrinsics.valid() || !(file.depth_scale > 0))
     throw std::invalid_argument("writeCameraFile: the camera is impossible");
   writeTextAtomically(path, [&](std::ostream& out) {
     const Intrinsics& k = camera.intrinsics;
@@ -133,12 +135,13 @@ void writeCameraFile(const std::filesystem::path& path, const CameraFile& camera
       out << key << "=" << text::shortest(value) << "\n";
     };
     line("fx", k.fx), line("fy", k.fy), line("cx", k.cx), line("cy", k.cy);
-    line("depth_scale", camera.depth_scale);
+    line("depth_scale", file.depth_scale);
     if (camera.mounting) {
       line("mount_height", camera.mounting->height);
       line("mount_tilt_deg", camera.mounting->tilt_deg);
     }
-    if (camera.inverse_depth_std) line("inverse_depth_std", *camera.inverse_depth_std);
+    if (camera.noise.inverse_depth_std != SensorNoise().inverse_depth_std)
+      line("inverse_depth_std", camera.noise.inverse_depth_std);
   });
 }
 

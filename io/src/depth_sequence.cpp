@@ -130,10 +130,10 @@ CameraFile cameraOf(const OniFile& recording) {
   if (!recording.camera().valid())
     throw IoError(recording.path().string(),
                   "does not tell the field of view of its camera; a camera.ini beside it would");
-  CameraFile camera;
-  camera.intrinsics = recording.camera();
-  camera.depth_scale = 1000 / recording.millimetres();
-  return camera;
+  CameraFile file;
+  file.camera.intrinsics = recording.camera();
+  file.depth_scale = 1000 / recording.millimetres();
+  return file;
 }
 
 }  // namespace
@@ -203,23 +203,24 @@ DepthImage DepthSequence::load(std::size_t index, int working_width) const {
   DepthImage image;
   if (recording_) {
     image = recording_->read(index);
-    requireSize(path, image.camera.width, image.camera.height, camera_->intrinsics);
-    image.camera = camera_->intrinsics;
+    requireSize(path, image.camera.width, image.camera.height, camera_->camera.intrinsics);
+    image.camera = camera_->camera.intrinsics;
   } else if (isPng(path))
     image = readDepthPng(path, *camera_);
   else
-    image = readDepthPcd(path, camera_ ? std::optional(camera_->intrinsics) : std::nullopt);
+    image = readDepthPcd(path, camera_ ? std::optional(camera_->camera.intrinsics) : std::nullopt);
   const int step = working_width > 0 ? subsamplingStep(image.camera, working_width) : 1;
   return step > 1 ? subsampled(image, step) : image;
 }
 
-DepthImage readDepthPng(const std::filesystem::path& path, const CameraFile& camera) {
+DepthImage readDepthPng(const std::filesystem::path& path, const CameraFile& file) {
   constexpr int kBits = 16;
   const Raster<std::uint16_t> raster = readGreyPng(path, kBits);
-  requireSize(path, raster.width, raster.height, camera.intrinsics);
-  DepthImage image{camera.intrinsics, std::vector<float>(raster.data.size())};
+  const Intrinsics& intrinsics = file.camera.intrinsics;
+  requireSize(path, raster.width, raster.height, intrinsics);
+  DepthImage image{intrinsics, std::vector<float>(raster.data.size())};
   std::transform(raster.data.begin(), raster.data.end(), image.depth.begin(),
-                 [&](std::uint16_t value) { return static_cast<float>(value / camera.depth_scale); });
+                 [&](std::uint16_t value) { return static_cast<float>(value / file.depth_scale); });
   return image;
 }
 

@@ -61,6 +61,7 @@ void markFormat(Connection& db) {
 void createLaterTables(Connection& db) {
   db.execute(schema::kPlaceIndexTable);
   db.execute(schema::kDistortionTable);
+  db.execute(schema::kNoiseTables);
 }
 
 /** Adds what an older minor format lacks. */

@@ -45,18 +45,29 @@ void insertMeta(Connection& db, const std::string& key, const std::string& value
   (statement << key << value).run();
 }
 
-void insertMounting(Connection& db, const CameraMounting& mounting) {
-  Statement statement(db, "INSERT OR REPLACE INTO mounting(id, height, tilt_deg) VALUES(0, ?, ?)");
-  (statement << mounting.height << mounting.tilt_deg).run();
-}
-
-void insertDistortion(Connection& db, const DepthDistortion& distortion) {
-  Statement statement(
-      db, "INSERT OR REPLACE INTO distortion(node, ray_x, ray_y, inverse_depth) VALUES(?, ?, ?, ?)");
-  for (int i = 0; i < DepthDistortion::kNodes; ++i) {
-    const Eigen::Vector2d ray = distortion.rayOf(i);
-    (statement << i << ray.x() << ray.y() << distortion.values()[i]).run();
+void insertCamera(Connection& db, const Camera& camera) {
+  db.execute("DELETE FROM mounting; DELETE FROM distortion; DELETE FROM camera");
+  if (camera.mounting) {
+    Statement statement(db, "INSERT INTO mounting(id, height, tilt_deg) VALUES(0, ?, ?)");
+    (statement << camera.mounting->height << camera.mounting->tilt_deg).run();
   }
+  if (camera.distortion) {
+    Statement statement(db, schema::insert(schema::kDistortionColumns, "distortion"));
+    for (int i = 0; i < DepthDistortion::kNodes; ++i) {
+      const Eigen::Vector2d ray = camera.distortion->rayOf(i);
+      (statement << i << ray.x() << ray.y() << camera.distortion->values()[i]).run();
+    }
+  }
+  describing(db, "the camera", [&] { requireSound(camera.noise); });
+  Statement statement(db, schema::insert(schema::kCameraColumns, "camera"));
+  statement << 0;
+  if (camera.intrinsics.valid())
+    statement << camera.intrinsics;
+  else
+    statement.bindAll(std::array<std::nullptr_t, 6>{});
+  (statement << camera.noise.inverse_depth_std << camera.noise.distortion_offset
+             << camera.noise.distortion_slope)
+      .run();
 }
 
 int nextId(Connection& db, const std::string& table) {
@@ -83,12 +94,16 @@ void insertSegments(Connection& db, int model_id, const LocalModel& model) {
 
 void insertPicture(Connection& db, int model_id, const PackedModel& packed) {
   if (packed.depth.empty()) return;
-  describing(db, nameOf(model_id, packed.model.name),
-             [&] { requireSizeOfPicture(packed.model.view.depth.camera); });
+  describing(db, nameOf(model_id, packed.model.name), [&] {
+    requireSizeOfPicture(packed.model.view.depth.camera);
+    requireNoise(packed.model.view.depth.noise_std);
+  });
   Statement statement(db, schema::insert(schema::kPictureColumns, "depth_picture"));
   statement << model_id << packed.model.view.depth.camera << std::string(depth_blob::kEncoding)
             << packed.depth;
   statement.run();
+  Statement noise(db, schema::insert(schema::kPictureNoiseColumns, "picture_noise"));
+  (noise << model_id << packed.model.view.depth.noise_std).run();
 }
 
 int insertModel(Connection& db, const PackedModel& packed) {
@@ -101,7 +116,7 @@ int insertModel(Connection& db, const PackedModel& packed) {
     statement << *model.T_w_m;
   else
     statement.bindAll(std::array<std::nullptr_t, std::tuple_size<PoseColumns>::value>{});
-  statement << model.view.camera << static_cast<int>(model.view.segments.size());
+  statement << model.view.intrinsics << static_cast<int>(model.view.segments.size());
   statement.run();
   insertSegments(db, id, model);
   insertPicture(db, id, packed);
@@ -190,11 +205,9 @@ void MapDatabase::setMeta(const std::string& key, const std::string& value) {
   insertMeta(impl_->db, key, value);
 }
 
-void MapDatabase::setMounting(const CameraMounting& mounting) { insertMounting(impl_->db, mounting); }
-
-void MapDatabase::setDistortion(const DepthDistortion& distortion) {
+void MapDatabase::setCamera(const Camera& camera) {
   Transaction transaction(impl_->db);
-  insertDistortion(impl_->db, distortion);
+  insertCamera(impl_->db, camera);
   transaction.commit();
 }
 
@@ -209,8 +222,10 @@ PackedModel packed(LocalModel model) {
   std::vector<std::uint8_t> depth;
   if (!picture.empty()) depth = depth_blob::encode(picture.inverse_depth, picture.camera.width);
   const Intrinsics camera = picture.camera;
+  const double noise_std = picture.noise_std;
   picture = {};
   picture.camera = camera;
+  picture.noise_std = noise_std;
   return {std::move(model), std::move(depth)};
 }
 
@@ -255,8 +270,7 @@ void writeMap(const fs::path& path, const Map& map) {
     Transaction transaction(db);
     for (const auto& [key, value] : map.meta)
       if (!isReserved(key)) insertMeta(db, key, value);
-    if (map.mounting) insertMounting(db, *map.mounting);
-    if (map.distortion) insertDistortion(db, *map.distortion);
+    insertCamera(db, map.camera);
     for (std::size_t i = 0; i < map.models.size(); ++i) {
       LocalModel model = map.models[i];
       if (map.store) model.view = *map.view(static_cast<int>(i));

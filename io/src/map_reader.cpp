@@ -21,19 +21,21 @@ std::string nameOf(int model, const std::string& name) {
 
 Map MapReader::read() {
   readMeta();
-  readDistortion();
+  readCamera();
   readModels();
   readSegments();
   readPictures(true);
+  readNoise();
   readLinks();
   return std::move(map_);
 }
 
 Map MapReader::readWithoutViews() {
   readMeta();
-  readDistortion();
+  readCamera();
   readModels();
   readPictures(false);
+  readNoise();
   readLinks();
   return std::move(map_);
 }
@@ -79,13 +81,24 @@ void MapReader::readMeta() {
     const std::string key = row.text();
     map_.meta[key] = row.text();
   });
+}
+
+void MapReader::readCamera() {
+  if (sqlite::hasTable(db_, "camera"))
+    forEachRow(schema::select(schema::kCameraColumns, "camera", "id"),
+               [this](Statement& row, std::string& label) {
+                 label = "the camera";
+                 row.skip(1);
+                 map_.camera = map_rows::readCamera(row);
+               });
   forEachRow(schema::select("height, tilt_deg", "mounting", "id"),
              [this](Statement& row, std::string& label) {
                label = "the camera mounting";
                const double height = row.real(), tilt_deg = row.real();
                require(std::isfinite(height) && std::isfinite(tilt_deg), "it is not finite");
-               map_.mounting = CameraMounting{height, tilt_deg};
+               map_.camera.mounting = CameraMounting{height, tilt_deg};
              });
+  readDistortion();
 }
 
 void MapReader::readDistortion() {
@@ -104,7 +117,7 @@ void MapReader::readDistortion() {
   if (rays.empty()) return;
   try {
     require(rays.size() == values.size(), "it has too few nodes");
-    map_.distortion.emplace(Eigen::AlignedBox2d(rays.front(), rays.back()), values);
+    map_.camera.distortion.emplace(Eigen::AlignedBox2d(rays.front(), rays.back()), values);
   } catch (const std::exception& e) {
     faults_.push_back(std::string("the distortion: ") + e.what());
   }
@@ -154,6 +167,18 @@ void MapReader::readPictures(bool whole) {
              });
 }
 
+/** Of a file without it, or of a picture without it, that of the camera. */
+void MapReader::readNoise() {
+  for (LocalModel& model : map_.models) model.view.depth.noise_std = map_.camera.noise.inverse_depth_std;
+  if (!sqlite::hasTable(db_, "picture_noise")) return;
+  forEachRow(schema::select(schema::kPictureNoiseColumns, "picture_noise", "model_id"),
+             [&](Statement& row, std::string& label) {
+               label = "the noise of the depth picture";
+               LocalModel& model = modelOf(row.integer(), label);
+               model.view.depth.noise_std = map_rows::readNoise(row);
+             });
+}
+
 void MapReader::readLinks() {
   forEachRow(schema::select(schema::kLinkColumns, "link", "id"), [this](Statement& row, std::string& label) {
     label = "a link";
@@ -186,11 +211,15 @@ std::string ofModel(const char* columns, const char* table, const char* model) {
 
 }  // namespace
 
-ViewReader::ViewReader(Connection& db)
+ViewReader::ViewReader(Connection& db, double noise_std)
     : db_(db),
+      noise_std_(noise_std),
       of_model_(db, ofModel(schema::kModelColumns, "model", "id")),
       segments_(db, ofModel(schema::kSegmentColumns, "segment", "model_id") + " ORDER BY idx"),
-      picture_(db, ofModel(schema::kPictureColumns, "depth_picture", "model_id")) {}
+      picture_(db, ofModel(schema::kPictureColumns, "depth_picture", "model_id")) {
+  if (sqlite::hasTable(db, "picture_noise"))
+    noise_.emplace(db, ofModel(schema::kPictureNoiseColumns, "picture_noise", "model_id"));
+}
 
 PackedView ViewReader::read(int model) {
   PackedView packed;
@@ -217,6 +246,12 @@ PackedView ViewReader::read(int model) {
     picture->skip(1);
     view.depth.camera = readPictureCamera(picture.row());
     packed.packed_ = readPackedPicture(picture.row());
+    view.depth.noise_std = noise_std_;
+    if (!noise_) return packed;
+    const RowsOf noise(*noise_, model);
+    if (!noise->step()) return packed;
+    noise->skip(1);
+    view.depth.noise_std = readNoise(noise.row());
   } catch (const BadCell& e) {
     throw IoError(packed.file_, "is not sound: " + packed.label_ + ": " + e.what());
   }
@@ -225,7 +260,9 @@ PackedView ViewReader::read(int model) {
 
 View PackedView::unpacked() && {
   try {
+    const double noise_std = view_.depth.noise_std;
     if (!packed_.empty()) view_.depth = unpackedPicture(view_.depth.camera, packed_);
+    view_.depth.noise_std = noise_std;
   } catch (const BadCell& e) {
     throw IoError(file_, "is not sound: " + label_ + ": " + e.what());
   }

@@ -5,6 +5,7 @@
 
 #include <facetloc/features/local_model.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,10 +36,12 @@ private:
   void forEachRow(const std::string& sql, const Function& function);
   LocalModel& modelOf(int id, std::string& label);
   void readMeta();
+  void readCamera();
   void readDistortion();
   void readModels();
   void readSegments();
   void readPictures(bool whole);
+  void readNoise();
   void readLinks();
 
   sqlite::Connection& db_;
@@ -67,13 +70,16 @@ private:
 /** \brief Looks up views of local models, one at a time. */
 class ViewReader {
 public:
-  explicit ViewReader(sqlite::Connection& db);
+  /** \param noise_std of the pictures whose own noise the file does not tell [1/m] */
+  ViewReader(sqlite::Connection& db, double noise_std);
   /** \brief Throws IoError if there is none or it is not sound. */
   PackedView read(int model);
 
 private:
   sqlite::Connection& db_;
+  double noise_std_;
   sqlite::Statement of_model_, segments_, picture_;  // of the model that is bound to them
+  std::optional<sqlite::Statement> noise_;           // of a file that has it
 };
 
 }  // namespace facetloc

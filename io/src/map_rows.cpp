@@ -84,6 +84,17 @@ void requireSizeOfPicture(const Intrinsics& camera) {
           "its depth picture is too large");
 }
 
+void requireNoise(double inverse_depth_std) {
+  require(inverse_depth_std >= SensorNoise::kLeastInverseDepthStd && inverse_depth_std <= 1,
+          "its noise is impossible");
+}
+
+void requireSound(const SensorNoise& noise) {
+  requireNoise(noise.inverse_depth_std);
+  for (const double distortion : {noise.distortion_offset, noise.distortion_slope})
+    require(distortion >= 0 && distortion <= 1, "its expected distortion is impossible");
+}
+
 void requireSound(const Segment& s) {
   requireRotation(s.R);
   require(s.t.allFinite(), "its centroid is not finite");
@@ -113,7 +124,7 @@ void requireSound(const Link& link) {
 void requireSound(const LocalModel& model) {
   require(!model.name.empty(), "it has no name");
   require(std::isfinite(model.stamp), "its stamp is not finite");
-  requireSound(model.view.camera);
+  requireSound(model.view.intrinsics);
   if (model.T_w_m) requireSound(*model.T_w_m);
   requireSound(model.view.depth);
 }
@@ -164,7 +175,7 @@ LocalModel readModel(Statement& row) {
     row.skip(std::tuple_size<PoseColumns>::value);
   else
     model.T_w_m = readPose(row);
-  model.view.camera = readIntrinsics(row);
+  model.view.intrinsics = readIntrinsics(row);
   requireSound(model);
   return model;
 }
@@ -173,6 +184,25 @@ Intrinsics readPictureCamera(Statement& row) {
   const Intrinsics camera = readIntrinsics(row);
   requireSizeOfPicture(camera);
   return camera;
+}
+
+Camera readCamera(Statement& row) {
+  Camera camera;
+  if (row.isNull())
+    row.skip(6);
+  else
+    camera.intrinsics = readIntrinsics(row);
+  camera.noise.inverse_depth_std = row.real();
+  camera.noise.distortion_offset = row.real();
+  camera.noise.distortion_slope = row.real();
+  requireSound(camera.noise);
+  return camera;
+}
+
+double readNoise(Statement& row) {
+  const double noise_std = row.real();
+  requireNoise(noise_std);
+  return noise_std;
 }
 
 Blob readPackedPicture(Statement& row) {

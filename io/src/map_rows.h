@@ -13,6 +13,8 @@ namespace facetloc::map_rows {
 
 void require(bool condition, const char* fault);
 void requireSizeOfPicture(const Intrinsics& camera);
+void requireNoise(double inverse_depth_std);
+void requireSound(const SensorNoise& noise);
 void requireSound(const Segment& segment);
 void requireSound(const LocalModel& model);
 void requireSound(const Link& link);
@@ -34,6 +36,10 @@ LocalModel readModel(sqlite::Statement& row);
 Link readLink(sqlite::Statement& row);
 /** \brief The camera of a depth picture. */
 Intrinsics readPictureCamera(sqlite::Statement& row);
+/** \brief The camera of the map, without mounting and distortion, which have tables of their own. */
+Camera readCamera(sqlite::Statement& row);
+/** \brief Noise of the inverse depths of a depth picture. */
+double readNoise(sqlite::Statement& row);
 /** \brief The rest of a depth picture, still packed. */
 sqlite::Blob readPackedPicture(sqlite::Statement& row);
 DepthPicture unpackedPicture(const Intrinsics& camera, const sqlite::Blob& packed);

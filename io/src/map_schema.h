@@ -103,6 +103,22 @@ CREATE TABLE IF NOT EXISTS distortion(   -- of the depth camera, taken out of th
 ) STRICT;
 )sql";
 
+/** \brief Since 1.3. */
+inline constexpr const char* kNoiseTables = R"sql(
+CREATE TABLE IF NOT EXISTS camera(        -- that the models' images were taken with; one row or none
+  id INTEGER PRIMARY KEY CHECK(id = 0),
+  width INTEGER, height INTEGER,          -- intrinsics of its full images [px]; NULL while each image has its own
+  fx REAL, fy REAL, cx REAL, cy REAL,
+  inverse_depth_std REAL NOT NULL CHECK(inverse_depth_std > 0),    -- random error of 1/z [1/m]
+  distortion_offset REAL NOT NULL CHECK(distortion_offset >= 0),   -- smooth distortion that it may have [1/m] ...
+  distortion_slope REAL NOT NULL CHECK(distortion_slope >= 0)      -- ... and per unit of the normalised ray
+) STRICT;
+CREATE TABLE IF NOT EXISTS picture_noise( -- what each model's image shows; without a row, that of the camera
+  model_id INTEGER PRIMARY KEY REFERENCES model(id) ON DELETE CASCADE,
+  inverse_depth_std REAL NOT NULL CHECK(inverse_depth_std > 0)     -- random error of 1/z [1/m]
+) STRICT;
+)sql";
+
 inline constexpr const char* kModelColumns =
     "id, name, stamp, tx, ty, tz, qx, qy, qz, qw, width, height, fx, fy, cx, cy, num_segments";
 inline constexpr const char* kSegmentColumns =
@@ -124,6 +140,9 @@ inline constexpr const char* kConventions = "metres, radians, seconds; T_a_b map
                                             "r): tilts about the axes of F and offset along its normal";
 
 inline constexpr const char* kDistortionColumns = "node, ray_x, ray_y, inverse_depth";
+inline constexpr const char* kCameraColumns =
+    "id, width, height, fx, fy, cx, cy, inverse_depth_std, distortion_offset, distortion_slope";
+inline constexpr const char* kPictureNoiseColumns = "model_id, inverse_depth_std";
 inline constexpr const char* kIndexColumns = "part, crc32, data";
 
 inline std::string select(const std::string& columns, const std::string& table) {

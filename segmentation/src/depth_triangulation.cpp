@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/impl/lanes.h>
-#include <facetloc/segmentation/depth_triangulation.h>
-#include <facetloc/segmentation/impl/float_bits.h>
+#include "depth_triangulation.h"
+
+#include "float_bits.h"
+#include "shared/lanes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 using Vertex = DepthTriangulation::Vertex;
@@ -123,7 +124,7 @@ void DepthTriangulation::compute(const DisparityImage& image) {
   triangles_.clear();
   fresh_.clear();
   image_ = &image;
-  min_split_ = scaledPixels(params_.min_split, image.camera);
+  min_split_ = scaledPixels(params_.min_area, image.camera);
   min_fill_pixels_ = std::max(kMinFillPixels, scaledPixels(params_.min_fill_pixels, image.camera));
   const int w = image.camera.width, h = image.camera.height;
   if (w < 2 || h < 2 || std::none_of(image.d.begin(), image.d.end(), [](float d) { return d > 0; })) return;
@@ -225,7 +226,7 @@ bool DepthTriangulation::isSmall(const Triangle& t) const {
 bool DepthTriangulation::mustSplit(Triangle& t) const {
   const bool poorly_filled =
       t.num_pixels >= min_fill_pixels_ && t.num_valid < params_.min_fill * t.num_pixels;
-  if (!(t.max_deviation > params_.split_tolerance) && !poorly_filled) return false;
+  if (!(t.max_deviation > params_.tolerance) && !poorly_filled) return false;
   if (t.worst_row >= 0) t.worst_pixel = mostDeviating(*image_, t.worst_row, t.plane, t.max_deviation);
   if (t.worst_pixel >= 0 && !isVertex(t, t.worst_pixel)) return true;
   // Nothing deviates, but for rounding noise at a vertex; an outline may be left to find.
@@ -354,4 +355,4 @@ void DepthTriangulation::replaceNeighbour(int t, int from, int to) {
   triangles_[t].neighbour[whichIs(from, triangles_[t].neighbour)] = to;
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/impl/inverse_depth.h>
-#include <facetloc/segmentation/disparity_image.h>
-#include <facetloc/segmentation/impl/float_bits.h>
+#include "disparity_image.h"
+
+#include "float_bits.h"
+#include "shared/inverse_depth.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 // The median of n floats that are not negative, the upper of two; moves them about. Counting by exponent and
@@ -71,4 +72,4 @@ void toDisparity(const DepthImage& image, double unit, DisparityImage& out) {
   invertDepth(image.depth.data(), image.depth.size(), static_cast<float>(1.0 / unit), out.d.data());
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

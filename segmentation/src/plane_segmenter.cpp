@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "depth_triangulation.h"
+#include "disparity_image.h"
+#include "region_merging.h"
 #include "relabel.h"
+#include "shared/lanes.h"
 
-#include <facetloc/features/impl/lanes.h>
 #include <facetloc/segmentation/plane_segmenter.h>
 
 #include <algorithm>
@@ -9,6 +12,8 @@
 #include <numeric>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 // Labels the pixels in the rows that lie near a plane. \return how many.
@@ -76,10 +81,46 @@ FACETLOC_MULTIVERSION int listBorders(const std::uint16_t* row, const std::uint1
 
 }  // namespace
 
-PlaneSegmenter::PlaneSegmenter(const SegmentationParams& params, const SensorNoise& noise)
-    : params_(params), noise_(noise), split_(params.split), merge_(params.merge) {}
+struct PlaneSegmenter::Impl {
+  Impl(const SegmentationParams& params, const SensorNoise& noise)
+      : params_(params), noise_(noise), split_(params.split), merge_(params.merge) {}
 
-void PlaneSegmenter::segment(const DepthImage& image, LabelledPlanes& out) {
+  void segment(const DepthImage& image, LabelledPlanes& out);
+
+  struct Pixel {
+    std::int32_t u, v;
+  };
+  void label(LabelledPlanes& out);
+  void reassignBoundaries(LabelImage& labels);
+  void keepLargeRegions(LabelledPlanes& out, double min_support);
+
+  SegmentationParams params_;
+  SensorNoise noise_;
+  DisparityImage disparity_;
+  DepthTriangulation split_;
+  RegionMerging merge_;
+  std::vector<PixelPlane> region_planes_;  // by provisional label, in units of the disparity image
+  std::vector<int> support_;               // of it [px]
+  std::vector<std::uint16_t> label_of_region_, order_;
+  std::vector<std::int32_t> columns_;  // of a row, and room for one more
+  std::vector<Pixel> front_;
+  std::vector<float> scratch_;
+};
+
+PlaneSegmenter::PlaneSegmenter(const SegmentationParams& params, const SensorNoise& noise)
+    : impl_(std::make_unique<Impl>(params, noise)) {}
+PlaneSegmenter::PlaneSegmenter(const PlaneSegmenter& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
+PlaneSegmenter& PlaneSegmenter::operator=(const PlaneSegmenter& other) {
+  impl_ = std::make_unique<Impl>(*other.impl_);
+  return *this;
+}
+PlaneSegmenter::PlaneSegmenter(PlaneSegmenter&&) noexcept = default;
+PlaneSegmenter& PlaneSegmenter::operator=(PlaneSegmenter&&) noexcept = default;
+PlaneSegmenter::~PlaneSegmenter() = default;
+
+void PlaneSegmenter::segment(const DepthImage& image, LabelledPlanes& out) { impl_->segment(image, out); }
+
+void PlaneSegmenter::Impl::segment(const DepthImage& image, LabelledPlanes& out) {
   out.camera = image.camera;
   out.planes.clear();
   out.support.clear();
@@ -88,23 +129,24 @@ void PlaneSegmenter::segment(const DepthImage& image, LabelledPlanes& out) {
   out.labels.label.assign(image.depth.size(), 0);
   out.noise = std::max(SensorNoise::kLeastInverseDepthStd, noise_.inverse_depth_std);
   if (!image.valid()) return;
-  if (params_.estimate_noise) out.noise = estimateNoise(image, out.noise, scratch_);
+  if (params_.labels.estimate_noise) out.noise = estimateNoise(image, out.noise, scratch_);
 
   toDisparity(image, out.noise, disparity_);
   split_.compute(disparity_);
   merge_.compute(split_, disparity_);
   label(out);
   reassignBoundaries(out.labels);
-  keepLargeRegions(out, std::max(3.0, scaledPixels(params_.min_support, image.camera)));
+  keepLargeRegions(out, std::max(3.0, scaledPixels(params_.labels.min_support, image.camera)));
   for (PixelPlane& p : out.planes) p = {p.a * out.noise, p.b * out.noise, p.c * out.noise};
 }
 
 // Provisional labels: every pixel of a region that lies near its plane. Specks are left for their neighbours
 // to take.
-void PlaneSegmenter::label(LabelledPlanes& out) {
+void PlaneSegmenter::Impl::label(LabelledPlanes& out) {
   constexpr double kSpeck =
       0.3;  // share of the minimum support below which a region gets no label of its own
-  const double min_region = std::max(3.0, kSpeck * scaledPixels(params_.min_support, disparity_.camera));
+  const double min_region =
+      std::max(3.0, kSpeck * scaledPixels(params_.labels.min_support, disparity_.camera));
   region_planes_.assign(1, {});
   label_of_region_.assign(merge_.regions().size(), 0);
   for (std::size_t r = 0; r < merge_.regions().size() && region_planes_.size() < 65535; ++r) {
@@ -113,7 +155,7 @@ void PlaneSegmenter::label(LabelledPlanes& out) {
     region_planes_.push_back(merge_.regions()[r].plane);
   }
   support_.assign(region_planes_.size(), 0);
-  const float tolerance = static_cast<float>(params_.label_tolerance);
+  const float tolerance = static_cast<float>(params_.labels.tolerance);
   for (std::size_t t = 0; t < split_.triangles().size(); ++t) {
     const int r = merge_.regionOfTriangle()[t];
     if (r < 0 || label_of_region_[r] == 0) continue;
@@ -124,8 +166,8 @@ void PlaneSegmenter::label(LabelledPlanes& out) {
 }
 
 // Triangles follow the outlines only roughly. Breadth first from all borders, a pixel goes to the
-// neighbouring region whose plane it fits better (METHOD 3.2 (ii)).
-void PlaneSegmenter::reassignBoundaries(LabelImage& labels) {
+// neighbouring region whose plane it fits better (METHOD 5.2).
+void PlaneSegmenter::Impl::reassignBoundaries(LabelImage& labels) {
   const int w = labels.width, h = labels.height;
   std::uint16_t* const label = labels.label.data();
   front_.clear();
@@ -135,7 +177,7 @@ void PlaneSegmenter::reassignBoundaries(LabelImage& labels) {
     const int n = listBorders(row, v > 0 ? row - w : row, v + 1 < h ? row + w : row, w, columns_.data());
     for (int i = 0; i < n; ++i) front_.push_back({columns_[i], v});
   }
-  const float tolerance = static_cast<float>(params_.label_tolerance);
+  const float tolerance = static_cast<float>(params_.labels.tolerance);
   for (std::size_t f = 0; f < front_.size(); ++f) {
     const auto [u, v] = front_[f];
     const std::uint16_t k = label[v * w + u];
@@ -162,7 +204,7 @@ void PlaneSegmenter::reassignBoundaries(LabelImage& labels) {
 }
 
 // Final labels: regions of enough support, the largest first, ties by provisional label.
-void PlaneSegmenter::keepLargeRegions(LabelledPlanes& out, double min_support) {
+void PlaneSegmenter::Impl::keepLargeRegions(LabelledPlanes& out, double min_support) {
   order_.resize(region_planes_.size() - 1);
   std::iota(order_.begin(), order_.end(), std::uint16_t{1});
   std::sort(order_.begin(), order_.end(),

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/impl/lanes.h>
-#include <facetloc/segmentation/region_merging.h>
+#include "region_merging.h"
+
+#include "shared/lanes.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 // Moments of the valid pixels in the rows, counted from the first row and its column; shifted afterwards,
@@ -61,7 +62,7 @@ void RegionMerging::compute(const DepthTriangulation& triangulation, const Dispa
     nodes_.reserve(room), mark_.reserve(room), region_of_triangle_.reserve(room);
     links_.reserve(3 * room);
   }
-  queue_.clear(params_.merge_tolerance);
+  queue_.clear(params_.tolerance);
   regions_.clear();
   region_of_triangle_.assign(n, -1);
   mark_.assign(n, 0);
@@ -101,7 +102,7 @@ void RegionMerging::makeNodes(const DepthTriangulation& triangulation, const Dis
     Node& node = nodes_[i];
     node.parent = static_cast<std::int32_t>(i);
     if (t.num_valid == 0 || t.num_valid < triangulation.params().min_fill * t.num_pixels) continue;
-    if (t.max_deviation > triangulation.params().split_tolerance) continue;
+    if (t.max_deviation > triangulation.params().tolerance) continue;
     if (image.unit * t.plane.toSpace(image.camera).norm() * params_.min_plane_distance > 1) continue;
     node.takes_part = true;
     node.moments = momentsOf(image, triangulation.rows(t));
@@ -116,7 +117,7 @@ int RegionMerging::root(int i) {
 
 void RegionMerging::pushEdge(int a, int b) {
   const double c = cost(nodes_[a].moments, nodes_[a].sse, nodes_[b].moments, nodes_[b].sse);
-  if (!(c <= params_.merge_tolerance)) return;  // costs of either side are computed anew when it changes
+  if (!(c <= params_.tolerance)) return;  // costs of either side are computed anew when it changes
   queue_.push({static_cast<float>(c), a, b, nodes_[a].version, nodes_[b].version});
 }
 
@@ -159,4 +160,4 @@ void RegionMerging::contract(int a, int b) {
     links_[last].next = -1;
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <vector>
 
-namespace facetloc {
+namespace facetloc::internal {
 
 /** \brief Label k becomes new_label[k]. Four pixels at a time, which mostly are like the four before. */
 inline void relabel(std::vector<std::uint16_t>& labels, const std::vector<std::uint16_t>& new_label) {
@@ -26,4 +26,4 @@ inline void relabel(std::vector<std::uint16_t>& labels, const std::vector<std::u
   for (; k < end; ++k) *k = new_label[*k];
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

@@ -6,6 +6,8 @@
 #include <chrono>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -14,11 +16,19 @@ double millisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
+SegmentEstimationParams featuresOf(const ViewParams& params) {
+  SegmentEstimationParams features = params.features;
+  features.min_support = params.labels.min_support;
+  return features;
+}
+
 }  // namespace
 
-ViewBuilder::ViewBuilder(const ViewParams& params)
-    : params_(checked(params)), segmenter_(params.segmentation, params.noise), estimation_(params.features) {
-  if (params.distortion) correction_.emplace(*params.distortion);
+ViewBuilder::ViewBuilder(const Camera& camera, const ViewParams& params)
+    : camera_(std::make_shared<const Camera>(camera)),
+      segmenter_(checked(params), checked(camera.noise)),
+      estimation_(featuresOf(params)) {
+  if (camera.distortion) correction_.emplace(*camera.distortion);
 }
 
 View ViewBuilder::build(const DepthImage& image) {
@@ -34,11 +44,13 @@ void ViewBuilder::build(const DepthImage& measured, View& view) {
   segment_ms_ = millisecondsSince(start);
 
   const Clock::time_point features_start = Clock::now();
-  SensorNoise noise = params_.noise;
+  SensorNoise noise = camera_->noise;
   noise.inverse_depth_std = segmentation_.noise;
-  view.camera = image.camera;
+  view.camera = camera_;
+  view.intrinsics = image.camera;
   estimation_.estimate(image, segmentation_.labels, noise, view.segments, kept_);
   view.depth.assign(image);
+  view.depth.noise_std = segmentation_.noise;
   renumber();
   features_ms_ = millisecondsSince(features_start);
 }

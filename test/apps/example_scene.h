@@ -34,7 +34,7 @@ public:
     image.depth.camera = {160, 120, 140, 140, 79.5, 59.5};
     image.labels.width = 160;
     image.labels.height = 120;
-    image.view.camera = image.depth.camera;
+    image.view.intrinsics = image.depth.camera;
     for (const Segment& segment : world_) image.view.segments.push_back(inView(segment, T_w_c));
     for (int v = 0; v < 120; ++v)
       for (int u = 0; u < 160; ++u) addPixel(image, image.depth.camera.ray(u, v));
@@ -44,7 +44,7 @@ public:
 
   Map map() const {
     Map map;
-    map.mounting = CameraMounting{1.0, 8};
+    map.camera.mounting = CameraMounting{1.0, 8};
     addModel("start", pose(0, 0, 0), map);
     addModel("left", pose(0.4, 0.5, 8), map);
     addModel("right", pose(0.9, -0.3, -20), map);

@@ -2,6 +2,7 @@
 #include "tool_runner.h"
 
 #include <facetloc/features/params.h>
+#include <facetloc/registration/localization_params.h>
 
 #include <gmock/gmock.h>
 
@@ -15,6 +16,7 @@ using testing::AllOf;
 using testing::EndsWith;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 struct ExampleParams {
   double angular_threshold = 2.5;
@@ -22,14 +24,23 @@ struct ExampleParams {
   bool faithful = false;
   bool robust = true;
 
+  static constexpr const char* kTitle = "Matching of examples";
   template <class Self, class Visitor>
-  static void describe(Self& p, Visitor&& field) {
-    field("angular_threshold", p.angular_threshold, -90.0, 90.0, "Largest angle [deg].");
-    field("max_pairs", p.max_pairs, 1, 16, "Limit of pairs.");
-    field("faithful", p.faithful, false, true, "As the paper.");
-    field("robust", p.robust, false, true, "Trimmed.");
+  static void describe(Self& p, Visitor&& visit) {
+    visit("angular_threshold", p.angular_threshold, -90.0, 90.0, "Largest angle [deg].");
+    visit("max_pairs", p.max_pairs, 1, 16, "Limit of pairs.");
+    visit("faithful", p.faithful, false, true, "As the paper.");
+    visit("robust", p.robust, false, true, "Trimmed.");
   }
-  void validate() const { checkRanges(*this); }
+};
+
+struct ShownParams {
+  static constexpr const char* kTitle = "What users need";
+  double size = 1;
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("size", p.size, 0.0, 2.0, "Size [m].");
+  }
 };
 
 /** Prints what it was told. */
@@ -43,13 +54,15 @@ private:
     line.addOption("output,o", output_, "DIR", "Folder.");
     line.addOption("max-hypotheses", max_hypotheses_, "K", "Limit.");
     line.addSwitch("labels", labels_, "Labels.");
-    line.addParams(params_);
+    line.addParams(params_, "matching");
+    line.addParams(shown_, "shown", CommandLine::Shown::in_help);
+    line.addPresets();
   }
   int execute(const CommandLine& line, const Console& console) override {
     console.out << inputs_.size() << " " << output_ << " " << max_hypotheses_ << " " << labels_ << " "
                 << params_.angular_threshold << " " << params_.max_pairs << " " << params_.faithful << " "
                 << params_.robust << " " << threads() << " " << console.quiet << " "
-                << line.given("angular_threshold");
+                << line.given("matching.angular_threshold");
     return kOk;
   }
 
@@ -58,6 +71,7 @@ private:
   int max_hypotheses_ = 100;
   bool labels_ = false;
   ExampleParams params_;
+  ShownParams shown_;
 };
 
 ToolRun echo(const std::vector<std::string>& arguments) { return runTool<EchoApp>(arguments); }
@@ -72,20 +86,20 @@ TEST(CommandLine, DefaultsComeFromTheVariables) { EXPECT_EQ(echo({"a"}).out, "1 
 
 TEST(CommandLine, GnuAndPclStyleAreTheSame) {
   const std::string told = "2 dir 7 1 -30 3 0 1 4 1 1";
-  EXPECT_EQ(echo({"a", "b", "-o", "dir", "--max-hypotheses", "7", "--labels", "--angular_threshold=-30",
-                  "--max-pairs", "3", "--threads", "4", "--quiet"})
+  EXPECT_EQ(echo({"a", "b", "-o", "dir", "--max-hypotheses", "7", "--labels",
+                  "--matching.angular_threshold=-30", "--max-pairs", "3", "--threads", "4", "--quiet"})
                 .out,
             told);
-  EXPECT_EQ(echo({"-output", "dir", "-max_hypotheses=7", "a", "-labels", "-angular-threshold", "-30",
-                  "-max_pairs", "3", "b", "-threads=4", "-q"})
+  EXPECT_EQ(echo({"-output", "dir", "-max_hypotheses=7", "a", "-labels", "-matching.angular-threshold", "-30",
+                  "-matching.max_pairs", "3", "b", "-threads=4", "-q"})
                 .out,
             told);
 }
 
 TEST(CommandLine, TruthValuesMayStandAlone) {
-  EXPECT_EQ(echo({"--faithful", "a"}).out, "1  100 0 2.5 6 1 1 0 0 0");
-  EXPECT_EQ(echo({"-faithful", "1", "-robust", "0", "a"}).out, "1  100 0 2.5 6 1 0 0 0 0");
-  EXPECT_EQ(echo({"--faithful=false", "--robust=no", "a"}).out, "1  100 0 2.5 6 0 0 0 0 0");
+  EXPECT_EQ(echo({"--matching.faithful", "a"}).out, "1  100 0 2.5 6 1 1 0 0 0");
+  EXPECT_EQ(echo({"-matching.faithful", "1", "-matching.robust", "0", "a"}).out, "1  100 0 2.5 6 1 0 0 0 0");
+  EXPECT_EQ(echo({"--matching.faithful=false", "--matching.robust=no", "a"}).out, "1  100 0 2.5 6 0 0 0 0 0");
 }
 
 TEST(CommandLine, MisspeltOptionsAreRefused) {
@@ -96,21 +110,45 @@ TEST(CommandLine, MisspeltOptionsAreRefused) {
   expectUsageError(echo({"--INPUT=a"}), "unrecognised option '--INPUT'");
 }
 
+TEST(CommandLine, OptionsOfVersion01AreToldTheirNewNames) {
+  expectUsageError(echo({"a", "--max_pairs", "3"}),
+                   "unrecognised option '--max_pairs'");  // not one of this tool
+  class OfEkf : public App {
+  public:
+    OfEkf() : App("facetloc_echo", "", "") {}
+    void addOptions(CommandLine& line) override { line.addParams(params_); }
+    int execute(const CommandLine&, const Console&) override { return kOk; }
+    GlobalLocalizationParams params_;
+  };
+  expectUsageError(runTool<OfEkf>({"--ekf-iterations", "3"}),
+                   "unrecognised option '--ekf-iterations'; it is called --ekf.iterations since version 0.2");
+}
+
+TEST(CommandLine, PresetsYieldToWhatIsGiven) {
+  expectUsageError(echo({"a", "--preset", "nobody"}), "unknown preset 'nobody'; there are: paper");
+  EXPECT_EQ(echo({"a", "--preset", "paper"}).out,
+            "1  1000 0 2.5 6 0 1 0 0 0");  // what it does not have is left out
+  EXPECT_EQ(echo({"a", "--preset", "paper", "--max-hypotheses", "7"}).out, "1  7 0 2.5 6 0 1 0 0 0");
+}
+
 TEST(CommandLine, BadValuesAreRefused) {
-  expectUsageError(echo({"a", "--max_pairs", "abc"}), "'abc'");
-  expectUsageError(echo({"a", "--max_pairs", "2.5"}), "'2.5'");
-  expectUsageError(echo({"a", "--angular_threshold"}), "value of option '--angular_threshold' is missing");
+  expectUsageError(echo({"a", "--matching.max_pairs", "abc"}), "'abc'");
+  expectUsageError(echo({"a", "--matching.max_pairs", "2.5"}), "'2.5'");
+  expectUsageError(echo({"a", "--matching.angular_threshold"}),
+                   "value of option '--matching.angular_threshold' is missing");
   expectUsageError(echo({"a", "-o", "--labels"}), "value of option '-o' is missing");
   expectUsageError(echo({"--output=", "a"}), "value of option '--output' is empty");
-  expectUsageError(echo({"a", "--max_pairs=1", "--max_pairs=2"}), "more than once");
+  expectUsageError(echo({"a", "--matching.max_pairs=1", "--matching.max_pairs=2"}), "more than once");
   expectUsageError(echo({"a", "--threads", "-1"}), "threads");
   expectUsageError(echo({"a", "--labels=1"}), "labels");
-  expectUsageError(echo({"a", "--faithful=maybe"}), "'maybe'");
+  expectUsageError(echo({"a", "--matching.faithful=maybe"}), "'maybe'");
 }
 
 TEST(CommandLine, ValuesOutOfRangeNameTheParameter) {
-  expectUsageError(echo({"a", "--max_pairs", "17"}), "parameter max_pairs = 17 is outside [1, 16]");
-  expectUsageError(echo({"a", "--angular_threshold", "nan"}), "parameter angular_threshold");
+  expectUsageError(echo({"a", "--matching.max_pairs", "17"}),
+                   "parameter matching.max_pairs = 17 is outside [1, 16]");
+  expectUsageError(echo({"a", "--matching.angular_threshold", "nan"}),
+                   "parameter matching.angular_threshold");
 }
 
 TEST(CommandLine, ArgumentsAreRequired) { expectUsageError(echo({}), "INPUT is missing"); }
@@ -120,9 +158,14 @@ TEST(CommandLine, HelpAndVersion) {
   EXPECT_EQ(help.code, kOk);
   EXPECT_THAT(help.out,
               AllOf(HasSubstr("Usage: facetloc_echo INPUT... -o DIR"), HasSubstr("Repeats its options."),
-                    HasSubstr("--max-hypotheses K (=100)"), HasSubstr("Algorithm parameters"),
-                    HasSubstr("--angular_threshold NUMBER (=2.5)"), HasSubstr("--params")));
-  EXPECT_LT(help.out.find("--labels"), help.out.find("Algorithm parameters"));
+                    HasSubstr("--max-hypotheses K (=100)"), HasSubstr("What users need:"),
+                    HasSubstr("--shown.size NUMBER (=1)"), HasSubstr("--params"), HasSubstr("--help-all"),
+                    Not(HasSubstr("angular_threshold"))));
+  const ToolRun all = echo({"--help-all"});
+  EXPECT_EQ(all.out.substr(0, help.out.size()), help.out);  // and more
+  EXPECT_THAT(all.out.substr(help.out.size()), AllOf(HasSubstr("Matching of examples:"),
+                                                     HasSubstr("--matching.angular_threshold NUMBER (=2.5)"),
+                                                     HasSubstr("Largest angle [deg].")));
   EXPECT_THAT(echo({"--version"}).out, testing::MatchesRegex("facetloc [0-9]+\\.[0-9]+\\.[0-9]+\n"));
 }
 
@@ -139,28 +182,29 @@ protected:
 
 TEST_F(ParamsFile, IsReadAndTheCommandLineWins) {
   const std::string content =
-      "# ours\nmax_pairs = 9   # few\n\nangular-threshold=1.5\nfaithful = 1\nlabels = true\n";
+      "# ours\nlabels = true\n[matching]\nmax_pairs = 9   # few\n\nangular-threshold=1.5\nfaithful = 1\n";
   EXPECT_EQ(echoWith(content).out, "1  100 1 1.5 9 1 1 0 0 1");
-  EXPECT_EQ(echoWith(content, {"a", "-max_pairs", "2", "--faithful=0"}).out, "1  100 1 1.5 2 0 1 0 0 1");
+  EXPECT_EQ(echoWith(content, {"a", "-matching.max_pairs", "2", "--matching.faithful=0"}).out,
+            "1  100 1 1.5 2 0 1 0 0 1");
 }
 
 TEST_F(ParamsFile, MayBeginWithAByteOrderMark) {
-  EXPECT_EQ(echoWith("\xEF\xBB\xBFmax_pairs = 9\n").out, "1  100 0 2.5 9 0 1 0 0 0");
+  EXPECT_EQ(echoWith("\xEF\xBB\xBFmatching.max_pairs = 9\n").out, "1  100 0 2.5 9 0 1 0 0 0");
 }
 
 TEST_F(ParamsFile, TakesWhatToIniWrites) {
   ExampleParams params;
   params.angular_threshold = 1.0 / 4;
   params.robust = false;
-  EXPECT_EQ(echoWith(toIni(params)).out, "1  100 0 0.25 6 0 0 0 0 1");
+  EXPECT_EQ(echoWith(toIni(params, "matching")).out, "1  100 0 0.25 6 0 0 0 0 1");
 }
 
 TEST_F(ParamsFile, FaultsAreUsageErrors) {
-  expectUsageError(echoWith("max_pears = 9\n"), "line 1: unknown parameter 'max_pears'");
+  expectUsageError(echoWith("[matching]\nmax_pears = 9\n"), "line 2: unknown parameter 'matching.max_pears'");
   expectUsageError(echoWith("\nmax_pairs 9\n"), "line 2: expected name = value");
-  expectUsageError(echoWith("max_pairs =\n"), "line 1: max_pairs has no value");
-  expectUsageError(echoWith("max_pairs = nine\n"), "'nine'");
-  expectUsageError(echoWith("max_pairs = 99\n"), "parameter max_pairs = 99");
+  expectUsageError(echoWith("matching.max_pairs =\n"), "line 1: matching.max_pairs has no value");
+  expectUsageError(echoWith("matching.max_pairs = nine\n"), "'nine'");
+  expectUsageError(echoWith("[ matching ]\nmax_pairs = 99\n"), "parameter matching.max_pairs = 99");
   expectUsageError(echoWith("help = 1\n"), "unknown parameter 'help'");
   expectUsageError(echo({"a", "--params", folder_ / "nowhere.ini"}), "nowhere.ini: cannot be read");
   expectUsageError(echo({"a", "--params", folder_ / "."}), "cannot be read");

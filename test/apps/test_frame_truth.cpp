@@ -68,7 +68,7 @@ void writeSequence(const fs::path& folder, const std::string& frame, const std::
                    const Eigen::Isometry3d& T_w_c) {
   const Intrinsics camera{640, 480, 560, 560, 319.0, 239.0};
   fs::create_directories(folder / "labels");
-  writeCameraFile(folder / "camera.ini", {camera, 5000, {}, {}});
+  writeCameraFile(folder / "camera.ini", {{camera, {}, {}, {}}, 5000});
   writeLabels(folder / "labels" / (frame + ".png"), seen(ids, T_w_c, camera));
   writeTumTrajectory(folder / "groundtruth.txt", {{std::stod(frame), T_w_c}});
   writePlanes(folder / "planes.csv", kPlanes);

@@ -242,7 +242,7 @@ TEST_F(Pictures, AViewWithoutSegmentsIsDrawn) {
   empty.depth.depth.assign(empty.depth.depth.size(), 0.f);
   empty.labels.label.assign(empty.labels.label.size(), 0);
   empty.view = View();
-  empty.view.camera = empty.depth.camera;
+  empty.view.intrinsics = empty.depth.camera;
   drawSegmentation(path_, empty);
   EXPECT_GT(written().width, 0);
   drawMatches(path_, empty, map_, answers());

@@ -18,7 +18,7 @@ constexpr CameraMounting kMounting{1.0, 10.0};
 
 Map copiesOfAView(int n) {
   Map map;
-  map.mounting = kMounting;
+  map.camera.mounting = kMounting;
   LocalModel m;
   m.T_w_m = kMounting.T_b_c();
   m.view = viewFrom(test::box({-1, -2, 0}, {5, 3, 2.5}), *m.T_w_m, 1);

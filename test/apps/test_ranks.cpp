@@ -113,9 +113,9 @@ protected:
     if (!available()) return;
     room_ = std::make_unique<TemporaryFolder>();
     ToolRun run = runTool<SimulateApp>({"room", "-o", *room_ / "", "--seed", "5", "--frames",
-                                        std::to_string(kFrames), "--width", "320", "--turn_deg", "8"});
+                                        std::to_string(kFrames), "--width", "320", "--drive.turn_deg", "8"});
     ASSERT_EQ(run.code, kOk) << run.err;
-    run = runTool<MapBuildApp>({mapRun(), "-o", map(), "--model_distance", "0.1"});
+    run = runTool<MapBuildApp>({mapRun(), "-o", map(), "--map.distance", "0.1"});
     ASSERT_EQ(run.code, kOk) << run.err;
     run = runTool<LocalizeApp>({map(), query(), "-o", results()});
     ASSERT_EQ(run.code, kOk) << run.err;
@@ -169,8 +169,8 @@ TEST_P(NumberOfRanks, SegmentsAreTheSame) {
 
 TEST_P(NumberOfRanks, TheMapIsTheSame) {
   const std::string path = folder_ / "map.flmap";
-  const std::vector<std::string> build = {FACETLOC_MAP,       "build", mapRun(), "-o", path,
-                                          "--model_distance", "0.1"};
+  const std::vector<std::string> build = {FACETLOC_MAP, "build",          mapRun(), "-o",
+                                          path,         "--map.distance", "0.1"};
   const ToolRun run = runRanks(GetParam(), build);
   ASSERT_EQ(run.code, kOk) << run.err;
   EXPECT_EQ(contentOf(path), contentOf(map()));
@@ -185,33 +185,27 @@ TEST_P(NumberOfRanks, TheMapIsTheSame) {
   EXPECT_EQ(runRanks(GetParam(), build).code, kFailed);  // is there already
 }
 
-TEST_P(NumberOfRanks, PosesAreTheSameWhateverIsDealtOut) {
-  for (const bool shard : {false, true}) {
-    const std::string folder = folder_ / (shard ? "sharded" : "dealt");
-    std::vector<std::string> command = {FACETLOC_LOCALIZE, map(), query(), "-o", folder};
-    if (shard) command.push_back("--shard-map");
-    const ToolRun run = runRanks(GetParam(), command);
-    ASSERT_EQ(run.code, kOk) << run.err;
-    EXPECT_THAT(run.out, HasSubstr("13 images, 13 with hypotheses"));
-    EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1);
-    expectSameFiles(folder, results());  // no journal among them
-  }
+TEST_P(NumberOfRanks, PosesAreTheSame) {
+  const std::string folder = folder_ / "dealt";
+  const ToolRun run = runRanks(GetParam(), {FACETLOC_LOCALIZE, map(), query(), "-o", folder});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("13 images, 13 with hypotheses"));
+  EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1);
+  expectSameFiles(folder, results());  // no journal among them
 }
 
-TEST_P(NumberOfRanks, TheShortlistOfALargeMapIsDealtOut) {
+TEST_P(NumberOfRanks, PosesByTheShortlistOfALargeMapAreTheSame) {
   for (const std::string aligned : {"3000", "6"}) {  // of more models than that, it is chosen by examination
     const auto command = [&](const std::string& name) {
       std::vector<std::string> words = {FACETLOC_LOCALIZE, map(), query(), "-o", folder_ / (name + aligned)};
-      words.insert(words.end(), {"--exhaustive_up_to", "1", "--shortlist", "3"});
-      words.insert(words.end(), {"--first_models", "1", "--shortlist_aligned", aligned});
+      words.insert(words.end(), {"--shortlist.exhaustive_up_to", "1", "--shortlist.size", "3"});
+      words.insert(words.end(), {"--shortlist.first_models", "1", "--shortlist.aligned_models", aligned});
       return words;
     };
     ASSERT_EQ(runRanks(1, command("one")).code, kOk);
-    std::vector<std::string> sharded = command("sharded");
-    sharded.push_back("--shard-map");
-    const ToolRun run = runRanks(GetParam(), sharded);
+    const ToolRun run = runRanks(GetParam(), command("several"));
     ASSERT_EQ(run.code, kOk) << run.err;
-    expectSameFiles(folder_ / ("sharded" + aligned), folder_ / ("one" + aligned));
+    expectSameFiles(folder_ / ("several" + aligned), folder_ / ("one" + aligned));
   }
 }
 
@@ -220,22 +214,18 @@ TEST_P(NumberOfRanks, ABadImageIsToldOnceAndDoneLater) {
   test::writeContent(bad, "no PNG at all");
   const std::string input = listWith(6, bad);
   ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "one"}).code, kFailed);
-  for (const bool shard : {false, true}) {
-    std::vector<std::string> command = {FACETLOC_LOCALIZE, map(), input, "-o", folder_ / "several"};
-    if (shard) command.push_back("--shard-map");
-    const ToolRun run = runRanks(GetParam(), command);
-    EXPECT_EQ(run.code, kFailed);
-    EXPECT_THAT(run.err, AllOf(HasSubstr(bad), HasSubstr("1 of 13 items failed")));
-    for (const char* file : {"/hypotheses.csv", "/poses_tum.txt"})
-      EXPECT_EQ(contentOf(folder_ / "several" + file), contentOf(folder_ / "one" + file)) << file;
-  }
+  const ToolRun run = runRanks(GetParam(), {FACETLOC_LOCALIZE, map(), input, "-o", folder_ / "several"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, AllOf(HasSubstr(bad), HasSubstr("1 of 13 items failed")));
+  for (const char* file : {"/hypotheses.csv", "/poses_tum.txt"})
+    EXPECT_EQ(contentOf(folder_ / "several" + file), contentOf(folder_ / "one" + file)) << file;
   const auto done = ResultsJournal(folder_ / "several").read();
   EXPECT_EQ(done.size(), 12u);
 
   fs::copy_file(filesOf(query() + "/depth")[6], bad, fs::copy_options::overwrite_existing);
-  const ToolRun run =
+  const ToolRun resumed =
       runRanks(GetParam(), {FACETLOC_LOCALIZE, map(), input, "-o", folder_ / "several", "--resume"});
-  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_EQ(resumed.code, kOk) << resumed.err;
   expectSameFiles(folder_ / "several", results());
 }
 
@@ -284,15 +274,15 @@ TEST_F(RanksTest, AnErrorOfOneRankEndsTheJob) {
   EXPECT_THAT(run.err, HasSubstr("facetloc_localize (rank 1): "));
 }
 
-/** One of two ranks fails in every image, while the other one sends what it has found. */
-TEST_F(RanksTest, AModelThatARankCannotReadFailsTheImagesAndNoMore) {
+/** Both ranks fail in every image of theirs. */
+TEST_F(RanksTest, AModelThatCannotBeReadFailsTheImagesAndNoMore) {
   Map large = readMap(map());
   const std::size_t models = large.models.size();
   for (std::size_t i = models; i < 410; ++i) {  // so many stay in the file until they are asked for
     large.models.push_back(large.models[i % models]);
     large.models.back().name += "/" + std::to_string(i);
   }
-  for (const char* model : {"3", "406"}) {  // one of the first rank, one of the second
+  for (const char* model : {"3", "406"}) {
     const std::string path = folder_ / model + ".flmap";
     writeMap(path, large);
     sqlite3* db = nullptr;
@@ -302,8 +292,8 @@ TEST_F(RanksTest, AModelThatARankCannotReadFailsTheImagesAndNoMore) {
     EXPECT_EQ(sqlite3_exec(db, damage.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
     sqlite3_close(db);
     const ToolRun run =
-        runRanks(2, {FACETLOC_LOCALIZE, path, query(), "-o", folder_ / "sharded", "--shard-map",
-                     "--shortlist", "0", "--max_expansions", "5", "--multi_model", "0"});
+        runRanks(2, {FACETLOC_LOCALIZE, path, query(), "-o", folder_ / "several", "--shortlist.size", "0",
+                     "--tree.max_expansions", "5", "--evidence.enabled", "0"});
     EXPECT_EQ(run.code, kFailed);
     EXPECT_THAT(run.err, AllOf(HasSubstr("13 of 13 items failed"), HasSubstr(std::string("model ") + model)));
   }

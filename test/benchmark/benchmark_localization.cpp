@@ -20,8 +20,14 @@ using namespace facetloc::benchmarks;
 constexpr int kPerRoom = 12;   // local models of one room
 constexpr int kSegments = 20;  // per model and scene, at most
 
+Camera robotCamera() {
+  Camera camera;
+  camera.mounting = CameraMounting{1.0, 10.0};
+  return camera;
+}
+
 View viewOf(const Scene& scene, const Eigen::Isometry3d& T_w_c, std::uint64_t frame) {
-  static ViewBuilder builder;
+  static ViewBuilder builder(robotCamera());
   const SimulatedCamera camera(kinectIntrinsics().subsampled(2), SimulatedNoise{}, kSeed);
   View view = builder.build(camera.render(scene, T_w_c, frame).depth);
   if (view.segments.size() > kSegments) view.segments.resize(kSegments);
@@ -31,7 +37,7 @@ View viewOf(const Scene& scene, const Eigen::Isometry3d& T_w_c, std::uint64_t fr
 // Local models of up to 20 segments, in cluttered rooms.
 std::shared_ptr<const Map> mapOfRooms(int models) {
   auto map = std::make_shared<Map>();
-  map->mounting = CameraMounting{1.0, 10.0};
+  map->camera = robotCamera();
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> heading(0, 6.28), place(-0.8, 0.8);
   for (int i = 0; i < models; ++i) {
@@ -52,10 +58,10 @@ void localization(benchmark::State& state) {
   if (!map) map = mapOfRooms(models);
   GlobalLocalizationParams params;
   const bool dense = state.range(1) != 0;
-  params.registration.depth_assistance = params.ranking.multi_model = dense;
-  if (!dense) params.registration.consensus.free_space_weight = 0;
-  params.index.shortlist = state.range(2) != 0 ? params.index.shortlist : 0;
-  params.index.exhaustive_up_to = 0;
+  params.steps.depth_assistance = params.evidence.enabled = dense;
+  if (!dense) params.score.free_space_weight = 0;
+  params.shortlist.size = state.range(2) != 0 ? params.shortlist.size : 0;
+  params.shortlist.exhaustive_up_to = 0;
   const GlobalLocalization localizer(map, params);
   std::vector<View> scenes;
   for (int i = 0; i < 8; ++i)

@@ -4,6 +4,9 @@
 // image and accumulates moments, and PCL's own plane segmentation. Of a simulated room, and of images from
 // all over a depth sequence that FACETLOC_BENCHMARK_SEQUENCE names, in turn: times are means over them.
 #include "cluttered_room.h"
+#include "depth_triangulation.h"
+#include "disparity_image.h"
+#include "region_merging.h"
 
 #include <facetloc/features/organized_cloud.h>
 #include <facetloc/io/depth_sequence.h>
@@ -23,6 +26,7 @@
 namespace {
 
 using namespace facetloc;
+using namespace facetloc::internal;
 using namespace facetloc::benchmarks;
 
 enum Source { kSimulated, kReal };

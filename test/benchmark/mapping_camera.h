@@ -11,11 +11,11 @@
 namespace facetloc::benchmarks {
 
 /** \brief What the camera that made a map always measures wrongly; the map's views are uncorrected. */
-inline std::optional<DepthDistortion> distortionOf(const Map& map, const SensorNoise& noise) {
+inline std::optional<DepthDistortion> distortionOf(const Map& map) {
   std::vector<PosedPicture> pictures;
   for (const LocalModel& model : map.models) pictures.push_back({&model.view.depth, *model.T_w_m});
   const MapBuilderParams poses;
-  const auto found = calibrateDistortion(pictures, noise,
+  const auto found = calibrateDistortion(pictures, map.camera.noise,
                                          {poses.pose_rotation_std_deg * kDegree, poses.pose_translation_std});
   return found && found->reliable() ? std::make_optional(found->distortion) : std::nullopt;
 }

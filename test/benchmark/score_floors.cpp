@@ -3,7 +3,7 @@
 // The paper's experiment on simulated floors, pooled, and what each choice of ours is worth in it.
 //
 //   facetloc_simulate office -o office1 --seed 1; ...
-//   score_floors [--ablation] [--every N] [--set PARAMETER VALUE] FLOOR...
+//   score_floors [--ablation] [--every N] [--map-images] [--preset paper] [--GROUP.PARAMETER VALUE] FLOOR...
 //
 // For each floor a map is built of its run map/ by the paper's rule, and every N-th image of its run query/
 // is localized in it. With --ablation the same is done again and again, with one choice at a time put back to
@@ -11,7 +11,7 @@
 // figures.
 #include "evaluation/evaluation.h"
 #include "mapping_camera.h"
-#include "set_parameter.h"
+#include "tools/app.h"
 #include "tools/localization_report.h"
 
 #include <facetloc/io/depth_sequence.h>
@@ -21,13 +21,9 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
-#include <exception>
 #include <filesystem>
 #include <memory>
-#include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace {
@@ -36,40 +32,39 @@ namespace fs = std::filesystem;
 using namespace facetloc;
 
 constexpr int kWorkingWidth = 320;
-constexpr int kMaxHypotheses = 100;  // per image, as facetloc_localize keeps them
 
 /** One choice put back to the paper's. */
 struct Variant {
-  const char* name;
+  std::string name;
   ViewParams view;
   GlobalLocalizationParams localization;
   bool calibrated = true;  ///< as facetloc_map build does
 };
 
-std::vector<Variant> variants(bool ablation) {
-  std::vector<Variant> all = {{"facetloc", {}, {}, true}};
-  if (!ablation) return all;
-  const auto add = [&all](const char* name) -> Variant& {
-    all.push_back({name, {}, {}, true});
-    return all.back();
+std::vector<Variant> ablation(const Variant& all_of_it) {
+  std::vector<Variant> variants = {all_of_it};
+  const auto add = [&](const char* name) -> Variant& {
+    variants.push_back(all_of_it);
+    variants.back().name = name;
+    return variants.back();
   };
   Variant& sigma = add("Sigma_q by eq. (4)-(5)");
-  sigma.view.features.faithful = true;
-  sigma.view.features.faithful_factor = 1;
-  add("a single EKF step").localization.registration.ekf.iterations = 1;
-  add("segment-overlap score").localization.registration.consensus.surface_score = true;
-  add("no joint refinement").localization.registration.joint_refinement = false;
-  add("no information of the floor").localization.registration.floor_information = false;
-  add("no dense last degree of freedom").localization.registration.depth_assistance = false;
+  sigma.view.features.paper_uncertainty = true;
+  sigma.view.features.paper_factor = 1;
+  add("a single EKF step").localization.ekf.iterations = 1;
+  add("segment-overlap score").localization.score.by_overlap = true;
+  add("no joint refinement").localization.steps.joint_refinement = false;
+  add("no information of the floor").localization.steps.floor_information = false;
+  add("no dense last degree of freedom").localization.steps.depth_assistance = false;
   Variant& free_space = add("no free-space term");
-  free_space.localization.registration.consensus.free_space_weight = 0;
-  free_space.localization.ranking.contradiction_weight = 0;
-  add("no multi-model evidence").localization.ranking.multi_model = false;
-  add("no support by several models").localization.ranking.support_weight = 0;
-  add("no dense refinement").localization.ranking.dense_refinement = false;
+  free_space.localization.score.free_space_weight = 0;
+  free_space.localization.evidence.contradiction_weight = 0;
+  add("no multi-model evidence").localization.evidence.enabled = false;
+  add("no support by several models").localization.evidence.support_weight = 0;
+  add("no dense refinement").localization.refinement.enabled = false;
   add("no calibration of the camera").calibrated = false;
-  add("minimum support 1000 px").view.features.min_support = 1000;
-  return all;
+  add("minimum support 1000 px").view.labels.min_support = 1000;
+  return variants;
 }
 
 /** The views of some images of a run. */
@@ -78,12 +73,12 @@ struct Run {
   std::vector<std::size_t> frames;
   std::vector<View> views;
 
-  void see(const ViewParams& params) {
+  void see(const Camera& camera, const ViewParams& params) {
     views.assign(frames.size(), {});
     const int n = static_cast<int>(frames.size());
 #pragma omp parallel
     {
-      ViewBuilder builder(params);
+      ViewBuilder builder(camera, params);
 #pragma omp for schedule(dynamic)
       for (int i = 0; i < n; ++i) views[i] = builder.build(sequence.load(frames[i], kWorkingWidth));
     }
@@ -107,36 +102,50 @@ public:
     for (std::size_t i = 0; i < query_.sequence.frames().size(); i += every) query_.frames.push_back(i);
   }
 
-  Evaluation evaluate(Variant variant) {
-    mapping_.see(variant.view);
+  /** \param with_map_images the images of the mapping run are localized, too */
+  Evaluation evaluate(const Variant& variant, bool with_map_images, int max_hypotheses) {
+    Camera camera = mapping_.sequence.camera()->camera;
+    mapping_.see(camera, variant.view);
     if (variant.calibrated) {
-      const Map raw = map();
-      variant.view.distortion = benchmarks::distortionOf(raw, variant.view.noise);
-      mapping_.see(variant.view);
+      camera.distortion = benchmarks::distortionOf(map(camera));
+      mapping_.see(camera, variant.view);
     }
-    query_.see(variant.view);
-    const auto map = std::make_shared<const Map>(this->map());
-    GlobalLocalization localization(map, variant.localization, variant.view.noise);
+    const auto map = std::make_shared<const Map>(this->map(camera));
+    GlobalLocalization localization(map, variant.localization);
     localization.setNumberOfThreads(1);
 
-    std::vector<std::vector<ResultRow>> rows(query_.frames.size());
-    const int n = static_cast<int>(rows.size());
-#pragma omp parallel for schedule(dynamic)
-    for (int i = 0; i < n; ++i)
-      rows[i] = resultRows(query_.sequence.frames()[query_.frames[i]].name,
-                           localization.localize(query_.views[i]), *map, kMaxHypotheses);
-    RunResults results{"query", {}, {}};
-    for (const auto& of_frame : rows)
-      results.rows.insert(results.rows.end(), of_frame.begin(), of_frame.end());
-    return facetloc::evaluate({results}, truth_, models_, {}, kTolerance);
+    std::vector<RunResults> results = {
+        localized("query", query_, *map, localization, variant, max_hypotheses)};
+    if (with_map_images) {
+      Run whole{mapping_.sequence, {}, {}};
+      for (std::size_t i = 0; i < whole.sequence.frames().size(); ++i) whole.frames.push_back(i);
+      results.push_back(localized("map", whole, *map, localization, variant, max_hypotheses));
+    }
+    return facetloc::evaluate(results, truth_, models_, {}, kTolerance);
   }
 
 private:
   static constexpr double kTolerance = 0.02;  // [s]
 
-  Map map() const {
+  static RunResults localized(const char* name, Run& run, const Map& map,
+                              const GlobalLocalization& localization, const Variant& variant,
+                              int max_hypotheses) {
+    run.see(map.calibrated(run.sequence.camera()->camera), variant.view);
+    std::vector<std::vector<ResultRow>> rows(run.frames.size());
+    const int n = static_cast<int>(rows.size());
+#pragma omp parallel for schedule(dynamic)
+    for (int i = 0; i < n; ++i)
+      rows[i] = resultRows(run.sequence.frames()[run.frames[i]].name, localization.localize(run.views[i]),
+                           map, max_hypotheses);
+    RunResults results{name, {}, {}};
+    for (const auto& of_frame : rows)
+      results.rows.insert(results.rows.end(), of_frame.begin(), of_frame.end());
+    return results;
+  }
+
+  Map map(const Camera& camera) const {
     Map map;
-    map.mounting = mapping_.sequence.camera()->mounting;
+    map.camera = camera;
     for (std::size_t i = 0; i < models_.size(); ++i)
       map.models.push_back({models_[i].name, models_[i].stamp, models_[i].T_w_m, mapping_.views[i]});
     return map;
@@ -183,55 +192,72 @@ void printReliability(const Evaluation& evaluation) {
                 bin.correct);
 }
 
-int run(int argc, char** argv) {
-  bool ablation = false;
-  std::size_t every = 1;
-  std::vector<Floor> floors;
-  std::vector<std::string> names;
-  std::vector<std::pair<std::string, double>> settings;
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument == "--ablation") {
-      ablation = true;
-    } else if (argument == "--every" && i + 1 < argc) {
-      every = std::max(1l, std::atol(argv[++i]));
-    } else if (argument == "--set" && i + 2 < argc) {
-      settings.emplace_back(argv[i + 1], std::atof(argv[i + 2]));
-      i += 2;
-    } else {
-      names.push_back(argument);
-    }
-  }
-  if (names.empty()) {
-    std::fprintf(stderr, "usage: score_floors [--ablation] [--every N] [--set NAME VALUE] FLOOR...\n");
-    return 2;
-  }
-  for (const std::string& name : names) floors.emplace_back(name, every);
-
-  printHeader();
-  for (Variant variant : variants(ablation)) {
-    for (const auto& [name, value] : settings)
-      if (!benchmarks::setParameter(variant.localization, name, value))
-        throw std::invalid_argument("no parameter " + name);
-    Evaluation pooled;
-    for (std::size_t i = 0; i < floors.size(); ++i) {
-      Evaluation one = floors[i].evaluate(variant);
-      if (!ablation) print(names[i], one);
-      pooled.frames.insert(pooled.frames.end(), one.frames.begin(), one.frames.end());
-    }
-    print(variant.name, pooled);
-    if (!ablation) printReliability(pooled);
-  }
-  return 0;
+/** The paper's Tables I and II, all images in one column. */
+void printTable(const Evaluation& evaluation) {
+  const Summary all = summarize("", evaluation.frames);
+  std::printf(
+      "\nall %zu images: no hypothesis %.2f %%, none correct %.2f %%, correct %.2f %%, at rank 1 %.2f %%; "
+      "mean error %.1f mm, %.2f deg; mean index of the first correct one %.2f\n",
+      all.total, percent(all.none, all.total), percent(all.total - all.none - all.correct, all.total),
+      percent(all.correct, all.total), percent(all.best_correct, all.total), all.translation_stats.mean,
+      all.rotation_stats.mean, all.index_stats.mean);
 }
+
+/** Options as the tools have them, of algorithms and presets, too. */
+class ScoreFloorsApp : public App {
+public:
+  ScoreFloorsApp()
+      : App("score_floors", "FLOOR... [options]",
+            "The paper's experiment on simulated floors of facetloc_simulate, pooled: a map is built of the "
+            "run "
+            "map/ of each floor by the paper's rule, and the images of its run query/ are localized in it.") {
+  }
+
+private:
+  void addOptions(CommandLine& line) override {
+    line.addArguments("FLOOR", floors_);
+    line.addOption("every", every_, "N", "Localize only every N-th image.");
+    line.addSwitch("map-images", map_images_, "Localize the images of the mapping run, too.");
+    line.addSwitch("ablation", ablation_,
+                   "Again and again, with one choice at a time put back to the paper's.");
+    line.addSwitch("raw-depth", raw_depth_, "Leave what the camera always measures wrongly in the images.");
+    line.addOption("max-hypotheses", max_hypotheses_, "K", "Keep so many hypotheses per image at most.");
+    line.addPresets();
+    line.addParams(view_);
+    line.addParams(localization_);
+  }
+
+  int execute(const CommandLine&, const Console&) override {
+    if (every_ < 1) throw UsageError("every must be positive");
+    std::vector<Floor> floors;
+    for (const std::string& name : floors_) floors.emplace_back(name, static_cast<std::size_t>(every_));
+    const Variant all_of_it{"facetloc", view_, localization_, !raw_depth_};
+    printHeader();
+    for (const Variant& variant : ablation_ ? ablation(all_of_it) : std::vector<Variant>{all_of_it}) {
+      Evaluation pooled;
+      for (std::size_t i = 0; i < floors.size(); ++i) {
+        Evaluation one = floors[i].evaluate(variant, map_images_, max_hypotheses_);
+        if (!ablation_) print(floors_[i], one);
+        pooled.frames.insert(pooled.frames.end(), one.frames.begin(), one.frames.end());
+      }
+      print(variant.name, pooled);
+      if (!ablation_) printReliability(pooled);
+      if (map_images_) printTable(pooled);
+    }
+    return kOk;
+  }
+
+  std::vector<std::string> floors_;
+  int every_ = 1;
+  int max_hypotheses_ = 100;
+  bool map_images_ = false, ablation_ = false, raw_depth_ = false;
+  ViewParams view_;
+  GlobalLocalizationParams localization_;
+};
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "score_floors: %s\n", e.what());
-    return 1;
-  }
+  ScoreFloorsApp app;
+  return runApp(app, argc, argv);
 }

@@ -18,7 +18,9 @@
 // probability.
 #include "drawing/charts.h"
 #include "drawing/offscreen_display.h"
+#include "pairs/view_registration.h"
 #include "set_parameter.h"
+#include "shortlist/shortlist.h"
 #include "simulated_floors.h"
 
 #include <facetloc/features/so3.h>
@@ -48,6 +50,11 @@
 namespace {
 
 using namespace facetloc;
+using internal::Batch;
+using internal::Query;
+using internal::Shortlist;
+using internal::Start;
+using internal::ViewRegistration;
 
 constexpr double kFloorDistance = 1000;  // [m]
 constexpr double kRightTranslation = 0.2, kRightRotation = 2 * kDegree;
@@ -60,10 +67,10 @@ struct Options {
   std::size_t queries = 200, exhaustive = 0;
   std::uint64_t first_seed = 1;
   bool misses = false;
-  PlaceIndexParams index;
+  ShortlistParams shortlist;
 };
 
-struct Query {
+struct Question {
   std::string name;
   View view;
   Eigen::Isometry3d T_w_c;
@@ -120,21 +127,21 @@ public:
     const std::string path = options_.floors + "/large-" + std::to_string(n) + ".flmap";
     if (std::filesystem::exists(path)) return path;
     Map map;
-    map.mounting = mounting_;
+    map.camera.mounting = mounting_;
     map.models.assign(models_.begin(), models_.begin() + static_cast<std::ptrdiff_t>(n));
     map.store = std::make_shared<ViewsOfFloors>(options_.floors, floors_);
     writeMap(path, map);
     return path;
   }
   /** Queries on the floors that are in a map of n models as a whole, evenly chosen. */
-  std::vector<Query> queries(std::size_t n) const {
+  std::vector<Question> queries(std::size_t n) const {
     std::size_t floors = 0, all = 0;
     for (std::size_t models = 0; floors < floors_.size(); ++floors) {
       models += floors_[floors].models;
       if (models > n) break;
       all += floors_[floors].queries;
     }
-    std::vector<Query> chosen;
+    std::vector<Question> chosen;
     const std::size_t wanted = std::min(all, options_.queries);
     for (std::size_t k = 0, before = 0; k < floors; before += floors_[k++].queries) {
       SimulatedFloor floor;
@@ -143,6 +150,7 @@ public:
           floor = simulatedFloor(options_.floors, floors_[k].scene, floors_[k].seed);
         const LocalModel& q = floor.query.models[chosen.size() * all / wanted - before];
         chosen.push_back({floors_[k].name() + "/" + q.name, q.view, placeOf(k) * *q.T_w_m, {}});
+        chosen.back().view.camera = std::make_shared<const Camera>(floor.query.camera);
       }
     }
     return chosen;
@@ -157,7 +165,7 @@ private:
   void addFloor() {
     const std::string scene = simulatedPlaceNames()[kind_];
     const SimulatedFloor floor = simulatedFloor(options_.floors, scene, seed_);
-    mounting_ = floor.map.mounting;
+    mounting_ = floor.map.camera.mounting;
     const Eigen::Isometry3d place = placeOf(floors_.size());
     floors_.push_back({scene, seed_, floor.map.models.size(), floor.query.models.size()});
     for (const LocalModel& m : floor.map.models) {
@@ -165,7 +173,7 @@ private:
       light.name = floors_.back().name() + "/" + m.name;
       light.stamp = m.stamp;
       light.T_w_m = place * *m.T_w_m;
-      light.view.camera = m.view.camera;
+      light.view.intrinsics = m.view.intrinsics;
       light.view.depth.camera = m.view.depth.camera;
       models_.push_back(std::move(light));
     }
@@ -188,21 +196,26 @@ double memory() {
   return 1e-6 * resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-void findWhoShows(const GlobalLocalization& localization, std::vector<Query>& queries) {
-  const std::vector<LocalModel>& models = localization.map().models;
+void findWhoShows(const Map& map, const GlobalLocalizationParams& params, std::vector<Question>& queries) {
+  const ViewRegistration registration(params);
+  PoseWithCovariance prior;
+  prior.P = posePrior(map.camera.mounting, params.prior);
+  const Matrix6d known = floorInformation(map.camera.mounting, params.prior);
   const int n = static_cast<int>(queries.size());
 #pragma omp parallel for schedule(dynamic)
   for (int i = 0; i < n; ++i) {
-    Query& q = queries[i];
-    std::vector<Candidate> near;
-    for (std::size_t m = 0; m < models.size(); ++m) {
-      const Eigen::Isometry3d apart = models[m].T_w_m->inverse() * q.T_w_c;
-      if (apart.translation().norm() <= kNear && rotationAngle(apart.linear()) <= kNearRotation)
-        near.push_back({static_cast<int>(m), 0, {}});
+    Question& q = queries[i];
+    const Query query(q.view, prior, known);
+    if (!registration.mayFixPose(query)) continue;
+    for (std::size_t m = 0; m < map.models.size(); ++m) {
+      const Eigen::Isometry3d &T_w_m = *map.models[m].T_w_m, apart = T_w_m.inverse() * q.T_w_c;
+      if (apart.translation().norm() > kNear || rotationAngle(apart.linear()) > kNearRotation) continue;
+      const int model = static_cast<int>(m);
+      const std::vector<Hypothesis> found = registration.align(query, *map.view(model));
+      if (std::any_of(found.begin(), found.end(),
+                      [&](const Hypothesis& h) { return isRight(T_w_m * h.T_m_c.T, q.T_w_c); }))
+        q.shown_by.push_back(model);
     }
-    for (const Hypothesis& h : localization.registerWith(near, q.view, localization.prior()))
-      if (isRight(*h.T_w_c, q.T_w_c) && (q.shown_by.empty() || q.shown_by.back() != h.model))
-        q.shown_by.push_back(h.model);
   }
 }
 
@@ -214,7 +227,7 @@ struct Grade {
   double probability;  // of the first place
 };
 
-Grade grade(const Localization& answer, const Query& q) {
+Grade grade(const Localization& answer, const Question& q) {
   const std::vector<Hypothesis>& places = answer.hypotheses;
   const auto right = std::find_if(places.begin(), places.end(),
                                   [&q](const Hypothesis& h) { return isRight(*h.T_w_c, q.T_w_c); });
@@ -257,7 +270,7 @@ struct Opened {
   double build_s, open_s, map_mb, index_mb;
 };
 
-Opened open(const std::string& path, const PlaceIndexParams& params) {
+Opened open(const std::string& path, const ShortlistParams& params) {
   Opened opened;
   {
     const Map map = openMap(path);
@@ -285,31 +298,31 @@ Opened open(const std::string& path, const PlaceIndexParams& params) {
 
 /** \return recall of the best aligned models by their number. */
 Curve score(const Options& options, Building& building, std::size_t n, std::FILE* csv) {
-  const Opened opened = open(building.map(n), options.index);
+  const Opened opened = open(building.map(n), options.shortlist);
   const std::shared_ptr<const Map>& map = opened.map;
-  std::vector<Query> queries = building.queries(n);
+  std::vector<Question> queries = building.queries(n);
   GlobalLocalizationParams all;
-  all.index = options.index;
-  all.index.shortlist = 0;
+  all.shortlist = options.shortlist;
+  all.shortlist.size = 0;
   const GlobalLocalization exhaustive(map, all);
-  findWhoShows(exhaustive, queries);
+  findWhoShows(*map, all, queries);
 
-  PlaceIndexParams whole = options.index;
-  whole.shortlist_gap = 1e6;  // hopeless models too: the curve tells what they are worth
+  ShortlistParams whole = options.shortlist;
+  whole.gap = 1e6;  // hopeless models too: the curve tells what they are worth
   const PlaceIndex index = PlaceIndex::of(*map, whole);
 
   // Not longer than what is aligned anyway, so that it takes the time of a shortlist of any length.
-  const int longest = std::min(kLengths[std::size(kLengths) - 1], options.index.aligned_models);
+  const int longest = std::min(kLengths[std::size(kLengths) - 1], options.shortlist.aligned_models);
   std::vector<int> ranks;  // of the first model that shows the place
   auto start = std::clock();
-  for (const Query& q : queries) {
+  for (const Question& q : queries) {
     const std::vector<int> list = index.shortlist(q.view, longest);
     if (q.shown_by.empty()) continue;
     const auto shows = [&q](int m) { return std::binary_search(q.shown_by.begin(), q.shown_by.end(), m); };
     const auto first = std::find_if(list.begin(), list.end(), shows);
     ranks.push_back(first == list.end() ? std::numeric_limits<int>::max()
                                         : static_cast<int>(first - list.begin()));
-    if (options.misses && ranks.back() > options.index.shortlist)
+    if (options.misses && ranks.back() > options.shortlist.size)
       std::printf("  %s: rank %d of %zu, %zu segments\n", q.name.c_str(), ranks.back(), list.size(),
                   q.view.segments.size());
   }
@@ -333,30 +346,25 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
   }
 
   GlobalLocalizationParams some = all;
-  some.index = options.index;
-  some.index.exhaustive_up_to = 0;
+  some.shortlist = options.shortlist;
+  some.shortlist.exhaustive_up_to = 0;
   const GlobalLocalization quick(map, some);
+  const Shortlist shortlist(map, some);
   std::size_t listed = 0, held = 0;
-  for (const Query& q : queries) {
-    const std::vector<Candidate> list = quick.candidates(q.view);
-    listed += list.size();
-    held += std::any_of(list.begin(), list.end(), [&q](const Candidate& c) {
-      return std::binary_search(q.shown_by.begin(), q.shown_by.end(), c.model);
-    });
+  for (const Question& q : queries) {
+    const Query query(q.view, quick.prior(q.view), floorInformation(map->camera.mounting, some.prior));
+    const std::vector<Batch> batches = shortlist.batches(query, true, 1);
+    bool holds = false;
+    for (const Batch& batch : batches) {
+      listed += batch.size();
+      for (const Start& start_of : batch)
+        holds = holds || std::binary_search(q.shown_by.begin(), q.shown_by.end(), start_of.model);
+    }
+    held += holds;
   }
   std::vector<Grade> quick_grades;
-  std::size_t by_first = 0, by_first_and_right = 0;  // answered by the first models of the shortlist
   start = std::clock();
-  for (const Query& q : queries) {
-    int asked = 0;
-    const auto registering = [&](const std::vector<Candidate>& models) {
-      ++asked;
-      return quick.registerWith(models, q.view, quick.prior());
-    };
-    quick_grades.push_back(grade(quick.localizeBy(registering, q.view), q));
-    by_first += asked == 1;
-    by_first_and_right += asked == 1 && quick_grades.back().rank == 0;
-  }
+  for (const Question& q : queries) quick_grades.push_back(grade(quick.localize(q.view), q));
   const double query_ms =
       1e3 * seconds(start) / static_cast<double>(std::max<std::size_t>(queries.size(), 1));
   const double of_answerable = 100 / static_cast<double>(std::max<std::size_t>(ranks.size(), 1));
@@ -369,9 +377,6 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
       "a whole query takes %.1f ms, views that were not in memory included; rank 1 is right for %.1f %% of "
       "the answerable; %.0f MB in use\n",
       query_ms, of_answerable * static_cast<double>(right_first), memory());
-
-  std::printf("the first %d models are enough for %zu of them, %zu right\n", some.index.first_models,
-              by_first, by_first_and_right);
 
   std::fflush(stdout);
   if (csv) std::fflush(csv);
@@ -430,7 +435,8 @@ int run(int argc, char** argv) {
     } else if (argument == "--plot" && has_value) {
       options.plot = argv[++i];
     } else if (argument == "--set" && i + 2 < argc &&
-               benchmarks::setParameter(options.index, argv[i + 1], std::atof(argv[i + 2]))) {
+               benchmarks::setParameter(options.shortlist, argv[i + 1], std::atof(argv[i + 2]),
+                                        "shortlist")) {
       i += 2;
     } else {
       std::fprintf(stderr, "score_large_maps: cannot use %s\n", argument.c_str());

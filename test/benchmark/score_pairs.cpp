@@ -7,6 +7,8 @@
 // Pairs are 0.6-1.7 m and 20-60 deg apart by the true poses and share at least 30 % of their pixels; a fixed
 // seed chooses them. The prior is 60 deg and 1.5 m about the identity. Registered = within 0.3 m and 10 deg
 // of the truth.
+#include "set_parameter.h"
+
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/registration/global_localization.h>
 #include <facetloc/segmentation/view_builder.h>
@@ -105,17 +107,9 @@ double median(std::vector<double> values) {
 bool setParameter(const std::string& argument, ViewParams& view, GlobalLocalizationParams& localization) {
   const std::size_t equals = argument.find('=');
   if (equals == std::string::npos) return false;
-  const std::string wanted = argument.substr(2, equals - 2);
-  const double number = std::atof(argument.substr(equals + 1).c_str());
-  bool found = false;
-  const auto set = [&](const char* name, auto& value, auto, auto, const char*) {
-    if (wanted != name) return;
-    value = static_cast<std::decay_t<decltype(value)>>(number);
-    found = true;
-  };
-  ViewParams::describe(view, set);
-  GlobalLocalizationParams::describe(localization, set);
-  return found;
+  const std::string name = argument.substr(2, equals - 2);
+  const double value = std::atof(argument.substr(equals + 1).c_str());
+  return benchmarks::setParameter(view, name, value) || benchmarks::setParameter(localization, name, value);
 }
 
 }  // namespace
@@ -148,7 +142,7 @@ int main(int argc, char** argv) {
     return 1;
   }
 
-  ViewBuilder builder(view_params);
+  ViewBuilder builder({}, view_params);
   int registered = 0, anywhere = 0;
   std::vector<double> view_ms, align_ms, translation_errors, rotation_errors;
   std::printf("source      target      distance angle | hyps  rank   error        probability | segments\n");
@@ -156,12 +150,9 @@ int main(int argc, char** argv) {
     const Eigen::Isometry3d truth = frames[j].T_w_c.inverse() * frames[i].T_w_c;
     auto start = std::chrono::steady_clock::now();
     const View scene = builder.build(frames[i].image);
-    auto map = std::make_shared<Map>();
-    map->models.resize(1);
-    map->models[0].T_w_m = Eigen::Isometry3d::Identity();
-    map->models[0].view = builder.build(frames[j].image);
+    const auto map = std::make_shared<const Map>(mapOf(builder.build(frames[j].image)));
     view_ms.push_back(milliseconds(start));
-    const GlobalLocalization localization(map, params, view_params.noise);
+    const GlobalLocalization localization(map, params);
     start = std::chrono::steady_clock::now();
     const Localization answer = localization.localize(scene);
     align_ms.push_back(milliseconds(start));

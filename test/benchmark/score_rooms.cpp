@@ -116,7 +116,7 @@ private:
   SimulatedCamera camera_;
   SimulatedCamera small_camera_{kinectIntrinsics().subsampled(2), SimulatedNoise{}, 0};
   SimulatedCamera pinhole_{Intrinsics{3, 3, 1.0, 1.0, 1.0, 1.0}, SimulatedNoise{}, 0};
-  ViewBuilder builder_;
+  ViewBuilder builder_{Camera{{}, {}, kMounting, {}}};
   Eigen::Vector2d centre_, half_;
   std::uint64_t frame_ = 0;
 };
@@ -142,7 +142,7 @@ Answered judge(const Localization& answer, const Eigen::Isometry3d& truth) {
 std::vector<Answered> localizeInRoom(std::uint64_t seed) {
   Room room(seed);
   auto map = std::make_shared<Map>();
-  map->mounting = kMounting;
+  map->camera.mounting = kMounting;
   std::vector<RobotPose> mapped;
   for (int p = 0; p < kPlaces; ++p) {
     const Eigen::Vector2d place = room.place();

@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
   const auto images = test::readSegComp(argv[1]);
   std::printf("image                regions correct segments\n");
   for (const test::SegCompImage& image : images) {
-    params.min_support = kMinRegion / scaledPixels(1, image.depth.camera);
+    params.labels.min_support = kMinRegion / scaledPixels(1, image.depth.camera);
     LabelledPlanes found;
     PlaneSegmenter(params, noise).segment(image.depth, found);
     const test::OverlapScore score = test::overlapScore(found.labels, image.truth);

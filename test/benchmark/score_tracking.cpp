@@ -14,7 +14,7 @@
 #include "mapping_camera.h"
 #include "set_parameter.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/registration/map_builder.h>
 #include <facetloc/registration/pose_tracking.h>
@@ -53,12 +53,12 @@ struct Options {
 };
 
 std::vector<View> viewsOf(const DepthSequence& sequence, const std::vector<std::size_t>& frames,
-                          const ViewParams& params = {}) {
+                          const Camera& camera) {
   std::vector<View> views(frames.size());
   const int n = static_cast<int>(frames.size());
 #pragma omp parallel
   {
-    ViewBuilder builder(params);
+    ViewBuilder builder(camera);
 #pragma omp for schedule(dynamic)
     for (int i = 0; i < n; ++i) views[i] = builder.build(sequence.load(frames[i], kWorkingWidth));
   }
@@ -84,12 +84,11 @@ struct Floor {
       chosen.push_back(i);
       map->models.push_back({frame.name, frame.stamp, *pose, {}});
     }
-    map->mounting = mapping.camera()->mounting;
-    std::vector<View> of_models = viewsOf(mapping, chosen);
+    map->camera = mapping.camera()->camera;
+    std::vector<View> of_models = viewsOf(mapping, chosen, map->camera);
     for (std::size_t i = 0; i < chosen.size(); ++i) map->models[i].view = std::move(of_models[i]);
-    ViewParams params;
-    params.distortion = map->distortion = benchmarks::distortionOf(*map, params.noise);
-    of_models = viewsOf(mapping, chosen, params);
+    map->camera.distortion = benchmarks::distortionOf(*map);
+    of_models = viewsOf(mapping, chosen, map->camera);
     for (std::size_t i = 0; i < chosen.size(); ++i) map->models[i].view = std::move(of_models[i]);
 
     std::vector<std::size_t> all;
@@ -101,7 +100,7 @@ struct Floor {
       truth.push_back(*pose);
       covered.push_back(isCovered(*pose));
     }
-    views = viewsOf(drive, all, params);
+    views = viewsOf(drive, all, map->calibrated(drive.camera()->camera));
   }
 
   bool isCovered(const Eigen::Isometry3d& T_w_c) const {

@@ -26,12 +26,12 @@ Map seen(const Scene& scene, const SimulatedCamera& camera, const CameraMounting
          const std::vector<Eigen::Isometry3d>& poses, const std::vector<std::size_t>& frames,
          std::size_t first_frame, double first_stamp) {
   Map map;
-  map.mounting = mounting;
+  map.camera.mounting = mounting;
   map.models.resize(frames.size());
   const int n = static_cast<int>(frames.size());
 #pragma omp parallel
   {
-    ViewBuilder builder;
+    ViewBuilder builder(map.camera);
 #pragma omp for schedule(dynamic)
     for (int i = 0; i < n; ++i) {
       const std::size_t frame = frames[i];

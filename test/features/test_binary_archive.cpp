@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/binary_archive.h>
+#include "shared/binary_archive.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,8 @@
 #include <sstream>
 
 namespace facetloc {
+
+using namespace internal;
 
 struct Example {
   std::string name;

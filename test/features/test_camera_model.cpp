@@ -69,7 +69,7 @@ TEST(CameraModel, PointCovarianceIsThatOfTheDisparityModel) {
 
 TEST(CameraModel, DistantPointsAreUncertainAlongTheirRay) {
   const Intrinsics c = kinectIntrinsics();
-  constexpr double kPixelStd = 0.3;  // METHOD 2.2 [px]
+  constexpr double kPixelStd = 0.3;  // [px]
   Rng rng(3);
   double worst = 0;
   for (int i = 0; i < 500; ++i) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "shared/inverse_depth.h"
+
 #include <facetloc/features/depth_image.h>
-#include <facetloc/features/impl/inverse_depth.h>
 
 #include <gtest/gtest.h>
 
@@ -10,6 +11,8 @@
 #include <vector>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 DepthImage counting(int width, int height) {

@@ -6,12 +6,66 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <set>
+#include <string>
+#include <vector>
 
 namespace facetloc {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
+
+struct Inner {
+  static constexpr const char* kTitle = "Inner things";
+  double width = 2.5;
+  bool is_open = true;
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("width", p.width, 0.0, 10.0, "Width [m].");
+    visit("is_open", p.is_open, false, true, "Open.");
+  }
+};
+
+struct Outer {
+  static constexpr const char* kTitle = "Outer things";
+  Inner inner;
+  int count = 3;
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("inner", p.inner);
+    visit("count", p.count, 1, 9, "Count.");
+  }
+};
+
+TEST(Params, AFieldIsKnownByItsPathAndTheTitleOfItsGroup) {
+  const Outer outer;
+  std::vector<std::string> paths, groups;
+  const auto note = [&](const ParamInfo& info, const auto&, auto, auto) {
+    paths.push_back(info.name);
+    groups.emplace_back(info.group);
+  };
+  forEachParam(outer, note);
+  EXPECT_THAT(paths, ElementsAre("inner.width", "inner.is_open", "count"));
+  EXPECT_THAT(groups, ElementsAre("Inner things", "Inner things", "Outer things"));
+  paths.clear();
+  forEachParam(outer, note, "all");
+  EXPECT_THAT(paths, ElementsAre("all.inner.width", "all.inner.is_open", "all.count"));
+}
+
+TEST(Params, IniTextHasASectionForEachGroup) {
+  EXPECT_EQ(toIni(Outer(), "all"), "[all.inner]\nwidth = 2.5\nis_open = 1\n[all]\ncount = 3\n");
+  EXPECT_EQ(toIni(Inner(), "inner"), "[inner]\nwidth = 2.5\nis_open = 1\n");
+}
+
+TEST(Params, FieldsCanBeWritten) {
+  Outer outer;
+  forEachParam(outer, [](const ParamInfo& info, auto& value, auto, auto highest) {
+    if (info.name != "inner.is_open") value = highest;
+  });
+  EXPECT_EQ(outer.inner.width, 10);
+  EXPECT_EQ(outer.count, 9);
+  EXPECT_TRUE(outer.inner.is_open);
+}
 
 TEST(Params, DefaultsAreValid) { EXPECT_NO_THROW(SegmentEstimationParams{}.validate()); }
 
@@ -25,6 +79,14 @@ TEST(Params, TheFirstFieldOutsideItsRangeIsNamed) {
   } catch (const std::invalid_argument& e) {
     EXPECT_THAT(e.what(), HasSubstr("trim = 0.5"));
     EXPECT_THAT(e.what(), HasSubstr("[1, 100]"));
+  }
+  Outer outer;
+  outer.inner.width = 11;
+  try {
+    checkRanges(outer);
+    FAIL() << "11 was accepted";
+  } catch (const std::invalid_argument& e) {
+    EXPECT_THAT(e.what(), HasSubstr("inner.width = 11"));
   }
 }
 
@@ -40,7 +102,7 @@ TEST(Params, IniTextKeepsEveryDigitInTheOrderOfTheDescription) {
   const std::string text = toIni(p);
   EXPECT_THAT(text, HasSubstr("max_depth = 0.3333333333333333\n"));
   EXPECT_THAT(text, HasSubstr("offset_floor = 0.002\n"));
-  EXPECT_LT(text.find("min_support"), text.find("offset_floor"));
+  EXPECT_LT(text.find("min_width"), text.find("offset_floor"));
 }
 
 }  // namespace

@@ -283,12 +283,12 @@ TEST(SegmentCovariance, FaithfulModelIsTheClosedFormOfThePaper) {
     const Segment s = test::randomSegment(rng);
     const double kappa = uniform(rng, 0.1, 1), z = s.t.z(), rho = s.offset();
     const Eigen::Vector3d n = s.normal();
-    // METHOD (2.2) with 1 px at 320x240 and 1 DU, then eqs. (4)-(5).
+    // METHOD 2.3 with 1 px at 320x240 and 1 DU, then eqs. (4)-(5).
     const double var_r = kappa * kappa *
                          (z * z * (std::pow(n.x() / camera.fx, 2) + std::pow(n.y() / camera.fy, 2)) +
                           std::pow(z * rho * kDisparityUnit, 2));
     const Eigen::Vector3d want(var_r / (s.lambda[0] + var_r), var_r / (s.lambda[1] + var_r), var_r);
-    const Eigen::Matrix3d got = faithfulCovariance(n, s.t, s.lambda, camera, kappa, noise);
+    const Eigen::Matrix3d got = paperCovariance(n, s.t, s.lambda, camera, kappa, noise);
     EXPECT_LT((got - Eigen::Matrix3d(want.asDiagonal())).norm(), 1e-9 * want.norm());
   }
 }
@@ -296,24 +296,24 @@ TEST(SegmentCovariance, FaithfulModelIsTheClosedFormOfThePaper) {
 TEST(SegmentCovariance, FaithfulModelDoesNotDependOnTheSizeOfTheImage) {
   Rng rng(5);
   const Segment s = test::randomSegment(rng);
-  const Eigen::Matrix3d full = faithfulCovariance(s.normal(), s.t, s.lambda, kinectIntrinsics(), 1, {});
+  const Eigen::Matrix3d full = paperCovariance(s.normal(), s.t, s.lambda, kinectIntrinsics(), 1, {});
   const Eigen::Matrix3d half =
-      faithfulCovariance(s.normal(), s.t, s.lambda, kinectIntrinsics().subsampled(2), 1, {});
+      paperCovariance(s.normal(), s.t, s.lambda, kinectIntrinsics().subsampled(2), 1, {});
   EXPECT_LT((full - half).norm(), 1e-12 * full.norm());
 }
 
 TEST(SegmentCovariance, FaithfulIsAParameter) {
   const Patch p = patch({0, 0, 2}, {0.1, 0.2, 1}, 80, 60, 239, 179);
   SegmentEstimationParams params;
-  params.faithful = true;
-  params.faithful_factor = 1;
+  params.paper_uncertainty = true;
+  params.paper_factor = 1;
   const Segment s = estimate(p, params).at(0);
   EXPECT_THAT(s.Sigma_q,
-              MatrixNear(faithfulCovariance(s.normal(), s.t, s.lambda, p.image.camera, 1, {}), 1e-15));
+              MatrixNear(paperCovariance(s.normal(), s.t, s.lambda, p.image.camera, 1, {}), 1e-15));
 }
 
 TEST(SegmentCovariance, SlopeAndOffsetSpreadAsFirstOrderPropagationSays) {
-  // Pixels of a patch with white disparity noise: q of 20000 fits against J_q Sigma_m J_q^T (METHOD 4.2).
+  // Pixels of a patch with white disparity noise: q of 20000 fits against J_q Sigma_m J_q^T (METHOD 7.3).
   const Intrinsics camera = smallCamera();
   const Eigen::Vector3d n = Eigen::Vector3d(0.3, -0.2, 0.93).normalized();
   const double rho = 2, sigma = 0.5 * kDisparityUnit;
@@ -364,7 +364,7 @@ TEST(SegmentCovariance, DefaultModelHasTheTermsOfTheMeasuredMethod) {
   Eigen::Matrix3d Sigma_m = N / independent * std::pow(0.5 * du, 2) * bb.inverse();
   Sigma_m.diagonal() += Eigen::Vector3d(0.25, 0.25, 0.0625) * du * du;
   Eigen::Matrix3d want = slopeOffsetCovariance(s.R, s.t, s.offset(), Sigma_m) +
-                         faithfulCovariance(s.normal(), s.t, s.lambda, p.image.camera, 0.15, noise);
+                         paperCovariance(s.normal(), s.t, s.lambda, p.image.camera, 0.15, noise);
   want.diagonal() += Eigen::Vector3d(std::pow(0.1 * kDegree, 2), std::pow(0.1 * kDegree, 2), 4e-6);
   EXPECT_LT((s.Sigma_q - want).norm(), 1e-6 * want.norm());
 }
@@ -401,7 +401,7 @@ TEST(SegmentRanking, IsByTheShareOfInformationAlongTheNormal) {
     std::vector<Segment> segments;
     for (int i = 0; i < 12; ++i)
       segments.push_back(facing(test::randomDirection(rng), static_cast<int>(uniform(rng, 150, 20000))));
-    const auto share = [&](int j) {  // METHOD (10.1), term by term
+    const auto share = [&](int j) {  // METHOD 9, term by term
       double all = 0;
       for (const Segment& s : segments)
         all += s.num_points * std::pow(s.normal().dot(segments[j].normal()), 2);

@@ -51,7 +51,7 @@ TYPED_TEST_SUITE(SegmentFrameEstimationTest, PointTypes);
 TYPED_TEST(SegmentFrameEstimationTest, FramesAreThoseOfTheDepthImage) {
   this->cloud->header.stamp = 42;
   this->cloud->header.frame_id = "camera";
-  this->estimation.setIntrinsics(this->view.image.camera);
+  this->estimation.setCamera({this->view.image.camera, {}, {}, {}});
   this->estimation.compute(this->frames);
   EXPECT_EQ(this->estimation.getStatus(), "");
   EXPECT_EQ(this->frames.header.stamp, 42u);
@@ -89,16 +89,17 @@ TYPED_TEST(SegmentFrameEstimationTest, BadDataGivesAnEmptyOutputAndAReason) {
   for (auto& p : *nan) p.x = p.y = p.z = std::numeric_limits<float>::quiet_NaN();
   setCloud(nan);
   this->expectEmpty("camera");
-  this->estimation.setIntrinsics(this->view.image.camera);
+  this->estimation.setCamera({this->view.image.camera, {}, {}, {}});
   this->expectEmpty("no label");
 
   setCloud(good);
-  this->estimation.setIntrinsics(kinectIntrinsics());
+  this->estimation.setCamera({kinectIntrinsics(), {}, {}, {}});
   this->expectEmpty("camera that was set has not the size");
   const Intrinsics of_tiny_camera = test::tinyCamera();
-  this->estimation.setIntrinsics(Intrinsics{of_tiny_camera.width, of_tiny_camera.height, 0, 0, 0, 0});
+  this->estimation.setCamera(
+      {Intrinsics{of_tiny_camera.width, of_tiny_camera.height, 0, 0, 0, 0}, {}, {}, {}});
   this->expectEmpty("camera that was set is impossible");
-  this->estimation.setIntrinsics({});
+  this->estimation.setCamera({});
   this->estimation.setLabels({});
   this->expectEmpty("one label per point");
   auto few = pcl::make_shared<pcl::PointCloud<pcl::Label>>(*this->labels);
@@ -151,7 +152,7 @@ TYPED_TEST(SegmentFrameEstimationTest, LabelsMayBeAnyNumbers) {
 }
 
 TYPED_TEST(SegmentFrameEstimationTest, ACloudThatTheCameraDoesNotSeeSoIsRefused) {
-  this->estimation.setIntrinsics(this->view.image.camera);
+  this->estimation.setCamera({this->view.image.camera, {}, {}, {}});
   for (auto& p : *this->cloud) p.x += 0.5f;
   this->expectEmpty("not where the camera that was set sees them");
 }

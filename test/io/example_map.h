@@ -40,7 +40,9 @@ public:
     std::vector<std::uint16_t> values(40 * 30);
     for (std::size_t i = 0; i < values.size(); ++i)
       values[i] = static_cast<std::uint16_t>(i % 7 == 0 ? 0 : i % 11 == 0 ? engine_() : 8000 + i % 40);
-    return DepthPicture::fromStored(camera, std::move(values));
+    DepthPicture picture = DepthPicture::fromStored(camera, std::move(values));
+    picture.noise_std = 0.003 + 0.001 * value();
+    return picture;
   }
 
   LocalModel model(const std::string& name, int segments = 4) {
@@ -48,7 +50,7 @@ public:
     m.name = name;
     m.stamp = 1305031102.175304 + value();
     m.T_w_m = pose();
-    m.view.camera = {320, 240, 262.5 + value(), 262.5, 159.5, 119.5};
+    m.view.intrinsics = {320, 240, 262.5 + value(), 262.5, 159.5, 119.5};
     for (int i = 0; i < segments; ++i) m.view.segments.push_back(segment());
     m.view.depth = picture();
     return m;
@@ -65,7 +67,8 @@ public:
 
   Map map(int models = 3) {
     Map m;
-    m.mounting = CameraMounting{0.98, 10.1};
+    m.camera.mounting = CameraMounting{0.98, 10.1};
+    m.camera.noise = {1.0 / 300, 1.0 / 700, 1.0 / 900};
     m.meta = {{"software", "test"}, {"min_support", "150"}};
     for (int i = 0; i < models; ++i) m.models.push_back(model("frame " + std::to_string(i), 3 + i));
     for (int i = 0; i + 1 < models; ++i) m.links.push_back(link(i, i + 1));

@@ -40,7 +40,7 @@ struct ExampleSequence {
   std::filesystem::path write(const std::filesystem::path& folder) const {
     std::filesystem::create_directories(folder / "depth");
     CameraFile file;
-    file.intrinsics = camera;
+    file.camera.intrinsics = camera;
     file.depth_scale = 1000;
     writeCameraFile(folder / "camera.ini", file);
     for (int i = 0; i < frames; ++i) writeDepthPng(image(folder, i), image(i), file.depth_scale);

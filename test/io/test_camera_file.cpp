@@ -30,42 +30,43 @@ std::string errorOf(const std::string& content) {
 }
 
 TEST(CameraFile, ReadsSeveralPairsOnALineAndComments) {
-  const CameraFile camera = read("# a Kinect\n" + std::string(kMinimal) +
-                                 "mount_height = 0.98  mount_tilt_deg= 10 # on the robot\r\n\n"
-                                 "inverse_depth_std =0.00142");
-  EXPECT_EQ(camera.intrinsics, (Intrinsics{640, 480, 525, 526.5, 319.5, 239.5}));
-  EXPECT_EQ(camera.depth_scale, 5000);
-  ASSERT_TRUE(camera.mounting);
-  EXPECT_EQ(camera.mounting->height, 0.98);
-  EXPECT_EQ(camera.mounting->tilt_deg, 10);
-  EXPECT_EQ(camera.inverse_depth_std, 0.00142);
+  const CameraFile file = read("# a Kinect\n" + std::string(kMinimal) +
+                               "mount_height = 0.98  mount_tilt_deg= 10 # on the robot\r\n\n"
+                               "inverse_depth_std =0.00142");
+  EXPECT_EQ(file.camera.intrinsics, (Intrinsics{640, 480, 525, 526.5, 319.5, 239.5}));
+  EXPECT_EQ(file.depth_scale, 5000);
+  ASSERT_TRUE(file.camera.mounting);
+  EXPECT_EQ(file.camera.mounting->height, 0.98);
+  EXPECT_EQ(file.camera.mounting->tilt_deg, 10);
+  EXPECT_EQ(file.camera.noise.inverse_depth_std, 0.00142);
 }
 
 TEST(CameraFile, MountingAndNoiseAreOptional) {
-  const CameraFile camera = read(kMinimal);
-  EXPECT_FALSE(camera.mounting);
-  EXPECT_FALSE(camera.inverse_depth_std);
+  const CameraFile file = read(kMinimal);
+  EXPECT_FALSE(file.camera.mounting);
+  EXPECT_EQ(file.camera.noise.inverse_depth_std, SensorNoise().inverse_depth_std);
 }
 
 TEST(CameraFile, RoundTripsExactly) {
   const TemporaryFolder folder;
-  CameraFile camera;
+  CameraFile file;
+  Camera& camera = file.camera;
   camera.intrinsics = {320, 240, 262.5 + 1.0 / 3, 1e-3, -17.25, 119.75};
-  camera.depth_scale = 1000.0 / 7;
+  file.depth_scale = 1000.0 / 7;
   camera.mounting = CameraMounting{1.0 / 3, -12.3456789};
-  camera.inverse_depth_std = 0.1 / 3;
-  writeCameraFile(folder / "camera.ini", camera);
+  camera.noise.inverse_depth_std = 0.1 / 3;
+  writeCameraFile(folder / "camera.ini", file);
   const CameraFile again = readCameraFile(folder / "camera.ini");
-  EXPECT_EQ(again.intrinsics, camera.intrinsics);
-  EXPECT_EQ(again.depth_scale, camera.depth_scale);
-  EXPECT_EQ(again.mounting->height, camera.mounting->height);
-  EXPECT_EQ(again.mounting->tilt_deg, camera.mounting->tilt_deg);
-  EXPECT_EQ(again.inverse_depth_std, camera.inverse_depth_std);
+  EXPECT_EQ(again.camera.intrinsics, camera.intrinsics);
+  EXPECT_EQ(again.depth_scale, file.depth_scale);
+  EXPECT_EQ(again.camera.mounting->height, camera.mounting->height);
+  EXPECT_EQ(again.camera.mounting->tilt_deg, camera.mounting->tilt_deg);
+  EXPECT_EQ(again.camera.noise.inverse_depth_std, camera.noise.inverse_depth_std);
 }
 
 TEST(CameraFile, DoesNotDependOnTheLocale) {
   const test::DecimalComma comma;
-  EXPECT_EQ(read(kMinimal).intrinsics.fy, 526.5);
+  EXPECT_EQ(read(kMinimal).camera.intrinsics.fy, 526.5);
   if (!comma.isSetInC()) GTEST_SKIP() << "no German locale: numbers of C have not been tested";
 }
 
@@ -105,7 +106,7 @@ TEST(CameraFile, MissingFileAndFolderAreErrors) {
   EXPECT_THAT(ioErrorOf([&] { readCameraFile(folder.path()); }), HasSubstr("folder"));
   CameraFile camera;
   EXPECT_THROW(writeCameraFile(folder / "camera.ini", camera), std::invalid_argument);
-  camera.intrinsics = kinectIntrinsics();
+  camera.camera.intrinsics = kinectIntrinsics();
   EXPECT_NE(ioErrorOf([&] { writeCameraFile(folder / "none/camera.ini", camera); }), "");
 }
 

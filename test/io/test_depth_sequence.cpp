@@ -30,7 +30,7 @@ const Intrinsics kCamera{32, 24, 26.25, 26.25, 15.5, 11.5};
 
 CameraFile cameraFile() {
   CameraFile file;
-  file.intrinsics = kCamera;
+  file.camera.intrinsics = kCamera;
   file.depth_scale = 5000;
   return file;
 }
@@ -149,12 +149,12 @@ TEST_F(Sequence, CameraAndTruthAreFoundBesideALink) {
   putCamera("walk/camera.ini");
   putBytes(folder_ / "walk/groundtruth.txt", "1 1 2 3 0 0 0 1\n");
   const DepthSequence sequence = DepthSequence::open(folder_ / "walk");
-  EXPECT_EQ(sequence.camera()->intrinsics, kCamera);
+  EXPECT_EQ(sequence.camera()->camera.intrinsics, kCamera);
   EXPECT_FALSE(sequence.groundTruth().empty());
-  EXPECT_EQ(DepthSequence::open(folder_ / "walk/depth").camera()->intrinsics, kCamera);
+  EXPECT_EQ(DepthSequence::open(folder_ / "walk/depth").camera()->camera.intrinsics, kCamera);
   // And where the link leads to.
   fs::rename(folder_ / "walk/camera.ini", folder_ / "camera.ini");
-  EXPECT_EQ(DepthSequence::open(folder_ / "walk").camera()->intrinsics, kCamera);
+  EXPECT_EQ(DepthSequence::open(folder_ / "walk").camera()->camera.intrinsics, kCamera);
 }
 
 TEST_F(Sequence, ALinkThatLeadsNowhereFailsWhenItIsRead) {
@@ -250,7 +250,7 @@ TEST_F(Sequence, ImagesOfTheWrongSizeAreRefused) {
   putPng("1.png");
   putPcd("2.pcd");
   CameraFile camera = cameraFile();
-  camera.intrinsics.width = 640;
+  camera.camera.intrinsics.width = 640;
   writeCameraFile(folder_ / "camera.ini", camera);
   const auto sequence = DepthSequence::open(folder_.path());
   for (const int i : {0, 1})

@@ -189,17 +189,17 @@ TEST_F(OniFiles, AreSequences) {
   EXPECT_DOUBLE_EQ(sequence.frames()[1].stamp, 1.600001);
   EXPECT_EQ(sequence.frames()[1].path, path);
   ASSERT_TRUE(sequence.camera());
-  EXPECT_EQ(sequence.camera()->intrinsics, OniFile::open(path).camera());
+  EXPECT_EQ(sequence.camera()->camera.intrinsics, OniFile::open(path).camera());
   EXPECT_EQ(sequence.load(0).depth[1], 1.f);
   EXPECT_EQ(sequence.load(0, 2).camera.width, 2);
 
-  CameraFile camera;
-  camera.intrinsics = {4, 2, 3.5, 3.4, 1.6, 0.6};
-  camera.inverse_depth_std = 0.01;
-  writeCameraFile(folder_ / "camera.ini", camera);
+  CameraFile file;
+  file.camera.intrinsics = {4, 2, 3.5, 3.4, 1.6, 0.6};
+  file.camera.noise.inverse_depth_std = 0.01;
+  writeCameraFile(folder_ / "camera.ini", file);
   sequence = DepthSequence::open(path);
-  EXPECT_EQ(sequence.load(0).camera, camera.intrinsics);  // what is known better goes first
-  EXPECT_EQ(sequence.camera()->inverse_depth_std, 0.01);
+  EXPECT_EQ(sequence.load(0).camera, file.camera.intrinsics);  // what is known better goes first
+  EXPECT_EQ(sequence.camera()->camera.noise.inverse_depth_std, 0.01);
 }
 
 TEST_F(OniFiles, WithTimesThatDoNotGoOnHaveNumbers) {
@@ -238,8 +238,8 @@ TEST_P(Recordings, HaveAllFramesTheSameEachTimeInAnyOrder) {
   const DepthSequence sequence = DepthSequence::open(path_), again = DepthSequence::open(path_);
   const std::size_t n = sequence.frames().size();
   ASSERT_EQ(n, GetParam().frames);
-  EXPECT_EQ(sequence.camera()->intrinsics.width, GetParam().width);
-  EXPECT_NEAR(sequence.camera()->intrinsics.fx, GetParam().focal_length, 0.5);
+  EXPECT_EQ(sequence.camera()->camera.intrinsics.width, GetParam().width);
+  EXPECT_NEAR(sequence.camera()->camera.intrinsics.fx, GetParam().focal_length, 0.5);
   std::vector<DepthImage> images(n);
   std::vector<std::thread> readers;  // all at once
   for (int k = 0; k < 3; ++k)

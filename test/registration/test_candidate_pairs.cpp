@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pairs/pair_distance.h"
+#include "pairs/plane_measurement.h"
+
 #include <facetloc/registration/candidate_pairs.h>
-#include <facetloc/registration/plane_measurement.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/convex_polygons.h>
 #include <facetloc/testing/pose_matchers.h>
@@ -14,6 +16,8 @@
 #include <set>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::exactOverlapDistance;
@@ -223,7 +227,7 @@ struct CoplanarPair {
 };
 
 TEST(OverlapDistance, AtAKnownPoseAcceptedRectanglesReallyMeet) {
-  // The gate's ellipse lies inside the set of displacements at which two rectangles meet (METHOD 9.2).
+  // The gate's ellipse lies inside the set of displacements at which two rectangles meet (METHOD 4.2).
   Rng rng(9);
   int accepted = 0;
   for (int i = 0; i < 5000; ++i) {

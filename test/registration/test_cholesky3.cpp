@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/cholesky3.h>
+#include "pairs/cholesky3.h"
+
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
 
@@ -10,6 +11,8 @@
 #include <limits>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::gaussian;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/consensus.h>
-#include <facetloc/registration/plane_measurement.h>
+#include "pairs/consensus.h"
+#include "pairs/pair_distance.h"
+#include "pairs/plane_measurement.h"
+#include "pairs/query.h"
+
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_depth.h>
 
@@ -10,6 +13,8 @@
 #include <cmath>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::rectangle;
@@ -41,8 +46,7 @@ View viewOf(const std::vector<Segment>& segments) {
 
 double llr(const View& scene, const View& model, const PoseWithCovariance& pose = accuratePose(),
            const ConsensusParams& params = {}) {
-  const DepthComparison comparison({}, SensorNoise{}.inverse_depth_std);
-  return logLikelihoodRatio(scene, samplePoints(scene), model, pose, comparison, params);
+  return logLikelihoodRatio(Query(scene), model, pose, DepthComparison({}), params);
 }
 
 double llr(const std::vector<Segment>& scene, const std::vector<Segment>& model,
@@ -90,7 +94,7 @@ TEST(LogLikelihoodRatio, OfOneExactPairIsTheClosedForm) {
   S.diagonal() += Eigen::Vector3d(std::pow(1 * kDegree, 2), std::pow(1 * kDegree, 2), 4e-4);
   const double chance = 1 / (2 * kPi * 6);
   const double pair = -0.5 * std::log(std::pow(2 * kPi, 3) * S.determinant()) - std::log(chance);
-  EXPECT_NEAR(pair, 11, 2);  // METHOD 11.4: a typical exact match is worth about 12 nats
+  EXPECT_NEAR(pair, 11, 2);  // METHOD 10.2: an exact match is worth about 11 nats
   EXPECT_NEAR(llr({s}, {s}), std::log(0.1 + 0.9 * std::exp(pair)), 1e-9);
 }
 
@@ -187,7 +191,7 @@ TEST(LogLikelihoodRatio, ASegmentThatTheModelCannotSeeSaysNothing) {
                           test::endlessPlane({0, 0, 4}, {0, 0, 1})};
   View model = viewOf(threeWalls());
   const DepthImage image = test::render(scene, smallCamera()).image;
-  model.camera = image.camera;
+  model.intrinsics = image.camera;
   model.depth = DepthPicture::fromDepth(image);
   const double before = llr(viewOf(threeWalls()), model);
   for (const Eigen::Vector3d& centre :

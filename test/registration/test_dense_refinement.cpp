@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "depth/dense_refinement.h"
+#include "depth/depth_consistency.h"
+#include "depth/depth_difference.h"
+
 #include <facetloc/features/camera_model.h>
-#include <facetloc/registration/dense_refinement.h>
-#include <facetloc/registration/depth_consistency.h>
-#include <facetloc/registration/depth_difference.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
 
@@ -14,6 +15,8 @@
 #include <random>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::lookingAlong;
@@ -42,9 +45,7 @@ protected:
       depth.push_back(pictureOf(test::largeRoom(), cameras[i], static_cast<unsigned>(10 + i)));
   }
   std::vector<PosedPicture> pictures() const { return {{&depth[0], cameras[0]}, {&depth[1], cameras[1]}}; }
-  bool refine(PoseWithCovariance& pose) const {
-    return refineByDepth(scene, pictures(), kNoise, params, pose);
-  }
+  bool refine(PoseWithCovariance& pose) const { return refineByDepth(scene, pictures(), params, pose); }
 
   const Eigen::Isometry3d truth = lookingAlong({2.6, 1.7, 1.25}, {0.1, 1, -0.25});
   std::vector<Eigen::Isometry3d> cameras;
@@ -117,7 +118,7 @@ TEST_F(DenseRefinement, AStepIsThatOfAllPixelsOneByOne) {
 
     PoseWithCovariance pose = start;
     Matrix6d information;
-    ASSERT_TRUE(refineByDepth(scene, pictures(), kNoise, params, pose, &information));
+    ASSERT_TRUE(refineByDepth(scene, pictures(), params, pose, &information));
     EXPECT_THAT(pose.T, PoseNear(stepped, 1e-4, 5e-3)) << trial;
     const Vector6d apart = perturbation(stepped, pose.T);
     exact += apart.head<3>().norm() < 1e-5 && apart.tail<3>().norm() < 1e-5;
@@ -154,7 +155,7 @@ TEST_F(DenseRefinement, KeepsThePriorWhereThePixelsSayNothing) {
   const DepthPicture model = pictureOf(wall, here, 2);
   PoseWithCovariance pose{here, priorCovariance(2 * kDegree, 0.05)};
   pose.T.translation() += Eigen::Vector3d(0.03, 0.02, -0.03);
-  ASSERT_TRUE(refineByDepth(scene, {{&model, here}}, kNoise, params, pose));
+  ASSERT_TRUE(refineByDepth(scene, {{&model, here}}, params, pose));
   const Eigen::Vector3d off = pose.T.translation() - here.translation();
   EXPECT_NEAR(off.x(), 0.03, 0.01);  // a fifth of the prior's deviation
   EXPECT_NEAR(off.y(), 0, 1e-3);
@@ -172,7 +173,7 @@ TEST_F(DenseRefinement, TellsHowMuchThePixelsTell) {
   for (int i = 0; i < kTrials; ++i) {
     scene = pictureOf(test::largeRoom(), truth, static_cast<unsigned>(100 + i));
     PoseWithCovariance pose{truth, priorCovariance(5 * kDegree, 0.5)};
-    ASSERT_TRUE(refineByDepth(scene, pictures(), kNoise, params, pose, &information));
+    ASSERT_TRUE(refineByDepth(scene, pictures(), params, pose, &information));
     errors.push_back(perturbation(truth, pose.T));
     mean += errors.back() / kTrials;
   }
@@ -190,7 +191,7 @@ TEST_F(DenseRefinement, ABareWallFeignsNoInformation) {
     params.significance = significance;
     PoseWithCovariance pose = prior;
     Matrix6d information;
-    EXPECT_TRUE(refineByDepth(scene, {{&model, here}}, kNoise, params, pose, &information));
+    EXPECT_TRUE(refineByDepth(scene, {{&model, here}}, params, pose, &information));
     const Matrix6d P = (information + prior.P.inverse()).inverse();
     EXPECT_LT(P(3, 3), 1e-3 * prior.P(3, 3));  // across, the walls tell
     return std::sqrt(P(4, 4));
@@ -210,7 +211,7 @@ TEST_F(DenseRefinement, DoesNotDependOnTheWorldFrame) {
   std::vector<PosedPicture> there = pictures();
   for (PosedPicture& p : there) p.T_w_c = T_v_w * p.T_w_c;
   ASSERT_TRUE(refine(pose));
-  ASSERT_TRUE(refineByDepth(scene, there, kNoise, params, moved));
+  ASSERT_TRUE(refineByDepth(scene, there, params, moved));
   EXPECT_TRUE((T_v_w * pose.T).isApprox(moved.T, 1e-6));
 }
 
@@ -218,7 +219,7 @@ TEST_F(DenseRefinement, WithoutSharedPixelsChangesNothing) {
   const PoseWithCovariance start{truth, priorCovariance(1 * kDegree, 0.05)};
   const auto expectNone = [&](const DepthPicture& s, const std::vector<PosedPicture>& p) {
     PoseWithCovariance pose = start;
-    EXPECT_FALSE(refineByDepth(s, p, kNoise, params, pose));
+    EXPECT_FALSE(refineByDepth(s, p, params, pose));
     EXPECT_EQ(pose.T.matrix(), start.T.matrix());
   };
   expectNone({}, pictures());

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pairs/depth_alignment.h"
+
 #include <facetloc/features/camera_model.h>
-#include <facetloc/registration/depth_alignment.h>
 #include <facetloc/testing/synthetic_views.h>
 
 #include <gtest/gtest.h>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::lookingAlong;
@@ -25,8 +28,7 @@ std::vector<double> align(const Scene& scene, double true_shift, double start = 
   const Eigen::Vector3d along = T_w_m.linear().transpose() * Eigen::Vector3d::UnitY();
   Eigen::Isometry3d T_m_c = Eigen::Isometry3d::Identity();
   T_m_c.translation() = start * along;  // what the planes left open
-  return alignDepth(seenAt(scene, true_shift, 1), seenAt(scene, 0, 2), T_m_c, along, 0,
-                    {DepthConsistencyParams{}, SensorNoise{}.inverse_depth_std});
+  return alignDepth(seenAt(scene, true_shift, 1), seenAt(scene, 0, 2), T_m_c, along, 0, DepthComparison({}));
 }
 
 TEST(DepthAlignment, FindsTheShiftAlongACorridorWithABox) {
@@ -50,7 +52,7 @@ TEST(DepthAlignment, RefusesABareCorridor) {
 
 // Near a wall even pixels that agree are less likely than average ones far away.
 TEST(DepthAlignment, NeverLeadsWhereThePicturesShareNothing) {
-  const DepthComparison comparison({}, SensorNoise{}.inverse_depth_std);
+  const DepthComparison comparison({});
   const Eigen::Isometry3d T_w_m = lookingAlong({0, 0, 1}, {0, 1, 0});
   const Eigen::Vector3d along = T_w_m.linear().transpose() * Eigen::Vector3d::UnitX();
   int found_at_all = 0;
@@ -80,7 +82,7 @@ TEST(DepthAlignment, NeverLeadsWhereThePicturesShareNothing) {
 }
 
 TEST(DepthAlignment, WithoutPicturesFindsNothing) {
-  const DepthComparison comparison({}, SensorNoise{}.inverse_depth_std);
+  const DepthComparison comparison({});
   const DepthPicture picture = seenAt(corridorWithABox(), 0, 1);
   const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
   EXPECT_TRUE(alignDepth({}, picture, here, Eigen::Vector3d::UnitZ(), 0, comparison).empty());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "depth/depth_consistency.h"
+
 #include <facetloc/features/camera_model.h>
-#include <facetloc/registration/depth_consistency.h>
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_depth.h>
 
@@ -9,6 +10,8 @@
 #include <cmath>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::endlessPlane;
@@ -18,7 +21,7 @@ using test::smallCamera;
 
 const Eigen::Isometry3d kHere = Eigen::Isometry3d::Identity();
 
-DepthComparison comparison() { return {DepthConsistencyParams{}, SensorNoise{}.inverse_depth_std}; }
+DepthComparison comparison() { return DepthComparison({}); }
 
 DepthPicture wallAt(double z, const Eigen::Vector3d& normal = Eigen::Vector3d::UnitZ()) {
   return DepthPicture::fromDepth(render({endlessPlane({0, 0, z}, normal)}, smallCamera()).image);
@@ -138,33 +141,48 @@ TEST(DepthConsistency, JudgeSaysWhatCompareCounts) {
 }
 
 TEST(DepthConsistency, TheToleranceIsThreeTimesTheErrorOfAPrediction) {
-  // METHOD_MEASURED 11.4 (5): sigma_e = 1.5 DU + 0.01 d, gate 3 sigma_e.
+  // METHOD 8.1: sigma_e = 1.5 DU + 0.01 d, gate 3 sigma_e.
   const double d = 0.5;
-  EXPECT_NEAR(comparison().tolerance(d), 3 * (1.5 / kKinectGain + 0.01 * d), 1e-9);
-  const double slack = comparison().tolerance(1 / 2.0);
+  const DepthErrors errors = comparison().errorsBetween(wallAt(2), wallAt(3));
+  EXPECT_NEAR(errors.tolerance(d), 3 * (1.5 / kKinectGain + 0.01 * d), 1e-9);
+  const double slack = errors.tolerance(1 / 2.0);
   const double inside = 1 / (0.5 - 0.9 * slack), outside = 1 / (0.5 - 1.1 * slack);
   EXPECT_EQ(comparison().compare(wallAt(2), wallAt(inside), kHere, kFineColumns).contradict, 0);
   EXPECT_EQ(comparison().compare(wallAt(2), wallAt(outside), kHere, kFineColumns).agree, 0);
 }
 
+TEST(DepthConsistency, TheErrorIsThatOfTheNoiseOfBothPictures) {
+  DepthPicture noisier = wallAt(2);
+  noisier.noise_std = 3 * SensorNoise{}.inverse_depth_std;
+  const DepthErrors errors = comparison().errorsBetween(wallAt(2), noisier);
+  EXPECT_NEAR(errors.absolute, std::sqrt((1 + 9) / 2.0) * 1.5 / kKinectGain, 1e-9);
+  EXPECT_EQ(errors.absolute, comparison().errorsBetween(noisier, wallAt(2)).absolute);
+  EXPECT_EQ(errors.relative, 0.01);
+  const double slack = errors.tolerance(1 / 2.0), inside = 1 / (0.5 - 0.9 * slack);
+  EXPECT_GT(comparison().compare(wallAt(2), wallAt(inside), kHere, kFineColumns).contradict, 0);
+  EXPECT_EQ(comparison().compare(noisier, wallAt(inside), kHere, kFineColumns).contradict, 0);
+}
+
 TEST(DepthConsistency, LikelihoodIsThatOfTheErrorOfThePrediction) {
-  constexpr double kUnitError = 1.673;  // METHOD_MEASURED 10.5
+  constexpr double kUnitError = 1.673;  // METHOD 8.2
   for (const double z : {0.7, 1.0, 1.6, 2.0, 3.3, 5.5}) {
     const DepthAgreement a = comparison().compare(wallAt(z), wallAt(z), kHere, kFineColumns);
     ASSERT_GT(a.agree, 0);
-    const double want = std::log(kUnitError * comparison().absoluteError() / comparison().error(1 / z));
+    const DepthErrors errors = comparison().errorsBetween(wallAt(z), wallAt(z));
+    const double want = std::log(kUnitError * errors.absolute / errors.of(1 / z));
     EXPECT_NEAR(a.likelihood / a.agree, want, 2e-4) << z;  // the pictures are in quanta
   }
 }
 
 TEST(DepthConsistency, ExactAgreementIsLikelierThanContradictionWhateverTheErrors) {
+  DepthPicture wall = wallAt(2);
+  wall.noise_std = 1 / kKinectGain;
   for (const double absolute : {0.01, 0.3, 3.0, 30.0})
     for (const double relative : {0.0, 0.003, 0.1}) {
       DepthConsistencyParams params;
       params.absolute_error = absolute;
       params.relative_error = relative;
-      const DepthAgreement a =
-          DepthComparison(params, 1 / kKinectGain).compare(wallAt(2), wallAt(2), kHere, kFineColumns);
+      const DepthAgreement a = DepthComparison(params).compare(wall, wall, kHere, kFineColumns);
       ASSERT_GT(a.agree, 0);
       EXPECT_GT(a.likelihood / a.agree, std::log(0.25)) << absolute << " " << relative;  // an occlusion
     }

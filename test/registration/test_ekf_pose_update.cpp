@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pairs/ekf_pose_update.h"
+
 #include <facetloc/features/segment_estimation.h>
-#include <facetloc/registration/ekf_pose_update.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
@@ -17,6 +18,8 @@
 #include <numeric>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::disturbed;
@@ -83,7 +86,7 @@ struct Consistency {
   std::array<double, 3> accepted{};  // share of the correct first, second, third pairs within the gate
 };
 
-// The experiment of METHOD 8.2 with given true surfaces per trial.
+// The experiment of METHOD 5.1 with given true surfaces per trial.
 template <class Surfaces>
 Consistency experiment(const EkfParams& params, int trials, const Surfaces& surfaces) {
   Rng rng(5);
@@ -125,11 +128,11 @@ TEST(EkfPoseUpdate, ErrorsOfTheIteratedFilterAreAsLargeAsItSays) {
 }
 
 TEST(EkfPoseUpdate, TheFilterOfOneIterationIsOverconfident) {
-  EXPECT_GT(experiment(ungated(1), 500, corner).mean_nees, 50);  // METHOD 8.2: 630
+  EXPECT_GT(experiment(ungated(1), 500, corner).mean_nees, 50);  // METHOD 5.1: about 630
 }
 
 TEST(EkfPoseUpdate, IsConsistentWithTheUncertaintyOfRealSegments) {
-  // Surfaces and Sigma_q of rendered corners of rooms, METHOD_MEASURED 4.3.
+  // Surfaces and Sigma_q of rendered corners of rooms.
   std::vector<std::array<Segment, 3>> corners;
   for (int i = 0; i < 8; ++i) {
     const Eigen::Isometry3d T =

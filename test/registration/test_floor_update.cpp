@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/floor_update.h>
+#include "tracking/floor_update.h"
+
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
@@ -8,6 +9,8 @@
 #include <gtest/gtest.h>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::gaussian;

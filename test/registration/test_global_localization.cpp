@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "global/place_ranking.h"
+#include "pairs/view_registration.h"
+
 #include <facetloc/registration/global_localization.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
@@ -11,10 +14,13 @@
 #include <limits>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::endlessPlane;
 using test::lookingAlong;
+using test::mounted;
 using test::PoseNear;
 using test::Rng;
 using test::uniform;
@@ -56,7 +62,7 @@ std::shared_ptr<const Map> LocalizationInARoom::map;
 
 TEST_F(LocalizationInARoom, EveryMapImageIsFoundAtItsOwnPlace) {
   GlobalLocalizationParams planes_only;  // which are the same in both; other models' noise is not
-  planes_only.ranking.dense_refinement = false;
+  planes_only.refinement.enabled = false;
   const GlobalLocalization localization(map, planes_only);
   for (std::size_t i = 0; i < map->models.size(); ++i) {
     const Localization answer = localization.localize(map->models[i].view);
@@ -98,20 +104,26 @@ TEST_F(LocalizationInARoom, EveryMapImageAgreesWithItsNeighbours) {
   }
 }
 
-TEST_F(LocalizationInARoom, ModelsThatAreDealtOutGiveTheSameAnswer) {
+TEST_F(LocalizationInARoom, ModelsThatAreAskedOneByOneGiveTheSameAnswer) {
   const GlobalLocalization localization(map);
   const View& scene = map->models[3].view;
-  std::vector<Hypothesis> hypotheses =
-      localization.registerWith({{0, 0, {}}, {1, 0, {}}, {2, 0, {}}}, scene, localization.prior());
-  for (const Hypothesis& h : localization.registerWith(
-           {{3, 0, {}}, {4, 0, {}}, {5, 0, {}}, {6, 0, {}}, {7, 0, {}}}, scene, localization.prior()))
-    hypotheses.push_back(h);
-  const Localization dealt = localization.rank(scene, hypotheses), whole = localization.localize(scene);
-  ASSERT_EQ(dealt.hypotheses.size(), whole.hypotheses.size());
+  const Query query(scene, localization.prior(scene));
+  const ViewRegistration registration;
+  std::vector<Hypothesis> one_by_one;
+  for (std::size_t i = 0; i < map->models.size(); ++i)
+    for (Hypothesis h : registration.align(query, map->models[i].view)) {
+      h.model = static_cast<int>(i);
+      h.T_w_c = *map->models[i].T_w_m * h.T_m_c.T;
+      one_by_one.push_back(h);
+    }
+  PlaceRanking(map, {}).rank(scene, one_by_one);
+  const Localization whole = localization.localize(scene);
+  ASSERT_FALSE(whole.hypotheses.empty());
+  ASSERT_EQ(one_by_one.size(), whole.hypotheses.size());
   for (std::size_t i = 0; i < whole.hypotheses.size(); ++i) {
-    EXPECT_EQ(dealt.hypotheses[i].model, whole.hypotheses[i].model);
-    EXPECT_EQ(dealt.hypotheses[i].score, whole.hypotheses[i].score);
-    EXPECT_TRUE(dealt.hypotheses[i].T_w_c->isApprox(*whole.hypotheses[i].T_w_c, 0));
+    EXPECT_EQ(one_by_one[i].model, whole.hypotheses[i].model);
+    EXPECT_EQ(one_by_one[i].score, whole.hypotheses[i].score);
+    EXPECT_TRUE(one_by_one[i].T_w_c->isApprox(*whole.hypotheses[i].T_w_c, 0));
   }
 }
 
@@ -133,7 +145,7 @@ TEST_F(LocalizationInARoom, NewImagesWhosePlanesFixThePoseAreFound) {
       is_correct = e.head<3>().norm() < 2 * kDegree && e.tail<3>().norm() < 0.2;
       confident_and_wrong += !is_correct && answer.hypotheses[0].probability > 0.9;
     }
-    if (!unconstrainedDirections(view.segments, 3, 0.2).empty()) continue;
+    if (!unconstrainedDirections(Query(view), {}).empty()) continue;
     ++fixed;
     correct += is_correct;
   }
@@ -151,7 +163,7 @@ TEST_F(LocalizationInARoom, TheListIsSortedMergedAndItsProbabilitiesLeaveRoomFor
     const Hypothesis& h = answer.hypotheses[i];
     sum += h.probability;
     EXPECT_THAT(*h.T_w_c, PoseNear(*map->models[h.model].T_w_m * h.T_m_c.T, 1e-12, 1e-9));
-    const double support = PlaceRankingParams().support_weight * std::log(h.found_by.size());
+    const double support = EvidenceParams().support_weight * std::log(h.found_by.size());
     EXPECT_NEAR(h.score, h.consensus + h.evidence + support, 1e-9);
     for (std::size_t k = 0; k < i; ++k) {
       EXPECT_LE(h.score, answer.hypotheses[k].score);
@@ -300,12 +312,13 @@ TEST_F(Degenerate, ACorridorWithoutEndGivesNoHypothesisAndNamesItsDirection) {
 TEST_F(Degenerate, AViewThatNoModelKnowsHasAReason) {
   const test::Scene small = test::box({0, 0, 0}, {2, 2.2, 2}), large = test::box({0, 0, 0}, {7, 6.5, 4});
   auto map = mapOf(large, {lookingAlong({3, 3, 1.8}, {1, 0.8, -0.5})});
-  map->mounting = CameraMounting{0.98, 10};  // a narrow prior in height and tilt
+  map->camera.mounting = CameraMounting{0.98, 10};  // a narrow prior in height and tilt
   GlobalLocalizationParams params;
   params.prior.rotation_std_deg = 5;
   params.prior.translation_std = 0.1;
-  const Localization answer = GlobalLocalization(map, params)
-                                  .localize(viewFrom(small, lookingAlong({0.6, 0.6, 1}, {1, 0.9, -0.5}), 1));
+  const View view = viewFrom(small, lookingAlong({0.6, 0.6, 1}, {1, 0.9, -0.5}), 1);
+  const Localization answer = GlobalLocalization(map, params).localize(mounted(view, *map->camera.mounting));
+  EXPECT_TRUE(answer.camera.sameMounting());
   EXPECT_TRUE(answer.hypotheses.empty());
   EXPECT_NE(answer.reason, "");
 }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/hypothesis_tree.h>
+#include "pairs/hypothesis_tree.h"
+
+#include <facetloc/registration/candidate_pairs.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
@@ -14,6 +16,8 @@
 #include <set>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::disturbed;
@@ -105,9 +109,8 @@ struct BruteForce {
       if (!u.accepted || u.gain < params.min_gain) return;
       pose = u.pose;
       information += u.information;
-      const bool complete =
-          observability(information)
-              .complete(params.complete_rotation_deg * kDegree, params.complete_translation);
+      const bool complete = observability(information)
+                                .within(params.complete_rotation_deg * kDegree, params.complete_translation);
       if (!complete) continue;
       if (k + 1 < chosen.size()) return;  // a complete beginning has no children
       PairSet set;
@@ -177,7 +180,7 @@ TEST(HypothesisTree, AHypothesisUsesEverySegmentOnce) {
         EXPECT_TRUE(scene.insert(p.scene).second);
         EXPECT_TRUE(model.insert(p.model).second);
       }
-      EXPECT_TRUE(observability(node.information).complete(3 * kDegree, 0.2));
+      EXPECT_TRUE(observability(node.information).within(3 * kDegree, 0.2));
     }
 }
 
@@ -285,7 +288,7 @@ TEST(HypothesisTree, ManyCandidatesFillMoreThanOneWord) {
     ++want;
     const SegmentPair& p = candidates[a];
     const EkfUpdate u = ekfPoseUpdate(segments[p.scene], segments[p.model], prior);
-    if (!u.accepted || observability(u.information).complete(3 * kDegree, 0.2)) continue;
+    if (!u.accepted || observability(u.information).within(3 * kDegree, 0.2)) continue;
     for (std::size_t b = a + 1; b < candidates.size(); ++b) {
       const SegmentPair& q = candidates[b];
       if (p.scene == q.scene || p.model == q.model) continue;
@@ -296,26 +299,26 @@ TEST(HypothesisTree, ManyCandidatesFillMoreThanOneWord) {
 }
 
 TEST(Observability, OfNothingIsTheWeakPrior) {
-  const Observability o = observability(Matrix6d::Zero());
-  EXPECT_NEAR(o.rotation_std[2], 30 * kDegree, 1e-9);
-  EXPECT_NEAR(o.translation_std[0], 10, 1e-9);
-  EXPECT_FALSE(o.complete(3 * kDegree, 0.2));
+  const PrincipalStd o = observability(Matrix6d::Zero());
+  EXPECT_NEAR(o.rotation[2], 30 * kDegree, 1e-9);
+  EXPECT_NEAR(o.translation[0], 10, 1e-9);
+  EXPECT_FALSE(o.within(3 * kDegree, 0.2));
 }
 
 TEST(Observability, OrdersTheTranslationsAndNamesTheirDirections) {
   Matrix6d information = Matrix6d::Zero();
   information.topLeftCorner<3, 3>() = 1e6 * Eigen::Matrix3d::Identity();
   information.diagonal().tail<3>() << 100, 0, 1e4;  // x to 0.1 m, y not at all, z to 1 cm
-  const Observability o = observability(information);
-  EXPECT_NEAR(o.translation_std[0], 0.01, 1e-4);
-  EXPECT_NEAR(o.translation_std[1], 0.1, 1e-3);
-  EXPECT_NEAR(o.translation_std[2], 10, 1e-3);
-  EXPECT_NEAR(std::abs(o.directions.col(2).y()), 1, 1e-9);
-  EXPECT_NEAR(std::abs(o.directions.col(0).z()), 1, 1e-9);
-  EXPECT_FALSE(o.complete(3 * kDegree, 0.2));
+  const PrincipalStd o = observability(information);
+  EXPECT_NEAR(o.translation[0], 0.01, 1e-4);
+  EXPECT_NEAR(o.translation[1], 0.1, 1e-3);
+  EXPECT_NEAR(o.translation[2], 10, 1e-3);
+  EXPECT_NEAR(std::abs(o.translation_axes.col(2).y()), 1, 1e-9);
+  EXPECT_NEAR(std::abs(o.translation_axes.col(0).z()), 1, 1e-9);
+  EXPECT_FALSE(o.within(3 * kDegree, 0.2));
   EXPECT_TRUE(o.oneTranslationFree(3 * kDegree, 0.2));
   EXPECT_FALSE(o.oneTranslationFree(3 * kDegree, 0.05));  // then two are free
-  EXPECT_TRUE(o.complete(3 * kDegree, 11));
+  EXPECT_TRUE(o.within(3 * kDegree, 11));
 }
 
 TEST(Observability, IsTheSpreadOfTheInverseForRealInformation) {
@@ -341,12 +344,12 @@ TEST(Observability, IsTheSpreadOfTheInverseForRealInformation) {
     const Matrix6d P = Precise(Lambda.cast<long double>()).inverse().cast<double>();
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> rotation(P.topLeftCorner<3, 3>()),
         translation(P.bottomRightCorner<3, 3>());
-    const Observability o = observability(information);
+    const PrincipalStd o = observability(information);
     for (int k = 0; k < 3; ++k) {
-      compare(o.rotation_std[k], std::sqrt(rotation.eigenvalues()[k]));
-      compare(o.translation_std[k], std::sqrt(translation.eigenvalues()[k]));
+      compare(o.rotation[k], std::sqrt(rotation.eigenvalues()[k]));
+      compare(o.translation[k], std::sqrt(translation.eigenvalues()[k]));
     }
-    const Eigen::Vector3d free = o.directions.col(2);
+    const Eigen::Vector3d free = o.translation_axes.col(2);
     EXPECT_NEAR(free.norm(), 1, 1e-6);
     EXPECT_GT(free.dot(P.bottomRightCorner<3, 3>() * free), 0.98 * translation.eigenvalues()[2]);
   }

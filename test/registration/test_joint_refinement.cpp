@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/joint_refinement.h>
-#include <facetloc/registration/plane_measurement.h>
+#include "pairs/joint_refinement.h"
+#include "pairs/plane_measurement.h"
+
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
@@ -12,6 +13,8 @@
 #include <numeric>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::disturbed;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/likely_places.h>
+#include "tracking/likely_places.h"
 
 #include <gtest/gtest.h>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 constexpr int kModels = 100;

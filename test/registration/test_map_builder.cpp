@@ -64,8 +64,8 @@ TEST(MapBuilder, MeasuresFromTheLatestLocalModelNotFromTheLatestImage) {
 
 TEST(MapBuilder, LimitsAreParameters) {
   MapBuilderParams params;
-  params.min_distance = 2;
-  params.min_rotation_deg = 90;
+  params.distance = 2;
+  params.rotation_deg = 90;
   MapBuilder builder(params);
   EXPECT_TRUE(builder.accept(pose(0, 0)));
   EXPECT_FALSE(builder.accept(pose(1.9, 89)));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/map_surroundings.h>
+#include "tracking/map_surroundings.h"
+
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
@@ -7,6 +8,8 @@
 #include <gtest/gtest.h>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::largeRoom;
@@ -30,9 +33,7 @@ protected:
     map->models.push_back(modelAt(lookingAlong({3, 2.5, 1.2}, {1, 0, -0.2}), 4));
     map->models.back().T_w_m.reset();  // nobody knows where
   }
-  MapSurroundings surroundings() const {
-    return MapSurroundings(map, DepthComparison({}, SensorNoise{}.inverse_depth_std));
-  }
+  MapSurroundings surroundings() const { return MapSurroundings(map, DepthComparison({})); }
   static std::vector<int> viewsOf(const Surroundings& found) {
     std::vector<int> views;
     for (const Surroundings::Origin& o : found.origins)
@@ -88,7 +89,7 @@ TEST_F(SurroundingsOfAPose, HaveTheirSegmentsInTheWorld) {
 TEST_F(SurroundingsOfAPose, StandOnTheFloorOfTheNearestRobots) {
   const Eigen::Matrix3d covariance = floorCovariance({});
   EXPECT_FALSE(surroundings().floorNear(pose, 2, covariance));  // no mounting, no robot
-  map->mounting = CameraMounting{1.2, 0};
+  map->camera.mounting = CameraMounting{1.2, 0};
   map->models.resize(2);
   const auto standing = [](double x, double floor) {
     Eigen::Isometry3d T_w_b = Eigen::Isometry3d::Identity();
@@ -121,7 +122,7 @@ TEST_F(SurroundingsOfAPose, StandOnTheFloorOfTheNearestRobots) {
 }
 
 TEST(MapSurroundings, OfAnEmptyMapAreEmpty) {
-  const MapSurroundings none(std::make_shared<Map>(), DepthComparison({}, SensorNoise{}.inverse_depth_std));
+  const MapSurroundings none(std::make_shared<Map>(), DepthComparison({}));
   EXPECT_FALSE(none.anyPose());
   EXPECT_TRUE(none.around({}, Eigen::Isometry3d::Identity(), 5).segments.empty());
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/nearby_models.h>
+#include "nearby/nearby_models.h"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +9,8 @@
 #include <random>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 // Cameras all over a building, many of them in the same places; some nobody knows where.

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/place_alignment.h>
+#include "shortlist/place_alignment.h"
+
 #include <facetloc/testing/synthetic_views.h>
 
 #include <gtest/gtest.h>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 constexpr CameraMounting kMounting{1.0, 10.0};

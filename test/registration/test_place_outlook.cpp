@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/place_outlook.h>
+#include "shortlist/place_outlook.h"
+
 #include <facetloc/testing/synthetic_views.h>
 
 #include <gtest/gtest.h>
@@ -10,6 +11,8 @@
 #include <vector>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 constexpr CameraMounting kMounting{1.0, 10.0};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "global/place_ranking.h"
+
 #include <facetloc/features/so3.h>
-#include <facetloc/registration/place_ranking.h>
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_depth.h>
 
@@ -11,6 +12,8 @@
 #include <limits>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::lookingAlong;
@@ -30,9 +33,10 @@ Eigen::Isometry3d pose(double x, double turn_deg = 0) {
   return T;
 }
 
-void rankPlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& h) {
+void rankPlaces(const MergingParams& params, std::vector<Hypothesis>& h) {
+  const PlainProbabilityParams plain;
   mergePlaces(params, h);
-  assignProbabilities(params.plain_softmax_slope, params.plain_null_score, h);
+  assignProbabilities(plain.slope, plain.null_score, h);
 }
 
 TEST(RankPlaces, ProbabilitiesAreTheSoftmaxWithANullPlace) {
@@ -71,7 +75,7 @@ TEST(RankPlaces, APlaceAtTheNullScoreIsAsLikelyAsNone) {
 }
 
 TEST(RankPlaces, TheHigherTheRunnersUpScoreTheLikelierIsNoPlaceOfTheList) {
-  PlaceRankingParams params;
+  ProbabilityParams params;
   params.null_score = 10, params.runners_up = 3, params.runners_up_weight = 0.5;
   params.least_null_score = -15;
   std::vector<Hypothesis> h{hypothesis(50)};
@@ -105,8 +109,8 @@ TEST(RankPlaces, HypothesesOfOnePlaceBecomeTheBestOfThem) {
   ASSERT_EQ(h.size(), 3u);
   EXPECT_EQ(h[2].score, 10);
 
-  PlaceRankingParams apart;
-  apart.merge = false;
+  MergingParams apart;
+  apart.enabled = false;
   h = {hypothesis(30, pose(0)), hypothesis(20, pose(0))};
   rankPlaces(apart, h);
   EXPECT_EQ(h.size(), 2u);
@@ -164,20 +168,17 @@ protected:
   static View viewFrom(const Eigen::Isometry3d& T_w_c) {
     View view;
     const DepthImage image = test::render(test::furnishedRoom(), test::smallCamera(), T_w_c).image;
-    view.camera = image.camera;
+    view.intrinsics = image.camera;
     view.depth = DepthPicture::fromDepth(image);
     return view;
   }
-  PlaceRanking ranking() const {
-    return PlaceRanking(borrowed(map), params, consensus, {}, SensorNoise{}.inverse_depth_std);
-  }
+  PlaceRanking ranking() const { return PlaceRanking(borrowed(map), params); }
   bool add(std::vector<Hypothesis>& h) const { return ranking().addEvidence(scene, h); }
 
   Map map;
   const Eigen::Isometry3d truth = lookingAlong({1.5, 0.8, 1.2}, {0.3, 1, -0.2});
   View scene = viewFrom(truth);
-  ConsensusParams consensus;
-  PlaceRankingParams params;
+  GlobalLocalizationParams params;
 };
 
 TEST_F(Evidence, IsForTheTruePlaceAndAgainstAnother) {
@@ -215,8 +216,9 @@ TEST_F(Evidence, OfSomethingThatMovedIsBounded) {
   EXPECT_LT(after, before - 10);
   // Closed form, of a quarter of the pixels in each direction, as far as they are tested.
   constexpr double kQuarter = 0.25;
-  const double largest = 2 * params.contradiction_weight * std::log1p(kQuarter / consensus.free_space_share) +
-                         params.disagreement_weight * kQuarter;
+  const double largest =
+      2 * params.evidence.contradiction_weight * std::log1p(kQuarter / params.score.free_space_share) +
+      params.evidence.disagreement_weight * kQuarter;
   EXPECT_GT(after, before - largest);
   Eigen::Isometry3d wrong = truth;
   wrong.translation() += Eigen::Vector3d(0.4, 0.3, 0);
@@ -226,29 +228,30 @@ TEST_F(Evidence, OfSomethingThatMovedIsBounded) {
 TEST_F(Evidence, WeighsWhatAllNearModelsSay) {
   std::vector<Hypothesis> h{hypothesis(0, truth)}, doubled = h;
   ASSERT_TRUE(add(h));
-  params.contradiction_weight *= 2;
-  params.occlusion_weight *= 2;
-  params.disagreement_weight *= 2;
+  params.evidence.contradiction_weight *= 2;
+  params.evidence.occlusion_weight *= 2;
+  params.evidence.disagreement_weight *= 2;
   ASSERT_TRUE(add(doubled));
   EXPECT_NEAR(doubled[0].evidence, 2 * h[0].evidence, 1e-9);
 }
 
 TEST_F(Evidence, TheBestPlaceIsBelievedByItsLeadOverTheNextOnes) {
-  params.dense_refinement = false;
+  params.refinement.enabled = false;
   Eigen::Isometry3d wrong = truth;
   wrong.translation() += Eigen::Vector3d(0.4, 0.3, 0);
   std::vector<Hypothesis> h{hypothesis(20, truth), hypothesis(20, wrong)};
   ranking().rank(scene, h);
   ASSERT_EQ(h.size(), 2u);
-  const double null = nullScore(params, h);
+  const double null = nullScore(params.probability, h);
   EXPECT_DOUBLE_EQ(
-      null, std::max(params.least_null_score, params.null_score + params.runners_up_weight * h[1].score));
+      null, std::max(params.probability.least_null_score,
+                     params.probability.null_score + params.probability.runners_up_weight * h[1].score));
   const double none = 1 - h[0].probability - h[1].probability;
-  EXPECT_NEAR(std::log(h[0].probability / none), params.softmax_slope * (h[0].score - null), 1e-6);
+  EXPECT_NEAR(std::log(h[0].probability / none), params.probability.slope * (h[0].score - null), 1e-6);
 }
 
 TEST_F(Evidence, HypothesesBeyondTheBestGetTheLeastOfThose) {
-  params.evidence_hypotheses = 2;
+  params.evidence.hypotheses = 2;
   Eigen::Isometry3d near = truth;
   near.translation().x() += 0.02;
   std::vector<Hypothesis> h{hypothesis(30, truth), hypothesis(20, near), hypothesis(10, truth),
@@ -262,14 +265,14 @@ TEST_F(Evidence, HypothesesBeyondTheBestGetTheLeastOfThose) {
 TEST_F(Evidence, HopelessHypothesesGetTheLeastOfTheOthers) {
   Eigen::Isometry3d wrong = truth;
   wrong.translation() += Eigen::Vector3d(0.4, 0.3, 0);
-  const double hopeless = -std::log(params.hopeless_odds) / params.plain_softmax_slope;
+  const double hopeless = -std::log(params.evidence.hopeless_odds) / params.plain_probability.slope;
   const std::vector<Hypothesis> given{hypothesis(50, wrong), hypothesis(50 - hopeless + 0.1, truth),
                                       hypothesis(50 - hopeless - 0.1, truth)};
   std::vector<Hypothesis> h = given;
   ASSERT_TRUE(add(h));
   EXPECT_GT(h[1].evidence, h[0].evidence);
   EXPECT_EQ(h[2].evidence, h[0].evidence);
-  params.hopeless_odds = 0;
+  params.evidence.hopeless_odds = 0;
   h = given;
   ASSERT_TRUE(add(h));
   EXPECT_EQ(h[2].evidence, h[1].evidence);
@@ -282,9 +285,11 @@ TEST_F(Evidence, OfAPerfectViewIsThatOfItsUntestedPixels) {
   map.models[0].T_w_m = truth;
   std::vector<Hypothesis> h{hypothesis(0, truth)};
   ASSERT_TRUE(add(h));
-  const double share = params.untested_pixels * params.untested_contradiction / (1 + params.untested_pixels);
+  const double share = params.evidence.untested_pixels * params.evidence.untested_contradiction /
+                       (1 + params.evidence.untested_pixels);
   EXPECT_NEAR(h[0].evidence,
-              -2 * params.contradiction_weight * std::log1p(share / consensus.free_space_share), 0.2);
+              -2 * params.evidence.contradiction_weight * std::log1p(share / params.score.free_space_share),
+              0.2);
 }
 
 TEST_F(Evidence, APoseThatNothingTestsGainsNothingByThat) {
@@ -312,7 +317,7 @@ TEST_F(Evidence, APasserByInOneModelIsForgiven) {
   map.models[1].view.depth = DepthPicture::fromDepth(image);
   const double after = evidenceOfTruth();
   EXPECT_LT(after, before);
-  const double alone = params.contradiction_weight * std::log1p(0.3 / consensus.free_space_share);
+  const double alone = params.evidence.contradiction_weight * std::log1p(0.3 / params.score.free_space_share);
   EXPECT_GT(after, before - 0.5 * alone);
 }
 
@@ -335,7 +340,7 @@ TEST_F(Evidence, RefinedPlacesAreNearerToTheTruth) {
 }
 
 TEST_F(Evidence, HopelessPlacesAreNotRefined) {
-  const double hopeless = -std::log(params.hopeless_odds) / params.softmax_slope;
+  const double hopeless = -std::log(params.evidence.hopeless_odds) / params.probability.slope;
   Eigen::Isometry3d near = truth;
   near.translation() += Eigen::Vector3d(0.03, -0.02, 0.02);
   const auto refined = [&](double below) {
@@ -355,7 +360,7 @@ TEST_F(Evidence, HopelessPlacesAreNotRefined) {
 
 TEST_F(Evidence, APlaceThatSeveralModelsFindIsLikelier) {
   const auto scores = [&](std::vector<Hypothesis> h) {
-    params.dense_refinement = false;
+    params.refinement.enabled = false;
     ranking().rank(scene, h);
     std::vector<double> of_place;
     for (const Hypothesis& x : h) {
@@ -369,8 +374,8 @@ TEST_F(Evidence, APlaceThatSeveralModelsFindIsLikelier) {
   for (const int n : {2, 3}) {
     std::vector<Hypothesis> h;
     for (int model = 0; model < n; ++model) h.push_back(hypothesis(20, truth, model));
-    EXPECT_THAT(scores(h),
-                testing::ElementsAre(testing::DoubleNear(params.support_weight * std::log(n), 1e-9)));
+    EXPECT_THAT(scores(h), testing::ElementsAre(
+                               testing::DoubleNear(params.evidence.support_weight * std::log(n), 1e-9)));
   }
 }
 
@@ -378,11 +383,12 @@ TEST_F(Evidence, ModelsOfOnePoseFindAPlaceOnce) {
   for (int copies = 0; copies < 2; ++copies) map.models.push_back(map.models[0]);
   std::vector<Hypothesis> h{hypothesis(20, truth, 0), hypothesis(20, truth, 3), hypothesis(20, truth, 4),
                             hypothesis(20, truth, 1)};
-  params.dense_refinement = false;
+  params.refinement.enabled = false;
   ranking().rank(scene, h);
   ASSERT_EQ(h.size(), 1u);
   EXPECT_EQ(h[0].found_by.size(), 4u);
-  EXPECT_NEAR(h[0].score - h[0].consensus - h[0].evidence, params.support_weight * std::log(2), 1e-9);
+  EXPECT_NEAR(h[0].score - h[0].consensus - h[0].evidence, params.evidence.support_weight * std::log(2),
+              1e-9);
 }
 
 TEST_F(Evidence, OfAHypothesisThatIsNowhereIsNoMerit) {
@@ -405,7 +411,7 @@ TEST_F(Evidence, ARefinementThatLeavesItsPlaceIsNotTaken) {
   ASSERT_TRUE(add(h));
   ranking().refinePlaces(scene, h);
   EXPECT_EQ(h[0].T_w_c->matrix(), beside.matrix());
-  params.merge_translation = 0.5;  // a larger place, and the truth is in it
+  params.merging.translation = 0.5;  // a larger place, and the truth is in it
   ranking().refinePlaces(scene, h);
   EXPECT_LT((h[0].T_w_c->translation() - truth.translation()).norm(), 0.01);
 }
@@ -418,9 +424,9 @@ TEST_F(Evidence, IsNoneWhereThereIsNothingToCompare) {
   };
   expectNone({});
   expectNone({hypothesis(20)});  // no world pose
-  params.multi_model = false;
+  params.evidence.enabled = false;
   expectNone(plain);
-  params.multi_model = true;
+  params.evidence.enabled = true;
   Eigen::Isometry3d far = truth;
   far.translation().x() += 50;  // no model looks there
   expectNone({hypothesis(20, far)});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/place_signature.h>
+#include "shortlist/place_signature.h"
+
 #include <facetloc/testing/synthetic_views.h>
 
 #include <gtest/gtest.h>
@@ -9,6 +10,8 @@
 #include <limits>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 constexpr CameraMounting kMounting{1.0, 10.0};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/plane_measurement.h>
+#include "pairs/plane_measurement.h"
+
 #include <facetloc/testing/numeric_jacobian.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
@@ -11,6 +12,8 @@
 #include <cmath>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::disturbed;

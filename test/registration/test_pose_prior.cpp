@@ -28,12 +28,20 @@ TEST(PosePrior, WithoutAMountingIsIsotropic) {
 
 TEST(PosePrior, OfALevelCameraOnAFlatFloorIsHeadingAndPlanarMotion) {
   PosePriorParams params;
-  params.floor_std = 0;
+  params.robot.floor_std = 0;
   const Matrix6d P = posePrior(CameraMounting{0, 0}, params);
   Vector6d variance = Vector6d::Zero();  // camera axes: x right, y down, z forward
   variance[1] = std::pow(20 * kDegree, 2);
   variance[3] = variance[5] = 1;
-  EXPECT_THAT(P, MatrixNear(Matrix6d(variance.asDiagonal()), 1e-12));
+  // No floor is flatter than a micrometre under each wheel, so that covariances are regular.
+  const Eigen::Matrix3d C = floorCovariance(params);
+  EXPECT_NEAR(C(2, 2), 0.5e-12, 1e-18);
+  Matrix6d want = variance.asDiagonal();
+  want(0, 0) = 2 * C(1, 1);
+  want(2, 2) = 2 * C(0, 0);
+  want(4, 4) = 2 * C(2, 2) + C(0, 0) + C(1, 1);
+  want(0, 4) = want(4, 0) = 2 * C(1, 2);
+  EXPECT_THAT(P, MatrixNear(want, 1e-12));
 }
 
 TEST(PosePrior, FloorTiltsHaveTheSizesOfThePaper) {
@@ -46,13 +54,14 @@ TEST(PosePrior, FloorTiltsHaveTheSizesOfThePaper) {
 TEST(PosePrior, FloorCovarianceIsThatOfThreeWheels) {
   // A plane through the feet of three wheels at independent heights.
   const PosePriorParams p;
+  const RobotParams& robot = p.robot;
   Rng rng(1);
   Eigen::Matrix3d sampled = Eigen::Matrix3d::Zero();
   constexpr int kTrials = 200000;
   for (int i = 0; i < kTrials; ++i) {
-    const Eigen::Vector3d f = p.floor_std * gaussian<3>(rng);
+    const Eigen::Vector3d f = robot.floor_std * gaussian<3>(rng);
     Eigen::Matrix3d A;  // z = z0 + gx x + gy y at the left, the right wheel and the caster
-    A << 1, 0, p.wheel_track / 2, 1, 0, -p.wheel_track / 2, 1, -p.caster_distance, 0;
+    A << 1, 0, robot.wheel_track / 2, 1, 0, -robot.wheel_track / 2, 1, -robot.caster_distance, 0;
     const Eigen::Vector3d plane = A.inverse() * f;
     const Eigen::Vector3d q(plane[2], -plane[1], plane[0]);
     sampled += q * q.transpose() / kTrials;
@@ -105,9 +114,9 @@ public:
 
 private:
   Eigen::Isometry3d onTheFloor() {
-    const Eigen::Vector3d f = p_.floor_std * gaussian<3>(rng_);
-    const double z0 = (f[0] + f[1]) / 2, gy = (f[0] - f[1]) / p_.wheel_track,
-                 gx = (z0 - f[2]) / p_.caster_distance;
+    const Eigen::Vector3d f = p_.robot.floor_std * gaussian<3>(rng_);
+    const double z0 = (f[0] + f[1]) / 2, gy = (f[0] - f[1]) / p_.robot.wheel_track,
+                 gx = (z0 - f[2]) / p_.robot.caster_distance;
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.linear() = expSO3({gy, -gx, 0});
     T.translation().z() = z0;
@@ -123,7 +132,7 @@ private:
 TEST(PosePrior, PropagatesTheFloorThroughTheMounting) {
   PosePriorParams p;
   p.rotation_std_deg = 1;
-  p.floor_std = 0.002;
+  p.robot.floor_std = 0.002;
   const CameraMounting mounting{1.2, 20};
   const Eigen::Isometry3d T_b_c = mounting.T_b_c();
   Eigen::Isometry3d away = Eigen::Isometry3d::Identity();

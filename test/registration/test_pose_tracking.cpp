@@ -17,6 +17,7 @@ namespace {
 
 using test::lookingAlong;
 using test::MatrixNear;
+using test::mounted;
 using test::PoseNear;
 using test::Rng;
 using test::viewFrom;
@@ -99,7 +100,8 @@ std::unique_ptr<Drive> TrackingInARoom::drive;
 
 TEST_F(TrackingInARoom, TheStoreyAboveIsNotTheFloor) {
   auto two_storeys = std::make_shared<Map>(*map);
-  two_storeys->mounting = CameraMounting{1.2, tiltOf(onCircle(0, 0.6, 1.2))};
+  const CameraMounting mounting{1.2, tiltOf(onCircle(0, 0.6, 1.2))};
+  two_storeys->camera.mounting = mounting;
   for (LocalModel m : map->models) {  // of another room
     m.view = viewFrom(test::furnishedRoom(), lookingAlong({2, 1.5, 1.2}, m.T_w_m->linear().col(2)),
                       static_cast<unsigned>(two_storeys->models.size()));
@@ -109,7 +111,7 @@ TEST_F(TrackingInARoom, TheStoreyAboveIsNotTheFloor) {
   PoseTracking tracking(two_storeys);
   int good = 0;
   for (int i = 0; i < kViews; ++i)
-    good += isGood(tracking.update(drive->views[i], i * kFrame), drive->truth[i]);
+    good += isGood(tracking.update(mounted(drive->views[i], mounting), i * kFrame), drive->truth[i]);
   EXPECT_GE(good, kViews - 3);
 }
 
@@ -234,7 +236,7 @@ TEST_F(TrackingInARoom, APlaceThatTheNextViewContradictsIsNeverAnnounced) {
 TEST_F(TrackingInARoom, EmptyViewsAreBridgedForAWhile) {
   PoseTracking tracking = started();
   View empty;
-  empty.camera = drive->views[0].camera;
+  empty.intrinsics = drive->views[0].intrinsics;
   double std = 0;
   for (int i = 0; i < 4; ++i, ++next_) {
     const TrackedPose pose = tracking.update(empty, next_ * kFrame);
@@ -253,10 +255,12 @@ TEST_F(TrackingInARoom, ARobotOnWheelsIsKeptOnItsFloorInTheDark) {
   double height[2] = {0, 0};  // std [m]: as it likes, on wheels
   for (const bool on_wheels : {false, true}) {
     auto floor = std::make_shared<Map>(*map);
-    if (on_wheels) floor->mounting = CameraMounting{1.2, tiltOf(drive->truth[0])};
+    const CameraMounting mounting{1.2, tiltOf(drive->truth[0])};
+    if (on_wheels) floor->camera.mounting = mounting;
+    const auto seen = [&](const View& view) { return on_wheels ? mounted(view, mounting) : view; };
     PoseTracking tracking(floor);
-    for (next_ = 0; next_ < 10; ++next_) last_ = tracking.update(drive->views[next_], next_ * kFrame);
-    for (; next_ < 16; ++next_) last_ = tracking.update({}, next_ * kFrame);
+    for (next_ = 0; next_ < 10; ++next_) last_ = tracking.update(seen(drive->views[next_]), next_ * kFrame);
+    for (; next_ < 16; ++next_) last_ = tracking.update(seen({}), next_ * kFrame);
     ASSERT_TRUE(last_.T_w_c) << last_.reason;
     EXPECT_NEAR(last_.T_w_c->T.translation().z(), 1.2, 0.05);
     height[on_wheels] = std::sqrt(last_.T_w_c->P(5, 5));
@@ -267,10 +271,11 @@ TEST_F(TrackingInARoom, ARobotOnWheelsIsKeptOnItsFloorInTheDark) {
 TEST_F(TrackingInARoom, ARobotThatGoesSidewaysIsBelieved) {
   // It circles about the middle and looks outwards, on wheels that can do so.
   auto floor = std::make_shared<Map>(*map);
-  floor->mounting = CameraMounting{1.2, tiltOf(drive->truth[0])};
+  const CameraMounting mounting{1.2, tiltOf(drive->truth[0])};
+  floor->camera.mounting = mounting;
   PoseTracking tracking(floor);
   for (int i = 0; i < kViews; ++i) {
-    const TrackedPose pose = tracking.update(drive->views[i], i * kFrame);
+    const TrackedPose pose = tracking.update(mounted(drive->views[i], mounting), i * kFrame);
     EXPECT_TRUE(i == 0 || isGood(pose, drive->truth[i])) << i << ": " << pose.reason;
   }
 }

@@ -72,7 +72,7 @@ TEST_F(RealImages, OfAnotherSensorAreSegmentedWithTheThresholdsOfAKinect) {
   test::OverlapScore sum;
   for (const test::SegCompImage& image : test::readSegComp(data)) {
     SegmentationParams params;
-    params.min_support = 100 / scaledPixels(1, image.depth.camera);
+    params.labels.min_support = 100 / scaledPixels(1, image.depth.camera);
     LabelledPlanes found;
     PlaneSegmenter(params).segment(image.depth, found);
     sum += test::overlapScore(found.labels, image.truth);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/repeated_looks.h>
+#include "tracking/repeated_looks.h"
+
 #include <facetloc/testing/random_segments.h>
 
 #include <Eigen/Cholesky>
@@ -9,6 +10,8 @@
 #include <memory>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 const Eigen::Isometry3d kStill = Eigen::Isometry3d::Identity();

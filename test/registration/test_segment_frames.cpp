@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pcl/segment_frames.h"
+
 #include <facetloc/features/segment_estimation.h>
-#include <facetloc/registration/segment_frames.h>
 #include <facetloc/testing/random_segments.h>
 
 #include <gmock/gmock.h>
@@ -9,6 +10,8 @@
 #include <limits>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::Rng;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "nearby/view_alignment.h"
+
 #include <facetloc/features/camera_model.h>
-#include <facetloc/registration/view_alignment.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_views.h>
@@ -10,6 +11,8 @@
 #include <cmath>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::largeRoom;
@@ -17,7 +20,11 @@ using test::lookingAlong;
 using test::PoseNear;
 using test::viewFrom;
 
-const double kNoise = SensorNoise{}.inverse_depth_std;
+ViewAlignmentParams usual() {
+  ViewAlignmentParams params;
+  params.dense.correlated_pixels = 200;
+  return params;
+}
 
 Matrix6d priorCovariance(double rotation_deg, double translation) {
   Vector6d variance;
@@ -55,7 +62,7 @@ TEST_F(AlignmentOfAView, FindsTheTruthAndDoesNotBoast) {
   for (int i = 0; i < kTrials; ++i) {
     const View view = viewFrom(largeRoom(), truth, static_cast<unsigned>(100 + i));
     const PoseWithCovariance prior{perturbed(truth, test::gaussian<6>(rng, P)), P};
-    const ViewAlignment found = alignView(view, around, prior, {}, kNoise);
+    const ViewAlignment found = alignView(view, around, prior, usual());
     EXPECT_TRUE(found.dense);
     EXPECT_FALSE(found.pairs.empty());
     EXPECT_THAT(found.T_w_c.T, isWithinItsError(truth, found.T_w_c.P));
@@ -74,7 +81,7 @@ TEST_F(AlignmentOfAView, WithoutPlanesUsesThePixels) {
   const Matrix6d P = priorCovariance(0.5, 0.04);
   PoseWithCovariance prior{truth, P};
   prior.T.translation() += Eigen::Vector3d(0.02, -0.02, 0.01);
-  const ViewAlignment found = alignView(view, around, prior, {}, kNoise);
+  const ViewAlignment found = alignView(view, around, prior, usual());
   EXPECT_TRUE(found.pairs.empty());
   EXPECT_TRUE(found.dense);
   EXPECT_THAT(found.T_w_c.T, isWithinItsError(truth, found.T_w_c.P));
@@ -84,7 +91,7 @@ TEST_F(AlignmentOfAView, WithoutPlanesUsesThePixels) {
 TEST_F(AlignmentOfAView, WithoutAnythingInCommonIsThePrior) {
   const PoseWithCovariance prior{truth, priorCovariance(1, 0.03)};
   for (const View& view : {View(), viewFrom(largeRoom(), truth, 1)}) {
-    const ViewAlignment found = alignView(view, {}, prior, {}, kNoise);
+    const ViewAlignment found = alignView(view, {}, prior, usual());
     EXPECT_FALSE(found.dense);
     EXPECT_TRUE(found.pairs.empty());
     EXPECT_EQ(found.T_w_c.T.matrix(), prior.T.matrix());
@@ -101,9 +108,9 @@ TEST(AlignmentInACorridor, LeavesFreeWhatIsFree) {
   around.add(0, borrowed(of_other), other);
   PoseWithCovariance prior{truth, priorCovariance(1, 0.05)};
   prior.T.translation() += Eigen::Vector3d(0.03, 0.04, -0.02);
-  ViewAlignmentParams params;
+  ViewAlignmentParams params = usual();
   params.dense.significance = 4;
-  const ViewAlignment found = alignView(view, around, prior, params, kNoise);
+  const ViewAlignment found = alignView(view, around, prior, params);
   EXPECT_GT(found.T_w_c.P(4, 4), 0.8 * prior.P(4, 4));
   EXPECT_NEAR(found.T_w_c.T.translation().y(), prior.T.translation().y(), 0.02);
   EXPECT_NEAR(found.T_w_c.T.translation().x(), truth.translation().x(), 0.01);
@@ -112,7 +119,7 @@ TEST(AlignmentInACorridor, LeavesFreeWhatIsFree) {
 
 TEST_F(AlignmentOfAView, DepthConfirmsTheRightPoseAndContradictsAWrongOne) {
   const View view = viewFrom(largeRoom(), truth, 9);
-  const DepthComparison comparison({}, kNoise);
+  const DepthComparison comparison({});
   const DepthAgreement right = compareWithAll(view.depth, truth, around.pictures, comparison, kFineColumns);
   EXPECT_GT(right.agree, 0.97 * right.judged());
   Eigen::Isometry3d wrong = truth;

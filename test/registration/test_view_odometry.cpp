@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "tracking/view_odometry.h"
+
 #include <facetloc/features/camera_model.h>
-#include <facetloc/registration/view_odometry.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
 
@@ -8,23 +9,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::largeRoom;
 using test::lookingAlong;
+using test::mounted;
 using test::PoseNear;
 using test::viewFrom;
 
 constexpr double kPi = 180 * kDegree;
 constexpr double kStep = 1.0 / 15;  // [s]
 
-ViewOdometry odometry(const std::optional<CameraMounting>& mounting = {}) {
-  const double noise = SensorNoise{}.inverse_depth_std;
+ViewOdometry odometry() {
   ViewAlignmentParams alignment;
+  alignment.dense.correlated_pixels = 200;
   alignment.dense.significance = 4;
-  return ViewOdometry({}, alignment, DepthComparison({}, noise), noise, mounting);
+  return ViewOdometry({}, alignment, DepthComparison({}));
 }
 
 /** Around the middle of the room: 0.4 m/s and 30 deg/s. */
@@ -95,11 +100,13 @@ TEST(ViewOdometry, ARobotOnWheelsKnowsThatItDoesNotSlipAlongABareWall) {
   };
   double std[2] = {0, 0};  // of a step along the wall: as it likes, on wheels [m]
   for (const bool on_wheels : {false, true}) {
-    ViewOdometry camera = on_wheels ? odometry(CameraMounting{1.2, 0}) : odometry();
+    ViewOdometry camera = odometry();
     Eigen::Isometry3d way = at(0);
     ViewMotion motion;
     for (int i = 0; i < kDriving + kTurning + kWaiting; ++i) {
-      motion = camera.add(viewFrom(corridor, at(i), 70 + i, 5), kStep);
+      View view = viewFrom(corridor, at(i), 70 + i, 5);
+      if (on_wheels) view = mounted(std::move(view), CameraMounting{1.2, 0});
+      motion = camera.add(view, kStep);
       EXPECT_FALSE(motion.broken) << i;
       way = way * motion.T_a_b.T;
     }
@@ -133,13 +140,12 @@ TEST(ViewOdometry, ErrorsAgainstAKeyViewAddUpByTheWayNotByTheNumberOfViews) {
 
 TEST(ViewOdometry, ResetForgetsEverything) {
   const CameraMounting mounting{1.2, std::atan(0.25) / kDegree};
-  ViewOdometry used = odometry(mounting), fresh = odometry(mounting);
+  ViewOdometry used = odometry(), fresh = odometry();
   for (int i = 0; i < 10; ++i)  // sideways
-    used.add(viewFrom(largeRoom(), onCircle(i), 50 + i), kStep);
+    used.add(mounted(viewFrom(largeRoom(), onCircle(i), 50 + i), mounting), kStep);
   used.reset();
-  const View empty;
   for (int i = 0; i < 4; ++i) {
-    const View view = i < 3 ? viewFrom(largeRoom(), onCircle(20), 90 + i) : empty;
+    const View view = mounted(i < 3 ? viewFrom(largeRoom(), onCircle(20), 90 + i) : View(), mounting);
     const ViewMotion a = used.add(view, kStep), b = fresh.add(view, kStep);
     EXPECT_EQ(a.T_a_b.T.matrix(), b.T_a_b.T.matrix()) << i;
     EXPECT_EQ(a.T_a_b.P, b.T_a_b.P) << i;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pairs/view_registration.h"
+
+#include <facetloc/registration/global_localization.h>
 #include <facetloc/registration/pose_prior.h>
-#include <facetloc/registration/view_registration.h>
 #include <facetloc/testing/decimal_comma.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
@@ -12,9 +14,12 @@
 #include <cmath>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::lookingAlong;
+using test::mounted;
 using test::PoseNear;
 using test::rectangle;
 using test::Rng;
@@ -34,7 +39,7 @@ const Eigen::Isometry3d kScenePose = lookingAlong({1.5, 1.3, 1.25}, {1.2, 1, -0.
 class TwoViewsOfARoom : public testing::Test {
 protected:
   std::vector<Hypothesis> align(const ViewRegistrationParams& params = {}) const {
-    return ViewRegistration(params).align(scene, model, isotropicPrior());
+    return ViewRegistration(params).align(Query(scene, isotropicPrior()), model);
   }
   const View model = viewFrom(test::largeRoom(), kModelPose, 1),
              scene = viewFrom(test::largeRoom(), kScenePose, 2);
@@ -68,8 +73,8 @@ TEST_F(TwoViewsOfARoom, NextToAStartThePoseIsThatOfTheSearch) {
   const Vector6d std =
       (Vector6d() << Eigen::Vector3d::Constant(3 * kDegree), Eigen::Vector3d::Constant(0.2)).finished();
   const auto from = [&](const Vector6d& off) {
-    return ViewRegistration().alignFrom({perturbed(truth, off), std.cwiseAbs2().asDiagonal()}, scene,
-                                        samplePoints(scene), model);
+    return ViewRegistration().alignFrom({perturbed(truth, off), std.cwiseAbs2().asDiagonal()}, Query(scene),
+                                        model);
   };
   const std::vector<Hypothesis> searched = align();
   ASSERT_FALSE(searched.empty());
@@ -95,8 +100,7 @@ TEST_F(TwoViewsOfARoom, FromAboutTheRightPoseTheAnswerIsTheSameAndLessIsTried) {
   const Vector6d std =
       (Vector6d() << Eigen::Vector3d::Constant(3 * kDegree), Eigen::Vector3d::Constant(0.2)).finished();
   const auto from = [&](const Eigen::Isometry3d& T_m_c) {
-    return ViewRegistration().align(scene, samplePoints(scene), model, prior,
-                                    {T_m_c, std.cwiseAbs2().asDiagonal()});
+    return ViewRegistration().align(Query(scene, prior), model, {T_m_c, std.cwiseAbs2().asDiagonal()});
   };
   const Vector6d off = (Vector6d() << 0.03, -0.04, 0.02, 0.1, -0.05, 0.15).finished();
   const std::vector<Hypothesis> near = from(perturbed(truth, off));
@@ -112,7 +116,7 @@ TEST_F(TwoViewsOfARoom, FromAboutTheRightPoseTheAnswerIsTheSameAndLessIsTried) {
 
 TEST_F(TwoViewsOfARoom, TheSwappedViewsGiveTheInversePose) {
   const std::vector<Hypothesis> there = align(),
-                                back = ViewRegistration().align(model, scene, isotropicPrior());
+                                back = ViewRegistration().align(Query(model, isotropicPrior()), scene);
   ASSERT_FALSE(there.empty() || back.empty());
   EXPECT_THAT(back[0].T_m_c.T, PoseNear(there[0].T_m_c.T.inverse(), 0.02, 0.3));
 }
@@ -124,16 +128,16 @@ TEST_F(TwoViewsOfARoom, EveryStepCanBeSwitchedOff) {
     EXPECT_THAT(h[0].T_m_c.T, PoseNear(truth, 0.1, 1.5)) << what;
   };
   ViewRegistrationParams p;
-  p.joint_refinement = false;
+  p.steps.joint_refinement = false;
   expectFound(p, "no joint refinement");
   p = {};
-  p.depth_assistance = false;
+  p.steps.depth_assistance = false;
   expectFound(p, "no depth assistance");
   p = {};
-  p.consensus.surface_score = true;
-  expectFound(p, "surface score");
+  p.score.by_overlap = true;
+  expectFound(p, "score by overlap");
   p = {};
-  p.consensus.free_space_weight = 0;
+  p.score.free_space_weight = 0;
   expectFound(p, "no free space");
   EXPECT_EQ(align(p)[0].free_space, 0);
   p = {};
@@ -145,7 +149,7 @@ TEST_F(TwoViewsOfARoom, HypothesesMoveWithTheFrameOfTheModel) {
   View flat_scene = scene, flat_model = model;
   flat_scene.depth = flat_model.depth = {};
   const ViewRegistration registration;
-  const std::vector<Hypothesis> here = registration.align(flat_scene, flat_model, isotropicPrior());
+  const std::vector<Hypothesis> here = registration.align(Query(flat_scene, isotropicPrior()), flat_model);
   ASSERT_FALSE(here.empty());
   Rng rng(1);
   for (int i = 0; i < 5; ++i) {
@@ -154,7 +158,7 @@ TEST_F(TwoViewsOfARoom, HypothesesMoveWithTheFrameOfTheModel) {
     for (Segment& s : moved.segments) s = transformed(s, X);
     PoseWithCovariance prior = isotropicPrior();
     prior.T = X * prior.T;
-    const std::vector<Hypothesis> there = registration.align(flat_scene, moved, prior);
+    const std::vector<Hypothesis> there = registration.align(Query(flat_scene, prior), moved);
     ASSERT_EQ(there.size(), here.size());
     for (std::size_t k = 0; k < here.size(); ++k) {
       EXPECT_THAT(there[k].T_m_c.T, PoseNear(X * here[k].T_m_c.T, 1e-7, 1e-6));
@@ -167,7 +171,7 @@ TEST_F(TwoViewsOfARoom, HypothesesMoveWithTheAxesOfTheCamera) {
   View flat_scene = scene, flat_model = model;
   flat_scene.depth = flat_model.depth = {};
   const ViewRegistration registration;
-  const std::vector<Hypothesis> here = registration.align(flat_scene, flat_model, isotropicPrior());
+  const std::vector<Hypothesis> here = registration.align(Query(flat_scene, isotropicPrior()), flat_model);
   Rng rng(2);
   for (int i = 0; i < 5; ++i) {
     Eigen::Isometry3d Y = Eigen::Isometry3d::Identity();
@@ -176,7 +180,7 @@ TEST_F(TwoViewsOfARoom, HypothesesMoveWithTheAxesOfTheCamera) {
     for (Segment& s : turned.segments) s = transformed(s, Y);
     PoseWithCovariance prior = isotropicPrior();
     prior.T = prior.T * Y.inverse();
-    const std::vector<Hypothesis> there = registration.align(turned, flat_model, prior);
+    const std::vector<Hypothesis> there = registration.align(Query(turned, prior), flat_model);
     ASSERT_EQ(there.size(), here.size());
     for (std::size_t k = 0; k < here.size(); ++k) {
       EXPECT_THAT(there[k].T_m_c.T, PoseNear(here[k].T_m_c.T * Y.inverse(), 1e-7, 1e-6));
@@ -186,7 +190,7 @@ TEST_F(TwoViewsOfARoom, HypothesesMoveWithTheAxesOfTheCamera) {
 }
 
 TEST_F(TwoViewsOfARoom, AViewIsRegisteredWithItselfAtTheIdentity) {
-  const std::vector<Hypothesis> h = ViewRegistration().align(model, model, isotropicPrior());
+  const std::vector<Hypothesis> h = ViewRegistration().align(Query(model, isotropicPrior()), model);
   ASSERT_FALSE(h.empty());
   EXPECT_THAT(h[0].T_m_c.T, PoseNear(Eigen::Isometry3d::Identity(), 1e-9, 1e-7));
   EXPECT_EQ(h[0].free_space, 0);
@@ -194,9 +198,10 @@ TEST_F(TwoViewsOfARoom, AViewIsRegisteredWithItselfAtTheIdentity) {
 
 TEST_F(TwoViewsOfARoom, EmptyViewsHaveNoHypothesis) {
   const ViewRegistration registration;
-  EXPECT_TRUE(registration.align({}, model, isotropicPrior()).empty());
-  EXPECT_TRUE(registration.align(scene, {}, isotropicPrior()).empty());
-  EXPECT_TRUE(registration.align({}, {}, isotropicPrior()).empty());
+  const View nothing;
+  EXPECT_TRUE(registration.align(Query(nothing, isotropicPrior()), model).empty());
+  EXPECT_TRUE(registration.align(Query(scene, isotropicPrior()), nothing).empty());
+  EXPECT_TRUE(registration.align(Query(nothing, isotropicPrior()), nothing).empty());
 }
 
 TEST_F(TwoViewsOfARoom, NoTwoHypothesesAreTheSame) {
@@ -221,8 +226,9 @@ protected:
 
   static std::vector<Hypothesis> align(const test::Scene& scene, double ahead,
                                        const ViewRegistrationParams& params = {}) {
-    return ViewRegistration(params).align(wallsOnly(viewFrom(scene, scenePose(ahead), 2, 12)),
-                                          wallsOnly(viewFrom(scene, modelPose(), 1, 12)), isotropicPrior());
+    const View view = wallsOnly(viewFrom(scene, scenePose(ahead), 2, 12)),
+               model = wallsOnly(viewFrom(scene, modelPose(), 1, 12));
+    return ViewRegistration(params).align(Query(view, isotropicPrior()), model);
   }
   // Floor, ceiling and the long walls; what else there is shows in the depth picture alone.
   static View wallsOnly(View view) {
@@ -245,7 +251,7 @@ TEST_F(Corridor, DepthTellsThePositionThatThePlanesLeaveOpen) {
     EXPECT_LE(std::sqrt(along.dot(h[0].T_m_c.P.bottomRightCorner<3, 3>() * along)), 0.031);
   }
   ViewRegistrationParams params;
-  params.depth_assistance = false;
+  params.steps.depth_assistance = false;
   EXPECT_TRUE(align(scene, 0.35, params).empty());
 }
 
@@ -260,9 +266,10 @@ TEST_F(TwoViewsOfARoom, ThatPairsAloneRegisterNeedNothingElse) {
   PoseWithCovariance prior;
   const CameraMounting mounting{1.2, 10};
   prior.P = posePrior(mounting);
-  const std::vector<Hypothesis> alone = ViewRegistration().align(scene, model, prior),
-                                known = ViewRegistration({}, {}, floorInformation(mounting))
-                                            .align(scene, model, prior);
+  const ViewRegistration registration;
+  const std::vector<Hypothesis> alone = registration.align(Query(scene, prior), model),
+                                known = registration.align(Query(scene, prior, floorInformation(mounting)),
+                                                           model);
   ASSERT_FALSE(alone.empty());
   ASSERT_EQ(alone.size(), known.size());
   for (std::size_t i = 0; i < alone.size(); ++i)
@@ -272,19 +279,32 @@ TEST_F(TwoViewsOfARoom, ThatPairsAloneRegisterNeedNothingElse) {
 class RobotBeforeAWall : public testing::Test {
 protected:
   static constexpr double kHeight = 1.0;
+  static constexpr CameraMounting kOnRobot{kHeight, 0};
   static Eigen::Isometry3d poseAt(double along, double turn) {
     return lookingAlong({along, 0, kHeight}, {turn, 1, 0});
   }
   // The wall fills both views. What is no part of it shows in the depth pictures alone.
+  static View modelOf(const test::Scene& scene) { return wallOnly(viewFrom(scene, poseAt(0, 0), 1)); }
+  static View viewOf(const test::Scene& scene, double along) {
+    return wallOnly(viewFrom(scene, poseAt(along, 0.05), 2));
+  }
   static std::vector<Hypothesis> align(const test::Scene& scene, double along, bool on_floor) {
-    const CameraMounting mounting{kHeight, 0};
     PoseWithCovariance prior;
-    prior.P = posePrior(mounting);
-    ViewRegistrationParams params;
-    params.floor_information = on_floor;
-    const ViewRegistration registration(params, {}, floorInformation(mounting));
-    return registration.align(wallOnly(viewFrom(scene, poseAt(along, 0.05), 2)),
-                              wallOnly(viewFrom(scene, poseAt(0, 0), 1)), prior);
+    prior.P = posePrior(kOnRobot);
+    const Matrix6d known = on_floor ? floorInformation(kOnRobot) : Matrix6d(Matrix6d::Zero());
+    const View view = viewOf(scene, along);
+    return ViewRegistration().align(Query(view, prior, known), modelOf(scene));
+  }
+  // The same as global localization does it, in a map of nothing but that view.
+  static std::vector<Hypothesis> localize(const test::Scene& scene, double along, bool on_floor) {
+    Map map = mapOf(modelOf(scene));
+    map.camera.mounting = kOnRobot;
+    map.models[0].T_w_m.reset();  // hypotheses as they are, without evidence
+    GlobalLocalizationParams params;
+    params.steps.floor_information = on_floor;
+    return GlobalLocalization(borrowed(map), params)
+        .localize(mounted(viewOf(scene, along), kOnRobot))
+        .hypotheses;
   }
   static View wallOnly(View view) {
     auto& s = view.segments;
@@ -301,22 +321,34 @@ TEST_F(RobotBeforeAWall, IsFoundByWhatIsNoPartOfIt) {
                             test::box({-0.3, 1.8, -10}, {0.6, 2, 10});
   for (const double along : {-0.25, 0.1, 0.3}) {
     EXPECT_TRUE(align(scene, along, false).empty());
-    const std::vector<Hypothesis> h = align(scene, along, true);
+    EXPECT_TRUE(localize(scene, along, false).empty());
     const Eigen::Isometry3d truth = poseAt(0, 0).inverse() * poseAt(along, 0.05);
-    EXPECT_TRUE(std::any_of(h.begin(), h.end(), [&](const Hypothesis& x) {
-      return x.depth_assisted && isNear(x.T_m_c.T, truth, 0.06, 2);
-    })) << along;
+    const auto isFound = [&](const std::vector<Hypothesis>& h) {
+      return std::any_of(h.begin(), h.end(), [&](const Hypothesis& x) {
+        return x.depth_assisted && isNear(x.T_m_c.T, truth, 0.06, 2);
+      });
+    };
+    EXPECT_TRUE(isFound(align(scene, along, true))) << along;
+    EXPECT_TRUE(isFound(localize(scene, along, true))) << along;
   }
 }
 
 TEST_F(RobotBeforeAWall, IsNotToldAPlaceAlongABareOne) {
-  for (const double along : {-0.25, 0.1, 0.3}) EXPECT_TRUE(align(wall, along, true).empty());
+  for (const double along : {-0.25, 0.1, 0.3}) {
+    EXPECT_TRUE(align(wall, along, true).empty());
+    EXPECT_TRUE(localize(wall, along, true).empty());
+  }
 }
 
 // ---- reasons
 
-std::string freeDirections(const std::vector<Segment>& segments) {
-  return unconstrainedDirections(segments, 3, 0.2);
+std::string freeDirections(const std::vector<Segment>& segments, const Matrix6d& known = Matrix6d::Zero()) {
+  View view;
+  view.segments = segments;
+  HypothesisTreeParams params;
+  params.complete_rotation_deg = 3;
+  params.complete_translation = 0.2;
+  return unconstrainedDirections(Query(view, {}, known), params);
 }
 
 TEST_F(TwoViewsOfARoom, MayFixAPoseWhereItDoes) {
@@ -324,14 +356,15 @@ TEST_F(TwoViewsOfARoom, MayFixAPoseWhereItDoes) {
   for (std::size_t n = 0; n <= scene.segments.size(); ++n) {
     View some = scene;
     some.segments.resize(n);
-    const bool found = !registration.align(some, model, isotropicPrior()).empty();
-    EXPECT_TRUE(registration.mayFixPose(some) || !found) << n << " segments";
+    const bool found = !registration.align(Query(some, isotropicPrior()), model).empty();
+    EXPECT_TRUE(registration.mayFixPose(Query(some)) || !found) << n << " segments";
   }
-  EXPECT_TRUE(registration.mayFixPose(scene));
-  EXPECT_FALSE(registration.mayFixPose(View{}));
+  EXPECT_TRUE(registration.mayFixPose(Query(scene)));
+  const View nothing;
+  EXPECT_FALSE(registration.mayFixPose(Query(nothing)));
   View one = scene;
   one.segments.resize(1);
-  EXPECT_FALSE(registration.mayFixPose(one));
+  EXPECT_FALSE(registration.mayFixPose(Query(one)));
 }
 
 TEST(UnconstrainedDirections, OfARoomCornerAreNone) {
@@ -363,7 +396,7 @@ TEST(UnconstrainedDirections, OfASingleWallAreTwoTranslationsAndTheTurnAboutItsN
 
 TEST(UnconstrainedDirections, OfAWallBeforeARobotIsTheWayAlongIt) {
   const std::vector<Segment> wall{rectangle({0, 0, 3}, {0, 0, -1}, 1, 0.8)};
-  EXPECT_EQ(unconstrainedDirections(wall, 3, 0.2, floorInformation(CameraMounting{1, 0})),
+  EXPECT_EQ(freeDirections(wall, floorInformation(CameraMounting{1, 0})),
             "translation along (1.00, 0.00, 0.00)");
 }
 

@@ -77,9 +77,9 @@ TEST(Allocations, AreCounted) {
 }
 
 void expectNone(const std::vector<DepthImage>& warm_up, const std::vector<DepthImage>& running) {
-  ViewParams params;
-  params.distortion.emplace(DepthDistortion::extentOf(running[0].camera));
-  ViewBuilder builder(params);
+  Camera camera;
+  camera.distortion.emplace(DepthDistortion::extentOf(running[0].camera));
+  ViewBuilder builder(camera);
   View view;
   for (const DepthImage& image : warm_up) builder.build(image, view);
   const long before = allocations;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/segmentation/depth_triangulation.h>
+#include "depth_triangulation.h"
+
 #include <facetloc/testing/disparity_images.h>
 
 #include <gtest/gtest.h>
@@ -12,6 +13,8 @@
 #include <utility>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::blankDisparity;
@@ -160,7 +163,7 @@ TEST_P(EveryImage, TrianglesKnowTheirPlaneAndTheirWorstRow) {
 TEST_P(EveryImage, VerticesArePutWhereATriangleDeviatesMost) {
   constexpr int kGrid = 20;  // corners and grid, at most
   for (int n = kGrid; n < 60; ++n) {
-    DepthTriangulationParams p;
+    SplitParams p;
     p.max_vertices = n;
     DepthTriangulation before(p);
     before.compute(image());
@@ -173,21 +176,21 @@ TEST_P(EveryImage, VerticesArePutWhereATriangleDeviatesMost) {
       bool is_inside = false;
       for (TriangleRows rows = before.rows(t); !rows.done(); rows.next())
         is_inside = is_inside || (rows.v() == added.v && rows.first() <= added.u && added.u <= rows.last());
-      if (!is_inside || !(t.max_deviation > p.split_tolerance)) continue;
+      if (!is_inside || !(t.max_deviation > p.tolerance)) continue;
       EXPECT_NEAR(std::abs(added.d - t.plane.at(added.u, added.v)), t.max_deviation, 2e-3);
     }
   }
 }
 
 TEST_P(EveryImage, NothingIsLeftToRefine) {
-  const DepthTriangulationParams p;
+  const SplitParams p;
   const double min_fill_pixels = std::max(7.0, scaledPixels(p.min_fill_pixels, image().camera));
   for (const Triangle& t : split.triangles()) {
-    const bool flat = t.max_deviation <= p.split_tolerance;
+    const bool flat = t.max_deviation <= p.tolerance;
     const bool filled = t.num_pixels < min_fill_pixels || t.num_valid >= p.min_fill * t.num_pixels;
     const double area =
         0.5 * static_cast<double>(orientation(vertex(t.vertex[0]), vertex(t.vertex[1]), vertex(t.vertex[2])));
-    const bool small = area <= scaledPixels(p.min_split, image().camera);
+    const bool small = area <= scaledPixels(p.min_area, image().camera);
     bool worst_is_vertex = t.worst_pixel < 0;
     for (const int k : t.vertex)
       worst_is_vertex = worst_is_vertex || vertex(k).v * image().camera.width + vertex(k).u == t.worst_pixel;
@@ -309,17 +312,17 @@ TEST(DepthTriangulation, TheFillRuleIsScaledWithTheImage) {
 
 TEST(DepthTriangulation, SmallTrianglesAreNotRefined) {
   const DisparityImage image = randomDisparity(64, 48, 1, 3);  // wants a vertex at each pixel
-  DepthTriangulationParams params;
-  params.min_split = 8 / scaledPixels(1, image.camera);  // 8 px of this image
+  SplitParams params;
+  params.min_area = 8 / scaledPixels(1, image.camera);  // 8 px of this image
   DepthTriangulation split(params);
   split.compute(image);
   const std::size_t refined = split.vertices().size();
   for (const Triangle& t : split.triangles()) {
     const auto& v = split.vertices();
     const auto twice_area = orientation(v[t.vertex[0]], v[t.vertex[1]], v[t.vertex[2]]);
-    EXPECT_TRUE(twice_area <= 16 || t.max_deviation <= params.split_tolerance);
+    EXPECT_TRUE(twice_area <= 16 || t.max_deviation <= params.tolerance);
   }
-  params.min_split = 0;
+  params.min_area = 0;
   DepthTriangulation whole(params);
   whole.compute(image);
   EXPECT_GT(whole.vertices().size(), refined);
@@ -336,7 +339,7 @@ TEST(DepthTriangulation, CornersWithoutDepthTakeThatOfTheNearestPixel) {
 }
 
 TEST(DepthTriangulation, VertexLimitIsKept) {
-  DepthTriangulationParams params;
+  SplitParams params;
   params.max_vertices = 50;
   DepthTriangulation split(params);
   split.compute(randomDisparity(64, 48, 1, 1));
@@ -344,7 +347,7 @@ TEST(DepthTriangulation, VertexLimitIsKept) {
 }
 
 TEST(DepthTriangulation, TheGridKeepsTheVertexLimitToo) {
-  DepthTriangulationParams params;
+  SplitParams params;
   for (const int limit : {4, 10}) {
     params.max_vertices = limit;
     DepthTriangulation split(params);
@@ -359,7 +362,7 @@ TEST(DepthTriangulation, TheGridKeepsTheVertexLimitToo) {
 
 TEST(DepthTriangulation, TrianglesKnowAllTheirPixelsAtTheVertexLimit) {
   const DisparityImage image = randomDisparity(320, 240, 1, 1);
-  DepthTriangulationParams params;
+  SplitParams params;
   params.max_vertices = 12;
   DepthTriangulation split(params);
   split.compute(image);
@@ -386,7 +389,7 @@ TEST(DepthTriangulation, IsExactAtTheLargestSize) {
     for (int u = 0; u < 2048; ++u)
       image.d[static_cast<std::size_t>(v) * 2048 + u] =
           static_cast<float>(500 + std::abs(u - 1023) * 0.5 + 40 * ((u / 700 + v / 500) % 2));
-  DepthTriangulationParams params;
+  SplitParams params;
   params.max_vertices = 1000;  // the grid has 676
   DepthTriangulation split(params);
   split.compute(image);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/segmentation/disparity_image.h>
+#include "disparity_image.h"
+
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_depth.h>
 
@@ -10,6 +11,8 @@
 #include <limits>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::endlessPlane;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/segmentation/edge_queue.h>
+#include "edge_queue.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,8 @@
 #include <tuple>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using Edge = EdgeQueue::Edge;

@@ -138,11 +138,11 @@ TYPED_TEST(PlanarSegmentationTest, BadCloudsLeaveNothingOfTheCallBefore) {
 TYPED_TEST(PlanarSegmentationTest, AnImpossibleCameraOrOneOfAnotherSizeIsRefused) {
   const Intrinsics camera = test::smallCamera();
   this->segmentation->setInputCloud(this->cloud);
-  this->segmentationOf().setIntrinsics(Intrinsics{camera.width, camera.height, 0, 0, 0, 0});
+  this->segmentationOf().setCamera({Intrinsics{camera.width, camera.height, 0, 0, 0, 0}, {}, {}, {}});
   this->segmentation->segment(this->segments);
   EXPECT_TRUE(this->segments.empty());
   EXPECT_THAT(this->segmentation->getStatus(), HasSubstr("camera that was set is impossible"));
-  this->segmentationOf().setIntrinsics(kinectIntrinsics());
+  this->segmentationOf().setCamera({kinectIntrinsics(), {}, {}, {}});
   this->segmentation->segment(this->segments);
   EXPECT_TRUE(this->segments.empty());
   EXPECT_THAT(this->segmentation->getStatus(), HasSubstr("camera that was set has not the size"));
@@ -157,7 +157,7 @@ TYPED_TEST(PlanarSegmentationTest, IndicesBeyondTheCloudAreRefused) {
 }
 
 TYPED_TEST(PlanarSegmentationTest, AnAllInvalidCloudOfAKnownCameraHasNoSegment) {
-  this->segmentationOf().setIntrinsics(test::smallCamera());
+  this->segmentationOf().setCamera({test::smallCamera(), {}, {}, {}});
   auto nan = pcl::make_shared<pcl::PointCloud<TypeParam>>(*this->cloud);
   for (auto& p : *nan) p.x = p.y = p.z = std::numeric_limits<float>::quiet_NaN();
   this->expectNothingFrom(nan, "no planar segment");
@@ -183,11 +183,11 @@ TYPED_TEST(PlanarSegmentationTest, SettersSetWhatGettersGet) {
   PlanarSegmentation<TypeParam>& s = this->segmentationOf();
   s.setMinInliers(777);
   EXPECT_EQ(s.getMinInliers(), 777u);
-  EXPECT_EQ(s.getParams().min_support, 777);
-  SensorNoise noise;
-  noise.inverse_depth_std = 0.01;
-  s.setSensorNoise(noise);
-  EXPECT_EQ(s.getSensorNoise().inverse_depth_std, 0.01);
+  EXPECT_EQ(s.getParams().labels.min_support, 777);
+  Camera camera;
+  camera.noise.inverse_depth_std = 0.01;
+  s.setCamera(camera);
+  EXPECT_EQ(s.getCamera().noise.inverse_depth_std, 0.01);
   EXPECT_EQ(this->segmentation->getClassName(), "PlanarSegmentation");
   s.setMinInliers(1000000);
   this->segmentation->setInputCloud(this->cloud);

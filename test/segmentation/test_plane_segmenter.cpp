@@ -62,9 +62,10 @@ void expectConsistent(const LabelledPlanes& s, const DepthImage& image,
     ASSERT_GT(image.depth[i], 0);
     const int u = static_cast<int>(i) % image.camera.width, v = static_cast<int>(i) / image.camera.width;
     EXPECT_LE(std::abs(1 / image.depth[i] - s.planes[k - 1].at(u, v)),
-              params.label_tolerance * s.noise * 1.001);
+              params.labels.tolerance * s.noise * 1.001);
   }
-  const double min_support = params.min_support * static_cast<double>(image.depth.size()) / (320 * 240);
+  const double min_support =
+      params.labels.min_support * static_cast<double>(image.depth.size()) / (320 * 240);
   for (std::size_t k = 0; k < s.planes.size(); ++k) {
     EXPECT_EQ(s.support[k], count[k + 1]);
     EXPECT_GE(s.support[k], min_support);
@@ -188,7 +189,7 @@ TEST(PlaneSegmenter, TolerancesFollowTheNoiseOfTheImage) {
   EXPECT_NEAR(s.noise, 2 * kDisparityUnit, 0.2 * kDisparityUnit);
   EXPECT_EQ(s.planes.size(), 3u);
   SegmentationParams fixed;
-  fixed.estimate_noise = false;
+  fixed.labels.estimate_noise = false;
   EXPECT_NEAR(segmented(image, fixed).noise, 0.5 * kDisparityUnit, 1e-12);
 }
 
@@ -200,7 +201,7 @@ TEST(PlaneSegmenter, WithoutAnyNoiseAPlaneIsFound) {
   noise.inverse_depth_std = 0;
   for (const bool estimate_noise : {false, true}) {  // which is 0 as well
     SegmentationParams params;
-    params.estimate_noise = estimate_noise;
+    params.labels.estimate_noise = estimate_noise;
     LabelledPlanes s;
     PlaneSegmenter(params, noise).segment(image, s);
     EXPECT_GT(s.noise, 0);
@@ -289,7 +290,7 @@ TEST(PlaneSegmenter, RandomDepthIsSlowWorkButEnds) {
   for (int i = 0; i < 320 * 240; ++i)
     image.depth.push_back(uniform(rng, 0, 1) < 0.8 ? static_cast<float>(uniform(rng, 0.5, 5)) : 0.f);
   SegmentationParams fixed;
-  fixed.estimate_noise = false;  // otherwise the noise explains the image
+  fixed.labels.estimate_noise = false;  // otherwise the noise explains the image
   expectConsistent(segmented(image, fixed), image, fixed);
   expectConsistent(segmented(image), image);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/segmentation/region_merging.h>
+#include "region_merging.h"
+
 #include <facetloc/testing/disparity_images.h>
 
 #include <Eigen/QR>
@@ -9,6 +10,8 @@
 #include <cmath>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 using test::blankDisparity;
@@ -18,7 +21,7 @@ using test::roomDisparity;
 using test::uniform;
 
 struct Merged {
-  explicit Merged(const DisparityImage& image, const RegionMergingParams& params = {}) : merging(params) {
+  explicit Merged(const DisparityImage& image, const MergeParams& params = {}) : merging(params) {
     split.compute(image);
     merging.compute(split, image);
   }
@@ -149,8 +152,7 @@ TEST(RegionMerging, RegionsAreConnectedAndNoNeighboursCouldStillMerge) {
       if (j < 0 || region[t] < 0 || region[j] < 0 || region[j] == region[t]) continue;
       const PlaneMoments &a = m.merging.regions()[region[t]].moments,
                          &b = m.merging.regions()[region[j]].moments;
-      EXPECT_GT(RegionMerging::cost(a, a.fit().sse, b, b.fit().sse),
-                m.merging.params().merge_tolerance - 1e-6);
+      EXPECT_GT(RegionMerging::cost(a, a.fit().sse, b, b.fit().sse), m.merging.params().tolerance - 1e-6);
     }
 }
 
@@ -158,8 +160,8 @@ TEST(RegionMerging, ACheaperCutIsARefinementInNumbers) {
   const DisparityImage image = roomDisparity(test::tinyCamera(), 5);
   std::size_t before = 0;
   for (const double tolerance : {20.0, 5.0, 2.75, 1.5, 0.5}) {
-    RegionMergingParams params;
-    params.merge_tolerance = tolerance;
+    MergeParams params;
+    params.tolerance = tolerance;
     const std::size_t regions = Merged(image, params).merging.regions().size();
     EXPECT_GE(regions, before);
     before = regions;
@@ -187,21 +189,21 @@ TEST(RegionMerging, StepsAndPlanesThroughTheCameraBelongToNoRegion) {
   DisparityImage image = blankDisparity(64, 48);
   for (int v = 0; v < 48; ++v)
     for (int u = 0; u < 64; ++u) image.d[static_cast<std::size_t>(v) * 64 + u] = u < 32 ? 200.f : 600.f;
-  DepthTriangulationParams coarse;
-  coarse.min_split = 1e6;
+  SplitParams coarse;
+  coarse.min_area = 1e6;
   DepthTriangulation split(coarse);
   split.compute(image);
   RegionMerging merging;
   merging.compute(split, image);
   int across = 0;
   for (std::size_t t = 0; t < split.triangles().size(); ++t) {
-    if (!(split.triangles()[t].max_deviation > coarse.split_tolerance)) continue;
+    if (!(split.triangles()[t].max_deviation > coarse.tolerance)) continue;
     EXPECT_EQ(merging.regionOfTriangle()[t], -1);
     ++across;
   }
   EXPECT_GT(across, 0);
 
-  RegionMergingParams params;
+  MergeParams params;
   std::fill(image.d.begin(), image.d.end(), 200.f);
   DepthTriangulation flat;
   flat.compute(image);
@@ -228,7 +230,7 @@ TEST(RegionMerging, AConstantOffsetChangesNothing) {
   DisparityImage shifted = image;
   for (float& d : shifted.d)
     if (d > 0) d += 256;
-  RegionMergingParams params;
+  MergeParams params;
   params.min_plane_distance = 0;  // the one criterion that is about space, not about disparity
   const Merged a(image, params), b(shifted, params);
   EXPECT_EQ(a.merging.regionOfTriangle(), b.merging.regionOfTriangle());

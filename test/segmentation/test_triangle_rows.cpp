@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/segmentation/triangle_rows.h>
+#include "triangle_rows.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,8 @@
 #include <random>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 // ceil(n / d), d > 0.

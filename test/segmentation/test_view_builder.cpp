@@ -38,7 +38,7 @@ TEST(ViewBuilder, LabelKIsSegmentKOfTheView) {
   ViewBuilder builder;
   const DepthImage image = roomImage();
   const View view = builder.build(image);
-  EXPECT_EQ(view.camera, image.camera);
+  EXPECT_EQ(view.intrinsics, image.camera);
   ASSERT_GE(view.segments.size(), 4u);
   const LabelledPlanes& s = builder.segmentation();
   ASSERT_EQ(s.planes.size(), view.segments.size());
@@ -106,14 +106,28 @@ TEST(ViewBuilder, AKnownDistortionIsTakenOut) {
       if (isMeasured(z))
         z = static_cast<float>(1 / (1 / z + distortion.at(truth.camera.ray(u, v).head<2>())));
     }
-  ViewParams params;
-  params.distortion = distortion;
-  const View expected = ViewBuilder().build(truth), found = ViewBuilder(params).build(measured),
+  Camera camera;
+  camera.distortion = distortion;
+  const View expected = ViewBuilder().build(truth), found = ViewBuilder(camera).build(measured),
              raw = ViewBuilder().build(measured);
   const Eigen::Vector3d place = expected.segments.at(0).t;
   EXPECT_LT((found.segments.at(0).t - place).norm(), 0.002);
   EXPECT_GT((raw.segments.at(0).t - place).norm(), 0.004);
   EXPECT_EQ(found.segments.size(), expected.segments.size());
+}
+
+TEST(ViewBuilder, AViewKnowsItsCameraAndTheNoiseItWasSeenWith) {
+  Camera camera;
+  camera.mounting = CameraMounting{0.7, 5};
+  camera.noise.inverse_depth_std = 2 / kKinectGain;
+  ViewBuilder builder(camera);
+  const View quiet = builder.build(roomImage());
+  ASSERT_TRUE(quiet.camera);
+  EXPECT_EQ(quiet.camera->mounting->height, 0.7);
+  EXPECT_DOUBLE_EQ(quiet.noise(), 2 / kKinectGain);  // the specification, where the image shows less
+  const View noisier = builder.build(noisy(roomImage(), 6 / kKinectGain, 2));
+  EXPECT_NEAR(noisier.noise(), 6 / kKinectGain, 1 / kKinectGain);
+  EXPECT_EQ(noisier.camera, quiet.camera);  // shared by all views of the builder
 }
 
 TEST(ViewBuilder, NothingGivesAViewWithoutSegments) {

@@ -414,7 +414,7 @@ TEST(SimulatedCamera, DarkSurfacesAreLostFarAwayAndAtASlant) {
 TEST(SimulatedCamera, TheFactorRaisesTheNoise) {
   SimulatedNoise noise = noNoise();
   noise.disparity_std = 0.5;
-  noise.factor = 3;
+  noise.noise_factor = 3;
   const auto frame =
       SimulatedCamera(kCamera, noise, 1).render(sceneOf({wallAt(2)}), Eigen::Isometry3d::Identity(), 0);
   EXPECT_NEAR(stdOf(disparityErrors(frame, 2)), 1.5, 0.05);

@@ -19,7 +19,7 @@ TEST_P(SimulatedDrive, StaysInsideAndClearOfWalls) {
   Eigen::AlignedBox3d room;
   for (const Rectangle& r : scene_.rectangles) room.extend(r.centre);
   DriveParams even;
-  even.floor_std = 0;
+  even.robot.floor_std = 0;
   const double clear = even.clearance - 0.01;
   for (const Eigen::Isometry3d& T_w_c : simulateDrive(scene_, 150, even, GetParam())) {
     const Eigen::Vector3d t = T_w_c.translation();
@@ -40,14 +40,14 @@ TEST_P(SimulatedDrive, AnUnevenFloorTiltsTheCamera) {
     const double pitch = std::asin(-T_w_c.linear().col(2).z()) / kDegree - params.camera_tilt_deg;
     squares += pitch * pitch;
   }
-  // METHOD eq. (6.1): Var(w_y) = 3 sigma_f^2 / (2 b^2)
-  const double expected = params.floor_std * std::sqrt(1.5) / params.caster_distance / kDegree;
+  // Of a base on three points of independent height: Var(w_y) = 3 sigma_f^2 / (2 b^2)
+  const double expected = params.robot.floor_std * std::sqrt(1.5) / params.robot.caster_distance / kDegree;
   EXPECT_NEAR(std::sqrt(squares / static_cast<double>(poses.size())), expected, 0.15 * expected);
 }
 
 TEST_P(SimulatedDrive, StepsAreSmall) {
   DriveParams even;
-  even.floor_std = 0;
+  even.robot.floor_std = 0;
   const auto poses = simulateDrive(scene_, 150, even, GetParam());
   ASSERT_EQ(poses.size(), 150u);
   for (std::size_t i = 1; i < poses.size(); ++i) {
@@ -68,7 +68,7 @@ TEST_P(SimulatedDrive, SeedsSelectDrives) {
 
 TEST_P(SimulatedDrive, InTimeItKeepsToItsSpeeds) {
   DriveParams even;
-  even.floor_std = 0;
+  even.robot.floor_std = 0;
   even.sway_deg = 10;
   const PaceParams pace;
   const auto poses = simulateDrive(scene_, 900, even, GetParam(), {}, pace);
@@ -107,8 +107,8 @@ TEST_P(SimulatedDrive, InTimeTheTiltOfAnUnevenFloorIsSmooth) {
     squares += std::pow(pitch(i) - params.camera_tilt_deg, 2) / static_cast<double>(poses.size());
     EXPECT_LT(std::abs(pitch(i) - pitch(i > 0 ? i - 1 : 0)), 1) << i;
   }
-  // That of three independent wheels (METHOD eq. 6.1) is the limit of short waves.
-  const double independent = params.floor_std * std::sqrt(1.5) / params.caster_distance / kDegree;
+  // That of three independent wheels is the limit of short waves.
+  const double independent = params.robot.floor_std * std::sqrt(1.5) / params.robot.caster_distance / kDegree;
   EXPECT_GT(std::sqrt(squares), 0.3 * independent);
   EXPECT_LT(std::sqrt(squares), 1.3 * independent);
 }
@@ -118,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(Rooms, SimulatedDrive, testing::Range(1, 6));
 TEST(SimulatedRoute, InTimeItIsDrivenAsInSteps) {
   const Route square = {{{0, 0}, 90}, {{2, 0}, 0}, {{2, 2}, 0}, {{0, 2}, 0}};
   DriveParams even;
-  even.floor_std = 0;
+  even.robot.floor_std = 0;
   const auto poses = simulateDrive(square, 30 * 60, even, 1, PaceParams{});
   for (const Eigen::Vector2d& corner : {Eigen::Vector2d(2, 0), {2, 2}, {0, 2}, {0, 0}}) {
     double nearest = 10;
@@ -131,7 +131,7 @@ TEST(SimulatedRoute, InTimeItIsDrivenAsInSteps) {
 
 TEST(SimulatedRoute, InTimeWheelsDoNotSlipSideways) {
   DriveParams swaying;
-  swaying.floor_std = 0;
+  swaying.robot.floor_std = 0;
   swaying.sway_deg = 10;
   const Route there_and_back = {{{0, 0}, 0}, {{6, 0}, 0}};
   const auto poses = simulateDrive(there_and_back, 300, swaying, 3, PaceParams{});

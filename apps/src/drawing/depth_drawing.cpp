@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/depth_drawing.h"
 
-#include <facetloc/registration/depth_consistency.h>
+#include <facetloc/registration/depth_params.h>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +9,7 @@
 #include <limits>
 
 namespace facetloc {
+
 namespace {
 
 struct DepthRange {
@@ -50,8 +51,7 @@ void mixInto(std::uint8_t* pixel, const Colour& colour) {
 /** How well segments explain the pixels of a depth picture. */
 class SegmentsInPicture {
 public:
-  SegmentsInPicture(const View& view, const DepthImage& depth)
-      : view_(view), depth_(depth), comparison_(DepthConsistencyParams(), SensorNoise().inverse_depth_std) {}
+  SegmentsInPicture(const View& view, const DepthImage& depth) : view_(view), depth_(depth) {}
 
   std::uint16_t label(int u, int v) const {
     std::uint16_t best = 0;
@@ -77,12 +77,13 @@ private:
     if (view_.depth.empty()) return 1 / predicted;
     if (!(z > 0)) return kNever;
     const double error = std::abs(1 / z - predicted);
-    return error <= comparison_.tolerance(predicted) ? error : kNever;
+    const DepthConsistencyParams p;
+    const double tolerance = p.gate * (p.absolute_error * view_.noise() + p.relative_error * predicted);
+    return error <= tolerance ? error : kNever;
   }
 
   const View& view_;
   const DepthImage& depth_;
-  DepthComparison comparison_;
 };
 
 /** Takes away the grain: a pixel gets the label that most of its surroundings have. */
@@ -148,7 +149,7 @@ void paintSegments(Raster<std::uint8_t>& picture, const LabelImage& labels,
 
 DepthImage depthOf(const View& view) {
   DepthImage image;
-  image.camera = view.depth.empty() ? view.camera.subsampled(2) : view.depth.camera;
+  image.camera = view.depth.empty() ? view.intrinsics.subsampled(2) : view.depth.camera;
   image.depth.assign(static_cast<std::size_t>(image.camera.width) * image.camera.height, 0.f);
   for (std::size_t i = 0; i < view.depth.inverse_depth.size(); ++i)
     if (view.depth.inverse_depth[i] > 0)

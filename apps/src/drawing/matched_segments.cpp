@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/matched_segments.h"
 
-#include <facetloc/registration/consensus.h>
+#include <facetloc/registration/candidate_pairs.h>
+#include <facetloc/registration/ranking_params.h>
 
 #include <algorithm>
 #include <map>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <facetloc/features/local_model.h>
-#include <facetloc/registration/candidate_pairs.h>
+#include <facetloc/registration/hypothesis.h>
 
 #include <vector>
 

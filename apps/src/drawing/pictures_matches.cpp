@@ -125,8 +125,8 @@ void drawFit(Page& page, const Box& box, const View& query, const View& model, c
     scene.add(model.segments[k], identity, modelLook(numbers.of_model[k]));
   for (std::size_t k = 0; k < query.segments.size(); ++k)
     scene.add(query.segments[k], T_m_c, queryLook(numbers.of_query[k]));
-  scene.addCamera(model.camera, identity, kCameraSize, {105, 105, 105}, Page::kFiner * 1.5);
-  scene.addCamera(query.camera, T_m_c, kCameraSize, kBlack, Page::kFiner * 1.5);
+  scene.addCamera(model.intrinsics, identity, kCameraSize, {105, 105, 105}, Page::kFiner * 1.5);
+  scene.addCamera(query.intrinsics, T_m_c, kCameraSize, kBlack, Page::kFiner * 1.5);
   const Eigen::Vector3d up = upInView(model, mounting);
   scene.lookAlong(fromBehindAndAbove(up), up);
 }
@@ -181,7 +181,7 @@ void drawAnswer(Page& page, Row& row, const SeenImage& query, const Map& map, in
       row.panel(1, "local model " + map.models[model].name + ": " + matchedOf(numbers.of_model));
   drawSide(page, fitted(middle, model_side.depth.camera), model_side);
   const Box right = row.panel(2, "both aligned: local model filled, query outlined");
-  drawFit(page, right, query.view, *view, numbers, T_m_c, map.mounting);
+  drawFit(page, right, query.view, *view, numbers, T_m_c, map.camera.mounting);
   page.frame(right, {kUnmatched, 1});
 }
 

@@ -6,13 +6,14 @@
 #include "drawing/segment_scene.h"
 #include "tools/text.h"
 
-#include <facetloc/registration/candidate_pairs.h>
+#include <facetloc/registration/pair_params.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <algorithm>
 #include <stdexcept>
 
 namespace facetloc {
+
 namespace {
 
 constexpr double kPanelWidth = 480;  // [px]

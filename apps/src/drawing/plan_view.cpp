@@ -54,7 +54,7 @@ Eigen::Vector3d upInWorld(const Map& map) {
   for (std::size_t i = 0; i < map.models.size(); ++i) {
     const auto& T_w_m = map.models[i].T_w_m;
     if (!T_w_m) continue;
-    sum += T_w_m->linear() * guessInView(map.mounting);
+    sum += T_w_m->linear() * guessInView(map.camera.mounting);
     const auto more = normalsOf(*map.view(static_cast<int>(i)), T_w_m->linear());
     normals.insert(normals.end(), more.begin(), more.end());
   }

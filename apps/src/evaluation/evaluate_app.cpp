@@ -53,16 +53,11 @@ EvaluateApp::EvaluateApp()
     : App("facetloc_evaluate", "RESULTS GROUNDTRUTH [options]",
           "Judges a results folder of facetloc_localize, or a folder of such folders, one per run, by "
           "what is true: camera poses in the TUM format, a sequence folder with groundtruth.txt, or the "
-          "folder of a simulated place. Prints the paper's Tables I and II beside the paper's figures, "
-          "the rate of rank 1, recall at 100 % precision, how reliable the probabilities are, errors by "
-          "what is in view and how far the map is, and times. Where the map is known, images are told "
-          "apart: map images and new ones, and of the new ones those that a local model covers; where the "
-          "true planes are known too, those that the planes suffice to localize. Writes report.html with "
-          "everything in one file, evaluation.txt, tables.csv, frames.csv, fig6.csv, errors.csv, "
-          "timing_summary.csv, and the charts fig6.png, reliability.png and errors.png; with --map also "
-          "floor_map.png and, where the images are at hand, pictures of some failures in failures/. What "
-          "an earlier evaluation left in the folder is replaced or removed. Charts and pictures need an X "
-          "display; without one, Xvfb is started if it is installed.") {}
+          "folder of a simulated place. Prints the paper's Tables I and II beside the paper's figures and "
+          "what goes beyond, and writes report.html with everything in one file, tables and charts, and with "
+          "--map the floor map and pictures of some failures. What an earlier evaluation left in the folder "
+          "is replaced or removed. Charts and pictures need an X display; without one, Xvfb is started if it "
+          "is installed.") {}
 
 void EvaluateApp::addOptions(CommandLine& line) {
   line.addArgument("RESULTS", results_);
@@ -70,15 +65,15 @@ void EvaluateApp::addOptions(CommandLine& line) {
   line.addOption("output,o", folder_, "DIR", "Folder of the evaluation; RESULTS/evaluation if not given.");
   line.addOption("map", map_, "MAP.flmap", "The map that the images were localized in.");
   line.addOption("map-groundtruth", map_truth_, "FILE",
-                 "Without --map: the trajectory of the map's images, one pose per image.");
+                 "Poses of the map's images, where the map itself is not at hand.");
   line.addOption("pose-tolerance", pose_tolerance_, "S",
                  "Largest distance in time of an image and its pose [s].");
   line.addCheck([this] { requireTolerance(pose_tolerance_); });
-  line.addParams(params_);
-  line.addOption("model-distance", builder_.min_distance, "M",
-                 "With --map-groundtruth: spacing of local models [m].");
-  line.addOption("model-rotation-deg", builder_.min_rotation_deg, "DEG",
-                 "With --map-groundtruth: their spacing in orientation [deg].");
+  line.addParams(params_, "evaluation", CommandLine::Shown::in_help);
+  line.addOption("model-distance", builder_.distance, "M",
+                 "Distance between local models by --map-groundtruth [m].");
+  line.addOption("model-rotation-deg", builder_.rotation_deg, "DEG",
+                 "Rotation between local models by --map-groundtruth [deg].");
 }
 
 /** What is judged, and by what. */

@@ -21,6 +21,7 @@ namespace facetloc {
 
 /** \brief When a hypothesis is correct, and which images a map can be expected to localize. */
 struct EvaluationParams {
+  static constexpr const char* kTitle = "What counts as correct, covered and solvable";
   double max_translation = 0.2;      ///< the paper's [m]
   double max_rotation_deg = 2;       ///< the paper's
   double covered_distance = 1.0;     ///< of a local model [m]
@@ -30,21 +31,23 @@ struct EvaluationParams {
   double solvable_rotation_deg = 3;  ///< the same for the orientation
 
   template <class Self, class Visitor>
-  static void describe(Self& p, Visitor&& field) {
-    field("max_translation", p.max_translation, 0.0, 1e6,
+  static void describe(Self& p, Visitor&& visit) {
+    visit("max_translation", p.max_translation, 0.0, 1e6,
           "Largest position error of a correct hypothesis [m].");
-    field("max_rotation_deg", p.max_rotation_deg, 0.0, 180.0,
+    visit("max_rotation_deg", p.max_rotation_deg, 0.0, 180.0,
           "Largest orientation error of a correct hypothesis [deg].");
-    field("covered_distance", p.covered_distance, 0.0, 1e6,
-          "An image is covered if a local model lies within this distance ... [m].");
-    field("covered_rotation_deg", p.covered_rotation_deg, 0.0, 180.0, "... and this angle [deg].");
-    field("visible_pixels", p.visible_pixels, 3.0, 76800.0,
-          "Least size of a true plane that counts as seen [px at 320x240].");
-    field("solvable_position", p.solvable_position, 0.0, 1e3,
-          "An image is solvable if true planes that it shares with a covering local model fix its position "
-          "to this standard deviation ... [m].");
-    field("solvable_rotation_deg", p.solvable_rotation_deg, 0.0, 180.0,
-          "... and its orientation to this one [deg].");
+    visit("covered_distance", p.covered_distance, 0.0, 1e6,
+          "Largest distance of a local model that covers an image [m].");
+    visit("covered_rotation_deg", p.covered_rotation_deg, 0.0, 180.0,
+          "Largest angle to a local model that covers an image [deg].");
+    visit("visible_pixels", p.visible_pixels, 3.0, 76800.0,
+          "Smallest size of a true plane that counts as seen [px at 320x240].");
+    visit("solvable_position", p.solvable_position, 0.0, 1e3,
+          "Largest position uncertainty of an image that is solvable by its true planes, standard deviation "
+          "[m].");
+    visit("solvable_rotation_deg", p.solvable_rotation_deg, 0.0, 180.0,
+          "Largest orientation uncertainty of an image that is solvable by its true planes, standard "
+          "deviation [deg].");
   }
   void validate() const { checkRanges(*this); }
 };

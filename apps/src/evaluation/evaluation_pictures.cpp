@@ -68,7 +68,8 @@ public:
     const auto found = places_.find({run, name});
     const Place& place = found == places_.end() ? places_.at({"", name}) : found->second;
     const DepthInput defaults;
-    ViewBuilder builder(withDistortionOf(map_, withNoiseOf(place.sequence->camera(), defaults.view)));
+    const auto& file = place.sequence->camera();
+    ViewBuilder builder(map_.calibrated(file ? file->camera : Camera()), defaults.view);
     return see(name, place.sequence->load(place.index, defaults.width), builder);
   }
 

@@ -7,8 +7,7 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/png.h>
 #include <facetloc/io/text.h>
-#include <facetloc/registration/hypothesis_tree.h>
-#include <facetloc/registration/plane_measurement.h>
+#include <facetloc/registration/observability.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +15,7 @@
 #include <stdexcept>
 
 namespace facetloc {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -83,13 +83,10 @@ TrueSegments trueSegments(const DepthImage& exact_depth, const LabelImage& label
 
 bool sharedPlanesSuffice(const TrueSegments& query, const TrueSegments& model, double position_std,
                          double rotation_std) {
-  Matrix6d information = Matrix6d::Zero();
-  for (const auto& [id, segment] : query) {
-    PlaneMeasurement m;
-    if (model.count(id) && measurePlane(segment, segment, Eigen::Isometry3d::Identity(), 0.0, m))
-      information += m.H.transpose() * m.W.llt().solve(m.H);
-  }
-  return observability(information).complete(rotation_std, position_std);
+  std::vector<Segment> shared;
+  for (const auto& [id, segment] : query)
+    if (model.count(id)) shared.push_back(segment);
+  return observability(informationOf(shared)).within(rotation_std, position_std);
 }
 
 std::map<int, WorldPlane> readPlanes(const fs::path& path) {
@@ -145,7 +142,7 @@ std::optional<RenderedTruth> RenderedTruth::open(const fs::path& folder) {
   if (!fs::is_directory(folder / "labels") || !fs::exists(folder / kPlanes)) return {};
   RenderedTruth truth;
   truth.labels_ = folder / "labels";
-  truth.camera_ = readCameraFile(folder / "camera.ini").intrinsics;
+  truth.camera_ = readCameraFile(folder / "camera.ini").camera.intrinsics;
   truth.planes_ = readPlanes(folder / kPlanes);
   return truth;
 }

@@ -37,14 +37,14 @@ void LiveApp::addOptions(CommandLine& line) {
   line.addOption("device", run.source.device, "DEVICE", "Where frames come from; default: the first camera.");
   line.addOption("map", run.map, "MAP.flmap", "Localize in this map.");
   line.addOption("camera", run.source.camera_file, "FILE",
-                 "A camera.ini with the device's calibration, noise and mounting; default: of a folder, the "
-                 "one in it, else what the device says.");
+                 "A camera.ini with the device's calibration, noise and mounting; unless given, the one in "
+                 "the played folder, or what the device says.");
   line.addSwitch("headless", run.headless, "No window.");
   line.addOption("results", run.results, "DIR",
                  "Write poses, states and times to this folder while running.");
   line.addOption("screenshots", run.screenshots, "DIR",
                  "Write pictures to this folder; needs no display if Xvfb is installed.");
-  line.addOption("every", run.every, "N", "Of every N-th processed frame.");
+  line.addOption("every", run.every, "N", "Write a screenshot of every N-th processed frame.");
   line.addOption("record", run.recording, "FILE.oni", "Record the device's depth images.");
   line.addOption("max-frames", run.max_frames, "N", "End after so many processed frames; 0 = never.");
   line.addOption("duration", run.duration, "S", "End after so many seconds; 0 = never.");
@@ -53,7 +53,7 @@ void LiveApp::addOptions(CommandLine& line) {
   line.addOption("speed", run.source.speed, "X",
                  "Play recordings so many times as fast; 0 = as fast as possible, which loses frames.");
   input_.addOptions(line);
-  line.addParams(tracking_);
+  line.addParams(tracking_, "tracking");
   line.addParams(localization_);
 }
 
@@ -81,7 +81,8 @@ int LiveApp::execute(const CommandLine& line, const Console& console) {
   if (fs::exists(options.recording)) throw IoError(options.recording, "exists already");
 
   LiveAlgorithms algorithms;
-  algorithms.view = [&](const std::optional<CameraFile>& camera) { return input_.viewParams(camera, line); };
+  algorithms.camera = [&](const std::optional<CameraFile>& file) { return input_.camera(file, line); };
+  algorithms.session.view = input_.view;
   algorithms.session.width = input_.width;
   algorithms.session.tracking = tracking_;
   algorithms.session.localization = localization_;

@@ -157,7 +157,7 @@ void LiveCloud::show(const LiveResult& result, const LiveColours& colours, const
   }
   frames_.line(base, kBlack, true);
   for (Shapes* shapes : {&model_, &unmatched_model_, &outlines_, &frames_}) shapes->show();
-  lookFromBehind(map ? map->mounting : std::nullopt);
+  lookFromBehind(map ? map->camera.mounting : std::nullopt);
 }
 
 }  // namespace facetloc

@@ -10,7 +10,6 @@
 
 #include <facetloc/io/text.h>
 
-#include <Eigen/Eigenvalues>
 #include <vtkActor2D.h>
 #include <vtkCamera.h>
 #include <vtkImageData.h>
@@ -125,11 +124,6 @@ struct Layout {
 
 std::string degrees(double value, int decimals) { return text::decimals(value, decimals) + "°"; }
 
-double largestStd(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
-}
-
 /** "x 1.20  y -3.41  z 0.98 m". */
 std::string positionText(const Eigen::Vector3d& p) {
   return "x " + text::decimals(p.x(), 2) + "   y " + text::decimals(p.y(), 2) + "   z " +
@@ -146,8 +140,8 @@ std::string seenText(const SeenImage& image) {
 
 /** "± 12 mm, 0.30°": the largest standard deviations over directions. */
 std::string accuracyText(const Matrix6d& P) {
-  return "± " + text::decimals(1000 * largestStd(P.bottomRightCorner<3, 3>()), 0) + " mm, " +
-         degrees(largestStd(P.topLeftCorner<3, 3>()) / kDegree, 2);
+  return "± " + text::decimals(1000 * largestTranslationStd(P), 0) + " mm, " +
+         degrees(largestRotationStd(P) / kDegree, 2);
 }
 
 std::string poseText(const LiveResult& result, const Map* map, const LivePlan* plan, std::size_t matched) {

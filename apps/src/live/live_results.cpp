@@ -5,30 +5,53 @@
 
 #include <facetloc/io/text.h>
 
+#include <limits>
+
 namespace facetloc {
+
+namespace {
+
+/** Of the models with a pose, of which there is one where a camera is tracked. */
+int nearestModel(const Map& map, const Eigen::Vector3d& place) {
+  int nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < map.models.size(); ++i) {
+    const auto& T_w_m = map.models[i].T_w_m;
+    const double squared = T_w_m ? (T_w_m->translation() - place).squaredNorm() : least;
+    if (squared < least) least = squared, nearest = static_cast<int>(i);
+  }
+  return nearest;
+}
+
+}  // namespace
 
 LiveResults::LiveResults(const std::filesystem::path& folder, const std::string& params_ini,
                          std::shared_ptr<const Map> map)
     : map_(std::move(map)),
-      near_(map_ ? map_ : std::make_shared<const Map>()),
       results_(folder, params_ini),
       states_(folder / "states.csv", "frame,stamp,state,reason,received,dropped,age_ms\n") {}
+
+ResultRow LiveResults::rowOf(const std::string& frame, const Hypothesis& best) const {
+  Localization answer;
+  answer.hypotheses = {best};
+  return resultRows(frame, answer, *map_, 1).front();
+}
 
 ResultRow LiveResults::rowOf(const LiveResult& result) const {
   const std::string& frame = result.image.name;
   if (!result.tracked || !map_) return noHypothesis(frame, "segmented without a map");
   if (!result.isLocalized())
     return noHypothesis(frame, result.state() + (result.reason().empty() ? "" : ": " + result.reason()));
-  if (const Hypothesis* match = result.match()) return resultRows(frame, {{*match}, {}}, *map_, 1).front();
+  if (const Hypothesis* match = result.match()) return rowOf(frame, *match);
 
   // The camera's own views carry the pose where no local model shows anything of the place.
   const PoseWithCovariance& pose = *result.pose();
   Hypothesis carried;
-  carried.model = near_.byPlace(pose.T.translation(), 1).front();
+  carried.model = nearestModel(*map_, pose.T.translation());
   carried.T_w_c = pose.T;
   carried.T_m_c = map_->models[carried.model].T_w_m->inverse() * pose;
   carried.probability = result.tracked->probability;
-  ResultRow row = resultRows(frame, {{carried}, {}}, *map_, 1).front();
+  ResultRow row = rowOf(frame, carried);
   row.reason = "carried on: no local model shows what is in view";
   return row;
 }

@@ -3,9 +3,9 @@
 
 #include "live/live_result.h"
 
+#include <facetloc/features/local_model.h>
 #include <facetloc/io/growing_file.h>
 #include <facetloc/io/results.h>
-#include <facetloc/registration/nearby_models.h>
 
 #include <filesystem>
 #include <memory>
@@ -25,10 +25,10 @@ public:
   void append(const LiveResult& result);
 
 private:
+  ResultRow rowOf(const std::string& frame, const Hypothesis& best) const;
   ResultRow rowOf(const LiveResult& result) const;
 
   std::shared_ptr<const Map> map_;
-  NearbyModels near_;
   ResultsWriter results_;
   GrowingFile states_;
 };

@@ -43,7 +43,7 @@ fs::path unused(const fs::path& file) {
 LiveRun::LiveRun(const LiveRunOptions& options, LiveAlgorithms algorithms, const Console& console)
     : options_(options), algorithms_(std::move(algorithms)), console_(console), status_(console) {
   if (!options_.map.empty()) {
-    map_ = std::make_shared<Map>(openMap(options_.map));
+    map_ = std::make_shared<const Map>(openMap(options_.map));
     noteUnfinished(*map_, options_.map, console_);
   }
   if (!options_.headless) {
@@ -110,19 +110,20 @@ void LiveRun::closeSource() {
 /** Now that the camera is known. */
 void LiveRun::startSession() {
   LiveSessionOptions options = algorithms_.session;
-  options.view = algorithms_.view(source_->camera());
+  options.camera = algorithms_.camera(source_->camera());
   options.max_frames = static_cast<std::uint64_t>(options_.max_frames);
   if (map_) {
-    dropOtherMounting(source_->camera(), *map_, console_);
-    options.view = withDistortionOf(*map_, options.view);
+    options.camera = map_->calibrated(options.camera);
+    noteDifference(options.camera, *map_, console_);
   }
   if (!options_.results.empty()) {
     const std::string params_ini = "# " + versionText() + ", live from " + source_->name() +
                                    (map_ ? ", map " + fs::path(options_.map).filename().string() + " of " +
                                                counted(map_->models.size(), "local model")
                                          : ", without a map") +
-                                   "\nwidth = " + std::to_string(options.width) + "\n" + toIni(options.view) +
-                                   toIni(options.tracking) + toIni(options.localization);
+                                   "\nwidth = " + std::to_string(options.width) + "\n" +
+                                   toIni(options.camera.noise, "noise") + toIni(options.view) +
+                                   toIni(options.tracking, "tracking") + toIni(options.localization);
     results_ = std::make_unique<LiveResults>(options_.results, params_ini, map_);
   }
   if (!options_.headless) window_ = std::make_unique<LiveWindow>("facetloc_live " + source_->name(), map_);

@@ -24,8 +24,8 @@ namespace facetloc {
 
 /** \brief What a live run needs to know of the algorithms, for a camera that is not known yet. */
 struct LiveAlgorithms {
-  std::function<ViewParams(const std::optional<CameraFile>&)> view;
-  LiveSessionOptions session;  // but for its view
+  std::function<Camera(const std::optional<CameraFile>&)> camera;
+  LiveSessionOptions session;  // but for its camera
 };
 
 /** \brief A live run from its begin to its end: opens the source, again if it has to, and does on one thread
@@ -72,7 +72,7 @@ private:
   StopSignal stop_;
   bool quit_ = false;
   std::optional<std::uint64_t> told_at_;  // frames received when it was last told that it waits
-  std::shared_ptr<Map> map_;
+  std::shared_ptr<const Map> map_;
   std::optional<OffscreenDisplay> display_;
   std::optional<Clock::time_point> begin_;  // when the first source was opened, or first waited for
   Clock::time_point source_start_;

@@ -38,10 +38,12 @@ std::string LiveSummary::text() const {
 
 LiveSession::LiveSession(const LiveSessionOptions& options, std::shared_ptr<const Map> map,
                          OnResult on_result)
-    : options_(options), map_(std::move(map)), on_result_(std::move(on_result)), builder_(options.view) {
+    : options_(options),
+      map_(std::move(map)),
+      on_result_(std::move(on_result)),
+      builder_(options.camera, options.view) {
   if (map_) {
-    tracking_ =
-        std::make_unique<PoseTracking>(map_, options.tracking, options.localization, options.view.noise);
+    tracking_ = std::make_unique<PoseTracking>(map_, options.tracking, options.localization);
     tracking_->setNumberOfThreads(options.threads);
   }
   thread_ = std::thread([this] { run(); });

@@ -5,6 +5,7 @@
 #include "live/live_result.h"
 #include "live/live_source.h"
 
+#include <facetloc/registration/pose_tracking.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <atomic>
@@ -21,6 +22,7 @@ namespace facetloc {
 
 struct LiveSessionOptions {
   int width = 320;  ///< working width [px]; 0 = full size
+  Camera camera;
   ViewParams view;
   PoseTrackingParams tracking;
   GlobalLocalizationParams localization;

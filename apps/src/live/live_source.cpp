@@ -170,7 +170,7 @@ void LiveSource::openDevice(const LiveSourceOptions& options) {
   device_ = device.get();
   calibration_ = calibrationOf(*device);
   if (!camera_ && calibration_ && device->mounting())
-    camera_ = CameraFile{*calibration_, CameraFile{}.depth_scale, device->mounting(), {}};
+    camera_ = CameraFile{{*calibration_, {}, device->mounting(), {}}};
   grabber_ = std::move(device);
   if (name_.empty()) name_ = device_->uri();
 }
@@ -179,7 +179,7 @@ LiveSource::~LiveSource() { stop(); }
 
 void LiveSource::start(const FrameSink& sink) {
   std::optional<Intrinsics> intrinsics = calibration_;
-  if (camera_) intrinsics = camera_->intrinsics;
+  if (camera_) intrinsics = camera_->camera.intrinsics;
   connectFrames(*grabber_, intrinsics, countedStamps(kUsualRate), sink);
   if (!device_)
     grabber_->registerCallback<OnCloud>([this](const Cloud::ConstPtr& cloud) {

@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/bytes.h"
 
-#include "tools/sharded_localization.h"
+#include "shared/binary_archive.h"
 
-#include <facetloc/features/binary_archive.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
-#include <facetloc/registration/hypothesis.h>
-#include <facetloc/registration/place_index.h>
 
 #include <algorithm>
 #include <sstream>
 #include <stdexcept>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 void require(bool condition) {
@@ -35,13 +34,6 @@ void fields(Archive& archive, Segment& s) {
 }
 
 template <class Archive>
-void fields(Archive& archive, DepthPicture& picture) {
-  archive(picture.camera, picture.inverse_depth);
-  if (Archive::kReads && !picture.empty())  // the rest is derived
-    picture = DepthPicture::fromStored(picture.camera, std::move(picture.inverse_depth));
-}
-
-template <class Archive>
 void fields(Archive& archive, DepthDistortion& distortion) {
   Eigen::Vector2d low = distortion.extent().min(), high = distortion.extent().max();
   std::vector<double> nodes(distortion.values().begin(), distortion.values().end());
@@ -55,7 +47,8 @@ void fields(Archive& archive, DepthDistortion& distortion) {
 
 template <class Archive>
 void fields(Archive& archive, View& view) {
-  archive(view.camera, view.segments, view.depth);
+  // Its camera is known to whoever receives it, and its picture is packed.
+  archive(view.intrinsics, view.segments, view.depth.camera, view.depth.noise_std);
 }
 
 template <class Archive>
@@ -66,27 +59,6 @@ void fields(Archive& archive, LocalModel& model) {
 template <class Archive>
 void fields(Archive& archive, PackedModel& packed) {
   archive(packed.model, packed.depth);
-}
-
-template <class Archive>
-void fields(Archive& archive, SegmentPair& pair) {
-  archive(pair.scene, pair.model, pair.distance);
-}
-
-template <class Archive>
-void fields(Archive& archive, Hypothesis& h) {
-  archive(h.model, h.T_m_c.T, h.T_m_c.P, h.T_w_c, h.pairs, h.depth_assisted, h.consensus, h.free_space,
-          h.evidence, h.score, h.probability, h.found_by);
-}
-
-template <class Archive>
-void fields(Archive& archive, ShardedLocalization::Share& share) {
-  archive(share.hypotheses, share.failure);
-}
-
-template <class Archive>
-void fields(Archive& archive, Candidate& c) {
-  archive(c.model, c.rank, c.start);
 }
 
 template <class Archive>
@@ -125,11 +97,8 @@ T fromBytes(const std::string& bytes) {
 FACETLOC_BYTES_OF(std::size_t)
 FACETLOC_BYTES_OF(std::vector<std::size_t>)
 FACETLOC_BYTES_OF(std::vector<std::string>)
-FACETLOC_BYTES_OF(std::optional<View>)
 FACETLOC_BYTES_OF(std::optional<DepthDistortion>)
 FACETLOC_BYTES_OF(std::vector<PackedModel>)
-FACETLOC_BYTES_OF(std::vector<Candidate>)
-FACETLOC_BYTES_OF(ShardedLocalization::Share)
 FACETLOC_BYTES_OF(std::vector<FrameResult>)
 #undef FACETLOC_BYTES_OF
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/app.h"
+#include "tools/old_options.h"
+#include "tools/presets.h"
 
 #include <facetloc/io/text.h>
 
@@ -15,7 +17,7 @@ namespace po = boost::program_options;
 namespace facetloc {
 namespace {
 
-constexpr unsigned kHelpWidth = 100;
+constexpr unsigned kHelpWidth = 110;
 
 std::string underscored(std::string name) {
   std::replace(name.begin(), name.end(), '-', '_');
@@ -72,12 +74,14 @@ CommandLine::CommandLine(std::string tool, std::string synopsis, std::string abo
       synopsis_(std::move(synopsis)),
       about_(std::move(about)),
       common_("Options", kHelpWidth),
-      general_("General", kHelpWidth),
-      parameters_("Algorithm parameters", kHelpWidth) {
+      general_("General", kHelpWidth) {
   add(general_, "help,h", po::bool_switch(), "Print this help.", Needs::Nothing);
+  add(general_, "help-all", po::bool_switch(), "Print all options, with those of the algorithms by group.",
+      Needs::Nothing);
   add(general_, "version", po::bool_switch(), "Print the version.", Needs::Nothing);
   add(general_, "params", bound(params_file_, "FILE"),
-      "Read options from a file of 'name = value' lines; the command line wins.");
+      "Read options from a file of 'name = value' lines, with [group] lines for those of the algorithms; the "
+      "command line wins.");
 }
 
 void CommandLine::addGeneralOptions(int& threads, bool& quiet) {
@@ -125,17 +129,32 @@ void CommandLine::add(Options& group, const std::string& name, Semantic* semanti
   if (comma != std::string::npos) options_[name.substr(comma + 1)] = option;
 }
 
-void CommandLine::addParameter(const std::string& name, bool& value, const std::string& help) {
-  add(parameters_, name, po::value(&value)->value_name("BOOL")->default_value(value, value ? "1" : "0"), help,
+CommandLine::Options& CommandLine::groupOf(const std::string& title, Shown shown) {
+  for (const Group& group : groups_)
+    if (group.title == title) return *group.options;
+  groups_.push_back({title, shown, std::make_unique<Options>(title, kHelpWidth)});
+  return *groups_.back().options;
+}
+
+void CommandLine::addParameter(Options& group, const std::string& name, bool& value,
+                               const std::string& help) {
+  add(group, name, po::value(&value)->value_name("BOOL")->default_value(value, value ? "1" : "0"), help,
       Needs::Either);
 }
 
-void CommandLine::addParameter(const std::string& name, double& value, const std::string& help) {
-  add(parameters_, name, bound(value, "NUMBER"), help);
+void CommandLine::addParameter(Options& group, const std::string& name, double& value,
+                               const std::string& help) {
+  add(group, name, bound(value, "NUMBER"), help);
 }
 
-void CommandLine::addParameter(const std::string& name, int& value, const std::string& help) {
-  add(parameters_, name, bound(value, "INTEGER"), help);
+void CommandLine::addParameter(Options& group, const std::string& name, int& value, const std::string& help) {
+  add(group, name, bound(value, "INTEGER"), help);
+}
+
+void CommandLine::addPresets() {
+  std::string names;
+  for (const std::string& name : presetNames()) names += (names.empty() ? "" : ", ") + name;
+  addOption("preset", preset_, "NAME", "Parameters that are shipped as a set: " + names + ".");
 }
 
 const CommandLine::Option* CommandLine::find(std::string name) const {
@@ -156,7 +175,7 @@ std::vector<std::string> CommandLine::spelledOut(const std::vector<std::string>&
     const auto equals = argument.find('=');
     const std::string given_name = argument.substr(0, equals);
     const Option* option = find(given_name.substr(given_name.compare(0, 2, "--") == 0 ? 2 : 1));
-    if (!option) throw UsageError("unrecognised option '" + given_name + "'");
+    if (!option) refuse(given_name);
 
     std::string spelled = "--" + option->name;
     const bool has_next = i + 1 < arguments.size() && !asksForOption(arguments[i + 1]);
@@ -176,13 +195,19 @@ std::vector<std::string> CommandLine::spelledOut(const std::vector<std::string>&
   return out;
 }
 
+void CommandLine::refuse(const std::string& given_name) const {
+  const std::string name = underscored(given_name.substr(given_name.find_first_not_of('-')));
+  const std::string now = newNameOf(name);
+  throw UsageError("unrecognised option '" + given_name + "'" +
+                   (find(now) ? "; it is called --" + now + " since version 0.2" : ""));
+}
+
 /** The lines of a parameter file as arguments. */
-std::vector<std::string> CommandLine::readFile(const std::string& path) const {
+std::vector<std::string> CommandLine::parametersIn(std::istream& in, const std::string& path,
+                                                   Unknown unknown) const {
   constexpr const char* kByteOrderMark = "\xEF\xBB\xBF";  // some editors put it in front
-  std::ifstream in(path);
-  if (!in || std::filesystem::is_directory(path)) throw UsageError(path + ": cannot be read");
   std::vector<std::string> arguments;
-  std::string line;
+  std::string line, prefix;
   for (int number = 1; std::getline(in, line); ++number) {
     if (number == 1 && line.rfind(kByteOrderMark, 0) == 0) line.erase(0, 3);
     line = trimmed(withoutComment(line));
@@ -190,11 +215,21 @@ std::vector<std::string> CommandLine::readFile(const std::string& path) const {
     const auto fail = [&](const std::string& cause) {
       throw UsageError(path + ": line " + std::to_string(number) + ": " + cause);
     };
+    if (line.front() == '[' && line.back() == ']') {
+      prefix = trimmed(line.substr(1, line.size() - 2));
+      if (!prefix.empty()) prefix += ".";
+      continue;
+    }
     const auto equals = line.find('=');
-    if (equals == std::string::npos) fail("expected name = value");
-    const std::string name = trimmed(line.substr(0, equals));
+    if (equals == std::string::npos) fail("expected name = value or [group]");
+    const std::string name = prefix + trimmed(line.substr(0, equals));
     const Option* option = find(name);
-    if (!option || !option->in_files) fail("unknown parameter '" + name + "'");
+    if (!option && unknown == Unknown::skipped) continue;
+    if (!option || !option->in_files) {
+      const std::string now = newNameOf(underscored(name));
+      fail("unknown parameter '" + name + "'" +
+           (find(now) ? "; it is called " + now + " since version 0.2" : ""));
+    }
     const std::string value = trimmed(line.substr(equals + 1));
     if (value.empty()) fail(name + " has no value");
     if (option->needs != Needs::Nothing)
@@ -207,10 +242,24 @@ std::vector<std::string> CommandLine::readFile(const std::string& path) const {
   return arguments;
 }
 
+std::vector<std::string> CommandLine::readFile(const std::string& path) const {
+  std::ifstream in(path);
+  if (!in || std::filesystem::is_directory(path)) throw UsageError(path + ": cannot be read");
+  return parametersIn(in, path, Unknown::refused);
+}
+
+/** What is stored already stays. */
+void CommandLine::storeFrom(const std::string& path, const std::vector<std::string>& arguments) try {
+  store(arguments);
+} catch (const po::error& e) {
+  throw UsageError(path + ": " + e.what());
+}
+
 void CommandLine::store(const std::vector<std::string>& arguments) {
   using namespace po::command_line_style;
   Options all;
-  all.add(common_).add(general_).add(parameters_).add(hidden_);
+  all.add(common_).add(general_).add(hidden_);
+  for (const Group& group : groups_) all.add(*group.options);
   po::store(po::command_line_parser(arguments)
                 .options(all)
                 .positional(positions_)
@@ -221,16 +270,17 @@ void CommandLine::store(const std::vector<std::string>& arguments) {
 
 bool CommandLine::parse(const std::vector<std::string>& arguments, std::ostream& out) try {
   store(spelledOut(arguments));
-  if (values_["help"].as<bool>()) return printHelp(out), false;
+  if (values_["help-all"].as<bool>()) return printHelp(out, true), false;
+  if (values_["help"].as<bool>()) return printHelp(out, false), false;
   if (values_["version"].as<bool>()) return out << versionText() << "\n", false;
   if (values_.count("params")) {
     const std::string path = values_["params"].as<std::string>();
-    const auto from_file = readFile(path);
-    try {
-      store(from_file);  // what is stored already stays
-    } catch (const po::error& e) {
-      throw UsageError(path + ": " + e.what());
-    }
+    storeFrom(path, readFile(path));
+  }
+  if (values_.count("preset")) {
+    const std::string name = values_["preset"].as<std::string>();
+    std::istringstream text(presetText(name));
+    storeFrom("preset " + name, parametersIn(text, name, Unknown::skipped));
   }
   requireArguments();
   po::notify(values_);
@@ -254,11 +304,14 @@ bool CommandLine::given(const std::string& name) const {
   return option && values_.count(option->name) && !values_[option->name].defaulted();
 }
 
-void CommandLine::printHelp(std::ostream& out) const {
+void CommandLine::printHelp(std::ostream& out, bool all) const {
   out << "Usage: " << tool_ << " " << synopsis_ << "\n\n" << wrapped(about_) << "\n";
   if (!common_.options().empty()) out << common_ << "\n";
+  for (const Group& group : groups_)
+    if (group.shown == Shown::in_help) out << *group.options << "\n";
   out << general_;
-  if (!parameters_.options().empty()) out << "\n" << parameters_;
+  for (const Group& group : groups_)
+    if (all && group.shown == Shown::in_help_all) out << "\n" << *group.options;
 }
 
 }  // namespace facetloc

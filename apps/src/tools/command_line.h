@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/params.h>
+
 #include <boost/program_options.hpp>
 
 #include <functional>
+#include <istream>
 #include <map>
+#include <memory>
 #include <ostream>
 #include <stdexcept>
 #include <string>
@@ -22,8 +26,10 @@ public:
  *
  * `--name value`, `--name=value` and `-name value` are the same, and so are dashes and underscores within a
  * name. What is not an option is refused, never ignored. Options are bound to variables, whose values are the
- * defaults that the help shows. A switch needs no value; a parameter of type bool may have one (`--faithful`,
- * `--faithful=0`). */
+ * defaults that the help shows. A switch needs no value; a parameter of type bool may have one
+ * (`--score.by_overlap`, `--score.by_overlap=0`).
+ *
+ * --help shows what users need, on 40 lines at most; --help-all every parameter, by group. */
 class CommandLine {
 public:
   /** \param tool its name, as in `facetloc_segment`; \param synopsis what follows the name in the usage line;
@@ -42,20 +48,30 @@ public:
     add(common_, name, bound(value, value_name), help);
   }
   void addSwitch(const std::string& name, bool& value, const std::string& help);
-  /** \brief One option for each field of a parameter struct (features/params.h), validated after parsing. */
+  /** \brief Where the options of a group of parameters are shown. */
+  enum class Shown { in_help, in_help_all };
+  /** \brief One option for each field of a parameter struct (features/params.h), validated after parsing.
+   * \param name of the group, for a struct of fields */
   template <class Params>
-  void addParams(Params& params) {
-    Params::describe(params, [this](const char* name, auto& value, auto, auto, const char* help) {
-      addParameter(name, value, help);
-    });
-    checks_.push_back([&params] { params.validate(); });
+  void addParams(Params& params, const std::string& name = {}, Shown shown = Shown::in_help_all) {
+    forEachParam(
+        params,
+        [&](const ParamInfo& info, auto& value, auto, auto) {
+          addParameter(groupOf(info.group, shown), info.name, value, info.help);
+        },
+        name);
+    checks_.push_back([&params, name] { checkRanges(params, name); });
   }
+  /** \brief --preset: a set of parameters that is shipped (presets.h). What this tool does not have of it is
+   * left out. */
+  void addPresets();
 
   /** \brief Called when the options have their values; throws UsageError if they make no sense. */
   void addCheck(const std::function<void()>& check) { checks_.push_back(check); }
 
   /** \brief Reads the arguments (without the program's name) and the file of --params; the command line wins.
-   * \return false if --help or --version was asked for and printed. Throws UsageError. */
+   * Of a preset, they both win. \return false if --help, --help-all or --version was asked for and printed.
+   * Throws UsageError. */
   bool parse(const std::vector<std::string>& arguments, std::ostream& out);
 
   /** \brief The options of every tool beside --help, --version and --params. */
@@ -65,7 +81,7 @@ public:
   bool given(const std::string& name) const;
   /** \brief The file of --params; empty = none. */
   const std::string& paramsFile() const { return params_file_; }
-  void printHelp(std::ostream& out) const;
+  void printHelp(std::ostream& out, bool all) const;
 
 private:
   using Options = boost::program_options::options_description;
@@ -87,13 +103,23 @@ private:
   static Semantic* bound(int& value, const std::string& value_name);
   void add(Options& group, const std::string& name, Semantic* semantic, const std::string& help,
            Needs needs = Needs::Value);
-  void addParameter(const std::string& name, bool& value, const std::string& help);
-  void addParameter(const std::string& name, double& value, const std::string& help);
-  void addParameter(const std::string& name, int& value, const std::string& help);
+  struct Group {
+    std::string title;
+    Shown shown;
+    std::unique_ptr<Options> options;
+  };
+  Options& groupOf(const std::string& title, Shown shown);
+  void addParameter(Options& group, const std::string& name, bool& value, const std::string& help);
+  void addParameter(Options& group, const std::string& name, double& value, const std::string& help);
+  void addParameter(Options& group, const std::string& name, int& value, const std::string& help);
+  [[noreturn]] void refuse(const std::string& given_name) const;
 
   const Option* find(std::string name) const;
   std::vector<std::string> spelledOut(const std::vector<std::string>& arguments) const;
+  enum class Unknown { refused, skipped };
+  std::vector<std::string> parametersIn(std::istream& in, const std::string& path, Unknown unknown) const;
   std::vector<std::string> readFile(const std::string& path) const;
+  void storeFrom(const std::string& path, const std::vector<std::string>& arguments);
   void store(const std::vector<std::string>& arguments);
   void requireArguments() const;
 
@@ -103,9 +129,10 @@ private:
   std::vector<Argument> arguments_;
   std::map<std::string, Option> options_;  // by name with underscores only, and by short name
   std::string params_file_;
+  std::string preset_;
   Options common_;
   Options general_;
-  Options parameters_;
+  std::vector<Group> groups_;  // of parameters, in the order in which they were added
   Options hidden_;
   boost::program_options::positional_options_description positions_;
   std::vector<std::function<void()>> checks_;

@@ -5,19 +5,11 @@
 
 #include <facetloc/io/text.h>
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 
 namespace facetloc {
 namespace {
-
-/** Largest standard deviation over all directions. */
-double largestStd(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
-}
 
 ResultRow resultRow(const std::string& frame, int rank, const Hypothesis& h, const Map& map) {
   ResultRow row;
@@ -28,8 +20,8 @@ ResultRow resultRow(const std::string& frame, int rank, const Hypothesis& h, con
   row.score = h.score;
   row.T_m_c = h.T_m_c.T;
   row.T_w_c = h.T_w_c;
-  row.sd_rot_deg = largestStd(h.T_m_c.P.topLeftCorner<3, 3>()) / kDegree;
-  row.sd_trans_m = largestStd(h.T_m_c.P.bottomRightCorner<3, 3>());
+  row.sd_rot_deg = largestRotationStd(h.T_m_c.P) / kDegree;
+  row.sd_trans_m = largestTranslationStd(h.T_m_c.P);
   if (h.depth_assisted) row.reason = "depth-assisted";
   return row;
 }

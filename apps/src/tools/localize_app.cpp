@@ -8,6 +8,7 @@
 #include "tools/text.h"
 
 #include <facetloc/io/atomic_file.h>
+#include <facetloc/io/map_database.h>
 #include <facetloc/io/text.h>
 
 #include <algorithm>
@@ -31,7 +32,7 @@ std::map<std::string, FrameResult> finishedResults(const fs::path& folder) {
 }
 
 FrameResult localizeFrame(const FrameFile& file, const DepthImage& image, ViewBuilder& builder,
-                          const ShardedLocalization& localization, int max_hypotheses) {
+                          const GlobalLocalization& localization, int max_hypotheses) {
   FrameResult result;
   const View scene = builder.build(image);
   const Clock::time_point start = Clock::now();
@@ -60,10 +61,8 @@ void LocalizeApp::addOptions(CommandLine& line) {
   line.addArgument("INPUT", input_path_);
   line.addOption("output,o", folder_, "RESULTS", "Folder of the results.");
   line.addOption("max-hypotheses", max_hypotheses_, "K", "Keep so many hypotheses per image at most.");
-  line.addSwitch("shard-map", shard_map_,
-                 "Under mpirun: deal out the local models of each image instead of the images, for a quicker "
-                 "answer from a huge map.");
   line.addSwitch("resume", resume_, "Skip images that an earlier, perhaps interrupted run has done.");
+  line.addPresets();
   input_.addOptions(line);
   line.addParams(localization_);
 }
@@ -122,12 +121,12 @@ std::vector<FrameResult> LocalizeApp::begin(const std::vector<FrameFile>& frames
 
 /** The images one after the other, several at a time. \param results of all ranks, on the first one.
  * \return the exit code. */
-int LocalizeApp::localize(const DepthSequence& sequence, const ViewParams& view_params,
-                          const ShardedLocalization& localization, const std::vector<std::size_t>& todo,
+int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
+                          const GlobalLocalization& localization, const std::vector<std::size_t>& todo,
                           ResultsJournal& journal, std::vector<FrameResult>& results,
                           const Console& console) const {
-  Batch batch(shard_map_ ? 1 : threads(), todo.size(), console, imageRanks());
-  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(view_params));
+  Batch batch(threads(), todo.size(), console, ranks());
+  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, input_.view));
   std::vector<FrameResult> found(todo.size());
   std::vector<double> noise(todo.size(), 0);
   const auto fileOf = [&](std::size_t i) -> const FrameFile& { return sequence.frames()[todo[i]]; };
@@ -146,9 +145,9 @@ int LocalizeApp::localize(const DepthSequence& sequence, const ViewParams& view_
               }
               journal.append(fileOf(i).name, result);
             });
-  imageRanks().collect(found);
+  ranks().collect(found);
   for (std::size_t i = 0; i < todo.size() && ranks().isFirst(); ++i) results[todo[i]] = std::move(found[i]);
-  if (ranks().isFirst()) noteNoise(std::move(noise), view_params.noise, console);
+  if (ranks().isFirst()) noteNoise(std::move(noise), camera.noise, console);
   return batch.report();
 }
 
@@ -166,12 +165,12 @@ void LocalizeApp::printSummary(const std::vector<FrameResult>& results, const Co
 }
 
 /** What the results depend on beside the images. */
-std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& camera, const ViewParams& view_params,
+std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& file, const Camera& camera,
                                    const Map& map) const {
   return "# " + versionText() + ", map " + fs::path(map_).filename().string() + " of " +
          counted(map.models.size(), "local model") + ", checksum " + checksum(map_) + "\n" +
-         cameraLine(camera) + "max-hypotheses = " + std::to_string(max_hypotheses_) + "\n" +
-         toIni(input_, view_params) + toIni(localization_);
+         cameraLine(file) + "max-hypotheses = " + std::to_string(max_hypotheses_) + "\n" +
+         toIni(input_, camera) + toIni(localization_);
 }
 
 int LocalizeApp::execute(const CommandLine& line, const Console& console) {
@@ -180,28 +179,24 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
   Provenance::requireNotReplaced(input_path_, folder_);
   if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
   const DepthSequence sequence = DepthSequence::open(input_path_);
-  const ViewParams of_camera = input_.viewParams(sequence.camera(), line);
-  const ShardedLocalization localization(openMapFor(sequence.camera(), map_, console), localization_,
-                                         of_camera.noise, shard_map_ ? ranks() : Ranks(),
-                                         shard_map_ || sequence.frames().size() == 1 ? threads() : 1);
-  if (shard_map_ && !ranks().isFirst()) {
-    localization.serve();
-    return kOk;
-  }
+  const auto map = std::make_shared<const Map>(openMap(map_));
+  noteUnfinished(*map, map_, console);
+  const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
+  noteDifference(camera, *map, console);
+  GlobalLocalization localization(map, localization_);
+  if (sequence.frames().size() == 1) localization.setNumberOfThreads(threads());
 
-  const ViewParams view_params = withDistortionOf(localization.map(), of_camera);
-  ResultsJournal journal(folder_, imageRanks().rank());
+  ResultsJournal journal(folder_, ranks().rank());
   std::vector<FrameResult> results;
   std::vector<std::size_t> todo;
   Provenance provenance;
   if (ranks().isFirst()) {
-    provenance = {paramsIni(sequence.camera(), view_params, localization.map()), imageSizes(sequence)};
+    provenance = {paramsIni(sequence.camera(), camera, *map), imageSizes(sequence)};
     results = begin(sequence.frames(), provenance, journal, todo);
   }
-  todo = imageRanks().broadcast(todo);
+  todo = ranks().broadcast(todo);
   if (!ranks().isFirst() && !todo.empty()) journal.begin({});
-  const int code = localize(sequence, view_params, localization, todo, journal, results, console);
-  localization.finish();
+  const int code = localize(sequence, camera, localization, todo, journal, results, console);
   if (!ranks().isFirst()) return kOk;
   if (journal.exists()) {
     writeResults(folder_, results, provenance.params_ini);

@@ -5,7 +5,8 @@
 #include "tools/depth_input.h"
 #include "tools/provenance.h"
 #include "tools/results_journal.h"
-#include "tools/sharded_localization.h"
+
+#include <facetloc/registration/global_localization.h>
 
 #include <map>
 
@@ -20,10 +21,7 @@ private:
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
   bool dealsOut() const override { return true; }
-  std::string paramsIni(const std::optional<CameraFile>& camera, const ViewParams& view_params,
-                        const Map& map) const;
-  /** \brief Those that the images are dealt out to. */
-  Ranks imageRanks() const { return shard_map_ ? Ranks() : ranks(); }
+  std::string paramsIni(const std::optional<CameraFile>& file, const Camera& camera, const Map& map) const;
   std::map<std::string, FrameResult> earlierResults(const ResultsJournal& journal,
                                                     const Provenance& provenance) const;
   static std::vector<FrameResult> startWith(const std::map<std::string, FrameResult>& earlier,
@@ -31,9 +29,9 @@ private:
                                             std::vector<std::size_t>& todo);
   std::vector<FrameResult> begin(const std::vector<FrameFile>& frames, const Provenance& provenance,
                                  ResultsJournal& journal, std::vector<std::size_t>& todo) const;
-  int localize(const DepthSequence& sequence, const ViewParams& view_params,
-               const ShardedLocalization& localization, const std::vector<std::size_t>& todo,
-               ResultsJournal& journal, std::vector<FrameResult>& results, const Console& console) const;
+  int localize(const DepthSequence& sequence, const Camera& camera, const GlobalLocalization& localization,
+               const std::vector<std::size_t>& todo, ResultsJournal& journal,
+               std::vector<FrameResult>& results, const Console& console) const;
   void printSummary(const std::vector<FrameResult>& results, const Console& console) const;
 
   std::string map_;
@@ -41,7 +39,6 @@ private:
   std::string folder_;
   int max_hypotheses_ = 100;
   bool resume_ = false;
-  bool shard_map_ = false;
   DepthInput input_;
   GlobalLocalizationParams localization_;
 };

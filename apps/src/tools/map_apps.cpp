@@ -10,6 +10,7 @@
 #include <facetloc/io/text.h>
 
 #include <algorithm>
+#include <limits>
 #include <set>
 #include <sstream>
 
@@ -40,7 +41,7 @@ std::string extentOf(const Map& map) {
 
 std::string cameraOf(const Map& map) {
   if (map.models.empty()) return "-";
-  const Intrinsics& k = map.models.front().view.camera;
+  const Intrinsics& k = map.models.front().view.intrinsics;
   return std::to_string(k.width) + "x" + std::to_string(k.height) + ", fx " + text::decimals(k.fx, 2) +
          ", fy " + text::decimals(k.fy, 2) + ", cx " + text::decimals(k.cx, 2) + ", cy " +
          text::decimals(k.cy, 2);
@@ -50,6 +51,19 @@ std::string cameraOf(const Map& map) {
 std::string inDisparity(const DepthDistortion& distortion) {
   return text::decimals(kKinectGain * distortion.rms(), 2) +
          " disparity units (1/8 px of a Kinect) on average";
+}
+
+/** That of the camera, and of the images where they are noisier. */
+std::string noiseOf(const Map& map) {
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  for (const LocalModel& model : map.models) {
+    least = std::min(least, model.view.noise());
+    most = std::max(most, model.view.noise());
+  }
+  std::string words = text::significant(map.camera.noise.inverse_depth_std, 3) + " 1/m";
+  if (most > 0)
+    words += ", of the images " + text::significant(least, 3) + " to " + text::significant(most, 3);
+  return words;
 }
 
 void printSummary(std::ostream& out, const Map& map) {
@@ -72,8 +86,9 @@ void printSummary(std::ostream& out, const Map& map) {
   table.add({"segments", std::to_string(areas.size())});
   table.add({"  per model", meanMinMax(segments, 1)});
   table.add({"  area of the hull [m2]", meanMinMax(areas, 3)});
-  table.add({"camera mounting", map.mounting ? mountingText(*map.mounting) : "unknown"});
-  table.add({"distortion taken out", map.distortion ? inDisparity(*map.distortion) : "none"});
+  table.add({"camera mounting", map.camera.mounting ? inWords(*map.camera.mounting) : "unknown"});
+  table.add({"noise of inverse depth", noiseOf(map)});
+  table.add({"distortion taken out", map.camera.distortion ? inDisparity(*map.camera.distortion) : "none"});
   out << table;
 }
 
@@ -108,14 +123,14 @@ bool sameMounting(const std::optional<CameraMounting>& a, const std::optional<Ca
 }
 
 std::optional<DepthDistortion::Values> distortionOf(const Map& map) {
-  return map.distortion ? std::optional(map.distortion->values()) : std::nullopt;
+  return map.camera.distortion ? std::optional(map.camera.distortion->values()) : std::nullopt;
 }
 
 /** Tells which map's distortion mergedMap() takes, unless all have the same. */
 void noteChosenDistortion(const std::vector<Map>& maps, const std::vector<std::string>& paths,
                           const Console& console) {
-  const auto chosen =
-      std::find_if(maps.begin(), maps.end(), [](const Map& map) { return map.distortion.has_value(); });
+  const auto chosen = std::find_if(maps.begin(), maps.end(),
+                                   [](const Map& map) { return map.camera.distortion.has_value(); });
   if (chosen == maps.end()) return;
   if (std::any_of(maps.begin(), maps.end(),
                   [&](const Map& map) { return distortionOf(map) != distortionOf(*chosen); }))
@@ -134,10 +149,11 @@ Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& stem
   Map merged;
   for (std::size_t i = 0; i < maps.size(); ++i) {
     appendMap(maps[i], stems[i], ambiguous, merged);
-    if (i == 0) merged.mounting = maps[i].mounting;
+    const Camera& camera = maps[i].camera;
+    if (i == 0) merged.camera = camera;
     // One camera's field differs a little from map to map; of two cameras one has to be chosen.
-    if (!merged.distortion) merged.distortion = maps[i].distortion;
-    if (!sameMounting(merged.mounting, maps[i].mounting)) merged.mounting.reset();
+    if (!merged.camera.distortion) merged.camera.distortion = camera.distortion;
+    if (!sameMounting(merged.camera.mounting, camera.mounting)) merged.camera.mounting.reset();
     const auto alike = std::count(stems.begin(), stems.begin() + static_cast<std::ptrdiff_t>(i), stems[i]);
     const std::string prefix = stems[i] + (alike > 0 ? "_" + std::to_string(alike + 1) : "") + ".";
     for (const auto& [key, value] : maps[i].meta) {
@@ -224,8 +240,8 @@ int MapMergeApp::execute(const CommandLine&, const Console& console) {
     stems.push_back(fs::path(path).stem().string());
   }
   const Map merged = mergedMap(maps, stems);
-  const auto hasMounting = [](const Map& map) { return map.mounting.has_value(); };
-  if (!merged.mounting && std::any_of(maps.begin(), maps.end(), hasMounting))
+  const auto hasMounting = [](const Map& map) { return map.camera.mounting.has_value(); };
+  if (!merged.camera.mounting && std::any_of(maps.begin(), maps.end(), hasMounting))
     console.note("the maps differ in the camera's mounting; the merged one has none");
   noteChosenDistortion(maps, maps_, console);
   writeMap(output_, merged);

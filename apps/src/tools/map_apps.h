@@ -32,15 +32,16 @@ private:
   bool madeOf(const Map& present, const DepthSequence& sequence,
               const std::vector<Candidate>& candidates) const;
   MapDatabase openDatabase(const std::filesystem::path& path, const DepthSequence& sequence,
-                           const std::vector<Candidate>& candidates, const std::string& parameters) const;
+                           const std::vector<Candidate>& candidates, const std::string& parameters,
+                           const Camera& camera) const;
   MapDatabase createDatabase(const std::filesystem::path& path, const DepthSequence& sequence,
-                             const std::string& parameters, bool overwrite) const;
+                             const std::string& parameters, const Camera& camera, bool overwrite) const;
   int build(const std::filesystem::path& path, const DepthSequence& sequence, const Selection& selection,
-            ViewParams view_params, Batch& batch, const Console& console) const;
-  std::optional<DepthDistortion> calibrate(const DepthSequence& sequence, const SensorNoise& noise,
+            Camera camera, Batch& batch, const Console& console) const;
+  std::optional<DepthDistortion> calibrate(const DepthSequence& sequence, const Camera& camera,
                                            const Console& console) const;
   Seen addModels(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
-                 const ViewParams& view_params, Batch& batch, Writer* writer) const;
+                 const Camera& camera, Batch& batch, Writer* writer) const;
 
   std::string sequence_;
   std::string map_;

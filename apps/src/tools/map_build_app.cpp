@@ -110,7 +110,7 @@ MapBuildApp::MapBuildApp()
           "Builds a map of local models from one run of depth images whose camera poses are known, from "
           "groundtruth.txt of the SEQUENCE (a folder, a list or an .oni recording) or from --poses. The "
           "first image becomes a local model, and so does each "
-          "later one that lies --model_distance or --model_rotation_deg from the latest local model. With "
+          "later one that lies --map.distance or --map.rotation_deg from the latest local model. With "
           "--every N, "
           "each N-th image becomes a local model, with or without a pose. Under mpirun, the images are dealt "
           "out to its processes.") {}
@@ -125,13 +125,13 @@ void MapBuildApp::addOptions(CommandLine& line) {
   line.addOption("every", every_, "N", "Make each N-th image a local model, whatever its pose; 0 = off.");
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
   line.addSwitch("resume", resume_, "Go on with a map that is there already.");
-  line.addSwitch(
-      "raw-depth", raw_depth_,
-      "Leave the depth as it is. Without it, what the camera always measures wrongly at the same "
-      "place of its image is found from images with poses, taken out, and kept in the map, so that it "
-      "is also taken out of the images that are localized.");
+  line.addSwitch("raw-depth", raw_depth_,
+                 "Leave the depth as it is, instead of finding what the camera always measures wrongly at "
+                 "the same place of "
+                 "its image and taking it out.");
+  line.addPresets();
   input_.addOptions(line);
-  line.addParams(builder_);
+  line.addParams(builder_, "map", CommandLine::Shown::in_help);
 }
 
 Trajectory MapBuildApp::poses(const DepthSequence& sequence) const {
@@ -177,12 +177,12 @@ bool MapBuildApp::madeOf(const Map& present, const DepthSequence& sequence,
 }
 
 MapDatabase MapBuildApp::openDatabase(const fs::path& path, const DepthSequence& sequence,
-                                      const std::vector<Candidate>& candidates,
-                                      const std::string& parameters) const {
-  if (!resume_ || !isThere(path)) return createDatabase(path, sequence, parameters, overwrite_);
+                                      const std::vector<Candidate>& candidates, const std::string& parameters,
+                                      const Camera& camera) const {
+  if (!resume_ || !isThere(path)) return createDatabase(path, sequence, parameters, camera, overwrite_);
   const Map present = openMap(path);
   if (present.models.empty())
-    return createDatabase(path, sequence, parameters, true);  // killed before it began
+    return createDatabase(path, sequence, parameters, camera, true);  // killed before it began
   const auto recorded = present.meta.find(kParametersKey);
   if (recorded == present.meta.end() || recorded->second != parameters ||
       !madeOf(present, sequence, candidates))
@@ -196,13 +196,14 @@ MapDatabase MapBuildApp::openDatabase(const fs::path& path, const DepthSequence&
 }
 
 MapDatabase MapBuildApp::createDatabase(const fs::path& path, const DepthSequence& sequence,
-                                        const std::string& parameters, bool overwrite) const {
+                                        const std::string& parameters, const Camera& camera,
+                                        bool overwrite) const {
   if (isThere(path) && !overwrite)
     throw IoError(map_, "exists already; give --overwrite to replace it or --resume to go on");
   MapDatabase database = MapDatabase::create(path, true);
   database.setMeta("software", versionText());
   database.setMeta("source", sequence_);
-  if (sequence.camera() && sequence.camera()->mounting) database.setMounting(*sequence.camera()->mounting);
+  database.setCamera(camera);
   database.setMeta(kParametersKey, parameters);
   database.setMeta(kImagesKey, toText(imageSizes(sequence)));
   database.setMeta(kStateKey, kUnderWay);
@@ -212,14 +213,14 @@ MapDatabase MapBuildApp::createDatabase(const fs::path& path, const DepthSequenc
 /** Builds views in parallel, some at a time, and adds them in order. \param writer of the first rank; others
  * have none. */
 MapBuildApp::Seen MapBuildApp::addModels(const DepthSequence& sequence,
-                                         const std::vector<Candidate>& candidates,
-                                         const ViewParams& view_params, Batch& batch, Writer* writer) const {
+                                         const std::vector<Candidate>& candidates, const Camera& camera,
+                                         Batch& batch, Writer* writer) const {
   const auto fileOf = [&](std::size_t i) -> const FrameFile& {
     return sequence.frames()[candidates[i].frame];
   };
   const auto names = ranks().broadcast(writer ? writer->names() : std::vector<std::string>());
   const std::set<std::string> present(names.begin(), names.end());
-  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(view_params));
+  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, input_.view));
   Seen seen;
   seen.noise.assign(candidates.size(), 0);
   const std::size_t chunk =
@@ -254,7 +255,7 @@ MapBuildApp::Seen MapBuildApp::addModels(const DepthSequence& sequence,
 
 /** What the camera always measures wrongly, from images of the whole run; the same for any number of threads.
  */
-std::optional<DepthDistortion> MapBuildApp::calibrate(const DepthSequence& sequence, const SensorNoise& noise,
+std::optional<DepthDistortion> MapBuildApp::calibrate(const DepthSequence& sequence, const Camera& camera,
                                                       const Console& console) const {
   const Trajectory trajectory = poses(sequence);
   std::vector<Candidate> posed;
@@ -271,7 +272,7 @@ std::optional<DepthDistortion> MapBuildApp::calibrate(const DepthSequence& seque
       .run([&](std::size_t i) { return sequence.frames()[frameOf(i)].name; },
            [&](std::size_t i, int) { depth[i].assign(sequence.load(frameOf(i), input_.width)); });
   const auto found = calibrateDistortion(
-      pictures, noise, {builder_.pose_rotation_std_deg * kDegree, builder_.pose_translation_std});
+      pictures, camera.noise, {builder_.pose_rotation_std_deg * kDegree, builder_.pose_translation_std});
   if (!found) return {};
   if (found->reliable()) return found->distortion;
   console.note("the distortion of the camera is left in: the poses are too far from what the images show (" +
@@ -283,21 +284,21 @@ std::optional<DepthDistortion> MapBuildApp::calibrate(const DepthSequence& seque
 /** By the first rank. \param path of the map until it is whole. \return the exit code. Throws IoError, and
  * leaves no map, if there would be nothing in it. */
 int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence, const Selection& selection,
-                       ViewParams view_params, Batch& batch, const Console& console) const {
-  const std::string parameters = cameraLine(sequence.camera()) + toIni(input_, view_params) +
-                                 toIni(builder_) + "every = " + std::to_string(every_) + "\n" +
-                                 "raw-depth = " + (raw_depth_ ? "1" : "0") + "\n";
-  MapDatabase database = openDatabase(path, sequence, selection.candidates, parameters);
+                       Camera camera, Batch& batch, const Console& console) const {
+  const std::string parameters = cameraLine(sequence.camera()) + "every = " + std::to_string(every_) + "\n" +
+                                 "raw-depth = " + (raw_depth_ ? "1" : "0") + "\n" + toIni(input_, camera) +
+                                 toIni(builder_, "map");
+  MapDatabase database = openDatabase(path, sequence, selection.candidates, parameters, camera);
   const Map present = openMap(path);
   if (!present.models.empty())
-    view_params.distortion = present.distortion;
+    camera.distortion = present.camera.distortion;
   else if (!raw_depth_)
-    view_params.distortion = calibrate(sequence, view_params.noise, console);
-  if (view_params.distortion && present.models.empty()) database.setDistortion(*view_params.distortion);
-  view_params.distortion = ranks().broadcast(view_params.distortion);
+    camera.distortion = calibrate(sequence, camera, console);
+  if (camera.distortion && present.models.empty()) database.setCamera(camera);
+  camera.distortion = ranks().broadcast(camera.distortion);
   const MapBuilder builder(builder_);
   Writer writer(std::move(database), present, builder);
-  const Seen seen = addModels(sequence, selection.candidates, view_params, batch, &writer);
+  const Seen seen = addModels(sequence, selection.candidates, camera, batch, &writer);
 
   const int code = batch.report();
   if (selection.without_pose > 0)
@@ -305,7 +306,7 @@ int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence, cons
                  text::significant(pose_tolerance_) + " s");
   if (seen.without_segments > 0)
     console.note(counted(seen.without_segments, "image") + " without segments left out");
-  noteNoise(seen.noise, view_params.noise, console);
+  noteNoise(seen.noise, camera.noise, console);
   if (writer.models() == 0) {
     fs::remove(path);
     throw IoError(map_, "is not written: none of the images makes a local model");
@@ -324,16 +325,16 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   if (overwrite_ && resume_) throw UsageError("overwrite and resume exclude each other");
   const DepthSequence sequence = DepthSequence::open(sequence_);
   const Selection selection = select(sequence);
-  ViewParams view_params = input_.viewParams(sequence.camera(), line);
+  Camera camera = input_.camera(sequence.camera(), line);
   Batch batch(threads(), selection.candidates.size(), console, ranks());
   if (!ranks().isFirst()) {
-    view_params.distortion = ranks().broadcast(view_params.distortion);
-    addModels(sequence, selection.candidates, view_params, batch, nullptr);
+    camera.distortion = ranks().broadcast(camera.distortion);
+    addModels(sequence, selection.candidates, camera, batch, nullptr);
     return kOk;
   }
   int code = kOk;
   const auto buildAt = [&](const fs::path& path) {
-    code = build(path, sequence, selection, view_params, batch, console);
+    code = build(path, sequence, selection, camera, batch, console);
   };
   if (overwrite_ && isThere(map_)) {
     openMap(map_);  // what is no map stays

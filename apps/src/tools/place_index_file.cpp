@@ -8,7 +8,7 @@ namespace facetloc {
 
 void writePlaceIndex(const std::filesystem::path& path) {
   const Map map = openMap(path);
-  if (!map.mounting || !map.store) return;
+  if (!map.camera.mounting || !map.store) return;
   if (const auto written = map.store->placeIndex(); written && PlaceIndex::read(*written, map)) return;
   const PlaceIndex index(map);
   MapDatabase::open(path).setPlaceIndex([&index](std::ostream& out) { index.write(out); });

@@ -67,16 +67,17 @@ ImageSizes imageSizes(const std::string& text) {
   return sizes;
 }
 
-std::string cameraLine(const std::optional<CameraFile>& camera) {
-  if (!camera) return "# camera: as the images say\n";
-  const Intrinsics& k = camera->intrinsics;
+std::string cameraLine(const std::optional<CameraFile>& file) {
+  if (!file) return "# camera: as the images say\n";
+  const Camera& camera = file->camera;
+  const Intrinsics& k = camera.intrinsics;
   std::string line = "# camera: " + std::to_string(k.width) + "x" + std::to_string(k.height);
   const auto add = [&line](const char* name, double value) {
     line.append(", ").append(name).append(" ").append(text::shortest(value));
   };
-  add("fx", k.fx), add("fy", k.fy), add("cx", k.cx), add("cy", k.cy), add("depth_scale", camera->depth_scale);
-  if (camera->mounting)
-    add("mount_height", camera->mounting->height), add("mount_tilt_deg", camera->mounting->tilt_deg);
+  add("fx", k.fx), add("fy", k.fy), add("cx", k.cx), add("cy", k.cy), add("depth_scale", file->depth_scale);
+  if (camera.mounting)
+    add("mount_height", camera.mounting->height), add("mount_tilt_deg", camera.mounting->tilt_deg);
   return line + "\n";
 }
 

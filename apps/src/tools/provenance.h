@@ -31,7 +31,7 @@ std::string toText(const ImageSizes& sizes);
 ImageSizes imageSizes(const std::string& text);
 
 /** \brief A comment line for params.ini. */
-std::string cameraLine(const std::optional<CameraFile>& camera);
+std::string cameraLine(const std::optional<CameraFile>& file);
 /** \brief CRC-32 of a file, in hexadecimal digits. Throws IoError. */
 std::string checksum(const std::filesystem::path& file);
 

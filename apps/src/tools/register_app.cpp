@@ -20,19 +20,11 @@ DepthSequence openImage(const std::string& path) {
   return sequence;
 }
 
-std::optional<CameraMounting> mountingOf(const DepthSequence& sequence) {
-  return sequence.camera() ? sequence.camera()->mounting : std::nullopt;
-}
-
-/** A map of nothing but the target, whose camera frame is the world. */
-Map mapOf(const DepthSequence& target, View view) {
-  Map map;
-  LocalModel model;
-  model.name = target.frames()[0].name;
-  model.stamp = target.frames()[0].stamp;
-  model.T_w_m = Eigen::Isometry3d::Identity();
-  model.view = std::move(view);
-  map.models.push_back(std::move(model));
+/** The target, with its name. */
+Map mapOfTarget(const FrameFile& frame, View view) {
+  Map map = mapOf(std::move(view));
+  map.models[0].name = frame.name;
+  map.models[0].stamp = frame.stamp;
   return map;
 }
 
@@ -46,7 +38,8 @@ RegisterApp::RegisterApp()
           "camera.ini beside "
           "them or in the folder above, or organized PCD files. The prior is the identity, with the spread "
           "of "
-          "--prior_rotation_deg and --prior_translation; it is that of a robot on a floor if both camera.ini "
+          "--prior.rotation_std_deg and --prior.translation_std; it is that of a robot on a floor if both "
+          "camera.ini "
           "files tell "
           "the same mounting of the camera.") {}
 
@@ -56,6 +49,7 @@ void RegisterApp::addOptions(CommandLine& line) {
   line.addOption("output,o", folder_, "DIR",
                  "Also write a results folder: hypotheses.csv, poses_tum.txt, ...");
   line.addOption("max-hypotheses", max_hypotheses_, "K", "List so many poses at most.");
+  line.addPresets();
   input_.addOptions(line);
   line.addParams(localization_);
 }
@@ -63,16 +57,17 @@ void RegisterApp::addOptions(CommandLine& line) {
 int RegisterApp::execute(const CommandLine& line, const Console& console) {
   if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
   const DepthSequence source = openImage(source_), target = openImage(target_);
-  const ViewParams source_params = input_.viewParams(source.camera(), line);
+  const Camera source_camera = input_.camera(source.camera(), line),
+               target_camera = input_.camera(target.camera(), line);
   const DepthImage source_image = source.load(0, input_.width), target_image = target.load(0, input_.width);
 
-  Map map = mapOf(target, ViewBuilder(input_.viewParams(target.camera(), line)).build(target_image));
-  map.mounting = mountingOf(target);
-  dropOtherMounting(source.camera(), map, console);
-  GlobalLocalization localization(std::make_shared<const Map>(map), localization_, source_params.noise);
+  const auto map = std::make_shared<const Map>(
+      mapOfTarget(target.frames()[0], ViewBuilder(target_camera, input_.view).build(target_image)));
+  noteDifference(source_camera, *map, console);
+  GlobalLocalization localization(map, localization_);
   localization.setNumberOfThreads(threads());
 
-  ViewBuilder builder(source_params);
+  ViewBuilder builder(source_camera, input_.view);
   const View scene = builder.build(source_image);
   const Clock::time_point start = Clock::now();
   const Localization answer = localization.localize(scene);
@@ -81,7 +76,7 @@ int RegisterApp::execute(const CommandLine& line, const Console& console) {
   const FrameFile& frame = source.frames()[0];
   FrameResult result;
   result.stamp = frame.stamp;
-  result.rows = resultRows(frame.name, answer, map, max_hypotheses_);
+  result.rows = resultRows(frame.name, answer, *map, max_hypotheses_);
   result.timing = {frame.name, builder.segmentMilliseconds(), builder.featuresMilliseconds(), milliseconds,
                    1};
   if (answer.hypotheses.empty())
@@ -89,10 +84,10 @@ int RegisterApp::execute(const CommandLine& line, const Console& console) {
   else
     printPoses(console.out, result.rows);
   console.out << counted(scene.segments.size(), "source segment") << ", "
-              << counted(map.models[0].view.segments.size(), "target segment") << ", registered in "
+              << counted(map->models[0].view.segments.size(), "target segment") << ", registered in "
               << text::decimals(milliseconds, 1) << " ms";
   if (!folder_.empty()) {
-    writeResults(folder_, {result}, toIni(input_, source_params) + toIni(localization_));
+    writeResults(folder_, {result}, toIni(input_, source_camera) + toIni(localization_));
     console.out << "; results in " << folder_;
   }
   console.out << "\n";

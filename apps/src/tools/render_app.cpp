@@ -37,12 +37,13 @@ std::size_t indexOf(const DepthSequence& sequence, const std::string& name) {
 /** Draws an image, or an image in a map. */
 class ImageRenderer {
 public:
-  ImageRenderer(const DepthSequence& sequence, int width, const ViewParams& view)
-      : sequence_(sequence), width_(width), view_(view), builder_(view) {}
+  ImageRenderer(const DepthSequence& sequence, int width, const Camera& camera, const ViewParams& view)
+      : sequence_(sequence), width_(width), camera_(camera), view_(view), builder_(camera, view) {}
 
-  void localizeIn(Map map, const GlobalLocalizationParams& params, int threads, int max_hypotheses) {
-    builder_ = ViewBuilder(withDistortionOf(map, view_));
-    localization_.emplace(std::make_shared<const Map>(std::move(map)), params, view_.noise);
+  void localizeIn(const std::shared_ptr<const Map>& map, const GlobalLocalizationParams& params, int threads,
+                  int max_hypotheses) {
+    builder_ = ViewBuilder(map->calibrated(camera_), view_);
+    localization_.emplace(map, params);
     localization_->setNumberOfThreads(threads);
     max_hypotheses_ = max_hypotheses;
   }
@@ -80,6 +81,7 @@ private:
 
   const DepthSequence& sequence_;
   const int width_;
+  const Camera camera_;
   const ViewParams view_;
   ViewBuilder builder_;
   std::optional<GlobalLocalization> localization_;
@@ -113,17 +115,15 @@ RenderApp::RenderApp()
 void RenderApp::addOptions(CommandLine& line) {
   line.addArgument("INPUT", input_);
   line.addOption("output,o", output_, "OUT", "A PNG file, or a folder of them.");
-  line.addOption("map", map_, "MAP.flmap",
-                 "Localize images in this map; of results, the map they come from.");
-  line.addOption("frame", frame_, "NAME", "Of a sequence, only this image.");
-  line.addOption("max-hypotheses", max_hypotheses_, "K",
-                 "With --map: draw so many answers per image at most.");
+  line.addOption("map", map_, "MAP.flmap", "The map in which images are localized, or results were.");
+  line.addOption("frame", frame_, "NAME", "Draw only this image of a sequence.");
+  line.addOption("max-hypotheses", max_hypotheses_, "K", "Draw so many answers per image at most.");
   line.addOption("trajectory", trajectory_, "FILE",
-                 "In a map: draw this trajectory, in the TUM format or the groundtruth.txt of a sequence.");
-  line.addOption("sequence", sequence_, "DIR", "Of results: the images, with groundtruth.txt.");
-  line.addOption("most", most_, "N", "Of results: draw so many failures at most, the most confident first.");
+                 "Draw this trajectory into a map: a TUM file, or a sequence with groundtruth.txt.");
+  line.addOption("sequence", sequence_, "DIR", "The sequence that results are of, with groundtruth.txt.");
+  line.addOption("most", most_, "N", "Draw so many failures at most, the most confident first.");
   depth_.addOptions(line);
-  line.addParams(evaluation_);
+  line.addParams(evaluation_, "evaluation");
   line.addParams(localization_);
 }
 
@@ -160,10 +160,14 @@ int RenderApp::renderImages(const CommandLine& line, const Console& console) con
     requireNoneButPicture(pathOf(i));
   }
 
-  ImageRenderer renderer(sequence, depth_.width, depth_.viewParams(sequence.camera(), line));
-  if (!map_.empty())
-    renderer.localizeIn(openMapFor(sequence.camera(), map_, console), localization_, threads(),
-                        max_hypotheses_);
+  const Camera camera = depth_.camera(sequence.camera(), line);
+  ImageRenderer renderer(sequence, depth_.width, camera, depth_.view);
+  if (!map_.empty()) {
+    const auto map = std::make_shared<const Map>(openMap(map_));
+    noteUnfinished(*map, map_, console);
+    noteDifference(map->calibrated(camera), *map, console);
+    renderer.localizeIn(map, localization_, threads(), max_hypotheses_);
+  }
   Batch batch(1, chosen.size(), console);  // OpenGL is used by one thread
   batch.run([&](std::size_t k) { return sequence.frames()[chosen[k]].path.string(); },
             [&](std::size_t k, int) { renderer.render(chosen[k], pathOf(chosen[k])); });
@@ -193,7 +197,7 @@ int RenderApp::renderFailures(const CommandLine& line, const Console& console) c
   for (std::size_t i = 0; i < drawn; ++i) requireNoneButPicture(pathOf(failures[i].frame));
   fs::remove(sheet_path);  // of an earlier run; there may be nothing to draw now
 
-  ViewBuilder builder(withDistortionOf(map, depth_.viewParams(sequence.camera(), line)));
+  ViewBuilder builder(map.calibrated(depth_.camera(sequence.camera(), line)), depth_.view);
   std::vector<Raster<std::uint8_t>> sheet(std::min(drawn, kOnSheet));
   std::vector<std::string> titles;
   for (std::size_t i = 0; i < sheet.size(); ++i)

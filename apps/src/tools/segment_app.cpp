@@ -47,9 +47,9 @@ public:
   Worker(const SegmentApp& app, const CommandLine& line) : app_(app), line_(line) {}
 
   std::size_t process(const Image& image) {
-    const ViewParams params = app_.input_.viewParams(image.sequence->camera(), line_);
-    if (!builder_ || params.noise.inverse_depth_std != noise_) builder_.emplace(params);
-    noise_ = params.noise.inverse_depth_std;
+    if (image.sequence != sequence_)
+      builder_.emplace(app_.input_.camera(image.sequence->camera(), line_), app_.input_.view);
+    sequence_ = image.sequence;
 
     const DepthImage depth = image.sequence->load(image.index, app_.input_.width);
     const View view = builder_->build(depth);
@@ -65,7 +65,7 @@ private:
   const SegmentApp& app_;
   const CommandLine& line_;
   std::optional<ViewBuilder> builder_;
-  double noise_ = 0;
+  const DepthSequence* sequence_ = nullptr;  // of the last image
 };
 
 SegmentApp::SegmentApp()
@@ -129,8 +129,7 @@ Provenance SegmentApp::provenance(const std::vector<Image>& images, const Comman
     sequence = image.sequence;
     provenance.images[image.name] = sizeOf(image.file());
   }
-  const ViewParams view = input_.viewParams(images.front().sequence->camera(), line);
-  provenance.params_ini += toIni(input_, view);
+  provenance.params_ini += toIni(input_, input_.camera(images.front().sequence->camera(), line));
   return provenance;
 }
 

@@ -100,17 +100,17 @@ SimulateApp::SimulateApp()
 void SimulateApp::addOptions(CommandLine& line) {
   line.addArgument("SCENE", scene_);
   line.addOption("output,o", folder_, "DIR", "Folder of the sequences.");
-  line.addOption("seed", seed_, "N", "Selects the place, the drives and the noise.");
+  line.addOption("seed", seed_, "N", "Seed of the place, the drives and the noise.");
   line.addOption("width", width_, "N", "Width of the images [px]; 4:3.");
-  line.addOption("frames", frames_, "N", "Images per sequence; 0 = as many as the next two options say.");
+  line.addOption("frames", frames_, "N", "Images of each run; 0 = as --map-frames and --query-frames say.");
   line.addOption("map-frames", map_frames_, "N", "Images of the mapping run.");
   line.addOption("query-frames", query_frames_, "N", "Images of the later run.");
-  line.addOption("runs", runs_, "RUN,...", "What is made, of map,query,drive; without it map,query.");
-  line.addOption("drive", seconds_, "S", "Length of the continuous drive [s]; makes one.");
-  line.addParams(pace_);
-  line.addOption("map-step", map_step_, "M", "Like step, for the mapping run [m]; that one does not sway.");
-  line.addParams(drive_);
-  line.addParams(noise_);
+  line.addOption("runs", runs_, "RUN,...", "Runs that are made, of map,query,drive; map,query unless given.");
+  line.addOption("drive", seconds_, "S", "Make a continuous drive of this length [s].");
+  line.addParams(pace_, "pace");
+  line.addOption("map-step", map_step_, "M", "Way after which the mapping run takes an image [m].");
+  line.addParams(drive_, "drive");
+  line.addParams(noise_, "sensor");
 }
 
 Intrinsics scaledKinect(int width) {
@@ -231,7 +231,7 @@ int SimulateApp::execute(const CommandLine& line, const Console& console) {
   checkOptions();
   const Place place = makePlace();
   const SimulatedCamera camera(scaledKinect(width_), noise_, static_cast<std::uint64_t>(seed_));
-  const CameraFile camera_file{camera.camera(), kDepthScale, drive_.mounting(), {}};
+  const CameraFile camera_file{{camera.camera(), {}, drive_.mounting(), {}}, kDepthScale};
   struct Image {
     const Run* run;
     std::size_t index;

@@ -19,10 +19,6 @@ std::string counted(std::size_t n, const std::string& noun) {
   return std::to_string(n) + " " + noun + (n == 1 ? "" : "s");
 }
 
-std::string mountingText(const CameraMounting& m) {
-  return text::decimals(m.height, 3) + " m above the floor, " + text::decimals(m.tilt_deg, 1) + " deg down";
-}
-
 TextTable::TextTable(std::vector<std::string> header) { rows_.push_back(std::move(header)); }
 
 void TextTable::add(std::vector<std::string> row) {

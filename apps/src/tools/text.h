@@ -14,9 +14,6 @@ namespace facetloc {
 /** \brief "1 image", "2 images". */
 std::string counted(std::size_t n, const std::string& noun);
 
-/** \brief "0.980 m above the floor, 10.0 deg down". */
-std::string mountingText(const CameraMounting& mounting);
-
 /** \brief Columns of text, each as wide as its widest cell; the first column is aligned left, all others
  * right. */
 class TextTable {

@@ -327,7 +327,7 @@ SimulatedCamera::SimulatedCamera(const Intrinsics& camera, const SimulatedNoise&
   if (!camera.valid()) throw std::invalid_argument("SimulatedCamera: the intrinsics are impossible");
   noise.validate();
   const auto field = smoothField(camera.width, camera.height, Random(derivedSeed(seed, kDistortion)));
-  const double scale = noise.factor * noise.distortion / kKinectGain;
+  const double scale = noise.noise_factor * noise.distortion / kKinectGain;
   distortion_.resize(field.size());
   std::transform(field.begin(), field.end(), distortion_.begin(),
                  [scale](double value) { return static_cast<float>(scale * value); });
@@ -356,10 +356,10 @@ SimulatedFrame SimulatedCamera::render(const Scene& scene, const Eigen::Isometry
   const Hits hits(scene, T_w_c, camera_, opaque);
   const std::vector<bool> lit = litByProjector(hits.depth);
   const auto seen =
-      jittered(hits.surface, camera_, noise_.factor * noise_.edge_std_px * scale, stream(kSilhouettes));
+      jittered(hits.surface, camera_, noise_.noise_factor * noise_.edge_std_px * scale, stream(kSilhouettes));
   const auto noise =
       correlatedNoise(camera_.width, camera_.height, noise_.correlation_px * scale, stream(kDisparity));
-  const double disparity_std = noise_.factor * noise_.disparity_std / kKinectGain;
+  const double disparity_std = noise_.noise_factor * noise_.disparity_std / kKinectGain;
   Random dropouts = stream(kDropouts);
 
   SimulatedFrame frame = emptyFrame(camera_);

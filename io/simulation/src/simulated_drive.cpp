@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/simulation/simulated_drive.h>
 
 #include <algorithm>
@@ -125,7 +125,7 @@ public:
         frames_(frames),
         T_b_c_(params.mounting().T_b_c()),
         sway_phase_(random.uniform(-kPi, kPi)) {
-    if (pace) floor_.emplace(params.floor_std, random);
+    if (pace) floor_.emplace(params.robot.floor_std, random);
   }
 
   bool done() const { return poses_.size() >= frames_; }
@@ -195,14 +195,14 @@ private:
     if (!done()) poses_.push_back(basePose() * T_b_c_);
   }
 
-  /** T_w_b on a floor that differs under each wheel (METHOD 6). */
+  /** T_w_b where the floor differs in height under both drive wheels and the caster. */
   Eigen::Isometry3d basePose() {
-    const double left = floorAt({0, params_.wheel_track / 2});
-    const double right = floorAt({0, -params_.wheel_track / 2});
-    const double caster = floorAt({-params_.caster_distance, 0});
+    const double left = floorAt({0, params_.robot.wheel_track / 2});
+    const double right = floorAt({0, -params_.robot.wheel_track / 2});
+    const double caster = floorAt({-params_.robot.caster_distance, 0});
     const double axle = (left + right) / 2;
-    const double slope_y = (left - right) / params_.wheel_track,
-                 slope_x = (axle - caster) / params_.caster_distance;
+    const double slope_y = (left - right) / params_.robot.wheel_track,
+                 slope_x = (axle - caster) / params_.robot.caster_distance;
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.linear() = expSO3({0, 0, heading()}) * expSO3({slope_y, -slope_x, 0});
     T.translation() << place_, axle;
@@ -211,7 +211,7 @@ private:
 
   /** Under a wheel, given in the robot's frame. Images that are taken now and then show any two floors. */
   double floorAt(const Eigen::Vector2d& wheel) {
-    if (!floor_) return random_.normal(params_.floor_std);
+    if (!floor_) return random_.normal(params_.robot.floor_std);
     return floor_->height(place_ + Eigen::Rotation2Dd(heading()) * wheel);
   }
 

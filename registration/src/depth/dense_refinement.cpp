@@ -1,27 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "depth/depth_normal_equations.h"
+#include "depth/dense_refinement.h"
 
-#include <facetloc/registration/dense_refinement.h>
-#include <facetloc/registration/depth_consistency.h>
-#include <facetloc/registration/depth_difference.h>
+#include "depth/depth_consistency.h"
+#include "depth/depth_difference.h"
+#include "depth/depth_normal_equations.h"
 
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 constexpr double kConverged = 1e-5;  // norm of a step [rad, m]
 
+// Variance of the gradient of inverse depth that a picture's noise alone makes [1/m^2/px^2].
+double gradientVariance(const DepthPicture& picture) {
+  return picture.noise_std * picture.noise_std / (2 * DepthSlope::kReach * DepthSlope::kReach);
+}
+
 // Drops the directions in which the gradients tell hardly more than their own noise and the bands of a coarse
 // quantisation would (after Zhang, Kaess, Singh, ICRA 2016), and takes the noise out of the others.
-void dropFeigned(double inverse_depth_std, double significance, DepthNormalEquations& n) {
-  const double gradient_variance =
-      inverse_depth_std * inverse_depth_std / (2 * DepthSlope::kReach * DepthSlope::kReach);
+void dropFeigned(double significance, DepthNormalEquations& n) {
   constexpr double kRegular = 1e-9;  // of the trace
-  Matrix6d N = gradient_variance * Matrix6d(n.noise.selfadjointView<Eigen::Lower>());
+  Matrix6d N = n.noise.selfadjointView<Eigen::Lower>();
   N.diagonal().array() += kRegular * N.trace();
   const Matrix6d A = n.A.selfadjointView<Eigen::Lower>();
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> eig(A, N);
@@ -37,32 +40,33 @@ void dropFeigned(double inverse_depth_std, double significance, DepthNormalEquat
 }  // namespace
 
 bool refineByDepth(const DepthPicture& scene, const std::vector<PosedPicture>& pictures,
-                   double inverse_depth_std, const DenseRefinementParams& params, PoseWithCovariance& pose,
-                   Matrix6d* information) {
+                   const DenseRefinementParams& params, PoseWithCovariance& pose, Matrix6d* information) {
   if (scene.empty()) return false;
   const Eigen::LLT<Matrix6d> prior_factor(pose.P);
   if (prior_factor.info() != Eigen::Success) return false;
   const Matrix6d prior_information = prior_factor.solve(Matrix6d::Identity());
-  const double error = params.pixel_error * inverse_depth_std;
-  const double of_pixel = 1 / (error * error * params.correlated_pixels);
   Eigen::Isometry3d T = pose.T;
   Matrix6d uncertainty = pose.P;
   const auto normalEquations = [&] {
     DepthNormalEquations n;
-    n.of_noise = params.significance > 0;
-    for (const PosedPicture& p : pictures)
-      n.add(scene, gridStep(scene, kFineColumns), T, *p.picture, p.T_w_c, uncertainty, error,
-            params.robust_gate);
-    if (n.of_noise && n.weight > 0) dropFeigned(inverse_depth_std, params.significance, n);
+    for (const PosedPicture& p : pictures) {
+      const double error = params.pixel_error * commonNoise(scene, *p.picture);
+      DepthNormalEquations of_picture;
+      of_picture.of_noise = params.significance > 0;
+      of_picture.add(scene, gridStep(scene, kFineColumns), T, *p.picture, p.T_w_c, uncertainty, error,
+                     params.robust_gate);
+      n.add(of_picture, 1 / (error * error * params.correlated_pixels), gradientVariance(*p.picture));
+    }
+    if (params.significance > 0 && n.weight > 0) dropFeigned(params.significance, n);
     return n;
   };
   for (int i = 0; i < params.iterations; ++i) {
     const DepthNormalEquations n = normalEquations();
     if (!(n.weight > 0)) return false;
-    const Matrix6d A = of_pixel * Matrix6d(n.A.selfadjointView<Eigen::Lower>());
+    const Matrix6d A = n.A.selfadjointView<Eigen::Lower>();
     const Eigen::LDLT<Matrix6d> solver(A + prior_information);
     if (solver.info() != Eigen::Success || !solver.isPositive()) return false;
-    const Vector6d step = -solver.solve(of_pixel * n.g + prior_information * perturbation(pose.T, T));
+    const Vector6d step = -solver.solve(n.g + prior_information * perturbation(pose.T, T));
     if (!step.allFinite()) return false;
     T = perturbed(T, step);
     if (i > 0 && step.norm() < kConverged) break;
@@ -70,8 +74,8 @@ bool refineByDepth(const DepthPicture& scene, const std::vector<PosedPicture>& p
     uncertainty *= kSmaller;
   }
   pose.T = T;
-  if (information) *information = of_pixel * Matrix6d(normalEquations().A.selfadjointView<Eigen::Lower>());
+  if (information) *information = normalEquations().A.selfadjointView<Eigen::Lower>();
   return true;
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/impl/lanes.h>
-#include <facetloc/registration/depth_consistency.h>
-#include <facetloc/registration/depth_difference.h>
+#include "depth/depth_consistency.h"
+
+#include "depth/depth_difference.h"
+#include "shared/lanes.h"
 
 #include <algorithm>
 #include <array>
 #include <vector>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
-// Bounded log likelihoods of METHOD_MEASURED 10.5, 11.4: a contradiction is as bad as ln 0.02, an occlusion
-// as ln 0.25.
+// Bounded log likelihoods (METHOD 8.2): a contradiction is as bad as ln 0.02, an occlusion as ln 0.25.
 constexpr float kContradicting = -3.912f;
 constexpr float kOccluded = -1.386f;
 constexpr double kUnitDepth = 3.479;  // at which an exact agreement counts 0 [m]
@@ -20,9 +20,6 @@ constexpr float kLn2 = 0.69314718f;
 constexpr float kQuantum = static_cast<float>(DepthPicture::kQuantum);
 
 }  // namespace
-
-DepthComparison::DepthComparison(const DepthConsistencyParams& params, double noise_std)
-    : params_(params), absolute_error_(params.absolute_error * noise_std) {}
 
 DepthAgreement DepthComparison::compare(const DepthPicture& a, const DepthPicture& b,
                                         const Eigen::Isometry3d& T_b_a, int columns) const {
@@ -130,10 +127,11 @@ DepthJudge::DepthJudge(const DepthComparison& comparison, const DepthPicture& a,
   g_.width = b.camera.width, g_.height = b.camera.height;
   g_.lowest = b.lowest.data(), g_.highest = b.highest.data();
   g_.farthest = static_cast<float>(comparison.farthest());
-  g_.absolute_error = static_cast<float>(comparison.absoluteError());
-  g_.relative_error = static_cast<float>(comparison.relativeError());
-  g_.unit_error = static_cast<float>(comparison.error(1 / kUnitDepth));
-  g_.gate = static_cast<float>(comparison.gate());
+  const DepthErrors errors = comparison.errorsBetween(a, b);
+  g_.absolute_error = static_cast<float>(errors.absolute);
+  g_.relative_error = static_cast<float>(errors.relative);
+  g_.unit_error = static_cast<float>(errors.of(1 / kUnitDepth));
+  g_.gate = static_cast<float>(errors.gate);
 }
 
 void DepthJudge::row(int v, int step, DepthVerdicts& out, double* likelihood) const {
@@ -150,4 +148,4 @@ DepthVerdict DepthJudge::operator()(int u, int v) const {
   return verdict;
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

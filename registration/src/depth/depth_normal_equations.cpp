@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "depth/depth_normal_equations.h"
 
-#include <facetloc/features/impl/lanes.h>
-#include <facetloc/registration/depth_consistency.h>
-#include <facetloc/registration/depth_difference.h>
+#include "depth/depth_consistency.h"
+#include "depth/depth_difference.h"
+#include "shared/lanes.h"
 
 #include <algorithm>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 constexpr float kQuantum = static_cast<float>(DepthPicture::kQuantum);
@@ -186,4 +186,4 @@ void DepthNormalEquations::add(const DepthPicture& scene, int step, const Eigen:
   weight += totalOf(sums.weight);
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

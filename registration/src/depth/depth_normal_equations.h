@@ -2,9 +2,9 @@
 #pragma once
 
 #include <facetloc/features/depth_picture.h>
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 
-namespace facetloc {
+namespace facetloc::internal {
 
 /** \brief Normal equations of a pose T_w_c by all pixels of its depth picture against other pictures:
  * residuals of inverse depth, weighed robustly, by its left perturbation. */
@@ -22,6 +22,14 @@ struct DepthNormalEquations {
    * \param gate so many standard deviations are still believed a little */
   void add(const DepthPicture& scene, int step, const Eigen::Isometry3d& T_w_c, const DepthPicture& picture,
            const Eigen::Isometry3d& T_w_m, const Matrix6d& uncertainty, double error, double gate);
+  /** \brief Adds those of one picture. \param of_pixel information of one pixel, by which they are weighed
+   * \param gradient_variance of that picture, by which its part of the noise is weighed, too */
+  void add(const DepthNormalEquations& of_picture, double of_pixel, double gradient_variance) {
+    A += of_pixel * of_picture.A;
+    g += of_pixel * of_picture.g;
+    noise += of_pixel * gradient_variance * of_picture.noise;
+    weight += of_picture.weight;
+  }
 };
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

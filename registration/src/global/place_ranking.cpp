@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/so3.h>
-#include <facetloc/registration/place_ranking.h>
-#include <facetloc/registration/view_alignment.h>
+#include "global/place_ranking.h"
+
+#include "nearby/view_alignment.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <limits>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 constexpr ViewReach kReach{2.5, 50 * kDegree};  // of models that may show what the scene shows
@@ -21,9 +21,8 @@ struct DepthEvidence {
   std::vector<DepthAgreement> of_models;
 };
 
-double weighed(const DepthEvidence& found, const ConsensusParams& consensus,
-               const PlaceRankingParams& params) {
-  const auto tail = [&](double share) { return std::log1p(share / consensus.free_space_share); };
+double weighed(const DepthEvidence& found, double free_space_share, const EvidenceParams& params) {
+  const auto tail = [&](double share) { return std::log1p(share / free_space_share); };
   const double untested = params.untested_pixels * found.pixels;
   const auto contradiction = [&](const DepthAgreement& a, double untested_here) {
     const double n = a.judged() + untested_here;
@@ -54,48 +53,44 @@ void sortByScore(std::vector<Hypothesis>& h) {
                    [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
 }
 
-bool samePlace(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, const PlaceRankingParams& params) {
-  return isNear(a, b, params.merge_translation, params.merge_rotation_deg);
+bool samePlace(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, const MergingParams& params) {
+  return isNear(a, b, params.translation, params.rotation_deg);
 }
 
-bool samePlace(const Hypothesis& a, const Hypothesis& b, const PlaceRankingParams& params) {
+bool samePlace(const Hypothesis& a, const Hypothesis& b, const MergingParams& params) {
   return a.T_w_c && b.T_w_c && samePlace(*a.T_w_c, *b.T_w_c, params);
 }
 
 }  // namespace
 
-DepthConsistencyParams refinedErrors(DepthConsistencyParams depth, const PlaceRankingParams& params) {
-  depth.absolute_error = params.refined_absolute_error;
-  depth.relative_error = params.refined_relative_error;
+DepthConsistencyParams refinedErrors(DepthConsistencyParams depth, const PlaceRefinementParams& params) {
+  depth.absolute_error = params.absolute_error;
+  depth.relative_error = params.relative_error;
   return depth;
 }
 
-PlaceRanking::PlaceRanking(std::shared_ptr<const Map> map, const PlaceRankingParams& params,
-                           const ConsensusParams& consensus, const DepthConsistencyParams& depth,
-                           double inverse_depth_std)
+PlaceRanking::PlaceRanking(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params)
     : map_(std::move(map)),
       params_(params),
-      consensus_(consensus),
-      comparison_(depth, inverse_depth_std),
-      refined_comparison_(refinedErrors(depth, params), inverse_depth_std),
-      inverse_depth_std_(inverse_depth_std),
+      comparison_(params.depth),
+      refined_comparison_(refinedErrors(params.depth, params.refinement)),
       near_(map_, true) {}
 
 void PlaceRanking::rank(const View& scene, std::vector<Hypothesis>& hypotheses) const {
-  const bool of_pixels = consensus_.surface_score;  // a score in pixels, not in nats
-  const bool evidence = !of_pixels && addEvidence(scene, hypotheses);
-  mergePlaces(params_, hypotheses);
+  // The paper's score counts pixels: nats of evidence do not add to it.
+  const bool evidence = !params_.score.by_overlap && addEvidence(scene, hypotheses);
+  mergePlaces(params_.merging, hypotheses);
   if (evidence) score(hypotheses);
-  if (evidence && params_.dense_refinement) refinePlaces(scene, hypotheses);
+  if (evidence && params_.refinement.enabled) refinePlaces(scene, hypotheses);
   if (evidence)
-    assignProbabilities(params_.softmax_slope, nullScore(params_, hypotheses), hypotheses);
+    assignProbabilities(params_.probability.slope, nullScore(params_.probability, hypotheses), hypotheses);
   else
-    assignProbabilities(params_.plain_softmax_slope, params_.plain_null_score, hypotheses);
+    assignProbabilities(params_.plain_probability.slope, params_.plain_probability.null_score, hypotheses);
 }
 
 std::vector<PlaceRanking::Neighbour> PlaceRanking::neighbours(const Eigen::Isometry3d& T_w_c) const {
   std::vector<Neighbour> found;
-  for (const int i : near_.bySight(T_w_c, kReach, params_.evidence_models))
+  for (const int i : near_.bySight(T_w_c, kReach, params_.evidence.models))
     found.push_back({map_->view(i), *map_->models[i].T_w_m});
   return found;
 }
@@ -113,7 +108,7 @@ double PlaceRanking::evidence(const View& scene, const std::vector<Neighbour>& n
   found.of_scene = compareWithAll(scene.depth, T_w_c, pictures, comparison, kFineColumns);
   const int step = gridStep(scene.depth, kFineColumns);
   found.pixels = gridPoints(scene.depth.camera.width, step) * gridPoints(scene.depth.camera.height, step);
-  return weighed(found, consensus_, params_);
+  return weighed(found, params_.score.free_space_share, params_.evidence);
 }
 
 // Moves a hypothesis, within its place, to where the pixels of these models fit best.
@@ -122,8 +117,9 @@ void PlaceRanking::refine(const View& scene, const std::vector<Neighbour>& neigh
   for (const Neighbour& n : neighbours) pictures.push_back({&n.view->depth, n.T_w_m});
   const Eigen::Isometry3d& T_w_m = *map_->models[h.model].T_w_m;
   PoseWithCovariance pose = T_w_m * h.T_m_c;
-  if (!refineByDepth(scene.depth, pictures, inverse_depth_std_, params_.dense, pose)) return;
-  if (!samePlace(*h.T_w_c, pose.T, params_)) return;  // that is no refinement: planes found another place
+  if (!refineByDepth(scene.depth, pictures, params_.refinement, pose)) return;
+  if (!samePlace(*h.T_w_c, pose.T, params_.merging))
+    return;  // that is no refinement: planes found another place
   h.T_w_c = pose.T;
   h.T_m_c.T = T_w_m.inverse() * pose.T;
 }
@@ -131,7 +127,7 @@ void PlaceRanking::refine(const View& scene, const std::vector<Neighbour>& neigh
 // How many of the sorted hypotheses, at most so many, are not hopeless beside the best.
 std::size_t PlaceRanking::hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const {
   if (sorted.empty()) return 0;
-  const double least = sorted.front().score + std::log(params_.hopeless_odds) / slope;
+  const double least = sorted.front().score + std::log(params_.evidence.hopeless_odds) / slope;
   const auto end =
       sorted.begin() + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(sorted.size()), most);
   const auto isHopeless = [least](const Hypothesis& h) { return h.score < least; };
@@ -140,8 +136,8 @@ std::size_t PlaceRanking::hopeful(const std::vector<Hypothesis>& sorted, int mos
 
 bool PlaceRanking::addEvidence(const View& scene, std::vector<Hypothesis>& hypotheses) const {
   sortByScore(hypotheses);
-  if (!params_.multi_model || scene.depth.empty()) return false;
-  const std::size_t n = hopeful(hypotheses, params_.evidence_hypotheses, params_.plain_softmax_slope);
+  if (!params_.evidence.enabled || scene.depth.empty()) return false;
+  const std::size_t n = hopeful(hypotheses, params_.evidence.hypotheses, params_.plain_probability.slope);
   bool any = false;
   double least = std::numeric_limits<double>::infinity();
   std::vector<double> found(n, 0);
@@ -163,7 +159,7 @@ bool PlaceRanking::addEvidence(const View& scene, std::vector<Hypothesis>& hypot
 }
 
 void PlaceRanking::refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses) const {
-  const std::size_t n = hopeful(hypotheses, params_.refined_places, params_.softmax_slope);
+  const std::size_t n = hopeful(hypotheses, params_.refinement.places, params_.probability.slope);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < n; ++i) {
     Hypothesis& h = hypotheses[i];
@@ -179,7 +175,7 @@ void PlaceRanking::refinePlaces(const View& scene, std::vector<Hypothesis>& hypo
     if (i >= n || !h.T_w_c) h.evidence = std::min(h.evidence, least);
   }
   score(hypotheses);
-  mergePlaces(params_, hypotheses);
+  mergePlaces(params_.merging, hypotheses);
   score(hypotheses);
 }
 
@@ -189,7 +185,7 @@ int PlaceRanking::viewpoints(const std::vector<int>& models) const {
   int n = 0;
   for (const int i : models) {
     const std::optional<Eigen::Isometry3d>& T_w_m = map_->models[i].T_w_m;
-    const auto isThere = [&](const Eigen::Isometry3d& T) { return samePlace(T, *T_w_m, params_); };
+    const auto isThere = [&](const Eigen::Isometry3d& T) { return samePlace(T, *T_w_m, params_.merging); };
     if (T_w_m && std::any_of(poses.begin(), poses.end(), isThere)) continue;
     if (T_w_m) poses.push_back(*T_w_m);
     ++n;
@@ -200,14 +196,14 @@ int PlaceRanking::viewpoints(const std::vector<int>& models) const {
 // Local models see a place from different sides: several that find it by themselves hardly err alike.
 void PlaceRanking::score(std::vector<Hypothesis>& places) const {
   for (Hypothesis& h : places)
-    h.score =
-        h.consensus + h.evidence + params_.support_weight * std::log(std::max(1, viewpoints(h.found_by)));
+    h.score = h.consensus + h.evidence +
+              params_.evidence.support_weight * std::log(std::max(1, viewpoints(h.found_by)));
   sortByScore(places);
 }
 
-void mergePlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypotheses) {
+void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypotheses) {
   sortByScore(hypotheses);
-  if (!params.merge) return;
+  if (!params.enabled) return;
   std::vector<Hypothesis> places;
   for (Hypothesis& h : hypotheses) {
     if (h.found_by.empty()) h.found_by = {h.model};
@@ -225,7 +221,7 @@ void mergePlaces(const PlaceRankingParams& params, std::vector<Hypothesis>& hypo
   hypotheses.swap(places);
 }
 
-double nullScore(const PlaceRankingParams& params, const std::vector<Hypothesis>& sorted) {
+double nullScore(const ProbabilityParams& params, const std::vector<Hypothesis>& sorted) {
   const std::size_t end = std::min<std::size_t>(sorted.size(), 1 + params.runners_up);
   if (end < 2) return params.least_null_score;
   double sum = 0;
@@ -242,4 +238,4 @@ void assignProbabilities(double slope, double null_score, std::vector<Hypothesis
   for (Hypothesis& h : hypotheses) h.probability /= sum;
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/depth_consistency.h>
-#include <facetloc/registration/depth_difference.h>
+#include "depth/depth_consistency.h"
+#include "depth/depth_difference.h"
+#include "nearby/view_alignment.h"
+
 #include <facetloc/registration/distortion_calibration.h>
-#include <facetloc/registration/view_alignment.h>
 
 #include <Eigen/Cholesky>
 
@@ -11,6 +12,8 @@
 #include <cmath>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 constexpr int kNodes = DepthDistortion::kNodes;

@@ -10,7 +10,7 @@ bool MapBuilder::accept(const Eigen::Isometry3d& T_w_c) {
   if (latest_) {
     const double distance = (T_w_c.translation() - latest_->translation()).norm();
     const double rotation = rotationAngle(T_w_c.linear() * latest_->linear().transpose());
-    if (distance < params_.min_distance - kSlack && rotation < params_.min_rotation_deg * kDegree - kSlack)
+    if (distance < params_.distance - kSlack && rotation < params_.rotation_deg * kDegree - kSlack)
       return false;
   }
   latest_ = T_w_c;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/nearby_models.h>
+#include "nearby/nearby_models.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 std::vector<int> nearest(std::vector<std::pair<double, int>>& near, int n) {
@@ -59,4 +59,4 @@ std::vector<int> NearbyModels::byPlace(const Eigen::Vector3d& place, int n) cons
   return nearest(near, n);
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

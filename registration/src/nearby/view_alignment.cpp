@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/joint_refinement.h>
-#include <facetloc/registration/view_alignment.h>
+#include "nearby/view_alignment.h"
+
+#include "pairs/joint_refinement.h"
 
 #include <Eigen/Cholesky>
 
 #include <cmath>
 #include <limits>
 
-namespace facetloc {
+namespace facetloc::internal {
 
 void Surroundings::add(int index, std::shared_ptr<const View> view, const Eigen::Isometry3d& T_w_c) {
   for (std::size_t i = 0; i < view->segments.size(); ++i) {
@@ -19,7 +20,7 @@ void Surroundings::add(int index, std::shared_ptr<const View> view, const Eigen:
 }
 
 ViewAlignment alignView(const View& view, const Surroundings& surroundings, const PoseWithCovariance& prior,
-                        const ViewAlignmentParams& params, double inverse_depth_std) {
+                        const ViewAlignmentParams& params) {
   ViewAlignment out;
   out.T_w_c = prior;
   Hypothesis h;
@@ -29,12 +30,10 @@ ViewAlignment alignView(const View& view, const Surroundings& surroundings, cons
     out.pairs = std::move(h.pairs);
   }
   Matrix6d information;
-  out.dense = refineByDepth(view.depth, surroundings.pictures, inverse_depth_std, params.dense, out.T_w_c,
-                            &information);
+  out.dense = refineByDepth(view.depth, surroundings.pictures, params.dense, out.T_w_c, &information);
   if (out.dense) {
-    const Matrix6d A = out.T_w_c.P.ldlt().solve(Matrix6d::Identity()) + information;
-    const Matrix6d P = A.ldlt().solve(Matrix6d::Identity());
-    out.T_w_c.P = 0.5 * (P + P.transpose());
+    const Matrix6d of_planes = out.T_w_c.P.ldlt().solve(Matrix6d::Identity());
+    out.T_w_c.P = symmetricInverse(of_planes + information);
   }
   return out;
 }
@@ -75,4 +74,4 @@ double viewDistance(const Eigen::Isometry3d& T_w_a, const Eigen::Isometry3d& T_w
   return distance + kMetresPerRadian * angle;
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

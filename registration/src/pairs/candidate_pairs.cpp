@@ -1,65 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pairs/pair_distance.h"
+
 #include <facetloc/registration/candidate_pairs.h>
-#include <facetloc/registration/cholesky3.h>
-#include <facetloc/registration/plane_measurement.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 namespace facetloc {
-namespace {
 
-// Shapes count as their 50 % ellipse while the pose is gated at 99 %: chi2(3) quantiles (METHOD 9.2).
-constexpr double kShape = 2.366 / 11.34;
-
-// Shape of a segment as a flat covariance with its offset uncertainty across, in the frame that its axes R
-// are given in.
-Eigen::Matrix3d shapeCovariance(const Segment& s, const Eigen::Matrix3d& R) {
-  const Eigen::Vector3d variances(kShape * s.lambda[0], kShape * s.lambda[1], s.Sigma_q(2, 2));
-  return R * variances.asDiagonal() * R.transpose();
-}
-
-// d^T (shape covariance) d, for d given in the segment's axes.
-double shapeVariance(const Segment& s, const Eigen::Vector3d& d) {
-  return kShape * (s.lambda[0] * d.x() * d.x() + s.lambda[1] * d.y() * d.y()) +
-         s.Sigma_q(2, 2) * d.z() * d.z();
-}
-
-}  // namespace
-
-double coplanarityDistance(const Segment& scene, const Segment& model, const PoseWithCovariance& T_m_c,
-                           double gate, double min_cosine) {
-  constexpr double kTooFar = std::numeric_limits<double>::infinity();
-  if (!((T_m_c.T.linear() * scene.normal()).dot(model.normal()) > min_cosine)) return kTooFar;
-  if (offsetDistance(scene, model, T_m_c) > gate) return kTooFar;
-  PlaneMeasurement m;
-  if (!measurePlane(scene, model, T_m_c.T, min_cosine, m)) return kTooFar;
-  return innovationDistance(m, T_m_c.P);
-}
-
-double overlapDistance(const Segment& scene, const Segment& model, const PoseWithCovariance& T_m_c,
-                       double gate) {
-  const Eigen::Matrix3d R = T_m_c.T.linear();
-  const Eigen::Vector3d moved = R * scene.t;
-  const Eigen::Vector3d delta = moved + T_m_c.T.translation() - model.t;
-  const Matrix6d& P = T_m_c.P;
-  // By Cauchy and Schwarz d^T S^-1 d >= (d^T d)^2 / d^T S d, which tells most pairs apart without S.
-  Vector6d J;
-  J << moved.cross(delta), delta;
-  const double variance = J.dot(P * J) + shapeVariance(scene, scene.R.transpose() * (R.transpose() * delta)) +
-                          shapeVariance(model, model.R.transpose() * delta);
-  const double bound = delta.squaredNorm() * delta.squaredNorm() / variance;
-  if (bound > gate) return bound;
-
-  const Eigen::Matrix3d K = -skew(moved);  // d delta / d phi; d delta / d t = I
-  const Eigen::Matrix3d cross = K * P.topRightCorner<3, 3>();
-  Eigen::Matrix3d S =
-      K * P.topLeftCorner<3, 3>() * K.transpose() + cross + cross.transpose() + P.bottomRightCorner<3, 3>();
-  S += shapeCovariance(scene, R * scene.R) + shapeCovariance(model, model.R);  // Eq. (9.1) of METHOD
-  Cholesky3 cholesky;
-  return cholesky.compute(S) ? cholesky.squaredMahalanobis(delta) : std::numeric_limits<double>::infinity();
-}
+using namespace internal;
 
 std::vector<SegmentPair> candidatePairs(const std::vector<Segment>& scene, const std::vector<Segment>& model,
                                         const PoseWithCovariance& prior, const MatchingParams& params) {
@@ -74,7 +22,7 @@ std::vector<SegmentPair> candidatePairs(const std::vector<Segment>& scene, const
       pairs.push_back({i, k, distance});
     }
   std::stable_sort(pairs.begin(), pairs.end(), [](const SegmentPair& a, const SegmentPair& b) {
-    return a.scene + a.model < b.scene + b.model;  // Eq. (10.2) of METHOD
+    return a.scene + a.model < b.scene + b.model;  // METHOD 4.3
   });
   return pairs;
 }

@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/cholesky3.h>
-#include <facetloc/registration/consensus.h>
-#include <facetloc/registration/plane_measurement.h>
+#include "pairs/consensus.h"
 
-#include <Eigen/Eigenvalues>
+#include "pairs/cholesky3.h"
+#include "pairs/pair_distance.h"
+#include "pairs/plane_measurement.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kMinSceneCosine = 0.7;            // normals further apart explain nothing
-constexpr double kParallelSpread = 3 * kDegree;    // width of a direction already seen (METHOD 11.4 (2))
+constexpr double kParallelSpread = 3 * kDegree;    // width of a direction already seen (METHOD 10.2)
 constexpr double kCoplanarSpread = 1.5 * kDegree;  // of the direction of another part of a plane ...
 constexpr double kCoplanarOffset = 0.03;           // ... and of its offset [m]
 constexpr double kHullMargin = 0.05;  // slack of outlines [m], besides twice the position's uncertainty
 constexpr double kMinVisible = 0.05;  // share of visible samples below which a segment says nothing
-constexpr double kMinLlr = -10, kMaxLlr = 15;  // bounds of a pair's log likelihood ratio (METHOD 11.4 (4))
+constexpr double kMinLlr = -10, kMaxLlr = 15;  // bounds of a pair's log likelihood ratio (METHOD 10.1)
 
-// Log likelihood of a pair under the hypothesis, with slack (METHOD 11.4 (1)).
+// Log likelihood of a pair under the hypothesis, with slack (METHOD 10.1).
 double pairLogLikelihood(const PlaneMeasurement& m, const Matrix6d& P, const ConsensusParams& params) {
   Eigen::Matrix3d S = m.H * P * m.H.transpose() + m.W;
   const double slope = std::pow(params.slope_slack_deg * kDegree, 2);
@@ -46,8 +46,8 @@ double coplanarDensity(const std::vector<Segment>& scene, std::size_t j) {
   return most / (std::pow(2 * kPi, 1.5) * kCoplanarSpread * kCoplanarSpread * kCoplanarOffset);
 }
 
-// Density of a chance plane with normal u, given the directions that the scene has shown already (METHOD 11.4
-// (2)) and the density that it is part of a plane that it has shown. Of a wall in pieces, which a noisy
+// Density of a chance plane with normal u, given the directions that the scene has shown already and the
+// density that it is part of a plane that it has shown (METHOD 10.2). Of a wall in pieces, which a noisy
 // camera makes of it, each further one is nearly what chance makes expect, however well it fits.
 double chanceDensity(const Eigen::Vector3d& u, const std::vector<Eigen::Vector3d>& seen, double coplanar,
                      const ConsensusParams& params) {
@@ -65,7 +65,7 @@ double chanceDensity(const Eigen::Vector3d& u, const std::vector<Eigen::Vector3d
 }
 
 // Is a point, given in the model's frame, in the model's view and not behind something that the model saw?
-bool visible(const Eigen::Vector3d& p, const DepthPicture& picture, const DepthComparison& comparison) {
+bool visible(const Eigen::Vector3d& p, const DepthPicture& picture, const DepthErrors& errors) {
   constexpr double kNearest = 0.4, kFarthest = 7.5;  // range in which planes are used [m]
   if (picture.empty()) return true;
   if (p.z() < kNearest || p.z() > kFarthest) return false;
@@ -74,7 +74,7 @@ bool visible(const Eigen::Vector3d& p, const DepthPicture& picture, const DepthC
   if (u < 0 || v < 0 || u >= picture.camera.width || v >= picture.camera.height) return false;
   const std::size_t i = static_cast<std::size_t>(v) * picture.camera.width + u;
   if (picture.inverse_depth[i] == 0) return false;
-  return 1 / p.z() >= picture.inverse_depth[i] * DepthPicture::kQuantum - comparison.tolerance(1 / p.z());
+  return 1 / p.z() >= picture.inverse_depth[i] * DepthPicture::kQuantum - errors.tolerance(1 / p.z());
 }
 
 struct Explanation {
@@ -104,20 +104,18 @@ std::vector<Eigen::Vector3d> samplePoints(const Segment& s) {
   return points;
 }
 
-std::vector<std::vector<Eigen::Vector3d>> samplePoints(const View& scene) {
-  std::vector<std::vector<Eigen::Vector3d>> samples;
-  for (const Segment& s : scene.segments) samples.push_back(samplePoints(s));
-  return samples;
+Query::Query(const View& scene, const PoseWithCovariance& prior_pose, const Matrix6d& known_information)
+    : view(scene), prior(prior_pose), known(known_information) {
+  samples.reserve(view.segments.size());
+  for (const Segment& s : view.segments) samples.push_back(samplePoints(s));
 }
 
-double logLikelihoodRatio(const View& scene, const std::vector<std::vector<Eigen::Vector3d>>& samples,
-                          const View& model, const PoseWithCovariance& T_m_c,
+double logLikelihoodRatio(const Query& query, const View& model, const PoseWithCovariance& T_m_c,
                           const DepthComparison& comparison, const ConsensusParams& params) {
+  const View& scene = query.view;
+  const DepthErrors errors = comparison.errorsBetween(scene.depth, model.depth);
   // The largest over all directions, not over the axes of the model: the score does not depend on those.
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> position;
-  position.computeDirect(T_m_c.P.bottomRightCorner<3, 3>(), Eigen::EigenvaluesOnly);
-  const auto margin =
-      static_cast<float>(kHullMargin + 2 * std::sqrt(std::max(0.0, position.eigenvalues()[2])));
+  const auto margin = static_cast<float>(kHullMargin + 2 * largestTranslationStd(T_m_c.P));
   // No pair is likelier than an exact one whose uncertainty is the slack alone.
   const double highest = -0.5 * 3 * std::log(2 * kPi) -
                          std::log(std::pow(params.slope_slack_deg * kDegree, 2) * params.offset_slack);
@@ -144,9 +142,9 @@ double logLikelihoodRatio(const View& scene, const std::vector<std::vector<Eigen
 
     int num_visible = 0;
     covered.assign(explanations.size(), 0);
-    for (const Eigen::Vector3d& sample : samples[j]) {
+    for (const Eigen::Vector3d& sample : query.samples[j]) {
       const Eigen::Vector3d p = T_m_c.T * sample;
-      if (!visible(p, model.depth, comparison)) continue;
+      if (!visible(p, model.depth, errors)) continue;
       ++num_visible;
       for (std::size_t i = 0; i < explanations.size(); ++i) {
         const Segment& Fp = *explanations[i].model;
@@ -156,7 +154,7 @@ double logLikelihoodRatio(const View& scene, const std::vector<std::vector<Eigen
         break;
       }
     }
-    const double visible_share = num_visible / static_cast<double>(samples[j].size());
+    const double visible_share = num_visible / static_cast<double>(query.samples[j].size());
     if (visible_share > kMinVisible) {
       double explained = 0;
       for (std::size_t i = 0; i < explanations.size(); ++i)
@@ -195,4 +193,50 @@ double surfaceMatchingScore(const std::vector<Segment>& scene, const std::vector
   return sum;
 }
 
-}  // namespace facetloc
+namespace {
+
+class LikelihoodScore : public HypothesisScore {
+public:
+  LikelihoodScore(const ConsensusParams& params, const DepthComparison& comparison)
+      : params_(params), comparison_(comparison) {}
+
+  void score(const Query& query, const View& model, int columns, Hypothesis& h) const override {
+    h.consensus = logLikelihoodRatio(query, model, h.T_m_c, comparison_, params_);
+    h.score = h.consensus;
+    if (params_.free_space_weight == 0) return;
+    const DepthPicture &scene = query.view.depth, &of_model = model.depth;
+    for (const auto& compared : {comparison_.compare(scene, of_model, h.T_m_c.T, columns),
+                                 comparison_.compare(of_model, scene, h.T_m_c.T.inverse(), columns)})
+      h.free_space += freeSpaceTerm(compared, params_);
+    h.score += h.free_space;
+  }
+  bool inNats() const override { return true; }
+
+private:
+  ConsensusParams params_;
+  DepthComparison comparison_;
+};
+
+class OverlapScore : public HypothesisScore {
+public:
+  explicit OverlapScore(const MatchingParams& matching) : matching_(matching) {}
+
+  void score(const Query& query, const View& model, int, Hypothesis& h) const override {
+    h.score = h.consensus = surfaceMatchingScore(query.view.segments, model.segments, h.T_m_c, matching_);
+  }
+  bool inNats() const override { return false; }
+
+private:
+  MatchingParams matching_;
+};
+
+}  // namespace
+
+std::unique_ptr<const HypothesisScore> hypothesisScore(const ConsensusParams& params,
+                                                       const MatchingParams& matching,
+                                                       const DepthComparison& comparison) {
+  if (params.by_overlap) return std::make_unique<const OverlapScore>(matching);
+  return std::make_unique<const LikelihoodScore>(params, comparison);
+}
+
+}  // namespace facetloc::internal

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/depth_alignment.h>
+#include "pairs/depth_alignment.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
-namespace facetloc {
+namespace facetloc::internal {
 
 std::vector<double> alignDepth(const DepthPicture& scene, const DepthPicture& model,
                                const Eigen::Isometry3d& T_m_c, const Eigen::Vector3d& direction,
@@ -72,4 +72,4 @@ std::vector<double> alignDepth(const DepthPicture& scene, const DepthPicture& mo
   return positions;
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/cholesky3.h>
-#include <facetloc/registration/ekf_pose_update.h>
+#include "pairs/ekf_pose_update.h"
+
+#include "pairs/cholesky3.h"
 
 #include <cmath>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 // A step of so much leaves an error of some 3e-5, a fiftieth of the least uncertainty of a plane's slope and
@@ -54,7 +55,7 @@ EkfUpdate ekfPoseUpdate(const Segment& scene, const Segment& model, const PoseWi
   for (int i = 0; i < params.iterations && !converged; ++i) {
     e += step;
     if (!lin.at(scene, model, prior, e, params.min_cosine)) return out;
-    step = lin.PHt * lin.v - e;  // Eq. (8.1) of METHOD
+    step = lin.PHt * lin.v - e;  // METHOD 5.1
     // The paper's EKF, one iteration, takes its only step on trust.
     const double turn = step.head<3>().norm(), shift = step.tail<3>().norm();
     converged = params.iterations == 1 || (turn < kConvergedRotation && shift < kConvergedTranslation);
@@ -67,10 +68,10 @@ EkfUpdate ekfPoseUpdate(const Segment& scene, const Segment& model, const PoseWi
   const Eigen::Vector3d h = lin.m.h + lin.Ht * step;  // the residual that the last step leaves
   e += step;
 
-  // Eq. (8.2): e^T P0^-1 e + h^T W^-1 h with e = P0 Ht^T v. For one iteration this is the paper's gate, h^T
+  // METHOD 5.2: e^T P0^-1 e + h^T W^-1 h with e = P0 Ht^T v. For one iteration this is the paper's gate, h^T
   // S^-1 h.
   out.cost = lin.v.dot(lin.Ht * e) + noise.squaredMahalanobis(h);
-  out.gain = 0.5 * (lin.S.logDeterminant() - noise.logDeterminant());  // Eq. (8.3)
+  out.gain = 0.5 * (lin.S.logDeterminant() - noise.logDeterminant());  // METHOD 5.3
   if (!(out.cost <= params.gate)) return out;
 
   const Eigen::Matrix<double, 6, 3> K = lin.S.solve<6>(lin.PHt.transpose()).transpose();
@@ -86,4 +87,4 @@ EkfUpdate ekfPoseUpdate(const Segment& scene, const Segment& model, const PoseWi
   return out;
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

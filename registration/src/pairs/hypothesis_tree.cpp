@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/cholesky3.h>
-#include <facetloc/registration/hypothesis_tree.h>
+#include "pairs/hypothesis_tree.h"
+
+#include "pairs/cholesky3.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -9,7 +10,7 @@
 #include <cstdint>
 #include <queue>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 // What two segments of one image have to do with each other, whatever the pose of the camera.
@@ -141,8 +142,7 @@ private:
   }
 
   bool plausible(const SegmentPair& pair, const PoseWithCovariance& pose) const {
-    constexpr double kHopeless =
-        40;  // before the update: no iteration saves such a pair (METHOD_MEASURED 8.3)
+    constexpr double kHopeless = 40;  // before the update: no iteration saves such a pair (METHOD 6.1)
     const Segment &F = scene_[pair.scene], &Fp = model_[pair.model];
     return offsetDistance(F, Fp, pose) <= kHopeless &&
            overlapDistance(F, Fp, pose, matching_.overlap_gate) <= matching_.overlap_gate;
@@ -168,37 +168,36 @@ private:
   // True if pairs alone make the pose complete.
   bool keep(const Node& node) {
     const double max_rotation = params_.complete_rotation_deg * kDegree;
-    const auto isComplete = [&](const Observability& o) {
-      return o.complete(max_rotation, params_.complete_translation);
+    const auto isComplete = [&](const PrincipalStd& o) {
+      return o.within(max_rotation, params_.complete_translation);
     };
-    const auto leavesOneFree = [&](const Observability& o) {
+    const auto leavesOneFree = [&](const PrincipalStd& o) {
       return o.oneTranslationFree(max_rotation, params_.complete_translation);
     };
     const Eigen::Vector3d none_free = Eigen::Vector3d::Zero();
-    const Observability alone = observability(node.information);
+    const PrincipalStd alone = observability(node.information);
     if (isComplete(alone)) {
       emit(node, none_free, result_.by_pairs.complete);
       return true;
     }
     const bool one_free = leavesOneFree(alone);
-    if (one_free) emit(node, alone.directions.col(2), result_.by_pairs.incomplete);
+    if (one_free) emit(node, alone.translation_axes.col(2), result_.by_pairs.incomplete);
     std::vector<PoseNode>& with_known = result_.with_known.complete;
     if (!something_known_ || static_cast<int>(with_known.size()) >= params_.max_hypotheses) return false;
-    const Observability together = observability(node.information + known_);
+    const PrincipalStd together = observability(node.information + known_);
     if (isComplete(together))
       emit(node, none_free, with_known);
     else if (!one_free && leavesOneFree(together))
-      emit(node, together.directions.col(2), result_.with_known.incomplete);
+      emit(node, together.translation_axes.col(2), result_.with_known.incomplete);
     return false;
   }
 
   // Keeps a pose unless it was found before; of incomplete poses the position along the free direction does
   // not count.
   void emit(const Node& node, const Eigen::Vector3d& free_direction, std::vector<PoseNode>& found) {
-    const double same_direction = std::cos(10 * kDegree);  // METHOD 10.6
+    const double same_direction = std::cos(10 * kDegree);  // METHOD 6.5
     const bool incomplete = !free_direction.isZero();
-    const double factor =
-        incomplete ? 2 : 1;  // METHOD_MEASURED 10.3, 10.5: (1 deg, 0.05 m) and (2 deg, 0.1 m)
+    const double factor = incomplete ? 2 : 1;  // METHOD 6.5: (1 deg, 0.05 m) and (2 deg, 0.1 m)
     for (const PoseNode& other : found) {
       if (incomplete && std::abs(other.free_direction.dot(free_direction)) < same_direction) continue;
       Eigen::Vector3d shift = node.pose.T.translation() - other.pose.T.translation();
@@ -235,32 +234,6 @@ private:
 
 }  // namespace
 
-Observability observability(const Matrix6d& information) {
-  constexpr double kWeakRotation = 30 * kDegree, kWeakTranslation = 10;  // METHOD 10.4
-  Matrix6d Lambda = information;
-  Lambda.diagonal().head<3>().array() += 1 / (kWeakRotation * kWeakRotation);
-  Lambda.diagonal().tail<3>().array() += 1 / (kWeakTranslation * kWeakTranslation);
-  // Blocks of the inverse by Schur complements; eigenvalues of 3x3 matrices in closed form.
-  const Eigen::Matrix3d A = Lambda.topLeftCorner<3, 3>(), B = Lambda.topRightCorner<3, 3>(),
-                        C = Lambda.bottomRightCorner<3, 3>();
-  Observability o;
-  Cholesky3 of_A, of_C;
-  if (!of_A.compute(A) || !of_C.compute(C)) return o;
-  const Eigen::Matrix3d rotation = A - B * of_C.solve<3>(B.transpose());
-  const Eigen::Matrix3d translation = C - B.transpose() * of_A.solve<3>(B);
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eig;
-  const auto stds = [&eig] {
-    return Eigen::Vector3d(eig.eigenvalues().reverse().cwiseMax(1e-12).cwiseInverse().cwiseSqrt());
-  };
-  eig.computeDirect(rotation);
-  o.rotation_std = stds();
-  o.rotations = eig.eigenvectors().rowwise().reverse();
-  eig.computeDirect(translation);
-  o.translation_std = stds();
-  o.directions = eig.eigenvectors().rowwise().reverse();
-  return o;
-}
-
 TreeSearchResult searchHypotheses(const std::vector<Segment>& scene, const std::vector<Segment>& model,
                                   const std::vector<SegmentPair>& candidates, const PoseWithCovariance& prior,
                                   const MatchingParams& matching, const EkfParams& ekf,
@@ -269,4 +242,4 @@ TreeSearchResult searchHypotheses(const std::vector<Segment>& scene, const std::
   return Search(scene, model, candidates, prior, matching, ekf, params, known).run();
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/cholesky3.h>
-#include <facetloc/registration/joint_refinement.h>
+#include "pairs/joint_refinement.h"
+
+#include "pairs/cholesky3.h"
+#include "pairs/pair_distance.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 constexpr int kCollections = 2;          // how often the pairs are collected
 constexpr int kIterations = 10;          // Gauss-Newton steps per collection
 constexpr double kConverged = 1e-6;      // norm of a step [rad, m]
-constexpr double kHuber2 = 11.345;       // square of the Huber threshold on d, chi2(3) at 99 % (METHOD 8.5)
+constexpr double kHuber2 = 11.345;       // square of the Huber threshold on d, chi2(3) at 99 % (METHOD 7)
 constexpr double kMinCosine = 0.9;       // between the normals of a pair at the hypothesis
 constexpr double kInformationCap = 2.0;  // of a model segment, in terms of its most informative pair
 
@@ -108,4 +110,4 @@ bool refineJointly(const std::vector<Segment>& scene, const std::vector<Segment>
   return true;
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/cholesky3.h>
-#include <facetloc/registration/plane_measurement.h>
+#include "pairs/plane_measurement.h"
+
+#include "pairs/cholesky3.h"
 
 #include <cmath>
 #include <limits>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 // Normal of a plane tilted by (s_x, s_y), in its segment frame: Eq. (2).
 Eigen::Vector3d tiltedNormal(double sx, double sy) { return Eigen::Vector3d(sx, sy, 1).normalized(); }
 
-// D(s) = dn / d(s_x, s_y), 3x2 (METHOD 7.1).
+// D(s) = dn / d(s_x, s_y), 3x2 (METHOD 3.1).
 Eigen::Matrix<double, 3, 2> tiltJacobian(double sx, double sy) {
   const Eigen::Vector3d n = tiltedNormal(sx, sy);
   const Eigen::Matrix3d tangent =
@@ -86,4 +87,4 @@ double innovationDistance(const PlaneMeasurement& m, const Matrix6d& P) {
   return cholesky.compute(S) ? cholesky.squaredMahalanobis(m.h) : std::numeric_limits<double>::infinity();
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

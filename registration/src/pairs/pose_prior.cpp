@@ -3,27 +3,18 @@
 
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <cmath>
 
 namespace facetloc {
 
-namespace {
-
-// Adjoint, order (omega, v): a motion in the axes of b as one in those of a.
-Matrix6d adjoint(const Eigen::Isometry3d& T_a_b) {
-  Matrix6d Ad = Matrix6d::Zero();
-  Ad.topLeftCorner<3, 3>() = Ad.bottomRightCorner<3, 3>() = T_a_b.linear();
-  Ad.bottomLeftCorner<3, 3>() = skew(T_a_b.translation()) * T_a_b.linear();
-  return Ad;
-}
-
-}  // namespace
-
 Eigen::Matrix3d floorCovariance(const PosePriorParams& p) {
-  const double a = p.wheel_track, b = p.caster_distance;
-  Eigen::Matrix3d C;  // Eq. (6.1) of METHOD
+  constexpr double kLeastFloorStd = 1e-6;  // [m], so that covariances are regular
+  const double a = p.robot.wheel_track, b = p.robot.caster_distance;
+  const double floor_std = std::max(kLeastFloorStd, p.robot.floor_std);
+  Eigen::Matrix3d C;  // METHOD 2.1
   C << 2 / (a * a), 0, 0, 0, 3 / (2 * b * b), -1 / (2 * b), 0, -1 / (2 * b), 0.5;
-  return p.floor_std * p.floor_std * C;
+  return floor_std * floor_std * C;
 }
 
 Matrix6d cameraMotion(const CameraMounting& mounting) { return adjoint(mounting.T_b_c().inverse()); }

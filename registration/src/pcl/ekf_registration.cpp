@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pcl/segment_frames.h"
+
 #include <facetloc/registration/ekf_registration.h>
-#include <facetloc/registration/segment_frames.h>
 
 #include <pcl/kdtree/impl/kdtree_flann.hpp>
 #include <pcl/search/impl/kdtree.hpp>
 #include <pcl/search/impl/search.hpp>
 
 namespace facetloc {
+
+using namespace internal;
 
 View EkfRegistration::makeView(const pcl::PointCloud<SegmentFrame>& cloud, const pcl::Indices* indices,
                                std::string& why_empty) {

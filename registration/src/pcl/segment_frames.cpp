@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pcl/segment_frames.h"
+
 #include <facetloc/features/segment_estimation.h>
-#include <facetloc/registration/segment_frames.h>
 
 #include <numeric>
 
-namespace facetloc {
+namespace facetloc::internal {
 
 RankedFrames rankedSegments(const pcl::PointCloud<SegmentFrame>& cloud, const pcl::Indices* indices) {
   pcl::Indices all;
@@ -29,4 +30,4 @@ RankedFrames rankedSegments(const pcl::PointCloud<SegmentFrame>& cloud, const pc
   return ranked;
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

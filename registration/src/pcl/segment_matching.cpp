@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pcl/segment_frames.h"
+
 #include <facetloc/features/segment_estimation.h>
 #include <facetloc/registration/pose_prior.h>
-#include <facetloc/registration/segment_frames.h>
 #include <facetloc/registration/segment_matching.h>
 
 #include <pcl/impl/pcl_base.hpp>
@@ -10,6 +11,8 @@
 #include <map>
 
 namespace facetloc {
+
+using namespace internal;
 
 SegmentMatching::SegmentMatching() {
   corr_name_ = "SegmentMatching";

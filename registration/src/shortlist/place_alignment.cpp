@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "shortlist/place_alignment.h"
+
+#include "shared/lanes.h"
 #include "shortlist/place_reach.h"
 
-#include <facetloc/features/impl/lanes.h>
 #include <facetloc/features/so3.h>
-#include <facetloc/registration/place_alignment.h>
 
 #include <Eigen/LU>
 
@@ -12,7 +13,7 @@
 #include <cmath>
 #include <limits>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 constexpr float kTwoPi = static_cast<float>(360 * kDegree);
@@ -323,4 +324,4 @@ PlaceAlignment PlaceAligner::align(const PlaceSignature& model, float least) {
   return best;
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pairs/largest_std.h"
+#include "shared/binary_archive.h"
+#include "shortlist/place_alignment.h"
+#include "shortlist/place_outlook.h"
 #include "shortlist/place_reach.h"
 
-#include <facetloc/features/binary_archive.h>
-#include <facetloc/features/so3.h>
-#include <facetloc/registration/place_alignment.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/registration/place_index.h>
-#include <facetloc/registration/place_outlook.h>
 
 #include <boost/crc.hpp>
 
@@ -21,7 +20,7 @@
 #include <numeric>
 #include <stdexcept>
 
-namespace facetloc {
+namespace facetloc::internal {
 
 template <class Archive>
 void fields(Archive& archive, Wall& w) {
@@ -37,6 +36,12 @@ void fields(Archive& archive, PlaceSignature& p) {
   archive(p.R_u_c, p.height, p.main_heading, p.walls, p.surfaces, p.picture.camera, p.picture.depth);
   for (std::int32_t& first : p.facing) archive(first);
 }
+
+}  // namespace facetloc::internal
+
+namespace facetloc {
+
+using namespace internal;
 
 namespace {
 
@@ -162,8 +167,8 @@ struct Header {
   Header(const Map& map, const PosePriorParams& prior)
       : models(map.models.size()),
         names(checksumOfNames(map)),
-        height(map.mounting->height),
-        tilt_deg(map.mounting->tilt_deg),
+        height(map.camera.mounting->height),
+        tilt_deg(map.camera.mounting->tilt_deg),
         floor(floorCovariance(prior)) {}
   bool operator==(const Header& o) const {
     return format == o.format && models == o.models && names == o.names && height == o.height &&
@@ -171,15 +176,15 @@ struct Header {
   }
 };
 
-}  // namespace
-
 template <class Archive>
 void fields(Archive& archive, Header& h) {
   archive(h.format, h.models, h.names, h.height, h.tilt_deg, h.floor);
 }
 
+}  // namespace
+
 struct PlaceIndex::Impl {
-  PlaceIndexParams params;
+  ShortlistParams params;
   PosePriorParams prior;
   CameraMounting mounting;
   Header header;
@@ -189,19 +194,18 @@ struct PlaceIndex::Impl {
   std::vector<float> expected;  // of each model: grows with the votes that it gets anyway
   std::unique_ptr<Tree> tree;   // of the descriptors; null without any
 
-  Impl(const Map& map, const PlaceIndexParams& params, const PosePriorParams& prior);
+  Impl(const Map& map, const ShortlistParams& params, const PosePriorParams& prior);
   void build(const Map& map);
   void expectVotes();
   std::vector<float> hopes(const PlaceSignature& scene) const;
   std::vector<float> votes(const PlaceSignature& scene) const;
 };
 
-PlaceIndex::Impl::Impl(const Map& map, const PlaceIndexParams& index_params,
-                       const PosePriorParams& pose_prior)
+PlaceIndex::Impl::Impl(const Map& map, const ShortlistParams& index_params, const PosePriorParams& pose_prior)
     : params(index_params), prior(pose_prior) {
-  if (!map.mounting)
+  if (!map.camera.mounting)
     throw std::invalid_argument("PlaceIndex: the map does not tell how its camera is mounted");
-  mounting = *map.mounting;
+  mounting = *map.camera.mounting;
   header = Header(map, prior);
 }
 
@@ -229,7 +233,7 @@ void PlaceIndex::Impl::expectVotes() {
   for (float& e : expected) e = std::sqrt(e);
 }
 
-PlaceIndex::PlaceIndex(const Map& map, const PlaceIndexParams& params, const PosePriorParams& prior) {
+PlaceIndex::PlaceIndex(const Map& map, const ShortlistParams& params, const PosePriorParams& prior) {
   auto impl = std::make_unique<Impl>(map, params, prior);
   impl->build(map);
   impl_ = std::move(impl);
@@ -239,13 +243,13 @@ bool PlaceIndex::covers(const PoseWithCovariance& prior) {
   constexpr double kTurns = 3, kMoves = 2.8;  // standard deviations
   // The usual prior fits, of a camera high above an uneven floor, whose tilts move it, too.
   constexpr double kTurn = 1.01 * kReachTurnDeg * kDegree, kMove = 1.1 * kReachMove;
-  return rotationAngle(prior.T.linear()) + kTurns * largestStd(prior.P.topLeftCorner<3, 3>()) <= kTurn &&
-         prior.T.translation().norm() + kMoves * largestStd(prior.P.bottomRightCorner<3, 3>()) <= kMove;
+  return rotationAngle(prior.T.linear()) + kTurns * largestRotationStd(prior.P) <= kTurn &&
+         prior.T.translation().norm() + kMoves * largestTranslationStd(prior.P) <= kMove;
 }
 
 PlaceIndex::PlaceIndex(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 
-PlaceIndex PlaceIndex::of(const Map& map, const PlaceIndexParams& params, const PosePriorParams& prior) {
+PlaceIndex PlaceIndex::of(const Map& map, const ShortlistParams& params, const PosePriorParams& prior) {
   const auto written = map.store ? map.store->placeIndex() : nullptr;
   auto read = written ? PlaceIndex::read(*written, map, params, prior) : std::nullopt;
   return read ? std::move(*read) : PlaceIndex(map, params, prior);
@@ -257,7 +261,7 @@ void PlaceIndex::write(std::ostream& out) const {
   if (impl_->tree) archive(bytesOf(*impl_->tree));
 }
 
-std::optional<PlaceIndex> PlaceIndex::read(std::istream& in, const Map& map, const PlaceIndexParams& params,
+std::optional<PlaceIndex> PlaceIndex::read(std::istream& in, const Map& map, const ShortlistParams& params,
                                            const PosePriorParams& prior) {
   auto impl = std::make_unique<Impl>(map, params, prior);
   BinaryReader archive(in);
@@ -351,7 +355,7 @@ std::vector<int> PlaceIndex::shortlist(const View& view, int n) const {
 }
 
 std::vector<Candidate> PlaceIndex::candidates(const View& view, int n) const {
-  const PlaceIndexParams& params = impl_->params;
+  const ShortlistParams& params = impl_->params;
   const std::vector<PlaceSignature>& places = impl_->places;
   const PlaceSignature scene = placeSignature(view, impl_->mounting, impl_->prior);
   if (n <= 0 || (scene.walls.empty() && scene.surfaces.empty())) return {};
@@ -364,7 +368,7 @@ std::vector<Candidate> PlaceIndex::candidates(const View& view, int n) const {
   PlaceAligner aligner(scene);
   std::vector<PlaceAlignment> found(places.size());
   std::vector<float> score(places.size());
-  const auto gap = static_cast<float>(params.shortlist_gap);
+  const auto gap = static_cast<float>(params.gap);
   float best = kNotAligned;
   for (std::size_t i = 0; i < models.size(); ++i) {
     const int m = models[i];

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "shortlist/place_outlook.h"
+
+#include "shared/lanes.h"
 #include "shortlist/place_reach.h"
 
-#include <facetloc/features/impl/lanes.h>
 #include <facetloc/features/so3.h>
-#include <facetloc/registration/place_outlook.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 constexpr float kQuarter = static_cast<float>(90 * kDegree);
@@ -130,4 +131,4 @@ float PlaceOutlook::of(const PlaceSignature& model) const {
   return best / std::pow(total, kPower);
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/impl/lanes.h>
-#include <facetloc/registration/depth_consistency.h>
-#include <facetloc/registration/place_signature.h>
+#include "shortlist/place_signature.h"
+
+#include "depth/depth_consistency.h"
+#include "shared/lanes.h"
 
 #include <Eigen/LU>
 
@@ -9,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 constexpr double kPlaneStd = 0.3 * kDegree;  // of how horizontal or vertical things are built
@@ -167,7 +168,7 @@ PlaceSignature placeSignature(const View& view, const CameraMounting& mounting,
   for (const Segment& s : sound) {
     const double vertical = std::abs((R * s.normal()).z());
     if (vertical < std::sin(kOblique) && s.hull.size > 0) {
-      out.walls.push_back(wallOf(s, R, height, view.camera));
+      out.walls.push_back(wallOf(s, R, height, view.intrinsics));
     } else if (vertical > std::cos(kOblique)) {
       const Eigen::Vector3f t = (R * s.t).cast<float>();
       const float z = t.z() + out.height;
@@ -220,4 +221,4 @@ void pointsAboveFloor(const PlaceSignature& place, PointColumns& points) {
   points.resize(n);
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/floor_update.h>
+#include "tracking/floor_update.h"
 
 #include <Eigen/Cholesky>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 /** A robot on a floor: its axes lean against the normal, and it stands above or below. */
@@ -85,4 +85,4 @@ PoseWithCovariance updatedByFloor(const PoseWithCovariance& T_w_c, const CameraM
   return out;
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

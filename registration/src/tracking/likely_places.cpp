@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/likely_places.h>
+#include "tracking/likely_places.h"
 
 #include <algorithm>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 constexpr double kSameTranslation = 0.2, kSameRotation = 3;  // [m, deg]
@@ -42,4 +42,4 @@ std::vector<LikelyPlace> placesOfBoth(const std::vector<LikelyPlace>& before,
   return out;
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

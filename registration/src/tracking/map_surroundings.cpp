@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/map_surroundings.h>
+#include "tracking/map_surroundings.h"
 
 #include <cmath>
 
-namespace facetloc {
+namespace facetloc::internal {
 
 MapSurroundings::MapSurroundings(std::shared_ptr<const Map> map, const DepthComparison& comparison)
     : map_(std::move(map)), comparison_(comparison), near_(map_) {}
@@ -39,9 +39,9 @@ std::optional<FloorPlane> MapSurroundings::floorNear(const Eigen::Isometry3d& T_
                                                      const Eigen::Matrix3d& covariance) const {
   constexpr int kAsked = 3;                     // times as many models are asked as are wanted
   constexpr double kStep = 0.1, kSlope = 0.05;  // of one floor [m], by the distance
-  if (!map_->mounting || near_.empty()) return {};
+  if (!map_->camera.mounting || near_.empty()) return {};
   const std::vector<int> near = near_.byPlace(T_w_c.translation(), kAsked * n);
-  const Eigen::Isometry3d T_c_b = map_->mounting->T_b_c().inverse();
+  const Eigen::Isometry3d T_c_b = map_->camera.mounting->T_b_c().inverse();
   const Eigen::Vector3d here = (T_w_c * T_c_b).translation();
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
   for (const int i : near) up += map_->models[i].T_w_m->linear() * T_c_b.linear().col(2);
@@ -54,7 +54,7 @@ std::optional<FloorPlane> MapSurroundings::floorNear(const Eigen::Isometry3d& T_
     if (static_cast<int>(poses.size()) < n) poses.push_back(T_w_m);
   }
   if (poses.empty()) return {};
-  return floorUnder(poses, *map_->mounting, covariance, T_w_c.translation());
+  return floorUnder(poses, *map_->camera.mounting, covariance, T_w_c.translation());
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

@@ -1,52 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pairs/direction_text.h"
+#include "global/place_ranking.h"
+#include "tracking/likely_places.h"
+#include "tracking/map_surroundings.h"
+#include "tracking/repeated_looks.h"
+#include "tracking/view_odometry.h"
 
-#include <facetloc/registration/pose_prior.h>
+#include <facetloc/registration/global_localization.h>
 #include <facetloc/registration/pose_tracking.h>
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <vector>
 
 namespace facetloc {
+
+using namespace internal;
 namespace {
 
 constexpr const char* kUnconfirmed = "a likely place waits for the next view to confirm it";
 
-// Standard deviations along the principal axes of a block, ascending, and the axes.
-struct PrincipalAxes {
-  Eigen::Vector3d std;
-  Eigen::Matrix3d axes;
-
-  explicit PrincipalAxes(const Eigen::Matrix3d& block) {
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eig;
-    eig.computeDirect(block);
-    std = eig.eigenvalues().cwiseMax(0).cwiseSqrt();
-    axes = eig.eigenvectors();
-  }
-};
-PrincipalAxes rotationAxes(const Matrix6d& P) { return PrincipalAxes(P.topLeftCorner<3, 3>()); }
-PrincipalAxes translationAxes(const Matrix6d& P) { return PrincipalAxes(P.bottomRightCorner<3, 3>()); }
-
 bool exceeds(const Matrix6d& P, double rotation_deg, double translation) {
-  return !(rotationAxes(P).std[2] <= rotation_deg * kDegree && translationAxes(P).std[2] <= translation);
-}
-
-// The motions that are less certain than that, in words and camera axes.
-std::string freeDirections(const PoseWithCovariance& pose, double rotation_deg, double translation) {
-  const Eigen::Matrix3d R_c_w = pose.T.linear().transpose();
-  std::string text;
-  const auto add = [&](const char* motion, const Eigen::Vector3d& v) {
-    text += (text.empty() ? "" : ", ") + std::string(motion) + directionText(R_c_w * v);
-  };
-  const PrincipalAxes turns = rotationAxes(pose.P), shifts = translationAxes(pose.P);
-  for (int i = 0; i < 3; ++i)
-    if (!(turns.std[i] <= rotation_deg * kDegree)) add("rotation about ", turns.axes.col(i));
-  for (int i = 0; i < 3; ++i)
-    if (!(shifts.std[i] <= translation)) add("translation along ", shifts.axes.col(i));
-  return text;
+  return !(largestRotationStd(P) <= rotation_deg * kDegree && largestTranslationStd(P) <= translation);
 }
 
 // What is hidden from the other camera says nothing.
@@ -54,27 +29,18 @@ double share(const DepthAgreement& a) {
   return a.agree + a.contradict > 0 ? a.agree / double(a.agree + a.contradict) : 0;
 }
 
-// A pose after a motion: its rotation error turns the way.
-PoseWithCovariance moved(const PoseWithCovariance& T_w_a, const PoseWithCovariance& T_a_b) {
-  const Eigen::Matrix3d R = T_w_a.T.linear();
-  Matrix6d F = Matrix6d::Identity();
-  F.bottomLeftCorner<3, 3>() = -skew(R * T_a_b.T.translation());
-  return {T_w_a.T * T_a_b.T, F * T_w_a.P * F.transpose() + turned(R, T_a_b.P)};
-}
-
 // The covariance of a posterior if what was added to the prior told only a part of what it says.
 Matrix6d discounted(const Matrix6d& prior, const Matrix6d& posterior, double part) {
   const Matrix6d before = prior.ldlt().solve(Matrix6d::Identity());
   const Matrix6d after = posterior.ldlt().solve(Matrix6d::Identity());
-  const Matrix6d P = Matrix6d(before + part * (after - before)).ldlt().solve(Matrix6d::Identity());
-  return 0.5 * (P + P.transpose());
+  return symmetricInverse(before + part * (after - before));
 }
 
 ViewAlignmentParams alignmentParams(const GlobalLocalizationParams& localization,
                                     const PoseTrackingParams& tracking) {
   ViewAlignmentParams params;
-  params.matching = localization.registration.matching;
-  params.dense = localization.ranking.dense;
+  params.matching = localization.matching;
+  params.dense = localization.refinement;
   params.dense.correlated_pixels = tracking.correlated_pixels;
   params.dense.significance = tracking.significance;
   params.dense.iterations = tracking.dense_iterations;
@@ -99,7 +65,48 @@ const char* stateName(TrackingState state) {
   return "";
 }
 
-struct PoseTracking::Step {
+struct PoseTracking::Impl {
+  Impl(const std::shared_ptr<const Map>& map, const PoseTrackingParams& params,
+       const GlobalLocalizationParams& localization);
+
+  TrackedPose update(const View& view, double stamp);
+  void relocalize();
+
+  struct Step;  // a view at its place in the map
+
+  TrackedPose track(const View& view, const ViewMotion& motion);
+  void stand(const Eigen::Isometry3d& motion);
+  TrackedPose search(const View& view, const ViewMotion& motion);
+  TrackedPose lose(const View& view, const ViewMotion& motion, const std::string& reason);
+  TrackedPose answer(const View& view, const Step& step) const;
+  void begin(const LikelyPlace& place);
+  bool hasBetterPlace(const View& view, const Step& step);
+  std::vector<LikelyPlace> placesOf(const View& view, std::string& reason) const;
+  bool isSure(const Step& step) const;
+  Step align(const View& view, const PoseWithCovariance& prior) const;
+
+  PoseTrackingParams params_;
+  GlobalLocalization localization_;
+  MapSurroundings surroundings_;
+  Eigen::Matrix3d floor_covariance_;  // of (roll, pitch, height)
+  ViewAlignmentParams alignment_;
+  DepthComparison comparison_;
+  ViewOdometry odometry_;
+  RepeatedLooks looks_;
+  PoseWithCovariance T_w_c_;
+  std::vector<LikelyPlace> candidates_;  // of the last searches, none likely enough yet
+  double stamp_ = 0;
+  double probability_ = 0;
+  double bad_since_ = 0, next_check_ = 0;  // [s]
+  int bad_views_ = 0;
+  bool active_ = false;     // there is a pose
+  bool confirmed_ = false;  // and a second view has agreed with it
+  bool doubtful_ = false;   // the camera has jumped; only a sure agreement with the map counts
+  bool ever_ = false;       // there has been one
+  bool on_floor_ = false;   // the camera of the latest view is mounted as the map's
+};
+
+struct PoseTracking::Impl::Step {
   ViewAlignment alignment;
   Surroundings surroundings;
   DepthAgreement of_map;
@@ -108,25 +115,33 @@ struct PoseTracking::Step {
   bool is_judged = false;  // the map knows enough of them
 };
 
-PoseTracking::PoseTracking(std::shared_ptr<const Map> map, const PoseTrackingParams& params,
-                           const GlobalLocalizationParams& localization, const SensorNoise& noise)
+PoseTracking::Impl::Impl(const std::shared_ptr<const Map>& map, const PoseTrackingParams& params,
+                         const GlobalLocalizationParams& localization)
     : params_(checked(params)),
-      localization_(map, localization, noise),
-      surroundings_(map, DepthComparison(localization.registration.depth, noise.inverse_depth_std)),
+      localization_(map, localization),
+      surroundings_(map, DepthComparison(localization.depth)),
       floor_covariance_(floorCovariance(localization.prior)),
       alignment_(alignmentParams(localization, params)),
-      comparison_(refinedErrors(localization.registration.depth, localization.ranking),
-                  noise.inverse_depth_std),
-      inverse_depth_std_(noise.inverse_depth_std),
-      odometry_(params.odometry, alignment_, comparison_, noise.inverse_depth_std,
-                surroundings_.map().mounting) {}
+      comparison_(refinedErrors(localization.depth, localization.refinement)),
+      odometry_(params.odometry, alignment_, comparison_) {}
 
-void PoseTracking::relocalize() {
+PoseTracking::PoseTracking(std::shared_ptr<const Map> map, const PoseTrackingParams& params,
+                           const GlobalLocalizationParams& localization)
+    : impl_(std::make_unique<Impl>(map, params, localization)) {}
+PoseTracking::PoseTracking(PoseTracking&&) noexcept = default;
+PoseTracking& PoseTracking::operator=(PoseTracking&&) noexcept = default;
+PoseTracking::~PoseTracking() = default;
+
+TrackedPose PoseTracking::update(const View& view, double stamp) { return impl_->update(view, stamp); }
+void PoseTracking::relocalize() { impl_->relocalize(); }
+void PoseTracking::setNumberOfThreads(int n) { impl_->localization_.setNumberOfThreads(n); }
+
+void PoseTracking::Impl::relocalize() {
   active_ = confirmed_ = ever_ = false;
   candidates_.clear();
 }
 
-TrackedPose PoseTracking::update(const View& view, double stamp) {
+TrackedPose PoseTracking::Impl::update(const View& view, double stamp) {
   const double dt = stamp - stamp_;
   stamp_ = stamp;
   if (!surroundings_.anyPose()) {
@@ -137,6 +152,7 @@ TrackedPose PoseTracking::update(const View& view, double stamp) {
   const bool in_time = dt >= 0 && dt <= params_.max_gap;
   if (!in_time) odometry_.reset();
   if (dt < 0) next_check_ = stamp;
+  on_floor_ = view.camera && differenceOf(*view.camera, surroundings_.map().camera).sameMounting();
   ViewMotion motion = odometry_.add(view, in_time ? dt : 0);
   motion.broken = motion.broken || !in_time;
   if (!active_) return search(view, motion);
@@ -147,19 +163,19 @@ TrackedPose PoseTracking::update(const View& view, double stamp) {
 
 // The floor errs alike for a while: what it tells of roll, pitch and height is new by the way that the wheels
 // have gone.
-void PoseTracking::stand(const Eigen::Isometry3d& motion) {
+void PoseTracking::Impl::stand(const Eigen::Isometry3d& motion) {
   constexpr int kFloorModels = 20;
   constexpr double kTurningWheel = 0.2;  // way of a wheel by turning on the spot [m/rad]
   const double way = motion.translation().norm() + kTurningWheel * rotationAngle(motion.linear());
-  if (!(way > 0)) return;
+  if (!(way > 0) || !on_floor_) return;
   const std::optional<FloorPlane> floor = surroundings_.floorNear(T_w_c_.T, kFloorModels, floor_covariance_);
   if (!floor) return;
   const double repeated = std::max(1.0, params_.floor_length / way);
-  T_w_c_ = updatedByFloor(T_w_c_, *surroundings_.map().mounting, *floor, floor_covariance_, repeated);
+  T_w_c_ = updatedByFloor(T_w_c_, *surroundings_.map().camera.mounting, *floor, floor_covariance_, repeated);
 }
 
-TrackedPose PoseTracking::track(const View& view, const ViewMotion& motion) {
-  T_w_c_ = moved(T_w_c_, motion.T_a_b);
+TrackedPose PoseTracking::Impl::track(const View& view, const ViewMotion& motion) {
+  T_w_c_ = T_w_c_ * motion.T_a_b;
   looks_.move(motion.T_a_b.T);
   stand(motion.T_a_b.T);
   if (exceeds(T_w_c_.P, params_.lost_rotation_deg, params_.lost_translation))
@@ -170,7 +186,7 @@ TrackedPose PoseTracking::track(const View& view, const ViewMotion& motion) {
   const double agreement = share(step.of_map);
 
   std::string objection;
-  if (step.is_judged && agreement < (doubtful_ ? params_.sure_map_agreement : params_.min_map_agreement))
+  if (step.is_judged && agreement < (doubtful_ ? params_.sure_agreement : params_.min_agreement))
     objection = "the map contradicts the view";
   else if (doubtful_ && !view.depth.empty() && !isSure(step))
     objection = motion.broken ? "the view contradicts the ones before" : "the map does not confirm the view";
@@ -186,7 +202,7 @@ TrackedPose PoseTracking::track(const View& view, const ViewMotion& motion) {
     if (!confirmed_ || enough) return lose(view, motion, objection);
     step.alignment = {T_w_c_, {}, false};
   }
-  const bool in_doubt = step.is_judged && agreement < params_.sure_map_agreement;
+  const bool in_doubt = step.is_judged && agreement < params_.sure_agreement;
   const bool check = in_doubt && stamp_ >= next_check_;
   if (check && hasBetterPlace(view, step)) {
     TrackedPose out;
@@ -209,34 +225,36 @@ TrackedPose PoseTracking::track(const View& view, const ViewMotion& motion) {
 }
 
 // At a new place what is hidden does not count as nothing: most of the view must be seen in the map.
-bool PoseTracking::isSure(const Step& step) const {
+bool PoseTracking::Impl::isSure(const Step& step) const {
   constexpr double kSeen = 0.7;
-  return step.is_judged && share(step.of_map) >= params_.sure_map_agreement &&
+  return step.is_judged && share(step.of_map) >= params_.sure_agreement &&
          step.of_map.agree >= kSeen * step.of_map.judged();
 }
 
-PoseTracking::Step PoseTracking::align(const View& view, const PoseWithCovariance& prior) const {
+PoseTracking::Impl::Step PoseTracking::Impl::align(const View& view, const PoseWithCovariance& prior) const {
   Step step;
-  step.surroundings = surroundings_.around(view, prior.T, params_.track_models);
+  step.surroundings = surroundings_.around(view, prior.T, params_.models);
   looks_.discount(step.surroundings);
-  step.alignment = alignView(view, step.surroundings, prior, alignment_, inverse_depth_std_);
+  step.alignment = alignView(view, step.surroundings, prior, alignment_);
   step.alignment.T_w_c.P = discounted(prior.P, step.alignment.T_w_c.P, 1 / params_.correlated_views);
   step.of_map = compareWithAll(view.depth, step.alignment.T_w_c.T, step.surroundings.pictures, comparison_,
                                kFineColumns);
   if (view.depth.empty()) return step;
   const int grid = gridStep(view.depth, kFineColumns);
   const int pixels = (view.depth.camera.width / grid) * (view.depth.camera.height / grid);
-  step.is_judged = step.of_map.agree + step.of_map.contradict >= params_.min_map_pixels * pixels;
+  step.is_judged = step.of_map.agree + step.of_map.contradict >= params_.min_known_pixels * pixels;
   return step;
 }
 
-TrackedPose PoseTracking::answer(const View& view, const Step& step) const {
+TrackedPose PoseTracking::Impl::answer(const View& view, const Step& step) const {
   TrackedPose out;
   out.T_w_c = step.alignment.T_w_c;
   out.probability = probability_;
   out.map_agreement = share(step.of_map);
   out.view_agreement = step.view_agreement;
-  out.reason = freeDirections(*out.T_w_c, params_.free_rotation_deg, params_.free_translation);
+  const Eigen::Matrix3d R_c_w = out.T_w_c->T.linear().transpose();
+  out.reason = freeMotions(principalStd(out.T_w_c->P), params_.free_rotation_deg * kDegree,
+                           params_.free_translation, R_c_w);
   if (!out.reason.empty()) out.reason = "nothing in view fixes " + out.reason;
   if (view.segments.empty()) out.reason = "the view shows no planar segment";
   out.state = out.reason.empty() ? TrackingState::tracking : TrackingState::cannot_tell;
@@ -261,7 +279,7 @@ TrackedPose PoseTracking::answer(const View& view, const Step& step) const {
   return out;
 }
 
-TrackedPose PoseTracking::lose(const View& view, const ViewMotion& motion, const std::string& reason) {
+TrackedPose PoseTracking::Impl::lose(const View& view, const ViewMotion& motion, const std::string& reason) {
   active_ = confirmed_ = false;
   candidates_.clear();
   TrackedPose out = search(view, motion);
@@ -270,12 +288,12 @@ TrackedPose PoseTracking::lose(const View& view, const ViewMotion& motion, const
 }
 
 // What one view leaves open the next one may tell: places that views in a row find win over the others.
-TrackedPose PoseTracking::search(const View& view, const ViewMotion& motion) {
+TrackedPose PoseTracking::Impl::search(const View& view, const ViewMotion& motion) {
   TrackedPose out;
   out.state = ever_ ? TrackingState::lost : TrackingState::searching;
   out.searched = true;
   if (motion.broken) candidates_.clear();
-  for (LikelyPlace& place : candidates_) place.T_w_c = moved(place.T_w_c, motion.T_a_b);
+  for (LikelyPlace& place : candidates_) place.T_w_c = place.T_w_c * motion.T_a_b;
   const std::vector<LikelyPlace> found = placesOf(view, out.reason);
   if (found.empty()) return out;
   const int models = static_cast<int>(surroundings_.map().models.size());
@@ -292,7 +310,7 @@ TrackedPose PoseTracking::search(const View& view, const ViewMotion& motion) {
   return out;
 }
 
-std::vector<LikelyPlace> PoseTracking::placesOf(const View& view, std::string& reason) const {
+std::vector<LikelyPlace> PoseTracking::Impl::placesOf(const View& view, std::string& reason) const {
   const Localization found = localization_.localize(view);
   reason = found.reason;
   std::vector<LikelyPlace> places;
@@ -301,7 +319,7 @@ std::vector<LikelyPlace> PoseTracking::placesOf(const View& view, std::string& r
   return places;
 }
 
-void PoseTracking::begin(const LikelyPlace& place) {
+void PoseTracking::Impl::begin(const LikelyPlace& place) {
   T_w_c_ = place.T_w_c;
   looks_.clear();
   probability_ = place.probability;
@@ -312,7 +330,7 @@ void PoseTracking::begin(const LikelyPlace& place) {
 }
 
 // Compares the place that is tracked with what the whole map says; goes there if it is better.
-bool PoseTracking::hasBetterPlace(const View& view, const Step& step) {
+bool PoseTracking::Impl::hasBetterPlace(const View& view, const Step& step) {
   constexpr double kSameTranslation = 0.3, kSameRotation = 5;  // [m, deg]
   next_check_ = stamp_ + params_.check_interval;
   std::string reason;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/registration/repeated_looks.h>
+#include "tracking/repeated_looks.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
-namespace facetloc {
+namespace facetloc::internal {
 
 void RepeatedLooks::discount(Surroundings& surroundings) const {
   constexpr double kMost = 0.9999;  // correlation: keeps covariances finite while the camera stands
@@ -35,4 +35,4 @@ void RepeatedLooks::move(const Eigen::Isometry3d& T_a_b) {
   }
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

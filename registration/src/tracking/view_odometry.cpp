@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "tracking/view_odometry.h"
+
 #include <facetloc/registration/pose_prior.h>
-#include <facetloc/registration/view_odometry.h>
 
 #include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 constexpr int kFewestPixels = 60;     // that must be compared before their agreement says anything
@@ -21,11 +22,8 @@ constexpr double kLeastRotation = 1e-4, kLeastTranslation = 1e-4;  // [rad, m]
 }  // namespace
 
 ViewOdometry::ViewOdometry(const ViewOdometryParams& params, const ViewAlignmentParams& alignment,
-                           const DepthComparison& comparison, double inverse_depth_std,
-                           const std::optional<CameraMounting>& mounting)
-    : params_(params), alignment_(alignment), comparison_(comparison), inverse_depth_std_(inverse_depth_std) {
-  if (mounting) camera_motion_ = cameraMotion(*mounting);
-}
+                           const DepthComparison& comparison)
+    : params_(params), alignment_(alignment), comparison_(comparison) {}
 
 void ViewOdometry::reset() {
   keys_.clear();
@@ -36,16 +34,18 @@ void ViewOdometry::reset() {
 
 ViewMotion ViewOdometry::add(const View& view, double dt) {
   ViewMotion out;
+  camera_motion_.reset();
+  if (view.camera && view.camera->mounting) camera_motion_ = cameraMotion(*view.camera->mounting);
   const PoseWithCovariance predicted = predict(dt);
   PoseWithCovariance T_o_c = predicted;
   if (!keys_.empty()) {
     const Surroundings around_us = around(predicted.T);
-    T_o_c = alignView(view, around_us, predicted, alignment_, inverse_depth_std_).T_w_c;
+    T_o_c = alignView(view, around_us, predicted, alignment_).T_w_c;
     const DepthAgreement found =
         compareWithAll(view.depth, T_o_c.T, around_us.pictures, comparison_, kFineColumns);
     if (found.judged() >= kFewestPixels) {
       out.agreement = found.agree / double(found.judged());
-      out.broken = !(out.agreement >= params_.min_view_agreement);
+      out.broken = !(out.agreement >= params_.min_agreement);
     }
   }
   if (out.broken) {
@@ -168,4 +168,4 @@ void ViewOdometry::takeKey(const View& view) {
   if (static_cast<int>(keys_.size()) > params_.kept_keys) keys_.pop_front();
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

@@ -48,25 +48,30 @@ Intrinsics kinectIntrinsics();
 struct SensorNoise {
   static constexpr double kLeastInverseDepthStd = 1e-7;  ///< less counts as this: disparities stay finite
 
+  static constexpr const char* kTitle = "Noise of the depth camera";
   double inverse_depth_std = 0.5 / kKinectGain;  ///< random error of 1/z [1/m]
   double distortion_offset =
       0.25 / kKinectGain;  ///< smooth distortion of 1/z over the image, constant part [1/m]
   double distortion_slope = 0.5 / kKinectGain;  ///< its part per unit of the normalised ray [1/m]
 
   template <class Self, class Visitor>
-  static void describe(Self& p, Visitor&& field) {
-    field("inverse_depth_std", p.inverse_depth_std, kLeastInverseDepthStd, 1.0,
-          "Random error of inverse depth, standard deviation [1/m]; sigma_z / z^2. Kinect: 0.00142.");
-    field("distortion_offset", p.distortion_offset, 0.0, 1.0,
-          "Smooth distortion of inverse depth, constant part, standard deviation [1/m].");
-    field("distortion_slope", p.distortion_slope, 0.0, 1.0,
-          "Smooth distortion of inverse depth per unit of the normalised ray, standard deviation [1/m].");
+  static void describe(Self& p, Visitor&& visit) {
+    visit("inverse_depth_std", p.inverse_depth_std, kLeastInverseDepthStd, 1.0,
+          "Random error of inverse depth, standard deviation [1/m], which is sigma_z / z^2; 0.00142 for a "
+          "Kinect. "
+          "Tell it for a camera that is noisier and whose noise is smooth over many pixels.");
+    visit("distortion_offset", p.distortion_offset, 0.0, 1.0,
+          "Smooth distortion of inverse depth at the image centre, standard deviation [1/m].");
+    visit("distortion_slope", p.distortion_slope, 0.0, 1.0,
+          "Increase of the smooth distortion of inverse depth per unit of the normalised ray, standard "
+          "deviation "
+          "[1/m].");
   }
   void validate() const { checkRanges(*this); }
 };
 
-/** \brief Covariance of a measured point p [m^2], 3x3, triangulation model in closed form (METHOD 2.2,
- * eq. 2.1): a pancake of the pixel errors plus an elongated term exactly along the viewing ray. Requires p_z
+/** \brief Covariance of a measured point p [m^2], 3x3, triangulation model in closed form (METHOD
+ * 2.3): a pancake of the pixel errors plus an elongated term exactly along the viewing ray. Requires p_z
  * > 0. */
 Eigen::Matrix3d pointCovariance(const Eigen::Vector3d& p, const Intrinsics& camera, double pixel_std,
                                 double inverse_depth_std);
@@ -81,6 +86,24 @@ struct CameraMounting {
   Eigen::Isometry3d T_b_c() const;
   /** \brief Is it the other one, as well as mountings are measured: to 5 cm and 5 deg? */
   bool agreesWith(const CameraMounting& other) const;
+};
+
+/** \brief How a robot with two drive wheels and a caster stands on an uneven floor. */
+struct RobotParams {
+  static constexpr const char* kTitle = "Robot on wheels and its floor";
+  double floor_std = 0.005;        ///< deviation of the floor under each wheel [m]
+  double wheel_track = 0.325;      ///< distance of the drive wheels [m]
+  double caster_distance = 0.165;  ///< of the caster behind the axle [m]
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("floor_std", p.floor_std, 0.0, 1.0,
+          "Unevenness of the floor under each wheel, standard deviation [m].");
+    visit("wheel_track", p.wheel_track, 0.01, 10.0, "Distance of the robot's drive wheels [m].");
+    visit("caster_distance", p.caster_distance, 0.01, 10.0,
+          "Distance of the robot's caster behind the axle of its drive wheels [m].");
+  }
+  void validate() const { checkRanges(*this); }
 };
 
 }  // namespace facetloc

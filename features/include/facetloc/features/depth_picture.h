@@ -3,12 +3,15 @@
 
 #include <facetloc/features/depth_image.h>
 
+#include <Eigen/Geometry>
+
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 namespace facetloc {
 
-/** \brief The small depth picture that a view keeps for dense checks (METHOD_MEASURED 11.4 (5)).
+/** \brief The small depth picture that a view keeps for dense checks (METHOD 4.3).
  *
  * Inverse depth at half the working resolution, in steps of kQuantum, with the smallest and largest value of
  * each 3x3 neighbourhood (5x5 px of the working image), which tolerates silhouettes and lateral errors. 0 =
@@ -17,10 +20,11 @@ struct DepthPicture {
   static constexpr double kQuantum =
       1.0 / 16384;  ///< [1/m]: 0.02 disparity units of a Kinect; reaches to 0.25 m
 
-  Intrinsics camera;                         ///< of the picture itself
-  std::vector<std::uint16_t> inverse_depth;  ///< [kQuantum], row-major
-  std::vector<std::uint16_t> lowest;         ///< over 3x3 known neighbours; derived
-  std::vector<std::uint16_t> highest;        ///< over 3x3 known neighbours; derived
+  Intrinsics camera;                                   ///< of the picture itself
+  std::vector<std::uint16_t> inverse_depth;            ///< [kQuantum], row-major
+  std::vector<std::uint16_t> lowest;                   ///< over 3x3 known neighbours; derived
+  std::vector<std::uint16_t> highest;                  ///< over 3x3 known neighbours; derived
+  double noise_std = SensorNoise().inverse_depth_std;  ///< random error of the inverse depths [1/m]
 
   bool empty() const { return inverse_depth.empty(); }
   /** \brief Of a depth image at working resolution; empty for an empty image. */
@@ -34,5 +38,17 @@ struct DepthPicture {
 private:
   void deriveExtremes();
 };
+
+/** \brief A depth picture and where its camera was. */
+struct PosedPicture {
+  const DepthPicture* picture;
+  Eigen::Isometry3d T_w_c;
+};
+
+/** \brief Root mean square of the noise of two pictures [1/m]: what differences of their inverse depths are
+ * compared with. */
+inline double commonNoise(const DepthPicture& a, const DepthPicture& b) {
+  return std::sqrt((a.noise_std * a.noise_std + b.noise_std * b.noise_std) / 2);
+}
 
 }  // namespace facetloc

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/features/depth_distortion.h>
+#include <facetloc/features/camera.h>
 #include <facetloc/features/depth_picture.h>
 #include <facetloc/features/segment.h>
 
@@ -17,9 +17,14 @@ namespace facetloc {
 /** \brief What one depth image tells: its segments and its small depth picture, in the camera optical frame.
  */
 struct View {
-  Intrinsics camera;              ///< of the working image
-  std::vector<Segment> segments;  ///< sorted by information content, the most useful first (METHOD 10.1)
+  Intrinsics intrinsics;  ///< of the working image
+  std::shared_ptr<const Camera>
+      camera;  ///< by which it was seen; null in a map: the map's; else nothing is known of it
+  std::vector<Segment> segments;  ///< the most useful first, by information content (METHOD 9)
   DepthPicture depth;             ///< may be empty: dense checks are then skipped
+
+  /** \brief Noise of inverse depth that it was seen with [1/m]. */
+  double noise() const { return depth.noise_std; }
 };
 
 /** \brief A pointer to what somebody else keeps. */
@@ -59,9 +64,7 @@ public:
 
 /** \brief A map: local models and links between them. */
 struct Map {
-  std::optional<CameraMounting> mounting;
-  std::optional<DepthDistortion>
-      distortion;  ///< of the camera: taken out of the models' images, to be taken out of others
+  Camera camera;  ///< that its images were taken with; its distortion is taken out of them
   std::vector<LocalModel> models;
   std::vector<Link> links;
   std::map<std::string, std::string>
@@ -72,6 +75,13 @@ struct Map {
   std::shared_ptr<const View> view(int i) const {
     return store ? store->view(i) : borrowed(models[static_cast<std::size_t>(i)].view);
   }
+
+  /** \brief A camera whose images are to be localized in the map: with the distortion that the map has found,
+   * if its optics are those of the map's camera and nothing else is known. */
+  Camera calibrated(Camera of_images) const;
 };
+
+/** \brief A map of nothing but one view, whose camera frame is the world: what a view is registered with. */
+Map mapOf(View view);
 
 }  // namespace facetloc

@@ -41,7 +41,8 @@ bool areIndicesOf(const pcl::PointCloud<PointT>& cloud, const pcl::Indices& indi
                      [n = cloud.size()](auto i) { return i >= 0 && std::size_t(i) < n; });
 }
 
-/** \brief The camera of the input of a PCL class: the given one, or without one that of the points.
+/** \brief The intrinsics of the input of a PCL class: the given ones, or, if nothing is set, those
+ * of the points.
  *
  * \param cloud, indices may be null
  * \param why_not receives a sentence if the result is empty: there is no organized cloud, the indices do not
@@ -49,7 +50,7 @@ bool areIndicesOf(const pcl::PointCloud<PointT>& cloud, const pcl::Indices& indi
  * where they are */
 template <typename PointT>
 std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,
-                                        const std::optional<Intrinsics>& given, std::string& why_not);
+                                        const Intrinsics& given, std::string& why_not);
 
 /** \brief The depth image of an organized cloud: z of every point, 0 where isMeasured() says no. */
 template <typename PointT>

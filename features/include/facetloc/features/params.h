@@ -10,24 +10,76 @@
 namespace facetloc {
 
 /** \file
- * Parameters are plain structs with defaults. Each has one static template
+ * Parameters are plain structs with defaults. A struct of fields is a group; it has a title and a
+ * description,
  *
- *     template <class Self, class Visitor> static void describe(Self& p, Visitor&& field) {
- *       field("name", p.name, lowest, highest, "A sentence with unit and source.");
+ *     static constexpr const char* kTitle = "Kalman update of a pose by one pair of segments";
+ *     template <class Self, class Visitor> static void describe(Self& p, Visitor&& visit) {
+ *       visit("iterations", p.iterations, 1, 100, "A sentence that stands alone, with unit and source.");
  *     }
  *
- * and this one list drives validation, command-line options, parameter files, help texts and what is
- * recorded beside maps and results. Fields are bool, int or double; angles named *_deg are in degrees. */
+ * and a struct of groups visits these by their names, `visit("ekf", p.ekf)`. A field is known by its path in
+ * the struct, `ekf.iterations`. This one list drives validation, command-line options, parameter files, help
+ * texts and what is recorded beside maps and results. Fields are bool, int or double; angles named *_deg are
+ * in degrees. */
 
-/** \brief Throws std::invalid_argument naming the first field that lies outside its range (NaN does). */
+/** \brief What is known of a field beside its value and its range. */
+struct ParamInfo {
+  const std::string& name;  ///< its path, such as "ekf.iterations"
+  const char* group;        ///< title of its group
+  const char* help;
+};
+
+namespace params_detail {
+
+/** Gives each field its path. */
+template <class Function>
+class PathVisitor {
+public:
+  PathVisitor(Function& function, std::string prefix, const char* group)
+      : function_(function), prefix_(std::move(prefix)), group_(group) {}
+
+  template <class Field, class Bound>
+  void operator()(const char* name, Field& field, Bound lowest, Bound highest, const char* help) const {
+    const std::string path = prefix_ + name;
+    function_(ParamInfo{path, group_, help}, field, lowest, highest);
+  }
+  template <class Group>
+  void operator()(const char* name, Group& group) const {
+    Group::describe(group, PathVisitor(function_, prefix_ + name + ".", Group::kTitle));
+  }
+
+private:
+  Function& function_;
+  std::string prefix_;
+  const char* group_;
+};
+
+}  // namespace params_detail
+
+/** \brief Calls a function with (ParamInfo, value, lowest, highest) for each field of a parameter struct.
+ * \param name of the group, for a struct of fields that is no part of a larger one */
+template <class Params, class Function>
+void forEachParam(Params& params, Function&& function, const std::string& name = {}) {
+  std::decay_t<Params>::describe(
+      params, params_detail::PathVisitor<std::remove_reference_t<Function>>(
+                  function, name.empty() ? name : name + ".", std::decay_t<Params>::kTitle));
+}
+
+/** \brief Throws std::invalid_argument naming the first field that lies outside its range (NaN does).
+ * \param name as that of forEachParam() */
 template <class Params>
-void checkRanges(const Params& params) {
-  Params::describe(params, [](const char* name, const auto& value, auto lowest, auto highest, const char*) {
-    if (value >= lowest && value <= highest) return;
-    std::ostringstream message;
-    message << "parameter " << name << " = " << value << " is outside [" << lowest << ", " << highest << "]";
-    throw std::invalid_argument(message.str());
-  });
+void checkRanges(const Params& params, const std::string& name = {}) {
+  forEachParam(
+      params,
+      [](const ParamInfo& info, const auto& value, auto lowest, auto highest) {
+        if (value >= lowest && value <= highest) return;
+        std::ostringstream message;
+        message << "parameter " << info.name << " = " << value << " is outside [" << lowest << ", " << highest
+                << "]";
+        throw std::invalid_argument(message.str());
+      },
+      name);
 }
 
 /** \brief The parameters, which have been checked; for the lists of constructors and for setters. */
@@ -47,13 +99,21 @@ std::string numberText(T value) {
     return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
-/** \brief The parameters as "name = value" lines, in the order of their description. */
+/** \brief The parameters as "name = value" lines below a "[group]" line for each group, in the order of their
+ * description. \param name as that of forEachParam() */
 template <class Params>
-std::string toIni(const Params& params) {
-  std::string out;
-  Params::describe(params, [&out](const char* name, const auto& value, auto, auto, const char*) {
-    out += std::string(name) + " = " + numberText(value) + "\n";
-  });
+std::string toIni(const Params& params, const std::string& name = {}) {
+  std::string out, section;
+  forEachParam(
+      params,
+      [&](const ParamInfo& info, const auto& value, auto, auto) {
+        const auto dot = info.name.rfind('.');
+        const std::string group = dot == std::string::npos ? "" : info.name.substr(0, dot);
+        if (group != section) out += "[" + group + "]\n";
+        section = group;
+        out += info.name.substr(dot == std::string::npos ? 0 : dot + 1) + " = " + numberText(value) + "\n";
+      },
+      name);
   return out;
 }
 

@@ -9,7 +9,7 @@ namespace facetloc {
 
 /** \brief A plane in pixel space: inverse depth (or any multiple of it, disparity) d = a u + b v + c.
  *
- * A plane m . p = 1 of space is exactly such a plane of the image (METHOD 2.3), where noise is homoscedastic.
+ * A plane m . p = 1 of space is exactly such a plane of the image (METHOD 2.4), where noise is homoscedastic.
  */
 struct PixelPlane {
   double a = 0;
@@ -59,7 +59,7 @@ struct PlaneMoments {
     PixelPlane plane;
     double sse = 0;  ///< sum of squared residuals, vertical in d
   };
-  /** \brief Least squares of d on (u, v): METHOD eq. (4.1) in pixel coordinates. Fewer than three pixels, or
+  /** \brief Least squares of d on (u, v): METHOD 5.1 in pixel coordinates. Fewer than three pixels, or
    * pixels on one line, give the horizontal plane through their mean. */
   Fit fit() const {
     if (n < 1) return {};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/camera.h>
 #include <facetloc/features/organized_cloud.h>
 #include <facetloc/features/segment_estimation.h>
 #include <facetloc/features/segment_frame.h>
@@ -9,7 +10,6 @@
 
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,15 +35,14 @@ public:
   /** \brief One label per point of the input cloud, row-major; 0 = none, and so is the largest number, which
    * PCL's segmenters give to points without a region. At most 65535 different ones. */
   void setLabels(const pcl::PointCloud<pcl::Label>::ConstPtr& labels) { labels_ = labels; }
-  /** \brief Intrinsics of the camera; without them they are recovered from the points. */
-  void setIntrinsics(const std::optional<Intrinsics>& camera) { camera_ = camera; }
   void setParams(const SegmentEstimationParams& params) { params_ = checked(params); }
   const SegmentEstimationParams& getParams() const { return params_; }
-  /** \brief The noise of these very points. Images may be noisier than their camera's specification: a
-   * segmenter that estimates it tells, PlanarSegmentation by getSegmentation().noise. Too small a noise gives
-   * too small covariances. */
-  void setSensorNoise(const SensorNoise& noise) { noise_ = noise; }
-  const SensorNoise& getSensorNoise() const { return noise_; }
+  /** \brief By which camera the cloud was seen: a Kinect-class one unless set. Without intrinsics these are
+   * recovered from the points. Its noise should be that of these very points: images may be noisier than
+   * their camera's specification, and a segmenter that estimates the noise tells it, PlanarSegmentation by
+   * getSegmentation().noise. Too small a noise gives too small covariances. */
+  void setCamera(const Camera& camera) { camera_ = camera; }
+  const Camera& getCamera() const { return camera_; }
 
   /** \brief Estimates the frames, the most informative segment first. */
   void compute(PointCloudOut& output);
@@ -62,9 +61,8 @@ private:
   using pcl::PCLBase<PointT>::indices_;
 
   pcl::PointCloud<pcl::Label>::ConstPtr labels_;
-  std::optional<Intrinsics> camera_;
+  Camera camera_;
   SegmentEstimationParams params_;
-  SensorNoise noise_;
   std::vector<std::uint32_t> used_labels_;
   std::string status_;
 };

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/features/camera_model.h>
+#include <facetloc/features/camera.h>
 
 #include <filesystem>
-#include <optional>
 
 namespace facetloc {
 
@@ -16,10 +15,8 @@ namespace facetloc {
  *
  * (several pairs on one line are accepted, as written here). */
 struct CameraFile {
-  Intrinsics intrinsics;
+  Camera camera;              ///< without distortion; noise and mounting as far as they are given
   double depth_scale = 1000;  ///< PNG value per metre
-  std::optional<CameraMounting> mounting;
-  std::optional<double> inverse_depth_std;  ///< [1/m]
 };
 
 /** \brief Throws IoError with the line for unknown keys, missing keys, values that are no numbers or

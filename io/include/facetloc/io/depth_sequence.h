@@ -25,7 +25,7 @@ struct FrameFile {
 
 /** \brief A sequence of depth images on disk, in the order of their stamps.
  *
- * Accepted: a folder with depth/ in it (DESIGN 4); a folder of PNGs or organized PCDs; a single PNG or PCD
+ * Accepted: a folder with depth/ in it; a folder of PNGs or organized PCDs; a single PNG or PCD
  * file; an .oni recording, whose frames are named by their time stamps, in seconds with 6 decimals; a text
  * file (.txt, .lst) with one path per line, relative to the list; # starts a comment line. Where
  * names are no numbers, folders are in the order of the names and lists in their own. camera.ini is looked
@@ -61,7 +61,7 @@ private:
 };
 
 /** \brief Reads one 16-bit depth PNG; value / depth_scale = metres, 0 = not measured. */
-DepthImage readDepthPng(const std::filesystem::path& path, const CameraFile& camera);
+DepthImage readDepthPng(const std::filesystem::path& path, const CameraFile& file);
 /** \brief Writes depth as a 16-bit PNG at the given scale; what does not fit 16 bits becomes 0. */
 void writeDepthPng(const std::filesystem::path& path, const DepthImage& image, double depth_scale);
 /** \brief Reads one organized PCD; intrinsics from the points unless given. Throws IoError for unorganized

@@ -17,12 +17,12 @@ namespace facetloc {
  * longer than everything else about adding a model, and any thread can do it. The picture is to have the size
  * that its camera says. */
 struct PackedModel {
-  LocalModel model;                 ///< of view.depth the camera alone
+  LocalModel model;                 ///< of view.depth the camera and the noise alone
   std::vector<std::uint8_t> depth;  ///< empty if there is no depth picture
 };
 PackedModel packed(LocalModel model);
 
-/** \brief A map file (*.flmap): one SQLite database, DESIGN 5. All functions throw IoError with file and
+/** \brief A map file (*.flmap): one SQLite database. All functions throw IoError with file and
  * cause.
  *
  * Writing: one transaction per local model, so that a process killed at any time leaves a sound map of the
@@ -32,7 +32,7 @@ class MapDatabase {
 public:
   static constexpr int kApplicationId = 0x464C4D50;  ///< "FLMP"
   static constexpr int kMajor = 1;
-  static constexpr int kMinor = 2;
+  static constexpr int kMinor = 3;
 
   /** \brief Creates a new, empty map; refuses an existing file unless overwrite is set. */
   static MapDatabase create(const std::filesystem::path& path, bool overwrite = false);
@@ -43,8 +43,8 @@ public:
   ~MapDatabase();
 
   void setMeta(const std::string& key, const std::string& value);
-  void setMounting(const CameraMounting& mounting);
-  void setDistortion(const DepthDistortion& distortion);
+  /** \brief All that is known of the camera of the map's images; takes the place of what was set before. */
+  void setCamera(const Camera& camera);
   /** \brief Keeps what PlaceIndex::write() writes, so that it need not be made when the map is opened. It is
    * lost when a model is added. */
   void setPlaceIndex(const std::function<void(std::ostream&)>& write);

@@ -12,7 +12,7 @@
 
 namespace facetloc {
 
-/** \brief One line of RESULTS/hypotheses.csv (DESIGN 4). rank 1 = best; rank 0 = no hypothesis, with a
+/** \brief One line of RESULTS/hypotheses.csv. rank 1 = best; rank 0 = no hypothesis, with a
  * reason. */
 struct ResultRow {
   std::string frame;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <facetloc/features/depth_distortion.h>
-#include <facetloc/registration/dense_refinement.h>
+#include <facetloc/features/depth_picture.h>
 
 #include <optional>
 #include <vector>

@@ -1,13 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/registration/candidate_pairs.h>
+#include <facetloc/features/camera.h>
+#include <facetloc/features/pose.h>
 
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace facetloc {
+
+/** \brief A pair (scene segment, model segment) that may be the same surface. */
+struct SegmentPair {
+  int scene = 0;
+  int model = 0;
+  double distance = 0;  ///< squared Mahalanobis distance of the planes
+};
 
 /** \brief A pose of the scene camera relative to a local model, with what speaks for it. */
 struct Hypothesis {
@@ -17,7 +25,7 @@ struct Hypothesis {
   std::vector<SegmentPair> pairs;          ///< that took part in the estimate
   std::vector<int> found_by;               ///< local models with a hypothesis of this place, once merged
   bool depth_assisted = false;             ///< one translation comes from dense depth, not from planes
-  double consensus = 0;                    ///< sum of the segments' log likelihood ratios, or METHOD 11.1
+  double consensus = 0;                    ///< sum of the segments' log likelihood ratios; or METHOD 10.5
   double free_space = 0;                   ///< what the depth of its own local model says against it [nats]
   double evidence = 0;                     ///< of the nearest local models, which takes the place of that
   double score = 0;                        ///< what the list is ranked by
@@ -28,6 +36,7 @@ struct Hypothesis {
 struct Localization {
   std::vector<Hypothesis> hypotheses;  ///< best first
   std::string reason;                  ///< why there is no hypothesis; empty if there is one
+  CameraDifference camera;             ///< what the view's camera has to do with the map's
 };
 
 }  // namespace facetloc

@@ -8,21 +8,22 @@ namespace facetloc {
 
 /** \brief When an image becomes a local model: the paper's rule. */
 struct MapBuilderParams {
-  double min_distance = 0.5;           ///< from the latest local model [m]
-  double min_rotation_deg = 15;        ///< from the latest local model
+  static constexpr const char* kTitle = "Images that become local models, and their poses";
+  double distance = 0.5;               ///< from the latest local model [m]
+  double rotation_deg = 15;            ///< from the latest local model
   double pose_rotation_std_deg = 0.5;  ///< accuracy of the given poses, recorded in the links
   double pose_translation_std = 0.02;  ///< [m]
 
   template <class Self, class Visitor>
-  static void describe(Self& p, Visitor&& field) {
-    field("model_distance", p.min_distance, 0.0, 1e3,
-          "An image this far from the latest local model becomes one [m].");
-    field("model_rotation_deg", p.min_rotation_deg, 0.0, 180.0,
-          "An image turned this far from the latest local model becomes one [deg].");
-    field("pose_rotation_std_deg", p.pose_rotation_std_deg, 1e-6, 180.0,
-          "Accuracy of the given poses, standard deviation [deg].");
-    field("pose_translation_std", p.pose_translation_std, 1e-6, 1e3,
-          "Accuracy of the given poses, standard deviation [m].");
+  static void describe(Self& p, Visitor&& visit) {
+    visit("distance", p.distance, 0.0, 1e3,
+          "Distance from the latest local model at which an image becomes one [m].");
+    visit("rotation_deg", p.rotation_deg, 0.0, 180.0,
+          "Rotation from the latest local model at which an image becomes one [deg].");
+    visit("pose_rotation_std_deg", p.pose_rotation_std_deg, 1e-6, 180.0,
+          "Accuracy of the orientation of the given poses, standard deviation [deg].");
+    visit("pose_translation_std", p.pose_translation_std, 1e-6, 1e3,
+          "Accuracy of the position of the given poses, standard deviation [m].");
   }
   void validate() const { checkRanges(*this); }
 };

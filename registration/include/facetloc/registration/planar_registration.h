@@ -5,15 +5,13 @@
 #include <facetloc/registration/ranked_registration.h>
 #include <facetloc/segmentation/view_builder.h>
 
-#include <optional>
-
 namespace facetloc {
 
 /** \brief Registers organized clouds by their planes: the drop-in where code holds a
  * pcl::Registration<PointT, PointT>.
  *
  * Source and target are depth images as organized clouds; they need no overlap guess better than the prior,
- * no normals and no search tree. The intrinsics are recovered from the points unless set. Indices restrict
+ * no normals and no search tree. Indices restrict
  * the source's points. */
 template <typename PointT>
 class PlanarRegistration : public RankedRegistration<PointT> {
@@ -24,18 +22,20 @@ public:
 
   void setViewParams(const ViewParams& params) { view_params_ = checked(params); }
   const ViewParams& getViewParams() const { return view_params_; }
-  void setIntrinsics(const std::optional<Intrinsics>& camera) { camera_ = camera; }
+  /** \brief By which camera both clouds are seen: a Kinect-class one unless set. Without intrinsics these are
+   * recovered from the points. */
+  void setCamera(const Camera& camera) { camera_ = camera; }
+  const Camera& getCamera() const { return camera_; }
   /** \brief Width that clouds are subsampled to before segmentation [px]; 0 = full size. 320 unless set. */
   void setWorkingWidth(int width) { working_width_ = width; }
 
 protected:
   View makeView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices,
                 std::string& why_empty) override;
-  SensorNoise sensorNoise() const override { return view_params_.noise; }
 
 private:
   ViewParams view_params_;
-  std::optional<Intrinsics> camera_;
+  Camera camera_;
   int working_width_ = 320;
 };
 

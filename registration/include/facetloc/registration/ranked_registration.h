@@ -121,7 +121,6 @@ protected:
   /** \brief The view of the chosen points of a cloud, or without segments and why there are none. */
   virtual View makeView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices,
                         std::string& why_empty) = 0;
-  virtual SensorNoise sensorNoise() const { return {}; }
   /** \brief Moves one point and turns its normal; points with more than these override it. */
   virtual void transformPoint(const Eigen::Isometry3d& T, PointT& p) const {
     p.getVector3fMap() = (T * p.getVector3fMap().template cast<double>()).template cast<float>();

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/camera.h>
 #include <facetloc/features/organized_cloud.h>
 #include <facetloc/segmentation/plane_segmenter.h>
 #include <facetloc/segmentation/segmentation.h>
-
-#include <optional>
 
 namespace facetloc {
 
@@ -29,13 +28,13 @@ public:
 
   void setParams(const SegmentationParams& params) { params_ = checked(params); }
   const SegmentationParams& getParams() const { return params_; }
-  void setSensorNoise(const SensorNoise& noise) { noise_ = noise; }
-  const SensorNoise& getSensorNoise() const { return noise_; }
+  /** \brief By which camera the clouds are seen: a Kinect-class one unless set. Without intrinsics these are
+   * recovered from the points; mounting and distortion do not matter here. */
+  void setCamera(const Camera& camera) { camera_ = camera; }
+  const Camera& getCamera() const { return camera_; }
   /** \brief Smallest segment [points at 320x240, scaled with the size of the cloud]. */
-  void setMinInliers(unsigned n) { params_.min_support = n; }
-  unsigned getMinInliers() const { return static_cast<unsigned>(params_.min_support); }
-  /** \brief Intrinsics of the camera; without them they are recovered from the points. */
-  void setIntrinsics(const std::optional<Intrinsics>& camera) { camera_ = camera; }
+  void setMinInliers(unsigned n) { params_.labels.min_support = n; }
+  unsigned getMinInliers() const { return static_cast<unsigned>(params_.labels.min_support); }
 
   void segment(std::vector<pcl::PointIndices>& segments) override;
   void segment(std::vector<pcl::PointIndices>& segments,
@@ -55,8 +54,7 @@ private:
   bool compute();
 
   SegmentationParams params_;
-  SensorNoise noise_;
-  std::optional<Intrinsics> camera_;
+  Camera camera_;
   LabelledPlanes result_;
 };
 

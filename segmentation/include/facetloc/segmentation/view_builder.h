@@ -1,37 +1,41 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/features/depth_distortion.h>
+#include <facetloc/features/camera.h>
 #include <facetloc/features/local_model.h>
 #include <facetloc/features/segment_estimation.h>
 #include <facetloc/segmentation/plane_segmenter.h>
 
+#include <memory>
 #include <optional>
 
 namespace facetloc {
 
-/** \brief Parameters of the way from a depth image to a view. */
-struct ViewParams {
-  SensorNoise noise;
-  SegmentationParams segmentation;
+/** \brief Parameters of the way from a depth image to a view. The smallest support of a segment is that of
+ * its labels. */
+struct ViewParams : SegmentationParams {
+  static constexpr const char* kTitle = "From a depth image to its segments";
   SegmentEstimationParams features;
-  std::optional<DepthDistortion> distortion;  ///< of the camera; taken out of its images first
 
   template <class Self, class Visitor>
-  static void describe(Self& p, Visitor&& field) {
-    SensorNoise::describe(p.noise, field);
-    SegmentationParams::describe(p.segmentation, field);
-    SegmentEstimationParams::describe(p.features, field);
+  static void describe(Self& p, Visitor&& visit) {
+    SegmentationParams::describe(p, visit);
+    visit("features", p.features);
   }
   void validate() const { checkRanges(*this); }
 };
 
-/** \brief Depth image -> view: correction of a known distortion, segmentation, features, small depth picture.
- * Keeps its buffers; one per thread. */
+/** \brief Depth image -> view: correction of the camera's distortion, segmentation, features, small depth
+ * picture.
+ *
+ *     facetloc::ViewBuilder builder(map->calibrated(camera));  // to localize the view in a map
+ *     const facetloc::View view = builder.build(image);
+ *
+ * The view knows its camera and the noise that it was seen with. Keeps its buffers; one per thread. */
 class ViewBuilder {
 public:
   /** \brief Throws std::invalid_argument for a parameter out of its range. */
-  explicit ViewBuilder(const ViewParams& params = {});
+  explicit ViewBuilder(const Camera& camera = {}, const ViewParams& params = {});
 
   /** \brief An empty or all-invalid image gives a view without segments, never an error. */
   View build(const DepthImage& image);
@@ -42,13 +46,14 @@ public:
   /** \brief The segmentation of the last image, its labels renumbered: label k is segment k - 1 of the view.
    */
   const LabelledPlanes& segmentation() const { return segmentation_; }
+  const Camera& camera() const { return *camera_; }
   double segmentMilliseconds() const { return segment_ms_; }    ///< of the last image
   double featuresMilliseconds() const { return features_ms_; }  ///< of the last image
 
 private:
   void renumber();
 
-  ViewParams params_;
+  std::shared_ptr<const Camera> camera_;
   std::optional<DepthCorrection> correction_;
   PlaneSegmenter segmenter_;
   SegmentEstimation estimation_;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/pose.h>
 #include <facetloc/features/segment.h>
-#include <facetloc/features/so3.h>
 
 #include <Eigen/Eigenvalues>
 
@@ -12,7 +12,7 @@
 #include <vector>
 
 /** \file
- * The exact overlap criterion of METHOD 9.3, the oracle for the fast one. */
+ * The exact overlap criterion, the oracle for that of ellipses (registration/METHOD 4.2). */
 namespace facetloc::test {
 
 using Polygon = std::vector<Eigen::Vector2d>;
@@ -82,7 +82,7 @@ inline bool outlinesMeet(const Segment& scene, const Segment& model, const Eigen
                                  outlineIn(model, scene, T_m_c, shrink))) == 0;
 }
 
-/** \brief Squared overlap distance of METHOD 9.3: from the origin to the set of displacements that make both
+/** \brief Squared overlap distance, exact: from the origin to the set of displacements that make both
  * outlines meet, in units of the in-plane uncertainty; accepted up to 9.21. */
 inline double exactOverlapDistance(const Segment& scene, const Segment& model,
                                    const PoseWithCovariance& T_m_c, double shrink = 0.8) {

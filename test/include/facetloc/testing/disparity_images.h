@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/segmentation/disparity_image.h>
+#include "disparity_image.h"
+
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_depth.h>
 
 #include <cmath>
 
 namespace facetloc::test {
+
+using namespace internal;
 
 /** \brief An image of the given size with nothing measured. */
 inline DisparityImage blankDisparity(int width, int height) {

@@ -31,7 +31,7 @@ inline std::vector<SegCompImage> readSegComp(const std::filesystem::path& folder
     std::istringstream fields(line);
     SegCompImage image;
     CameraFile camera;
-    Intrinsics& c = camera.intrinsics;
+    Intrinsics& c = camera.camera.intrinsics;
     fields >> image.name >> c.fx >> c.fy >> c.cx >> c.cy >> camera.depth_scale;
     image.truth = readGreyPng(folder / "labels" / (image.name + ".png"));
     c.width = image.truth.width;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 namespace facetloc::test {
 
@@ -14,6 +15,14 @@ inline View viewFrom(const Scene& scene, const Eigen::Isometry3d& T_w_c, unsigne
                      double farthest = 20) {
   const DepthImage image = render(scene, smallCamera(), T_w_c, farthest).image;
   return ViewBuilder().build(noisy(image, SensorNoise{}.inverse_depth_std, seed));
+}
+
+/** \brief The view as that of a camera which is mounted so. */
+inline View mounted(View view, const CameraMounting& mounting) {
+  Camera camera = view.camera ? *view.camera : Camera();
+  camera.mounting = mounting;
+  view.camera = std::make_shared<const Camera>(camera);
+  return view;
 }
 
 /** \brief A corridor along y, 1.8 m wide and 2.4 m high, without ends. */

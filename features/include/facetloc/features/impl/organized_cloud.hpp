@@ -70,7 +70,7 @@ bool isImageOf(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera, d
 
 template <typename PointT>
 std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,
-                                        const std::optional<Intrinsics>& given, std::string& why_not) {
+                                        const Intrinsics& given, std::string& why_not) {
   const auto none = [&why_not](const char* why) -> std::optional<Intrinsics> {
     why_not = why;
     return {};
@@ -78,12 +78,13 @@ std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, co
   if (!cloud || cloud->empty()) return none("no input cloud");
   if (!isOrganized(*cloud)) return none("the cloud is not organized");
   if (indices && !areIndicesOf(*cloud, *indices)) return none("the indices do not fit the cloud");
-  if (given && !given->valid()) return none("the camera that was set is impossible");
-  if (given && (given->width != int(cloud->width) || given->height != int(cloud->height)))
+  const bool is_set = given != Intrinsics();
+  if (is_set && !given.valid()) return none("the camera that was set is impossible");
+  if (is_set && (given.width != int(cloud->width) || given.height != int(cloud->height)))
     return none("the camera that was set has not the size of the cloud");
-  if (given && !isImageOf(*cloud, *given, kCalibrationError * given->width))
+  if (is_set && !isImageOf(*cloud, given, kCalibrationError * given.width))
     return none("the points are not where the camera that was set sees them");
-  const std::optional<Intrinsics> camera = given ? given : recoverIntrinsics(*cloud);
+  const std::optional<Intrinsics> camera = is_set ? given : recoverIntrinsics(*cloud);
   if (!camera) return none("the camera of the cloud is not known and not to be had from its points");
   return camera;
 }

@@ -16,7 +16,8 @@ void SegmentFrameEstimation<PointT>::compute(PointCloudOut& output) {
   used_labels_.clear();
   status_.clear();
   if (input_) this->initCompute();  // which complains aloud of none
-  const std::optional<Intrinsics> camera = cameraOfInput(input_.get(), indices_.get(), camera_, status_);
+  const std::optional<Intrinsics> camera =
+      cameraOfInput(input_.get(), indices_.get(), camera_.intrinsics, status_);
   if (!camera) return;
   if (!labels_ || labels_->size() != input_->size()) {
     status_ = "there must be one label per point of the input cloud";
@@ -39,7 +40,7 @@ void SegmentFrameEstimation<PointT>::compute(PointCloudOut& output) {
   }
   this->deinitCompute();
   std::vector<int> used;
-  output = toCloud(estimateSegments(depthImage(*input_, *camera), labels, noise_, params_, &used));
+  output = toCloud(estimateSegments(depthImage(*input_, *camera), labels, camera_.noise, params_, &used));
   for (const int label : used) used_labels_.push_back(given[static_cast<std::size_t>(label) - 1]);
   output.header = input_->header;
   output.sensor_origin_ = input_->sensor_origin_;

@@ -12,7 +12,8 @@ namespace facetloc {
 
 /** \brief Errors of the simulated camera, those of a structured-light sensor. */
 struct SimulatedNoise {
-  double factor = 1;           ///< raises the random noise, the distortion and the noise of silhouettes
+  static constexpr const char* kTitle = "Errors of the simulated camera";
+  double noise_factor = 1;     ///< raises the random noise, the distortion and the noise of silhouettes
   double disparity_std = 0.5;  ///< random noise of the disparity [DU = 1/8 px of a Kinect]
   double correlation_px =
       2.0;                  ///< its correlation length: a matching window of 9 px [px at 640x480]; 0 = white
@@ -28,26 +29,26 @@ struct SimulatedNoise {
   double max_depth = 8.0;             ///< [m]
 
   template <class Self, class Visitor>
-  static void describe(Self& p, Visitor&& field) {
-    field("noise_factor", p.factor, 0.0, 20.0,
+  static void describe(Self& p, Visitor&& visit) {
+    visit("noise_factor", p.noise_factor, 0.0, 20.0,
           "Factor of the random noise, the distortion and the noise of silhouettes.");
-    field("disparity_std", p.disparity_std, 0.0, 20.0, "Random noise of the disparity [1/8 px of a Kinect].");
-    field("correlation_px", p.correlation_px, 0.0, 20.0, "Correlation length of the noise [px]; 0 = white.");
-    field("distortion", p.distortion, 0.0, 20.0,
+    visit("disparity_std", p.disparity_std, 0.0, 20.0, "Random noise of the disparity [1/8 px of a Kinect].");
+    visit("correlation_px", p.correlation_px, 0.0, 20.0, "Correlation length of the noise [px]; 0 = white.");
+    visit("distortion", p.distortion, 0.0, 20.0,
           "Smooth fixed distortion of the disparity, standard deviation [1/8 px].");
-    field("quantization", p.quantization, 0.0, 20.0, "Step of the disparity [1/8 px]; 0 = none.");
-    field("edge_std_px", p.edge_std_px, 0.0, 10.0, "Lateral noise of silhouettes [px].");
-    field("grazing_dropout_deg", p.grazing_dropout_deg, 10.0, 90.0,
-          "Surfaces seen at a larger angle from their normal are lost [deg].");
-    field("grazing_spread_deg", p.grazing_spread_deg, 0.0, 30.0,
-          "By how much that angle differs from patch to patch, standard deviation [deg].");
-    field("dark_range", p.dark_range, 0.0, 100.0,
-          "Dark surfaces seen at a right angle are lost in patches farther away [m]; 0 = never.");
-    field("projector_baseline", p.projector_baseline, 0.0, 1.0,
+    visit("quantization", p.quantization, 0.0, 20.0, "Step of the disparity [1/8 px]; 0 = none.");
+    visit("edge_std_px", p.edge_std_px, 0.0, 10.0, "Lateral noise of silhouettes [px].");
+    visit("grazing_dropout_deg", p.grazing_dropout_deg, 10.0, 90.0,
+          "Angle from its normal beyond which a surface is lost [deg].");
+    visit("grazing_spread_deg", p.grazing_spread_deg, 0.0, 30.0,
+          "Spread of the angle at which surfaces are lost from patch to patch, standard deviation [deg].");
+    visit("dark_range", p.dark_range, 0.0, 100.0,
+          "Distance beyond which dark surfaces seen at a right angle are lost in patches [m]; 0 = never.");
+    visit("projector_baseline", p.projector_baseline, 0.0, 1.0,
           "Distance of the projector from the camera, which causes shadows [m].");
-    field("random_dropout", p.random_dropout, 0.0, 1.0, "Share of pixels lost at random.");
-    field("min_depth", p.min_depth, 0.0, 100.0, "Nearest depth measured [m].");
-    field("max_depth", p.max_depth, 0.1, 1000.0, "Farthest depth measured [m].");
+    visit("random_dropout", p.random_dropout, 0.0, 1.0, "Share of pixels lost at random.");
+    visit("min_depth", p.min_depth, 0.0, 100.0, "Nearest depth measured [m].");
+    visit("max_depth", p.max_depth, 0.1, 1000.0, "Farthest depth measured [m].");
   }
   void validate() const { checkRanges(*this); }
 };

@@ -13,31 +13,27 @@ namespace facetloc {
 
 /** \brief How a robot with a camera drives, and when it takes an image. */
 struct DriveParams {
-  double camera_height = 1.0;      ///< [m]
-  double camera_tilt_deg = 10;     ///< downwards
-  double step = 0.5;               ///< an image is taken after so much driving [m] ...
-  double turn_deg = 5;             ///< ... or turning, as in the paper
-  double sway_deg = 0;             ///< amplitude of the heading about the line that is driven
-  double sway_length = 5;          ///< period of that [m]
-  double clearance = 0.5;          ///< from walls and boxes of a room [m]
-  double floor_std = 0.005;        ///< deviation of the floor under each wheel [m]
-  double wheel_track = 0.325;      ///< [m]
-  double caster_distance = 0.165;  ///< [m]
+  static constexpr const char* kTitle = "Drive of the robot";
+  double camera_height = 1.0;   ///< [m]
+  double camera_tilt_deg = 10;  ///< downwards
+  double step = 0.5;            ///< an image is taken after so much driving [m] ...
+  double turn_deg = 5;          ///< ... or turning, as in the paper
+  double sway_deg = 0;          ///< amplitude of the heading about the line that is driven
+  double sway_length = 5;       ///< period of that [m]
+  double clearance = 0.5;       ///< from walls and boxes of a room [m]
+  RobotParams robot;
 
   template <class Self, class Visitor>
-  static void describe(Self& p, Visitor&& field) {
-    field("camera_height", p.camera_height, 0.0, 100.0, "Height of the camera above the floor [m].");
-    field("camera_tilt_deg", p.camera_tilt_deg, -90.0, 90.0, "Tilt of the camera downwards [deg].");
-    field("step", p.step, 0.01, 10.0, "An image is taken after so much driving ... [m].");
-    field("turn_deg", p.turn_deg, 0.1, 180.0, "... or turning [deg].");
-    field("sway_deg", p.sway_deg, 0.0, 90.0, "Amplitude of the heading about the line that is driven [deg].");
-    field("sway_length", p.sway_length, 0.1, 1000.0, "Period of that along the line [m].");
-    field("clearance", p.clearance, 0.0, 10.0,
+  static void describe(Self& p, Visitor&& visit) {
+    visit("camera_height", p.camera_height, 0.0, 100.0, "Height of the camera above the floor [m].");
+    visit("camera_tilt_deg", p.camera_tilt_deg, -90.0, 90.0, "Tilt of the camera downwards [deg].");
+    visit("step", p.step, 0.01, 10.0, "Way of the robot after which an image is taken [m].");
+    visit("turn_deg", p.turn_deg, 0.1, 180.0, "Turn of the robot after which an image is taken [deg].");
+    visit("sway_deg", p.sway_deg, 0.0, 90.0, "Amplitude of the heading about the line that is driven [deg].");
+    visit("sway_length", p.sway_length, 0.1, 1000.0, "Period of the swaying heading along the line [m].");
+    visit("clearance", p.clearance, 0.0, 10.0,
           "Distance that the robot keeps from walls and boxes of a room [m].");
-    field("floor_std", p.floor_std, 0.0, 1.0,
-          "Unevenness of the floor under each wheel, standard deviation [m].");
-    field("wheel_track", p.wheel_track, 0.01, 10.0, "Distance of the drive wheels [m].");
-    field("caster_distance", p.caster_distance, 0.01, 10.0, "Distance of the caster behind the axle [m].");
+    visit("robot", p.robot);
   }
   void validate() const { checkRanges(*this); }
   CameraMounting mounting() const { return {camera_height, camera_tilt_deg}; }
@@ -45,15 +41,17 @@ struct DriveParams {
 
 /** \brief A drive in time: the camera takes images by the clock, whatever the robot does. */
 struct PaceParams {
+  static constexpr const char* kTitle = "Continuous drive in time";
   double rate = 30;           ///< images per second
   double speed = 0.5;         ///< straight on [m/s]
   double turn_rate_deg = 45;  ///< on the spot [deg/s]
 
   template <class Self, class Visitor>
-  static void describe(Self& p, Visitor&& field) {
-    field("rate", p.rate, 0.1, 1000.0, "Images per second of the continuous drive.");
-    field("speed", p.speed, 0.01, 10.0, "Its speed straight on [m/s].");
-    field("turn_rate_deg", p.turn_rate_deg, 1.0, 360.0, "Its speed of turning on the spot [deg/s].");
+  static void describe(Self& p, Visitor&& visit) {
+    visit("rate", p.rate, 0.1, 1000.0, "Images per second of the continuous drive.");
+    visit("speed", p.speed, 0.01, 10.0, "Speed of the continuous drive straight on [m/s].");
+    visit("turn_rate_deg", p.turn_rate_deg, 1.0, 360.0,
+          "Turn rate of the continuous drive on the spot [deg/s].");
   }
   void validate() const { checkRanges(*this); }
 };

@@ -97,11 +97,8 @@ Matrix6d RankedRegistration<PointT>::getFinalCovariance() const {
 template <typename PointT>
 void RankedRegistration<PointT>::computeTransformation(PointCloudSource& output, const Matrix4& guess) {
   reset("");
-  auto map = std::make_shared<Map>();
-  map->models.resize(1);
-  map->models[0].T_w_m = Eigen::Isometry3d::Identity();
   std::string source_fault, target_fault;
-  map->models[0].view = makeView(*target_, nullptr, target_fault);
+  const auto map = std::make_shared<const Map>(mapOf(makeView(*target_, nullptr, target_fault)));
   const View scene = makeView(*input_, use_indices_ ? indices_.get() : nullptr, source_fault);
   if (!indices_fit_) source_fault = "the indices do not fit the cloud";
 
@@ -116,7 +113,7 @@ void RankedRegistration<PointT>::computeTransformation(PointCloudSource& output,
   else if (!source_fault.empty())
     answer_.reason = "source: " + source_fault;
   else
-    answer_ = GlobalLocalization(map, params_, sensorNoise()).localize(scene, prior);
+    answer_ = GlobalLocalization(map, params_).localize(scene, prior);
 
   converged_ = !answer_.hypotheses.empty();
   nr_iterations_ = converged_ ? 1 : 0;

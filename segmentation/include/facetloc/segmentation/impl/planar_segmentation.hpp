@@ -12,7 +12,8 @@ bool PlanarSegmentation<PointT>::compute() {
   result_ = {};
   status_.clear();
   if (input_) this->initCompute();  // which complains aloud of none
-  const std::optional<Intrinsics> camera = cameraOfInput(input_.get(), indices_.get(), camera_, status_);
+  const std::optional<Intrinsics> camera =
+      cameraOfInput(input_.get(), indices_.get(), camera_.intrinsics, status_);
   if (!camera) return false;
   DepthImage image = depthImage(*input_, *camera);
   if (!this->fake_indices_) {
@@ -21,7 +22,7 @@ bool PlanarSegmentation<PointT>::compute() {
     image.depth.swap(wanted);
   }
   this->deinitCompute();
-  PlaneSegmenter(params_, noise_).segment(image, result_);
+  PlaneSegmenter(params_, camera_.noise).segment(image, result_);
   if (result_.planes.empty()) status_ = "no planar segment of the minimum support";
   return true;
 }

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/so3.h>
+
+#include <Eigen/Geometry>
+
+#include <string>
+
+namespace facetloc {
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+/** \file
+ * Poses, and all that is done with their covariances. The order is (rotation, translation), in radians and
+ * metres; perturbations are left and decoupled: R <- Exp(d phi) R, t <- t + d t (METHOD 1.3). */
+
+/** \brief A pose T_a_b and the covariance of its left, decoupled perturbation (d phi, d t) in frame a. */
+struct PoseWithCovariance {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  Matrix6d P = Matrix6d::Zero();
+};
+
+/** \brief True if two poses are no farther apart than that [m, deg]. */
+bool isNear(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double translation, double rotation_deg);
+
+/** \brief T moved by a left, decoupled perturbation (d phi, d t). Its rotation stays orthonormal, however
+ * often this is done. */
+Eigen::Isometry3d perturbed(const Eigen::Isometry3d& T, const Vector6d& d);
+
+/** \brief The left, decoupled perturbation that leads from T0 to T: perturbed(T0, d) = T. */
+Vector6d perturbation(const Eigen::Isometry3d& T0, const Eigen::Isometry3d& T);
+
+/** \brief Covariance of a left, decoupled perturbation in axes that are turned: R maps the old ones into the
+ * new ones. */
+Matrix6d turned(const Eigen::Matrix3d& R, const Matrix6d& P);
+
+/** \brief The pose of c in a, where T_a_b is exact. */
+PoseWithCovariance operator*(const Eigen::Isometry3d& T_a_b, const PoseWithCovariance& T_b_c);
+
+/** \brief The pose of c in a, of two independent poses: an error of the first one's rotation swings the way
+ * of the second. */
+PoseWithCovariance operator*(const PoseWithCovariance& T_a_b, const PoseWithCovariance& T_b_c);
+
+/** \brief Adjoint of a rigid transform for coupled twists (phi, t): Ad(T_a_b) maps one of frame b, in its
+ * axes, into that of frame a for the same motion of a rigid body. */
+Matrix6d adjoint(const Eigen::Isometry3d& T_a_b);
+
+/** \brief Inverse of a symmetric positive definite matrix, symmetric to the last bit. */
+Matrix6d symmetricInverse(const Matrix6d& A);
+
+/** \brief Standard deviation along the direction in which it is largest. */
+double largestStd(const Eigen::Matrix3d& covariance);
+/** \brief Largest standard deviation of the orientation [rad], about any axis, and of the position [m]. */
+double largestRotationStd(const Matrix6d& P);
+double largestTranslationStd(const Matrix6d& P);
+
+/** \brief How well a pose is known along its principal directions, rotation and translation each by itself;
+ * in ascending order. */
+struct PrincipalStd {
+  Eigen::Vector3d rotation = Eigen::Vector3d::Constant(1e6);       ///< [rad]
+  Eigen::Matrix3d rotation_axes = Eigen::Matrix3d::Identity();     ///< columns, in frame a
+  Eigen::Vector3d translation = Eigen::Vector3d::Constant(1e6);    ///< [m]
+  Eigen::Matrix3d translation_axes = Eigen::Matrix3d::Identity();  ///< columns, in frame a
+
+  /** \brief True if no direction is less certain than that [rad, m]. */
+  bool within(double max_rotation, double max_translation) const {
+    return rotation[2] <= max_rotation && translation[2] <= max_translation;
+  }
+  /** \brief True if orientation and two translations are as certain as that, and the third is not. */
+  bool oneTranslationFree(double max_rotation, double max_translation) const {
+    return rotation[2] <= max_rotation && translation[1] <= max_translation &&
+           translation[2] > max_translation;
+  }
+};
+PrincipalStd principalStd(const Matrix6d& P);
+
+/** \brief The motions that are less certain than that [rad, m], in words, such as "rotation about (0.00,
+ * 1.00, 0.00), translation along (1.00, 0.02, 0.00)"; empty if there is none. \param R turns axes of frame a
+ * into those of the words. */
+std::string freeMotions(const PrincipalStd& known, double max_rotation, double max_translation,
+                        const Eigen::Matrix3d& R = Eigen::Matrix3d::Identity());
+
+}  // namespace facetloc

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/camera.h>
+
+#include <array>
+#include <charconv>
+
+namespace facetloc {
+namespace {
+
+constexpr double kMuchNoisier = 1.3;  // a Kinect's images have up to 1.2 times what its specification says
+
+std::string decimals(double value, int n) {
+  std::array<char, 32> text{};
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, n).ptr;
+  return {text.data(), end};
+}
+
+}  // namespace
+
+CameraDifference differenceOf(const Camera& of_view, const Camera& of_map, double noise_std) {
+  using Mounting = CameraDifference::Mounting;
+  CameraDifference d;
+  if (of_map.mounting) {
+    if (!of_view.mounting)
+      d.mounting = Mounting::unknown;
+    else
+      d.mounting = of_view.mounting->agreesWith(*of_map.mounting) ? Mounting::same : Mounting::other;
+  }
+  if (of_map.distortion && of_view.intrinsics.valid()) {
+    d.same_optics = of_map.distortion->fits(of_view.intrinsics);
+    d.distortion_is_left_in = d.same_optics && !of_view.distortion;
+  }
+  d.noise_ratio =
+      (noise_std > 0 ? noise_std : of_view.noise.inverse_depth_std) / of_map.noise.inverse_depth_std;
+  return d;
+}
+
+std::vector<std::string> inWords(const CameraDifference& d, const Camera& of_view, const Camera& of_map) {
+  using Mounting = CameraDifference::Mounting;
+  std::vector<std::string> words;
+  if (d.mounting == Mounting::other)
+    words.push_back("the cameras are mounted differently, " + inWords(*of_view.mounting) +
+                    ", and in the map " + inWords(*of_map.mounting) + ": the prior is isotropic");
+  if (d.mounting == Mounting::unknown)
+    words.push_back("the mounting of the images' camera is unknown: the prior is isotropic");
+  if (!d.same_optics)
+    words.push_back(
+        "the images are of other optics than the map's: the distortion that the map knows is left in them");
+  if (d.distortion_is_left_in)
+    words.push_back("the distortion that the map knows of this camera was not taken out of the images");
+  if (d.noise_ratio > kMuchNoisier)
+    words.push_back("the images are " + decimals(d.noise_ratio, 1) +
+                    " times as noisy as the map's camera: fewer answers are sure");
+  return words;
+}
+
+std::string inWords(const CameraMounting& mounting) {
+  return decimals(mounting.height, 3) + " m above the floor, " + decimals(mounting.tilt_deg, 1) + " deg down";
+}
+
+}  // namespace facetloc

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/pose.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace facetloc {
+namespace {
+
+// A direction whose sign means nothing: its largest component is shown positive.
+std::string directionText(const Eigen::Vector3d& v) {
+  int largest = 0;
+  v.cwiseAbs().maxCoeff(&largest);
+  const Eigen::Vector3d d = v[largest] < 0 ? Eigen::Vector3d(-v) : v;
+  std::string text;
+  for (int i = 0; i < 3; ++i) {
+    char number[16];
+    const double rounded = std::round(100 * d[i]) / 100 + 0.0;  // adding zero makes -0 positive
+    const auto end = std::to_chars(number, number + sizeof number, rounded, std::chars_format::fixed, 2).ptr;
+    text += (i == 0 ? "(" : ", ") + std::string(number, end);
+  }
+  return text + ")";
+}
+
+}  // namespace
+
+Matrix6d turned(const Eigen::Matrix3d& R, const Matrix6d& P) {
+  Matrix6d out;
+  for (const int row : {0, 3})
+    for (const int column : {0, 3})
+      out.block<3, 3>(row, column) = R * P.block<3, 3>(row, column) * R.transpose();
+  return out;
+}
+
+PoseWithCovariance operator*(const Eigen::Isometry3d& T_a_b, const PoseWithCovariance& T_b_c) {
+  return {T_a_b * T_b_c.T, turned(T_a_b.linear(), T_b_c.P)};
+}
+
+bool isNear(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double translation, double rotation_deg) {
+  return (a.translation() - b.translation()).norm() <= translation &&
+         rotationAngle(a.linear() * b.linear().transpose()) <= rotation_deg * kDegree;
+}
+
+Eigen::Isometry3d perturbed(const Eigen::Isometry3d& T, const Vector6d& d) {
+  Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
+  out.linear() = Eigen::Quaterniond(expSO3(d.head<3>()) * T.linear()).normalized().toRotationMatrix();
+  out.translation() = T.translation() + d.tail<3>();
+  return out;
+}
+
+Vector6d perturbation(const Eigen::Isometry3d& T0, const Eigen::Isometry3d& T) {
+  Vector6d d;
+  d << logSO3(T.linear() * T0.linear().transpose()), T.translation() - T0.translation();
+  return d;
+}
+
+// To first order, with the left, decoupled perturbations of both factors: d phi = d phi_1 + R d phi_2,
+// d t = d t_1 + R d t_2 - [R t_2]x d phi_1.
+PoseWithCovariance operator*(const PoseWithCovariance& T_a_b, const PoseWithCovariance& T_b_c) {
+  const Eigen::Matrix3d R = T_a_b.T.linear();
+  Matrix6d F = Matrix6d::Identity();
+  F.bottomLeftCorner<3, 3>() = -skew(R * T_b_c.T.translation());
+  return {T_a_b.T * T_b_c.T, F * T_a_b.P * F.transpose() + turned(R, T_b_c.P)};
+}
+
+Matrix6d adjoint(const Eigen::Isometry3d& T_a_b) {
+  Matrix6d Ad = Matrix6d::Zero();
+  Ad.topLeftCorner<3, 3>() = Ad.bottomRightCorner<3, 3>() = T_a_b.linear();
+  Ad.bottomLeftCorner<3, 3>() = skew(T_a_b.translation()) * T_a_b.linear();
+  return Ad;
+}
+
+Matrix6d symmetricInverse(const Matrix6d& A) {
+  const Matrix6d inverse = A.ldlt().solve(Matrix6d::Identity());
+  return 0.5 * (inverse + inverse.transpose());
+}
+
+double largestStd(const Eigen::Matrix3d& covariance) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eig;
+  eig.computeDirect(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, eig.eigenvalues()[2]));
+}
+
+double largestRotationStd(const Matrix6d& P) { return largestStd(P.topLeftCorner<3, 3>()); }
+double largestTranslationStd(const Matrix6d& P) { return largestStd(P.bottomRightCorner<3, 3>()); }
+
+PrincipalStd principalStd(const Matrix6d& P) {
+  PrincipalStd out;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eig;
+  eig.computeDirect(P.topLeftCorner<3, 3>());
+  out.rotation = eig.eigenvalues().cwiseMax(0).cwiseSqrt();
+  out.rotation_axes = eig.eigenvectors();
+  eig.computeDirect(P.bottomRightCorner<3, 3>());
+  out.translation = eig.eigenvalues().cwiseMax(0).cwiseSqrt();
+  out.translation_axes = eig.eigenvectors();
+  return out;
+}
+
+std::string freeMotions(const PrincipalStd& known, double max_rotation, double max_translation,
+                        const Eigen::Matrix3d& R) {
+  std::string text;
+  const auto add = [&](const char* motion, const Eigen::Vector3d& v) {
+    text += (text.empty() ? "" : ", ") + std::string(motion) + directionText(R * v);
+  };
+  for (int i = 0; i < 3; ++i)
+    if (!(known.rotation[i] <= max_rotation)) add("rotation about ", known.rotation_axes.col(i));
+  for (int i = 0; i < 3; ++i)
+    if (!(known.translation[i] <= max_translation)) add("translation along ", known.translation_axes.col(i));
+  return text;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/params.h>
+
+namespace facetloc {
+
+/** \brief Which local models a view is registered with, in which order, and when no more are asked. */
+struct ShortlistParams {
+  static constexpr const char* kTitle = "Shortlist of local models that a view is registered with";
+  int size = 40;                   ///< most local models that a view is registered with; 0 = always all
+  int examined_models = 200;       ///< of larger maps than are aligned: best aligned models that are examined
+  double examined_gap = 20;        ///< score below the best of these at which one is hopeless [nats]
+  double gap = 1.2;                ///< alignment score below the best at which a local model is hopeless
+  int exhaustive_up_to = 5;        ///< local models of a map that is small
+  int aligned_models = 3000;       ///< local models that are aligned with a view
+  int first_models = 10;           ///< likeliest ones that a view is registered with first
+  double sure_probability = 0.95;  ///< of a place that they show, with which no others are asked
+  double start_translation = 0.2;  ///< how well an alignment tells the position, standard deviation [m]
+  double start_rotation_deg = 3;   ///< and the heading
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("size", p.size, 0, 100000000,
+          "Largest number of local models that a view is registered with; 0 registers with all of them, "
+          "which is "
+          "slower and overlooks nothing.");
+    visit("examined_models", p.examined_models, 1, 100000000,
+          "In maps of more than aligned_models: number of best aligned local models that are examined by all "
+          "planes.");
+    visit("examined_gap", p.examined_gap, 0.0, 1e6,
+          "Score below the best examined local model at which one is left out [nats].");
+    visit("gap", p.gap, 0.0, 1e6,
+          "Score of its quick alignment below the best at which a local model is left out.");
+    visit("exhaustive_up_to", p.exhaustive_up_to, 0, 100000000,
+          "Number of local models up to which a view is registered with all of them.");
+    visit(
+        "aligned_models", p.aligned_models, 1, 100000000,
+        "Largest number of local models, chosen by votes and outlook, that a view is aligned with quickly.");
+    visit("first_models", p.first_models, 1, 100000000,
+          "Number of likeliest local models that a view is registered with before any others.");
+    visit("sure_probability", p.sure_probability, 0.0, 1.0,
+          "Probability of a place among the likeliest local models at which no others are asked.");
+    visit("start_translation", p.start_translation, 0.0, 100.0,
+          "Error of the position that a quick alignment tells, standard deviation [m]; 0 searches about the "
+          "prior.");
+    visit("start_rotation_deg", p.start_rotation_deg, 0.01, 180.0,
+          "Error of the heading that a quick alignment tells, standard deviation [deg].");
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+}  // namespace facetloc

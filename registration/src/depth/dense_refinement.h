@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/depth_picture.h>
+#include <facetloc/features/pose.h>
+#include <facetloc/registration/depth_params.h>
+
+#include <vector>
+
+namespace facetloc::internal {
+
+/** \brief Refines the pose of a scene by the inverse depths of pictures whose poses are known: moves a grid
+ * of the scene's pixels into each of them and reduces the differences there, robustly, the plane-based
+ * estimate being the prior.
+ *
+ * A plane has an inverse depth that is linear in the pixel, so that a difference of inverse depths divided by
+ * the noise is the same measurement everywhere in the image. A pixel may at first differ by what the prior's
+ * covariance predicts, and in the end by the sensor's error alone.
+ *
+ * \param pose T_w_c of the scene, which is updated, and its covariance, which is the prior and stays as it
+ *        is: these are the pixels that the planes were fitted to, not new ones
+ * \param information if given, what the pixels tell of the pose found, without the prior: the inverse of the
+ *        covariance that they alone would give
+ * \return false, and no change, if no picture shares pixels with the scene. */
+bool refineByDepth(const DepthPicture& scene, const std::vector<PosedPicture>& pictures,
+                   const DenseRefinementParams& params, PoseWithCovariance& pose,
+                   Matrix6d* information = nullptr);
+
+}  // namespace facetloc::internal

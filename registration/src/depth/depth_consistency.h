@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/depth_picture.h>
+#include <facetloc/registration/depth_params.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace facetloc::internal {
+
+/** \brief Result of moving the pixels of one picture into another. */
+struct DepthAgreement {
+  int agree = 0;
+  int contradict = 0;     ///< predicted nearer than measured: the other camera looked through it
+  int occluded = 0;       ///< predicted farther: behind what the other camera saw
+  double likelihood = 0;  ///< sum of bounded Gaussian log likelihoods of the error [nats]
+
+  DepthAgreement& operator+=(const DepthAgreement& o) {
+    agree += o.agree, contradict += o.contradict, occluded += o.occluded, likelihood += o.likelihood;
+    return *this;
+  }
+  int judged() const { return agree + contradict + occluded; }
+  int net() const { return agree - 5 * contradict; }  ///< METHOD 9
+};
+
+enum class DepthVerdict : signed char { outside, agree, contradict, occluded };
+using DepthVerdicts = std::vector<DepthVerdict>;
+
+/** \brief By how much two inverse depths may differ. */
+struct DepthErrors {
+  double absolute = 0;  ///< error of a predicted inverse depth that is the same at all distances [1/m]
+  double relative = 0;  ///< error that grows with the predicted inverse depth, as a share of it
+  double gate = 0;      ///< largest difference that still counts as agreement [errors]
+
+  /** \brief Error of a predicted inverse depth [1/m]. */
+  double of(double predicted) const { return absolute + relative * predicted; }
+  /** \brief Largest difference from a predicted inverse depth that still counts as agreement [1/m]. */
+  double tolerance(double predicted) const { return gate * of(predicted); }
+};
+
+/** \brief Compares pictures, each by the noise that it was seen with. */
+class DepthComparison {
+public:
+  explicit DepthComparison(const DepthConsistencyParams& params) : params_(params) {}
+
+  /** \brief Moves every pixel on a grid of so many columns from a into b. Nothing is counted where b is
+   * unknown. */
+  DepthAgreement compare(const DepthPicture& a, const DepthPicture& b, const Eigen::Isometry3d& T_b_a,
+                         int columns) const;
+  /** \brief Both directions. */
+  DepthAgreement compareBoth(const DepthPicture& a, const DepthPicture& b, const Eigen::Isometry3d& T_b_a,
+                             int columns) const;
+  DepthErrors errorsBetween(const DepthPicture& a, const DepthPicture& b) const {
+    return {params_.absolute_error * commonNoise(a, b), params_.relative_error, params_.gate};
+  }
+  double farthest() const { return 1 / params_.max_depth; }  ///< smallest inverse depth compared [1/m]
+
+private:
+  DepthConsistencyParams params_;
+};
+
+/** \brief The verdicts of picture b on the pixels of picture a, seen from T_b_a. Both must outlive it. */
+class DepthJudge {
+public:
+  DepthJudge(const DepthComparison& comparison, const DepthPicture& a, const DepthPicture& b,
+             const Eigen::Isometry3d& T_b_a);
+
+  DepthVerdict operator()(int u, int v) const;
+  /** \brief Of the pixels step / 2, step / 2 + step, ... of row v. Adds to likelihood, if given, the bounded
+   * log likelihoods of their errors [nats]. */
+  void row(int v, int step, DepthVerdicts& out, double* likelihood = nullptr) const;
+
+  /** \brief Where the pixels of a appear in b, in numbers: R ray(u, v) = across u + down v + origin. */
+  struct Geometry {
+    float across[3], down[3], origin[3], t[3];
+    float fx, fy, cx, cy;  // of b, moved by half a pixel
+    int width, height;
+    const std::uint16_t *lowest, *highest;
+    float farthest, absolute_error, relative_error, unit_error, gate;
+  };
+
+private:
+  const DepthPicture& a_;
+  Geometry g_;
+};
+
+constexpr int kFineColumns = 40;    ///< an 8 px grid at 320x240
+constexpr int kCoarseColumns = 20;  ///< a 16 px grid at 320x240
+
+/** \brief Spacing of a grid of so many columns in a picture. */
+inline int gridStep(const DepthPicture& p, int columns) { return std::max(1, p.camera.width / columns); }
+
+/** \brief Number of the points step / 2, step / 2 + step, ... of a grid in a row or column of that size. */
+inline int gridPoints(int size, int step) { return size > step / 2 ? (size - step / 2 - 1) / step + 1 : 0; }
+
+}  // namespace facetloc::internal

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "depth/dense_refinement.h"
+#include "depth/depth_consistency.h"
+#include "nearby/nearby_models.h"
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/registration/hypothesis.h>
+#include <facetloc/registration/localization_params.h>
+
+#include <memory>
+#include <vector>
+
+namespace facetloc::internal {
+
+/** \brief How depth is compared at a pose that all pixels have refined. */
+DepthConsistencyParams refinedErrors(DepthConsistencyParams depth, const PlaceRefinementParams& params);
+
+/** \brief Makes the hypotheses of all local models of a map one ranked list of places. Never changes; all
+ * functions are thread-safe. */
+class PlaceRanking {
+public:
+  PlaceRanking(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params);
+
+  /** \brief The whole of it: evidence, merging, refinement, probabilities. A place that has evidence and was
+   * found by n local models, each for itself, gets w_s ln n more [nats]. */
+  void rank(const View& scene, std::vector<Hypothesis>& hypotheses) const;
+
+  /** \brief Scores the best hypotheses by the depth of the local models nearest to their world poses,
+   * whichever generated them, instead of their own model's alone (METHOD 11.1). The score is the
+   * consensus minus
+   *
+   *     w_c (ln(1 + c / c_0) + mean ln(1 + c_m / c_0)) + w_o mean ln(1 + o_m / c_0) + w_d d   [nats]
+   *
+   * c: share of the scene's pixels that contradict the models (more of them than agree with it); c_m, o_m:
+   * share of model m's pixels that contradict the scene, and that are hidden in it; d: share of the scene's
+   * pixels that are compared and do not agree. The mean is over models, not over pixels: a passer-by in one
+   * of them spoils its own term only. A pose that hardly any pixel tests counts as contradicted like most
+   * wrong ones.
+   *
+   * Hypotheses beyond the best ones get the least evidence of those. False, and no change, where there is
+   * none: no world poses, no depth. */
+  bool addEvidence(const View& scene, std::vector<Hypothesis>& hypotheses) const;
+
+  /** \brief Refines the poses of the best places by all pixels (refineByDepth) and weighs their evidence
+   * again, with the errors that a refined pose leaves; merges and scores. For places that have evidence. */
+  void refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses) const;
+
+private:
+  /** \brief A local model near a place. */
+  struct Neighbour {
+    std::shared_ptr<const View> view;
+    Eigen::Isometry3d T_w_m;
+  };
+  std::vector<Neighbour> neighbours(const Eigen::Isometry3d& T_w_c) const;
+  double evidence(const View& scene, const std::vector<Neighbour>& neighbours, const Eigen::Isometry3d& T_w_c,
+                  const DepthComparison& comparison) const;
+  void refine(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h) const;
+  int viewpoints(const std::vector<int>& models) const;
+  void score(std::vector<Hypothesis>& places) const;
+  std::size_t hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const;
+
+  std::shared_ptr<const Map> map_;
+  GlobalLocalizationParams params_;
+  DepthComparison comparison_, refined_comparison_;
+  NearbyModels near_;
+};
+
+/** \brief Sorts by score and merges hypotheses of one place into the best of them, which tells which local
+ * models have found it. */
+void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypotheses);
+
+/** \brief Score at which a place that has evidence is as likely as none of the list [nats]:
+ *
+ *     S_0 = max(least_null_score, null_score + runners_up_weight * mean score of the next best places).
+ *
+ * What those score is a sample of what wrong places score in this view, in this map: a bare view, and a large
+ * map, has many that score high, and the best one has to score higher to be believed. */
+double nullScore(const ProbabilityParams& params, const std::vector<Hypothesis>& sorted);
+
+/** \brief Gives each place of a sorted list its probability: softmax of slope times score, with a null place.
+ */
+void assignProbabilities(double slope, double null_score, std::vector<Hypothesis>& hypotheses);
+
+}  // namespace facetloc::internal

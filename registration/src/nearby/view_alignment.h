@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "depth/dense_refinement.h"
+#include "depth/depth_consistency.h"
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/registration/hypothesis.h>
+#include <facetloc/registration/pair_params.h>
+
+#include <memory>
+#include <vector>
+
+namespace facetloc::internal {
+
+/** \brief The views of one place, as one: a view shares some planes with one of them and some with another.
+ */
+struct Surroundings {
+  /** \brief Where a segment comes from. */
+  struct Origin {
+    int view = 0;     ///< index among the views
+    int segment = 0;  ///< index in that view
+  };
+  std::vector<Segment> segments;                   ///< of all of them, in world axes
+  std::vector<Origin> origins;                     ///< of each segment
+  std::vector<PosedPicture> pictures;              ///< of those that have one
+  std::vector<std::shared_ptr<const View>> views;  ///< whose pictures these are
+
+  /** \brief Adds view number `index`, taken at T_w_c. */
+  void add(int index, std::shared_ptr<const View> view, const Eigen::Isometry3d& T_w_c);
+};
+
+/** \brief How a view is aligned with its surroundings. */
+struct ViewAlignmentParams {
+  MatchingParams matching;
+  DenseRefinementParams dense;
+};
+
+/** \brief Where a view is in its surroundings. */
+struct ViewAlignment {
+  PoseWithCovariance T_w_c;
+  std::vector<SegmentPair> pairs;  ///< (segment of the view, segment of the surroundings)
+  bool dense = false;              ///< depth pixels took part
+};
+
+/** \brief Aligns a view with its surroundings: first all planes that they have in common (refineJointly),
+ * then all pixels (refineByDepth), which see what is no plane.
+ *
+ * \param prior T_w_c and its covariance
+ * \return the pose with the covariance of everything; the prior where nothing is in common. */
+ViewAlignment alignView(const View& view, const Surroundings& surroundings, const PoseWithCovariance& prior,
+                        const ViewAlignmentParams& params);
+
+/** \brief What several pictures say together of each pixel of one, on a grid of so many columns: contradicted
+ * if more of them contradict than agree, else agreed if one agrees. */
+DepthAgreement compareWithAll(const DepthPicture& scene, const Eigen::Isometry3d& T_w_c,
+                              const std::vector<PosedPicture>& others, const DepthComparison& comparison,
+                              int columns);
+
+/** \brief How far apart two cameras can be that have much in common. */
+struct ViewReach {
+  double distance;  ///< of their centres [m]
+  double angle;     ///< of their viewing directions [rad]
+};
+constexpr ViewReach kTrackingReach{4, 60 * kDegree};
+
+/** \brief Distance of two cameras by what they see [m]: that of their centres, and 1.5 m per radian between
+ * their viewing directions (METHOD 8.4); infinite beyond the reach. */
+double viewDistance(const Eigen::Isometry3d& T_w_a, const Eigen::Isometry3d& T_w_b,
+                    const ViewReach& reach = kTrackingReach);
+
+}  // namespace facetloc::internal

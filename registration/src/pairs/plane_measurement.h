@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/segment.h>
+
+namespace facetloc::internal {
+
+using Matrix36d = Eigen::Matrix<double, 3, 6>;
+
+/** \file
+ * The measurement equation of the paper, h(F, F', w, q, q') = 0 (15): a scene segment F and a model segment
+ * F' are one plane. w = T_m_c is the pose of the scene camera in the model, with the left, decoupled
+ * perturbation of pose.h.
+ *
+ * With u the scene's normal in model axes and delta = R t_F + t - t' between the centroids (METHOD 3.2):
+ * h = (x'.u - n'_1, y'.u - n'_2, r + m.t_F - u.(t' - t) - r'): two tilts and the distance of the model's
+ * centroid from the scene's plane. (h_1, h_2) = 0 also for opposite normals: always test u.z' > 0 as well. */
+
+/** \brief Jacobians of h: H by (d phi, d t), E by q, E_model by q' (METHOD 3.2-3.3). */
+struct PlaneJacobians {
+  Matrix36d H;
+  Eigen::Matrix3d E;
+  Eigen::Matrix3d E_model;
+};
+
+/** \brief h for disturbed planes, eqs. (10), (11), (14); with Jacobians if asked for. */
+Eigen::Vector3d planeResidual(const Segment& scene, const Segment& model, const Eigen::Isometry3d& T_m_c,
+                              const Eigen::Vector3d& q, const Eigen::Vector3d& q_model,
+                              PlaneJacobians* jacobians = nullptr);
+
+/** \brief The measurement at q = q' = 0 with its noise W = E Sigma_q E^T + E' Sigma_q' E'^T. */
+struct PlaneMeasurement {
+  Eigen::Vector3d h;
+  Matrix36d H;
+  Eigen::Matrix3d W;
+};
+
+/** \brief Evaluates the measurement; false if the normals differ by more than the given cosine allows. */
+bool measurePlane(const Segment& scene, const Segment& model, const Eigen::Isometry3d& T_m_c,
+                  double min_cosine, PlaneMeasurement& out);
+
+/** \brief Squared Mahalanobis distance of the offset h_3 alone, with its variance enlarged by slack^2 [m^2].
+ * Never larger than that of all three components, and much cheaper: it rejects most pairs before anything
+ * else is computed. */
+double offsetDistance(const Segment& scene, const Segment& model, const PoseWithCovariance& T_m_c,
+                      double slack = 0);
+
+/** \brief Squared Mahalanobis distance d^2 = h^T (H P H^T + W)^-1 h under the pose uncertainty P
+ * (METHOD 3.4), ~ chi2(3) for a correct pair. */
+double innovationDistance(const PlaneMeasurement& m, const Matrix6d& P);
+
+}  // namespace facetloc::internal

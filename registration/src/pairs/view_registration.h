@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "pairs/consensus.h"
+#include "pairs/depth_alignment.h"
+#include "pairs/hypothesis_tree.h"
+#include "pairs/joint_refinement.h"
+
+#include <facetloc/registration/localization_params.h>
+
+namespace facetloc::internal {
+
+/** \brief Registers a view with one local model: match, search, refine, complete by depth, score. Never
+ * changes; thread-safe. */
+class ViewRegistration {
+public:
+  explicit ViewRegistration(const ViewRegistrationParams& params = {});
+  const ViewRegistrationParams& params() const { return params_; }
+  const HypothesisScore& score() const { return *score_; }
+
+  /** \brief False if the planes of a view tell so little that align() has no answer, whatever the model. */
+  bool mayFixPose(const Query& query) const;
+
+  /** \param start about where correspondences are looked for: the query's prior, or what else tells the pose
+   * \return hypotheses by decreasing score (consensus and free-space term; no world pose, no probability) */
+  std::vector<Hypothesis> align(const Query& query, const View& model, const PoseWithCovariance& start) const;
+  std::vector<Hypothesis> align(const Query& query, const View& model) const {
+    return align(query, model, query.prior);
+  }
+  /** \brief The hypothesis next to a start, from all pairs that agree there, without a search; none if no
+   * pair does. Its score is that of align(), from fewer pixels. A tenth of the work of align(). */
+  std::optional<Hypothesis> alignFrom(const PoseWithCovariance& start, const Query& query,
+                                      const View& model) const;
+
+private:
+  void addComplete(const Query& query, const View& model, const std::vector<PoseNode>& complete,
+                   std::vector<Hypothesis>& hypotheses) const;
+  void addDistinct(Hypothesis&& h, std::vector<Hypothesis>& hypotheses) const;
+  void completeByDepth(const Query& query, const View& model, const std::vector<PoseNode>& incomplete,
+                       std::vector<Hypothesis>& hypotheses) const;
+
+  ViewRegistrationParams params_;
+  DepthComparison comparison_;
+  std::shared_ptr<const HypothesisScore> score_;
+};
+
+/** \brief Which motions of the camera the segments of a view leave free, in words and camera axes, such as
+ * "translation along (1.00, 0.02, 0.00)"; empty if they, with what is known without them, fix all six degrees
+ * of freedom. */
+std::string unconstrainedDirections(const Query& query, const HypothesisTreeParams& params);
+
+}  // namespace facetloc::internal

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "shortlist/place_signature.h"
+
+#include <limits>
+#include <vector>
+
+namespace facetloc::internal {
+
+/** \brief How one place may be laid over another: a turn about the vertical, then a move on the floor. */
+struct PlaceAlignment {
+  float score = std::numeric_limits<float>::lowest();  ///< lowest if nothing can be laid over anything
+  float heading = 0;                                   ///< of the scene's upright frame in the model's [rad]
+  float x = 0, y = 0;                                  ///< of its origin [m]
+};
+
+/** \brief A quick look whether two views may show the same place: about a hundredth of the work of a
+ * registration, and not as good.
+ *
+ * Pairs of walls vote for a heading, then for a position: a pair leaves a line of positions, as long as both
+ * walls overlap there, and ends of walls that fit leave a point. The best positions are made exact by least
+ * squares and compared in depth, each view's coarse picture in the other's. Keeps its buffers; one per
+ * thread. The same signatures give the same answer. */
+class PlaceAligner {
+public:
+  /** \param scene must outlive the aligner */
+  explicit PlaceAligner(const PlaceSignature& scene);
+  /** \param least score that is of use: of a model that scores less, that it does is all that is told */
+  PlaceAlignment align(const PlaceSignature& model, float least = std::numeric_limits<float>::lowest());
+
+private:
+  /** Two walls that may be one. */
+  struct Pair {
+    float turn;            ///< heading of the model's wall less that of the scene's [rad]
+    float move;            ///< offset of the model's wall less that of the scene's [m]
+    float slide0, slide1;  ///< moves along the model's wall with which the two overlap [m]
+    float weight;
+    const Wall* scene;
+    const Wall* model;
+  };
+  /** A pair that agrees with a heading, and what else of it counts there. */
+  struct ParallelPair : Pair {
+    float cosine, sine;  ///< of the heading of the model's wall
+    float walls;         ///< worth of the walls and their edges, in walls
+    float right, left;   ///< moves along the wall that lay ends over ends, or NaN [m]
+  };
+  struct Pose {
+    float turn, x, y, support;
+  };
+
+  static int findAlike(const WallColumns& walls, const Wall& wall, int* alike);
+  void findPairs(const PlaceSignature& model);
+  void findTurns();
+  void findPositions(float turn);
+  void refine(Pose& pose) const;
+
+  const PlaceSignature& scene_;
+  const WallColumns scene_walls_;
+  PointColumns scene_points_, model_points_;
+  std::vector<int> alike_;
+  std::vector<Pair> pairs_;
+  std::vector<ParallelPair> parallel_;
+  std::vector<float> turns_, grid_;
+  std::vector<Pose> poses_;
+};
+
+}  // namespace facetloc::internal

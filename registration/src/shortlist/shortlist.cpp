@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shortlist/shortlist.h"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <exception>
+#include <limits>
+
+namespace facetloc::internal {
+
+void forEachInParallel(int n, int threads, const std::function<void(int)>& function) {
+  std::vector<std::exception_ptr> failure(static_cast<std::size_t>(n));
+  const int used = std::min(n, threads > 0 ? threads : omp_get_num_procs());
+#pragma omp parallel for schedule(dynamic) num_threads(used) if (used > 1)
+  for (int i = 0; i < n; ++i) try {
+      function(i);
+    } catch (...) {
+      failure[i] = std::current_exception();
+    }
+  for (const std::exception_ptr& f : failure)
+    if (f) std::rethrow_exception(f);
+}
+
+Shortlist::Shortlist(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params)
+    : map_(std::move(map)), params_(params), registration_(params), start_(params.prior) {
+  const ShortlistParams& shortlist = params.shortlist;
+  start_.translation_std = shortlist.start_translation;
+  start_.rotation_std_deg = shortlist.start_rotation_deg;
+  const std::optional<CameraMounting>& mounting = map_->camera.mounting;
+  PoseWithCovariance usual;
+  usual.P = posePrior(mounting, params.prior);
+  if (shortlist.size > 0 && mounting && PlaceIndex::covers(usual) &&
+      map_->models.size() > static_cast<std::size_t>(shortlist.exhaustive_up_to))
+    index_ = std::make_shared<PlaceIndex>(PlaceIndex::of(*map_, shortlist, params.prior));
+}
+
+std::vector<Batch> Shortlist::batches(const Query& query, bool on_floor, int threads) const {
+  if (!registration_.mayFixPose(query)) return {{}};
+  std::vector<Candidate> models;
+  if (index_ && on_floor) models = listed(query, threads);
+  if (models.empty()) return {allModels(query)};
+  std::sort(models.begin(), models.end(),  // as if the others had given no hypothesis
+            [](const Candidate& a, const Candidate& b) { return a.model < b.model; });
+  // Only the joint refinement estimates a pose without where it was looked for.
+  const bool from_starts = params_.steps.joint_refinement;
+  std::vector<Batch> out(2);
+  for (const Candidate& c : models)
+    out[c.rank < params_.shortlist.first_models ? 0 : 1].push_back(
+        {c.model, c.start && from_starts ? startOf(c) : query.prior});
+  if (out[1].empty()) out.pop_back();
+  return out;
+}
+
+Batch Shortlist::batch(const Query& query, bool on_floor, int threads) const {
+  if (!registration_.mayFixPose(query)) return {};
+  std::vector<Candidate> models;
+  if (index_ && on_floor && PlaceIndex::covers(query.prior)) models = listed(query, threads);
+  if (models.empty()) return allModels(query);
+  Batch out;
+  for (const Candidate& c : models)
+    out.push_back({c.model, query.prior});  // starts are what the map's prior leads to
+  std::sort(out.begin(), out.end(), [](const Start& a, const Start& b) { return a.model < b.model; });
+  return out;
+}
+
+// Where all models can be aligned, alignments tell enough. In larger maps many are aligned as well by chance.
+std::vector<Candidate> Shortlist::listed(const Query& query, int threads) const {
+  const ShortlistParams& p = params_.shortlist;
+  const bool is_large = map_->models.size() > static_cast<std::size_t>(p.aligned_models);
+  std::vector<Candidate> models =
+      index_->candidates(query.view, is_large ? std::max(p.examined_models, p.size) : p.size);
+  if (static_cast<int>(models.size()) <= p.size) return models;
+  return examined(query, std::move(models), threads);
+}
+
+// Of the models that come after the best aligned, those with whom all planes and some pixels, next to the
+// alignment, agree best.
+std::vector<Candidate> Shortlist::examined(const Query& query, std::vector<Candidate> models,
+                                           int threads) const {
+  const ShortlistParams& p = params_.shortlist;
+  const int n = static_cast<int>(models.size()), kept = std::min(p.first_models, p.size);
+  std::vector<double> score(models.size(), std::numeric_limits<double>::lowest());  // by rank
+  forEachInParallel(n - kept, threads, [&](int i) {
+    const Candidate& c = models[kept + i];
+    if (!c.start) return;
+    const auto found = registration_.alignFrom(startOf(c), query, *map_->view(c.model));
+    if (found) score[c.rank] = found->score;
+  });
+  std::stable_sort(models.begin() + kept, models.end(), [&score](const Candidate& a, const Candidate& b) {
+    return score[a.rank] > score[b.rank];
+  });
+  const double gap =
+      registration_.score().inNats() ? p.examined_gap : std::numeric_limits<double>::infinity();
+  const double best = score[models[kept].rank];
+  const auto isHopeless = [&](const Candidate& c) { return score[c.rank] < best - gap; };
+  models.erase(std::find_if(models.begin() + kept, models.begin() + p.size, isHopeless), models.end());
+  for (std::size_t i = 0; i < models.size(); ++i) models[i].rank = static_cast<int>(i);
+  return models;
+}
+
+PoseWithCovariance Shortlist::startOf(const Candidate& c) const {
+  return {*c.start, posePrior(map_->camera.mounting, start_, *c.start)};
+}
+
+Batch Shortlist::allModels(const Query& query) const {
+  Batch models;
+  for (std::size_t i = 0; i < map_->models.size(); ++i) models.push_back({static_cast<int>(i), query.prior});
+  return models;
+}
+
+}  // namespace facetloc::internal

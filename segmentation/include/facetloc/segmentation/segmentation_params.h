@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/params.h>
+
+namespace facetloc {
+
+/** \brief Split stage: when a triangle is flat enough (METHOD 3.2). */
+struct SplitParams {
+  static constexpr const char* kTitle = "Split of a depth image into triangles";
+  double tolerance = 7.0;       ///< largest deviation of a pixel from its triangle [noise std]
+  double min_fill = 0.5;        ///< share of valid pixels below which a triangle is refined or dropped
+  double min_fill_pixels = 20;  ///< size from which the fill rule refines, at least 7 px [px at 320x240]
+  double min_area = 2;          ///< smaller triangles are not refined [px at 320x240]
+  int max_vertices = 20000;     ///< safety limit; the worst triangles are refined first
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit(
+        "tolerance", p.tolerance, 1.0, 1e3,
+        "Largest deviation of a pixel from the plane of its triangle [noise standard deviations]; 6 to 8 do "
+        "well, more for a camera whose noise is smooth over many pixels.");
+    visit("min_fill", p.min_fill, 0.0, 1.0,
+          "Share of measured pixels below which a triangle is refined or left out.");
+    visit("min_fill_pixels", p.min_fill_pixels, 1.0, 1e6,
+          "Area from which a poorly filled triangle is refined [px at 320x240, scaled with the image area].");
+    visit("min_area", p.min_area, 0.0, 1e6,
+          "Area up to which a triangle is not refined [px at 320x240, scaled with the image area].");
+    visit("max_vertices", p.max_vertices, 4, 1000000,
+          "Limit of the number of vertices; the worst triangles are refined first.");
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** \brief Merge stage: when two regions are one plane (METHOD 4). */
+struct MergeParams {
+  static constexpr const char* kTitle = "Merging of regions into planes";
+  double tolerance = 2.75;           ///< largest cost of a merge [noise std]
+  double min_plane_distance = 0.12;  ///< of the camera centre; nearer planes are discontinuities [m]
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("tolerance", p.tolerance, 0.1, 1e3,
+          "Largest residual or displacement at which two regions are merged [noise standard deviations]; 2.5 "
+          "to 3 "
+          "do well, more for a camera whose noise is smooth over many pixels.");
+    visit(
+        "min_plane_distance", p.min_plane_distance, 0.0, 10.0,
+        "Distance from the camera centre below which the plane of a triangle is a depth discontinuity [m].");
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** \brief Labels of the pixels of each plane. */
+struct LabelParams {
+  static constexpr const char* kTitle = "Labels of the pixels of each plane";
+  double tolerance = 5.0;      ///< largest residual of a labelled pixel [noise std]
+  double min_support = 150;    ///< smallest segment [px at 320x240], scaled with the image area
+  bool estimate_noise = true;  ///< raise the configured noise to what the image shows
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("tolerance", p.tolerance, 1.0, 1e3,
+          "Largest residual of a pixel that belongs to a plane [noise standard deviations].");
+    visit("min_support", p.min_support, 3.0, 1e6,
+          "Number of pixels of the smallest segment [px at 320x240, scaled with the image area].");
+    visit("estimate_noise", p.estimate_noise, false, true,
+          "Raise the camera's noise to what each image shows.");
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** \brief Parameters of the whole segmentation; tolerances are multiples of the noise. */
+struct SegmentationParams {
+  static constexpr const char* kTitle = "Segmentation";
+  SplitParams split;
+  MergeParams merge;
+  LabelParams labels;
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("split", p.split);
+    visit("merge", p.merge);
+    visit("labels", p.labels);
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+}  // namespace facetloc

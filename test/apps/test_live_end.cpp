@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How a run of the live tool ends, and what is left of it.
+#include "live_tool.h"
+
+#include <facetloc/io/results.h>
+#include <facetloc/io/trajectory.h>
+
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <csignal>
+
+namespace facetloc {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+using test::eventually;
+using test::expectWholeResults;
+using test::lastLine;
+using test::linesOf;
+using test::LiveProcess;
+using test::LiveTool;
+using test::runLive;
+using test::ToolRun;
+using testing::HasSubstr;
+
+TEST_F(LiveTool, EndsAfterSoManyFrames) {
+  const std::string results = folder_ / "results";
+  const ToolRun run =
+      runLive({"--device", sequence(), "--headless", "--results", results, "--max-frames", "5", "--repeat"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_EQ(readHypotheses(results).size(), 5u);
+}
+
+TEST_F(LiveTool, EndsAfterSoManySeconds) {
+  const auto start = Clock::now();
+  const ToolRun run = runLive({"--device", sequence(), "--headless", "--duration", "0.5", "--repeat"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_GE(Clock::now() - start, 500ms);
+}
+
+TEST_F(LiveTool, CtrlCEndsInPeaceAndLosesNothing) {
+  for (const int number : {SIGINT, SIGTERM}) {
+    const std::string results = folder_ / std::to_string(number);
+    LiveProcess process(
+        {"--device", sequence(), "--map", map(), "--headless", "--repeat", "--results", results});
+    ASSERT_TRUE(eventually([&] { return linesOf(results + "/states.csv").size() > 5; }));
+    process.signal(number);
+    const ToolRun run = process.wait();
+    EXPECT_EQ(run.code, kOk) << run.err;
+    EXPECT_THAT(lastLine(run.out), HasSubstr("processed"));
+    expectWholeResults(results, 5);
+  }
+}
+
+TEST_F(LiveTool, AKilledRunHasLostNothing) {
+  const std::string results = folder_ / "results";
+  LiveProcess process(
+      {"--device", sequence(), "--map", map(), "--headless", "--repeat", "--results", results});
+  ASSERT_TRUE(eventually([&] { return linesOf(results + "/states.csv").size() > 5; }));
+  process.signal(SIGKILL);
+  EXPECT_EQ(process.wait().code, 128 + SIGKILL);
+  EXPECT_GE(readHypotheses(results).size(), 5u);
+  EXPECT_NO_THROW(readTumTrajectory(results + "/poses_tum.txt"));
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Folders of images that the live tool plays as a camera, good and bad ones.
+#include "live_tool.h"
+
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/results.h>
+#include <facetloc/io/trajectory.h>
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using test::expectWholeResults;
+using test::lastLine;
+using test::LiveTool;
+using test::namesIn;
+using test::runLive;
+using test::ToolRun;
+using testing::HasSubstr;
+
+TEST_F(LiveTool, PlaysAFolderOfClouds) {
+  const std::string clouds = writeClouds(10), results = folder_ / "results";
+  const ToolRun run = runLive({"--device", clouds, "--map", map(), "--headless", "--results", results});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  expectWholeResults(results, 5);
+  EXPECT_EQ(readHypotheses(results).front().frame, DepthSequence::open(sequence()).frames()[0].name);
+}
+
+TEST_F(LiveTool, LeavesOutCloudsThatCannotBeRead) {
+  const std::string clouds = writeClouds(10), results = folder_ / "results";
+  const auto names = namesIn(clouds);
+  for (const int bad : {0, 4}) test::writeContent(clouds + "/" + names[bad], "no PCD at all");
+  const ToolRun run = runLive({"--device", clouds, "--map", map(), "--headless", "--results", results});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("frames are missing: "));
+  const Trajectory truth = readTumTrajectory(sequence() + "/groundtruth.txt");
+  const auto poses = readTumTrajectory(results + "/poses_tum.txt").poses();
+  EXPECT_GE(poses.size(), 3u);
+  for (const StampedPose& pose : poses) {
+    const auto true_pose = truth.nearest(pose.stamp, 1e-6);
+    ASSERT_TRUE(true_pose) << pose.stamp;
+    EXPECT_LT((pose.T_w_c.translation() - true_pose->translation()).norm(), 0.05) << pose.stamp;
+  }
+}
+
+TEST_F(LiveTool, PlaysAFolderOfPclzf) {
+  const std::string folder = writePclzf(10);
+  const std::string results = folder_ / "results";
+  const ToolRun run = runLive({"--device", folder, "--map", map(), "--headless", "--results", results});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  expectWholeResults(results, 5);
+  EXPECT_THAT(lastLine(run.out), HasSubstr("tracking"));
+  const ToolRun record = runLive({"--device", folder, "--headless", "--record", folder_ / "x.oni"});
+  EXPECT_EQ(record.code, kFailed);
+  EXPECT_THAT(record.err, HasSubstr("only devices of OpenNI2 can be recorded"));
+}
+
+TEST_F(LiveTool, SaysThatPclzfFilesCannotBeRead) {
+  const std::string folder = writePclzf(10), image = folder + "/frame_20200101T000000.300000_depth.pclzf",
+                    camera = folder + "/frame_20200101T000000.500000.xml";
+  fs::resize_file(image, fs::file_size(image) / 2);
+  const ToolRun run = runLive({"--device", folder, "--headless"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("frames are missing: 1 of the images cannot be read"));
+  EXPECT_THAT(lastLine(run.out), HasSubstr("9 frames received"));
+
+  for (const char* content : {"", "<depth><focal_length_x>", "no XML"}) {
+    test::writeContent(camera, content);
+    const ToolRun torn = runLive({"--device", folder, "--headless"});
+    EXPECT_EQ(torn.code, kFailed);
+    EXPECT_THAT(torn.err, HasSubstr(camera + ": no camera parameters"));
+  }
+  fs::remove(camera);
+  const ToolRun missing = runLive({"--device", folder, "--headless"});
+  EXPECT_EQ(missing.code, kFailed);
+  EXPECT_THAT(missing.err, HasSubstr("10 depth images, but only 9 .xml"));
+}
+
+TEST_F(LiveTool, SaysThatImagesCannotBeRead) {
+  const std::string copy = folder_ / "copy", results = folder_ / "results";
+  fs::copy(sequence(), copy, fs::copy_options::recursive);
+  const auto names = namesIn(copy + "/depth");
+  test::writeContent(copy + "/depth/" + names[7], "no PNG at all");
+  const std::vector<std::string> arguments = {"--device", copy, "--headless", "--results", results};
+  const ToolRun run = runLive(arguments);
+  EXPECT_EQ(run.code, kOk);
+  EXPECT_THAT(run.err, HasSubstr("frames are missing: "));
+  EXPECT_THAT(run.err, HasSubstr(names[7]));
+  EXPECT_THAT(lastLine(run.out), HasSubstr("39 frames received"));
+  const ToolRun stopped = runLive({"--device", copy, "--headless", "--max-frames", "30"});
+  EXPECT_EQ(stopped.code, kOk);
+  EXPECT_THAT(stopped.err, HasSubstr(names[7]));
+
+  for (const std::string& name : names) test::writeContent(copy + "/depth/" + name, "no PNG at all");
+  const ToolRun none = runLive(arguments);
+  EXPECT_EQ(none.code, kFailed);
+  EXPECT_THAT(none.err, HasSubstr("ended without a frame: "));
+}
+
+}  // namespace
+}  // namespace facetloc

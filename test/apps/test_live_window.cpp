@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the live tool shows, the keys that it obeys, and the pictures that it makes.
+#include "drawing/offscreen_display.h"
+#include "keyboard.h"  // the last one, because of the macros of X
+#include "live_tool.h"
+#include "tools/text.h"
+
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <thread>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using test::contentOf;
+using test::eventually;
+using test::lastLine;
+using test::liveCommand;
+using test::LiveProcess;
+using test::LiveTool;
+using test::namesIn;
+using test::runLive;
+using test::ToolRun;
+using testing::AllOf;
+using testing::Each;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+TEST_F(LiveTool, TheSameFrameGivesTheSamePicture) {
+  if (!OffscreenDisplay().available()) GTEST_SKIP() << OffscreenDisplay().problem();
+  std::map<std::string, std::string> pictures;  // by name
+  int compared = 0;
+  for (const char* run_name : {"first", "second"}) {
+    const std::string shots = folder_ / run_name;
+    const ToolRun run =
+        runLive({"--device", sequence(), "--headless", "--screenshots", shots, "--every", "1"});
+    ASSERT_EQ(run.code, kOk) << run.err;
+    const auto names = namesIn(shots);
+    EXPECT_THAT(lastLine(run.out), HasSubstr(counted(names.size(), "screenshot") + " in " + shots));
+    for (const std::string& name : names) {
+      const std::string bytes = contentOf(shots + "/" + name);
+      EXPECT_GT(bytes.size(), 20000u) << "an empty picture is smaller";
+      const auto [before, is_new] = pictures.emplace(name, bytes);
+      if (is_new) continue;
+      EXPECT_TRUE(before->second == bytes) << name;
+      ++compared;
+    }
+  }
+  EXPECT_GE(compared, 1);
+}
+
+TEST_F(LiveTool, NeedsNoDisplayWithoutPictures) {
+  const ToolRun run = runLive({"--device", sequence(), "--headless", "--max-frames", "1"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.err, IsEmpty());
+}
+
+TEST_F(LiveTool, SaysThatAWindowNeedsADisplay) {
+  const ToolRun run = runLive({"--device", sequence()});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("--headless"));
+}
+
+TEST_F(LiveTool, ShowsAWindow) {
+  const OffscreenDisplay display;
+  if (!display.available()) GTEST_SKIP() << display.problem();
+  LiveProcess process({"--device", sequence(), "--map", map(), "--duration", "2"}, std::getenv("DISPLAY"));
+  const ToolRun run = process.wait();
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(lastLine(run.out), HasSubstr("tracking"));
+}
+
+bool press(KeySym key) { return test::Keyboard().press(key, "facetloc_live"); }
+
+/** Shows a device in a window, with that working directory, and presses q in the end. \param play gets the
+ * process before that. */
+template <class Play>
+ToolRun runWithKeys(const std::string& device, const std::string& folder, const Play& play) {
+  std::vector<std::string> command =
+      liveCommand({"--device", device, "--repeat", "--every", "1"}, std::getenv("DISPLAY"));
+  command.insert(command.begin() + 1, "--chdir=" + folder);
+  test::Process process(command);
+  play(process);
+  EXPECT_TRUE(eventually([] { return press(XK_q); }));
+  return process.wait();
+}
+
+TEST_F(LiveTool, MakesNoScreenshotsButThoseOfTheKey) {
+  const OffscreenDisplay display;
+  if (!display.available()) GTEST_SKIP() << display.problem();
+  const ToolRun run = runWithKeys(sequence(), folder_ / "", [](const test::Process& process) {
+    ASSERT_TRUE(
+        eventually([&] { return press(XK_s) && process.err().find("screenshot") != std::string::npos; }));
+    std::this_thread::sleep_for(1s);  // of frames that nobody wants a picture of
+  });
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(namesIn(folder_ / ""), AllOf(Not(IsEmpty()), Each(HasSubstr("live_"))));
+}
+
+TEST_F(LiveTool, GoesOnAfterAKeyThatCannotBeObeyed) {
+  const OffscreenDisplay display;
+  if (!display.available()) GTEST_SKIP() << display.problem();
+  for (const std::string& name : namesIn(sequence() + "/depth"))
+    test::writeContent(folder_ / ("live_" + name), "none of our pictures");
+  const ToolRun run = runWithKeys(sequence(), folder_ / "", [](const test::Process& process) {
+    ASSERT_TRUE(eventually([&] { return press(XK_s) && !process.err().empty(); }));
+  });
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("would overwrite"));
+}
+
+TEST_F(LiveTool, CtrlCDoesNotReachThePrivateDisplay) {
+  if (!OffscreenDisplay().available()) GTEST_SKIP() << OffscreenDisplay().problem();
+  const std::string shots = folder_ / "shots", results = folder_ / "results";
+  LiveProcess process({"--device", sequence(), "--headless", "--repeat", "--screenshots", shots, "--every",
+                       "5", "--results", results});
+  ASSERT_TRUE(eventually([&] { return fs::exists(shots) && namesIn(shots).size() > 1; }));
+  process.signal(SIGINT);
+  const ToolRun run = process.wait();
+  EXPECT_EQ(run.code, kOk) << run.err;
+  for (const std::string& name : namesIn(shots)) EXPECT_THAT(name, Not(HasSubstr("tmp")));
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/evaluation.h"
+#include "example_room.h"
+#include "tools/localize_app.h"
+#include "tools/register_app.h"
+#include "tools/simulate_app.h"
+
+#include <facetloc/io/camera_file.h>
+#include <facetloc/io/map_database.h>
+#include <facetloc/io/results.h>
+#include <facetloc/io/trajectory.h>
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <optional>
+#include <set>
+#include <sstream>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using test::contentOf;
+using test::filesOf;
+using test::kFrames;
+using test::kReplace;
+using test::runMap;
+using test::runTool;
+using test::ToolRun;
+using test::Tools;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST_F(Tools, MapImagesAreFoundInTheirMap) {
+  ASSERT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "results"}).code, kOk);
+  const auto rows = readHypotheses(folder_ / "results");
+  const Trajectory truth = readTumTrajectory(map_run() + "/groundtruth.txt");
+  const Evaluation evaluation = evaluate(rows, truth, {}, {});
+  int localized = 0;
+  for (const FrameEvaluation& f : evaluation.frames) localized += f.first_correct == 1;
+  EXPECT_GE(localized, kFrames * 2 / 3);
+}
+
+TEST_F(Tools, ParametersOfResultsCanBeUsedAgain) {
+  ASSERT_EQ(runTool<LocalizeApp>(
+                {map(), firstImage(), "-o", folder_ / "a", "--probability.null_score", "-5", "--width=160"})
+                .code,
+            kOk);
+  ASSERT_EQ(
+      runTool<LocalizeApp>({map(), firstImage(), "-o", folder_ / "b", "--params", folder_ / "a/params.ini"})
+          .code,
+      kOk);
+  EXPECT_EQ(contentOf(folder_ / "a/params.ini"), contentOf(folder_ / "b/params.ini"));
+  EXPECT_EQ(contentOf(folder_ / "a/hypotheses.csv"), contentOf(folder_ / "b/hypotheses.csv"));
+}
+
+TEST_F(Tools, LocalizeResumes) {
+  const std::string input = withOneCorruptImage();
+  const std::string results = folder_ / "results";
+  const ToolRun failed = runTool<LocalizeApp>({map(), input, "-o", results});
+  EXPECT_EQ(failed.code, kFailed);
+  EXPECT_THAT(failed.err, AllOf(HasSubstr(".png: "), HasSubstr("1 of 12 items failed")));
+  EXPECT_EQ(readTiming(results).size(),
+            static_cast<std::size_t>(kFrames));  // the corrupt one with its reason
+
+  fs::copy(query() + "/depth", input + "/depth", kReplace);
+  ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", results, "--resume"}).code, kOk);
+  ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "at_once"}).code, kOk);
+  EXPECT_EQ(contentOf(results + "/hypotheses.csv"), contentOf(folder_ / "at_once/hypotheses.csv"));
+
+  const auto before = fs::last_write_time(results + "/hypotheses.csv");
+  EXPECT_EQ(runTool<LocalizeApp>({map(), input, "-o", results, "--resume"}).code, kOk);
+  EXPECT_EQ(fs::last_write_time(results + "/hypotheses.csv"), before);
+
+  const ToolRun other =
+      runTool<LocalizeApp>({map(), input, "-o", results, "--resume", "--labels.min_support", "99"});
+  EXPECT_EQ(other.code, kFailed);
+  EXPECT_THAT(other.err, HasSubstr("other parameters"));
+}
+
+TEST_F(Tools, LocalizeResumesNothingOfOtherInputs) {
+  const std::string input = folder_ / "input", copy = folder_ / "m.flmap", results = folder_ / "results";
+  const auto restore = [&] {
+    fs::copy(query(), input, kReplace);
+    fs::copy_file(map(), copy, fs::copy_options::overwrite_existing);
+  };
+  const auto resume = [&] { return runTool<LocalizeApp>({copy, input, "-o", results, "--resume"}); };
+  const auto expectRefused = [&] {
+    const ToolRun run = resume();
+    EXPECT_EQ(run.code, kFailed);
+    EXPECT_THAT(run.err, HasSubstr("was begun with another map, other images or other parameters"));
+  };
+  restore();
+  ASSERT_EQ(resume().code, kOk);
+  EXPECT_EQ(resume().code, kOk);
+  MapDatabase::open(copy).setMeta("changed", "yes");
+  expectRefused();
+  restore();
+  giveOtherImages(input);
+  expectRefused();
+  restore();
+  std::ofstream(input + "/camera.ini", std::ios::app) << "\ninverse_depth_std = 0.002\n";
+  expectRefused();
+  restore();
+  EXPECT_EQ(resume().code, kOk);
+}
+
+TEST_F(Tools, LocalizeResumesWithFewerImages) {
+  const std::string input = folder_ / "input", results = folder_ / "results";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", results}).code, kOk);
+  const fs::path gone = filesOf(input + "/depth").front();
+  fs::remove(gone);
+  const ToolRun run = runTool<LocalizeApp>({map(), input, "-o", results, "--resume"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_EQ(readTiming(results).size(), kFrames - 1u);
+  for (const ResultRow& row : readHypotheses(results)) EXPECT_NE(row.frame, gone.stem());
+  EXPECT_THAT(contentOf(results + "/images.txt"), Not(HasSubstr(gone.stem().string())));
+}
+
+TEST_F(Tools, LocalizeResumesWhereItsFilesDiffer) {
+  const std::string results = folder_ / "results";
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  std::vector<std::string> frames;
+  for (const TimingRow& row : readTiming(results)) frames.push_back(row.frame);
+  const auto removeFrame = [&](const std::string& file, const std::string& frame) {
+    std::istringstream in(contentOf(results + file));
+    std::string kept;
+    for (std::string line; std::getline(in, line);)
+      if (line.rfind(frame + ",", 0) != 0) kept += line + "\n";
+    test::writeContent(results + file, kept);
+  };
+  removeFrame("/hypotheses.csv", frames[2]);
+  removeFrame("/timing.csv", frames[5]);
+  const ToolRun run = runTool<LocalizeApp>({map(), query(), "-o", results, "--resume"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  std::vector<std::string> timed;
+  for (const TimingRow& row : readTiming(results)) timed.push_back(row.frame);
+  EXPECT_EQ(timed, frames);
+  std::set<std::string> answered;
+  for (const ResultRow& row : readHypotheses(results)) answered.insert(row.frame);
+  EXPECT_EQ(answered, std::set<std::string>(frames.begin(), frames.end()));
+}
+
+TEST_F(Tools, LocalizeBeginsAnewWithNothingOfAnEarlierRun) {
+  const std::string results = folder_ / "results";
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  fs::create_directories(results + "/params.ini.tmp");  // as if it were interrupted there
+  EXPECT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results, "--labels.min_support", "99"}).code,
+            kFailed);
+  for (const char* file : {"/hypotheses.csv", "/poses_tum.txt", "/timing.csv"})
+    EXPECT_FALSE(fs::exists(results + file)) << file;
+}
+
+TEST_F(Tools, LocalizeSaysWhatIsMissing) {
+  EXPECT_EQ(runTool<LocalizeApp>({map(), query()}).code, kUsage);
+  EXPECT_EQ(runTool<LocalizeApp>({folder_ / "nowhere.flmap", query(), "-o", folder_ / "x"}).code, kFailed);
+  const ToolRun run = runTool<LocalizeApp>({map(), folder_ / "nowhere", "-o", folder_ / "x"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_EQ(run.err, "facetloc_localize: " + (folder_ / "nowhere") + ": does not exist\n");
+}
+
+TEST_F(Tools, SmoothNoiseIsFoundAndToldOf) {
+  const std::string room = folder_ / "room";
+  const ToolRun simulate = runTool<SimulateApp>(
+      {"room", "-o", room, "--seed", "5", "--frames", std::to_string(kFrames), "--width", "320",
+       "--drive.turn_deg", "8", "--sensor.disparity_std", "2", "--sensor.correlation_px", "3"});
+  ASSERT_EQ(simulate.code, kOk) << simulate.err;
+  const std::string images = room + "/query";
+  const std::string noisy_map = folder_ / "noisy.flmap";
+  const auto tells = HasSubstr("the images are noisier than told: inverse_depth_std is about 0.00");
+  const ToolRun build = runMap({"build", room + "/map", "-o", noisy_map, "--map.distance", "0.1"});
+  ASSERT_EQ(build.code, kOk) << build.err;
+  EXPECT_THAT(build.err, tells);
+  const ToolRun run = runTool<LocalizeApp>({noisy_map, images, "-o", folder_ / "results"});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.err, tells);
+  EXPECT_THAT(run.out, HasSubstr("12 images, 12 with hypotheses"));
+  const ToolRun told =
+      runTool<LocalizeApp>({noisy_map, images, "-o", folder_ / "told", "--noise.inverse_depth_std", "0.006"});
+  EXPECT_THAT(told.err, Not(HasSubstr("noisier")));
+  const ToolRun kinect = runTool<LocalizeApp>({map(), query(), "-o", folder_ / "kinect"});
+  EXPECT_THAT(kinect.err, Not(HasSubstr("noisier")));
+}
+
+TEST_F(Tools, AMountingOfAnotherHeightIsNotThatOfTheMap) {
+  const std::string lower = folder_ / "lower", unknown = folder_ / "unknown";
+  for (const std::string& input : {lower, unknown}) {
+    fs::copy(query(), input, fs::copy_options::recursive);
+    CameraFile file = readCameraFile(input + "/camera.ini");
+    std::optional<CameraMounting>& mounting = file.camera.mounting;
+    mounting = input == lower ? std::optional(CameraMounting{mounting->height - 0.4, 10}) : std::nullopt;
+    writeCameraFile(input + "/camera.ini", file);
+    const ToolRun run = runTool<LocalizeApp>({map(), input, "-o", input + "/results"});
+    ASSERT_EQ(run.code, kOk) << run.err;
+    EXPECT_THAT(run.err, HasSubstr(input == lower ? "mounted differently, 0.600 m"
+                                                  : "mounting of the images' camera is unknown"));
+    EXPECT_THAT(run.err, HasSubstr("the prior is isotropic"));
+  }
+  EXPECT_EQ(contentOf(lower + "/results/hypotheses.csv"), contentOf(unknown + "/results/hypotheses.csv"));
+  const ToolRun pair = runTool<RegisterApp>({filesOf(lower + "/depth")[0].string(), firstImage()});
+  EXPECT_THAT(pair.err, HasSubstr("mounted differently"));
+}
+
+TEST_F(Tools, AListOfImagesIsNotTakenForAJournal) {
+  const std::string folder = folder_ / "out", list = folder + "/partial.txt";
+  fs::create_directories(folder);
+  fs::copy_file(query() + "/camera.ini", folder + "/camera.ini");
+  std::ofstream(list) << firstImage() << "\n";
+  EXPECT_EQ(runTool<LocalizeApp>({map(), list, "-o", folder}).code, kUsage);
+  EXPECT_TRUE(fs::exists(list));
+}
+
+}  // namespace
+}  // namespace facetloc

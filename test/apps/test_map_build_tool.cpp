@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/evaluate_app.h"
+#include "evaluation/evaluation.h"
+#include "example_room.h"
+#include "tools/localize_app.h"
+#include "tools/simulate_app.h"
+
+#include <facetloc/io/map_database.h>
+#include <facetloc/io/results.h>
+#include <facetloc/io/text.h>
+#include <facetloc/io/trajectory.h>
+
+#include <gmock/gmock.h>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using test::contentOf;
+using test::filesOf;
+using test::kReplace;
+using test::runMap;
+using test::runTool;
+using test::ToolRun;
+using test::Tools;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST_F(Tools, MapBuildTakesOutWhatTheCameraAlwaysMeasuresWrongly) {
+  constexpr double kStrength = 3;  // [DU]: a bad camera
+  ASSERT_EQ(runTool<SimulateApp>({"room", "-o", folder_ / "", "--seed", "8", "--map-frames", "60",
+                                  "--query-frames", "20", "--width", "320", "--drive.turn_deg", "8",
+                                  "--sensor.distortion", text::decimals(kStrength, 0)})
+                .code,
+            kOk);
+  const auto meanError = [&](const std::string& name, const std::vector<std::string>& options) {
+    const std::string map = folder_ / name + ".flmap", results = folder_ / name;
+    std::vector<std::string> build{"build", folder_ / "map", "-o", map};
+    build.insert(build.end(), options.begin(), options.end());
+    EXPECT_EQ(runMap(build).code, kOk);
+    EXPECT_EQ(runTool<LocalizeApp>({map, folder_ / "query", "-o", results}).code, kOk);
+    const Evaluation evaluation =
+        evaluate(readHypotheses(results), readTumTrajectory(folder_ / "query/groundtruth.txt"), {}, {});
+    return summarize("", evaluation.frames).translation_stats.mean;
+  };
+  const double raw = meanError("raw", {"--raw-depth"}), corrected = meanError("corrected", {});
+  EXPECT_LT(corrected, 0.5 * raw);
+  EXPECT_FALSE(readMap(folder_ / "raw.flmap").camera.distortion);
+  const auto distortion = readMap(folder_ / "corrected.flmap").camera.distortion;
+  ASSERT_TRUE(distortion);
+  EXPECT_NEAR(distortion->rms() * kKinectGain, kStrength, 0.4 * kStrength);
+  EXPECT_THAT(runMap({"info", folder_ / "raw.flmap"}).out, HasSubstr("distortion taken out"));
+  EXPECT_THAT(runMap({"info", folder_ / "corrected.flmap"}).out, HasSubstr("disparity units"));
+
+  const ToolRun merge = runMap({"merge", folder_ / "corrected.flmap", map(), "-o", folder_ / "both.flmap"});
+  ASSERT_EQ(merge.code, kOk) << merge.err;
+  EXPECT_THAT(merge.err,
+              HasSubstr("differ in the distortion that was taken out; the merged one has that of " +
+                        (folder_ / "corrected.flmap")));
+  EXPECT_EQ(readMap(folder_ / "both.flmap").camera.distortion->values(), distortion->values());
+  // Going on with a map leaves its distortion as it is.
+  ASSERT_EQ(runMap({"build", folder_ / "map", "-o", folder_ / "corrected.flmap", "--resume"}).code, kOk);
+  EXPECT_EQ(readMap(folder_ / "corrected.flmap").camera.distortion->values(), distortion->values());
+}
+
+TEST_F(Tools, MapBuildRefusesToOverwriteAndResumes) {
+  const std::string path = folder_ / "m.flmap";
+  ASSERT_EQ(runMap({"build", map_run(), "-o", path, "--every", "3"}).code, kOk);
+  EXPECT_EQ(readMap(path).models.size(), 4u);
+  EXPECT_EQ(readMap(path).links.size(), 3u);
+  EXPECT_EQ(runMap({"build", map_run(), "-o", path, "--every", "3"}).code, kFailed);
+  EXPECT_EQ(runMap({"build", map_run(), "-o", path, "--every", "3", "--resume", "--overwrite"}).code, kUsage);
+  const ToolRun resumed = runMap({"build", map_run(), "-o", path, "--every", "3", "--resume"});
+  EXPECT_EQ(resumed.code, kOk) << resumed.err;
+  EXPECT_THAT(resumed.out, HasSubstr("0 local models added from 12 images, 4 in all"));
+  EXPECT_EQ(readMap(path).links.size(), 3u);
+  EXPECT_EQ(runMap({"build", map_run(), "-o", path, "--every", "4", "--resume"}).code,
+            kFailed);  // other parameters
+  EXPECT_EQ(runMap({"build", map_run(), "-o", path, "--every", "4", "--overwrite"}).code, kOk);
+  EXPECT_EQ(readMap(path).models.size(), 3u);
+}
+
+TEST_F(Tools, MapBuildTakesAnEmptyFileForNone) {
+  const std::string path = folder_ / "m.flmap";
+  for (const char* how : {"", "--resume", "--overwrite"}) {
+    test::writeContent(path, "");
+    std::vector<std::string> arguments = {"build", map_run(), "-o", path, "--every", "3"};
+    if (*how) arguments.push_back(how);
+    const ToolRun run = runMap(arguments);
+    EXPECT_EQ(run.code, kOk) << how << ": " << run.err;
+    EXPECT_EQ(readMap(path).models.size(), 4u);
+  }
+}
+
+TEST_F(Tools, AMapWhoseBuildWasInterruptedIsToldFromAWholeOne) {
+  const std::string path = folder_ / "m.flmap";
+  const std::vector<std::string> build = {"build", map_run(), "-o", path, "--every", "3", "--resume"};
+  const auto told = [&](const ToolRun& run) {
+    EXPECT_EQ(run.code, kOk) << run.err;
+    return run.err.find("its build has not ended") != std::string::npos;
+  };
+  ASSERT_EQ(runMap(build).code, kOk);
+  EXPECT_FALSE(told(runMap({"check", path})));
+  EXPECT_THAT(runMap({"info", path}).out, HasSubstr("state: whole"));
+  MapDatabase::open(path).setMeta("state", "under way");  // as until the build ends
+  EXPECT_TRUE(told(runMap({"check", path})));
+  EXPECT_TRUE(told(runTool<LocalizeApp>({path, firstImage(), "-o", folder_ / "results"})));
+  EXPECT_TRUE(told(runMap({"merge", path, map(), "-o", folder_ / "both.flmap"})));
+  EXPECT_EQ(runMap(build).code, kOk);
+  EXPECT_FALSE(told(runMap({"check", path})));
+}
+
+TEST_F(Tools, MapBuildLeavesTheOldMapUntilTheNewOneIsThere) {
+  const std::string input = folder_ / "input", path = folder_ / "m.flmap";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  ASSERT_EQ(runMap({"build", input, "-o", path, "--every", "3"}).code, kOk);
+  const std::string old = contentOf(path);
+  for (const fs::path& image : filesOf(input + "/depth")) test::writeContent(image, "no PNG at all");
+  const ToolRun failed = runMap({"build", input, "-o", path, "--every", "3", "--overwrite"});
+  EXPECT_EQ(failed.code, kFailed);
+  EXPECT_THAT(failed.err, AllOf(HasSubstr("4 of 4 items failed"), HasSubstr("m.flmap: is not written")));
+  EXPECT_EQ(contentOf(path), old);
+  EXPECT_FALSE(fs::exists(path + ".tmp"));
+
+  fs::create_directories(path + ".tmp/in the way");  // the new map is made there, and cannot be
+  EXPECT_EQ(runMap({"build", query(), "-o", path, "--every", "3", "--overwrite"}).code, kFailed);
+  EXPECT_EQ(contentOf(path), old);
+
+  EXPECT_EQ(runMap({"build", input, "-o", folder_ / "new.flmap", "--every", "3"}).code, kFailed);
+  EXPECT_FALSE(fs::exists(folder_ / "new.flmap"));
+}
+
+TEST_F(Tools, MapBuildResumesNothingOfOtherInputs) {
+  const std::string input = folder_ / "input", path = folder_ / "m.flmap";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  const auto resume = [&] { return runMap({"build", input, "-o", path, "--every", "3", "--resume"}); };
+  ASSERT_EQ(resume().code, kOk);
+  EXPECT_EQ(resume().code, kOk);
+  std::vector<StampedPose> poses = readTumTrajectory(query() + "/groundtruth.txt").poses();
+  for (StampedPose& pose : poses) pose.T_w_c.translation().x() += 0.01;
+  writeTumTrajectory(input + "/groundtruth.txt", poses);
+  EXPECT_EQ(resume().code, kFailed);
+  fs::copy(query(), input, kReplace);
+  EXPECT_EQ(resume().code, kOk);
+  giveOtherImages(input);
+  const ToolRun run = resume();
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("was built of other images, with other poses or other parameters"));
+  EXPECT_THAT(runMap({"info", path}).out, Not(HasSubstr("images:")));
+}
+
+TEST_F(Tools, MapBuildReportsABadImage) {
+  const std::string input = withOneCorruptImage(), path = folder_ / "m.flmap";
+  const ToolRun run = runMap({"build", input, "-o", path, "--every", "1"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("1 of 12 items failed"));
+  EXPECT_EQ(readMap(path).models.size(), 11u);
+  fs::copy(query() + "/depth", input + "/depth", kReplace);
+  EXPECT_EQ(runMap({"build", input, "-o", path, "--every", "1", "--resume"}).code, kOk);
+  EXPECT_EQ(readMap(path).models.size(), 12u);
+}
+
+TEST_F(Tools, MapBuildNeedsPosesOrEvery) {
+  const std::string input = folder_ / "input";
+  fs::copy(map_run(), input, fs::copy_options::recursive);
+  fs::remove(input + "/groundtruth.txt");
+  const ToolRun run = runMap({"build", input, "-o", folder_ / "m.flmap"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("has no poses"));
+  EXPECT_FALSE(fs::exists(folder_ / "m.flmap"));
+  EXPECT_EQ(runMap({"build", input, "-o", folder_ / "m.flmap", "--every", "6"}).code, kOk);
+  EXPECT_FALSE(readMap(folder_ / "m.flmap").models[0].T_w_m);
+  EXPECT_EQ(
+      runMap({"build", input, "-o", folder_ / "n.flmap", "--poses", map_run() + "/groundtruth.txt"}).code,
+      kOk);
+}
+
+TEST_F(Tools, MapBuildMatchesNoPosesByIndex) {
+  const std::string input = folder_ / "input", truth = query() + "/groundtruth.txt";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  int number = 0;
+  for (const fs::path& image : filesOf(input + "/depth"))
+    fs::rename(image, input + "/depth/frame_" + std::to_string(10 + number++) + ".png");
+  for (const std::vector<std::string>& poses : {std::vector<std::string>(), {"--poses", truth}}) {
+    std::vector<std::string> arguments = {"build", input, "-o", folder_ / "m.flmap"};
+    arguments.insert(arguments.end(), poses.begin(), poses.end());
+    EXPECT_THAT(runMap(arguments).err, HasSubstr("no time stamps: poses cannot be matched"));
+  }
+  ASSERT_EQ(runMap({"build", input, "-o", folder_ / "m.flmap", "--every", "6"}).code, kOk);
+  ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "results"}).code, kOk);
+  const ToolRun run = runTool<EvaluateApp>({folder_ / "results", truth});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("is no time stamp"));
+}
+
+TEST_F(Tools, WhatIsNoMapIsNotReplacedByOne) {
+  const std::string truth = folder_ / "truth.txt";
+  fs::copy_file(query() + "/groundtruth.txt", truth);
+  const std::string before = contentOf(truth);
+  EXPECT_EQ(runMap({"build", query(), "-o", truth, "--overwrite"}).code, kFailed);
+  EXPECT_EQ(contentOf(truth), before);
+}
+
+TEST_F(Tools, ALinkToAMapStaysOne) {
+  const std::string map_file = folder_ / "kept/m.flmap", link = folder_ / "link.flmap";
+  fs::create_directories(folder_ / "kept");
+  ASSERT_EQ(runMap({"build", query(), "-o", map_file, "--every", "6"}).code, kOk);
+  fs::create_symlink(map_file, link);
+  ASSERT_EQ(runMap({"build", query(), "-o", link, "--every", "3", "--overwrite"}).code, kOk);
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(readMap(map_file).models.size(), 4u);
+}
+
+}  // namespace
+}  // namespace facetloc

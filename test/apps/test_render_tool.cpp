@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drawing/offscreen_display.h"
+#include "example_room.h"
+#include "tools/localize_app.h"
+#include "tools/render_app.h"
+
+#include <gmock/gmock.h>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using test::contentOf;
+using test::filesOf;
+using test::kFrames;
+using test::lastLine;
+using test::runTool;
+using test::ToolRun;
+using test::Tools;
+using testing::HasSubstr;
+
+TEST_F(Tools, RenderDrawsWhatItIsGiven) {
+  if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
+  const auto draws = [&](std::vector<std::string> arguments, const std::string& output) {
+    arguments.insert(arguments.end(), {"-o", output});
+    const ToolRun run = runTool<RenderApp>(arguments);
+    EXPECT_EQ(run.code, kOk) << run.err;
+    EXPECT_THAT(lastLine(run.out), HasSubstr(output));
+    return fs::exists(output);
+  };
+  EXPECT_TRUE(draws({firstImage()}, folder_ / "image.png"));
+  EXPECT_TRUE(draws({firstImage(), "--map", map(), "--max-hypotheses", "2"}, folder_ / "answers.png"));
+  EXPECT_TRUE(draws({map(), "--trajectory", query()}, folder_ / "map.png"));
+  const std::string name = fs::path(firstImage()).stem().string();
+  EXPECT_TRUE(draws({query(), "--frame", name}, folder_ / "again.png"));
+  EXPECT_EQ(contentOf(folder_ / "image.png"), contentOf(folder_ / "again.png"));
+  EXPECT_TRUE(draws({firstImage()}, folder_ / "alone"));
+  EXPECT_EQ(filesOf(folder_ / "alone"), std::vector<fs::path>{folder_ / ("alone/" + name + ".png")});
+  EXPECT_TRUE(draws({query()}, folder_ / "all"));
+  EXPECT_EQ(filesOf(folder_ / "all").size(), static_cast<std::size_t>(kFrames));
+
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", folder_ / "results"}).code, kOk);
+  const std::vector<std::string> failures = {folder_ / "results",
+                                             "--map",
+                                             map(),
+                                             "--sequence",
+                                             query(),
+                                             "--evaluation.max_translation",
+                                             "0",
+                                             "--most",
+                                             "2"};
+  EXPECT_TRUE(draws(failures, folder_ / "failures"));
+  EXPECT_EQ(filesOf(folder_ / "failures").size(), 3u);  // and failures.png
+}
+
+TEST_F(Tools, RenderSaysWhatIsMissing) {
+  if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
+  EXPECT_EQ(runTool<RenderApp>({firstImage()}).code, kUsage);
+  EXPECT_EQ(runTool<RenderApp>({firstImage(), "-o", firstImage()}).code, kUsage);
+  EXPECT_EQ(runTool<RenderApp>({map(), "-o", map()}).code, kUsage);
+  EXPECT_EQ(runTool<RenderApp>({query(), "-o", query() + "/depth"}).code, kUsage);
+  EXPECT_EQ(runTool<RenderApp>({query(), "-o", folder_ / "several.png"}).code, kUsage);
+  EXPECT_EQ(runTool<RenderApp>({firstImage(), "-o", folder_ / "image.jpg"}).code, kUsage);
+  EXPECT_EQ(runTool<RenderApp>({query(), "--frame", "nowhere", "-o", folder_ / "x.png"}).code, kUsage);
+  const ToolRun run = runTool<RenderApp>({folder_ / "nowhere.png", "-o", folder_ / "x.png"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("nowhere.png: does not exist"));
+  ASSERT_EQ(runTool<LocalizeApp>({map(), firstImage(), "-o", folder_ / "results"}).code, kOk);
+  EXPECT_EQ(runTool<RenderApp>({folder_ / "results", "-o", folder_ / "x"}).code, kUsage);
+}
+
+TEST_F(Tools, RenderOverwritesNothingButPictures) {
+  if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
+  const std::string input = folder_ / "input", results = folder_ / "results";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  fs::copy_file(map(), folder_ / "m.flmap");
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  const auto images = filesOf(input + "/depth");
+  const auto refused = [](const std::vector<std::string>& arguments) {
+    return runTool<RenderApp>(arguments).code == kUsage;
+  };
+  for (const std::string& output :
+       {images[1].string(), folder_ / "m.flmap", filesOf(input + "/labels")[0].string()})
+    EXPECT_TRUE(refused({images[0].string(), "-o", output})) << output;
+  EXPECT_TRUE(refused({map(), "-o", folder_ / "m.flmap"}));
+  EXPECT_TRUE(refused({input, "-o", input + "/labels"}));
+  const std::vector<std::string> failures = {
+      results, "--map", map(), "--sequence", input, "--evaluation.max_translation", "0"};
+  for (const char* folder : {"/depth", "/labels"}) {
+    std::vector<std::string> arguments = failures;
+    arguments.insert(arguments.end(), {"-o", input + folder});
+    EXPECT_TRUE(refused(arguments)) << folder;
+  }
+  for (const fs::path& image : images)
+    EXPECT_EQ(contentOf(image), contentOf(query() + "/depth/" + image.filename().string()));
+  EXPECT_EQ(contentOf(folder_ / "m.flmap"), contentOf(map()));
+  EXPECT_EQ(filesOf(input + "/depth").size(), images.size());
+}
+
+}  // namespace
+}  // namespace facetloc

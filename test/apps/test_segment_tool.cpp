@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "example_room.h"
+#include "tools/segment_app.h"
+#include "tools/simulate_app.h"
+
+#include <facetloc/features/segment_frame.h>
+#include <facetloc/io/png.h>
+
+#include <gmock/gmock.h>
+#include <pcl/impl/pcl_base.hpp>
+#include <pcl/io/pcd_io.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using test::filesOf;
+using test::kFrames;
+using test::kReplace;
+using test::runTool;
+using test::ToolRun;
+using test::Tools;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+TEST_F(Tools, SegmentWritesSegmentsLabelsAndOverlays) {
+  const ToolRun run = runTool<SegmentApp>({firstImage(), "-o", folder_ / "out", "--labels", "--overlay"});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  const std::string base = folder_ / "out/" + fs::path(firstImage()).stem().string();
+  pcl::PointCloud<SegmentFrame> cloud;
+  ASSERT_EQ(pcl::PCDReader().read(base + ".segments.pcd", cloud), 0);
+  const Raster<std::uint16_t> labels = readGreyPng(base + ".png", 16);
+  EXPECT_EQ(labels.width, 320);
+  EXPECT_EQ(*std::max_element(labels.data.begin(), labels.data.end()), cloud.size());
+  EXPECT_TRUE(fs::exists(base + "_overlay.png"));
+}
+
+TEST_F(Tools, SegmentReportsABadImageAndDoesTheOthers) {
+  const std::string input = withOneCorruptImage();
+  const ToolRun run = runTool<SegmentApp>({input, "-o", folder_ / "out"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("1 of 12 items failed"));
+  EXPECT_EQ(filesOf(folder_ / "out").size(), 13u);  // and params.ini and images.txt
+
+  // What is there is not touched, what is missing is done.
+  const fs::path first = filesOf(folder_ / "out").front();
+  const auto old = fs::file_time_type::clock::now() - std::chrono::hours(24);
+  fs::last_write_time(first, old);
+  fs::copy(query() + "/depth", input + "/depth", kReplace);
+  const ToolRun resumed = runTool<SegmentApp>({input, "-o", folder_ / "out", "--resume"});
+  EXPECT_EQ(resumed.code, kOk) << resumed.err;
+  EXPECT_THAT(resumed.out, AllOf(HasSubstr("1 image with"), HasSubstr("11 were done before")));
+  EXPECT_EQ(filesOf(folder_ / "out").size(), 14u);
+  EXPECT_EQ(fs::last_write_time(first), old);
+}
+
+TEST_F(Tools, SegmentResumesNothingOfOtherInputs) {
+  const std::string input = folder_ / "input", out = folder_ / "out";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  const auto resume = [&](const std::string& width) {
+    return runTool<SegmentApp>({input, "-o", out, "--width", width, "--resume"});
+  };
+  ASSERT_EQ(resume("160").code, kOk);
+  EXPECT_THAT(resume("160").out, HasSubstr("12 were done before"));
+  EXPECT_THAT(resume("320").err, HasSubstr("other parameters"));
+  giveOtherImages(input);
+  EXPECT_THAT(resume("160").err, HasSubstr("other images"));
+  const ToolRun anew = runTool<SegmentApp>({input, "-o", out});
+  EXPECT_EQ(anew.code, kOk) << anew.err;
+  EXPECT_THAT(resume("320").out, HasSubstr("12 were done before"));
+}
+
+TEST_F(Tools, SegmentLeavesNothingThatIsOfAnotherRun) {
+  const std::string input = folder_ / "input", out = folder_ / "out";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  const fs::path gone = filesOf(input + "/depth").front();
+  const fs::path labels = fs::path(out) / gone.filename();  // as large as the image was taken to be
+  ASSERT_EQ(runTool<SegmentApp>({input, "-o", out, "--labels", "--overlay", "--width", "160"}).code, kOk);
+  EXPECT_EQ(filesOf(out).size(), 3u * kFrames + 2);
+  EXPECT_EQ(readGreyPng(labels, 16).width, 160);
+
+  ASSERT_EQ(runTool<SegmentApp>({input, "-o", out}).code, kOk);
+  EXPECT_EQ(filesOf(out).size(), 1u * kFrames + 2) << "labels of width 160";
+  const ToolRun resumed = runTool<SegmentApp>({input, "-o", out, "--labels", "--resume"});
+  EXPECT_EQ(resumed.code, kOk) << resumed.err;
+  EXPECT_THAT(resumed.out, Not(HasSubstr("done before")));
+  EXPECT_EQ(readGreyPng(labels, 16).width, 320);
+
+  fs::remove(gone);
+  ASSERT_EQ(runTool<SegmentApp>({input, "-o", out, "--labels", "--resume"}).code, kOk);
+  EXPECT_EQ(filesOf(out).size(), 2u * (kFrames - 1) + 2);
+  EXPECT_FALSE(fs::exists(labels));
+}
+
+TEST_F(Tools, SegmentsOfAnEmptyImageAreAValidFile) {
+  const std::string input = folder_ / "input";
+  fs::create_directories(input);
+  fs::copy_file(query() + "/camera.ini", input + "/camera.ini");
+  const Intrinsics camera = scaledKinect(320);
+  writePng(input + "/0.png",
+           Raster<std::uint16_t>{320, camera.height, 1, std::vector<std::uint16_t>(320 * 240, 0)});
+  const ToolRun run = runTool<SegmentApp>({input, "-o", folder_ / "out", "--labels", "--overlay"});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.err, IsEmpty());
+  pcl::PointCloud<SegmentFrame> cloud;
+  cloud.resize(3);
+  EXPECT_EQ(pcl::PCDReader().read(folder_ / "out/0.segments.pcd", cloud), 0);
+  EXPECT_TRUE(cloud.empty());
+}
+
+TEST_F(Tools, SegmentTellsImagesOfTheSameNameApart) {
+  for (const char* run : {"map", "query"}) {
+    fs::create_directories(folder_ / run + "/depth");
+    fs::copy_file(query() + "/camera.ini", folder_ / run + "/camera.ini");
+    fs::copy_file(firstImage(), folder_ / run + "/depth/7.png");
+  }
+  ASSERT_EQ(runTool<SegmentApp>({folder_ / "map", folder_ / "query/depth/7.png", "-o", folder_ / "out"}).code,
+            kOk);
+  EXPECT_TRUE(fs::exists(folder_ / "out/map_7.segments.pcd"));
+  EXPECT_TRUE(fs::exists(folder_ / "out/query_7.segments.pcd"));
+  const ToolRun twice = runTool<SegmentApp>({folder_ / "map", folder_ / "map", "-o", folder_ / "out"});
+  EXPECT_EQ(twice.code, kUsage);
+  EXPECT_THAT(twice.err, HasSubstr("would both be named"));
+}
+
+TEST_F(Tools, TrueLabelsAreNotReplacedByFoundOnes) {
+  const std::string input = folder_ / "input";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  const ToolRun run = runTool<SegmentApp>({input, "-o", input + "/labels", "--labels"});
+  EXPECT_EQ(run.code, kUsage);
+  EXPECT_THAT(run.err, HasSubstr("use another output folder"));
+}
+
+TEST_F(Tools, ParametersMayContainANumberSign) {
+  const std::string out = folder_ / "run#3", file = folder_ / "p.ini";
+  std::ofstream(file) << "output = " << out << " # where the results go\n#a comment\n";
+  ASSERT_EQ(runTool<SegmentApp>({firstImage(), "--params", file}).code, kOk);
+  EXPECT_TRUE(fs::exists(out));
+}
+
+}  // namespace
+}  // namespace facetloc

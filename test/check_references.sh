@@ -1,0 +1,94 @@
+#!/usr/bin/env bash
+# Checks the references in code and documents: sections of a METHOD.md, files behind Markdown links, and no document that is not here.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+# What exists, as "MODULE/METHOD NUMBER"; an equation, whose number ends a line, with the number in parentheses.
+targets() {
+  local file
+  for file in {features,segmentation,registration}/METHOD.md; do
+    [[ -f $file ]] || continue
+    sed -nE "s|^##+ ([0-9]+(\.[0-9]+)*)\.? .*|${file%.md} \1|p; s|.*(\([0-9]+\.[0-9]+\)) *$|${file%.md} \1|p" "$file"
+  done
+}
+
+# Prints "file:line: message" of each dead reference and "file:line=path" of each link. References may wrap over two lines.
+references() {
+  awk '
+    function checkSections(reference,    module, rest, key) {
+      module = match(reference, /[a-z]+\/METHOD/) ? substr(reference, RSTART, RLENGTH - 7) : own_module
+      if (module == "") print where ": " reference ": of which module? (as in features/METHOD 1)"
+      for (rest = reference; module != "" && match(rest, number); rest = substr(rest, RSTART + RLENGTH)) {
+        key = module "/METHOD " substr(rest, RSTART, RLENGTH)
+        if (!(key in exists)) print where ": " reference ": there is no " key
+      }
+    }
+    function checkText(    kind, start, end, reference) {
+      for (kind in pattern)
+        for (start = 1; match(substr(text, start), pattern[kind]); start = end) {
+          end = start + RSTART - 1 + RLENGTH
+          if (start + RSTART - 1 > length(here)) break  # in the next line alone
+          reference = substr(text, start + RSTART - 1, RLENGTH)
+          if (kind == "document") print where ": " reference ": no such document"
+          else checkSections(reference)
+        }
+    }
+    function listLinks(    rest, path) {
+      if (here ~ /^ *```/) in_code = !in_code
+      rest = here
+      gsub(/`[^`]*`/, "code", rest)
+      for (; !in_code && match(rest, /[^[]\]\([^) ]+/); rest = substr(rest, RSTART + RLENGTH)) {
+        path = substr(rest, RSTART + 3, RLENGTH - 3)
+        sub(/#.*/, "", path)
+        if (path != "" && path !~ /^[a-z]+:/) print where "=" path
+      }
+    }
+    function look(following) {
+      text = here " " following
+      where = file ":" line
+      checkText()
+      if (file ~ /[.]md$/) listLinks()
+    }
+    BEGIN {
+      number = "([0-9]+([.][0-9]+)*|[(][0-9]+([.][0-9]+)*[)])"
+      more = "(, | and |-)" number
+      # The list ends before a stop, so that in "METHOD N, 30 px" it has one number.
+      pattern["section"] = "([a-z]+/)?METHOD (eqs?[.] |sections? )?" number "((" more ")+[]).,:;`])?"
+      pattern["equation"] = "[Ee]qs?[.] " number "(" more ")* of ([a-z]+/)?METHOD"
+      pattern["document"] = "METHOD[_]MEASURED|DESIGN [0-9]|(DESIGN|ROOMS|STYLE)[.]md|[P]LATFORM|[F]INDINGS"
+    }
+    NR == FNR { exists[$0]; next }
+    FNR == 1 {
+      if (file) look("")
+      file = FILENAME
+      in_code = 0
+      split(file, folder, "/")
+      own_module = folder[1] == "test" ? folder[2] : folder[1]
+      if (own_module !~ /^(features|segmentation|registration)$/) own_module = ""
+    }
+    FNR > 1 {
+      following = $0
+      sub(/^ *(\/\/+<?|\*+|#+)? */, "", following)
+      look(following)
+    }
+    { here = $0; line = FNR }
+    END { if (file) look("") }' <(targets) "$@"
+}
+
+tracked=$(git ls-files '*.h' '*.hpp' '*.cpp' '*.md' '*.txt' '*.cmake' '*.sh')
+files=()
+while IFS= read -r file; do
+  [[ ! -e $file ]] || files+=("$file")
+done <<< "$tracked"
+found=$(references "${files[@]}")
+dead=0
+while IFS= read -r line; do
+  if [[ $line =~ ^([^:=]+)(:[0-9]+)=(.*)$ ]]; then
+    [[ -e $(dirname "${BASH_REMATCH[1]}")/${BASH_REMATCH[3]} ]] && continue
+    line="${BASH_REMATCH[1]}${BASH_REMATCH[2]}: ${BASH_REMATCH[3]}: no such file"
+  fi
+  [[ -z $line ]] && continue
+  echo "$line"
+  dead=1
+done <<< "$found"
+exit "$dead"

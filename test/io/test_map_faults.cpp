@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Map files that are damaged.
+#include "map_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <random>
+#include <string>
+#include <utility>
+
+namespace facetloc {
+namespace {
+
+using test::bytesOf;
+using test::ExampleMap;
+using test::ioErrorOf;
+using test::MapFile;
+using test::putBytes;
+using test::vandalize;
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+TEST_F(MapFile, TheTablesThemselvesRefuseNonsense) {
+  writeExample();
+  for (const char* statement :
+       {"UPDATE segment SET var_sx = 0", "UPDATE segment SET qw = 2", "UPDATE segment SET tx = 'far'",
+        "UPDATE segment SET lambda1 = 0", "UPDATE segment SET hull = x'00'", "UPDATE model SET tx = NULL",
+        "UPDATE model SET name = 'same'", "UPDATE link SET to_id = from_id"}) {
+    sqlite3* db = nullptr;
+    ASSERT_EQ(sqlite3_open(path_.c_str(), &db), SQLITE_OK);
+    EXPECT_NE(sqlite3_exec(db, statement, nullptr, nullptr, nullptr), SQLITE_OK) << statement;
+    sqlite3_close(db);
+  }
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+}
+
+TEST_F(MapFile, FaultsAreToldInWords) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"UPDATE segment SET var_sx = -1 WHERE model_id = 1 AND idx = 2", "segment 2 of model 1: its Sigma_q"},
+      {"UPDATE segment SET cov_sx_sy = 5 WHERE model_id = 1 AND idx = 2",
+       "segment 2 of model 1: its Sigma_q"},
+      {"UPDATE segment SET tx = 9e999 WHERE model_id = 0 AND idx = 0", "segment 0 of model 0: its pose"},
+      {"UPDATE segment SET qw = 3 WHERE model_id = 0 AND idx = 0", "segment 0 of model 0: its pose"},
+      {"UPDATE segment SET lambda2 = -1 WHERE model_id = 0 AND idx = 1", "segment 1 of model 0: its lambda"},
+      {"UPDATE segment SET hull = x'0000' WHERE model_id = 0 AND idx = 1", "segment 1 of model 0: its hull"},
+      {"UPDATE segment SET hull = zeroblob(8000) WHERE model_id = 0", "segment 1 of model 0: its hull"},
+      {"UPDATE segment SET hull = x'0000C07F0000C07F' WHERE model_id = 0",
+       "segment 1 of model 0: its hull is not finite"},
+      {"UPDATE segment SET num_points = -4 WHERE model_id = 0", "number of points"},
+      {"DELETE FROM segment WHERE model_id = 2 AND idx = 1",
+       "segment 2 of model 2: the segment numbers have a gap"},
+      {"DELETE FROM segment WHERE model_id = 2 AND idx = 4", "num_segments says 5, but there are 4"},
+      {"UPDATE segment SET model_id = 77 WHERE model_id = 2",
+       "segment 0 of model 77: there is no such model"},
+      {"UPDATE model SET id = 9 WHERE id = 2", "model 2: the model numbers have a gap"},
+      {"UPDATE model SET qx = 5 WHERE id = 1", "model 1: its pose"},
+      {"UPDATE model SET ty = NULL WHERE id = 1", "model 1: column ty is not a number"},
+      {"UPDATE model SET fx = -5 WHERE id = 1", "model 1: its camera intrinsics"},
+      {"UPDATE model SET width = 123456789012 WHERE id = 1", "model 1: column width is out of range"},
+      {"UPDATE depth_picture SET data = x'1234' WHERE model_id = 1",
+       "the depth picture of model 1: its depth picture is corrupt"},
+      {"UPDATE depth_picture SET width = 41 WHERE model_id = 1",
+       "the depth picture of model 1: its depth picture is corrupt"},
+      {"UPDATE depth_picture SET width = 2000000 WHERE model_id = 1", "too large"},
+      {"UPDATE depth_picture SET encoding = 'jpeg' WHERE model_id = 1", "unknown encoding"},
+      {"UPDATE link SET to_id = 12 WHERE id = 0", "there is no such model"},
+      {"UPDATE link SET qw = 7 WHERE id = 0", "link 0: its pose"},
+      {"UPDATE link SET c_rx_rx = -1 WHERE id = 0", "link 0: its covariance"},
+      {"DROP TABLE link", "no such table: link"},
+  };
+  for (const auto& [statement, fault] : cases) {
+    writeExample();
+    vandalize(path_, statement);
+    EXPECT_THAT(checkMap(path_), Contains(HasSubstr(fault))) << statement;
+    EXPECT_NE(readError(), "") << statement;
+  }
+}
+
+TEST_F(MapFile, CheckTellsEveryFault) {
+  writeExample();
+  vandalize(path_, "UPDATE segment SET var_sx = -1 WHERE idx = 0; UPDATE link SET qw = 7 WHERE id = 0");
+  const auto faults = checkMap(path_);
+  for (const char* fault : {"segment 0 of model 0", "segment 0 of model 1", "segment 0 of model 2", "link 0"})
+    EXPECT_THAT(faults, Contains(HasSubstr(fault)));
+  EXPECT_THAT(readError(), AllOf(HasSubstr("segment 0 of model 0"), HasSubstr("more faults")));
+}
+
+TEST_F(MapFile,
+       EmptyModelsAndSeveredGraphsAreSound) {  // images of nothing, merged maps, a build that was killed
+  Map map = ExampleMap().map(4);
+  map.models[3].view.segments.clear();
+  map.links.erase(map.links.begin() + 1);
+  writeMap(path_, map);
+  EXPECT_EQ(readError(), "");
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+}
+
+TEST_F(MapFile, EveryTruncationIsAnError) {
+  writeExample();
+  const std::string bytes = bytesOf(path_);
+  for (std::size_t size = 0; size < bytes.size(); size += 997) {
+    putBytes(path_, bytes.substr(0, size));
+    EXPECT_NE(readError(), "") << size;
+  }
+}
+
+TEST_F(MapFile, FlippedBytesAreErrorsOrMaps) {
+  writeExample();
+  const std::string bytes = bytesOf(path_);
+  std::mt19937 engine(42);
+  int refused = 0;
+  for (int i = 0; i < 400; ++i) {
+    std::string corrupt = bytes;
+    // Every second flip hits the first pages, where the tables are described.
+    const std::size_t range = i % 2 ? bytes.size() : std::min<std::size_t>(bytes.size(), 8192);
+    corrupt[engine() % range] ^= static_cast<char>(1 + engine() % 255);
+    putBytes(path_, corrupt);
+    refused += !readError().empty();
+    ioErrorOf([this] { checkMap(path_); });
+    ioErrorOf([this] { MapDatabase::open(path_).add(ExampleMap().model("one more")); });
+  }
+  EXPECT_GT(refused, 20);
+  EXPECT_LT(refused, 400);
+}
+
+}  // namespace
+}  // namespace facetloc

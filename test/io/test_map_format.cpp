@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Map files of other formats, and files of others.
+#include "map_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+namespace facetloc {
+namespace {
+
+using test::bytesOf;
+using test::ExampleMap;
+using test::expectEqual;
+using test::ioErrorOf;
+using test::MapFile;
+using test::putBytes;
+using test::sql;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+TEST_F(MapFile, OtherFilesAreRefused) {
+  putBytes(path_, "");
+  EXPECT_THAT(readError(), HasSubstr("not a map"));
+  putBytes(path_, "a text that is no database at all, however long it may go on");
+  EXPECT_THAT(readError(), AllOf(HasSubstr("not a map"), HasSubstr("no SQLite")));
+  EXPECT_NE(ioErrorOf([&] { checkMap(path_); }), "");
+  EXPECT_NE(ioErrorOf([&] { MapDatabase::open(path_); }), "");
+  std::filesystem::remove(path_);
+  sql(path_, "CREATE TABLE model(id INTEGER)");
+  EXPECT_THAT(readError(), AllOf(HasSubstr("not a map"), HasSubstr("another application")));
+}
+
+TEST_F(MapFile, ANewerMajorFormatIsRefused) {
+  writeExample();
+  sql(path_, "PRAGMA user_version = 2000");
+  const std::string expected = "map format 2.0 is newer than this program understands (1.x)";
+  EXPECT_THAT(readError(), AllOf(HasSubstr("room.flmap"), HasSubstr(expected)));
+  EXPECT_THAT(ioErrorOf([&] { MapDatabase::open(path_); }), HasSubstr(expected));
+  EXPECT_THAT(ioErrorOf([&] { checkMap(path_); }), HasSubstr(expected));
+  sql(path_, "PRAGMA user_version = 7");
+  EXPECT_THAT(readError(), HasSubstr("unknown"));
+}
+
+TEST_F(MapFile, AnOlderMinorFormatIsReadAndUpgradedWhenItIsWrittenTo) {
+  writeExample();
+  sql(path_, "DROP TABLE place_index; DROP TABLE distortion; DROP TABLE camera; DROP TABLE picture_noise; "
+             "PRAGMA user_version = 1000;"
+             "UPDATE meta SET value = 'facetloc map 1.0' WHERE key = 'format'");
+  EXPECT_EQ(readMap(path_).meta.at("format"), "facetloc map 1.0");
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+  EXPECT_EQ(openMap(path_, 0).store->placeIndex(), nullptr);
+  EXPECT_EQ(MapDatabase::open(path_).add(ExampleMap(9).model("more")), 3);
+  EXPECT_EQ(readMap(path_).meta.at("format"), "facetloc map 1.3");
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+}
+
+TEST_F(MapFile, ANewerMinorFormatWithMoreColumnsAndTablesIsRead) {
+  writeExample();
+  sql(path_,
+      "PRAGMA user_version = 1003; ALTER TABLE segment ADD COLUMN colour TEXT;"
+      "ALTER TABLE model ADD COLUMN place TEXT DEFAULT 'home'; CREATE TABLE photo(id INTEGER, data BLOB);");
+  const Map read = readMap(path_);
+  ASSERT_EQ(read.models.size(), 3u);
+  const Map map = ExampleMap().map(3);
+  for (std::size_t i = 0; i < 3; ++i) expectEqual(map.models[i], read.models[i]);
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+  EXPECT_EQ(MapDatabase::open(path_).add(ExampleMap(9).model("more")), 3);
+}
+
+TEST_F(MapFile, ReadingChangesNoByte) {
+  writeExample();
+  const std::string before = bytesOf(path_);
+  const auto time = std::filesystem::last_write_time(path_);
+  readMap(path_);
+  checkMap(path_);
+  EXPECT_EQ(bytesOf(path_), before);
+  EXPECT_EQ(std::filesystem::last_write_time(path_), time);
+  EXPECT_EQ(folder_.count(), 1);
+}
+
+TEST_F(MapFile, AReadOnlyFileCanBeRead) {
+  writeExample();
+  std::filesystem::permissions(path_, std::filesystem::perms::owner_read);
+  EXPECT_EQ(readMap(path_).models.size(), 3u);
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Views that stay in the map file.
+#include "map_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <thread>
+#include <vector>
+
+namespace facetloc {
+namespace {
+
+using test::ExampleMap;
+using test::expectEqual;
+using test::ioErrorOf;
+using test::MapFile;
+using test::vandalize;
+using testing::AllOf;
+using testing::HasSubstr;
+
+TEST_F(MapFile, ASmallMapIsOpenedAsAWhole) {
+  writeExample(3);
+  EXPECT_EQ(openMap(path_, 3).store, nullptr);
+  EXPECT_FALSE(openMap(path_, 3).models[2].view.segments.empty());
+  EXPECT_NE(openMap(path_, 2).store, nullptr);
+}
+
+TEST_F(MapFile, AMapWhoseViewsStayInTheFileIsTheSameMap) {
+  Map map = ExampleMap().map(4);
+  map.models[2].view.depth = {};
+  map.models[3].view.segments.clear();
+  writeMap(path_, map);
+  const Map whole = readMap(path_), opened = openMap(path_, 2);
+  ASSERT_EQ(opened.models.size(), whole.models.size());
+  EXPECT_EQ(opened.links.size(), whole.links.size());
+  EXPECT_EQ(opened.meta, whole.meta);
+  EXPECT_TRUE(opened.camera.mounting);
+  for (int pass = 0; pass < 2; ++pass)
+    for (int i = 0; i < 4; ++i) {
+      LocalModel model = opened.models[i];
+      EXPECT_TRUE(model.view.segments.empty());
+      EXPECT_TRUE(model.view.depth.empty());
+      EXPECT_EQ(model.hasPicture(), i != 2);
+      model.view = *opened.view(i);
+      expectEqual(whole.models[i], model);
+      expectEqual(whole.models[i], {model.name, model.stamp, model.T_w_m, *whole.view(i)});
+    }
+}
+
+TEST_F(MapFile, ViewsThatWereAskedForLastStayInMemory) {
+  writeExample(4);
+  const Map opened = openMap(path_, 2);
+  const auto first = opened.view(0);
+  opened.view(1);
+  EXPECT_EQ(opened.view(0), first);
+  opened.view(2);  // in place of 1
+  EXPECT_EQ(opened.view(0), first);
+  opened.view(1), opened.view(2);
+  EXPECT_NE(opened.view(0), first);
+  EXPECT_EQ(opened.view(0)->segments.size(), first->segments.size());  // and the old one is still there
+}
+
+TEST_F(MapFile, ViewsCanBeAskedForByManyThreads) {
+  writeExample(8);
+  const Map whole = readMap(path_), opened = openMap(path_, 3);
+  std::vector<std::thread> threads;
+  std::array<int, 4> different{};
+  for (std::size_t t = 0; t < different.size(); ++t)
+    threads.emplace_back([&, t] {
+      for (int n = 0; n < 300; ++n) {
+        const int i = static_cast<int>((n * (2 * t + 1)) % 8);
+        different[t] += opened.view(i)->depth.inverse_depth != whole.models[i].view.depth.inverse_depth;
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_THAT(different, testing::Each(0));
+}
+
+TEST_F(MapFile, AViewThatIsNotSoundIsToldWhenItIsAskedFor) {
+  writeExample(3);
+  vandalize(path_, "UPDATE depth_picture SET data = x'00' WHERE model_id = 1");
+  vandalize(path_, "DELETE FROM segment WHERE model_id = 2 AND idx = 1");
+  const Map opened = openMap(path_, 0);
+  EXPECT_EQ(opened.view(0)->segments.size(), 3u);
+  EXPECT_THAT(ioErrorOf([&] { opened.view(1); }),
+              AllOf(HasSubstr("room.flmap"), HasSubstr("model 1: its depth picture is corrupt")));
+  EXPECT_THAT(ioErrorOf([&] { opened.view(2); }), HasSubstr("model 2: its segment numbers have a gap"));
+  EXPECT_THAT(ioErrorOf([&] { opened.view(3); }), HasSubstr("no such model"));
+  EXPECT_EQ(opened.view(0)->segments.size(), 3u) << "that of others can still be had";
+  EXPECT_NE(ioErrorOf([&] { openMap(path_); }), "") << "a small map is checked at once";
+}
+
+TEST_F(MapFile, AnOpenMapCanBeWrittenTo) {
+  writeExample(3);
+  const Map opened = openMap(path_, 1);
+  opened.view(0);
+  EXPECT_EQ(MapDatabase::open(path_).add(ExampleMap(9).model("more")), 3);
+  EXPECT_EQ(opened.view(2)->segments.size(), 5u);
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "registration_cases.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <pcl/common/io.h>
+
+#include <string>
+
+namespace facetloc {
+namespace {
+
+using test::kNearPose;
+using test::kTargetPose;
+using test::PlanarCase;
+using test::PoseNear;
+
+Camera cameraOf(const Intrinsics& intrinsics) {
+  Camera camera;
+  camera.intrinsics = intrinsics;
+  return camera;
+}
+
+TEST(PlanarRegistration, ACameraThatCannotBeIsToldAsSuch) {
+  PlanarRegistration<pcl::PointXYZ> registration;
+  registration.setInputSource(PlanarCase<pcl::PointXYZ>::cloudFrom(kTargetPose, 1));
+  registration.setInputTarget(PlanarCase<pcl::PointXYZ>::cloudFrom(kTargetPose, 2));
+  registration.setCamera(cameraOf(Intrinsics{320, 240, 0, 0, 0, 0}));
+  pcl::PointCloud<pcl::PointXYZ> output;
+  registration.align(output);
+  EXPECT_FALSE(registration.hasConverged());
+  EXPECT_EQ(registration.getStatus(), "target: the camera that was set is impossible");
+}
+
+TEST(PlanarRegistration, IndicesOutsideTheCloudAreToldNotUsed) {
+  struct Opened : PlanarRegistration<pcl::PointXYZ> {
+    using PlanarRegistration::makeView;
+  };
+  const auto cloud = PlanarCase<pcl::PointXYZ>::cloudFrom(kTargetPose, 1);
+  for (const int bad : {-1, static_cast<int>(cloud->size())}) {
+    const pcl::Indices indices{0, bad};
+    std::string why;
+    EXPECT_TRUE(Opened().makeView(*cloud, &indices, why).segments.empty());
+    EXPECT_EQ(why, "the indices do not fit the cloud");
+  }
+}
+
+TEST(PlanarRegistration, TurnsTheNormalsOfTheSource) {
+  const auto cloudWithNormals = [](const Eigen::Isometry3d& T_w_c, unsigned seed) {
+    const auto points = PlanarCase<pcl::PointXYZ>::cloudFrom(T_w_c, seed);
+    auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointNormal>>();
+    pcl::copyPointCloud(*points, *cloud);
+    for (auto& p : *cloud) p.normal_x = 0, p.normal_y = 0, p.normal_z = -1;
+    return cloud;
+  };
+  PlanarRegistration<pcl::PointNormal> registration;
+  registration.setInputSource(cloudWithNormals(kNearPose, 2));
+  registration.setInputTarget(cloudWithNormals(kTargetPose, 1));
+  pcl::PointCloud<pcl::PointNormal> aligned;
+  registration.align(aligned);
+  ASSERT_TRUE(registration.hasConverged());
+  const Eigen::Vector3d turned = -registration.getFinalPose().linear().col(2);
+  EXPECT_LT((aligned[0].getNormalVector3fMap().cast<double>() - turned).norm(), 1e-6);
+}
+
+TEST(PlanarRegistration, UnorganizedCloudsHaveNoAnswer) {
+  using Case = PlanarCase<pcl::PointXYZ>;
+  PlanarRegistration<pcl::PointXYZ> registration;
+  auto unorganized = Case::cloudFrom(kNearPose, 2);
+  unorganized->width *= unorganized->height;
+  unorganized->height = 1;
+  const auto target = Case::cloudFrom(kTargetPose, 1);
+  pcl::PointCloud<pcl::PointXYZ> output;
+  registration.setInputSource(unorganized);
+  registration.setInputTarget(target);
+  registration.align(output);
+  EXPECT_FALSE(registration.hasConverged());
+  EXPECT_NE(registration.getStatus(), "");
+  registration.setInputSource(target);
+  registration.setInputTarget(unorganized);
+  registration.align(output);
+  EXPECT_FALSE(registration.hasConverged());
+  EXPECT_NE(registration.getStatus(), "");
+}
+
+TEST(PlanarRegistration, WorkingWidthIsAChoice) {
+  using Case = PlanarCase<pcl::PointXYZ>;
+  PlanarRegistration<pcl::PointXYZ> registration;
+  registration.setInputSource(Case::cloudFrom(kNearPose, 2));
+  registration.setInputTarget(Case::cloudFrom(kTargetPose, 1));
+  registration.setCamera(cameraOf(test::smallCamera()));
+  pcl::PointCloud<pcl::PointXYZ> output;
+  for (const int width : {160, 0}) {
+    registration.setWorkingWidth(width);
+    registration.align(output);
+    ASSERT_TRUE(registration.hasConverged()) << width;
+    EXPECT_THAT(registration.getFinalPose(), PoseNear(kTargetPose.inverse() * kNearPose, 0.05, 0.8)) << width;
+  }
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What every pcl::Registration of ours promises beyond that, tested through pointers to PCL's base class.
+#include "registration_cases.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+namespace facetloc {
+namespace {
+
+using test::EkfCase;
+using test::PlanarCase;
+using test::PoseNear;
+using test::RegistrationBase;
+
+template <class Case>
+class OurRegistration : public RegistrationBase<Case> {
+protected:
+  using typename RegistrationBase<Case>::Point;
+  using typename RegistrationBase<Case>::Points;
+  RankedRegistration<Point>& ranked() {
+    return dynamic_cast<RankedRegistration<Point>&>(*this->registration);
+  }
+
+  void alignGoodClouds() {
+    this->registration->setInputSource(this->source);
+    this->registration->setInputTarget(this->target);
+    this->registration->align(this->output);
+    ASSERT_TRUE(this->registration->hasConverged());
+    ASSERT_FALSE(ranked().getHypotheses().empty());
+    ASSERT_EQ(ranked().getStatus(), "");
+  }
+  void expectNoAnswer() {
+    EXPECT_FALSE(this->registration->hasConverged());
+    EXPECT_EQ(this->registration->getFinalTransformation(), Eigen::Matrix4f::Identity());
+    EXPECT_TRUE(ranked().getHypotheses().empty());
+    EXPECT_EQ(ranked().getFinalPose().matrix(), Eigen::Matrix4d::Identity());
+    EXPECT_TRUE(ranked().getFinalCovariance().isZero());
+    EXPECT_NE(ranked().getStatus(), "");
+  }
+  void expectNoAnswerFor(const typename Points::ConstPtr& bad) {
+    alignGoodClouds();
+    this->registration->setInputSource(bad);
+    this->registration->align(this->output);
+    expectNoAnswer();
+    alignGoodClouds();
+    this->registration->setInputTarget(bad);
+    this->registration->align(this->output);
+    expectNoAnswer();
+    alignGoodClouds();  // and all is well again
+  }
+};
+using OurCases = testing::Types<EkfCase, PlanarCase<pcl::PointXYZ>, PlanarCase<pcl::PointXYZI>,
+                                PlanarCase<pcl::PointXYZRGB>, PlanarCase<pcl::PointXYZRGBA>>;
+TYPED_TEST_SUITE(OurRegistration, OurCases);
+
+TYPED_TEST(OurRegistration, NeedsNoGuess) {
+  this->alignGoodClouds();
+  EXPECT_THAT(this->found(*this->registration),
+              PoseNear(this->truth, TypeParam::kMetres, TypeParam::kDegrees));
+}
+
+TYPED_TEST(OurRegistration, IndicesChooseThePointsOfTheSourceAndOfTheOutput) {
+  auto indices = pcl::make_shared<pcl::Indices>();
+  for (std::size_t i = 0; i < this->source->size(); ++i)
+    if (this->source->size() < 100 || i % 8 != 0) indices->push_back(static_cast<int>(i));
+  if (this->source->size() < 100) indices->pop_back();  // the least informative frame
+  this->registration->setInputSource(this->source);
+  this->registration->setInputTarget(this->target);
+  this->registration->setIndices(indices);
+  this->registration->align(this->output);
+  EXPECT_TRUE(this->registration->hasConverged());
+  EXPECT_EQ(this->output.size(), indices->size());
+  EXPECT_THAT(this->found(*this->registration),
+              PoseNear(this->truth, TypeParam::kMetres, TypeParam::kDegrees));
+}
+
+TYPED_TEST(OurRegistration, HasTheAnswerInDoublePrecisionWithItsCovariance) {
+  this->alignGoodClouds();
+  const Eigen::Isometry3d pose = this->ranked().getFinalPose();
+  EXPECT_THAT(Eigen::Matrix3d(pose.linear()), test::IsRotation());
+  EXPECT_EQ(Eigen::Matrix4f(pose.matrix().template cast<float>()),
+            this->registration->getFinalTransformation());
+  const Matrix6d P = this->ranked().getFinalCovariance();
+  EXPECT_THAT(P, test::IsPositiveSemidefinite(1e-15));
+  EXPECT_GT(P.trace(), 0);
+  EXPECT_LT(std::sqrt(P.trace()), 0.1);
+  double sum = 0, before = std::numeric_limits<double>::infinity();
+  for (const Hypothesis& h : this->ranked().getHypotheses()) {
+    EXPECT_LE(h.score, before);
+    before = h.score;
+    sum += h.probability;
+  }
+  EXPECT_LE(sum, 1);
+}
+
+TYPED_TEST(OurRegistration, EmptyAndMissingCloudsLeaveNothingOfTheCallBefore) {
+  this->expectNoAnswerFor(nullptr);
+  this->expectNoAnswerFor(pcl::make_shared<typename TestFixture::Points>());
+}
+
+TYPED_TEST(OurRegistration, CloudsWithoutAValidPointLeaveNothingOfTheCallBefore) {
+  auto nan = pcl::make_shared<typename TestFixture::Points>(*this->source);
+  for (auto& p : *nan) p.x = p.y = p.z = std::numeric_limits<float>::quiet_NaN();
+  this->expectNoAnswerFor(nan);
+}
+
+TYPED_TEST(OurRegistration, IndicesWithoutAUsablePointLeaveNothingOfTheCallBefore) {
+  this->alignGoodClouds();
+  this->registration->setIndices(pcl::make_shared<pcl::Indices>(pcl::Indices{0}));
+  this->registration->align(this->output);
+  EXPECT_EQ(this->output.size(), 1u);
+  this->expectNoAnswer();
+}
+
+TYPED_TEST(OurRegistration, IndicesOutsideTheSourceLeaveNothingOfTheCallBefore) {
+  const int size = static_cast<int>(this->source->size());
+  this->alignGoodClouds();
+  for (const int bad : {-1, size, 100000000}) {
+    this->registration->setIndices(pcl::make_shared<pcl::Indices>(pcl::Indices{0, bad}));
+    this->registration->align(this->output);
+    EXPECT_TRUE(this->output.empty());
+    this->expectNoAnswer();
+    EXPECT_THAT(this->ranked().getStatus(), testing::HasSubstr("the indices do not fit the cloud"));
+  }
+  // They fitted the cloud before.
+  this->registration->setIndices(pcl::make_shared<pcl::Indices>(pcl::Indices{0, size - 1}));
+  auto smaller = pcl::make_shared<typename TestFixture::Points>(*this->source);
+  smaller->resize(smaller->size() / 2);
+  this->registration->setInputSource(smaller);
+  this->registration->align(this->output);
+  this->expectNoAnswer();
+}
+
+TYPED_TEST(OurRegistration, IndicesHoldForEveryCloudThatTheyFit) {
+  const auto size = this->source->size();
+  const auto chosen = pcl::make_shared<pcl::Indices>();
+  for (std::size_t i = 0; i + 1 < size; ++i) chosen->push_back(static_cast<int>(i));
+  const auto alignedPoints = [this] {
+    this->registration->align(this->output);
+    EXPECT_TRUE(this->registration->hasConverged()) << this->ranked().getStatus();
+    return this->output.size();
+  };
+  this->alignGoodClouds();
+  this->registration->setIndices(chosen);
+  EXPECT_EQ(alignedPoints(), size - 1);
+  // A frame without points, or with too few, is no reason to forget them.
+  this->registration->setInputSource(pcl::make_shared<typename TestFixture::Points>());
+  this->registration->align(this->output);
+  this->expectNoAnswer();
+  this->registration->setInputSource(this->source);
+  EXPECT_EQ(alignedPoints(), size - 1);
+  // No indices mean all points, also after wrong ones and for clouds of any size.
+  this->registration->setIndices(pcl::make_shared<pcl::Indices>(pcl::Indices{-1}));
+  this->registration->setIndices(pcl::IndicesPtr());
+  EXPECT_EQ(alignedPoints(), size);
+  const auto one = pcl::make_shared<typename TestFixture::Points>(1, 1, this->source->front());
+  this->registration->setInputSource(one);
+  this->registration->align(this->output);
+  EXPECT_THAT(this->ranked().getStatus(), testing::Not(testing::HasSubstr("indices")));
+  this->registration->setInputSource(this->source);
+  EXPECT_EQ(alignedPoints(), size);
+}
+
+TYPED_TEST(OurRegistration, AGuessThatIsNoPoseHasNoAnswerAndMovesNothing) {
+  Eigen::Matrix4f mirror = Eigen::Matrix4f::Identity(), scale = mirror, sheared = mirror;
+  mirror(0, 0) = -1;
+  scale.topLeftCorner<3, 3>() *= 5;
+  sheared(3, 0) = 1;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const Eigen::Matrix4f& guess : {Eigen::Matrix4f(Eigen::Matrix4f::Constant(nan)),
+                                       Eigen::Matrix4f(Eigen::Matrix4f::Zero()), mirror, scale, sheared}) {
+    this->alignGoodClouds();
+    this->registration->align(this->output, guess);
+    this->expectNoAnswer();
+    EXPECT_THAT(this->ranked().getStatus(), testing::HasSubstr("no rigid motion"));
+    ASSERT_EQ(this->output.size(), this->source->size());
+    for (std::size_t i = 0; i < this->output.size(); i += 97) {
+      if (!pcl::isXYZFinite((*this->source)[i])) continue;
+      EXPECT_EQ(this->output[i].getVector3fMap(), (*this->source)[i].getVector3fMap());
+    }
+  }
+}
+
+TYPED_TEST(OurRegistration, FitnessOfCloudsWithHolesOrOfNoneIsNoCrash) {
+  const auto withHoles = [](const auto& cloud) {
+    auto holes = pcl::make_shared<typename TestFixture::Points>(*cloud);
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    for (std::size_t i = 9; i < holes->size(); i += 10) (*holes)[i].x = (*holes)[i].y = (*holes)[i].z = nan;
+    holes->is_dense = false;
+    return holes;
+  };
+  const auto searched = withHoles(this->target);
+  this->registration->setInputSource(withHoles(this->source));
+  this->registration->setInputTarget(searched);
+  this->registration->align(this->output);
+  ASSERT_TRUE(this->registration->hasConverged());
+  EXPECT_LT(this->registration->getFitnessScore(), 1);
+  const auto tree = this->registration->getSearchMethodTarget();
+  EXPECT_EQ(tree->getInputCloud(), searched);
+  pcl::Indices neighbours;
+  std::vector<float> squared_distances;
+  EXPECT_EQ(tree->nearestKSearch(1, 1, neighbours, squared_distances), 1);
+  this->registration->setInputSource(nullptr);
+  this->registration->align(this->output);
+  EXPECT_TRUE(this->output.empty());
+  EXPECT_EQ(this->registration->getFitnessScore(), std::numeric_limits<double>::max());
+  auto nothing = pcl::make_shared<typename TestFixture::Points>(*this->target);
+  for (auto& p : *nothing) p.x = p.y = p.z = std::numeric_limits<float>::quiet_NaN();
+  nothing->is_dense = false;
+  this->registration->setInputSource(this->source);
+  this->registration->setInputTarget(nothing);
+  this->registration->align(this->output);
+  EXPECT_EQ(this->registration->getFitnessScore(), std::numeric_limits<double>::max());
+}
+
+TYPED_TEST(OurRegistration, ParametersOutOfTheirRangeAreRefused) {
+  GlobalLocalizationParams params;
+  params.evidence.models = -1;
+  EXPECT_THROW(this->ranked().setRegistrationParams(params), std::invalid_argument);
+}
+
+TYPED_TEST(OurRegistration, ForgetsItsAnswerAsSoonAsACloudChanges) {
+  this->alignGoodClouds();
+  this->registration->setInputSource(this->source);
+  this->expectNoAnswer();
+  this->alignGoodClouds();
+  this->registration->setInputTarget(this->target);
+  this->expectNoAnswer();
+}
+
+TYPED_TEST(OurRegistration, CallsBeforeAnyCloudAreNoCrash) {
+  this->registration->align(this->output);
+  this->expectNoAnswer();
+  this->registration->setInputSource(this->source);
+  this->registration->align(this->output);
+  this->expectNoAnswer();
+}
+
+TYPED_TEST(OurRegistration, APriorThatExcludesTheTruthHasNoAnswer) {
+  this->registration->setInputSource(this->source);
+  this->registration->setInputTarget(this->target);
+  Matrix6d P = 1e-6 * Matrix6d::Identity();
+  this->ranked().setPriorCovariance(P);
+  EXPECT_EQ(this->ranked().getPriorCovariance(), P);
+  this->registration->align(this->output);
+  this->expectNoAnswer();
+}
+
+}  // namespace
+}  // namespace facetloc
