@@ -43,6 +43,7 @@ endfunction()
 add_library(facetloc_warnings INTERFACE)
 target_compile_options(facetloc_warnings INTERFACE
   $<$<CXX_COMPILER_ID:GNU,Clang>:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wno-sign-conversion>
+  $<$<CXX_COMPILER_ID:Clang>:-Wno-gnu-anonymous-struct;-Wno-nested-anon-types>  # PCL_ADD_POINT4D has both
   $<$<BOOL:${FACETLOC_WERROR}>:-Werror>)
 
 function(facetloc_install_package)

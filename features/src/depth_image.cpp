@@ -15,7 +15,7 @@ FACETLOC_MULTIVERSION void invertDepth(const float* depth, std::size_t n, float 
     Floats z;
     load(depth + i, depth + n, z);
     const Floats inverse = scale / z;
-    store((z >= kNearestMeasured) & (z <= kFarthestMeasured) ? inverse : Floats{}, out + i, out + n);
+    store(((z >= kNearestMeasured) & (z <= kFarthestMeasured)) ? inverse : Floats{}, out + i, out + n);
   }
 }
 

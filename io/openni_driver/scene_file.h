@@ -20,8 +20,9 @@ namespace facetloc {
  *     jump_at = 900     # the camera is carried away before this image ...
  *     jump = 600        # ... to where it would have been so many images later
  *
- * and the parameters of the drive, its pace (rate, speed, turn_rate_deg) and the noise, by the names of
- * facetloc_simulate. All have defaults but scene. One `key = value` per line, # starts a comment. */
+ * and the parameters of facetloc_simulate in the groups drive, pace (rate, speed, turn_rate_deg) and sensor,
+ * by their names without the group. All have defaults but scene. One `key = value` per line, # starts a
+ * comment. */
 struct SceneFile {
   std::string scene;
   std::string run = "query";

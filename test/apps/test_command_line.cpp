@@ -86,10 +86,11 @@ TEST(CommandLine, DefaultsComeFromTheVariables) { EXPECT_EQ(echo({"a"}).out, "1 
 
 TEST(CommandLine, GnuAndPclStyleAreTheSame) {
   const std::string told = "2 dir 7 1 -30 3 0 1 4 1 1";
-  EXPECT_EQ(echo({"a", "b", "-o", "dir", "--max-hypotheses", "7", "--labels",
-                  "--matching.angular_threshold=-30", "--max-pairs", "3", "--threads", "4", "--quiet"})
-                .out,
-            told);
+  EXPECT_EQ(
+      echo({"a", "b", "-o", "dir", "--max-hypotheses", "7", "--labels", "--matching.angular_threshold=-30",
+            "--matching.max-pairs", "3", "--threads", "4", "--quiet"})
+          .out,
+      told);
   EXPECT_EQ(echo({"-output", "dir", "-max_hypotheses=7", "a", "-labels", "-matching.angular-threshold", "-30",
                   "-matching.max_pairs", "3", "b", "-threads=4", "-q"})
                 .out,

@@ -170,7 +170,8 @@ TEST_F(Tools, SmoothNoiseIsFoundAndToldOf) {
   ASSERT_EQ(simulate.code, kOk) << simulate.err;
   const std::string images = room + "/query";
   const std::string noisy_map = folder_ / "noisy.flmap";
-  const auto tells = HasSubstr("the images are noisier than told: inverse_depth_std is about 0.00");
+  const auto tells =
+      HasSubstr("the images are noisier than their camera's specification: inverse_depth_std is about 0.00");
   const ToolRun build = runMap({"build", room + "/map", "-o", noisy_map, "--map.distance", "0.1"});
   ASSERT_EQ(build.code, kOk) << build.err;
   EXPECT_THAT(build.err, tells);

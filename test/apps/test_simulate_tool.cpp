@@ -56,8 +56,8 @@ TEST_F(Tools, SimulateWritesASequenceWithItsTruth) {
 }
 
 TEST_F(Tools, SimulateDrivesInRealTime) {
-  const std::vector<std::string> common = {"room", "--seed",  "5",   "--frames", "2", "--width",
-                                           "80",   "--drive", "1.5", "--rate",   "10"};
+  const std::vector<std::string> common = {"room", "--seed",  "5",   "--frames",    "2", "--width",
+                                           "80",   "--drive", "1.5", "--pace.rate", "10"};
   const auto simulate = [&](const std::string& folder, const std::vector<std::string>& more) {
     std::vector<std::string> arguments = common;
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -86,7 +86,7 @@ TEST_F(Tools, SimulateDrivesInRealTime) {
   EXPECT_EQ(simulate("alone", {"--runs", "drive"}).code, kFailed);  // is there already
   EXPECT_EQ(simulate("alone", {"--runs", "map"}).code, kOk);        // beside it
   EXPECT_THAT(simulate("other", {"--runs", "flight"}).err, HasSubstr("map query drive"));
-  EXPECT_EQ(simulate("other", {"--rate", "0"}).code, kUsage);
+  EXPECT_EQ(simulate("other", {"--pace.rate", "0"}).code, kUsage);
 }
 
 }  // namespace

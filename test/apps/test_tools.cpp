@@ -83,8 +83,8 @@ TEST_F(Tools, RefuseOptionsThatMakeNoSense) {
 TEST_F(Tools, FromMapToEvaluation) {
   const ToolRun info = runMap({"info", map()});
   EXPECT_EQ(info.code, kOk);
-  EXPECT_THAT(info.out,
-              AllOf(HasSubstr("local models"), HasSubstr("model_distance = 0.1"), HasSubstr("facetloc 0")));
+  EXPECT_THAT(info.out, AllOf(HasSubstr("local models"), HasSubstr("[map]\n  distance = 0.1"),
+                              HasSubstr("facetloc 0")));
   EXPECT_EQ(runMap({"check", map()}).code, kOk);
 
   for (const char* threads : {"1", "2"}) {

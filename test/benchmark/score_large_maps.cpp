@@ -3,7 +3,7 @@
 // What the shortlist costs and saves in large maps of simulated floors.
 //
 //   score_large_maps --floors DIR [--models N,N,...] [--queries N] [--exhaustive N] [--csv FILE]
-//                    [--plot FILE.png] [--first-seed N] [--set PARAMETER VALUE]
+//                    [--plot FILE.png] [--first-seed N] [--set shortlist.PARAMETER VALUE]
 //
 // The floors (office, home and hall of every seed) are rendered once and kept in DIR. A map of N local models
 // is made of as many floors as that takes, far from each other, and kept in DIR/large-N.flmap. It is used as

@@ -73,7 +73,7 @@ private:
   std::uint16_t next_id_ = 1;
 };
 
-// ---- Places (one file each) ----
+// ---- Places: a class each, in office_floor.h, home_floor.h and hall_floor.h ----
 SimulatedPlace officeFloor(std::uint64_t seed);
 SimulatedPlace homeFloor(std::uint64_t seed);
 SimulatedPlace hallFloor(std::uint64_t seed);

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/evaluate_app.h"
+#include "live/live_app.h"
+#include "tool_runner.h"
+#include "tools/localize_app.h"
+#include "tools/map_apps.h"
+#include "tools/old_options.h"
+#include "tools/presets.h"
+#include "tools/register_app.h"
+#include "tools/render_app.h"
+#include "tools/segment_app.h"
+#include "tools/simulate_app.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <map>
+#include <sstream>
+
+namespace facetloc {
+namespace {
+
+using test::runTool;
+
+/** What each tool says, to --help or --help-all. */
+std::map<std::string, std::string> helpOfAll(const std::string& option) {
+  return {
+      {"evaluate", runTool<EvaluateApp>({option}).out},   {"live", runTool<LiveApp>({option}).out},
+      {"localize", runTool<LocalizeApp>({option}).out},   {"map build", runTool<MapBuildApp>({option}).out},
+      {"map info", runTool<MapInfoApp>({option}).out},    {"map merge", runTool<MapMergeApp>({option}).out},
+      {"register", runTool<RegisterApp>({option}).out},   {"render", runTool<RenderApp>({option}).out},
+      {"segment", runTool<SegmentApp>({option}).out},     {"simulate", runTool<SimulateApp>({option}).out},
+      {"map export", runTool<MapExportApp>({option}).out}};
+}
+
+TEST(Help, FitsOnAScreen) {
+  for (const auto& [tool, help] : helpOfAll("--help")) {
+    EXPECT_LE(std::count(help.begin(), help.end(), '\n'), 40) << tool;
+    EXPECT_THAT(help, testing::HasSubstr("--help-all")) << tool;
+  }
+}
+
+// Sentences that begin like these are understood with their neighbour only.
+TEST(Help, EachOptionIsUnderstoodAlone) {
+  for (const auto& [tool, help] : helpOfAll("--help-all"))
+    for (const char* words :
+         {"The same", "the same of", " ... ", "Like ", "see above", "next two options", "  Of "})
+      EXPECT_THAT(help.substr(std::min(help.size(), help.find("Options:"))),
+                  testing::Not(testing::HasSubstr(words)))
+          << tool;
+}
+
+TEST(Help, OptionsOfVersion01LeadToOnesThatThereAre) {
+  std::string all;
+  for (const auto& [tool, help] : helpOfAll("--help-all")) all += help;
+  std::istringstream words(all);
+  std::size_t groups = 0;
+  for (std::string word; words >> word;) {
+    if (word.rfind("--", 0) != 0 || word.find('.') == std::string::npos) continue;
+    ++groups;
+    EXPECT_EQ(newNameOf(word.substr(2)), "") << "the name of an option of today was one of version 0.1, too";
+  }
+  EXPECT_GT(groups, 100u);
+  for (const char* old : {"ekf_iterations", "min_segment", "min_support", "shortlist", "floor_std",
+                          "track_models", "noise_factor", "max_translation", "model_distance", "faithful"})
+    EXPECT_THAT(all, testing::HasSubstr("--" + newNameOf(old) + " ")) << old;
+}
+
+/** What a preset sets that no tool has would be left out without a word. */
+TEST(Help, PresetsSetWhatThereIs) {
+  std::string all;
+  for (const auto& [tool, help] : helpOfAll("--help-all")) all += help;
+  for (const std::string& preset : presetNames()) {
+    std::istringstream lines(presetText(preset));
+    std::string group;
+    for (std::string line; std::getline(lines, line);) {
+      line = line.substr(0, line.find('#'));
+      if (line.find('[') != std::string::npos) group = line.substr(1, line.find(']') - 1) + ".";
+      const auto equals = line.find(" =");
+      if (equals == std::string::npos) continue;
+      EXPECT_THAT(all, testing::HasSubstr("--" + group + line.substr(0, equals) + " ")) << preset;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace facetloc
