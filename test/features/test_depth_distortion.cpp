@@ -63,7 +63,7 @@ TEST(DepthDistortion, NonsenseIsRefused) {
   DepthDistortion::Values values{};
   values[3] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(DepthDistortion(extent, values), std::invalid_argument);
-  EXPECT_THROW(DepthDistortion(Eigen::AlignedBox2d()), std::invalid_argument);
+  EXPECT_THROW(DepthDistortion{Eigen::AlignedBox2d()}, std::invalid_argument);
 }
 
 TEST(DepthDistortion, FitsTheCameraAtAnyResolution) {

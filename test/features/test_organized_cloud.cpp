@@ -34,7 +34,7 @@ void expectNear(const std::optional<Intrinsics>& got, const Intrinsics& want, do
 template <typename PointT>
 class OrganizedCloud : public testing::Test {};
 using PointTypes = testing::Types<pcl::PointXYZ, pcl::PointXYZI, pcl::PointXYZRGB, pcl::PointXYZRGBA>;
-TYPED_TEST_SUITE(OrganizedCloud, PointTypes);
+TYPED_TEST_SUITE(OrganizedCloud, PointTypes, );  // the comma for -Wpedantic of Clang
 
 TYPED_TEST(OrganizedCloud, IntrinsicsAreRecoveredFromThePoints) {
   const Intrinsics camera{320, 240, 262.5, 301.25, 140.5, 131.75};  // fx, fy and the centre all differ

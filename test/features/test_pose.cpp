@@ -18,11 +18,6 @@ using test::PoseNear;
 using test::randomDirection;
 using test::Rng;
 
-constexpr double kPi = 3.14159265358979323846;
-
-// Zero, around the switch-over points of the series, moderate, and nearly half a turn.
-const double kAngles[] = {0, 1e-12, 1e-9, 1.1e-9, 1e-8, 0.99e-5, 1.01e-5, 1e-3, 0.1, 1, 2.5, kPi - 1e-6};
-
 TEST(Pose, PerturbationUndoesPerturbed) {
   Rng rng(8);
   for (int i = 0; i < 100; ++i) {

@@ -353,7 +353,6 @@ TEST(SegmentCovariance, SlopeAndOffsetSpreadAsFirstOrderPropagationSays) {
 
 TEST(SegmentCovariance, DefaultModelHasTheTermsOfTheMeasuredMethod) {
   const Patch p = patch({0.1, 0, 2}, {0.1, 0.2, 1}, 80, 60, 239, 179);
-  const SegmentEstimationParams params;
   const SensorNoise noise;
   const Segment s = estimate(p).at(0);
   Eigen::Matrix3d bb = Eigen::Matrix3d::Zero();

@@ -46,7 +46,7 @@ protected:
   pcl::PointCloud<SegmentFrame> frames;
 };
 using PointTypes = testing::Types<pcl::PointXYZ, pcl::PointXYZI, pcl::PointXYZRGB, pcl::PointXYZRGBA>;
-TYPED_TEST_SUITE(SegmentFrameEstimationTest, PointTypes);
+TYPED_TEST_SUITE(SegmentFrameEstimationTest, PointTypes, );  // the comma for -Wpedantic of Clang
 
 TYPED_TEST(SegmentFrameEstimationTest, FramesAreThoseOfTheDepthImage) {
   this->cloud->header.stamp = 42;

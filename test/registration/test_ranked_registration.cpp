@@ -57,7 +57,7 @@ protected:
 };
 using OurCases = testing::Types<EkfCase, PlanarCase<pcl::PointXYZ>, PlanarCase<pcl::PointXYZI>,
                                 PlanarCase<pcl::PointXYZRGB>, PlanarCase<pcl::PointXYZRGBA>>;
-TYPED_TEST_SUITE(OurRegistration, OurCases);
+TYPED_TEST_SUITE(OurRegistration, OurCases, );  // the comma for -Wpedantic of Clang
 
 TYPED_TEST(OurRegistration, NeedsNoGuess) {
   this->alignGoodClouds();

@@ -51,7 +51,7 @@ struct IcpCase {
 template <class Case>
 class AnyRegistration : public RegistrationBase<Case> {};
 using AnyCases = testing::Types<EkfCase, PlanarCase<pcl::PointXYZ>, IcpCase>;
-TYPED_TEST_SUITE(AnyRegistration, AnyCases);
+TYPED_TEST_SUITE(AnyRegistration, AnyCases, );  // the comma for -Wpedantic of Clang
 
 TYPED_TEST(AnyRegistration, FindsThePoseOfTheSourceInTheTarget) {
   this->registration->setInputSource(this->source);

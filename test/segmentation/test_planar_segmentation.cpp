@@ -70,7 +70,7 @@ protected:
 };
 using PointTypes =
     testing::Types<pcl::PointXYZ, pcl::PointXYZI, pcl::PointXYZRGB, pcl::PointXYZRGBA, test::PointOfAUser>;
-TYPED_TEST_SUITE(PlanarSegmentationTest, PointTypes);
+TYPED_TEST_SUITE(PlanarSegmentationTest, PointTypes, );  // the comma for -Wpedantic of Clang
 
 TYPED_TEST(PlanarSegmentationTest, PointsOfASegmentLieOnItsPlaneWhichFacesTheSensor) {
   this->cloud->header.frame_id = "camera";
