@@ -17,7 +17,7 @@ constexpr double kConverged = 1e-5;  // norm of a step [rad, m]
 
 // Variance of the gradient of inverse depth that a picture's noise alone makes [1/m^2/px^2].
 double gradientVariance(const DepthPicture& picture) {
-  return picture.noise_std * picture.noise_std / (2 * DepthSlope::kReach * DepthSlope::kReach);
+  return picture.noise_std * picture.noise_std / (2 * DepthDifference::kReach * DepthDifference::kReach);
 }
 
 // Drops the directions in which the gradients tell hardly more than their own noise and the bands of a coarse

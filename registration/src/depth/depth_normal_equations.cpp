@@ -64,9 +64,8 @@ FACETLOC_ALWAYS_INLINE void byPose(const Floats (&arm)[3], const Floats (&a)[3],
 // compareDepth for n pixels first, first + step, ... of a row v, and what they add.
 FACETLOC_MULTIVERSION void addRow(const Comparison& c, const std::uint16_t* row, int v, int first, int step,
                                   int n, Sums& sums) {
-  constexpr auto kNearest = static_cast<float>(DepthDifference::kNearest),
-                 kStraight = static_cast<float>(DepthSlope::kStraight);
-  constexpr int kReach = DepthSlope::kReach;
+  constexpr auto kNearest = static_cast<float>(DepthDifference::kNearest);
+  constexpr int kReach = DepthDifference::kReach;
   const auto fv = static_cast<float>(v);
   for (int i = 0; i < n; i += kLanes) {
     Ints quanta;
@@ -78,8 +77,10 @@ FACETLOC_MULTIVERSION void addRow(const Comparison& c, const std::uint16_t* row,
       p[k] = c.in_model.across[k] * u + (c.in_model.down[k] * fv + c.in_model.origin[k]) + c.t[k] * rho;
       arm[k] = (c.in_world.across[k] * u + (c.in_world.down[k] * fv + c.in_world.origin[k])) / rho;
     }
-    const Floats inverse = 1 / p[2], inverse_depth = rho * inverse, x = p[0] * inverse, y = p[1] * inverse;
-    const Floats column = c.fx * x + c.cx, line = c.fy * y + c.cy;
+    const Floats inverse = 1 / p[2];
+    DepthDifferenceOf<Floats, Floats[3]> d;
+    d.inverse_depth = rho * inverse, d.x = p[0] * inverse, d.y = p[1] * inverse;
+    const Floats column = c.fx * d.x + c.cx, line = c.fy * d.y + c.cy;
     const Floats rounded_column = column + 0.5f, rounded_line = line + 0.5f;  // before they are cut off
     Ints used = (kLane < n - i) & (rho >= kFarthest) & (p[2] > kNearest * rho) &
                 (rounded_column >= static_cast<float>(kReach)) &
@@ -100,21 +101,12 @@ FACETLOC_MULTIVERSION void addRow(const Comparison& c, const std::uint16_t* row,
       used &= five[k] != 0;
       depth[k] = kQuantum * __builtin_convertvector(five[k], Floats);
     }
-    const auto& [centre, left, right, up, down] = depth;
-    const Floats bent_u = left + right - 2 * centre, bent_v = up + down - 2 * centre;
-    const float straight = kStraight * c.error;
-    used &= (bent_u <= straight) & (bent_u >= -straight) & (bent_v <= straight) & (bent_v >= -straight);
-    const Floats du = (right - left) / (2 * kReach), dv = (down - up) / (2 * kReach);
-    const Floats value = (centre + left + right + up + down) / 5 +
-                         du * (column - __builtin_convertvector(uc, Floats)) +
-                         dv * (line - __builtin_convertvector(vc, Floats));
-    const Floats residual = inverse_depth - value;
+    d.dropBent(depth, c.error, used);
+    d.setResidual(depth, column - __builtin_convertvector(uc, Floats),
+                  line - __builtin_convertvector(vc, Floats), c.fx, c.fy);
 
-    const Floats gx = c.fx * du, gy = c.fy * dv;
-    const Floats by_point[3] = {-inverse_depth * gx, -inverse_depth * gy,
-                                inverse_depth * (gx * x + gy * y - inverse_depth)};
     Floats a[3], J[6];
-    turn(c.to_world, by_point, a);
+    turn(c.to_world, d.by_point, a);
     byPose(arm, a, J);
     Floats spread{};  // variance of the residual by the pose
     for (int k = 0; k < 6; ++k) {
@@ -122,18 +114,18 @@ FACETLOC_MULTIVERSION void addRow(const Comparison& c, const std::uint16_t* row,
       for (int j = 0; j < 6; ++j) row_sum += c.uncertainty[k][j] * J[j];
       spread += J[k] * row_sum;
     }
-    const Floats largest2 = c.gate * c.gate * (c.error * c.error + spread), squared = residual * residual;
+    const Floats largest2 = c.gate * c.gate * (c.error * c.error + spread), squared = d.residual * d.residual;
     used &= squared < largest2;
     const Floats rest = 1 - squared / largest2, none{};
     const Floats robust = used ? rest * rest : none;  // Tukey's weight
     for (Floats& j : J) j = used ? j : none;
     addSquare(J, robust, sums.A);
-    const Floats weighed = used ? robust * residual : none;
+    const Floats weighed = used ? robust * d.residual : none;
     for (int k = 0; k < 6; ++k) sums.g[k] += weighed * J[k];
     sums.weight += robust;
     if (!c.of_noise) continue;
-    const Floats by_gradient[2][3] = {{-c.fx * inverse_depth, none, c.fx * x * inverse_depth},
-                                      {none, -c.fy * inverse_depth, c.fy * y * inverse_depth}};
+    const Floats by_gradient[2][3] = {{-c.fx * d.inverse_depth, none, c.fx * d.x * d.inverse_depth},
+                                      {none, -c.fy * d.inverse_depth, c.fy * d.y * d.inverse_depth}};
     for (const auto& b : by_gradient) {
       turn(c.to_world, b, a);
       byPose(arm, a, J);
@@ -160,7 +152,7 @@ void DepthNormalEquations::add(const DepthPicture& scene, int step, const Eigen:
                                const DepthPicture& picture, const Eigen::Isometry3d& T_w_m,
                                const Matrix6d& uncertainty, double error, double gate) {
   const Intrinsics &from = scene.camera, &to = picture.camera;
-  constexpr int kLeast = 2 * DepthSlope::kReach + 1;  // pixels that a gradient takes
+  constexpr int kLeast = 2 * DepthDifference::kReach + 1;  // pixels that a gradient takes
   if (scene.empty() || picture.empty() || to.width < kLeast || to.height < kLeast) return;
   const Eigen::Isometry3d T_m_c = T_w_m.inverse() * T_w_c;
   Comparison c;
