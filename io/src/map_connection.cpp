@@ -4,9 +4,14 @@
 #include "files.h"
 #include "map_schema.h"
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 namespace facetloc::map_connection {
 
 namespace fs = std::filesystem;
+using sqlite::BadCell;
 using sqlite::Connection;
 using sqlite::Statement;
 using sqlite::Transaction;
@@ -47,6 +52,33 @@ void requireMap(Connection& db) {
                   "map format " + versionText(version) + " is unknown to this program (" + ours + ")");
 }
 
+/** A map consists of tables. A view, a trigger or a generated column in their place would compute, whenever
+ * it is looked at, what whoever made the file wants: no map has any. */
+void requireRealTables(Connection& db) {
+  std::vector<std::string> tables;
+  Statement entry(db, "SELECT type, name, coalesce(sql, '') AS sql FROM sqlite_master");
+  try {
+    while (entry.step()) {
+      const std::string type = entry.text(), name = entry.text(), sql = entry.text();
+      if (type != "table" && type != "index") throw BadCell("it holds a " + type + ", " + name);
+      if (type == "table" && sql.rfind("CREATE TABLE", 0) != 0 && name.rfind("sqlite_", 0) != 0)
+        throw BadCell("its table " + name + " is virtual");
+      if (type == "table") tables.push_back(name);
+    }
+    Statement column(db, "SELECT t.name, x.name FROM sqlite_master AS t, pragma_table_xinfo(t.name) AS x "
+                         "WHERE t.type = 'table' AND x.hidden > 0");
+    if (column.step()) {
+      const std::string table = column.text();
+      throw BadCell("column " + column.text() + " of its table " + table + " is computed");
+    }
+    for (const char* needed : {"meta", "mounting", "model", "segment", "depth_picture", "link"})
+      if (std::find(tables.begin(), tables.end(), needed) == tables.end())
+        throw BadCell(std::string("it has no table ") + needed);
+  } catch (const BadCell& e) {
+    throw IoError(db.name(), std::string("is not sound: ") + e.what());
+  }
+}
+
 void configureForWriting(Connection& db) {
   db.execute("PRAGMA journal_mode = DELETE; PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON");
 }
@@ -84,6 +116,7 @@ Connection connect(const fs::path& path, int flags) {
   Connection db(path, flags);
   requireMap(db);
   requireWhole(db, path);
+  requireRealTables(db);
   return db;
 }
 
@@ -103,6 +136,7 @@ Connection openForReading(const fs::path& path) {
   try {
     requireMap(db);
     requireWhole(db, path);
+    requireRealTables(db);
     return db;
   } catch (const IoError&) {
     if (db.lastCode() != SQLITE_READONLY_ROLLBACK) throw;

@@ -95,7 +95,7 @@ void insertSegments(Connection& db, int model_id, const LocalModel& model) {
 void insertPicture(Connection& db, int model_id, const PackedModel& packed) {
   if (packed.depth.empty()) return;
   describing(db, nameOf(model_id, packed.model.name), [&] {
-    requireSizeOfPicture(packed.model.view.depth.camera);
+    requireSizeOfPicture(packed.model.view.depth.camera, packed.model.view.intrinsics);
     requireNoise(packed.model.view.depth.noise_std);
   });
   Statement statement(db, schema::insert(schema::kPictureColumns, "depth_picture"));

@@ -40,6 +40,7 @@ private:
   void readDistortion();
   void readModels();
   void readSegments();
+  void requireMemoryForPictures();
   void readPictures(bool whole);
   void readNoise();
   void readLinks();

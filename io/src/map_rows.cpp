@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -23,7 +24,7 @@ namespace {
 
 constexpr double kRotationTolerance = 1e-6;  // of |q|^2 and R^T R
 constexpr double kSymmetryTolerance = 1e-9;  // of covariances, relative to their largest value
-constexpr int kMaxPictureSide = 4096;        // [px] bounds what a corrupt picture can claim
+constexpr int kMaxPictureSide = 4096;        // [px] bounds what a corrupt map can claim
 
 void requireSound(const Intrinsics& camera) {
   require(camera.valid(), "its camera intrinsics are impossible");
@@ -39,10 +40,10 @@ void requireSound(const Eigen::Isometry3d& T) {
   requireRotation(T.linear());
 }
 
-void requireSound(const DepthPicture& picture) {
+void requireSound(const DepthPicture& picture, const Intrinsics& working_image) {
   if (picture.empty()) return;
   requireSound(picture.camera);
-  requireSizeOfPicture(picture.camera);
+  requireSizeOfPicture(picture.camera, working_image);
   require(picture.inverse_depth.size() == std::size_t(picture.camera.width) * picture.camera.height,
           "its depth picture has the wrong size");
 }
@@ -79,9 +80,10 @@ ConvexHull hullOf(const Blob& blob) {
 
 }  // namespace
 
-void requireSizeOfPicture(const Intrinsics& camera) {
-  require(camera.width <= kMaxPictureSide && camera.height <= kMaxPictureSide,
-          "its depth picture is too large");
+void requireSizeOfPicture(const Intrinsics& picture, const Intrinsics& working_image) {
+  require(picture.width <= std::min(working_image.width, kMaxPictureSide) &&
+              picture.height <= std::min(working_image.height, kMaxPictureSide),
+          "its depth picture is larger than its image");
 }
 
 void requireNoise(double inverse_depth_std) {
@@ -126,7 +128,7 @@ void requireSound(const LocalModel& model) {
   require(std::isfinite(model.stamp), "its stamp is not finite");
   requireSound(model.view.intrinsics);
   if (model.T_w_m) requireSound(*model.T_w_m);
-  requireSound(model.view.depth);
+  requireSound(model.view.depth, model.view.intrinsics);
 }
 
 Statement& operator<<(Statement& s, const Intrinsics& k) {
@@ -180,9 +182,9 @@ LocalModel readModel(Statement& row) {
   return model;
 }
 
-Intrinsics readPictureCamera(Statement& row) {
+Intrinsics readPictureCamera(Statement& row, const Intrinsics& working_image) {
   const Intrinsics camera = readIntrinsics(row);
-  requireSizeOfPicture(camera);
+  requireSizeOfPicture(camera, working_image);
   return camera;
 }
 

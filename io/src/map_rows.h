@@ -12,7 +12,8 @@
 namespace facetloc::map_rows {
 
 void require(bool condition, const char* fault);
-void requireSizeOfPicture(const Intrinsics& camera);
+/** \brief A depth picture is no larger than the working image that it is made of. */
+void requireSizeOfPicture(const Intrinsics& picture, const Intrinsics& working_image);
 void requireNoise(double inverse_depth_std);
 void requireSound(const SensorNoise& noise);
 void requireSound(const Segment& segment);
@@ -34,8 +35,8 @@ Intrinsics readIntrinsics(sqlite::Statement& row);
 Segment readSegment(sqlite::Statement& row);
 LocalModel readModel(sqlite::Statement& row);
 Link readLink(sqlite::Statement& row);
-/** \brief The camera of a depth picture. */
-Intrinsics readPictureCamera(sqlite::Statement& row);
+/** \brief The camera of a depth picture of that working image. */
+Intrinsics readPictureCamera(sqlite::Statement& row, const Intrinsics& working_image);
 /** \brief The camera of the map, without mounting and distortion, which have tables of their own. */
 Camera readCamera(sqlite::Statement& row);
 /** \brief Noise of the inverse depths of a depth picture. */

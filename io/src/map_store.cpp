@@ -5,6 +5,7 @@
 
 #include <facetloc/io/map_database.h>
 
+#include <algorithm>
 #include <list>
 #include <mutex>
 #include <unordered_map>
@@ -16,10 +17,13 @@ namespace {
 using sqlite::Connection;
 using sqlite::Statement;
 
-/** The views that were asked for last. */
+/** Pixels of a usual depth picture, half of 320x240. */
+constexpr std::size_t kUsualPixels = 160 * 120;
+
+/** The views that were asked for last: so many, or fewer if their pictures are larger than usual. */
 class RecentViews {
 public:
-  explicit RecentViews(std::size_t most) : most_(most) {}
+  explicit RecentViews(std::size_t most) : most_pixels_(most * kUsualPixels) {}
 
   std::shared_ptr<const View> find(int model) {
     const auto found = places_.find(model);
@@ -29,16 +33,24 @@ public:
   }
   void add(int model, std::shared_ptr<const View> view) {
     if (places_.count(model)) return;  // another thread was faster
+    pixels_ += pixelsOf(*view);
     views_.emplace_front(model, std::move(view));
     places_[model] = views_.begin();
-    if (views_.size() <= most_) return;
-    places_.erase(views_.back().first);
-    views_.pop_back();
+    while (pixels_ > most_pixels_ && views_.size() > 1) {
+      pixels_ -= pixelsOf(*views_.back().second);
+      places_.erase(views_.back().first);
+      views_.pop_back();
+    }
   }
 
 private:
+  /** Its segments take no more than a usual picture. */
+  static std::size_t pixelsOf(const View& view) {
+    return std::max(kUsualPixels, view.depth.inverse_depth.size());
+  }
+
   using Views = std::list<std::pair<int, std::shared_ptr<const View>>>;
-  std::size_t most_;
+  std::size_t most_pixels_, pixels_ = 0;
   Views views_;  // the latest first
   std::unordered_map<int, Views::iterator> places_;
 };
@@ -49,6 +61,7 @@ public:
   MapFileStore(Connection db, double noise_std, std::size_t views)
       : db_(std::move(db)), reader_(db_, noise_std), recent_(views) {}
 
+  std::string name() const override { return db_.name(); }
   std::shared_ptr<const View> view(int i) const override {
     std::unique_lock<std::mutex> lock(mutex_);
     if (auto known = recent_.find(i)) return known;
@@ -68,16 +81,20 @@ private:
   mutable RecentViews recent_;
 };
 
-std::size_t numberOfModels(Connection& db) {
-  Statement count(db, "SELECT count(*) AS n FROM model");
-  return count.step() ? static_cast<std::size_t>(count.integer()) : 0;
+/** Can all views be in memory, as that many usual ones can? */
+bool isSmall(Connection& db, std::size_t views) {
+  Statement size(db, "SELECT (SELECT count(*) FROM model), "
+                     "(SELECT coalesce(sum(1.0 * width * height), 0) FROM depth_picture)");
+  size.step();
+  const auto models = static_cast<std::size_t>(size.integer());
+  return models <= views && size.real() <= static_cast<double>(views * kUsualPixels);
 }
 
 }  // namespace
 
 Map openMap(const std::filesystem::path& path, std::size_t views_in_memory) {
   Connection db = map_connection::openForReading(path);
-  const bool small = numberOfModels(db) <= views_in_memory;
+  const bool small = isSmall(db, views_in_memory);
   Map map = readSound(db, small);
   if (!small)
     map.store =

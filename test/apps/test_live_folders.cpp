@@ -59,6 +59,29 @@ TEST_F(LiveTool, PlaysAFolderOfPclzf) {
   EXPECT_THAT(record.err, HasSubstr("only devices of OpenNI2 can be recorded"));
 }
 
+TEST_F(LiveTool, RefusesPclzfThatPclDoesNotSurvive) {
+  const std::string folder = writePclzf(3), image = folder + "/frame_20200101T000000.200000_depth.pclzf";
+  const std::string sound = test::contentOf(image);
+  const auto error = [&] {
+    const ToolRun run = runLive({"--device", folder, "--headless"});
+    EXPECT_EQ(run.code, kFailed);
+    return run.err;
+  };
+  const auto withByte = [&](std::size_t at, char value) {
+    std::string bytes = sound;
+    bytes[at] = value;
+    test::writeContent(image, bytes);
+    return error();
+  };
+  EXPECT_THAT(withByte(0, 'Q'), HasSubstr(image + ": is no PCLZF file"));
+  EXPECT_THAT(withByte(8, 0x40), HasSubstr(image + ": its size of"));  // the highest byte of its width
+  EXPECT_THAT(withByte(5, static_cast<char>(sound[5] + 1)), HasSubstr("do not fit each other"));
+  EXPECT_THAT(withByte(13, 'r'), HasSubstr("is no 16-bit depth image"));
+  fs::remove(image);
+  test::writeContent(folder + "/frame_7_depth.pclzf", sound);
+  EXPECT_THAT(error(), HasSubstr("frame_7_depth.pclzf: its name tells no time"));
+}
+
 TEST_F(LiveTool, SaysThatPclzfFilesCannotBeRead) {
   const std::string folder = writePclzf(10), image = folder + "/frame_20200101T000000.300000_depth.pclzf",
                     camera = folder + "/frame_20200101T000000.500000.xml";

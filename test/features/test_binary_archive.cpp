@@ -74,6 +74,15 @@ TEST(BinaryArchive, BytesThatEndTooEarlyThrow) {
     EXPECT_THROW(exampleOf(bytes.substr(0, n)), std::runtime_error) << n;
 }
 
+TEST(BinaryArchive, BytesThatAreNeitherTrueNorFalseThrow) {
+  std::string bytes = bytesOf(example());
+  bytes.back() = 2;  // the last field is a bool
+  EXPECT_THROW(exampleOf(bytes), std::runtime_error);
+  bytes = bytesOf(Example());
+  bytes[sizeof(std::size_t)] = 2;  // values in an optional, after an empty name
+  EXPECT_THROW(exampleOf(bytes + std::string(100, '\0')), std::runtime_error);
+}
+
 TEST(BinaryArchive, NoMemoryIsTakenForWhatIsNotThere) {
   std::string bytes(sizeof(std::size_t), '\x7f');  // claims an endless name
   EXPECT_THROW(exampleOf(bytes + "short"), std::runtime_error);

@@ -239,7 +239,7 @@ TEST_F(MapFile, PicturesThatCouldNotBeReadAreNotWritten) {
   ASSERT_FALSE(model.depth.empty());
   model.model.view.depth.camera.width = 5000;
   MapDatabase db = MapDatabase::create(path_);
-  EXPECT_THAT(ioErrorOf([&] { db.add(model); }), HasSubstr("its depth picture is too large"));
+  EXPECT_THAT(ioErrorOf([&] { db.add(model); }), HasSubstr("its depth picture is larger than its image"));
   EXPECT_THAT(db.modelNames(), IsEmpty());
 }
 

@@ -66,12 +66,11 @@ TEST_F(MapFile, FaultsAreToldInWords) {
        "the depth picture of model 1: its depth picture is corrupt"},
       {"UPDATE depth_picture SET width = 41 WHERE model_id = 1",
        "the depth picture of model 1: its depth picture is corrupt"},
-      {"UPDATE depth_picture SET width = 2000000 WHERE model_id = 1", "too large"},
+      {"UPDATE depth_picture SET width = 2000000 WHERE model_id = 1", "larger than its image"},
       {"UPDATE depth_picture SET encoding = 'jpeg' WHERE model_id = 1", "unknown encoding"},
       {"UPDATE link SET to_id = 12 WHERE id = 0", "there is no such model"},
       {"UPDATE link SET qw = 7 WHERE id = 0", "link 0: its pose"},
       {"UPDATE link SET c_rx_rx = -1 WHERE id = 0", "link 0: its covariance"},
-      {"DROP TABLE link", "no such table: link"},
   };
   for (const auto& [statement, fault] : cases) {
     writeExample();
@@ -79,6 +78,41 @@ TEST_F(MapFile, FaultsAreToldInWords) {
     EXPECT_THAT(checkMap(path_), Contains(HasSubstr(fault))) << statement;
     EXPECT_NE(readError(), "") << statement;
   }
+}
+
+TEST_F(MapFile, WhatIsNoTableIsRefused) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"ALTER TABLE meta RENAME TO m; CREATE VIEW meta AS SELECT key, value FROM m", "it holds a view, meta"},
+      {"CREATE TRIGGER more AFTER INSERT ON model BEGIN DELETE FROM link; END", "it holds a trigger, more"},
+      {"CREATE VIRTUAL TABLE page USING dbstat", "its table page is virtual"},
+      {"ALTER TABLE model ADD COLUMN large AS (zeroblob(1000000000))", "column large of its table model"},
+      {"DROP TABLE link", "it has no table link"},
+  };
+  for (const auto& [statement, fault] : cases) {
+    writeExample();
+    vandalize(path_, statement);
+    const auto says = AllOf(HasSubstr("room.flmap"), HasSubstr(fault));
+    EXPECT_THAT(readError(), says);
+    EXPECT_THAT(ioErrorOf([this] { checkMap(path_); }), says);
+    EXPECT_THAT(ioErrorOf([this] { openMap(path_); }), says);
+    EXPECT_THAT(ioErrorOf([this] { MapDatabase::open(path_); }), says);
+  }
+}
+
+TEST_F(MapFile, PicturesThatTakeMoreMemoryThanTheFileExplainsAreRefused) {
+  Map map;
+  LocalModel m = ExampleMap().model("a");
+  m.view.intrinsics = {4096, 3072, 3000, 3000, 2047.5, 1535.5};
+  m.view.depth = DepthPicture::fromStored(m.view.intrinsics, std::vector<std::uint16_t>(4096 * 3072));
+  m.view.depth.noise_std = 0.003;
+  for (int i = 0; i < 8; ++i) {
+    m.name = std::to_string(i);
+    map.models.push_back(m);
+  }
+  writeMap(path_, map);
+  EXPECT_THAT(readError(), HasSubstr("its depth pictures would take 604 MB of memory"));
+  EXPECT_NE(ioErrorOf([this] { checkMap(path_); }), "");
+  EXPECT_TRUE(openMap(path_).store) << "views of so many pixels stay in the file";
 }
 
 TEST_F(MapFile, CheckTellsEveryFault) {

@@ -61,7 +61,7 @@ TEST_F(MapFile, AnOlderMinorFormatIsReadAndUpgradedWhenItIsWrittenTo) {
 TEST_F(MapFile, ANewerMinorFormatWithMoreColumnsAndTablesIsRead) {
   writeExample();
   sql(path_,
-      "PRAGMA user_version = 1003; ALTER TABLE segment ADD COLUMN colour TEXT;"
+      "PRAGMA user_version = 1900; ALTER TABLE segment ADD COLUMN colour TEXT;"
       "ALTER TABLE model ADD COLUMN place TEXT DEFAULT 'home'; CREATE TABLE photo(id INTEGER, data BLOB);");
   const Map read = readMap(path_);
   ASSERT_EQ(read.models.size(), 3u);

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -136,6 +137,24 @@ TEST_F(PlaceIndexOfRooms, BytesThatTellOfMoreWallsThanThereAreAreRefused) {
     std::istringstream in(bytes.replace(at, sizeof facing, asBytes()));
     EXPECT_THROW(PlaceIndex::read(in, *map), std::runtime_error) << wrong;
   }
+}
+
+TEST_F(PlaceIndexOfRooms, NumbersThatNoPlaceHasAreRefused) {
+  const std::string bytes = written(PlaceIndex(*map, few()));
+  const PlaceSignature place = placeSignature(map->models[0].view, kMounting);
+  ASSERT_FALSE(place.walls.empty());
+  const Wall& wall = place.walls.front();
+  const std::array<float, 4> numbers{wall.heading, wall.cosine, wall.sine, wall.offset};
+  const std::size_t at =
+      bytes.find(std::string(reinterpret_cast<const char*>(numbers.data()), sizeof numbers));
+  ASSERT_NE(at, std::string::npos);
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    for (const float wrong : {NAN, INFINITY, -1e30f}) {
+      std::string other = bytes;
+      other.replace(at + i * sizeof wrong, sizeof wrong, reinterpret_cast<const char*>(&wrong), sizeof wrong);
+      std::istringstream in(other);
+      EXPECT_THROW(PlaceIndex::read(in, *map), std::runtime_error) << i << " " << wrong;
+    }
 }
 
 TEST_F(PlaceIndexOfRooms, BytesOfATornPictureAreRefused) {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_source.h"
 
+#include "live/pclzf_folder.h"
+
 #include <facetloc/features/organized_cloud.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/openni_grabber.h>
 
 #include <pcl/io/image_grabber.h>
-#include <pcl/io/lzf_image_io.h>
 
 #include <algorithm>
 #include <cmath>
@@ -81,34 +82,6 @@ private:
   std::optional<Intrinsics> given_, recovered_;
 };
 
-bool hasFiles(const fs::path& folder, const std::string& extension) {
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder, ignored))
-    if (entry.path().extension() == extension) return true;
-  return false;
-}
-
-/** PCL takes the n-th .xml for the camera of the n-th depth image, and does not survive it if that is missing
- * or none. Throws IoError. */
-void requireCameras(const fs::path& folder) {
-  std::size_t images = 0, cameras = 0;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const fs::path& file = entry.path();
-    images += file.extension() == ".pclzf" && file.filename().string().find("depth") != std::string::npos;
-    if (file.extension() != ".xml") continue;
-    bool read = false;
-    try {
-      read = pcl::io::LZFDepth16ImageReader().readParameters(file.string());
-    } catch (const std::exception&) {  // of the parser
-    }
-    if (!read) throw IoError(file.string(), "no camera parameters can be read");
-    ++cameras;
-  }
-  if (cameras < images)
-    throw IoError(folder.string(), "has " + std::to_string(images) + " depth images, but only " +
-                                       std::to_string(cameras) + " .xml files of their camera");
-}
-
 /** What our virtual camera, or a program, told the grabber; nothing for a device as it is. */
 std::optional<Intrinsics> calibrationOf(const OpenNIGrabber& grabber) {
   const auto mode = grabber.getDevice()->getDepthVideoMode();
@@ -148,9 +121,9 @@ void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camer
 LiveSource::LiveSource(const LiveSourceOptions& options) : name_(options.device) {
   if (!options.camera_file.empty()) camera_ = readCameraFile(options.camera_file);
   const fs::path path = options.device;
-  if (fs::is_directory(path) && hasFiles(path, ".pclzf")) {
+  if (isPclzfFolder(path)) {
     const float rate = static_cast<float>(kUsualRate * (options.speed > 0 ? options.speed : 1));
-    requireCameras(path);
+    requireSoundPclzf(path);
     auto images =
         std::make_unique<pcl::ImageGrabber<pcl::PointXYZ>>(path.string(), rate, options.repeat, true);
     if (!options.repeat) last_ = images->size();

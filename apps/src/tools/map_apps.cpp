@@ -189,7 +189,8 @@ MapCheckApp::MapCheckApp()
 void MapCheckApp::addOptions(CommandLine& line) { line.addArgument("MAP.flmap", map_); }
 
 int MapCheckApp::execute(const CommandLine&, const Console& console) {
-  const std::vector<std::string> faults = checkMap(map_);
+  std::vector<std::string> faults = checkMap(map_);
+  if (faults.empty()) faults = placeIndexFaults(map_);
   if (faults.empty()) noteUnfinished(openMap(map_), map_, console);
   for (const std::string& fault : faults) console.out << fault << "\n";
   console.out << map_ << ": " << (faults.empty() ? "sound" : counted(faults.size(), "fault")) << "\n";

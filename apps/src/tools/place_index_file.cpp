@@ -14,4 +14,13 @@ void writePlaceIndex(const std::filesystem::path& path) {
   MapDatabase::open(path).setPlaceIndex([&index](std::ostream& out) { index.write(out); });
 }
 
+std::vector<std::string> placeIndexFaults(const std::filesystem::path& path) try {
+  const Map map = openMap(path, 0);
+  const auto written = map.camera.mounting ? map.store->placeIndex() : nullptr;
+  if (written) PlaceIndex::read(*written, map);
+  return {};
+} catch (const std::exception& e) {
+  return {e.what()};
+}
+
 }  // namespace facetloc

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace facetloc {
 
@@ -9,5 +11,9 @@ namespace facetloc {
  * is one that openMap() reads as a whole, of whose views an index is soon made, or the camera's mounting is
  * not known. Throws IoError. */
 void writePlaceIndex(const std::filesystem::path& map);
+
+/** \brief What is wrong with the place index in a map file, in words; empty if it is sound or there is none.
+ */
+std::vector<std::string> placeIndexFaults(const std::filesystem::path& map);
 
 }  // namespace facetloc

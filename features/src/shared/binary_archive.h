@@ -90,7 +90,9 @@ public:
 private:
   template <class T>
   void read(T& value) {
-    if constexpr (std::is_arithmetic_v<T>)
+    if constexpr (std::is_same_v<T, bool>)
+      value = truth();
+    else if constexpr (std::is_arithmetic_v<T>)
       raw(&value, 1);
     else
       fields(*this, value);
@@ -104,7 +106,9 @@ private:
   template <class T>
   void read(std::optional<T>& value) {
     value.reset();
-    if (count() > 0) read(value.emplace());
+    const std::size_t n = count();
+    if (n > 1) throw std::runtime_error("some bytes are wrong");
+    if (n == 1) read(value.emplace());
   }
   template <class T>
   void read(std::vector<T>& values) {
@@ -121,6 +125,13 @@ private:
     std::size_t n = 0;
     raw(&n, 1);
     return n;
+  }
+  /** A bool of any other byte than these two would be neither true nor false. */
+  bool truth() {
+    unsigned char byte = 0;
+    raw(&byte, 1);
+    if (byte > 1) throw std::runtime_error("some bytes are wrong");
+    return byte == 1;
   }
   /** Bytes that are none of ours may claim any number of elements: memory is taken as they come. */
   template <class Values>

@@ -12,13 +12,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <flann/flann.hpp>
+#include <future>
 #include <limits>
-#include <new>
+#include <memory>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 namespace facetloc::internal {
 
@@ -119,32 +119,6 @@ Eigen::Isometry3d cameraPose(const PlaceAlignment& a, const PlaceSignature& scen
   return T_m_c;
 }
 
-/** A C stream in memory, as FLANN writes and reads its indices. */
-using Stream = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-
-std::vector<char> bytesOf(Tree& tree) {
-  struct Buffer {
-    char* data = nullptr;
-    std::size_t size = 0;
-    ~Buffer() { std::free(data); }
-  } buffer;
-  Stream stream(open_memstream(&buffer.data, &buffer.size), std::fclose);
-  if (!stream) throw std::bad_alloc();
-  tree.saveIndex(stream.get());
-  if (std::fclose(stream.release()) != 0) throw std::bad_alloc();
-  return {buffer.data, buffer.data + buffer.size};
-}
-
-std::unique_ptr<Tree> treeOf(std::vector<char>& bytes, std::size_t points) {
-  const Stream stream(fmemopen(bytes.data(), bytes.size(), "rb"), std::fclose);
-  if (!stream) throw std::runtime_error("PlaceIndex: its search tree is empty");
-  // FLANN wants points of that number, though it reads and uses its own.
-  std::vector<float> none(points * kDimensions);
-  auto tree = std::make_unique<Tree>(flann::Matrix<float>(none.data(), points, kDimensions), kTreeParams);
-  tree->loadIndex(stream.get());
-  return tree;
-}
-
 /** Of the names and stamps of all models in their order, which a map knows without its views. */
 std::uint32_t checksumOfNames(const Map& map) {
   boost::crc_32_type sum;
@@ -155,9 +129,13 @@ std::uint32_t checksumOfNames(const Map& map) {
   return sum.checksum();
 }
 
+// Changes with signatures. What version 0.1 wrote held descriptors and their search tree, too: both follow
+// from the signatures, and nothing that a file says of them is used.
+constexpr const char *kFormat = "facetloc place index 4", *kFormatWithTree = "facetloc place index 3";
+
 /** What a written index depends on. */
 struct Header {
-  std::string format = "facetloc place index 3";  // changes with signatures and descriptors
+  std::string format = kFormat;
   std::size_t models = 0;
   std::uint32_t names = 0;
   double height = 0, tilt_deg = 0;  // of the camera
@@ -170,9 +148,9 @@ struct Header {
         height(map.camera.mounting->height),
         tilt_deg(map.camera.mounting->tilt_deg),
         floor(floorCovariance(prior)) {}
-  bool operator==(const Header& o) const {
-    return format == o.format && models == o.models && names == o.names && height == o.height &&
-           tilt_deg == o.tilt_deg && floor == o.floor;
+  bool isOf(const Header& o) const {
+    return models == o.models && names == o.names && height == o.height && tilt_deg == o.tilt_deg &&
+           floor == o.floor;
   }
 };
 
@@ -192,11 +170,10 @@ struct PlaceIndex::Impl {
   std::vector<int> owner;       // model of each descriptor
   std::vector<float> heading;   // of each descriptor
   std::vector<float> expected;  // of each model: grows with the votes that it gets anyway
-  std::unique_ptr<Tree> tree;   // of the descriptors; null without any
+  std::shared_future<std::shared_ptr<const Tree>> tree;  // of the descriptors; none without any
 
   Impl(const Map& map, const ShortlistParams& params, const PosePriorParams& prior);
-  void build(const Map& map);
-  void expectVotes();
+  void describePlaces();
   std::vector<float> hopes(const PlaceSignature& scene) const;
   std::vector<float> votes(const PlaceSignature& scene) const;
 };
@@ -209,33 +186,35 @@ PlaceIndex::Impl::Impl(const Map& map, const ShortlistParams& index_params, cons
   header = Header(map, prior);
 }
 
-void PlaceIndex::Impl::build(const Map& map) {
+// Makes the descriptors of all places, and begins to build their search tree: a second for 10 000 places, in
+// which the first view can be read and segmented.
+void PlaceIndex::Impl::describePlaces() {
   std::vector<float> points;  // kDimensions each
-  const int n = static_cast<int>(map.models.size());
-  for (int m = 0; m < n; ++m) {
-    places.push_back(placeSignature(*map.view(m), mounting, prior));
-    for (const Descriptor& d : describe(places.back())) {
+  for (std::size_t m = 0; m < places.size(); ++m)
+    for (const Descriptor& d : describe(places[m])) {
       points.insert(points.end(), d.at.begin(), d.at.end());
-      owner.push_back(m);
+      owner.push_back(static_cast<int>(m));
       heading.push_back(d.heading);
     }
-  }
-  expectVotes();
-  if (owner.empty()) return;
-  tree = std::make_unique<Tree>(flann::Matrix<float>(points.data(), owner.size(), kDimensions), kTreeParams);
-  tree->buildIndex();
-}
-
-void PlaceIndex::Impl::expectVotes() {
   constexpr float kBaseCount = 5;
   expected.assign(places.size(), kBaseCount);
   for (const int m : owner) ++expected[static_cast<std::size_t>(m)];
   for (float& e : expected) e = std::sqrt(e);
+  if (owner.empty()) return;
+  tree = std::async(std::launch::async, [points = std::move(points)]() mutable {
+    const flann::Matrix<float> matrix(points.data(), points.size() / kDimensions, kDimensions);
+    auto built = std::make_shared<Tree>(matrix, kTreeParams);
+    built->buildIndex();
+    return std::shared_ptr<const Tree>(std::move(built));
+  });
 }
 
 PlaceIndex::PlaceIndex(const Map& map, const ShortlistParams& params, const PosePriorParams& prior) {
   auto impl = std::make_unique<Impl>(map, params, prior);
-  impl->build(map);
+  const int n = static_cast<int>(map.models.size());
+  for (int m = 0; m < n; ++m)
+    impl->places.push_back(placeSignature(*map.view(m), impl->mounting, impl->prior));
+  impl->describePlaces();
   impl_ = std::move(impl);
 }
 
@@ -251,14 +230,18 @@ PlaceIndex::PlaceIndex(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)
 
 PlaceIndex PlaceIndex::of(const Map& map, const ShortlistParams& params, const PosePriorParams& prior) {
   const auto written = map.store ? map.store->placeIndex() : nullptr;
-  auto read = written ? PlaceIndex::read(*written, map, params, prior) : std::nullopt;
-  return read ? std::move(*read) : PlaceIndex(map, params, prior);
+  if (!written) return PlaceIndex(map, params, prior);
+  try {
+    auto read = PlaceIndex::read(*written, map, params, prior);
+    return read ? std::move(*read) : PlaceIndex(map, params, prior);
+  } catch (const std::runtime_error& e) {
+    throw std::runtime_error(map.store->name() + ": is not sound: " + e.what());
+  }
 }
 
 void PlaceIndex::write(std::ostream& out) const {
   BinaryWriter archive(out);
-  archive(impl_->header, impl_->places, impl_->owner, impl_->heading);
-  if (impl_->tree) archive(bytesOf(*impl_->tree));
+  archive(impl_->header, impl_->places);
 }
 
 std::optional<PlaceIndex> PlaceIndex::read(std::istream& in, const Map& map, const ShortlistParams& params,
@@ -267,25 +250,20 @@ std::optional<PlaceIndex> PlaceIndex::read(std::istream& in, const Map& map, con
   BinaryReader archive(in);
   Header written;
   archive(written);
-  if (!(written == impl->header)) return std::nullopt;
-  archive(impl->places, impl->owner, impl->heading);
-  const int models = static_cast<int>(map.models.size());
-  const auto isSound = [](const PlaceSignature& p) {
-    const auto pixels =
-        static_cast<std::size_t>(p.picture.camera.width) * static_cast<std::size_t>(p.picture.camera.height);
-    return (p.picture.depth.empty() || p.picture.depth.size() == pixels) && p.facing.front() >= 0 &&
-           std::is_sorted(p.facing.begin(), p.facing.end()) &&
-           static_cast<std::size_t>(p.facing.back()) <= p.walls.size();
+  const bool has_tree = written.format == kFormatWithTree;
+  if ((!has_tree && written.format != kFormat) || !written.isOf(impl->header)) return std::nullopt;
+  const auto require = [](bool condition) {
+    if (!condition) throw std::runtime_error("its place index holds values that no index has");
   };
-  if (impl->places.size() != map.models.size() || impl->heading.size() != impl->owner.size() ||
-      !std::all_of(impl->places.begin(), impl->places.end(), isSound) ||
-      !std::all_of(impl->owner.begin(), impl->owner.end(), [models](int m) { return 0 <= m && m < models; }))
-    throw std::runtime_error("PlaceIndex: these bytes are not an index");
-  impl->expectVotes();
-  if (!impl->owner.empty()) {
-    std::vector<char> tree;
-    archive(tree);
-    impl->tree = treeOf(tree, impl->owner.size());
+  archive(impl->places);
+  require(impl->places.size() == map.models.size() &&
+          std::all_of(impl->places.begin(), impl->places.end(), isSound));
+  impl->describePlaces();
+  if (has_tree) {
+    std::vector<int> owner;
+    std::vector<float> heading;
+    archive(owner, heading);
+    require(owner == impl->owner && heading == impl->heading);
   }
   return PlaceIndex(std::move(impl));
 }
@@ -310,7 +288,8 @@ std::vector<float> PlaceIndex::Impl::hopes(const PlaceSignature& scene) const {
 std::vector<float> PlaceIndex::Impl::votes(const PlaceSignature& scene) const {
   std::vector<Descriptor> asked = describe(scene);
   std::vector<float> total(places.size(), 0);
-  if (!tree || asked.empty()) return total;
+  if (!tree.valid() || asked.empty()) return total;
+  const Tree& descriptors = *tree.get();
   std::vector<float> sums(places.size() * kTurnBins, 0), nearest(places.size() * kTurnBins, 0);
   std::vector<const Descriptor*> last(places.size(), nullptr);  // that a model has something like
   std::vector<int> cells;
@@ -318,14 +297,14 @@ std::vector<float> PlaceIndex::Impl::votes(const PlaceSignature& scene) const {
   std::vector<std::vector<float>> distances;
   const flann::SearchParams unlimited(flann::FLANN_CHECKS_UNLIMITED, 0, false);
   for (Descriptor& d : asked) {
-    tree->radiusSearch(flann::Matrix<float>(d.at.data(), 1, kDimensions), found, distances, kRadius * kRadius,
-                       unlimited);
+    descriptors.radiusSearch(flann::Matrix<float>(d.at.data(), 1, kDimensions), found, distances,
+                             kRadius * kRadius, unlimited);
     cells.clear();
     int models = 0;
     for (std::size_t i = 0; i < found[0].size(); ++i) {
       const int id = found[0][i];
       const float turn = wrapped(heading[id] - d.heading);
-      if (std::abs(turn) > kLargestTurn) continue;
+      if (!(std::abs(turn) <= kLargestTurn)) continue;
       const int cell = owner[id] * kTurnBins + static_cast<int>((turn + kLargestTurn) / kTurnBin);
       if (nearest[cell] == 0) cells.push_back(cell);
       nearest[cell] = std::max(nearest[cell], std::exp(-0.5f * distances[0][i]));
@@ -403,7 +382,8 @@ std::size_t PlaceIndex::bytes() const {
          (impl_->heading.capacity() + impl_->expected.capacity()) * sizeof(float);
   // FLANN does not count its points, nor that it keeps a pointer to each and its number.
   constexpr std::size_t kPoint = kDimensions * sizeof(float) + sizeof(float*) + sizeof(std::size_t);
-  if (impl_->tree) sum += static_cast<std::size_t>(impl_->tree->usedMemory()) + impl_->owner.size() * kPoint;
+  if (impl_->tree.valid())
+    sum += static_cast<std::size_t>(impl_->tree.get()->usedMemory()) + impl_->owner.size() * kPoint;
   return sum;
 }
 

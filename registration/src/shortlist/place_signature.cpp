@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace facetloc::internal {
@@ -25,6 +26,20 @@ constexpr double kMostMillimetres = 65535;
 constexpr float kFarthestPoint = 7;  // [m]
 
 bool isSound(const Segment& s) { return s.R.allFinite() && s.t.allFinite() && s.Sigma_q.allFinite(); }
+
+constexpr float kFarthest = 1e5f;  // of anything from the camera [m]; what lies farther is no part of a place
+
+bool isNear(float x) { return std::abs(x) <= kFarthest; }  // and a number
+
+bool isSound(const Wall& w) {
+  constexpr float kRounding = 1e-3f, kHalfTurn = static_cast<float>(180 * kDegree) + kRounding;
+  const float extent[] = {w.offset, w.right, w.left, w.bottom, w.top};
+  return std::abs(w.heading) <= kHalfTurn && std::abs(w.cosine - std::cos(w.heading)) <= kRounding &&
+         std::abs(w.sine - std::sin(w.heading)) <= kRounding && w.weight >= 0 && isNear(w.weight) &&
+         std::all_of(std::begin(extent), std::end(extent), isNear);
+}
+
+bool isSound(const LevelSurface& s) { return isNear(s.height) && isNear(s.x) && isNear(s.y); }
 
 /** Camera axes in the upright frame: small turns about x and y that make the planes vertical or level. */
 Eigen::Matrix3d upright(const std::vector<Segment>& segments, const Eigen::Matrix3d& R_nominal,
@@ -159,7 +174,8 @@ PlaceSignature placeSignature(const View& view, const CameraMounting& mounting,
                               const PosePriorParams& prior) {
   const Eigen::Isometry3d T_b_c = mounting.T_b_c();
   std::vector<Segment> sound;
-  std::copy_if(view.segments.begin(), view.segments.end(), std::back_inserter(sound), isSound);
+  std::copy_if(view.segments.begin(), view.segments.end(), std::back_inserter(sound),
+               [](const Segment& s) { return isSound(s); });
   const Eigen::Matrix3d R = upright(sound, T_b_c.linear(), prior);
   const double height = heightAboveFloor(sound, R, mounting.height);
   PlaceSignature out;
@@ -168,16 +184,35 @@ PlaceSignature placeSignature(const View& view, const CameraMounting& mounting,
   for (const Segment& s : sound) {
     const double vertical = std::abs((R * s.normal()).z());
     if (vertical < std::sin(kOblique) && s.hull.size > 0) {
-      out.walls.push_back(wallOf(s, R, height, view.intrinsics));
+      const Wall wall = wallOf(s, R, height, view.intrinsics);
+      if (isSound(wall)) out.walls.push_back(wall);
     } else if (vertical > std::cos(kOblique)) {
       const Eigen::Vector3f t = (R * s.t).cast<float>();
       const float z = t.z() + out.height;
-      if (std::abs(z) >= kFloorHeight) out.surfaces.push_back({z, (R * s.normal()).z() > 0, t.x(), t.y()});
+      const LevelSurface surface{z, (R * s.normal()).z() > 0, t.x(), t.y()};
+      if (std::abs(z) >= kFloorHeight && isSound(surface)) out.surfaces.push_back(surface);
     }
   }
   sortByHeading(out);
   out.picture = coarseDepth(view.depth);
   return out;
+}
+
+bool isSound(const PlaceSignature& p) {
+  constexpr float kRounding = 1e-3f;
+  constexpr int kLargestPicture = 1024;  // side [px]
+  const Intrinsics& camera = p.picture.camera;
+  const bool is_picture =
+      p.picture.depth.empty() ||
+      (camera.valid() && camera.width <= kLargestPicture && camera.height <= kLargestPicture &&
+       p.picture.depth.size() == static_cast<std::size_t>(camera.width) * camera.height);
+  return is_picture && p.R_u_c.allFinite() && (p.R_u_c.transpose() * p.R_u_c).isIdentity(kRounding) &&
+         p.R_u_c.determinant() > 0 && isNear(p.height) &&
+         std::abs(p.main_heading) <= kQuarter / 2 + kRounding && p.facing.front() >= 0 &&
+         std::is_sorted(p.facing.begin(), p.facing.end()) &&
+         static_cast<std::size_t>(p.facing.back()) <= p.walls.size() &&
+         std::all_of(p.walls.begin(), p.walls.end(), [](const Wall& w) { return isSound(w); }) &&
+         std::all_of(p.surfaces.begin(), p.surfaces.end(), [](const LevelSurface& s) { return isSound(s); });
 }
 
 WallColumns::WallColumns(const std::vector<Wall>& walls)

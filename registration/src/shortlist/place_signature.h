@@ -73,6 +73,9 @@ struct PlaceSignature {
 PlaceSignature placeSignature(const View& view, const CameraMounting& mounting,
                               const PosePriorParams& prior = {});
 
+/** \brief Can it be the signature of a view? One that is read from elsewhere may hold any numbers. */
+bool isSound(const PlaceSignature& place);
+
 /** \brief Walls, property by property, for many of them at once are compared. Filled up beyond the last one
  * with NaN, which is like nothing. */
 struct WallColumns {

@@ -56,6 +56,8 @@ struct Link {
 class MapStore {
 public:
   virtual ~MapStore() = default;
+  /** \brief What errors call it: the name of its file. */
+  virtual std::string name() const { return "the map"; }
   /** \brief The view of local model number i. */
   virtual std::shared_ptr<const View> view(int i) const = 0;
   /** \brief The map's PlaceIndex as it was written; null if there is none. */
