@@ -52,29 +52,19 @@ namespace {
 // (R b + t rho) / rho, so that everything stays in inverse depth. Adds the likelihoods to a sum.
 FACETLOC_MULTIVERSION void judgePixels(const DepthJudge::Geometry& g, const std::uint16_t* row, int v, int u,
                                        int step, int n, DepthVerdict* out, double* likelihood) {
-  const float row_x = g.down[0] * v + g.origin[0], row_y = g.down[1] * v + g.origin[1],
-              row_z = g.down[2] * v + g.origin[2];
+  float start[3];
+  g.rays.startRow(v, start);
   Floats sum{};
   for (int i = 0; i < n; i += kLanes) {
-    std::int32_t known[kLanes], smallest[kLanes], largest[kLanes], index[kLanes];
-    for (int k = 0; k < kLanes; ++k) known[k] = row[u + std::min(i + k, n - 1) * step];
-    Ints quanta, low, high;
-    std::memcpy(&quanta, known, sizeof quanta);
-    const Floats rho = __builtin_convertvector(quanta, Floats) * kQuantum;
-    const Floats column = static_cast<float>(u + i * step) + kLaneOffset * static_cast<float>(step);
-    const Floats px = g.across[0] * column + row_x + g.t[0] * rho;
-    const Floats py = g.across[1] * column + row_y + g.t[1] * rho;
-    const Floats pz = g.across[2] * column + row_z + g.t[2] * rho;
-    const Floats inverse = 1.f / pz;
-    const Floats x = g.fx * px * inverse + g.cx, y = g.fy * py * inverse + g.cy;
-    Ints inside = (kLane < n - i) & (rho >= g.farthest) & (pz > kNearest * rho) & (x >= 1.f) & (y >= 1.f) &
-                  (x < static_cast<float>(g.width - 1)) & (y < static_cast<float>(g.height - 1));
-    const Ints where = __builtin_convertvector((Floats)((Ints)y & inside), Ints) * g.width +
-                       __builtin_convertvector((Floats)((Ints)x & inside), Ints);
-    std::memcpy(index, &where, sizeof index);
-    for (int k = 0; k < kLanes; ++k) smallest[k] = g.lowest[index[k]], largest[k] = g.highest[index[k]];
-    std::memcpy(&low, smallest, sizeof low);
-    std::memcpy(&high, largest, sizeof high);
+    Floats column, rho, p[3];
+    readPixels(row, u, step, n, i, column, rho);
+    g.rays.along(start, column, p);
+    for (int k = 0; k < 3; ++k) p[k] += g.t[k] * rho;
+    const Floats inverse = 1.f / p[2], x = g.fx * p[0] * inverse + g.cx, y = g.fy * p[1] * inverse + g.cy;
+    Ints inside = (kLane < n - i) & (rho >= g.farthest) & (p[2] > kNearest * rho), at_u, at_v, low, high;
+    findPixels(x, y, g.width, g.height, 1, inside, at_u, at_v);
+    const Ints at = at_v * g.width + at_u;
+    for (int k = 0; k < kLanes; ++k) low[k] = g.lowest[at[k]], high[k] = g.highest[at[k]];
     inside &= high != 0;
 
     const Floats predicted = rho * inverse, none{};
@@ -114,13 +104,8 @@ FACETLOC_MULTIVERSION void judgePixels(const DepthJudge::Geometry& g, const std:
 DepthJudge::DepthJudge(const DepthComparison& comparison, const DepthPicture& a, const DepthPicture& b,
                        const Eigen::Isometry3d& T_b_a)
     : a_(a) {
-  const Eigen::Matrix3d R = T_b_a.linear();
-  const Eigen::Vector3d across = R.col(0) / a.camera.fx, down = R.col(1) / a.camera.fy,
-                        origin = R.col(2) - a.camera.cx * across - a.camera.cy * down;
-  for (int i = 0; i < 3; ++i) {
-    g_.across[i] = static_cast<float>(across[i]), g_.down[i] = static_cast<float>(down[i]);
-    g_.origin[i] = static_cast<float>(origin[i]), g_.t[i] = static_cast<float>(T_b_a.translation()[i]);
-  }
+  g_.rays = raysOf(a.camera, T_b_a.linear());
+  for (int k = 0; k < 3; ++k) g_.t[k] = static_cast<float>(T_b_a.translation()[k]);
   // Pixel i covers [i, i + 1) after this shift.
   g_.fx = static_cast<float>(b.camera.fx), g_.cx = static_cast<float>(b.camera.cx + 0.5);
   g_.fy = static_cast<float>(b.camera.fy), g_.cy = static_cast<float>(b.camera.cy + 0.5);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "depth/moved_pixels.h"
+
 #include <facetloc/features/depth_picture.h>
 #include <facetloc/registration/depth_params.h>
 
@@ -74,9 +76,10 @@ public:
    * log likelihoods of their errors [nats]. */
   void row(int v, int step, DepthVerdicts& out, double* likelihood = nullptr) const;
 
-  /** \brief Where the pixels of a appear in b, in numbers: R ray(u, v) = across u + down v + origin. */
+  /** \brief Where the pixels of a appear in b, in numbers. */
   struct Geometry {
-    float across[3], down[3], origin[3], t[3];
+    TurnedRays rays;
+    float t[3];
     float fx, fy, cx, cy;  // of b, moved by half a pixel
     int width, height;
     const std::uint16_t *lowest, *highest;

@@ -3,9 +3,8 @@
 
 #include "depth/depth_consistency.h"
 #include "depth/depth_difference.h"
+#include "depth/moved_pixels.h"
 #include "shared/lanes.h"
-
-#include <algorithm>
 
 namespace facetloc::internal {
 namespace {
@@ -14,23 +13,9 @@ constexpr float kQuantum = static_cast<float>(DepthPicture::kQuantum);
 constexpr auto kFarthest = static_cast<float>(DepthDifference::kFarthest);
 constexpr int kSums = 21;  // of a lower triangle
 
-/** The ray of pixel (u, v), told in other axes: across u + down v + origin. */
-struct Rays {
-  float across[3], down[3], origin[3];
-};
-
-Rays raysOf(const Intrinsics& c, const Eigen::Matrix3d& R) {
-  Rays rays;
-  for (int i = 0; i < 3; ++i) {
-    rays.across[i] = static_cast<float>(R(i, 0) / c.fx), rays.down[i] = static_cast<float>(R(i, 1) / c.fy);
-    rays.origin[i] = static_cast<float>(R(i, 2) - R(i, 0) * c.cx / c.fx - R(i, 1) * c.cy / c.fy);
-  }
-  return rays;
-}
-
 /** What compareDepth is told, and where the results go. */
 struct Comparison {
-  Rays in_model, in_world;
+  TurnedRays in_model, in_world;
   float t[3], to_world[3][3], uncertainty[6][6];
   float fx, fy, cx, cy, error, gate;
   std::int32_t width, height;
@@ -66,30 +51,20 @@ FACETLOC_MULTIVERSION void addRow(const Comparison& c, const std::uint16_t* row,
                                   int n, Sums& sums) {
   constexpr auto kNearest = static_cast<float>(DepthDifference::kNearest);
   constexpr int kReach = DepthDifference::kReach;
-  const auto fv = static_cast<float>(v);
+  float in_model[3], in_world[3];
+  c.in_model.startRow(v, in_model), c.in_world.startRow(v, in_world);
   for (int i = 0; i < n; i += kLanes) {
-    Ints quanta;
-    for (int k = 0; k < kLanes; ++k) quanta[k] = row[first + std::min(i + k, n - 1) * step];
-    const Floats rho = kQuantum * __builtin_convertvector(quanta, Floats);
-    const Floats u = static_cast<float>(first + i * step) + static_cast<float>(step) * kLaneOffset;
-    Floats p[3], arm[3];
-    for (int k = 0; k < 3; ++k) {
-      p[k] = c.in_model.across[k] * u + (c.in_model.down[k] * fv + c.in_model.origin[k]) + c.t[k] * rho;
-      arm[k] = (c.in_world.across[k] * u + (c.in_world.down[k] * fv + c.in_world.origin[k])) / rho;
-    }
+    Floats u, rho, p[3], arm[3];
+    readPixels(row, first, step, n, i, u, rho);
+    c.in_model.along(in_model, u, p), c.in_world.along(in_world, u, arm);
+    for (int k = 0; k < 3; ++k) p[k] += c.t[k] * rho, arm[k] /= rho;
     const Floats inverse = 1 / p[2];
     DepthDifferenceOf<Floats, Floats[3]> d;
     d.inverse_depth = rho * inverse, d.x = p[0] * inverse, d.y = p[1] * inverse;
     const Floats column = c.fx * d.x + c.cx, line = c.fy * d.y + c.cy;
-    const Floats rounded_column = column + 0.5f, rounded_line = line + 0.5f;  // before they are cut off
-    Ints used = (kLane < n - i) & (rho >= kFarthest) & (p[2] > kNearest * rho) &
-                (rounded_column >= static_cast<float>(kReach)) &
-                (rounded_line >= static_cast<float>(kReach)) &
-                (rounded_column < static_cast<float>(c.width - kReach)) &
-                (rounded_line < static_cast<float>(c.height - kReach));
-    const Ints uc = __builtin_convertvector((Floats)((Ints)rounded_column & used), Ints),
-               vc = __builtin_convertvector((Floats)((Ints)rounded_line & used), Ints),
-               at = used ? vc * c.width + uc : Ints{} + (kReach * c.width + kReach);
+    Ints used = (kLane < n - i) & (rho >= kFarthest) & (p[2] > kNearest * rho), uc, vc;
+    findPixels(column + 0.5f, line + 0.5f, c.width, c.height, kReach, used, uc, vc);
+    const Ints at = used ? vc * c.width + uc : Ints{} + (kReach * c.width + kReach);
     Ints five[5];
     for (int k = 0; k < kLanes; ++k) {
       const std::uint16_t* centre = c.picture + at[k];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shortlist/place_alignment.h"
 
+#include "depth/moved_pixels.h"
 #include "shared/lanes.h"
 #include "shortlist/place_reach.h"
 
@@ -67,7 +68,6 @@ FACETLOC_MULTIVERSION Comparison compare(const PointColumns& points, const Eigen
   const Intrinsics& c = picture.camera;
   const auto fx = static_cast<float>(c.fx), fy = static_cast<float>(c.fy),
              cx = static_cast<float>(c.cx) + 0.5f, cy = static_cast<float>(c.cy) + 0.5f;
-  const auto width = static_cast<float>(c.width), height = static_cast<float>(c.height);
   const float *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
   const auto n = static_cast<std::int32_t>(points.size());
   if (picture.depth.empty()) return {};
@@ -78,11 +78,10 @@ FACETLOC_MULTIVERSION Comparison compare(const PointColumns& points, const Eigen
     const Floats qx = R(0, 0) * px + R(0, 1) * py + R(0, 2) * pz + t[0],
                  qy = R(1, 0) * px + R(1, 1) * py + R(1, 2) * pz + t[1],
                  qz = R(2, 0) * px + R(2, 1) * py + R(2, 2) * pz + t[2];
-    const Floats scale = 1 / qz, u = qx * scale * fx + cx, v = qy * scale * fy + cy;
-    Ints judged = (kLane < n - i) & (qz >= kNearest) & (u >= 0) & (v >= 0) & (u < width) & (v < height);
-    const Ints column = __builtin_convertvector((Floats)((Ints)u & judged), Ints),
-               row = __builtin_convertvector((Floats)((Ints)v & judged), Ints), at = row * c.width + column;
-    Ints millimetres;
+    const Floats scale = 1 / qz;
+    Ints judged = (kLane < n - i) & (qz >= kNearest), column, row, millimetres;
+    findPixels(qx * scale * fx + cx, qy * scale * fy + cy, c.width, c.height, 0, judged, column, row);
+    const Ints at = row * c.width + column;
     for (int k = 0; k < kLanes; ++k) millimetres[k] = picture.depth[static_cast<std::size_t>(at[k])];
     judged &= millimetres > 0;
     const Floats measured = 0.001f * __builtin_convertvector(millimetres, Floats);
