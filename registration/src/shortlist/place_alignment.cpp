@@ -4,6 +4,7 @@
 #include "depth/moved_pixels.h"
 #include "shared/lanes.h"
 #include "shortlist/place_reach.h"
+#include "shortlist/wall_pairs.h"
 
 #include <facetloc/features/so3.h>
 
@@ -12,7 +13,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 namespace facetloc::internal {
 namespace {
@@ -34,8 +34,8 @@ constexpr int kStride = kCells + 2;      // with a border
 constexpr int kPositions = 3;            // for each heading
 constexpr int kCompared = 3;             // poses that are compared in depth
 constexpr float kEnd = 1, kEdge = 0.5f;  // worth of a matching end, upper or lower edge, in walls
-constexpr float kEndError = 0.1f, kEdgeError = 0.06f;  // [m]
-constexpr float kWallStd = 0.05f;                      // [m]
+constexpr float kEndError = 0.1f;        // [m]
+constexpr float kWallStd = 0.05f;        // [m]
 
 // Prior of each bin of headings.
 const std::array<float, kTurnLanes>& turnPrior() {
@@ -48,13 +48,6 @@ const std::array<float, kTurnLanes>& turnPrior() {
     return p;
   }();
   return prior;
-}
-
-float edgeBonus(const Wall& a, const Wall& b) {
-  float bonus = 0;
-  if (a.bottom_end && b.bottom_end && std::abs(a.bottom - b.bottom) < kEdgeError) bonus += kEdge;
-  if (a.top_end && b.top_end && std::abs(a.top - b.top) < kEdgeError) bonus += kEdge;
-  return bonus;
 }
 
 struct Comparison {
@@ -115,7 +108,6 @@ PlaceAligner::PlaceAligner(const PlaceSignature& scene)
 
 // The numbers of the walls that may be this wall of a model; returns how many.
 FACETLOC_MULTIVERSION int PlaceAligner::findAlike(const WallColumns& walls, const Wall& wall, int* alike) {
-  constexpr float kGap = 0.05f;  // between the heights of two parts of one wall [m]
   constexpr float kLargest = kLargestTurn * kDegreeF;
   int n = 0;
   for (std::size_t i = 0; i < walls.size(); i += kLanes) {
@@ -129,9 +121,10 @@ FACETLOC_MULTIVERSION int PlaceAligner::findAlike(const WallColumns& walls, cons
     const Floats none{}, turn = wall.heading - heading, move = wall.offset - offset;
     const Floats once = turn > kTwoPi / 2 ? none + kTwoPi : turn < -kTwoPi / 2 ? none - kTwoPi : none;
     const Floats wrapped = turn - once, first = wall.right - left, last = wall.left - right;
-    const Ints fits = (wrapped <= kLargest) & (wrapped >= -kLargest) & (move <= kReach) & (move >= -kReach) &
-                      (bottom - wall.top <= kGap) & (wall.bottom - top <= kGap) & (first <= last) &
-                      (first <= kReach) & (last >= -kReach);
+    Ints overlaps;
+    overlapInHeight(bottom, top, wall, overlaps);
+    const Ints fits = overlaps & (wrapped <= kLargest) & (wrapped >= -kLargest) & (move <= kReach) &
+                      (move >= -kReach) & (first <= last) & (first <= kReach) & (last >= -kReach);
     std::int32_t fit[kLanes];
     std::memcpy(fit, &fits, sizeof fit);
     for (int k = 0; k < kLanes; ++k) {
@@ -203,14 +196,15 @@ void PlaceAligner::findPositions(float turn) {
   };
   for (const Pair& pair : pairs_) {
     if (std::abs(pair.turn - turn) > kParallel) continue;
-    constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
     const Wall &a = *pair.scene, &b = *pair.model;
+    float edges;
+    countEdges(b.seenBottom() - a.seenBottom(), b.seenTop() - a.seenTop(), edges);
     const ParallelPair p{pair,
                          b.cosine,
                          b.sine,
-                         1 + edgeBonus(a, b),
-                         a.right_end && b.right_end ? b.right - a.right : kNowhere,
-                         a.left_end && b.left_end ? b.left - a.left : kNowhere};
+                         1 + kEdge * edges,
+                         b.seenRight() - a.seenRight(),
+                         b.seenLeft() - a.seenLeft()};
     parallel_.push_back(p);
     const float weight = p.weight * p.walls;
     for (float slide = p.slide0; slide <= p.slide1; slide += kCell) vote(p, slide, weight);

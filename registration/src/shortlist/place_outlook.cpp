@@ -3,13 +3,13 @@
 
 #include "shared/lanes.h"
 #include "shortlist/place_reach.h"
+#include "shortlist/wall_pairs.h"
 
 #include <facetloc/features/so3.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 namespace facetloc::internal {
 namespace {
@@ -23,8 +23,6 @@ constexpr float kReach = 0.5f * kStep * kMoves;      // kReachMove, in whole vec
 constexpr float kMovePrior = 0.4f;                   // worth of a move by a metre, squared
 constexpr float kAside = 0.5f;                       // worth of votes for the next moves
 constexpr float kEdge = 1.5f, kEnd = 1;              // worth of a common edge, of a common end, in walls
-constexpr float kEdgeError = 0.06f;                  // [m]
-constexpr float kGap = 0.05f;                        // between the heights of two parts of one wall [m]
 constexpr float kSurface = 2, kHeightError = 0.05f;  // worth of a common surface; [m]
 constexpr float kBaseWeight = 2, kPower = 0.6f;
 
@@ -39,10 +37,6 @@ FACETLOC_ALWAYS_INLINE void bound(Floats& bin) {
 
 FACETLOC_ALWAYS_INLINE void read(const std::vector<float>& column, std::int32_t first, Floats& values) {
   std::memcpy(&values, &column[static_cast<std::size_t>(first)], sizeof values);
-}
-
-FACETLOC_ALWAYS_INLINE float seen(bool is_end, float value) {
-  return is_end ? value : std::numeric_limits<float>::quiet_NaN();
 }
 
 // What the best move gets.
@@ -76,26 +70,25 @@ FACETLOC_MULTIVERSION float bestMoves(const PlaceSignature& scene, const WallCol
     Votes &by_wall = votes[k & 1], &by_end = votes[~k & 1];
     for (std::int32_t i = model.facing[k]; i < model.facing[k + 1]; ++i) {
       const Wall& m = model.walls[static_cast<std::size_t>(i)];
-      const float m_right = seen(m.right_end, m.right), m_left = seen(m.left_end, m.left),
-                  m_bottom = seen(m.bottom_end, m.bottom), m_top = seen(m.top_end, m.top);
+      const float m_right = m.seenRight(), m_left = m.seenLeft(), m_bottom = m.seenBottom(),
+                  m_top = m.seenTop();
       for (std::int32_t j = begin; j < end; j += kLanes) {
         Floats offset, bottom, top, weight, seen_right, seen_left, seen_bottom, seen_top;
         read(walls.offset, j, offset), read(walls.weight, j, weight);
         read(walls.bottom, j, bottom), read(walls.top, j, top);
         read(walls.seen_right, j, seen_right), read(walls.seen_left, j, seen_left);
         read(walls.seen_bottom, j, seen_bottom), read(walls.seen_top, j, seen_top);
-        const Floats model_weight = none + m.weight, edge = none + kEdge, higher = m_top - seen_top,
-                     lower = m_bottom - seen_bottom;
+        const Floats model_weight = none + m.weight;
         weight = weight < model_weight ? weight : model_weight;
-        const Ints overlaps = (bottom - m.top <= kGap) & (m.bottom - top <= kGap),
-                   same_top = (higher < kEdgeError) & (higher > -kEdgeError),
-                   same_bottom = (lower < kEdgeError) & (lower > -kEdgeError);
+        Ints overlaps;
+        Floats edges;
+        overlapInHeight(bottom, top, m, overlaps);
+        countEdges(m_bottom - seen_bottom, m_top - seen_top, edges);
         weight = overlaps ? weight : none;
-        const Floats edges = (same_top ? edge : none) + (same_bottom ? edge : none);
         Floats bin = along * (m.offset - offset) + kMiddle, right = across * (m_right - seen_right) + kMiddle,
                left = across * (m_left - seen_left) + kMiddle;
         bound(bin), bound(right), bound(left);
-        const Floats wall_weight = weight * (1 + edges), end_weight = kEnd * weight;
+        const Floats wall_weight = weight * (1 + kEdge * edges), end_weight = kEnd * weight;
         const Ints bins = __builtin_convertvector(bin, Ints), rights = __builtin_convertvector(right, Ints),
                    lefts = __builtin_convertvector(left, Ints);
         const int n = end - j < kLanes ? end - j : kLanes;

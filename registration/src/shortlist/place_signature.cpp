@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
 
@@ -217,20 +218,16 @@ bool isSound(const PlaceSignature& p) {
 
 WallColumns::WallColumns(const std::vector<Wall>& walls)
     : size_((walls.size() + kLanes - 1) / kLanes * kLanes) {
-  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-  const auto column = [&](auto value) {
-    std::vector<float> values(size_ + kLanes, kNaN);
-    std::transform(walls.begin(), walls.end(), values.begin(), value);
+  const auto column = [&](auto Wall::*member) {
+    std::vector<float> values(size_ + kLanes, Wall::kNotSeen);
+    std::transform(walls.begin(), walls.end(), values.begin(), std::mem_fn(member));
     return values;
   };
-  const auto all = [&](float Wall::*value) { return column([=](const Wall& w) { return w.*value; }); };
-  const auto seen = [&](float Wall::*value, bool Wall::*is_end) {
-    return column([=](const Wall& w) { return w.*is_end ? w.*value : kNaN; });
-  };
-  heading = all(&Wall::heading), offset = all(&Wall::offset), weight = all(&Wall::weight);
-  right = all(&Wall::right), left = all(&Wall::left), bottom = all(&Wall::bottom), top = all(&Wall::top);
-  seen_right = seen(&Wall::right, &Wall::right_end), seen_left = seen(&Wall::left, &Wall::left_end);
-  seen_bottom = seen(&Wall::bottom, &Wall::bottom_end), seen_top = seen(&Wall::top, &Wall::top_end);
+  heading = column(&Wall::heading), offset = column(&Wall::offset), weight = column(&Wall::weight);
+  right = column(&Wall::right), left = column(&Wall::left);
+  bottom = column(&Wall::bottom), top = column(&Wall::top);
+  seen_right = column(&Wall::seenRight), seen_left = column(&Wall::seenLeft);
+  seen_bottom = column(&Wall::seenBottom), seen_top = column(&Wall::seenTop);
 }
 
 void pointsAboveFloor(const PlaceSignature& place, PointColumns& points) {

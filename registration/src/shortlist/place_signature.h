@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace facetloc::internal {
@@ -25,6 +26,13 @@ struct Wall {
   float bottom = 0, top = 0;   ///< extent in height above the floor [m]
   float weight = 0;            ///< fourth root of its area [m^0.5]
   bool right_end = false, left_end = false, bottom_end = false, top_end = false;  ///< seen in the image
+
+  // The extent, NaN where its end is not seen: that is near nothing.
+  float seenRight() const { return right_end ? right : kNotSeen; }
+  float seenLeft() const { return left_end ? left : kNotSeen; }
+  float seenBottom() const { return bottom_end ? bottom : kNotSeen; }
+  float seenTop() const { return top_end ? top : kNotSeen; }
+  static constexpr float kNotSeen = std::numeric_limits<float>::quiet_NaN();
 };
 
 /** \brief The difference of two headings, not more than half a turn [rad]. */
