@@ -19,8 +19,9 @@ template <typename Number>
 FACETLOC_ALWAYS_INLINE void countEdges(const Number& lower, const Number& upper, Number& edges) {
   constexpr float kError = 0.06f;  // [m]
   const Number none{}, one = none + 1;
-  edges = ((lower < kError) & (lower > -kError) ? one : none) +
-          ((upper < kError) & (upper > -kError) ? one : none);
+  const auto same_lower = (lower < kError) & (lower > -kError),
+             same_upper = (upper < kError) & (upper > -kError);
+  edges = (same_lower ? one : none) + (same_upper ? one : none);
 }
 
 }  // namespace facetloc::internal
