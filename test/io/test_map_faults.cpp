@@ -85,7 +85,8 @@ TEST_F(MapFile, WhatIsNoTableIsRefused) {
       {"ALTER TABLE meta RENAME TO m; CREATE VIEW meta AS SELECT key, value FROM m", "it holds a view, meta"},
       {"CREATE TRIGGER more AFTER INSERT ON model BEGIN DELETE FROM link; END", "it holds a trigger, more"},
       {"CREATE VIRTUAL TABLE page USING dbstat", "its table page is virtual"},
-      {"ALTER TABLE model ADD COLUMN large AS (zeroblob(1000000000))", "column large of its table model"},
+      {"ALTER TABLE model ADD COLUMN large BLOB AS (zeroblob(1000000000))",
+       "column large of its table model"},
       {"DROP TABLE link", "it has no table link"},
   };
   for (const auto& [statement, fault] : cases) {
@@ -110,8 +111,8 @@ TEST_F(MapFile, PicturesThatTakeMoreMemoryThanTheFileExplainsAreRefused) {
     map.models.push_back(m);
   }
   writeMap(path_, map);
-  EXPECT_THAT(readError(), HasSubstr("its depth pictures would take 604 MB of memory"));
-  EXPECT_NE(ioErrorOf([this] { checkMap(path_); }), "");
+  EXPECT_THAT(readError(), HasSubstr("its depth pictures would take 603 MB of memory"));
+  EXPECT_THAT(checkMap(path_), Contains(HasSubstr("MB of memory")));
   EXPECT_TRUE(openMap(path_).store) << "views of so many pixels stay in the file";
 }
 

@@ -118,7 +118,7 @@ TEST(JointRefinement, BeatsTheSequenceAndKnowsItsError) {
   Rng rng(5);
   double sequence = 0, joint = 0, nees = 0;
   int n = 0;
-  for (int i = 0; i < 400; ++i) {
+  for (int i = 0; i < 1600; ++i) {
     const Room room(rng);
     Hypothesis h;
     if (!room.sequential(h)) continue;
@@ -130,7 +130,7 @@ TEST(JointRefinement, BeatsTheSequenceAndKnowsItsError) {
     joint += after.squaredNorm();
     nees += after.dot(h.T_m_c.P.llt().solve(after));
   }
-  EXPECT_GT(n, 350);
+  EXPECT_GT(n, 1400);
   EXPECT_LT(joint, 0.5 * sequence);
   EXPECT_GE(nees / n, 4.5);
   EXPECT_LE(nees / n, 7.5);

@@ -61,7 +61,7 @@ struct Facet {
 
 /** A round body in the camera frame: |S (p - c)| = 1, where S scales the axes that are round. */
 struct Quadric {
-  static constexpr std::uint16_t label = 0;  // it is no plane
+  std::uint16_t label = 0;  // it is no plane
   Eigen::Isometry3d T_b_c;
   Eigen::Vector3d half_size, round;  // round: 1 / half size, 0 along a cylinder
   Material material;
