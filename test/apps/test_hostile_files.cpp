@@ -61,8 +61,9 @@ using HostileMaps = HostileFiles;
 TEST_P(HostileMaps, AreRefused) {
   expectRefused({FACETLOC_MAP, "check", path_}, GetParam().fault);
   const test::TemporaryFolder folder;
-  test::writeContent(folder / "camera.ini",
-                     "width 320 height 240\nfx 262.5 fy 262.5 cx 159.5 cy 119.5\ndepth_scale 5000\n");
+  test::writeContent(
+      folder / "camera.ini",
+      "width = 320\nheight = 240\nfx = 262.5\nfy = 262.5\ncx = 159.5\ncy = 119.5\ndepth_scale = 5000\n");
   fs::create_directories(folder / "depth");
   test::writeContent(folder / "depth/0.png", "never read");
   expectRefused({FACETLOC_LOCALIZE, path_, folder / "", "-o", folder / "results"}, GetParam().fault);

@@ -14,6 +14,7 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <sys/stat.h>
 
 namespace facetloc {
@@ -66,6 +67,7 @@ std::vector<std::string> mpirun(int ranks, const std::vector<std::string>& comma
 }
 
 ToolRun runRanks(int ranks, const std::vector<std::string>& command) {
+  setenv("HWLOC_COMPONENTS", "-gl", 1);  // or mpirun ends with the X server of any other test
   return Process(mpirun(ranks, command)).wait();
 }
 

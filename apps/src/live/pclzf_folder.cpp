@@ -28,7 +28,7 @@ bool isDepth(const fs::path& file) {
 void requireTime(const fs::path& file) {
   constexpr std::string_view kPattern = "frame_00000000T000000.000000_";
   const std::string name = file.filename().string();
-  bool fits = name.size() > kPattern.size();
+  bool fits = name.size() >= kPattern.size();
   for (std::size_t i = 0; fits && i < kPattern.size(); ++i)
     fits =
         kPattern[i] == '0' ? std::isdigit(static_cast<unsigned char>(name[i])) != 0 : name[i] == kPattern[i];
