@@ -40,7 +40,7 @@ struct ViewOdometryParams {
   void validate() const { checkRanges(*this); }
 };
 
-/** \brief When a tracked camera cannot be told from being anywhere, and when it is lost. */
+/** \brief When the pose of a tracked camera is unknown, and when the camera is lost. */
 struct PoseTrackingParams {
   static constexpr const char* kTitle = "Tracking of a camera in a map";
   ViewOdometryParams odometry;
@@ -50,7 +50,7 @@ struct PoseTrackingParams {
   double significance = 2;          ///< least information of a direction that pixels may tell [their noise's]
   double correlated_views = 2;      ///< so many views tell as much as one: they see the same models alike
   double floor_length = 0.7;        ///< way after which a robot on wheels stands on other unevenness [m]
-  double free_translation = 0.1;    ///< std from which on the pose cannot be told [m]: half the paper's 0.2 m
+  double free_translation = 0.1;    ///< std from which on the pose is unknown [m]: half the paper's 0.2 m
   double free_rotation_deg = 2.0;   ///< the same; the paper's 2 deg
   double lost_translation = 1.0;    ///< std at which nothing is left to track [m]: the paper's prior
   double lost_rotation_deg = 20.0;  ///< the same; the paper's prior
@@ -79,9 +79,9 @@ struct PoseTrackingParams {
     visit("floor_length", p.floor_length, 1e-3, 1e6,
           "Way after which a robot on wheels stands on another piece of uneven floor [m].");
     visit("free_translation", p.free_translation, 0.0, 100.0,
-          "Position uncertainty from which on the pose cannot be told, standard deviation [m].");
+          "Position uncertainty from which on the pose is unknown, standard deviation [m].");
     visit("free_rotation_deg", p.free_rotation_deg, 0.0, 180.0,
-          "Orientation uncertainty from which on the pose cannot be told, standard deviation [deg].");
+          "Orientation uncertainty from which on the pose is unknown, standard deviation [deg].");
     visit("lost_translation", p.lost_translation, 0.0, 100.0,
           "Position uncertainty at which the camera is lost, standard deviation [m].");
     visit("lost_rotation_deg", p.lost_rotation_deg, 0.0, 180.0,
