@@ -46,7 +46,8 @@ public:
   /** \brief Writes it for this program on machines of this kind. The same map gives the same bytes. */
   void write(std::ostream& out) const;
   /** \brief What write() wrote, or nothing if that was for another map or prior, or by another version.
-   * Throws std::runtime_error if the bytes end too early, and what the stream throws. */
+   * Throws std::runtime_error if the bytes end too early or hold what no index has, and what the stream
+   * throws. */
   static std::optional<PlaceIndex> read(std::istream& in, const Map& map, const ShortlistParams& params = {},
                                         const PosePriorParams& prior = {});
   PlaceIndex(PlaceIndex&&) noexcept;
