@@ -21,18 +21,23 @@ struct Row {
   std::vector<std::string> cells;
 };
 
+/** \brief A row that ends before its line does. */
+class TornRow : public IoError {
+public:
+  using IoError::IoError;
+};
+
 /** \brief Splits a file into rows; blank lines are left out. */
 class Scanner {
 public:
   Scanner(std::string_view content, std::string path) : content_(content), path_(std::move(path)) {}
 
-  std::vector<Row> rows() {
-    std::vector<Row> found;
+  /** \param found receives the rows, also those before a torn one. */
+  void scan(std::vector<Row>& found) {
     while (position_ < content_.size()) {
       Row row = scanRow();
       if (row.cells.size() > 1 || !row.cells.front().empty()) found.push_back(std::move(row));
     }
-    return found;
   }
 
 private:
@@ -63,7 +68,7 @@ private:
       if (c == '\n') ++line_;
       found += c;
     }
-    fail(first_line, "a quote is not closed");
+    throw TornRow(path_, "line " + std::to_string(first_line) + ": a quote is not closed");
   }
 
   bool take(char c) {
@@ -85,18 +90,32 @@ private:
 /** \brief A CSV file whose columns are found by their names in the header line. */
 class Table {
 public:
-  explicit Table(const std::filesystem::path& path) : path_(path.string()) {
+  /** \brief Throws IoError for a file that is no table.
+   * \param forgive_torn The last row may be torn, as a program leaves it that is killed while it writes. */
+  explicit Table(const std::filesystem::path& path, bool forgive_torn = false) : path_(path.string()) {
     const std::string content = files::readText(path);
-    rows_ = Scanner(content, path_).rows();
+    forgive_torn = forgive_torn && !content.empty() && content.back() != '\n';
+    try {
+      Scanner(content, path_).scan(rows_);
+    } catch (const TornRow&) {
+      if (!forgive_torn) throw;
+      torn_ = true;
+    }
     if (rows_.empty()) throw IoError(path_, "is empty: it has not even a header line");
     header_ = std::move(rows_.front().cells);
     rows_.erase(rows_.begin());
+    if (forgive_torn && !torn_ && !rows_.empty() && rows_.back().cells.size() < header_.size()) {
+      torn_ = true;
+      rows_.pop_back();
+    }
     for (const Row& row : rows_)
       if (row.cells.size() != header_.size())
         fail(row, "has " + std::to_string(row.cells.size()) + " columns, the header has " +
                       std::to_string(header_.size()));
   }
 
+  /** \brief Was the last row left out? */
+  bool isTorn() const { return torn_; }
   const std::vector<Row>& rows() const { return rows_; }
 
   /** \brief The place of a column. */
@@ -134,6 +153,7 @@ private:
   std::string path_;
   std::vector<std::string> header_;
   std::vector<Row> rows_;
+  bool torn_ = false;
 };
 
 }  // namespace facetloc::csv

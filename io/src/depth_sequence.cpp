@@ -198,6 +198,12 @@ const Trajectory& DepthSequence::groundTruth() const {
   return ground_truth_;
 }
 
+std::string DepthSequence::remark() const {
+  if (!recording_ || recording_->finished()) return {};
+  return recording_->path().string() + ": the recording was never finished; it is read as far as it goes, " +
+         std::to_string(frames_.size()) + " frames";
+}
+
 DepthImage DepthSequence::load(std::size_t index, int working_width) const {
   const fs::path& path = frames_.at(index).path;
   DepthImage image;

@@ -3,11 +3,11 @@
 
 #include <facetloc/io/error.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdio>
+#include <fcntl.h>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -19,12 +19,29 @@ namespace facetloc::files {
 /** \brief Why the last call of the C library failed. */
 inline std::string lastError() { return std::generic_category().message(errno); }
 
-/** \brief Throws IoError unless path is a file that can be there to be read. */
+/** \brief Throws IoError unless path is a file that can be there to be read from its beginning to its end, or
+ * a pipe. */
 inline void requireFile(const std::filesystem::path& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) throw IoError(path.string(), "does not exist");
   if (std::filesystem::is_directory(status)) throw IoError(path.string(), "is a folder, not a file");
+  if (!std::filesystem::is_regular_file(status) && !std::filesystem::is_fifo(status))
+    throw IoError(path.string(), "is a device or a socket, not a file");
+}
+
+/** \brief Throws IoError unless any place of the file can be read at any time: a pipe will not do. */
+inline void requireRegularFile(const std::filesystem::path& path) {
+  requireFile(path);
+  if (std::filesystem::is_fifo(path)) throw IoError(path.string(), "is a pipe, not a file");
+}
+
+/** \brief A rename would put a file in the place of a device, a pipe or a folder. Throws IoError. */
+inline void requireReplaceable(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    throw IoError(path.string(), "is there already and not a regular file");
 }
 
 /** \brief Throws IoError unless a file can be created at path as far as folders are concerned. */
@@ -45,27 +62,32 @@ inline std::filesystem::path linkedFrom(std::filesystem::path path) {
   return path;
 }
 
-/** \brief A whole text file, without the byte order mark that some editors put in front. */
-inline std::string readText(const std::filesystem::path& path) {
-  requireFile(path);
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw IoError(path.string(), "cannot be opened: " + lastError());
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (in.bad()) throw IoError(path.string(), "cannot be read");
-  constexpr const char* kByteOrderMark = "\xEF\xBB\xBF";
-  if (text.rfind(kByteOrderMark, 0) == 0) text.erase(0, 3);
-  return text;
-}
-
 struct Close {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 using FilePtr = std::unique_ptr<std::FILE, Close>;
 
-inline FilePtr open(const std::filesystem::path& path, const char* mode) {
-  FilePtr file(std::fopen(path.c_str(), mode));
+/** \brief Opens a file to be read. Of a pipe that nobody writes to, that is the end, not a wait for ever. */
+inline FilePtr open(const std::filesystem::path& path) {
+  const int number = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  FilePtr file(number < 0 ? nullptr : fdopen(number, "rb"));
   if (!file) throw IoError(path.string(), "cannot be opened: " + lastError());
+  fcntl(number, F_SETFL, fcntl(number, F_GETFL) & ~O_NONBLOCK);  // who writes may take their time
   return file;
+}
+
+/** \brief A whole text file, without the byte order mark that some editors put in front. */
+inline std::string readText(const std::filesystem::path& path) {
+  requireFile(path);
+  const FilePtr file = open(path);
+  std::string text;
+  std::array<char, 1 << 16> part;
+  while (const std::size_t size = std::fread(part.data(), 1, part.size(), file.get()))
+    text.append(part.data(), size);
+  if (std::ferror(file.get())) throw IoError(path.string(), "cannot be read: " + lastError());
+  constexpr const char* kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.rfind(kByteOrderMark, 0) == 0) text.erase(0, 3);
+  return text;
 }
 
 }  // namespace facetloc::files

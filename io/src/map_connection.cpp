@@ -94,6 +94,7 @@ void createLaterTables(Connection& db) {
   db.execute(schema::kPlaceIndexTable);
   db.execute(schema::kDistortionTable);
   db.execute(schema::kNoiseTables);
+  db.execute(schema::kLinkIndex);
 }
 
 /** Adds what an older minor format lacks. */
@@ -123,7 +124,7 @@ Connection connect(const fs::path& path, int flags) {
 }  // namespace
 
 Connection openForWriting(const fs::path& path) {
-  files::requireFile(path);
+  files::requireRegularFile(path);
   Connection db = connect(path, SQLITE_OPEN_READWRITE);
   configureForWriting(db);
   upgrade(db);
@@ -131,7 +132,7 @@ Connection openForWriting(const fs::path& path) {
 }
 
 Connection openForReading(const fs::path& path) {
-  files::requireFile(path);
+  files::requireRegularFile(path);
   Connection db(path, SQLITE_OPEN_READONLY);
   try {
     requireMap(db);

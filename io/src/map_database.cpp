@@ -48,6 +48,7 @@ void insertMeta(Connection& db, const std::string& key, const std::string& value
 void insertCamera(Connection& db, const Camera& camera) {
   db.execute("DELETE FROM mounting; DELETE FROM distortion; DELETE FROM camera");
   if (camera.mounting) {
+    describing(db, "the mounting of the camera", [&] { requireSound(*camera.mounting); });
     Statement statement(db, "INSERT INTO mounting(id, height, tilt_deg) VALUES(0, ?, ?)");
     (statement << camera.mounting->height << camera.mounting->tilt_deg).run();
   }
@@ -184,8 +185,10 @@ MapDatabase MapDatabase::create(const std::filesystem::path& path, bool overwrit
   files::requireFolderOf(path);
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) throw IoError(path.string(), "is a folder, not a file");
-  if (fs::exists(path, ignored) && !overwrite) throw IoError(path.string(), "exists already");
-  removeWithJournal(path);
+  const bool is_empty = fs::is_regular_file(path, ignored) && fs::file_size(path, ignored) == 0;
+  if (fs::exists(path, ignored) && !is_empty && !overwrite) throw IoError(path.string(), "exists already");
+  if (!is_empty) removeWithJournal(path);
+  fs::remove(journalOf(path), ignored);
   try {
     return MapDatabase(std::make_unique<Impl>(Impl{map_connection::create(path, path)}));
   } catch (const IoError&) {
@@ -255,10 +258,15 @@ Map readMap(const std::filesystem::path& path) {
   return readSound(db, true);
 }
 
-void replaceMap(const fs::path& path, const std::function<void(const fs::path& temporary)>& write) {
+void replaceMap(const fs::path& asked, const std::function<void(const fs::path& temporary)>& write) {
+  const fs::path path = files::linkedFrom(asked);
   writeAtomically(path, [&](const fs::path& temporary) {
-    removeWithJournal(temporary);
-    write(temporary);
+    try {
+      write(temporary);
+    } catch (const WriteError& e) {  // nobody knows the temporary file
+      if (e.path() == temporary) throw WriteError(asked.string(), e.why());
+      throw;
+    }
     std::error_code ignored;
     fs::remove(journalOf(path), ignored);
   });
@@ -287,7 +295,7 @@ std::vector<std::string> checkMap(const std::filesystem::path& path) {
   try {
     append(faults, integrityFaults(db));
     MapReader reader(db);
-    reader.read();
+    reader.check();
     append(faults, reader.faults());
     append(faults, place_index_parts::faults(db));
   } catch (const IoError& e) {

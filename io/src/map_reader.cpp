@@ -24,17 +24,27 @@ Map MapReader::read() {
   readCamera();
   readModels();
   readSegments();
-  readPictures(true);
+  readPictures(Pictures::keep);
   readNoise();
   readLinks();
   return std::move(map_);
+}
+
+void MapReader::check() {
+  readMeta();
+  readCamera();
+  readModels();
+  readSegments();
+  readPictures(Pictures::look_at);
+  readNoise();
+  readLinks();
 }
 
 Map MapReader::readWithoutViews() {
   readMeta();
   readCamera();
   readModels();
-  readPictures(false);
+  readPictures(Pictures::cameras_only);
   readNoise();
   readLinks();
   return std::move(map_);
@@ -95,8 +105,9 @@ void MapReader::readCamera() {
              [this](Statement& row, std::string& label) {
                label = "the camera mounting";
                const double height = row.real(), tilt_deg = row.real();
-               require(std::isfinite(height) && std::isfinite(tilt_deg), "it is not finite");
-               map_.camera.mounting = CameraMounting{height, tilt_deg};
+               const CameraMounting mounting{height, tilt_deg};
+               map_rows::requireSound(mounting);
+               map_.camera.mounting = mounting;
              });
   readDistortion();
 }
@@ -167,7 +178,8 @@ void MapReader::requireMemoryForPictures() {
                                   std::to_string(static_cast<long>(unpacked / 1e6)) + " MB of memory");
 }
 
-void MapReader::readPictures(bool whole) {
+void MapReader::readPictures(Pictures pictures) {
+  const bool whole = pictures != Pictures::cameras_only;
   if (whole) requireMemoryForPictures();
   forEachRow(schema::select(whole ? schema::kPictureColumns : schema::kPictureCameraColumns, "depth_picture",
                             "model_id"),
@@ -175,10 +187,10 @@ void MapReader::readPictures(bool whole) {
                label = "the depth picture";
                LocalModel& model = modelOf(row.integer(), label);
                const Intrinsics camera = readPictureCamera(row, model.view.intrinsics);
-               if (whole)
-                 model.view.depth = unpackedPicture(camera, readPackedPicture(row));
-               else
-                 model.view.depth.camera = camera;
+               DepthPicture picture;
+               if (whole) picture = unpackedPicture(camera, readPackedPicture(row));
+               if (pictures == Pictures::keep) model.view.depth = std::move(picture);
+               model.view.depth.camera = camera;
              });
 }
 
@@ -199,6 +211,7 @@ void MapReader::readLinks() {
     label = "a link";
     label = "link " + std::to_string(row.integer());
     const Link link = readLink(row);
+    require(linked_.emplace(link.from, link.to).second, "another one joins the same models");
     for (const int end : {link.from, link.to}) modelOf(end, label);
     map_.links.push_back(link);
   });

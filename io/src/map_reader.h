@@ -6,7 +6,9 @@
 #include <facetloc/features/local_model.h>
 
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 /** \file Reading of map files, private to io. */
@@ -24,6 +26,8 @@ public:
 
   /** \brief All of it. */
   Map read();
+  /** \brief Looks at all of it and keeps no depth picture, so that a large map takes little memory. */
+  void check();
   /** \brief All but segments and depth pictures; of the views the cameras. */
   Map readWithoutViews();
 
@@ -41,7 +45,8 @@ private:
   void readModels();
   void readSegments();
   void requireMemoryForPictures();
-  void readPictures(bool whole);
+  enum class Pictures { keep, look_at, cameras_only };
+  void readPictures(Pictures pictures);
   void readNoise();
   void readLinks();
 
@@ -49,6 +54,7 @@ private:
   sqlite::Snapshot snapshot_;
   Map map_;
   std::vector<int> num_segments_;
+  std::set<std::pair<int, int>> linked_;
   std::vector<std::string> faults_;
 };
 

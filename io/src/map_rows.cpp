@@ -4,8 +4,6 @@
 #include "depth_blob.h"
 #include "pose_columns.h"
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -23,7 +21,6 @@ void require(bool condition, const char* fault) {
 namespace {
 
 constexpr double kRotationTolerance = 1e-6;  // of |q|^2 and R^T R
-constexpr double kSymmetryTolerance = 1e-9;  // of covariances, relative to their largest value
 constexpr int kMaxPictureSide = 4096;        // [px] bounds what a corrupt map can claim
 
 void requireSound(const Intrinsics& camera) {
@@ -37,6 +34,7 @@ void requireRotation(const Eigen::Matrix3d& R) {
 
 void requireSound(const Eigen::Isometry3d& T) {
   require(T.translation().allFinite(), "its pose is not finite");
+  require(plausible::isPosition(T.translation()), "its pose is more than 1000 km away");
   requireRotation(T.linear());
 }
 
@@ -49,9 +47,10 @@ void requireSound(const DepthPicture& picture, const Intrinsics& working_image) 
 }
 
 Eigen::Isometry3d readPose(Statement& row) {
-  const auto T = fromColumns(row.reals<7>(), kRotationTolerance);
-  require(T.has_value(), "its pose is not finite or not a rotation");
-  return *T;
+  const PoseColumns columns = row.reals<7>();
+  if (const char* fault = faultOf(columns, kRotationTolerance))
+    throw BadCell(std::string("its pose ") + fault);
+  return *fromColumns(columns, kRotationTolerance);
 }
 
 template <typename Matrix>
@@ -99,10 +98,9 @@ void requireSound(const SensorNoise& noise) {
 
 void requireSound(const Segment& s) {
   requireRotation(s.R);
-  require(s.t.allFinite(), "its centroid is not finite");
-  require(s.Sigma_q.allFinite() && s.Sigma_q.isApprox(s.Sigma_q.transpose(), kSymmetryTolerance) &&
-              s.Sigma_q.llt().info() == Eigen::Success,
-          "its Sigma_q is not positive definite");
+  require(s.t.allFinite() && plausible::isPosition(s.t), "its centroid is not finite, or too far away");
+  require(plausible::isCovariance(s.Sigma_q),
+          "its Sigma_q is not positive definite, or smaller than any camera's");
   require(s.lambda.allFinite() && s.lambda[0] >= s.lambda[1] && s.lambda[1] >= 0,
           "its lambda are not finite, descending and positive");
   require(s.num_points >= 0, "its number of points is negative");
@@ -111,21 +109,22 @@ void requireSound(const Segment& s) {
   require(s.hull.size < 3 || s.hull.area() >= 0, "its hull is not counter-clockwise");
 }
 
-/** A link may be known exactly: its covariance need not be regular. */
+void requireSound(const CameraMounting& mounting) {
+  require(mounting.height >= 0 && mounting.height <= plausible::kHighest &&
+              std::abs(mounting.tilt_deg) <= plausible::kStraightDown,
+          "it is no place on a robot");
+}
+
 void requireSound(const Link& link) {
   require(link.from != link.to, "it leads from a model to itself");
   requireSound(link.T_from_to.T);
-  const Matrix6d& P = link.T_from_to.P;
-  require(P.allFinite(), "its covariance is not finite");
-  const double rounding = kSymmetryTolerance * P.cwiseAbs().maxCoeff();
-  require((P - P.transpose()).cwiseAbs().maxCoeff() <= rounding &&
-              Eigen::LDLT<Matrix6d>(P + rounding * Matrix6d::Identity()).isPositive(),
-          "its covariance is not symmetric and positive");
+  require(plausible::isCovariance(link.T_from_to.P),
+          "its covariance is not positive definite, or smaller than any sensor's");
 }
 
 void requireSound(const LocalModel& model) {
   require(!model.name.empty(), "it has no name");
-  require(std::isfinite(model.stamp), "its stamp is not finite");
+  require(std::isfinite(model.stamp) && plausible::isStamp(model.stamp), "its stamp is impossible");
   requireSound(model.view.intrinsics);
   if (model.T_w_m) requireSound(*model.T_w_m);
   requireSound(model.view.depth, model.view.intrinsics);

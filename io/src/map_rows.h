@@ -16,6 +16,7 @@ void require(bool condition, const char* fault);
 void requireSizeOfPicture(const Intrinsics& picture, const Intrinsics& working_image);
 void requireNoise(double inverse_depth_std);
 void requireSound(const SensorNoise& noise);
+void requireSound(const CameraMounting& mounting);
 void requireSound(const Segment& segment);
 void requireSound(const LocalModel& model);
 void requireSound(const Link& link);

@@ -119,6 +119,10 @@ CREATE TABLE IF NOT EXISTS picture_noise( -- what each model's image shows; with
 ) STRICT;
 )sql";
 
+/** \brief Since 1.4. An index serves maps of older formats, too. */
+inline constexpr const char* kLinkIndex =
+    "CREATE UNIQUE INDEX IF NOT EXISTS link_of_models ON link(from_id, to_id)";
+
 inline constexpr const char* kModelColumns =
     "id, name, stamp, tx, ty, tz, qx, qy, qz, qw, width, height, fx, fy, cx, cy, num_segments";
 inline constexpr const char* kSegmentColumns =

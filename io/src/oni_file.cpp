@@ -84,15 +84,11 @@ public:
   explicit OniFileIndexer(const std::filesystem::path& path) : path_(path) { out_.path_ = path; }
 
   OniFile index() {
-    files::requireFile(path_);
-    file_ = files::open(path_, "rb");
+    files::requireRegularFile(path_);
+    file_ = files::open(path_);
     size_ = std::filesystem::file_size(path_);
     readFileHeader();
-    bool ended = false;
-    while (!ended) {
-      if (position_ + header_size_ > size_) fail("is truncated: the recording was never finished");
-      ended = readRecord();
-    }
+    while (!out_.finished_ && !ends_early_) readRecord();
     check();
     out_.bytes_ = position_;
     return std::move(out_);
@@ -112,20 +108,35 @@ private:
     position_ = kFileHeader;
   }
 
-  /** True for the last one. */
-  bool readRecord() {
+  /** A recorder that was killed leaves a record that is not all there. */
+  void readRecord() {
+    ends_early_ = position_ + header_size_ > size_;
+    if (ends_early_) return;
     const auto header = Fields(readBytes(file_.get(), position_, header_size_, path_)).take<RecordHeader>();
+    ends_early_ = header.mark == 0 && onlyZerosFrom(position_);  // room that the file system had made
+    if (ends_early_) return;
     const bool sound = header.mark == kRecordMark && header.fields >= header_size_ &&
                        header.fields <= kMostFields && header.data <= kMostData;
     if (!sound) fail("is corrupt at byte " + std::to_string(position_));
-    if (position_ + header.fields + header.data > size_) fail("is truncated");
+    ends_early_ = position_ + header.fields + header.data > size_;
+    if (ends_early_) return;
     try {
       readFields(header);
     } catch (const std::length_error&) {
       fail("is corrupt at byte " + std::to_string(position_));
     }
     position_ += header.fields + header.data;
-    return header.type == kEnd;
+    out_.finished_ = header.type == kEnd;
+  }
+
+  bool onlyZerosFrom(std::uint64_t position) const {
+    constexpr std::uint64_t kPart = 1 << 16;
+    for (; position < size_; position += kPart) {
+      const auto bytes = readBytes(file_.get(), position,
+                                   static_cast<std::size_t>(std::min(kPart, size_ - position)), path_);
+      if (std::any_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte != 0; })) return false;
+    }
+    return true;
   }
 
   void readFields(const RecordHeader& header) {
@@ -204,8 +215,9 @@ private:
   }
 
   void check() {
-    if (!depth_) fail("has no depth stream");
-    if (out_.frames_.empty()) fail("has no depth frames");
+    const std::string truncated = ends_early_ ? "is truncated, and " : "";
+    if (!depth_) fail(truncated + "has no depth stream");
+    if (out_.frames_.empty()) fail(truncated + "has no depth frames");
     Intrinsics& camera = out_.camera_;
     if (camera.width < 1) fail("does not tell the size of its depth frames");
     constexpr double kWidest = 3;  // [rad]
@@ -221,6 +233,7 @@ private:
   files::FilePtr file_;
   std::uint64_t size_ = 0;
   std::uint64_t position_ = 0;
+  bool ends_early_ = false;
   std::size_t header_size_ = kRecordHeader;
   std::optional<std::uint32_t> depth_;  // the node that it is
   double horizontal_ = 0, vertical_ = 0;
@@ -231,7 +244,7 @@ OniFile OniFile::open(const std::filesystem::path& path) { return OniFileIndexer
 
 std::vector<std::uint16_t> OniFile::readRaw(std::size_t index) const {
   const Frame& frame = frames_.at(index);
-  const auto file = files::open(path_, "rb");
+  const auto file = files::open(path_);
   const auto bytes = readBytes(file.get(), frame.offset, frame.size, path_);
   const std::size_t pixels = static_cast<std::size_t>(camera_.width) * camera_.height;
   std::vector<std::uint16_t> depth;

@@ -2,6 +2,7 @@
 #include "files.h"
 #include "lasting_threads.h"
 #include "openni_handle.h"
+#include "temporary_file.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/oni_file.h>
@@ -26,11 +27,16 @@ constexpr std::uintmax_t kLeastRoom = 4096;  // for one frame, if none tells how
 bool awaitsData(const std::filesystem::path& path) {
   constexpr long kSize = 40;
   constexpr std::uint32_t kMark = 0x0052494E, kDataBegin = 0x08;
-  const auto file = files::open(path, "rb");
+  const auto file = files::open(path);
   std::array<std::uint32_t, 2> record{};  // its mark and its type
   return std::fseek(file.get(), -kSize, SEEK_END) == 0 &&
          std::fread(record.data(), sizeof record, 1, file.get()) == 1 && record[0] == kMark &&
          record[1] == kDataBegin;
+}
+
+/** Nobody can put a link in its place; what is left of a recorder that is killed can be read. */
+std::filesystem::path partOf(const std::filesystem::path& file) {
+  return file.parent_path() / (file.stem().string() + ".part-" + randomDigits() + ".oni");
 }
 
 /** The recorder starts on a thread of its own, and lets go all frames that come before that. */
@@ -62,9 +68,9 @@ struct OniRecorder::Recording {
 };
 
 OniRecorder::OniRecorder(const std::string& device_uri, const std::filesystem::path& file)
-    : file_(std::filesystem::absolute(file)), part_(file_.string() + ".part") {
+    : file_(std::filesystem::absolute(file)), part_(partOf(file_)) {
   files::requireFolderOf(file_);
-  files::open(part_, "wb");  // OpenNI2 would not say why it cannot
+  if (!createNew(part_)) throw WriteError(file_.string(), files::lastError());  // OpenNI2 would not say why
   callOnLastingThread([&] {
     try {
       recording_ = std::make_unique<Recording>();
@@ -115,6 +121,7 @@ std::size_t OniRecorder::stop() {
   std::uint64_t bytes = 0;
   try {
     const OniFile whole = OniFile::open(part_);
+    if (!whole.finished()) throw IoError(part_, "is truncated");
     frames_ = whole.size();
     bytes = whole.bytes();
   } catch (const IoError& e) {

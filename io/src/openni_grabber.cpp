@@ -63,6 +63,17 @@ bool meansFile(const std::string& device_id) {
   return !device || path.is_absolute() || isRecording(path) || path.extension() == ".scene";
 }
 
+/** OpenNI2's player crashes or hangs on anything else. */
+void requirePlayable(const fs::path& path) {
+  const OniFile recording = OniFile::open(path);
+  if (!recording.finished())
+    throw IoError(path.string(),
+                  "was never finished, and OpenNI2 does not play it; the tools for batches read "
+                  "its " +
+                      std::to_string(recording.size()) + " frames");
+  recording.requireSound();
+}
+
 /** The id as the base class shall see it. It takes what exists on disk for a path and all else for a URI,
  * says of a missing file that no device is connected, and follows a null pointer if a device has no depth. */
 std::string checkedId(const std::string& device_id) {
@@ -78,7 +89,7 @@ std::string checkedId(const std::string& device_id) {
   if (absolute.size() > kLongestUri)
     throw IoError(device_id, "its path is longer than the " + std::to_string(kLongestUri) +
                                  " characters that OpenNI2 has room for");
-  if (isRecording(path)) OniFile::open(path).requireSound();  // the player crashes or hangs on what is none
+  if (isRecording(path)) requirePlayable(path);
   return absolute;
 }
 

@@ -25,7 +25,7 @@ class PcdHeader {
 public:
   /** \brief Throws IoError for anything that is not a sound PCD file of the promised length. */
   explicit PcdHeader(const std::filesystem::path& path) : path_(path.string()) {
-    files::requireFile(path);
+    files::requireRegularFile(path);
     std::ifstream in(path, std::ios::binary);
     if (!in) throw IoError(path_, "cannot be opened: " + files::lastError());
     std::string start(kMaxHeaderBytes, '\0');

@@ -62,9 +62,10 @@ public:
   ~Codec() { destroy(); }
 
   void run(Step step, void* context) {
+    errno = 0;
     if (succeeds(png_, info_, step, context)) return;
-    const char* what = kind_ == Kind::kRead ? "is a truncated or corrupt PNG: " : "cannot be written: ";
-    throw IoError(path_, what + std::string(complaint_.text));
+    if (kind_ == Kind::kWrite) throw WriteError(path_, errno ? files::lastError() : complaint_.text);
+    throw IoError(path_, "is a truncated or corrupt PNG: " + std::string(complaint_.text));
   }
 
 private:
@@ -146,12 +147,12 @@ void writeImage(png_structp png, png_infop info, void* context) {
 
 void writeEncoded(const std::filesystem::path& path, const Header& header, std::vector<png_byte> bytes) {
   writeAtomically(path, [&](const std::filesystem::path& temporary) {
-    const files::FilePtr file = files::open(temporary, "wb");
+    const files::FilePtr file(std::fopen(temporary.c_str(), "wb"));
+    if (!file) throw WriteError(path.string(), files::lastError());
     auto rows = rowPointers(bytes, header.height);
     Encoded image{header, rows.data()};
     Codec(Codec::Kind::kWrite, file.get(), path.string()).run(writeImage, &image);
-    if (std::fflush(file.get()) != 0)
-      throw IoError(path.string(), "cannot be written: " + files::lastError());
+    if (std::fflush(file.get()) != 0) throw WriteError(path.string(), files::lastError());
   });
 }
 
@@ -171,7 +172,7 @@ Header headerOf(int width, int height, int bits, int colour) {
 int pngBits(const std::filesystem::path& path) {
   try {
     files::requireFile(path);
-    const files::FilePtr file = files::open(path, "rb");
+    const files::FilePtr file = files::open(path);
     requireSignature(file.get(), path.string());
     Header header;
     Codec(Codec::Kind::kRead, file.get(), path.string()).run(readHeader, &header);
@@ -183,7 +184,7 @@ int pngBits(const std::filesystem::path& path) {
 
 Raster<std::uint16_t> readGreyPng(const std::filesystem::path& path, int min_bits) {
   files::requireFile(path);
-  const files::FilePtr file = files::open(path, "rb");
+  const files::FilePtr file = files::open(path);
   requireSignature(file.get(), path.string());
   Codec codec(Codec::Kind::kRead, file.get(), path.string());
   Header header;

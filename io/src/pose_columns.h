@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "plausible.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -20,11 +22,18 @@ inline PoseColumns toColumns(const Eigen::Isometry3d& T) {
   return {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
 }
 
-/** \brief Empty if a value is not finite or |q|^2 differs from 1 by more than the tolerance. */
-inline std::optional<Eigen::Isometry3d> fromColumns(const PoseColumns& c, double tolerance) {
-  if (!std::all_of(c.begin(), c.end(), [](double x) { return std::isfinite(x); })) return {};
+/** \brief What is wrong with a pose; nothing if it is sound. \param tolerance of |q|^2, which is 1 */
+inline const char* faultOf(const PoseColumns& c, double tolerance) {
+  if (!std::all_of(c.begin(), c.end(), [](double x) { return std::isfinite(x); })) return "is not finite";
+  if (!plausible::isPosition({c[0], c[1], c[2]})) return "is more than 1000 km away";
   const Eigen::Quaterniond q(c[6], c[3], c[4], c[5]);
-  if (!(std::abs(q.squaredNorm() - 1) <= tolerance)) return {};
+  return std::abs(q.squaredNorm() - 1) <= tolerance ? nullptr : "is not a rotation";
+}
+
+/** \brief Empty if it has a fault. */
+inline std::optional<Eigen::Isometry3d> fromColumns(const PoseColumns& c, double tolerance) {
+  if (faultOf(c, tolerance)) return {};
+  const Eigen::Quaterniond q(c[6], c[3], c[4], c[5]);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = q.normalized().toRotationMatrix();
   T.translation() << c[0], c[1], c[2];

@@ -100,9 +100,9 @@ Eigen::Isometry3d readPose(const csv::Table& table, const csv::Row& row,
                            const std::array<const char*, 7>& names) {
   PoseColumns columns;
   for (std::size_t i = 0; i < names.size(); ++i) columns[i] = table.real(row, names[i]);
-  const auto T = fromColumns(columns, kQuaternionTolerance);
-  if (!T) table.fail(row, std::string(names[3]) + " to " + names[6] + " is not a rotation");
-  return *T;
+  if (const char* fault = faultOf(columns, kQuaternionTolerance))
+    table.fail(row, std::string(names[0]) + " to " + names[6] + " " + fault);
+  return *fromColumns(columns, kQuaternionTolerance);
 }
 
 bool allEmpty(const csv::Table& table, const csv::Row& row, const std::array<const char*, 7>& names) {
@@ -118,11 +118,13 @@ ResultRow readRow(const csv::Table& table, const csv::Row& row) {
   if (result.rank == 0) return result;
   result.model = table.string(row, "model");
   result.probability = table.real(row, "probability");
+  if (!plausible::isProbability(result.probability)) table.fail(row, "probability is not between 0 and 1");
   result.score = table.real(row, "score");
   result.T_m_c = readPose(table, row, kModelPose);
   if (!allEmpty(table, row, kWorldPose)) result.T_w_c = readPose(table, row, kWorldPose);
   result.sd_rot_deg = table.real(row, "sd_rot_deg");
   result.sd_trans_m = table.real(row, "sd_trans_m");
+  if (result.sd_rot_deg < 0 || result.sd_trans_m < 0) table.fail(row, "a standard deviation is negative");
   return result;
 }
 
@@ -141,14 +143,6 @@ void writeResults(const std::filesystem::path& folder, const std::vector<FrameRe
   writeAll(folder / kTiming, kTimingHeader, frames, timingLine);
   writeAll(folder / kPoses, tum::kHeader, frames, poseLines);
   writeAll(folder / kHypotheses, hypothesesHeader(), frames, hypothesesLines);
-}
-
-void removeResults(const std::filesystem::path& folder) {
-  for (const char* name : {kHypotheses, kPoses, kTiming}) {
-    std::error_code error;
-    std::filesystem::remove(folder / name, error);
-    if (error) throw IoError((folder / name).string(), "cannot be replaced: " + error.message());
-  }
 }
 
 ResultsWriter::ResultsWriter(const std::filesystem::path& folder, const std::string& params_ini)
@@ -170,15 +164,25 @@ bool isResultsFolder(const std::filesystem::path& folder) {
   return std::filesystem::exists(folder / kHypotheses, ignored);
 }
 
-std::vector<ResultRow> readHypotheses(const std::filesystem::path& folder) {
-  const csv::Table table(folder / kHypotheses);
+namespace {
+
+csv::Table tableOf(const std::filesystem::path& path, const Remark& remark) {
+  csv::Table table(path, remark != nullptr);
+  if (table.isTorn()) remark(path.string() + ": its last line is torn, and left out");
+  return table;
+}
+
+}  // namespace
+
+std::vector<ResultRow> readHypotheses(const std::filesystem::path& folder, const Remark& remark) {
+  const csv::Table table = tableOf(folder / kHypotheses, remark);
   std::vector<ResultRow> rows;
   for (const csv::Row& row : table.rows()) rows.push_back(readRow(table, row));
   return rows;
 }
 
-std::vector<TimingRow> readTiming(const std::filesystem::path& folder) {
-  const csv::Table table(folder / kTiming);
+std::vector<TimingRow> readTiming(const std::filesystem::path& folder, const Remark& remark) {
+  const csv::Table table = tableOf(folder / kTiming, remark);
   std::vector<TimingRow> rows;
   for (const csv::Row& row : table.rows())
     rows.push_back({table.string(row, "frame"), table.real(row, "segment_ms"), table.real(row, "features_ms"),

@@ -6,6 +6,7 @@
 #include <sqlite3.h>
 
 #include <array>
+#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -13,6 +14,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 /** \file A thin, owning C++ face of SQLite, private to io. Errors are IoError with the file's name. */
@@ -47,7 +49,13 @@ public:
   sqlite3* handle() const { return db_.get(); }
   const std::string& name() const { return name_; }
   int lastCode() const { return sqlite3_extended_errcode(handle()); }
+  /** \brief In the system's words where it is the disk that fails. */
   [[noreturn]] void fail(const std::string& doing = "database error") const {
+    const int code = db_ ? lastCode() & 0xFF : SQLITE_NOMEM;
+    const int system = db_ ? sqlite3_system_errno(handle()) : 0;
+    if (code == SQLITE_FULL) throw WriteError(name_, std::generic_category().message(ENOSPC));
+    if (db_ && lastCode() == SQLITE_IOERR_WRITE)
+      throw WriteError(name_, system ? std::generic_category().message(system) : sqlite3_errmsg(handle()));
     throw IoError(name_, doing + ": " + (db_ ? sqlite3_errmsg(handle()) : "out of memory"));
   }
 

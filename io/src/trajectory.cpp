@@ -29,9 +29,10 @@ StampedPose parsePose(const std::vector<std::string_view>& words) {
   }
   PoseColumns columns;
   std::copy(values.begin() + 1, values.end(), columns.begin());
-  const auto T = fromColumns(columns, kQuaternionTolerance);
-  if (!T) throw std::invalid_argument("the quaternion is not a rotation");
-  return {values[0], *T};
+  if (!plausible::isStamp(values[0])) throw std::invalid_argument("its stamp is impossible");
+  if (const char* fault = faultOf(columns, kQuaternionTolerance))
+    throw std::invalid_argument(std::string("its pose ") + fault);
+  return {values[0], *fromColumns(columns, kQuaternionTolerance)};
 }
 
 }  // namespace

@@ -8,6 +8,8 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <atomic>
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <sys/resource.h>
@@ -49,6 +51,30 @@ TEST_P(BatchTest, OneBadItemStopsNothing) {
   EXPECT_EQ(err_.str(), "facetloc_test: depth/3.png: is no PNG\n"
                         "facetloc_test: image7: is torn\n"
                         "facetloc_test: 2 of 10 items failed\n");
+}
+
+TEST_P(BatchTest, StopsWhereNothingCanBeWritten) {
+  Batch batch(GetParam(), 1000, console_);
+  std::atomic<int> begun{0};
+  const auto run = [&] {
+    batch.run(name, [&](std::size_t i, int) {
+      ++begun;
+      if (i >= 5) throw WriteError("out/5.png", "No space left on device");
+    });
+  };
+  EXPECT_THROW(run(), WriteError);
+  EXPECT_LE(begun, 5 + batch.workers());
+}
+
+TEST_P(BatchTest, StopsAtCtrlCAndSaysHowFarItIs) {
+  Batch batch(GetParam(), 1000, console_);
+  const auto run = [&] {
+    batch.run(name, [&](std::size_t i, int) {
+      if (i == 3) std::raise(SIGINT);
+    });
+  };
+  EXPECT_THAT(run, testing::ThrowsMessage<Stopped>(
+                       testing::AllOf(HasSubstr("stopped after "), HasSubstr(" of 1000 images"))));
 }
 
 /** With an address space that has no room for the stacks of all threads. */

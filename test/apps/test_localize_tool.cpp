@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/evaluate_app.h"
 #include "evaluation/evaluation.h"
 #include "example_room.h"
 #include "tools/localize_app.h"
@@ -9,6 +10,7 @@
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
 #include <facetloc/io/trajectory.h>
+#include <facetloc/testing/full_disk.h>
 
 #include <gmock/gmock.h>
 
@@ -144,14 +146,30 @@ TEST_F(Tools, LocalizeResumesWhereItsFilesDiffer) {
   EXPECT_EQ(answered, std::set<std::string>(frames.begin(), frames.end()));
 }
 
-TEST_F(Tools, LocalizeBeginsAnewWithNothingOfAnEarlierRun) {
+TEST_F(Tools, LocalizeKeepsOldResultsUntilTheNewOnesAreWhole) {
   const std::string results = folder_ / "results";
   ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
-  fs::create_directories(results + "/params.ini.tmp");  // as if it were interrupted there
-  EXPECT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results, "--labels.min_support", "99"}).code,
-            kFailed);
-  for (const char* file : {"/hypotheses.csv", "/poses_tum.txt", "/timing.csv"})
-    EXPECT_FALSE(fs::exists(results + file)) << file;
+  const char* files[] = {"/hypotheses.csv", "/poses_tum.txt", "/timing.csv", "/params.ini", "/images.txt"};
+  std::map<std::string, std::string> old;
+  for (const char* file : files) old[file] = contentOf(results + file);
+  const std::vector<std::string> other = {map(), query(), "-o", results, "--labels.min_support", "99"};
+  {
+    const test::FullDisk full(3000);
+    const ToolRun run = runTool<LocalizeApp>(other);
+    EXPECT_EQ(run.code, kFailed);
+    EXPECT_THAT(run.err, HasSubstr("partial.txt: " + std::string(test::FullDisk::kWords)));
+    EXPECT_THAT(run.err, Not(HasSubstr("items failed"))) << "it stops at the first write that fails";
+  }
+  for (const char* file : files) EXPECT_EQ(contentOf(results + file), old[file]) << file;
+  const ToolRun judged = runTool<EvaluateApp>({results, query() + "/groundtruth.txt"});
+  EXPECT_THAT(judged.err, HasSubstr("a later run into this folder was not finished"));
+
+  std::vector<std::string> resumed = other;
+  resumed.push_back("--resume");
+  ASSERT_EQ(runTool<LocalizeApp>(resumed).code, kOk);
+  EXPECT_NE(contentOf(results + "/params.ini"), old["/params.ini"]);
+  EXPECT_FALSE(fs::exists(results + "/partial.txt"));
+  EXPECT_FALSE(fs::exists(results + "/partial.params.ini"));
 }
 
 TEST_F(Tools, LocalizeSaysWhatIsMissing) {

@@ -9,6 +9,7 @@
 #include <facetloc/io/results.h>
 #include <facetloc/io/text.h>
 #include <facetloc/io/trajectory.h>
+#include <facetloc/testing/full_disk.h>
 
 #include <gmock/gmock.h>
 
@@ -121,11 +122,14 @@ TEST_F(Tools, MapBuildLeavesTheOldMapUntilTheNewOneIsThere) {
   EXPECT_EQ(failed.code, kFailed);
   EXPECT_THAT(failed.err, AllOf(HasSubstr("4 of 4 items failed"), HasSubstr("m.flmap: is not written")));
   EXPECT_EQ(contentOf(path), old);
-  EXPECT_FALSE(fs::exists(path + ".tmp"));
-
-  fs::create_directories(path + ".tmp/in the way");  // the new map is made there, and cannot be
-  EXPECT_EQ(runMap({"build", query(), "-o", path, "--every", "3", "--overwrite"}).code, kFailed);
+  {
+    const test::FullDisk full(old.size() / 2);
+    const ToolRun run = runMap({"build", query(), "-o", path, "--every", "3", "--overwrite"});
+    EXPECT_EQ(run.code, kFailed);
+    EXPECT_THAT(run.err, HasSubstr("m.flmap: cannot be written: "));
+  }
   EXPECT_EQ(contentOf(path), old);
+  EXPECT_EQ(filesOf(folder_ / "").size(), 2u) << "nothing else is left";
 
   EXPECT_EQ(runMap({"build", input, "-o", folder_ / "new.flmap", "--every", "3"}).code, kFailed);
   EXPECT_FALSE(fs::exists(folder_ / "new.flmap"));

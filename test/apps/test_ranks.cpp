@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <fcntl.h>
 #include <sys/stat.h>
 
 namespace facetloc {
@@ -233,11 +234,26 @@ TEST_P(NumberOfRanks, ABadImageIsToldOnceAndDoneLater) {
 
 INSTANTIATE_TEST_SUITE_P(Mpirun, NumberOfRanks, testing::Values(2, 3, 4));
 
-/** One image is a pipe that nobody writes to: its rank waits in it, however fast the machine is. */
+/** A pipe whose writer takes its time: who reads it waits, however fast the machine is. */
+class SlowPipe {
+public:
+  explicit SlowPipe(const std::string& path) {
+    EXPECT_EQ(mkfifo(path.c_str(), 0600), 0);
+    writer_ = open(path.c_str(), O_RDWR);
+  }
+  ~SlowPipe() { close(writer_); }
+  SlowPipe(const SlowPipe&) = delete;
+  SlowPipe& operator=(const SlowPipe&) = delete;
+
+private:
+  int writer_;
+};
+
+/** One image is a pipe in which its rank waits. */
 TEST_F(RanksTest, ARankThatIsKilledEndsTheJobAndLosesNothingThatWasFinished) {
   const auto images = filesOf(query() + "/depth");
   const std::string pipe = folder_ / images[7].filename().string();  // of the second rank
-  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const SlowPipe waiting(pipe);
   const std::string input = listWith(7, pipe);
   const std::string results = folder_ / "results";
   Process job(mpirun(2, {FACETLOC_LOCALIZE, map(), input, "-o", results, "--threads", "1"}));
@@ -270,7 +286,7 @@ TEST_F(RanksTest, AnErrorOfAllIsToldOnceAndEndsTheJob) {
 
 /** The folder of the results is one that only the second rank cannot write to: its journal is in the way. */
 TEST_F(RanksTest, AnErrorOfOneRankEndsTheJob) {
-  fs::create_directories(folder_ / "results/partial.1.txt.tmp");
+  fs::create_directories(folder_ / "results/partial.1.txt/in the way");
   const ToolRun run = runRanks(2, {FACETLOC_LOCALIZE, map(), query(), "-o", folder_ / "results"});
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("facetloc_localize (rank 1): "));
@@ -310,7 +326,7 @@ TEST_F(RanksTest, ToolsThatDealNothingOutRefuse) {
 /** As a terminal stops a job. */
 TEST_F(RanksTest, CtrlCEndsTheJob) {
   const std::string pipe = folder_ / filesOf(query() + "/depth")[7].filename().string();
-  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const SlowPipe waiting(pipe);
   Process job(mpirun(2, {FACETLOC_LOCALIZE, map(), listWith(7, pipe), "-o", folder_ / "results"}));
   ASSERT_TRUE(eventually([&] { return fs::exists(folder_ / "results/partial.1.txt"); }));
   const auto ranks = childrenOf(job.id());

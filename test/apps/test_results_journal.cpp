@@ -87,6 +87,24 @@ TEST_F(ResultsJournalTest, IgnoresWhatAKilledRunLeftHalfWritten) {
   }
 }
 
+/** Whatever byte is damaged: its frame is done again, and no wrong number is believed. */
+TEST_F(ResultsJournalTest, IgnoresALineThatWasDamaged) {
+  ResultsJournal journal(folder_ / ".");
+  journal.begin({});
+  journal.append("first", exampleResult("first", 1));
+  journal.append("second", exampleResult("second", 1));
+  const std::string content = test::contentOf(file_);
+  const std::size_t first_line = content.find('\n');
+  for (std::size_t i = 0; i < first_line; ++i) {
+    std::string damaged = content;
+    damaged[i] = static_cast<char>(damaged[i] ^ 1);
+    test::writeContent(file_, damaged);
+    const auto results = journal.read();
+    EXPECT_EQ(results.size(), 1u) << i;
+    EXPECT_EQ(results.count("second"), 1u) << i;
+  }
+}
+
 TEST_F(ResultsJournalTest, BeginsWithEarlierResults) {
   ResultsJournal journal(folder_ / ".");
   journal.begin({{"old", exampleResult("old", 1)}});

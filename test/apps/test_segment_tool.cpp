@@ -129,6 +129,17 @@ TEST_F(Tools, SegmentTellsImagesOfTheSameNameApart) {
   EXPECT_THAT(twice.err, HasSubstr("would both be named"));
 }
 
+TEST_F(Tools, SegmentRefusesImagesWhoseOutputsWouldHaveOneName) {
+  fs::create_directories(folder_ / "depth");
+  fs::copy_file(query() + "/camera.ini", folder_ / "camera.ini");
+  for (const char* name : {"a", "a_overlay"}) fs::copy_file(firstImage(), folder_ / "depth/" + name + ".png");
+  const ToolRun both = runTool<SegmentApp>({folder_ / "", "-o", folder_ / "out", "--labels", "--overlay"});
+  EXPECT_EQ(both.code, kUsage);
+  EXPECT_THAT(both.err, HasSubstr("would both be named a_overlay.png"));
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+  EXPECT_EQ(runTool<SegmentApp>({folder_ / "", "-o", folder_ / "out", "--labels"}).code, kOk);
+}
+
 TEST_F(Tools, TrueLabelsAreNotReplacedByFoundOnes) {
   const std::string input = folder_ / "input";
   fs::copy(query(), input, fs::copy_options::recursive);

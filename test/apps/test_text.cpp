@@ -13,6 +13,16 @@ TEST(Text, CountedThings) {
   EXPECT_EQ(counted(0, "image"), "0 images");
 }
 
+TEST(Text, ControlCharactersAreSpelledOut) {
+  EXPECT_EQ(printable("a\tb\n\xC3\xA4"), "a\tb\n\xC3\xA4");
+  EXPECT_EQ(printable("\x1B[31mred\r\x7F"), "\\x1b[31mred\\x0d\\x7f");
+  EXPECT_EQ(printable("\xC2\x9B"
+                      "1m\xC2\xA0\xC2"),
+            "\\x9b"
+            "1m\xC2\xA0\xC2");
+  EXPECT_EQ(printable(std::string("a\0b", 3)), "a\\x00b");
+}
+
 TEST(TextTable, AlignsColumns) {
   TextTable table({"", "n", "remark"});
   table.setWordsLast();

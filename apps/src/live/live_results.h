@@ -5,6 +5,7 @@
 
 #include <facetloc/features/local_model.h>
 #include <facetloc/io/growing_file.h>
+#include <facetloc/io/output_lock.h>
 #include <facetloc/io/results.h>
 
 #include <filesystem>
@@ -29,6 +30,7 @@ private:
   ResultRow rowOf(const LiveResult& result) const;
 
   std::shared_ptr<const Map> map_;
+  OutputLock lock_;
   ResultsWriter results_;
   GrowingFile states_;
 };

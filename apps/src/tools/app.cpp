@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/app.h"
 
-#include <pcl/console/print.h>
+#include "tools/batch.h"
+#include "tools/text.h"
 
 #include <chrono>
-#include <cstdlib>
 #include <exception>
-#include <iostream>
 #include <sstream>
 #include <thread>
-#include <unistd.h>
 
 namespace facetloc {
 namespace {
@@ -19,10 +17,10 @@ constexpr auto kWordOfTheFirst = std::chrono::seconds(1);  // that other ranks l
 }  // namespace
 
 void Console::note(const std::string& text) const {
-  if (!quiet) err << tool << ": " << text << "\n";
+  if (!quiet) err << tool << ": " << printable(text) << "\n";
 }
 
-void Console::error(const std::string& what) const { err << tool << ": " << what << "\n"; }
+void Console::error(const std::string& what) const { err << tool << ": " << printable(what) << "\n"; }
 
 App::App(std::string name, std::string synopsis, std::string about)
     : name_(std::move(name)), synopsis_(std::move(synopsis)), about_(std::move(about)) {}
@@ -62,6 +60,14 @@ int App::runOnRank(const std::vector<std::string>& arguments, Console& console) 
   return kOk;
 }
 
+/** Who stops a tool that can go on is told how. */
+int App::executeUntilStopped(const CommandLine& line, const Console& console) try {
+  return execute(line, console);
+} catch (const Stopped& e) {
+  if (!line.has("resume")) throw;
+  throw std::runtime_error(std::string(e.what()) + "; the same command with --resume goes on from there");
+}
+
 int App::parseAndExecute(const std::vector<std::string>& arguments, Console& console) {
   CommandLine line(name_, synopsis_, about_);
   addOptions(line);
@@ -69,17 +75,11 @@ int App::parseAndExecute(const std::vector<std::string>& arguments, Console& con
   int code = kOk;
   if (line.parse(arguments, console.out)) {
     console.quiet = console.quiet || !ranks_.isFirst();
-    code = execute(line, console);
+    code = executeUntilStopped(line, console);
   }
   console.out.flush();
   if (!console.out) throw std::runtime_error("the output cannot be written");
   return code;
-}
-
-Console standardConsole() {
-  // What PCL has to say about a bad file comes as an exception, once.
-  if (!std::getenv("PCL_VERBOSITY_LEVEL")) pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
-  return {std::cout, std::cerr, isatty(STDERR_FILENO) == 1, false, {}};
 }
 
 int runApp(App& app, int argc, const char* const* argv) {

@@ -57,6 +57,7 @@ protected:
 private:
   int runOnRank(const std::vector<std::string>& arguments, Console& console);
   int parseAndExecute(const std::vector<std::string>& arguments, Console& console);
+  int executeUntilStopped(const CommandLine& line, const Console& console);
 
   std::string name_;
   std::string synopsis_;
@@ -67,7 +68,8 @@ private:
 
 /** \brief The body of a main(): runs the tool on the standard streams. */
 int runApp(App& app, int argc, const char* const* argv);
-/** \brief The standard streams. */
+/** \brief The standard streams of a program, for its main(). What is printed is printable(), a closed stream
+ * takes everything, and a reader that goes away ends nothing. */
 Console standardConsole();
 
 /** \brief "facetloc 1.2.3". */

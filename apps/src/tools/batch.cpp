@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <exception>
+#include <mutex>
 #include <system_error>
 #include <thread>
 
@@ -18,11 +20,13 @@ int workersFor(int threads, std::size_t total) {
   return static_cast<int>(std::clamp<std::size_t>(wanted, 1, std::max<std::size_t>(total, 1)));
 }
 
-/** Name and cause of whatever job throws; empty if it comes through. */
+/** Name and cause of what job throws; empty if it comes through. Throws WriteError. */
 std::string failureOf(const Batch::Name& name, const Batch::Job& job, std::size_t index, int worker) {
   try {
     job(index, worker);
     return {};
+  } catch (const WriteError&) {
+    throw;
   } catch (const IoError& e) {
     return e.what();  // names the file already
   } catch (const std::exception& e) {
@@ -34,6 +38,9 @@ std::string failureOf(const Batch::Name& name, const Batch::Job& job, std::size_
 
 }  // namespace
 
+Stopped::Stopped(std::size_t done, std::size_t total)
+    : std::runtime_error("stopped after " + std::to_string(done) + " of " + counted(total, "image")) {}
+
 Batch::Batch(int threads, std::size_t total, const Console& console, const Ranks& ranks)
     : workers_(workersFor(threads, ranks.share(total))),
       total_(total),
@@ -43,11 +50,22 @@ Batch::Batch(int threads, std::size_t total, const Console& console, const Ranks
 
 std::vector<bool> Batch::run(std::size_t first, std::size_t last, const Name& name, const Job& job) {
   std::vector<std::string> causes(last - first);
-  std::atomic<std::size_t> next{first};
+  std::atomic<std::size_t> next{first}, ended{0};
+  std::atomic<bool> hopeless{false};
+  std::exception_ptr why;
+  std::mutex of_why;
   const auto work = [&](int worker) {
-    for (std::size_t i = next++; i < last; i = next++) {
+    for (std::size_t i = next++; i < last && !hopeless && !stop_.raised(); i = next++) {
       if (!ranks_.owns(i - first)) continue;
-      causes[i - first] = failureOf(name, job, i, worker);
+      try {
+        causes[i - first] = failureOf(name, job, i, worker);
+      } catch (const WriteError&) {
+        const std::lock_guard<std::mutex> lock(of_why);
+        hopeless = true;
+        why = std::current_exception();
+        return;
+      }
+      ++ended;
       progress_.step();
     }
   };
@@ -58,6 +76,9 @@ std::vector<bool> Batch::run(std::size_t first, std::size_t last, const Name& na
   }
   work(0);
   for (std::thread& thread : others) thread.join();
+  done_ += ended;
+  if (why) std::rethrow_exception(why);
+  if (stop_.raised() && done_ < ranks_.share(total_)) throw Stopped(done_, ranks_.share(total_));
   ranks_.collect(causes);
 
   std::vector<bool> done;

@@ -299,6 +299,8 @@ void CommandLine::requireArguments() const {
     if (argument.required && !values_.count(argument.name)) throw UsageError(argument.name + " is missing");
 }
 
+bool CommandLine::has(const std::string& name) const { return find(name) != nullptr; }
+
 bool CommandLine::given(const std::string& name) const {
   const Option* option = find(name);
   return option && values_.count(option->name) && !values_[option->name].defaulted();

@@ -79,6 +79,8 @@ public:
 
   /** \brief True if the option was given, be it on the command line or in the file of --params. */
   bool given(const std::string& name) const;
+  /** \brief Does the tool know such an option? */
+  bool has(const std::string& name) const;
   /** \brief The file of --params; empty = none. */
   const std::string& paramsFile() const { return params_file_; }
   void printHelp(std::ostream& out, bool all) const;

@@ -36,6 +36,12 @@ Camera DepthInput::camera(const std::optional<CameraFile>& file, const CommandLi
   return camera;
 }
 
+DepthSequence openSequence(const std::string& path, const Console& console) {
+  DepthSequence sequence = DepthSequence::open(path);
+  if (const std::string remark = sequence.remark(); !remark.empty()) console.note(remark);
+  return sequence;
+}
+
 void noteUnfinished(const Map& map, const std::string& path, const Console& console) {
   const auto state = map.meta.find(kStateKey);
   if (state != map.meta.end() && state->second == kUnderWay)

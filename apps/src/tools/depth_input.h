@@ -25,6 +25,9 @@ struct DepthInput {
   Camera camera(const std::optional<CameraFile>& file, const CommandLine& line) const;
 };
 
+/** \brief The images at a path, with a remark where there is one. Throws IoError. */
+DepthSequence openSequence(const std::string& path, const Console& console);
+
 /** \brief A remark if the build of the map at that path has not ended. */
 void noteUnfinished(const Map& map, const std::string& path, const Console& console);
 

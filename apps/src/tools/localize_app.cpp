@@ -9,6 +9,7 @@
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/map_database.h>
+#include <facetloc/io/output_lock.h>
 #include <facetloc/io/text.h>
 
 #include <algorithm>
@@ -71,10 +72,13 @@ void LocalizeApp::addOptions(CommandLine& line) {
  * of its results. */
 std::map<std::string, FrameResult> LocalizeApp::earlierResults(const ResultsJournal& journal,
                                                                const Provenance& provenance) const {
-  const auto before = resume_ ? Provenance::read(folder_) : std::nullopt;
+  if (!resume_) return {};
+  const bool interrupted = journal.exists();
+  const auto before =
+      Provenance::read(folder_, interrupted ? Provenance::Of::run_under_way : Provenance::Of::results);
   if (!before) return {};
   std::map<std::string, FrameResult> earlier;
-  if (journal.exists())
+  if (interrupted)
     earlier = journal.read();
   else if (isResultsFolder(folder_))
     earlier = finishedResults(folder_);
@@ -101,20 +105,18 @@ std::vector<FrameResult> LocalizeApp::startWith(const std::map<std::string, Fram
   return results;
 }
 
-/** Begins a run, or goes on with an earlier one, so that what is in the folder belongs together whenever it
- * is interrupted. \param journal is left alone if all is done already and there is nothing else. */
+/** Begins a run, or goes on with an earlier one. Results that are in the folder stay until those of this run
+ * are whole. \param journal is left alone if all is done already and there is nothing else. */
 std::vector<FrameResult> LocalizeApp::begin(const std::vector<FrameFile>& frames,
                                             const Provenance& provenance, ResultsJournal& journal,
                                             std::vector<std::size_t>& todo) const {
-  createFolders(folder_);
   for (const FrameFile& frame : frames) requireOtherFolder(folder_, frame.path.parent_path());
   const auto earlier = earlierResults(journal, provenance);
   std::vector<FrameResult> results = startWith(earlier, frames, todo);
   const bool has_others = earlier.size() + todo.size() > frames.size();  // of images that are not there now
   if (!todo.empty() || has_others || journal.exists()) {
-    if (earlier.empty()) removeResults(folder_);
     journal.begin(earlier);
-    provenance.write(folder_);
+    provenance.write(folder_, Provenance::Of::run_under_way);
   }
   return results;
 }
@@ -178,7 +180,7 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
   if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
   Provenance::requireNotReplaced(input_path_, folder_);
   if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
-  const DepthSequence sequence = DepthSequence::open(input_path_);
+  const DepthSequence sequence = openSequence(input_path_, console);
   const auto map = std::make_shared<const Map>(openMap(map_));
   noteUnfinished(*map, map_, console);
   const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
@@ -190,7 +192,10 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
   std::vector<FrameResult> results;
   std::vector<std::size_t> todo;
   Provenance provenance;
+  std::optional<OutputLock> lock;
   if (ranks().isFirst()) {
+    createFolders(folder_);
+    lock = OutputLock::ofFolder(folder_);
     provenance = {paramsIni(sequence.camera(), camera, *map), imageSizes(sequence)};
     results = begin(sequence.frames(), provenance, journal, todo);
   }
@@ -200,7 +205,9 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
   if (!ranks().isFirst()) return kOk;
   if (journal.exists()) {
     writeResults(folder_, results, provenance.params_ini);
+    provenance.write(folder_);
     if (code == kOk) journal.remove();  // else it tells --resume which images are still to be done
+    if (code == kOk) Provenance::removeUnderWay(folder_);
   }
   printSummary(results, console);
   return code;

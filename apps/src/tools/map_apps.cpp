@@ -7,6 +7,7 @@
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_export.h>
+#include <facetloc/io/output_lock.h>
 #include <facetloc/io/text.h>
 
 #include <algorithm>
@@ -231,7 +232,8 @@ void MapMergeApp::addOptions(CommandLine& line) {
 
 int MapMergeApp::execute(const CommandLine&, const Console& console) {
   if (output_.empty()) throw UsageError("the map to write is missing: -o OUT.flmap");
-  if (!overwrite_ && fs::exists(output_))
+  const OutputLock lock = OutputLock::ofFile(output_);
+  if (!overwrite_ && fs::file_size(output_) > 0)
     throw IoError(output_, "exists already; give --overwrite to replace it");
   std::vector<Map> maps;
   std::vector<std::string> stems;

@@ -6,6 +6,7 @@
 #include "tools/text.h"
 
 #include <facetloc/io/error.h>
+#include <facetloc/io/output_lock.h>
 #include <facetloc/io/text.h>
 #include <facetloc/registration/distortion_calibration.h>
 
@@ -323,7 +324,7 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   if (map_.empty()) throw UsageError("the map to write is missing: -o MAP.flmap");
   if (every_ < 0) throw UsageError("every must not be negative");
   if (overwrite_ && resume_) throw UsageError("overwrite and resume exclude each other");
-  const DepthSequence sequence = DepthSequence::open(sequence_);
+  const DepthSequence sequence = openSequence(sequence_, console);
   const Selection selection = select(sequence);
   Camera camera = input_.camera(sequence.camera(), line);
   Batch batch(threads(), selection.candidates.size(), console, ranks());
@@ -332,6 +333,7 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
     addModels(sequence, selection.candidates, camera, batch, nullptr);
     return kOk;
   }
+  const OutputLock lock = OutputLock::ofFile(map_);
   int code = kOk;
   const auto buildAt = [&](const fs::path& path) {
     code = build(path, sequence, selection, camera, batch, console);

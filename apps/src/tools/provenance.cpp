@@ -21,8 +21,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kParamsFile = "params.ini";
-constexpr const char* kImagesFile = "images.txt";
+struct Names {
+  const char* params;
+  const char* images;
+};
+constexpr Names kOfResults = {"params.ini", "images.txt"};
+constexpr Names kUnderWayNames = {"partial.params.ini", "partial.images.txt"};
+
+const Names& namesOf(Provenance::Of of) {
+  return of == Provenance::Of::results ? kOfResults : kUnderWayNames;
+}
 
 std::ifstream opened(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
@@ -37,6 +45,12 @@ std::string readText(const fs::path& path) {
 
 void writeText(const fs::path& path, const std::string& text) {
   writeTextAtomically(path, [&](std::ostream& out) { out << text; });
+}
+
+std::string hexadecimal(std::uint32_t number) {
+  std::ostringstream text;
+  text << std::hex << number;
+  return text.str();
 }
 
 }  // namespace
@@ -88,25 +102,34 @@ std::string checksum(const fs::path& file) {
   while (in.read(bytes.data(), bytes.size()), in.gcount() > 0)
     sum = libdeflate_crc32(sum, bytes.data(), static_cast<std::size_t>(in.gcount()));
   if (in.bad()) throw IoError(file.string(), "cannot be read");
-  std::ostringstream text;
-  text << std::hex << sum;
-  return text.str();
+  return hexadecimal(sum);
 }
 
-std::optional<Provenance> Provenance::read(const fs::path& folder) {
-  if (!fs::exists(folder / kParamsFile)) return {};
-  Provenance found{readText(folder / kParamsFile), {}};
-  if (fs::exists(folder / kImagesFile)) found.images = imageSizes(readText(folder / kImagesFile));
+std::string checksumOf(const std::string& text) {
+  return hexadecimal(libdeflate_crc32(0, text.data(), text.size()));
+}
+
+std::optional<Provenance> Provenance::read(const fs::path& folder, Of of) {
+  const Names& names = namesOf(of);
+  if (!fs::exists(folder / names.params)) return {};
+  Provenance found{readText(folder / names.params), {}};
+  if (fs::exists(folder / names.images)) found.images = imageSizes(readText(folder / names.images));
   return found;
 }
 
-void Provenance::write(const fs::path& folder) const {
-  writeText(folder / kImagesFile, toText(images));
-  writeText(folder / kParamsFile, params_ini);
+void Provenance::write(const fs::path& folder, Of of) const {
+  writeText(folder / namesOf(of).images, toText(images));
+  writeText(folder / namesOf(of).params, params_ini);
+}
+
+void Provenance::removeUnderWay(const fs::path& folder) {
+  std::error_code ignored;
+  for (const char* name : {kUnderWayNames.params, kUnderWayNames.images}) fs::remove(folder / name, ignored);
 }
 
 void Provenance::requireNotReplaced(const fs::path& input, const fs::path& folder) {
-  for (const char* file : {kParamsFile, kImagesFile, kPartial}) {
+  for (const char* file :
+       {kOfResults.params, kOfResults.images, kUnderWayNames.params, kUnderWayNames.images, kPartial}) {
     std::error_code ignored;
     if (fs::equivalent(input, folder / file, ignored))
       throw UsageError("the results would replace " + input.string() + "; use another output folder");

@@ -140,7 +140,7 @@ int RenderApp::renderMap(const Console& console) const {
 }
 
 int RenderApp::renderImages(const CommandLine& line, const Console& console) const {
-  const DepthSequence sequence = DepthSequence::open(input_);
+  const DepthSequence sequence = openSequence(input_, console);
   std::vector<std::size_t> chosen;
   if (!frame_.empty())
     chosen = {indexOf(sequence, frame_)};
@@ -180,7 +180,7 @@ int RenderApp::renderFailures(const CommandLine& line, const Console& console) c
   constexpr std::size_t kOnSheet = 6;
   if (map_.empty() || sequence_.empty())
     throw UsageError("the pictures of results need --map and --sequence");
-  const DepthSequence sequence = DepthSequence::open(sequence_);
+  const DepthSequence sequence = openSequence(sequence_, console);
   const Map map = readMap(map_);
   const std::vector<ModelPose> models = modelPosesOf(map);
   if (models.empty()) throw IoError(map_, "has no poses of local models: what is true cannot be drawn");

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/results_journal.h"
 
-#include <facetloc/io/atomic_file.h>
+#include "tools/provenance.h"
+
 #include <facetloc/io/error.h>
 #include <facetloc/io/text.h>
 
+#include <fstream>
 #include <iomanip>
 #include <optional>
 #include <regex>
@@ -23,8 +25,6 @@ bool isJournal(const std::string& name) {
   return std::regex_match(name, names);
 }
 
-constexpr const char* kEnd = "end";  // tells a whole line from a torn one
-
 /** Words on one line: numbers to the last bit, texts in quotes. */
 class LineWriter {
 public:
@@ -40,7 +40,8 @@ public:
       for (int col = 0; col < 4; ++col) *this << T(row, col);
     return *this;
   }
-  std::string str() const { return line_ + kEnd + "\n"; }
+  /** With a checksum, by which a line is known that was torn or damaged. */
+  std::string str() const { return line_ + checksumOf(line_) + "\n"; }
 
 private:
   LineWriter& word(const std::string& text) {
@@ -71,10 +72,11 @@ public:
       for (int col = 0; col < 4; ++col) *this >> T(row, col);
     return *this;
   }
-  /** The line was whole. */
+  /** The line was whole, and is as it was written. */
   bool complete() {
-    std::string word;
-    return in_ >> word && word == kEnd;
+    const auto words = in_.tellg();
+    std::string sum;
+    return words >= 0 && in_ >> sum && sum == checksumOf(in_.str().substr(0, std::size_t(words) + 1));
   }
   explicit operator bool() const { return !in_.fail(); }
 
@@ -132,7 +134,8 @@ std::vector<fs::path> ResultsJournal::files() const {
   std::vector<fs::path> files;
   if (!fs::is_directory(folder_)) return files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_))
-    if (isJournal(entry.path().filename().string())) files.push_back(entry.path());
+    if (isJournal(entry.path().filename().string()) && fs::is_regular_file(entry.symlink_status()))
+      files.push_back(entry.path());
   return files;
 }
 
@@ -150,24 +153,21 @@ std::map<std::string, FrameResult> ResultsJournal::read() const {
 }
 
 void ResultsJournal::begin(const std::map<std::string, FrameResult>& earlier) {
-  writeTextAtomically(path_, [&](std::ostream& out) {
-    for (const auto& [frame, result] : earlier) out << lineOf(frame, result);
-  });
+  std::string lines;
+  for (const auto& [frame, result] : earlier) lines += lineOf(frame, result);
+  out_.emplace(path_, lines);
   for (const fs::path& file : files())
     if (rank_ == 0 && file != path_) fs::remove(file);  // its frames are among the earlier ones
-  out_.open(path_, std::ios::app);
-  if (!out_) throw IoError(path_.string(), "cannot be written");
 }
 
 void ResultsJournal::append(const std::string& frame, const FrameResult& result) {
   const std::string line = lineOf(frame, result);
   const std::lock_guard<std::mutex> lock(mutex_);
-  out_ << line << std::flush;
-  if (!out_) throw IoError(path_.string(), "cannot be written");
+  out_.value().append(line);
 }
 
 void ResultsJournal::remove() {
-  out_.close();
+  out_.reset();
   std::error_code ignored;
   for (const fs::path& file : files()) fs::remove(file, ignored);
 }

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/io/growing_file.h>
 #include <facetloc/io/results.h>
 
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,8 @@ constexpr const char* kPartial = "partial.txt";  ///< the journal of the first r
  * lost with any of them.
  *
  * Values are kept to the last bit, so that an interrupted and resumed run gives the same results as one in
- * one go. A line that a killed run left half written is ignored. */
+ * one go. A line that a killed run left half written, or that was damaged since, is ignored: its frame is
+ * done again. */
 class ResultsJournal {
 public:
   explicit ResultsJournal(const std::filesystem::path& folder, int rank = 0);
@@ -32,7 +34,7 @@ public:
   /** \brief Opens this rank's file for writing, beginning with the frames of an earlier run. The first rank
    * removes those of others: it begins before them. */
   void begin(const std::map<std::string, FrameResult>& earlier);
-  /** \brief Appends a frame; thread-safe. Throws IoError, for example if the disk is full. */
+  /** \brief Appends a frame; thread-safe. Throws WriteError, for example if the disk is full. */
   void append(const std::string& frame, const FrameResult& result);
   /** \brief Closes it and removes the files of all ranks: the results are written. */
   void remove();
@@ -43,7 +45,7 @@ private:
   std::filesystem::path folder_;
   std::filesystem::path path_;
   int rank_;
-  std::ofstream out_;
+  std::optional<GrowingFile> out_;
   std::mutex mutex_;
 };
 

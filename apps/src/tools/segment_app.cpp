@@ -9,6 +9,7 @@
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/output_lock.h>
 #include <facetloc/io/segment_file.h>
 #include <facetloc/io/text.h>
 
@@ -21,6 +22,10 @@ namespace facetloc {
 namespace {
 
 namespace fs = std::filesystem;
+
+/** Of the files that an image may have results in. */
+constexpr const char *kSegments = ".segments.pcd", *kLabels = ".png", *kOverlay = "_overlay.png";
+constexpr const char* kEndings[] = {kSegments, kLabels, kOverlay};
 
 /** What tells the images of one input from those of another: the sequence's folder. */
 std::string labelOf(const std::string& input) {
@@ -100,10 +105,15 @@ std::vector<SegmentApp::Image> SegmentApp::images(const std::vector<DepthSequenc
     for (std::size_t i = 0; i < sequences[input].frames().size(); ++i) {
       const FrameFile& file = sequences[input].frames()[i];
       const std::string name = uses[file.name] > 1 ? labelOf(inputs_[input]) + "_" + file.name : file.name;
-      const auto [other, is_new] = taken.emplace(name, file.path);
-      if (!is_new)
-        throw UsageError("results of " + other->second.string() + " and " + file.path.string() +
-                         " would both be named " + name + "; use different output folders");
+      for (const char* ending : kEndings) {
+        const bool is_written =
+            ending == kSegments || (ending == kLabels && labels_) || (ending == kOverlay && overlay_);
+        if (!is_written) continue;
+        const auto [other, is_new] = taken.emplace(name + ending, file.path);
+        if (!is_new)
+          throw UsageError("results of " + other->second.string() + " and " + file.path.string() +
+                           " would both be named " + name + ending + "; use different output folders");
+      }
       images.push_back({&sequences[input], i, name});
     }
   return images;
@@ -136,14 +146,12 @@ Provenance SegmentApp::provenance(const std::vector<Image>& images, const Comman
 /** What an image, or one that there was in an earlier run, has left in the folder, if it has. */
 void SegmentApp::removeResultsOf(const std::string& name) const {
   if (!fs::exists(fs::path(folder_) / (name + ".segments.pcd"))) return;  // another tool's images
-  for (const char* ending : {".segments.pcd", ".png", "_overlay.png"})
-    fs::remove(fs::path(folder_) / (name + ending));
+  for (const char* ending : kEndings) fs::remove(fs::path(folder_) / (name + ending));
 }
 
-/** Makes the folder of the results. \return which images are still to be done. */
+/** \return which images are still to be done. */
 std::vector<std::size_t> SegmentApp::prepare(const std::vector<Image>& images,
                                              const Provenance& provenance) const {
-  createFolders(folder_);
   for (const Image& image : images) {
     const fs::path of_images = image.file().path.parent_path();
     requireOtherFolder(folder_, of_images);
@@ -174,11 +182,16 @@ int SegmentApp::execute(const CommandLine& line, const Console& console) {
   std::vector<DepthSequence> sequences;
   for (const std::string& input : inputs_) {
     Provenance::requireNotReplaced(input, folder_);
-    sequences.push_back(DepthSequence::open(input));
+    sequences.push_back(openSequence(input, console));
   }
   const std::vector<Image> all = images(sequences);
   std::vector<std::size_t> todo;
-  if (ranks().isFirst()) todo = prepare(all, provenance(all, line));
+  std::optional<OutputLock> lock;
+  if (ranks().isFirst()) {
+    createFolders(folder_);
+    lock = OutputLock::ofFolder(folder_);
+    todo = prepare(all, provenance(all, line));
+  }
   todo = ranks().broadcast(todo);
 
   const auto start = std::chrono::steady_clock::now();

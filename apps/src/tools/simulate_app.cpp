@@ -8,6 +8,7 @@
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/output_lock.h>
 #include <facetloc/io/segment_file.h>
 #include <facetloc/io/text.h>
 #include <facetloc/io/trajectory.h>
@@ -237,6 +238,8 @@ int SimulateApp::execute(const CommandLine& line, const Console& console) {
     std::size_t index;
   };
   std::vector<Image> images;
+  createFolders(folder_);
+  const OutputLock lock = OutputLock::ofFolder(folder_);
   for (const Run& run : place.runs) {
     prepareFolder(run, camera_file);
     for (std::size_t i = 0; i < run.poses.size(); ++i) images.push_back({&run, i});

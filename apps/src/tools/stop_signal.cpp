@@ -5,6 +5,7 @@ namespace facetloc {
 namespace {
 
 volatile std::sig_atomic_t g_raised = 0;
+int g_objects = 0;
 
 /** Either signal: what comes next, of whichever kind, has its usual effect. */
 void raiseFlag(int) {
@@ -16,7 +17,7 @@ void raiseFlag(int) {
 }  // namespace
 
 StopSignal::StopSignal() {
-  g_raised = 0;
+  if (g_objects++ == 0) g_raised = 0;
   struct sigaction action = {};
   action.sa_handler = raiseFlag;
   sigemptyset(&action.sa_mask);
@@ -26,6 +27,7 @@ StopSignal::StopSignal() {
 }
 
 StopSignal::~StopSignal() {
+  --g_objects;
   sigaction(SIGINT, &interrupt_before_, nullptr);
   sigaction(SIGTERM, &terminate_before_, nullptr);
 }

@@ -6,7 +6,8 @@
 namespace facetloc {
 
 /** \brief Turns the first Ctrl-C or SIGTERM into a flag, for as long as the object lives; the second one
- * kills as ever. At most one object at a time. */
+ * kills as ever. Objects may be nested: the flag stays raised until the outermost one is gone. They are made
+ * and destroyed by one thread. */
 class StopSignal {
 public:
   StopSignal();

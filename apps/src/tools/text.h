@@ -5,11 +5,16 @@
 
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /** \file Text for people; of numbers see io/text.h. */
 
 namespace facetloc {
+
+/** \brief A text whose control characters, but for line feeds and tabs, are spelled out: names of files and
+ * texts of maps must not command a terminal. */
+std::string printable(std::string_view text);
 
 /** \brief "1 image", "2 images". */
 std::string counted(std::size_t n, const std::string& noun);

@@ -41,6 +41,8 @@ public:
   const std::optional<CameraFile>& camera() const { return camera_; }
   /** \brief Empty if there is none. Throws IoError if there is one that cannot be read. */
   const Trajectory& groundTruth() const;
+  /** \brief What its user should know of it, a sentence without full stop; empty if there is nothing. */
+  std::string remark() const;
   /** \brief Are the stamps times, rather than indices? Without times no poses can be matched. */
   bool stamped() const { return stamped_; }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
+#include <memory>
 #include <string>
 
 namespace facetloc {
@@ -11,14 +11,18 @@ namespace facetloc {
  * returns, however the program ends. */
 class GrowingFile {
 public:
-  /** \brief Begins a file, in the place of an older one. Throws IoError. */
+  /** \brief Begins a new file, in the place of an older one: a link there is replaced, not followed. The file
+   * appears with its header only, or not at all. Throws WriteError. */
   GrowingFile(const std::filesystem::path& path, const std::string& header);
-  /** \brief Throws IoError, for example if the disk is full. */
+  GrowingFile(GrowingFile&&) noexcept;
+  GrowingFile& operator=(GrowingFile&&) noexcept;
+  ~GrowingFile();
+  /** \brief Throws WriteError, for example if the disk is full. */
   void append(const std::string& text);
 
 private:
-  std::filesystem::path path_;
-  std::ofstream out_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace facetloc

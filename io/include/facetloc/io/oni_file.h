@@ -16,12 +16,15 @@ namespace facetloc {
  * show the world as a mirror does. */
 class OniFile {
 public:
-  /** \brief Lists the frames. Throws IoError for what is no recording, or a truncated or corrupt one, and if
-   * it has no depth or depth that is cropped or of an unknown format. */
+  /** \brief Lists the frames: of a recording whose recorder was killed, as far as they go. Throws IoError for
+   * what is no recording, or a corrupt one, and if it has no depth or depth that is cropped or of an unknown
+   * format. */
   static OniFile open(const std::filesystem::path& path);
 
   const std::filesystem::path& path() const { return path_; }
   std::size_t size() const { return frames_.size(); }
+  /** \brief Does it end as its recorder ended it? */
+  bool finished() const { return finished_; }
   /** \brief When a frame was taken, since a time that the device chose [s]. */
   double stamp(std::size_t index) const { return 1e-6 * static_cast<double>(frames_.at(index).stamp); }
   /** \brief From the field of view, the centre in the middle; its size only, and invalid, if there is none.
@@ -63,6 +66,7 @@ private:
   bool mirrored_ = false;
   double millimetres_ = 1;
   std::uint64_t bytes_ = 0;
+  bool finished_ = false;
 };
 
 }  // namespace facetloc

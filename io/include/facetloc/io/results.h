@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,9 +51,6 @@ struct FrameResult {
  * given order) and params.ini. */
 void writeResults(const std::filesystem::path& folder, const std::vector<FrameResult>& frames,
                   const std::string& params_ini);
-/** \brief Removes the answers of an earlier run, so that they are never taken for those of one that begins.
- * Throws IoError. */
-void removeResults(const std::filesystem::path& folder);
 /** \brief A results folder that grows while a run goes on: a frame is in all files when append() returns. */
 class ResultsWriter {
 public:
@@ -66,9 +64,14 @@ private:
 };
 /** \brief Is there a hypotheses.csv in it? */
 bool isResultsFolder(const std::filesystem::path& folder);
-/** \brief Reads hypotheses.csv (columns by name). Throws IoError with the line for malformed files. */
-std::vector<ResultRow> readHypotheses(const std::filesystem::path& folder);
-/** \brief Reads timing.csv. */
-std::vector<TimingRow> readTiming(const std::filesystem::path& folder);
+/** \brief Receives what is worth to be said of a file that is read nevertheless. */
+using Remark = std::function<void(const std::string&)>;
+/** \brief Reads hypotheses.csv (columns by name). Throws IoError with the line for malformed files and for
+ * values that are impossible.
+ * \param remark If there is one, a last line that a killed program has left torn is left out, and remarked.
+ */
+std::vector<ResultRow> readHypotheses(const std::filesystem::path& folder, const Remark& remark = {});
+/** \brief Reads timing.csv, alike. */
+std::vector<TimingRow> readTiming(const std::filesystem::path& folder, const Remark& remark = {});
 
 }  // namespace facetloc

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Programs that write to the same place, that are stopped, or whose reader goes away.
+#include "example_room.h"
+#include "process.h"
+#include "tools/localize_app.h"
+
+#include <facetloc/io/error.h>
+#include <facetloc/io/map_database.h>
+#include <facetloc/io/output_lock.h>
+
+#include <gmock/gmock.h>
+
+#include <fcntl.h>
+#include <optional>
+#include <sys/stat.h>
+#include <utility>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using test::contentOf;
+using test::eventually;
+using test::filesOf;
+using test::Process;
+using test::runMap;
+using test::runTool;
+using test::ToolRun;
+using test::Tools;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+/** A process in the shell's way: "command > file" and the like. */
+ToolRun shell(const std::string& command) { return Process({"/bin/sh", "-c", command}).wait(); }
+
+class TwoWriters : public Tools {
+protected:
+  /** All images of the query, the last but one a pipe whose writer takes its time. */
+  std::string slowImages() {
+    const std::string input = folder_ / "input";
+    fs::copy(query(), input, fs::copy_options::recursive);
+    const std::string pipe = filesOf(input + "/depth").rbegin()[1].string();
+    fs::remove(pipe);
+    EXPECT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    pipe_ = open(pipe.c_str(), O_RDWR);
+    return input;
+  }
+  ~TwoWriters() override {
+    if (pipe_ >= 0) close(pipe_);
+  }
+  int pipe_ = -1;
+};
+
+TEST_F(TwoWriters, OneBuildsAMapAndTheOtherSaysWhoIsInTheWay) {
+  const std::string input = slowImages(), path = folder_ / "m.flmap";
+  for (const char* flag : {"", "--resume", "--overwrite"}) {
+    if (*flag) {
+      ASSERT_EQ(runMap({"build", query(), "-o", path, "--every", "3", "--overwrite"}).code, kOk);
+    }
+    const std::string before = contentOf(path);
+    std::vector<std::string> build = {FACETLOC_MAP, "build", input, "-o", path, "--every", "1"};
+    if (*flag) build.emplace_back("--overwrite");
+    Process first(build);
+    const auto isLocked = [&] {
+      try {
+        const OutputLock lock = OutputLock::ofFile(path);
+        return false;
+      } catch (const IoError&) {
+        return true;
+      }
+    };
+    ASSERT_TRUE(eventually(isLocked));
+    std::vector<std::string> again = {FACETLOC_MAP, "build", query(), "-o", path, "--every", "3"};
+    if (*flag) again.emplace_back(flag);
+    const ToolRun second = Process(again).wait();
+    EXPECT_EQ(second.code, kFailed);
+    EXPECT_THAT(second.err, HasSubstr("m.flmap: is being written by process " + std::to_string(first.id())));
+    if (*flag) {
+      EXPECT_EQ(contentOf(path), before);
+    }
+    first.signal(SIGKILL);
+    first.wait();
+  }
+  ASSERT_EQ(runMap({"build", query(), "-o", path, "--every", "3", "--overwrite"}).code, kOk);
+  EXPECT_EQ(runMap({"check", path}).code, kOk);
+  for (const fs::path& file : filesOf(folder_ / ""))
+    EXPECT_THAT(file.filename().string(), testing::AnyOf("m.flmap", "input")) << "left behind";
+}
+
+TEST_F(TwoWriters, OneLocalizesAndTheOtherSaysWhoIsInTheWay) {
+  const std::string input = slowImages(), results = folder_ / "results";
+  Process first({FACETLOC_LOCALIZE, map(), input, "-o", results});
+  ASSERT_TRUE(eventually([&] { return fs::exists(results + "/partial.params.ini"); }));
+  for (const char* flag : {"--quiet", "--resume"}) {
+    const ToolRun second = Process({FACETLOC_LOCALIZE, map(), query(), "-o", results, flag}).wait();
+    EXPECT_EQ(second.code, kFailed);
+    EXPECT_THAT(second.err, HasSubstr("results: is being written by process " + std::to_string(first.id())));
+  }
+}
+
+TEST_F(TwoWriters, CtrlCSaysHowToGoOn) {
+  const std::string input = slowImages(), results = folder_ / "results";
+  Process job({FACETLOC_LOCALIZE, map(), input, "-o", results, "--threads", "1"});
+  ASSERT_TRUE(eventually([&] { return contentOf(results + "/partial.txt").size() > 100; }));
+  job.signal(SIGINT);
+  close(std::exchange(pipe_, -1));  // the image ends
+  const ToolRun run = job.wait();
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, AllOf(HasSubstr("stopped after "), HasSubstr("--resume goes on")));
+  EXPECT_FALSE(fs::exists(results + "/hypotheses.csv"));
+}
+
+TEST_F(TwoWriters, APipeThatNobodyWritesToIsRefusedAndNotWaitedFor) {
+  const std::string pipe = folder_ / "a.flmap";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THAT(Process({FACETLOC_MAP, "check", pipe}).wait().err, HasSubstr("is a pipe, not a file"));
+  const std::string image = folder_ / "1.png";
+  fs::rename(pipe, image);
+  fs::copy(query() + "/camera.ini", folder_ / "camera.ini");
+  const ToolRun run = Process({FACETLOC_SEGMENT, image, "-o", folder_ / "out"}).wait();
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("1.png: is empty"));
+}
+
+/** What is printed would come into the first file that is opened. */
+TEST_F(TwoWriters, AClosedOrDesertedOutputEndsNothing) {
+  const std::string info = std::string(FACETLOC_MAP) + " info " + map();
+  EXPECT_EQ(shell(info + " >&-").code, kOk);
+  EXPECT_EQ(shell(info + " >&- 2>&- <&-").code, kOk);
+  EXPECT_EQ(shell("{ " + info + "; echo $? >&2; } | true").err, "0\n");
+  if (fs::exists("/dev/full")) {
+    EXPECT_EQ(shell(info + " > /dev/full").code, kFailed);
+  }
+}
+
+TEST_F(TwoWriters, NamesAndTextsOfMapsDoNotCommandTheTerminal) {
+  const std::string path = folder_ / "\x1B[2Jm.flmap";
+  fs::copy(map(), path);
+  MapDatabase::open(path).setMeta("note", "\x1B]0;title\x07");
+  const ToolRun info = Process({FACETLOC_MAP, "info", path}).wait();
+  EXPECT_EQ(info.code, kOk);
+  EXPECT_THAT(info.out, AllOf(HasSubstr("note: \\x1b]0;title\\x07"), HasSubstr("\\x1b[2Jm.flmap"),
+                              Not(HasSubstr("\x1B"))));
+  const ToolRun missing = Process({FACETLOC_MAP, "info", path + "x"}).wait();
+  EXPECT_THAT(missing.err, AllOf(HasSubstr("\\x1b[2Jm.flmapx: does not exist"), Not(HasSubstr("\x1B"))));
+}
+
+}  // namespace
+}  // namespace facetloc
