@@ -9,10 +9,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <sys/resource.h>
+#include <thread>
 #include <unistd.h>
 
 namespace facetloc {
@@ -71,6 +73,7 @@ TEST_P(BatchTest, StopsAtCtrlCAndSaysHowFarItIs) {
   const auto run = [&] {
     batch.run(name, [&](std::size_t i, int) {
       if (i == 3) std::raise(SIGINT);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     });
   };
   EXPECT_THAT(run, testing::ThrowsMessage<Stopped>(

@@ -110,6 +110,7 @@ std::vector<FrameResult> LocalizeApp::startWith(const std::map<std::string, Fram
 std::vector<FrameResult> LocalizeApp::begin(const std::vector<FrameFile>& frames,
                                             const Provenance& provenance, ResultsJournal& journal,
                                             std::vector<std::size_t>& todo) const {
+  if (!journal.exists()) Provenance::removeUnderWay(folder_);  // of a run that was killed at its very end
   for (const FrameFile& frame : frames) requireOtherFolder(folder_, frame.path.parent_path());
   const auto earlier = earlierResults(journal, provenance);
   std::vector<FrameResult> results = startWith(earlier, frames, todo);

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/stop_signal.h"
 
+#include <atomic>
+
 namespace facetloc {
 namespace {
 
-volatile std::sig_atomic_t g_raised = 0;
+std::atomic<bool> g_raised{false};  // looked at by all threads
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
 int g_objects = 0;
 
 /** Either signal: what comes next, of whichever kind, has its usual effect. */
 void raiseFlag(int) {
-  g_raised = 1;
+  g_raised = true;
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
 }
@@ -17,7 +20,7 @@ void raiseFlag(int) {
 }  // namespace
 
 StopSignal::StopSignal() {
-  if (g_objects++ == 0) g_raised = 0;
+  if (g_objects++ == 0) g_raised = false;
   struct sigaction action = {};
   action.sa_handler = raiseFlag;
   sigemptyset(&action.sa_mask);
@@ -32,6 +35,6 @@ StopSignal::~StopSignal() {
   sigaction(SIGTERM, &terminate_before_, nullptr);
 }
 
-bool StopSignal::raised() const { return g_raised != 0; }
+bool StopSignal::raised() const { return g_raised; }
 
 }  // namespace facetloc

@@ -4,9 +4,10 @@
 #include <cstdint>
 #include <cstring>
 
-// GCC compiles a leaf kernel once per instruction set and picks at load time. No fused multiply-add among
-// them: all versions give the same bits.
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
+// GCC compiles a leaf kernel once per instruction set and picks at load time, when the sanitizers are not
+// ready yet. No fused multiply-add among them: all versions give the same bits.
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) &&     \
+    !defined(__SANITIZE_THREAD__)
 #define FACETLOC_MULTIVERSION __attribute__((target_clones("avx2", "default")))
 #else
 #define FACETLOC_MULTIVERSION
