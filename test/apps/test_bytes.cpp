@@ -88,5 +88,14 @@ TEST(Bytes, TornOnesAreRefused) {
   EXPECT_THROW(fromBytes<std::vector<std::string>>(std::string(8, '\xFF')), std::runtime_error);
 }
 
+TEST(Bytes, DistortionsOverNothingAreRefused) {
+  using Distortion = std::optional<DepthDistortion>;
+  std::string bytes = toBytes(Distortion(DepthDistortion()));
+  constexpr std::size_t kLow = sizeof(std::size_t),
+                        kCorner = 2 * sizeof(double);                   // behind the optional's count
+  bytes.replace(kLow, kCorner, bytes.substr(kLow + kCorner, kCorner));  // the lower corner is the upper one
+  EXPECT_THROW(fromBytes<Distortion>(bytes), std::runtime_error);
+}
+
 }  // namespace
 }  // namespace facetloc

@@ -42,7 +42,11 @@ void fields(Archive& archive, DepthDistortion& distortion) {
   DepthDistortion::Values values;
   require(nodes.size() == values.size());
   std::copy(nodes.begin(), nodes.end(), values.begin());
-  distortion = DepthDistortion({low, high}, values);
+  try {
+    distortion = DepthDistortion({low, high}, values);
+  } catch (const std::invalid_argument&) {
+    require(false);
+  }
 }
 
 template <class Archive>
