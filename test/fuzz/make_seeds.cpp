@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Sound input of the binary formats for the fuzzers to begin with, made by the code that writes these
+// formats: make_seeds FOLDER writes FOLDER/<target>/<name>.
+#include "../io/oni_writer.h"
+#include "small_map.h"
+#include "tools/bytes.h"
+#include "tools/results_journal.h"
+
+#include <facetloc/features/depth_distortion.h>
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/png.h>
+#include <facetloc/io/results.h>
+
+#include <pcl/io/lzf_image_io.h>
+#include <pcl/io/pcd_io.h>
+
+#include <fstream>
+#include <iostream>
+#include <random>
+
+namespace facetloc::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string contentOf(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+template <typename T>
+std::string bytesOf(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
+/** A plane that leans, with a hole. */
+DepthImage leaningPlane() {
+  DepthImage image{{8, 6, 7, 7, 3.5, 2.5}, {}};
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u)
+      image.depth.push_back(u == 3 && v == 2 ? 0.f : 1 + 0.1f * static_cast<float>(u + 2 * v));
+  return image;
+}
+
+std::vector<std::uint16_t> millimetres(const DepthImage& image) {
+  std::vector<std::uint16_t> values;
+  for (const float z : image.depth) values.push_back(static_cast<std::uint16_t>(1000 * z));
+  return values;
+}
+
+class Seeds {
+public:
+  explicit Seeds(fs::path folder) : folder_(std::move(folder)) {}
+
+  fs::path operator()(const char* target, const char* name) const {
+    createFolders(folder_ / target);
+    return folder_ / target / name;
+  }
+  void put(const char* target, const char* name, const std::string& bytes) const {
+    writeTextAtomically((*this)(target, name), [&](std::ostream& out) { out << bytes; });
+  }
+
+private:
+  fs::path folder_;
+};
+
+void makeMaps(const Seeds& seeds) {
+  seeds.put("map_bytes", "small.flmap", smallMapFile());
+  seeds.put("place_index", "small", indexOf(smallMap()));
+  // Values of cells are drawn from any bytes.
+  std::mt19937 random(1);
+  for (const char* name : {"a", "b", "c", "d"}) {
+    std::vector<std::uint32_t> bytes(64);
+    for (std::uint32_t& value : bytes) value = random();
+    seeds.put("map_cells", name, bytesOf(bytes));
+  }
+}
+
+void makeRecordings(const Seeds& seeds) {
+  const auto put = [&seeds](const char* name, bool old, const char* codec, const std::string& frame) {
+    test::OniWriter writer(old);
+    writer.node(7, 3, "JPEG").mode(7, 8, 8).node(5, 2, codec).mode(5, 4, 2).view(5, 1.0, 0.5);
+    seeds.put("oni", name, writer.property(5, "xnMirror", 1).frame(5, 1, frame).frame(5, 2, frame).end());
+  };
+  const std::string raw = bytesOf<std::uint16_t>({0, 1000, 1001, 1002, 2000, 2001, 2002, 65535});
+  put("raw", false, "NONE", raw);
+  put("old", true, "NONE", raw);
+  // 0, 1000, 1001, 1002, the same twice, 1001, 1029.
+  put("differences", false, "16zP", {0, 0, '\xFF', 3, '\xE8', '\x55', '\xE1', '\x7D', '\xFF', '\xA4'});
+  put("table", false, "16zT", bytesOf<std::uint16_t>({2, 0, 1000, 0}) + "\x5D\xE3");
+}
+
+void makeImages(const Seeds& seeds) {
+  const DepthImage image = leaningPlane();
+  writeDepthPng(seeds("png", "depth.png"), image, 1000);
+  writePng(seeds("png", "grey.png"), Raster<std::uint8_t>{3, 2, 1, {0, 1, 2, 3, 4, 5}});
+  writePng(seeds("png", "colour.png"), Raster<std::uint8_t>{2, 1, 3, {0, 1, 2, 3, 4, 5}});
+
+  pcl::PointCloud<pcl::PointXYZ> cloud(8, 6);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    cloud[i].getVector3fMap() = image.depth[i] * image.camera.ray(int(i) % 8, int(i) / 8).cast<float>();
+  pcl::io::savePCDFileASCII(seeds("pcd", "ascii.pcd"), cloud);
+  pcl::io::savePCDFileBinary(seeds("pcd", "binary.pcd"), cloud);
+  pcl::io::savePCDFileBinaryCompressed(seeds("pcd", "compressed.pcd"), cloud);
+
+  const Folder folder;
+  const std::string camera = folder.path() / "camera.xml", lzf = folder.path() / "image.pclzf";
+  pcl::io::LZFDepth16ImageWriter writer;
+  writer.write(reinterpret_cast<const char*>(millimetres(image).data()), 8, 6, lzf);
+  writer.writeParameters({7, 7, 3.5, 2.5}, camera);
+  seeds.put("pclzf", "image", contentOf(camera) + '\0' + contentOf(lzf));
+}
+
+void makeMessagesAndJournals(const Seeds& seeds) {
+  const auto put = [&seeds](char type, const char* name, const auto& value) {
+    seeds.put("messages", name, type + toBytes(value));
+  };
+  put('n', "number", std::size_t(3));
+  put('N', "numbers", std::vector<std::size_t>{3, 4, 5});
+  put('t', "texts", std::vector<std::string>{"a", "", "a longer one"});
+  put('d', "no_distortion", std::optional<DepthDistortion>());
+  put('d', "distortion",
+      std::optional<DepthDistortion>(DepthDistortion(DepthDistortion::extentOf(kinectIntrinsics()), {})));
+  put('m', "models", std::vector<PackedModel>{packed(smallMap().models[0]), {}});
+  FrameResult result;
+  result.timing = {"frame", 1, 2, 3, 4};
+  result.rows.resize(2);
+  result.rows[1].T_w_c = Eigen::Isometry3d::Identity();
+  put('r', "results", std::vector<FrameResult>{result});
+
+  const Folder folder;
+  ResultsJournal(folder.path()).begin({{"frame", result}, {"a \"frame\"", result}});
+  seeds.put("journal", kPartial, contentOf(folder.path() / kPartial));
+}
+
+}  // namespace
+}  // namespace facetloc::fuzz
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::cerr << "Usage: make_seeds FOLDER\n";
+    return 2;
+  }
+  using namespace facetloc::fuzz;
+  const Seeds seeds(argv[1]);
+  makeMaps(seeds);
+  makeRecordings(seeds);
+  makeImages(seeds);
+  makeMessagesAndJournals(seeds);
+}
