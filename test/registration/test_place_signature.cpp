@@ -152,5 +152,14 @@ TEST(PlaceSignature, BadSegmentsAreLeftOut) {
   EXPECT_EQ(points.size(), 0u);
 }
 
+TEST(PlaceSignature, APictureWithoutPixelsHasNoSize) {
+  PlaceSignature place = placeSignature(viewFrom(test::largeRoom(), robotCamera(2, 2.5, 0), 6), kMounting);
+  EXPECT_TRUE(isSound(place));
+  place.picture.depth.clear();
+  EXPECT_FALSE(isSound(place));
+  place.picture = {};
+  EXPECT_TRUE(isSound(place));
+}
+
 }  // namespace
 }  // namespace facetloc

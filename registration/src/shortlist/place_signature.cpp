@@ -204,9 +204,10 @@ bool isSound(const PlaceSignature& p) {
   constexpr int kLargestPicture = 1024;  // side [px]
   const Intrinsics& camera = p.picture.camera;
   const bool is_picture =
-      p.picture.depth.empty() ||
-      (camera.valid() && camera.width <= kLargestPicture && camera.height <= kLargestPicture &&
-       p.picture.depth.size() == static_cast<std::size_t>(camera.width) * camera.height);
+      p.picture.depth.empty()
+          ? camera == Intrinsics()
+          : camera.valid() && camera.width <= kLargestPicture && camera.height <= kLargestPicture &&
+                p.picture.depth.size() == static_cast<std::size_t>(camera.width) * camera.height;
   return is_picture && p.R_u_c.allFinite() && (p.R_u_c.transpose() * p.R_u_c).isIdentity(kRounding) &&
          p.R_u_c.determinant() > 0 && isNear(p.height) &&
          std::abs(p.main_heading) <= kQuarter / 2 + kRounding && p.facing.front() >= 0 &&
