@@ -77,6 +77,8 @@ TEST_F(LiveTool, RefusesPclzfThatPclDoesNotSurvive) {
   EXPECT_THAT(withByte(8, 0x40), HasSubstr(image + ": its size of"));  // the highest byte of its width
   EXPECT_THAT(withByte(5, static_cast<char>(sound[5] + 1)), HasSubstr("do not fit each other"));
   EXPECT_THAT(withByte(13, 'r'), HasSubstr("is no 16-bit depth image"));
+  test::writeContent(image, std::string(sound).replace(29, 4, std::string{1, 0, 0, 0}));  // its packed size
+  EXPECT_THAT(error(), HasSubstr("its packed size does not fit"));
   fs::remove(image);
   test::writeContent(folder + "/frame_7_depth.pclzf", sound);
   EXPECT_THAT(error(), HasSubstr("frame_7_depth.pclzf: its name tells no time"));

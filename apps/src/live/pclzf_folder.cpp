@@ -42,7 +42,8 @@ void requireTime(const fs::path& file) {
  * little-endian. */
 void requireHeader(const fs::path& file) {
   constexpr std::size_t kHeader = 37, kNumbers[] = {5, 9, 29, 33};
-  constexpr std::uint32_t kLargestSide = 16384, kDepthBytes = 2;
+  constexpr std::uint32_t kLargestSide = 4096, kDepthBytes = 2;
+  constexpr std::uint32_t kMostPacked = 88;  // LZF unpacks 3 bytes to 264 at most
   std::array<char, kHeader> header{};
   std::ifstream in(file, std::ios::binary);
   if (!in.read(header.data(), header.size())) throw IoError(file.string(), "is truncated");
@@ -51,7 +52,7 @@ void requireHeader(const fs::path& file) {
     for (int k = 3; k >= 0; --k)
       numbers[i] =
           numbers[i] << 8 | static_cast<std::uint8_t>(header[kNumbers[i] + static_cast<std::size_t>(k)]);
-  const std::uint32_t width = numbers[0], height = numbers[1], unpacked = numbers[3];
+  const std::uint32_t width = numbers[0], height = numbers[1], packed = numbers[2], unpacked = numbers[3];
   if (std::string_view(header.data(), 5) != "PCLZF") throw IoError(file.string(), "is no PCLZF file");
   if (std::string_view(header.data() + 13, 7) != "depth16")
     throw IoError(file.string(), "is no 16-bit depth image");
@@ -60,6 +61,8 @@ void requireHeader(const fs::path& file) {
                                      " pixels is impossible");
   if (unpacked != kDepthBytes * width * height)
     throw IoError(file.string(), "its sizes in pixels and in bytes do not fit each other");
+  if (unpacked > std::uint64_t(kMostPacked) * packed)
+    throw IoError(file.string(), "its packed size does not fit its size in pixels");
 }
 
 void requireCamera(const fs::path& file) {
