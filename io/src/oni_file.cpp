@@ -27,6 +27,8 @@ constexpr int kMostPixels = 1 << 24;
 enum RecordType : std::uint32_t {
   kNodeAdded4 = 0x02,  // of versions 1.0.0.4 ...
   kIntProperty = 0x03,
+  kRealProperty = 0x04,
+  kTextProperty = 0x05,
   kGeneralProperty = 0x06,
   kNewData = 0x0A,
   kEnd = 0x0B,
@@ -53,13 +55,16 @@ public:
     next_ += sizeof value;
     return value;
   }
-  /** Stored with its length and a zero at its end. */
-  std::string takeText() {
+  /** Stored with its length and a zero at its end. Of ASCII: OpenNI2 crashes on a name that is not. */
+  std::string takeName() {
     const auto length = take<std::uint32_t>();
     if (bytes_.size() - next_ < length) throw std::length_error("fields");
     const auto* text = reinterpret_cast<const char*>(bytes_.data() + next_);
     next_ += length;
-    return {text, strnlen(text, length)};
+    const std::string name(text, strnlen(text, length));
+    if (std::any_of(name.begin(), name.end(), [](char c) { return (c & 0x80) != 0; }))
+      throw std::domain_error("name");
+    return name;
   }
 
 private:
@@ -122,7 +127,7 @@ private:
     if (ends_early_) return;
     try {
       readFields(header);
-    } catch (const std::length_error&) {
+    } catch (const std::logic_error&) {
       fail("is corrupt at byte " + std::to_string(position_));
     }
     position_ += header.fields + header.data;
@@ -148,10 +153,13 @@ private:
     case kNodeAdded5:
     case kNodeAdded:
       return addNode(header.node, fields());
+    case kRealProperty:
+    case kTextProperty:
+      fields().takeName();
+      return;
     case kIntProperty:
     case kGeneralProperty:
-      if (depth_ == header.node) setProperty(fields());
-      return;
+      return setProperty(header.node, fields());
     case kNewData:
       if (depth_ == header.node) addFrame(header, fields());
       return;
@@ -161,7 +169,7 @@ private:
   }
 
   void addNode(std::uint32_t node, Fields fields) {
-    fields.takeText();
+    fields.takeName();
     const auto type = fields.take<std::uint32_t>();
     const auto codec = fields.take<std::uint32_t>();
     if (type != kDepthNode || depth_) return;
@@ -178,8 +186,9 @@ private:
       fail("has depth of an unknown coding " + text::quoted(name));
   }
 
-  void setProperty(Fields fields) {
-    const std::string name = fields.takeText();
+  void setProperty(std::uint32_t node, Fields fields) {
+    const std::string name = fields.takeName();
+    if (node != depth_) return;
     const auto size = fields.take<std::uint32_t>();
     if (name == "xnMirror" && size == sizeof(std::uint64_t)) {
       out_.mirrored_ = fields.take<std::uint64_t>() != 0;

@@ -121,6 +121,9 @@ TEST_F(OniFiles, ThatAreWrongSayWhatIsWrong) {
               HasSubstr("cropped"));
   EXPECT_THAT(errorOf(start().frame(5, 0, kImage).mode(5, 2, 4).end()), HasSubstr("changes its size"));
   EXPECT_THAT(errorOf(OniWriter().node(1, 2, "NONE").mode(1, 0, 9).end()), HasSubstr("impossible size"));
+  for (const std::uint32_t node : {5u, 7u})  // OpenNI2 crashes on a property of such a name
+    EXPECT_THAT(errorOf(start().property(node, "M\xEDrror", 1).frame(5, 0, kImage).end()),
+                HasSubstr("corrupt at byte"));
   EXPECT_THAT(ioErrorOf([&] { OniFile::open(folder_ / "none.oni"); }), HasSubstr("does not exist"));
   EXPECT_THAT(ioErrorOf([&] { OniFile::open(folder_.path()); }), HasSubstr("is a folder"));
 }
