@@ -11,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +36,7 @@ public:
     parse(start);
     requireSound();
     in.clear();
+    requireNoMoreHeader(in);
     in.seekg(0, std::ios::end);
     requireLength(in, static_cast<std::uint64_t>(in.tellg()));
   }
@@ -44,6 +46,7 @@ public:
 
 private:
   static constexpr std::size_t kMaxHeaderBytes = 65536;
+  static constexpr std::size_t kLongestKey = 9;
   static constexpr std::uint64_t kMaxSide = 65535;
   static constexpr std::uint64_t kMaxCount = 65535;
   static constexpr std::uint64_t kMaxDataBytes = 1ull << 31;  // PCL counts in 32 bits
@@ -51,13 +54,14 @@ private:
 
   using Words = std::vector<std::string_view>;
 
+  static constexpr std::string_view kOrder[] = {"VERSION", "FIELDS", "SIZE",      "TYPE",   "COUNT",
+                                                "WIDTH",   "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
+
   [[noreturn]] void fail(const std::string& cause) const { throw IoError(path_, cause); }
 
   /** PCL looks at a header line by line and lets later lines change earlier ones; hence each once and in
    * their order. */
   void parse(std::string_view start) {
-    constexpr std::string_view kOrder[] = {"VERSION", "FIELDS", "SIZE",      "TYPE",   "COUNT",
-                                           "WIDTH",   "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
     const auto* next = std::begin(kOrder);
     while (!start.empty()) {
       const std::size_t length = std::min(start.find('\n'), start.size() - 1) + 1;
@@ -72,6 +76,18 @@ private:
       if (*key == "DATA") return;
     }
     fail("is not a PCD file, or is truncated: its header has no DATA line");
+  }
+
+  /** PCL goes on to read a header behind DATA, as long as what is there looks like one. */
+  void requireNoMoreHeader(std::istream& in) const {
+    in.seekg(static_cast<std::streamoff>(data_offset_));
+    while (in >> std::ws && in.peek() == '#') in.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+    std::string word(kLongestKey, '\0');
+    in.read(word.data(), static_cast<std::streamsize>(word.size()));
+    in.clear();
+    const auto beginsWith = [&word](std::string_view key) { return word.rfind(key, 0) == 0; };
+    if (beginsWith("COLUMNS") || std::any_of(std::begin(kOrder), std::end(kOrder), beginsWith))
+      fail("is corrupt: its points look like a second header");
   }
 
   void store(const Words& words) {

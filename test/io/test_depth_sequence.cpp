@@ -429,6 +429,13 @@ TEST_F(Pcd, ACompressedSizeThatLiesIsRefused) {
   }
 }
 
+TEST_F(Pcd, PointsThatLookLikeAHeaderAreRefused) {
+  for (const char* more : {"WIDTH 4000000000\n", "\n \r\n# a comment\nCOUNT 1 1 4000000\n", "COLUMNS x\n"})
+    EXPECT_THAT(errorOf(replaced(asciiPcd(), "DATA ascii\n", std::string("DATA ascii\n") + more)),
+                HasSubstr("look like a second header"))
+        << more;
+}
+
 TEST_F(Pcd, CloudsWithoutPoints) {
   auto empty = cloud<pcl::PointXYZ>();
   for (auto& point : empty) point.x = point.y = point.z = NAN;
