@@ -145,6 +145,10 @@ TEST(CommandLine, BadValuesAreRefused) {
   expectUsageError(echo({"a", "--matching.faithful=maybe"}), "'maybe'");
 }
 
+TEST(CommandLine, APlaceholderOfBoostIsRefused) {  // its message would never end
+  expectUsageError(echo({"a", "--max-hypotheses=%value%"}), "%value%' cannot be an argument");
+}
+
 TEST(CommandLine, ValuesOutOfRangeNameTheParameter) {
   expectUsageError(echo({"a", "--matching.max_pairs", "17"}),
                    "parameter matching.max_pairs = 17 is outside [1, 16]");

@@ -257,6 +257,9 @@ void CommandLine::storeFrom(const std::string& path, const std::vector<std::stri
 
 void CommandLine::store(const std::vector<std::string>& arguments) {
   using namespace po::command_line_style;
+  for (const std::string& argument : arguments)  // in such a one Boost would replace its value without end
+    if (argument.find("%value%") != std::string::npos)
+      throw po::error(text::quoted(argument) + " cannot be an argument");
   Options all;
   all.add(common_).add(general_).add(hidden_);
   for (const Group& group : groups_) all.add(*group.options);
