@@ -68,6 +68,7 @@ private:
       const Words words = text::words(start.substr(0, length));
       start.remove_prefix(length);
       data_offset_ += length;
+      if (words.empty() && length > 1) fail("has a corrupt header: a line of blanks, at which PCL ends it");
       if (words.empty() || words[0].front() == '#') continue;
       const auto* key = std::find(next, std::end(kOrder), words[0]);
       if (key == std::end(kOrder)) fail("is not a PCD file, or its header is corrupt");
