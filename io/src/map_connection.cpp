@@ -94,6 +94,7 @@ void createLaterTables(Connection& db) {
   db.execute(schema::kPlaceIndexTable);
   db.execute(schema::kDistortionTable);
   db.execute(schema::kNoiseTables);
+  db.execute(schema::kAmbiguityTable);
   db.execute(schema::kLinkIndex);
 }
 

@@ -71,6 +71,13 @@ void insertCamera(Connection& db, const Camera& camera) {
       .run();
 }
 
+void insertAmbiguity(Connection& db, const MapAmbiguity& ambiguity) {
+  describing(db, "the ambiguity", [&] { requireSound(ambiguity); });
+  db.execute("DELETE FROM ambiguity");
+  Statement statement(db, schema::insert(schema::kAmbiguityColumns, "ambiguity"));
+  (statement << 0 << ambiguity.score << ambiguity.views).run();
+}
+
 int nextId(Connection& db, const std::string& table) {
   Statement statement(db, "SELECT coalesce(max(id) + 1, 0) AS next_id FROM " + table);
   statement.step();
@@ -122,6 +129,7 @@ int insertModel(Connection& db, const PackedModel& packed) {
   insertSegments(db, id, model);
   insertPicture(db, id, packed);
   place_index_parts::remove(db);  // it does not know this model
+  db.execute("DELETE FROM ambiguity");
   return id;
 }
 
@@ -214,6 +222,12 @@ void MapDatabase::setCamera(const Camera& camera) {
   transaction.commit();
 }
 
+void MapDatabase::setAmbiguity(const MapAmbiguity& ambiguity) {
+  Transaction transaction(impl_->db);
+  insertAmbiguity(impl_->db, ambiguity);
+  transaction.commit();
+}
+
 void MapDatabase::setPlaceIndex(const std::function<void(std::ostream&)>& write) {
   Transaction transaction(impl_->db);
   place_index_parts::write(impl_->db, write);
@@ -285,6 +299,7 @@ void writeMap(const fs::path& path, const Map& map) {
       insertModel(db, model);
     }
     for (const Link& link : map.links) insertLink(db, link);
+    if (map.ambiguity) insertAmbiguity(db, *map.ambiguity);
     transaction.commit();
   });
 }

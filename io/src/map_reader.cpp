@@ -110,6 +110,17 @@ void MapReader::readCamera() {
                map_.camera.mounting = mounting;
              });
   readDistortion();
+  readAmbiguity();
+}
+
+void MapReader::readAmbiguity() {
+  if (!sqlite::hasTable(db_, "ambiguity")) return;
+  forEachRow(schema::select(schema::kAmbiguityColumns, "ambiguity", "id"),
+             [this](Statement& row, std::string& label) {
+               label = "the ambiguity";
+               row.skip(1);
+               map_.ambiguity = map_rows::readAmbiguity(row);
+             });
 }
 
 void MapReader::readDistortion() {

@@ -42,6 +42,7 @@ private:
   void readMeta();
   void readCamera();
   void readDistortion();
+  void readAmbiguity();
   void readModels();
   void readSegments();
   void requireMemoryForPictures();

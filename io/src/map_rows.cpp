@@ -200,6 +200,19 @@ Camera readCamera(Statement& row) {
   return camera;
 }
 
+void requireSound(const MapAmbiguity& ambiguity) {
+  constexpr double kMost = 1e4;  // [nats]
+  require(std::abs(ambiguity.score) <= kMost && ambiguity.views > 0, "it is impossible");
+}
+
+MapAmbiguity readAmbiguity(Statement& row) {
+  MapAmbiguity ambiguity;
+  ambiguity.score = row.real();
+  ambiguity.views = row.integer();
+  requireSound(ambiguity);
+  return ambiguity;
+}
+
 double readNoise(Statement& row) {
   const double noise_std = row.real();
   requireNoise(noise_std);

@@ -20,6 +20,7 @@ void requireSound(const CameraMounting& mounting);
 void requireSound(const Segment& segment);
 void requireSound(const LocalModel& model);
 void requireSound(const Link& link);
+void requireSound(const MapAmbiguity& ambiguity);
 
 sqlite::Statement& operator<<(sqlite::Statement& s, const Intrinsics& camera);
 sqlite::Statement& operator<<(sqlite::Statement& s, const Eigen::Isometry3d& T);
@@ -40,6 +41,7 @@ Link readLink(sqlite::Statement& row);
 Intrinsics readPictureCamera(sqlite::Statement& row, const Intrinsics& working_image);
 /** \brief The camera of the map, without mounting and distortion, which have tables of their own. */
 Camera readCamera(sqlite::Statement& row);
+MapAmbiguity readAmbiguity(sqlite::Statement& row);
 /** \brief Noise of the inverse depths of a depth picture. */
 double readNoise(sqlite::Statement& row);
 /** \brief The rest of a depth picture, still packed. */

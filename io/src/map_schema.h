@@ -119,6 +119,15 @@ CREATE TABLE IF NOT EXISTS picture_noise( -- what each model's image shows; with
 ) STRICT;
 )sql";
 
+/** \brief Since 1.4. */
+inline constexpr const char* kAmbiguityTable = R"sql(
+CREATE TABLE IF NOT EXISTS ambiguity(    -- how much alike the places of the map look; one row or none
+  id INTEGER PRIMARY KEY CHECK(id = 0),
+  score REAL NOT NULL,                   -- of wrong places for the map's own views, mean of the highest tenth [nats]
+  views INTEGER NOT NULL CHECK(views > 0)  -- that were asked for
+) STRICT;
+)sql";
+
 /** \brief Since 1.4. An index serves maps of older formats, too. */
 inline constexpr const char* kLinkIndex =
     "CREATE UNIQUE INDEX IF NOT EXISTS link_of_models ON link(from_id, to_id)";
@@ -147,6 +156,7 @@ inline constexpr const char* kDistortionColumns = "node, ray_x, ray_y, inverse_d
 inline constexpr const char* kCameraColumns =
     "id, width, height, fx, fy, cx, cy, inverse_depth_std, distortion_offset, distortion_slope";
 inline constexpr const char* kPictureNoiseColumns = "model_id, inverse_depth_std";
+inline constexpr const char* kAmbiguityColumns = "id, score, views";
 inline constexpr const char* kIndexColumns = "part, crc32, data";
 
 inline std::string select(const std::string& columns, const std::string& table) {

@@ -10,28 +10,25 @@
 // the paper's. Frames are classed by the rendered truth (facetloc_evaluate). Two threads or twenty: same
 // figures.
 #include "evaluation/evaluation.h"
-#include "mapping_camera.h"
+#include "mapped_place.h"
 #include "tools/app.h"
 #include "tools/localization_report.h"
 
-#include <facetloc/io/depth_sequence.h>
 #include <facetloc/registration/global_localization.h>
-#include <facetloc/registration/map_builder.h>
-#include <facetloc/segmentation/view_builder.h>
+#include <facetloc/registration/map_ambiguity.h>
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
 
-namespace fs = std::filesystem;
 using namespace facetloc;
-
-constexpr int kWorkingWidth = 320;
+using benchmarks::MappedPlace;
+using benchmarks::SeenRun;
 
 /** One choice put back to the paper's. */
 struct Variant {
@@ -67,94 +64,37 @@ std::vector<Variant> ablation(const Variant& all_of_it) {
   return variants;
 }
 
-/** The views of some images of a run. */
-struct Run {
-  DepthSequence sequence;
-  std::vector<std::size_t> frames;
-  std::vector<View> views;
-
-  void see(const Camera& camera, const ViewParams& params) {
-    views.assign(frames.size(), {});
-    const int n = static_cast<int>(frames.size());
-#pragma omp parallel
-    {
-      ViewBuilder builder(camera, params);
-#pragma omp for schedule(dynamic)
-      for (int i = 0; i < n; ++i) views[i] = builder.build(sequence.load(frames[i], kWorkingWidth));
-    }
-  }
-};
-
-class Floor {
-public:
-  Floor(const fs::path& folder, std::size_t every)
-      : truth_(PlaceTruth::open(folder)),
-        mapping_{DepthSequence::open(folder / "map"), {}, {}},
-        query_{DepthSequence::open(folder / "query"), {}, {}} {
-    MapBuilder rule;
-    for (std::size_t i = 0; i < mapping_.sequence.frames().size(); ++i) {
-      const FrameFile& frame = mapping_.sequence.frames()[i];
-      const auto pose = truth_.poses().nearest(frame.stamp, kTolerance);
-      if (!pose || !rule.accept(*pose)) continue;
-      mapping_.frames.push_back(i);
-      models_.push_back({frame.name, frame.stamp, *pose});
-    }
-    for (std::size_t i = 0; i < query_.sequence.frames().size(); i += every) query_.frames.push_back(i);
-  }
-
-  /** \param with_map_images the images of the mapping run are localized, too */
-  Evaluation evaluate(const Variant& variant, bool with_map_images, int max_hypotheses) {
-    Camera camera = mapping_.sequence.camera()->camera;
-    mapping_.see(camera, variant.view);
-    if (variant.calibrated) {
-      camera.distortion = benchmarks::distortionOf(map(camera));
-      mapping_.see(camera, variant.view);
-    }
-    const auto map = std::make_shared<const Map>(this->map(camera));
-    GlobalLocalization localization(map, variant.localization);
-    localization.setNumberOfThreads(1);
-
-    std::vector<RunResults> results = {
-        localized("query", query_, *map, localization, variant, max_hypotheses)};
-    if (with_map_images) {
-      Run whole{mapping_.sequence, {}, {}};
-      for (std::size_t i = 0; i < whole.sequence.frames().size(); ++i) whole.frames.push_back(i);
-      results.push_back(localized("map", whole, *map, localization, variant, max_hypotheses));
-    }
-    return facetloc::evaluate(results, truth_, models_, {}, kTolerance);
-  }
-
-private:
-  static constexpr double kTolerance = 0.02;  // [s]
-
-  static RunResults localized(const char* name, Run& run, const Map& map,
-                              const GlobalLocalization& localization, const Variant& variant,
-                              int max_hypotheses) {
-    run.see(map.calibrated(run.sequence.camera()->camera), variant.view);
-    std::vector<std::vector<ResultRow>> rows(run.frames.size());
-    const int n = static_cast<int>(rows.size());
+RunResults localized(const char* name, const SeenRun& run, const GlobalLocalization& localization,
+                     int max_hypotheses) {
+  std::vector<std::vector<ResultRow>> rows(run.frames.size());
+  const int n = static_cast<int>(rows.size());
 #pragma omp parallel for schedule(dynamic)
-    for (int i = 0; i < n; ++i)
-      rows[i] = resultRows(run.sequence.frames()[run.frames[i]].name, localization.localize(run.views[i]),
-                           map, max_hypotheses);
-    RunResults results{name, {}, {}};
-    for (const auto& of_frame : rows)
-      results.rows.insert(results.rows.end(), of_frame.begin(), of_frame.end());
-    return results;
-  }
+  for (int i = 0; i < n; ++i)
+    rows[i] = resultRows(run.sequence.frames()[run.frames[i]].name, localization.localize(run.views[i]),
+                         localization.map(), max_hypotheses);
+  RunResults results{name, {}, {}};
+  for (const auto& of_frame : rows) results.rows.insert(results.rows.end(), of_frame.begin(), of_frame.end());
+  return results;
+}
 
-  Map map(const Camera& camera) const {
-    Map map;
-    map.camera = camera;
-    for (std::size_t i = 0; i < models_.size(); ++i)
-      map.models.push_back({models_[i].name, models_[i].stamp, models_[i].T_w_m, mapping_.views[i]});
-    return map;
-  }
+/** \param with_map_images the images of the mapping run are localized, too */
+Evaluation evaluate(MappedPlace& floor, const Variant& variant, bool with_map_images, int max_hypotheses) {
+  Map seen = floor.see(variant.view, variant.calibrated);
+  seen.ambiguity =
+      ambiguityOf(GlobalLocalization(std::make_shared<const Map>(seen), variant.localization), 0);
+  const auto map = std::make_shared<const Map>(std::move(seen));
+  GlobalLocalization localization(map, variant.localization);
+  localization.setNumberOfThreads(1);
 
-  PlaceTruth truth_;
-  Run mapping_, query_;
-  std::vector<ModelPose> models_;
-};
+  std::vector<RunResults> results = {localized("query", floor.query(), localization, max_hypotheses)};
+  if (with_map_images) {
+    SeenRun whole{floor.mapping().sequence, {}, {}};
+    for (std::size_t i = 0; i < whole.sequence.frames().size(); ++i) whole.frames.push_back(i);
+    whole.see(map->calibrated(whole.sequence.camera()->camera), variant.view);
+    results.push_back(localized("map", whole, localization, max_hypotheses));
+  }
+  return evaluate(results, floor.truth(), floor.models(), {}, benchmarks::kPoseTolerance);
+}
 
 double percent(std::size_t n, std::size_t of) {
   return of == 0 ? 0 : 100.0 * static_cast<double>(n) / static_cast<double>(of);
@@ -229,14 +169,14 @@ private:
 
   int execute(const CommandLine&, const Console&) override {
     if (every_ < 1) throw UsageError("every must be positive");
-    std::vector<Floor> floors;
+    std::vector<MappedPlace> floors;
     for (const std::string& name : floors_) floors.emplace_back(name, static_cast<std::size_t>(every_));
     const Variant all_of_it{"facetloc", view_, localization_, !raw_depth_};
     printHeader();
     for (const Variant& variant : ablation_ ? ablation(all_of_it) : std::vector<Variant>{all_of_it}) {
       Evaluation pooled;
       for (std::size_t i = 0; i < floors.size(); ++i) {
-        Evaluation one = floors[i].evaluate(variant, map_images_, max_hypotheses_);
+        Evaluation one = evaluate(floors[i], variant, map_images_, max_hypotheses_);
         if (!ablation_) print(floors_[i], one);
         pooled.frames.insert(pooled.frames.end(), one.frames.begin(), one.frames.end());
       }

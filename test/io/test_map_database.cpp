@@ -81,6 +81,23 @@ TEST_F(MapFile, TheDistortionRoundTripsExactly) {
   EXPECT_FALSE(readMap(path_).camera.distortion);
 }
 
+TEST_F(MapFile, TheAmbiguityRoundTripsUntilAModelIsAdded) {
+  writeExample();
+  EXPECT_FALSE(readMap(path_).ambiguity);
+  MapDatabase::open(path_).setAmbiguity({-12.5, 142});
+  for (const Map& read : {readMap(path_), openMap(path_, 0)}) {
+    ASSERT_TRUE(read.ambiguity);
+    EXPECT_EQ(read.ambiguity->score, -12.5);
+    EXPECT_EQ(read.ambiguity->views, 142);
+  }
+  const Map map = readMap(path_);
+  writeMap(path_, map);
+  EXPECT_TRUE(readMap(path_).ambiguity);
+  MapDatabase::open(path_).add(ExampleMap(9).model("more"));
+  EXPECT_FALSE(readMap(path_).ambiguity);
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+}
+
 TEST_F(MapFile, TheIntrinsicsOfTheCameraRoundTrip) {
   Map map = ExampleMap().map();
   map.camera.intrinsics = kinectIntrinsics();

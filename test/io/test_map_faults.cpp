@@ -78,6 +78,7 @@ TEST_F(MapFile, FaultsAreToldInWords) {
        "segment 2 of model 1: its Sigma_q is not positive definite, or smaller than any camera's"},
       {"UPDATE model SET tx = 2e6 WHERE id = 1", "model 1: its pose is more than 1000 km away"},
       {"UPDATE model SET stamp = 1e12 WHERE id = 1", "model 1: its stamp is impossible"},
+      {"INSERT INTO ambiguity VALUES(0, 1e9, 5)", "the ambiguity: it is impossible"},
       {"UPDATE mounting SET height = 5000", "the camera mounting: it is no place on a robot"},
       {"UPDATE mounting SET tilt_deg = 270", "the camera mounting: it is no place on a robot"},
       {"DROP INDEX link_of_models; UPDATE link SET from_id = 0, to_id = 1",

@@ -48,6 +48,7 @@ TEST_F(MapFile, ANewerMajorFormatIsRefused) {
 TEST_F(MapFile, AnOlderMinorFormatIsReadAndUpgradedWhenItIsWrittenTo) {
   writeExample();
   sql(path_, "DROP TABLE place_index; DROP TABLE distortion; DROP TABLE camera; DROP TABLE picture_noise; "
+             "DROP TABLE ambiguity; DROP INDEX link_of_models; "
              "PRAGMA user_version = 1000;"
              "UPDATE meta SET value = 'facetloc map 1.0' WHERE key = 'format'");
   EXPECT_EQ(readMap(path_).meta.at("format"), "facetloc map 1.0");

@@ -3,6 +3,7 @@
 #include "pairs/view_registration.h"
 
 #include <facetloc/registration/global_localization.h>
+#include <facetloc/registration/map_ambiguity.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_views.h>
@@ -72,6 +73,48 @@ TEST_F(LocalizationInARoom, EveryMapImageIsFoundAtItsOwnPlace) {
     EXPECT_THAT(answer.hypotheses[0].T_m_c.T, PoseNear(Eigen::Isometry3d::Identity(), 0.005, 0.1));
     EXPECT_THAT(*answer.hypotheses[0].T_w_c, PoseNear(*map->models[i].T_w_m, 0.005, 0.1));
   }
+}
+
+TEST_F(LocalizationInARoom, ModelsThatAreExcludedFindNothing) {
+  const GlobalLocalization localization(map);
+  const Localization answer =
+      localization.localize(map->models[3].view, [](int model) { return model % 2 == 1; });
+  ASSERT_FALSE(answer.hypotheses.empty());
+  for (const Hypothesis& h : answer.hypotheses)
+    for (const int model : h.found_by) EXPECT_EQ(model % 2, 0);
+  EXPECT_TRUE(localization.localize(map->models[3].view, [](int) { return true; }).hypotheses.empty());
+}
+
+/** Two rooms that are the same: whatever is seen in the one fits the other. */
+TEST_F(LocalizationInARoom, AMapOfTwinsKnowsThatItIsAmbiguous) {
+  auto twins = std::make_shared<Map>(*map);
+  const int n = static_cast<int>(map->models.size());
+  const Eigen::Translation3d away(50, 0, 0);
+  for (LocalModel model : map->models) {
+    model.name += "'";
+    model.T_w_m = away * *model.T_w_m;
+    twins->models.push_back(std::move(model));
+  }
+  const GlobalLocalization alone(map), two(twins);
+  const auto first_room = [n](int model) { return model < n; };
+  for (const int i : {0, n / 2}) {
+    EXPECT_FALSE(wrongPlace(alone, i, first_room)) << "there is no other place";
+    const auto wrong = wrongPlace(two, i, first_room);
+    ASSERT_TRUE(wrong);
+    EXPECT_THAT(*wrong->T_w_c, PoseNear(away * *map->models[i].T_w_m, 0.02, 0.5));
+    EXPECT_GT(wrong->score, 0);
+  }
+  EXPECT_FALSE(ambiguityOf(std::vector<double>()));
+}
+
+TEST(MapAmbiguity, IsTheMeanOfTheHighestTenth) {
+  std::vector<double> scores;
+  for (int i = 0; i < 40; ++i) scores.push_back((i * 17) % 40);  // 0 ... 39 in another order
+  const auto found = ambiguityOf(scores);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->views, 40);
+  EXPECT_DOUBLE_EQ(found->score, 37.5);
+  EXPECT_DOUBLE_EQ(ambiguityOf(std::vector<double>{-3})->score, -3);
 }
 
 TEST_F(LocalizationInARoom, AModelThatCannotBeReadIsAnErrorForAnyNumberOfThreads) {

@@ -77,21 +77,45 @@ TEST(RankPlaces, APlaceAtTheNullScoreIsAsLikelyAsNone) {
 TEST(RankPlaces, TheHigherTheRunnersUpScoreTheLikelierIsNoPlaceOfTheList) {
   ProbabilityParams params;
   params.null_score = 10, params.runners_up = 3, params.runners_up_weight = 0.5;
-  params.least_null_score = -15;
+  params.least_null_score = -15, params.ambiguity_weight = 0;
+  const auto null = [&params](const std::vector<Hypothesis>& sorted) {
+    return nullScore(params, {}, sorted);
+  };
   std::vector<Hypothesis> h{hypothesis(50)};
-  EXPECT_EQ(nullScore(params, {}), -15);
-  EXPECT_EQ(nullScore(params, h), -15);
+  EXPECT_EQ(null({}), -15);
+  EXPECT_EQ(null(h), -15);
   h.push_back(hypothesis(20));
-  EXPECT_DOUBLE_EQ(nullScore(params, h), 20);
+  EXPECT_DOUBLE_EQ(null(h), 20);
   h.push_back(hypothesis(-10));
   h.push_back(hypothesis(-40));
-  EXPECT_DOUBLE_EQ(nullScore(params, h), 5);
+  EXPECT_DOUBLE_EQ(null(h), 5);
   h.push_back(hypothesis(-1000));
-  EXPECT_DOUBLE_EQ(nullScore(params, h), 5) << "of the best three only";
+  EXPECT_DOUBLE_EQ(null(h), 5) << "of the best three only";
   h[0].score = 60;
-  EXPECT_DOUBLE_EQ(nullScore(params, h), 5) << "whatever the best one scores";
+  EXPECT_DOUBLE_EQ(null(h), 5) << "whatever the best one scores";
   h = {hypothesis(-20), hypothesis(-80)};
-  EXPECT_EQ(nullScore(params, h), -15) << "the best of hopeless ones is hopeless too";
+  EXPECT_EQ(null(h), -15) << "the best of hopeless ones is hopeless too";
+}
+
+TEST(RankPlaces, TheMoreAlikeThePlacesOfAMapTheLikelierItLacksTheRightOne) {
+  ProbabilityParams params;
+  params.least_null_score = -15, params.ambiguity_weight = 0.5, params.usual_ambiguity = 10;
+  EXPECT_DOUBLE_EQ(nullScore(params, {}, {}), -15 + 0.5 * 10);
+  EXPECT_DOUBLE_EQ(nullScore(params, MapAmbiguity{40, 20}, {}), -15 + 0.5 * 25) << "few views, and the usual";
+  EXPECT_NEAR(nullScore(params, MapAmbiguity{40, 1000000}, {}), -15 + 0.5 * 40, 1e-3);
+}
+
+/** Prior odds of the map holding the place or not are the odds of the answer, all else alike. */
+TEST(RankPlaces, AMapThatIsKnownToBeCompleteIsBelievedMore) {
+  ProbabilityParams params;
+  const auto odds = [&](double incomplete) {
+    params.map_incomplete = incomplete;
+    std::vector<Hypothesis> h{hypothesis(10)};
+    assignProbabilities(params.slope, nullScore(params, {}, h), h);
+    return h[0].probability / (1 - h[0].probability);
+  };
+  EXPECT_NEAR(odds(0.1) / odds(0.5), 9, 1e-9);
+  EXPECT_NEAR(odds(0.75) / odds(0.5), 1.0 / 3, 1e-9);
 }
 
 TEST(RankPlaces, HypothesesOfOnePlaceBecomeTheBestOfThem) {
@@ -242,10 +266,7 @@ TEST_F(Evidence, TheBestPlaceIsBelievedByItsLeadOverTheNextOnes) {
   std::vector<Hypothesis> h{hypothesis(20, truth), hypothesis(20, wrong)};
   ranking().rank(scene, h);
   ASSERT_EQ(h.size(), 2u);
-  const double null = nullScore(params.probability, h);
-  EXPECT_DOUBLE_EQ(
-      null, std::max(params.probability.least_null_score,
-                     params.probability.null_score + params.probability.runners_up_weight * h[1].score));
+  const double null = nullScore(params.probability, {}, h);
   const double none = 1 - h[0].probability - h[1].probability;
   EXPECT_NEAR(std::log(h[0].probability / none), params.probability.slope * (h[0].score - null), 1e-6);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/map_apps.h"
 
+#include "tools/ambiguity_file.h"
 #include "tools/place_index_file.h"
 #include "tools/provenance.h"
 #include "tools/text.h"
@@ -67,6 +68,13 @@ std::string noiseOf(const Map& map) {
   return words;
 }
 
+std::string ambiguityOf(const Map& map) {
+  if (!map.ambiguity) return "unknown";
+  return text::decimals(map.ambiguity->score, 1) + " nats, in the tenth of " +
+         counted(static_cast<std::size_t>(map.ambiguity->views), "view") +
+         " that looks most like another place";
+}
+
 void printSummary(std::ostream& out, const Map& map) {
   std::vector<double> segments, areas;
   std::size_t with_pose = 0, with_depth = 0;
@@ -89,6 +97,7 @@ void printSummary(std::ostream& out, const Map& map) {
   table.add({"  area of the hull [m2]", meanMinMax(areas, 3)});
   table.add({"camera mounting", map.camera.mounting ? inWords(*map.camera.mounting) : "unknown"});
   table.add({"noise of inverse depth", noiseOf(map)});
+  table.add({"wrong places score", ambiguityOf(map)});
   table.add({"distortion taken out", map.camera.distortion ? inDisparity(*map.camera.distortion) : "none"});
   out << table;
 }
@@ -249,6 +258,7 @@ int MapMergeApp::execute(const CommandLine&, const Console& console) {
   noteChosenDistortion(maps, maps_, console);
   writeMap(output_, merged);
   writePlaceIndex(output_);
+  writeAmbiguity(output_, threads(), console);
   console.out << counted(merged.models.size(), "local model") << ", " << counted(merged.links.size(), "link")
               << "; map in " << output_ << "\n";
   return kOk;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "tools/ambiguity_file.h"
 #include "tools/batch.h"
 #include "tools/map_apps.h"
 #include "tools/place_index_file.h"
@@ -314,6 +315,7 @@ int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence, cons
   }
   writer.finish();
   writePlaceIndex(path);
+  writeAmbiguity(path, threads(), console);
   console.out << counted(writer.added(), "local model") << " added from "
               << counted(sequence.frames().size(), "image") << ", " << writer.models() << " in all; map in "
               << map_ << "\n";

@@ -100,11 +100,16 @@ const Map& GlobalLocalization::map() const { return *impl_->map; }
 void GlobalLocalization::setNumberOfThreads(int n) { impl_->threads = n; }
 
 Localization GlobalLocalization::localize(const View& view) const {
+  return localize(view, std::function<bool(int)>());
+}
+
+Localization GlobalLocalization::localize(const View& view, const std::function<bool(int)>& excluded) const {
   const CameraDifference camera = impl_->differenceOf(view);
   const Query query = impl_->queryOf(view, camera.sameMounting());
   Localization answer;
   std::vector<Hypothesis> found;
-  for (const Batch& batch : impl_->shortlist.batches(query, camera.sameMounting(), impl_->threads)) {
+  for (const Batch& batch :
+       impl_->shortlist.batches(query, camera.sameMounting(), impl_->threads, excluded)) {
     impl_->registerWith(batch, query, found);
     answer = impl_->rank(query, found);
     if (impl_->isSure(answer)) break;

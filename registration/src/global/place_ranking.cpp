@@ -48,6 +48,21 @@ double weighed(const DepthEvidence& found, double free_space_share, const Eviden
          params.occlusion_weight * hidden - params.disagreement_weight * disagreement;
 }
 
+Explanation explanationOf(const DepthEvidence& found, const View& scene,
+                          const std::vector<SegmentPair>& pairs) {
+  const auto share = [](double part, double of) { return of > 0 ? part / of : 0; };
+  const DepthAgreement& a = found.of_scene;
+  std::vector<char> has_partner(scene.segments.size(), 0);
+  for (const SegmentPair& pair : pairs) has_partner[pair.scene] = 1;
+  double all = 0, paired = 0;
+  for (std::size_t i = 0; i < scene.segments.size(); ++i) {
+    all += scene.segments[i].num_points;
+    if (has_partner[i]) paired += scene.segments[i].num_points;
+  }
+  return {share(a.judged(), found.pixels), share(a.agree, a.judged()), share(a.contradict, a.judged()),
+          share(paired, all)};
+}
+
 void sortByScore(std::vector<Hypothesis>& h) {
   std::stable_sort(h.begin(), h.end(),
                    [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
@@ -83,7 +98,8 @@ void PlaceRanking::rank(const View& scene, std::vector<Hypothesis>& hypotheses) 
   if (evidence) score(hypotheses);
   if (evidence && params_.refinement.enabled) refinePlaces(scene, hypotheses);
   if (evidence)
-    assignProbabilities(params_.probability.slope, nullScore(params_.probability, hypotheses), hypotheses);
+    assignProbabilities(params_.probability.slope,
+                        nullScore(params_.probability, map_->ambiguity, hypotheses), hypotheses);
   else
     assignProbabilities(params_.plain_probability.slope, params_.plain_probability.null_score, hypotheses);
 }
@@ -95,8 +111,10 @@ std::vector<PlaceRanking::Neighbour> PlaceRanking::neighbours(const Eigen::Isome
   return found;
 }
 
-double PlaceRanking::evidence(const View& scene, const std::vector<Neighbour>& neighbours,
-                              const Eigen::Isometry3d& T_w_c, const DepthComparison& comparison) const {
+// Also tells the hypothesis what it explains.
+double PlaceRanking::evidence(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h,
+                              const DepthComparison& comparison) const {
+  const Eigen::Isometry3d& T_w_c = *h.T_w_c;
   DepthEvidence found;
   std::vector<PosedPicture> pictures;
   for (const Neighbour& n : neighbours) {
@@ -108,6 +126,7 @@ double PlaceRanking::evidence(const View& scene, const std::vector<Neighbour>& n
   found.of_scene = compareWithAll(scene.depth, T_w_c, pictures, comparison, kFineColumns);
   const int step = gridStep(scene.depth, kFineColumns);
   found.pixels = gridPoints(scene.depth.camera.width, step) * gridPoints(scene.depth.camera.height, step);
+  h.explained = explanationOf(found, scene, h.pairs);
   return weighed(found, params_.score.free_space_share, params_.evidence);
 }
 
@@ -142,10 +161,10 @@ bool PlaceRanking::addEvidence(const View& scene, std::vector<Hypothesis>& hypot
   double least = std::numeric_limits<double>::infinity();
   std::vector<double> found(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
-    const Hypothesis& h = hypotheses[i];
+    Hypothesis& h = hypotheses[i];
     if (!h.T_w_c) continue;
     const std::vector<Neighbour> models = neighbours(*h.T_w_c);
-    found[i] = evidence(scene, models, *h.T_w_c, comparison_);
+    found[i] = evidence(scene, models, h, comparison_);
     any = any || !models.empty();
     least = std::min(least, found[i]);
   }
@@ -166,7 +185,7 @@ void PlaceRanking::refinePlaces(const View& scene, std::vector<Hypothesis>& hypo
     if (!h.T_w_c) continue;
     const std::vector<Neighbour> models = neighbours(*h.T_w_c);
     refine(scene, models, h);
-    h.evidence = evidence(scene, models, *h.T_w_c, refined_comparison_);
+    h.evidence = evidence(scene, models, h, refined_comparison_);
     least = std::min(least, h.evidence);
   }
   // The others are compared with the larger errors of a pose that is not refined, which is no merit.
@@ -221,12 +240,21 @@ void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypothese
   hypotheses.swap(places);
 }
 
-double nullScore(const ProbabilityParams& params, const std::vector<Hypothesis>& sorted) {
+double nullScore(const ProbabilityParams& params, const std::optional<MapAmbiguity>& ambiguity,
+                 const std::vector<Hypothesis>& sorted) {
+  constexpr double kViews = 20;  // that the usual ambiguity counts as
+  const MapAmbiguity found = ambiguity.value_or(MapAmbiguity());
+  const double of_map =
+      (found.views * found.score + kViews * params.usual_ambiguity) / (found.views + kViews);
+  const double odds = params.map_incomplete / (1 - params.map_incomplete);
+  const double of_all_views = params.ambiguity_weight * of_map + std::log(odds) / params.slope;
+
   const std::size_t end = std::min<std::size_t>(sorted.size(), 1 + params.runners_up);
-  if (end < 2) return params.least_null_score;
+  if (end < 2) return params.least_null_score + of_all_views;
   double sum = 0;
   for (std::size_t i = 1; i < end; ++i) sum += sorted[i].score;
-  return std::max(params.least_null_score,
+  return of_all_views +
+         std::max(params.least_null_score,
                   params.null_score + params.runners_up_weight * sum / static_cast<double>(end - 1));
 }
 

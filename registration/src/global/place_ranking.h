@@ -54,7 +54,7 @@ private:
     Eigen::Isometry3d T_w_m;
   };
   std::vector<Neighbour> neighbours(const Eigen::Isometry3d& T_w_c) const;
-  double evidence(const View& scene, const std::vector<Neighbour>& neighbours, const Eigen::Isometry3d& T_w_c,
+  double evidence(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h,
                   const DepthComparison& comparison) const;
   void refine(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h) const;
   int viewpoints(const std::vector<int>& models) const;
@@ -73,11 +73,14 @@ void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypothese
 
 /** \brief Score at which a place that has evidence is as likely as none of the list [nats]:
  *
- *     S_0 = max(least_null_score, null_score + runners_up_weight * mean score of the next best places).
+ *     S_0 = max(least_null_score, null_score + runners_up_weight * mean score of the next best places)
+ *           + ambiguity_weight * A + ln(pi / (1 - pi)) / slope.
  *
- * What those score is a sample of what wrong places score in this view, in this map: a bare view, and a large
- * map, has many that score high, and the best one has to score higher to be believed. */
-double nullScore(const ProbabilityParams& params, const std::vector<Hypothesis>& sorted);
+ * What the next best places score is a sample of what wrong places score for this view. A is what they score
+ * for other views of this map, which tells what a place would score that only looks like one which the map
+ * lacks; of few views, it is drawn towards the usual. pi: map_incomplete. */
+double nullScore(const ProbabilityParams& params, const std::optional<MapAmbiguity>& ambiguity,
+                 const std::vector<Hypothesis>& sorted);
 
 /** \brief Gives each place of a sorted list its probability: softmax of slope times score, with a null place.
  */

@@ -333,7 +333,8 @@ std::vector<int> PlaceIndex::shortlist(const View& view, int n) const {
   return models;
 }
 
-std::vector<Candidate> PlaceIndex::candidates(const View& view, int n) const {
+std::vector<Candidate> PlaceIndex::candidates(const View& view, int n,
+                                              const std::function<bool(int)>& excluded) const {
   const ShortlistParams& params = impl_->params;
   const std::vector<PlaceSignature>& places = impl_->places;
   const PlaceSignature scene = placeSignature(view, impl_->mounting, impl_->prior);
@@ -342,6 +343,8 @@ std::vector<Candidate> PlaceIndex::candidates(const View& view, int n) const {
   const std::vector<float> hope = impl_->hopes(scene);
   std::vector<int> models(places.size());
   std::iota(models.begin(), models.end(), 0);
+  if (excluded) models.erase(std::remove_if(models.begin(), models.end(), excluded), models.end());
+  if (models.empty()) return {};
   keepBest(hope, std::max(n, params.aligned_models), models);
 
   PlaceAligner aligner(scene);

@@ -35,11 +35,12 @@ Shortlist::Shortlist(std::shared_ptr<const Map> map, const GlobalLocalizationPar
     index_ = std::make_shared<PlaceIndex>(PlaceIndex::of(*map_, shortlist, params.prior));
 }
 
-std::vector<Batch> Shortlist::batches(const Query& query, bool on_floor, int threads) const {
+std::vector<Batch> Shortlist::batches(const Query& query, bool on_floor, int threads,
+                                      const std::function<bool(int)>& excluded) const {
   if (!registration_.mayFixPose(query)) return {{}};
   std::vector<Candidate> models;
-  if (index_ && on_floor) models = listed(query, threads);
-  if (models.empty()) return {allModels(query)};
+  if (index_ && on_floor) models = listed(query, threads, excluded);
+  if (models.empty()) return {allModels(query, excluded)};
   std::sort(models.begin(), models.end(),  // as if the others had given no hypothesis
             [](const Candidate& a, const Candidate& b) { return a.model < b.model; });
   // Only the joint refinement estimates a pose without where it was looked for.
@@ -55,8 +56,8 @@ std::vector<Batch> Shortlist::batches(const Query& query, bool on_floor, int thr
 Batch Shortlist::batch(const Query& query, bool on_floor, int threads) const {
   if (!registration_.mayFixPose(query)) return {};
   std::vector<Candidate> models;
-  if (index_ && on_floor && PlaceIndex::covers(query.prior)) models = listed(query, threads);
-  if (models.empty()) return allModels(query);
+  if (index_ && on_floor && PlaceIndex::covers(query.prior)) models = listed(query, threads, {});
+  if (models.empty()) return allModels(query, {});
   Batch out;
   for (const Candidate& c : models)
     out.push_back({c.model, query.prior});  // starts are what the map's prior leads to
@@ -65,11 +66,12 @@ Batch Shortlist::batch(const Query& query, bool on_floor, int threads) const {
 }
 
 // Where all models can be aligned, alignments tell enough. In larger maps many are aligned as well by chance.
-std::vector<Candidate> Shortlist::listed(const Query& query, int threads) const {
+std::vector<Candidate> Shortlist::listed(const Query& query, int threads,
+                                         const std::function<bool(int)>& excluded) const {
   const ShortlistParams& p = params_.shortlist;
   const bool is_large = map_->models.size() > static_cast<std::size_t>(p.aligned_models);
   std::vector<Candidate> models =
-      index_->candidates(query.view, is_large ? std::max(p.examined_models, p.size) : p.size);
+      index_->candidates(query.view, is_large ? std::max(p.examined_models, p.size) : p.size, excluded);
   if (static_cast<int>(models.size()) <= p.size) return models;
   return examined(query, std::move(models), threads);
 }
@@ -103,9 +105,10 @@ PoseWithCovariance Shortlist::startOf(const Candidate& c) const {
   return {*c.start, posePrior(map_->camera.mounting, start_, *c.start)};
 }
 
-Batch Shortlist::allModels(const Query& query) const {
+Batch Shortlist::allModels(const Query& query, const std::function<bool(int)>& excluded) const {
   Batch models;
-  for (std::size_t i = 0; i < map_->models.size(); ++i) models.push_back({static_cast<int>(i), query.prior});
+  for (int i = 0; i < static_cast<int>(map_->models.size()); ++i)
+    if (!excluded || !excluded(i)) models.push_back({i, query.prior});
   return models;
 }
 

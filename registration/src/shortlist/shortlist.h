@@ -33,15 +33,17 @@ public:
 
   /** \brief At least one batch, which is empty for a view that fixes no pose. If the answer of one is sure,
    * the next ones need not be asked. \param on_floor the camera is mounted as the map's, and the query's
-   * prior is that of this mounting \param threads 0 = all cores */
-  std::vector<Batch> batches(const Query& query, bool on_floor, int threads) const;
+   * prior is that of this mounting \param threads 0 = all cores \param excluded models, if any are */
+  std::vector<Batch> batches(const Query& query, bool on_floor, int threads,
+                             const std::function<bool(int model)>& excluded = {}) const;
   /** \brief The same for a prior of the caller's: one batch, about this prior. */
   Batch batch(const Query& query, bool on_floor, int threads) const;
 
 private:
-  std::vector<Candidate> listed(const Query& query, int threads) const;
+  std::vector<Candidate> listed(const Query& query, int threads,
+                                const std::function<bool(int)>& excluded) const;
   std::vector<Candidate> examined(const Query& query, std::vector<Candidate> aligned, int threads) const;
-  Batch allModels(const Query& query) const;
+  Batch allModels(const Query& query, const std::function<bool(int)>& excluded) const;
   PoseWithCovariance startOf(const Candidate& candidate) const;
 
   std::shared_ptr<const Map> map_;

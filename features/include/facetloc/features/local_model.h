@@ -64,11 +64,19 @@ public:
   virtual std::unique_ptr<std::istream> placeIndex() const = 0;
 };
 
+/** \brief How much alike the places of a map look: what wrong places score when its own views are asked for
+ * in the map without their surroundings. */
+struct MapAmbiguity {
+  double score = 0;  ///< mean of the highest tenth [nats]
+  int views = 0;     ///< that were asked for, and for which there was another place to be taken for theirs
+};
+
 /** \brief A map: local models and links between them. */
 struct Map {
   Camera camera;  ///< that its images were taken with; its distortion is taken out of them
   std::vector<LocalModel> models;
   std::vector<Link> links;
+  std::optional<MapAmbiguity> ambiguity;  ///< as far as it was asked about itself
   std::map<std::string, std::string>
       meta;  ///< how it was made: parameters, software version, conventions in words
   std::shared_ptr<const MapStore> store;  ///< if not null, the models' own views tell their cameras alone

@@ -45,6 +45,8 @@ public:
   void setMeta(const std::string& key, const std::string& value);
   /** \brief All that is known of the camera of the map's images; takes the place of what was set before. */
   void setCamera(const Camera& camera);
+  /** \brief It is lost when a model is added. */
+  void setAmbiguity(const MapAmbiguity& ambiguity);
   /** \brief Keeps what PlaceIndex::write() writes, so that it need not be made when the map is opened. It is
    * lost when a model is added. */
   void setPlaceIndex(const std::function<void(std::ostream&)>& write);

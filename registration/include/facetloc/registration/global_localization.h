@@ -5,6 +5,7 @@
 #include <facetloc/registration/hypothesis.h>
 #include <facetloc/registration/localization_params.h>
 
+#include <functional>
 #include <memory>
 
 namespace facetloc {
@@ -40,6 +41,9 @@ public:
   /** \brief The same with another prior of the pose relative to each local model; with all models if it
    * reaches farther than the index. One whose covariance is not positive definite gives a reason. */
   Localization localize(const View& view, const PoseWithCovariance& prior) const;
+
+  /** \brief The same with no local model that is excluded. */
+  Localization localize(const View& view, const std::function<bool(int model)>& excluded) const;
 
   /** \brief Prior of the pose of a view relative to each local model, from the mounting of its camera. */
   PoseWithCovariance prior(const View& view) const;

@@ -17,6 +17,15 @@ struct SegmentPair {
   double distance = 0;  ///< squared Mahalanobis distance of the planes
 };
 
+/** \brief How much of the view a place explains, by itself and not beside other places. Shares from 0 to 1.
+ */
+struct Explanation {
+  double compared = 0;      ///< pixels of the view that local models near the place can say something about
+  double agreeing = 0;      ///< of these: they say the same
+  double contradicted = 0;  ///< of these: they looked through what the view shows
+  double paired = 0;        ///< support of the view's segments that have a partner
+};
+
 /** \brief A pose of the scene camera relative to a local model, with what speaks for it. */
 struct Hypothesis {
   int model = 0;                           ///< index of the local model
@@ -29,6 +38,7 @@ struct Hypothesis {
   double free_space = 0;                   ///< what the depth of its own local model says against it [nats]
   double evidence = 0;                     ///< of the nearest local models, which takes the place of that
   double score = 0;                        ///< what the list is ranked by
+  Explanation explained;                   ///< of the view, where there is evidence of local models
   double probability = 0;                  ///< that this place is the right one
 };
 

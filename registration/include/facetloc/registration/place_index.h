@@ -5,6 +5,7 @@
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/registration/shortlist_params.h>
 
+#include <functional>
 #include <iosfwd>
 #include <memory>
 #include <optional>
@@ -57,8 +58,10 @@ public:
   /** \brief The at most n models most like the view that are not hopeless beside the best, the likeliest
    * first; ties by index. Empty for a view without a wall and without a level surface. */
   std::vector<int> shortlist(const View& view, int n) const;
-  /** \brief The same with the poses of the quick alignment. */
-  std::vector<Candidate> candidates(const View& view, int n) const;
+  /** \brief The same with the poses of the quick alignment, without the models that are excluded, if any are.
+   */
+  std::vector<Candidate> candidates(const View& view, int n,
+                                    const std::function<bool(int model)>& excluded = {}) const;
   std::size_t models() const;
   std::size_t descriptors() const;
   std::size_t bytes() const;  ///< of memory, about

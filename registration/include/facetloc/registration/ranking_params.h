@@ -130,11 +130,14 @@ struct PlaceRefinementParams : DenseRefinementParams {
 /** \brief From scores to probabilities, for places that have evidence of local models. */
 struct ProbabilityParams {
   static constexpr const char* kTitle = "Probability of a place";
-  double slope = 0.11;              ///< beta of the softmax [1/nat]
+  double slope = 0.09;              ///< beta of the softmax [1/nat]
   int runners_up = 3;               ///< places after the best, whose mean score tells what wrong ones have
-  double runners_up_weight = 0.54;  ///< of that mean in S_0, see nullScore
-  double null_score = 10;           ///< S_0 of a view whose runners-up score 0 [nats]
-  double least_null_score = -14;    ///< S_0 if runners-up have hardly any score, or there is none [nats]
+  double runners_up_weight = 0.44;  ///< of that mean in S_0, see nullScore
+  double null_score = 21;  ///< S_0 where neither runners-up nor the map's own wrong places score [nats]
+  double least_null_score = -13;   ///< the same, if runners-up have hardly any score, or there is none [nats]
+  double ambiguity_weight = 0.29;  ///< of what wrong places score for the map's own views, in S_0
+  double usual_ambiguity = 5;      ///< of a map that was not asked about itself [nats]
+  double map_incomplete = 0.5;  ///< probability, before the view is looked at, that the map lacks its place
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -144,7 +147,17 @@ struct ProbabilityParams {
     visit("runners_up_weight", p.runners_up_weight, 0.0, 1.0,
           "Weight of the mean score of the runners-up in the null score.");
     visit("null_score", p.null_score, -1e4, 1e4,
-          "Score at which a place is as likely as none of the list, where the runners-up score 0 [nats].");
+          "Score at which a place is as likely as none of the list, where neither runners-up nor wrong "
+          "places for the "
+          "map's own views have any [nats].");
+    visit("ambiguity_weight", p.ambiguity_weight, 0.0, 10.0,
+          "Weight of the scores that wrong places have for the map's own views, in the null score.");
+    visit("usual_ambiguity", p.usual_ambiguity, -1e4, 1e4,
+          "Score of wrong places that is expected of a map that was not asked about itself [nats].");
+    visit("map_incomplete", p.map_incomplete, 0.001, 0.999,
+          "Probability that the map does not hold the place of a view, before it is looked at; lower it for "
+          "a map "
+          "that is known to be complete.");
     visit("least_null_score", p.least_null_score, -1e4, 1e4,
           "Smallest null score, however little the runners-up score [nats].");
   }

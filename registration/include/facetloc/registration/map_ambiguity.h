@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/registration/global_localization.h>
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+/** \file A map is asked about itself: how much do wrong places score in it? Nothing else tells a place that
+ * looks like many from one that looks like no other where the map does not hold the right one (METHOD 11.5).
+ */
+
+namespace facetloc {
+
+/** \brief The local models whose views are asked for: all with a pose, or some of a large map. */
+std::vector<int> viewsToAsk(const Map& map);
+
+/** \brief How far the surroundings of a place reach, by whose local models it is found and not mistaken: 3 m,
+ * and in a small map a third of its extent. */
+double reachOfSurroundings(const Map& map);
+
+/** \brief The best wrong place for the view of a local model, in its map without the models that satisfy
+ * excluded or are in its surroundings; nothing if no other place is like it. */
+std::optional<Hypothesis> wrongPlace(const GlobalLocalization& localization, int model,
+                                     const std::function<bool(int model)>& excluded = {});
+
+/** \brief The mean of the highest tenth; nothing of no scores. */
+std::optional<MapAmbiguity> ambiguityOf(std::vector<double> wrong_scores);
+
+/** \brief The whole of it. \param threads 0 = all cores; the answer does not depend on it. */
+std::optional<MapAmbiguity> ambiguityOf(const GlobalLocalization& localization, int threads = 1);
+
+}  // namespace facetloc

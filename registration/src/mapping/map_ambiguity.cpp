@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shortlist/shortlist.h"
+
+#include <facetloc/features/pose.h>
+#include <facetloc/registration/map_ambiguity.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace facetloc {
+namespace {
+
+constexpr std::size_t kMostViews = 200;
+constexpr std::size_t kMostRegistrations = 400000;  // where every model is registered with every view
+constexpr double kSamePlace = 1, kSameRotationDeg = 15;
+
+}  // namespace
+
+std::vector<int> viewsToAsk(const Map& map) {
+  std::vector<int> models;
+  for (std::size_t i = 0; i < map.models.size(); ++i)
+    if (map.models[i].T_w_m && map.models[i].hasPicture()) models.push_back(static_cast<int>(i));
+  const std::size_t most =
+      map.camera.mounting ? kMostViews : std::min(kMostViews, kMostRegistrations / (1 + models.size()));
+  if (models.size() <= most) return models;
+  std::vector<int> some;
+  for (std::size_t i = 0; i < most; ++i) some.push_back(models[i * models.size() / most]);
+  return some;
+}
+
+double reachOfSurroundings(const Map& map) {
+  constexpr double kFarthest = 3;  // [m]
+  Eigen::AlignedBox3d extent;
+  for (const LocalModel& model : map.models)
+    if (model.T_w_m) extent.extend(model.T_w_m->translation());
+  return extent.isEmpty() ? kFarthest : std::min(kFarthest, extent.diagonal().norm() / 3);
+}
+
+std::optional<Hypothesis> wrongPlace(const GlobalLocalization& localization, int model,
+                                     const std::function<bool(int)>& excluded) {
+  const Map& map = localization.map();
+  const Eigen::Isometry3d& T_w_m = *map.models[model].T_w_m;
+  const double reach = reachOfSurroundings(map);
+  const auto isNearOrExcluded = [&](int i) {
+    const auto& T = map.models[i].T_w_m;
+    return !T || (T->translation() - T_w_m.translation()).norm() <= reach || (excluded && excluded(i));
+  };
+  View view = *map.view(model);
+  if (!view.camera) view.camera = std::make_shared<const Camera>(map.camera);
+  Localization answer = localization.localize(view, isNearOrExcluded);
+  for (Hypothesis& h : answer.hypotheses)
+    if (h.T_w_c && !isNear(*h.T_w_c, T_w_m, kSamePlace, kSameRotationDeg)) return std::move(h);
+  return {};
+}
+
+std::optional<MapAmbiguity> ambiguityOf(std::vector<double> wrong_scores) {
+  if (wrong_scores.empty()) return {};
+  const std::size_t tenth = (wrong_scores.size() + 9) / 10;
+  const auto end = wrong_scores.begin() + static_cast<std::ptrdiff_t>(tenth);
+  std::partial_sort(wrong_scores.begin(), end, wrong_scores.end(), std::greater<>());
+  return MapAmbiguity{std::accumulate(wrong_scores.begin(), end, 0.0) / static_cast<double>(tenth),
+                      static_cast<int>(wrong_scores.size())};
+}
+
+std::optional<MapAmbiguity> ambiguityOf(const GlobalLocalization& localization, int threads) {
+  const std::vector<int> models = viewsToAsk(localization.map());
+  std::vector<std::optional<Hypothesis>> wrong(models.size());
+  internal::forEachInParallel(static_cast<int>(models.size()), threads,
+                              [&](int i) { wrong[i] = wrongPlace(localization, models[i]); });
+  std::vector<double> scores;
+  for (const auto& h : wrong)
+    if (h) scores.push_back(h->score);
+  return ambiguityOf(std::move(scores));
+}
+
+}  // namespace facetloc

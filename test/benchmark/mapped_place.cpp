@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapped_place.h"
+
+#include "mapping_camera.h"
+
+namespace facetloc::benchmarks {
+
+void SeenRun::see(const Camera& camera, const ViewParams& params) {
+  views.assign(frames.size(), {});
+  const int n = static_cast<int>(frames.size());
+#pragma omp parallel
+  {
+    ViewBuilder builder(camera, params);
+#pragma omp for schedule(dynamic)
+    for (int i = 0; i < n; ++i) views[i] = builder.build(sequence.load(frames[i], kWorkingWidth));
+  }
+}
+
+MappedPlace::MappedPlace(const std::filesystem::path& folder, std::size_t every)
+    : truth_(PlaceTruth::open(folder)),
+      mapping_{DepthSequence::open(folder / "map"), {}, {}},
+      query_{DepthSequence::open(folder / "query"), {}, {}} {
+  MapBuilder rule;
+  const PlaceTruth of_map = truth_.of("map");
+  for (std::size_t i = 0; i < mapping_.sequence.frames().size(); ++i) {
+    const FrameFile& frame = mapping_.sequence.frames()[i];
+    const auto pose = of_map.poses().nearest(frame.stamp, kPoseTolerance);
+    if (!pose || !rule.accept(*pose)) continue;
+    mapping_.frames.push_back(i);
+    models_.push_back({frame.name, frame.stamp, *pose});
+  }
+  for (std::size_t i = 0; i < query_.sequence.frames().size(); i += every) query_.frames.push_back(i);
+}
+
+Map MappedPlace::see(const ViewParams& params, bool calibrated) {
+  Camera camera = mapping_.sequence.camera()->camera;
+  mapping_.see(camera, params);
+  if (calibrated) {
+    camera.distortion = distortionOf(map(camera));
+    mapping_.see(camera, params);
+  }
+  Map made = map(camera);
+  query_.see(made.calibrated(query_.sequence.camera()->camera), params);
+  return made;
+}
+
+Map MappedPlace::map(const Camera& camera) const {
+  Map map;
+  map.camera = camera;
+  for (std::size_t i = 0; i < models_.size(); ++i)
+    map.models.push_back({models_[i].name, models_[i].stamp, models_[i].T_w_m, mapping_.views[i]});
+  return map;
+}
+
+}  // namespace facetloc::benchmarks

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "evaluation/evaluation.h"
+
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/registration/map_builder.h>
+#include <facetloc/segmentation/view_builder.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+namespace facetloc::benchmarks {
+
+constexpr int kWorkingWidth = 320;
+constexpr double kPoseTolerance = 0.02;  // [s]
+
+/** \brief The views of some images of a run. */
+struct SeenRun {
+  DepthSequence sequence;
+  std::vector<std::size_t> frames;
+  std::vector<View> views;
+
+  void see(const Camera& camera, const ViewParams& params);
+};
+
+/** \brief A folder with the runs map/ and query/: the one makes the map, by the paper's rule, the other asks.
+ */
+class MappedPlace {
+public:
+  /** \param every Only each N-th image of the query is asked. Throws IoError. */
+  MappedPlace(const std::filesystem::path& folder, std::size_t every);
+
+  /** \brief Builds the map as facetloc_map does, and sees the query with the map's camera. */
+  Map see(const ViewParams& params, bool calibrated = true);
+
+  const PlaceTruth& truth() const { return truth_; }
+  const std::vector<ModelPose>& models() const { return models_; }
+  const SeenRun& mapping() const { return mapping_; }
+  const SeenRun& query() const { return query_; }
+
+private:
+  Map map(const Camera& camera) const;
+
+  PlaceTruth truth_;
+  SeenRun mapping_, query_;
+  std::vector<ModelPose> models_;
+};
+
+}  // namespace facetloc::benchmarks

@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Is a probability worth its name where the map does not hold the place?
+//
+//   score_unknown [--radius 3] [--every N] [--csv FILE] [--GROUP.PARAMETER VALUE] PLACE...
+//
+// Each PLACE is a folder with a run map/ and a run query/, as facetloc_simulate makes them, or as recordings
+// have them. Every query is localized twice: in the whole map, and in a map that is made anew without the
+// local models within the radius of where the query was taken.
+#include "mapped_place.h"
+#include "tools/app.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/registration/global_localization.h>
+#include <facetloc/registration/map_ambiguity.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <queue>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace facetloc;
+using benchmarks::MappedPlace;
+
+/** What became of one query in one map. */
+struct Answer {
+  std::string place, frame;
+  bool emptied = false;  ///< the map has no local model near the query
+  bool covered = false;  ///< the whole map has one
+  bool right = false;
+  int segments = 0;                       ///< of the view
+  std::optional<MapAmbiguity> ambiguity;  ///< of the map
+  Localization localization;
+
+  double probability() const {
+    return localization.hypotheses.empty() ? 0 : localization.hypotheses.front().probability;
+  }
+};
+
+template <class Gone>
+Map without(const Map& whole, const Gone& gone) {
+  Map map;
+  map.camera = whole.camera;
+  for (std::size_t i = 0; i < whole.models.size(); ++i)
+    if (!gone(static_cast<int>(i))) map.models.push_back(whole.models[i]);
+  return map;
+}
+
+bool isRight(const Localization& answer, const Eigen::Isometry3d& T_w_c, const EvaluationParams& params) {
+  if (answer.hypotheses.empty() || !answer.hypotheses.front().T_w_c) return false;
+  const PoseError error = poseError(*answer.hypotheses.front().T_w_c, T_w_c);
+  return error.translation <= params.max_translation && error.rotation_deg <= params.max_rotation_deg;
+}
+
+bool isCovered(const std::vector<ModelPose>& models, const Eigen::Isometry3d& T_w_c,
+               const EvaluationParams& params) {
+  return std::any_of(models.begin(), models.end(), [&](const ModelPose& model) {
+    const PoseError error = poseError(model.T_w_m, T_w_c);
+    return error.translation <= params.covered_distance && error.rotation_deg <= params.covered_rotation_deg;
+  });
+}
+
+/** The wrong places for the views of a map's own models, so that a map with some models less need not ask for
+ * all of them again: only for those that count, and where a model that is gone had a part in the answer. */
+class OwnViews {
+public:
+  explicit OwnViews(const GlobalLocalization& whole) : whole_(whole), models_(viewsToAsk(whole.map())) {
+    wrong_.resize(models_.size());
+    const int n = static_cast<int>(models_.size());
+#pragma omp parallel for schedule(dynamic)
+    for (int i = 0; i < n; ++i) wrong_[i] = wrongPlace(whole, models_[i]);
+  }
+
+  /** \brief Models that are gone can only lower a score: the highest are settled first. */
+  template <class Gone>
+  std::optional<MapAmbiguity> ambiguityWithout(const Gone& gone) const {
+    struct Score {
+      double value;
+      std::size_t view;
+      bool settled;
+      bool operator<(const Score& o) const { return value < o.value; }
+    };
+    std::priority_queue<Score> highest;
+    for (std::size_t i = 0; i < models_.size(); ++i) {
+      if (gone(models_[i]) || !wrong_[i]) continue;
+      const auto& by = wrong_[i]->found_by;
+      highest.push({wrong_[i]->score, i, std::none_of(by.begin(), by.end(), gone)});
+    }
+    const std::size_t views = highest.size();
+    std::vector<double> scores;
+    while (!highest.empty() && 10 * scores.size() < views) {
+      Score next = highest.top();
+      highest.pop();
+      if (next.settled) {
+        scores.push_back(next.value);
+      } else if (const auto wrong = wrongPlace(whole_, models_[next.view], gone)) {
+        highest.push({wrong->score, next.view, true});
+      }
+    }
+    if (scores.empty()) return {};
+    const double sum = std::accumulate(scores.begin(), scores.end(), 0.0);
+    return MapAmbiguity{sum / static_cast<double>(scores.size()), static_cast<int>(views)};
+  }
+
+private:
+  const GlobalLocalization& whole_;
+  std::vector<int> models_;
+  std::vector<std::optional<Hypothesis>> wrong_;
+};
+
+double percent(std::size_t n, std::size_t of) {
+  return of == 0 ? 0 : 100.0 * static_cast<double>(n) / static_cast<double>(of);
+}
+
+template <class Chosen>
+std::size_t count(const std::vector<Answer>& answers, const Chosen& chosen) {
+  return static_cast<std::size_t>(std::count_if(answers.begin(), answers.end(), chosen));
+}
+
+void printHeader() {
+  std::printf("%-24s %8s %8s | %28s | %35s | %9s\n", "", "", "", "whole map, of the covered",
+              "emptied map: wrong", "deviation");
+  std::printf("%-24s %8s %8s | %8s %8s %10s | %8s %8s %8s %8s | %9s\n", "", "queries", "covered", "right",
+              "sure", "sure right", "p >= 0.5", "0.9", "0.99", "right", "");
+}
+
+/** Tenths of probability, in which the answers of both maps count half and half. */
+struct Reliability {
+  std::array<double, 10> weight{}, probability{}, right{};
+
+  explicit Reliability(const std::vector<Answer>& answers) {
+    const auto emptied = static_cast<double>(count(answers, [](const Answer& a) { return a.emptied; }));
+    const double whole = static_cast<double>(answers.size()) - emptied;
+    for (const Answer& answer : answers) {
+      if (answer.localization.hypotheses.empty()) continue;
+      const std::size_t bin = std::min<std::size_t>(9, static_cast<std::size_t>(10 * answer.probability()));
+      const double w = 0.5 / (answer.emptied ? emptied : whole);
+      weight[bin] += w, probability[bin] += w * answer.probability(), right[bin] += w * answer.right;
+    }
+  }
+  /** Of tenths that hold a hundredth of the answers or more. */
+  double largestDeviation() const {
+    double largest = 0;
+    for (std::size_t i = 0; i < weight.size(); ++i)
+      if (weight[i] >= 0.01) largest = std::max(largest, std::abs(right[i] - probability[i]) / weight[i]);
+    return largest;
+  }
+  void print() const {
+    std::printf("\nprobability of rank 1   answers   mean   right\n");
+    for (std::size_t i = 0; i < weight.size(); ++i)
+      if (weight[i] > 0)
+        std::printf("%12.1f to %.1f %10.1f %% %6.3f %7.3f\n", 0.1 * static_cast<double>(i),
+                    0.1 * static_cast<double>(i + 1), 100 * weight[i], probability[i] / weight[i],
+                    right[i] / weight[i]);
+  }
+};
+
+void print(const std::string& name, const std::vector<Answer>& answers) {
+  const auto inWhole = [&](auto chosen) {
+    return count(answers, [&](const Answer& a) { return !a.emptied && chosen(a); });
+  };
+  const auto inEmptied = [&](auto chosen) {
+    return count(answers, [&](const Answer& a) { return a.emptied && chosen(a); });
+  };
+  const auto wrong = [&](double p) {
+    return inEmptied([p](const Answer& a) { return !a.right && a.probability() >= p; });
+  };
+  constexpr double kSure = 0.9;
+  const std::size_t covered = inWhole([](const Answer& a) { return a.covered; });
+  const std::size_t right = inWhole([](const Answer& a) { return a.covered && a.right; });
+  const std::size_t sure_right =
+      inWhole([](const Answer& a) { return a.covered && a.right && a.probability() >= kSure; });
+  const std::size_t sure = inWhole([](const Answer& a) { return a.probability() >= kSure; });
+  const std::size_t all_sure_right =
+      inWhole([](const Answer& a) { return a.right && a.probability() >= kSure; });
+  const std::size_t emptied = inEmptied([](const Answer&) { return true; });
+  std::printf("%-24s %8zu %8zu | %6.1f %% %6.1f %% %8.2f %% | %6.1f %% %6.2f %% %6.2f %% %6.1f %% | %9.3f\n",
+              name.c_str(), emptied, covered, percent(right, covered), percent(sure_right, covered),
+              percent(all_sure_right, sure), percent(wrong(0.5), emptied), percent(wrong(kSure), emptied),
+              percent(wrong(0.99), emptied),
+              percent(inEmptied([](const Answer& a) { return a.right; }), emptied),
+              Reliability(answers).largestDeviation());
+  std::fflush(stdout);
+}
+
+/** One line per answer with all that a probability may be made of. */
+void writeCsv(const fs::path& path, const std::vector<Answer>& answers) {
+  writeTextAtomically(path, [&](std::ostream& out) {
+    out << "place,frame,emptied,covered,right,segments,probability,score,consensus,evidence,compared,"
+           "agreeing,"
+           "contradicted,paired,pairs,found_by,second,third,fourth,ambiguity,asked\n";
+    for (const Answer& a : answers) {
+      const auto& h = a.localization.hypotheses;
+      if (h.empty()) continue;
+      const Hypothesis& best = h.front();
+      const Explanation& e = best.explained;
+      out << a.place << ',' << a.frame << ',' << a.emptied << ',' << a.covered << ',' << a.right << ','
+          << a.segments << ',' << best.probability << ',' << best.score << ',' << best.consensus << ','
+          << best.evidence << ',' << e.compared << ',' << e.agreeing << ',' << e.contradicted << ','
+          << e.paired << ',' << best.pairs.size() << ',' << best.found_by.size();
+      for (std::size_t i = 1; i < 4; ++i) out << ',' << (i < h.size() ? h[i].score : best.score - 100);
+      const MapAmbiguity of_map = a.ambiguity.value_or(MapAmbiguity());
+      out << ',' << of_map.score << ',' << of_map.views << '\n';
+    }
+  });
+}
+
+class ScoreUnknownApp : public App {
+public:
+  ScoreUnknownApp()
+      : App("score_unknown", "PLACE... [options]",
+            "Localizes every query in the map of its place, and in that map without the local models around "
+            "it.") {}
+
+private:
+  void addOptions(CommandLine& line) override {
+    line.addArguments("PLACE", places_);
+    line.addOption("radius", radius_, "M", "Distance of the local models that are taken out [m].");
+    line.addOption("every", every_, "N", "Localize only every N-th image.");
+    line.addOption("csv", csv_, "FILE", "Write one line per answer, with what speaks for it.");
+    line.addPresets();
+    line.addParams(view_);
+    line.addParams(evaluation_, "evaluation");
+    line.addParams(localization_);
+  }
+
+  std::vector<Answer> answersIn(MappedPlace& place, const std::string& name) const {
+    Map seen = place.see(view_);
+    const GlobalLocalization asked(std::make_shared<const Map>(seen), localization_);
+    const OwnViews own_views(asked);
+    seen.ambiguity = own_views.ambiguityWithout([](int) { return false; });
+    const auto whole = std::make_shared<const Map>(std::move(seen));
+    const GlobalLocalization localization(whole, localization_);
+    const auto& query = place.query();
+    const PlaceTruth truth = place.truth().of("query");
+    std::vector<Answer> answers(2 * query.frames.size());
+    const int n = static_cast<int>(query.frames.size());
+#pragma omp parallel for schedule(dynamic)
+    for (int i = 0; i < n; ++i) {
+      const FrameFile& frame = query.sequence.frames()[query.frames[i]];
+      const auto T_w_c = truth.poses().nearest(frame.stamp, benchmarks::kPoseTolerance);
+      if (!T_w_c) continue;
+      const View& view = query.views[i];
+      const auto gone = [&](int model) {
+        return (whole->models[model].T_w_m->translation() - T_w_c->translation()).norm() <= radius_;
+      };
+      Map rest = without(*whole, gone);
+      rest.ambiguity = own_views.ambiguityWithout(gone);
+      const auto emptied = std::make_shared<const Map>(std::move(rest));
+      for (const bool is_emptied : {false, true}) {
+        Answer& answer = answers[2 * i + is_emptied];
+        answer = {name,
+                  frame.name,
+                  is_emptied,
+                  isCovered(place.models(), *T_w_c, evaluation_),
+                  false,
+                  static_cast<int>(view.segments.size()),
+                  (is_emptied ? emptied : whole)->ambiguity,
+                  {}};
+        answer.localization = is_emptied ? GlobalLocalization(emptied, localization_).localize(view)
+                                         : localization.localize(view);
+        answer.right = isRight(answer.localization, *T_w_c, evaluation_);
+      }
+    }
+    answers.erase(
+        std::remove_if(answers.begin(), answers.end(), [](const Answer& a) { return a.frame.empty(); }),
+        answers.end());
+    return answers;
+  }
+
+  int execute(const CommandLine&, const Console&) override {
+    if (every_ < 1) throw UsageError("every must be positive");
+    printHeader();
+    std::vector<Answer> all;
+    for (const std::string& name : places_) {
+      MappedPlace place(name, static_cast<std::size_t>(every_));
+      const std::vector<Answer> answers = answersIn(place, fs::path(name).filename().string());
+      print(name, answers);
+      all.insert(all.end(), answers.begin(), answers.end());
+    }
+    print("all", all);
+    Reliability(all).print();
+    if (!csv_.empty()) writeCsv(csv_, all);
+    return kOk;
+  }
+
+  std::vector<std::string> places_;
+  double radius_ = 3;
+  int every_ = 1;
+  std::string csv_;
+  ViewParams view_;
+  EvaluationParams evaluation_;
+  GlobalLocalizationParams localization_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ScoreUnknownApp app;
+  return runApp(app, argc, argv);
+}
