@@ -87,10 +87,11 @@ void exportMap(const Map& map, const std::filesystem::path& folder) {
     for (const auto& entry : std::filesystem::directory_iterator(folder / "models"))
       if (entry.path().extension() == ".pcd") std::filesystem::remove(entry.path());
   std::set<std::string> taken;
-  for (const LocalModel& model : map.models) {
-    const std::string name = fileName(model.name, taken);
-    if (model.view.segments.empty()) continue;  // PCL writes no empty clouds
-    writeSegments(folder / "models" / (name + ".pcd"), model.view.segments);
+  for (std::size_t i = 0; i < map.models.size(); ++i) {
+    const std::string name = fileName(map.models[i].name, taken);
+    const auto view = map.view(static_cast<int>(i));
+    if (view->segments.empty()) continue;  // PCL writes no empty clouds
+    writeSegments(folder / "models" / (name + ".pcd"), view->segments);
   }
   writeTumTrajectory(folder / "poses_tum.txt", posesOf(map));
   writeTextAtomically(folder / kGraph, [&](std::ostream& out) { writeGraph(out, map); });

@@ -78,11 +78,12 @@ std::string ambiguityOf(const Map& map) {
 void printSummary(std::ostream& out, const Map& map) {
   std::vector<double> segments, areas;
   std::size_t with_pose = 0, with_depth = 0;
-  for (const LocalModel& model : map.models) {
-    segments.push_back(static_cast<double>(model.view.segments.size()));
-    with_pose += model.T_w_m.has_value();
-    with_depth += !model.view.depth.empty();
-    for (const Segment& s : model.view.segments) areas.push_back(s.area());
+  for (std::size_t i = 0; i < map.models.size(); ++i) {
+    const auto view = map.view(static_cast<int>(i));  // of a large map, one at a time
+    segments.push_back(static_cast<double>(view->segments.size()));
+    with_pose += map.models[i].T_w_m.has_value();
+    with_depth += map.models[i].hasPicture();
+    for (const Segment& s : view->segments) areas.push_back(s.area());
   }
   TextTable table({"local models", ""});
   table.setWordsLast();
@@ -185,7 +186,7 @@ MapInfoApp::MapInfoApp()
 void MapInfoApp::addOptions(CommandLine& line) { line.addArgument("MAP.flmap", map_); }
 
 int MapInfoApp::execute(const CommandLine&, const Console& console) {
-  const Map map = readMap(map_);
+  const Map map = openMap(map_);
   printSummary(console.out, map);
   console.out << "\n";
   printMeta(console.out, map);
@@ -220,7 +221,7 @@ void MapExportApp::addOptions(CommandLine& line) {
 
 int MapExportApp::execute(const CommandLine&, const Console& console) {
   if (folder_.empty()) throw UsageError("the folder of the exported files is missing: -o DIR");
-  const Map map = readMap(map_);
+  const Map map = openMap(map_);
   exportMap(map, folder_);
   console.out << counted(map.models.size(), "local model") << " exported; files in " << folder_ << "\n";
   return kOk;
