@@ -17,8 +17,8 @@ files::Descriptor createNew(const std::filesystem::path& path);
  * renamed.
  *
  * Its name is random and the file is new (O_EXCL), so that nobody can put a file or a link in its place
- * beforehand. It is locked for as long as it is open: what a killed program has left is told from what a
- * living one is writing by the lock, which died with its process. */
+ * beforehand. It is locked for as long as it is open, and the lock dies with its process: a file of a killed
+ * program is one that nobody holds. */
 class TemporaryFile {
 public:
   /** \brief Throws WriteError, which names the target. */

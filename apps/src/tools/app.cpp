@@ -60,7 +60,7 @@ int App::runOnRank(const std::vector<std::string>& arguments, Console& console) 
   return kOk;
 }
 
-/** Who stops a tool that can go on is told how. */
+/** Ctrl-C in a tool that can go on: the message says how. */
 int App::executeUntilStopped(const CommandLine& line, const Console& console) try {
   return execute(line, console);
 } catch (const Stopped& e) {
