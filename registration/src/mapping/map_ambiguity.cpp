@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shortlist/shortlist.h"
-
 #include <facetloc/features/pose.h>
 #include <facetloc/registration/map_ambiguity.h>
 
@@ -63,14 +61,10 @@ std::optional<MapAmbiguity> ambiguityOf(std::vector<double> wrong_scores) {
                       static_cast<int>(wrong_scores.size())};
 }
 
-std::optional<MapAmbiguity> ambiguityOf(const GlobalLocalization& localization, int threads) {
-  const std::vector<int> models = viewsToAsk(localization.map());
-  std::vector<std::optional<Hypothesis>> wrong(models.size());
-  internal::forEachInParallel(static_cast<int>(models.size()), threads,
-                              [&](int i) { wrong[i] = wrongPlace(localization, models[i]); });
+std::optional<MapAmbiguity> ambiguityOf(const GlobalLocalization& localization) {
   std::vector<double> scores;
-  for (const auto& h : wrong)
-    if (h) scores.push_back(h->score);
+  for (const int model : viewsToAsk(localization.map()))
+    if (const auto wrong = wrongPlace(localization, model)) scores.push_back(wrong->score);
   return ambiguityOf(std::move(scores));
 }
 

@@ -28,7 +28,7 @@ std::optional<Hypothesis> wrongPlace(const GlobalLocalization& localization, int
 /** \brief The mean of the highest tenth; nothing of no scores. */
 std::optional<MapAmbiguity> ambiguityOf(std::vector<double> wrong_scores);
 
-/** \brief The whole of it. \param threads 0 = all cores; the answer does not depend on it. */
-std::optional<MapAmbiguity> ambiguityOf(const GlobalLocalization& localization, int threads = 1);
+/** \brief The whole of it. */
+std::optional<MapAmbiguity> ambiguityOf(const GlobalLocalization& localization);
 
 }  // namespace facetloc
