@@ -19,34 +19,25 @@ std::string nameOf(int model, const std::string& name) {
   return "model " + std::to_string(model) + " ('" + name + "')";
 }
 
-Map MapReader::read() {
+void MapReader::readAll(Pictures pictures) {
   readMeta();
   readCamera();
   readModels();
-  readSegments();
-  readPictures(Pictures::keep);
+  if (pictures != Pictures::cameras_only) readSegments();
+  readPictures(pictures);
   readNoise();
   readLinks();
+}
+
+Map MapReader::read() {
+  readAll(Pictures::keep);
   return std::move(map_);
 }
 
-void MapReader::check() {
-  readMeta();
-  readCamera();
-  readModels();
-  readSegments();
-  readPictures(Pictures::look_at);
-  readNoise();
-  readLinks();
-}
+void MapReader::check() { readAll(Pictures::look_at); }
 
 Map MapReader::readWithoutViews() {
-  readMeta();
-  readCamera();
-  readModels();
-  readPictures(Pictures::cameras_only);
-  readNoise();
-  readLinks();
+  readAll(Pictures::cameras_only);
   return std::move(map_);
 }
 

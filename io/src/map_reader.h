@@ -36,6 +36,8 @@ public:
   void requireSound() const;
 
 private:
+  enum class Pictures { keep, look_at, cameras_only };
+  void readAll(Pictures pictures);
   template <typename Function>
   void forEachRow(const std::string& sql, const Function& function);
   LocalModel& modelOf(int id, std::string& label);
@@ -46,7 +48,6 @@ private:
   void readModels();
   void readSegments();
   void requireMemoryForPictures();
-  enum class Pictures { keep, look_at, cameras_only };
   void readPictures(Pictures pictures);
   void readNoise();
   void readLinks();
