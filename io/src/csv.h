@@ -91,7 +91,8 @@ private:
 class Table {
 public:
   /** \brief Throws IoError for a file that is no table.
-   * \param forgive_torn The last row may be torn, as a program leaves it that is killed while it writes. */
+   * \param forgive_torn The last row is left out unless its line ends: it may be torn, as a program leaves it
+   * that is killed while it writes. */
   explicit Table(const std::filesystem::path& path, bool forgive_torn = false) : path_(path.string()) {
     const std::string content = files::readText(path);
     forgive_torn = forgive_torn && !content.empty() && content.back() != '\n';
@@ -104,7 +105,7 @@ public:
     if (rows_.empty()) throw IoError(path_, "is empty: it has not even a header line");
     header_ = std::move(rows_.front().cells);
     rows_.erase(rows_.begin());
-    if (forgive_torn && !torn_ && !rows_.empty() && rows_.back().cells.size() < header_.size()) {
+    if (forgive_torn && !torn_ && !rows_.empty()) {
       torn_ = true;
       rows_.pop_back();
     }
@@ -118,6 +119,9 @@ public:
   bool isTorn() const { return torn_; }
   const std::vector<Row>& rows() const { return rows_; }
 
+  bool hasColumn(std::string_view name) const {
+    return std::find(header_.begin(), header_.end(), name) != header_.end();
+  }
   /** \brief The place of a column. */
   std::size_t column(std::string_view name) const {
     const auto found = std::find(header_.begin(), header_.end(), name);

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 namespace facetloc {
@@ -19,6 +20,7 @@ namespace {
 constexpr const char* kHypotheses = "hypotheses.csv";
 constexpr const char* kTiming = "timing.csv";
 constexpr const char* kPoses = "poses_tum.txt";
+constexpr const char* kCovariances = "covariances.csv";
 constexpr const char* kParams = "params.ini";
 constexpr std::array<const char*, 7> kModelPose = {"m_tx", "m_ty", "m_tz", "m_qx", "m_qy", "m_qz", "m_qw"};
 constexpr std::array<const char*, 7> kWorldPose = {"w_tx", "w_ty", "w_tz", "w_qx", "w_qy", "w_qz", "w_qw"};
@@ -30,7 +32,8 @@ void requireWritable(const FrameResult& frame) {
   for (const ResultRow& row : frame.rows) {
     const bool finite = std::isfinite(row.probability) && std::isfinite(row.score) &&
                         std::isfinite(row.sd_rot_deg) && std::isfinite(row.sd_trans_m) &&
-                        row.T_m_c.matrix().allFinite() && (!row.T_w_c || row.T_w_c->matrix().allFinite());
+                        row.T_m_c.matrix().allFinite() && (!row.T_w_c || row.T_w_c->matrix().allFinite()) &&
+                        (!row.P_w_c || row.P_w_c->allFinite());
     if (row.rank < 0 || !finite)
       throw std::invalid_argument("results of frame " + row.frame + " are not finite");
   }
@@ -57,7 +60,7 @@ std::string hypothesesHeader() {
   std::string header = "frame,rank,model,probability,score";
   for (const auto& names : {kModelPose, kWorldPose})
     for (const char* name : names) header.append(",").append(name);
-  return header + ",sd_rot_deg,sd_trans_m,reason\n";
+  return header + ",sd_rot_deg,sd_trans_m,reason,state\n";
 }
 
 std::string hypothesesLines(const FrameResult& frame) {
@@ -65,8 +68,33 @@ std::string hypothesesLines(const FrameResult& frame) {
   std::string lines;
   for (const ResultRow& row : frame.rows)
     lines += text::csvCell(row.frame) + ',' + std::to_string(row.rank) + ',' +
-             (row.rank ? hypothesisCells(row) : no_hypothesis) + ',' + text::csvCell(row.reason) + '\n';
+             (row.rank ? hypothesisCells(row) : no_hypothesis) + ',' + text::csvCell(row.reason) + ',' +
+             toString(row.state) + '\n';
   return lines;
+}
+
+/** The upper triangle by rows; rotation x, y, z, then translation. */
+template <class Visit>
+void forEachOfTriangle(const Visit& visit) {
+  static constexpr std::array<const char*, 6> kAxes = {"rx", "ry", "rz", "tx", "ty", "tz"};
+  for (int i = 0; i < 6; ++i)
+    for (int j = i; j < 6; ++j) visit(i, j, std::string(kAxes[i]) + "_" + kAxes[j]);
+}
+
+std::string covariancesHeader() {
+  std::string header = "frame";
+  forEachOfTriangle([&](int, int, const std::string& name) { header += "," + name; });
+  return header + "\n";
+}
+
+std::string covarianceLine(const FrameResult& frame) {
+  const ResultRow& row = frame.rows.front();
+  if (row.rank != 1 || !row.T_w_c || !row.P_w_c) return {};
+  std::string line = text::csvCell(row.frame);
+  forEachOfTriangle([&](int i, int j, const std::string&) {
+    line.append(",").append(text::significant((*row.P_w_c)(i, j)));
+  });
+  return line + '\n';
 }
 
 constexpr const char* kTimingHeader = "frame,segment_ms,features_ms,localize_ms,models\n";
@@ -82,7 +110,8 @@ std::string timingLine(const FrameResult& frame) {
 std::string poseLines(const FrameResult& frame) {
   std::string lines;
   for (const ResultRow& row : frame.rows)
-    if (row.rank == 1 && row.T_w_c) lines += tum::line({frame.stamp, *row.T_w_c});
+    if (row.rank == 1 && row.T_w_c && row.state == AnswerState::sure)
+      lines += tum::line({frame.stamp, *row.T_w_c});
   return lines;
 }
 
@@ -110,12 +139,21 @@ bool allEmpty(const csv::Table& table, const csv::Row& row, const std::array<con
                      [&](const char* name) { return text::trimmed(table.string(row, name)).empty(); });
 }
 
+std::optional<AnswerState> stateIn(const csv::Table& table, const csv::Row& row) {
+  if (!table.hasColumn("state")) return {};
+  const auto state = answerStateOf(table.string(row, "state"));
+  if (!state) table.fail(row, "state is none of sure, doubtful, unknown");
+  return state;
+}
+
 ResultRow readRow(const csv::Table& table, const csv::Row& row) {
   ResultRow result;
   result.frame = table.string(row, "frame");
   result.rank = table.count(row, "rank");
   result.reason = table.string(row, "reason");
+  const std::optional<AnswerState> state = stateIn(table, row);
   if (result.rank == 0) return result;
+  result.state = state.value_or(AnswerState::doubtful);
   result.model = table.string(row, "model");
   result.probability = table.real(row, "probability");
   if (!plausible::isProbability(result.probability)) table.fail(row, "probability is not between 0 and 1");
@@ -142,12 +180,14 @@ void writeResults(const std::filesystem::path& folder, const std::vector<FrameRe
   writeTextAtomically(folder / kParams, [&](std::ostream& out) { out << params_ini; });
   writeAll(folder / kTiming, kTimingHeader, frames, timingLine);
   writeAll(folder / kPoses, tum::kHeader, frames, poseLines);
+  writeAll(folder / kCovariances, covariancesHeader(), frames, covarianceLine);
   writeAll(folder / kHypotheses, hypothesesHeader(), frames, hypothesesLines);
 }
 
 ResultsWriter::ResultsWriter(const std::filesystem::path& folder, const std::string& params_ini)
     : timing_(created(folder) / kTiming, kTimingHeader),
       poses_(folder / kPoses, tum::kHeader),
+      covariances_(folder / kCovariances, covariancesHeader()),
       hypotheses_(folder / kHypotheses, hypothesesHeader()) {
   writeTextAtomically(folder / kParams, [&](std::ostream& out) { out << params_ini; });
 }
@@ -156,6 +196,7 @@ void ResultsWriter::append(const FrameResult& frame) {
   requireWritable(frame);
   timing_.append(timingLine(frame));
   poses_.append(poseLines(frame));
+  covariances_.append(covarianceLine(frame));
   hypotheses_.append(hypothesesLines(frame));
 }
 
@@ -172,13 +213,37 @@ csv::Table tableOf(const std::filesystem::path& path, const Remark& remark) {
   return table;
 }
 
+/** Of results that were written before there were states. */
+void addStates(std::vector<ResultRow>& rows) {
+  std::map<std::string, AnswerState> states;
+  for (const ResultRow& row : rows)
+    if (row.rank == 1 && row.probability >= kMinProbability) states[row.frame] = AnswerState::sure;
+  for (ResultRow& row : rows)
+    if (row.rank > 0 && states.count(row.frame)) row.state = AnswerState::sure;
+}
+
 }  // namespace
 
 std::vector<ResultRow> readHypotheses(const std::filesystem::path& folder, const Remark& remark) {
   const csv::Table table = tableOf(folder / kHypotheses, remark);
   std::vector<ResultRow> rows;
   for (const csv::Row& row : table.rows()) rows.push_back(readRow(table, row));
+  if (!table.hasColumn("state")) addStates(rows);
   return rows;
+}
+
+std::map<std::string, Matrix6d> readCovariances(const std::filesystem::path& folder, const Remark& remark) {
+  std::map<std::string, Matrix6d> covariances;
+  if (!std::filesystem::exists(folder / kCovariances)) return covariances;
+  const csv::Table table = tableOf(folder / kCovariances, remark);
+  for (const csv::Row& row : table.rows()) {
+    Matrix6d P;
+    forEachOfTriangle(
+        [&](int i, int j, const std::string& name) { P(i, j) = P(j, i) = table.real(row, name); });
+    if ((P.diagonal().array() < 0).any()) table.fail(row, "a variance is negative");
+    covariances[table.string(row, "frame")] = P;
+  }
+  return covariances;
 }
 
 std::vector<TimingRow> readTiming(const std::filesystem::path& folder, const Remark& remark) {

@@ -34,6 +34,7 @@ ResultRow hypothesis(const std::string& frame, int rank, double probability, con
   row.model = "10.0";
   row.probability = probability;
   row.T_w_c = T_w_c;
+  row.state = probability >= kMinProbability ? AnswerState::sure : AnswerState::doubtful;
   return row;
 }
 
@@ -126,7 +127,7 @@ TEST(Evaluation, AFirstAnswerThatIsNowhereInTheWorldIsNotJudged) {
   EXPECT_EQ(evaluation.frames[0].first_correct, 2);
   const Summary summary = summarize("all", evaluation.frames);
   EXPECT_EQ(summary.threshold, 0);
-  EXPECT_EQ(summary.confident, 0u);
+  EXPECT_EQ(summary.sure, 0u);
   EXPECT_NEAR(summary.brier, 0.04, 1e-12);
   TemporaryFolder folder;
   const EvaluationReport report{"r", "t", {}, evaluation, {summary}, {}};
@@ -311,15 +312,15 @@ TEST(EvaluationReport, FramesOfSeveralPlacesArePooled) {
 TEST(Summary, ConfidentAndUnsureAnswers) {
   // Probabilities 0.95 (right), 0.6 and 0.15 (wrong), 0.55 (right), and no answer.
   Summary s = summarize("all", evaluate(exampleRows(), exampleTruth(), {}, {}).frames);
-  EXPECT_EQ(s.confident, 1u);
-  EXPECT_EQ(s.confident_correct, 1u);
+  EXPECT_EQ(s.sure, 1u);
+  EXPECT_EQ(s.sure_correct, 1u);
   EXPECT_EQ(s.unsure, 2u);
   // The limits themselves count as confident, and not as unsure.
   s = summarize("limits", evaluate({hypothesis("1.0", 1, 0.9, pose(5)), hypothesis("2.0", 1, 0.5, pose(0))},
                                    exampleTruth(), {}, {})
                               .frames);
-  EXPECT_EQ(s.confident, 1u);
-  EXPECT_EQ(s.confident_correct, 0u);
+  EXPECT_EQ(s.sure, 1u);
+  EXPECT_EQ(s.sure_correct, 0u);
   EXPECT_EQ(s.unsure, 0u);
 }
 
@@ -360,7 +361,7 @@ TEST(EvaluateApp, PrintsAndWritesTheTables) {
   EXPECT_THAT(test::contentOf(folder / "results/evaluation/tables.csv"),
               HasSubstr("II,Translation error [mm],Avg.,36.83,30\n"));
   EXPECT_THAT(test::contentOf(folder / "results/evaluation/frames.csv"),
-              HasSubstr("\n,2.0,2,unknown,0,,,,3,2,50,1,1,0.6,"));
+              HasSubstr("\n,2.0,2,unknown,0,,,,3,2,50,1,1,doubtful,0.6,"));
   EXPECT_THAT(test::contentOf(folder / "results/evaluation/fig6.csv"),
               HasSubstr("set,share,translation_mm,orientation_deg,index\nall,0.333333333,10,"));
   EXPECT_EQ(test::runTool<EvaluateApp>({folder / "nowhere", folder / "truth.txt"}).code, kFailed);

@@ -23,6 +23,7 @@ FrameEvaluation frame(const std::string& name, int first_correct = 1, double pro
   f.hypotheses = 3;
   f.first_correct = first_correct;
   f.probability = probability;
+  f.state = probability >= kMinProbability ? AnswerState::sure : AnswerState::doubtful;
   f.first_correct_error.translation = 0.01;
   return f;
 }

@@ -91,6 +91,7 @@ FrameEvaluation answered(const std::string& name, double probability, int first_
   f.nearest = NearestModel{"10.0", 0.4, 8};
   f.hypotheses = 3;
   f.probability = probability;
+  f.state = probability >= kMinProbability ? AnswerState::sure : AnswerState::doubtful;
   f.first_correct = first_correct;
   f.closest = std::max(first_correct, 1);
   return f;
@@ -100,6 +101,7 @@ EvaluationReport exampleReport() {
   EvaluationReport report{"results <1>", "place", {}, {}, {}, {}};
   FrameEvaluation none = answered("1004", 0, 0);
   none.hypotheses = none.closest = 0;
+  none.state = AnswerState::unknown;
   none.reason = "the planes in view leave free: rotation & more";
   report.evaluation.frames = {answered("1001", 0.95, 1), answered("1002", 0.97, 0), answered("1003", 0.4, 2),
                               none};
@@ -116,7 +118,7 @@ TEST(EvaluationHtml, HasEveryTableOfTheText) {
   EXPECT_EQ(faultOf(html), "");
   EXPECT_THAT(html, Not(HasSubstr("http")));
   const auto tables = reportTables(report.evaluation, report.summaries, report.timing);
-  EXPECT_EQ(tables.size(), 7u);
+  EXPECT_EQ(tables.size(), 8u);
   for (const ReportTable& t : tables) {
     EXPECT_THAT(html, HasSubstr("<caption>" + htmlEscaped(t.title) + "</caption>"));
     for (const auto& row : t.table.rows())

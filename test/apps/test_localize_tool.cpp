@@ -149,7 +149,8 @@ TEST_F(Tools, LocalizeResumesWhereItsFilesDiffer) {
 TEST_F(Tools, LocalizeKeepsOldResultsUntilTheNewOnesAreWhole) {
   const std::string results = folder_ / "results";
   ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
-  const char* files[] = {"/hypotheses.csv", "/poses_tum.txt", "/timing.csv", "/params.ini", "/images.txt"};
+  const char* files[] = {"/hypotheses.csv", "/poses_tum.txt", "/covariances.csv",
+                         "/timing.csv",     "/params.ini",    "/images.txt"};
   std::map<std::string, std::string> old;
   for (const char* file : files) old[file] = contentOf(results + file);
   const std::vector<std::string> other = {map(), query(), "-o", results, "--labels.min_support", "99"};
@@ -196,7 +197,7 @@ TEST_F(Tools, SmoothNoiseIsFoundAndToldOf) {
   const ToolRun run = runTool<LocalizeApp>({noisy_map, images, "-o", folder_ / "results"});
   ASSERT_EQ(run.code, kOk) << run.err;
   EXPECT_THAT(run.err, tells);
-  EXPECT_THAT(run.out, HasSubstr("12 images, 12 with hypotheses"));
+  EXPECT_THAT(run.out, HasSubstr("12 images: "));
   const ToolRun told =
       runTool<LocalizeApp>({noisy_map, images, "-o", folder_ / "told", "--noise.inverse_depth_std", "0.006"});
   EXPECT_THAT(told.err, Not(HasSubstr("noisier")));
@@ -230,6 +231,57 @@ TEST_F(Tools, AListOfImagesIsNotTakenForAJournal) {
   std::ofstream(list) << firstImage() << "\n";
   EXPECT_EQ(runTool<LocalizeApp>({map(), list, "-o", folder}).code, kUsage);
   EXPECT_TRUE(fs::exists(list));
+}
+
+TEST_F(Tools, LocalizeTellsSureAnswersFromOthers) {
+  const auto count = [&](const std::string& results, AnswerState state) {
+    int n = 0;
+    for (const ResultRow& row : readHypotheses(results)) n += row.rank <= 1 && row.state == state;
+    return n;
+  };
+  const std::string usual = folder_ / "usual", strict = folder_ / "strict";
+  const ToolRun run = runTool<LocalizeApp>({map(), query(), "-o", usual});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  const int sure = count(usual, AnswerState::sure);
+  EXPECT_GT(sure, 0);
+  EXPECT_THAT(run.out, HasSubstr("12 images: " + std::to_string(sure) + " sure, " +
+                                 std::to_string(count(usual, AnswerState::doubtful)) + " doubtful, " +
+                                 std::to_string(count(usual, AnswerState::unknown)) + " unknown; "));
+  EXPECT_EQ(readTumTrajectory(usual + "/poses_tum.txt").poses().size(), static_cast<std::size_t>(sure));
+  for (const auto& [frame, P] : readCovariances(usual)) EXPECT_EQ(P.llt().info(), Eigen::Success) << frame;
+
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", strict, "--min-probability", "1"}).code, kOk);
+  EXPECT_LT(count(strict, AnswerState::sure), sure);
+  EXPECT_EQ(readCovariances(strict).size(), readCovariances(usual).size());
+  EXPECT_EQ(runTool<LocalizeApp>({map(), query(), "-o", strict, "--min-probability", "0"}).code, kUsage);
+}
+
+/** Scores by overlap have no probabilities that one could act on. */
+TEST_F(Tools, LocalizeIsNeverSureByOverlap) {
+  const ToolRun run = runTool<LocalizeApp>({map(), query(), "-o", folder_ / "results", "--score.by_overlap"});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("12 images: 0 sure"));
+}
+
+TEST_F(Tools, LocalizeSaysWhatToLookAtWhereNothingIsSure) {
+  const std::string input = folder_ / "input";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  CameraFile file = readCameraFile(input + "/camera.ini");
+  const double fx = file.camera.intrinsics.fx;
+  file.camera.intrinsics.fx = file.camera.intrinsics.fy = 0.6 * fx;
+  writeCameraFile(input + "/camera.ini", file);
+  const ToolRun focal = runTool<LocalizeApp>({map(), input, "-o", folder_ / "focal"});
+  EXPECT_THAT(focal.out,
+              AllOf(HasSubstr("What to look at:\nDo fx and fy fit"), HasSubstr("12 images: 0 sure")));
+
+  file.camera.intrinsics.fx = file.camera.intrinsics.fy = fx;
+  file.depth_scale *= 5;
+  writeCameraFile(input + "/camera.ini", file);
+  const ToolRun scale = runTool<LocalizeApp>({map(), input, "-o", folder_ / "scale"});
+  EXPECT_THAT(scale.out,
+              AllOf(HasSubstr("What to look at:\nDoes depth_scale"), HasSubstr("12 images: 0 sure")));
+  const ToolRun good = runTool<LocalizeApp>({map(), query(), "-o", folder_ / "good"});
+  EXPECT_THAT(good.out, Not(HasSubstr("What to look at")));
 }
 
 }  // namespace

@@ -24,6 +24,8 @@ FrameResult exampleResult(const std::string& frame, int rows) {
     if (i % 2) row.T_w_c = row.T_m_c.inverse();
     row.sd_rot_deg = 0.1;
     row.reason = i == 1 ? "" : "depth-assisted, twice";
+    row.state = AnswerState::doubtful;
+    if (i == 1) row.P_w_c = Matrix6d::Identity() / 3 + 0.1 * Matrix6d::Ones();
     result.rows.push_back(row);
   }
   if (rows == 0) result.rows = {noHypothesis(frame, "the view shows no planar segment")};
@@ -48,7 +50,9 @@ void expectSame(const FrameResult& a, const FrameResult& b) {
     if (x.T_w_c && y.T_w_c) {
       EXPECT_EQ(x.T_w_c->matrix(), y.T_w_c->matrix());
     }
+    EXPECT_EQ(x.P_w_c, y.P_w_c);
     EXPECT_EQ(x.reason, y.reason);
+    EXPECT_EQ(x.state, y.state);
   }
 }
 

@@ -117,8 +117,8 @@ void print(const std::string& name, const Evaluation& evaluation) {
               name.c_str(), all.total, covered.total, percent(solvable.correct, solvable.total),
               percent(covered.correct, covered.total), percent(covered.best_correct, covered.total),
               covered.translation_stats.mean, covered.rotation_stats.mean, covered.index_stats.mean,
-              percent(covered.none, covered.total), percent(all.confident_correct, all.confident),
-              percent(covered.confident_correct, covered.total), all.largest_deviation, nothing.unsure,
+              percent(covered.none, covered.total), percent(all.sure_correct, all.sure),
+              percent(covered.sure_correct, covered.total), all.largest_deviation, nothing.unsure,
               nothing.total);
   std::fflush(stdout);
 }

@@ -23,7 +23,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 constexpr const char* kHeader = "frame,rank,model,probability,score,m_tx,m_ty,m_tz,m_qx,m_qy,m_qz,m_qw,"
-                                "w_tx,w_ty,w_tz,w_qx,w_qy,w_qz,w_qw,sd_rot_deg,sd_trans_m,reason\n";
+                                "w_tx,w_ty,w_tz,w_qx,w_qy,w_qz,w_qw,sd_rot_deg,sd_trans_m,reason,state\n";
 
 ResultRow hypothesis(const std::string& frame, int rank) {
   ResultRow row;
@@ -36,7 +36,15 @@ ResultRow hypothesis(const std::string& frame, int rank) {
   row.T_m_c.translation() << 1, -2, 3.25;
   row.sd_rot_deg = 0.5;
   row.sd_trans_m = 0.01;
+  row.state = AnswerState::doubtful;
   return row;
+}
+
+Matrix6d exampleCovariance() {
+  Matrix6d P;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) P(i, j) = i == j ? 1 + i : 0.01 * (i + j) - 0.05;
+  return P;
 }
 
 ResultRow noHypothesis(const std::string& frame) {
@@ -51,6 +59,8 @@ std::vector<FrameResult> twoFrames() {
   a.stamp = 1.5;
   a.rows = {hypothesis("1.5", 1), hypothesis("1.5", 2)};
   a.rows[0].T_w_c = Eigen::Isometry3d(Eigen::Translation3d(7, 8, 9));
+  a.rows[0].P_w_c = exampleCovariance();
+  for (ResultRow& row : a.rows) row.state = AnswerState::sure;
   a.timing = {"1.5", 10.25, 2, 3.5, 140};
   b.stamp = 2;
   b.rows = {noHypothesis("2")};
@@ -85,6 +95,14 @@ TEST(Results, RoundTrip) {
   EXPECT_EQ(rows[2].rank, 0);
   EXPECT_EQ(rows[2].reason, frames[1].rows[0].reason);
 
+  EXPECT_EQ(rows[0].state, AnswerState::sure);
+  EXPECT_EQ(rows[1].state, AnswerState::sure);
+  EXPECT_EQ(rows[2].state, AnswerState::unknown);
+
+  const auto covariances = readCovariances(folder / "a/b");
+  ASSERT_EQ(covariances.size(), 1u);
+  EXPECT_LT((covariances.at("1.5") - exampleCovariance()).norm(), 1e-8);
+
   const auto timing = readTiming(folder / "a/b");
   ASSERT_EQ(timing.size(), 2u);
   EXPECT_EQ(timing[0].frame, "1.5");
@@ -93,7 +111,7 @@ TEST(Results, RoundTrip) {
   EXPECT_EQ(timing[0].models, 140);
 
   const Trajectory poses = readTumTrajectory(folder / "a/b/poses_tum.txt");
-  ASSERT_EQ(poses.poses().size(), 1u) << "only rank 1 with a world pose";
+  ASSERT_EQ(poses.poses().size(), 1u) << "only sure ones of rank 1 with a world pose";
   EXPECT_EQ(poses.poses()[0].stamp, 1.5);
   EXPECT_EQ(bytesOf(folder / "a/b/params.ini"), "min_support = 150\n");
 }
@@ -110,15 +128,56 @@ TEST(Results, TheBytesAreThoseOfTheContract) {
   lost.rows[0].reason = "dark, \"very\"";
   writeResults(folder.path(), {frame, lost}, "");
   EXPECT_EQ(bytesOf(folder / "hypotheses.csv"),
-            kHeader + std::string("f,1,m,0.333333333,-12.5,0.333333333,0,1e-09,0,0,0,1,,,,,,,,0.5,0.01,\n"
-                                  "g,0,,,,,,,,,,,,,,,,,,,,\"dark, \"\"very\"\"\"\n"));
+            kHeader +
+                std::string("f,1,m,0.333333333,-12.5,0.333333333,0,1e-09,0,0,0,1,,,,,,,,0.5,0.01,,doubtful\n"
+                            "g,0,,,,,,,,,,,,,,,,,,,,\"dark, \"\"very\"\"\",unknown\n"));
+}
+
+/** Poses that are not sure are not handed to anybody who may drive by them. */
+TEST(Results, DoubtfulPosesAreNoTrajectory) {
+  const TemporaryFolder folder;
+  auto frames = twoFrames();
+  for (ResultRow& row : frames[0].rows) row.state = AnswerState::doubtful;
+  writeResults(folder.path(), frames, "");
+  EXPECT_TRUE(readTumTrajectory(folder / "poses_tum.txt").poses().empty());
+  EXPECT_EQ(readHypotheses(folder.path())[0].state, AnswerState::doubtful);
+  EXPECT_EQ(readCovariances(folder.path()).size(), 1u);
+}
+
+TEST(Results, OfOlderVersionsAreSureByTheirProbability) {
+  std::string header = kHeader;
+  header.erase(header.find(",state"), 6);
+  const std::string pose = ",1,0,0,0,0,0,0,1,,,,,,,,1,1,\n";
+  const TemporaryFolder folder;
+  putBytes(folder / "hypotheses.csv", header + "f,1,m,0.9" + pose + "f,2,m,0.1" + pose + "g,1,m,0.89" + pose +
+                                          "h,0,,,,,,,,,,,,,,,,,,,,why\n");
+  std::vector<AnswerState> states;
+  for (const ResultRow& row : readHypotheses(folder.path())) states.push_back(row.state);
+  using S = AnswerState;
+  EXPECT_THAT(states, testing::ElementsAre(S::sure, S::sure, S::doubtful, S::unknown));
+  EXPECT_TRUE(readCovariances(folder.path()).empty());
+}
+
+TEST(Results, AWrongStateOrCovarianceIsNamed) {
+  EXPECT_THAT(errorOf(kHeader + std::string("f,0,,,,,,,,,,,,,,,,,,,,why,certain\n")),
+              AllOf(HasSubstr("line 2"), HasSubstr("state")));
+  const TemporaryFolder folder;
+  writeResults(folder.path(), twoFrames(), "");
+  const std::string good = bytesOf(folder / "covariances.csv");
+  putBytes(folder / "covariances.csv", good + "f" + good.substr(good.find("\n1.5,") + 4));
+  EXPECT_EQ(readCovariances(folder.path()).size(), 2u);
+  for (const char* first : {"nan", "-1", "x"}) {
+    const std::size_t cell = good.find("\n1.5,") + 5;
+    putBytes(folder / "covariances.csv", good.substr(0, cell) + first + good.substr(good.find(',', cell)));
+    EXPECT_THAT(ioErrorOf([&] { readCovariances(folder.path()); }), HasSubstr("covariances.csv: line 2"));
+  }
 }
 
 TEST(Results, SameResultsSameBytes) {
   const TemporaryFolder folder;
   writeResults(folder / "a", twoFrames(), "x");
   writeResults(folder / "b", twoFrames(), "x");
-  for (const char* name : {"hypotheses.csv", "poses_tum.txt", "timing.csv", "params.ini"})
+  for (const char* name : {"hypotheses.csv", "poses_tum.txt", "covariances.csv", "timing.csv", "params.ini"})
     EXPECT_EQ(bytesOf(folder / "a" / name), bytesOf(folder / "b" / name)) << name;
 }
 
@@ -135,31 +194,31 @@ TEST(Results, ColumnsAreFoundByName) {
 
 TEST(Results, NamesTheLineOfAFault) {
   const std::string header = kHeader;
-  const std::string none = "f,0,,,,,,,,,,,,,,,,,,,,why\n";
+  const std::string none = "f,0,,,,,,,,,,,,,,,,,,,,why,unknown\n";
   EXPECT_EQ(errorOf(header + none), "");
   EXPECT_EQ(errorOf(header), "");
   EXPECT_THAT(errorOf(""), HasSubstr("empty"));
   EXPECT_THAT(errorOf("frame,rank\nf,0\n"), AllOf(HasSubstr("hypotheses.csv"), HasSubstr("'reason'")));
   EXPECT_THAT(errorOf(header + none + "f,0,,,,,\n"), AllOf(HasSubstr("line 3"), HasSubstr("columns")));
-  EXPECT_THAT(errorOf(header + "f,x,,,,,,,,,,,,,,,,,,,,why\n"),
+  EXPECT_THAT(errorOf(header + "f,x,,,,,,,,,,,,,,,,,,,,why,unknown\n"),
               AllOf(HasSubstr("line 2"), HasSubstr("rank = 'x'")));
-  EXPECT_THAT(errorOf(header + "f,-1,,,,,,,,,,,,,,,,,,,,why\n"), HasSubstr("negative"));
-  EXPECT_THAT(errorOf(header + "f,1,m,,,,,,,,,,,,,,,,,,,why\n"), HasSubstr("probability"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,2,,,,,,,,1,1,\n"), HasSubstr("rotation"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1,nan,0,0,0,0,0,0,1,,,,,,,,1,1,\n"), HasSubstr("finite"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,1,1,,,,,,,1,1,\n"), HasSubstr("w_ty"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1.5,1,0,0,0,0,0,0,1,,,,,,,,1,1,\n"), HasSubstr("between 0 and 1"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1,1,9e6,0,0,0,0,0,1,,,,,,,,1,1,\n"), HasSubstr("1000 km away"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,1,,,,,,,,1,-1,\n"), HasSubstr("is negative"));
-  EXPECT_THAT(errorOf(header + "f,0,,,,,,,,,,,,,,,,,,,,\"why\n"),
+  EXPECT_THAT(errorOf(header + "f,-1,,,,,,,,,,,,,,,,,,,,why,unknown\n"), HasSubstr("negative"));
+  EXPECT_THAT(errorOf(header + "f,1,m,,,,,,,,,,,,,,,,,,,why,unknown\n"), HasSubstr("probability"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,2,,,,,,,,1,1,,sure\n"), HasSubstr("rotation"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,nan,0,0,0,0,0,0,1,,,,,,,,1,1,,sure\n"), HasSubstr("finite"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,1,1,,,,,,,1,1,,sure\n"), HasSubstr("w_ty"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1.5,1,0,0,0,0,0,0,1,,,,,,,,1,1,,sure\n"), HasSubstr("between 0 and 1"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,1,9e6,0,0,0,0,0,1,,,,,,,,1,1,,sure\n"), HasSubstr("1000 km away"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,1,,,,,,,,1,-1,,sure\n"), HasSubstr("is negative"));
+  EXPECT_THAT(errorOf(header + "f,0,,,,,,,,,,,,,,,,,,,,\"why,unknown\n"),
               AllOf(HasSubstr("line 2"), HasSubstr("quote")));
-  EXPECT_THAT(errorOf(header + "\"f\"x,0,,,,,,,,,,,,,,,,,,,,why\n"), HasSubstr("line 2"));
+  EXPECT_THAT(errorOf(header + "\"f\"x,0,,,,,,,,,,,,,,,,,,,,why,unknown\n"), HasSubstr("line 2"));
   EXPECT_NE(ioErrorOf([] { readTiming("no/such/folder"); }), "");
 }
 
 /** As a program leaves it that is killed while it writes. */
 TEST(Results, ATornLastLineIsLeftOutForWhoHearsOfIt) {
-  const std::string row = "f,0,,,,,,,,,,,,,,,,,,,,why\n", torn = "g,1,\"a model";
+  const std::string row = "f,0,,,,,,,,,,,,,,,,,,,,why,unknown\n", torn = "g,1,\"a model";
   const TemporaryFolder folder;
   std::string remarks;
   const Remark remark = [&](const std::string& text) { remarks += text; };
@@ -173,13 +232,14 @@ TEST(Results, ATornLastLineIsLeftOutForWhoHearsOfIt) {
   remarks.clear();
   putBytes(folder / "hypotheses.csv", kHeader + torn + "\n" + row);
   EXPECT_NE(ioErrorOf([&] { readHypotheses(folder.path(), remark); }), "") << "it is not the last line";
-  putBytes(folder / "hypotheses.csv", kHeader + row.substr(0, row.size() - 1));
-  EXPECT_EQ(readHypotheses(folder.path(), remark).size(), 1u);
-  EXPECT_EQ(remarks, "") << "all of it is there";
+  putBytes(folder / "hypotheses.csv", kHeader + row + row.substr(0, row.size() - 1));
+  EXPECT_EQ(readHypotheses(folder.path(), remark).size(), 1u) << "who knows what else it was to say";
+  EXPECT_THAT(remarks, HasSubstr("torn"));
+  EXPECT_EQ(readHypotheses(folder.path()).size(), 2u);
 }
 
 TEST(Results, LineNumbersCountLinesInsideQuotes) {
-  const std::string two_lines = "f,0,,,,,,,,,,,,,,,,,,,,\"a\nb\"\n\n";
+  const std::string two_lines = "f,0,,,,,,,,,,,,,,,,,,,,\"a\nb\",unknown\n\n";
   EXPECT_THAT(errorOf(kHeader + two_lines + "bad\n"), HasSubstr("line 5"));
 }
 
@@ -194,7 +254,7 @@ TEST(ResultsWriter, WritesTheSameFrameByFrame) {
     writer.append(frame);
     EXPECT_EQ(readTiming(folder / "growing").size(), before + 1) << "there when append() returns";
   }
-  for (const char* name : {"hypotheses.csv", "timing.csv", "poses_tum.txt", "params.ini"})
+  for (const char* name : {"hypotheses.csv", "timing.csv", "poses_tum.txt", "covariances.csv", "params.ini"})
     EXPECT_EQ(bytesOf(folder / "whole" / name), bytesOf(folder / "growing" / name)) << name;
 }
 

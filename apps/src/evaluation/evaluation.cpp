@@ -60,6 +60,13 @@ double angleDeg(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   return rotationAngle(a.linear() * b.linear().transpose()) / kDegree;
 }
 
+/** Nothing for a covariance that is none. */
+std::optional<double> neesOf(const Vector6d& error, const Matrix6d& P) {
+  const Eigen::LLT<Matrix6d> factor(P);
+  if (factor.info() != Eigen::Success) return {};
+  return error.dot(factor.solve(error));
+}
+
 /** Judges frames against what is true and the map. */
 class Judge {
 public:
@@ -77,14 +84,16 @@ public:
     e.stamp = frame.stamp;
     e.T_w_c = T_w_c;
     e.unmapped = truth.unmapped(frame.name);
-    judgeHypotheses(frame, T_w_c, e);
+    judgeHypotheses(frame, T_w_c, run.covariances, e);
     const std::vector<std::size_t> covering = locate(run.images, e);
     judgePlanes(covering, truth, e);
     return e;
   }
 
 private:
-  void judgeHypotheses(const FrameRows& frame, const Eigen::Isometry3d& truth, FrameEvaluation& e) const {
+  void judgeHypotheses(const FrameRows& frame, const Eigen::Isometry3d& truth,
+                       const std::map<std::string, Matrix6d>& covariances, FrameEvaluation& e) const {
+    e.state = frame.rows.front()->state;
     for (const ResultRow* row : frame.rows) {
       if (row->rank == 0) {
         e.reason = row->reason;
@@ -105,6 +114,9 @@ private:
       if (!correct || e.first_correct) continue;
       e.first_correct = row->rank;
       e.first_correct_error = error;
+      const auto covariance = covariances.find(row->frame);
+      if (row->rank == 1 && covariance != covariances.end())
+        e.nees = neesOf(perturbation(*pose, truth), covariance->second);
     }
   }
 
@@ -284,6 +296,7 @@ std::vector<RunResults> readRuns(const std::filesystem::path& folder, const Rema
       remark(run.string() +
              ": a later run into this folder was not finished; its results are not among these");
     runs.push_back({single ? "" : name, readHypotheses(run, remark), {}, name, {}});
+    runs.back().covariances = readCovariances(run, remark);
     if (auto provenance = Provenance::read(run)) runs.back().images = std::move(provenance->images);
     if (fs::exists(run / kTiming)) runs.back().timing = readTiming(run, remark);
   }
@@ -348,9 +361,15 @@ Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& f
     summary.none += frame.hypotheses == 0;
     summary.wrong += frame.hypotheses > 0 && frame.first_correct == 0;
     summary.best_correct += frame.first_correct == 1;
-    const bool confident = frame.best_error && frame.probability >= kConfident;
-    summary.confident += confident;
-    summary.confident_correct += confident && frame.first_correct == 1;
+    const bool judged = frame.best_error || frame.hypotheses == 0;  // else nobody knows where it is
+    const bool sure = judged && frame.state == AnswerState::sure;
+    const bool doubtful = judged && frame.state == AnswerState::doubtful;
+    summary.sure += sure;
+    summary.doubtful += doubtful;
+    summary.unknown += frame.state == AnswerState::unknown;
+    summary.sure_correct += sure && frame.first_correct == 1;
+    summary.doubtful_correct += doubtful && frame.first_correct == 1;
+    if (frame.nees) summary.nees.push_back(*frame.nees);
     summary.unsure += frame.hypotheses == 0 || frame.probability < kUnsure;
     if (frame.first_correct == 0) continue;
     ++summary.correct;

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -97,10 +98,12 @@ struct FrameEvaluation {
   int hypotheses = 0;
   int first_correct = 0;  ///< rank of the first correct hypothesis; 0 = none is
   PoseError first_correct_error;
+  AnswerState state = AnswerState::unknown;
   double probability = 0;               ///< of rank 1
   std::optional<PoseError> best_error;  ///< of rank 1; none if nobody knows where in the world that is
-  int closest = 0;          ///< rank of the hypothesis with the least error; 0 = there is none with a pose
-  PoseError closest_error;  ///< in units of what counts as correct
+  std::optional<double> nees;  ///< e^T P^-1 e of rank 1, if it is correct and its covariance is known
+  int closest = 0;             ///< rank of the hypothesis with the least error; 0 = there is none with a pose
+  PoseError closest_error;     ///< in units of what counts as correct
   std::optional<NearestModel> nearest;
   std::string reason;  ///< why there is no hypothesis
 };
@@ -115,9 +118,10 @@ struct Evaluation {
 struct RunResults {
   std::string name;  ///< may be empty
   std::vector<ResultRow> rows;
-  std::vector<TimingRow> timing;  ///< may be empty
-  std::string folder{};           ///< named after the run whose truth is meant; may be empty
-  ImageSizes images{};            ///< that were localized; may be empty
+  std::vector<TimingRow> timing;                  ///< may be empty
+  std::string folder{};                           ///< named after the run whose truth is meant; may be empty
+  ImageSizes images{};                            ///< that were localized; may be empty
+  std::map<std::string, Matrix6d> covariances{};  ///< of world poses of rank 1, by image; may be empty
 };
 /** \brief Reads a results folder, or a folder of results folders, one per run; these are named by their
  * folders and in the order of their names. Throws IoError. */
@@ -169,7 +173,6 @@ struct ReliabilityBin {
   double deviation() const { return std::abs(mean_probability - correct); }
 };
 
-constexpr double kConfident = 0.9;          ///< a probability of rank 1 that one may act on
 constexpr double kUnsure = 0.5;             ///< below, rank 1 is more likely wrong than right
 constexpr std::size_t kReliableCount = 20;  ///< images from which on the share of a bin says something
 
@@ -183,14 +186,15 @@ struct Summary {
   std::size_t best_correct = 0;                                          ///< rank 1 is
   CumulativeHistogram translation_mm, rotation_deg, heading_deg, index;  ///< of the first correct hypotheses
   Statistics translation_stats, rotation_stats, heading_stats, index_stats;
-  double threshold = 0;       ///< the largest probability of a wrong rank 1
-  double recall = 0;          ///< share of all frames whose rank 1 is correct and more probable than that
-  double brier = 0;           ///< mean squared difference of the probability of rank 1 and its truth
-  std::size_t confident = 0;  ///< rank 1 with a probability of at least kConfident
-  std::size_t confident_correct = 0;  ///< of these
-  std::size_t unsure = 0;             ///< no hypothesis, or rank 1 with a probability below kUnsure
+  double threshold = 0;  ///< the largest probability of a wrong rank 1
+  double recall = 0;     ///< share of all frames whose rank 1 is correct and more probable than that
+  double brier = 0;      ///< mean squared difference of the probability of rank 1 and its truth
+  std::size_t sure = 0, doubtful = 0, unknown = 0;     ///< as the results say of themselves
+  std::size_t sure_correct = 0, doubtful_correct = 0;  ///< of these: rank 1 is
+  std::size_t unsure = 0;  ///< no hypothesis, or rank 1 with a probability below kUnsure
   std::vector<ReliabilityBin> reliability;
   double largest_deviation = 0;  ///< of a bin with at least kReliableCount images
+  std::vector<double> nees;  ///< of correct poses of rank 1 with a covariance; 6 on average if that is right
 };
 Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames);
 /** \brief Of the frames that are chosen. */

@@ -54,8 +54,7 @@ StageTime stageTime(const std::string& stage, std::vector<double> ms) {
 }
 
 std::optional<MissKind> missKind(const FrameEvaluation& f) {
-  if (f.hypotheses > 0 && f.first_correct != 1 && f.probability >= kConfident)
-    return MissKind::confident_wrong;
+  if (f.state == AnswerState::sure && f.first_correct != 1) return MissKind::confident_wrong;
   if (f.unmapped) {
     if (f.hypotheses > 0 && f.probability >= kUnsure) return MissKind::sure_of_nothing;
     return {};

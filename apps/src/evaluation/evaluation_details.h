@@ -40,7 +40,7 @@ std::vector<StageTime> stageTimes(const std::vector<TimingRow>& rows);
 
 /** \brief In which way an answer was not what one wishes, the worst first. */
 enum class MissKind {
-  confident_wrong,  ///< rank 1 is wrong with a probability of at least kConfident
+  confident_wrong,  ///< sure, and rank 1 is wrong
   sure_of_nothing,  ///< the map has nothing there, yet rank 1 has a probability of at least kUnsure
   not_found,        ///< covered, or of unknown class, and no hypothesis is correct
   not_first         ///< correct, but not at rank 1

@@ -35,8 +35,9 @@ std::string nearestCells(const std::optional<NearestModel>& nearest) {
 void writeFrames(std::ostream& out, const Evaluation& evaluation) {
   out << "run,frame,stamp,class,nothing_there,covered,solvable,visible_planes,hypotheses,first_correct_rank,"
          "translation_mm,orientation_deg,heading_deg,"
-         "rank1_probability,rank1_translation_mm,rank1_orientation_deg,nearest_model,nearest_distance_m,"
-         "nearest_angle_deg,closest_rank,closest_translation_mm,closest_orientation_deg,reason\n";
+         "state,rank1_probability,rank1_translation_mm,rank1_orientation_deg,nearest_model,nearest_distance_"
+         "m,"
+         "nearest_angle_deg,nees,closest_rank,closest_translation_mm,closest_orientation_deg,reason\n";
   for (const FrameEvaluation& f : evaluation.frames) {
     const bool known = f.frame_class != FrameClass::unknown;
     out << text::csvCell(f.run) << "," << text::csvCell(f.name) << "," << text::shortest(f.stamp) << ","
@@ -44,10 +45,11 @@ void writeFrames(std::ostream& out, const Evaluation& evaluation) {
         << "," << wholeCell(f.solvable) << "," << wholeCell(f.visible_planes) << "," << f.hypotheses << ","
         << f.first_correct << "," << errorCells(f.first_correct > 0, f.first_correct_error) << ","
         << (f.first_correct ? text::significant(f.first_correct_error.heading_deg) : "") << ","
-        << (f.hypotheses ? text::significant(f.probability) : "") << ","
+        << toString(f.state) << "," << (f.hypotheses ? text::significant(f.probability) : "") << ","
         << errorCells(f.best_error.has_value(), f.best_error.value_or(PoseError())) << ","
-        << nearestCells(f.nearest) << "," << (f.closest ? std::to_string(f.closest) : "") << ","
-        << errorCells(f.closest > 0, f.closest_error) << "," << text::csvCell(f.reason) << "\n";
+        << nearestCells(f.nearest) << "," << (f.nees ? text::significant(*f.nees) : "") << ","
+        << (f.closest ? std::to_string(f.closest) : "") << "," << errorCells(f.closest > 0, f.closest_error)
+        << "," << text::csvCell(f.reason) << "\n";
   }
 }
 

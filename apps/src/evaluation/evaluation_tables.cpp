@@ -11,6 +11,7 @@ namespace facetloc {
 namespace {
 
 constexpr const char* kNew = "new";
+constexpr const char* kNees = "NEES of correct poses of rank 1 (right: 6)";
 
 /** One line of a table: what it is, the paper's figure if there is one, and ours for each set of frames. */
 struct Quantity {
@@ -57,6 +58,10 @@ Quantity bound(const char* group, std::optional<double> paper, CumulativeHistogr
           {}};
 }
 
+Quantity nees(const char* name, const std::function<double(const Summary&)>& value, int decimals = 2) {
+  return {"beyond", kNees, name, {}, {}, decimals, value, {}};
+}
+
 const std::vector<Quantity>& quantities() {
   constexpr const char* kTranslation = "Translation error [mm]";
   constexpr const char* kOrientation = "Orientation error [deg]";
@@ -85,6 +90,20 @@ const std::vector<Quantity>& quantities() {
       moment(kIndex, "Std.", 25.53, &Y::index_stats, &S::std),
       moment(kIndex, "Max.", 530, &Y::index_stats, &S::max),
       bound(kIndex, {}, &Y::index),
+      count("states", "Total", 792, 100.00, &Y::total),
+      count("states", "Sure", {}, {}, &Y::sure),
+      count("states", "  correct", {}, {}, &Y::sure_correct),
+      {"states",
+       "",
+       "  share of the sure that is correct [%]",
+       {},
+       {},
+       2,
+       [](const Y& s) { return shareOf(s.sure_correct, s.sure); },
+       {}},
+      count("states", "Doubtful", {}, {}, &Y::doubtful),
+      count("states", "  rank 1 correct", {}, {}, &Y::doubtful_correct),
+      count("states", "Unknown (in the paper: no hypothesis)", 30, 3.79, &Y::unknown),
       count("beyond", "Rank 1 correct", {}, {}, &Y::best_correct),
       {"beyond",
        "",
@@ -96,16 +115,6 @@ const std::vector<Quantity>& quantities() {
        {}},
       {"beyond", "", "  at a probability above", {}, {}, 4, [](const Y& s) { return s.threshold; }, {}},
       {"beyond", "", "Brier score of rank 1", {}, {}, 4, [](const Y& s) { return s.brier; }, {}},
-      count("beyond", "Rank 1 with a probability of 0.9 or more", {}, {}, &Y::confident),
-      {"beyond",
-       "",
-       "  share of these that is correct [%]",
-       {},
-       {},
-       2,
-       [](const Y& s) { return shareOf(s.confident_correct, s.confident); },
-       {}},
-      count("beyond", "  correct ones, of all images", {}, {}, &Y::confident_correct),
       count("beyond", "No hypothesis, or rank 1 below 0.5", {}, {}, &Y::unsure),
       {"beyond",
        "",
@@ -114,7 +123,17 @@ const std::vector<Quantity>& quantities() {
        {},
        3,
        [](const Y& s) { return s.largest_deviation; },
-       {}}};
+       {}},
+      nees(
+          "Poses", [](const Y& s) { return static_cast<double>(s.nees.size()); }, 0),
+      nees("Avg.", [](const Y& s) { return statistics(s.nees).mean; }),
+      nees("Median (right: 5.35)", [](const Y& s) { return cumulativeHistogram(s.nees).bound(0.5); }),
+      nees("Share within the 95 % ellipsoid [%]", [](const Y& s) {
+        constexpr double kEllipsoid = 12.592;  // of chi squared with 6 degrees of freedom
+        return shareOf(static_cast<std::size_t>(std::count_if(s.nees.begin(), s.nees.end(),
+                                                              [](double e) { return e <= kEllipsoid; })),
+                       s.nees.size());
+      })};
   return all;
 }
 
@@ -126,8 +145,14 @@ std::string paperCell(const Quantity& q) {
   return q.paper ? cell(*q.paper, q.decimals, q.paper_percent) : "";
 }
 
+/** Has it no meaning for these frames? */
+bool isOfNothing(const Quantity& q, const Summary& s) {
+  return (q.table == std::string("II") && s.correct == 0) ||
+         (q.group == std::string(kNees) && s.nees.empty());
+}
+
 std::string ownCell(const Quantity& q, const Summary& s) {
-  if (q.table == std::string("II") && s.correct == 0) return "-";
+  if (isOfNothing(q, s)) return "-";
   return cell(q.value(s), q.decimals, q.percent ? std::optional<double>(q.percent(s)) : std::nullopt);
 }
 
@@ -253,6 +278,7 @@ std::vector<ReportTable> reportTables(const Evaluation& evaluation, const std::v
   std::vector<ReportTable> tables = {
       quantityTable("TABLE I. GLOBAL LOCALIZATION RESULTS (number of images)", "I", summaries),
       quantityTable("TABLE II. POSE ERROR AND INDEX OF THE FIRST CORRECT HYPOTHESIS", "II", summaries),
+      quantityTable("STATES OF THE ANSWERS (number of images)", "states", summaries),
       quantityTable("BEYOND THE PAPER", "beyond", summaries), reliabilityTable(summaries)};
   const std::vector<FrameEvaluation> frames = framesInQuestion(evaluation);
   addErrorTable("ERRORS BY THE NUMBER OF VISIBLE PLANES", "planes", errorsByVisiblePlanes(frames), tables);
@@ -286,8 +312,7 @@ void writeTables(std::ostream& out, const std::vector<Summary>& summaries) {
     out << q.table << "," << text::csvCell(q.group) << "," << text::csvCell(name) << ","
         << (q.paper ? text::significant(*q.paper) : "");
     for (const Summary& s : summaries) {
-      const bool of_nothing = std::string(q.table) == "II" && s.correct == 0;  // the printed table has a dash
-      out << "," << (of_nothing ? "" : text::significant(q.value(s)));
+      out << "," << (isOfNothing(q, s) ? "" : text::significant(q.value(s)));  // the printed table has a dash
     }
     out << "\n";
   }

@@ -3,6 +3,7 @@
 
 #include "drawing/outputs.h"
 #include "live/live_run.h"
+#include "tools/localization_report.h"
 #include "tools/provenance.h"
 
 #include <facetloc/io/atomic_file.h>
@@ -52,6 +53,7 @@ void LiveApp::addOptions(CommandLine& line) {
   line.addSwitch("repeat", run.source.repeat, "Play files and recordings again and again.");
   line.addOption("speed", run.source.speed, "X",
                  "Play recordings so many times as fast; 0 = as fast as possible, which loses frames.");
+  addMinProbability(line, min_probability_);
   input_.addOptions(line);
   line.addParams(tracking_, "tracking");
   line.addParams(localization_);
@@ -85,6 +87,7 @@ int LiveApp::execute(const CommandLine& line, const Console& console) {
   algorithms.session.view = input_.view;
   algorithms.session.width = input_.width;
   algorithms.session.tracking = tracking_;
+  if (line.given("min-probability")) algorithms.session.tracking.min_probability = min_probability_;
   algorithms.session.localization = localization_;
   algorithms.session.threads = threads();
   LiveRun run(options, algorithms, console);

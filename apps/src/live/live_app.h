@@ -37,6 +37,7 @@ private:
 
   LiveRunOptions run_;
   DepthInput input_;
+  double min_probability_ = kMinProbability;
   PoseTrackingParams tracking_;
   GlobalLocalizationParams localization_;
 };

@@ -32,8 +32,9 @@ OutputLock lockOf(const std::filesystem::path& folder) {
 }  // namespace
 
 LiveResults::LiveResults(const std::filesystem::path& folder, const std::string& params_ini,
-                         std::shared_ptr<const Map> map)
+                         std::shared_ptr<const Map> map, double min_probability)
     : map_(std::move(map)),
+      min_probability_(min_probability),
       lock_(lockOf(folder)),
       results_(folder, params_ini),
       states_(folder / "states.csv", "frame,stamp,state,reason,received,dropped,age_ms\n") {}
@@ -41,7 +42,7 @@ LiveResults::LiveResults(const std::filesystem::path& folder, const std::string&
 ResultRow LiveResults::rowOf(const std::string& frame, const Hypothesis& best) const {
   Localization answer;
   answer.hypotheses = {best};
-  return resultRows(frame, answer, *map_, 1).front();
+  return resultRows(frame, answer, *map_, 1, min_probability_).front();
 }
 
 ResultRow LiveResults::rowOf(const LiveResult& result) const {

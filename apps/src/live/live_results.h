@@ -19,9 +19,10 @@ namespace facetloc {
  * map, the pose is told relative to the nearest local model, with a remark. */
 class LiveResults {
 public:
-  /** \brief Begins anew, in the place of older results. \param map may be null. Throws IoError. */
+  /** \brief Begins anew, in the place of older results. \param map may be null
+   * \param min_probability of a place, from which on a pose is sure. Throws IoError. */
   LiveResults(const std::filesystem::path& folder, const std::string& params_ini,
-              std::shared_ptr<const Map> map);
+              std::shared_ptr<const Map> map, double min_probability = kMinProbability);
   /** \brief All of a frame is in the files when it returns. Throws IoError. */
   void append(const LiveResult& result);
 
@@ -30,6 +31,7 @@ private:
   ResultRow rowOf(const LiveResult& result) const;
 
   std::shared_ptr<const Map> map_;
+  double min_probability_;
   OutputLock lock_;
   ResultsWriter results_;
   GrowingFile states_;

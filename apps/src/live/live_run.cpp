@@ -124,7 +124,8 @@ void LiveRun::startSession() {
                                    "\nwidth = " + std::to_string(options.width) + "\n" +
                                    toIni(options.camera.noise, "noise") + toIni(options.view) +
                                    toIni(options.tracking, "tracking") + toIni(options.localization);
-    results_ = std::make_unique<LiveResults>(options_.results, params_ini, map_);
+    results_ =
+        std::make_unique<LiveResults>(options_.results, params_ini, map_, options.tracking.min_probability);
   }
   if (!options_.headless) window_ = std::make_unique<LiveWindow>("facetloc_live " + source_->name(), map_);
   if (!options_.screenshots.empty()) screenshot_ = std::make_unique<LiveScreenshot>(map_);

@@ -66,9 +66,17 @@ void fields(Archive& archive, PackedModel& packed) {
 }
 
 template <class Archive>
+void fields(Archive& archive, AnswerState& state) {
+  int number = static_cast<int>(state);
+  archive(number);
+  require(number >= static_cast<int>(AnswerState::sure) && number <= static_cast<int>(AnswerState::unknown));
+  state = static_cast<AnswerState>(number);
+}
+
+template <class Archive>
 void fields(Archive& archive, ResultRow& row) {
-  archive(row.frame, row.rank, row.model, row.probability, row.score, row.T_m_c, row.T_w_c, row.sd_rot_deg,
-          row.sd_trans_m, row.reason);
+  archive(row.frame, row.rank, row.model, row.probability, row.score, row.T_m_c, row.T_w_c, row.P_w_c,
+          row.sd_rot_deg, row.sd_trans_m, row.reason, row.state);
 }
 
 template <class Archive>

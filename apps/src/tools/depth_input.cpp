@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/depth_input.h"
 
+#include "tools/localization_hints.h"
 #include "tools/provenance.h"
 #include "tools/text.h"
 
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/text.h>
-
-#include <algorithm>
 
 namespace facetloc {
 
@@ -56,14 +55,10 @@ void noteDifference(const Camera& of_images, const Map& map, const Console& cons
 
 void noteNoise(std::vector<double> found, const SensorNoise& specified, const Console& console) {
   constexpr double kMuch = 1.3;  // times the specification; a Kinect has up to 1.2 times
-  found.erase(std::remove(found.begin(), found.end(), 0.0), found.end());
-  if (found.empty()) return;
-  const auto median = found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2);
-  std::nth_element(found.begin(), median, found.end());
-  if (*median > kMuch * specified.inverse_depth_std)
+  const double median = medianOfKnown(std::move(found));
+  if (median > kMuch * specified.inverse_depth_std)
     console.note("the images are noisier than their camera's specification: inverse_depth_std is about " +
-                 text::significant(*median, 2) + ", not " +
-                 text::significant(specified.inverse_depth_std, 2) +
+                 text::significant(median, 2) + ", not " + text::significant(specified.inverse_depth_std, 2) +
                  "; set it in camera.ini or by --noise.inverse_depth_std");
 }
 

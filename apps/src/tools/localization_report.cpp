@@ -23,6 +23,8 @@ ResultRow resultRow(const std::string& frame, int rank, const Hypothesis& h, con
   row.sd_rot_deg = largestRotationStd(h.T_m_c.P) / kDegree;
   row.sd_trans_m = largestTranslationStd(h.T_m_c.P);
   if (h.depth_assisted) row.reason = "depth-assisted";
+  if (const auto& T_w_m = map.models[h.model].T_w_m; rank == 1 && T_w_m && h.T_w_c)
+    row.P_w_c = (*T_w_m * h.T_m_c).P;
   return row;
 }
 
@@ -34,14 +36,34 @@ std::string vectorText(const Eigen::Vector3d& v, int decimals) {
 }  // namespace
 
 std::vector<ResultRow> resultRows(const std::string& frame, const Localization& answer, const Map& map,
-                                  int max_hypotheses) {
+                                  int max_hypotheses, double min_probability) {
   if (answer.hypotheses.empty()) return {noHypothesis(frame, answer.reason)};
   std::vector<ResultRow> rows;
   for (const Hypothesis& h : answer.hypotheses) {
     if (static_cast<int>(rows.size()) == max_hypotheses) break;
     rows.push_back(resultRow(frame, static_cast<int>(rows.size()) + 1, h, map));
+    rows.back().state = answer.state(min_probability);
   }
   return rows;
+}
+
+void addMinProbability(CommandLine& line, double& min_probability) {
+  line.addOption("min-probability", min_probability, "P",
+                 "Least probability of the first pose of an answer that is sure.");
+  line.addCheck([&min_probability] {
+    if (!(min_probability > 0 && min_probability <= 1))
+      throw UsageError("min-probability must be above 0 and at most 1");
+  });
+}
+
+void StateCounts::add(AnswerState state) {
+  ++(state == AnswerState::sure ? sure : state == AnswerState::doubtful ? doubtful : unknown);
+}
+
+std::string inWords(const StateCounts& counts) {
+  return counted(static_cast<std::size_t>(counts.all()), "image") + ": " + std::to_string(counts.sure) +
+         " sure, " + std::to_string(counts.doubtful) + " doubtful, " + std::to_string(counts.unknown) +
+         " unknown";
 }
 
 ResultRow noHypothesis(const std::string& frame, const std::string& reason) {

@@ -25,6 +25,8 @@ using Clock = std::chrono::steady_clock;
 std::map<std::string, FrameResult> finishedResults(const fs::path& folder) {
   std::map<std::string, std::vector<ResultRow>> rows;
   for (ResultRow& row : readHypotheses(folder)) rows[row.frame].push_back(std::move(row));
+  for (const auto& [frame, covariance] : readCovariances(folder))
+    if (const auto found = rows.find(frame); found != rows.end()) found->second.front().P_w_c = covariance;
   std::map<std::string, FrameResult> results;
   for (const TimingRow& timing : readTiming(folder))
     if (const auto found = rows.find(timing.frame); found != rows.end())
@@ -32,8 +34,10 @@ std::map<std::string, FrameResult> finishedResults(const fs::path& folder) {
   return results;
 }
 
+/** \param traits receives what tells a wrong camera. */
 FrameResult localizeFrame(const FrameFile& file, const DepthImage& image, ViewBuilder& builder,
-                          const GlobalLocalization& localization, int max_hypotheses) {
+                          const GlobalLocalization& localization, int max_hypotheses, double min_probability,
+                          ViewTraits& traits) {
   FrameResult result;
   const View scene = builder.build(image);
   const Clock::time_point start = Clock::now();
@@ -41,7 +45,9 @@ FrameResult localizeFrame(const FrameFile& file, const DepthImage& image, ViewBu
   result.stamp = file.stamp;
   result.timing = {file.name, builder.segmentMilliseconds(), builder.featuresMilliseconds(),
                    millisecondsSince(start), static_cast<int>(localization.map().models.size())};
-  result.rows = resultRows(file.name, answer, localization.map(), max_hypotheses);
+  result.rows = resultRows(file.name, answer, localization.map(), max_hypotheses, min_probability);
+  traits = ViewTraits::of(scene);
+  traits.noise = builder.segmentation().noise;
   return result;
 }
 
@@ -53,7 +59,7 @@ LocalizeApp::LocalizeApp()
           "folder or a "
           "list of 16-bit PNG or organized PCD files, one such file, or an .oni recording. "
           "RESULTS/hypotheses.csv lists the ranked poses "
-          "of each image, RESULTS/poses_tum.txt the best one; images that cannot be localized are listed "
+          "of each image, RESULTS/poses_tum.txt the sure ones; images that cannot be localized are listed "
           "with the "
           "reason. Under mpirun, the images are dealt out to its processes.") {}
 
@@ -62,6 +68,7 @@ void LocalizeApp::addOptions(CommandLine& line) {
   line.addArgument("INPUT", input_path_);
   line.addOption("output,o", folder_, "RESULTS", "Folder of the results.");
   line.addOption("max-hypotheses", max_hypotheses_, "K", "Keep so many hypotheses per image at most.");
+  addMinProbability(line, min_probability_);
   line.addSwitch("resume", resume_, "Skip images that an earlier, perhaps interrupted run has done.");
   line.addPresets();
   input_.addOptions(line);
@@ -127,19 +134,19 @@ std::vector<FrameResult> LocalizeApp::begin(const std::vector<FrameFile>& frames
 int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
                           const GlobalLocalization& localization, const std::vector<std::size_t>& todo,
                           ResultsJournal& journal, std::vector<FrameResult>& results,
-                          const Console& console) const {
+                          const Console& console) {
   Batch batch(threads(), todo.size(), console, ranks());
   std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, input_.view));
   std::vector<FrameResult> found(todo.size());
-  std::vector<double> noise(todo.size(), 0);
+  std::vector<ViewTraits> traits(todo.size());
   const auto fileOf = [&](std::size_t i) -> const FrameFile& { return sequence.frames()[todo[i]]; };
   batch.run([&](std::size_t i) { return fileOf(i).path.string(); },
             [&](std::size_t i, int worker) {
               FrameResult& result = found[i];
               try {
                 const DepthImage image = sequence.load(todo[i], input_.width);
-                result = localizeFrame(fileOf(i), image, builders[worker], localization, max_hypotheses_);
-                noise[i] = builders[worker].segmentation().noise;
+                result = localizeFrame(fileOf(i), image, builders[worker], localization, max_hypotheses_,
+                                       min_probability_, traits[i]);
               } catch (const std::exception& e) {
                 result.stamp = fileOf(i).stamp;
                 result.timing.frame = fileOf(i).name;
@@ -150,19 +157,25 @@ int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
             });
   ranks().collect(found);
   for (std::size_t i = 0; i < todo.size() && ranks().isFirst(); ++i) results[todo[i]] = std::move(found[i]);
+  std::vector<double> noise;
+  for (const ViewTraits& of_image : traits) noise.push_back(of_image.noise);
   if (ranks().isFirst()) noteNoise(std::move(noise), camera.noise, console);
+  views_ = std::move(traits);
   return batch.report();
 }
 
-void LocalizeApp::printSummary(const std::vector<FrameResult>& results, const Console& console) const {
-  std::size_t localized = 0, timed = 0;
+void LocalizeApp::printSummary(const std::vector<FrameResult>& results, const Map& map,
+                               const Console& console) const {
+  StateCounts states;
+  std::size_t timed = 0;
   double milliseconds = 0;
   for (const FrameResult& result : results) {
-    localized += result.rows.front().rank > 0;
+    states.add(result.rows.front().state);
     timed += result.timing.sum() > 0;  // others failed
     milliseconds += result.timing.sum();
   }
-  console.out << counted(results.size(), "image") << ", " << localized << " with hypotheses, "
+  for (const std::string& hint : whatToLookAt(states, views_, map)) console.out << hint << "\n";
+  console.out << inWords(states) << "; "
               << text::decimals(milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)), 1)
               << " ms per image and thread; results in " << folder_ << "\n";
 }
@@ -173,7 +186,8 @@ std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& file, const 
   return "# " + versionText() + ", map " + fs::path(map_).filename().string() + " of " +
          counted(map.models.size(), "local model") + ", checksum " + checksum(map_) + "\n" +
          cameraLine(file) + "max-hypotheses = " + std::to_string(max_hypotheses_) + "\n" +
-         toIni(input_, camera) + toIni(localization_);
+         "min-probability = " + text::shortest(min_probability_) + "\n" + toIni(input_, camera) +
+         toIni(localization_);
 }
 
 int LocalizeApp::execute(const CommandLine& line, const Console& console) {
@@ -210,7 +224,7 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
     if (code == kOk) journal.remove();  // else it tells --resume which images are still to be done
     if (code == kOk) Provenance::removeUnderWay(folder_);
   }
-  printSummary(results, console);
+  printSummary(results, *map, console);
   return code;
 }
 

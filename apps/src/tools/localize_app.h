@@ -3,6 +3,7 @@
 
 #include "tools/app.h"
 #include "tools/depth_input.h"
+#include "tools/localization_hints.h"
 #include "tools/provenance.h"
 #include "tools/results_journal.h"
 
@@ -31,16 +32,18 @@ private:
                                  ResultsJournal& journal, std::vector<std::size_t>& todo) const;
   int localize(const DepthSequence& sequence, const Camera& camera, const GlobalLocalization& localization,
                const std::vector<std::size_t>& todo, ResultsJournal& journal,
-               std::vector<FrameResult>& results, const Console& console) const;
-  void printSummary(const std::vector<FrameResult>& results, const Console& console) const;
+               std::vector<FrameResult>& results, const Console& console);
+  void printSummary(const std::vector<FrameResult>& results, const Map& map, const Console& console) const;
 
   std::string map_;
   std::string input_path_;
   std::string folder_;
   int max_hypotheses_ = 100;
+  double min_probability_ = kMinProbability;
   bool resume_ = false;
   DepthInput input_;
   GlobalLocalizationParams localization_;
+  std::vector<ViewTraits> views_;  // of the images of this run
 };
 
 }  // namespace facetloc

@@ -49,6 +49,7 @@ void RegisterApp::addOptions(CommandLine& line) {
   line.addOption("output,o", folder_, "DIR",
                  "Also write a results folder: hypotheses.csv, poses_tum.txt, ...");
   line.addOption("max-hypotheses", max_hypotheses_, "K", "List so many poses at most.");
+  addMinProbability(line, min_probability_);
   line.addPresets();
   input_.addOptions(line);
   line.addParams(localization_);
@@ -76,13 +77,15 @@ int RegisterApp::execute(const CommandLine& line, const Console& console) {
   const FrameFile& frame = source.frames()[0];
   FrameResult result;
   result.stamp = frame.stamp;
-  result.rows = resultRows(frame.name, answer, *map, max_hypotheses_);
+  result.rows = resultRows(frame.name, answer, *map, max_hypotheses_, min_probability_);
   result.timing = {frame.name, builder.segmentMilliseconds(), builder.featuresMilliseconds(), milliseconds,
                    1};
-  if (answer.hypotheses.empty())
-    console.out << "no hypothesis: " << answer.reason << "\n";
-  else
-    printPoses(console.out, result.rows);
+  const AnswerState state = answer.state(min_probability_);
+  if (state != AnswerState::unknown) printPoses(console.out, result.rows);
+  console.out << toString(state);
+  if (state == AnswerState::unknown) console.out << ": " << answer.reason;
+  if (state == AnswerState::doubtful) console.out << ": no pose is likely enough to act on it";
+  console.out << "\n";
   console.out << counted(scene.segments.size(), "source segment") << ", "
               << counted(map->models[0].view.segments.size(), "target segment") << ", registered in "
               << text::decimals(milliseconds, 1) << " ms";

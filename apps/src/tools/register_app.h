@@ -22,6 +22,7 @@ private:
   std::string source_;
   std::string target_;
   std::string folder_;
+  double min_probability_ = kMinProbability;
   int max_hypotheses_ = 10;
   DepthInput input_;
   GlobalLocalizationParams localization_;

@@ -40,6 +40,16 @@ public:
       for (int col = 0; col < 4; ++col) *this << T(row, col);
     return *this;
   }
+  LineWriter& operator<<(const Matrix6d& symmetric) {
+    for (int row = 0; row < 6; ++row)
+      for (int col = row; col < 6; ++col) *this << symmetric(row, col);
+    return *this;
+  }
+  template <class T>
+  LineWriter& operator<<(const std::optional<T>& value) {
+    *this << int(value.has_value());
+    return value ? *this << *value : *this;
+  }
   /** With a checksum, by which a line is known that was torn or damaged. */
   std::string str() const { return line_ + checksumOf(line_) + "\n"; }
 
@@ -72,6 +82,29 @@ public:
       for (int col = 0; col < 4; ++col) *this >> T(row, col);
     return *this;
   }
+  LineReader& operator>>(Matrix6d& symmetric) {
+    for (int row = 0; row < 6; ++row)
+      for (int col = row; col < 6; ++col) {
+        *this >> symmetric(row, col);
+        symmetric(col, row) = symmetric(row, col);
+      }
+    return *this;
+  }
+  template <class T>
+  LineReader& operator>>(std::optional<T>& value) {
+    int has_value = 0;
+    *this >> has_value;
+    return has_value ? *this >> value.emplace() : *this;
+  }
+  LineReader& operator>>(AnswerState& state) {
+    std::string name;
+    *this >> name;
+    if (const auto known = answerStateOf(name))
+      state = *known;
+    else
+      in_.setstate(std::ios::failbit);
+    return *this;
+  }
   /** The line was whole, and is as it was written. */
   bool complete() {
     const auto words = in_.tellg();
@@ -85,16 +118,13 @@ private:
 };
 
 void write(LineWriter& line, const ResultRow& row) {
-  line << row.rank << row.model << row.probability << row.score << row.T_m_c << int(row.T_w_c.has_value());
-  if (row.T_w_c) line << *row.T_w_c;
-  line << row.sd_rot_deg << row.sd_trans_m << row.reason;
+  line << row.rank << row.model << row.probability << row.score << row.T_m_c << row.T_w_c << row.P_w_c
+       << row.sd_rot_deg << row.sd_trans_m << row.reason << std::string(toString(row.state));
 }
 
 void read(LineReader& line, ResultRow& row) {
-  int has_world_pose = 0;
-  line >> row.rank >> row.model >> row.probability >> row.score >> row.T_m_c >> has_world_pose;
-  if (has_world_pose) line >> row.T_w_c.emplace();
-  line >> row.sd_rot_deg >> row.sd_trans_m >> row.reason;
+  line >> row.rank >> row.model >> row.probability >> row.score >> row.T_m_c >> row.T_w_c >> row.P_w_c >>
+      row.sd_rot_deg >> row.sd_trans_m >> row.reason >> row.state;
 }
 
 std::string lineOf(const std::string& frame, const FrameResult& result) {

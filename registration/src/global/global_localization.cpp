@@ -74,6 +74,7 @@ Localization GlobalLocalization::Impl::rank(const Query& query, std::vector<Hypo
   if (query.view.segments.empty()) answer.reason = "the view shows no planar segment";
   if (!answer.reason.empty()) return answer;
 
+  answer.has_probabilities = registration.score().inNats();
   answer.hypotheses = std::move(hypotheses);
   ranking.rank(query.view, answer.hypotheses);
   if (answer.hypotheses.empty()) {
@@ -84,10 +85,9 @@ Localization GlobalLocalization::Impl::rank(const Query& query, std::vector<Hypo
   return answer;
 }
 
-// Is the first place so probable that no other need be asked? Probabilities by overlap scores mean nothing.
+// Is the first place so probable that no other need be asked?
 bool GlobalLocalization::Impl::isSure(const Localization& answer) const {
-  return registration.score().inNats() && !answer.hypotheses.empty() &&
-         answer.hypotheses.front().probability >= params.shortlist.sure_probability;
+  return answer.state(params.shortlist.sure_probability) == AnswerState::sure;
 }
 
 GlobalLocalization::GlobalLocalization(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params)

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/answer_state.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/io/growing_file.h>
 
 #include <Eigen/Geometry>
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,9 +26,11 @@ struct ResultRow {
   double score = 0;
   Eigen::Isometry3d T_m_c = Eigen::Isometry3d::Identity();
   std::optional<Eigen::Isometry3d> T_w_c;  ///< empty columns where the map has no poses
-  double sd_rot_deg = 0;  ///< largest standard deviation of the orientation over directions [deg]
-  double sd_trans_m = 0;  ///< largest standard deviation of the position over directions [m]
-  std::string reason;     ///< remarks such as "depth-assisted"; why there is no hypothesis
+  std::optional<Matrix6d> P_w_c;  ///< its covariance, of rank 1; in covariances.csv instead of hypotheses.csv
+  double sd_rot_deg = 0;          ///< largest standard deviation of the orientation over directions [deg]
+  double sd_trans_m = 0;          ///< largest standard deviation of the position over directions [m]
+  std::string reason;             ///< remarks such as "depth-assisted"; why there is no hypothesis
+  AnswerState state = AnswerState::unknown;  ///< of the frame, the same in all its rows
 };
 
 /** \brief One line of RESULTS/timing.csv. */
@@ -47,8 +52,9 @@ struct FrameResult {
   TimingRow timing;
 };
 
-/** \brief Writes a results folder: hypotheses.csv, poses_tum.txt, timing.csv (all atomically, frames in the
- * given order) and params.ini. */
+/** \brief Writes a results folder: hypotheses.csv, poses_tum.txt (the sure world poses), covariances.csv (of
+ * the world poses of rank 1, whatever their state), timing.csv (all atomically, frames in the given order)
+ * and params.ini. */
 void writeResults(const std::filesystem::path& folder, const std::vector<FrameResult>& frames,
                   const std::string& params_ini);
 /** \brief A results folder that grows while a run goes on: a frame is in all files when append() returns. */
@@ -60,17 +66,21 @@ public:
   void append(const FrameResult& frame);
 
 private:
-  GrowingFile timing_, poses_, hypotheses_;
+  GrowingFile timing_, poses_, covariances_, hypotheses_;
 };
 /** \brief Is there a hypotheses.csv in it? */
 bool isResultsFolder(const std::filesystem::path& folder);
 /** \brief Receives what is worth to be said of a file that is read nevertheless. */
 using Remark = std::function<void(const std::string&)>;
-/** \brief Reads hypotheses.csv (columns by name). Throws IoError with the line for malformed files and for
+/** \brief Reads hypotheses.csv (columns by name); results of older versions, which have no column of the
+ * state, get that of kMinProbability. Throws IoError with the line for malformed files and for
  * values that are impossible.
  * \param remark If there is one, a last line that a killed program has left torn is left out, and remarked.
  */
 std::vector<ResultRow> readHypotheses(const std::filesystem::path& folder, const Remark& remark = {});
+/** \brief Reads covariances.csv, alike, by frame; empty if there is no such file. */
+std::map<std::string, Matrix6d> readCovariances(const std::filesystem::path& folder,
+                                                const Remark& remark = {});
 /** \brief Reads timing.csv, alike. */
 std::vector<TimingRow> readTiming(const std::filesystem::path& folder, const Remark& remark = {});
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/answer_state.h>
 #include <facetloc/features/camera.h>
 #include <facetloc/features/pose.h>
 
@@ -39,7 +40,7 @@ struct Hypothesis {
   double evidence = 0;                     ///< of the nearest local models, which takes the place of that
   double score = 0;                        ///< what the list is ranked by
   Explanation explained;                   ///< of the view, where there is evidence of local models
-  double probability = 0;                  ///< that this place is the right one
+  double probability = 0;  ///< that this place is the right one; close to a better pose, that one has it all
 };
 
 /** \brief What localization or registration answers: a ranked list, or why there is none. */
@@ -47,6 +48,14 @@ struct Localization {
   std::vector<Hypothesis> hypotheses;  ///< best first
   std::string reason;                  ///< why there is no hypothesis; empty if there is one
   CameraDifference camera;             ///< what the view's camera has to do with the map's
+  bool has_probabilities = true;       ///< false if scores are overlaps, whose probabilities mean nothing
+
+  /** \brief Sure if the first place is at least so probable, also against that the map does not hold it. */
+  AnswerState state(double min_probability = kMinProbability) const {
+    if (hypotheses.empty()) return AnswerState::unknown;
+    const bool sure = has_probabilities && hypotheses.front().probability >= min_probability;
+    return sure ? AnswerState::sure : AnswerState::doubtful;
+  }
 };
 
 }  // namespace facetloc

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+namespace facetloc {
+
+/** \brief What an answer is worth. One rule for all tools and classes. */
+enum class AnswerState {
+  sure,      ///< the first pose is so probable that one may act on it
+  doubtful,  ///< there are poses, but none that one may act on
+  unknown    ///< there is no pose, but a reason
+};
+
+/** \brief Probability from which on an answer is sure, unless the user chooses another. */
+constexpr double kMinProbability = 0.9;
+
+/** \brief "sure", "doubtful", "unknown". */
+constexpr const char* toString(AnswerState state) {
+  switch (state) {
+  case AnswerState::sure:
+    return "sure";
+  case AnswerState::doubtful:
+    return "doubtful";
+  case AnswerState::unknown:
+    break;
+  }
+  return "unknown";
+}
+
+/** \brief The state of that name; nothing for another word. */
+constexpr std::optional<AnswerState> answerStateOf(std::string_view name) {
+  for (const AnswerState state : {AnswerState::sure, AnswerState::doubtful, AnswerState::unknown})
+    if (name == toString(state)) return state;
+  return {};
+}
+
+}  // namespace facetloc
