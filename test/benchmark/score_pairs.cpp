@@ -6,7 +6,9 @@
 //
 // Pairs are 0.6-1.7 m and 20-60 deg apart by the true poses and share at least 30 % of their pixels; a fixed
 // seed chooses them. The prior is 60 deg and 1.5 m about the identity. Registered = within 0.3 m and 10 deg
-// of the truth.
+// of the truth; sure = with a probability of 0.9 or more, by depth and segments (PlanarRegistration) and by
+// segments alone (EkfRegistration). Where the sequences reach that far, unrelated pairs follow, more than 4 m
+// apart and without a pixel in common, of which none should be sure.
 #include "set_parameter.h"
 
 #include <facetloc/io/depth_sequence.h>
@@ -25,7 +27,8 @@ namespace {
 
 using namespace facetloc;
 
-constexpr int kPairs = 40;
+constexpr int kPairs = 40, kUnrelatedPairs = 60;
+constexpr double kUnrelatedDistance = 4;  // [m]
 constexpr int kWorkingWidth = 320;
 constexpr std::uint32_t kSeed = 1;
 constexpr double kMaxTranslationError = 0.3, kMaxRotationError = 10 * kDegree;
@@ -87,6 +90,20 @@ std::vector<std::pair<int, int>> choosePairs(const std::vector<Frame>& frames) {
   return pairs;
 }
 
+std::vector<std::pair<int, int>> chooseUnrelatedPairs(const std::vector<Frame>& frames) {
+  std::mt19937 random(kSeed);
+  std::vector<std::pair<int, int>> pairs;
+  for (int attempt = 0; attempt < 200000 && static_cast<int>(pairs.size()) < kUnrelatedPairs; ++attempt) {
+    const int i = static_cast<int>(random() % frames.size()), j = static_cast<int>(random() % frames.size());
+    const Eigen::Isometry3d T = frames[j].T_w_c.inverse() * frames[i].T_w_c;
+    if (T.translation().norm() < kUnrelatedDistance) continue;
+    if (overlap(frames[i].image, frames[j].image, T) > 0) continue;
+    if (overlap(frames[j].image, frames[i].image, T.inverse()) > 0) continue;
+    pairs.emplace_back(i, j);
+  }
+  return pairs;
+}
+
 struct PairError {
   double translation, rotation;
   bool registered() const { return translation <= kMaxTranslationError && rotation <= kMaxRotationError; }
@@ -110,6 +127,52 @@ bool setParameter(const std::string& argument, ViewParams& view, GlobalLocalizat
   const std::string name = argument.substr(2, equals - 2);
   const double value = std::atof(argument.substr(equals + 1).c_str());
   return benchmarks::setParameter(view, name, value) || benchmarks::setParameter(localization, name, value);
+}
+
+struct PairAnswers {
+  Localization by_depth, by_segments;
+};
+
+PairAnswers registerPair(const View& scene, const View& target, const GlobalLocalizationParams& params) {
+  const auto localize = [&](View source, View model) {
+    return GlobalLocalization(std::make_shared<const Map>(mapOf(std::move(model))), params).localize(source);
+  };
+  PairAnswers answers;
+  answers.by_depth = localize(scene, target);
+  View bare_scene = scene, bare_target = target;
+  bare_scene.depth = bare_target.depth = {};
+  answers.by_segments = localize(bare_scene, bare_target);
+  return answers;
+}
+
+bool isSure(const Localization& answer) { return answer.state() == AnswerState::sure; }
+double probabilityOf(const Localization& answer) {
+  return answer.hypotheses.empty() ? 0 : answer.hypotheses.front().probability;
+}
+
+void scoreUnrelated(const std::vector<Frame>& frames, ViewBuilder& builder,
+                    const GlobalLocalizationParams& params) {
+  const std::vector<std::pair<int, int>> pairs = chooseUnrelatedPairs(frames);
+  if (pairs.empty()) return;
+  int sure = 0, sure_by_segments = 0, any = 0;
+  double highest = 0, highest_by_segments = 0;
+  for (const auto& [i, j] : pairs) {
+    const View scene = builder.build(frames[i].image), target = builder.build(frames[j].image);
+    const PairAnswers answers = registerPair(scene, target, params);
+    const double p = probabilityOf(answers.by_depth), q = probabilityOf(answers.by_segments);
+    std::printf("%-11s %-11s unrelated, %.2f m apart: probability %.3f, by segments alone %.3f\n",
+                frames[i].name.c_str(), frames[j].name.c_str(),
+                (frames[i].T_w_c.translation() - frames[j].T_w_c.translation()).norm(), p, q);
+    any += !answers.by_depth.hypotheses.empty();
+    sure += isSure(answers.by_depth);
+    sure_by_segments += isSure(answers.by_segments);
+    highest = std::max(highest, p);
+    highest_by_segments = std::max(highest_by_segments, q);
+  }
+  std::printf(
+      "of %zu unrelated pairs %d have a pose, %d are sure (highest probability %.3f), by segments alone "
+      "%d (%.3f)\n",
+      pairs.size(), any, sure, highest, sure_by_segments, highest_by_segments);
 }
 
 }  // namespace
@@ -143,7 +206,7 @@ int main(int argc, char** argv) {
   }
 
   ViewBuilder builder({}, view_params);
-  int registered = 0, anywhere = 0;
+  int registered = 0, anywhere = 0, sure = 0, sure_right = 0, segments_sure = 0, segments_right = 0;
   std::vector<double> view_ms, align_ms, translation_errors, rotation_errors;
   std::printf("source      target      distance angle | hyps  rank   error        probability | segments\n");
   for (const auto& [i, j] : pairs) {
@@ -164,6 +227,14 @@ int main(int argc, char** argv) {
     anywhere += rank > 0;
     const PairError first =
         answer.hypotheses.empty() ? PairError{9.99, kDegree * 180} : errorOf(answer.hypotheses[0], truth);
+    const auto isRight = [&](const Localization& a) {
+      return errorOf(a.hypotheses.front(), truth).registered();
+    };
+    sure += isSure(answer);
+    sure_right += isSure(answer) && isRight(answer);
+    const Localization by_segments = registerPair(scene, map->models[0].view, params).by_segments;
+    segments_sure += isSure(by_segments);
+    segments_right += isSure(by_segments) && isRight(by_segments);
     if (rank == 1) translation_errors.push_back(first.translation), rotation_errors.push_back(first.rotation);
     std::printf("%-11s %-11s %5.2f m %5.1f | %4zu %5d %6.3f m %6.2f %8.3f%s | %zu %zu  %.1f ms\n",
                 frames[i].name.c_str(), frames[j].name.c_str(), truth.translation().norm(),
@@ -174,8 +245,11 @@ int main(int argc, char** argv) {
   }
   std::printf("%d of %zu pairs registered (rank 1 within %.1f m and %.0f deg), %d anywhere in the list\n",
               registered, pairs.size(), kMaxTranslationError, kMaxRotationError / kDegree, anywhere);
+  std::printf("sure: %d, of these right %d; by segments alone %d, of these right %d\n", sure, sure_right,
+              segments_sure, segments_right);
   std::printf(
       "median error %.3f m %.2f deg; median time per pair: views %.1f ms, registration %.1f ms (max %.1f)\n",
       median(translation_errors), median(rotation_errors) / kDegree, median(view_ms), median(align_ms),
       *std::max_element(align_ms.begin(), align_ms.end()));
+  scoreUnrelated(frames, builder, params);
 }

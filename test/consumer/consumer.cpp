@@ -79,8 +79,9 @@ int main() {
   const std::size_t built_in = segments<pcl::PointXYZ>(target),
                     custom = segments<RadarPoint>(roomCloud<RadarPoint>(0.0));
 
-  pcl::Registration<pcl::PointXYZ, pcl::PointXYZ>::Ptr registration(
-      new facetloc::PlanarRegistration<pcl::PointXYZ>);
+  const auto planar = pcl::make_shared<facetloc::PlanarRegistration<pcl::PointXYZ>>();
+  planar->setMinProbability(0.3);  // an empty room may be any other
+  const pcl::Registration<pcl::PointXYZ, pcl::PointXYZ>::Ptr registration = planar;
   registration->setInputSource(source);
   registration->setInputTarget(target);
   pcl::PointCloud<pcl::PointXYZ> aligned;

@@ -74,6 +74,17 @@ TEST(RankPlaces, APlaceAtTheNullScoreIsAsLikelyAsNone) {
   EXPECT_NEAR(h[0].probability, 0.5, 1e-12);
 }
 
+TEST(RankPlaces, APoseCloseToABetterOneIsTheSameAnswer) {
+  std::vector<Hypothesis> h{hypothesis(10, pose(0)), hypothesis(9, pose(0.29)), hypothesis(8, pose(0.31)),
+                            hypothesis(-5, pose(0.29))};
+  assignProbabilities(0.1, 0, h);
+  const double sum = 1 + std::exp(1) + std::exp(0.9) + std::exp(0.8) + std::exp(-0.5);
+  EXPECT_NEAR(h[0].probability, (std::exp(1) + std::exp(0.9) + std::exp(-0.5)) / sum, 1e-12);
+  EXPECT_EQ(h[1].probability, 0);
+  EXPECT_NEAR(h[2].probability, std::exp(0.8) / sum, 1e-12) << "too far from the first";
+  EXPECT_EQ(h[3].probability, 0) << "the best of those that it is close to has it";
+}
+
 TEST(RankPlaces, TheHigherTheRunnersUpScoreTheLikelierIsNoPlaceOfTheList) {
   ProbabilityParams params;
   params.null_score = 10, params.runners_up = 3, params.runners_up_weight = 0.5;
@@ -81,19 +92,19 @@ TEST(RankPlaces, TheHigherTheRunnersUpScoreTheLikelierIsNoPlaceOfTheList) {
   const auto null = [&params](const std::vector<Hypothesis>& sorted) {
     return nullScore(params, {}, sorted);
   };
-  std::vector<Hypothesis> h{hypothesis(50)};
+  std::vector<Hypothesis> h{hypothesis(50, pose(0))};
   EXPECT_EQ(null({}), -15);
   EXPECT_EQ(null(h), -15);
-  h.push_back(hypothesis(20));
+  h.push_back(hypothesis(20, pose(1)));
   EXPECT_DOUBLE_EQ(null(h), 20);
-  h.push_back(hypothesis(-10));
-  h.push_back(hypothesis(-40));
+  h.push_back(hypothesis(-10, pose(2)));
+  h.push_back(hypothesis(-40, pose(3)));
   EXPECT_DOUBLE_EQ(null(h), 5);
-  h.push_back(hypothesis(-1000));
+  h.push_back(hypothesis(-1000, pose(4)));
   EXPECT_DOUBLE_EQ(null(h), 5) << "of the best three only";
   h[0].score = 60;
   EXPECT_DOUBLE_EQ(null(h), 5) << "whatever the best one scores";
-  h = {hypothesis(-20), hypothesis(-80)};
+  h = {hypothesis(-20, pose(0)), hypothesis(-80, pose(1))};
   EXPECT_EQ(null(h), -15) << "the best of hopeless ones is hopeless too";
 }
 

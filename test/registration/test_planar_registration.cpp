@@ -98,5 +98,39 @@ TEST(PlanarRegistration, WorkingWidthIsAChoice) {
   }
 }
 
+/** Through a base pointer nobody sees getStatus(). */
+TEST(PlanarRegistration, HasConvergedIfItIsSure) {
+  using Case = PlanarCase<pcl::PointXYZ>;
+  const auto registration = pcl::make_shared<PlanarRegistration<pcl::PointXYZ>>();
+  const pcl::Registration<pcl::PointXYZ, pcl::PointXYZ>::Ptr base = registration;
+  base->setInputSource(Case::cloudFrom(kNearPose, 2));
+  base->setInputTarget(Case::cloudFrom(kTargetPose, 1));
+  pcl::PointCloud<pcl::PointXYZ> output;
+  const auto printedByAlign = [&] {
+    testing::internal::CaptureStderr();
+    base->align(output);
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(printedByAlign(), "");
+  EXPECT_TRUE(base->hasConverged());
+  EXPECT_EQ(registration->getState(), AnswerState::sure);
+  const double probability = registration->getProbability();
+  EXPECT_GE(probability, registration->getMinProbability());
+  EXPECT_LT(probability, 1);
+
+  registration->setMinProbability((1 + probability) / 2);
+  EXPECT_THAT(printedByAlign(), testing::HasSubstr("PlanarRegistration::align] doubtful"));
+  EXPECT_FALSE(base->hasConverged());
+  EXPECT_THAT(registration->getFinalPose(), PoseNear(kTargetPose.inverse() * kNearPose, 0.02, 0.5))
+      << "a guess is better than none";
+
+  base->setInputTarget(pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>());
+  EXPECT_THAT(printedByAlign(), testing::HasSubstr("PlanarRegistration::align] "));
+  EXPECT_EQ(registration->getState(), AnswerState::unknown);
+  EXPECT_EQ(registration->getProbability(), 0);
+  EXPECT_THROW(registration->setMinProbability(0), std::invalid_argument);
+  EXPECT_THROW(registration->setMinProbability(1.01), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace facetloc

@@ -18,7 +18,7 @@ namespace facetloc::internal {
  * covariance predicts, and in the end by the sensor's error alone.
  *
  * \param pose T_w_c of the scene, which is updated, and its covariance, which is the prior and stays as it
- *        is: these are the pixels that the planes were fitted to, not new ones
+ *        is
  * \param information if given, what the pixels tell of the pose found, without the prior: the inverse of the
  *        covariance that they alone would give
  * \return false, and no change, if no picture shares pixels with the scene. */

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <utility>
 
 namespace facetloc::internal {
 namespace {
@@ -63,6 +64,11 @@ Explanation explanationOf(const DepthEvidence& found, const View& scene,
           share(paired, all)};
 }
 
+// That the map lacks the place, as a logarithm.
+double priorOdds(const ProbabilityParams& params) {
+  return std::log(params.map_incomplete / (1 - params.map_incomplete));
+}
+
 void sortByScore(std::vector<Hypothesis>& h) {
   std::stable_sort(h.begin(), h.end(),
                    [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
@@ -74,6 +80,14 @@ bool samePlace(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, const Mer
 
 bool samePlace(const Hypothesis& a, const Hypothesis& b, const MergingParams& params) {
   return a.T_w_c && b.T_w_c && samePlace(*a.T_w_c, *b.T_w_c, params);
+}
+
+// Are these answers that exclude each other? Poses that are close to each other are one, found more or less
+// well.
+bool areRivals(const Hypothesis& a, const Hypothesis& b) {
+  constexpr double kDistance = 0.3, kAngleDeg = 5;  // [m]
+  if (a.T_w_c && b.T_w_c) return !isNear(*a.T_w_c, *b.T_w_c, kDistance, kAngleDeg);
+  return a.model != b.model || !isNear(a.T_m_c.T, b.T_m_c.T, kDistance, kAngleDeg);
 }
 
 }  // namespace
@@ -97,11 +111,24 @@ void PlaceRanking::rank(const View& scene, std::vector<Hypothesis>& hypotheses) 
   mergePlaces(params_.merging, hypotheses);
   if (evidence) score(hypotheses);
   if (evidence && params_.refinement.enabled) refinePlaces(scene, hypotheses);
-  if (evidence)
+  if (map_->models.size() == 1)
+    rankPair(evidence, hypotheses);
+  else if (evidence)
     assignProbabilities(params_.probability.slope,
                         nullScore(params_.probability, map_->ambiguity, hypotheses), hypotheses);
   else
     assignProbabilities(params_.plain_probability.slope, params_.plain_probability.null_score, hypotheses);
+}
+
+// Two views: the one picture says little beside the segments.
+void PlaceRanking::rankPair(bool evidence, std::vector<Hypothesis>& hypotheses) const {
+  const PairProbabilityParams& p = params_.pair_probability;
+  const double slope = evidence ? p.slope : p.segments_slope;
+  const double null_score = evidence ? p.null_score : p.segments_null_score;
+  if (evidence)
+    for (Hypothesis& h : hypotheses) h.score = h.consensus + p.evidence_weight * h.evidence;
+  sortByScore(hypotheses);
+  assignProbabilities(slope, null_score + priorOdds(params_.probability) / slope, hypotheses);
 }
 
 std::vector<PlaceRanking::Neighbour> PlaceRanking::neighbours(const Eigen::Isometry3d& T_w_c) const {
@@ -136,11 +163,18 @@ void PlaceRanking::refine(const View& scene, const std::vector<Neighbour>& neigh
   for (const Neighbour& n : neighbours) pictures.push_back({&n.view->depth, n.T_w_m});
   const Eigen::Isometry3d& T_w_m = *map_->models[h.model].T_w_m;
   PoseWithCovariance pose = T_w_m * h.T_m_c;
-  if (!refineByDepth(scene.depth, pictures, params_.refinement, pose)) return;
+  Matrix6d of_pixels;
+  if (!refineByDepth(scene.depth, pictures, params_.refinement, pose, &of_pixels)) return;
   if (!samePlace(*h.T_w_c, pose.T, params_.merging))
     return;  // that is no refinement: planes found another place
+  // What a sensor always measures wrongly all its pixels share: while it is left in, they tell no more than
+  // the planes, whose covariance counts with it.
+  if (scene.camera && scene.camera->distortion) {
+    const Matrix6d of_planes = pose.P.ldlt().solve(Matrix6d::Identity());
+    pose.P = symmetricInverse(of_planes + of_pixels / params_.refinement.pixels_as_one);
+  }
   h.T_w_c = pose.T;
-  h.T_m_c.T = T_w_m.inverse() * pose.T;
+  h.T_m_c = T_w_m.inverse() * pose;
 }
 
 // How many of the sorted hypotheses, at most so many, are not hopeless beside the best.
@@ -246,8 +280,7 @@ double nullScore(const ProbabilityParams& params, const std::optional<MapAmbigui
   const MapAmbiguity found = ambiguity.value_or(MapAmbiguity());
   const double of_map =
       (found.views * found.score + kViews * params.usual_ambiguity) / (found.views + kViews);
-  const double odds = params.map_incomplete / (1 - params.map_incomplete);
-  const double of_all_views = params.ambiguity_weight * of_map + std::log(odds) / params.slope;
+  const double of_all_views = params.ambiguity_weight * of_map + priorOdds(params) / params.slope;
 
   const std::size_t end = std::min<std::size_t>(sorted.size(), 1 + params.runners_up);
   if (end < 2) return params.least_null_score + of_all_views;
@@ -264,6 +297,12 @@ void assignProbabilities(double slope, double null_score, std::vector<Hypothesis
   double sum = std::exp(slope * (null_score - largest));
   for (Hypothesis& h : hypotheses) sum += h.probability = std::exp(slope * (h.score - largest));
   for (Hypothesis& h : hypotheses) h.probability /= sum;
+  for (auto h = hypotheses.begin(); h != hypotheses.end(); ++h) {
+    const auto better = std::find_if(hypotheses.begin(), h, [&](const Hypothesis& other) {
+      return other.probability > 0 && !areRivals(other, *h);
+    });
+    if (better != h) better->probability += std::exchange(h->probability, 0);
+  }
 }
 
 }  // namespace facetloc::internal

@@ -57,6 +57,7 @@ private:
   double evidence(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h,
                   const DepthComparison& comparison) const;
   void refine(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h) const;
+  void rankPair(bool evidence, std::vector<Hypothesis>& hypotheses) const;
   int viewpoints(const std::vector<int>& models) const;
   void score(std::vector<Hypothesis>& places) const;
   std::size_t hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const;
@@ -82,8 +83,9 @@ void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypothese
 double nullScore(const ProbabilityParams& params, const std::optional<MapAmbiguity>& ambiguity,
                  const std::vector<Hypothesis>& sorted);
 
-/** \brief Gives each place of a sorted list its probability: softmax of slope times score, with a null place.
- */
+/** \brief Gives each place of a sorted list its probability: softmax of slope times score, with a null place. A
+ * pose within 0.3 m and 5 deg of a better one is the same answer, found less well, and hands its probability
+ * on. */
 void assignProbabilities(double slope, double null_score, std::vector<Hypothesis>& hypotheses);
 
 }  // namespace facetloc::internal

@@ -41,6 +41,7 @@ struct GlobalLocalizationParams : ViewRegistrationParams {
   PlaceRefinementParams refinement;
   ProbabilityParams probability;
   PlainProbabilityParams plain_probability;
+  PairProbabilityParams pair_probability;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -52,6 +53,7 @@ struct GlobalLocalizationParams : ViewRegistrationParams {
     visit("refinement", p.refinement);
     visit("probability", p.probability);
     visit("plain_probability", p.plain_probability);
+    visit("pair_probability", p.pair_probability);
   }
   void validate() const { checkRanges(*this); }
 };

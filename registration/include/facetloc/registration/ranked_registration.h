@@ -8,6 +8,7 @@
 
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -74,6 +75,11 @@ private:
 
 /** \brief What our registrations share: pcl::Registration outside, a ranked list of hypotheses inside.
  *
+ * hasConverged() means that the answer is sure: the first pose has the probability setMinProbability(), also
+ * against that the two clouds have nothing in common. A doubtful answer has a final transformation too, that
+ * of its first pose; it is a guess, and a warning says so. Where there is none, PCL's console shows the
+ * reason.
+ *
  * The answer is that of align() until another cloud is set. Unlike PCL's base, a missing, empty or unusable
  * cloud, or indices beyond it, never leave the answer of the call before: hasConverged() is then false, the
  * final transformation the identity, the output the source as it is, and getStatus() says why. */
@@ -108,14 +114,27 @@ public:
     return prior_covariance_ ? *prior_covariance_ : posePrior({}, params_.prior);
   }
 
+  /** \brief Least probability of the first pose with which the registration has converged; 0.9 unless set.
+   * Throws std::invalid_argument outside of (0, 1]. */
+  void setMinProbability(double p) {
+    if (!(p > 0 && p <= 1))
+      throw std::invalid_argument("the least probability must be above 0 and at most 1");
+    min_probability_ = p;
+  }
+  double getMinProbability() const { return min_probability_; }
+
   /** \brief All poses of the source in the target, best first; empty if there is none. */
   const std::vector<Hypothesis>& getHypotheses() const { return answer_.hypotheses; }
   /** \brief T_target_source of the best hypothesis in double precision; identity if there is none. */
   Eigen::Isometry3d getFinalPose() const;
   /** \brief Its covariance, order (phi, t), left and decoupled; zero if there is none. */
   Matrix6d getFinalCovariance() const;
-  /** \brief Why there is no answer; empty if there is one. */
-  const std::string& getStatus() const { return answer_.reason; }
+  /** \brief Its probability; 0 if there is none, or if scores are overlaps, which have no probabilities. */
+  double getProbability() const;
+  /** \brief Sure, doubtful or unknown. */
+  AnswerState getState() const { return answer_.state(min_probability_); }
+  /** \brief Why there is no sure answer; empty if there is one. */
+  const std::string& getStatus() const { return status_; }
 
 protected:
   /** \brief The view of the chosen points of a cloud, or without segments and why there are none. */
@@ -154,7 +173,9 @@ private:
   bool indices_fit_ = true;
   GlobalLocalizationParams params_;
   std::optional<Matrix6d> prior_covariance_;
+  double min_probability_ = kMinProbability;
   Localization answer_;
+  std::string status_;
 };
 
 }  // namespace facetloc

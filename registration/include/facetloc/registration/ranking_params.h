@@ -111,6 +111,7 @@ struct PlaceRefinementParams : DenseRefinementParams {
   int places = 12;                ///< so many of them
   double absolute_error = 1.6;    ///< as DepthConsistencyParams, at a refined pose [noise std]
   double relative_error = 0.003;  ///< as DepthConsistencyParams, at a refined pose
+  double pixels_as_one = 50;      ///< so many tell as much of a refined pose as one: neighbours err alike
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -123,6 +124,9 @@ struct PlaceRefinementParams : DenseRefinementParams {
           "deviations].");
     visit("relative_error", p.relative_error, 0.0, 1.0,
           "Error of a predicted inverse depth at a refined pose that grows with it, as a share of it.");
+    visit("pixels_as_one", p.pixels_as_one, 1.0, 1e9,
+          "Number of pixels that tell as much of a refined pose as one of its own error would, by which its "
+          "covariance shrinks where the sensor's distortion is taken out.");
   }
   void validate() const { checkRanges(*this); }
 };
@@ -176,6 +180,34 @@ struct PlainProbabilityParams {
           "Slope of the probability in a score without evidence of local models [1/nat].");
     visit("null_score", p.null_score, -1e4, 1e4,
           "Score without evidence of local models at which a place is as likely as none of the list [nats].");
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** \brief From scores to probabilities in a map of one local model: two views that are registered. There are
+ * no other places whose scores would tell what wrong ones have, and one picture says less than several. */
+struct PairProbabilityParams {
+  static constexpr const char* kTitle = "Probability of a pose of two views";
+  double slope = 0.159;           ///< of the softmax in the score by segments and depth [1/nat]
+  double null_score = 12;         ///< the same for none of the list [nats]
+  double evidence_weight = 0.31;  ///< of what depth says, in that score
+  double segments_slope = 0.105;  ///< where there are segments only
+  double segments_null_score = 28.6;
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("slope", p.slope, 0.0001, 10.0,
+          "Slope of the probability of a pose of two views in its score [1/nat].");
+    visit(
+        "null_score", p.null_score, -1e4, 1e4,
+        "Score of a pose of two views at which it is as likely as that they have nothing in common [nats].");
+    visit("evidence_weight", p.evidence_weight, 0.0, 10.0,
+          "Weight of the depth of two views beside their segments.");
+    visit("segments_slope", p.segments_slope, 0.0001, 10.0,
+          "Slope of the probability of a pose of two views without depth [1/nat].");
+    visit("segments_null_score", p.segments_null_score, -1e4, 1e4,
+          "Score of a pose of two views without depth at which it is as likely as that they have nothing in "
+          "common [nats].");
   }
   void validate() const { checkRanges(*this); }
 };

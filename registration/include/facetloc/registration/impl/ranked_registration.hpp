@@ -90,6 +90,12 @@ Eigen::Isometry3d RankedRegistration<PointT>::getFinalPose() const {
 }
 
 template <typename PointT>
+double RankedRegistration<PointT>::getProbability() const {
+  return answer_.hypotheses.empty() || !answer_.has_probabilities ? 0
+                                                                  : answer_.hypotheses.front().probability;
+}
+
+template <typename PointT>
 Matrix6d RankedRegistration<PointT>::getFinalCovariance() const {
   return answer_.hypotheses.empty() ? Matrix6d(Matrix6d::Zero()) : answer_.hypotheses.front().T_m_c.P;
 }
@@ -115,9 +121,18 @@ void RankedRegistration<PointT>::computeTransformation(PointCloudSource& output,
   else
     answer_ = GlobalLocalization(map, params_).localize(scene, prior);
 
-  converged_ = !answer_.hypotheses.empty();
-  nr_iterations_ = converged_ ? 1 : 0;
-  if (!converged_) return;
+  const AnswerState state = getState();
+  converged_ = state == AnswerState::sure;
+  if (state == AnswerState::unknown) {
+    status_ = answer_.reason;
+    PCL_ERROR("[facetloc::%s::align] %s\n", reg_name_.c_str(), status_.c_str());
+    return;
+  }
+  if (state == AnswerState::doubtful) {
+    status_ = "doubtful: the first pose has a probability of " + std::to_string(getProbability());
+    PCL_WARN("[facetloc::%s::align] %s\n", reg_name_.c_str(), status_.c_str());
+  }
+  nr_iterations_ = 1;
   const Eigen::Isometry3d T = getFinalPose();
   transformation_ = final_transformation_ = T.matrix().template cast<float>();
   for (PointT& p : output) transformPoint(T, p);
@@ -129,7 +144,7 @@ void RankedRegistration<PointT>::reset(const std::string& reason) {
   final_transformation_ = transformation_ = Matrix4::Identity();
   nr_iterations_ = 0;
   answer_ = {};
-  answer_.reason = reason;
+  status_ = reason;
 }
 
 }  // namespace facetloc
