@@ -54,6 +54,23 @@ std::optional<Eigen::Isometry3d> Trajectory::nearest(double stamp, double tolera
   return best->T_w_c;
 }
 
+std::optional<Eigen::Isometry3d> Trajectory::interpolated(double stamp) const {
+  const auto after = std::lower_bound(poses_.begin(), poses_.end(), stamp,
+                                      [](const StampedPose& p, double s) { return p.stamp < s; });
+  if (after == poses_.end()) return {};
+  if (after->stamp == stamp) return after->T_w_c;
+  if (after == poses_.begin()) return {};
+  const StampedPose &a = after[-1], &b = *after;
+  const double share = (stamp - a.stamp) / (b.stamp - a.stamp);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = Eigen::Quaterniond(a.T_w_c.linear())
+                   .slerp(share, Eigen::Quaterniond(b.T_w_c.linear()))
+                   .normalized()
+                   .toRotationMatrix();
+  T.translation() = (1 - share) * a.T_w_c.translation() + share * b.T_w_c.translation();
+  return T;
+}
+
 Trajectory readTumTrajectory(const std::filesystem::path& path) {
   const std::string content = files::readText(path);
   std::vector<StampedPose> poses;

@@ -180,6 +180,26 @@ TEST_F(Tools, MapBuildNeedsPosesOrEvery) {
       kOk);
 }
 
+TEST_F(Tools, MapBuildNamesPosesOfAnotherConvention) {
+  std::vector<StampedPose> inverted = readTumTrajectory(map_run() + "/groundtruth.txt").poses();
+  for (StampedPose& pose : inverted) pose.T_w_c = pose.T_w_c.inverse();
+  writeTumTrajectory(folder_ / "inverted.txt", inverted);
+  const std::string path = folder_ / "m.flmap";
+  std::vector<std::string> build = {"build", map_run(), "-o", path, "--poses", folder_ / "inverted.txt"};
+  const ToolRun refused = runMap(build);
+  EXPECT_EQ(refused.code, kFailed);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("they are inverted"), HasSubstr("--force")));
+  EXPECT_FALSE(fs::exists(path));
+  build.emplace_back("--force");
+  const ToolRun forced = runMap(build);
+  EXPECT_EQ(forced.code, kOk) << forced.err;
+  EXPECT_THAT(forced.err, HasSubstr("they are inverted"));
+  const ToolRun good = runMap({"build", map_run(), "-o", path, "--overwrite"});
+  EXPECT_THAT(good.out, HasSubstr("poses and images disagree by 0."));
+  EXPECT_EQ(good.err, "");
+  EXPECT_THAT(runMap({"info", path}).out, HasSubstr("poses disagree with images by: 0."));
+}
+
 TEST_F(Tools, MapBuildMatchesNoPosesByIndex) {
   const std::string input = folder_ / "input", truth = query() + "/groundtruth.txt";
   fs::copy(query(), input, fs::copy_options::recursive);

@@ -37,6 +37,21 @@ std::string errorOf(const std::string& content) {
   return ioErrorOf([&] { readTumTrajectory(folder / "groundtruth.txt"); });
 }
 
+TEST(Trajectory, BetweenTwoPosesTheMotionIsEven) {
+  const Trajectory poses({poseAt(2, {0, 0, 0.8}, {3, 0, 0}), poseAt(1, {0, 0, 0.4}, {1, 0, 2})});
+  const auto middle = poses.interpolated(1.25);
+  ASSERT_TRUE(middle);
+  EXPECT_LT((middle->linear() - expSO3({0, 0, 0.5})).norm(), 1e-12);
+  EXPECT_LT((middle->translation() - Eigen::Vector3d(1.5, 0, 1.5)).norm(), 1e-12);
+  EXPECT_EQ(poses.interpolated(1)->matrix(), poses.poses()[0].T_w_c.matrix());
+  EXPECT_EQ(poses.interpolated(2)->matrix(), poses.poses()[1].T_w_c.matrix());
+  EXPECT_FALSE(poses.interpolated(0.999));
+  EXPECT_FALSE(poses.interpolated(2.001));
+  EXPECT_FALSE(Trajectory().interpolated(1));
+  const Trajectory twice({poseAt(1), poseAt(1, kUpright), poseAt(2)});  // of one stamp
+  EXPECT_TRUE(twice.interpolated(1.5)->matrix().allFinite());
+}
+
 TEST(Trajectory, RoundTrips) {
   const TemporaryFolder folder;
   const std::vector<StampedPose> poses = {poseAt(1305031102.175304, {3.1, 0.1, -0.2}, {1.0 / 3, -1e-7, 1e5}),

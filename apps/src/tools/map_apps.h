@@ -29,6 +29,7 @@ private:
   bool dealsOut() const override { return true; }
   Selection select(const DepthSequence& sequence) const;
   Trajectory poses(const DepthSequence& sequence) const;
+  std::string checkPoses(const DepthSequence& sequence, const Camera& camera, const Console& console) const;
   bool madeOf(const Map& present, const DepthSequence& sequence,
               const std::vector<Candidate>& candidates) const;
   MapDatabase openDatabase(const std::filesystem::path& path, const DepthSequence& sequence,
@@ -43,6 +44,8 @@ private:
   Seen addModels(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
                  const Camera& camera, Batch& batch, Writer* writer) const;
 
+  std::string disagreement_;  // of poses and images, in words
+
   std::string sequence_;
   std::string map_;
   std::string poses_;
@@ -51,6 +54,7 @@ private:
   bool overwrite_ = false;
   bool resume_ = false;
   bool raw_depth_ = false;
+  bool force_ = false;
   DepthInput input_;
   MapBuilderParams builder_;
 };

@@ -4,6 +4,7 @@
 #include "tools/map_apps.h"
 #include "tools/place_index_file.h"
 #include "tools/provenance.h"
+#include "tools/seen_motions.h"
 #include "tools/text.h"
 
 #include <facetloc/io/error.h>
@@ -131,6 +132,7 @@ void MapBuildApp::addOptions(CommandLine& line) {
                  "Leave the depth as it is, instead of finding what the camera always measures wrongly at "
                  "the same place of "
                  "its image and taking it out.");
+  line.addSwitch("force", force_, "Build the map although the poses are not those of the images.");
   line.addPresets();
   input_.addOptions(line);
   line.addParams(builder_, "map", CommandLine::Shown::in_help);
@@ -138,6 +140,27 @@ void MapBuildApp::addOptions(CommandLine& line) {
 
 Trajectory MapBuildApp::poses(const DepthSequence& sequence) const {
   return poses_.empty() ? sequence.groundTruth() : readTumTrajectory(poses_);
+}
+
+/** Says how far the poses are from what the images show, and what is wrong with them. \return the
+ * disagreement in words, empty if nothing is known of it. Throws IoError if no map can be made of such poses.
+ */
+std::string MapBuildApp::checkPoses(const DepthSequence& sequence, const Camera& camera,
+                                    const Console& console) const {
+  const Trajectory trajectory = poses(sequence);
+  if (trajectory.empty() || !sequence.stamped()) return {};
+  const PoseCheck check = facetloc::checkPoses(seenMotions(sequence, camera, input_, threads(), console),
+                                               [&](double stamp) { return trajectory.interpolated(stamp); });
+  if (!check.isKnown()) return {};
+  if (!check.cause.empty())
+    console.note("the poses disagree with the images by " + check.as_given.inWords() + "; " + check.cause +
+                 "; so read, they disagree by " + check.mended.inWords());
+  if (check.isBeyondSense() && !force_)
+    throw IoError(poses_.empty() ? sequence_ : poses_,
+                  "its poses are not those of its images: they disagree by " + check.as_given.inWords() +
+                      (check.cause.empty() ? "; look at fx, fy and depth_scale of camera.ini, too" : "") +
+                      "; --force builds the map nevertheless");
+  return check.as_given.inWords();
 }
 
 MapBuildApp::Selection MapBuildApp::select(const DepthSequence& sequence) const {
@@ -208,6 +231,7 @@ MapDatabase MapBuildApp::createDatabase(const fs::path& path, const DepthSequenc
   database.setCamera(camera);
   database.setMeta(kParametersKey, parameters);
   database.setMeta(kImagesKey, toText(imageSizes(sequence)));
+  if (!disagreement_.empty()) database.setMeta("poses disagree with images by", disagreement_);
   database.setMeta(kStateKey, kUnderWay);
   return database;
 }
@@ -316,6 +340,7 @@ int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence, cons
   writer.finish();
   writePlaceIndex(path);
   writeAmbiguity(path, threads(), console);
+  if (!disagreement_.empty()) console.out << "poses and images disagree by " << disagreement_ << "\n";
   console.out << counted(writer.added(), "local model") << " added from "
               << counted(sequence.frames().size(), "image") << ", " << writer.models() << " in all; map in "
               << map_ << "\n";
@@ -327,15 +352,18 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   if (every_ < 0) throw UsageError("every must not be negative");
   if (overwrite_ && resume_) throw UsageError("overwrite and resume exclude each other");
   const DepthSequence sequence = openSequence(sequence_, console);
-  const Selection selection = select(sequence);
   Camera camera = input_.camera(sequence.camera(), line);
+  std::optional<OutputLock> lock;
+  if (ranks().isFirst()) lock = OutputLock::ofFile(map_);
+  const bool goes_on = resume_ && isThere(map_) && !MapDatabase::open(map_).modelNames().empty();
+  if (ranks().isFirst() && !goes_on) disagreement_ = checkPoses(sequence, camera, console);
+  const Selection selection = select(sequence);
   Batch batch(threads(), selection.candidates.size(), console, ranks());
   if (!ranks().isFirst()) {
     camera.distortion = ranks().broadcast(camera.distortion);
     addModels(sequence, selection.candidates, camera, batch, nullptr);
     return kOk;
   }
-  const OutputLock lock = OutputLock::ofFile(map_);
   int code = kOk;
   const auto buildAt = [&](const fs::path& path) {
     code = build(path, sequence, selection, camera, batch, console);
