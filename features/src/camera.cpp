@@ -43,7 +43,9 @@ std::vector<std::string> inWords(const CameraDifference& d, const Camera& of_vie
     words.push_back("the cameras are mounted differently, " + inWords(*of_view.mounting) +
                     ", and in the map " + inWords(*of_map.mounting) + ": the prior is isotropic");
   if (d.mounting == Mounting::unknown)
-    words.push_back("the mounting of the images' camera is unknown: the prior is isotropic");
+    words.push_back("the mounting of the images' camera is unknown: where they do not show that it is the "
+                    "map's, the prior is "
+                    "isotropic");
   if (!d.same_optics)
     words.push_back(
         "the images are of other optics than the map's: the distortion that the map knows is left in them");

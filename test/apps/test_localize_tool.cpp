@@ -219,7 +219,6 @@ TEST_F(Tools, AMountingOfAnotherHeightIsNotThatOfTheMap) {
                                                   : "mounting of the images' camera is unknown"));
     EXPECT_THAT(run.err, HasSubstr("the prior is isotropic"));
   }
-  EXPECT_EQ(contentOf(lower + "/results/hypotheses.csv"), contentOf(unknown + "/results/hypotheses.csv"));
   const ToolRun pair = runTool<RegisterApp>({filesOf(lower + "/depth")[0].string(), firstImage()});
   EXPECT_THAT(pair.err, HasSubstr("mounted differently"));
 }

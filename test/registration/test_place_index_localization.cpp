@@ -333,10 +333,14 @@ TEST_F(PlaceIndexOfRooms, OnlyForACameraThatIsMountedAsTheMapsTheFloorAndTheList
   EXPECT_LT(askedFor(view, map, params).size(), map->models.size());
   EXPECT_EQ(localization.localize(view).camera.mounting, Mounting::same);
   expectAll(test::mounted(view, CameraMounting{kMounting.height + 0.1, kMounting.tilt_deg}), Mounting::other);
-  view.camera = std::make_shared<const Camera>();
-  expectAll(view, Mounting::unknown);
-  view.camera = nullptr;
-  expectAll(view, Mounting::unknown);
+  for (const auto& camera : {std::make_shared<const Camera>(), std::shared_ptr<const Camera>()}) {
+    view.camera = camera;
+    EXPECT_EQ(localization.localize(view).camera.mounting, Mounting::same) << "its planes show it";
+    View turned = view;
+    const Eigen::Isometry3d roll(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()));
+    for (Segment& segment : turned.segments) segment = transformed(segment, roll);
+    expectAll(turned, Mounting::unknown);
+  }
 }
 
 TEST(PlaceIndex, CoversThePriorOfAHighCameraOnAnUnevenFloor) {

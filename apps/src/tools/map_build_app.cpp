@@ -11,6 +11,7 @@
 #include <facetloc/io/output_lock.h>
 #include <facetloc/io/text.h>
 #include <facetloc/registration/distortion_calibration.h>
+#include <facetloc/registration/found_mounting.h>
 
 #include <algorithm>
 #include <map>
@@ -35,6 +36,18 @@ bool samePose(const std::optional<Eigen::Isometry3d>& a, const std::optional<Eig
 // An empty file holds nothing that could be lost.
 bool isThere(const fs::path& path) {
   return fs::exists(path) && !(fs::is_regular_file(path) && fs::file_size(path) == 0);
+}
+
+// Of a camera that nobody has told the mounting of: by the floor under a robot.
+void noteMounting(const fs::path& path, const Console& console) {
+  const Map map = openMap(path);
+  if (map.camera.mounting) return;
+  const auto found = findMounting(map);
+  if (!found) return;
+  Camera camera = map.camera;
+  camera.mounting = found->mounting;
+  MapDatabase::open(path).setCamera(camera);
+  console.out << "the camera is mounted " << found->inWords() << "\n";
 }
 
 // Of a build that came to nothing.
@@ -338,6 +351,7 @@ int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence, cons
     throw IoError(map_, "is not written: none of the images makes a local model");
   }
   writer.finish();
+  noteMounting(path, console);
   writePlaceIndex(path);
   writeAmbiguity(path, threads(), console);
   if (!disagreement_.empty()) console.out << "poses and images disagree by " << disagreement_ << "\n";

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "global/place_ranking.h"
+#include "global/standing.h"
 #include "pairs/view_registration.h"
 #include "shortlist/shortlist.h"
 
@@ -45,7 +46,12 @@ GlobalLocalization::Impl::Impl(std::shared_ptr<const Map> the_map, const GlobalL
 
 CameraDifference GlobalLocalization::Impl::differenceOf(const View& view) const {
   static const Camera unknown;
-  return facetloc::differenceOf(view.camera ? *view.camera : unknown, map->camera, view.noise());
+  CameraDifference difference =
+      facetloc::differenceOf(view.camera ? *view.camera : unknown, map->camera, view.noise());
+  if (difference.mounting == CameraDifference::Mounting::unknown &&
+      showsMounting(view, *map->camera.mounting))
+    difference.mounting = CameraDifference::Mounting::same;
+  return difference;
 }
 
 Query GlobalLocalization::Impl::queryOf(const View& view, bool is_on_floor) const {

@@ -83,9 +83,9 @@ void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypothese
 double nullScore(const ProbabilityParams& params, const std::optional<MapAmbiguity>& ambiguity,
                  const std::vector<Hypothesis>& sorted);
 
-/** \brief Gives each place of a sorted list its probability: softmax of slope times score, with a null place. A
- * pose within 0.3 m and 5 deg of a better one is the same answer, found less well, and hands its probability
- * on. */
+/** \brief Gives each place of a sorted list its probability: softmax of slope times score, with a null place.
+ * A pose within 0.3 m and 5 deg of a better one is the same answer, found less well, and hands its
+ * probability on. */
 void assignProbabilities(double slope, double null_score, std::vector<Hypothesis>& hypotheses);
 
 }  // namespace facetloc::internal
