@@ -24,8 +24,8 @@ public:
   bool empty() const { return poses_.empty(); }
   /** \brief The pose nearest in time, if it lies within the tolerance [s]. */
   std::optional<Eigen::Isometry3d> nearest(double stamp, double tolerance = 0.02) const;
-  /** \brief The pose at a time between two poses, of which the motion is even between them; nothing before the
-   * first and after the last. */
+  /** \brief The pose at a time between two poses, of which the motion is even between them; nothing before
+   * the first and after the last. */
   std::optional<Eigen::Isometry3d> interpolated(double stamp) const;
 
 private:
