@@ -126,15 +126,22 @@ TEST_F(LocalizationInARoom, AModelThatCannotBeReadIsAnErrorForAnyNumberOfThreads
   };
   auto broken = std::make_shared<Map>(*map);
   broken->store = std::make_shared<BrokenStore>();
-  for (const int threads : {1, 2}) {
-    GlobalLocalization localization(broken);
+  GlobalLocalizationParams likeliest_first, all;
+  all.shortlist.size = 0;
+  const auto errorOf = [&](const GlobalLocalizationParams& params, int threads) -> std::string {
+    GlobalLocalization localization(broken, params);
     localization.setNumberOfThreads(threads);
     try {
       localization.localize(map->models[3].view);
-      FAIL() << "the damage was not told";
     } catch (const std::runtime_error& e) {
-      EXPECT_STREQ(e.what(), "local model 0 is damaged");
+      return e.what();
     }
+    return "none";
+  };
+  for (const int threads : {1, 2}) {
+    EXPECT_EQ(errorOf(all, threads), "local model 0 is damaged");
+    EXPECT_EQ(errorOf(likeliest_first, threads), errorOf(likeliest_first, 1));
+    EXPECT_NE(errorOf(likeliest_first, threads), "none");
   }
 }
 

@@ -318,6 +318,81 @@ TEST_F(PlaceIndexOfRooms, AWiderPriorThanTheUsualOneIsSearchedInAllModels) {
   EXPECT_FALSE(PlaceIndex::covers(turned));
 }
 
+Query inTheHand(const View& view) {
+  PoseWithCovariance prior;
+  prior.P = posePrior({});
+  return Query(view, prior);
+}
+
+std::vector<int> different(std::vector<int> models) {
+  std::sort(models.begin(), models.end());
+  models.erase(std::unique(models.begin(), models.end()), models.end());
+  return models;
+}
+
+TEST_F(PlaceIndexOfRooms, ACameraInAnyAttitudeIsLookedForInTheLikeliestModelsFirst) {
+  GlobalLocalizationParams params;
+  const View view = query(1, 0.4, 77);
+  const Query in_the_hand = inTheHand(view);
+  const std::vector<Batch> batches = Shortlist(map, params).batches(in_the_hand, false, 1);
+  ASSERT_EQ(batches.size(), 3u);
+  EXPECT_EQ(batches[0].size(), 3u);
+  EXPECT_EQ(batches[1].size(), 10u);
+  for (const Batch& batch : batches) {
+    const std::vector<int> models = modelsOf(batch);
+    EXPECT_TRUE(std::is_sorted(models.begin(), models.end()));
+  }
+  // The likeliest about where they are laid over the view, then with others about the prior.
+  for (const Start& s : batches[0]) EXPECT_LT(s.T_m_c.P(3, 3), in_the_hand.prior.P(3, 3));
+  for (const Start& s : batches[1]) EXPECT_EQ(s.T_m_c.P, in_the_hand.prior.P);
+  const std::vector<int> again = different(modelsOf(batches[1])), first = modelsOf(batches[0]);
+  EXPECT_TRUE(std::includes(again.begin(), again.end(), first.begin(), first.end()));
+  EXPECT_EQ(different(modelsOf(batches)).size(), map->models.size());
+
+  const std::vector<Batch> by_four = Shortlist(map, params).batches(in_the_hand, false, 4);
+  for (std::size_t i = 0; i < batches.size(); ++i) EXPECT_EQ(modelsOf(by_four[i]), modelsOf(batches[i]));
+  params.shortlist.overlaid_size = 25;
+  EXPECT_EQ(different(modelsOf(Shortlist(map, params).batches(in_the_hand, false, 1))).size(), 25u);
+  const int excluded = first[0];
+  const auto without =
+      modelsOf(Shortlist(map, params).batches(in_the_hand, false, 1, [&](int m) { return m == excluded; }));
+  EXPECT_EQ(std::count(without.begin(), without.end(), excluded), 0);
+
+  params.shortlist.start_translation = 0;
+  const Shortlist about_the_prior(map, params);
+  for (const Batch& batch : about_the_prior.batches(in_the_hand, false, 1))
+    for (const Start& s : batch) EXPECT_EQ(s.T_m_c.P, in_the_hand.prior.P);
+  params.shortlist.size = 0;
+  EXPECT_EQ(Shortlist(map, params).batches(in_the_hand, false, 1).size(), 1u);
+}
+
+TEST_F(PlaceIndexOfRooms, WhoIsAskedAnewSaysNothingTwice) {
+  auto in_the_hand = std::make_shared<Map>(*map);
+  in_the_hand->camera.mounting.reset();
+  GlobalLocalizationParams params;
+  params.shortlist.size = 0;
+  const GlobalLocalization all(in_the_hand, params);
+  params.shortlist.size = 40;
+  params.shortlist.sure_probability = 1;  // so that all batches are asked
+  const GlobalLocalization by_batches(in_the_hand, params);
+  int compared = 0, alike = 0;
+  for (unsigned i = 0; i < 8; ++i) {
+    View view = query(int(i % kRooms), 0.7 * i, 700 + i);
+    view.camera = nullptr;
+    const Localization whole = all.localize(view), brief = by_batches.localize(view);
+    if (whole.hypotheses.empty()) continue;
+    ++compared;
+    ASSERT_FALSE(brief.hypotheses.empty());
+    alike += isNear(*brief.hypotheses[0].T_w_c, *whole.hypotheses[0].T_w_c, 0.05, 1);
+    for (std::size_t a = 0; a < brief.hypotheses.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b)
+        EXPECT_FALSE(brief.hypotheses[a].model == brief.hypotheses[b].model &&
+                     isNear(brief.hypotheses[a].T_m_c.T, brief.hypotheses[b].T_m_c.T, 1e-3, 0.01));
+  }
+  EXPECT_GT(compared, 4);
+  EXPECT_GE(alike, compared - 1);
+}
+
 TEST_F(PlaceIndexOfRooms, OnlyForACameraThatIsMountedAsTheMapsTheFloorAndTheListHold) {
   GlobalLocalizationParams params;
   params.shortlist.exhaustive_up_to = 0;
@@ -325,7 +400,9 @@ TEST_F(PlaceIndexOfRooms, OnlyForACameraThatIsMountedAsTheMapsTheFloorAndTheList
   using Mounting = CameraDifference::Mounting;
   const auto expectAll = [&](const View& view, Mounting mounting) {
     EXPECT_EQ(localization.prior(view).P, posePrior({}));
-    EXPECT_EQ(askedFor(view, map, params).size(), map->models.size());
+    GlobalLocalizationParams until_sure = params;
+    until_sure.shortlist.sure_probability = 1;
+    EXPECT_EQ(different(askedFor(view, map, until_sure)).size(), map->models.size());
     EXPECT_EQ(localization.localize(view).camera.mounting, mounting);
   };
   View view = query(1, 0.4, 77);

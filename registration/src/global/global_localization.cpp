@@ -65,6 +65,11 @@ void GlobalLocalization::Impl::registerWith(const Batch& batch, const Query& que
   forEachInParallel(static_cast<int>(batch.size()), threads, [&](int i) {
     of_model[i] = registration.align(query, *map->view(batch[i].model), batch[i].T_m_c);
   });
+  const auto isAskedAnew = [&batch](const Hypothesis& h) {
+    return std::binary_search(batch.begin(), batch.end(), Start{h.model, {}},
+                              [](const Start& a, const Start& b) { return a.model < b.model; });
+  };
+  hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), isAskedAnew), hypotheses.end());
   for (std::size_t i = 0; i < batch.size(); ++i)
     for (Hypothesis& h : of_model[i]) {
       h.model = batch[i].model;

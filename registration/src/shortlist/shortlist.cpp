@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <exception>
 #include <limits>
+#include <numeric>
 
 namespace facetloc::internal {
 
@@ -30,9 +31,12 @@ Shortlist::Shortlist(std::shared_ptr<const Map> map, const GlobalLocalizationPar
   const std::optional<CameraMounting>& mounting = map_->camera.mounting;
   PoseWithCovariance usual;
   usual.P = posePrior(mounting, params.prior);
-  if (shortlist.size > 0 && mounting && PlaceIndex::covers(usual) &&
-      map_->models.size() > static_cast<std::size_t>(shortlist.exhaustive_up_to))
+  if (shortlist.size == 0 || map_->models.size() <= static_cast<std::size_t>(shortlist.exhaustive_up_to))
+    return;
+  if (mounting && PlaceIndex::covers(usual))
     index_ = std::make_shared<PlaceIndex>(PlaceIndex::of(*map_, shortlist, params.prior));
+  planes_.reserve(map_->models.size());
+  for (const LocalModel& model : map_->models) planes_.emplace_back(model.view);
 }
 
 std::vector<Batch> Shortlist::batches(const Query& query, bool on_floor, int threads,
@@ -40,6 +44,7 @@ std::vector<Batch> Shortlist::batches(const Query& query, bool on_floor, int thr
   if (!registration_.mayFixPose(query)) return {{}};
   std::vector<Candidate> models;
   if (index_ && on_floor) models = listed(query, threads, excluded);
+  if (models.empty() && !on_floor) return overlaid(query, threads, excluded);
   if (models.empty()) return {allModels(query, excluded)};
   std::sort(models.begin(), models.end(),  // as if the others had given no hypothesis
             [](const Candidate& a, const Candidate& b) { return a.model < b.model; });
@@ -48,7 +53,7 @@ std::vector<Batch> Shortlist::batches(const Query& query, bool on_floor, int thr
   std::vector<Batch> out(2);
   for (const Candidate& c : models)
     out[c.rank < params_.shortlist.first_models ? 0 : 1].push_back(
-        {c.model, c.start && from_starts ? startOf(c) : query.prior});
+        {c.model, c.start && from_starts ? startAt(*c.start, map_->camera.mounting) : query.prior});
   if (out[1].empty()) out.pop_back();
   return out;
 }
@@ -86,7 +91,8 @@ std::vector<Candidate> Shortlist::examined(const Query& query, std::vector<Candi
   forEachInParallel(n - kept, threads, [&](int i) {
     const Candidate& c = models[kept + i];
     if (!c.start) return;
-    const auto found = registration_.alignFrom(startOf(c), query, *map_->view(c.model));
+    const auto found =
+        registration_.alignFrom(startAt(*c.start, map_->camera.mounting), query, *map_->view(c.model));
     if (found) score[c.rank] = found->score;
   });
   std::stable_sort(models.begin() + kept, models.end(), [&score](const Candidate& a, const Candidate& b) {
@@ -101,8 +107,48 @@ std::vector<Candidate> Shortlist::examined(const Query& query, std::vector<Candi
   return models;
 }
 
-PoseWithCovariance Shortlist::startOf(const Candidate& c) const {
-  return {*c.start, posePrior(map_->camera.mounting, start_, *c.start)};
+// About where they are laid over the view, models cost little, but overlays are not exact: a pose beside one
+// is lost. What is sure there is right; else the likeliest are asked once more, about the prior.
+std::vector<Batch> Shortlist::overlaid(const Query& query, int threads,
+                                       const std::function<bool(int)>& excluded) const {
+  Batch all = allModels(query, excluded);
+  const bool can_be_sure = registration_.score().inNats() && params_.steps.joint_refinement;
+  const PlaneOverlay scene(query.view, query.prior);
+  if (planes_.empty() || !can_be_sure || !scene.isUseful()) return {all};
+
+  const ShortlistParams& p = params_.shortlist;
+  constexpr int kBlock = 64;  // models that one thread takes at a time
+  const int n = static_cast<int>(all.size());
+  std::vector<Overlay> overlays(all.size());
+  forEachInParallel((n + kBlock - 1) / kBlock, threads, [&](int block) {
+    for (int i = block * kBlock; i < std::min(n, (block + 1) * kBlock); ++i)
+      overlays[i] = scene.on(planes_[all[i].model]);
+  });
+  std::vector<int> order(all.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return overlays[a].score > overlays[b].score; });
+
+  const auto batchOf = [&](int first, int last, bool about_overlays) {
+    Batch batch;
+    for (int r = first; r < std::min(n, last); ++r) {
+      const Overlay& overlay = overlays[order[r]];
+      batch.push_back(all[order[r]]);
+      if (about_overlays && overlay.exists() && p.start_translation > 0)
+        batch.back().T_m_c = startAt(Eigen::Isometry3d(overlay.T_m_c.matrix().cast<double>()), std::nullopt);
+    }
+    std::sort(batch.begin(), batch.end(), [](const Start& a, const Start& b) { return a.model < b.model; });
+    return batch;
+  };
+  std::vector<Batch> batches = {batchOf(0, p.overlaid_first, true), batchOf(0, p.first_models, false),
+                                batchOf(p.first_models, p.overlaid_size, true)};
+  if (batches.back().empty()) batches.pop_back();
+  return batches;
+}
+
+PoseWithCovariance Shortlist::startAt(const Eigen::Isometry3d& T_m_c,
+                                      const std::optional<CameraMounting>& mounting) const {
+  return {T_m_c, posePrior(mounting, start_, T_m_c)};
 }
 
 Batch Shortlist::allModels(const Query& query, const std::function<bool(int)>& excluded) const {

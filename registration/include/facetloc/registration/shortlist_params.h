@@ -18,6 +18,10 @@ struct ShortlistParams {
   double sure_probability = 0.95;  ///< of a place that they show, with which no others are asked
   double start_translation = 0.2;  ///< how well an alignment tells the position, standard deviation [m]
   double start_rotation_deg = 3;   ///< and the heading
+  // Of a camera in any attitude:
+  int overlaid_first =
+      3;  ///< likeliest local models that a view is registered with about an alignment, first
+  int overlaid_size = 200;  ///< most local models that it is registered with
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -46,6 +50,11 @@ struct ShortlistParams {
           "prior.");
     visit("start_rotation_deg", p.start_rotation_deg, 0.01, 180.0,
           "Error of the heading that a quick alignment tells, standard deviation [deg].");
+    visit("overlaid_first", p.overlaid_first, 1, 100000000,
+          "Where the mounting is unknown: number of likeliest local models that are tried about their quick "
+          "alignments alone, before any others.");
+    visit("overlaid_size", p.overlaid_size, 1, 100000000,
+          "Where the mounting is unknown: largest number of local models that a view is registered with.");
   }
   void validate() const { checkRanges(*this); }
 };
