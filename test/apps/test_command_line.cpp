@@ -34,6 +34,33 @@ struct ExampleParams {
   }
 };
 
+enum class Way { shortest, scenic };
+constexpr const char* kNamesOfWays[] = {"shortest", "scenic"};
+constexpr const auto& namesOf(Way) { return kNamesOfWays; }
+
+struct WayParams {
+  static constexpr const char* kTitle = "Ways";
+  Way method = Way::shortest;
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("method", p.method, Way::shortest, Way::scenic, "Which way.");
+  }
+};
+
+/** Prints the way that it was given. */
+class WayApp : public App {
+public:
+  WayApp() : App("facetloc_echo", "", "") {}
+
+private:
+  void addOptions(CommandLine& line) override { line.addParams(params_, "way"); }
+  int execute(const CommandLine&, const Console& console) override {
+    console.out << numberText(params_.method);
+    return kOk;
+  }
+  WayParams params_;
+};
+
 struct ShownParams {
   static constexpr const char* kTitle = "What users need";
   double size = 1;
@@ -123,6 +150,22 @@ TEST(CommandLine, OptionsOfVersion01AreToldTheirNewNames) {
   };
   expectUsageError(runTool<OfEkf>({"--ekf-iterations", "3"}),
                    "unrecognised option '--ekf-iterations'; it is called --ekf.iterations since version 0.2");
+}
+
+TEST(CommandLine, AChoiceGoesByName) {
+  EXPECT_EQ(runTool<WayApp>({}).out, "shortest");
+  EXPECT_EQ(runTool<WayApp>({"--way.method", "scenic"}).out, "scenic");
+  EXPECT_EQ(runTool<WayApp>({"--way.method=shortest"}).out, "shortest");
+  EXPECT_EQ(runTool<WayApp>({"--way", "scenic"}).out, "scenic");  // for short
+  TemporaryFolder folder;
+  const std::string file = folder / "way.ini";
+  std::ofstream(file) << "[way]\nmethod = scenic\n";
+  EXPECT_EQ(runTool<WayApp>({"--params", file}).out, "scenic");
+  EXPECT_THAT(runTool<WayApp>({"--help-all"}).out, HasSubstr("shortest"));
+  for (const char* way : {"shortcut", "Scenic", "0", "1"})
+    expectUsageError(runTool<WayApp>({"--way", way}),
+                     "way.method: '" + std::string(way) + "' is none of: shortest, scenic");
+  expectUsageError(runTool<WayApp>({"--way"}), "value of option '--way' is missing");
 }
 
 TEST(CommandLine, PresetsYieldToWhatIsGiven) {

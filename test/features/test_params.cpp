@@ -37,6 +37,35 @@ struct Outer {
   }
 };
 
+enum class Colour { red, green };
+constexpr const char* kNamesOfColours[] = {"red", "green"};
+constexpr const auto& namesOf(Colour) { return kNamesOfColours; }
+
+struct Painted {
+  static constexpr const char* kTitle = "Paint";
+  Colour colour = Colour::green;
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("colour", p.colour, Colour::red, Colour::green, "Colour.");
+  }
+};
+
+TEST(Params, AChoiceIsKnownByItsName) {
+  EXPECT_EQ(numberText(Colour::red), "red");
+  EXPECT_EQ(choiceOf<Colour>("green"), Colour::green);
+  try {
+    choiceOf<Colour>("blue");
+    FAIL();
+  } catch (const std::invalid_argument& e) {
+    EXPECT_STREQ(e.what(), "'blue' is none of: red, green");
+  }
+  EXPECT_THAT(toIni(Painted{}, "paint"), HasSubstr("[paint]\ncolour = green\n"));
+  Painted painted;
+  EXPECT_NO_THROW(checkRanges(painted));
+  painted.colour = static_cast<Colour>(2);
+  EXPECT_THROW(checkRanges(painted), std::invalid_argument);
+}
+
 TEST(Params, AFieldIsKnownByItsPathAndTheTitleOfItsGroup) {
   const Outer outer;
   std::vector<std::string> paths, groups;

@@ -151,6 +151,14 @@ void CommandLine::addParameter(Options& group, const std::string& name, int& val
   add(group, name, bound(value, "INTEGER"), help);
 }
 
+void CommandLine::addChoice(Options& group, const std::string& name, const std::string& value,
+                            const std::string& help, const std::function<void(const std::string&)>& assign) {
+  add(group, name, po::value<std::string>()->value_name("NAME")->default_value(value)->notifier(assign),
+      help);
+  const auto dot = name.rfind(".method");
+  if (dot != std::string::npos) options_[name.substr(0, dot)] = options_[name];
+}
+
 void CommandLine::addPresets() {
   std::string names;
   for (const std::string& name : presetNames()) names += (names.empty() ? "" : ", ") + name;

@@ -27,7 +27,8 @@ public:
  * `--name value`, `--name=value` and `-name value` are the same, and so are dashes and underscores within a
  * name. What is not an option is refused, never ignored. Options are bound to variables, whose values are the
  * defaults that the help shows. A switch needs no value; a parameter of type bool may have one
- * (`--score.by_overlap`, `--score.by_overlap=0`).
+ * (`--score.by_overlap`, `--score.by_overlap=0`). The `method` of a group of parameters goes by the name of
+ * the group, too (`--split quadtree` is `--split.method quadtree`).
  *
  * --help shows what users need, on 40 lines at most; --help-all every parameter, by group. */
 class CommandLine {
@@ -114,6 +115,19 @@ private:
   void addParameter(Options& group, const std::string& name, bool& value, const std::string& help);
   void addParameter(Options& group, const std::string& name, double& value, const std::string& help);
   void addParameter(Options& group, const std::string& name, int& value, const std::string& help);
+  template <class Choice>
+  std::enable_if_t<std::is_enum_v<Choice>> addParameter(Options& group, const std::string& name,
+                                                        Choice& value, const std::string& help) {
+    addChoice(group, name, numberText(value), help, [&value, name](const std::string& text) {
+      try {
+        value = choiceOf<Choice>(text);
+      } catch (const std::invalid_argument& e) {
+        throw UsageError(name + ": " + e.what());
+      }
+    });
+  }
+  void addChoice(Options& group, const std::string& name, const std::string& value, const std::string& help,
+                 const std::function<void(const std::string&)>& assign);
   [[noreturn]] void refuse(const std::string& given_name) const;
 
   const Option* find(std::string name) const;

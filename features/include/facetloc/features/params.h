@@ -2,6 +2,7 @@
 #pragma once
 
 #include <charconv>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -20,8 +21,11 @@ namespace facetloc {
  *
  * and a struct of groups visits these by their names, `visit("ekf", p.ekf)`. A field is known by its path in
  * the struct, `ekf.iterations`. This one list drives validation, command-line options, parameter files, help
- * texts and what is recorded beside maps and results. Fields are bool, int or double; angles named *_deg are
- * in degrees. */
+ * texts and what is recorded beside maps and results. Fields are bool, int, double or a choice; angles named
+ * *_deg are in degrees.
+ *
+ * A choice is an enum class that counts from 0 and whose function namesOf(), next to it, returns an array of
+ * the names of its values. */
 
 /** \brief What is known of a field beside its value and its range. */
 struct ParamInfo {
@@ -75,8 +79,11 @@ void checkRanges(const Params& params, const std::string& name = {}) {
       [](const ParamInfo& info, const auto& value, auto lowest, auto highest) {
         if (value >= lowest && value <= highest) return;
         std::ostringstream message;
-        message << "parameter " << info.name << " = " << value << " is outside [" << lowest << ", " << highest
-                << "]";
+        message << "parameter " << info.name;
+        if constexpr (std::is_enum_v<std::decay_t<decltype(value)>>)
+          message << " has none of its values";
+        else
+          message << " = " << value << " is outside [" << lowest << ", " << highest << "]";
         throw std::invalid_argument(message.str());
       },
       name);
@@ -89,14 +96,29 @@ const Params& checked(const Params& params) {
   return params;
 }
 
-/** \brief A number as the shortest text that reads back as the same number; bool as 0 or 1. */
+/** \brief A number as the shortest text that reads back as the same number; bool as 0 or 1, a choice as its
+ * name. */
 template <typename T>
 std::string numberText(T value) {
   char text[32];
   if constexpr (std::is_same_v<T, bool>)
     return value ? "1" : "0";
+  else if constexpr (std::is_enum_v<T>)
+    return namesOf(value)[static_cast<int>(value)];
   else
     return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+/** \brief The value of a choice that has this name; throws std::invalid_argument if none has. */
+template <typename Choice>
+Choice choiceOf(const std::string& name) {
+  std::string names;
+  const auto& known = namesOf(Choice{});
+  for (std::size_t i = 0; i < std::size(known); ++i) {
+    if (name == known[i]) return static_cast<Choice>(i);
+    names += (i > 0 ? ", " : "") + std::string(known[i]);
+  }
+  throw std::invalid_argument("'" + name + "' is none of: " + names);
 }
 
 /** \brief The parameters as "name = value" lines below a "[group]" line for each group, in the order of their
