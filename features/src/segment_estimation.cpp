@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shared/inverse_depth.h"
 #include "shared/lanes.h"
+#include "shared/room.h"
 
 #include <facetloc/features/plane_fit.h>
 #include <facetloc/features/segment_estimation.h>
@@ -37,12 +38,33 @@ struct PointMoments {
   Eigen::Matrix3d pp = Eigen::Matrix3d::Zero();
 };
 
+// Sums over pixels (u, v) of inverse depth d, lane by lane; they are added up once for a region, not once for
+// each of its many short runs.
+struct PlaneSums {
+  LooseDoubles n{}, u{}, v{}, d{}, uu{}, uv{}, vv{}, ud{}, vd{}, dd{};
+
+  PlaneMoments moments() const {
+    PlaneMoments m;
+    m.n = total(n), m.u = total(u), m.v = total(v), m.d = total(d);
+    m.uu = total(uu), m.uv = total(uv), m.vv = total(vv);
+    m.ud = total(ud), m.vd = total(vd), m.dd = total(dd);
+    return m;
+  }
+};
+
+// The same of depth z and its square.
+struct DepthSums {
+  LooseDoubles z{}, zu{}, zv{}, zz{}, zzu{}, zzv{}, zzuu{}, zzuv{}, zzvv{};
+};
+
 // First and last column of a region in a row; first > last where there is none.
 struct RowExtreme {
   int first, last;
 };
 
 struct Region {
+  PlaneSums sums;
+  DepthSums depths;
   PlaneMoments plane;
   PointMoments points;
   Eigen::Matrix3d bb = Eigen::Matrix3d::Zero();  // sum of b b^T, from plane
@@ -70,7 +92,9 @@ int endOfRun(const std::uint16_t* row, int u, int width) {
 }
 
 void findRuns(const LabelImage& labels, std::vector<Run>& runs) {
+  constexpr int kShortOnAverage = 8;  // [px]; those of rooms are longer
   runs.clear();
+  runs.reserve(labels.label.size() / kShortOnAverage);
   for (int v = 0; v < labels.height; ++v) {
     const std::uint16_t* row = labels.label.data() + static_cast<std::size_t>(v) * labels.width;
     for (int begin = 0, end; begin < labels.width; begin = end) {
@@ -80,33 +104,33 @@ void findRuns(const LabelImage& labels, std::vector<Run>& runs) {
   }
 }
 
-// Sums over pixels k = 0, 1, ... of a run.
-struct RunSums {
-  double n, k, kk, d, kd, dd;   // of inverse depth d
-  double z, kz, zz, kzz, kkzz;  // of depth z
-};
-
-// Of all measured pixels; the image ends at end.
-FACETLOC_MULTIVERSION void sumMeasured(const float* d, const float* end, int length, RunSums& out) {
-  Doubles n{}, k1{}, k2{}, d1{}, kd{}, dd{}, k = kDoubleOffset;
+// Adds all measured pixels of a run that begins at (u, v); the image ends at end.
+FACETLOC_MULTIVERSION void sumMeasured(const float* d, const float* end, int length, int u, int v,
+                                       PlaneSums& sums) {
+  Doubles n{}, u1{}, u2{}, d1{}, ud{}, dd{}, column = kDoubleOffset + static_cast<double>(u);
   for (int i = 0; i < length; i += kDoubleLanes) {
     FloatQuad pixel;
     load(d + i, end, pixel);
     const IntQuad counts = (pixel > 0) & (kQuadLane < length - i);
     const Doubles one = __builtin_convertvector(counts & 1, Doubles);
     const Doubles value = __builtin_convertvector((FloatQuad)((IntQuad)pixel & counts), Doubles);
-    const Doubles one_k = one * k;
-    n += one, k1 += one_k, k2 += one_k * k;
-    d1 += value, kd += value * k, dd += value * value;
-    k += static_cast<double>(kDoubleLanes);
+    const Doubles one_u = one * column;
+    n += one, u1 += one_u, u2 += one_u * column;
+    d1 += value, ud += value * column, dd += value * value;
+    column += static_cast<double>(kDoubleLanes);
   }
-  out = {total(n), total(k1), total(k2), total(d1), total(kd), total(dd), 0, 0, 0, 0, 0};
+  const double row = v;
+  sums.n += n, sums.u += u1, sums.v += row * n, sums.d += d1;
+  sums.uu += u2, sums.uv += row * u1, sums.vv += row * row * n;
+  sums.ud += ud, sums.vd += row * d1, sums.dd += dd;
 }
 
-// Of the measured pixels whose inverse depth is near start + k slope.
+// Adds the measured pixels whose inverse depth is near start + k slope for the k-th of the run.
 FACETLOC_MULTIVERSION void sumSupport(const float* d, const float* end, const float* z, int length,
-                                      float start, float slope, float tolerance, RunSums& out) {
-  Doubles n{}, k1{}, k2{}, d1{}, kd{}, dd{}, z1{}, kz{}, zz{}, kzz{}, kkzz{}, k = kDoubleOffset;
+                                      float start, float slope, float tolerance, int u, int v,
+                                      PlaneSums& sums, DepthSums& depths) {
+  Doubles n{}, u1{}, u2{}, d1{}, ud{}, dd{}, z1{}, zu{}, zz{}, zzu{}, zzuu{};
+  Doubles column = kDoubleOffset + static_cast<double>(u);
   FloatQuad offset = kQuadOffset;
   for (int i = 0; i < length; i += kDoubleLanes) {
     FloatQuad inverse, depth;
@@ -117,33 +141,44 @@ FACETLOC_MULTIVERSION void sumSupport(const float* d, const float* end, const fl
     const Doubles one = __builtin_convertvector(counts & 1, Doubles);
     const Doubles value = __builtin_convertvector((FloatQuad)((IntQuad)inverse & counts), Doubles);
     const Doubles range = __builtin_convertvector((FloatQuad)((IntQuad)depth & counts), Doubles);
-    const Doubles one_k = one * k, squared = range * range, squared_k = squared * k;
-    n += one, k1 += one_k, k2 += one_k * k;
-    d1 += value, kd += value * k, dd += value * value;
-    z1 += range, kz += range * k, zz += squared, kzz += squared_k, kkzz += squared_k * k;
-    k += static_cast<double>(kDoubleLanes), offset += static_cast<float>(kDoubleLanes);
+    const Doubles one_u = one * column, squared = range * range, squared_u = squared * column;
+    n += one, u1 += one_u, u2 += one_u * column;
+    d1 += value, ud += value * column, dd += value * value;
+    z1 += range, zu += range * column, zz += squared, zzu += squared_u, zzuu += squared_u * column;
+    column += static_cast<double>(kDoubleLanes), offset += static_cast<float>(kDoubleLanes);
   }
-  out = {total(n),  total(k1), total(k2), total(d1),  total(kd),  total(dd),
-         total(z1), total(kz), total(zz), total(kzz), total(kkzz)};
+  const double row = v;
+  sums.n += n, sums.u += u1, sums.v += row * n, sums.d += d1;
+  sums.uu += u2, sums.uv += row * u1, sums.vv += row * row * n;
+  sums.ud += ud, sums.vd += row * d1, sums.dd += dd;
+  depths.z += z1, depths.zu += zu, depths.zv += row * z1;
+  depths.zz += zz, depths.zzu += zzu, depths.zzv += row * zz;
+  depths.zzuu += zzuu, depths.zzuv += row * zzu, depths.zzvv += row * row * zz;
 }
 
-// Moments of a run of row v from column u on.
-PlaneMoments momentsOf(const RunSums& s, int u, int v) {
-  PlaneMoments m;
-  m.n = s.n, m.u = s.k, m.d = s.d, m.uu = s.kk, m.ud = s.kd, m.dd = s.dd;
-  return m.shifted(u, v);
+// Of n points z b, where b = ((u - c_x) / f_x, (v - c_y) / f_y, 1).
+PointMoments pointMoments(double n, const DepthSums& sums, const Intrinsics& c) {
+  const double z = total(sums.z), zu = total(sums.zu), zv = total(sums.zv);
+  const double zz = total(sums.zz), zzu = total(sums.zzu), zzv = total(sums.zzv);
+  const double xx = (total(sums.zzuu) - 2 * c.cx * zzu + c.cx * c.cx * zz) / (c.fx * c.fx);
+  const double yy = (total(sums.zzvv) - 2 * c.cy * zzv + c.cy * c.cy * zz) / (c.fy * c.fy);
+  const double xy = (total(sums.zzuv) - c.cy * zzu - c.cx * zzv + c.cx * c.cy * zz) / (c.fx * c.fy);
+  const double x = (zzu - c.cx * zz) / c.fx, y = (zzv - c.cy * zz) / c.fy;
+  PointMoments m;
+  m.n = n;
+  m.p << (zu - c.cx * z) / c.fx, (zv - c.cy * z) / c.fy, z;
+  m.pp << xx, xy, x, xy, yy, y, x, y, zz;
+  return m;
 }
 
 // First pass: the plane of each region from all of its pixels, and how far they scatter.
 void fitRegions(const Intrinsics& camera, const std::vector<float>& inverse, const std::vector<Run>& runs,
                 double noise_std, double trim, std::vector<Region>& regions) {
-  for (const auto& [label, v, begin, end] : runs) {
-    RunSums sums;
+  for (const auto& [label, v, begin, end] : runs)
     sumMeasured(inverse.data() + static_cast<std::size_t>(v) * camera.width + begin,
-                inverse.data() + inverse.size(), end - begin, sums);
-    regions[label].plane += momentsOf(sums, begin, v);
-  }
+                inverse.data() + inverse.size(), end - begin, begin, v, regions[label].sums);
   for (Region& r : regions) {
+    r.plane = r.sums.moments();
     const PlaneMoments::Fit fit = r.plane.fit();
     r.fitted = fit.plane;
     const double rms = r.plane.n > 0 ? std::sqrt(fit.sse / r.plane.n) : 0;
@@ -156,11 +191,13 @@ void gatherSupport(const DepthImage& image, const std::vector<float>& inverse, c
                    double min_support, std::vector<Region>& regions, std::vector<RowExtreme>& row_extremes) {
   const Intrinsics& c = image.camera;
   const auto is_large = [&](const Region& r) { return r.plane.n >= min_support; };
-  row_extremes.assign(std::count_if(regions.begin(), regions.end(), is_large) * c.height, {c.width, -1});
+  const std::size_t rows = std::count_if(regions.begin(), regions.end(), is_large) * c.height;
+  makeRoom(row_extremes, rows);
+  row_extremes.assign(rows, {c.width, -1});
   RowExtreme* next = row_extremes.data();
   for (Region& r : regions) {
     if (is_large(r)) r.row_extremes = next, next += c.height;
-    r.plane = {};
+    r.sums = {};
   }
   for (const auto& [label, v, begin, end] : runs) {
     Region& r = regions[label];
@@ -169,28 +206,21 @@ void gatherSupport(const DepthImage& image, const std::vector<float>& inverse, c
     const float* d = inverse.data() + pixel;
     const float start = static_cast<float>(r.fitted.at(begin, v)), slope = static_cast<float>(r.fitted.a);
     const float tolerance = static_cast<float>(r.tolerance);
-    RunSums sums;
-    sumSupport(d, inverse.data() + inverse.size(), image.depth.data() + pixel, end - begin, start, slope,
-               tolerance, sums);
-    if (sums.n == 0) continue;
-    r.plane += momentsOf(sums, begin, v);
-    // b_x = x0 + k / f, and b_y is the same in the whole row.
-    const double x0 = (begin - c.cx) / c.fx, step = 1 / c.fx, by = (v - c.cy) / c.fy;
-    const double zx = x0 * sums.z + step * sums.kz, z2 = sums.zz, z2x = x0 * sums.zz + step * sums.kzz;
-    const double z2xx = x0 * x0 * sums.zz + 2 * x0 * step * sums.kzz + step * step * sums.kkzz;
-    r.points.n += sums.n;
-    r.points.p += Eigen::Vector3d(zx, by * sums.z, sums.z);
-    Eigen::Matrix3d pp;
-    pp << z2xx, by * z2x, z2x, by * z2x, by * by * z2, by * z2, z2x, by * z2, z2;
-    r.points.pp += pp;
     const auto belongs = [&](int k) {
       return d[k] > 0 && std::fabs(d[k] - (start + slope * static_cast<float>(k))) <= tolerance;
     };
     int first = 0, last = end - begin - 1;
-    while (first < last && !belongs(first)) ++first;
-    while (first < last && !belongs(last)) --last;
+    while (first <= last && !belongs(first)) ++first;
+    if (first > last) continue;
+    while (!belongs(last)) --last;
     RowExtreme& row = r.row_extremes[v];
     row.first = std::min(row.first, begin + first), row.last = std::max(row.last, begin + last);
+    sumSupport(d, inverse.data() + inverse.size(), image.depth.data() + pixel, end - begin, start, slope,
+               tolerance, begin, v, r.sums, r.depths);
+  }
+  for (Region& r : regions) {
+    r.plane = r.sums.moments();
+    r.points = pointMoments(r.plane.n, r.depths, c);
   }
 }
 
@@ -421,6 +451,7 @@ void SegmentEstimation::estimate(const DepthImage& image, const LabelImage& labe
   findRuns(labels, b.runs);
   std::int32_t max_label = 0;
   for (const Run& run : b.runs) max_label = std::max(max_label, run.label);
+  makeRoom(b.regions, max_label + 1);
   b.regions.assign(max_label + 1, {});
   fitRegions(image.camera, b.inverse, b.runs, noise.inverse_depth_std, params_.trim, b.regions);
   const double min_support = std::max(3.0, scaledPixels(params_.min_support, image.camera));

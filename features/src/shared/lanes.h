@@ -24,6 +24,8 @@ typedef signed char Chars __attribute__((vector_size(kLanes)));
 typedef float FloatQuad __attribute__((vector_size(4 * kDoubleLanes)));
 typedef std::int32_t IntQuad __attribute__((vector_size(4 * kDoubleLanes)));
 typedef double Doubles __attribute__((vector_size(8 * kDoubleLanes)));
+/** \brief Such in memory that any allocator may give. */
+typedef double LooseDoubles __attribute__((vector_size(8 * kDoubleLanes), aligned(8)));
 
 constexpr Ints kLane = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr Floats kLaneOffset = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -57,6 +59,6 @@ FACETLOC_ALWAYS_INLINE void store(const Lanes& x, T* p, const T* end) {
   for (int k = 0; k < end - p; ++k) p[k] = x[k];
 }
 
-FACETLOC_ALWAYS_INLINE double total(const Doubles& x) { return (x[0] + x[1]) + (x[2] + x[3]); }
+FACETLOC_ALWAYS_INLINE double total(const LooseDoubles& x) { return (x[0] + x[1]) + (x[2] + x[3]); }
 
 }  // namespace facetloc::internal
