@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "depth_triangulation.h"
 #include "disparity_image.h"
+#include "quad_tree.h"
 #include "region_merging.h"
 #include "relabel.h"
 #include "shared/lanes.h"
+#include "shared/room.h"
 
 #include <facetloc/segmentation/plane_segmenter.h>
 
@@ -16,9 +18,25 @@ namespace facetloc {
 using namespace internal;
 namespace {
 
+// The rows of a rectangle of pixels, as those of a triangle.
+class RectangleRows {
+public:
+  RectangleRows(int u, int v, int width, int height)
+      : v_(v), end_(v + height), first_(u), last_(u + width - 1) {}
+  bool done() const { return v_ >= end_; }
+  std::int32_t v() const { return v_; }
+  std::int32_t first() const { return first_; }
+  std::int32_t last() const { return last_; }
+  void next() { ++v_; }
+
+private:
+  std::int32_t v_, end_, first_, last_;
+};
+
 // Labels the pixels in the rows that lie near a plane. \return how many.
-FACETLOC_MULTIVERSION int labelPixels(const DisparityImage& image, TriangleRows rows, const PixelPlane& plane,
-                                      float tolerance, std::uint16_t label, std::uint16_t* labels) {
+template <class Rows>
+FACETLOC_ALWAYS_INLINE int labelRows(const DisparityImage& image, Rows rows, const PixelPlane& plane,
+                                     float tolerance, std::uint16_t label, std::uint16_t* labels) {
   const float* const end = image.d.data() + image.d.size();
   const std::uint16_t* const labels_end = labels + image.d.size();
   const float slope = static_cast<float>(plane.a);
@@ -47,6 +65,17 @@ FACETLOC_MULTIVERSION int labelPixels(const DisparityImage& image, TriangleRows 
   int sum = 0;
   for (int k = 0; k < kLanes; ++k) sum += labelled[k];
   return sum;
+}
+
+FACETLOC_MULTIVERSION int labelPixels(const DisparityImage& image, TriangleRows rows, const PixelPlane& plane,
+                                      float tolerance, std::uint16_t label, std::uint16_t* labels) {
+  return labelRows(image, rows, plane, tolerance, label, labels);
+}
+
+FACETLOC_MULTIVERSION int labelPixels(const DisparityImage& image, RectangleRows rows,
+                                      const PixelPlane& plane, float tolerance, std::uint16_t label,
+                                      std::uint16_t* labels) {
+  return labelRows(image, rows, plane, tolerance, label, labels);
 }
 
 // Lists the columns of a row where a pixel has a label and one of its four neighbours has another.
@@ -83,21 +112,30 @@ FACETLOC_MULTIVERSION int listBorders(const std::uint16_t* row, const std::uint1
 
 struct PlaneSegmenter::Impl {
   Impl(const SegmentationParams& params, const SensorNoise& noise)
-      : params_(params), noise_(noise), split_(params.split), merge_(params.merge) {}
+      : params_(params),
+        noise_(noise),
+        triangulation_(params.split),
+        tree_(params.split.min_fill, params.merge.tolerance),
+        merge_(params.merge) {}
 
   void segment(const DepthImage& image, LabelledPlanes& out);
 
   struct Pixel {
     std::int32_t u, v;
   };
-  void label(LabelledPlanes& out);
+  void splitAndMerge();
+  void labelRegions(LabelImage& labels);
+  std::uint16_t labelOfLeaf(int leaf) const;
+  void labelTriangles(LabelImage& labels);
+  void labelCells(LabelImage& labels);
   void reassignBoundaries(LabelImage& labels);
   void keepLargeRegions(LabelledPlanes& out, double min_support);
 
   SegmentationParams params_;
   SensorNoise noise_;
   DisparityImage disparity_;
-  DepthTriangulation split_;
+  DepthTriangulation triangulation_;  // the one or the other splits
+  QuadTree tree_;
   RegionMerging merge_;
   std::vector<PixelPlane> region_planes_;  // by provisional label, in units of the disparity image
   std::vector<int> support_;               // of it [px]
@@ -132,21 +170,32 @@ void PlaneSegmenter::Impl::segment(const DepthImage& image, LabelledPlanes& out)
   if (params_.labels.estimate_noise) out.noise = estimateNoise(image, out.noise, scratch_);
 
   toDisparity(image, out.noise, disparity_);
-  split_.compute(disparity_);
-  merge_.compute(split_, disparity_);
-  label(out);
+  splitAndMerge();
+  labelRegions(out.labels);
   reassignBoundaries(out.labels);
   keepLargeRegions(out, std::max(3.0, scaledPixels(params_.labels.min_support, image.camera)));
   for (PixelPlane& p : out.planes) p = {p.a * out.noise, p.b * out.noise, p.c * out.noise};
 }
 
+void PlaneSegmenter::Impl::splitAndMerge() {
+  if (params_.split.method == SplitMethod::quadtree) {
+    tree_.compute(disparity_);
+    merge_.compute(tree_, disparity_);
+  } else {
+    triangulation_.compute(disparity_);
+    merge_.compute(triangulation_, disparity_);
+  }
+}
+
 // Provisional labels: every pixel of a region that lies near its plane. Specks are left for their neighbours
 // to take.
-void PlaneSegmenter::Impl::label(LabelledPlanes& out) {
+void PlaneSegmenter::Impl::labelRegions(LabelImage& labels) {
   constexpr double kSpeck =
       0.3;  // share of the minimum support below which a region gets no label of its own
   const double min_region =
       std::max(3.0, kSpeck * scaledPixels(params_.labels.min_support, disparity_.camera));
+  const std::size_t most = merge_.regions().size() + 1;
+  makeRoom(region_planes_, most), makeRoom(label_of_region_, most), makeRoom(support_, most);
   region_planes_.assign(1, {});
   label_of_region_.assign(merge_.regions().size(), 0);
   for (std::size_t r = 0; r < merge_.regions().size() && region_planes_.size() < 65535; ++r) {
@@ -155,22 +204,53 @@ void PlaneSegmenter::Impl::label(LabelledPlanes& out) {
     region_planes_.push_back(merge_.regions()[r].plane);
   }
   support_.assign(region_planes_.size(), 0);
+  if (params_.split.method == SplitMethod::quadtree)
+    labelCells(labels);
+  else
+    labelTriangles(labels);
+}
+
+// The provisional label of a leaf of the split; 0 = none.
+std::uint16_t PlaneSegmenter::Impl::labelOfLeaf(int leaf) const {
+  const int region = leaf < 0 ? -1 : merge_.regionOfLeaf()[leaf];
+  return region < 0 ? 0 : label_of_region_[region];
+}
+
+void PlaneSegmenter::Impl::labelTriangles(LabelImage& labels) {
   const float tolerance = static_cast<float>(params_.labels.tolerance);
-  for (std::size_t t = 0; t < split_.triangles().size(); ++t) {
-    const int r = merge_.regionOfTriangle()[t];
-    if (r < 0 || label_of_region_[r] == 0) continue;
-    const std::uint16_t k = label_of_region_[r];
-    support_[k] += labelPixels(disparity_, split_.rows(split_.triangles()[t]), region_planes_[k], tolerance,
-                               k, out.labels.label.data());
+  for (std::size_t t = 0; t < triangulation_.triangles().size(); ++t) {
+    const std::uint16_t k = labelOfLeaf(static_cast<int>(t));
+    if (k == 0) continue;
+    support_[k] += labelPixels(disparity_, triangulation_.rows(triangulation_.triangles()[t]),
+                               region_planes_[k], tolerance, k, labels.label.data());
   }
 }
 
-// Triangles follow the outlines only roughly. Breadth first from all borders, a pixel goes to the
-// neighbouring region whose plane it fits better (METHOD 5.2).
+// Neighbouring cells of a row that are in the same region are one rectangle.
+void PlaneSegmenter::Impl::labelCells(LabelImage& labels) {
+  const float tolerance = static_cast<float>(params_.labels.tolerance);
+  for (int row = 0; row < tree_.rows(); ++row) {
+    const std::int32_t* const leaf = tree_.leafOfCell().data() + std::size_t(row) * tree_.columns();
+    const int v = row * kSmallestCell, height = std::min(kSmallestCell, labels.height - v);
+    for (int begin = 0, end; begin < tree_.columns(); begin = end) {
+      const std::uint16_t k = labelOfLeaf(leaf[begin]);
+      for (end = begin + 1; end < tree_.columns() && labelOfLeaf(leaf[end]) == k;) ++end;
+      if (k == 0) continue;
+      const int u = begin * kSmallestCell, width = std::min(end * kSmallestCell, labels.width) - u;
+      support_[k] += labelPixels(disparity_, RectangleRows(u, v, width, height), region_planes_[k], tolerance,
+                                 k, labels.label.data());
+    }
+  }
+}
+
+// Triangles and cells follow the outlines only roughly. Breadth first from all borders, a pixel goes to the
+// neighbouring region whose plane it fits better (METHOD 6.2).
 void PlaneSegmenter::Impl::reassignBoundaries(LabelImage& labels) {
   const int w = labels.width, h = labels.height;
   std::uint16_t* const label = labels.label.data();
+  const float* const disparity = disparity_.d.data();
   front_.clear();
+  front_.reserve(labels.label.size());  // a pixel rarely changes hands twice
   columns_.resize(w + 1);
   for (int v = 0; v < h; ++v) {
     const std::uint16_t* row = label + static_cast<std::size_t>(v) * w;
@@ -180,14 +260,15 @@ void PlaneSegmenter::Impl::reassignBoundaries(LabelImage& labels) {
   const float tolerance = static_cast<float>(params_.labels.tolerance);
   for (std::size_t f = 0; f < front_.size(); ++f) {
     const auto [u, v] = front_[f];
-    const std::uint16_t k = label[v * w + u];
-    const auto offer = [&](int x, int y) {
-      const int j = y * w + x;
-      const float d = disparity_.d[j];
+    const int i = v * w + u;
+    const std::uint16_t k = label[i];
+    const PixelPlane plane = region_planes_[k];
+    const double here = plane.at(u, v);
+    const auto offer = [&](int x, int y, int j, double expected) {
+      const float d = disparity[j], e = std::fabs(d - static_cast<float>(expected));
       const std::uint16_t other = label[j];
-      if (other == k || !(d > 0)) return;
-      const float e = std::fabs(d - static_cast<float>(region_planes_[k].at(x, y)));
-      if (e > tolerance) return;
+      // All at once, since no processor foresees them.
+      if (!(int{other != k} & int{d > 0} & int{e <= tolerance})) return;
       if (other != 0) {
         if (std::fabs(d - static_cast<float>(region_planes_[other].at(x, y))) <= e) return;
         --support_[other];
@@ -196,10 +277,10 @@ void PlaneSegmenter::Impl::reassignBoundaries(LabelImage& labels) {
       label[j] = k;
       front_.push_back({x, y});
     };
-    if (u > 0) offer(u - 1, v);
-    if (u + 1 < w) offer(u + 1, v);
-    if (v > 0) offer(u, v - 1);
-    if (v + 1 < h) offer(u, v + 1);
+    if (u > 0) offer(u - 1, v, i - 1, here - plane.a);
+    if (u + 1 < w) offer(u + 1, v, i + 1, here + plane.a);
+    if (v > 0) offer(u, v - 1, i - w, here - plane.b);
+    if (v + 1 < h) offer(u, v + 1, i + w, here + plane.b);
   }
 }
 

@@ -2,6 +2,7 @@
 #include "region_merging.h"
 
 #include "shared/lanes.h"
+#include "shared/room.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,69 +45,119 @@ FACETLOC_MULTIVERSION PlaneMoments momentsOf(const DisparityImage& image, Triang
 
 }  // namespace
 
-double RegionMerging::cost(const PlaneMoments& a, double sse_a, const PlaneMoments& b, double sse_b) {
+double RegionMerging::squaredCost(const PlaneMoments& a, double sse_a, const PlaneMoments& b, double sse_b) {
   const PlaneMoments both = a + b;
   const double sse = both.fit().sse;
-  const double rms = std::sqrt(sse / std::max(1.0, both.n));
+  const double mean_square = sse / std::max(1.0, both.n);
   // How far the smaller region lies off the common plane; three pixels always lie on it.
-  const double displacement =
-      std::sqrt(std::max(0.0, sse - sse_a - sse_b) / std::max(3.0, std::min(a.n, b.n)));
-  return std::max(rms, displacement);
+  const double displacement = std::max(0.0, sse - sse_a - sse_b) / std::max(3.0, std::min(a.n, b.n));
+  return std::max(mean_square, displacement);
+}
+
+double RegionMerging::cost(const PlaneMoments& a, double sse_a, const PlaneMoments& b, double sse_b) {
+  return std::sqrt(squaredCost(a, sse_a, b, sse_b));
 }
 
 void RegionMerging::compute(const DepthTriangulation& triangulation, const DisparityImage& image) {
   const auto& triangles = triangulation.triangles();
   const int n = static_cast<int>(triangles.size());
-  if (nodes_.capacity() < triangles.size()) {  // with room for the next images of the camera
-    const std::size_t room = triangles.size() + triangles.size() / 2;
-    nodes_.reserve(room), mark_.reserve(room), region_of_triangle_.reserve(room);
-    links_.reserve(3 * room);
+  begin(triangles.size());
+  for (int i = 0; i < n; ++i) {
+    const DepthTriangulation::Triangle& t = triangles[i];
+    if (t.num_valid == 0 || t.num_valid < triangulation.params().min_fill * t.num_pixels) continue;
+    if (t.max_deviation > triangulation.params().tolerance) continue;
+    if (isDiscontinuity(t.plane, image)) continue;
+    const PlaneMoments moments = momentsOf(image, triangulation.rows(t));
+    addNode(i, moments, moments.fit());
   }
+  for (int i = 0; i < n; ++i)
+    for (const int j : triangles[i].neighbour)
+      if (i < j) join(i, j);
+  mergeAll();
+}
+
+void RegionMerging::compute(const QuadTree& tree, const DisparityImage& image) {
+  const auto& leaves = tree.leaves();
+  begin(leaves.size());
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    const PlaneMoments::Fit fit = leaves[i].moments.fit();
+    if (!isDiscontinuity(fit.plane, image)) addNode(static_cast<int>(i), leaves[i].moments, fit);
+  }
+  tree.forEachCommonSide([this](int a, int b) { join(a, b); });
+  mergeAll();
+  fitInnerCells(tree);
+}
+
+// Cells at the border of a region may reach a little beyond an edge of the room, and tilt its plane; where
+// the others are most of it, the plane is theirs.
+void RegionMerging::fitInnerCells(const QuadTree& tree) {
+  constexpr double kMost = 0.5;
+  makeRoom(inner_, regions_.size());
+  inner_.resize(regions_.size());
+  for (std::size_t r = 0; r < regions_.size(); ++r) inner_[r] = regions_[r].moments;
+  const int columns = tree.columns(), rows = tree.rows();
+  const auto regionOf = [&](int cell) {
+    const int leaf = tree.leafOfCell()[cell];
+    return leaf < 0 ? -1 : region_of_leaf_[leaf];
+  };
+  for (int row = 0, cell = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column, ++cell) {
+      const int r = regionOf(cell);
+      if (r < 0) continue;
+      if ((column > 0 && regionOf(cell - 1) != r) || (column + 1 < columns && regionOf(cell + 1) != r) ||
+          (row > 0 && regionOf(cell - columns) != r) || (row + 1 < rows && regionOf(cell + columns) != r))
+        inner_[r] -= tree.momentsOfCell(cell);
+    }
+  for (std::size_t r = 0; r < regions_.size(); ++r)
+    if (inner_[r].n >= kMost * regions_[r].moments.n) regions_[r].plane = inner_[r].fit().plane;
+}
+
+void RegionMerging::begin(std::size_t leaves) {
+  makeRoom(nodes_, leaves), makeRoom(mark_, leaves), makeRoom(region_of_leaf_, leaves);
+  makeRoom(links_, 6 * leaves);  // in the plane, leaves have fewer than six neighbours on average
   queue_.clear(params_.tolerance);
   regions_.clear();
-  region_of_triangle_.assign(n, -1);
-  mark_.assign(n, 0);
+  links_.clear();
+  nodes_.assign(leaves, {});
+  region_of_leaf_.assign(leaves, -1);
+  mark_.assign(leaves, 0);
   contractions_ = 0;
+}
 
-  makeNodes(triangulation, image);
-  for (int i = 0; i < n; ++i)
-    if (nodes_[i].takes_part)
-      for (const int j : triangles[i].neighbour)
-        if (j >= 0 && nodes_[j].takes_part) {
-          append(i, j);
-          if (i < j) pushEdge(i, j);
-        }
+void RegionMerging::addNode(int leaf, const PlaneMoments& moments, const PlaneMoments::Fit& fit) {
+  Node& node = nodes_[leaf];
+  node.parent = leaf;
+  node.moments = moments;
+  node.sse = fit.sse;
+  node.takes_part = true;
+}
 
+// Does the plane pass so near to the camera that it must be a silhouette (METHOD 5.1)?
+bool RegionMerging::isDiscontinuity(const PixelPlane& plane, const DisparityImage& image) const {
+  return image.unit * plane.toSpace(image.camera).norm() * params_.min_plane_distance > 1;
+}
+
+void RegionMerging::join(int a, int b) {
+  if (!nodes_[a].takes_part || !nodes_[b].takes_part) return;
+  append(a, b);
+  append(b, a);
+  pushEdge(a, b);
+}
+
+void RegionMerging::mergeAll() {
   const auto is_current = [this](const EdgeQueue::Edge& e) {
     return nodes_[e.a].version == e.version_a && nodes_[e.b].version == e.version_b;
   };
   for (EdgeQueue::Edge e; queue_.pop(e, is_current);) contract(e.a, e.b);
 
-  for (int i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
     if (!nodes_[i].takes_part) continue;
-    const int r = root(i);
-    if (region_of_triangle_[r] < 0) {
-      region_of_triangle_[r] = static_cast<int>(regions_.size());
+    const int r = root(static_cast<int>(i));
+    if (region_of_leaf_[r] < 0) {
+      region_of_leaf_[r] = static_cast<int>(regions_.size());
       regions_.push_back({nodes_[r].moments, nodes_[r].moments.fit().plane});
     }
-    region_of_triangle_[i] = region_of_triangle_[r];
-  }
-}
-
-void RegionMerging::makeNodes(const DepthTriangulation& triangulation, const DisparityImage& image) {
-  const auto& triangles = triangulation.triangles();
-  nodes_.assign(triangles.size(), {});
-  links_.clear();
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const DepthTriangulation::Triangle& t = triangles[i];
-    Node& node = nodes_[i];
-    node.parent = static_cast<std::int32_t>(i);
-    if (t.num_valid == 0 || t.num_valid < triangulation.params().min_fill * t.num_pixels) continue;
-    if (t.max_deviation > triangulation.params().tolerance) continue;
-    if (image.unit * t.plane.toSpace(image.camera).norm() * params_.min_plane_distance > 1) continue;
-    node.takes_part = true;
-    node.moments = momentsOf(image, triangulation.rows(t));
-    node.sse = node.moments.fit().sse;
+    region_of_leaf_[i] = region_of_leaf_[r];
   }
 }
 
@@ -116,9 +167,10 @@ int RegionMerging::root(int i) {
 }
 
 void RegionMerging::pushEdge(int a, int b) {
-  const double c = cost(nodes_[a].moments, nodes_[a].sse, nodes_[b].moments, nodes_[b].sse);
-  if (!(c <= params_.tolerance)) return;  // costs of either side are computed anew when it changes
-  queue_.push({static_cast<float>(c), a, b, nodes_[a].version, nodes_[b].version});
+  const Node &x = nodes_[a], &y = nodes_[b];
+  const double squared = squaredCost(x.moments, x.sse, y.moments, y.sse);
+  if (!(squared <= params_.tolerance * params_.tolerance)) return;  // computed anew when either side changes
+  queue_.push({static_cast<float>(std::sqrt(squared)), a, b, x.version, y.version});
 }
 
 void RegionMerging::append(int node, int neighbour) {

@@ -41,6 +41,28 @@ TEST_F(Tools, SegmentWritesSegmentsLabelsAndOverlays) {
   EXPECT_TRUE(fs::exists(base + "_overlay.png"));
 }
 
+TEST_F(Tools, SegmentSplitsInEitherWay) {
+  std::vector<std::string> labels;
+  for (const std::string method : {"quadtree", "delaunay"}) {
+    const ToolRun run =
+        runTool<SegmentApp>({firstImage(), "-o", folder_ / method, "--labels", "--split", method});
+    ASSERT_EQ(run.code, kOk) << run.err;
+    EXPECT_THAT(test::contentOf(folder_ / (method + "/params.ini")),
+                HasSubstr("[split]\nmethod = " + method + "\n"));
+    labels.push_back(
+        test::contentOf(folder_ / (method + "/" + fs::path(firstImage()).stem().string() + ".png")));
+    ASSERT_FALSE(labels.back().empty());
+  }
+  EXPECT_NE(labels[0], labels[1]);
+}
+
+TEST_F(Tools, SegmentRefusesAnUnknownSplit) {
+  const ToolRun run = runTool<SegmentApp>({firstImage(), "-o", folder_ / "out", "--split", "octree"});
+  EXPECT_EQ(run.code, kUsage);
+  EXPECT_THAT(run.err, HasSubstr("split.method: 'octree' is none of: quadtree, delaunay"));
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+}
+
 TEST_F(Tools, SegmentReportsABadImageAndDoesTheOthers) {
   const std::string input = withOneCorruptImage();
   const ToolRun run = runTool<SegmentApp>({input, "-o", folder_ / "out"});

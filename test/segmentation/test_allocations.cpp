@@ -76,10 +76,13 @@ TEST(Allocations, AreCounted) {
   Eigen::internal::aligned_free(of_eigen);
 }
 
-void expectNone(const std::vector<DepthImage>& warm_up, const std::vector<DepthImage>& running) {
+void expectNone(const std::vector<DepthImage>& warm_up, const std::vector<DepthImage>& running,
+                SplitMethod method) {
   Camera camera;
   camera.distortion.emplace(DepthDistortion::extentOf(running[0].camera));
-  ViewBuilder builder(camera);
+  ViewParams params;
+  params.split.method = method;
+  ViewBuilder builder(camera, params);
   View view;
   for (const DepthImage& image : warm_up) builder.build(image, view);
   const long before = allocations;
@@ -93,12 +96,14 @@ void expectNone(const std::vector<DepthImage>& warm_up, const std::vector<DepthI
 }
 
 TEST(Allocations, ViewsOfARunningCameraNeedNone) {
-  expectNone(pan(test::smallCamera(), 12, 1), pan(test::smallCamera(), 12, 100));
+  for (const SplitMethod method : {SplitMethod::quadtree, SplitMethod::delaunay})
+    expectNone(pan(test::smallCamera(), 12, 1), pan(test::smallCamera(), 12, 100), method);
 }
 
 TEST(Allocations, LargeViewsNeedNoneOnceOnesAsComplexWereSeen) {
   const std::vector<DepthImage> images = pan(kinectIntrinsics(), 6, 1);
-  expectNone(images, images);
+  for (const SplitMethod method : {SplitMethod::quadtree, SplitMethod::delaunay})
+    expectNone(images, images, method);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/params.h>
 #include <facetloc/segmentation/plane_segmenter.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
@@ -28,11 +29,22 @@ using test::uniform;
 
 constexpr double kDisparityUnit = 1 / kKinectGain;
 
-LabelledPlanes segmented(const DepthImage& image, const SegmentationParams& params = {}) {
-  LabelledPlanes out;
-  PlaneSegmenter(params).segment(image, out);
-  return out;
-}
+// Whatever way an image is split, the same holds.
+class EverySplit : public testing::TestWithParam<SplitMethod> {
+protected:
+  EverySplit() { params.split.method = GetParam(); }
+  LabelledPlanes segmented(const DepthImage& image) const { return segmented(image, params); }
+  static LabelledPlanes segmented(const DepthImage& image, const SegmentationParams& params) {
+    LabelledPlanes out;
+    PlaneSegmenter(params).segment(image, out);
+    return out;
+  }
+
+  SegmentationParams params;
+};
+INSTANTIATE_TEST_SUITE_P(PlaneSegmenter, EverySplit,
+                         testing::Values(SplitMethod::quadtree, SplitMethod::delaunay),
+                         [](const auto& method) { return numberText(method.param); });
 
 // Two walls and the floor, seen into the corner of a room.
 Rendering corner() {
@@ -75,7 +87,7 @@ void expectConsistent(const LabelledPlanes& s, const DepthImage& image,
   }
 }
 
-TEST(PlaneSegmenter, AnExactCornerOfARoomIsThreePlanes) {
+TEST_P(EverySplit, AnExactCornerOfARoomIsThreePlanes) {
   const Rendering r = corner();
   const LabelledPlanes s = segmented(r.image);
   EXPECT_EQ(s.planes.size(), 3u);
@@ -83,7 +95,7 @@ TEST(PlaneSegmenter, AnExactCornerOfARoomIsThreePlanes) {
   expectConsistent(s, r.image);
 }
 
-TEST(PlaneSegmenter, ANoisyRoundedCornerIsStillThreePlanes) {
+TEST_P(EverySplit, ANoisyRoundedCornerIsStillThreePlanes) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     const Rendering r = corner();
     const DepthImage image = rounded(noisy(r.image, 0.5 * kDisparityUnit, seed));
@@ -94,7 +106,7 @@ TEST(PlaneSegmenter, ANoisyRoundedCornerIsStillThreePlanes) {
   }
 }
 
-TEST(PlaneSegmenter, PlanesAreThoseOfTheRoom) {
+TEST_P(EverySplit, PlanesAreThoseOfTheRoom) {
   const Scene room = box({0, 0, 0}, {4, 4, 3});
   const Eigen::Isometry3d T = lookingAlong({1.8, 1.6, 1.3}, {1, 1.1, -0.65});
   const Rendering r = render(room, smallCamera(), T);
@@ -119,7 +131,7 @@ DepthImage steppedWall(double step, int at) {
   return image;
 }
 
-TEST(PlaneSegmenter, AStepOfSixDisparityUnitsSplits) {
+TEST_P(EverySplit, AStepOfSixDisparityUnitsSplits) {
   for (const int at : {60, 160, 280}) {
     const LabelledPlanes s = segmented(steppedWall(6, at));
     EXPECT_EQ(s.planes.size(), 2u) << at;
@@ -129,7 +141,7 @@ TEST(PlaneSegmenter, AStepOfSixDisparityUnitsSplits) {
   }
 }
 
-TEST(PlaneSegmenter, AStepOfOneDisparityUnitDoesNot) {
+TEST_P(EverySplit, AStepOfOneDisparityUnitDoesNot) {
   for (const int at : {60, 160, 280}) {
     EXPECT_EQ(segmented(steppedWall(1, at)).planes.size(), 1u) << at;
     for (unsigned seed = 0; seed < 3; ++seed)
@@ -161,7 +173,7 @@ int errorsInside(const LabelImage& labels, const LabelImage& truth, int distance
   return errors;
 }
 
-TEST(PlaneSegmenter, TheSilhouetteOfABoxIsRightWithinTwoPixels) {
+TEST_P(EverySplit, TheSilhouetteOfABoxIsRightWithinTwoPixels) {
   const Scene scene =
       test::operator+({endlessPlane({0, 0, 3}, {0.1, 0, 1})}, box({-0.4, -0.3, 1.5}, {0.5, 0.5, 2}));
   const Rendering r = render(scene, smallCamera());  // only the front of the box is seen
@@ -171,7 +183,7 @@ TEST(PlaneSegmenter, TheSilhouetteOfABoxIsRightWithinTwoPixels) {
         << seed;
 }
 
-TEST(PlaneSegmenter, AnOffsetOfAllDisparitiesChangesNoLabel) {
+TEST_P(EverySplit, AnOffsetOfAllDisparitiesChangesNoLabel) {
   // A corner and boxes far from the limits of the plane-distance criterion, moved by 40 DU.
   const DepthImage image = noisy(corner().image, 0.5 * kDisparityUnit, 3);
   DepthImage shifted = image;
@@ -181,26 +193,25 @@ TEST(PlaneSegmenter, AnOffsetOfAllDisparitiesChangesNoLabel) {
   EXPECT_GT(agreement(a.labels, b.labels), 0.9999);  // depth is stored in single precision
 }
 
-TEST(PlaneSegmenter, TolerancesFollowTheNoiseOfTheImage) {
+TEST_P(EverySplit, TolerancesFollowTheNoiseOfTheImage) {
   const Rendering r = corner();
   EXPECT_NEAR(segmented(r.image).noise, 0.5 * kDisparityUnit, 1e-12);  // never below the configured noise
   const DepthImage image = noisy(r.image, 2 * kDisparityUnit, 4);
   const LabelledPlanes s = segmented(image);
   EXPECT_NEAR(s.noise, 2 * kDisparityUnit, 0.2 * kDisparityUnit);
   EXPECT_EQ(s.planes.size(), 3u);
-  SegmentationParams fixed;
+  SegmentationParams fixed = params;
   fixed.labels.estimate_noise = false;
   EXPECT_NEAR(segmented(image, fixed).noise, 0.5 * kDisparityUnit, 1e-12);
 }
 
-TEST(PlaneSegmenter, WithoutAnyNoiseAPlaneIsFound) {
+TEST_P(EverySplit, WithoutAnyNoiseAPlaneIsFound) {
   DepthImage image;
   image.camera = smallCamera();
   image.depth.assign(320 * 240, 2.f);
   SensorNoise noise;
   noise.inverse_depth_std = 0;
   for (const bool estimate_noise : {false, true}) {  // which is 0 as well
-    SegmentationParams params;
     params.labels.estimate_noise = estimate_noise;
     LabelledPlanes s;
     PlaneSegmenter(params, noise).segment(image, s);
@@ -211,7 +222,7 @@ TEST(PlaneSegmenter, WithoutAnyNoiseAPlaneIsFound) {
   }
 }
 
-TEST(PlaneSegmenter, ThresholdsScaleWithTheSensorNotWithTheKinect) {
+TEST_P(EverySplit, ThresholdsScaleWithTheSensorNotWithTheKinect) {
   // The same image in a unit a hundred times finer, of a sensor a hundred times better: metres become
   // hectometres.
   const DepthImage image = noisy(corner().image, 0.5 * kDisparityUnit, 5);
@@ -219,14 +230,13 @@ TEST(PlaneSegmenter, ThresholdsScaleWithTheSensorNotWithTheKinect) {
   for (float& z : far.depth) z *= 64;
   SensorNoise better;
   better.inverse_depth_std /= 64;
-  SegmentationParams params;
-  params.merge.min_plane_distance *= 64;
   LabelledPlanes a = segmented(image), b;
+  params.merge.min_plane_distance *= 64;
   PlaneSegmenter(params, better).segment(far, b);
   EXPECT_GT(agreement(a.labels, b.labels), 0.9999);
 }
 
-TEST(PlaneSegmenter, AConstantPatchWithNothingAroundItIsFound) {
+TEST_P(EverySplit, AConstantPatchWithNothingAroundItIsFound) {
   for (const int side : {40, 60, 80, 100, 120})
     for (const auto& [left, top] : {std::pair{10, 15}, {101, 59}, {200, 120}}) {
       DepthImage image;
@@ -240,7 +250,7 @@ TEST(PlaneSegmenter, AConstantPatchWithNothingAroundItIsFound) {
     }
 }
 
-TEST(PlaneSegmenter, LabelsAndSupportsAgreeOnFurnishedRooms) {
+TEST_P(EverySplit, LabelsAndSupportsAgreeOnFurnishedRooms) {
   for (unsigned seed = 0; seed < 4; ++seed) {
     const Rendering r = render(test::furnishedRoom(), smallCamera(),
                                lookingAlong({1, 0.5, 1.2}, {0.4 + 0.2 * seed, 1, -0.2}));
@@ -254,8 +264,8 @@ TEST(PlaneSegmenter, LabelsAndSupportsAgreeOnFurnishedRooms) {
   }
 }
 
-TEST(PlaneSegmenter, NothingGivesNothing) {
-  PlaneSegmenter segmenter;
+TEST_P(EverySplit, NothingGivesNothing) {
+  PlaneSegmenter segmenter(params);
   LabelledPlanes out;
   const auto expectNone = [&](const DepthImage& image) {
     segmenter.segment(corner().image, out);  // leave an answer that could go stale
@@ -283,20 +293,20 @@ TEST(PlaneSegmenter, NothingGivesNothing) {
   }
 }
 
-TEST(PlaneSegmenter, RandomDepthIsSlowWorkButEnds) {
+TEST_P(EverySplit, RandomDepthIsSlowWorkButEnds) {
   DepthImage image;
   image.camera = smallCamera();
   Rng rng(6);
   for (int i = 0; i < 320 * 240; ++i)
     image.depth.push_back(uniform(rng, 0, 1) < 0.8 ? static_cast<float>(uniform(rng, 0.5, 5)) : 0.f);
-  SegmentationParams fixed;
+  SegmentationParams fixed = params;
   fixed.labels.estimate_noise = false;  // otherwise the noise explains the image
   expectConsistent(segmented(image, fixed), image, fixed);
   expectConsistent(segmented(image), image);
 }
 
-TEST(PlaneSegmenter, ReusedBuffersDoNotShow) {
-  PlaneSegmenter segmenter;
+TEST_P(EverySplit, ReusedBuffersDoNotShow) {
+  PlaneSegmenter segmenter(params);
   LabelledPlanes first, again;
   const DepthImage image = noisy(corner().image, 0.5 * kDisparityUnit, 7);
   segmenter.segment(image, first);

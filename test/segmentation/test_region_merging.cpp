@@ -97,9 +97,9 @@ TEST(RegionMerging, MomentsOfARegionAreTheSumOverItsPixels) {
                                       randomDisparity(64, 48, 0.3, 3)}) {
     const Merged m(image);
     std::vector<PlaneMoments> sum(m.merging.regions().size());
-    ASSERT_EQ(m.merging.regionOfTriangle().size(), m.split.triangles().size());
+    ASSERT_EQ(m.merging.regionOfLeaf().size(), m.split.triangles().size());
     for (std::size_t t = 0; t < m.split.triangles().size(); ++t) {
-      const int r = m.merging.regionOfTriangle()[t];
+      const int r = m.merging.regionOfLeaf()[t];
       if (r < 0) continue;
       for (TriangleRows rows = m.split.rows(m.split.triangles()[t]); !rows.done(); rows.next())
         for (int u = rows.first(); u <= rows.last(); ++u) {
@@ -128,7 +128,7 @@ TEST(RegionMerging, MomentsOfARegionAreTheSumOverItsPixels) {
 TEST(RegionMerging, RegionsAreConnectedAndNoNeighboursCouldStillMerge) {
   const DisparityImage image = roomDisparity(test::tinyCamera(), 4);
   const Merged m(image);
-  const auto& region = m.merging.regionOfTriangle();
+  const auto& region = m.merging.regionOfLeaf();
   const auto& triangles = m.split.triangles();
   // Connected: the triangles of a region are reached from one of them over shared edges.
   std::vector<char> reached(triangles.size(), 0);
@@ -177,7 +177,7 @@ TEST(RegionMerging, PoorlyFilledTrianglesAndDiscontinuitiesBelongToNoRegion) {
   for (std::size_t t = 0; t < m.split.triangles().size(); ++t) {
     const auto& triangle = m.split.triangles()[t];
     if (triangle.num_valid < 0.5 * triangle.num_pixels || triangle.num_valid == 0) {
-      EXPECT_EQ(m.merging.regionOfTriangle()[t], -1);
+      EXPECT_EQ(m.merging.regionOfLeaf()[t], -1);
     }
   }
   EXPECT_EQ(m.merging.regions().size(), 2u);
@@ -198,7 +198,7 @@ TEST(RegionMerging, StepsAndPlanesThroughTheCameraBelongToNoRegion) {
   int across = 0;
   for (std::size_t t = 0; t < split.triangles().size(); ++t) {
     if (!(split.triangles()[t].max_deviation > coarse.tolerance)) continue;
-    EXPECT_EQ(merging.regionOfTriangle()[t], -1);
+    EXPECT_EQ(merging.regionOfLeaf()[t], -1);
     ++across;
   }
   EXPECT_GT(across, 0);
@@ -221,7 +221,7 @@ TEST(RegionMerging, OfNothingIsEmpty) {
        {DisparityImage{}, blankDisparity(10, 10), randomDisparity(1, 1, 1, 1)}) {
     const Merged m(image);
     EXPECT_TRUE(m.merging.regions().empty());
-    EXPECT_TRUE(m.merging.regionOfTriangle().empty());
+    EXPECT_TRUE(m.merging.regionOfLeaf().empty());
   }
 }
 
@@ -233,7 +233,69 @@ TEST(RegionMerging, AConstantOffsetChangesNothing) {
   MergeParams params;
   params.min_plane_distance = 0;  // the one criterion that is about space, not about disparity
   const Merged a(image, params), b(shifted, params);
-  EXPECT_EQ(a.merging.regionOfTriangle(), b.merging.regionOfTriangle());
+  EXPECT_EQ(a.merging.regionOfLeaf(), b.merging.regionOfLeaf());
+}
+
+// A room, cut into cells: the same rules hold, and neighbours are cells with a common side.
+TEST(RegionMerging, RegionsOfCellsAreSumsAndNoNeighboursCouldStillMerge) {
+  const DisparityImage image = roomDisparity(test::tinyCamera(), 4);
+  QuadTree tree;
+  tree.compute(image);
+  RegionMerging merging;
+  merging.compute(tree, image);
+  const auto& regions = merging.regions();
+  const auto& region = merging.regionOfLeaf();
+  ASSERT_EQ(region.size(), tree.leaves().size());
+  ASSERT_GE(regions.size(), 4u);
+  std::vector<PlaneMoments> sum(regions.size());
+  for (std::size_t i = 0; i < region.size(); ++i)
+    if (region[i] >= 0) sum.at(region[i]) += tree.leaves()[i].moments;
+  for (std::size_t r = 0; r < sum.size(); ++r) {
+    EXPECT_EQ(regions[r].moments.n, sum[r].n);
+    EXPECT_EQ(regions[r].moments.uv, sum[r].uv);
+    EXPECT_NEAR(regions[r].moments.dd, sum[r].dd, 1e-9 * sum[r].dd);
+  }
+  int sides = 0;
+  tree.forEachCommonSide([&](int i, int j) {
+    if (region[i] < 0 || region[j] < 0 || region[i] == region[j]) return;
+    const PlaneMoments &a = regions[region[i]].moments, &b = regions[region[j]].moments;
+    EXPECT_GT(RegionMerging::cost(a, a.fit().sse, b, b.fit().sse), merging.params().tolerance - 1e-6);
+    ++sides;
+  });
+  EXPECT_GT(sides, 0);
+}
+
+// A ridge within a column of cells, which are flat all the same; the planes beside it are exact.
+TEST(RegionMerging, CellsAcrossAnEdgeDoNotTiltThePlanesBesideIt) {
+  DisparityImage image = blankDisparity(64, 64);
+  for (int v = 0; v < 64; ++v)
+    for (int u = 0; u < 64; ++u)
+      image.d[static_cast<std::size_t>(v) * 64 + u] = static_cast<float>(400 - std::abs(u - 30));
+  QuadTree tree;
+  tree.compute(image);
+  RegionMerging merging;
+  merging.compute(tree, image);
+  ASSERT_EQ(merging.regions().size(), 2u);
+  for (const RegionMerging::Region& r : merging.regions()) {
+    const double slope = r.plane.a > 0 ? 1 : -1;
+    EXPECT_NEAR(r.plane.a, slope, 1e-9);
+    EXPECT_NEAR(r.plane.b, 0, 1e-9);
+    EXPECT_NEAR(r.plane.c, 400 - 30 * slope, 1e-6);
+  }
+}
+
+TEST(RegionMerging, APlaneOfCellsThroughTheCameraBelongsToNoRegion) {
+  DisparityImage image = blankDisparity(64, 48);
+  std::fill(image.d.begin(), image.d.end(), 200.f);
+  QuadTree tree;
+  tree.compute(image);
+  for (const bool near : {false, true}) {
+    MergeParams params;
+    params.min_plane_distance = (near ? 1.01 : 0.99) / (image.unit * 200);
+    RegionMerging merging(params);
+    merging.compute(tree, image);
+    EXPECT_EQ(merging.regions().size(), near ? 0u : 1u);
+  }
 }
 
 }  // namespace

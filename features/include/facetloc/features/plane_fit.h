@@ -43,6 +43,12 @@ struct PlaneMoments {
     ud += o.ud, vd += o.vd, dd += o.dd;
     return *this;
   }
+  PlaneMoments& operator-=(const PlaneMoments& o) {
+    n -= o.n, u -= o.u, v -= o.v, d -= o.d;
+    uu -= o.uu, uv -= o.uv, vv -= o.vv;
+    ud -= o.ud, vd -= o.vd, dd -= o.dd;
+    return *this;
+  }
   friend PlaneMoments operator+(PlaneMoments a, const PlaneMoments& b) { return a += b; }
 
   /** \brief The moments of the same pixels, du further to the right and dv further down. */

@@ -5,23 +5,33 @@
 
 namespace facetloc {
 
-/** \brief Split stage: when a triangle is flat enough (METHOD 3.2). */
+/** \brief The two ways to split an image: squares whose moments are known (METHOD 4), and the paper's
+ * triangles (METHOD 3). */
+enum class SplitMethod { quadtree, delaunay };
+constexpr const char* kNamesOfSplitMethods[] = {"quadtree", "delaunay"};
+constexpr const auto& namesOf(SplitMethod) { return kNamesOfSplitMethods; }
+
+/** \brief Split stage: into what, and when a triangle is flat enough (METHOD 3.2). */
 struct SplitParams {
-  static constexpr const char* kTitle = "Split of a depth image into triangles";
-  double tolerance = 7.0;       ///< largest deviation of a pixel from its triangle [noise std]
-  double min_fill = 0.5;        ///< share of valid pixels below which a triangle is refined or dropped
+  static constexpr const char* kTitle = "Split of a depth image into flat parts";
+  SplitMethod method = SplitMethod::quadtree;
+  double tolerance = 7.0;  ///< largest deviation of a pixel from its triangle [noise std]
+  double min_fill = 0.5;   ///< share of valid pixels below which triangles and cells are refined or dropped
   double min_fill_pixels = 20;  ///< size from which the fill rule refines, at least 7 px [px at 320x240]
   double min_area = 2;          ///< smaller triangles are not refined [px at 320x240]
   int max_vertices = 20000;     ///< safety limit; the worst triangles are refined first
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
+    visit("method", p.method, SplitMethod::quadtree, SplitMethod::delaunay,
+          "How an image is split: quadtree, into squares, is fast; delaunay, into triangles, is the paper's "
+          "way. --split for short.");
     visit(
         "tolerance", p.tolerance, 1.0, 1e3,
         "Largest deviation of a pixel from the plane of its triangle [noise standard deviations]; 6 to 8 do "
         "well, more for a camera whose noise is smooth over many pixels.");
     visit("min_fill", p.min_fill, 0.0, 1.0,
-          "Share of measured pixels below which a triangle is refined or left out.");
+          "Share of measured pixels below which a triangle or a square is refined or left out.");
     visit("min_fill_pixels", p.min_fill_pixels, 1.0, 1e6,
           "Area from which a poorly filled triangle is refined [px at 320x240, scaled with the image area].");
     visit("min_area", p.min_area, 0.0, 1e6,
@@ -32,7 +42,7 @@ struct SplitParams {
   void validate() const { checkRanges(*this); }
 };
 
-/** \brief Merge stage: when two regions are one plane (METHOD 4). */
+/** \brief Merge stage: when two regions, or the parts of a cell, are one plane (METHOD 5). */
 struct MergeParams {
   static constexpr const char* kTitle = "Merging of regions into planes";
   double tolerance = 2.75;           ///< largest cost of a merge [noise std]
@@ -44,9 +54,9 @@ struct MergeParams {
           "Largest residual or displacement at which two regions are merged [noise standard deviations]; 2.5 "
           "to 3 "
           "do well, more for a camera whose noise is smooth over many pixels.");
-    visit(
-        "min_plane_distance", p.min_plane_distance, 0.0, 10.0,
-        "Distance from the camera centre below which the plane of a triangle is a depth discontinuity [m].");
+    visit("min_plane_distance", p.min_plane_distance, 0.0, 10.0,
+          "Distance from the camera centre below which the plane of a triangle or a square is a depth "
+          "discontinuity [m].");
   }
   void validate() const { checkRanges(*this); }
 };
