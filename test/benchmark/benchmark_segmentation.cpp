@@ -6,6 +6,7 @@
 #include "cluttered_room.h"
 #include "depth_triangulation.h"
 #include "disparity_image.h"
+#include "quad_tree.h"
 #include "region_merging.h"
 
 #include <facetloc/features/organized_cloud.h>
@@ -152,34 +153,48 @@ void noise(benchmark::State& state) {
 BENCHMARK(noise)->Apply(images);
 
 void split(benchmark::State& state) {
-  DepthTriangulation triangulation;
+  QuadTree tree;
   const auto compute = [&](const DisparityImage& image) {
-    triangulation.compute(image);
-    return triangulation.vertices().size();
+    tree.compute(image);
+    return tree.leaves().size();
   };
-  time(state, disparitiesOf(prepare(state)), compute, "vertices");
+  time(state, disparitiesOf(prepare(state)), compute, "leaves");
 }
 BENCHMARK(split)->Apply(images);
 
-void merge(benchmark::State& state) {
+void splitByTriangles(benchmark::State& state) {
+  DepthTriangulation triangulation;
+  const auto compute = [&](const DisparityImage& image) {
+    triangulation.compute(image);
+    return triangulation.triangles().size();
+  };
+  time(state, disparitiesOf(prepare(state)), compute, "leaves");
+}
+BENCHMARK(splitByTriangles)->Apply(images);
+
+template <class Split>
+void mergeLeavesOf(benchmark::State& state) {
   struct Input {
     const DisparityImage* image;
-    DepthTriangulation triangulation;
+    Split split;
   };
   const std::vector<DisparityImage> disparities = disparitiesOf(prepare(state));
   std::vector<Input> inputs;
   for (const DisparityImage& image : disparities) {
-    inputs.push_back({&image, DepthTriangulation()});
-    inputs.back().triangulation.compute(image);
+    inputs.push_back({&image, Split()});
+    inputs.back().split.compute(image);
   }
   RegionMerging merging;
   const auto compute = [&](const Input& input) {
-    merging.compute(input.triangulation, *input.image);
+    merging.compute(input.split, *input.image);
     return merging.regions().size();
   };
   time(state, inputs, compute, "regions");
 }
+void merge(benchmark::State& state) { mergeLeavesOf<QuadTree>(state); }
 BENCHMARK(merge)->Apply(images);
+void mergeTriangles(benchmark::State& state) { mergeLeavesOf<DepthTriangulation>(state); }
+BENCHMARK(mergeTriangles)->Apply(images);
 
 void features(benchmark::State& state) {
   struct Input {
@@ -204,8 +219,14 @@ void features(benchmark::State& state) {
 }
 BENCHMARK(features)->Apply(images);
 
-void segmentation(benchmark::State& state) {
-  PlaneSegmenter segmenter;
+ViewParams paramsOf(SplitMethod method) {
+  ViewParams params;
+  params.split.method = method;
+  return params;
+}
+
+void segment(benchmark::State& state, SplitMethod method) {
+  PlaneSegmenter segmenter(paramsOf(method));
   LabelledPlanes result;
   const auto segment = [&](const DepthImage& image) {
     segmenter.segment(image, result);
@@ -213,10 +234,13 @@ void segmentation(benchmark::State& state) {
   };
   time(state, prepare(state), segment, "regions");
 }
+void segmentation(benchmark::State& state) { segment(state, SplitMethod::quadtree); }
 BENCHMARK(segmentation)->Apply(images);
+void segmentationByTriangles(benchmark::State& state) { segment(state, SplitMethod::delaunay); }
+BENCHMARK(segmentationByTriangles)->Apply(images);
 
-void segmentationAndFeatures(benchmark::State& state) {
-  ViewBuilder builder;
+void buildView(benchmark::State& state, SplitMethod method) {
+  ViewBuilder builder({}, paramsOf(method));
   View view;
   const auto build = [&](const DepthImage& image) {
     builder.build(image, view);
@@ -224,6 +248,9 @@ void segmentationAndFeatures(benchmark::State& state) {
   };
   time(state, prepare(state), build, "segments");
 }
+void segmentationAndFeatures(benchmark::State& state) { buildView(state, SplitMethod::quadtree); }
 BENCHMARK(segmentationAndFeatures)->Apply(images);
+void segmentationAndFeaturesByTriangles(benchmark::State& state) { buildView(state, SplitMethod::delaunay); }
+BENCHMARK(segmentationAndFeaturesByTriangles)->Apply(images);
 
 }  // namespace

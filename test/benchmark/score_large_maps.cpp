@@ -435,8 +435,7 @@ int run(int argc, char** argv) {
     } else if (argument == "--plot" && has_value) {
       options.plot = argv[++i];
     } else if (argument == "--set" && i + 2 < argc &&
-               benchmarks::setParameter(options.shortlist, argv[i + 1], std::atof(argv[i + 2]),
-                                        "shortlist")) {
+               benchmarks::setParameter(options.shortlist, argv[i + 1], argv[i + 2], "shortlist")) {
       i += 2;
     } else {
       std::fprintf(stderr, "score_large_maps: cannot use %s\n", argument.c_str());

@@ -120,15 +120,6 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-// --name=value sets a parameter of any group.
-bool setParameter(const std::string& argument, ViewParams& view, GlobalLocalizationParams& localization) {
-  const std::size_t equals = argument.find('=');
-  if (equals == std::string::npos) return false;
-  const std::string name = argument.substr(2, equals - 2);
-  const double value = std::atof(argument.substr(equals + 1).c_str());
-  return benchmarks::setParameter(view, name, value) || benchmarks::setParameter(localization, name, value);
-}
-
 struct PairAnswers {
   Localization by_depth, by_segments;
 };
@@ -187,7 +178,8 @@ int main(int argc, char** argv) {
     const std::string argument = argv[i];
     if (argument.rfind("--", 0) != 0)
       folders.push_back(argument);
-    else if (!setParameter(argument, view_params, params)) {
+    else if (!benchmarks::setByArgument(view_params, argument) &&
+             !benchmarks::setByArgument(params, argument)) {
       std::fprintf(stderr, "score_pairs: unknown parameter %s\n", argv[i]);
       return 2;
     }

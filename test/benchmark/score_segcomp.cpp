@@ -2,8 +2,12 @@
 //
 // Correct-segmentation rate on range images of the SegComp benchmark.
 //
-//   score_segcomp FOLDER [SIGMA]     FOLDER holds calibration.csv, depth/ and labels/; SIGMA: noise of
-//   inverse depth [1/m]
+//   score_segcomp FOLDER [SIGMA] [--GROUP.PARAMETER=VALUE ...]
+//
+// FOLDER holds calibration.csv, depth/ and labels/; SIGMA: noise of inverse depth [1/m]. A noise region is a
+// segment that is no region of the truth, or not to 80 %.
+#include "set_parameter.h"
+
 #include <facetloc/segmentation/plane_segmenter.h>
 #include <facetloc/testing/overlap_score.h>
 #include <facetloc/testing/segcomp.h>
@@ -14,13 +18,14 @@
 int main(int argc, char** argv) {
   using namespace facetloc;
   if (argc < 2) {
-    std::fprintf(stderr, "usage: score_segcomp FOLDER [SIGMA]\n");
+    std::fprintf(stderr, "usage: score_segcomp FOLDER [SIGMA] [--GROUP.PARAMETER=VALUE ...]\n");
     return 2;
   }
   constexpr double kMinRegion = 100;  // smaller regions are not scored [px]
   SensorNoise noise;
   SegmentationParams params;
-  if (argc > 2) noise.inverse_depth_std = std::atof(argv[2]);
+  for (int i = 2; i < argc; ++i)
+    if (!benchmarks::setByArgument(params, argv[i])) noise.inverse_depth_std = std::atof(argv[i]);
 
   test::OverlapScore sum;
   const auto images = test::readSegComp(argv[1]);
@@ -33,6 +38,8 @@ int main(int argc, char** argv) {
     std::printf("%-20s %7d %7d %8d\n", image.name.c_str(), score.regions, score.correct, score.segments);
     sum += score;
   }
-  std::printf("correct %d of %d regions in %zu images: %.1f %%\n", sum.correct, sum.regions, images.size(),
-              100 * sum.rate());
+  std::printf(
+      "correct %d of %d regions in %zu images: %.1f %%; %.2f of the segments, %.2f noise regions an image\n",
+      sum.correct, sum.regions, images.size(), 100 * sum.rate(), sum.precision(),
+      (sum.segments - sum.correct) / static_cast<double>(images.size()));
 }

@@ -253,7 +253,7 @@ int run(int argc, char** argv) {
     } else if (argument == "--step" && has_value) {
       options.step = 1e-3 * std::atof(argv[++i]);
     } else if (argument == "--set" && i + 2 < argc) {
-      if (!benchmarks::setParameter(options.tracking, argv[i + 1], std::atof(argv[i + 2]))) {
+      if (!benchmarks::setParameter(options.tracking, argv[i + 1], argv[i + 2])) {
         std::fprintf(stderr, "score_tracking: no parameter %s\n", argv[i + 1]);
         return 2;
       }

@@ -22,6 +22,7 @@ struct OverlapScore {
     return *this;
   }
   double rate() const { return regions ? correct / static_cast<double>(regions) : 0; }
+  double precision() const { return segments ? correct / static_cast<double>(segments) : 0; }
 };
 
 /** \brief Scores labels against a truth in which values from first_plane on are planar regions; smaller
