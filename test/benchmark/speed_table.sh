@@ -47,7 +47,9 @@ awk '
     row("merge", "merge", 0, 1)
     row("features", "features", 0, 1)
     row("segmentation and features", "segmentationAndFeatures", 0, 1)
-    row("the same of real images", "segmentationAndFeatures", 1, 1)
+    row("of real images", "segmentationAndFeatures", 1, 1)
+    row("by triangles", "segmentationAndFeaturesByTriangles", 0, 1)
+    row("by triangles, of real images", "segmentationAndFeaturesByTriangles", 1, 1)
     print ""
     print "(a) yardstickMoments: one pass that reads the image and accumulates moments; (b) yardstickPcl: integral-image"
     print "normals and OrganizedMultiPlaneSegmentation; of real images beside (a) and (b) of these."
