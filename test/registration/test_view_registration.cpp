@@ -226,16 +226,19 @@ protected:
 
   static std::vector<Hypothesis> align(const test::Scene& scene, double ahead,
                                        const ViewRegistrationParams& params = {}) {
-    const View view = wallsOnly(viewFrom(scene, scenePose(ahead), 2, 12)),
-               model = wallsOnly(viewFrom(scene, modelPose(), 1, 12));
+    const View view = wallsOnly(viewFrom(scene, scenePose(ahead), 2, 12), scenePose(ahead)),
+               model = wallsOnly(viewFrom(scene, modelPose(), 1, 12), modelPose());
     return ViewRegistration(params).align(Query(view, isotropicPrior()), model);
   }
   // Floor, ceiling and the long walls; what else there is shows in the depth picture alone.
-  static View wallsOnly(View view) {
+  static View wallsOnly(View view, const Eigen::Isometry3d& T_w_c) {
+    const auto isOther = [&](const Segment& s) {
+      const Eigen::Vector3d centroid = T_w_c * s.t;
+      return std::abs(s.normal().z()) > 0.5 ||
+             (std::abs(centroid.x()) < 0.8 && std::abs(centroid.z() - 1.2) < 1.1);
+    };
     auto& s = view.segments;
-    s.erase(
-        std::remove_if(s.begin(), s.end(), [](const Segment& x) { return std::abs(x.normal().z()) > 0.5; }),
-        s.end());
+    s.erase(std::remove_if(s.begin(), s.end(), isOther), s.end());
     return view;
   }
 };
