@@ -31,8 +31,8 @@ CameraDifference differenceOf(const Camera& of_view, const Camera& of_map, doubl
     d.same_optics = of_map.distortion->fits(of_view.intrinsics);
     d.distortion_is_left_in = d.same_optics && !of_view.distortion;
   }
-  d.noise_ratio =
-      (noise_std > 0 ? noise_std : of_view.noise.inverse_depth_std) / of_map.noise.inverse_depth_std;
+  d.noise_ratio = (noise_std > 0 ? noise_std : of_view.noise.ofInverseDepth(DepthNoise::kUsualDepth)) /
+                  of_map.noise.ofInverseDepth(DepthNoise::kUsualDepth);
   return d;
 }
 

@@ -5,6 +5,7 @@
 #include <facetloc/features/depth_image.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,25 @@ float firstMeasured(const DepthImage& image, int u0, int v0, int step) {
 }
 
 }  // namespace
+
+double usualDepth(const DepthImage& image) {
+  constexpr std::size_t kPixels = 1024;
+  if (!image.valid()) return DepthNoise::kUsualDepth;
+  std::array<float, kPixels> depths;
+  std::size_t n = 0;
+  // Rows are no multiple of the stride, as a rule, so that all columns are asked; never more than fit.
+  const std::size_t stride = (image.depth.size() + kPixels - 1) / kPixels | 1;
+  for (std::size_t i = stride / 2; i < image.depth.size(); i += stride)
+    if (isMeasured(image.depth[i])) depths[n++] = image.depth[i];
+  if (n == 0) return DepthNoise::kUsualDepth;
+  std::nth_element(depths.begin(), depths.begin() + n / 2, depths.begin() + n);
+  return depths[n / 2];
+}
+
+void dropBeyond(double max_depth, DepthImage& image) {
+  for (float& z : image.depth)
+    if (z > max_depth) z = 0;
+}
 
 DepthImage subsampled(const DepthImage& image, int step) {
   constexpr double kMostLost = 0.2;  // share of the blocks with depth; along the holes of a Kinect it is 0.06

@@ -173,7 +173,7 @@ PointMoments pointMoments(double n, const DepthSums& sums, const Intrinsics& c) 
 
 // First pass: the plane of each region from all of its pixels, and how far they scatter.
 void fitRegions(const Intrinsics& camera, const std::vector<float>& inverse, const std::vector<Run>& runs,
-                double noise_std, double trim, std::vector<Region>& regions) {
+                const DepthNoise& noise, double trim, std::vector<Region>& regions) {
   for (const auto& [label, v, begin, end] : runs)
     sumMeasured(inverse.data() + static_cast<std::size_t>(v) * camera.width + begin,
                 inverse.data() + inverse.size(), end - begin, begin, v, regions[label].sums);
@@ -181,8 +181,9 @@ void fitRegions(const Intrinsics& camera, const std::vector<float>& inverse, con
     r.plane = r.sums.moments();
     const PlaneMoments::Fit fit = r.plane.fit();
     r.fitted = fit.plane;
-    const double rms = r.plane.n > 0 ? std::sqrt(fit.sse / r.plane.n) : 0;
-    r.tolerance = trim * std::max(noise_std, rms);
+    if (!(r.plane.n > 0 && r.plane.d > 0)) continue;  // nothing of it is measured
+    const double rms = std::sqrt(fit.sse / r.plane.n), depth = r.plane.n / r.plane.d;
+    r.tolerance = trim * std::max(noise.ofInverseDepth(depth), rms);
   }
 }
 
@@ -240,7 +241,7 @@ double offsetVariance(const Eigen::Vector3d& normal, const Eigen::Vector3d& cent
                       const Intrinsics& camera, const SensorNoise& noise) {
   const double pixel_std = kFaithfulPixelStd * camera.width / kReferenceWidth;
   const Eigen::Matrix3d Sigma_C =
-      pointCovariance(centroid, camera, pixel_std, kPaperDepthFactor * noise.inverse_depth_std);
+      pointCovariance(centroid, camera, pixel_std, kPaperDepthFactor * noise.ofInverseDepth(centroid.z()));
   return normal.dot(Sigma_C * normal);
 }
 
@@ -319,7 +320,7 @@ Eigen::Matrix3d paperUncertainty(const Region&, const Segment& s, double, const 
 Eigen::Matrix3d fullUncertainty(const Region& r, const Segment& s, double rho, const Intrinsics& camera,
                                 const SensorNoise& noise, const SegmentEstimationParams& params) {
   const double independent = std::max(kMinIndependent, r.plane.n / scaledPixels(kCorrelatedPixels, camera));
-  const double variance = noise.inverse_depth_std * noise.inverse_depth_std;
+  const double std = noise.ofInverseDepth(s.t.z()), variance = std * std;
   Eigen::Matrix3d Sigma_m = (r.plane.n / independent) * variance * r.bb.inverse();  // METHOD 7.3
   Sigma_m.diagonal() +=
       Eigen::Array3d(noise.distortion_slope, noise.distortion_slope, noise.distortion_offset)
@@ -453,7 +454,7 @@ void SegmentEstimation::estimate(const DepthImage& image, const LabelImage& labe
   for (const Run& run : b.runs) max_label = std::max(max_label, run.label);
   makeRoom(b.regions, max_label + 1);
   b.regions.assign(max_label + 1, {});
-  fitRegions(image.camera, b.inverse, b.runs, noise.inverse_depth_std, params_.trim, b.regions);
+  fitRegions(image.camera, b.inverse, b.runs, noise, params_.trim, b.regions);
   const double min_support = std::max(3.0, scaledPixels(params_.min_support, image.camera));
   gatherSupport(image, b.inverse, b.runs, min_support, b.regions, b.row_extremes);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
 
+#include <facetloc/features/camera_presets.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/error.h>
@@ -28,12 +29,35 @@ struct Key {
 };
 
 constexpr Key kKeys[] = {
-    {"width", 1, kLargestSide, true, true},       {"height", 1, kLargestSide, true, true},
-    {"fx", kPositive, kLargest, false, true},     {"fy", kPositive, kLargest, false, true},
-    {"cx", -kLargest, kLargest, false, true},     {"cy", -kLargest, kLargest, false, true},
-    {"depth_scale", kPositive, 1e9, false, true}, {"mount_height", 0, 100, false, false},
-    {"mount_tilt_deg", -90, 90, false, false},    {"inverse_depth_std", 1e-7, 1, false, false},
+    {"width", 1, kLargestSide, true, true},
+    {"height", 1, kLargestSide, true, true},
+    {"fx", kPositive, kLargest, false, true},
+    {"fy", kPositive, kLargest, false, true},
+    {"cx", -kLargest, kLargest, false, true},
+    {"cy", -kLargest, kLargest, false, true},
+    {"depth_scale", kPositive, 1e9, false, true},
+    {"mount_height", 0, 100, false, false},
+    {"mount_tilt_deg", -90, 90, false, false},
+    {"max_depth", 0.1, 1e3, false, false},
+    {"distortion_offset", 0, 1, false, false},
+    {"distortion_slope", 0, 1, false, false},
+    {"inverse_depth_std", DepthNoise::kLeastInverseDepthStd, DepthNoise::kLargestInverseDepthStd, false,
+     false},
+    {"depth_std", 0, DepthNoise::kLargestDepthStd, false, false},
+    {"depth_std_slope", 0, DepthNoise::kLargestDepthStdSlope, false, false},
 };
+constexpr std::string_view kPreset = "camera";  // the key whose value is a word
+
+/** The keys of a camera's noise, and what they set. */
+struct NoiseKey {
+  const char* name;
+  double SensorNoise::*value;
+};
+constexpr NoiseKey kNoiseKeys[] = {{"inverse_depth_std", &SensorNoise::inverse_depth_std},
+                                   {"depth_std", &SensorNoise::depth_std},
+                                   {"depth_std_slope", &SensorNoise::depth_std_slope},
+                                   {"distortion_offset", &SensorNoise::distortion_offset},
+                                   {"distortion_slope", &SensorNoise::distortion_slope}};
 
 using Values = std::map<std::string_view, double>;
 
@@ -44,8 +68,8 @@ const Key* findKey(std::string_view name) {
 }
 
 std::string knownKeys() {
-  std::string names;
-  for (const Key& key : kKeys) names.append(names.empty() ? "" : ", ").append(key.name);
+  std::string names(kPreset);
+  for (const Key& key : kKeys) names.append(", ").append(key.name);
   return names;
 }
 
@@ -68,6 +92,8 @@ public:
     requireComplete();
     return values_;
   }
+  /** Null if the file names none. */
+  const CameraPreset* preset() const { return preset_; }
 
 private:
   [[noreturn]] void fail(const std::string& cause) const {
@@ -84,13 +110,29 @@ private:
   }
 
   void store(std::string_view name, std::string_view word) {
+    if (name == kPreset) return choose(word);
     const Key* key = findKey(name);
     if (!key) fail("unknown key " + text::quoted(name) + " (known: " + knownKeys() + ")");
     const auto value = text::to<double>(word);
     if (!value) fail(text::quoted(word) + " is not a number (" + std::string(name) + ")");
     if (!(*value >= key->lowest && *value <= key->highest) || (key->whole && *value != std::floor(*value)))
-      fail(std::string(name) + " = " + std::string(word) + " is impossible");
+      fail(std::string(name) + " = " + std::string(word) + " is impossible" + advice(*key));
     if (!values_.emplace(key->name, *value).second) fail(std::string(name) + " is given twice");
+  }
+
+  void choose(std::string_view name) {
+    if (preset_) fail(std::string(kPreset) + " is given twice");
+    preset_ = findCameraPreset(name);
+    if (!preset_)
+      fail("unknown camera " + text::quoted(name) + " (known: " + cameraPresetNames() +
+           "); for another one leave the key out and set inverse_depth_std, depth_std and depth_std_slope");
+  }
+
+  /** What a number that may be left out can be. */
+  static std::string advice(const Key& key) {
+    if (key.required) return {};
+    return ": it must lie in [" + text::shortest(key.lowest) + ", " + text::shortest(key.highest) +
+           "], or the key be left out";
   }
 
   void requireComplete() const {
@@ -103,15 +145,22 @@ private:
   std::string path_;
   int line_ = 0;
   Values values_;
+  const CameraPreset* preset_ = nullptr;
 };
+
+/** As the preset says, or if there is none, as it is by default. */
+Camera usualCamera(const CameraPreset* preset) { return preset ? preset->camera() : Camera(); }
 
 }  // namespace
 
 CameraFile readCameraFile(const std::filesystem::path& path) {
   const std::string content = files::readText(path);
-  const Values v = Parser(path).parse(content);
+  Parser parser(path);
+  const Values v = parser.parse(content);
   CameraFile file;
+  if (parser.preset()) file.preset = parser.preset()->name;
   Camera& camera = file.camera;
+  camera = usualCamera(parser.preset());
   camera.intrinsics = {static_cast<int>(v.at("width")),
                        static_cast<int>(v.at("height")),
                        v.at("fx"),
@@ -120,7 +169,9 @@ CameraFile readCameraFile(const std::filesystem::path& path) {
                        v.at("cy")};
   file.depth_scale = v.at("depth_scale");
   if (v.count("mount_height")) camera.mounting = CameraMounting{v.at("mount_height"), v.at("mount_tilt_deg")};
-  if (v.count("inverse_depth_std")) camera.noise.inverse_depth_std = v.at("inverse_depth_std");
+  for (const auto& [name, value] : kNoiseKeys)
+    if (v.count(name)) camera.noise.*value = v.at(name);
+  if (v.count("max_depth")) camera.max_depth = v.at("max_depth");
   return file;
 }
 
@@ -128,6 +179,10 @@ void writeCameraFile(const std::filesystem::path& path, const CameraFile& file) 
   const Camera& camera = file.camera;
   if (!camera.intrinsics.valid() || !(file.depth_scale > 0))
     throw std::invalid_argument("writeCameraFile: the camera is impossible");
+  const CameraPreset* preset = findCameraPreset(file.preset);
+  if (!file.preset.empty() && !preset)
+    throw std::invalid_argument("writeCameraFile: there is no camera " + file.preset);
+  const Camera usual = usualCamera(preset);
   writeTextAtomically(path, [&](std::ostream& out) {
     const Intrinsics& k = camera.intrinsics;
     out << "width=" << k.width << "\nheight=" << k.height << "\n";
@@ -140,8 +195,10 @@ void writeCameraFile(const std::filesystem::path& path, const CameraFile& file) 
       line("mount_height", camera.mounting->height);
       line("mount_tilt_deg", camera.mounting->tilt_deg);
     }
-    if (camera.noise.inverse_depth_std != SensorNoise().inverse_depth_std)
-      line("inverse_depth_std", camera.noise.inverse_depth_std);
+    if (preset) out << kPreset << "=" << preset->name << "\n";
+    for (const auto& [name, value] : kNoiseKeys)
+      if (camera.noise.*value != usual.noise.*value) line(name, camera.noise.*value);
+    if (camera.max_depth != usual.max_depth) line("max_depth", camera.max_depth);
   });
 }
 

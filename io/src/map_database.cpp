@@ -12,6 +12,7 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 
+#include <cmath>
 #include <stdexcept>
 
 namespace facetloc {
@@ -46,7 +47,7 @@ void insertMeta(Connection& db, const std::string& key, const std::string& value
 }
 
 void insertCamera(Connection& db, const Camera& camera) {
-  db.execute("DELETE FROM mounting; DELETE FROM distortion; DELETE FROM camera");
+  db.execute("DELETE FROM mounting; DELETE FROM distortion; DELETE FROM camera; DELETE FROM camera_range");
   if (camera.mounting) {
     describing(db, "the mounting of the camera", [&] { requireSound(*camera.mounting); });
     Statement statement(db, "INSERT INTO mounting(id, height, tilt_deg) VALUES(0, ?, ?)");
@@ -59,7 +60,7 @@ void insertCamera(Connection& db, const Camera& camera) {
       (statement << i << ray.x() << ray.y() << camera.distortion->values()[i]).run();
     }
   }
-  describing(db, "the camera", [&] { requireSound(camera.noise); });
+  describing(db, "the camera", [&] { requireSound(camera); });
   Statement statement(db, schema::insert(schema::kCameraColumns, "camera"));
   statement << 0;
   if (camera.intrinsics.valid())
@@ -69,6 +70,15 @@ void insertCamera(Connection& db, const Camera& camera) {
   (statement << camera.noise.inverse_depth_std << camera.noise.distortion_offset
              << camera.noise.distortion_slope)
       .run();
+  const bool is_limited = !std::isinf(camera.max_depth);
+  if (camera.noise.isConstantInInverseDepth() && !is_limited) return;
+  Statement range(db, schema::insert(schema::kRangeColumns, "camera_range"));
+  range << 0 << camera.noise.depth_std << camera.noise.depth_std_slope;
+  if (is_limited)
+    range << camera.max_depth;
+  else
+    range << nullptr;
+  range.run();
 }
 
 void insertAmbiguity(Connection& db, const MapAmbiguity& ambiguity) {
@@ -102,16 +112,20 @@ void insertSegments(Connection& db, int model_id, const LocalModel& model) {
 
 void insertPicture(Connection& db, int model_id, const PackedModel& packed) {
   if (packed.depth.empty()) return;
+  const DepthNoise& of_picture = packed.model.view.depth.noise;
   describing(db, nameOf(model_id, packed.model.name), [&] {
     requireSizeOfPicture(packed.model.view.depth.camera, packed.model.view.intrinsics);
-    requireNoise(packed.model.view.depth.noise_std);
+    requireSound(of_picture);
   });
   Statement statement(db, schema::insert(schema::kPictureColumns, "depth_picture"));
   statement << model_id << packed.model.view.depth.camera << std::string(depth_blob::kEncoding)
             << packed.depth;
   statement.run();
   Statement noise(db, schema::insert(schema::kPictureNoiseColumns, "picture_noise"));
-  (noise << model_id << packed.model.view.depth.noise_std).run();
+  (noise << model_id << of_picture.inverse_depth_std).run();
+  if (of_picture.isConstantInInverseDepth()) return;
+  Statement range(db, schema::insert(schema::kRangeNoiseColumns, "picture_range_noise"));
+  (range << model_id << of_picture.depth_std << of_picture.depth_std_slope).run();
 }
 
 int insertModel(Connection& db, const PackedModel& packed) {
@@ -239,10 +253,10 @@ PackedModel packed(LocalModel model) {
   std::vector<std::uint8_t> depth;
   if (!picture.empty()) depth = depth_blob::encode(picture.inverse_depth, picture.camera.width);
   const Intrinsics camera = picture.camera;
-  const double noise_std = picture.noise_std;
+  const DepthNoise noise = picture.noise;
   picture = {};
   picture.camera = camera;
-  picture.noise_std = noise_std;
+  picture.noise = noise;
   return {std::move(model), std::move(depth)};
 }
 

@@ -92,6 +92,13 @@ void MapReader::readCamera() {
                  row.skip(1);
                  map_.camera = map_rows::readCamera(row);
                });
+  if (sqlite::hasTable(db_, "camera_range"))
+    forEachRow(schema::select(schema::kRangeColumns, "camera_range", "id"),
+               [this](Statement& row, std::string& label) {
+                 label = "the range of the camera";
+                 row.skip(1);
+                 readRange(row, map_.camera);
+               });
   forEachRow(schema::select("height, tilt_deg", "mounting", "id"),
              [this](Statement& row, std::string& label) {
                label = "the camera mounting";
@@ -198,13 +205,20 @@ void MapReader::readPictures(Pictures pictures) {
 
 /** Of a file without it, or of a picture without it, that of the camera. */
 void MapReader::readNoise() {
-  for (LocalModel& model : map_.models) model.view.depth.noise_std = map_.camera.noise.inverse_depth_std;
+  for (LocalModel& model : map_.models) model.view.depth.noise = map_.camera.noise;
   if (!sqlite::hasTable(db_, "picture_noise")) return;
   forEachRow(schema::select(schema::kPictureNoiseColumns, "picture_noise", "model_id"),
              [&](Statement& row, std::string& label) {
                label = "the noise of the depth picture";
                LocalModel& model = modelOf(row.integer(), label);
-               model.view.depth.noise_std = map_rows::readNoise(row);
+               model.view.depth.noise = map_rows::readNoise(row);
+             });
+  if (!sqlite::hasTable(db_, "picture_range_noise")) return;
+  forEachRow(schema::select(schema::kRangeNoiseColumns, "picture_range_noise", "model_id"),
+             [&](Statement& row, std::string& label) {
+               label = "the noise of the depth picture over its range";
+               LocalModel& model = modelOf(row.integer(), label);
+               readNoiseOverRange(row, model.view.depth.noise);
              });
 }
 
@@ -241,14 +255,16 @@ std::string ofModel(const char* columns, const char* table, const char* model) {
 
 }  // namespace
 
-ViewReader::ViewReader(Connection& db, double noise_std)
+ViewReader::ViewReader(Connection& db, const DepthNoise& noise)
     : db_(db),
-      noise_std_(noise_std),
+      usual_noise_(noise),
       of_model_(db, ofModel(schema::kModelColumns, "model", "id")),
       segments_(db, ofModel(schema::kSegmentColumns, "segment", "model_id") + " ORDER BY idx"),
       picture_(db, ofModel(schema::kPictureColumns, "depth_picture", "model_id")) {
   if (sqlite::hasTable(db, "picture_noise"))
     noise_.emplace(db, ofModel(schema::kPictureNoiseColumns, "picture_noise", "model_id"));
+  if (sqlite::hasTable(db, "picture_range_noise"))
+    range_noise_.emplace(db, ofModel(schema::kRangeNoiseColumns, "picture_range_noise", "model_id"));
 }
 
 PackedView ViewReader::read(int model) {
@@ -276,12 +292,17 @@ PackedView ViewReader::read(int model) {
     picture->skip(1);
     view.depth.camera = readPictureCamera(picture.row(), view.intrinsics);
     packed.packed_ = readPackedPicture(picture.row());
-    view.depth.noise_std = noise_std_;
+    view.depth.noise = usual_noise_;
     if (!noise_) return packed;
     const RowsOf noise(*noise_, model);
     if (!noise->step()) return packed;
     noise->skip(1);
-    view.depth.noise_std = readNoise(noise.row());
+    view.depth.noise = readNoise(noise.row());
+    if (!range_noise_) return packed;
+    const RowsOf range(*range_noise_, model);
+    if (!range->step()) return packed;
+    range->skip(1);
+    readNoiseOverRange(range.row(), view.depth.noise);
   } catch (const BadCell& e) {
     throw IoError(packed.file_, "is not sound: " + packed.label_ + ": " + e.what());
   }
@@ -290,9 +311,9 @@ PackedView ViewReader::read(int model) {
 
 View PackedView::unpacked() && {
   try {
-    const double noise_std = view_.depth.noise_std;
+    const DepthNoise noise = view_.depth.noise;
     if (!packed_.empty()) view_.depth = unpackedPicture(view_.depth.camera, packed_);
-    view_.depth.noise_std = noise_std;
+    view_.depth.noise = noise;
   } catch (const BadCell& e) {
     throw IoError(file_, "is not sound: " + label_ + ": " + e.what());
   }

@@ -79,16 +79,16 @@ private:
 /** \brief Looks up views of local models, one at a time. */
 class ViewReader {
 public:
-  /** \param noise_std of the pictures whose own noise the file does not tell [1/m] */
-  ViewReader(sqlite::Connection& db, double noise_std);
+  /** \param noise of the pictures whose own noise is not in the file */
+  ViewReader(sqlite::Connection& db, const DepthNoise& noise);
   /** \brief Throws IoError if there is none or it is not sound. */
   PackedView read(int model);
 
 private:
   sqlite::Connection& db_;
-  double noise_std_;
-  sqlite::Statement of_model_, segments_, picture_;  // of the model that is bound to them
-  std::optional<sqlite::Statement> noise_;           // of a file that has it
+  DepthNoise usual_noise_;
+  sqlite::Statement of_model_, segments_, picture_;       // of the model that is bound to them
+  std::optional<sqlite::Statement> noise_, range_noise_;  // of a file that has them
 };
 
 }  // namespace facetloc

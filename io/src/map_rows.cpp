@@ -85,15 +85,19 @@ void requireSizeOfPicture(const Intrinsics& picture, const Intrinsics& working_i
           "its depth picture is larger than its image");
 }
 
-void requireNoise(double inverse_depth_std) {
-  require(inverse_depth_std >= SensorNoise::kLeastInverseDepthStd && inverse_depth_std <= 1,
+void requireSound(const DepthNoise& noise) {
+  require(noise.inverse_depth_std >= DepthNoise::kLeastInverseDepthStd &&
+              noise.inverse_depth_std <= DepthNoise::kLargestInverseDepthStd && noise.depth_std >= 0 &&
+              noise.depth_std <= DepthNoise::kLargestDepthStd && noise.depth_std_slope >= 0 &&
+              noise.depth_std_slope <= DepthNoise::kLargestDepthStdSlope,
           "its noise is impossible");
 }
 
-void requireSound(const SensorNoise& noise) {
-  requireNoise(noise.inverse_depth_std);
-  for (const double distortion : {noise.distortion_offset, noise.distortion_slope})
+void requireSound(const Camera& camera) {
+  requireSound(static_cast<const DepthNoise&>(camera.noise));
+  for (const double distortion : {camera.noise.distortion_offset, camera.noise.distortion_slope})
     require(distortion >= 0 && distortion <= 1, "its expected distortion is impossible");
+  require(camera.max_depth > 0, "its largest depth is impossible");
 }
 
 void requireSound(const Segment& s) {
@@ -196,8 +200,15 @@ Camera readCamera(Statement& row) {
   camera.noise.inverse_depth_std = row.real();
   camera.noise.distortion_offset = row.real();
   camera.noise.distortion_slope = row.real();
-  requireSound(camera.noise);
+  requireSound(camera);
   return camera;
+}
+
+void readRange(Statement& row, Camera& camera) {
+  camera.noise.depth_std = row.real();
+  camera.noise.depth_std_slope = row.real();
+  if (!row.isNull()) camera.max_depth = row.real();
+  requireSound(camera);
 }
 
 void requireSound(const MapAmbiguity& ambiguity) {
@@ -213,10 +224,17 @@ MapAmbiguity readAmbiguity(Statement& row) {
   return ambiguity;
 }
 
-double readNoise(Statement& row) {
-  const double noise_std = row.real();
-  requireNoise(noise_std);
-  return noise_std;
+DepthNoise readNoise(Statement& row) {
+  DepthNoise noise;
+  noise.inverse_depth_std = row.real();
+  requireSound(noise);
+  return noise;
+}
+
+void readNoiseOverRange(Statement& row, DepthNoise& noise) {
+  noise.depth_std = row.real();
+  noise.depth_std_slope = row.real();
+  requireSound(noise);
 }
 
 Blob readPackedPicture(Statement& row) {

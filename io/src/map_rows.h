@@ -14,8 +14,8 @@ namespace facetloc::map_rows {
 void require(bool condition, const char* fault);
 /** \brief A depth picture is no larger than the working image that it is made of. */
 void requireSizeOfPicture(const Intrinsics& picture, const Intrinsics& working_image);
-void requireNoise(double inverse_depth_std);
-void requireSound(const SensorNoise& noise);
+void requireSound(const DepthNoise& noise);
+void requireSound(const Camera& camera);
 void requireSound(const CameraMounting& mounting);
 void requireSound(const Segment& segment);
 void requireSound(const LocalModel& model);
@@ -39,11 +39,16 @@ LocalModel readModel(sqlite::Statement& row);
 Link readLink(sqlite::Statement& row);
 /** \brief The camera of a depth picture of that working image. */
 Intrinsics readPictureCamera(sqlite::Statement& row, const Intrinsics& working_image);
-/** \brief The camera of the map, without mounting and distortion, which have tables of their own. */
+/** \brief The camera of the map, without mounting, distortion and what readRange() reads, which have tables
+ * of their own. */
 Camera readCamera(sqlite::Statement& row);
+/** \brief What else is known of a camera's noise and range. */
+void readRange(sqlite::Statement& row, Camera& camera);
 MapAmbiguity readAmbiguity(sqlite::Statement& row);
-/** \brief Noise of the inverse depths of a depth picture. */
-double readNoise(sqlite::Statement& row);
+/** \brief Noise of a depth picture, as far as it is constant in inverse depth. */
+DepthNoise readNoise(sqlite::Statement& row);
+/** \brief ... and the rest. */
+void readNoiseOverRange(sqlite::Statement& row, DepthNoise& noise);
 /** \brief The rest of a depth picture, still packed. */
 sqlite::Blob readPackedPicture(sqlite::Statement& row);
 DepthPicture unpackedPicture(const Intrinsics& camera, const sqlite::Blob& packed);

@@ -128,6 +128,22 @@ CREATE TABLE IF NOT EXISTS ambiguity(    -- how much alike the places of the map
 ) STRICT;
 )sql";
 
+/** \brief Since 1.5. Without a row, noise is the same at all depths in inverse depth, and no depth is too
+ * large. */
+inline constexpr const char* kRangeTables = R"sql(
+CREATE TABLE IF NOT EXISTS camera_range( -- what else is known of the camera's noise and range; one row or none
+  id INTEGER PRIMARY KEY CHECK(id = 0),
+  depth_std REAL NOT NULL CHECK(depth_std >= 0),              -- random error of z that is the same at all depths [m] ...
+  depth_std_slope REAL NOT NULL CHECK(depth_std_slope >= 0),  -- ... and as a share of depth
+  max_depth REAL CHECK(max_depth > 0)                         -- farther pixels were left out [m]; NULL = none
+) STRICT;
+CREATE TABLE IF NOT EXISTS picture_range_noise( -- what picture_noise leaves out
+  model_id INTEGER PRIMARY KEY REFERENCES model(id) ON DELETE CASCADE,
+  depth_std REAL NOT NULL CHECK(depth_std >= 0),
+  depth_std_slope REAL NOT NULL CHECK(depth_std_slope >= 0)
+) STRICT;
+)sql";
+
 /** \brief Since 1.4. An index serves maps of older formats, too. */
 inline constexpr const char* kLinkIndex =
     "CREATE UNIQUE INDEX IF NOT EXISTS link_of_models ON link(from_id, to_id)";
@@ -156,6 +172,8 @@ inline constexpr const char* kDistortionColumns = "node, ray_x, ray_y, inverse_d
 inline constexpr const char* kCameraColumns =
     "id, width, height, fx, fy, cx, cy, inverse_depth_std, distortion_offset, distortion_slope";
 inline constexpr const char* kPictureNoiseColumns = "model_id, inverse_depth_std";
+inline constexpr const char* kRangeColumns = "id, depth_std, depth_std_slope, max_depth";
+inline constexpr const char* kRangeNoiseColumns = "model_id, depth_std, depth_std_slope";
 inline constexpr const char* kAmbiguityColumns = "id, score, views";
 inline constexpr const char* kIndexColumns = "part, crc32, data";
 

@@ -58,8 +58,8 @@ private:
 /** Reads views from a map file when they are asked for. */
 class MapFileStore : public MapStore {
 public:
-  MapFileStore(Connection db, double noise_std, std::size_t views)
-      : db_(std::move(db)), reader_(db_, noise_std), recent_(views) {}
+  MapFileStore(Connection db, const DepthNoise& noise, std::size_t views)
+      : db_(std::move(db)), reader_(db_, noise), recent_(views) {}
 
   std::string name() const override { return db_.name(); }
   std::shared_ptr<const View> view(int i) const override {
@@ -96,9 +96,7 @@ Map openMap(const std::filesystem::path& path, std::size_t views_in_memory) {
   Connection db = map_connection::openForReading(path);
   const bool small = isSmall(db, views_in_memory);
   Map map = readSound(db, small);
-  if (!small)
-    map.store =
-        std::make_shared<MapFileStore>(std::move(db), map.camera.noise.inverse_depth_std, views_in_memory);
+  if (!small) map.store = std::make_shared<MapFileStore>(std::move(db), map.camera.noise, views_in_memory);
   return map;
 }
 

@@ -165,7 +165,7 @@ void PlaneSegmenter::Impl::segment(const DepthImage& image, LabelledPlanes& out)
   out.labels.width = image.camera.width;
   out.labels.height = image.camera.height;
   out.labels.label.assign(image.depth.size(), 0);
-  out.noise = std::max(SensorNoise::kLeastInverseDepthStd, noise_.inverse_depth_std);
+  out.noise = std::max(SensorNoise::kLeastInverseDepthStd, noise_.ofInverseDepth(usualDepth(image)));
   if (!image.valid()) return;
   if (params_.labels.estimate_noise) out.noise = estimateNoise(image, out.noise, scratch_);
 

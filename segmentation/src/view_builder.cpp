@@ -4,6 +4,8 @@
 #include <facetloc/segmentation/view_builder.h>
 
 #include <chrono>
+#include <cmath>
+#include <stdexcept>
 
 namespace facetloc {
 
@@ -28,6 +30,7 @@ ViewBuilder::ViewBuilder(const Camera& camera, const ViewParams& params)
     : camera_(std::make_shared<const Camera>(camera)),
       segmenter_(checked(params), checked(camera.noise)),
       estimation_(featuresOf(params)) {
+  if (!(camera.max_depth > 0)) throw std::invalid_argument("ViewBuilder: max_depth must be positive");
   if (camera.distortion) correction_.emplace(*camera.distortion);
 }
 
@@ -39,20 +42,28 @@ View ViewBuilder::build(const DepthImage& image) {
 
 void ViewBuilder::build(const DepthImage& measured, View& view) {
   const Clock::time_point start = Clock::now();
-  const DepthImage& image = correction_ ? (*correction_)(measured) : measured;
+  const DepthImage& image = prepared(measured);
   segmenter_.segment(image, segmentation_);
   segment_ms_ = millisecondsSince(start);
 
   const Clock::time_point features_start = Clock::now();
   SensorNoise noise = camera_->noise;
-  noise.inverse_depth_std = segmentation_.noise;
+  static_cast<DepthNoise&>(noise) = noise.scaledTo(segmentation_.noise, usualDepth(image));
   view.camera = camera_;
   view.intrinsics = image.camera;
   estimation_.estimate(image, segmentation_.labels, noise, view.segments, kept_);
   view.depth.assign(image);
-  view.depth.noise_std = segmentation_.noise;
+  view.depth.noise = noise;
   renumber();
   features_ms_ = millisecondsSince(features_start);
+}
+
+// Without the depths that the camera does not measure, or not well, and without its distortion.
+const DepthImage& ViewBuilder::prepared(const DepthImage& measured) {
+  if (std::isinf(camera_->max_depth)) return correction_ ? (*correction_)(measured) : measured;
+  near_ = measured;
+  dropBeyond(camera_->max_depth, near_);
+  return correction_ ? (*correction_)(near_) : near_;
 }
 
 // Label kept_[i] becomes i + 1, all others 0; planes and supports follow.

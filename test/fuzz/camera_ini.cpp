@@ -19,6 +19,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::require(again.camera.intrinsics == read->camera.intrinsics &&
                     again.depth_scale == read->depth_scale &&
                     again.camera.noise.inverse_depth_std == read->camera.noise.inverse_depth_std &&
+                    again.camera.noise.depth_std == read->camera.noise.depth_std &&
+                    again.camera.noise.depth_std_slope == read->camera.noise.depth_std_slope &&
+                    again.camera.max_depth == read->camera.max_depth && again.preset == read->preset &&
                     again.camera.mounting.has_value() == read->camera.mounting.has_value(),
                 "a camera is not what was written");
   return 0;

@@ -41,7 +41,9 @@ public:
     for (std::size_t i = 0; i < values.size(); ++i)
       values[i] = static_cast<std::uint16_t>(i % 7 == 0 ? 0 : i % 11 == 0 ? engine_() : 8000 + i % 40);
     DepthPicture picture = DepthPicture::fromStored(camera, std::move(values));
-    picture.noise_std = 0.003 + 0.001 * value();
+    picture.noise.inverse_depth_std = 0.003 + 0.001 * value();
+    picture.noise.depth_std = 0.003 + 0.001 * value();
+    picture.noise.depth_std_slope = 0.003 + 0.001 * value();
     return picture;
   }
 
@@ -68,7 +70,8 @@ public:
   Map map(int models = 3) {
     Map m;
     m.camera.mounting = CameraMounting{0.98, 10.1};
-    m.camera.noise = {1.0 / 300, 1.0 / 700, 1.0 / 900};
+    m.camera.noise = {{1.0 / 300, 1.0 / 1100, 1.0 / 1300}, 1.0 / 700, 1.0 / 900};
+    m.camera.max_depth = 5.0 / 3;
     m.meta = {{"software", "test"}, {"min_support", "150"}};
     for (int i = 0; i < models; ++i) m.models.push_back(model("frame " + std::to_string(i), 3 + i));
     for (int i = 0; i + 1 < models; ++i) m.links.push_back(link(i, i + 1));

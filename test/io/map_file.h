@@ -59,7 +59,9 @@ inline void expectEqual(const LocalModel& a, const LocalModel& b) {
   EXPECT_EQ(a.view.depth.inverse_depth, b.view.depth.inverse_depth);
   EXPECT_EQ(a.view.depth.lowest, b.view.depth.lowest);
   if (!a.view.depth.empty()) {
-    EXPECT_EQ(a.view.depth.noise_std, b.view.depth.noise_std);
+    EXPECT_EQ(a.view.depth.noise.inverse_depth_std, b.view.depth.noise.inverse_depth_std);
+    EXPECT_EQ(a.view.depth.noise.depth_std, b.view.depth.noise.depth_std);
+    EXPECT_EQ(a.view.depth.noise.depth_std_slope, b.view.depth.noise.depth_std_slope);
   }
 }
 

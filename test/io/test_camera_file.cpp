@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "temporary_folder.h"
 
+#include <facetloc/features/camera_presets.h>
 #include <facetloc/io/camera_file.h>
 #include <facetloc/testing/decimal_comma.h>
 
@@ -45,6 +46,62 @@ TEST(CameraFile, MountingAndNoiseAreOptional) {
   const CameraFile file = read(kMinimal);
   EXPECT_FALSE(file.camera.mounting);
   EXPECT_EQ(file.camera.noise.inverse_depth_std, SensorNoise().inverse_depth_std);
+}
+
+TEST(CameraFile, KnowsCamerasByName) {
+  const CameraFile lidar = read(std::string(kMinimal) + "camera = phone_lidar");
+  const CameraPreset& preset = *findCameraPreset("phone_lidar");
+  EXPECT_EQ(lidar.preset, "phone_lidar");
+  EXPECT_EQ(lidar.camera.noise.depth_std, preset.noise.depth_std);
+  EXPECT_EQ(lidar.camera.noise.depth_std_slope, preset.noise.depth_std_slope);
+  EXPECT_EQ(lidar.camera.noise.inverse_depth_std, preset.noise.inverse_depth_std);
+  EXPECT_EQ(lidar.camera.max_depth, 5);
+  EXPECT_EQ(lidar.camera.intrinsics.fx, 525) << "each device has its own";
+
+  const CameraFile nearer = read("max_depth=3 depth_std=0.004 camera=phone_lidar\n" + std::string(kMinimal));
+  EXPECT_EQ(nearer.camera.max_depth, 3) << "wherever the name stands";
+  EXPECT_EQ(nearer.camera.noise.depth_std, 0.004);
+  EXPECT_EQ(nearer.camera.noise.depth_std_slope, preset.noise.depth_std_slope);
+
+  const CameraFile kinect = read(std::string(kMinimal) + "camera=kinect"), unnamed = read(kMinimal);
+  EXPECT_EQ(kinect.camera.noise.inverse_depth_std, unnamed.camera.noise.inverse_depth_std);
+  EXPECT_EQ(kinect.camera.max_depth, unnamed.camera.max_depth);
+  EXPECT_EQ(unnamed.preset, "");
+}
+
+TEST(CameraFile, RoundTripsWithTheNameOfTheCamera) {
+  for (const CameraPreset& preset : cameraPresets())
+    for (const char* more :
+         {"", " max_depth=2.5", " depth_std=0.5 distortion_slope=0", " inverse_depth_std=1e-7"}) {
+      const TemporaryFolder folder;
+      const CameraFile file = read(std::string(kMinimal) + "camera=" + preset.name + more);
+      writeCameraFile(folder / "camera.ini", file);
+      const CameraFile again = readCameraFile(folder / "camera.ini");
+      EXPECT_EQ(again.preset, file.preset);
+      EXPECT_EQ(again.camera.max_depth, file.camera.max_depth);
+      EXPECT_EQ(again.camera.noise.inverse_depth_std, file.camera.noise.inverse_depth_std);
+      EXPECT_EQ(again.camera.noise.depth_std, file.camera.noise.depth_std);
+      EXPECT_EQ(again.camera.noise.depth_std_slope, file.camera.noise.depth_std_slope);
+      EXPECT_EQ(again.camera.noise.distortion_offset, file.camera.noise.distortion_offset);
+      EXPECT_EQ(again.camera.noise.distortion_slope, file.camera.noise.distortion_slope);
+    }
+}
+
+TEST(CameraFile, RefusesUnknownCamerasAndImpossibleNoise) {
+  const std::string good = kMinimal;
+  EXPECT_THAT(errorOf(good + "camera=nikon"),
+              AllOf(HasSubstr("line 2"), HasSubstr("'nikon'"), HasSubstr("azure_kinect"),
+                    HasSubstr("inverse_depth_std")));
+  EXPECT_THAT(errorOf(good + "camera="), HasSubstr("line 2"));
+  EXPECT_THAT(errorOf(good + "camera=kinect camera=kinect"), HasSubstr("twice"));
+  for (const char* pair :
+       {"max_depth=0", "max_depth=-1", "max_depth=nan", "max_depth=inf", "depth_std=-0.001", "depth_std=2",
+        "depth_std_slope=0.6", "depth_std_slope=-1", "inverse_depth_std=0", "inverse_depth_std=2",
+        "distortion_offset=-1", "distortion_slope=7"}) {
+    const std::string key = std::string(pair).substr(0, std::string(pair).find('='));
+    EXPECT_THAT(errorOf(good + pair),
+                AllOf(HasSubstr("line 2"), HasSubstr(key), HasSubstr("impossible"), HasSubstr("left out")));
+  }
 }
 
 TEST(CameraFile, RoundTripsExactly) {

@@ -44,8 +44,11 @@ TEST_F(MapFile, RoundTripsExactly) {
   EXPECT_EQ(read.camera.noise.inverse_depth_std, map.camera.noise.inverse_depth_std);
   EXPECT_EQ(read.camera.noise.distortion_offset, map.camera.noise.distortion_offset);
   EXPECT_EQ(read.camera.noise.distortion_slope, map.camera.noise.distortion_slope);
+  EXPECT_EQ(read.camera.noise.depth_std, map.camera.noise.depth_std);
+  EXPECT_EQ(read.camera.noise.depth_std_slope, map.camera.noise.depth_std_slope);
+  EXPECT_EQ(read.camera.max_depth, map.camera.max_depth);
   for (const auto& [key, value] : map.meta) EXPECT_EQ(read.meta.at(key), value);
-  EXPECT_EQ(read.meta.at("format"), "facetloc map 1.4");
+  EXPECT_EQ(read.meta.at("format"), "facetloc map 1.5");
   EXPECT_THAT(read.meta.at("conventions"), HasSubstr("T_a_b"));
   ASSERT_EQ(read.models.size(), map.models.size());
   for (std::size_t i = 0; i < map.models.size(); ++i) expectEqual(map.models[i], read.models[i]);
@@ -109,7 +112,8 @@ TEST_F(MapFile, TheIntrinsicsOfTheCameraRoundTrip) {
 TEST_F(MapFile, PicturesWithoutNoiseOfTheirOwnHaveThatOfTheCamera) {
   writeExample();
   sql(path_, "DELETE FROM picture_noise WHERE model_id = 1");
-  const double of_camera = ExampleMap().map().camera.noise.inverse_depth_std;
+  sql(path_, "DELETE FROM picture_range_noise WHERE model_id = 1");
+  const double of_camera = ExampleMap().map().camera.noise.ofInverseDepth(DepthNoise::kUsualDepth);
   const Map read = readMap(path_), opened = openMap(path_, 0);
   EXPECT_EQ(read.models[1].view.noise(), of_camera);
   EXPECT_EQ(opened.view(1)->noise(), of_camera);
@@ -120,22 +124,29 @@ TEST_F(MapFile, PicturesWithoutNoiseOfTheirOwnHaveThatOfTheCamera) {
 TEST_F(MapFile, ImpossibleNoiseIsAFault) {
   for (const char* damage :
        {"UPDATE camera SET inverse_depth_std = 2", "UPDATE camera SET distortion_slope = 9e999",
-        "UPDATE camera SET width = -3, height = 2, fx = 1, fy = 1, cx = 0, cy = 0"}) {
+        "UPDATE camera SET width = -3, height = 2, fx = 1, fy = 1, cx = 0, cy = 0",
+        "UPDATE camera_range SET depth_std = 2", "UPDATE camera_range SET depth_std_slope = 9e999"}) {
     writeExample();
     sql(path_, damage);
     EXPECT_THAT(readError(), HasSubstr("the camera")) << damage;
     std::filesystem::remove(path_);
   }
   for (const char* damage : {"UPDATE picture_noise SET inverse_depth_std = 1e-9 WHERE model_id = 2",
-                             "UPDATE picture_noise SET inverse_depth_std = 9e999 WHERE model_id = 2"}) {
+                             "UPDATE picture_noise SET inverse_depth_std = 9e999 WHERE model_id = 2",
+                             "UPDATE picture_range_noise SET depth_std = 2 WHERE model_id = 2",
+                             "UPDATE picture_range_noise SET depth_std_slope = 9e999 WHERE model_id = 2"}) {
     writeExample();
     sql(path_, damage);
     EXPECT_THAT(readError(), HasSubstr("noise")) << damage;
     EXPECT_THAT(ioErrorOf([this] { openMap(path_, 0).view(2); }), HasSubstr("noise")) << damage;
     std::filesystem::remove(path_);
   }
+  writeExample();
+  test::vandalize(path_, "UPDATE camera_range SET max_depth = 0");
+  EXPECT_THAT(readError(), HasSubstr("largest depth"));
+  std::filesystem::remove(path_);
   Map map = ExampleMap().map();
-  map.models[0].view.depth.noise_std = 0;
+  map.models[0].view.depth.noise.inverse_depth_std = 0;
   EXPECT_THAT(ioErrorOf([&] { writeMap(path_, map); }), HasSubstr("noise"));
 }
 

@@ -117,7 +117,7 @@ TEST_F(MapFile, PicturesThatTakeMoreMemoryThanTheFileExplainsAreRefused) {
   LocalModel m = ExampleMap().model("a");
   m.view.intrinsics = {4096, 3072, 3000, 3000, 2047.5, 1535.5};
   m.view.depth = DepthPicture::fromStored(m.view.intrinsics, std::vector<std::uint16_t>(4096 * 3072));
-  m.view.depth.noise_std = 0.003;
+  m.view.depth.noise.inverse_depth_std = 0.003;
   for (int i = 0; i < 8; ++i) {
     m.name = std::to_string(i);
     map.models.push_back(m);

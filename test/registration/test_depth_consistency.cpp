@@ -153,7 +153,7 @@ TEST(DepthConsistency, TheToleranceIsThreeTimesTheErrorOfAPrediction) {
 
 TEST(DepthConsistency, TheErrorIsThatOfTheNoiseOfBothPictures) {
   DepthPicture noisier = wallAt(2);
-  noisier.noise_std = 3 * SensorNoise{}.inverse_depth_std;
+  noisier.noise.inverse_depth_std = 3 * SensorNoise{}.inverse_depth_std;
   const DepthErrors errors = comparison().errorsBetween(wallAt(2), noisier);
   EXPECT_NEAR(errors.absolute, std::sqrt((1 + 9) / 2.0) * 1.5 / kKinectGain, 1e-9);
   EXPECT_EQ(errors.absolute, comparison().errorsBetween(noisier, wallAt(2)).absolute);
@@ -176,7 +176,7 @@ TEST(DepthConsistency, LikelihoodIsThatOfTheErrorOfThePrediction) {
 
 TEST(DepthConsistency, ExactAgreementIsLikelierThanContradictionWhateverTheErrors) {
   DepthPicture wall = wallAt(2);
-  wall.noise_std = 1 / kKinectGain;
+  wall.noise.inverse_depth_std = 1 / kKinectGain;
   for (const double absolute : {0.01, 0.3, 3.0, 30.0})
     for (const double relative : {0.0, 0.003, 0.1}) {
       DepthConsistencyParams params;

@@ -78,7 +78,8 @@ private:
     if (!(z > 0)) return kNever;
     const double error = std::abs(1 / z - predicted);
     const DepthConsistencyParams p;
-    const double tolerance = p.gate * (p.absolute_error * view_.noise() + p.relative_error * predicted);
+    const double noise = view_.depth.noise.ofInverseDepth(1 / predicted);
+    const double tolerance = p.gate * (p.absolute_error * noise + p.relative_error * predicted);
     return error <= tolerance ? error : kNever;
   }
 

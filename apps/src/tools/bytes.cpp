@@ -52,7 +52,9 @@ void fields(Archive& archive, DepthDistortion& distortion) {
 template <class Archive>
 void fields(Archive& archive, View& view) {
   // Its camera is known to whoever receives it, and its picture is packed.
-  archive(view.intrinsics, view.segments, view.depth.camera, view.depth.noise_std);
+  DepthNoise& noise = view.depth.noise;
+  archive(view.intrinsics, view.segments, view.depth.camera, noise.inverse_depth_std, noise.depth_std,
+          noise.depth_std_slope);
 }
 
 template <class Archive>

@@ -32,6 +32,8 @@ Camera DepthInput::camera(const std::optional<CameraFile>& file, const CommandLi
   take("noise.inverse_depth_std", &SensorNoise::inverse_depth_std);
   take("noise.distortion_offset", &SensorNoise::distortion_offset);
   take("noise.distortion_slope", &SensorNoise::distortion_slope);
+  take("noise.depth_std", &SensorNoise::depth_std);
+  take("noise.depth_std_slope", &SensorNoise::depth_std_slope);
   return camera;
 }
 
@@ -56,10 +58,16 @@ void noteDifference(const Camera& of_images, const Map& map, const Console& cons
 void noteNoise(std::vector<double> found, const SensorNoise& specified, const Console& console) {
   constexpr double kMuch = 1.3;  // times the specification; a Kinect has up to 1.2 times
   const double median = medianOfKnown(std::move(found));
-  if (median > kMuch * specified.inverse_depth_std)
+  const double expected = specified.ofInverseDepth(DepthNoise::kUsualDepth);
+  if (!(median > kMuch * expected)) return;
+  const std::string numbers = text::significant(median, 2) + ", not " + text::significant(expected, 2);
+  if (specified.isConstantInInverseDepth())
     console.note("the images are noisier than their camera's specification: inverse_depth_std is about " +
-                 text::significant(median, 2) + ", not " + text::significant(specified.inverse_depth_std, 2) +
-                 "; set it in camera.ini or by --noise.inverse_depth_std");
+                 numbers + "; set it in camera.ini or by --noise.inverse_depth_std");
+  else
+    console.note("the images are noisier than their camera's specification: at " +
+                 text::decimals(DepthNoise::kUsualDepth, 0) + " m, the noise of inverse depth is about " +
+                 numbers + " 1/m; facetloc_segment --noise measures what to set in camera.ini");
 }
 
 void requireTolerance(double seconds) {

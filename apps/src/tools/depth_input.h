@@ -35,7 +35,7 @@ void noteUnfinished(const Map& map, const std::string& path, const Console& cons
 void noteDifference(const Camera& of_images, const Map& map, const Console& console);
 
 /** \brief A remark if images are much noisier than their camera's specification.
- * \param found inverse-depth noise of each image [1/m], 0 where it is not known */
+ * \param found noise of inverse depth of each image at the usual depth [1/m], 0 where it is not known */
 void noteNoise(std::vector<double> found, const SensorNoise& specified, const Console& console);
 
 /** \brief Throws UsageError unless images and poses can be matched within this time [s]. */

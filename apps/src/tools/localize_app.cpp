@@ -47,7 +47,7 @@ FrameResult localizeFrame(const FrameFile& file, const DepthImage& image, ViewBu
                    millisecondsSince(start), static_cast<int>(localization.map().models.size())};
   result.rows = resultRows(file.name, answer, localization.map(), max_hypotheses, min_probability);
   traits = ViewTraits::of(scene);
-  traits.noise = builder.segmentation().noise;
+  traits.noise = scene.noise();
   return result;
 }
 

@@ -62,7 +62,9 @@ std::string noiseOf(const Map& map) {
     least = std::min(least, model.view.noise());
     most = std::max(most, model.view.noise());
   }
-  std::string words = text::significant(map.camera.noise.inverse_depth_std, 3) + " 1/m";
+  std::string words = text::significant(map.camera.noise.ofInverseDepth(DepthNoise::kUsualDepth), 3) + " 1/m";
+  if (!map.camera.noise.isConstantInInverseDepth())
+    words += " at " + text::decimals(DepthNoise::kUsualDepth, 0) + " m";
   if (most > 0)
     words += ", of the images " + text::significant(least, 3) + " to " + text::significant(most, 3);
   return words;

@@ -271,7 +271,7 @@ MapBuildApp::Seen MapBuildApp::addModels(const DepthSequence& sequence,
       LocalModel model{fileOf(i).name, fileOf(i).stamp, candidates[i].T_w_m, {}};
       if (!present.count(model.name)) {
         model.view = builders[worker].build(sequence.load(candidates[i].frame, input_.width));
-        seen.noise[i] = builders[worker].segmentation().noise;
+        seen.noise[i] = model.view.noise();
       }
       models[i - first] = packed(std::move(model));
     };

@@ -9,6 +9,7 @@
 #include <facetloc/io/text.h>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
@@ -92,6 +93,7 @@ std::string cameraLine(const std::optional<CameraFile>& file) {
   add("fx", k.fx), add("fy", k.fy), add("cx", k.cx), add("cy", k.cy), add("depth_scale", file->depth_scale);
   if (camera.mounting)
     add("mount_height", camera.mounting->height), add("mount_tilt_deg", camera.mounting->tilt_deg);
+  if (!std::isinf(camera.max_depth)) add("max_depth", camera.max_depth);
   return line + "\n";
 }
 

@@ -17,7 +17,8 @@ constexpr double kConverged = 1e-5;  // norm of a step [rad, m]
 
 // Variance of the gradient of inverse depth that a picture's noise alone makes [1/m^2/px^2].
 double gradientVariance(const DepthPicture& picture) {
-  return picture.noise_std * picture.noise_std / (2 * DepthDifference::kReach * DepthDifference::kReach);
+  const double std = picture.noise.ofInverseDepth(DepthNoise::kUsualDepth);
+  return std * std / (2 * DepthDifference::kReach * DepthDifference::kReach);
 }
 
 // Drops the directions in which the gradients tell hardly more than their own noise and the bands of a coarse
@@ -50,7 +51,8 @@ bool refineByDepth(const DepthPicture& scene, const std::vector<PosedPicture>& p
   const auto normalEquations = [&] {
     DepthNormalEquations n;
     for (const PosedPicture& p : pictures) {
-      const double error = params.pixel_error * commonNoise(scene, *p.picture);
+      const double noise = commonNoise(scene, *p.picture).ofInverseDepth(DepthNoise::kUsualDepth);
+      const double error = params.pixel_error * noise;
       DepthNormalEquations of_picture;
       of_picture.of_noise = params.significance > 0;
       of_picture.add(scene, gridStep(scene, kFineColumns), T, *p.picture, p.T_w_c, uncertainty, error,

@@ -71,7 +71,8 @@ FACETLOC_MULTIVERSION void judgePixels(const DepthJudge::Geometry& g, const std:
     const Floats below = predicted - __builtin_convertvector(low, Floats) * kQuantum;
     const Floats above = predicted - __builtin_convertvector(high, Floats) * kQuantum;
     const Floats difference = below < 0.f ? below : above > 0.f ? above : none;
-    const Floats error = g.absolute_error + g.relative_error * predicted;
+    const Floats error =
+        g.absolute_error + g.relative_error * predicted + g.squared_error * predicted * predicted;
     const Ints contradicts = difference > g.gate * error, hides = difference < -g.gate * error;
     constexpr Ints kAgree = Ints{} + int(DepthVerdict::agree),
                    kContradict = Ints{} + int(DepthVerdict::contradict),
@@ -115,6 +116,7 @@ DepthJudge::DepthJudge(const DepthComparison& comparison, const DepthPicture& a,
   const DepthErrors errors = comparison.errorsBetween(a, b);
   g_.absolute_error = static_cast<float>(errors.absolute);
   g_.relative_error = static_cast<float>(errors.relative);
+  g_.squared_error = static_cast<float>(errors.squared);
   g_.unit_error = static_cast<float>(errors.of(1 / kUnitDepth));
   g_.gate = static_cast<float>(errors.gate);
 }

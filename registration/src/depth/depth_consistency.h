@@ -36,10 +36,13 @@ using DepthVerdicts = std::vector<DepthVerdict>;
 struct DepthErrors {
   double absolute = 0;  ///< error of a predicted inverse depth that is the same at all distances [1/m]
   double relative = 0;  ///< error that grows with the predicted inverse depth, as a share of it
+  double squared = 0;   ///< error that grows with the square of the predicted inverse depth [m]
   double gate = 0;      ///< largest difference that still counts as agreement [errors]
 
   /** \brief Error of a predicted inverse depth [1/m]. */
-  double of(double predicted) const { return absolute + relative * predicted; }
+  double of(double predicted) const {
+    return absolute + relative * predicted + squared * predicted * predicted;
+  }
   /** \brief Largest difference from a predicted inverse depth that still counts as agreement [1/m]. */
   double tolerance(double predicted) const { return gate * of(predicted); }
 };
@@ -57,7 +60,11 @@ public:
   DepthAgreement compareBoth(const DepthPicture& a, const DepthPicture& b, const Eigen::Isometry3d& T_b_a,
                              int columns) const;
   DepthErrors errorsBetween(const DepthPicture& a, const DepthPicture& b) const {
-    return {params_.absolute_error * commonNoise(a, b), params_.relative_error, params_.gate};
+    // In inverse depth r, the noise of depths is a polynomial: s_2 + s_1 r + s_0 r^2 (features/METHOD 2.2).
+    const DepthNoise noise = commonNoise(a, b);
+    const double factor = params_.absolute_error;
+    return {factor * noise.inverse_depth_std, params_.relative_error + factor * noise.depth_std_slope,
+            factor * noise.depth_std, params_.gate};
   }
   double farthest() const { return 1 / params_.max_depth; }  ///< smallest inverse depth compared [1/m]
 
@@ -83,7 +90,7 @@ public:
     float fx, fy, cx, cy;  // of b, moved by half a pixel
     int width, height;
     const std::uint16_t *lowest, *highest;
-    float farthest, absolute_error, relative_error, unit_error, gate;
+    float farthest, absolute_error, relative_error, squared_error, unit_error, gate;
   };
 
 private:

@@ -55,10 +55,10 @@ class Calibration {
 public:
   Calibration(const std::vector<PosedPicture>& pictures, const SensorNoise& noise, const PoseAccuracy& poses)
       : field_(DepthDistortion::extentOf(pictures.front().picture->camera)),
-        error_(kPixelError * noise.inverse_depth_std) {
+        error_(kPixelError * noise.ofInverseDepth(DepthNoise::kUsualDepth)) {
     for (int i = 0; i < kNodes; ++i) {
       const double across = field_.rayOf(i).norm();
-      prior_std_[i] = std::max(kLeastShare * noise.inverse_depth_std,
+      prior_std_[i] = std::max(kLeastShare * noise.ofInverseDepth(DepthNoise::kUsualDepth),
                                std::hypot(noise.distortion_offset, noise.distortion_slope * across));
     }
     NodeMatrix covariance;

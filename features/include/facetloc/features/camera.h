@@ -4,6 +4,7 @@
 #include <facetloc/features/camera_model.h>
 #include <facetloc/features/depth_distortion.h>
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@ struct Camera {
   std::optional<CameraMounting>
       mounting;  ///< on a robot that drives on a floor; none = in the hand, or unknown
   std::optional<DepthDistortion> distortion;  ///< what it always measures wrongly: taken out of its images
+  double max_depth = std::numeric_limits<double>::infinity();  ///< farther pixels count as not measured [m]
 };
 
 /** \brief What the camera of a view has to do with the camera that a map was made with. */
@@ -30,13 +32,13 @@ struct CameraDifference {
   Mounting mounting = Mounting::not_in_map;
   bool same_optics = true;  ///< the map's distortion, if it has one, holds for the view's camera, too
   bool distortion_is_left_in = false;  ///< it does, and was not taken out of the view
-  double noise_ratio = 1;              ///< noise of inverse depth, the view's by the map's
+  double noise_ratio = 1;              ///< noise of inverse depth at the usual depth, the view's by the map's
 
   bool sameMounting() const { return mounting == Mounting::same; }
 };
 
-/** \brief Compares the camera of a view with a map's. \param noise_std noise of inverse depth that the view
- * was seen with [1/m]; 0 = as the camera's specification says */
+/** \brief Compares the camera of a view with a map's. \param noise_std noise of inverse depth at the usual
+ * depth that the view was seen with [1/m]; 0 = as the camera's specification says */
 CameraDifference differenceOf(const Camera& of_view, const Camera& of_map, double noise_std = 0);
 
 /** \brief The difference in sentences without full stop, one for each thing that changes an answer; empty for

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/depth_noise.h>
 #include <facetloc/features/params.h>
 
 #include <Eigen/Core>
@@ -32,24 +33,15 @@ struct Intrinsics {
   bool operator!=(const Intrinsics& o) const { return !(*this == o); }
 };
 
-/** \name Kinect v1 (METHOD 2.1): z = kKinectGain / (kKinectOffset - d), d the raw disparity in 1/8 px. @{ */
-constexpr double kKinectGain = 351.218540681877;    ///< [m DU]
-constexpr double kKinectOffset = 1092.93080891449;  ///< [DU]
-inline double kinectDisparity(double z) { return kKinectOffset - kKinectGain / z; }
-inline double kinectDepth(double disparity) { return kKinectGain / (kKinectOffset - disparity); }
 /** \brief The depth camera of a Kinect v1, 640x480, as calibrated by the paper's authors. */
 Intrinsics kinectIntrinsics();
-/** @} */
 
-/** \brief Errors of a depth camera that measures by triangulation: constant in inverse depth (disparity).
+/** \brief Errors of a depth camera: random noise, and a smooth distortion that is constant in inverse depth.
  *
  * The defaults are those of a Kinect v1 (0.5 DU of noise, a smooth distortion of 0.25 DU plus 0.5 DU per unit
- * of b). For a camera of standard depth deviation sigma_z at depth z, inverse_depth_std = sigma_z / z^2. */
-struct SensorNoise {
-  static constexpr double kLeastInverseDepthStd = 1e-7;  ///< less counts as this: disparities stay finite
-
+ * of b). camera_presets.h knows other cameras. */
+struct SensorNoise : DepthNoise {
   static constexpr const char* kTitle = "Noise of the depth camera";
-  double inverse_depth_std = 0.5 / kKinectGain;  ///< random error of 1/z [1/m]
   double distortion_offset =
       0.25 / kKinectGain;  ///< smooth distortion of 1/z over the image, constant part [1/m]
   double distortion_slope = 0.5 / kKinectGain;  ///< its part per unit of the normalised ray [1/m]
@@ -57,15 +49,20 @@ struct SensorNoise {
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("inverse_depth_std", p.inverse_depth_std, kLeastInverseDepthStd, 1.0,
-          "Random error of inverse depth, standard deviation [1/m], which is sigma_z / z^2; 0.00142 for a "
-          "Kinect. "
-          "Tell it for a camera that is noisier and whose noise is smooth over many pixels.");
+          "Random error of inverse depth, standard deviation [1/m]: the part of sigma_z that grows with z^2, "
+          "divided by z^2; 0.00142 for a Kinect. Set it for a camera that is noisier and whose noise is "
+          "smooth over many pixels.");
     visit("distortion_offset", p.distortion_offset, 0.0, 1.0,
           "Smooth distortion of inverse depth at the image centre, standard deviation [1/m].");
     visit("distortion_slope", p.distortion_slope, 0.0, 1.0,
           "Increase of the smooth distortion of inverse depth per unit of the normalised ray, standard "
           "deviation "
           "[1/m].");
+    visit("depth_std", p.depth_std, 0.0, kLargestDepthStd,
+          "Part of the random error of depth that is the same at all distances, standard deviation [m]; 0 "
+          "for cameras that triangulate, about 0.001 for those that measure the time of flight.");
+    visit("depth_std_slope", p.depth_std_slope, 0.0, kLargestDepthStdSlope,
+          "Part of the random error of depth that grows with depth, standard deviation as a share of depth.");
   }
   void validate() const { checkRanges(*this); }
 };

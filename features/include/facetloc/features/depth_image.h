@@ -25,6 +25,13 @@ constexpr float kNearestMeasured = 1e-3f, kFarthestMeasured = 1e6f;  // [m]
 /** \brief Is this a depth that a camera measured? 0, NaN, infinities and what is nearer than 1 mm are not. */
 inline bool isMeasured(float z) { return z >= kNearestMeasured && z <= kFarthestMeasured; }
 
+/** \brief The median of the measured depths, of about a thousand pixels spread over the image [m];
+ * DepthNoise::kUsualDepth if none is measured. */
+double usualDepth(const DepthImage& image);
+
+/** \brief Takes the depths beyond max_depth [m] out of an image. */
+void dropBeyond(double max_depth, DepthImage& image);
+
 /** \brief A number of pixels given for a 320x240 image, scaled with the area of another one. */
 inline double scaledPixels(double pixels_at_320x240, const Intrinsics& camera) {
   return pixels_at_320x240 * (double(camera.width) * camera.height) / (320.0 * 240.0);

@@ -20,11 +20,11 @@ struct DepthPicture {
   static constexpr double kQuantum =
       1.0 / 16384;  ///< [1/m]: 0.02 disparity units of a Kinect; reaches to 0.25 m
 
-  Intrinsics camera;                                   ///< of the picture itself
-  std::vector<std::uint16_t> inverse_depth;            ///< [kQuantum], row-major
-  std::vector<std::uint16_t> lowest;                   ///< over 3x3 known neighbours; derived
-  std::vector<std::uint16_t> highest;                  ///< over 3x3 known neighbours; derived
-  double noise_std = SensorNoise().inverse_depth_std;  ///< random error of the inverse depths [1/m]
+  Intrinsics camera;                         ///< of the picture itself
+  std::vector<std::uint16_t> inverse_depth;  ///< [kQuantum], row-major
+  std::vector<std::uint16_t> lowest;         ///< over 3x3 known neighbours; derived
+  std::vector<std::uint16_t> highest;        ///< over 3x3 known neighbours; derived
+  DepthNoise noise;                          ///< random error of its depths
 
   bool empty() const { return inverse_depth.empty(); }
   /** \brief Of a depth image at working resolution; empty for an empty image. */
@@ -45,10 +45,18 @@ struct PosedPicture {
   Eigen::Isometry3d T_w_c;
 };
 
-/** \brief Root mean square of the noise of two pictures [1/m]: what differences of their inverse depths are
- * compared with. */
-inline double commonNoise(const DepthPicture& a, const DepthPicture& b) {
-  return std::sqrt((a.noise_std * a.noise_std + b.noise_std * b.noise_std) / 2);
+/** \brief Root mean square of the noise of two pictures, part by part: what differences of their inverse
+ * depths are compared with. */
+inline DepthNoise commonNoise(const DepthPicture& a, const DepthPicture& b) {
+  const auto common = [&](double DepthNoise::*part) {
+    const double of_a = a.noise.*part, of_b = b.noise.*part;
+    return std::sqrt((of_a * of_a + of_b * of_b) / 2);
+  };
+  DepthNoise noise;
+  noise.inverse_depth_std = common(&DepthNoise::inverse_depth_std);
+  noise.depth_std = common(&DepthNoise::depth_std);
+  noise.depth_std_slope = common(&DepthNoise::depth_std_slope);
+  return noise;
 }
 
 }  // namespace facetloc

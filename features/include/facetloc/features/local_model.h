@@ -23,8 +23,8 @@ struct View {
   std::vector<Segment> segments;  ///< the most useful first, by information content (METHOD 9)
   DepthPicture depth;             ///< may be empty: dense checks are then skipped
 
-  /** \brief Noise of inverse depth that it was seen with [1/m]. */
-  double noise() const { return depth.noise_std; }
+  /** \brief Noise of inverse depth that it was seen with, at the usual depth [1/m]. */
+  double noise() const { return depth.noise.ofInverseDepth(DepthNoise::kUsualDepth); }
 };
 
 /** \brief A pointer to what somebody else keeps. */

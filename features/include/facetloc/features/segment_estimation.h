@@ -76,7 +76,8 @@ public:
   SegmentEstimation& operator=(const SegmentEstimation&);
 
   /** \param image depth at working size, \param labels of the same size,
-   * \param noise of the sensor; noise.inverse_depth_std should already be that of the image if it is noisier.
+   * \param noise of the sensor, of which that at the depth of a segment counts; if the image is noisier, then
+   * already scaledTo() the noise of the image.
    * \param segments receives the segments, sorted by information content (METHOD 9). Labels that fail a
    * test of the parameters are left out; an empty or all-invalid image gives an empty list.
    * \param kept receives the label of each of them. Throws std::invalid_argument if the sizes differ. */

@@ -4,6 +4,7 @@
 #include <facetloc/features/camera.h>
 
 #include <filesystem>
+#include <string>
 
 namespace facetloc {
 
@@ -11,16 +12,20 @@ namespace facetloc {
  *
  *     width=640  height=480  fx=525  fy=525  cx=319.5  cy=239.5  depth_scale=5000
  *     mount_height=0.98  mount_tilt_deg=10       optional, both or none
- *     inverse_depth_std=0.00142                  optional, see SensorNoise
+ *     camera=azure_kinect                        optional: noise and largest depth of a CameraPreset
+ *     inverse_depth_std=0.00142                  optional, see SensorNoise, as are
+ *     depth_std=0.001  depth_std_slope=0.001  distortion_offset=0.0007  distortion_slope=0.0014
+ *     max_depth=5                                optional: farther pixels count as not measured [m]
  *
- * (several pairs on one line are accepted, as written here). */
+ * (several pairs on one line are accepted, as written here). What a key says counts more than the preset. */
 struct CameraFile {
   Camera camera;              ///< without distortion; noise and mounting as far as they are given
   double depth_scale = 1000;  ///< PNG value per metre
+  std::string preset{};       ///< the CameraPreset that is named; empty if none is
 };
 
-/** \brief Throws IoError with the line for unknown keys, missing keys, values that are no numbers or
- * impossible. */
+/** \brief Throws IoError with the line for unknown keys and presets, missing keys, values that are no numbers
+ * or impossible. */
 CameraFile readCameraFile(const std::filesystem::path& path);
 void writeCameraFile(const std::filesystem::path& path, const CameraFile& camera);
 

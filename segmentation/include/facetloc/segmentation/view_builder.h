@@ -25,7 +25,7 @@ struct ViewParams : SegmentationParams {
   void validate() const { checkRanges(*this); }
 };
 
-/** \brief Depth image -> view: correction of the camera's distortion, segmentation, features, small depth
+/** \brief Depth image -> view: the camera's range and distortion, segmentation, features, small depth
  * picture.
  *
  *     facetloc::ViewBuilder builder(map->calibrated(camera));  // to localize the view in a map
@@ -51,10 +51,12 @@ public:
   double featuresMilliseconds() const { return features_ms_; }  ///< of the last image
 
 private:
+  const DepthImage& prepared(const DepthImage& measured);
   void renumber();
 
   std::shared_ptr<const Camera> camera_;
   std::optional<DepthCorrection> correction_;
+  DepthImage near_;  // the image up to the camera's max_depth
   PlaneSegmenter segmenter_;
   SegmentEstimation estimation_;
   LabelledPlanes segmentation_, unsorted_;

@@ -40,7 +40,9 @@ void SegmentFrameEstimation<PointT>::compute(PointCloudOut& output) {
   }
   this->deinitCompute();
   std::vector<int> used;
-  output = toCloud(estimateSegments(depthImage(*input_, *camera), labels, camera_.noise, params_, &used));
+  DepthImage image = depthImage(*input_, *camera);
+  dropBeyond(camera_.max_depth, image);
+  output = toCloud(estimateSegments(image, labels, camera_.noise, params_, &used));
   for (const int label : used) used_labels_.push_back(given[static_cast<std::size_t>(label) - 1]);
   output.header = input_->header;
   output.sensor_origin_ = input_->sensor_origin_;

@@ -16,6 +16,7 @@ bool PlanarSegmentation<PointT>::compute() {
       cameraOfInput(input_.get(), indices_.get(), camera_.intrinsics, status_);
   if (!camera) return false;
   DepthImage image = depthImage(*input_, *camera);
+  dropBeyond(camera_.max_depth, image);
   if (!this->fake_indices_) {
     std::vector<float> wanted(image.depth.size(), 0.f);
     for (const auto i : *indices_) wanted[i] = image.depth[i];
