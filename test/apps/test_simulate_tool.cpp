@@ -2,9 +2,12 @@
 #include "example_room.h"
 #include "tools/simulate_app.h"
 
+#include <facetloc/features/camera_presets.h>
 #include <facetloc/io/depth_sequence.h>
 
 #include <gmock/gmock.h>
+
+#include <algorithm>
 
 namespace facetloc {
 namespace {
@@ -42,6 +45,34 @@ TEST_F(Tools, SimulateRefusesWhatThereIsNot) {
   const ToolRun run = runTool<SimulateApp>({"palace", "-o", folder_ / "x"});
   EXPECT_EQ(run.code, kUsage);
   for (const char* scene : {"office", "home", "hall", "room"}) EXPECT_THAT(run.err, HasSubstr(scene));
+}
+
+TEST_F(Tools, SimulateTakesAnotherCamera) {
+  const ToolRun run =
+      runTool<SimulateApp>({"room", "--camera", "phone_lidar", "--frames", "1", "-o", folder_ / "lidar"});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  const CameraFile lidar = *DepthSequence::open(folder_ / "lidar/map").camera();
+  EXPECT_EQ(lidar.preset, "phone_lidar");
+  EXPECT_EQ(lidar.camera.intrinsics, findCameraPreset("phone_lidar")->intrinsics);
+  EXPECT_EQ(lidar.camera.max_depth, 5);
+
+  // An option counts more than the camera: here all pixels are lost.
+  const ToolRun blind =
+      runTool<SimulateApp>({"room", "--camera", "phone_lidar", "--sensor.random_dropout", "1", "--frames",
+                            "1", "--width", "128", "-o", folder_ / "blind"});
+  ASSERT_EQ(blind.code, kOk) << blind.err;
+  const DepthSequence sequence = DepthSequence::open(folder_ / "blind/map");
+  const DepthImage image = sequence.load(0);
+  EXPECT_EQ(image.camera.height, 96) << "3 to 4, as its camera";
+  EXPECT_EQ(std::count(image.depth.begin(), image.depth.end(), 0.f), 128 * 96);
+}
+
+TEST_F(Tools, SimulateRefusesAnUnknownCamera) {
+  const ToolRun run = runTool<SimulateApp>({"room", "--camera", "nikon", "-o", folder_ / "x"});
+  EXPECT_EQ(run.code, kUsage);
+  EXPECT_THAT(run.err, HasSubstr("unknown camera 'nikon'"));
+  EXPECT_THAT(run.err, HasSubstr("realsense_d435"));
+  EXPECT_FALSE(fs::exists(folder_ / "x"));
 }
 
 TEST_F(Tools, SimulateWritesASequenceWithItsTruth) {

@@ -5,6 +5,7 @@
 #include "tools/batch.h"
 #include "tools/text.h"
 
+#include <facetloc/features/camera_presets.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
@@ -31,6 +32,7 @@ constexpr double kQueryStart = 1000;     // [s] no query has the stamp of a map 
 constexpr double kDriveStart = 2000;     // [s]
 constexpr std::uint64_t kRunSeeds = 64;  // seeds per place, for its runs
 constexpr int kMostFrames = 1000000;
+constexpr const char* kUsualCamera = "kinect";
 constexpr const char *kRoom = "room", *kMap = "map", *kQuery = "query", *kDrive = "drive";
 constexpr double kWalls = 0.3;    // [m] thickness that belongs to a room
 constexpr double kInside = 0.95;  // of the pixels, where a room is all that is seen
@@ -102,7 +104,7 @@ void SimulateApp::addOptions(CommandLine& line) {
   line.addArgument("SCENE", scene_);
   line.addOption("output,o", folder_, "DIR", "Folder of the sequences.");
   line.addOption("seed", seed_, "N", "Seed of the place, the drives and the noise.");
-  line.addOption("width", width_, "N", "Width of the images [px]; 4:3.");
+  line.addOption("width", width_, "N", "Width of the images [px]; that of the camera unless given.");
   line.addOption("frames", frames_, "N", "Images of each run; 0 = as --map-frames and --query-frames say.");
   line.addOption("map-frames", map_frames_, "N", "Images of the mapping run.");
   line.addOption("query-frames", query_frames_, "N", "Images of the later run.");
@@ -112,10 +114,14 @@ void SimulateApp::addOptions(CommandLine& line) {
   line.addOption("map-step", map_step_, "M", "Way after which the mapping run takes an image [m].");
   line.addParams(drive_, "drive");
   line.addParams(noise_, "sensor");
+  line.addOption("camera", preset_, "NAME",
+                 "Camera of the robot, with its errors: " + cameraPresetNames() + ".");
 }
 
-Intrinsics scaledKinect(int width) {
-  Intrinsics k = kinectIntrinsics();
+namespace {
+
+/** Images of another width with the same field of view. */
+Intrinsics scaled(Intrinsics k, int width) {
   const double scale = static_cast<double>(width) / k.width;
   k.height = static_cast<int>(std::lround(k.height * scale));
   k.width = width;
@@ -125,6 +131,24 @@ Intrinsics scaledKinect(int width) {
   k.cy = (k.cy + 0.5) * scale - 0.5;
   return k;
 }
+
+/** The errors of a preset, but for the options that are given. */
+SimulatedNoise noiseOf(const std::string& preset, const SimulatedNoise& options, const CommandLine& line) {
+  SimulatedNoise noise = simulatedNoise(preset);
+  std::vector<const double*> given;
+  SimulatedNoise::describe(options,
+                           [&](const char*, const double& value, auto&&...) { given.push_back(&value); });
+  std::size_t i = 0;
+  SimulatedNoise::describe(noise, [&](const char* name, double& value, auto&&...) {
+    if (line.given(std::string("sensor.") + name)) value = *given[i];
+    ++i;
+  });
+  return noise;
+}
+
+}  // namespace
+
+Intrinsics scaledKinect(int width) { return scaled(kinectIntrinsics(), width); }
 
 SimulateApp::Place SimulateApp::makePlace() const {
   const auto seed = static_cast<std::uint64_t>(seed_);
@@ -213,6 +237,8 @@ void SimulateApp::checkOptions() const {
     throw UsageError("unknown scene '" + scene_ + "'; there are:" + names);
   }
   if (folder_.empty()) throw UsageError("the folder of the sequences is missing: -o DIR");
+  if (!preset_.empty() && !findCameraPreset(preset_))
+    throw UsageError("unknown camera '" + preset_ + "'; there are: " + cameraPresetNames());
   if (seed_ < 0) throw UsageError("seed must not be negative");
   if (width_ < 40 || width_ > 2048) throw UsageError("width must lie in [40, 2048]");
   if (frames_ < 0 || frames_ > kMostFrames) throw UsageError("frames must lie in [0, 1000000]");
@@ -231,8 +257,14 @@ int SimulateApp::execute(const CommandLine& line, const Console& console) {
   if (runs_.empty()) runs_ = line.given("drive") ? "map,query,drive" : "map,query";
   checkOptions();
   const Place place = makePlace();
-  const SimulatedCamera camera(scaledKinect(width_), noise_, static_cast<std::uint64_t>(seed_));
-  const CameraFile camera_file{{camera.camera(), {}, drive_.mounting(), {}}, kDepthScale};
+  const CameraPreset& preset = *findCameraPreset(preset_.empty() ? kUsualCamera : preset_);
+  const Intrinsics intrinsics =
+      scaled(preset.intrinsics, line.given("width") ? width_ : preset.intrinsics.width);
+  const SimulatedCamera camera(intrinsics, noiseOf(preset.name, noise_, line),
+                               static_cast<std::uint64_t>(seed_));
+  CameraFile camera_file{preset.camera(), kDepthScale, preset_};
+  camera_file.camera.intrinsics = intrinsics;
+  camera_file.camera.mounting = drive_.mounting();
   struct Image {
     const Run* run;
     std::size_t index;

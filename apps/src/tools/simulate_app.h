@@ -32,6 +32,7 @@ private:
   std::string scene_;
   std::string folder_;
   std::string runs_;
+  std::string preset_;  // camera
   int seed_ = 1;
   int width_ = 640;
   int frames_ = 0;

@@ -6,11 +6,13 @@
 #include <facetloc/simulation/simulated_scene.h>
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 namespace facetloc {
 
-/** \brief Errors of the simulated camera, those of a structured-light sensor. */
+/** \brief Errors of the simulated camera: by default those of a structured-light sensor, with the switches of
+ * stereo and time-of-flight cameras, which are off. */
 struct SimulatedNoise {
   static constexpr const char* kTitle = "Errors of the simulated camera";
   double noise_factor = 1;     ///< raises the random noise, the distortion and the noise of silhouettes
@@ -27,6 +29,13 @@ struct SimulatedNoise {
   double random_dropout = 0.005;      ///< share of pixels lost at random
   double min_depth = 0.5;             ///< [m]
   double max_depth = 8.0;             ///< [m]
+  double depth_std = 0;               ///< part of the random noise that is the same in depth [m]
+  double depth_std_slope = 0;         ///< ... and that is a share of depth
+  double fattening_px = 0;            ///< stereo: nearer surfaces grow at silhouettes [px at 640x480]
+  double untextured = 0;              ///< stereo: share of the pixels that cannot be matched, in patches
+  double flying_px = 0;          ///< time of flight: width of mixed depths at silhouettes [px at 640x480]
+  double multipath = 0;          ///< time of flight: depths in the edge of a corner are too large by this [m]
+  double reliable_depth = 1000;  ///< half of what is farther is lost on the way: depths are too small [m]
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -49,9 +58,25 @@ struct SimulatedNoise {
     visit("random_dropout", p.random_dropout, 0.0, 1.0, "Share of pixels lost at random.");
     visit("min_depth", p.min_depth, 0.0, 100.0, "Nearest depth measured [m].");
     visit("max_depth", p.max_depth, 0.1, 1000.0, "Farthest depth measured [m].");
+    visit("depth_std", p.depth_std, 0.0, 1.0, "Random noise of depth that is the same at all distances [m].");
+    visit("depth_std_slope", p.depth_std_slope, 0.0, 0.5, "Random noise of depth as a share of depth.");
+    visit("fattening_px", p.fattening_px, 0.0, 50.0,
+          "Width by which nearer surfaces grow at silhouettes, as in stereo [px].");
+    visit("untextured", p.untextured, 0.0, 1.0,
+          "Share of the pixels, in patches, without texture that stereo could match.");
+    visit("flying_px", p.flying_px, 0.0, 10.0,
+          "Distance over which depths mix at silhouettes, as with the time of flight [px].");
+    visit("multipath", p.multipath, 0.0, 1.0,
+          "Error of depth in the edge of a corner, as of light that comes round it [m].");
+    visit("reliable_depth", p.reliable_depth, 0.1, 1000.0,
+          "Distance beyond which depths are too small, by half of what exceeds it [m].");
   }
   void validate() const { checkRanges(*this); }
 };
+
+/** \brief The errors of a camera that camera_presets.h knows by this name. Throws std::invalid_argument for
+ * another one. */
+SimulatedNoise simulatedNoise(std::string_view preset);
 
 /** \brief A rendered frame with its truth. */
 struct SimulatedFrame {
@@ -71,6 +96,7 @@ public:
   SimulatedFrame render(const Scene& scene, const Eigen::Isometry3d& T_w_c, std::uint64_t frame_index) const;
 
 private:
+  double randomStd(double z) const;
   bool reflects(Material material, double z, double cosine, double blob) const;
   std::vector<bool> litByProjector(const std::vector<double>& depth) const;
 

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/camera_presets.h>
+#include <facetloc/simulation/simulated_camera.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace facetloc {
+namespace {
+
+/** Neither a pattern nor steps of disparity: what all cameras but a Kinect have in common. */
+SimulatedNoise plain(const CameraPreset& preset) {
+  SimulatedNoise noise;
+  noise.disparity_std = preset.noise.inverse_depth_std * kKinectGain;
+  noise.depth_std = preset.noise.depth_std;
+  noise.depth_std_slope = preset.noise.depth_std_slope;
+  noise.quantization = 0;
+  noise.min_depth = 0.3;
+  noise.max_depth = 8;
+  return noise;
+}
+
+SimulatedNoise stereo(const CameraPreset& preset) {
+  SimulatedNoise noise = plain(preset);
+  noise.correlation_px = 5;  // a wall is wavy: the correlation falls to 1/e over 10 px
+  noise.fattening_px = 4;
+  noise.untextured = 0.15;
+  noise.projector_baseline = 0.05;  // what the second camera does not see
+  noise.dark_range = 0;
+  return noise;
+}
+
+SimulatedNoise timeOfFlight(const CameraPreset& preset) {
+  SimulatedNoise noise = plain(preset);
+  noise.correlation_px = 0;
+  noise.flying_px = 1;
+  noise.multipath = 0.015;
+  noise.projector_baseline = 0;
+  noise.max_depth = preset.max_depth;
+  return noise;
+}
+
+/** Few beams, of which the system makes an image without holes: smooth, also over silhouettes. */
+SimulatedNoise filledUp(const CameraPreset& preset) {
+  SimulatedNoise noise = plain(preset);
+  noise.correlation_px = 6;
+  noise.flying_px = 3;
+  noise.random_dropout = 0;
+  noise.projector_baseline = 0;
+  noise.dark_range = 0;
+  noise.grazing_dropout_deg = 90;
+  noise.grazing_spread_deg = 0;
+  noise.reliable_depth = preset.max_depth;
+  return noise;
+}
+
+}  // namespace
+
+SimulatedNoise simulatedNoise(std::string_view name) {
+  const CameraPreset* preset = findCameraPreset(name);
+  if (!preset) throw std::invalid_argument("simulatedNoise: unknown camera " + std::string(name));
+  if (name == "realsense_d435") return stereo(*preset);
+  if (name == "azure_kinect") return timeOfFlight(*preset);
+  if (name == "phone_lidar") return filledUp(*preset);
+  return {};  // Kinect and Xtion are twins
+}
+
+}  // namespace facetloc

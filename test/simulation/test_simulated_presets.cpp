@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What each simulated camera gets wrong, as statistics of its images.
+#include <facetloc/features/camera_presets.h>
+#include <facetloc/simulation/simulated_camera.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+namespace {
+
+const Intrinsics kCamera{320, 240, 262.5, 262.5, 159.5, 119.5};
+
+Rectangle wallAt(double z, double half = 100, std::uint16_t id = 1) {
+  Rectangle wall;
+  wall.centre = {0, 0, z};
+  wall.half_u = wall.half_v = half;
+  wall.plane_id = id;
+  return wall;
+}
+
+Scene sceneOf(const std::vector<Rectangle>& rectangles) { return {rectangles, {}}; }
+
+/** Nothing but what the test asks for. */
+SimulatedNoise noErrors() {
+  SimulatedNoise noise;
+  noise.disparity_std = noise.distortion = noise.quantization = noise.edge_std_px = noise.random_dropout = 0;
+  noise.grazing_dropout_deg = 90;
+  noise.grazing_spread_deg = noise.dark_range = noise.projector_baseline = 0;
+  noise.min_depth = 0;
+  noise.max_depth = 1000;
+  return noise;
+}
+
+DepthImage seen(const SimulatedNoise& noise, const std::vector<Rectangle>& rectangles, int frame = 0) {
+  return SimulatedCamera(kCamera, noise, 1)
+      .render(sceneOf(rectangles), Eigen::Isometry3d::Identity(), static_cast<std::uint64_t>(frame))
+      .depth;
+}
+
+double measuredShare(const DepthImage& image) {
+  return static_cast<double>(
+             std::count_if(image.depth.begin(), image.depth.end(), [](float z) { return z > 0; })) /
+         static_cast<double>(image.depth.size());
+}
+
+TEST(SimulatedPresets, HaveTheNoiseOfTheirTable) {
+  for (const CameraPreset& preset : cameraPresets()) {
+    SimulatedNoise noise = simulatedNoise(preset.name);
+    noise.distortion = 0;
+    for (const double z : {1.0, 2.0, 4.0}) {
+      double squares = 0, n = 0;
+      for (int frame = 0; frame < 4; ++frame)
+        for (const float depth : seen(noise, {wallAt(z)}, frame).depth)
+          if (depth > 0) squares += (depth - z) * (depth - z), n += 1;
+      ASSERT_GT(n, 0.5 * 4 * 320 * 240) << preset.name;
+      // A Kinect's rounding comes on top of its noise: sqrt(0.5^2 + 1/12) of its 0.5 units.
+      const double expected = preset.noise.ofDepth(z) * (noise.quantization > 0 ? 1.155 : 1);
+      const double tolerance = preset.name == std::string("xtion") ? 0.12 : 0.1;
+      EXPECT_NEAR(std::sqrt(squares / n) / expected, 1, tolerance) << preset.name << " at " << z << " m";
+    }
+  }
+}
+
+TEST(SimulatedPresets, OfAKinectAreTheDefault) {
+  for (const char* name : {"kinect", "xtion"})
+    EXPECT_EQ(seen(simulatedNoise(name), {wallAt(2), wallAt(1, 0.2, 2)}).depth,
+              seen(SimulatedNoise(), {wallAt(2), wallAt(1, 0.2, 2)}).depth);
+  EXPECT_THROW(simulatedNoise("nikon"), std::invalid_argument);
+}
+
+TEST(SimulatedPresets, NoiseOfStereoIsSmooth) {
+  SimulatedNoise noise = simulatedNoise("realsense_d435");
+  noise.distortion = 0;
+  const DepthImage image = seen(noise, {wallAt(1)});
+  double products = 0, squares = 0;
+  for (std::size_t i = 0; i + 2 < image.depth.size(); ++i) {
+    const double a = image.depth[i], b = image.depth[i + 2];
+    if (!(a > 0 && b > 0)) continue;
+    products += (a - 1) * (b - 1);
+    squares += (a - 1) * (a - 1);
+  }
+  // 5 px at 640 columns are 2.5 at 320: exp(-2^2 / (4 * 2.5^2)).
+  EXPECT_NEAR(products / squares, std::exp(-0.16), 0.05);
+}
+
+TEST(SimulatedCamera, StereoFattensWhatIsNear) {
+  SimulatedNoise noise = noErrors();
+  noise.fattening_px = 8;  // 4 at this size
+  const std::vector<Rectangle> scene = {wallAt(3), wallAt(1, 0.2, 2)};
+  const DepthImage exact = seen(noErrors(), scene), fat = seen(noise, scene);
+  const auto widthOf = [](const DepthImage& image) {
+    int n = 0;
+    for (int u = 0; u < 320; ++u) n += std::abs(image.at(u, 120) - 1) < 1e-4;
+    return n;
+  };
+  EXPECT_EQ(widthOf(fat), widthOf(exact) + 2 * 4);
+}
+
+TEST(SimulatedCamera, StereoMissesWhatHasNoTexture) {
+  SimulatedNoise noise = noErrors();
+  noise.untextured = 0.3;
+  const DepthImage image = seen(noise, {wallAt(2)});
+  EXPECT_NEAR(measuredShare(image), 0.7, 0.01);
+  int borders = 0;
+  for (int u = 0; u + 1 < 320; ++u) borders += (image.at(u, 120) > 0) != (image.at(u + 1, 120) > 0);
+  EXPECT_LT(borders, 60) << "in patches: at random it would be 134 of 319";
+}
+
+TEST(SimulatedCamera, FlyingPixelsLieBetweenTwoSurfaces) {
+  SimulatedNoise noise = noErrors();
+  noise.flying_px = 2;
+  const DepthImage image = seen(noise, {wallAt(3), wallAt(1, 0.2, 2)});
+  int flying = 0;
+  for (int v = 0; v < 240; ++v)
+    for (int u = 0; u < 320; ++u) {
+      const float z = image.at(u, v);
+      ASSERT_TRUE(z > 1 - 1e-5 && z < 3 + 1e-5);
+      if (z < 1.001 || z > 2.999) continue;
+      ++flying;
+      const Eigen::Vector3d p = kCamera.ray(u, v);
+      ASSERT_LT(std::abs(std::max(std::abs(p.x()), std::abs(p.y())) - 0.2) * kCamera.fx, 6)
+          << "at the silhouette";
+    }
+  EXPECT_GT(flying, 100);
+  EXPECT_LT(flying, 2000);
+}
+
+TEST(SimulatedCamera, MultipathMovesTheInsideOfACornerAway) {
+  SimulatedNoise noise = noErrors();
+  noise.multipath = 0.02;
+  Rectangle side;  // meets the wall at x = 0.5
+  side.centre = {0.5, 0, 1};
+  side.axis_u = Eigen::Vector3d::UnitY();
+  side.axis_v = Eigen::Vector3d::UnitZ();
+  side.half_u = 100;
+  side.half_v = 1;
+  side.plane_id = 2;
+  const DepthImage image = seen(noise, {wallAt(2), side});
+  const auto errorAt = [&](double x) {
+    return image.at(static_cast<int>(std::lround(kCamera.cx + kCamera.fx * x / 2)), 120) - 2;
+  };
+  EXPECT_GT(errorAt(0.45), 0.01);
+  EXPECT_LT(errorAt(0.45), 0.02);
+  EXPECT_NEAR(errorAt(-0.3), 0, 1e-5) << "far from the corner";
+  // A step is no corner that light could come round by way of the farther surface.
+  const DepthImage step = seen(noise, {wallAt(3), wallAt(1, 0.2, 2)});
+  EXPECT_NEAR(step.at(160, 120), 1, 1e-5);
+  EXPECT_NEAR(step.at(110, 120), 1, 1e-5);
+}
+
+TEST(SimulatedCamera, BeyondWhatIsReliableDepthsAreTooSmall) {
+  SimulatedNoise noise = noErrors();
+  noise.reliable_depth = 5;
+  EXPECT_NEAR(seen(noise, {wallAt(4.9)}).at(160, 120), 4.9, 1e-4);
+  EXPECT_NEAR(seen(noise, {wallAt(7)}).at(160, 120), 6, 1e-4);
+}
+
+}  // namespace
+}  // namespace facetloc
