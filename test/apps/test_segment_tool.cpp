@@ -63,6 +63,36 @@ TEST_F(Tools, SegmentRefusesAnUnknownSplit) {
   EXPECT_FALSE(fs::exists(folder_ / "out"));
 }
 
+TEST_F(Tools, SegmentMeasuresNoise) {
+  const std::string folder = folder_ / "azure";
+  ASSERT_EQ(runTool<SimulateApp>({"room", "--camera", "azure_kinect", "--frames", "6", "-o", folder}).code,
+            kOk);
+  const ToolRun run = runTool<SegmentApp>({"--noise", folder + "/map", folder + "/query"});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  for (const char* words : {"depth [m]", "std of depth [mm]", "correlated over [px]", "For camera.ini:",
+                            "inverse_depth_std = ", "the nearest preset, camera = azure_kinect"})
+    EXPECT_THAT(run.out, HasSubstr(words));
+}
+
+TEST_F(Tools, SegmentMeasuresNoNoiseWhereNothingIsFlat) {
+  ASSERT_EQ(runTool<SimulateApp>({"room", "--sensor.random_dropout", "0.9", "--frames", "1", "--width", "80",
+                                  "-o", folder_ / "holes"})
+                .code,
+            kOk);
+  const ToolRun run = runTool<SegmentApp>({"--noise", folder_ / "holes/map"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("too few flat places"));
+}
+
+TEST_F(Tools, SegmentWritesNothingWhereItMeasuresNoise) {
+  for (const char* option : {"--labels", "--overlay", "--resume"}) {
+    const ToolRun run = runTool<SegmentApp>({"--noise", query(), option});
+    EXPECT_EQ(run.code, kUsage) << option;
+    EXPECT_THAT(run.err, HasSubstr(std::string("leave out ") + option));
+  }
+  EXPECT_EQ(runTool<SegmentApp>({"--noise", query(), "-o", folder_ / "x"}).code, kUsage);
+}
+
 TEST_F(Tools, SegmentReportsABadImageAndDoesTheOthers) {
   const std::string input = withOneCorruptImage();
   const ToolRun run = runTool<SegmentApp>({input, "-o", folder_ / "out"});

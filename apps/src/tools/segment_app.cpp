@@ -4,6 +4,7 @@
 #include "drawing/depth_drawing.h"
 #include "drawing/outputs.h"
 #include "tools/batch.h"
+#include "tools/noise_table.h"
 #include "tools/provenance.h"
 #include "tools/text.h"
 
@@ -81,7 +82,8 @@ SegmentApp::SegmentApp()
           "an .oni recording. PNG files "
           "need a camera.ini beside them or in the folder above. For each image, DIR/<name>.segments.pcd "
           "holds its "
-          "segments. Under mpirun, the images are dealt out to its processes.") {}
+          "segments. With --noise, only the noise of the camera is measured. Under mpirun, the images are "
+          "dealt out to its processes.") {}
 
 void SegmentApp::addOptions(CommandLine& line) {
   line.addArguments("INPUT", inputs_);
@@ -90,6 +92,9 @@ void SegmentApp::addOptions(CommandLine& line) {
                  "Also write <name>.png: 16 bit, 0 = no segment, k = k-th segment of the PCD.");
   line.addSwitch("overlay", overlay_,
                  "Also write <name>_overlay.png: grey depth with segment borders in green.");
+  line.addSwitch("noise", measures_noise_,
+                 "Write no segments, but print the noise of the images over their depths, and what to set in "
+                 "camera.ini.");
   line.addSwitch("resume", resume_, "Skip images whose results are there already.");
   input_.addOptions(line);
 }
@@ -176,7 +181,43 @@ std::vector<std::size_t> SegmentApp::prepare(const std::vector<Image>& images,
   return todo;
 }
 
+int SegmentApp::measureNoise(const CommandLine& line, const Console& console) const {
+  constexpr std::size_t kMostImages = 200;  // of an input, evenly spread
+  std::vector<DepthSequence> sequences;
+  for (const std::string& input : inputs_) sequences.push_back(openSequence(input, console));
+  std::vector<std::pair<const DepthSequence*, std::size_t>> images;
+  for (const DepthSequence& sequence : sequences) {
+    const std::size_t n = sequence.frames().size(), wanted = std::min(n, kMostImages);
+    for (std::size_t i = 0; i < wanted; ++i) images.emplace_back(&sequence, i * n / wanted);
+  }
+  std::vector<std::vector<NoiseSample>> found(images.size());
+  Batch batch(threads(), images.size(), console);
+  batch.run([&](std::size_t i) { return images[i].first->frames()[images[i].second].path.string(); },
+            [&](std::size_t i, int) {
+              const auto& [sequence, index] = images[i];
+              DepthImage image = sequence->load(index, line.given("width") ? input_.width : 0);
+              dropBeyond(input_.camera(sequence->camera(), line).max_depth, image);
+              found[i] = noiseSamples(image);
+            });
+  std::vector<NoiseSample> samples;
+  for (const auto& of_image : found) samples.insert(samples.end(), of_image.begin(), of_image.end());
+  const std::vector<NoiseBin> bins = binned(std::move(samples));
+  const int code = batch.report();
+  if (bins.empty()) {
+    console.error("the images show too few flat places to measure noise at: take some of walls, floors and "
+                  "tables at several distances");
+    return kFailed;
+  }
+  printNoise(console.out, bins);
+  return code;
+}
+
 int SegmentApp::execute(const CommandLine& line, const Console& console) {
+  if (measures_noise_) {
+    for (const char* other : {"output", "labels", "overlay", "resume"})
+      if (line.given(other)) throw UsageError(std::string("--noise writes no files: leave out --") + other);
+    return measureNoise(line, console);
+  }
   if (folder_.empty()) throw UsageError("the folder of the results is missing: -o DIR");
   if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
   std::vector<DepthSequence> sequences;

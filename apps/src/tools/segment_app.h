@@ -20,7 +20,8 @@ private:
 
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
-  bool dealsOut() const override { return true; }
+  bool dealsOut() const override { return !measures_noise_; }
+  int measureNoise(const CommandLine& line, const Console& console) const;
   std::vector<Image> images(const std::vector<DepthSequence>& sequences) const;
   std::filesystem::path segmentsOf(const Image& image) const;
   bool done(const Image& image) const;
@@ -33,6 +34,7 @@ private:
   bool labels_ = false;
   bool overlay_ = false;
   bool resume_ = false;
+  bool measures_noise_ = false;
   DepthInput input_;
 };
 
