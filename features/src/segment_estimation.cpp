@@ -245,6 +245,15 @@ double offsetVariance(const Eigen::Vector3d& normal, const Eigen::Vector3d& cent
   return normal.dot(Sigma_C * normal);
 }
 
+// White noise with which neighbouring pixels would differ as much as with smooth noise. Only this tilts a
+// narrow strip: the rest of their noise its pixels share.
+SensorNoise noiseOfNeighbours(const ImageNoise& noise, double z) {
+  SensorNoise white = noise;
+  if (noise.correlation_px > 1)
+    static_cast<DepthNoise&>(white) = noise.scaledTo(noise.ofInverseDepth(z) / noise.correlation_px, z);
+  return white;
+}
+
 using Pixels = std::vector<Eigen::Vector2d>;
 
 double cross(const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -307,19 +316,25 @@ ConvexHull hullInPlane(const Pixels& pixels, const Intrinsics& camera, const Seg
   return hull;
 }
 
+// Pixels that share one error, if noise is smooth: the integral of its correlation.
+double correlatedPixels(const ImageNoise& noise) {
+  return 180 * kDegree * noise.correlation_px * noise.correlation_px;
+}
+
 // How uncertain a segment is, by its plane fit (METHOD 7.3) or as the paper has it; chosen once.
 using Uncertainty = Eigen::Matrix3d (*)(const Region& r, const Segment& s, double rho,
-                                        const Intrinsics& camera, const SensorNoise& noise,
+                                        const Intrinsics& camera, const ImageNoise& noise,
                                         const SegmentEstimationParams& params);
 
 Eigen::Matrix3d paperUncertainty(const Region&, const Segment& s, double, const Intrinsics& camera,
-                                 const SensorNoise& noise, const SegmentEstimationParams& params) {
+                                 const ImageNoise& noise, const SegmentEstimationParams& params) {
   return paperCovariance(s.normal(), s.t, s.lambda, camera, params.paper_factor, noise);
 }
 
 Eigen::Matrix3d fullUncertainty(const Region& r, const Segment& s, double rho, const Intrinsics& camera,
-                                const SensorNoise& noise, const SegmentEstimationParams& params) {
-  const double independent = std::max(kMinIndependent, r.plane.n / scaledPixels(kCorrelatedPixels, camera));
+                                const ImageNoise& noise, const SegmentEstimationParams& params) {
+  const double correlated = std::max(scaledPixels(kCorrelatedPixels, camera), correlatedPixels(noise));
+  const double independent = std::max(kMinIndependent, r.plane.n / correlated);
   const double std = noise.ofInverseDepth(s.t.z()), variance = std * std;
   Eigen::Matrix3d Sigma_m = (r.plane.n / independent) * variance * r.bb.inverse();  // METHOD 7.3
   Sigma_m.diagonal() +=
@@ -366,12 +381,12 @@ struct SegmentEstimation::Buffers {
   std::vector<int> label_of, order;
   std::vector<double> share;
 
-  bool makeSegment(Region& r, const Intrinsics& camera, const SensorNoise& noise,
+  bool makeSegment(Region& r, const Intrinsics& camera, const ImageNoise& noise,
                    const SegmentEstimationParams& params, double min_support, Segment& s);
 };
 
 // The segment of a region, or false if it fails one of the tests of METHOD 8.
-bool SegmentEstimation::Buffers::makeSegment(Region& r, const Intrinsics& camera, const SensorNoise& noise,
+bool SegmentEstimation::Buffers::makeSegment(Region& r, const Intrinsics& camera, const ImageNoise& noise,
                                              const SegmentEstimationParams& params, double min_support,
                                              Segment& s) {
   if (r.plane.n < min_support) return false;
@@ -399,7 +414,8 @@ bool SegmentEstimation::Buffers::makeSegment(Region& r, const Intrinsics& camera
   if (nearest > params.max_depth || n.dot(s.t.normalized()) < params.min_incidence) return false;
   // A strip fixes its slope across only if it is wide compared with the noise, or with what furniture is made
   // of.
-  const double noise_width = kWideInNoise * std::sqrt(offsetVariance(n, s.t, camera, noise));
+  const double noise_width =
+      kWideInNoise * std::sqrt(offsetVariance(n, s.t, camera, noiseOfNeighbours(noise, s.t.z())));
   if (!(width >= std::min(params.min_width, noise_width))) return false;
   if (!(width * camera.fx / s.t.z() >= params.min_width_px)) return false;
 
@@ -438,7 +454,7 @@ SegmentEstimation& SegmentEstimation::operator=(const SegmentEstimation& other) 
   return *this;
 }
 
-void SegmentEstimation::estimate(const DepthImage& image, const LabelImage& labels, const SensorNoise& noise,
+void SegmentEstimation::estimate(const DepthImage& image, const LabelImage& labels, const ImageNoise& noise,
                                  std::vector<Segment>& segments, std::vector<int>& kept) {
   segments.clear();
   kept.clear();
@@ -474,7 +490,7 @@ void SegmentEstimation::estimate(const DepthImage& image, const LabelImage& labe
 }
 
 std::vector<Segment> estimateSegments(const DepthImage& image, const LabelImage& labels,
-                                      const SensorNoise& noise, const SegmentEstimationParams& params,
+                                      const ImageNoise& noise, const SegmentEstimationParams& params,
                                       std::vector<int>* kept) {
   std::vector<Segment> segments;
   std::vector<int> of_segments;

@@ -24,13 +24,9 @@ float median(float* x, std::size_t n) {
   return x[rank];
 }
 
-// Noise by the median absolute second difference over triples of pixels so far apart, in about so many rows;
-// 0 if there are few.
-double noiseByDifferences(const DepthImage& image, int apart, int rows, std::vector<float>& scratch) {
-  constexpr std::size_t kMinTriples = 100;
-  constexpr double kMadToStd = 1.4826;
-  const double scale =
-      kMadToStd / std::sqrt(6.0);  // the variance of d0 - 2 d1 + d2 is 6 for unit white noise
+}  // namespace
+
+Differences secondDifferences(const DepthImage& image, int apart, int rows, std::vector<float>& scratch) {
   const int w = image.camera.width, step = std::max(1, image.camera.height / rows);
   scratch.resize(w + static_cast<std::size_t>(w) * (image.camera.height / step + 1));
   float* const row = scratch.data();  // of inverse depths; behind it the differences
@@ -43,11 +39,16 @@ double noiseByDifferences(const DepthImage& image, int apart, int rows, std::vec
       next += row[u - apart] > 0 && row[u] > 0 && row[u + apart] > 0;
     }
   }
-  const std::size_t n = next - differences;
-  return n < kMinTriples ? 0 : scale * median(differences, n);
+  return {differences, next};
 }
 
-}  // namespace
+double noiseByDifferences(const DepthImage& image, int apart, int rows, std::vector<float>& scratch) {
+  constexpr double kMadToStd = 1.4826;
+  const double scale =
+      kMadToStd / std::sqrt(6.0);  // the variance of d0 - 2 d1 + d2 is 6 for unit white noise
+  const Differences found = secondDifferences(image, apart, rows, scratch);
+  return found.few() ? 0 : scale * median(found.begin, found.size());
+}
 
 double estimateNoise(const DepthImage& image, double least) {
   std::vector<float> scratch;

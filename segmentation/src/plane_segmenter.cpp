@@ -6,6 +6,7 @@
 #include "relabel.h"
 #include "shared/lanes.h"
 #include "shared/room.h"
+#include "smooth_noise.h"
 
 #include <facetloc/segmentation/plane_segmenter.h>
 
@@ -123,6 +124,7 @@ struct PlaneSegmenter::Impl {
   struct Pixel {
     std::int32_t u, v;
   };
+  void estimateNoise(const DepthImage& image, LabelledPlanes& out);
   void splitAndMerge();
   void labelRegions(LabelImage& labels);
   std::uint16_t labelOfLeaf(int leaf) const;
@@ -165,16 +167,29 @@ void PlaneSegmenter::Impl::segment(const DepthImage& image, LabelledPlanes& out)
   out.labels.width = image.camera.width;
   out.labels.height = image.camera.height;
   out.labels.label.assign(image.depth.size(), 0);
+  out.correlation_px = 0;
   out.noise = std::max(SensorNoise::kLeastInverseDepthStd, noise_.ofInverseDepth(usualDepth(image)));
   if (!image.valid()) return;
-  if (params_.labels.estimate_noise) out.noise = estimateNoise(image, out.noise, scratch_);
+  if (params_.labels.estimate_noise) estimateNoise(image, out);
 
-  toDisparity(image, out.noise, disparity_);
+  // Of smooth noise fewer errors are independent, and the largest of fewer is smaller (METHOD 2.3).
+  constexpr double kOfSmooth = 0.7;
+  const double unit = out.correlation_px > 0 ? kOfSmooth * out.noise : out.noise;
+  toDisparity(image, unit, disparity_);
   splitAndMerge();
   labelRegions(out.labels);
   reassignBoundaries(out.labels);
   keepLargeRegions(out, std::max(3.0, scaledPixels(params_.labels.min_support, image.camera)));
-  for (PixelPlane& p : out.planes) p = {p.a * out.noise, p.b * out.noise, p.c * out.noise};
+  for (PixelPlane& p : out.planes) p = {p.a * unit, p.b * unit, p.c * unit};
+}
+
+void PlaneSegmenter::Impl::estimateNoise(const DepthImage& image, LabelledPlanes& out) {
+  out.noise = internal::estimateNoise(image, out.noise, scratch_);
+  constexpr double kMuch = 0.5;  // of the noise: less than that of it may as well be rough
+  const auto smooth = estimateSmoothNoise(image, scratch_);
+  if (!smooth || smooth->std < kMuch * out.noise) return;
+  out.noise = std::max(out.noise, smooth->std);
+  out.correlation_px = smooth->correlation_px;
 }
 
 void PlaneSegmenter::Impl::splitAndMerge() {

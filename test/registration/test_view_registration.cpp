@@ -354,6 +354,23 @@ std::string freeDirections(const std::vector<Segment>& segments, const Matrix6d&
   return unconstrainedDirections(Query(view, {}, known), params);
 }
 
+// The planes of a noisier camera fix a pose less well, whichever they are.
+TEST(UnconstrainedDirections, AreJudgedByTheNoiseOfTheView) {
+  std::vector<Segment> corner = {rectangle({0, 1, 3}, {0, 1, 0}, 1, 0.8),
+                                 rectangle({1, 0, 3}, {1, 0, 0}, 1, 0.9),
+                                 rectangle({0, 0, 4}, {0, 0, 1}, 0.8, 0.8)};
+  for (Segment& s : corner) s.Sigma_q = Eigen::Vector3d(0.08, 0.08, 0.08).cwiseAbs2().asDiagonal();
+  const auto reasonAt = [&](double noise) {
+    View view;
+    view.segments = corner;
+    view.depth.noise.inverse_depth_std *= noise;
+    return unconstrainedDirections(Query(view, {}, Matrix6d::Zero()), HypothesisTreeParams());
+  };
+  EXPECT_NE(reasonAt(1), "");
+  EXPECT_EQ(reasonAt(1.2), reasonAt(1)) << "as images of a Kinect may have";
+  EXPECT_EQ(reasonAt(3), "");
+}
+
 TEST_F(TwoViewsOfARoom, MayFixAPoseWhereItDoes) {
   const ViewRegistration registration;
   for (std::size_t n = 0; n <= scene.segments.size(); ++n) {

@@ -9,6 +9,17 @@
 namespace facetloc::internal {
 namespace {
 
+// What a pose needs to be complete, in a view with this noise. No pose is better than the planes it comes
+// from: the limits are those for a Kinect, and for noisier cameras larger in proportion (METHOD 6.3).
+HypothesisTreeParams limitsFor(const View& view, HypothesisTreeParams params) {
+  constexpr double kNoisier = 1.3;  // times the specification of a Kinect, whose images have up to 1.25 times
+  const double factor = view.noise() / SensorNoise().inverse_depth_std;
+  if (factor < kNoisier) return params;
+  params.complete_rotation_deg *= factor;
+  params.complete_translation *= factor;
+  return params;
+}
+
 // Does a pose fix all six degrees of freedom? A refinement that lost pairs leaves the prior's uncertainty.
 bool isComplete(const Matrix6d& P, const HypothesisTreeParams& params) {
   return largestRotationStd(P) <= params.complete_rotation_deg * kDegree &&
@@ -27,8 +38,9 @@ ViewRegistration::ViewRegistration(const ViewRegistrationParams& params)
 bool ViewRegistration::mayFixPose(const Query& query) const {
   // A model without any error would double the information; as much again for what linearisation neglects.
   const PrincipalStd most = observability(query.known + 4 * informationOf(query.view.segments));
-  const double max_rotation = params_.tree.complete_rotation_deg * kDegree,
-               max_translation = params_.tree.complete_translation;
+  const HypothesisTreeParams limits = limitsFor(query.view, params_.tree);
+  const double max_rotation = limits.complete_rotation_deg * kDegree,
+               max_translation = limits.complete_translation;
   return most.within(max_rotation, max_translation) || most.oneTranslationFree(max_rotation, max_translation);
 }
 
@@ -36,8 +48,9 @@ std::vector<Hypothesis> ViewRegistration::align(const Query& query, const View& 
                                                 const PoseWithCovariance& start) const {
   const std::vector<Segment>&scene = query.view.segments, &of_model = model.segments;
   const std::vector<SegmentPair> candidates = candidatePairs(scene, of_model, start, params_.matching);
-  const TreeSearchResult found = searchHypotheses(scene, of_model, candidates, start, params_.matching,
-                                                  params_.ekf, params_.tree, query.known);
+  const TreeSearchResult found =
+      searchHypotheses(scene, of_model, candidates, start, params_.matching, params_.ekf,
+                       limitsFor(query.view, params_.tree), query.known);
 
   // Pairs alone tell wrong poses from right ones better than together with what holds for all of them.
   std::vector<Hypothesis> hypotheses;
@@ -74,12 +87,13 @@ void ViewRegistration::addComplete(const Query& query, const View& model,
     if (params_.steps.joint_refinement &&
         !refineJointly(query.view.segments, model.segments, query.prior, params_.matching, {}, h))
       continue;
-    addDistinct(std::move(h), hypotheses);
+    addDistinct(query, std::move(h), hypotheses);
   }
 }
 
-void ViewRegistration::addDistinct(Hypothesis&& h, std::vector<Hypothesis>& hypotheses) const {
-  if (!isComplete(h.T_m_c.P, params_.tree)) return;
+void ViewRegistration::addDistinct(const Query& query, Hypothesis&& h,
+                                   std::vector<Hypothesis>& hypotheses) const {
+  if (!isComplete(h.T_m_c.P, limitsFor(query.view, params_.tree))) return;
   constexpr double kRefinedFactor = 2;  // refined duplicates within 2 deg and 0.1 m are one (METHOD 6.5)
   const bool known = std::any_of(hypotheses.begin(), hypotheses.end(), [&](const Hypothesis& other) {
     return isNear(other.T_m_c.T, h.T_m_c.T, kRefinedFactor * params_.tree.duplicate_translation,
@@ -111,14 +125,15 @@ void ViewRegistration::completeByDepth(const Query& query, const View& model,
       if (params_.steps.joint_refinement &&
           !refineJointly(query.view.segments, model.segments, query.prior, params_.matching, constraint, h))
         continue;
-      addDistinct(std::move(h), hypotheses);
+      addDistinct(query, std::move(h), hypotheses);
     }
   }
 }
 
 std::string unconstrainedDirections(const Query& query, const HypothesisTreeParams& params) {
+  const HypothesisTreeParams limits = limitsFor(query.view, params);
   return freeMotions(observability(query.known + informationOf(query.view.segments)),
-                     params.complete_rotation_deg * kDegree, params.complete_translation);
+                     limits.complete_rotation_deg * kDegree, limits.complete_translation);
 }
 
 }  // namespace facetloc::internal

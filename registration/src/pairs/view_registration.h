@@ -35,7 +35,7 @@ public:
 private:
   void addComplete(const Query& query, const View& model, const std::vector<PoseNode>& complete,
                    std::vector<Hypothesis>& hypotheses) const;
-  void addDistinct(Hypothesis&& h, std::vector<Hypothesis>& hypotheses) const;
+  void addDistinct(const Query& query, Hypothesis&& h, std::vector<Hypothesis>& hypotheses) const;
   void completeByDepth(const Query& query, const View& model, const std::vector<PoseNode>& incomplete,
                        std::vector<Hypothesis>& hypotheses) const;
 

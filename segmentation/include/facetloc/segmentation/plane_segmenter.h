@@ -16,7 +16,8 @@ struct LabelledPlanes {
   LabelImage labels;               ///< labels count from 1 in the order of decreasing support
   std::vector<PixelPlane> planes;  ///< planes[k - 1] of label k, in inverse depth [1/m]
   std::vector<int> support;        ///< labelled pixels of label k
-  double noise = 0;                ///< inverse-depth noise that the tolerances referred to [1/m]
+  double noise = 0;                ///< inverse-depth noise of the image [1/m]; tolerances are multiples of it
+  double correlation_px = 0;       ///< over which pixels share it, if it is smooth; 0 = not [px]
 };
 
 /** \brief Cuts depth images into planar surface segments: split, merge, label, hand over boundary pixels.
