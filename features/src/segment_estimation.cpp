@@ -52,7 +52,7 @@ struct PlaneSums {
   }
 };
 
-// The same of depth z and its square.
+// So are depth z and its square.
 struct DepthSums {
   LooseDoubles z{}, zu{}, zv{}, zz{}, zzu{}, zzv{}, zzuu{}, zzuv{}, zzvv{};
 };

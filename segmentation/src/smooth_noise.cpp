@@ -37,7 +37,7 @@ double differenceVariance(double apart, double correlation) {
 
 /** The correlation length at which differences over half the distance have this share of the variance. */
 double correlationLength(double share, double apart) {
-  // Longer ones than this cannot be told from surfaces that are not flat.
+  // Longer ones than this look like surfaces that are not flat.
   double shortest = 0.1 * apart, longest = std::sqrt(2.0) * apart;
   for (int i = 0; i < 40; ++i) {
     const double middle = (shortest + longest) / 2;

@@ -155,7 +155,9 @@ TEST_F(LocalizationInARoom, EveryMapImageAgreesWithItsNeighbours) {
 }
 
 TEST_F(LocalizationInARoom, ModelsThatAreAskedOneByOneGiveTheSameAnswer) {
-  const GlobalLocalization localization(map);
+  GlobalLocalizationParams all;
+  all.shortlist.size = 0;
+  const GlobalLocalization localization(map, all);
   const View& scene = map->models[3].view;
   const Query query(scene, localization.prior(scene));
   const ViewRegistration registration;
