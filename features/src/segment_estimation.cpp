@@ -52,7 +52,7 @@ struct PlaneSums {
   }
 };
 
-// So are depth z and its square.
+// Sums with depth z and its square.
 struct DepthSums {
   LooseDoubles z{}, zu{}, zv{}, zz{}, zzu{}, zzv{}, zzuu{}, zzuv{}, zzvv{};
 };
