@@ -41,7 +41,7 @@ struct PointMoments {
 // Sums over pixels (u, v) of inverse depth d, lane by lane; they are added up once for a region, not once for
 // each of its many short runs.
 struct PlaneSums {
-  LooseDoubles n{}, u{}, v{}, d{}, uu{}, uv{}, vv{}, ud{}, vd{}, dd{};
+  LaneSums n, u, v, d, uu, uv, vv, ud, vd, dd;
 
   PlaneMoments moments() const {
     PlaneMoments m;
@@ -54,7 +54,7 @@ struct PlaneSums {
 
 // Sums with depth z and its square.
 struct DepthSums {
-  LooseDoubles z{}, zu{}, zv{}, zz{}, zzu{}, zzv{}, zzuu{}, zzuv{}, zzvv{};
+  LaneSums z, zu, zv, zz, zzu, zzv, zzuu, zzuv, zzvv;
 };
 
 // First and last column of a region in a row; first > last where there is none.

@@ -24,8 +24,6 @@ typedef signed char Chars __attribute__((vector_size(kLanes)));
 typedef float FloatQuad __attribute__((vector_size(4 * kDoubleLanes)));
 typedef std::int32_t IntQuad __attribute__((vector_size(4 * kDoubleLanes)));
 typedef double Doubles __attribute__((vector_size(8 * kDoubleLanes)));
-/** \brief Such in memory that any allocator may give. */
-typedef double LooseDoubles __attribute__((vector_size(8 * kDoubleLanes), aligned(8)));
 
 constexpr Ints kLane = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr Floats kLaneOffset = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -59,6 +57,21 @@ FACETLOC_ALWAYS_INLINE void store(const Lanes& x, T* p, const T* end) {
   for (int k = 0; k < end - p; ++k) p[k] = x[k];
 }
 
-FACETLOC_ALWAYS_INLINE double total(const LooseDoubles& x) { return (x[0] + x[1]) + (x[2] + x[3]); }
+/** \brief Sums in memory that any allocator may give: vectors want more alignment than that. */
+struct LaneSums {
+  double lane[kDoubleLanes] = {};
+
+  FACETLOC_ALWAYS_INLINE void operator+=(const Doubles& x) {
+    Doubles sum;
+    std::memcpy(&sum, lane, sizeof sum);
+    sum += x;
+    std::memcpy(lane, &sum, sizeof sum);
+  }
+};
+
+FACETLOC_ALWAYS_INLINE double total(const Doubles& x) { return (x[0] + x[1]) + (x[2] + x[3]); }
+FACETLOC_ALWAYS_INLINE double total(const LaneSums& x) {
+  return (x.lane[0] + x.lane[1]) + (x.lane[2] + x.lane[3]);
+}
 
 }  // namespace facetloc::internal
