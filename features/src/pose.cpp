@@ -67,6 +67,13 @@ PoseWithCovariance operator*(const PoseWithCovariance& T_a_b, const PoseWithCova
   return {T_a_b.T * T_b_c.T, F * T_a_b.P * F.transpose() + turned(R, T_b_c.P)};
 }
 
+// To first order: d phi' = -R^T d phi, d t' = -R^T (d t + [t]x d phi).
+PoseWithCovariance inverse(const PoseWithCovariance& T_a_b) {
+  Matrix6d F = Matrix6d::Identity();
+  F.bottomLeftCorner<3, 3>() = skew(T_a_b.T.translation());
+  return {T_a_b.T.inverse(), turned(T_a_b.T.linear().transpose(), F * T_a_b.P * F.transpose())};
+}
+
 Matrix6d adjoint(const Eigen::Isometry3d& T_a_b) {
   Matrix6d Ad = Matrix6d::Zero();
   Ad.topLeftCorner<3, 3>() = Ad.bottomRightCorner<3, 3>() = T_a_b.linear();

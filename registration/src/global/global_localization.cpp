@@ -2,6 +2,7 @@
 #include "global/place_ranking.h"
 #include "global/standing.h"
 #include "pairs/view_registration.h"
+#include "shared/in_parallel.h"
 #include "shortlist/shortlist.h"
 
 #include <facetloc/registration/global_localization.h>

@@ -3,6 +3,7 @@
 
 #include <facetloc/features/pose.h>
 
+#include <optional>
 #include <vector>
 
 namespace facetloc::internal {
@@ -14,15 +15,23 @@ struct PoseEdge {
   bool may_be_wrong = false;     ///< a closed loop: what contradicts all others has little weight
 };
 
+/** \brief A level floor, z = 0, that robots with cameras stand on. */
+struct LevelFloor {
+  Eigen::Isometry3d T_b_c = Eigen::Isometry3d::Identity();   ///< of the camera on its robot
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (roll, pitch, height) of a robot
+};
+
 /** \brief Where some cameras were, and what was measured between them. */
 struct PoseGraph {
   std::vector<Eigen::Isometry3d> T_w_n;  ///< a first guess of each node
   std::vector<PoseEdge> edges;
+  std::optional<LevelFloor> floor;  ///< that all nodes stand on, unless their edges contradict
 };
 
 /** \brief The most likely poses of a graph. */
 struct GraphPoses {
-  /// T_w_n; the covariance is relative to the first node of its part, which stays where it is
+  /// T_w_n; the covariance is relative to the first node of its part, which stays where it is; on a floor it
+  /// keeps its place and heading there
   std::vector<PoseWithCovariance> nodes;
   std::vector<int> part;  ///< of each node: the number of the first node that edges lead to
   std::vector<double>
@@ -36,9 +45,9 @@ std::vector<int> partsOf(const PoseGraph& graph);
 
 /** \brief Least squares over the edges' covariances by Ceres Solver (Agarwal, Mierle et al.), METHOD 14.3.
  *
- * Edges that may be wrong have Cauchy's weight beyond the 95 % ellipsoid. The same graph gives the same
- * poses. \param with_covariances otherwise they are zero Throws std::invalid_argument for an edge that joins
- * what is no node, or one node with itself, or whose covariance is not positive definite. */
+ * Edges that may be wrong, and the floor, have Cauchy's weight beyond the 95 % ellipsoid. The same graph
+ * gives the same poses. \param with_covariances otherwise they are zero Throws std::invalid_argument for an
+ * edge that joins what is no node, or one node with itself, or whose covariance is not positive definite. */
 GraphPoses optimized(const PoseGraph& graph, bool with_covariances = true);
 
 }  // namespace facetloc::internal

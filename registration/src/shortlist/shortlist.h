@@ -60,8 +60,4 @@ private:
   std::vector<PlaneColumns> planes_;         // of each model; none in a small map
 };
 
-/** \brief Calls a function with 0 .. n - 1 in parallel. What is thrown does not depend on the number of
- * threads, 0 = all cores. */
-void forEachInParallel(int n, int threads, const std::function<void(int)>& function);
-
 }  // namespace facetloc::internal

@@ -43,6 +43,9 @@ PoseWithCovariance operator*(const Eigen::Isometry3d& T_a_b, const PoseWithCovar
  * of the second. */
 PoseWithCovariance operator*(const PoseWithCovariance& T_a_b, const PoseWithCovariance& T_b_c);
 
+/** \brief T_b_a of T_a_b. */
+PoseWithCovariance inverse(const PoseWithCovariance& T_a_b);
+
 /** \brief Adjoint of a rigid transform for coupled twists (phi, t): Ad(T_a_b) maps one of frame b, in its
  * axes, into that of frame a for the same motion of a rigid body. */
 Matrix6d adjoint(const Eigen::Isometry3d& T_a_b);

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "mapping/pose_graph.h"
+
+#include <Eigen/SparseCholesky>
+
+#include <optional>
+#include <vector>
+
+namespace facetloc::internal {
+
+/** \brief How well the nodes of a graph are known: columns of the inverse of its normal matrix, at given
+ * poses and with the robust weights of these. Never changes; thread-safe. */
+class GraphCovariance {
+public:
+  /** \param threads of the computation, 0 = all cores Throws what optimized() throws. */
+  explicit GraphCovariance(const PoseGraph& graph, int threads = 1);
+
+  /** \brief Covariance of each node relative to the first of its part. */
+  const std::vector<Matrix6d>& ofNodes() const { return of_nodes_; }
+  /** \brief T_node_n of each node n with its covariance; nothing for nodes of other parts. */
+  std::vector<std::optional<PoseWithCovariance>> relativeTo(int node) const;
+
+private:
+  Eigen::MatrixXd columns(int node) const;
+
+  std::vector<Eigen::Isometry3d> T_w_n_;
+  std::vector<int> part_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
+  std::vector<Matrix6d> of_nodes_;
+};
+
+}  // namespace facetloc::internal

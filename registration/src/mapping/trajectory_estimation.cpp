@@ -1,0 +1,535 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/graph_covariance.h"
+#include "mapping/loop_consistency.h"
+#include "mapping/step_prior.h"
+#include "mapping/view_placing.h"
+#include "shared/in_parallel.h"
+#include "tracking/view_odometry.h"
+
+#include <facetloc/registration/pose_prior.h>
+#include <facetloc/registration/trajectory_estimation.h>
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+#include <utility>
+
+namespace facetloc {
+
+using namespace internal;
+
+namespace {
+
+using Source = KeyframeMotion::Source;
+
+constexpr double kFarEllipsoid = 22.46;  // of 99.9 % in 6 degrees of freedom
+constexpr double kLongStep = 0.2;        // after which the next image may show another place [s]
+constexpr double kSamePosition = 0.05, kSameRotationDeg = 2;  // of an odometry that is right [m]
+constexpr double kSparse = 0.02, kSparseTurnDeg = 1;          // of a camera that has moved between images [m]
+constexpr double kClearAgreement = 0.9;                       // of an image with the keyframes before it
+constexpr double kLeastOverlap = 0.2;  // share of the pixels of two keyframes that they have in common
+constexpr double kLoopOverlap = 0.3;   // the same of a loop that nothing but itself speaks for
+constexpr double kUnknown = 100;       // standard deviation of what two views do not tell [m, rad]
+constexpr double kSharedRotation = 0.05 * kDegree, kSharedTranslation = 0.003;  // errors of any two views
+constexpr double kTrustedRotation = 5 * kDegree;
+constexpr double kUncertainStd = 1, kUncertainRotation = 10 * kDegree;  // beyond which rooms look alike [m]
+constexpr int kMostUncertain = 40;       // earlier keyframes that one is compared with far from certainty
+constexpr int kLocal = 20;               // keyframes in a row between which no loop is closed
+constexpr std::size_t kMostTies = 4000;  // pairs of keyframes of two parts that are compared
+constexpr double kMoved = 0.02, kTurned = 0.5;  // of a prior, after which a pair is compared anew [m, deg]
+constexpr double kFloorLength = 0.7;            // way after which a robot stands on other unevenness [m]
+
+Matrix6d withSharedErrors(Matrix6d P) {
+  P.diagonal().head<3>().array() += kSharedRotation * kSharedRotation;
+  P.diagonal().tail<3>().array() += kSharedTranslation * kSharedTranslation;
+  return P;
+}
+
+PoseWithCovariance measured(const PlacedView& placed) {
+  Matrix6d information = placed.information;
+  information.diagonal().array() += 1 / (kUnknown * kUnknown);
+  return {placed.T_a_b, withSharedErrors(symmetricInverse(information))};
+}
+
+double mahalanobis(const PoseWithCovariance& T, const Eigen::Isometry3d& other, const Matrix6d& P_other) {
+  const Vector6d d = perturbation(T.T, other);
+  return d.dot((T.P + P_other).ldlt().solve(d));
+}
+
+/** Two keyframes, compared. */
+struct Comparison {
+  Eigen::Isometry3d prior = Eigen::Isometry3d::Identity();  // where they were thought to be
+  std::optional<PlacedView> placed;
+};
+
+}  // namespace
+
+std::vector<int> CameraTrajectory::parts() const {
+  std::map<int, int> size;
+  for (const Keyframe& k : keyframes) ++size[k.part];
+  std::vector<int> out;
+  for (const auto& [part, n] : size) out.push_back(part);
+  std::stable_sort(out.begin(), out.end(), [&](int a, int b) { return size[a] > size[b]; });
+  return out;
+}
+
+int CameraTrajectory::loops() const {
+  return static_cast<int>(std::count_if(motions.begin(), motions.end(),
+                                        [](const KeyframeMotion& m) { return m.source == Source::loop; }));
+}
+
+double CameraTrajectory::length() const {
+  double sum = 0;
+  for (std::size_t i = 1; i < images.size(); ++i)
+    if (keyframes[images[i].keyframe].part == keyframes[images[i - 1].keyframe].part)
+      sum += (images[i].T_w_c.translation() - images[i - 1].T_w_c.translation()).norm();
+  return sum;
+}
+
+struct TrajectoryEstimation::Impl {
+  explicit Impl(const MappingParams& the_params)
+      : params(checked(the_params)),
+        odometry(params.odometry, odometryAlignment(), DepthComparison(DepthConsistencyParams{})) {}
+
+  static ViewAlignmentParams odometryAlignment() {
+    const PoseTrackingParams tracking;
+    ViewAlignmentParams p;
+    p.dense.correlated_pixels = tracking.correlated_pixels;
+    p.dense.significance = tracking.significance;
+    return p;
+  }
+
+  struct Image {
+    double stamp;
+    int keyframe;
+    Eigen::Isometry3d T_k_c;  // from its keyframe
+  };
+  struct Node {
+    std::size_t image;
+    std::shared_ptr<const View> view;
+    std::optional<Eigen::Isometry3d> T_before;  // in the keyframe before, as found with it
+  };
+  /** From one image to the next. */
+  struct Motion {
+    PoseWithCovariance T;    // by what is no comparison with a keyframe
+    Eigen::Isometry3d best;  // by everything
+    bool known, guessed;
+  };
+  /** Of an image, beside the latest keyframe. */
+  struct Position {
+    PoseWithCovariance by_motion;  // by what is no comparison with that keyframe
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    bool known = true;                 // nothing has broken since
+    bool guessed = false;              // how a camera may move is all that by_motion comes from
+    bool follows = true;               // odometry is right
+    std::optional<PlacedView> placed;  // if it has been compared with that keyframe, and agrees
+  };
+
+  bool add(View&& view, double stamp, const std::optional<Eigen::Isometry3d>& motion);
+  PoseWithCovariance withDrift(const Eigen::Isometry3d& motion) const;
+  PoseWithCovariance guessedStep() const;
+  Position moved(const Position& from, const Motion& step) const;
+  Position place(const std::shared_ptr<const View>& view, const Position& thought) const;
+  void takeKeyframe(const std::shared_ptr<const View>& view, const Position& at);
+  void begin(const std::shared_ptr<const View>& view);
+  bool slides() const;
+  std::optional<CameraMounting> mounting() const;
+  void improve(const std::function<void(double)>& progress);
+  void optimize(std::vector<KeyframeMotion> relations);
+  PoseGraph graphOf(const std::vector<KeyframeMotion>& all) const;
+  std::vector<KeyframeMotion> compareKeyframes(const GraphCovariance& known);
+  std::vector<KeyframeMotion> tieParts(const GraphCovariance& known);
+  std::optional<PlacedView> compare(int a, int b, const PoseWithCovariance& prior, bool search) const;
+  bool agrees(const KeyframeMotion& m) const;
+
+  MappingParams params;
+  ViewOdometry odometry;
+  ViewPlacing placing;
+  int threads = 1;
+  std::vector<Image> images;
+  std::vector<Node> nodes;
+  std::vector<KeyframeMotion> chain, relations;
+  std::vector<PoseWithCovariance> T_w_k;
+  std::vector<int> part;
+  std::map<std::pair<int, int>, Comparison> compared;
+  Position since;                      // the latest keyframe
+  std::shared_ptr<const View> latest;  // view
+};
+
+std::optional<CameraMounting> TrajectoryEstimation::Impl::mounting() const {
+  if (nodes.empty() || !nodes.front().view->camera) return {};
+  return nodes.front().view->camera->mounting;
+}
+
+// Has a robot been seen to move sideways more often than errors explain?
+bool TrajectoryEstimation::Impl::slides() const {
+  constexpr double kSure = 3, kOften = 0.1;
+  constexpr int kFewest = 10;  // steps
+  const auto m = mounting();
+  if (!m) return true;
+  int seen = 0, sideways = 0;
+  for (const KeyframeMotion& step : relations) {
+    if (step.to != step.from + 1) continue;
+    const SidewaysShift s = sidewaysShift(step.T_from_to, *m);
+    if (s.variance > kSidewaysStd * kSidewaysStd) continue;
+    ++seen;
+    sideways += std::abs(s.shift) > kSure * std::sqrt(s.variance + kSidewaysStd * kSidewaysStd);
+  }
+  return seen >= kFewest && sideways > kOften * seen;
+}
+
+void TrajectoryEstimation::Impl::begin(const std::shared_ptr<const View>& view) {
+  PoseWithCovariance T;
+  if (view->camera && view->camera->mounting) T.T = view->camera->mounting->T_b_c();
+  T_w_k.push_back(T);
+  part.push_back(static_cast<int>(nodes.size()) - 1);
+}
+
+bool TrajectoryEstimation::Impl::add(View&& moved_view, double stamp,
+                                     const std::optional<Eigen::Isometry3d>& given) {
+  const auto view = std::make_shared<const View>(std::move(moved_view));
+  const double dt = images.empty() ? 0 : std::max(0.0, stamp - images.back().stamp);
+  const ViewMotion seen = odometry.add(*view, dt);
+  if (nodes.empty()) {
+    images.push_back({stamp, 0, Eigen::Isometry3d::Identity()});
+    nodes.push_back({0, latest = view, {}});
+    begin(view);
+    return true;
+  }
+  const bool is_sparse = dt > kLongStep;
+  const Motion step = given                      ? Motion{withDrift(*given), *given, true, false}
+                      : is_sparse || seen.broken ? Motion{guessedStep(), seen.T_a_b.T, !seen.broken, true}
+                                                 : Motion{seen.T_a_b, seen.T_a_b.T, true, false};
+  const bool shows_anything = !view->segments.empty() || !view->depth.empty();
+  Position at = moved(since, step);
+  if (shows_anything && (is_sparse || seen.broken || seen.agreement < kClearAgreement)) {
+    at = place(view, at);
+    if (!at.placed && latest != nodes.back().view) {
+      takeKeyframe(latest, since);
+      at = place(view, moved({}, step));
+    }
+    if (!at.follows) {
+      odometry.reset();
+      odometry.add(*view, 0);
+    }
+  }
+  since = std::move(at);
+  latest = view;
+  images.push_back({stamp, static_cast<int>(nodes.size()) - 1, since.T});
+  const double way = is_sparse ? kSparse : params.odometry.key_distance,
+               turn_deg = is_sparse ? kSparseTurnDeg : params.odometry.key_rotation_deg;
+  if (!shows_anything || (since.known && isNear(since.T, Eigen::Isometry3d::Identity(), way, turn_deg)))
+    return false;
+  if (!since.placed) since = place(view, since);
+  takeKeyframe(view, since);
+  return true;
+}
+
+PoseWithCovariance TrajectoryEstimation::Impl::withDrift(const Eigen::Isometry3d& motion) const {
+  const double way = motion.translation().norm();
+  Vector6d std;
+  std << Eigen::Vector3d::Constant(params.odometry_turn_deg * kDegree * std::sqrt(way) + kSharedRotation),
+      Eigen::Vector3d::Constant(params.odometry_drift * way + kSharedTranslation);
+  return {motion, std.cwiseAbs2().asDiagonal()};
+}
+
+PoseWithCovariance TrajectoryEstimation::Impl::guessedStep() const {
+  return {Eigen::Isometry3d::Identity(), stepCovariance(mounting(), slides())};
+}
+
+TrajectoryEstimation::Impl::Position TrajectoryEstimation::Impl::moved(const Position& from,
+                                                                       const Motion& step) const {
+  Position out;
+  out.by_motion = from.by_motion * step.T;
+  out.T = from.T * step.best;
+  out.known = from.known && step.known;
+  out.guessed = from.guessed || step.guessed;
+  return out;
+}
+
+// Beside the latest keyframe: where it is thought to be, or elsewhere if the two views say so.
+TrajectoryEstimation::Impl::Position
+TrajectoryEstimation::Impl::place(const std::shared_ptr<const View>& view, const Position& thought) const {
+  PoseWithCovariance prior;
+  prior.P = stepCovariance(mounting(), true);
+  if (thought.known) prior.T = thought.T;
+  Position out = thought;
+  std::optional<PlacedView> placed = placing.place(*view, *nodes.back().view, prior, true);
+  out.follows = false;
+  if (!placed || placed->agreement < params.min_agreement || placed->overlap < kLeastOverlap) return out;
+  out.follows = thought.known && isNear(placed->T_a_b, thought.T, kSamePosition, kSameRotationDeg);
+  if (!out.follows && !out.guessed) out.by_motion = {placed->T_a_b, guessedStep().P};
+  out.T = placed->T_a_b;
+  out.placed = std::move(placed);
+  out.known = true;
+  return out;
+}
+
+// The latest image becomes one.
+void TrajectoryEstimation::Impl::takeKeyframe(const std::shared_ptr<const View>& view, const Position& at) {
+  const int a = static_cast<int>(nodes.size()) - 1, b = a + 1;
+  nodes.push_back({images.size() - 1, view, {}});
+  if (at.known) {
+    nodes.back().T_before = at.T;
+    chain.push_back({a, b, {at.by_motion.T, withSharedErrors(at.by_motion.P)}, Source::odometry, 0});
+    if (at.placed) {
+      compared[{a, b}] = {at.T, at.placed};
+      relations.push_back({a, b, measured(*at.placed), Source::overlap, 0});
+    }
+    T_w_k.push_back(T_w_k[a] * PoseWithCovariance{at.T, chain.back().T_from_to.P});
+    part.push_back(part[a]);
+  } else {
+    begin(view);
+  }
+  since = {};
+  images.back().keyframe = b;
+  images.back().T_k_c.setIdentity();
+}
+
+std::optional<PlacedView> TrajectoryEstimation::Impl::compare(int a, int b, const PoseWithCovariance& prior,
+                                                              bool search) const {
+  auto placed = placing.place(*nodes[b].view, *nodes[a].view, prior, search);
+  if (placed && (placed->agreement < params.min_agreement || placed->overlap < kLeastOverlap)) placed.reset();
+  return placed;
+}
+
+// Of keyframes of one part. What the trajectory has known is an overlap; what it has not, a loop that others
+// must confirm.
+std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const GraphCovariance& known) {
+  struct Pair {
+    int a;
+    PoseWithCovariance T_a_b;
+    bool certain;
+    std::optional<PlacedView> placed;
+  };
+  const int n = static_cast<int>(nodes.size());
+  std::vector<std::vector<Pair>> of_node(n);
+  const ViewReach reach{params.reach, params.reach_deg * kDegree};
+  forEachInParallel(n, threads, [&](int b) {
+    const auto T_b = known.relativeTo(b);
+    std::vector<std::pair<double, Pair>> certain, uncertain;
+    for (int a = 0; a < b; ++a) {
+      if (!T_b[a]) continue;
+      const PoseWithCovariance T = inverse(*T_b[a]);
+      const double std = largestTranslationStd(T.P);
+      if (std <= params.trusted_std && largestRotationStd(T.P) <= kTrustedRotation) {
+        const double distance = viewDistance(Eigen::Isometry3d::Identity(), T.T, reach);
+        if (std::isfinite(distance)) certain.push_back({distance, {a, T, true, {}}});
+      } else if (b - a > kLocal && std <= kUncertainStd && largestRotationStd(T.P) <= kUncertainRotation) {
+        const double beyond = std::max(0.0, T.T.translation().norm() - params.reach) / std;
+        if (beyond < 3) uncertain.push_back({beyond, {a, T, false, {}}});
+      }
+    }
+    for (auto* pairs : {&certain, &uncertain}) {
+      std::stable_sort(pairs->begin(), pairs->end(),
+                       [](const auto& x, const auto& y) { return x.first < y.first; });
+      const int most = pairs == &certain ? params.neighbours : kMostUncertain;
+      for (int i = 0; i < std::min<int>(most, pairs->size()); ++i) of_node[b].push_back((*pairs)[i].second);
+    }
+    const PoseWithCovariance anywhere{Eigen::Isometry3d::Identity(), posePrior(mounting())};
+    for (Pair& p : of_node[b]) {
+      const auto before = compared.find({p.a, b});
+      if (before != compared.end() && isNear(before->second.prior, p.T_a_b.T, kMoved, kTurned))
+        p.placed = before->second.placed;
+      else if (p.certain)
+        p.placed = compare(p.a, b, p.T_a_b, largestTranslationStd(p.T_a_b.P) > 0.1);
+      else
+        p.placed = compare(p.a, b, anywhere, true);
+    }
+  });
+
+  std::vector<KeyframeMotion> out;
+  std::vector<PoseEdge> uncertain;
+  for (int b = 0; b < n; ++b)
+    for (Pair& p : of_node[b]) {
+      compared[{p.a, b}] = {p.T_a_b.T, p.placed};
+      if (!p.placed) continue;
+      const PoseWithCovariance T = measured(*p.placed);
+      if (mahalanobis(p.T_a_b, T.T, T.P) > kFarEllipsoid) continue;
+      if (p.certain)
+        out.push_back({p.a, b, T, b - p.a > kLocal ? Source::loop : Source::overlap, 0});
+      else if (p.placed->overlap >= kLoopOverlap && p.placed->agreement >= kClearAgreement)
+        uncertain.push_back({p.a, b, T, true});
+    }
+  const std::vector<bool> confirmed = consistentLoops(uncertain, known, params.consistent_loops);
+  for (std::size_t i = 0; i < uncertain.size(); ++i)
+    if (confirmed[i])
+      out.push_back({uncertain[i].from, uncertain[i].to, uncertain[i].T_from_to, Source::loop, 0});
+  return out;
+}
+
+// Where a chain has broken, by keyframes that show the same on both sides.
+std::vector<KeyframeMotion> TrajectoryEstimation::Impl::tieParts(const GraphCovariance& known) {
+  std::vector<std::pair<int, int>> pairs;
+  const int n = static_cast<int>(nodes.size());
+  for (int b = 0; b < n; ++b)
+    for (int a = 0; a < b; ++a)
+      if (part[a] != part[b]) pairs.emplace_back(a, b);
+  if (pairs.empty()) return {};
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const auto& x, const auto& y) { return x.second - x.first < y.second - y.first; });
+  std::vector<std::pair<int, int>> some;  // all near the breaks, and then less and less
+  for (std::size_t i = 0; i < pairs.size() && some.size() < kMostTies;
+       i += 1 + (i > kMostTies / 2 ? pairs.size() / kMostTies : 0))
+    some.push_back(pairs[i]);
+  std::vector<std::optional<PlacedView>> placed(some.size());
+  const PoseWithCovariance anywhere{Eigen::Isometry3d::Identity(), posePrior(mounting())};
+  forEachInParallel(static_cast<int>(some.size()), threads,
+                    [&](int i) { placed[i] = compare(some[i].first, some[i].second, anywhere, true); });
+  std::vector<PoseEdge> ties;
+  for (std::size_t i = 0; i < some.size(); ++i)
+    if (placed[i] && placed[i]->overlap >= kLoopOverlap && placed[i]->agreement >= kClearAgreement)
+      ties.push_back({some[i].first, some[i].second, measured(*placed[i]), true});
+  const std::vector<bool> confirmed = consistentLoops(ties, known, std::min(2, params.consistent_loops));
+  std::vector<KeyframeMotion> out;
+  for (std::size_t i = 0; i < ties.size(); ++i)
+    if (confirmed[i]) out.push_back({ties[i].from, ties[i].to, ties[i].T_from_to, Source::loop, 0});
+  return out;
+}
+
+PoseGraph TrajectoryEstimation::Impl::graphOf(const std::vector<KeyframeMotion>& all) const {
+  PoseGraph graph;
+  for (const PoseWithCovariance& T : T_w_k) graph.T_w_n.push_back(T.T);
+  std::vector<int> comparisons(nodes.size(), 0);
+  for (const KeyframeMotion& m : all)
+    if (m.source != Source::odometry) ++comparisons[m.from], ++comparisons[m.to];
+  for (const KeyframeMotion& m : all) {
+    PoseEdge edge{m.from, m.to, m.T_from_to, m.source != Source::odometry};
+    // All comparisons of one keyframe share its errors: together, they tell what those with the keyframe
+    // before and the one after would.
+    if (edge.may_be_wrong) edge.T_from_to.P *= std::max(1.0, (comparisons[m.from] + comparisons[m.to]) / 4.0);
+    graph.edges.push_back(edge);
+  }
+  if (const auto m = mounting()) {
+    const double repeated = std::max(1.0, kFloorLength / params.odometry.key_distance);
+    graph.floor = LevelFloor{m->T_b_c(), repeated * floorCovariance({})};
+  }
+  return graph;
+}
+
+// Depth at the poses found.
+bool TrajectoryEstimation::Impl::agrees(const KeyframeMotion& m) const {
+  const DepthComparison comparison(DepthConsistencyParams{});
+  const Eigen::Isometry3d T = T_w_k[m.from].T.inverse() * T_w_k[m.to].T;
+  const DepthAgreement seen =
+      comparison.compareBoth(nodes[m.to].view->depth, nodes[m.from].view->depth, T, kFineColumns);
+  return seen.agree >= params.min_agreement * seen.judged();
+}
+
+// Puts parts that have been tied where their first ties say, so that the optimization begins near its end.
+void alignParts(const std::vector<KeyframeMotion>& all, std::vector<PoseWithCovariance>& T_w_k,
+                std::vector<int>& part) {
+  for (const KeyframeMotion& m : all) {
+    if (part[m.from] == part[m.to]) continue;
+    const bool forward = part[m.from] < part[m.to];  // the later part moves
+    const int moved = forward ? part[m.to] : part[m.from], kept = forward ? part[m.from] : part[m.to];
+    const Eigen::Isometry3d T_w_moved =
+        forward ? T_w_k[m.from].T * m.T_from_to.T * T_w_k[m.to].T.inverse()
+                : T_w_k[m.to].T * m.T_from_to.T.inverse() * T_w_k[m.from].T.inverse();
+    for (std::size_t i = 0; i < part.size(); ++i)
+      if (part[i] == moved) {
+        T_w_k[i].T = T_w_moved * T_w_k[i].T;
+        part[i] = kept;
+      }
+  }
+}
+
+void TrajectoryEstimation::Impl::optimize(std::vector<KeyframeMotion> found) {
+  relations = std::move(found);
+  const std::vector<Eigen::Isometry3d> before = [&] {
+    std::vector<Eigen::Isometry3d> T;
+    for (const PoseWithCovariance& k : T_w_k) T.push_back(k.T);
+    return T;
+  }();
+  for (const bool last : {false, true}) {
+    std::vector<KeyframeMotion> all = chain;
+    all.insert(all.end(), relations.begin(), relations.end());
+    alignParts(all, T_w_k, part);
+    const GraphPoses poses = optimized(graphOf(all), last);
+    T_w_k = poses.nodes;
+    part = poses.part;
+    for (std::size_t i = 0; i < all.size(); ++i) all[i].mismatch = poses.mismatch[i];
+    std::copy_n(all.begin(), chain.size(), chain.begin());
+    std::copy(all.begin() + static_cast<std::ptrdiff_t>(chain.size()), all.end(), relations.begin());
+    if (last) break;
+    relations.erase(std::remove_if(relations.begin(), relations.end(),
+                                   [&](const KeyframeMotion& m) {
+                                     return m.mismatch > kFarEllipsoid ||
+                                            (m.source == Source::loop && !agrees(m));
+                                   }),
+                    relations.end());
+  }
+}
+
+void TrajectoryEstimation::Impl::improve(const std::function<void(double)>& progress) {
+  if (nodes.size() < 2) return;
+  for (int pass = 0; pass < params.passes; ++pass) {
+    if (progress) progress(pass / double(params.passes));
+    std::vector<KeyframeMotion> all = chain;
+    all.insert(all.end(), relations.begin(), relations.end());
+    const GraphCovariance known(graphOf(all), threads);
+    std::vector<KeyframeMotion> found = compareKeyframes(known);
+    const std::vector<KeyframeMotion> ties = tieParts(known);
+    found.insert(found.end(), ties.begin(), ties.end());
+    for (const KeyframeMotion& m : relations)  // ties of parts that are one now
+      if (std::none_of(found.begin(), found.end(),
+                       [&](const KeyframeMotion& f) { return f.from == m.from && f.to == m.to; }) &&
+          m.source == Source::loop)
+        found.push_back(m);
+    const std::vector<PoseWithCovariance> before = T_w_k;
+    optimize(std::move(found));
+    double moved = 0;
+    for (std::size_t i = 0; i < before.size(); ++i)
+      moved = std::max(moved, (before[i].T.translation() - T_w_k[i].T.translation()).norm());
+    if (moved < kMoved) break;
+  }
+  if (progress) progress(1);
+}
+
+TrajectoryEstimation::TrajectoryEstimation(const MappingParams& params)
+    : impl_(std::make_unique<Impl>(params)) {}
+TrajectoryEstimation::TrajectoryEstimation(TrajectoryEstimation&&) noexcept = default;
+TrajectoryEstimation& TrajectoryEstimation::operator=(TrajectoryEstimation&&) noexcept = default;
+TrajectoryEstimation::~TrajectoryEstimation() = default;
+
+void TrajectoryEstimation::setNumberOfThreads(int n) { impl_->threads = n; }
+
+bool TrajectoryEstimation::add(View view, double stamp, const std::optional<Eigen::Isometry3d>& motion) {
+  return impl_->add(std::move(view), stamp, motion);
+}
+
+PoseWithCovariance TrajectoryEstimation::latest() const {
+  return impl_->T_w_k.back() * PoseWithCovariance{impl_->since.T, impl_->since.by_motion.P};
+}
+
+void TrajectoryEstimation::improve(const std::function<void(double)>& progress) { impl_->improve(progress); }
+
+// An image between two keyframes of one part: by odometry from the first, whose error at the second is spread
+// evenly over the images.
+CameraTrajectory TrajectoryEstimation::trajectory() const {
+  const Impl& m = *impl_;
+  CameraTrajectory out;
+  for (std::size_t k = 0; k < m.nodes.size(); ++k)
+    out.keyframes.push_back({m.nodes[k].image, m.nodes[k].view, m.T_w_k[k], m.part[k]});
+  out.motions = m.chain;
+  out.motions.insert(out.motions.end(), m.relations.begin(), m.relations.end());
+  for (std::size_t i = 0; i < m.images.size(); ++i) {
+    const Impl::Image& image = m.images[i];
+    out.images.push_back({image.stamp, m.T_w_k[image.keyframe].T * image.T_k_c, image.keyframe});
+  }
+  for (std::size_t k = 1; k < m.nodes.size(); ++k) {
+    if (!m.nodes[k].T_before) continue;
+    const std::size_t first = m.nodes[k - 1].image, last = m.nodes[k].image;
+    const Vector6d error = perturbation(m.T_w_k[k - 1].T * *m.nodes[k].T_before, m.T_w_k[k].T);
+    for (std::size_t i = first + 1; i < last; ++i)
+      out.images[i].T_w_c =
+          perturbed(out.images[i].T_w_c, error * (double(i - first) / double(last - first)));
+  }
+  return out;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/view_placing.h"
+
+#include <facetloc/registration/pose_prior.h>
+#include <facetloc/registration/tracking_params.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <limits>
+
+namespace facetloc::internal {
+namespace {
+
+constexpr int kFewestPixels = 60;      // that must be compared before their agreement says anything
+constexpr std::size_t kMostFound = 4;  // places of a search that are refined
+constexpr double kLooseRotation = 3 * kDegree, kLooseTranslation = 0.1;  // about a start [rad, m]
+constexpr double kPerPixel = 1;  // that a compared pixel is worth, so that none is lost [nats]
+
+ViewAlignmentParams alignmentParams() {
+  const PoseTrackingParams tracking;
+  ViewAlignmentParams params;
+  params.dense.correlated_pixels = tracking.correlated_pixels;
+  params.dense.significance = tracking.significance;
+  params.dense.iterations = 10;
+  return params;
+}
+
+// What an alignment has added to its prior; rounding may leave less than nothing.
+Matrix6d added(const Matrix6d& posterior, const Matrix6d& prior) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eig(symmetricInverse(posterior) - symmetricInverse(prior));
+  return eig.eigenvectors() * eig.eigenvalues().cwiseMax(0).asDiagonal() * eig.eigenvectors().transpose();
+}
+
+}  // namespace
+
+ViewPlacing::ViewPlacing() : alignment_(alignmentParams()), comparison_(DepthConsistencyParams{}) {}
+
+std::vector<Eigen::Isometry3d> ViewPlacing::starts(const View& view, const View& other,
+                                                   const PoseWithCovariance& prior, bool search) const {
+  std::vector<Eigen::Isometry3d> out{prior.T};
+  if (!search) return out;
+  out.push_back(Eigen::Isometry3d::Identity());  // as a camera that has hardly moved
+  const auto mounting = view.camera ? view.camera->mounting : std::nullopt;
+  const Query query(view, prior, floorInformation(mounting));
+  const std::vector<Hypothesis> found = registration_.align(query, other);
+  for (std::size_t i = 0; i < std::min(kMostFound, found.size()); ++i) out.push_back(found[i].T_m_c.T);
+  return out;
+}
+
+std::optional<PlacedView> ViewPlacing::place(const View& view, const View& other,
+                                             const PoseWithCovariance& prior, bool search) const {
+  Surroundings surroundings;
+  surroundings.add(0, borrowed(other), Eigen::Isometry3d::Identity());
+  Vector6d loose;
+  loose << Eigen::Vector3d::Constant(kLooseRotation), Eigen::Vector3d::Constant(kLooseTranslation);
+  const Matrix6d about_start = loose.cwiseAbs2().asDiagonal();
+  const Eigen::LDLT<Matrix6d> prior_factor(prior.P);
+
+  std::optional<PlacedView> best;
+  double most = -std::numeric_limits<double>::infinity();
+  for (const Eigen::Isometry3d& start : starts(view, other, prior, search)) {
+    PoseWithCovariance T{start, about_start};
+    T.T = alignView(view, surroundings, T, alignment_).T_w_c.T;
+    T = alignView(view, surroundings, {T.T, about_start}, alignment_).T_w_c;  // with the pairs of its end
+    const DepthAgreement seen = comparison_.compareBoth(view.depth, other.depth, T.T, kFineColumns);
+    if (seen.judged() < kFewestPixels) continue;
+    const Vector6d off = perturbation(prior.T, T.T);
+    const double score = seen.likelihood + kPerPixel * seen.judged() - 0.5 * off.dot(prior_factor.solve(off));
+    if (!(score > most)) continue;
+    most = score;
+    const double both = 2.0 * gridPoints(view.depth.camera.width, gridStep(view.depth, kFineColumns)) *
+                        gridPoints(view.depth.camera.height, gridStep(view.depth, kFineColumns));
+    best = PlacedView{T.T, added(T.P, about_start), seen.agree / double(seen.judged()), seen.judged() / both};
+  }
+  return best;
+}
+
+}  // namespace facetloc::internal
