@@ -37,7 +37,7 @@ constexpr double kUnknown = 100;       // standard deviation of what two views d
 constexpr double kSharedRotation = 0.05 * kDegree, kSharedTranslation = 0.003;  // errors of any two views
 constexpr double kTrustedRotation = 5 * kDegree;
 constexpr double kUncertainStd = 1, kUncertainRotation = 10 * kDegree;  // beyond which rooms look alike [m]
-constexpr int kMostUncertain = 40;       // earlier keyframes that one is compared with far from certainty
+constexpr int kMostUncertain = 15;       // earlier keyframes that one is compared with far from certainty
 constexpr int kLocal = 20;               // keyframes in a row between which no loop is closed
 constexpr std::size_t kMostTies = 4000;  // pairs of keyframes of two parts that are compared
 constexpr double kMoved = 0.02, kTurned = 0.5;  // of a prior, after which a pair is compared anew [m, deg]
@@ -417,7 +417,7 @@ bool TrajectoryEstimation::Impl::agrees(const KeyframeMotion& m) const {
   const Eigen::Isometry3d T = T_w_k[m.from].T.inverse() * T_w_k[m.to].T;
   const DepthAgreement seen =
       comparison.compareBoth(nodes[m.to].view->depth, nodes[m.from].view->depth, T, kFineColumns);
-  return seen.agree >= params.min_agreement * seen.judged();
+  return seen.agree >= params.min_agreement * (seen.agree + seen.contradict);
 }
 
 // Puts parts that have been tied where their first ties say, so that the optimization begins near its end.

@@ -72,7 +72,8 @@ std::optional<PlacedView> ViewPlacing::place(const View& view, const View& other
     most = score;
     const double both = 2.0 * gridPoints(view.depth.camera.width, gridStep(view.depth, kFineColumns)) *
                         gridPoints(view.depth.camera.height, gridStep(view.depth, kFineColumns));
-    best = PlacedView{T.T, added(T.P, about_start), seen.agree / double(seen.judged()), seen.judged() / both};
+    const double compared = seen.agree + seen.contradict;
+    best = PlacedView{T.T, added(T.P, about_start), seen.agree / std::max(1.0, compared), compared / both};
   }
   return best;
 }
