@@ -3,6 +3,7 @@
 
 #include "tools/app.h"
 #include "tools/depth_input.h"
+#include "tools/image_trajectory.h"
 
 #include <facetloc/io/map_database.h>
 #include <facetloc/registration/map_builder.h>
@@ -28,7 +29,10 @@ private:
   int execute(const CommandLine& line, const Console& console) override;
   bool dealsOut() const override { return true; }
   Selection select(const DepthSequence& sequence) const;
-  Trajectory poses(const DepthSequence& sequence) const;
+  void findPoses(const DepthSequence& sequence, Camera& camera, const Console& console);
+  std::optional<Eigen::Isometry3d> poseOf(const FrameFile& frame, std::size_t index) const;
+  void noteTrajectory(const Console& console) const;
+  void writeTrajectory(const DepthSequence& sequence) const;
   std::string checkPoses(const DepthSequence& sequence, const Camera& camera, const Console& console) const;
   bool madeOf(const Map& present, const DepthSequence& sequence,
               const std::vector<Candidate>& candidates) const;
@@ -41,20 +45,26 @@ private:
             Camera camera, Batch& batch, const Console& console) const;
   std::optional<DepthDistortion> calibrate(const DepthSequence& sequence, const Camera& camera,
                                            const Console& console) const;
+  std::vector<Link> linksOf(const DepthSequence& sequence, const std::vector<std::string>& names) const;
   Seen addModels(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
                  const Camera& camera, Batch& batch, Writer* writer) const;
 
-  std::string disagreement_;  // of poses and images, in words
+  std::string disagreement_;               // of poses and images, in words
+  Trajectory poses_of_images_;             // given, or found
+  std::optional<CameraTrajectory> found_;  // by the images, if no poses are given
 
   std::string sequence_;
   std::string map_;
   std::string poses_;
+  std::string trajectory_;
   int every_ = 0;
   double pose_tolerance_ = 0.02;
   bool overwrite_ = false;
   bool resume_ = false;
   bool raw_depth_ = false;
   bool force_ = false;
+  bool without_poses_ = false;
+  ImageTrajectory by_images_;
   DepthInput input_;
   MapBuilderParams builder_;
 };

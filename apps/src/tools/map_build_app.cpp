@@ -12,6 +12,7 @@
 #include <facetloc/io/text.h>
 #include <facetloc/registration/distortion_calibration.h>
 #include <facetloc/registration/found_mounting.h>
+#include <facetloc/registration/trajectory_links.h>
 
 #include <algorithm>
 #include <map>
@@ -77,8 +78,9 @@ struct MapBuildApp::Seen {
 /** Adds local models in order, and a link from each to the next. What the map has already is left alone. */
 class MapBuildApp::Writer {
 public:
-  Writer(MapDatabase database, const Map& present, const MapBuilder& builder)
-      : database_(std::move(database)), builder_(builder) {
+  /** \param links whether each model is linked with the one before by the rule's own link */
+  Writer(MapDatabase database, const Map& present, const MapBuilder& builder, bool links)
+      : database_(std::move(database)), builder_(builder), adds_links_(links) {
     for (std::size_t i = 0; i < present.models.size(); ++i)
       index_[present.models[i].name] = static_cast<int>(i);
     for (const Link& link : present.links) links_.emplace(link.from, link.to);
@@ -101,10 +103,14 @@ public:
   /** Goes on to a model, new or present. */
   void advance(const std::string& name, const std::optional<Eigen::Isometry3d>& T_w_m) {
     const int current = index_.at(name);
-    if (latest_ >= 0 && T_w_latest_ && T_w_m && links_.emplace(latest_, current).second)
+    if (adds_links_ && latest_ >= 0 && T_w_latest_ && T_w_m && links_.emplace(latest_, current).second)
       database_.add(builder_.link(latest_, current, *T_w_latest_, *T_w_m));
     latest_ = current;
     T_w_latest_ = T_w_m;
+  }
+  void add(const std::vector<Link>& links) {
+    for (const Link& link : links)
+      if (links_.emplace(link.from, link.to).second) database_.add(link);
   }
   void finish() {
     if (!std::exchange(whole_, true)) database_.setMeta(kStateKey, kWhole);
@@ -113,6 +119,7 @@ public:
 private:
   MapDatabase database_;
   const MapBuilder& builder_;
+  bool adds_links_;
   std::map<std::string, int> index_;
   std::set<std::pair<int, int>> links_;
   int latest_ = -1;
@@ -123,8 +130,9 @@ private:
 
 MapBuildApp::MapBuildApp()
     : App("facetloc_map build", "SEQUENCE -o MAP.flmap [options]",
-          "Builds a map of local models from one run of depth images whose camera poses are known, from "
-          "groundtruth.txt of the SEQUENCE (a folder, a list or an .oni recording) or from --poses. The "
+          "Builds a map of local models from one run of depth images. Their camera poses come from "
+          "groundtruth.txt of the SEQUENCE (a folder, a list or an .oni recording) or from --poses; without "
+          "either, the trajectory is found from the images themselves. The "
           "first image becomes a local model, and so does each "
           "later one that lies --map.distance or --map.rotation_deg from the latest local model. With "
           "--every N, "
@@ -135,6 +143,10 @@ void MapBuildApp::addOptions(CommandLine& line) {
   line.addArgument("SEQUENCE", sequence_);
   line.addOption("output,o", map_, "MAP.flmap", "The map to write.");
   line.addOption("poses", poses_, "FILE", "Camera poses in the TUM format: stamp tx ty tz qx qy qz qw.");
+  line.addSwitch("without-poses", without_poses_,
+                 "Find the trajectory from the images, even if the SEQUENCE has poses.");
+  line.addOption("trajectory", trajectory_, "OUT.txt",
+                 "Write the pose of each image that the map was made with, in the TUM format.");
   line.addOption("pose-tolerance", pose_tolerance_, "S",
                  "Largest distance in time of an image and its pose [s].");
   line.addCheck([this] { requireTolerance(pose_tolerance_); });
@@ -149,10 +161,54 @@ void MapBuildApp::addOptions(CommandLine& line) {
   line.addPresets();
   input_.addOptions(line);
   line.addParams(builder_, "map", CommandLine::Shown::in_help);
+  by_images_.addOptions(line);
 }
 
-Trajectory MapBuildApp::poses(const DepthSequence& sequence) const {
-  return poses_.empty() ? sequence.groundTruth() : readTumTrajectory(poses_);
+/** Given, or found from the images; then, what the camera always measures wrongly is found in turn with the
+ * trajectory. */
+void MapBuildApp::findPoses(const DepthSequence& sequence, Camera& camera, const Console& console) {
+  if (!poses_.empty())
+    poses_of_images_ = readTumTrajectory(poses_);
+  else if (!without_poses_)
+    poses_of_images_ = sequence.groundTruth();
+  if (!poses_of_images_.empty() || every_ > 0 || !poses_.empty()) return;
+  console.note("no poses are given: the trajectory is found from the images");
+  for (const bool again : {false, true}) {
+    found_ = by_images_.find(sequence, input_, camera, threads(), console);
+    if (again || raw_depth_) break;
+    const auto distortion = calibrate(sequence, camera, console);
+    if (!distortion) break;
+    camera.distortion = distortion;
+  }
+  noteTrajectory(console);
+}
+
+std::optional<Eigen::Isometry3d> MapBuildApp::poseOf(const FrameFile& frame, std::size_t index) const {
+  if (!found_) return poses_of_images_.nearest(frame.stamp, pose_tolerance_);
+  const TrajectoryPose& pose = found_->images[index];
+  if (found_->keyframes[pose.keyframe].part != found_->parts().front()) return {};
+  return pose.T_w_c;
+}
+
+void MapBuildApp::noteTrajectory(const Console& console) const {
+  console.out << "trajectory: " << inWords(*found_) << "\n";
+  const std::vector<int> parts = found_->parts();
+  if (parts.size() < 2) return;
+  std::size_t outside = 0;
+  for (const TrajectoryPose& pose : found_->images)
+    outside += found_->keyframes[pose.keyframe].part != parts.front();
+  console.note("the images do not hang together: " + counted(outside, "image") + " in " +
+               counted(parts.size() - 1, "piece") +
+               " that nothing ties to the largest one; their local models have no pose in its world");
+}
+
+void MapBuildApp::writeTrajectory(const DepthSequence& sequence) const {
+  if (trajectory_.empty()) return;
+  std::vector<StampedPose> poses;
+  for (std::size_t i = 0; i < sequence.frames().size(); ++i)
+    if (const auto T_w_c = poseOf(sequence.frames()[i], i))
+      poses.push_back({sequence.frames()[i].stamp, *T_w_c});
+  writeTumTrajectory(trajectory_, poses);
 }
 
 /** Says how far the poses are from what the images show, and what is wrong with them. \return the
@@ -160,7 +216,7 @@ Trajectory MapBuildApp::poses(const DepthSequence& sequence) const {
  */
 std::string MapBuildApp::checkPoses(const DepthSequence& sequence, const Camera& camera,
                                     const Console& console) const {
-  const Trajectory trajectory = poses(sequence);
+  const Trajectory& trajectory = poses_of_images_;
   if (trajectory.empty() || !sequence.stamped()) return {};
   const PoseCheck check = facetloc::checkPoses(seenMotions(sequence, camera, input_, threads(), console),
                                                [&](double stamp) { return trajectory.interpolated(stamp); });
@@ -177,21 +233,22 @@ std::string MapBuildApp::checkPoses(const DepthSequence& sequence, const Camera&
 }
 
 MapBuildApp::Selection MapBuildApp::select(const DepthSequence& sequence) const {
-  const bool asks_for_poses = every_ == 0 || !poses_.empty();
+  const bool asks_for_poses = !found_ && (every_ == 0 || !poses_.empty());
   if (asks_for_poses && !sequence.stamped())
     throw IoError(sequence_, "its image names are no time stamps: poses cannot be matched");
-  const Trajectory trajectory = poses(sequence);
-  if (trajectory.empty() && every_ == 0)
-    throw IoError(poses_.empty() ? sequence_ : poses_,
-                  "has no poses; put a groundtruth.txt beside the images, or give --poses FILE or --every N");
+  if (asks_for_poses && every_ == 0 && poses_of_images_.empty()) throw IoError(poses_, "has no poses");
   Selection selection;
-  MapBuilder rule(builder_);
+  std::map<int, MapBuilder> rules;  // of each part
   for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
-    const auto pose = trajectory.nearest(sequence.frames()[i].stamp, pose_tolerance_);
+    const auto pose = poseOf(sequence.frames()[i], i);
     if (!pose) ++selection.without_pose;
-    const bool accepted = every_ > 0 ? i % every_ == 0 : pose && rule.accept(*pose);
+    const int part = found_ ? found_->keyframes[found_->images[i].keyframe].part : 0;
+    MapBuilder& rule = rules.try_emplace(part, builder_).first->second;
+    const auto by_rule = found_ ? std::optional(found_->images[i].T_w_c) : pose;
+    const bool accepted = every_ > 0 ? i % every_ == 0 : by_rule && rule.accept(*by_rule);
     if (accepted) selection.candidates.push_back({i, pose});
   }
+  if (found_) selection.without_pose = 0;  // which the trajectory has told
   if (selection.candidates.empty())
     throw IoError(sequence_,
                   "none of its images has a pose within " + text::significant(pose_tolerance_) + " s");
@@ -249,6 +306,23 @@ MapDatabase MapBuildApp::createDatabase(const fs::path& path, const DepthSequenc
   return database;
 }
 
+/** Of a trajectory found from the images. \param names of the local models, by index */
+std::vector<Link> MapBuildApp::linksOf(const DepthSequence& sequence,
+                                       const std::vector<std::string>& names) const {
+  std::map<std::string, int> index;
+  for (std::size_t i = 0; i < names.size(); ++i) index[names[i]] = static_cast<int>(i);
+  std::vector<std::size_t> images;
+  std::vector<int> models;
+  for (std::size_t i = 0; i < sequence.frames().size(); ++i)
+    if (const auto model = index.find(sequence.frames()[i].name); model != index.end()) {
+      images.push_back(i);
+      models.push_back(model->second);
+    }
+  std::vector<Link> links = trajectoryLinks(*found_, images);
+  for (Link& link : links) link.from = models[link.from], link.to = models[link.to];
+  return links;
+}
+
 /** Builds views in parallel, some at a time, and adds them in order. \param writer of the first rank; others
  * have none. */
 MapBuildApp::Seen MapBuildApp::addModels(const DepthSequence& sequence,
@@ -296,11 +370,9 @@ MapBuildApp::Seen MapBuildApp::addModels(const DepthSequence& sequence,
  */
 std::optional<DepthDistortion> MapBuildApp::calibrate(const DepthSequence& sequence, const Camera& camera,
                                                       const Console& console) const {
-  const Trajectory trajectory = poses(sequence);
   std::vector<Candidate> posed;
   for (std::size_t i = 0; i < sequence.frames().size(); ++i)
-    if (const auto pose = trajectory.nearest(sequence.frames()[i].stamp, pose_tolerance_))
-      posed.push_back({i, pose});
+    if (const auto pose = poseOf(sequence.frames()[i], i)) posed.push_back({i, pose});
   const std::size_t n = std::min(posed.size(), kCalibrationImages);
   std::vector<DepthPicture> depth(n);
   std::vector<PosedPicture> pictures;
@@ -326,7 +398,7 @@ int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence, cons
                        Camera camera, Batch& batch, const Console& console) const {
   const std::string parameters = cameraLine(sequence.camera()) + "every = " + std::to_string(every_) + "\n" +
                                  "raw-depth = " + (raw_depth_ ? "1" : "0") + "\n" + toIni(input_, camera) +
-                                 toIni(builder_, "map");
+                                 toIni(builder_, "map") + (found_ ? by_images_.toIni() : "");
   MapDatabase database = openDatabase(path, sequence, selection.candidates, parameters, camera);
   const Map present = openMap(path);
   if (!present.models.empty())
@@ -336,7 +408,7 @@ int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence, cons
   if (camera.distortion && present.models.empty()) database.setCamera(camera);
   camera.distortion = ranks().broadcast(camera.distortion);
   const MapBuilder builder(builder_);
-  Writer writer(std::move(database), present, builder);
+  Writer writer(std::move(database), present, builder, !found_);
   const Seen seen = addModels(sequence, selection.candidates, camera, batch, &writer);
 
   const int code = batch.report();
@@ -350,6 +422,7 @@ int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence, cons
     fs::remove(path);
     throw IoError(map_, "is not written: none of the images makes a local model");
   }
+  if (found_) writer.add(linksOf(sequence, writer.names()));
   writer.finish();
   noteMounting(path, console);
   writePlaceIndex(path);
@@ -369,6 +442,8 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   Camera camera = input_.camera(sequence.camera(), line);
   std::optional<OutputLock> lock;
   if (ranks().isFirst()) lock = OutputLock::ofFile(map_);
+  findPoses(sequence, camera, console);
+  if (ranks().isFirst()) writeTrajectory(sequence);
   const bool goes_on = resume_ && isThere(map_) && !MapDatabase::open(map_).modelNames().empty();
   if (ranks().isFirst() && !goes_on) disagreement_ = checkPoses(sequence, camera, console);
   const Selection selection = select(sequence);

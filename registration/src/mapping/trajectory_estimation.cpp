@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/graph_covariance.h"
+#include "mapping/keyframe_graph.h"
 #include "mapping/loop_consistency.h"
 #include "mapping/step_prior.h"
 #include "mapping/view_placing.h"
@@ -41,7 +42,6 @@ constexpr int kMostUncertain = 15;       // earlier keyframes that one is compar
 constexpr int kLocal = 20;               // keyframes in a row between which no loop is closed
 constexpr std::size_t kMostTies = 4000;  // pairs of keyframes of two parts that are compared
 constexpr double kMoved = 0.02, kTurned = 0.5;  // of a prior, after which a pair is compared anew [m, deg]
-constexpr double kFloorLength = 0.7;            // way after which a robot stands on other unevenness [m]
 
 Matrix6d withSharedErrors(Matrix6d P) {
   P.diagonal().head<3>().array() += kSharedRotation * kSharedRotation;
@@ -392,23 +392,9 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::tieParts(const GraphCova
 }
 
 PoseGraph TrajectoryEstimation::Impl::graphOf(const std::vector<KeyframeMotion>& all) const {
-  PoseGraph graph;
-  for (const PoseWithCovariance& T : T_w_k) graph.T_w_n.push_back(T.T);
-  std::vector<int> comparisons(nodes.size(), 0);
-  for (const KeyframeMotion& m : all)
-    if (m.source != Source::odometry) ++comparisons[m.from], ++comparisons[m.to];
-  for (const KeyframeMotion& m : all) {
-    PoseEdge edge{m.from, m.to, m.T_from_to, m.source != Source::odometry};
-    // All comparisons of one keyframe share its errors: together, they tell what those with the keyframe
-    // before and the one after would.
-    if (edge.may_be_wrong) edge.T_from_to.P *= std::max(1.0, (comparisons[m.from] + comparisons[m.to]) / 4.0);
-    graph.edges.push_back(edge);
-  }
-  if (const auto m = mounting()) {
-    const double repeated = std::max(1.0, kFloorLength / params.odometry.key_distance);
-    graph.floor = LevelFloor{m->T_b_c(), repeated * floorCovariance({})};
-  }
-  return graph;
+  std::vector<Eigen::Isometry3d> T;
+  for (const PoseWithCovariance& k : T_w_k) T.push_back(k.T);
+  return keyframeGraph(T, all, mounting(), params.odometry.key_distance);
 }
 
 // Depth at the poses found.
@@ -440,11 +426,6 @@ void alignParts(const std::vector<KeyframeMotion>& all, std::vector<PoseWithCova
 
 void TrajectoryEstimation::Impl::optimize(std::vector<KeyframeMotion> found) {
   relations = std::move(found);
-  const std::vector<Eigen::Isometry3d> before = [&] {
-    std::vector<Eigen::Isometry3d> T;
-    for (const PoseWithCovariance& k : T_w_k) T.push_back(k.T);
-    return T;
-  }();
   for (const bool last : {false, true}) {
     std::vector<KeyframeMotion> all = chain;
     all.insert(all.end(), relations.begin(), relations.end());
