@@ -66,9 +66,9 @@ void addRelativeErrors(TrajectoryErrors& errors) {
     if (auto relative = relativeErrors(over, errors, position, length))
       errors.relative.push_back(std::move(*relative));
   };
-  add("1 s", time, kRelativeTime);
-  add("1 m", errors.way, kRelativeWay);
-  add("10 % of the way", errors.way, kRelativeShare * errors.length());
+  add(kOverSecond, time, kRelativeTime);
+  add(kOverMetre, errors.way, kRelativeWay);
+  add(kOverTenth, errors.way, kRelativeShare * errors.length());
 }
 
 }  // namespace

@@ -20,9 +20,11 @@ struct ErrorMoments {
 };
 ErrorMoments momentsOf(const std::vector<double>& errors);
 
+constexpr const char *kOverSecond = "1 s", *kOverMetre = "1 m", *kOverTenth = "10 % of the way";
+
 /** \brief Errors of the motion from one pose to a later one. */
 struct RelativeErrors {
-  std::string over;           ///< "1 s", "1 m", "10 % of the way"
+  std::string over;           ///< kOverSecond, kOverMetre or kOverTenth
   std::size_t intervals = 0;  ///< one begins at every pose that has another so far on, and not twice as far
   double mean_way = 0;        ///< of them [m]
   ErrorMoments translation;   ///< [m]
