@@ -3,7 +3,13 @@
 #include "example_room.h"
 #include "tools/localize_app.h"
 
+#include <facetloc/features/so3.h>
+#include <facetloc/io/trajectory.h>
+
 #include <gmock/gmock.h>
+
+#include <algorithm>
+#include <sstream>
 
 namespace facetloc {
 namespace {
@@ -16,6 +22,7 @@ using test::ToolRun;
 using test::Tools;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 TEST_F(Tools, EvaluateTellsThePlacesOfBothRuns) {
   const std::string place = fs::path(map_run()).parent_path().string();
@@ -55,6 +62,80 @@ TEST_F(Tools, EvaluateLeavesNothingOfAnEarlierOne) {
   EXPECT_TRUE(fs::exists(evaluation + "/report.html"));
 }
 
+TEST_F(Tools, EvaluateAlignsResultsOfAnotherWorld) {
+  const std::string results = folder_ / "results", moved = folder_ / "moved";
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  fs::create_directories(moved);
+  std::vector<StampedPose> poses = readTumTrajectory(query() + "/groundtruth.txt").poses();
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+  motion.linear() = expSO3({0.2, -0.4, 2});
+  motion.translation() << 30, -20, 5;
+  for (StampedPose& pose : poses) pose.T_w_c = motion * pose.T_w_c;
+  writeTumTrajectory(moved + "/groundtruth.txt", poses);
+
+  const std::vector<std::string> lost = {results, moved, "--map", map(), "-o", folder_ / "lost"};
+  ASSERT_EQ(runTool<EvaluateApp>(lost).code, kOk);
+  const ToolRun run =
+      runTool<EvaluateApp>({results, moved, "--map", map(), "--align", "-o", folder_ / "found"});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("Aligned with the truth: rotated by"));
+  EXPECT_THAT(run.out, HasSubstr("Absolute trajectory error of all sure answers: RMSE"));
+  ASSERT_EQ(runTool<EvaluateApp>({results, query(), "--map", map(), "-o", folder_ / "own"}).code, kOk);
+  const auto correct = [&](const std::string& evaluation) {
+    std::istringstream lines(contentOf(folder_ / evaluation + "/tables.csv"));
+    for (std::string line; std::getline(lines, line);)
+      if (line.rfind("beyond,,Rank 1 correct,", 0) == 0)
+        return std::stoi(line.substr(line.find(",,", 8) + 2));
+    return -1;
+  };
+  EXPECT_EQ(correct("lost"), 0);
+  EXPECT_GT(correct("found"), 0);
+  EXPECT_EQ(correct("found"), correct("own"));
+}
+
+TEST_F(Tools, EvaluateKnowsErrorsRelativeToLocalModels) {
+  const std::string results = folder_ / "results", truth = map_run() + "/groundtruth.txt";
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  const std::string title = "Sure answers relative to their local models";
+  EXPECT_THAT(runTool<EvaluateApp>({results, query(), "--map", map()}).out, Not(HasSubstr(title)));
+  const ToolRun with_map =
+                    runTool<EvaluateApp>({results, query(), "--map", map(), "--map-groundtruth", truth}),
+                without = runTool<EvaluateApp>({results, query(), "--map-groundtruth", truth});
+  EXPECT_THAT(with_map.out, HasSubstr(title));
+  EXPECT_THAT(without.out, HasSubstr(title)) << "by the names of models, which are stamps";
+}
+
+TEST_F(Tools, EvaluateJudgesATrajectory) {
+  const std::string truth = map_run() + "/groundtruth.txt", estimate = folder_ / "walk.txt";
+  std::vector<StampedPose> poses = readTumTrajectory(truth).poses();
+  const std::size_t all = poses.size();
+  for (StampedPose& pose : poses) pose.T_w_c.translation() *= 1.01;
+  writeTumTrajectory(estimate, poses);
+  ToolRun run = runTool<EvaluateApp>({estimate, map_run()});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.out,
+              AllOf(HasSubstr(std::to_string(all) + " poses over"), HasSubstr("ABSOLUTE TRAJECTORY ERROR"),
+                    HasSubstr("position [mm]"), HasSubstr("over 1 s [mm]")));
+  EXPECT_THAT(test::lastLine(run.out), HasSubstr(folder_ / "walk_evaluation"));
+  for (const char* file : {"/evaluation.txt", "/trajectory_errors.csv", "/trajectory_summary.csv",
+                           "/report.html", "/trajectory.png"})
+    EXPECT_TRUE(fs::exists(folder_ / "walk_evaluation" + file)) << file;
+  const std::string csv = contentOf(folder_ / "walk_evaluation/trajectory_errors.csv");
+  EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), all + 1);
+
+  run = runTool<EvaluateApp>({estimate, query()});  // another run, at other times
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, AllOf(HasSubstr("walk.txt"), HasSubstr("0 pairs")));
+  poses.resize(2);
+  writeTumTrajectory(estimate, poses);
+  EXPECT_THAT(runTool<EvaluateApp>({estimate, truth}).err, HasSubstr("2 pairs"));
+  poses.push_back(poses.back());
+  writeTumTrajectory(estimate, poses);
+  EXPECT_THAT(runTool<EvaluateApp>({estimate, truth}).err, HasSubstr("two estimated poses have the stamp"));
+  test::writeContent(estimate, "no pose\n");
+  EXPECT_THAT(runTool<EvaluateApp>({estimate, truth}).err, HasSubstr("line 1"));
+}
+
 TEST_F(Tools, EvaluateSaysWhatIsWrongWithItsInput) {
   const std::string results = folder_ / "results";
   ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
@@ -65,7 +146,16 @@ TEST_F(Tools, EvaluateSaysWhatIsWrongWithItsInput) {
   EXPECT_FALSE(fs::exists(results + "/evaluation"));
 
   const std::string hypotheses = contentOf(results + "/hypotheses.csv");
-  test::writeContent(results + "/hypotheses.csv", hypotheses.substr(0, hypotheses.find('\n') + 1));
+  const std::string header = hypotheses.substr(0, hypotheses.find('\n') + 1);
+  std::string doubtful = hypotheses;
+  for (std::size_t at; (at = doubtful.find(",sure")) != std::string::npos;)
+    doubtful.replace(at, 5, ",doubtful");
+  test::writeContent(results + "/hypotheses.csv", doubtful);
+  run = runTool<EvaluateApp>({results, query(), "--align"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("has 0 sure answers"));
+
+  test::writeContent(results + "/hypotheses.csv", header);
   run = runTool<EvaluateApp>({results, query()});
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("has results of no image"));

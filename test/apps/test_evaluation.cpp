@@ -104,6 +104,64 @@ TEST(Evaluation, TheMapTellsWorldPosesThatTheResultsLack) {
   EXPECT_EQ(evaluate({row}, truth, {}, {}).frames[0].frame_class, FrameClass::unknown);
 }
 
+TEST(Evaluation, JudgesAnswersRelativeToTheirLocalModels) {
+  ResultRow row = hypothesis("1.0", 1, 0.95, pose(7));  // of a map that has drifted away
+  row.model = "m";
+  row.T_m_c = pose(0.13, 1);
+  const RunResults run{"", {row}, {}};
+  const PlaceTruth truth(Trajectory({{1.0, pose(2.1)}}));
+  const FrameEvaluation f = evaluate({run}, truth, {}, {}, 0.02, {{"m", pose(2)}}).frames[0];
+  EXPECT_EQ(f.first_correct, 0);
+  ASSERT_TRUE(f.local_error);
+  EXPECT_TRUE(f.locally_correct);
+  EXPECT_NEAR(f.local_error->translation, 0.03, 1e-12);
+  EXPECT_NEAR(f.local_error->rotation_deg, 1, 1e-9);
+  const Summary s = summarize("", {f});
+  EXPECT_EQ(s.local, 1u);
+  EXPECT_EQ(s.local_correct, 1u);
+  EXPECT_NEAR(s.local_translation_median, 30, 1e-9);
+  EXPECT_FALSE(evaluate({run}, truth, {}, {}, 0.02, {{"other", pose(2)}}).frames[0].local_error);
+}
+
+TEST(Evaluation, ATrueModelPoseTellsWhereAnAnswerIs) {
+  ResultRow row = hypothesis("1.0", 1, 0.95, pose(0));
+  row.T_w_c.reset();
+  row.model = "m";
+  row.T_m_c = pose(0.1);
+  const RunResults run{"", {row}, {}};
+  EXPECT_EQ(evaluate({run}, PlaceTruth(Trajectory({{1.0, pose(2.1)}})), {}, {}, 0.02, {{"m", pose(2)}})
+                .frames[0]
+                .first_correct,
+            1);
+}
+
+TEST(Evaluation, AlignsBySureAnswersOnly) {
+  const std::vector<PosePair> pairs =
+      sureAnswers({{"", exampleRows(), {}}}, PlaceTruth(exampleTruth()), exampleModels());
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].stamp, 1);
+  EXPECT_TRUE(pairs[0].estimated.isApprox(pose(0.03, 0.4)));
+  EXPECT_TRUE(pairs[0].truth.isApprox(pose(0)));
+}
+
+TEST(Evaluation, InAnotherWorldErrorsAndCovariancesAreTheSame) {
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+  motion.linear() = expSO3({0.5, -1, 2});
+  motion.translation() << 3, 4, 5;
+  std::vector<RunResults> runs = {{"", {hypothesis("1.0", 1, 0.95, pose(0.05, 1, 0.5))}, {}}};
+  Vector6d std;
+  std << 0.01, 0.02, 0.03, 0.1, 0.02, 0.05;
+  runs[0].covariances["1.0"] = std.cwiseAbs2().asDiagonal();
+  const FrameEvaluation before = evaluate(runs, PlaceTruth(Trajectory({{1.0, pose(0)}})), {}, {}).frames[0];
+  moveWorld(motion, runs);
+  const FrameEvaluation after =
+      evaluate(runs, PlaceTruth(Trajectory({{1.0, motion * pose(0)}})), {}, {}).frames[0];
+  ASSERT_TRUE(before.nees && after.nees);
+  EXPECT_NEAR(*after.nees, *before.nees, 1e-9);
+  EXPECT_NEAR(after.best_error->translation, before.best_error->translation, 1e-12);
+  EXPECT_NEAR(after.best_error->rotation_deg, before.best_error->rotation_deg, 1e-9);
+}
+
 TEST(Evaluation, AnImageOfTheMapIsOneThoughItsPoseThereIsNotTheTrueOne) {
   const auto classOf = [](double off, const std::string& name, double stamp, std::uintmax_t size) {
     RunResults run{"", {hypothesis("1.0", 1, 0.9, pose(0))}, {}};

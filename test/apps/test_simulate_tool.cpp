@@ -4,6 +4,7 @@
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/trajectory.h>
 
 #include <gmock/gmock.h>
 
@@ -22,7 +23,7 @@ using test::Tools;
 using testing::HasSubstr;
 
 TEST_F(Tools, SimulateIsReproducible) {
-  for (const std::string scene : {"room", "office", "home", "hall"}) {
+  for (const std::string scene : {"room", "office", "home", "hall", "corridor"}) {
     for (const std::string threads : {"1", "2"}) {
       const ToolRun run = runTool<SimulateApp>({scene, "--seed", "9", "--frames", "2", "--width", "160", "-o",
                                                 folder_ / scene + threads, "--threads", threads});
@@ -44,7 +45,8 @@ TEST_F(Tools, SimulateIsReproducible) {
 TEST_F(Tools, SimulateRefusesWhatThereIsNot) {
   const ToolRun run = runTool<SimulateApp>({"palace", "-o", folder_ / "x"});
   EXPECT_EQ(run.code, kUsage);
-  for (const char* scene : {"office", "home", "hall", "room"}) EXPECT_THAT(run.err, HasSubstr(scene));
+  for (const char* scene : {"office", "home", "hall", "corridor", "room"})
+    EXPECT_THAT(run.err, HasSubstr(scene));
 }
 
 TEST_F(Tools, SimulateTakesAnotherCamera) {
@@ -83,6 +85,85 @@ TEST_F(Tools, SimulateWritesASequenceWithItsTruth) {
   for (const FrameFile& frame : sequence.frames()) {
     EXPECT_TRUE(sequence.groundTruth().nearest(frame.stamp, 1e-6));
     EXPECT_TRUE(fs::exists(map_run() + "/labels/" + frame.path.filename().string()));
+  }
+}
+
+TEST_F(Tools, SimulateStampsImagesAsARobotDrives) {
+  ASSERT_EQ(runTool<SimulateApp>(
+                {"office", "--frames", "60", "--width", "40", "--rounds", "2", "-o", folder_ / "office"})
+                .code,
+            kOk);
+  double stamp = -1;
+  for (const char* run : {"map", "query"}) {
+    const DepthSequence sequence = DepthSequence::open(folder_ / "office/" + run);
+    const Eigen::Isometry3d T_c_b = sequence.camera()->camera.mounting->T_b_c().inverse();
+    const std::vector<StampedPose>& poses = sequence.groundTruth().poses();
+    ASSERT_EQ(poses.size(), run == std::string("map") ? 120u : 60u);
+    EXPECT_GT(poses.front().stamp, stamp) << "no two images have the same stamp";
+    stamp = poses.back().stamp;
+    double way = 0;
+    for (std::size_t i = 1; i < poses.size(); ++i) {
+      const Eigen::Isometry3d from = poses[i - 1].T_w_c * T_c_b, to = poses[i].T_w_c * T_c_b;
+      const double length = (to.translation() - from.translation()).head<2>().norm();
+      const double time = poses[i].stamp - poses[i - 1].stamp;
+      EXPECT_LE(length, 0.5 * time + 1e-5) << i;
+      EXPECT_GE(time, 1 / 30. - 1e-5) << i;
+      way += length;
+    }
+    EXPECT_GT(way / (poses.back().stamp - poses.front().stamp), 0.15) << "nor does it dawdle";
+  }
+}
+
+TEST_F(Tools, SimulateGoesRoundMoreThanOnce) {
+  const auto simulate = [&](const std::string& folder, const std::string& rounds) {
+    return runTool<SimulateApp>({"home", "--map-frames", "40", "--query-frames", "3", "--width", "40",
+                                 "--map-step", "5", "--drive.turn_deg", "180", "--rounds", rounds, "-o",
+                                 folder_ / folder});
+  };
+  ASSERT_EQ(simulate("once", "1").code, kOk);
+  ASSERT_EQ(simulate("thrice", "3").code, kOk);
+  EXPECT_EQ(simulate("never", "0").code, kUsage);
+  EXPECT_EQ(DepthSequence::open(folder_ / "once/map").frames().size(), 40u);
+  EXPECT_EQ(DepthSequence::open(folder_ / "thrice/map").frames().size(), 120u);
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "once/query")) {
+    if (!entry.is_regular_file()) continue;
+    const fs::path other = fs::path(folder_ / "thrice") / fs::relative(entry.path(), folder_ / "once");
+    EXPECT_EQ(contentOf(entry.path()), contentOf(other)) << entry.path();
+  }
+}
+
+TEST_F(Tools, SimulateWritesWhatTheWheelsTell) {
+  const auto simulate = [&](const std::string& folder, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"office", "--frames",      "30", "--width", "40",
+                                          "-o",     folder_ / folder};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return runTool<SimulateApp>(arguments).code;
+  };
+  ASSERT_EQ(simulate("without", {}), kOk);
+  ASSERT_EQ(simulate("with", {"--odometry"}), kOk);
+  ASSERT_EQ(simulate("exact", {"--odometry", "--odometry.scale_std", "0", "--odometry.length_std", "0",
+                               "--odometry.heading_std_deg", "0"}),
+            kOk);
+  for (const std::string run : {"map", "query"}) {
+    EXPECT_FALSE(fs::exists(folder_ / "without/" + run + "/odometry.txt"));
+    const std::string truth = "/" + run + "/groundtruth.txt", told = "/" + run + "/odometry.txt";
+    EXPECT_EQ(contentOf(folder_ / "without" + truth), contentOf(folder_ / "with" + truth));
+    const Trajectory camera = readTumTrajectory(folder_ / "exact" + truth),
+                     base = readTumTrajectory(folder_ / "exact" + told),
+                     noisy = readTumTrajectory(folder_ / "with" + told);
+    ASSERT_EQ(base.poses().size(), camera.poses().size());
+    ASSERT_EQ(noisy.poses().size(), camera.poses().size());
+    const Eigen::Isometry3d T_b_c = DriveParams{}.mounting().T_b_c();
+    const auto place = [&](std::size_t i) -> Eigen::Vector3d {
+      return (camera.poses()[i].T_w_c * T_b_c.inverse()).translation();
+    };
+    for (std::size_t i = 0; i < base.poses().size(); ++i) {
+      const StampedPose &exact = base.poses()[i], &wrong = noisy.poses()[i];
+      EXPECT_EQ(exact.stamp, camera.poses()[i].stamp);
+      EXPECT_NEAR(exact.T_w_c.translation().norm(), (place(i) - place(0)).head<2>().norm(), 1e-6) << i;
+      EXPECT_EQ(wrong.T_w_c.translation().isApprox(exact.T_w_c.translation()), i == 0) << i;
+      EXPECT_LT((wrong.T_w_c.translation() - exact.T_w_c.translation()).norm(), 2) << i;
+    }
   }
 }
 

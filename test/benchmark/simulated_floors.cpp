@@ -18,13 +18,13 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMapFrames = 444, kQueryFrames = 348;
 constexpr double kMapStep = 0.25;     // [m]
 constexpr double kSwayDeg = 10;       // of the later run
-constexpr double kInterval = 0.1;     // [s]
 constexpr double kQueryStart = 1000;  // [s]
 constexpr std::uint64_t kRunSeeds = 64;
 
 Map seen(const Scene& scene, const SimulatedCamera& camera, const CameraMounting& mounting,
          const std::vector<Eigen::Isometry3d>& poses, const std::vector<std::size_t>& frames,
          std::size_t first_frame, double first_stamp) {
+  const std::vector<double> times = drivingTimes(basePoses(poses, mounting));
   Map map;
   map.camera.mounting = mounting;
   map.models.resize(frames.size());
@@ -35,8 +35,7 @@ Map seen(const Scene& scene, const SimulatedCamera& camera, const CameraMounting
 #pragma omp for schedule(dynamic)
     for (int i = 0; i < n; ++i) {
       const std::size_t frame = frames[i];
-      const double stamp = first_stamp + kInterval * static_cast<double>(frame);
-      map.models[i] = {std::to_string(frame), stamp, poses[frame],
+      map.models[i] = {std::to_string(frame), first_stamp + times[frame], poses[frame],
                        builder.build(camera.render(scene, poses[frame], first_frame + frame).depth)};
     }
   }

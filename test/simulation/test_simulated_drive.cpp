@@ -145,6 +145,54 @@ TEST(SimulatedRoute, InTimeWheelsDoNotSlipSideways) {
   EXPECT_GT(farthest, 0.1);  // it weaves about the line
 }
 
+TEST(SimulatedRoute, MayEndAtItsLastWaypoint) {
+  const Route there = {{{0, 0}, 0}, {{3, 0}, 0}};
+  DriveParams even;
+  even.robot.floor_std = 0;
+  const auto poses = simulateDrive(there, 1000, even, 1, {}, RouteEnd::stop);
+  ASSERT_EQ(poses.size(), 7u);  // every 0.5 m
+  EXPECT_NEAR(poses.back().translation().x(), 3, 1e-9);
+  EXPECT_EQ(simulateDrive(there, 1000, even, 1).size(), 1000u);
+}
+
+TEST(SimulatedRoute, FurtherRoundsAreOnOtherLines) {
+  const Route square = {{{0, 0}, 90}, {{2, 0}, 0}, {{2, 2}, 0}, {{0, 2}, 0}};
+  const Route rounds = roundsOf(square, 3, 5);
+  ASSERT_EQ(rounds.size(), 12u);
+  for (std::size_t i = 0; i < rounds.size(); ++i) {
+    EXPECT_EQ(rounds[i].look_deg, square[i % 4].look_deg);
+    const Eigen::Vector2d moved = rounds[i].place - square[i % 4].place;
+    if (i < 4)
+      EXPECT_EQ(moved, Eigen::Vector2d(0, 0)) << "the first one as it is";
+    else
+      EXPECT_GT(moved.norm(), 0);
+    EXPECT_LE(moved.cwiseAbs().maxCoeff(), 0.1);
+  }
+  EXPECT_NE(rounds[4].place, rounds[8].place);
+  EXPECT_EQ(roundsOf(square, 3, 5).back().place, rounds.back().place);
+  EXPECT_NE(roundsOf(square, 3, 6).back().place, rounds.back().place);
+}
+
+TEST(SimulatedRoute, StepsTakeTheTimeOfTheirWayOrTurn) {
+  const auto standing = [](double x, double yaw_deg) {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.translation() << x, 0, 0.003 * x;  // an uneven floor takes no time
+    T.linear() = expSO3({0, 0, yaw_deg * kDegree}) * expSO3({0.01 * x, 0.02, 0});
+    return T;
+  };
+  const auto times = drivingTimes({standing(0, 0), standing(0.25, 0), standing(0.25, 9), standing(0.5, 81),
+                                   standing(0.501, 81), standing(0.501, -171)});
+  ASSERT_EQ(times.size(), 6u);
+  constexpr double kTilted = 1e-3;  // [s] tilts and headings mix a little
+  EXPECT_EQ(times[0], 0);
+  EXPECT_NEAR(times[1] - times[0], 0.5, kTilted);
+  EXPECT_NEAR(times[2] - times[1], 0.2, kTilted);
+  EXPECT_NEAR(times[3] - times[2], 1.6, kTilted) << "the longer of both";
+  EXPECT_NEAR(times[4] - times[3], 1 / 30., kTilted) << "the camera takes no more images";
+  EXPECT_NEAR(times[5] - times[4], 108 / 45., kTilted) << "the shorter way round";
+  EXPECT_TRUE(drivingTimes({}).empty());
+}
+
 TEST(SimulatedDriveErrors, ARoomWithoutSpaceIsTold) {
   DriveParams params;
   params.clearance = 10;

@@ -4,15 +4,19 @@
 #include "drawing/offscreen_display.h"
 #include "evaluation/evaluation_charts.h"
 #include "evaluation/evaluation_pictures.h"
+#include "evaluation/trajectory_report.h"
 #include "tools/depth_input.h"
+#include "tools/text.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <set>
+#include <stdexcept>
 
 namespace facetloc {
 namespace {
@@ -21,11 +25,13 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kFailures = 6;  // that are drawn
 constexpr const char* kFailureFolder = "failures";
+constexpr const char* kMappingRun = "map";  // of a simulated place
+constexpr const char* kTrajectories = "trajectory.png";
 
 /** Removes what an earlier evaluation has written and this one perhaps will not. */
 void removeEarlier(const fs::path& folder) {
-  for (const char* name :
-       {"report.html", "timing_summary.csv", "fig6.png", "reliability.png", "errors.png", "floor_map.png"})
+  for (const char* name : {"report.html", "timing_summary.csv", "fig6.png", "reliability.png", "errors.png",
+                           "floor_map.png", kTrajectories})
     fs::remove(folder / name);
   removeMisses(folder / kFailureFolder);
 }
@@ -50,14 +56,14 @@ std::vector<ModelPose> modelPosesOf(const Trajectory& run, const MapBuilderParam
 }
 
 EvaluateApp::EvaluateApp()
-    : App("facetloc_evaluate", "RESULTS GROUNDTRUTH [options]",
+    : App("facetloc_evaluate", "RESULTS|TRAJECTORY GROUNDTRUTH [options]",
           "Judges a results folder of facetloc_localize, or a folder of such folders, one per run, by "
           "what is true: camera poses in the TUM format, a sequence folder with groundtruth.txt, or the "
           "folder of a simulated place. Prints the paper's Tables I and II beside the paper's figures and "
-          "what goes beyond, and writes report.html with everything in one file, tables and charts, and with "
-          "--map the floor map and pictures of some failures. What an earlier evaluation left in the folder "
-          "is replaced or removed. Charts and pictures need an X display; without one, Xvfb is started if it "
-          "is installed.") {}
+          "what goes beyond, and writes report.html with tables and charts, and with --map the floor map and "
+          "some failures. Of a TRAJECTORY, a file in the TUM format, it tells the absolute and the relative "
+          "errors. What an earlier evaluation left in the folder is replaced or removed. Charts and pictures "
+          "need an X display; without one, Xvfb is started if it is installed.") {}
 
 void EvaluateApp::addOptions(CommandLine& line) {
   line.addArgument("RESULTS", results_);
@@ -65,7 +71,9 @@ void EvaluateApp::addOptions(CommandLine& line) {
   line.addOption("output,o", folder_, "DIR", "Folder of the evaluation; RESULTS/evaluation if not given.");
   line.addOption("map", map_, "MAP.flmap", "The map that the images were localized in.");
   line.addOption("map-groundtruth", map_truth_, "FILE",
-                 "Poses of the map's images, where the map itself is not at hand.");
+                 "True poses of the map's images, of which a map's own poses may differ.");
+  line.addSwitch("align", align_,
+                 "Bring the results to the truth's frame first, by the motion that sure answers agree on.");
   line.addOption("pose-tolerance", pose_tolerance_, "S",
                  "Largest distance in time of an image and its pose [s].");
   line.addCheck([this] { requireTolerance(pose_tolerance_); });
@@ -81,6 +89,7 @@ struct EvaluateApp::Input {
   std::vector<RunResults> runs;
   PlaceTruth truth;
   std::optional<Map> map;
+  std::optional<ResultsAlignment> alignment{};
 };
 
 std::vector<ModelPose> EvaluateApp::modelPoses(const std::optional<Map>& map) const {
@@ -88,6 +97,44 @@ std::vector<ModelPose> EvaluateApp::modelPoses(const std::optional<Map>& map) co
     return map_truth_.empty() ? std::vector<ModelPose>()
                               : modelPosesOf(readTumTrajectory(map_truth_), builder_);
   return modelPosesOf(*map);
+}
+
+TrueModelPoses EvaluateApp::trueModelPoses(const Input& input) const {
+  std::optional<Trajectory> mapping;
+  if (!map_truth_.empty()) mapping = readTumTrajectory(map_truth_);
+  for (const PlaceTruth::Sequence& sequence : input.truth.sequences())
+    if (!mapping && sequence.folder.filename() == kMappingRun) mapping = sequence.poses;
+  TrueModelPoses poses;
+  if (!mapping) return poses;
+  const auto add = [&](const std::string& model, std::optional<double> stamp) {
+    if (!stamp) return;
+    if (const auto pose = mapping->nearest(*stamp, pose_tolerance_)) poses[model] = *pose;
+  };
+  if (input.map)
+    for (const LocalModel& model : input.map->models) add(model.name, model.stamp);
+  else
+    for (const RunResults& run : input.runs)
+      for (const ResultRow& row : run.rows) add(row.model, text::to<double>(row.model));
+  return poses;
+}
+
+std::optional<ResultsAlignment> EvaluateApp::align(Input& input) const {
+  const std::vector<PosePair> pairs = sureAnswers(
+      input.runs, input.truth, input.map ? modelPoses(input.map) : std::vector<ModelPose>(), pose_tolerance_);
+  if (pairs.size() < kLeastPairs)
+    throw IoError(results_, "has " + counted(pairs.size(), "sure answer") +
+                                " in a world and with a true pose, and --align needs " +
+                                std::to_string(kLeastPairs));
+  ResultsAlignment alignment{robustlyAligned(pairs), pairs.size(), {}};
+  const Eigen::Isometry3d& T = alignment.motion.T_true_estimated;
+  std::vector<double> distances;
+  for (const PosePair& pair : pairs) distances.push_back(distanceAfter(T, pair));
+  alignment.errors = momentsOf(distances);
+  moveWorld(T, input.runs);
+  if (input.map)
+    for (LocalModel& model : input.map->models)
+      if (model.T_w_m) model.T_w_m = T * *model.T_w_m;
+  return alignment;
 }
 
 void EvaluateApp::requireWorldPoses(const std::vector<RunResults>& runs) const {
@@ -105,9 +152,12 @@ EvaluationReport EvaluateApp::reportOf(const Input& input) const {
   if (std::all_of(input.runs.begin(), input.runs.end(), [](const RunResults& r) { return r.rows.empty(); }))
     throw IoError(results_, "has results of no image");
   if (input.map) requireSameMap(input.runs, *input.map, map_);
-  report.evaluation = evaluate(input.runs, input.truth, modelPoses(input.map), params_, pose_tolerance_);
+  const TrueModelPoses true_models = trueModelPoses(input);
+  report.alignment = input.alignment;
+  report.evaluation =
+      evaluate(input.runs, input.truth, modelPoses(input.map), params_, pose_tolerance_, true_models);
   if (report.evaluation.frames.empty()) throw IoError(truth_, "has no pose for any image of " + results_);
-  if (!input.map || modelPoses(input.map).empty()) requireWorldPoses(input.runs);
+  if (true_models.empty() && (!input.map || modelPoses(input.map).empty())) requireWorldPoses(input.runs);
   report.summaries = summarizeSets(report.evaluation);
   for (const RunResults& run : input.runs)
     report.timing.insert(report.timing.end(), run.timing.begin(), run.timing.end());
@@ -144,10 +194,40 @@ std::vector<ReportPicture> EvaluateApp::drawPictures(const EvaluationReport& rep
   return pictures;
 }
 
+int EvaluateApp::evaluateTrajectory(const Console& console) const {
+  const Trajectory estimate = readTumTrajectory(results_);
+  TrajectoryReport report{results_, truth_, {}};
+  try {
+    report.errors = trajectoryErrors(estimate, PlaceTruth::open(truth_).poses(), pose_tolerance_);
+  } catch (const std::invalid_argument& e) {
+    throw IoError(results_ + " and " + truth_, e.what());
+  }
+  const fs::path beside = fs::path(results_).replace_extension();
+  const fs::path folder = folder_.empty() ? fs::path(beside.string() + "_evaluation") : fs::path(folder_);
+  createFolders(folder);
+  removeEarlier(folder);
+  writeReport(folder, report);
+  std::vector<ReportPicture> pictures;
+  const OffscreenDisplay display;
+  if (display.available()) {
+    pictures = {
+        {folder / kTrajectories, "The aligned trajectory and the true one, and how far they are apart."}};
+    drawTrajectories(pictures[0].path, report.errors);
+  } else {
+    console.note("no pictures: " + display.problem());
+  }
+  writeHtmlReport(folder, report, pictures);
+  printReport(console.out, report);
+  console.out << "\nevaluation in " << folder.string() << "\n";
+  return kOk;
+}
+
 int EvaluateApp::execute(const CommandLine&, const Console& console) {
+  if (fs::is_regular_file(results_)) return evaluateTrajectory(console);
   Input input{
       readRuns(results_, [&](const std::string& text) { console.note(text); }), PlaceTruth::open(truth_), {}};
   if (!map_.empty()) input.map = readMap(map_);
+  if (align_) input.alignment = align(input);
   const EvaluationReport report = reportOf(input);
   if (folder_.empty()) folder_ = (fs::path(results_) / "evaluation").string();
   createFolders(folder_);

@@ -19,6 +19,9 @@ private:
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
   std::vector<ModelPose> modelPoses(const std::optional<Map>& map) const;
+  TrueModelPoses trueModelPoses(const Input& input) const;
+  std::optional<ResultsAlignment> align(Input& input) const;
+  int evaluateTrajectory(const Console& console) const;
   void requireWorldPoses(const std::vector<RunResults>& runs) const;
   EvaluationReport reportOf(const Input& input) const;
   std::vector<ReportPicture> drawPictures(const EvaluationReport& report, const Input& input,
@@ -29,6 +32,7 @@ private:
   std::string folder_;
   std::string map_;
   std::string map_truth_;
+  bool align_ = false;
   double pose_tolerance_ = 0.02;
   EvaluationParams params_;
   MapBuilderParams builder_;

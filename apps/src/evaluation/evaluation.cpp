@@ -67,13 +67,41 @@ std::optional<double> neesOf(const Vector6d& error, const Matrix6d& P) {
   return error.dot(factor.solve(error));
 }
 
+/** Where hypotheses are in the world. */
+class WorldPoses {
+public:
+  WorldPoses(const std::vector<ModelPose>& models, const TrueModelPoses& true_models)
+      : pose_of_(true_models) {
+    for (const ModelPose& model : models) pose_of_[model.name] = model.T_w_m;
+  }
+
+  std::optional<Eigen::Isometry3d> of(const ResultRow& row) const {
+    if (row.T_w_c) return row.T_w_c;
+    const auto model = pose_of_.find(row.model);
+    if (model == pose_of_.end()) return {};
+    return model->second * row.T_m_c;
+  }
+
+private:
+  std::map<std::string, Eigen::Isometry3d> pose_of_;
+};
+
+/** What is true of the run that these are the results of. */
+PlaceTruth truthOf(const RunResults& run, const PlaceTruth& truth) {
+  return truth.of(run.folder.empty() ? run.name : run.folder);
+}
+
 /** Judges frames against what is true and the map. */
 class Judge {
 public:
-  Judge(const PlaceTruth& truth, const std::vector<ModelPose>& models, const EvaluationParams& params)
-      : truth_(truth), models_(models), params_(params), model_segments_(models.size()) {
-    for (const ModelPose& model : models) pose_of_[model.name] = model.T_w_m;
-  }
+  Judge(const PlaceTruth& truth, const std::vector<ModelPose>& models, const EvaluationParams& params,
+        const TrueModelPoses& true_models)
+      : truth_(truth),
+        models_(models),
+        params_(params),
+        true_models_(true_models),
+        world_poses_(models, true_models),
+        model_segments_(models.size()) {}
 
   /** \param truth of the run */
   FrameEvaluation judge(const RunResults& run, const FrameRows& frame, const Eigen::Isometry3d& T_w_c,
@@ -100,8 +128,11 @@ private:
         continue;
       }
       ++e.hypotheses;
-      if (row->rank == 1) e.probability = row->probability;
-      const auto pose = worldPose(*row);
+      if (row->rank == 1) {
+        e.probability = row->probability;
+        judgeLocally(*row, truth, e);
+      }
+      const auto pose = world_poses_.of(*row);
       if (!pose) continue;
       const PoseError error = poseError(*pose, truth);
       if (row->rank == 1) e.best_error = error;
@@ -109,9 +140,7 @@ private:
         e.closest = row->rank;
         e.closest_error = error;
       }
-      const bool correct =
-          error.translation <= params_.max_translation && error.rotation_deg <= params_.max_rotation_deg;
-      if (!correct || e.first_correct) continue;
+      if (!isCorrect(error) || e.first_correct) continue;
       e.first_correct = row->rank;
       e.first_correct_error = error;
       const auto covariance = covariances.find(row->frame);
@@ -126,11 +155,15 @@ private:
                     error.rotation_deg * params_.max_translation);
   }
 
-  std::optional<Eigen::Isometry3d> worldPose(const ResultRow& row) const {
-    if (row.T_w_c) return row.T_w_c;
-    const auto model = pose_of_.find(row.model);
-    if (model == pose_of_.end()) return {};
-    return model->second * row.T_m_c;
+  bool isCorrect(const PoseError& error) const {
+    return error.translation <= params_.max_translation && error.rotation_deg <= params_.max_rotation_deg;
+  }
+
+  void judgeLocally(const ResultRow& row, const Eigen::Isometry3d& truth, FrameEvaluation& e) const {
+    const auto model = true_models_.find(row.model);
+    if (model == true_models_.end()) return;
+    e.local_error = poseError(row.T_m_c, model->second.inverse() * truth);
+    e.locally_correct = isCorrect(*e.local_error);
   }
 
   /** The nearest local model, in units of what counts as covered. Returns the covering ones. */
@@ -189,7 +222,8 @@ private:
   const PlaceTruth& truth_;
   const std::vector<ModelPose>& models_;
   const EvaluationParams& params_;
-  std::map<std::string, Eigen::Isometry3d> pose_of_;
+  const TrueModelPoses& true_models_;
+  WorldPoses world_poses_;
   std::vector<std::optional<std::optional<TrueSegments>>> model_segments_;
 };
 
@@ -303,12 +337,42 @@ std::vector<RunResults> readRuns(const std::filesystem::path& folder, const Rema
   return runs;
 }
 
-Evaluation evaluate(const std::vector<RunResults>& runs, const PlaceTruth& truth,
-                    const std::vector<ModelPose>& models, const EvaluationParams& params, double tolerance) {
-  Evaluation evaluation;
-  Judge judge(truth, models, params);
+std::vector<PosePair> sureAnswers(const std::vector<RunResults>& runs, const PlaceTruth& truth,
+                                  const std::vector<ModelPose>& models, double tolerance) {
+  const WorldPoses world_poses(models, {});
+  std::vector<PosePair> pairs;
   for (const RunResults& run : runs) {
-    const PlaceTruth of_run = truth.of(run.folder.empty() ? run.name : run.folder);
+    const PlaceTruth of_run = truthOf(run, truth);
+    for (const FrameRows& frame : groupByFrame(run.rows, of_run.poses())) {
+      const ResultRow& first = *frame.rows.front();
+      if (first.state != AnswerState::sure || first.rank != 1) continue;
+      const auto true_pose = of_run.poses().nearest(frame.stamp, tolerance);
+      const auto estimated = world_poses.of(first);
+      if (true_pose && estimated) pairs.push_back({frame.stamp, *estimated, *true_pose});
+    }
+  }
+  return pairs;
+}
+
+void moveWorld(const Eigen::Isometry3d& T_new_old, std::vector<RunResults>& runs) {
+  Matrix6d turn = Matrix6d::Zero();  // both halves of a perturbation are in the axes of the world
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = T_new_old.linear();
+  for (RunResults& run : runs) {
+    for (ResultRow& row : run.rows) {
+      if (row.T_w_c) row.T_w_c = T_new_old * *row.T_w_c;
+      if (row.P_w_c) row.P_w_c = turn * *row.P_w_c * turn.transpose();
+    }
+    for (auto& [frame, P] : run.covariances) P = turn * P * turn.transpose();
+  }
+}
+
+Evaluation evaluate(const std::vector<RunResults>& runs, const PlaceTruth& truth,
+                    const std::vector<ModelPose>& models, const EvaluationParams& params, double tolerance,
+                    const TrueModelPoses& true_models) {
+  Evaluation evaluation;
+  Judge judge(truth, models, params, true_models);
+  for (const RunResults& run : runs) {
+    const PlaceTruth of_run = truthOf(run, truth);
     for (const FrameRows& frame : groupByFrame(run.rows, of_run.poses())) {
       if (const auto pose = of_run.poses().nearest(frame.stamp, tolerance))
         evaluation.frames.push_back(judge.judge(run, frame, *pose, of_run));
@@ -355,7 +419,7 @@ double CumulativeHistogram::bound(double share) const {
 Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames) {
   Summary summary;
   summary.name = name;
-  std::vector<double> translation_mm, rotation_deg, heading_deg, index;
+  std::vector<double> translation_mm, rotation_deg, heading_deg, index, local_mm, local_deg;
   for (const FrameEvaluation& frame : frames) {
     ++summary.total;
     summary.none += frame.hypotheses == 0;
@@ -369,6 +433,12 @@ Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& f
     summary.unknown += frame.state == AnswerState::unknown;
     summary.sure_correct += sure && frame.first_correct == 1;
     summary.doubtful_correct += doubtful && frame.first_correct == 1;
+    if (frame.state == AnswerState::sure && frame.local_error) {
+      ++summary.local;
+      summary.local_correct += frame.locally_correct;
+      local_mm.push_back(1000 * frame.local_error->translation);
+      local_deg.push_back(frame.local_error->rotation_deg);
+    }
     if (frame.nees) summary.nees.push_back(*frame.nees);
     summary.unsure += frame.hypotheses == 0 || frame.probability < kUnsure;
     if (frame.first_correct == 0) continue;
@@ -378,6 +448,9 @@ Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& f
     heading_deg.push_back(frame.first_correct_error.heading_deg);
     index.push_back(frame.first_correct);
   }
+  summary.local_translation_stats = statistics(local_mm);
+  summary.local_rotation_stats = statistics(local_deg);
+  summary.local_translation_median = cumulativeHistogram(std::move(local_mm)).bound(0.5);
   summary.translation_stats = statistics(translation_mm);
   summary.rotation_stats = statistics(rotation_deg);
   summary.heading_stats = statistics(heading_deg);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "evaluation/alignment.h"
 #include "evaluation/frame_truth.h"
 #include "tools/provenance.h"
 
@@ -102,8 +103,10 @@ struct FrameEvaluation {
   double probability = 0;               ///< of rank 1
   std::optional<PoseError> best_error;  ///< of rank 1; none if nobody knows where in the world that is
   std::optional<double> nees;  ///< e^T P^-1 e of rank 1, if it is correct and its covariance is known
-  int closest = 0;             ///< rank of the hypothesis with the least error; 0 = there is none with a pose
-  PoseError closest_error;     ///< in units of what counts as correct
+  std::optional<PoseError> local_error;  ///< of rank 1 relative to its local model, whose true pose is known
+  bool locally_correct = false;          ///< is that one within the limits?
+  int closest = 0;          ///< rank of the hypothesis with the least error; 0 = there is none with a pose
+  PoseError closest_error;  ///< in units of what counts as correct
   std::optional<NearestModel> nearest;
   std::string reason;  ///< why there is no hypothesis
 };
@@ -127,16 +130,25 @@ struct RunResults {
  * folders and in the order of their names. Throws IoError. */
 std::vector<RunResults> readRuns(const std::filesystem::path& folder, const Remark& remark = {});
 
+/** \brief True poses of the images that local models were made of, by the names of the models. */
+using TrueModelPoses = std::map<std::string, Eigen::Isometry3d>;
+
+/** \brief The sure answers of all runs with their true poses, to align the results by. */
+std::vector<PosePair> sureAnswers(const std::vector<RunResults>& runs, const PlaceTruth& truth,
+                                  const std::vector<ModelPose>& models, double tolerance = 0.02);
+/** \brief Expresses all world poses of results, and their covariances, in another world. */
+void moveWorld(const Eigen::Isometry3d& T_new_old, std::vector<RunResults>& runs);
+
 /** \brief Judges every frame of one or several runs in the same map.
  *
  * The stamp of a frame is its name if all names of its run are numbers, else its index, which the true poses
  * must then be numbered by: 0, 1, 2, ... Hypotheses without a world pose get it from their model's pose in
- * models, where it is known. Of several runs those with a map image are mapping runs. \param models may be
- * empty: frames are then of unknown class. \param tolerance [s] largest distance in time of a frame and its
- * true pose. Throws IoError for images without time stamps. */
+ * models, where it is known, or from true_models. Of several runs those with a map image are mapping runs.
+ * \param models may be empty: frames are then of unknown class. \param tolerance [s] largest distance in time
+ * of a frame and its true pose. Throws IoError for images without time stamps. */
 Evaluation evaluate(const std::vector<RunResults>& runs, const PlaceTruth& truth,
                     const std::vector<ModelPose>& models, const EvaluationParams& params,
-                    double tolerance = 0.02);
+                    double tolerance = 0.02, const TrueModelPoses& true_models = {});
 /** \brief The same for a single run of which only the poses are known. */
 Evaluation evaluate(const std::vector<ResultRow>& rows, const Trajectory& truth,
                     const std::vector<ModelPose>& models, const EvaluationParams& params,
@@ -194,6 +206,10 @@ struct Summary {
   std::size_t unsure = 0;  ///< no hypothesis, or rank 1 with a probability below kUnsure
   std::vector<ReliabilityBin> reliability;
   double largest_deviation = 0;  ///< of a bin with at least kReliableCount images
+  std::size_t local = 0;         ///< sure answers whose error relative to the local model is known
+  std::size_t local_correct = 0;
+  Statistics local_translation_stats, local_rotation_stats;  ///< [mm], [deg]
+  double local_translation_median = 0;                       ///< [mm]
   std::vector<double> nees;  ///< of correct poses of rank 1 with a covariance; 6 on average if that is right
 };
 Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames);

@@ -2,6 +2,7 @@
 #include "evaluation/evaluation_report.h"
 
 #include "evaluation/html_report.h"
+#include "evaluation/trajectory_report.h"
 #include "tools/text.h"
 
 #include <facetloc/io/atomic_file.h>
@@ -37,7 +38,8 @@ void writeFrames(std::ostream& out, const Evaluation& evaluation) {
          "translation_mm,orientation_deg,heading_deg,"
          "state,rank1_probability,rank1_translation_mm,rank1_orientation_deg,nearest_model,nearest_distance_"
          "m,"
-         "nearest_angle_deg,nees,closest_rank,closest_translation_mm,closest_orientation_deg,reason\n";
+         "nearest_angle_deg,nees,closest_rank,closest_translation_mm,closest_orientation_deg,"
+         "local_translation_mm,local_orientation_deg,reason\n";
   for (const FrameEvaluation& f : evaluation.frames) {
     const bool known = f.frame_class != FrameClass::unknown;
     out << text::csvCell(f.run) << "," << text::csvCell(f.name) << "," << text::shortest(f.stamp) << ","
@@ -49,7 +51,8 @@ void writeFrames(std::ostream& out, const Evaluation& evaluation) {
         << errorCells(f.best_error.has_value(), f.best_error.value_or(PoseError())) << ","
         << nearestCells(f.nearest) << "," << (f.nees ? text::significant(*f.nees) : "") << ","
         << (f.closest ? std::to_string(f.closest) : "") << "," << errorCells(f.closest > 0, f.closest_error)
-        << "," << text::csvCell(f.reason) << "\n";
+        << "," << errorCells(f.local_error.has_value(), f.local_error.value_or(PoseError())) << ","
+        << text::csvCell(f.reason) << "\n";
   }
 }
 
@@ -85,6 +88,15 @@ void writeTimes(std::ostream& out, const std::vector<StageTime>& times) {
         << "," << text::decimals(t.most, 3) << "," << text::decimals(t.max, 3) << "\n";
 }
 
+std::string alignmentText(const ResultsAlignment& a) {
+  const auto millimetres = [](double metres) { return text::decimals(1000 * metres, 1) + " mm"; };
+  return "Aligned with the truth: " + motionText(a.motion.T_true_estimated) + ", by " +
+         std::to_string(a.motion.used) + " of " + counted(a.answers, "sure answer") + " with a residual of " +
+         millimetres(a.motion.residual) + " (RMS). Absolute trajectory error of all sure answers: RMSE " +
+         millimetres(a.errors.rmse) + ", median " + millimetres(a.errors.median) + ", largest " +
+         millimetres(a.errors.max) + ".";
+}
+
 }  // namespace
 
 std::vector<std::string> reportPreface(const EvaluationReport& report) {
@@ -94,6 +106,7 @@ std::vector<std::string> reportPreface(const EvaluationReport& report) {
                                     "Correct: position within " + text::significant(p.max_translation) +
                                         " m and orientation within " + text::significant(p.max_rotation_deg) +
                                         " deg."};
+  if (report.alignment) lines.push_back(alignmentText(*report.alignment));
   if (!frames.empty() && frames.front().nearest)
     lines.push_back("Covered: a local model within " + text::significant(p.covered_distance) + " m and " +
                     text::significant(p.covered_rotation_deg) + " deg.");

@@ -2,13 +2,22 @@
 #pragma once
 
 #include "evaluation/evaluation_tables.h"
+#include "evaluation/trajectory_errors.h"
 
 #include <filesystem>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
 
 namespace facetloc {
+
+/** \brief How results in a world of their own were brought to the true one. */
+struct ResultsAlignment {
+  Alignment motion;
+  std::size_t answers = 0;  ///< sure ones with a true pose
+  ErrorMoments errors;      ///< of the positions of all of them, after it [m]
+};
 
 /** \brief What facetloc_evaluate has found: one summary per set of frames; the first one is of all. */
 struct EvaluationReport {
@@ -18,6 +27,7 @@ struct EvaluationReport {
   Evaluation evaluation;
   std::vector<Summary> summaries;
   std::vector<TimingRow> timing;  ///< of all runs; may be empty
+  std::optional<ResultsAlignment> alignment{};
 };
 
 /** \brief What was judged and by which rules, in sentences. */

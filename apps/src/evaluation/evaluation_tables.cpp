@@ -11,6 +11,7 @@ namespace facetloc {
 namespace {
 
 constexpr const char* kNew = "new";
+constexpr const char* kLocal = "Sure answers relative to their local models";
 constexpr const char* kNees = "NEES of correct poses of rank 1 (right: 6)";
 
 /** One line of a table: what it is, the paper's figure if there is one, and ours for each set of frames. */
@@ -60,6 +61,10 @@ Quantity bound(const char* group, std::optional<double> paper, CumulativeHistogr
 
 Quantity nees(const char* name, const std::function<double(const Summary&)>& value, int decimals = 2) {
   return {"beyond", kNees, name, {}, {}, decimals, value, {}};
+}
+
+Quantity local(const char* name, const std::function<double(const Summary&)>& value, int decimals = 2) {
+  return {"beyond", kLocal, name, {}, {}, decimals, value, {}};
 }
 
 const std::vector<Quantity>& quantities() {
@@ -124,6 +129,15 @@ const std::vector<Quantity>& quantities() {
        3,
        [](const Y& s) { return s.largest_deviation; },
        {}},
+      local(
+          "Poses", [](const Y& s) { return static_cast<double>(s.local); }, 0),
+      local("Share within the limits of a correct pose [%]",
+            [](const Y& s) { return shareOf(s.local_correct, s.local); }),
+      local("Translation error, avg. [mm]", [](const Y& s) { return s.local_translation_stats.mean; }),
+      local("Translation error, median [mm]", [](const Y& s) { return s.local_translation_median; }),
+      local("Translation error, max. [mm]", [](const Y& s) { return s.local_translation_stats.max; }),
+      local("Orientation error, avg. [deg]", [](const Y& s) { return s.local_rotation_stats.mean; }),
+      local("Orientation error, max. [deg]", [](const Y& s) { return s.local_rotation_stats.max; }),
       nees(
           "Poses", [](const Y& s) { return static_cast<double>(s.nees.size()); }, 0),
       nees("Avg.", [](const Y& s) { return statistics(s.nees).mean; }),
@@ -148,7 +162,8 @@ std::string paperCell(const Quantity& q) {
 /** Has it no meaning for these frames? */
 bool isOfNothing(const Quantity& q, const Summary& s) {
   return (q.table == std::string("II") && s.correct == 0) ||
-         (q.group == std::string(kNees) && s.nees.empty());
+         (q.group == std::string(kNees) && s.nees.empty()) ||
+         (q.group == std::string(kLocal) && s.local == 0);
 }
 
 std::string ownCell(const Quantity& q, const Summary& s) {
@@ -164,6 +179,7 @@ ReportTable quantityTable(const std::string& title, const std::string& name,
   std::string group;
   for (const Quantity& q : quantities()) {
     if (q.table != name) continue;
+    if (q.group == std::string(kLocal) && isOfNothing(q, summaries.front())) continue;
     if (group != q.group) table.add({group = q.group});
     std::vector<std::string> row = {(group.empty() ? "" : "  ") + std::string(q.name), paperCell(q)};
     for (const Summary& s : summaries) row.push_back(ownCell(q, s));

@@ -19,6 +19,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <sstream>
 
 namespace facetloc {
@@ -26,12 +27,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDepthScale = 5000;     // [1/m]
-constexpr double kFrameInterval = 0.1;   // [s]
-constexpr double kQueryStart = 1000;     // [s] no query has the stamp of a map image
-constexpr double kDriveStart = 2000;     // [s]
+constexpr double kDepthScale = 5000;  // [1/m]
+constexpr double kBetweenStarts =
+    1000;  // [s] of the runs, or a multiple: no two have images of the same stamp
 constexpr std::uint64_t kRunSeeds = 64;  // seeds per place, for its runs
+constexpr std::uint64_t kSeedOfRounds = kRunSeeds - 1;
 constexpr int kMostFrames = 1000000;
+constexpr int kMostRounds = 1000;
+constexpr double kSwayInRounds = 4;  // [deg] of the mapping run, so that it never looks the same way twice
 constexpr const char* kUsualCamera = "kinect";
 constexpr const char *kRoom = "room", *kMap = "map", *kQuery = "query", *kDrive = "drive";
 constexpr double kWalls = 0.3;    // [m] thickness that belongs to a room
@@ -58,6 +61,19 @@ bool showsOnly(const std::vector<Eigen::AlignedBox2d>& rooms, const DepthImage& 
   return false;
 }
 
+std::vector<StampedPose> stamped(const std::vector<double>& stamps,
+                                 const std::vector<Eigen::Isometry3d>& poses) {
+  std::vector<StampedPose> all;
+  for (std::size_t i = 0; i < poses.size(); ++i) all.push_back({stamps[i], poses[i]});
+  return all;
+}
+
+std::vector<std::uint64_t> numbers(std::uint64_t first, std::size_t n) {
+  std::vector<std::uint64_t> all(n);
+  std::iota(all.begin(), all.end(), first);
+  return all;
+}
+
 std::map<int, WorldPlane> planesOf(const Scene& scene) {
   std::map<int, WorldPlane> planes;
   for (const Rectangle& r : scene.rectangles)
@@ -70,14 +86,13 @@ std::map<int, WorldPlane> planesOf(const Scene& scene) {
 struct SimulateApp::Run {
   std::string name;
   const Scene* scene;
-  double first_stamp;
-  double interval;            // [s]
-  std::uint64_t first_frame;  // number of its first image, which selects the noise
+  std::vector<std::uint64_t> noise;  // that each image has
   bool labels;
   std::vector<Eigen::Isometry3d> poses;
+  std::vector<double> stamps{};
+  std::vector<Eigen::Isometry3d> odometry{};  // T_o_b; may be empty
 
-  double stamp(std::size_t i) const { return first_stamp + interval * static_cast<double>(i); }
-  std::string frameName(std::size_t i) const { return text::decimals(stamp(i), 6); }
+  std::string frameName(std::size_t i) const { return text::decimals(stamps[i], 6); }
 };
 
 struct SimulateApp::Place {
@@ -93,10 +108,11 @@ SimulateApp::SimulateApp()
           "where the first one never was. With camera.ini, groundtruth.txt, the true planes of each pixel "
           "(labels/, 16-bit PNG; planes.csv: their equations) and query/unmapped.txt, the images that "
           "show only a room that the first drive never entered. SCENE is one of: office (a loop of "
-          "corridors and some rooms), home (a flat), hall (shelves and columns), room (one closed room "
-          "with random boxes, where nothing moves). With --runs also DIR/drive, the later drive in real "
-          "time, for trackers; it has no labels. What is made must not exist yet. The same seed and options "
-          "give the same files.") {
+          "corridors and some rooms), home (a flat), hall (shelves and columns), corridor (40 m, bare, "
+          "driven "
+          "along once), room (one closed room with random boxes, where nothing moves). With --runs also "
+          "DIR/drive, the later drive in real time, for trackers; it has no labels. What is made must not "
+          "exist yet. The same seed and options give the same files.") {
   drive_.sway_deg = 10;
 }
 
@@ -111,9 +127,14 @@ void SimulateApp::addOptions(CommandLine& line) {
   line.addOption("runs", runs_, "RUN,...", "Runs that are made, of map,query,drive; map,query unless given.");
   line.addOption("drive", seconds_, "S", "Make a continuous drive of this length [s].");
   line.addParams(pace_, "pace");
+  line.addOption("rounds", rounds_, "N",
+                 "Mapping run N times as long, each further time through its route on another line.");
   line.addOption("map-step", map_step_, "M", "Way after which the mapping run takes an image [m].");
   line.addParams(drive_, "drive");
   line.addParams(noise_, "sensor");
+  line.addSwitch("odometry", with_odometry_,
+                 "Write odometry.txt: what the wheels tell, poses of the robot's base on the floor (TUM).");
+  line.addParams(odometry_, "odometry");
   line.addOption("camera", preset_, "NAME",
                  "Camera of the robot, with its errors: " + cameraPresetNames() + ".");
 }
@@ -150,6 +171,18 @@ SimulatedNoise noiseOf(const std::string& preset, const SimulatedNoise& options,
 
 Intrinsics scaledKinect(int width) { return scaled(kinectIntrinsics(), width); }
 
+void SimulateApp::setStamps(std::vector<Run>& runs) const {
+  double start = 0;
+  for (Run& run : runs) {
+    run.stamps = drivingTimes(basePoses(run.poses, drive_.mounting()), pace_);
+    if (run.name == kDrive)  // by the clock
+      for (std::size_t i = 0; i < run.stamps.size(); ++i) run.stamps[i] = static_cast<double>(i) / pace_.rate;
+    const double length = run.stamps.empty() ? 0 : run.stamps.back();
+    for (double& stamp : run.stamps) stamp += start;
+    start += kBetweenStarts * (1 + std::floor(length / kBetweenStarts));
+  }
+}
+
 SimulateApp::Place SimulateApp::makePlace() const {
   const auto seed = static_cast<std::uint64_t>(seed_);
   const auto map_frames = static_cast<std::size_t>(frames_ > 0 ? frames_ : map_frames_);
@@ -157,7 +190,7 @@ SimulateApp::Place SimulateApp::makePlace() const {
   const auto drive_frames = static_cast<std::size_t>(std::lround(seconds_ * pace_.rate));
   DriveParams map_drive = drive_;
   map_drive.step = map_step_;
-  map_drive.sway_deg = 0;
+  map_drive.sway_deg = rounds_ > 1 ? kSwayInRounds : 0;
 
   Place place;
   SimulatedPlace made;
@@ -170,6 +203,8 @@ SimulateApp::Place SimulateApp::makePlace() const {
   place.mapped = std::make_shared<Scene>(std::move(made.mapped));
   place.later = std::make_shared<Scene>(std::move(made.later));
   place.unmapped_rooms = std::move(made.unmapped_rooms);
+  made.mapping_route = roundsOf(made.mapping_route, rounds_, kRunSeeds * seed + kSeedOfRounds);
+  const RouteEnd end = made.one_way ? RouteEnd::stop : RouteEnd::go_round;
 
   // All runs are driven, whatever is wanted: none depends on the others being made. In a room they meet where
   // the first one starts.
@@ -178,21 +213,29 @@ SimulateApp::Place SimulateApp::makePlace() const {
                          const DriveParams& params, std::uint64_t run,
                          const std::optional<PaceParams>& pace) {
     const std::uint64_t run_seed = kRunSeeds * seed + run;
-    if (!route.empty()) return simulateDrive(route, frames, params, run_seed, pace);
+    if (!route.empty()) return simulateDrive(route, frames, params, run_seed, pace, end);
     std::vector<Eigen::Isometry3d> poses = simulateDrive(scene, frames, params, run_seed, start, pace);
     if (!start) start = poses.front().translation().head<2>();
     return poses;
   };
-  std::vector<Run> runs = {{kMap, place.mapped.get(), 0, kFrameInterval, 0, true,
-                            drive(*place.mapped, made.mapping_route, map_frames, map_drive, 0, {})},
-                           {kQuery, place.later.get(), kQueryStart, kFrameInterval, map_frames, true,
+  const std::size_t further = static_cast<std::size_t>(rounds_ - 1) * map_frames;
+  std::vector<Run> runs = {{kMap, place.mapped.get(), numbers(0, map_frames), true,
+                            drive(*place.mapped, made.mapping_route, map_frames + further, map_drive, 0, {})},
+                           {kQuery, place.later.get(), numbers(map_frames, query_frames), true,
                             drive(*place.later, made.query_route, query_frames, drive_, 1, {})},
-                           {kDrive, place.later.get(), kDriveStart, 1 / pace_.rate, map_frames + query_frames,
+                           {kDrive, place.later.get(), numbers(map_frames + query_frames, drive_frames),
                             false, drive(*place.later, made.query_route, drive_frames, drive_, 2, pace_)}};
+  const std::vector<std::uint64_t> more = numbers(map_frames + query_frames + drive_frames, further);
+  runs.front().noise.insert(runs.front().noise.end(), more.begin(), more.end());
+  setStamps(runs);
   const std::vector<std::string> wanted = wantedRuns();
-  for (Run& run : runs)
-    if (std::find(wanted.begin(), wanted.end(), run.name) != wanted.end())
-      place.runs.push_back(std::move(run));
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (std::find(wanted.begin(), wanted.end(), runs[i].name) == wanted.end()) continue;
+    if (with_odometry_)
+      runs[i].odometry = simulateOdometry(basePoses(runs[i].poses, drive_.mounting()), odometry_,
+                                          drive_.robot, kRunSeeds * seed + i);
+    place.runs.push_back(std::move(runs[i]));
+  }
   return place;
 }
 
@@ -215,9 +258,8 @@ void SimulateApp::prepareFolder(const Run& run, const CameraFile& camera) const 
     createFolders(folder / "labels");
     writePlanes(folder / "planes.csv", planesOf(*run.scene));
   }
-  std::vector<StampedPose> truth;
-  for (std::size_t i = 0; i < run.poses.size(); ++i) truth.push_back({run.stamp(i), run.poses[i]});
-  writeTumTrajectory(folder / "groundtruth.txt", truth);
+  writeTumTrajectory(folder / "groundtruth.txt", stamped(run.stamps, run.poses));
+  if (!run.odometry.empty()) writeTumTrajectory(folder / "odometry.txt", stamped(run.stamps, run.odometry));
 }
 
 void SimulateApp::writeUnmapped(const Run& query, const std::vector<char>& unmapped) const {
@@ -245,6 +287,7 @@ void SimulateApp::checkOptions() const {
   for (const int frames : {map_frames_, query_frames_})
     if (frames < 1 || frames > kMostFrames)
       throw UsageError("map-frames and query-frames must lie in [1, 1000000]");
+  if (rounds_ < 1 || rounds_ > kMostRounds) throw UsageError("rounds must lie in [1, 1000]");
   if (!(map_step_ >= 0.01 && map_step_ <= 10)) throw UsageError("map-step must lie in [0.01, 10]");
   if (!(seconds_ * pace_.rate >= 0.5 && seconds_ * pace_.rate <= kMostFrames))
     throw UsageError("drive must be as long as one image at least, and no longer than a million");
@@ -285,7 +328,7 @@ int SimulateApp::execute(const CommandLine& line, const Console& console) {
         const auto& [run, index] = images[i];
         const fs::path folder = fs::path(folder_) / run->name;
         const std::string file = run->frameName(index) + ".png";
-        const SimulatedFrame frame = camera.render(*run->scene, run->poses[index], run->first_frame + index);
+        const SimulatedFrame frame = camera.render(*run->scene, run->poses[index], run->noise[index]);
         writeDepthPng(folder / "depth" / file, frame.depth, kDepthScale);
         if (run->labels) writeLabels(folder / "labels" / file, frame.labels);
         if (run->name == kQuery)

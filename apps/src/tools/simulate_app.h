@@ -6,6 +6,7 @@
 #include <facetloc/io/camera_file.h>
 #include <facetloc/simulation/simulated_camera.h>
 #include <facetloc/simulation/simulated_drive.h>
+#include <facetloc/simulation/simulated_odometry.h>
 
 #include <string>
 #include <vector>
@@ -25,6 +26,7 @@ private:
   int execute(const CommandLine& line, const Console& console) override;
   void checkOptions() const;
   Place makePlace() const;
+  void setStamps(std::vector<Run>& runs) const;
   void prepareFolder(const Run& run, const CameraFile& camera) const;
   void writeUnmapped(const Run& query, const std::vector<char>& unmapped) const;
   std::vector<std::string> wantedRuns() const;
@@ -38,11 +40,14 @@ private:
   int frames_ = 0;
   int map_frames_ = 444;    // the paper's
   int query_frames_ = 348;  // the paper's
+  int rounds_ = 1;          // of the mapping run
   double map_step_ = 0.25;
   double seconds_ = 60;  // of the continuous drive
   PaceParams pace_;
   DriveParams drive_;
   SimulatedNoise noise_;
+  bool with_odometry_ = false;
+  WheelOdometryParams odometry_;
 };
 
 /** \brief The depth camera of a Kinect with images of another width, same field of view. */

@@ -73,9 +73,10 @@ private:
   std::uint16_t next_id_ = 1;
 };
 
-// ---- Places: a class each, in office_floor.h, home_floor.h and hall_floor.h ----
+// ---- Places: a class each, in office_floor.h, home_floor.h and hall_floor.h, and bare_corridor.cpp ----
 SimulatedPlace officeFloor(std::uint64_t seed);
 SimulatedPlace homeFloor(std::uint64_t seed);
 SimulatedPlace hallFloor(std::uint64_t seed);
+SimulatedPlace bareCorridor(std::uint64_t seed);
 
 }  // namespace facetloc

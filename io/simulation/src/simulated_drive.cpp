@@ -18,6 +18,8 @@ constexpr double kShortestDrive = 0.8;  // between two looks around [m]
 constexpr double kDriveStep = 0.01;     // [m]
 constexpr double kTurnStep = 0.5 * kDegree;
 constexpr double kRounding = 1e-9;
+constexpr double kDisplacement =
+    0.1;                      // of waypoints from round to round [m]: the robot still fits through doors
 constexpr int kTries = 2000;  // to find a free place
 constexpr int kGoals = 10;    // to choose the next one from
 
@@ -252,13 +254,14 @@ std::optional<Eigen::Vector2d> nextGoal(const FloorPlan& plan, const Eigen::Vect
 
 std::vector<Eigen::Isometry3d> simulateDrive(const Route& route, std::size_t frames,
                                              const DriveParams& params, std::uint64_t seed,
-                                             const std::optional<PaceParams>& pace) {
+                                             const std::optional<PaceParams>& pace, RouteEnd end) {
   Random random(seed);
   Robot robot(params, pace, random, frames);
   if (route.size() < 2) throw std::invalid_argument("simulateDrive: a route has at least two waypoints");
   const Eigen::Vector2d way = route[1].place - route[0].place;
   robot.putDown(route[0].place, std::atan2(way.y(), way.x()));
   for (std::size_t next = 1; !robot.done(); ++next) {
+    if (end == RouteEnd::stop && next == route.size()) break;
     const Waypoint& waypoint = route[next % route.size()];
     robot.driveTo(waypoint.place);
     robot.turn(waypoint.look_deg * kDegree);
@@ -287,6 +290,43 @@ std::vector<Eigen::Isometry3d> simulateDrive(const Scene& scene, std::size_t fra
     visited.push_back(*goal);
   }
   return std::move(robot).poses();
+}
+
+Route roundsOf(const Route& route, int rounds, std::uint64_t seed) {
+  Random random(seed);
+  Route all = route;
+  for (int round = 1; round < rounds; ++round)
+    for (Waypoint waypoint : route) {
+      waypoint.place.x() += random.uniform(-kDisplacement, kDisplacement);
+      waypoint.place.y() += random.uniform(-kDisplacement, kDisplacement);
+      all.push_back(waypoint);
+    }
+  return all;
+}
+
+std::vector<double> drivingTimes(const std::vector<Eigen::Isometry3d>& T_w_b, const PaceParams& pace) {
+  const auto heading = [](const Eigen::Isometry3d& T) { return std::atan2(T(1, 0), T(0, 0)); };
+  std::vector<double> times;
+  for (std::size_t i = 0; i < T_w_b.size(); ++i) {
+    if (i == 0) {
+      times.push_back(0);
+      continue;
+    }
+    const Eigen::Isometry3d &from = T_w_b[i - 1], &to = T_w_b[i];
+    const double way = (to.translation() - from.translation()).head<2>().norm();
+    const double turn = std::abs(std::remainder(heading(to) - heading(from), 2 * kPi));
+    times.push_back(times.back() +
+                    std::max({way / pace.speed, turn / (pace.turn_rate_deg * kDegree), 1 / pace.rate}));
+  }
+  return times;
+}
+
+std::vector<Eigen::Isometry3d> basePoses(const std::vector<Eigen::Isometry3d>& T_w_c,
+                                         const CameraMounting& mounting) {
+  const Eigen::Isometry3d T_c_b = mounting.T_b_c().inverse();
+  std::vector<Eigen::Isometry3d> T_w_b;
+  for (const Eigen::Isometry3d& T : T_w_c) T_w_b.push_back(T * T_c_b);
+  return T_w_b;
 }
 
 }  // namespace facetloc

@@ -8,7 +8,7 @@
 namespace facetloc {
 
 const std::vector<std::string>& simulatedPlaceNames() {
-  static const std::vector<std::string> names = {"office", "home", "hall"};
+  static const std::vector<std::string> names = {"office", "home", "hall", "corridor"};
   return names;
 }
 
@@ -16,6 +16,7 @@ SimulatedPlace simulatedPlace(const std::string& name, std::uint64_t seed) {
   if (name == "office") return officeFloor(seed);
   if (name == "home") return homeFloor(seed);
   if (name == "hall") return hallFloor(seed);
+  if (name == "corridor") return bareCorridor(seed);
   throw std::invalid_argument("there is no simulated place named '" + name + "'");
 }
 

@@ -39,31 +39,35 @@ struct DriveParams {
   CameraMounting mounting() const { return {camera_height, camera_tilt_deg}; }
 };
 
-/** \brief A drive in time: the camera takes images by the clock, whatever the robot does. */
+/** \brief How fast a robot drives, and its camera takes images at most. */
 struct PaceParams {
-  static constexpr const char* kTitle = "Continuous drive in time";
+  static constexpr const char* kTitle = "Pace of the robot";
   double rate = 30;           ///< images per second
   double speed = 0.5;         ///< straight on [m/s]
   double turn_rate_deg = 45;  ///< on the spot [deg/s]
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
-    visit("rate", p.rate, 0.1, 1000.0, "Images per second of the continuous drive.");
-    visit("speed", p.speed, 0.01, 10.0, "Speed of the continuous drive straight on [m/s].");
-    visit("turn_rate_deg", p.turn_rate_deg, 1.0, 360.0,
-          "Turn rate of the continuous drive on the spot [deg/s].");
+    visit("rate", p.rate, 0.1, 1000.0,
+          "Images per second: all of the continuous drive, at most of other runs.");
+    visit("speed", p.speed, 0.01, 10.0, "Speed of the robot straight on [m/s].");
+    visit("turn_rate_deg", p.turn_rate_deg, 1.0, 360.0, "Turn rate of the robot on the spot [deg/s].");
   }
   void validate() const { checkRanges(*this); }
 };
 
-/** \brief Camera poses T_w_c of a drive along a route, again and again until there are enough (z up, floor at
- * z = 0). The same arguments give the same drive.
+/** \brief What a robot does at the last waypoint of its route. */
+enum class RouteEnd { go_round, stop };
+
+/** \brief Camera poses T_w_c of a drive along a route, again and again until there are enough, or to its end
+ * (z up, floor at z = 0). The same arguments give the same drive.
  *
  * With a pace, an image is taken every 1/rate s instead of after each step or turn, and the floor is uneven
  * as a floor is: of the same height whenever a wheel comes to the same place. */
 std::vector<Eigen::Isometry3d> simulateDrive(const Route& route, std::size_t frames,
                                              const DriveParams& params, std::uint64_t seed,
-                                             const std::optional<PaceParams>& pace = {});
+                                             const std::optional<PaceParams>& pace = {},
+                                             RouteEnd end = RouteEnd::go_round);
 
 /** \brief Camera poses T_w_c of a drive through a closed room: from one free place to the next in sight,
  * mostly to where it has not been, with a look around at each.
@@ -74,5 +78,18 @@ std::vector<Eigen::Isometry3d> simulateDrive(const Scene& scene, std::size_t fra
                                              const DriveParams& params, std::uint64_t seed,
                                              const std::optional<Eigen::Vector2d>& start = {},
                                              const std::optional<PaceParams>& pace = {});
+
+/** \brief A route so many times in a row: first as it is, then each time on another line, its waypoints
+ * displaced by up to 0.1 m in x and y. Same seed, same displacements. */
+Route roundsOf(const Route& route, int rounds, std::uint64_t seed);
+
+/** \brief When a robot at this pace takes images where its base is at these poses T_w_b (x forward, z up)
+ * [s], beginning with 0: the time of a step is that of its way over the floor or that of its turn, whichever
+ * is longer, and at least 1/rate. */
+std::vector<double> drivingTimes(const std::vector<Eigen::Isometry3d>& T_w_b, const PaceParams& pace = {});
+
+/** \brief The poses T_w_b of a robot's base of those of its camera, T_w_c. */
+std::vector<Eigen::Isometry3d> basePoses(const std::vector<Eigen::Isometry3d>& T_w_c,
+                                         const CameraMounting& mounting);
 
 }  // namespace facetloc

@@ -28,9 +28,10 @@ struct SimulatedPlace {
   Route mapping_route;
   Route query_route;                                ///< another line through the same places
   std::vector<Eigen::AlignedBox2d> unmapped_rooms;  ///< on the query route only
+  bool one_way = false;                             ///< the routes end at their last waypoints
 };
 
-/** \brief The names of the places that there are: office, home, hall. */
+/** \brief The names of the places that there are: office, home, hall, corridor. */
 const std::vector<std::string>& simulatedPlaceNames();
 /** \brief The place of that name, made up from the seed; the same seed gives the same place. Throws
  * std::invalid_argument for an unknown name.
@@ -38,7 +39,9 @@ const std::vector<std::string>& simulatedPlaceNames();
  * - office: a loop of corridors with doors in recesses, some of them ajar, windows, pillars, beams,
  *   cupboards, bins and notice boards, all alike on purpose, and a few rooms that are open.
  * - home: furnished rooms.
- * - hall: shelves, columns and large distances. */
+ * - hall: shelves, columns and large distances.
+ * - corridor: 40 m long and bare, driven along once: but for its ends, out of range for most of the way,
+ *   nothing tells how far along it a camera is. */
 SimulatedPlace simulatedPlace(const std::string& name, std::uint64_t seed);
 
 }  // namespace facetloc

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/trajectory_report.h"
+
+#include "evaluation/html_report.h"
+
+#include <facetloc/features/so3.h>
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/text.h>
+
+namespace facetloc {
+namespace {
+
+constexpr double kMillimetres = 1000;  // of a metre
+constexpr double kPercent = 100;
+
+std::vector<std::string> preface(const TrajectoryReport& report) {
+  const TrajectoryErrors& e = report.errors;
+  std::vector<std::string> lines = {
+      "Trajectory " + report.estimate + " against " + report.truth,
+      counted(e.pairs.size(), "pose") + " over " + text::decimals(e.length(), 2) + " m and " +
+          text::decimals(e.duration(), 1) + " s.",
+      "Aligned by a rigid motion: " + motionText(e.alignment.T_true_estimated) + "."};
+  if (e.without_truth > 0)
+    lines.push_back("Left out, without a true pose: " + counted(e.without_truth, "pose") + ".");
+  return lines;
+}
+
+std::vector<std::string> row(const std::string& name, const ErrorMoments& m, double unit, int decimals) {
+  std::vector<std::string> cells = {name};
+  for (const double value : {m.rmse, m.mean, m.median, m.max})
+    cells.push_back(text::decimals(unit * value, decimals));
+  return cells;
+}
+
+std::vector<ReportTable> tables(const TrajectoryErrors& e) {
+  TextTable absolute({"", "RMSE", "mean", "median", "max."});
+  absolute.add(row("position [mm]", e.absolute, kMillimetres, 1));
+  if (e.length() > 0) absolute.add(row("position [% of the way]", e.absolute, kPercent / e.length(), 3));
+  absolute.add(row("orientation [deg]", e.absolute_rotation_deg, 1, 2));
+  TextTable relative({"", "RMSE", "mean", "median", "max.", "mean per metre", "intervals"});
+  for (const RelativeErrors& r : e.relative) {
+    std::vector<std::string> translation = row("over " + r.over + " [mm]", r.translation, kMillimetres, 1);
+    translation.push_back(text::decimals(kPercent * r.translationShare(), 2) + " %");
+    translation.push_back(std::to_string(r.intervals));
+    relative.add(translation);
+    std::vector<std::string> rotation = row("over " + r.over + " [deg]", r.rotation_deg, 1, 2);
+    rotation.push_back(text::decimals(r.rotationPerMetre(), 3) + " deg");
+    rotation.push_back(std::to_string(r.intervals));
+    relative.add(rotation);
+  }
+  std::vector<ReportTable> all = {{"ABSOLUTE TRAJECTORY ERROR, after alignment", absolute}};
+  if (!e.relative.empty()) all.push_back({"RELATIVE POSE ERROR", relative});
+  return all;
+}
+
+void writePoses(std::ostream& out, const TrajectoryErrors& e) {
+  out << "stamp,way_m,translation_mm,orientation_deg,x,y,z,true_x,true_y,true_z\n";
+  for (std::size_t i = 0; i < e.pairs.size(); ++i) {
+    out << text::shortest(e.pairs[i].stamp) << "," << text::significant(e.way[i]) << ","
+        << text::significant(kMillimetres * e.translation[i]) << "," << text::significant(e.rotation_deg[i]);
+    for (const Eigen::Isometry3d* T : {&e.pairs[i].estimated, &e.pairs[i].truth})
+      for (int axis = 0; axis < 3; ++axis) out << "," << text::significant(T->translation()[axis]);
+    out << "\n";
+  }
+}
+
+void writeSummary(std::ostream& out, const TrajectoryErrors& e) {
+  out << "error,over,n,rmse,mean,median,max,mean_per_metre\n";
+  const auto line = [&](const std::string& name, const std::string& over, std::size_t n,
+                        const ErrorMoments& m, double unit, const std::string& per_metre) {
+    out << name << "," << over << "," << n;
+    for (const double value : {m.rmse, m.mean, m.median, m.max})
+      out << "," << text::significant(unit * value);
+    out << "," << per_metre << "\n";
+  };
+  line("absolute translation [mm]", "", e.pairs.size(), e.absolute, kMillimetres, "");
+  line("absolute orientation [deg]", "", e.pairs.size(), e.absolute_rotation_deg, 1, "");
+  for (const RelativeErrors& r : e.relative) {
+    line("relative translation [mm]", r.over, r.intervals, r.translation, kMillimetres,
+         text::significant(kMillimetres * r.translationShare()));
+    line("relative orientation [deg]", r.over, r.intervals, r.rotation_deg, 1,
+         text::significant(r.rotationPerMetre()));
+  }
+}
+
+}  // namespace
+
+std::string motionText(const Eigen::Isometry3d& T) {
+  std::string text =
+      "rotated by " + text::decimals(rotationAngle(T.linear()) / kDegree, 2) + " deg, moved by (";
+  for (int axis = 0; axis < 3; ++axis) text += (axis ? ", " : "") + text::decimals(T.translation()[axis], 3);
+  return text + ") m";
+}
+
+void printReport(std::ostream& out, const TrajectoryReport& report) {
+  for (const std::string& line : preface(report)) out << line << "\n";
+  for (const ReportTable& t : tables(report.errors)) out << "\n" << t.title << "\n" << t.table;
+}
+
+void writeReport(const std::filesystem::path& folder, const TrajectoryReport& report) {
+  writeTextAtomically(folder / "evaluation.txt", [&](std::ostream& out) { printReport(out, report); });
+  writeTextAtomically(folder / "trajectory_errors.csv",
+                      [&](std::ostream& out) { writePoses(out, report.errors); });
+  writeTextAtomically(folder / "trajectory_summary.csv",
+                      [&](std::ostream& out) { writeSummary(out, report.errors); });
+}
+
+void writeHtmlReport(const std::filesystem::path& folder, const TrajectoryReport& report,
+                     const std::vector<ReportPicture>& pictures) {
+  HtmlPage page("Evaluation of " + report.estimate);
+  for (const std::string& line : preface(report)) page.paragraph(line);
+  page.heading("Tables");
+  for (const ReportTable& t : tables(report.errors)) page.table(t.title, t.table);
+  if (!pictures.empty()) page.heading("Pictures");
+  for (const ReportPicture& p : pictures) page.picture(p.path, p.caption);
+  writeTextAtomically(folder / "report.html", [&](std::ostream& out) { out << page.str(); });
+}
+
+}  // namespace facetloc

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "random.h"
+
+#include <facetloc/features/so3.h>
+#include <facetloc/simulation/simulated_odometry.h>
+
+#include <cmath>
+
+namespace facetloc {
+namespace {
+
+constexpr std::uint64_t kErrors = 1;  // a purpose of its own: the seed may be that of the drive
+
+/** A place on the floor plan and the heading there. */
+Eigen::Isometry2d onFloor(const Eigen::Isometry3d& T_w_b) {
+  const Eigen::Vector3d ahead = T_w_b.linear().col(0);
+  return Eigen::Translation2d(T_w_b.translation().head<2>()) *
+         Eigen::Rotation2Dd(std::atan2(ahead.y(), ahead.x()));
+}
+
+double headingOf(const Eigen::Isometry2d& T) { return std::atan2(T(1, 0), T(0, 0)); }
+
+Eigen::Isometry3d inSpace(const Eigen::Isometry2d& T) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = expSO3({0, 0, headingOf(T)});
+  pose.translation().head<2>() = T.translation();
+  return pose;
+}
+
+}  // namespace
+
+std::vector<Eigen::Isometry3d> simulateOdometry(const std::vector<Eigen::Isometry3d>& T_w_b,
+                                                const WheelOdometryParams& params, const RobotParams& robot,
+                                                std::uint64_t seed) {
+  Random random(derivedSeed(seed, kErrors));
+  const double scale = 1 + params.scale_std * random.normal();
+  std::vector<Eigen::Isometry3d> poses;
+  Eigen::Isometry2d T_o_b = Eigen::Isometry2d::Identity();
+  for (std::size_t i = 0; i < T_w_b.size(); ++i) {
+    if (i > 0) {
+      const Eigen::Isometry2d step = onFloor(T_w_b[i - 1]).inverse() * onFloor(T_w_b[i]);
+      const double length = step.translation().norm(), turn = headingOf(step);
+      const double root = std::sqrt(length + robot.wheel_track / 2 * std::abs(turn));
+      const double length_error = params.length_std * root * random.normal();
+      const double turn_error = params.heading_std_deg * kDegree * root * random.normal();
+      const Eigen::Vector2d direction =
+          length > 0 ? Eigen::Vector2d(step.translation() / length) : Eigen::Vector2d::UnitX();
+      T_o_b = T_o_b * (Eigen::Translation2d((scale * length + length_error) * direction) *
+                       Eigen::Rotation2Dd(turn + turn_error));
+    }
+    poses.push_back(inSpace(T_o_b));
+  }
+  return poses;
+}
+
+}  // namespace facetloc
