@@ -5,6 +5,7 @@
 #include "tools/localize_app.h"
 #include "tools/simulate_app.h"
 
+#include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
 #include <facetloc/io/text.h>
@@ -165,14 +166,59 @@ TEST_F(Tools, MapBuildReportsABadImage) {
   EXPECT_EQ(readMap(path).models.size(), 12u);
 }
 
-TEST_F(Tools, MapBuildNeedsPosesOrEvery) {
+TEST_F(Tools, MapBuildFindsTheTrajectoryByItself) {
+  const std::string input = folder_ / "input", path = folder_ / "m.flmap", found = folder_ / "found.txt";
+  fs::copy(map_run(), input, fs::copy_options::recursive);
+  fs::remove(input + "/groundtruth.txt");
+  const ToolRun run = runMap({"build", input, "-o", path, "--trajectory", found});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("trajectory: way"), HasSubstr("1 piece")));
+  const Map map = readMap(path);
+  ASSERT_GT(map.models.size(), 5u);
+  const Trajectory truth = readTumTrajectory(map_run() + "/groundtruth.txt");
+  const Eigen::Isometry3d T = *truth.nearest(map.models[0].stamp) * map.models[0].T_w_m->inverse();
+  for (const LocalModel& model : map.models)
+    EXPECT_LT((T * model.T_w_m->translation() - truth.nearest(model.stamp)->translation()).norm(), 0.1)
+        << model.name;
+  EXPECT_GE(map.links.size(), map.models.size() - 1);
+  EXPECT_EQ(readTumTrajectory(found).poses().size(), truth.poses().size());
+
+  const std::string again = folder_ / "again.flmap";
+  ASSERT_EQ(runMap({"build", map_run(), "-o", again, "--without-poses", "--threads", "1"}).code, kOk);
+  const Map other = readMap(again);
+  ASSERT_EQ(other.models.size(), map.models.size());
+  for (std::size_t i = 0; i < map.models.size(); ++i)
+    EXPECT_EQ(other.models[i].T_w_m->matrix(), map.models[i].T_w_m->matrix()) << i;
+  EXPECT_EQ(runMap({"build", map_run(), "-o", again, "--without-poses", "--resume"}).code, kOk);
+  EXPECT_EQ(readMap(again).models.size(), map.models.size());
+}
+
+TEST_F(Tools, MapBuildUsesAnOdometryThatDrifts) {
+  const std::string odometry = folder_ / "odometry.txt";
+  std::vector<StampedPose> poses = readTumTrajectory(map_run() + "/groundtruth.txt").poses();
+  const CameraMounting mounting = *DepthSequence::open(map_run()).camera()->camera.mounting;
+  Eigen::Isometry3d drift = Eigen::Isometry3d::Identity();
+  for (StampedPose& pose : poses) {
+    drift.linear() = expSO3({0, 0, 0.1 * kDegree}) * drift.linear();
+    pose.T_w_c = drift * pose.T_w_c * mounting.T_b_c().inverse();  // of the robot
+  }
+  writeTumTrajectory(odometry, poses);
+  const ToolRun run =
+      runMap({"build", map_run(), "-o", folder_ / "m.flmap", "--without-poses", "--odometry", odometry});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("odometry and images disagree by"));
+  for (const LocalModel& model : readMap(folder_ / "m.flmap").models) EXPECT_TRUE(model.T_w_m);
+
+  EXPECT_THAT(runMap({"build", map_run(), "-o", folder_ / "n.flmap", "--without-poses", "--odometry",
+                      folder_ / "none.txt"})
+                  .err,
+              HasSubstr("none.txt"));
+}
+
+TEST_F(Tools, MapBuildByEveryNeedsNoPoses) {
   const std::string input = folder_ / "input";
   fs::copy(map_run(), input, fs::copy_options::recursive);
   fs::remove(input + "/groundtruth.txt");
-  const ToolRun run = runMap({"build", input, "-o", folder_ / "m.flmap"});
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("has no poses"));
-  EXPECT_FALSE(fs::exists(folder_ / "m.flmap"));
   EXPECT_EQ(runMap({"build", input, "-o", folder_ / "m.flmap", "--every", "6"}).code, kOk);
   EXPECT_FALSE(readMap(folder_ / "m.flmap").models[0].T_w_m);
   EXPECT_EQ(

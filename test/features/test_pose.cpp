@@ -73,6 +73,22 @@ TEST(Pose, APoseToldInAnotherFrameHasThePerturbationOfThatFrame) {
   }
 }
 
+TEST(Pose, TheInverseHasThePerturbationOfTheOtherFrame) {
+  Rng rng(10);
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::Isometry3d T = test::randomPose(rng, 3, 5);
+    Matrix6d root;
+    for (int k = 0; k < 6; ++k) root.col(k) = gaussian<6>(rng);
+    const Matrix6d P = root * root.transpose();
+    const auto inverted = [&](const Vector6d& d) {
+      return perturbation(T.inverse(), perturbed(T, d).inverse());
+    };
+    const Matrix6d J = test::numericJacobian<6, 6>(inverted, Vector6d::Zero().eval());
+    EXPECT_THAT(inverse({T, P}).T, PoseNear(T.inverse(), 1e-12, 1e-12));
+    EXPECT_THAT(inverse({T, P}).P, MatrixNear(J * P * J.transpose(), 1e-7 * P.norm()));
+  }
+}
+
 /** A covariance with correlations, small enough for first order. */
 Matrix6d randomCovariance(Rng& rng, double scale) {
   Matrix6d A;
