@@ -27,10 +27,20 @@ ViewAlignmentParams alignmentParams() {
   return params;
 }
 
-// What an alignment has added to its prior; rounding may leave less than nothing.
+// What an alignment has added to its prior. Hardly anything along some motion is nothing: it comes from
+// noise, and many of them would hold the camera where the alignment happened to begin.
 Matrix6d added(const Matrix6d& posterior, const Matrix6d& prior) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eig(symmetricInverse(posterior) - symmetricInverse(prior));
-  return eig.eigenvectors() * eig.eigenvalues().cwiseMax(0).asDiagonal() * eig.eigenvectors().transpose();
+  constexpr double kMetresPerRadian = 2, kTellingStd = 0.3;  // [m]
+  Vector6d scale;
+  scale << Eigen::Vector3d::Constant(kMetresPerRadian), Eigen::Vector3d::Ones();
+  const Matrix6d in_metres = scale.cwiseInverse().asDiagonal() *
+                             (symmetricInverse(posterior) - symmetricInverse(prior)) *
+                             scale.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eig(in_metres);
+  const Vector6d kept = (eig.eigenvalues().array() > 1 / (kTellingStd * kTellingStd))
+                            .select(eig.eigenvalues(), Vector6d::Zero());
+  return scale.asDiagonal() * eig.eigenvectors() * kept.asDiagonal() * eig.eigenvectors().transpose() *
+         scale.asDiagonal();
 }
 
 }  // namespace
