@@ -58,6 +58,7 @@ void writeGraph(std::ostream& out, const Map& map) {
   for (std::size_t i = 0; i < map.models.size(); ++i) {
     const auto& T_w_m = map.models[i].T_w_m;
     if (!T_w_m) out << "# the pose of the next vertex is unknown\n";
+    if (map.models[i].by_links) out << "# the pose of the next vertex follows from links\n";
     out << "VERTEX_SE3:QUAT " << i;
     printPose(out, T_w_m.value_or(Eigen::Isometry3d::Identity()));
     out << '\n';
@@ -75,7 +76,7 @@ void writeGraph(std::ostream& out, const Map& map) {
 std::vector<StampedPose> posesOf(const Map& map) {
   std::vector<StampedPose> poses;
   for (const LocalModel& model : map.models)
-    if (model.T_w_m) poses.push_back({model.stamp, *model.T_w_m});
+    if (const auto T_w_m = model.givenPose()) poses.push_back({model.stamp, *T_w_m});
   return poses;
 }
 

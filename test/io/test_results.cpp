@@ -22,8 +22,9 @@ using test::TemporaryFolder;
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr const char* kHeader = "frame,rank,model,probability,score,m_tx,m_ty,m_tz,m_qx,m_qy,m_qz,m_qw,"
-                                "w_tx,w_ty,w_tz,w_qx,w_qy,w_qz,w_qw,sd_rot_deg,sd_trans_m,reason,state\n";
+constexpr const char* kHeader =
+    "frame,rank,model,probability,score,m_tx,m_ty,m_tz,m_qx,m_qy,m_qz,m_qw,"
+    "w_tx,w_ty,w_tz,w_qx,w_qy,w_qz,w_qw,sd_rot_deg,sd_trans_m,reason,state,part\n";
 
 ResultRow hypothesis(const std::string& frame, int rank) {
   ResultRow row;
@@ -66,6 +67,18 @@ std::vector<FrameResult> twoFrames() {
   b.rows = {noHypothesis("2")};
   b.timing = {"2", 1, 2, 3, 0};
   return {a, b};
+}
+
+TEST(Results, OnlyPosesInTheWorldAreATrajectory) {
+  const TemporaryFolder folder;
+  auto frames = twoFrames();
+  frames[0].rows[0].part = "attic, left";
+  writeResults(folder.path(), frames, "");
+  EXPECT_THAT(readTumTrajectory(folder / "poses_tum.txt").poses(), testing::IsEmpty());
+  const auto rows = readHypotheses(folder.path());
+  EXPECT_EQ(rows[0].part, "attic, left");
+  EXPECT_TRUE(rows[0].T_w_c);
+  EXPECT_EQ(rows[1].part, "");
 }
 
 std::string errorOf(const std::string& content) {

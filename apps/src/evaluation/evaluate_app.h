@@ -19,7 +19,7 @@ private:
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
   std::vector<ModelPose> modelPoses(const std::optional<Map>& map) const;
-  void requireWorldPoses(const std::vector<RunResults>& runs) const;
+  void requireWorldPoses(const std::vector<RunResults>& runs, const std::optional<Map>& map) const;
   EvaluationReport reportOf(const Input& input) const;
   std::vector<ReportPicture> drawPictures(const EvaluationReport& report, const Input& input,
                                           const Console& console) const;

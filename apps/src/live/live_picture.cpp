@@ -150,8 +150,10 @@ std::string poseText(const LiveResult& result, const Map* map, const LivePlan* p
   const PoseWithCovariance* pose = result.pose();
   if (!pose && !match) return "no pose; " + seenText(result.image);
   const std::string model = match ? map->models.at(match->model).name : "";
-  std::string words = pose ? positionText(pose->T.translation())
-                           : "in local model " + model + ":  " + positionText(match->T_m_c.T.translation());
+  const std::string part = match ? map->partOf(match->model) : "";
+  std::string words =
+      pose ? (part.empty() ? "" : "in part " + part + ":  ") + positionText(pose->T.translation())
+           : "in local model " + model + ":  " + positionText(match->T_m_c.T.translation());
   if (pose && plan) words += "   heading " + degrees(plan->heading(pose->T), 1);
   words += "   " + accuracyText(pose ? pose->P : match->T_m_c.P);
   if (match)
@@ -201,7 +203,7 @@ LivePicture::Scene::Scene(vtkRenderWindow* window, std::shared_ptr<const Map> ma
       image_caption_(ground_, 15, kPale),
       image_(ground_),
       depth_(ground_) {
-  if (map_) plan_ = std::make_unique<LivePlan>(*map_);
+  if (map_) plan_ = std::make_unique<LivePlan>(map_);
   if (plan_ && plan_->empty()) plan_.reset();
   window_->SetNumberOfLayers(2);
   ground_->SetBackground(1, 1, 1);

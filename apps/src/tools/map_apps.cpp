@@ -6,6 +6,7 @@
 #include "tools/provenance.h"
 #include "tools/text.h"
 
+#include <facetloc/features/map_parts.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_export.h>
 #include <facetloc/io/output_lock.h>
@@ -32,8 +33,9 @@ std::string meanMinMax(const std::vector<double>& values, int decimals) {
 
 std::string extentOf(const Map& map) {
   Eigen::AlignedBox3d box;
+  const int part = mainPart(map);
   for (const LocalModel& model : map.models)
-    if (model.T_w_m) box.extend(model.T_w_m->translation());
+    if (model.T_w_m && model.part == part) box.extend(model.T_w_m->translation());
   if (box.isEmpty()) return "unknown: no model has a pose";
   const Eigen::Vector3d size = box.sizes();
   return text::decimals(size.x(), 2) + " x " + text::decimals(size.y(), 2) + " x " +
@@ -77,13 +79,36 @@ std::string ambiguityOf(const Map& map) {
          " that looks most like another place";
 }
 
+std::string partName(const std::string& name) { return name.empty() ? "the world" : name; }
+
+/** Empty if all poses were given. */
+std::string placedByLinks(const Map& map) {
+  std::size_t models = 0, parts = 0;
+  for (const PartCount& part : partCounts(map)) {
+    models += part.by_links;
+    parts += part.by_links > 0;
+  }
+  return models == 0 ? "" : std::to_string(models) + ", in " + counted(parts, "part");
+}
+
+/** Of a map that is not all in one world. */
+void addParts(TextTable& table, const Map& map) {
+  constexpr std::size_t kMost = 10;  // that are listed
+  if (map.parts.size() < 2) return;
+  table.add({"parts", std::to_string(map.parts.size())});
+  const std::vector<PartCount> counts = partCounts(map);
+  for (std::size_t i = 0; i < std::min(kMost, counts.size()); ++i)
+    table.add({"  " + partName(map.parts[i]), counted(counts[i].models, "local model")});
+  if (counts.size() > kMost) table.add({"  and", std::to_string(counts.size() - kMost) + " more"});
+}
+
 void printSummary(std::ostream& out, const Map& map) {
   std::vector<double> segments, areas;
   std::size_t with_pose = 0, with_depth = 0;
   for (std::size_t i = 0; i < map.models.size(); ++i) {
     const auto view = map.view(static_cast<int>(i));  // of a large map, one at a time
     segments.push_back(static_cast<double>(view->segments.size()));
-    with_pose += map.models[i].T_w_m.has_value();
+    with_pose += map.models[i].givenPose().has_value();
     with_depth += map.models[i].hasPicture();
     for (const Segment& s : view->segments) areas.push_back(s.area());
   }
@@ -91,10 +116,12 @@ void printSummary(std::ostream& out, const Map& map) {
   table.setWordsLast();
   table.add({"  number", std::to_string(map.models.size())});
   table.add({"  with a pose", std::to_string(with_pose)});
+  if (const std::string words = placedByLinks(map); !words.empty()) table.add({"  placed by links", words});
   table.add({"  with a depth picture", std::to_string(with_depth)});
   table.add({"  extent of their poses", extentOf(map)});
   table.add({"  working camera", cameraOf(map)});
   table.add({"links", std::to_string(map.links.size())});
+  addParts(table, map);
   table.add({"segments", std::to_string(areas.size())});
   table.add({"  per model", meanMinMax(segments, 1)});
   table.add({"  area of the hull [m2]", meanMinMax(areas, 3)});
@@ -179,6 +206,7 @@ Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& stem
       throw std::invalid_argument("two local models would be named " + model.name +
                                   "; rename the maps so that their names differ");
   merged.meta["software"] = versionText();
+  placeByLinks(merged);
   return merged;
 }
 
