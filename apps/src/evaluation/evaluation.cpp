@@ -116,7 +116,7 @@ private:
       e.first_correct = row->rank;
       e.first_correct_error = error;
       const auto covariance = covariances.find(row->frame);
-      if (row->rank == 1 && covariance != covariances.end())
+      if (row->rank == 1 && row->part.empty() && covariance != covariances.end())
         e.nees = neesOf(perturbation(*pose, truth), covariance->second);
     }
   }

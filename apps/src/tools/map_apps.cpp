@@ -9,10 +9,12 @@
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_export.h>
+#include <facetloc/io/map_graph.h>
 #include <facetloc/io/output_lock.h>
 #include <facetloc/io/text.h>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <set>
 #include <sstream>
@@ -210,6 +212,22 @@ Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& stem
   return merged;
 }
 
+namespace {
+
+/** Writes a map that is made of others, with all that it is asked for when it is opened. */
+void writeNewMap(const std::string& path, bool overwrite, int threads, const Console& console,
+                 const std::function<const Map&()>& make) {
+  if (path.empty()) throw UsageError("the map to write is missing: -o OUT.flmap");
+  const OutputLock lock = OutputLock::ofFile(path);
+  if (!overwrite && fs::file_size(path) > 0)
+    throw IoError(path, "exists already; give --overwrite to replace it");
+  writeMap(path, make());
+  writePlaceIndex(path);
+  writeAmbiguity(path, threads, console);
+}
+
+}  // namespace
+
 MapInfoApp::MapInfoApp()
     : App("facetloc_map info", "MAP.flmap", "Says what is in a map and how it was made.") {}
 
@@ -239,21 +257,57 @@ int MapCheckApp::execute(const CommandLine&, const Console& console) {
 }
 
 MapExportApp::MapExportApp()
-    : App("facetloc_map export", "MAP.flmap -o DIR",
+    : App("facetloc_map export", "MAP.flmap -o DIR | --g2o FILE",
           "Writes a map for other programs: DIR/models/<name>.pcd (SegmentFrame clouds, each in its model's "
-          "frame), "
-          "DIR/poses_tum.txt and DIR/graph.g2o.") {}
+          "frame), DIR/poses_tum.txt and DIR/graph.g2o; or the graph alone, whose poses can be brought back "
+          "by "
+          "'facetloc_map import' once a program has optimized them.") {}
 
 void MapExportApp::addOptions(CommandLine& line) {
   line.addArgument("MAP.flmap", map_);
   line.addOption("output,o", folder_, "DIR", "Folder of the exported files.");
+  line.addOption("g2o", graph_, "FILE", "Write local models and links to this file, in g2o's format.");
 }
 
 int MapExportApp::execute(const CommandLine&, const Console& console) {
-  if (folder_.empty()) throw UsageError("the folder of the exported files is missing: -o DIR");
+  if (folder_.empty() && graph_.empty())
+    throw UsageError("the folder of the exported files is missing: -o DIR, or --g2o FILE");
   const Map map = openMap(map_);
-  exportMap(map, folder_);
-  console.out << counted(map.models.size(), "local model") << " exported; files in " << folder_ << "\n";
+  if (!graph_.empty()) writeGraph(graph_, map);
+  if (!folder_.empty()) exportMap(map, folder_);
+  console.out << counted(map.models.size(), "local model") << " exported; "
+              << (folder_.empty() ? "graph in " + graph_ : "files in " + folder_) << "\n";
+  return kOk;
+}
+
+MapImportApp::MapImportApp()
+    : App("facetloc_map import", "MAP.flmap --g2o FILE -o OUT.flmap",
+          "Copies a map, with the poses of its local models that a g2o file has (VERTEX_SE3:QUAT, numbered "
+          "as "
+          "'facetloc_map export --g2o' numbers them). Links stay as they are. Parts that no link joins with "
+          "the world keep their own frames.") {}
+
+void MapImportApp::addOptions(CommandLine& line) {
+  line.addArgument("MAP.flmap", map_);
+  line.addOption("g2o", graph_, "FILE", "The poses.");
+  line.addOption("output,o", output_, "OUT.flmap", "The map to write.");
+  line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
+}
+
+int MapImportApp::execute(const CommandLine&, const Console& console) {
+  if (graph_.empty()) throw UsageError("the file with the poses is missing: --g2o FILE");
+  Map map;
+  const auto made = [&]() -> const Map& {
+    map = readMap(map_);
+    noteUnfinished(map, map_, console);
+    readGraphPoses(graph_, map);
+    return map;
+  };
+  writeNewMap(output_, overwrite_, threads(), console, made);
+  const auto posed = std::count_if(map.models.begin(), map.models.end(),
+                                   [](const LocalModel& m) { return m.givenPose().has_value(); });
+  console.out << counted(static_cast<std::size_t>(posed), "pose") << " of "
+              << counted(map.models.size(), "local model") << "; map in " << output_ << "\n";
   return kOk;
 }
 
@@ -271,10 +325,17 @@ void MapMergeApp::addOptions(CommandLine& line) {
 }
 
 int MapMergeApp::execute(const CommandLine&, const Console& console) {
-  if (output_.empty()) throw UsageError("the map to write is missing: -o OUT.flmap");
-  const OutputLock lock = OutputLock::ofFile(output_);
-  if (!overwrite_ && fs::file_size(output_) > 0)
-    throw IoError(output_, "exists already; give --overwrite to replace it");
+  Map merged;
+  writeNewMap(output_, overwrite_, threads(), console, [&]() -> const Map& {
+    merged = merge(console);
+    return merged;
+  });
+  console.out << counted(merged.models.size(), "local model") << ", " << counted(merged.links.size(), "link")
+              << "; map in " << output_ << "\n";
+  return kOk;
+}
+
+Map MapMergeApp::merge(const Console& console) const {
   std::vector<Map> maps;
   std::vector<std::string> stems;
   for (const std::string& path : maps_) {
@@ -282,26 +343,22 @@ int MapMergeApp::execute(const CommandLine&, const Console& console) {
     noteUnfinished(maps.back(), path, console);
     stems.push_back(fs::path(path).stem().string());
   }
-  const Map merged = mergedMap(maps, stems);
+  Map merged = mergedMap(maps, stems);
   const auto hasMounting = [](const Map& map) { return map.camera.mounting.has_value(); };
   if (!merged.camera.mounting && std::any_of(maps.begin(), maps.end(), hasMounting))
     console.note("the maps differ in the camera's mounting; the merged one has none");
   noteChosenDistortion(maps, maps_, console);
-  writeMap(output_, merged);
-  writePlaceIndex(output_);
-  writeAmbiguity(output_, threads(), console);
-  console.out << counted(merged.models.size(), "local model") << ", " << counted(merged.links.size(), "link")
-              << "; map in " << output_ << "\n";
-  return kOk;
+  return merged;
 }
 
 namespace {
 
-constexpr const char* kMapUsage = "Usage: facetloc_map build|info|check|export|merge ...\n\n"
+constexpr const char* kMapUsage = "Usage: facetloc_map build|info|check|export|import|merge ...\n\n"
                                   "  build SEQUENCE -o MAP.flmap   make a map of one run of depth images\n"
                                   "  info MAP.flmap                say what is in a map\n"
                                   "  check MAP.flmap               prove a map sound\n"
                                   "  export MAP.flmap -o DIR       write PCD, TUM and g2o files\n"
+                                  "  import MAP.flmap -o OUT.flmap take poses from a g2o file\n"
                                   "  merge MAPS -o OUT.flmap       put several maps into one\n\n"
                                   "'facetloc_map build --help' and so on tell the options.\n";
 
@@ -314,6 +371,7 @@ int runMapTool(const std::vector<std::string>& arguments, Console console) {
   if (command == "info") return run(MapInfoApp());
   if (command == "check") return run(MapCheckApp());
   if (command == "export") return run(MapExportApp());
+  if (command == "import") return run(MapImportApp());
   if (command == "merge") return run(MapMergeApp());
 
   const auto isOption = [&](const std::string& name) {
