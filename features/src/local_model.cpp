@@ -5,6 +5,11 @@
 
 namespace facetloc {
 
+std::string Map::partOf(int i) const {
+  const auto part = static_cast<std::size_t>(models[static_cast<std::size_t>(i)].part);
+  return part < parts.size() ? parts[part] : std::string();
+}
+
 Camera Map::calibrated(Camera of_images) const {
   const bool fits =
       !of_images.intrinsics.valid() || !camera.distortion || camera.distortion->fits(of_images.intrinsics);

@@ -134,8 +134,8 @@ int insertModel(Connection& db, const PackedModel& packed) {
   describing(db, nameOf(id, model.name), [&] { requireSound(model); });
   Statement statement(db, schema::insert(schema::kModelColumns, "model"));
   statement << id << model.name << model.stamp;
-  if (model.T_w_m)
-    statement << *model.T_w_m;
+  if (const auto T_w_m = model.givenPose())
+    statement << *T_w_m;
   else
     statement.bindAll(std::array<std::nullptr_t, std::tuple_size<PoseColumns>::value>{});
   statement << model.view.intrinsics << static_cast<int>(model.view.segments.size());

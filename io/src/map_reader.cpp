@@ -4,6 +4,8 @@
 #include "map_rows.h"
 #include "map_schema.h"
 
+#include <facetloc/features/map_parts.h>
+
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -52,6 +54,7 @@ Map readSound(sqlite::Connection& db, bool with_views) {
   MapReader reader(db);
   Map map = with_views ? reader.read() : reader.readWithoutViews();
   reader.requireSound();
+  placeByLinks(map);
   return map;
 }
 

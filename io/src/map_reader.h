@@ -60,7 +60,9 @@ private:
   std::vector<std::string> faults_;
 };
 
-/** \brief Reads a map, with or without its views. Throws IoError unless it is sound. */
+/** \brief Reads a map, with or without its views, and places it by its links. Throws IoError unless it is
+ * sound.
+ */
 Map readSound(sqlite::Connection& db, bool with_views);
 
 /** \brief The view of one local model as its file has it. */

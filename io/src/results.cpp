@@ -60,7 +60,7 @@ std::string hypothesesHeader() {
   std::string header = "frame,rank,model,probability,score";
   for (const auto& names : {kModelPose, kWorldPose})
     for (const char* name : names) header.append(",").append(name);
-  return header + ",sd_rot_deg,sd_trans_m,reason,state\n";
+  return header + ",sd_rot_deg,sd_trans_m,reason,state,part\n";
 }
 
 std::string hypothesesLines(const FrameResult& frame) {
@@ -69,7 +69,7 @@ std::string hypothesesLines(const FrameResult& frame) {
   for (const ResultRow& row : frame.rows)
     lines += text::csvCell(row.frame) + ',' + std::to_string(row.rank) + ',' +
              (row.rank ? hypothesisCells(row) : no_hypothesis) + ',' + text::csvCell(row.reason) + ',' +
-             toString(row.state) + '\n';
+             toString(row.state) + ',' + text::csvCell(row.part) + '\n';
   return lines;
 }
 
@@ -110,7 +110,7 @@ std::string timingLine(const FrameResult& frame) {
 std::string poseLines(const FrameResult& frame) {
   std::string lines;
   for (const ResultRow& row : frame.rows)
-    if (row.rank == 1 && row.T_w_c && row.state == AnswerState::sure)
+    if (row.rank == 1 && row.T_w_c && row.part.empty() && row.state == AnswerState::sure)
       lines += tum::line({frame.stamp, *row.T_w_c});
   return lines;
 }
@@ -155,6 +155,7 @@ ResultRow readRow(const csv::Table& table, const csv::Row& row) {
   if (result.rank == 0) return result;
   result.state = state.value_or(AnswerState::doubtful);
   result.model = table.string(row, "model");
+  if (table.hasColumn("part")) result.part = table.string(row, "part");
   result.probability = table.real(row, "probability");
   if (!plausible::isProbability(result.probability)) table.fail(row, "probability is not between 0 and 1");
   result.score = table.real(row, "score");

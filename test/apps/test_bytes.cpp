@@ -74,10 +74,12 @@ TEST(Bytes, ResultsSurvive) {
   result.rows.resize(2);
   result.rows[1].reason = "a \"reason\"\nof two lines";
   result.rows[1].T_w_c = Eigen::Isometry3d::Identity();
+  result.rows[1].part = "a part";
   expectSurvives(std::vector<FrameResult>{result, {}});
   const auto again = fromBytes<std::vector<FrameResult>>(toBytes(std::vector<FrameResult>{result}));
   EXPECT_EQ(again.at(0).timing.frame, "frame");
   EXPECT_EQ(again.at(0).rows.at(1).reason, result.rows[1].reason);
+  EXPECT_EQ(again.at(0).rows.at(1).part, "a part");
 }
 
 TEST(Bytes, TornOnesAreRefused) {

@@ -28,6 +28,15 @@ TEST(LiveTrail, BeginsANewLineAfterAnInterruptionAndAJump) {
   EXPECT_EQ(trail.lines()[2].front().x(), 5);
 }
 
+TEST(LiveTrail, BeginsAnewInAnotherPartOfTheMap) {
+  LiveTrail trail;
+  trail.add({0, 0, 0}, 1);
+  trail.interrupt();
+  trail.add({0.2, 0, 0}, 2);
+  ASSERT_THAT(trail.lines(), SizeIs(1));
+  EXPECT_EQ(trail.lines()[0].front().x(), 0.2);
+}
+
 TEST(LiveTrail, LongOnesGetCoarser) {
   LiveTrail trail;
   for (int i = 0; i < 50000; ++i) trail.add({0.1 * i, 0, 0});

@@ -45,6 +45,34 @@ TEST_F(Tools, MapImagesAreFoundInTheirMap) {
   EXPECT_GE(localized, kFrames * 2 / 3);
 }
 
+TEST_F(Tools, AMapOfLinksAloneLocalizesAsWellAsOneWithPoses) {
+  Map bare = readMap(map());
+  for (LocalModel& model : bare.models) model.T_w_m.reset();
+  writeMap(folder_ / "bare.flmap", bare);
+  const auto sureIn = [&](const std::string& map, const std::string& results) {
+    EXPECT_EQ(runTool<LocalizeApp>({map, query(), "-o", folder_ / results}).code, kOk);
+    return readTumTrajectory(folder_ / (results + "/poses_tum.txt")).poses().size();
+  };
+  const std::size_t with_poses = sureIn(map(), "posed");
+  EXPECT_GT(with_poses, 0u);
+  EXPECT_GE(static_cast<double>(sureIn(folder_ / "bare.flmap", "bare")),
+            0.95 * static_cast<double>(with_poses));
+  const ToolRun judged =
+      runTool<EvaluateApp>({folder_ / "bare", query() + "/groundtruth.txt", "--map", folder_ / "bare.flmap"});
+  EXPECT_EQ(judged.code, kFailed);
+  EXPECT_THAT(judged.err, HasSubstr("no world poses"));
+
+  bare.links.erase(bare.links.begin() + static_cast<std::ptrdiff_t>(bare.links.size() / 2));
+  writeMap(folder_ / "parts.flmap", bare);
+  EXPECT_EQ(sureIn(folder_ / "parts.flmap", "parts"), 0u) << "nothing is in the world";
+  bool posed = false;
+  for (const ResultRow& row : readHypotheses(folder_ / "parts")) {
+    EXPECT_EQ(row.part.empty(), row.rank == 0);
+    posed = posed || row.T_w_c;
+  }
+  EXPECT_TRUE(posed);
+}
+
 TEST_F(Tools, ParametersOfResultsCanBeUsedAgain) {
   ASSERT_EQ(runTool<LocalizeApp>(
                 {map(), firstImage(), "-o", folder_ / "a", "--probability.null_score", "-5", "--width=160"})

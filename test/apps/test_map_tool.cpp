@@ -46,6 +46,46 @@ TEST_F(Tools, MapMergeAndExport) {
   EXPECT_TRUE(fs::exists(folder_ / "export/graph.g2o"));
 }
 
+TEST_F(Tools, MapTakesThePosesOfAGraph) {
+  const std::string graph = folder_ / "map.g2o", moved = folder_ / "moved.flmap";
+  ASSERT_EQ(runMap({"export", map(), "--g2o", graph}).code, kOk);
+  std::istringstream lines(test::contentOf(graph));
+  std::string optimized;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string tag, id, rest;
+    double x = 0;
+    words >> tag >> id >> x;
+    std::getline(words, rest);
+    optimized +=
+        tag == "VERTEX_SE3:QUAT" ? tag + " " + id + " " + std::to_string(x + 1) + rest + "\n" : line + "\n";
+  }
+  test::writeContent(graph, optimized);
+  ASSERT_EQ(runMap({"import", map(), "--g2o", graph, "-o", moved}).code, kOk);
+  const Map before = readMap(map()), after = readMap(moved);
+  ASSERT_EQ(after.models.size(), before.models.size());
+  for (std::size_t i = 0; i < after.models.size(); ++i)
+    EXPECT_NEAR(after.models[i].givenPose()->translation().x(), before.models[i].T_w_m->translation().x() + 1,
+                1e-5);
+  EXPECT_EQ(runMap({"check", moved}).code, kOk);
+  EXPECT_EQ(runMap({"import", map(), "--g2o", graph, "-o", moved}).code, kFailed);  // exists
+  EXPECT_EQ(runMap({"import", map(), "-o", moved}).code, kUsage);
+  EXPECT_EQ(runMap({"export", map()}).code, kUsage);
+}
+
+TEST_F(Tools, MapInfoTellsThePartsOfATopologicalMap) {
+  Map bare = readMap(map());
+  const auto models = std::to_string(bare.models.size());
+  for (LocalModel& model : bare.models) model.T_w_m.reset();
+  writeMap(folder_ / "bare.flmap", bare);
+  EXPECT_THAT(runMap({"info", folder_ / "bare.flmap"}).out, HasSubstr(models + ", in 1 part\n"));
+  bare.links.erase(bare.links.begin());
+  writeMap(folder_ / "parts.flmap", bare);
+  EXPECT_THAT(runMap({"info", folder_ / "parts.flmap"}).out,
+              testing::AllOf(HasSubstr(models + ", in 2 parts\n"), HasSubstr(bare.models[0].name),
+                             HasSubstr("1 local model\n")));
+}
+
 TEST_F(Tools, MapCommandsAreKnown) {
   EXPECT_EQ(runMap({}).code, kUsage);
   EXPECT_EQ(runMap({"biuld"}).code, kUsage);

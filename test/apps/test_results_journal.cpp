@@ -25,6 +25,7 @@ FrameResult exampleResult(const std::string& frame, int rows) {
     row.sd_rot_deg = 0.1;
     row.reason = i == 1 ? "" : "depth-assisted, twice";
     row.state = AnswerState::doubtful;
+    row.part = i % 2 ? "" : "a part";
     if (i == 1) row.P_w_c = Matrix6d::Identity() / 3 + 0.1 * Matrix6d::Ones();
     result.rows.push_back(row);
   }
@@ -53,6 +54,7 @@ void expectSame(const FrameResult& a, const FrameResult& b) {
     EXPECT_EQ(x.P_w_c, y.P_w_c);
     EXPECT_EQ(x.reason, y.reason);
     EXPECT_EQ(x.state, y.state);
+    EXPECT_EQ(x.part, y.part);
   }
 }
 

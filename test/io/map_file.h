@@ -49,8 +49,8 @@ inline void expectEqual(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) 
 inline void expectEqual(const LocalModel& a, const LocalModel& b) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.stamp, b.stamp);
-  ASSERT_EQ(a.T_w_m.has_value(), b.T_w_m.has_value());
-  if (a.T_w_m) expectEqual(*a.T_w_m, *b.T_w_m);
+  ASSERT_EQ(a.givenPose().has_value(), b.givenPose().has_value());
+  if (a.givenPose()) expectEqual(*a.T_w_m, *b.T_w_m);
   EXPECT_EQ(a.view.intrinsics, b.view.intrinsics);
   ASSERT_EQ(a.view.segments.size(), b.view.segments.size());
   for (std::size_t i = 0; i < a.view.segments.size(); ++i)

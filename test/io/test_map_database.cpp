@@ -61,6 +61,24 @@ TEST_F(MapFile, RoundTripsExactly) {
   }
 }
 
+TEST_F(MapFile, PosesThatFollowFromLinksAreFoundAnewAndNeverWritten) {
+  Map map = ExampleMap().map(4);
+  for (const int i : {0, 2, 3}) map.models[i].T_w_m.reset();
+  map.links = {ExampleMap().link(1, 0), ExampleMap(2).link(2, 3)};
+  writeMap(path_, map);
+  for (int repetition = 0; repetition < 2; ++repetition) {
+    for (const Map& read : {readMap(path_), openMap(path_, 0)}) {
+      EXPECT_THAT(read.parts, ElementsAre("", map.models[2].name));
+      const LocalModel& placed = read.models[0];
+      ASSERT_TRUE(placed.T_w_m);
+      EXPECT_FALSE(placed.givenPose());
+      EXPECT_TRUE(placed.T_w_m->isApprox(*map.models[1].T_w_m * map.links[0].T_from_to.T, 1e-9));
+      EXPECT_EQ(read.models[3].part, 1);
+    }
+    writeMap(path_, readMap(path_));
+  }
+}
+
 DepthDistortion exampleDistortion() {
   DepthDistortion::Values values;
   for (int i = 0; i < DepthDistortion::kNodes; ++i) values[i] = 1e-3 * std::sin(i);

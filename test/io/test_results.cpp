@@ -22,8 +22,9 @@ using test::TemporaryFolder;
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr const char* kHeader = "frame,rank,model,probability,score,m_tx,m_ty,m_tz,m_qx,m_qy,m_qz,m_qw,"
-                                "w_tx,w_ty,w_tz,w_qx,w_qy,w_qz,w_qw,sd_rot_deg,sd_trans_m,reason,state\n";
+constexpr const char* kHeader =
+    "frame,rank,model,probability,score,m_tx,m_ty,m_tz,m_qx,m_qy,m_qz,m_qw,"
+    "w_tx,w_ty,w_tz,w_qx,w_qy,w_qz,w_qw,sd_rot_deg,sd_trans_m,reason,state,part\n";
 
 ResultRow hypothesis(const std::string& frame, int rank) {
   ResultRow row;
@@ -66,6 +67,18 @@ std::vector<FrameResult> twoFrames() {
   b.rows = {noHypothesis("2")};
   b.timing = {"2", 1, 2, 3, 0};
   return {a, b};
+}
+
+TEST(Results, OnlyPosesInTheWorldAreATrajectory) {
+  const TemporaryFolder folder;
+  auto frames = twoFrames();
+  frames[0].rows[0].part = "attic, left";
+  writeResults(folder.path(), frames, "");
+  EXPECT_THAT(readTumTrajectory(folder / "poses_tum.txt").poses(), testing::IsEmpty());
+  const auto rows = readHypotheses(folder.path());
+  EXPECT_EQ(rows[0].part, "attic, left");
+  EXPECT_TRUE(rows[0].T_w_c);
+  EXPECT_EQ(rows[1].part, "");
 }
 
 std::string errorOf(const std::string& content) {
@@ -129,8 +142,8 @@ TEST(Results, TheBytesAreThoseOfTheContract) {
   writeResults(folder.path(), {frame, lost}, "");
   EXPECT_EQ(bytesOf(folder / "hypotheses.csv"),
             kHeader +
-                std::string("f,1,m,0.333333333,-12.5,0.333333333,0,1e-09,0,0,0,1,,,,,,,,0.5,0.01,,doubtful\n"
-                            "g,0,,,,,,,,,,,,,,,,,,,,\"dark, \"\"very\"\"\",unknown\n"));
+                std::string("f,1,m,0.333333333,-12.5,0.333333333,0,1e-09,0,0,0,1,,,,,,,,0.5,0.01,,doubtful,\n"
+                            "g,0,,,,,,,,,,,,,,,,,,,,\"dark, \"\"very\"\"\",unknown,\n"));
 }
 
 /** Poses that are not sure are not handed to anybody who may drive by them. */
@@ -146,7 +159,7 @@ TEST(Results, DoubtfulPosesAreNoTrajectory) {
 
 TEST(Results, OfOlderVersionsAreSureByTheirProbability) {
   std::string header = kHeader;
-  header.erase(header.find(",state"), 6);
+  header.erase(header.find(",state,part"), 11);
   const std::string pose = ",1,0,0,0,0,0,0,1,,,,,,,,1,1,\n";
   const TemporaryFolder folder;
   putBytes(folder / "hypotheses.csv", header + "f,1,m,0.9" + pose + "f,2,m,0.1" + pose + "g,1,m,0.89" + pose +
@@ -159,7 +172,7 @@ TEST(Results, OfOlderVersionsAreSureByTheirProbability) {
 }
 
 TEST(Results, AWrongStateOrCovarianceIsNamed) {
-  EXPECT_THAT(errorOf(kHeader + std::string("f,0,,,,,,,,,,,,,,,,,,,,why,certain\n")),
+  EXPECT_THAT(errorOf(kHeader + std::string("f,0,,,,,,,,,,,,,,,,,,,,why,certain,\n")),
               AllOf(HasSubstr("line 2"), HasSubstr("state")));
   const TemporaryFolder folder;
   writeResults(folder.path(), twoFrames(), "");
@@ -194,31 +207,32 @@ TEST(Results, ColumnsAreFoundByName) {
 
 TEST(Results, NamesTheLineOfAFault) {
   const std::string header = kHeader;
-  const std::string none = "f,0,,,,,,,,,,,,,,,,,,,,why,unknown\n";
+  const std::string none = "f,0,,,,,,,,,,,,,,,,,,,,why,unknown,\n";
   EXPECT_EQ(errorOf(header + none), "");
   EXPECT_EQ(errorOf(header), "");
   EXPECT_THAT(errorOf(""), HasSubstr("empty"));
   EXPECT_THAT(errorOf("frame,rank\nf,0\n"), AllOf(HasSubstr("hypotheses.csv"), HasSubstr("'reason'")));
   EXPECT_THAT(errorOf(header + none + "f,0,,,,,\n"), AllOf(HasSubstr("line 3"), HasSubstr("columns")));
-  EXPECT_THAT(errorOf(header + "f,x,,,,,,,,,,,,,,,,,,,,why,unknown\n"),
+  EXPECT_THAT(errorOf(header + "f,x,,,,,,,,,,,,,,,,,,,,why,unknown,\n"),
               AllOf(HasSubstr("line 2"), HasSubstr("rank = 'x'")));
-  EXPECT_THAT(errorOf(header + "f,-1,,,,,,,,,,,,,,,,,,,,why,unknown\n"), HasSubstr("negative"));
-  EXPECT_THAT(errorOf(header + "f,1,m,,,,,,,,,,,,,,,,,,,why,unknown\n"), HasSubstr("probability"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,2,,,,,,,,1,1,,sure\n"), HasSubstr("rotation"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1,nan,0,0,0,0,0,0,1,,,,,,,,1,1,,sure\n"), HasSubstr("finite"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,1,1,,,,,,,1,1,,sure\n"), HasSubstr("w_ty"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1.5,1,0,0,0,0,0,0,1,,,,,,,,1,1,,sure\n"), HasSubstr("between 0 and 1"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1,1,9e6,0,0,0,0,0,1,,,,,,,,1,1,,sure\n"), HasSubstr("1000 km away"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,1,,,,,,,,1,-1,,sure\n"), HasSubstr("is negative"));
-  EXPECT_THAT(errorOf(header + "f,0,,,,,,,,,,,,,,,,,,,,\"why,unknown\n"),
+  EXPECT_THAT(errorOf(header + "f,-1,,,,,,,,,,,,,,,,,,,,why,unknown,\n"), HasSubstr("negative"));
+  EXPECT_THAT(errorOf(header + "f,1,m,,,,,,,,,,,,,,,,,,,why,unknown,\n"), HasSubstr("probability"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,2,,,,,,,,1,1,,sure,\n"), HasSubstr("rotation"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,nan,0,0,0,0,0,0,1,,,,,,,,1,1,,sure,\n"), HasSubstr("finite"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,1,1,,,,,,,1,1,,sure,\n"), HasSubstr("w_ty"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1.5,1,0,0,0,0,0,0,1,,,,,,,,1,1,,sure,\n"),
+              HasSubstr("between 0 and 1"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,1,9e6,0,0,0,0,0,1,,,,,,,,1,1,,sure,\n"), HasSubstr("1000 km away"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,1,,,,,,,,1,-1,,sure,\n"), HasSubstr("is negative"));
+  EXPECT_THAT(errorOf(header + "f,0,,,,,,,,,,,,,,,,,,,,\"why,unknown,\n"),
               AllOf(HasSubstr("line 2"), HasSubstr("quote")));
-  EXPECT_THAT(errorOf(header + "\"f\"x,0,,,,,,,,,,,,,,,,,,,,why,unknown\n"), HasSubstr("line 2"));
+  EXPECT_THAT(errorOf(header + "\"f\"x,0,,,,,,,,,,,,,,,,,,,,why,unknown,\n"), HasSubstr("line 2"));
   EXPECT_NE(ioErrorOf([] { readTiming("no/such/folder"); }), "");
 }
 
 /** As a program leaves it that is killed while it writes. */
 TEST(Results, ATornLastLineIsLeftOutForWhoHearsOfIt) {
-  const std::string row = "f,0,,,,,,,,,,,,,,,,,,,,why,unknown\n", torn = "g,1,\"a model";
+  const std::string row = "f,0,,,,,,,,,,,,,,,,,,,,why,unknown,\n", torn = "g,1,\"a model";
   const TemporaryFolder folder;
   std::string remarks;
   const Remark remark = [&](const std::string& text) { remarks += text; };
@@ -239,7 +253,7 @@ TEST(Results, ATornLastLineIsLeftOutForWhoHearsOfIt) {
 }
 
 TEST(Results, LineNumbersCountLinesInsideQuotes) {
-  const std::string two_lines = "f,0,,,,,,,,,,,,,,,,,,,,\"a\nb\",unknown\n\n";
+  const std::string two_lines = "f,0,,,,,,,,,,,,,,,,,,,,\"a\nb\",unknown,\n\n";
   EXPECT_THAT(errorOf(kHeader + two_lines + "bad\n"), HasSubstr("line 5"));
 }
 

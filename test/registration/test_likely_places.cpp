@@ -45,6 +45,17 @@ TEST(LikelyPlaces, APlaceInBothListsWinsOverThoseInOne) {
   EXPECT_LT(both[1].probability, 0.05);
 }
 
+TEST(LikelyPlaces, PlacesInTwoPartsOfAMapAreTwo) {
+  LikelyPlace elsewhere = at(0, 0.4);
+  elsewhere.part = 1;
+  const auto both = placesOfBoth({at(0, 0.4), at(5, 0.4)}, {elsewhere, at(5, 0.4)}, kModels);
+  ASSERT_EQ(both.size(), 3u);
+  EXPECT_EQ(both[0].part, 1);
+  EXPECT_LT(both[0].probability, 0.05) << "the view before has not seen it";
+  EXPECT_GT(both[1].probability, 0.9);
+  EXPECT_EQ(both[2].part, 0);
+}
+
 TEST(LikelyPlaces, OfEqualCornersInBothViewsNoneWins) {
   const auto both = placesOfBoth({at(0, 0.5), at(5, 0.5)}, {at(0, 0.5), at(5, 0.5)}, kModels);
   ASSERT_EQ(both.size(), 2u);

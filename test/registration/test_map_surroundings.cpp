@@ -49,18 +49,18 @@ protected:
 TEST_F(SurroundingsOfAPose, AreTheNearestModels) {
   const MapSurroundings all = surroundings();
   EXPECT_TRUE(all.anyPose());
-  const Surroundings found = all.around(view, pose, 5);
+  const Surroundings found = all.around(view, 0, pose, 5);
   EXPECT_THAT(viewsOf(found), ElementsAre(0, 1));
   EXPECT_EQ(found.pictures.size(), 2u);
-  EXPECT_THAT(viewsOf(all.around(view, pose, 1)), ElementsAre(0));
+  EXPECT_THAT(viewsOf(all.around(view, 0, pose, 1)), ElementsAre(0));
   Eigen::Isometry3d far = pose;
   far.translation().x() += 100;
-  EXPECT_TRUE(all.around(view, far, 5).segments.empty());
+  EXPECT_TRUE(all.around(view, 0, far, 5).segments.empty());
 }
 
 TEST_F(SurroundingsOfAPose, WithoutDepthAreTheNearest) {
   for (LocalModel& m : map->models) m.view.depth = {};
-  const Surroundings found = surroundings().around(view, pose, 1);
+  const Surroundings found = surroundings().around(view, 0, pose, 1);
   EXPECT_THAT(viewsOf(found), ElementsAre(0));
   EXPECT_TRUE(found.pictures.empty());
 }
@@ -68,14 +68,14 @@ TEST_F(SurroundingsOfAPose, WithoutDepthAreTheNearest) {
 TEST_F(SurroundingsOfAPose, AModelBehindAWallGivesNoPicture) {
   // The same pose, but what that model saw is nearer than all that the view sees.
   map->models[0].view = viewFrom(test::box({2.5, 2, 0}, {3.9, 3, 2.5}), *map->models[0].T_w_m, 5);
-  const Surroundings found = surroundings().around(view, pose, 5);
+  const Surroundings found = surroundings().around(view, 0, pose, 5);
   ASSERT_EQ(found.pictures.size(), 1u);
   EXPECT_EQ(found.pictures[0].picture, &map->models[1].view.depth);
   EXPECT_EQ(viewsOf(found).front(), 1);
 }
 
 TEST_F(SurroundingsOfAPose, HaveTheirSegmentsInTheWorld) {
-  const Surroundings found = surroundings().around(view, pose, 5);
+  const Surroundings found = surroundings().around(view, 0, pose, 5);
   ASSERT_EQ(found.segments.size(), map->models[0].view.segments.size() + map->models[1].view.segments.size());
   ASSERT_EQ(found.origins.size(), found.segments.size());
   for (std::size_t i = 0; i < found.segments.size(); ++i) {
@@ -88,7 +88,7 @@ TEST_F(SurroundingsOfAPose, HaveTheirSegmentsInTheWorld) {
 
 TEST_F(SurroundingsOfAPose, StandOnTheFloorOfTheNearestRobots) {
   const Eigen::Matrix3d covariance = floorCovariance({});
-  EXPECT_FALSE(surroundings().floorNear(pose, 2, covariance));  // no mounting, no robot
+  EXPECT_FALSE(surroundings().floorNear(0, pose, 2, covariance));  // no mounting, no robot
   map->camera.mounting = CameraMounting{1.2, 0};
   map->models.resize(2);
   const auto standing = [](double x, double floor) {
@@ -99,7 +99,7 @@ TEST_F(SurroundingsOfAPose, StandOnTheFloorOfTheNearestRobots) {
   map->models[0].T_w_m = standing(0, 0.1);
   map->models[1].T_w_m = standing(5, 0.3);
   const auto height = [&](double x, int n) {
-    const FloorPlane floor = *surroundings().floorNear(standing(x, 0.1 + 0.04 * x), n, covariance);
+    const FloorPlane floor = *surroundings().floorNear(0, standing(x, 0.1 + 0.04 * x), n, covariance);
     const Eigen::Vector3d normal = floor.T_w_f.linear().col(2);
     const Eigen::Vector3d to_plane = floor.T_w_f.translation() - Eigen::Vector3d(x, 0, 0);
     return normal.dot(to_plane) / normal.z();
@@ -116,15 +116,15 @@ TEST_F(SurroundingsOfAPose, StandOnTheFloorOfTheNearestRobots) {
     map->models.back().T_w_m = standing(x, floor);
   }
   EXPECT_NEAR(height(4, 9), between, 1e-9);
-  EXPECT_FALSE(surroundings().floorNear(standing(4, 2), 2, covariance));
+  EXPECT_FALSE(surroundings().floorNear(0, standing(4, 2), 2, covariance));
   for (LocalModel& m : map->models) m.T_w_m.reset();
-  EXPECT_FALSE(surroundings().floorNear(standing(0, 0), 2, covariance));
+  EXPECT_FALSE(surroundings().floorNear(0, standing(0, 0), 2, covariance));
 }
 
 TEST(MapSurroundings, OfAnEmptyMapAreEmpty) {
   const MapSurroundings none(std::make_shared<Map>(), DepthComparison({}));
   EXPECT_FALSE(none.anyPose());
-  EXPECT_TRUE(none.around({}, Eigen::Isometry3d::Identity(), 5).segments.empty());
+  EXPECT_TRUE(none.around({}, 0, Eigen::Isometry3d::Identity(), 5).segments.empty());
 }
 
 }  // namespace

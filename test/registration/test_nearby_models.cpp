@@ -26,6 +26,7 @@ std::shared_ptr<const Map> building() {
                           Eigen::AngleAxisd(EIGEN_PI / 2, Eigen::Vector3d::UnitX());
       m.T_w_m->translation() << std::round(place(engine)), place(engine), 1;
     }
+    m.part = i % 4 == 0 ? 3 : 0;
     if (i % 5 > 0) m.view.depth.camera = {160, 120, 130, 130, 80, 60};
     map->models.push_back(m);
   }
@@ -52,15 +53,15 @@ TEST(NearbyModels, AreThoseOfBruteForce) {
       for (const ViewReach reach : {ViewReach{2.5, 0.9}, ViewReach{4, 1.05}, ViewReach{100, 4}}) {
         std::vector<std::pair<double, int>> by_sight, by_place;
         for (std::size_t i = 0; i < map->models.size(); ++i) {
-          if (!isOne(map->models[i])) continue;
+          if (!isOne(map->models[i]) || map->models[i].part != map->models[k].part) continue;
           const double distance = viewDistance(*map->models[i].T_w_m, T, reach);
           if (std::isfinite(distance)) by_sight.emplace_back(distance, static_cast<int>(i));
           by_place.emplace_back((map->models[i].T_w_m->translation() - T.translation()).squaredNorm(),
                                 static_cast<int>(i));
         }
         for (const int n : {0, 1, 5, 1000}) {
-          EXPECT_EQ(near.bySight(T, reach, n), sorted(by_sight, n));
-          EXPECT_EQ(near.byPlace(T.translation(), n), sorted(by_place, n));
+          EXPECT_EQ(near.bySight(map->models[k].part, T, reach, n), sorted(by_sight, n));
+          EXPECT_EQ(near.byPlace(map->models[k].part, T.translation(), n), sorted(by_place, n));
         }
       }
     }
@@ -70,15 +71,16 @@ TEST(NearbyModels, AreThoseOfBruteForce) {
 TEST(NearbyModels, AreNoneWhereThereAreNone) {
   const NearbyModels none(std::make_shared<Map>());
   EXPECT_TRUE(none.empty());
-  EXPECT_TRUE(none.byPlace({0, 0, 0}, 5).empty());
-  EXPECT_TRUE(none.bySight(Eigen::Isometry3d::Identity(), kTrackingReach, 5).empty());
+  EXPECT_TRUE(none.byPlace(0, {0, 0, 0}, 5).empty());
+  EXPECT_TRUE(none.bySight(0, Eigen::Isometry3d::Identity(), kTrackingReach, 5).empty());
   const NearbyModels near(building());
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(near.byPlace({nan, 0, 0}, 5).empty());
-  EXPECT_EQ(near.byPlace({5000, 0, 0}, 5).size(), 5u);
+  EXPECT_TRUE(near.byPlace(0, {nan, 0, 0}, 5).empty());
+  EXPECT_TRUE(near.byPlace(1, {0, 0, 0}, 5).empty()) << "no such part";
+  EXPECT_EQ(near.byPlace(0, {5000, 0, 0}, 5).size(), 5u);
   Eigen::Isometry3d nowhere = Eigen::Isometry3d::Identity();
   nowhere.translation().x() = nan;
-  EXPECT_TRUE(near.bySight(nowhere, kTrackingReach, 5).empty());
+  EXPECT_TRUE(near.bySight(0, nowhere, kTrackingReach, 5).empty());
 }
 
 }  // namespace

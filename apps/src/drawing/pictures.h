@@ -45,8 +45,9 @@ struct DrawnMarks {
   Colour colour = kRed;
 };
 /** \brief The paper's Fig. 4: the segments of all local models in plan view (upright ones as lines, level
- * ones not), the local models with their headings, their links, runs and marks, a scale bar. Models without a
- * world pose are left out; throws IoError if none has one. */
+ * ones not), the local models with their headings, their links, runs and marks, a scale bar. Of a map in
+ * parts the world, or else the largest part. Models without a pose are left out; throws IoError if none has
+ * one. */
 void drawFloorMap(const std::filesystem::path& path, const Map& map, const std::vector<DrawnRun>& runs,
                   const std::vector<DrawnMarks>& marks = {});
 

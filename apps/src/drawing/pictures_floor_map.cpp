@@ -3,6 +3,7 @@
 #include "drawing/pictures.h"
 #include "drawing/plan_view.h"
 
+#include <facetloc/features/map_parts.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/text.h>
 
@@ -40,18 +41,19 @@ struct Content {
   std::vector<std::array<Eigen::Vector3d, 2>> links;
 };
 
-Content contentOf(const Map& map, const PlanView& plan) {
+Content contentOf(const Map& map, int part, const PlanView& plan) {
   Content content;
   for (std::size_t i = 0; i < map.models.size(); ++i) {
     const LocalModel& model = map.models[i];
-    if (!model.T_w_m) continue;
+    if (!model.T_w_m || model.part != part) continue;
     content.models.push_back(*model.T_w_m);
     for (const Segment& segment : map.view(static_cast<int>(i))->segments)
       if (const auto line = plan.line(segment, *model.T_w_m)) content.walls.push_back(*line);
   }
   for (const Link& link : map.links) {
     const auto &from = map.models[link.from].T_w_m, &to = map.models[link.to].T_w_m;
-    if (from && to) content.links.push_back({from->translation(), to->translation()});
+    if (from && to && map.models[link.from].part == part)
+      content.links.push_back({from->translation(), to->translation()});
   }
   return content;
 }
@@ -207,8 +209,9 @@ void drawFloorMap(const std::filesystem::path& path, const Map& map, const std::
   if (std::none_of(map.models.begin(), map.models.end(),
                    [](const LocalModel& m) { return m.T_w_m.has_value(); }))
     throw IoError(path.string(), "cannot be drawn: no local model of the map has a pose");
-  const PlanView plan(upInWorld(map));
-  const Content content = contentOf(map, plan);
+  const int part = mainPart(map);
+  const PlanView plan(upInPart(map, part));
+  const Content content = contentOf(map, part, plan);
   const Scale scale = scaleFor(extentOf(content, plan, runs, marks));
 
   constexpr double kBarWidth = 260;

@@ -48,12 +48,12 @@ Eigen::Vector3d upInView(const View& view, const std::optional<CameraMounting>& 
   return mounting ? guess : levelNormal(normalsOf(view, Eigen::Matrix3d::Identity()), guess);
 }
 
-Eigen::Vector3d upInWorld(const Map& map) {
+Eigen::Vector3d upInPart(const Map& map, int part) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   std::vector<WeightedNormal> normals;
   for (std::size_t i = 0; i < map.models.size(); ++i) {
     const auto& T_w_m = map.models[i].T_w_m;
-    if (!T_w_m) continue;
+    if (!T_w_m || map.models[i].part != part) continue;
     sum += T_w_m->linear() * guessInView(map.camera.mounting);
     const auto more = normalsOf(*map.view(static_cast<int>(i)), T_w_m->linear());
     normals.insert(normals.end(), more.begin(), more.end());

@@ -11,9 +11,9 @@ namespace facetloc {
  * about across the image's vertical. */
 Eigen::Vector3d upInView(const View& view, const std::optional<CameraMounting>& mounting);
 
-/** \brief Which way is up in the world of a map: z where that is about right, else what its views say. Models
- * without a pose do not count. */
-Eigen::Vector3d upInWorld(const Map& map);
+/** \brief Which way is up in the frame of a part of a map: z where that is about right, else what its views
+ * say. Models without a pose do not count. */
+Eigen::Vector3d upInPart(const Map& map, int part);
 
 /** \brief What a segment is from above. */
 struct PlanLine {

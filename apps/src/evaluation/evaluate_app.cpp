@@ -8,6 +8,7 @@
 #include "tools/depth_input.h"
 #include "tools/text.h"
 
+#include <facetloc/features/map_parts.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
@@ -137,12 +138,13 @@ std::optional<ResultsAlignment> EvaluateApp::align(Input& input) const {
   return alignment;
 }
 
-void EvaluateApp::requireWorldPoses(const std::vector<RunResults>& runs) const {
+void EvaluateApp::requireWorldPoses(const std::vector<RunResults>& runs,
+                                    const std::optional<Map>& map) const {
   bool any = false, posed = false;
   for (const RunResults& run : runs)
     for (const ResultRow& row : run.rows) {
       any = any || row.rank > 0;
-      posed = posed || row.T_w_c;
+      posed = posed || (row.T_w_c && row.part.empty() && (!map || hasGivenPose(*map)));
     }
   if (any && !posed) throw IoError(results_, "has no world poses: the map has none");
 }
@@ -157,7 +159,8 @@ EvaluationReport EvaluateApp::reportOf(const Input& input) const {
   report.evaluation =
       evaluate(input.runs, input.truth, modelPoses(input.map), params_, pose_tolerance_, true_models);
   if (report.evaluation.frames.empty()) throw IoError(truth_, "has no pose for any image of " + results_);
-  if (true_models.empty() && (!input.map || modelPoses(input.map).empty())) requireWorldPoses(input.runs);
+  if (true_models.empty() && (!input.map || modelPoses(input.map).empty()))
+    requireWorldPoses(input.runs, input.map);
   report.summaries = summarizeSets(report.evaluation);
   for (const RunResults& run : input.runs)
     report.timing.insert(report.timing.end(), run.timing.begin(), run.timing.end());

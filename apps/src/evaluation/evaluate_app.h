@@ -22,7 +22,7 @@ private:
   TrueModelPoses trueModelPoses(const Input& input) const;
   std::optional<ResultsAlignment> align(Input& input) const;
   int evaluateTrajectory(const Console& console) const;
-  void requireWorldPoses(const std::vector<RunResults>& runs) const;
+  void requireWorldPoses(const std::vector<RunResults>& runs, const std::optional<Map>& map) const;
   EvaluationReport reportOf(const Input& input) const;
   std::vector<ReportPicture> drawPictures(const EvaluationReport& report, const Input& input,
                                           const Console& console) const;

@@ -3,6 +3,7 @@
 
 #include "tools/results_journal.h"
 
+#include <facetloc/features/map_parts.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/text.h>
@@ -144,7 +145,7 @@ private:
       e.first_correct = row->rank;
       e.first_correct_error = error;
       const auto covariance = covariances.find(row->frame);
-      if (row->rank == 1 && covariance != covariances.end())
+      if (row->rank == 1 && row->part.empty() && covariance != covariances.end())
         e.nees = neesOf(perturbation(*pose, truth), covariance->second);
     }
   }
@@ -164,6 +165,13 @@ private:
     if (model == true_models_.end()) return;
     e.local_error = poseError(row.T_m_c, model->second.inverse() * truth);
     e.locally_correct = isCorrect(*e.local_error);
+  }
+
+  std::optional<Eigen::Isometry3d> worldPose(const ResultRow& row) const {
+    if (row.T_w_c && row.part.empty()) return row.T_w_c;
+    const auto model = pose_of_.find(row.model);
+    if (model == pose_of_.end()) return {};
+    return model->second * row.T_m_c;
   }
 
   /** The nearest local model, in units of what counts as covered. Returns the covering ones. */
@@ -306,9 +314,10 @@ std::vector<ModelPose> modelPosesOf(const Map& map) {
   const auto images = map.meta.find(kImagesKey);
   const ImageSizes sizes = images == map.meta.end() ? ImageSizes() : imageSizes(images->second);
   std::vector<ModelPose> poses;
+  if (!hasGivenPose(map)) return poses;
   for (const LocalModel& model : map.models) {
     const auto size = sizes.find(model.name);
-    if (model.T_w_m)
+    if (model.T_w_m && model.part == 0)
       poses.push_back({model.name, model.stamp, *model.T_w_m, size == sizes.end() ? 0 : size->second});
   }
   return poses;

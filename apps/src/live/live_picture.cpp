@@ -144,13 +144,19 @@ std::string accuracyText(const Matrix6d& P) {
          degrees(largestRotationStd(P) / kDegree, 2);
 }
 
+/** What a position in a part of the map begins with; nothing in the world. */
+std::string partText(const Map& map, int part) {
+  const auto i = static_cast<std::size_t>(part);
+  return i < map.parts.size() && !map.parts[i].empty() ? "in part " + map.parts[i] + ":  " : "";
+}
+
 std::string poseText(const LiveResult& result, const Map* map, const LivePlan* plan, std::size_t matched) {
   if (!map) return seenText(result.image);
   const Hypothesis* match = result.match();
   const PoseWithCovariance* pose = result.pose();
   if (!pose && !match) return "no pose; " + seenText(result.image);
   const std::string model = match ? map->models.at(match->model).name : "";
-  std::string words = pose ? positionText(pose->T.translation())
+  std::string words = pose ? partText(*map, result.tracked->part) + positionText(pose->T.translation())
                            : "in local model " + model + ":  " + positionText(match->T_m_c.T.translation());
   if (pose && plan) words += "   heading " + degrees(plan->heading(pose->T), 1);
   words += "   " + accuracyText(pose ? pose->P : match->T_m_c.P);
@@ -201,7 +207,7 @@ LivePicture::Scene::Scene(vtkRenderWindow* window, std::shared_ptr<const Map> ma
       image_caption_(ground_, 15, kPale),
       image_(ground_),
       depth_(ground_) {
-  if (map_) plan_ = std::make_unique<LivePlan>(*map_);
+  if (map_) plan_ = std::make_unique<LivePlan>(map_);
   if (plan_ && plan_->empty()) plan_.reset();
   window_->SetNumberOfLayers(2);
   ground_->SetBackground(1, 1, 1);

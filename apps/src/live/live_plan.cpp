@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_plan.h"
 
+#include <facetloc/features/map_parts.h>
+
 #include <Eigen/Eigenvalues>
 #include <vtkCamera.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace facetloc {
 namespace {
@@ -48,8 +51,9 @@ double magnificationOf(double radius) {
 
 }  // namespace
 
-LivePlan::LivePlan(const Map& map) : plan_(upInWorld(map)) {
-  addMap(map);
+LivePlan::LivePlan(std::shared_ptr<const Map> map)
+    : map_(std::move(map)), part_(mainPart(*map_)), plan_(upInPart(*map_, part_)) {
+  showPart(part_);
   for (Panel* panel : {&whole_, &near_}) {
     panel->renderer->SetBackground(1, 1, 1);
     panel->renderer->UseFXAAOn();
@@ -58,10 +62,14 @@ LivePlan::LivePlan(const Map& map) : plan_(upInWorld(map)) {
   }
 }
 
-void LivePlan::addMap(const Map& map) {
+void LivePlan::showPart(int part) {
+  const Map& map = *map_;
+  part_ = part;
+  plan_ = PlanView(upInPart(map, part));
+  extent_.setEmpty();
   for (std::size_t i = 0; i < map.models.size(); ++i) {
     const LocalModel& model = map.models[i];
-    if (!model.T_w_m) continue;
+    if (!model.T_w_m || model.part != part) continue;
     const Eigen::Vector2d place = plan_.point(model.T_w_m->translation());
     extent_.extend(place);
     constexpr double kRadius = 0.06;  // [m]
@@ -75,7 +83,7 @@ void LivePlan::addMap(const Map& map) {
   }
   for (const Link& link : map.links) {
     const auto &from = map.models[link.from].T_w_m, &to = map.models[link.to].T_w_m;
-    if (from && to)
+    if (from && to && map.models[link.from].part == part)
       links_.line(
           {at(plan_.point(from->translation()), kLinkLevel), at(plan_.point(to->translation()), kLinkLevel)},
           mixed(kModel, kWhite, 0.4));
@@ -138,6 +146,7 @@ void LivePlan::show(const LiveResult& result, const Eigen::Vector2d& whole_size,
                     const Eigen::Vector2d& near_size) {
   constexpr double kBorder = 1.06;
   if (empty()) return;
+  if (result.pose() && result.tracked->part != part_) showPart(result.tracked->part);
   Eigen::AlignedBox2d extent = extent_;
   for (const LiveTrail::Line& line : result.trail.lines()) {
     Shapes::Points points;

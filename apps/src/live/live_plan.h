@@ -10,13 +10,15 @@
 #include <vtkNew.h>
 #include <vtkRenderer.h>
 
+#include <memory>
+
 namespace facetloc {
 
-/** \brief The map from above, as a whole and from near, with the way so far and the pose. A map without world
- * poses gives nothing to see. */
+/** \brief The map from above, as a whole and from near, with the way so far and the pose: of a map in parts
+ * the one where the camera is, or was last. A map without poses gives nothing to see. */
 class LivePlan {
 public:
-  explicit LivePlan(const Map& map);
+  explicit LivePlan(std::shared_ptr<const Map> map);
 
   vtkRenderer* whole() { return whole_.renderer; }
   vtkRenderer* near() { return near_.renderer; }
@@ -34,11 +36,13 @@ private:
     vtkNew<vtkRenderer> renderer;
     Shapes marker{2.5};
   };
-  void addMap(const Map& map);
+  void showPart(int part);
   Eigen::Vector2d middleOf(const LiveResult& result) const;
   void look(Panel& panel, const Eigen::Vector2d& centre, double height);
   void mark(Panel& panel, const LiveResult& result, double metres_per_pixel, bool with_ellipse);
 
+  std::shared_ptr<const Map> map_;
+  int part_;  // that is shown
   PlanView plan_;
   Eigen::AlignedBox2d extent_;
   double magnification_ = 1;

@@ -12,13 +12,14 @@ namespace facetloc {
 
 namespace {
 
-/** Of the models with a pose, of which there is one where a camera is tracked. */
-int nearestModel(const Map& map, const Eigen::Vector3d& place) {
+/** Of the models of a part with a pose, of which there is one where a camera is tracked. */
+int nearestModel(const Map& map, int part, const Eigen::Vector3d& place) {
   int nearest = 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < map.models.size(); ++i) {
     const auto& T_w_m = map.models[i].T_w_m;
-    const double squared = T_w_m ? (T_w_m->translation() - place).squaredNorm() : least;
+    const bool counts = T_w_m && map.models[i].part == part;
+    const double squared = counts ? (T_w_m->translation() - place).squaredNorm() : least;
     if (squared < least) least = squared, nearest = static_cast<int>(i);
   }
   return nearest;
@@ -55,7 +56,8 @@ ResultRow LiveResults::rowOf(const LiveResult& result) const {
   // The camera's own views carry the pose where no local model shows anything of the place.
   const PoseWithCovariance& pose = *result.pose();
   Hypothesis carried;
-  carried.model = nearestModel(*map_, pose.T.translation());
+  carried.part = result.tracked->part;
+  carried.model = nearestModel(*map_, carried.part, pose.T.translation());
   carried.T_w_c = pose.T;
   carried.T_m_c = map_->models[carried.model].T_w_m->inverse() * pose;
   carried.probability = result.tracked->probability;

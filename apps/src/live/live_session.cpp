@@ -118,7 +118,7 @@ void LiveSession::process(const LatestFrame<LiveFrame>::Arrived& arrived) {
     result->tracked = tracking_->update(result->image.view, result->stamp);
     result->localize_ms = millisecondsSince(begin);
     if (result->isLocalized() && result->pose())
-      trail_.add(result->pose()->T.translation());
+      trail_.add(result->pose()->T.translation(), result->tracked->part);
     else
       trail_.interrupt();
     result->trail = trail_;

@@ -9,7 +9,11 @@ constexpr std::size_t kMostPoints = 2000;
 
 }  // namespace
 
-void LiveTrail::add(const Eigen::Vector3d& position) {
+void LiveTrail::add(const Eigen::Vector3d& position, int part) {
+  if (part != part_) {
+    *this = LiveTrail();
+    part_ = part;
+  }
   const bool jump = !lines_.empty() && (position - lines_.back().back()).norm() > kJump + spacing_;
   if (interrupted_ || jump) {
     lines_.push_back({position});

@@ -13,8 +13,9 @@ class LiveTrail {
 public:
   using Line = std::vector<Eigen::Vector3d>;
 
-  /** \brief The camera is here now [m]. A new line begins after an interruption, and where it jumps. */
-  void add(const Eigen::Vector3d& position);
+  /** \brief The camera is here now [m]. A new line begins after an interruption, and where it jumps; all
+   * begins anew in another part of the map, whose frame has nothing to do with the one before. */
+  void add(const Eigen::Vector3d& position, int part = 0);
   /** \brief Nobody knows where the camera is. */
   void interrupt() { interrupted_ = true; }
 
@@ -25,6 +26,7 @@ private:
 
   std::vector<Line> lines_;
   std::size_t points_ = 0;
+  int part_ = 0;
   double spacing_ = 0.05;  // [m]
   bool interrupted_ = true;
 };

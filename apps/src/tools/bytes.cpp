@@ -78,7 +78,7 @@ void fields(Archive& archive, AnswerState& state) {
 template <class Archive>
 void fields(Archive& archive, ResultRow& row) {
   archive(row.frame, row.rank, row.model, row.probability, row.score, row.T_m_c, row.T_w_c, row.P_w_c,
-          row.sd_rot_deg, row.sd_trans_m, row.reason, row.state);
+          row.sd_rot_deg, row.sd_trans_m, row.reason, row.state, row.part);
 }
 
 template <class Archive>

@@ -77,6 +77,10 @@ std::vector<std::string> whatToLookAt(const StateCounts& counts, const std::vect
   std::vector<std::string> hints = {"Hardly any image is sure. What to look at:"};
   if (fov.ratio() > kOtherOptics) hints.push_back(optics);
   if (depth.ratio() > kOtherScale) hints.push_back(scale);
+  if (map.parts.size() > 1)
+    hints.push_back("Do links join the local models of the map? It is in " +
+                    std::to_string(map.parts.size()) +
+                    " parts, and a place that two of them show may be either.");
   hints.push_back("Is it the map of this place?");
   if (fov.isKnown() && fov.ratio() <= kOtherOptics) hints.push_back(optics);
   if (depth.isKnown() && depth.ratio() <= kOtherScale) hints.push_back(scale);

@@ -20,6 +20,7 @@ ResultRow resultRow(const std::string& frame, int rank, const Hypothesis& h, con
   row.score = h.score;
   row.T_m_c = h.T_m_c.T;
   row.T_w_c = h.T_w_c;
+  row.part = map.partOf(h.model);
   row.sd_rot_deg = largestRotationStd(h.T_m_c.P) / kDegree;
   row.sd_trans_m = largestTranslationStd(h.T_m_c.P);
   if (h.depth_assisted) row.reason = "depth-assisted";

@@ -6,12 +6,15 @@
 #include "tools/provenance.h"
 #include "tools/text.h"
 
+#include <facetloc/features/map_parts.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_export.h>
+#include <facetloc/io/map_graph.h>
 #include <facetloc/io/output_lock.h>
 #include <facetloc/io/text.h>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <set>
 #include <sstream>
@@ -32,8 +35,9 @@ std::string meanMinMax(const std::vector<double>& values, int decimals) {
 
 std::string extentOf(const Map& map) {
   Eigen::AlignedBox3d box;
+  const int part = mainPart(map);
   for (const LocalModel& model : map.models)
-    if (model.T_w_m) box.extend(model.T_w_m->translation());
+    if (model.T_w_m && model.part == part) box.extend(model.T_w_m->translation());
   if (box.isEmpty()) return "unknown: no model has a pose";
   const Eigen::Vector3d size = box.sizes();
   return text::decimals(size.x(), 2) + " x " + text::decimals(size.y(), 2) + " x " +
@@ -77,13 +81,36 @@ std::string ambiguityOf(const Map& map) {
          " that looks most like another place";
 }
 
+std::string partName(const std::string& name) { return name.empty() ? "the world" : name; }
+
+/** Empty if all poses were given. */
+std::string placedByLinks(const Map& map) {
+  std::size_t models = 0, parts = 0;
+  for (const PartCount& part : partCounts(map)) {
+    models += part.by_links;
+    parts += part.by_links > 0;
+  }
+  return models == 0 ? "" : std::to_string(models) + ", in " + counted(parts, "part");
+}
+
+/** Of a map that is not all in one world. */
+void addParts(TextTable& table, const Map& map) {
+  constexpr std::size_t kMost = 10;  // that are listed
+  if (map.parts.size() < 2) return;
+  table.add({"parts", std::to_string(map.parts.size())});
+  const std::vector<PartCount> counts = partCounts(map);
+  for (std::size_t i = 0; i < std::min(kMost, counts.size()); ++i)
+    table.add({"  " + partName(map.parts[i]), counted(counts[i].models, "local model")});
+  if (counts.size() > kMost) table.add({"  and", std::to_string(counts.size() - kMost) + " more"});
+}
+
 void printSummary(std::ostream& out, const Map& map) {
   std::vector<double> segments, areas;
   std::size_t with_pose = 0, with_depth = 0;
   for (std::size_t i = 0; i < map.models.size(); ++i) {
     const auto view = map.view(static_cast<int>(i));  // of a large map, one at a time
     segments.push_back(static_cast<double>(view->segments.size()));
-    with_pose += map.models[i].T_w_m.has_value();
+    with_pose += map.models[i].givenPose().has_value();
     with_depth += map.models[i].hasPicture();
     for (const Segment& s : view->segments) areas.push_back(s.area());
   }
@@ -91,10 +118,12 @@ void printSummary(std::ostream& out, const Map& map) {
   table.setWordsLast();
   table.add({"  number", std::to_string(map.models.size())});
   table.add({"  with a pose", std::to_string(with_pose)});
+  if (const std::string words = placedByLinks(map); !words.empty()) table.add({"  placed by links", words});
   table.add({"  with a depth picture", std::to_string(with_depth)});
   table.add({"  extent of their poses", extentOf(map)});
   table.add({"  working camera", cameraOf(map)});
   table.add({"links", std::to_string(map.links.size())});
+  addParts(table, map);
   table.add({"segments", std::to_string(areas.size())});
   table.add({"  per model", meanMinMax(segments, 1)});
   table.add({"  area of the hull [m2]", meanMinMax(areas, 3)});
@@ -179,8 +208,25 @@ Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& stem
       throw std::invalid_argument("two local models would be named " + model.name +
                                   "; rename the maps so that their names differ");
   merged.meta["software"] = versionText();
+  placeByLinks(merged);
   return merged;
 }
+
+namespace {
+
+/** Writes a map that is made of others, with all that it is asked for when it is opened. */
+void writeNewMap(const std::string& path, bool overwrite, int threads, const Console& console,
+                 const std::function<const Map&()>& make) {
+  if (path.empty()) throw UsageError("the map to write is missing: -o OUT.flmap");
+  const OutputLock lock = OutputLock::ofFile(path);
+  if (!overwrite && fs::file_size(path) > 0)
+    throw IoError(path, "exists already; give --overwrite to replace it");
+  writeMap(path, make());
+  writePlaceIndex(path);
+  writeAmbiguity(path, threads, console);
+}
+
+}  // namespace
 
 MapInfoApp::MapInfoApp()
     : App("facetloc_map info", "MAP.flmap", "Says what is in a map and how it was made.") {}
@@ -211,21 +257,57 @@ int MapCheckApp::execute(const CommandLine&, const Console& console) {
 }
 
 MapExportApp::MapExportApp()
-    : App("facetloc_map export", "MAP.flmap -o DIR",
+    : App("facetloc_map export", "MAP.flmap -o DIR | --g2o FILE",
           "Writes a map for other programs: DIR/models/<name>.pcd (SegmentFrame clouds, each in its model's "
-          "frame), "
-          "DIR/poses_tum.txt and DIR/graph.g2o.") {}
+          "frame), DIR/poses_tum.txt and DIR/graph.g2o; or the graph alone, whose poses can be brought back "
+          "by "
+          "'facetloc_map import' once a program has optimized them.") {}
 
 void MapExportApp::addOptions(CommandLine& line) {
   line.addArgument("MAP.flmap", map_);
   line.addOption("output,o", folder_, "DIR", "Folder of the exported files.");
+  line.addOption("g2o", graph_, "FILE", "Write local models and links to this file, in g2o's format.");
 }
 
 int MapExportApp::execute(const CommandLine&, const Console& console) {
-  if (folder_.empty()) throw UsageError("the folder of the exported files is missing: -o DIR");
+  if (folder_.empty() && graph_.empty())
+    throw UsageError("the folder of the exported files is missing: -o DIR, or --g2o FILE");
   const Map map = openMap(map_);
-  exportMap(map, folder_);
-  console.out << counted(map.models.size(), "local model") << " exported; files in " << folder_ << "\n";
+  if (!graph_.empty()) writeGraph(graph_, map);
+  if (!folder_.empty()) exportMap(map, folder_);
+  console.out << counted(map.models.size(), "local model") << " exported; "
+              << (folder_.empty() ? "graph in " + graph_ : "files in " + folder_) << "\n";
+  return kOk;
+}
+
+MapImportApp::MapImportApp()
+    : App("facetloc_map import", "MAP.flmap --g2o FILE -o OUT.flmap",
+          "Copies a map, with the poses of its local models that a g2o file has (VERTEX_SE3:QUAT, numbered "
+          "as "
+          "'facetloc_map export --g2o' numbers them). Links stay as they are. Parts that no link joins with "
+          "the world keep their own frames.") {}
+
+void MapImportApp::addOptions(CommandLine& line) {
+  line.addArgument("MAP.flmap", map_);
+  line.addOption("g2o", graph_, "FILE", "The poses.");
+  line.addOption("output,o", output_, "OUT.flmap", "The map to write.");
+  line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
+}
+
+int MapImportApp::execute(const CommandLine&, const Console& console) {
+  if (graph_.empty()) throw UsageError("the file with the poses is missing: --g2o FILE");
+  Map map;
+  const auto made = [&]() -> const Map& {
+    map = readMap(map_);
+    noteUnfinished(map, map_, console);
+    readGraphPoses(graph_, map);
+    return map;
+  };
+  writeNewMap(output_, overwrite_, threads(), console, made);
+  const auto posed = std::count_if(map.models.begin(), map.models.end(),
+                                   [](const LocalModel& m) { return m.givenPose().has_value(); });
+  console.out << counted(static_cast<std::size_t>(posed), "pose") << " of "
+              << counted(map.models.size(), "local model") << "; map in " << output_ << "\n";
   return kOk;
 }
 
@@ -243,10 +325,17 @@ void MapMergeApp::addOptions(CommandLine& line) {
 }
 
 int MapMergeApp::execute(const CommandLine&, const Console& console) {
-  if (output_.empty()) throw UsageError("the map to write is missing: -o OUT.flmap");
-  const OutputLock lock = OutputLock::ofFile(output_);
-  if (!overwrite_ && fs::file_size(output_) > 0)
-    throw IoError(output_, "exists already; give --overwrite to replace it");
+  Map merged;
+  writeNewMap(output_, overwrite_, threads(), console, [&]() -> const Map& {
+    merged = merge(console);
+    return merged;
+  });
+  console.out << counted(merged.models.size(), "local model") << ", " << counted(merged.links.size(), "link")
+              << "; map in " << output_ << "\n";
+  return kOk;
+}
+
+Map MapMergeApp::merge(const Console& console) const {
   std::vector<Map> maps;
   std::vector<std::string> stems;
   for (const std::string& path : maps_) {
@@ -254,26 +343,22 @@ int MapMergeApp::execute(const CommandLine&, const Console& console) {
     noteUnfinished(maps.back(), path, console);
     stems.push_back(fs::path(path).stem().string());
   }
-  const Map merged = mergedMap(maps, stems);
+  Map merged = mergedMap(maps, stems);
   const auto hasMounting = [](const Map& map) { return map.camera.mounting.has_value(); };
   if (!merged.camera.mounting && std::any_of(maps.begin(), maps.end(), hasMounting))
     console.note("the maps differ in the camera's mounting; the merged one has none");
   noteChosenDistortion(maps, maps_, console);
-  writeMap(output_, merged);
-  writePlaceIndex(output_);
-  writeAmbiguity(output_, threads(), console);
-  console.out << counted(merged.models.size(), "local model") << ", " << counted(merged.links.size(), "link")
-              << "; map in " << output_ << "\n";
-  return kOk;
+  return merged;
 }
 
 namespace {
 
-constexpr const char* kMapUsage = "Usage: facetloc_map build|info|check|export|merge ...\n\n"
+constexpr const char* kMapUsage = "Usage: facetloc_map build|info|check|export|import|merge ...\n\n"
                                   "  build SEQUENCE -o MAP.flmap   make a map of one run of depth images\n"
                                   "  info MAP.flmap                say what is in a map\n"
                                   "  check MAP.flmap               prove a map sound\n"
                                   "  export MAP.flmap -o DIR       write PCD, TUM and g2o files\n"
+                                  "  import MAP.flmap -o OUT.flmap take poses from a g2o file\n"
                                   "  merge MAPS -o OUT.flmap       put several maps into one\n\n"
                                   "'facetloc_map build --help' and so on tell the options.\n";
 
@@ -286,6 +371,7 @@ int runMapTool(const std::vector<std::string>& arguments, Console console) {
   if (command == "info") return run(MapInfoApp());
   if (command == "check") return run(MapCheckApp());
   if (command == "export") return run(MapExportApp());
+  if (command == "import") return run(MapImportApp());
   if (command == "merge") return run(MapMergeApp());
 
   const auto isOption = [&](const std::string& name) {

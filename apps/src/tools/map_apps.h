@@ -101,6 +101,21 @@ private:
   int execute(const CommandLine& line, const Console& console) override;
   std::string map_;
   std::string folder_;
+  std::string graph_;
+};
+
+/** \brief facetloc_map import: a copy of a map with the poses that another program has found. */
+class MapImportApp : public App {
+public:
+  MapImportApp();
+
+private:
+  void addOptions(CommandLine& line) override;
+  int execute(const CommandLine& line, const Console& console) override;
+  std::string map_;
+  std::string graph_;
+  std::string output_;
+  bool overwrite_ = false;
 };
 
 /** \brief facetloc_map merge: the local models of several maps in one. */
@@ -111,6 +126,7 @@ public:
 private:
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
+  Map merge(const Console& console) const;
   std::vector<std::string> maps_;
   std::string output_;
   bool overwrite_ = false;

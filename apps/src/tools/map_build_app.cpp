@@ -267,7 +267,7 @@ bool MapBuildApp::madeOf(const Map& present, const DepthSequence& sequence,
     const auto size = sizes.find(model.name);
     if (candidate == by_name.end() || size == sizes.end()) return false;
     const auto& [frame, T_w_m] = *candidate->second;
-    return size->second == sizeOf(sequence.frames()[frame]) && samePose(model.T_w_m, T_w_m);
+    return size->second == sizeOf(sequence.frames()[frame]) && samePose(model.givenPose(), T_w_m);
   });
 }
 

@@ -9,6 +9,7 @@
 #include "tools/batch.h"
 #include "tools/text.h"
 
+#include <facetloc/features/map_parts.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
@@ -69,7 +70,7 @@ private:
       if (static_cast<int>(rank) > max_hypotheses_) break;
       std::string caption =
           "rank " + std::to_string(rank) + ", probability " + text::decimals(h.probability, 2);
-      if (truth && h.T_w_c) {
+      if (truth && h.T_w_c && h.part == 0 && hasGivenPose(localization_->map())) {
         const PoseError error = poseError(*h.T_w_c, *truth);
         caption += ": " + text::decimals(error.translation, 3) + " m and " +
                    text::decimals(error.rotation_deg, 2) + "° from the truth";

@@ -119,12 +119,12 @@ private:
 
 void write(LineWriter& line, const ResultRow& row) {
   line << row.rank << row.model << row.probability << row.score << row.T_m_c << row.T_w_c << row.P_w_c
-       << row.sd_rot_deg << row.sd_trans_m << row.reason << std::string(toString(row.state));
+       << row.sd_rot_deg << row.sd_trans_m << row.reason << std::string(toString(row.state)) << row.part;
 }
 
 void read(LineReader& line, ResultRow& row) {
   line >> row.rank >> row.model >> row.probability >> row.score >> row.T_m_c >> row.T_w_c >> row.P_w_c >>
-      row.sd_rot_deg >> row.sd_trans_m >> row.reason >> row.state;
+      row.sd_rot_deg >> row.sd_trans_m >> row.reason >> row.state >> row.part;
 }
 
 std::string lineOf(const std::string& frame, const FrameResult& result) {

@@ -75,6 +75,7 @@ void GlobalLocalization::Impl::registerWith(const Batch& batch, const Query& que
     for (Hypothesis& h : of_model[i]) {
       h.model = batch[i].model;
       const LocalModel& model = map->models[h.model];
+      h.part = model.part;
       if (model.T_w_m) h.T_w_c = *model.T_w_m * h.T_m_c.T;
       hypotheses.push_back(std::move(h));
     }

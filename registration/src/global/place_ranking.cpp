@@ -79,13 +79,14 @@ bool samePlace(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, const Mer
 }
 
 bool samePlace(const Hypothesis& a, const Hypothesis& b, const MergingParams& params) {
-  return a.T_w_c && b.T_w_c && samePlace(*a.T_w_c, *b.T_w_c, params);
+  return a.part == b.part && a.T_w_c && b.T_w_c && samePlace(*a.T_w_c, *b.T_w_c, params);
 }
 
 // Are these answers that exclude each other? Poses that are close to each other are one, found more or less
 // well.
 bool areRivals(const Hypothesis& a, const Hypothesis& b) {
   constexpr double kDistance = 0.3, kAngleDeg = 5;  // [m]
+  if (a.part != b.part) return true;
   if (a.T_w_c && b.T_w_c) return !isNear(*a.T_w_c, *b.T_w_c, kDistance, kAngleDeg);
   return a.model != b.model || !isNear(a.T_m_c.T, b.T_m_c.T, kDistance, kAngleDeg);
 }
@@ -131,9 +132,9 @@ void PlaceRanking::rankPair(bool evidence, std::vector<Hypothesis>& hypotheses) 
   assignProbabilities(slope, null_score + priorOdds(params_.probability) / slope, hypotheses);
 }
 
-std::vector<PlaceRanking::Neighbour> PlaceRanking::neighbours(const Eigen::Isometry3d& T_w_c) const {
+std::vector<PlaceRanking::Neighbour> PlaceRanking::neighbours(const Hypothesis& h) const {
   std::vector<Neighbour> found;
-  for (const int i : near_.bySight(T_w_c, kReach, params_.evidence.models))
+  for (const int i : near_.bySight(h.part, *h.T_w_c, kReach, params_.evidence.models))
     found.push_back({map_->view(i), *map_->models[i].T_w_m});
   return found;
 }
@@ -197,7 +198,7 @@ bool PlaceRanking::addEvidence(const View& scene, std::vector<Hypothesis>& hypot
   for (std::size_t i = 0; i < n; ++i) {
     Hypothesis& h = hypotheses[i];
     if (!h.T_w_c) continue;
-    const std::vector<Neighbour> models = neighbours(*h.T_w_c);
+    const std::vector<Neighbour> models = neighbours(h);
     found[i] = evidence(scene, models, h, comparison_);
     any = any || !models.empty();
     least = std::min(least, found[i]);
@@ -217,7 +218,7 @@ void PlaceRanking::refinePlaces(const View& scene, std::vector<Hypothesis>& hypo
   for (std::size_t i = 0; i < n; ++i) {
     Hypothesis& h = hypotheses[i];
     if (!h.T_w_c) continue;
-    const std::vector<Neighbour> models = neighbours(*h.T_w_c);
+    const std::vector<Neighbour> models = neighbours(h);
     refine(scene, models, h);
     h.evidence = evidence(scene, models, h, refined_comparison_);
     least = std::min(least, h.evidence);

@@ -40,7 +40,7 @@ public:
    * wrong ones.
    *
    * Hypotheses beyond the best ones get the least evidence of those. False, and no change, where there is
-   * none: no world poses, no depth. */
+   * none: no poses of local models, no depth. */
   bool addEvidence(const View& scene, std::vector<Hypothesis>& hypotheses) const;
 
   /** \brief Refines the poses of the best places by all pixels (refineByDepth) and weighs their evidence
@@ -53,7 +53,7 @@ private:
     std::shared_ptr<const View> view;
     Eigen::Isometry3d T_w_m;
   };
-  std::vector<Neighbour> neighbours(const Eigen::Isometry3d& T_w_c) const;
+  std::vector<Neighbour> neighbours(const Hypothesis& h) const;
   double evidence(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h,
                   const DepthComparison& comparison) const;
   void refine(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h) const;

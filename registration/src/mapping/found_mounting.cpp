@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <vector>
 
 namespace facetloc {
@@ -73,10 +74,11 @@ double heightStd(const std::vector<Plane>& planes, double mean) {
 }
 
 bool hasMoved(const Map& map) {
-  Eigen::AlignedBox3d way;
+  std::map<int, Eigen::AlignedBox3d> ways;  // by part
   for (const LocalModel& model : map.models)
-    if (model.T_w_m) way.extend(model.T_w_m->translation());
-  return !way.isEmpty() && way.diagonal().norm() >= kLeastWay;
+    if (model.T_w_m) ways[model.part].extend(model.T_w_m->translation());
+  return std::any_of(ways.begin(), ways.end(),
+                     [](const auto& way) { return way.second.diagonal().norm() >= kLeastWay; });
 }
 
 }  // namespace

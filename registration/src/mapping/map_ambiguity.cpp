@@ -27,11 +27,11 @@ std::vector<int> viewsToAsk(const Map& map) {
   return some;
 }
 
-double reachOfSurroundings(const Map& map) {
+double reachOfSurroundings(const Map& map, int part) {
   constexpr double kFarthest = 3;  // [m]
   Eigen::AlignedBox3d extent;
   for (const LocalModel& model : map.models)
-    if (model.T_w_m) extent.extend(model.T_w_m->translation());
+    if (model.T_w_m && model.part == part) extent.extend(model.T_w_m->translation());
   return extent.isEmpty() ? kFarthest : std::min(kFarthest, extent.diagonal().norm() / 3);
 }
 
@@ -39,10 +39,12 @@ std::optional<Hypothesis> wrongPlace(const GlobalLocalization& localization, int
                                      const std::function<bool(int)>& excluded) {
   const Map& map = localization.map();
   const Eigen::Isometry3d& T_w_m = *map.models[model].T_w_m;
-  const double reach = reachOfSurroundings(map);
-  const auto isNearOrExcluded = [&](int i) {
+  const int part = map.models[model].part;
+  const double reach = reachOfSurroundings(map, part);
+  const auto isNearOrExcluded = [&](int i) {  // or may be, for all that is known
     const auto& T = map.models[i].T_w_m;
-    return !T || (T->translation() - T_w_m.translation()).norm() <= reach || (excluded && excluded(i));
+    return !T || map.models[i].part != part || (T->translation() - T_w_m.translation()).norm() <= reach ||
+           (excluded && excluded(i));
   };
   View view = *map.view(model);
   if (!view.camera) view.camera = std::make_shared<const Camera>(map.camera);

@@ -22,39 +22,52 @@ NearbyModels::NearbyModels(std::shared_ptr<const Map> map, bool with_picture) : 
   for (std::size_t i = 0; i < map_->models.size(); ++i) {
     const LocalModel& m = map_->models[i];
     if (m.T_w_m && (m.hasPicture() || !with_picture))
-      places_.push_back({m.T_w_m->translation(), static_cast<int>(i)});
+      places_.push_back({m.part, m.T_w_m->translation(), static_cast<int>(i)});
   }
-  std::stable_sort(places_.begin(), places_.end(),
-                   [](const Place& a, const Place& b) { return a.t.x() < b.t.x(); });
+  std::stable_sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) {
+    return a.part != b.part ? a.part < b.part : a.t.x() < b.t.x();
+  });
 }
 
-// Places less than a distance from another, if any is: by a window in x.
+// Places less than a distance from another of their part, if any is: by a window in x.
 template <class Visitor>
-void NearbyModels::forEachWithin(const Eigen::Vector3d& place, double distance, const Visitor& visit) const {
-  auto p = std::lower_bound(places_.begin(), places_.end(), place.x() - distance,
-                            [](const Place& a, double x) { return a.t.x() < x; });
-  for (; p != places_.end() && p->t.x() <= place.x() + distance; ++p) {
+void NearbyModels::forEachWithin(int part, const Eigen::Vector3d& place, double distance,
+                                 const Visitor& visit) const {
+  auto p = std::lower_bound(
+      places_.begin(), places_.end(), place.x() - distance,
+      [part](const Place& a, double x) { return a.part != part ? a.part < part : a.t.x() < x; });
+  for (; p != places_.end() && p->part == part && p->t.x() <= place.x() + distance; ++p) {
     const double squared = (p->t - place).squaredNorm();
     if (squared < distance * distance) visit(p->model, squared);
   }
 }
 
-std::vector<int> NearbyModels::bySight(const Eigen::Isometry3d& T_w_c, const ViewReach& reach, int n) const {
+std::size_t NearbyModels::placesIn(int part) const {
+  const auto first =
+      std::partition_point(places_.begin(), places_.end(), [part](const Place& p) { return p.part < part; });
+  const auto last =
+      std::partition_point(first, places_.end(), [part](const Place& p) { return p.part == part; });
+  return static_cast<std::size_t>(last - first);
+}
+
+std::vector<int> NearbyModels::bySight(int part, const Eigen::Isometry3d& T_w_c, const ViewReach& reach,
+                                       int n) const {
   std::vector<std::pair<double, int>> near;
-  forEachWithin(T_w_c.translation(), reach.distance, [&](int model, double) {
+  forEachWithin(part, T_w_c.translation(), reach.distance, [&](int model, double) {
     const double distance = viewDistance(*map_->models[static_cast<std::size_t>(model)].T_w_m, T_w_c, reach);
     if (std::isfinite(distance)) near.emplace_back(distance, model);
   });
   return nearest(near, n);
 }
 
-std::vector<int> NearbyModels::byPlace(const Eigen::Vector3d& place, int n) const {
+std::vector<int> NearbyModels::byPlace(int part, const Eigen::Vector3d& place, int n) const {
   constexpr double kFirst = 2, kFarthest = 1e7;  // [m]
   std::vector<std::pair<double, int>> near;
-  const std::size_t wanted = std::min(places_.size(), static_cast<std::size_t>(std::max(n, 0)));
+  const std::size_t wanted = std::min(placesIn(part), static_cast<std::size_t>(std::max(n, 0)));
   for (double distance = kFirst; near.size() < wanted && distance < kFarthest; distance *= 2) {
     near.clear();
-    forEachWithin(place, distance, [&](int model, double squared) { near.emplace_back(squared, model); });
+    forEachWithin(part, place, distance,
+                  [&](int model, double squared) { near.emplace_back(squared, model); });
   }
   return nearest(near, n);
 }

@@ -19,21 +19,24 @@ public:
   explicit NearbyModels(std::shared_ptr<const Map> map, bool with_picture = false);
   bool empty() const { return places_.empty(); }
 
-  /** \brief The at most n nearest by viewDistance() within reach, nearest first; ties by index. */
-  std::vector<int> bySight(const Eigen::Isometry3d& T_w_c, const ViewReach& reach, int n) const;
-  /** \brief The n nearest to a place, nearest first; ties by index. */
-  std::vector<int> byPlace(const Eigen::Vector3d& place, int n) const;
+  /** \brief The at most n nearest of a part of the map by viewDistance() within reach, nearest first; ties by
+   * index. */
+  std::vector<int> bySight(int part, const Eigen::Isometry3d& T_w_c, const ViewReach& reach, int n) const;
+  /** \brief The n of a part that are nearest to a place, nearest first; ties by index. */
+  std::vector<int> byPlace(int part, const Eigen::Vector3d& place, int n) const;
 
 private:
   struct Place {
+    int part;
     Eigen::Vector3d t;
     int model;
   };
   template <class Visitor>
-  void forEachWithin(const Eigen::Vector3d& place, double distance, const Visitor& visit) const;
+  void forEachWithin(int part, const Eigen::Vector3d& place, double distance, const Visitor& visit) const;
+  std::size_t placesIn(int part) const;
 
   std::shared_ptr<const Map> map_;
-  std::vector<Place> places_;  // by x
+  std::vector<Place> places_;  // by part, and of each by x
 };
 
 }  // namespace facetloc::internal

@@ -26,14 +26,17 @@ std::vector<LikelyPlace> placesOfBoth(const std::vector<LikelyPlace>& before,
   for (const LikelyPlace& place : now) {
     double probability = rest_before / models;
     for (std::size_t i = 0; i < before.size(); ++i) {
-      if (!isNear(before[i].T_w_c.T, place.T_w_c.T, kSameTranslation, kSameRotation)) continue;
+      if (before[i].part != place.part ||
+          !isNear(before[i].T_w_c.T, place.T_w_c.T, kSameTranslation, kSameRotation))
+        continue;
       listed[i] = 1;
       probability = std::max(probability, before[i].probability);
     }
-    out.push_back({place.T_w_c, place.probability * probability});
+    out.push_back({place.T_w_c, place.probability * probability, place.part});
   }
   for (std::size_t i = 0; i < before.size(); ++i)
-    if (!listed[i]) out.push_back({before[i].T_w_c, before[i].probability * rest_now / models});
+    if (!listed[i])
+      out.push_back({before[i].T_w_c, before[i].probability * rest_now / models, before[i].part});
   double sum = kAlike * rest_before * rest_now;
   for (const LikelyPlace& p : out) sum += p.probability;
   for (LikelyPlace& p : out) p.probability = sum > 0 ? p.probability / sum : 0;

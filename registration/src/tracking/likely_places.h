@@ -11,6 +11,7 @@ namespace facetloc::internal {
 struct LikelyPlace {
   PoseWithCovariance T_w_c;
   double probability = 0;
+  int part = 0;  ///< of the map, in whose frame the pose is
 };
 
 /** \brief What two views in a row say together: what one of them leaves open the other may tell.

@@ -8,7 +8,8 @@ namespace facetloc::internal {
 MapSurroundings::MapSurroundings(std::shared_ptr<const Map> map, const DepthComparison& comparison)
     : map_(std::move(map)), comparison_(comparison), near_(map_) {}
 
-Surroundings MapSurroundings::around(const View& view, const Eigen::Isometry3d& T_w_c, int n) const {
+Surroundings MapSurroundings::around(const View& view, int part, const Eigen::Isometry3d& T_w_c,
+                                     int n) const {
   constexpr int kCompared = 3;       // times as many models are compared as are wanted
   constexpr int kFewestPixels = 15;  // of the coarse grid, that a model must confirm: a twentieth
   struct Found {
@@ -16,7 +17,7 @@ Surroundings MapSurroundings::around(const View& view, const Eigen::Isometry3d& 
     std::shared_ptr<const View> view;
   };
   std::vector<Found> confirming, silent;  // nearest first
-  for (const int i : near_.bySight(T_w_c, kTrackingReach, kCompared * n)) {
+  for (const int i : near_.bySight(part, T_w_c, kTrackingReach, kCompared * n)) {
     const Eigen::Isometry3d T_m_c = map_->models[i].T_w_m->inverse() * T_w_c;
     Found found{i, map_->view(i)};
     const int pixels = comparison_.compare(view.depth, found.view->depth, T_m_c, kCoarseColumns).agree;
@@ -35,12 +36,12 @@ Surroundings MapSurroundings::around(const View& view, const Eigen::Isometry3d& 
   return out;
 }
 
-std::optional<FloorPlane> MapSurroundings::floorNear(const Eigen::Isometry3d& T_w_c, int n,
+std::optional<FloorPlane> MapSurroundings::floorNear(int part, const Eigen::Isometry3d& T_w_c, int n,
                                                      const Eigen::Matrix3d& covariance) const {
   constexpr int kAsked = 3;                     // times as many models are asked as are wanted
   constexpr double kStep = 0.1, kSlope = 0.05;  // of one floor [m], by the distance
   if (!map_->camera.mounting || near_.empty()) return {};
-  const std::vector<int> near = near_.byPlace(T_w_c.translation(), kAsked * n);
+  const std::vector<int> near = near_.byPlace(part, T_w_c.translation(), kAsked * n);
   const Eigen::Isometry3d T_c_b = map_->camera.mounting->T_b_c().inverse();
   const Eigen::Vector3d here = (T_w_c * T_c_b).translation();
   Eigen::Vector3d up = Eigen::Vector3d::Zero();

@@ -83,7 +83,7 @@ struct PoseTracking::Impl {
   bool hasBetterPlace(const View& view, const Step& step);
   std::vector<LikelyPlace> placesOf(const View& view, std::string& reason) const;
   bool isSure(const Step& step) const;
-  Step align(const View& view, const PoseWithCovariance& prior) const;
+  Step align(const View& view, int part, const PoseWithCovariance& prior) const;
 
   PoseTrackingParams params_;
   GlobalLocalization localization_;
@@ -94,6 +94,7 @@ struct PoseTracking::Impl {
   ViewOdometry odometry_;
   RepeatedLooks looks_;
   PoseWithCovariance T_w_c_;
+  int part_ = 0;                         // of the map, in whose frame that is
   std::vector<LikelyPlace> candidates_;  // of the last searches, none likely enough yet
   double stamp_ = 0;
   double probability_ = 0;
@@ -146,7 +147,7 @@ TrackedPose PoseTracking::Impl::update(const View& view, double stamp) {
   stamp_ = stamp;
   if (!surroundings_.anyPose()) {
     TrackedPose out;
-    out.reason = "no local model of the map has a pose in the world";
+    out.reason = "no local model of the map has a pose";
     return out;
   }
   const bool in_time = dt >= 0 && dt <= params_.max_gap;
@@ -168,7 +169,8 @@ void PoseTracking::Impl::stand(const Eigen::Isometry3d& motion) {
   constexpr double kTurningWheel = 0.2;  // way of a wheel by turning on the spot [m/rad]
   const double way = motion.translation().norm() + kTurningWheel * rotationAngle(motion.linear());
   if (!(way > 0) || !on_floor_) return;
-  const std::optional<FloorPlane> floor = surroundings_.floorNear(T_w_c_.T, kFloorModels, floor_covariance_);
+  const std::optional<FloorPlane> floor =
+      surroundings_.floorNear(part_, T_w_c_.T, kFloorModels, floor_covariance_);
   if (!floor) return;
   const double repeated = std::max(1.0, params_.floor_length / way);
   T_w_c_ = updatedByFloor(T_w_c_, *surroundings_.map().camera.mounting, *floor, floor_covariance_, repeated);
@@ -181,7 +183,7 @@ TrackedPose PoseTracking::Impl::track(const View& view, const ViewMotion& motion
   if (exceeds(T_w_c_.P, params_.lost_rotation_deg, params_.lost_translation))
     return lose(view, motion, "the pose has become as uncertain as any");
   doubtful_ = doubtful_ || motion.broken || !confirmed_;
-  Step step = align(view, T_w_c_);
+  Step step = align(view, part_, T_w_c_);
   step.view_agreement = motion.agreement;
   const double agreement = share(step.of_map);
 
@@ -231,9 +233,10 @@ bool PoseTracking::Impl::isSure(const Step& step) const {
          step.of_map.agree >= kSeen * step.of_map.judged();
 }
 
-PoseTracking::Impl::Step PoseTracking::Impl::align(const View& view, const PoseWithCovariance& prior) const {
+PoseTracking::Impl::Step PoseTracking::Impl::align(const View& view, int part,
+                                                   const PoseWithCovariance& prior) const {
   Step step;
-  step.surroundings = surroundings_.around(view, prior.T, params_.models);
+  step.surroundings = surroundings_.around(view, part, prior.T, params_.models);
   looks_.discount(step.surroundings);
   step.alignment = alignView(view, step.surroundings, prior, alignment_);
   step.alignment.T_w_c.P = discounted(prior.P, step.alignment.T_w_c.P, 1 / params_.correlated_views);
@@ -249,6 +252,7 @@ PoseTracking::Impl::Step PoseTracking::Impl::align(const View& view, const PoseW
 TrackedPose PoseTracking::Impl::answer(const View& view, const Step& step) const {
   TrackedPose out;
   out.T_w_c = step.alignment.T_w_c;
+  out.part = part_;
   out.probability = probability_;
   out.map_agreement = share(step.of_map);
   out.view_agreement = step.view_agreement;
@@ -274,6 +278,7 @@ TrackedPose PoseTracking::Impl::answer(const View& view, const Step& step) const
   match.pairs = most->second;
   match.T_m_c = surroundings_.map().models[match.model].T_w_m->inverse() * *out.T_w_c;
   match.T_w_c = out.T_w_c->T;
+  match.part = part_;
   match.probability = probability_;
   out.match = std::move(match);
   return out;
@@ -315,12 +320,14 @@ std::vector<LikelyPlace> PoseTracking::Impl::placesOf(const View& view, std::str
   reason = found.reason;
   std::vector<LikelyPlace> places;
   for (const Hypothesis& h : found.hypotheses)
-    if (h.T_w_c) places.push_back({*surroundings_.map().models[h.model].T_w_m * h.T_m_c, h.probability});
+    if (h.T_w_c)
+      places.push_back({*surroundings_.map().models[h.model].T_w_m * h.T_m_c, h.probability, h.part});
   return places;
 }
 
 void PoseTracking::Impl::begin(const LikelyPlace& place) {
   T_w_c_ = place.T_w_c;
+  part_ = place.part;
   looks_.clear();
   probability_ = place.probability;
   candidates_.clear();
@@ -337,8 +344,10 @@ bool PoseTracking::Impl::hasBetterPlace(const View& view, const Step& step) {
   const std::vector<LikelyPlace> places = placesOf(view, reason);
   const LikelyPlace* best = places.empty() ? nullptr : &places.front();
   if (!best || !(best->probability >= params_.min_probability)) return false;
-  if (isNear(best->T_w_c.T, T_w_c_.T, kSameTranslation, kSameRotation)) return false;
-  const Step there = align(view, best->T_w_c);
+  const bool is_known =
+      best->part == part_ && isNear(best->T_w_c.T, T_w_c_.T, kSameTranslation, kSameRotation);
+  if (is_known) return false;
+  const Step there = align(view, best->part, best->T_w_c);
   if (!isSure(there) || !(share(there.of_map) > share(step.of_map))) return false;
   begin(*best);
   return true;

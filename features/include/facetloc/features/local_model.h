@@ -37,11 +37,15 @@ std::shared_ptr<const T> borrowed(const T& object) {
 struct LocalModel {
   std::string name;
   double stamp = 0;                        ///< [s]
-  std::optional<Eigen::Isometry3d> T_w_m;  ///< pose of S_M in the world; unknown in a purely topological map
+  std::optional<Eigen::Isometry3d> T_w_m;  ///< pose of S_M in the frame of its part of the map, if known
   View view;
+  int part = 0;           ///< index of the part of the map
+  bool by_links = false;  ///< T_w_m follows from the map's links (placeByLinks()), and was not given
 
   /** \brief True also where the picture itself is in a MapStore. */
   bool hasPicture() const { return view.depth.camera.valid(); }
+  /** \brief T_w_m as whoever made the map has given it. */
+  std::optional<Eigen::Isometry3d> givenPose() const { return by_links ? std::nullopt : T_w_m; }
 };
 
 /** \brief A topological link between two local models. */
@@ -71,11 +75,15 @@ struct MapAmbiguity {
   int views = 0;     ///< that were asked for, and for which there was another place to be taken for theirs
 };
 
-/** \brief A map: local models and links between them. */
+/** \brief A map: local models and links between them.
+ *
+ * It may consist of parts of which nobody knows how they lie to each other. Each has a frame of its own, and
+ * poses of different parts have nothing to do with each other. */
 struct Map {
   Camera camera;  ///< that its images were taken with; its distortion is taken out of them
   std::vector<LocalModel> models;
   std::vector<Link> links;
+  std::vector<std::string> parts;  ///< their names; that of the world is empty. None = all is the world
   std::optional<MapAmbiguity> ambiguity;  ///< as far as it was asked about itself
   std::map<std::string, std::string>
       meta;  ///< how it was made: parameters, software version, conventions in words
@@ -85,6 +93,9 @@ struct Map {
   std::shared_ptr<const View> view(int i) const {
     return store ? store->view(i) : borrowed(models[static_cast<std::size_t>(i)].view);
   }
+
+  /** \brief The name of the part that local model number i belongs to; empty for the world. */
+  std::string partOf(int i) const;
 
   /** \brief A camera whose images are to be localized in the map: with the distortion that the map has found,
    * if its optics are those of the map's camera and nothing else is known. */

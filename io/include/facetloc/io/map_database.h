@@ -50,7 +50,8 @@ public:
   /** \brief Keeps what PlaceIndex::write() writes, so that it need not be made when the map is opened. It is
    * lost when a model is added. */
   void setPlaceIndex(const std::function<void(std::ostream&)>& write);
-  /** \brief Adds a local model with its segments and depth picture in one transaction; returns its index. */
+  /** \brief Adds a local model with its segments, depth picture and given pose in one transaction; returns
+   * its index. */
   int add(const LocalModel& model);
   int add(const PackedModel& model);
   /** \brief Adds a link between two models that are already there. */
@@ -64,17 +65,18 @@ private:
   std::unique_ptr<Impl> impl_;
 };
 
-/** \brief Reads a whole map through a read-only connection. The models are in the order of their index. */
+/** \brief Reads a whole map through a read-only connection. The models are in the order of their index; those
+ * without a pose get one by links (placeByLinks()). */
 Map readMap(const std::filesystem::path& path);
-/** \brief Opens a map to localize in it. A map of more local models than that keeps their views in its file
- * (Map::store), which stays open, and in memory only those that were asked for last: 0.12 MB each. A fault in
- * such a view throws IoError when it is asked for. */
+/** \brief Opens a map to localize in it, placed by its links, too. A map of more local models than that keeps
+ * their views in its file (Map::store), which stays open, and in memory only those that were asked for last:
+ * 0.12 MB each. A fault in such a view throws IoError when it is asked for. */
 Map openMap(const std::filesystem::path& path, std::size_t views_in_memory = 400);
 /** \brief Writes a map beside path and renames it in the end: until then, a map that is at path is left as it
  * is. \param write creates it at the path that it gets, and closes it. */
 void replaceMap(const std::filesystem::path& path,
                 const std::function<void(const std::filesystem::path& temporary)>& write);
-/** \brief Writes a whole map, atomically. */
+/** \brief Writes a whole map, atomically; of the poses those that were given. */
 void writeMap(const std::filesystem::path& path, const Map& map);
 /** \brief Every fault found in a map file, in words; empty for a sound one. Throws only if the file cannot be
  * opened as a map at all. */

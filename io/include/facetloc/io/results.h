@@ -25,12 +25,13 @@ struct ResultRow {
   double probability = 0;
   double score = 0;
   Eigen::Isometry3d T_m_c = Eigen::Isometry3d::Identity();
-  std::optional<Eigen::Isometry3d> T_w_c;  ///< empty columns where the map has no poses
+  std::optional<Eigen::Isometry3d> T_w_c;  ///< in the frame of the part; empty columns where there is none
   std::optional<Matrix6d> P_w_c;  ///< its covariance, of rank 1; in covariances.csv instead of hypotheses.csv
   double sd_rot_deg = 0;          ///< largest standard deviation of the orientation over directions [deg]
   double sd_trans_m = 0;          ///< largest standard deviation of the position over directions [m]
   std::string reason;             ///< remarks such as "depth-assisted"; why there is no hypothesis
   AnswerState state = AnswerState::unknown;  ///< of the frame, the same in all its rows
+  std::string part;                          ///< of the map, that the model belongs to; empty for the world
 };
 
 /** \brief One line of RESULTS/timing.csv. */
@@ -52,9 +53,9 @@ struct FrameResult {
   TimingRow timing;
 };
 
-/** \brief Writes a results folder: hypotheses.csv, poses_tum.txt (the sure world poses), covariances.csv (of
- * the world poses of rank 1, whatever their state), timing.csv (all atomically, frames in the given order)
- * and params.ini. */
+/** \brief Writes a results folder: hypotheses.csv, poses_tum.txt (the sure poses in the world),
+ * covariances.csv (of the poses T_w_c of rank 1, whatever their state), timing.csv (all atomically, frames in
+ * the given order) and params.ini. */
 void writeResults(const std::filesystem::path& folder, const std::vector<FrameResult>& frames,
                   const std::string& params_ini);
 /** \brief A results folder that grows while a run goes on: a frame is in all files when append() returns. */
@@ -73,9 +74,9 @@ bool isResultsFolder(const std::filesystem::path& folder);
 /** \brief Receives what is worth to be said of a file that is read nevertheless. */
 using Remark = std::function<void(const std::string&)>;
 /** \brief Reads hypotheses.csv (columns by name); results of older versions, which have no column of the
- * state, get that of kMinProbability. Throws IoError with the line for malformed files and for
- * values that are impossible.
- * \param remark If there is one, a last line that a killed program has left torn is left out, and remarked.
+ * state, get that of kMinProbability, and without one of the part all is in the world. Throws IoError with
+ * the line for malformed files and for values that are impossible. \param remark If there is one, a last line
+ * that a killed program has left torn is left out, and remarked.
  */
 std::vector<ResultRow> readHypotheses(const std::filesystem::path& folder, const Remark& remark = {});
 /** \brief Reads covariances.csv, alike, by frame; empty if there is no such file. */

@@ -31,7 +31,8 @@ struct Explanation {
 struct Hypothesis {
   int model = 0;                           ///< index of the local model
   PoseWithCovariance T_m_c;                ///< w and its covariance
-  std::optional<Eigen::Isometry3d> T_w_c;  ///< in the world, if the model's pose is known
+  std::optional<Eigen::Isometry3d> T_w_c;  ///< in the frame of the part, if the model's pose is known
+  int part = 0;                            ///< of the map, to which the local model belongs
   std::vector<SegmentPair> pairs;          ///< that took part in the estimate
   std::vector<int> found_by;               ///< local models with a hypothesis of this place, once merged
   bool depth_assisted = false;             ///< one translation comes from dense depth, not from planes

@@ -17,11 +17,12 @@ namespace facetloc {
 std::vector<int> viewsToAsk(const Map& map);
 
 /** \brief How far the surroundings of a place reach, by whose local models it is found and not mistaken: 3 m,
- * and in a small map a third of its extent. */
-double reachOfSurroundings(const Map& map);
+ * and in a small part of a map a third of its extent. */
+double reachOfSurroundings(const Map& map, int part);
 
 /** \brief The best wrong place for the view of a local model, in its map without the models that satisfy
- * excluded or are in its surroundings; nothing if no other place is like it. */
+ * excluded or are in its surroundings, which those of other parts of the map may be; nothing if no other
+ * place is like it. */
 std::optional<Hypothesis> wrongPlace(const GlobalLocalization& localization, int model,
                                      const std::function<bool(int model)>& excluded = {});
 

@@ -27,9 +27,10 @@ const char* stateName(TrackingState state);
 /** \brief What tracking says of one view. */
 struct TrackedPose {
   TrackingState state = TrackingState::searching;
-  /** \brief In the world, with the covariance of a left, decoupled perturbation (pose.h); nothing while no
-   * place is known. */
+  /** \brief In the world, or in the frame of another part of the map, with the covariance of a left,
+   * decoupled perturbation (pose.h); nothing while no place is known. */
   std::optional<PoseWithCovariance> T_w_c;
+  int part = 0;  ///< of the map, in whose frame the pose is
   /** \brief The local model that shares most with the view: the pose relative to it and the pairs. */
   std::optional<Hypothesis> match;
   std::string reason;         ///< what is missing, in words; empty while localized or tracking

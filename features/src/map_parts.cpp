@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/map_parts.h>
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <queue>
+#include <utility>
+
+namespace facetloc {
+namespace {
+
+constexpr double kLever = 3;  // to what a depth camera sees [m]
+constexpr double kUnreached = std::numeric_limits<double>::infinity();
+
+/** The way along a link, in either direction. */
+struct Way {
+  std::size_t to;
+  double cost;
+  Eigen::Isometry3d T_from_to;
+};
+
+/** Places models one after the other: those with the shortest path from any that has a pose first. */
+class Placing {
+public:
+  explicit Placing(Map& map) : map_(map), ways_(map.models.size()), cost_(map.models.size(), kUnreached) {
+    for (const Link& link : map.links) add(link);
+  }
+
+  bool isPlaced(std::size_t model) const { return cost_[model] < kUnreached; }
+
+  /** A model whose T_w_m and part are known. */
+  void addSource(std::size_t model) {
+    cost_[model] = 0;
+    next_.push({0, model});
+  }
+
+  /** Everything that a path leads to. */
+  void spread() {
+    while (!next_.empty()) {
+      const auto [cost, from] = next_.top();
+      next_.pop();
+      if (cost > cost_[from]) continue;  // a shorter path was found since
+      for (const Way& way : ways_[from]) {
+        if (!(cost + way.cost < cost_[way.to])) continue;
+        cost_[way.to] = cost + way.cost;
+        next_.push({cost_[way.to], way.to});
+        LocalModel& model = map_.models[way.to];
+        // Orthonormal, however long the path.
+        model.T_w_m = perturbed(*map_.models[from].T_w_m * way.T_from_to, Vector6d::Zero());
+        model.part = map_.models[from].part;
+        model.by_links = true;
+      }
+    }
+  }
+
+private:
+  bool isModel(int i) const { return i >= 0 && static_cast<std::size_t>(i) < map_.models.size(); }
+
+  void add(const Link& link) {
+    if (!isModel(link.from) || !isModel(link.to)) return;
+    const double cost = uncertaintyOf(link);
+    if (!(cost >= 0 && cost < kUnreached) || !link.T_from_to.T.matrix().allFinite()) return;
+    const auto from = static_cast<std::size_t>(link.from), to = static_cast<std::size_t>(link.to);
+    ways_[from].push_back({to, cost, link.T_from_to.T});
+    ways_[to].push_back({from, cost, link.T_from_to.T.inverse()});
+  }
+
+  using Reached = std::pair<double, std::size_t>;  // cost and model; of equal costs the first in the map
+
+  Map& map_;
+  std::vector<std::vector<Way>> ways_;  // from each model
+  std::vector<double> cost_;            // of each model's best path so far
+  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> next_;
+};
+
+/** Of the first model of a part: up is up, if that is known. */
+Eigen::Isometry3d firstPose(const Map& map) {
+  return map.camera.mounting ? map.camera.mounting->T_b_c() : Eigen::Isometry3d::Identity();
+}
+
+}  // namespace
+
+double uncertaintyOf(const Link& link) {
+  const Matrix6d& P = link.T_from_to.P;
+  return kLever * kLever * P.topLeftCorner<3, 3>().trace() + P.bottomRightCorner<3, 3>().trace();
+}
+
+void placeByLinks(Map& map) {
+  map.parts.clear();
+  for (LocalModel& model : map.models) {
+    model.T_w_m = model.givenPose();
+    model.by_links = false;
+    model.part = 0;
+  }
+  Placing placing(map);
+  for (std::size_t i = 0; i < map.models.size(); ++i)
+    if (map.models[i].T_w_m) placing.addSource(i);
+  const bool any_given = hasGivenPose(map);
+  if (any_given) map.parts.emplace_back();
+  placing.spread();
+  for (std::size_t i = 0; i < map.models.size(); ++i) {
+    if (placing.isPlaced(i)) continue;
+    LocalModel& first = map.models[i];
+    first.T_w_m = firstPose(map);
+    first.part = static_cast<int>(map.parts.size());
+    first.by_links = true;
+    map.parts.push_back(first.name.empty() ? "part " + std::to_string(first.part) : first.name);
+    placing.addSource(i);
+    placing.spread();
+  }
+  if (!any_given && map.parts.size() == 1) map.parts.front().clear();
+}
+
+bool hasGivenPose(const Map& map) {
+  return std::any_of(map.models.begin(), map.models.end(),
+                     [](const LocalModel& m) { return m.givenPose().has_value(); });
+}
+
+std::vector<PartCount> partCounts(const Map& map) {
+  std::vector<PartCount> counts(std::max<std::size_t>(1, map.parts.size()));
+  for (const LocalModel& model : map.models) {
+    PartCount& count = counts[static_cast<std::size_t>(model.part)];
+    ++count.models;
+    count.by_links += model.by_links;
+  }
+  return counts;
+}
+
+int mainPart(const Map& map) {
+  if (map.parts.empty() || map.parts.front().empty()) return 0;
+  const std::vector<PartCount> counts = partCounts(map);
+  const auto largest =
+      std::max_element(counts.begin(), counts.end(),
+                       [](const PartCount& a, const PartCount& b) { return a.models < b.models; });
+  return static_cast<int>(largest - counts.begin());
+}
+
+}  // namespace facetloc

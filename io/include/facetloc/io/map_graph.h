@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/local_model.h>
+
+#include <filesystem>
+
+/** \file A map as a graph of poses, for programs that optimize such graphs: g2o's text format. */
+
+namespace facetloc {
+
+/** \brief Writes VERTEX_SE3:QUAT with the model's index as id, and EDGE_SE3:QUAT for each link.
+ *
+ * A comment says of which vertices the pose follows from links, in the frame of which part (its index), or is
+ * unknown, and then the identity. The information of an edge is that of g2o's error, the translation and the
+ * quaternion's vector part (half the rotation vector) of the measured inverse times the true relative pose,
+ * which lives in the frame of `to`; order (t, R). Throws IoError. */
+void writeGraph(const std::filesystem::path& path, const Map& map);
+
+/** \brief Gives the local models in the world the poses that the vertices of a g2o file have, as given ones;
+ * those of other parts of the map are left where they are, since nobody knows how they lie to the world. All
+ * other lines of the file are ignored. Throws IoError if a vertex is no local model or its pose is none, if a
+ * local model in the world has no vertex or two, and if nothing of the map is in a world. */
+void readGraphPoses(const std::filesystem::path& path, Map& map);
+
+}  // namespace facetloc
