@@ -93,7 +93,7 @@ private:
   std::string folder_;
 };
 
-/** \brief facetloc_map merge: the local models of several maps in one. */
+/** \brief facetloc_map merge: the local models of several maps in one, in one world. */
 class MapMergeApp : public App {
 public:
   MapMergeApp();
@@ -103,6 +103,7 @@ private:
   int execute(const CommandLine& line, const Console& console) override;
   std::vector<std::string> maps_;
   std::string output_;
+  bool same_coordinates_ = false;
   bool overwrite_ = false;
 };
 
