@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Does a later session take out of a map what has moved, and nothing else?
+//
+//   score_sessions PLACE BEFORE.flmap AFTER.flmap
+//
+// PLACE is a folder with the runs map/ and query/ and their labels, as facetloc_simulate makes them. BEFORE
+// is the map of the first run, AFTER the same extended by the second one. Each segment of BEFORE is of the
+// true plane that most of its pixels show, and has moved if that plane is not there in the second run. It is
+// seen again if at least two images of the second run look at its place, and nothing hides it.
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/map_database.h>
+#include <facetloc/io/png.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <string>
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace facetloc;
+
+constexpr int kWidth = 320;        // of the images [px]
+constexpr double kThick = 0.03;    // of a segment [m]
+constexpr double kNear = 0.05;     // by which a measured surface may be nearer and hide nothing [m]
+constexpr double kReach = 6;       // of an image [m]
+constexpr int kLooks = 2;          // that see a place again
+constexpr int kFewestPixels = 30;  // of a true plane in a segment
+
+std::set<int> planesOf(const fs::path& run) {
+  std::ifstream in(run / "planes.csv");
+  std::set<int> planes;
+  std::string line;
+  std::getline(in, line);
+  while (std::getline(in, line)) planes.insert(std::stoi(line));
+  return planes;
+}
+
+/** The true plane that most of a segment's pixels show; 0 = none. */
+int planeOf(const Segment& segment, const DepthImage& image, const Raster<std::uint16_t>& labels) {
+  const int step = labels.width / image.camera.width;
+  std::map<int, int> pixels;
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u) {
+      const float z = image.at(u, v);
+      if (!isMeasured(z)) continue;
+      const Eigen::Vector3d p = segment.R.transpose() * (z * image.camera.ray(u, v) - segment.t);
+      if (std::abs(p.z()) < kThick && segment.hull.contains(p.head<2>().cast<float>()))
+        ++pixels[labels.data[static_cast<std::size_t>(v) * step * labels.width + u * step]];
+    }
+  pixels.erase(0);
+  const auto most = std::max_element(pixels.begin(), pixels.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == pixels.end() || most->second < kFewestPixels ? 0 : most->first;
+}
+
+/** An image of the second run where it truly is. */
+struct Look {
+  DepthImage depth;
+  Eigen::Isometry3d T_c_w;
+};
+
+bool isSeenAgain(const Eigen::Vector3d& p_w, const std::vector<Look>& looks) {
+  int seen = 0;
+  for (const Look& look : looks) {
+    const Eigen::Vector3d p = look.T_c_w * p_w;
+    if (p.z() < 0.3 || p.z() > kReach) continue;
+    const Eigen::Vector2i at = look.depth.camera.project(p).array().round().matrix().cast<int>();
+    const Intrinsics& camera = look.depth.camera;
+    if (at.x() < 0 || at.y() < 0 || at.x() >= camera.width || at.y() >= camera.height) continue;
+    const float z = look.depth.at(at.x(), at.y());
+    seen += isMeasured(z) && z > p.z() - kNear;
+  }
+  return seen >= kLooks;
+}
+
+struct Count {
+  int all = 0, seen = 0, gone = 0, seen_gone = 0, replaced = 0;
+};
+
+void print(const char* name, const Count& c) {
+  std::printf("%-14s %8d %8d %8d %8d %10d %11.1f %%\n", name, c.all, c.gone, c.seen, c.seen_gone, c.replaced,
+              100.0 * c.seen_gone / std::max(1, c.seen));
+}
+
+void score(const fs::path& place, const fs::path& before_path, const fs::path& after_path) {
+  const Map before = readMap(before_path), after = readMap(after_path);
+  std::map<std::string, const LocalModel*> kept;
+  for (const LocalModel& model : after.models) kept[model.name] = &model;
+  std::vector<Look> looks;
+  const DepthSequence query = DepthSequence::open(place / "query");
+  for (std::size_t i = 0; i < query.frames().size(); ++i)
+    if (const auto T = query.groundTruth().nearest(query.frames()[i].stamp))
+      looks.push_back({query.load(i, kWidth), T->inverse()});
+  const DepthSequence run = DepthSequence::open(place / "map");
+  std::map<std::string, std::size_t> frame;
+  for (std::size_t i = 0; i < run.frames().size(); ++i) frame[run.frames()[i].name] = i;
+  const std::set<int> later = planesOf(place / "query");
+
+  Count moved, unmoved;
+  for (const LocalModel& model : before.models) {
+    const DepthImage image = run.load(frame.at(model.name), kWidth);
+    const auto labels = readGreyPng(place / "map/labels" / (model.name + ".png"));
+    const auto found = kept.find(model.name);
+    for (const Segment& s : model.view.segments) {
+      const int plane = planeOf(s, image, labels);
+      if (plane == 0) continue;
+      Count& count = later.count(plane) ? unmoved : moved;
+      const bool is_kept = found != kept.end() &&
+                           std::any_of(found->second->view.segments.begin(),
+                                       found->second->view.segments.end(), [&](const Segment& k) {
+                                         return (k.t - s.t).norm() < 1e-6 && k.num_points == s.num_points;
+                                       });
+      // What a new view replaces is gone, unless it has not moved, which the new view shows, too.
+      const bool is_replaced = found == kept.end();
+      const bool is_gone = &count == &moved ? !is_kept : !is_kept && !is_replaced;
+      const bool seen = isSeenAgain(*model.T_w_m * s.t, looks);
+      ++count.all, count.seen += seen, count.gone += is_gone, count.seen_gone += seen && is_gone;
+      count.replaced += is_replaced;
+    }
+  }
+  std::printf("%zu local models before, %zu after\n", before.models.size(), after.models.size());
+  std::printf("%-14s %8s %8s %8s %8s %10s\n", "segments", "all", "gone", "seen", "of these", "replaced");
+  print("moved", moved);
+  print("not moved", unmoved);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  if (argc != 4) {
+    std::fprintf(stderr, "Usage: score_sessions PLACE BEFORE.flmap AFTER.flmap\n");
+    return 2;
+  }
+  score(argv[1], argv[2], argv[3]);
+  return 0;
+} catch (const std::exception& e) {
+  std::fprintf(stderr, "score_sessions: %s\n", e.what());
+  return 1;
+}
