@@ -18,7 +18,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <set>
 #include <string>
 
 namespace {
@@ -26,19 +25,25 @@ namespace {
 namespace fs = std::filesystem;
 using namespace facetloc;
 
-constexpr int kWidth = 320;        // of the images [px]
-constexpr double kThick = 0.03;    // of a segment [m]
-constexpr double kNear = 0.05;     // by which a measured surface may be nearer and hide nothing [m]
-constexpr double kReach = 6;       // of an image [m]
-constexpr int kLooks = 2;          // that see a place again
+constexpr int kWidth = 320;           // of the images [px]
+constexpr double kThick = 0.03;       // of a segment [m]
+constexpr double kBehind = 0.05;      // by which a measured surface is behind a segment that is not there [m]
+constexpr double kSameNormal = 0.97;  // cosine of a segment's normal and that of its true plane
+constexpr double kNearest = 0.3, kReach = 6;  // of an image [m]
+constexpr int kLooks = 2;
 constexpr int kFewestPixels = 30;  // of a true plane in a segment
 
-std::set<int> planesOf(const fs::path& run) {
+/** The normals of the true planes of a run. */
+std::map<int, Eigen::Vector3d> planesOf(const fs::path& run) {
   std::ifstream in(run / "planes.csv");
-  std::set<int> planes;
+  std::map<int, Eigen::Vector3d> planes;
   std::string line;
   std::getline(in, line);
-  while (std::getline(in, line)) planes.insert(std::stoi(line));
+  while (std::getline(in, line)) {
+    int plane = 0;
+    Eigen::Vector3d n;
+    if (std::sscanf(line.c_str(), "%d,%lf,%lf,%lf", &plane, &n.x(), &n.y(), &n.z()) == 4) planes[plane] = n;
+  }
   return planes;
 }
 
@@ -66,27 +71,28 @@ struct Look {
   Eigen::Isometry3d T_c_w;
 };
 
-bool isSeenAgain(const Eigen::Vector3d& p_w, const std::vector<Look>& looks) {
-  int seen = 0;
+bool isLookedThrough(const Eigen::Vector3d& p_w, const std::vector<Look>& looks) {
+  int through = 0;
   for (const Look& look : looks) {
     const Eigen::Vector3d p = look.T_c_w * p_w;
-    if (p.z() < 0.3 || p.z() > kReach) continue;
+    if (p.z() < kNearest || p.z() > kReach) continue;
     const Eigen::Vector2i at = look.depth.camera.project(p).array().round().matrix().cast<int>();
     const Intrinsics& camera = look.depth.camera;
     if (at.x() < 0 || at.y() < 0 || at.x() >= camera.width || at.y() >= camera.height) continue;
     const float z = look.depth.at(at.x(), at.y());
-    seen += isMeasured(z) && z > p.z() - kNear;
+    through += isMeasured(z) && z > p.z() + kBehind;
   }
-  return seen >= kLooks;
+  return through >= kLooks;
 }
 
 struct Count {
-  int all = 0, seen = 0, gone = 0, seen_gone = 0, replaced = 0;
+  int all = 0, gone = 0, through = 0, through_gone = 0, replaced = 0;
 };
 
 void print(const char* name, const Count& c) {
-  std::printf("%-14s %8d %8d %8d %8d %10d %11.1f %%\n", name, c.all, c.gone, c.seen, c.seen_gone, c.replaced,
-              100.0 * c.seen_gone / std::max(1, c.seen));
+  std::printf("%-10s %6d %6d %6.1f %% %15d %9d %6.1f %% %9d\n", name, c.all, c.gone,
+              100.0 * c.gone / std::max(1, c.all), c.through, c.through_gone,
+              100.0 * c.through_gone / std::max(1, c.through), c.replaced);
 }
 
 void score(const fs::path& place, const fs::path& before_path, const fs::path& after_path) {
@@ -101,7 +107,7 @@ void score(const fs::path& place, const fs::path& before_path, const fs::path& a
   const DepthSequence run = DepthSequence::open(place / "map");
   std::map<std::string, std::size_t> frame;
   for (std::size_t i = 0; i < run.frames().size(); ++i) frame[run.frames()[i].name] = i;
-  const std::set<int> later = planesOf(place / "query");
+  const auto planes = planesOf(place / "map"), later = planesOf(place / "query");
 
   Count moved, unmoved;
   for (const LocalModel& model : before.models) {
@@ -110,7 +116,9 @@ void score(const fs::path& place, const fs::path& before_path, const fs::path& a
     const auto found = kept.find(model.name);
     for (const Segment& s : model.view.segments) {
       const int plane = planeOf(s, image, labels);
-      if (plane == 0) continue;
+      if (plane == 0 || !planes.count(plane)) continue;
+      const Eigen::Vector3d normal = model.T_w_m->linear() * s.normal();
+      if (std::abs(normal.dot(planes.at(plane))) < kSameNormal) continue;  // it shows what has no plane
       Count& count = later.count(plane) ? unmoved : moved;
       const bool is_kept = found != kept.end() &&
                            std::any_of(found->second->view.segments.begin(),
@@ -120,13 +128,14 @@ void score(const fs::path& place, const fs::path& before_path, const fs::path& a
       // What a new view replaces is gone, unless it has not moved, which the new view shows, too.
       const bool is_replaced = found == kept.end();
       const bool is_gone = &count == &moved ? !is_kept : !is_kept && !is_replaced;
-      const bool seen = isSeenAgain(*model.T_w_m * s.t, looks);
-      ++count.all, count.seen += seen, count.gone += is_gone, count.seen_gone += seen && is_gone;
-      count.replaced += is_replaced;
+      const bool through = isLookedThrough(*model.T_w_m * s.t, looks);
+      ++count.all, count.gone += is_gone, count.through += through;
+      count.through_gone += through && is_gone, count.replaced += is_replaced;
     }
   }
   std::printf("%zu local models before, %zu after\n", before.models.size(), after.models.size());
-  std::printf("%-14s %8s %8s %8s %8s %10s\n", "segments", "all", "gone", "seen", "of these", "replaced");
+  std::printf("%-10s %6s %6s %8s %15s %9s %8s %9s\n", "segments", "all", "gone", "", "looked through",
+              "and gone", "", "replaced");
   print("moved", moved);
   print("not moved", unmoved);
 }

@@ -24,6 +24,15 @@ constexpr double kLoose = 0.1, kLooseRotation = 2 * kDegree;  // errors of an im
 constexpr double kTrustedAgreement = 0.6;  // of an image with the map around it, below which it is misplaced
 constexpr int kFewestPixels = 60;          // that two views must have in common
 
+/** Aligned images are off by their noise, and pixels of one surface err alike: what many of them say together
+ * may be told at a narrower gate than that of a single place. */
+DepthConsistencyParams narrowComparison() {
+  DepthConsistencyParams params;
+  params.absolute_error /= 2;
+  params.relative_error /= 2;
+  return params;
+}
+
 /** An image of the session as one local model has it. */
 struct Look {
   std::size_t image;
@@ -39,6 +48,7 @@ public:
       : map_(map),
         session_(session),
         comparison_(DepthConsistencyParams{}),
+        narrow_(narrowComparison()),
         looks_(map.models.size()),
         reviews_(map.models.size()) {
     const int n = static_cast<int>(map.models.size());
@@ -48,7 +58,7 @@ public:
       std::vector<PosedPicture> others;
       for (const Look& look : looks_[m])
         if (trusted[look.image]) others.push_back({&session_[look.image].view->depth, look.T_m_c});
-      reviews_[m] = reviewSurfaces(map_.models[m].view, others, comparison_, params.looks);
+      reviews_[m] = reviewSurfaces(map_.models[m].view, others, narrow_, params.looks);
     });
   }
   const SurfaceReview& of(std::size_t model) const { return reviews_[model]; }
@@ -102,7 +112,7 @@ private:
 
   const Map& map_;
   const std::vector<SessionImage>& session_;
-  DepthComparison comparison_;
+  DepthComparison comparison_, narrow_;
   ViewPlacing placing_;
   std::vector<std::vector<Look>> looks_;
   std::vector<SurfaceReview> reviews_;

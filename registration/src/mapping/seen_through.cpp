@@ -13,7 +13,7 @@ constexpr double kNoises = 3;           // by which a pixel may be off its segme
 constexpr float kHullMargin = 0.02F;    // [m]
 constexpr int kFewestPixels = 12;       // of a segment that say anything, in the depth picture
 constexpr double kLeastJudged = 0.2;    // share of a segment's pixels that must say anything
-constexpr double kMostOfSegment = 0.5;  // share of these by which it is gone
+constexpr double kMostOfSegment = 0.25;  // share of these by which it is not the surface that it was
 constexpr int kNone = -1;
 
 /** The segment that each pixel of a view's depth picture belongs to; kNone for others. */
