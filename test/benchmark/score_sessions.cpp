@@ -29,40 +29,51 @@ constexpr int kWidth = 320;           // of the images [px]
 constexpr double kThick = 0.03;       // of a segment [m]
 constexpr double kBehind = 0.05;      // by which a measured surface is behind a segment that is not there [m]
 constexpr double kSameNormal = 0.97;  // cosine of a segment's normal and that of its true plane
+constexpr double kOfPlane = 0.1;      // of a segment from its true plane [m]
 constexpr double kNearest = 0.3, kReach = 6;  // of an image [m]
 constexpr int kLooks = 2;
-constexpr int kFewestPixels = 30;  // of a true plane in a segment
+constexpr int kSpacing = 2;               // of the pixels of a segment that are looked at [px]
+constexpr std::size_t kFewestPoints = 8;  // of a true plane in a segment
 
-/** The normals of the true planes of a run. */
-std::map<int, Eigen::Vector3d> planesOf(const fs::path& run) {
+/** The true planes of a run: normal and distance from the origin. */
+std::map<int, Eigen::Vector4d> planesOf(const fs::path& run) {
   std::ifstream in(run / "planes.csv");
-  std::map<int, Eigen::Vector3d> planes;
+  std::map<int, Eigen::Vector4d> planes;
   std::string line;
   std::getline(in, line);
   while (std::getline(in, line)) {
     int plane = 0;
-    Eigen::Vector3d n;
-    if (std::sscanf(line.c_str(), "%d,%lf,%lf,%lf", &plane, &n.x(), &n.y(), &n.z()) == 4) planes[plane] = n;
+    Eigen::Vector4d n;
+    if (std::sscanf(line.c_str(), "%d,%lf,%lf,%lf,%lf", &plane, &n[0], &n[1], &n[2], &n[3]) == 5)
+      planes[plane] = n;
   }
   return planes;
 }
 
-/** The true plane that most of a segment's pixels show; 0 = none. */
-int planeOf(const Segment& segment, const DepthImage& image, const Raster<std::uint16_t>& labels) {
+/** What a segment is of. */
+struct Truth {
+  int plane = 0;                        // that most of its pixels show; 0 = none
+  std::vector<Eigen::Vector3d> points;  // of some of these pixels, in the camera's frame
+};
+
+Truth truthOf(const Segment& segment, const DepthImage& image, const Raster<std::uint16_t>& labels) {
   const int step = labels.width / image.camera.width;
-  std::map<int, int> pixels;
-  for (int v = 0; v < image.camera.height; ++v)
-    for (int u = 0; u < image.camera.width; ++u) {
+  std::map<int, std::vector<Eigen::Vector3d>> points;
+  for (int v = 0; v < image.camera.height; v += kSpacing)
+    for (int u = 0; u < image.camera.width; u += kSpacing) {
       const float z = image.at(u, v);
       if (!isMeasured(z)) continue;
-      const Eigen::Vector3d p = segment.R.transpose() * (z * image.camera.ray(u, v) - segment.t);
-      if (std::abs(p.z()) < kThick && segment.hull.contains(p.head<2>().cast<float>()))
-        ++pixels[labels.data[static_cast<std::size_t>(v) * step * labels.width + u * step]];
+      const Eigen::Vector3d p = z * image.camera.ray(u, v);
+      const Eigen::Vector3d in_plane = segment.R.transpose() * (p - segment.t);
+      if (std::abs(in_plane.z()) < kThick && segment.hull.contains(in_plane.head<2>().cast<float>()))
+        points[labels.data[static_cast<std::size_t>(v) * step * labels.width + u * step]].push_back(p);
     }
-  pixels.erase(0);
-  const auto most = std::max_element(pixels.begin(), pixels.end(),
-                                     [](const auto& a, const auto& b) { return a.second < b.second; });
-  return most == pixels.end() || most->second < kFewestPixels ? 0 : most->first;
+  points.erase(0);
+  const auto most = std::max_element(points.begin(), points.end(), [](const auto& a, const auto& b) {
+    return a.second.size() < b.second.size();
+  });
+  if (most == points.end() || most->second.size() < kFewestPoints) return {};
+  return {most->first, most->second};
 }
 
 /** An image of the second run where it truly is. */
@@ -71,8 +82,9 @@ struct Look {
   Eigen::Isometry3d T_c_w;
 };
 
+/** Do images measure something behind a point? More of them than measure something at it. */
 bool isLookedThrough(const Eigen::Vector3d& p_w, const std::vector<Look>& looks) {
-  int through = 0;
+  int through = 0, at_it = 0;
   for (const Look& look : looks) {
     const Eigen::Vector3d p = look.T_c_w * p_w;
     if (p.z() < kNearest || p.z() > kReach) continue;
@@ -80,9 +92,17 @@ bool isLookedThrough(const Eigen::Vector3d& p_w, const std::vector<Look>& looks)
     const Intrinsics& camera = look.depth.camera;
     if (at.x() < 0 || at.y() < 0 || at.x() >= camera.width || at.y() >= camera.height) continue;
     const float z = look.depth.at(at.x(), at.y());
-    through += isMeasured(z) && z > p.z() + kBehind;
+    if (!isMeasured(z) || z < p.z() - kBehind) continue;
+    ++(z > p.z() + kBehind ? through : at_it);
   }
-  return through >= kLooks;
+  return through >= kLooks && through > at_it;
+}
+
+/** Is most of a segment looked through? */
+bool isLookedThrough(const std::vector<Eigen::Vector3d>& points, const std::vector<Look>& looks) {
+  const auto through = std::count_if(points.begin(), points.end(),
+                                     [&](const Eigen::Vector3d& p) { return isLookedThrough(p, looks); });
+  return 2 * through > static_cast<std::ptrdiff_t>(points.size());
 }
 
 struct Count {
@@ -115,11 +135,17 @@ void score(const fs::path& place, const fs::path& before_path, const fs::path& a
     const auto labels = readGreyPng(place / "map/labels" / (model.name + ".png"));
     const auto found = kept.find(model.name);
     for (const Segment& s : model.view.segments) {
-      const int plane = planeOf(s, image, labels);
-      if (plane == 0 || !planes.count(plane)) continue;
-      const Eigen::Vector3d normal = model.T_w_m->linear() * s.normal();
-      if (std::abs(normal.dot(planes.at(plane))) < kSameNormal) continue;  // it shows what has no plane
-      Count& count = later.count(plane) ? unmoved : moved;
+      const Truth truth = truthOf(s, image, labels);
+      const auto plane = planes.find(truth.plane);
+      if (plane == planes.end()) continue;
+      // What is no plane, such as a bin, has no label, and what is behind it has another place.
+      const Eigen::Vector3d n = plane->second.head<3>();
+      if (std::abs(n.dot(model.T_w_m->linear() * s.normal())) < kSameNormal ||
+          std::abs(n.dot(*model.T_w_m * s.t) - plane->second[3]) > kOfPlane)
+        continue;
+      std::vector<Eigen::Vector3d> points;
+      for (const Eigen::Vector3d& p : truth.points) points.push_back(*model.T_w_m * p);
+      Count& count = later.count(truth.plane) ? unmoved : moved;
       const bool is_kept = found != kept.end() &&
                            std::any_of(found->second->view.segments.begin(),
                                        found->second->view.segments.end(), [&](const Segment& k) {
@@ -128,7 +154,7 @@ void score(const fs::path& place, const fs::path& before_path, const fs::path& a
       // What a new view replaces is gone, unless it has not moved, which the new view shows, too.
       const bool is_replaced = found == kept.end();
       const bool is_gone = &count == &moved ? !is_kept : !is_kept && !is_replaced;
-      const bool through = isLookedThrough(*model.T_w_m * s.t, looks);
+      const bool through = isLookedThrough(points, looks);
       ++count.all, count.gone += is_gone, count.through += through;
       count.through_gone += through && is_gone, count.replaced += is_replaced;
     }
