@@ -254,9 +254,7 @@ int MapExtendApp::execute(const CommandLine& line, const Console& console) {
     if (place.T_w_k[k]) images.push_back({file.name, file.stamp, keyframe.view, *place.T_w_k[k]});
   }
   const std::size_t lost = place.T_w_k.size() - images.size();
-  if (lost > 0)
-    console.note(counted(lost, "keyframe") + " left out: nothing ties them to the part of the session that "
-                                             "is found");
+  if (lost > 0) console.note(counted(lost, "keyframe") + " left out, whose place in the map is not certain");
 
   Map changed = *map;
   const MapChanges changes = updateMap(changed, images, builder_, session_, threads());

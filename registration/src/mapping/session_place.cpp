@@ -18,6 +18,11 @@ namespace {
 // Errors of an answer that its covariance does not know: those of the local model's own pose.
 constexpr double kMapRotation = 0.2 * kDegree, kMapTranslation = 0.01;  // [m]
 
+constexpr double kFarEllipsoid = 22.46;  // of 99.9 % in 6 degrees of freedom
+
+// Of a keyframe in the map, beyond which nothing is concluded from it [m].
+constexpr double kCertainRotation = 2 * kDegree, kCertainTranslation = 0.1;
+
 PlaceTolerance toleranceOf(const MapSessionParams& params) {
   return {params.agreement_distance, params.agreement_deg * kDegree};
 }
@@ -55,6 +60,29 @@ PoseGraph graphOf(const CameraTrajectory& trajectory) {
   for (const KeyframeMotion& m : trajectory.motions)
     graph.edges.push_back({m.from, m.to, m.T_from_to, m.source != KeyframeMotion::Source::odometry});
   return graph;
+}
+
+/** The parts of a graph without the edges that its poses contradict. */
+std::vector<int> withoutBreaks(PoseGraph graph, const GraphPoses& poses) {
+  std::vector<PoseEdge> sound;
+  for (std::size_t i = 0; i < graph.edges.size(); ++i)
+    if (poses.mismatch[i] <= kFarEllipsoid) sound.push_back(graph.edges[i]);
+  graph.edges = std::move(sound);
+  return partsOf(graph);
+}
+
+bool isCertain(const Matrix6d& P) {
+  return largestRotationStd(P) <= kCertainRotation && largestTranslationStd(P) <= kCertainTranslation;
+}
+
+std::vector<FoundKeyframe> without(const std::vector<FoundKeyframe>& found,
+                                   const std::vector<FoundKeyframe>& set) {
+  std::vector<FoundKeyframe> out;
+  std::copy_if(found.begin(), found.end(), std::back_inserter(out), [&](const FoundKeyframe& f) {
+    return std::none_of(set.begin(), set.end(),
+                        [&](const FoundKeyframe& other) { return other.keyframe == f.keyframe; });
+  });
+  return out;
 }
 
 /** T_w_s of the set's members, one each, and of these the one that lies in the middle of the others. */
@@ -113,23 +141,34 @@ SessionPlace placeInMap(const GlobalLocalization& localization, const CameraTraj
   graph.T_w_n.insert(graph.T_w_n.end(), of_session.T_w_n.begin(), of_session.T_w_n.end());
   for (PoseEdge edge : of_session.edges) {
     ++edge.from, ++edge.to;
+    edge.may_be_wrong = true;  // a trajectory may break anywhere, and the map is there to tell
     graph.edges.push_back(edge);
   }
+  const auto least = static_cast<std::size_t>(params.min_agreeing);
   for (const int part : trajectory.parts()) {
-    const std::vector<FoundKeyframe> set =
-        withCommonPlace(ofPart(found, trajectory, part), relative, toleranceOf(params),
-                        static_cast<std::size_t>(params.min_agreeing));
-    if (set.empty()) continue;
-    place.agreeing += set.size();
-    const Eigen::Isometry3d T_w_s = middlePlace(set, trajectory.keyframes);
+    std::vector<FoundKeyframe> left = ofPart(found, trajectory, part);
+    const std::vector<FoundKeyframe> main = withCommonPlace(left, relative, toleranceOf(params), least);
+    if (main.empty()) continue;
+    place.agreeing += main.size();
+    const Eigen::Isometry3d T_w_s = middlePlace(main, trajectory.keyframes);
     for (std::size_t k = 0; k < trajectory.keyframes.size(); ++k)
       if (trajectory.keyframes[k].part == part) graph.T_w_n[k + 1] = T_w_s * graph.T_w_n[k + 1];
-    for (const FoundKeyframe& f : set) graph.edges.push_back({0, f.keyframe + 1, f.T_w_c, true});
+    // Stretches beyond a break of the trajectory agree among themselves.
+    for (std::vector<FoundKeyframe> set = main; !set.empty();
+         set = withCommonPlace(left, relative, toleranceOf(params), least)) {
+      for (const FoundKeyframe& f : set) graph.edges.push_back({0, f.keyframe + 1, f.T_w_c, true});
+      left = without(left, set);
+    }
   }
   if (!place.found()) return place;
-  const GraphPoses poses = optimized(graph, false);
+  const GraphPoses poses = optimized(graph);
+  const std::vector<int> part = withoutBreaks(graph, poses);
   for (std::size_t k = 0; k < place.T_w_k.size(); ++k)
-    if (poses.part[k + 1] == poses.part[0]) place.T_w_k[k] = poses.nodes[k + 1].T;
+    if (part[k + 1] == part[0] && isCertain(poses.nodes[k + 1].P)) place.T_w_k[k] = poses.nodes[k + 1].T;
+  for (const FoundKeyframe& f : found)  // what is sure to be elsewhere is not there
+    if (const auto& T_w_k = place.T_w_k[f.keyframe];
+        T_w_k && !isNear(*T_w_k, f.T_w_c.T, params.agreement_distance, params.agreement_deg))
+      place.T_w_k[f.keyframe].reset();
   return place;
 }
 

@@ -50,7 +50,7 @@ struct SessionPlace {
   std::size_t asked = 0;     ///< images that were looked for in the map
   std::size_t sure = 0;      ///< of these, images with a sure answer
   std::size_t agreeing = 0;  ///< of these, images that agree on one place
-  /// of each keyframe in the map; nothing for those of parts that were not found
+  /// of each keyframe in the map; nothing where it is not known to 0.1 m and 2 deg
   std::vector<std::optional<Eigen::Isometry3d>> T_w_k;
 
   bool found() const { return agreeing > 0; }
