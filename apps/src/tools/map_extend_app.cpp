@@ -251,7 +251,8 @@ int MapExtendApp::execute(const CommandLine& line, const Console& console) {
   for (std::size_t k = 0; k < place.T_w_k.size(); ++k) {
     const Keyframe& keyframe = session.trajectory.keyframes[k];
     const FrameFile& file = sequence.frames()[session.frame[keyframe.image]];
-    if (place.T_w_k[k]) images.push_back({file.name, file.stamp, keyframe.view, *place.T_w_k[k]});
+    if (place.T_w_k[k])
+      images.push_back({file.name, file.stamp, keyframe.view, *place.T_w_k[k], place.confirmed[k]});
   }
   const std::size_t lost = place.T_w_k.size() - images.size();
   if (lost > 0) console.note(counted(lost, "keyframe") + " left out, whose place in the map is not certain");

@@ -22,7 +22,8 @@ constexpr std::size_t kMostLooks = 16;                  // nearest images that o
 constexpr double kOtherPlace = 0.1, kOtherTurnDeg = 5;  // of two images that count as two looks [m]
 constexpr double kLoose = 0.1, kLooseRotation = 2 * kDegree;  // errors of an image's place in the map [m]
 constexpr double kTrustedAgreement = 0.6;  // of an image with the map around it, below which it is misplaced
-constexpr int kFewestPixels = 60;          // that two views must have in common
+constexpr double kConvincingAgreement = 0.92;  // the same of an image whose place nothing else confirms
+constexpr int kFewestPixels = 60;              // that two views must have in common
 
 /** Aligned images are off by their noise, and pixels of one surface err alike: what many of them say together
  * may be told at a narrower gate than that of a single place. */
@@ -53,15 +54,16 @@ public:
         reviews_(map.models.size()) {
     const int n = static_cast<int>(map.models.size());
     forEachInParallel(n, threads, [&](int m) { looks_[m] = looksAt(m); });
-    const std::vector<char> trusted = trustedImages();
+    trusted_ = trustedImages();
     forEachInParallel(n, threads, [&](int m) {
       std::vector<PosedPicture> others;
       for (const Look& look : looks_[m])
-        if (trusted[look.image]) others.push_back({&session_[look.image].view->depth, look.T_m_c});
+        if (trusted_[look.image]) others.push_back({&session_[look.image].view->depth, look.T_m_c});
       reviews_[m] = reviewSurfaces(map_.models[m].view, others, narrow_, params.looks);
     });
   }
   const SurfaceReview& of(std::size_t model) const { return reviews_[model]; }
+  bool trusts(std::size_t image) const { return trusted_[image]; }
 
 private:
   /** The nearest images from different places, each aligned with the local model by what the two show. */
@@ -105,8 +107,10 @@ private:
     for (const auto& of_model : looks_)
       for (const Look& look : of_model) sums[look.image] += look.seen;
     std::vector<char> trusted;
-    for (const DepthAgreement& sum : sums)
-      trusted.push_back(sum.agree >= kTrustedAgreement * (sum.agree + sum.contradict));
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      const double least = session_[i].confirmed ? kTrustedAgreement : kConvincingAgreement;
+      trusted.push_back(sums[i].agree >= least * (sums[i].agree + sums[i].contradict));
+    }
     return trusted;
   }
 
@@ -115,6 +119,7 @@ private:
   DepthComparison comparison_, narrow_;
   ViewPlacing placing_;
   std::vector<std::vector<Look>> looks_;
+  std::vector<char> trusted_;  // of each image: it is where it is thought to be
   std::vector<SurfaceReview> reviews_;
 };
 
@@ -135,6 +140,7 @@ public:
 
   /** Takes out what is gone; what has lost much is replaced by the image nearest to it, if one is near. */
   void retire(const Review& review) {
+    for (std::size_t i = 0; i < used_.size(); ++i) used_[i] = !review.trusts(i);
     for (std::size_t m = 0; m < removed_.size(); ++m) {
       const SurfaceReview& of_model = review.of(m);
       if (of_model.judged == 0) continue;
@@ -277,7 +283,7 @@ private:
   MapBuilder builder_;
   MapSessionParams params_;
   DepthComparison comparison_;
-  std::vector<bool> used_;     // images
+  std::vector<bool> used_;     // images that become no local model any more
   std::vector<bool> removed_;  // local models
   std::set<std::string> names_;
   MapChanges changes_;

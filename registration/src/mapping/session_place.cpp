@@ -124,6 +124,7 @@ SessionPlace placeInMap(const GlobalLocalization& localization, const CameraTraj
   SessionPlace place;
   place.asked = trajectory.keyframes.size();
   place.T_w_k.resize(trajectory.keyframes.size());
+  place.confirmed.assign(trajectory.keyframes.size(), false);
   const std::vector<FoundKeyframe> found = sureKeyframes(localization, trajectory, params, threads, progress);
   place.sure = found.size();
   if (found.empty()) return place;
@@ -165,10 +166,12 @@ SessionPlace placeInMap(const GlobalLocalization& localization, const CameraTraj
   const std::vector<int> part = withoutBreaks(graph, poses);
   for (std::size_t k = 0; k < place.T_w_k.size(); ++k)
     if (part[k + 1] == part[0] && isCertain(poses.nodes[k + 1].P)) place.T_w_k[k] = poses.nodes[k + 1].T;
-  for (const FoundKeyframe& f : found)  // what is sure to be elsewhere is not there
-    if (const auto& T_w_k = place.T_w_k[f.keyframe];
-        T_w_k && !isNear(*T_w_k, f.T_w_c.T, params.agreement_distance, params.agreement_deg))
-      place.T_w_k[f.keyframe].reset();
+  for (const FoundKeyframe& f : found) {
+    auto& T_w_k = place.T_w_k[f.keyframe];
+    if (!T_w_k) continue;
+    place.confirmed[f.keyframe] = isNear(*T_w_k, f.T_w_c.T, params.agreement_distance, params.agreement_deg);
+    if (!place.confirmed[f.keyframe]) T_w_k.reset();  // it is sure to be elsewhere
+  }
   return place;
 }
 
@@ -179,6 +182,7 @@ SessionPlace placeRigidly(const GlobalLocalization& localization, const CameraTr
   SessionPlace place;
   place.asked = trajectory.keyframes.size();
   place.T_w_k.resize(trajectory.keyframes.size());
+  place.confirmed.assign(trajectory.keyframes.size(), false);
   const std::vector<FoundKeyframe> found = sureKeyframes(localization, trajectory, params, threads, progress);
   place.sure = found.size();
   const MapBuilder builder(accuracy);
@@ -189,6 +193,7 @@ SessionPlace placeRigidly(const GlobalLocalization& localization, const CameraTr
       withCommonPlace(found, relative, toleranceOf(params), static_cast<std::size_t>(params.min_agreeing));
   if (set.empty()) return place;
   place.agreeing = set.size();
+  place.confirmed.assign(trajectory.keyframes.size(), true);
 
   // Two nodes, the world and the session: each answer is a measurement of the motion between them.
   const Eigen::Isometry3d start = middlePlace(set, trajectory.keyframes);

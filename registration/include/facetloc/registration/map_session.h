@@ -52,6 +52,7 @@ struct SessionPlace {
   std::size_t agreeing = 0;  ///< of these, images that agree on one place
   /// of each keyframe in the map; nothing where it is not known to 0.1 m and 2 deg
   std::vector<std::optional<Eigen::Isometry3d>> T_w_k;
+  std::vector<bool> confirmed;  ///< of each keyframe: its own sure answer, or a pose that was given, says so
 
   bool found() const { return agreeing > 0; }
   /** \brief "12 of 80 images are sure, 9 of them agree". */
@@ -78,6 +79,7 @@ struct SessionImage {
   double stamp = 0;  ///< [s]
   std::shared_ptr<const View> view;
   Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();
+  bool confirmed = true;  ///< otherwise it must agree with the map around it almost everywhere to count
 };
 
 /** \brief What a session has changed in a map. Local models by their names. */
