@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace facetloc {
 namespace {
 
@@ -73,6 +75,9 @@ TEST_F(ASessionInARoom, IsFoundWhereItIs) {
   ASSERT_TRUE(bent.found());
   ASSERT_TRUE(rigid.found());
   EXPECT_GE(bent.agreeing, 6u);
+  EXPECT_EQ(std::count(rigid.confirmed.begin(), rigid.confirmed.end(), true),
+            std::ptrdiff_t(trajectory.keyframes.size()));
+  EXPECT_GE(std::count(bent.confirmed.begin(), bent.confirmed.end(), true), std::ptrdiff_t(bent.agreeing));
   for (std::size_t k = 0; k < trajectory.keyframes.size(); ++k) {
     ASSERT_TRUE(bent.T_w_k[k] && rigid.T_w_k[k]);
     EXPECT_THAT(*bent.T_w_k[k], PoseNear(session[3 * k].T_w_c, 0.02, 1)) << k;
