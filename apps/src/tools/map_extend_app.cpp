@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr double kKeyShare = 0.5;       // of the distance of local models: that of images along given poses
 constexpr std::size_t kChunk = 64;      // images in memory until they are added to the trajectory, in order
 constexpr std::size_t kMostNamed = 12;  // local models that a line of the report names
-constexpr Colour kNew = {0, 130, 60};
+constexpr Colour kNew = {0, 130, 60}, kEdited = {130, 60, 170};
 
 std::string named(const std::vector<std::string>& names) {
   std::string words;
@@ -224,7 +224,9 @@ void MapExtendApp::drawChanges(const Map& map, const Session& session, const Ses
       run.T_w_c.push_back(*place.T_w_k[image.keyframe] *
                           session.trajectory.keyframes[image.keyframe].T_w_c.T.inverse() * image.T_w_c);
   drawFloorMap(changes_, map, {run},
-               {{"new local models", changes.T_w_new, kNew}, {"retired", changes.T_w_old, kRed}});
+               {{"new local models", changes.T_w_new, kNew},
+                {"without what has moved", changes.T_w_edited, kEdited},
+                {"retired", changes.T_w_old, kRed}});
 }
 
 int MapExtendApp::execute(const CommandLine& line, const Console& console) {

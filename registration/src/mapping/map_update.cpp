@@ -134,13 +134,19 @@ public:
         params_(params),
         comparison_(DepthConsistencyParams{}),
         used_(session.size(), false),
-        removed_(map.models.size(), false) {
+        trusted_(session.size(), false),
+        removed_(map.models.size(), false),
+        fresh_(map.models.size(), false),
+        edited_(map.models.size(), false) {
     for (const LocalModel& model : map.models) names_.insert(model.name);
   }
 
   /** Takes out what is gone; what has lost much is replaced by the image nearest to it, if one is near. */
   void retire(const Review& review) {
-    for (std::size_t i = 0; i < used_.size(); ++i) used_[i] = !review.trusts(i);
+    for (std::size_t i = 0; i < used_.size(); ++i) {
+      trusted_[i] = review.trusts(i);
+      used_[i] = !trusted_[i];
+    }
     for (std::size_t m = 0; m < removed_.size(); ++m) {
       const SurfaceReview& of_model = review.of(m);
       if (of_model.judged == 0) continue;
@@ -162,18 +168,26 @@ public:
         changes_.T_w_old.push_back(*model.T_w_m);
       } else {
         model.view = std::move(left);
-        changes_.edited.push_back(model.name);
+        edited_[m] = true;
       }
     }
   }
 
-  /** Images become local models where the map does not show what they show. */
+  /** Images become local models where the map does not show what they show. Where one is already, an image
+   * takes its place, if other images of the session confirm what is new. */
   void add() {
     for (std::size_t i = 0; i < session_.size(); ++i) {
       if (used_[i] || session_[i].view->segments.empty()) continue;
-      if (isBesideModel(session_[i].T_w_c) || isKnown(session_[i])) continue;
+      if (isKnown(session_[i], {}, params_.known_share)) continue;
+      if (const auto beside = modelBeside(session_[i].T_w_c)) {
+        const bool is_old = *beside < fresh_.size() && !fresh_[*beside];
+        if (is_old && !isKnown(session_[i], {}, 1 - params_.changed_share) &&
+            isKnown(session_[i], otherLooks(i), params_.known_share))
+          replace(*beside, i);
+        continue;
+      }
       const std::size_t at = map_.models.size();
-      const int nearest = nearestModel(session_[i].T_w_c);
+      const int nearest = nearestModel(session_[i].T_w_c, [](const auto&) { return true; });
       changes_.added.push_back(take(i).name);
       removed_.push_back(false);
       if (nearest >= 0)
@@ -183,6 +197,11 @@ public:
   }
 
   MapChanges finish() {
+    for (std::size_t m = 0; m < edited_.size(); ++m) {
+      if (!edited_[m] || fresh_[m]) continue;
+      changes_.edited.push_back(map_.models[m].name);
+      changes_.T_w_edited.push_back(*map_.models[m].T_w_m);
+    }
     std::vector<int> index(map_.models.size(), -1);
     std::vector<LocalModel> models;
     for (std::size_t m = 0; m < map_.models.size(); ++m) {
@@ -205,10 +224,22 @@ private:
   bool isBeside(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const {
     return isNear(a, b, near_.distance, near_.rotation_deg);
   }
-  bool isBesideModel(const Eigen::Isometry3d& T_w_c) const {
-    for (std::size_t m = 0; m < map_.models.size(); ++m)
-      if (!removed_[m] && map_.models[m].T_w_m && isBeside(*map_.models[m].T_w_m, T_w_c)) return true;
-    return false;
+  /** The nearest of the local models that are at the same place, if there is one. */
+  std::optional<std::size_t> modelBeside(const Eigen::Isometry3d& T_w_c) const {
+    const int nearest =
+        nearestModel(T_w_c, [&](const Eigen::Isometry3d& T_w_m) { return isBeside(T_w_m, T_w_c); });
+    return nearest < 0 ? std::nullopt : std::optional<std::size_t>(nearest);
+  }
+
+  /** The images of the session that have seen the place of one of them from elsewhere. */
+  std::vector<PosedPicture> otherLooks(std::size_t image) const {
+    std::vector<PosedPicture> looks;
+    const Eigen::Isometry3d& T_w_c = session_[image].T_w_c;
+    for (std::size_t i = 0; i < session_.size(); ++i)
+      if (trusted_[i] && !isNear(session_[i].T_w_c, T_w_c, kOtherPlace, kOtherTurnDeg) &&
+          std::isfinite(viewDistance(session_[i].T_w_c, T_w_c, kKnownReach)))
+        looks.push_back({&session_[i].view->depth, session_[i].T_w_c});
+    return looks;
   }
 
   std::optional<std::size_t> nearestImage(const Eigen::Isometry3d& T_w_m) const {
@@ -222,20 +253,21 @@ private:
     return nearest;
   }
 
-  /** -1 if none has much in common with a view from there. */
-  int nearestModel(const Eigen::Isometry3d& T_w_c) const {
+  /** -1 if none has much in common with a view from there. \param counts those that may be the nearest */
+  template <class Counts>
+  int nearestModel(const Eigen::Isometry3d& T_w_c, const Counts& counts) const {
     int nearest = -1;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t m = 0; m < map_.models.size(); ++m) {
-      if (removed_[m] || !map_.models[m].T_w_m) continue;
+      if (removed_[m] || !map_.models[m].T_w_m || !counts(*map_.models[m].T_w_m)) continue;
       const double distance = viewDistance(*map_.models[m].T_w_m, T_w_c);
       if (distance < least) least = distance, nearest = static_cast<int>(m);
     }
     return nearest;
   }
 
-  bool isKnown(const SessionImage& image) const {
-    std::vector<PosedPicture> others;
+  /** Do local models, and others, agree with such a share of an image? */
+  bool isKnown(const SessionImage& image, std::vector<PosedPicture> others, double share) const {
     for (std::size_t m = 0; m < map_.models.size(); ++m)
       if (!removed_[m] && map_.models[m].T_w_m &&
           std::isfinite(viewDistance(*map_.models[m].T_w_m, image.T_w_c, kKnownReach)))
@@ -248,7 +280,7 @@ private:
       for (int u = step / 2; u < picture.camera.width; u += step)
         pixels += picture.inverse_depth[static_cast<std::size_t>(v) * picture.camera.width + u] >= farthest;
     const DepthAgreement seen = compareWithAll(picture, image.T_w_c, others, comparison_, kFineColumns);
-    return !others.empty() && seen.agree >= params_.known_share * pixels;
+    return !others.empty() && seen.agree >= share * pixels;
   }
 
   LocalModel modelOf(std::size_t i) {
@@ -266,6 +298,7 @@ private:
     return map_.models.back();
   }
   void replace(std::size_t m, std::size_t i) {
+    fresh_[m] = true;
     changes_.T_w_old.push_back(*map_.models[m].T_w_m);
     LocalModel model = modelOf(i);
     changes_.replaced.push_back({map_.models[m].name, model.name});
@@ -284,7 +317,10 @@ private:
   MapSessionParams params_;
   DepthComparison comparison_;
   std::vector<bool> used_;     // images that become no local model any more
+  std::vector<bool> trusted_;  // images
   std::vector<bool> removed_;  // local models
+  std::vector<bool> fresh_;    // local models of the map that an image has replaced
+  std::vector<bool> edited_;   // those that have lost surfaces
   std::set<std::string> names_;
   MapChanges changes_;
 };

@@ -89,12 +89,13 @@ struct MapChanges {
   };
   std::vector<std::string> added;
   std::vector<Replacement> replaced;
-  std::vector<std::string> retired;                 ///< without a view of their place that could replace them
-  std::vector<std::string> edited;                  ///< which have lost surfaces, and stay
-  std::size_t seen = 0;                             ///< local models that the session has seen again
-  std::size_t surfaces = 0;                         ///< segments of local models that are gone
-  std::size_t of_surfaces = 0;                      ///< of all segments that the session has looked at
-  std::vector<Eigen::Isometry3d> T_w_new, T_w_old;  ///< of local models that have come, and have gone
+  std::vector<std::string> retired;  ///< without a view of their place that could replace them
+  std::vector<std::string> edited;   ///< which have lost surfaces, and stay
+  std::size_t seen = 0;              ///< local models that the session has seen again
+  std::size_t surfaces = 0;          ///< segments of local models that are gone
+  std::size_t of_surfaces = 0;       ///< of all segments that the session has looked at
+  std::vector<Eigen::Isometry3d> T_w_new, T_w_old,
+      T_w_edited;  ///< of local models that have come, have gone, are edited
 
   bool any() const { return !(added.empty() && replaced.empty() && retired.empty() && edited.empty()); }
 };
