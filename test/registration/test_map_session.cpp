@@ -127,6 +127,24 @@ TEST_F(ASessionInARoom, TakesOutWhatHasGone) {
   EXPECT_TRUE(again.replaced.empty());
 }
 
+TEST_F(ASessionInARoom, RenewsWhereSomethingHasCome) {
+  const test::Scene table = test::box({2.55, 2.15, 0}, {3.45, 2.85, 0.9});
+  Map map;
+  for (const SessionImage& image : sessionOf(test::largeRoom()))
+    if (map.models.size() < kModels)
+      map.models.push_back({"m" + image.name, image.stamp, image.T_w_c, *image.view});
+  const std::size_t before = map.models.size();
+  const std::vector<SessionImage> with_table = sessionOf(test::largeRoom() + table);
+  std::vector<SessionImage> once = sessionOf(test::largeRoom());
+  once[4] = with_table[4];  // somebody who has gone by the next image
+  Map map_after_once = map;
+  EXPECT_TRUE(updateMap(map_after_once, once, {}, {}).replaced.empty());
+
+  const MapChanges changes = updateMap(map, with_table, {}, {});
+  EXPECT_GE(changes.replaced.size(), 6u);
+  EXPECT_EQ(map.models.size(), before + changes.added.size());
+}
+
 TEST_F(ASessionInARoom, AddsPlacesThatTheMapDoesNotShow) {
   Map map = mapOfRoom();
   map.models.resize(3);
