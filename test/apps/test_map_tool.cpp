@@ -33,7 +33,7 @@ TEST_F(Tools, MapMergeAndExport) {
   const std::string alike = folder_ / "other/map.flmap";
   fs::create_directories(folder_ / "other");
   ASSERT_EQ(runMap({"build", query(), "-o", alike, "--every", "6"}).code, kOk);
-  ASSERT_EQ(runMap({"merge", map(), alike, "-o", folder_ / "both.flmap"}).code, kOk);
+  ASSERT_EQ(runMap({"merge", map(), alike, "-o", folder_ / "both.flmap", "--same-coordinates"}).code, kOk);
   const Map of_both = readMap(folder_ / "both.flmap");
   EXPECT_NE(of_both.meta.at("map.source"), of_both.meta.at("map_2.source"));
 

@@ -2,6 +2,8 @@
 #include "tools/map_apps.h"
 
 #include "tools/ambiguity_file.h"
+#include "tools/map_alignment.h"
+#include "tools/map_extend_app.h"
 #include "tools/place_index_file.h"
 #include "tools/provenance.h"
 #include "tools/text.h"
@@ -313,14 +315,17 @@ int MapImportApp::execute(const CommandLine&, const Console& console) {
 
 MapMergeApp::MapMergeApp()
     : App("facetloc_map merge", "A.flmap B.flmap ... -o OUT.flmap",
-          "Puts the local models and links of several maps into one. Their poses are taken as they are: the "
-          "maps must "
-          "share a world frame, or have no poses. Names that occur more than once get the stem of their map "
-          "in front.") {}
+          "Puts the local models and links of several maps into one. Each map is moved to where its views "
+          "are found in those before it; maps that share a world frame already stay where they are. With "
+          "--same-coordinates, such as for the floors of a house, nothing is looked for. Names that occur "
+          "more than once get the stem of their map in front.") {}
 
 void MapMergeApp::addOptions(CommandLine& line) {
   line.addArguments("MAPS", maps_);
   line.addOption("output,o", output_, "OUT.flmap", "The map to write.");
+  line.addSwitch("same-coordinates", same_coordinates_,
+                 "Take the poses as they are: the maps share a world frame, even if no place is in two of "
+                 "them.");
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
 }
 
@@ -343,6 +348,7 @@ Map MapMergeApp::merge(const Console& console) const {
     noteUnfinished(maps.back(), path, console);
     stems.push_back(fs::path(path).stem().string());
   }
+  if (!same_coordinates_) alignMaps(maps, maps_, threads(), console);
   Map merged = mergedMap(maps, stems);
   const auto hasMounting = [](const Map& map) { return map.camera.mounting.has_value(); };
   if (!merged.camera.mounting && std::any_of(maps.begin(), maps.end(), hasMounting))
@@ -353,8 +359,9 @@ Map MapMergeApp::merge(const Console& console) const {
 
 namespace {
 
-constexpr const char* kMapUsage = "Usage: facetloc_map build|info|check|export|import|merge ...\n\n"
+constexpr const char* kMapUsage = "Usage: facetloc_map build|extend|info|check|export|import|merge ...\n\n"
                                   "  build SEQUENCE -o MAP.flmap   make a map of one run of depth images\n"
+                                  "  extend MAP.flmap SEQUENCE     bring a map up to date with a later run\n"
                                   "  info MAP.flmap                say what is in a map\n"
                                   "  check MAP.flmap               prove a map sound\n"
                                   "  export MAP.flmap -o DIR       write PCD, TUM and g2o files\n"
@@ -368,6 +375,7 @@ int runMapTool(const std::vector<std::string>& arguments, Console console) {
   const std::string command = arguments.empty() ? "" : arguments.front();
   const auto run = [&](App&& app) { return app.run({arguments.begin() + 1, arguments.end()}, console); };
   if (command == "build") return run(MapBuildApp());
+  if (command == "extend") return run(MapExtendApp());
   if (command == "info") return run(MapInfoApp());
   if (command == "check") return run(MapCheckApp());
   if (command == "export") return run(MapExportApp());

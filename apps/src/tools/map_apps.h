@@ -118,7 +118,7 @@ private:
   bool overwrite_ = false;
 };
 
-/** \brief facetloc_map merge: the local models of several maps in one. */
+/** \brief facetloc_map merge: the local models of several maps in one, in one world. */
 class MapMergeApp : public App {
 public:
   MapMergeApp();
@@ -129,6 +129,7 @@ private:
   Map merge(const Console& console) const;
   std::vector<std::string> maps_;
   std::string output_;
+  bool same_coordinates_ = false;
   bool overwrite_ = false;
 };
 

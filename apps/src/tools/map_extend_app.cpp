@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/map_extend_app.h"
+
+#include "drawing/offscreen_display.h"
+#include "drawing/outputs.h"
+#include "drawing/pictures.h"
+#include "tools/ambiguity_file.h"
+#include "tools/batch.h"
+#include "tools/place_index_file.h"
+#include "tools/provenance.h"
+#include "tools/text.h"
+
+#include <facetloc/io/error.h>
+#include <facetloc/io/map_database.h>
+#include <facetloc/io/output_lock.h>
+
+#include <algorithm>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kKeyShare = 0.5;       // of the distance of local models: that of images along given poses
+constexpr std::size_t kChunk = 64;      // images in memory until they are added to the trajectory, in order
+constexpr std::size_t kMostNamed = 12;  // local models that a line of the report names
+constexpr Colour kNew = {0, 130, 60}, kEdited = {130, 60, 170};
+
+std::string named(const std::vector<std::string>& names) {
+  std::string words;
+  for (std::size_t i = 0; i < std::min(names.size(), kMostNamed); ++i)
+    words += (i > 0 ? ", " : "") + names[i];
+  if (names.size() > kMostNamed) words += ", and " + std::to_string(names.size() - kMostNamed) + " more";
+  return words;
+}
+
+/** What has changed, a line for each kind of change. */
+void printChanges(std::ostream& out, const MapChanges& changes) {
+  out << counted(changes.seen, "local model") << " seen again, of whose "
+      << counted(changes.of_surfaces, "surface") << " " << changes.surfaces << " are gone\n";
+  const auto line = [&](const std::string& what, const std::vector<std::string>& names) {
+    if (!names.empty()) out << what << ": " << named(names) << "\n";
+  };
+  std::vector<std::string> replaced;
+  for (const MapChanges::Replacement& r : changes.replaced)
+    replaced.push_back(r.old_model + " by " + r.new_model);
+  line("new local models", changes.added);
+  line("replaced", replaced);
+  line("retired", changes.retired);
+  line("without what has moved", changes.edited);
+}
+
+std::string summaryOf(const MapChanges& changes) {
+  return counted(changes.added.size(), "local model") + " added, " + std::to_string(changes.replaced.size()) +
+         " replaced, " + std::to_string(changes.retired.size()) + " retired, " +
+         std::to_string(changes.edited.size()) + " without what has moved";
+}
+
+/** The key of the meta data of the next session. */
+std::string nextSession(const Map& map) {
+  int n = 2;
+  while (map.meta.count("session " + std::to_string(n))) ++n;
+  return "session " + std::to_string(n);
+}
+
+}  // namespace
+
+/** Images on a trajectory, of which the keyframes have views. */
+struct MapExtendApp::Session {
+  CameraTrajectory trajectory;
+  std::vector<std::size_t> frame;  // of each image of the trajectory: its number in the sequence
+  bool rigid = false;              // the poses were given
+  int code = kOk;                  // kFailed if some images could not be read
+};
+
+MapExtendApp::MapExtendApp()
+    : App("facetloc_map extend", "MAP.flmap SEQUENCE [-o NEW.flmap] [options]",
+          "Brings a map up to date with a later session: finds the session in the map, takes out surfaces "
+          "that it has looked through, replaces local models that have lost much, and adds places that the "
+          "map does not show. The trajectory comes from groundtruth.txt of the SEQUENCE or from --poses, in "
+          "whatever coordinates, or else from the depth images themselves. A session that is not found "
+          "leaves the map as it is.") {}
+
+void MapExtendApp::addOptions(CommandLine& line) {
+  line.addArgument("MAP.flmap", map_);
+  line.addArgument("SEQUENCE", sequence_);
+  line.addOption("output,o", output_, "NEW.flmap", "The map to write; MAP.flmap itself unless given.");
+  line.addOption("poses", poses_, "FILE", "Camera poses in the TUM format: stamp tx ty tz qx qy qz qw.");
+  line.addOption("pose-tolerance", pose_tolerance_, "S",
+                 "Largest distance in time of an image and its pose [s].");
+  line.addCheck([this] { requireTolerance(pose_tolerance_); });
+  line.addSwitch("no-poses", no_poses_,
+                 "Find the trajectory by the depth images, even if there is a groundtruth.txt.");
+  line.addOption("trajectory", trajectory_, "OUT.txt",
+                 "Write the poses of the session in the map, in the TUM format.");
+  line.addOption("changes", changes_, "OUT.png", "Draw the floor map with what has changed.");
+  line.addSwitch("overwrite", overwrite_, "Replace a NEW.flmap that is there already.");
+  input_.addOptions(line);
+  line.addParams(builder_, "map");
+  line.addParams(session_, "session", CommandLine::Shown::in_help);
+  line.addParams(mapping_, "mapping");
+}
+
+/** Images at half the distance of local models, along poses that are known. */
+MapExtendApp::Session MapExtendApp::readAlong(const Trajectory& poses, const DepthSequence& sequence,
+                                              const Camera& camera, const Console& console) const {
+  if (!sequence.stamped())
+    throw IoError(sequence_, "its image names are no time stamps: poses cannot be matched");
+  MapBuilderParams between = builder_;
+  between.distance *= kKeyShare, between.rotation_deg *= kKeyShare;
+  MapBuilder rule(between);
+  Session session;
+  session.rigid = true;
+  std::vector<StampedPose> at;
+  for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
+    const double stamp = sequence.frames()[i].stamp;
+    const auto pose = poses.nearest(stamp, pose_tolerance_);
+    if (!pose || !rule.accept(*pose)) continue;
+    session.frame.push_back(i);
+    at.push_back({stamp, *pose});
+  }
+  if (at.empty())
+    throw IoError(sequence_,
+                  "none of its images has a pose within " + std::to_string(pose_tolerance_) + " s");
+  std::vector<std::shared_ptr<const View>> views(at.size());
+  Batch batch(threads(), at.size(), console);
+  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, input_.view));
+  batch.run([&](std::size_t i) { return sequence.frames()[session.frame[i]].path.string(); },
+            [&](std::size_t i, int worker) {
+              views[i] = std::make_shared<const View>(
+                  builders[worker].build(sequence.load(session.frame[i], input_.width)));
+            });
+  session.code = batch.report();
+  std::vector<std::size_t> frames;
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    if (!views[i]) continue;
+    const int k = static_cast<int>(session.trajectory.keyframes.size());
+    session.trajectory.images.push_back({at[i].stamp, at[i].T_w_c, k});
+    session.trajectory.keyframes.push_back({frames.size(), views[i], {at[i].T_w_c, Matrix6d::Zero()}, 0});
+    frames.push_back(session.frame[i]);
+  }
+  session.frame = std::move(frames);
+  return session;
+}
+
+/** All images, whose trajectory is found by what they show. */
+MapExtendApp::Session MapExtendApp::readAll(const DepthSequence& sequence, const Camera& camera,
+                                            const Console& console) const {
+  Session session;
+  TrajectoryEstimation estimation(mapping_);
+  estimation.setNumberOfThreads(threads());
+  const std::size_t n = sequence.frames().size();
+  Batch batch(threads(), n, console);
+  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, input_.view));
+  for (std::size_t first = 0; first < n; first += kChunk) {
+    const std::size_t last = std::min(first + kChunk, n);
+    std::vector<std::optional<View>> views(last - first);
+    batch.run(
+        first, last, [&](std::size_t i) { return sequence.frames()[i].path.string(); },
+        [&](std::size_t i, int worker) {
+          views[i - first] = builders[worker].build(sequence.load(i, input_.width));
+        });
+    for (std::size_t i = first; i < last; ++i) {
+      if (!views[i - first]) continue;
+      estimation.add(std::move(*views[i - first]), sequence.frames()[i].stamp);
+      session.frame.push_back(i);
+    }
+  }
+  session.code = batch.report();
+  if (session.frame.empty()) throw IoError(sequence_, "none of its images can be read");
+  estimation.improve();
+  session.trajectory = estimation.trajectory();
+  return session;
+}
+
+MapExtendApp::Session MapExtendApp::read(const DepthSequence& sequence, const Camera& camera,
+                                         const Console& console) const {
+  if (!poses_.empty()) return readAlong(readTumTrajectory(poses_), sequence, camera, console);
+  if (!no_poses_ && !sequence.groundTruth().empty())
+    return readAlong(sequence.groundTruth(), sequence, camera, console);
+  return readAll(sequence, camera, console);
+}
+
+/** Throws IoError if the session is not in the map. */
+SessionPlace MapExtendApp::find(const Session& session, const std::shared_ptr<const Map>& map,
+                                const Console& console) const {
+  const GlobalLocalization localization(map);
+  Progress progress(console, session.trajectory.keyframes.size());
+  const auto step = [&] { progress.step(); };
+  const SessionPlace place =
+      session.rigid ? placeRigidly(localization, session.trajectory, builder_, session_, threads(), step)
+                    : placeInMap(localization, session.trajectory, session_, threads(), step);
+  if (!place.found())
+    throw IoError(sequence_, "is not found in " + map_ + ", which stays as it is: " + place.inWords() + ", " +
+                                 std::to_string(session_.min_agreeing) + " must");
+  return place;
+}
+
+/** With all that belongs to it, before it takes the place of what was there. */
+void MapExtendApp::write(const Map& map, const Console& console) const {
+  replaceMap(output_.empty() ? map_ : output_, [&](const fs::path& temporary) {
+    writeMap(temporary, map);
+    writePlaceIndex(temporary);
+    writeAmbiguity(temporary, threads(), console);
+  });
+}
+
+void MapExtendApp::writeTrajectory(const Session& session, const SessionPlace& place) const {
+  std::vector<StampedPose> poses;
+  for (const TrajectoryPose& image : session.trajectory.images)
+    if (const auto& T_w_k = place.T_w_k[image.keyframe])
+      poses.push_back({image.stamp, *T_w_k * session.trajectory.keyframes[image.keyframe].T_w_c.T.inverse() *
+                                        image.T_w_c});
+  writeTumTrajectory(trajectory_, poses);
+}
+
+void MapExtendApp::drawChanges(const Map& map, const Session& session, const SessionPlace& place,
+                               const MapChanges& changes) const {
+  const OffscreenDisplay display;
+  if (!display.available()) throw IoError(changes_, "cannot be drawn: " + display.problem());
+  DrawnRun run{"session", {}, kCurveColours[0]};
+  for (const TrajectoryPose& image : session.trajectory.images)
+    if (place.T_w_k[image.keyframe])
+      run.T_w_c.push_back(*place.T_w_k[image.keyframe] *
+                          session.trajectory.keyframes[image.keyframe].T_w_c.T.inverse() * image.T_w_c);
+  drawFloorMap(changes_, map, {run},
+               {{"new local models", changes.T_w_new, kNew},
+                {"without what has moved", changes.T_w_edited, kEdited},
+                {"retired", changes.T_w_old, kRed}});
+}
+
+int MapExtendApp::execute(const CommandLine& line, const Console& console) {
+  if (no_poses_ && !poses_.empty()) throw UsageError("poses and no-poses exclude each other");
+  if (!changes_.empty()) requireNoneButPicture(changes_);
+  const std::string target = output_.empty() ? map_ : output_;
+  if (!fs::is_regular_file(map_)) throw IoError(map_, "is not there");
+  const OutputLock lock = OutputLock::ofFile(target);
+  if (!output_.empty() && !overwrite_ && fs::file_size(output_) > 0)
+    throw IoError(output_, "exists already; give --overwrite to replace it");
+  const auto map = std::make_shared<const Map>(readMap(map_));
+  noteUnfinished(*map, map_, console);
+  if (std::none_of(map->models.begin(), map->models.end(),
+                   [](const LocalModel& m) { return m.T_w_m.has_value(); }))
+    throw IoError(map_, "cannot be extended: no local model has a pose");
+  const DepthSequence sequence = openSequence(sequence_, console);
+  const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
+  noteDifference(camera, *map, console);
+
+  const Session session = read(sequence, camera, console);
+  const SessionPlace place = find(session, map, console);
+  console.out << "the session is found in the map: " << place.inWords() << "\n";
+  std::vector<SessionImage> images;
+  for (std::size_t k = 0; k < place.T_w_k.size(); ++k) {
+    const Keyframe& keyframe = session.trajectory.keyframes[k];
+    const FrameFile& file = sequence.frames()[session.frame[keyframe.image]];
+    if (place.T_w_k[k])
+      images.push_back({file.name, file.stamp, keyframe.view, *place.T_w_k[k], place.confirmed[k]});
+  }
+  const std::size_t lost = place.T_w_k.size() - images.size();
+  if (lost > 0) console.note(counted(lost, "keyframe") + " left out, whose place in the map is not certain");
+
+  Map changed = *map;
+  const MapChanges changes = updateMap(changed, images, builder_, session_, threads());
+  printChanges(console.out, changes);
+  changed.meta[nextSession(*map)] = sequence_ + ": " + counted(sequence.frames().size(), "image") + ", " +
+                                    summaryOf(changes) + "; " + versionText();
+  write(changed, console);
+  if (!trajectory_.empty()) writeTrajectory(session, place);
+  if (!changes_.empty()) drawChanges(changed, session, place, changes);
+  console.out << summaryOf(changes) << "; map of " << counted(changed.models.size(), "local model") << " in "
+              << target << "\n";
+  return session.code;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "tools/app.h"
+#include "tools/depth_input.h"
+
+#include <facetloc/registration/map_session.h>
+
+namespace facetloc {
+
+class Trajectory;
+
+/** \brief facetloc_map extend: a later session is found in a map, and brings it up to date. */
+class MapExtendApp : public App {
+public:
+  MapExtendApp();
+
+private:
+  struct Session;
+
+  void addOptions(CommandLine& line) override;
+  int execute(const CommandLine& line, const Console& console) override;
+  Session read(const DepthSequence& sequence, const Camera& camera, const Console& console) const;
+  Session readAlong(const Trajectory& poses, const DepthSequence& sequence, const Camera& camera,
+                    const Console& console) const;
+  Session readAll(const DepthSequence& sequence, const Camera& camera, const Console& console) const;
+  SessionPlace find(const Session& session, const std::shared_ptr<const Map>& map,
+                    const Console& console) const;
+  void write(const Map& map, const Console& console) const;
+  void writeTrajectory(const Session& session, const SessionPlace& place) const;
+  void drawChanges(const Map& map, const Session& session, const SessionPlace& place,
+                   const MapChanges& changes) const;
+
+  std::string map_;
+  std::string sequence_;
+  std::string output_;
+  std::string poses_;
+  std::string trajectory_;
+  std::string changes_;
+  double pose_tolerance_ = 0.02;
+  bool overwrite_ = false;
+  bool no_poses_ = false;
+  DepthInput input_;
+  MapBuilderParams builder_;
+  MapSessionParams session_;
+  MappingParams mapping_;
+};
+
+}  // namespace facetloc
