@@ -14,8 +14,8 @@ namespace facetloc::internal {
 struct PlacedView {
   Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< a = the other view, b = this one
   Matrix6d information = Matrix6d::Zero();  ///< of the two views alone: zero along what they do not tell
-  double agreement = 0;                     ///< of the depth pixels that agree or contradict, those that agree
-  double overlap = 0;                       ///< share of the depth pixels that agree or contradict
+  double agreement = 0;  ///< of the depth pixels that agree or contradict, those that agree
+  double overlap = 0;    ///< share of the depth pixels that agree or contradict
 };
 
 /** \brief Places a view beside another one from several starts and takes the place that depth likes best, for
