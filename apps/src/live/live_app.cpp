@@ -25,6 +25,11 @@ void makeAbsolute(std::string& path) {
   if (!path.empty()) path = fs::absolute(path).lexically_normal().string();
 }
 
+// An empty file holds nothing that could be lost.
+bool isThere(const fs::path& path) {
+  return fs::exists(path) && !(fs::is_regular_file(path) && fs::file_size(path) == 0);
+}
+
 }  // namespace
 
 LiveApp::LiveApp()
@@ -101,15 +106,15 @@ int LiveApp::execute(const CommandLine& line, const Console& console) {
   const auto build = [&](const fs::path& path) {
     options.build = path.string();
     code = run(options, line, console);
-    if (!fs::exists(path)) throw IoError(map, "is not written: no frame came");
+    if (!isThere(path)) throw IoError(map, "is not written: no frame came");
     writePlaceIndex(path);
     writeAmbiguity(path, threads(), console);
   };
-  if (overwrite_ && fs::exists(map)) {
+  if (overwrite_ && isThere(map)) {
     openMap(map);  // what is no map stays
     replaceMap(map, build);
   } else {
-    if (fs::exists(map)) throw IoError(map, "exists already; --overwrite replaces it");
+    if (isThere(map)) throw IoError(map, "exists already; --overwrite replaces it");
     build(map);
   }
   console.out << "map in " << map << "\n";
