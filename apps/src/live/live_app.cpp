@@ -99,13 +99,13 @@ int LiveApp::execute(const CommandLine& line, const Console& console) {
   if (!options.results.empty()) Provenance::requireNotReplaced(line.paramsFile(), options.results);
   if (fs::exists(options.recording)) throw IoError(options.recording, "exists already");
 
-  if (options.build.empty()) return run(options, line, console);
+  if (options.build.empty()) return play(options, line, console);
   const OutputLock lock = OutputLock::ofFile(options.build);
   const std::string map = options.build;
   int code = kOk;
   const auto build = [&](const fs::path& path) {
     options.build = path.string();
-    code = run(options, line, console);
+    code = play(options, line, console);
     if (!isThere(path)) throw IoError(map, "is not written: no frame came");
     writePlaceIndex(path);
     writeAmbiguity(path, threads(), console);
@@ -121,7 +121,7 @@ int LiveApp::execute(const CommandLine& line, const Console& console) {
   return code;
 }
 
-int LiveApp::run(const LiveRunOptions& options, const CommandLine& line, const Console& console) const {
+int LiveApp::play(const LiveRunOptions& options, const CommandLine& line, const Console& console) const {
   LiveAlgorithms algorithms;
   algorithms.camera = [&](const std::optional<CameraFile>& file) { return input_.camera(file, line); };
   algorithms.session.view = input_.view;

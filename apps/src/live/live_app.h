@@ -38,7 +38,7 @@ private:
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
   void checkOptions() const;
-  int run(const LiveRunOptions& options, const CommandLine& line, const Console& console) const;
+  int play(const LiveRunOptions& options, const CommandLine& line, const Console& console) const;
 
   LiveRunOptions run_;
   DepthInput input_;

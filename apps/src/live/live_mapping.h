@@ -60,7 +60,8 @@ public:
   /** \brief Writes what is not written yet, with the best poses; the file is whole then. A map without local
    * models is removed. Throws IoError. */
   void finish();
-  int models() const { return static_cast<int>(places_.places().size()); }
+  /** \brief After the latest image, or after finish(). */
+  const LiveMapState& state() const { return state_; }
 
 private:
   using Clock = std::chrono::steady_clock;

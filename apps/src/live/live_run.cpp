@@ -325,8 +325,7 @@ void LiveRun::stopRecording() {
 std::string LiveRun::summary() const {
   if (!session_) return "no device, no frames";
   std::string words = session_->summary().text();
-  if (mapping_)
-    words += "; " + counted(static_cast<std::size_t>(mapping_->models()), "local model") + " mapped";
+  if (mapping_) words += "; mapped " + mapping_->state().inWords();
   if (!options_.results.empty()) words += "; results in " + options_.results;
   if (!options_.screenshots.empty())
     words += "; " + counted(screenshots_, "screenshot") + " in " + options_.screenshots;

@@ -12,6 +12,7 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -42,8 +43,11 @@ constexpr int kMostUncertain = 15;       // earlier keyframes that one is compar
 constexpr int kLocal = 20;               // keyframes in a row between which no loop is closed
 constexpr std::size_t kMostTies = 4000;  // pairs of keyframes of two parts that are compared
 constexpr double kMoved = 0.02, kTurned = 0.5;  // of a prior, after which a pair is compared anew [m, deg]
-constexpr int kLooks = 3;    // keyframes of a place that an image is compared with before it becomes another
-constexpr int kCrowded = 3;  // keyframes of one place, after which it gets no more
+constexpr int kLooks = 3;  // keyframes of a place that an image is compared with before it becomes another
+constexpr double kSureAgreement = 0.95,
+                 kSureOverlap = 0.7;  // of a lost image with a keyframe that it hangs from
+constexpr double kSureStd = 0.05;     // of its position beside that one [m]
+constexpr int kCrowded = 3;           // keyframes of one place, after which it gets no more
 constexpr double kFloorLength = 0.7;  // way after which a robot stands on other unevenness [m]
 
 Matrix6d withSharedErrors(Matrix6d P) {
@@ -68,6 +72,36 @@ struct Comparison {
   Eigen::Isometry3d prior = Eigen::Isometry3d::Identity();  // where they were thought to be
   std::optional<PlacedView> placed;
 };
+/** A small picture of inverse depths, to find those first that look alike. */
+constexpr int kThumbColumns = 8, kThumbRows = 6;
+using Thumbnail = std::array<double, kThumbColumns * kThumbRows>;
+
+Thumbnail thumbnail(const DepthPicture& picture) {
+  Thumbnail sum = {}, n = {};
+  const int width = picture.camera.width, height = picture.camera.height;
+  for (std::size_t i = 0; i < picture.inverse_depth.size(); ++i) {
+    const int u = static_cast<int>(i) % width, v = static_cast<int>(i) / width;
+    const int cell = v * kThumbRows / height * kThumbColumns + u * kThumbColumns / width;
+    sum[cell] += picture.inverse_depth[i];
+    n[cell] += picture.inverse_depth[i] > 0;
+  }
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = n[i] > 0 ? sum[i] / n[i] : 0;
+  return sum;
+}
+
+double difference(const Thumbnail& a, const Thumbnail& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += std::abs(a[i] - b[i]);
+  return sum;
+}
+
+std::vector<int> inOrder(std::vector<std::pair<double, int>> by_distance) {
+  std::sort(by_distance.begin(), by_distance.end());
+  std::vector<int> numbers;
+  for (const auto& [ignored, number] : by_distance) numbers.push_back(number);
+  return numbers;
+}
+
 using Comparisons = std::map<std::pair<int, int>, Comparison>;
 
 }  // namespace
@@ -141,7 +175,9 @@ struct TrajectoryEstimation::Impl {
   Position place(const std::shared_ptr<const View>& view, const Position& thought) const;
   bool hang(const std::shared_ptr<const View>& view, const Position& at);
   bool hangFromKnown(const View& view, const Position& at);
-  std::vector<int> keyframesAround(const Position& at) const;
+  void hangFrom(int keyframe, const PoseWithCovariance& T_k_c);
+  std::vector<int> keyframesAround(const Eigen::Isometry3d& T_w_c) const;
+  std::vector<int> keyframesAlike(const View& view) const;
   void takeKeyframe(const std::shared_ptr<const View>& view, const Position& at);
   void begin(const std::shared_ptr<const View>& view);
   bool slides() const;
@@ -242,44 +278,54 @@ bool TrajectoryEstimation::Impl::add(View&& moved_view, double stamp,
   return hang(view, Position(since));
 }
 
-// Those of the same part where an image is, the nearest first. Of an image whose place is lost, they are
-// those near the place where it was last.
-std::vector<int> TrajectoryEstimation::Impl::keyframesAround(const Position& at) const {
-  const Eigen::Isometry3d T_w_c = T_w_k[current].T * at.T;
-  const double distance = at.known ? params.odometry.key_distance : params.reach,
-               rotation_deg = at.known ? params.odometry.key_rotation_deg : params.reach_deg;
+// Those of the same part where an image is, the nearest first.
+std::vector<int> TrajectoryEstimation::Impl::keyframesAround(const Eigen::Isometry3d& T_w_c) const {
   std::vector<std::pair<double, int>> around;
   for (int k = 0; k < static_cast<int>(nodes.size()); ++k)
-    if (k != current && part[k] == part[current] && isNear(T_w_k[k].T, T_w_c, distance, rotation_deg))
-      around.push_back({viewDistance(T_w_k[k].T, T_w_c, {params.reach, params.reach_deg * kDegree}), k});
-  std::sort(around.begin(), around.end());
-  std::vector<int> numbers;
-  for (const auto& [ignored, k] : around) numbers.push_back(k);
-  return numbers;
+    if (k != current && part[k] == part[current] &&
+        isNear(T_w_k[k].T, T_w_c, params.odometry.key_distance, params.odometry.key_rotation_deg))
+      around.push_back({viewDistance(T_w_k[k].T, T_w_c), k});
+  return inOrder(around);
 }
 
-// Finds a keyframe that shows the same, or one of a crowded place.
+// All of them, those first whose depth pictures look most like that of a view.
+std::vector<int> TrajectoryEstimation::Impl::keyframesAlike(const View& view) const {
+  const Thumbnail of_view = thumbnail(view.depth);
+  std::vector<std::pair<double, int>> alike;
+  for (int k = 0; k < static_cast<int>(nodes.size()); ++k)
+    alike.push_back({difference(of_view, thumbnail(nodes[k].view->depth)), k});
+  return inOrder(alike);
+}
+
+void TrajectoryEstimation::Impl::hangFrom(int keyframe, const PoseWithCovariance& T_k_c) {
+  current = keyframe;
+  since = {};
+  since.T = T_k_c.T;
+  since.by_motion = T_k_c;
+}
+
+// Finds a keyframe of its place that shows the same, or any of a crowded place.
 bool TrajectoryEstimation::Impl::hangFromKnown(const View& view, const Position& at) {
-  const std::vector<int> around = keyframesAround(at);
   const Eigen::Isometry3d T_w_c = T_w_k[current].T * at.T;
   const Matrix6d step = stepCovariance(mounting(), true);
+  const std::vector<int> around = at.known ? keyframesAround(T_w_c) : keyframesAlike(view);
   for (int i = 0; i < std::min<int>(kLooks, around.size()); ++i) {
     const int k = around[i];
-    auto placed = placing.place(view, *nodes[k].view, {T_w_k[k].T.inverse() * T_w_c, step}, !at.known);
-    if (!placed || placed->agreement < kClearAgreement || placed->overlap < kLoopOverlap) continue;
-    current = k;
-    since = {};
-    since.T = placed->T_a_b;
-    since.by_motion = {placed->T_a_b,
-                       withSharedErrors(symmetricInverse(placed->information + symmetricInverse(step)))};
-    since.placed = std::move(placed);
+    PoseWithCovariance prior{Eigen::Isometry3d::Identity(), step};
+    if (at.known) prior.T = T_w_k[k].T.inverse() * T_w_c;
+    const auto placed = placing.place(view, *nodes[k].view, prior, !at.known);
+    if (!placed || placed->agreement < (at.known ? kClearAgreement : kSureAgreement) ||
+        placed->overlap < (at.known ? kLoopOverlap : kSureOverlap) ||
+        (!at.known && largestTranslationStd(measured(*placed).P) > kSureStd))
+      continue;
+    hangFrom(
+        k, {placed->T_a_b, withSharedErrors(symmetricInverse(placed->information + symmetricInverse(step)))});
+    since.placed = placed;
     return true;
   }
   if (!at.known || around.size() < kCrowded) return false;
-  current = around.front();
-  since = {};
-  since.T = T_w_k[current].T.inverse() * T_w_c;
-  since.by_motion = {since.T, guessedStep().P};
+  const int k = around.front();
+  hangFrom(k, {T_w_k[k].T.inverse() * T_w_c, guessedStep().P});
   return true;
 }
 

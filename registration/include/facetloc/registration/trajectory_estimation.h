@@ -72,7 +72,8 @@ public:
   /** \brief OpenMP threads; 1 by default, 0 = all cores. */
   void setNumberOfThreads(int n);
   /** \brief For a camera that is on for hours: at a place that has keyframes, the image hangs from one of
-   * them instead of becoming another, and of the other images only the latest is kept. Off by default; to be
+   * them instead of becoming another, also where the camera has been carried to with closed eyes, and of the
+   * other images only the latest is kept. Off by default; to be
    * called before the first image. */
   void setEndless(bool endless);
   /** \brief Takes the next image. \param stamp [s]; one that goes back counts as no time passed
