@@ -162,6 +162,19 @@ void insertLink(Connection& db, const Link& link) {
   statement.run();
 }
 
+void updatePose(Connection& db, int model_id, const std::optional<Eigen::Isometry3d>& T_w_m) {
+  describing(db, "the pose of local model " + std::to_string(model_id), [&] {
+    if (T_w_m) requireSoundPose(*T_w_m);
+  });
+  Statement statement(db,
+                      "UPDATE model SET tx = ?, ty = ?, tz = ?, qx = ?, qy = ?, qz = ?, qw = ? WHERE id = ?");
+  if (T_w_m)
+    statement << *T_w_m;
+  else
+    statement.bindAll(std::array<std::nullptr_t, std::tuple_size<PoseColumns>::value>{});
+  (statement << model_id).run();
+}
+
 // ---- Checking
 // --------------------------------------------------------------------------------------------------------
 
@@ -267,6 +280,20 @@ int MapDatabase::add(const PackedModel& model) { return impl_->add(model); }
 void MapDatabase::add(const Link& link) {
   Transaction transaction(impl_->db);
   insertLink(impl_->db, link);
+  transaction.commit();
+}
+
+void MapDatabase::setPoses(const std::vector<std::optional<Eigen::Isometry3d>>& T_w_m,
+                           const std::vector<Link>& links) {
+  Connection& db = impl_->db;
+  Transaction transaction(db);
+  if (nextId(db, "model") != static_cast<int>(T_w_m.size()))
+    throw std::invalid_argument("MapDatabase: there must be as many poses as local models");
+  for (std::size_t i = 0; i < T_w_m.size(); ++i) updatePose(db, static_cast<int>(i), T_w_m[i]);
+  db.execute("DELETE FROM link");
+  for (const Link& link : links) insertLink(db, link);
+  place_index_parts::remove(db);
+  db.execute("DELETE FROM ambiguity");
   transaction.commit();
 }
 

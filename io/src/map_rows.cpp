@@ -85,6 +85,8 @@ void requireSizeOfPicture(const Intrinsics& picture, const Intrinsics& working_i
           "its depth picture is larger than its image");
 }
 
+void requireSoundPose(const Eigen::Isometry3d& T) { requireSound(T); }
+
 void requireSound(const DepthNoise& noise) {
   require(noise.inverse_depth_std >= DepthNoise::kLeastInverseDepthStd &&
               noise.inverse_depth_std <= DepthNoise::kLargestInverseDepthStd && noise.depth_std >= 0 &&

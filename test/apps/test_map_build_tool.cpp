@@ -5,8 +5,8 @@
 #include "tools/localize_app.h"
 #include "tools/simulate_app.h"
 
-#include <facetloc/io/depth_sequence.h>
 #include <facetloc/features/map_parts.h>
+#include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
 #include <facetloc/io/text.h>

@@ -119,6 +119,35 @@ TEST_F(MapFile, TheAmbiguityRoundTripsUntilAModelIsAdded) {
   EXPECT_THAT(checkMap(path_), IsEmpty());
 }
 
+TEST_F(MapFile, PosesAndLinksOfAMapThatMovesAreSetAnew) {
+  Map map = test::ExampleMap().map(3);
+  map.ambiguity = MapAmbiguity{12.5, 3};
+  writeMap(path_, map);
+  std::vector<std::optional<Eigen::Isometry3d>> poses(3);
+  poses[0] = Eigen::Isometry3d::Identity();
+  poses[2] = map.models[1].T_w_m;
+  Link link = map.links.front();
+  link.from = 0, link.to = 2;
+  {
+    MapDatabase database = MapDatabase::open(path_);
+    database.setPoses(poses, {link});
+    EXPECT_THROW(database.setPoses({poses[0]}, {}), std::invalid_argument);
+    Link impossible = link;
+    impossible.T_from_to.P.setZero();
+    EXPECT_THROW(database.setPoses(std::vector<std::optional<Eigen::Isometry3d>>(3), {impossible}), IoError);
+  }
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+  const Map read = readMap(path_);
+  ASSERT_EQ(read.links.size(), 1u);
+  EXPECT_EQ(read.links[0].to, 2);
+  EXPECT_FALSE(read.ambiguity);
+  for (std::size_t i = 0; i < 3; ++i) {
+    LocalModel expected = map.models[i];
+    expected.T_w_m = poses[i];
+    expectEqual(read.models[i], expected);
+  }
+}
+
 TEST_F(MapFile, TheIntrinsicsOfTheCameraRoundTrip) {
   Map map = ExampleMap().map();
   map.camera.intrinsics = kinectIntrinsics();

@@ -3,11 +3,15 @@
 
 #include "drawing/outputs.h"
 #include "live/live_run.h"
+#include "tools/ambiguity_file.h"
 #include "tools/localization_report.h"
+#include "tools/place_index_file.h"
 #include "tools/provenance.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/map_database.h>
+#include <facetloc/io/output_lock.h>
 
 #include <filesystem>
 
@@ -21,12 +25,18 @@ void makeAbsolute(std::string& path) {
   if (!path.empty()) path = fs::absolute(path).lexically_normal().string();
 }
 
+// An empty file holds nothing that could be lost.
+bool isThere(const fs::path& path) {
+  return fs::exists(path) && !(fs::is_regular_file(path) && fs::file_size(path) == 0);
+}
+
 }  // namespace
 
 LiveApp::LiveApp()
-    : App("facetloc_live", "[--device DEVICE] [--map MAP.flmap] [options]",
+    : App("facetloc_live", "[--device DEVICE] [--map MAP.flmap | --build MAP.flmap] [options]",
           "Cuts what a depth camera sees now into planar segments and, with --map, finds and follows the "
-          "camera in a map. DEVICE is a camera of OpenNI2 (#1 is the first one, or a URI), an .oni "
+          "camera in a map; with --build, makes a map while it moves. DEVICE is a camera of OpenNI2 (#1 is "
+          "the first one, or a URI), an .oni "
           "recording, a depth sequence of PNG or PCD files or a .scene file that is served as a camera, or a "
           "folder of PCLZF files that is played. Frames that come faster than they can be processed are "
           "dropped. "
@@ -37,6 +47,9 @@ void LiveApp::addOptions(CommandLine& line) {
   LiveRunOptions& run = run_;
   line.addOption("device", run.source.device, "DEVICE", "Where frames come from; default: the first camera.");
   line.addOption("map", run.map, "MAP.flmap", "Localize in this map.");
+  line.addOption("build", run.build, "MAP.flmap",
+                 "Make this map while running: sound at any time, whole at the end.");
+  line.addSwitch("overwrite", overwrite_, "Replace a map that is there already, with --build.");
   line.addOption("camera", run.source.camera_file, "FILE",
                  "A camera.ini with the device's calibration, noise and mounting; unless given, the one in "
                  "the played folder, or what the device says.");
@@ -57,9 +70,13 @@ void LiveApp::addOptions(CommandLine& line) {
   input_.addOptions(line);
   line.addParams(tracking_, "tracking");
   line.addParams(localization_);
+  line.addParams(mapping_, "mapping");
+  line.addParams(places_, "map");
 }
 
 void LiveApp::checkOptions() const {
+  if (!run_.map.empty() && !run_.build.empty()) throw UsageError("map and build exclude each other");
+  if (overwrite_ && run_.build.empty()) throw UsageError("overwrite belongs to --build");
   if (run_.every < 1) throw UsageError("every must be positive");
   if (run_.max_frames < 0) throw UsageError("max-frames must not be negative");
   if (!(run_.duration >= 0)) throw UsageError("duration must not be negative");
@@ -69,8 +86,8 @@ void LiveApp::checkOptions() const {
 int LiveApp::execute(const CommandLine& line, const Console& console) {
   checkOptions();
   LiveRunOptions options = run_;
-  for (std::string* path : {&options.map, &options.results, &options.screenshots, &options.recording,
-                            &options.source.camera_file})
+  for (std::string* path : {&options.map, &options.build, &options.results, &options.screenshots,
+                            &options.recording, &options.source.camera_file})
     makeAbsolute(*path);
   if (fs::exists(options.source.device)) makeAbsolute(options.source.device);
   for (const std::string* folder : {&options.results, &options.screenshots})
@@ -82,6 +99,29 @@ int LiveApp::execute(const CommandLine& line, const Console& console) {
   if (!options.results.empty()) Provenance::requireNotReplaced(line.paramsFile(), options.results);
   if (fs::exists(options.recording)) throw IoError(options.recording, "exists already");
 
+  if (options.build.empty()) return play(options, line, console);
+  const OutputLock lock = OutputLock::ofFile(options.build);
+  const std::string map = options.build;
+  int code = kOk;
+  const auto build = [&](const fs::path& path) {
+    options.build = path.string();
+    code = play(options, line, console);
+    if (!isThere(path)) throw IoError(map, "is not written: no frame came");
+    writePlaceIndex(path);
+    writeAmbiguity(path, threads(), console);
+  };
+  if (overwrite_ && isThere(map)) {
+    openMap(map);  // what is no map stays
+    replaceMap(map, build);
+  } else {
+    if (isThere(map)) throw IoError(map, "exists already; --overwrite replaces it");
+    build(map);
+  }
+  console.out << "map in " << map << "\n";
+  return code;
+}
+
+int LiveApp::play(const LiveRunOptions& options, const CommandLine& line, const Console& console) const {
   LiveAlgorithms algorithms;
   algorithms.camera = [&](const std::optional<CameraFile>& file) { return input_.camera(file, line); };
   algorithms.session.view = input_.view;
@@ -90,6 +130,8 @@ int LiveApp::execute(const CommandLine& line, const Console& console) {
   if (line.given("min-probability")) algorithms.session.tracking.min_probability = min_probability_;
   algorithms.session.localization = localization_;
   algorithms.session.threads = threads();
+  algorithms.mapping = mapping_;
+  algorithms.places = places_;
   LiveRun run(options, algorithms, console);
   try {
     run.run();

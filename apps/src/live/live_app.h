@@ -5,6 +5,8 @@
 #include "tools/app.h"
 #include "tools/depth_input.h"
 
+#include <facetloc/registration/map_builder.h>
+#include <facetloc/registration/mapping_params.h>
 #include <facetloc/registration/pose_tracking.h>
 
 #include <string>
@@ -15,6 +17,7 @@ namespace facetloc {
 struct LiveRunOptions {
   LiveSourceOptions source;
   std::string map;          ///< file; empty = segmentation only
+  std::string build;        ///< file of a map to be made; empty = none
   std::string results;      ///< folder; empty = none
   std::string screenshots;  ///< folder; empty = none
   std::string recording;    ///< file; empty = none
@@ -25,7 +28,8 @@ struct LiveRunOptions {
   double duration = 0;  ///< [s]; 0 = without end
 };
 
-/** \brief facetloc_live: segmentation and localization of what a depth camera sees now. */
+/** \brief facetloc_live: segmentation of what a depth camera sees now, localization in a map, or a map of it.
+ */
 class LiveApp : public App {
 public:
   LiveApp();
@@ -34,11 +38,15 @@ private:
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
   void checkOptions() const;
+  int play(const LiveRunOptions& options, const CommandLine& line, const Console& console) const;
 
   LiveRunOptions run_;
   DepthInput input_;
   double min_probability_ = kMinProbability;
+  bool overwrite_ = false;
   PoseTrackingParams tracking_;
+  MappingParams mapping_;
+  MapBuilderParams places_;
   GlobalLocalizationParams localization_;
 };
 

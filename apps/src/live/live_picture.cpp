@@ -178,6 +178,7 @@ private:
   void caption(Label& label, const std::string& words, const Box& box);
   void showHeader(const LiveResult& result, std::size_t matched);
   void showPlan(const LiveResult& result, const Layout& layout);
+  void setMap(std::shared_ptr<const Map> map);
   void showImage(const LiveResult& result, const Layout& layout);
   void addFrame(const Box& box, double inset = 0);
   Eigen::Vector3d onGround(double x, double y) const { return {x, height_ - y, 0}; }
@@ -196,7 +197,6 @@ private:
 
 LivePicture::Scene::Scene(vtkRenderWindow* window, std::shared_ptr<const Map> map)
     : window_(window),
-      map_(std::move(map)),
       state_(ground_, 22, kWhite, true),
       reason_(ground_, 17, kBlack),
       pose_(ground_, 17, kBlack),
@@ -207,15 +207,28 @@ LivePicture::Scene::Scene(vtkRenderWindow* window, std::shared_ptr<const Map> ma
       image_caption_(ground_, 15, kPale),
       image_(ground_),
       depth_(ground_) {
-  if (map_) plan_ = std::make_unique<LivePlan>(map_);
-  if (plan_ && plan_->empty()) plan_.reset();
   window_->SetNumberOfLayers(2);
   ground_->SetBackground(1, 1, 1);
   ground_->AddActor(decoration_.actor());
   window_->AddRenderer(ground_);
   window_->AddRenderer(cloud_.ground());
   window_->AddRenderer(cloud_.overlay());
-  if (!plan_) return;
+  setMap(std::move(map));
+}
+
+void LivePicture::Scene::setMap(std::shared_ptr<const Map> map) {
+  map_ = std::move(map);
+  if (plan_) {
+    window_->RemoveRenderer(plan_->whole());
+    window_->RemoveRenderer(plan_->near());
+  }
+  plan_.reset();
+  if (!map_) return;
+  plan_ = std::make_unique<LivePlan>(*map_);
+  if (plan_->empty()) {
+    plan_.reset();
+    return;
+  }
   window_->AddRenderer(plan_->whole());
   window_->AddRenderer(plan_->near());
 }
@@ -248,7 +261,7 @@ void LivePicture::Scene::showHeader(const LiveResult& result, std::size_t matche
   const double number_width = textWidth(number, {15, false}) + kMargin;
   frame_.show(number, {width_ - kMargin, line}, width_, height_, Across::right);
   const double left = kMargin + badge + 14;
-  reason_.show(result.reason(), {left, line}, width_ - left - number_width - kMargin, height_);
+  reason_.show(result.remark(), {left, line}, width_ - left - number_width - kMargin, height_);
   pose_.show(poseText(result, map_.get(), plan_.get(), matched), {kMargin, 60}, width_ - 2 * kMargin,
              height_);
 }
@@ -281,6 +294,7 @@ void LivePicture::Scene::showImage(const LiveResult& result, const Layout& layou
 }
 
 void LivePicture::Scene::show(const LiveResult& result, const std::vector<std::string>& footer) {
+  if (result.mapped && result.mapped->map != map_) setMap(result.mapped->map);
   const int* size = window_->GetSize();
   width_ = size[0], height_ = size[1];
   vtkCamera* camera = ground_->GetActiveCamera();

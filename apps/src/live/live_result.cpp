@@ -3,14 +3,33 @@
 
 namespace facetloc {
 
-std::string LiveResult::state() const { return tracked ? stateName(tracked->state) : "segmenting"; }
+std::string LiveResult::state() const {
+  return mapped ? "mapping" : tracked ? stateName(tracked->state) : "segmenting";
+}
+
+std::string LiveResult::reason() const {
+  if (mapped && !mapped->T_w_c) return "nothing known leads from the rest of the map to this place";
+  return tracked ? tracked->reason : std::string();
+}
+
+std::string LiveResult::remark() const {
+  const std::string why = reason();
+  return why.empty() && mapped ? mapped->inWords() : why;
+}
+
+const PoseWithCovariance* LiveResult::pose() const {
+  if (mapped) return mapped->T_w_c ? &*mapped->T_w_c : nullptr;
+  return tracked && tracked->T_w_c ? &*tracked->T_w_c : nullptr;
+}
 
 bool LiveResult::isLocalized() const {
+  if (mapped) return mapped->T_w_c.has_value();
   return tracked && (tracked->state == TrackingState::localized || tracked->state == TrackingState::tracking);
 }
 
 Colour stateColour(const LiveResult& result) {
-  constexpr Colour kNoMap = {90, 90, 90};
+  constexpr Colour kNoMap = {90, 90, 90}, kMapping = {0, 115, 125}, kNoPlace = {185, 100, 0};
+  if (result.mapped) return result.isLocalized() ? kMapping : kNoPlace;
   if (!result.tracked) return kNoMap;
   switch (result.tracked->state) {
   case TrackingState::searching:

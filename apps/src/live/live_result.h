@@ -3,6 +3,7 @@
 
 #include "drawing/colours.h"
 #include "drawing/pictures.h"
+#include "live/live_mapping.h"
 #include "live/live_trail.h"
 
 #include <facetloc/registration/pose_tracking.h>
@@ -20,6 +21,7 @@ struct LiveResult {
   double stamp = 0;                    ///< [s]; increases from frame to frame
   SeenImage image;                     ///< at the working size; its name is the stamp
   std::optional<TrackedPose> tracked;  ///< nothing if there is no map
+  std::optional<LiveMapState> mapped;  ///< if a map is being made
   LiveTrail trail;                     ///< where the camera was in the world so far
 
   double segment_ms = 0, features_ms = 0, localize_ms = 0;
@@ -27,14 +29,16 @@ struct LiveResult {
   std::uint64_t received = 0;  ///< frames of the source so far
   std::uint64_t dropped = 0;   ///< of these, those that were not processed
 
-  /** \brief "tracking", "cannot tell", ...; "segmenting" without a map. */
+  /** \brief "tracking", "cannot tell", ...; "mapping"; "segmenting" without a map. */
   std::string state() const;
   /** \brief Why there is no pose, or no certain one. */
-  std::string reason() const { return tracked ? tracked->reason : std::string(); }
+  std::string reason() const;
+  /** \brief The reason; if there is none, how far the map has come that is being made. */
+  std::string remark() const;
   /** \brief Its local model and the pose relative to it, if there is one. */
   const Hypothesis* match() const { return tracked && tracked->match ? &*tracked->match : nullptr; }
   /** \brief The world pose, be it certain or not, if there is one. */
-  const PoseWithCovariance* pose() const { return tracked && tracked->T_w_c ? &*tracked->T_w_c : nullptr; }
+  const PoseWithCovariance* pose() const;
   /** \brief Is the pose one to rely on? */
   bool isLocalized() const;
 };

@@ -7,14 +7,15 @@
 #include <facetloc/io/text.h>
 
 #include <limits>
+#include <optional>
 
 namespace facetloc {
 
 namespace {
 
-/** Of the models of a part with a pose, of which there is one where a camera is tracked. */
-int nearestModel(const Map& map, int part, const Eigen::Vector3d& place) {
-  int nearest = 0;
+/** Of the models of a part with a pose; nothing if there is none. */
+std::optional<int> nearestModel(const Map& map, int part, const Eigen::Vector3d& place) {
+  std::optional<int> nearest;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < map.models.size(); ++i) {
     const auto& T_w_m = map.models[i].T_w_m;
@@ -40,28 +41,36 @@ LiveResults::LiveResults(const std::filesystem::path& folder, const std::string&
       results_(folder, params_ini),
       states_(folder / "states.csv", "frame,stamp,state,reason,received,dropped,age_ms\n") {}
 
-ResultRow LiveResults::rowOf(const std::string& frame, const Hypothesis& best) const {
+ResultRow LiveResults::rowOf(const std::string& frame, const Hypothesis& best, const Map& map) const {
   Localization answer;
   answer.hypotheses = {best};
-  return resultRows(frame, answer, *map_, 1, min_probability_).front();
+  return resultRows(frame, answer, map, 1, min_probability_).front();
+}
+
+/** Of a pose that is not that beside a local model of its view. */
+ResultRow LiveResults::rowOf(const std::string& frame, const PoseWithCovariance& pose, const Map& map,
+                             int part, double probability) const {
+  const auto nearest = nearestModel(map, part, pose.T.translation());
+  if (!nearest) return noHypothesis(frame, "the map has no local model yet");
+  Hypothesis carried;
+  carried.part = part;
+  carried.model = *nearest;
+  carried.T_w_c = pose.T;
+  carried.T_m_c = map.models[*nearest].T_w_m->inverse() * pose;
+  carried.probability = probability;
+  return rowOf(frame, carried, map);
 }
 
 ResultRow LiveResults::rowOf(const LiveResult& result) const {
   const std::string& frame = result.image.name;
-  if (!result.tracked || !map_) return noHypothesis(frame, "segmented without a map");
+  if (!result.mapped && (!result.tracked || !map_)) return noHypothesis(frame, "segmented without a map");
   if (!result.isLocalized())
     return noHypothesis(frame, result.state() + (result.reason().empty() ? "" : ": " + result.reason()));
-  if (const Hypothesis* match = result.match()) return rowOf(frame, *match);
+  if (result.mapped) return rowOf(frame, *result.pose(), *result.mapped->map, 0, 1);
+  if (const Hypothesis* match = result.match()) return rowOf(frame, *match, *map_);
 
   // The camera's own views carry the pose where no local model shows anything of the place.
-  const PoseWithCovariance& pose = *result.pose();
-  Hypothesis carried;
-  carried.part = result.tracked->part;
-  carried.model = nearestModel(*map_, carried.part, pose.T.translation());
-  carried.T_w_c = pose.T;
-  carried.T_m_c = map_->models[carried.model].T_w_m->inverse() * pose;
-  carried.probability = result.tracked->probability;
-  ResultRow row = rowOf(frame, carried);
+  ResultRow row = rowOf(frame, *result.pose(), *map_, result.tracked->part, result.tracked->probability);
   row.reason = "carried on: no local model shows what is in view";
   return row;
 }
@@ -71,7 +80,9 @@ void LiveResults::append(const LiveResult& result) {
   frame.stamp = result.stamp;
   frame.rows = {rowOf(result)};
   frame.timing = {result.image.name, result.segment_ms, result.features_ms, result.localize_ms,
-                  map_ ? static_cast<int>(map_->models.size()) : 0};
+                  static_cast<int>(result.mapped ? result.mapped->map->models.size()
+                                   : map_        ? map_->models.size()
+                                                 : 0)};
   results_.append(frame);
   states_.append(result.image.name + "," + text::decimals(result.stamp, 6) + "," + result.state() + "," +
                  text::csvCell(result.reason()) + "," + std::to_string(result.received) + "," +

@@ -27,7 +27,9 @@ public:
   void append(const LiveResult& result);
 
 private:
-  ResultRow rowOf(const std::string& frame, const Hypothesis& best) const;
+  ResultRow rowOf(const std::string& frame, const Hypothesis& best, const Map& map) const;
+  ResultRow rowOf(const std::string& frame, const PoseWithCovariance& pose, const Map& map, int part,
+                  double probability) const;
   ResultRow rowOf(const LiveResult& result) const;
 
   std::shared_ptr<const Map> map_;

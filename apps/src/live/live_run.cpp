@@ -107,6 +107,26 @@ void LiveRun::closeSource() {
   source_.reset();
 }
 
+void LiveRun::startMapping(const Camera& camera) {
+  LiveMappingOptions options;
+  options.map = options_.build;
+  options.camera = camera;
+  options.trajectory = algorithms_.mapping;
+  options.places = algorithms_.places;
+  options.parameters = "width = " + std::to_string(algorithms_.session.width) + "\n" +
+                       toIni(camera.noise, "noise") + toIni(algorithms_.session.view) +
+                       toIni(options.trajectory, "mapping") + toIni(options.places, "map");
+  mapping_ = std::make_shared<LiveMapping>(options);
+}
+
+/** What is left to do when no frame comes any more. */
+void LiveRun::finish() {
+  if (!session_) return;
+  session_->finish();
+  tick();  // the last screenshot
+  if (mapping_) mapping_->finish();
+}
+
 /** Now that the camera is known. */
 void LiveRun::startSession() {
   LiveSessionOptions options = algorithms_.session;
@@ -116,11 +136,14 @@ void LiveRun::startSession() {
     options.camera = map_->calibrated(options.camera);
     noteDifference(options.camera, *map_, console_);
   }
+  if (!options_.build.empty()) startMapping(options.camera);
+  options.mapping = mapping_;
   if (!options_.results.empty()) {
     const std::string params_ini = "# " + versionText() + ", live from " + source_->name() +
                                    (map_ ? ", map " + fs::path(options_.map).filename().string() + " of " +
                                                counted(map_->models.size(), "local model")
-                                         : ", without a map") +
+                                    : mapping_ ? ", which makes a map"
+                                               : ", without a map") +
                                    "\nwidth = " + std::to_string(options.width) + "\n" +
                                    toIni(options.camera.noise, "noise") + toIni(options.view) +
                                    toIni(options.tracking, "tracking") + toIni(options.localization);
@@ -180,8 +203,7 @@ void LiveRun::run() {
       status_.clear();
       if (!options_.wait) {
         closeSource();
-        session_->finish();
-        tick();
+        finish();
         throw;
       }
       tellThatItWaits(e.what());
@@ -190,8 +212,7 @@ void LiveRun::run() {
     }
   }
   if (source_) stopRecording(), source_->stop();
-  if (session_) session_->finish();
-  tick();  // the last screenshot
+  finish();
   status_.clear();
 }
 
@@ -304,6 +325,7 @@ void LiveRun::stopRecording() {
 std::string LiveRun::summary() const {
   if (!session_) return "no device, no frames";
   std::string words = session_->summary().text();
+  if (mapping_) words += "; mapped " + mapping_->state().inWords();
   if (!options_.results.empty()) words += "; results in " + options_.results;
   if (!options_.screenshots.empty())
     words += "; " + counted(screenshots_, "screenshot") + " in " + options_.screenshots;

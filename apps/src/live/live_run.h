@@ -25,7 +25,9 @@ namespace facetloc {
 /** \brief What a live run needs to know of the algorithms, for a camera that is not known yet. */
 struct LiveAlgorithms {
   std::function<Camera(const std::optional<CameraFile>&)> camera;
-  LiveSessionOptions session;  // but for its camera
+  LiveSessionOptions session;  // but for its camera, and the map that it makes
+  MappingParams mapping;
+  MapBuilderParams places;
 };
 
 /** \brief A live run from its begin to its end: opens the source, again if it has to, and does on one thread
@@ -52,6 +54,8 @@ private:
   void closeSource();
   void pause() const;
   void startSession();
+  void startMapping(const Camera& camera);
+  void finish();
   void receive(const LiveResultPtr& result);
   bool stopAsked() const;
   bool timeIsUp() const;
@@ -73,6 +77,7 @@ private:
   bool quit_ = false;
   std::optional<std::uint64_t> told_at_;  // frames received when it was last told that it waits
   std::shared_ptr<const Map> map_;
+  std::shared_ptr<LiveMapping> mapping_;
   std::optional<OffscreenDisplay> display_;
   std::optional<Clock::time_point> begin_;  // when the first source was opened, or first waited for
   Clock::time_point source_start_;

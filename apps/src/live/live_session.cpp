@@ -123,6 +123,12 @@ void LiveSession::process(const LatestFrame<LiveFrame>::Arrived& arrived) {
       trail_.interrupt();
     result->trail = trail_;
   }
+  if (options_.mapping) {
+    const Clock::time_point begin = Clock::now();
+    result->mapped = options_.mapping->update(result->image.view, result->image.name, result->stamp);
+    result->localize_ms = millisecondsSince(begin);
+    result->trail = result->mapped->trail;
+  }
   const auto counts = mailbox_.counts();
   {
     const std::lock_guard<std::mutex> lock(mutex_);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "live/latest_frame.h"
+#include "live/live_mapping.h"
 #include "live/live_result.h"
 #include "live/live_source.h"
 
@@ -26,8 +27,9 @@ struct LiveSessionOptions {
   ViewParams view;
   PoseTrackingParams tracking;
   GlobalLocalizationParams localization;
-  int threads = 0;               ///< of global localization; 0 = all cores
-  std::uint64_t max_frames = 0;  ///< ends after so many processed frames; 0 = never
+  std::shared_ptr<LiveMapping> mapping;  ///< if a map is to be made
+  int threads = 0;                       ///< of global localization; 0 = all cores
+  std::uint64_t max_frames = 0;          ///< ends after so many processed frames; 0 = never
 };
 
 /** \brief What a live run came to. */
@@ -44,7 +46,7 @@ struct LiveSummary {
 };
 
 /** \brief The processing thread of a live run: takes the newest frame, segments it, and follows the camera in
- * the map.
+ * the map, or makes one.
  *
  * A frame that is older than kOldestFrame when its turn comes is dropped: what is shown is what is. */
 class LiveSession {

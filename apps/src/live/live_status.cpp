@@ -19,14 +19,15 @@ std::size_t terminalWidth() {
 }  // namespace
 
 std::string stateText(const LiveResult& result) {
-  const std::string reason = result.reason();
-  return result.state() + (reason.empty() ? "" : ": " + reason);
+  const std::string remark = result.remark();
+  return result.state() + (remark.empty() ? "" : ": " + remark);
 }
 
 std::string timesText(const LiveResult& result, double rate) {
   std::string words = text::decimals(rate, 1) + " frames/s,  segmentation " +
                       text::decimals(result.segment_ms, 1) + " ms,  features " +
                       text::decimals(result.features_ms, 1) + " ms";
+  if (result.mapped) words += ",  mapping " + text::decimals(result.localize_ms, 1) + " ms";
   if (result.tracked) words += ",  localization " + text::decimals(result.localize_ms, 1) + " ms";
   return words + ",  age " + text::decimals(result.age_ms, 0) + " ms,  " + std::to_string(result.dropped) +
          " of " + std::to_string(result.received) + " dropped";

@@ -9,7 +9,7 @@
 
 namespace facetloc {
 
-/** \brief "tracking" and why, in words for one line. */
+/** \brief "tracking" and why, or how far a map has come, in words for one line. */
 std::string stateText(const LiveResult& result);
 /** \brief Stage times, age and drops of a frame, at so many frames per second. */
 std::string timesText(const LiveResult& result, double rate);

@@ -13,10 +13,12 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
 #include <set>
+#include <stdexcept>
 #include <utility>
 
 namespace facetloc {
@@ -42,6 +44,11 @@ constexpr int kMostUncertain = 15;       // earlier keyframes that one is compar
 constexpr int kLocal = 20;               // keyframes in a row between which no loop is closed
 constexpr std::size_t kMostTies = 4000;  // pairs of keyframes of two parts that are compared
 constexpr double kMoved = 0.02, kTurned = 0.5;  // of a prior, after which a pair is compared anew [m, deg]
+constexpr int kLooks = 3;  // keyframes of a place that an image is compared with before it becomes another
+constexpr double kSureAgreement = 0.95,
+                 kSureOverlap = 0.7;  // of a lost image with a keyframe that it hangs from
+constexpr double kSureStd = 0.05;     // of its position beside that one [m]
+constexpr int kCrowded = 3;           // keyframes of one place, after which it gets no more
 
 Matrix6d withSharedErrors(Matrix6d P) {
   P.diagonal().head<3>().array() += kSharedRotation * kSharedRotation;
@@ -65,6 +72,37 @@ struct Comparison {
   Eigen::Isometry3d prior = Eigen::Isometry3d::Identity();  // where they were thought to be
   std::optional<PlacedView> placed;
 };
+/** A small picture of inverse depths, to find those first that look alike. */
+constexpr int kThumbColumns = 8, kThumbRows = 6;
+using Thumbnail = std::array<double, kThumbColumns * kThumbRows>;
+
+Thumbnail thumbnail(const DepthPicture& picture) {
+  Thumbnail sum = {}, n = {};
+  const int width = picture.camera.width, height = picture.camera.height;
+  for (std::size_t i = 0; i < picture.inverse_depth.size(); ++i) {
+    const int u = static_cast<int>(i) % width, v = static_cast<int>(i) / width;
+    const int cell = v * kThumbRows / height * kThumbColumns + u * kThumbColumns / width;
+    sum[cell] += picture.inverse_depth[i];
+    n[cell] += picture.inverse_depth[i] > 0;
+  }
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = n[i] > 0 ? sum[i] / n[i] : 0;
+  return sum;
+}
+
+double difference(const Thumbnail& a, const Thumbnail& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += std::abs(a[i] - b[i]);
+  return sum;
+}
+
+std::vector<int> inOrder(std::vector<std::pair<double, int>> by_distance) {
+  std::sort(by_distance.begin(), by_distance.end());
+  std::vector<int> numbers;
+  for (const auto& [ignored, number] : by_distance) numbers.push_back(number);
+  return numbers;
+}
+
+using Comparisons = std::map<std::pair<int, int>, Comparison>;
 
 }  // namespace
 
@@ -111,7 +149,8 @@ struct TrajectoryEstimation::Impl {
   struct Node {
     std::size_t image;
     std::shared_ptr<const View> view;
-    std::optional<Eigen::Isometry3d> T_before;  // in the keyframe before, as found with it
+    int before;                                 // the keyframe that the way led from
+    std::optional<Eigen::Isometry3d> T_before;  // in that one, as found with it
   };
   /** From one image to the next. */
   struct Motion {
@@ -134,15 +173,22 @@ struct TrajectoryEstimation::Impl {
   PoseWithCovariance guessedStep() const;
   Position moved(const Position& from, const Motion& step) const;
   Position place(const std::shared_ptr<const View>& view, const Position& thought) const;
+  bool hang(const std::shared_ptr<const View>& view, const Position& at);
+  bool hangFromKnown(const View& view, const Position& at);
+  void hangFrom(int keyframe, const PoseWithCovariance& T_k_c);
+  std::vector<int> keyframesAround(const Eigen::Isometry3d& T_w_c) const;
+  std::vector<int> keyframesAlike(const View& view) const;
   void takeKeyframe(const std::shared_ptr<const View>& view, const Position& at);
   void begin(const std::shared_ptr<const View>& view);
   bool slides() const;
   std::optional<CameraMounting> mounting() const;
-  void improve(const std::function<void(double)>& progress);
+  void improve(const std::function<void(double)>& progress, int first);
+  void adopt(const Impl& improved);
   void optimize(std::vector<KeyframeMotion> relations);
   PoseGraph graphOf(const std::vector<KeyframeMotion>& all) const;
-  std::vector<KeyframeMotion> compareKeyframes(const GraphCovariance& known);
-  std::vector<KeyframeMotion> tieParts(const GraphCovariance& known);
+  std::vector<KeyframeMotion> compareKeyframes(const GraphCovariance& known, int first);
+  std::vector<KeyframeMotion> tieParts(const GraphCovariance& known, int first);
+  const Comparison* comparisonOf(const std::pair<int, int>& pair) const;
   std::optional<PlacedView> compare(int a, int b, const PoseWithCovariance& prior, bool search) const;
   bool agrees(const KeyframeMotion& m) const;
 
@@ -150,13 +196,16 @@ struct TrajectoryEstimation::Impl {
   ViewOdometry odometry;
   ViewPlacing placing;
   int threads = 1;
+  bool endless = false;
   std::vector<Image> images;
   std::vector<Node> nodes;
   std::vector<KeyframeMotion> chain, relations;
   std::vector<PoseWithCovariance> T_w_k;
   std::vector<int> part;
-  std::map<std::pair<int, int>, Comparison> compared;
-  Position since;                      // the latest keyframe
+  std::shared_ptr<const Comparisons> compared = std::make_shared<Comparisons>();
+  Comparisons compared_since;          // what compared does not know of yet
+  int current = 0;                     // the keyframe that the latest image hangs from
+  Position since;                      // that keyframe
   std::shared_ptr<const View> latest;  // view
 };
 
@@ -196,7 +245,7 @@ bool TrajectoryEstimation::Impl::add(View&& moved_view, double stamp,
   const ViewMotion seen = odometry.add(*view, dt);
   if (nodes.empty()) {
     images.push_back({stamp, 0, Eigen::Isometry3d::Identity()});
-    nodes.push_back({0, latest = view, {}});
+    nodes.push_back({0, latest = view, 0, {}});
     begin(view);
     return true;
   }
@@ -208,9 +257,9 @@ bool TrajectoryEstimation::Impl::add(View&& moved_view, double stamp,
   Position at = moved(since, step);
   if (shows_anything && (is_sparse || seen.broken || seen.agreement < kClearAgreement)) {
     at = place(view, at);
-    if (!at.placed && latest != nodes.back().view) {
-      takeKeyframe(latest, since);
-      at = place(view, moved({}, step));
+    if (!at.placed && latest != nodes[current].view) {
+      hang(latest, since);
+      at = place(view, moved(since, step));
     }
     if (!at.follows) {
       odometry.reset();
@@ -219,13 +268,76 @@ bool TrajectoryEstimation::Impl::add(View&& moved_view, double stamp,
   }
   since = std::move(at);
   latest = view;
-  images.push_back({stamp, static_cast<int>(nodes.size()) - 1, since.T});
+  if (endless && nodes.back().image + 1 < images.size()) images.pop_back();
+  images.push_back({stamp, current, since.T});
   const double way = is_sparse ? kSparse : params.odometry.key_distance,
                turn_deg = is_sparse ? kSparseTurnDeg : params.odometry.key_rotation_deg;
   if (!shows_anything || (since.known && isNear(since.T, Eigen::Isometry3d::Identity(), way, turn_deg)))
     return false;
   if (!since.placed) since = place(view, since);
-  takeKeyframe(view, since);
+  return hang(view, Position(since));
+}
+
+// Those of the same part where an image is, the nearest first.
+std::vector<int> TrajectoryEstimation::Impl::keyframesAround(const Eigen::Isometry3d& T_w_c) const {
+  std::vector<std::pair<double, int>> around;
+  for (int k = 0; k < static_cast<int>(nodes.size()); ++k)
+    if (k != current && part[k] == part[current] &&
+        isNear(T_w_k[k].T, T_w_c, params.odometry.key_distance, params.odometry.key_rotation_deg))
+      around.push_back({viewDistance(T_w_k[k].T, T_w_c), k});
+  return inOrder(around);
+}
+
+// All of them, those first whose depth pictures look most like that of a view.
+std::vector<int> TrajectoryEstimation::Impl::keyframesAlike(const View& view) const {
+  const Thumbnail of_view = thumbnail(view.depth);
+  std::vector<std::pair<double, int>> alike;
+  for (int k = 0; k < static_cast<int>(nodes.size()); ++k)
+    alike.push_back({difference(of_view, thumbnail(nodes[k].view->depth)), k});
+  return inOrder(alike);
+}
+
+void TrajectoryEstimation::Impl::hangFrom(int keyframe, const PoseWithCovariance& T_k_c) {
+  current = keyframe;
+  since = {};
+  since.T = T_k_c.T;
+  since.by_motion = T_k_c;
+}
+
+// Finds a keyframe of its place that shows the same, or any of a crowded place.
+bool TrajectoryEstimation::Impl::hangFromKnown(const View& view, const Position& at) {
+  const Eigen::Isometry3d T_w_c = T_w_k[current].T * at.T;
+  const Matrix6d step = stepCovariance(mounting(), true);
+  const std::vector<int> around = at.known ? keyframesAround(T_w_c) : keyframesAlike(view);
+  for (int i = 0; i < std::min<int>(kLooks, around.size()); ++i) {
+    const int k = around[i];
+    PoseWithCovariance prior{Eigen::Isometry3d::Identity(), step};
+    if (at.known) prior.T = T_w_k[k].T.inverse() * T_w_c;
+    const auto placed = placing.place(view, *nodes[k].view, prior, !at.known);
+    if (!placed || placed->agreement < (at.known ? kClearAgreement : kSureAgreement) ||
+        placed->overlap < (at.known ? kLoopOverlap : kSureOverlap) ||
+        (!at.known && largestTranslationStd(measured(*placed).P) > kSureStd))
+      continue;
+    hangFrom(
+        k, {placed->T_a_b, withSharedErrors(symmetricInverse(placed->information + symmetricInverse(step)))});
+    since.placed = placed;
+    return true;
+  }
+  if (!at.known || around.size() < kCrowded) return false;
+  const int k = around.front();
+  hangFrom(k, {T_w_k[k].T.inverse() * T_w_c, guessedStep().P});
+  return true;
+}
+
+// The latest image becomes a keyframe or, of an endless trajectory, hangs from one that is there.
+// Returns true for a new one.
+bool TrajectoryEstimation::Impl::hang(const std::shared_ptr<const View>& view, const Position& at) {
+  if (endless && hangFromKnown(*view, at)) {
+    images.back().keyframe = current;
+    images.back().T_k_c = since.T;
+    return false;
+  }
+  takeKeyframe(view, at);
   return true;
 }
 
@@ -258,7 +370,7 @@ TrajectoryEstimation::Impl::place(const std::shared_ptr<const View>& view, const
   prior.P = stepCovariance(mounting(), true);
   if (thought.known) prior.T = thought.T;
   Position out = thought;
-  std::optional<PlacedView> placed = placing.place(*view, *nodes.back().view, prior, true);
+  std::optional<PlacedView> placed = placing.place(*view, *nodes[current].view, prior, true);
   out.follows = false;
   if (!placed || placed->agreement < params.min_agreement || placed->overlap < kLeastOverlap) return out;
   out.follows = thought.known && isNear(placed->T_a_b, thought.T, kSamePosition, kSameRotationDeg);
@@ -271,13 +383,13 @@ TrajectoryEstimation::Impl::place(const std::shared_ptr<const View>& view, const
 
 // The latest image becomes one.
 void TrajectoryEstimation::Impl::takeKeyframe(const std::shared_ptr<const View>& view, const Position& at) {
-  const int a = static_cast<int>(nodes.size()) - 1, b = a + 1;
-  nodes.push_back({images.size() - 1, view, {}});
+  const int a = current, b = static_cast<int>(nodes.size());
+  nodes.push_back({images.size() - 1, view, a, {}});
   if (at.known) {
     nodes.back().T_before = at.T;
     chain.push_back({a, b, {at.by_motion.T, withSharedErrors(at.by_motion.P)}, Source::odometry, 0});
     if (at.placed) {
-      compared[{a, b}] = {at.T, at.placed};
+      compared_since[{a, b}] = {at.T, at.placed};
       relations.push_back({a, b, measured(*at.placed), Source::overlap, 0});
     }
     T_w_k.push_back(T_w_k[a] * PoseWithCovariance{at.T, chain.back().T_from_to.P});
@@ -285,6 +397,7 @@ void TrajectoryEstimation::Impl::takeKeyframe(const std::shared_ptr<const View>&
   } else {
     begin(view);
   }
+  current = b;
   since = {};
   images.back().keyframe = b;
   images.back().T_k_c.setIdentity();
@@ -299,7 +412,8 @@ std::optional<PlacedView> TrajectoryEstimation::Impl::compare(int a, int b, cons
 
 // Of keyframes of one part. What the trajectory has known is an overlap; what it has not, a loop that others
 // must confirm.
-std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const GraphCovariance& known) {
+std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const GraphCovariance& known,
+                                                                         int first) {
   struct Pair {
     int a;
     PoseWithCovariance T_a_b;
@@ -309,7 +423,8 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const G
   const int n = static_cast<int>(nodes.size());
   std::vector<std::vector<Pair>> of_node(n);
   const ViewReach reach{params.reach, params.reach_deg * kDegree};
-  forEachInParallel(n, threads, [&](int b) {
+  forEachInParallel(n - first, threads, [&](int i_b) {
+    const int b = first + i_b;
     const auto T_b = known.relativeTo(b);
     std::vector<std::pair<double, Pair>> certain, uncertain;
     for (int a = 0; a < b; ++a) {
@@ -332,9 +447,9 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const G
     }
     const PoseWithCovariance anywhere{Eigen::Isometry3d::Identity(), posePrior(mounting())};
     for (Pair& p : of_node[b]) {
-      const auto before = compared.find({p.a, b});
-      if (before != compared.end() && isNear(before->second.prior, p.T_a_b.T, kMoved, kTurned))
-        p.placed = before->second.placed;
+      const Comparison* before = comparisonOf({p.a, b});
+      if (before && isNear(before->prior, p.T_a_b.T, kMoved, kTurned))
+        p.placed = before->placed;
       else if (p.certain)
         p.placed = compare(p.a, b, p.T_a_b, largestTranslationStd(p.T_a_b.P) > 0.1);
       else
@@ -342,11 +457,13 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const G
     }
   });
 
+  const auto all = std::make_shared<Comparisons>(*compared);
+  for (const auto& [pair, comparison] : compared_since) (*all)[pair] = comparison;
   std::vector<KeyframeMotion> out;
   std::vector<PoseEdge> uncertain;
-  for (int b = 0; b < n; ++b)
+  for (int b = first; b < n; ++b)
     for (Pair& p : of_node[b]) {
-      compared[{p.a, b}] = {p.T_a_b.T, p.placed};
+      (*all)[{p.a, b}] = {p.T_a_b.T, p.placed};
       if (!p.placed) continue;
       const PoseWithCovariance T = measured(*p.placed);
       if (mahalanobis(p.T_a_b, T.T, T.P) > kFarEllipsoid) continue;
@@ -355,6 +472,8 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const G
       else if (p.placed->overlap >= kLoopOverlap && p.placed->agreement >= kClearAgreement)
         uncertain.push_back({p.a, b, T, true});
     }
+  compared = all;
+  compared_since.clear();
   const std::vector<bool> confirmed = consistentLoops(uncertain, known, params.consistent_loops);
   for (std::size_t i = 0; i < uncertain.size(); ++i)
     if (confirmed[i])
@@ -362,11 +481,18 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const G
   return out;
 }
 
+const Comparison* TrajectoryEstimation::Impl::comparisonOf(const std::pair<int, int>& pair) const {
+  const auto latest_one = compared_since.find(pair);
+  if (latest_one != compared_since.end()) return &latest_one->second;
+  const auto earlier = compared->find(pair);
+  return earlier == compared->end() ? nullptr : &earlier->second;
+}
+
 // Where a chain has broken, by keyframes that show the same on both sides.
-std::vector<KeyframeMotion> TrajectoryEstimation::Impl::tieParts(const GraphCovariance& known) {
+std::vector<KeyframeMotion> TrajectoryEstimation::Impl::tieParts(const GraphCovariance& known, int first) {
   std::vector<std::pair<int, int>> pairs;
   const int n = static_cast<int>(nodes.size());
-  for (int b = 0; b < n; ++b)
+  for (int b = first; b < n; ++b)
     for (int a = 0; a < b; ++a)
       if (part[a] != part[b]) pairs.emplace_back(a, b);
   if (pairs.empty()) return {};
@@ -446,20 +572,22 @@ void TrajectoryEstimation::Impl::optimize(std::vector<KeyframeMotion> found) {
   }
 }
 
-void TrajectoryEstimation::Impl::improve(const std::function<void(double)>& progress) {
+void TrajectoryEstimation::Impl::improve(const std::function<void(double)>& progress, int asked) {
   if (nodes.size() < 2) return;
+  const int first = std::clamp(asked, 0, static_cast<int>(nodes.size()));
   for (int pass = 0; pass < params.passes; ++pass) {
     if (progress) progress(pass / double(params.passes));
     std::vector<KeyframeMotion> all = chain;
     all.insert(all.end(), relations.begin(), relations.end());
     const GraphCovariance known(graphOf(all), threads);
-    std::vector<KeyframeMotion> found = compareKeyframes(known);
-    const std::vector<KeyframeMotion> ties = tieParts(known);
+    std::vector<KeyframeMotion> found = compareKeyframes(known, first);
+    const std::vector<KeyframeMotion> ties = tieParts(known, first);
     found.insert(found.end(), ties.begin(), ties.end());
-    for (const KeyframeMotion& m : relations)  // ties of parts that are one now
-      if (std::none_of(found.begin(), found.end(),
-                       [&](const KeyframeMotion& f) { return f.from == m.from && f.to == m.to; }) &&
-          m.source == Source::loop)
+    for (const KeyframeMotion& m : relations)  // those of earlier keyframes; ties of parts that are one now
+      if (m.to < first ||
+          (std::none_of(found.begin(), found.end(),
+                        [&](const KeyframeMotion& f) { return f.from == m.from && f.to == m.to; }) &&
+           m.source == Source::loop))
         found.push_back(m);
     const std::vector<PoseWithCovariance> before = T_w_k;
     optimize(std::move(found));
@@ -471,6 +599,30 @@ void TrajectoryEstimation::Impl::improve(const std::function<void(double)>& prog
   if (progress) progress(1);
 }
 
+void TrajectoryEstimation::Impl::adopt(const Impl& improved) {
+  const std::size_t n = improved.nodes.size();
+  if (n > nodes.size() || improved.chain.size() > chain.size())
+    throw std::invalid_argument("TrajectoryEstimation: what is to be adopted is no clone of this trajectory");
+  const auto isLater = [n](const KeyframeMotion& m) { return m.to >= static_cast<int>(n); };
+  std::copy(improved.chain.begin(), improved.chain.end(), chain.begin());
+  std::vector<KeyframeMotion> all = improved.relations;
+  std::copy_if(relations.begin(), relations.end(), std::back_inserter(all), isLater);
+  relations = std::move(all);
+  Comparisons later = improved.compared_since;
+  for (const auto& [pair, comparison] : compared_since)
+    if (pair.second >= static_cast<int>(n)) later[pair] = comparison;
+  compared = improved.compared;
+  compared_since = std::move(later);
+  std::copy(improved.T_w_k.begin(), improved.T_w_k.end(), T_w_k.begin());
+  std::copy(improved.part.begin(), improved.part.end(), part.begin());
+  for (const KeyframeMotion& m : chain) {
+    if (!isLater(m)) continue;
+    T_w_k[m.to] = T_w_k[m.from] * PoseWithCovariance{*nodes[m.to].T_before, m.T_from_to.P};
+    part[m.to] = part[m.from];
+  }
+}
+
+TrajectoryEstimation::TrajectoryEstimation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 TrajectoryEstimation::TrajectoryEstimation(const MappingParams& params)
     : impl_(std::make_unique<Impl>(params)) {}
 TrajectoryEstimation::TrajectoryEstimation(TrajectoryEstimation&&) noexcept = default;
@@ -478,16 +630,30 @@ TrajectoryEstimation& TrajectoryEstimation::operator=(TrajectoryEstimation&&) no
 TrajectoryEstimation::~TrajectoryEstimation() = default;
 
 void TrajectoryEstimation::setNumberOfThreads(int n) { impl_->threads = n; }
+void TrajectoryEstimation::setEndless(bool endless) { impl_->endless = endless; }
 
 bool TrajectoryEstimation::add(View view, double stamp, const std::optional<Eigen::Isometry3d>& motion) {
   return impl_->add(std::move(view), stamp, motion);
 }
 
 PoseWithCovariance TrajectoryEstimation::latest() const {
-  return impl_->T_w_k.back() * PoseWithCovariance{impl_->since.T, impl_->since.by_motion.P};
+  return impl_->T_w_k[impl_->current] * PoseWithCovariance{impl_->since.T, impl_->since.by_motion.P};
 }
 
-void TrajectoryEstimation::improve(const std::function<void(double)>& progress) { impl_->improve(progress); }
+int TrajectoryEstimation::keyframes() const { return static_cast<int>(impl_->nodes.size()); }
+int TrajectoryEstimation::latestKeyframe() const { return impl_->current; }
+int TrajectoryEstimation::part(int keyframe) const { return impl_->part.at(keyframe); }
+const PoseWithCovariance& TrajectoryEstimation::pose(int keyframe) const { return impl_->T_w_k.at(keyframe); }
+
+TrajectoryEstimation TrajectoryEstimation::clone() const {
+  return TrajectoryEstimation(std::make_unique<Impl>(*impl_));
+}
+
+void TrajectoryEstimation::adopt(const TrajectoryEstimation& improved) { impl_->adopt(*improved.impl_); }
+
+void TrajectoryEstimation::improve(const std::function<void(double)>& progress, int first) {
+  impl_->improve(progress, first);
+}
 
 // An image between two keyframes of one part: by odometry from the first, whose error at the second is spread
 // evenly over the images.
@@ -503,12 +669,13 @@ CameraTrajectory TrajectoryEstimation::trajectory() const {
     out.images.push_back({image.stamp, m.T_w_k[image.keyframe].T * image.T_k_c, image.keyframe});
   }
   for (std::size_t k = 1; k < m.nodes.size(); ++k) {
-    if (!m.nodes[k].T_before) continue;
+    if (!m.nodes[k].T_before || m.nodes[k].before + 1 != static_cast<int>(k)) continue;
     const std::size_t first = m.nodes[k - 1].image, last = m.nodes[k].image;
     const Vector6d error = perturbation(m.T_w_k[k - 1].T * *m.nodes[k].T_before, m.T_w_k[k].T);
     for (std::size_t i = first + 1; i < last; ++i)
-      out.images[i].T_w_c =
-          perturbed(out.images[i].T_w_c, error * (double(i - first) / double(last - first)));
+      if (out.images[i].keyframe + 1 == static_cast<int>(k))
+        out.images[i].T_w_c =
+            perturbed(out.images[i].T_w_c, error * (double(i - first) / double(last - first)));
   }
   return out;
 }

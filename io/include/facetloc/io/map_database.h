@@ -8,6 +8,7 @@
 #include <functional>
 #include <iosfwd>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,11 @@ public:
   int add(const PackedModel& model);
   /** \brief Adds a link between two models that are already there. */
   void add(const Link& link);
+  /** \brief All poses and all links anew, in one transaction, while a map is still moving: what was there
+   * before is gone, and so are ambiguity and place index.
+   * \param T_w_m of each model, by index; nothing where it is unknown. Throws std::invalid_argument if there
+   * are not as many as models. */
+  void setPoses(const std::vector<std::optional<Eigen::Isometry3d>>& T_w_m, const std::vector<Link>& links);
   /** \brief The names of the models so far, by index; lets a build resume. */
   std::vector<std::string> modelNames() const;
 

@@ -71,19 +71,40 @@ public:
 
   /** \brief OpenMP threads; 1 by default, 0 = all cores. */
   void setNumberOfThreads(int n);
+  /** \brief For a camera that is on for hours: at a place that has keyframes, the image hangs from one of
+   * them instead of becoming another, also where the camera has been carried to with closed eyes, and of the
+   * other images only the latest is kept. Off by default; to be
+   * called before the first image. */
+  void setEndless(bool endless);
   /** \brief Takes the next image. \param stamp [s]; one that goes back counts as no time passed
    * \param motion of the camera since the image before, by another odometry, if there is one
    * \return true if it has become a keyframe. */
   bool add(View view, double stamp, const std::optional<Eigen::Isometry3d>& motion = {});
   /** \brief Where the latest image is, as known so far. */
   PoseWithCovariance latest() const;
+  int keyframes() const;
+  /** \brief Number of the keyframe that the latest image hangs from. */
+  int latestKeyframe() const;
+  /** \brief Number of the first keyframe of the part that a keyframe belongs to. */
+  int part(int keyframe) const;
+  /** \brief T_w_c of a keyframe; its covariance is relative to the first one of its part. */
+  const PoseWithCovariance& pose(int keyframe) const;
+
   /** \brief Compares keyframes with earlier ones, closes loops, and optimizes all poses, several times.
-   * \param progress if given, is called with the share of the work that is done, from one thread */
-  void improve(const std::function<void(double)>& progress = {});
+   * \param progress if given, is called with the share of the work that is done, from one thread
+   * \param first number of the first keyframe that is compared; what is known of those before stays. */
+  void improve(const std::function<void(double)>& progress = {}, int first = 0);
+  /** \brief A copy, to be improved by another thread while images are added here. The views are shared. */
+  TrajectoryEstimation clone() const;
+  /** \brief Takes the poses and motions of the keyframes that a clone has, improved. Those that have been
+   * added since move rigidly with the keyframe before them. Throws std::invalid_argument if the clone has
+   * more keyframes than this. */
+  void adopt(const TrajectoryEstimation& improved);
   CameraTrajectory trajectory() const;
 
 private:
   struct Impl;
+  explicit TrajectoryEstimation(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

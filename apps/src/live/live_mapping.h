@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "live/live_trail.h"
+#include "live/mapped_places.h"
+
+#include <facetloc/io/map_database.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace facetloc {
+
+struct LiveMappingOptions {
+  std::filesystem::path map;  ///< its file, which is not there yet
+  Camera camera;
+  MappingParams trajectory;
+  MapBuilderParams places;
+  std::string parameters;  ///< in the map's meta
+};
+
+/** \brief How far a map has come that is being made. */
+struct LiveMapState {
+  std::optional<PoseWithCovariance> T_w_c;  ///< of the camera in it; nothing where nothing leads to its place
+  double way = 0;                           ///< [m]
+  int keyframes = 0, loops = 0;
+  std::shared_ptr<const Map> map;  ///< as it is now, without depth pictures; never null
+  LiveTrail trail;                 ///< where the camera was
+
+  /** \brief "34 m, 120 keyframes, 3 loops, 40 local models". */
+  std::string inWords() const;
+};
+
+/** \brief Makes a map while a camera moves: follows it image by image, and in the background, on one thread
+ * of low priority, closes loops and writes local models and their poses to the file. Images never wait for
+ * the background.
+ *
+ * The file is sound at any time; it says that it is under way until finish() returns. What grows with time is
+ * nothing; with new rooms grow keyframes (0.2 MB each) and local models. */
+class LiveMapping {
+public:
+  /** \brief Creates the file. Throws IoError. */
+  explicit LiveMapping(const LiveMappingOptions& options);
+  /** \brief Ends what is under way. What finish() would do is left out. */
+  ~LiveMapping();
+  LiveMapping(const LiveMapping&) = delete;
+  LiveMapping& operator=(const LiveMapping&) = delete;
+
+  /** \brief The next image, and its name. Throws what went wrong in the background. */
+  LiveMapState update(const View& view, const std::string& name, double stamp);
+  /** \brief Writes what is not written yet, with the best poses; the file is whole then. A map without local
+   * models is removed. Throws IoError. */
+  void finish();
+  /** \brief After the latest image, or after finish(). */
+  const LiveMapState& state() const { return state_; }
+
+private:
+  using Clock = std::chrono::steady_clock;
+  /** What is to be done in the background, and what has come of it. */
+  struct Job {
+    TrajectoryEstimation trajectory;
+    MappedPlaces places;
+    std::vector<LocalModel> models;  // new ones
+    bool improve = false;
+    int first = 0;  // keyframe that has not been compared yet
+    int main_part = 0, loops = 0;
+    std::shared_ptr<const Map> map;
+  };
+
+  void follow(const View& view, const std::string& name, double stamp);
+  void takeResult();
+  void begin(bool improve);
+  void work();
+  void carryOut(Job& job);
+  std::shared_ptr<const Map> mapOf(const Job& job, const std::vector<Link>& links) const;
+
+  // Of the thread that calls update()
+  const std::filesystem::path path_;
+  const Camera camera_;
+  TrajectoryEstimation trajectory_;
+  MappedPlaces places_;
+  std::vector<LocalModel> unwritten_;
+  LiveTrail trail_;
+  std::optional<Eigen::Vector3d> last_place_;  // of the way
+  LiveMapState state_;
+  int main_part_ = 0, compared_ = 0;
+  Clock::time_point improved_ = Clock::now(), next_improvement_ = improved_;
+
+  // Of the background thread
+  MapDatabase database_;
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::unique_ptr<Job> to_do_, done_;
+  std::exception_ptr error_;
+  bool busy_ = false, ended_ = false;
+  std::thread thread_;  // the last member: it uses all others
+};
+
+}  // namespace facetloc

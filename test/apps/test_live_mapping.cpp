@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Maps that the live tool makes while it runs, and what is left of one whose maker is killed.
+#include "live_tool.h"
+#include "tools/map_apps.h"
+
+#include <facetloc/io/map_database.h>
+#include <facetloc/io/results.h>
+#include <facetloc/io/trajectory.h>
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+
+namespace facetloc {
+namespace {
+
+using test::eventually;
+using test::expectWholeResults;
+using test::linesOf;
+using test::LiveProcess;
+using test::LiveTool;
+using test::runLive;
+using test::ToolRun;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::string stateOf(const std::string& map) { return readMap(map).meta.at("state"); }
+
+TEST_F(LiveTool, MakesAMapInWhichTheCameraIsFound) {
+  const std::string made = folder_ / "made.flmap", results = folder_ / "results", again = folder_ / "again";
+  const ToolRun run = runLive({"--device", sequence(), "--headless", "--build", made, "--results", results});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("mapping"));
+  EXPECT_THAT(run.out, HasSubstr("map in " + made));
+  expectWholeResults(results, 20);
+  EXPECT_THAT(checkMap(made), IsEmpty());
+  EXPECT_EQ(stateOf(made), "whole");
+
+  const Map map = readMap(made);
+  ASSERT_GE(map.models.size(), 5u);
+  EXPECT_GE(map.links.size(), map.models.size() - 1);
+  const Trajectory truth = readTumTrajectory(sequence() + "/groundtruth.txt");
+  const auto trueAt = [&](double stamp) { return *truth.nearest(stamp, 1e-3); };
+  const Eigen::Isometry3d T_true_w = trueAt(map.models.front().stamp) * map.models.front().T_w_m->inverse();
+  for (const LocalModel& model : map.models) {
+    ASSERT_TRUE(model.T_w_m) << model.name;
+    const Eigen::Isometry3d T = T_true_w * *model.T_w_m;
+    EXPECT_LT((T.translation() - trueAt(model.stamp).translation()).norm(), 0.1) << model.name;
+  }
+
+  EXPECT_EQ(runLive({"--device", sequence(), "--headless", "--map", made, "--results", again}).code, kOk);
+  const auto found = readTumTrajectory(again + "/poses_tum.txt").poses();
+  EXPECT_GE(found.size(), 20u);
+  for (const StampedPose& pose : found) {
+    const Eigen::Isometry3d T = T_true_w * pose.T_w_c;
+    EXPECT_LT((T.translation() - trueAt(pose.stamp).translation()).norm(), 0.1) << pose.stamp;
+  }
+}
+
+TEST_F(LiveTool, LeavesAMapAloneUnlessItIsToBeReplaced) {
+  const std::string made = folder_ / "made.flmap";
+  const auto build = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"--device", sequence(), "--headless", "--build",
+                                          made,       "--speed",  "4"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return runLive(arguments);
+  };
+  ASSERT_EQ(build({}).code, kOk);
+  const std::string before = test::contentOf(made);
+  const ToolRun refused = build({});
+  EXPECT_EQ(refused.code, kFailed);
+  EXPECT_THAT(refused.err, HasSubstr("exists already; --overwrite replaces it"));
+  EXPECT_EQ(test::contentOf(made), before);
+  EXPECT_EQ(build({"--overwrite"}).code, kOk);
+  EXPECT_THAT(checkMap(made), IsEmpty());
+  EXPECT_EQ(build({"--map", map()}).code, kUsage);
+}
+
+TEST_F(LiveTool, AMapWhoseMakerIsStoppedIsWhole) {
+  const std::string made = folder_ / "made.flmap", results = folder_ / "results";
+  LiveProcess process(
+      {"--device", sequence(), "--headless", "--repeat", "--build", made, "--results", results});
+  ASSERT_TRUE(eventually([&] { return linesOf(results + "/states.csv").size() > 20; }));
+  process.signal(SIGINT);
+  const ToolRun run = process.wait();
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(checkMap(made), IsEmpty());
+  EXPECT_EQ(stateOf(made), "whole");
+  EXPECT_GE(readMap(made).models.size(), 2u);
+}
+
+TEST_F(LiveTool, AMapWhoseMakerIsKilledIsSound) {
+  const std::string made = folder_ / "made.flmap", results = folder_ / "results";
+  LiveProcess process(
+      {"--device", sequence(), "--headless", "--repeat", "--build", made, "--results", results});
+  ASSERT_TRUE(eventually([&] { return linesOf(results + "/states.csv").size() > 30; }));
+  process.signal(SIGKILL);
+  EXPECT_EQ(process.wait().code, 128 + SIGKILL);
+  EXPECT_THAT(checkMap(made), IsEmpty());
+  EXPECT_EQ(stateOf(made), "under way");
+  EXPECT_GE(readMap(made).models.size(), 2u);
+}
+
+}  // namespace
+}  // namespace facetloc
