@@ -314,6 +314,7 @@ bool TrajectoryEstimation::Impl::hangFromKnown(const View& view, const Position&
     PoseWithCovariance prior{Eigen::Isometry3d::Identity(), step};
     if (at.known) prior.T = T_w_k[k].T.inverse() * T_w_c;
     const auto placed = placing.place(view, *nodes[k].view, prior, !at.known);
+    fprintf(stderr,"known %d k %d of %zu cand %zu placed %d agree %.3f overlap %.3f std %.3f\n",at.known,k,nodes.size(),around.size(),bool(placed),placed?placed->agreement:0,placed?placed->overlap:0,placed?largestTranslationStd(measured(*placed).P):0);
     if (!placed || placed->agreement < (at.known ? kClearAgreement : kSureAgreement) ||
         placed->overlap < (at.known ? kLoopOverlap : kSureOverlap) ||
         (!at.known && largestTranslationStd(measured(*placed).P) > kSureStd))
@@ -384,6 +385,7 @@ TrajectoryEstimation::Impl::place(const std::shared_ptr<const View>& view, const
 // The latest image becomes one.
 void TrajectoryEstimation::Impl::takeKeyframe(const std::shared_ptr<const View>& view, const Position& at) {
   const int a = current, b = static_cast<int>(nodes.size());
+  fprintf(stderr,"NEW %d known %d\n",b,at.known);
   nodes.push_back({images.size() - 1, view, a, {}});
   if (at.known) {
     nodes.back().T_before = at.T;
