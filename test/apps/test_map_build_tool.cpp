@@ -56,7 +56,8 @@ TEST_F(Tools, MapBuildTakesOutWhatTheCameraAlwaysMeasuresWrongly) {
   EXPECT_THAT(runMap({"info", folder_ / "raw.flmap"}).out, HasSubstr("distortion taken out"));
   EXPECT_THAT(runMap({"info", folder_ / "corrected.flmap"}).out, HasSubstr("disparity units"));
 
-  const ToolRun merge = runMap({"merge", folder_ / "corrected.flmap", map(), "-o", folder_ / "both.flmap"});
+  const ToolRun merge = runMap(
+      {"merge", folder_ / "corrected.flmap", map(), "-o", folder_ / "both.flmap", "--same-coordinates"});
   ASSERT_EQ(merge.code, kOk) << merge.err;
   EXPECT_THAT(merge.err,
               HasSubstr("differ in the distortion that was taken out; the merged one has that of " +
