@@ -212,19 +212,5 @@ TEST(TrajectoryEstimation, TheWorldOfARobotIsItsFloor) {
   }
 }
 
-TEST(TrajectoryEstimation, AnEndlessOneKnowsThePlaceThatTheCameraIsCarriedBackTo) {
-  TrajectoryEstimation estimation;
-  estimation.setEndless(true);
-  constexpr int kWay = 11;  // images, after which the camera begins again: 44 deg away
-  int first_time = 0;
-  for (int i = 0; i < 4 * kWay; ++i) {
-    if (i == kWay) first_time = estimation.keyframes();
-    estimation.add(viewFrom(largeRoom(), onCircle(i % kWay), 500u + static_cast<unsigned>(i)), kStep * i);
-    EXPECT_THAT(estimation.latest().T, PoseNear(onCircle(0).inverse() * onCircle(i % kWay), 0.06, 1.5)) << i;
-  }
-  EXPECT_LE(estimation.keyframes(), first_time + 1);
-  EXPECT_EQ(estimation.trajectory().parts().size(), 1u);
-}
-
 }  // namespace
 }  // namespace facetloc

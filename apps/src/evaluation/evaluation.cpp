@@ -77,7 +77,7 @@ public:
   }
 
   std::optional<Eigen::Isometry3d> of(const ResultRow& row) const {
-    if (row.T_w_c) return row.T_w_c;
+    if (row.T_w_c && row.part.empty()) return row.T_w_c;
     const auto model = pose_of_.find(row.model);
     if (model == pose_of_.end()) return {};
     return model->second * row.T_m_c;
@@ -165,13 +165,6 @@ private:
     if (model == true_models_.end()) return;
     e.local_error = poseError(row.T_m_c, model->second.inverse() * truth);
     e.locally_correct = isCorrect(*e.local_error);
-  }
-
-  std::optional<Eigen::Isometry3d> worldPose(const ResultRow& row) const {
-    if (row.T_w_c && row.part.empty()) return row.T_w_c;
-    const auto model = pose_of_.find(row.model);
-    if (model == pose_of_.end()) return {};
-    return model->second * row.T_m_c;
   }
 
   /** The nearest local model, in units of what counts as covered. Returns the covering ones. */

@@ -314,7 +314,9 @@ bool TrajectoryEstimation::Impl::hangFromKnown(const View& view, const Position&
     PoseWithCovariance prior{Eigen::Isometry3d::Identity(), step};
     if (at.known) prior.T = T_w_k[k].T.inverse() * T_w_c;
     const auto placed = placing.place(view, *nodes[k].view, prior, !at.known);
-    fprintf(stderr,"known %d k %d of %zu cand %zu placed %d agree %.3f overlap %.3f std %.3f\n",at.known,k,nodes.size(),around.size(),bool(placed),placed?placed->agreement:0,placed?placed->overlap:0,placed?largestTranslationStd(measured(*placed).P):0);
+    fprintf(stderr, "known %d k %d of %zu cand %zu placed %d agree %.3f overlap %.3f std %.3f\n", at.known, k,
+            nodes.size(), around.size(), bool(placed), placed ? placed->agreement : 0,
+            placed ? placed->overlap : 0, placed ? largestTranslationStd(measured(*placed).P) : 0);
     if (!placed || placed->agreement < (at.known ? kClearAgreement : kSureAgreement) ||
         placed->overlap < (at.known ? kLoopOverlap : kSureOverlap) ||
         (!at.known && largestTranslationStd(measured(*placed).P) > kSureStd))
@@ -367,15 +369,17 @@ TrajectoryEstimation::Impl::Position TrajectoryEstimation::Impl::moved(const Pos
 // Beside the latest keyframe: where it is thought to be, or elsewhere if the two views say so.
 TrajectoryEstimation::Impl::Position
 TrajectoryEstimation::Impl::place(const std::shared_ptr<const View>& view, const Position& thought) const {
-  PoseWithCovariance prior;
-  prior.P = stepCovariance(mounting(), true);
+  PoseWithCovariance prior{Eigen::Isometry3d::Identity(), stepCovariance(mounting(), true)};
   if (thought.known) prior.T = thought.T;
+  if (thought.known && !thought.guessed) prior.P = withSharedErrors(thought.by_motion.P);
   Position out = thought;
   std::optional<PlacedView> placed = placing.place(*view, *nodes[current].view, prior, true);
   out.follows = false;
   if (!placed || placed->agreement < params.min_agreement || placed->overlap < kLeastOverlap) return out;
   out.follows = thought.known && isNear(placed->T_a_b, thought.T, kSamePosition, kSameRotationDeg);
-  if (!out.follows && !out.guessed) out.by_motion = {placed->T_a_b, guessedStep().P};
+  const PoseWithCovariance seen = measured(*placed);
+  if (!out.guessed && mahalanobis(seen, out.by_motion.T, withSharedErrors(out.by_motion.P)) > kFarEllipsoid)
+    out.by_motion = {placed->T_a_b, guessedStep().P};
   out.T = placed->T_a_b;
   out.placed = std::move(placed);
   out.known = true;
@@ -385,7 +389,7 @@ TrajectoryEstimation::Impl::place(const std::shared_ptr<const View>& view, const
 // The latest image becomes one.
 void TrajectoryEstimation::Impl::takeKeyframe(const std::shared_ptr<const View>& view, const Position& at) {
   const int a = current, b = static_cast<int>(nodes.size());
-  fprintf(stderr,"NEW %d known %d\n",b,at.known);
+  fprintf(stderr, "NEW %d known %d\n", b, at.known);
   nodes.push_back({images.size() - 1, view, a, {}});
   if (at.known) {
     nodes.back().T_before = at.T;

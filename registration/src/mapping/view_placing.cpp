@@ -16,6 +16,8 @@ namespace {
 constexpr int kFewestPixels = 60;      // that must be compared before their agreement says anything
 constexpr std::size_t kMostFound = 4;  // places of a search that are refined
 constexpr double kLooseRotation = 3 * kDegree, kLooseTranslation = 0.1;  // about a start [rad, m]
+constexpr double kMostDoubt =
+    11;                          // that a prior can raise: beyond its 99.9 % ellipsoid it may be wrong [nats]
 constexpr double kPerPixel = 1;  // that a compared pixel is worth, so that none is lost [nats]
 
 ViewAlignmentParams alignmentParams() {
@@ -77,7 +79,8 @@ std::optional<PlacedView> ViewPlacing::place(const View& view, const View& other
     const DepthAgreement seen = comparison_.compareBoth(view.depth, other.depth, T.T, kFineColumns);
     if (seen.judged() < kFewestPixels) continue;
     const Vector6d off = perturbation(prior.T, T.T);
-    const double score = seen.likelihood + kPerPixel * seen.judged() - 0.5 * off.dot(prior_factor.solve(off));
+    const double score = seen.likelihood + kPerPixel * seen.judged() -
+                         std::min(kMostDoubt, 0.5 * off.dot(prior_factor.solve(off)));
     if (!(score > most)) continue;
     most = score;
     const double both = 2.0 * gridPoints(view.depth.camera.width, gridStep(view.depth, kFineColumns)) *
