@@ -361,6 +361,7 @@ void moveWorld(const Eigen::Isometry3d& T_new_old, std::vector<RunResults>& runs
   turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = T_new_old.linear();
   for (RunResults& run : runs) {
     for (ResultRow& row : run.rows) {
+      if (!row.part.empty()) continue;
       if (row.T_w_c) row.T_w_c = T_new_old * *row.T_w_c;
       if (row.P_w_c) row.P_w_c = turn * *row.P_w_c * turn.transpose();
     }

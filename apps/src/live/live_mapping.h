@@ -57,6 +57,8 @@ public:
 
   /** \brief The next image, and its name. Throws what went wrong in the background. */
   LiveMapState update(const View& view, const std::string& name, double stamp);
+  /** \brief The next image may show any other place. */
+  void interrupt() { trajectory_.interrupt(); }
   /** \brief Writes what is not written yet, with the best poses; the file is whole then. A map without local
    * models is removed. Throws IoError. */
   void finish();

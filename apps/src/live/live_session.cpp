@@ -124,6 +124,7 @@ void LiveSession::process(const LatestFrame<LiveFrame>::Arrived& arrived) {
     result->trail = trail_;
   }
   if (options_.mapping) {
+    if (relocalize_.exchange(false)) options_.mapping->interrupt();
     const Clock::time_point begin = Clock::now();
     result->mapped = options_.mapping->update(result->image.view, result->image.name, result->stamp);
     result->localize_ms = millisecondsSince(begin);

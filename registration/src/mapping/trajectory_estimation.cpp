@@ -173,6 +173,7 @@ struct TrajectoryEstimation::Impl {
   PoseWithCovariance guessedStep() const;
   Position moved(const Position& from, const Motion& step) const;
   Position place(const std::shared_ptr<const View>& view, const Position& thought) const;
+  bool beginAgain(const std::shared_ptr<const View>& view, double stamp);
   bool hang(const std::shared_ptr<const View>& view, const Position& at);
   bool hangFromKnown(const View& view, const Position& at);
   void hangFrom(int keyframe, const PoseWithCovariance& T_k_c);
@@ -196,7 +197,7 @@ struct TrajectoryEstimation::Impl {
   ViewOdometry odometry;
   ViewPlacing placing;
   int threads = 1;
-  bool endless = false;
+  bool endless = false, interrupted = false;
   std::vector<Image> images;
   std::vector<Node> nodes;
   std::vector<KeyframeMotion> chain, relations;
@@ -249,6 +250,7 @@ bool TrajectoryEstimation::Impl::add(View&& moved_view, double stamp,
     begin(view);
     return true;
   }
+  if (std::exchange(interrupted, false)) return beginAgain(view, stamp);
   const bool is_sparse = dt > kLongStep;
   const Motion step = given                      ? Motion{withDrift(*given), *given, true, false}
                       : is_sparse || seen.broken ? Motion{guessedStep(), seen.T_a_b.T, !seen.broken, true}
@@ -314,9 +316,6 @@ bool TrajectoryEstimation::Impl::hangFromKnown(const View& view, const Position&
     PoseWithCovariance prior{Eigen::Isometry3d::Identity(), step};
     if (at.known) prior.T = T_w_k[k].T.inverse() * T_w_c;
     const auto placed = placing.place(view, *nodes[k].view, prior, !at.known);
-    fprintf(stderr, "known %d k %d of %zu cand %zu placed %d agree %.3f overlap %.3f std %.3f\n", at.known, k,
-            nodes.size(), around.size(), bool(placed), placed ? placed->agreement : 0,
-            placed ? placed->overlap : 0, placed ? largestTranslationStd(measured(*placed).P) : 0);
     if (!placed || placed->agreement < (at.known ? kClearAgreement : kSureAgreement) ||
         placed->overlap < (at.known ? kLoopOverlap : kSureOverlap) ||
         (!at.known && largestTranslationStd(measured(*placed).P) > kSureStd))
@@ -330,6 +329,18 @@ bool TrajectoryEstimation::Impl::hangFromKnown(const View& view, const Position&
   const int k = around.front();
   hangFrom(k, {T_w_k[k].T.inverse() * T_w_c, guessedStep().P});
   return true;
+}
+
+// Of a camera that may be anywhere.
+bool TrajectoryEstimation::Impl::beginAgain(const std::shared_ptr<const View>& view, double stamp) {
+  odometry.reset();
+  odometry.add(*view, 0);
+  if (endless && nodes.back().image + 1 < images.size()) images.pop_back();
+  images.push_back({stamp, current, Eigen::Isometry3d::Identity()});
+  latest = view;
+  Position nowhere;
+  nowhere.known = false;
+  return hang(view, nowhere);
 }
 
 // The latest image becomes a keyframe or, of an endless trajectory, hangs from one that is there.
@@ -389,7 +400,6 @@ TrajectoryEstimation::Impl::place(const std::shared_ptr<const View>& view, const
 // The latest image becomes one.
 void TrajectoryEstimation::Impl::takeKeyframe(const std::shared_ptr<const View>& view, const Position& at) {
   const int a = current, b = static_cast<int>(nodes.size());
-  fprintf(stderr, "NEW %d known %d\n", b, at.known);
   nodes.push_back({images.size() - 1, view, a, {}});
   if (at.known) {
     nodes.back().T_before = at.T;
@@ -636,6 +646,7 @@ TrajectoryEstimation& TrajectoryEstimation::operator=(TrajectoryEstimation&&) no
 TrajectoryEstimation::~TrajectoryEstimation() = default;
 
 void TrajectoryEstimation::setNumberOfThreads(int n) { impl_->threads = n; }
+void TrajectoryEstimation::interrupt() { impl_->interrupted = impl_->images.size() > 0; }
 void TrajectoryEstimation::setEndless(bool endless) { impl_->endless = endless; }
 
 bool TrajectoryEstimation::add(View view, double stamp, const std::optional<Eigen::Isometry3d>& motion) {

@@ -82,6 +82,9 @@ public:
   bool add(View view, double stamp, const std::optional<Eigen::Isometry3d>& motion = {});
   /** \brief Where the latest image is, as known so far. */
   PoseWithCovariance latest() const;
+  /** \brief The next image may show any other place: a recording begins again, somebody carries the camera.
+   */
+  void interrupt();
   int keyframes() const;
   /** \brief Number of the keyframe that the latest image hangs from. */
   int latestKeyframe() const;
