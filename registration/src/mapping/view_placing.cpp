@@ -17,8 +17,10 @@ constexpr int kFewestPixels = 60;      // that must be compared before their agr
 constexpr std::size_t kMostFound = 4;  // places of a search that are refined
 constexpr double kLooseRotation = 3 * kDegree, kLooseTranslation = 0.1;  // about a start [rad, m]
 constexpr double kMostDoubt =
-    11;                          // that a prior can raise: beyond its 99.9 % ellipsoid it may be wrong [nats]
-constexpr double kPerPixel = 1;  // that a compared pixel is worth, so that none is lost [nats]
+    11;  // that a prior can raise: beyond its 99.9 % ellipsoid it may be wrong [nats]
+constexpr double kIndependentPixels = 240;  // that the pixels of two views are worth
+constexpr double kShift = 0.15;             // along what is known least [m]
+constexpr double kLeastShare = 0.6;         // of the pixels that the place with most compares
 
 ViewAlignmentParams alignmentParams() {
   const PoseTrackingParams tracking;
@@ -70,25 +72,49 @@ std::optional<PlacedView> ViewPlacing::place(const View& view, const View& other
   const Matrix6d about_start = loose.cwiseAbs2().asDiagonal();
   const Eigen::LDLT<Matrix6d> prior_factor(prior.P);
 
-  std::optional<PlacedView> best;
-  double most = -std::numeric_limits<double>::infinity();
-  for (const Eigen::Isometry3d& start : starts(view, other, prior, search)) {
+  struct Place {
+    PlacedView view;
+    int judged;
+    double score;
+  };
+  std::vector<Place> places;
+  int most_judged = 0;
+  const auto tryFrom = [&](const Eigen::Isometry3d& start) {
     PoseWithCovariance T{start, about_start};
     T.T = alignView(view, surroundings, T, alignment_).T_w_c.T;
     T = alignView(view, surroundings, {T.T, about_start}, alignment_).T_w_c;  // with the pairs of its end
     const DepthAgreement seen = comparison_.compareBoth(view.depth, other.depth, T.T, kFineColumns);
-    if (seen.judged() < kFewestPixels) continue;
+    if (seen.judged() < kFewestPixels) return;
     const Vector6d off = perturbation(prior.T, T.T);
-    const double score = seen.likelihood + kPerPixel * seen.judged() -
+    const double score = kIndependentPixels * seen.likelihood / seen.judged() -
                          std::min(kMostDoubt, 0.5 * off.dot(prior_factor.solve(off)));
-    if (!(score > most)) continue;
-    most = score;
     const double both = 2.0 * gridPoints(view.depth.camera.width, gridStep(view.depth, kFineColumns)) *
                         gridPoints(view.depth.camera.height, gridStep(view.depth, kFineColumns));
     const double compared = seen.agree + seen.contradict;
-    best = PlacedView{T.T, added(T.P, about_start), seen.agree / std::max(1.0, compared), compared / both};
+    places.push_back({{T.T, added(T.P, about_start), seen.agree / std::max(1.0, compared), compared / both},
+                      seen.judged(),
+                      score});
+    most_judged = std::max(most_judged, seen.judged());
+  };
+  // Where little of the views is compared, little can be wrong.
+  const auto best = [&]() -> std::optional<PlacedView> {
+    const Place* of_all = nullptr;
+    for (const Place& place : places)
+      if (place.judged >= kLeastShare * most_judged && (!of_all || place.score > of_all->score))
+        of_all = &place;
+    return of_all ? std::optional(of_all->view) : std::nullopt;
+  };
+  for (const Eigen::Isometry3d& start : starts(view, other, prior, search)) tryFrom(start);
+  if (const auto found = best(); search && found) {
+    // Few planes may leave a way free, along which pixels see no farther than an edge is wide.
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eig(found->information.bottomRightCorner<3, 3>());
+    for (const double shift : {-2, -1, 1, 2}) {
+      Eigen::Isometry3d start = found->T_a_b;
+      start.translation() += shift * kShift * eig.eigenvectors().col(0);
+      tryFrom(start);
+    }
   }
-  return best;
+  return best();
 }
 
 }  // namespace facetloc::internal
