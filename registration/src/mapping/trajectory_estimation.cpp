@@ -600,10 +600,10 @@ void TrajectoryEstimation::Impl::improve(const std::function<void(double)>& prog
     const std::vector<KeyframeMotion> ties = tieParts(known, first);
     found.insert(found.end(), ties.begin(), ties.end());
     for (const KeyframeMotion& m : relations)  // those of earlier keyframes; ties of parts that are one now
-      if (m.to < first ||
-          (std::none_of(found.begin(), found.end(),
-                        [&](const KeyframeMotion& f) { return f.from == m.from && f.to == m.to; }) &&
-           m.source == Source::loop))
+      if (m.to < first || ((m.source == Source::loop || m.from == nodes[m.to].before) &&
+                           std::none_of(found.begin(), found.end(), [&](const KeyframeMotion& f) {
+                             return f.from == m.from && f.to == m.to;
+                           })))
         found.push_back(m);
     const std::vector<PoseWithCovariance> before = T_w_k;
     optimize(std::move(found));

@@ -19,7 +19,7 @@ constexpr double kLooseRotation = 3 * kDegree, kLooseTranslation = 0.1;  // abou
 constexpr double kMostDoubt =
     11;  // that a prior can raise: beyond its 99.9 % ellipsoid it may be wrong [nats]
 constexpr double kIndependentPixels = 240;  // that the pixels of two views are worth
-constexpr double kShift = 0.15;             // along what is known least [m]
+constexpr double kTellingDrop = 2;          // of what pixels say, beside the place that they like best [nats]
 constexpr double kLeastShare = 0.6;         // of the pixels that the place with most compares
 
 ViewAlignmentParams alignmentParams() {
@@ -45,6 +45,15 @@ Matrix6d added(const Matrix6d& posterior, const Matrix6d& prior) {
                             .select(eig.eigenvalues(), Vector6d::Zero());
   return scale.asDiagonal() * eig.eigenvectors() * kept.asDiagonal() * eig.eigenvectors().transpose() *
          scale.asDiagonal();
+}
+
+// Along what is known least, so far that the camera moves by some pixels.
+Vector6d freeStep(Matrix6d information) {
+  constexpr double kStep = 0.15, kLeastPart = 0.1;  // [m], and of a direction that is a translation
+  information.diagonal().array() += 1;
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eig(information);
+  const Vector6d free = eig.eigenvectors().col(0);
+  return kStep / std::max(kLeastPart, free.tail<3>().norm()) * free;
 }
 
 }  // namespace
@@ -77,24 +86,28 @@ std::optional<PlacedView> ViewPlacing::place(const View& view, const View& other
     int judged;
     double score;
   };
+  const double both = 2.0 * gridPoints(view.depth.camera.width, gridStep(view.depth, kFineColumns)) *
+                      gridPoints(view.depth.camera.height, gridStep(view.depth, kFineColumns));
+  const auto judgedAt = [&](const Eigen::Isometry3d& T) -> std::optional<Place> {
+    const DepthAgreement seen = comparison_.compareBoth(view.depth, other.depth, T, kFineColumns);
+    if (seen.judged() < kFewestPixels) return {};
+    const double compared = seen.agree + seen.contradict;
+    PlacedView placed{T, Matrix6d::Zero(), seen.agree / std::max(1.0, compared), compared / both};
+    return Place{placed, seen.judged(), kIndependentPixels * seen.likelihood / seen.judged()};
+  };
   std::vector<Place> places;
   int most_judged = 0;
-  const auto tryFrom = [&](const Eigen::Isometry3d& start) {
-    PoseWithCovariance T{start, about_start};
+  const auto tryFrom = [&](const Eigen::Isometry3d& start, const Matrix6d& about) {
+    PoseWithCovariance T{start, about};
     T.T = alignView(view, surroundings, T, alignment_).T_w_c.T;
     T = alignView(view, surroundings, {T.T, about_start}, alignment_).T_w_c;  // with the pairs of its end
-    const DepthAgreement seen = comparison_.compareBoth(view.depth, other.depth, T.T, kFineColumns);
-    if (seen.judged() < kFewestPixels) return;
+    auto place = judgedAt(T.T);
+    if (!place) return;
+    place->view.information = added(T.P, about_start);
     const Vector6d off = perturbation(prior.T, T.T);
-    const double score = kIndependentPixels * seen.likelihood / seen.judged() -
-                         std::min(kMostDoubt, 0.5 * off.dot(prior_factor.solve(off)));
-    const double both = 2.0 * gridPoints(view.depth.camera.width, gridStep(view.depth, kFineColumns)) *
-                        gridPoints(view.depth.camera.height, gridStep(view.depth, kFineColumns));
-    const double compared = seen.agree + seen.contradict;
-    places.push_back({{T.T, added(T.P, about_start), seen.agree / std::max(1.0, compared), compared / both},
-                      seen.judged(),
-                      score});
-    most_judged = std::max(most_judged, seen.judged());
+    place->score -= std::min(kMostDoubt, 0.5 * off.dot(prior_factor.solve(off)));
+    places.push_back(*place);
+    most_judged = std::max(most_judged, place->judged);
   };
   // Where little of the views is compared, little can be wrong.
   const auto best = [&]() -> std::optional<PlacedView> {
@@ -104,17 +117,25 @@ std::optional<PlacedView> ViewPlacing::place(const View& view, const View& other
         of_all = &place;
     return of_all ? std::optional(of_all->view) : std::nullopt;
   };
-  for (const Eigen::Isometry3d& start : starts(view, other, prior, search)) tryFrom(start);
-  if (const auto found = best(); search && found) {
-    // Few planes may leave a way free, along which pixels see no farther than an edge is wide.
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eig(found->information.bottomRightCorner<3, 3>());
-    for (const double shift : {-2, -1, 1, 2}) {
-      Eigen::Isometry3d start = found->T_a_b;
-      start.translation() += shift * kShift * eig.eigenvectors().col(0);
-      tryFrom(start);
-    }
+  if (search) tryFrom(prior.T, prior.P);
+  for (const Eigen::Isometry3d& start : starts(view, other, prior, search)) tryFrom(start, about_start);
+  std::optional<PlacedView> found = best();
+  if (!found) return found;
+  // Few planes may leave a way free, along which pixels see no farther than an edge is wide.
+  if (search) {
+    const Vector6d step = freeStep(found->information);
+    for (const double shift : {-2, -1, 1, 2}) tryFrom(perturbed(found->T_a_b, shift * step), about_start);
+    found = best();
   }
-  return best();
+  const Vector6d step = freeStep(found->information);
+  const auto here = judgedAt(found->T_a_b), there = judgedAt(perturbed(found->T_a_b, step)),
+             back = judgedAt(perturbed(found->T_a_b, -step));
+  if (here && there && back) {
+    const double drop = here->score - std::max(there->score, back->score);
+    const double squared = step.squaredNorm();
+    if (drop > kTellingDrop) found->information += 2 * drop / (squared * squared) * step * step.transpose();
+  }
+  return found;
 }
 
 }  // namespace facetloc::internal
