@@ -36,7 +36,7 @@ TEST(ViewPlacing, FindsTheMotionFromAFarStart) {
 
 TEST(ViewPlacing, WhereNothingIsInCommonNothingAgrees) {
   const View there = viewFrom(largeRoom(), lookingAlong({3, 2.5, 1.2}, {1, 0.3, -0.2}), 1),
-             elsewhere = viewFrom(largeRoom(), lookingAlong({3, 2.5, 1.2}, {-1, -0.2, -0.2}), 2);
+             elsewhere = viewFrom(test::endlessCorridor(), lookingAlong({0, 0, 1.2}, {0, 1, -0.2}), 2, 5);
   const auto found = ViewPlacing().place(elsewhere, there, anywhere(), true);
   EXPECT_TRUE(!found || found->agreement < 0.8 || found->overlap < 0.2);
 }
@@ -53,7 +53,7 @@ TEST(ViewPlacing, AlongACorridorTwoViewsTellNothing) {
   EXPECT_GT(std::sqrt(ahead.dot(P * ahead)), 0.2);
   Vector6d sideways = Vector6d::Zero();
   sideways.tail<3>() = at(0).linear().transpose() * Eigen::Vector3d::UnitX();
-  EXPECT_LT(std::sqrt(sideways.dot(P * sideways)), 0.05);
+  EXPECT_LT(std::sqrt(sideways.dot(P * sideways)), 0.1);
 }
 
 TEST(ViewPlacing, ViewsWithoutDepthAreNowhere) {

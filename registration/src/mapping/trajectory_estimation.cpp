@@ -259,7 +259,7 @@ bool TrajectoryEstimation::Impl::add(View&& moved_view, double stamp,
   Position at = moved(since, step);
   if (shows_anything && (is_sparse || seen.broken || seen.agreement < kClearAgreement)) {
     at = place(view, at);
-    if (!at.placed && latest != nodes[current].view) {
+    if (!at.placed && latest && latest != nodes[current].view) {
       hang(latest, since);
       at = place(view, moved(since, step));
     }
@@ -269,7 +269,7 @@ bool TrajectoryEstimation::Impl::add(View&& moved_view, double stamp,
     }
   }
   since = std::move(at);
-  latest = view;
+  latest = shows_anything ? view : nullptr;
   if (endless && nodes.back().image + 1 < images.size()) images.pop_back();
   images.push_back({stamp, current, since.T});
   const double way = is_sparse ? kSparse : params.odometry.key_distance,
