@@ -224,7 +224,7 @@ void LivePicture::Scene::setMap(std::shared_ptr<const Map> map) {
   }
   plan_.reset();
   if (!map_) return;
-  plan_ = std::make_unique<LivePlan>(*map_);
+  plan_ = std::make_unique<LivePlan>(map_);
   if (plan_->empty()) {
     plan_.reset();
     return;
