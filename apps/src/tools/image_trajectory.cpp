@@ -35,10 +35,9 @@ std::string inWords(const CameraTrajectory& trajectory) {
 }
 
 void ImageTrajectory::addOptions(CommandLine& line) {
-  line.addOption(
-      "odometry", odometry_, "FILE",
-      "Poses that drift, such as those of wheels, in the TUM format, of the camera, or of the robot "
-      "if camera.ini says how the camera is mounted: they help to find the trajectory.");
+  line.addOption("odometry", odometry_, "FILE",
+                 "Poses that drift, as of wheels (TUM): of the camera, or of its robot if camera.ini says "
+                 "how the camera is mounted.");
   line.addParams(params_, "mapping");
 }
 

@@ -10,6 +10,7 @@
 #include "tools/provenance.h"
 #include "tools/text.h"
 
+#include <facetloc/features/map_parts.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/output_lock.h>
@@ -239,9 +240,7 @@ int MapExtendApp::execute(const CommandLine& line, const Console& console) {
     throw IoError(output_, "exists already; give --overwrite to replace it");
   const auto map = std::make_shared<const Map>(readMap(map_));
   noteUnfinished(*map, map_, console);
-  if (std::none_of(map->models.begin(), map->models.end(),
-                   [](const LocalModel& m) { return m.T_w_m.has_value(); }))
-    throw IoError(map_, "cannot be extended: no local model has a pose");
+  if (!hasGivenPose(*map)) throw IoError(map_, "cannot be extended: no local model has a pose");
   const DepthSequence sequence = openSequence(sequence_, console);
   const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
   noteDifference(camera, *map, console);

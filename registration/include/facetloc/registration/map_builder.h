@@ -16,14 +16,13 @@ struct MapBuilderParams {
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
-    visit("distance", p.distance, 0.0, 1e3,
-          "Distance from the latest local model at which an image becomes one [m].");
+    visit("distance", p.distance, 0.0, 1e3, "Way from the latest local model to the next one [m].");
     visit("rotation_deg", p.rotation_deg, 0.0, 180.0,
-          "Rotation from the latest local model at which an image becomes one [deg].");
+          "Turn from the latest local model to the next one [deg].");
     visit("pose_rotation_std_deg", p.pose_rotation_std_deg, 1e-6, 180.0,
-          "Accuracy of the orientation of the given poses, standard deviation [deg].");
+          "Accuracy of given orientations, standard deviation [deg].");
     visit("pose_translation_std", p.pose_translation_std, 1e-6, 1e3,
-          "Accuracy of the position of the given poses, standard deviation [m].");
+          "Accuracy of given positions, standard deviation [m].");
   }
   void validate() const { checkRanges(*this); }
 };
