@@ -42,7 +42,7 @@ struct TrajectoryErrors {
   std::vector<PosePair> pairs;       ///< in the order of their stamps, the estimated poses aligned
   std::vector<double> way;           ///< true way up to each pair [m]
   std::vector<double> translation;   ///< absolute error of each pair after alignment [m]
-  std::vector<double> rotation_deg;  ///< the same of the orientation
+  std::vector<double> rotation_deg;  ///< error of the orientation at each stamp
   Alignment alignment;               ///< of all pairs
   std::size_t without_truth = 0;     ///< estimated poses
   ErrorMoments absolute;             ///< of the positions [m]; its rmse is the absolute trajectory error

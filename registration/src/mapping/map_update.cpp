@@ -22,11 +22,11 @@ constexpr std::size_t kMostLooks = 16;                  // nearest images that o
 constexpr double kOtherPlace = 0.1, kOtherTurnDeg = 5;  // of two images that count as two looks [m]
 constexpr double kLoose = 0.1, kLooseRotation = 2 * kDegree;  // errors of an image's place in the map [m]
 constexpr double kTrustedAgreement = 0.6;  // of an image with the map around it, below which it is misplaced
-constexpr double kConvincingAgreement = 0.92;  // the same of an image whose place nothing else confirms
+constexpr double kConvincingAgreement = 0.92;  // of an image whose place nothing else confirms
 constexpr int kFewestPixels = 60;              // that two views must have in common
 
-/** Aligned images are off by their noise, and pixels of one surface err alike: what many of them say together
- * may be told at a narrower gate than that of a single place. */
+/** Aligned images are off by their noise, and pixels of one surface err alike: many of them together tell
+ * smaller differences than one does. */
 DepthConsistencyParams narrowComparison() {
   DepthConsistencyParams params;
   params.absolute_error /= 2;

@@ -16,8 +16,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
-#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -35,7 +33,7 @@ constexpr double kSamePosition = 0.05, kSameRotationDeg = 2;  // of an odometry 
 constexpr double kSparse = 0.02, kSparseTurnDeg = 1;          // of a camera that has moved between images [m]
 constexpr double kClearAgreement = 0.9;                       // of an image with the keyframes before it
 constexpr double kLeastOverlap = 0.2;  // share of the pixels of two keyframes that they have in common
-constexpr double kLoopOverlap = 0.3;   // the same of a loop that nothing but itself speaks for
+constexpr double kLoopOverlap = 0.3;   // share that an uncertain loop must have in common
 constexpr double kUnknown = 100;       // standard deviation of what two views do not tell [m, rad]
 constexpr double kSharedRotation = 0.05 * kDegree, kSharedTranslation = 0.003;  // errors of any two views
 constexpr double kTrustedRotation = 5 * kDegree;

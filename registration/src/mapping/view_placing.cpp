@@ -8,7 +8,6 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
-#include <limits>
 
 namespace facetloc::internal {
 namespace {
