@@ -13,6 +13,8 @@
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/depth_sequence.h>
+#include <facetloc/registration/trajectory_estimation.h>
+#include <facetloc/segmentation/view_builder.h>
 
 #include <algorithm>
 #include <chrono>
@@ -48,6 +50,29 @@ Found byGicp(const DepthSequence& sequence, const GicpOdometryParams& params) {
   const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
   found.ms_per_image = time.count() / static_cast<double>(std::max<std::size_t>(1, found.poses.size()));
   found.breaks = odometry.breaks();
+  return found;
+}
+
+Found byPlanes(const DepthSequence& sequence, const MappingParams& params, bool with_mounting, int threads) {
+  Camera camera;
+  if (sequence.camera()) camera = sequence.camera()->camera;
+  if (!with_mounting) camera.mounting.reset();
+  ViewBuilder builder(camera);
+  TrajectoryEstimation estimation(params);
+  estimation.setNumberOfThreads(threads);
+  const auto start = std::chrono::steady_clock::now();
+  for (std::size_t i = 0; i < sequence.frames().size(); ++i)
+    estimation.add(builder.build(sequence.load(i, kWorkingWidth)), sequence.frames()[i].stamp);
+  estimation.improve();
+  const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
+  const CameraTrajectory trajectory = estimation.trajectory();
+  const std::vector<int> parts = trajectory.parts();
+  Found found;
+  for (const TrajectoryPose& pose : trajectory.images)
+    if (trajectory.keyframes[pose.keyframe].part == parts.front())
+      found.poses.push_back({pose.stamp, pose.T_w_c});
+  found.breaks = static_cast<int>(parts.size()) - 1;
+  found.ms_per_image = time.count() / static_cast<double>(std::max<std::size_t>(1, trajectory.images.size()));
   return found;
 }
 
@@ -87,6 +112,9 @@ private:
   void addOptions(CommandLine& line) override {
     line.addArguments("RECORDING", recordings_);
     line.addOption("output,o", folder_, "DIR", "Write the trajectories here.");
+    line.addSwitch("without-mounting", without_mounting_, "Take every camera for one in the hand.");
+    line.addSwitch("without-gicp", without_gicp_, "Leave out the yardstick.");
+    line.addParams(mapping_, "mapping");
     line.addParams(gicp_, "gicp", CommandLine::Shown::in_help);
   }
 
@@ -95,17 +123,25 @@ private:
     printHeader();
     for (const std::string& name : recordings_) {
       const DepthSequence sequence = DepthSequence::open(name);
-      const Found found = byGicp(sequence, gicp_);
-      print(name, found, trajectoryErrors(Trajectory(found.poses), sequence.groundTruth(), kPoseTolerance));
-      if (!folder_.empty())
-        writeTumTrajectory(fs::path(folder_) / (fileNameOf(name) + "_gicp.txt"), found.poses);
+      judge(name, "planes", byPlanes(sequence, mapping_, !without_mounting_, threads()), sequence);
+      if (!without_gicp_) judge(name, "gicp", byGicp(sequence, gicp_), sequence);
     }
     if (!folder_.empty()) console.out << "trajectories in " << folder_ << "\n";
     return kOk;
   }
 
+  void judge(const std::string& name, const std::string& method, const Found& found,
+             const DepthSequence& sequence) const {
+    print(name + " " + method, found,
+          trajectoryErrors(Trajectory(found.poses), sequence.groundTruth(), kPoseTolerance));
+    if (!folder_.empty())
+      writeTumTrajectory(fs::path(folder_) / (fileNameOf(name) + "_" + method + ".txt"), found.poses);
+  }
+
   std::vector<std::string> recordings_;
   std::string folder_;
+  bool without_mounting_ = false, without_gicp_ = false;
+  MappingParams mapping_;
   GicpOdometryParams gicp_;
 };
 

@@ -1,58 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/mapped_places.h"
 
+#include <facetloc/registration/trajectory_links.h>
+
 #include <algorithm>
 #include <map>
-#include <queue>
 
 namespace facetloc {
 namespace {
 
 constexpr double kNearDistance = 0.35, kNearRotationDeg = 10;  // of a place that is there already [m]
-constexpr double kOwnRotation = 0.2 * kDegree, kOwnTranslation = 0.01;  // of an image beside its keyframe [m]
 
 Eigen::Isometry3d poseOf(const MappedPlace& place, const TrajectoryEstimation& trajectory) {
   return trajectory.pose(place.keyframe).T * place.T_k_m;
 }
-
-/** The motions of a trajectory, to go from one keyframe to another by as few of them as possible. */
-class Motions {
-public:
-  explicit Motions(const CameraTrajectory& trajectory)
-      : trajectory_(trajectory), of_(trajectory.keyframes.size()) {
-    for (std::size_t i = 0; i < trajectory.motions.size(); ++i) {
-      const KeyframeMotion& m = trajectory.motions[i];
-      of_[static_cast<std::size_t>(m.from)].push_back(i);
-      of_[static_cast<std::size_t>(m.to)].push_back(i);
-    }
-  }
-
-  /** T_a_b with what its motions know of it; nothing if none lead there. */
-  std::optional<PoseWithCovariance> between(int a, int b) const {
-    std::map<int, PoseWithCovariance> reached = {{a, {}}};
-    std::queue<int> open;
-    open.push(a);
-    while (!open.empty() && !reached.count(b)) {
-      const int here = open.front();
-      open.pop();
-      for (const std::size_t i : of_[static_cast<std::size_t>(here)]) {
-        const KeyframeMotion& m = trajectory_.motions[i];
-        const bool forward = m.from == here;
-        const int there = forward ? m.to : m.from;
-        if (reached.count(there)) continue;
-        reached[there] = reached[here] * (forward ? m.T_from_to : inverse(m.T_from_to));
-        open.push(there);
-      }
-    }
-    const auto found = reached.find(b);
-    if (found == reached.end()) return {};
-    return found->second;
-  }
-
-private:
-  const CameraTrajectory& trajectory_;
-  std::vector<std::vector<std::size_t>> of_;
-};
 
 }  // namespace
 
@@ -106,22 +67,9 @@ std::vector<Link> MappedPlaces::links(const CameraTrajectory& trajectory) const 
     if (a != place_of.end() && b != place_of.end()) pairs.insert(std::minmax(a->second, b->second));
   }
 
-  const Motions motions(trajectory);
-  Vector6d own;
-  own << Eigen::Vector3d::Constant(kOwnRotation), Eigen::Vector3d::Constant(kOwnTranslation);
-  std::vector<Link> links;
-  for (const auto& [from, to] : pairs) {
-    const MappedPlace &a = places_[from], &b = places_[to];
-    const auto way = motions.between(a.keyframe, b.keyframe);
-    if (!way) continue;
-    const Eigen::Isometry3d T_a_b =
-        trajectory.keyframes[a.keyframe].T_w_c.T.inverse() * trajectory.keyframes[b.keyframe].T_w_c.T;
-    const Eigen::Isometry3d T_from_k = a.T_k_m.inverse();
-    PoseWithCovariance T = T_from_k * *way * PoseWithCovariance{b.T_k_m, own.cwiseAbs2().asDiagonal()};
-    T.T = T_from_k * T_a_b * b.T_k_m;
-    links.push_back({from, to, T});
-  }
-  return links;
+  std::vector<PlaceOnTrajectory> places;
+  for (const MappedPlace& place : places_) places.push_back({place.keyframe, place.T_k_m});
+  return linksBetween(trajectory, places, pairs);
 }
 
 }  // namespace facetloc

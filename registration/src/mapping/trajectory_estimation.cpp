@@ -102,6 +102,24 @@ std::vector<int> inOrder(std::vector<std::pair<double, int>> by_distance) {
 
 using Comparisons = std::map<std::pair<int, int>, Comparison>;
 
+// Puts parts that have been tied where their first ties say, so that the optimization begins near its end.
+void alignParts(const std::vector<KeyframeMotion>& all, std::vector<PoseWithCovariance>& T_w_k,
+                std::vector<int>& part) {
+  for (const KeyframeMotion& m : all) {
+    if (part[m.from] == part[m.to]) continue;
+    const bool forward = part[m.from] < part[m.to];  // the later part moves
+    const int moved = forward ? part[m.to] : part[m.from], kept = forward ? part[m.from] : part[m.to];
+    const Eigen::Isometry3d T_w_moved =
+        forward ? T_w_k[m.from].T * m.T_from_to.T * T_w_k[m.to].T.inverse()
+                : T_w_k[m.to].T * m.T_from_to.T.inverse() * T_w_k[m.from].T.inverse();
+    for (std::size_t i = 0; i < part.size(); ++i)
+      if (part[i] == moved) {
+        T_w_k[i].T = T_w_moved * T_w_k[i].T;
+        part[i] = kept;
+      }
+  }
+}
+
 }  // namespace
 
 std::vector<int> CameraTrajectory::parts() const {
@@ -129,15 +147,7 @@ double CameraTrajectory::length() const {
 struct TrajectoryEstimation::Impl {
   explicit Impl(const MappingParams& the_params)
       : params(checked(the_params)),
-        odometry(params.odometry, odometryAlignment(), DepthComparison(DepthConsistencyParams{})) {}
-
-  static ViewAlignmentParams odometryAlignment() {
-    const PoseTrackingParams tracking;
-    ViewAlignmentParams p;
-    p.dense.correlated_pixels = tracking.correlated_pixels;
-    p.dense.significance = tracking.significance;
-    return p;
-  }
+        odometry(params.odometry, alignmentWithCovariance(), DepthComparison(DepthConsistencyParams{})) {}
 
   struct Image {
     double stamp;
@@ -544,24 +554,6 @@ bool TrajectoryEstimation::Impl::agrees(const KeyframeMotion& m) const {
   const DepthAgreement seen =
       comparison.compareBoth(nodes[m.to].view->depth, nodes[m.from].view->depth, T, kFineColumns);
   return seen.agree >= params.min_agreement * (seen.agree + seen.contradict);
-}
-
-// Puts parts that have been tied where their first ties say, so that the optimization begins near its end.
-void alignParts(const std::vector<KeyframeMotion>& all, std::vector<PoseWithCovariance>& T_w_k,
-                std::vector<int>& part) {
-  for (const KeyframeMotion& m : all) {
-    if (part[m.from] == part[m.to]) continue;
-    const bool forward = part[m.from] < part[m.to];  // the later part moves
-    const int moved = forward ? part[m.to] : part[m.from], kept = forward ? part[m.from] : part[m.to];
-    const Eigen::Isometry3d T_w_moved =
-        forward ? T_w_k[m.from].T * m.T_from_to.T * T_w_k[m.to].T.inverse()
-                : T_w_k[m.to].T * m.T_from_to.T.inverse() * T_w_k[m.from].T.inverse();
-    for (std::size_t i = 0; i < part.size(); ++i)
-      if (part[i] == moved) {
-        T_w_k[i].T = T_w_moved * T_w_k[i].T;
-        part[i] = kept;
-      }
-  }
 }
 
 void TrajectoryEstimation::Impl::optimize(std::vector<KeyframeMotion> found) {

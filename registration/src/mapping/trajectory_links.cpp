@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -49,38 +49,48 @@ std::vector<Link> trajectoryLinks(const CameraTrajectory& trajectory,
   const auto partOf = [&](int model) {
     return trajectory.keyframes[trajectory.images[images[model]].keyframe].part;
   };
-  std::map<int, std::set<int>> pairs;  // of a model: those after it
-  std::map<int, int> latest;           // model of each part
+  std::set<std::pair<int, int>> pairs;
+  std::map<int, int> latest;  // model of each part
   for (int i = 0; i < static_cast<int>(images.size()); ++i) {
     const auto [before, is_first] = latest.try_emplace(partOf(i), i);
-    if (!is_first) pairs[std::exchange(before->second, i)].insert(i);
+    if (!is_first) pairs.emplace(std::exchange(before->second, i), i);
   }
   const std::vector<int> nearest = nearestModels(trajectory, images);
   for (const KeyframeMotion& m : trajectory.motions) {
     const int a = nearest[m.from], b = nearest[m.to];
-    if (a >= 0 && b >= 0 && a != b) pairs[std::min(a, b)].insert(std::max(a, b));
+    if (a >= 0 && b >= 0 && a != b) pairs.insert(std::minmax(a, b));
   }
 
+  std::vector<PlaceOnTrajectory> places;
+  for (const std::size_t image : images) {
+    const TrajectoryPose& pose = trajectory.images[image];
+    places.push_back({pose.keyframe, trajectory.keyframes[pose.keyframe].T_w_c.T.inverse() * pose.T_w_c});
+  }
+  return linksBetween(trajectory, places, pairs);
+}
+
+std::vector<Link> linksBetween(const CameraTrajectory& trajectory,
+                               const std::vector<PlaceOnTrajectory>& places,
+                               const std::set<std::pair<int, int>>& pairs) {
+  if (pairs.empty()) return {};
   std::vector<Eigen::Isometry3d> T_w_k;
   for (const Keyframe& k : trajectory.keyframes) T_w_k.push_back(k.T_w_c.T);
-  if (T_w_k.empty()) return {};
   const auto& camera = trajectory.keyframes.front().view->camera;
   const GraphCovariance known(keyframeGraph(T_w_k, trajectory.motions,
                                             camera ? camera->mounting : std::nullopt,
                                             MappingParams().odometry.key_distance));
   std::vector<Link> links;
-  for (const auto& [a, others] : pairs) {
-    const TrajectoryPose& from = trajectory.images[images[a]];
-    const auto of_keyframes = known.relativeTo(from.keyframe);
-    const Eigen::Isometry3d T_a_key = from.T_w_c.inverse() * T_w_k[from.keyframe];
-    for (const int b : others) {
-      const TrajectoryPose& to = trajectory.images[images[b]];
-      PoseWithCovariance at_keys = *of_keyframes[to.keyframe];
-      at_keys.P.diagonal().array() += kErrorBesideKeyframe * kErrorBesideKeyframe;
-      PoseWithCovariance T =
-          T_a_key * (at_keys * PoseWithCovariance{T_w_k[to.keyframe].inverse() * to.T_w_c, Matrix6d::Zero()});
-      links.push_back({a, b, T});
-    }
+  std::vector<std::optional<PoseWithCovariance>> of_keyframes;  // relative to that of the pair's first place
+  int keyframe = -1;
+  for (const auto& [a, b] : pairs) {
+    const PlaceOnTrajectory &from = places[a], &to = places[b];
+    if (std::exchange(keyframe, from.keyframe) != from.keyframe)
+      of_keyframes = known.relativeTo(from.keyframe);
+    if (!of_keyframes[to.keyframe]) continue;
+    PoseWithCovariance T_key_key = *of_keyframes[to.keyframe];
+    T_key_key.P.diagonal().array() += kErrorBesideKeyframe * kErrorBesideKeyframe;
+    links.push_back(
+        {a, b, from.T_k_c.inverse() * (T_key_key * PoseWithCovariance{to.T_k_c, Matrix6d::Zero()})});
   }
   return links;
 }

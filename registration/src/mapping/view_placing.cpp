@@ -2,7 +2,6 @@
 #include "mapping/view_placing.h"
 
 #include <facetloc/registration/pose_prior.h>
-#include <facetloc/registration/tracking_params.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -15,20 +14,12 @@ namespace {
 constexpr int kFewestPixels = 60;      // that must be compared before their agreement says anything
 constexpr std::size_t kMostFound = 4;  // places of a search that are refined
 constexpr double kLooseRotation = 3 * kDegree, kLooseTranslation = 0.1;  // about a start [rad, m]
+constexpr int kDenseIterations = 10;
 constexpr double kMostDoubt =
     11;  // that a prior can raise: beyond its 99.9 % ellipsoid it may be wrong [nats]
 constexpr double kIndependentPixels = 240;  // that the pixels of two views are worth
 constexpr double kTellingDrop = 2;          // of what pixels say, beside the place that they like best [nats]
 constexpr double kLeastShare = 0.6;         // of the pixels that the place with most compares
-
-ViewAlignmentParams alignmentParams() {
-  const PoseTrackingParams tracking;
-  ViewAlignmentParams params;
-  params.dense.correlated_pixels = tracking.correlated_pixels;
-  params.dense.significance = tracking.significance;
-  params.dense.iterations = 10;
-  return params;
-}
 
 // What an alignment has added to its prior. Hardly anything along some motion is nothing: it comes from
 // noise, and many of them would hold the camera where the alignment happened to begin.
@@ -57,7 +48,9 @@ Vector6d freeStep(Matrix6d information) {
 
 }  // namespace
 
-ViewPlacing::ViewPlacing() : alignment_(alignmentParams()), comparison_(DepthConsistencyParams{}) {}
+ViewPlacing::ViewPlacing() : alignment_(alignmentWithCovariance()), comparison_(DepthConsistencyParams{}) {
+  alignment_.dense.iterations = kDenseIterations;
+}
 
 std::vector<Eigen::Isometry3d> ViewPlacing::starts(const View& view, const View& other,
                                                    const PoseWithCovariance& prior, bool search) const {

@@ -3,6 +3,8 @@
 
 #include "pairs/joint_refinement.h"
 
+#include <facetloc/registration/tracking_params.h>
+
 #include <Eigen/Cholesky>
 
 #include <cmath>
@@ -17,6 +19,14 @@ void Surroundings::add(int index, std::shared_ptr<const View> view, const Eigen:
   }
   if (!view->depth.empty()) pictures.push_back({&view->depth, T_w_c});
   views.push_back(std::move(view));
+}
+
+ViewAlignmentParams alignmentWithCovariance() {
+  const PoseTrackingParams tracking;
+  ViewAlignmentParams params;
+  params.dense.correlated_pixels = tracking.correlated_pixels;
+  params.dense.significance = tracking.significance;
+  return params;
 }
 
 ViewAlignment alignView(const View& view, const Surroundings& surroundings, const PoseWithCovariance& prior,

@@ -36,6 +36,10 @@ struct ViewAlignmentParams {
   DenseRefinementParams dense;
 };
 
+/** \brief As views are aligned where the covariance counts: neighbouring pixels err alike, and motions that
+ * they only seem to tell are left to the prior (PoseTrackingParams). */
+ViewAlignmentParams alignmentWithCovariance();
+
 /** \brief Where a view is in its surroundings. */
 struct ViewAlignment {
   PoseWithCovariance T_w_c;
