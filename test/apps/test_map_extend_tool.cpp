@@ -92,7 +92,8 @@ TEST_F(Tools, MapExtendRefusesWhatMakesNoSense) {
   const std::string missing = folder_ / "missing.flmap", path = folder_ / "m.flmap";
   EXPECT_EQ(runMap({"extend", missing, query()}).code, kFailed);
   EXPECT_FALSE(fs::exists(missing));
-  EXPECT_EQ(runMap({"extend", map(), query(), "-o", path, "--no-poses", "--poses", "p.txt"}).code, kUsage);
+  EXPECT_EQ(runMap({"extend", map(), query(), "-o", path, "--without-poses", "--poses", "p.txt"}).code,
+            kUsage);
   EXPECT_EQ(runMap({"extend", map(), folder_ / "nothing", "-o", path}).code, kFailed);
   Map without = readMap(map());
   for (LocalModel& model : without.models) model.T_w_m.reset();

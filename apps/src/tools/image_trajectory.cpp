@@ -57,8 +57,13 @@ Trajectory ImageTrajectory::odometry(const DepthSequence& sequence, const Camera
   return Trajectory(std::move(of_camera));
 }
 
-CameraTrajectory ImageTrajectory::find(const DepthSequence& sequence, const DepthInput& input,
-                                       const Camera& camera, int threads, const Console& console) const {
+int FoundTrajectory::report(const Console& console) const {
+  for (const std::string& failure : failures) console.error(failure);
+  return failures.empty() ? kOk : kFailed;
+}
+
+FoundTrajectory ImageTrajectory::find(const DepthSequence& sequence, const DepthInput& input,
+                                      const Camera& camera, int threads, const Console& console) const {
   const Trajectory by_odometry = odometry(sequence, camera);
   TrajectoryEstimation estimation(params_);
   estimation.setNumberOfThreads(threads);
@@ -86,12 +91,17 @@ CameraTrajectory ImageTrajectory::find(const DepthSequence& sequence, const Dept
       estimation.add(std::move(views[i - first]), stamp, motion);
     }
   }
-  batch.report();
+  FoundTrajectory found;
+  found.failures = batch.failures();
+  if (found.failures.size() == n) {
+    found.report(console);
+    throw IoError(sequence.frames().front().path.parent_path(), "none of its images can be read");
+  }
   if (!by_odometry.empty() && without_odometry > 0)
     console.note(counted(without_odometry, "image") + " outside the time of the odometry");
   estimation.improve();
-  CameraTrajectory found = estimation.trajectory();
-  if (!by_odometry.empty()) noteOdometry(found, by_odometry, console);
+  found.trajectory = estimation.trajectory();
+  if (!by_odometry.empty()) noteOdometry(found.trajectory, by_odometry, console);
   return found;
 }
 

@@ -49,8 +49,9 @@ private:
   Seen addModels(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
                  const Camera& camera, Batch& batch, Writer* writer) const;
 
-  std::string disagreement_;               // of poses and images, in words
-  Trajectory poses_of_images_;             // given, or found
+  std::string disagreement_;    // of poses and images, in words
+  Trajectory poses_of_images_;  // given, or found
+  int unread_ = 0;              // kFailed if images could not be read when the trajectory was found
   std::optional<CameraTrajectory> found_;  // by the images, if no poses are given
 
   std::string sequence_;

@@ -174,7 +174,9 @@ void MapBuildApp::findPoses(const DepthSequence& sequence, Camera& camera, const
   if (!poses_of_images_.empty() || every_ > 0 || !poses_.empty()) return;
   console.note("no poses are given: the trajectory is found from the images");
   for (const bool again : {false, true}) {
-    found_ = by_images_.find(sequence, input_, camera, threads(), console);
+    FoundTrajectory found = by_images_.find(sequence, input_, camera, threads(), console);
+    if (!again) unread_ = found.report(console);
+    found_ = std::move(found.trajectory);
     if (again || raw_depth_) break;
     const auto distortion = calibrate(sequence, camera, console);
     if (!distortion) break;
@@ -411,7 +413,7 @@ int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence, cons
   Writer writer(std::move(database), present, builder, !found_);
   const Seen seen = addModels(sequence, selection.candidates, camera, batch, &writer);
 
-  const int code = batch.report();
+  const int code = std::max<int>(unread_, batch.report());
   if (selection.without_pose > 0)
     console.note(counted(selection.without_pose, "image") + " without a pose within " +
                  text::significant(pose_tolerance_) + " s");

@@ -16,6 +16,7 @@
 #include <facetloc/io/output_lock.h>
 
 #include <algorithm>
+#include <numeric>
 
 namespace facetloc {
 namespace {
@@ -23,7 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kKeyShare = 0.5;       // of the distance of local models: that of images along given poses
-constexpr std::size_t kChunk = 64;      // images in memory until they are added to the trajectory, in order
 constexpr std::size_t kMostNamed = 12;  // local models that a line of the report names
 constexpr Colour kNew = {0, 130, 60}, kEdited = {130, 60, 170};
 
@@ -90,8 +90,8 @@ void MapExtendApp::addOptions(CommandLine& line) {
   line.addOption("pose-tolerance", pose_tolerance_, "S",
                  "Largest distance in time of an image and its pose [s].");
   line.addCheck([this] { requireTolerance(pose_tolerance_); });
-  line.addSwitch("no-poses", no_poses_,
-                 "Find the trajectory by the depth images, even if there is a groundtruth.txt.");
+  line.addSwitch("without-poses", without_poses_,
+                 "Find the trajectory from the images, even if the SEQUENCE has poses.");
   line.addOption("trajectory", trajectory_, "OUT.txt",
                  "Write the poses of the session in the map, in the TUM format.");
   line.addOption("changes", changes_, "OUT.png", "Draw the floor map with what has changed.");
@@ -99,7 +99,7 @@ void MapExtendApp::addOptions(CommandLine& line) {
   input_.addOptions(line);
   line.addParams(builder_, "map");
   line.addParams(session_, "session", CommandLine::Shown::in_help);
-  line.addParams(mapping_, "mapping");
+  by_images_.addOptions(line);
 }
 
 /** Images at half the distance of local models, along poses that are known. */
@@ -147,37 +147,19 @@ MapExtendApp::Session MapExtendApp::readAlong(const Trajectory& poses, const Dep
 /** All images, whose trajectory is found by what they show. */
 MapExtendApp::Session MapExtendApp::readAll(const DepthSequence& sequence, const Camera& camera,
                                             const Console& console) const {
+  FoundTrajectory found = by_images_.find(sequence, input_, camera, threads(), console);
   Session session;
-  TrajectoryEstimation estimation(mapping_);
-  estimation.setNumberOfThreads(threads());
-  const std::size_t n = sequence.frames().size();
-  Batch batch(threads(), n, console);
-  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, input_.view));
-  for (std::size_t first = 0; first < n; first += kChunk) {
-    const std::size_t last = std::min(first + kChunk, n);
-    std::vector<std::optional<View>> views(last - first);
-    batch.run(
-        first, last, [&](std::size_t i) { return sequence.frames()[i].path.string(); },
-        [&](std::size_t i, int worker) {
-          views[i - first] = builders[worker].build(sequence.load(i, input_.width));
-        });
-    for (std::size_t i = first; i < last; ++i) {
-      if (!views[i - first]) continue;
-      estimation.add(std::move(*views[i - first]), sequence.frames()[i].stamp);
-      session.frame.push_back(i);
-    }
-  }
-  session.code = batch.report();
-  if (session.frame.empty()) throw IoError(sequence_, "none of its images can be read");
-  estimation.improve();
-  session.trajectory = estimation.trajectory();
+  session.code = found.report(console);
+  session.trajectory = std::move(found.trajectory);
+  session.frame.resize(session.trajectory.images.size());
+  std::iota(session.frame.begin(), session.frame.end(), std::size_t{0});
   return session;
 }
 
 MapExtendApp::Session MapExtendApp::read(const DepthSequence& sequence, const Camera& camera,
                                          const Console& console) const {
   if (!poses_.empty()) return readAlong(readTumTrajectory(poses_), sequence, camera, console);
-  if (!no_poses_ && !sequence.groundTruth().empty())
+  if (!without_poses_ && !sequence.groundTruth().empty())
     return readAlong(sequence.groundTruth(), sequence, camera, console);
   return readAll(sequence, camera, console);
 }
@@ -231,7 +213,7 @@ void MapExtendApp::drawChanges(const Map& map, const Session& session, const Ses
 }
 
 int MapExtendApp::execute(const CommandLine& line, const Console& console) {
-  if (no_poses_ && !poses_.empty()) throw UsageError("poses and no-poses exclude each other");
+  if (without_poses_ && !poses_.empty()) throw UsageError("poses and without-poses exclude each other");
   if (!changes_.empty()) requireNoneButPicture(changes_);
   const std::string target = output_.empty() ? map_ : output_;
   if (!fs::is_regular_file(map_)) throw IoError(map_, "is not there");

@@ -3,6 +3,7 @@
 
 #include "tools/app.h"
 #include "tools/depth_input.h"
+#include "tools/image_trajectory.h"
 
 #include <facetloc/registration/map_session.h>
 
@@ -39,11 +40,11 @@ private:
   std::string changes_;
   double pose_tolerance_ = 0.02;
   bool overwrite_ = false;
-  bool no_poses_ = false;
+  bool without_poses_ = false;
   DepthInput input_;
   MapBuilderParams builder_;
   MapSessionParams session_;
-  MappingParams mapping_;
+  ImageTrajectory by_images_;
 };
 
 }  // namespace facetloc

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/common_place.h"
 #include "mapping/graph_covariance.h"
+#include "mapping/keyframe_graph.h"
 #include "shared/in_parallel.h"
 
 #include <facetloc/registration/map_session.h>
@@ -54,12 +55,11 @@ std::vector<FoundKeyframe> sureKeyframes(const GlobalLocalization& localization,
   return found;
 }
 
+/** Of its keyframes alone: the floor of the map is not that of the session's world. */
 PoseGraph graphOf(const CameraTrajectory& trajectory) {
-  PoseGraph graph;
-  for (const Keyframe& k : trajectory.keyframes) graph.T_w_n.push_back(k.T_w_c.T);
-  for (const KeyframeMotion& m : trajectory.motions)
-    graph.edges.push_back({m.from, m.to, m.T_from_to, m.source != KeyframeMotion::Source::odometry});
-  return graph;
+  std::vector<Eigen::Isometry3d> T_w_k;
+  for (const Keyframe& k : trajectory.keyframes) T_w_k.push_back(k.T_w_c.T);
+  return keyframeGraph(T_w_k, trajectory.motions, {}, MappingParams().odometry.key_distance);
 }
 
 /** The parts of a graph without the edges that its poses contradict. */

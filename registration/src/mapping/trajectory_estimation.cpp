@@ -363,12 +363,17 @@ bool TrajectoryEstimation::Impl::hang(const std::shared_ptr<const View>& view, c
   return true;
 }
 
+// A robot's wheels tell nothing of how it leans on an uneven floor. The error along the way is the same for
+// some metres, as that of a wheel's radius.
 PoseWithCovariance TrajectoryEstimation::Impl::withDrift(const Eigen::Isometry3d& motion) const {
+  constexpr double kAlike = 10;             // way along which the error stays [m]
+  constexpr double kMetresPerRadian = 0.2;  // that the wheels of a robot roll when it turns
   const double way = motion.translation().norm();
-  Vector6d std;
-  std << Eigen::Vector3d::Constant(params.odometry_turn_deg * kDegree * std::sqrt(way) + kSharedRotation),
-      Eigen::Vector3d::Constant(params.odometry_drift * way + kSharedTranslation);
-  return {motion, std.cwiseAbs2().asDiagonal()};
+  const double rolled = way + kMetresPerRadian * rotationAngle(motion.linear());
+  PosePriorParams error;
+  error.translation_std = params.odometry_drift * std::sqrt(way * kAlike) + kSharedTranslation;
+  error.rotation_std_deg = params.odometry_turn_deg * std::sqrt(rolled) + kSharedRotation / kDegree;
+  return {motion, posePrior(mounting(), error, motion)};
 }
 
 PoseWithCovariance TrajectoryEstimation::Impl::guessedStep() const {

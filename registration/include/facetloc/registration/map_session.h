@@ -14,11 +14,11 @@ namespace facetloc {
 /** \brief How a later session is found in a map, and when the map changes. */
 struct MapSessionParams {
   static constexpr const char* kTitle = "A later session in a map";
-  int min_agreeing = 3;                     ///< sure images that must agree on where the session is
-  double agreement_distance = 0.3;          ///< of two images, beyond what the trajectory allows [m]
-  double agreement_deg = 5;                 ///< the same, of their orientations
-  double min_probability = kMinProbability; /**< of a sure image */
-  double known_share = 0.8;                 ///< of an image's pixels: with so many known, its place is known
+  int min_agreeing = 3;                      ///< sure images that must agree on where the session is
+  double agreement_distance = 0.3;           ///< of two images, beyond what the trajectory allows [m]
+  double agreement_deg = 5;                  ///< of the orientations of two images, likewise
+  double min_probability = kMinProbability;  ///< of a sure image
+  double known_share = 0.8;                  ///< of an image's pixels: with so many known, its place is known
   double changed_share = 0.3;  ///< of a local model's pixels: with so many gone, it is replaced as a whole
   int looks = 2;               ///< places that must look through a surface before it counts as gone
 
