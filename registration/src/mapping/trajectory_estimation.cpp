@@ -177,6 +177,8 @@ struct TrajectoryEstimation::Impl {
   };
 
   bool add(View&& view, double stamp, const std::optional<Eigen::Isometry3d>& motion);
+  Motion motionOf(const ViewMotion& seen, bool is_sparse,
+                  const std::optional<Eigen::Isometry3d>& given) const;
   PoseWithCovariance withDrift(const Eigen::Isometry3d& motion) const;
   PoseWithCovariance guessedStep() const;
   Position moved(const Position& from, const Motion& step) const;
@@ -260,9 +262,7 @@ bool TrajectoryEstimation::Impl::add(View&& moved_view, double stamp,
   }
   if (std::exchange(interrupted, false)) return beginAgain(view, stamp);
   const bool is_sparse = dt > kLongStep;
-  const Motion step = given                      ? Motion{withDrift(*given), *given, true, false}
-                      : is_sparse || seen.broken ? Motion{guessedStep(), seen.T_a_b.T, !seen.broken, true}
-                                                 : Motion{seen.T_a_b, seen.T_a_b.T, true, false};
+  const Motion step = motionOf(seen, is_sparse, given);
   const bool shows_anything = !view->segments.empty() || !view->depth.empty();
   Position at = moved(since, step);
   if (shows_anything && (is_sparse || seen.broken || seen.agreement < kClearAgreement)) {
@@ -361,6 +361,24 @@ bool TrajectoryEstimation::Impl::hang(const std::shared_ptr<const View>& view, c
   }
   takeKeyframe(view, at);
   return true;
+}
+
+// By an odometry that is given and by what the views have told, each as well as it knows.
+TrajectoryEstimation::Impl::Motion
+TrajectoryEstimation::Impl::motionOf(const ViewMotion& seen, bool is_sparse,
+                                     const std::optional<Eigen::Isometry3d>& given) const {
+  const bool is_seen = !seen.broken && !is_sparse;
+  if (!given)
+    return is_seen ? Motion{seen.T_a_b, seen.T_a_b.T, true, false}
+                   : Motion{guessedStep(), seen.T_a_b.T, !seen.broken, true};
+  PoseWithCovariance T = withDrift(*given);
+  if (is_seen) {
+    const Matrix6d gain = T.P * symmetricInverse(T.P + seen.T_a_b.P);
+    T.T = perturbed(T.T, gain * perturbation(T.T, seen.T_a_b.T));
+    const Matrix6d P = T.P - gain * T.P;
+    T.P = 0.5 * (P + P.transpose());
+  }
+  return {T, T.T, true, false};
 }
 
 // A robot's wheels tell nothing of how it leans on an uneven floor. The error along the way is the same for
