@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluate_app.h"
 #include "evaluation/evaluation.h"
+#include "evaluation/trajectory_errors.h"
 #include "example_room.h"
 #include "tools/localize_app.h"
 #include "tools/simulate_app.h"
@@ -215,6 +216,24 @@ TEST_F(Tools, MapBuildUsesAnOdometryThatDrifts) {
                       folder_ / "none.txt"})
                   .err,
               HasSubstr("none.txt"));
+}
+
+TEST_F(Tools, MapBuildKnowsThatWheelsDoNotTellHowARobotLeans) {
+  ASSERT_EQ(runTool<SimulateApp>({"room", "-o", folder_ / "", "--seed", "8", "--map-frames", "120",
+                                  "--query-frames", "2", "--width", "320", "--odometry"})
+                .code,
+            kOk);
+  const Trajectory truth = readTumTrajectory(folder_ / "map/groundtruth.txt");
+  const auto errorWith = [&](const std::vector<std::string>& options) {
+    const std::string found = folder_ / "found.txt";
+    std::vector<std::string> build{"build",           folder_ / "map", "-o",  folder_ / "m.flmap",
+                                   "--without-poses", "--trajectory",  found, "--overwrite"};
+    build.insert(build.end(), options.begin(), options.end());
+    EXPECT_EQ(runMap(build).code, kOk);
+    return trajectoryErrors(readTumTrajectory(found), truth, 0.02).absolute.rmse;
+  };
+  const double without = errorWith({}), with = errorWith({"--odometry", folder_ / "map/odometry.txt"});
+  EXPECT_LT(with, 1.2 * without);
 }
 
 TEST_F(Tools, MapBuildByEveryNeedsNoPoses) {
