@@ -92,6 +92,19 @@ TEST(GraphCovariance, AFloorTellsRollPitchAndHeight) {
   EXPECT_GT(P(3, 3), 0.5);
 }
 
+TEST(GraphCovariance, OfOnePairIsThatOfThePairAmongAll) {
+  const GraphCovariance known(chain());
+  for (int a = 0; a < 4; ++a)
+    for (int b = 0; b < 4; ++b) {
+      const PoseWithCovariance alone = *known.between(a, b), among_all = *known.relativeTo(a)[b];
+      EXPECT_THAT(alone.T, PoseNear(among_all.T, 1e-12, 1e-9));
+      EXPECT_THAT(alone.P, MatrixNear(among_all.P, 1e-9 * among_all.P.norm() + 1e-10)) << a << " " << b;
+    }
+  PoseGraph apart = chain();
+  apart.edges.erase(apart.edges.begin() + 1);
+  EXPECT_FALSE(GraphCovariance(apart).between(0, 3));
+}
+
 TEST(GraphCovariance, IsTheSameForAnyNumberOfThreads) {
   const GraphCovariance one(chain(), 1), two(chain(), 2);
   for (std::size_t i = 0; i < one.ofNodes().size(); ++i) EXPECT_EQ(one.ofNodes()[i], two.ofNodes()[i]);

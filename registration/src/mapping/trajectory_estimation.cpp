@@ -609,6 +609,7 @@ void TrajectoryEstimation::Impl::improve(const std::function<void(double)>& prog
     std::vector<KeyframeMotion> all = chain;
     all.insert(all.end(), relations.begin(), relations.end());
     const GraphCovariance known(graphOf(all), threads);
+    known.ofNodes();  // by all threads, before each of them asks for some
     std::vector<KeyframeMotion> found = compareKeyframes(known, first);
     const std::vector<KeyframeMotion> ties = tieParts(known, first);
     found.insert(found.end(), ties.begin(), ties.end());

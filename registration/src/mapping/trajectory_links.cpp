@@ -80,17 +80,13 @@ std::vector<Link> linksBetween(const CameraTrajectory& trajectory,
                                             camera ? camera->mounting : std::nullopt,
                                             MappingParams().odometry.key_distance));
   std::vector<Link> links;
-  std::vector<std::optional<PoseWithCovariance>> of_keyframes;  // relative to that of the pair's first place
-  int keyframe = -1;
   for (const auto& [a, b] : pairs) {
     const PlaceOnTrajectory &from = places[a], &to = places[b];
-    if (std::exchange(keyframe, from.keyframe) != from.keyframe)
-      of_keyframes = known.relativeTo(from.keyframe);
-    if (!of_keyframes[to.keyframe]) continue;
-    PoseWithCovariance T_key_key = *of_keyframes[to.keyframe];
-    T_key_key.P.diagonal().array() += kErrorBesideKeyframe * kErrorBesideKeyframe;
+    std::optional<PoseWithCovariance> T_key_key = known.between(from.keyframe, to.keyframe);
+    if (!T_key_key) continue;
+    T_key_key->P.diagonal().array() += kErrorBesideKeyframe * kErrorBesideKeyframe;
     links.push_back(
-        {a, b, from.T_k_c.inverse() * (T_key_key * PoseWithCovariance{to.T_k_c, Matrix6d::Zero()})});
+        {a, b, from.T_k_c.inverse() * (*T_key_key * PoseWithCovariance{to.T_k_c, Matrix6d::Zero()})});
   }
   return links;
 }
