@@ -88,7 +88,7 @@ Route roundsOf(const Route& route, int rounds, std::uint64_t seed);
  * is longer, and at least 1/rate. */
 std::vector<double> drivingTimes(const std::vector<Eigen::Isometry3d>& T_w_b, const PaceParams& pace = {});
 
-/** \brief The poses T_w_b of a robot's base of those of its camera, T_w_c. */
+/** \brief The poses T_w_b of a robot's base, by the poses T_w_c of its camera. */
 std::vector<Eigen::Isometry3d> basePoses(const std::vector<Eigen::Isometry3d>& T_w_c,
                                          const CameraMounting& mounting);
 
