@@ -22,6 +22,7 @@ declare -A rooms=(
   [registration/shortlist]="shortlist pairs depth"
   [registration/global]="global shortlist pairs nearby depth"
   [registration/tracking]="tracking global nearby depth"
+  [registration/sequence]="sequence tracking mapping global nearby pairs depth"
   [registration/mapping]="mapping tracking nearby pairs depth"
   [registration/pcl]="pcl global shortlist pairs"
   [apps/drawing]="drawing tools"

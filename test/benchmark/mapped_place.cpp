@@ -16,10 +16,10 @@ void SeenRun::see(const Camera& camera, const ViewParams& params) {
   }
 }
 
-MappedPlace::MappedPlace(const std::filesystem::path& folder, std::size_t every)
+MappedPlace::MappedPlace(const std::filesystem::path& folder, std::size_t every, const std::string& query)
     : truth_(PlaceTruth::open(folder)),
       mapping_{DepthSequence::open(folder / "map"), {}, {}},
-      query_{DepthSequence::open(folder / "query"), {}, {}} {
+      query_{DepthSequence::open(folder / query), {}, {}} {
   MapBuilder rule;
   const PlaceTruth of_map = truth_.of("map");
   for (std::size_t i = 0; i < mapping_.sequence.frames().size(); ++i) {

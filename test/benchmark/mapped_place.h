@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace facetloc::benchmarks {
@@ -29,8 +30,9 @@ struct SeenRun {
  */
 class MappedPlace {
 public:
-  /** \param every Only each N-th image of the query is asked. Throws IoError. */
-  MappedPlace(const std::filesystem::path& folder, std::size_t every);
+  /** \param every Only each N-th image of the query is asked. \param query the run that asks
+   * Throws IoError. */
+  MappedPlace(const std::filesystem::path& folder, std::size_t every, const std::string& query = "query");
 
   /** \brief Builds the map as facetloc_map does, and sees the query with the map's camera. */
   Map see(const ViewParams& params, bool calibrated = true);

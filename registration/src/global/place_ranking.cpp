@@ -104,7 +104,11 @@ PlaceRanking::PlaceRanking(std::shared_ptr<const Map> map, const GlobalLocalizat
       params_(params),
       comparison_(params.depth),
       refined_comparison_(refinedErrors(params.depth, params.refinement)),
-      near_(map_, true) {}
+      score_(hypothesisScore(params.score, params.matching, comparison_)),
+      alignment_(alignmentWithCovariance()),
+      near_(map_, true) {
+  alignment_.matching = params.matching;
+}
 
 void PlaceRanking::rank(const View& scene, std::vector<Hypothesis>& hypotheses) const {
   // The paper's score counts pixels: nats of evidence do not add to it.
@@ -112,24 +116,57 @@ void PlaceRanking::rank(const View& scene, std::vector<Hypothesis>& hypotheses) 
   mergePlaces(params_.merging, hypotheses);
   if (evidence) score(hypotheses);
   if (evidence && params_.refinement.enabled) refinePlaces(scene, hypotheses);
-  if (map_->models.size() == 1)
-    rankPair(evidence, hypotheses);
-  else if (evidence)
-    assignProbabilities(params_.probability.slope,
-                        nullScore(params_.probability, map_->ambiguity, hypotheses), hypotheses);
-  else
-    assignProbabilities(params_.plain_probability.slope, params_.plain_probability.null_score, hypotheses);
+  if (evidence && map_->models.size() == 1) {
+    for (Hypothesis& h : hypotheses)
+      h.score = h.consensus + params_.pair_probability.evidence_weight * h.evidence;
+    sortByScore(hypotheses);
+  }
+  const ScoreOdds found = odds(evidence, hypotheses);
+  assignProbabilities(found.slope, found.null_score, hypotheses);
 }
 
-// Two views: the one picture says little beside the segments.
-void PlaceRanking::rankPair(bool evidence, std::vector<Hypothesis>& hypotheses) const {
-  const PairProbabilityParams& p = params_.pair_probability;
-  const double slope = evidence ? p.slope : p.segments_slope;
-  const double null_score = evidence ? p.null_score : p.segments_null_score;
-  if (evidence)
-    for (Hypothesis& h : hypotheses) h.score = h.consensus + p.evidence_weight * h.evidence;
-  sortByScore(hypotheses);
-  assignProbabilities(slope, null_score + priorOdds(params_.probability) / slope, hypotheses);
+// Of two views, the one picture says little beside the segments.
+ScoreOdds PlaceRanking::odds(bool evidence, const std::vector<Hypothesis>& sorted) const {
+  if (map_->models.size() == 1) {
+    const PairProbabilityParams& p = params_.pair_probability;
+    const double slope = evidence ? p.slope : p.segments_slope;
+    const double null_score = evidence ? p.null_score : p.segments_null_score;
+    return {slope, null_score + priorOdds(params_.probability) / slope};
+  }
+  if (evidence) return {params_.probability.slope, nullScore(params_.probability, map_->ambiguity, sorted)};
+  return {params_.plain_probability.slope, params_.plain_probability.null_score};
+}
+
+std::optional<Hypothesis> PlaceRanking::at(const Query& query, int part,
+                                           const PoseWithCovariance& T_w_c) const {
+  Hypothesis h;
+  h.part = part;
+  h.T_w_c = T_w_c.T;
+  const std::vector<int> models = near_.bySight(part, T_w_c.T, kReach, params_.evidence.models);
+  if (models.empty()) return {};
+  Surroundings surroundings;
+  std::vector<Neighbour> around;
+  for (const int i : models) {
+    around.push_back({map_->view(i), *map_->models[i].T_w_m});
+    surroundings.add(i, around.back().view, around.back().T_w_m);
+  }
+  const ViewAlignment aligned = alignView(query.view, surroundings, T_w_c, alignment_);
+  h.T_w_c = aligned.T_w_c.T;
+  std::optional<Hypothesis> best;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    h.model = models[i];
+    h.T_m_c = around[i].T_w_m.inverse() * aligned.T_w_c;
+    score_->score(query, *around[i].view, kFineColumns, h);
+    if (!best || h.consensus > best->consensus) best = h;
+  }
+  for (const SegmentPair& pair : aligned.pairs) {
+    const Surroundings::Origin& origin = surroundings.origins[pair.model];
+    if (origin.view == best->model) best->pairs.push_back({pair.scene, origin.segment, pair.distance});
+  }
+  best->found_by = {best->model};
+  if (!query.view.depth.empty()) best->evidence = evidence(query.view, around, *best, refined_comparison_);
+  best->score = best->consensus + best->evidence;
+  return best;
 }
 
 std::vector<PlaceRanking::Neighbour> PlaceRanking::neighbours(const Hypothesis& h) const {

@@ -4,18 +4,29 @@
 #include "depth/dense_refinement.h"
 #include "depth/depth_consistency.h"
 #include "nearby/nearby_models.h"
+#include "nearby/view_alignment.h"
+#include "pairs/consensus.h"
 
 #include <facetloc/features/local_model.h>
 #include <facetloc/registration/hypothesis.h>
 #include <facetloc/registration/localization_params.h>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace facetloc::internal {
 
 /** \brief How depth is compared at a pose that all pixels have refined. */
 DepthConsistencyParams refinedErrors(DepthConsistencyParams depth, const PlaceRefinementParams& params);
+
+/** \brief From a score to log odds against that a list lacks the place of a view. */
+struct ScoreOdds {
+  double slope = 0;       ///< [1/nat]
+  double null_score = 0;  ///< [nats]
+
+  double operator()(double score) const { return slope * (score - null_score); }
+};
 
 /** \brief Makes the hypotheses of all local models of a map one ranked list of places. Never changes; all
  * functions are thread-safe. */
@@ -26,6 +37,13 @@ public:
   /** \brief The whole of it: evidence, merging, refinement, probabilities. A place that has evidence and was
    * found by n local models, each for itself, gets w_s ln n more [nats]. */
   void rank(const View& scene, std::vector<Hypothesis>& hypotheses) const;
+
+  /** \brief A place that is known from elsewhere, aligned with the local models around it and scored as if a
+   * search had found it there. Nothing if there are none, for then the map says nothing.
+   * \param T_w_c in the frame of that part of the map, the prior of the alignment, positive definite */
+  std::optional<Hypothesis> at(const Query& query, int part, const PoseWithCovariance& T_w_c) const;
+  /** \brief Of the scores of a list of places, sorted. */
+  ScoreOdds odds(bool evidence, const std::vector<Hypothesis>& sorted) const;
 
   /** \brief Scores the best hypotheses by the depth of the local models nearest to their world poses,
    * whichever generated them, instead of their own model's alone (METHOD 11.1). The score is the
@@ -57,7 +75,6 @@ private:
   double evidence(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h,
                   const DepthComparison& comparison) const;
   void refine(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h) const;
-  void rankPair(bool evidence, std::vector<Hypothesis>& hypotheses) const;
   int viewpoints(const std::vector<int>& models) const;
   void score(std::vector<Hypothesis>& places) const;
   std::size_t hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const;
@@ -65,6 +82,8 @@ private:
   std::shared_ptr<const Map> map_;
   GlobalLocalizationParams params_;
   DepthComparison comparison_, refined_comparison_;
+  std::unique_ptr<const HypothesisScore> score_;
+  ViewAlignmentParams alignment_;
   NearbyModels near_;
 };
 

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/registration/hypothesis.h>
+#include <facetloc/registration/localization_params.h>
+#include <facetloc/registration/sequence_params.h>
+#include <facetloc/registration/tracking_params.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief What the views up to one say of where the camera is. */
+struct SequenceAnswer {
+  AnswerState state = AnswerState::unknown;
+  /** \brief Most probable first, with poses of this view in the frames of their parts of the map. Their
+   * probabilities and that of `nowhere` add up to 1. */
+  std::vector<Hypothesis> places;
+  double nowhere = 1;               ///< probability that the map does not hold the place
+  std::string reason;               ///< why it is not sure; empty if it is
+  bool carried_away = false;        ///< the view denies that the camera has moved here from the one before
+  bool searched = false;            ///< the whole map, which takes its time
+  PoseWithCovariance T_before_now;  ///< how the camera has moved, as far as that is known
+};
+
+/** \brief Tells from the views of a moving camera where it is: what one view leaves open, a bare wall or one
+ * of twelve equal doors, a few steps decide.
+ *
+ *     facetloc::SequenceLocalization sequence(map);
+ *     for (...) {
+ *       const facetloc::SequenceAnswer answer = sequence.add(builder.build(image), stamp);
+ *       if (answer.state == facetloc::AnswerState::sure) use(*answer.places[0].T_w_c);
+ *     }
+ *
+ * Holds a belief: places with covariances and odds, and that the camera is nowhere in the map. It moves with
+ * the camera, by the views themselves and by an odometry if there is one, and every view that is new enough
+ * is held against each of its places (METHOD 13.8). As long as no place is sure, such views are also searched
+ * in the whole map, which may bring up others. A view that fixes no pose still tells which places it
+ * excludes; views that show the same again tell nothing new. Its size does not grow with time. Same views,
+ * stamps and odometry, same answers, for any number of threads. */
+class SequenceLocalization {
+public:
+  /** \brief Throws std::invalid_argument for a parameter out of its range. */
+  explicit SequenceLocalization(std::shared_ptr<const Map> map, const SequenceParams& params = {},
+                                const GlobalLocalizationParams& localization = {},
+                                const PoseTrackingParams& tracking = {});
+  SequenceLocalization(SequenceLocalization&&) noexcept;
+  SequenceLocalization& operator=(SequenceLocalization&&) noexcept;
+  ~SequenceLocalization();
+
+  /** \brief Takes the next view. Any view and any stamp [s] have an answer; one that goes back, or comes
+   * after a gap, starts anew unless an odometry has bridged it. \param motion of the camera since the view
+   * before, T_before_now, with its covariance: of a robot's wheels, for instance */
+  SequenceAnswer add(View view, double stamp, const std::optional<PoseWithCovariance>& motion = {});
+  /** \brief Forgets all views. */
+  void reset();
+  /** \brief OpenMP threads; 1 by default, 0 = all cores. */
+  void setNumberOfThreads(int n);
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace facetloc

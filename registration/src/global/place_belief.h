@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "global/place_ranking.h"
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/registration/hypothesis.h>
+#include <facetloc/registration/localization_params.h>
+#include <facetloc/registration/sequence_params.h>
+
+#include <deque>
+#include <memory>
+#include <vector>
+
+namespace facetloc::internal {
+
+/** \brief A place where a camera may be. */
+struct BelievedPlace {
+  PoseWithCovariance T_w_c;
+  int part = 0;            ///< of the map, in whose frame the pose is
+  double log_odds = 0;     ///< against that the map does not hold the place [nats]
+  double probability = 0;  ///< beside the other places and that
+  Hypothesis match;        ///< with the local model that shares most with the latest view that was looked at
+};
+
+/** \brief What the views of a moving camera together say of where it is: Gaussian places with their odds
+ * against that it is nowhere in the map (METHOD 13.8).
+ *
+ * A place moves with the camera. Each look adds to its log odds what the view says at this very pose, as the
+ * ranking of a search weighs it. Views that are close to each other err alike: a look counts by
+ * 1 - exp(-motion since the last one / independent motion), so that neither a high frame rate nor standing
+ * still sharpens anything. A place that a search brings up is judged by the latest looks too, before it is
+ * put beside the others. */
+class PlaceBelief {
+public:
+  PlaceBelief(std::shared_ptr<const Map> map, const GlobalLocalizationParams& localization,
+              const SequenceParams& params);
+
+  /** \brief Nothing is known. */
+  void clear();
+  /** \brief The camera has moved. */
+  void move(const PoseWithCovariance& T_a_b);
+  /** \brief Has it moved so far that a look tells something new? True before the first. */
+  bool isDue() const;
+  /** \brief Looks at a view from all places.
+   * \param view where the camera is now; it is kept for a while
+   * \param found what a search of the whole map has found for this view; null if there was none */
+  void look(std::shared_ptr<const View> view, const Localization* found);
+  /** \brief Where the camera also may be, as another source has told. */
+  void suppose(const BelievedPlace& place);
+
+  /** \brief Most probable first; their probabilities add up to at most 1, and the rest is that the camera is
+   * nowhere in the map. */
+  const std::vector<BelievedPlace>& places() const { return places_; }
+  /** \brief Number of looks since nothing was known. */
+  int looks() const { return looks_; }
+  void setNumberOfThreads(int n) { threads_ = n; }
+
+private:
+  struct Look {  // that is kept
+    std::shared_ptr<const View> view;
+    PoseWithCovariance T_c_l;  // from where the camera is now
+    double weight;
+    ScoreOdds odds;
+  };
+  double motionSince(double distance, double rotation_deg) const;
+  double historyOf(const Hypothesis& place) const;
+  void normalize();
+
+  std::shared_ptr<const Map> map_;
+  SequenceParams params_;
+  ProbabilityParams probability_;
+  PlaceRanking ranking_;
+  bool has_odds_;
+  std::vector<BelievedPlace> places_;
+  std::deque<Look> kept_;
+  ScoreOdds odds_;             // of the latest search
+  double way_ = 0, turn_ = 0;  // since the last look [m, rad]
+  int looks_ = 0;
+  int threads_ = 1;
+};
+
+}  // namespace facetloc::internal

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sequence/image_motion.h"
+
+#include "mapping/step_prior.h"
+
+#include <Eigen/Cholesky>
+
+namespace facetloc::internal {
+namespace {
+
+constexpr double kLongStep = 0.2;        // after which the next image may show another place [s]
+constexpr double kClearAgreement = 0.9;  // of an image with the ones before it
+constexpr double kLeastAgreement = 0.75, kLeastOverlap = 0.2;  // of two images that show the same
+constexpr double kGate = 22.46;                                // of 99.9 % in 6 degrees of freedom
+constexpr double kSharedRotation = 0.05 * kDegree, kSharedTranslation = 0.003;  // errors of any two views
+
+Matrix6d withSharedErrors(Matrix6d P) {
+  P.diagonal().head<3>().array() += kSharedRotation * kSharedRotation;
+  P.diagonal().tail<3>().array() += kSharedTranslation * kSharedTranslation;
+  return P;
+}
+
+// Of a posterior by two sources.
+PoseWithCovariance fused(const PoseWithCovariance& a, const PoseWithCovariance& b) {
+  const Matrix6d gain = a.P * symmetricInverse(a.P + b.P);
+  PoseWithCovariance out{perturbed(a.T, gain * perturbation(a.T, b.T)), a.P - gain * a.P};
+  out.P = 0.5 * (out.P + out.P.transpose()).eval();
+  return out;
+}
+
+bool contradict(const PoseWithCovariance& a, const PoseWithCovariance& b) {
+  const Vector6d d = perturbation(a.T, b.T);
+  return d.dot((a.P + b.P).ldlt().solve(d)) > kGate;
+}
+
+}  // namespace
+
+ImageMotion::ImageMotion(const PoseTrackingParams& params)
+    : odometry_(params.odometry, alignmentWithCovariance(), DepthComparison(DepthConsistencyParams{})) {}
+
+void ImageMotion::reset() {
+  odometry_.reset();
+  before_.reset();
+}
+
+std::optional<PoseWithCovariance> ImageMotion::placed(const View& view, const PoseWithCovariance& prior,
+                                                      double& agreement) const {
+  const auto found = placing_.place(view, *before_, prior, true);
+  if (!found || found->agreement < kLeastAgreement || found->overlap < kLeastOverlap) return {};
+  agreement = found->agreement;
+  return PoseWithCovariance{
+      found->T_a_b, withSharedErrors(symmetricInverse(found->information + symmetricInverse(prior.P)))};
+}
+
+ViewMotion ImageMotion::add(const std::shared_ptr<const View>& view, double dt,
+                            const std::optional<PoseWithCovariance>& given) {
+  ViewMotion seen = odometry_.add(*view, dt);
+  const bool shows_anything = !view->segments.empty() || !view->depth.empty();
+  if (before_ && shows_anything && (dt > kLongStep || seen.broken || seen.agreement < kClearAgreement)) {
+    const auto mounting = view->camera ? view->camera->mounting : std::nullopt;
+    PoseWithCovariance prior{Eigen::Isometry3d::Identity(), stepCovariance(mounting, true)};
+    if (given)
+      prior.T = given->T;
+    else if (!seen.broken)
+      prior.T = seen.T_a_b.T;
+    double agreement = 0;
+    if (const auto found = placed(*view, prior, agreement)) {
+      if (!isNear(found->T, seen.T_a_b.T, 0.05, 2)) {
+        odometry_.reset();
+        odometry_.add(*view, 0);
+      }
+      seen = {*found, agreement, false};
+    } else if (dt > kLongStep) {
+      seen.T_a_b = {given ? given->T : Eigen::Isometry3d::Identity(), stepCovariance(mounting, true)};
+      seen.broken = !given;
+    }
+  }
+  if (shows_anything) before_ = view;
+  if (!given) return seen;
+  if (seen.broken)
+    seen.T_a_b = *given, seen.broken = false;
+  else if (!contradict(seen.T_a_b, *given))
+    seen.T_a_b = fused(seen.T_a_b, *given);
+  return seen;
+}
+
+}  // namespace facetloc::internal

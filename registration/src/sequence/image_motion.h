@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "mapping/view_placing.h"
+#include "tracking/view_odometry.h"
+
+#include <memory>
+#include <optional>
+
+namespace facetloc::internal {
+
+/** \brief Tells how a camera has moved from image to image, of a film or of images that are far apart.
+ *
+ * Images in quick succession are followed by ViewOdometry. Others, and those that it cannot follow, are
+ * placed beside the image before (ViewPlacing), about any motion within a step or about that of an odometry
+ * which is given. */
+class ImageMotion {
+public:
+  explicit ImageMotion(const PoseTrackingParams& params);
+
+  void reset();
+  /** \param dt since the image before [s] \param given motion since then, by another odometry
+   * \return broken if the views deny any motion of one step; where they say nothing, what else is known */
+  ViewMotion add(const std::shared_ptr<const View>& view, double dt,
+                 const std::optional<PoseWithCovariance>& given);
+
+private:
+  std::optional<PoseWithCovariance> placed(const View& view, const PoseWithCovariance& prior,
+                                           double& agreement) const;
+
+  ViewOdometry odometry_;
+  ViewPlacing placing_;
+  std::shared_ptr<const View> before_;
+};
+
+}  // namespace facetloc::internal

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "global/place_belief.h"
+#include "sequence/image_motion.h"
+
+#include <facetloc/registration/global_localization.h>
+#include <facetloc/registration/sequence_localization.h>
+
+#include <cmath>
+#include <utility>
+
+namespace facetloc {
+
+using namespace internal;
+
+struct SequenceLocalization::Impl {
+  Impl(const std::shared_ptr<const Map>& map, const SequenceParams& the_params,
+       const GlobalLocalizationParams& the_localization, const PoseTrackingParams& tracking)
+      : params(checked(the_params)),
+        tracking_params(checked(tracking)),
+        localization(map, the_localization),
+        belief(map, the_localization, params),
+        motion(tracking) {}
+
+  SequenceAnswer add(View&& view, double stamp, const std::optional<PoseWithCovariance>& given);
+  void reset();
+  bool isSure() const;
+  SequenceAnswer answer(const std::string& of_search) const;
+
+  SequenceParams params;
+  PoseTrackingParams tracking_params;
+  GlobalLocalization localization;
+  PlaceBelief belief;
+  ImageMotion motion;
+  std::optional<double> stamp;
+};
+
+void SequenceLocalization::Impl::reset() {
+  belief.clear();
+  motion.reset();
+  stamp.reset();
+}
+
+bool SequenceLocalization::Impl::isSure() const {
+  if (belief.places().empty()) return false;
+  const BelievedPlace& best = belief.places().front();
+  return best.probability >= tracking_params.min_probability &&
+         largestTranslationStd(best.T_w_c.P) <= params.max_translation &&
+         largestRotationStd(best.T_w_c.P) <= params.max_rotation_deg * kDegree;
+}
+
+SequenceAnswer SequenceLocalization::Impl::add(View&& view_in, double now,
+                                               const std::optional<PoseWithCovariance>& given) {
+  const auto view = std::make_shared<const View>(std::move(view_in));
+  const double dt = stamp ? now - *stamp : 0;
+  const bool is_first = !stamp;
+  stamp = now;
+  std::string anew;
+  if (!(dt >= 0)) anew = "the time went back";
+  if (!anew.empty()) motion.reset();
+  ViewMotion moved = motion.add(view, dt >= 0 ? dt : 0, is_first ? std::nullopt : given);
+  if (!is_first && anew.empty() && moved.broken) anew = "the view contradicts the one before";
+  if (!anew.empty())
+    belief.clear();
+  else if (!is_first)
+    belief.move(moved.T_a_b);
+
+  std::string of_search;
+  bool searched = false;
+  const bool shows_anything = !view->segments.empty() || !view->depth.empty();
+  if (belief.isDue() && shows_anything) {
+    searched = !isSure();
+    if (searched) {
+      const Localization found = localization.localize(*view);
+      of_search = found.reason;
+      belief.look(view, &found);
+    } else {
+      belief.look(view, nullptr);
+    }
+  }
+  SequenceAnswer out = answer(of_search);
+  out.carried_away = !anew.empty();
+  out.searched = searched;
+  out.T_before_now = moved.T_a_b;
+  return out;
+}
+
+SequenceAnswer SequenceLocalization::Impl::answer(const std::string& of_search) const {
+  SequenceAnswer out;
+  for (const BelievedPlace& place : belief.places()) {
+    Hypothesis h = place.match;
+    h.part = place.part;
+    h.T_w_c = place.T_w_c.T;
+    h.T_m_c = localization.map().models[h.model].T_w_m->inverse() * place.T_w_c;
+    h.probability = place.probability;
+    out.nowhere -= place.probability;
+    out.places.push_back(std::move(h));
+  }
+  if (out.places.empty()) {
+    out.reason = of_search.empty() ? "no place agrees with the views" : of_search;
+  } else if (isSure()) {
+    out.state = AnswerState::sure;
+  } else {
+    out.state = AnswerState::doubtful;
+    out.reason = out.places.front().probability >= tracking_params.min_probability
+                     ? "the pose is too uncertain"
+                     : "no place is likely enough";
+  }
+  return out;
+}
+
+SequenceLocalization::SequenceLocalization(std::shared_ptr<const Map> map, const SequenceParams& params,
+                                           const GlobalLocalizationParams& localization,
+                                           const PoseTrackingParams& tracking)
+    : impl_(std::make_unique<Impl>(map, params, localization, tracking)) {}
+SequenceLocalization::SequenceLocalization(SequenceLocalization&&) noexcept = default;
+SequenceLocalization& SequenceLocalization::operator=(SequenceLocalization&&) noexcept = default;
+SequenceLocalization::~SequenceLocalization() = default;
+
+SequenceAnswer SequenceLocalization::add(View view, double stamp,
+                                         const std::optional<PoseWithCovariance>& motion) {
+  return impl_->add(std::move(view), stamp, motion);
+}
+void SequenceLocalization::reset() { impl_->reset(); }
+void SequenceLocalization::setNumberOfThreads(int n) {
+  impl_->localization.setNumberOfThreads(n);
+  impl_->belief.setNumberOfThreads(n);
+}
+
+}  // namespace facetloc

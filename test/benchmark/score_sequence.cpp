@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// How many metres it takes until a moving camera knows where it is.
+//
+//   facetloc_simulate office -o office1 --seed 1 --runs map,drive --drive 60 --width 320; ...
+//   score_sequence [--run drive] [--way 5] [--every N] [--start N] [--unknown] [--GROUP.PARAMETER VALUE]
+//   PLACE...
+//
+// Each PLACE is a folder with a run map/, which makes the map by the paper's rule, and another run, of which
+// every N-th image (--every) is seen and every N-th of those (--start) is a start: the camera wakes up there
+// and drives on. Printed is, after so many metres, how many are sure and how many of these are right. With
+// --unknown each start has a map of its own, without the local models within 3 m of its way.
+#include "mapped_place.h"
+#include "tools/app.h"
+
+#include <facetloc/registration/map_ambiguity.h>
+#include <facetloc/registration/sequence_localization.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace facetloc;
+using benchmarks::MappedPlace;
+
+constexpr std::array<double, 7> kMetres = {0, 0.5, 1, 2, 3, 4, 5};
+
+/** What became of one start. */
+struct Course {
+  bool whole = false;  // it has gone all the way
+  std::array<AnswerState, kMetres.size()> state{};
+  std::array<bool, kMetres.size()> right{};
+  bool ever_wrong = false;  // and sure
+  int images = 0, sure = 0, sure_right = 0, searches = 0, places = 0, rank1 = 0, carried = 0;
+  double milliseconds = 0;
+};
+
+struct Seen {
+  std::vector<View> views;
+  std::vector<double> stamps;
+  std::vector<Eigen::Isometry3d> truth;
+  std::vector<char> covered;  // by a local model
+};
+
+Map without(const Map& whole, const std::vector<Eigen::Isometry3d>& way, double radius) {
+  Map map;
+  map.camera = whole.camera;
+  map.ambiguity = whole.ambiguity;
+  for (const LocalModel& m : whole.models) {
+    const bool gone = std::any_of(way.begin(), way.end(), [&](const Eigen::Isometry3d& T) {
+      return (m.T_w_m->translation() - T.translation()).norm() <= radius;
+    });
+    if (!gone) map.models.push_back(m);
+  }
+  return map;
+}
+
+double ratio(double a, double b) { return b > 0 ? 100 * a / b : 0; }
+
+class ScoreSequenceApp : public App {
+public:
+  ScoreSequenceApp()
+      : App("score_sequence", "PLACE... [options]", "Localizes a moving camera from many starts of a run.") {}
+
+private:
+  void addOptions(CommandLine& line) override {
+    line.addArguments("PLACE", places_);
+    line.addOption("run", run_, "NAME", "The run that is localized.");
+    line.addOption("way", way_, "M", "Way of each start [m].");
+    line.addOption("every", every_, "N", "See only every N-th image.");
+    line.addOption("start", start_, "N", "Start at every N-th of these.");
+    line.addOption("radius", radius_, "M", "Distance of the local models that are taken out [m].");
+    line.addSwitch("unknown", unknown_, "Take the local models around the way out of the map.");
+    line.addSwitch("courses", courses_, "Print every image of every start.");
+    line.addSwitch("dump", dump_, "Print all places.");
+    line.addPresets();
+    line.addParams(view_);
+    line.addParams(evaluation_, "evaluation");
+    line.addParams(sequence_, "sequence");
+    line.addParams(localization_);
+  }
+
+  Course follow(SequenceLocalization& sequence, const Seen& seen, std::size_t start) const {
+    Course course;
+    double gone = 0;
+    std::size_t next = 0;
+    for (std::size_t i = start; i < seen.views.size(); ++i) {
+      if (i > start && (unknown_ || seen.covered[i]))
+        gone += (seen.truth[i].translation() - seen.truth[i - 1].translation()).norm();
+      const auto begin = std::chrono::steady_clock::now();
+      const SequenceAnswer answer = sequence.add(seen.views[i], seen.stamps[i]);
+      course.milliseconds +=
+          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+      bool right = false;
+      PoseError error;
+      if (!answer.places.empty()) {
+        error = poseError(*answer.places.front().T_w_c, seen.truth[i]);
+        right = error.translation <= evaluation_.max_translation &&
+                error.rotation_deg <= evaluation_.max_rotation_deg;
+      }
+      const bool sure = answer.state == AnswerState::sure;
+      ++course.images;
+      course.sure += sure;
+      course.sure_right += sure && right;
+      course.rank1 += right;
+      course.searches += answer.searched;
+      course.carried += answer.carried_away;
+      course.places += static_cast<int>(answer.places.size());
+      course.ever_wrong = course.ever_wrong || (sure && !right);
+      if (courses_) {
+        std::printf("start %zu image %zu gone %.2f %s%s%s p %.3f nowhere %.3f places %zu error %.0f mm %.1f "
+                    "deg %s %s\n",
+                    start, i, gone, toString(answer.state), right ? " right" : "",
+                    answer.searched ? " searched" : "",
+                    answer.places.empty() ? 0 : answer.places.front().probability, answer.nowhere,
+                    answer.places.size(), 1e3 * error.translation, error.rotation_deg,
+                    answer.carried_away ? "CARRIED" : "", answer.reason.c_str());
+      }
+      if (dump_)
+        for (std::size_t k = 0; k < answer.places.size(); ++k) {
+          const Hypothesis& h = answer.places[k];
+          const PoseError e = poseError(*h.T_w_c, seen.truth[i]);
+          const Explanation& x = h.explained;
+          std::printf("P,%zu,%zu,%zu,%g,%g,%g,%g,%g,%g,%g,%d,%d,%g,%g,%g,%g,%d,%g\n", start, i, k,
+                      h.probability, answer.nowhere, h.score, h.consensus, h.evidence, e.translation,
+                      e.rotation_deg, static_cast<int>(answer.searched), static_cast<int>(h.found_by.size()),
+                      x.compared, x.agreeing, x.contradicted, x.paired, static_cast<int>(seen.covered[i]),
+                      gone);
+        }
+      while ((unknown_ || seen.covered[i]) && next < kMetres.size() && gone >= kMetres[next]) {
+        course.state[next] = answer.state;
+        course.right[next] = right;
+        ++next;
+      }
+      if (gone >= way_) {
+        course.whole = true;
+        break;
+      }
+    }
+    return course;
+  }
+
+  std::vector<Course> coursesOf(const std::shared_ptr<const Map>& map, const Seen& seen) const {
+    const int n = (static_cast<int>(seen.views.size()) + start_ - 1) / start_;
+    std::vector<Course> courses(n);
+#pragma omp parallel
+    {
+      std::optional<SequenceLocalization> whole;
+      if (!unknown_) whole.emplace(map, sequence_, localization_);
+#pragma omp for schedule(dynamic)
+      for (int k = 0; k < n; ++k) {
+        const std::size_t start = static_cast<std::size_t>(k) * start_;
+        if (whole) {
+          whole->reset();
+          courses[k] = follow(*whole, seen, start);
+          continue;
+        }
+        std::vector<Eigen::Isometry3d> way;
+        double gone = 0;
+        for (std::size_t i = start; i < seen.truth.size() && gone < way_; ++i) {
+          if (i > start) gone += (seen.truth[i].translation() - seen.truth[i - 1].translation()).norm();
+          way.push_back(seen.truth[i]);
+        }
+        SequenceLocalization sequence(std::make_shared<const Map>(without(*map, way, radius_)), sequence_,
+                                      localization_);
+        courses[k] = follow(sequence, seen, start);
+      }
+    }
+    return courses;
+  }
+
+  static void print(const std::string& name, const std::vector<Course>& courses) {
+    Course sum;
+    int whole = 0, ever_wrong = 0;
+    for (const Course& c : courses) {
+      sum.images += c.images, sum.sure += c.sure, sum.sure_right += c.sure_right;
+      sum.searches += c.searches, sum.places += c.places, sum.milliseconds += c.milliseconds;
+      sum.rank1 += c.rank1;
+      sum.carried += c.carried;
+      whole += c.whole;
+      ever_wrong += c.ever_wrong;
+    }
+    std::printf("%s: %zu starts, %d whole; ever sure and wrong %.2f %%; of all images sure %.1f %%, right of "
+                "these %.2f %%, rank 1 %.1f %%; "
+                "searched %.1f %%, carried away %.2f %%, %.1f places, %.1f ms an image\n",
+                name.c_str(), courses.size(), whole, ratio(ever_wrong, courses.size()),
+                ratio(sum.sure, sum.images), ratio(sum.sure_right, sum.sure), ratio(sum.rank1, sum.images),
+                ratio(sum.searches, sum.images), ratio(sum.carried, sum.images),
+                double(sum.places) / std::max(1, sum.images), sum.milliseconds / std::max(1, sum.images));
+    for (std::size_t m = 0; m < kMetres.size(); ++m) {
+      int n = 0, sure = 0, right = 0, doubtful = 0;
+      for (const Course& c : courses) {
+        if (!c.whole) continue;
+        ++n;
+        sure += c.state[m] == AnswerState::sure;
+        doubtful += c.state[m] == AnswerState::doubtful;
+        right += c.state[m] == AnswerState::sure && c.right[m];
+      }
+      std::printf("  after %.1f m: sure %5.1f %% (right %6.2f %%), doubtful %.1f %%\n", kMetres[m],
+                  ratio(sure, n), ratio(right, sure), ratio(doubtful, n));
+    }
+    std::fflush(stdout);
+  }
+
+  bool isCovered(const std::vector<ModelPose>& models, const Eigen::Isometry3d& T_w_c) const {
+    return std::any_of(models.begin(), models.end(), [&](const ModelPose& model) {
+      const PoseError error = poseError(model.T_w_m, T_w_c);
+      return error.translation <= evaluation_.covered_distance &&
+             error.rotation_deg <= evaluation_.covered_rotation_deg;
+    });
+  }
+
+  int execute(const CommandLine&, const Console&) override {
+    if (every_ < 1 || start_ < 1) throw UsageError("every and start must be positive");
+    std::vector<Course> all;
+    for (const std::string& name : places_) {
+      MappedPlace place(name, static_cast<std::size_t>(every_), run_);
+      Map map = place.see(view_);
+      const PlaceTruth truth = place.truth().of(run_);
+      Seen seen;
+      for (std::size_t i = 0; i < place.query().frames.size(); ++i) {
+        const FrameFile& frame = place.query().sequence.frames()[place.query().frames[i]];
+        const auto T_w_c = truth.poses().nearest(frame.stamp, benchmarks::kPoseTolerance);
+        if (!T_w_c) continue;
+        seen.views.push_back(place.query().views[i]);
+        seen.stamps.push_back(frame.stamp);
+        seen.truth.push_back(*T_w_c);
+        seen.covered.push_back(isCovered(place.models(), *T_w_c));
+      }
+      map.ambiguity = ambiguityOf(GlobalLocalization(std::make_shared<const Map>(map), localization_));
+      const std::vector<Course> courses = coursesOf(std::make_shared<const Map>(std::move(map)), seen);
+      print(fs::path(name).filename().string(), courses);
+      all.insert(all.end(), courses.begin(), courses.end());
+    }
+    if (places_.size() > 1) print("all", all);
+    return kOk;
+  }
+
+  std::vector<std::string> places_;
+  std::string run_ = "drive";
+  double way_ = 5, radius_ = 3;
+  int every_ = 3, start_ = 10;
+  bool unknown_ = false, courses_ = false, dump_ = false;
+  ViewParams view_;
+  EvaluationParams evaluation_;
+  SequenceParams sequence_;
+  GlobalLocalizationParams localization_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ScoreSequenceApp app;
+  return runApp(app, argc, argv);
+}
