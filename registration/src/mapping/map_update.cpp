@@ -79,8 +79,9 @@ private:
     loose << Eigen::Vector3d::Constant(kLooseRotation), Eigen::Vector3d::Constant(kLoose);
     const Matrix6d P = loose.cwiseAbs2().asDiagonal();
     std::vector<Look> looks;
-    for (const auto& [distance, i] : near) {
+    for (const auto& by_distance : near) {
       if (looks.size() == kMostLooks) break;
+      const auto i = by_distance.second;
       const Eigen::Isometry3d T_m_c = model.T_w_m->inverse() * session_[i].T_w_c;
       const bool same = std::any_of(looks.begin(), looks.end(), [&](const Look& look) {
         return isNear(session_[look.image].T_w_c, session_[i].T_w_c, kOtherPlace, kOtherTurnDeg);
