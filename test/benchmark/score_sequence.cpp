@@ -117,6 +117,14 @@ private:
       course.carried += answer.carried_away;
       course.places += static_cast<int>(answer.places.size());
       course.ever_wrong = course.ever_wrong || (sure && !right);
+      if (courses_ && i > start) {
+        const PoseError m = poseError(answer.T_before_now.T, seen.truth[i - 1].inverse() * seen.truth[i]);
+        std::printf("motion off %.0f mm %.2f deg std %.0f mm %.2f deg; pose std %.0f mm %.2f deg; ",
+                    1e3 * m.translation, m.rotation_deg, 1e3 * largestTranslationStd(answer.T_before_now.P),
+                    largestRotationStd(answer.T_before_now.P) / kDegree,
+                    answer.places.empty() ? 0 : 1e3 * largestTranslationStd(answer.places[0].T_m_c.P),
+                    answer.places.empty() ? 0 : largestRotationStd(answer.places[0].T_m_c.P) / kDegree);
+      }
       if (courses_) {
         std::printf("start %zu image %zu gone %.2f %s%s%s p %.3f nowhere %.3f places %zu error %.0f mm %.1f "
                     "deg %s %s\n",

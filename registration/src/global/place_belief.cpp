@@ -41,19 +41,23 @@ PlaceBelief::PlaceBelief(std::shared_ptr<const Map> map, const GlobalLocalizatio
                          const SequenceParams& params)
     : map_(std::move(map)),
       params_(checked(params)),
-      probability_(localization.probability),
+      prior_(
+          -std::log(localization.probability.map_incomplete / (1 - localization.probability.map_incomplete))),
       ranking_(map_,
                [&] {
                  GlobalLocalizationParams without_prior = localization;
                  without_prior.probability.map_incomplete = 0.5;  // it counts once, not with every look
                  return without_prior;
                }()),
-      has_odds_(!localization.score.by_overlap) {}
+      has_odds_(!localization.score.by_overlap) {
+  const ProbabilityParams& p = localization.probability;
+  known_ = {p.slope, (1 - params_.lookalike_weight) * p.least_null_score +
+                         params_.lookalike_weight * meanAmbiguity(p, map_->ambiguity)};
+}
 
 void PlaceBelief::clear() {
   places_.clear();
   kept_.clear();
-  odds_ = {};
   way_ = turn_ = 0;
   looks_ = 0;
 }
@@ -84,7 +88,7 @@ double PlaceBelief::historyOf(const Hypothesis& place) const {
     PoseWithCovariance there = T_w_c * look.T_c_l;
     const Query query(*look.view);
     const auto seen = ranking_.at(query, place.part, there);
-    if (seen) sum += look.weight * std::clamp(look.odds(seen->score), -kMostOfOneLook, kMostOfOneLook);
+    if (seen) sum += look.weight * std::clamp(known_(seen->score), -kMostOfOneLook, kMostOfOneLook);
   }
   return sum;
 }
@@ -119,29 +123,28 @@ void PlaceBelief::look(std::shared_ptr<const View> view, const Localization* fou
   list.insert(list.end(), fresh.begin(), fresh.end());
   std::stable_sort(list.begin(), list.end(),
                    [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
-  if (found || looks_ == 0) odds_ = ranking_.odds(!view->depth.empty(), list);
+  const ScoreOdds of_search = ranking_.odds(!view->depth.empty(), list);
 
   std::vector<double> before(fresh.size());
   forEachInParallel(static_cast<int>(fresh.size()), threads_,
                     [&](int i) { before[i] = historyOf(fresh[i]); });
-  const auto ofLook = [&](const Hypothesis& h) {
-    return weight * std::clamp(odds_(h.score), -kMostOfOneLook, kMostOfOneLook);
+  const auto ofLook = [weight](const ScoreOdds& odds, const Hypothesis& h) {
+    return weight * std::clamp(odds(h.score), -kMostOfOneLook, kMostOfOneLook);
   };
   for (std::size_t i = 0; i < places_.size(); ++i) {
     if (!seen[i]) continue;
     BelievedPlace& place = places_[i];
-    place.log_odds += ofLook(*seen[i]);
+    place.log_odds += ofLook(known_, *seen[i]);
     PoseWithCovariance T_w_c = *map_->models[seen[i]->model].T_w_m * seen[i]->T_m_c;
     T_w_c.P = discounted(place.T_w_c.P, T_w_c.P, weight);
     place.T_w_c = T_w_c;
     place.match = *seen[i];
   }
-  const double prior = -std::log(probability_.map_incomplete / (1 - probability_.map_incomplete));
   for (std::size_t i = 0; i < fresh.size(); ++i) {
     BelievedPlace place;
     place.T_w_c = *map_->models[fresh[i].model].T_w_m * fresh[i].T_m_c;
     place.part = fresh[i].part;
-    place.log_odds = prior + before[i] + ofLook(fresh[i]);
+    place.log_odds = prior_ + before[i] + std::min(ofLook(of_search, fresh[i]), ofLook(known_, fresh[i]));
     place.match = fresh[i];
     places_.push_back(std::move(place));
   }
@@ -149,7 +152,7 @@ void PlaceBelief::look(std::shared_ptr<const View> view, const Localization* fou
   way_ = turn_ = 0;
   PoseWithCovariance here;
   here.P = kLeast * kLeast * Matrix6d::Identity();
-  kept_.push_back({std::move(view), here, weight, odds_});
+  kept_.push_back({std::move(view), here, weight});
   while (static_cast<int>(kept_.size()) > params_.kept_looks) kept_.pop_front();
   normalize();
 }

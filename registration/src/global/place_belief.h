@@ -61,7 +61,6 @@ private:
     std::shared_ptr<const View> view;
     PoseWithCovariance T_c_l;  // from where the camera is now
     double weight;
-    ScoreOdds odds;
   };
   double motionSince(double distance, double rotation_deg) const;
   double historyOf(const Hypothesis& place) const;
@@ -69,12 +68,12 @@ private:
 
   std::shared_ptr<const Map> map_;
   SequenceParams params_;
-  ProbabilityParams probability_;
+  double prior_;  // that the map holds the place, as log odds
   PlaceRanking ranking_;
   bool has_odds_;
   std::vector<BelievedPlace> places_;
   std::deque<Look> kept_;
-  ScoreOdds odds_;             // of the latest search
+  ScoreOdds known_;            // of a place that was known beforehand
   double way_ = 0, turn_ = 0;  // since the last look [m, rad]
   int looks_ = 0;
   int threads_ = 1;

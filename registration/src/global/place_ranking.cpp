@@ -312,13 +312,16 @@ void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypothese
   hypotheses.swap(places);
 }
 
-double nullScore(const ProbabilityParams& params, const std::optional<MapAmbiguity>& ambiguity,
-                 const std::vector<Hypothesis>& sorted) {
+double meanAmbiguity(const ProbabilityParams& params, const std::optional<MapAmbiguity>& ambiguity) {
   constexpr double kViews = 20;  // that the usual ambiguity counts as
   const MapAmbiguity found = ambiguity.value_or(MapAmbiguity());
-  const double of_map =
-      (found.views * found.score + kViews * params.usual_ambiguity) / (found.views + kViews);
-  const double of_all_views = params.ambiguity_weight * of_map + priorOdds(params) / params.slope;
+  return (found.views * found.score + kViews * params.usual_ambiguity) / (found.views + kViews);
+}
+
+double nullScore(const ProbabilityParams& params, const std::optional<MapAmbiguity>& ambiguity,
+                 const std::vector<Hypothesis>& sorted) {
+  const double of_all_views =
+      params.ambiguity_weight * meanAmbiguity(params, ambiguity) + priorOdds(params) / params.slope;
 
   const std::size_t end = std::min<std::size_t>(sorted.size(), 1 + params.runners_up);
   if (end < 2) return params.least_null_score + of_all_views;

@@ -99,6 +99,7 @@ void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypothese
  * What the next best places score is a sample of what wrong places score for this view. A is what they score
  * for other views of this map, which tells what a place would score that only looks like one which the map
  * lacks; of few views, it is drawn towards the usual. pi: map_incomplete. */
+double meanAmbiguity(const ProbabilityParams& params, const std::optional<MapAmbiguity>& ambiguity);
 double nullScore(const ProbabilityParams& params, const std::optional<MapAmbiguity>& ambiguity,
                  const std::vector<Hypothesis>& sorted);
 

@@ -8,8 +8,7 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr double kLongStep = 0.2;        // after which the next image may show another place [s]
-constexpr double kClearAgreement = 0.9;  // of an image with the ones before it
+constexpr double kLongStep = 0.2;  // after which the next image may show another place [s]
 constexpr double kLeastAgreement = 0.75, kLeastOverlap = 0.2;  // of two images that show the same
 constexpr double kGate = 22.46;                                // of 99.9 % in 6 degrees of freedom
 constexpr double kSharedRotation = 0.05 * kDegree, kSharedTranslation = 0.003;  // errors of any two views
@@ -56,7 +55,7 @@ ViewMotion ImageMotion::add(const std::shared_ptr<const View>& view, double dt,
                             const std::optional<PoseWithCovariance>& given) {
   ViewMotion seen = odometry_.add(*view, dt);
   const bool shows_anything = !view->segments.empty() || !view->depth.empty();
-  if (before_ && shows_anything && (dt > kLongStep || seen.broken || seen.agreement < kClearAgreement)) {
+  if (before_ && shows_anything && (dt > kLongStep || seen.broken)) {
     const auto mounting = view->camera ? view->camera->mounting : std::nullopt;
     PoseWithCovariance prior{Eigen::Isometry3d::Identity(), stepCovariance(mounting, true)};
     if (given)

@@ -41,7 +41,7 @@ void SequenceLocalization::Impl::reset() {
 }
 
 bool SequenceLocalization::Impl::isSure() const {
-  if (belief.places().empty()) return false;
+  if (belief.places().empty() || belief.looks() < 2) return false;
   const BelievedPlace& best = belief.places().front();
   return best.probability >= tracking_params.min_probability &&
          largestTranslationStd(best.T_w_c.P) <= params.max_translation &&

@@ -15,6 +15,7 @@ struct SequenceParams {
   int max_places = 12;                   ///< places that are kept
   int kept_looks = 6;                    ///< latest views, by which a new place is judged too
   double most_log_odds = 7;              ///< that any number of views add up to [nats]
+  double lookalike_weight = 0.8;         ///< of what the map's look-alikes score, in what a place must score
   double max_translation = 0.15;         ///< std of a pose beyond which it is not sure [m]
   double max_rotation_deg = 3;           ///< the same
 
@@ -33,6 +34,9 @@ struct SequenceParams {
           "Number of latest views by which a place is judged that only a later one brings up.");
     visit("most_log_odds", p.most_log_odds, 0.1, 100.0,
           "Log odds that any number of views add up to at most; less forgets faster [nats].");
+    visit("lookalike_weight", p.lookalike_weight, 0.0, 1.0,
+          "Weight of the scores of wrong places for the map's own views in the score that speaks for a "
+          "place; the rest has what wrong places score at least.");
     visit("max_translation", p.max_translation, 1e-3, 100.0,
           "Position uncertainty from which on a place is not sure, standard deviation [m].");
     visit("max_rotation_deg", p.max_rotation_deg, 1e-3, 180.0,
