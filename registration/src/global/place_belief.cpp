@@ -78,7 +78,20 @@ bool PlaceBelief::isDue() const {
   return looks_ == 0 || motionSince(params_.look_distance, params_.look_rotation_deg) >= 1;
 }
 
-void PlaceBelief::suppose(const BelievedPlace& place) { places_.push_back(place); }
+void PlaceBelief::suppose(int part, const PoseWithCovariance& T_w_c) {
+  const auto known = std::find_if(places_.begin(), places_.end(), [&](const BelievedPlace& place) {
+    return place.part == part && isNear(place.T_w_c.T, T_w_c.T, kSameTranslation, kSameRotation);
+  });
+  if (known != places_.end()) {
+    known->T_w_c = T_w_c;
+    return;
+  }
+  BelievedPlace place;
+  place.T_w_c = T_w_c;
+  place.part = part;
+  place.log_odds = prior_;
+  places_.push_back(std::move(place));
+}
 
 // What the kept looks say of a place that they did not look at.
 double PlaceBelief::historyOf(const Hypothesis& place) const {
@@ -144,7 +157,7 @@ void PlaceBelief::look(std::shared_ptr<const View> view, const Localization* fou
     BelievedPlace place;
     place.T_w_c = *map_->models[fresh[i].model].T_w_m * fresh[i].T_m_c;
     place.part = fresh[i].part;
-    place.log_odds = prior_ + before[i] + std::min(ofLook(of_search, fresh[i]), ofLook(known_, fresh[i]));
+    place.log_odds = prior_ + before[i] + ofLook(of_search, fresh[i]);
     place.match = fresh[i];
     places_.push_back(std::move(place));
   }

@@ -46,8 +46,9 @@ public:
    * \param view where the camera is now; it is kept for a while
    * \param found what a search of the whole map has found for this view; null if there was none */
   void look(std::shared_ptr<const View> view, const Localization* found);
-  /** \brief Where the camera also may be, as another source has told. */
-  void suppose(const BelievedPlace& place);
+  /** \brief Another source follows the camera here: corrects the pose of this place, or adds it with the odds
+   * that any place has beforehand. \param part of the map */
+  void suppose(int part, const PoseWithCovariance& T_w_c);
 
   /** \brief Most probable first; their probabilities add up to at most 1, and the rest is that the camera is
    * nowhere in the map. */

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "global/place_belief.h"
 #include "global/place_ranking.h"
-#include "tracking/likely_places.h"
 #include "tracking/map_surroundings.h"
 #include "tracking/repeated_looks.h"
 #include "tracking/view_odometry.h"
@@ -76,26 +76,27 @@ struct PoseTracking::Impl {
 
   TrackedPose track(const View& view, const ViewMotion& motion);
   void stand(const Eigen::Isometry3d& motion);
-  TrackedPose search(const View& view, const ViewMotion& motion);
-  TrackedPose lose(const View& view, const ViewMotion& motion, const std::string& reason);
+  TrackedPose search(const View& view);
+  TrackedPose lose(const View& view, const std::string& reason);
   TrackedPose answer(const View& view, const Step& step) const;
-  void begin(const LikelyPlace& place);
+  void begin(const BelievedPlace& place);
   bool hasBetterPlace(const View& view, const Step& step);
-  std::vector<LikelyPlace> placesOf(const View& view, std::string& reason) const;
+  std::string lookAround(const View& view);
+  const BelievedPlace* likelyPlace() const;
   bool isSure(const Step& step) const;
   Step align(const View& view, int part, const PoseWithCovariance& prior) const;
 
   PoseTrackingParams params_;
   GlobalLocalization localization_;
   MapSurroundings surroundings_;
+  PlaceBelief belief_;
   Eigen::Matrix3d floor_covariance_;  // of (roll, pitch, height)
   ViewAlignmentParams alignment_;
   DepthComparison comparison_;
   ViewOdometry odometry_;
   RepeatedLooks looks_;
   PoseWithCovariance T_w_c_;
-  int part_ = 0;                         // of the map, in whose frame that is
-  std::vector<LikelyPlace> candidates_;  // of the last searches, none likely enough yet
+  int part_ = 0;  // of the map, in whose frame that is
   double stamp_ = 0;
   double probability_ = 0;
   double bad_since_ = 0, next_check_ = 0;  // [s]
@@ -121,6 +122,7 @@ PoseTracking::Impl::Impl(const std::shared_ptr<const Map>& map, const PoseTracki
     : params_(checked(params)),
       localization_(map, localization),
       surroundings_(map, DepthComparison(localization.depth)),
+      belief_(map, localization, SequenceParams{}),
       floor_covariance_(floorCovariance(localization.prior)),
       alignment_(alignmentParams(localization, params)),
       comparison_(refinedErrors(localization.depth, localization.refinement)),
@@ -135,11 +137,14 @@ PoseTracking::~PoseTracking() = default;
 
 TrackedPose PoseTracking::update(const View& view, double stamp) { return impl_->update(view, stamp); }
 void PoseTracking::relocalize() { impl_->relocalize(); }
-void PoseTracking::setNumberOfThreads(int n) { impl_->localization_.setNumberOfThreads(n); }
+void PoseTracking::setNumberOfThreads(int n) {
+  impl_->localization_.setNumberOfThreads(n);
+  impl_->belief_.setNumberOfThreads(n);
+}
 
 void PoseTracking::Impl::relocalize() {
   active_ = confirmed_ = ever_ = false;
-  candidates_.clear();
+  belief_.clear();
 }
 
 TrackedPose PoseTracking::Impl::update(const View& view, double stamp) {
@@ -156,9 +161,13 @@ TrackedPose PoseTracking::Impl::update(const View& view, double stamp) {
   on_floor_ = view.camera && differenceOf(*view.camera, surroundings_.map().camera).sameMounting();
   ViewMotion motion = odometry_.add(view, in_time ? dt : 0);
   motion.broken = motion.broken || !in_time;
-  if (!active_) return search(view, motion);
-  if (!(dt >= 0)) return lose(view, motion, "the time went back");
-  if (!in_time) return lose(view, motion, "no view came for " + numberText(std::round(10 * dt) / 10) + " s");
+  if (motion.broken)
+    belief_.clear();
+  else
+    belief_.move(motion.T_a_b);
+  if (!active_) return search(view);
+  if (!(dt >= 0)) return lose(view, "the time went back");
+  if (!in_time) return lose(view, "no view came for " + numberText(std::round(10 * dt) / 10) + " s");
   return track(view, motion);
 }
 
@@ -181,7 +190,7 @@ TrackedPose PoseTracking::Impl::track(const View& view, const ViewMotion& motion
   looks_.move(motion.T_a_b.T);
   stand(motion.T_a_b.T);
   if (exceeds(T_w_c_.P, params_.lost_rotation_deg, params_.lost_translation))
-    return lose(view, motion, "the pose has become as uncertain as any");
+    return lose(view, "the pose has become as uncertain as any");
   doubtful_ = doubtful_ || motion.broken || !confirmed_;
   Step step = align(view, part_, T_w_c_);
   step.view_agreement = motion.agreement;
@@ -201,7 +210,7 @@ TrackedPose PoseTracking::Impl::track(const View& view, const ViewMotion& motion
     if (bad_views_++ == 0) bad_since_ = stamp_;
     const bool enough =
         doubtful_ ? bad_views_ >= params_.max_bad_views : stamp_ - bad_since_ >= params_.patience;
-    if (!confirmed_ || enough) return lose(view, motion, objection);
+    if (!confirmed_ || enough) return lose(view, objection);
     step.alignment = {T_w_c_, {}, false};
   }
   const bool in_doubt = step.is_judged && agreement < params_.sure_agreement;
@@ -219,7 +228,7 @@ TrackedPose PoseTracking::Impl::track(const View& view, const ViewMotion& motion
     out.state = TrackingState::cannot_tell;
     out.reason = objection;
   } else if (!confirmed_) {
-    if (out.state != TrackingState::tracking) return lose(view, motion, kUnconfirmed);
+    if (out.state != TrackingState::tracking) return lose(view, kUnconfirmed);
     out.state = TrackingState::localized;
     confirmed_ = ever_ = true;
   }
@@ -284,66 +293,66 @@ TrackedPose PoseTracking::Impl::answer(const View& view, const Step& step) const
   return out;
 }
 
-TrackedPose PoseTracking::Impl::lose(const View& view, const ViewMotion& motion, const std::string& reason) {
+TrackedPose PoseTracking::Impl::lose(const View& view, const std::string& reason) {
   active_ = confirmed_ = false;
-  candidates_.clear();
-  TrackedPose out = search(view, motion);
+  belief_.clear();
+  TrackedPose out = search(view);
   if (out.reason.empty() || ever_) out.reason = reason;
   return out;
 }
 
-// What one view leaves open the next one may tell: places that views in a row find win over the others.
-TrackedPose PoseTracking::Impl::search(const View& view, const ViewMotion& motion) {
+// What one view leaves open the next ones may tell; one from where the camera was a moment ago tells nothing.
+TrackedPose PoseTracking::Impl::search(const View& view) {
   TrackedPose out;
   out.state = ever_ ? TrackingState::lost : TrackingState::searching;
-  out.searched = true;
-  if (motion.broken) candidates_.clear();
-  for (LikelyPlace& place : candidates_) place.T_w_c = place.T_w_c * motion.T_a_b;
-  const std::vector<LikelyPlace> found = placesOf(view, out.reason);
-  if (found.empty()) return out;
-  const int models = static_cast<int>(surroundings_.map().models.size());
-  candidates_ = candidates_.empty() ? found : placesOfBoth(candidates_, found, models);
-  out.reason = "no place is likely enough";
-  if (candidates_.empty()) return out;
-  const LikelyPlace best = *std::max_element(
-      candidates_.begin(), candidates_.end(),
-      [](const LikelyPlace& a, const LikelyPlace& b) { return a.probability < b.probability; });
-  out.probability = best.probability;
-  if (!(best.probability >= params_.min_probability)) return out;
-  out.reason = kUnconfirmed;
-  begin(best);
+  out.searched = belief_.isDue();
+  if (out.searched) out.reason = lookAround(view);
+  if (const BelievedPlace* best = likelyPlace()) {
+    out.probability = best->probability;
+    out.reason = kUnconfirmed;
+    begin(*best);
+  } else if (!belief_.places().empty()) {
+    out.probability = belief_.places().front().probability;
+    out.reason = "no place is likely enough";
+  } else if (out.reason.empty()) {
+    out.reason = "no place agrees with the views";
+  }
   return out;
 }
 
-std::vector<LikelyPlace> PoseTracking::Impl::placesOf(const View& view, std::string& reason) const {
+// Holds the view against all places where the camera may be, and those that the whole map has for it. Returns
+// why the map has none.
+std::string PoseTracking::Impl::lookAround(const View& view) {
   const Localization found = localization_.localize(view);
-  reason = found.reason;
-  std::vector<LikelyPlace> places;
-  for (const Hypothesis& h : found.hypotheses)
-    if (h.T_w_c)
-      places.push_back({*surroundings_.map().models[h.model].T_w_m * h.T_m_c, h.probability, h.part});
-  return places;
+  const bool shows_anything = !view.segments.empty() || !view.depth.empty();
+  if (shows_anything) belief_.look(std::make_shared<const View>(view), &found);
+  return found.reason;
 }
 
-void PoseTracking::Impl::begin(const LikelyPlace& place) {
+const BelievedPlace* PoseTracking::Impl::likelyPlace() const {
+  if (belief_.places().empty()) return nullptr;
+  const BelievedPlace& best = belief_.places().front();
+  return best.probability >= params_.min_probability ? &best : nullptr;
+}
+
+void PoseTracking::Impl::begin(const BelievedPlace& place) {
   T_w_c_ = place.T_w_c;
   part_ = place.part;
   looks_.clear();
   probability_ = place.probability;
-  candidates_.clear();
   bad_views_ = 0;
   active_ = true;
   confirmed_ = false;
 }
 
-// Compares the place that is tracked with what the whole map says; goes there if it is better.
+// Compares the place that is tracked with the others where the camera may be; goes there if one is better.
 bool PoseTracking::Impl::hasBetterPlace(const View& view, const Step& step) {
   constexpr double kSameTranslation = 0.3, kSameRotation = 5;  // [m, deg]
   next_check_ = stamp_ + params_.check_interval;
-  std::string reason;
-  const std::vector<LikelyPlace> places = placesOf(view, reason);
-  const LikelyPlace* best = places.empty() ? nullptr : &places.front();
-  if (!best || !(best->probability >= params_.min_probability)) return false;
+  belief_.suppose(part_, T_w_c_);
+  lookAround(view);
+  const BelievedPlace* best = likelyPlace();
+  if (!best) return false;
   const bool is_known =
       best->part == part_ && isNear(best->T_w_c.T, T_w_c_.T, kSameTranslation, kSameRotation);
   if (is_known) return false;
