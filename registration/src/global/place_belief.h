@@ -24,7 +24,7 @@ struct BelievedPlace {
 };
 
 /** \brief What the views of a moving camera together say of where it is: Gaussian places with their odds
- * against that it is nowhere in the map (METHOD 13.8).
+ * against that it is nowhere in the map (METHOD 16.6).
  *
  * A place moves with the camera. Each look adds to its log odds what the view says at this very pose, as the
  * ranking of a search weighs it. Views that are close to each other err alike: a look counts by
