@@ -4,6 +4,7 @@
 
 #include <facetloc/registration/global_localization.h>
 #include <facetloc/registration/sequence_localization.h>
+#include <facetloc/segmentation/view_builder.h>
 
 #include <cmath>
 #include <utility>
@@ -32,6 +33,8 @@ struct SequenceLocalization::Impl {
   PlaceBelief belief;
   ImageMotion motion;
   std::optional<double> stamp;
+  Camera camera;  // of clouds and images
+  std::optional<ViewBuilder> builder;
 };
 
 void SequenceLocalization::Impl::reset() {
@@ -120,6 +123,21 @@ SequenceAnswer SequenceLocalization::add(View view, double stamp,
                                          const std::optional<PoseWithCovariance>& motion) {
   return impl_->add(std::move(view), stamp, motion);
 }
+SequenceAnswer SequenceLocalization::addImage(const DepthImage& image, double stamp,
+                                              const std::optional<PoseWithCovariance>& motion) {
+  constexpr int kWorkingWidth = 320;
+  const DepthImage small = subsampled(image, subsamplingStep(image.camera, kWorkingWidth));
+  Camera seen = impl_->camera;
+  seen.intrinsics = small.camera;
+  if (!impl_->builder || !(impl_->builder->camera().intrinsics == small.camera))
+    impl_->builder.emplace(impl_->localization.map().calibrated(seen));
+  return impl_->add(impl_->builder->build(small), stamp, motion);
+}
+void SequenceLocalization::setCamera(const Camera& camera) {
+  impl_->camera = camera;
+  impl_->builder.reset();
+}
+const Camera& SequenceLocalization::camera() const { return impl_->camera; }
 void SequenceLocalization::reset() { impl_->reset(); }
 void SequenceLocalization::setNumberOfThreads(int n) {
   impl_->localization.setNumberOfThreads(n);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <facetloc/features/local_model.h>
+#include <facetloc/features/organized_cloud.h>
 #include <facetloc/registration/hypothesis.h>
 #include <facetloc/registration/localization_params.h>
 #include <facetloc/registration/sequence_params.h>
@@ -56,6 +57,25 @@ public:
    * after a gap, starts anew unless an odometry has bridged it. \param motion of the camera since the view
    * before, T_before_now, with its covariance: of a robot's wheels, for instance */
   SequenceAnswer add(View view, double stamp, const std::optional<PoseWithCovariance>& motion = {});
+  /** \brief The same for the image of an organized cloud, seen as PlanarRegistration sees it. A cloud that is
+   * none has an answer with the reason, and counts as a camera that saw nothing. */
+  template <typename PointT>
+  SequenceAnswer addCloud(const pcl::PointCloud<PointT>& cloud, double stamp,
+                          const std::optional<PoseWithCovariance>& motion = {}) {
+    std::string why_not;
+    const auto intrinsics = cameraOfInput(&cloud, nullptr, camera().intrinsics, why_not);
+    SequenceAnswer answer =
+        intrinsics ? addImage(depthImage(cloud, *intrinsics), stamp, motion) : add(View(), stamp, motion);
+    if (!intrinsics) answer.reason = why_not;
+    return answer;
+  }
+  /** \brief The same for a depth image, of the camera's or a multiple of its size. */
+  SequenceAnswer addImage(const DepthImage& image, double stamp,
+                          const std::optional<PoseWithCovariance>& motion = {});
+  /** \brief The camera of clouds and depth images: noise, mounting and range; without intrinsics they are
+   * recovered from the points of a cloud. By default nothing is known of it. */
+  void setCamera(const Camera& camera);
+  const Camera& camera() const;
   /** \brief Forgets all views. */
   void reset();
   /** \brief OpenMP threads; 1 by default, 0 = all cores. */
