@@ -81,8 +81,8 @@ struct PoseTracking::Impl {
   TrackedPose answer(const View& view, const Step& step) const;
   void begin(const BelievedPlace& place);
   bool hasBetterPlace(const View& view, const Step& step);
-  std::string lookAround(const View& view);
-  const BelievedPlace* likelyPlace() const;
+  std::optional<BelievedPlace> likeliestPlace(const View& view, std::string& reason);
+  BelievedPlace placeOf(const Hypothesis& h) const;
   bool isSure(const Step& step) const;
   Step align(const View& view, int part, const PoseWithCovariance& prior) const;
 
@@ -301,38 +301,41 @@ TrackedPose PoseTracking::Impl::lose(const View& view, const std::string& reason
   return out;
 }
 
-// What one view leaves open the next ones may tell; one from where the camera was a moment ago tells nothing.
+// What one view leaves open the next ones may tell.
 TrackedPose PoseTracking::Impl::search(const View& view) {
   TrackedPose out;
   out.state = ever_ ? TrackingState::lost : TrackingState::searching;
-  out.searched = belief_.isDue();
-  if (out.searched) out.reason = lookAround(view);
-  if (const BelievedPlace* best = likelyPlace()) {
-    out.probability = best->probability;
-    out.reason = kUnconfirmed;
-    begin(*best);
-  } else if (!belief_.places().empty()) {
-    out.probability = belief_.places().front().probability;
-    out.reason = "no place is likely enough";
-  } else if (out.reason.empty()) {
-    out.reason = "no place agrees with the views";
-  }
+  out.searched = true;
+  const std::optional<BelievedPlace> best = likeliestPlace(view, out.reason);
+  if (!best) return out;
+  out.probability = best->probability;
+  out.reason = "no place is likely enough";
+  if (!(best->probability >= params_.min_probability)) return out;
+  out.reason = kUnconfirmed;
+  begin(*best);
   return out;
 }
 
-// Holds the view against all places where the camera may be, and those that the whole map has for it. Returns
-// why the map has none.
-std::string PoseTracking::Impl::lookAround(const View& view) {
+// By all views since nothing was known, or by this one alone: the next view will have to confirm it.
+std::optional<BelievedPlace> PoseTracking::Impl::likeliestPlace(const View& view, std::string& reason) {
   const Localization found = localization_.localize(view);
+  reason = found.reason;
   const bool shows_anything = !view.segments.empty() || !view.depth.empty();
-  if (shows_anything) belief_.look(std::make_shared<const View>(view), &found);
-  return found.reason;
+  if (shows_anything && belief_.isDue()) belief_.look(std::make_shared<const View>(view), &found);
+  std::optional<BelievedPlace> best;
+  if (!belief_.places().empty()) best = belief_.places().front();
+  const bool has_place = !found.hypotheses.empty() && found.hypotheses.front().T_w_c;
+  if (has_place && (!best || found.hypotheses.front().probability > best->probability))
+    best = placeOf(found.hypotheses.front());
+  return best;
 }
 
-const BelievedPlace* PoseTracking::Impl::likelyPlace() const {
-  if (belief_.places().empty()) return nullptr;
-  const BelievedPlace& best = belief_.places().front();
-  return best.probability >= params_.min_probability ? &best : nullptr;
+BelievedPlace PoseTracking::Impl::placeOf(const Hypothesis& h) const {
+  BelievedPlace place;
+  place.T_w_c = *surroundings_.map().models[h.model].T_w_m * h.T_m_c;
+  place.part = h.part;
+  place.probability = h.probability;
+  return place;
 }
 
 void PoseTracking::Impl::begin(const BelievedPlace& place) {
@@ -350,9 +353,9 @@ bool PoseTracking::Impl::hasBetterPlace(const View& view, const Step& step) {
   constexpr double kSameTranslation = 0.3, kSameRotation = 5;  // [m, deg]
   next_check_ = stamp_ + params_.check_interval;
   belief_.suppose(part_, T_w_c_);
-  lookAround(view);
-  const BelievedPlace* best = likelyPlace();
-  if (!best) return false;
+  std::string ignored;
+  const std::optional<BelievedPlace> best = likeliestPlace(view, ignored);
+  if (!best || !(best->probability >= params_.min_probability)) return false;
   const bool is_known =
       best->part == part_ && isNear(best->T_w_c.T, T_w_c_.T, kSameTranslation, kSameRotation);
   if (is_known) return false;
