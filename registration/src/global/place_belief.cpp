@@ -106,10 +106,10 @@ double PlaceBelief::historyOf(const Hypothesis& place) const {
   return sum;
 }
 
-void PlaceBelief::look(std::shared_ptr<const View> view, const Localization* found) {
-  if (!has_odds_) return;
+double PlaceBelief::look(std::shared_ptr<const View> view, const Localization* found, bool independent) {
+  if (!has_odds_) return 0;
   const double weight =
-      looks_ == 0
+      looks_ == 0 || independent
           ? 1
           : 1 - std::exp(-motionSince(params_.independent_distance, params_.independent_rotation_deg));
   const Query query(*view);
@@ -144,6 +144,7 @@ void PlaceBelief::look(std::shared_ptr<const View> view, const Localization* fou
   const auto ofLook = [weight](const ScoreOdds& odds, const Hypothesis& h) {
     return weight * std::clamp(odds(h.score), -kMostOfOneLook, kMostOfOneLook);
   };
+  const double of_best = !seen.empty() && seen.front() ? ofLook(known_, *seen.front()) : 0;
   for (std::size_t i = 0; i < places_.size(); ++i) {
     if (!seen[i]) continue;
     BelievedPlace& place = places_[i];
@@ -168,6 +169,7 @@ void PlaceBelief::look(std::shared_ptr<const View> view, const Localization* fou
   kept_.push_back({std::move(view), here, weight});
   while (static_cast<int>(kept_.size()) > params_.kept_looks) kept_.pop_front();
   normalize();
+  return of_best;
 }
 
 // One place once; those that are forgotten go; probabilities.

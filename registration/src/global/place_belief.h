@@ -44,8 +44,10 @@ public:
   bool isDue() const;
   /** \brief Looks at a view from all places.
    * \param view where the camera is now; it is kept for a while
-   * \param found what a search of the whole map has found for this view; null if there was none */
-  void look(std::shared_ptr<const View> view, const Localization* found);
+   * \param found what a search of the whole map has found for this view; null if there was none
+   * \param independent the view has nothing in common with the ones before, however little the camera may
+   * have moved \return what the view says of the place that was most probable [nats]; 0 if there was none. */
+  double look(std::shared_ptr<const View> view, const Localization* found, bool independent = false);
   /** \brief Another source follows the camera here: corrects the pose of this place, or adds it with the odds
    * that any place has beforehand. \param part of the map */
   void suppose(int part, const PoseWithCovariance& T_w_c);

@@ -9,8 +9,10 @@ namespace facetloc::internal {
 namespace {
 
 constexpr double kLongStep = 0.2;  // after which the next image may show another place [s]
-constexpr double kLeastAgreement = 0.75, kLeastOverlap = 0.2;  // of two images that show the same
-constexpr double kGate = 22.46;                                // of 99.9 % in 6 degrees of freedom
+// Of two images that show the same; of two in quick succession it takes more to overrule the odometry.
+constexpr double kLeastAgreement = 0.8, kLeastOverlap = 0.3;
+constexpr double kClearAgreement = 0.9, kClearOverlap = 0.6;
+constexpr double kGate = 22.46;  // of 99.9 % in 6 degrees of freedom
 constexpr double kSharedRotation = 0.05 * kDegree, kSharedTranslation = 0.003;  // errors of any two views
 
 Matrix6d withSharedErrors(Matrix6d P) {
@@ -43,9 +45,11 @@ void ImageMotion::reset() {
 }
 
 std::optional<PoseWithCovariance> ImageMotion::placed(const View& view, const PoseWithCovariance& prior,
-                                                      double& agreement) const {
+                                                      bool quick, double& agreement) const {
   const auto found = placing_.place(view, *before_, prior, true);
-  if (!found || found->agreement < kLeastAgreement || found->overlap < kLeastOverlap) return {};
+  if (!found || found->agreement < (quick ? kClearAgreement : kLeastAgreement) ||
+      found->overlap < (quick ? kClearOverlap : kLeastOverlap))
+    return {};
   agreement = found->agreement;
   return PoseWithCovariance{
       found->T_a_b, withSharedErrors(symmetricInverse(found->information + symmetricInverse(prior.P)))};
@@ -63,7 +67,7 @@ ViewMotion ImageMotion::add(const std::shared_ptr<const View>& view, double dt,
     else if (!seen.broken)
       prior.T = seen.T_a_b.T;
     double agreement = 0;
-    if (const auto found = placed(*view, prior, agreement)) {
+    if (const auto found = placed(*view, prior, dt <= kLongStep, agreement)) {
       if (!isNear(found->T, seen.T_a_b.T, 0.05, 2)) {
         odometry_.reset();
         odometry_.add(*view, 0);

@@ -25,7 +25,7 @@ public:
                  const std::optional<PoseWithCovariance>& given);
 
 private:
-  std::optional<PoseWithCovariance> placed(const View& view, const PoseWithCovariance& prior,
+  std::optional<PoseWithCovariance> placed(const View& view, const PoseWithCovariance& prior, bool quick,
                                            double& agreement) const;
 
   ViewOdometry odometry_;

@@ -12,6 +12,12 @@
 namespace facetloc {
 
 using namespace internal;
+namespace {
+
+constexpr double kContradiction =
+    1;  // of a view against a place, from which on the camera is elsewhere [nats]
+
+}  // namespace
 
 struct SequenceLocalization::Impl {
   Impl(const std::shared_ptr<const Map>& map, const SequenceParams& the_params,
@@ -67,21 +73,25 @@ SequenceAnswer SequenceLocalization::Impl::add(View&& view_in, double now,
   else if (!is_first)
     belief.move(moved.T_a_b);
 
-  std::string of_search;
-  bool searched = false;
+  // What shares nothing with the views before may be of any place: only the map can tell.
   const bool shows_anything = !view->segments.empty() || !view->depth.empty();
-  if (belief.isDue() && shows_anything) {
-    searched = !isSure();
-    if (searched) {
-      const Localization found = localization.localize(*view);
-      of_search = found.reason;
+  const bool alone = shows_anything && !is_first && anew.empty() && !given && !(moved.agreement > 0);
+  std::string of_search;
+  const bool searched = shows_anything && (alone || (belief.isDue() && !isSure()));
+  if (searched) {
+    const Localization found = localization.localize(*view);
+    of_search = found.reason;
+    if (belief.look(view, &found, alone) < -kContradiction && alone) {
+      anew = "the map contradicts the view, which has nothing in common with the one before";
+      belief.clear();
       belief.look(view, &found);
-    } else {
-      belief.look(view, nullptr);
     }
+  } else if (shows_anything && belief.isDue()) {
+    belief.look(view, nullptr);
   }
   SequenceAnswer out = answer(of_search);
   out.carried_away = !anew.empty();
+  if (out.carried_away) out.reason = anew;
   out.searched = searched;
   out.T_before_now = moved.T_a_b;
   return out;

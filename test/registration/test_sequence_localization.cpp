@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "global/place_belief.h"
+
+#include <facetloc/registration/global_localization.h>
+#include <facetloc/registration/sequence_localization.h>
+#include <facetloc/testing/pose_matchers.h>
+#include <facetloc/testing/synthetic_views.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+
+namespace facetloc {
+
+using namespace internal;
+namespace {
+
+using test::lookingAlong;
+using test::viewFrom;
+using testing::HasSubstr;
+
+constexpr double kFrame = 0.1;  // [s]
+
+LocalModel modelAt(const test::Scene& scene, const Eigen::Isometry3d& T_w_m, unsigned seed) {
+  LocalModel m;
+  m.T_w_m = T_w_m;
+  m.view = viewFrom(scene, T_w_m, seed);
+  return m;
+}
+
+/** On a circle about the middle of the large room, looking outwards and down: the floor is always in view. */
+Eigen::Isometry3d onCircle(double degrees, double radius) {
+  const double a = degrees * kDegree;
+  return lookingAlong({3 + radius * std::cos(a), 2.5 + radius * std::sin(a), 1.2},
+                      {std::cos(a), std::sin(a), -0.4});
+}
+
+bool isNearTo(const SequenceAnswer& answer, const Eigen::Isometry3d& truth, double translation,
+              double rotation_deg) {
+  return !answer.places.empty() && isNear(*answer.places.front().T_w_c, truth, translation, rotation_deg);
+}
+
+bool isSureAndWrong(const SequenceAnswer& answer, const Eigen::Isometry3d& truth) {
+  return answer.state == AnswerState::sure && !isNearTo(answer, truth, 0.3, 5);
+}
+
+class SequenceInARoom : public testing::Test {
+protected:
+  static constexpr int kViews = 60;
+  static void SetUpTestSuite() {
+    map = std::make_shared<Map>();
+    for (int i = 0; i < 18; ++i)
+      map->models.push_back(modelAt(test::largeRoom(), onCircle(20 * i, 0.35), 1000 + i));
+    for (int i = 0; i < kViews; ++i) {  // 36 deg/s and, on the circle, 0.4 m/s
+      truth.push_back(onCircle(10 + 3.6 * i, 0.6));
+      views.push_back(viewFrom(test::largeRoom(), truth.back(), 1 + i));
+    }
+  }
+  static void TearDownTestSuite() {
+    map.reset();
+    truth.clear();
+    views.clear();
+  }
+
+  static std::shared_ptr<Map> map;
+  static std::vector<Eigen::Isometry3d> truth;
+  static std::vector<View> views;
+};
+std::shared_ptr<Map> SequenceInARoom::map;
+std::vector<Eigen::Isometry3d> SequenceInARoom::truth;
+std::vector<View> SequenceInARoom::views;
+
+TEST_F(SequenceInARoom, ACameraThatMovesKnowsWhereItIs) {
+  SequenceLocalization sequence(map);
+  int sure = 0, searched = 0;
+  for (int i = 0; i < kViews; ++i) {
+    const SequenceAnswer answer = sequence.add(views[i], i * kFrame);
+    double sum = answer.nowhere;
+    for (const Hypothesis& h : answer.places) sum += h.probability;
+    EXPECT_NEAR(sum, 1, 1e-9);
+    EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
+    EXPECT_EQ(answer.reason.empty(), answer.state == AnswerState::sure);
+    EXPECT_FALSE(answer.carried_away) << i;
+    EXPECT_TRUE(i < 20 || isNearTo(answer, truth[i], 0.1, 2)) << i;
+    sure += answer.state == AnswerState::sure;
+    searched += answer.searched;
+  }
+  EXPECT_GE(sure, kViews - 20);
+  EXPECT_LE(searched, 20);
+}
+
+TEST_F(SequenceInARoom, StandingStillSharpensNothing) {
+  SequenceLocalization sequence(map);
+  const SequenceAnswer first = sequence.add(views[0], 0);
+  ASSERT_FALSE(first.places.empty());
+  SequenceAnswer last;
+  for (int i = 1; i < 200; ++i) {
+    const View again = viewFrom(test::largeRoom(), truth[0], static_cast<unsigned>(2000 + i % 10));
+    last = sequence.add(again, i * kFrame);
+    EXPECT_NE(last.state, AnswerState::sure) << i;
+  }
+  ASSERT_FALSE(last.places.empty());
+  // Its odometry moves by its noise now and then; a look after next to no motion adds next to nothing.
+  EXPECT_NEAR(last.nowhere, first.nowhere, 0.05);
+}
+
+TEST_F(SequenceInARoom, CarriedAwayItBeginsAnew) {
+  SequenceLocalization sequence(map);
+  int i = 0;
+  for (; i < 20; ++i) sequence.add(views[i], i * kFrame);
+  bool said = false;
+  int sure_after = -1;
+  for (int k = 0; k < 20; ++k, ++i) {
+    const SequenceAnswer answer = sequence.add(views[40 + k], i * kFrame);
+    said = said || answer.carried_away;
+    EXPECT_FALSE(isSureAndWrong(answer, truth[40 + k])) << k;
+    if (sure_after < 0 && answer.state == AnswerState::sure) sure_after = k;
+  }
+  EXPECT_TRUE(said);
+  EXPECT_GE(sure_after, 0);
+  EXPECT_LE(sure_after, 10) << "within a second";
+}
+
+TEST_F(SequenceInARoom, StampsThatGoBackStartAnew) {
+  for (const double stamp : {-5.0, std::numeric_limits<double>::quiet_NaN()}) {
+    SequenceLocalization sequence(map);
+    for (int i = 0; i < 20; ++i) sequence.add(views[i], i * kFrame);
+    const SequenceAnswer answer = sequence.add(views[20], stamp);
+    EXPECT_TRUE(answer.carried_away);
+    EXPECT_NE(answer.state, AnswerState::sure);
+    EXPECT_FALSE(isSureAndWrong(sequence.add(views[21], stamp + kFrame), truth[21]));
+  }
+}
+
+TEST_F(SequenceInARoom, EmptyViewsAreBridged) {
+  SequenceLocalization sequence(map);
+  SequenceAnswer answer = sequence.add(View(), 0);
+  EXPECT_EQ(answer.state, AnswerState::unknown);
+  EXPECT_NE(answer.reason, "");
+  for (int i = 0; i < 20; ++i) answer = sequence.add(views[i], (1 + i) * kFrame);
+  EXPECT_EQ(answer.state, AnswerState::sure) << answer.reason;
+  answer = sequence.add(View(), 21 * kFrame);
+  answer = sequence.add(views[21], 22 * kFrame);
+  EXPECT_FALSE(isSureAndWrong(answer, truth[21]));
+}
+
+TEST_F(SequenceInARoom, AnOdometryThatLiesByAFactorOfTwoIsNotBelieved) {
+  SequenceLocalization sequence(map);
+  for (int i = 0; i < kViews; ++i) {
+    std::optional<PoseWithCovariance> motion;
+    if (i > 0) {
+      const Eigen::Isometry3d step = truth[i - 1].inverse() * truth[i];
+      motion.emplace();
+      motion->T = step * step;
+      motion->P = 1e-6 * Matrix6d::Identity();
+    }
+    EXPECT_FALSE(isSureAndWrong(sequence.add(views[i], i * kFrame, motion), truth[i])) << i;
+  }
+}
+
+TEST_F(SequenceInARoom, AnOdometryCarriesItThroughTheDark) {
+  SequenceLocalization sequence(map);
+  for (int i = 0; i < 20; ++i) sequence.add(views[i], i * kFrame);
+  SequenceAnswer answer;
+  for (int i = 20; i < 40; ++i) {
+    PoseWithCovariance motion;
+    motion.T = truth[i - 1].inverse() * truth[i];
+    motion.P = 1e-6 * Matrix6d::Identity();
+    answer = sequence.add(View(), i * kFrame, motion);
+  }
+  EXPECT_TRUE(isNearTo(answer, truth[39], 0.1, 2));
+}
+
+TEST_F(SequenceInARoom, WhatTheMapDoesNotHoldIsNotFound) {
+  SequenceLocalization sequence(map);
+  for (int i = 0; i < 20; ++i) {
+    const double a = 0.06 * i;
+    const View elsewhere =
+        viewFrom(test::furnishedRoom(),
+                 lookingAlong({1.5, 1 + 0.03 * i, 1.3}, {std::sin(a), std::cos(a), -0.2}), 1 + i);
+    EXPECT_NE(sequence.add(elsewhere, i * kFrame).state, AnswerState::sure) << i;
+  }
+}
+
+TEST_F(SequenceInARoom, TheSameViewsGiveTheSameBytesForAnyNumberOfThreads) {
+  const auto bytes = [&](int threads) {
+    SequenceLocalization sequence(map);
+    sequence.setNumberOfThreads(threads);
+    std::string out;
+    for (int i = 0; i < 20; ++i) {
+      const SequenceAnswer answer = sequence.add(views[i], i * kFrame);
+      out += answer.reason;
+      for (const Hypothesis& h : answer.places) {
+        out.append(reinterpret_cast<const char*>(h.T_w_c->data()), 16 * sizeof(double));
+        out.append(reinterpret_cast<const char*>(&h.probability), sizeof h.probability);
+      }
+    }
+    return out;
+  };
+  const std::string once = bytes(1);
+  EXPECT_GT(once.size(), 1000u);
+  EXPECT_EQ(once, bytes(2));
+}
+
+TEST_F(SequenceInARoom, AMapWithoutPlacesSaysSo) {
+  auto bare = std::make_shared<Map>(*map);
+  for (LocalModel& m : bare->models) m.T_w_m.reset();
+  for (const auto& nothing : {bare, std::make_shared<Map>()}) {
+    SequenceLocalization sequence(nothing);
+    const SequenceAnswer answer = sequence.add(views[0], 0);
+    EXPECT_EQ(answer.state, AnswerState::unknown);
+    EXPECT_NE(answer.reason, "");
+  }
+}
+
+TEST_F(SequenceInARoom, ACloudThatIsNoImageSaysSo) {
+  SequenceLocalization sequence(map);
+  pcl::PointCloud<pcl::PointXYZ> cloud;
+  cloud.push_back({1, 2, 3});
+  const SequenceAnswer answer = sequence.addCloud(cloud, 0);
+  EXPECT_EQ(answer.state, AnswerState::unknown);
+  EXPECT_THAT(answer.reason, HasSubstr("organized"));
+}
+
+/** Two rooms, 20 m apart, alike but for a cupboard that one of them has behind. */
+TEST(SequenceInTwinRooms, OnlyWhatTellsThemApartDecides) {
+  const auto shifted = [](Eigen::Isometry3d T) {
+    T.translation().x() += 20;
+    return T;
+  };
+  const test::Scene plain = test::largeRoom(),
+                    other = test::largeRoom() + test::box({1, 2.9, 0}, {1.9, 3.5, 1.4});
+  auto map = std::make_shared<Map>();
+  for (int i = 0; i < 18; ++i) map->models.push_back(modelAt(plain, onCircle(20 * i, 0.35), 1000 + i));
+  for (int i = 0; i < 18; ++i) {
+    LocalModel m = modelAt(other, onCircle(20 * i, 0.35), 2000 + i);
+    m.T_w_m = shifted(*m.T_w_m);
+    map->models.push_back(std::move(m));
+  }
+  SequenceLocalization sequence(map);
+  int sure_before = 0;
+  SequenceAnswer answer;
+  Eigen::Isometry3d truth;
+  for (int i = 0; i < 50;
+       ++i) {  // begins with its back to the cupboard, which is at 165 deg, and turns to it
+    const double degrees = -40 + 4 * i;
+    const Eigen::Isometry3d there = onCircle(degrees, 0.4);
+    truth = shifted(there);
+    answer = sequence.add(viewFrom(other, there, 1 + i), i * kFrame);
+    EXPECT_FALSE(isSureAndWrong(answer, truth)) << i;
+    if (degrees < 90) sure_before += answer.state == AnswerState::sure;
+    if (i == 20) {
+      ASSERT_GE(answer.places.size(), 2u);
+      EXPECT_NEAR(answer.places[0].probability, answer.places[1].probability, 0.6);
+      EXPECT_GT(answer.places[0].probability + answer.places[1].probability, 0.8);
+    }
+  }
+  EXPECT_EQ(sure_before, 0);
+  EXPECT_EQ(answer.state, AnswerState::sure) << answer.reason;
+  EXPECT_TRUE(isNearTo(answer, truth, 0.1, 2));
+}
+
+class BeliefInARoom : public SequenceInARoom {
+protected:
+  std::shared_ptr<const View> view(int i) const { return std::make_shared<const View>(views[i]); }
+  static double logOdds(const PlaceBelief& belief) { return belief.places().front().log_odds; }
+};
+
+TEST_F(BeliefInARoom, ALookCountsByTheMotionSinceTheLast) {
+  PlaceBelief belief(map, {}, {});
+  EXPECT_TRUE(belief.isDue());
+  belief.suppose(0, {truth[0], 1e-4 * Matrix6d::Identity()});
+  belief.look(view(0), nullptr);
+  ASSERT_EQ(belief.places().size(), 1u);
+  const double first = logOdds(belief);
+  EXPECT_GT(first, 0);
+  EXPECT_FALSE(belief.isDue());
+  belief.look(view(0), nullptr);
+  EXPECT_DOUBLE_EQ(logOdds(belief), first) << "it has not moved";
+  PoseWithCovariance there_and_back;  // of half the independent distance
+  there_and_back.T.translation().x() = SequenceParams{}.independent_distance / 4;
+  belief.move(there_and_back);
+  there_and_back.T = there_and_back.T.inverse();
+  belief.move(there_and_back);
+  EXPECT_TRUE(belief.isDue());
+  belief.look(view(0), nullptr);
+  EXPECT_NEAR(logOdds(belief), first + (1 - std::exp(-0.5)) * first, 0.05 * first);
+}
+
+TEST_F(BeliefInARoom, ItNeverBecomesSurerThanItsBound) {
+  SequenceParams params;
+  params.max_places = 3;
+  PlaceBelief belief(map, {}, params);
+  const GlobalLocalization localization(map);
+  for (int i = 0; i < 20; ++i) {
+    if (i > 0) belief.move({truth[i - 1].inverse() * truth[i], 1e-6 * Matrix6d::Identity()});
+    const Localization found = localization.localize(views[i]);
+    belief.look(view(i), &found);
+    ASSERT_FALSE(belief.places().empty());
+    EXPECT_LE(logOdds(belief), params.most_log_odds);
+    EXPECT_LE(belief.places().size(), 3u);
+  }
+  EXPECT_DOUBLE_EQ(logOdds(belief), params.most_log_odds);
+}
+
+TEST_F(BeliefInARoom, PlacesMoveWithTheCamera) {
+  PlaceBelief belief(map, {}, {});
+  PoseWithCovariance place{truth[0], 1e-4 * Matrix6d::Identity()};
+  place.P(0, 4) = place.P(4, 0) = 2e-5;
+  belief.suppose(0, place);
+  PoseWithCovariance motion{truth[0].inverse() * truth[3], 1e-5 * Matrix6d::Identity()};
+  belief.move(motion);
+  const PoseWithCovariance expected = place * motion;
+  EXPECT_THAT(belief.places().front().T_w_c.T, test::PoseNear(expected.T, 1e-12, 1e-9));
+  EXPECT_THAT(belief.places().front().T_w_c.P, test::MatrixNear(expected.P, 1e-12));
+}
+
+}  // namespace
+}  // namespace facetloc
