@@ -86,6 +86,38 @@ TEST_F(Tools, ParametersOfResultsCanBeUsedAgain) {
   EXPECT_EQ(contentOf(folder_ / "a/hypotheses.csv"), contentOf(folder_ / "b/hypotheses.csv"));
 }
 
+TEST_F(Tools, ADriveIsLocalizedAsOne) {
+  const auto run = [&](const std::string& threads) {
+    const fs::path results = folder_ / ("drive" + threads);
+    const ToolRun localized =
+        runTool<LocalizeApp>({map(), map_run(), "-o", results, "--sequence", "--threads", threads});
+    EXPECT_EQ(localized.code, kOk) << localized.err;
+    return results;
+  };
+  const fs::path once = run("1"), again = run("2");
+  EXPECT_EQ(contentOf(once / "hypotheses.csv"), contentOf(again / "hypotheses.csv"));
+  EXPECT_THAT(contentOf(once / "params.ini"), HasSubstr("look_distance"));
+  const Trajectory truth = readTumTrajectory(map_run() + "/groundtruth.txt");
+  int sure = 0;
+  const Trajectory found = readTumTrajectory(once / "poses_tum.txt");
+  for (const StampedPose& p : found.poses()) {
+    ++sure;
+    EXPECT_TRUE(isNear(p.T_w_c, *truth.nearest(p.stamp, 0.02), 0.2, 2)) << p.stamp;
+  }
+  EXPECT_GE(sure, kFrames / 3);
+  EXPECT_EQ(readHypotheses(once).front().state, AnswerState::doubtful) << "one view alone is never sure";
+}
+
+TEST_F(Tools, ADriveHasAllItsImages) {
+  const ToolRun resumed =
+      runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "drive", "--sequence", "--resume"});
+  EXPECT_EQ(resumed.code, kUsage);
+  EXPECT_THAT(resumed.err, HasSubstr("--resume"));
+  const ToolRun by_overlap =
+      runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "drive", "--sequence", "--score.by_overlap"});
+  EXPECT_EQ(by_overlap.code, kUsage);
+}
+
 TEST_F(Tools, LocalizeResumes) {
   const std::string input = withOneCorruptImage();
   const std::string results = folder_ / "results";

@@ -11,9 +11,13 @@
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/output_lock.h>
 #include <facetloc/io/text.h>
+#include <facetloc/registration/global_localization.h>
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
+#include <memory>
+#include <utility>
 
 namespace facetloc {
 namespace {
@@ -34,18 +38,45 @@ std::map<std::string, FrameResult> finishedResults(const fs::path& folder) {
   return results;
 }
 
+/** What is found for an image. */
+struct FrameAnswer {
+  Localization localization;
+  AnswerState state = AnswerState::unknown;
+};
+using Localizer = std::function<FrameAnswer(const View& view, double stamp)>;
+
+Localizer eachByItself(const GlobalLocalization& localization, double min_probability) {
+  return [&localization, min_probability](const View& view, double) {
+    FrameAnswer answer;
+    answer.localization = localization.localize(view);
+    answer.state = answer.localization.state(min_probability);
+    return answer;
+  };
+}
+
+Localizer asOneDrive(const std::shared_ptr<SequenceLocalization>& sequence) {
+  return [sequence](const View& view, double stamp) {
+    SequenceAnswer of_sequence = sequence->add(view, stamp);
+    FrameAnswer answer;
+    answer.localization.hypotheses = std::move(of_sequence.places);
+    answer.localization.reason = of_sequence.reason;
+    answer.state = of_sequence.state;
+    return answer;
+  };
+}
+
 /** \param traits receives what tells a wrong camera. */
 FrameResult localizeFrame(const FrameFile& file, const DepthImage& image, ViewBuilder& builder,
-                          const GlobalLocalization& localization, int max_hypotheses, double min_probability,
-                          ViewTraits& traits) {
+                          const Localizer& localize, const Map& map, int max_hypotheses, ViewTraits& traits) {
   FrameResult result;
   const View scene = builder.build(image);
   const Clock::time_point start = Clock::now();
-  const Localization answer = localization.localize(scene);
+  const FrameAnswer answer = localize(scene, file.stamp);
   result.stamp = file.stamp;
   result.timing = {file.name, builder.segmentMilliseconds(), builder.featuresMilliseconds(),
-                   millisecondsSince(start), static_cast<int>(localization.map().models.size())};
-  result.rows = resultRows(file.name, answer, localization.map(), max_hypotheses, min_probability);
+                   millisecondsSince(start), static_cast<int>(map.models.size())};
+  result.rows = resultRows(file.name, answer.localization, map, max_hypotheses, kMinProbability);
+  for (ResultRow& row : result.rows) row.state = answer.state;
   traits = ViewTraits::of(scene);
   traits.noise = scene.noise();
   return result;
@@ -69,10 +100,14 @@ void LocalizeApp::addOptions(CommandLine& line) {
   line.addOption("output,o", folder_, "RESULTS", "Folder of the results.");
   line.addOption("max-hypotheses", max_hypotheses_, "K", "Keep so many hypotheses per image at most.");
   addMinProbability(line, min_probability_);
+  line.addSwitch("sequence", is_sequence_,
+                 "The images are one drive: each is localized by itself and those before it, and a few steps "
+                 "decide what one view leaves open.");
   line.addSwitch("resume", resume_, "Skip images that an earlier, perhaps interrupted run has done.");
   line.addPresets();
   input_.addOptions(line);
   line.addParams(localization_);
+  line.addParams(sequence_, "sequence");
 }
 
 /** Of a run of the same images with the same map and parameters: of the journal if it was interrupted, else
@@ -132,10 +167,20 @@ std::vector<FrameResult> LocalizeApp::begin(const std::vector<FrameFile>& frames
 /** The images one after the other, several at a time. \param results of all ranks, on the first one.
  * \return the exit code. */
 int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
-                          const GlobalLocalization& localization, const std::vector<std::size_t>& todo,
+                          const std::shared_ptr<const Map>& map, const std::vector<std::size_t>& todo,
                           ResultsJournal& journal, std::vector<FrameResult>& results,
                           const Console& console) {
-  Batch batch(threads(), todo.size(), console, ranks());
+  Batch batch(is_sequence_ ? 1 : threads(), todo.size(), console, ranks());  // a drive has an order
+  GlobalLocalization localization(map, localization_);
+  if (sequence.frames().size() == 1) localization.setNumberOfThreads(threads());
+  Localizer localizer = eachByItself(localization, min_probability_);
+  if (is_sequence_) {
+    PoseTrackingParams sure;
+    sure.min_probability = min_probability_;
+    const auto drive = std::make_shared<SequenceLocalization>(map, sequence_, localization_, sure);
+    drive->setNumberOfThreads(threads());
+    localizer = asOneDrive(drive);
+  }
   std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, input_.view));
   std::vector<FrameResult> found(todo.size());
   std::vector<ViewTraits> traits(todo.size());
@@ -145,8 +190,8 @@ int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
               FrameResult& result = found[i];
               try {
                 const DepthImage image = sequence.load(todo[i], input_.width);
-                result = localizeFrame(fileOf(i), image, builders[worker], localization, max_hypotheses_,
-                                       min_probability_, traits[i]);
+                result = localizeFrame(fileOf(i), image, builders[worker], localizer, *map, max_hypotheses_,
+                                       traits[i]);
               } catch (const std::exception& e) {
                 result.stamp = fileOf(i).stamp;
                 result.timing.frame = fileOf(i).name;
@@ -187,12 +232,18 @@ std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& file, const 
          counted(map.models.size(), "local model") + ", checksum " + checksum(map_) + "\n" +
          cameraLine(file) + "max-hypotheses = " + std::to_string(max_hypotheses_) + "\n" +
          "min-probability = " + text::shortest(min_probability_) + "\n" + toIni(input_, camera) +
-         toIni(localization_);
+         toIni(localization_) + (is_sequence_ ? "\nsequence = 1\n" + toIni(sequence_, "sequence") : "");
 }
 
 int LocalizeApp::execute(const CommandLine& line, const Console& console) {
   if (folder_.empty()) throw UsageError("the folder of the results is missing: -o RESULTS");
   if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
+  if (is_sequence_ && resume_)
+    throw UsageError("--sequence does not go with --resume: its answers need all images before; run it anew");
+  if (is_sequence_ && ranks().size() > 1)
+    throw UsageError("--sequence does not go with mpirun: its images have an order; run it without");
+  if (is_sequence_ && localization_.score.by_overlap)
+    throw UsageError("--sequence does not go with --score.by_overlap, which has no probabilities");
   Provenance::requireNotReplaced(input_path_, folder_);
   if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
   const DepthSequence sequence = openSequence(input_path_, console);
@@ -200,8 +251,6 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
   noteUnfinished(*map, map_, console);
   const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
   noteDifference(camera, *map, console);
-  GlobalLocalization localization(map, localization_);
-  if (sequence.frames().size() == 1) localization.setNumberOfThreads(threads());
 
   ResultsJournal journal(folder_, ranks().rank());
   std::vector<FrameResult> results;
@@ -216,7 +265,7 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
   }
   todo = ranks().broadcast(todo);
   if (!ranks().isFirst() && !todo.empty()) journal.begin({});
-  const int code = localize(sequence, camera, localization, todo, journal, results, console);
+  const int code = localize(sequence, camera, map, todo, journal, results, console);
   if (!ranks().isFirst()) return kOk;
   if (journal.exists()) {
     writeResults(folder_, results, provenance.params_ini);

@@ -7,9 +7,10 @@
 #include "tools/provenance.h"
 #include "tools/results_journal.h"
 
-#include <facetloc/registration/global_localization.h>
+#include <facetloc/registration/sequence_localization.h>
 
 #include <map>
+#include <memory>
 
 namespace facetloc {
 
@@ -30,7 +31,7 @@ private:
                                             std::vector<std::size_t>& todo);
   std::vector<FrameResult> begin(const std::vector<FrameFile>& frames, const Provenance& provenance,
                                  ResultsJournal& journal, std::vector<std::size_t>& todo) const;
-  int localize(const DepthSequence& sequence, const Camera& camera, const GlobalLocalization& localization,
+  int localize(const DepthSequence& sequence, const Camera& camera, const std::shared_ptr<const Map>& map,
                const std::vector<std::size_t>& todo, ResultsJournal& journal,
                std::vector<FrameResult>& results, const Console& console);
   void printSummary(const std::vector<FrameResult>& results, const Map& map, const Console& console) const;
@@ -41,8 +42,10 @@ private:
   int max_hypotheses_ = 100;
   double min_probability_ = kMinProbability;
   bool resume_ = false;
+  bool is_sequence_ = false;
   DepthInput input_;
   GlobalLocalizationParams localization_;
+  SequenceParams sequence_;
   std::vector<ViewTraits> views_;  // of the images of this run
 };
 
