@@ -8,8 +8,9 @@
 //
 // Each PLACE is a folder with a run map/, which makes the map by the paper's rule, and another run, of which
 // every N-th image (--every) is seen and every N-th of those (--start) is a start: the camera wakes up there
-// and drives on. Printed is, after so many metres, how many are sure and how many of these are right. With
-// --unknown each start has a map of its own, without the local models within 3 m of its way.
+// and drives on. Printed is, after so many metres where the map shows something, within 1 m and 20 deg of a
+// local model, how many are sure and how many of these are right. With --unknown each start has a map of its
+// own, without the local models within 3 m of its way.
 #include "mapped_place.h"
 #include "tools/app.h"
 
@@ -82,12 +83,21 @@ private:
     line.addOption("radius", radius_, "M", "Distance of the local models that are taken out [m].");
     line.addSwitch("unknown", unknown_, "Take the local models around the way out of the map.");
     line.addSwitch("courses", courses_, "Print every image of every start.");
-    line.addSwitch("dump", dump_, "Print all places.");
     line.addPresets();
     line.addParams(view_);
     line.addParams(evaluation_, "evaluation");
     line.addParams(sequence_, "sequence");
     line.addParams(localization_);
+  }
+
+  static void print(std::size_t start, std::size_t image, double gone, bool right, const PoseError& error,
+                    const SequenceAnswer& answer) {
+    std::printf("start %zu, image %zu, after %.2f m: %s%s%s%s, p %.3f, nowhere %.3f, %zu places, %.0f mm "
+                "%.1f deg; %s\n",
+                start, image, gone, toString(answer.state), right ? ", right" : "",
+                answer.searched ? ", searched" : "", answer.carried_away ? ", carried away" : "",
+                answer.places.empty() ? 0 : answer.places.front().probability, answer.nowhere,
+                answer.places.size(), 1e3 * error.translation, error.rotation_deg, answer.reason.c_str());
   }
 
   Course follow(SequenceLocalization& sequence, const Seen& seen, std::size_t start) const {
@@ -117,34 +127,7 @@ private:
       course.carried += answer.carried_away;
       course.places += static_cast<int>(answer.places.size());
       course.ever_wrong = course.ever_wrong || (sure && !right);
-      if (courses_ && i > start) {
-        const PoseError m = poseError(answer.T_before_now.T, seen.truth[i - 1].inverse() * seen.truth[i]);
-        std::printf("motion off %.0f mm %.2f deg std %.0f mm %.2f deg; pose std %.0f mm %.2f deg; ",
-                    1e3 * m.translation, m.rotation_deg, 1e3 * largestTranslationStd(answer.T_before_now.P),
-                    largestRotationStd(answer.T_before_now.P) / kDegree,
-                    answer.places.empty() ? 0 : 1e3 * largestTranslationStd(answer.places[0].T_m_c.P),
-                    answer.places.empty() ? 0 : largestRotationStd(answer.places[0].T_m_c.P) / kDegree);
-      }
-      if (courses_) {
-        std::printf("start %zu image %zu gone %.2f %s%s%s p %.3f nowhere %.3f places %zu error %.0f mm %.1f "
-                    "deg %s %s\n",
-                    start, i, gone, toString(answer.state), right ? " right" : "",
-                    answer.searched ? " searched" : "",
-                    answer.places.empty() ? 0 : answer.places.front().probability, answer.nowhere,
-                    answer.places.size(), 1e3 * error.translation, error.rotation_deg,
-                    answer.carried_away ? "CARRIED" : "", answer.reason.c_str());
-      }
-      if (dump_)
-        for (std::size_t k = 0; k < answer.places.size(); ++k) {
-          const Hypothesis& h = answer.places[k];
-          const PoseError e = poseError(*h.T_w_c, seen.truth[i]);
-          const Explanation& x = h.explained;
-          std::printf("P,%zu,%zu,%zu,%g,%g,%g,%g,%g,%g,%g,%d,%d,%g,%g,%g,%g,%d,%g\n", start, i, k,
-                      h.probability, answer.nowhere, h.score, h.consensus, h.evidence, e.translation,
-                      e.rotation_deg, static_cast<int>(answer.searched), static_cast<int>(h.found_by.size()),
-                      x.compared, x.agreeing, x.contradicted, x.paired, static_cast<int>(seen.covered[i]),
-                      gone);
-        }
+      if (courses_) print(start, i, gone, right, error, answer);
       while ((unknown_ || seen.covered[i]) && next < kMetres.size() && gone >= kMetres[next]) {
         course.state[next] = answer.state;
         course.right[next] = right;
@@ -258,7 +241,7 @@ private:
   std::string run_ = "drive";
   double way_ = 5, radius_ = 3;
   int every_ = 3, start_ = 10;
-  bool unknown_ = false, courses_ = false, dump_ = false;
+  bool unknown_ = false, courses_ = false;
   ViewParams view_;
   EvaluationParams evaluation_;
   SequenceParams sequence_;
