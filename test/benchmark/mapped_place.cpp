@@ -3,6 +3,8 @@
 
 #include "mapping_camera.h"
 
+#include <algorithm>
+
 namespace facetloc::benchmarks {
 
 void SeenRun::see(const Camera& camera, const ViewParams& params) {
@@ -42,6 +44,13 @@ Map MappedPlace::see(const ViewParams& params, bool calibrated) {
   Map made = map(camera);
   query_.see(made.calibrated(query_.sequence.camera()->camera), params);
   return made;
+}
+
+bool MappedPlace::covers(const Eigen::Isometry3d& T_w_c, const EvaluationParams& params) const {
+  return std::any_of(models_.begin(), models_.end(), [&](const ModelPose& model) {
+    const PoseError error = poseError(model.T_w_m, T_w_c);
+    return error.translation <= params.covered_distance && error.rotation_deg <= params.covered_rotation_deg;
+  });
 }
 
 Map MappedPlace::map(const Camera& camera) const {

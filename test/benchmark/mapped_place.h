@@ -37,6 +37,9 @@ public:
   /** \brief Builds the map as facetloc_map does, and sees the query with the map's camera. */
   Map see(const ViewParams& params, bool calibrated = true);
 
+  /** \brief Does a local model show what a camera sees from there? */
+  bool covers(const Eigen::Isometry3d& T_w_c, const EvaluationParams& params) const;
+
   const PlaceTruth& truth() const { return truth_; }
   const std::vector<ModelPose>& models() const { return models_; }
   const SeenRun& mapping() const { return mapping_; }

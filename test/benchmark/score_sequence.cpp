@@ -203,14 +203,6 @@ private:
     std::fflush(stdout);
   }
 
-  bool isCovered(const std::vector<ModelPose>& models, const Eigen::Isometry3d& T_w_c) const {
-    return std::any_of(models.begin(), models.end(), [&](const ModelPose& model) {
-      const PoseError error = poseError(model.T_w_m, T_w_c);
-      return error.translation <= evaluation_.covered_distance &&
-             error.rotation_deg <= evaluation_.covered_rotation_deg;
-    });
-  }
-
   int execute(const CommandLine&, const Console&) override {
     if (every_ < 1 || start_ < 1) throw UsageError("every and start must be positive");
     std::vector<Course> all;
@@ -226,7 +218,7 @@ private:
         seen.views.push_back(place.query().views[i]);
         seen.stamps.push_back(frame.stamp);
         seen.truth.push_back(*T_w_c);
-        seen.covered.push_back(isCovered(place.models(), *T_w_c));
+        seen.covered.push_back(place.covers(*T_w_c, evaluation_));
       }
       map.ambiguity = ambiguityOf(GlobalLocalization(std::make_shared<const Map>(map), localization_));
       const std::vector<Course> courses = coursesOf(std::make_shared<const Map>(std::move(map)), seen);

@@ -62,14 +62,6 @@ bool isRight(const Localization& answer, const Eigen::Isometry3d& T_w_c, const E
   return error.translation <= params.max_translation && error.rotation_deg <= params.max_rotation_deg;
 }
 
-bool isCovered(const std::vector<ModelPose>& models, const Eigen::Isometry3d& T_w_c,
-               const EvaluationParams& params) {
-  return std::any_of(models.begin(), models.end(), [&](const ModelPose& model) {
-    const PoseError error = poseError(model.T_w_m, T_w_c);
-    return error.translation <= params.covered_distance && error.rotation_deg <= params.covered_rotation_deg;
-  });
-}
-
 /** The wrong places for the views of a map's own models, so that a map with some models less need not ask for
  * all of them again: only for those that count, and where a model that is gone had a part in the answer. */
 class OwnViews {
@@ -262,7 +254,7 @@ private:
         answer = {name,
                   frame.name,
                   is_emptied,
-                  isCovered(place.models(), *T_w_c, evaluation_),
+                  place.covers(*T_w_c, evaluation_),
                   false,
                   static_cast<int>(view.segments.size()),
                   (is_emptied ? emptied : whole)->ambiguity,

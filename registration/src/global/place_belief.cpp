@@ -2,6 +2,7 @@
 #include "global/place_belief.h"
 
 #include "shared/in_parallel.h"
+#include "shared/pose_fusion.h"
 
 #include <Eigen/Cholesky>
 
@@ -27,12 +28,6 @@ bool isThere(const BelievedPlace& place, const Hypothesis& found) {
   if (isNear(place.T_w_c.T, *found.T_w_c, kSameTranslation, kSameRotation)) return true;
   const Vector6d d = perturbation(place.T_w_c.T, *found.T_w_c);
   return d.dot(place.T_w_c.P.ldlt().solve(d)) < kGate;
-}
-
-// The covariance of a posterior if what was added to the prior told only a part of what it says.
-Matrix6d discounted(const Matrix6d& prior, const Matrix6d& posterior, double part) {
-  const Matrix6d before = symmetricInverse(prior), after = symmetricInverse(posterior);
-  return symmetricInverse(before + part * (after - before));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "mapping/step_prior.h"
 #include "mapping/view_placing.h"
 #include "shared/in_parallel.h"
+#include "shared/pose_fusion.h"
 #include "tracking/view_odometry.h"
 
 #include <facetloc/registration/pose_prior.h>
@@ -35,7 +36,6 @@ constexpr double kClearAgreement = 0.9;                       // of an image wit
 constexpr double kLeastOverlap = 0.2;  // share of the pixels of two keyframes that they have in common
 constexpr double kLoopOverlap = 0.3;   // share that an uncertain loop must have in common
 constexpr double kUnknown = 100;       // standard deviation of what two views do not tell [m, rad]
-constexpr double kSharedRotation = 0.05 * kDegree, kSharedTranslation = 0.003;  // errors of any two views
 constexpr double kTrustedRotation = 5 * kDegree;
 constexpr double kUncertainStd = 1, kUncertainRotation = 10 * kDegree;  // beyond which rooms look alike [m]
 constexpr int kMostUncertain = 15;       // earlier keyframes that one is compared with far from certainty
@@ -47,12 +47,6 @@ constexpr double kSureAgreement = 0.95,
                  kSureOverlap = 0.7;  // of a lost image with a keyframe that it hangs from
 constexpr double kSureStd = 0.05;     // of its position beside that one [m]
 constexpr int kCrowded = 3;           // keyframes of one place, after which it gets no more
-
-Matrix6d withSharedErrors(Matrix6d P) {
-  P.diagonal().head<3>().array() += kSharedRotation * kSharedRotation;
-  P.diagonal().tail<3>().array() += kSharedTranslation * kSharedTranslation;
-  return P;
-}
 
 PoseWithCovariance measured(const PlacedView& placed) {
   Matrix6d information = placed.information;
@@ -372,12 +366,7 @@ TrajectoryEstimation::Impl::motionOf(const ViewMotion& seen, bool is_sparse,
     return is_seen ? Motion{seen.T_a_b, seen.T_a_b.T, true, false}
                    : Motion{guessedStep(), seen.T_a_b.T, !seen.broken, true};
   PoseWithCovariance T = withDrift(*given);
-  if (is_seen) {
-    const Matrix6d gain = T.P * symmetricInverse(T.P + seen.T_a_b.P);
-    T.T = perturbed(T.T, gain * perturbation(T.T, seen.T_a_b.T));
-    const Matrix6d P = T.P - gain * T.P;
-    T.P = 0.5 * (P + P.transpose());
-  }
+  if (is_seen) T = fused(T, seen.T_a_b);
   return {T, T.T, true, false};
 }
 

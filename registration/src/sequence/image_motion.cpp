@@ -2,6 +2,7 @@
 #include "sequence/image_motion.h"
 
 #include "mapping/step_prior.h"
+#include "shared/pose_fusion.h"
 
 #include <Eigen/Cholesky>
 
@@ -13,21 +14,6 @@ constexpr double kLongStep = 0.2;  // after which the next image may show anothe
 constexpr double kLeastAgreement = 0.8, kLeastOverlap = 0.3;
 constexpr double kClearAgreement = 0.9, kClearOverlap = 0.6;
 constexpr double kGate = 22.46;  // of 99.9 % in 6 degrees of freedom
-constexpr double kSharedRotation = 0.05 * kDegree, kSharedTranslation = 0.003;  // errors of any two views
-
-Matrix6d withSharedErrors(Matrix6d P) {
-  P.diagonal().head<3>().array() += kSharedRotation * kSharedRotation;
-  P.diagonal().tail<3>().array() += kSharedTranslation * kSharedTranslation;
-  return P;
-}
-
-// Of a posterior by two sources.
-PoseWithCovariance fused(const PoseWithCovariance& a, const PoseWithCovariance& b) {
-  const Matrix6d gain = a.P * symmetricInverse(a.P + b.P);
-  PoseWithCovariance out{perturbed(a.T, gain * perturbation(a.T, b.T)), a.P - gain * a.P};
-  out.P = 0.5 * (out.P + out.P.transpose()).eval();
-  return out;
-}
 
 bool contradict(const PoseWithCovariance& a, const PoseWithCovariance& b) {
   const Vector6d d = perturbation(a.T, b.T);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "global/place_belief.h"
 #include "global/place_ranking.h"
+#include "shared/pose_fusion.h"
 #include "tracking/map_surroundings.h"
 #include "tracking/repeated_looks.h"
 #include "tracking/view_odometry.h"
@@ -27,13 +28,6 @@ bool exceeds(const Matrix6d& P, double rotation_deg, double translation) {
 // What is hidden from the other camera says nothing.
 double share(const DepthAgreement& a) {
   return a.agree + a.contradict > 0 ? a.agree / double(a.agree + a.contradict) : 0;
-}
-
-// The covariance of a posterior if what was added to the prior told only a part of what it says.
-Matrix6d discounted(const Matrix6d& prior, const Matrix6d& posterior, double part) {
-  const Matrix6d before = prior.ldlt().solve(Matrix6d::Identity());
-  const Matrix6d after = posterior.ldlt().solve(Matrix6d::Identity());
-  return symmetricInverse(before + part * (after - before));
 }
 
 ViewAlignmentParams alignmentParams(const GlobalLocalizationParams& localization,

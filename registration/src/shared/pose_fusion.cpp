@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shared/pose_fusion.h"
+
+#include <Eigen/Cholesky>
+
+namespace facetloc::internal {
+
+PoseWithCovariance fused(const PoseWithCovariance& a, const PoseWithCovariance& b) {
+  const Matrix6d gain = a.P * symmetricInverse(a.P + b.P);
+  const Matrix6d P = a.P - gain * a.P;
+  return {perturbed(a.T, gain * perturbation(a.T, b.T)), 0.5 * (P + P.transpose())};
+}
+
+Matrix6d discounted(const Matrix6d& prior, const Matrix6d& posterior, double part) {
+  const Matrix6d before = prior.ldlt().solve(Matrix6d::Identity());
+  const Matrix6d after = posterior.ldlt().solve(Matrix6d::Identity());
+  return symmetricInverse(before + part * (after - before));
+}
+
+Matrix6d withSharedErrors(Matrix6d P) {
+  P.diagonal().head<3>().array() += kSharedRotation * kSharedRotation;
+  P.diagonal().tail<3>().array() += kSharedTranslation * kSharedTranslation;
+  return P;
+}
+
+}  // namespace facetloc::internal

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/pose.h>
+
+namespace facetloc::internal {
+
+/** \brief One pose by two sources with independent errors, the first not far from the second. */
+PoseWithCovariance fused(const PoseWithCovariance& a, const PoseWithCovariance& b);
+
+/** \brief The covariance of a posterior if what was added to the prior told only a part of what it says.
+ * \param prior, posterior positive definite \param part from 0 to 1 */
+Matrix6d discounted(const Matrix6d& prior, const Matrix6d& posterior, double part);
+
+/** \brief Errors that any two views share, of what lies between them: standard deviations [rad, m]. */
+constexpr double kSharedRotation = 0.05 * kDegree, kSharedTranslation = 0.003;
+/** \brief With these added. */
+Matrix6d withSharedErrors(Matrix6d P);
+
+}  // namespace facetloc::internal
