@@ -21,6 +21,7 @@ constexpr const char* kHypotheses = "hypotheses.csv";
 constexpr const char* kTiming = "timing.csv";
 constexpr const char* kPoses = "poses_tum.txt";
 constexpr const char* kCovariances = "covariances.csv";
+constexpr const char* kStarts = "starts.csv";
 constexpr const char* kParams = "params.ini";
 constexpr std::array<const char*, 7> kModelPose = {"m_tx", "m_ty", "m_tz", "m_qx", "m_qy", "m_qz", "m_qw"};
 constexpr std::array<const char*, 7> kWorldPose = {"w_tx", "w_ty", "w_tz", "w_qx", "w_qy", "w_qz", "w_qw"};
@@ -254,6 +255,32 @@ std::vector<TimingRow> readTiming(const std::filesystem::path& folder, const Rem
     rows.push_back({table.string(row, "frame"), table.real(row, "segment_ms"), table.real(row, "features_ms"),
                     table.real(row, "localize_ms"), table.count(row, "models")});
   return rows;
+}
+
+void writeStarts(const std::filesystem::path& folder, const std::vector<StartAnswer>& answers) {
+  writeTextAtomically(folder / kStarts, [&](std::ostream& out) {
+    out << "start,frame,state,probability";
+    for (const char* name : kWorldPose) out << ',' << name;
+    out << '\n';
+    for (const StartAnswer& answer : answers)
+      out << text::csvCell(answer.start) << ',' << text::csvCell(answer.frame) << ','
+          << toString(answer.state) << ',' << text::significant(answer.probability) << ','
+          << poseCells(answer.T_w_c) << '\n';
+  });
+}
+
+std::vector<StartAnswer> readStarts(const std::filesystem::path& folder, const Remark& remark) {
+  std::vector<StartAnswer> answers;
+  if (!std::filesystem::exists(folder / kStarts)) return answers;
+  const csv::Table table = tableOf(folder / kStarts, remark);
+  for (const csv::Row& row : table.rows()) {
+    StartAnswer answer{table.string(row, "start"), table.string(row, "frame"), {}, 0, {}};
+    answer.state = stateIn(table, row).value_or(AnswerState::unknown);
+    answer.probability = table.real(row, "probability");
+    if (!allEmpty(table, row, kWorldPose)) answer.T_w_c = readPose(table, row, kWorldPose);
+    answers.push_back(std::move(answer));
+  }
+  return answers;
 }
 
 }  // namespace facetloc

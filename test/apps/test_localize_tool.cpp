@@ -108,6 +108,27 @@ TEST_F(Tools, ADriveIsLocalizedAsOne) {
   EXPECT_EQ(readHypotheses(once).front().state, AnswerState::doubtful) << "one view alone is never sure";
 }
 
+TEST_F(Tools, ADriveIsJudgedFromAllItsStarts) {
+  const fs::path results = folder_ / "starts";
+  ASSERT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", results, "--sequence", "--starts", "3"}).code, kOk);
+  const std::vector<StartAnswer> answers = readStarts(results);
+  std::set<std::string> starts;
+  for (const StartAnswer& answer : answers) {
+    EXPECT_EQ(starts.count(answer.start) > 0, answer.frame != answer.start) << "each begins with itself";
+    starts.insert(answer.start);
+  }
+  EXPECT_EQ(starts.size(), static_cast<std::size_t>((kFrames + 2) / 3));
+
+  const ToolRun judged = runTool<EvaluateApp>({results, map_run() + "/groundtruth.txt"});
+  ASSERT_EQ(judged.code, kOk) << judged.err;
+  EXPECT_THAT(judged.out, HasSubstr("FROM A START"));
+  for (const char* name : {"starts_by_images.csv", "starts_by_metres.csv"})
+    EXPECT_THAT(contentOf(results / "evaluation" / name), HasSubstr("recall,precision"));
+  EXPECT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", results, "--starts", "3"}).code, kUsage);
+  ASSERT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", results}).code, kOk);
+  EXPECT_TRUE(readStarts(results).empty()) << "of an earlier run";
+}
+
 TEST_F(Tools, ADriveHasAllItsImages) {
   const ToolRun resumed =
       runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "drive", "--sequence", "--resume"});

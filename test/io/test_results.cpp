@@ -257,6 +257,28 @@ TEST(Results, LineNumbersCountLinesInsideQuotes) {
   EXPECT_THAT(errorOf(kHeader + two_lines + "bad\n"), HasSubstr("line 5"));
 }
 
+TEST(Starts, RoundTrip) {
+  const TemporaryFolder folder;
+  EXPECT_TRUE(readStarts(folder.path()).empty());
+  StartAnswer sure{"1.5", "2,5", AnswerState::sure, 0.95, Eigen::Isometry3d::Identity()};
+  sure.T_w_c->linear() = expSO3({0.1, 2.5, -0.3});
+  const StartAnswer unknown{"1.5", "3", AnswerState::unknown, 0, {}};
+  writeStarts(folder.path(), {sure, unknown});
+  const std::vector<StartAnswer> read = readStarts(folder.path());
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_EQ(read[0].start, "1.5");
+  EXPECT_EQ(read[0].frame, "2,5");
+  EXPECT_EQ(read[0].state, AnswerState::sure);
+  EXPECT_EQ(read[0].probability, 0.95);
+  EXPECT_TRUE(read[0].T_w_c->isApprox(*sure.T_w_c, 1e-8));
+  EXPECT_EQ(read[1].state, AnswerState::unknown);
+  EXPECT_FALSE(read[1].T_w_c);
+
+  putBytes(folder.path() / "starts.csv",
+           "start,frame,state,probability,w_tx,w_ty,w_tz,w_qx,w_qy,w_qz,w_qw\na,b,perhaps,1,,,,,,,\n");
+  EXPECT_THAT(ioErrorOf([&] { readStarts(folder.path()); }), AllOf(HasSubstr("starts.csv"), HasSubstr("2")));
+}
+
 TEST(ResultsWriter, WritesTheSameFrameByFrame) {
   const TemporaryFolder folder;
   writeResults(folder / "whole", twoFrames(), "width = 320\n");

@@ -4,6 +4,7 @@
 #include "drawing/offscreen_display.h"
 #include "evaluation/evaluation_charts.h"
 #include "evaluation/evaluation_pictures.h"
+#include "evaluation/start_curves.h"
 #include "evaluation/trajectory_report.h"
 #include "tools/depth_input.h"
 #include "tools/text.h"
@@ -28,11 +29,13 @@ constexpr std::size_t kFailures = 6;  // that are drawn
 constexpr const char* kFailureFolder = "failures";
 constexpr const char* kMappingRun = "map";  // of a simulated place
 constexpr const char* kTrajectories = "trajectory.png";
+constexpr const char* kStarts = "starts.png";
 
 /** Removes what an earlier evaluation has written and this one perhaps will not. */
 void removeEarlier(const fs::path& folder) {
-  for (const char* name : {"report.html", "timing_summary.csv", "fig6.png", "reliability.png", "errors.png",
-                           "floor_map.png", kTrajectories})
+  for (const char* name :
+       {"report.html", "timing_summary.csv", "fig6.png", "reliability.png", "errors.png", "floor_map.png",
+        kTrajectories, kStarts, "starts_by_images.csv", "starts_by_metres.csv"})
     fs::remove(folder / name);
   removeMisses(folder / kFailureFolder);
 }
@@ -91,6 +94,7 @@ struct EvaluateApp::Input {
   PlaceTruth truth;
   std::optional<Map> map;
   std::optional<ResultsAlignment> alignment{};
+  std::vector<StartCurve> starts{};  // of a drive, if it was localized from several
 };
 
 std::vector<ModelPose> EvaluateApp::modelPoses(const std::optional<Map>& map) const {
@@ -183,6 +187,10 @@ std::vector<ReportPicture> EvaluateApp::drawPictures(const EvaluationReport& rep
   const std::vector<FrameEvaluation> frames = framesInQuestion(report.evaluation);
   if (drawErrors(folder / "errors.png", errorsByVisiblePlanes(frames), errorsByDistance(frames)))
     pictures.push_back({folder / "errors.png", "Results over what is in view and how far the map is."});
+  if (!input.starts.empty()) {
+    pictures.push_back({folder / kStarts, "How soon a camera that wakes up anywhere on the drive is sure."});
+    drawStartCurves(pictures.back().path, input.starts);
+  }
   if (!input.map) return pictures;
 
   try {
@@ -236,8 +244,13 @@ int EvaluateApp::execute(const CommandLine&, const Console& console) {
   createFolders(folder_);
   removeEarlier(folder_);
   writeReport(folder_, report);
+  if (const auto answers = readStarts(results_); !answers.empty()) {
+    input.starts = startCurves(answers, input.truth.poses(), params_, pose_tolerance_);
+    writeStartCurves(folder_, input.starts);
+  }
   writeHtmlReport(folder_, report, drawPictures(report, input, console));
   printReport(console.out, report);  // last, for who reads it may stop doing so
+  printStartCurves(console.out, input.starts);
   console.out << "\nevaluation in " << folder_ << "\n";
   return kOk;
 }

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -103,6 +104,10 @@ void LocalizeApp::addOptions(CommandLine& line) {
   line.addSwitch("sequence", is_sequence_,
                  "The images are one drive: each is localized by itself and those before it, and a few steps "
                  "decide what one view leaves open.");
+  line.addOption(
+      "starts", starts_, "N",
+      "With --sequence, also from every N-th image as if the camera woke up there: starts.csv, of which "
+      "facetloc_evaluate draws how soon it knows where it is.");
   line.addSwitch("resume", resume_, "Skip images that an earlier, perhaps interrupted run has done.");
   line.addPresets();
   input_.addOptions(line);
@@ -175,11 +180,9 @@ int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
   if (sequence.frames().size() == 1) localization.setNumberOfThreads(threads());
   Localizer localizer = eachByItself(localization, min_probability_);
   if (is_sequence_) {
-    PoseTrackingParams sure;
-    sure.min_probability = min_probability_;
-    const auto drive = std::make_shared<SequenceLocalization>(map, sequence_, localization_, sure);
-    drive->setNumberOfThreads(threads());
-    localizer = asOneDrive(drive);
+    const auto whole = drive(map);
+    whole->setNumberOfThreads(threads());
+    localizer = asOneDrive(whole);
   }
   std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, input_.view));
   std::vector<FrameResult> found(todo.size());
@@ -206,6 +209,51 @@ int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
   for (const ViewTraits& of_image : traits) noise.push_back(of_image.noise);
   if (ranks().isFirst()) noteNoise(std::move(noise), camera.noise, console);
   views_ = std::move(traits);
+  return batch.report();
+}
+
+std::shared_ptr<SequenceLocalization> LocalizeApp::drive(const std::shared_ptr<const Map>& map) const {
+  PoseTrackingParams sure;
+  sure.min_probability = min_probability_;
+  return std::make_shared<SequenceLocalization>(map, sequence_, localization_, sure);
+}
+
+/** Every so many images are a start. Its drive ends after kMostWay, as far as the camera itself can tell, or
+ * with the images. \return the exit code. */
+int LocalizeApp::localizeFromStarts(const DepthSequence& sequence, const Camera& camera,
+                                    const std::shared_ptr<const Map>& map, const Console& console) const {
+  constexpr double kMostWay = 10;  // [m]
+  const std::vector<FrameFile>& frames = sequence.frames();
+  std::vector<View> views(frames.size());
+  Batch seeing(threads(), frames.size(), console);
+  std::vector<ViewBuilder> builders(seeing.workers(), ViewBuilder(camera, input_.view));
+  seeing.run(
+      [&](std::size_t i) { return frames[i].path.string(); },
+      [&](std::size_t i, int worker) { views[i] = builders[worker].build(sequence.load(i, input_.width)); });
+  const std::size_t n = (frames.size() + starts_ - 1) / starts_;
+  std::vector<std::vector<StartAnswer>> found(n);
+  Batch batch(threads(), n, console);
+  batch.run([&](std::size_t k) { return "start " + frames[k * starts_].name; },
+            [&](std::size_t k, int) {
+              const auto from_here = drive(map);
+              double way = 0;
+              for (std::size_t i = k * starts_; i < frames.size() && way < kMostWay; ++i) {
+                const SequenceAnswer answer = from_here->add(views[i], frames[i].stamp);
+                way += answer.T_before_now.T.translation().norm();
+                StartAnswer out{frames[k * starts_].name, frames[i].name, answer.state, 0, {}};
+                if (!answer.places.empty()) {
+                  out.probability = answer.places.front().probability;
+                  if (map->partOf(answer.places.front().model).empty())
+                    out.T_w_c = answer.places.front().T_w_c;
+                }
+                found[k].push_back(std::move(out));
+              }
+            });
+  std::vector<StartAnswer> all;
+  for (std::vector<StartAnswer>& of_start : found)
+    std::move(of_start.begin(), of_start.end(), std::back_inserter(all));
+  writeStarts(folder_, all);
+  console.out << counted(n, "start") << " in " << folder_ << "/starts.csv\n";
   return batch.report();
 }
 
@@ -238,6 +286,8 @@ std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& file, const 
 int LocalizeApp::execute(const CommandLine& line, const Console& console) {
   if (folder_.empty()) throw UsageError("the folder of the results is missing: -o RESULTS");
   if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
+  if (starts_ < 0) throw UsageError("starts must not be negative");
+  if (starts_ > 0 && !is_sequence_) throw UsageError("--starts goes with --sequence");
   if (is_sequence_ && resume_)
     throw UsageError("--sequence does not go with --resume: its answers need all images before; run it anew");
   if (is_sequence_ && ranks().size() > 1)
@@ -274,7 +324,11 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
     if (code == kOk) Provenance::removeUnderWay(folder_);
   }
   printSummary(results, *map, console);
-  return code;
+  if (starts_ == 0) {
+    fs::remove(fs::path(folder_) / "starts.csv");  // of an earlier run
+    return code;
+  }
+  return std::max(code, localizeFromStarts(sequence, camera, map, console));
 }
 
 }  // namespace facetloc

@@ -85,4 +85,18 @@ std::map<std::string, Matrix6d> readCovariances(const std::filesystem::path& fol
 /** \brief Reads timing.csv, alike. */
 std::vector<TimingRow> readTiming(const std::filesystem::path& folder, const Remark& remark = {});
 
+/** \brief One line of RESULTS/starts.csv: what a camera that wakes up at one image of a drive says at a later
+ * one.
+ */
+struct StartAnswer {
+  std::string start, frame;  ///< names of the images
+  AnswerState state = AnswerState::unknown;
+  double probability = 0;                  ///< of the first place
+  std::optional<Eigen::Isometry3d> T_w_c;  ///< empty columns where there is none in the world
+};
+/** \brief Writes starts.csv, atomically. */
+void writeStarts(const std::filesystem::path& folder, const std::vector<StartAnswer>& answers);
+/** \brief Reads starts.csv, as readHypotheses() does; empty if there is no such file. */
+std::vector<StartAnswer> readStarts(const std::filesystem::path& folder, const Remark& remark = {});
+
 }  // namespace facetloc

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/start_curves.h"
+
+#include "drawing/charts.h"
+#include "tools/text.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/text.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace facetloc {
+namespace {
+
+constexpr double kMetreStep = 0.25;   // between points of a curve [m]
+constexpr std::size_t kPrinted = 10;  // points of each
+
+/** Counts an answer at a point, and makes points up to it. */
+void count(StartCurve& curve, std::size_t i, double step, bool sure, bool right) {
+  while (curve.points.size() <= i) curve.points.push_back({step * static_cast<double>(curve.points.size())});
+  StartCurve::Point& point = curve.points[i];
+  ++point.starts;
+  point.sure += sure;
+  point.right += sure && right;
+}
+
+std::string percent(double share) { return text::decimals(100 * share, 1) + " %"; }
+
+}  // namespace
+
+std::vector<StartCurve> startCurves(const std::vector<StartAnswer>& answers, const Trajectory& truth,
+                                    const EvaluationParams& params, double tolerance) {
+  StartCurve images{"images", {}}, metres{"metres", {}};
+  std::string start;
+  std::optional<Eigen::Isometry3d> before;
+  double way = 0;
+  std::size_t image = 0, next = 0;  // points of the start
+  for (const StartAnswer& answer : answers) {
+    if (answer.start != start || !before) {
+      start = answer.start;
+      before.reset();
+      way = 0;
+      image = next = 0;
+    }
+    const auto stamp = text::to<double>(answer.frame);
+    if (!stamp) throw IoError("starts.csv", "has an image whose name is no stamp: " + answer.frame);
+    const auto T_w_c = truth.nearest(*stamp, tolerance);
+    if (!T_w_c) continue;
+    if (before) way += (T_w_c->translation() - before->translation()).norm();
+    before = *T_w_c;
+    const bool sure = answer.state == AnswerState::sure;
+    const bool right =
+        answer.T_w_c && isNear(*answer.T_w_c, *T_w_c, params.max_translation, params.max_rotation_deg);
+    count(images, image++, 1, sure, right);
+    for (; way >= kMetreStep * static_cast<double>(next); ++next)
+      count(metres, next, kMetreStep, sure, right);
+  }
+  return {images, metres};
+}
+
+void writeStartCurves(const std::filesystem::path& folder, const std::vector<StartCurve>& curves) {
+  for (const StartCurve& curve : curves)
+    writeTextAtomically(folder / ("starts_by_" + curve.name + ".csv"), [&](std::ostream& out) {
+      out << curve.name << ",starts,sure,right,recall,precision\n";
+      for (const StartCurve::Point& p : curve.points)
+        out << text::shortest(p.x) << ',' << p.starts << ',' << p.sure << ',' << p.right << ','
+            << text::significant(p.recall()) << ',' << text::significant(p.precision()) << '\n';
+    });
+}
+
+void printStartCurves(std::ostream& out, const std::vector<StartCurve>& curves) {
+  for (const StartCurve& curve : curves) {
+    out << "\nAFTER SO MANY " << (curve.name == "images" ? "IMAGES" : "METRES") << " FROM A START\n";
+    const std::size_t step = std::max<std::size_t>(1, curve.points.size() / kPrinted);
+    for (std::size_t i = 0; i < curve.points.size(); i += step) {
+      const StartCurve::Point& p = curve.points[i];
+      out << text::shortest(p.x) << ": " << p.starts << " starts, sure and right " << percent(p.recall())
+          << ", right of the sure ones " << percent(p.precision()) << "\n";
+    }
+  }
+}
+
+void drawStartCurves(const std::filesystem::path& path, const std::vector<StartCurve>& curves) {
+  constexpr int kWidth = 1200, kHeight = 500;  // [px]
+  std::vector<Panel> panels;
+  for (const StartCurve& curve : curves) {
+    Panel panel;
+    panel.title = "Recall and precision from any start";
+    panel.x_title = curve.name == "metres" ? "Way since the start [m]" : "Images since the start";
+    panel.y_title = "Share";
+    panel.y_max = 1.05;
+    Curve recall, precision;
+    recall.label = "sure and right, of all starts";
+    precision.label = "right, of the sure ones";
+    precision.colour = kCurveColours[1];
+    precision.dashed = true;
+    for (const StartCurve::Point& p : curve.points) {
+      recall.x.push_back(p.x);
+      recall.y.push_back(p.recall());
+      precision.x.push_back(p.x);
+      precision.y.push_back(p.precision());
+    }
+    panel.x_max = curve.points.empty() ? 1 : std::max(1.0, curve.points.back().x);
+    panel.curves = {recall, precision};
+    const float width = 1.f / static_cast<float>(curves.size());
+    panel.place = {static_cast<float>(panels.size()) * width, 0, width, 1};
+    panels.push_back(std::move(panel));
+  }
+  drawCharts(path, kWidth, kHeight, panels);
+}
+
+}  // namespace facetloc

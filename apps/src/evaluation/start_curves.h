@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "evaluation/evaluation.h"
+
+#include <facetloc/io/results.h>
+#include <facetloc/io/trajectory.h>
+
+#include <filesystem>
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief How many starts of a drive know where they are after so many images or metres. */
+struct StartCurve {
+  struct Point {
+    double x = 0;    ///< since the start: images, or the true way [m]
+    int starts = 0;  ///< that came so far
+    int sure = 0;
+    int right = 0;  ///< of the sure ones
+
+    double recall() const { return starts > 0 ? right / double(starts) : 0; }
+    double precision() const { return sure > 0 ? right / double(sure) : 1; }
+  };
+  std::string name;  ///< images, metres
+  std::vector<Point> points;
+};
+
+/** \brief The answers of starts over the number of images and over the true way since each start. An answer
+ * is right within the limits of a correct hypothesis. Images without a true pose within the tolerance [s] are
+ * left out; a stamp is the name of an image. Throws IoError for names that are none. */
+std::vector<StartCurve> startCurves(const std::vector<StartAnswer>& answers, const Trajectory& truth,
+                                    const EvaluationParams& params, double tolerance);
+
+/** \brief Writes starts_by_NAME.csv of each curve, atomically. */
+void writeStartCurves(const std::filesystem::path& folder, const std::vector<StartCurve>& curves);
+/** \brief Some points of each. */
+void printStartCurves(std::ostream& out, const std::vector<StartCurve>& curves);
+/** \brief Draws recall and precision of all curves. Needs an X display (OffscreenDisplay). */
+void drawStartCurves(const std::filesystem::path& path, const std::vector<StartCurve>& curves);
+
+}  // namespace facetloc
