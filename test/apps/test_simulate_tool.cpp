@@ -23,7 +23,7 @@ using test::Tools;
 using testing::HasSubstr;
 
 TEST_F(Tools, SimulateIsReproducible) {
-  for (const std::string scene : {"room", "office", "home", "hall", "corridor"}) {
+  for (const std::string scene : {"room", "office", "home", "hall", "corridor", "hotel"}) {
     for (const std::string threads : {"1", "2"}) {
       const ToolRun run = runTool<SimulateApp>({scene, "--seed", "9", "--frames", "2", "--width", "160", "-o",
                                                 folder_ / scene + threads, "--threads", threads});
@@ -45,7 +45,7 @@ TEST_F(Tools, SimulateIsReproducible) {
 TEST_F(Tools, SimulateRefusesWhatThereIsNot) {
   const ToolRun run = runTool<SimulateApp>({"palace", "-o", folder_ / "x"});
   EXPECT_EQ(run.code, kUsage);
-  for (const char* scene : {"office", "home", "hall", "corridor", "room"})
+  for (const char* scene : {"office", "home", "hall", "corridor", "hotel", "room"})
     EXPECT_THAT(run.err, HasSubstr(scene));
 }
 

@@ -109,8 +109,8 @@ SimulateApp::SimulateApp()
           "(labels/, 16-bit PNG; planes.csv: their equations) and query/unmapped.txt, the images that "
           "show only a room that the first drive never entered. SCENE is one of: office (a loop of "
           "corridors and some rooms), home (a flat), hall (shelves and columns), corridor (40 m, bare, "
-          "driven "
-          "along once), room (one closed room with random boxes, where nothing moves). With --runs also "
+          "driven along once), hotel (12 rooms that are equal inside), room (one closed room with random "
+          "boxes, where nothing moves). With --runs also "
           "DIR/drive, the later drive in real time, for trackers; it has no labels. What is made must not "
           "exist yet. The same seed and options give the same files.") {
   drive_.sway_deg = 10;

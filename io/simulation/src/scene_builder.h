@@ -73,10 +73,11 @@ private:
   std::uint16_t next_id_ = 1;
 };
 
-// ---- Places: a class each, in office_floor.h, home_floor.h and hall_floor.h, and bare_corridor.cpp ----
+// ---- Places: a file each, NAME_floor.h, bare_corridor.cpp and equal_rooms.cpp ----
 SimulatedPlace officeFloor(std::uint64_t seed);
 SimulatedPlace homeFloor(std::uint64_t seed);
 SimulatedPlace hallFloor(std::uint64_t seed);
 SimulatedPlace bareCorridor(std::uint64_t seed);
+SimulatedPlace equalRooms(std::uint64_t seed);
 
 }  // namespace facetloc

@@ -8,7 +8,7 @@
 namespace facetloc {
 
 const std::vector<std::string>& simulatedPlaceNames() {
-  static const std::vector<std::string> names = {"office", "home", "hall", "corridor"};
+  static const std::vector<std::string> names = {"office", "home", "hall", "corridor", "hotel"};
   return names;
 }
 
@@ -17,6 +17,7 @@ SimulatedPlace simulatedPlace(const std::string& name, std::uint64_t seed) {
   if (name == "home") return homeFloor(seed);
   if (name == "hall") return hallFloor(seed);
   if (name == "corridor") return bareCorridor(seed);
+  if (name == "hotel") return equalRooms(seed);
   throw std::invalid_argument("there is no simulated place named '" + name + "'");
 }
 

@@ -31,7 +31,7 @@ struct SimulatedPlace {
   bool one_way = false;                             ///< the routes end at their last waypoints
 };
 
-/** \brief The names of the places that there are: office, home, hall, corridor. */
+/** \brief The names of the places that there are: office, home, hall, corridor, hotel. */
 const std::vector<std::string>& simulatedPlaceNames();
 /** \brief The place of that name, made up from the seed; the same seed gives the same place. Throws
  * std::invalid_argument for an unknown name.
@@ -41,7 +41,8 @@ const std::vector<std::string>& simulatedPlaceNames();
  * - home: furnished rooms.
  * - hall: shelves, columns and large distances.
  * - corridor: 40 m long and bare, driven along once: but for its ends, out of range for most of the way,
- *   nothing tells how far along it a camera is. */
+ *   nothing tells how far along it a camera is.
+ * - hotel: twelve rooms off one corridor, equal inside; doors and what stands beside them differ. */
 SimulatedPlace simulatedPlace(const std::string& name, std::uint64_t seed);
 
 }  // namespace facetloc
