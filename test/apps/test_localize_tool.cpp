@@ -108,6 +108,36 @@ TEST_F(Tools, ADriveIsLocalizedAsOne) {
   EXPECT_EQ(readHypotheses(once).front().state, AnswerState::doubtful) << "one view alone is never sure";
 }
 
+TEST_F(Tools, ADriveSaysWhenItIsFirstSureAndWhyNotBefore) {
+  const ToolRun run = runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "drive", "--sequence"});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  std::vector<std::string> frames;
+  std::size_t first_sure = 0;
+  for (const ResultRow& row : readHypotheses(folder_ / "drive")) {
+    if (row.rank > 1) continue;
+    frames.push_back(row.frame);
+    if (row.state == AnswerState::sure && first_sure == 0) first_sure = frames.size();
+    EXPECT_TRUE(row.state == AnswerState::sure || !row.reason.empty()) << row.frame;
+  }
+  ASSERT_GT(first_sure, 1u);
+  EXPECT_THAT(run.out, HasSubstr(", first sure at image " + std::to_string(first_sure) + "; "));
+}
+
+TEST_F(Tools, ParametersOfADriveCanBeUsedAgain) {
+  const std::vector<std::string> drive = {
+      map(),        map_run(),           "-o",   folder_ / "a",
+      "--sequence", "--min-probability", "0.95", "--sequence.look_distance",
+      "0.2"};
+  ASSERT_EQ(runTool<LocalizeApp>(drive).code, kOk);
+  const ToolRun again =
+      runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "b", "--params", folder_ / "a/params.ini"});
+  ASSERT_EQ(again.code, kOk) << again.err;
+  for (const char* file : {"params.ini", "hypotheses.csv", "poses_tum.txt", "covariances.csv"})
+    EXPECT_EQ(contentOf(folder_ / ("a/" + std::string(file))),
+              contentOf(folder_ / ("b/" + std::string(file))))
+        << file;
+}
+
 TEST_F(Tools, ADriveIsJudgedFromAllItsStarts) {
   const fs::path results = folder_ / "starts";
   ASSERT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", results, "--sequence", "--starts", "3"}).code, kOk);

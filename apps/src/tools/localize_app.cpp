@@ -66,6 +66,21 @@ Localizer asOneDrive(const std::shared_ptr<SequenceLocalization>& sequence) {
   };
 }
 
+/** Why a drive is not sure yet, although there are places. */
+void addRemark(ResultRow& row, const std::string& remark) {
+  if (!row.reason.empty() && !remark.empty()) row.reason += "; ";
+  row.reason += remark;
+}
+
+/** ", first sure at image 5": how long a drive takes until it knows where it is. */
+std::string firstSure(const std::vector<FrameResult>& results) {
+  const auto first = std::find_if(results.begin(), results.end(), [](const FrameResult& result) {
+    return result.rows.front().state == AnswerState::sure;
+  });
+  if (first == results.end()) return "";
+  return ", first sure at image " + std::to_string(first - results.begin() + 1);
+}
+
 /** \param traits receives what tells a wrong camera. */
 FrameResult localizeFrame(const FrameFile& file, const DepthImage& image, ViewBuilder& builder,
                           const Localizer& localize, const Map& map, int max_hypotheses, ViewTraits& traits) {
@@ -78,6 +93,7 @@ FrameResult localizeFrame(const FrameFile& file, const DepthImage& image, ViewBu
                    millisecondsSince(start), static_cast<int>(map.models.size())};
   result.rows = resultRows(file.name, answer.localization, map, max_hypotheses, kMinProbability);
   for (ResultRow& row : result.rows) row.state = answer.state;
+  if (!answer.localization.hypotheses.empty()) addRemark(result.rows.front(), answer.localization.reason);
   traits = ViewTraits::of(scene);
   traits.noise = scene.noise();
   return result;
@@ -268,7 +284,7 @@ void LocalizeApp::printSummary(const std::vector<FrameResult>& results, const Ma
     milliseconds += result.timing.sum();
   }
   for (const std::string& hint : whatToLookAt(states, views_, map)) console.out << hint << "\n";
-  console.out << inWords(states) << "; "
+  console.out << inWords(states) << (is_sequence_ ? firstSure(results) : "") << "; "
               << text::decimals(milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)), 1)
               << " ms per image and thread; results in " << folder_ << "\n";
 }
@@ -279,8 +295,9 @@ std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& file, const 
   return "# " + versionText() + ", map " + fs::path(map_).filename().string() + " of " +
          counted(map.models.size(), "local model") + ", checksum " + checksum(map_) + "\n" +
          cameraLine(file) + "max-hypotheses = " + std::to_string(max_hypotheses_) + "\n" +
-         "min-probability = " + text::shortest(min_probability_) + "\n" + toIni(input_, camera) +
-         toIni(localization_) + (is_sequence_ ? "\nsequence = 1\n" + toIni(sequence_, "sequence") : "");
+         "min-probability = " + text::shortest(min_probability_) + "\n" +
+         (is_sequence_ ? "sequence = 1\n" : "") + toIni(input_, camera) + toIni(localization_) +
+         (is_sequence_ ? "\n" + toIni(sequence_, "sequence") : "");
 }
 
 int LocalizeApp::execute(const CommandLine& line, const Console& console) {
