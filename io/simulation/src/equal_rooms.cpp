@@ -2,6 +2,8 @@
 #include "furniture.h"
 #include "scene_builder.h"
 
+#include <facetloc/features/so3.h>
+
 #include <Eigen/Geometry>
 
 #include <vector>
@@ -11,7 +13,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = 180 * kDegree;
 constexpr int kRoomsOfASide = 6;
 // Sizes [m].
 constexpr double kRoomWidth = 4.4, kRoomDepth = 5, kHalfCorridor = 1.1, kHeight = 2.5, kWall = 0.12;

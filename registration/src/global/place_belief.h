@@ -10,6 +10,7 @@
 
 #include <deque>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace facetloc::internal {
@@ -20,7 +21,7 @@ struct BelievedPlace {
   int part = 0;            ///< of the map, in whose frame the pose is
   double log_odds = 0;     ///< against that the map does not hold the place [nats]
   double probability = 0;  ///< beside the other places and that
-  Hypothesis match;        ///< with the local model that shares most with the latest view that was looked at
+  Hypothesis match;        ///< with a local model, as of the latest look; no pairs once the camera has moved
 };
 
 /** \brief What the views of a moving camera together say of where it is: Gaussian places with their odds
@@ -42,11 +43,13 @@ public:
   void move(const PoseWithCovariance& T_a_b);
   /** \brief Has it moved so far that a look tells something new? True before the first. */
   bool isDue() const;
-  /** \brief Looks at a view from all places.
+  /** \brief Holds a view against all places.
    * \param view where the camera is now; it is kept for a while
    * \param found what a search of the whole map has found for this view; null if there was none
    * \param independent the view has nothing in common with the ones before, however little the camera may
-   * have moved \return what the view says of the place that was most probable [nats]; 0 if there was none. */
+   * have moved
+   * \return what the view adds to the log odds of the place that was most probable [nats]; 0 if there was
+   * none, or the map has nothing near it. */
   double look(std::shared_ptr<const View> view, const Localization* found, bool independent = false);
   /** \brief Another source follows the camera here: corrects the pose of this place, or adds it with the odds
    * that any place has beforehand. \param part of the map */
@@ -66,7 +69,14 @@ private:
     double weight;
   };
   double motionSince(double distance, double rotation_deg) const;
+  double oddsOfKnown(const View& view, const Hypothesis& h) const;
   double historyOf(const Hypothesis& place) const;
+  std::vector<Hypothesis> sortFound(const Localization& found,
+                                    std::vector<std::optional<Hypothesis>>& seen) const;
+  void addFresh(const View& view, const std::vector<Hypothesis>& fresh,
+                const std::vector<std::optional<Hypothesis>>& seen, double weight);
+  void update(BelievedPlace& place, const Hypothesis& seen, double weight, double log_odds) const;
+  PoseWithCovariance poseOf(const Hypothesis& h) const;
   void normalize();
 
   std::shared_ptr<const Map> map_;
@@ -76,7 +86,6 @@ private:
   bool has_odds_;
   std::vector<BelievedPlace> places_;
   std::deque<Look> kept_;
-  ScoreOdds known_;            // of a place that was known beforehand
   double way_ = 0, turn_ = 0;  // since the last look [m, rad]
   int looks_ = 0;
   int threads_ = 1;

@@ -85,13 +85,24 @@ bool samePlace(const Hypothesis& a, const Hypothesis& b, const MergingParams& pa
 // Are these answers that exclude each other? Poses that are close to each other are one, found more or less
 // well.
 bool areRivals(const Hypothesis& a, const Hypothesis& b) {
-  constexpr double kDistance = 0.3, kAngleDeg = 5;  // [m]
   if (a.part != b.part) return true;
-  if (a.T_w_c && b.T_w_c) return !isNear(*a.T_w_c, *b.T_w_c, kDistance, kAngleDeg);
-  return a.model != b.model || !isNear(a.T_m_c.T, b.T_m_c.T, kDistance, kAngleDeg);
+  if (a.T_w_c && b.T_w_c) return !isOneAnswer(*a.T_w_c, *b.T_w_c);
+  return a.model != b.model || !isOneAnswer(a.T_m_c.T, b.T_m_c.T);
+}
+
+// What wrong places score for the map's own views; of few views, drawn towards the usual.
+double meanAmbiguity(const ProbabilityParams& params, const std::optional<MapAmbiguity>& ambiguity) {
+  constexpr double kViews = 20;  // that the usual ambiguity counts as
+  const MapAmbiguity found = ambiguity.value_or(MapAmbiguity());
+  return (found.views * found.score + kViews * params.usual_ambiguity) / (found.views + kViews);
 }
 
 }  // namespace
+
+bool isOneAnswer(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  constexpr double kDistance = 0.3, kAngleDeg = 5;  // [m]
+  return isNear(a, b, kDistance, kAngleDeg);
+}
 
 DepthConsistencyParams refinedErrors(DepthConsistencyParams depth, const PlaceRefinementParams& params) {
   depth.absolute_error = params.absolute_error;
@@ -117,8 +128,7 @@ void PlaceRanking::rank(const View& scene, std::vector<Hypothesis>& hypotheses) 
   if (evidence) score(hypotheses);
   if (evidence && params_.refinement.enabled) refinePlaces(scene, hypotheses);
   if (evidence && map_->models.size() == 1) {
-    for (Hypothesis& h : hypotheses)
-      h.score = h.consensus + params_.pair_probability.evidence_weight * h.evidence;
+    for (Hypothesis& h : hypotheses) h.score = together(h);
     sortByScore(hypotheses);
   }
   const ScoreOdds found = odds(evidence, hypotheses);
@@ -126,6 +136,22 @@ void PlaceRanking::rank(const View& scene, std::vector<Hypothesis>& hypotheses) 
 }
 
 // Of two views, the one picture says little beside the segments.
+double PlaceRanking::together(const Hypothesis& h) const {
+  const double weight = map_->models.size() == 1 ? params_.pair_probability.evidence_weight : 1;
+  return h.consensus + weight * h.evidence;
+}
+
+bool PlaceRanking::mayHaveEvidence(const View& scene) const {
+  return params_.evidence.enabled && !params_.score.by_overlap && !scene.depth.empty() && !near_.empty();
+}
+
+ScoreOdds PlaceRanking::oddsOfKnown(bool evidence, double lookalike_weight) const {
+  if (!evidence || map_->models.size() == 1) return odds(evidence, {});
+  const ProbabilityParams& p = params_.probability;
+  return {p.slope, (1 - lookalike_weight) * p.least_null_score +
+                       lookalike_weight * meanAmbiguity(p, map_->ambiguity) + priorOdds(p) / p.slope};
+}
+
 ScoreOdds PlaceRanking::odds(bool evidence, const std::vector<Hypothesis>& sorted) const {
   if (map_->models.size() == 1) {
     const PairProbabilityParams& p = params_.pair_probability;
@@ -164,8 +190,8 @@ std::optional<Hypothesis> PlaceRanking::at(const Query& query, int part,
     if (origin.view == best->model) best->pairs.push_back({pair.scene, origin.segment, pair.distance});
   }
   best->found_by = {best->model};
-  if (!query.view.depth.empty()) best->evidence = evidence(query.view, around, *best, refined_comparison_);
-  best->score = best->consensus + best->evidence;
+  if (mayHaveEvidence(query.view)) best->evidence = evidence(query.view, around, *best, refined_comparison_);
+  best->score = together(*best);
   return best;
 }
 
@@ -310,12 +336,6 @@ void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypothese
     known->found_by.swap(models);
   }
   hypotheses.swap(places);
-}
-
-double meanAmbiguity(const ProbabilityParams& params, const std::optional<MapAmbiguity>& ambiguity) {
-  constexpr double kViews = 20;  // that the usual ambiguity counts as
-  const MapAmbiguity found = ambiguity.value_or(MapAmbiguity());
-  return (found.views * found.score + kViews * params.usual_ambiguity) / (found.views + kViews);
 }
 
 double nullScore(const ProbabilityParams& params, const std::optional<MapAmbiguity>& ambiguity,

@@ -42,8 +42,14 @@ public:
    * search had found it there. Nothing if there are none, for then the map says nothing.
    * \param T_w_c in the frame of that part of the map, the prior of the alignment, positive definite */
   std::optional<Hypothesis> at(const Query& query, int part, const PoseWithCovariance& T_w_c) const;
-  /** \brief Of the scores of a list of places, sorted. */
+  /** \brief Can local models give evidence of where a view was taken: have they, and has it, depth? */
+  bool mayHaveEvidence(const View& scene) const;
+  /** \brief Of the scores of a list of places, sorted, that a search has found. */
   ScoreOdds odds(bool evidence, const std::vector<Hypothesis>& sorted) const;
+  /** \brief Of the score of a place that was known before the view, and is not the best of many therefore.
+   * With evidence, S_0 lies between least_null_score and what the map's look-alikes score, nearer to that by
+   * their weight from 0 to 1 (METHOD 16.6). */
+  ScoreOdds oddsOfKnown(bool evidence, double lookalike_weight) const;
 
   /** \brief Scores the best hypotheses by the depth of the local models nearest to their world poses,
    * whichever generated them, instead of their own model's alone (METHOD 11.1). The score is the
@@ -75,6 +81,7 @@ private:
   double evidence(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h,
                   const DepthComparison& comparison) const;
   void refine(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h) const;
+  double together(const Hypothesis& h) const;
   int viewpoints(const std::vector<int>& models) const;
   void score(std::vector<Hypothesis>& places) const;
   std::size_t hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const;
@@ -91,6 +98,9 @@ private:
  * models have found it. */
 void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypotheses);
 
+/** \brief Poses that are so close to each other are one answer, found more or less well: 0.3 m and 5 deg. */
+bool isOneAnswer(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
+
 /** \brief Score at which a place that has evidence is as likely as none of the list [nats]:
  *
  *     S_0 = max(least_null_score, null_score + runners_up_weight * mean score of the next best places)
@@ -99,7 +109,6 @@ void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypothese
  * What the next best places score is a sample of what wrong places score for this view. A is what they score
  * for other views of this map, which tells what a place would score that only looks like one which the map
  * lacks; of few views, it is drawn towards the usual. pi: map_incomplete. */
-double meanAmbiguity(const ProbabilityParams& params, const std::optional<MapAmbiguity>& ambiguity);
 double nullScore(const ProbabilityParams& params, const std::optional<MapAmbiguity>& ambiguity,
                  const std::vector<Hypothesis>& sorted);
 

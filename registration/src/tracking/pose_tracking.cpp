@@ -344,14 +344,12 @@ void PoseTracking::Impl::begin(const BelievedPlace& place) {
 
 // Compares the place that is tracked with the others where the camera may be; goes there if one is better.
 bool PoseTracking::Impl::hasBetterPlace(const View& view, const Step& step) {
-  constexpr double kSameTranslation = 0.3, kSameRotation = 5;  // [m, deg]
   next_check_ = stamp_ + params_.check_interval;
   belief_.suppose(part_, T_w_c_);
   std::string ignored;
   const std::optional<BelievedPlace> best = likeliestPlace(view, ignored);
   if (!best || !(best->probability >= params_.min_probability)) return false;
-  const bool is_known =
-      best->part == part_ && isNear(best->T_w_c.T, T_w_c_.T, kSameTranslation, kSameRotation);
+  const bool is_known = best->part == part_ && isOneAnswer(best->T_w_c.T, T_w_c_.T);
   if (is_known) return false;
   const Step there = align(view, best->part, best->T_w_c);
   if (!isSure(there) || !(share(there.of_map) > share(step.of_map))) return false;
