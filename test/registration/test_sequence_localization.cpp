@@ -125,6 +125,65 @@ TEST_F(SequenceInARoom, CarriedAwayItBeginsAnew) {
   EXPECT_LE(sure_after, 10) << "within a second";
 }
 
+TEST_F(SequenceInARoom, CarriedAwayWithWheelsThatStandStillItBeginsAnew) {
+  SequenceLocalization sequence(map);
+  int i = 0;
+  for (; i < 20; ++i) {
+    std::optional<PoseWithCovariance> motion;
+    if (i > 0) motion = PoseWithCovariance{truth[i - 1].inverse() * truth[i], 1e-6 * Matrix6d::Identity()};
+    sequence.add(views[i], i * kFrame, motion);
+  }
+  const PoseWithCovariance still{Eigen::Isometry3d::Identity(), 1e-6 * Matrix6d::Identity()};
+  const SequenceAnswer carried = sequence.add(views[40], i++ * kFrame, still);
+  EXPECT_TRUE(carried.carried_away);
+  EXPECT_FALSE(isSureAndWrong(carried, truth[40]));
+  bool sure = false;
+  for (int k = 41; k < 50; ++k, ++i) {
+    const PoseWithCovariance motion{truth[k - 1].inverse() * truth[k], 1e-6 * Matrix6d::Identity()};
+    const SequenceAnswer answer = sequence.add(views[k], i * kFrame, motion);
+    EXPECT_FALSE(isSureAndWrong(answer, truth[k])) << k;
+    sure = sure || answer.state == AnswerState::sure;
+  }
+  EXPECT_TRUE(sure) << "within a second";
+}
+
+TEST_F(SequenceInARoom, PairsAreOfTheViewThatHasThem) {
+  SequenceLocalization sequence(map);
+  int with_pairs = 0;
+  for (int i = 0; i < 30; ++i) {
+    const SequenceAnswer answer =
+        sequence.add(views[i / 3], i * kFrame);  // two looks in three tell nothing new
+    for (const Hypothesis& h : answer.places) {
+      with_pairs += !h.pairs.empty();
+      EXPECT_TRUE(i % 3 == 0 || h.pairs.empty()) << i;
+    }
+  }
+  EXPECT_GT(with_pairs, 0);
+}
+
+TEST_F(SequenceInARoom, CloudsAndImagesAreSeenAsViewsAre) {
+  SequenceLocalization by_views(map), by_images(map), by_clouds(map);
+  for (int i = 0; i < 3; ++i) {
+    const DepthImage image =
+        test::noisy(test::render(test::largeRoom(), test::smallCamera(), truth[i], 20).image,
+                    SensorNoise{}.inverse_depth_std, 1 + i);
+    pcl::PointCloud<pcl::PointXYZ> cloud(image.camera.width, image.camera.height);
+    for (std::size_t k = 0; k < image.depth.size(); ++k) {
+      const int u = static_cast<int>(k) % image.camera.width, v = static_cast<int>(k) / image.camera.width;
+      const float z = isMeasured(image.depth[k]) ? image.depth[k] : std::numeric_limits<float>::quiet_NaN();
+      cloud[k] = {static_cast<float>((u - image.camera.cx) / image.camera.fx) * z,
+                  static_cast<float>((v - image.camera.cy) / image.camera.fy) * z, z};
+    }
+    const SequenceAnswer of_view = by_views.add(views[i], i * kFrame);
+    for (const SequenceAnswer& other :
+         {by_images.addImage(image, i * kFrame), by_clouds.addCloud(cloud, i * kFrame)}) {
+      ASSERT_EQ(other.places.size(), of_view.places.size()) << i << other.reason;
+      for (std::size_t k = 0; k < other.places.size(); ++k)
+        EXPECT_TRUE(isNear(*other.places[k].T_w_c, *of_view.places[k].T_w_c, 0.02, 0.5)) << i << " " << k;
+    }
+  }
+}
+
 TEST_F(SequenceInARoom, StampsThatGoBackStartAnew) {
   for (const double stamp : {-5.0, std::numeric_limits<double>::quiet_NaN()}) {
     SequenceLocalization sequence(map);
@@ -318,6 +377,18 @@ TEST_F(BeliefInARoom, ItNeverBecomesSurerThanItsBound) {
     EXPECT_LE(belief.places().size(), 3u);
   }
   EXPECT_DOUBLE_EQ(logOdds(belief), params.most_log_odds);
+}
+
+TEST_F(BeliefInARoom, TheMostProbablePlacesAreKept) {
+  SequenceParams params;
+  for (const int most : {12, 3}) {
+    params.max_places = most;
+    PlaceBelief belief(map, {}, params);
+    for (const int i : {50, 40, 30, 15, 0}) belief.suppose(0, {truth[i], 1e-4 * Matrix6d::Identity()});
+    belief.look(view(0), nullptr);
+    ASSERT_EQ(belief.places().size(), most == 3 ? 3u : 5u);
+    EXPECT_TRUE(isNear(belief.places().front().T_w_c.T, truth[0], 0.05, 1));
+  }
 }
 
 TEST_F(BeliefInARoom, PlacesMoveWithTheCamera) {

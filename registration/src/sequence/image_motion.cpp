@@ -66,10 +66,9 @@ ViewMotion ImageMotion::add(const std::shared_ptr<const View>& view, double dt,
   }
   if (shows_anything) before_ = view;
   if (!given) return seen;
-  if (seen.broken)
-    seen.T_a_b = *given, seen.broken = false;
-  else if (!contradict(seen.T_a_b, *given))
-    seen.T_a_b = fused(seen.T_a_b, *given);
+  if (seen.broken)  // the wheels may be right, or somebody carries the robot: the views tell nothing
+    return {*given, 0, false};
+  if (!contradict(seen.T_a_b, *given)) seen.T_a_b = fused(seen.T_a_b, *given);
   return seen;
 }
 

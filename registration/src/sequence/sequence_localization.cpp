@@ -14,8 +14,8 @@ namespace facetloc {
 using namespace internal;
 namespace {
 
-constexpr double kContradiction =
-    1;  // of a view against a place, from which on the camera is elsewhere [nats]
+// Of a view that stands alone against the best place, from which on the camera is elsewhere [nats].
+constexpr double kContradiction = 1;
 
 }  // namespace
 
@@ -75,7 +75,7 @@ SequenceAnswer SequenceLocalization::Impl::add(View&& view_in, double now,
 
   // What shares nothing with the views before may be of any place: only the map can tell.
   const bool shows_anything = !view->segments.empty() || !view->depth.empty();
-  const bool alone = shows_anything && !is_first && anew.empty() && !given && !(moved.agreement > 0);
+  const bool alone = shows_anything && !is_first && anew.empty() && !(moved.agreement > 0);
   std::string of_search;
   const bool searched = shows_anything && (alone || (belief.isDue() && !isSure()));
   if (searched) {
