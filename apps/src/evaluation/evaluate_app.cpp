@@ -245,7 +245,9 @@ int EvaluateApp::execute(const CommandLine&, const Console& console) {
   removeEarlier(folder_);
   writeReport(folder_, report);
   if (const auto answers = readStarts(results_); !answers.empty()) {
-    input.starts = startCurves(answers, input.truth.poses(), params_, pose_tolerance_);
+    const Eigen::Isometry3d T_true_estimated =
+        input.alignment ? input.alignment->motion.T_true_estimated : Eigen::Isometry3d::Identity();
+    input.starts = startCurves(answers, report.evaluation.frames, T_true_estimated, params_);
     writeStartCurves(folder_, input.starts);
   }
   writeHtmlReport(folder_, report, drawPictures(report, input, console));

@@ -5,12 +5,11 @@
 #include "tools/text.h"
 
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/error.h>
 #include <facetloc/io/text.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
+#include <optional>
 
 namespace facetloc {
 namespace {
@@ -31,29 +30,32 @@ std::string percent(double share) { return text::decimals(100 * share, 1) + " %"
 
 }  // namespace
 
-std::vector<StartCurve> startCurves(const std::vector<StartAnswer>& answers, const Trajectory& truth,
-                                    const EvaluationParams& params, double tolerance) {
+std::vector<StartCurve> startCurves(const std::vector<StartAnswer>& answers,
+                                    const std::vector<FrameEvaluation>& frames,
+                                    const Eigen::Isometry3d& T_true_estimated,
+                                    const EvaluationParams& params) {
+  std::map<std::string, Eigen::Isometry3d> truth;
+  for (const FrameEvaluation& frame : frames) truth[frame.name] = frame.T_w_c;
   StartCurve images{"images", {}}, metres{"metres", {}};
   std::string start;
-  std::optional<Eigen::Isometry3d> before;
+  std::optional<Eigen::Isometry3d> before;  // the true pose of the image before, of the same start
   double way = 0;
   std::size_t image = 0, next = 0;  // points of the start
   for (const StartAnswer& answer : answers) {
-    if (answer.start != start || !before) {
+    const auto found = truth.find(answer.frame);
+    if (found == truth.end()) continue;
+    const Eigen::Isometry3d& T_w_c = found->second;
+    if (!before || answer.start != start) {
       start = answer.start;
-      before.reset();
+      before = T_w_c;
       way = 0;
       image = next = 0;
     }
-    const auto stamp = text::to<double>(answer.frame);
-    if (!stamp) throw IoError("starts.csv", "has an image whose name is no stamp: " + answer.frame);
-    const auto T_w_c = truth.nearest(*stamp, tolerance);
-    if (!T_w_c) continue;
-    if (before) way += (T_w_c->translation() - before->translation()).norm();
-    before = *T_w_c;
+    way += (T_w_c.translation() - before->translation()).norm();
+    before = T_w_c;
     const bool sure = answer.state == AnswerState::sure;
-    const bool right =
-        answer.T_w_c && isNear(*answer.T_w_c, *T_w_c, params.max_translation, params.max_rotation_deg);
+    const bool right = answer.T_w_c && isNear(T_true_estimated * *answer.T_w_c, T_w_c, params.max_translation,
+                                              params.max_rotation_deg);
     count(images, image++, 1, sure, right);
     for (; way >= kMetreStep * static_cast<double>(next); ++next)
       count(metres, next, kMetreStep, sure, right);

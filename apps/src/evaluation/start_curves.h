@@ -4,7 +4,6 @@
 #include "evaluation/evaluation.h"
 
 #include <facetloc/io/results.h>
-#include <facetloc/io/trajectory.h>
 
 #include <filesystem>
 #include <ostream>
@@ -29,10 +28,13 @@ struct StartCurve {
 };
 
 /** \brief The answers of starts over the number of images and over the true way since each start. An answer
- * is right within the limits of a correct hypothesis. Images without a true pose within the tolerance [s] are
- * left out; a stamp is the name of an image. Throws IoError for names that are none. */
-std::vector<StartCurve> startCurves(const std::vector<StartAnswer>& answers, const Trajectory& truth,
-                                    const EvaluationParams& params, double tolerance);
+ * is right within the limits of a correct hypothesis.
+ * \param frames whose true poses are known; others are left out
+ * \param T_true_estimated from the world of the answers to that of the true poses */
+std::vector<StartCurve> startCurves(const std::vector<StartAnswer>& answers,
+                                    const std::vector<FrameEvaluation>& frames,
+                                    const Eigen::Isometry3d& T_true_estimated,
+                                    const EvaluationParams& params);
 
 /** \brief Writes starts_by_NAME.csv of each curve, atomically. */
 void writeStartCurves(const std::filesystem::path& folder, const std::vector<StartCurve>& curves);

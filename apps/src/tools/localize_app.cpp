@@ -46,13 +46,22 @@ struct FrameAnswer {
 };
 using Localizer = std::function<FrameAnswer(const View& view, double stamp)>;
 
-Localizer eachByItself(const GlobalLocalization& localization, double min_probability) {
-  return [&localization, min_probability](const View& view, double) {
+Localizer eachByItself(const std::shared_ptr<const GlobalLocalization>& localization,
+                       double min_probability) {
+  return [localization, min_probability](const View& view, double) {
     FrameAnswer answer;
-    answer.localization = localization.localize(view);
+    answer.localization = localization->localize(view);
     answer.state = answer.localization.state(min_probability);
     return answer;
   };
+}
+
+std::shared_ptr<const GlobalLocalization> globalLocalization(const std::shared_ptr<const Map>& map,
+                                                             const GlobalLocalizationParams& params,
+                                                             int threads) {
+  auto localization = std::make_shared<GlobalLocalization>(map, params);
+  localization->setNumberOfThreads(threads);
+  return localization;
 }
 
 Localizer asOneDrive(const std::shared_ptr<SequenceLocalization>& sequence) {
@@ -192,14 +201,11 @@ int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
                           ResultsJournal& journal, std::vector<FrameResult>& results,
                           const Console& console) {
   Batch batch(is_sequence_ ? 1 : threads(), todo.size(), console, ranks());  // a drive has an order
-  GlobalLocalization localization(map, localization_);
-  if (sequence.frames().size() == 1) localization.setNumberOfThreads(threads());
-  Localizer localizer = eachByItself(localization, min_probability_);
-  if (is_sequence_) {
-    const auto whole = drive(map);
-    whole->setNumberOfThreads(threads());
-    localizer = asOneDrive(whole);
-  }
+  const bool is_alone = sequence.frames().size() == 1;  // else several images are localized at a time
+  const Localizer localizer =
+      is_sequence_
+          ? asOneDrive(drive(map, threads()))
+          : eachByItself(globalLocalization(map, localization_, is_alone ? threads() : 1), min_probability_);
   std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, input_.view));
   std::vector<FrameResult> found(todo.size());
   std::vector<ViewTraits> traits(todo.size());
@@ -228,10 +234,12 @@ int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
   return batch.report();
 }
 
-std::shared_ptr<SequenceLocalization> LocalizeApp::drive(const std::shared_ptr<const Map>& map) const {
-  PoseTrackingParams sure;
-  sure.min_probability = min_probability_;
-  return std::make_shared<SequenceLocalization>(map, sequence_, localization_, sure);
+std::shared_ptr<SequenceLocalization> LocalizeApp::drive(const std::shared_ptr<const Map>& map,
+                                                         int threads) const {
+  auto drive = std::make_shared<SequenceLocalization>(map, sequence_, localization_);
+  drive->setNumberOfThreads(threads);
+  drive->setMinProbability(min_probability_);
+  return drive;
 }
 
 /** Every so many images are a start. Its drive ends after kMostWay, as far as the camera itself can tell, or
@@ -249,12 +257,15 @@ int LocalizeApp::localizeFromStarts(const DepthSequence& sequence, const Camera&
   const std::size_t n = (frames.size() + starts_ - 1) / starts_;
   std::vector<std::vector<StartAnswer>> found(n);
   Batch batch(threads(), n, console);
+  std::vector<std::shared_ptr<SequenceLocalization>> drives(batch.workers());
+  for (auto& of_worker : drives) of_worker = drive(map, 1);
   batch.run([&](std::size_t k) { return "start " + frames[k * starts_].name; },
-            [&](std::size_t k, int) {
-              const auto from_here = drive(map);
+            [&](std::size_t k, int worker) {
+              SequenceLocalization& from_here = *drives[worker];
+              from_here.reset();
               double way = 0;
               for (std::size_t i = k * starts_; i < frames.size() && way < kMostWay; ++i) {
-                const SequenceAnswer answer = from_here->add(views[i], frames[i].stamp);
+                const SequenceAnswer answer = from_here.add(views[i], frames[i].stamp);
                 way += answer.T_before_now.T.translation().norm();
                 StartAnswer out{frames[k * starts_].name, frames[i].name, answer.state, 0, {}};
                 if (!answer.places.empty()) {
@@ -270,7 +281,7 @@ int LocalizeApp::localizeFromStarts(const DepthSequence& sequence, const Camera&
     std::move(of_start.begin(), of_start.end(), std::back_inserter(all));
   writeStarts(folder_, all);
   console.out << counted(n, "start") << " in " << folder_ << "/starts.csv\n";
-  return batch.report();
+  return std::max(seeing.report(), batch.report());
 }
 
 void LocalizeApp::printSummary(const std::vector<FrameResult>& results, const Map& map,
@@ -310,7 +321,8 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
   if (is_sequence_ && ranks().size() > 1)
     throw UsageError("--sequence does not go with mpirun: its images have an order; run it without");
   if (is_sequence_ && localization_.score.by_overlap)
-    throw UsageError("--sequence does not go with --score.by_overlap, which has no probabilities");
+    throw UsageError("--sequence does not go with --score.by_overlap, which --preset paper sets: overlaps "
+                     "have no probabilities");
   Provenance::requireNotReplaced(input_path_, folder_);
   if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
   const DepthSequence sequence = openSequence(input_path_, console);
@@ -341,11 +353,8 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
     if (code == kOk) Provenance::removeUnderWay(folder_);
   }
   printSummary(results, *map, console);
-  if (starts_ == 0) {
-    fs::remove(fs::path(folder_) / "starts.csv");  // of an earlier run
-    return code;
-  }
-  return std::max(code, localizeFromStarts(sequence, camera, map, console));
+  fs::remove(fs::path(folder_) / "starts.csv");  // of an earlier run
+  return starts_ == 0 ? code : std::max(code, localizeFromStarts(sequence, camera, map, console));
 }
 
 }  // namespace facetloc

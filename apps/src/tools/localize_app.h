@@ -34,7 +34,7 @@ private:
   int localize(const DepthSequence& sequence, const Camera& camera, const std::shared_ptr<const Map>& map,
                const std::vector<std::size_t>& todo, ResultsJournal& journal,
                std::vector<FrameResult>& results, const Console& console);
-  std::shared_ptr<SequenceLocalization> drive(const std::shared_ptr<const Map>& map) const;
+  std::shared_ptr<SequenceLocalization> drive(const std::shared_ptr<const Map>& map, int threads) const;
   int localizeFromStarts(const DepthSequence& sequence, const Camera& camera,
                          const std::shared_ptr<const Map>& map, const Console& console) const;
   void printSummary(const std::vector<FrameResult>& results, const Map& map, const Console& console) const;

@@ -22,8 +22,8 @@ bool contradict(const PoseWithCovariance& a, const PoseWithCovariance& b) {
 
 }  // namespace
 
-ImageMotion::ImageMotion(const PoseTrackingParams& params)
-    : odometry_(params.odometry, alignmentWithCovariance(), DepthComparison(DepthConsistencyParams{})) {}
+ImageMotion::ImageMotion(const ViewOdometryParams& params)
+    : odometry_(params, alignmentWithCovariance(), DepthComparison(DepthConsistencyParams{})) {}
 
 void ImageMotion::reset() {
   odometry_.reset();

@@ -16,7 +16,7 @@ namespace facetloc::internal {
  * which is given. */
 class ImageMotion {
 public:
-  explicit ImageMotion(const PoseTrackingParams& params);
+  explicit ImageMotion(const ViewOdometryParams& params);
 
   void reset();
   /** \param dt since the image before [s] \param given motion since then, by another odometry

@@ -6,7 +6,7 @@
 #include <facetloc/registration/sequence_localization.h>
 #include <facetloc/segmentation/view_builder.h>
 
-#include <cmath>
+#include <stdexcept>
 #include <utility>
 
 namespace facetloc {
@@ -17,16 +17,21 @@ namespace {
 // Of a view that stands alone against the best place, from which on the camera is elsewhere [nats].
 constexpr double kContradiction = 1;
 
+const GlobalLocalizationParams& withProbabilities(const GlobalLocalizationParams& params) {
+  if (params.score.by_overlap)
+    throw std::invalid_argument("score.by_overlap: overlaps have no probabilities, which a sequence needs");
+  return params;
+}
+
 }  // namespace
 
 struct SequenceLocalization::Impl {
   Impl(const std::shared_ptr<const Map>& map, const SequenceParams& the_params,
-       const GlobalLocalizationParams& the_localization, const PoseTrackingParams& tracking)
+       const GlobalLocalizationParams& the_localization)
       : params(checked(the_params)),
-        tracking_params(checked(tracking)),
-        localization(map, the_localization),
+        localization(map, withProbabilities(the_localization)),
         belief(map, the_localization, params),
-        motion(tracking) {}
+        motion(params.odometry) {}
 
   SequenceAnswer add(View&& view, double stamp, const std::optional<PoseWithCovariance>& given);
   void reset();
@@ -34,7 +39,7 @@ struct SequenceLocalization::Impl {
   SequenceAnswer answer(const std::string& of_search) const;
 
   SequenceParams params;
-  PoseTrackingParams tracking_params;
+  double min_probability = kMinProbability;
   GlobalLocalization localization;
   PlaceBelief belief;
   ImageMotion motion;
@@ -52,7 +57,7 @@ void SequenceLocalization::Impl::reset() {
 bool SequenceLocalization::Impl::isSure() const {
   if (belief.places().empty() || belief.looks() < 2) return false;
   const BelievedPlace& best = belief.places().front();
-  return best.probability >= tracking_params.min_probability &&
+  return best.probability >= min_probability &&
          largestTranslationStd(best.T_w_c.P) <= params.max_translation &&
          largestRotationStd(best.T_w_c.P) <= params.max_rotation_deg * kDegree;
 }
@@ -114,17 +119,15 @@ SequenceAnswer SequenceLocalization::Impl::answer(const std::string& of_search) 
     out.state = AnswerState::sure;
   } else {
     out.state = AnswerState::doubtful;
-    out.reason = out.places.front().probability >= tracking_params.min_probability
-                     ? "the pose is too uncertain"
-                     : "no place is likely enough";
+    out.reason = out.places.front().probability >= min_probability ? "the pose is too uncertain"
+                                                                   : "no place is likely enough";
   }
   return out;
 }
 
 SequenceLocalization::SequenceLocalization(std::shared_ptr<const Map> map, const SequenceParams& params,
-                                           const GlobalLocalizationParams& localization,
-                                           const PoseTrackingParams& tracking)
-    : impl_(std::make_unique<Impl>(map, params, localization, tracking)) {}
+                                           const GlobalLocalizationParams& localization)
+    : impl_(std::make_unique<Impl>(map, params, localization)) {}
 SequenceLocalization::SequenceLocalization(SequenceLocalization&&) noexcept = default;
 SequenceLocalization& SequenceLocalization::operator=(SequenceLocalization&&) noexcept = default;
 SequenceLocalization::~SequenceLocalization() = default;
@@ -146,6 +149,10 @@ SequenceAnswer SequenceLocalization::addImage(const DepthImage& image, double st
 void SequenceLocalization::setCamera(const Camera& camera) {
   impl_->camera = camera;
   impl_->builder.reset();
+}
+void SequenceLocalization::setMinProbability(double p) {
+  if (!(p > 0 && p <= 1)) throw std::invalid_argument("the least probability must be above 0 and at most 1");
+  impl_->min_probability = p;
 }
 const Camera& SequenceLocalization::camera() const { return impl_->camera; }
 void SequenceLocalization::reset() { impl_->reset(); }

@@ -6,7 +6,6 @@
 #include <facetloc/registration/hypothesis.h>
 #include <facetloc/registration/localization_params.h>
 #include <facetloc/registration/sequence_params.h>
-#include <facetloc/registration/tracking_params.h>
 
 #include <memory>
 #include <optional>
@@ -45,17 +44,18 @@ struct SequenceAnswer {
  * stamps and odometry, same answers, for any number of threads. */
 class SequenceLocalization {
 public:
-  /** \brief Throws std::invalid_argument for a parameter out of its range. */
+  /** \brief Throws std::invalid_argument for a parameter out of its range, and for score.by_overlap, whose
+   * scores have no probabilities. */
   explicit SequenceLocalization(std::shared_ptr<const Map> map, const SequenceParams& params = {},
-                                const GlobalLocalizationParams& localization = {},
-                                const PoseTrackingParams& tracking = {});
+                                const GlobalLocalizationParams& localization = {});
   SequenceLocalization(SequenceLocalization&&) noexcept;
   SequenceLocalization& operator=(SequenceLocalization&&) noexcept;
   ~SequenceLocalization();
 
-  /** \brief Takes the next view. Any view and any stamp [s] have an answer; one that goes back, or comes
-   * after a gap, starts anew unless an odometry has bridged it. \param motion of the camera since the view
-   * before, T_before_now, with its covariance: of a robot's wheels, for instance */
+  /** \brief Takes the next view. Any view and any stamp [s] have an answer. One that goes back starts anew,
+   * and so does a view that has nothing in common with the one before, unless an odometry tells how the
+   * camera has come there and the map does not deny it. \param motion of the camera since the view before,
+   * T_before_now, with its covariance: of a robot's wheels, for instance */
   SequenceAnswer add(View view, double stamp, const std::optional<PoseWithCovariance>& motion = {});
   /** \brief The same for the image of an organized cloud, seen as PlanarRegistration sees it. A cloud that is
    * none has an answer with the reason, and counts as a camera that saw nothing. */
@@ -69,13 +69,16 @@ public:
     if (!intrinsics) answer.reason = why_not;
     return answer;
   }
-  /** \brief The same for a depth image, of the camera's or a multiple of its size. */
+  /** \brief The same for a depth image with its intrinsics; of several pixels one, to be about 320 wide. */
   SequenceAnswer addImage(const DepthImage& image, double stamp,
                           const std::optional<PoseWithCovariance>& motion = {});
   /** \brief The camera of clouds and depth images: noise, mounting and range; without intrinsics they are
    * recovered from the points of a cloud. By default nothing is known of it. */
   void setCamera(const Camera& camera);
   const Camera& camera() const;
+  /** \brief Least probability of a first place that is sure; kMinProbability unless set. Throws
+   * std::invalid_argument outside of (0, 1]. */
+  void setMinProbability(double p);
   /** \brief Forgets all views. */
   void reset();
   /** \brief OpenMP threads; 1 by default, 0 = all cores. */

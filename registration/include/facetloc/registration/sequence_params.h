@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/features/params.h>
+#include <facetloc/registration/tracking_params.h>
 
 namespace facetloc {
 
 /** \brief How the views of a moving camera together tell where it is. */
 struct SequenceParams {
   static constexpr const char* kTitle = "Localization by a sequence of views";
+  ViewOdometryParams odometry;           ///< of images in quick succession
   double look_distance = 0.15;           ///< motion of the camera between views that are looked at [m]
   double look_rotation_deg = 5;          ///< the same
   double independent_distance = 0.5;     ///< motion after which a view tells as much as a first one [m]
@@ -21,6 +22,7 @@ struct SequenceParams {
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
+    visit("odometry", p.odometry);
     visit("look_distance", p.look_distance, 0.0, 100.0,
           "Way of the camera after which its view is looked for in the map again [m].");
     visit("look_rotation_deg", p.look_rotation_deg, 0.0, 180.0,
