@@ -126,9 +126,10 @@ void LocalizeApp::addOptions(CommandLine& line) {
   line.addOption("output,o", folder_, "RESULTS", "Folder of the results.");
   line.addOption("max-hypotheses", max_hypotheses_, "K", "Keep so many hypotheses per image at most.");
   addMinProbability(line, min_probability_);
-  line.addSwitch("sequence", is_sequence_,
-                 "The images are one drive: each is localized by itself and those before it, and a few steps "
-                 "decide what one view leaves open.");
+  line.addSwitch(
+      "sequence", is_sequence_,
+      "The images are one drive: each is localized by all images up to it, which may decide what one "
+      "of them leaves open.");
   line.addOption(
       "starts", starts_, "N",
       "With --sequence, also from every N-th image as if the camera woke up there: starts.csv, of which "

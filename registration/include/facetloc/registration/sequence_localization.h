@@ -22,13 +22,13 @@ struct SequenceAnswer {
   std::vector<Hypothesis> places;
   double nowhere = 1;               ///< probability that the map does not hold the place
   std::string reason;               ///< why it is not sure; empty if it is
-  bool carried_away = false;        ///< the view denies that the camera has moved here from the one before
+  bool carried_away = false;        ///< everything has begun anew; the reason says why
   bool searched = false;            ///< the whole map, which takes its time
   PoseWithCovariance T_before_now;  ///< how the camera has moved, as far as that is known
 };
 
-/** \brief Tells from the views of a moving camera where it is: what one view leaves open, a bare wall or one
- * of twelve equal doors, a few steps decide.
+/** \brief Tells from the views of a moving camera where it is: what one view leaves open, such as one of a
+ * bare wall, the next ones may decide.
  *
  *     facetloc::SequenceLocalization sequence(map);
  *     for (...) {
