@@ -108,6 +108,24 @@ TEST_F(Tools, ADriveIsLocalizedAsOne) {
   EXPECT_EQ(readHypotheses(once).front().state, AnswerState::doubtful) << "one view alone is never sure";
 }
 
+TEST_F(Tools, ADriveIsLocalizedByItsLaterImagesToo) {
+  const auto run = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {map(), map_run(), "-o", folder_ / name, "--sequence"};
+    words.insert(words.end(), more.begin(), more.end());
+    const ToolRun localized = runTool<LocalizeApp>(words);
+    EXPECT_EQ(localized.code, kOk) << localized.err;
+    return folder_ / name;
+  };
+  const std::string filtered = run("filtered", {}), smoothed = run("smoothed", {"--smooth"});
+  const Trajectory truth = readTumTrajectory(map_run() + "/groundtruth.txt");
+  const auto sure = readTumTrajectory(smoothed + "/poses_tum.txt").poses();
+  EXPECT_GT(sure.size(), readTumTrajectory(filtered + "/poses_tum.txt").poses().size());
+  for (const StampedPose& p : sure)
+    EXPECT_TRUE(isNear(p.T_w_c, *truth.nearest(p.stamp, 0.02), 0.2, 2)) << p.stamp;
+  EXPECT_THAT(contentOf(smoothed + "/params.ini"), HasSubstr("smooth = 1"));
+  EXPECT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", filtered, "--smooth"}).code, kUsage);
+}
+
 TEST_F(Tools, ADriveSaysWhenItIsFirstSureAndWhyNotBefore) {
   const ToolRun run = runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "drive", "--sequence"});
   ASSERT_EQ(run.code, kOk) << run.err;

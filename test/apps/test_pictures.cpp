@@ -209,6 +209,26 @@ TEST_F(Pictures, MatchesAreGolden) {
   test::expectLikeGolden("matches", written());
 }
 
+TEST_F(Pictures, BeliefsAreGolden) {
+  const auto placeAt = [](double x, double probability, double std) {
+    return DrawnPlace{ExampleScene::pose(x, 0, 0.3), probability, std};
+  };
+  const std::vector<DrawnBelief> beliefs = {{"1",
+                                             "image 1: doubtful",
+                                             {placeAt(0, 0.4, 0.2), placeAt(1, 0.3, 0.3)},
+                                             false,
+                                             ExampleScene::pose(1, 0, 0.3)},
+                                            {"2", "image 2: sure", {placeAt(1, 0.95, 0.02)}, true, {}},
+                                            {"3", "image 3: unknown", {}, false, {}}};
+  drawBeliefs(path_, map_, beliefs);
+  test::expectLikeGolden("beliefs", written());
+  const std::string first = test::contentOf(path_);
+  drawBeliefs(path_, map_, beliefs);
+  EXPECT_EQ(first, test::contentOf(path_));
+  EXPECT_THROW(drawBeliefs(path_, map_, {}), std::invalid_argument);
+  EXPECT_THROW(drawBeliefs(path_, Map(), beliefs), IoError);
+}
+
 TEST_F(Pictures, AMissingElementIsNoticed) {
   if (test::updatesGolden()) GTEST_SKIP();
   const Raster<std::uint8_t> golden = test::readRgbPng(test::goldenPath("floor_map"));

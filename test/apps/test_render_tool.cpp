@@ -53,6 +53,17 @@ TEST_F(Tools, RenderDrawsWhatItIsGiven) {
   EXPECT_EQ(filesOf(folder_ / "failures").size(), 3u);  // and failures.png
 }
 
+TEST_F(Tools, RenderDrawsABeliefAsItNarrows) {
+  if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
+  const std::string results = folder_ / "results", picture = folder_ / "strip.png";
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results, "--sequence"}).code, kOk);
+  const ToolRun run = runTool<RenderApp>({results, "--map", map(), "--sequence", query(), "-o", picture});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("of " + std::to_string(kFrames) + " images"));
+  EXPECT_TRUE(fs::exists(picture));
+  EXPECT_EQ(runTool<RenderApp>({results, "-o", picture}).code, kUsage);
+}
+
 TEST_F(Tools, RenderSaysWhatIsMissing) {
   if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
   EXPECT_EQ(runTool<RenderApp>({firstImage()}).code, kUsage);

@@ -4,7 +4,10 @@
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 namespace facetloc {
 
@@ -31,6 +34,36 @@ TEST(PoseFusion, TwoSourcesAreWeighedByTheirInformation) {
     const Vector6d expected = information.inverse() * b.P.inverse() * offset;
     EXPECT_LT((perturbation(a.T, both.T) - expected).norm(), 1e-6 * offset.norm() + 1e-8);
   }
+}
+
+TEST(PoseFusion, WhatTwoSourcesHaveInCommonIsNotCountedTwice) {
+  test::Rng rng(5);
+  const auto isAtLeast = [](const Matrix6d& P, const Matrix6d& least) {
+    return Eigen::SelfAdjointEigenSolver<Matrix6d>(P - least).eigenvalues().minCoeff() >= -1e-15;
+  };
+  for (int i = 0; i < 20; ++i) {
+    const Matrix6d common = randomCovariance(rng, 1e-8);
+    const Matrix6d of_a = randomCovariance(rng, 1e-8), of_b = randomCovariance(rng, 1e-8);
+    PoseWithCovariance a, b;
+    a.P = common + of_a, b.P = common + of_b;
+    b.T = perturbed(a.T, 1e-4 * test::gaussian<6>(rng, Matrix6d::Identity()));
+    const PoseWithCovariance both = intersected(a, b);
+    // What the estimate W a + (1 - W) b really errs by.
+    const Vector6d offset = perturbation(a.T, b.T);
+    Matrix6d W;
+    for (int k = 0; k < 6; ++k) {
+      PoseWithCovariance moved = b;
+      moved.T = perturbed(a.T, 1e-4 * Vector6d::Unit(k));
+      W.col(k) = 1e4 * perturbation(a.T, intersected(a, moved).T);
+    }
+    const Matrix6d rest = Matrix6d::Identity() - W;
+    EXPECT_TRUE(isAtLeast(both.P, common + rest * of_a * rest.transpose() + W * of_b * W.transpose()));
+    EXPECT_LT((perturbation(a.T, both.T) - W * offset).norm(), 1e-3 * offset.norm());
+    EXPECT_LE(both.P.determinant(), 1.0001 * std::min(a.P.determinant(), b.P.determinant()));
+  }
+  PoseWithCovariance a;
+  a.P = randomCovariance(rng, 1e-4);
+  EXPECT_THAT(intersected(a, a).P, test::MatrixNear(a.P, 1e-12)) << "the same once more tells nothing";
 }
 
 TEST(PoseFusion, APartOfWhatWasAddedIsAPartOfItsInformation) {

@@ -299,32 +299,44 @@ TEST_F(SequenceInARoom, ACloudThatIsNoImageSaysSo) {
 }
 
 /** Two rooms, 20 m apart, alike but for a cupboard that one of them has behind. */
-TEST(SequenceInTwinRooms, OnlyWhatTellsThemApartDecides) {
-  const auto shifted = [](Eigen::Isometry3d T) {
+class SequenceInTwinRooms : public testing::Test {
+protected:
+  static constexpr int kViews = 50;
+  static Eigen::Isometry3d shifted(Eigen::Isometry3d T) {
     T.translation().x() += 20;
     return T;
-  };
-  const test::Scene plain = test::largeRoom(),
-                    other = test::largeRoom() + test::box({1, 2.9, 0}, {1.9, 3.5, 1.4});
-  auto map = std::make_shared<Map>();
-  for (int i = 0; i < 18; ++i) map->models.push_back(modelAt(plain, onCircle(20 * i, 0.35), 1000 + i));
-  for (int i = 0; i < 18; ++i) {
-    LocalModel m = modelAt(other, onCircle(20 * i, 0.35), 2000 + i);
-    m.T_w_m = shifted(*m.T_w_m);
-    map->models.push_back(std::move(m));
   }
+  void SetUp() override {
+    const test::Scene plain = test::largeRoom(),
+                      other = test::largeRoom() + test::box({1, 2.9, 0}, {1.9, 3.5, 1.4});
+    for (int i = 0; i < 18; ++i) map->models.push_back(modelAt(plain, onCircle(20 * i, 0.35), 1000 + i));
+    for (int i = 0; i < 18; ++i) {
+      LocalModel m = modelAt(other, onCircle(20 * i, 0.35), 2000 + i);
+      m.T_w_m = shifted(*m.T_w_m);
+      map->models.push_back(std::move(m));
+    }
+    for (int i = 0; i < kViews; ++i) {
+      const Eigen::Isometry3d there = onCircle(degrees(i), 0.4);
+      truth.push_back(shifted(there));
+      views.push_back(viewFrom(other, there, 1 + i));
+    }
+  }
+  /** It begins with its back to the cupboard, which is at 165 deg, and turns to it. */
+  static double degrees(int i) { return -40 + 4 * i; }
+
+  std::shared_ptr<Map> map = std::make_shared<Map>();
+  std::vector<Eigen::Isometry3d> truth;
+  std::vector<View> views;
+};
+
+TEST_F(SequenceInTwinRooms, OnlyWhatTellsThemApartDecides) {
   SequenceLocalization sequence(map);
   int sure_before = 0;
   SequenceAnswer answer;
-  Eigen::Isometry3d truth;
-  for (int i = 0; i < 50;
-       ++i) {  // begins with its back to the cupboard, which is at 165 deg, and turns to it
-    const double degrees = -40 + 4 * i;
-    const Eigen::Isometry3d there = onCircle(degrees, 0.4);
-    truth = shifted(there);
-    answer = sequence.add(viewFrom(other, there, 1 + i), i * kFrame);
-    EXPECT_FALSE(isSureAndWrong(answer, truth)) << i;
-    if (degrees < 90) sure_before += answer.state == AnswerState::sure;
+  for (int i = 0; i < kViews; ++i) {
+    answer = sequence.add(views[i], i * kFrame);
+    EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
+    if (degrees(i) < 90) sure_before += answer.state == AnswerState::sure;
     if (i == 20) {
       ASSERT_GE(answer.places.size(), 2u);
       EXPECT_NEAR(answer.places[0].probability, answer.places[1].probability, 0.3);
@@ -333,7 +345,45 @@ TEST(SequenceInTwinRooms, OnlyWhatTellsThemApartDecides) {
   }
   EXPECT_EQ(sure_before, 0);
   EXPECT_EQ(answer.state, AnswerState::sure) << answer.reason;
-  EXPECT_TRUE(isNearTo(answer, truth, 0.1, 2));
+  EXPECT_TRUE(isNearTo(answer, truth.back(), 0.1, 2));
+}
+
+TEST_F(SequenceInTwinRooms, WhatIsSeenLaterTellsOfTheFirstViewToo) {
+  SequenceLocalization sequence(map), backward(map);
+  std::vector<SequenceAnswer> until(kViews), from(kViews);
+  for (int i = 0; i < kViews; ++i) until[i] = sequence.add(views[i], i * kFrame);
+  for (int i = kViews - 1; i >= 0; --i) from[i] = backward.add(views[i], -i * kFrame);
+  ASSERT_EQ(until[0].state, AnswerState::doubtful);
+  double squares = 0, variances = 0;
+  for (int i = 0; i + 1 < kViews; ++i) {
+    const SequenceAnswer answer = sequence.smoothed(until[i], from[i + 1], until[i + 1].T_before_now);
+    EXPECT_EQ(answer.state, AnswerState::sure) << i << ": " << answer.reason;
+    EXPECT_TRUE(isNearTo(answer, truth[i], 0.1, 2)) << i;
+    double sum = answer.nowhere;
+    for (const Hypothesis& h : answer.places) {
+      sum += h.probability;
+      const Eigen::Isometry3d T_w_c = *map->models[h.model].T_w_m * h.T_m_c.T;
+      EXPECT_TRUE(isNear(T_w_c, *h.T_w_c, 1e-6, 1e-5)) << "one pose in both frames";
+    }
+    EXPECT_NEAR(sum, 1, 1e-9);
+    squares += (answer.places.front().T_w_c->translation() - truth[i].translation()).squaredNorm();
+    variances += answer.places.front().T_m_c.P.bottomRightCorner<3, 3>().trace();
+  }
+  EXPECT_LT(squares, 3 * variances) << "what both directions have seen is not counted twice";
+}
+
+TEST_F(SequenceInTwinRooms, TwoDirectionsOfOneViewAreOneView) {
+  SequenceLocalization sequence(map), backward(map);
+  const SequenceAnswer until = sequence.add(views[0], 0);
+  sequence.add(views[0], kFrame);
+  const SequenceAnswer from = backward.add(views[0], -kFrame);
+  PoseWithCovariance none;
+  none.P = 1e-8 * Matrix6d::Identity();
+  EXPECT_NE(sequence.smoothed(until, from, none).state, AnswerState::sure);
+  const SequenceAnswer alone = sequence.smoothed(until, SequenceAnswer(), none);
+  ASSERT_EQ(alone.places.size(), until.places.size());
+  for (std::size_t i = 0; i < alone.places.size(); ++i)
+    EXPECT_NEAR(alone.places[i].probability, until.places[i].probability, 1e-6) << "nothing tells nothing";
 }
 
 class BeliefInARoom : public SequenceInARoom {

@@ -7,6 +7,7 @@
 #include <facetloc/features/local_model.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,26 @@ struct DrawnMarks {
  * one. */
 void drawFloorMap(const std::filesystem::path& path, const Map& map, const std::vector<DrawnRun>& runs,
                   const std::vector<DrawnMarks>& marks = {});
+
+/** \brief A place where the camera may be. */
+struct DrawnPlace {
+  Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();
+  double probability = 0;
+  double std = 0;  ///< of the position, in its least certain direction [m]
+};
+/** \brief What is believed of where one image was taken. */
+struct DrawnBelief {
+  std::string frame;               ///< name of the image
+  std::string title;               ///< such as "image 12: doubtful"
+  std::vector<DrawnPlace> places;  ///< of the part of the map that is drawn, most probable first
+  bool sure = false;
+  std::optional<Eigen::Isometry3d> truth;
+};
+/** \brief A film strip of a belief over the places of a map as it narrows, a plan view for each image:
+ * places as disks, the larger the more probable, with headings and rings of two standard deviations; a bar
+ * for the probability of each and of that the map does not hold the place; the truth as a cross. Throws
+ * IoError if no local model of the map has a pose, std::invalid_argument without images. */
+void drawBeliefs(const std::filesystem::path& path, const Map& map, const std::vector<DrawnBelief>& beliefs);
 
 /** \brief An answer that is to be drawn, and what is true, where it is known. */
 struct DrawnMatch {

@@ -106,9 +106,27 @@ void LivePlan::look(Panel& panel, const Eigen::Vector2d& centre, double height) 
   camera->SetClippingRange(1, 2.0 * kEye);
 }
 
+/** Disks where the camera may be. */
+void LivePlan::markPlaces(Panel& panel, const LiveResult& result, double metres_per_pixel) {
+  constexpr double kLargest = 10, kLeast = 2;  // [px]
+  if (!result.tracked) return;
+  for (const PossiblePlace& place : result.tracked->places) {
+    if (place.part != part_) continue;
+    const Eigen::Vector2d here = plan_.point(place.T_w_c.T.translation());
+    const double radius = std::max(kLeast, kLargest * std::sqrt(place.probability)) * metres_per_pixel;
+    panel.marker.polygon(disk(here, radius * Eigen::Matrix2d::Identity(), kMarkLevel), stateColour(result));
+    const Eigen::Vector2d ahead = plan_.direction(place.T_w_c.T.linear().col(2));
+    const Eigen::Vector2d tip = here + (radius + kLargest * metres_per_pixel) * ahead;
+    panel.marker.line({at(here, kMarkLevel), at(tip, kMarkLevel)}, stateColour(result));
+  }
+}
+
 /** An arrowhead where the camera is, of a size on the screen, and its uncertainty. */
 void LivePlan::mark(Panel& panel, const LiveResult& result, double metres_per_pixel, bool with_ellipse) {
-  if (!result.pose()) return panel.marker.show();
+  if (!result.pose()) {
+    markPlaces(panel, result, metres_per_pixel);
+    return panel.marker.show();
+  }
   const Eigen::Isometry3d& T = result.pose()->T;
   const Eigen::Vector2d here = plan_.point(T.translation());
   const Colour colour = stateColour(result);

@@ -40,6 +40,7 @@ private:
   Eigen::Vector2d middleOf(const LiveResult& result) const;
   void look(Panel& panel, const Eigen::Vector2d& centre, double height);
   void mark(Panel& panel, const LiveResult& result, double metres_per_pixel, bool with_ellipse);
+  void markPlaces(Panel& panel, const LiveResult& result, double metres_per_pixel);
 
   std::shared_ptr<const Map> map_;
   int part_;  // that is shown

@@ -3,6 +3,7 @@
 
 #include "drawing/outputs.h"
 #include "tools/batch.h"
+#include "tools/drive.h"
 #include "tools/localization_report.h"
 #include "tools/milliseconds.h"
 #include "tools/text.h"
@@ -44,11 +45,11 @@ struct FrameAnswer {
   Localization localization;
   AnswerState state = AnswerState::unknown;
 };
-using Localizer = std::function<FrameAnswer(const View& view, double stamp)>;
+using Localizer = std::function<FrameAnswer(std::size_t index, const View& view, double stamp)>;
 
 Localizer eachByItself(const std::shared_ptr<const GlobalLocalization>& localization,
                        double min_probability) {
-  return [localization, min_probability](const View& view, double) {
+  return [localization, min_probability](std::size_t, const View& view, double) {
     FrameAnswer answer;
     answer.localization = localization->localize(view);
     answer.state = answer.localization.state(min_probability);
@@ -64,14 +65,17 @@ std::shared_ptr<const GlobalLocalization> globalLocalization(const std::shared_p
   return localization;
 }
 
-Localizer asOneDrive(const std::shared_ptr<SequenceLocalization>& sequence) {
-  return [sequence](const View& view, double stamp) {
-    SequenceAnswer of_sequence = sequence->add(view, stamp);
-    FrameAnswer answer;
-    answer.localization.hypotheses = std::move(of_sequence.places);
-    answer.localization.reason = of_sequence.reason;
-    answer.state = of_sequence.state;
-    return answer;
+FrameAnswer frameAnswer(SequenceAnswer&& of_sequence) {
+  FrameAnswer answer;
+  answer.localization.hypotheses = std::move(of_sequence.places);
+  answer.localization.reason = std::move(of_sequence.reason);
+  answer.state = of_sequence.state;
+  return answer;
+}
+
+Localizer asOneDrive(Drive& drive) {
+  return [&drive](std::size_t index, const View& view, double stamp) {
+    return frameAnswer(drive.add(index, view, stamp));
   };
 }
 
@@ -90,19 +94,26 @@ std::string firstSure(const std::vector<FrameResult>& results) {
   return ", first sure at image " + std::to_string(first - results.begin() + 1);
 }
 
+std::vector<ResultRow> rowsOf(const std::string& frame, const FrameAnswer& answer, const Map& map,
+                              int max_hypotheses) {
+  auto rows = resultRows(frame, answer.localization, map, max_hypotheses);
+  for (ResultRow& row : rows) row.state = answer.state;
+  if (!answer.localization.hypotheses.empty()) addRemark(rows.front(), answer.localization.reason);
+  return rows;
+}
+
 /** \param traits receives what tells a wrong camera. */
-FrameResult localizeFrame(const FrameFile& file, const DepthImage& image, ViewBuilder& builder,
-                          const Localizer& localize, const Map& map, int max_hypotheses, ViewTraits& traits) {
+FrameResult localizeFrame(std::size_t index, const FrameFile& file, const DepthImage& image,
+                          ViewBuilder& builder, const Localizer& localize, const Map& map, int max_hypotheses,
+                          ViewTraits& traits) {
   FrameResult result;
   const View scene = builder.build(image);
   const Clock::time_point start = Clock::now();
-  const FrameAnswer answer = localize(scene, file.stamp);
+  const FrameAnswer answer = localize(index, scene, file.stamp);
   result.stamp = file.stamp;
   result.timing = {file.name, builder.segmentMilliseconds(), builder.featuresMilliseconds(),
                    millisecondsSince(start), static_cast<int>(map.models.size())};
-  result.rows = resultRows(file.name, answer.localization, map, max_hypotheses, kMinProbability);
-  for (ResultRow& row : result.rows) row.state = answer.state;
-  if (!answer.localization.hypotheses.empty()) addRemark(result.rows.front(), answer.localization.reason);
+  result.rows = rowsOf(file.name, answer, map, max_hypotheses);
   traits = ViewTraits::of(scene);
   traits.noise = scene.noise();
   return result;
@@ -130,6 +141,7 @@ void LocalizeApp::addOptions(CommandLine& line) {
       "sequence", is_sequence_,
       "The images are one drive: each is localized by all images up to it, which may decide what one "
       "of them leaves open.");
+  line.addSwitch("smooth", smooth_, "With --sequence: each image is localized by those after it, too.");
   line.addOption(
       "starts", starts_, "N",
       "With --sequence, also from every N-th image as if the camera woke up there: starts.csv, of which "
@@ -203,9 +215,11 @@ int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
                           const Console& console) {
   Batch batch(is_sequence_ ? 1 : threads(), todo.size(), console, ranks());  // a drive has an order
   const bool is_alone = sequence.frames().size() == 1;  // else several images are localized at a time
+  std::optional<Drive> drive;
+  if (is_sequence_) drive.emplace(newSequence(map, threads()), smooth_);
   const Localizer localizer =
-      is_sequence_
-          ? asOneDrive(drive(map, threads()))
+      drive
+          ? asOneDrive(*drive)
           : eachByItself(globalLocalization(map, localization_, is_alone ? threads() : 1), min_probability_);
   std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, input_.view));
   std::vector<FrameResult> found(todo.size());
@@ -216,8 +230,8 @@ int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
               FrameResult& result = found[i];
               try {
                 const DepthImage image = sequence.load(todo[i], input_.width);
-                result = localizeFrame(fileOf(i), image, builders[worker], localizer, *map, max_hypotheses_,
-                                       traits[i]);
+                result = localizeFrame(i, fileOf(i), image, builders[worker], localizer, *map,
+                                       max_hypotheses_, traits[i]);
               } catch (const std::exception& e) {
                 result.stamp = fileOf(i).stamp;
                 result.timing.frame = fileOf(i).name;
@@ -226,6 +240,14 @@ int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
               }
               journal.append(fileOf(i).name, result);
             });
+  if (smooth_) {
+    SequenceLocalization backward = newSequence(map, threads());
+    drive->smooth(
+        backward, [&](std::size_t i) { return fileOf(i).name + " once more"; }, console,
+        [&](std::size_t i, SequenceAnswer answer) {
+          found[i].rows = rowsOf(fileOf(i).name, frameAnswer(std::move(answer)), *map, max_hypotheses_);
+        });
+  }
   ranks().collect(found);
   for (std::size_t i = 0; i < todo.size() && ranks().isFirst(); ++i) results[todo[i]] = std::move(found[i]);
   std::vector<double> noise;
@@ -235,12 +257,11 @@ int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
   return batch.report();
 }
 
-std::shared_ptr<SequenceLocalization> LocalizeApp::drive(const std::shared_ptr<const Map>& map,
-                                                         int threads) const {
-  auto drive = std::make_shared<SequenceLocalization>(map, sequence_, localization_);
-  drive->setNumberOfThreads(threads);
-  drive->setMinProbability(min_probability_);
-  return drive;
+SequenceLocalization LocalizeApp::newSequence(const std::shared_ptr<const Map>& map, int threads) const {
+  SequenceLocalization sequence(map, sequence_, localization_);
+  sequence.setNumberOfThreads(threads);
+  sequence.setMinProbability(min_probability_);
+  return sequence;
 }
 
 /** Every so many images are a start. Its drive ends after kMostWay, as far as the camera itself can tell, or
@@ -258,11 +279,11 @@ int LocalizeApp::localizeFromStarts(const DepthSequence& sequence, const Camera&
   const std::size_t n = (frames.size() + starts_ - 1) / starts_;
   std::vector<std::vector<StartAnswer>> found(n);
   Batch batch(threads(), n, console);
-  std::vector<std::shared_ptr<SequenceLocalization>> drives(batch.workers());
-  for (auto& of_worker : drives) of_worker = drive(map, 1);
+  std::vector<SequenceLocalization> drives;
+  for (int worker = 0; worker < batch.workers(); ++worker) drives.push_back(newSequence(map, 1));
   batch.run([&](std::size_t k) { return "start " + frames[k * starts_].name; },
             [&](std::size_t k, int worker) {
-              SequenceLocalization& from_here = *drives[worker];
+              SequenceLocalization& from_here = drives[worker];
               from_here.reset();
               double way = 0;
               for (std::size_t i = k * starts_; i < frames.size() && way < kMostWay; ++i) {
@@ -308,8 +329,8 @@ std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& file, const 
          counted(map.models.size(), "local model") + ", checksum " + checksum(map_) + "\n" +
          cameraLine(file) + "max-hypotheses = " + std::to_string(max_hypotheses_) + "\n" +
          "min-probability = " + text::shortest(min_probability_) + "\n" +
-         (is_sequence_ ? "sequence = 1\n" : "") + toIni(input_, camera) + toIni(localization_) +
-         (is_sequence_ ? "\n" + toIni(sequence_, "sequence") : "");
+         (is_sequence_ ? "sequence = 1\n" : "") + (smooth_ ? "smooth = 1\n" : "") + toIni(input_, camera) +
+         toIni(localization_) + (is_sequence_ ? "\n" + toIni(sequence_, "sequence") : "");
 }
 
 int LocalizeApp::execute(const CommandLine& line, const Console& console) {
@@ -317,6 +338,7 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
   if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
   if (starts_ < 0) throw UsageError("starts must not be negative");
   if (starts_ > 0 && !is_sequence_) throw UsageError("--starts goes with --sequence");
+  if (smooth_ && !is_sequence_) throw UsageError("--smooth goes with --sequence");
   if (is_sequence_ && resume_)
     throw UsageError("--sequence does not go with --resume: its answers need all images before; run it anew");
   if (is_sequence_ && ranks().size() > 1)

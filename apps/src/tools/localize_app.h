@@ -34,7 +34,7 @@ private:
   int localize(const DepthSequence& sequence, const Camera& camera, const std::shared_ptr<const Map>& map,
                const std::vector<std::size_t>& todo, ResultsJournal& journal,
                std::vector<FrameResult>& results, const Console& console);
-  std::shared_ptr<SequenceLocalization> drive(const std::shared_ptr<const Map>& map, int threads) const;
+  SequenceLocalization newSequence(const std::shared_ptr<const Map>& map, int threads) const;
   int localizeFromStarts(const DepthSequence& sequence, const Camera& camera,
                          const std::shared_ptr<const Map>& map, const Console& console) const;
   void printSummary(const std::vector<FrameResult>& results, const Map& map, const Console& console) const;
@@ -46,6 +46,7 @@ private:
   double min_probability_ = kMinProbability;
   bool resume_ = false;
   bool is_sequence_ = false;
+  bool smooth_ = false;
   int starts_ = 0;
   DepthInput input_;
   GlobalLocalizationParams localization_;

@@ -27,12 +27,17 @@ namespace fs = std::filesystem;
 
 bool isMap(const fs::path& path) { return path.extension() == ".flmap"; }
 
-std::size_t indexOf(const DepthSequence& sequence, const std::string& name) {
+std::optional<std::size_t> find(const DepthSequence& sequence, const std::string& name) {
   const auto& frames = sequence.frames();
   const auto found =
       std::find_if(frames.begin(), frames.end(), [&](const FrameFile& f) { return f.name == name; });
-  if (found == frames.end()) throw UsageError("there is no image " + name);
+  if (found == frames.end()) return {};
   return static_cast<std::size_t>(found - frames.begin());
+}
+
+std::size_t indexOf(const DepthSequence& sequence, const std::string& name) {
+  if (const auto index = find(sequence, name)) return *index;
+  throw UsageError("there is no image " + name);
 }
 
 /** Draws an image, or an image in a map. */
@@ -89,6 +94,43 @@ private:
   int max_hypotheses_ = 1;
 };
 
+/** \brief What is believed of each image of a results folder, in their order. */
+std::vector<DrawnBelief> beliefsOf(const fs::path& results) {
+  std::vector<DrawnBelief> beliefs;
+  std::string frame;
+  for (const ResultRow& row : readHypotheses(results)) {
+    if (beliefs.empty() || row.frame != frame) {
+      frame = row.frame;
+      DrawnBelief belief;
+      belief.frame = frame;
+      belief.title =
+          "image " + std::to_string(beliefs.size() + 1) + ", " + frame + ": " + toString(row.state);
+      belief.sure = row.state == AnswerState::sure;
+      beliefs.push_back(std::move(belief));
+    }
+    if (row.rank > 0 && row.T_w_c && row.part.empty())
+      beliefs.back().places.push_back({*row.T_w_c, row.probability, row.sd_trans_m});
+  }
+  return beliefs;
+}
+
+/** \brief Half of the images up to the first that is sure, half from there to the end, each half evenly. */
+std::vector<std::size_t> imagesOfStrip(const std::vector<DrawnBelief>& beliefs, std::size_t most) {
+  const std::size_t n = beliefs.size();
+  std::vector<std::size_t> chosen;
+  if (n <= most) {
+    for (std::size_t i = 0; i < n; ++i) chosen.push_back(i);
+    return chosen;
+  }
+  const auto sure = std::find_if(beliefs.begin(), beliefs.end(), [](const DrawnBelief& b) { return b.sure; });
+  const std::size_t middle = sure == beliefs.end() ? n - 1 : static_cast<std::size_t>(sure - beliefs.begin());
+  const std::size_t before = middle + 1 < n ? std::min(middle + 1, most / 2) : most, after = most - before;
+  for (std::size_t k = 0; k < before; ++k) chosen.push_back(before > 1 ? k * middle / (before - 1) : middle);
+  for (std::size_t k = 1; k <= after; ++k) chosen.push_back(middle + k * (n - 1 - middle) / after);
+  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  return chosen;
+}
+
 void requirePng(const fs::path& output) {
   if (output.extension() != ".png") throw UsageError("pictures are PNG files: -o " + output.string());
 }
@@ -110,7 +152,8 @@ RenderApp::RenderApp()
           "matched segments in the same colour. A map file *.flmap (OUT is a PNG file): the segments of "
           "all local models from above, the local models and their links. A results folder of "
           "facetloc_localize with --map and --sequence (OUT is a folder): each image whose first answer "
-          "is wrong or missing, beside what would be right, and the first six of them in failures.png. "
+          "is wrong or missing, beside what would be right, and the first six of them in failures.png; with "
+          "--map (OUT is a PNG file): where the camera may have been, image by image, as a film strip. "
           "Needs an X display; without one, Xvfb is started if it is installed.") {}
 
 void RenderApp::addOptions(CommandLine& line) {
@@ -177,6 +220,27 @@ int RenderApp::renderImages(const CommandLine& line, const Console& console) con
   return code;
 }
 
+int RenderApp::renderBeliefs(const Console& console) const {
+  constexpr std::size_t kMostImages = 12;
+  if (map_.empty()) throw UsageError("the picture of results needs --map");
+  requirePng(output_);
+  requireNoneButPicture(output_);
+  const std::vector<DrawnBelief> beliefs = beliefsOf(input_);
+  if (beliefs.empty()) throw IoError(input_, "has no results");
+  std::vector<DrawnBelief> drawn;
+  for (const std::size_t i : imagesOfStrip(beliefs, kMostImages)) drawn.push_back(beliefs[i]);
+  if (!sequence_.empty()) {
+    const DepthSequence sequence = openSequence(sequence_, console);
+    for (DrawnBelief& belief : drawn)
+      if (const auto index = find(sequence, belief.frame))
+        belief.truth = sequence.groundTruth().nearest(sequence.frames()[*index].stamp);
+  }
+  drawBeliefs(output_, readMap(map_), drawn);
+  console.out << drawn.size() << " of " << counted(beliefs.size(), "image") << "; picture in " << output_
+              << "\n";
+  return kOk;
+}
+
 int RenderApp::renderFailures(const CommandLine& line, const Console& console) const {
   constexpr std::size_t kOnSheet = 6;
   if (map_.empty() || sequence_.empty())
@@ -228,7 +292,8 @@ int RenderApp::execute(const CommandLine& line, const Console& console) {
   const OffscreenDisplay display;
   if (!display.available()) throw std::runtime_error("nothing can be drawn: " + display.problem());
   if (isMap(input_)) return renderMap(console);
-  return isResultsFolder(input_) ? renderFailures(line, console) : renderImages(line, console);
+  if (!isResultsFolder(input_)) return renderImages(line, console);
+  return fs::path(output_).extension() == ".png" ? renderBeliefs(console) : renderFailures(line, console);
 }
 
 }  // namespace facetloc

@@ -21,6 +21,7 @@ private:
   int execute(const CommandLine& line, const Console& console) override;
 
   int renderMap(const Console& console) const;
+  int renderBeliefs(const Console& console) const;
   int renderImages(const CommandLine& line, const Console& console) const;
   int renderFailures(const CommandLine& line, const Console& console) const;
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "global/place_belief.h"
 #include "sequence/image_motion.h"
+#include "sequence/smoothed_places.h"
 
 #include <facetloc/registration/global_localization.h>
 #include <facetloc/registration/sequence_localization.h>
 #include <facetloc/segmentation/view_builder.h>
 
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -31,11 +33,15 @@ struct SequenceLocalization::Impl {
       : params(checked(the_params)),
         localization(map, withProbabilities(the_localization)),
         belief(map, the_localization, params),
-        motion(params.odometry) {}
+        motion(params.odometry),
+        prior(-std::log(the_localization.probability.map_incomplete /
+                        (1 - the_localization.probability.map_incomplete))) {}
 
   SequenceAnswer add(View&& view, double stamp, const std::optional<PoseWithCovariance>& given);
   void reset();
   bool isSure() const;
+  bool isSure(double probability, const Matrix6d& P, int looks) const;
+  void conclude(SequenceAnswer& answer) const;
   SequenceAnswer answer(const std::string& of_search) const;
 
   SequenceParams params;
@@ -43,6 +49,7 @@ struct SequenceLocalization::Impl {
   GlobalLocalization localization;
   PlaceBelief belief;
   ImageMotion motion;
+  double prior;  // log odds that the map holds a place
   std::optional<double> stamp;
   Camera camera;  // of clouds and images
   std::optional<ViewBuilder> builder;
@@ -54,12 +61,17 @@ void SequenceLocalization::Impl::reset() {
   stamp.reset();
 }
 
+bool SequenceLocalization::Impl::isSure(double probability, const Matrix6d& P, int looks) const {
+  constexpr int kLeastLooks = 2;
+  return looks >= kLeastLooks && probability >= min_probability &&
+         largestTranslationStd(P) <= params.max_translation &&
+         largestRotationStd(P) <= params.max_rotation_deg * kDegree;
+}
+
 bool SequenceLocalization::Impl::isSure() const {
-  if (belief.places().empty() || belief.looks() < 2) return false;
+  if (belief.places().empty()) return false;
   const BelievedPlace& best = belief.places().front();
-  return best.probability >= min_probability &&
-         largestTranslationStd(best.T_w_c.P) <= params.max_translation &&
-         largestRotationStd(best.T_w_c.P) <= params.max_rotation_deg * kDegree;
+  return isSure(best.probability, best.T_w_c.P, belief.looks());
 }
 
 SequenceAnswer SequenceLocalization::Impl::add(View&& view_in, double now,
@@ -113,16 +125,27 @@ SequenceAnswer SequenceLocalization::Impl::answer(const std::string& of_search) 
     out.nowhere -= place.probability;
     out.places.push_back(std::move(h));
   }
-  if (out.places.empty()) {
-    out.reason = of_search.empty() ? "no place agrees with the views" : of_search;
-  } else if (isSure()) {
-    out.state = AnswerState::sure;
-  } else {
-    out.state = AnswerState::doubtful;
-    out.reason = out.places.front().probability >= min_probability ? "the pose is too uncertain"
-                                                                   : "no place is likely enough";
-  }
+  out.looks = belief.looks();
+  conclude(out);
+  if (out.places.empty() && !of_search.empty()) out.reason = of_search;
   return out;
+}
+
+// The state, and why it is not sure.
+void SequenceLocalization::Impl::conclude(SequenceAnswer& answer) const {
+  if (answer.places.empty()) {
+    answer.reason = "no place agrees with the views";
+    return;
+  }
+  const Hypothesis& best = answer.places.front();
+  const PoseWithCovariance T_w_c = *localization.map().models[best.model].T_w_m * best.T_m_c;
+  if (isSure(best.probability, T_w_c.P, answer.looks)) {
+    answer.state = AnswerState::sure;
+    return;
+  }
+  answer.state = AnswerState::doubtful;
+  answer.reason =
+      best.probability >= min_probability ? "the pose is too uncertain" : "no place is likely enough";
 }
 
 SequenceLocalization::SequenceLocalization(std::shared_ptr<const Map> map, const SequenceParams& params,
@@ -145,6 +168,13 @@ SequenceAnswer SequenceLocalization::addImage(const DepthImage& image, double st
   if (!impl_->builder || !(impl_->builder->camera().intrinsics == small.camera))
     impl_->builder.emplace(impl_->localization.map().calibrated(seen));
   return impl_->add(impl_->builder->build(small), stamp, motion);
+}
+SequenceAnswer SequenceLocalization::smoothed(const SequenceAnswer& until_now,
+                                              const SequenceAnswer& from_next,
+                                              const PoseWithCovariance& T_now_next) const {
+  SequenceAnswer out = smoothedPlaces(until_now, from_next, T_now_next, impl_->prior);
+  impl_->conclude(out);
+  return out;
 }
 void SequenceLocalization::setCamera(const Camera& camera) {
   impl_->camera = camera;

@@ -11,6 +11,19 @@ PoseWithCovariance fused(const PoseWithCovariance& a, const PoseWithCovariance& 
   return {perturbed(a.T, gain * perturbation(a.T, b.T)), 0.5 * (P + P.transpose())};
 }
 
+PoseWithCovariance intersected(const PoseWithCovariance& a, const PoseWithCovariance& b) {
+  constexpr int kSteps = 16;
+  const Matrix6d of_a = symmetricInverse(a.P), of_b = symmetricInverse(b.P);
+  double share = 1, most = 0;  // of a; determinant of the information
+  for (int i = kSteps; i >= 0; --i) {
+    const double w = static_cast<double>(i) / kSteps;
+    const double information = (w * of_a + (1 - w) * of_b).determinant();
+    if (information > most) most = information, share = w;
+  }
+  const Matrix6d P = symmetricInverse(share * of_a + (1 - share) * of_b);
+  return {perturbed(a.T, (1 - share) * P * of_b * perturbation(a.T, b.T)), P};
+}
+
 Matrix6d discounted(const Matrix6d& prior, const Matrix6d& posterior, double part) {
   const Matrix6d before = prior.ldlt().solve(Matrix6d::Identity());
   const Matrix6d after = posterior.ldlt().solve(Matrix6d::Identity());

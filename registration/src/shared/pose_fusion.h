@@ -8,6 +8,11 @@ namespace facetloc::internal {
 /** \brief One pose by two sources with independent errors, the first not far from the second. */
 PoseWithCovariance fused(const PoseWithCovariance& a, const PoseWithCovariance& b);
 
+/** \brief One pose by two sources of whose errors nobody knows how much they have in common: covariance
+ * intersection with the least determinant. Its covariance is never too small, and no larger than needed for
+ * that (Julier, Uhlmann 1997). \param a, b with positive definite covariances, not far from each other */
+PoseWithCovariance intersected(const PoseWithCovariance& a, const PoseWithCovariance& b);
+
 /** \brief The covariance of a posterior if what was added to the prior told only a part of what it says.
  * \param prior, posterior positive definite \param part from 0 to 1 */
 Matrix6d discounted(const Matrix6d& prior, const Matrix6d& posterior, double part);

@@ -301,6 +301,8 @@ TrackedPose PoseTracking::Impl::search(const View& view) {
   out.state = ever_ ? TrackingState::lost : TrackingState::searching;
   out.searched = true;
   const std::optional<BelievedPlace> best = likeliestPlace(view, out.reason);
+  for (const BelievedPlace& place : belief_.places())
+    out.places.push_back({place.T_w_c, place.part, place.probability});
   if (!best) return out;
   out.probability = best->probability;
   out.reason = "no place is likely enough";

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace facetloc {
 
@@ -24,6 +25,13 @@ enum class TrackingState {
 /** \brief "searching", "localized", "tracking", "cannot tell", "lost". */
 const char* stateName(TrackingState state);
 
+/** \brief A place where the camera may be. */
+struct PossiblePlace {
+  PoseWithCovariance T_w_c;
+  int part = 0;            ///< of the map, in whose frame the pose is
+  double probability = 0;  ///< beside the others, and that the map does not hold the place
+};
+
 /** \brief What tracking says of one view. */
 struct TrackedPose {
   TrackingState state = TrackingState::searching;
@@ -38,6 +46,8 @@ struct TrackedPose {
   double map_agreement = 0;   ///< share of the view's depth pixels that the map confirms
   double view_agreement = 0;  ///< the same of the camera's own key views
   bool searched = false;      ///< in the whole map, which takes its time
+  /** \brief Where the camera may be while no place is known, most probable first, by all views since then. */
+  std::vector<PossiblePlace> places;
 };
 
 /** \brief Follows a camera through a map from view to view, by registration with the last pose and a motion

@@ -24,6 +24,7 @@ struct SequenceAnswer {
   std::string reason;               ///< why it is not sure; empty if it is
   bool carried_away = false;        ///< everything has begun anew; the reason says why
   bool searched = false;            ///< the whole map, which takes its time
+  int looks = 0;                    ///< views that have told something since everything began anew
   PoseWithCovariance T_before_now;  ///< how the camera has moved, as far as that is known
 };
 
@@ -79,6 +80,14 @@ public:
   /** \brief Least probability of a first place that is sure; kMinProbability unless set. Throws
    * std::invalid_argument outside of (0, 1]. */
   void setMinProbability(double p);
+  /** \brief What all views of a drive, later ones too, say of where one of them was taken (METHOD 16.7).
+   * Neither answer has to come from this object, but from one with its map and parameters.
+   * \param until_now what the views up to this one have said
+   * \param from_next what the next one has said in the reverse order, in which another object takes the views
+   * from the last one on, with stamps that are negated
+   * \param T_now_next how the camera moves to the next one: its T_before_now in the order of time */
+  SequenceAnswer smoothed(const SequenceAnswer& until_now, const SequenceAnswer& from_next,
+                          const PoseWithCovariance& T_now_next) const;
   /** \brief Forgets all views. */
   void reset();
   /** \brief OpenMP threads; 1 by default, 0 = all cores. */

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drawing/floor_plan.h"
+
+#include <facetloc/io/error.h>
+
+#include <algorithm>
+
+namespace facetloc {
+
+Eigen::AlignedBox2d FloorPlan::extent() const {
+  Eigen::AlignedBox2d extent;
+  for (const PlanLine& wall : walls) extent.extend(wall.from), extent.extend(wall.to);
+  for (const Eigen::Isometry3d& T : models) extent.extend(view.point(T.translation()));
+  return extent;
+}
+
+FloorPlan floorPlan(const Map& map, int part, const std::filesystem::path& picture) {
+  if (std::none_of(map.models.begin(), map.models.end(),
+                   [](const LocalModel& m) { return m.T_w_m.has_value(); }))
+    throw IoError(picture.string(), "cannot be drawn: no local model of the map has a pose");
+  FloorPlan plan{PlanView(upInPart(map, part)), {}, {}, {}};
+  for (std::size_t i = 0; i < map.models.size(); ++i) {
+    const LocalModel& model = map.models[i];
+    if (!model.T_w_m || model.part != part) continue;
+    plan.models.push_back(*model.T_w_m);
+    for (const Segment& segment : map.view(static_cast<int>(i))->segments)
+      if (const auto line = plan.view.line(segment, *model.T_w_m)) plan.walls.push_back(*line);
+  }
+  for (const Link& link : map.links) {
+    const auto &from = map.models[link.from].T_w_m, &to = map.models[link.to].T_w_m;
+    if (from && to && map.models[link.from].part == part)
+      plan.links.push_back({from->translation(), to->translation()});
+  }
+  return plan;
+}
+
+double pixelsPerMetreFor(const Eigen::AlignedBox2d& extent, double width, double height) {
+  constexpr double kMost = 250;
+  const Eigen::Vector2d size = extent.sizes().cwiseMax(kLeastExtent);
+  return std::min({width / size.x(), height / size.y(), kMost});
+}
+
+void drawWall(Page& page, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double height) {
+  constexpr Colour kWall = {40, 40, 40};
+  const auto alpha = static_cast<std::uint8_t>(35 + 145 * std::min(1.0, height / kTallestWall));
+  page.line({from, to}, {kWall.withAlpha(alpha), 1.8});
+}
+
+void drawHeading(Page& page, const Eigen::Vector2d& at, const Eigen::Vector2d& ahead, double length,
+                 const Pen& pen) {
+  if (!(ahead.norm() > 0.1)) return;
+  const Eigen::Vector2d on_page(ahead.x(), -ahead.y());  // down is where the plan's y becomes smaller
+  page.line({at, at + length * on_page.normalized()}, pen);
+}
+
+void drawCross(Page& page, const Eigen::Vector2d& at, const Colour& colour) {
+  const Eigen::Vector2d a(5, 5), b(5, -5);
+  for (const Pen& pen : {Pen{kWhite, 5}, Pen{colour, 2.5}}) {
+    page.line({at - a, at + a}, pen);
+    page.line({at - b, at + b}, pen);
+  }
+}
+
+}  // namespace facetloc

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "drawing/page.h"
+#include "drawing/plan_view.h"
+
+#include <facetloc/features/local_model.h>
+
+#include <array>
+#include <filesystem>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief What a part of a map is from above. */
+struct FloorPlan {
+  PlanView view;
+  std::vector<PlanLine> walls;            ///< upright segments
+  std::vector<Eigen::Isometry3d> models;  ///< poses of the local models
+  std::vector<std::array<Eigen::Vector3d, 2>> links;
+
+  Eigen::AlignedBox2d extent() const;
+};
+/** \brief Models without a pose are left out. Throws IoError, with the name of the picture that was to be, if
+ * no model of the map has one. */
+FloorPlan floorPlan(const Map& map, int part, const std::filesystem::path& picture);
+
+/** \brief From metres to a box of a page, in whose middle the extent lies. */
+class PlanScale {
+public:
+  PlanScale(const Eigen::AlignedBox2d& extent, double pixels_per_metre, const Box& box)
+      : low_(extent.center() - Eigen::Vector2d(box.width, box.height) / (2 * pixels_per_metre)),
+        pixels_per_metre_(pixels_per_metre),
+        box_(box) {}
+
+  Eigen::Vector2d operator()(const Eigen::Vector2d& p) const {
+    const Eigen::Vector2d offset = pixels_per_metre_ * (p - low_);
+    return {box_.left + offset.x(), box_.bottom() - offset.y()};
+  }
+  double pixelsPerMetre() const { return pixels_per_metre_; }
+  const Box& box() const { return box_; }
+
+private:
+  Eigen::Vector2d low_;  // [m]
+  double pixels_per_metre_;
+  Box box_;
+};
+
+/** \brief What is smaller is drawn as if it were as large as that [m]. */
+constexpr double kLeastExtent = 0.5;
+/** \brief Of a plan that is to fill a box. */
+double pixelsPerMetreFor(const Eigen::AlignedBox2d& extent, double width, double height);
+
+/** \brief A segment from above, the darker the taller. \param from, to on the page. */
+void drawWall(Page& page, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double height);
+/** \brief Height from which on a segment is drawn darkest [m]. */
+constexpr double kTallestWall = 1.5;
+
+/** \brief A needle that points where a camera looks; none if that is straight up or down.
+ * \param at on the page \param ahead its direction in the plan */
+void drawHeading(Page& page, const Eigen::Vector2d& at, const Eigen::Vector2d& ahead, double length,
+                 const Pen& pen);
+void drawCross(Page& page, const Eigen::Vector2d& at, const Colour& colour);
+
+}  // namespace facetloc

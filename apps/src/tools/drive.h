@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "tools/app.h"
+
+#include <facetloc/registration/sequence_localization.h>
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief Images of one drive, which are localized by each other, in their order. */
+class Drive {
+public:
+  /** \param smoothing the images are kept, since what comes later is to tell of them too. */
+  Drive(SequenceLocalization sequence, bool smoothing)
+      : sequence_(std::move(sequence)), smoothing_(smoothing) {}
+
+  /** \brief What the images up to this one say. */
+  SequenceAnswer add(std::size_t index, const View& view, double stamp);
+
+  /** \brief Receives the answer for an image. */
+  using Take = std::function<void(std::size_t index, SequenceAnswer answer)>;
+  /** \brief What all of its images say of each of them.
+   * \param backward with the same map and parameters, has seen nothing yet
+   * \param name of an image, for messages; throws Stopped at Ctrl-C */
+  void smooth(SequenceLocalization& backward, const std::function<std::string(std::size_t index)>& name,
+              const Console& console, const Take& take) const;
+
+private:
+  struct Image {
+    std::size_t index;
+    double stamp;
+    View view;
+    SequenceAnswer until_now;
+  };
+
+  SequenceLocalization sequence_;
+  bool smoothing_;
+  std::vector<Image> images_;
+};
+
+}  // namespace facetloc
