@@ -95,6 +95,7 @@ void createLaterTables(Connection& db) {
   db.execute(schema::kDistortionTable);
   db.execute(schema::kNoiseTables);
   db.execute(schema::kAmbiguityTable);
+  db.execute(schema::kLookalikeTable);
   db.execute(schema::kRangeTables);
   db.execute(schema::kLinkIndex);
 }

@@ -81,11 +81,24 @@ void insertCamera(Connection& db, const Camera& camera) {
   range.run();
 }
 
-void insertAmbiguity(Connection& db, const MapAmbiguity& ambiguity) {
-  describing(db, "the ambiguity", [&] { requireSound(ambiguity); });
+void removeAmbiguity(Connection& db) {
   db.execute("DELETE FROM ambiguity");
+  db.execute("DELETE FROM lookalike");
+}
+
+void insertAmbiguity(Connection& db, const MapAmbiguity& ambiguity,
+                     const std::vector<std::optional<double>>& lookalike_scores) {
+  describing(db, "the ambiguity", [&] {
+    requireSound(ambiguity);
+    for (const std::optional<double>& score : lookalike_scores)
+      if (score) requirePossibleScore(*score);
+  });
+  removeAmbiguity(db);
   Statement statement(db, schema::insert(schema::kAmbiguityColumns, "ambiguity"));
   (statement << 0 << ambiguity.score << ambiguity.views).run();
+  Statement of_model(db, schema::insert(schema::kLookalikeColumns, "lookalike"));
+  for (std::size_t i = 0; i < lookalike_scores.size(); ++i)
+    if (lookalike_scores[i]) (of_model << static_cast<int>(i) << *lookalike_scores[i]).run();
 }
 
 int nextId(Connection& db, const std::string& table) {
@@ -143,7 +156,7 @@ int insertModel(Connection& db, const PackedModel& packed) {
   insertSegments(db, id, model);
   insertPicture(db, id, packed);
   place_index_parts::remove(db);  // it does not know this model
-  db.execute("DELETE FROM ambiguity");
+  removeAmbiguity(db);
   return id;
 }
 
@@ -249,9 +262,12 @@ void MapDatabase::setCamera(const Camera& camera) {
   transaction.commit();
 }
 
-void MapDatabase::setAmbiguity(const MapAmbiguity& ambiguity) {
+void MapDatabase::setAmbiguity(const MapAmbiguity& ambiguity,
+                               const std::vector<std::optional<double>>& lookalike_scores) {
   Transaction transaction(impl_->db);
-  insertAmbiguity(impl_->db, ambiguity);
+  if (!lookalike_scores.empty() && nextId(impl_->db, "model") != static_cast<int>(lookalike_scores.size()))
+    throw std::invalid_argument("MapDatabase: there must be as many scores as local models");
+  insertAmbiguity(impl_->db, ambiguity, lookalike_scores);
   transaction.commit();
 }
 
@@ -293,7 +309,7 @@ void MapDatabase::setPoses(const std::vector<std::optional<Eigen::Isometry3d>>& 
   db.execute("DELETE FROM link");
   for (const Link& link : links) insertLink(db, link);
   place_index_parts::remove(db);
-  db.execute("DELETE FROM ambiguity");
+  removeAmbiguity(db);
   transaction.commit();
 }
 
@@ -340,7 +356,11 @@ void writeMap(const fs::path& path, const Map& map) {
       insertModel(db, model);
     }
     for (const Link& link : map.links) insertLink(db, link);
-    if (map.ambiguity) insertAmbiguity(db, *map.ambiguity);
+    if (map.ambiguity) {
+      std::vector<std::optional<double>> lookalike_scores;
+      for (const LocalModel& model : map.models) lookalike_scores.push_back(model.lookalike_score);
+      insertAmbiguity(db, *map.ambiguity, lookalike_scores);
+    }
     transaction.commit();
   });
 }

@@ -28,6 +28,7 @@ void MapReader::readAll(Pictures pictures) {
   if (pictures != Pictures::cameras_only) readSegments();
   readPictures(pictures);
   readNoise();
+  readLookalikes();
   readLinks();
 }
 
@@ -222,6 +223,18 @@ void MapReader::readNoise() {
                label = "the noise of the depth picture over its range";
                LocalModel& model = modelOf(row.integer(), label);
                readNoiseOverRange(row, model.view.depth.noise);
+             });
+}
+
+void MapReader::readLookalikes() {
+  if (!sqlite::hasTable(db_, "lookalike")) return;
+  forEachRow(schema::select(schema::kLookalikeColumns, "lookalike", "model_id"),
+             [&](Statement& row, std::string& label) {
+               label = "the look-alikes";
+               LocalModel& model = modelOf(row.integer(), label);
+               const double score = row.real();
+               map_rows::requirePossibleScore(score);
+               model.lookalike_score = score;
              });
 }
 

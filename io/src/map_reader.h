@@ -50,6 +50,7 @@ private:
   void requireMemoryForPictures();
   void readPictures(Pictures pictures);
   void readNoise();
+  void readLookalikes();
   void readLinks();
 
   sqlite::Connection& db_;

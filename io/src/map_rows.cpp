@@ -213,9 +213,14 @@ void readRange(Statement& row, Camera& camera) {
   requireSound(camera);
 }
 
-void requireSound(const MapAmbiguity& ambiguity) {
+void requirePossibleScore(double score) {
   constexpr double kMost = 1e4;  // [nats]
-  require(std::abs(ambiguity.score) <= kMost && ambiguity.views > 0, "it is impossible");
+  require(std::abs(score) <= kMost, "it is impossible");
+}
+
+void requireSound(const MapAmbiguity& ambiguity) {
+  requirePossibleScore(ambiguity.score);
+  require(ambiguity.views > 0, "it is impossible");
 }
 
 MapAmbiguity readAmbiguity(Statement& row) {

@@ -22,6 +22,7 @@ void requireSound(const Segment& segment);
 void requireSound(const LocalModel& model);
 void requireSound(const Link& link);
 void requireSound(const MapAmbiguity& ambiguity);
+void requirePossibleScore(double score);
 
 sqlite::Statement& operator<<(sqlite::Statement& s, const Intrinsics& camera);
 sqlite::Statement& operator<<(sqlite::Statement& s, const Eigen::Isometry3d& T);

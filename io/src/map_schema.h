@@ -128,6 +128,14 @@ CREATE TABLE IF NOT EXISTS ambiguity(    -- how much alike the places of the map
 ) STRICT;
 )sql";
 
+/** \brief Since 1.6. */
+inline constexpr const char* kLookalikeTable = R"sql(
+CREATE TABLE IF NOT EXISTS lookalike(    -- the best wrong place for the view of a model; no row if none is known
+  model_id INTEGER PRIMARY KEY REFERENCES model(id) ON DELETE CASCADE,
+  score REAL NOT NULL                    -- of that place [nats]
+) STRICT;
+)sql";
+
 /** \brief Since 1.5. Without a row, noise is the same at all depths in inverse depth, and no depth is too
  * large. */
 inline constexpr const char* kRangeTables = R"sql(
@@ -175,6 +183,7 @@ inline constexpr const char* kPictureNoiseColumns = "model_id, inverse_depth_std
 inline constexpr const char* kRangeColumns = "id, depth_std, depth_std_slope, max_depth";
 inline constexpr const char* kRangeNoiseColumns = "model_id, depth_std, depth_std_slope";
 inline constexpr const char* kAmbiguityColumns = "id, score, views";
+inline constexpr const char* kLookalikeColumns = "model_id, score";
 inline constexpr const char* kIndexColumns = "part, crc32, data";
 
 inline std::string select(const std::string& columns, const std::string& table) {

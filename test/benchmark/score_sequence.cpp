@@ -220,7 +220,7 @@ private:
         seen.truth.push_back(*T_w_c);
         seen.covered.push_back(place.covers(*T_w_c, evaluation_));
       }
-      map.ambiguity = ambiguityOf(GlobalLocalization(std::make_shared<const Map>(map), localization_));
+      setAmbiguity(lookalikeScores(GlobalLocalization(std::make_shared<const Map>(map), localization_)), map);
       const std::vector<Course> courses = coursesOf(std::make_shared<const Map>(std::move(map)), seen);
       print(fs::path(name).filename().string(), courses);
       all.insert(all.end(), courses.begin(), courses.end());

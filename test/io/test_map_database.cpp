@@ -48,7 +48,7 @@ TEST_F(MapFile, RoundTripsExactly) {
   EXPECT_EQ(read.camera.noise.depth_std_slope, map.camera.noise.depth_std_slope);
   EXPECT_EQ(read.camera.max_depth, map.camera.max_depth);
   for (const auto& [key, value] : map.meta) EXPECT_EQ(read.meta.at(key), value);
-  EXPECT_EQ(read.meta.at("format"), "facetloc map 1.5");
+  EXPECT_EQ(read.meta.at("format"), "facetloc map 1.6");
   EXPECT_THAT(read.meta.at("conventions"), HasSubstr("T_a_b"));
   ASSERT_EQ(read.models.size(), map.models.size());
   for (std::size_t i = 0; i < map.models.size(); ++i) expectEqual(map.models[i], read.models[i]);
@@ -105,17 +105,24 @@ TEST_F(MapFile, TheDistortionRoundTripsExactly) {
 TEST_F(MapFile, TheAmbiguityRoundTripsUntilAModelIsAdded) {
   writeExample();
   EXPECT_FALSE(readMap(path_).ambiguity);
-  MapDatabase::open(path_).setAmbiguity({-12.5, 142});
+  MapDatabase::open(path_).setAmbiguity({-12.5, 142}, {3.5, {}, -7.0});
+  EXPECT_THROW(MapDatabase::open(path_).setAmbiguity({-12.5, 142}, {3.5}), std::invalid_argument);
+  EXPECT_THROW(MapDatabase::open(path_).setAmbiguity({-12.5, 142}, {3.5, 1e9, {}}), IoError);
   for (const Map& read : {readMap(path_), openMap(path_, 0)}) {
     ASSERT_TRUE(read.ambiguity);
     EXPECT_EQ(read.ambiguity->score, -12.5);
     EXPECT_EQ(read.ambiguity->views, 142);
+    EXPECT_EQ(read.models[0].lookalike_score, 3.5);
+    EXPECT_FALSE(read.models[1].lookalike_score);
+    EXPECT_EQ(read.models[2].lookalike_score, -7.0);
   }
   const Map map = readMap(path_);
   writeMap(path_, map);
   EXPECT_TRUE(readMap(path_).ambiguity);
+  EXPECT_EQ(readMap(path_).models[2].lookalike_score, -7.0);
   MapDatabase::open(path_).add(ExampleMap(9).model("more"));
   EXPECT_FALSE(readMap(path_).ambiguity);
+  EXPECT_FALSE(readMap(path_).models[2].lookalike_score);
   EXPECT_THAT(checkMap(path_), IsEmpty());
 }
 

@@ -48,7 +48,8 @@ TEST_F(MapFile, ANewerMajorFormatIsRefused) {
 TEST_F(MapFile, AnOlderMinorFormatIsReadAndUpgradedWhenItIsWrittenTo) {
   writeExample();
   sql(path_, "DROP TABLE place_index; DROP TABLE distortion; DROP TABLE camera; DROP TABLE picture_noise; "
-             "DROP TABLE ambiguity; DROP TABLE camera_range; DROP TABLE picture_range_noise; DROP INDEX "
+             "DROP TABLE ambiguity; DROP TABLE lookalike; DROP TABLE camera_range; DROP TABLE "
+             "picture_range_noise; DROP INDEX "
              "link_of_models; "
              "PRAGMA user_version = 1000;"
              "UPDATE meta SET value = 'facetloc map 1.0' WHERE key = 'format'");
@@ -56,7 +57,7 @@ TEST_F(MapFile, AnOlderMinorFormatIsReadAndUpgradedWhenItIsWrittenTo) {
   EXPECT_THAT(checkMap(path_), IsEmpty());
   EXPECT_EQ(openMap(path_, 0).store->placeIndex(), nullptr);
   EXPECT_EQ(MapDatabase::open(path_).add(ExampleMap(9).model("more")), 3);
-  EXPECT_EQ(readMap(path_).meta.at("format"), "facetloc map 1.5");
+  EXPECT_EQ(readMap(path_).meta.at("format"), "facetloc map 1.6");
   EXPECT_THAT(checkMap(path_), IsEmpty());
 }
 

@@ -227,6 +227,27 @@ TEST_F(Evidence, IsForTheTruePlaceAndAgainstAnother) {
   EXPECT_DOUBLE_EQ(h[1].score, 10 + h[1].evidence);
 }
 
+TEST_F(Evidence, APlaceThatLooksLikeNoOtherIsBelievedSooner) {
+  const Hypothesis here = hypothesis(0, truth);
+  params.probability.least_null_score = -10, params.probability.usual_ambiguity = 0;
+  map.ambiguity = MapAmbiguity{40, 20};  // counts as much as the usual one
+  const auto nullScoreWith = [&](double weight, double share) {
+    return ranking().oddsOfKnown(true, weight, share, here).null_score;
+  };
+  EXPECT_DOUBLE_EQ(nullScoreWith(0.8, 0.5), 0.2 * -10 + 0.8 * 20) << "nobody has asked about this place";
+  map.models[0].lookalike_score = 4;
+  map.models[2].lookalike_score = 8;
+  EXPECT_DOUBLE_EQ(nullScoreWith(0.8, 0.5), 0.2 * -10 + 0.8 * 14);
+  EXPECT_DOUBLE_EQ(nullScoreWith(0.8, 0), 0.2 * -10 + 0.8 * 20);
+  EXPECT_DOUBLE_EQ(nullScoreWith(1, 1), 8);
+  for (LocalModel& model : map.models) model.lookalike_score = -50;
+  EXPECT_DOUBLE_EQ(nullScoreWith(1, 1), -10) << "no less than any wrong place scores";
+  map.models[1].lookalike_score = 90;
+  EXPECT_DOUBLE_EQ(nullScoreWith(1, 1), 20) << "no more than the map's";
+  map.models[1].T_w_m->translation().x() += 100;
+  EXPECT_DOUBLE_EQ(nullScoreWith(1, 1), -10) << "what is far away is not this place";
+}
+
 TEST_F(Evidence, TakesThePlaceOfWhatTheirOwnModelSays) {
   std::vector<Hypothesis> h{hypothesis(20, truth)};
   h[0].free_space = -7;

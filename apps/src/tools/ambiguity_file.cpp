@@ -19,10 +19,10 @@ void writeAmbiguity(const std::filesystem::path& path, int threads, const Consol
         .run([&](std::size_t i) { return map->models[models[i]].name; },
              [&](std::size_t i, int) { wrong[i] = wrongPlace(localization, models[i]); });
   }
-  std::vector<double> scores;
-  for (const auto& place : wrong)
-    if (place) scores.push_back(place->score);
-  if (const auto ambiguity = ambiguityOf(std::move(scores))) MapDatabase::open(path).setAmbiguity(*ambiguity);
+  LookalikeScores scores(map->models.size());
+  for (std::size_t i = 0; i < models.size(); ++i)
+    if (wrong[i]) scores[models[i]] = wrong[i]->score;
+  if (const auto ambiguity = ambiguityOf(scores)) MapDatabase::open(path).setAmbiguity(*ambiguity, scores);
 }
 
 }  // namespace facetloc

@@ -94,7 +94,8 @@ PoseWithCovariance PlaceBelief::poseOf(const Hypothesis& h) const {
 
 // What a view says of a place that was known before it.
 double PlaceBelief::oddsOfKnown(const View& view, const Hypothesis& h) const {
-  const ScoreOdds odds = ranking_.oddsOfKnown(ranking_.mayHaveEvidence(view), params_.lookalike_weight);
+  const ScoreOdds odds = ranking_.oddsOfKnown(ranking_.mayHaveEvidence(view), params_.lookalike_weight,
+                                              params_.lookalike_share_of_place, h);
   return bounded(odds(h.score));
 }
 

@@ -145,11 +145,22 @@ bool PlaceRanking::mayHaveEvidence(const View& scene) const {
   return params_.evidence.enabled && !params_.score.by_overlap && !scene.depth.empty() && !near_.empty();
 }
 
-ScoreOdds PlaceRanking::oddsOfKnown(bool evidence, double lookalike_weight) const {
+// What looks like a place scores no more than what looks like the places of the map that have most of it.
+double PlaceRanking::lookalikesOf(const Hypothesis& place, double share_of_place) const {
+  const double of_map = meanAmbiguity(params_.probability, map_->ambiguity);
+  std::optional<double> of_place;
+  for (const int i : near_.bySight(place.part, *place.T_w_c, kReach, params_.evidence.models))
+    if (const auto& score = map_->models[i].lookalike_score)
+      of_place = std::max({*score, of_place.value_or(*score), params_.probability.least_null_score});
+  return of_place ? std::min(of_map, of_map + share_of_place * (*of_place - of_map)) : of_map;
+}
+
+ScoreOdds PlaceRanking::oddsOfKnown(bool evidence, double lookalike_weight, double share_of_place,
+                                    const Hypothesis& place) const {
   if (!evidence || map_->models.size() == 1) return odds(evidence, {});
   const ProbabilityParams& p = params_.probability;
   return {p.slope, (1 - lookalike_weight) * p.least_null_score +
-                       lookalike_weight * meanAmbiguity(p, map_->ambiguity) + priorOdds(p) / p.slope};
+                       lookalike_weight * lookalikesOf(place, share_of_place) + priorOdds(p) / p.slope};
 }
 
 ScoreOdds PlaceRanking::odds(bool evidence, const std::vector<Hypothesis>& sorted) const {

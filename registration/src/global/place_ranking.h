@@ -47,9 +47,11 @@ public:
   /** \brief Of the scores of a list of places, sorted, that a search has found. */
   ScoreOdds odds(bool evidence, const std::vector<Hypothesis>& sorted) const;
   /** \brief Of the score of a place that was known before the view, and is not the best of many therefore.
-   * With evidence, S_0 lies between least_null_score and what the map's look-alikes score, nearer to that by
-   * their weight from 0 to 1 (METHOD 16.6). */
-  ScoreOdds oddsOfKnown(bool evidence, double lookalike_weight) const;
+   * With evidence, S_0 lies between least_null_score and what look-alikes score, nearer to that by their
+   * weight from 0 to 1; those of the local models around the place have a share from 0 to 1 in it, those of
+   * the whole map the rest (METHOD 16.6). */
+  ScoreOdds oddsOfKnown(bool evidence, double lookalike_weight, double share_of_place,
+                        const Hypothesis& place) const;
 
   /** \brief Scores the best hypotheses by the depth of the local models nearest to their world poses,
    * whichever generated them, instead of their own model's alone (METHOD 11.1). The score is the
@@ -82,6 +84,7 @@ private:
                   const DepthComparison& comparison) const;
   void refine(const View& scene, const std::vector<Neighbour>& neighbours, Hypothesis& h) const;
   double together(const Hypothesis& h) const;
+  double lookalikesOf(const Hypothesis& place, double share_of_place) const;
   int viewpoints(const std::vector<int>& models) const;
   void score(std::vector<Hypothesis>& places) const;
   std::size_t hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const;

@@ -54,20 +54,28 @@ std::optional<Hypothesis> wrongPlace(const GlobalLocalization& localization, int
   return {};
 }
 
-std::optional<MapAmbiguity> ambiguityOf(std::vector<double> wrong_scores) {
-  if (wrong_scores.empty()) return {};
-  const std::size_t tenth = (wrong_scores.size() + 9) / 10;
-  const auto end = wrong_scores.begin() + static_cast<std::ptrdiff_t>(tenth);
-  std::partial_sort(wrong_scores.begin(), end, wrong_scores.end(), std::greater<>());
-  return MapAmbiguity{std::accumulate(wrong_scores.begin(), end, 0.0) / static_cast<double>(tenth),
-                      static_cast<int>(wrong_scores.size())};
+LookalikeScores lookalikeScores(const GlobalLocalization& localization) {
+  LookalikeScores scores(localization.map().models.size());
+  for (const int model : viewsToAsk(localization.map()))
+    if (const auto wrong = wrongPlace(localization, model)) scores[model] = wrong->score;
+  return scores;
 }
 
-std::optional<MapAmbiguity> ambiguityOf(const GlobalLocalization& localization) {
-  std::vector<double> scores;
-  for (const int model : viewsToAsk(localization.map()))
-    if (const auto wrong = wrongPlace(localization, model)) scores.push_back(wrong->score);
-  return ambiguityOf(std::move(scores));
+std::optional<MapAmbiguity> ambiguityOf(const LookalikeScores& scores) {
+  std::vector<double> found;
+  for (const std::optional<double>& score : scores)
+    if (score) found.push_back(*score);
+  if (found.empty()) return {};
+  const std::size_t tenth = (found.size() + 9) / 10;
+  const auto end = found.begin() + static_cast<std::ptrdiff_t>(tenth);
+  std::partial_sort(found.begin(), end, found.end(), std::greater<>());
+  return MapAmbiguity{std::accumulate(found.begin(), end, 0.0) / static_cast<double>(tenth),
+                      static_cast<int>(found.size())};
+}
+
+void setAmbiguity(const LookalikeScores& scores, Map& map) {
+  map.ambiguity = ambiguityOf(scores);
+  for (std::size_t i = 0; i < map.models.size(); ++i) map.models[i].lookalike_score = scores[i];
 }
 
 }  // namespace facetloc

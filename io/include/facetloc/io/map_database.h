@@ -33,7 +33,7 @@ class MapDatabase {
 public:
   static constexpr int kApplicationId = 0x464C4D50;  ///< "FLMP"
   static constexpr int kMajor = 1;
-  static constexpr int kMinor = 5;
+  static constexpr int kMinor = 6;
 
   /** \brief Creates a new, empty map; refuses an existing file unless overwrite is set. */
   static MapDatabase create(const std::filesystem::path& path, bool overwrite = false);
@@ -46,8 +46,10 @@ public:
   void setMeta(const std::string& key, const std::string& value);
   /** \brief All that is known of the camera of the map's images; takes the place of what was set before. */
   void setCamera(const Camera& camera);
-  /** \brief It is lost when a model is added. */
-  void setAmbiguity(const MapAmbiguity& ambiguity);
+  /** \brief It is lost when a model is added. \param lookalike_scores of the local models, by index; none, or
+   * as many as there are models, else throws std::invalid_argument */
+  void setAmbiguity(const MapAmbiguity& ambiguity,
+                    const std::vector<std::optional<double>>& lookalike_scores = {});
   /** \brief Keeps what PlaceIndex::write() writes, so that it need not be made when the map is opened. It is
    * lost when a model is added. */
   void setPlaceIndex(const std::function<void(std::ostream&)>& write);

@@ -26,10 +26,16 @@ double reachOfSurroundings(const Map& map, int part);
 std::optional<Hypothesis> wrongPlace(const GlobalLocalization& localization, int model,
                                      const std::function<bool(int model)>& excluded = {});
 
-/** \brief The mean of the highest tenth; nothing of no scores. */
-std::optional<MapAmbiguity> ambiguityOf(std::vector<double> wrong_scores);
+/** \brief Of each local model the score of the best wrong place; nothing where none was asked for or found.
+ */
+using LookalikeScores = std::vector<std::optional<double>>;
+/** \brief The whole map is asked. */
+LookalikeScores lookalikeScores(const GlobalLocalization& localization);
 
-/** \brief The whole of it. */
-std::optional<MapAmbiguity> ambiguityOf(const GlobalLocalization& localization);
+/** \brief The mean of the highest tenth; nothing of no scores. */
+std::optional<MapAmbiguity> ambiguityOf(const LookalikeScores& scores);
+
+/** \brief Puts them, and the ambiguity, into a map. */
+void setAmbiguity(const LookalikeScores& scores, Map& map);
 
 }  // namespace facetloc

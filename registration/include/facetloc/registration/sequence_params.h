@@ -8,17 +8,18 @@ namespace facetloc {
 /** \brief How the views of a moving camera together tell where it is. */
 struct SequenceParams {
   static constexpr const char* kTitle = "Localization by a sequence of views";
-  ViewOdometryParams odometry;           ///< of images in quick succession
-  double look_distance = 0.15;           ///< motion of the camera between views that are looked at [m]
-  double look_rotation_deg = 5;          ///< the same
-  double independent_distance = 0.5;     ///< motion after which a view tells as much as a first one [m]
-  double independent_rotation_deg = 15;  ///< the same
-  int max_places = 12;                   ///< places that are kept
-  int kept_looks = 6;                    ///< latest views, by which a new place is judged too
-  double most_log_odds = 7;              ///< that any number of views add up to [nats]
-  double lookalike_weight = 0.8;         ///< of what the map's look-alikes score, in what a place must score
-  double max_translation = 0.15;         ///< std of a pose beyond which it is not sure [m]
-  double max_rotation_deg = 3;           ///< the same
+  ViewOdometryParams odometry;            ///< of images in quick succession
+  double look_distance = 0.15;            ///< motion of the camera between views that are looked at [m]
+  double look_rotation_deg = 5;           ///< the same
+  double independent_distance = 0.5;      ///< motion after which a view tells as much as a first one [m]
+  double independent_rotation_deg = 15;   ///< the same
+  int max_places = 12;                    ///< places that are kept
+  int kept_looks = 6;                     ///< latest views, by which a new place is judged too
+  double most_log_odds = 7;               ///< that any number of views add up to [nats]
+  double lookalike_weight = 0.8;          ///< of what the map's look-alikes score, in what a place must score
+  double lookalike_share_of_place = 0.5;  ///< in that, of the look-alikes of the place itself
+  double max_translation = 0.15;          ///< std of a pose beyond which it is not sure [m]
+  double max_rotation_deg = 3;            ///< the same
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -39,6 +40,10 @@ struct SequenceParams {
     visit("lookalike_weight", p.lookalike_weight, 0.0, 1.0,
           "Weight of the scores of wrong places for the map's own views in the score that speaks for a "
           "place; the rest has what wrong places score at least.");
+    visit(
+        "lookalike_share_of_place", p.lookalike_share_of_place, 0.0, 1.0,
+        "Share of what looks like the place itself in the score of look-alikes; the rest has what looks like "
+        "the places of the map that have most of it.");
     visit("max_translation", p.max_translation, 1e-3, 100.0,
           "Position uncertainty from which on a place is not sure, standard deviation [m].");
     visit("max_rotation_deg", p.max_rotation_deg, 1e-3, 180.0,
