@@ -32,7 +32,7 @@ constexpr Key kKeys[] = {
     {"width", 1, kLargestSide, true, true},
     {"height", 1, kLargestSide, true, true},
     {"fx", kPositive, kLargest, false, true},
-    {"fy", kPositive, kLargest, false, true},
+    {"fy", -kLargest, kLargest, false, true},
     {"cx", -kLargest, kLargest, false, true},
     {"cy", -kLargest, kLargest, false, true},
     {"depth_scale", kPositive, 1e9, false, true},
@@ -115,7 +115,8 @@ private:
     if (!key) fail("unknown key " + text::quoted(name) + " (known: " + knownKeys() + ")");
     const auto value = text::to<double>(word);
     if (!value) fail(text::quoted(word) + " is not a number (" + std::string(name) + ")");
-    if (!(*value >= key->lowest && *value <= key->highest) || (key->whole && *value != std::floor(*value)))
+    if (!(*value >= key->lowest && *value <= key->highest) || (key->whole && *value != std::floor(*value)) ||
+        (name == "fy" && *value == 0))
       fail(std::string(name) + " = " + std::string(word) + " is impossible" + advice(*key));
     if (!values_.emplace(key->name, *value).second) fail(std::string(name) + " is given twice");
   }
@@ -138,6 +139,10 @@ private:
   void requireComplete() const {
     for (const Key& key : kKeys)
       if (key.required && !values_.count(key.name)) throw IoError(path_, "has no " + std::string(key.name));
+    constexpr double kMostOblong = 2;  // of a pixel, whichever way the y axis points
+    const double fy = values_.at("fy");
+    if (fy < 0 && !(-fy <= kMostOblong * values_.at("fx") && -fy >= values_.at("fx") / kMostOblong))
+      throw IoError(path_, "fy = " + text::shortest(fy) + " is impossible");
     if (values_.count("mount_height") != values_.count("mount_tilt_deg"))
       throw IoError(path_, "has only one of mount_height and mount_tilt_deg");
   }
@@ -161,10 +166,11 @@ CameraFile readCameraFile(const std::filesystem::path& path) {
   if (parser.preset()) file.preset = parser.preset()->name;
   Camera& camera = file.camera;
   camera = usualCamera(parser.preset());
+  file.y_axis_up = v.at("fy") < 0;
   camera.intrinsics = {static_cast<int>(v.at("width")),
                        static_cast<int>(v.at("height")),
                        v.at("fx"),
-                       v.at("fy"),
+                       std::abs(v.at("fy")),
                        v.at("cx"),
                        v.at("cy")};
   file.depth_scale = v.at("depth_scale");
@@ -189,7 +195,7 @@ void writeCameraFile(const std::filesystem::path& path, const CameraFile& file) 
     const auto line = [&out](const char* key, double value) {
       out << key << "=" << text::shortest(value) << "\n";
     };
-    line("fx", k.fx), line("fy", k.fy), line("cx", k.cx), line("cy", k.cy);
+    line("fx", k.fx), line("fy", file.y_axis_up ? -k.fy : k.fy), line("cx", k.cx), line("cy", k.cy);
     line("depth_scale", file.depth_scale);
     if (camera.mounting) {
       line("mount_height", camera.mounting->height);

@@ -169,16 +169,16 @@ Header headerOf(int width, int height, int bits, int colour) {
 
 }  // namespace
 
-int pngBits(const std::filesystem::path& path) {
+std::optional<PngSize> pngSize(const std::filesystem::path& path) {
   try {
     files::requireFile(path);
     const files::FilePtr file = files::open(path);
     requireSignature(file.get(), path.string());
     Header header;
     Codec(Codec::Kind::kRead, file.get(), path.string()).run(readHeader, &header);
-    return header.bits;
+    return PngSize{static_cast<int>(header.width), static_cast<int>(header.height), header.bits};
   } catch (const IoError&) {
-    return 0;
+    return {};
   }
 }
 

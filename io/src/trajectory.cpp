@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kStampRounding = 1e-6;        // [s] stamps are written with 6 decimals
 constexpr double kQuaternionTolerance = 1e-2;  // of |q|^2: TUM's own files have four decimals
+constexpr double kWidestGap = 5;               // between poses to interpolate, by the tolerance
 constexpr std::size_t kColumns = 8;
 
 StampedPose parsePose(const std::vector<std::string_view>& words) {
@@ -40,6 +41,14 @@ StampedPose parsePose(const std::vector<std::string_view>& words) {
 Trajectory::Trajectory(std::vector<StampedPose> poses) : poses_(std::move(poses)) {
   std::stable_sort(poses_.begin(), poses_.end(),
                    [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+}
+
+std::optional<Eigen::Isometry3d> Trajectory::at(double stamp, double tolerance) const {
+  const auto after = std::lower_bound(poses_.begin(), poses_.end(), stamp,
+                                      [](const StampedPose& p, double s) { return p.stamp < s; });
+  const bool is_between = after != poses_.begin() && after != poses_.end() &&
+                          after->stamp - after[-1].stamp <= kWidestGap * tolerance + kStampRounding;
+  return is_between ? interpolated(stamp) : nearest(stamp, tolerance);
 }
 
 std::optional<Eigen::Isometry3d> Trajectory::nearest(double stamp, double tolerance) const {

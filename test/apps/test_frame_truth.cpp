@@ -203,7 +203,7 @@ TEST_F(Place, TheTruthsOfBothRunsAreOne) {
   EXPECT_EQ(PlaceTruth::open(folder_ / "query").poses().poses().size(), 1u);
   EXPECT_EQ(PlaceTruth::open(folder_ / "query/groundtruth.txt").poses().poses().size(), 1u);
   EXPECT_TRUE(PlaceTruth::open(folder_ / "query/groundtruth.txt").sequences().empty());
-  EXPECT_THROW(PlaceTruth::open(folder_ / "query/labels"), IoError);
+  EXPECT_THROW(PlaceTruth::open(test::TemporaryFolder() / "."), IoError);
 }
 
 TEST_F(Place, RunsAtTheSameTimeAreToldApartByName) {

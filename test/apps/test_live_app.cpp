@@ -154,7 +154,7 @@ TEST_F(LiveTool, LocalizesInAMap) {
   const auto poses = readTumTrajectory(results + "/poses_tum.txt").poses();
   EXPECT_GE(poses.size(), 15u) << run.out;
   for (const StampedPose& pose : poses) {
-    const auto true_pose = truth.nearest(pose.stamp);
+    const auto true_pose = truth.at(pose.stamp);
     ASSERT_TRUE(true_pose) << "the stamps are those of the sequence: " << pose.stamp;
     EXPECT_LT((pose.T_w_c.translation() - true_pose->translation()).norm(), 0.1) << pose.stamp;
   }

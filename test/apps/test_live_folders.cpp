@@ -41,7 +41,7 @@ TEST_F(LiveTool, LeavesOutCloudsThatCannotBeRead) {
   const auto poses = readTumTrajectory(results + "/poses_tum.txt").poses();
   EXPECT_GE(poses.size(), 3u);
   for (const StampedPose& pose : poses) {
-    const auto true_pose = truth.nearest(pose.stamp, 1e-6);
+    const auto true_pose = truth.at(pose.stamp, 1e-6);
     ASSERT_TRUE(true_pose) << pose.stamp;
     EXPECT_LT((pose.T_w_c.translation() - true_pose->translation()).norm(), 0.05) << pose.stamp;
   }

@@ -42,7 +42,7 @@ TEST_F(LiveTool, MakesAMapInWhichTheCameraIsFound) {
   ASSERT_GE(map.models.size(), 5u);
   EXPECT_GE(map.links.size(), map.models.size() - 1);
   const Trajectory truth = readTumTrajectory(sequence() + "/groundtruth.txt");
-  const auto trueAt = [&](double stamp) { return *truth.nearest(stamp, 1e-3); };
+  const auto trueAt = [&](double stamp) { return *truth.at(stamp, 1e-3); };
   const Eigen::Isometry3d T_true_w = trueAt(map.models.front().stamp) * map.models.front().T_w_m->inverse();
   for (const LocalModel& model : map.models) {
     ASSERT_TRUE(model.T_w_m) << model.name;

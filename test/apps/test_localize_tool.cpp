@@ -102,7 +102,7 @@ TEST_F(Tools, ADriveIsLocalizedAsOne) {
   const Trajectory found = readTumTrajectory(once / "poses_tum.txt");
   for (const StampedPose& p : found.poses()) {
     ++sure;
-    EXPECT_TRUE(isNear(p.T_w_c, *truth.nearest(p.stamp, 0.02), 0.2, 2)) << p.stamp;
+    EXPECT_TRUE(isNear(p.T_w_c, *truth.at(p.stamp, 0.02), 0.2, 2)) << p.stamp;
   }
   EXPECT_GE(sure, kFrames / 3);
   EXPECT_EQ(readHypotheses(once).front().state, AnswerState::doubtful) << "one view alone is never sure";
@@ -121,7 +121,7 @@ TEST_F(Tools, ADriveIsLocalizedByItsLaterImagesToo) {
   const auto sure = readTumTrajectory(smoothed + "/poses_tum.txt").poses();
   EXPECT_GT(sure.size(), readTumTrajectory(filtered + "/poses_tum.txt").poses().size());
   for (const StampedPose& p : sure)
-    EXPECT_TRUE(isNear(p.T_w_c, *truth.nearest(p.stamp, 0.02), 0.2, 2)) << p.stamp;
+    EXPECT_TRUE(isNear(p.T_w_c, *truth.at(p.stamp, 0.02), 0.2, 2)) << p.stamp;
   EXPECT_THAT(contentOf(smoothed + "/params.ini"), HasSubstr("smooth = 1"));
   EXPECT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", filtered, "--smooth"}).code, kUsage);
 }

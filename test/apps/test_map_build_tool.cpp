@@ -179,9 +179,9 @@ TEST_F(Tools, MapBuildFindsTheTrajectoryByItself) {
   const Map map = readMap(path);
   ASSERT_GT(map.models.size(), 5u);
   const Trajectory truth = readTumTrajectory(map_run() + "/groundtruth.txt");
-  const Eigen::Isometry3d T = *truth.nearest(map.models[0].stamp) * map.models[0].T_w_m->inverse();
+  const Eigen::Isometry3d T = *truth.at(map.models[0].stamp) * map.models[0].T_w_m->inverse();
   for (const LocalModel& model : map.models)
-    EXPECT_LT((T * model.T_w_m->translation() - truth.nearest(model.stamp)->translation()).norm(), 0.1)
+    EXPECT_LT((T * model.T_w_m->translation() - truth.at(model.stamp)->translation()).norm(), 0.1)
         << model.name;
   EXPECT_GE(map.links.size(), map.models.size() - 1);
   EXPECT_EQ(readTumTrajectory(found).poses().size(), truth.poses().size());

@@ -74,7 +74,7 @@ TEST_F(Tools, MapExtendFindsASessionInCoordinatesOfItsOwn) {
   const Trajectory in_map = readTumTrajectory(found);
   EXPECT_FALSE(in_map.empty());
   for (const StampedPose& p : in_map.poses())
-    EXPECT_THAT(p.T_w_c, PoseNear(*truth.nearest(p.stamp), 0.05, 1));
+    EXPECT_THAT(p.T_w_c, PoseNear(*truth.at(p.stamp), 0.05, 1));
 }
 
 TEST_F(Tools, MapExtendRefusesASessionOfAnotherPlaceAndLeavesTheMap) {

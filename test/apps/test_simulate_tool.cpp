@@ -83,7 +83,7 @@ TEST_F(Tools, SimulateWritesASequenceWithItsTruth) {
   ASSERT_TRUE(sequence.camera() && sequence.camera()->camera.mounting);
   EXPECT_EQ(sequence.camera()->camera.intrinsics, scaledKinect(320));
   for (const FrameFile& frame : sequence.frames()) {
-    EXPECT_TRUE(sequence.groundTruth().nearest(frame.stamp, 1e-6));
+    EXPECT_TRUE(sequence.groundTruth().at(frame.stamp, 1e-6));
     EXPECT_TRUE(fs::exists(map_run() + "/labels/" + frame.path.filename().string()));
   }
 }
@@ -189,7 +189,7 @@ TEST_F(Tools, SimulateDrivesInRealTime) {
   EXPECT_EQ(drive.groundTruth().poses().size(), 15u);
   for (std::size_t i = 0; i < drive.frames().size(); ++i) {
     EXPECT_NEAR(drive.frames()[i].stamp, drive.frames()[0].stamp + 0.1 * static_cast<double>(i), 1e-6);
-    EXPECT_TRUE(drive.groundTruth().nearest(drive.frames()[i].stamp, 1e-6));
+    EXPECT_TRUE(drive.groundTruth().at(drive.frames()[i].stamp, 1e-6));
     const fs::path file = drive.frames()[i].path.filename();
     EXPECT_EQ(contentOf(drive.frames()[i].path), contentOf(fs::path(folder_ / "all/drive/depth") / file));
   }

@@ -26,7 +26,7 @@ MappedPlace::MappedPlace(const std::filesystem::path& folder, std::size_t every,
   const PlaceTruth of_map = truth_.of("map");
   for (std::size_t i = 0; i < mapping_.sequence.frames().size(); ++i) {
     const FrameFile& frame = mapping_.sequence.frames()[i];
-    const auto pose = of_map.poses().nearest(frame.stamp, kPoseTolerance);
+    const auto pose = of_map.poses().at(frame.stamp, kPoseTolerance);
     if (!pose || !rule.accept(*pose)) continue;
     mapping_.frames.push_back(i);
     models_.push_back({frame.name, frame.stamp, *pose});

@@ -69,7 +69,7 @@ std::vector<Frame> readFrames(const std::vector<std::string>& folders) {
   for (const std::string& folder : folders) {
     const DepthSequence sequence = DepthSequence::open(folder);
     for (std::size_t i = 0; i < sequence.frames().size(); ++i)
-      if (const auto T = sequence.groundTruth().nearest(sequence.frames()[i].stamp))
+      if (const auto T = sequence.groundTruth().at(sequence.frames()[i].stamp))
         frames.push_back({sequence.frames()[i].name, sequence.load(i, kWorkingWidth), *T});
   }
   return frames;

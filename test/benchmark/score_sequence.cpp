@@ -213,7 +213,7 @@ private:
       Seen seen;
       for (std::size_t i = 0; i < place.query().frames.size(); ++i) {
         const FrameFile& frame = place.query().sequence.frames()[place.query().frames[i]];
-        const auto T_w_c = truth.poses().nearest(frame.stamp, benchmarks::kPoseTolerance);
+        const auto T_w_c = truth.poses().at(frame.stamp, benchmarks::kPoseTolerance);
         if (!T_w_c) continue;
         seen.views.push_back(place.query().views[i]);
         seen.stamps.push_back(frame.stamp);

@@ -122,7 +122,7 @@ void score(const fs::path& place, const fs::path& before_path, const fs::path& a
   std::vector<Look> looks;
   const DepthSequence query = DepthSequence::open(place / "query");
   for (std::size_t i = 0; i < query.frames().size(); ++i)
-    if (const auto T = query.groundTruth().nearest(query.frames()[i].stamp))
+    if (const auto T = query.groundTruth().at(query.frames()[i].stamp))
       looks.push_back({query.load(i, kWidth), T->inverse()});
   const DepthSequence run = DepthSequence::open(place / "map");
   std::map<std::string, std::size_t> frame;

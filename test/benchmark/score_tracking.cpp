@@ -79,7 +79,7 @@ struct Floor {
     std::vector<std::size_t> chosen;
     for (std::size_t i = 0; i < mapping.frames().size(); ++i) {
       const FrameFile& frame = mapping.frames()[i];
-      const auto pose = mapping.groundTruth().nearest(frame.stamp, kTolerance);
+      const auto pose = mapping.groundTruth().at(frame.stamp, kTolerance);
       if (!pose || !rule.accept(*pose)) continue;
       chosen.push_back(i);
       map->models.push_back({frame.name, frame.stamp, *pose, {}});
@@ -93,7 +93,7 @@ struct Floor {
 
     std::vector<std::size_t> all;
     for (std::size_t i = 0; i < drive.frames().size(); ++i) {
-      const auto pose = drive.groundTruth().nearest(drive.frames()[i].stamp, kTolerance);
+      const auto pose = drive.groundTruth().at(drive.frames()[i].stamp, kTolerance);
       if (!pose) continue;
       all.push_back(i);
       stamps.push_back(drive.frames()[i].stamp);

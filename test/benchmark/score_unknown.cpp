@@ -240,7 +240,7 @@ private:
 #pragma omp parallel for schedule(dynamic)
     for (int i = 0; i < n; ++i) {
       const FrameFile& frame = query.sequence.frames()[query.frames[i]];
-      const auto T_w_c = truth.poses().nearest(frame.stamp, benchmarks::kPoseTolerance);
+      const auto T_w_c = truth.poses().at(frame.stamp, benchmarks::kPoseTolerance);
       if (!T_w_c) continue;
       const View& view = query.views[i];
       const auto gone = [&](int model) {

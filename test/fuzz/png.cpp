@@ -19,7 +19,7 @@ std::uint32_t numberAt(const std::uint8_t* bytes) {  // big-endian
 
 /** A chunk is its length, its type and data, and the checksum of both, which libpng sees to before anything
  * else. */
-void repairChecksums(std::uint8_t* data, std::size_t size) {
+void repairChecksums(std::uint8_t* data, std::size_t bytes) {
   for (std::size_t at = kSignature; at + 3 * kNumber <= size;) {
     const std::size_t length = std::min<std::size_t>(numberAt(data + at), size - at - 3 * kNumber);
     const std::uint32_t sum = libdeflate_crc32(0, data + at + kNumber, kNumber + length);
@@ -40,18 +40,18 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
   return size;
 }
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t bytes) {
   using namespace facetloc;
   static const fuzz::Folder folder;
-  const auto path = folder.put("0.png", fuzz::asText(data, size));
-  pngBits(path);
+  const auto path = folder.put("0.png", fuzz::asText(data, bytes));
+  const auto size = pngSize(path);
   fuzz::accepts<IoError>([&] {
     const auto image = readGreyPng(path);
     CameraFile file;
     Intrinsics& camera = file.camera.intrinsics;
     camera.width = image.width, camera.height = image.height;
-    fuzz::require(pngBits(path) == 8 || pngBits(path) == 16, "a PNG of other bits is read");
-    if (pngBits(path) == 16) readDepthPng(path, file);
+    fuzz::require(size && (size->bits == 8 || size->bits == 16), "a PNG of other bits is read");
+    if (size->bits == 16) readDepthPng(path, file);
   });
   return 0;
 }

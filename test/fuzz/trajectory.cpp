@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Trajectory read;
   if (!fuzz::accepts<IoError>([&] { read = readTumTrajectory(path); })) return 0;
   for (const StampedPose& pose : read.poses())
-    fuzz::require(read.nearest(pose.stamp).has_value(), "a pose is not found by its stamp");
+    fuzz::require(read.at(pose.stamp).has_value(), "a pose is not found by its stamp");
   writeTumTrajectory(path, read.poses());
   fuzz::require(readTumTrajectory(path).poses().size() == read.poses().size(),
                 "a trajectory is not what was written");

@@ -272,12 +272,20 @@ TEST_F(Sequence, BrokenImagesAreErrorsAndOthersStillRead) {
   EXPECT_THAT(ioErrorOf([&] { sequence.load(3); }), HasSubstr("8 bits"));
 }
 
+TEST(DepthPng, TheLargestNumberIsNotMeasured) {
+  const TemporaryFolder folder;
+  CameraFile file;
+  file.camera.intrinsics = {3, 1, 1, 1, 0, 0};
+  writePng(folder / "a.png", Raster<std::uint16_t>{3, 1, 1, {65535, 65534, 0}});
+  EXPECT_THAT(readDepthPng(folder / "a.png", file).depth, ElementsAre(0, 65.534f, 0));
+}
+
 TEST(DepthPng, WhatDoesNotFitSixteenBitsBecomesZero) {
   const TemporaryFolder folder;
   const Intrinsics camera{5, 1, 1, 1, 0, 0};
   const float inf = std::numeric_limits<float>::infinity();
-  writeDepthPng(folder / "a.png", {camera, {13.107f, 13.2f, -1.f, inf, NAN}}, 5000);
-  EXPECT_THAT(readGreyPng(folder / "a.png").data, ElementsAre(65535, 0, 0, 0, 0));
+  writeDepthPng(folder / "a.png", {camera, {13.1068f, 13.107f, -1.f, inf, NAN}}, 5000);
+  EXPECT_THAT(readGreyPng(folder / "a.png").data, ElementsAre(65534, 0, 0, 0, 0));
 }
 
 TEST_F(Sequence, PcdsNeedNoCameraFile) {

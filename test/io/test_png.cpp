@@ -149,10 +149,10 @@ TEST(Png, TellsTheBitsOfItsChannels) {
   writePng(folder / "depth.png", Raster<std::uint16_t>{2, 1, 1, {1, 2}});
   writePng(folder / "picture.png", Raster<std::uint8_t>{1, 1, 3, {1, 2, 3}});
   putBytes(folder / "text.png", "no PNG at all");
-  EXPECT_EQ(pngBits(folder / "depth.png"), 16);
-  EXPECT_EQ(pngBits(folder / "picture.png"), 8);
-  EXPECT_EQ(pngBits(folder / "text.png"), 0);
-  EXPECT_EQ(pngBits(folder / "nowhere.png"), 0);
+  EXPECT_EQ(pngSize(folder / "depth.png")->bits, 16);
+  EXPECT_EQ(pngSize(folder / "picture.png")->bits, 8);
+  EXPECT_FALSE(pngSize(folder / "text.png"));
+  EXPECT_FALSE(pngSize(folder / "nowhere.png"));
 }
 
 }  // namespace

@@ -79,20 +79,30 @@ TEST(Trajectory, RefusesToWriteWhatIsNotFinite) {
   EXPECT_EQ(folder.count(), 0);
 }
 
-TEST(Trajectory, FindsTheNearestPoseWithinTheTolerance) {
+TEST(Trajectory, InAGapThePoseNearestWithinTheToleranceCounts) {
   const Trajectory trajectory(
       {poseAt(2, kUpright, {2, 0, 0}), poseAt(1, kUpright, {1, 0, 0}), poseAt(1.1, kUpright, {1.1, 0, 0})});
-  EXPECT_EQ(trajectory.nearest(1.01)->translation().x(), 1);
-  EXPECT_EQ(trajectory.nearest(1.09)->translation().x(), 1.1);
-  EXPECT_EQ(trajectory.nearest(1.02)->translation().x(), 1) << "the tolerance is meant in decimals";
-  EXPECT_EQ(trajectory.nearest(0.99)->translation().x(), 1);
-  EXPECT_EQ(trajectory.nearest(2.015)->translation().x(), 2);
-  EXPECT_FALSE(trajectory.nearest(1.05));
-  EXPECT_FALSE(trajectory.nearest(0.9));
-  EXPECT_FALSE(trajectory.nearest(2.1));
-  EXPECT_FALSE(trajectory.nearest(NAN));
-  EXPECT_EQ(trajectory.nearest(1.5, 1)->translation().x(), 1.1);
-  EXPECT_FALSE(Trajectory().nearest(0));
+  constexpr double kShort = 0.019;  // of which five are less than the gap of 0.1 s
+  EXPECT_EQ(trajectory.at(1.01, kShort)->translation().x(), 1);
+  EXPECT_EQ(trajectory.at(1.09, kShort)->translation().x(), 1.1);
+  EXPECT_EQ(trajectory.at(1.019, kShort)->translation().x(), 1) << "the tolerance is meant in decimals";
+  EXPECT_EQ(trajectory.at(0.99)->translation().x(), 1);
+  EXPECT_EQ(trajectory.at(2.015)->translation().x(), 2);
+  EXPECT_FALSE(trajectory.at(1.05, kShort));
+  EXPECT_FALSE(trajectory.at(0.9));
+  EXPECT_FALSE(trajectory.at(2.1));
+  EXPECT_FALSE(trajectory.at(NAN));
+  EXPECT_EQ(trajectory.at(1.25, 0.17)->translation().x(), 1.1) << "five times 0.17 are less than the gap";
+  EXPECT_NEAR(trajectory.at(1.5, 1)->translation().x(), 1.5, 1e-9);
+  EXPECT_FALSE(Trajectory().at(0));
+}
+
+TEST(Trajectory, BetweenPosesThatAreCloseInTimeTheyAreInterpolated) {
+  const Trajectory trajectory({poseAt(1, kUpright, {1, 0, 0}), poseAt(1.1, kUpright, {1.1, 0, 0})});
+  for (const double stamp : {1.0, 1.01, 1.05, 1.09, 1.1})
+    EXPECT_NEAR(trajectory.at(stamp)->translation().x(), stamp, 1e-9);
+  EXPECT_EQ(trajectory.at(0.985)->translation().x(), 1) << "before the first pose, which is near";
+  EXPECT_FALSE(trajectory.at(1.13));
 }
 
 TEST(Trajectory, ReadsCommentsAndUnorderedLines) {

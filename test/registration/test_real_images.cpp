@@ -36,7 +36,7 @@ std::shared_ptr<const Map> mapOf(const DepthSequence& sequence) {
   MapBuilder rule;
   ViewBuilder builder;
   for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
-    const auto T_w_c = sequence.groundTruth().nearest(sequence.frames()[i].stamp);
+    const auto T_w_c = sequence.groundTruth().at(sequence.frames()[i].stamp);
     if (!T_w_c || !rule.accept(*T_w_c)) continue;
     LocalModel model;
     model.T_w_m = T_w_c;
@@ -55,7 +55,7 @@ Found localized(const GlobalLocalization& localization, const DepthSequence& que
   Found found;
   ViewBuilder builder;
   for (std::size_t i = 0; i < query.frames().size(); i += step) {
-    const auto truth = query.groundTruth().nearest(query.frames()[i].stamp);
+    const auto truth = query.groundTruth().at(query.frames()[i].stamp);
     if (!truth) continue;
     const Localization answer = localization.localize(builder.build(query.load(i, kWorkingWidth)));
     ++found.images;

@@ -18,7 +18,9 @@ void requireOtherFolder(const fs::path& results, const fs::path& images) {
 
 void requireNoneButPicture(const fs::path& path) {
   constexpr int kPictureBits = 8;
-  if (fs::exists(path) && pngBits(path) != kPictureBits)
+  if (!fs::exists(path)) return;
+  const auto size = pngSize(path);
+  if (!size || size->bits != kPictureBits)
     throw UsageError("the picture would overwrite " + path.string() + ", which is none");
 }
 

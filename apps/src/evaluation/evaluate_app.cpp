@@ -62,7 +62,7 @@ std::vector<ModelPose> modelPosesOf(const Trajectory& run, const MapBuilderParam
 EvaluateApp::EvaluateApp()
     : App("facetloc_evaluate", "RESULTS|TRAJECTORY GROUNDTRUTH [options]",
           "Judges a results folder of facetloc_localize, or a folder of such folders, one per run, by "
-          "what is true: camera poses in the TUM format, a sequence folder with groundtruth.txt, or the "
+          "what is true: camera poses in the TUM format, a recording that has poses, or the "
           "folder of a simulated place. Prints the paper's Tables I and II beside the paper's figures and "
           "what goes beyond, and writes report.html with tables and charts, and with --map the floor map and "
           "some failures. Of a TRAJECTORY, a file in the TUM format, it tells the absolute and the relative "
@@ -81,6 +81,7 @@ void EvaluateApp::addOptions(CommandLine& line) {
   line.addOption("pose-tolerance", pose_tolerance_, "S",
                  "Largest distance in time of an image and its pose [s].");
   line.addCheck([this] { requireTolerance(pose_tolerance_); });
+  addTimeOffset(line, time_offset_);
   line.addParams(params_, "evaluation", CommandLine::Shown::in_help);
   line.addOption("model-distance", builder_.distance, "M",
                  "Distance between local models by --map-groundtruth [m].");
@@ -100,20 +101,20 @@ struct EvaluateApp::Input {
 std::vector<ModelPose> EvaluateApp::modelPoses(const std::optional<Map>& map) const {
   if (!map)
     return map_truth_.empty() ? std::vector<ModelPose>()
-                              : modelPosesOf(readTumTrajectory(map_truth_), builder_);
+                              : modelPosesOf(DepthSequence::readTruth(map_truth_, time_offset_), builder_);
   return modelPosesOf(*map);
 }
 
 TrueModelPoses EvaluateApp::trueModelPoses(const Input& input) const {
   std::optional<Trajectory> mapping;
-  if (!map_truth_.empty()) mapping = readTumTrajectory(map_truth_);
+  if (!map_truth_.empty()) mapping = DepthSequence::readTruth(map_truth_, time_offset_);
   for (const PlaceTruth::Sequence& sequence : input.truth.sequences())
     if (!mapping && sequence.folder.filename() == kMappingRun) mapping = sequence.poses;
   TrueModelPoses poses;
   if (!mapping) return poses;
   const auto add = [&](const std::string& model, std::optional<double> stamp) {
     if (!stamp) return;
-    if (const auto pose = mapping->nearest(*stamp, pose_tolerance_)) poses[model] = *pose;
+    if (const auto pose = mapping->at(*stamp, pose_tolerance_)) poses[model] = *pose;
   };
   if (input.map)
     for (const LocalModel& model : input.map->models) add(model.name, model.stamp);
@@ -209,7 +210,8 @@ int EvaluateApp::evaluateTrajectory(const Console& console) const {
   const Trajectory estimate = readTumTrajectory(results_);
   TrajectoryReport report{results_, truth_, {}};
   try {
-    report.errors = trajectoryErrors(estimate, PlaceTruth::open(truth_).poses(), pose_tolerance_);
+    report.errors =
+        trajectoryErrors(estimate, PlaceTruth::open(truth_, time_offset_).poses(), pose_tolerance_);
   } catch (const std::invalid_argument& e) {
     throw IoError(results_ + " and " + truth_, e.what());
   }
@@ -235,8 +237,9 @@ int EvaluateApp::evaluateTrajectory(const Console& console) const {
 
 int EvaluateApp::execute(const CommandLine&, const Console& console) {
   if (fs::is_regular_file(results_)) return evaluateTrajectory(console);
-  Input input{
-      readRuns(results_, [&](const std::string& text) { console.note(text); }), PlaceTruth::open(truth_), {}};
+  Input input{readRuns(results_, [&](const std::string& text) { console.note(text); }),
+              PlaceTruth::open(truth_, time_offset_),
+              {}};
   if (!map_.empty()) input.map = readMap(map_);
   if (align_) input.alignment = align(input);
   const EvaluationReport report = reportOf(input);

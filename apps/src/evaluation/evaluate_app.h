@@ -34,6 +34,7 @@ private:
   std::string map_truth_;
   bool align_ = false;
   double pose_tolerance_ = 0.02;
+  double time_offset_ = 0;
   EvaluationParams params_;
   MapBuilderParams builder_;
 };

@@ -348,7 +348,7 @@ std::vector<PosePair> sureAnswers(const std::vector<RunResults>& runs, const Pla
     for (const FrameRows& frame : groupByFrame(run.rows, of_run.poses())) {
       const ResultRow& first = *frame.rows.front();
       if (first.state != AnswerState::sure || first.rank != 1) continue;
-      const auto true_pose = of_run.poses().nearest(frame.stamp, tolerance);
+      const auto true_pose = of_run.poses().at(frame.stamp, tolerance);
       const auto estimated = world_poses.of(first);
       if (true_pose && estimated) pairs.push_back({frame.stamp, *estimated, *true_pose});
     }
@@ -377,7 +377,7 @@ Evaluation evaluate(const std::vector<RunResults>& runs, const PlaceTruth& truth
   for (const RunResults& run : runs) {
     const PlaceTruth of_run = truthOf(run, truth);
     for (const FrameRows& frame : groupByFrame(run.rows, of_run.poses())) {
-      if (const auto pose = of_run.poses().nearest(frame.stamp, tolerance))
+      if (const auto pose = of_run.poses().at(frame.stamp, tolerance))
         evaluation.frames.push_back(judge.judge(run, frame, *pose, of_run));
       else
         evaluation.without_truth.push_back(frame.name);

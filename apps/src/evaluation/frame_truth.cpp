@@ -4,6 +4,7 @@
 #include <facetloc/features/segment_estimation.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/camera_file.h>
+#include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/png.h>
 #include <facetloc/io/text.h>
@@ -166,8 +167,13 @@ TrueSegments RenderedTruth::segments(const std::string& name, const Eigen::Isome
 
 namespace {
 
-PlaceTruth::Sequence openSequence(const fs::path& folder) {
-  PlaceTruth::Sequence sequence{folder, readTumTrajectory(folder / kPoses), RenderedTruth::open(folder), {}};
+PlaceTruth::Sequence openSequence(const fs::path& folder, double time_offset) {
+  const Trajectory poses = DepthSequence::readTruth(folder, time_offset);
+  if (poses.empty())
+    throw IoError(
+        folder.string(),
+        "has no poses, in a groundtruth.txt or beside its images, or its images have no time stamps");
+  PlaceTruth::Sequence sequence{folder, poses, RenderedTruth::open(folder), {}};
   if (fs::exists(folder / kUnmapped)) sequence.unmapped = namesOf(folder / kUnmapped);
   return sequence;
 }
@@ -180,16 +186,12 @@ bool overlap(const Trajectory& a, const Trajectory& b) {
 
 }  // namespace
 
-PlaceTruth PlaceTruth::open(const fs::path& path) {
-  if (!fs::is_directory(path)) return PlaceTruth(readTumTrajectory(path));
+PlaceTruth PlaceTruth::open(const fs::path& path, double time_offset) {
+  if (!fs::is_directory(path)) return PlaceTruth(DepthSequence::readTruth(path, time_offset));
   PlaceTruth truth;
-  if (fs::exists(path / kPoses))
-    truth.add(openSequence(path));
-  else
-    for (const char* run : {"map", "query", "drive"})
-      if (fs::exists(path / run / kPoses)) truth.add(openSequence(path / run));
-  if (truth.sequences_.empty())
-    throw IoError(path.string(), "has no groundtruth.txt, nor have folders map, query and drive in it");
+  for (const char* run : {"map", "query", "drive"})
+    if (fs::exists(path / run / kPoses)) truth.add(openSequence(path / run, time_offset));
+  if (truth.sequences_.empty()) truth.add(openSequence(path, time_offset));
   return truth;
 }
 

@@ -80,9 +80,10 @@ public:
   PlaceTruth() = default;
   /** \brief Poses alone. */
   explicit PlaceTruth(Trajectory poses) : poses_(std::move(poses)) {}
-  /** \brief A trajectory in the TUM format, the folder of a sequence, or that of a simulated place, which has
-   * sequences map, query and drive. Throws IoError. */
-  static PlaceTruth open(const std::filesystem::path& path);
+  /** \brief A trajectory in the TUM format, a recording that has poses (DepthSequence), or the folder of a
+   * simulated place, which has sequences map, query and drive. Throws IoError.
+   * \param time_offset added to the time of an image, it is the time of its pose [s] */
+  static PlaceTruth open(const std::filesystem::path& path, double time_offset = 0);
   /** \brief What is true of one run: of the sequence in the folder of this name, or of all if there is none.
    * Throws IoError if their stamps overlap then: a frame could be of either. */
   PlaceTruth of(const std::string& run) const;

@@ -92,7 +92,7 @@ TrajectoryErrors trajectoryErrors(const Trajectory& estimate, const Trajectory& 
   requireDifferentStamps(truth, "true");
   TrajectoryErrors errors;
   for (const StampedPose& pose : estimate.poses()) {
-    if (const auto true_pose = truth.nearest(pose.stamp, tolerance))
+    if (const auto true_pose = truth.at(pose.stamp, tolerance))
       errors.pairs.push_back({pose.stamp, pose.T_w_c, *true_pose});
     else
       ++errors.without_truth;

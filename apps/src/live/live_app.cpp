@@ -8,6 +8,7 @@
 #include "tools/place_index_file.h"
 #include "tools/provenance.h"
 
+#include <facetloc/features/camera_presets.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
@@ -50,9 +51,10 @@ void LiveApp::addOptions(CommandLine& line) {
   line.addOption("build", run.build, "MAP.flmap",
                  "Make this map while running: sound at any time, whole at the end.");
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already, with --build.");
-  line.addOption("camera", run.source.camera_file, "FILE",
-                 "A camera.ini with the device's calibration, noise and mounting; unless given, the one in "
-                 "the played folder, or what the device says.");
+  line.addOption("camera", run.source.camera, "FILE|NAME",
+                 "A camera.ini with the device's calibration, noise and mounting, or the name of a camera "
+                 "for its noise (" +
+                     cameraPresetNames() + "); unless given, what the device says.");
   line.addSwitch("headless", run.headless, "No window.");
   line.addOption("results", run.results, "DIR",
                  "Write poses, states and times to this folder while running.");
@@ -86,10 +88,11 @@ void LiveApp::checkOptions() const {
 int LiveApp::execute(const CommandLine& line, const Console& console) {
   checkOptions();
   LiveRunOptions options = run_;
-  for (std::string* path : {&options.map, &options.build, &options.results, &options.screenshots,
-                            &options.recording, &options.source.camera_file})
+  for (std::string* path :
+       {&options.map, &options.build, &options.results, &options.screenshots, &options.recording})
     makeAbsolute(*path);
-  if (fs::exists(options.source.device)) makeAbsolute(options.source.device);
+  for (std::string* path : {&options.source.device, &options.source.camera})
+    if (fs::exists(*path)) makeAbsolute(*path);
   for (const std::string* folder : {&options.results, &options.screenshots})
     if (!folder->empty()) createFolders(*folder);
   const fs::path played = options.source.device, depth = played / "depth";

@@ -3,6 +3,7 @@
 
 #include "live/pclzf_folder.h"
 
+#include <facetloc/features/camera_presets.h>
 #include <facetloc/features/organized_cloud.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/openni_grabber.h>
@@ -119,7 +120,8 @@ void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camer
 }
 
 LiveSource::LiveSource(const LiveSourceOptions& options) : name_(options.device) {
-  if (!options.camera_file.empty()) camera_ = readCameraFile(options.camera_file);
+  const CameraPreset* preset = fs::exists(options.camera) ? nullptr : findCameraPreset(options.camera);
+  if (!options.camera.empty() && !preset) camera_ = readCameraFile(options.camera);
   const fs::path path = options.device;
   if (isPclzfFolder(path)) {
     const float rate = static_cast<float>(kUsualRate * (options.speed > 0 ? options.speed : 1));
@@ -131,6 +133,10 @@ LiveSource::LiveSource(const LiveSourceOptions& options) : name_(options.device)
   } else {
     openDevice(options);
   }
+  if (!preset) return;
+  if (!camera_) camera_.emplace();  // without intrinsics, which frames tell
+  camera_->camera.noise = preset->noise;
+  camera_->camera.max_depth = preset->max_depth;
 }
 
 void LiveSource::openDevice(const LiveSourceOptions& options) {
@@ -152,7 +158,7 @@ LiveSource::~LiveSource() { stop(); }
 
 void LiveSource::start(const FrameSink& sink) {
   std::optional<Intrinsics> intrinsics = calibration_;
-  if (camera_) intrinsics = camera_->camera.intrinsics;
+  if (camera_ && camera_->camera.intrinsics.valid()) intrinsics = camera_->camera.intrinsics;
   connectFrames(*grabber_, intrinsics, countedStamps(kUsualRate), sink);
   if (!device_)
     grabber_->registerCallback<OnCloud>([this](const Cloud::ConstPtr& cloud) {

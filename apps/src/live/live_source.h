@@ -39,10 +39,10 @@ void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camer
 
 /** \brief What is played, and how. */
 struct LiveSourceOptions {
-  std::string device;       ///< as OpenNIGrabber, or a folder of PCLZF files
-  std::string camera_file;  ///< of the device; empty = what lies beside its files
-  bool repeat = false;      ///< files and recordings begin again at their end
-  double speed = 1;         ///< of files and recordings
+  std::string device;   ///< as OpenNIGrabber, or a folder of PCLZF files
+  std::string camera;   ///< a file of the device, or a CameraPreset; empty = what lies beside its files
+  bool repeat = false;  ///< files and recordings begin again at their end
+  double speed = 1;     ///< of files and recordings
 };
 
 /** \brief A depth camera, or what stands for one: a recording, or a folder of depth images that is played. */

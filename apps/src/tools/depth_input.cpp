@@ -5,8 +5,11 @@
 #include "tools/provenance.h"
 #include "tools/text.h"
 
+#include <facetloc/features/camera_presets.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/text.h>
+
+#include <cmath>
 
 namespace facetloc {
 
@@ -23,6 +26,26 @@ void DepthInput::addOptions(CommandLine& line) {
   line.addParams(view);
 }
 
+void addTimeOffset(CommandLine& line, double& seconds) {
+  line.addOption("time-offset", seconds, "S",
+                 "Added to the time of an image, it is the time of its pose [s].");
+  line.addCheck([&seconds] {
+    if (!std::isfinite(seconds)) throw UsageError("time-offset must be a number");
+  });
+}
+
+void addRecordingOptions(CommandLine& line, RecordingHints& recording) {
+  line.addOption("camera", recording.camera, "FILE|NAME",
+                 "A camera.ini, or one of these for its noise and, if need be, its intrinsics: " +
+                     cameraPresetNames() + ".");
+  line.addOption("depth-scale", recording.depth_scale, "N", "PNG values per metre; 0 = as camera.ini says.");
+  addTimeOffset(line, recording.time_offset);
+  line.addCheck([&recording] {
+    if (!(recording.depth_scale >= 0 && std::isfinite(recording.depth_scale)))
+      throw UsageError("depth-scale must not be negative");
+  });
+}
+
 Camera DepthInput::camera(const std::optional<CameraFile>& file, const CommandLine& line) const {
   Camera camera;
   if (file) camera = file->camera;
@@ -37,8 +60,8 @@ Camera DepthInput::camera(const std::optional<CameraFile>& file, const CommandLi
   return camera;
 }
 
-DepthSequence openSequence(const std::string& path, const Console& console) {
-  DepthSequence sequence = DepthSequence::open(path);
+DepthSequence openSequence(const std::string& path, const RecordingHints& hints, const Console& console) {
+  DepthSequence sequence = DepthSequence::open(path, hints);
   if (const std::string remark = sequence.remark(); !remark.empty()) console.note(remark);
   return sequence;
 }

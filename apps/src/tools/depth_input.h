@@ -18,6 +18,7 @@ struct DepthInput {
   int width = 320;  ///< working width [px]; 0 = full size
   SensorNoise noise;
   ViewParams view;
+  RecordingHints recording;
 
   void addOptions(CommandLine& line);
   /** \brief The camera of images: as its camera.ini says, if there is one, but for the noise that the user
@@ -25,8 +26,13 @@ struct DepthInput {
   Camera camera(const std::optional<CameraFile>& file, const CommandLine& line) const;
 };
 
+/** \brief The options that say what a recording's files do not: of all tools that read recordings. */
+void addRecordingOptions(CommandLine& line, RecordingHints& recording);
+/** \brief One of them, for tools that read poses and no images. */
+void addTimeOffset(CommandLine& line, double& seconds);
+
 /** \brief The images at a path, with a remark where there is one. Throws IoError. */
-DepthSequence openSequence(const std::string& path, const Console& console);
+DepthSequence openSequence(const std::string& path, const RecordingHints& hints, const Console& console);
 
 /** \brief A remark if the build of the map at that path has not ended. */
 void noteUnfinished(const Map& map, const std::string& path, const Console& console);

@@ -36,8 +36,7 @@ std::string inWords(const CameraTrajectory& trajectory) {
 
 void ImageTrajectory::addOptions(CommandLine& line) {
   line.addOption("odometry", odometry_, "FILE",
-                 "Poses that drift, as of wheels (TUM): of the camera, or of its robot if camera.ini says "
-                 "how the camera is mounted.");
+                 "Poses that drift, as of wheels: of the camera, or of its robot if it is mounted.");
   line.addParams(params_, "mapping");
 }
 
@@ -49,7 +48,7 @@ Trajectory ImageTrajectory::odometry(const DepthSequence& sequence, const Camera
   if (odometry_.empty()) return {};
   if (!sequence.stamped())
     throw IoError(odometry_, "the image names are no time stamps: an odometry cannot be matched with them");
-  Trajectory poses = readTumTrajectory(odometry_);
+  Trajectory poses = sequence.readPoses(odometry_);
   if (poses.empty()) throw IoError(odometry_, "has no poses");
   if (!camera.mounting) return poses;
   std::vector<StampedPose> of_camera = poses.poses();

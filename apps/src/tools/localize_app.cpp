@@ -148,6 +148,7 @@ void LocalizeApp::addOptions(CommandLine& line) {
       "facetloc_evaluate draws how soon it knows where it is.");
   line.addSwitch("resume", resume_, "Skip images that an earlier, perhaps interrupted run has done.");
   line.addPresets();
+  addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
   line.addParams(localization_);
   line.addParams(sequence_, "sequence");
@@ -348,7 +349,7 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
                      "have no probabilities");
   Provenance::requireNotReplaced(input_path_, folder_);
   if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
-  const DepthSequence sequence = openSequence(input_path_, console);
+  const DepthSequence sequence = openSequence(input_path_, input_.recording, console);
   const auto map = std::make_shared<const Map>(openMap(map_));
   noteUnfinished(*map, map_, console);
   const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));

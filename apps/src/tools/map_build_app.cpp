@@ -130,14 +130,11 @@ private:
 
 MapBuildApp::MapBuildApp()
     : App("facetloc_map build", "SEQUENCE -o MAP.flmap [options]",
-          "Builds a map of local models from one run of depth images. Their camera poses come from "
-          "groundtruth.txt of the SEQUENCE (a folder, a list or an .oni recording) or from --poses; without "
-          "either, the trajectory is found from the images themselves. The "
-          "first image becomes a local model, and so does each "
-          "later one that lies --map.distance or --map.rotation_deg from the latest local model. With "
-          "--every N, "
-          "each N-th image becomes a local model, with or without a pose. Under mpirun, the images are dealt "
-          "out to its processes.") {}
+          "Builds a map of local models from one recording. Its camera poses come with the SEQUENCE or from "
+          "--poses; without either, they are found from the images themselves. The first image becomes a "
+          "local "
+          "model, and so does each later one that lies --map.distance or --map.rotation_deg from the latest "
+          "one. Under mpirun, the images are dealt out to its processes.") {}
 
 void MapBuildApp::addOptions(CommandLine& line) {
   line.addArgument("SEQUENCE", sequence_);
@@ -154,11 +151,10 @@ void MapBuildApp::addOptions(CommandLine& line) {
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
   line.addSwitch("resume", resume_, "Go on with a map that is there already.");
   line.addSwitch("raw-depth", raw_depth_,
-                 "Leave the depth as it is, instead of finding what the camera always measures wrongly at "
-                 "the same place of "
-                 "its image and taking it out.");
+                 "Leave in what the camera always measures wrongly at the same place of its image.");
   line.addSwitch("force", force_, "Build the map although the poses are not those of the images.");
   line.addPresets();
+  addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
   line.addParams(builder_, "map", CommandLine::Shown::in_help);
   by_images_.addOptions(line);
@@ -168,7 +164,7 @@ void MapBuildApp::addOptions(CommandLine& line) {
  * trajectory. */
 void MapBuildApp::findPoses(const DepthSequence& sequence, Camera& camera, const Console& console) {
   if (!poses_.empty())
-    poses_of_images_ = readTumTrajectory(poses_);
+    poses_of_images_ = sequence.readPoses(poses_);
   else if (!without_poses_)
     poses_of_images_ = sequence.groundTruth();
   if (!poses_of_images_.empty() || every_ > 0 || !poses_.empty()) return;
@@ -186,7 +182,7 @@ void MapBuildApp::findPoses(const DepthSequence& sequence, Camera& camera, const
 }
 
 std::optional<Eigen::Isometry3d> MapBuildApp::poseOf(const FrameFile& frame, std::size_t index) const {
-  if (!found_) return poses_of_images_.nearest(frame.stamp, pose_tolerance_);
+  if (!found_) return poses_of_images_.at(frame.stamp, pose_tolerance_);
   const TrajectoryPose& pose = found_->images[index];
   if (found_->keyframes[pose.keyframe].part != found_->parts().front()) return {};
   return pose.T_w_c;
@@ -440,7 +436,7 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   if (map_.empty()) throw UsageError("the map to write is missing: -o MAP.flmap");
   if (every_ < 0) throw UsageError("every must not be negative");
   if (overwrite_ && resume_) throw UsageError("overwrite and resume exclude each other");
-  const DepthSequence sequence = openSequence(sequence_, console);
+  const DepthSequence sequence = openSequence(sequence_, input_.recording, console);
   Camera camera = input_.camera(sequence.camera(), line);
   std::optional<OutputLock> lock;
   if (ranks().isFirst()) lock = OutputLock::ofFile(map_);

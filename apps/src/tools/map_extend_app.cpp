@@ -96,6 +96,7 @@ void MapExtendApp::addOptions(CommandLine& line) {
                  "Write the poses of the session in the map, in the TUM format.");
   line.addOption("changes", changes_, "OUT.png", "Draw the floor map with what has changed.");
   line.addSwitch("overwrite", overwrite_, "Replace a NEW.flmap that is there already.");
+  addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
   line.addParams(builder_, "map");
   line.addParams(session_, "session", CommandLine::Shown::in_help);
@@ -115,7 +116,7 @@ MapExtendApp::Session MapExtendApp::readAlong(const Trajectory& poses, const Dep
   std::vector<StampedPose> at;
   for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
     const double stamp = sequence.frames()[i].stamp;
-    const auto pose = poses.nearest(stamp, pose_tolerance_);
+    const auto pose = poses.at(stamp, pose_tolerance_);
     if (!pose || !rule.accept(*pose)) continue;
     session.frame.push_back(i);
     at.push_back({stamp, *pose});
@@ -158,7 +159,7 @@ MapExtendApp::Session MapExtendApp::readAll(const DepthSequence& sequence, const
 
 MapExtendApp::Session MapExtendApp::read(const DepthSequence& sequence, const Camera& camera,
                                          const Console& console) const {
-  if (!poses_.empty()) return readAlong(readTumTrajectory(poses_), sequence, camera, console);
+  if (!poses_.empty()) return readAlong(sequence.readPoses(poses_), sequence, camera, console);
   if (!without_poses_ && !sequence.groundTruth().empty())
     return readAlong(sequence.groundTruth(), sequence, camera, console);
   return readAll(sequence, camera, console);
@@ -223,7 +224,7 @@ int MapExtendApp::execute(const CommandLine& line, const Console& console) {
   const auto map = std::make_shared<const Map>(readMap(map_));
   noteUnfinished(*map, map_, console);
   if (!hasGivenPose(*map)) throw IoError(map_, "cannot be extended: no local model has a pose");
-  const DepthSequence sequence = openSequence(sequence_, console);
+  const DepthSequence sequence = openSequence(sequence_, input_.recording, console);
   const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
   noteDifference(camera, *map, console);
 

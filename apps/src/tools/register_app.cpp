@@ -14,8 +14,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-DepthSequence openImage(const std::string& path) {
-  DepthSequence sequence = DepthSequence::open(path);
+DepthSequence openImage(const std::string& path, const RecordingHints& hints, const Console& console) {
+  DepthSequence sequence = openSequence(path, hints, console);
   if (sequence.frames().size() != 1) throw UsageError(path + " is not one image");
   return sequence;
 }
@@ -51,13 +51,15 @@ void RegisterApp::addOptions(CommandLine& line) {
   line.addOption("max-hypotheses", max_hypotheses_, "K", "List so many poses at most.");
   addMinProbability(line, min_probability_);
   line.addPresets();
+  addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
   line.addParams(localization_);
 }
 
 int RegisterApp::execute(const CommandLine& line, const Console& console) {
   if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
-  const DepthSequence source = openImage(source_), target = openImage(target_);
+  const DepthSequence source = openImage(source_, input_.recording, console),
+                      target = openImage(target_, input_.recording, console);
   const Camera source_camera = input_.camera(source.camera(), line),
                target_camera = input_.camera(target.camera(), line);
   const DepthImage source_image = source.load(0, input_.width), target_image = target.load(0, input_.width);

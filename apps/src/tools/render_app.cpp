@@ -68,7 +68,7 @@ private:
     const Localization answer = localization_->localize(image.view);
     if (answer.hypotheses.empty())
       return {{-1, Eigen::Isometry3d::Identity(), "no hypothesis: " + answer.reason}};
-    const auto truth = sequence_.groundTruth().nearest(stamp);
+    const auto truth = sequence_.groundTruth().at(stamp);
     std::vector<DrawnMatch> drawn;
     for (const Hypothesis& h : answer.hypotheses) {
       const std::size_t rank = drawn.size() + 1;
@@ -137,7 +137,7 @@ void requirePng(const fs::path& output) {
 
 DrawnRun runOf(const fs::path& path) {
   DrawnRun run{"trajectory", {}};
-  const Trajectory trajectory = readTumTrajectory(fs::is_directory(path) ? path / "groundtruth.txt" : path);
+  const Trajectory trajectory = DepthSequence::readTruth(path);
   for (const StampedPose& pose : trajectory.poses()) run.T_w_c.push_back(pose.T_w_c);
   return run;
 }
@@ -166,6 +166,7 @@ void RenderApp::addOptions(CommandLine& line) {
                  "Draw this trajectory into a map: a TUM file, or a sequence with groundtruth.txt.");
   line.addOption("sequence", sequence_, "DIR", "The sequence that results are of, with groundtruth.txt.");
   line.addOption("most", most_, "N", "Draw so many failures at most, the most confident first.");
+  addRecordingOptions(line, depth_.recording);
   depth_.addOptions(line);
   line.addParams(evaluation_, "evaluation");
   line.addParams(localization_);
@@ -184,7 +185,7 @@ int RenderApp::renderMap(const Console& console) const {
 }
 
 int RenderApp::renderImages(const CommandLine& line, const Console& console) const {
-  const DepthSequence sequence = openSequence(input_, console);
+  const DepthSequence sequence = openSequence(input_, depth_.recording, console);
   std::vector<std::size_t> chosen;
   if (!frame_.empty())
     chosen = {indexOf(sequence, frame_)};
@@ -230,10 +231,10 @@ int RenderApp::renderBeliefs(const Console& console) const {
   std::vector<DrawnBelief> drawn;
   for (const std::size_t i : imagesOfStrip(beliefs, kMostImages)) drawn.push_back(beliefs[i]);
   if (!sequence_.empty()) {
-    const DepthSequence sequence = openSequence(sequence_, console);
+    const DepthSequence sequence = openSequence(sequence_, depth_.recording, console);
     for (DrawnBelief& belief : drawn)
       if (const auto index = find(sequence, belief.frame))
-        belief.truth = sequence.groundTruth().nearest(sequence.frames()[*index].stamp);
+        belief.truth = sequence.groundTruth().at(sequence.frames()[*index].stamp);
   }
   drawBeliefs(output_, readMap(map_), drawn);
   console.out << drawn.size() << " of " << counted(beliefs.size(), "image") << "; picture in " << output_
@@ -245,7 +246,7 @@ int RenderApp::renderFailures(const CommandLine& line, const Console& console) c
   constexpr std::size_t kOnSheet = 6;
   if (map_.empty() || sequence_.empty())
     throw UsageError("the pictures of results need --map and --sequence");
-  const DepthSequence sequence = openSequence(sequence_, console);
+  const DepthSequence sequence = openSequence(sequence_, depth_.recording, console);
   const Map map = readMap(map_);
   const std::vector<ModelPose> models = modelPosesOf(map);
   if (models.empty()) throw IoError(map_, "has no poses of local models: what is true cannot be drawn");

@@ -96,6 +96,7 @@ void SegmentApp::addOptions(CommandLine& line) {
                  "Write no segments, but print the noise of the images over their depths, and what to set in "
                  "camera.ini.");
   line.addSwitch("resume", resume_, "Skip images whose results are there already.");
+  addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
 }
 
@@ -184,7 +185,8 @@ std::vector<std::size_t> SegmentApp::prepare(const std::vector<Image>& images,
 int SegmentApp::measureNoise(const CommandLine& line, const Console& console) const {
   constexpr std::size_t kMostImages = 200;  // of an input, evenly spread
   std::vector<DepthSequence> sequences;
-  for (const std::string& input : inputs_) sequences.push_back(openSequence(input, console));
+  for (const std::string& input : inputs_)
+    sequences.push_back(openSequence(input, input_.recording, console));
   std::vector<std::pair<const DepthSequence*, std::size_t>> images;
   for (const DepthSequence& sequence : sequences) {
     const std::size_t n = sequence.frames().size(), wanted = std::min(n, kMostImages);
@@ -223,7 +225,7 @@ int SegmentApp::execute(const CommandLine& line, const Console& console) {
   std::vector<DepthSequence> sequences;
   for (const std::string& input : inputs_) {
     Provenance::requireNotReplaced(input, folder_);
-    sequences.push_back(openSequence(input, console));
+    sequences.push_back(openSequence(input, input_.recording, console));
   }
   const std::vector<Image> all = images(sequences);
   std::vector<std::size_t> todo;

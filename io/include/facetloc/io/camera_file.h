@@ -17,11 +17,14 @@ namespace facetloc {
  *     depth_std=0.001  depth_std_slope=0.001  distortion_offset=0.0007  distortion_slope=0.0014
  *     max_depth=5                                optional: farther pixels count as not measured [m]
  *
- * (several pairs on one line are accepted, as written here). What a key says counts more than the preset. */
+ * (several pairs on one line are accepted, as written here). What a key says counts more than the preset. A
+ * negative fy, as ICL-NUIM's, says that the y axis of the camera points up in the recording's poses. */
 struct CameraFile {
   Camera camera;              ///< without distortion; noise and mounting as far as they are given
   double depth_scale = 1000;  ///< PNG value per metre
   std::string preset{};       ///< the CameraPreset that is named; empty if none is
+  bool y_axis_up =
+      false;  ///< of the camera in its poses; its images have their first row on top all the same
 };
 
 /** \brief Throws IoError with the line for unknown keys and presets, missing keys, values that are no numbers

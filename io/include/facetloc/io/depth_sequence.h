@@ -14,33 +14,63 @@
 
 namespace facetloc {
 
-class OniFile;
+namespace internal {
+class ImageContainer;
+class SequenceReader;
+}  // namespace internal
 
 /** \brief One image of a sequence, not yet read. */
 struct FrameFile {
   std::string name;            ///< file name without its extension; unique within a sequence
   std::filesystem::path path;  ///< 16-bit PNG, organized PCD, or the recording that it is in
-  double stamp = 0;            ///< [s]: the name if all names are numbers (TUM), else the index
+  double stamp = 0;            ///< [s], or the index if nothing says when the images were taken
+};
+
+/** \brief What a user knows of a recording, where it counts more than what the recording's files say. */
+struct RecordingHints {
+  /** The file of a camera (camera_file.h) or a CameraPreset's name; empty: as the recording says. Of a
+   * preset, noise and largest depth hold; its intrinsics, of a typical device, only if the recording has
+   * none. */
+  std::string camera{};
+  double depth_scale = 0;  ///< PNG values per metre; 0: as the recording says
+  double time_offset = 0;  ///< added to the time of an image, it is the time of its pose [s]
 };
 
 /** \brief A sequence of depth images on disk, in the order of their stamps.
  *
  * Accepted: a folder with depth/ in it; a folder of PNGs or organized PCDs; a single PNG or PCD
- * file; an .oni recording, whose frames are named by their time stamps, in seconds with 6 decimals; a text
- * file (.txt, .lst) with one path per line, relative to the list; # starts a comment line. Where
- * names are no numbers, folders are in the order of the names and lists in their own. camera.ini is looked
- * for in the folder, in its parent, and beside the file; PNGs need one, PCDs fall back to the intrinsics in
- * their points, recordings to their field of view. groundtruth.txt is looked for in the same places, and read
- * if the names are time stamps. */
+ * file; an .oni recording; a text file (.txt, .lst) with one path per line, relative to the list, with or
+ * without a time stamp before it; # starts a comment line. Where names are no times, folders are in the order
+ * of the names and lists in their own.
+ *
+ * Layouts of public recordings are known as they are downloaded: TUM RGB-D (depth.txt or associations.txt are
+ * read where names are no stamps), 7-Scenes and 3DMatch (frame-000000.depth.png, .pose.txt), ScanNet
+ * (depth/0.png, pose/0.txt), ICL-NUIM (depth/0.png, *.gt.freiburg), PCL's recorders
+ * (frame_20121214T142255.814212.pcd). Images that are numbered are 1/30 s apart. Frames that have no stamps
+ * as their names, those of recordings among them, are named by their times, in seconds with 6 decimals.
+ *
+ * camera.ini is looked for in the folder, in its parent, and beside the file; so are the matrices of 3DMatch
+ * (camera-intrinsics.txt) and ScanNet (intrinsic/intrinsic_depth.txt). PNGs need one, or a data set's layout
+ * whose camera is known; PCDs fall back to the intrinsics in their points, recordings to their field of view.
+ * groundtruth.txt is looked for in the same places, and read if the frames have time stamps. */
 class DepthSequence {
 public:
-  /** \brief Lists the frames; reads no image. Throws IoError if there is nothing to read. */
-  static DepthSequence open(const std::filesystem::path& path);
+  /** \brief Lists the frames; reads no image. Throws IoError if there is nothing to read, or if nothing says
+   * which camera took PNG images. */
+  static DepthSequence open(const std::filesystem::path& path, const RecordingHints& hints = {});
+
+  /** \brief The true poses alone, at the times of the images: of a recording, whose camera needs not be
+   * known, or of a file in the TUM format. Throws IoError. */
+  static Trajectory readTruth(const std::filesystem::path& path, double time_offset = 0);
 
   const std::vector<FrameFile>& frames() const { return frames_; }
   const std::optional<CameraFile>& camera() const { return camera_; }
-  /** \brief Empty if there is none. Throws IoError if there is one that cannot be read. */
+  /** \brief The poses that came with the recording, at the times of its images. Empty if there are none.
+   * Throws IoError if there are some that cannot be read. */
   const Trajectory& groundTruth() const;
+  /** \brief Poses in a file of the TUM format as poses of this recording's camera, at the times of its
+   * images: with its offset in time, and with the y axis of its camera downwards. Throws IoError. */
+  Trajectory readPoses(const std::filesystem::path& path) const;
   /** \brief What its user should know of it, a sentence without full stop; empty if there is nothing. */
   std::string remark() const;
   /** \brief Are the stamps times, rather than indices? Without times no poses can be matched. */
@@ -52,19 +82,24 @@ public:
   DepthImage load(std::size_t index, int working_width = 0) const;
 
 private:
-  void openRecording(const std::filesystem::path& path);
+  friend class internal::SequenceReader;
+  DepthSequence() = default;
+  Trajectory asOfImages(const Trajectory& poses) const;
+  std::optional<Intrinsics> knownIntrinsics() const;
 
   std::vector<FrameFile> frames_;
-  std::shared_ptr<const OniFile> recording_;  // that all frames are in, if they are
+  std::shared_ptr<const internal::ImageContainer> container_;  // that all frames are in, if they are
   std::optional<CameraFile> camera_;
+  std::string camera_remark_;  // where the camera is from, if not from the user
+  double time_offset_ = 0;
   Trajectory ground_truth_;
   std::exception_ptr ground_truth_fault_;  // why it could not be read, if it could not
   bool stamped_ = false;
 };
 
-/** \brief Reads one 16-bit depth PNG; value / depth_scale = metres, 0 = not measured. */
+/** \brief Reads one 16-bit depth PNG; value / depth_scale = metres, 0 and 65535 = not measured. */
 DepthImage readDepthPng(const std::filesystem::path& path, const CameraFile& file);
-/** \brief Writes depth as a 16-bit PNG at the given scale; what does not fit 16 bits becomes 0. */
+/** \brief Writes depth as a 16-bit PNG at the given scale; what does not fit below 65535 becomes 0. */
 void writeDepthPng(const std::filesystem::path& path, const DepthImage& image, double depth_scale);
 /** \brief Reads one organized PCD; intrinsics from the points unless given. Throws IoError for unorganized
  * clouds. */

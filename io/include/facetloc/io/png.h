@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 namespace facetloc {
@@ -19,8 +20,14 @@ struct Raster {
 /** \brief Reads a greyscale PNG of 8 or 16 bits, or of 16 bits only. Throws IoError for anything else and for
  * truncated or corrupt files. */
 Raster<std::uint16_t> readGreyPng(const std::filesystem::path& path, int min_bits = 8);
-/** \brief The bits of each channel of a PNG; 0 if it is none. */
-int pngBits(const std::filesystem::path& path);
+/** \brief What the head of a PNG says of its image. */
+struct PngSize {
+  int width = 0;
+  int height = 0;
+  int bits = 0;  ///< of each channel
+};
+/** \brief Nothing if it is no PNG. */
+std::optional<PngSize> pngSize(const std::filesystem::path& path);
 /** \brief Writes a 16-bit greyscale PNG, atomically. */
 void writePng(const std::filesystem::path& path, const Raster<std::uint16_t>& image);
 /** \brief Writes an 8-bit PNG, greyscale (1 channel) or RGB (3 channels), atomically. */

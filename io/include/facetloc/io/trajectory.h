@@ -22,13 +22,18 @@ public:
   explicit Trajectory(std::vector<StampedPose> poses);
   const std::vector<StampedPose>& poses() const { return poses_; }
   bool empty() const { return poses_.empty(); }
-  /** \brief The pose nearest in time, if it lies within the tolerance [s]. */
-  std::optional<Eigen::Isometry3d> nearest(double stamp, double tolerance = 0.02) const;
+  /** \brief The pose at a time: interpolated() between two poses that are at most five tolerances apart, or
+   * else the pose nearest in time, if it lies within the tolerance [s]. A camera whose motion changes by a
+   * leaves the even motion between poses that are T apart by at most a T^2 / 8: 1.3 mm for 1 m/s^2 and the
+   * tolerance that is the default. */
+  std::optional<Eigen::Isometry3d> at(double stamp, double tolerance = 0.02) const;
   /** \brief The pose at a time between two poses, of which the motion is even between them; nothing before
    * the first and after the last. */
   std::optional<Eigen::Isometry3d> interpolated(double stamp) const;
 
 private:
+  std::optional<Eigen::Isometry3d> nearest(double stamp, double tolerance) const;
+
   std::vector<StampedPose> poses_;
 };
 

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "recordings/recorded_camera.h"
+
+#include "files.h"
+
+#include <facetloc/features/camera_presets.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/png.h>
+#include <facetloc/io/text.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace facetloc::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kCameraFile = "camera.ini";
+constexpr const char* kMatrices[] = {"camera-intrinsics.txt", "intrinsic/intrinsic_depth.txt"};
+constexpr double kMillimetres = 1000;  // PNG values per metre
+constexpr double kTumScale = 5000;
+
+/** A camera of a public data set. */
+struct KnownCamera {
+  const char* title;
+  const char* folder;  // a part of its recordings' path; empty = any
+  RecordingLayout::Kind kind;
+  Intrinsics intrinsics;
+  double depth_scale;
+  const char* preset;
+  bool y_axis_up = false;
+};
+
+using Kind = RecordingLayout::Kind;
+const KnownCamera kKnown[] = {
+    {"TUM RGB-D, freiburg1",
+     "freiburg1",
+     Kind::plain,
+     {640, 480, 517.3, 516.5, 318.6, 255.3},
+     kTumScale,
+     "kinect"},
+    {"TUM RGB-D, freiburg2",
+     "freiburg2",
+     Kind::plain,
+     {640, 480, 520.9, 521.0, 325.1, 249.7},
+     kTumScale,
+     "kinect"},
+    {"TUM RGB-D, freiburg3",
+     "freiburg3",
+     Kind::plain,
+     {640, 480, 535.4, 539.2, 320.1, 247.6},
+     kTumScale,
+     "xtion"},
+    {"7-Scenes", "", Kind::seven_scenes, {640, 480, 585, 585, 320, 240}, kMillimetres, "kinect"},
+    {"ICL-NUIM", "", Kind::icl_nuim, {640, 480, 481.2, 480, 319.5, 239.5}, kTumScale, "kinect", true},
+};
+
+/** Of the first PNG that can be read; nothing if there is none. */
+std::optional<PngSize> sizeOfImages(const RecordingLayout& layout) {
+  for (const FrameFile& frame : layout.frames)
+    if (isPng(frame.path))
+      if (const auto size = pngSize(frame.path)) return size;
+  return {};
+}
+
+std::string inWords(const PngSize& size) {
+  return std::to_string(size.width) + "x" + std::to_string(size.height);
+}
+
+std::vector<double> numbersIn(const fs::path& path) {
+  const std::string content = files::readText(path);
+  std::vector<double> numbers;
+  for (const std::string_view word : text::words(content)) {
+    const auto number = text::to<double>(word);
+    if (!number) throw IoError(path.string(), text::quoted(word) + " is not a number");
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+/** 3x3, or 4x4 with the same in its corner. */
+Intrinsics readMatrix(const fs::path& path, const PngSize& size) {
+  const std::vector<double> m = numbersIn(path);
+  const std::size_t columns = m.size() == 9 ? 3 : 4;
+  if (m.size() != columns * columns)
+    throw IoError(path.string(), "has " + std::to_string(m.size()) + " numbers, no matrix of 3x3 or 4x4");
+  const Intrinsics intrinsics{size.width, size.height, m[0], m[columns + 1], m[2], m[columns + 2]};
+  if (!intrinsics.valid()) throw IoError(path.string(), "its matrix is of no camera");
+  return intrinsics;
+}
+
+CameraFile fileOf(const Intrinsics& intrinsics, double depth_scale, const CameraPreset& preset) {
+  CameraFile file;
+  file.camera = preset.camera();
+  file.camera.intrinsics = intrinsics;
+  file.depth_scale = depth_scale;
+  file.preset = preset.name;
+  return file;
+}
+
+bool mentions(const fs::path& path, const std::string& word) {
+  return path.string().find(word) != std::string::npos;
+}
+
+std::optional<RecordedCamera> knownCamera(const RecordingLayout& layout, const PngSize& size,
+                                          const fs::path& asked) {
+  for (const KnownCamera& known : kKnown) {
+    const bool fits = known.kind == layout.kind && mentions(asked, known.folder) &&
+                      size.width == known.intrinsics.width && size.height == known.intrinsics.height;
+    if (!fits) continue;
+    RecordedCamera camera{fileOf(known.intrinsics, known.depth_scale, *findCameraPreset(known.preset))};
+    camera.file.y_axis_up = known.y_axis_up;
+    camera.remark =
+        std::string("there is no camera.ini: the camera is taken to be the one of ") + known.title;
+    return camera;
+  }
+  return {};
+}
+
+/** As of a device with pixels that are larger or smaller. Nothing for an image of another shape. */
+std::optional<Intrinsics> scaledTo(const PngSize& size, const Intrinsics& k) {
+  const double scale = double(size.width) / k.width;
+  if (std::lround(scale * k.height) != size.height) return {};
+  const auto centre = [scale](double c) { return (c + 0.5) * scale - 0.5; };
+  return Intrinsics{size.width, size.height, scale * k.fx, scale * k.fy, centre(k.cx), centre(k.cy)};
+}
+
+RecordedCamera presetCamera(const CameraPreset& preset, const std::optional<RecordedCamera>& recorded,
+                            const RecordingLayout& layout) {
+  const auto size = sizeOfImages(layout);
+  if (recorded) {
+    RecordedCamera camera = *recorded;
+    const Camera usual = preset.camera();
+    camera.file.camera.noise = usual.noise;
+    camera.file.camera.max_depth = usual.max_depth;
+    camera.file.preset = preset.name;
+    return camera;
+  }
+  // Clouds have their intrinsics in them, which a camera without any leaves as they are.
+  if (!size) return {fileOf({}, kMillimetres, preset)};
+  const auto intrinsics = scaledTo(*size, preset.intrinsics);
+  if (!intrinsics)
+    throw IoError(layout.frames.front().path.string(),
+                  "is of " + inWords(*size) + " pixels, but the intrinsics of " + preset.name +
+                      " are known for " +
+                      inWords(PngSize{preset.intrinsics.width, preset.intrinsics.height}) +
+                      " and images of the same shape only: write a camera.ini with the calibration");
+  return {fileOf(*intrinsics, kMillimetres, preset),
+          std::string("there is no calibration: the intrinsics are taken to be those of a typical ") +
+              preset.name};
+}
+
+}  // namespace
+
+std::optional<RecordedCamera> cameraOf(const RecordingLayout& layout, const std::vector<fs::path>& beside,
+                                       const fs::path& asked) {
+  if (const auto file = findIn(beside, kCameraFile)) return RecordedCamera{readCameraFile(*file)};
+  const auto size = sizeOfImages(layout);
+  if (!size) return {};
+  for (const char* name : kMatrices)
+    if (const auto matrix = findIn(beside, name)) {
+      const CameraPreset& usual = cameraPresets().front();
+      return RecordedCamera{fileOf(readMatrix(*matrix, *size), kMillimetres, usual),
+                            "there is no camera.ini: the intrinsics are those of " + matrix->string() +
+                                ", depths are taken to be millimetres, the noise a " + usual.name + "'s"};
+    }
+  return knownCamera(layout, *size, asked);
+}
+
+RecordedCamera withPreset(const std::string& name, const std::optional<RecordedCamera>& recorded,
+                          const RecordingLayout& layout) {
+  if (const CameraPreset* preset = findCameraPreset(name)) return presetCamera(*preset, recorded, layout);
+  throw IoError(name,
+                "is neither the file of a camera nor the name of one (known: " + cameraPresetNames() + ")");
+}
+
+std::string adviceOnCamera(const RecordingLayout& layout, const fs::path& asked) {
+  const CameraPreset& usual = cameraPresets().front();
+  const PngSize size =
+      sizeOfImages(layout).value_or(PngSize{usual.intrinsics.width, usual.intrinsics.height});
+  const std::string w = std::to_string(size.width), h = std::to_string(size.height),
+                    f = text::shortest(std::round(usual.intrinsics.fx * size.width / usual.intrinsics.width));
+  return "PNG images need to know their camera. Write the file " +
+         (asked / kCameraFile).lexically_normal().string() +
+         " with its calibration; of a typical Kinect, it would be\n"
+         "  width=" +
+         w + "  height=" + h +
+         "\n"
+         "  fx=" +
+         f + "  fy=" + f + "  cx=" + text::shortest((size.width - 1) / 2.0) +
+         "  cy=" + text::shortest((size.height - 1) / 2.0) +
+         "\n"
+         "  depth_scale=1000    # PNG values per metre; 5000 in TUM's recordings\n"
+         "  camera=" +
+         usual.name +
+         "\n"
+         "or name the camera, for the intrinsics of a typical device: --camera NAME, one of " +
+         cameraPresetNames();
+}
+
+}  // namespace facetloc::internal

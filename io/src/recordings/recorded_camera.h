@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "recordings/recording_layout.h"
+
+#include <facetloc/io/camera_file.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+/** \file Which camera took a recording. Private to io. */
+
+namespace facetloc::internal {
+
+/** \brief A camera, and how it was found. */
+struct RecordedCamera {
+  CameraFile file;
+  std::string remark{};  ///< where it is from, if not from a camera.ini or the user
+};
+
+/** \brief What the files of a recording say of its camera: camera.ini, else a matrix of intrinsics as 3DMatch
+ * and ScanNet have it, else, of PNG images in a public data set's layout, what is known of its camera.
+ * Nothing if none of these is there. Throws IoError. \param beside folders to look in; \param asked the
+ * folder of the recording */
+std::optional<RecordedCamera> cameraOf(const RecordingLayout& layout,
+                                       const std::vector<std::filesystem::path>& beside,
+                                       const std::filesystem::path& asked);
+
+/** \brief The camera of which a user names the CameraPreset: its noise and largest depth count more than
+ * those of the recording, and its intrinsics are a typical device's if the recording has none. Throws
+ * IoError. \param recorded by the files of the recording, if they say it */
+RecordedCamera withPreset(const std::string& name, const std::optional<RecordedCamera>& recorded,
+                          const RecordingLayout& layout);
+
+/** \brief What to do about images whose camera nobody knows, with the lines of a camera.ini to paste. */
+std::string adviceOnCamera(const RecordingLayout& layout, const std::filesystem::path& asked);
+
+}  // namespace facetloc::internal

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A stranger's way: a recording in the layout it came in is mapped, localized, judged and drawn.
+#include "evaluation/evaluate_app.h"
+#include "example_room.h"
+#include "tools/localize_app.h"
+#include "tools/render_app.h"
+#include "tools/segment_app.h"
+
+#include <facetloc/features/organized_cloud.h>
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/results.h>
+
+#include <gmock/gmock.h>
+#include <pcl/io/pcd_io.h>
+
+#include <cmath>
+
+namespace facetloc::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+class Layouts : public Tools {
+protected:
+  static void copyCamera(const fs::path& from, const fs::path& to) {
+    fs::create_directories(to);
+    fs::copy_file(from / "camera.ini", to / "camera.ini");
+  }
+
+  /** Maps one folder, localizes the images of the other, and judges that. */
+  void expectToWork(const std::string& mapped, const std::string& localized) {
+    const std::string map = folder_ / "layout.flmap", results = folder_ / "results";
+    const ToolRun build = runMap({"build", mapped, "-o", map, "--map.distance", "0.1"});
+    ASSERT_EQ(build.code, kOk) << build.err;
+    EXPECT_THAT(build.err, Not(HasSubstr("no poses are given")));
+    const ToolRun localize = runTool<LocalizeApp>({map, localized, "-o", results});
+    ASSERT_EQ(localize.code, kOk) << localize.err;
+    const ToolRun judged = runTool<EvaluateApp>({results, localized, "--map", map});
+    ASSERT_EQ(judged.code, kOk) << judged.err;
+    EXPECT_THAT(judged.out, HasSubstr("12 (100.00 %)"));
+    const Trajectory truth = DepthSequence::readTruth(localized);
+    const Trajectory found = readTumTrajectory(results + "/poses_tum.txt");
+    EXPECT_GE(found.poses().size(), 10u);
+    for (const StampedPose& pose : found.poses())
+      EXPECT_LT((pose.T_w_c.translation() - truth.at(pose.stamp)->translation()).norm(), 0.1);
+    const std::string first = DepthSequence::open(localized).frames().front().name;
+    const ToolRun drawn =
+        runTool<RenderApp>({localized, "-o", folder_ / "picture.png", "--map", map, "--frame", first});
+    EXPECT_EQ(drawn.code, kOk) << drawn.err;
+    EXPECT_TRUE(fs::exists(folder_ / "picture.png"));
+  }
+
+  /** As frame-000000.depth.png at 30 Hz. */
+  std::string sevenScenes(const std::string& source, const std::string& name) {
+    const fs::path folder = folder_ / name;
+    copyCamera(source, folder);
+    const DepthSequence sequence = DepthSequence::open(source);
+    for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
+      char base[32];
+      std::snprintf(base, sizeof base, "frame-%06zu", i);
+      fs::copy_file(sequence.frames()[i].path, folder / (std::string(base) + ".depth.png"));
+      writeContent(folder / (std::string(base) + ".color.png"), "a picture that nobody reads");
+      std::ostringstream matrix;
+      matrix.precision(12);
+      matrix << sequence.groundTruth().at(sequence.frames()[i].stamp)->matrix();
+      writeContent(folder / (std::string(base) + ".pose.txt"), matrix.str());
+    }
+    return folder.string();
+  }
+
+  /** Poses at their own times, twice as many as images. */
+  std::string tum(const std::string& source, const std::string& name) {
+    const fs::path folder = folder_ / name;
+    copyCamera(source, folder);
+    const DepthSequence sequence = DepthSequence::open(source);
+    fs::create_directories(folder / "rgb");
+    fs::copy(fs::path(source) / "depth", folder / "depth");
+    std::string list = "# depth maps\n# timestamp filename\n";
+    std::vector<StampedPose> poses;
+    for (const FrameFile& frame : sequence.frames()) {
+      list += frame.name + " depth/" + frame.name + ".png\n";
+      const Eigen::Isometry3d T = *sequence.groundTruth().at(frame.stamp);
+      for (const double before : {0.03, 0.004, -0.006})  // the camera stands still for a moment
+        poses.push_back({frame.stamp - before, T});
+    }
+    writeContent(folder / "depth.txt", list);
+    writeTumTrajectory(folder / "groundtruth.txt", poses);
+    return folder.string();
+  }
+
+  std::string recordedByPcl(const std::string& source, const std::string& name) {
+    const fs::path folder = folder_ / name;
+    fs::create_directories(folder);
+    const DepthSequence sequence = DepthSequence::open(source);
+    constexpr double kBegin = 1355494975;  // 2012-12-14 14:22:55 UTC
+    std::vector<StampedPose> poses;
+    for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
+      const std::string name_of_image = "frame_20121214T1422" + std::to_string(55 + i / 4) + "." +
+                                        std::to_string(25 * (i % 4) + 10) + "0000.pcd";
+      pcl::io::savePCDFileBinary((folder / name_of_image).string(), cloudOf(sequence.load(i)));
+      poses.push_back(
+          {kBegin + 0.25 * double(i) + 0.1, *sequence.groundTruth().at(sequence.frames()[i].stamp)});
+    }
+    writeTumTrajectory(folder / "groundtruth.txt", poses);
+    return folder.string();
+  }
+
+private:
+  static pcl::PointCloud<pcl::PointXYZ> cloudOf(const DepthImage& image) {
+    pcl::PointCloud<pcl::PointXYZ> cloud(image.camera.width, image.camera.height);
+    for (int v = 0; v < image.camera.height; ++v)
+      for (int u = 0; u < image.camera.width; ++u) {
+        const float z = image.at(u, v);
+        cloud(u, v).getVector3fMap() = (image.camera.ray(u, v) * (z > 0 ? z : NAN)).cast<float>();
+      }
+    cloud.is_dense = false;
+    return cloud;
+  }
+};
+
+TEST_F(Layouts, SevenScenes) {
+  expectToWork(sevenScenes(map_run(), "seq-01"), sevenScenes(query(), "seq-02"));
+}
+TEST_F(Layouts, Tum) { expectToWork(tum(map_run(), "a"), tum(query(), "b")); }
+TEST_F(Layouts, FilesOfPclsRecorders) {
+  expectToWork(recordedByPcl(map_run(), "a"), recordedByPcl(query(), "b"));
+}
+
+TEST_F(Layouts, ACameraThatIsNamedStandsForItsFile) {
+  const std::string input = folder_ / "input";
+  fs::create_directories(input);
+  fs::copy(fs::path(query()) / "depth", input + "/depth");
+  const ToolRun refused = runTool<SegmentApp>({input, "-o", folder_ / "a"});
+  EXPECT_EQ(refused.code, kFailed);
+  EXPECT_THAT(refused.err, HasSubstr("camera=kinect"));
+  const ToolRun run =
+      runTool<SegmentApp>({input, "-o", folder_ / "b", "--camera", "kinect", "--depth-scale", "5000"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("typical kinect"));
+  const std::string file = query() + "/camera.ini";
+  EXPECT_EQ(runTool<SegmentApp>({input, "-o", folder_ / "c", "--camera", file}).code, kOk);
+  EXPECT_EQ(runTool<SegmentApp>({input, "-o", folder_ / "d", "--camera", "webcam"}).code, kFailed);
+  EXPECT_EQ(runTool<SegmentApp>({input, "-o", folder_ / "d", "--depth-scale", "-1"}).code, kUsage);
+}
+
+TEST_F(Layouts, ATimeOffsetBringsImagesAndPosesTogether) {
+  const std::string input = folder_ / "input";
+  fs::copy(query(), input, fs::copy_options::recursive);
+  std::vector<StampedPose> poses = readTumTrajectory(input + "/groundtruth.txt").poses();
+  for (StampedPose& pose : poses) pose.stamp += 100;
+  writeTumTrajectory(input + "/groundtruth.txt", poses);
+  EXPECT_EQ(runMap({"build", input, "-o", folder_ / "a.flmap"}).code, kFailed);
+  const ToolRun run = runMap({"build", input, "-o", folder_ / "b.flmap", "--time-offset", "100"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  const ToolRun same = runMap({"build", input, "-o", folder_ / "c.flmap", "--poses",
+                               input + "/groundtruth.txt", "--time-offset", "100"});
+  EXPECT_EQ(same.code, kOk) << same.err;
+  EXPECT_EQ(contentOf(folder_ / "b.flmap").size(), contentOf(folder_ / "c.flmap").size());
+}
+
+}  // namespace
+}  // namespace facetloc::test
