@@ -63,7 +63,7 @@ const Trajectory& DepthSequence::groundTruth() const {
 }
 
 Trajectory DepthSequence::readPoses(const fs::path& path) const {
-  return asOfImages(readTumTrajectory(path));
+  return asOfImages(internal::readPosesOf(path));
 }
 
 std::string DepthSequence::remark() const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A stranger's way: a recording in the layout it came in is mapped, localized, judged and drawn.
+
 #include "evaluation/evaluate_app.h"
 #include "example_room.h"
 #include "tools/localize_app.h"
@@ -9,6 +10,7 @@
 #include <facetloc/features/organized_cloud.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/results.h>
+#include <facetloc/testing/example_bag.h>
 
 #include <gmock/gmock.h>
 #include <pcl/io/pcd_io.h>
@@ -90,6 +92,20 @@ protected:
     return folder.string();
   }
 
+  /** With poses beside it, and an odometry of the robot's base within. */
+  std::string bag(const std::string& source, const std::string& name) {
+    const fs::path folder = folder_ / name;
+    fs::create_directories(folder);
+    const DepthSequence sequence = DepthSequence::open(source);
+    const Eigen::Isometry3d T_c_b = sequence.camera()->camera.mounting->T_b_c().inverse();
+    std::vector<StampedPose> odometry;
+    for (const StampedPose& pose : sequence.groundTruth().poses())
+      odometry.push_back({pose.stamp, pose.T_w_c * T_c_b});
+    fs::copy_file(fs::path(source) / "groundtruth.txt", folder / "groundtruth.txt");
+    EXPECT_TRUE(writeBag(sequence, folder / "walk.bag", "uint16", Trajectory(odometry)));
+    return (folder / "walk.bag").string();
+  }
+
   std::string recordedByPcl(const std::string& source, const std::string& name) {
     const fs::path folder = folder_ / name;
     fs::create_directories(folder);
@@ -126,6 +142,42 @@ TEST_F(Layouts, SevenScenes) {
 TEST_F(Layouts, Tum) { expectToWork(tum(map_run(), "a"), tum(query(), "b")); }
 TEST_F(Layouts, FilesOfPclsRecorders) {
   expectToWork(recordedByPcl(map_run(), "a"), recordedByPcl(query(), "b"));
+}
+
+TEST_F(Layouts, Bags) {
+  if (!hasBags()) GTEST_SKIP() << "no python3-rosbag to write bags with, or a build that reads none";
+  expectToWork(bag(map_run(), "a"), bag(query(), "b"));
+}
+
+TEST_F(Layouts, TheOdometryOfABagIsTakenForAMap) {
+  if (!hasBags()) GTEST_SKIP() << "no python3-rosbag to write bags with, or a build that reads none";
+  const fs::path walk = bag(map_run(), "a");
+  const Trajectory truth = DepthSequence::readTruth(walk);
+  fs::remove(walk.parent_path() / "groundtruth.txt");
+  copyCamera(map_run(), walk.parent_path());  // which tells the mounting
+  const std::string found = folder_ / "found.txt";
+  const ToolRun run =
+      runMap({"build", walk, "-o", folder_ / "a.flmap", "--odometry", walk, "--trajectory", found});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  const Trajectory mapped = readTumTrajectory(found);
+  ASSERT_EQ(mapped.poses().size(), static_cast<std::size_t>(kFrames));
+  const Eigen::Isometry3d T = *truth.at(mapped.poses()[0].stamp) * mapped.poses()[0].T_w_c.inverse();
+  for (const StampedPose& pose : mapped.poses())
+    EXPECT_LT(((T * pose.T_w_c).translation() - truth.at(pose.stamp)->translation()).norm(), 0.05);
+}
+
+TEST_F(Layouts, AnOniRecordingWithoutPosesIsMappedAndFoundAgain) {
+  const fs::path walk = fs::path(FACETLOC_DATA_DIR) / "oni/redkitchen_60_frames_depth_only.oni";
+  if (!fs::exists(walk)) GTEST_SKIP() << "no recordings beside the checkout";
+  const std::string map = folder_ / "kitchen.flmap", found = folder_ / "found.txt",
+                    results = folder_ / "results";
+  const ToolRun build = runMap({"build", walk, "-o", map, "--trajectory", found});
+  ASSERT_EQ(build.code, kOk) << build.err;
+  EXPECT_THAT(build.err, HasSubstr("no poses are given"));
+  ASSERT_EQ(runTool<LocalizeApp>({map, walk, "-o", results}).code, kOk);
+  const ToolRun judged = runTool<EvaluateApp>({results, found, "--map", map});
+  ASSERT_EQ(judged.code, kOk) << judged.err;
+  EXPECT_THAT(judged.out, HasSubstr("60 (100.00 %)"));
 }
 
 TEST_F(Layouts, ACameraThatIsNamedStandsForItsFile) {

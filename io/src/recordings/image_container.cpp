@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/image_container.h"
 
+#include "recordings/bag.h"
 #include "recordings/image_list.h"
 
 #include <facetloc/io/error.h>
@@ -39,12 +40,19 @@ private:
   OniFile file_;
 };
 
+bool isBag(const fs::path& path) { return lowerExtension(path) == ".bag"; }
+
 }  // namespace
 
-bool isContainer(const fs::path& path) { return lowerExtension(path) == ".oni"; }
+bool isContainer(const fs::path& path) { return lowerExtension(path) == ".oni" || isBag(path); }
 
-std::shared_ptr<const ImageContainer> openContainer(const fs::path& path) {
+std::shared_ptr<const ImageContainer> openContainer(const fs::path& path, const std::string& topic) {
+  if (isBag(path)) return openBag(path, topic);
   return std::make_shared<const OniContainer>(path);
+}
+
+Trajectory readPosesOf(const fs::path& path) {
+  return isBag(path) ? readBagOdometry(path) : readTumTrajectory(path);
 }
 
 }  // namespace facetloc::internal

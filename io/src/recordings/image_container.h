@@ -31,7 +31,11 @@ public:
 
 /** \brief Is it one, by its name? */
 bool isContainer(const std::filesystem::path& path);
-/** \brief Throws IoError. */
-std::shared_ptr<const ImageContainer> openContainer(const std::filesystem::path& path);
+/** \brief Throws IoError. \param topic of a bag: which of its images (bag.h) */
+std::shared_ptr<const ImageContainer> openContainer(const std::filesystem::path& path,
+                                                    const std::string& topic);
+
+/** \brief Poses in a file: of the TUM format, or the odometry of a bag. Throws IoError. */
+Trajectory readPosesOf(const std::filesystem::path& path);
 
 }  // namespace facetloc::internal

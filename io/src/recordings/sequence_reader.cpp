@@ -63,10 +63,11 @@ void SequenceReader::listImages() {
   else if (isImageList(path_))
     layout_ = layoutOf(imagesOfList(path_), beside_);
   else if (isContainer(path_))
-    layout_ = layoutOf(*(container_ = openContainer(path_)), path_, beside_);
+    layout_ = layoutOf(*(container_ = openContainer(path_, hints_.topic)), path_, beside_);
   else
-    throw IoError(path_.string(), "is no sequence: expected a folder, a .png, a .pcd, an .oni recording or a "
-                                  "list in a .txt or .lst file");
+    throw IoError(path_.string(),
+                  "is no sequence: expected a folder, a .png, a .pcd, an .oni or .bag recording, "
+                  "or a list in a .txt or .lst file");
 }
 
 bool SequenceReader::hasPngs() const {

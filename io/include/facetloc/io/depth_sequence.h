@@ -34,12 +34,14 @@ struct RecordingHints {
   std::string camera{};
   double depth_scale = 0;  ///< PNG values per metre; 0: as the recording says
   double time_offset = 0;  ///< added to the time of an image, it is the time of its pose [s]
+  /** Of a bag: the topic of its images; empty = of several, the one called depth that has the most. */
+  std::string topic{};
 };
 
 /** \brief A sequence of depth images on disk, in the order of their stamps.
  *
  * Accepted: a folder with depth/ in it; a folder of PNGs or organized PCDs; a single PNG or PCD
- * file; an .oni recording; a text file (.txt, .lst) with one path per line, relative to the list, with or
+ * file; an .oni recording; a ROS 1 .bag, if the build has rosbag_storage; a text file (.txt, .lst) with one path per line, relative to the list, with or
  * without a time stamp before it; # starts a comment line. Where names are no times, folders are in the order
  * of the names and lists in their own.
  *
@@ -68,7 +70,7 @@ public:
   /** \brief The poses that came with the recording, at the times of its images. Empty if there are none.
    * Throws IoError if there are some that cannot be read. */
   const Trajectory& groundTruth() const;
-  /** \brief Poses in a file of the TUM format as poses of this recording's camera, at the times of its
+  /** \brief Poses in a file of the TUM format, or the odometry of a bag, as poses of this recording's camera, at the times of its
    * images: with its offset in time, and with the y axis of its camera downwards. Throws IoError. */
   Trajectory readPoses(const std::filesystem::path& path) const;
   /** \brief What its user should know of it, a sentence without full stop; empty if there is nothing. */
