@@ -25,6 +25,7 @@ declare -A rooms=(
   [registration/sequence]="sequence tracking mapping global nearby pairs depth"
   [registration/mapping]="mapping tracking nearby pairs depth"
   [registration/pcl]="pcl global shortlist pairs"
+  [io/recordings]="recordings"
   [apps/drawing]="drawing tools"
   [apps/evaluation]="evaluation drawing tools"
   [apps/live]="live drawing tools"

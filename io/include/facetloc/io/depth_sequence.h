@@ -41,9 +41,9 @@ struct RecordingHints {
 /** \brief A sequence of depth images on disk, in the order of their stamps.
  *
  * Accepted: a folder with depth/ in it; a folder of PNGs or organized PCDs; a single PNG or PCD
- * file; an .oni recording; a ROS 1 .bag, if the build has rosbag_storage; a text file (.txt, .lst) with one path per line, relative to the list, with or
- * without a time stamp before it; # starts a comment line. Where names are no times, folders are in the order
- * of the names and lists in their own.
+ * file; an .oni recording; a ROS 1 .bag, if the build has rosbag_storage; a text file (.txt, .lst) with one
+ * path per line, relative to the list, with or without a time stamp before it; # starts a comment line. Where
+ * names are no times, folders are in the order of the names and lists in their own.
  *
  * Layouts of public recordings are known as they are downloaded: TUM RGB-D (depth.txt or associations.txt are
  * read where names are no stamps), 7-Scenes and 3DMatch (frame-000000.depth.png, .pose.txt), ScanNet
@@ -70,8 +70,9 @@ public:
   /** \brief The poses that came with the recording, at the times of its images. Empty if there are none.
    * Throws IoError if there are some that cannot be read. */
   const Trajectory& groundTruth() const;
-  /** \brief Poses in a file of the TUM format, or the odometry of a bag, as poses of this recording's camera, at the times of its
-   * images: with its offset in time, and with the y axis of its camera downwards. Throws IoError. */
+  /** \brief Poses in a file of the TUM format, or the odometry of a bag, as poses of this recording's camera,
+   * at the times of its images: with its offset in time, and with the y axis of its camera downwards. Throws
+   * IoError. */
   Trajectory readPoses(const std::filesystem::path& path) const;
   /** \brief What its user should know of it, a sentence without full stop; empty if there is nothing. */
   std::string remark() const;
