@@ -2,6 +2,8 @@
 #include "evaluation/evaluate_app.h"
 #include "live/live_app.h"
 #include "tool_runner.h"
+#include "tools/check_app.h"
+#include "tools/convert_app.h"
 #include "tools/localize_app.h"
 #include "tools/map_apps.h"
 #include "tools/old_options.h"
@@ -25,12 +27,13 @@ using test::runTool;
 /** What each tool says, to --help or --help-all. */
 std::map<std::string, std::string> helpOfAll(const std::string& option) {
   return {
-      {"evaluate", runTool<EvaluateApp>({option}).out},   {"live", runTool<LiveApp>({option}).out},
-      {"localize", runTool<LocalizeApp>({option}).out},   {"map build", runTool<MapBuildApp>({option}).out},
-      {"map info", runTool<MapInfoApp>({option}).out},    {"map merge", runTool<MapMergeApp>({option}).out},
-      {"register", runTool<RegisterApp>({option}).out},   {"render", runTool<RenderApp>({option}).out},
-      {"segment", runTool<SegmentApp>({option}).out},     {"simulate", runTool<SimulateApp>({option}).out},
-      {"map export", runTool<MapExportApp>({option}).out}};
+      {"evaluate", runTool<EvaluateApp>({option}).out},    {"live", runTool<LiveApp>({option}).out},
+      {"localize", runTool<LocalizeApp>({option}).out},    {"map build", runTool<MapBuildApp>({option}).out},
+      {"map info", runTool<MapInfoApp>({option}).out},     {"map merge", runTool<MapMergeApp>({option}).out},
+      {"register", runTool<RegisterApp>({option}).out},    {"render", runTool<RenderApp>({option}).out},
+      {"segment", runTool<SegmentApp>({option}).out},      {"simulate", runTool<SimulateApp>({option}).out},
+      {"map export", runTool<MapExportApp>({option}).out}, {"check", runTool<CheckApp>({option}).out},
+      {"convert", runTool<ConvertApp>({option}).out}};
 }
 
 TEST(Help, FitsOnAScreen) {

@@ -63,6 +63,26 @@ TEST(FoundMounting, NeedsACameraThatMoved) {
   EXPECT_FALSE(findMounting(Map()));
 }
 
+TEST(SeenFloor, IsOfARolledCameraInTheHandToo) {
+  Map map = drive({1.3, 20}, 0.02, 1, 0);
+  constexpr double kRoll = 5;  // the camera's right side is lower
+  for (LocalModel& model : map.models)
+    for (Segment& s : model.view.segments) {
+      const Eigen::Matrix3d R =
+          Eigen::AngleAxisd(-kRoll * kDegree, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+      s.R = R * s.R, s.t = R * s.t;
+    }
+  const auto floor = findFloor(map);
+  ASSERT_TRUE(floor);
+  EXPECT_NEAR(floor->height, 1.3, 0.02);
+  EXPECT_NEAR(floor->height_std, 0.02, 0.01);
+  EXPECT_NEAR(floor->tilt_deg, 20, 1);
+  EXPECT_NEAR(floor->roll_deg, kRoll, 0.5);
+  EXPECT_FALSE(floor->steady);
+  EXPECT_EQ(floor->all_views, 40);
+  EXPECT_FALSE(findFloor(Map()));
+}
+
 TEST(Standing, IsShownByTheFloorOrByWalls) {
   const CameraMounting mounting{0.98, 10};
   const auto shows = [&](const std::vector<Segment>& segments) {

@@ -208,6 +208,22 @@ std::optional<double> secondsOfIsoTime(const std::string& s) {
 
 }  // namespace
 
+std::string RecordingLayout::inWords() const {
+  switch (kind) {
+  case Kind::listed:
+    return "images with their times in a list";
+  case Kind::seven_scenes:
+    return "the layout of 7-Scenes and 3DMatch";
+  case Kind::scannet:
+    return "the layout of ScanNet";
+  case Kind::icl_nuim:
+    return "the layout of ICL-NUIM";
+  case Kind::plain:
+    break;
+  }
+  return stamped ? "images named by their times" : "images in the order of their names, without times";
+}
+
 std::optional<double> stampInName(const std::string& name) {
   const auto number = text::to<double>(name);
   if (number) return std::isfinite(*number) ? number : std::nullopt;

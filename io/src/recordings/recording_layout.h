@@ -29,6 +29,9 @@ struct RecordingLayout {
   std::vector<FrameFile> frames;  ///< in the order of their stamps
   bool stamped = false;           ///< are the stamps times, rather than indices?
   RecordedPoses poses;
+
+  /** \brief "7-Scenes", "images named by their times". */
+  std::string inWords() const;
 };
 
 /** \brief Recordings that number their images have so many per second. */

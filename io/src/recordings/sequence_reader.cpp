@@ -99,6 +99,7 @@ DepthSequence SequenceReader::readWithoutCamera() const {
   sequence.frames_ = layout_.frames;
   sequence.stamped_ = layout_.stamped;
   sequence.container_ = container_;
+  sequence.layout_ = container_ ? "a recording in one file" : layout_.inWords();
   sequence.time_offset_ = hints_.time_offset;
   if (auto found = camera()) {
     sequence.camera_ = std::move(found->file);

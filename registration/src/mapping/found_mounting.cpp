@@ -16,7 +16,7 @@ constexpr double kWide = 3;                    // times that: where a camera in 
 constexpr double kMostHeightStd = 0.01;        // over the floor, of a camera on wheels [m]
 constexpr double kSteepest = 60 * kDegree;     // of the camera below or above the horizon
 constexpr double kLowest = 0.1, kHighest = 3;  // camera [m]
-constexpr double kMostRoll = 2 * kDegree;
+constexpr double kMostRollDeg = 2;
 constexpr double kLeastShare = 0.3;    // of local models that show the floor
 constexpr double kLeastNarrow = 0.75;  // of those that show it about so
 constexpr int kLeastModels = 10;
@@ -88,9 +88,9 @@ std::string FoundMounting::inWords() const {
          std::to_string(all_models) + " local models";
 }
 
-std::optional<FoundMounting> findMounting(const Map& map) {
+std::optional<SeenFloor> findFloor(const Map& map) {
   const std::vector<Plane> planes = planesBelow(map);
-  if (planes.empty() || !hasMoved(map)) return {};
+  if (planes.empty()) return {};
   std::vector<Plane> best;
   const std::size_t step = std::max<std::size_t>(1, planes.size() / kSeeds);
   for (std::size_t i = 0; i < planes.size(); i += step)
@@ -100,10 +100,18 @@ std::optional<FoundMounting> findMounting(const Map& map) {
   const int all = static_cast<int>(map.models.size()), n = static_cast<int>(best.size());
   if (n < kLeastModels || n < kLeastShare * all) return {};
   const Plane floor = meanOf(best);
-  const bool spreads = n < kLeastNarrow * static_cast<double>(alike(planes, floor, kWide).size()) ||
-                       heightStd(best, floor.offset) > kMostHeightStd;
-  if (spreads || std::abs(std::asin(floor.normal.x())) > kMostRoll) return {};
-  return FoundMounting{{floor.offset, std::atan2(floor.normal.z(), floor.normal.y()) / kDegree}, n, all};
+  const Eigen::Vector3d& up = floor.normal;
+  const double std = heightStd(best, floor.offset);
+  const bool spreads =
+      n < kLeastNarrow * static_cast<double>(alike(planes, floor, kWide).size()) || std > kMostHeightStd;
+  return SeenFloor{
+      floor.offset, std::atan2(up.z(), up.y()) / kDegree, std::asin(up.x()) / kDegree, std, n, all, !spreads};
+}
+
+std::optional<FoundMounting> findMounting(const Map& map) {
+  const auto floor = findFloor(map);
+  if (!floor || !floor->steady || std::abs(floor->roll_deg) > kMostRollDeg || !hasMoved(map)) return {};
+  return FoundMounting{{floor->height, floor->tilt_deg}, floor->views, floor->all_views};
 }
 
 }  // namespace facetloc

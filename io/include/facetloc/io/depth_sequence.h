@@ -74,6 +74,8 @@ public:
    * at the times of its images: with its offset in time, and with the y axis of its camera downwards. Throws
    * IoError. */
   Trajectory readPoses(const std::filesystem::path& path) const;
+  /** \brief How the recording is laid out, in words. */
+  const std::string& layout() const { return layout_; }
   /** \brief What its user should know of it, a sentence without full stop; empty if there is nothing. */
   std::string remark() const;
   /** \brief Are the stamps times, rather than indices? Without times no poses can be matched. */
@@ -92,6 +94,7 @@ private:
 
   std::vector<FrameFile> frames_;
   std::shared_ptr<const internal::ImageContainer> container_;  // that all frames are in, if they are
+  std::string layout_;
   std::optional<CameraFile> camera_;
   std::string camera_remark_;  // where the camera is from, if not from the user
   double time_offset_ = 0;

@@ -18,6 +18,21 @@ struct FoundMounting {
   std::string inWords() const;
 };
 
+/** \brief The floor as a camera sees it. */
+struct SeenFloor {
+  double height = 0;      ///< of the camera above it, mean [m]
+  double tilt_deg = 0;    ///< of the optical axis below the horizon
+  double roll_deg = 0;    ///< about the optical axis: positive if the camera's right side is lower
+  double height_std = 0;  ///< over the views [m]
+  int views = 0;          ///< that show it so
+  int all_views = 0;      ///< of so many
+  bool steady = false;    ///< as under a robot; the floor below a camera in the hand comes and goes
+};
+
+/** \brief Looks for the plane below the camera that most local models have in common. Nothing if fewer than
+ * 10, or than 30 %, show one. \param map of which segments are read */
+std::optional<SeenFloor> findFloor(const Map& map);
+
 /** \brief Looks for a plane below the camera that is the same in most local models although the camera has
  * moved: the floor under a robot. Nothing for a camera in the hand, whose height and tilt spread; for one
  * that is rolled by more than 2 deg; and where the camera has not moved by 2 m, or nobody knows whether it

@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/check_app.h"
+
+#include "tools/batch.h"
+#include "tools/noise_table.h"
+#include "tools/seen_motions.h"
+#include "tools/text.h"
+
+#include <facetloc/features/camera_presets.h>
+#include <facetloc/features/local_model.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/text.h>
+#include <facetloc/registration/found_mounting.h>
+#include <facetloc/registration/observability.h>
+#include <facetloc/segmentation/view_builder.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace facetloc {
+namespace {
+
+constexpr std::size_t kMostImages = 200;                // that are read, evenly spread
+constexpr std::size_t kPixelsOfImage = 2000;            // whose depth is kept
+constexpr double kLeastMedian = 0.3, kMostMedian = 12;  // of depths in rooms and halls [m]
+constexpr double kFewMeasured = 0.4;                    // of all pixels
+constexpr int kFewSegments = 4;                         // in an image
+constexpr double kLongGap = 1;                          // between images [s]
+constexpr double kLeastPosed = 0.5;                     // of the images
+
+std::string percent(double share) { return text::decimals(100 * share, 0) + " %"; }
+std::string metres(double m) { return text::decimals(m, 2) + " m"; }
+
+/** The q-quantile. */
+double quantile(std::vector<float>& values, double q) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+double medianOf(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+void line(const Console& console, const std::string& title, const std::string& words) {
+  constexpr std::size_t kTitleWidth = 10;
+  console.out << title << std::string(kTitleWidth - std::min(kTitleWidth, title.size()), ' ') << words
+              << "\n";
+}
+
+std::string inWords(const Intrinsics& k) {
+  const auto angle = [](double size, double f) {
+    return text::decimals(2 * std::atan(size / 2 / f) / kDegree, 0);
+  };
+  return std::to_string(k.width) + "x" + std::to_string(k.height) + ", fx " + text::significant(k.fx, 5) +
+         ", fy " + text::significant(k.fy, 5) + ", cx " + text::significant(k.cx, 5) + ", cy " +
+         text::significant(k.cy, 5) + "; field of view " + angle(k.width, k.fx) + " x " +
+         angle(k.height, k.fy) + " deg";
+}
+
+}  // namespace
+
+struct CheckApp::ImageReport {
+  bool is_read = false;
+  Intrinsics camera;         // of the whole image
+  double measured = 0;       // share of its pixels
+  std::vector<float> depth;  // of some of them
+  std::vector<NoiseSample> noise;
+  View view;
+};
+
+CheckApp::CheckApp()
+    : App("facetloc_check", "RECORDING [options]",
+          "Says what a recording is: its layout and times, its camera and how noisy it is over range, how "
+          "much of "
+          "the images is measured, its poses and whether they are those of the images, the floor and how the "
+          "camera is mounted above it, and what facetloc_map build will make of it. Up to 200 images are "
+          "read, "
+          "evenly spread. Writes nothing.") {}
+
+void CheckApp::addOptions(CommandLine& line) {
+  line.addArgument("RECORDING", input_);
+  line.addOption("pose-tolerance", pose_tolerance_, "S",
+                 "Largest distance in time of an image and its pose [s].");
+  line.addCheck([this] { requireTolerance(pose_tolerance_); });
+  line.addOption("topic", depth_.recording.topic, "NAME",
+                 "The depth images of a bag that has several topics of them.");
+  addRecordingOptions(line, depth_.recording);
+  depth_.addOptions(line);
+}
+
+void CheckApp::reportImages(const DepthSequence& sequence, const std::vector<ImageReport>& images,
+                            const Console& console, Advice& advice) const {
+  const auto& frames = sequence.frames();
+  line(console, "recording", counted(frames.size(), "image") + ", " + sequence.layout());
+  if (sequence.stamped() && frames.size() > 1) {
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < frames.size(); ++i) steps.push_back(frames[i].stamp - frames[i - 1].stamp);
+    const double usual = medianOf(steps), longest = *std::max_element(steps.begin(), steps.end());
+    line(console, "times",
+         text::decimals(frames.front().stamp, 3) + " to " + text::decimals(frames.back().stamp, 3) + " s, " +
+             text::significant(1 / usual, 3) + " images per second, longest gap " +
+             text::significant(longest, 3) + " s");
+    if (longest > kLongGap)
+      advice.push_back("between some images there are more than " + text::significant(kLongGap, 2) +
+                       " s: without poses, a trajectory may break there");
+  } else if (!sequence.stamped()) {
+    advice.push_back("the images have no times: no poses can be matched with them; names that are times in "
+                     "seconds, or a depth.txt, would give them some");
+  }
+  std::vector<float> depth;
+  double measured = 0, segments = 0;
+  std::size_t n = 0;
+  for (const ImageReport& image : images) {
+    if (!image.is_read) continue;
+    ++n;
+    measured += image.measured;
+    segments += static_cast<double>(image.view.segments.size());
+    depth.insert(depth.end(), image.depth.begin(), image.depth.end());
+  }
+  measured /= static_cast<double>(n), segments /= static_cast<double>(n);
+  if (depth.empty()) {
+    line(console, "depth", "nothing is measured");
+    advice.push_back("no pixel is measured: look at the images, and at depth_scale");
+    return;
+  }
+  const double median = quantile(depth, 0.5);
+  line(console, "depth",
+       percent(measured) + " of the pixels are measured; 98 % of them from " + metres(quantile(depth, 0.01)) +
+           " to " + metres(quantile(depth, 0.99)) + ", median " + metres(median));
+  if (median < kLeastMedian || median > kMostMedian)
+    advice.push_back("half of the depths are " + std::string(median < kLeastMedian ? "below " : "above ") +
+                     metres(median) +
+                     ", as no room has it: is depth_scale right? (--depth-scale tries another one)");
+  else if (measured < kFewMeasured)
+    advice.push_back(
+        "most of the image is not measured: the scene is too far or too dark for the camera, or 0 is "
+        "not its only mark for that");
+  line(console, "planes", text::decimals(segments, 1) + " segments in an image");
+  if (segments < kFewSegments)
+    advice.push_back("the images show few planes: such places cannot be told apart");
+}
+
+void CheckApp::reportCamera(const DepthSequence& sequence, const std::vector<ImageReport>& images,
+                            const Console& console) const {
+  const auto first =
+      std::find_if(images.begin(), images.end(), [](const ImageReport& i) { return i.is_read; });
+  line(console, "camera", inWords(first->camera));
+  const auto& file = sequence.camera();
+  if (!file) return line(console, "", "by the points of the clouds");
+  const bool is_png = sequence.frames().front().path.extension() == ".png";
+  const Camera& camera = file->camera;
+  std::string words = is_png ? text::significant(file->depth_scale, 6) + " PNG values per metre" : "";
+  const auto add = [&words](const std::string& more) { words += (words.empty() ? "" : ", ") + more; };
+  if (!file->preset.empty()) add(std::string("noise of a ") + file->preset);
+  if (std::isfinite(camera.max_depth)) add("measures up to " + metres(camera.max_depth));
+  if (camera.mounting) add("mounted " + facetloc::inWords(*camera.mounting));
+  if (!words.empty()) line(console, "", words);
+}
+
+void CheckApp::reportNoise(std::vector<ImageReport>& images, const Camera& camera, const Console& console,
+                           Advice& advice) const {
+  std::vector<NoiseSample> samples;
+  for (const ImageReport& image : images)
+    samples.insert(samples.end(), image.noise.begin(), image.noise.end());
+  const std::vector<NoiseBin> bins = binned(std::move(samples));
+  if (bins.empty()) return line(console, "noise", "not known: too few flat places");
+  console.out << "noise\n";
+  printNoise(console.out, bins);
+  constexpr double kMisfit = 0.3;  // as of a Kinect's, with which others work, too
+  if (misfit(camera.noise, bins) > kMisfit)
+    advice.push_back(
+        "the noise is not the one that the camera is said to have: take the lines above for camera.ini");
+}
+
+void CheckApp::reportFloor(std::vector<ImageReport>& images, const Camera& camera, const Console& console,
+                           Advice& advice) const {
+  Map map;
+  for (ImageReport& image : images) {
+    if (!image.is_read) continue;
+    LocalModel model;
+    model.view = std::move(image.view);
+    map.models.push_back(std::move(model));
+  }
+  const auto floor = findFloor(map);
+  if (!floor) return line(console, "floor", "none that the images have in common");
+  const auto degrees = [](double deg) { return text::decimals(deg, 1) + " deg"; };
+  line(console, "floor",
+       metres(floor->height) + " below the camera (spread " + text::decimals(1000 * floor->height_std, 0) +
+           " mm), which is tilted by " + degrees(floor->tilt_deg) + " and rolled by " +
+           degrees(floor->roll_deg) + "; in " + std::to_string(floor->views) + " of " +
+           counted(floor->all_views, "image"));
+  if (!floor->steady) return;
+  const CameraMounting found{floor->height, floor->tilt_deg};
+  const std::string lines = "mount_height=" + text::decimals(found.height, 3) +
+                            " mount_tilt_deg=" + text::decimals(found.tilt_deg, 1);
+  if (!camera.mounting)
+    advice.push_back("the camera seems to be mounted on a robot, which helps much; for camera.ini: " + lines);
+  else if (!camera.mounting->agreesWith(found))
+    advice.push_back("the camera is not mounted as it is said to be: the floor says " + lines);
+}
+
+void CheckApp::reportPoses(const DepthSequence& sequence, const Camera& camera, const Console& console,
+                           Advice& advice) const {
+  const auto withoutPoses = [&] {
+    line(console, "map", "facetloc_map build will find the trajectory from the images");
+  };
+  try {
+    if (sequence.groundTruth().empty()) {
+      line(console, "poses", "none");
+      return withoutPoses();
+    }
+  } catch (const IoError& e) {
+    line(console, "poses", "cannot be read");
+    advice.push_back(e.what());
+    return withoutPoses();
+  }
+  const Trajectory& poses = sequence.groundTruth();
+  MapBuilder rule;
+  std::size_t posed = 0, models = 0;
+  for (const FrameFile& frame : sequence.frames())
+    if (const auto T_w_c = poses.at(frame.stamp, pose_tolerance_)) {
+      ++posed;
+      models += rule.accept(*T_w_c);
+    }
+  const std::size_t all = sequence.frames().size();
+  line(console, "poses",
+       std::to_string(poses.poses().size()) + " from " + text::decimals(poses.poses().front().stamp, 3) +
+           " to " + text::decimals(poses.poses().back().stamp, 3) + " s; " + counted(posed, "image") +
+           " of " + std::to_string(all) + " have one");
+  if (static_cast<double>(posed) < kLeastPosed * static_cast<double>(all))
+    advice.push_back("most images have no pose within " + text::significant(pose_tolerance_) +
+                     " s: do both clocks show the same time (--time-offset)? Is --pose-tolerance too small?");
+  if (posed == 0) return;
+  const PoseCheck check = checkPoses(seenMotions(sequence, camera, depth_, threads(), console),
+                                     [&](double stamp) { return poses.interpolated(stamp); });
+  if (check.isKnown()) {
+    line(console, "", "they disagree with the motions that the images show by " + check.as_given.inWords());
+    if (!check.cause.empty()) advice.push_back(check.cause);
+    if (check.isBeyondSense())
+      advice.push_back(
+          "no map can be made with these poses: --without-poses lets facetloc_map build find its own");
+  }
+  line(console, "map",
+       "facetloc_map build will make about " + counted(models, "local model") + " with these poses");
+}
+
+int CheckApp::execute(const CommandLine& command, const Console& console) {
+  const DepthSequence sequence = DepthSequence::open(input_, depth_.recording);
+  const Camera camera = depth_.camera(sequence.camera(), command);
+  const std::size_t all = sequence.frames().size(), n = std::min(all, kMostImages);
+  std::vector<ImageReport> images(n);
+  Batch batch(threads(), n, console);
+  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, depth_.view));
+  const auto index = [&](std::size_t i) { return i * all / n; };
+  batch.run([&](std::size_t i) { return sequence.frames()[index(i)].path.string(); },
+            [&](std::size_t i, int worker) {
+              DepthImage image = sequence.load(index(i));
+              ImageReport& report = images[i];
+              report.camera = image.camera;
+              const std::size_t step = std::max<std::size_t>(1, image.depth.size() / kPixelsOfImage);
+              std::size_t measured = 0;
+              for (std::size_t p = 0; p < image.depth.size(); ++p) {
+                const bool is_measured = isMeasured(image.depth[p]);
+                measured += is_measured;
+                if (is_measured && p % step == 0) report.depth.push_back(image.depth[p]);
+              }
+              report.measured = static_cast<double>(measured) / static_cast<double>(image.depth.size());
+              dropBeyond(camera.max_depth, image);
+              report.noise = noiseSamples(image);
+              const int working = depth_.width > 0 ? subsamplingStep(image.camera, depth_.width) : 1;
+              report.view = builders[worker].build(working > 1 ? subsampled(image, working) : image);
+              report.is_read = true;
+            });
+  const int code = batch.report();
+  if (std::none_of(images.begin(), images.end(), [](const ImageReport& i) { return i.is_read; }))
+    throw IoError(input_, "none of its images can be read");
+
+  Advice advice;
+  if (const std::string remark = sequence.remark(); !remark.empty()) advice.push_back(remark);
+  reportImages(sequence, images, console, advice);
+  reportCamera(sequence, images, console);
+  reportFloor(images, camera, console, advice);
+  reportPoses(sequence, camera, console, advice);
+  reportNoise(images, camera, console, advice);
+  for (std::size_t i = 0; i < advice.size(); ++i)
+    console.out << (i == 0 ? "note\n" : "") << "- " << advice[i] << "\n";
+  console.out << "next: facetloc_map build " << input_ << " -o MAP.flmap\n";
+  return code;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/convert_app.h"
+
+#include "tools/batch.h"
+#include "tools/depth_input.h"
+#include "tools/provenance.h"
+#include "tools/text.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/text.h>
+
+#include <atomic>
+#include <cmath>
+
+namespace facetloc {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kFineScale = 5000;      // of clouds: TUM's, 0.2 mm
+constexpr double kLargestValue = 65534;  // of a PNG; 65535 is not measured
+
+std::size_t countBeyond(const DepthImage& image, double farthest) {
+  std::size_t n = 0;
+  for (const float z : image.depth) n += std::isfinite(z) && z > farthest;
+  return n;
+}
+
+}  // namespace
+
+ConvertApp::ConvertApp()
+    : App("facetloc_convert", "RECORDING -o FOLDER [options]",
+          "Writes a recording of any layout as a folder that every tool reads: depth/<stamp>.png, "
+          "camera.ini, "
+          "and, where the recording has them, groundtruth.txt and the odometry.txt of a bag. Images whose "
+          "names "
+          "are no times are named by their times.") {}
+
+void ConvertApp::addOptions(CommandLine& line) {
+  line.addArgument("RECORDING", input_);
+  line.addOption("output,o", folder_, "FOLDER", "Where to write; a new or an empty folder.");
+  line.addOption("every", every_, "N", "Take every N-th image.");
+  line.addOption("scale", scale_, "N",
+                 "PNG values per metre to write; 0 = those of the recording, or 5000 for clouds.");
+  line.addOption("topic", recording_.topic, "NAME", "The depth images of a bag that has several topics of them.");
+  addRecordingOptions(line, recording_);
+  line.addCheck([this] {
+    if (every_ < 1) throw UsageError("every must be positive");
+    if (!(scale_ >= 0 && std::isfinite(scale_))) throw UsageError("scale must not be negative");
+  });
+}
+
+/** Clouds without a camera have the intrinsics that the first of them shows. */
+CameraFile ConvertApp::outputCamera(const DepthSequence& sequence) const {
+  CameraFile camera = sequence.camera().value_or(CameraFile());
+  if (!camera.camera.intrinsics.valid()) {
+    camera.camera.intrinsics = sequence.load(0).camera;
+    camera.depth_scale = kFineScale;
+  }
+  if (sequence.frames().front().path.extension() == ".pcd") camera.depth_scale = kFineScale;
+  if (scale_ > 0) camera.depth_scale = scale_;
+  camera.y_axis_up = false;  // poses are written for a camera as all others
+  return camera;
+}
+
+int ConvertApp::writeImages(const DepthSequence& sequence, const CameraFile& camera,
+                            const Console& console) const {
+  const std::size_t total = (sequence.frames().size() + every_ - 1) / every_;
+  const double farthest = kLargestValue / camera.depth_scale;
+  std::atomic<std::size_t> beyond = 0;
+  Batch batch(threads(), total, console);
+  batch.run([&](std::size_t i) { return sequence.frames()[i * every_].path.string(); },
+            [&](std::size_t i, int) {
+              const std::size_t index = i * every_;
+              const DepthImage image = sequence.load(index);
+              beyond += countBeyond(image, farthest);
+              writeDepthPng(fs::path(folder_) / "depth" / (sequence.frames()[index].name + ".png"), image,
+                            camera.depth_scale);
+            });
+  if (beyond > 0)
+    console.note(counted(beyond, "pixel") + " farther than " + text::decimals(farthest, 1) +
+                 " m do not fit PNGs and are left out; --scale 1000 would keep up to 65.5 m");
+  const int code = batch.report();
+  console.out << counted(total - batch.failures().size(), "image");
+  return code;
+}
+
+void ConvertApp::writePoses(const DepthSequence& sequence, const Console& console) const {
+  const auto write = [&](const char* name, const Trajectory& poses) {
+    writeTumTrajectory(fs::path(folder_) / name, poses.poses());
+    console.out << ", " << counted(poses.poses().size(), "pose") << " in " << name;
+  };
+  if (!sequence.groundTruth().empty()) write("groundtruth.txt", sequence.groundTruth());
+  if (fs::path(input_).extension() != ".bag") return;
+  try {
+    write("odometry.txt", sequence.readPoses(input_));
+  } catch (const IoError& e) {
+    console.note(e.what());
+  }
+}
+
+int ConvertApp::execute(const CommandLine&, const Console& console) {
+  if (folder_.empty()) throw UsageError("the folder to write to is missing: -o FOLDER");
+  const DepthSequence sequence = openSequence(input_, recording_, console);
+  if (fs::exists(folder_) && !(fs::is_directory(folder_) && fs::is_empty(folder_)))
+    throw IoError(folder_, "exists already; remove it or use another folder");
+  sequence.groundTruth();  // poses that cannot be read are told before the work
+  const CameraFile camera = outputCamera(sequence);
+  createFolders(fs::path(folder_) / "depth");
+  writeCameraFile(fs::path(folder_) / "camera.ini", camera);
+  const int code = writeImages(sequence, camera, console);
+  writePoses(sequence, console);
+  if (!sequence.stamped())
+    console.note("the recording has no times: its images keep their names, and poses cannot be matched");
+  console.out << "; recording in " << folder_ << "\n";
+  return code;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// facetloc_check and facetloc_convert on one recording in several states.
+#include "example_room.h"
+#include "tools/check_app.h"
+#include "tools/convert_app.h"
+#include "tools/simulate_app.h"
+
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/png.h>
+#include <facetloc/testing/example_bag.h>
+
+#include <gmock/gmock.h>
+#include <pcl/io/pcd_io.h>
+#include <pcl/point_types.h>
+
+namespace facetloc::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class RecordingTools : public Tools {
+protected:
+  std::string copyOf(const std::string& run) {
+    const std::string input = folder_ / "copy";
+    fs::copy(run, input, fs::copy_options::recursive);
+    return input;
+  }
+  static ToolRun check(const std::string& input, std::vector<std::string> options = {}) {
+    options.insert(options.begin(), input);
+    return runTool<CheckApp>(options);
+  }
+  ToolRun convert(const std::string& input, const std::string& output,
+                  std::vector<std::string> options = {}) const {
+    options.insert(options.begin(), {input, "-o", folder_ / output});
+    return runTool<ConvertApp>(options);
+  }
+};
+
+TEST_F(RecordingTools, CheckSaysWhatARecordingIs) {
+  const ToolRun run = check(map_run());
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.out,
+              AllOf(HasSubstr("recording 12 images, images named by their times"),
+                    HasSubstr("12 images of 12 have one"), HasSubstr("mounted 1.000 m above the floor"),
+                    HasSubstr("inverse_depth_std = 0.0015"), HasSubstr("next: facetloc_map build")));
+  EXPECT_THAT(run.out, Not(HasSubstr("note\n"))) << "there is nothing to note";
+}
+
+TEST_F(RecordingTools, CheckFindsTheMountingByTheFloor) {
+  ASSERT_EQ(runTool<SimulateApp>({"office", "-o", folder_ / "", "--seed", "2", "--runs", "query", "--frames",
+                                  "60", "--width", "320"})
+                .code,
+            kOk);
+  const std::string input = folder_ / "query";
+  CameraFile file = readCameraFile(input + "/camera.ini");
+  const CameraMounting truth = *file.camera.mounting;
+  EXPECT_THAT(check(input).out, Not(HasSubstr("mount_height=")));
+  file.camera.mounting->height = 0.5;
+  writeCameraFile(input + "/camera.ini", file);
+  EXPECT_THAT(check(input).out, HasSubstr("not mounted as it is said to be"));
+  file.camera.mounting.reset();
+  writeCameraFile(input + "/camera.ini", file);
+  const ToolRun run = check(input);
+  ASSERT_THAT(run.out, HasSubstr("for camera.ini: mount_height="));
+  const auto valueOf = [&](const std::string& key) {
+    return std::stod(run.out.substr(run.out.find(key) + key.size()));
+  };
+  EXPECT_NEAR(valueOf("mount_height="), truth.height, 0.02);
+  EXPECT_NEAR(valueOf("mount_tilt_deg="), truth.tilt_deg, 1);
+}
+
+TEST_F(RecordingTools, CheckDoubtsAScaleThatNoRoomHas) {
+  EXPECT_THAT(check(map_run(), {"--depth-scale", "200"}).out, HasSubstr("is depth_scale right?"));
+  EXPECT_THAT(check(map_run(), {"--depth-scale", "200000"}).out, HasSubstr("depth_scale"));
+}
+
+TEST_F(RecordingTools, CheckDoubtsPosesThatAreNotTheImages) {
+  const std::string input = copyOf(map_run());
+  std::vector<StampedPose> poses = readTumTrajectory(input + "/groundtruth.txt").poses();
+  for (StampedPose& pose : poses) pose.stamp += 1000;
+  writeTumTrajectory(input + "/groundtruth.txt", poses);
+  const ToolRun run = check(input);
+  EXPECT_THAT(run.out, AllOf(HasSubstr("0 images of 12 have one"), HasSubstr("--time-offset")));
+  writeContent(input + "/groundtruth.txt", "nonsense\n");
+  EXPECT_THAT(check(input).out, AllOf(HasSubstr("cannot be read"), HasSubstr("groundtruth.txt: line 1")));
+  fs::remove(input + "/groundtruth.txt");
+  EXPECT_THAT(check(input).out, AllOf(HasSubstr("poses     none"), HasSubstr("from the images")));
+}
+
+TEST_F(RecordingTools, CheckNamesImagesThatCannotBeRead) {
+  const ToolRun run = check(withOneCorruptImage());
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("is not a PNG file"));
+  EXPECT_THAT(run.out, HasSubstr("next: "));
+  const std::string input = copyOf(query());
+  for (const fs::path& image : filesOf(input + "/depth")) writeContent(image, "no PNG");
+  EXPECT_THAT(check(input).err, HasSubstr("none of its images can be read"));
+}
+
+TEST_F(RecordingTools, CheckOfImagesWithoutADepth) {
+  const std::string input = copyOf(query());
+  const Raster<std::uint16_t> empty{320, 240, 1, std::vector<std::uint16_t>(320 * 240, 65535)};
+  for (const fs::path& image : filesOf(input + "/depth")) writePng(image, empty);
+  EXPECT_THAT(check(input).out, AllOf(HasSubstr("nothing is measured"), HasSubstr("no pixel is measured")));
+}
+
+TEST_F(RecordingTools, ConvertKeepsImagesCameraAndPoses) {
+  const ToolRun run = convert(map_run(), "out");
+  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(lastLine(run.out), AllOf(HasSubstr("12 images"), HasSubstr("recording in")));
+  const DepthSequence before = DepthSequence::open(map_run()), after = DepthSequence::open(folder_ / "out");
+  ASSERT_EQ(after.frames().size(), before.frames().size());
+  for (std::size_t i = 0; i < before.frames().size(); ++i) {
+    EXPECT_EQ(after.frames()[i].name, before.frames()[i].name);
+    EXPECT_EQ(after.load(i).depth, before.load(i).depth);
+  }
+  EXPECT_EQ(after.camera()->camera.intrinsics, before.camera()->camera.intrinsics);
+  EXPECT_EQ(after.groundTruth().poses().size(), before.groundTruth().poses().size());
+  // What is there is not touched.
+  const ToolRun again = convert(query(), "out");
+  EXPECT_EQ(again.code, kFailed);
+  EXPECT_THAT(again.err, HasSubstr("exists already"));
+}
+
+TEST_F(RecordingTools, ConvertTakesEveryNthImage) {
+  ASSERT_EQ(convert(map_run(), "out", {"--every", "5"}).code, kOk);
+  EXPECT_EQ(DepthSequence::open(folder_ / "out").frames().size(), 3u);
+  EXPECT_EQ(convert(map_run(), "other", {"--every", "0"}).code, kUsage);
+}
+
+TEST_F(RecordingTools, ConvertWritesCloudsWithTheirIntrinsics) {
+  const DepthSequence walk = DepthSequence::open(map_run());
+  const DepthImage image = walk.load(0);
+  pcl::PointCloud<pcl::PointXYZ> cloud(image.camera.width, image.camera.height);
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u)
+      cloud(u, v).getVector3fMap() =
+          (image.camera.ray(u, v) * (image.at(u, v) > 0 ? image.at(u, v) : NAN)).cast<float>();
+  cloud(3, 3) = {0, 0, 20};  // farther than fits
+  fs::create_directories(folder_ / "clouds");
+  pcl::io::savePCDFileBinary(folder_ / "clouds/frame_20121214T142255.814212.pcd", cloud);
+  const ToolRun run = convert(folder_ / "clouds", "out");
+  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("1 pixel farther than 13.1 m"));
+  const DepthSequence after = DepthSequence::open(folder_ / "out");
+  EXPECT_EQ(after.frames()[0].name, "1355494975.814212");
+  EXPECT_NEAR(after.camera()->camera.intrinsics.fx, image.camera.fx, 0.1);
+  EXPECT_NEAR(after.load(0).at(100, 100), image.at(100, 100), 1e-4);
+}
+
+TEST_F(RecordingTools, ConvertWritesTheOdometryOfABag) {
+  if (!hasBags()) GTEST_SKIP() << "no python3-rosbag to write bags with, or a build that reads none";
+  const DepthSequence walk = DepthSequence::open(map_run());
+  ASSERT_TRUE(writeBag(walk, folder_ / "walk.bag", "uint16", walk.groundTruth()));
+  const ToolRun run = convert(folder_ / "walk.bag", "out");
+  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("12 poses in odometry.txt"));
+  EXPECT_EQ(readTumTrajectory(folder_ / "out/odometry.txt").poses().size(), 12u);
+  EXPECT_EQ(DepthSequence::open(folder_ / "out").frames().size(), 12u);
+}
+
+TEST_F(RecordingTools, ConvertOfWhatIsNoRecordingLeavesNothing) {
+  EXPECT_EQ(convert(folder_ / "none", "out").code, kFailed);
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+  EXPECT_EQ(runTool<ConvertApp>({map_run()}).code, kUsage);
+}
+
+}  // namespace
+}  // namespace facetloc::test
