@@ -44,7 +44,8 @@ void ConvertApp::addOptions(CommandLine& line) {
   line.addOption("every", every_, "N", "Take every N-th image.");
   line.addOption("scale", scale_, "N",
                  "PNG values per metre to write; 0 = those of the recording, or 5000 for clouds.");
-  line.addOption("topic", recording_.topic, "NAME", "The depth images of a bag that has several topics of them.");
+  line.addOption("topic", recording_.topic, "NAME",
+                 "The depth images of a bag that has several topics of them.");
   addRecordingOptions(line, recording_);
   line.addCheck([this] {
     if (every_ < 1) throw UsageError("every must be positive");
