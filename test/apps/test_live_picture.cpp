@@ -139,12 +139,13 @@ TEST(LiveKeys, AreAllExplained) {
 TEST(LiveResults, GiveAPoseWhereItIsCertain) {
   const test::TemporaryFolder folder;
   const std::string path = folder / "results";
-  LiveResults results(path, "width = 320\n", exampleMap());
+  LiveResults results(path, "width = 320\n");
   EXPECT_TRUE(readHypotheses(path).empty()) << "there from the begin";
   for (const TrackingState state :
        {TrackingState::searching, TrackingState::localized, TrackingState::tracking,
         TrackingState::cannot_tell, TrackingState::lost}) {
-    results.append(exampleResult(state));
+    const LiveResult result = exampleResult(state);
+    results.append(result, frameResult(result, exampleMap().get(), kMinProbability));
   }
   const auto rows = readHypotheses(path);  // while it is being written
   ASSERT_EQ(rows.size(), 5u);
@@ -161,7 +162,8 @@ TEST(LiveResults, GiveAPoseThatIsCarriedOnWhereTheMapShowsNothing) {
   const test::TemporaryFolder folder;
   LiveResult result = exampleResult(TrackingState::tracking);
   result.tracked->match.reset();
-  LiveResults(folder / "results", "", exampleMap()).append(result);
+  LiveResults(folder / "results", "")
+      .append(result, frameResult(result, exampleMap().get(), kMinProbability));
   const auto rows = readHypotheses(folder / "results");
   ASSERT_EQ(rows.size(), 1u);
   EXPECT_EQ(rows[0].rank, 1);

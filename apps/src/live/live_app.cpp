@@ -6,6 +6,7 @@
 #include "tools/ambiguity_file.h"
 #include "tools/localization_report.h"
 #include "tools/place_index_file.h"
+#include "tools/pose_stream.h"
 #include "tools/provenance.h"
 
 #include <facetloc/features/camera_presets.h>
@@ -58,6 +59,7 @@ void LiveApp::addOptions(CommandLine& line) {
   line.addSwitch("headless", run.headless, "No window.");
   line.addOption("results", run.results, "DIR",
                  "Write poses, states and times to this folder while running.");
+  addStreamOption(line, streams_);
   line.addOption("screenshots", run.screenshots, "DIR",
                  "Write pictures to this folder; needs no display if Xvfb is installed.");
   line.addOption("every", run.every, "N", "Write a screenshot of every N-th processed frame.");
@@ -78,6 +80,8 @@ void LiveApp::addOptions(CommandLine& line) {
 
 void LiveApp::checkOptions() const {
   if (!run_.map.empty() && !run_.build.empty()) throw UsageError("map and build exclude each other");
+  if (streams_ && run_.map.empty() && run_.build.empty())
+    throw UsageError("stream belongs to --map or --build: without a map there are no poses");
   if (overwrite_ && run_.build.empty()) throw UsageError("overwrite belongs to --build");
   if (run_.every < 1) throw UsageError("every must be positive");
   if (run_.max_frames < 0) throw UsageError("max-frames must not be negative");
@@ -88,6 +92,12 @@ void LiveApp::checkOptions() const {
 int LiveApp::execute(const CommandLine& line, const Console& console) {
   checkOptions();
   LiveRunOptions options = run_;
+  if (!streams_) return playOrMap(options, line, console);
+  options.stream = &console.out;
+  return playOrMap(options, line, besideStream(console));
+}
+
+int LiveApp::playOrMap(LiveRunOptions options, const CommandLine& line, const Console& console) const {
   for (std::string* path :
        {&options.map, &options.build, &options.results, &options.screenshots, &options.recording})
     makeAbsolute(*path);

@@ -9,6 +9,7 @@
 #include <facetloc/registration/mapping_params.h>
 #include <facetloc/registration/pose_tracking.h>
 
+#include <ostream>
 #include <string>
 
 namespace facetloc {
@@ -25,7 +26,8 @@ struct LiveRunOptions {
   bool headless = false;
   bool wait = false;  ///< for a device that is not there, or has gone
   int max_frames = 0;
-  double duration = 0;  ///< [s]; 0 = without end
+  double duration = 0;             ///< [s]; 0 = without end
+  std::ostream* stream = nullptr;  ///< answers go here, as lines of JSON (PoseStream); null = nowhere
 };
 
 /** \brief facetloc_live: segmentation of what a depth camera sees now, localization in a map, or a map of it.
@@ -38,12 +40,14 @@ private:
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
   void checkOptions() const;
+  int playOrMap(LiveRunOptions options, const CommandLine& line, const Console& console) const;
   int play(const LiveRunOptions& options, const CommandLine& line, const Console& console) const;
 
   LiveRunOptions run_;
   DepthInput input_;
   double min_probability_ = kMinProbability;
   bool overwrite_ = false;
+  bool streams_ = false;
   PoseTrackingParams tracking_;
   MappingParams mapping_;
   MapBuilderParams places_;

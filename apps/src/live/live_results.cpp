@@ -10,7 +10,6 @@
 #include <optional>
 
 namespace facetloc {
-
 namespace {
 
 /** Of the models of a part with a pose; nothing if there is none. */
@@ -26,6 +25,53 @@ std::optional<int> nearestModel(const Map& map, int part, const Eigen::Vector3d&
   return nearest;
 }
 
+/** Of one live result. */
+class RowWriter {
+public:
+  RowWriter(const LiveResult& result, const Map* map, double min_probability)
+      : result_(result), frame_(result.image.name), map_(map), min_probability_(min_probability) {}
+
+  ResultRow row() const {
+    if (!result_.mapped && (!result_.tracked || !map_))
+      return noHypothesis(frame_, "segmented without a map");
+    if (!result_.isLocalized())
+      return noHypothesis(frame_,
+                          result_.state() + (result_.reason().empty() ? "" : ": " + result_.reason()));
+    if (result_.mapped) return rowOf(*result_.pose(), *result_.mapped->map, 0, 1);
+    if (const Hypothesis* match = result_.match()) return rowOf(*match, *map_);
+
+    // The camera's own views carry the pose where no local model shows anything of the place.
+    ResultRow row = rowOf(*result_.pose(), *map_, result_.tracked->part, result_.tracked->probability);
+    row.reason = "carried on: no local model shows what is in view";
+    return row;
+  }
+
+private:
+  ResultRow rowOf(const Hypothesis& best, const Map& map) const {
+    Localization answer;
+    answer.hypotheses = {best};
+    return resultRows(frame_, answer, map, 1, min_probability_).front();
+  }
+
+  /** Of a pose that is not that beside a local model of its view. */
+  ResultRow rowOf(const PoseWithCovariance& pose, const Map& map, int part, double probability) const {
+    const auto nearest = nearestModel(map, part, pose.T.translation());
+    if (!nearest) return noHypothesis(frame_, "the map has no local model yet");
+    Hypothesis carried;
+    carried.part = part;
+    carried.model = *nearest;
+    carried.T_w_c = pose.T;
+    carried.T_m_c = map.models[*nearest].T_w_m->inverse() * pose;
+    carried.probability = probability;
+    return rowOf(carried, map);
+  }
+
+  const LiveResult& result_;
+  const std::string& frame_;
+  const Map* map_;
+  double min_probability_;
+};
+
 OutputLock lockOf(const std::filesystem::path& folder) {
   createFolders(folder);
   return OutputLock::ofFolder(folder);
@@ -33,57 +79,24 @@ OutputLock lockOf(const std::filesystem::path& folder) {
 
 }  // namespace
 
-LiveResults::LiveResults(const std::filesystem::path& folder, const std::string& params_ini,
-                         std::shared_ptr<const Map> map, double min_probability)
-    : map_(std::move(map)),
-      min_probability_(min_probability),
-      lock_(lockOf(folder)),
+FrameResult frameResult(const LiveResult& result, const Map* map, double min_probability) {
+  FrameResult frame;
+  frame.stamp = result.stamp;
+  frame.rows = {RowWriter(result, map, min_probability).row()};
+  frame.timing = {result.image.name, result.segment_ms, result.features_ms, result.localize_ms,
+                  static_cast<int>(result.mapped ? result.mapped->map->models.size()
+                                   : map         ? map->models.size()
+                                                 : 0)};
+  return frame;
+}
+
+LiveResults::LiveResults(const std::filesystem::path& folder, const std::string& params_ini)
+    : lock_(lockOf(folder)),
       results_(folder, params_ini),
       states_(folder / "states.csv", "frame,stamp,state,reason,received,dropped,age_ms\n") {}
 
-ResultRow LiveResults::rowOf(const std::string& frame, const Hypothesis& best, const Map& map) const {
-  Localization answer;
-  answer.hypotheses = {best};
-  return resultRows(frame, answer, map, 1, min_probability_).front();
-}
-
-/** Of a pose that is not that beside a local model of its view. */
-ResultRow LiveResults::rowOf(const std::string& frame, const PoseWithCovariance& pose, const Map& map,
-                             int part, double probability) const {
-  const auto nearest = nearestModel(map, part, pose.T.translation());
-  if (!nearest) return noHypothesis(frame, "the map has no local model yet");
-  Hypothesis carried;
-  carried.part = part;
-  carried.model = *nearest;
-  carried.T_w_c = pose.T;
-  carried.T_m_c = map.models[*nearest].T_w_m->inverse() * pose;
-  carried.probability = probability;
-  return rowOf(frame, carried, map);
-}
-
-ResultRow LiveResults::rowOf(const LiveResult& result) const {
-  const std::string& frame = result.image.name;
-  if (!result.mapped && (!result.tracked || !map_)) return noHypothesis(frame, "segmented without a map");
-  if (!result.isLocalized())
-    return noHypothesis(frame, result.state() + (result.reason().empty() ? "" : ": " + result.reason()));
-  if (result.mapped) return rowOf(frame, *result.pose(), *result.mapped->map, 0, 1);
-  if (const Hypothesis* match = result.match()) return rowOf(frame, *match, *map_);
-
-  // The camera's own views carry the pose where no local model shows anything of the place.
-  ResultRow row = rowOf(frame, *result.pose(), *map_, result.tracked->part, result.tracked->probability);
-  row.reason = "carried on: no local model shows what is in view";
-  return row;
-}
-
-void LiveResults::append(const LiveResult& result) {
-  FrameResult frame;
-  frame.stamp = result.stamp;
-  frame.rows = {rowOf(result)};
-  frame.timing = {result.image.name, result.segment_ms, result.features_ms, result.localize_ms,
-                  static_cast<int>(result.mapped ? result.mapped->map->models.size()
-                                   : map_        ? map_->models.size()
-                                                 : 0)};
-  results_.append(frame);
+void LiveResults::append(const LiveResult& result, const FrameResult& row) {
+  results_.append(row);
   states_.append(result.image.name + "," + text::decimals(result.stamp, 6) + "," + result.state() + "," +
                  text::csvCell(result.reason()) + "," + std::to_string(result.received) + "," +
                  std::to_string(result.dropped) + "," + text::decimals(result.age_ms, 3) + "\n");

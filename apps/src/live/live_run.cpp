@@ -147,9 +147,9 @@ void LiveRun::startSession() {
                                    "\nwidth = " + std::to_string(options.width) + "\n" +
                                    toIni(options.camera.noise, "noise") + toIni(options.view) +
                                    toIni(options.tracking, "tracking") + toIni(options.localization);
-    results_ =
-        std::make_unique<LiveResults>(options_.results, params_ini, map_, options.tracking.min_probability);
+    results_ = std::make_unique<LiveResults>(options_.results, params_ini);
   }
+  if (options_.stream) stream_ = std::make_unique<PoseStream>(*options_.stream, options.camera.mounting);
   if (!options_.headless) window_ = std::make_unique<LiveWindow>("facetloc_live " + source_->name(), map_);
   if (!options_.screenshots.empty()) screenshot_ = std::make_unique<LiveScreenshot>(map_);
   session_ =
@@ -158,7 +158,11 @@ void LiveRun::startSession() {
 
 /** By the processing thread: what must not be lost is written, what may be is left for who has the time. */
 void LiveRun::receive(const LiveResultPtr& result) {
-  if (results_) results_->append(*result);
+  if (results_ || stream_) {
+    const FrameResult row = frameResult(*result, map_.get(), algorithms_.session.tracking.min_probability);
+    if (results_) results_->append(*result, row);
+    if (stream_) stream_->put(static_cast<std::size_t>(result->number - 1), row);
+  }
   newest_.put(result);
   const bool its_turn = (result->number - 1) % static_cast<std::uint64_t>(options_.every) == 0;
   if (!options_.screenshots.empty() && its_turn) to_draw_.put(result);

@@ -8,6 +8,7 @@
 #include "live/live_session.h"
 #include "live/live_status.h"
 #include "live/live_window.h"
+#include "tools/pose_stream.h"
 #include "tools/stop_signal.h"
 
 #include <facetloc/io/oni_recorder.h>
@@ -87,6 +88,7 @@ private:
   std::unique_ptr<OniRecorder> recorder_;
   std::filesystem::path recording_;  // its file
   std::unique_ptr<LiveResults> results_;
+  std::unique_ptr<PoseStream> stream_;
   LatestFrame<LiveResultPtr> newest_, to_draw_;
   std::unique_ptr<LiveSession> session_;
 

@@ -6,6 +6,7 @@
 #include "tools/drive.h"
 #include "tools/localization_report.h"
 #include "tools/milliseconds.h"
+#include "tools/pose_stream.h"
 #include "tools/text.h"
 
 #include <facetloc/io/atomic_file.h>
@@ -19,6 +20,7 @@
 #include <functional>
 #include <iterator>
 #include <memory>
+#include <set>
 #include <utility>
 
 namespace facetloc {
@@ -146,6 +148,7 @@ void LocalizeApp::addOptions(CommandLine& line) {
       "starts", starts_, "N",
       "With --sequence, also from every N-th image as if the camera woke up there: starts.csv, of which "
       "facetloc_evaluate draws how soon it knows where it is.");
+  addStreamOption(line, streams_);
   line.addSwitch("resume", resume_, "Skip images that an earlier, perhaps interrupted run has done.");
   line.addPresets();
   addRecordingOptions(line, input_.recording);
@@ -212,7 +215,7 @@ std::vector<FrameResult> LocalizeApp::begin(const std::vector<FrameFile>& frames
  * \return the exit code. */
 int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
                           const std::shared_ptr<const Map>& map, const std::vector<std::size_t>& todo,
-                          ResultsJournal& journal, std::vector<FrameResult>& results,
+                          ResultsJournal& journal, std::vector<FrameResult>& results, const Publish& publish,
                           const Console& console) {
   Batch batch(is_sequence_ ? 1 : threads(), todo.size(), console, ranks());  // a drive has an order
   const bool is_alone = sequence.frames().size() == 1;  // else several images are localized at a time
@@ -226,6 +229,9 @@ int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
   std::vector<FrameResult> found(todo.size());
   std::vector<ViewTraits> traits(todo.size());
   const auto fileOf = [&](std::size_t i) -> const FrameFile& { return sequence.frames()[todo[i]]; };
+  const auto publishNow = [&](std::size_t i) {
+    if (!smooth_) publish(todo[i], found[i]);  // else it is not the last word
+  };
   batch.run([&](std::size_t i) { return fileOf(i).path.string(); },
             [&](std::size_t i, int worker) {
               FrameResult& result = found[i];
@@ -237,9 +243,11 @@ int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
                 result.stamp = fileOf(i).stamp;
                 result.timing.frame = fileOf(i).name;
                 result.rows = {noHypothesis(fileOf(i).name, e.what())};
+                publishNow(i);
                 throw;
               }
               journal.append(fileOf(i).name, result);
+              publishNow(i);
             });
   if (smooth_) {
     SequenceLocalization backward = newSequence(map, threads());
@@ -248,6 +256,7 @@ int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
         [&](std::size_t i, SequenceAnswer answer) {
           found[i].rows = rowsOf(fileOf(i).name, frameAnswer(std::move(answer)), *map, max_hypotheses_);
         });
+    for (std::size_t i = 0; i < found.size(); ++i) publish(todo[i], found[i]);
   }
   ranks().collect(found);
   for (std::size_t i = 0; i < todo.size() && ranks().isFirst(); ++i) results[todo[i]] = std::move(found[i]);
@@ -335,6 +344,12 @@ std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& file, const 
 }
 
 int LocalizeApp::execute(const CommandLine& line, const Console& console) {
+  return streams_ ? localizeAll(line, besideStream(console), &console.out)
+                  : localizeAll(line, console, nullptr);
+}
+
+/** \param out where answers are streamed to; null = nowhere */
+int LocalizeApp::localizeAll(const CommandLine& line, const Console& console, std::ostream* out) {
   if (folder_.empty()) throw UsageError("the folder of the results is missing: -o RESULTS");
   if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
   if (starts_ < 0) throw UsageError("starts must not be negative");
@@ -344,6 +359,7 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
     throw UsageError("--sequence does not go with --resume: its answers need all images before; run it anew");
   if (is_sequence_ && ranks().size() > 1)
     throw UsageError("--sequence does not go with mpirun: its images have an order; run it without");
+  if (streams_ && ranks().size() > 1) throw UsageError("--stream does not go with mpirun; run it without");
   if (is_sequence_ && localization_.score.by_overlap)
     throw UsageError("--sequence does not go with --score.by_overlap, which --preset paper sets: overlaps "
                      "have no probabilities");
@@ -368,7 +384,15 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
   }
   todo = ranks().broadcast(todo);
   if (!ranks().isFirst() && !todo.empty()) journal.begin({});
-  const int code = localize(sequence, camera, map, todo, journal, results, console);
+  std::optional<PoseStream> stream;
+  if (out) stream.emplace(*out, camera.mounting);
+  const Publish publish = [&stream](std::size_t frame, const FrameResult& result) {
+    if (stream) stream->put(frame, result);
+  };
+  const std::set<std::size_t> undone(todo.begin(), todo.end());
+  for (std::size_t i = 0; i < results.size(); ++i)
+    if (!undone.count(i)) publish(i, results[i]);  // of an earlier run
+  const int code = localize(sequence, camera, map, todo, journal, results, publish, console);
   if (!ranks().isFirst()) return kOk;
   if (journal.exists()) {
     writeResults(folder_, results, provenance.params_ini);

@@ -9,8 +9,10 @@
 
 #include <facetloc/registration/sequence_localization.h>
 
+#include <functional>
 #include <map>
 #include <memory>
+#include <ostream>
 
 namespace facetloc {
 
@@ -20,6 +22,9 @@ public:
   LocalizeApp();
 
 private:
+  /** Hands out the answer to a frame as soon as it is final. */
+  using Publish = std::function<void(std::size_t frame, const FrameResult& result)>;
+
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
   bool dealsOut() const override { return true; }
@@ -33,7 +38,8 @@ private:
                                  ResultsJournal& journal, std::vector<std::size_t>& todo) const;
   int localize(const DepthSequence& sequence, const Camera& camera, const std::shared_ptr<const Map>& map,
                const std::vector<std::size_t>& todo, ResultsJournal& journal,
-               std::vector<FrameResult>& results, const Console& console);
+               std::vector<FrameResult>& results, const Publish& publish, const Console& console);
+  int localizeAll(const CommandLine& line, const Console& console, std::ostream* out);
   SequenceLocalization newSequence(const std::shared_ptr<const Map>& map, int threads) const;
   int localizeFromStarts(const DepthSequence& sequence, const Camera& camera,
                          const std::shared_ptr<const Map>& map, const Console& console) const;
@@ -45,6 +51,7 @@ private:
   int max_hypotheses_ = 100;
   double min_probability_ = kMinProbability;
   bool resume_ = false;
+  bool streams_ = false;
   bool is_sequence_ = false;
   bool smooth_ = false;
   int starts_ = 0;

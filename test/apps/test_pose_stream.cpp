@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "example_room.h"
+#include "live_tool.h"
+#include "tools/localize_app.h"
+#include "tools/pose_stream.h"
+
+#include <facetloc/io/depth_sequence.h>
+
+#include <gmock/gmock.h>
+
+#include <arpa/inet.h>
+#include <json/json.h>
+#include <set>
+#include <sstream>
+#include <sys/socket.h>
+#include <sys/time.h>
+
+namespace facetloc::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+Json::Value parsed(const std::string& line) {
+  Json::Value value;
+  std::string errors;
+  std::istringstream in(line);
+  Json::CharReaderBuilder builder;
+  Json::CharReaderBuilder::strictMode(&builder.settings_);
+  EXPECT_TRUE(Json::parseFromStream(builder, in, &value, &errors)) << errors << line;
+  return value;
+}
+
+std::vector<std::string> linesIn(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+Eigen::Isometry3d poseIn(const Json::Value& pose) {
+  const auto number = [&](const char* key, int i) { return pose[key][i].asDouble(); };
+  const Eigen::Quaterniond q(number("quaternion", 3), number("quaternion", 0), number("quaternion", 1),
+                             number("quaternion", 2));
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = q.toRotationMatrix();
+  T.translation() << number("position", 0), number("position", 1), number("position", 2);
+  return T;
+}
+
+/** Of the keys and the kinds of values. */
+void expectBySchema(const Json::Value& answer) {
+  static const Json::Value schema = parsed(contentOf(FACETLOC_STREAM_SCHEMA));
+  std::set<std::string> wanted;
+  for (const Json::Value& key : schema["required"]) wanted.insert(key.asString());
+  const auto names = answer.getMemberNames();
+  EXPECT_EQ(std::set<std::string>(names.begin(), names.end()), wanted);
+  EXPECT_THAT((std::vector<std::string>{"sure", "doubtful", "unknown"}),
+              testing::Contains(answer["state"].asString()));
+  EXPECT_TRUE(answer["stamp"].isDouble());
+  EXPECT_TRUE(answer["reason"].isString());
+  for (const char* pose : {"T_w_c", "T_w_b"})
+    if (!answer[pose].isNull()) {
+      EXPECT_EQ(answer[pose]["position"].size(), 3u);
+      EXPECT_EQ(answer[pose]["quaternion"].size(), 4u);
+    }
+  if (!answer["covariance"].isNull()) {
+    EXPECT_EQ(answer["covariance"].size(), 21u);
+  }
+}
+
+FrameResult frame() {
+  FrameResult result;
+  result.stamp = 1355494975.814212;
+  ResultRow row;
+  row.frame = "a \"strange\"\tname \\";
+  row.rank = 1;
+  row.model = "left";
+  row.probability = 0.95;
+  row.state = AnswerState::sure;
+  row.T_w_c = Eigen::Isometry3d(Eigen::Translation3d(1, -2, 0.98) *
+                                Eigen::AngleAxisd(2.5, Eigen::Vector3d(1, 2, -3).normalized()));
+  Matrix6d P;
+  for (int r = 0; r < 6; ++r)
+    for (int c = 0; c < 6; ++c) P(r, c) = 10 * std::min(r, c) + std::max(r, c);
+  row.P_w_c = P;
+  result.rows = {row};
+  return result;
+}
+
+TEST(PoseStream, ALineIsJsonOfTheSchema) {
+  const CameraMounting mounting{0.98, 10};
+  const std::string line = toJson(frame(), mounting);
+  EXPECT_THAT(line, Not(HasSubstr("\n")));
+  const Json::Value answer = parsed(line);
+  expectBySchema(answer);
+  EXPECT_NEAR(answer["stamp"].asDouble(), frame().stamp, 1e-6);
+  EXPECT_EQ(answer["frame"].asString(), frame().rows[0].frame);
+  EXPECT_EQ(answer["state"].asString(), "sure");
+  const Eigen::Isometry3d T_w_c = poseIn(answer["T_w_c"]), T_w_b = poseIn(answer["T_w_b"]);
+  EXPECT_TRUE(T_w_c.isApprox(*frame().rows[0].T_w_c, 1e-6));
+  EXPECT_TRUE((T_w_b * mounting.T_b_c()).isApprox(T_w_c, 1e-6));
+  EXPECT_EQ(answer["covariance"][0].asDouble(), 0);
+  EXPECT_EQ(answer["covariance"][5].asDouble(), 5);
+  EXPECT_EQ(answer["covariance"][6].asDouble(), 11);
+  EXPECT_EQ(answer["covariance"][20].asDouble(), 55);
+}
+
+TEST(PoseStream, WhatIsNotKnownIsNull) {
+  FrameResult result = frame();
+  EXPECT_TRUE(parsed(toJson(result, {}))["T_w_b"].isNull()) << "nobody knows the mounting";
+  ResultRow row;
+  row.frame = "1.0";
+  row.reason = "nothing agrees";
+  result.rows = {row};
+  const Json::Value answer = parsed(toJson(result, CameraMounting{1, 0}));
+  expectBySchema(answer);
+  for (const char* key : {"T_w_c", "T_w_b", "covariance", "model"}) EXPECT_TRUE(answer[key].isNull()) << key;
+  EXPECT_EQ(answer["state"].asString(), "unknown");
+  EXPECT_EQ(answer["probability"].asDouble(), 0);
+  EXPECT_EQ(answer["reason"].asString(), "nothing agrees");
+}
+
+TEST(PoseStream, LinesAreInTheOrderOfTheFrames) {
+  std::ostringstream out;
+  PoseStream stream(out, {});
+  FrameResult result = frame();
+  for (const std::size_t index : {2, 0, 1, 4, 3}) {
+    result.stamp = static_cast<double>(index);
+    stream.put(index, result);
+    if (index == 2) {
+      EXPECT_THAT(out.str(), IsEmpty()) << "before the frames that it follows";
+    }
+    if (index == 0) {
+      EXPECT_EQ(linesIn(out.str()).size(), 1u);
+    }
+  }
+  const auto lines = linesIn(out.str());
+  ASSERT_EQ(lines.size(), 5u);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(parsed(lines[i])["stamp"].asInt(), i);
+}
+
+class StreamOfImages : public Tools {};
+
+TEST_F(StreamOfImages, LocalizeWritesEachImageAndNothingElse) {
+  for (const std::vector<std::string>& options :
+       {std::vector<std::string>{}, {"--sequence"}, {"--sequence", "--smooth"}}) {
+    std::vector<std::string> arguments = {map(), query(), "-o", folder_ / "results", "--stream"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const ToolRun run = runTool<LocalizeApp>(arguments);
+    ASSERT_EQ(run.code, kOk) << run.err;
+    EXPECT_THAT(run.err, HasSubstr("results in"));
+    const auto lines = linesIn(run.out);
+    ASSERT_EQ(lines.size(), static_cast<std::size_t>(kFrames));
+    const Trajectory truth = DepthSequence::readTruth(query());
+    double before = -1;
+    int sure = 0;
+    for (const std::string& line : lines) {
+      const Json::Value answer = parsed(line);
+      expectBySchema(answer);
+      EXPECT_GT(answer["stamp"].asDouble(), before);
+      before = answer["stamp"].asDouble();
+      if (answer["state"].asString() != "sure") continue;
+      ++sure;
+      const Eigen::Isometry3d T = *truth.at(before);
+      EXPECT_LT((poseIn(answer["T_w_c"]).translation() - T.translation()).norm(), 0.1);
+      EXPECT_NEAR(answer["T_w_b"]["position"][2].asDouble(), 0, 0.1) << "the base is on the floor";
+    }
+    EXPECT_GE(sure, 8);
+  }
+}
+
+TEST_F(StreamOfImages, WhatAnEarlierRunHasDoneIsStreamedToo) {
+  const std::vector<std::string> arguments = {map(), query(), "-o", folder_ / "results", "--stream"};
+  const ToolRun once = runTool<LocalizeApp>(arguments);
+  std::vector<std::string> again = arguments;
+  again.emplace_back("--resume");
+  const auto first = linesIn(once.out), second = linesIn(runTool<LocalizeApp>(again).out);
+  ASSERT_EQ(second.size(), first.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const Json::Value a = parsed(first[i]), b = parsed(second[i]);
+    for (const char* key : {"stamp", "frame", "state", "probability", "model", "covariance"})
+      EXPECT_EQ(a[key], b[key]);
+    for (const char* key : {"T_w_c", "T_w_b"})
+      EXPECT_TRUE(poseIn(a[key]).isApprox(poseIn(b[key]), 1e-8)) << "more than files round";
+  }
+}
+
+TEST_F(StreamOfImages, AnImageThatCannotBeReadHasALine) {
+  const ToolRun run =
+      runTool<LocalizeApp>({map(), withOneCorruptImage(), "-o", folder_ / "results", "--stream"});
+  EXPECT_EQ(run.code, kFailed);
+  const auto lines = linesIn(run.out);
+  ASSERT_EQ(lines.size(), static_cast<std::size_t>(kFrames));
+  EXPECT_THAT(parsed(lines[4])["reason"].asString(), HasSubstr("not a PNG"));
+}
+
+class StreamOfACamera : public LiveTool {};
+
+TEST_F(StreamOfACamera, NeedsAMap) {
+  EXPECT_EQ(runLive({"--device", sequence(), "--stream", "--headless"}).code, kUsage);
+}
+
+/** What a reader that publishes by datagrams sends, to a port of ours. */
+class Datagrams {
+public:
+  Datagrams() : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address);
+    socklen_t size = sizeof address;
+    getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size);
+    port_ = ntohs(address.sin_port);
+    const timeval patience{1, 0};
+    setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  }
+  ~Datagrams() { close(socket_); }
+  int port() const { return port_; }
+  /** The next one; empty if there is none for a second. */
+  std::string next() const {
+    std::string bytes(4096, '\0');
+    const ssize_t size = recv(socket_, bytes.data(), bytes.size(), 0);
+    return size > 0 ? bytes.substr(0, static_cast<std::size_t>(size)) : std::string();
+  }
+
+private:
+  int socket_;
+  int port_ = 0;
+};
+
+TEST_F(StreamOfACamera, IsReadByTheExample) {
+  const Datagrams datagrams;
+  const std::string command = std::string(FACETLOC_LIVE) + " --device '" + sequence() + "' --map '" + map() +
+                              "' --headless --stream | /usr/bin/env python3 " + FACETLOC_READ_STREAM + " " +
+                              std::to_string(datagrams.port());
+  Process process({"/bin/sh", "-c", command});
+  const ToolRun run = process.wait();
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr(", probability "));
+  const Trajectory truth = DepthSequence::readTruth(sequence());
+  const CameraMounting mounting = *DepthSequence::open(sequence()).camera()->camera.mounting;
+  int received = 0;
+  for (std::string bytes; !(bytes = datagrams.next()).empty(); ++received) {
+    const Json::Value message = parsed(bytes);
+    const Eigen::Isometry3d T_w_c = poseIn(message) * mounting.T_b_c();
+    const auto true_pose = truth.at(message["stamp"].asDouble());
+    ASSERT_TRUE(true_pose);
+    EXPECT_LT((T_w_c.translation() - true_pose->translation()).norm(), 0.1);
+  }
+  EXPECT_GE(received, 5);
+}
+
+}  // namespace
+}  // namespace facetloc::test
