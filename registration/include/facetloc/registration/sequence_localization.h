@@ -64,10 +64,9 @@ public:
   SequenceAnswer addCloud(const pcl::PointCloud<PointT>& cloud, double stamp,
                           const std::optional<PoseWithCovariance>& motion = {}) {
     std::string why_not;
-    const auto intrinsics = cameraOfInput(&cloud, nullptr, camera().intrinsics, why_not);
-    SequenceAnswer answer =
-        intrinsics ? addImage(depthImage(cloud, *intrinsics), stamp, motion) : add(View(), stamp, motion);
-    if (!intrinsics) answer.reason = why_not;
+    const auto image = depthImageOfInput(&cloud, nullptr, camera().intrinsics, why_not);
+    SequenceAnswer answer = image ? addImage(*image, stamp, motion) : add(View(), stamp, motion);
+    if (!image) answer.reason = why_not;
     return answer;
   }
   /** \brief The same for a depth image with its intrinsics; of several pixels one, to be about 320 wide. */

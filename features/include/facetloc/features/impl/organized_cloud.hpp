@@ -99,4 +99,17 @@ DepthImage depthImage(const pcl::PointCloud<PointT>& cloud, const Intrinsics& ca
   return image;
 }
 
+template <typename PointT>
+std::optional<DepthImage> depthImageOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,
+                                            const Intrinsics& given, std::string& why_not) {
+  const std::optional<Intrinsics> camera = cameraOfInput(cloud, indices, given, why_not);
+  if (!camera) return {};
+  DepthImage image = depthImage(*cloud, *camera);
+  if (!indices) return image;
+  std::vector<float> chosen(image.depth.size(), 0.f);
+  for (const auto i : *indices) chosen[i] = image.depth[i];
+  image.depth.swap(chosen);
+  return image;
+}
+
 }  // namespace facetloc
