@@ -9,7 +9,7 @@
 /** \file Threads that never end, private to io.
  *
  * OpenNI2 keeps the errors of each thread that calls it, and when a new one does, asks the system which of
- * the others are still alive. To ask that of a thread that has ended is to read memory that may be gone. So
+ * the others are still alive. To ask a thread that has ended is to read memory that may be gone. So
  * programs crash in the end that call OpenNI2 on threads that come and go; the threads on which its streams
  * call back are such, for its own C++ wrapper calls it there before anything else.
  */

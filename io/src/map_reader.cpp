@@ -59,7 +59,7 @@ Map readSound(sqlite::Connection& db, bool with_views) {
   return map;
 }
 
-/** Calls a function for every row; a bad row is told with the label that the function has set so far. */
+/** Calls a function for every row; a bad row is reported with the label that the function has set so far. */
 template <typename Function>
 void MapReader::forEachRow(const std::string& sql, const Function& function) {
   Statement row(db_, sql);

@@ -158,7 +158,7 @@ struct OpenNIGrabber::State : openni::OpenNI::DeviceStateChangedListener,
     for (Stream& s : streams)
       if (s.stream.isValid()) s.stream.destroy();
     device.close();
-    // libOniFile does not support this property, but keeps what it is told; only our driver has it.
+    // libOniFile does not support this property, but keeps what it is given; only our driver has it.
     if (is_file && !has_trigger) std::this_thread::sleep_for(kPlayerPause);
   }
   State(const State&) = delete;

@@ -35,7 +35,7 @@ double noiseByDifferences(const DepthImage& image, int apart, int rows, std::vec
 
 /** \brief Noise of inverse depth, estimated from the image itself [1/m] (METHOD 2.2): the median absolute
  * second difference along rows over triples of valid pixels in 60 to 119 rows from all over the image (in all
- * of a lower one), scaled for white noise. Smooth noise, as that of a stereo camera, hardly differs between
+ * of a lower one), scaled for white noise. Smooth noise, as a stereo camera has it, hardly differs between
  * neighbours: half of what triples of pixels 6 apart (at 320 columns) tell counts too, if it is more, which
  * it is not for a Kinect. Not less than the given one, which it is if there are fewer than 100 triples. */
 double estimateNoise(const DepthImage& image, double least = 0);

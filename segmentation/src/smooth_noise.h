@@ -8,7 +8,7 @@
 
 namespace facetloc::internal {
 
-/** \brief Noise that neighbouring pixels share, as that of a stereo camera: a wall becomes wavy rather than
+/** \brief Noise that neighbouring pixels share, as a stereo camera has it: a wall becomes wavy rather than
  * rough. Its correlation over the distance r is exp(-r^2 / correlation_px^2). */
 struct SmoothNoise {
   double std;             ///< of inverse depth [1/m]

@@ -70,7 +70,7 @@ struct ShownParams {
   }
 };
 
-/** Prints what it was told. */
+/** Prints what it was given. */
 class EchoApp : public App {
 public:
   EchoApp() : App("facetloc_echo", "INPUT... -o DIR", "Repeats its options.") {}
@@ -267,7 +267,7 @@ TEST(App, HelpThatCannotBeWrittenIsAFailure) {
   }
 }
 
-/** Fails in the way it is told to. */
+/** Fails in the way it is asked to. */
 class FailingApp : public App {
 public:
   FailingApp() : App("facetloc_fail", "", "Fails.") {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// README's library example, as it stands there, beside the tool.
+// README's library examples, as they stand there, beside the tool.
 #include "example_room.h"
 #include "tools/localize_app.h"
 
@@ -8,10 +8,13 @@
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
 #include <facetloc/registration/global_localization.h>
+#include <facetloc/registration/map_localization.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <sstream>
@@ -21,17 +24,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void exampleOfReadme(){
+void exampleOfReadme() {
 #include "readme_example.inc"
 }
 
-/** What the example prints in a folder. */
-std::string printedIn(const std::string& folder) {
+using Cloud = pcl::PointCloud<pcl::PointXYZRGBA>;
+using Use = std::function<void(const Eigen::Isometry3d&, const Matrix6d&)>;
+
+void cloudExampleOfReadme(const Cloud::ConstPtr& cloud, const Use& use){
+#include "readme_cloud_example.inc"
+}
+
+/** What an example prints in a folder. */
+std::string printedIn(const std::string& folder, const std::function<void()>& example) {
   const fs::path before = fs::current_path();
   std::ostringstream out;
   std::streambuf* const console = std::cout.rdbuf(out.rdbuf());
   fs::current_path(folder);
-  exampleOfReadme();
+  example();
   fs::current_path(before);
   std::cout.rdbuf(console);
   return out.str();
@@ -59,7 +69,7 @@ protected:
     const ToolRun run =
         runTool<LocalizeApp>({folder_ / "office.flmap", folder_ / "walk", "-o", folder_ / "results"});
     ASSERT_EQ(run.code, kOk) << run.err;
-    const std::string by_example = printedIn(folder_ / "."),
+    const std::string by_example = printedIn(folder_ / ".", exampleOfReadme),
                       by_tool = printed(readHypotheses(folder_ / "results"));
     EXPECT_EQ(by_example, by_tool);
     EXPECT_THAT(by_example, testing::HasSubstr(" at "));
@@ -74,6 +84,29 @@ TEST_F(Readme, TheLibraryAnswersAsTheToolForACameraInTheHand) {
 }
 TEST_F(Readme, TheLibraryAnswersAsTheToolForANoisierCamera) {
   expectSameAsTheTool([](Camera& camera) { camera.noise.inverse_depth_std *= 4; });
+}
+
+TEST_F(Readme, ACloudIsFoundInAMap) {
+  fs::copy(map(), folder_ / "office.flmap");
+  const DepthSequence walk = DepthSequence::open(query());
+  int sure = 0;
+  for (std::size_t i = 0; i < walk.frames().size(); ++i) {
+    const DepthImage image = walk.load(i);
+    auto cloud = pcl::make_shared<Cloud>(image.camera.width, image.camera.height);
+    for (int v = 0; v < image.camera.height; ++v)
+      for (int u = 0; u < image.camera.width; ++u)
+        (*cloud)(u, v).getVector3fMap() =
+            (image.camera.ray(u, v) * (image.at(u, v) > 0 ? image.at(u, v) : NAN)).cast<float>();
+    const Eigen::Isometry3d truth = *walk.groundTruth().at(walk.frames()[i].stamp);
+    const auto use = [&](const Eigen::Isometry3d& T, const Matrix6d&) {
+      ++sure;
+      EXPECT_LT((T.translation() - truth.translation()).norm(), 0.1);
+    };
+    const int before = sure;
+    const std::string printed_text = printedIn(folder_ / ".", [&] { cloudExampleOfReadme(cloud, use); });
+    EXPECT_EQ(printed_text.empty(), sure > before) << printed_text;
+  }
+  EXPECT_GE(sure, 6);
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ TEST_F(TwoViewsOfARoom, FromAboutTheRightPoseTheAnswerIsTheSameAndLessIsTried) {
   const std::vector<Hypothesis> near = from(perturbed(truth, off));
   ASSERT_FALSE(near.empty());
   EXPECT_THAT(near[0].T_m_c.T, PoseNear(everywhere[0].T_m_c.T, 1e-3, 0.05));
-  // The start is no measurement: what is told of the pose is what the pairs tell.
+  // The start is no measurement: all that is known of the pose is what the pairs tell.
   EXPECT_NEAR(near[0].T_m_c.P.trace(), everywhere[0].T_m_c.P.trace(), 0.1 * everywhere[0].T_m_c.P.trace());
   EXPECT_LE(near.size(), everywhere.size());
   Eigen::Isometry3d away = truth;

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <cstdlib>
 
-// Sanitizers have a malloc of their own; those of Clang are not to be told here.
+// Sanitizers have a malloc of their own; Clang's cannot be recognized here.
 #if defined(__GLIBC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) &&                           \
     !defined(__SANITIZE_THREAD__)
 

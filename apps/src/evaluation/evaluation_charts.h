@@ -15,7 +15,7 @@ namespace facetloc {
  * hypothesis, with 99 % marks of the first summary. */
 void drawFig6(const std::filesystem::path& path, const std::vector<Summary>& summaries,
               const EvaluationParams& params);
-/** \brief How often rank 1 is correct over its probability, and how many images that is told from. */
+/** \brief How often rank 1 is correct over its probability, and from how many images that is known. */
 void drawReliability(const std::filesystem::path& path, const Summary& summary);
 /** \brief Shares and errors over the planes in view and over the distance to the map; false, and nothing
  * drawn, without groups. */

@@ -14,7 +14,7 @@
 namespace facetloc {
 
 /** \brief The answer to a frame as results have it: one row, with a pose where it is certain. Where the view
- * has nothing in common with the map, the pose is told relative to the nearest local model, with a remark.
+ * has nothing in common with the map, the pose is relative to the nearest local model, with a remark.
  * \param map may be null */
 FrameResult frameResult(const LiveResult& result, const Map* map, double min_probability);
 

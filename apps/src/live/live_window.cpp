@@ -15,7 +15,7 @@
 namespace facetloc {
 namespace {
 
-constexpr int kWidth = 1280, kHeight = 764;  // [px] that of a screenshot and two lines
+constexpr int kWidth = 1280, kHeight = 764;  // [px] a screenshot and two lines
 
 struct Key {
   const char* name;

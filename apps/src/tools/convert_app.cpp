@@ -107,7 +107,7 @@ int ConvertApp::execute(const CommandLine&, const Console& console) {
   const DepthSequence sequence = openSequence(input_, recording_, console);
   if (fs::exists(folder_) && !(fs::is_directory(folder_) && fs::is_empty(folder_)))
     throw IoError(folder_, "exists already; remove it or use another folder");
-  sequence.groundTruth();  // poses that cannot be read are told before the work
+  sequence.groundTruth();  // poses that cannot be read end it before the work
   const CameraFile camera = outputCamera(sequence);
   createFolders(fs::path(folder_) / "depth");
   writeCameraFile(fs::path(folder_) / "camera.ini", camera);

@@ -54,7 +54,7 @@ void noteMounting(const fs::path& path, const Console& console) {
 // Of a build that came to nothing.
 void removeWithoutModels(const fs::path& path) try {
   if (openMap(path).models.empty()) fs::remove(path);
-} catch (const std::exception&) {  // what ended the build is told
+} catch (const std::exception&) {  // what ended the build is reported
 }
 
 }  // namespace
@@ -376,7 +376,7 @@ std::optional<DepthDistortion> MapBuildApp::calibrate(const DepthSequence& seque
   std::vector<PosedPicture> pictures;
   for (std::size_t i = 0; i < n; ++i) pictures.push_back({&depth[i], *posed[i * posed.size() / n].T_w_m});
   const auto frameOf = [&](std::size_t i) { return posed[i * posed.size() / n].frame; };
-  // Images that cannot be read are left out: those that become local models are told of later.
+  // Images that cannot be read are left out: those that become local models are reported later.
   Batch(threads(), n, console)
       .run([&](std::size_t i) { return sequence.frames()[frameOf(i)].name; },
            [&](std::size_t i, int) { depth[i].assign(sequence.load(frameOf(i), input_.width)); });

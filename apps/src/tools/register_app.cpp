@@ -38,7 +38,7 @@ RegisterApp::RegisterApp()
           "camera.ini beside "
           "them or in the folder above, or organized PCD files. The prior is the identity, with the spread "
           "of "
-          "--prior.rotation_std_deg and --prior.translation_std; it is that of a robot on a floor if both "
+          "--prior.rotation_std_deg and --prior.translation_std; it is a robot's on a floor if both "
           "camera.ini "
           "files tell "
           "the same mounting of the camera.") {}

@@ -13,7 +13,7 @@ constexpr float kQuantum = static_cast<float>(DepthPicture::kQuantum);
 constexpr auto kFarthest = static_cast<float>(DepthDifference::kFarthest);
 constexpr int kSums = 21;  // of a lower triangle
 
-/** What compareDepth is told, and where the results go. */
+/** What compareDepth works on, and where the results go. */
 struct Comparison {
   TurnedRays in_model, in_world;
   float t[3], to_world[3][3], uncertainty[6][6];

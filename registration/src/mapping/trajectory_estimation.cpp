@@ -292,7 +292,7 @@ std::vector<int> TrajectoryEstimation::Impl::keyframesAround(const Eigen::Isomet
   return inOrder(around);
 }
 
-// All of them, those first whose depth pictures look most like that of a view.
+// All of them; those whose depth pictures look most like the view's come first.
 std::vector<int> TrajectoryEstimation::Impl::keyframesAlike(const View& view) const {
   const Thumbnail of_view = thumbnail(view.depth);
   std::vector<std::pair<double, int>> alike;
@@ -371,7 +371,7 @@ TrajectoryEstimation::Impl::motionOf(const ViewMotion& seen, bool is_sparse,
 }
 
 // A robot's wheels tell nothing of how it leans on an uneven floor. The error along the way is the same for
-// some metres, as that of a wheel's radius.
+// some metres, as a wrong radius of a wheel makes it.
 PoseWithCovariance TrajectoryEstimation::Impl::withDrift(const Eigen::Isometry3d& motion) const {
   constexpr double kAlike = 10;             // way along which the error stays [m]
   constexpr double kMetresPerRadian = 0.2;  // that the wheels of a robot roll when it turns

@@ -12,8 +12,8 @@ namespace facetloc::internal {
 /** \brief Tells how a camera has moved from image to image, of a film or of images that are far apart.
  *
  * Images in quick succession are followed by ViewOdometry. Others, and those that it cannot follow, are
- * placed beside the image before (ViewPlacing), about any motion within a step or about that of an odometry
- * which is given. */
+ * placed beside the image before (ViewPlacing), about any motion within a step or about the one of an
+ * odometry which is given. */
 class ImageMotion {
 public:
   explicit ImageMotion(const ViewOdometryParams& params);

@@ -26,7 +26,7 @@ class PlaceAligner {
 public:
   /** \param scene must outlive the aligner */
   explicit PlaceAligner(const PlaceSignature& scene);
-  /** \param least score that is of use: of a model that scores less, that it does is all that is told */
+  /** \param least score that is of use: a model that scores less is known to do so, and nothing else of it */
   PlaceAlignment align(const PlaceSignature& model, float least = std::numeric_limits<float>::lowest());
 
 private:

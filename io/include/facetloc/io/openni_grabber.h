@@ -14,7 +14,7 @@ namespace facetloc {
 /** \brief PCL's grabber for OpenNI2 depth cameras and recordings, made safe to stop, to destroy and to use.
  *
  * The base class waits for ever, or frees a stream twice, when it is stopped or destroyed while frames
- * arrive; an exception of a user's callback ends the process; its frame rate is that of a colour stream that
+ * arrive; an exception of a user's callback ends the process; its frame rate is a colour stream's that
  * need not be there; its frames must not outlive it. Here one thread reads frames, if there are any, and
  * nothing else starts or stops streams meanwhile. All else is as in PCL: register callbacks, such as
  * `void(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr&)`, before start(). They run one at a time on that

@@ -44,7 +44,7 @@ struct TrackedPose {
   std::string reason;         ///< what is missing, in words; empty while localized or tracking
   double probability = 0;     ///< of the place where the track began
   double map_agreement = 0;   ///< share of the view's depth pixels that the map confirms
-  double view_agreement = 0;  ///< the same of the camera's own key views
+  double view_agreement = 0;  ///< share of them that the camera's own key views confirm
   bool searched = false;      ///< in the whole map, which takes its time
   /** \brief Where the camera may be while no place is known, most probable first, by all views since then. */
   std::vector<PossiblePlace> places;

@@ -41,7 +41,7 @@ Rendering render(const Scene& scene, const Intrinsics& camera,
 /** \brief The image with white noise [1/m] on its inverse depth. */
 DepthImage noisy(DepthImage image, double inverse_depth_std, unsigned seed);
 
-/** \brief The same with smooth noise, as that of a stereo camera: white noise averaged with Gaussian weights
+/** \brief The same with smooth noise, as a stereo camera has it: white noise averaged with Gaussian weights
  * of that standard deviation [px]. */
 DepthImage smoothlyNoisy(DepthImage image, double inverse_depth_std, double smoothing, unsigned seed);
 

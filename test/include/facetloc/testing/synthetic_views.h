@@ -17,7 +17,7 @@ inline View viewFrom(const Scene& scene, const Eigen::Isometry3d& T_w_c, unsigne
   return ViewBuilder().build(noisy(image, SensorNoise{}.inverse_depth_std, seed));
 }
 
-/** \brief The view as that of a camera which is mounted so. */
+/** \brief The view as of a camera that is mounted so. */
 inline View mounted(View view, const CameraMounting& mounting) {
   Camera camera = view.camera ? *view.camera : Camera();
   camera.mounting = mounting;

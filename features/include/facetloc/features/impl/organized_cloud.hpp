@@ -47,7 +47,7 @@ std::optional<Intrinsics> recoverIntrinsics(const pcl::PointCloud<PointT>& cloud
   Intrinsics c{int(cloud.width), int(cloud.height), 0, 0, 0, 0};
   if (columns.n < kEnough || !columns.solve(c.fx, c.cx) || !rows.solve(c.fy, c.cy) || !c.valid()) return {};
 
-  // A cloud that is organized but no pinhole image is told from where its points are seen.
+  // A cloud that is organized but no pinhole image shows by where its points are seen.
   if (!isImageOf(cloud, c, 1.0)) return {};
   return c;
 }

@@ -81,7 +81,7 @@ bool MapLocalization<PointT>::see() {
   return true;
 }
 
-/** That of the header, unless there is none. */
+/** Of the header, if it has one. */
 template <typename PointT>
 double MapLocalization<PointT>::nextStamp() {
   constexpr double kMicrosecond = 1e-6, kPeriod = 1 / 30.0;  // [s]
