@@ -29,6 +29,12 @@ bool wellFormed(const ConvexHull& hull) {
 
 }  // namespace
 
+std::ostream& operator<<(std::ostream& out, const SegmentFrame& f) {
+  const Eigen::Vector3f n = f.normal();
+  return out << "(" << f.x << "," << f.y << "," << f.z << " - " << n.x() << "," << n.y() << "," << n.z()
+             << " - " << f.num_points << " points)";
+}
+
 SegmentFrame toSegmentFrame(const Segment& s) {
   SegmentFrame f;
   f.getVector3fMap() = s.t.cast<float>();

@@ -120,8 +120,7 @@ TEST_F(Tools, ADriveIsLocalizedByItsLaterImagesToo) {
   const Trajectory truth = readTumTrajectory(map_run() + "/groundtruth.txt");
   const auto sure = readTumTrajectory(smoothed + "/poses_tum.txt").poses();
   EXPECT_GT(sure.size(), readTumTrajectory(filtered + "/poses_tum.txt").poses().size());
-  for (const StampedPose& p : sure)
-    EXPECT_TRUE(isNear(p.T_w_c, *truth.at(p.stamp, 0.02), 0.2, 2)) << p.stamp;
+  for (const StampedPose& p : sure) EXPECT_TRUE(isNear(p.T_w_c, *truth.at(p.stamp, 0.02), 0.2, 2)) << p.stamp;
   EXPECT_THAT(contentOf(smoothed + "/params.ini"), HasSubstr("smooth = 1"));
   EXPECT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", filtered, "--smooth"}).code, kUsage);
 }

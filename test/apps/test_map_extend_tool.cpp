@@ -73,8 +73,7 @@ TEST_F(Tools, MapExtendFindsASessionInCoordinatesOfItsOwn) {
   ASSERT_EQ(run.code, kOk) << run.err;
   const Trajectory in_map = readTumTrajectory(found);
   EXPECT_FALSE(in_map.empty());
-  for (const StampedPose& p : in_map.poses())
-    EXPECT_THAT(p.T_w_c, PoseNear(*truth.at(p.stamp), 0.05, 1));
+  for (const StampedPose& p : in_map.poses()) EXPECT_THAT(p.T_w_c, PoseNear(*truth.at(p.stamp), 0.05, 1));
 }
 
 TEST_F(Tools, MapExtendRefusesASessionOfAnotherPlaceAndLeavesTheMap) {

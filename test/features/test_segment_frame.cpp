@@ -11,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <sstream>
 
 namespace facetloc {
 namespace {
@@ -73,6 +74,16 @@ TEST(SegmentFrame, CloudsAreTransformedFrameByFrame) {
   EXPECT_EQ(moved.header.frame_id, "here");
   for (std::size_t i = 0; i < moved.size(); ++i)
     EXPECT_EQ(moved[i].normal(), transformed(frames[i], T).normal());
+}
+
+TEST(SegmentFrame, IsWrittenAsPclWritesItsPoints) {
+  Segment s = randomSegments(1)[0];
+  s.t << 1, 2, 3.5;
+  s.R = Eigen::Matrix3d::Identity();
+  s.num_points = 77;
+  std::ostringstream out;
+  out << toSegmentFrame(s);
+  EXPECT_EQ(out.str(), "(1,2,3.5 - 0,0,1 - 77 points)");
 }
 
 class SegmentFramePcd : public testing::TestWithParam<bool> {};

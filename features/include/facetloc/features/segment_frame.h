@@ -10,9 +10,15 @@
 #include <pcl/register_point_struct.h>
 
 #include <cstdint>
+#include <ostream>
 #include <vector>
 
 namespace facetloc {
+
+// PCL clouds have another layout in memory where Eigen aligns to more, as under -mavx.
+static_assert(EIGEN_MAX_ALIGN_BYTES == 16,
+              "facetloc's libraries and Debian's PCL are compiled for EIGEN_MAX_ALIGN_BYTES = 16: link "
+              "facetloc's CMake targets, or compile with -DEIGEN_MAX_ALIGN_BYTES=16");
 
 /** \brief A planar surface segment as a PCL point: Segment in single precision, at home in PCD files and
  * viewers. */
@@ -38,6 +44,8 @@ struct EIGEN_ALIGN16 SegmentFrame {
 };
 
 SegmentFrame toSegmentFrame(const Segment& segment);
+/** \brief "(x,y,z - nx,ny,nz - n points)", as PCL writes its points. */
+std::ostream& operator<<(std::ostream& out, const SegmentFrame& frame);
 /** \brief False if a field is not finite, the quaternion is not a rotation, Sigma_q is not positive definite
  * or the hull is malformed; out is then unchanged. Never crashes, whatever the bytes. */
 bool toSegment(const SegmentFrame& frame, Segment& out);
