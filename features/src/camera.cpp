@@ -58,7 +58,16 @@ std::vector<std::string> inWords(const CameraDifference& d, const Camera& of_vie
 }
 
 std::string inWords(const CameraMounting& mounting) {
-  return decimals(mounting.height, 3) + " m above the floor, " + decimals(mounting.tilt_deg, 1) + " deg down";
+  std::string words =
+      decimals(mounting.height, 3) + " m above the floor, " + decimals(mounting.tilt_deg, 1) + " deg down";
+  const auto add = [&words](double value, int digits, const char* unit) {
+    if (value != 0) words += ", " + decimals(value, digits) + unit;
+  };
+  add(mounting.roll_deg, 1, " deg rolled to the right");
+  add(mounting.pan_deg, 1, " deg to the left");
+  add(mounting.x, 3, " m ahead of the base");
+  add(mounting.y, 3, " m left of it");
+  return words;
 }
 
 }  // namespace facetloc

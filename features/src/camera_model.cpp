@@ -37,14 +37,16 @@ Eigen::Isometry3d CameraMounting::T_b_c() const {
   Eigen::Matrix3d forward;  // columns: the axes of a level camera that looks along x of the base
   forward << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = forward * expSO3(Eigen::Vector3d(-tilt_deg * kDegree, 0, 0));
-  T.translation().z() = height;
+  T.linear() = expSO3({0, 0, pan_deg * kDegree}) * forward * expSO3({-tilt_deg * kDegree, 0, 0}) *
+               expSO3({0, 0, roll_deg * kDegree});
+  T.translation() << x, y, height;
   return T;
 }
 
 bool CameraMounting::agreesWith(const CameraMounting& other) const {
-  constexpr double kHeight = 0.05, kTilt = 5;  // [m], [deg]
-  return std::abs(height - other.height) <= kHeight && std::abs(tilt_deg - other.tilt_deg) <= kTilt;
+  constexpr double kHeight = 0.05, kAngle = 5;  // [m], [deg]
+  return std::abs(height - other.height) <= kHeight && std::abs(tilt_deg - other.tilt_deg) <= kAngle &&
+         std::abs(std::remainder(roll_deg - other.roll_deg, 360)) <= kAngle;
 }
 
 }  // namespace facetloc

@@ -76,7 +76,9 @@ OniStatus DepthDevice::getProperty(int id, void* data, int* size) {
   case kVirtualCameraMounting: {
     const std::optional<CameraMounting>& mounting = playback_->source().mounting();
     if (!mounting) return ONI_STATUS_NOT_IMPLEMENTED;
-    return giveProperty(std::array<double, 2>{mounting->height, mounting->tilt_deg}, data, size);
+    return giveProperty(std::array<double, 6>{mounting->height, mounting->tilt_deg, mounting->roll_deg,
+                                              mounting->pan_deg, mounting->x, mounting->y},
+                        data, size);
   }
   default:
     return ONI_STATUS_NOT_IMPLEMENTED;

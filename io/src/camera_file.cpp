@@ -38,6 +38,10 @@ constexpr Key kKeys[] = {
     {"depth_scale", kPositive, 1e9, false, true},
     {"mount_height", 0, 100, false, false},
     {"mount_tilt_deg", -90, 90, false, false},
+    {"mount_roll_deg", -180, 180, false, false},
+    {"mount_pan_deg", -180, 180, false, false},
+    {"mount_x", -100, 100, false, false},
+    {"mount_y", -100, 100, false, false},
     {"max_depth", 0.1, 1e3, false, false},
     {"distortion_offset", 0, 1, false, false},
     {"distortion_slope", 0, 1, false, false},
@@ -47,6 +51,16 @@ constexpr Key kKeys[] = {
     {"depth_std_slope", 0, DepthNoise::kLargestDepthStdSlope, false, false},
 };
 constexpr std::string_view kPreset = "camera";  // the key whose value is a word
+
+/** The keys of a mounting that need not be given with it, and what they set. */
+struct MountingKey {
+  const char* name;
+  double CameraMounting::*value;
+};
+constexpr MountingKey kMountingKeys[] = {{"mount_roll_deg", &CameraMounting::roll_deg},
+                                         {"mount_pan_deg", &CameraMounting::pan_deg},
+                                         {"mount_x", &CameraMounting::x},
+                                         {"mount_y", &CameraMounting::y}};
 
 /** The keys of a camera's noise, and what they set. */
 struct NoiseKey {
@@ -145,6 +159,9 @@ private:
       throw IoError(path_, "fy = " + text::shortest(fy) + " is impossible");
     if (values_.count("mount_height") != values_.count("mount_tilt_deg"))
       throw IoError(path_, "has only one of mount_height and mount_tilt_deg");
+    for (const MountingKey& key : kMountingKeys)
+      if (values_.count(key.name) && !values_.count("mount_height"))
+        throw IoError(path_, std::string("has ") + key.name + ", but not mount_height and mount_tilt_deg");
   }
 
   std::string path_;
@@ -175,6 +192,8 @@ CameraFile readCameraFile(const std::filesystem::path& path) {
                        v.at("cy")};
   file.depth_scale = v.at("depth_scale");
   if (v.count("mount_height")) camera.mounting = CameraMounting{v.at("mount_height"), v.at("mount_tilt_deg")};
+  for (const auto& [name, value] : kMountingKeys)
+    if (v.count(name)) (*camera.mounting).*value = v.at(name);
   for (const auto& [name, value] : kNoiseKeys)
     if (v.count(name)) camera.noise.*value = v.at(name);
   if (v.count("max_depth")) camera.max_depth = v.at("max_depth");
@@ -200,6 +219,8 @@ void writeCameraFile(const std::filesystem::path& path, const CameraFile& file) 
     if (camera.mounting) {
       line("mount_height", camera.mounting->height);
       line("mount_tilt_deg", camera.mounting->tilt_deg);
+      for (const auto& [name, value] : kMountingKeys)
+        if ((*camera.mounting).*value != 0) line(name, (*camera.mounting).*value);
     }
     if (preset) out << kPreset << "=" << preset->name << "\n";
     for (const auto& [name, value] : kNoiseKeys)

@@ -46,12 +46,25 @@ void insertMeta(Connection& db, const std::string& key, const std::string& value
   (statement << key << value).run();
 }
 
+/** Is the camera turned or moved as older formats cannot say? */
+bool hasTurn(const CameraMounting& mounting) {
+  return mounting.roll_deg != 0 || mounting.pan_deg != 0 || mounting.x != 0 || mounting.y != 0;
+}
+
 void insertCamera(Connection& db, const Camera& camera) {
   db.execute("DELETE FROM mounting; DELETE FROM distortion; DELETE FROM camera; DELETE FROM camera_range");
+  if (sqlite::hasTable(db, "mounting_turn")) db.execute("DELETE FROM mounting_turn");
   if (camera.mounting) {
     describing(db, "the mounting of the camera", [&] { requireSound(*camera.mounting); });
     Statement statement(db, "INSERT INTO mounting(id, height, tilt_deg) VALUES(0, ?, ?)");
     (statement << camera.mounting->height << camera.mounting->tilt_deg).run();
+  }
+  if (camera.mounting && hasTurn(*camera.mounting)) {
+    db.execute(schema::kMountingTable);
+    Statement statement(db, schema::insert(schema::kMountingTurnColumns, "mounting_turn"));
+    (statement << 0 << camera.mounting->roll_deg << camera.mounting->pan_deg << camera.mounting->x
+               << camera.mounting->y)
+        .run();
   }
   if (camera.distortion) {
     Statement statement(db, schema::insert(schema::kDistortionColumns, "distortion"));

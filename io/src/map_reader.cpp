@@ -111,6 +111,17 @@ void MapReader::readCamera() {
                map_rows::requireSound(mounting);
                map_.camera.mounting = mounting;
              });
+  if (map_.camera.mounting && sqlite::hasTable(db_, "mounting_turn"))
+    forEachRow(schema::select(schema::kMountingTurnColumns, "mounting_turn", "id"),
+               [this](Statement& row, std::string& label) {
+                 label = "the camera mounting";
+                 row.skip(1);
+                 CameraMounting mounting = *map_.camera.mounting;
+                 mounting.roll_deg = row.real(), mounting.pan_deg = row.real();
+                 mounting.x = row.real(), mounting.y = row.real();
+                 map_rows::requireSound(mounting);
+                 map_.camera.mounting = mounting;
+               });
   readDistortion();
   readAmbiguity();
 }

@@ -117,7 +117,10 @@ void requireSound(const Segment& s) {
 
 void requireSound(const CameraMounting& mounting) {
   require(mounting.height >= 0 && mounting.height <= plausible::kHighest &&
-              std::abs(mounting.tilt_deg) <= plausible::kStraightDown,
+              std::abs(mounting.tilt_deg) <= plausible::kStraightDown &&
+              std::abs(mounting.roll_deg) <= plausible::kUpsideDown &&
+              std::abs(mounting.pan_deg) <= plausible::kUpsideDown &&
+              std::abs(mounting.x) <= plausible::kHighest && std::abs(mounting.y) <= plausible::kHighest,
           "it is no place on a robot");
 }
 

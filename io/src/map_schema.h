@@ -136,6 +136,16 @@ CREATE TABLE IF NOT EXISTS lookalike(    -- the best wrong place for the view of
 ) STRICT;
 )sql";
 
+/** \brief Since 1.7; only of a camera that is not mounted straight ahead above the base. */
+inline constexpr const char* kMountingTable = R"sql(
+CREATE TABLE IF NOT EXISTS mounting_turn( -- what mounting leaves out; one row or none
+  id INTEGER PRIMARY KEY CHECK(id = 0),
+  roll_deg REAL NOT NULL,                 -- about the optical axis, the right side lower
+  pan_deg REAL NOT NULL,                  -- to the left of straight ahead
+  x REAL NOT NULL, y REAL NOT NULL        -- of the optical centre ahead of the base and to its left [m]
+) STRICT;
+)sql";
+
 /** \brief Since 1.5. Without a row, noise is the same at all depths in inverse depth, and no depth is too
  * large. */
 inline constexpr const char* kRangeTables = R"sql(
@@ -180,6 +190,7 @@ inline constexpr const char* kDistortionColumns = "node, ray_x, ray_y, inverse_d
 inline constexpr const char* kCameraColumns =
     "id, width, height, fx, fy, cx, cy, inverse_depth_std, distortion_offset, distortion_slope";
 inline constexpr const char* kPictureNoiseColumns = "model_id, inverse_depth_std";
+inline constexpr const char* kMountingTurnColumns = "id, roll_deg, pan_deg, x, y";
 inline constexpr const char* kRangeColumns = "id, depth_std, depth_std_slope, max_depth";
 inline constexpr const char* kRangeNoiseColumns = "model_id, depth_std, depth_std_slope";
 inline constexpr const char* kAmbiguityColumns = "id, score, views";

@@ -217,10 +217,11 @@ OpenNIGrabber::OpenNIGrabber(const std::string& device_id, Mode depth_mode) try
   if (shrunk == 1 &&
       state_->device.getProperty(kVirtualCameraIntrinsics, k.data(), &size) == openni::STATUS_OK)
     setDepthCameraIntrinsics(k[0], k[1], k[2], k[3]);
-  std::array<double, 2> mounting{};
+  std::array<double, 6> mounting{};
   size = sizeof mounting;
   if (state_->device.getProperty(kVirtualCameraMounting, mounting.data(), &size) == openni::STATUS_OK)
-    state_->mounting = CameraMounting{mounting[0], mounting[1]};
+    state_->mounting =
+        CameraMounting{mounting[0], mounting[1], mounting[2], mounting[3], mounting[4], mounting[5]};
   if (!std::isfinite(focalLength()) || !(focalLength() > 0))
     throw IoError(nameOf(device_id), "its driver tells no field of view");
   setPlayback(1, false);

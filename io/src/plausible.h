@@ -17,6 +17,7 @@ constexpr double kLatest = 1e11;      ///< [s] of a clock that began in 1970: in
 constexpr double kLeastStd = 1e-9;    ///< [m], [rad] no camera measures a plane to a nanometre
 constexpr double kHighest = 100;      ///< [m] of a camera above the floor on which its robot stands
 constexpr double kStraightDown = 90;  ///< [deg] of its tilt, upwards and downwards
+constexpr double kUpsideDown = 180;   ///< [deg] of its roll and pan, either way
 
 inline bool isPosition(const Eigen::Vector3d& t) { return t.cwiseAbs().maxCoeff() <= kFarthest; }
 inline bool isStamp(double stamp) { return std::abs(stamp) <= kLatest; }

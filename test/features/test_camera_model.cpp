@@ -149,11 +149,41 @@ TEST(CameraMounting, ALevelCameraLooksForward) {
   EXPECT_THAT(T.translation(), MatrixNear(Eigen::Vector3d(0, 0, 0.98), 0));
 }
 
+TEST(CameraMounting, PanTurnsToTheLeftAndTheBaseIsBehind) {
+  CameraMounting mounting{1, 0};
+  mounting.pan_deg = 90, mounting.x = 0.3, mounting.y = -0.1;
+  const Eigen::Isometry3d T = mounting.T_b_c();
+  EXPECT_THAT((T.linear() * Eigen::Vector3d::UnitZ()).eval(), MatrixNear(Eigen::Vector3d::UnitY(), 1e-15));
+  EXPECT_THAT((T.linear() * Eigen::Vector3d::UnitX()).eval(), MatrixNear(Eigen::Vector3d::UnitX(), 1e-15));
+  EXPECT_THAT(T.translation(), MatrixNear(Eigen::Vector3d(0.3, -0.1, 1), 0));
+}
+
+TEST(CameraMounting, RollLowersTheRightSideOfTheImage) {
+  CameraMounting mounting{1, 0};
+  mounting.roll_deg = 30;
+  const Eigen::Isometry3d T = mounting.T_b_c();
+  EXPECT_THAT((T.linear() * Eigen::Vector3d::UnitZ()).eval(), MatrixNear(Eigen::Vector3d::UnitX(), 1e-15));
+  EXPECT_NEAR((T.linear() * Eigen::Vector3d::UnitX()).z(), -0.5, 1e-12);
+}
+
+TEST(CameraMounting, TheFloorTellsTiltAndRollWhateverThePan) {
+  for (const double pan : {0.0, 40.0, -170.0}) {
+    CameraMounting mounting{1, 25};
+    mounting.roll_deg = -12, mounting.pan_deg = pan, mounting.x = 1;
+    const Eigen::Vector3d down = -(mounting.T_b_c().linear().transpose() * Eigen::Vector3d::UnitZ());
+    EXPECT_NEAR(std::asin(down.z()) / kDegree, 25, 1e-9);
+    EXPECT_NEAR(std::atan2(down.x(), down.y()) / kDegree, -12, 1e-9);
+  }
+}
+
 TEST(CameraMounting, AgreesAsWellAsMountingsAreMeasured) {
   const CameraMounting mounting{1, 10};
   EXPECT_TRUE(mounting.agreesWith({1.04, 7}));
   EXPECT_FALSE(mounting.agreesWith({0.9, 10}));
   EXPECT_FALSE(mounting.agreesWith({1, 20}));
+  EXPECT_TRUE(mounting.agreesWith({1, 10, 4}));
+  EXPECT_FALSE(mounting.agreesWith({1, 10, 8}));
+  EXPECT_TRUE(mounting.agreesWith({1, 10, 0, 90, 2, 1})) << "of which the floor tells nothing";
 }
 
 TEST(CameraMounting, TiltTurnsTheOpticalAxisDownwards) {

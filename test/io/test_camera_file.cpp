@@ -139,6 +139,19 @@ TEST(CameraFile, NamesTheLineOfAFault) {
   EXPECT_THAT(errorOf(good + "mount_height=1,5 mount_tilt_deg=0"), HasSubstr("'1,5'"));
 }
 
+TEST(CameraFile, AMountingMayBeTurnedAndMoved) {
+  const TemporaryFolder folder;
+  CameraFile file;
+  file.camera.intrinsics = {640, 480, 525, 525, 319.5, 239.5};
+  file.camera.mounting = CameraMounting{0.98, 10, -3.5, 90, 0.25, -0.125};
+  writeCameraFile(folder / "camera.ini", file);
+  const CameraMounting again = *readCameraFile(folder / "camera.ini").camera.mounting;
+  EXPECT_EQ(again.T_b_c().matrix(), file.camera.mounting->T_b_c().matrix());
+  EXPECT_THAT(errorOf(kMinimal + std::string("mount_pan_deg=90")),
+              AllOf(HasSubstr("mount_pan_deg"), HasSubstr("not mount_height")));
+  EXPECT_THAT(errorOf(kMinimal + std::string("mount_roll_deg=200")), HasSubstr("impossible"));
+}
+
 TEST(CameraFile, RefusesImpossibleValues) {
   for (const char* pair : {"width=0", "width=-640", "width=640.5", "width=1e9", "fx=0", "fy=-1", "cx=nan",
                            "cy=inf", "depth_scale=0"}) {

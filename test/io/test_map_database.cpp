@@ -48,7 +48,7 @@ TEST_F(MapFile, RoundTripsExactly) {
   EXPECT_EQ(read.camera.noise.depth_std_slope, map.camera.noise.depth_std_slope);
   EXPECT_EQ(read.camera.max_depth, map.camera.max_depth);
   for (const auto& [key, value] : map.meta) EXPECT_EQ(read.meta.at(key), value);
-  EXPECT_EQ(read.meta.at("format"), "facetloc map 1.6");
+  EXPECT_EQ(read.meta.at("format"), "facetloc map 1.7");
   EXPECT_THAT(read.meta.at("conventions"), HasSubstr("T_a_b"));
   ASSERT_EQ(read.models.size(), map.models.size());
   for (std::size_t i = 0; i < map.models.size(); ++i) expectEqual(map.models[i], read.models[i]);
@@ -216,6 +216,22 @@ TEST_F(MapFile, ATornDistortionIsAFault) {
     EXPECT_THAT(readError(), HasSubstr("the distortion")) << damage;
     EXPECT_THAT(checkMap(path_), Not(IsEmpty())) << damage;
   }
+}
+
+TEST_F(MapFile, AMountingMayBeTurnedAndMoved) {
+  Map map = ExampleMap().map(1);
+  map.camera.mounting = CameraMounting{0.98, 10, -3.5, 90, 0.25, -0.125};
+  writeMap(path_, map);
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+  EXPECT_EQ(readMap(path_).camera.mounting->T_b_c().matrix(), map.camera.mounting->T_b_c().matrix());
+  // Set anew, nothing is left of it.
+  Camera straight = map.camera;
+  straight.mounting = CameraMounting{1, 5};
+  MapDatabase::open(path_).setCamera(straight);
+  EXPECT_EQ(readMap(path_).camera.mounting->T_b_c().matrix(), straight.mounting->T_b_c().matrix());
+  MapDatabase::open(path_).setCamera(map.camera);
+  sql(path_, "UPDATE mounting_turn SET pan_deg = 400");
+  EXPECT_THAT(readError(), HasSubstr("mounting"));
 }
 
 TEST_F(MapFile, AnEmptyMapIsLegal) {

@@ -57,7 +57,7 @@ TEST_F(MapFile, AnOlderMinorFormatIsReadAndUpgradedWhenItIsWrittenTo) {
   EXPECT_THAT(checkMap(path_), IsEmpty());
   EXPECT_EQ(openMap(path_, 0).store->placeIndex(), nullptr);
   EXPECT_EQ(MapDatabase::open(path_).add(ExampleMap(9).model("more")), 3);
-  EXPECT_EQ(readMap(path_).meta.at("format"), "facetloc map 1.6");
+  EXPECT_EQ(readMap(path_).meta.at("format"), "facetloc map 1.7");
   EXPECT_THAT(checkMap(path_), IsEmpty());
 }
 

@@ -224,8 +224,15 @@ TEST_F(VirtualCamera, TellsHowItsCameraIsMountedWhereThatIsKnown) {
   ASSERT_TRUE(driven.mounting());
   EXPECT_EQ(driven.mounting()->height, 1.2);
   EXPECT_EQ(driven.mounting()->tilt_deg, 7);
-  const OpenNIGrabber unknown(sequence(test::ExampleSequence()));
-  EXPECT_FALSE(unknown.mounting());
+  const fs::path folder = sequence(test::ExampleSequence());
+  {
+    const OpenNIGrabber unknown(folder);
+    EXPECT_FALSE(unknown.mounting());
+  }
+  CameraFile file = readCameraFile(folder / "camera.ini");
+  file.camera.mounting = CameraMounting{0.98, 10, -3.5, 90, 0.25, -0.125};
+  writeCameraFile(folder / "camera.ini", file);
+  EXPECT_EQ(OpenNIGrabber(folder).mounting()->T_b_c().matrix(), file.camera.mounting->T_b_c().matrix());
 }
 
 /** Where a jump leads is where the drive would have been. */

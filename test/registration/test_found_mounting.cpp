@@ -63,6 +63,17 @@ TEST(FoundMounting, NeedsACameraThatMoved) {
   EXPECT_FALSE(findMounting(Map()));
 }
 
+TEST(FoundMounting, ARollIsPartOfIt) {
+  CameraMounting mounting{0.98, 10};
+  mounting.roll_deg = -15;
+  const auto found = findMounting(drive(mounting, 0.004, 1.5, 10));
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->mounting.height, 0.98, 0.01);
+  EXPECT_NEAR(found->mounting.tilt_deg, 10, 1);
+  EXPECT_NEAR(found->mounting.roll_deg, -15, 1);
+  EXPECT_EQ(findMounting(drive({0.98, 10}, 0.004, 1.5, 10))->mounting.roll_deg, 0) << "what is hardly any";
+}
+
 TEST(SeenFloor, IsOfARolledCameraInTheHandToo) {
   Map map = drive({1.3, 20}, 0.02, 1, 0);
   constexpr double kRoll = 5;  // the camera's right side is lower

@@ -109,6 +109,9 @@ TEST_F(PlaceIndexOfRooms, IsMadeAnewWhereTheWrittenOneIsForSomethingElse) {
   other = *map;
   other.camera.mounting->tilt_deg += 1;
   EXPECT_FALSE(reads(other));
+  other = *map;
+  other.camera.mounting->pan_deg += 1;
+  EXPECT_FALSE(reads(other));
   PosePriorParams prior;
   prior.robot.floor_std *= 2;
   EXPECT_FALSE(reads(*map, prior));
@@ -122,6 +125,23 @@ TEST_F(PlaceIndexOfRooms, IsMadeAnewWhereTheWrittenOneIsForSomethingElse) {
             other.models.size());
   std::istringstream torn(bytes.substr(0, bytes.size() / 2));
   EXPECT_THROW(PlaceIndex::read(torn, *map), std::runtime_error);
+}
+
+TEST_F(PlaceIndexOfRooms, OfAFormatThatKnewNoTurnsIsRead) {
+  std::string bytes = written(PlaceIndex(*map, few()));
+  const std::string format = "facetloc place index 5";
+  const auto at = bytes.find(format);
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + format.size() - 1] = '4';
+  // After the format: number of models, checksum of names, height, tilt; then roll, pan, x and y.
+  bytes.erase(at + format.size() + sizeof(std::size_t) + sizeof(std::uint32_t) + 2 * sizeof(double),
+              4 * sizeof(double));
+  std::istringstream in(bytes);
+  EXPECT_TRUE(PlaceIndex::read(in, *map));
+  Map turned = *map;
+  turned.camera.mounting->pan_deg = 1;
+  in = std::istringstream(bytes);
+  EXPECT_FALSE(PlaceIndex::read(in, turned));
 }
 
 TEST_F(PlaceIndexOfRooms, BytesThatTellOfMoreWallsThanThereAreAreRefused) {

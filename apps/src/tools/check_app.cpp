@@ -195,9 +195,14 @@ void CheckApp::reportFloor(std::vector<ImageReport>& images, const Camera& camer
            degrees(floor->roll_deg) + "; in " + std::to_string(floor->views) + " of " +
            counted(floor->all_views, "image"));
   if (!floor->steady) return;
-  const CameraMounting found{floor->height, floor->tilt_deg};
-  const std::string lines = "mount_height=" + text::decimals(found.height, 3) +
-                            " mount_tilt_deg=" + text::decimals(found.tilt_deg, 1);
+  constexpr double kStraightDeg = 2;  // of the roll of a camera that is meant to be straight
+  CameraMounting found{floor->height, floor->tilt_deg};
+  std::string lines = "mount_height=" + text::decimals(found.height, 3) +
+                      " mount_tilt_deg=" + text::decimals(found.tilt_deg, 1);
+  if (std::abs(floor->roll_deg) > kStraightDeg) {
+    found.roll_deg = floor->roll_deg;
+    lines += " mount_roll_deg=" + text::decimals(found.roll_deg, 1);
+  }
   if (!camera.mounting)
     advice.push_back("the camera seems to be mounted on a robot, which helps much; for camera.ini: " + lines);
   else if (!camera.mounting->agreesWith(found))

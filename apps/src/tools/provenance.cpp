@@ -91,8 +91,14 @@ std::string cameraLine(const std::optional<CameraFile>& file) {
     line.append(", ").append(name).append(" ").append(text::shortest(value));
   };
   add("fx", k.fx), add("fy", k.fy), add("cx", k.cx), add("cy", k.cy), add("depth_scale", file->depth_scale);
-  if (camera.mounting)
-    add("mount_height", camera.mounting->height), add("mount_tilt_deg", camera.mounting->tilt_deg);
+  if (const auto& mounting = camera.mounting) {
+    add("mount_height", mounting->height), add("mount_tilt_deg", mounting->tilt_deg);
+    const auto addIfAny = [&add](const char* name, double value) {
+      if (value != 0) add(name, value);
+    };
+    addIfAny("mount_roll_deg", mounting->roll_deg), addIfAny("mount_pan_deg", mounting->pan_deg);
+    addIfAny("mount_x", mounting->x), addIfAny("mount_y", mounting->y);
+  }
   if (!std::isinf(camera.max_depth)) add("max_depth", camera.max_depth);
   return line + "\n";
 }

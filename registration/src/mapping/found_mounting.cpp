@@ -16,9 +16,9 @@ constexpr double kWide = 3;                    // times that: where a camera in 
 constexpr double kMostHeightStd = 0.01;        // over the floor, of a camera on wheels [m]
 constexpr double kSteepest = 60 * kDegree;     // of the camera below or above the horizon
 constexpr double kLowest = 0.1, kHighest = 3;  // camera [m]
-constexpr double kMostRollDeg = 2;
-constexpr double kLeastShare = 0.3;    // of local models that show the floor
-constexpr double kLeastNarrow = 0.75;  // of those that show it about so
+constexpr double kStraightDeg = 2;             // of the roll of a camera that is meant to be straight
+constexpr double kLeastShare = 0.3;            // of local models that show the floor
+constexpr double kLeastNarrow = 0.75;          // of those that show it about so
 constexpr int kLeastModels = 10;
 constexpr double kLeastWay = 2;      // [m]
 constexpr std::size_t kSeeds = 500;  // planes that are tried as the floor
@@ -100,18 +100,21 @@ std::optional<SeenFloor> findFloor(const Map& map) {
   const int all = static_cast<int>(map.models.size()), n = static_cast<int>(best.size());
   if (n < kLeastModels || n < kLeastShare * all) return {};
   const Plane floor = meanOf(best);
-  const Eigen::Vector3d& up = floor.normal;
+  const Eigen::Vector3d& down = floor.normal;
   const double std = heightStd(best, floor.offset);
   const bool spreads =
       n < kLeastNarrow * static_cast<double>(alike(planes, floor, kWide).size()) || std > kMostHeightStd;
   return SeenFloor{
-      floor.offset, std::atan2(up.z(), up.y()) / kDegree, std::asin(up.x()) / kDegree, std, n, all, !spreads};
+      floor.offset, std::asin(down.z()) / kDegree, std::atan2(down.x(), down.y()) / kDegree, std, n, all,
+      !spreads};
 }
 
 std::optional<FoundMounting> findMounting(const Map& map) {
   const auto floor = findFloor(map);
-  if (!floor || !floor->steady || std::abs(floor->roll_deg) > kMostRollDeg || !hasMoved(map)) return {};
-  return FoundMounting{{floor->height, floor->tilt_deg}, floor->views, floor->all_views};
+  if (!floor || !floor->steady || !hasMoved(map)) return {};
+  CameraMounting mounting{floor->height, floor->tilt_deg};
+  if (std::abs(floor->roll_deg) > kStraightDeg) mounting.roll_deg = floor->roll_deg;
+  return FoundMounting{mounting, floor->views, floor->all_views};
 }
 
 }  // namespace facetloc

@@ -131,7 +131,8 @@ std::uint32_t checksumOfNames(const Map& map) {
 
 // Changes with signatures. What version 0.1 wrote held descriptors and their search tree, too: both follow
 // from the signatures, and nothing that a file says of them is used.
-constexpr const char *kFormat = "facetloc place index 4", *kFormatWithTree = "facetloc place index 3";
+constexpr const char *kFormat = "facetloc place index 5", *kFormatWithoutTurn = "facetloc place index 4",
+                     *kFormatWithTree = "facetloc place index 3";
 
 /** What a written index depends on. */
 struct Header {
@@ -139,6 +140,8 @@ struct Header {
   std::size_t models = 0;
   std::uint32_t names = 0;
   double height = 0, tilt_deg = 0;  // of the camera
+  Eigen::Vector4d turn =
+      Eigen::Vector4d::Zero();  // its roll and pan [deg], x and y [m]; older formats have none
   Eigen::Matrix3d floor = Eigen::Matrix3d::Zero();
 
   Header() = default;
@@ -147,16 +150,20 @@ struct Header {
         names(checksumOfNames(map)),
         height(map.camera.mounting->height),
         tilt_deg(map.camera.mounting->tilt_deg),
+        turn(map.camera.mounting->roll_deg, map.camera.mounting->pan_deg, map.camera.mounting->x,
+             map.camera.mounting->y),
         floor(floorCovariance(prior)) {}
   bool isOf(const Header& o) const {
     return models == o.models && names == o.names && height == o.height && tilt_deg == o.tilt_deg &&
-           floor == o.floor;
+           turn == o.turn && floor == o.floor;
   }
 };
 
 template <class Archive>
 void fields(Archive& archive, Header& h) {
-  archive(h.format, h.models, h.names, h.height, h.tilt_deg, h.floor);
+  archive(h.format, h.models, h.names, h.height, h.tilt_deg);
+  if (h.format == kFormat) archive(h.turn);
+  archive(h.floor);
 }
 
 }  // namespace
@@ -251,7 +258,8 @@ std::optional<PlaceIndex> PlaceIndex::read(std::istream& in, const Map& map, con
   Header written;
   archive(written);
   const bool has_tree = written.format == kFormatWithTree;
-  if ((!has_tree && written.format != kFormat) || !written.isOf(impl->header)) return std::nullopt;
+  const bool is_known = has_tree || written.format == kFormatWithoutTurn || written.format == kFormat;
+  if (!is_known || !written.isOf(impl->header)) return std::nullopt;
   const auto require = [](bool condition) {
     if (!condition) throw std::runtime_error("its place index holds values that no index has");
   };

@@ -73,15 +73,20 @@ struct SensorNoise : DepthNoise {
 Eigen::Matrix3d pointCovariance(const Eigen::Vector3d& p, const Intrinsics& camera, double pixel_std,
                                 double inverse_depth_std);
 
-/** \brief How the camera sits on a robot that drives on a floor: forward, above the axle, tilted downwards.
- */
+/** \brief How the camera sits on a robot that drives on a floor: unless more is said forward, above the axle
+ * and tilted downwards. Height, tilt and roll are what the floor tells of a pose; the rest says where the
+ * robot is. */
 struct CameraMounting {
   double height = 0;    ///< of the optical centre above the floor [m]
   double tilt_deg = 0;  ///< of the optical axis below the horizon [deg]
+  double roll_deg = 0;  ///< about the optical axis: positive if the right side of the image is lower [deg]
+  double pan_deg = 0;   ///< of the optical axis to the left of straight ahead [deg]
+  double x = 0, y = 0;  ///< of the optical centre ahead of the base, and to its left [m]
 
   /** \brief T_b_c: camera optical frame in the robot base (x forward, y left, z up, origin on the floor). */
   Eigen::Isometry3d T_b_c() const;
-  /** \brief Is it the other one, as well as mountings are measured: to 5 cm and 5 deg? */
+  /** \brief Does the floor say the same for both, as well as mountings are measured: height to 5 cm, tilt and
+   * roll to 5 deg? */
   bool agreesWith(const CameraMounting& other) const;
 };
 

@@ -11,7 +11,8 @@ namespace facetloc {
 /** \brief The camera.ini of a depth sequence: one `key = value` per line, # starts a comment.
  *
  *     width=640  height=480  fx=525  fy=525  cx=319.5  cy=239.5  depth_scale=5000
- *     mount_height=0.98  mount_tilt_deg=10       optional, both or none
+ *     mount_height=0.98  mount_tilt_deg=10       optional, both or none, and with them
+ *     mount_roll_deg=0  mount_pan_deg=0  mount_x=0.2  mount_y=0       optional, see CameraMounting
  *     camera=azure_kinect                        optional: noise and largest depth of a CameraPreset
  *     inverse_depth_std=0.00142                  optional, see SensorNoise, as are
  *     depth_std=0.001  depth_std_slope=0.001  distortion_offset=0.0007  distortion_slope=0.0014

@@ -33,7 +33,7 @@ class MapDatabase {
 public:
   static constexpr int kApplicationId = 0x464C4D50;  ///< "FLMP"
   static constexpr int kMajor = 1;
-  static constexpr int kMinor = 6;
+  static constexpr int kMinor = 7;
 
   /** \brief Creates a new, empty map; refuses an existing file unless overwrite is set. */
   static MapDatabase create(const std::filesystem::path& path, bool overwrite = false);

@@ -33,10 +33,10 @@ struct SeenFloor {
  * 10, or than 30 %, show one. \param map of which segments are read */
 std::optional<SeenFloor> findFloor(const Map& map);
 
-/** \brief Looks for a plane below the camera that is the same in most local models although the camera has
- * moved: the floor under a robot. Nothing for a camera in the hand, whose height and tilt spread; for one
- * that is rolled by more than 2 deg; and where the camera has not moved by 2 m, or nobody knows whether it
- * has. \param map of which segments and poses are read */
+/** \brief The mounting that the floor tells, where it is the same in most local models although the camera
+ * has moved. Nothing for a camera in the hand, whose height and tilt spread, and where the camera has not
+ * moved by 2 m, or nobody knows whether it has. A roll of less than 2 deg counts as none. \param map of which
+ * segments and poses are read */
 std::optional<FoundMounting> findMounting(const Map& map);
 
 }  // namespace facetloc
