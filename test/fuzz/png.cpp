@@ -19,7 +19,7 @@ std::uint32_t numberAt(const std::uint8_t* bytes) {  // big-endian
 
 /** A chunk is its length, its type and data, and the checksum of both, which libpng sees to before anything
  * else. */
-void repairChecksums(std::uint8_t* data, std::size_t bytes) {
+void repairChecksums(std::uint8_t* data, std::size_t size) {
   for (std::size_t at = kSignature; at + 3 * kNumber <= size;) {
     const std::size_t length = std::min<std::size_t>(numberAt(data + at), size - at - 3 * kNumber);
     const std::uint32_t sum = libdeflate_crc32(0, data + at + kNumber, kNumber + length);
