@@ -109,6 +109,8 @@ TEST_F(Bag, OdometryIsOfMessagesOrTf) {
 TEST_F(Bag, ACameraFileBesideItIsBelieved) {
   const fs::path path = bag("no_camera");
   EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(path); }), HasSubstr("camera.ini"));
+  writeTumTrajectory(folder_ / "groundtruth.txt", odometry().poses());
+  EXPECT_EQ(DepthSequence::readTruth(path).poses().size(), 5u) << "poses need no camera";
   CameraFile file;
   file.camera.intrinsics = example_.camera;
   file.camera.intrinsics.fx = 77;

@@ -170,9 +170,9 @@ namespace {
 PlaceTruth::Sequence openSequence(const fs::path& folder, double time_offset) {
   const Trajectory poses = DepthSequence::readTruth(folder, time_offset);
   if (poses.empty())
-    throw IoError(
-        folder.string(),
-        "has no poses, in a groundtruth.txt or beside its images, or its images have no time stamps");
+    throw IoError(folder.string(), "has no poses, in a groundtruth.txt or beside its images, or its images "
+                                   "have no time stamps; nor have "
+                                   "folders map, query and drive in it");
   PlaceTruth::Sequence sequence{folder, poses, RenderedTruth::open(folder), {}};
   if (fs::exists(folder / kUnmapped)) sequence.unmapped = namesOf(folder / kUnmapped);
   return sequence;
@@ -190,7 +190,8 @@ PlaceTruth PlaceTruth::open(const fs::path& path, double time_offset) {
   if (!fs::is_directory(path)) return PlaceTruth(DepthSequence::readTruth(path, time_offset));
   PlaceTruth truth;
   for (const char* run : {"map", "query", "drive"})
-    if (fs::exists(path / run / kPoses)) truth.add(openSequence(path / run, time_offset));
+    if (!fs::exists(path / kPoses) && fs::exists(path / run / kPoses))
+      truth.add(openSequence(path / run, time_offset));
   if (truth.sequences_.empty()) truth.add(openSequence(path, time_offset));
   return truth;
 }

@@ -53,9 +53,8 @@ void LiveApp::addOptions(CommandLine& line) {
                  "Make this map while running: sound at any time, whole at the end.");
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already, with --build.");
   line.addOption("camera", run.source.camera, "FILE|NAME",
-                 "A camera.ini with the device's calibration, noise and mounting, or the name of a camera "
-                 "for its noise (" +
-                     cameraPresetNames() + "); unless given, what the device says.");
+                 "A camera.ini, or one of these for its noise (" + cameraPresetNames() +
+                     "); unless given, the camera.ini in the played folder, or what the device says.");
   line.addSwitch("headless", run.headless, "No window.");
   line.addOption("results", run.results, "DIR",
                  "Write poses, states and times to this folder while running.");

@@ -141,8 +141,7 @@ void CheckApp::reportImages(const DepthSequence& sequence, const std::vector<Ima
         "most of the image is not measured: the scene is too far or too dark for the camera, or 0 is "
         "not its only mark for that");
   line(console, "planes", text::decimals(segments, 1) + " segments in an image");
-  if (segments < kFewSegments)
-    advice.push_back("the images show few planes: such places cannot be told apart");
+  if (segments < kFewSegments) advice.push_back("the images show few planes: such places look alike");
 }
 
 void CheckApp::reportCamera(const DepthSequence& sequence, const std::vector<ImageReport>& images,
@@ -195,14 +194,10 @@ void CheckApp::reportFloor(std::vector<ImageReport>& images, const Camera& camer
            degrees(floor->roll_deg) + "; in " + std::to_string(floor->views) + " of " +
            counted(floor->all_views, "image"));
   if (!floor->steady) return;
-  constexpr double kStraightDeg = 2;  // of the roll of a camera that is meant to be straight
-  CameraMounting found{floor->height, floor->tilt_deg};
+  const CameraMounting found = floor->mounting();
   std::string lines = "mount_height=" + text::decimals(found.height, 3) +
                       " mount_tilt_deg=" + text::decimals(found.tilt_deg, 1);
-  if (std::abs(floor->roll_deg) > kStraightDeg) {
-    found.roll_deg = floor->roll_deg;
-    lines += " mount_roll_deg=" + text::decimals(found.roll_deg, 1);
-  }
+  if (found.roll_deg != 0) lines += " mount_roll_deg=" + text::decimals(found.roll_deg, 1);
   if (!camera.mounting)
     advice.push_back("the camera seems to be mounted on a robot, which helps much; for camera.ini: " + lines);
   else if (!camera.mounting->agreesWith(found))

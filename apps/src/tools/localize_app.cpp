@@ -125,13 +125,10 @@ FrameResult localizeFrame(std::size_t index, const FrameFile& file, const DepthI
 
 LocalizeApp::LocalizeApp()
     : App("facetloc_localize", "MAP.flmap INPUT -o RESULTS [options]",
-          "Finds where depth images were taken. INPUT is a depth sequence (a folder with depth/ in it), a "
-          "folder or a "
-          "list of 16-bit PNG or organized PCD files, one such file, or an .oni recording. "
-          "RESULTS/hypotheses.csv lists the ranked poses "
-          "of each image, RESULTS/poses_tum.txt the sure ones; images that cannot be localized are listed "
-          "with the "
-          "reason. Under mpirun, the images are dealt out to its processes.") {}
+          "Finds where depth images were taken. INPUT is a recording: a folder, a list (.txt, .lst) or one "
+          "image of 16-bit PNGs or organized PCDs, or an .oni or .bag file. RESULTS/hypotheses.csv lists the "
+          "ranked poses of each image, RESULTS/poses_tum.txt the sure ones; images that cannot be localized "
+          "are listed with the reason. Under mpirun, the images are dealt out to its processes.") {}
 
 void LocalizeApp::addOptions(CommandLine& line) {
   line.addArgument("MAP.flmap", map_);

@@ -76,14 +76,10 @@ private:
 
 SegmentApp::SegmentApp()
     : App("facetloc_segment", "INPUT... -o DIR [options]",
-          "Cuts depth images into planar surface segments. INPUT is a depth sequence (a folder with depth/ "
-          "in it), a "
-          "folder of 16-bit PNG or organized PCD files, a list of such files (.txt, .lst), one such file, or "
-          "an .oni recording. PNG files "
-          "need a camera.ini beside them or in the folder above. For each image, DIR/<name>.segments.pcd "
-          "holds its "
-          "segments. With --noise, only the noise of the camera is measured. Under mpirun, the images are "
-          "dealt out to its processes.") {}
+          "Cuts depth images into planar surface segments. INPUT is a recording: a folder, a list (.txt, "
+          ".lst) or one image of 16-bit PNGs or organized PCDs, or an .oni or .bag file. For each image, "
+          "DIR/<name>.segments.pcd holds its segments. With --noise, only the noise of the camera is "
+          "measured. Under mpirun, the images are dealt out to its processes.") {}
 
 void SegmentApp::addOptions(CommandLine& line) {
   line.addArguments("INPUT", inputs_);

@@ -4,6 +4,7 @@
 #include "files.h"
 #include "plausible.h"
 #include "pose_columns.h"
+#include "recordings/image_list.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/error.h>
@@ -37,10 +38,6 @@ constexpr double kMillimetres = 1000;  // PNG values per metre
 constexpr double kTolerance = 1e-2;    // of |q|^2
 
 double secondsOf(const ros::Time& time) { return time.sec + 1e-9 * time.nsec; }
-
-bool endsWith(const std::string& s, const std::string& ending) {
-  return s.size() >= ending.size() && s.compare(s.size() - ending.size(), ending.size(), ending) == 0;
-}
 
 std::string lower(std::string s) {
   for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -185,7 +182,8 @@ private:
       written.push_back(secondsOf(message.getTime()));
       messages_.push_back(message);
     }
-    const bool ascending = std::is_sorted(taken.begin(), taken.end(), std::less_equal<>());
+    const bool ascending =
+        std::adjacent_find(taken.begin(), taken.end(), std::greater_equal<>()) == taken.end();
     stamps_ = ascending ? std::move(taken) : std::move(written);
   }
 

@@ -16,6 +16,7 @@ struct ListedImage {
   std::optional<double> stamp{};  ///< [s], where a list says it
 };
 
+bool endsWith(const std::string& name, const std::string& ending);
 /** \brief ".png" of a.PNG. */
 std::string lowerExtension(const std::filesystem::path& path);
 bool isPng(const std::filesystem::path& path);

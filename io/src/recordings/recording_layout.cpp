@@ -20,10 +20,6 @@ constexpr const char* kLists[] = {"depth.txt", "associations.txt", "associated.t
 constexpr const char* kIclEnding = ".gt.freiburg";
 constexpr int kStampDigits = 6;  // microseconds
 
-bool endsWith(const std::string& s, const std::string& ending) {
-  return s.size() >= ending.size() && s.compare(s.size() - ending.size(), ending.size(), ending) == 0;
-}
-
 std::optional<int> countIn(const std::string& digits) {
   const auto count = text::to<int>(digits);
   return count && *count >= 0 ? count : std::nullopt;

@@ -75,12 +75,6 @@ bool SequenceReader::hasPngs() const {
                      [](const FrameFile& frame) { return isPng(frame.path); });
 }
 
-std::optional<RecordedCamera> SequenceReader::recordedCamera() const {
-  if (auto camera = cameraOf(layout_, beside_, asked_)) return camera;
-  if (container_) return RecordedCamera{container_->camera()};
-  return {};
-}
-
 std::optional<RecordedCamera> SequenceReader::camera() const {
   std::error_code ignored;
   const bool is_file = fs::is_regular_file(hints_.camera, ignored);
@@ -88,22 +82,27 @@ std::optional<RecordedCamera> SequenceReader::camera() const {
   if (is_file)
     camera = RecordedCamera{readCameraFile(hints_.camera)};
   else
-    camera = recordedCamera();
+    camera = cameraOf(layout_, beside_, asked_);
+  if (!camera && container_) camera = RecordedCamera{container_->camera()};
   if (!hints_.camera.empty() && !is_file) camera = withPreset(hints_.camera, camera, layout_);
   if (camera && hints_.depth_scale > 0) camera->file.depth_scale = hints_.depth_scale;
   return camera;
 }
 
 DepthSequence SequenceReader::readWithoutCamera() const {
+  return readWith(cameraOf(layout_, beside_, asked_));  // which may say where its y axis points
+}
+
+DepthSequence SequenceReader::readWith(std::optional<RecordedCamera> camera) const {
   DepthSequence sequence;
   sequence.frames_ = layout_.frames;
   sequence.stamped_ = layout_.stamped;
   sequence.container_ = container_;
   sequence.layout_ = container_ ? "a recording in one file" : layout_.inWords();
   sequence.time_offset_ = hints_.time_offset;
-  if (auto found = camera()) {
-    sequence.camera_ = std::move(found->file);
-    sequence.camera_remark_ = std::move(found->remark);
+  if (camera) {
+    sequence.camera_ = std::move(camera->file);
+    sequence.camera_remark_ = std::move(camera->remark);
   }
   try {
     sequence.ground_truth_ = sequence.asOfImages(layout_.poses.read());
@@ -117,7 +116,7 @@ DepthSequence SequenceReader::read() const {
   if (layout_.frames.empty()) throw IoError(path_.string(), "has no .png or .pcd depth images");
   if (hints_.depth_scale > 0 && !hasPngs())
     throw IoError(path_.string(), "has no PNG images, whose values a depth scale would explain");
-  DepthSequence sequence = readWithoutCamera();
+  DepthSequence sequence = readWith(camera());
   if (!sequence.camera() && hasPngs()) throw IoError(path_.string(), adviceOnCamera(layout_, asked_));
   return sequence;
 }

@@ -28,7 +28,7 @@ public:
 private:
   void listImages();
   bool hasPngs() const;
-  std::optional<RecordedCamera> recordedCamera() const;
+  DepthSequence readWith(std::optional<RecordedCamera> camera) const;
   std::optional<RecordedCamera> camera() const;
 
   std::filesystem::path path_, asked_;

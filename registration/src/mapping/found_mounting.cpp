@@ -88,6 +88,10 @@ std::string FoundMounting::inWords() const {
          std::to_string(all_models) + " local models";
 }
 
+CameraMounting SeenFloor::mounting() const {
+  return {height, tilt_deg, std::abs(roll_deg) > kStraightDeg ? roll_deg : 0};
+}
+
 std::optional<SeenFloor> findFloor(const Map& map) {
   const std::vector<Plane> planes = planesBelow(map);
   if (planes.empty()) return {};
@@ -112,9 +116,7 @@ std::optional<SeenFloor> findFloor(const Map& map) {
 std::optional<FoundMounting> findMounting(const Map& map) {
   const auto floor = findFloor(map);
   if (!floor || !floor->steady || !hasMoved(map)) return {};
-  CameraMounting mounting{floor->height, floor->tilt_deg};
-  if (std::abs(floor->roll_deg) > kStraightDeg) mounting.roll_deg = floor->roll_deg;
-  return FoundMounting{mounting, floor->views, floor->all_views};
+  return FoundMounting{floor->mounting(), floor->views, floor->all_views};
 }
 
 }  // namespace facetloc

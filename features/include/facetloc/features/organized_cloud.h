@@ -56,7 +56,7 @@ std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, co
 template <typename PointT>
 DepthImage depthImage(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera);
 
-/** \brief The same of the input of a PCL class, seen as cameraOfInput() says: of the points of the indices
+/** \brief The depth image of a PCL class's input, seen as cameraOfInput() says: of the points of the indices
  * alone if there are any. Nothing, with a sentence, for a cloud that is no depth image. */
 template <typename PointT>
 std::optional<DepthImage> depthImageOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,

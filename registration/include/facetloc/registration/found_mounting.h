@@ -27,6 +27,9 @@ struct SeenFloor {
   int views = 0;          ///< that show it so
   int all_views = 0;      ///< of so many
   bool steady = false;    ///< as under a robot; the floor below a camera in the hand comes and goes
+
+  /** \brief The mounting of a robot's camera that sees it so. A roll of less than 2 deg counts as none. */
+  CameraMounting mounting() const;
 };
 
 /** \brief Looks for the plane below the camera that most local models have in common. Nothing if fewer than

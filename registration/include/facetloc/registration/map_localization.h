@@ -81,7 +81,7 @@ private:
   using pcl::PCLBase<PointT>::input_;
   using pcl::PCLBase<PointT>::use_indices_;
 
-  bool see();
+  bool see(std::string& why_not);
   void localizeByItself();
   void localizeInSequence();
   double nextStamp();

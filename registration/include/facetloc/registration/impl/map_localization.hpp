@@ -71,9 +71,9 @@ void MapLocalization<PointT>::reset() {
 
 /** False, with the reason, for what is no depth image. */
 template <typename PointT>
-bool MapLocalization<PointT>::see() {
+bool MapLocalization<PointT>::see(std::string& why_not) {
   const auto image =
-      depthImageOfInput(input_.get(), use_indices_ ? indices_.get() : nullptr, camera_.intrinsics, status_);
+      depthImageOfInput(input_.get(), use_indices_ ? indices_.get() : nullptr, camera_.intrinsics, why_not);
   if (!image) return false;
   if (!builder_) builder_.emplace(map_->calibrated(camera_), view_params_);
   const int step = working_width_ > 0 ? subsamplingStep(image->camera, working_width_) : 1;
@@ -130,8 +130,7 @@ bool MapLocalization<PointT>::localize(PoseWithCovariance& pose) {
     return false;
   }
   std::string why_not;
-  const bool is_image = see();
-  if (!is_image) why_not = status_;
+  const bool is_image = see(why_not);
   if (is_sequence_)
     localizeInSequence();  // a cloud that is none is a camera that saw nothing
   else if (is_image)
