@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shared/inverse_depth.h"
 #include "shared/lanes.h"
+#include "shared/plane_region.h"
+#include "shared/polygon.h"
 #include "shared/room.h"
 
 #include <facetloc/features/plane_fit.h>
 #include <facetloc/features/segment_estimation.h>
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -18,18 +18,6 @@ namespace facetloc {
 
 using namespace internal;
 namespace {
-
-constexpr double kReferenceWidth = 320.0;
-constexpr double kMinPlaneDistance =
-    0.05;  // planes through the camera centre are seen edge-on [m] (METHOD 8)
-// The paper's eq. (4) with its authors' sensor constants: 1 disparity unit, twice the noise, and 1 px at
-// 320x240.
-constexpr double kPaperDepthFactor = 2.0;
-constexpr double kFaithfulPixelStd = 1.0;
-constexpr double kCorrelatedPixels =
-    100.0;  // pixels at 320x240 that share one independent error, N_eff of METHOD 7.3
-constexpr double kMinIndependent = 8.0;
-constexpr double kWideInNoise = 5.0;  // a strip this many sigma_r wide has a slope worth measuring
 
 // Sums over the points z b of a region, from which centroid and covariance follow.
 struct PointMoments {
@@ -67,7 +55,6 @@ struct Region {
   DepthSums depths;
   PlaneMoments plane;
   PointMoments points;
-  Eigen::Matrix3d bb = Eigen::Matrix3d::Zero();  // sum of b b^T, from plane
   PixelPlane fitted;
   double tolerance = 0;                // residual beyond which a pixel does not count
   RowExtreme* row_extremes = nullptr;  // one per row; none if the region is too small from the start
@@ -236,73 +223,20 @@ Eigen::Matrix3d rayMoments(const PlaneMoments& m, const Intrinsics& c) {
   return bb;
 }
 
-// sigma_r^2: how far a single point may lie off a plane, Eq. (4).
-double offsetVariance(const Eigen::Vector3d& normal, const Eigen::Vector3d& centroid,
-                      const Intrinsics& camera, const SensorNoise& noise) {
-  const double pixel_std = kFaithfulPixelStd * camera.width / kReferenceWidth;
-  const Eigen::Matrix3d Sigma_C =
-      pointCovariance(centroid, camera, pixel_std, kPaperDepthFactor * noise.ofInverseDepth(centroid.z()));
-  return normal.dot(Sigma_C * normal);
-}
-
-// White noise with which neighbouring pixels would differ as much as with smooth noise. Only this tilts a
-// narrow strip: the rest of their noise its pixels share.
-SensorNoise noiseOfNeighbours(const ImageNoise& noise, double z) {
-  SensorNoise white = noise;
-  if (noise.correlation_px > 1)
-    static_cast<DepthNoise&>(white) = noise.scaledTo(noise.ofInverseDepth(z) / noise.correlation_px, z);
-  return white;
-}
-
-using Pixels = std::vector<Eigen::Vector2d>;
-
-double cross(const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return (a - o).x() * (b - o).y() - (a - o).y() * (b - o).x();
-}
-
-// Convex hull by monotone chain; the row extremes come sorted by v, then u. Exact: the coordinates are
-// integers.
-void pixelHull(const RowExtreme* row_extremes, int height, Pixels& points, Pixels& hull) {
+// The row extremes come sorted by v, then u. Exact: the coordinates are integers.
+void pixelHull(const RowExtreme* row_extremes, int height, Polygon& points, Polygon& hull) {
   points.clear();
-  hull.clear();
   for (int v = 0; v < height; ++v) {
     const auto [first, last] = row_extremes[v];
     if (first > last) continue;
     points.emplace_back(first, v);
     if (last > first) points.emplace_back(last, v);
   }
-  if (points.size() < 3) {
-    hull = points;
-    return;
-  }
-  const auto chain = [&hull](auto begin, auto end) {
-    const std::size_t base = hull.size();
-    for (auto it = begin; it != end; ++it) {
-      while (hull.size() >= base + 2 && cross(hull[hull.size() - 2], hull.back(), *it) <= 0) hull.pop_back();
-      hull.push_back(*it);
-    }
-    hull.pop_back();  // the last point of one chain is the first of the other
-  };
-  chain(points.begin(), points.end());
-  chain(points.rbegin(), points.rend());
-}
-
-// Drops the vertex whose loss costs the least area until at most n remain.
-void simplify(Pixels& hull, std::size_t n) {
-  while (hull.size() > n) {
-    std::size_t best = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < hull.size(); ++i) {
-      const double lost =
-          std::abs(cross(hull[(i + hull.size() - 1) % hull.size()], hull[i], hull[(i + 1) % hull.size()]));
-      if (lost < least) least = lost, best = i;
-    }
-    hull.erase(hull.begin() + best);
-  }
+  convexHull(points, hull);
 }
 
 // Perspective keeps convexity, so the hull of the pixels is the hull of the points on the plane.
-ConvexHull hullInPlane(const Pixels& pixels, const Intrinsics& camera, const Segment& s, double rho) {
+ConvexHull hullInPlane(const Polygon& pixels, const Intrinsics& camera, const Segment& s, double rho) {
   ConvexHull hull;
   for (const Eigen::Vector2d& pixel : pixels) {
     const Eigen::Vector3d b = camera.ray(pixel.x(), pixel.y());
@@ -314,40 +248,6 @@ ConvexHull hullInPlane(const Pixels& pixels, const Intrinsics& camera, const Seg
   }
   if (hull.area() < 0) std::reverse(hull.vertex.begin(), hull.vertex.begin() + hull.size);
   return hull;
-}
-
-// Pixels that share one error, if noise is smooth: the integral of its correlation.
-double correlatedPixels(const ImageNoise& noise) {
-  return 180 * kDegree * noise.correlation_px * noise.correlation_px;
-}
-
-// How uncertain a segment is, by its plane fit (METHOD 7.3) or as the paper has it; chosen once.
-using Uncertainty = Eigen::Matrix3d (*)(const Region& r, const Segment& s, double rho,
-                                        const Intrinsics& camera, const ImageNoise& noise,
-                                        const SegmentEstimationParams& params);
-
-Eigen::Matrix3d paperUncertainty(const Region&, const Segment& s, double, const Intrinsics& camera,
-                                 const ImageNoise& noise, const SegmentEstimationParams& params) {
-  return paperCovariance(s.normal(), s.t, s.lambda, camera, params.paper_factor, noise);
-}
-
-Eigen::Matrix3d fullUncertainty(const Region& r, const Segment& s, double rho, const Intrinsics& camera,
-                                const ImageNoise& noise, const SegmentEstimationParams& params) {
-  const double correlated = std::max(scaledPixels(kCorrelatedPixels, camera), correlatedPixels(noise));
-  const double independent = std::max(kMinIndependent, r.plane.n / correlated);
-  const double std = noise.ofInverseDepth(s.t.z()), variance = std * std;
-  Eigen::Matrix3d Sigma_m = (r.plane.n / independent) * variance * r.bb.inverse();  // METHOD 7.3
-  Sigma_m.diagonal() +=
-      Eigen::Array3d(noise.distortion_slope, noise.distortion_slope, noise.distortion_offset)
-          .square()
-          .matrix();
-  Eigen::Matrix3d Sigma_q = slopeOffsetCovariance(s.R, s.t, rho, Sigma_m);
-  Sigma_q += paperCovariance(s.normal(), s.t, s.lambda, camera, params.edge_factor, noise);
-  Sigma_q.diagonal() +=
-      Eigen::Array3d(params.slope_floor_deg * kDegree, params.slope_floor_deg * kDegree, params.offset_floor)
-          .square()
-          .matrix();
-  return Sigma_q;
 }
 
 void rankByInformation(const std::vector<Segment>& segments, std::vector<double>& share,
@@ -368,15 +268,11 @@ void rankByInformation(const std::vector<Segment>& segments, std::vector<double>
 }  // namespace
 
 struct SegmentEstimation::Buffers {
-  explicit Buffers(const SegmentEstimationParams& params)
-      : uncertainty(params.paper_uncertainty ? paperUncertainty : fullUncertainty) {}
-
-  Uncertainty uncertainty;
   std::vector<float> inverse;  // depth
   std::vector<Run> runs;
   std::vector<Region> regions;  // by label
   std::vector<RowExtreme> row_extremes;
-  Pixels points, hull;
+  Polygon points, hull;
   std::vector<Segment> found;
   std::vector<int> label_of, order;
   std::vector<double> share;
@@ -385,72 +281,28 @@ struct SegmentEstimation::Buffers {
                    const SegmentEstimationParams& params, double min_support, Segment& s);
 };
 
-// The segment of a region, or false if it fails one of the tests of METHOD 8.
 bool SegmentEstimation::Buffers::makeSegment(Region& r, const Intrinsics& camera, const ImageNoise& noise,
                                              const SegmentEstimationParams& params, double min_support,
                                              Segment& s) {
   if (r.plane.n < min_support) return false;
-  const Eigen::Vector3d m = r.plane.fit().plane.toSpace(camera);  // METHOD 5.1
-  const double length = m.norm();
-  if (!(length > 1e-6) || 1.0 / length < kMinPlaneDistance) return false;
-  const Eigen::Vector3d n = m / length;
-  const double rho = 1.0 / length;
-
-  // Support points projected orthogonally onto the plane.
   const Eigen::Vector3d mean = r.points.p / r.points.n;
-  const Eigen::Matrix3d in_plane = Eigen::Matrix3d::Identity() - n * n.transpose();
-  const Eigen::Matrix3d C = in_plane * (r.points.pp / r.points.n - mean * mean.transpose()) * in_plane;
-  s.t = mean - (n.dot(mean) - rho) * n;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eig(C);
-  Eigen::Vector3d x = eig.eigenvectors().col(2);
-  x = (x - n * n.dot(x)).normalized();
-  s.R << x, n.cross(x), n;
-  s.lambda = {eig.eigenvalues()[2], std::max(0.0, eig.eigenvalues()[1])};
-  s.num_points = static_cast<std::int32_t>(r.plane.n);
-
-  const double width = std::sqrt(s.lambda[1]);
-  const double nearest =
-      s.t.z() - std::max(std::sqrt(s.lambda[0]) * std::abs(s.R(2, 0)), width * std::abs(s.R(2, 1)));
-  if (nearest > params.max_depth || n.dot(s.t.normalized()) < params.min_incidence) return false;
-  // A strip fixes its slope across only if it is wide compared with the noise, or with what furniture is made
-  // of.
-  const double noise_width =
-      kWideInNoise * std::sqrt(offsetVariance(n, s.t, camera, noiseOfNeighbours(noise, s.t.z())));
-  if (!(width >= std::min(params.min_width, noise_width))) return false;
-  if (!(width * camera.fx / s.t.z() >= params.min_width_px)) return false;
-
-  r.bb = rayMoments(r.plane, camera);
-  s.Sigma_q = uncertainty(r, s, rho, camera, noise, params);
-  if (!s.Sigma_q.allFinite() || s.Sigma_q.llt().info() != Eigen::Success) return false;
+  const PlaneRegion region{r.plane.n, r.plane.fit().plane.toSpace(camera),  // METHOD 5.1
+                           mean, r.points.pp / r.points.n - mean * mean.transpose(),
+                           rayMoments(r.plane, camera)};
+  if (!describe(region, camera, noise, params, s)) return false;
   pixelHull(r.row_extremes, camera.height, points, hull);
   simplify(hull, ConvexHull::kMaxVertices);
-  s.hull = hullInPlane(hull, camera, s, rho);
+  s.hull = hullInPlane(hull, camera, s, 1 / region.m.norm());
   return s.hull.size >= 3 && s.hull.area() > 0;
 }
 
-Eigen::Matrix3d paperCovariance(const Eigen::Vector3d& normal, const Eigen::Vector3d& centroid,
-                                const Eigen::Vector2d& lambda, const Intrinsics& camera, double kappa_u,
-                                const SensorNoise& noise) {
-  const double var_r = kappa_u * kappa_u * offsetVariance(normal, centroid, camera, noise);  // Eq. (4)
-  return Eigen::Vector3d(var_r / (lambda[0] + var_r), var_r / (lambda[1] + var_r), var_r)
-      .asDiagonal();  // Eq. (5)
-}
-
-Eigen::Matrix3d slopeOffsetCovariance(const Eigen::Matrix3d& R, const Eigen::Vector3d& t, double rho,
-                                      const Eigen::Matrix3d& Sigma_m) {
-  Eigen::Matrix3d J_q;
-  J_q << R.col(0).transpose(), R.col(1).transpose(), -t.transpose();
-  J_q *= rho;
-  return J_q * Sigma_m * J_q.transpose();
-}
-
 SegmentEstimation::SegmentEstimation(const SegmentEstimationParams& params)
-    : params_(params), buffers_(std::make_unique<Buffers>(params)) {}
+    : params_(params), buffers_(std::make_unique<Buffers>()) {}
 SegmentEstimation::~SegmentEstimation() = default;
 SegmentEstimation::SegmentEstimation(const SegmentEstimation& other) : SegmentEstimation(other.params_) {}
 SegmentEstimation& SegmentEstimation::operator=(const SegmentEstimation& other) {
   params_ = other.params_;
-  buffers_ = std::make_unique<Buffers>(params_);
+  buffers_ = std::make_unique<Buffers>();
   return *this;
 }
 

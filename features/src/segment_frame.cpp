@@ -10,6 +10,15 @@ namespace {
 void setOrientation(SegmentFrame& frame, const Eigen::Quaterniond& q) {
   const Eigen::Quaternionf f = q.normalized().cast<float>();
   for (int i = 0; i < 4; ++i) frame.orientation[i] = f.coeffs()[i];
+  const Eigen::Vector3f n = frame.normal();
+  frame.normal_x = n.x(), frame.normal_y = n.y(), frame.normal_z = n.z();
+}
+
+// Is the normal that of the orientation, or not given?
+bool normalFits(const SegmentFrame& frame) {
+  constexpr float kTolerance = 1e-2f;
+  const Eigen::Vector3f n(frame.normal_x, frame.normal_y, frame.normal_z);
+  return n.isZero() || (n - frame.normal()).norm() <= kTolerance;  // false for NaN
 }
 
 bool finite(const float* values, int n) {
@@ -59,7 +68,7 @@ bool toSegment(const SegmentFrame& f, Segment& out) {
     return false;
   if (f.num_points < 0 || f.lambda[0] < 0 || f.lambda[1] < 0) return false;
   const Eigen::Quaterniond q = f.rotation().cast<double>();
-  if (std::abs(q.squaredNorm() - 1) > 1e-3) return false;
+  if (std::abs(q.squaredNorm() - 1) > 1e-3 || !normalFits(f)) return false;
   Segment s;
   s.t = f.getVector3fMap().cast<double>();
   s.R = q.normalized().toRotationMatrix();

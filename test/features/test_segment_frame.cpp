@@ -64,6 +64,34 @@ TEST(SegmentFrame, TransformedAgreesWithTheTransformedSegment) {
   }
 }
 
+TEST(SegmentFrame, PclReadsItsNormals) {
+  const pcl::PointCloud<SegmentFrame> frames = toCloud(randomSegments(20));
+  pcl::PCLPointCloud2 fields;
+  pcl::toPCLPointCloud2(frames, fields);
+  pcl::PointCloud<pcl::PointXYZ> points;
+  pcl::PointCloud<pcl::PointNormal> normals;
+  pcl::fromPCLPointCloud2(fields, points);
+  pcl::fromPCLPointCloud2(fields, normals);
+  ASSERT_EQ(normals.size(), frames.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    EXPECT_EQ(normals[i].getVector3fMap(), frames[i].getVector3fMap());
+    EXPECT_EQ(normals[i].getNormalVector3fMap(), frames[i].normal());
+  }
+}
+
+TEST(SegmentFrame, NormalsThatWereTurnedAloneAreRefused) {
+  SegmentFrame frame = toSegmentFrame(randomSegments(1)[0]);
+  Segment s;
+  ASSERT_TRUE(toSegment(frame, s));
+  SegmentFrame older = frame;  // of files without normals
+  older.normal_x = older.normal_y = older.normal_z = 0;
+  EXPECT_TRUE(toSegment(older, s));
+  frame.normal_x = -frame.normal_x, frame.normal_y = -frame.normal_y, frame.normal_z = -frame.normal_z;
+  EXPECT_FALSE(toSegment(frame, s));
+  frame.normal_x = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(toSegment(frame, s));
+}
+
 TEST(SegmentFrame, CloudsAreTransformedFrameByFrame) {
   Rng rng(4);
   pcl::PointCloud<SegmentFrame> frames = toCloud(randomSegments(5));

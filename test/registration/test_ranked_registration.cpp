@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace facetloc {
@@ -217,6 +219,88 @@ TYPED_TEST(OurRegistration, FitnessOfCloudsWithHolesOrOfNoneIsNoCrash) {
   this->registration->setInputTarget(nothing);
   this->registration->align(this->output);
   EXPECT_EQ(this->registration->getFitnessScore(), std::numeric_limits<double>::max());
+}
+
+TYPED_TEST(OurRegistration, FitnessOfASampleIsThatOfAllPoints) {
+  this->alignGoodClouds();
+  const double of_sample = this->ranked().getFitnessScore(), of_all = this->registration->getFitnessScore();
+  EXPECT_NEAR(of_sample, of_all, 0.05 * of_all);
+  constexpr double kNear = 1e-4;  // [m^2]
+  const double near = this->registration->getFitnessScore(kNear);
+  EXPECT_LT(near, kNear);
+  EXPECT_NEAR(this->ranked().getFitnessScore(kNear), near, 0.05 * near);
+}
+
+TYPED_TEST(OurRegistration, MaxCorrespondenceDistanceIsThatOfThePlanes) {
+  const Eigen::Matrix4f guess = this->truth.matrix().template cast<float>();
+  this->alignGoodClouds();
+  this->registration->setMaxCorrespondenceDistance(0.1);
+  this->registration->align(this->output, guess);
+  ASSERT_TRUE(this->registration->hasConverged());
+  EXPECT_THAT(this->found(*this->registration),
+              PoseNear(this->truth, TypeParam::kMetres, TypeParam::kDegrees));
+  this->registration->setMaxCorrespondenceDistance(1e-9);
+  this->registration->align(this->output, guess);
+  this->expectNoAnswer();
+  EXPECT_THAT(this->ranked().getStatus(), testing::HasSubstr("no correspondence"));
+}
+
+TYPED_TEST(OurRegistration, SettersWithoutEffectAreSaidOnce) {
+  const auto timesSaid = [this] {
+    testing::internal::CaptureStderr();
+    this->alignGoodClouds();
+    this->registration->align(this->output);
+    const std::string said = testing::internal::GetCapturedStderr();
+    return std::pair(said.find("no effect") != std::string::npos,
+                     said.find("no effect") != said.rfind("no effect"));
+  };
+  EXPECT_EQ(timesSaid(), std::pair(false, false));
+  this->registration->setMaximumIterations(50);
+  EXPECT_EQ(timesSaid(), std::pair(true, false));
+  EXPECT_EQ(timesSaid(), std::pair(false, false));
+}
+
+TEST(PlanarRegistration, ReadsItsTargetOnceForManySources) {
+  struct Counting : PlanarRegistration<pcl::PointXYZ> {
+    View makeView(const pcl::PointCloud<pcl::PointXYZ>& cloud, const pcl::Indices* indices,
+                  std::string& why_empty) override {
+      ++views;
+      return PlanarRegistration::makeView(cloud, indices, why_empty);
+    }
+    int views = 0;
+  } registration;
+  using Case = PlanarCase<pcl::PointXYZ>;
+  const auto target = Case::cloudFrom(test::kTargetPose, 1);
+  const pcl::PointCloud<pcl::PointXYZ>::Ptr sources[] = {Case::cloudFrom(test::kNearPose, 2),
+                                                         Case::cloudFrom(test::kFarPose, 3)};
+  registration.setInputTarget(target);
+  pcl::PointCloud<pcl::PointXYZ> output;
+  for (const auto& source : sources) {
+    registration.setInputSource(source);
+    registration.align(output);
+    PlanarRegistration<pcl::PointXYZ> fresh;
+    fresh.setInputTarget(target);
+    fresh.setInputSource(source);
+    fresh.align(output);
+    EXPECT_EQ(registration.getFinalPose().matrix(), fresh.getFinalPose().matrix());
+  }
+  EXPECT_EQ(registration.views, 3);
+  const auto viewsOfAlign = [&] {
+    const int before = registration.views;
+    registration.align(output);
+    return registration.views - before;
+  };
+  EXPECT_EQ(viewsOfAlign(), 1);
+  registration.setWorkingWidth(0);
+  EXPECT_EQ(viewsOfAlign(), 2);
+  registration.setCamera(registration.getCamera());
+  EXPECT_EQ(viewsOfAlign(), 2);
+  registration.setViewParams(registration.getViewParams());
+  EXPECT_EQ(viewsOfAlign(), 2);
+  registration.setRegistrationParams(registration.getRegistrationParams());
+  EXPECT_EQ(viewsOfAlign(), 2);
+  registration.setInputTarget(target);
+  EXPECT_EQ(viewsOfAlign(), 2);
 }
 
 TYPED_TEST(OurRegistration, ParametersOutOfTheirRangeAreRefused) {

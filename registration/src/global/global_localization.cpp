@@ -9,18 +9,33 @@
 
 #include <Eigen/Cholesky>
 
+#include <optional>
+#include <stdexcept>
 #include <utility>
 
 namespace facetloc {
 
 using namespace internal;
 
+namespace {
+
+std::vector<SegmentPair> checkedPairs(std::vector<SegmentPair> pairs, const View& scene, const View& model) {
+  for (const SegmentPair& p : pairs)
+    if (p.scene < 0 || p.scene >= static_cast<int>(scene.segments.size()) || p.model < 0 ||
+        p.model >= static_cast<int>(model.segments.size()))
+      throw std::invalid_argument("a chosen pair names a segment that the view or the model does not have");
+  return pairs;
+}
+
+}  // namespace
+
 struct GlobalLocalization::Impl {
   Impl(std::shared_ptr<const Map> the_map, const GlobalLocalizationParams& the_params);
 
   CameraDifference differenceOf(const View& view) const;
   Query queryOf(const View& view, bool on_floor) const;
-  void registerWith(const Batch& batch, const Query& query, std::vector<Hypothesis>& hypotheses) const;
+  void registerWith(const Batch& batch, const Query& query, const PairChoice& chosen,
+                    std::vector<Hypothesis>& hypotheses) const;
   Localization rank(const Query& query, std::vector<Hypothesis> hypotheses) const;
   bool isSure(const Localization& answer) const;
 
@@ -60,11 +75,14 @@ Query GlobalLocalization::Impl::queryOf(const View& view, bool is_on_floor) cons
 }
 
 // Each model's list is written by its index, so that the answer does not depend on the number of threads.
-void GlobalLocalization::Impl::registerWith(const Batch& batch, const Query& query,
+void GlobalLocalization::Impl::registerWith(const Batch& batch, const Query& query, const PairChoice& chosen,
                                             std::vector<Hypothesis>& hypotheses) const {
   std::vector<std::vector<Hypothesis>> of_model(batch.size());
   forEachInParallel(static_cast<int>(batch.size()), threads, [&](int i) {
-    of_model[i] = registration.align(query, *map->view(batch[i].model), batch[i].T_m_c);
+    const std::shared_ptr<const View> model = map->view(batch[i].model);
+    const std::optional<std::vector<SegmentPair>> pairs =
+        chosen ? std::optional(checkedPairs(chosen(batch[i].model), query.view, *model)) : std::nullopt;
+    of_model[i] = registration.align(query, *model, batch[i].T_m_c, pairs ? &*pairs : nullptr);
   });
   const auto isAskedAnew = [&batch](const Hypothesis& h) {
     return std::binary_search(batch.begin(), batch.end(), Start{h.model, {}},
@@ -123,7 +141,7 @@ Localization GlobalLocalization::localize(const View& view, const std::function<
   std::vector<Hypothesis> found;
   for (const Batch& batch :
        impl_->shortlist.batches(query, camera.sameMounting(), impl_->threads, excluded)) {
-    impl_->registerWith(batch, query, found);
+    impl_->registerWith(batch, query, {}, found);
     answer = impl_->rank(query, found);
     if (impl_->isSure(answer)) break;
   }
@@ -132,13 +150,18 @@ Localization GlobalLocalization::localize(const View& view, const std::function<
 }
 
 Localization GlobalLocalization::localize(const View& view, const PoseWithCovariance& prior) const {
+  return localize(view, prior, PairChoice());
+}
+
+Localization GlobalLocalization::localize(const View& view, const PoseWithCovariance& prior,
+                                          const PairChoice& chosen) const {
   const CameraDifference camera = impl_->differenceOf(view);
   const bool on_floor = camera.sameMounting();
   Localization answer;
   if (prior.P.allFinite() && Eigen::LLT<Matrix6d>(prior.P).info() == Eigen::Success) {
     const Query query(view, prior, on_floor ? impl_->of_floor : Matrix6d(Matrix6d::Zero()));
     std::vector<Hypothesis> found;
-    impl_->registerWith(impl_->shortlist.batch(query, on_floor, impl_->threads), query, found);
+    impl_->registerWith(impl_->shortlist.batch(query, on_floor, impl_->threads), query, chosen, found);
     answer = impl_->rank(query, std::move(found));
   } else {
     answer.reason = "the covariance of the prior is not positive definite";

@@ -19,7 +19,12 @@ constexpr double kInformationCap = 2.0;  // of a model segment, in terms of its 
 
 // For each scene segment the model segment that fits best, if any does.
 std::vector<SegmentPair> collectPairs(const std::vector<Segment>& scene, const std::vector<Segment>& model,
-                                      const PoseWithCovariance& pose, const MatchingParams& matching) {
+                                      const PoseWithCovariance& pose, const MatchingParams& matching,
+                                      const std::vector<SegmentPair>* chosen) {
+  const auto counts = [chosen](int i, int k) {
+    return !chosen || std::any_of(chosen->begin(), chosen->end(),
+                                  [=](const SegmentPair& p) { return p.scene == i && p.model == k; });
+  };
   std::vector<SegmentPair> pairs;
   for (std::size_t i = 0; i < scene.size(); ++i) {
     SegmentPair best{static_cast<int>(i), -1, matching.coplanarity_gate};
@@ -28,6 +33,7 @@ std::vector<SegmentPair> collectPairs(const std::vector<Segment>& scene, const s
       if (distance >= best.distance ||
           !(overlapDistance(scene[i], model[k], pose, matching.overlap_gate) <= matching.overlap_gate))
         continue;
+      if (!counts(best.scene, static_cast<int>(k))) continue;
       best.model = static_cast<int>(k);
       best.distance = distance;
     }
@@ -78,13 +84,14 @@ struct NormalEquations {
 
 bool refineJointly(const std::vector<Segment>& scene, const std::vector<Segment>& model,
                    const PoseWithCovariance& prior, const MatchingParams& matching,
-                   const std::optional<TranslationConstraint>& constraint, Hypothesis& hypothesis) {
+                   const std::optional<TranslationConstraint>& constraint, Hypothesis& hypothesis,
+                   const std::vector<SegmentPair>* chosen) {
   const Eigen::LLT<Matrix6d> prior_factor(prior.P);
   if (prior_factor.info() != Eigen::Success) return false;
   const Matrix6d prior_information = prior_factor.solve(Matrix6d::Identity());
   Hypothesis h = hypothesis;
   for (int collection = 0; collection < kCollections; ++collection) {
-    std::vector<SegmentPair> pairs = collectPairs(scene, model, h.T_m_c, matching);
+    std::vector<SegmentPair> pairs = collectPairs(scene, model, h.T_m_c, matching, chosen);
     if (pairs.empty()) return false;
     if (collection > 0 && samePairs(pairs, h.pairs)) break;
     std::vector<int> partners(model.size(), 0);

@@ -6,6 +6,7 @@
 #include <facetloc/registration/hypothesis.h>
 
 #include <optional>
+#include <vector>
 
 namespace facetloc::internal {
 
@@ -18,9 +19,11 @@ struct TranslationConstraint {
 
 /** \brief Re-estimates a hypothesis from all pairs that agree with it (METHOD 7): the maximum a posteriori
  * pose by Gauss-Newton with Huber weights, independent of any order; pairs are collected twice. Replaces
- * pose, covariance and pairs; false, and no change, if no pair agrees. */
+ * pose, covariance and pairs; false, and no change, if no pair agrees.
+ * \param chosen if not null, the only pairs that count */
 bool refineJointly(const std::vector<Segment>& scene, const std::vector<Segment>& model,
                    const PoseWithCovariance& prior, const MatchingParams& matching,
-                   const std::optional<TranslationConstraint>& constraint, Hypothesis& hypothesis);
+                   const std::optional<TranslationConstraint>& constraint, Hypothesis& hypothesis,
+                   const std::vector<SegmentPair>* chosen = nullptr);
 
 }  // namespace facetloc::internal

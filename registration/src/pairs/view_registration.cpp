@@ -45,9 +45,10 @@ bool ViewRegistration::mayFixPose(const Query& query) const {
 }
 
 std::vector<Hypothesis> ViewRegistration::align(const Query& query, const View& model,
-                                                const PoseWithCovariance& start) const {
+                                                const PoseWithCovariance& start, Chosen chosen) const {
   const std::vector<Segment>&scene = query.view.segments, &of_model = model.segments;
-  const std::vector<SegmentPair> candidates = candidatePairs(scene, of_model, start, params_.matching);
+  const std::vector<SegmentPair> candidates =
+      chosen ? *chosen : candidatePairs(scene, of_model, start, params_.matching);
   const TreeSearchResult found =
       searchHypotheses(scene, of_model, candidates, start, params_.matching, params_.ekf,
                        limitsFor(query.view, params_.tree), query.known);
@@ -55,11 +56,11 @@ std::vector<Hypothesis> ViewRegistration::align(const Query& query, const View& 
   // Pairs alone tell wrong poses from right ones better than together with what holds for all of them.
   std::vector<Hypothesis> hypotheses;
   for (const FoundPoses* poses : {&found.by_pairs, &found.with_known}) {
-    if (hypotheses.empty()) addComplete(query, model, poses->complete, hypotheses);
+    if (hypotheses.empty()) addComplete(query, model, poses->complete, chosen, hypotheses);
   }
   for (const FoundPoses* poses : {&found.by_pairs, &found.with_known}) {
     if (hypotheses.empty() && params_.steps.depth_assistance)
-      completeByDepth(query, model, poses->incomplete, hypotheses);
+      completeByDepth(query, model, poses->incomplete, chosen, hypotheses);
   }
 
   for (Hypothesis& h : hypotheses) score_->score(query, model, kFineColumns, h);
@@ -78,14 +79,14 @@ std::optional<Hypothesis> ViewRegistration::alignFrom(const PoseWithCovariance& 
 }
 
 void ViewRegistration::addComplete(const Query& query, const View& model,
-                                   const std::vector<PoseNode>& complete,
+                                   const std::vector<PoseNode>& complete, Chosen chosen,
                                    std::vector<Hypothesis>& hypotheses) const {
   for (const PoseNode& node : complete) {
     Hypothesis h;
     h.T_m_c = node.pose;
     h.pairs = node.pairs;
     if (params_.steps.joint_refinement &&
-        !refineJointly(query.view.segments, model.segments, query.prior, params_.matching, {}, h))
+        !refineJointly(query.view.segments, model.segments, query.prior, params_.matching, {}, h, chosen))
       continue;
     addDistinct(query, std::move(h), hypotheses);
   }
@@ -103,7 +104,7 @@ void ViewRegistration::addDistinct(const Query& query, Hypothesis&& h,
 }
 
 void ViewRegistration::completeByDepth(const Query& query, const View& model,
-                                       const std::vector<PoseNode>& incomplete,
+                                       const std::vector<PoseNode>& incomplete, Chosen chosen,
                                        std::vector<Hypothesis>& hypotheses) const {
   const DepthAlignmentParams alignment;
   const int n = std::min<int>(incomplete.size(), params_.steps.max_assisted);
@@ -122,8 +123,8 @@ void ViewRegistration::completeByDepth(const Query& query, const View& model,
       const Vector6d Pv = node.pose.P.rightCols<3>() * v;
       h.T_m_c.P -= Pv * Pv.transpose() / (v.dot(Pv.tail<3>()) + variance);
       const TranslationConstraint constraint{v, position, alignment.std};
-      if (params_.steps.joint_refinement &&
-          !refineJointly(query.view.segments, model.segments, query.prior, params_.matching, constraint, h))
+      if (params_.steps.joint_refinement && !refineJointly(query.view.segments, model.segments, query.prior,
+                                                           params_.matching, constraint, h, chosen))
         continue;
       addDistinct(query, std::move(h), hypotheses);
     }

@@ -22,8 +22,10 @@ public:
   bool mayFixPose(const Query& query) const;
 
   /** \param start about where correspondences are looked for: the query's prior, or what else tells the pose
+   * \param chosen if not null, the only pairs that may correspond, in place of candidatePairs()
    * \return hypotheses by decreasing score (consensus and free-space term; no world pose, no probability) */
-  std::vector<Hypothesis> align(const Query& query, const View& model, const PoseWithCovariance& start) const;
+  std::vector<Hypothesis> align(const Query& query, const View& model, const PoseWithCovariance& start,
+                                const std::vector<SegmentPair>* chosen = nullptr) const;
   std::vector<Hypothesis> align(const Query& query, const View& model) const {
     return align(query, model, query.prior);
   }
@@ -33,11 +35,12 @@ public:
                                       const View& model) const;
 
 private:
+  using Chosen = const std::vector<SegmentPair>*;
   void addComplete(const Query& query, const View& model, const std::vector<PoseNode>& complete,
-                   std::vector<Hypothesis>& hypotheses) const;
+                   Chosen chosen, std::vector<Hypothesis>& hypotheses) const;
   void addDistinct(const Query& query, Hypothesis&& h, std::vector<Hypothesis>& hypotheses) const;
   void completeByDepth(const Query& query, const View& model, const std::vector<PoseNode>& incomplete,
-                       std::vector<Hypothesis>& hypotheses) const;
+                       Chosen chosen, std::vector<Hypothesis>& hypotheses) const;
 
   ViewRegistrationParams params_;
   DepthComparison comparison_;

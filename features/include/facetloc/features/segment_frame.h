@@ -23,8 +23,9 @@ static_assert(EIGEN_MAX_ALIGN_BYTES == 16,
 /** \brief A planar surface segment as a PCL point: Segment in single precision, at home in PCD files and
  * viewers. */
 struct EIGEN_ALIGN16 SegmentFrame {
-  PCL_ADD_POINT4D;                              ///< t_F: centroid of the supporting points [m]
-  float orientation[4] = {0.f, 0.f, 0.f, 1.f};  ///< R_F as a unit quaternion (x, y, z, w); z axis = normal
+  PCL_ADD_POINT4D;                                       ///< t_F: centroid of the supporting points [m]
+  float normal_x = 0.f, normal_y = 0.f, normal_z = 1.f;  ///< z axis of R_F, for PCL's viewers and filters
+  float orientation[4] = {0.f, 0.f, 0.f, 1.f};           ///< R_F as a unit quaternion (x, y, z, w)
   float sigma_q[6] = {0.f, 0.f, 0.f, 0.f,
                       0.f, 0.f};  ///< upper triangle of Sigma_q: (sx,sx) (sx,sy) (sx,r) (sy,sy) (sy,r) (r,r)
   float lambda[2] = {0.f, 0.f};   ///< eigenvalues of Sigma_p [m^2]
@@ -46,8 +47,10 @@ struct EIGEN_ALIGN16 SegmentFrame {
 SegmentFrame toSegmentFrame(const Segment& segment);
 /** \brief "(x,y,z - nx,ny,nz - n points)", as PCL writes its points. */
 std::ostream& operator<<(std::ostream& out, const SegmentFrame& frame);
-/** \brief False if a field is not finite, the quaternion is not a rotation, Sigma_q is not positive definite
- * or the hull is malformed; out is then unchanged. Never crashes, whatever the bytes. */
+/** \brief False if a field is not finite, the quaternion is not a rotation, Sigma_q is not positive definite,
+ * the hull is malformed, or the normal is another than the orientation's, as after
+ * pcl::transformPointCloudWithNormals(); out is then unchanged. A normal of zeros, as in files of version
+ * 0.1, says nothing. Never crashes, whatever the bytes. */
 bool toSegment(const SegmentFrame& frame, Segment& out);
 
 pcl::PointCloud<SegmentFrame> toCloud(const std::vector<Segment>& segments);
@@ -62,6 +65,7 @@ pcl::PointCloud<SegmentFrame> transformed(const pcl::PointCloud<SegmentFrame>& f
 
 POINT_CLOUD_REGISTER_POINT_STRUCT(
     facetloc::SegmentFrame,
-    (float, x, x)(float, y, y)(float, z, z)(float[4], orientation, orientation)(float[6], sigma_q, sigma_q)(
+    (float, x, x)(float, y, y)(float, z, z)(float, normal_x, normal_x)(float, normal_y, normal_y)(
+        float, normal_z, normal_z)(float[4], orientation, orientation)(float[6], sigma_q, sigma_q)(
         float[2], lambda, lambda)(std::int32_t, num_points, num_points)(std::int32_t, hull_size,
                                                                         hull_size)(float[48], hull, hull))

@@ -3,6 +3,7 @@
 
 #include <facetloc/features/segment_frame.h>
 #include <facetloc/registration/ranked_registration.h>
+#include <facetloc/registration/segment_matching.h>
 
 namespace facetloc {
 
@@ -16,7 +17,13 @@ namespace facetloc {
  *     registration.align(aligned);
  *     if (registration.hasConverged()) use(registration.getFinalPose(), registration.getFinalCovariance());
  *
- * Frames alone carry no depth: the dense steps are skipped. Invalid frames (NaN) are left out. */
+ * Frames alone carry no depth: the dense steps are skipped. Invalid frames (NaN) are left out.
+ *
+ * As PCL's base promises, setCorrespondenceEstimation() and addCorrespondenceRejector() choose the pairs that
+ * the search may use, in place of SegmentMatching with the parameters of the registration. An estimation of
+ * PCL's gets the source moved by the guess, as in pcl::IterativeClosestPoint; a SegmentMatching gets the
+ * guess with its covariance as its pose. It should give many pairs per frame: the search finds out which are
+ * right. */
 class EkfRegistration : public RankedRegistration<SegmentFrame> {
 public:
   using Ptr = pcl::shared_ptr<EkfRegistration>;
@@ -27,6 +34,7 @@ protected:
   View makeView(const pcl::PointCloud<SegmentFrame>& cloud, const pcl::Indices* indices,
                 std::string& why_empty) override;
   void transformPoint(const Eigen::Isometry3d& T, SegmentFrame& frame) const override;
+  std::optional<std::vector<SegmentPair>> choosePairs(const PoseWithCovariance& guess) override;
 };
 
 }  // namespace facetloc

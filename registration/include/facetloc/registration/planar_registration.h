@@ -20,14 +20,23 @@ public:
   using ConstPtr = pcl::shared_ptr<const PlanarRegistration<PointT>>;
   PlanarRegistration() { this->reg_name_ = "PlanarRegistration"; }
 
-  void setViewParams(const ViewParams& params) { view_params_ = checked(params); }
+  void setViewParams(const ViewParams& params) {
+    view_params_ = checked(params);
+    this->forgetTarget();
+  }
   const ViewParams& getViewParams() const { return view_params_; }
   /** \brief By which camera both clouds are seen: a Kinect-class one unless set. Without intrinsics these are
    * recovered from the points. */
-  void setCamera(const Camera& camera) { camera_ = camera; }
+  void setCamera(const Camera& camera) {
+    camera_ = camera;
+    this->forgetTarget();
+  }
   const Camera& getCamera() const { return camera_; }
   /** \brief Width that clouds are subsampled to before segmentation [px]; 0 = full size. 320 unless set. */
-  void setWorkingWidth(int width) { working_width_ = width; }
+  void setWorkingWidth(int width) {
+    working_width_ = width;
+    this->forgetTarget();
+  }
 
 protected:
   View makeView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices,

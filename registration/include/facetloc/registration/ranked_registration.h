@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/registration/candidate_pairs.h>
 #include <facetloc/registration/global_localization.h>
 
 #include <pcl/impl/pcl_base.hpp>
 #include <pcl/registration/registration.h>
 
 #include <limits>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -80,6 +82,11 @@ private:
  * of its first pose; it is a guess, and a warning says so. Where there is none, PCL's console shows the
  * reason.
  *
+ * What PCL's setters do here: setMaxCorrespondenceDistance() drops pairs whose source segment, moved by the
+ * guess, has its middle farther from the plane of the target [m]; numbers of iterations, epsilons and
+ * estimators of transformations have nothing to act on, and a warning says so, once per object. The target is
+ * read once, by the first align() after it was set, for any number of sources.
+ *
  * The answer is that of align() until another cloud is set. Unlike PCL's base, a missing, empty or unusable
  * cloud, or indices beyond it, never leave the answer of the call before: hasConverged() is then false, the
  * final transformation the identity, the output the source as it is, and getStatus() says why. */
@@ -105,7 +112,10 @@ public:
   /** @} */
 
   /** \brief Throws std::invalid_argument for a parameter out of its range. */
-  void setRegistrationParams(const GlobalLocalizationParams& params) { params_ = checked(params); }
+  void setRegistrationParams(const GlobalLocalizationParams& params) {
+    params_ = checked(params);
+    forgetTarget();
+  }
   const GlobalLocalizationParams& getRegistrationParams() const { return params_; }
   /** \brief Covariance of the guess given to align(), order (phi, t); that of the parameters' prior unless
    * set. */
@@ -133,6 +143,11 @@ public:
   double getProbability() const;
   /** \brief Sure, doubtful or unknown. */
   AnswerState getState() const { return answer_.state(min_probability_); }
+  /** \brief As PCL's, the mean squared distance of the aligned source from its nearest points of the target
+   * [m^2], over an even sample of the source: in tens of milliseconds. Through a pointer to PCL's class, all
+   * points are asked. */
+  double getFitnessScore(double max_range = std::numeric_limits<double>::max());
+  using Base::getFitnessScore;
   /** \brief Why there is no sure answer; empty if there is one. */
   const std::string& getStatus() const { return status_; }
 
@@ -150,9 +165,18 @@ protected:
       p.normal_z = static_cast<float>(turned.z());
     }
   }
+  /** \brief The pairs of source and target that may correspond, by their places in both views; none if the
+   * search chooses them itself. */
+  virtual std::optional<std::vector<SegmentPair>> choosePairs(const PoseWithCovariance& guess) {
+    static_cast<void>(guess);
+    return std::nullopt;
+  }
+  /** \brief To be called when the view of the target would come out another. */
+  void forgetTarget() { target_map_.reset(); }
   void computeTransformation(PointCloudSource& output, const Matrix4& guess) override;
 
   using Base::converged_;
+  using Base::corr_dist_threshold_;
   using Base::fake_indices_;
   using Base::final_transformation_;
   using Base::indices_;
@@ -168,12 +192,20 @@ private:
   void reset(const std::string& reason);
   void rememberIndices();
   void applyIndices();
+  void readTarget();
+  std::optional<std::vector<SegmentPair>> pairsOf(const View& scene, const PoseWithCovariance& guess);
+  void warnOfSetters();
 
   pcl::IndicesPtr chosen_;  // the points of the source that count; null = all
   bool indices_fit_ = true;
   GlobalLocalizationParams params_;
   std::optional<Matrix6d> prior_covariance_;
   double min_probability_ = kMinProbability;
+  std::shared_ptr<const Map> target_map_;  // of the target's view; null until it was read
+  std::optional<GlobalLocalization> in_target_;
+  std::string target_fault_;
+  int unset_iterations_ = this->max_iterations_;
+  bool has_warned_ = false;
   Localization answer_;
   std::string status_;
 };

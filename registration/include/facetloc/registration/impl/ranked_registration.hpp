@@ -4,6 +4,7 @@
 #include <facetloc/registration/ranked_registration.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace facetloc {
@@ -35,6 +36,7 @@ void RankedRegistration<PointT>::setInputSource(const PointCloudSourceConstPtr& 
 template <typename PointT>
 void RankedRegistration<PointT>::setInputTarget(const PointCloudTargetConstPtr& cloud) {
   reset("not aligned yet");
+  forgetTarget();
   if (cloud && !cloud->empty()) return Base::setInputTarget(cloud);
   target_ = pcl::make_shared<typename Base::PointCloudTarget>();
   target_cloud_updated_ = true;
@@ -101,10 +103,73 @@ Matrix6d RankedRegistration<PointT>::getFinalCovariance() const {
 }
 
 template <typename PointT>
+double RankedRegistration<PointT>::getFitnessScore(double max_range) {
+  constexpr std::size_t kSampled = 10000;
+  constexpr double kNone = std::numeric_limits<double>::max();
+  if (!input_) return kNone;
+  const std::size_t step = (input_->size() / kSampled) | 1;  // odd, so that rows are met at all columns
+  PointCloudSource sample;
+  for (std::size_t i = 0; i < input_->size(); i += step) sample.push_back((*input_)[i]);
+  double sum = 0;
+  std::size_t n = 0;
+  pcl::Indices nearest(1);
+  std::vector<float> squared_distance(1);
+  for (PointT& p : sample) {
+    if (!pcl::isXYZFinite(p)) continue;
+    p.getVector3fMap() = (final_transformation_ * p.getVector3fMap().homogeneous()).template head<3>();
+    this->tree_->nearestKSearch(p, 1, nearest, squared_distance);
+    if (!(squared_distance[0] <= max_range)) continue;  // PCL compares the square, too
+    sum += squared_distance[0];
+    ++n;
+  }
+  return n > 0 && std::isfinite(sum) ? sum / static_cast<double>(n) : kNone;
+}
+
+template <typename PointT>
+void RankedRegistration<PointT>::readTarget() {
+  if (target_map_) return;
+  target_fault_.clear();
+  target_map_ = std::make_shared<const Map>(mapOf(makeView(*target_, nullptr, target_fault_)));
+  in_target_.emplace(target_map_, params_);
+}
+
+// Of a pair of planes, what PCL calls the distance of a correspondence is that of a point from a plane.
+template <typename PointT>
+std::optional<std::vector<SegmentPair>> RankedRegistration<PointT>::pairsOf(const View& scene,
+                                                                            const PoseWithCovariance& guess) {
+  std::optional<std::vector<SegmentPair>> pairs = choosePairs(guess);
+  if (!(corr_dist_threshold_ < std::sqrt(std::numeric_limits<double>::max()))) return pairs;  // never set
+  const std::vector<Segment>& target = target_map_->models.front().view.segments;
+  if (!pairs) pairs = candidatePairs(scene.segments, target, guess, params_.matching);
+  const auto isTooFar = [&](const SegmentPair& p) {
+    const Segment& model = target[static_cast<std::size_t>(p.model)];
+    const Eigen::Vector3d moved = guess.T * scene.segments[static_cast<std::size_t>(p.scene)].t;
+    return !(std::abs(model.normal().dot(moved - model.t)) <= corr_dist_threshold_);
+  };
+  pairs->erase(std::remove_if(pairs->begin(), pairs->end(), isTooFar), pairs->end());
+  return pairs;
+}
+
+template <typename PointT>
+void RankedRegistration<PointT>::warnOfSetters() {
+  const bool is_set = this->max_iterations_ != unset_iterations_ || this->ransac_iterations_ != 0 ||
+                      this->transformation_epsilon_ != 0 || this->transformation_rotation_epsilon_ != 0 ||
+                      this->euclidean_fitness_epsilon_ != std::numeric_limits<double>::lowest() ||
+                      this->transformation_estimation_ != nullptr;
+  if (!is_set || has_warned_) return;
+  has_warned_ = true;
+  PCL_WARN("[facetloc::%s::align] numbers of iterations, epsilons and estimators of transformations have no "
+           "effect: "
+           "the search ends when all hypotheses are tried, setRegistrationParams() sets its limits\n",
+           reg_name_.c_str());
+}
+
+template <typename PointT>
 void RankedRegistration<PointT>::computeTransformation(PointCloudSource& output, const Matrix4& guess) {
   reset("");
-  std::string source_fault, target_fault;
-  const auto map = std::make_shared<const Map>(mapOf(makeView(*target_, nullptr, target_fault)));
+  warnOfSetters();
+  std::string source_fault;
+  readTarget();
   const View scene = makeView(*input_, use_indices_ ? indices_.get() : nullptr, source_fault);
   if (!indices_fit_) source_fault = "the indices do not fit the cloud";
 
@@ -114,12 +179,16 @@ void RankedRegistration<PointT>::computeTransformation(PointCloudSource& output,
   prior.P = getPriorCovariance();
   if (!prior.P.allFinite() || !isRigidMotion(guess))
     answer_.reason = "the guess is no rigid motion, or its covariance is not finite";
-  else if (!target_fault.empty())
-    answer_.reason = "target: " + target_fault;
+  else if (!target_fault_.empty())
+    answer_.reason = "target: " + target_fault_;
   else if (!source_fault.empty())
     answer_.reason = "source: " + source_fault;
+  else if (const std::optional<std::vector<SegmentPair>> pairs = pairsOf(scene, prior); !pairs)
+    answer_ = in_target_->localize(scene, prior);
+  else if (pairs->empty())
+    answer_.reason = "no correspondence of source and target is left";
   else
-    answer_ = GlobalLocalization(map, params_).localize(scene, prior);
+    answer_ = in_target_->localize(scene, prior, [&pairs](int) { return *pairs; });
 
   const AnswerState state = getState();
   converged_ = state == AnswerState::sure;
