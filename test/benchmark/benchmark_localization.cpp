@@ -4,10 +4,12 @@
 #include "cluttered_room.h"
 
 #include <facetloc/registration/global_localization.h>
+#include <facetloc/registration/planar_registration.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <benchmark/benchmark.h>
 
+#include <limits>
 #include <map>
 #include <memory>
 #include <random>
@@ -82,6 +84,46 @@ BENCHMARK(localization)
     ->ArgsProduct({{2, 5, 30}, {1}, {1}})
     ->ArgsProduct({{2, 5, kPerRoom, 30, 142}, {1}, {0}})
     ->ArgsProduct({{142}, {0}, {0}})
+    ->Unit(benchmark::kMillisecond);
+
+using Cloud = pcl::PointCloud<pcl::PointXYZ>;
+
+Cloud::Ptr cloudOf(const Scene& scene, const Eigen::Isometry3d& T_w_c, std::uint64_t frame) {
+  const DepthImage image =
+      SimulatedCamera(kinectIntrinsics(), SimulatedNoise{}, kSeed).render(scene, T_w_c, frame).depth;
+  auto cloud = pcl::make_shared<Cloud>(image.camera.width, image.camera.height);
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u) {
+      const float z = image.at(u, v) > 0 ? image.at(u, v) : std::numeric_limits<float>::quiet_NaN();
+      (*cloud)(u, v).getVector3fMap() = (image.camera.ray(u, v) * z).cast<float>();
+    }
+  cloud->is_dense = false;
+  return cloud;
+}
+
+// Two clouds of 640x480 points as PCL's interface takes them: align() where the target stays, and its fitness
+// of a sample or, as through a pointer to PCL's class, of all points.
+enum Step { kAlign, kFitness, kFitnessOfAll };
+void registrationOfClouds(benchmark::State& state) {
+  const Scene scene = clutteredRoom(kSeed);
+  PlanarRegistration<pcl::PointXYZ> registration;
+  registration.setInputSource(cloudOf(scene, cameraPose(0.3, 0.1, 0.1), 1));
+  registration.setInputTarget(cloudOf(scene, cameraPose(0.1, 0.1, 0), 2));
+  pcl::Registration<pcl::PointXYZ, pcl::PointXYZ>& base = registration;
+  Cloud aligned;
+  base.align(aligned);
+  double score = 0;
+  for (auto _ : state) {
+    if (state.range(0) == kAlign) base.align(aligned);
+    if (state.range(0) == kFitness) score = registration.getFitnessScore();
+    if (state.range(0) == kFitnessOfAll) score = base.getFitnessScore();
+  }
+  state.counters["sure"] = base.hasConverged();
+  state.counters["score"] = score;
+}
+BENCHMARK(registrationOfClouds)
+    ->ArgName("step")
+    ->DenseRange(kAlign, kFitnessOfAll)
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
