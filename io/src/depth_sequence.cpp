@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
-#include "pcd_header.h"
+#include "pcd_points.h"
 #include "recordings/image_container.h"
 #include "recordings/image_list.h"
 #include "recordings/recorded_poses.h"
@@ -10,10 +10,10 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/png.h>
+#include <facetloc/io/segment_file.h>
 #include <facetloc/io/text.h>
 
 #include <pcl/PCLPointCloud2.h>
-#include <pcl/io/pcd_io.h>
 
 #include <algorithm>
 #include <cmath>
@@ -79,6 +79,9 @@ std::optional<Intrinsics> DepthSequence::knownIntrinsics() const {
 
 DepthImage DepthSequence::load(std::size_t index, int working_width) const {
   const fs::path& path = frames_.at(index).path;
+  if (of_segments_)
+    throw IoError(path.string(),
+                  "holds segments, and no depth image: localize, register and render it instead");
   DepthImage image;
   if (container_) {
     image = container_->read(index);
@@ -90,6 +93,10 @@ DepthImage DepthSequence::load(std::size_t index, int working_width) const {
     image = readDepthPcd(path, knownIntrinsics());
   const int step = working_width > 0 ? subsamplingStep(image.camera, working_width) : 1;
   return step > 1 ? subsampled(image, step) : image;
+}
+
+std::vector<Segment> DepthSequence::segments(std::size_t index) const {
+  return readSegments(frames_.at(index).path);
 }
 
 DepthImage readDepthPng(const std::filesystem::path& path, const CameraFile& file) {
@@ -147,24 +154,6 @@ private:
   bool is_double_ = false;
   std::size_t offset_ = 0;
 };
-
-pcl::PCLPointCloud2 readPcd(const fs::path& path, const PcdHeader& header) {
-  pcl::PCLPointCloud2 cloud;
-  Eigen::Vector4f origin;
-  Eigen::Quaternionf orientation;
-  int version = 0;
-  int status = 0;
-  try {
-    status = pcl::PCDReader().read(path.string(), cloud, origin, orientation, version);
-  } catch (const std::exception& e) {
-    throw IoError(path.string(), std::string("cannot be read by PCL: ") + e.what());
-  }
-  const std::size_t points = std::size_t(header.width()) * header.height();
-  if (status < 0 || cloud.width != static_cast<unsigned>(header.width()) ||
-      cloud.data.size() != points * cloud.point_step)
-    throw IoError(path.string(), "is a corrupt PCD file");
-  return cloud;
-}
 
 pcl::PointCloud<pcl::PointXYZ> readOrganizedPoints(const fs::path& path) {
   const PcdHeader header(path);

@@ -24,8 +24,10 @@ namespace facetloc {
  * that passes here is safe to be given to PCL. */
 class PcdHeader {
 public:
-  /** \brief Throws IoError for anything that is not a sound PCD file of the promised length. */
-  explicit PcdHeader(const std::filesystem::path& path) : path_(path.string()) {
+  /** \brief Throws IoError for anything that is not a sound PCD file of the promised length, or has no point,
+   * unless it may be empty. */
+  explicit PcdHeader(const std::filesystem::path& path, bool may_be_empty = false)
+      : path_(path.string()), least_width_(may_be_empty ? 0 : 1) {
     files::requireRegularFile(path);
     std::ifstream in(path, std::ios::binary);
     if (!in) throw IoError(path_, "cannot be opened: " + files::lastError());
@@ -127,8 +129,8 @@ private:
                            std::all_of(counts_.begin(), counts_.end(), isCount);
     if (!fields_ok) fail("has a corrupt header: FIELDS, SIZE, TYPE and COUNT do not fit together");
     const bool of_one_row = height_ == 1;  // a cloud that is not organized may have any number of points
-    const bool sides_ok = width_ >= 1 && width_ <= (of_one_row ? kMaxDataBytes : kMaxSide) && height_ >= 1 &&
-                          height_ <= kMaxSide;
+    const bool sides_ok = width_ >= least_width_ && width_ <= (of_one_row ? kMaxDataBytes : kMaxSide) &&
+                          height_ >= 1 && height_ <= kMaxSide;
     if (!sides_ok || points_ != width_ * height_)
       fail("has a corrupt header: WIDTH, HEIGHT and POINTS do not fit together");
     if (points_ > kMaxDataBytes / step()) fail("has a corrupt header: it promises too many points");
@@ -151,7 +153,7 @@ private:
     if (encoding_ == "ascii") {
       std::uint64_t values = 0;
       for (const std::uint64_t count : counts_) values += points_ * count;
-      requireBytes(2 * values - 1);  // a digit and a blank each
+      requireBytes(std::max<std::uint64_t>(2 * values, 1) - 1);  // a digit and a blank each
     } else if (encoding_ == "binary") {
       requireBytes(promised);
     } else if (encoding_ == "binary_compressed") {
@@ -168,6 +170,7 @@ private:
   }
 
   std::string path_;
+  std::uint64_t least_width_;
   std::size_t fields_ = 0, types_ = 0;
   std::vector<std::uint64_t> sizes_, counts_;
   std::uint64_t width_ = 0, height_ = 0, points_ = 0;

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pcd_points.h"
+#include "recordings/image_list.h"
+
 #include <facetloc/features/segment_frame.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
@@ -8,8 +11,12 @@
 #include <pcl/conversions.h>
 #include <pcl/io/pcd_io.h>
 
+#include <algorithm>
 #include <array>
-#include <sstream>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <ostream>
 
 namespace facetloc {
 namespace {
@@ -23,20 +30,81 @@ void writeEmptyCloud(std::ostream& out) {
   out.write(kNoData.data(), kNoData.size());
 }
 
+/** \brief A field of SegmentFrame. */
+struct Field {
+  const char* name;
+  std::uint8_t type;
+  std::size_t offset, count;
+  bool may_be_missing;
+};
+
+constexpr std::size_t kFieldBytes = 4;  // of a number, of both types
+constexpr Field kFields[] = {
+    {"x", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, x), 1, false},
+    {"y", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, y), 1, false},
+    {"z", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, z), 1, false},
+    {"normal_x", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, normal_x), 1, true},
+    {"normal_y", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, normal_y), 1, true},
+    {"normal_z", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, normal_z), 1, true},
+    {"orientation", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, orientation), 4, false},
+    {"sigma_q", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, sigma_q), 6, false},
+    {"lambda", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, lambda), 2, false},
+    {"num_points", pcl::PCLPointField::INT32, offsetof(SegmentFrame, num_points), 1, false},
+    {"hull_size", pcl::PCLPointField::INT32, offsetof(SegmentFrame, hull_size), 1, false},
+    {"hull", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, hull), 2 * ConvexHull::kMaxVertices, false},
+};
+
+/** Copies a field into each frame. PCL's own conversion warns aloud of fields that are not there. */
+void readField(const Field& field, const pcl::PCLPointCloud2& raw, const std::string& path,
+               std::vector<SegmentFrame>& frames) {
+  const auto found = std::find_if(raw.fields.begin(), raw.fields.end(),
+                                  [&field](const pcl::PCLPointField& f) { return f.name == field.name; });
+  if (found == raw.fields.end()) {
+    if (field.may_be_missing) return;
+    throw IoError(path, std::string("has no field ") + field.name +
+                            ": it holds no segments, which facetloc_segment writes");
+  }
+  const std::size_t bytes = field.count * kFieldBytes;
+  if (found->datatype != field.type || found->count != field.count || found->offset + bytes > raw.point_step)
+    throw IoError(path, std::string("has a field ") + field.name + " of another type than segments have");
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    std::memcpy(reinterpret_cast<std::uint8_t*>(&frames[i]) + field.offset,
+                raw.data.data() + i * raw.point_step + found->offset, bytes);
+}
+
 }  // namespace
+
+bool isSegmentFile(const std::filesystem::path& path) {
+  return internal::endsWith(path.filename().string(), kSegmentEnding);
+}
+
+std::vector<Segment> readSegments(const std::filesystem::path& path) {
+  constexpr std::size_t kMost = 65535;  // labels of an image
+  const PcdHeader header(path, true);
+  const std::size_t n = std::size_t(header.width()) * header.height();
+  if (n == 0) return {};
+  if (n > kMost) throw IoError(path.string(), "has more segments than an image can have");
+  const pcl::PCLPointCloud2 raw = readPcd(path, header);
+  SegmentFrame frame;
+  frame.normal_x = frame.normal_y = frame.normal_z = 0;  // not given
+  std::vector<SegmentFrame> frames(n, frame);
+  for (const Field& field : kFields) readField(field, raw, path.string(), frames);
+  std::vector<Segment> segments(n);
+  for (std::size_t i = 0; i < n; ++i)
+    if (!toSegment(frames[i], segments[i]))
+      throw IoError(path.string(), "is corrupt: its point " + std::to_string(i) + " is no segment");
+  return segments;
+}
 
 void writeSegments(const std::filesystem::path& path, const std::vector<Segment>& segments) {
   const pcl::PointCloud<SegmentFrame> cloud = toCloud(segments);
-  std::ostringstream bytes;  // where PCL writes a file itself, it does not tell why it cannot
   if (cloud.empty()) {
-    writeEmptyCloud(bytes);
-  } else {
-    pcl::PCLPointCloud2 fields;
-    pcl::toPCLPointCloud2(cloud, fields);
-    if (pcl::PCDWriter().writeBinaryCompressed(bytes, fields) != 0)
-      throw IoError(path.string(), "cannot be written: PCL cannot compress it");
+    writeTextAtomically(path, writeEmptyCloud);
+    return;
   }
-  writeTextAtomically(path, [&](std::ostream& out) { out << bytes.str(); });
+  pcl::PCLPointCloud2 fields;
+  pcl::toPCLPointCloud2(cloud, fields);
+  writePcd(path, fields);
 }
 
 void writeLabels(const std::filesystem::path& path, const LabelImage& labels) {

@@ -5,7 +5,11 @@
 #include <facetloc/io/map_database.h>
 
 #include <gmock/gmock.h>
+#include <pcl/conversions.h>
+#include <pcl/io/ply_io.h>
+#include <pcl/point_types.h>
 
+#include <cmath>
 #include <sstream>
 
 namespace facetloc {
@@ -44,6 +48,29 @@ TEST_F(Tools, MapMergeAndExport) {
   EXPECT_EQ(exported(), 2u);
   EXPECT_GT(models, 2u);
   EXPECT_TRUE(fs::exists(folder_ / "export/graph.g2o"));
+}
+
+TEST_F(Tools, MapIsExportedAsAMesh) {
+  const std::string ply = folder_ / "map.ply";
+  ASSERT_EQ(runMap({"export", map(), "--ply", ply}).code, kOk);
+  pcl::PolygonMesh mesh;
+  ASSERT_EQ(pcl::io::loadPLYFile(ply, mesh), 0);
+  const Map posed = readMap(map());
+  std::size_t segments = 0;
+  for (const LocalModel& model : posed.models) segments += model.view.segments.size();
+  EXPECT_EQ(mesh.polygons.size(), segments);
+  pcl::PointCloud<pcl::PointXYZRGB> vertices;
+  pcl::fromPCLPointCloud2(mesh.cloud, vertices);
+  // The floor of the room: level, seen from above, in the colour of a normal that points down.
+  std::size_t of_floor = 0;
+  for (const pcl::PointXYZRGB& p : vertices) of_floor += std::abs(p.z) < 0.02 && p.b < 5;
+  EXPECT_GT(of_floor, 0u);
+
+  Map bare = posed;
+  for (LocalModel& model : bare.models) model.T_w_m.reset();
+  bare.links.clear();
+  writeMap(folder_ / "bare.flmap", bare);
+  EXPECT_EQ(runMap({"export", folder_ / "bare.flmap", "--ply", ply}).code, kOk);  // its first part
 }
 
 TEST_F(Tools, MapTakesThePosesOfAGraph) {

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "example_room.h"
 #include "tools/register_app.h"
+#include "tools/segment_app.h"
 
 #include <facetloc/io/results.h>
+#include <facetloc/io/segment_file.h>
 
 #include <gmock/gmock.h>
+#include <pcl/io/pcd_io.h>
+
+#include <cmath>
 
 namespace facetloc {
 namespace {
@@ -26,6 +31,38 @@ TEST_F(Tools, RegisterFindsAnImageInItself) {
   EXPECT_EQ(rows[0].rank > 0 ? rows[0].model : images[1].stem().string(), images[1].stem().string());
   EXPECT_EQ(runTool<RegisterApp>({images[0].string(), map_run()}).code, kUsage);
   EXPECT_EQ(runTool<RegisterApp>({images[0].string(), folder_ / "nowhere.png"}).code, kFailed);
+}
+
+TEST_F(Tools, RegisterTakesSegmentsAndMovesTheSource) {
+  const auto images = filesOf(map_run() + "/depth");
+  const std::string source = images[1].string(), target = images[0].string(), found = folder_ / "found";
+  ASSERT_EQ(runTool<SegmentApp>({source, target, "-o", found}).code, kOk);
+  const auto segmentsOf = [&](const std::string& image) {
+    return found + "/" + std::filesystem::path(image).stem().string() + ".segments.pcd";
+  };
+  std::vector<std::string> clouds;
+  for (const std::string& of_source : {source, segmentsOf(source)})
+    for (const std::string& of_target : {target, segmentsOf(target)}) {
+      clouds.push_back(folder_ / (std::to_string(clouds.size()) + ".pcd"));
+      const ToolRun run = runTool<RegisterApp>({of_source, of_target, "--aligned", clouds.back()});
+      ASSERT_EQ(run.code, kOk) << run.err;
+      EXPECT_THAT(run.out, HasSubstr("aligned source in " + clouds.back()));
+    }
+  // The points of the image and its segments are moved to the same place.
+  pcl::PointCloud<pcl::PointXYZ> points;
+  ASSERT_EQ(pcl::io::loadPCDFile(clouds[0], points), 0);
+  const std::vector<Segment> moved = readSegments(clouds[2]);
+  ASSERT_FALSE(moved.empty());
+  std::size_t near = 0;
+  for (const pcl::PointXYZ& p : points)
+    near += std::abs(moved[0].normal().dot(p.getVector3fMap().cast<double>() - moved[0].t)) < 0.03;
+  EXPECT_GT(near, static_cast<std::size_t>(moved[0].num_points) / 2);
+
+  const ToolRun replaces =
+      runTool<RegisterApp>({segmentsOf(source), target, "--aligned", segmentsOf(source)});
+  EXPECT_EQ(replaces.code, kUsage);
+  EXPECT_THAT(replaces.err, HasSubstr("would replace"));
+  EXPECT_EQ(runTool<RegisterApp>({source, target, "--aligned", folder_ / "a.txt"}).code, kUsage);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "example_room.h"
 #include "tools/localize_app.h"
 #include "tools/render_app.h"
+#include "tools/segment_app.h"
 
 #include <gmock/gmock.h>
 
@@ -51,6 +52,20 @@ TEST_F(Tools, RenderDrawsWhatItIsGiven) {
                                              "2"};
   EXPECT_TRUE(draws(failures, folder_ / "failures"));
   EXPECT_EQ(filesOf(folder_ / "failures").size(), 3u);  // and failures.png
+}
+
+TEST_F(Tools, RenderDrawsFilesOfSegments) {
+  if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
+  ASSERT_EQ(runTool<SegmentApp>({firstImage(), "-o", folder_ / "found"}).code, kOk);
+  const std::string segments =
+      folder_ / ("found/" + fs::path(firstImage()).stem().string() + ".segments.pcd");
+  for (const std::vector<std::string>& with : {std::vector<std::string>{}, {"--map", map()}}) {
+    std::vector<std::string> arguments = {segments, "-o", folder_ / "picture.png"};
+    arguments.insert(arguments.end(), with.begin(), with.end());
+    const ToolRun run = runTool<RenderApp>(arguments);
+    EXPECT_EQ(run.code, kOk) << run.err;
+    EXPECT_TRUE(fs::remove(folder_ / "picture.png"));
+  }
 }
 
 TEST_F(Tools, RenderDrawsABeliefAsItNarrows) {

@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "example_room.h"
+#include "tools/localize_app.h"
 #include "tools/segment_app.h"
 #include "tools/simulate_app.h"
 
 #include <facetloc/features/segment_frame.h>
+#include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/png.h>
+#include <facetloc/io/results.h>
+#include <facetloc/io/segment_file.h>
 
 #include <gmock/gmock.h>
 #include <pcl/impl/pcl_base.hpp>
 #include <pcl/io/pcd_io.h>
+#include <pcl/io/ply_io.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <fstream>
 
 namespace facetloc {
@@ -39,6 +45,57 @@ TEST_F(Tools, SegmentWritesSegmentsLabelsAndOverlays) {
   EXPECT_EQ(labels.width, 320);
   EXPECT_EQ(*std::max_element(labels.data.begin(), labels.data.end()), cloud.size());
   EXPECT_TRUE(fs::exists(base + "_overlay.png"));
+}
+
+TEST_F(Tools, SegmentWritesCloudsAndPolygons) {
+  const std::vector<std::string> arguments = {firstImage(), "-o", folder_ / "out", "--pcd", "--ply"};
+  const ToolRun run = runTool<SegmentApp>(arguments);
+  ASSERT_EQ(run.code, kOk) << run.err;
+  const std::string base = folder_ / "out/" + fs::path(firstImage()).stem().string();
+  const std::vector<Segment> segments = readSegments(base + ".segments.pcd");
+  pcl::PointCloud<pcl::PointXYZL> cloud;
+  ASSERT_EQ(pcl::io::loadPCDFile(base + "_cloud.pcd", cloud), 0);
+  std::vector<double> points(segments.size() + 1, 0), off(segments.size() + 1, 0);
+  for (const pcl::PointXYZL& p : cloud) {
+    ASSERT_LE(p.label, segments.size());
+    if (p.label == 0 || !p.getVector3fMap().allFinite()) continue;
+    const Segment& s = segments[p.label - 1];
+    points[p.label] += 1;
+    off[p.label] += std::abs(s.normal().dot(p.getVector3fMap().cast<double>() - s.t));
+  }
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    EXPECT_GE(points[k], segments[k - 1].num_points);
+    EXPECT_LT(off[k] / points[k], 0.05);
+  }
+  pcl::PolygonMesh mesh;
+  ASSERT_EQ(pcl::io::loadPLYFile(base + ".ply", mesh), 0);
+  EXPECT_EQ(mesh.polygons.size(), segments.size());
+
+  fs::remove(base + ".ply");
+  std::vector<std::string> again = arguments;
+  again.emplace_back("--resume");
+  ASSERT_EQ(runTool<SegmentApp>(again).code, kOk);
+  EXPECT_TRUE(fs::exists(base + ".ply"));
+}
+
+TEST_F(Tools, FilesOfSegmentsAreLocalized) {
+  ASSERT_EQ(runTool<SegmentApp>({query(), "-o", folder_ / "found"}).code, kOk);
+  for (const std::vector<std::string>& how : {std::vector<std::string>{}, {"--sequence"}}) {
+    std::vector<std::string> arguments = {map(), folder_ / "found", "-o", folder_ / "results"};
+    arguments.insert(arguments.end(), how.begin(), how.end());
+    const ToolRun run = runTool<LocalizeApp>(arguments);
+    ASSERT_EQ(run.code, kOk) << run.err;
+    EXPECT_THAT(run.err, HasSubstr("without depth"));
+    const Trajectory truth = DepthSequence::readTruth(query());
+    std::size_t right = 0;
+    for (const ResultRow& row : readHypotheses(folder_ / "results"))
+      if (row.rank == 1 && row.T_w_c)
+        right += (row.T_w_c->translation() - truth.at(std::stod(row.frame))->translation()).norm() < 0.1;
+    EXPECT_GE(right, static_cast<std::size_t>(kFrames) / 2);
+  }
+  const ToolRun build = test::runMap({"build", folder_ / "found", "-o", folder_ / "x.flmap"});
+  EXPECT_EQ(build.code, kFailed);
+  EXPECT_THAT(build.err, HasSubstr("the depth images are needed"));
 }
 
 TEST_F(Tools, SegmentSplitsInEitherWay) {

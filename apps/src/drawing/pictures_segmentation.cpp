@@ -48,6 +48,15 @@ SeenImage see(const std::string& name, DepthImage depth, ViewBuilder& builder) {
   return image;
 }
 
+SeenImage seeSegments(const std::string& name, View view) {
+  SeenImage image;
+  image.name = name;
+  image.depth = depthOf(view);
+  image.labels = seenSegments(view);
+  image.view = std::move(view);
+  return image;
+}
+
 void checkDrawable(const SeenImage& image) {
   if (!image.depth.valid()) throw std::invalid_argument("the image " + image.name + " has no pixels to draw");
   if (image.labels.width != image.depth.camera.width || image.labels.height != image.depth.camera.height)

@@ -10,6 +10,7 @@
 #include <facetloc/io/text.h>
 
 #include <cmath>
+#include <memory>
 
 namespace facetloc {
 
@@ -63,7 +64,23 @@ Camera DepthInput::camera(const std::optional<CameraFile>& file, const CommandLi
 DepthSequence openSequence(const std::string& path, const RecordingHints& hints, const Console& console) {
   DepthSequence sequence = DepthSequence::open(path, hints);
   if (const std::string remark = sequence.remark(); !remark.empty()) console.note(remark);
+  if (sequence.ofSegments())
+    console.note(path +
+                 " holds segments without depth: only planes are compared, and more of the sure answers "
+                 "are wrong than with images");
   return sequence;
+}
+
+View viewOf(const DepthSequence& sequence, std::size_t index, int working_width, ViewBuilder& builder) {
+  if (!sequence.ofSegments()) return builder.build(sequence.load(index, working_width));
+  View view;
+  view.segments = sequence.segments(index);
+  view.camera = std::make_shared<const Camera>(builder.camera());
+  view.depth.noise = view.camera->noise;
+  view.intrinsics = view.camera->intrinsics.valid() ? view.camera->intrinsics : kinectIntrinsics();
+  if (working_width > 0)
+    view.intrinsics = view.intrinsics.subsampled(subsamplingStep(view.intrinsics, working_width));
+  return view;
 }
 
 void noteUnfinished(const Map& map, const std::string& path, const Console& console) {

@@ -31,8 +31,13 @@ void addRecordingOptions(CommandLine& line, RecordingHints& recording);
 /** \brief One of them, for tools that read poses and no images. */
 void addTimeOffset(CommandLine& line, double& seconds);
 
-/** \brief The images at a path, with a remark where there is one. Throws IoError. */
+/** \brief The images at a path, or with RecordingHints::segments what is known of them, with a remark where
+ * there is one. Throws IoError. */
 DepthSequence openSequence(const std::string& path, const RecordingHints& hints, const Console& console);
+
+/** \brief What an image of a sequence shows: built, or, of files of segments, as they say. Such a view has no
+ * depth. */
+View viewOf(const DepthSequence& sequence, std::size_t index, int working_width, ViewBuilder& builder);
 
 /** \brief A remark if the build of the map at that path has not ended. */
 void noteUnfinished(const Map& map, const std::string& path, const Console& console);

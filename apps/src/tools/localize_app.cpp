@@ -105,11 +105,10 @@ std::vector<ResultRow> rowsOf(const std::string& frame, const FrameAnswer& answe
 }
 
 /** \param traits receives what tells a wrong camera. */
-FrameResult localizeFrame(std::size_t index, const FrameFile& file, const DepthImage& image,
-                          ViewBuilder& builder, const Localizer& localize, const Map& map, int max_hypotheses,
-                          ViewTraits& traits) {
+FrameResult localizeFrame(std::size_t index, const FrameFile& file, const View& scene,
+                          const ViewBuilder& builder, const Localizer& localize, const Map& map,
+                          int max_hypotheses, ViewTraits& traits) {
   FrameResult result;
-  const View scene = builder.build(image);
   const Clock::time_point start = Clock::now();
   const FrameAnswer answer = localize(index, scene, file.stamp);
   result.stamp = file.stamp;
@@ -126,7 +125,8 @@ FrameResult localizeFrame(std::size_t index, const FrameFile& file, const DepthI
 LocalizeApp::LocalizeApp()
     : App("facetloc_localize", "MAP.flmap INPUT -o RESULTS [options]",
           "Finds where depth images were taken. INPUT is a recording: a folder, a list (.txt, .lst) or one "
-          "image of 16-bit PNGs or organized PCDs, or an .oni or .bag file. RESULTS/hypotheses.csv lists the "
+          "image of 16-bit PNGs or organized PCDs, an .oni or .bag file, or what facetloc_segment made of "
+          "it. RESULTS/hypotheses.csv lists the "
           "ranked poses of each image, RESULTS/poses_tum.txt the sure ones; images that cannot be localized "
           "are listed with the reason. Under mpirun, the images are dealt out to its processes.") {}
 
@@ -233,8 +233,8 @@ int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
             [&](std::size_t i, int worker) {
               FrameResult& result = found[i];
               try {
-                const DepthImage image = sequence.load(todo[i], input_.width);
-                result = localizeFrame(i, fileOf(i), image, builders[worker], localizer, *map,
+                const View scene = viewOf(sequence, todo[i], input_.width, builders[worker]);
+                result = localizeFrame(i, fileOf(i), scene, builders[worker], localizer, *map,
                                        max_hypotheses_, traits[i]);
               } catch (const std::exception& e) {
                 result.stamp = fileOf(i).stamp;
@@ -282,7 +282,7 @@ int LocalizeApp::localizeFromStarts(const DepthSequence& sequence, const Camera&
   std::vector<ViewBuilder> builders(seeing.workers(), ViewBuilder(camera, input_.view));
   seeing.run(
       [&](std::size_t i) { return frames[i].path.string(); },
-      [&](std::size_t i, int worker) { views[i] = builders[worker].build(sequence.load(i, input_.width)); });
+      [&](std::size_t i, int worker) { views[i] = viewOf(sequence, i, input_.width, builders[worker]); });
   const std::size_t n = (frames.size() + starts_ - 1) / starts_;
   std::vector<std::vector<StartAnswer>> found(n);
   Batch batch(threads(), n, console);
@@ -362,6 +362,7 @@ int LocalizeApp::localizeAll(const CommandLine& line, const Console& console, st
                      "have no probabilities");
   Provenance::requireNotReplaced(input_path_, folder_);
   if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
+  input_.recording.segments = true;
   const DepthSequence sequence = openSequence(input_path_, input_.recording, console);
   const auto map = std::make_shared<const Map>(openMap(map_));
   noteUnfinished(*map, map_, console);

@@ -9,6 +9,7 @@
 #include "tools/text.h"
 
 #include <facetloc/features/map_parts.h>
+#include <facetloc/io/cloud_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_export.h>
 #include <facetloc/io/map_graph.h>
@@ -16,8 +17,11 @@
 #include <facetloc/io/text.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <set>
 #include <sstream>
 
@@ -228,6 +232,33 @@ void writeNewMap(const std::string& path, bool overwrite, int threads, const Con
   writeAmbiguity(path, threads, console);
 }
 
+/** Red, green and blue as the normal has x, y and z. */
+PointColour colourOf(const Eigen::Vector3d& normal) {
+  const auto channel = [&normal](int axis) {
+    return static_cast<std::uint8_t>(std::lround(127.5 + 127.5 * std::clamp(normal[axis], -1.0, 1.0)));
+  };
+  return {channel(0), channel(1), channel(2)};
+}
+
+/** Of all local models of the part to show, in its frame. */
+std::vector<ColouredPolygon> polygonsOf(const Map& map, const std::string& path) {
+  const int part = mainPart(map);
+  std::vector<ColouredPolygon> polygons;
+  bool has_pose = false;
+  for (std::size_t i = 0; i < map.models.size(); ++i) {
+    const LocalModel& model = map.models[i];
+    if (!model.T_w_m || model.part != part) continue;
+    has_pose = true;
+    const std::shared_ptr<const View> view = map.view(static_cast<int>(i));
+    for (const Segment& segment : view->segments) {
+      const Segment placed = transformed(segment, *model.T_w_m);
+      polygons.push_back(polygonOf(placed, colourOf(placed.normal())));
+    }
+  }
+  if (!has_pose) throw IoError(path, "has no pose of any local model: nothing says how its segments lie");
+  return polygons;
+}
+
 }  // namespace
 
 MapInfoApp::MapInfoApp()
@@ -259,7 +290,7 @@ int MapCheckApp::execute(const CommandLine&, const Console& console) {
 }
 
 MapExportApp::MapExportApp()
-    : App("facetloc_map export", "MAP.flmap -o DIR | --g2o FILE",
+    : App("facetloc_map export", "MAP.flmap -o DIR | --g2o FILE | --ply FILE",
           "Writes a map for other programs: DIR/models/<name>.pcd (SegmentFrame clouds, each in its model's "
           "frame), DIR/poses_tum.txt and DIR/graph.g2o; or the graph alone, whose poses can be brought back "
           "by "
@@ -269,16 +300,24 @@ void MapExportApp::addOptions(CommandLine& line) {
   line.addArgument("MAP.flmap", map_);
   line.addOption("output,o", folder_, "DIR", "Folder of the exported files.");
   line.addOption("g2o", graph_, "FILE", "Write local models and links to this file, in g2o's format.");
+  line.addOption(
+      "ply", polygons_, "FILE",
+      "Write the outlines of all segments to this file, in the axes of the world, or of the largest "
+      "part of the map, in the colours of their directions.");
 }
 
 int MapExportApp::execute(const CommandLine&, const Console& console) {
-  if (folder_.empty() && graph_.empty())
-    throw UsageError("the folder of the exported files is missing: -o DIR, or --g2o FILE");
+  if (folder_.empty() && graph_.empty() && polygons_.empty())
+    throw UsageError("the folder of the exported files is missing: -o DIR, --g2o FILE or --ply FILE");
   const Map map = openMap(map_);
   if (!graph_.empty()) writeGraph(graph_, map);
+  if (!polygons_.empty()) writePolygons(polygons_, polygonsOf(map, map_));
   if (!folder_.empty()) exportMap(map, folder_);
-  console.out << counted(map.models.size(), "local model") << " exported; "
-              << (folder_.empty() ? "graph in " + graph_ : "files in " + folder_) << "\n";
+  console.out << counted(map.models.size(), "local model") << " exported";
+  if (!folder_.empty()) console.out << "; files in " << folder_;
+  if (!graph_.empty()) console.out << "; graph in " << graph_;
+  if (!polygons_.empty()) console.out << "; polygons in " << polygons_;
+  console.out << "\n";
   return kOk;
 }
 

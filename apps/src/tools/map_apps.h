@@ -103,6 +103,7 @@ private:
   std::string map_;
   std::string folder_;
   std::string graph_;
+  std::string polygons_;
 };
 
 /** \brief facetloc_map import: a copy of a map with the poses that another program has found. */

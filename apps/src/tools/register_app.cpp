@@ -5,13 +5,17 @@
 #include "tools/milliseconds.h"
 #include "tools/text.h"
 
+#include <facetloc/io/cloud_file.h>
+#include <facetloc/io/segment_file.h>
 #include <facetloc/io/text.h>
 
 #include <chrono>
+#include <system_error>
 
 namespace facetloc {
 namespace {
 
+namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 DepthSequence openImage(const std::string& path, const RecordingHints& hints, const Console& console) {
@@ -36,7 +40,9 @@ RegisterApp::RegisterApp()
           "camera in the "
           "TARGET camera (x right, y down, z forward). SOURCE and TARGET are 16-bit PNG files with a "
           "camera.ini beside "
-          "them or in the folder above, or organized PCD files. The prior is the identity, with the spread "
+          "them or in the folder above, organized PCD files, or files *.segments.pcd of facetloc_segment. "
+          "The "
+          "prior is the identity, with the spread "
           "of "
           "--prior.rotation_std_deg and --prior.translation_std; it is a robot's on a floor if both "
           "camera.ini "
@@ -48,6 +54,8 @@ void RegisterApp::addOptions(CommandLine& line) {
   line.addArgument("TARGET", target_);
   line.addOption("output,o", folder_, "DIR",
                  "Also write a results folder: hypotheses.csv, poses_tum.txt, ...");
+  line.addOption("aligned", aligned_, "FILE.pcd",
+                 "Also write the points of the source, or its segments, in the TARGET camera's axes.");
   line.addOption("max-hypotheses", max_hypotheses_, "K", "List so many poses at most.");
   addMinProbability(line, min_probability_);
   line.addPresets();
@@ -56,22 +64,37 @@ void RegisterApp::addOptions(CommandLine& line) {
   line.addParams(localization_);
 }
 
+/** The first pose, sure or not, moves it. */
+void RegisterApp::writeAligned(const DepthSequence& source, const Eigen::Isometry3d& T_target_source) const {
+  if (!source.ofSegments()) {
+    writeCloud(aligned_, source.load(0), T_target_source);
+    return;
+  }
+  std::vector<Segment> moved = source.segments(0);
+  for (Segment& segment : moved) segment = transformed(segment, T_target_source);
+  writeSegments(aligned_, moved);
+}
+
 int RegisterApp::execute(const CommandLine& line, const Console& console) {
   if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
+  if (!aligned_.empty() && fs::path(aligned_).extension() != ".pcd")
+    throw UsageError("aligned points are a PCD file: --aligned " + aligned_);
+  for (const std::string& input : {source_, target_})
+    if (std::error_code ignored; fs::equivalent(input, aligned_, ignored))
+      throw UsageError("--aligned would replace " + input);
+  input_.recording.segments = true;
   const DepthSequence source = openImage(source_, input_.recording, console),
                       target = openImage(target_, input_.recording, console);
   const Camera source_camera = input_.camera(source.camera(), line),
                target_camera = input_.camera(target.camera(), line);
-  const DepthImage source_image = source.load(0, input_.width), target_image = target.load(0, input_.width);
-
+  ViewBuilder target_builder(target_camera, input_.view), builder(source_camera, input_.view);
+  const View scene = viewOf(source, 0, input_.width, builder);
   const auto map = std::make_shared<const Map>(
-      mapOfTarget(target.frames()[0], ViewBuilder(target_camera, input_.view).build(target_image)));
+      mapOfTarget(target.frames()[0], viewOf(target, 0, input_.width, target_builder)));
   noteDifference(source_camera, *map, console);
   GlobalLocalization localization(map, localization_);
   localization.setNumberOfThreads(threads());
 
-  ViewBuilder builder(source_camera, input_.view);
-  const View scene = builder.build(source_image);
   const Clock::time_point start = Clock::now();
   const Localization answer = localization.localize(scene);
   const double milliseconds = millisecondsSince(start);
@@ -91,6 +114,12 @@ int RegisterApp::execute(const CommandLine& line, const Console& console) {
   console.out << counted(scene.segments.size(), "source segment") << ", "
               << counted(map->models[0].view.segments.size(), "target segment") << ", registered in "
               << text::decimals(milliseconds, 1) << " ms";
+  if (!aligned_.empty() && state == AnswerState::unknown) {
+    console.note("there is no pose by which the source could be moved: " + aligned_ + " is not written");
+  } else if (!aligned_.empty()) {
+    writeAligned(source, answer.hypotheses.front().T_m_c.T);
+    console.out << "; aligned source in " << aligned_;
+  }
   if (!folder_.empty()) {
     writeResults(folder_, {result}, toIni(input_, source_camera) + toIni(localization_));
     console.out << "; results in " << folder_;

@@ -18,10 +18,12 @@ public:
 private:
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
+  void writeAligned(const DepthSequence& source, const Eigen::Isometry3d& T_target_source) const;
 
   std::string source_;
   std::string target_;
   std::string folder_;
+  std::string aligned_;
   double min_probability_ = kMinProbability;
   int max_hypotheses_ = 10;
   DepthInput input_;

@@ -56,7 +56,9 @@ public:
 
   void render(std::size_t index, const fs::path& path) {
     const FrameFile& file = sequence_.frames()[index];
-    const SeenImage image = see(file.name, sequence_.load(index, width_), builder_);
+    const SeenImage image = sequence_.ofSegments()
+                                ? seeSegments(file.name, viewOf(sequence_, index, width_, builder_))
+                                : see(file.name, sequence_.load(index, width_), builder_);
     if (localization_)
       drawMatches(path, image, localization_->map(), answers(image, file.stamp));
     else
@@ -185,7 +187,9 @@ int RenderApp::renderMap(const Console& console) const {
 }
 
 int RenderApp::renderImages(const CommandLine& line, const Console& console) const {
-  const DepthSequence sequence = openSequence(input_, depth_.recording, console);
+  RecordingHints recording = depth_.recording;
+  recording.segments = true;
+  const DepthSequence sequence = openSequence(input_, recording, console);
   std::vector<std::size_t> chosen;
   if (!frame_.empty())
     chosen = {indexOf(sequence, frame_)};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/segment_app.h"
 
+#include "drawing/colours.h"
 #include "drawing/depth_drawing.h"
 #include "drawing/outputs.h"
 #include "tools/batch.h"
@@ -9,11 +10,13 @@
 #include "tools/text.h"
 
 #include <facetloc/io/atomic_file.h>
+#include <facetloc/io/cloud_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/output_lock.h>
 #include <facetloc/io/segment_file.h>
 #include <facetloc/io/text.h>
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <numeric>
@@ -24,9 +27,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/** Of the files that an image may have results in. */
-constexpr const char *kSegments = ".segments.pcd", *kLabels = ".png", *kOverlay = "_overlay.png";
-constexpr const char* kEndings[] = {kSegments, kLabels, kOverlay};
+/** Of the files that an image may have results in, beside kSegmentEnding. */
+constexpr const char *kLabels = ".png", *kOverlay = "_overlay.png", *kCloud = "_cloud.pcd",
+                     *kPolygons = ".ply";
+
+/** Of the segments of a view, the colours of their pictures. */
+std::vector<PointColour> coloursOf(const View& view) {
+  std::vector<PointColour> colours;
+  for (std::size_t k = 0; k < view.segments.size(); ++k) {
+    const Colour colour = segmentColour(k);
+    colours.push_back({colour.red, colour.green, colour.blue});
+  }
+  return colours;
+}
+
+std::vector<ColouredPolygon> polygonsOf(const View& view) {
+  const std::vector<PointColour> colours = coloursOf(view);
+  std::vector<ColouredPolygon> polygons;
+  for (std::size_t k = 0; k < view.segments.size(); ++k)
+    polygons.push_back(polygonOf(view.segments[k], colours[k]));
+  return polygons;
+}
 
 /** What tells the images of one input from those of another: the sequence's folder. */
 std::string labelOf(const std::string& input) {
@@ -47,6 +68,16 @@ struct SegmentApp::Image {
   const FrameFile& file() const { return sequence->frames()[index]; }
 };
 
+struct SegmentApp::Output {
+  const char* ending;
+  bool is_written;
+};
+
+std::vector<SegmentApp::Output> SegmentApp::outputs() const {
+  return {
+      {kSegmentEnding, true}, {kLabels, labels_}, {kOverlay, overlay_}, {kCloud, pcd_}, {kPolygons, ply_}};
+}
+
 /** One per thread: keeps its buffers from image to image as long as these are of the same camera. */
 class SegmentApp::Worker {
 public:
@@ -61,8 +92,10 @@ public:
     const View view = builder_->build(depth);
     const LabelImage& labels = builder_->segmentation().labels;
     const fs::path base = fs::path(app_.folder_) / image.name;
-    if (app_.labels_) writeLabels(base.string() + ".png", labels);
-    if (app_.overlay_) writePng(base.string() + "_overlay.png", overlay(depth, labels));
+    if (app_.labels_) writeLabels(base.string() + kLabels, labels);
+    if (app_.overlay_) writePng(base.string() + kOverlay, overlay(depth, labels));
+    if (app_.pcd_) writeLabelledCloud(base.string() + kCloud, depth, labels, coloursOf(view));
+    if (app_.ply_) writePolygons(base.string() + kPolygons, polygonsOf(view));
     writeSegments(app_.segmentsOf(image), view.segments);
     return view.segments.size();
   }
@@ -88,6 +121,9 @@ void SegmentApp::addOptions(CommandLine& line) {
                  "Also write <name>.png: 16 bit, 0 = no segment, k = k-th segment of the PCD.");
   line.addSwitch("overlay", overlay_,
                  "Also write <name>_overlay.png: grey depth with segment borders in green.");
+  line.addSwitch("pcd", pcd_,
+                 "Also write <name>_cloud.pcd: the points, coloured and labelled by their segments.");
+  line.addSwitch("ply", ply_, "Also write <name>.ply: the outlines of the segments, for mesh viewers.");
   line.addSwitch("noise", measures_noise_,
                  "Write no segments, but print the noise of the images over their depths, and what to set in "
                  "camera.ini.");
@@ -107,9 +143,7 @@ std::vector<SegmentApp::Image> SegmentApp::images(const std::vector<DepthSequenc
     for (std::size_t i = 0; i < sequences[input].frames().size(); ++i) {
       const FrameFile& file = sequences[input].frames()[i];
       const std::string name = uses[file.name] > 1 ? labelOf(inputs_[input]) + "_" + file.name : file.name;
-      for (const char* ending : kEndings) {
-        const bool is_written =
-            ending == kSegments || (ending == kLabels && labels_) || (ending == kOverlay && overlay_);
+      for (const auto& [ending, is_written] : outputs()) {
         if (!is_written) continue;
         const auto [other, is_new] = taken.emplace(name + ending, file.path);
         if (!is_new)
@@ -123,13 +157,15 @@ std::vector<SegmentApp::Image> SegmentApp::images(const std::vector<DepthSequenc
 
 /** Written last: with it, an image is done. */
 fs::path SegmentApp::segmentsOf(const Image& image) const {
-  return fs::path(folder_) / (image.name + ".segments.pcd");
+  return fs::path(folder_) / (image.name + kSegmentEnding);
 }
 
 bool SegmentApp::done(const Image& image) const {
   const std::string base = (fs::path(folder_) / image.name).string();
-  return fs::exists(segmentsOf(image)) && (!labels_ || fs::exists(base + ".png")) &&
-         (!overlay_ || fs::exists(base + "_overlay.png"));
+  const std::vector<Output> files = outputs();
+  return std::all_of(files.begin(), files.end(), [&base](const Output& output) {
+    return !output.is_written || fs::exists(base + output.ending);
+  });
 }
 
 /** What the results depend on. */
@@ -147,8 +183,8 @@ Provenance SegmentApp::provenance(const std::vector<Image>& images, const Comman
 
 /** What an image, or one that there was in an earlier run, has left in the folder, if it has. */
 void SegmentApp::removeResultsOf(const std::string& name) const {
-  if (!fs::exists(fs::path(folder_) / (name + ".segments.pcd"))) return;  // another tool's images
-  for (const char* ending : kEndings) fs::remove(fs::path(folder_) / (name + ending));
+  if (!fs::exists(fs::path(folder_) / (name + kSegmentEnding))) return;  // another tool's images
+  for (const Output& output : outputs()) fs::remove(fs::path(folder_) / (name + output.ending));
 }
 
 /** \return which images are still to be done. */
@@ -212,7 +248,7 @@ int SegmentApp::measureNoise(const CommandLine& line, const Console& console) co
 
 int SegmentApp::execute(const CommandLine& line, const Console& console) {
   if (measures_noise_) {
-    for (const char* other : {"output", "labels", "overlay", "resume"})
+    for (const char* other : {"output", "labels", "overlay", "pcd", "ply", "resume"})
       if (line.given(other)) throw UsageError(std::string("--noise writes no files: leave out --") + other);
     return measureNoise(line, console);
   }

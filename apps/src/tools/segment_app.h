@@ -25,6 +25,8 @@ private:
   std::vector<Image> images(const std::vector<DepthSequence>& sequences) const;
   std::filesystem::path segmentsOf(const Image& image) const;
   bool done(const Image& image) const;
+  struct Output;  // of an image
+  std::vector<Output> outputs() const;
   void removeResultsOf(const std::string& name) const;
   Provenance provenance(const std::vector<Image>& images, const CommandLine& line) const;
   std::vector<std::size_t> prepare(const std::vector<Image>& images, const Provenance& provenance) const;
@@ -33,6 +35,8 @@ private:
   std::string folder_;
   bool labels_ = false;
   bool overlay_ = false;
+  bool pcd_ = false;
+  bool ply_ = false;
   bool resume_ = false;
   bool measures_noise_ = false;
   DepthInput input_;

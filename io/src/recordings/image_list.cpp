@@ -4,6 +4,7 @@
 #include "files.h"
 
 #include <facetloc/io/error.h>
+#include <facetloc/io/segment_file.h>
 #include <facetloc/io/text.h>
 
 #include <algorithm>
@@ -90,6 +91,12 @@ std::string lowerExtension(const fs::path& path) {
   return extension;
 }
 
+std::string frameName(const fs::path& path) {
+  const std::string name = path.filename().string();
+  if (isSegmentFile(path)) return name.substr(0, name.size() - std::string(kSegmentEnding).size());
+  return path.stem().string();
+}
+
 bool isPng(const fs::path& path) { return lowerExtension(path) == ".png"; }
 bool isImage(const fs::path& path) { return isPng(path) || lowerExtension(path) == ".pcd"; }
 bool isImageList(const fs::path& path) {
@@ -107,8 +114,12 @@ std::vector<ListedImage> imagesOfFolder(const fs::path& folder) {
   } catch (const fs::filesystem_error& e) {
     throw IoError(folder.string(), e.what());
   }
-  if (std::any_of(images.begin(), images.end(), isNamedDepth))
-    images.erase(std::remove_if(images.begin(), images.end(), std::not_fn(isNamedDepth)), images.end());
+  const auto keepIfAny = [&images](auto counts) {
+    if (std::any_of(images.begin(), images.end(), counts))
+      images.erase(std::remove_if(images.begin(), images.end(), std::not_fn(counts)), images.end());
+  };
+  keepIfAny([](const ListedImage& image) { return isSegmentFile(image.path); });
+  keepIfAny(isNamedDepth);
   std::sort(images.begin(), images.end(),
             [](const ListedImage& a, const ListedImage& b) { return a.path < b.path; });
   return images;

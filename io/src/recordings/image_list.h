@@ -19,13 +19,16 @@ struct ListedImage {
 bool endsWith(const std::string& name, const std::string& ending);
 /** \brief ".png" of a.PNG. */
 std::string lowerExtension(const std::filesystem::path& path);
+/** \brief The name of a frame by that of its file: "a" of a.png and of a.segments.pcd. */
+std::string frameName(const std::filesystem::path& path);
 bool isPng(const std::filesystem::path& path);
 bool isImage(const std::filesystem::path& path);
 /** \brief Is it a list by its name? */
 bool isImageList(const std::filesystem::path& path);
 
 /** \brief The images in a folder, in the order of their names; those with the ending `.depth` alone if there
- * are any, since others beside them show something else. Throws IoError. */
+ * are any, since others beside them show something else; before these, files of
+ * segments alone, beside which facetloc_segment writes labels and pictures. Throws IoError. */
 std::vector<ListedImage> imagesOfFolder(const std::filesystem::path& folder);
 
 /** \brief The images that a text file lists, in its order; # starts a comment line. A line is a path,

@@ -42,8 +42,7 @@ class LayoutFinder {
 public:
   LayoutFinder(const std::vector<ListedImage>& images, const std::vector<fs::path>& beside)
       : images_(images), beside_(beside) {
-    for (const ListedImage& image : images)
-      layout_.frames.push_back({image.path.stem().string(), image.path, 0});
+    for (const ListedImage& image : images) layout_.frames.push_back({frameName(image.path), image.path, 0});
   }
 
   RecordingLayout find() {

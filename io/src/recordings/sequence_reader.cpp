@@ -2,9 +2,11 @@
 #include "recordings/sequence_reader.h"
 
 #include <facetloc/io/error.h>
+#include <facetloc/io/segment_file.h>
 #include <facetloc/io/text.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <map>
 #include <system_error>
 
@@ -75,6 +77,15 @@ bool SequenceReader::hasPngs() const {
                      [](const FrameFile& frame) { return isPng(frame.path); });
 }
 
+/** Throws IoError if there are images as well. */
+bool SequenceReader::hasSegments() const {
+  const auto isOfSegments = [](const FrameFile& frame) { return isSegmentFile(frame.path); };
+  const auto n = std::count_if(layout_.frames.begin(), layout_.frames.end(), isOfSegments);
+  if (n > 0 && n < static_cast<std::ptrdiff_t>(layout_.frames.size()))
+    throw IoError(path_.string(), "has depth images and files of segments: list one kind alone");
+  return n > 0;
+}
+
 std::optional<RecordedCamera> SequenceReader::camera() const {
   std::error_code ignored;
   const bool is_file = fs::is_regular_file(hints_.camera, ignored);
@@ -116,7 +127,14 @@ DepthSequence SequenceReader::read() const {
   if (layout_.frames.empty()) throw IoError(path_.string(), "has no .png or .pcd depth images");
   if (hints_.depth_scale > 0 && !hasPngs())
     throw IoError(path_.string(), "has no PNG images, whose values a depth scale would explain");
+  const bool of_segments = hasSegments();
+  if (of_segments && !hints_.segments)
+    throw IoError(
+        path_.string(),
+        "holds segments, which facetloc_localize, facetloc_register and facetloc_render take; here, "
+        "the depth images are needed that they were found in");
   DepthSequence sequence = readWith(camera());
+  sequence.of_segments_ = of_segments;
   if (!sequence.camera() && hasPngs()) throw IoError(path_.string(), adviceOnCamera(layout_, asked_));
   return sequence;
 }

@@ -28,6 +28,7 @@ public:
 private:
   void listImages();
   bool hasPngs() const;
+  bool hasSegments() const;
   DepthSequence readWith(std::optional<RecordedCamera> camera) const;
   std::optional<RecordedCamera> camera() const;
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <facetloc/features/depth_image.h>
+#include <facetloc/features/segment.h>
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/trajectory.h>
 
@@ -36,6 +37,7 @@ struct RecordingHints {
   double time_offset = 0;  ///< added to the time of an image, it is the time of its pose [s]
   /** Of a bag: the topic of its images; empty = of several, the one called depth that has the most. */
   std::string topic{};
+  bool segments = false;  ///< take files of segments, too
 };
 
 /** \brief A sequence of depth images on disk, in the order of their stamps.
@@ -50,6 +52,9 @@ struct RecordingHints {
  * (depth/0.png, pose/0.txt), ICL-NUIM (depth/0.png, *.gt.freiburg), PCL's recorders
  * (frame_20121214T142255.814212.pcd). Images that are numbered are 1/30 s apart. Frames that have no stamps
  * as their names, those of recordings among them, are named by their times, in seconds with 6 decimals.
+ *
+ * What facetloc_segment has made of images, <name>.segments.pcd, is a sequence as well for those who ask for
+ * it (RecordingHints::segments): a file, a folder, or a list of them. In a folder, they alone count then.
  *
  * camera.ini is looked for in the folder, in its parent, and beside the file; so are the matrices of 3DMatch
  * (camera-intrinsics.txt) and ScanNet (intrinsic/intrinsic_depth.txt). PNGs need one, or a data set's layout
@@ -81,9 +86,14 @@ public:
   /** \brief Are the stamps times, rather than indices? Without times no poses can be matched. */
   bool stamped() const { return stamped_; }
 
+  /** \brief Are its frames files of segments? Then it has no images. */
+  bool ofSegments() const { return of_segments_; }
+  /** \brief Reads the segments of such a frame. Throws what readSegments() throws, and std::out_of_range. */
+  std::vector<Segment> segments(std::size_t index) const;
+
   /** \brief Reads a frame, subsampled so that at least working_width columns remain (0 = full size).
-   * Thread-safe. Throws IoError for unreadable, truncated, unorganized or wrongly sized files,
-   * std::out_of_range for the index. */
+   * Thread-safe. Throws IoError for unreadable, truncated, unorganized or wrongly sized files
+   * and for segments, std::out_of_range for the index. */
   DepthImage load(std::size_t index, int working_width = 0) const;
 
 private:
@@ -101,6 +111,7 @@ private:
   Trajectory ground_truth_;
   std::exception_ptr ground_truth_fault_;  // why it could not be read, if it could not
   bool stamped_ = false;
+  bool of_segments_ = false;
 };
 
 /** \brief Reads one 16-bit depth PNG; value / depth_scale = metres, 0 and 65535 = not measured. */

@@ -13,6 +13,15 @@ namespace facetloc {
  * file of no points. Throws IoError. */
 void writeSegments(const std::filesystem::path& path, const std::vector<Segment>& segments);
 
+/** \brief What the names of such files end with. */
+constexpr const char* kSegmentEnding = ".segments.pcd";
+bool isSegmentFile(const std::filesystem::path& path);
+
+/** \brief The segments of such a file, in its order. Throws IoError for what is no PCD file, has not the
+ * fields of SegmentFrame, or holds a frame that is none, and names it; files of version 0.1 have no normals.
+ */
+std::vector<Segment> readSegments(const std::filesystem::path& path);
+
 /** \brief Writes labels as a 16-bit PNG, atomically. */
 void writeLabels(const std::filesystem::path& path, const LabelImage& labels);
 

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/depth_image.h>
+#include <facetloc/features/segment.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace facetloc {
+
+// Points and polygons for PCL's tools and for mesh viewers. All files are written atomically; all functions
+// throw IoError for a file that cannot be written.
+
+/** \brief A colour of points and polygons. */
+struct PointColour {
+  std::uint8_t red = 0, green = 0, blue = 0;
+};
+
+/** \brief Writes the points of an image as an organized PCD (x, y, z), moved to other axes; what was not
+ * measured is NaN. */
+void writeCloud(const std::filesystem::path& path, const DepthImage& image,
+                const Eigen::Isometry3d& T = Eigen::Isometry3d::Identity());
+
+/** \brief Writes them as an organized PCD of pcl::PointXYZRGBL. \param colours of label k at k - 1; what has
+ * no label, or one beyond them, is grey. Throws std::invalid_argument if the sizes differ. */
+void writeLabelledCloud(const std::filesystem::path& path, const DepthImage& image, const LabelImage& labels,
+                        const std::vector<PointColour>& colours);
+
+/** \brief A flat polygon in space, such as the outline of a segment. */
+struct ColouredPolygon {
+  std::vector<Eigen::Vector3d> vertices;  ///< in order [m]
+  PointColour colour;
+};
+/** \brief The hull of a segment. */
+ColouredPolygon polygonOf(const Segment& segment, const PointColour& colour);
+
+/** \brief Writes polygons as a binary PLY mesh; those of fewer than three vertices are left out. */
+void writePolygons(const std::filesystem::path& path, const std::vector<ColouredPolygon>& polygons);
+
+}  // namespace facetloc

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcd_points.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/cloud_file.h>
+#include <facetloc/io/error.h>
+
+#include <pcl/PolygonMesh.h>
+#include <pcl/conversions.h>
+#include <pcl/io/ply_io.h>
+#include <pcl/point_types.h>
+
+#include <cstddef>
+#include <limits>
+#include <ostream>
+#include <stdexcept>
+#include <utility>
+
+namespace facetloc {
+namespace {
+
+constexpr PointColour kUnlabelled = {150, 150, 150};
+
+template <class PointT>
+void setColour(const PointColour& colour, PointT& p) {
+  p.r = colour.red, p.g = colour.green, p.b = colour.blue;
+}
+
+template <class PointT>
+pcl::PointCloud<PointT> pointsOf(const DepthImage& image, const Eigen::Isometry3d& T) {
+  constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
+  pcl::PointCloud<PointT> cloud(static_cast<std::uint32_t>(image.camera.width),
+                                static_cast<std::uint32_t>(image.camera.height));
+  cloud.is_dense = false;
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u) {
+      PointT& p = cloud(static_cast<std::size_t>(u), static_cast<std::size_t>(v));
+      const float z = image.at(u, v);
+      if (z > 0)
+        p.getVector3fMap() = (T * Eigen::Vector3d(image.camera.ray(u, v) * z)).template cast<float>();
+      else
+        p.x = p.y = p.z = kNotMeasured;
+    }
+  return cloud;
+}
+
+/** PCL refuses to write one. */
+void writeEmptyMesh(std::ostream& out) {
+  out << "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
+         "element face 0\nproperty list uchar int vertex_indices\nend_header\n";
+}
+
+}  // namespace
+
+void writeCloud(const std::filesystem::path& path, const DepthImage& image, const Eigen::Isometry3d& T) {
+  pcl::PCLPointCloud2 fields;
+  pcl::toPCLPointCloud2(pointsOf<pcl::PointXYZ>(image, T), fields);
+  writePcd(path, fields);
+}
+
+void writeLabelledCloud(const std::filesystem::path& path, const DepthImage& image, const LabelImage& labels,
+                        const std::vector<PointColour>& colours) {
+  if (labels.label.size() != image.depth.size())
+    throw std::invalid_argument("labels and image differ in size");
+  auto cloud = pointsOf<pcl::PointXYZRGBL>(image, Eigen::Isometry3d::Identity());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const std::size_t label = labels.label[i];
+    cloud[i].label = static_cast<std::uint32_t>(label);
+    setColour(label > 0 && label <= colours.size() ? colours[label - 1] : kUnlabelled, cloud[i]);
+  }
+  pcl::PCLPointCloud2 fields;
+  pcl::toPCLPointCloud2(cloud, fields);
+  writePcd(path, fields);
+}
+
+ColouredPolygon polygonOf(const Segment& segment, const PointColour& colour) {
+  ColouredPolygon polygon{{}, colour};
+  for (const Eigen::Vector2f& vertex : segment.hull)
+    polygon.vertices.push_back(segment.t + segment.R.leftCols<2>() * vertex.cast<double>());
+  return polygon;
+}
+
+void writePolygons(const std::filesystem::path& path, const std::vector<ColouredPolygon>& polygons) {
+  pcl::PolygonMesh mesh;
+  pcl::PointCloud<pcl::PointXYZRGB> vertices;
+  for (const ColouredPolygon& polygon : polygons) {
+    if (polygon.vertices.size() < 3) continue;
+    pcl::Vertices face;
+    for (const Eigen::Vector3d& vertex : polygon.vertices) {
+      face.vertices.push_back(static_cast<pcl::index_t>(vertices.size()));
+      pcl::PointXYZRGB p;
+      p.getVector3fMap() = vertex.cast<float>();
+      setColour(polygon.colour, p);
+      vertices.push_back(p);
+    }
+    mesh.polygons.push_back(std::move(face));
+  }
+  if (vertices.empty()) return writeTextAtomically(path, writeEmptyMesh);
+  pcl::toPCLPointCloud2(vertices, mesh.cloud);
+  writeAtomically(path, [&](const std::filesystem::path& temporary) {
+    if (pcl::io::savePLYFileBinary(temporary.string(), mesh) != 0)
+      throw IoError(path.string(), "cannot be written as PLY");
+  });
+}
+
+}  // namespace facetloc

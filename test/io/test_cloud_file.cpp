@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "temporary_folder.h"
+
+#include <facetloc/io/cloud_file.h>
+#include <facetloc/testing/full_disk.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <pcl/conversions.h>
+#include <pcl/io/pcd_io.h>
+#include <pcl/io/ply_io.h>
+#include <pcl/point_types.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace facetloc {
+namespace {
+
+using test::ioErrorOf;
+using test::TemporaryFolder;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+DepthImage tilted() {
+  DepthImage image{{5, 4, 6, 6, 2, 1.5}, {}};
+  for (int v = 0; v < 4; ++v)
+    for (int u = 0; u < 5; ++u) image.depth.push_back(u == 3 ? 0.f : 1.f + 0.1f * static_cast<float>(u + v));
+  return image;
+}
+
+TEST(CloudFile, HasTheMovedPointsOfTheImage) {
+  const TemporaryFolder folder;
+  const DepthImage image = tilted();
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.rotate(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitY()));
+  T.translation() << 1, 2, 3;
+  writeCloud(folder / "a.pcd", image, T);
+  pcl::PointCloud<pcl::PointXYZ> cloud;
+  ASSERT_EQ(pcl::io::loadPCDFile(folder / "a.pcd", cloud), 0);
+  ASSERT_EQ(cloud.width, 5u);
+  ASSERT_EQ(cloud.height, 4u);
+  for (int v = 0; v < 4; ++v)
+    for (int u = 0; u < 5; ++u) {
+      const pcl::PointXYZ& p = cloud(u, v);
+      if (u == 3) {
+        EXPECT_TRUE(std::isnan(p.x) && std::isnan(p.y) && std::isnan(p.z));
+        continue;
+      }
+      const double z = image.at(u, v);
+      const Eigen::Vector3d want = T * Eigen::Vector3d((u - 2) / 6. * z, (v - 1.5) / 6. * z, z);
+      EXPECT_LT((p.getVector3fMap().cast<double>() - want).norm(), 1e-6);
+    }
+}
+
+TEST(CloudFile, HasLabelsAndTheirColours) {
+  const TemporaryFolder folder;
+  LabelImage labels{5, 4, std::vector<std::uint16_t>(20, 0)};
+  labels.label[0] = 1, labels.label[1] = 2, labels.label[2] = 3;
+  writeLabelledCloud(folder / "a.pcd", tilted(), labels, {{255, 1, 2}, {3, 255, 4}});
+  pcl::PointCloud<pcl::PointXYZRGBL> cloud;
+  ASSERT_EQ(pcl::io::loadPCDFile(folder / "a.pcd", cloud), 0);
+  ASSERT_EQ(cloud.size(), 20u);
+  const auto colour = [&cloud](int i) { return std::vector<int>{cloud[i].r, cloud[i].g, cloud[i].b}; };
+  EXPECT_THAT(colour(0), ElementsAre(255, 1, 2));
+  EXPECT_THAT(colour(1), ElementsAre(3, 255, 4));
+  EXPECT_EQ(colour(2), colour(4));  // no colour was given for it
+  EXPECT_EQ(cloud[2].label, 3u);
+  EXPECT_EQ(cloud[4].label, 0u);
+  labels.label.pop_back();
+  EXPECT_THROW(writeLabelledCloud(folder / "b.pcd", tilted(), labels, {}), std::invalid_argument);
+}
+
+TEST(CloudFile, PolygonsAreAMesh) {
+  const TemporaryFolder folder;
+  Segment square;
+  square.t << 1, 2, 3;
+  square.R = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()).matrix();
+  square.hull.size = 4;
+  const Eigen::Vector2f corners[] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  std::copy(std::begin(corners), std::end(corners), square.hull.vertex.begin());
+  const ColouredPolygon polygon = polygonOf(square, {10, 20, 30});
+  ColouredPolygon line = polygon;
+  line.vertices.resize(2);
+  writePolygons(folder / "a.ply", {polygon, line, polygon});
+
+  pcl::PolygonMesh mesh;
+  ASSERT_EQ(pcl::io::loadPLYFile((folder / "a.ply").string(), mesh), 0);
+  ASSERT_EQ(mesh.polygons.size(), 2u);
+  EXPECT_THAT(mesh.polygons[1].vertices, ElementsAre(4, 5, 6, 7));
+  pcl::PointCloud<pcl::PointXYZRGB> vertices;
+  pcl::fromPCLPointCloud2(mesh.cloud, vertices);
+  ASSERT_EQ(vertices.size(), 8u);
+  for (std::size_t i = 0; i < 8; ++i) {
+    const Eigen::Vector3d in_plane =
+        square.R.transpose() * (vertices[i].getVector3fMap().cast<double>() - square.t);
+    EXPECT_LT((in_plane.head<2>() - corners[i % 4].cast<double>()).norm(), 1e-6);
+    EXPECT_NEAR(in_plane.z(), 0, 1e-6);
+    EXPECT_EQ(vertices[i].g, 20);
+  }
+  writePolygons(folder / "none.ply", {});
+  pcl::PolygonMesh nothing;
+  EXPECT_EQ(pcl::io::loadPLYFile((folder / "none.ply").string(), nothing), 0);
+  EXPECT_TRUE(nothing.polygons.empty());
+}
+
+TEST(CloudFile, AFullDiskLeavesNothing) {
+  const TemporaryFolder folder;
+  const test::FullDisk full(100);
+  EXPECT_THAT(ioErrorOf([&] { writeCloud(folder / "a.pcd", tilted()); }), HasSubstr(test::FullDisk::kWords));
+  EXPECT_EQ(folder.count(), 0);
+}
+
+TEST(CloudFile, FoldersThatAreNotThereAreErrors) {
+  const TemporaryFolder folder;
+  EXPECT_NE(ioErrorOf([&] { writeCloud(folder / "no/a.pcd", tilted()); }), "");
+  EXPECT_NE(ioErrorOf([&] { writePolygons(folder / "no/a.ply", {}); }), "");
+}
+
+}  // namespace
+}  // namespace facetloc
