@@ -26,6 +26,31 @@ TEST(PosePrior, WithoutAMountingIsIsotropic) {
   EXPECT_THAT(P, MatrixNear(Matrix6d(variance.asDiagonal()), 1e-15));
 }
 
+TEST(PosePrior, OfAnOdometryGrowsWithTheWay) {
+  Eigen::Isometry3d motion(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()));
+  motion.translation() << 0, 0, 0.4;
+  const OdometryError error{0.03, 2, 0.001, 0.1};
+  const PoseWithCovariance free = motionByOdometry(motion, {}, error);
+  EXPECT_EQ(free.T.matrix(), motion.matrix());
+  // 3 % of the way, alike over 10 m; 2 deg per root of a metre, of which 0.5 rad are 0.1 m.
+  EXPECT_NEAR(largestTranslationStd(free.P), 0.03 * std::sqrt(0.4 * 10) + 0.001, 1e-9);
+  EXPECT_NEAR(largestRotationStd(free.P), (2 * std::sqrt(0.5) + 0.1) * kDegree, 1e-9);
+  // Many steps add up to what one long one has.
+  double variance = 0;
+  Eigen::Isometry3d step = Eigen::Isometry3d::Identity();
+  step.translation().z() = 0.1;
+  for (int i = 0; i < 100; ++i)
+    variance += std::pow(largestTranslationStd(motionByOdometry(step, {}, {0.03, 2, 0, 0.01}).P), 2);
+  EXPECT_NEAR(std::sqrt(variance), 0.03 * 10, 1e-9);
+  // A robot's wheels roll in the plane of the floor: across it, only what the floor's unevenness does counts.
+  step.translation().z() = 1;
+  const Matrix6d P = motionByOdometry(step, CameraMounting{1, 0}, error).P;  // of a level camera: y is down
+  const double along = 0.03 * std::sqrt(10) + 0.001;  // and what the floor does to a camera 1 m above it
+  EXPECT_GT(std::sqrt(P(5, 5)), along);
+  EXPECT_LT(std::sqrt(P(5, 5)), 1.2 * along);
+  EXPECT_LT(P(4, 4), 0.25 * P(5, 5));
+}
+
 TEST(PosePrior, OfALevelCameraOnAFlatFloorIsHeadingAndPlanarMotion) {
   PosePriorParams params;
   params.robot.floor_std = 0;

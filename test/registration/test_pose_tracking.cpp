@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <random>
 
 namespace facetloc {
@@ -298,6 +299,73 @@ TEST_F(TrackingInARoom, AfterADarkWhileItIsLostAndFindsItselfAgain) {
   pose = tracking.update(drive->views[51], stamp += kFrame);
   EXPECT_EQ(pose.state, TrackingState::localized);
   EXPECT_TRUE(isGood(pose, drive->truth[51]));
+}
+
+// Wheels that run 1 % too far.
+Eigen::Isometry3d byWheels(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
+  Eigen::Isometry3d motion = from.inverse() * to;
+  motion.translation() *= 1.01;
+  return motion;
+}
+
+TEST_F(TrackingInARoom, AnOdometryCarriesItThroughTheDark) {
+  double std[2] = {0, 0};  // without it and with it [m]
+  for (const bool has_odometry : {false, true}) {
+    PoseTracking tracking = started();
+    TrackedPose pose;
+    for (int last = 60; next_ < last; ++next_) {
+      std::optional<Eigen::Isometry3d> motion;
+      if (has_odometry) motion = byWheels(drive->truth[next_ - 1], drive->truth[next_]);
+      pose = tracking.update({}, next_ * kFrame, motion);
+    }
+    ASSERT_TRUE(pose.T_w_c) << pose.reason;
+    std[has_odometry] = largestTranslationStd(pose.T_w_c->P);
+    if (!has_odometry) continue;
+    EXPECT_EQ(pose.state, TrackingState::cannot_tell) << pose.reason;
+    EXPECT_THAT(pose.T_w_c->T, PoseNear(drive->truth[next_ - 1], 0.05, 1));
+    EXPECT_TRUE(isWithinItsError(*pose.T_w_c, drive->truth[next_ - 1]));
+    pose = tracking.update(drive->views[next_], next_ * kFrame,
+                           byWheels(drive->truth[next_ - 1], drive->truth[next_]));
+    EXPECT_EQ(pose.state, TrackingState::tracking) << pose.reason;
+    EXPECT_FALSE(pose.searched);
+    EXPECT_TRUE(isGood(pose, drive->truth[next_]));
+  }
+  EXPECT_LT(std[1], 0.5 * std[0]);
+}
+
+TEST_F(TrackingInARoom, AnOdometryBridgesAnyGap) {
+  for (const bool has_odometry : {false, true}) {
+    PoseTracking tracking = started();
+    std::optional<Eigen::Isometry3d> motion;
+    if (has_odometry) motion = byWheels(drive->truth[next_ - 1], drive->truth[70]);
+    const TrackedPose pose = tracking.update(drive->views[70], next_ * kFrame + 20, motion);
+    EXPECT_EQ(pose.searched, !has_odometry);
+    EXPECT_EQ(pose.state, has_odometry ? TrackingState::tracking : TrackingState::lost) << pose.reason;
+    EXPECT_TRUE(!has_odometry || isGood(pose, drive->truth[70]));
+  }
+}
+
+TEST_F(TrackingInARoom, AnOdometryThatKnowsNothingOfAKidnappingIsNotBelieved) {
+  PoseTracking tracking = started();
+  int found = -1;
+  for (int i = 60; i < kViews && found < 0; ++i, ++next_) {
+    const TrackedPose pose =
+        tracking.update(drive->views[i], next_ * kFrame, byWheels(drive->truth[i - 1], drive->truth[i]));
+    if (pose.state == TrackingState::localized) {
+      EXPECT_TRUE(isGood(pose, drive->truth[i]));
+      found = i;
+    }
+  }
+  EXPECT_GT(found, 60);
+}
+
+TEST_F(TrackingInARoom, AnOdometryOfNoNumbersIsNone) {
+  PoseTracking tracking = started();
+  Eigen::Isometry3d nan = Eigen::Isometry3d::Identity();
+  nan.translation().x() = std::numeric_limits<double>::quiet_NaN();
+  const TrackedPose pose = tracking.update(drive->views[next_], next_ * kFrame, nan);
+  EXPECT_EQ(pose.state, TrackingState::tracking);
+  EXPECT_TRUE(isGood(pose, drive->truth[next_]));
 }
 
 TEST_F(TrackingInARoom, StampsThatGoBackOrFarAheadStartAnew) {

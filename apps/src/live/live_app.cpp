@@ -40,9 +40,7 @@ LiveApp::LiveApp()
           "camera in a map; with --build, makes a map while it moves. DEVICE is a camera of OpenNI2 (#1 is "
           "the first one, or a URI), an .oni "
           "recording, a depth sequence of PNG or PCD files or a .scene file that is served as a camera, or a "
-          "folder of PCLZF files that is played. Frames that come faster than they can be processed are "
-          "dropped. "
-          "Keys in the window: " +
+          "folder of PCLZF files that is played. Keys in the window: " +
               keysText() + ".") {}
 
 void LiveApp::addOptions(CommandLine& line) {
@@ -63,12 +61,14 @@ void LiveApp::addOptions(CommandLine& line) {
                  "Write pictures to this folder; needs no display if Xvfb is installed.");
   line.addOption("every", run.every, "N", "Write a screenshot of every N-th processed frame.");
   line.addOption("record", run.recording, "FILE.oni", "Record the device's depth images.");
+  line.addOption("odometry", run.odometry, "FILE",
+                 "Wheel odometry, as lines of JSON (ROBOT.md); - = standard input.");
   line.addOption("max-frames", run.max_frames, "N", "End after so many processed frames; 0 = never.");
   line.addOption("duration", run.duration, "S", "End after so many seconds; 0 = never.");
-  line.addSwitch("wait", run.wait, "Wait for a device that is not there, or has gone, or sends nothing.");
+  line.addSwitch("wait", run.wait, "Wait for a device that is not there, or has gone.");
   line.addSwitch("repeat", run.source.repeat, "Play files and recordings again and again.");
   line.addOption("speed", run.source.speed, "X",
-                 "Play recordings so many times as fast; 0 = as fast as possible, which loses frames.");
+                 "Play recordings so many times as fast; 0 = as fast as possible.");
   addMinProbability(line, min_probability_);
   input_.addOptions(line);
   line.addParams(tracking_, "tracking");
@@ -81,6 +81,8 @@ void LiveApp::checkOptions() const {
   if (!run_.map.empty() && !run_.build.empty()) throw UsageError("map and build exclude each other");
   if (streams_ && run_.map.empty() && run_.build.empty())
     throw UsageError("stream belongs to --map or --build: without a map there are no poses");
+  if (!run_.odometry.empty() && run_.map.empty() && run_.build.empty())
+    throw UsageError("odometry belongs to --map or --build");
   if (overwrite_ && run_.build.empty()) throw UsageError("overwrite belongs to --build");
   if (run_.every < 1) throw UsageError("every must be positive");
   if (run_.max_frames < 0) throw UsageError("max-frames must not be negative");
@@ -100,6 +102,9 @@ int LiveApp::playOrMap(LiveRunOptions options, const CommandLine& line, const Co
   for (std::string* path :
        {&options.map, &options.build, &options.results, &options.screenshots, &options.recording})
     makeAbsolute(*path);
+  if (options.odometry != "-") makeAbsolute(options.odometry);
+  if (options.odometry != "-" && !options.odometry.empty() && !fs::exists(options.odometry))
+    throw IoError(options.odometry, "does not exist");
   for (std::string* path : {&options.source.device, &options.source.camera})
     if (fs::exists(*path)) makeAbsolute(*path);
   for (const std::string* folder : {&options.results, &options.screenshots})

@@ -66,17 +66,19 @@ LiveMapping::~LiveMapping() {
   if (thread_.joinable()) thread_.join();
 }
 
-LiveMapState LiveMapping::update(const View& view, const std::string& name, double stamp) {
+LiveMapState LiveMapping::update(const View& view, const std::string& name, double stamp,
+                                 const std::optional<Eigen::Isometry3d>& motion) {
   takeResult();
-  follow(view, name, stamp);
+  follow(view, name, stamp, motion);
   const Clock::time_point now = Clock::now();
   const bool improve = compared_ < trajectory_.keyframes() && now >= next_improvement_;
   if (improve || !unwritten_.empty()) begin(improve);
   return state_;
 }
 
-void LiveMapping::follow(const View& view, const std::string& name, double stamp) {
-  trajectory_.add(view, stamp);
+void LiveMapping::follow(const View& view, const std::string& name, double stamp,
+                         const std::optional<Eigen::Isometry3d>& motion) {
+  trajectory_.add(view, stamp, motion);
   if (places_.visit(trajectory_, view, name, stamp)) unwritten_.push_back({name, stamp, {}, view});
   state_.keyframes = trajectory_.keyframes();
   if (trajectory_.part(trajectory_.latestKeyframe()) != main_part_) {

@@ -55,8 +55,10 @@ public:
   LiveMapping(const LiveMapping&) = delete;
   LiveMapping& operator=(const LiveMapping&) = delete;
 
-  /** \brief The next image, and its name. Throws what went wrong in the background. */
-  LiveMapState update(const View& view, const std::string& name, double stamp);
+  /** \brief The next image, its name, and if an odometry tells it, the motion of the camera since the image
+   * before. Throws what went wrong in the background. */
+  LiveMapState update(const View& view, const std::string& name, double stamp,
+                      const std::optional<Eigen::Isometry3d>& motion = {});
   /** \brief The next image may show any other place. */
   void interrupt() { trajectory_.interrupt(); }
   /** \brief Writes what is not written yet, with the best poses; the file is whole then. A map without local
@@ -78,7 +80,8 @@ private:
     std::shared_ptr<const Map> map;
   };
 
-  void follow(const View& view, const std::string& name, double stamp);
+  void follow(const View& view, const std::string& name, double stamp,
+              const std::optional<Eigen::Isometry3d>& motion);
   void takeResult();
   void begin(bool improve);
   void work();

@@ -138,6 +138,9 @@ void LiveRun::startSession() {
   }
   if (!options_.build.empty()) startMapping(options.camera);
   options.mapping = mapping_;
+  if (!options_.odometry.empty())
+    options.odometry = odometry_ =
+        std::make_shared<OdometryInput>(options_.odometry, options.camera.mounting);
   if (!options_.results.empty()) {
     const std::string params_ini = "# " + versionText() + ", live from " + source_->name() +
                                    (map_ ? ", map " + fs::path(options_.map).filename().string() + " of " +
@@ -245,6 +248,10 @@ void LiveRun::loop() {
 }
 
 void LiveRun::tick() {
+  if (const std::string fault = odometry_ ? odometry_->fault() : std::string(); !fault.empty()) {
+    status_.clear();
+    console_.note(fault);
+  }
   if (auto newest = newest_.take({})) {
     shown_ = newest->frame;
     rate_.update(shown_->number);

@@ -79,6 +79,7 @@ private:
   std::optional<std::uint64_t> told_at_;  // frames received when it was last told that it waits
   std::shared_ptr<const Map> map_;
   std::shared_ptr<LiveMapping> mapping_;
+  std::shared_ptr<OdometryInput> odometry_;
   std::optional<OffscreenDisplay> display_;
   std::optional<Clock::time_point> begin_;  // when the first source was opened, or first waited for
   Clock::time_point source_start_;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 namespace facetloc {
 namespace {
@@ -33,6 +34,8 @@ std::string LiveSummary::text() const {
   for (const auto& [state, count] : states)
     shares += (shares.empty() ? "" : ", ") + state + " " +
               text::decimals(100 * static_cast<double>(count) / n, 1) + " %";
+  if (with_odometry > 0)
+    shares += ", with odometry " + text::decimals(100 * static_cast<double>(with_odometry) / n, 1) + " %";
   return words + "; " + shares;
 }
 
@@ -98,8 +101,19 @@ double LiveSession::increasingStamp(double stamp) {
   if (summary_.processed > 0 && stamp + stamp_offset_ <= last_stamp_) {
     stamp_offset_ = last_stamp_ + kUsualInterval - stamp;
     relocalize_ = true;
+    T_o_c_.reset();
   }
   return last_stamp_ = stamp + stamp_offset_;
+}
+
+/** Since the frame before, if it is known where the camera was then, and is now. */
+std::optional<Eigen::Isometry3d>
+LiveSession::motionByOdometry(const LatestFrame<LiveFrame>::Arrived& arrived) {
+  if (!options_.odometry) return {};
+  const std::optional<Eigen::Isometry3d> before =
+      std::exchange(T_o_c_, options_.odometry->at(arrived.frame.stamp, arrived.arrival));
+  if (!before || !T_o_c_) return {};
+  return Eigen::Isometry3d(before->inverse() * *T_o_c_);
 }
 
 void LiveSession::process(const LatestFrame<LiveFrame>::Arrived& arrived) {
@@ -112,10 +126,12 @@ void LiveSession::process(const LatestFrame<LiveFrame>::Arrived& arrived) {
                       subsampled(full, subsamplingStep(full.camera, options_.width)), builder_);
   result->segment_ms = builder_.segmentMilliseconds();
   result->features_ms = builder_.featuresMilliseconds();
+  const std::optional<Eigen::Isometry3d> motion = motionByOdometry(arrived);
+  result->has_odometry = motion.has_value();
   if (tracking_) {
     if (relocalize_.exchange(false)) tracking_->relocalize();
     const Clock::time_point begin = Clock::now();
-    result->tracked = tracking_->update(result->image.view, result->stamp);
+    result->tracked = tracking_->update(result->image.view, result->stamp, motion);
     result->localize_ms = millisecondsSince(begin);
     if (result->isLocalized() && result->pose())
       trail_.add(result->pose()->T.translation(), result->tracked->part);
@@ -126,7 +142,7 @@ void LiveSession::process(const LatestFrame<LiveFrame>::Arrived& arrived) {
   if (options_.mapping) {
     if (relocalize_.exchange(false)) options_.mapping->interrupt();
     const Clock::time_point begin = Clock::now();
-    result->mapped = options_.mapping->update(result->image.view, result->image.name, result->stamp);
+    result->mapped = options_.mapping->update(result->image.view, result->image.name, result->stamp, motion);
     result->localize_ms = millisecondsSince(begin);
     result->trail = result->mapped->trail;
   }
@@ -137,6 +153,7 @@ void LiveSession::process(const LatestFrame<LiveFrame>::Arrived& arrived) {
     last_ = arrived.arrival;
     ++summary_.processed;
     ++summary_.states[result->state()];
+    summary_.with_odometry += result->has_odometry;
     summary_.oldest_ms = std::max(summary_.oldest_ms, result->age_ms);
     result->number = summary_.processed;
     result->received = counts.received;

@@ -5,6 +5,7 @@
 #include "live/live_mapping.h"
 #include "live/live_result.h"
 #include "live/live_source.h"
+#include "live/odometry_input.h"
 
 #include <facetloc/registration/pose_tracking.h>
 #include <facetloc/segmentation/view_builder.h>
@@ -16,6 +17,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -27,15 +29,17 @@ struct LiveSessionOptions {
   ViewParams view;
   PoseTrackingParams tracking;
   GlobalLocalizationParams localization;
-  std::shared_ptr<LiveMapping> mapping;  ///< if a map is to be made
-  int threads = 0;                       ///< of global localization; 0 = all cores
-  std::uint64_t max_frames = 0;          ///< ends after so many processed frames; 0 = never
+  std::shared_ptr<LiveMapping> mapping;     ///< if a map is to be made
+  std::shared_ptr<OdometryInput> odometry;  ///< of the robot, if it tells one
+  int threads = 0;                          ///< of global localization; 0 = all cores
+  std::uint64_t max_frames = 0;             ///< ends after so many processed frames; 0 = never
 };
 
 /** \brief What a live run came to. */
 struct LiveSummary {
   std::uint64_t received = 0, processed = 0;
   std::map<std::string, std::uint64_t> states;  ///< processed frames by state
+  std::uint64_t with_odometry = 0;              ///< processed frames whose motion an odometry told
   double processing_ms = 0;                     ///< sum over the processed frames
   double oldest_ms = 0;                         ///< largest age of a frame when its processing began
   double seconds = 0;                           ///< from the first frame to the last one
@@ -85,6 +89,7 @@ private:
   void run();
   void process(const LatestFrame<LiveFrame>::Arrived& arrived);
   double increasingStamp(double stamp);
+  std::optional<Eigen::Isometry3d> motionByOdometry(const LatestFrame<LiveFrame>::Arrived& arrived);
   void end();
 
   const LiveSessionOptions options_;
@@ -95,6 +100,7 @@ private:
   std::unique_ptr<PoseTracking> tracking_;
   LiveTrail trail_;
   double last_stamp_ = 0, stamp_offset_ = 0;
+  std::optional<Eigen::Isometry3d> T_o_c_;                  // of the last frame, by odometry
   LatestFrame<LiveFrame>::Clock::time_point first_, last_;  // arrivals of processed frames
 
   std::atomic<std::uint64_t> rounds_{0};

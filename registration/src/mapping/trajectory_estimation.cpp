@@ -370,17 +370,10 @@ TrajectoryEstimation::Impl::motionOf(const ViewMotion& seen, bool is_sparse,
   return {T, T.T, true, false};
 }
 
-// A robot's wheels tell nothing of how it leans on an uneven floor. The error along the way is the same for
-// some metres, as a wrong radius of a wheel makes it.
 PoseWithCovariance TrajectoryEstimation::Impl::withDrift(const Eigen::Isometry3d& motion) const {
-  constexpr double kAlike = 10;             // way along which the error stays [m]
-  constexpr double kMetresPerRadian = 0.2;  // that the wheels of a robot roll when it turns
-  const double way = motion.translation().norm();
-  const double rolled = way + kMetresPerRadian * rotationAngle(motion.linear());
-  PosePriorParams error;
-  error.translation_std = params.odometry_drift * std::sqrt(way * kAlike) + kSharedTranslation;
-  error.rotation_std_deg = params.odometry_turn_deg * std::sqrt(rolled) + kSharedRotation / kDegree;
-  return {motion, posePrior(mounting(), error, motion)};
+  return motionByOdometry(
+      motion, mounting(),
+      {params.odometry_drift, params.odometry_turn_deg, kSharedTranslation, kSharedRotation / kDegree});
 }
 
 PoseWithCovariance TrajectoryEstimation::Impl::guessedStep() const {

@@ -7,6 +7,7 @@
 #include "tracking/view_odometry.h"
 
 #include <facetloc/registration/global_localization.h>
+#include <facetloc/registration/pose_prior.h>
 #include <facetloc/registration/pose_tracking.h>
 
 #include <algorithm>
@@ -63,7 +64,7 @@ struct PoseTracking::Impl {
   Impl(const std::shared_ptr<const Map>& map, const PoseTrackingParams& params,
        const GlobalLocalizationParams& localization);
 
-  TrackedPose update(const View& view, double stamp);
+  TrackedPose update(const View& view, double stamp, const std::optional<Eigen::Isometry3d>& given);
   void relocalize();
 
   struct Step;  // a view at its place in the map
@@ -129,7 +130,10 @@ PoseTracking::PoseTracking(PoseTracking&&) noexcept = default;
 PoseTracking& PoseTracking::operator=(PoseTracking&&) noexcept = default;
 PoseTracking::~PoseTracking() = default;
 
-TrackedPose PoseTracking::update(const View& view, double stamp) { return impl_->update(view, stamp); }
+TrackedPose PoseTracking::update(const View& view, double stamp,
+                                 const std::optional<Eigen::Isometry3d>& motion) {
+  return impl_->update(view, stamp, motion);
+}
 void PoseTracking::relocalize() { impl_->relocalize(); }
 void PoseTracking::setNumberOfThreads(int n) {
   impl_->localization_.setNumberOfThreads(n);
@@ -141,7 +145,8 @@ void PoseTracking::Impl::relocalize() {
   belief_.clear();
 }
 
-TrackedPose PoseTracking::Impl::update(const View& view, double stamp) {
+TrackedPose PoseTracking::Impl::update(const View& view, double stamp,
+                                       const std::optional<Eigen::Isometry3d>& given) {
   const double dt = stamp - stamp_;
   stamp_ = stamp;
   if (!surroundings_.anyPose()) {
@@ -149,11 +154,15 @@ TrackedPose PoseTracking::Impl::update(const View& view, double stamp) {
     out.reason = "no local model of the map has a pose";
     return out;
   }
-  const bool in_time = dt >= 0 && dt <= params_.max_gap;
+  const bool in_time = dt >= 0 && (given || dt <= params_.max_gap);
   if (!in_time) odometry_.reset();
   if (dt < 0) next_check_ = stamp;
   on_floor_ = view.camera && differenceOf(*view.camera, surroundings_.map().camera).sameMounting();
-  ViewMotion motion = odometry_.add(view, in_time ? dt : 0);
+  std::optional<PoseWithCovariance> by_odometry;
+  if (given && given->matrix().allFinite())
+    by_odometry = motionByOdometry(*given, view.camera ? view.camera->mounting : std::nullopt,
+                                   {params_.odometry_drift, params_.odometry_turn_deg});
+  ViewMotion motion = odometry_.add(view, in_time ? dt : 0, by_odometry);
   motion.broken = motion.broken || !in_time;
   if (motion.broken)
     belief_.clear();

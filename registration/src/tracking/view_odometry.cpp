@@ -32,11 +32,11 @@ void ViewOdometry::reset() {
   slide_ = {};
 }
 
-ViewMotion ViewOdometry::add(const View& view, double dt) {
+ViewMotion ViewOdometry::add(const View& view, double dt, const std::optional<PoseWithCovariance>& given) {
   ViewMotion out;
   camera_motion_.reset();
   if (view.camera && view.camera->mounting) camera_motion_ = cameraMotion(*view.camera->mounting);
-  const PoseWithCovariance predicted = predict(dt);
+  const PoseWithCovariance predicted = given ? PoseWithCovariance(T_o_c_ * *given) : predict(dt);
   PoseWithCovariance T_o_c = predicted;
   if (!keys_.empty()) {
     const Surroundings around_us = around(predicted.T);
@@ -53,6 +53,7 @@ ViewMotion ViewOdometry::add(const View& view, double dt) {
     keys_.clear();
     velocity_.setZero();
     slide_ = {};
+    if (given) out.broken = false;
   }
   const bool moves = !out.broken && dt > 0 && dt < kLongStep;
   if (moves) learnVelocity(predicted, T_o_c, dt);

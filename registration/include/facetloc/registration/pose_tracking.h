@@ -76,7 +76,11 @@ public:
 
   /** \brief Takes the next view. Any view and any stamp [s] have an answer: an empty view, one that came too
    * late, and a stamp that goes back, which starts anew. */
-  TrackedPose update(const View& view, double stamp);
+  TrackedPose update(const View& view, double stamp) { return update(view, stamp, {}); }
+  /** \brief The same where an odometry tells how the camera has moved since the view before, T_before_now:
+   * that carries it past what shows nothing, and over gaps of any length. Its error is that of the
+   * parameters. */
+  TrackedPose update(const View& view, double stamp, const std::optional<Eigen::Isometry3d>& motion);
   /** \brief Forgets the pose; the next view is searched in the whole map. */
   void relocalize();
   /** \brief Threads of global localization; 1 by default, 0 = all cores. */

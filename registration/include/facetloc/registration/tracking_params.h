@@ -61,6 +61,8 @@ struct PoseTrackingParams {
   double patience = 1.0;            ///< with a map that contradicts while the camera's own views agree [s]
   double check_interval = 2.0;      ///< between searches of the whole map while a place is in doubt [s]
   double max_gap = 1.0;             ///< between two views; what comes later is a new start [s]
+  double odometry_drift = 0.02;     ///< of a given odometry: error of the way, as a share of it
+  double odometry_turn_deg = 1;     ///< of a given odometry: error of the heading after 1 m of way
   double min_probability = 0.9;     ///< of a place, to begin to track there
 
   template <class Self, class Visitor>
@@ -99,6 +101,10 @@ struct PoseTrackingParams {
     visit("check_interval", p.check_interval, 0.0, 1e6,
           "Time between two searches of the whole map while the place is in doubt [s].");
     visit("max_gap", p.max_gap, 1e-3, 1e6, "Longest time between two views of one track [s].");
+    visit("odometry_drift", p.odometry_drift, 0.0, 1.0,
+          "Error of a given odometry along its way, standard deviation as a share of the way.");
+    visit("odometry_turn_deg", p.odometry_turn_deg, 0.0, 180.0,
+          "Error of the heading of a given odometry after one metre of way, standard deviation [deg].");
     visit("min_probability", p.min_probability, 0.0, 1.0,
           "Smallest probability of a place at which tracking begins there.");
   }

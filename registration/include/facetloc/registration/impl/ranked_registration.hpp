@@ -133,7 +133,7 @@ void RankedRegistration<PointT>::readTarget() {
   in_target_.emplace(target_map_, params_);
 }
 
-// Of a pair of planes, what PCL calls the distance of a correspondence is that of a point from a plane.
+// The distance of a correspondence, between two planes: of a point of one from the other.
 template <typename PointT>
 std::optional<std::vector<SegmentPair>> RankedRegistration<PointT>::pairsOf(const View& scene,
                                                                             const PoseWithCovariance& guess) {
