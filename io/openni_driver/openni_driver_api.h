@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/** \file OpenNI2's interface of drivers, which uses macros of a library that is not installed. */
+/** \file
+ * OpenNI2's interface of drivers, which uses macros of a library that is not installed. */
 
 #ifndef FALSE
 #define FALSE 0

@@ -12,7 +12,8 @@
 #include <string_view>
 #include <vector>
 
-/** \file CSV with a header line and RFC 4180 quotes, private to io. */
+/** \file
+ * CSV with a header line and RFC 4180 quotes, private to io. */
 
 namespace facetloc::csv {
 

@@ -9,7 +9,8 @@
 #include <optional>
 #include <vector>
 
-/** \file Lossless packing of the small depth pictures in a map file, private to io. */
+/** \file
+ * Lossless packing of the small depth pictures in a map file, private to io. */
 
 namespace facetloc::depth_blob {
 

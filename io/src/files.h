@@ -12,7 +12,8 @@
 #include <string>
 #include <system_error>
 
-/** \file Files and folders, private to io. */
+/** \file
+ * Files and folders, private to io. */
 
 namespace facetloc::files {
 

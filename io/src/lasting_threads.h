@@ -6,7 +6,8 @@
 #include <future>
 #include <memory>
 
-/** \file Threads that never end, private to io.
+/** \file
+ * Threads that never end, private to io.
  *
  * OpenNI2 keeps the errors of each thread that calls it, and when a new one does, asks the system which of
  * the others are still alive. To ask a thread that has ended is to read memory that may be gone. So

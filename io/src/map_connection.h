@@ -7,7 +7,8 @@
 
 #include <filesystem>
 
-/** \file Connections to map files, private to io. */
+/** \file
+ * Connections to map files, private to io. */
 
 namespace facetloc::map_connection {
 

@@ -11,7 +11,8 @@
 #include <utility>
 #include <vector>
 
-/** \file Reading of map files, private to io. */
+/** \file
+ * Reading of map files, private to io. */
 
 namespace facetloc {
 

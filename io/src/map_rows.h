@@ -5,7 +5,8 @@
 
 #include <facetloc/features/local_model.h>
 
-/** \file The parts of a map as rows of its file, and what a sound map holds; private to io.
+/** \file
+ * The parts of a map as rows of its file, and what a sound map holds; private to io.
  *
  * Reading and requireSound() throw BadCell, which says what is wrong with the part. */
 

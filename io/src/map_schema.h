@@ -3,7 +3,8 @@
 
 #include <string>
 
-/** \file The tables of a map file. One list of columns per table serves writing and reading. */
+/** \file
+ * The tables of a map file. One list of columns per table serves writing and reading. */
 
 namespace facetloc::schema {
 

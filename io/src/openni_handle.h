@@ -7,7 +7,8 @@
 #include <filesystem>
 #include <string>
 
-/** \file What our uses of OpenNI2 have in common, private to io. */
+/** \file
+ * What our uses of OpenNI2 have in common, private to io. */
 
 namespace facetloc {
 

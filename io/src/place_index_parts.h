@@ -11,7 +11,8 @@
 #include <string>
 #include <vector>
 
-/** \file The place index in a map file, as a stream of bytes in checksummed parts; private to io. */
+/** \file
+ * The place index in a map file, as a stream of bytes in checksummed parts; private to io. */
 
 namespace facetloc::place_index_parts {
 

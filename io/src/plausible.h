@@ -7,7 +7,8 @@
 
 #include <cmath>
 
-/** \file What numbers of a file can mean: those that no robot, camera or clock could have made are faults of
+/** \file
+ * What numbers of a file can mean: those that no robot, camera or clock could have made are faults of
  * the file. Private to io. */
 
 namespace facetloc::plausible {

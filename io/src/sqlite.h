@@ -17,7 +17,8 @@
 #include <system_error>
 #include <vector>
 
-/** \file A thin, owning C++ face of SQLite, private to io. Errors are IoError with the file's name. */
+/** \file
+ * A thin, owning C++ face of SQLite, private to io. Errors are IoError with the file's name. */
 
 namespace facetloc::sqlite {
 

@@ -10,7 +10,8 @@
 #include <stdexcept>
 #include <string>
 
-/** \file Trajectories in the TUM format line by line, private to io. */
+/** \file
+ * Trajectories in the TUM format line by line, private to io. */
 
 namespace facetloc::tum {
 

@@ -11,7 +11,8 @@
 #include <string>
 #include <string_view>
 
-/** \file What the fuzz targets have in common: input as a file, and what of an answer is no finding. */
+/** \file
+ * What the fuzz targets have in common: input as a file, and what of an answer is no finding. */
 
 namespace facetloc::fuzz {
 

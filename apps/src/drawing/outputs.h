@@ -3,7 +3,8 @@
 
 #include <filesystem>
 
-/** \file What the tools write never takes the place of what was measured. */
+/** \file
+ * What the tools write never takes the place of what was measured. */
 
 namespace facetloc {
 

@@ -23,7 +23,7 @@ struct LiveResult {
   std::optional<TrackedPose> tracked;  ///< nothing if there is no map
   std::optional<LiveMapState> mapped;  ///< if a map is being made
   LiveTrail trail;                     ///< where the camera was in the world so far
-  bool has_odometry = false;           ///< which told how the camera moved since the frame before
+  bool has_odometry = false;           ///< that has measured how the camera moved since the frame before
 
   double segment_ms = 0, features_ms = 0, localize_ms = 0;
   double age_ms = 0;           ///< from the frame's arrival to the begin of its processing

@@ -39,7 +39,7 @@ struct LiveSessionOptions {
 struct LiveSummary {
   std::uint64_t received = 0, processed = 0;
   std::map<std::string, std::uint64_t> states;  ///< processed frames by state
-  std::uint64_t with_odometry = 0;              ///< processed frames whose motion an odometry told
+  std::uint64_t with_odometry = 0;              ///< processed frames whose motion an odometry has measured
   double processing_ms = 0;                     ///< sum over the processed frames
   double oldest_ms = 0;                         ///< largest age of a frame when its processing began
   double seconds = 0;                           ///< from the first frame to the last one

@@ -3,7 +3,8 @@
 
 #include <string>
 
-/** \file The little that Ranks needs of MPI: message_passing_mpi.cpp, or message_passing_missing.cpp where
+/** \file
+ * The little that Ranks needs of MPI: message_passing_mpi.cpp, or message_passing_missing.cpp where
  * there is none. */
 
 namespace facetloc::mpi {

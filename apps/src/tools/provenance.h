@@ -10,7 +10,8 @@
 #include <string>
 #include <vector>
 
-/** \file What results were made of, so that --resume does not mix those of different inputs. */
+/** \file
+ * What results were made of, so that --resume does not mix those of different inputs. */
 
 namespace facetloc {
 

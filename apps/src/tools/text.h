@@ -8,7 +8,8 @@
 #include <string_view>
 #include <vector>
 
-/** \file Text for people; of numbers see io/text.h. */
+/** \file
+ * Text for people; of numbers see io/text.h. */
 
 namespace facetloc {
 

@@ -14,7 +14,8 @@
 #include <type_traits>
 #include <vector>
 
-/** \file Values as bytes, every number to the last bit and in the machine's own order. What a type consists
+/** \file
+ * Values as bytes, every number to the last bit and in the machine's own order. What a type consists
  * of is said once for both directions, by a function in its namespace like the one for Intrinsics. */
 
 namespace facetloc::internal {

@@ -12,7 +12,8 @@
 #include <limits>
 #include <vector>
 
-/** \file What the rays of a camera meet in a scene. */
+/** \file
+ * What the rays of a camera meet in a scene. */
 
 namespace facetloc {
 

@@ -5,7 +5,8 @@
 
 #include <vector>
 
-/** \file Errors of a depth camera that depend on what is seen around a pixel. */
+/** \file
+ * Errors of a depth camera that depend on what is seen around a pixel. */
 
 namespace facetloc {
 

@@ -7,7 +7,8 @@
 #include <memory>
 #include <string>
 
-/** \file ROS 1 bags. Where the build has no rosbag_storage, both functions throw an IoError that says so.
+/** \file
+ * ROS 1 bags. Where the build has no rosbag_storage, both functions throw an IoError that says so.
  * Private to io. */
 
 namespace facetloc::internal {

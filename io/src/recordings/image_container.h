@@ -10,7 +10,8 @@
 #include <memory>
 #include <string>
 
-/** \file Recordings that are one file. Private to io. */
+/** \file
+ * Recordings that are one file. Private to io. */
 
 namespace facetloc::internal {
 

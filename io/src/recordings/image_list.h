@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-/** \file Which images a recording has. Private to io. */
+/** \file
+ * Which images a recording has. Private to io. */
 
 namespace facetloc::internal {
 

@@ -10,7 +10,8 @@
 #include <string>
 #include <vector>
 
-/** \file Which camera took a recording. Private to io. */
+/** \file
+ * Which camera took a recording. Private to io. */
 
 namespace facetloc::internal {
 

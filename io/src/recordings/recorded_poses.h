@@ -6,7 +6,8 @@
 #include <filesystem>
 #include <vector>
 
-/** \file Where the poses of a recording are, and in which form. Private to io. */
+/** \file
+ * Where the poses of a recording are, and in which form. Private to io. */
 
 namespace facetloc::internal {
 

@@ -11,7 +11,9 @@
 #include <string>
 #include <vector>
 
-/** \file The layouts in which people have recordings, told apart by the names of their files. Private to io.
+/** \file
+ * The layouts in which people have recordings, which the names of their files tell from each other. Private
+ * to io.
  */
 
 namespace facetloc::internal {

@@ -21,12 +21,13 @@ public:
   /** \brief T_a_b of two nodes with its covariance; nothing if they are in different parts. */
   std::optional<PoseWithCovariance> between(int a, int b) const;
 
-  /** \name What takes as long for one node as for all; computed by the first of these that is called @{ */
+  /** \name What takes as long for one node as for all; computed by the first of these that is called */
+  /// @{
   /** \brief Covariance of each node relative to the first of its part. */
   const std::vector<Matrix6d>& ofNodes() const;
   /** \brief T_node_n of each node n with its covariance; nothing for nodes of other parts. */
   std::vector<std::optional<PoseWithCovariance>> relativeTo(int node) const;
-  /** @} */
+  /// @}
 
 private:
   Eigen::MatrixXd columns(int node) const;

@@ -5,12 +5,13 @@
 
 namespace facetloc {
 
-/** \name Kinect v1 (METHOD 2.1): z = kKinectGain / (kKinectOffset - d), d the raw disparity in 1/8 px. @{ */
+/** \name Kinect v1 (METHOD 2.1): z = kKinectGain / (kKinectOffset - d), d the raw disparity in 1/8 px. */
+/// @{
 constexpr double kKinectGain = 351.218540681877;    ///< [m DU]
 constexpr double kKinectOffset = 1092.93080891449;  ///< [DU]
 inline double kinectDisparity(double z) { return kKinectOffset - kKinectGain / z; }
 inline double kinectDepth(double disparity) { return kKinectGain / (kKinectOffset - disparity); }
-/** @} */
+/// @}
 
 /** \brief Random error of the depths of a camera, over their range (METHOD 2.2):
  *

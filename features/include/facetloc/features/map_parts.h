@@ -6,7 +6,8 @@
 #include <cstddef>
 #include <vector>
 
-/** \file A map whose links say more than its poses: where models are that have no pose of their own. */
+/** \file
+ * A map whose links say more than its poses: where models are that have no pose of their own. */
 
 namespace facetloc {
 

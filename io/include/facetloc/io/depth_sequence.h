@@ -53,7 +53,7 @@ struct RecordingHints {
  * (frame_20121214T142255.814212.pcd). Images that are numbered are 1/30 s apart. Frames that have no stamps
  * as their names, those of recordings among them, are named by their times, in seconds with 6 decimals.
  *
- * What facetloc_segment has made of images, <name>.segments.pcd, is a sequence as well for those who ask for
+ * What facetloc_segment has made of images, NAME.segments.pcd, is a sequence as well for those who ask for
  * it (RecordingHints::segments): a file, a folder, or a list of them. In a folder, they alone count then.
  *
  * camera.ini is looked for in the folder, in its parent, and beside the file; so are the matrices of 3DMatch

@@ -9,7 +9,7 @@ namespace facetloc {
 
 /** \brief Writes a map for other programs, into a folder that is made if need be:
  *
- * - models/<name>.pcd: SegmentFrame clouds in the model's frame; none for a model without segments.
+ * - models/NAME.pcd: SegmentFrame clouds in the model's frame; none for a model without segments.
  * Characters that are not at home in file names become _.
  * - poses_tum.txt: the models whose pose was given, by their stamps.
  * - graph.g2o: the models and their links (writeGraph()).

@@ -5,7 +5,8 @@
 
 #include <filesystem>
 
-/** \file A map as a graph of poses, for programs that optimize such graphs: g2o's text format. */
+/** \file
+ * A map as a graph of poses, for programs that optimize such graphs: g2o's text format. */
 
 namespace facetloc {
 

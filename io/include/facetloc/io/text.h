@@ -9,7 +9,8 @@
 #include <string_view>
 #include <vector>
 
-/** \file Text in and out: numbers never depend on the locale. */
+/** \file
+ * Text in and out: numbers never depend on the locale. */
 
 namespace facetloc::text {
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/** \file What a program can ask of our OpenNI2 driver beyond the standard (openni::Device::setProperty and
+/** \file
+ * What a program can ask of our OpenNI2 driver beyond the standard (openni::Device::setProperty and
  * getProperty; OpenNIGrabber does it for you). See io/README.md for what the driver serves. */
 
 namespace facetloc {

@@ -34,10 +34,11 @@ struct DenseRefinementParams {
   double pixel_error = 1.6;  ///< of a difference of two inverse depths [noise std]: sqrt 2 and the distortion
   double robust_gate = 3.0;  ///< differences beyond so many errors lose their weight
 
-  /** \name For tracking, which has parameters of its own for them @{ */
+  /** \name For tracking, which has parameters of its own for them */
+  /// @{
   double correlated_pixels = 1;  ///< so many pixels tell as much as one: neighbours err alike
   double significance = 0;  ///< least information of a direction [that of the gradients' noise]; 0 = no test
-  /** @} */
+  /// @}
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {

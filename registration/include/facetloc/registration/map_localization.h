@@ -38,11 +38,12 @@ public:
    * the points. Nothing is known of it unless set; of the camera that made the map it is Map::camera. */
   void setCamera(const Camera& camera);
   const Camera& getCamera() const { return camera_; }
-  /** \brief Throw std::invalid_argument for a parameter out of its range. @{ */
+  /** \brief Throw std::invalid_argument for a parameter out of its range. */
+  /// @{
   void setViewParams(const ViewParams& params);
   void setLocalizationParams(const GlobalLocalizationParams& params);
   void setSequenceParams(const SequenceParams& params);
-  /** @} */
+  /// @}
   /** \brief Width that clouds are subsampled to before segmentation [px]; 0 = full size. 320 unless set. */
   void setWorkingWidth(int width) { working_width_ = width; }
   /** \brief OpenMP threads; 1 unless set, 0 = all cores. */
@@ -64,7 +65,8 @@ public:
   /** \brief The pose alone. */
   bool localize(Eigen::Isometry3d& T_w_c);
 
-  /** \name Of the latest cloud. @{ */
+  /** \name Of the latest cloud. */
+  /// @{
   /** \brief All places where it may be, most probable first. */
   const std::vector<Hypothesis>& getHypotheses() const { return hypotheses_; }
   /** \brief Of the first one; 0 if there is none. */
@@ -74,7 +76,7 @@ public:
   const std::string& getStatus() const { return status_; }
   /** \brief Its planes. */
   const View& getView() const { return view_; }
-  /** @} */
+  /// @}
 
 private:
   using pcl::PCLBase<PointT>::indices_;

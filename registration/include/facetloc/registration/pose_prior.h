@@ -49,7 +49,7 @@ Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePrio
  * none of heading and of the position on the floor; zero without a mounting. */
 Matrix6d floorInformation(const std::optional<CameraMounting>& mounting, const PosePriorParams& params = {});
 
-/** \brief How well an odometry tells motions. */
+/** \brief How well an odometry measures motions. */
 struct OdometryError {
   double drift = 0.02;              ///< of the way, as a share of it, standard deviation
   double turn_deg = 1;              ///< of the heading after 1 m of way, standard deviation
@@ -57,9 +57,9 @@ struct OdometryError {
   double least_rotation_deg = 0.01;
 };
 
-/** \brief A motion of the camera that an odometry has told, T_before_now, with its covariance (METHOD 14.4):
- * in the floor plane for a camera that is mounted on a robot, whose wheels tell nothing of how it leans on an
- * uneven floor; isotropic without a mounting. */
+/** \brief A motion of the camera that an odometry has measured, T_before_now, with its covariance
+ * (METHOD 14.4): in the floor plane for a camera that is mounted on a robot, whose wheels tell nothing of how
+ * it leans on an uneven floor; isotropic without a mounting. */
 PoseWithCovariance motionByOdometry(const Eigen::Isometry3d& T_before_now,
                                     const std::optional<CameraMounting>& mounting,
                                     const OdometryError& error = {});

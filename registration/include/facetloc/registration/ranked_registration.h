@@ -103,13 +103,13 @@ public:
 
   void setInputSource(const PointCloudSourceConstPtr& cloud) override;
   void setInputTarget(const PointCloudTargetConstPtr& cloud) override;
-  /** \name The points of the source that count, as in PCL; which ones are wrong shows when it is aligned. @{
-   */
+  /** \name The points of the source that count, as in PCL; which ones are wrong shows when it is aligned. */
+  /// @{
   void setIndices(const pcl::IndicesPtr& indices) override;
   void setIndices(const pcl::IndicesConstPtr& indices) override;
   void setIndices(const pcl::PointIndicesConstPtr& indices) override;
   void setIndices(std::size_t row, std::size_t column, std::size_t rows, std::size_t columns) override;
-  /** @} */
+  /// @}
 
   /** \brief Throws std::invalid_argument for a parameter out of its range. */
   void setRegistrationParams(const GlobalLocalizationParams& params) {

@@ -9,7 +9,8 @@
 
 namespace facetloc::test {
 
-/** \name What the matchers do, compiled once for all types of matrices. @{ */
+/** \name What the matchers do, compiled once for all types of matrices. */
+/// @{
 using AnyMatrix = Eigen::Ref<const Eigen::MatrixXd>;
 using Listener = testing::MatchResultListener;
 bool posesNear(const Eigen::Isometry3d& got, const Eigen::Isometry3d& expected, double metres, double degrees,
@@ -17,7 +18,7 @@ bool posesNear(const Eigen::Isometry3d& got, const Eigen::Isometry3d& expected, 
 bool matricesNear(const AnyMatrix& got, const AnyMatrix& expected, double tolerance, Listener& listener);
 bool positiveSemidefinite(const AnyMatrix& matrix, double tolerance, Listener& listener);
 bool rotation(const Eigen::Matrix3d& matrix, Listener& listener);
-/** @} */
+/// @}
 
 /** \brief Matches a pose within a distance [m] and an angle [deg]. */
 MATCHER_P3(PoseNear, expected, metres, degrees,
