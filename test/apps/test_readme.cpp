@@ -1,23 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// README's library examples, as they stand there, beside the tool.
+// The library examples of the documents, as they stand there, beside the tools.
 #include "example_room.h"
 #include "tools/localize_app.h"
 
+#include <facetloc/features/segment_frame_estimation.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
 #include <facetloc/registration/global_localization.h>
 #include <facetloc/registration/map_localization.h>
+#include <facetloc/registration/planar_registration.h>
+#include <facetloc/registration/sequence_localization.h>
+#include <facetloc/segmentation/planar_segmentation.h>
 #include <facetloc/segmentation/view_builder.h>
+#include <facetloc/testing/organized_clouds.h>
 
 #include <gmock/gmock.h>
 
-#include <cmath>
+#include <cstdint>
 #include <functional>
 #include <iostream>
 #include <memory>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 namespace facetloc::test {
 namespace {
@@ -25,14 +32,43 @@ namespace {
 namespace fs = std::filesystem;
 
 void exampleOfReadme() {
-#include "readme_example.inc"
+#include "example_localize_walk.inc"
 }
 
 using Cloud = pcl::PointCloud<pcl::PointXYZRGBA>;
 using Use = std::function<void(const Eigen::Isometry3d&, const Matrix6d&)>;
 
 void cloudExampleOfReadme(const Cloud::ConstPtr& cloud, const Use& use){
-#include "readme_cloud_example.inc"
+#include "example_localize_cloud.inc"
+}
+
+pcl::PointCloud<SegmentFrame> estimateFrames(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud,
+                                             const pcl::PointCloud<pcl::Label>::ConstPtr& labels) {
+#include "example_estimate_frames.inc"
+  return frames;
+}
+
+std::vector<pcl::PointIndices> segmentCloud(const Cloud::ConstPtr& cloud,
+                                            std::vector<pcl::ModelCoefficients>& found) {
+#include "example_segment_cloud.inc"
+  found = planes;
+  return segments;
+}
+
+void registerClouds(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& source,
+                    const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& target,
+                    const std::function<void(const Eigen::Matrix4f&)>& use) {
+#include "example_register_clouds.inc"
+}
+
+void localizeDrive(const std::shared_ptr<const Map>& map, ViewBuilder& builder,
+                   const std::vector<std::pair<DepthImage, double>>& images,
+                   const std::function<void(const Eigen::Isometry3d&)>& use) {
+#include "example_localize_drive.inc"
+}
+
+void writeMapOfWalk(const std::function<View(const DepthImage&)>& myViewOf){
+#include "example_write_map.inc"
 }
 
 /** What an example prints in a folder. */
@@ -91,12 +127,7 @@ TEST_F(Readme, ACloudIsFoundInAMap) {
   const DepthSequence walk = DepthSequence::open(query());
   int sure = 0;
   for (std::size_t i = 0; i < walk.frames().size(); ++i) {
-    const DepthImage image = walk.load(i);
-    auto cloud = pcl::make_shared<Cloud>(image.camera.width, image.camera.height);
-    for (int v = 0; v < image.camera.height; ++v)
-      for (int u = 0; u < image.camera.width; ++u)
-        (*cloud)(u, v).getVector3fMap() =
-            (image.camera.ray(u, v) * (image.at(u, v) > 0 ? image.at(u, v) : NAN)).cast<float>();
+    const auto cloud = organizedCloud<pcl::PointXYZRGBA>(walk.load(i));
     const Eigen::Isometry3d truth = *walk.groundTruth().at(walk.frames()[i].stamp);
     const auto use = [&](const Eigen::Isometry3d& T, const Matrix6d&) {
       ++sure;
@@ -107,6 +138,50 @@ TEST_F(Readme, ACloudIsFoundInAMap) {
     EXPECT_EQ(printed_text.empty(), sure > before) << printed_text;
   }
   EXPECT_GE(sure, 6);
+}
+
+TEST_F(Readme, CloudsAreSegmentedAndRegistered) {
+  const DepthSequence walk = DepthSequence::open(map_run());
+  std::vector<pcl::ModelCoefficients> planes;
+  const auto cloud = organizedCloud<pcl::PointXYZRGBA>(walk.load(0));
+  const auto segments = segmentCloud(cloud, planes);
+  ASSERT_FALSE(segments.empty());
+  ASSERT_EQ(planes.size(), segments.size());
+  auto labels = pcl::make_shared<pcl::PointCloud<pcl::Label>>(cloud->width, cloud->height);
+  for (std::size_t k = 0; k < segments.size(); ++k)
+    for (const int i : segments[k].indices) (*labels)[i].label = static_cast<std::uint32_t>(k + 1);
+  const auto source = organizedCloud<pcl::PointXYZ>(walk.load(0)),
+             target = organizedCloud<pcl::PointXYZ>(walk.load(1));
+  EXPECT_GT(estimateFrames(source, labels).size(), segments.size() / 2);
+
+  const auto& poses = walk.groundTruth().poses();
+  const Eigen::Isometry3d truth = poses[1].T_w_c.inverse() * poses[0].T_w_c;
+  int answers = 0;
+  registerClouds(source, target, [&](const Eigen::Matrix4f& T) {
+    ++answers;
+    EXPECT_LT((T.topRightCorner<3, 1>().cast<double>() - truth.translation()).norm(), 0.05);
+  });
+  EXPECT_EQ(answers, 1);
+}
+
+TEST_F(Readme, ADriveIsFoundInAMap) {
+  const DepthSequence walk = DepthSequence::open(query());
+  const auto opened = std::make_shared<const Map>(openMap(map()));
+  ViewBuilder builder(opened->calibrated(walk.camera()->camera));
+  std::vector<std::pair<DepthImage, double>> images;
+  for (std::size_t i = 0; i < walk.frames().size(); ++i)
+    images.emplace_back(walk.load(i, 320), walk.frames()[i].stamp);
+  int sure = 0;
+  localizeDrive(opened, builder, images, [&](const Eigen::Isometry3d&) { ++sure; });
+  EXPECT_GE(sure, 6);
+}
+
+TEST_F(Readme, AMapIsWrittenImageByImage) {
+  fs::copy(query(), folder_ / "walk", fs::copy_options::recursive);
+  ViewBuilder builder;
+  const auto myViewOf = [&](const DepthImage& image) { return builder.build(image); };
+  printedIn(folder_ / ".", [&] { writeMapOfWalk(myViewOf); });
+  EXPECT_EQ(readMap(folder_ / "walk.flmap").models.size(), static_cast<std::size_t>(kFrames));
 }
 
 }  // namespace
