@@ -2,6 +2,7 @@
 #include "global/place_ranking.h"
 #include "pairs/view_registration.h"
 
+#include <facetloc/registration/candidate_pairs.h>
 #include <facetloc/registration/global_localization.h>
 #include <facetloc/registration/map_ambiguity.h>
 #include <facetloc/testing/pose_matchers.h>
@@ -13,6 +14,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <stdexcept>
+#include <vector>
 
 namespace facetloc {
 
@@ -83,6 +86,29 @@ TEST_F(LocalizationInARoom, ModelsThatAreExcludedFindNothing) {
   for (const Hypothesis& h : answer.hypotheses)
     for (const int model : h.found_by) EXPECT_EQ(model % 2, 0);
   EXPECT_TRUE(localization.localize(map->models[3].view, [](int) { return true; }).hypotheses.empty());
+}
+
+TEST_F(LocalizationInARoom, PairsMayBeChosenBySomebodyElse) {
+  GlobalLocalization localization(map);
+  const View& view = map->models[3].view;
+  const PoseWithCovariance prior = localization.prior(view);
+  const Localization free = localization.localize(view, prior);
+  const auto ours = [&](int model) {
+    return candidatePairs(view.segments, map->models[static_cast<std::size_t>(model)].view.segments, prior);
+  };
+  const Localization same = localization.localize(view, prior, ours);
+  ASSERT_FALSE(same.hypotheses.empty());
+  EXPECT_THAT(*same.hypotheses[0].T_w_c, PoseNear(*free.hypotheses[0].T_w_c, 1e-6, 1e-4));
+
+  const auto of_own_model = [&](int model) { return model == 3 ? ours(3) : std::vector<SegmentPair>(); };
+  for (const Hypothesis& h : localization.localize(view, prior, of_own_model).hypotheses)
+    EXPECT_EQ(h.model, 3);
+  for (const int threads : {1, 2})
+    for (const SegmentPair& wrong : {SegmentPair{-1, 0}, {0, -1}, {1000, 0}, {0, 1000}}) {
+      localization.setNumberOfThreads(threads);
+      EXPECT_THROW(localization.localize(view, prior, [&](int) { return std::vector{wrong}; }),
+                   std::invalid_argument);
+    }
 }
 
 /** Two rooms that are the same: whatever is seen in the one fits the other. */

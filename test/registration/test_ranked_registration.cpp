@@ -260,6 +260,19 @@ TYPED_TEST(OurRegistration, SettersWithoutEffectAreSaidOnce) {
   EXPECT_EQ(timesSaid(), std::pair(false, false));
 }
 
+TEST(PlanarRegistration, ACopyAnswersAlike) {
+  using Case = PlanarCase<pcl::PointXYZ>;
+  PlanarRegistration<pcl::PointXYZ> registration;
+  registration.setInputTarget(Case::cloudFrom(test::kTargetPose, 1));
+  registration.setInputSource(Case::cloudFrom(test::kNearPose, 2));
+  pcl::PointCloud<pcl::PointXYZ> output;
+  registration.align(output);
+  PlanarRegistration<pcl::PointXYZ> copy = registration;
+  EXPECT_EQ(copy.getFinalPose().matrix(), registration.getFinalPose().matrix());
+  copy.align(output);
+  EXPECT_EQ(copy.getFinalPose().matrix(), registration.getFinalPose().matrix());
+}
+
 TEST(PlanarRegistration, ReadsItsTargetOnceForManySources) {
   struct Counting : PlanarRegistration<pcl::PointXYZ> {
     View makeView(const pcl::PointCloud<pcl::PointXYZ>& cloud, const pcl::Indices* indices,

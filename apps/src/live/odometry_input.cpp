@@ -22,6 +22,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
+constexpr milliseconds kSilence(500);  // after which no line is waited for
 constexpr milliseconds kPatience(50);  // with a line that is as late as a frame's own way through a driver
 constexpr int kWakeUp = 100;           // to look whether it is to end [ms]
 constexpr double kLongestStep = 0.5;   // between two lines, in which nobody knows how the robot moved [s]
@@ -154,7 +155,8 @@ void OdometryInput::take(const std::string& line) {
     const OdometryLine odometry = parseOdometry(line, mounting_);
     lock.lock();
     add(odometry, now);
-  } catch (const std::invalid_argument& e) {
+    latest_ = Clock::now();
+  } catch (const std::exception& e) {
     if (!lock) lock.lock();
     if (!has_fault_) fault_ = name_ + ": line " + std::to_string(lines_) + " is no odometry: " + e.what();
     has_fault_ = true;
@@ -179,8 +181,10 @@ void OdometryInput::add(const OdometryLine& line, double now) {
 std::optional<Eigen::Isometry3d> OdometryInput::at(double stamp, Clock::time_point arrival) {
   std::unique_lock lock(mutex_);
   const auto time = [&] { return is_stamped_ && *is_stamped_ ? stamp : sinceStart(arrival); };
-  arrived_.wait_for(lock, kPatience,
-                    [&] { return stops_ || ended_ || (!poses_.empty() && poses_.back().time >= time()); });
+  const bool may_come = !ended_ && Clock::now() - latest_ < kSilence;
+  arrived_.wait_for(lock, kPatience, [&] {
+    return !may_come || stops_ || ended_ || (!poses_.empty() && poses_.back().time >= time());
+  });
   const double when = time();
   const auto after = std::lower_bound(poses_.begin(), poses_.end(), when,
                                       [](const Pose& pose, double t) { return pose.time < t; });

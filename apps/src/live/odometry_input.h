@@ -63,7 +63,8 @@ private:
 
   std::mutex mutex_;  // of all below
   std::condition_variable arrived_;
-  std::deque<Pose> poses_;  // in the order of their times
+  std::deque<Pose> poses_;    // in the order of their times
+  Clock::time_point latest_;  // arrival of the last line
   std::optional<bool> is_stamped_;
   std::uint64_t lines_ = 0;
   std::string fault_;

@@ -202,7 +202,7 @@ private:
   std::optional<Matrix6d> prior_covariance_;
   double min_probability_ = kMinProbability;
   std::shared_ptr<const Map> target_map_;  // of the target's view; null until it was read
-  std::optional<GlobalLocalization> in_target_;
+  std::shared_ptr<const GlobalLocalization> in_target_;
   std::string target_fault_;
   int unset_iterations_ = this->max_iterations_;
   bool has_warned_ = false;

@@ -130,7 +130,7 @@ void RankedRegistration<PointT>::readTarget() {
   if (target_map_) return;
   target_fault_.clear();
   target_map_ = std::make_shared<const Map>(mapOf(makeView(*target_, nullptr, target_fault_)));
-  in_target_.emplace(target_map_, params_);
+  in_target_ = std::make_shared<const GlobalLocalization>(target_map_, params_);
 }
 
 // The distance of a correspondence, between two planes: of a point of one from the other.
@@ -158,9 +158,8 @@ void RankedRegistration<PointT>::warnOfSetters() {
                       this->transformation_estimation_ != nullptr;
   if (!is_set || has_warned_) return;
   has_warned_ = true;
-  PCL_WARN("[facetloc::%s::align] numbers of iterations, epsilons and estimators of transformations have no "
-           "effect: "
-           "the search ends when all hypotheses are tried, setRegistrationParams() sets its limits\n",
+  PCL_WARN("[facetloc::%s::align] iterations, epsilons and estimators of transformations have no effect; the "
+           "limits of the search are set by setRegistrationParams()\n",
            reg_name_.c_str());
 }
 
