@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-words='the same of|[Tt]hat of an? |(is|are|be|was|were) told(?! apart)|[Oo]bviously|[Uu]tili[sz]e|[Ll]everag|[Ss]eamless|[Bb]lazing|cutting-edge'
+words='the same of|\b[Tt]hat of\b|(is|are|be|was|were) told(?! apart)|have told|has told|[Oo]bviously|[Uu]tili[sz]e|[Ll]everag|[Ss]eamless|[Bb]lazing|cutting-edge'
 words+='|TO''DO|FIX''ME|HA''CK'
 modules=(features segmentation registration io apps test cmake README.md CHANGELOG.md CONTRIBUTING.md)
 files=(--include='*.h' --include='*.hpp' --include='*.cpp' --include='*.md' --include='*.py' --include='*.ini' --include='CMakeLists.txt' --exclude=test_help.cpp)

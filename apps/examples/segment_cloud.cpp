@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
   segmentation.segment(*labels);
 
   facetloc::Camera camera;
-  camera.noise.inverse_depth_std = segmentation.getSegmentation().noise;  // that of these very points
+  camera.noise.inverse_depth_std = segmentation.getSegmentation().noise;  // of these very points
   facetloc::SegmentFrameEstimation<pcl::PointXYZ> estimation;
   estimation.setInputCloud(cloud);
   estimation.setLabels(labels);

@@ -14,7 +14,7 @@ void setOrientation(SegmentFrame& frame, const Eigen::Quaterniond& q) {
   frame.normal_x = n.x(), frame.normal_y = n.y(), frame.normal_z = n.z();
 }
 
-// Is the normal that of the orientation, or not given?
+// Does the normal fit the orientation, if it is given?
 bool normalFits(const SegmentFrame& frame) {
   constexpr float kTolerance = 1e-2f;
   const Eigen::Vector3f n(frame.normal_x, frame.normal_y, frame.normal_z);

@@ -218,7 +218,7 @@ void MapReader::readPictures(Pictures pictures) {
              });
 }
 
-/** Of a file without it, or of a picture without it, that of the camera. */
+/** The camera's, of a file or a picture without it. */
 void MapReader::readNoise() {
   for (LocalModel& model : map_.models) model.view.depth.noise = map_.camera.noise;
   if (!sqlite::hasTable(db_, "picture_noise")) return;

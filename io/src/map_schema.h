@@ -114,7 +114,7 @@ CREATE TABLE IF NOT EXISTS camera(        -- that the models' images were taken 
   distortion_offset REAL NOT NULL CHECK(distortion_offset >= 0),   -- smooth distortion that it may have [1/m] ...
   distortion_slope REAL NOT NULL CHECK(distortion_slope >= 0)      -- ... and per unit of the normalised ray
 ) STRICT;
-CREATE TABLE IF NOT EXISTS picture_noise( -- what each model's image shows; without a row, that of the camera
+CREATE TABLE IF NOT EXISTS picture_noise( -- what each model's image shows; without a row, the camera's
   model_id INTEGER PRIMARY KEY REFERENCES model(id) ON DELETE CASCADE,
   inverse_depth_std REAL NOT NULL CHECK(inverse_depth_std > 0)     -- random error of 1/z [1/m]
 ) STRICT;

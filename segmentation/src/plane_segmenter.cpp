@@ -185,7 +185,7 @@ void PlaneSegmenter::Impl::segment(const DepthImage& image, LabelledPlanes& out)
 
 void PlaneSegmenter::Impl::estimateNoise(const DepthImage& image, LabelledPlanes& out) {
   out.noise = internal::estimateNoise(image, out.noise, scratch_);
-  constexpr double kMuch = 0.5;  // of the noise: less than that of it may as well be rough
+  constexpr double kMuch = 0.5;  // of the noise: less may as well be rough
   const auto smooth = estimateSmoothNoise(image, scratch_);
   if (!smooth || smooth->std < kMuch * out.noise) return;
   out.noise = std::max(out.noise, smooth->std);

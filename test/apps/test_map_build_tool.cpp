@@ -61,7 +61,7 @@ TEST_F(Tools, MapBuildTakesOutWhatTheCameraAlwaysMeasuresWrongly) {
       {"merge", folder_ / "corrected.flmap", map(), "-o", folder_ / "both.flmap", "--same-coordinates"});
   ASSERT_EQ(merge.code, kOk) << merge.err;
   EXPECT_THAT(merge.err,
-              HasSubstr("differ in the distortion that was taken out; the merged one has that of " +
+              HasSubstr("differ in the distortion that was taken out; the merged one has the one of " +
                         (folder_ / "corrected.flmap")));
   EXPECT_EQ(readMap(folder_ / "both.flmap").camera.distortion->values(), distortion->values());
   // Going on with a map leaves its distortion as it is.

@@ -147,7 +147,7 @@ TEST_F(OdometryFiles, AreOfNowWithoutStampsAndMayComeLate) {
 
 class LiveOdometry : public LiveTool {
 protected:
-  /** That of the robot, from elsewhere. */
+  /** The robot's, from elsewhere. */
   std::string odometry(const std::string& key) const {
     const DepthSequence recording = DepthSequence::open(sequence());
     const CameraMounting mounting = *recording.camera()->camera.mounting;

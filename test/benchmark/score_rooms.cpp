@@ -48,7 +48,7 @@ struct Answered {
   std::string note;
 };
 
-// The room's extent is that of its largest horizontal rectangle, the floor.
+// The room's extent is its largest horizontal rectangle, the floor.
 Eigen::Vector2d floorHalfSize(const Scene& scene, Eigen::Vector2d& centre) {
   const Rectangle* floor = nullptr;
   for (const Rectangle& r : scene.rectangles)

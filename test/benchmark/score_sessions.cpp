@@ -28,7 +28,7 @@ using namespace facetloc;
 constexpr int kWidth = 320;           // of the images [px]
 constexpr double kThick = 0.03;       // of a segment [m]
 constexpr double kBehind = 0.05;      // by which a measured surface is behind a segment that is not there [m]
-constexpr double kSameNormal = 0.97;  // cosine of a segment's normal and that of its true plane
+constexpr double kSameNormal = 0.97;  // cosine between a segment's normal and its true plane's
 constexpr double kOfPlane = 0.1;      // of a segment from its true plane [m]
 constexpr double kNearest = 0.3, kReach = 6;  // of an image [m]
 constexpr int kLooks = 2;

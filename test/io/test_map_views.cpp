@@ -88,7 +88,7 @@ TEST_F(MapFile, AViewThatIsNotSoundIsToldWhenItIsAskedFor) {
               AllOf(HasSubstr("room.flmap"), HasSubstr("model 1: its depth picture is corrupt")));
   EXPECT_THAT(ioErrorOf([&] { opened.view(2); }), HasSubstr("model 2: its segment numbers have a gap"));
   EXPECT_THAT(ioErrorOf([&] { opened.view(3); }), HasSubstr("no such model"));
-  EXPECT_EQ(opened.view(0)->segments.size(), 3u) << "that of others can still be had";
+  EXPECT_EQ(opened.view(0)->segments.size(), 3u) << "views of others can still be had";
   EXPECT_NE(ioErrorOf([&] { openMap(path_); }), "") << "a small map is checked at once";
 }
 

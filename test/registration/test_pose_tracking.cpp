@@ -159,7 +159,7 @@ TEST_F(TrackingInARoom, FollowsTheCameraAndKnowsItsError) {
     translation += e.tail<3>().norm() / (kViews - 1);
   }
   EXPECT_LT(translation, 0.015);
-  EXPECT_LT(nees, 9);  // 6 if all errors were independent; no overconfidence beyond that of models in common
+  EXPECT_LT(nees, 9);  // 6 if all errors were independent; no overconfidence but by models in common
   // White noise errs less than assumed by what is allowed for errors that neighbours share, and no less.
   const PoseTrackingParams params;
   const double caution =
@@ -189,7 +189,7 @@ TEST_F(TrackingInARoom, TheMatchedModelIsDrawnAsItIs) {
     const Eigen::Vector3d n = match.T_m_c.T.linear() * drive->views[next_ - 1].segments[p.scene].normal();
     EXPECT_GT(n.dot(model.view.segments[p.model].normal()), 0.95);
   }
-  // The covariance in model axes is that of draws in world axes.
+  // The covariance in model axes is the covariance of draws in world axes.
   Rng rng(1);
   constexpr int kDraws = 20000;
   Matrix6d drawn = Matrix6d::Zero();

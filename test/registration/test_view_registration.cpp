@@ -217,7 +217,7 @@ TEST_F(TwoViewsOfARoom, NoTwoHypothesesAreTheSame) {
 
 class Corridor : public testing::Test {
 protected:
-  // The camera of the model looks along the corridor, that of the scene stands so far ahead of it and is
+  // The camera of the model looks along the corridor, the scene's stands so far ahead of it and is
   // turned a little.
   static Eigen::Isometry3d modelPose() { return lookingAlong({0, 0, 1.2}, {0, 1, -0.15}); }
   static Eigen::Isometry3d scenePose(double ahead) {

@@ -137,7 +137,7 @@ TEST(CellMoments, APoorlyFilledCellIsNotFlat) {
   EXPECT_TRUE(cellsOf(image, {0.25, 1.f})[0].flat);
 }
 
-// A steep plane far away: single precision must not be that of the disparity itself.
+// A steep plane far away, for which disparities themselves in single precision would not do.
 TEST(CellMoments, AnExactPlaneHasNoResidual) {
   DisparityImage image = blankDisparity(64, 48);
   for (int v = 0; v < 48; ++v)

@@ -98,7 +98,8 @@ TEST(QuadTree, AStepIsInNoCellButTheSmallest) {
   EXPECT_EQ(tree.leaves()[0].size, 64);  // right of the middle
 }
 
-// The one by displacement: each half has no residual of its own, and that of both is within the tolerance.
+// The one by displacement: each half has no residual of its own, and the residual of both is within the
+// tolerance.
 TEST(QuadTree, PartsThatAreTwoPlanesAreNotJoined) {
   for (const float step : {2.f, 10.f}) {
     DisparityImage image = planeOf(8, 8, 0, 0, 400);

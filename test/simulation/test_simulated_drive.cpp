@@ -107,7 +107,7 @@ TEST_P(SimulatedDrive, InTimeTheTiltOfAnUnevenFloorIsSmooth) {
     squares += std::pow(pitch(i) - params.camera_tilt_deg, 2) / static_cast<double>(poses.size());
     EXPECT_LT(std::abs(pitch(i) - pitch(i > 0 ? i - 1 : 0)), 1) << i;
   }
-  // That of three independent wheels is the limit of short waves.
+  // Three independent wheels are the limit of short waves.
   const double independent = params.robot.floor_std * std::sqrt(1.5) / params.robot.caster_distance / kDegree;
   EXPECT_GT(std::sqrt(squares), 0.3 * independent);
   EXPECT_LT(std::sqrt(squares), 1.3 * independent);

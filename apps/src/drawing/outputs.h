@@ -8,7 +8,7 @@
 
 namespace facetloc {
 
-/** \brief Throws UsageError if a folder of results is that of the images. */
+/** \brief Throws UsageError if a folder of results is the folder of the images. */
 void requireOtherFolder(const std::filesystem::path& results, const std::filesystem::path& images);
 
 /** \brief Throws UsageError if a file is there already, unless it is a picture, as one that the tools draw

@@ -154,7 +154,7 @@ Evaluation evaluate(const std::vector<ResultRow>& rows, const Trajectory& truth,
                     const std::vector<ModelPose>& models, const EvaluationParams& params,
                     double tolerance = 0.02);
 
-/** \brief Of a sample; all zero without one. The standard deviation is that of the sample (n - 1). */
+/** \brief Of a sample; all zero without one. The standard deviation is the sample's (n - 1). */
 struct Statistics {
   double mean = 0;
   double std = 0;

@@ -14,7 +14,7 @@ namespace facetloc {
  * images, and of the new images the covered ones, those solvable by planes, the rest that is not covered, and
  * those taken where the map has nothing. */
 std::vector<Summary> summarizeSets(const Evaluation& evaluation);
-/** \brief The summary of the new images; that of all where it is not known which are new. */
+/** \brief The summary of the new images; of all where it is not known which are new. */
 const Summary& newImages(const std::vector<Summary>& summaries);
 
 /** \brief A table for people, in text and HTML alike. */

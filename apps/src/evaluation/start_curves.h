@@ -30,7 +30,7 @@ struct StartCurve {
 /** \brief The answers of starts over the number of images and over the true way since each start. An answer
  * is right within the limits of a correct hypothesis.
  * \param frames whose true poses are known; others are left out
- * \param T_true_estimated from the world of the answers to that of the true poses */
+ * \param T_true_estimated from the world of the answers to the world of the true poses */
 std::vector<StartCurve> startCurves(const std::vector<StartAnswer>& answers,
                                     const std::vector<FrameEvaluation>& frames,
                                     const Eigen::Isometry3d& T_true_estimated,

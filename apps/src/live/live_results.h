@@ -18,7 +18,7 @@ namespace facetloc {
  * \param map may be null */
 FrameResult frameResult(const LiveResult& result, const Map* map, double min_probability);
 
-/** \brief The results folder of a live run, written frame by frame: that of facetloc_localize, with one row
+/** \brief The results folder of a live run, written frame by frame: as of facetloc_localize, with one row
  * per frame, and states.csv. */
 class LiveResults {
 public:

@@ -25,7 +25,7 @@ public:
   LiveWindow(const LiveWindow&) = delete;
   LiveWindow& operator=(const LiveWindow&) = delete;
 
-  /** \brief Draws a frame as LivePicture does. \param footer lines at the bottom, above that of the keys. */
+  /** \brief Draws a frame as LivePicture does. \param footer lines at the bottom, above the keys. */
   void show(const LiveResult& result, const std::vector<std::string>& footer);
   /** \brief Looks what the user did, without waiting. \return what was asked for since the last time. */
   std::vector<LiveCommand> commands();

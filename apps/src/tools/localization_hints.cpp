@@ -36,7 +36,7 @@ struct Comparison {
   bool isKnown() const { return of_images > 0 && of_map > 0; }
   double ratio() const { return isKnown() ? std::max(of_images / of_map, of_map / of_images) : 1; }
   std::string inWords(int decimals, const std::string& unit) const {
-    return text::decimals(of_images, decimals) + unit + ", that of the map's images " +
+    return text::decimals(of_images, decimals) + unit + ", the map's images have " +
            text::decimals(of_map, decimals) + unit;
   }
 

@@ -65,7 +65,7 @@ std::string inDisparity(const DepthDistortion& distortion) {
          " disparity units (1/8 px of a Kinect) on average";
 }
 
-/** That of the camera, and of the images where they are noisier. */
+/** The camera's, and the images' where they are noisier. */
 std::string noiseOf(const Map& map) {
   double least = std::numeric_limits<double>::infinity(), most = 0;
   for (const LocalModel& model : map.models) {
@@ -182,7 +182,7 @@ void noteChosenDistortion(const std::vector<Map>& maps, const std::vector<std::s
   if (chosen == maps.end()) return;
   if (std::any_of(maps.begin(), maps.end(),
                   [&](const Map& map) { return distortionOf(map) != distortionOf(*chosen); }))
-    console.note("the maps differ in the distortion that was taken out; the merged one has that of " +
+    console.note("the maps differ in the distortion that was taken out; the merged one has the one of " +
                  paths[chosen - maps.begin()]);
 }
 

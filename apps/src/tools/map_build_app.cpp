@@ -39,7 +39,7 @@ bool isThere(const fs::path& path) {
   return fs::exists(path) && !(fs::is_regular_file(path) && fs::file_size(path) == 0);
 }
 
-// Of a camera that nobody has told the mounting of: by the floor under a robot.
+// Of a camera whose mounting nobody has given: by the floor under a robot.
 void noteMounting(const fs::path& path, const Console& console) {
   const Map map = openMap(path);
   if (map.camera.mounting) return;
@@ -246,7 +246,7 @@ MapBuildApp::Selection MapBuildApp::select(const DepthSequence& sequence) const 
     const bool accepted = every_ > 0 ? i % every_ == 0 : by_rule && rule.accept(*by_rule);
     if (accepted) selection.candidates.push_back({i, pose});
   }
-  if (found_) selection.without_pose = 0;  // which the trajectory has told
+  if (found_) selection.without_pose = 0;  // as the trajectory knows
   if (selection.candidates.empty())
     throw IoError(sequence_,
                   "none of its images has a pose within " + text::significant(pose_tolerance_) + " s");

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kKeyShare = 0.5;       // of the distance of local models: that of images along given poses
+constexpr double kKeyShare = 0.5;       // of the distance of local models, for images along given poses
 constexpr std::size_t kMostNamed = 12;  // local models that a line of the report names
 constexpr Colour kNew = {0, 130, 60}, kEdited = {130, 60, 170};
 

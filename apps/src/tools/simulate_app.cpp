@@ -120,7 +120,7 @@ void SimulateApp::addOptions(CommandLine& line) {
   line.addArgument("SCENE", scene_);
   line.addOption("output,o", folder_, "DIR", "Folder of the sequences.");
   line.addOption("seed", seed_, "N", "Seed of the place, the drives and the noise.");
-  line.addOption("width", width_, "N", "Width of the images [px]; that of the camera unless given.");
+  line.addOption("width", width_, "N", "Width of the images [px]; the camera's unless given.");
   line.addOption("frames", frames_, "N", "Images of each run; 0 = as --map-frames and --query-frames say.");
   line.addOption("map-frames", map_frames_, "N", "Images of the mapping run.");
   line.addOption("query-frames", query_frames_, "N", "Images of the later run.");

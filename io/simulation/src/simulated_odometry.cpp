@@ -9,7 +9,7 @@
 namespace facetloc {
 namespace {
 
-constexpr std::uint64_t kErrors = 1;  // a purpose of its own: the seed may be that of the drive
+constexpr std::uint64_t kErrors = 1;  // a purpose of its own: the seed may be the drive's
 
 /** A place on the floor plan and the heading there. */
 Eigen::Isometry2d onFloor(const Eigen::Isometry3d& T_w_b) {

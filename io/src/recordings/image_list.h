@@ -20,7 +20,7 @@ struct ListedImage {
 bool endsWith(const std::string& name, const std::string& ending);
 /** \brief ".png" of a.PNG. */
 std::string lowerExtension(const std::filesystem::path& path);
-/** \brief The name of a frame by that of its file: "a" of a.png and of a.segments.pcd. */
+/** \brief The name of a frame by its file's: "a" of a.png and of a.segments.pcd. */
 std::string frameName(const std::filesystem::path& path);
 bool isPng(const std::filesystem::path& path);
 bool isImage(const std::filesystem::path& path);

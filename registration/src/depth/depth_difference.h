@@ -23,7 +23,7 @@ struct DepthDifferenceOf {
       1 / 8.0;           ///< smallest inverse depth used where poses are estimated [1/m]
   Number inverse_depth;  ///< of the point in the other picture's camera [1/m]
   Number x, y;           ///< the ray (b_x, b_y) on which it lies there
-  Number residual;       ///< inverse_depth minus that of the picture [1/m]
+  Number residual;       ///< inverse_depth minus the picture's [1/m]
   Vector by_point;       ///< derivative of the residual by the point in that camera's axes [1/m^2]
 
   /** \brief Clears known where the five inverse depths are not linear (edges, noise of curved things).

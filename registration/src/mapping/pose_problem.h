@@ -31,7 +31,7 @@ Matrix whiteningOf(const Matrix& P, const char* of_what) {
   return llt.matrixL().solve(Matrix::Identity());
 }
 
-// The left, decoupled perturbation between a measured motion and that of two poses, in its standard
+// The left, decoupled perturbation between a measured motion and the one of two poses, in its standard
 // deviations.
 class Mismatch {
 public:

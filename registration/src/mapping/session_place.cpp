@@ -55,7 +55,7 @@ std::vector<FoundKeyframe> sureKeyframes(const GlobalLocalization& localization,
   return found;
 }
 
-/** Of its keyframes alone: the floor of the map is not that of the session's world. */
+/** Of its keyframes alone: the floor of the map is not the floor of the session's world. */
 PoseGraph graphOf(const CameraTrajectory& trajectory) {
   std::vector<Eigen::Isometry3d> T_w_k;
   for (const Keyframe& k : trajectory.keyframes) T_w_k.push_back(k.T_w_c.T);

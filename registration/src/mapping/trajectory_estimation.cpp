@@ -357,7 +357,7 @@ bool TrajectoryEstimation::Impl::hang(const std::shared_ptr<const View>& view, c
   return true;
 }
 
-// By an odometry that is given and by what the views have told, each as well as it knows.
+// By an odometry that is given and by the views, each as well as it knows.
 TrajectoryEstimation::Impl::Motion
 TrajectoryEstimation::Impl::motionOf(const ViewMotion& seen, bool is_sparse,
                                      const std::optional<Eigen::Isometry3d>& given) const {

@@ -68,8 +68,8 @@ struct ViewReach {
 };
 constexpr ViewReach kTrackingReach{4, 60 * kDegree};
 
-/** \brief Distance of two cameras by what they see [m]: that of their centres, and 1.5 m per radian between
- * their viewing directions (METHOD 8.4); infinite beyond the reach. */
+/** \brief Distance of two cameras by what they see [m]: the distance of their centres, and 1.5 m per radian
+ * between their viewing directions (METHOD 8.4); infinite beyond the reach. */
 double viewDistance(const Eigen::Isometry3d& T_w_a, const Eigen::Isometry3d& T_w_b,
                     const ViewReach& reach = kTrackingReach);
 

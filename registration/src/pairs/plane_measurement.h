@@ -40,7 +40,7 @@ bool measurePlane(const Segment& scene, const Segment& model, const Eigen::Isome
                   double min_cosine, PlaneMeasurement& out);
 
 /** \brief Squared Mahalanobis distance of the offset h_3 alone, with its variance enlarged by slack^2 [m^2].
- * Never larger than that of all three components, and much cheaper: it rejects most pairs before anything
+ * Never larger than by all three components, and much cheaper: it rejects most pairs before anything
  * else is computed. */
 double offsetDistance(const Segment& scene, const Segment& model, const PoseWithCovariance& T_m_c,
                       double slack = 0);

@@ -48,7 +48,7 @@ Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePrio
     Sigma.diagonal().tail<3>().setConstant(var_translation);
     return Sigma;
   }
-  // Motions of the robot base (omega, v) at that of the model, in its axes. The robot turns about its place.
+  // Motions of the robot base (omega, v) at the model's base, in its axes. The robot turns about its place.
   const Eigen::Isometry3d T_b_c = mounting->T_b_c(), T_m_b = T_b_c * T_m_c * T_b_c.inverse();
   Vector6d turn = Vector6d::Unit(2);
   turn.tail<3>() = T_m_b.translation().cross(Eigen::Vector3d::UnitZ());

@@ -30,7 +30,7 @@ public:
     return align(query, model, query.prior);
   }
   /** \brief The hypothesis next to a start, from all pairs that agree there, without a search; none if no
-   * pair does. Its score is that of align(), from fewer pixels. A tenth of the work of align(). */
+   * pair does. Its score is as of align(), from fewer pixels. A tenth of the work of align(). */
   std::optional<Hypothesis> alignFrom(const PoseWithCovariance& start, const Query& query,
                                       const View& model) const;
 

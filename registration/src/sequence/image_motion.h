@@ -20,7 +20,7 @@ public:
 
   void reset();
   /** \param dt since the image before [s] \param given motion since then, by another odometry
-   * \return broken if the views deny any motion of one step and no other odometry has told one; where they
+   * \return broken if the views deny any motion of one step and no other odometry knows one; where they
    * say nothing, what else is known, and no agreement */
   ViewMotion add(const std::shared_ptr<const View>& view, double dt,
                  const std::optional<PoseWithCovariance>& given);

@@ -32,8 +32,8 @@ public:
 private:
   /** Two walls that may be one. */
   struct Pair {
-    float turn;            ///< heading of the model's wall less that of the scene's [rad]
-    float move;            ///< offset of the model's wall less that of the scene's [m]
+    float turn;            ///< heading of the model's wall less the heading of the scene's [rad]
+    float move;            ///< offset of the model's wall less the offset of the scene's [m]
     float slide0, slide1;  ///< moves along the model's wall with which the two overlap [m]
     float weight;
     const Wall* scene;

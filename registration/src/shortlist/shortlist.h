@@ -35,7 +35,7 @@ public:
 
   /** \brief At least one batch, which is empty for a view that fixes no pose. If the answer of one is sure,
    * the next ones need not be asked. A model that comes again is asked anew, in place of what it said. \param
-   * on_floor the camera is mounted as the map's, and the query's prior is that of this mounting \param
+   * on_floor the camera is mounted as the map's, and the query's prior is by this mounting \param
    * threads 0 = all cores \param excluded models, if any are */
   std::vector<Batch> batches(const Query& query, bool on_floor, int threads,
                              const std::function<bool(int model)>& excluded = {}) const;

@@ -108,7 +108,7 @@ Matrix6d ViewOdometry::errorOfStep(const Matrix6d& predicted, const PoseWithCova
   return 0.5 * (P + P.transpose());
 }
 
-// As far as the views have told the motion, and smoothed: the difference of two poses is too rough to go on
+// As far as the views know the motion, and smoothed: the difference of two poses is too rough to go on
 // with where the views tell nothing. Who goes straight on will do so; who turns will stop.
 void ViewOdometry::learnVelocity(const PoseWithCovariance& predicted, const PoseWithCovariance& found,
                                  double dt) {

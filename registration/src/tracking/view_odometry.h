@@ -13,7 +13,7 @@ namespace facetloc::internal {
 /** \brief A motion between two views. */
 struct ViewMotion {
   /// of the camera: a = the view before, b = this view; the covariance is what the step adds to an error of
-  /// the pose, not that of this pair of views alone: errors against a key view last as long as it does
+  /// the pose, not the error of this pair of views alone: errors against a key view last as long as it does
   PoseWithCovariance T_a_b;
   double agreement = 0;  ///< share of the view's depth pixels that the key views confirm; 0 if unknown
   bool broken = false;   ///< the view contradicts the key views: nobody knows how the camera moved
@@ -58,7 +58,7 @@ private:
   ViewOdometryParams params_;
   ViewAlignmentParams alignment_;
   DepthComparison comparison_;
-  std::optional<Matrix6d> camera_motion_;  // of the latest view's camera by that of its robot on wheels
+  std::optional<Matrix6d> camera_motion_;  // of the latest view's camera by a motion of its robot on wheels
   std::deque<Key> keys_;
   Eigen::Isometry3d T_o_c_ = Eigen::Isometry3d::Identity();
   Slide slide_;

@@ -86,7 +86,7 @@ struct Map {
   Camera camera;  ///< that its images were taken with; its distortion is taken out of them
   std::vector<LocalModel> models;
   std::vector<Link> links;
-  std::vector<std::string> parts;  ///< their names; that of the world is empty. None = all is the world
+  std::vector<std::string> parts;         ///< their names; the world's is empty. None = all is the world
   std::optional<MapAmbiguity> ambiguity;  ///< as far as it was asked about itself
   std::map<std::string, std::string>
       meta;  ///< how it was made: parameters, software version, conventions in words

@@ -71,7 +71,7 @@ void forEachParam(Params& params, Function&& function, const std::string& name =
 }
 
 /** \brief Throws std::invalid_argument naming the first field that lies outside its range (NaN does).
- * \param name as that of forEachParam() */
+ * \param name as of forEachParam() */
 template <class Params>
 void checkRanges(const Params& params, const std::string& name = {}) {
   forEachParam(
@@ -122,7 +122,7 @@ Choice choiceOf(const std::string& name) {
 }
 
 /** \brief The parameters as "name = value" lines below a "[group]" line for each group, in the order of their
- * description. \param name as that of forEachParam() */
+ * description. \param name as of forEachParam() */
 template <class Params>
 std::string toIni(const Params& params, const std::string& name = {}) {
   std::string out, section;

@@ -47,7 +47,7 @@ PoseWithCovariance operator*(const PoseWithCovariance& T_a_b, const PoseWithCova
 PoseWithCovariance inverse(const PoseWithCovariance& T_a_b);
 
 /** \brief Adjoint of a rigid transform for coupled twists (phi, t): Ad(T_a_b) maps one of frame b, in its
- * axes, into that of frame a for the same motion of a rigid body. */
+ * axes, into the one of frame a for the same motion of a rigid body. */
 Matrix6d adjoint(const Eigen::Isometry3d& T_a_b);
 
 /** \brief Inverse of a symmetric positive definite matrix, symmetric to the last bit. */

@@ -14,8 +14,7 @@ namespace facetloc {
  * 8). */
 struct SegmentEstimationParams {
   static constexpr const char* kTitle = "Segments and their uncertainty";
-  double min_support =
-      150;  ///< [px at 320x240], scaled with the image area; ViewBuilder takes that of the labels
+  double min_support = 150;   ///< [px at 320x240], scaled with the image area; ViewBuilder takes the labels'
   double max_depth = 7.5;     ///< nearest end of the segment's ellipse [m]
   double min_width = 0.03;    ///< smallest sqrt(lambda_2) [m], unless it is wide compared with the noise
   double min_width_px = 2.0;  ///< smallest sqrt(lambda_2), as if it faced the camera [px at the working size]
@@ -61,7 +60,7 @@ Eigen::Matrix3d paperCovariance(const Eigen::Vector3d& normal, const Eigen::Vect
                                 const Eigen::Vector2d& lambda, const Intrinsics& camera, double kappa_u,
                                 const SensorNoise& noise);
 
-/** \brief Sigma_q = J_q (Sigma_m) J_q^T with J_q of METHOD 7.3: first-order covariance of q from that of m,
+/** \brief Sigma_q = J_q (Sigma_m) J_q^T with J_q of METHOD 7.3: first-order covariance of q by the one of m,
  * for a segment with axes R, centroid t and plane distance rho. */
 Eigen::Matrix3d slopeOffsetCovariance(const Eigen::Matrix3d& R, const Eigen::Vector3d& t, double rho,
                                       const Eigen::Matrix3d& Sigma_m);

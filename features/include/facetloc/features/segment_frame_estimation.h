@@ -38,7 +38,7 @@ public:
   void setParams(const SegmentEstimationParams& params) { params_ = checked(params); }
   const SegmentEstimationParams& getParams() const { return params_; }
   /** \brief By which camera the cloud was seen: a Kinect-class one unless set. Without intrinsics these are
-   * recovered from the points. Its noise should be that of these very points: images may be noisier than
+   * recovered from the points. Its noise should be as in these very points: images may be noisier than
    * their camera's specification, and a segmenter that estimates the noise tells it, PlanarSegmentation by
    * getSegmentation().noise. Too small a noise gives too small covariances. */
   void setCamera(const Camera& camera) { camera_ = camera; }

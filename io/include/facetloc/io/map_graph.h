@@ -13,7 +13,7 @@ namespace facetloc {
 /** \brief Writes VERTEX_SE3:QUAT with the model's index as id, and EDGE_SE3:QUAT for each link.
  *
  * A comment says of which vertices the pose follows from links, in the frame of which part (its index), or is
- * unknown, and then the identity. The information of an edge is that of g2o's error, the translation and the
+ * unknown, and then the identity. The information of an edge is about g2o's error, the translation and the
  * quaternion's vector part (half the rotation vector) of the measured inverse times the true relative pose,
  * which lives in the frame of `to`; order (t, R). Throws IoError. */
 void writeGraph(const std::filesystem::path& path, const Map& map);

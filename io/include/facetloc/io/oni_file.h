@@ -32,7 +32,7 @@ public:
   const Intrinsics& camera() const { return camera_; }
   /** \brief Frames per second, nominal. */
   int rate() const { return rate_; }
-  /** \brief Was the device told to mirror its images? */
+  /** \brief Did the device mirror its images? */
   bool mirrored() const { return mirrored_; }
 
   /** \brief One frame with the intrinsics of camera(). Throws IoError if it is corrupt, std::out_of_range for

@@ -11,7 +11,7 @@ namespace facetloc {
 /** \brief Records the depth of a device of OpenNI2, bit by bit, while others use it, into an .oni file.
  *
  * Every frame of the driver is recorded, also those that a slow reader of the device misses. Time stamps
- * count from the first of them. The file has its name when it is whole; until then, that of FILE.oni is
+ * count from the first of them. The file has its name when it is whole; until then, FILE.oni is called
  * FILE.part-0123456789abcdef.oni, with digits of its own, which can be read if the program is killed.
  * Depth takes as much room as in PNGs, or twice as much if it is noisy. */
 class OniRecorder {

@@ -69,7 +69,7 @@ public:
 
   /** \brief Frames per second of the depth stream, nominal. */
   float getFramesPerSecond() const override;
-  /** \brief Focal length of the depth stream and of the clouds [px]. Their centre is that of the image, but
+  /** \brief Focal length of the depth stream and of the clouds [px]. Their centre is the image's, but
    * for our virtual camera, whose clouds have the camera of the sequence (getDepthCameraIntrinsics). */
   double focalLength() const;
   /** \brief How the camera sits on its robot; only our virtual camera tells. */

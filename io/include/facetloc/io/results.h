@@ -74,7 +74,7 @@ bool isResultsFolder(const std::filesystem::path& folder);
 /** \brief Receives what is worth to be said of a file that is read nevertheless. */
 using Remark = std::function<void(const std::string&)>;
 /** \brief Reads hypotheses.csv (columns by name); results of older versions, which have no column of the
- * state, get that of kMinProbability, and without one of the part all is in the world. Throws IoError with
+ * state, get the one by kMinProbability, and without one of the part all is in the world. Throws IoError with
  * the line for malformed files and for values that are impossible. \param remark If there is one, a last line
  * that a killed program has left torn is left out, and remarked.
  */

@@ -15,7 +15,7 @@ constexpr int kVirtualCameraTrigger = 0x7D000001;
 constexpr int kVirtualCameraError = 0x7D000002;
 constexpr int kVirtualCameraTextSize = 1024;
 /** \brief Device property, double[4], read: fx, fy, cx, cy [px]. OpenNI2 itself knows only fields of view,
- * and PCL takes the centre to be that of the image. */
+ * and PCL takes the centre to be the image's. */
 constexpr int kVirtualCameraIntrinsics = 0x7D000003;
 /** \brief Device property, double[6], read: how the camera sits on its robot, the fields of CameraMounting in
  * their order; ONI_STATUS_NOT_IMPLEMENTED where nobody knows them. */

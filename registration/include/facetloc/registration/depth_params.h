@@ -37,7 +37,8 @@ struct DenseRefinementParams {
   /** \name For tracking, which has parameters of its own for them */
   /// @{
   double correlated_pixels = 1;  ///< so many pixels tell as much as one: neighbours err alike
-  double significance = 0;  ///< least information of a direction [that of the gradients' noise]; 0 = no test
+  double significance =
+      0;  ///< least information of a direction [in terms of the gradients' noise]; 0 = no test
   /// @}
 
   template <class Self, class Visitor>

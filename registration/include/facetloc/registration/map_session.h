@@ -66,7 +66,7 @@ SessionPlace placeInMap(const GlobalLocalization& localization, const CameraTraj
                         const MapSessionParams& params, int threads = 1,
                         const std::function<void()>& progress = {});
 
-/** \brief The same for a trajectory whose shape is known, as that of another map: it moves as a whole. Where
+/** \brief The same for a trajectory whose shape is known, such as another map's: it moves as a whole. Where
  * the two agree within the tolerance as they are, it stays where it is.
  * \param accuracy of its poses, relative to each other */
 SessionPlace placeRigidly(const GlobalLocalization& localization, const CameraTrajectory& trajectory,

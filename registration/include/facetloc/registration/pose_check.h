@@ -46,7 +46,7 @@ struct PoseCheck {
 
 /** \brief Compares poses with what images show of the motion between them, and if they disagree, tries what
  * poses suffer from: quaternions in the order w x y z; the inverse; the axes of a robot's body (x forward, z
- * up) or of OpenGL (z backward, y up); another clock; another scale, which may be that of depth; a wrong
+ * up) or of OpenGL (z backward, y up); another clock; another scale, of the poses or of depth; a wrong
  * focal length. A fault is named if without it the disagreement is less than half as large. \param
  * motions of which some may be wrong */
 PoseCheck checkPoses(const std::vector<SeenMotion>& motions, const PosesByTime& poses);

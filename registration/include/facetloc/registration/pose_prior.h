@@ -39,7 +39,7 @@ Eigen::Matrix3d floorCovariance(const PosePriorParams& params);
 Matrix6d cameraMotion(const CameraMounting& mounting);
 
 /** \brief Covariance of T_m_c about an expected pose, order (phi, t) in the model's camera axes, METHOD
- * 2.2: planar motion and uneven floor, under the robot and under that of the model, seen through the camera
+ * 2.2: planar motion and uneven floor, under the robot and under the model's robot, seen through the camera
  * mounting; isotropic without one. Contains what tilts of the model's robot do to the height at the distance
  * that the planar motion allows. */
 Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePriorParams& params = {},

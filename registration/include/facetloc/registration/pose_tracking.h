@@ -78,8 +78,8 @@ public:
    * late, and a stamp that goes back, which starts anew. */
   TrackedPose update(const View& view, double stamp) { return update(view, stamp, {}); }
   /** \brief The same where an odometry tells how the camera has moved since the view before, T_before_now:
-   * that carries it past what shows nothing, and over gaps of any length. Its error is that of the
-   * parameters. */
+   * that carries it past what shows nothing, and over gaps of any length. The parameters say its
+   * error. */
   TrackedPose update(const View& view, double stamp, const std::optional<Eigen::Isometry3d>& motion);
   /** \brief Forgets the pose; the next view is searched in the whole map. */
   void relocalize();

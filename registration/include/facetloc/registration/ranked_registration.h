@@ -87,7 +87,7 @@ private:
  * estimators of transformations have nothing to act on, and a warning says so, once per object. The target is
  * read once, by the first align() after it was set, for any number of sources.
  *
- * The answer is that of align() until another cloud is set. Unlike PCL's base, a missing, empty or unusable
+ * The answer of align() stays until another cloud is set. Unlike PCL's base, a missing, empty or unusable
  * cloud, or indices beyond it, never leave the answer of the call before: hasConverged() is then false, the
  * final transformation the identity, the output the source as it is, and getStatus() says why. */
 template <typename PointT>
@@ -117,7 +117,7 @@ public:
     forgetTarget();
   }
   const GlobalLocalizationParams& getRegistrationParams() const { return params_; }
-  /** \brief Covariance of the guess given to align(), order (phi, t); that of the parameters' prior unless
+  /** \brief Covariance of the guess given to align(), order (phi, t); the parameters' prior unless
    * set. */
   void setPriorCovariance(const Matrix6d& P) { prior_covariance_ = P; }
   Matrix6d getPriorCovariance() const {

@@ -18,13 +18,13 @@ namespace facetloc {
 struct SequenceAnswer {
   AnswerState state = AnswerState::unknown;
   /** \brief Most probable first, with poses of this view in the frames of their parts of the map. Their
-   * probabilities and that of `nowhere` add up to 1. */
+   * probabilities and `nowhere` add up to 1. */
   std::vector<Hypothesis> places;
   double nowhere = 1;               ///< probability that the map does not hold the place
   std::string reason;               ///< why it is not sure; empty if it is
   bool carried_away = false;        ///< everything has begun anew; the reason says why
   bool searched = false;            ///< the whole map, which takes its time
-  int looks = 0;                    ///< views that have told something since everything began anew
+  int looks = 0;                    ///< informative views since everything began anew
   PoseWithCovariance T_before_now;  ///< how the camera has moved, as far as that is known
 };
 

@@ -74,7 +74,7 @@ struct PoseTrackingParams {
     visit("correlated_pixels", p.correlated_pixels, 1.0, 1e6,
           "Number of depth pixels that together tell as much as one with an independent error.");
     visit("significance", p.significance, 0.0, 1e6,
-          "Information below which depth pixels leave a direction to the prior [that of the gradients' "
+          "Information below which depth pixels leave a direction to the prior [in terms of the gradients' "
           "noise].");
     visit("correlated_views", p.correlated_views, 1.0, 1e6,
           "Number of successive views that together tell as much as one with an independent error.");

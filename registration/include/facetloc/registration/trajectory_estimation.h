@@ -26,7 +26,7 @@ struct Keyframe {
   int part = 0;              ///< number of the first keyframe that motions lead to
 };
 
-/** \brief A motion between two keyframes that the images or an odometry have told. */
+/** \brief A motion between two keyframes by the images or by an odometry. */
 struct KeyframeMotion {
   enum class Source {
     odometry,  ///< from one to the next

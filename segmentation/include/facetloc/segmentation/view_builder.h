@@ -11,8 +11,8 @@
 
 namespace facetloc {
 
-/** \brief Parameters of the way from a depth image to a view. The smallest support of a segment is that of
- * its labels. */
+/** \brief Parameters of the way from a depth image to a view. The smallest support of a segment is
+ * the labels'. */
 struct ViewParams : SegmentationParams {
   static constexpr const char* kTitle = "From a depth image to its segments";
   SegmentEstimationParams features;

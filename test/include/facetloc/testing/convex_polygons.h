@@ -12,7 +12,7 @@
 #include <vector>
 
 /** \file
- * The exact overlap criterion, the oracle for that of ellipses (registration/METHOD 4.2). */
+ * The exact overlap criterion, the oracle for the one by ellipses (registration/METHOD 4.2). */
 namespace facetloc::test {
 
 using Polygon = std::vector<Eigen::Vector2d>;

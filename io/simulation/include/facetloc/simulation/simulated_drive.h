@@ -84,7 +84,7 @@ std::vector<Eigen::Isometry3d> simulateDrive(const Scene& scene, std::size_t fra
 Route roundsOf(const Route& route, int rounds, std::uint64_t seed);
 
 /** \brief When a robot at this pace takes images where its base is at these poses T_w_b (x forward, z up)
- * [s], beginning with 0: the time of a step is that of its way over the floor or that of its turn, whichever
+ * [s], beginning with 0: a step takes as long as its way over the floor or as its turn, whichever
  * is longer, and at least 1/rate. */
 std::vector<double> drivingTimes(const std::vector<Eigen::Isometry3d>& T_w_b, const PaceParams& pace = {});
 
