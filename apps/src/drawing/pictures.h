@@ -29,7 +29,7 @@ struct SeenImage {
 /** \brief Segments an image. */
 SeenImage see(const std::string& name, DepthImage depth, ViewBuilder& builder);
 
-/** \brief A view that has segments alone, as its camera would see them; nothing is known of their depth. */
+/** \brief A view that has segments alone, as its camera would see them: the depth of their planes. */
 SeenImage seeSegments(const std::string& name, View view);
 
 /** \brief The paper's Fig. 1: the depth image, the same with its segments outlined in green, and a 3D model
