@@ -366,6 +366,8 @@ TEST_F(TrackingInARoom, AnOdometryOfNoNumbersIsNone) {
   const TrackedPose pose = tracking.update(drive->views[next_], next_ * kFrame, nan);
   EXPECT_EQ(pose.state, TrackingState::tracking);
   EXPECT_TRUE(isGood(pose, drive->truth[next_]));
+  EXPECT_EQ(tracking.update(drive->views[70], next_ * kFrame + 20, nan).state, TrackingState::lost)
+      << "it bridges no gap";
 }
 
 TEST_F(TrackingInARoom, StampsThatGoBackOrFarAheadStartAnew) {

@@ -154,14 +154,14 @@ TrackedPose PoseTracking::Impl::update(const View& view, double stamp,
     out.reason = "no local model of the map has a pose";
     return out;
   }
-  const bool in_time = dt >= 0 && (given || dt <= params_.max_gap);
-  if (!in_time) odometry_.reset();
-  if (dt < 0) next_check_ = stamp;
-  on_floor_ = view.camera && differenceOf(*view.camera, surroundings_.map().camera).sameMounting();
   std::optional<PoseWithCovariance> by_odometry;
   if (given && given->matrix().allFinite())
     by_odometry = motionByOdometry(*given, view.camera ? view.camera->mounting : std::nullopt,
                                    {params_.odometry_drift, params_.odometry_turn_deg});
+  const bool in_time = dt >= 0 && (by_odometry || dt <= params_.max_gap);
+  if (!in_time) odometry_.reset();
+  if (dt < 0) next_check_ = stamp;
+  on_floor_ = view.camera && differenceOf(*view.camera, surroundings_.map().camera).sameMounting();
   ViewMotion motion = odometry_.add(view, in_time ? dt : 0, by_odometry);
   motion.broken = motion.broken || !in_time;
   if (motion.broken)
