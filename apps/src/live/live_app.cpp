@@ -65,7 +65,7 @@ void LiveApp::addOptions(CommandLine& line) {
                  "Wheel odometry, as lines of JSON (ROBOT.md); - = standard input.");
   line.addOption("max-frames", run.max_frames, "N", "End after so many processed frames; 0 = never.");
   line.addOption("duration", run.duration, "S", "End after so many seconds; 0 = never.");
-  line.addSwitch("wait", run.wait, "Wait for a device that is not there, or has gone.");
+  line.addSwitch("wait", run.wait, "Wait for a device that is not there, or has gone, or sends nothing.");
   line.addSwitch("repeat", run.source.repeat, "Play files and recordings again and again.");
   line.addOption("speed", run.source.speed, "X",
                  "Play recordings so many times as fast; 0 = as fast as possible.");
