@@ -5,7 +5,7 @@
 //   build_map RECORDING MAP.flmap
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/registration/map_builder.h>
+#include <facetloc/mapping/map_builder.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <iostream>

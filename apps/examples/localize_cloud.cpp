@@ -4,7 +4,7 @@
 //
 //   localize_cloud MAP.flmap CLOUD.pcd
 #include <facetloc/io/map_database.h>
-#include <facetloc/registration/map_localization.h>
+#include <facetloc/localization/map_localization.h>
 
 #include <pcl/io/pcd_io.h>
 

@@ -6,7 +6,7 @@
 //
 // The clouds are organized, in the order in which they were taken, here at 10 Hz.
 #include <facetloc/io/map_database.h>
-#include <facetloc/registration/sequence_localization.h>
+#include <facetloc/localization/sequence_localization.h>
 
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>

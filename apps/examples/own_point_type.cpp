@@ -7,7 +7,7 @@
 // PlanarRegistration of an own type needs, as PCL's registrations do, PCL_NO_PRECOMPILE and the library lz4
 // as well.
 #include <facetloc/io/map_database.h>
-#include <facetloc/registration/map_localization.h>
+#include <facetloc/localization/map_localization.h>
 #include <facetloc/segmentation/planar_segmentation.h>
 
 #include <pcl/io/pcd_io.h>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <facetloc/io/png.h>
+#include <facetloc/testing/places.h>
 
 #include <gtest/gtest.h>
 #include <png.h>
@@ -57,7 +58,7 @@ inline int strangePixels(const Raster<std::uint8_t>& a, const Raster<std::uint8_
 
 /** \brief The folder of the golden pictures. FACETLOC_UPDATE_GOLDEN=1 in the environment writes them anew. */
 inline std::filesystem::path goldenPath(const std::string& name) {
-  return std::filesystem::path(FACETLOC_GOLDEN_DIR) / (name + ".png");
+  return std::filesystem::path(kGoldenFolder) / (name + ".png");
 }
 inline bool updatesGolden() { return std::getenv("FACETLOC_UPDATE_GOLDEN") != nullptr; }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tool_runner.h"
-#include "tools/batch.h"
-#include "tools/progress.h"
+#include "base/batch.h"
+#include "base/progress.h"
 
 #include <facetloc/io/error.h>
 

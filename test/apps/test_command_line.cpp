@@ -2,7 +2,7 @@
 #include "tool_runner.h"
 
 #include <facetloc/features/params.h>
-#include <facetloc/registration/localization_params.h>
+#include <facetloc/localization/localization_params.h>
 
 #include <gmock/gmock.h>
 

@@ -3,7 +3,7 @@
 #include "evaluation/evaluation.h"
 #include "evaluation/evaluation_report.h"
 #include "tool_runner.h"
-#include "tools/localization_report.h"
+#include "base/localization_report.h"
 
 #include <facetloc/features/so3.h>
 #include <facetloc/io/error.h>

@@ -2,7 +2,7 @@
 #include "evaluation/evaluation_report.h"
 #include "evaluation/frame_truth.h"
 #include "tool_runner.h"
-#include "tools/localization_report.h"
+#include "base/localization_report.h"
 
 #include <facetloc/features/so3.h>
 #include <facetloc/io/camera_file.h>

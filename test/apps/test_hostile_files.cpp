@@ -2,6 +2,8 @@
 // Files that were made to harm: each is refused in words that name it, in little time and memory.
 #include "process.h"
 
+#include <facetloc/testing/places.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -28,8 +30,7 @@ struct Hostile {
 void PrintTo(const Hostile& h, std::ostream* out) { *out << h.file; }
 
 fs::path pathOf(const Hostile& hostile) {
-  const char* set = std::getenv("FACETLOC_DATA");
-  return fs::path(set ? set : FACETLOC_DATA_DIR) / "hostile" / hostile.file;
+  return dataFolder("hostile") / hostile.file;
 }
 
 /** The largest of all children so far; children of a test have it from its own pages to begin with. */
@@ -59,14 +60,14 @@ protected:
 using HostileMaps = HostileFiles;
 
 TEST_P(HostileMaps, AreRefused) {
-  expectRefused({FACETLOC_MAP, "check", path_}, GetParam().fault);
+  expectRefused({kMapTool, "check", path_}, GetParam().fault);
   const test::TemporaryFolder folder;
   test::writeContent(
       folder / "camera.ini",
       "width = 320\nheight = 240\nfx = 262.5\nfy = 262.5\ncx = 159.5\ncy = 119.5\ndepth_scale = 5000\n");
   fs::create_directories(folder / "depth");
   test::writeContent(folder / "depth/0.png", "never read");
-  expectRefused({FACETLOC_LOCALIZE, path_, folder / "", "-o", folder / "results"}, GetParam().fault);
+  expectRefused({kLocalizeTool, path_, folder / "", "-o", folder / "results"}, GetParam().fault);
 }
 
 INSTANTIATE_TEST_SUITE_P(, HostileMaps,
@@ -78,7 +79,7 @@ INSTANTIATE_TEST_SUITE_P(, HostileMaps,
 using HostilePclzf = HostileFiles;
 
 TEST_P(HostilePclzf, IsRefused) {
-  expectRefused({FACETLOC_LIVE, "--device", path_, "--headless"}, GetParam().fault);
+  expectRefused({kLiveTool, "--device", path_, "--headless"}, GetParam().fault);
 }
 
 INSTANTIATE_TEST_SUITE_P(, HostilePclzf,

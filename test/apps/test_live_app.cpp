@@ -9,6 +9,7 @@
 #include <facetloc/io/results.h>
 #include <facetloc/io/text.h>
 #include <facetloc/io/trajectory.h>
+#include <facetloc/testing/places.h>
 
 #include <gmock/gmock.h>
 #include <pcl/io/lzf_image_io.h>
@@ -30,7 +31,7 @@ std::vector<std::string> liveCommand(const std::vector<std::string>& arguments, 
     command.insert(command.end(), {"-u", "DISPLAY"});
   else
     command.push_back("DISPLAY=" + display);
-  command.push_back(FACETLOC_LIVE);
+  command.push_back(kLiveTool);
   command.insert(command.end(), arguments.begin(), arguments.end());
   return command;
 }
@@ -237,8 +238,7 @@ TEST(LiveApp, HelpTellsTheKeys) {
 
 /** Of real sensors; they lie beside the checkout, or where the environment says. */
 TEST(LiveApp, PlaysRealRecordings) {
-  const char* data = std::getenv("FACETLOC_DATA");
-  const fs::path folder = fs::path(data ? data : FACETLOC_DATA_DIR) / "oni";
+  const fs::path folder = dataFolder("oni");
   if (!fs::is_directory(folder)) GTEST_SKIP() << folder << " is not there";
   TemporaryFolder results;
   int recordings = 0;

@@ -3,7 +3,7 @@
 #include "drawing/offscreen_display.h"
 #include "keyboard.h"  // the last one, because of the macros of X
 #include "live_tool.h"
-#include "tools/text.h"
+#include "base/text.h"
 
 #include <gmock/gmock.h>
 

@@ -5,6 +5,7 @@
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
+#include <facetloc/testing/places.h>
 
 #include <gmock/gmock.h>
 
@@ -164,7 +165,7 @@ protected:
 
 TEST_F(LiveOdometry, IsReadFromAFileAndFromStandardInput) {
   for (const char* key : {"T_w_b", "T_w_c"}) {
-    const std::string command = std::string(FACETLOC_LIVE) + " --device '" + sequence() + "' --map '" +
+    const std::string command = std::string(kLiveTool) + " --device '" + sequence() + "' --map '" +
                                 map() + "' --headless --odometry ";
     for (const std::string& source : {odometry(key), "- < '" + odometry(key) + "'"}) {
       Process process({"/bin/sh", "-c", command + source});

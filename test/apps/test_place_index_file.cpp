@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "process.h"
-#include "tools/place_index_file.h"
+#include "base/place_index_file.h"
 
 #include <facetloc/io/map_database.h>
-#include <facetloc/registration/place_index.h>
+#include <facetloc/localization/place_index.h>
 #include <facetloc/testing/synthetic_views.h>
 
 #include <gtest/gtest.h>

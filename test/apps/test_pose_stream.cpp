@@ -2,9 +2,10 @@
 #include "example_room.h"
 #include "live_tool.h"
 #include "tools/localize_app.h"
-#include "tools/pose_stream.h"
+#include "base/pose_stream.h"
 
 #include <facetloc/io/depth_sequence.h>
+#include <facetloc/testing/places.h>
 
 #include <gmock/gmock.h>
 
@@ -53,7 +54,7 @@ Eigen::Isometry3d poseIn(const Json::Value& pose) {
 
 /** Of the keys and the kinds of values. */
 void expectBySchema(const Json::Value& answer) {
-  static const Json::Value schema = parsed(contentOf(FACETLOC_STREAM_SCHEMA));
+  static const Json::Value schema = parsed(contentOf(kStreamSchema));
   std::set<std::string> wanted;
   for (const Json::Value& key : schema["required"]) wanted.insert(key.asString());
   const auto names = answer.getMemberNames();
@@ -234,8 +235,8 @@ private:
 
 TEST_F(StreamOfACamera, IsReadByTheExample) {
   const Datagrams datagrams;
-  const std::string command = std::string(FACETLOC_LIVE) + " --device '" + sequence() + "' --map '" + map() +
-                              "' --headless --stream | /usr/bin/env python3 " + FACETLOC_READ_STREAM + " " +
+  const std::string command = std::string(kLiveTool) + " --device '" + sequence() + "' --map '" + map() +
+                              "' --headless --stream | /usr/bin/env python3 " + kReadStream + " " +
                               std::to_string(datagrams.port());
   Process process({"/bin/sh", "-c", command});
   const ToolRun run = process.wait();

@@ -3,12 +3,13 @@
 #include "process.h"
 #include "tools/localize_app.h"
 #include "tools/map_apps.h"
-#include "tools/ranks.h"
-#include "tools/results_journal.h"
+#include "base/ranks.h"
+#include "base/results_journal.h"
 #include "tools/segment_app.h"
 #include "tools/simulate_app.h"
 
 #include <facetloc/io/map_database.h>
+#include <facetloc/testing/places.h>
 
 #include <gmock/gmock.h>
 #include <sqlite3.h>
@@ -60,7 +61,7 @@ std::vector<std::string> mpirun(int ranks, const std::vector<std::string>& comma
                                   "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",
                                   "OMPI_MCA_rmaps_base_oversubscribe=1",
                                   "OMPI_MCA_orte_tmpdir_base=" + sessions / "",
-                                  FACETLOC_MPIRUN,
+                                  kMpirun,
                                   "-np",
                                   std::to_string(ranks)};
   all.insert(all.end(), command.begin(), command.end());
@@ -127,7 +128,7 @@ protected:
   void SetUp() override {
     if (!available()) GTEST_SKIP() << "built without MPI, or there is no mpirun";
   }
-  static bool available() { return *FACETLOC_MPIRUN && fs::exists(FACETLOC_MPIRUN); }
+  static bool available() { return *kMpirun && fs::exists(kMpirun); }
 
   static std::string mapRun() { return *room_ / "map"; }
   static std::string query() { return *room_ / "query"; }
@@ -156,14 +157,14 @@ class NumberOfRanks : public RanksTest {};
 TEST_P(NumberOfRanks, SegmentsAreTheSame) {
   ASSERT_EQ(runTool<SegmentApp>({query(), "-o", folder_ / "one", "--labels", "--overlay"}).code, kOk);
   const ToolRun run =
-      runRanks(GetParam(), {FACETLOC_SEGMENT, query(), "-o", folder_ / "several", "--labels", "--overlay"});
+      runRanks(GetParam(), {kSegmentTool, query(), "-o", folder_ / "several", "--labels", "--overlay"});
   ASSERT_EQ(run.code, kOk) << run.err;
   expectSameFiles(folder_ / "several", folder_ / "one");
   EXPECT_THAT(run.out, HasSubstr("13 images with "));
   EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1);  // the first rank alone has the word
 
   fs::remove(filesOf(folder_ / "several")[4]);
-  const ToolRun resumed = runRanks(GetParam(), {FACETLOC_SEGMENT, query(), "-o", folder_ / "several",
+  const ToolRun resumed = runRanks(GetParam(), {kSegmentTool, query(), "-o", folder_ / "several",
                                                 "--labels", "--overlay", "--resume"});
   EXPECT_EQ(resumed.code, kOk) << resumed.err;
   EXPECT_THAT(resumed.out, AllOf(HasSubstr("1 image with"), HasSubstr("12 were done before")));
@@ -172,7 +173,7 @@ TEST_P(NumberOfRanks, SegmentsAreTheSame) {
 
 TEST_P(NumberOfRanks, TheMapIsTheSame) {
   const std::string path = folder_ / "map.flmap";
-  const std::vector<std::string> build = {FACETLOC_MAP, "build",          mapRun(), "-o",
+  const std::vector<std::string> build = {kMapTool, "build",          mapRun(), "-o",
                                           path,         "--map.distance", "0.1"};
   const ToolRun run = runRanks(GetParam(), build);
   ASSERT_EQ(run.code, kOk) << run.err;
@@ -190,7 +191,7 @@ TEST_P(NumberOfRanks, TheMapIsTheSame) {
 
 TEST_P(NumberOfRanks, PosesAreTheSame) {
   const std::string folder = folder_ / "dealt";
-  const ToolRun run = runRanks(GetParam(), {FACETLOC_LOCALIZE, map(), query(), "-o", folder});
+  const ToolRun run = runRanks(GetParam(), {kLocalizeTool, map(), query(), "-o", folder});
   ASSERT_EQ(run.code, kOk) << run.err;
   EXPECT_THAT(run.out, HasSubstr("13 images: "));
   EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1);
@@ -200,7 +201,7 @@ TEST_P(NumberOfRanks, PosesAreTheSame) {
 TEST_P(NumberOfRanks, PosesByTheShortlistOfALargeMapAreTheSame) {
   for (const std::string aligned : {"3000", "6"}) {  // of more models than that, it is chosen by examination
     const auto command = [&](const std::string& name) {
-      std::vector<std::string> words = {FACETLOC_LOCALIZE, map(), query(), "-o", folder_ / (name + aligned)};
+      std::vector<std::string> words = {kLocalizeTool, map(), query(), "-o", folder_ / (name + aligned)};
       words.insert(words.end(), {"--shortlist.exhaustive_up_to", "1", "--shortlist.size", "3"});
       words.insert(words.end(), {"--shortlist.first_models", "1", "--shortlist.aligned_models", aligned});
       return words;
@@ -217,7 +218,7 @@ TEST_P(NumberOfRanks, ABadImageIsToldOnceAndDoneLater) {
   test::writeContent(bad, "no PNG at all");
   const std::string input = listWith(6, bad);
   ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "one"}).code, kFailed);
-  const ToolRun run = runRanks(GetParam(), {FACETLOC_LOCALIZE, map(), input, "-o", folder_ / "several"});
+  const ToolRun run = runRanks(GetParam(), {kLocalizeTool, map(), input, "-o", folder_ / "several"});
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, AllOf(HasSubstr(bad), HasSubstr("1 of 13 items failed")));
   for (const char* file : {"/hypotheses.csv", "/poses_tum.txt"})
@@ -227,7 +228,7 @@ TEST_P(NumberOfRanks, ABadImageIsToldOnceAndDoneLater) {
 
   fs::copy_file(filesOf(query() + "/depth")[6], bad, fs::copy_options::overwrite_existing);
   const ToolRun resumed =
-      runRanks(GetParam(), {FACETLOC_LOCALIZE, map(), input, "-o", folder_ / "several", "--resume"});
+      runRanks(GetParam(), {kLocalizeTool, map(), input, "-o", folder_ / "several", "--resume"});
   EXPECT_EQ(resumed.code, kOk) << resumed.err;
   expectSameFiles(folder_ / "several", results());
 }
@@ -256,7 +257,7 @@ TEST_F(RanksTest, ARankThatIsKilledEndsTheJobAndLosesNothingThatWasFinished) {
   const SlowPipe waiting(pipe);
   const std::string input = listWith(7, pipe);
   const std::string results = folder_ / "results";
-  Process job(mpirun(2, {FACETLOC_LOCALIZE, map(), input, "-o", results, "--threads", "1"}));
+  Process job(mpirun(2, {kLocalizeTool, map(), input, "-o", results, "--threads", "1"}));
   ASSERT_TRUE(eventually([&] {  // images 0, 2 ... 12 of the first rank, 1, 3, 5 of the second
     return framesIn(results + "/partial.txt") == 7 && framesIn(results + "/partial.1.txt") == 3;
   }));
@@ -271,23 +272,23 @@ TEST_F(RanksTest, ARankThatIsKilledEndsTheJobAndLosesNothingThatWasFinished) {
   fs::copy_file(images[7], pipe);
   fs::copy(results, folder_ / "alone");
   ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "alone", "--resume"}).code, kOk);
-  ASSERT_EQ(runRanks(3, {FACETLOC_LOCALIZE, map(), input, "-o", results, "--resume"}).code, kOk);
+  ASSERT_EQ(runRanks(3, {kLocalizeTool, map(), input, "-o", results, "--resume"}).code, kOk);
   expectSameFiles(folder_ / "alone", RanksTest::results());
   expectSameFiles(results, RanksTest::results());
 }
 
 TEST_F(RanksTest, AnErrorOfAllIsToldOnceAndEndsTheJob) {
-  const ToolRun run = runRanks(3, {FACETLOC_LOCALIZE, folder_ / "no.flmap", query(), "-o", folder_ / "x"});
+  const ToolRun run = runRanks(3, {kLocalizeTool, folder_ / "no.flmap", query(), "-o", folder_ / "x"});
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("facetloc_localize: " + (folder_ / "no.flmap") + ": does not exist"));
   EXPECT_THAT(run.err, testing::Not(HasSubstr("(rank")));
-  EXPECT_EQ(runRanks(2, {FACETLOC_SEGMENT, query(), "--bad"}).code, kUsage);
+  EXPECT_EQ(runRanks(2, {kSegmentTool, query(), "--bad"}).code, kUsage);
 }
 
 /** The folder of the results is one that only the second rank cannot write to: its journal is in the way. */
 TEST_F(RanksTest, AnErrorOfOneRankEndsTheJob) {
   fs::create_directories(folder_ / "results/partial.1.txt/in the way");
-  const ToolRun run = runRanks(2, {FACETLOC_LOCALIZE, map(), query(), "-o", folder_ / "results"});
+  const ToolRun run = runRanks(2, {kLocalizeTool, map(), query(), "-o", folder_ / "results"});
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("facetloc_localize (rank 1): "));
 }
@@ -310,7 +311,7 @@ TEST_F(RanksTest, AModelThatCannotBeReadFailsTheImagesAndNoMore) {
     EXPECT_EQ(sqlite3_exec(db, damage.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
     sqlite3_close(db);
     const ToolRun run =
-        runRanks(2, {FACETLOC_LOCALIZE, path, query(), "-o", folder_ / "several", "--shortlist.size", "0",
+        runRanks(2, {kLocalizeTool, path, query(), "-o", folder_ / "several", "--shortlist.size", "0",
                      "--tree.max_expansions", "5", "--evidence.enabled", "0"});
     EXPECT_EQ(run.code, kFailed);
     EXPECT_THAT(run.err, AllOf(HasSubstr("13 of 13 items failed"), HasSubstr(std::string("model ") + model)));
@@ -318,7 +319,7 @@ TEST_F(RanksTest, AModelThatCannotBeReadFailsTheImagesAndNoMore) {
 }
 
 TEST_F(RanksTest, ToolsThatDealNothingOutRefuse) {
-  const ToolRun run = runRanks(2, {FACETLOC_MAP, "info", map()});
+  const ToolRun run = runRanks(2, {kMapTool, "info", map()});
   EXPECT_EQ(run.code, kUsage);
   EXPECT_THAT(run.err, HasSubstr("start it without mpirun"));
 }
@@ -327,7 +328,7 @@ TEST_F(RanksTest, ToolsThatDealNothingOutRefuse) {
 TEST_F(RanksTest, CtrlCEndsTheJob) {
   const std::string pipe = folder_ / filesOf(query() + "/depth")[7].filename().string();
   const SlowPipe waiting(pipe);
-  Process job(mpirun(2, {FACETLOC_LOCALIZE, map(), listWith(7, pipe), "-o", folder_ / "results"}));
+  Process job(mpirun(2, {kLocalizeTool, map(), listWith(7, pipe), "-o", folder_ / "results"}));
   ASSERT_TRUE(eventually([&] { return fs::exists(folder_ / "results/partial.1.txt"); }));
   const auto ranks = childrenOf(job.id());
   job.signal(SIGINT);

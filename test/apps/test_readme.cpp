@@ -8,10 +8,10 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
-#include <facetloc/registration/global_localization.h>
-#include <facetloc/registration/map_localization.h>
+#include <facetloc/localization/global_localization.h>
+#include <facetloc/localization/map_localization.h>
 #include <facetloc/registration/planar_registration.h>
-#include <facetloc/registration/sequence_localization.h>
+#include <facetloc/localization/sequence_localization.h>
 #include <facetloc/segmentation/planar_segmentation.h>
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/testing/organized_clouds.h>

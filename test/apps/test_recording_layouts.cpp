@@ -11,6 +11,7 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/results.h>
 #include <facetloc/testing/example_bag.h>
+#include <facetloc/testing/places.h>
 
 #include <gmock/gmock.h>
 #include <pcl/io/pcd_io.h>
@@ -167,7 +168,7 @@ TEST_F(Layouts, TheOdometryOfABagIsTakenForAMap) {
 }
 
 TEST_F(Layouts, AnOniRecordingWithoutPosesIsMappedAndFoundAgain) {
-  const fs::path walk = fs::path(FACETLOC_DATA_DIR) / "oni/redkitchen_60_frames_depth_only.oni";
+  const fs::path walk = dataFolder("oni/redkitchen_60_frames_depth_only.oni");
   if (!fs::exists(walk)) GTEST_SKIP() << "no recordings beside the checkout";
   const std::string map = folder_ / "kitchen.flmap", found = folder_ / "found.txt",
                     results = folder_ / "results";

@@ -5,6 +5,7 @@
 #include "tools/localize_app.h"
 
 #include <facetloc/io/map_database.h>
+#include <facetloc/testing/places.h>
 
 #include <gmock/gmock.h>
 
@@ -57,13 +58,13 @@ TEST_F(TwoWriters, OneBuildsAMapAndTheOtherSaysWhoIsInTheWay) {
       ASSERT_EQ(runMap({"build", query(), "-o", path, "--every", "3", "--overwrite"}).code, kOk);
     }
     const std::string before = contentOf(path);
-    std::vector<std::string> build = {FACETLOC_MAP, "build", input, "-o", path, "--every", "1"};
+    std::vector<std::string> build = {kMapTool, "build", input, "-o", path, "--every", "1"};
     if (*flag) build.emplace_back("--overwrite");
     Process first(build);
     // To try the lock would be in the way of the process.
     const std::string held = "FLOCK  ADVISORY  WRITE " + std::to_string(first.id()) + " ";
     ASSERT_TRUE(eventually([&] { return contentOf("/proc/locks").find(held) != std::string::npos; }));
-    std::vector<std::string> again = {FACETLOC_MAP, "build", query(), "-o", path, "--every", "3"};
+    std::vector<std::string> again = {kMapTool, "build", query(), "-o", path, "--every", "3"};
     if (*flag) again.emplace_back(flag);
     const ToolRun second = Process(again).wait();
     EXPECT_EQ(second.code, kFailed);
@@ -82,10 +83,10 @@ TEST_F(TwoWriters, OneBuildsAMapAndTheOtherSaysWhoIsInTheWay) {
 
 TEST_F(TwoWriters, OneLocalizesAndTheOtherSaysWhoIsInTheWay) {
   const std::string input = slowImages(), results = folder_ / "results";
-  Process first({FACETLOC_LOCALIZE, map(), input, "-o", results});
+  Process first({kLocalizeTool, map(), input, "-o", results});
   ASSERT_TRUE(eventually([&] { return fs::exists(results + "/partial.params.ini"); }));
   for (const char* flag : {"--quiet", "--resume"}) {
-    const ToolRun second = Process({FACETLOC_LOCALIZE, map(), query(), "-o", results, flag}).wait();
+    const ToolRun second = Process({kLocalizeTool, map(), query(), "-o", results, flag}).wait();
     EXPECT_EQ(second.code, kFailed);
     EXPECT_THAT(second.err, HasSubstr("results: is being written by process " + std::to_string(first.id())));
   }
@@ -93,7 +94,7 @@ TEST_F(TwoWriters, OneLocalizesAndTheOtherSaysWhoIsInTheWay) {
 
 TEST_F(TwoWriters, CtrlCSaysHowToGoOn) {
   const std::string input = slowImages(), results = folder_ / "results";
-  Process job({FACETLOC_LOCALIZE, map(), input, "-o", results, "--threads", "1"});
+  Process job({kLocalizeTool, map(), input, "-o", results, "--threads", "1"});
   ASSERT_TRUE(eventually([&] { return contentOf(results + "/partial.txt").size() > 100; }));
   job.signal(SIGINT);
   close(std::exchange(pipe_, -1));  // the image ends
@@ -106,18 +107,18 @@ TEST_F(TwoWriters, CtrlCSaysHowToGoOn) {
 TEST_F(TwoWriters, APipeThatNobodyWritesToIsRefusedAndNotWaitedFor) {
   const std::string pipe = folder_ / "a.flmap";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  EXPECT_THAT(Process({FACETLOC_MAP, "check", pipe}).wait().err, HasSubstr("is a pipe, not a file"));
+  EXPECT_THAT(Process({kMapTool, "check", pipe}).wait().err, HasSubstr("is a pipe, not a file"));
   const std::string image = folder_ / "1.png";
   fs::rename(pipe, image);
   fs::copy(query() + "/camera.ini", folder_ / "camera.ini");
-  const ToolRun run = Process({FACETLOC_SEGMENT, image, "-o", folder_ / "out"}).wait();
+  const ToolRun run = Process({kSegmentTool, image, "-o", folder_ / "out"}).wait();
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("1.png: is empty"));
 }
 
 /** What is printed would come into the first file that is opened. */
 TEST_F(TwoWriters, AClosedOrDesertedOutputEndsNothing) {
-  const std::string info = std::string(FACETLOC_MAP) + " info " + map();
+  const std::string info = std::string(kMapTool) + " info " + map();
   EXPECT_EQ(shell(info + " >&-").code, kOk);
   EXPECT_EQ(shell(info + " >&- 2>&- <&-").code, kOk);
   EXPECT_EQ(shell("{ " + info + "; echo $? >&2; } | true").err, "0\n");
@@ -130,11 +131,11 @@ TEST_F(TwoWriters, NamesAndTextsOfMapsDoNotCommandTheTerminal) {
   const std::string path = folder_ / "\x1B[2Jm.flmap";
   fs::copy(map(), path);
   MapDatabase::open(path).setMeta("note", "\x1B]0;title\x07");
-  const ToolRun info = Process({FACETLOC_MAP, "info", path}).wait();
+  const ToolRun info = Process({kMapTool, "info", path}).wait();
   EXPECT_EQ(info.code, kOk);
   EXPECT_THAT(info.out, AllOf(HasSubstr("note: \\x1b]0;title\\x07"), HasSubstr("\\x1b[2Jm.flmap"),
                               Not(HasSubstr("\x1B"))));
-  const ToolRun missing = Process({FACETLOC_MAP, "info", path + "x"}).wait();
+  const ToolRun missing = Process({kMapTool, "info", path + "x"}).wait();
   EXPECT_THAT(missing.err, AllOf(HasSubstr("\\x1b[2Jm.flmapx: does not exist"), Not(HasSubstr("\x1B"))));
 }
 

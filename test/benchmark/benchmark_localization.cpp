@@ -3,7 +3,7 @@
 // Speed of localization on one thread: one view against maps of cluttered rooms.
 #include "cluttered_room.h"
 
-#include <facetloc/registration/global_localization.h>
+#include <facetloc/localization/global_localization.h>
 #include <facetloc/registration/planar_registration.h>
 #include <facetloc/segmentation/view_builder.h>
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <facetloc/features/local_model.h>
-#include <facetloc/registration/distortion_calibration.h>
-#include <facetloc/registration/map_builder.h>
+#include <facetloc/mapping/distortion_calibration.h>
+#include <facetloc/mapping/map_builder.h>
 
 #include <optional>
 #include <vector>

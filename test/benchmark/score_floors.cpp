@@ -11,11 +11,11 @@
 // figures.
 #include "evaluation/evaluation.h"
 #include "mapped_place.h"
-#include "tools/app.h"
-#include "tools/localization_report.h"
+#include "base/app.h"
+#include "base/localization_report.h"
 
-#include <facetloc/registration/global_localization.h>
-#include <facetloc/registration/map_ambiguity.h>
+#include <facetloc/localization/global_localization.h>
+#include <facetloc/mapping/map_ambiguity.h>
 
 #include <algorithm>
 #include <cstdio>

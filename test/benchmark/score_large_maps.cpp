@@ -25,8 +25,8 @@
 
 #include <facetloc/features/so3.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/registration/global_localization.h>
-#include <facetloc/registration/place_index.h>
+#include <facetloc/localization/global_localization.h>
+#include <facetloc/localization/place_index.h>
 #include <facetloc/simulation/simulated_place.h>
 
 #include <algorithm>

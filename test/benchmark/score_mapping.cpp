@@ -9,11 +9,11 @@
 // ICP from image to image. With -o, DIR/NAME.txt are the trajectories, for facetloc_evaluate.
 #include "evaluation/trajectory_errors.h"
 #include "gicp_odometry.h"
-#include "tools/app.h"
+#include "base/app.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/depth_sequence.h>
-#include <facetloc/registration/trajectory_estimation.h>
+#include <facetloc/mapping/trajectory_estimation.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <algorithm>

@@ -12,7 +12,7 @@
 #include "set_parameter.h"
 
 #include <facetloc/io/depth_sequence.h>
-#include <facetloc/registration/global_localization.h>
+#include <facetloc/localization/global_localization.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <algorithm>

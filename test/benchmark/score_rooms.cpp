@@ -12,7 +12,7 @@
 // cm.
 #include "evaluation/frame_truth.h"
 
-#include <facetloc/registration/global_localization.h>
+#include <facetloc/localization/global_localization.h>
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/simulation/simulated_camera.h>
 

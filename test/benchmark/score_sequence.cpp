@@ -12,10 +12,10 @@
 // local model, how many are sure and how many of these are right. With --unknown each start has a map of its
 // own, without the local models within 3 m of its way.
 #include "mapped_place.h"
-#include "tools/app.h"
+#include "base/app.h"
 
-#include <facetloc/registration/map_ambiguity.h>
-#include <facetloc/registration/sequence_localization.h>
+#include <facetloc/mapping/map_ambiguity.h>
+#include <facetloc/localization/sequence_localization.h>
 
 #include <algorithm>
 #include <array>

@@ -8,11 +8,11 @@
 // have them. Every query is localized twice: in the whole map, and in a map that is made anew without the
 // local models within the radius of where the query was taken.
 #include "mapped_place.h"
-#include "tools/app.h"
+#include "base/app.h"
 
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/registration/global_localization.h>
-#include <facetloc/registration/map_ambiguity.h>
+#include <facetloc/localization/global_localization.h>
+#include <facetloc/mapping/map_ambiguity.h>
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 #include "simulated_floors.h"
 
 #include <facetloc/io/map_database.h>
-#include <facetloc/registration/map_builder.h>
+#include <facetloc/mapping/map_builder.h>
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/simulation/simulated_camera.h>
 #include <facetloc/simulation/simulated_drive.h>

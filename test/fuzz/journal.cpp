@@ -2,8 +2,8 @@
 // Bytes as what --resume goes on with: the journal of an interrupted run, and of what it was made. Frames
 // that are read are the same when they were written and read again.
 #include "fuzz_file.h"
-#include "tools/provenance.h"
-#include "tools/results_journal.h"
+#include "base/provenance.h"
+#include "base/results_journal.h"
 
 #include <facetloc/io/error.h>
 

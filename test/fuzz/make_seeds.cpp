@@ -3,8 +3,8 @@
 // formats: make_seeds FOLDER writes FOLDER/<target>/<name>.
 #include "../io/oni_writer.h"
 #include "small_map.h"
-#include "tools/bytes.h"
-#include "tools/results_journal.h"
+#include "base/bytes.h"
+#include "base/results_journal.h"
 
 #include <facetloc/features/depth_distortion.h>
 #include <facetloc/io/atomic_file.h>

@@ -2,7 +2,7 @@
 // A message of another rank: the first byte says of which type, the others are its bytes. A value that is
 // read has the bytes that it was read from.
 #include "fuzz_file.h"
-#include "tools/bytes.h"
+#include "base/bytes.h"
 
 #include <facetloc/features/depth_distortion.h>
 #include <facetloc/io/map_database.h>

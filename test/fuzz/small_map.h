@@ -3,11 +3,11 @@
 
 #include "../apps/example_scene.h"
 #include "fuzz_file.h"
-#include "tools/place_index_file.h"
+#include "base/place_index_file.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/registration/place_index.h>
+#include <facetloc/localization/place_index.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <sqlite3.h>

@@ -48,10 +48,4 @@ struct ExampleSequence {
   }
 };
 
-/** \brief Recordings and real images lie beside the checkout, or where FACETLOC_DATA says. */
-inline std::filesystem::path dataFolder(const std::string& name) {
-  const char* set = std::getenv("FACETLOC_DATA");
-  return std::filesystem::path(set ? set : FACETLOC_DATA_DIR) / name;
-}
-
 }  // namespace facetloc::test

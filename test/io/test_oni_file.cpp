@@ -8,6 +8,7 @@
 
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/oni_file.h>
+#include <facetloc/testing/places.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,6 +5,8 @@
 #include "grabbed_frames.h"
 #include "watchdog.h"
 
+#include <facetloc/testing/places.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

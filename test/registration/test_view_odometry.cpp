@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tracking/view_odometry.h"
+#include "motion/view_odometry.h"
 
 #include <facetloc/features/camera_model.h>
 #include <facetloc/testing/pose_matchers.h>

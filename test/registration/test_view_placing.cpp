@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/step_prior.h"
-#include "mapping/view_placing.h"
+#include "motion/step_prior.h"
+#include "motion/view_placing.h"
 
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pairs/view_registration.h"
 
-#include <facetloc/registration/global_localization.h>
+#include <facetloc/localization/global_localization.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/decimal_comma.h>
 #include <facetloc/testing/pose_matchers.h>

@@ -2,7 +2,7 @@
 #include "drawing/matched_segments.h"
 
 #include <facetloc/registration/candidate_pairs.h>
-#include <facetloc/registration/ranking_params.h>
+#include <facetloc/localization/ranking_params.h>
 
 #include <algorithm>
 #include <map>

@@ -5,7 +5,7 @@
 #include "drawing/page.h"
 #include "drawing/plan_view.h"
 #include "drawing/segment_scene.h"
-#include "tools/text.h"
+#include "base/text.h"
 
 #include <algorithm>
 

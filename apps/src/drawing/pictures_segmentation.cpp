@@ -4,7 +4,7 @@
 #include "drawing/page.h"
 #include "drawing/plan_view.h"
 #include "drawing/segment_scene.h"
-#include "tools/text.h"
+#include "base/text.h"
 
 #include <facetloc/registration/pair_params.h>
 #include <facetloc/segmentation/view_builder.h>

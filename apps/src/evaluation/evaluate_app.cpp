@@ -6,8 +6,8 @@
 #include "evaluation/evaluation_pictures.h"
 #include "evaluation/start_curves.h"
 #include "evaluation/trajectory_report.h"
-#include "tools/depth_input.h"
-#include "tools/text.h"
+#include "base/depth_input.h"
+#include "base/text.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/atomic_file.h>

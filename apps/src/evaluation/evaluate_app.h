@@ -2,9 +2,9 @@
 #pragma once
 
 #include "evaluation/evaluation_report.h"
-#include "tools/app.h"
+#include "base/app.h"
 
-#include <facetloc/registration/map_builder.h>
+#include <facetloc/mapping/map_builder.h>
 
 namespace facetloc {
 

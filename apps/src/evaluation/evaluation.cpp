@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluation.h"
 
-#include "tools/results_journal.h"
+#include "base/results_journal.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/features/so3.h>

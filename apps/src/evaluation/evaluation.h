@@ -3,7 +3,7 @@
 
 #include "evaluation/alignment.h"
 #include "evaluation/frame_truth.h"
-#include "tools/provenance.h"
+#include "base/provenance.h"
 
 #include <facetloc/features/local_model.h>
 #include <facetloc/features/params.h>

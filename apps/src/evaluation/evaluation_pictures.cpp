@@ -3,7 +3,7 @@
 
 #include "drawing/pictures.h"
 #include "evaluation/failures.h"
-#include "tools/depth_input.h"
+#include "base/depth_input.h"
 
 #include <facetloc/io/depth_sequence.h>
 

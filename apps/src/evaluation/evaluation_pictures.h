@@ -2,7 +2,7 @@
 #pragma once
 
 #include "evaluation/evaluation_report.h"
-#include "tools/app.h"
+#include "base/app.h"
 
 #include <facetloc/features/local_model.h>
 

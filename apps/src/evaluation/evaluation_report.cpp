@@ -3,7 +3,7 @@
 
 #include "evaluation/html_report.h"
 #include "evaluation/trajectory_report.h"
-#include "tools/text.h"
+#include "base/text.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/text.h>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "evaluation/evaluation_details.h"
-#include "tools/text.h"
+#include "base/text.h"
 
 #include <ostream>
 #include <string>

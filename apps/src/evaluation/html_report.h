@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "tools/text.h"
+#include "base/text.h"
 
 #include <filesystem>
 #include <string>

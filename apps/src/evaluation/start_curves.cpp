@@ -2,7 +2,7 @@
 #include "evaluation/start_curves.h"
 
 #include "drawing/charts.h"
-#include "tools/text.h"
+#include "base/text.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/text.h>

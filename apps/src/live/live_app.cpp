@@ -3,11 +3,11 @@
 
 #include "drawing/outputs.h"
 #include "live/live_run.h"
-#include "tools/ambiguity_file.h"
-#include "tools/localization_report.h"
-#include "tools/place_index_file.h"
-#include "tools/pose_stream.h"
-#include "tools/provenance.h"
+#include "base/ambiguity_file.h"
+#include "base/localization_report.h"
+#include "base/place_index_file.h"
+#include "base/pose_stream.h"
+#include "base/provenance.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/atomic_file.h>

@@ -2,12 +2,12 @@
 #pragma once
 
 #include "live/live_source.h"
-#include "tools/app.h"
-#include "tools/depth_input.h"
+#include "base/app.h"
+#include "base/depth_input.h"
 
-#include <facetloc/registration/map_builder.h>
-#include <facetloc/registration/mapping_params.h>
-#include <facetloc/registration/pose_tracking.h>
+#include <facetloc/mapping/map_builder.h>
+#include <facetloc/mapping/mapping_params.h>
+#include <facetloc/localization/pose_tracking.h>
 
 #include <ostream>
 #include <string>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_mapping.h"
 
-#include "tools/provenance.h"
-#include "tools/text.h"
+#include "base/provenance.h"
+#include "base/text.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/text.h>

@@ -6,7 +6,7 @@
 #include "drawing/vtk_picture.h"
 #include "live/live_cloud.h"
 #include "live/live_plan.h"
-#include "tools/text.h"
+#include "base/text.h"
 
 #include <facetloc/io/text.h>
 

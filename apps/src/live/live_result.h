@@ -6,7 +6,7 @@
 #include "live/live_mapping.h"
 #include "live/live_trail.h"
 
-#include <facetloc/registration/pose_tracking.h>
+#include <facetloc/localization/pose_tracking.h>
 
 #include <cstdint>
 #include <memory>

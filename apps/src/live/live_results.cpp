@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_results.h"
 
-#include "tools/localization_report.h"
+#include "base/localization_report.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/text.h>

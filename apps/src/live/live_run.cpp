@@ -2,7 +2,7 @@
 #include "live/live_run.h"
 
 #include "drawing/outputs.h"
-#include "tools/text.h"
+#include "base/text.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>

@@ -8,8 +8,8 @@
 #include "live/live_session.h"
 #include "live/live_status.h"
 #include "live/live_window.h"
-#include "tools/pose_stream.h"
-#include "tools/stop_signal.h"
+#include "base/pose_stream.h"
+#include "base/stop_signal.h"
 
 #include <facetloc/io/oni_recorder.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_session.h"
 
-#include "tools/milliseconds.h"
-#include "tools/text.h"
+#include "base/milliseconds.h"
+#include "base/text.h"
 
 #include <facetloc/io/text.h>
 

@@ -7,7 +7,7 @@
 #include "live/live_source.h"
 #include "live/odometry_input.h"
 
-#include <facetloc/registration/pose_tracking.h>
+#include <facetloc/localization/pose_tracking.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <atomic>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "live/live_result.h"
-#include "tools/app.h"
+#include "base/app.h"
 
 #include <chrono>
 #include <string>

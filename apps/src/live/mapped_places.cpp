@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/mapped_places.h"
 
-#include <facetloc/registration/trajectory_links.h>
+#include <facetloc/mapping/trajectory_links.h>
 
 #include <algorithm>
 #include <map>

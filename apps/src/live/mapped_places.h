@@ -2,8 +2,8 @@
 #pragma once
 
 #include <facetloc/features/local_model.h>
-#include <facetloc/registration/map_builder.h>
-#include <facetloc/registration/trajectory_estimation.h>
+#include <facetloc/mapping/map_builder.h>
+#include <facetloc/mapping/trajectory_estimation.h>
 
 #include <memory>
 #include <optional>

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/check_app.h"
 
-#include "tools/batch.h"
+#include "base/batch.h"
 #include "tools/noise_table.h"
 #include "tools/seen_motions.h"
-#include "tools/text.h"
+#include "base/text.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/features/local_model.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/text.h>
-#include <facetloc/registration/found_mounting.h>
+#include <facetloc/mapping/found_mounting.h>
 #include <facetloc/registration/observability.h>
 #include <facetloc/segmentation/view_builder.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "tools/depth_input.h"
+#include "base/depth_input.h"
 
 #include <facetloc/features/noise_over_range.h>
-#include <facetloc/registration/map_builder.h>
+#include <facetloc/mapping/map_builder.h>
 
 #include <string>
 #include <vector>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/convert_app.h"
 
-#include "tools/batch.h"
-#include "tools/depth_input.h"
-#include "tools/provenance.h"
-#include "tools/text.h"
+#include "base/batch.h"
+#include "base/depth_input.h"
+#include "base/provenance.h"
+#include "base/text.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "tools/app.h"
+#include "base/app.h"
 
-#include <facetloc/registration/sequence_localization.h>
+#include <facetloc/localization/sequence_localization.h>
 
 #include <functional>
 #include <string>

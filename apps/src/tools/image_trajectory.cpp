@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/image_trajectory.h"
 
-#include "tools/batch.h"
-#include "tools/text.h"
+#include "base/batch.h"
+#include "base/text.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/text.h>
-#include <facetloc/registration/pose_check.h>
+#include <facetloc/mapping/pose_check.h>
 
 #include <algorithm>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "tools/app.h"
-#include "tools/depth_input.h"
+#include "base/app.h"
+#include "base/depth_input.h"
 
 #include <facetloc/io/trajectory.h>
-#include <facetloc/registration/trajectory_estimation.h>
+#include <facetloc/mapping/trajectory_estimation.h>
 
 #include <string>
 #include <vector>

@@ -2,18 +2,18 @@
 #include "tools/localize_app.h"
 
 #include "drawing/outputs.h"
-#include "tools/batch.h"
+#include "base/batch.h"
 #include "tools/drive.h"
-#include "tools/localization_report.h"
-#include "tools/milliseconds.h"
-#include "tools/pose_stream.h"
-#include "tools/text.h"
+#include "base/localization_report.h"
+#include "base/milliseconds.h"
+#include "base/pose_stream.h"
+#include "base/text.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/output_lock.h>
 #include <facetloc/io/text.h>
-#include <facetloc/registration/global_localization.h>
+#include <facetloc/localization/global_localization.h>
 
 #include <algorithm>
 #include <chrono>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "tools/app.h"
-#include "tools/depth_input.h"
-#include "tools/localization_hints.h"
-#include "tools/provenance.h"
-#include "tools/results_journal.h"
+#include "base/app.h"
+#include "base/depth_input.h"
+#include "base/localization_hints.h"
+#include "base/provenance.h"
+#include "base/results_journal.h"
 
-#include <facetloc/registration/sequence_localization.h>
+#include <facetloc/localization/sequence_localization.h>
 
 #include <functional>
 #include <map>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/map_alignment.h"
 
-#include "tools/progress.h"
-#include "tools/text.h"
+#include "base/progress.h"
+#include "base/text.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/text.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "tools/app.h"
+#include "base/app.h"
 
 #include <facetloc/features/local_model.h>
-#include <facetloc/registration/map_session.h>
+#include <facetloc/mapping/map_session.h>
 
 #include <string>
 #include <vector>

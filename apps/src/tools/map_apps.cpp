@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/map_apps.h"
 
-#include "tools/ambiguity_file.h"
+#include "base/ambiguity_file.h"
 #include "tools/map_alignment.h"
 #include "tools/map_extend_app.h"
-#include "tools/place_index_file.h"
-#include "tools/provenance.h"
-#include "tools/text.h"
+#include "base/place_index_file.h"
+#include "base/provenance.h"
+#include "base/text.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/cloud_file.h>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "tools/app.h"
-#include "tools/depth_input.h"
+#include "base/app.h"
+#include "base/depth_input.h"
 #include "tools/image_trajectory.h"
 
 #include <facetloc/io/map_database.h>
-#include <facetloc/registration/map_builder.h>
+#include <facetloc/mapping/map_builder.h>
 
 #include <memory>
 

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/ambiguity_file.h"
-#include "tools/batch.h"
+#include "base/ambiguity_file.h"
+#include "base/batch.h"
 #include "tools/map_apps.h"
-#include "tools/place_index_file.h"
-#include "tools/provenance.h"
+#include "base/place_index_file.h"
+#include "base/provenance.h"
 #include "tools/seen_motions.h"
-#include "tools/text.h"
+#include "base/text.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/output_lock.h>
 #include <facetloc/io/text.h>
-#include <facetloc/registration/distortion_calibration.h>
-#include <facetloc/registration/found_mounting.h>
-#include <facetloc/registration/trajectory_links.h>
+#include <facetloc/mapping/distortion_calibration.h>
+#include <facetloc/mapping/found_mounting.h>
+#include <facetloc/mapping/trajectory_links.h>
 
 #include <algorithm>
 #include <map>

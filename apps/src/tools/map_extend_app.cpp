@@ -4,11 +4,11 @@
 #include "drawing/offscreen_display.h"
 #include "drawing/outputs.h"
 #include "drawing/pictures.h"
-#include "tools/ambiguity_file.h"
-#include "tools/batch.h"
-#include "tools/place_index_file.h"
-#include "tools/provenance.h"
-#include "tools/text.h"
+#include "base/ambiguity_file.h"
+#include "base/batch.h"
+#include "base/place_index_file.h"
+#include "base/provenance.h"
+#include "base/text.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/error.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "tools/app.h"
-#include "tools/depth_input.h"
+#include "base/app.h"
+#include "base/depth_input.h"
 #include "tools/image_trajectory.h"
 
-#include <facetloc/registration/map_session.h>
+#include <facetloc/mapping/map_session.h>
 
 namespace facetloc {
 

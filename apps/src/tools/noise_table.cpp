@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/noise_table.h"
 
-#include "tools/text.h"
+#include "base/text.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/text.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/register_app.h"
 
-#include "tools/localization_report.h"
-#include "tools/milliseconds.h"
-#include "tools/text.h"
+#include "base/localization_report.h"
+#include "base/milliseconds.h"
+#include "base/text.h"
 
 #include <facetloc/io/cloud_file.h>
 #include <facetloc/io/segment_file.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "tools/app.h"
-#include "tools/depth_input.h"
+#include "base/app.h"
+#include "base/depth_input.h"
 
-#include <facetloc/registration/global_localization.h>
+#include <facetloc/localization/global_localization.h>
 
 #include <filesystem>
 

@@ -6,8 +6,8 @@
 #include "drawing/outputs.h"
 #include "drawing/pictures.h"
 #include "evaluation/failures.h"
-#include "tools/batch.h"
-#include "tools/text.h"
+#include "base/batch.h"
+#include "base/text.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/atomic_file.h>

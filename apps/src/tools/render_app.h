@@ -2,10 +2,10 @@
 #pragma once
 
 #include "evaluation/evaluation.h"
-#include "tools/app.h"
-#include "tools/depth_input.h"
+#include "base/app.h"
+#include "base/depth_input.h"
 
-#include <facetloc/registration/global_localization.h>
+#include <facetloc/localization/global_localization.h>
 
 #include <string>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/seen_motions.h"
 
-#include "tools/batch.h"
+#include "base/batch.h"
 
 #include <facetloc/io/error.h>
-#include <facetloc/registration/global_localization.h>
+#include <facetloc/localization/global_localization.h>
 
 #include <algorithm>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "tools/depth_input.h"
+#include "base/depth_input.h"
 
-#include <facetloc/registration/pose_check.h>
+#include <facetloc/mapping/pose_check.h>
 
 #include <vector>
 

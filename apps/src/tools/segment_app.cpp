@@ -4,10 +4,10 @@
 #include "drawing/colours.h"
 #include "drawing/depth_drawing.h"
 #include "drawing/outputs.h"
-#include "tools/batch.h"
+#include "base/batch.h"
 #include "tools/noise_table.h"
-#include "tools/provenance.h"
-#include "tools/text.h"
+#include "base/provenance.h"
+#include "base/text.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/cloud_file.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "tools/app.h"
-#include "tools/depth_input.h"
-#include "tools/provenance.h"
+#include "base/app.h"
+#include "base/depth_input.h"
+#include "base/provenance.h"
 
 #include <filesystem>
 

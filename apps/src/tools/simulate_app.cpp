@@ -2,8 +2,8 @@
 #include "tools/simulate_app.h"
 
 #include "evaluation/frame_truth.h"
-#include "tools/batch.h"
-#include "tools/text.h"
+#include "base/batch.h"
+#include "base/text.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/atomic_file.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "tools/app.h"
+#include "base/app.h"
 
 #include <facetloc/io/camera_file.h>
 #include <facetloc/simulation/simulated_camera.h>

@@ -3,7 +3,7 @@
 
 #include "pairs/joint_refinement.h"
 
-#include <facetloc/registration/tracking_params.h>
+#include <facetloc/localization/tracking_params.h>
 
 #include <Eigen/Cholesky>
 

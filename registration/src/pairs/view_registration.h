@@ -6,7 +6,7 @@
 #include "pairs/hypothesis_tree.h"
 #include "pairs/joint_refinement.h"
 
-#include <facetloc/registration/localization_params.h>
+#include <facetloc/localization/localization_params.h>
 
 namespace facetloc::internal {
 

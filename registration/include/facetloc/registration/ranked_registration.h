@@ -2,7 +2,7 @@
 #pragma once
 
 #include <facetloc/registration/candidate_pairs.h>
-#include <facetloc/registration/global_localization.h>
+#include <facetloc/localization/global_localization.h>
 
 #include <pcl/impl/pcl_base.hpp>
 #include <pcl/registration/registration.h>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <facetloc/io/depth_sequence.h>
+#include <facetloc/testing/places.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -35,7 +36,7 @@ inline bool writeBag(const DepthSequence& sequence, const std::filesystem::path&
   std::ofstream(folder / "intrinsics.txt")
       << k.width << " " << k.height << " " << k.fx << " " << k.fy << " " << k.cx << " " << k.cy;
   if (!odometry.empty()) writeTumTrajectory(folder / "odometry.txt", odometry.poses());
-  const std::string command = std::string("/usr/bin/python3 ") + FACETLOC_WRITE_BAG + " '" + folder.string() +
+  const std::string command = std::string("/usr/bin/python3 ") + kWriteBag + " '" + folder.string() +
                               "' '" + bag.string() + "' " + kind;
   const bool done = std::system(command.c_str()) == 0;  // NOLINT(cert-env33-c)
   fs::remove_all(folder);

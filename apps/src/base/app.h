@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/command_line.h"
+#include "base/ranks.h"
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief What a tool tells the shell. */
+enum ExitCode { kOk = 0, kFailed = 1, kUsage = 2 };
+
+/** \brief Where a tool writes: results and their place to out, everything else to err. */
+struct Console {
+  std::ostream& out;
+  std::ostream& err;
+  bool terminal = false;  ///< err is watched by a person, so that a progress line makes sense
+  bool quiet = false;     ///< no progress and no remarks
+  std::string tool;
+
+  /** \brief A remark on err, unless quiet. */
+  void note(const std::string& text) const;
+  /** \brief "facetloc_x: what" on err, always. */
+  void error(const std::string& what) const;
+};
+
+/** \brief A command-line tool as a class, so that tests can run it.
+ *
+ * Every tool has --help, --version, --params, --threads and --quiet. Whatever is thrown becomes a message on
+ * err and an exit code here, and nowhere else.
+ *
+ * Tools that deal out their work run in several processes if mpirun starts them, which ranks() brings
+ * together: all execute(), the first one alone has a console.out, remarks and an exit code of its own. A rank
+ * that throws ends the job. */
+class App {
+public:
+  virtual ~App() = default;
+  /** \brief Runs the tool. The arguments are those of main without the program's name. Never throws. */
+  int run(const std::vector<std::string>& arguments, Console console);
+
+protected:
+  App(std::string name, std::string synopsis, std::string about);
+
+  virtual void addOptions(CommandLine& line) = 0;
+  /** \brief Does the work; the last line on console.out says where the results are. */
+  virtual int execute(const CommandLine& line, const Console& console) = 0;
+  /** \brief Is the work dealt out to ranks()? Otherwise there is one. */
+  virtual bool dealsOut() const { return false; }
+
+  const Ranks& ranks() const { return ranks_; }
+  /** \brief As given, or else this rank's share of the machine; 0 = all cores. */
+  int threads() const { return threads_ > 0 ? threads_ : ranks_.threads(); }
+
+private:
+  int runOnRank(const std::vector<std::string>& arguments, Console& console);
+  int parseAndExecute(const std::vector<std::string>& arguments, Console& console);
+  int executeUntilStopped(const CommandLine& line, const Console& console);
+
+  std::string name_;
+  std::string synopsis_;
+  std::string about_;
+  Ranks ranks_;
+  int threads_ = 0;
+};
+
+/** \brief The body of a main(): runs the tool on the standard streams. */
+int runApp(App& app, int argc, const char* const* argv);
+/** \brief The standard streams of a program, for its main(). What is printed is printable(), a closed stream
+ * takes everything, and a reader that goes away ends nothing. */
+Console standardConsole();
+
+/** \brief "facetloc 1.2.3". */
+std::string versionText();
+
+}  // namespace facetloc

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/depth_input.h"
+
+#include "base/localization_hints.h"
+#include "base/provenance.h"
+#include "base/text.h"
+
+#include <facetloc/features/camera_presets.h>
+#include <facetloc/io/map_database.h>
+#include <facetloc/io/text.h>
+
+#include <cmath>
+#include <memory>
+
+namespace facetloc {
+
+void DepthInput::addOptions(CommandLine& line) {
+  line.addOption("width", width, "N",
+                 "Working width: images are subsampled to at least so many columns; 0 = full size.");
+  line.addCheck([this] {
+    constexpr int kLeastWidth = 40;  // [px] below, an image shows no segments
+    if (width != 0 && width < kLeastWidth)
+      throw UsageError("width = " + std::to_string(width) + " is neither 0 nor at least " +
+                       std::to_string(kLeastWidth));
+  });
+  line.addParams(noise, "noise");
+  line.addParams(view);
+}
+
+void addTimeOffset(CommandLine& line, double& seconds) {
+  line.addOption("time-offset", seconds, "S",
+                 "Added to the time of an image, it is the time of its pose [s].");
+  line.addCheck([&seconds] {
+    if (!std::isfinite(seconds)) throw UsageError("time-offset must be a number");
+  });
+}
+
+void addRecordingOptions(CommandLine& line, RecordingHints& recording) {
+  line.addOption("camera", recording.camera, "FILE|NAME",
+                 "A camera.ini, or one of these for its noise and, if need be, its intrinsics: " +
+                     cameraPresetNames() + ".");
+  line.addOption("depth-scale", recording.depth_scale, "N", "PNG values per metre; 0 = as camera.ini says.");
+  addTimeOffset(line, recording.time_offset);
+  line.addCheck([&recording] {
+    if (!(recording.depth_scale >= 0 && std::isfinite(recording.depth_scale)))
+      throw UsageError("depth-scale must not be negative");
+  });
+}
+
+Camera DepthInput::camera(const std::optional<CameraFile>& file, const CommandLine& line) const {
+  Camera camera;
+  if (file) camera = file->camera;
+  const auto take = [&](const char* name, double SensorNoise::*value) {
+    if (line.given(name)) camera.noise.*value = noise.*value;
+  };
+  take("noise.inverse_depth_std", &SensorNoise::inverse_depth_std);
+  take("noise.distortion_offset", &SensorNoise::distortion_offset);
+  take("noise.distortion_slope", &SensorNoise::distortion_slope);
+  take("noise.depth_std", &SensorNoise::depth_std);
+  take("noise.depth_std_slope", &SensorNoise::depth_std_slope);
+  return camera;
+}
+
+DepthSequence openSequence(const std::string& path, const RecordingHints& hints, const Console& console) {
+  DepthSequence sequence = DepthSequence::open(path, hints);
+  if (const std::string remark = sequence.remark(); !remark.empty()) console.note(remark);
+  if (sequence.ofSegments())
+    console.note(path +
+                 " holds segments without depth: only planes are compared, and more of the sure answers "
+                 "are wrong than with images");
+  return sequence;
+}
+
+View viewOf(const DepthSequence& sequence, std::size_t index, int working_width, ViewBuilder& builder) {
+  if (!sequence.ofSegments()) return builder.build(sequence.load(index, working_width));
+  View view;
+  view.segments = sequence.segments(index);
+  view.camera = std::make_shared<const Camera>(builder.camera());
+  view.depth.noise = view.camera->noise;
+  view.intrinsics = view.camera->intrinsics.valid() ? view.camera->intrinsics : kinectIntrinsics();
+  if (working_width > 0)
+    view.intrinsics = view.intrinsics.subsampled(subsamplingStep(view.intrinsics, working_width));
+  return view;
+}
+
+void noteUnfinished(const Map& map, const std::string& path, const Console& console) {
+  const auto state = map.meta.find(kStateKey);
+  if (state != map.meta.end() && state->second == kUnderWay)
+    console.note(path + ": its build has not ended, or was interrupted: it has " +
+                 counted(map.models.size(), "local model") + " so far; facetloc_map build --resume goes on");
+}
+
+void noteDifference(const Camera& of_images, const Map& map, const Console& console) {
+  for (const std::string& words : inWords(differenceOf(of_images, map.camera), of_images, map.camera))
+    console.note(words);
+}
+
+void noteNoise(std::vector<double> found, const SensorNoise& specified, const Console& console) {
+  constexpr double kMuch = 1.3;  // times the specification; a Kinect has up to 1.2 times
+  const double median = medianOfKnown(std::move(found));
+  const double expected = specified.ofInverseDepth(DepthNoise::kUsualDepth);
+  if (!(median > kMuch * expected)) return;
+  const std::string numbers = text::significant(median, 2) + ", not " + text::significant(expected, 2);
+  if (specified.isConstantInInverseDepth())
+    console.note("the images are noisier than their camera's specification: inverse_depth_std is about " +
+                 numbers + "; set it in camera.ini or by --noise.inverse_depth_std");
+  else
+    console.note("the images are noisier than their camera's specification: at " +
+                 text::decimals(DepthNoise::kUsualDepth, 0) + " m, the noise of inverse depth is about " +
+                 numbers + " 1/m; facetloc_segment --noise measures what to set in camera.ini");
+}
+
+void requireTolerance(double seconds) {
+  if (!(seconds >= 0)) throw UsageError("pose-tolerance must not be negative");
+}
+
+std::string toIni(const DepthInput& input, const Camera& camera) {
+  return "width = " + std::to_string(input.width) + "\n" + toIni(camera.noise, "noise") + toIni(input.view);
+}
+
+}  // namespace facetloc

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/app.h"
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/segmentation/view_builder.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief How depth images become views: what the tools that read images have in common. */
+struct DepthInput {
+  int width = 320;  ///< working width [px]; 0 = full size
+  SensorNoise noise;
+  ViewParams view;
+  RecordingHints recording;
+
+  void addOptions(CommandLine& line);
+  /** \brief The camera of images: as its camera.ini says, if there is one, but for the noise that the user
+   * has given. */
+  Camera camera(const std::optional<CameraFile>& file, const CommandLine& line) const;
+};
+
+/** \brief The options that say what a recording's files do not: of all tools that read recordings. */
+void addRecordingOptions(CommandLine& line, RecordingHints& recording);
+/** \brief One of them, for tools that read poses and no images. */
+void addTimeOffset(CommandLine& line, double& seconds);
+
+/** \brief The images at a path, or with RecordingHints::segments what is known of them, with a remark where
+ * there is one. Throws IoError. */
+DepthSequence openSequence(const std::string& path, const RecordingHints& hints, const Console& console);
+
+/** \brief What an image of a sequence shows: built, or, of files of segments, as they say. Such a view has no
+ * depth. */
+View viewOf(const DepthSequence& sequence, std::size_t index, int working_width, ViewBuilder& builder);
+
+/** \brief A remark if the build of the map at that path has not ended. */
+void noteUnfinished(const Map& map, const std::string& path, const Console& console);
+
+/** \brief Remarks on what the images' camera has to do with the camera of the map they are localized in. */
+void noteDifference(const Camera& of_images, const Map& map, const Console& console);
+
+/** \brief A remark if images are much noisier than their camera's specification.
+ * \param found noise of inverse depth of each image at the usual depth [1/m], 0 where it is not known */
+void noteNoise(std::vector<double> found, const SensorNoise& specified, const Console& console);
+
+/** \brief Throws UsageError unless images and poses can be matched within this time [s]. */
+void requireTolerance(double seconds);
+
+/** \brief The options as they are recorded beside maps and results; plain ones first. */
+std::string toIni(const DepthInput& input, const Camera& camera);
+
+}  // namespace facetloc

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/localization_report.h"
+
+#include <facetloc/features/local_model.h>
+
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief What tells a wrong map, camera or scale, of one image; 0 where it is not known. */
+struct ViewTraits {
+  double noise = 0;  ///< of inverse depth, as found in the image [1/m]
+  double fov = 0;    ///< horizontal field of view [deg]
+  double depth = 0;  ///< median [m]
+
+  static ViewTraits of(const View& view);
+};
+
+/** \brief The median of values that are known; 0 without any. */
+double medianOfKnown(std::vector<double> values);
+
+/** \brief If hardly any answer is sure, what to look at: sentences that begin with the likeliest cause. Else
+ * empty. \param views of the images, as far as they are known */
+std::vector<std::string> whatToLookAt(const StateCounts& counts, const std::vector<ViewTraits>& views,
+                                      const Map& map);
+
+}  // namespace facetloc

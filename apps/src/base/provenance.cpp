@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/provenance.h"
+
+#include "base/command_line.h"
+#include "base/results_journal.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/text.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <libdeflate.h>
+#include <sstream>
+#include <system_error>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Names {
+  const char* params;
+  const char* images;
+};
+constexpr Names kOfResults = {"params.ini", "images.txt"};
+constexpr Names kUnderWayNames = {"partial.params.ini", "partial.images.txt"};
+
+const Names& namesOf(Provenance::Of of) {
+  return of == Provenance::Of::results ? kOfResults : kUnderWayNames;
+}
+
+std::ifstream opened(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw IoError(path.string(), "cannot be read");
+  return in;
+}
+
+std::string readText(const fs::path& path) {
+  std::ifstream in = opened(path);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void writeText(const fs::path& path, const std::string& text) {
+  writeTextAtomically(path, [&](std::ostream& out) { out << text; });
+}
+
+std::string hexadecimal(std::uint32_t number) {
+  std::ostringstream text;
+  text << std::hex << number;
+  return text.str();
+}
+
+}  // namespace
+
+std::uintmax_t sizeOf(const FrameFile& image) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(image.path, error);
+  return error ? 0 : size;
+}
+
+ImageSizes imageSizes(const DepthSequence& sequence) {
+  ImageSizes sizes;
+  for (const FrameFile& frame : sequence.frames()) sizes[frame.name] = sizeOf(frame);
+  return sizes;
+}
+
+std::string toText(const ImageSizes& sizes) {
+  std::string text;
+  for (const auto& [name, size] : sizes) text += std::to_string(size) + " " + name + "\n";
+  return text;
+}
+
+ImageSizes imageSizes(const std::string& text) {
+  ImageSizes sizes;
+  std::istringstream in(text);
+  std::uintmax_t size = 0;
+  for (std::string name; in >> size && in.get() && std::getline(in, name);) sizes[name] = size;
+  return sizes;
+}
+
+std::string cameraLine(const std::optional<CameraFile>& file) {
+  if (!file) return "# camera: as the images say\n";
+  const Camera& camera = file->camera;
+  const Intrinsics& k = camera.intrinsics;
+  std::string line = "# camera: " + std::to_string(k.width) + "x" + std::to_string(k.height);
+  const auto add = [&line](const char* name, double value) {
+    line.append(", ").append(name).append(" ").append(text::shortest(value));
+  };
+  add("fx", k.fx), add("fy", k.fy), add("cx", k.cx), add("cy", k.cy), add("depth_scale", file->depth_scale);
+  if (const auto& mounting = camera.mounting) {
+    add("mount_height", mounting->height), add("mount_tilt_deg", mounting->tilt_deg);
+    const auto addIfAny = [&add](const char* name, double value) {
+      if (value != 0) add(name, value);
+    };
+    addIfAny("mount_roll_deg", mounting->roll_deg), addIfAny("mount_pan_deg", mounting->pan_deg);
+    addIfAny("mount_x", mounting->x), addIfAny("mount_y", mounting->y);
+  }
+  if (!std::isinf(camera.max_depth)) add("max_depth", camera.max_depth);
+  return line + "\n";
+}
+
+std::string checksum(const fs::path& file) {
+  std::ifstream in = opened(file);
+  std::array<char, 1 << 16> bytes;
+  std::uint32_t sum = 0;
+  while (in.read(bytes.data(), bytes.size()), in.gcount() > 0)
+    sum = libdeflate_crc32(sum, bytes.data(), static_cast<std::size_t>(in.gcount()));
+  if (in.bad()) throw IoError(file.string(), "cannot be read");
+  return hexadecimal(sum);
+}
+
+std::string checksumOf(const std::string& text) {
+  return hexadecimal(libdeflate_crc32(0, text.data(), text.size()));
+}
+
+std::optional<Provenance> Provenance::read(const fs::path& folder, Of of) {
+  const Names& names = namesOf(of);
+  if (!fs::exists(folder / names.params)) return {};
+  Provenance found{readText(folder / names.params), {}};
+  if (fs::exists(folder / names.images)) found.images = imageSizes(readText(folder / names.images));
+  return found;
+}
+
+void Provenance::write(const fs::path& folder, Of of) const {
+  writeText(folder / namesOf(of).images, toText(images));
+  writeText(folder / namesOf(of).params, params_ini);
+}
+
+void Provenance::removeUnderWay(const fs::path& folder) {
+  std::error_code ignored;
+  for (const char* name : {kUnderWayNames.params, kUnderWayNames.images}) fs::remove(folder / name, ignored);
+}
+
+void Provenance::requireNotReplaced(const fs::path& input, const fs::path& folder) {
+  for (const char* file :
+       {kOfResults.params, kOfResults.images, kUnderWayNames.params, kUnderWayNames.images, kPartial}) {
+    std::error_code ignored;
+    if (fs::equivalent(input, folder / file, ignored))
+      throw UsageError("the results would replace " + input.string() + "; use another output folder");
+  }
+}
+
+void Provenance::requireSame(const Provenance& now, const std::vector<std::string>& done,
+                             const std::string& folder) const {
+  const auto sizeIn = [](const ImageSizes& sizes, const std::string& name) {
+    const auto found = sizes.find(name);
+    return found == sizes.end() ? std::nullopt : std::optional(found->second);
+  };
+  bool same = params_ini == now.params_ini;
+  for (const std::string& name : done) same = same && sizeIn(images, name) == sizeIn(now.images, name);
+  if (!same)
+    throw IoError(folder,
+                  "was begun with another map, other images or other parameters; leave out --resume or "
+                  "use another folder");
+}
+
+}  // namespace facetloc

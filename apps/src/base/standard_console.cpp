@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/app.h"
+#include "base/text.h"
+
+#include <pcl/console/print.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <fcntl.h>
+#include <iostream>
+#include <streambuf>
+#include <string>
+#include <unistd.h>
+
+namespace facetloc {
+namespace {
+
+/** Standard output in printable characters. Where its reader has gone away, nobody misses what is written. */
+class PrintableOutput : public std::streambuf {
+public:
+  PrintableOutput() { setp(buffer_.data(), buffer_.data() + buffer_.size()); }
+  ~PrintableOutput() override { write(); }
+
+protected:
+  int_type overflow(int_type c) override {
+    if (!write()) return traits_type::eof();
+    return traits_type::eq_int_type(c, traits_type::eof()) ? traits_type::not_eof(c)
+                                                           : sputc(traits_type::to_char_type(c));
+  }
+  int sync() override { return write() ? 0 : -1; }
+
+private:
+  bool write() {
+    const std::string text = printable({pbase(), static_cast<std::size_t>(pptr() - pbase())});
+    setp(buffer_.data(), buffer_.data() + buffer_.size());
+    for (std::size_t done = 0; done < text.size();) {
+      const ssize_t written = ::write(STDOUT_FILENO, text.data() + done, text.size() - done);
+      if (written < 0 && errno == EPIPE) return true;
+      if (written < 0 && errno != EINTR) return false;
+      if (written > 0) done += static_cast<std::size_t>(written);
+    }
+    return true;
+  }
+
+  std::array<char, 1 << 16> buffer_;
+};
+
+/** The next file that is opened would take the number of a closed stream, and what is printed would come into
+ * it. */
+void openClosedStreams() {
+  while (true) {
+    const int number = open("/dev/null", O_RDWR);
+    if (number > STDERR_FILENO) close(number);
+    if (number < 0 || number > STDERR_FILENO) return;
+  }
+}
+
+}  // namespace
+
+Console standardConsole() {
+  openClosedStreams();
+  std::signal(SIGPIPE, SIG_IGN);
+  // What PCL has to say about a bad file comes as an exception, once.
+  if (!std::getenv("PCL_VERBOSITY_LEVEL")) pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
+  static PrintableOutput output;
+  static std::ostream out(&output);
+  return {out, std::cerr, isatty(STDERR_FILENO) == 1, false, {}};
+}
+
+}  // namespace facetloc

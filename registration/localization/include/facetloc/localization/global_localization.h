@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/registration/hypothesis.h>
+#include <facetloc/localization/localization_params.h>
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief Finds a view in a map: registers it with local models and returns one ranked list of places.
+ *
+ *     const facetloc::GlobalLocalization localization(map);      // shared, never changed
+ *     facetloc::ViewBuilder builder(map->calibrated(camera));
+ *     const facetloc::Localization answer = localization.localize(builder.build(image));
+ *     if (answer.hypotheses.empty()) std::cout << answer.reason;
+ *     else use(*answer.hypotheses[0].T_w_c, answer.hypotheses[0].probability);
+ *
+ * Compares the camera of the view with the map's. On a robot, where the mounting is the map's, the floor
+ * tells roll, pitch and height beforehand, and the view is registered with the local models of a shortlist
+ * only; otherwise, and where nothing is known of the view's camera, the prior is isotropic and all local
+ * models are asked. An index for the shortlist comes with the file of a large map or is made with the object.
+ *
+ * The answer is the same for any number of threads. */
+class GlobalLocalization {
+public:
+  /** \brief Throws std::invalid_argument for a parameter out of its range. */
+  explicit GlobalLocalization(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params = {});
+  GlobalLocalization(GlobalLocalization&&) noexcept;
+  GlobalLocalization& operator=(GlobalLocalization&&) noexcept;
+  ~GlobalLocalization();
+
+  const Map& map() const;
+  /** \brief OpenMP threads over local models; 1 by default, 0 = all cores. */
+  void setNumberOfThreads(int n);
+
+  /** \brief Thread-safe. A view without segments, an empty map, and views that fix no pose give a reason. */
+  Localization localize(const View& view) const;
+  /** \brief The same with another prior of the pose relative to each local model; with all models if it
+   * reaches farther than the index. One whose covariance is not positive definite gives a reason. */
+  Localization localize(const View& view, const PoseWithCovariance& prior) const;
+
+  /** \brief Pairs of segments that may correspond, of a view and a local model of the map, by their places in
+   * the lists of both; the most promising first. */
+  using PairChoice = std::function<std::vector<SegmentPair>(int model)>;
+  /** \brief The same with pairs that somebody else has chosen in place of candidatePairs(). No other pair
+   * takes part in a pose. Throws std::invalid_argument for a pair that names no segment. */
+  Localization localize(const View& view, const PoseWithCovariance& prior, const PairChoice& chosen) const;
+
+  /** \brief The same with no local model that is excluded. */
+  Localization localize(const View& view, const std::function<bool(int model)>& excluded) const;
+
+  /** \brief Prior of the pose of a view relative to each local model, from the mounting of its camera. */
+  PoseWithCovariance prior(const View& view) const;
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace facetloc

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/registration/depth_params.h>
+#include <facetloc/registration/pair_params.h>
+#include <facetloc/registration/pose_prior.h>
+#include <facetloc/localization/ranking_params.h>
+#include <facetloc/localization/shortlist_params.h>
+
+namespace facetloc {
+
+/** \brief Parameters of the registration of one view with another. */
+struct ViewRegistrationParams {
+  static constexpr const char* kTitle = "Registration of two views";
+  MatchingParams matching;
+  EkfParams ekf;
+  HypothesisTreeParams tree;
+  RegistrationSteps steps;
+  DepthConsistencyParams depth;
+  ConsensusParams score;
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("matching", p.matching);
+    visit("ekf", p.ekf);
+    visit("tree", p.tree);
+    visit("steps", p.steps);
+    visit("depth", p.depth);
+    visit("score", p.score);
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** \brief Parameters of the search of a whole map. A field is known by its path, such as `ekf.iterations`. */
+struct GlobalLocalizationParams : ViewRegistrationParams {
+  static constexpr const char* kTitle = "Global localization";
+  PosePriorParams prior;
+  ShortlistParams shortlist;
+  EvidenceParams evidence;
+  MergingParams merging;
+  PlaceRefinementParams refinement;
+  ProbabilityParams probability;
+  PlainProbabilityParams plain_probability;
+  PairProbabilityParams pair_probability;
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("prior", p.prior);
+    visit("shortlist", p.shortlist);
+    ViewRegistrationParams::describe(p, visit);
+    visit("evidence", p.evidence);
+    visit("merging", p.merging);
+    visit("refinement", p.refinement);
+    visit("probability", p.probability);
+    visit("plain_probability", p.plain_probability);
+    visit("pair_probability", p.pair_probability);
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+}  // namespace facetloc

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/organized_cloud.h>
+#include <facetloc/localization/global_localization.h>
+#include <facetloc/localization/sequence_localization.h>
+#include <facetloc/segmentation/view_builder.h>
+
+#include <pcl/pcl_base.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief Finds the camera of an organized cloud in a map: global localization as a PCL class.
+ *
+ *     facetloc::MapLocalization<pcl::PointXYZRGBA> localization;
+ *     localization.setMap(std::make_shared<const facetloc::Map>(facetloc::openMap("office.flmap")));
+ *     localization.setInputCloud(cloud);  // NaN is normal
+ *     facetloc::PoseWithCovariance pose;  // of the camera in the world
+ *     if (localization.localize(pose)) use(pose.T, pose.P);
+ *     else std::cout << localization.getStatus();
+ *
+ * The cloud is in the optical frame of its camera (x right, y down, z forward); indices choose some of its
+ * points. In sequence mode the clouds are those of one drive, and each is localized by all before it, too. */
+template <typename PointT>
+class MapLocalization : public pcl::PCLBase<PointT> {
+public:
+  using Ptr = pcl::shared_ptr<MapLocalization<PointT>>;
+  using ConstPtr = pcl::shared_ptr<const MapLocalization<PointT>>;
+
+  /** \brief The map, whose views may stay in its file; null takes it away. */
+  void setMap(std::shared_ptr<const Map> map);
+  /** \brief The camera of the clouds: noise, mounting and range; without intrinsics these are recovered from
+   * the points. Nothing is known of it unless set; of the camera that made the map it is Map::camera. */
+  void setCamera(const Camera& camera);
+  const Camera& getCamera() const { return camera_; }
+  /** \brief Throw std::invalid_argument for a parameter out of its range. */
+  /// @{
+  void setViewParams(const ViewParams& params);
+  void setLocalizationParams(const GlobalLocalizationParams& params);
+  void setSequenceParams(const SequenceParams& params);
+  /// @}
+  /** \brief Width that clouds are subsampled to before segmentation [px]; 0 = full size. 320 unless set. */
+  void setWorkingWidth(int width) { working_width_ = width; }
+  /** \brief OpenMP threads; 1 unless set, 0 = all cores. */
+  void setNumberOfThreads(int n);
+  /** \brief Least probability of a pose that is sure; 0.9 unless set. Throws std::invalid_argument outside of
+   * (0, 1]. */
+  void setMinProbability(double p);
+
+  /** \brief Is each cloud one of a drive? The time of a cloud is its header's stamp [us]; a cloud without one
+   * comes 1/30 s after the one before. */
+  void setSequenceMode(bool on);
+  /** \brief Begins a new drive. */
+  void reset();
+
+  /** \brief Localizes the input cloud. \param pose T_w_c with its covariance, order (phi, t), left and
+   * decoupled: of the first hypothesis, be it sure or not; the identity and zeros if there is none in the
+   * world. \return is it sure? Otherwise getStatus() says why not. Never throws for what a cloud is. */
+  bool localize(PoseWithCovariance& pose);
+  /** \brief The pose alone. */
+  bool localize(Eigen::Isometry3d& T_w_c);
+
+  /** \name Of the latest cloud. */
+  /// @{
+  /** \brief All places where it may be, most probable first. */
+  const std::vector<Hypothesis>& getHypotheses() const { return hypotheses_; }
+  /** \brief Of the first one; 0 if there is none. */
+  double getProbability() const { return hypotheses_.empty() ? 0 : hypotheses_.front().probability; }
+  AnswerState getState() const { return state_; }
+  /** \brief Why it is not sure; empty if it is. */
+  const std::string& getStatus() const { return status_; }
+  /** \brief Its planes. */
+  const View& getView() const { return view_; }
+  /// @}
+
+private:
+  using pcl::PCLBase<PointT>::indices_;
+  using pcl::PCLBase<PointT>::input_;
+  using pcl::PCLBase<PointT>::use_indices_;
+
+  bool see(std::string& why_not);
+  void localizeByItself();
+  void localizeInSequence();
+  double nextStamp();
+
+  std::shared_ptr<const Map> map_;
+  Camera camera_;
+  ViewParams view_params_;
+  GlobalLocalizationParams params_;
+  SequenceParams sequence_params_;
+  int working_width_ = 320;
+  int threads_ = 1;
+  double min_probability_ = kMinProbability;
+  bool is_sequence_ = false;
+
+  // Made when they are first needed, and anew when something is set.
+  std::optional<ViewBuilder> builder_;
+  std::optional<GlobalLocalization> localization_;
+  std::optional<SequenceLocalization> sequence_;
+  std::optional<double> latest_stamp_;
+
+  View view_;
+  std::vector<Hypothesis> hypotheses_;
+  AnswerState state_ = AnswerState::unknown;
+  std::string status_;
+};
+
+}  // namespace facetloc
+
+#include <facetloc/localization/impl/map_localization.hpp>
+
+extern template class facetloc::MapLocalization<pcl::PointXYZ>;
+extern template class facetloc::MapLocalization<pcl::PointXYZI>;
+extern template class facetloc::MapLocalization<pcl::PointXYZRGB>;
+extern template class facetloc::MapLocalization<pcl::PointXYZRGBA>;

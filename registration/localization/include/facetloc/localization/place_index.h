@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/registration/pose_prior.h>
+#include <facetloc/localization/shortlist_params.h>
+
+#include <functional>
+#include <iosfwd>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief A local model that may show the place of a view. */
+struct Candidate {
+  int model = 0;
+  int rank = 0;  ///< 0 = the likeliest
+  /// T_m_c by a quick alignment; none: anywhere that the prior allows
+  std::optional<Eigen::Isometry3d> start;
+};
+
+/** \brief Tells which local models of a large map may show the place of a view.
+ *
+ *     facetloc::PlaceIndex index(map);
+ *     for (const int model : index.shortlist(view, 150)) ...
+ *
+ * Upper and lower edges of the walls of all models are descriptors in a FLANN tree, in units of how much they
+ * may differ between two views of a place: standard deviations of the pose for where an edge is, of its error
+ * for how high. Those of a view vote for the models that have alike ones, by nearness and rarity, and only
+ * those agreeing on one heading add up. Votes and outlook (PlaceOutlook) tell how much is to be hoped for
+ * from each model. Those that give most hope are aligned with the view (PlaceAligner), and come out in the
+ * order of that, to which hope adds a little.
+ *
+ * Needs a map whose camera mounting is known. Never changes; all functions are thread-safe. The same map
+ * gives the same answers. */
+class PlaceIndex {
+public:
+  /** \brief Throws std::invalid_argument if the map tells no camera mounting. */
+  explicit PlaceIndex(const Map& map, const ShortlistParams& params = {}, const PosePriorParams& prior = {});
+  /** \brief Whether an index finds the models that a prior of T_m_c leads to: views up to 60 deg and 2.8 m
+   * apart are compared, three standard deviations of the usual prior. */
+  static bool covers(const PoseWithCovariance& prior);
+  /** \brief The index that is written in the map's store, if it is one of this map and prior; else made. */
+  static PlaceIndex of(const Map& map, const ShortlistParams& params = {}, const PosePriorParams& prior = {});
+  /** \brief Writes it for this program on machines of this kind. The same map gives the same bytes. */
+  void write(std::ostream& out) const;
+  /** \brief What write() wrote, or nothing if that was for another map or prior, or by another version.
+   * Throws std::runtime_error if the bytes end too early or hold what no index has, and what the stream
+   * throws. */
+  static std::optional<PlaceIndex> read(std::istream& in, const Map& map, const ShortlistParams& params = {},
+                                        const PosePriorParams& prior = {});
+  PlaceIndex(PlaceIndex&&) noexcept;
+  PlaceIndex& operator=(PlaceIndex&&) noexcept;
+  ~PlaceIndex();
+
+  /** \brief The at most n models most like the view that are not hopeless beside the best, the likeliest
+   * first; ties by index. Empty for a view without a wall and without a level surface. */
+  std::vector<int> shortlist(const View& view, int n) const;
+  /** \brief The same with the poses of the quick alignment, without the models that are excluded, if any are.
+   */
+  std::vector<Candidate> candidates(const View& view, int n,
+                                    const std::function<bool(int model)>& excluded = {}) const;
+  std::size_t models() const;
+  std::size_t descriptors() const;
+  std::size_t bytes() const;  ///< of memory, about
+
+private:
+  struct Impl;
+  explicit PlaceIndex(std::unique_ptr<const Impl> impl);
+  std::unique_ptr<const Impl> impl_;
+};
+
+}  // namespace facetloc

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/features/organized_cloud.h>
+#include <facetloc/registration/hypothesis.h>
+#include <facetloc/localization/localization_params.h>
+#include <facetloc/localization/sequence_params.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief What the views up to one say of where the camera is. */
+struct SequenceAnswer {
+  AnswerState state = AnswerState::unknown;
+  /** \brief Most probable first, with poses of this view in the frames of their parts of the map. Their
+   * probabilities and `nowhere` add up to 1. */
+  std::vector<Hypothesis> places;
+  double nowhere = 1;               ///< probability that the map does not hold the place
+  std::string reason;               ///< why it is not sure; empty if it is
+  bool carried_away = false;        ///< everything has begun anew; the reason says why
+  bool searched = false;            ///< the whole map, which takes its time
+  int looks = 0;                    ///< informative views since everything began anew
+  PoseWithCovariance T_before_now;  ///< how the camera has moved, as far as that is known
+};
+
+/** \brief Tells from the views of a moving camera where it is: what one view leaves open, such as one of a
+ * bare wall, the next ones may decide.
+ *
+ *     facetloc::SequenceLocalization sequence(map);
+ *     for (...) {
+ *       const facetloc::SequenceAnswer answer = sequence.add(builder.build(image), stamp);
+ *       if (answer.state == facetloc::AnswerState::sure) use(*answer.places[0].T_w_c);
+ *     }
+ *
+ * Holds a belief: places with covariances and odds, and that the camera is nowhere in the map. It moves with
+ * the camera, by the views themselves and by an odometry if there is one, and every view that is new enough
+ * is held against each of its places (METHOD 16.6). As long as no place is sure, such views are also searched
+ * in the whole map, which may bring up others. A view that fixes no pose still tells which places it
+ * excludes; views that show the same again tell nothing new. Its size does not grow with time. Same views,
+ * stamps and odometry, same answers, for any number of threads. */
+class SequenceLocalization {
+public:
+  /** \brief Throws std::invalid_argument for a parameter out of its range, and for score.by_overlap, whose
+   * scores have no probabilities. */
+  explicit SequenceLocalization(std::shared_ptr<const Map> map, const SequenceParams& params = {},
+                                const GlobalLocalizationParams& localization = {});
+  SequenceLocalization(SequenceLocalization&&) noexcept;
+  SequenceLocalization& operator=(SequenceLocalization&&) noexcept;
+  ~SequenceLocalization();
+
+  /** \brief Takes the next view. Any view and any stamp [s] have an answer. One that goes back starts anew,
+   * and so does a view that has nothing in common with the one before, unless an odometry tells how the
+   * camera has come there and the map does not deny it. \param motion of the camera since the view before,
+   * T_before_now, with its covariance: of a robot's wheels, for instance */
+  SequenceAnswer add(View view, double stamp, const std::optional<PoseWithCovariance>& motion = {});
+  /** \brief The same for the image of an organized cloud, seen as PlanarRegistration sees it. A cloud that is
+   * none has an answer with the reason, and counts as a camera that saw nothing. */
+  template <typename PointT>
+  SequenceAnswer addCloud(const pcl::PointCloud<PointT>& cloud, double stamp,
+                          const std::optional<PoseWithCovariance>& motion = {}) {
+    std::string why_not;
+    const auto image = depthImageOfInput(&cloud, nullptr, camera().intrinsics, why_not);
+    SequenceAnswer answer = image ? addImage(*image, stamp, motion) : add(View(), stamp, motion);
+    if (!image) answer.reason = why_not;
+    return answer;
+  }
+  /** \brief The same for a depth image with its intrinsics; of several pixels one, to be about 320 wide. */
+  SequenceAnswer addImage(const DepthImage& image, double stamp,
+                          const std::optional<PoseWithCovariance>& motion = {});
+  /** \brief The camera of clouds and depth images: noise, mounting and range; without intrinsics they are
+   * recovered from the points of a cloud. By default nothing is known of it. */
+  void setCamera(const Camera& camera);
+  const Camera& camera() const;
+  /** \brief Least probability of a first place that is sure; kMinProbability unless set. Throws
+   * std::invalid_argument outside of (0, 1]. */
+  void setMinProbability(double p);
+  /** \brief What all views of a drive, later ones too, say of where one of them was taken (METHOD 16.7).
+   * Neither answer has to come from this object, but from one with its map and parameters.
+   * \param until_now what the views up to this one have said
+   * \param from_next what the next one has said in the reverse order, in which another object takes the views
+   * from the last one on, with stamps that are negated
+   * \param T_now_next how the camera moves to the next one: its T_before_now in the order of time */
+  SequenceAnswer smoothed(const SequenceAnswer& until_now, const SequenceAnswer& from_next,
+                          const PoseWithCovariance& T_now_next) const;
+  /** \brief Forgets all views. */
+  void reset();
+  /** \brief OpenMP threads; 1 by default, 0 = all cores. */
+  void setNumberOfThreads(int n);
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace facetloc

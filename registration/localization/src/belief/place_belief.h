@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "ranking/place_ranking.h"
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/registration/hypothesis.h>
+#include <facetloc/localization/localization_params.h>
+#include <facetloc/localization/sequence_params.h>
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace facetloc::internal {
+
+/** \brief A place where a camera may be. */
+struct BelievedPlace {
+  PoseWithCovariance T_w_c;
+  int part = 0;            ///< of the map, in whose frame the pose is
+  double log_odds = 0;     ///< against that the map does not hold the place [nats]
+  double probability = 0;  ///< beside the other places and that
+  Hypothesis match;        ///< with a local model, as of the latest look; no pairs once the camera has moved
+};
+
+/** \brief What the views of a moving camera together say of where it is: Gaussian places with their odds
+ * against that it is nowhere in the map (METHOD 16.6).
+ *
+ * A place moves with the camera. Each look adds to its log odds what the view says at this very pose, as the
+ * ranking of a search weighs it. Views that are close to each other err alike: a look counts by
+ * 1 - exp(-motion since the last one / independent motion), so that neither a high frame rate nor standing
+ * still sharpens anything. A place that a search brings up is judged by the latest looks too, before it is
+ * put beside the others. */
+class PlaceBelief {
+public:
+  PlaceBelief(std::shared_ptr<const Map> map, const GlobalLocalizationParams& localization,
+              const SequenceParams& params);
+
+  /** \brief Nothing is known. */
+  void clear();
+  /** \brief The camera has moved. */
+  void move(const PoseWithCovariance& T_a_b);
+  /** \brief Has it moved so far that a look tells something new? True before the first. */
+  bool isDue() const;
+  /** \brief Holds a view against all places.
+   * \param view where the camera is now; it is kept for a while
+   * \param found what a search of the whole map has found for this view; null if there was none
+   * \param independent the view has nothing in common with the ones before, however little the camera may
+   * have moved
+   * \return what the view adds to the log odds of the place that was most probable [nats]; 0 if there was
+   * none, or the map has nothing near it. */
+  double look(std::shared_ptr<const View> view, const Localization* found, bool independent = false);
+  /** \brief Another source follows the camera here: corrects the pose of this place, or adds it with the odds
+   * that any place has beforehand. \param part of the map */
+  void suppose(int part, const PoseWithCovariance& T_w_c);
+
+  /** \brief Most probable first; their probabilities add up to at most 1, and the rest is that the camera is
+   * nowhere in the map. */
+  const std::vector<BelievedPlace>& places() const { return places_; }
+  /** \brief Number of looks since nothing was known. */
+  int looks() const { return looks_; }
+  void setNumberOfThreads(int n) { threads_ = n; }
+
+private:
+  struct Look {  // that is kept
+    std::shared_ptr<const View> view;
+    PoseWithCovariance T_c_l;  // from where the camera is now
+    double weight;
+  };
+  double motionSince(double distance, double rotation_deg) const;
+  double oddsOfKnown(const View& view, const Hypothesis& h) const;
+  double historyOf(const Hypothesis& place) const;
+  std::vector<Hypothesis> sortFound(const Localization& found,
+                                    std::vector<std::optional<Hypothesis>>& seen) const;
+  void addFresh(const View& view, const std::vector<Hypothesis>& fresh,
+                const std::vector<std::optional<Hypothesis>>& seen, double weight);
+  void update(BelievedPlace& place, const Hypothesis& seen, double weight, double log_odds) const;
+  PoseWithCovariance poseOf(const Hypothesis& h) const;
+  void normalize();
+
+  std::shared_ptr<const Map> map_;
+  SequenceParams params_;
+  double prior_;  // that the map holds the place, as log odds
+  PlaceRanking ranking_;
+  bool has_odds_;
+  std::vector<BelievedPlace> places_;
+  std::deque<Look> kept_;
+  double way_ = 0, turn_ = 0;  // since the last look [m, rad]
+  int looks_ = 0;
+  int threads_ = 1;
+};
+
+}  // namespace facetloc::internal

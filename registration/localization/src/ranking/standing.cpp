@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ranking/standing.h"
+
+#include <facetloc/features/pose.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace facetloc::internal {
+namespace {
+
+constexpr double kSameAngle = 6.5 * kDegree, kSameHeight = 0.08;  // of a robot on an uneven floor [m]
+constexpr double kLevel =
+    15 * kDegree;  // from it, a plane would be level or upright if the camera stood otherwise
+constexpr double kOtherWay = 30 * kDegree;  // between walls that together tell the vertical
+constexpr double kLeastSupport = 300;       // of a wall [px]
+
+}  // namespace
+
+bool showsMounting(const View& view, const CameraMounting& mounting) {
+  const Eigen::Vector3d down = -(mounting.T_b_c().linear().transpose() * Eigen::Vector3d::UnitZ());
+  std::vector<Eigen::Vector3d> walls;
+  bool shows_level = false;  // something above the floor
+  for (const Segment& s : view.segments) {
+    const double to_down = std::acos(std::clamp(s.normal().dot(down), -1.0, 1.0));
+    if (to_down < kLevel) {
+      const double above_floor = mounting.height - s.offset();
+      if (to_down > kSameAngle || above_floor < -kSameHeight) return false;
+      if (above_floor < kSameHeight) return true;
+      shows_level = true;
+    }
+    const double from_upright = std::abs(to_down - 90 * kDegree);
+    if (s.num_points < kLeastSupport || from_upright > kLevel) continue;
+    if (from_upright > kSameAngle) return false;
+    walls.push_back(s.normal());
+  }
+  const auto isOfTwo = [&](const Eigen::Vector3d& a) {
+    return std::any_of(walls.begin(), walls.end(),
+                       [&](const Eigen::Vector3d& b) { return a.cross(b).norm() > std::sin(kOtherWay); });
+  };
+  return shows_level || std::any_of(walls.begin(), walls.end(), isOfTwo);
+}
+
+}  // namespace facetloc::internal

@@ -1,0 +1,401 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shared/binary_archive.h"
+#include "shortlist/place_alignment.h"
+#include "shortlist/place_outlook.h"
+#include "shortlist/place_reach.h"
+
+#include <facetloc/features/pose.h>
+#include <facetloc/localization/place_index.h>
+
+#include <boost/crc.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <flann/flann.hpp>
+#include <future>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+namespace facetloc::internal {
+
+template <class Archive>
+void fields(Archive& archive, Wall& w) {
+  archive(w.heading, w.cosine, w.sine, w.offset, w.right, w.left, w.bottom, w.top, w.weight, w.right_end,
+          w.left_end, w.bottom_end, w.top_end);
+}
+template <class Archive>
+void fields(Archive& archive, LevelSurface& s) {
+  archive(s.height, s.from_below, s.x, s.y);
+}
+template <class Archive>
+void fields(Archive& archive, PlaceSignature& p) {
+  archive(p.R_u_c, p.height, p.main_heading, p.walls, p.surfaces, p.picture.camera, p.picture.depth);
+  for (std::int32_t& first : p.facing) archive(first);
+}
+
+}  // namespace facetloc::internal
+
+namespace facetloc {
+
+using namespace internal;
+
+namespace {
+
+constexpr int kDimensions = 5;
+
+/** A point in a space where neighbours are about one apart. */
+struct Descriptor {
+  std::array<float, kDimensions> at;
+  float heading;  // of what it describes [rad]
+};
+
+// Kinds are farther from each other than any neighbours.
+enum Kind { kTop, kBottom };
+constexpr float kKindDistance = 1000;
+
+// How much things differ between two views of one place, standard deviations.
+constexpr float kHeadingStd = 20 * static_cast<float>(kDegree), kPositionStd = 1;  // the prior's [m]
+constexpr float kHeightStd = 0.08f;  // of an upper or lower edge [m]
+constexpr float kRadius = 1.3f;      // of neighbours
+// Worth of votes in outlook, and of both in the score of an alignment.
+constexpr float kVotesWorth = 0.3f, kHopeWorth = 0.1f;
+constexpr float kNotAligned = -100;  // less than any alignment
+
+std::vector<Descriptor> describe(const PlaceSignature& place) {
+  constexpr float kBaseboard = 0.15f;  // [m]
+  std::vector<Descriptor> all;
+  for (const Wall& w : place.walls) {
+    const auto add = [&](Kind kind, float height) {
+      all.push_back(
+          {{kKindDistance * static_cast<float>(kind) + height / kHeightStd, w.cosine / kHeadingStd,
+            w.sine / kHeadingStd, w.offset / kPositionStd, 0.5f * (w.right + w.left) / kPositionStd},
+           w.heading});
+    };
+    if (w.top_end) add(kTop, w.top);
+    if (w.bottom_end && w.bottom > kBaseboard) add(kBottom, w.bottom);
+  }
+  return all;
+}
+
+// Headings of a model relative to a view; two neighbouring bins count as one.
+constexpr float kLargestTurn = kReachTurnDeg * static_cast<float>(kDegree),
+                kTurnBin = 4 * static_cast<float>(kDegree);
+constexpr int kTurnBins = 31;
+
+// Keeps its own, reordered copy of the points.
+using Tree = flann::KDTreeSingleIndex<flann::L2_Simple<float>>;
+const flann::KDTreeSingleIndexParams kTreeParams(10, true);
+
+/** The n best models, the best first; ties by index. */
+void keepBest(const std::vector<float>& score, int n, std::vector<int>& models) {
+  const auto isBetter = [&score](int a, int b) { return score[a] != score[b] ? score[a] > score[b] : a < b; };
+  if (static_cast<std::size_t>(n) < models.size()) {
+    std::nth_element(models.begin(), models.begin() + n, models.end(), isBetter);
+    models.resize(static_cast<std::size_t>(n));
+  }
+  std::sort(models.begin(), models.end(), isBetter);
+}
+
+/** Asks for elements that are needed soon: those of places are all over the memory. */
+template <class T>
+void prefetch(const std::vector<T>& values) {
+  constexpr std::size_t kLine = 64;
+  const char* bytes = reinterpret_cast<const char*>(values.data());
+  for (std::size_t i = 0; i < values.size() * sizeof(T); i += kLine) __builtin_prefetch(bytes + i);
+}
+
+// T_m_c of an alignment.
+Eigen::Isometry3d cameraPose(const PlaceAlignment& a, const PlaceSignature& scene,
+                             const PlaceSignature& model) {
+  const Eigen::Matrix3f turn = Eigen::AngleAxisf(a.heading, Eigen::Vector3f::UnitZ()).toRotationMatrix();
+  const Eigen::Matrix3f to_camera = model.R_u_c.transpose();
+  Eigen::Isometry3d T_m_c = Eigen::Isometry3d::Identity();
+  T_m_c.linear() = Eigen::Quaternionf(to_camera * turn * scene.R_u_c).cast<double>().normalized().matrix();
+  T_m_c.translation() = (to_camera * Eigen::Vector3f(a.x, a.y, scene.height - model.height)).cast<double>();
+  return T_m_c;
+}
+
+/** Of the names and stamps of all models in their order, which a map knows without its views. */
+std::uint32_t checksumOfNames(const Map& map) {
+  boost::crc_32_type sum;
+  for (const LocalModel& m : map.models) {
+    sum.process_bytes(m.name.c_str(), m.name.size() + 1);
+    sum.process_bytes(&m.stamp, sizeof m.stamp);
+  }
+  return sum.checksum();
+}
+
+// Changes with signatures. What version 0.1 wrote held descriptors and their search tree, too: both follow
+// from the signatures, and nothing that a file says of them is used.
+constexpr const char *kFormat = "facetloc place index 5", *kFormatWithoutTurn = "facetloc place index 4",
+                     *kFormatWithTree = "facetloc place index 3";
+
+/** What a written index depends on. */
+struct Header {
+  std::string format = kFormat;
+  std::size_t models = 0;
+  std::uint32_t names = 0;
+  double height = 0, tilt_deg = 0;  // of the camera
+  Eigen::Vector4d turn =
+      Eigen::Vector4d::Zero();  // its roll and pan [deg], x and y [m]; older formats have none
+  Eigen::Matrix3d floor = Eigen::Matrix3d::Zero();
+
+  Header() = default;
+  Header(const Map& map, const PosePriorParams& prior)
+      : models(map.models.size()),
+        names(checksumOfNames(map)),
+        height(map.camera.mounting->height),
+        tilt_deg(map.camera.mounting->tilt_deg),
+        turn(map.camera.mounting->roll_deg, map.camera.mounting->pan_deg, map.camera.mounting->x,
+             map.camera.mounting->y),
+        floor(floorCovariance(prior)) {}
+  bool isOf(const Header& o) const {
+    return models == o.models && names == o.names && height == o.height && tilt_deg == o.tilt_deg &&
+           turn == o.turn && floor == o.floor;
+  }
+};
+
+template <class Archive>
+void fields(Archive& archive, Header& h) {
+  archive(h.format, h.models, h.names, h.height, h.tilt_deg);
+  if (h.format == kFormat) archive(h.turn);
+  archive(h.floor);
+}
+
+}  // namespace
+
+struct PlaceIndex::Impl {
+  ShortlistParams params;
+  PosePriorParams prior;
+  CameraMounting mounting;
+  Header header;
+  std::vector<PlaceSignature> places;
+  std::vector<int> owner;       // model of each descriptor
+  std::vector<float> heading;   // of each descriptor
+  std::vector<float> expected;  // of each model: grows with the votes that it gets anyway
+  std::shared_future<std::shared_ptr<const Tree>> tree;  // of the descriptors; none without any
+
+  Impl(const Map& map, const ShortlistParams& params, const PosePriorParams& prior);
+  void describePlaces();
+  std::vector<float> hopes(const PlaceSignature& scene) const;
+  std::vector<float> votes(const PlaceSignature& scene) const;
+};
+
+PlaceIndex::Impl::Impl(const Map& map, const ShortlistParams& index_params, const PosePriorParams& pose_prior)
+    : params(index_params), prior(pose_prior) {
+  if (!map.camera.mounting)
+    throw std::invalid_argument("PlaceIndex: the map does not tell how its camera is mounted");
+  mounting = *map.camera.mounting;
+  header = Header(map, prior);
+}
+
+// Makes the descriptors of all places, and begins to build their search tree: a second for 10 000 places, in
+// which the first view can be read and segmented.
+void PlaceIndex::Impl::describePlaces() {
+  std::vector<float> points;  // kDimensions each
+  for (std::size_t m = 0; m < places.size(); ++m)
+    for (const Descriptor& d : describe(places[m])) {
+      points.insert(points.end(), d.at.begin(), d.at.end());
+      owner.push_back(static_cast<int>(m));
+      heading.push_back(d.heading);
+    }
+  constexpr float kBaseCount = 5;
+  expected.assign(places.size(), kBaseCount);
+  for (const int m : owner) ++expected[static_cast<std::size_t>(m)];
+  for (float& e : expected) e = std::sqrt(e);
+  if (owner.empty()) return;
+  tree = std::async(std::launch::async, [points = std::move(points)]() mutable {
+    const flann::Matrix<float> matrix(points.data(), points.size() / kDimensions, kDimensions);
+    auto built = std::make_shared<Tree>(matrix, kTreeParams);
+    built->buildIndex();
+    return std::shared_ptr<const Tree>(std::move(built));
+  });
+}
+
+PlaceIndex::PlaceIndex(const Map& map, const ShortlistParams& params, const PosePriorParams& prior) {
+  auto impl = std::make_unique<Impl>(map, params, prior);
+  const int n = static_cast<int>(map.models.size());
+  for (int m = 0; m < n; ++m)
+    impl->places.push_back(placeSignature(*map.view(m), impl->mounting, impl->prior));
+  impl->describePlaces();
+  impl_ = std::move(impl);
+}
+
+bool PlaceIndex::covers(const PoseWithCovariance& prior) {
+  constexpr double kTurns = 3, kMoves = 2.8;  // standard deviations
+  // The usual prior fits, of a camera high above an uneven floor, whose tilts move it, too.
+  constexpr double kTurn = 1.01 * kReachTurnDeg * kDegree, kMove = 1.1 * kReachMove;
+  return rotationAngle(prior.T.linear()) + kTurns * largestRotationStd(prior.P) <= kTurn &&
+         prior.T.translation().norm() + kMoves * largestTranslationStd(prior.P) <= kMove;
+}
+
+PlaceIndex::PlaceIndex(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+
+PlaceIndex PlaceIndex::of(const Map& map, const ShortlistParams& params, const PosePriorParams& prior) {
+  const auto written = map.store ? map.store->placeIndex() : nullptr;
+  if (!written) return PlaceIndex(map, params, prior);
+  try {
+    auto read = PlaceIndex::read(*written, map, params, prior);
+    return read ? std::move(*read) : PlaceIndex(map, params, prior);
+  } catch (const std::runtime_error& e) {
+    throw std::runtime_error(map.store->name() + ": is not sound: " + e.what());
+  }
+}
+
+void PlaceIndex::write(std::ostream& out) const {
+  BinaryWriter archive(out);
+  archive(impl_->header, impl_->places);
+}
+
+std::optional<PlaceIndex> PlaceIndex::read(std::istream& in, const Map& map, const ShortlistParams& params,
+                                           const PosePriorParams& prior) {
+  auto impl = std::make_unique<Impl>(map, params, prior);
+  BinaryReader archive(in);
+  Header written;
+  archive(written);
+  const bool has_tree = written.format == kFormatWithTree;
+  const bool is_known = has_tree || written.format == kFormatWithoutTurn || written.format == kFormat;
+  if (!is_known || !written.isOf(impl->header)) return std::nullopt;
+  const auto require = [](bool condition) {
+    if (!condition) throw std::runtime_error("its place index holds values that no index has");
+  };
+  archive(impl->places);
+  require(impl->places.size() == map.models.size() &&
+          std::all_of(impl->places.begin(), impl->places.end(), isSound));
+  impl->describePlaces();
+  if (has_tree) {
+    std::vector<int> owner;
+    std::vector<float> heading;
+    archive(owner, heading);
+    require(owner == impl->owner && heading == impl->heading);
+  }
+  return PlaceIndex(std::move(impl));
+}
+
+PlaceIndex::PlaceIndex(PlaceIndex&&) noexcept = default;
+PlaceIndex& PlaceIndex::operator=(PlaceIndex&&) noexcept = default;
+PlaceIndex::~PlaceIndex() = default;
+
+// How much can be hoped for from each model before it is aligned.
+std::vector<float> PlaceIndex::Impl::hopes(const PlaceSignature& scene) const {
+  std::vector<float> hope = votes(scene);
+  const PlaceOutlook outlook(scene);
+  constexpr std::size_t kAhead = 4;
+  for (std::size_t m = 0; m < places.size(); ++m) {
+    const PlaceSignature& ahead = places[std::min(m + kAhead, places.size() - 1)];
+    prefetch(ahead.walls), prefetch(ahead.surfaces);
+    hope[m] = kVotesWorth * hope[m] + outlook.of(places[m]);
+  }
+  return hope;
+}
+
+std::vector<float> PlaceIndex::Impl::votes(const PlaceSignature& scene) const {
+  std::vector<Descriptor> asked = describe(scene);
+  std::vector<float> total(places.size(), 0);
+  if (!tree.valid() || asked.empty()) return total;
+  const Tree& descriptors = *tree.get();
+  std::vector<float> sums(places.size() * kTurnBins, 0), nearest(places.size() * kTurnBins, 0);
+  std::vector<const Descriptor*> last(places.size(), nullptr);  // that a model has something like
+  std::vector<int> cells;
+  std::vector<std::vector<int>> found;
+  std::vector<std::vector<float>> distances;
+  const flann::SearchParams unlimited(flann::FLANN_CHECKS_UNLIMITED, 0, false);
+  for (Descriptor& d : asked) {
+    descriptors.radiusSearch(flann::Matrix<float>(d.at.data(), 1, kDimensions), found, distances,
+                             kRadius * kRadius, unlimited);
+    cells.clear();
+    int models = 0;
+    for (std::size_t i = 0; i < found[0].size(); ++i) {
+      const int id = found[0][i];
+      const float turn = wrapped(heading[id] - d.heading);
+      if (!(std::abs(turn) <= kLargestTurn)) continue;
+      const int cell = owner[id] * kTurnBins + static_cast<int>((turn + kLargestTurn) / kTurnBin);
+      if (nearest[cell] == 0) cells.push_back(cell);
+      nearest[cell] = std::max(nearest[cell], std::exp(-0.5f * distances[0][i]));
+      models += last[owner[id]] != &d;
+      last[owner[id]] = &d;
+    }
+    const float rarity =
+        std::log((static_cast<float>(places.size()) + 1) / static_cast<float>(std::max(models, 1)));
+    for (const int cell : cells) {
+      sums[cell] += rarity * nearest[cell];
+      nearest[cell] = 0;
+    }
+  }
+  for (std::size_t m = 0; m < places.size(); ++m) {
+    const float* bins = &sums[m * kTurnBins];
+    float best = 0;
+    for (int b = 0; b + 1 < kTurnBins; ++b) best = std::max(best, bins[b] + bins[b + 1]);
+    total[m] = best / expected[m];
+  }
+  return total;
+}
+
+std::vector<int> PlaceIndex::shortlist(const View& view, int n) const {
+  std::vector<int> models;
+  for (const Candidate& candidate : candidates(view, n)) models.push_back(candidate.model);
+  return models;
+}
+
+std::vector<Candidate> PlaceIndex::candidates(const View& view, int n,
+                                              const std::function<bool(int)>& excluded) const {
+  const ShortlistParams& params = impl_->params;
+  const std::vector<PlaceSignature>& places = impl_->places;
+  const PlaceSignature scene = placeSignature(view, impl_->mounting, impl_->prior);
+  if (n <= 0 || (scene.walls.empty() && scene.surfaces.empty())) return {};
+
+  const std::vector<float> hope = impl_->hopes(scene);
+  std::vector<int> models(places.size());
+  std::iota(models.begin(), models.end(), 0);
+  if (excluded) models.erase(std::remove_if(models.begin(), models.end(), excluded), models.end());
+  if (models.empty()) return {};
+  keepBest(hope, std::max(n, params.aligned_models), models);
+
+  PlaceAligner aligner(scene);
+  std::vector<PlaceAlignment> found(places.size());
+  std::vector<float> score(places.size());
+  const auto gap = static_cast<float>(params.gap);
+  float best = kNotAligned;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    const int m = models[i];
+    const PlaceSignature& ahead = places[models[std::min(i + 1, models.size() - 1)]];
+    prefetch(ahead.walls), prefetch(ahead.picture.depth);
+    found[m] = aligner.align(places[m], best - gap - kHopeWorth * hope[m]);
+    score[m] = std::max(found[m].score, kNotAligned) + kHopeWorth * hope[m];
+    best = std::max(best, score[m]);
+  }
+  keepBest(score, n, models);
+
+  std::vector<Candidate> candidates;
+  for (const int m : models) {
+    if (score[m] < score[models.front()] - gap) break;
+    Candidate candidate{m, static_cast<int>(candidates.size()), {}};
+    if (params.start_translation > 0 && found[m].score > PlaceAlignment{}.score)
+      candidate.start = cameraPose(found[m], scene, places[m]);
+    candidates.push_back(candidate);
+  }
+  return candidates;
+}
+
+std::size_t PlaceIndex::models() const { return impl_->places.size(); }
+std::size_t PlaceIndex::descriptors() const { return impl_->owner.size(); }
+
+std::size_t PlaceIndex::bytes() const {
+  std::size_t sum = sizeof *impl_;
+  for (const PlaceSignature& p : impl_->places)
+    sum += sizeof p + p.walls.capacity() * sizeof(Wall) + p.surfaces.capacity() * sizeof(LevelSurface) +
+           p.picture.depth.capacity() * sizeof(std::uint16_t);
+  sum += impl_->owner.capacity() * sizeof(int) +
+         (impl_->heading.capacity() + impl_->expected.capacity()) * sizeof(float);
+  // FLANN does not count its points, nor that it keeps a pointer to each and its number.
+  constexpr std::size_t kPoint = kDimensions * sizeof(float) + sizeof(float*) + sizeof(std::size_t);
+  if (impl_->tree.valid())
+    sum += static_cast<std::size_t>(impl_->tree.get()->usedMemory()) + impl_->owner.size() * kPoint;
+  return sum;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "pairs/query.h"
+#include "pairs/view_registration.h"
+#include "shortlist/plane_overlay.h"
+
+#include <facetloc/localization/localization_params.h>
+#include <facetloc/localization/place_index.h>
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace facetloc::internal {
+
+/** \brief A local model that a view is registered with, and about where correspondences are looked for. */
+struct Start {
+  int model = 0;
+  PoseWithCovariance T_m_c;
+};
+/** \brief Registered together, before anything is made of their answers; by increasing model. */
+using Batch = std::vector<Start>;
+
+/** \brief Knows which local models of a map a view is registered with, in which order, in which batches, and
+ * from which starts; nobody else does.
+ *
+ * Where the mounting of the camera is the map's, only the models on the list of a PlaceIndex: the likeliest
+ * first, then the others. For a camera in any attitude, many models, in the order of a PlaneOverlay: the very
+ * likeliest about that alone, then anywhere, then the others. All models at once if the map is small or the
+ * prior not the usual one. Never changes; thread-safe. */
+class Shortlist {
+public:
+  Shortlist(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params);
+
+  /** \brief At least one batch, which is empty for a view that fixes no pose. If the answer of one is sure,
+   * the next ones need not be asked. A model that comes again is asked anew, in place of what it said. \param
+   * on_floor the camera is mounted as the map's, and the query's prior is by this mounting \param
+   * threads 0 = all cores \param excluded models, if any are */
+  std::vector<Batch> batches(const Query& query, bool on_floor, int threads,
+                             const std::function<bool(int model)>& excluded = {}) const;
+  /** \brief The same for a prior of the caller's: one batch, about this prior. */
+  Batch batch(const Query& query, bool on_floor, int threads) const;
+
+private:
+  std::vector<Candidate> listed(const Query& query, int threads,
+                                const std::function<bool(int)>& excluded) const;
+  std::vector<Candidate> examined(const Query& query, std::vector<Candidate> aligned, int threads) const;
+  std::vector<Batch> overlaid(const Query& query, int threads,
+                              const std::function<bool(int)>& excluded) const;
+  Batch allModels(const Query& query, const std::function<bool(int)>& excluded) const;
+  PoseWithCovariance startAt(const Eigen::Isometry3d& T_m_c,
+                             const std::optional<CameraMounting>& mounting) const;
+
+  std::shared_ptr<const Map> map_;
+  GlobalLocalizationParams params_;
+  ViewRegistration registration_;
+  PosePriorParams start_;                    // how well a quick alignment tells a pose
+  std::shared_ptr<const PlaceIndex> index_;  // null for a small map, and where there is no mounting
+  std::vector<PlaneColumns> planes_;         // of each model; none in a small map
+};
+
+}  // namespace facetloc::internal

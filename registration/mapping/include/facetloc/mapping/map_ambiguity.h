@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/localization/global_localization.h>
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+/** \file
+ * A map is asked about itself: how much do wrong places score in it? Nothing else tells a place that
+ * looks like many from one that looks like no other where the map does not hold the right one (METHOD 11.5).
+ */
+
+namespace facetloc {
+
+/** \brief The local models whose views are asked for: all with a pose, or some of a large map. */
+std::vector<int> viewsToAsk(const Map& map);
+
+/** \brief How far the surroundings of a place reach, by whose local models it is found and not mistaken: 3 m,
+ * and in a small part of a map a third of its extent. */
+double reachOfSurroundings(const Map& map, int part);
+
+/** \brief The best wrong place for the view of a local model, in its map without the models that satisfy
+ * excluded or are in its surroundings, which those of other parts of the map may be; nothing if no other
+ * place is like it. */
+std::optional<Hypothesis> wrongPlace(const GlobalLocalization& localization, int model,
+                                     const std::function<bool(int model)>& excluded = {});
+
+/** \brief Of each local model the score of the best wrong place; nothing where none was asked for or found.
+ */
+using LookalikeScores = std::vector<std::optional<double>>;
+/** \brief The whole map is asked. */
+LookalikeScores lookalikeScores(const GlobalLocalization& localization);
+
+/** \brief The mean of the highest tenth; nothing of no scores. */
+std::optional<MapAmbiguity> ambiguityOf(const LookalikeScores& scores);
+
+/** \brief Puts them, and the ambiguity, into a map. */
+void setAmbiguity(const LookalikeScores& scores, Map& map);
+
+}  // namespace facetloc

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/mapping/mapping_params.h>
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief An image on a trajectory. */
+struct TrajectoryPose {
+  double stamp = 0;  ///< [s]
+  Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();
+  int keyframe = 0;  ///< the latest one, itself or before it
+};
+
+/** \brief A view on a trajectory that others are compared with. */
+struct Keyframe {
+  std::size_t image = 0;  ///< its number among the images
+  std::shared_ptr<const View> view;
+  PoseWithCovariance T_w_c;  ///< its covariance is relative to the first keyframe of its part
+  int part = 0;              ///< number of the first keyframe that motions lead to
+};
+
+/** \brief A motion between two keyframes by the images or by an odometry. */
+struct KeyframeMotion {
+  enum class Source {
+    odometry,  ///< from one to the next
+    overlap,   ///< they show the same, and the trajectory knew that they would
+    loop       ///< the trajectory has come back
+  };
+  int from = 0, to = 0;
+  PoseWithCovariance T_from_to;
+  Source source = Source::odometry;
+  double mismatch = 0;  ///< squared Mahalanobis distance from the trajectory, of 6 degrees of freedom
+};
+
+/** \brief Where a camera has been. Parts that nothing ties together have worlds of their own. */
+struct CameraTrajectory {
+  std::vector<TrajectoryPose> images;
+  std::vector<Keyframe> keyframes;
+  std::vector<KeyframeMotion> motions;  ///< that the poses come from
+
+  std::vector<int> parts() const;  ///< numbers of their first keyframes, the largest part first
+  int loops() const;               ///< number of motions by which it has come back
+  double length() const;           ///< of the way [m], without the jumps between parts
+};
+
+/** \brief Finds the trajectory of a depth camera, and nothing else is known: from image to image by
+ * ViewOdometry, from keyframe to keyframe by planes and pixels from several starts, and back to where it was
+ * by loops that confirm each other, all joined in a pose graph (METHOD 14.4).
+ *
+ *     facetloc::TrajectoryEstimation estimation;
+ *     for (...) estimation.add(view, stamp);
+ *     estimation.improve();
+ *     for (const facetloc::TrajectoryPose& p : estimation.trajectory().images) ...
+ *
+ * The world of a camera whose mounting is known is its first robot's: x forward, z up, z = 0 on the floor; of
+ * any other, its first optical frame. Same views, same trajectory, for any number of threads. */
+class TrajectoryEstimation {
+public:
+  /** \brief Throws std::invalid_argument for a parameter out of its range. */
+  explicit TrajectoryEstimation(const MappingParams& params = {});
+  TrajectoryEstimation(TrajectoryEstimation&&) noexcept;
+  TrajectoryEstimation& operator=(TrajectoryEstimation&&) noexcept;
+  ~TrajectoryEstimation();
+
+  /** \brief OpenMP threads; 1 by default, 0 = all cores. */
+  void setNumberOfThreads(int n);
+  /** \brief For a camera that is on for hours: at a place that has keyframes, the image hangs from one of
+   * them instead of becoming another, also where the camera has been carried to with closed eyes, and of the
+   * other images only the latest is kept. Off by default; to be
+   * called before the first image. */
+  void setEndless(bool endless);
+  /** \brief Takes the next image. \param stamp [s]; one that goes back counts as no time passed
+   * \param motion of the camera since the image before, by another odometry, if there is one
+   * \return true if it has become a keyframe. */
+  bool add(View view, double stamp, const std::optional<Eigen::Isometry3d>& motion = {});
+  /** \brief Where the latest image is, as known so far. */
+  PoseWithCovariance latest() const;
+  /** \brief The next image may show any other place: a recording begins again, somebody carries the camera.
+   */
+  void interrupt();
+  int keyframes() const;
+  /** \brief Number of the keyframe that the latest image hangs from. */
+  int latestKeyframe() const;
+  /** \brief Number of the first keyframe of the part that a keyframe belongs to. */
+  int part(int keyframe) const;
+  /** \brief T_w_c of a keyframe; its covariance is relative to the first one of its part. */
+  const PoseWithCovariance& pose(int keyframe) const;
+
+  /** \brief Compares keyframes with earlier ones, closes loops, and optimizes all poses, several times.
+   * \param progress if given, is called with the share of the work that is done, from one thread
+   * \param first number of the first keyframe that is compared; what is known of those before stays. */
+  void improve(const std::function<void(double)>& progress = {}, int first = 0);
+  /** \brief A copy, to be improved by another thread while images are added here. The views are shared. */
+  TrajectoryEstimation clone() const;
+  /** \brief Takes the poses and motions of the keyframes that a clone has, improved. Those that have been
+   * added since move rigidly with the keyframe before them. Throws std::invalid_argument if the clone has
+   * more keyframes than this. */
+  void adopt(const TrajectoryEstimation& improved);
+  CameraTrajectory trajectory() const;
+
+private:
+  struct Impl;
+  explicit TrajectoryEstimation(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace facetloc

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "depth/depth_consistency.h"
+#include "depth/depth_difference.h"
+#include "nearby/view_alignment.h"
+
+#include <facetloc/mapping/distortion_calibration.h>
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace facetloc {
+
+using namespace internal;
+namespace {
+
+constexpr int kNodes = DepthDistortion::kNodes;
+using NodeVector = Eigen::Matrix<double, kNodes, 1>;
+using NodeMatrix = Eigen::Matrix<double, kNodes, kNodes>;
+using NodesByMotion = Eigen::Matrix<double, 6, kNodes>;
+
+constexpr double kCorrelationLength = 0.4;  // of the field [normalised ray]: a third of a Kinect's image
+constexpr double kLeastShare = 0.01;        // of the noise, of the field's standard deviation at any node
+constexpr double kRoughness = 1e-4;         // of its variance, not correlated: keeps the prior regular
+constexpr ViewReach kReach{2.5, 60 * kDegree};
+constexpr int kPairsPerPicture = 8;
+constexpr int kFewestPixels = 40;    // of a coarse grid that two pictures must have in common
+constexpr double kPixelError = 1.5;  // of a difference of two inverse depths [noise std]: sqrt 2 and a bit
+constexpr double kCorrelatedPixels = 8;  // so many tell as much as one: neighbours err alike
+constexpr double kGate = 3;              // differences beyond so many errors have no weight
+constexpr int kIterations = 10;
+constexpr PoseAccuracy kExact{0.01 * kDegree, 0.0003};  // nobody knows them better
+constexpr PoseAccuracy kGoodEnough{0.3 * kDegree, 0.015};
+constexpr double kConverged = 0.01;  // change of the field [its prior's standard deviation]
+
+/** Two pictures that see the same. */
+struct Pair {
+  const DepthPicture *a, *b;
+  Eigen::Isometry3d T_b_a;
+  Vector6d motion = Vector6d::Zero();  // by which T_b_a was changed so far
+};
+
+/** Normal equations of one pair: of the field's nodes, and of the error of T_b_a. */
+struct PairEquations {
+  NodeMatrix A = NodeMatrix::Zero();
+  NodeVector h = NodeVector::Zero();
+  NodesByMotion coupling = NodesByMotion::Zero();
+  Matrix6d of_motion = Matrix6d::Zero();
+  Vector6d h_motion = Vector6d::Zero();
+};
+
+class Calibration {
+public:
+  Calibration(const std::vector<PosedPicture>& pictures, const SensorNoise& noise, const PoseAccuracy& poses)
+      : field_(DepthDistortion::extentOf(pictures.front().picture->camera)),
+        error_(kPixelError * noise.ofInverseDepth(DepthNoise::kUsualDepth)) {
+    for (int i = 0; i < kNodes; ++i) {
+      const double across = field_.rayOf(i).norm();
+      prior_std_[i] = std::max(kLeastShare * noise.ofInverseDepth(DepthNoise::kUsualDepth),
+                               std::hypot(noise.distortion_offset, noise.distortion_slope * across));
+    }
+    NodeMatrix covariance;
+    for (int i = 0; i < kNodes; ++i)
+      for (int k = 0; k < kNodes; ++k) {
+        const double d = (field_.rayOf(i) - field_.rayOf(k)).norm() / kCorrelationLength;
+        covariance(i, k) = prior_std_[i] * prior_std_[k] * (std::exp(-d * d / 2) + (i == k ? kRoughness : 0));
+      }
+    prior_information_ = covariance.llt().solve(NodeMatrix::Identity());
+    setPoseAccuracy(poses);
+    choosePairs(pictures);
+  }
+
+  bool empty() const { return pairs_.empty(); }
+
+  DistortionEstimate solve() {
+    for (int i = 0; i < kIterations && improve() > kConverged; ++i) {
+    }
+    return {field_, poses_};
+  }
+
+private:
+  void choosePairs(const std::vector<PosedPicture>& pictures);
+  bool overlap(const Pair& pair) const;
+  template <class Visitor>
+  void forEachDifference(const Pair& pair, int columns, const Visitor& visit) const;
+  PairEquations equationsOf(const Pair& pair) const;
+  double improve();
+  void setPoseAccuracy(const PoseAccuracy& poses);
+
+  DepthDistortion field_;
+  double error_;
+  NodeVector prior_std_;
+  NodeMatrix prior_information_;
+  PoseAccuracy poses_;
+  Vector6d motion_variance_;  // of the difference of two poses
+  std::vector<Pair> pairs_;
+};
+
+/** Calls visit(ray in a, inverse depth there, ray in b's axes, difference) for the pixels of a grid that b
+ * saw too. */
+template <class Visitor>
+void Calibration::forEachDifference(const Pair& pair, int columns, const Visitor& visit) const {
+  const DepthPicture& a = *pair.a;
+  const int step = gridStep(a, columns);
+  for (int v = step / 2; v < a.camera.height; v += step)
+    for (int u = step / 2; u < a.camera.width; u += step) {
+      const Eigen::Vector3d ray = a.camera.ray(u, v);
+      const double measured =
+          DepthPicture::kQuantum * a.inverse_depth[static_cast<std::size_t>(v) * a.camera.width + u];
+      if (measured < DepthDifference::kFarthest) continue;
+      const double inverse_depth = measured - field_.at(ray.head<2>());
+      if (!(inverse_depth > 0)) continue;
+      const Eigen::Vector3d turned = pair.T_b_a.linear() * ray;
+      DepthDifference d;
+      if (!compareDepth(turned, pair.T_b_a.translation(), inverse_depth, *pair.b, error_, d)) continue;
+      d.residual += field_.at({d.x, d.y});
+      visit(ray, inverse_depth, turned, d);
+    }
+}
+
+bool Calibration::overlap(const Pair& pair) const {
+  int common = 0;
+  const double largest = kGate * prior_std_.maxCoeff();
+  forEachDifference(pair, kCoarseColumns,
+                    [&](const Eigen::Vector3d&, double, const Eigen::Vector3d&, const DepthDifference& d) {
+                      common += std::abs(d.residual) < largest;
+                    });
+  return common >= kFewestPixels;
+}
+
+/** For each picture some of those that overlap with it, from all around. */
+void Calibration::choosePairs(const std::vector<PosedPicture>& pictures) {
+  for (const PosedPicture& a : pictures) {
+    std::vector<Pair> possible;
+    for (const PosedPicture& b : pictures) {
+      if (&a == &b || !std::isfinite(viewDistance(a.T_w_c, b.T_w_c, kReach))) continue;
+      const Pair pair{a.picture, b.picture, b.T_w_c.inverse() * a.T_w_c};
+      if (overlap(pair)) possible.push_back(pair);
+    }
+    const std::size_t n = std::min<std::size_t>(kPairsPerPicture, possible.size());
+    for (std::size_t i = 0; i < n; ++i) pairs_.push_back(possible[i * possible.size() / n]);
+  }
+}
+
+PairEquations Calibration::equationsOf(const Pair& pair) const {
+  PairEquations e;
+  const double information = 1 / (error_ * error_ * kCorrelatedPixels);
+  const double field_variance = 2 * prior_std_.squaredNorm() / kNodes;
+  forEachDifference(
+      pair, kFineColumns,
+      [&](const Eigen::Vector3d& ray, double inverse_depth, const Eigen::Vector3d& turned,
+          const DepthDifference& d) {
+        Vector6d J;
+        J << (turned / inverse_depth).cross(d.by_point), d.by_point;
+        const double largest2 =
+            kGate * kGate * (error_ * error_ + field_variance + J.cwiseAbs2().dot(motion_variance_));
+        const double residual2 = d.residual * d.residual;
+        if (residual2 >= largest2) return;
+        const double weight = information * std::pow(1 - residual2 / largest2, 2);  // Tukey's
+        // The nodes about the pixel in a, which change the point, and those about its place in b.
+        const double by_inverse_depth = -d.by_point.dot(turned) / (inverse_depth * inverse_depth);
+        const auto in_a = field_.weights(ray.head<2>()), in_b = field_.weights({d.x, d.y});
+        std::array<int, 8> node;
+        std::array<double, 8> by_node;
+        for (int k = 0; k < 4; ++k) {
+          node[k] = in_a.node[k], by_node[k] = -by_inverse_depth * in_a.weight[k];
+          node[k + 4] = in_b.node[k], by_node[k + 4] = in_b.weight[k];
+        }
+        for (int k = 0; k < 8; ++k) {
+          for (int l = 0; l < 8; ++l) e.A(node[k], node[l]) += weight * by_node[k] * by_node[l];
+          e.h[node[k]] += weight * by_node[k] * d.residual;
+          e.coupling.col(node[k]) += weight * by_node[k] * J;
+        }
+        e.of_motion += weight * J * J.transpose();
+        e.h_motion += weight * d.residual * J;
+      });
+  e.of_motion.diagonal() += motion_variance_.cwiseInverse();
+  e.h_motion += pair.motion.cwiseQuotient(motion_variance_);
+  return e;
+}
+
+void Calibration::setPoseAccuracy(const PoseAccuracy& poses) {
+  poses_ = {std::max(poses.rotation_std, kExact.rotation_std),
+            std::max(poses.translation_std, kExact.translation_std)};
+  motion_variance_ << Eigen::Vector3d::Constant(2 * poses_.rotation_std * poses_.rotation_std),
+      Eigen::Vector3d::Constant(2 * poses_.translation_std * poses_.translation_std);
+}
+
+/** One Gauss-Newton step, and the pose accuracy that it shows. \return its size [standard deviations of the
+ * prior]. */
+double Calibration::improve() {
+  NodeVector values = Eigen::Map<const NodeVector>(field_.values().data());
+  NodeMatrix A = prior_information_;
+  NodeVector h = prior_information_ * values;
+  struct Motion {
+    Vector6d alone;         // step if the field stays
+    NodesByMotion by_node;  // and how the field changes it
+    Vector6d variance;
+  };
+  std::vector<Motion> motions;
+  motions.reserve(pairs_.size());
+  for (const Pair& pair : pairs_) {
+    const PairEquations e = equationsOf(pair);
+    const Eigen::LLT<Matrix6d> solver(e.of_motion);
+    motions.push_back(
+        {solver.solve(e.h_motion), solver.solve(e.coupling), solver.solve(Matrix6d::Identity()).diagonal()});
+    A += e.A - e.coupling.transpose() * motions.back().by_node;
+    h += e.h - e.coupling.transpose() * motions.back().alone;
+  }
+  const NodeVector step = -A.llt().solve(h);
+  if (!step.allFinite()) return 0;
+  values += step;
+  DepthDistortion::Values nodes;
+  std::copy(values.data(), values.data() + kNodes, nodes.begin());
+  field_ = DepthDistortion(field_.extent(), nodes);
+  Vector6d squares = Vector6d::Zero();
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    const Vector6d motion = -(motions[i].alone + motions[i].by_node * step);
+    pairs_[i].motion += motion;
+    pairs_[i].T_b_a = perturbed(pairs_[i].T_b_a, motion);
+    squares += pairs_[i].motion.cwiseAbs2() + motions[i].variance;
+  }
+  const double n = 2 * 3 * static_cast<double>(pairs_.size());  // two poses, three axes
+  setPoseAccuracy({std::sqrt(squares.head<3>().sum() / n), std::sqrt(squares.tail<3>().sum() / n)});
+  return std::sqrt(step.cwiseQuotient(prior_std_).squaredNorm() / kNodes);
+}
+
+}  // namespace
+
+bool DistortionEstimate::reliable() const {
+  return poses.rotation_std <= kGoodEnough.rotation_std &&
+         poses.translation_std <= kGoodEnough.translation_std;
+}
+
+std::optional<DistortionEstimate> calibrateDistortion(const std::vector<PosedPicture>& pictures,
+                                                      const SensorNoise& noise, const PoseAccuracy& poses) {
+  std::vector<PosedPicture> used;
+  for (const PosedPicture& p : pictures)
+    if (!p.picture->empty()) used.push_back(p);
+  if (used.empty()) return {};
+  const Intrinsics& camera = used.front().picture->camera;
+  if (camera.width < 2 || camera.height < 2) return {};  // no field on a line
+  if (std::any_of(used.begin(), used.end(),
+                  [&](const PosedPicture& p) { return p.picture->camera != camera; }))
+    return {};
+  Calibration calibration(used, noise, poses);
+  if (calibration.empty()) return {};
+  return calibration.solve();
+}
+
+}  // namespace facetloc

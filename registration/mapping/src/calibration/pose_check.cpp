@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/mapping/pose_check.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numeric>
+
+namespace facetloc {
+namespace {
+
+constexpr std::size_t kEnough = 5;                      // motions
+constexpr double kDegrees = 1, kMetres = 0.02;          // what counts as much in a disagreement
+constexpr double kFineDegrees = 1, kFineMetres = 0.02;  // poses as good as that have no fault worth a word
+constexpr double kSenselessDegrees = 5, kSenselessMetres = 0.2;
+constexpr double kBetter = 0.5;  // share of the disagreement that is left without a fault
+
+enum class Axes { optical, body, opengl };
+
+/** One way to read poses. */
+struct Reading {
+  bool w_first = false, inverse = false;
+  Axes axes = Axes::optical;
+  double delay = 0;  // of the pose after its image [s]
+  double scale = 1;  // of translations
+};
+
+/** Orientation of the optical axes in others. */
+Eigen::Matrix3d opticalAxesIn(Axes axes) {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  if (axes == Axes::body) R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  if (axes == Axes::opengl) R.diagonal() << 1, -1, -1;
+  return R;
+}
+
+Eigen::Isometry3d read(const Reading& reading, Eigen::Isometry3d T) {
+  if (reading.w_first) {
+    const Eigen::Quaterniond q(T.linear());
+    T.linear() = Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w()).normalized().toRotationMatrix();
+  }
+  if (reading.inverse) T = T.inverse();
+  T.linear() = T.linear() * opticalAxesIn(reading.axes);
+  T.translation() *= reading.scale;
+  return T;
+}
+
+struct Pair {
+  Eigen::Isometry3d by_poses, by_images;
+};
+
+std::vector<Pair> pairsOf(const std::vector<SeenMotion>& motions, const PosesByTime& poses,
+                          const Reading& reading) {
+  std::vector<Pair> pairs;
+  for (const SeenMotion& motion : motions) {
+    const auto a = poses(motion.stamp_a + reading.delay), b = poses(motion.stamp_b + reading.delay);
+    if (a && b) pairs.push_back({read(reading, *a).inverse() * read(reading, *b), motion.T_a_b});
+  }
+  return pairs;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return std::numeric_limits<double>::infinity();
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+struct Error {
+  double degrees, metres;
+  double cost() const { return degrees / kDegrees + metres / kMetres; }
+};
+
+std::vector<Error> errorsOf(const std::vector<Pair>& pairs) {
+  std::vector<Error> errors;
+  for (const Pair& p : pairs) {
+    const Eigen::Isometry3d d = p.by_images.inverse() * p.by_poses;
+    errors.push_back({rotationAngle(d.linear()) / kDegree, d.translation().norm()});
+  }
+  return errors;
+}
+
+template <class Value>
+double medianOf(const std::vector<Error>& errors, const Value& value) {
+  std::vector<double> values;
+  for (const Error& error : errors) values.push_back(value(error));
+  return median(std::move(values));
+}
+
+PoseDisagreement disagreementOf(const std::vector<Pair>& pairs) {
+  if (pairs.empty()) return {};
+  const std::vector<Error> errors = errorsOf(pairs);
+  return {medianOf(errors, [](const Error& e) { return e.degrees; }),
+          medianOf(errors, [](const Error& e) { return e.metres; }), pairs.size()};
+}
+
+/** What is left of a disagreement, under one way to read the poses. */
+class Trial {
+public:
+  Trial(const std::vector<SeenMotion>& motions, const PosesByTime& poses)
+      : motions_(motions), poses_(poses) {}
+
+  double cost(const Reading& reading) const {
+    const std::vector<Pair> pairs = pairsOf(motions_, poses_, reading);
+    if (pairs.size() < std::max(kEnough, motions_.size() / 2)) return std::numeric_limits<double>::infinity();
+    std::vector<double> costs;
+    for (const Error& error : errorsOf(pairs)) costs.push_back(error.cost());
+    std::sort(costs.begin(), costs.end());
+    costs.resize(costs.size() - costs.size() / 4);  // motions that were not seen right
+    return std::accumulate(costs.begin(), costs.end(), 0.0) / static_cast<double>(costs.size());
+  }
+  std::vector<Pair> pairs(const Reading& reading) const { return pairsOf(motions_, poses_, reading); }
+
+  Reading bestConvention() const {
+    Reading best;
+    double least = kBetter * cost(best);
+    for (const bool w_first : {false, true})
+      for (const bool inverse : {false, true})
+        for (const Axes axes : {Axes::optical, Axes::body, Axes::opengl}) {
+          const Reading reading{w_first, inverse, axes, 0, 1};
+          if (const double c = cost(reading); c < least) best = reading, least = c;
+        }
+    return best;
+  }
+
+  /** The same reading with another clock, if that explains more than half. */
+  Reading withBestDelay(Reading reading) const {
+    constexpr double kFarthest = 1, kCoarse = 0.02, kFine = 0.005;  // [s]
+    const double as_given = cost(reading);
+    const auto search = [&](double from, double to, double step) {
+      Reading best = reading;
+      double least = std::numeric_limits<double>::infinity();
+      for (int i = 0; from + i * step <= to; ++i) {
+        Reading shifted = reading;
+        shifted.delay = from + i * step;
+        if (const double c = cost(shifted); c < least) best = shifted, least = c;
+      }
+      return best;
+    };
+    Reading best = search(-kFarthest, kFarthest, kCoarse);
+    best = search(best.delay - kCoarse, best.delay + kCoarse, kFine);
+    return cost(best) < kBetter * as_given ? best : reading;
+  }
+
+  Reading withBestScale(Reading reading) const {
+    std::vector<double> ratios;
+    for (const Pair& p : pairs(reading))
+      if (const double n = p.by_poses.translation().norm(); n > 0)
+        ratios.push_back(p.by_images.translation().norm() / n);
+    Reading scaled = reading;
+    if (!ratios.empty()) scaled.scale *= median(std::move(ratios));
+    return cost(scaled) < kBetter * cost(reading) ? scaled : reading;
+  }
+
+private:
+  const std::vector<SeenMotion>& motions_;
+  const PosesByTime& poses_;
+};
+
+std::string decimals(double value, int n) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", n, value);
+  return text;
+}
+
+std::string inWords(const Reading& r) {
+  std::vector<std::string> faults;
+  if (r.w_first) faults.emplace_back("their quaternions are in the order w x y z, where x y z w is expected");
+  if (r.inverse)
+    faults.emplace_back("they are inverted: of the world in the camera, not of the camera in the world");
+  if (r.axes == Axes::body)
+    faults.emplace_back(
+        "they are of a robot's axes (x forward, z up), not of the camera's optical frame (x right, "
+        "y down, z forward)");
+  if (r.axes == Axes::opengl)
+    faults.emplace_back(
+        "they are of axes with y up and z backward, not of the camera's optical frame (x right, y "
+        "down, z forward)");
+  if (r.delay != 0)
+    faults.push_back("their clock is another one: the pose of an image is stamped " +
+                     decimals(std::abs(r.delay), 2) + " s " + (r.delay > 0 ? "later" : "earlier"));
+  if (r.scale != 1)
+    faults.push_back("the images' motions are " + decimals(r.scale, 3) +
+                     " times as long: look at depth_scale of camera.ini and at the unit of the poses");
+  std::string words;
+  for (const std::string& fault : faults) words += (words.empty() ? "" : "; ") + fault;
+  return words;
+}
+
+/** If images turn more or less than their poses, throughout. */
+std::string focalFault(const std::vector<Pair>& pairs) {
+  constexpr double kLeastTurn = 3 * kDegree, kMuch = 1.08, kSpread = 0.5;
+  std::vector<double> ratios;
+  for (const Pair& p : pairs)
+    if (const double turn = rotationAngle(p.by_poses.linear()); turn > kLeastTurn)
+      ratios.push_back(rotationAngle(p.by_images.linear()) / turn);
+  if (ratios.size() < kEnough) return {};
+  const double ratio = median(ratios);
+  for (double& r : ratios) r = std::abs(r - ratio);
+  const double change = std::abs(ratio - 1);
+  if (std::max(ratio, 1 / ratio) < kMuch || median(ratios) > kSpread * change) return {};
+  return "the images turn " + decimals(ratio, 2) +
+         " times as much as their poses: look at fx and fy of camera.ini";
+}
+
+}  // namespace
+
+std::string PoseDisagreement::inWords() const {
+  return decimals(rotation_deg, 2) + " deg, " + decimals(1e3 * translation, 0) + " mm, median of " +
+         std::to_string(motions) + " motions";
+}
+
+bool PoseCheck::isKnown() const { return std::max(as_given.motions, mended.motions) >= kEnough; }
+
+bool PoseCheck::isBeyondSense() const {
+  if (!isKnown()) return false;
+  return wrong_convention || as_given.motions < kEnough || as_given.rotation_deg > kSenselessDegrees ||
+         as_given.translation > kSenselessMetres;
+}
+
+PoseCheck checkPoses(const std::vector<SeenMotion>& motions, const PosesByTime& poses) {
+  const Trial trial(motions, poses);
+  PoseCheck check;
+  check.as_given = check.mended = disagreementOf(trial.pairs({}));
+  const bool fine = check.as_given.motions >= kEnough && check.as_given.rotation_deg <= kFineDegrees &&
+                    check.as_given.translation <= kFineMetres;
+  if (fine || motions.size() < kEnough) return check;
+  const Reading best = trial.withBestDelay(trial.withBestScale(trial.bestConvention()));
+  check.cause = inWords(best);
+  check.wrong_convention = best.w_first || best.inverse || best.axes != Axes::optical || best.scale != 1;
+  if (check.cause.empty()) check.cause = focalFault(trial.pairs({}));
+  check.mended = disagreementOf(trial.pairs(best));
+  return check;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "graph/common_place.h"
+
+#include "graph/mutual_agreement.h"
+
+#include <algorithm>
+
+namespace facetloc::internal {
+namespace {
+
+constexpr double kSigmas = 3;      // of the session's errors that are allowed for
+constexpr double kTellingStd = 2;  // of the session between two keyframes, beyond which it says nothing [m]
+constexpr double kTellingRotation = 20 * kDegree;
+
+Agreement compare(const FoundKeyframe& a, const FoundKeyframe& b, const RelativePose& relative,
+                  const PlaceTolerance& tolerance) {
+  const auto in_session = relative(a.keyframe, b.keyframe);
+  if (!in_session) return Agreement::says_nothing;
+  const double std = largestTranslationStd(in_session->P), turn_std = largestRotationStd(in_session->P);
+  if (std > kTellingStd || turn_std > kTellingRotation) return Agreement::says_nothing;
+  const Vector6d off = perturbation(in_session->T, a.T_w_c.T.inverse() * b.T_w_c.T);
+  const bool agree = off.tail<3>().norm() <= tolerance.distance + kSigmas * std &&
+                     off.head<3>().norm() <= tolerance.rotation + kSigmas * turn_std;
+  return agree ? Agreement::agree : Agreement::contradict;
+}
+
+}  // namespace
+
+std::vector<FoundKeyframe> withCommonPlace(const std::vector<FoundKeyframe>& found,
+                                           const RelativePose& relative, const PlaceTolerance& tolerance,
+                                           std::size_t least) {
+  const int n = static_cast<int>(found.size());
+  const MutualAgreement agreement(
+      n, [&](int i, int j) { return compare(found[i], found[j], relative, tolerance); });
+  MutualAgreement::Largest largest = agreement.largest(
+      allOf(n), [](const MutualAgreement::Set& set) { return static_cast<int>(set.size()); });
+  if (largest.members.empty() || largest.members.size() < least || !largest.is_clear) return {};
+  std::sort(largest.members.begin(), largest.members.end());
+  std::vector<FoundKeyframe> out;
+  for (const int i : largest.members) out.push_back(found[i]);
+  return out;
+}
+
+}  // namespace facetloc::internal

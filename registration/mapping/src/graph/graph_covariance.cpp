@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "graph/graph_covariance.h"
+
+#include "graph/pose_problem.h"
+#include "shared/in_parallel.h"
+
+namespace facetloc::internal {
+namespace {
+
+// Of what is held, and keeps the normal matrix regular where nothing is known [1 / rad^2, 1 / m^2].
+constexpr double kHeld = 1e12, kLeast = 1e-8;
+
+}  // namespace
+
+GraphCovariance::GraphCovariance(const PoseGraph& graph, int threads)
+    : T_w_n_(graph.T_w_n), part_(partsOf(graph)), threads_(threads), holds_first_(!graph.floor) {
+  const Eigen::SparseMatrix<double> J = PoseProblem(graph, part_).jacobian();
+  Eigen::SparseMatrix<double> normal = Eigen::SparseMatrix<double>(J.transpose()) * J;
+  Eigen::SparseMatrix<double> least(normal.rows(), normal.cols());
+  least.setIdentity();
+  least *= kLeast;
+  if (holds_first_)
+    for (std::size_t i = 0; i < part_.size(); ++i)
+      for (int k = 0; part_[i] == static_cast<int>(i) && k < 6; ++k)
+        least.coeffRef(static_cast<Eigen::Index>(6 * i) + k, static_cast<Eigen::Index>(6 * i) + k) = kHeld;
+  normal += least;
+  factor_.compute(normal);
+  if (factor_.info() != Eigen::Success)
+    throw std::runtime_error("pose graph: its covariances cannot be computed");
+}
+
+const std::vector<Matrix6d>& GraphCovariance::ofNodes() const {
+  std::call_once(computed_, [&] {
+    std::vector<Matrix6d> P(T_w_n_.size(), Matrix6d::Zero());
+    forEachInParallel(static_cast<int>(P.size()), threads_, [&](int i) {
+      if (holds_first_ && part_[i] == i) return;
+      const Matrix6d P_ii = columns(i).middleRows<6>(6 * i);
+      P[i] = 0.5 * (P_ii + P_ii.transpose());
+    });
+    of_nodes_ = std::move(P);
+  });
+  return of_nodes_;
+}
+
+Eigen::MatrixXd GraphCovariance::columns(int node) const {
+  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(factor_.rows(), 6);
+  unit.middleRows<6>(6 * node).setIdentity();
+  return factor_.solve(unit);
+}
+
+// With the left, decoupled perturbations of both: d phi = R_a^T (d phi_b - d phi_a),
+// d t = R_a^T (d t_b - d t_a + [t_b - t_a]x d phi_a).
+PoseWithCovariance GraphCovariance::relative(int a, int b, const Matrix6d& P_aa, const Matrix6d& P_bb,
+                                             const Matrix6d& P_ba) const {
+  const Eigen::Isometry3d &T_w_a = T_w_n_[a], &T_w_b = T_w_n_[b];
+  Matrix6d by_a = -Matrix6d::Identity();
+  by_a.bottomLeftCorner<3, 3>() = skew(T_w_b.translation() - T_w_a.translation());
+  const Matrix6d cross = P_ba * by_a.transpose();
+  Matrix6d P = P_bb + cross + cross.transpose() + by_a * P_aa * by_a.transpose();
+  if (a == b) P.setZero();
+  return {T_w_a.inverse() * T_w_b, turned(T_w_a.linear().transpose(), P)};
+}
+
+std::optional<PoseWithCovariance> GraphCovariance::between(int a, int b) const {
+  if (part_[a] != part_[b]) return {};
+  const Eigen::MatrixXd of_a = columns(a), of_b = columns(b);
+  return relative(a, b, of_a.middleRows<6>(6 * a), of_b.middleRows<6>(6 * b), of_a.middleRows<6>(6 * b));
+}
+
+std::vector<std::optional<PoseWithCovariance>> GraphCovariance::relativeTo(int node) const {
+  const std::vector<Matrix6d>& P = ofNodes();
+  std::vector<std::optional<PoseWithCovariance>> out(T_w_n_.size());
+  const Eigen::MatrixXd of_node = columns(node);
+  for (int b = 0; b < static_cast<int>(T_w_n_.size()); ++b)
+    if (part_[b] == part_[node]) out[b] = relative(node, b, P[node], P[b], of_node.middleRows<6>(6 * b));
+  return out;
+}
+
+}  // namespace facetloc::internal

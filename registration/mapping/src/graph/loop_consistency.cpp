@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "graph/loop_consistency.h"
+
+#include "graph/mutual_agreement.h"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace facetloc::internal {
+namespace {
+
+constexpr double kEllipsoid = 12.59;  // of 95 % in 6 degrees of freedom
+constexpr double kTellingStd = 0.5;   // of a round trip, beyond which it tells nothing [m]
+constexpr double kTellingRotation = 10 * kDegree;
+
+using RelativePoses = std::map<int, std::vector<std::optional<PoseWithCovariance>>>;  // from some nodes
+
+Agreement compare(const PoseEdge& a, const PoseEdge& b, const RelativePoses& from) {
+  const auto &there = from.at(a.to)[b.to], &back = from.at(b.from)[a.from];
+  if (!there || !back) return Agreement::says_nothing;
+  const PoseWithCovariance round = a.T_from_to * *there * inverse(b.T_from_to) * *back;
+  if (largestTranslationStd(round.P) > kTellingStd || largestRotationStd(round.P) > kTellingRotation)
+    return Agreement::says_nothing;
+  const Vector6d off = perturbation(Eigen::Isometry3d::Identity(), round.T);
+  return off.dot(round.P.ldlt().solve(off)) < kEllipsoid ? Agreement::agree : Agreement::contradict;
+}
+
+}  // namespace
+
+std::vector<bool> consistentLoops(const std::vector<PoseEdge>& loops, const GraphCovariance& graph,
+                                  int least) {
+  RelativePoses from;
+  for (const PoseEdge& loop : loops)
+    for (const int node : {loop.from, loop.to})
+      if (!from.count(node)) from.emplace(node, graph.relativeTo(node));
+  const int n = static_cast<int>(loops.size());
+  const MutualAgreement agreement(n, [&](int i, int j) { return compare(loops[i], loops[j], from); });
+  const auto keyframes = [&](const MutualAgreement::Set& set) {
+    std::set<int> begin, end;
+    for (const int i : set) begin.insert(loops[i].from), end.insert(loops[i].to);
+    return static_cast<int>(std::min(begin.size(), end.size()));
+  };
+
+  std::vector<bool> confirmed(loops.size(), false);
+  MutualAgreement::Set left = allOf(n);
+  for (;;) {
+    const MutualAgreement::Largest largest = agreement.largest(left, keyframes);
+    if (largest.members.empty() || keyframes(largest.members) < least) return confirmed;
+    for (const int i : largest.members) confirmed[i] = largest.is_clear;
+    for (const MutualAgreement::Set* done : {&largest.members, &largest.against})
+      for (const int i : *done) left.erase(std::find(left.begin(), left.end(), i));
+  }
+}
+
+}  // namespace facetloc::internal

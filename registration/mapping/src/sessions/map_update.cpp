@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sessions/seen_through.h"
+#include "motion/view_placing.h"
+#include "nearby/view_alignment.h"
+#include "shared/in_parallel.h"
+
+#include <facetloc/mapping/map_session.h>
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+namespace facetloc {
+
+using namespace internal;
+
+namespace {
+
+constexpr ViewReach kKnownReach{1, 30 * kDegree};       // of local models that make a place known [m]
+constexpr std::size_t kMostLooks = 16;                  // nearest images that one local model is judged by
+constexpr double kOtherPlace = 0.1, kOtherTurnDeg = 5;  // of two images that count as two looks [m]
+constexpr double kLoose = 0.1, kLooseRotation = 2 * kDegree;  // errors of an image's place in the map [m]
+constexpr double kTrustedAgreement = 0.6;  // of an image with the map around it, below which it is misplaced
+constexpr double kConvincingAgreement = 0.92;  // of an image whose place nothing else confirms
+constexpr int kFewestPixels = 60;              // that two views must have in common
+
+/** Aligned images are off by their noise, and pixels of one surface err alike: many of them together tell
+ * smaller differences than one does. */
+DepthConsistencyParams narrowComparison() {
+  DepthConsistencyParams params;
+  params.absolute_error /= 2;
+  params.relative_error /= 2;
+  return params;
+}
+
+/** An image of the session as one local model has it. */
+struct Look {
+  std::size_t image;
+  Eigen::Isometry3d T_m_c;
+  DepthAgreement seen;
+};
+
+/** What the session says of the local models, which stay as they are. */
+class Review {
+public:
+  Review(const Map& map, const std::vector<SessionImage>& session, const MapSessionParams& params,
+         int threads)
+      : map_(map),
+        session_(session),
+        comparison_(DepthConsistencyParams{}),
+        narrow_(narrowComparison()),
+        looks_(map.models.size()),
+        reviews_(map.models.size()) {
+    const int n = static_cast<int>(map.models.size());
+    forEachInParallel(n, threads, [&](int m) { looks_[m] = looksAt(m); });
+    trusted_ = trustedImages();
+    forEachInParallel(n, threads, [&](int m) {
+      std::vector<PosedPicture> others;
+      for (const Look& look : looks_[m])
+        if (trusted_[look.image]) others.push_back({&session_[look.image].view->depth, look.T_m_c});
+      reviews_[m] = reviewSurfaces(map_.models[m].view, others, narrow_, params.looks);
+    });
+  }
+  const SurfaceReview& of(std::size_t model) const { return reviews_[model]; }
+  bool trusts(std::size_t image) const { return trusted_[image]; }
+
+private:
+  /** The nearest images from different places, each aligned with the local model by what the two show. */
+  std::vector<Look> looksAt(int m) const {
+    const LocalModel& model = map_.models[m];
+    std::vector<std::pair<double, std::size_t>> near;
+    for (std::size_t i = 0; model.T_w_m && i < session_.size(); ++i) {
+      const double distance = viewDistance(*model.T_w_m, session_[i].T_w_c);
+      if (std::isfinite(distance)) near.emplace_back(distance, i);
+    }
+    std::sort(near.begin(), near.end());
+    Vector6d loose;
+    loose << Eigen::Vector3d::Constant(kLooseRotation), Eigen::Vector3d::Constant(kLoose);
+    const Matrix6d P = loose.cwiseAbs2().asDiagonal();
+    std::vector<Look> looks;
+    for (const auto& by_distance : near) {
+      if (looks.size() == kMostLooks) break;
+      const auto i = by_distance.second;
+      const Eigen::Isometry3d T_m_c = model.T_w_m->inverse() * session_[i].T_w_c;
+      const bool same = std::any_of(looks.begin(), looks.end(), [&](const Look& look) {
+        return isNear(session_[look.image].T_w_c, session_[i].T_w_c, kOtherPlace, kOtherTurnDeg);
+      });
+      if (same) continue;
+      Look look{i, T_m_c, agreement(m, i, T_m_c)};
+      const auto placed = placing_.place(*session_[i].view, model.view, {T_m_c, P}, false);
+      if (placed && isNear(placed->T_a_b, T_m_c, 2 * kLoose, 2 * kLooseRotation / kDegree)) {
+        const DepthAgreement aligned = agreement(m, i, placed->T_a_b);
+        if (aligned.likelihood > look.seen.likelihood || look.seen.judged() < kFewestPixels)
+          look.T_m_c = placed->T_a_b, look.seen = aligned;
+      }
+      if (look.seen.judged() >= kFewestPixels) looks.push_back(look);
+    }
+    return looks;
+  }
+  DepthAgreement agreement(int m, std::size_t image, const Eigen::Isometry3d& T_m_c) const {
+    return comparison_.compareBoth(session_[image].view->depth, map_.models[m].view.depth, T_m_c,
+                                   kFineColumns);
+  }
+  /** What contradicts most of the map around it is in the wrong place, and tells nothing. */
+  std::vector<char> trustedImages() const {
+    std::vector<DepthAgreement> sums(session_.size());
+    for (const auto& of_model : looks_)
+      for (const Look& look : of_model) sums[look.image] += look.seen;
+    std::vector<char> trusted;
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      const double least = session_[i].confirmed ? kTrustedAgreement : kConvincingAgreement;
+      trusted.push_back(sums[i].agree >= least * (sums[i].agree + sums[i].contradict));
+    }
+    return trusted;
+  }
+
+  const Map& map_;
+  const std::vector<SessionImage>& session_;
+  DepthComparison comparison_, narrow_;
+  ViewPlacing placing_;
+  std::vector<std::vector<Look>> looks_;
+  std::vector<char> trusted_;  // of each image: it is where it is thought to be
+  std::vector<SurfaceReview> reviews_;
+};
+
+class Update {
+public:
+  Update(Map& map, const std::vector<SessionImage>& session, const MapBuilderParams& builder,
+         const MapSessionParams& params)
+      : map_(map),
+        session_(session),
+        near_(builder),
+        builder_(builder),
+        params_(params),
+        comparison_(DepthConsistencyParams{}),
+        used_(session.size(), false),
+        trusted_(session.size(), false),
+        removed_(map.models.size(), false),
+        fresh_(map.models.size(), false),
+        edited_(map.models.size(), false) {
+    for (const LocalModel& model : map.models) names_.insert(model.name);
+  }
+
+  /** Takes out what is gone; what has lost much is replaced by the image nearest to it, if one is near. */
+  void retire(const Review& review) {
+    for (std::size_t i = 0; i < used_.size(); ++i) {
+      trusted_[i] = review.trusts(i);
+      used_[i] = !trusted_[i];
+    }
+    for (std::size_t m = 0; m < removed_.size(); ++m) {
+      const SurfaceReview& of_model = review.of(m);
+      if (of_model.judged == 0) continue;
+      ++changes_.seen;
+      changes_.surfaces += of_model.gone_segments.size();
+      changes_.of_surfaces += static_cast<std::size_t>(of_model.judged_segments);
+      const bool much = of_model.goneShare() > params_.changed_share;
+      if (of_model.gone_segments.empty() && !much) continue;
+      LocalModel& model = map_.models[m];
+      const auto image = much ? nearestImage(*model.T_w_m) : std::nullopt;
+      if (image) {
+        replace(m, *image);
+        continue;
+      }
+      View left = withoutGone(model.view, of_model);
+      if (left.segments.empty()) {
+        removed_[m] = true;
+        changes_.retired.push_back(model.name);
+        changes_.T_w_old.push_back(*model.T_w_m);
+      } else {
+        model.view = std::move(left);
+        edited_[m] = true;
+      }
+    }
+  }
+
+  /** Images become local models where the map does not show what they show. Where one is already, an image
+   * takes its place, if other images of the session confirm what is new. */
+  void add() {
+    for (std::size_t i = 0; i < session_.size(); ++i) {
+      if (used_[i] || session_[i].view->segments.empty()) continue;
+      if (isKnown(session_[i], {}, params_.known_share)) continue;
+      if (const auto beside = modelBeside(session_[i].T_w_c)) {
+        const bool is_old = *beside < fresh_.size() && !fresh_[*beside];
+        if (is_old && !isKnown(session_[i], {}, 1 - params_.changed_share) &&
+            isKnown(session_[i], otherLooks(i), params_.known_share))
+          replace(*beside, i);
+        continue;
+      }
+      const std::size_t at = map_.models.size();
+      const int nearest = nearestModel(session_[i].T_w_c, [](const auto&) { return true; });
+      changes_.added.push_back(take(i).name);
+      removed_.push_back(false);
+      if (nearest >= 0)
+        map_.links.push_back(
+            builder_.link(nearest, static_cast<int>(at), *map_.models[nearest].T_w_m, session_[i].T_w_c));
+    }
+  }
+
+  MapChanges finish() {
+    for (std::size_t m = 0; m < edited_.size(); ++m) {
+      if (!edited_[m] || fresh_[m]) continue;
+      changes_.edited.push_back(map_.models[m].name);
+      changes_.T_w_edited.push_back(*map_.models[m].T_w_m);
+    }
+    std::vector<int> index(map_.models.size(), -1);
+    std::vector<LocalModel> models;
+    for (std::size_t m = 0; m < map_.models.size(); ++m) {
+      if (removed_[m]) continue;
+      index[m] = static_cast<int>(models.size());
+      models.push_back(std::move(map_.models[m]));
+    }
+    std::vector<Link> links;
+    for (Link link : map_.links) {
+      link.from = index[link.from], link.to = index[link.to];
+      if (link.from >= 0 && link.to >= 0) links.push_back(link);
+    }
+    map_.models = std::move(models);
+    map_.links = std::move(links);
+    if (changes_.any()) map_.ambiguity.reset();
+    return std::move(changes_);
+  }
+
+private:
+  bool isBeside(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const {
+    return isNear(a, b, near_.distance, near_.rotation_deg);
+  }
+  /** The nearest of the local models that are at the same place, if there is one. */
+  std::optional<std::size_t> modelBeside(const Eigen::Isometry3d& T_w_c) const {
+    const int nearest =
+        nearestModel(T_w_c, [&](const Eigen::Isometry3d& T_w_m) { return isBeside(T_w_m, T_w_c); });
+    return nearest < 0 ? std::nullopt : std::optional<std::size_t>(nearest);
+  }
+
+  /** The images of the session that have seen the place of one of them from elsewhere. */
+  std::vector<PosedPicture> otherLooks(std::size_t image) const {
+    std::vector<PosedPicture> looks;
+    const Eigen::Isometry3d& T_w_c = session_[image].T_w_c;
+    for (std::size_t i = 0; i < session_.size(); ++i)
+      if (trusted_[i] && !isNear(session_[i].T_w_c, T_w_c, kOtherPlace, kOtherTurnDeg) &&
+          std::isfinite(viewDistance(session_[i].T_w_c, T_w_c, kKnownReach)))
+        looks.push_back({&session_[i].view->depth, session_[i].T_w_c});
+    return looks;
+  }
+
+  std::optional<std::size_t> nearestImage(const Eigen::Isometry3d& T_w_m) const {
+    std::optional<std::size_t> nearest;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < session_.size(); ++i) {
+      if (used_[i] || session_[i].view->segments.empty() || !isBeside(T_w_m, session_[i].T_w_c)) continue;
+      const double distance = viewDistance(T_w_m, session_[i].T_w_c);
+      if (distance < least) least = distance, nearest = i;
+    }
+    return nearest;
+  }
+
+  /** -1 if none has much in common with a view from there. \param counts those that may be the nearest */
+  template <class Counts>
+  int nearestModel(const Eigen::Isometry3d& T_w_c, const Counts& counts) const {
+    int nearest = -1;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t m = 0; m < map_.models.size(); ++m) {
+      if (removed_[m] || !map_.models[m].T_w_m || !counts(*map_.models[m].T_w_m)) continue;
+      const double distance = viewDistance(*map_.models[m].T_w_m, T_w_c);
+      if (distance < least) least = distance, nearest = static_cast<int>(m);
+    }
+    return nearest;
+  }
+
+  /** Do local models, and others, agree with such a share of an image? */
+  bool isKnown(const SessionImage& image, std::vector<PosedPicture> others, double share) const {
+    for (std::size_t m = 0; m < map_.models.size(); ++m)
+      if (!removed_[m] && map_.models[m].T_w_m &&
+          std::isfinite(viewDistance(*map_.models[m].T_w_m, image.T_w_c, kKnownReach)))
+        others.push_back({&map_.models[m].view.depth, *map_.models[m].T_w_m});
+    const DepthPicture& picture = image.view->depth;
+    const int step = gridStep(picture, kFineColumns);
+    const double farthest = comparison_.farthest() / DepthPicture::kQuantum;
+    int pixels = 0;
+    for (int v = step / 2; v < picture.camera.height; v += step)
+      for (int u = step / 2; u < picture.camera.width; u += step)
+        pixels += picture.inverse_depth[static_cast<std::size_t>(v) * picture.camera.width + u] >= farthest;
+    const DepthAgreement seen = compareWithAll(picture, image.T_w_c, others, comparison_, kFineColumns);
+    return !others.empty() && seen.agree >= share * pixels;
+  }
+
+  LocalModel modelOf(std::size_t i) {
+    const SessionImage& image = session_[i];
+    used_[i] = true;
+    std::string name = image.name;
+    for (int k = 2; !names_.insert(name).second; ++k) name = image.name + "_" + std::to_string(k);
+    LocalModel model{name, image.stamp, image.T_w_c, *image.view};
+    model.view.camera.reset();  // the map's
+    changes_.T_w_new.push_back(image.T_w_c);
+    return model;
+  }
+  const LocalModel& take(std::size_t i) {
+    map_.models.push_back(modelOf(i));
+    return map_.models.back();
+  }
+  void replace(std::size_t m, std::size_t i) {
+    fresh_[m] = true;
+    changes_.T_w_old.push_back(*map_.models[m].T_w_m);
+    LocalModel model = modelOf(i);
+    changes_.replaced.push_back({map_.models[m].name, model.name});
+    map_.models[m] = std::move(model);
+    for (Link& link : map_.links) {
+      if (link.from != static_cast<int>(m) && link.to != static_cast<int>(m)) continue;
+      const auto &from = map_.models[link.from].T_w_m, &to = map_.models[link.to].T_w_m;
+      if (from && to) link = builder_.link(link.from, link.to, *from, *to);
+    }
+  }
+
+  Map& map_;
+  const std::vector<SessionImage>& session_;
+  MapBuilderParams near_;
+  MapBuilder builder_;
+  MapSessionParams params_;
+  DepthComparison comparison_;
+  std::vector<bool> used_;     // images that become no local model any more
+  std::vector<bool> trusted_;  // images
+  std::vector<bool> removed_;  // local models
+  std::vector<bool> fresh_;    // local models of the map that an image has replaced
+  std::vector<bool> edited_;   // those that have lost surfaces
+  std::set<std::string> names_;
+  MapChanges changes_;
+};
+
+}  // namespace
+
+MapChanges updateMap(Map& map, const std::vector<SessionImage>& session, const MapBuilderParams& builder,
+                     const MapSessionParams& params, int threads) {
+  params.validate();
+  if (map.store) throw std::invalid_argument("a map is updated in memory: read it with readMap()");
+  Update update(map, session, builder, params);
+  update.retire(Review(map, session, params, threads));
+  update.add();
+  return update.finish();
+}
+
+}  // namespace facetloc

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "graph/common_place.h"
+#include "graph/graph_covariance.h"
+#include "trajectory/keyframe_graph.h"
+#include "shared/in_parallel.h"
+
+#include <facetloc/mapping/map_session.h>
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+
+namespace facetloc {
+
+using namespace internal;
+
+namespace {
+
+// Errors of an answer that its covariance does not know: those of the local model's own pose.
+constexpr double kMapRotation = 0.2 * kDegree, kMapTranslation = 0.01;  // [m]
+
+constexpr double kFarEllipsoid = 22.46;  // of 99.9 % in 6 degrees of freedom
+
+// Of a keyframe in the map, beyond which nothing is concluded from it [m].
+constexpr double kCertainRotation = 2 * kDegree, kCertainTranslation = 0.1;
+
+PlaceTolerance toleranceOf(const MapSessionParams& params) {
+  return {params.agreement_distance, params.agreement_deg * kDegree};
+}
+
+/** The sure answers of all keyframes. */
+std::vector<FoundKeyframe> sureKeyframes(const GlobalLocalization& localization,
+                                         const CameraTrajectory& trajectory, const MapSessionParams& params,
+                                         int threads, const std::function<void()>& progress) {
+  const int n = static_cast<int>(trajectory.keyframes.size());
+  std::vector<std::optional<PoseWithCovariance>> T_w_c(trajectory.keyframes.size());
+  std::mutex mutex;
+  forEachInParallel(n, threads, [&](int k) {
+    const Localization answer = localization.localize(*trajectory.keyframes[k].view);
+    if (answer.state(params.min_probability) == AnswerState::sure && answer.hypotheses.front().T_w_c) {
+      const Hypothesis& h = answer.hypotheses.front();
+      const Eigen::Isometry3d T_w_m = *h.T_w_c * h.T_m_c.T.inverse();
+      PoseWithCovariance T = T_w_m * h.T_m_c;
+      T.P.diagonal().head<3>().array() += kMapRotation * kMapRotation;
+      T.P.diagonal().tail<3>().array() += kMapTranslation * kMapTranslation;
+      T_w_c[k] = T;
+    }
+    if (!progress) return;
+    const std::lock_guard<std::mutex> lock(mutex);
+    progress();
+  });
+  std::vector<FoundKeyframe> found;
+  for (int k = 0; k < n; ++k)
+    if (T_w_c[k]) found.push_back({k, *T_w_c[k]});
+  return found;
+}
+
+/** Of its keyframes alone: the floor of the map is not the floor of the session's world. */
+PoseGraph graphOf(const CameraTrajectory& trajectory) {
+  std::vector<Eigen::Isometry3d> T_w_k;
+  for (const Keyframe& k : trajectory.keyframes) T_w_k.push_back(k.T_w_c.T);
+  return keyframeGraph(T_w_k, trajectory.motions, {}, MappingParams().odometry.key_distance);
+}
+
+/** The parts of a graph without the edges that its poses contradict. */
+std::vector<int> withoutBreaks(PoseGraph graph, const GraphPoses& poses) {
+  std::vector<PoseEdge> sound;
+  for (std::size_t i = 0; i < graph.edges.size(); ++i)
+    if (poses.mismatch[i] <= kFarEllipsoid) sound.push_back(graph.edges[i]);
+  graph.edges = std::move(sound);
+  return partsOf(graph);
+}
+
+bool isCertain(const Matrix6d& P) {
+  return largestRotationStd(P) <= kCertainRotation && largestTranslationStd(P) <= kCertainTranslation;
+}
+
+std::vector<FoundKeyframe> without(const std::vector<FoundKeyframe>& found,
+                                   const std::vector<FoundKeyframe>& set) {
+  std::vector<FoundKeyframe> out;
+  std::copy_if(found.begin(), found.end(), std::back_inserter(out), [&](const FoundKeyframe& f) {
+    return std::none_of(set.begin(), set.end(),
+                        [&](const FoundKeyframe& other) { return other.keyframe == f.keyframe; });
+  });
+  return out;
+}
+
+/** T_w_s of the set's members, one each, and of these the one that lies in the middle of the others. */
+Eigen::Isometry3d middlePlace(const std::vector<FoundKeyframe>& set, const std::vector<Keyframe>& keyframes) {
+  std::vector<Eigen::Isometry3d> T_w_s;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const FoundKeyframe& f : set) {
+    T_w_s.push_back(f.T_w_c.T * keyframes[f.keyframe].T_w_c.T.inverse());
+    centre += keyframes[f.keyframe].T_w_c.T.translation() / double(set.size());
+  }
+  const auto sumOfDistances = [&](const Eigen::Isometry3d& T) {
+    double sum = 0;
+    for (const Eigen::Isometry3d& other : T_w_s) sum += (T * centre - other * centre).norm();
+    return sum;
+  };
+  return *std::min_element(T_w_s.begin(), T_w_s.end(), [&](const auto& a, const auto& b) {
+    return sumOfDistances(a) < sumOfDistances(b);
+  });
+}
+
+std::vector<FoundKeyframe> ofPart(const std::vector<FoundKeyframe>& found, const CameraTrajectory& trajectory,
+                                  int part) {
+  std::vector<FoundKeyframe> out;
+  std::copy_if(found.begin(), found.end(), std::back_inserter(out),
+               [&](const FoundKeyframe& f) { return trajectory.keyframes[f.keyframe].part == part; });
+  return out;
+}
+
+}  // namespace
+
+std::string SessionPlace::inWords() const {
+  return std::to_string(sure) + " of " + std::to_string(asked) + (asked == 1 ? " image is" : " images are") +
+         " sure, " + std::to_string(agreeing) + " of them agree";
+}
+
+SessionPlace placeInMap(const GlobalLocalization& localization, const CameraTrajectory& trajectory,
+                        const MapSessionParams& params, int threads, const std::function<void()>& progress) {
+  params.validate();
+  SessionPlace place;
+  place.asked = trajectory.keyframes.size();
+  place.T_w_k.resize(trajectory.keyframes.size());
+  place.confirmed.assign(trajectory.keyframes.size(), false);
+  const std::vector<FoundKeyframe> found = sureKeyframes(localization, trajectory, params, threads, progress);
+  place.sure = found.size();
+  if (found.empty()) return place;
+
+  const PoseGraph of_session = graphOf(trajectory);
+  const GraphCovariance known(of_session, threads);
+  std::map<int, std::vector<std::optional<PoseWithCovariance>>> from;
+  const RelativePose relative = [&](int a, int b) {
+    const auto at = from.find(a);
+    return (at != from.end() ? at : from.emplace(a, known.relativeTo(a)).first)->second[b];
+  };
+
+  PoseGraph graph;  // node 0 is the map's world
+  graph.T_w_n.push_back(Eigen::Isometry3d::Identity());
+  graph.T_w_n.insert(graph.T_w_n.end(), of_session.T_w_n.begin(), of_session.T_w_n.end());
+  for (PoseEdge edge : of_session.edges) {
+    ++edge.from, ++edge.to;
+    edge.may_be_wrong = true;  // a trajectory may break anywhere, and the map is there to tell
+    graph.edges.push_back(edge);
+  }
+  const auto least = static_cast<std::size_t>(params.min_agreeing);
+  for (const int part : trajectory.parts()) {
+    std::vector<FoundKeyframe> left = ofPart(found, trajectory, part);
+    const std::vector<FoundKeyframe> main = withCommonPlace(left, relative, toleranceOf(params), least);
+    if (main.empty()) continue;
+    place.agreeing += main.size();
+    const Eigen::Isometry3d T_w_s = middlePlace(main, trajectory.keyframes);
+    for (std::size_t k = 0; k < trajectory.keyframes.size(); ++k)
+      if (trajectory.keyframes[k].part == part) graph.T_w_n[k + 1] = T_w_s * graph.T_w_n[k + 1];
+    // Stretches beyond a break of the trajectory agree among themselves.
+    for (std::vector<FoundKeyframe> set = main; !set.empty();
+         set = withCommonPlace(left, relative, toleranceOf(params), least)) {
+      for (const FoundKeyframe& f : set) graph.edges.push_back({0, f.keyframe + 1, f.T_w_c, true});
+      left = without(left, set);
+    }
+  }
+  if (!place.found()) return place;
+  const GraphPoses poses = optimized(graph);
+  const std::vector<int> part = withoutBreaks(graph, poses);
+  for (std::size_t k = 0; k < place.T_w_k.size(); ++k)
+    if (part[k + 1] == part[0] && isCertain(poses.nodes[k + 1].P)) place.T_w_k[k] = poses.nodes[k + 1].T;
+  for (const FoundKeyframe& f : found) {
+    auto& T_w_k = place.T_w_k[f.keyframe];
+    if (!T_w_k) continue;
+    place.confirmed[f.keyframe] = isNear(*T_w_k, f.T_w_c.T, params.agreement_distance, params.agreement_deg);
+    if (!place.confirmed[f.keyframe]) T_w_k.reset();  // it is sure to be elsewhere
+  }
+  return place;
+}
+
+SessionPlace placeRigidly(const GlobalLocalization& localization, const CameraTrajectory& trajectory,
+                          const MapBuilderParams& accuracy, const MapSessionParams& params, int threads,
+                          const std::function<void()>& progress) {
+  params.validate();
+  SessionPlace place;
+  place.asked = trajectory.keyframes.size();
+  place.T_w_k.resize(trajectory.keyframes.size());
+  place.confirmed.assign(trajectory.keyframes.size(), false);
+  const std::vector<FoundKeyframe> found = sureKeyframes(localization, trajectory, params, threads, progress);
+  place.sure = found.size();
+  const MapBuilder builder(accuracy);
+  const RelativePose relative = [&](int a, int b) {
+    return builder.link(a, b, trajectory.keyframes[a].T_w_c.T, trajectory.keyframes[b].T_w_c.T).T_from_to;
+  };
+  const std::vector<FoundKeyframe> set =
+      withCommonPlace(found, relative, toleranceOf(params), static_cast<std::size_t>(params.min_agreeing));
+  if (set.empty()) return place;
+  place.agreeing = set.size();
+  place.confirmed.assign(trajectory.keyframes.size(), true);
+
+  // Two nodes, the world and the session: each answer is a measurement of the motion between them.
+  const Eigen::Isometry3d start = middlePlace(set, trajectory.keyframes);
+  PoseGraph graph;
+  graph.T_w_n = {Eigen::Isometry3d::Identity(), start};
+  for (const FoundKeyframe& f : set)
+    graph.edges.push_back({0, 1, f.T_w_c * inverse(trajectory.keyframes[f.keyframe].T_w_c), true});
+  const Eigen::Isometry3d T_w_s = optimized(graph, false).nodes[1].T;
+  const bool stays =
+      std::all_of(trajectory.keyframes.begin(), trajectory.keyframes.end(), [&](const Keyframe& k) {
+        return isNear(T_w_s * k.T_w_c.T, k.T_w_c.T, params.agreement_distance, params.agreement_deg);
+      });
+  for (std::size_t k = 0; k < place.T_w_k.size(); ++k)
+    place.T_w_k[k] = stays ? trajectory.keyframes[k].T_w_c.T : T_w_s * trajectory.keyframes[k].T_w_c.T;
+  return place;
+}
+
+}  // namespace facetloc

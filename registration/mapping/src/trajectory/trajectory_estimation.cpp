@@ -1,0 +1,696 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "graph/graph_covariance.h"
+#include "trajectory/keyframe_graph.h"
+#include "graph/loop_consistency.h"
+#include "motion/step_prior.h"
+#include "motion/view_placing.h"
+#include "shared/in_parallel.h"
+#include "shared/pose_fusion.h"
+#include "motion/view_odometry.h"
+
+#include <facetloc/registration/pose_prior.h>
+#include <facetloc/mapping/trajectory_estimation.h>
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+namespace facetloc {
+
+using namespace internal;
+
+namespace {
+
+using Source = KeyframeMotion::Source;
+
+constexpr double kFarEllipsoid = 22.46;  // of 99.9 % in 6 degrees of freedom
+constexpr double kLongStep = 0.2;        // after which the next image may show another place [s]
+constexpr double kSamePosition = 0.05, kSameRotationDeg = 2;  // of an odometry that is right [m]
+constexpr double kSparse = 0.02, kSparseTurnDeg = 1;          // of a camera that has moved between images [m]
+constexpr double kClearAgreement = 0.9;                       // of an image with the keyframes before it
+constexpr double kLeastOverlap = 0.2;  // share of the pixels of two keyframes that they have in common
+constexpr double kLoopOverlap = 0.3;   // share that an uncertain loop must have in common
+constexpr double kUnknown = 100;       // standard deviation of what two views do not tell [m, rad]
+constexpr double kTrustedRotation = 5 * kDegree;
+constexpr double kUncertainStd = 1, kUncertainRotation = 10 * kDegree;  // beyond which rooms look alike [m]
+constexpr int kMostUncertain = 15;       // earlier keyframes that one is compared with far from certainty
+constexpr int kLocal = 20;               // keyframes in a row between which no loop is closed
+constexpr std::size_t kMostTies = 4000;  // pairs of keyframes of two parts that are compared
+constexpr double kMoved = 0.02, kTurned = 0.5;  // of a prior, after which a pair is compared anew [m, deg]
+constexpr int kLooks = 3;  // keyframes of a place that an image is compared with before it becomes another
+constexpr double kSureAgreement = 0.95,
+                 kSureOverlap = 0.7;  // of a lost image with a keyframe that it hangs from
+constexpr double kSureStd = 0.05;     // of its position beside that one [m]
+constexpr int kCrowded = 3;           // keyframes of one place, after which it gets no more
+
+PoseWithCovariance measured(const PlacedView& placed) {
+  Matrix6d information = placed.information;
+  information.diagonal().array() += 1 / (kUnknown * kUnknown);
+  return {placed.T_a_b, withSharedErrors(symmetricInverse(information))};
+}
+
+double mahalanobis(const PoseWithCovariance& T, const Eigen::Isometry3d& other, const Matrix6d& P_other) {
+  const Vector6d d = perturbation(T.T, other);
+  return d.dot((T.P + P_other).ldlt().solve(d));
+}
+
+/** Two keyframes, compared. */
+struct Comparison {
+  Eigen::Isometry3d prior = Eigen::Isometry3d::Identity();  // where they were thought to be
+  std::optional<PlacedView> placed;
+};
+/** A small picture of inverse depths, to find those first that look alike. */
+constexpr int kThumbColumns = 8, kThumbRows = 6;
+using Thumbnail = std::array<double, kThumbColumns * kThumbRows>;
+
+Thumbnail thumbnail(const DepthPicture& picture) {
+  Thumbnail sum = {}, n = {};
+  const int width = picture.camera.width, height = picture.camera.height;
+  for (std::size_t i = 0; i < picture.inverse_depth.size(); ++i) {
+    const int u = static_cast<int>(i) % width, v = static_cast<int>(i) / width;
+    const int cell = v * kThumbRows / height * kThumbColumns + u * kThumbColumns / width;
+    sum[cell] += picture.inverse_depth[i];
+    n[cell] += picture.inverse_depth[i] > 0;
+  }
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = n[i] > 0 ? sum[i] / n[i] : 0;
+  return sum;
+}
+
+double difference(const Thumbnail& a, const Thumbnail& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += std::abs(a[i] - b[i]);
+  return sum;
+}
+
+std::vector<int> inOrder(std::vector<std::pair<double, int>> by_distance) {
+  std::sort(by_distance.begin(), by_distance.end());
+  std::vector<int> numbers;
+  for (const auto& [ignored, number] : by_distance) numbers.push_back(number);
+  return numbers;
+}
+
+using Comparisons = std::map<std::pair<int, int>, Comparison>;
+
+// Puts parts that have been tied where their first ties say, so that the optimization begins near its end.
+void alignParts(const std::vector<KeyframeMotion>& all, std::vector<PoseWithCovariance>& T_w_k,
+                std::vector<int>& part) {
+  for (const KeyframeMotion& m : all) {
+    if (part[m.from] == part[m.to]) continue;
+    const bool forward = part[m.from] < part[m.to];  // the later part moves
+    const int moved = forward ? part[m.to] : part[m.from], kept = forward ? part[m.from] : part[m.to];
+    const Eigen::Isometry3d T_w_moved =
+        forward ? T_w_k[m.from].T * m.T_from_to.T * T_w_k[m.to].T.inverse()
+                : T_w_k[m.to].T * m.T_from_to.T.inverse() * T_w_k[m.from].T.inverse();
+    for (std::size_t i = 0; i < part.size(); ++i)
+      if (part[i] == moved) {
+        T_w_k[i].T = T_w_moved * T_w_k[i].T;
+        part[i] = kept;
+      }
+  }
+}
+
+}  // namespace
+
+std::vector<int> CameraTrajectory::parts() const {
+  std::map<int, int> size;
+  for (const Keyframe& k : keyframes) ++size[k.part];
+  std::vector<int> out;
+  for (const auto& [part, n] : size) out.push_back(part);
+  std::stable_sort(out.begin(), out.end(), [&](int a, int b) { return size[a] > size[b]; });
+  return out;
+}
+
+int CameraTrajectory::loops() const {
+  return static_cast<int>(std::count_if(motions.begin(), motions.end(),
+                                        [](const KeyframeMotion& m) { return m.source == Source::loop; }));
+}
+
+double CameraTrajectory::length() const {
+  double sum = 0;
+  for (std::size_t i = 1; i < images.size(); ++i)
+    if (keyframes[images[i].keyframe].part == keyframes[images[i - 1].keyframe].part)
+      sum += (images[i].T_w_c.translation() - images[i - 1].T_w_c.translation()).norm();
+  return sum;
+}
+
+struct TrajectoryEstimation::Impl {
+  explicit Impl(const MappingParams& the_params)
+      : params(checked(the_params)),
+        odometry(params.odometry, alignmentWithCovariance(), DepthComparison(DepthConsistencyParams{})) {}
+
+  struct Image {
+    double stamp;
+    int keyframe;
+    Eigen::Isometry3d T_k_c;  // from its keyframe
+  };
+  struct Node {
+    std::size_t image;
+    std::shared_ptr<const View> view;
+    int before;                                 // the keyframe that the way led from
+    std::optional<Eigen::Isometry3d> T_before;  // in that one, as found with it
+  };
+  /** From one image to the next. */
+  struct Motion {
+    PoseWithCovariance T;    // by what is no comparison with a keyframe
+    Eigen::Isometry3d best;  // by everything
+    bool known, guessed;
+  };
+  /** Of an image, beside the latest keyframe. */
+  struct Position {
+    PoseWithCovariance by_motion;  // by what is no comparison with that keyframe
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    bool known = true;                 // nothing has broken since
+    bool guessed = false;              // how a camera may move is all that by_motion comes from
+    bool follows = true;               // odometry is right
+    std::optional<PlacedView> placed;  // if it has been compared with that keyframe, and agrees
+  };
+
+  bool add(View&& view, double stamp, const std::optional<Eigen::Isometry3d>& motion);
+  Motion motionOf(const ViewMotion& seen, bool is_sparse,
+                  const std::optional<Eigen::Isometry3d>& given) const;
+  PoseWithCovariance withDrift(const Eigen::Isometry3d& motion) const;
+  PoseWithCovariance guessedStep() const;
+  Position moved(const Position& from, const Motion& step) const;
+  Position place(const std::shared_ptr<const View>& view, const Position& thought) const;
+  bool beginAgain(const std::shared_ptr<const View>& view, double stamp);
+  bool hang(const std::shared_ptr<const View>& view, const Position& at);
+  bool hangFromKnown(const View& view, const Position& at);
+  void hangFrom(int keyframe, const PoseWithCovariance& T_k_c);
+  std::vector<int> keyframesAround(const Eigen::Isometry3d& T_w_c) const;
+  std::vector<int> keyframesAlike(const View& view) const;
+  void takeKeyframe(const std::shared_ptr<const View>& view, const Position& at);
+  void begin(const std::shared_ptr<const View>& view);
+  bool slides() const;
+  std::optional<CameraMounting> mounting() const;
+  void improve(const std::function<void(double)>& progress, int first);
+  void adopt(const Impl& improved);
+  void optimize(std::vector<KeyframeMotion> relations);
+  PoseGraph graphOf(const std::vector<KeyframeMotion>& all) const;
+  std::vector<KeyframeMotion> compareKeyframes(const GraphCovariance& known, int first);
+  std::vector<KeyframeMotion> tieParts(const GraphCovariance& known, int first);
+  const Comparison* comparisonOf(const std::pair<int, int>& pair) const;
+  std::optional<PlacedView> compare(int a, int b, const PoseWithCovariance& prior, bool search) const;
+  bool agrees(const KeyframeMotion& m) const;
+
+  MappingParams params;
+  ViewOdometry odometry;
+  ViewPlacing placing;
+  int threads = 1;
+  bool endless = false, interrupted = false;
+  std::vector<Image> images;
+  std::vector<Node> nodes;
+  std::vector<KeyframeMotion> chain, relations;
+  std::vector<PoseWithCovariance> T_w_k;
+  std::vector<int> part;
+  std::shared_ptr<const Comparisons> compared = std::make_shared<Comparisons>();
+  Comparisons compared_since;          // what compared does not know of yet
+  int current = 0;                     // the keyframe that the latest image hangs from
+  Position since;                      // that keyframe
+  std::shared_ptr<const View> latest;  // view
+};
+
+std::optional<CameraMounting> TrajectoryEstimation::Impl::mounting() const {
+  if (nodes.empty() || !nodes.front().view->camera) return {};
+  return nodes.front().view->camera->mounting;
+}
+
+// Has a robot been seen to move sideways more often than errors explain?
+bool TrajectoryEstimation::Impl::slides() const {
+  constexpr double kSure = 3, kOften = 0.1;
+  constexpr int kFewest = 10;  // steps
+  const auto m = mounting();
+  if (!m) return true;
+  int seen = 0, sideways = 0;
+  for (const KeyframeMotion& step : relations) {
+    if (step.to != step.from + 1) continue;
+    const SidewaysShift s = sidewaysShift(step.T_from_to, *m);
+    if (s.variance > kSidewaysStd * kSidewaysStd) continue;
+    ++seen;
+    sideways += std::abs(s.shift) > kSure * std::sqrt(s.variance + kSidewaysStd * kSidewaysStd);
+  }
+  return seen >= kFewest && sideways > kOften * seen;
+}
+
+void TrajectoryEstimation::Impl::begin(const std::shared_ptr<const View>& view) {
+  PoseWithCovariance T;
+  if (view->camera && view->camera->mounting) T.T = view->camera->mounting->T_b_c();
+  T_w_k.push_back(T);
+  part.push_back(static_cast<int>(nodes.size()) - 1);
+}
+
+bool TrajectoryEstimation::Impl::add(View&& moved_view, double stamp,
+                                     const std::optional<Eigen::Isometry3d>& given) {
+  const auto view = std::make_shared<const View>(std::move(moved_view));
+  const double dt = images.empty() ? 0 : std::max(0.0, stamp - images.back().stamp);
+  const ViewMotion seen = odometry.add(*view, dt);
+  if (nodes.empty()) {
+    images.push_back({stamp, 0, Eigen::Isometry3d::Identity()});
+    nodes.push_back({0, latest = view, 0, {}});
+    begin(view);
+    return true;
+  }
+  if (std::exchange(interrupted, false)) return beginAgain(view, stamp);
+  const bool is_sparse = dt > kLongStep;
+  const Motion step = motionOf(seen, is_sparse, given);
+  const bool shows_anything = !view->segments.empty() || !view->depth.empty();
+  Position at = moved(since, step);
+  if (shows_anything && (is_sparse || seen.broken || seen.agreement < kClearAgreement)) {
+    at = place(view, at);
+    if (!at.placed && latest && latest != nodes[current].view) {
+      hang(latest, since);
+      at = place(view, moved(since, step));
+    }
+    if (!at.follows) {
+      odometry.reset();
+      odometry.add(*view, 0);
+    }
+  }
+  since = std::move(at);
+  latest = shows_anything ? view : nullptr;
+  if (endless && nodes.back().image + 1 < images.size()) images.pop_back();
+  images.push_back({stamp, current, since.T});
+  const double way = is_sparse ? kSparse : params.odometry.key_distance,
+               turn_deg = is_sparse ? kSparseTurnDeg : params.odometry.key_rotation_deg;
+  if (!shows_anything || (since.known && isNear(since.T, Eigen::Isometry3d::Identity(), way, turn_deg)))
+    return false;
+  if (!since.placed) since = place(view, since);
+  return hang(view, Position(since));
+}
+
+// Those of the same part where an image is, the nearest first.
+std::vector<int> TrajectoryEstimation::Impl::keyframesAround(const Eigen::Isometry3d& T_w_c) const {
+  std::vector<std::pair<double, int>> around;
+  for (int k = 0; k < static_cast<int>(nodes.size()); ++k)
+    if (k != current && part[k] == part[current] &&
+        isNear(T_w_k[k].T, T_w_c, params.odometry.key_distance, params.odometry.key_rotation_deg))
+      around.push_back({viewDistance(T_w_k[k].T, T_w_c), k});
+  return inOrder(around);
+}
+
+// All of them; those whose depth pictures look most like the view's come first.
+std::vector<int> TrajectoryEstimation::Impl::keyframesAlike(const View& view) const {
+  const Thumbnail of_view = thumbnail(view.depth);
+  std::vector<std::pair<double, int>> alike;
+  for (int k = 0; k < static_cast<int>(nodes.size()); ++k)
+    alike.push_back({difference(of_view, thumbnail(nodes[k].view->depth)), k});
+  return inOrder(alike);
+}
+
+void TrajectoryEstimation::Impl::hangFrom(int keyframe, const PoseWithCovariance& T_k_c) {
+  current = keyframe;
+  since = {};
+  since.T = T_k_c.T;
+  since.by_motion = T_k_c;
+}
+
+// Finds a keyframe of its place that shows the same, or any of a crowded place.
+bool TrajectoryEstimation::Impl::hangFromKnown(const View& view, const Position& at) {
+  const Eigen::Isometry3d T_w_c = T_w_k[current].T * at.T;
+  const Matrix6d step = stepCovariance(mounting(), true);
+  const std::vector<int> around = at.known ? keyframesAround(T_w_c) : keyframesAlike(view);
+  for (int i = 0; i < std::min<int>(kLooks, around.size()); ++i) {
+    const int k = around[i];
+    PoseWithCovariance prior{Eigen::Isometry3d::Identity(), step};
+    if (at.known) prior.T = T_w_k[k].T.inverse() * T_w_c;
+    const auto placed = placing.place(view, *nodes[k].view, prior, !at.known);
+    if (!placed || placed->agreement < (at.known ? kClearAgreement : kSureAgreement) ||
+        placed->overlap < (at.known ? kLoopOverlap : kSureOverlap) ||
+        (!at.known && largestTranslationStd(measured(*placed).P) > kSureStd))
+      continue;
+    hangFrom(
+        k, {placed->T_a_b, withSharedErrors(symmetricInverse(placed->information + symmetricInverse(step)))});
+    since.placed = placed;
+    return true;
+  }
+  if (!at.known || around.size() < kCrowded) return false;
+  const int k = around.front();
+  hangFrom(k, {T_w_k[k].T.inverse() * T_w_c, guessedStep().P});
+  return true;
+}
+
+// Of a camera that may be anywhere.
+bool TrajectoryEstimation::Impl::beginAgain(const std::shared_ptr<const View>& view, double stamp) {
+  odometry.reset();
+  odometry.add(*view, 0);
+  if (endless && nodes.back().image + 1 < images.size()) images.pop_back();
+  images.push_back({stamp, current, Eigen::Isometry3d::Identity()});
+  latest = view;
+  Position nowhere;
+  nowhere.known = false;
+  return hang(view, nowhere);
+}
+
+// The latest image becomes a keyframe or, of an endless trajectory, hangs from one that is there.
+// Returns true for a new one.
+bool TrajectoryEstimation::Impl::hang(const std::shared_ptr<const View>& view, const Position& at) {
+  if (endless && hangFromKnown(*view, at)) {
+    images.back().keyframe = current;
+    images.back().T_k_c = since.T;
+    return false;
+  }
+  takeKeyframe(view, at);
+  return true;
+}
+
+// By an odometry that is given and by the views, each as well as it knows.
+TrajectoryEstimation::Impl::Motion
+TrajectoryEstimation::Impl::motionOf(const ViewMotion& seen, bool is_sparse,
+                                     const std::optional<Eigen::Isometry3d>& given) const {
+  const bool is_seen = !seen.broken && !is_sparse;
+  if (!given)
+    return is_seen ? Motion{seen.T_a_b, seen.T_a_b.T, true, false}
+                   : Motion{guessedStep(), seen.T_a_b.T, !seen.broken, true};
+  PoseWithCovariance T = withDrift(*given);
+  if (is_seen) T = fused(T, seen.T_a_b);
+  return {T, T.T, true, false};
+}
+
+PoseWithCovariance TrajectoryEstimation::Impl::withDrift(const Eigen::Isometry3d& motion) const {
+  return motionByOdometry(
+      motion, mounting(),
+      {params.odometry_drift, params.odometry_turn_deg, kSharedTranslation, kSharedRotation / kDegree});
+}
+
+PoseWithCovariance TrajectoryEstimation::Impl::guessedStep() const {
+  return {Eigen::Isometry3d::Identity(), stepCovariance(mounting(), slides())};
+}
+
+TrajectoryEstimation::Impl::Position TrajectoryEstimation::Impl::moved(const Position& from,
+                                                                       const Motion& step) const {
+  Position out;
+  out.by_motion = from.by_motion * step.T;
+  out.T = from.T * step.best;
+  out.known = from.known && step.known;
+  out.guessed = from.guessed || step.guessed;
+  return out;
+}
+
+// Beside the latest keyframe: where it is thought to be, or elsewhere if the two views say so.
+TrajectoryEstimation::Impl::Position
+TrajectoryEstimation::Impl::place(const std::shared_ptr<const View>& view, const Position& thought) const {
+  PoseWithCovariance prior{Eigen::Isometry3d::Identity(), stepCovariance(mounting(), true)};
+  if (thought.known) prior.T = thought.T;
+  if (thought.known && !thought.guessed) prior.P = withSharedErrors(thought.by_motion.P);
+  Position out = thought;
+  std::optional<PlacedView> placed = placing.place(*view, *nodes[current].view, prior, true);
+  out.follows = false;
+  if (!placed || placed->agreement < params.min_agreement || placed->overlap < kLeastOverlap) return out;
+  out.follows = thought.known && isNear(placed->T_a_b, thought.T, kSamePosition, kSameRotationDeg);
+  const PoseWithCovariance seen = measured(*placed);
+  if (!out.guessed && mahalanobis(seen, out.by_motion.T, withSharedErrors(out.by_motion.P)) > kFarEllipsoid)
+    out.by_motion = {placed->T_a_b, guessedStep().P};
+  out.T = placed->T_a_b;
+  out.placed = std::move(placed);
+  out.known = true;
+  return out;
+}
+
+// The latest image becomes one.
+void TrajectoryEstimation::Impl::takeKeyframe(const std::shared_ptr<const View>& view, const Position& at) {
+  const int a = current, b = static_cast<int>(nodes.size());
+  nodes.push_back({images.size() - 1, view, a, {}});
+  if (at.known) {
+    nodes.back().T_before = at.T;
+    chain.push_back({a, b, {at.by_motion.T, withSharedErrors(at.by_motion.P)}, Source::odometry, 0});
+    if (at.placed) {
+      compared_since[{a, b}] = {at.T, at.placed};
+      relations.push_back({a, b, measured(*at.placed), Source::overlap, 0});
+    }
+    T_w_k.push_back(T_w_k[a] * PoseWithCovariance{at.T, chain.back().T_from_to.P});
+    part.push_back(part[a]);
+  } else {
+    begin(view);
+  }
+  current = b;
+  since = {};
+  images.back().keyframe = b;
+  images.back().T_k_c.setIdentity();
+}
+
+std::optional<PlacedView> TrajectoryEstimation::Impl::compare(int a, int b, const PoseWithCovariance& prior,
+                                                              bool search) const {
+  auto placed = placing.place(*nodes[b].view, *nodes[a].view, prior, search);
+  if (placed && (placed->agreement < params.min_agreement || placed->overlap < kLeastOverlap)) placed.reset();
+  return placed;
+}
+
+// Of keyframes of one part. What the trajectory has known is an overlap; what it has not, a loop that others
+// must confirm.
+std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const GraphCovariance& known,
+                                                                         int first) {
+  struct Pair {
+    int a;
+    PoseWithCovariance T_a_b;
+    bool certain;
+    std::optional<PlacedView> placed;
+  };
+  const int n = static_cast<int>(nodes.size());
+  std::vector<std::vector<Pair>> of_node(n);
+  const ViewReach reach{params.reach, params.reach_deg * kDegree};
+  forEachInParallel(n - first, threads, [&](int i_b) {
+    const int b = first + i_b;
+    const auto T_b = known.relativeTo(b);
+    std::vector<std::pair<double, Pair>> certain, uncertain;
+    for (int a = 0; a < b; ++a) {
+      if (!T_b[a]) continue;
+      const PoseWithCovariance T = inverse(*T_b[a]);
+      const double std = largestTranslationStd(T.P);
+      if (std <= params.trusted_std && largestRotationStd(T.P) <= kTrustedRotation) {
+        const double distance = viewDistance(Eigen::Isometry3d::Identity(), T.T, reach);
+        if (std::isfinite(distance)) certain.push_back({distance, {a, T, true, {}}});
+      } else if (b - a > kLocal && std <= kUncertainStd && largestRotationStd(T.P) <= kUncertainRotation) {
+        const double beyond = std::max(0.0, T.T.translation().norm() - params.reach) / std;
+        if (beyond < 3) uncertain.push_back({beyond, {a, T, false, {}}});
+      }
+    }
+    for (auto* pairs : {&certain, &uncertain}) {
+      std::stable_sort(pairs->begin(), pairs->end(),
+                       [](const auto& x, const auto& y) { return x.first < y.first; });
+      const int most = pairs == &certain ? params.neighbours : kMostUncertain;
+      for (int i = 0; i < std::min<int>(most, pairs->size()); ++i) of_node[b].push_back((*pairs)[i].second);
+    }
+    const PoseWithCovariance anywhere{Eigen::Isometry3d::Identity(), posePrior(mounting())};
+    for (Pair& p : of_node[b]) {
+      const Comparison* before = comparisonOf({p.a, b});
+      if (before && isNear(before->prior, p.T_a_b.T, kMoved, kTurned))
+        p.placed = before->placed;
+      else if (p.certain)
+        p.placed = compare(p.a, b, p.T_a_b, largestTranslationStd(p.T_a_b.P) > 0.1);
+      else
+        p.placed = compare(p.a, b, anywhere, true);
+    }
+  });
+
+  const auto all = std::make_shared<Comparisons>(*compared);
+  for (const auto& [pair, comparison] : compared_since) (*all)[pair] = comparison;
+  std::vector<KeyframeMotion> out;
+  std::vector<PoseEdge> uncertain;
+  for (int b = first; b < n; ++b)
+    for (Pair& p : of_node[b]) {
+      (*all)[{p.a, b}] = {p.T_a_b.T, p.placed};
+      if (!p.placed) continue;
+      const PoseWithCovariance T = measured(*p.placed);
+      if (mahalanobis(p.T_a_b, T.T, T.P) > kFarEllipsoid) continue;
+      if (p.certain)
+        out.push_back({p.a, b, T, b - p.a > kLocal ? Source::loop : Source::overlap, 0});
+      else if (p.placed->overlap >= kLoopOverlap && p.placed->agreement >= kClearAgreement)
+        uncertain.push_back({p.a, b, T, true});
+    }
+  compared = all;
+  compared_since.clear();
+  const std::vector<bool> confirmed = consistentLoops(uncertain, known, params.consistent_loops);
+  for (std::size_t i = 0; i < uncertain.size(); ++i)
+    if (confirmed[i])
+      out.push_back({uncertain[i].from, uncertain[i].to, uncertain[i].T_from_to, Source::loop, 0});
+  return out;
+}
+
+const Comparison* TrajectoryEstimation::Impl::comparisonOf(const std::pair<int, int>& pair) const {
+  const auto latest_one = compared_since.find(pair);
+  if (latest_one != compared_since.end()) return &latest_one->second;
+  const auto earlier = compared->find(pair);
+  return earlier == compared->end() ? nullptr : &earlier->second;
+}
+
+// Where a chain has broken, by keyframes that show the same on both sides.
+std::vector<KeyframeMotion> TrajectoryEstimation::Impl::tieParts(const GraphCovariance& known, int first) {
+  std::vector<std::pair<int, int>> pairs;
+  const int n = static_cast<int>(nodes.size());
+  for (int b = first; b < n; ++b)
+    for (int a = 0; a < b; ++a)
+      if (part[a] != part[b]) pairs.emplace_back(a, b);
+  if (pairs.empty()) return {};
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const auto& x, const auto& y) { return x.second - x.first < y.second - y.first; });
+  std::vector<std::pair<int, int>> some;  // all near the breaks, and then less and less
+  for (std::size_t i = 0; i < pairs.size() && some.size() < kMostTies;
+       i += 1 + (i > kMostTies / 2 ? pairs.size() / kMostTies : 0))
+    some.push_back(pairs[i]);
+  std::vector<std::optional<PlacedView>> placed(some.size());
+  const PoseWithCovariance anywhere{Eigen::Isometry3d::Identity(), posePrior(mounting())};
+  forEachInParallel(static_cast<int>(some.size()), threads,
+                    [&](int i) { placed[i] = compare(some[i].first, some[i].second, anywhere, true); });
+  std::vector<PoseEdge> ties;
+  for (std::size_t i = 0; i < some.size(); ++i)
+    if (placed[i] && placed[i]->overlap >= kLoopOverlap && placed[i]->agreement >= kClearAgreement)
+      ties.push_back({some[i].first, some[i].second, measured(*placed[i]), true});
+  const std::vector<bool> confirmed = consistentLoops(ties, known, std::min(2, params.consistent_loops));
+  std::vector<KeyframeMotion> out;
+  for (std::size_t i = 0; i < ties.size(); ++i)
+    if (confirmed[i]) out.push_back({ties[i].from, ties[i].to, ties[i].T_from_to, Source::loop, 0});
+  return out;
+}
+
+PoseGraph TrajectoryEstimation::Impl::graphOf(const std::vector<KeyframeMotion>& all) const {
+  std::vector<Eigen::Isometry3d> T;
+  for (const PoseWithCovariance& k : T_w_k) T.push_back(k.T);
+  return keyframeGraph(T, all, mounting(), params.odometry.key_distance);
+}
+
+// Depth at the poses found.
+bool TrajectoryEstimation::Impl::agrees(const KeyframeMotion& m) const {
+  const DepthComparison comparison(DepthConsistencyParams{});
+  const Eigen::Isometry3d T = T_w_k[m.from].T.inverse() * T_w_k[m.to].T;
+  const DepthAgreement seen =
+      comparison.compareBoth(nodes[m.to].view->depth, nodes[m.from].view->depth, T, kFineColumns);
+  return seen.agree >= params.min_agreement * (seen.agree + seen.contradict);
+}
+
+void TrajectoryEstimation::Impl::optimize(std::vector<KeyframeMotion> found) {
+  relations = std::move(found);
+  for (const bool last : {false, true}) {
+    std::vector<KeyframeMotion> all = chain;
+    all.insert(all.end(), relations.begin(), relations.end());
+    alignParts(all, T_w_k, part);
+    const GraphPoses poses = optimized(graphOf(all), last);
+    T_w_k = poses.nodes;
+    part = poses.part;
+    for (std::size_t i = 0; i < all.size(); ++i) all[i].mismatch = poses.mismatch[i];
+    std::copy_n(all.begin(), chain.size(), chain.begin());
+    std::copy(all.begin() + static_cast<std::ptrdiff_t>(chain.size()), all.end(), relations.begin());
+    if (last) break;
+    relations.erase(std::remove_if(relations.begin(), relations.end(),
+                                   [&](const KeyframeMotion& m) {
+                                     return m.mismatch > kFarEllipsoid ||
+                                            (m.source == Source::loop && !agrees(m));
+                                   }),
+                    relations.end());
+  }
+}
+
+void TrajectoryEstimation::Impl::improve(const std::function<void(double)>& progress, int asked) {
+  if (nodes.size() < 2) return;
+  const int first = std::clamp(asked, 0, static_cast<int>(nodes.size()));
+  for (int pass = 0; pass < params.passes; ++pass) {
+    if (progress) progress(pass / double(params.passes));
+    std::vector<KeyframeMotion> all = chain;
+    all.insert(all.end(), relations.begin(), relations.end());
+    const GraphCovariance known(graphOf(all), threads);
+    known.ofNodes();  // by all threads, before each of them asks for some
+    std::vector<KeyframeMotion> found = compareKeyframes(known, first);
+    const std::vector<KeyframeMotion> ties = tieParts(known, first);
+    found.insert(found.end(), ties.begin(), ties.end());
+    for (const KeyframeMotion& m : relations)  // those of earlier keyframes; ties of parts that are one now
+      if (m.to < first || ((m.source == Source::loop || m.from == nodes[m.to].before) &&
+                           std::none_of(found.begin(), found.end(), [&](const KeyframeMotion& f) {
+                             return f.from == m.from && f.to == m.to;
+                           })))
+        found.push_back(m);
+    const std::vector<PoseWithCovariance> before = T_w_k;
+    optimize(std::move(found));
+    double moved = 0;
+    for (std::size_t i = 0; i < before.size(); ++i)
+      moved = std::max(moved, (before[i].T.translation() - T_w_k[i].T.translation()).norm());
+    if (moved < kMoved) break;
+  }
+  if (progress) progress(1);
+}
+
+void TrajectoryEstimation::Impl::adopt(const Impl& improved) {
+  const std::size_t n = improved.nodes.size();
+  if (n > nodes.size() || improved.chain.size() > chain.size())
+    throw std::invalid_argument("TrajectoryEstimation: what is to be adopted is no clone of this trajectory");
+  const auto isLater = [n](const KeyframeMotion& m) { return m.to >= static_cast<int>(n); };
+  std::copy(improved.chain.begin(), improved.chain.end(), chain.begin());
+  std::vector<KeyframeMotion> all = improved.relations;
+  std::copy_if(relations.begin(), relations.end(), std::back_inserter(all), isLater);
+  relations = std::move(all);
+  Comparisons later = improved.compared_since;
+  for (const auto& [pair, comparison] : compared_since)
+    if (pair.second >= static_cast<int>(n)) later[pair] = comparison;
+  compared = improved.compared;
+  compared_since = std::move(later);
+  std::copy(improved.T_w_k.begin(), improved.T_w_k.end(), T_w_k.begin());
+  std::copy(improved.part.begin(), improved.part.end(), part.begin());
+  for (const KeyframeMotion& m : chain) {
+    if (!isLater(m)) continue;
+    T_w_k[m.to] = T_w_k[m.from] * PoseWithCovariance{*nodes[m.to].T_before, m.T_from_to.P};
+    part[m.to] = part[m.from];
+  }
+}
+
+TrajectoryEstimation::TrajectoryEstimation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+TrajectoryEstimation::TrajectoryEstimation(const MappingParams& params)
+    : impl_(std::make_unique<Impl>(params)) {}
+TrajectoryEstimation::TrajectoryEstimation(TrajectoryEstimation&&) noexcept = default;
+TrajectoryEstimation& TrajectoryEstimation::operator=(TrajectoryEstimation&&) noexcept = default;
+TrajectoryEstimation::~TrajectoryEstimation() = default;
+
+void TrajectoryEstimation::setNumberOfThreads(int n) { impl_->threads = n; }
+void TrajectoryEstimation::interrupt() { impl_->interrupted = impl_->images.size() > 0; }
+void TrajectoryEstimation::setEndless(bool endless) { impl_->endless = endless; }
+
+bool TrajectoryEstimation::add(View view, double stamp, const std::optional<Eigen::Isometry3d>& motion) {
+  return impl_->add(std::move(view), stamp, motion);
+}
+
+PoseWithCovariance TrajectoryEstimation::latest() const {
+  return impl_->T_w_k[impl_->current] * PoseWithCovariance{impl_->since.T, impl_->since.by_motion.P};
+}
+
+int TrajectoryEstimation::keyframes() const { return static_cast<int>(impl_->nodes.size()); }
+int TrajectoryEstimation::latestKeyframe() const { return impl_->current; }
+int TrajectoryEstimation::part(int keyframe) const { return impl_->part.at(keyframe); }
+const PoseWithCovariance& TrajectoryEstimation::pose(int keyframe) const { return impl_->T_w_k.at(keyframe); }
+
+TrajectoryEstimation TrajectoryEstimation::clone() const {
+  return TrajectoryEstimation(std::make_unique<Impl>(*impl_));
+}
+
+void TrajectoryEstimation::adopt(const TrajectoryEstimation& improved) { impl_->adopt(*improved.impl_); }
+
+void TrajectoryEstimation::improve(const std::function<void(double)>& progress, int first) {
+  impl_->improve(progress, first);
+}
+
+// An image between two keyframes of one part: by odometry from the first, whose error at the second is spread
+// evenly over the images.
+CameraTrajectory TrajectoryEstimation::trajectory() const {
+  const Impl& m = *impl_;
+  CameraTrajectory out;
+  for (std::size_t k = 0; k < m.nodes.size(); ++k)
+    out.keyframes.push_back({m.nodes[k].image, m.nodes[k].view, m.T_w_k[k], m.part[k]});
+  out.motions = m.chain;
+  out.motions.insert(out.motions.end(), m.relations.begin(), m.relations.end());
+  for (std::size_t i = 0; i < m.images.size(); ++i) {
+    const Impl::Image& image = m.images[i];
+    out.images.push_back({image.stamp, m.T_w_k[image.keyframe].T * image.T_k_c, image.keyframe});
+  }
+  for (std::size_t k = 1; k < m.nodes.size(); ++k) {
+    if (!m.nodes[k].T_before || m.nodes[k].before + 1 != static_cast<int>(k)) continue;
+    const std::size_t first = m.nodes[k - 1].image, last = m.nodes[k].image;
+    const Vector6d error = perturbation(m.T_w_k[k - 1].T * *m.nodes[k].T_before, m.T_w_k[k].T);
+    for (std::size_t i = first + 1; i < last; ++i)
+      if (out.images[i].keyframe + 1 == static_cast<int>(k))
+        out.images[i].T_w_c =
+            perturbed(out.images[i].T_w_c, error * (double(i - first) / double(last - first)));
+  }
+  return out;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "motion/view_odometry.h"
+
+#include <facetloc/registration/pose_prior.h>
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+
+namespace facetloc::internal {
+namespace {
+
+constexpr int kFewestPixels = 60;     // that must be compared before their agreement says anything
+constexpr double kLongStep = 0.2;     // after which a velocity says nothing of the next one [s]
+constexpr double kSlipTime = 1.0;     // for which wheels slip alike [s]
+constexpr double kSlideChange = 0.2;  // of the speed sideways in a second [m/s]
+constexpr double kSure = 3;           // standard deviations
+// Keeps the prior regular when no time has passed.
+constexpr double kLeastRotation = 1e-4, kLeastTranslation = 1e-4;  // [rad, m]
+
+}  // namespace
+
+ViewOdometry::ViewOdometry(const ViewOdometryParams& params, const ViewAlignmentParams& alignment,
+                           const DepthComparison& comparison)
+    : params_(params), alignment_(alignment), comparison_(comparison) {}
+
+void ViewOdometry::reset() {
+  keys_.clear();
+  T_o_c_.setIdentity();
+  velocity_.setZero();
+  slide_ = {};
+}
+
+ViewMotion ViewOdometry::add(const View& view, double dt, const std::optional<PoseWithCovariance>& given) {
+  ViewMotion out;
+  camera_motion_.reset();
+  if (view.camera && view.camera->mounting) camera_motion_ = cameraMotion(*view.camera->mounting);
+  const PoseWithCovariance predicted = given ? PoseWithCovariance(T_o_c_ * *given) : predict(dt);
+  PoseWithCovariance T_o_c = predicted;
+  if (!keys_.empty()) {
+    const Surroundings around_us = around(predicted.T);
+    T_o_c = alignView(view, around_us, predicted, alignment_).T_w_c;
+    const DepthAgreement found =
+        compareWithAll(view.depth, T_o_c.T, around_us.pictures, comparison_, kFineColumns);
+    if (found.judged() >= kFewestPixels) {
+      out.agreement = found.agree / double(found.judged());
+      out.broken = !(out.agreement >= params_.min_agreement);
+    }
+  }
+  if (out.broken) {
+    T_o_c = predicted;
+    keys_.clear();
+    velocity_.setZero();
+    slide_ = {};
+    if (given) out.broken = false;
+  }
+  const bool moves = !out.broken && dt > 0 && dt < kLongStep;
+  if (moves) learnVelocity(predicted, T_o_c, dt);
+  if (!out.broken) T_o_c.P = errorOfStep(predicted.P, T_o_c);
+  if (!moves && dt > 0) velocity_.setZero();
+  if (camera_motion_ && moves) rollOn(T_o_c, dt);
+
+  out.T_a_b = T_o_c_.inverse() * T_o_c;
+  T_o_c_ = T_o_c.T;
+  takeKey(view);
+  return out;
+}
+
+// Kalman update of the pose after a motion by wheels that do not slip sideways, seen through the mounting. A
+// robot that has been seen to slide is believed.
+void ViewOdometry::rollOn(PoseWithCovariance& T_o_c, double dt) {
+  const Eigen::Matrix3d R_c_o = T_o_c_.linear().transpose();
+  const Vector6d sideways =
+      camera_motion_->inverse().row(4).transpose();  // of a motion in the last camera's axes
+  Vector6d h;
+  h << R_c_o.transpose() * sideways.head<3>(), R_c_o.transpose() * sideways.tail<3>();
+  const Eigen::Isometry3d motion = T_o_c_.inverse() * T_o_c.T;
+  const double shift = sideways.dot(perturbation(Eigen::Isometry3d::Identity(), motion));
+  const double variance = h.dot(T_o_c.P * h);
+
+  slide_.variance += kSlideChange * kSlideChange * dt;
+  const double weight = slide_.variance / (slide_.variance + variance / (dt * dt));
+  slide_.speed += weight * (shift / dt - slide_.speed);
+  slide_.variance *= 1 - weight;
+  if (slides()) return;
+
+  const double slip = params_.slip_speed * std::sqrt(dt * kSlipTime) + kLeastTranslation;
+  const Vector6d gain = T_o_c.P * h / (variance + slip * slip);
+  T_o_c.T = perturbed(T_o_c.T, -gain * shift);
+  const Matrix6d left = Matrix6d::Identity() - gain * h.transpose();  // Joseph form
+  T_o_c.P = left * T_o_c.P * left.transpose() + slip * slip * gain * gain.transpose();
+}
+
+bool ViewOdometry::slides() const {
+  return std::abs(slide_.speed) > kSure * std::sqrt(slide_.variance) + params_.slip_speed;
+}
+
+// What this step adds to the error of where the camera is. Of a posterior P after a prediction P0, the part P
+// P0^-1 P comes from the prediction and is new with every view. The other comes from the key views, whose
+// errors stay the same until the camera has moved on to the next ones.
+Matrix6d ViewOdometry::errorOfStep(const Matrix6d& predicted, const PoseWithCovariance& T_o_c) const {
+  const Eigen::Isometry3d step = T_o_c_.inverse() * T_o_c.T;
+  const double of_keys = step.translation().norm() / params_.key_distance +
+                         rotationAngle(step.linear()) / (params_.key_rotation_deg * kDegree);
+  const double part = std::min(1.0, of_keys);
+  const Matrix6d P = part * T_o_c.P + (1 - part) * T_o_c.P * predicted.ldlt().solve(T_o_c.P);
+  return 0.5 * (P + P.transpose());
+}
+
+// As far as the views know the motion, and smoothed: the difference of two poses is too rough to go on
+// with where the views tell nothing. Who goes straight on will do so; who turns will stop.
+void ViewOdometry::learnVelocity(const PoseWithCovariance& predicted, const PoseWithCovariance& found,
+                                 double dt) {
+  constexpr double kNew = 0.25, kTurn = 1.0;  // share of what is new, time constant of turning [s]
+  const Matrix6d known = Matrix6d::Identity() - found.P * predicted.P.inverse();
+  const Vector6d change = known * perturbation(predicted.T, found.T) / dt;
+  const Eigen::Matrix3d R_c_o = T_o_c_.linear().transpose();
+  velocity_.head<3>() *= std::exp(-dt / kTurn);
+  velocity_.head<3>() += kNew * R_c_o * change.head<3>();
+  velocity_.tail<3>() += kNew * R_c_o * change.tail<3>();
+  if (!camera_motion_) return;
+  Vector6d base = camera_motion_->partialPivLu().solve(velocity_);
+  base[0] = base[1] = base[5] = 0;  // on its floor
+  velocity_ = *camera_motion_ * base;
+}
+
+PoseWithCovariance ViewOdometry::predict(double dt) const {
+  Vector6d motion = dt < kLongStep ? Vector6d(dt * velocity_) : Vector6d(Vector6d::Zero());
+  Vector6d std;
+  std << Eigen::Vector3d::Constant(params_.turn_rate_change_deg * kDegree * dt),
+      Eigen::Vector3d::Constant(params_.speed_change * dt);
+  Matrix6d P = std.cwiseAbs2().asDiagonal();
+  if (camera_motion_) {
+    const Matrix6d& A = *camera_motion_;
+    Vector6d base = A.partialPivLu().solve(motion);
+    if (!slides()) base[4] = 0;
+    motion = A * base;
+    std[0] = std[1] = params_.tilt_rate_deg * kDegree * dt;
+    std[5] = params_.slip_speed * std::sqrt(dt * kSlipTime);
+    P = A * std.cwiseAbs2().asDiagonal() * A.transpose();
+  }
+  P.diagonal().head<3>().array() += kLeastRotation * kLeastRotation;
+  P.diagonal().tail<3>().array() += kLeastTranslation * kLeastTranslation;
+  return T_o_c_ * PoseWithCovariance{perturbed(Eigen::Isometry3d::Identity(), motion), P};
+}
+
+Surroundings ViewOdometry::around(const Eigen::Isometry3d& T_o_c) const {
+  std::vector<std::pair<double, int>> near;
+  for (std::size_t i = 0; i < keys_.size(); ++i)
+    near.emplace_back(viewDistance(keys_[i].T_o_k, T_o_c), static_cast<int>(i));
+  std::sort(near.begin(), near.end());
+  if (static_cast<int>(near.size()) > params_.keys) near.resize(params_.keys);
+  Surroundings out;
+  for (const auto& [distance, i] : near)
+    if (std::isfinite(distance)) out.add(i, borrowed(keys_[i].view), keys_[i].T_o_k);
+  return out;
+}
+
+void ViewOdometry::takeKey(const View& view) {
+  if (view.segments.empty() && view.depth.empty()) return;
+  const bool known = std::any_of(keys_.begin(), keys_.end(), [&](const Key& key) {
+    const Eigen::Isometry3d T = key.T_o_k.inverse() * T_o_c_;
+    return T.translation().norm() <= params_.key_distance &&
+           rotationAngle(T.linear()) <= params_.key_rotation_deg * kDegree;
+  });
+  if (known) return;
+  keys_.push_back({view, T_o_c_});
+  if (static_cast<int>(keys_.size()) > params_.kept_keys) keys_.pop_front();
+}
+
+}  // namespace facetloc::internal

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "nearby/view_alignment.h"
+
+#include <facetloc/localization/tracking_params.h>
+
+#include <deque>
+#include <optional>
+
+namespace facetloc::internal {
+
+/** \brief A motion between two views. */
+struct ViewMotion {
+  /// of the camera: a = the view before, b = this view; the covariance is what the step adds to an error of
+  /// the pose, not the error of this pair of views alone: errors against a key view last as long as it does
+  PoseWithCovariance T_a_b;
+  double agreement = 0;  ///< share of the view's depth pixels that the key views confirm; 0 if unknown
+  bool broken = false;   ///< the view contradicts the key views: nobody knows how the camera moved
+};
+
+/** \brief Tells from its own latest views how a camera moves. It knows no map: its world is where it began.
+ *
+ * Each view is aligned with the nearest of some key views, so that the pose does not drift while the camera
+ * looks at the same things. The prior is the last velocity. A robot on wheels, which the mounting of a view's
+ * camera tells of, stays on its floor and does not slip sideways, unless its views have seen it do so: that
+ * carries it past a bare wall. Any other camera moves as it likes. */
+class ViewOdometry {
+public:
+  ViewOdometry(const ViewOdometryParams& params, const ViewAlignmentParams& alignment,
+               const DepthComparison& comparison);
+
+  /** \brief Forgets all views. */
+  void reset();
+  /** \brief Takes the next view, dt >= 0 [s] after the last one. The first view has not moved. A view that
+   * breaks the chain begins a new one. */
+  ViewMotion add(const View& view, double dt) { return add(view, dt, {}); }
+  /** \brief The same where another odometry tells the motion T_a_b, with its error: that is where views are
+   * looked for, and no view breaks the chain. */
+  ViewMotion add(const View& view, double dt, const std::optional<PoseWithCovariance>& given);
+
+private:
+  struct Slide {  // of a robot on wheels, to the left [m/s]
+    double speed = 0, variance = 0;
+  };
+  struct Key {
+    View view;
+    Eigen::Isometry3d T_o_k;
+  };
+  PoseWithCovariance predict(double dt) const;
+  Surroundings around(const Eigen::Isometry3d& T_o_c) const;
+  void learnVelocity(const PoseWithCovariance& predicted, const PoseWithCovariance& found, double dt);
+  Matrix6d errorOfStep(const Matrix6d& predicted, const PoseWithCovariance& T_o_c) const;
+  bool slides() const;
+  void rollOn(PoseWithCovariance& T_o_c, double dt);
+  void takeKey(const View& view);
+
+  ViewOdometryParams params_;
+  ViewAlignmentParams alignment_;
+  DepthComparison comparison_;
+  std::optional<Matrix6d> camera_motion_;  // of the latest view's camera by a motion of its robot on wheels
+  std::deque<Key> keys_;
+  Eigen::Isometry3d T_o_c_ = Eigen::Isometry3d::Identity();
+  Slide slide_;
+  Vector6d velocity_ = Vector6d::Zero();  // in the axes of the last camera [rad/s, m/s]
+};
+
+}  // namespace facetloc::internal

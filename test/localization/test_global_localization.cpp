@@ -1,0 +1,405 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ranking/place_ranking.h"
+#include "pairs/view_registration.h"
+
+#include <facetloc/registration/candidate_pairs.h>
+#include <facetloc/localization/global_localization.h>
+#include <facetloc/mapping/map_ambiguity.h>
+#include <facetloc/testing/pose_matchers.h>
+#include <facetloc/testing/random_segments.h>
+#include <facetloc/testing/synthetic_views.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+namespace facetloc {
+
+using namespace internal;
+namespace {
+
+using test::endlessPlane;
+using test::lookingAlong;
+using test::mounted;
+using test::PoseNear;
+using test::Rng;
+using test::uniform;
+using test::viewFrom;
+using testing::HasSubstr;
+
+LocalModel modelAt(const test::Scene& scene, const Eigen::Isometry3d& T_w_m, unsigned seed) {
+  LocalModel m;
+  m.T_w_m = T_w_m;
+  m.view = viewFrom(scene, T_w_m, seed);
+  return m;
+}
+
+std::shared_ptr<Map> mapOf(const test::Scene& scene, const std::vector<Eigen::Isometry3d>& poses) {
+  auto map = std::make_shared<Map>();
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    map->models.push_back(modelAt(scene, poses[i], 100 + unsigned(i)));
+  return map;
+}
+
+// A camera carried around the room on a loop, looking outwards, every 45 deg.
+std::vector<Eigen::Isometry3d> loop() {
+  std::vector<Eigen::Isometry3d> poses;
+  for (int i = 0; i < 8; ++i) {
+    const double a = i * EIGEN_PI / 4;
+    poses.push_back(lookingAlong({3 + 0.5 * std::cos(a), 2.5 + 0.4 * std::sin(a), 1.2},
+                                 {std::cos(a), std::sin(a), -0.2}));
+  }
+  return poses;
+}
+
+class LocalizationInARoom : public testing::Test {
+protected:
+  static void SetUpTestSuite() { map = mapOf(test::largeRoom(), loop()); }
+  static void TearDownTestSuite() { map.reset(); }
+  static std::shared_ptr<const Map> map;
+};
+std::shared_ptr<const Map> LocalizationInARoom::map;
+
+TEST_F(LocalizationInARoom, EveryMapImageIsFoundAtItsOwnPlace) {
+  GlobalLocalizationParams planes_only;  // which are the same in both; other models' noise is not
+  planes_only.refinement.enabled = false;
+  const GlobalLocalization localization(map, planes_only);
+  for (std::size_t i = 0; i < map->models.size(); ++i) {
+    const Localization answer = localization.localize(map->models[i].view);
+    ASSERT_FALSE(answer.hypotheses.empty()) << i << ": " << answer.reason;
+    EXPECT_EQ(answer.reason, "");
+    EXPECT_EQ(answer.hypotheses[0].model, static_cast<int>(i));
+    EXPECT_THAT(answer.hypotheses[0].T_m_c.T, PoseNear(Eigen::Isometry3d::Identity(), 0.005, 0.1));
+    EXPECT_THAT(*answer.hypotheses[0].T_w_c, PoseNear(*map->models[i].T_w_m, 0.005, 0.1));
+  }
+}
+
+TEST_F(LocalizationInARoom, ModelsThatAreExcludedFindNothing) {
+  const GlobalLocalization localization(map);
+  const Localization answer =
+      localization.localize(map->models[3].view, [](int model) { return model % 2 == 1; });
+  ASSERT_FALSE(answer.hypotheses.empty());
+  for (const Hypothesis& h : answer.hypotheses)
+    for (const int model : h.found_by) EXPECT_EQ(model % 2, 0);
+  EXPECT_TRUE(localization.localize(map->models[3].view, [](int) { return true; }).hypotheses.empty());
+}
+
+TEST_F(LocalizationInARoom, PairsMayBeChosenBySomebodyElse) {
+  GlobalLocalization localization(map);
+  const View& view = map->models[3].view;
+  const PoseWithCovariance prior = localization.prior(view);
+  const Localization free = localization.localize(view, prior);
+  const auto ours = [&](int model) {
+    return candidatePairs(view.segments, map->models[static_cast<std::size_t>(model)].view.segments, prior);
+  };
+  const Localization same = localization.localize(view, prior, ours);
+  ASSERT_FALSE(same.hypotheses.empty());
+  EXPECT_THAT(*same.hypotheses[0].T_w_c, PoseNear(*free.hypotheses[0].T_w_c, 1e-6, 1e-4));
+
+  const auto of_own_model = [&](int model) { return model == 3 ? ours(3) : std::vector<SegmentPair>(); };
+  for (const Hypothesis& h : localization.localize(view, prior, of_own_model).hypotheses)
+    EXPECT_EQ(h.model, 3);
+  for (const int threads : {1, 2})
+    for (const SegmentPair& wrong : {SegmentPair{-1, 0}, {0, -1}, {1000, 0}, {0, 1000}}) {
+      localization.setNumberOfThreads(threads);
+      EXPECT_THROW(localization.localize(view, prior, [&](int) { return std::vector{wrong}; }),
+                   std::invalid_argument);
+    }
+}
+
+/** Two rooms that are the same: whatever is seen in the one fits the other. */
+TEST_F(LocalizationInARoom, AMapOfTwinsKnowsThatItIsAmbiguous) {
+  auto twins = std::make_shared<Map>(*map);
+  const int n = static_cast<int>(map->models.size());
+  const Eigen::Translation3d away(50, 0, 0);
+  for (LocalModel model : map->models) {
+    model.name += "'";
+    model.T_w_m = away * *model.T_w_m;
+    twins->models.push_back(std::move(model));
+  }
+  const GlobalLocalization alone(map), two(twins);
+  const auto first_room = [n](int model) { return model < n; };
+  for (const int i : {0, n / 2}) {
+    EXPECT_FALSE(wrongPlace(alone, i, first_room)) << "there is no other place";
+    const auto wrong = wrongPlace(two, i, first_room);
+    ASSERT_TRUE(wrong);
+    EXPECT_THAT(*wrong->T_w_c, PoseNear(away * *map->models[i].T_w_m, 0.02, 0.5));
+    EXPECT_GT(wrong->score, 0);
+  }
+  EXPECT_FALSE(ambiguityOf(LookalikeScores()));
+}
+
+TEST(MapAmbiguity, IsTheMeanOfTheHighestTenth) {
+  LookalikeScores scores = {{}, {}};                             // nothing of two models
+  for (int i = 0; i < 40; ++i) scores.push_back((i * 17) % 40);  // 0 ... 39 in another order
+  const auto found = ambiguityOf(scores);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->views, 40);
+  EXPECT_DOUBLE_EQ(found->score, 37.5);
+  EXPECT_DOUBLE_EQ(ambiguityOf(LookalikeScores{-3})->score, -3);
+}
+
+TEST_F(LocalizationInARoom, AModelThatCannotBeReadIsAnErrorForAnyNumberOfThreads) {
+  struct BrokenStore : MapStore {
+    std::shared_ptr<const View> view(int i) const override {
+      throw std::runtime_error("local model " + std::to_string(i) + " is damaged");
+    }
+    std::unique_ptr<std::istream> placeIndex() const override { return nullptr; }
+  };
+  auto broken = std::make_shared<Map>(*map);
+  broken->store = std::make_shared<BrokenStore>();
+  GlobalLocalizationParams likeliest_first, all;
+  all.shortlist.size = 0;
+  const auto errorOf = [&](const GlobalLocalizationParams& params, int threads) -> std::string {
+    GlobalLocalization localization(broken, params);
+    localization.setNumberOfThreads(threads);
+    try {
+      localization.localize(map->models[3].view);
+    } catch (const std::runtime_error& e) {
+      return e.what();
+    }
+    return "none";
+  };
+  for (const int threads : {1, 2}) {
+    EXPECT_EQ(errorOf(all, threads), "local model 0 is damaged");
+    EXPECT_EQ(errorOf(likeliest_first, threads), errorOf(likeliest_first, 1));
+    EXPECT_NE(errorOf(likeliest_first, threads), "none");
+  }
+}
+
+TEST_F(LocalizationInARoom, EveryMapImageAgreesWithItsNeighbours) {
+  const GlobalLocalization localization(map);
+  for (const LocalModel& m : map->models) {
+    const Localization answer = localization.localize(m.view);
+    ASSERT_FALSE(answer.hypotheses.empty()) << answer.reason;
+    EXPECT_THAT(*answer.hypotheses[0].T_w_c, PoseNear(*m.T_w_m, 0.015, 0.2));
+  }
+}
+
+TEST_F(LocalizationInARoom, ModelsThatAreAskedOneByOneGiveTheSameAnswer) {
+  GlobalLocalizationParams all;
+  all.shortlist.size = 0;
+  const GlobalLocalization localization(map, all);
+  const View& scene = map->models[3].view;
+  const Query query(scene, localization.prior(scene));
+  const ViewRegistration registration;
+  std::vector<Hypothesis> one_by_one;
+  for (std::size_t i = 0; i < map->models.size(); ++i)
+    for (Hypothesis h : registration.align(query, map->models[i].view)) {
+      h.model = static_cast<int>(i);
+      h.T_w_c = *map->models[i].T_w_m * h.T_m_c.T;
+      one_by_one.push_back(h);
+    }
+  PlaceRanking(map, {}).rank(scene, one_by_one);
+  const Localization whole = localization.localize(scene);
+  ASSERT_FALSE(whole.hypotheses.empty());
+  ASSERT_EQ(one_by_one.size(), whole.hypotheses.size());
+  for (std::size_t i = 0; i < whole.hypotheses.size(); ++i) {
+    EXPECT_EQ(one_by_one[i].model, whole.hypotheses[i].model);
+    EXPECT_EQ(one_by_one[i].score, whole.hypotheses[i].score);
+    EXPECT_TRUE(one_by_one[i].T_w_c->isApprox(*whole.hypotheses[i].T_w_c, 0));
+  }
+}
+
+TEST_F(LocalizationInARoom, NewImagesWhosePlanesFixThePoseAreFound) {
+  const GlobalLocalization localization(map);
+  Rng rng(1);
+  int fixed = 0, correct = 0, confident_and_wrong = 0;
+  for (unsigned i = 0; i < 24; ++i) {
+    const double a = uniform(rng, 0, 2 * EIGEN_PI), radius = uniform(rng, 0.2, 0.8);
+    const Eigen::Vector3d position{3 + radius * std::cos(a), 2.5 + radius * std::sin(a),
+                                   uniform(rng, 1.1, 1.3)};
+    const Eigen::Isometry3d truth =
+        lookingAlong(position, {std::cos(a), std::sin(a), uniform(rng, -0.3, -0.1)});
+    const View view = viewFrom(test::largeRoom(), truth, 200 + i);
+    const Localization answer = localization.localize(view);
+    bool is_correct = false;
+    if (!answer.hypotheses.empty()) {
+      const Vector6d e = perturbation(truth, *answer.hypotheses[0].T_w_c);
+      is_correct = e.head<3>().norm() < 2 * kDegree && e.tail<3>().norm() < 0.2;
+      confident_and_wrong += !is_correct && answer.hypotheses[0].probability > 0.9;
+    }
+    if (!unconstrainedDirections(Query(view), {}).empty()) continue;
+    ++fixed;
+    correct += is_correct;
+  }
+  EXPECT_GE(fixed, 16);
+  EXPECT_GE(correct, 0.95 * fixed);
+  EXPECT_EQ(confident_and_wrong, 0);
+}
+
+TEST_F(LocalizationInARoom, TheListIsSortedMergedAndItsProbabilitiesLeaveRoomForNone) {
+  const Localization answer = GlobalLocalization(map).localize(
+      viewFrom(test::largeRoom(), lookingAlong({3.2, 2.6, 1.2}, {1, 0.4, -0.2}), 7));
+  ASSERT_FALSE(answer.hypotheses.empty());
+  double sum = 0;
+  for (std::size_t i = 0; i < answer.hypotheses.size(); ++i) {
+    const Hypothesis& h = answer.hypotheses[i];
+    sum += h.probability;
+    EXPECT_THAT(*h.T_w_c, PoseNear(*map->models[h.model].T_w_m * h.T_m_c.T, 1e-12, 1e-9));
+    const double support = EvidenceParams().support_weight * std::log(h.found_by.size());
+    EXPECT_NEAR(h.score, h.consensus + h.evidence + support, 1e-9);
+    for (std::size_t k = 0; k < i; ++k) {
+      EXPECT_LE(h.score, answer.hypotheses[k].score);
+      const Vector6d e = perturbation(*answer.hypotheses[k].T_w_c, *h.T_w_c);
+      EXPECT_TRUE(e.head<3>().norm() > 2 * kDegree || e.tail<3>().norm() > 0.15);
+    }
+  }
+  EXPECT_GT(sum, 0.5);
+  EXPECT_LT(sum, 1);
+}
+
+TEST_F(LocalizationInARoom, AnImageOfAnotherRoomIsMostLikelyNowhere) {
+  const test::Scene elsewhere = test::box({0, 0, 0}, {3.3, 7, 3.1}) +
+                                test::box({1.1, 2.6, 0}, {2.2, 3.1, 2.2}) +
+                                test::box({0, 4, 0.9}, {0.8, 6, 1.4});
+  const GlobalLocalization localization(map);
+  for (unsigned i = 0; i < 4; ++i) {
+    const Localization answer = localization.localize(
+        viewFrom(elsewhere, lookingAlong({1.5, 1 + 0.2 * i, 1.3}, {0.1 * i, 1, -0.2}), i));
+    double sum = 0;
+    for (const Hypothesis& h : answer.hypotheses) sum += h.probability;
+    EXPECT_LT(sum, 0.5);
+  }
+}
+
+// Everything that an answer holds, bit by bit.
+std::string bytesOf(const Localization& answer) {
+  std::string bytes = answer.reason;
+  const auto put = [&bytes](const void* data, std::size_t n) {
+    bytes.append(static_cast<const char*>(data), n);
+  };
+  for (const Hypothesis& h : answer.hypotheses) {
+    put(&h.model, sizeof h.model);
+    put(h.T_m_c.T.data(), 16 * sizeof(double));
+    put(h.T_m_c.P.data(), 36 * sizeof(double));
+    for (const double x : {h.consensus, h.free_space, h.evidence, h.score, h.probability}) put(&x, sizeof x);
+    for (const SegmentPair& p : h.pairs) {
+      put(&p.scene, sizeof p.scene);
+      put(&p.model, sizeof p.model);
+      put(&p.distance, sizeof p.distance);
+    }
+  }
+  return bytes;
+}
+
+TEST_F(LocalizationInARoom, TheAnswerDoesNotDependOnThreadsOrRepetition) {
+  const View scene = viewFrom(test::largeRoom(), lookingAlong({3.2, 2.6, 1.2}, {1, 0.4, -0.2}), 7);
+  GlobalLocalization localization(map);
+  const std::string once = bytesOf(localization.localize(scene));
+  ASSERT_GT(once.size(), 100u);
+  for (const int threads : {1, 2, 3, 8, 0}) {
+    localization.setNumberOfThreads(threads);
+    for (int repetition = 0; repetition < 2; ++repetition)
+      EXPECT_EQ(bytesOf(localization.localize(scene)), once) << threads << " threads";
+  }
+}
+
+TEST_F(LocalizationInARoom, WithoutDepthPicturesOrWorldPosesTheSegmentsStillTell) {
+  auto bare = std::make_shared<Map>(*map);
+  for (LocalModel& m : bare->models) {
+    m.view.depth = {};
+    m.T_w_m.reset();
+  }
+  View scene = map->models[1].view;  // its planes fix the pose by themselves
+  scene.depth = {};
+  const Localization answer = GlobalLocalization(bare).localize(scene);
+  ASSERT_FALSE(answer.hypotheses.empty());
+  EXPECT_EQ(answer.hypotheses[0].model, 1);
+  EXPECT_FALSE(answer.hypotheses[0].T_w_c);
+  EXPECT_EQ(answer.hypotheses[0].evidence, 0);
+  double sum = 0;
+  for (const Hypothesis& h : answer.hypotheses) sum += h.probability;
+  EXPECT_LE(sum, 1);
+}
+
+TEST_F(LocalizationInARoom, IdenticalSegmentsGiveTheIdentityExactly) {
+  auto one = std::make_shared<Map>();
+  one->models.push_back(map->models[1]);
+  one->models[0].view.depth = {};
+  const Localization answer = GlobalLocalization(one).localize(one->models[0].view);
+  ASSERT_FALSE(answer.hypotheses.empty());
+  EXPECT_THAT(answer.hypotheses[0].T_m_c.T, PoseNear(Eigen::Isometry3d::Identity(), 1e-9, 1e-7));
+}
+
+// ---- nothing to answer
+
+TEST(GlobalLocalization, AnEmptyMapOrViewHasAReason) {
+  const View view = viewFrom(test::largeRoom(), loop()[0], 1);
+  Localization answer = GlobalLocalization(std::make_shared<Map>()).localize(view);
+  EXPECT_TRUE(answer.hypotheses.empty());
+  EXPECT_THAT(answer.reason, HasSubstr("map has no local model"));
+  const auto map = mapOf(test::largeRoom(), {loop()[0]});
+  answer = GlobalLocalization(map).localize({});
+  EXPECT_TRUE(answer.hypotheses.empty());
+  EXPECT_THAT(answer.reason, HasSubstr("no planar segment"));
+  map->models[0].view = {};  // a model of an image that showed nothing
+  answer = GlobalLocalization(map).localize(view);
+  EXPECT_TRUE(answer.hypotheses.empty());
+  EXPECT_NE(answer.reason, "");
+}
+
+TEST(GlobalLocalization, AnImpossiblePriorIsNoCrash) {
+  const auto map = mapOf(test::largeRoom(), {loop()[0]});
+  PoseWithCovariance prior;
+  prior.P.setConstant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_TRUE(GlobalLocalization(map).localize(map->models[0].view, prior).hypotheses.empty());
+  // A robot that neither tilts nor climbs: nothing is left to estimate there, which no update allows for.
+  prior.P = (Vector6d() << 0, 0, 0.1, 1, 1, 0).finished().asDiagonal();
+  const Localization answer = GlobalLocalization(map).localize(map->models[0].view, prior);
+  EXPECT_TRUE(answer.hypotheses.empty());
+  EXPECT_THAT(answer.reason, HasSubstr("not positive definite"));
+}
+
+class Degenerate : public testing::Test {
+protected:
+  // The reason why an image of a scene is not found in a map of another image of it.
+  static std::string reasonFor(const test::Scene& scene, const Eigen::Isometry3d& model,
+                               const Eigen::Isometry3d& query) {
+    const Localization answer = GlobalLocalization(mapOf(scene, {model})).localize(viewFrom(scene, query, 1));
+    EXPECT_TRUE(answer.hypotheses.empty());
+    return answer.reason;
+  }
+};
+
+TEST_F(Degenerate, ASingleWallGivesNoHypothesis) {
+  const test::Scene wall{endlessPlane({0, 2, 0}, {0, 1, 0})};
+  const std::string reason =
+      reasonFor(wall, lookingAlong({0, 0, 1}, {0, 1, 0}), lookingAlong({0.2, 0.1, 1}, {0.1, 1, 0}));
+  EXPECT_THAT(reason, HasSubstr("translation along"));
+  EXPECT_THAT(reason, HasSubstr("rotation about"));
+}
+
+TEST_F(Degenerate, AFloorAndAWallGiveNoHypothesis) {
+  const test::Scene scene{endlessPlane({0, 0, 0}, {0, 0, 1}), endlessPlane({0, 3, 0}, {0, 1, 0})};
+  const std::string reason = reasonFor(scene, lookingAlong({0, 0, 1.2}, {0, 1, -0.3}),
+                                       lookingAlong({0.3, 0.2, 1.2}, {0.1, 1, -0.3}));
+  EXPECT_THAT(reason, HasSubstr("translation along"));
+}
+
+TEST_F(Degenerate, ACorridorWithoutEndGivesNoHypothesisAndNamesItsDirection) {
+  const std::string reason = reasonFor(test::endlessCorridor(), lookingAlong({0, 0, 1.2}, {0, 1, -0.15}),
+                                       lookingAlong({0.1, 0.4, 1.2}, {0.05, 1, -0.15}));
+  EXPECT_THAT(reason, HasSubstr("translation along"));
+}
+
+TEST_F(Degenerate, AViewThatNoModelKnowsHasAReason) {
+  const test::Scene small = test::box({0, 0, 0}, {2, 2.2, 2}), large = test::box({0, 0, 0}, {7, 6.5, 4});
+  auto map = mapOf(large, {lookingAlong({3, 3, 1.8}, {1, 0.8, -0.5})});
+  map->camera.mounting = CameraMounting{0.98, 10};  // a narrow prior in height and tilt
+  GlobalLocalizationParams params;
+  params.prior.rotation_std_deg = 5;
+  params.prior.translation_std = 0.1;
+  const View view = viewFrom(small, lookingAlong({0.6, 0.6, 1}, {1, 0.9, -0.5}), 1);
+  const Localization answer = GlobalLocalization(map, params).localize(mounted(view, *map->camera.mounting));
+  EXPECT_TRUE(answer.camera.sameMounting());
+  EXPECT_TRUE(answer.hypotheses.empty());
+  EXPECT_NE(answer.reason, "");
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A map that says by its links alone how its places lie to each other is as good as one with poses.
+#include <facetloc/features/map_parts.h>
+#include <facetloc/localization/global_localization.h>
+#include <facetloc/mapping/map_ambiguity.h>
+#include <facetloc/mapping/map_builder.h>
+#include <facetloc/localization/pose_tracking.h>
+#include <facetloc/segmentation/view_builder.h>
+#include <facetloc/simulation/simulated_camera.h>
+#include <facetloc/simulation/simulated_drive.h>
+#include <facetloc/testing/pose_matchers.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+namespace facetloc {
+namespace {
+
+using testing::ElementsAre;
+
+struct Seen {
+  View view;
+  Eigen::Isometry3d T_w_c;
+};
+
+constexpr double kCorrect = 0.2, kCorrectDeg = 3;  // [m, deg]
+
+class MapInParts : public testing::Test {
+protected:
+  static constexpr std::size_t kFrames = 130, kModels = 40, kQueryStep = 3, kTracked = 60;
+
+  static void SetUpTestSuite() {
+    const SimulatedPlace place = simulatedPlace("office", 2);
+    DriveParams drive;
+    drive.step = 0.25;
+    map = std::make_shared<Map>();
+    map->camera.mounting = drive.mounting();
+    MapBuilder builder;
+    for (const Eigen::Isometry3d& T_w_c : simulateDrive(place.mapping_route, kFrames, drive, 5)) {
+      if (map->models.size() == kModels || !builder.accept(T_w_c)) continue;
+      const int i = static_cast<int>(map->models.size());
+      map->models.push_back({"place " + std::to_string(i), 0.1 * i, T_w_c, see(place.mapped, T_w_c)});
+      if (i > 0) map->links.push_back(builder.link(i - 1, i, *map->models[i - 1].T_w_m, T_w_c));
+    }
+    drive.sway_deg = 5;
+    const auto later = simulateDrive(place.mapping_route, kFrames, drive, 6);
+    for (std::size_t i = 0; i < later.size(); i += kQueryStep)
+      if (isCovered(later[i])) queries.push_back({see(place.mapped, later[i]), later[i]});
+    PaceParams pace;
+    pace.rate = 10;
+    for (const Eigen::Isometry3d& T_w_c : simulateDrive(place.mapping_route, kTracked, {}, 7, pace))
+      drive_on.push_back({see(place.mapped, T_w_c), T_w_c});
+  }
+  static void TearDownTestSuite() {
+    map.reset();
+    queries.clear();
+    drive_on.clear();
+  }
+
+  static View see(const Scene& scene, const Eigen::Isometry3d& T_w_c) {
+    static const SimulatedCamera camera(kinectIntrinsics().subsampled(2), SimulatedNoise{}, 3);
+    static std::uint64_t frame = 0;
+    return ViewBuilder(map->camera).build(camera.render(scene, T_w_c, frame++).depth);
+  }
+  static bool isCovered(const Eigen::Isometry3d& T_w_c) {
+    return std::any_of(map->models.begin(), map->models.end(),
+                       [&](const LocalModel& m) { return isNear(*m.T_w_m, T_w_c, 0.5, 15); });
+  }
+  /** The map without its poses, and without some of its links. */
+  static std::shared_ptr<const Map> withoutPoses(const std::vector<int>& cut = {}) {
+    auto bare = std::make_shared<Map>(*map);
+    for (LocalModel& model : bare->models) model.T_w_m.reset();
+    for (auto link = cut.rbegin(); link != cut.rend(); ++link) bare->links.erase(bare->links.begin() + *link);
+    placeByLinks(*bare);
+    return bare;
+  }
+
+  struct Count {
+    int sure = 0, wrong = 0;
+  };
+  /** Of answers that are sure; wrong by where they are beside their local model. */
+  static Count countSure(const std::shared_ptr<const Map>& in) {
+    const GlobalLocalization localization(in);
+    Count count;
+    for (const Seen& query : queries) {
+      const Localization answer = localization.localize(query.view);
+      if (answer.state() != AnswerState::sure) continue;
+      const Hypothesis& best = answer.hypotheses.front();
+      ++count.sure;
+      const Eigen::Isometry3d found = *map->models[best.model].T_w_m * best.T_m_c.T;
+      count.wrong += !isNear(found, query.T_w_c, kCorrect, kCorrectDeg);
+      EXPECT_EQ(best.part, in->models[best.model].part);
+      EXPECT_TRUE(best.T_w_c->isApprox(*in->models[best.model].T_w_m * best.T_m_c.T, 1e-9));
+      EXPECT_NE(best.evidence, 0);
+      for (const int model : best.found_by) EXPECT_EQ(in->models[model].part, best.part);
+    }
+    return count;
+  }
+
+  static std::shared_ptr<Map> map;
+  static std::vector<Seen> queries, drive_on;
+};
+std::shared_ptr<Map> MapInParts::map;
+std::vector<Seen> MapInParts::queries, MapInParts::drive_on;
+
+TEST_F(MapInParts, LinksAloneLocalizeAsWellAsPoses) {
+  const Count with_poses = countSure(map);
+  EXPECT_GT(with_poses.sure, 0.7 * static_cast<double>(queries.size()));
+  ASSERT_GT(with_poses.sure, 20);
+  const auto bare = withoutPoses();
+  EXPECT_THAT(bare->parts, ElementsAre(""));
+  const Count by_links = countSure(bare);
+  EXPECT_GE(by_links.sure, 0.95 * with_poses.sure);
+  EXPECT_EQ(by_links.wrong, 0);
+  EXPECT_EQ(with_poses.wrong, 0);
+}
+
+TEST_F(MapInParts, EachPartIsLocalizedInByItself) {
+  const auto parts = withoutPoses({13, 26});
+  EXPECT_THAT(parts->parts, ElementsAre("place 0", "place 14", "place 27"));
+  const Count found = countSure(parts);
+  EXPECT_GE(found.sure, 0.7 * countSure(map).sure) << "at the borders one place looks like two";
+  EXPECT_EQ(found.wrong, 0);
+}
+
+TEST_F(MapInParts, AnAmbiguousPartIsAskedForItsOwnPlacesAlone) {
+  const auto parts = withoutPoses({13, 26});
+  const GlobalLocalization localization(parts);
+  for (const int model : {3, 20}) {
+    const auto wrong = wrongPlace(localization, model);
+    EXPECT_TRUE(!wrong || wrong->part == parts->models[model].part);
+  }
+  EXPECT_LE(reachOfSurroundings(*parts, 1), 3);
+}
+
+TEST_F(MapInParts, ACameraIsFollowedInItsPart) {
+  const auto parts = withoutPoses({26});
+  PoseTracking tracking(parts);
+  int followed = 0;
+  for (std::size_t i = 0; i < drive_on.size(); ++i) {
+    const TrackedPose pose = tracking.update(drive_on[i].view, 0.1 * static_cast<double>(i));
+    if (pose.state != TrackingState::tracking) continue;
+    ++followed;
+    EXPECT_EQ(pose.part, 0);
+    const Eigen::Isometry3d T_w_part = *map->models[0].T_w_m * parts->models[0].T_w_m->inverse();
+    EXPECT_THAT(T_w_part * pose.T_w_c->T, test::PoseNear(drive_on[i].T_w_c, kCorrect, kCorrectDeg));
+    EXPECT_TRUE(!pose.match || pose.match->part == pose.part);
+  }
+  EXPECT_GT(followed, static_cast<int>(drive_on.size()) / 2);
+}
+
+}  // namespace
+}  // namespace facetloc

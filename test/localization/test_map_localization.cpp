@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/localization/map_localization.h>
+#include <facetloc/testing/pose_matchers.h>
+#include <facetloc/testing/synthetic_views.h>
+
+#include <gmock/gmock.h>
+
+#include <limits>
+
+namespace facetloc {
+namespace {
+
+using testing::HasSubstr;
+
+using Cloud = pcl::PointCloud<pcl::PointXYZ>;
+
+/** In the large room, looking outwards and down. */
+Eigen::Isometry3d poseAt(double degrees, double radius) {
+  const double a = degrees * kDegree;
+  return test::lookingAlong({3 + radius * std::cos(a), 2.5 + radius * std::sin(a), 1.2},
+                            {std::cos(a), std::sin(a), -0.4});
+}
+
+std::shared_ptr<const Map> roomMap() {
+  auto map = std::make_shared<Map>();
+  for (int i = 0; i < 18; ++i) {
+    LocalModel model;
+    model.T_w_m = poseAt(20 * i, 0.35);
+    model.view = test::viewFrom(test::largeRoom(), *model.T_w_m, 1000 + i);
+    map->models.push_back(std::move(model));
+  }
+  return map;
+}
+
+Cloud::Ptr cloudFrom(const Eigen::Isometry3d& T_w_c, unsigned seed) {
+  const DepthImage image = test::noisy(test::render(test::largeRoom(), test::smallCamera(), T_w_c, 20).image,
+                                       SensorNoise{}.inverse_depth_std, seed);
+  auto cloud = pcl::make_shared<Cloud>(image.camera.width, image.camera.height);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u) {
+      const float z = isMeasured(image.at(u, v)) ? image.at(u, v) : nan;
+      (*cloud)(u, v).getVector3fMap() = z * image.camera.ray(u, v).cast<float>();
+    }
+  cloud->is_dense = false;
+  return cloud;
+}
+
+class MapLocalizationInARoom : public testing::Test {
+protected:
+  static void SetUpTestSuite() { map = roomMap(); }
+  static void TearDownTestSuite() { map.reset(); }
+  static std::shared_ptr<const Map> map;
+};
+std::shared_ptr<const Map> MapLocalizationInARoom::map;
+
+TEST_F(MapLocalizationInARoom, FindsTheCameraOfACloud) {
+  MapLocalization<pcl::PointXYZ> localization;
+  localization.setMap(map);
+  int sure = 0;
+  for (int i = 0; i < 6; ++i) {
+    const Eigen::Isometry3d truth = poseAt(10 + 60 * i, 0.6);
+    localization.setInputCloud(cloudFrom(truth, i));
+    PoseWithCovariance pose;
+    if (!localization.localize(pose)) {
+      EXPECT_NE(localization.getStatus(), "");
+      continue;
+    }
+    ++sure;
+    EXPECT_TRUE(isNear(pose.T, truth, 0.05, 1)) << i;
+    EXPECT_GE(localization.getProbability(), 0.9);
+    EXPECT_EQ(localization.getState(), AnswerState::sure);
+    EXPECT_EQ(localization.getStatus(), "");
+    EXPECT_EQ(pose.P.llt().info(), Eigen::Success);
+    EXPECT_FALSE(localization.getView().segments.empty());
+    ASSERT_FALSE(localization.getHypotheses().empty());
+    EXPECT_TRUE(localization.getHypotheses()[0].T_w_c->isApprox(pose.T));
+  }
+  EXPECT_GE(sure, 4);
+}
+
+TEST_F(MapLocalizationInARoom, AnswersAsTheCoreDoes) {
+  const Eigen::Isometry3d truth = poseAt(100, 0.5);
+  const Cloud::Ptr cloud = cloudFrom(truth, 3);
+  MapLocalization<pcl::PointXYZ> localization;
+  localization.setMap(map);
+  localization.setInputCloud(cloud);
+  Eigen::Isometry3d T;
+  localization.localize(T);
+  const Localization core = GlobalLocalization(map).localize(localization.getView());
+  ASSERT_EQ(localization.getHypotheses().size(), core.hypotheses.size());
+  for (std::size_t i = 0; i < core.hypotheses.size(); ++i) {
+    EXPECT_EQ(localization.getHypotheses()[i].probability, core.hypotheses[i].probability);
+    EXPECT_TRUE(localization.getHypotheses()[i].T_w_c->isApprox(*core.hypotheses[i].T_w_c, 1e-12));
+  }
+}
+
+TEST_F(MapLocalizationInARoom, InSequenceModeCloudsAreOneDrive) {
+  MapLocalization<pcl::PointXYZ> localization;
+  localization.setMap(map);
+  localization.setSequenceMode(true);
+  SequenceLocalization core(map);
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Isometry3d truth = poseAt(10 + 3.6 * i, 0.6);
+    const Cloud::Ptr cloud = cloudFrom(truth, i);
+    cloud->header.stamp = 1000000 + 100000 * static_cast<std::uint64_t>(i);
+    localization.setInputCloud(cloud);
+    PoseWithCovariance pose;
+    const bool is_sure = localization.localize(pose);
+    const SequenceAnswer answer = core.add(localization.getView(), 1 + 0.1 * i);
+    EXPECT_EQ(localization.getState(), answer.state) << i;
+    EXPECT_EQ(localization.getHypotheses().size(), answer.places.size()) << i;
+    if (is_sure) {
+      EXPECT_TRUE(isNear(pose.T, truth, 0.1, 2)) << i;
+    }
+    EXPECT_TRUE(is_sure || i < 6) << localization.getStatus();
+  }
+  // A new drive remembers nothing of the last one.
+  localization.reset();
+  localization.setInputCloud(cloudFrom(poseAt(200, 0.6), 50));
+  Eigen::Isometry3d T;
+  localization.localize(T);
+  const SequenceAnswer first = SequenceLocalization(map).add(localization.getView(), 0);
+  EXPECT_EQ(localization.getHypotheses().size(), first.places.size());
+}
+
+TEST_F(MapLocalizationInARoom, CloudsWithoutStampsFollowEachOther) {
+  MapLocalization<pcl::PointXYZ> localization;
+  localization.setMap(map);
+  localization.setSequenceMode(true);
+  bool is_sure = false;
+  for (int i = 0; i < 8; ++i) {
+    localization.setInputCloud(cloudFrom(poseAt(10 + 1.2 * i, 0.6), i));
+    Eigen::Isometry3d T;
+    is_sure = localization.localize(T);
+    EXPECT_THAT(localization.getStatus(), testing::Not(HasSubstr("back"))) << "a stamp that goes back";
+  }
+  EXPECT_TRUE(is_sure) << localization.getStatus();
+}
+
+TEST_F(MapLocalizationInARoom, IndicesChooseThePoints) {
+  MapLocalization<pcl::PointXYZ> localization;
+  localization.setMap(map);
+  const Cloud::Ptr cloud = cloudFrom(poseAt(100, 0.5), 3);
+  localization.setInputCloud(cloud);
+  Eigen::Isometry3d T;
+  localization.localize(T);
+  const std::size_t all = localization.getView().segments.size();
+  auto upper = pcl::make_shared<pcl::Indices>();
+  for (int i = 0; i < static_cast<int>(cloud->size()) / 3; ++i) upper->push_back(i);
+  localization.setIndices(upper);
+  localization.localize(T);
+  EXPECT_LT(localization.getView().segments.size(), all);
+  upper->push_back(static_cast<int>(cloud->size()));
+  EXPECT_FALSE(localization.localize(T));
+  EXPECT_THAT(localization.getStatus(), HasSubstr("indices"));
+}
+
+TEST_F(MapLocalizationInARoom, WhatCannotBeLocalizedSaysWhyAndLeavesNoStaleAnswer) {
+  MapLocalization<pcl::PointXYZ> localization;
+  Eigen::Isometry3d T = poseAt(1, 1);
+  EXPECT_FALSE(localization.localize(T));
+  EXPECT_THAT(localization.getStatus(), HasSubstr("no map"));
+  EXPECT_TRUE(T.isApprox(Eigen::Isometry3d::Identity()));
+  localization.setMap(map);
+  EXPECT_FALSE(localization.localize(T));
+  EXPECT_THAT(localization.getStatus(), HasSubstr("no input cloud"));
+  localization.setInputCloud(cloudFrom(poseAt(100, 0.5), 3));
+  localization.localize(T);
+  ASSERT_FALSE(localization.getHypotheses().empty());
+  auto scattered = pcl::make_shared<Cloud>();
+  scattered->push_back({1, 2, 3});
+  for (const bool in_sequence : {false, true}) {
+    localization.setSequenceMode(in_sequence);
+    localization.setInputCloud(scattered);
+    EXPECT_FALSE(localization.localize(T));
+    EXPECT_THAT(localization.getStatus(), HasSubstr("organized"));
+    EXPECT_TRUE(localization.getHypotheses().empty());
+    EXPECT_EQ(localization.getProbability(), 0);
+    EXPECT_EQ(localization.getState(), AnswerState::unknown);
+  }
+  localization.setMap(std::make_shared<const Map>());
+  localization.setInputCloud(cloudFrom(poseAt(100, 0.5), 3));
+  EXPECT_FALSE(localization.localize(T));
+  EXPECT_NE(localization.getStatus(), "");
+  EXPECT_THROW(localization.setMinProbability(0), std::invalid_argument);
+  EXPECT_THROW(localization.setMinProbability(1.1), std::invalid_argument);
+}
+
+TEST_F(MapLocalizationInARoom, WhatIsSetCountsFromTheNextCloudOn) {
+  MapLocalization<pcl::PointXYZ> localization;
+  localization.setMap(map);
+  localization.setInputCloud(cloudFrom(poseAt(10, 0.6), 0));
+  PoseWithCovariance pose;
+  localization.localize(pose);
+  localization.setMinProbability(1);
+  EXPECT_FALSE(localization.localize(pose));
+  EXPECT_THAT(localization.getStatus(), HasSubstr("doubtful"));
+  Camera camera;
+  camera.intrinsics = {10, 10, 10, 10, 5, 5};
+  localization.setCamera(camera);
+  EXPECT_FALSE(localization.localize(pose));
+  EXPECT_THAT(localization.getStatus(), HasSubstr("size"));
+}
+
+}  // namespace
+}  // namespace facetloc

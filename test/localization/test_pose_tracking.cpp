@@ -1,0 +1,497 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/localization/pose_tracking.h>
+#include <facetloc/testing/pose_matchers.h>
+#include <facetloc/testing/random_segments.h>
+#include <facetloc/testing/synthetic_views.h>
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <random>
+
+namespace facetloc {
+namespace {
+
+using test::lookingAlong;
+using test::MatrixNear;
+using test::mounted;
+using test::PoseNear;
+using test::Rng;
+using test::viewFrom;
+using testing::HasSubstr;
+
+constexpr double kFrame = 1.0 / 30;  // [s]
+
+/** Views of a camera in motion, and where it was. */
+struct Drive {
+  std::vector<Eigen::Isometry3d> truth;
+  std::vector<View> views;
+
+  Drive() = default;
+  Drive(const test::Scene& scene, std::vector<Eigen::Isometry3d> poses, unsigned seed)
+      : truth(std::move(poses)) {
+    views.resize(truth.size());
+    const int n = static_cast<int>(truth.size());
+    for (int i = 0; i < n; ++i) views[i] = viewFrom(scene, truth[i], seed + static_cast<unsigned>(i));
+  }
+};
+
+std::shared_ptr<Map> mapOf(const test::Scene& scene, const std::vector<Eigen::Isometry3d>& poses) {
+  auto map = std::make_shared<Map>();
+  const Drive views(scene, poses, 1000);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    LocalModel m;
+    m.T_w_m = poses[i];
+    m.view = views.views[i];
+    map->models.push_back(std::move(m));
+  }
+  return map;
+}
+
+/** On a circle about the middle of the large room, looking outwards and down: the floor is always in view. */
+Eigen::Isometry3d onCircle(double degrees, double radius, double height) {
+  const double a = degrees * kDegree;
+  return lookingAlong({3 + radius * std::cos(a), 2.5 + radius * std::sin(a), height},
+                      {std::cos(a), std::sin(a), -0.4});
+}
+
+class TrackingInARoom : public testing::Test {
+protected:
+  static constexpr int kViews = 90;
+  static void SetUpTestSuite() {
+    std::vector<Eigen::Isometry3d> models, poses;
+    for (int i = 0; i < 18; ++i) models.push_back(onCircle(20 * i, 0.35, 1.2));
+    map = mapOf(test::largeRoom(), models);
+    for (int i = 0; i < kViews; ++i)  // 0.4 m/s and 36 deg/s, with a sway
+      poses.push_back(onCircle(10 + 1.2 * i, 0.6, 1.2 + 0.03 * std::sin(0.3 * i)));
+    drive = std::make_unique<Drive>(test::largeRoom(), poses, 1);
+  }
+  static void TearDownTestSuite() {
+    map.reset();
+    drive.reset();
+  }
+
+  /** A tracker that has found the first views of the drive; the next one is number next_. */
+  PoseTracking started() {
+    PoseTracking tracking(map);
+    for (next_ = 0; next_ < 10; ++next_) last_ = tracking.update(drive->views[next_], next_ * kFrame);
+    EXPECT_EQ(last_.state, TrackingState::tracking) << last_.reason;
+    return tracking;
+  }
+  static double tiltOf(const Eigen::Isometry3d& T_w_c) {
+    return -std::asin(T_w_c.linear().col(2).z()) / kDegree;
+  }
+  static bool isGood(const TrackedPose& pose, const Eigen::Isometry3d& truth) {
+    if (!pose.T_w_c) return false;
+    const Vector6d e = perturbation(pose.T_w_c->T, truth);
+    return e.head<3>().norm() < 1 * kDegree && e.tail<3>().norm() < 0.05;
+  }
+  static bool isWithinItsError(const PoseWithCovariance& pose, const Eigen::Isometry3d& truth) {
+    return perturbation(pose.T, truth).tail<3>().norm() < largestTranslationStd(pose.P);
+  }
+
+  static std::shared_ptr<Map> map;
+  static std::unique_ptr<Drive> drive;
+  int next_ = 0;
+  TrackedPose last_;
+};
+std::shared_ptr<Map> TrackingInARoom::map;
+std::unique_ptr<Drive> TrackingInARoom::drive;
+
+TEST_F(TrackingInARoom, TheStoreyAboveIsNotTheFloor) {
+  auto two_storeys = std::make_shared<Map>(*map);
+  const CameraMounting mounting{1.2, tiltOf(onCircle(0, 0.6, 1.2))};
+  two_storeys->camera.mounting = mounting;
+  for (LocalModel m : map->models) {  // of another room
+    m.view = viewFrom(test::furnishedRoom(), lookingAlong({2, 1.5, 1.2}, m.T_w_m->linear().col(2)),
+                      static_cast<unsigned>(two_storeys->models.size()));
+    m.T_w_m->translation().z() += 3;
+    two_storeys->models.push_back(std::move(m));
+  }
+  PoseTracking tracking(two_storeys);
+  int good = 0;
+  for (int i = 0; i < kViews; ++i)
+    good += isGood(tracking.update(mounted(drive->views[i], mounting), i * kFrame), drive->truth[i]);
+  EXPECT_GE(good, kViews - 3);
+}
+
+TEST_F(TrackingInARoom, ViewsThatNoPlaceExplainsAreNoCrash) {
+  auto large = std::make_shared<Map>(*map);  // where a place is very likely not one of a few
+  for (int i = 0; i < 10000; ++i) {
+    LocalModel nothing;
+    nothing.T_w_m = Eigen::Isometry3d(Eigen::Translation3d(100 + i, 0, 1));
+    large->models.push_back(nothing);
+  }
+  PoseTracking tracking(large);
+  for (int i = 0; i < 10; ++i) {
+    const double a = 0.157 * i;
+    const View elsewhere = viewFrom(test::furnishedRoom(),
+                                    lookingAlong({1.5, 1 + 0.05 * i, 1.3}, {std::sin(a), std::cos(a), -0.2}),
+                                    static_cast<unsigned>(i));
+    const TrackedPose pose = tracking.update(elsewhere, i * kFrame);
+    EXPECT_FALSE(pose.T_w_c);
+    EXPECT_NE(pose.reason, "");
+  }
+}
+
+TEST_F(TrackingInARoom, FollowsTheCameraAndKnowsItsError) {
+  PoseTracking tracking(map);
+  double nees = 0, translation = 0;
+  for (int i = 0; i < kViews; ++i) {
+    const TrackedPose pose = tracking.update(drive->views[i], i * kFrame);
+    if (i == 0) {
+      EXPECT_EQ(pose.state, TrackingState::searching);
+      EXPECT_FALSE(pose.T_w_c);
+      continue;
+    }
+    EXPECT_EQ(pose.state, i == 1 ? TrackingState::localized : TrackingState::tracking) << i << pose.reason;
+    EXPECT_EQ(pose.reason, "");
+    ASSERT_TRUE(pose.T_w_c);
+    EXPECT_THAT(pose.T_w_c->T, PoseNear(drive->truth[i], 0.05, 1));
+    EXPECT_GT(pose.map_agreement, 0.8);
+    EXPECT_GT(pose.view_agreement, 0.8);
+    const Vector6d e = perturbation(pose.T_w_c->T, drive->truth[i]);
+    nees += e.dot(pose.T_w_c->P.ldlt().solve(e)) / (kViews - 1);
+    translation += e.tail<3>().norm() / (kViews - 1);
+  }
+  EXPECT_LT(translation, 0.015);
+  EXPECT_LT(nees, 9);  // 6 if all errors were independent; no overconfidence but by models in common
+  // White noise errs less than assumed by what is allowed for errors that neighbours share, and no less.
+  const PoseTrackingParams params;
+  const double caution =
+      params.correlated_pixels * params.correlated_views * std::pow(DenseRefinementParams{}.pixel_error, 2);
+  EXPECT_GT(nees, 6 / caution);
+}
+
+TEST_F(TrackingInARoom, FollowsEveryFourthView) {
+  PoseTracking tracking(map);
+  for (int i = 0; i < kViews; i += 4) {
+    const TrackedPose pose = tracking.update(drive->views[i], i * kFrame);
+    if (i == 0) continue;
+    EXPECT_TRUE(isGood(pose, drive->truth[i])) << i << ": " << pose.reason;
+  }
+}
+
+TEST_F(TrackingInARoom, TheMatchedModelIsDrawnAsItIs) {
+  started();
+  ASSERT_TRUE(last_.match);
+  const Hypothesis& match = *last_.match;
+  const LocalModel& model = map->models.at(match.model);
+  EXPECT_THAT(*model.T_w_m * match.T_m_c.T, PoseNear(last_.T_w_c->T, 1e-9, 1e-6));
+  EXPECT_FALSE(match.pairs.empty());
+  for (const SegmentPair& p : match.pairs) {
+    ASSERT_LT(static_cast<std::size_t>(p.scene), drive->views[next_ - 1].segments.size());
+    ASSERT_LT(static_cast<std::size_t>(p.model), model.view.segments.size());
+    const Eigen::Vector3d n = match.T_m_c.T.linear() * drive->views[next_ - 1].segments[p.scene].normal();
+    EXPECT_GT(n.dot(model.view.segments[p.model].normal()), 0.95);
+  }
+  // The covariance in model axes is the covariance of draws in world axes.
+  Rng rng(1);
+  constexpr int kDraws = 20000;
+  Matrix6d drawn = Matrix6d::Zero();
+  for (int i = 0; i < kDraws; ++i) {
+    const Eigen::Isometry3d T_w_c = perturbed(last_.T_w_c->T, test::gaussian<6>(rng, last_.T_w_c->P));
+    const Vector6d d = perturbation(match.T_m_c.T, model.T_w_m->inverse() * T_w_c);
+    drawn += d * d.transpose() / kDraws;
+  }
+  EXPECT_THAT(drawn, MatrixNear(match.T_m_c.P, 0.05 * match.T_m_c.P.diagonal().maxCoeff()));
+}
+
+TEST_F(TrackingInARoom, AKidnappingIsNoticedAndRepaired) {
+  PoseTracking tracking = started();
+  const int jump = 60;
+  int noticed = -1, found = -1;
+  for (int i = jump; i < kViews && found < 0; ++i, ++next_) {
+    const TrackedPose pose = tracking.update(drive->views[i], next_ * kFrame);
+    if (noticed < 0 && (pose.state == TrackingState::lost || pose.state == TrackingState::localized))
+      noticed = i;
+    if (pose.state == TrackingState::tracking) {
+      EXPECT_GE(noticed, 0) << "tracks on as if nothing had happened";
+      EXPECT_TRUE(isGood(pose, drive->truth[i]));
+    }
+    if (pose.state == TrackingState::localized) {
+      EXPECT_TRUE(isGood(pose, drive->truth[i]));
+      found = i;
+    }
+  }
+  EXPECT_GE(noticed, jump);
+  EXPECT_LE(noticed, jump + 4);
+  EXPECT_GE(found, noticed);
+  EXPECT_LE(found, noticed + 4);
+}
+
+TEST_F(TrackingInARoom, APlaceThatTheNextViewContradictsIsNeverAnnounced) {
+  PoseTracking tracking(map);
+  const TrackedPose first = tracking.update(drive->views[0], 0);
+  EXPECT_EQ(first.state, TrackingState::searching);
+  EXPECT_THAT(first.reason, HasSubstr("confirm"));
+  const TrackedPose second = tracking.update(drive->views[70], kFrame);
+  EXPECT_EQ(second.state, TrackingState::searching);
+  EXPECT_FALSE(second.T_w_c);
+  const TrackedPose third = tracking.update(drive->views[71], 2 * kFrame);
+  EXPECT_EQ(third.state, TrackingState::localized);
+  EXPECT_TRUE(isGood(third, drive->truth[71]));
+}
+
+TEST_F(TrackingInARoom, EmptyViewsAreBridgedForAWhile) {
+  PoseTracking tracking = started();
+  View empty;
+  empty.intrinsics = drive->views[0].intrinsics;
+  double std = 0;
+  for (int i = 0; i < 4; ++i, ++next_) {
+    const TrackedPose pose = tracking.update(empty, next_ * kFrame);
+    EXPECT_EQ(pose.state, TrackingState::cannot_tell);
+    EXPECT_THAT(pose.reason, HasSubstr("no planar segment"));
+    ASSERT_TRUE(pose.T_w_c);
+    EXPECT_GT(pose.T_w_c->P.trace(), std);
+    std = pose.T_w_c->P.trace();
+  }
+  const TrackedPose pose = tracking.update(drive->views[next_], next_ * kFrame);
+  EXPECT_EQ(pose.state, TrackingState::tracking) << pose.reason;
+  EXPECT_TRUE(isGood(pose, drive->truth[next_]));
+}
+
+TEST_F(TrackingInARoom, ARobotOnWheelsIsKeptOnItsFloorInTheDark) {
+  double height[2] = {0, 0};  // std [m]: as it likes, on wheels
+  for (const bool on_wheels : {false, true}) {
+    auto floor = std::make_shared<Map>(*map);
+    const CameraMounting mounting{1.2, tiltOf(drive->truth[0])};
+    if (on_wheels) floor->camera.mounting = mounting;
+    const auto seen = [&](const View& view) { return on_wheels ? mounted(view, mounting) : view; };
+    PoseTracking tracking(floor);
+    for (next_ = 0; next_ < 10; ++next_) last_ = tracking.update(seen(drive->views[next_]), next_ * kFrame);
+    for (; next_ < 16; ++next_) last_ = tracking.update(seen({}), next_ * kFrame);
+    ASSERT_TRUE(last_.T_w_c) << last_.reason;
+    EXPECT_NEAR(last_.T_w_c->T.translation().z(), 1.2, 0.05);
+    height[on_wheels] = std::sqrt(last_.T_w_c->P(5, 5));
+  }
+  EXPECT_LT(height[1], 0.3 * height[0]);
+}
+
+TEST_F(TrackingInARoom, ARobotThatGoesSidewaysIsBelieved) {
+  // It circles about the middle and looks outwards, on wheels that can do so.
+  auto floor = std::make_shared<Map>(*map);
+  const CameraMounting mounting{1.2, tiltOf(drive->truth[0])};
+  floor->camera.mounting = mounting;
+  PoseTracking tracking(floor);
+  for (int i = 0; i < kViews; ++i) {
+    const TrackedPose pose = tracking.update(mounted(drive->views[i], mounting), i * kFrame);
+    // Three planes leave a direction open for thirty views on end; there it knows what it does not know.
+    const bool is_open = pose.T_w_c && largestTranslationStd(pose.T_w_c->P) > 0.05;
+    EXPECT_TRUE(i == 0 || (is_open && isWithinItsError(*pose.T_w_c, drive->truth[i])) ||
+                isGood(pose, drive->truth[i]))
+        << i << ": " << pose.reason;
+  }
+}
+
+TEST_F(TrackingInARoom, AfterADarkWhileItIsLostAndFindsItselfAgain) {
+  PoseTracking tracking = started();
+  TrackedPose pose;
+  double stamp = next_ * kFrame;
+  for (int i = 0; i < 300; ++i) pose = tracking.update({}, stamp += kFrame);
+  EXPECT_EQ(pose.state, TrackingState::lost);
+  EXPECT_FALSE(pose.T_w_c);
+  tracking.update(drive->views[50], stamp += kFrame);
+  pose = tracking.update(drive->views[51], stamp += kFrame);
+  EXPECT_EQ(pose.state, TrackingState::localized);
+  EXPECT_TRUE(isGood(pose, drive->truth[51]));
+}
+
+// Wheels that run 1 % too far.
+Eigen::Isometry3d byWheels(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
+  Eigen::Isometry3d motion = from.inverse() * to;
+  motion.translation() *= 1.01;
+  return motion;
+}
+
+TEST_F(TrackingInARoom, AnOdometryCarriesItThroughTheDark) {
+  double std[2] = {0, 0};  // without it and with it [m]
+  for (const bool has_odometry : {false, true}) {
+    PoseTracking tracking = started();
+    TrackedPose pose;
+    for (int last = 60; next_ < last; ++next_) {
+      std::optional<Eigen::Isometry3d> motion;
+      if (has_odometry) motion = byWheels(drive->truth[next_ - 1], drive->truth[next_]);
+      pose = tracking.update({}, next_ * kFrame, motion);
+    }
+    ASSERT_TRUE(pose.T_w_c) << pose.reason;
+    std[has_odometry] = largestTranslationStd(pose.T_w_c->P);
+    if (!has_odometry) continue;
+    EXPECT_EQ(pose.state, TrackingState::cannot_tell) << pose.reason;
+    EXPECT_THAT(pose.T_w_c->T, PoseNear(drive->truth[next_ - 1], 0.05, 1));
+    EXPECT_TRUE(isWithinItsError(*pose.T_w_c, drive->truth[next_ - 1]));
+    pose = tracking.update(drive->views[next_], next_ * kFrame,
+                           byWheels(drive->truth[next_ - 1], drive->truth[next_]));
+    EXPECT_EQ(pose.state, TrackingState::tracking) << pose.reason;
+    EXPECT_FALSE(pose.searched);
+    EXPECT_TRUE(isGood(pose, drive->truth[next_]));
+  }
+  EXPECT_LT(std[1], 0.5 * std[0]);
+}
+
+TEST_F(TrackingInARoom, AnOdometryBridgesAnyGap) {
+  for (const bool has_odometry : {false, true}) {
+    PoseTracking tracking = started();
+    std::optional<Eigen::Isometry3d> motion;
+    if (has_odometry) motion = byWheels(drive->truth[next_ - 1], drive->truth[70]);
+    const TrackedPose pose = tracking.update(drive->views[70], next_ * kFrame + 20, motion);
+    EXPECT_EQ(pose.searched, !has_odometry);
+    EXPECT_EQ(pose.state, has_odometry ? TrackingState::tracking : TrackingState::lost) << pose.reason;
+    EXPECT_TRUE(!has_odometry || isGood(pose, drive->truth[70]));
+  }
+}
+
+TEST_F(TrackingInARoom, AnOdometryThatKnowsNothingOfAKidnappingIsNotBelieved) {
+  PoseTracking tracking = started();
+  int found = -1;
+  for (int i = 60; i < kViews && found < 0; ++i, ++next_) {
+    const TrackedPose pose =
+        tracking.update(drive->views[i], next_ * kFrame, byWheels(drive->truth[i - 1], drive->truth[i]));
+    if (pose.state == TrackingState::localized) {
+      EXPECT_TRUE(isGood(pose, drive->truth[i]));
+      found = i;
+    }
+  }
+  EXPECT_GT(found, 60);
+}
+
+TEST_F(TrackingInARoom, AnOdometryOfNoNumbersIsNone) {
+  PoseTracking tracking = started();
+  Eigen::Isometry3d nan = Eigen::Isometry3d::Identity();
+  nan.translation().x() = std::numeric_limits<double>::quiet_NaN();
+  const TrackedPose pose = tracking.update(drive->views[next_], next_ * kFrame, nan);
+  EXPECT_EQ(pose.state, TrackingState::tracking);
+  EXPECT_TRUE(isGood(pose, drive->truth[next_]));
+  EXPECT_EQ(tracking.update(drive->views[70], next_ * kFrame + 20, nan).state, TrackingState::lost)
+      << "it bridges no gap";
+}
+
+TEST_F(TrackingInARoom, StampsThatGoBackOrFarAheadStartAnew) {
+  for (const double stamp : {-5.0, 60.0, std::numeric_limits<double>::quiet_NaN()}) {
+    PoseTracking tracking = started();
+    TrackedPose pose = tracking.update(drive->views[40], stamp);
+    EXPECT_EQ(pose.state, TrackingState::lost) << stamp;
+    EXPECT_NE(pose.reason, "");
+    const double next = std::isnan(stamp) ? 0 : stamp;
+    tracking.update(drive->views[40], next);
+    pose = tracking.update(drive->views[41], next + kFrame);
+    EXPECT_TRUE(isGood(pose, drive->truth[41])) << stamp << ": " << pose.reason;
+  }
+}
+
+TEST_F(TrackingInARoom, TheSameViewTwiceChangesLittle) {
+  PoseTracking tracking = started();
+  const double stamp = (next_ - 1) * kFrame;
+  const TrackedPose again = tracking.update(drive->views[next_ - 1], stamp);
+  EXPECT_EQ(again.state, TrackingState::tracking);
+  EXPECT_THAT(again.T_w_c->T, PoseNear(last_.T_w_c->T, 0.01, 0.2));
+}
+
+TEST_F(TrackingInARoom, RelocalizeForgets) {
+  PoseTracking tracking = started();
+  tracking.relocalize();
+  TrackedPose pose = tracking.update(drive->views[next_], next_ * kFrame);
+  EXPECT_EQ(pose.state, TrackingState::searching);
+  ++next_;
+  pose = tracking.update(drive->views[next_], next_ * kFrame);
+  EXPECT_EQ(pose.state, TrackingState::localized);
+}
+
+TEST_F(TrackingInARoom, TheSameViewsGiveTheSameBytes) {
+  const auto bytes = [&] {
+    PoseTracking tracking(map);
+    std::string out;
+    for (int i = 0; i < 20; ++i) {
+      const TrackedPose p = tracking.update(drive->views[i < 12 ? i : i + 40], i * kFrame);
+      out += std::string(stateName(p.state)) + p.reason;
+      if (!p.T_w_c) continue;
+      out.append(reinterpret_cast<const char*>(p.T_w_c->T.data()), 16 * sizeof(double));
+      out.append(reinterpret_cast<const char*>(p.T_w_c->P.data()), 36 * sizeof(double));
+    }
+    return out;
+  };
+  const std::string once = bytes();
+  EXPECT_GT(once.size(), 1000u);
+  EXPECT_EQ(once, bytes());
+}
+
+TEST_F(TrackingInARoom, AMapWithoutWorldPosesSaysSo) {
+  auto bare = std::make_shared<Map>(*map);
+  for (LocalModel& m : bare->models) m.T_w_m.reset();
+  const TrackedPose pose = PoseTracking(bare).update(drive->views[0], 0);
+  EXPECT_EQ(pose.state, TrackingState::searching);
+  EXPECT_THAT(pose.reason, HasSubstr("no local model"));
+  EXPECT_EQ(PoseTracking(std::make_shared<Map>()).update(drive->views[0], 0).state, TrackingState::searching);
+}
+
+TEST_F(TrackingInARoom, WithoutDepthPicturesThePlanesFollow) {
+  auto bare = std::make_shared<Map>(*map);
+  for (LocalModel& m : bare->models) m.view.depth = {};
+  PoseTrackingParams params;
+  params.min_probability = 0.3;  // there is less evidence
+  PoseTracking tracking(bare, params);
+  int good = 0;
+  for (int i = 0; i < 30; ++i) {
+    View view = drive->views[i];
+    view.depth = {};
+    good += isGood(tracking.update(view, i * kFrame), drive->truth[i]);
+  }
+  EXPECT_GE(good, 20);
+}
+
+/** A corridor along y that begins with a wall and a cupboard, and then has nothing but its walls. */
+class TrackingInACorridor : public testing::Test {
+protected:
+  static test::Scene corridor() {
+    test::Scene scene = test::box({-0.9, 0, 0}, {0.9, 120, 2.4});
+    return scene + test::box({0.3, 0.6, 0}, {0.9, 1.4, 1.3}) + test::box({-0.9, 0.2, 0}, {-0.5, 0.9, 1.7});
+  }
+};
+
+TEST_F(TrackingInACorridor, ItCannotTellHowFarItHasGone) {
+  std::vector<Eigen::Isometry3d> poses, models;
+  const auto at = [](double y) { return lookingAlong({0.05, y, 1.2}, {0.03, 1, -0.12}); };
+  const auto turned = [](double degrees) {
+    const double a = degrees * kDegree;
+    return lookingAlong({0.05, 2.5, 1.2}, {std::sin(a), -std::cos(a), -0.12});
+  };
+  constexpr std::size_t kTurned = 76;        // views; in the middle of the turn a side wall fills the picture
+  for (std::size_t i = 0; i < kTurned; ++i)  // from the wall to the open end, 72 deg/s
+    poses.push_back(turned(2.4 * static_cast<double>(i)));
+  // Then to and fro, as the motion model assumes: nothing in view could tell of a steady motion either.
+  Rng rng(4);
+  std::normal_distribution<double> step(0, ViewOdometryParams{}.speed_change * kFrame);
+  double y = 2.5;
+  for (int i = 1; i <= 60; ++i) poses.push_back(at(y += step(rng)));
+  for (int i = 0; i <= 12; ++i) models.push_back(turned(15 * i));
+  for (int i = 1; i < 5; ++i) models.push_back(at(2.5 + 0.5 * i));
+  const auto map = mapOf(corridor(), models);
+  const Drive drive(corridor(), poses, 1);
+
+  PoseTracking tracking(map);
+  int told = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const TrackedPose pose = tracking.update(drive.views[i], static_cast<double>(i) * kFrame);
+    if (i < 2) continue;
+    ASSERT_TRUE(pose.T_w_c) << i << ": " << pose.reason;
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> shift(pose.T_w_c->P.bottomRightCorner<3, 3>());
+    const Vector6d e = perturbation(pose.T_w_c->T, poses[i]);
+    EXPECT_LT(e.head<3>().norm(), 1 * kDegree) << i;
+    EXPECT_LT(std::hypot(e[3], e[5]), 0.03) << i;
+    EXPECT_LT(std::abs(e[4]), 4 * std::sqrt(pose.T_w_c->P(4, 4))) << i;
+    if (pose.state != TrackingState::cannot_tell || i < kTurned) continue;
+    ++told;
+    EXPECT_THAT(pose.reason, HasSubstr("translation along"));
+    EXPECT_THAT(pose.reason, testing::Not(HasSubstr("rotation")));
+    EXPECT_GT(std::abs(shift.eigenvectors().col(2).y()), 0.95) << i;
+    EXPECT_LT(std::sqrt(shift.eigenvalues()[1]), 0.05) << i;
+  }
+  EXPECT_GE(told, 20);
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,457 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "belief/place_belief.h"
+
+#include <facetloc/localization/global_localization.h>
+#include <facetloc/localization/sequence_localization.h>
+#include <facetloc/testing/pose_matchers.h>
+#include <facetloc/testing/synthetic_views.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+
+namespace facetloc {
+
+using namespace internal;
+namespace {
+
+using test::lookingAlong;
+using test::viewFrom;
+using testing::HasSubstr;
+
+constexpr double kFrame = 0.1;  // [s]
+
+LocalModel modelAt(const test::Scene& scene, const Eigen::Isometry3d& T_w_m, unsigned seed) {
+  LocalModel m;
+  m.T_w_m = T_w_m;
+  m.view = viewFrom(scene, T_w_m, seed);
+  return m;
+}
+
+/** On a circle about the middle of the large room, looking outwards and down: the floor is always in view. */
+Eigen::Isometry3d onCircle(double degrees, double radius) {
+  const double a = degrees * kDegree;
+  return lookingAlong({3 + radius * std::cos(a), 2.5 + radius * std::sin(a), 1.2},
+                      {std::cos(a), std::sin(a), -0.4});
+}
+
+bool isNearTo(const SequenceAnswer& answer, const Eigen::Isometry3d& truth, double translation,
+              double rotation_deg) {
+  return !answer.places.empty() && isNear(*answer.places.front().T_w_c, truth, translation, rotation_deg);
+}
+
+bool isSureAndWrong(const SequenceAnswer& answer, const Eigen::Isometry3d& truth) {
+  return answer.state == AnswerState::sure && !isNearTo(answer, truth, 0.3, 5);
+}
+
+class SequenceInARoom : public testing::Test {
+protected:
+  static constexpr int kViews = 60;
+  static void SetUpTestSuite() {
+    map = std::make_shared<Map>();
+    for (int i = 0; i < 18; ++i)
+      map->models.push_back(modelAt(test::largeRoom(), onCircle(20 * i, 0.35), 1000 + i));
+    for (int i = 0; i < kViews; ++i) {  // 36 deg/s and, on the circle, 0.4 m/s
+      truth.push_back(onCircle(10 + 3.6 * i, 0.6));
+      views.push_back(viewFrom(test::largeRoom(), truth.back(), 1 + i));
+    }
+  }
+  static void TearDownTestSuite() {
+    map.reset();
+    truth.clear();
+    views.clear();
+  }
+
+  static std::shared_ptr<Map> map;
+  static std::vector<Eigen::Isometry3d> truth;
+  static std::vector<View> views;
+};
+std::shared_ptr<Map> SequenceInARoom::map;
+std::vector<Eigen::Isometry3d> SequenceInARoom::truth;
+std::vector<View> SequenceInARoom::views;
+
+TEST_F(SequenceInARoom, ACameraThatMovesKnowsWhereItIs) {
+  SequenceLocalization sequence(map);
+  int sure = 0, searched = 0;
+  for (int i = 0; i < kViews; ++i) {
+    const SequenceAnswer answer = sequence.add(views[i], i * kFrame);
+    double sum = answer.nowhere;
+    for (const Hypothesis& h : answer.places) sum += h.probability;
+    EXPECT_NEAR(sum, 1, 1e-9);
+    EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
+    EXPECT_EQ(answer.reason.empty(), answer.state == AnswerState::sure);
+    EXPECT_FALSE(answer.carried_away) << i;
+    EXPECT_TRUE(i < 20 || isNearTo(answer, truth[i], 0.1, 2)) << i;
+    sure += answer.state == AnswerState::sure;
+    searched += answer.searched;
+  }
+  EXPECT_GE(sure, kViews - 20);
+  EXPECT_LE(searched, 20);
+}
+
+TEST_F(SequenceInARoom, StandingStillSharpensNothing) {
+  SequenceLocalization sequence(map);
+  const SequenceAnswer first = sequence.add(views[0], 0);
+  ASSERT_FALSE(first.places.empty());
+  SequenceAnswer last;
+  for (int i = 1; i < 200; ++i) {
+    const View again = viewFrom(test::largeRoom(), truth[0], static_cast<unsigned>(2000 + i % 10));
+    last = sequence.add(again, i * kFrame);
+    EXPECT_NE(last.state, AnswerState::sure) << i;
+  }
+  ASSERT_FALSE(last.places.empty());
+  // Its odometry moves by its noise now and then; a look after next to no motion adds next to nothing.
+  EXPECT_NEAR(last.nowhere, first.nowhere, 0.05);
+}
+
+TEST_F(SequenceInARoom, CarriedAwayItBeginsAnew) {
+  SequenceLocalization sequence(map);
+  int i = 0;
+  for (; i < 20; ++i) sequence.add(views[i], i * kFrame);
+  bool said = false;
+  int sure_after = -1;
+  for (int k = 0; k < 20; ++k, ++i) {
+    const SequenceAnswer answer = sequence.add(views[40 + k], i * kFrame);
+    said = said || answer.carried_away;
+    EXPECT_FALSE(isSureAndWrong(answer, truth[40 + k])) << k;
+    if (sure_after < 0 && answer.state == AnswerState::sure) sure_after = k;
+  }
+  EXPECT_TRUE(said);
+  EXPECT_GE(sure_after, 0);
+  EXPECT_LE(sure_after, 10) << "within a second";
+}
+
+TEST_F(SequenceInARoom, CarriedAwayWithWheelsThatStandStillItBeginsAnew) {
+  SequenceLocalization sequence(map);
+  int i = 0;
+  for (; i < 20; ++i) {
+    std::optional<PoseWithCovariance> motion;
+    if (i > 0) motion = PoseWithCovariance{truth[i - 1].inverse() * truth[i], 1e-6 * Matrix6d::Identity()};
+    sequence.add(views[i], i * kFrame, motion);
+  }
+  const PoseWithCovariance still{Eigen::Isometry3d::Identity(), 1e-6 * Matrix6d::Identity()};
+  const SequenceAnswer carried = sequence.add(views[40], i++ * kFrame, still);
+  EXPECT_TRUE(carried.carried_away);
+  EXPECT_FALSE(isSureAndWrong(carried, truth[40]));
+  bool sure = false;
+  for (int k = 41; k < 50; ++k, ++i) {
+    const PoseWithCovariance motion{truth[k - 1].inverse() * truth[k], 1e-6 * Matrix6d::Identity()};
+    const SequenceAnswer answer = sequence.add(views[k], i * kFrame, motion);
+    EXPECT_FALSE(isSureAndWrong(answer, truth[k])) << k;
+    sure = sure || answer.state == AnswerState::sure;
+  }
+  EXPECT_TRUE(sure) << "within a second";
+}
+
+TEST_F(SequenceInARoom, PairsAreOfTheViewThatHasThem) {
+  SequenceLocalization sequence(map);
+  int with_pairs = 0;
+  for (int i = 0; i < 30; ++i) {
+    const SequenceAnswer answer =
+        sequence.add(views[i / 3], i * kFrame);  // two looks in three tell nothing new
+    for (const Hypothesis& h : answer.places) {
+      with_pairs += !h.pairs.empty();
+      EXPECT_TRUE(i % 3 == 0 || h.pairs.empty()) << i;
+    }
+  }
+  EXPECT_GT(with_pairs, 0);
+}
+
+TEST_F(SequenceInARoom, CloudsAndImagesAreSeenAsViewsAre) {
+  SequenceLocalization by_views(map), by_images(map), by_clouds(map);
+  for (int i = 0; i < 3; ++i) {
+    const DepthImage image =
+        test::noisy(test::render(test::largeRoom(), test::smallCamera(), truth[i], 20).image,
+                    SensorNoise{}.inverse_depth_std, 1 + i);
+    pcl::PointCloud<pcl::PointXYZ> cloud(image.camera.width, image.camera.height);
+    for (std::size_t k = 0; k < image.depth.size(); ++k) {
+      const int u = static_cast<int>(k) % image.camera.width, v = static_cast<int>(k) / image.camera.width;
+      const float z = isMeasured(image.depth[k]) ? image.depth[k] : std::numeric_limits<float>::quiet_NaN();
+      cloud[k] = {static_cast<float>((u - image.camera.cx) / image.camera.fx) * z,
+                  static_cast<float>((v - image.camera.cy) / image.camera.fy) * z, z};
+    }
+    const SequenceAnswer of_view = by_views.add(views[i], i * kFrame);
+    for (const SequenceAnswer& other :
+         {by_images.addImage(image, i * kFrame), by_clouds.addCloud(cloud, i * kFrame)}) {
+      ASSERT_EQ(other.places.size(), of_view.places.size()) << i << other.reason;
+      for (std::size_t k = 0; k < other.places.size(); ++k)
+        EXPECT_TRUE(isNear(*other.places[k].T_w_c, *of_view.places[k].T_w_c, 0.02, 0.5)) << i << " " << k;
+    }
+  }
+}
+
+TEST_F(SequenceInARoom, StampsThatGoBackStartAnew) {
+  for (const double stamp : {-5.0, std::numeric_limits<double>::quiet_NaN()}) {
+    SequenceLocalization sequence(map);
+    for (int i = 0; i < 20; ++i) sequence.add(views[i], i * kFrame);
+    const SequenceAnswer answer = sequence.add(views[20], stamp);
+    EXPECT_TRUE(answer.carried_away);
+    EXPECT_NE(answer.state, AnswerState::sure);
+    EXPECT_FALSE(isSureAndWrong(sequence.add(views[21], stamp + kFrame), truth[21]));
+  }
+}
+
+TEST_F(SequenceInARoom, EmptyViewsAreBridged) {
+  SequenceLocalization sequence(map);
+  SequenceAnswer answer = sequence.add(View(), 0);
+  EXPECT_EQ(answer.state, AnswerState::unknown);
+  EXPECT_NE(answer.reason, "");
+  for (int i = 0; i < 20; ++i) answer = sequence.add(views[i], (1 + i) * kFrame);
+  EXPECT_EQ(answer.state, AnswerState::sure) << answer.reason;
+  answer = sequence.add(View(), 21 * kFrame);
+  answer = sequence.add(views[21], 22 * kFrame);
+  EXPECT_FALSE(isSureAndWrong(answer, truth[21]));
+}
+
+TEST_F(SequenceInARoom, AnOdometryThatLiesByAFactorOfTwoIsNotBelieved) {
+  SequenceLocalization sequence(map);
+  for (int i = 0; i < kViews; ++i) {
+    std::optional<PoseWithCovariance> motion;
+    if (i > 0) {
+      const Eigen::Isometry3d step = truth[i - 1].inverse() * truth[i];
+      motion.emplace();
+      motion->T = step * step;
+      motion->P = 1e-6 * Matrix6d::Identity();
+    }
+    EXPECT_FALSE(isSureAndWrong(sequence.add(views[i], i * kFrame, motion), truth[i])) << i;
+  }
+}
+
+TEST_F(SequenceInARoom, AnHonestOdometryIsNoHindrance) {
+  SequenceLocalization sequence(map);
+  int sure = 0;
+  for (int i = 0; i < kViews; ++i) {
+    std::optional<PoseWithCovariance> motion;
+    if (i > 0) motion = PoseWithCovariance{truth[i - 1].inverse() * truth[i], 1e-6 * Matrix6d::Identity()};
+    const SequenceAnswer answer = sequence.add(views[i], i * kFrame, motion);
+    EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
+    sure += answer.state == AnswerState::sure;
+  }
+  EXPECT_GE(sure, kViews - 20);
+}
+
+TEST_F(SequenceInARoom, AnOdometryCarriesItThroughTheDark) {
+  SequenceLocalization sequence(map);
+  for (int i = 0; i < 20; ++i) sequence.add(views[i], i * kFrame);
+  SequenceAnswer answer;
+  for (int i = 20; i < 40; ++i) {
+    PoseWithCovariance motion;
+    motion.T = truth[i - 1].inverse() * truth[i];
+    motion.P = 1e-6 * Matrix6d::Identity();
+    answer = sequence.add(View(), i * kFrame, motion);
+  }
+  EXPECT_TRUE(isNearTo(answer, truth[39], 0.1, 2));
+}
+
+TEST_F(SequenceInARoom, WhatTheMapDoesNotHoldIsNotFound) {
+  SequenceLocalization sequence(map);
+  for (int i = 0; i < 20; ++i) {
+    const double a = 0.06 * i;
+    const View elsewhere =
+        viewFrom(test::furnishedRoom(),
+                 lookingAlong({1.5, 1 + 0.03 * i, 1.3}, {std::sin(a), std::cos(a), -0.2}), 1 + i);
+    EXPECT_NE(sequence.add(elsewhere, i * kFrame).state, AnswerState::sure) << i;
+  }
+}
+
+TEST_F(SequenceInARoom, TheSameViewsGiveTheSameBytesForAnyNumberOfThreads) {
+  const auto bytes = [&](int threads) {
+    SequenceLocalization sequence(map);
+    sequence.setNumberOfThreads(threads);
+    std::string out;
+    for (int i = 0; i < 20; ++i) {
+      const SequenceAnswer answer = sequence.add(views[i], i * kFrame);
+      out += answer.reason;
+      for (const Hypothesis& h : answer.places) {
+        out.append(reinterpret_cast<const char*>(h.T_w_c->data()), 16 * sizeof(double));
+        out.append(reinterpret_cast<const char*>(&h.probability), sizeof h.probability);
+      }
+    }
+    return out;
+  };
+  const std::string once = bytes(1);
+  EXPECT_GT(once.size(), 1000u);
+  EXPECT_EQ(once, bytes(2));
+}
+
+TEST_F(SequenceInARoom, AMapWithoutPlacesSaysSo) {
+  auto bare = std::make_shared<Map>(*map);
+  for (LocalModel& m : bare->models) m.T_w_m.reset();
+  for (const auto& nothing : {bare, std::make_shared<Map>()}) {
+    SequenceLocalization sequence(nothing);
+    const SequenceAnswer answer = sequence.add(views[0], 0);
+    EXPECT_EQ(answer.state, AnswerState::unknown);
+    EXPECT_NE(answer.reason, "");
+  }
+}
+
+TEST_F(SequenceInARoom, ACloudThatIsNoImageSaysSo) {
+  SequenceLocalization sequence(map);
+  pcl::PointCloud<pcl::PointXYZ> cloud;
+  cloud.push_back({1, 2, 3});
+  const SequenceAnswer answer = sequence.addCloud(cloud, 0);
+  EXPECT_EQ(answer.state, AnswerState::unknown);
+  EXPECT_THAT(answer.reason, HasSubstr("organized"));
+}
+
+/** Two rooms, 20 m apart, alike but for a cupboard that one of them has behind. */
+class SequenceInTwinRooms : public testing::Test {
+protected:
+  static constexpr int kViews = 50;
+  static Eigen::Isometry3d shifted(Eigen::Isometry3d T) {
+    T.translation().x() += 20;
+    return T;
+  }
+  void SetUp() override {
+    const test::Scene plain = test::largeRoom(),
+                      other = test::largeRoom() + test::box({1, 2.9, 0}, {1.9, 3.5, 1.4});
+    for (int i = 0; i < 18; ++i) map->models.push_back(modelAt(plain, onCircle(20 * i, 0.35), 1000 + i));
+    for (int i = 0; i < 18; ++i) {
+      LocalModel m = modelAt(other, onCircle(20 * i, 0.35), 2000 + i);
+      m.T_w_m = shifted(*m.T_w_m);
+      map->models.push_back(std::move(m));
+    }
+    for (int i = 0; i < kViews; ++i) {
+      const Eigen::Isometry3d there = onCircle(degrees(i), 0.4);
+      truth.push_back(shifted(there));
+      views.push_back(viewFrom(other, there, 1 + i));
+    }
+  }
+  /** It begins with its back to the cupboard, which is at 165 deg, and turns to it. */
+  static double degrees(int i) { return -40 + 4 * i; }
+
+  std::shared_ptr<Map> map = std::make_shared<Map>();
+  std::vector<Eigen::Isometry3d> truth;
+  std::vector<View> views;
+};
+
+TEST_F(SequenceInTwinRooms, OnlyWhatTellsThemApartDecides) {
+  SequenceLocalization sequence(map);
+  int sure_before = 0;
+  SequenceAnswer answer;
+  for (int i = 0; i < kViews; ++i) {
+    answer = sequence.add(views[i], i * kFrame);
+    EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
+    if (degrees(i) < 90) sure_before += answer.state == AnswerState::sure;
+    if (i == 20) {
+      ASSERT_GE(answer.places.size(), 2u);
+      EXPECT_NEAR(answer.places[0].probability, answer.places[1].probability, 0.3);
+      EXPECT_GT(answer.places[0].probability + answer.places[1].probability, 0.8);
+    }
+  }
+  EXPECT_EQ(sure_before, 0);
+  EXPECT_EQ(answer.state, AnswerState::sure) << answer.reason;
+  EXPECT_TRUE(isNearTo(answer, truth.back(), 0.1, 2));
+}
+
+TEST_F(SequenceInTwinRooms, WhatIsSeenLaterTellsOfTheFirstViewToo) {
+  SequenceLocalization sequence(map), backward(map);
+  std::vector<SequenceAnswer> until(kViews), from(kViews);
+  for (int i = 0; i < kViews; ++i) until[i] = sequence.add(views[i], i * kFrame);
+  for (int i = kViews - 1; i >= 0; --i) from[i] = backward.add(views[i], -i * kFrame);
+  ASSERT_EQ(until[0].state, AnswerState::doubtful);
+  double squares = 0, variances = 0;
+  for (int i = 0; i + 1 < kViews; ++i) {
+    const SequenceAnswer answer = sequence.smoothed(until[i], from[i + 1], until[i + 1].T_before_now);
+    EXPECT_EQ(answer.state, AnswerState::sure) << i << ": " << answer.reason;
+    EXPECT_TRUE(isNearTo(answer, truth[i], 0.1, 2)) << i;
+    double sum = answer.nowhere;
+    for (const Hypothesis& h : answer.places) {
+      sum += h.probability;
+      const Eigen::Isometry3d T_w_c = *map->models[h.model].T_w_m * h.T_m_c.T;
+      EXPECT_TRUE(isNear(T_w_c, *h.T_w_c, 1e-6, 1e-5)) << "one pose in both frames";
+    }
+    EXPECT_NEAR(sum, 1, 1e-9);
+    squares += (answer.places.front().T_w_c->translation() - truth[i].translation()).squaredNorm();
+    variances += answer.places.front().T_m_c.P.bottomRightCorner<3, 3>().trace();
+  }
+  EXPECT_LT(squares, 3 * variances) << "what both directions have seen is not counted twice";
+}
+
+TEST_F(SequenceInTwinRooms, TwoDirectionsOfOneViewAreOneView) {
+  SequenceLocalization sequence(map), backward(map);
+  const SequenceAnswer until = sequence.add(views[0], 0);
+  sequence.add(views[0], kFrame);
+  const SequenceAnswer from = backward.add(views[0], -kFrame);
+  PoseWithCovariance none;
+  none.P = 1e-8 * Matrix6d::Identity();
+  EXPECT_NE(sequence.smoothed(until, from, none).state, AnswerState::sure);
+  const SequenceAnswer alone = sequence.smoothed(until, SequenceAnswer(), none);
+  ASSERT_EQ(alone.places.size(), until.places.size());
+  for (std::size_t i = 0; i < alone.places.size(); ++i)
+    EXPECT_NEAR(alone.places[i].probability, until.places[i].probability, 1e-6) << "nothing tells nothing";
+}
+
+class BeliefInARoom : public SequenceInARoom {
+protected:
+  std::shared_ptr<const View> view(int i) const { return std::make_shared<const View>(views[i]); }
+  static double logOdds(const PlaceBelief& belief) { return belief.places().front().log_odds; }
+};
+
+TEST_F(BeliefInARoom, ALookCountsByTheMotionSinceTheLast) {
+  PlaceBelief belief(map, {}, {});
+  EXPECT_TRUE(belief.isDue());
+  belief.suppose(0, {truth[0], 1e-4 * Matrix6d::Identity()});
+  belief.look(view(0), nullptr);
+  ASSERT_EQ(belief.places().size(), 1u);
+  const double first = logOdds(belief);
+  EXPECT_GT(first, 0);
+  EXPECT_FALSE(belief.isDue());
+  belief.look(view(0), nullptr);
+  EXPECT_DOUBLE_EQ(logOdds(belief), first) << "it has not moved";
+  PoseWithCovariance there_and_back;  // of half the independent distance
+  there_and_back.T.translation().x() = SequenceParams{}.independent_distance / 4;
+  belief.move(there_and_back);
+  there_and_back.T = there_and_back.T.inverse();
+  belief.move(there_and_back);
+  EXPECT_TRUE(belief.isDue());
+  belief.look(view(0), nullptr);
+  EXPECT_NEAR(logOdds(belief), first + (1 - std::exp(-0.5)) * first, 0.05 * first);
+}
+
+TEST_F(BeliefInARoom, ItNeverBecomesSurerThanItsBound) {
+  SequenceParams params;
+  params.max_places = 3;
+  PlaceBelief belief(map, {}, params);
+  const GlobalLocalization localization(map);
+  for (int i = 0; i < 20; ++i) {
+    if (i > 0) belief.move({truth[i - 1].inverse() * truth[i], 1e-6 * Matrix6d::Identity()});
+    const Localization found = localization.localize(views[i]);
+    belief.look(view(i), &found);
+    ASSERT_FALSE(belief.places().empty());
+    EXPECT_LE(logOdds(belief), params.most_log_odds);
+    EXPECT_LE(belief.places().size(), 3u);
+  }
+  EXPECT_DOUBLE_EQ(logOdds(belief), params.most_log_odds);
+}
+
+TEST_F(BeliefInARoom, TheMostProbablePlacesAreKept) {
+  SequenceParams params;
+  for (const int most : {12, 3}) {
+    params.max_places = most;
+    PlaceBelief belief(map, {}, params);
+    for (const int i : {50, 40, 30, 15, 0}) belief.suppose(0, {truth[i], 1e-4 * Matrix6d::Identity()});
+    belief.look(view(0), nullptr);
+    ASSERT_EQ(belief.places().size(), most == 3 ? 3u : 5u);
+    EXPECT_TRUE(isNear(belief.places().front().T_w_c.T, truth[0], 0.05, 1));
+  }
+}
+
+TEST_F(BeliefInARoom, PlacesMoveWithTheCamera) {
+  PlaceBelief belief(map, {}, {});
+  PoseWithCovariance place{truth[0], 1e-4 * Matrix6d::Identity()};
+  place.P(0, 4) = place.P(4, 0) = 2e-5;
+  belief.suppose(0, place);
+  PoseWithCovariance motion{truth[0].inverse() * truth[3], 1e-5 * Matrix6d::Identity()};
+  belief.move(motion);
+  const PoseWithCovariance expected = place * motion;
+  EXPECT_THAT(belief.places().front().T_w_c.T, test::PoseNear(expected.T, 1e-12, 1e-9));
+  EXPECT_THAT(belief.places().front().T_w_c.P, test::MatrixNear(expected.P, 1e-12));
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/mapping/distortion_calibration.h>
+#include <facetloc/testing/synthetic_views.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace facetloc {
+namespace {
+
+using test::smallCamera;
+
+const SensorNoise kNoise;
+const PoseAccuracy kExact{0.02 * kDegree, 0.001}, kRough{0.5 * kDegree, 0.02};
+
+/** About half a Kinect's disparity unit, tilted and bent. */
+double trueDistortion(const Eigen::Vector2d& ray) {
+  return 0.5 / kKinectGain * (std::sin(4 * ray.x() + 1) + 0.8 * std::cos(5 * ray.y() - 1) - 0.5);
+}
+
+/** Cameras all around the middle of a room, looking down a little. */
+std::vector<Eigen::Isometry3d> cameras() {
+  std::vector<Eigen::Isometry3d> out;
+  for (int i = 0; i < 36; ++i) {
+    const double angle = 20 * kDegree * i;
+    out.push_back(test::lookingAlong({3 + 0.8 * std::cos(2 * angle), 2.4 + 0.6 * std::sin(3 * angle), 1.2},
+                                     {std::cos(angle), std::sin(angle), i % 2 == 0 ? -0.2 : -0.35}));
+  }
+  return out;
+}
+
+class DistortionCalibration : public testing::Test {
+protected:
+  /** \param strength of the distortion */
+  void see(double strength) {
+    const std::vector<Eigen::Isometry3d> poses = cameras();
+    depth_.clear();
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      DepthImage image = test::noisy(test::render(test::largeRoom(), smallCamera(), poses[i]).image,
+                                     kNoise.inverse_depth_std, static_cast<unsigned>(i));
+      for (int v = 0; v < image.camera.height; ++v)
+        for (int u = 0; u < image.camera.width; ++u) {
+          float& z = image.depth[static_cast<std::size_t>(v) * image.camera.width + u];
+          z = static_cast<float>(1 / (1 / z + strength * trueDistortion(image.camera.ray(u, v).head<2>())));
+        }
+      depth_.push_back(DepthPicture::fromDepth(image));
+    }
+    for (std::size_t i = 0; i < poses.size(); ++i) pictures_.push_back({&depth_[i], poses[i]});
+  }
+  void disturb(const PoseAccuracy& accuracy) {
+    std::mt19937 rng(7);
+    std::normal_distribution<double> normal;
+    for (PosedPicture& p : pictures_) {
+      Vector6d d;
+      for (int i = 0; i < 6; ++i)
+        d[i] = (i < 3 ? accuracy.rotation_std : accuracy.translation_std) * normal(rng);
+      p.T_w_c = perturbed(p.T_w_c, d);
+    }
+  }
+  /** Root mean square over the image [1/m]. */
+  static double errorOf(const DepthDistortion& found, double strength) {
+    double sum = 0;
+    int n = 0;
+    for (int v = 0; v < 240; v += 8)
+      for (int u = 0; u < 320; u += 8, ++n) {
+        const Eigen::Vector2d ray = smallCamera().ray(u, v).head<2>();
+        sum += std::pow(found.at(ray) - strength * trueDistortion(ray), 2);
+      }
+    return std::sqrt(sum / n);
+  }
+
+  std::vector<DepthPicture> depth_;
+  std::vector<PosedPicture> pictures_;
+};
+
+TEST_F(DistortionCalibration, FindsTheFieldOfACameraThatIsSaidToBeGoodInTheMiddle) {
+  see(1);
+  SensorNoise noise = kNoise;
+  noise.distortion_offset = 0;
+  const auto found = calibrateDistortion(pictures_, noise, kExact);
+  ASSERT_TRUE(found);
+  EXPECT_LT(errorOf(found->distortion, 1), 0.3 / kKinectGain);
+}
+
+TEST_F(DistortionCalibration, FindsTheField) {
+  see(1);
+  const auto found = calibrateDistortion(pictures_, kNoise, kExact);
+  ASSERT_TRUE(found);
+  EXPECT_GT(errorOf(DepthDistortion(found->distortion.extent()), 1), 0.4 / kKinectGain);
+  EXPECT_LT(errorOf(found->distortion, 1), 0.1 / kKinectGain);
+}
+
+TEST_F(DistortionCalibration, FindsItThoughThePosesAreRough) {
+  see(1);
+  disturb({0.15 * kDegree, 0.008});
+  const auto found = calibrateDistortion(pictures_, kNoise, kRough);
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->reliable());
+  EXPECT_LT(errorOf(found->distortion, 1), 0.25 / kKinectGain);
+}
+
+TEST_F(DistortionCalibration, TellsHowGoodThePosesAre) {
+  see(1);
+  EXPECT_LT(calibrateDistortion(pictures_, kNoise, kRough)->poses.rotation_std, 0.1 * kDegree);
+  const PoseAccuracy bad{1 * kDegree, 0.03};
+  disturb(bad);
+  const auto found = calibrateDistortion(pictures_, kNoise, kRough);
+  EXPECT_NEAR(found->poses.rotation_std, bad.rotation_std, 0.35 * bad.rotation_std);
+  EXPECT_NEAR(found->poses.translation_std, bad.translation_std, 0.35 * bad.translation_std);
+  EXPECT_FALSE(found->reliable());
+}
+
+TEST_F(DistortionCalibration, APerfectCameraHasNone) {
+  see(0);
+  const auto found = calibrateDistortion(pictures_, kNoise, kRough);
+  ASSERT_TRUE(found);
+  EXPECT_LT(found->distortion.rms(), 0.15 / kKinectGain);
+}
+
+TEST_F(DistortionCalibration, HoldsAtAnyResolution) {
+  see(1);
+  const auto found = calibrateDistortion(pictures_, kNoise, kExact);
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->distortion.fits(smallCamera()));
+}
+
+TEST_F(DistortionCalibration, PicturesWithNothingInCommonTellNothing) {
+  see(1);
+  EXPECT_FALSE(calibrateDistortion({pictures_[0]}, kNoise, kExact));
+  EXPECT_FALSE(calibrateDistortion({pictures_[0], pictures_[9]}, kNoise, kExact));  // turned by 180 deg
+}
+
+TEST_F(DistortionCalibration, NoPicturesOrDifferentCamerasGiveNothing) {
+  EXPECT_FALSE(calibrateDistortion({}, kNoise, kExact));
+  see(1);
+  const DepthPicture empty;
+  EXPECT_FALSE(calibrateDistortion({{&empty, Eigen::Isometry3d::Identity()}}, kNoise, kExact));
+  const DepthPicture line = DepthPicture::fromStored({2, 1, 1, 1, 0, 0}, {9000, 9000});
+  const PosedPicture of_line{&line, Eigen::Isometry3d::Identity()};
+  EXPECT_FALSE(calibrateDistortion({of_line, of_line}, kNoise, kExact));
+  const DepthPicture other =
+      DepthPicture::fromDepth(test::render(test::largeRoom(), test::tinyCamera(), pictures_[0].T_w_c).image);
+  pictures_.push_back({&other, pictures_[0].T_w_c});
+  EXPECT_FALSE(calibrateDistortion(pictures_, kNoise, kExact));
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "graph/graph_covariance.h"
+
+#include <facetloc/features/camera_model.h>
+#include <facetloc/registration/pose_prior.h>
+#include <facetloc/testing/pose_matchers.h>
+
+#include <gtest/gtest.h>
+
+namespace facetloc {
+
+using namespace internal;
+using test::MatrixNear;
+using test::PoseNear;
+namespace {
+
+Matrix6d covariance(double rotation, double translation) {
+  Matrix6d P = Matrix6d::Zero();
+  P.diagonal().head<3>().setConstant(rotation * rotation);
+  P.diagonal().tail<3>().setConstant(translation * translation);
+  P(1, 3) = P(3, 1) = 0.4 * rotation * translation;
+  return P;
+}
+
+PoseWithCovariance motion(double x, double y, double turn_deg, double std = 0.01) {
+  PoseWithCovariance T;
+  T.T.linear() = expSO3({0.1, -0.2, turn_deg * kDegree});
+  T.T.translation() << x, y, 0.1;
+  T.P = covariance(std, 2 * std);
+  return T;
+}
+
+PoseGraph chain() {
+  PoseGraph graph;
+  graph.T_w_n.push_back(motion(3, -2, 130).T);
+  for (const PoseWithCovariance& T : {motion(1, 0, 20), motion(0.5, 0.5, -40, 0.02), motion(2, 0, 70)}) {
+    const int from = static_cast<int>(graph.T_w_n.size()) - 1;
+    graph.edges.push_back({from, from + 1, T});
+    graph.T_w_n.push_back(graph.T_w_n.back() * T.T);
+  }
+  return graph;
+}
+
+TEST(GraphCovariance, AlongAChainItIsThatOfTheProductOfItsMotions) {
+  const PoseGraph graph = chain();
+  const GraphCovariance known(graph);
+  const auto from_first = known.relativeTo(1);
+  PoseWithCovariance expected = graph.edges[1].T_from_to * graph.edges[2].T_from_to;
+  ASSERT_TRUE(from_first[3]);
+  EXPECT_THAT(from_first[3]->T, PoseNear(expected.T, 1e-9, 1e-7));
+  EXPECT_THAT(from_first[3]->P, MatrixNear(expected.P, 1e-5 * expected.P.norm()));
+  EXPECT_THAT(from_first[1]->P, MatrixNear(Matrix6d::Zero(), 1e-15));
+  // backwards, and back to the node that is held
+  expected = inverse(graph.edges[0].T_from_to * graph.edges[1].T_from_to);
+  EXPECT_THAT(known.relativeTo(2)[0]->P, MatrixNear(expected.P, 1e-5 * expected.P.norm()));
+}
+
+TEST(GraphCovariance, TwoMotionsTellTwiceAsMuch) {
+  PoseGraph graph = chain();
+  graph.edges.push_back(graph.edges[1]);
+  const GraphCovariance known(graph);
+  const Matrix6d P = known.relativeTo(1)[2]->P, of_one = graph.edges[1].T_from_to.P;
+  EXPECT_THAT(P, MatrixNear(0.5 * of_one, 1e-5 * of_one.norm()));
+}
+
+TEST(GraphCovariance, OtherPartsAreNowhere) {
+  PoseGraph graph = chain();
+  graph.edges.erase(graph.edges.begin() + 1);
+  const auto relative = GraphCovariance(graph).relativeTo(0);
+  EXPECT_TRUE(relative[1]);
+  EXPECT_FALSE(relative[2]);
+  EXPECT_FALSE(relative[3]);
+}
+
+TEST(GraphCovariance, AFloorTellsRollPitchAndHeight) {
+  const CameraMounting mounting{1.1, 15};
+  PoseGraph graph;
+  graph.T_w_n = {mounting.T_b_c(), mounting.T_b_c()};
+  graph.T_w_n[1].translation().x() += 1;
+  PoseWithCovariance vague;
+  vague.T = graph.T_w_n[0].inverse() * graph.T_w_n[1];
+  vague.P = covariance(0.5, 1);
+  graph.edges.push_back({0, 1, vague});
+  const Eigen::Matrix3d C = floorCovariance({});
+  graph.floor = LevelFloor{mounting.T_b_c(), C};
+  const Matrix6d P = GraphCovariance(graph).ofNodes()[1];
+  // The camera is turned by what its robot is, and stands straight above it.
+  EXPECT_NEAR(P(0, 0), C(0, 0), 0.02 * C(0, 0));
+  EXPECT_NEAR(P(1, 1), C(1, 1), 0.02 * C(1, 1));
+  EXPECT_NEAR(P(5, 5), C(2, 2), 0.02 * C(2, 2));
+  EXPECT_GT(P(2, 2), 0.1);
+  EXPECT_GT(P(3, 3), 0.5);
+}
+
+TEST(GraphCovariance, OfOnePairIsThatOfThePairAmongAll) {
+  const GraphCovariance known(chain());
+  for (int a = 0; a < 4; ++a)
+    for (int b = 0; b < 4; ++b) {
+      const PoseWithCovariance alone = *known.between(a, b), among_all = *known.relativeTo(a)[b];
+      EXPECT_THAT(alone.T, PoseNear(among_all.T, 1e-12, 1e-9));
+      EXPECT_THAT(alone.P, MatrixNear(among_all.P, 1e-9 * among_all.P.norm() + 1e-10)) << a << " " << b;
+    }
+  PoseGraph apart = chain();
+  apart.edges.erase(apart.edges.begin() + 1);
+  EXPECT_FALSE(GraphCovariance(apart).between(0, 3));
+}
+
+TEST(GraphCovariance, IsTheSameForAnyNumberOfThreads) {
+  const GraphCovariance one(chain(), 1), two(chain(), 2);
+  for (std::size_t i = 0; i < one.ofNodes().size(); ++i) EXPECT_EQ(one.ofNodes()[i], two.ofNodes()[i]);
+}
+
+}  // namespace
+}  // namespace facetloc

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/mapping/trajectory_estimation.h>
+#include <facetloc/mapping/trajectory_links.h>
+#include <facetloc/testing/pose_matchers.h>
+#include <facetloc/testing/synthetic_views.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+namespace facetloc {
+namespace {
+
+using test::largeRoom;
+using test::lookingAlong;
+using test::MatrixNear;
+using test::mounted;
+using test::PoseNear;
+using test::viewFrom;
+
+/** A room that shows corners and edges wherever one looks. */
+test::Scene furnishedRoom() {
+  return largeRoom() + test::box({3.6, 0, 0}, {4.1, 0.5, 1.7}) + test::box({4.6, 0, 0}, {5.2, 0.3, 1.0}) +
+         test::box({1.0, 4.6, 0}, {1.9, 5, 1.3}) + test::box({3.7, 4.7, 0}, {4.1, 5, 2.1}) +
+         test::box({0, 2.1, 0}, {0.4, 2.8, 1.0}) + test::box({5.7, 2.6, 0}, {6, 3.0, 2.0}) +
+         test::box({0.2, 0, 0}, {0.8, 0.5, 2.0}) + test::box({2.1, 4.8, 0}, {2.3, 5, 0.7});
+}
+
+/** Once around the middle of the room and a bit further, looking outwards. */
+Eigen::Isometry3d onCircle(double turn_deg) {
+  const double a = turn_deg * kDegree;
+  return lookingAlong({3 + 0.75 * std::cos(a), 2.5 + 0.75 * std::sin(a), 1.2},
+                      {std::cos(a), std::sin(a), -0.25});
+}
+
+/** Poses relative to the first one against the true ones. */
+double largestError(const CameraTrajectory& found, const std::vector<Eigen::Isometry3d>& truth) {
+  double largest = 0;
+  const Eigen::Isometry3d T = truth[0] * found.images[0].T_w_c.inverse();
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    largest = std::max(largest, (T * found.images[i].T_w_c.translation() - truth[i].translation()).norm());
+  return largest;
+}
+
+/** Sparse images all around. */
+class Around : public testing::Test {
+protected:
+  Around() {
+    for (int i = 0; i < kImages; ++i) {
+      truth_.push_back(onCircle(12 * i));
+      views_.push_back(viewFrom(furnishedRoom(), truth_.back(), 50 + i));
+    }
+  }
+  CameraTrajectory estimated(int threads = 1) const {
+    TrajectoryEstimation estimation;
+    estimation.setNumberOfThreads(threads);
+    for (int i = 0; i < kImages; ++i) estimation.add(views_[i], i);
+    estimation.improve();
+    return estimation.trajectory();
+  }
+  static constexpr int kImages = 36;  // 420 deg
+  std::vector<Eigen::Isometry3d> truth_;
+  std::vector<View> views_;
+};
+
+TEST_F(Around, SparseImagesAreFollowedAndTheLoopIsClosed) {
+  const CameraTrajectory found = estimated();
+  ASSERT_EQ(found.images.size(), truth_.size());
+  EXPECT_EQ(found.parts().size(), 1u);
+  EXPECT_LT(largestError(found, truth_), 0.03);
+  EXPECT_GT(found.loops(), 0);
+  EXPECT_NEAR(found.length(), 35 * 2 * 0.75 * std::sin(6 * kDegree), 0.1);
+  // as good as it says
+  double squared = 0;
+  for (std::size_t k = 1; k < found.keyframes.size(); ++k) {
+    const Eigen::Isometry3d expected =
+        found.keyframes[0].T_w_c.T * truth_[0].inverse() * truth_[found.keyframes[k].image];
+    const Vector6d e = perturbation(expected, found.keyframes[k].T_w_c.T);
+    squared += e.dot(found.keyframes[k].T_w_c.P.ldlt().solve(e)) / double(found.keyframes.size() - 1);
+  }
+  EXPECT_LT(squared, 3 * 6);
+}
+
+TEST_F(Around, IsTheSameForAnyNumberOfThreads) {
+  const CameraTrajectory one = estimated(1), two = estimated(2);
+  for (std::size_t i = 0; i < one.images.size(); ++i)
+    EXPECT_EQ(one.images[i].T_w_c.matrix(), two.images[i].T_w_c.matrix()) << i;
+}
+
+TEST_F(Around, LinksJoinLocalModelsAlongTheWayAndAcrossTheLoop) {
+  const CameraTrajectory found = estimated();
+  const std::vector<std::size_t> images{0, 6, 12, 18, 24, 30, 35};
+  const std::vector<Link> links = trajectoryLinks(found, images);
+  int steps = 0;
+  bool closed = false;
+  for (const Link& link : links) {
+    steps += link.to == link.from + 1;
+    closed |= link.from <= 1 && link.to >= 5;
+    EXPECT_EQ(Eigen::LLT<Matrix6d>(link.T_from_to.P).info(), Eigen::Success);
+    EXPECT_THAT(link.T_from_to.T,
+                PoseNear(truth_[images[link.from]].inverse() * truth_[images[link.to]], 0.04, 1.2));
+  }
+  EXPECT_EQ(steps, 6);
+  EXPECT_TRUE(closed);
+  EXPECT_THROW(trajectoryLinks(found, {0, 99}), std::invalid_argument);
+  EXPECT_TRUE(trajectoryLinks({}, {}).empty());
+}
+
+TEST(TrajectoryEstimation, AVideoHasFewKeyframesAndAPoseForEachImage) {
+  TrajectoryEstimation estimation;
+  std::vector<Eigen::Isometry3d> truth;
+  for (int i = 0; i < 60; ++i) {
+    truth.push_back(onCircle(2 * i));
+    estimation.add(viewFrom(furnishedRoom(), truth.back(), 50 + i), i / 15.0);
+  }
+  estimation.improve();
+  const CameraTrajectory found = estimation.trajectory();
+  EXPECT_EQ(found.images.size(), 60u);
+  EXPECT_GE(found.keyframes.size(), 6u);
+  EXPECT_LE(found.keyframes.size(), 15u);
+  EXPECT_LT(largestError(found, truth), 0.03);
+}
+
+TEST(TrajectoryEstimation, ATurnedAwayCameraBeginsANewPieceThatIsTiedLater) {
+  // Along one wall, then a view of the opposite one, and from there back to the first wall.
+  TrajectoryEstimation estimation;
+  std::vector<double> turns;
+  for (int i = 0; i < 5; ++i) turns.push_back(10 * i);
+  for (int i = 0; i < 23; ++i) turns.push_back(180 + 10 * i);
+  std::vector<Eigen::Isometry3d> truth;
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    truth.push_back(onCircle(turns[i]));
+    estimation.add(viewFrom(furnishedRoom(), truth.back(), 50 + static_cast<unsigned>(i)), double(i));
+  }
+  EXPECT_EQ(estimation.trajectory().parts().size(), 2u);
+  estimation.improve();
+  const CameraTrajectory found = estimation.trajectory();
+  EXPECT_EQ(found.parts().size(), 1u);
+  EXPECT_LT(largestError(found, truth), 0.15);
+}
+
+TEST(TrajectoryEstimation, PiecesWithNothingInCommonStayApart) {
+  TrajectoryEstimation estimation;
+  const View here = viewFrom(furnishedRoom(), onCircle(0), 1),
+             there = viewFrom(furnishedRoom(), onCircle(180), 2);
+  estimation.add(here, 0);
+  estimation.add(there, 1);
+  estimation.improve();
+  const CameraTrajectory found = estimation.trajectory();
+  EXPECT_EQ(found.parts(), (std::vector<int>{0, 1}));
+  EXPECT_EQ(found.length(), 0);
+}
+
+TEST(TrajectoryEstimation, AStillCameraHasOneKeyframe) {
+  TrajectoryEstimation estimation;
+  for (int i = 0; i < 10; ++i) estimation.add(viewFrom(furnishedRoom(), onCircle(20), 7 + i), i);
+  estimation.improve();
+  const CameraTrajectory found = estimation.trajectory();
+  EXPECT_EQ(found.keyframes.size(), 1u);
+  for (const TrajectoryPose& pose : found.images)
+    EXPECT_THAT(pose.T_w_c, PoseNear(Eigen::Isometry3d::Identity(), 0.02, 1));
+}
+
+TEST(TrajectoryEstimation, AnyStampsAndEmptyViewsHaveAnAnswer) {
+  TrajectoryEstimation estimation;
+  EXPECT_TRUE(estimation.trajectory().images.empty());
+  estimation.improve();
+  for (int i = 0; i < 6; ++i) {
+    estimation.add(viewFrom(furnishedRoom(), onCircle(10 * i), 7 + i), 100 - i);  // backwards
+    if (i == 3) estimation.add({}, 100 - i);
+  }
+  estimation.improve();
+  const CameraTrajectory found = estimation.trajectory();
+  EXPECT_EQ(found.images.size(), 7u);
+  EXPECT_LE(found.parts().size(), 2u) << "what shows nothing may break the chain, once";
+  EXPECT_THROW(TrajectoryEstimation([] {
+                 MappingParams p;
+                 p.reach = -1;
+                 return p;
+               }()),
+               std::invalid_argument);
+}
+
+TEST(TrajectoryEstimation, AGivenOdometryCarriesACameraAlongACorridor) {
+  constexpr int kImages = 30;
+  const auto at = [](int i) { return lookingAlong({0, 0.3 * i, 1.2}, {0.05, 1, -0.2}); };
+  const auto alongCorridor = [&](bool with_odometry) {
+    TrajectoryEstimation estimation;
+    for (int i = 0; i < kImages; ++i) {
+      std::optional<Eigen::Isometry3d> motion;
+      if (with_odometry && i > 0) motion = at(i - 1).inverse() * at(i);
+      estimation.add(viewFrom(test::endlessCorridor(), at(i), 70 + i, 5), i, motion);
+    }
+    estimation.improve();
+    return estimation.trajectory();
+  };
+  const CameraTrajectory with = alongCorridor(true), without = alongCorridor(false);
+  const double way = 0.3 * (kImages - 1);
+  const auto gone = [](const CameraTrajectory& t) {
+    return (t.images.back().T_w_c.translation() - t.images.front().T_w_c.translation()).norm();
+  };
+  EXPECT_NEAR(gone(with), way, 0.05 * way);
+  // Without it, nobody knows, and the covariance says so.
+  const Matrix6d P = without.keyframes.back().T_w_c.P;
+  EXPECT_GT(largestTranslationStd(P), 0.2 * way);
+  EXPECT_LT(largestTranslationStd(with.keyframes.back().T_w_c.P), 0.3 * largestTranslationStd(P));
+}
+
+TEST(TrajectoryEstimation, TheWorldOfARobotIsItsFloor) {
+  const CameraMounting mounting{1.2, std::atan(0.25) / kDegree};
+  TrajectoryEstimation estimation;
+  for (int i = 0; i < 8; ++i)
+    estimation.add(mounted(viewFrom(furnishedRoom(), onCircle(10 * i), 30 + i), mounting), i);
+  estimation.improve();
+  for (const TrajectoryPose& pose : estimation.trajectory().images) {
+    EXPECT_NEAR(pose.T_w_c.translation().z(), 1.2, 0.02);
+    EXPECT_NEAR(pose.T_w_c.linear().col(0).z(), 0, 0.02);
+  }
+}
+
+}  // namespace
+}  // namespace facetloc
