@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tool_runner.h"
 #include "base/batch.h"
 #include "base/progress.h"
+#include "tool_runner.h"
 
 #include <facetloc/io/error.h>
 

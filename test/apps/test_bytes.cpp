@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "example_scene.h"
 #include "base/bytes.h"
+#include "example_scene.h"
 
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/localization_report.h"
 #include "evaluation/evaluation_report.h"
 #include "evaluation/frame_truth.h"
 #include "tool_runner.h"
-#include "base/localization_report.h"
 
 #include <facetloc/features/so3.h>
 #include <facetloc/io/camera_file.h>

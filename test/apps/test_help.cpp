@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/old_options.h"
+#include "base/presets.h"
 #include "evaluation/evaluate_app.h"
 #include "live/live_app.h"
 #include "tool_runner.h"
@@ -6,8 +8,6 @@
 #include "tools/convert_app.h"
 #include "tools/localize_app.h"
 #include "tools/map_apps.h"
-#include "base/old_options.h"
-#include "base/presets.h"
 #include "tools/register_app.h"
 #include "tools/render_app.h"
 #include "tools/segment_app.h"

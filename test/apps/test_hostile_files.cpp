@@ -29,9 +29,7 @@ struct Hostile {
 
 void PrintTo(const Hostile& h, std::ostream* out) { *out << h.file; }
 
-fs::path pathOf(const Hostile& hostile) {
-  return dataFolder("hostile") / hostile.file;
-}
+fs::path pathOf(const Hostile& hostile) { return dataFolder("hostile") / hostile.file; }
 
 /** The largest of all children so far; children of a test have it from its own pages to begin with. */
 long peakOfChildren() {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "live/live_status.h"
 #include "base/stop_signal.h"
+#include "live/live_status.h"
 
 #include <gmock/gmock.h>
 

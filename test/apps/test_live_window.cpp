@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the live tool shows, the keys that it obeys, and the pictures that it makes.
+#include "base/text.h"
 #include "drawing/offscreen_display.h"
 #include "keyboard.h"  // the last one, because of the macros of X
 #include "live_tool.h"
-#include "base/text.h"
 
 #include <gmock/gmock.h>
 

@@ -165,8 +165,8 @@ protected:
 
 TEST_F(LiveOdometry, IsReadFromAFileAndFromStandardInput) {
   for (const char* key : {"T_w_b", "T_w_c"}) {
-    const std::string command = std::string(kLiveTool) + " --device '" + sequence() + "' --map '" +
-                                map() + "' --headless --odometry ";
+    const std::string command = std::string(kLiveTool) + " --device '" + sequence() + "' --map '" + map() +
+                                "' --headless --odometry ";
     for (const std::string& source : {odometry(key), "- < '" + odometry(key) + "'"}) {
       Process process({"/bin/sh", "-c", command + source});
       const ToolRun run = process.wait();

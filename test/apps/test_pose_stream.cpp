@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/pose_stream.h"
 #include "example_room.h"
 #include "live_tool.h"
 #include "tools/localize_app.h"
-#include "base/pose_stream.h"
 
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/testing/places.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tools under mpirun, as a user runs them: what several processes write is what one writes.
+#include "base/ranks.h"
+#include "base/results_journal.h"
 #include "process.h"
 #include "tools/localize_app.h"
 #include "tools/map_apps.h"
-#include "base/ranks.h"
-#include "base/results_journal.h"
 #include "tools/segment_app.h"
 #include "tools/simulate_app.h"
 
@@ -164,8 +164,8 @@ TEST_P(NumberOfRanks, SegmentsAreTheSame) {
   EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1);  // the first rank alone has the word
 
   fs::remove(filesOf(folder_ / "several")[4]);
-  const ToolRun resumed = runRanks(GetParam(), {kSegmentTool, query(), "-o", folder_ / "several",
-                                                "--labels", "--overlay", "--resume"});
+  const ToolRun resumed = runRanks(
+      GetParam(), {kSegmentTool, query(), "-o", folder_ / "several", "--labels", "--overlay", "--resume"});
   EXPECT_EQ(resumed.code, kOk) << resumed.err;
   EXPECT_THAT(resumed.out, AllOf(HasSubstr("1 image with"), HasSubstr("12 were done before")));
   expectSameFiles(folder_ / "several", folder_ / "one");
@@ -173,8 +173,7 @@ TEST_P(NumberOfRanks, SegmentsAreTheSame) {
 
 TEST_P(NumberOfRanks, TheMapIsTheSame) {
   const std::string path = folder_ / "map.flmap";
-  const std::vector<std::string> build = {kMapTool, "build",          mapRun(), "-o",
-                                          path,         "--map.distance", "0.1"};
+  const std::vector<std::string> build = {kMapTool, "build", mapRun(), "-o", path, "--map.distance", "0.1"};
   const ToolRun run = runRanks(GetParam(), build);
   ASSERT_EQ(run.code, kOk) << run.err;
   EXPECT_EQ(contentOf(path), contentOf(map()));

@@ -10,8 +10,8 @@
 #include <facetloc/io/results.h>
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/map_localization.h>
-#include <facetloc/registration/planar_registration.h>
 #include <facetloc/localization/sequence_localization.h>
+#include <facetloc/registration/planar_registration.h>
 #include <facetloc/segmentation/planar_segmentation.h>
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/testing/organized_clouds.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tool_runner.h"
 #include "base/localization_report.h"
 #include "base/results_journal.h"
+#include "tool_runner.h"
 
 #include <gmock/gmock.h>
 

@@ -9,10 +9,10 @@
 // is localized in it. With --ablation the same is done again and again, with one choice at a time put back to
 // the paper's. Frames are classed by the rendered truth (facetloc_evaluate). Two threads or twenty: same
 // figures.
-#include "evaluation/evaluation.h"
-#include "mapped_place.h"
 #include "base/app.h"
 #include "base/localization_report.h"
+#include "evaluation/evaluation.h"
+#include "mapped_place.h"
 
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/mapping/map_ambiguity.h>

@@ -7,9 +7,9 @@
 //
 // Each RECORDING is a depth sequence with groundtruth.txt, such as office1/map. The yardstick is generalized
 // ICP from image to image. With -o, DIR/NAME.txt are the trajectories, for facetloc_evaluate.
+#include "base/app.h"
 #include "evaluation/trajectory_errors.h"
 #include "gicp_odometry.h"
-#include "base/app.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/depth_sequence.h>

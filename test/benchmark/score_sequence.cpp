@@ -11,11 +11,11 @@
 // and drives on. Printed is, after so many metres where the map shows something, within 1 m and 20 deg of a
 // local model, how many are sure and how many of these are right. With --unknown each start has a map of its
 // own, without the local models within 3 m of its way.
-#include "mapped_place.h"
 #include "base/app.h"
+#include "mapped_place.h"
 
-#include <facetloc/mapping/map_ambiguity.h>
 #include <facetloc/localization/sequence_localization.h>
+#include <facetloc/mapping/map_ambiguity.h>
 
 #include <algorithm>
 #include <array>

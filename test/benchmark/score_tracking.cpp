@@ -16,8 +16,8 @@
 
 #include <facetloc/features/pose.h>
 #include <facetloc/io/depth_sequence.h>
-#include <facetloc/mapping/map_builder.h>
 #include <facetloc/localization/pose_tracking.h>
+#include <facetloc/mapping/map_builder.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <Eigen/Cholesky>

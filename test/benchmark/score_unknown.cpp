@@ -7,8 +7,8 @@
 // Each PLACE is a folder with a run map/ and a run query/, as facetloc_simulate makes them, or as recordings
 // have them. Every query is localized twice: in the whole map, and in a map that is made anew without the
 // local models within the radius of where the query was taken.
-#include "mapped_place.h"
 #include "base/app.h"
+#include "mapped_place.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/localization/global_localization.h>

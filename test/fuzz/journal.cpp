@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bytes as what --resume goes on with: the journal of an interrupted run, and of what it was made. Frames
 // that are read are the same when they were written and read again.
-#include "fuzz_file.h"
 #include "base/provenance.h"
 #include "base/results_journal.h"
+#include "fuzz_file.h"
 
 #include <facetloc/io/error.h>
 

@@ -2,9 +2,9 @@
 // Sound input of the binary formats for the fuzzers to begin with, made by the code that writes these
 // formats: make_seeds FOLDER writes FOLDER/<target>/<name>.
 #include "../io/oni_writer.h"
-#include "small_map.h"
 #include "base/bytes.h"
 #include "base/results_journal.h"
+#include "small_map.h"
 
 #include <facetloc/features/depth_distortion.h>
 #include <facetloc/io/atomic_file.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ranking/place_ranking.h"
 #include "pairs/view_registration.h"
+#include "ranking/place_ranking.h"
 
-#include <facetloc/registration/candidate_pairs.h>
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/mapping/map_ambiguity.h>
+#include <facetloc/registration/candidate_pairs.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_views.h>

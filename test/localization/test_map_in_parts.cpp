@@ -2,9 +2,9 @@
 // A map that says by its links alone how its places lie to each other is as good as one with poses.
 #include <facetloc/features/map_parts.h>
 #include <facetloc/localization/global_localization.h>
+#include <facetloc/localization/pose_tracking.h>
 #include <facetloc/mapping/map_ambiguity.h>
 #include <facetloc/mapping/map_builder.h>
-#include <facetloc/localization/pose_tracking.h>
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/simulation/simulated_camera.h>
 #include <facetloc/simulation/simulated_drive.h>

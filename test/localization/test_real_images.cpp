@@ -20,8 +20,7 @@ namespace {
 
 constexpr int kWorkingWidth = 320;
 
-class RealImages : public testing::Test {
-};
+class RealImages : public testing::Test {};
 
 #define SKIP_WITHOUT(path)                                                                                   \
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no data at " << (path) << "; see FACETLOC_DATA"

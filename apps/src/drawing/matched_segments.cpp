@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/matched_segments.h"
 
-#include <facetloc/registration/candidate_pairs.h>
 #include <facetloc/localization/ranking_params.h>
+#include <facetloc/registration/candidate_pairs.h>
 
 #include <algorithm>
 #include <map>

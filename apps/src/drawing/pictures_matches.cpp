@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/text.h"
 #include "drawing/depth_drawing.h"
 #include "drawing/match_pictures.h"
 #include "drawing/matched_segments.h"
 #include "drawing/page.h"
 #include "drawing/plan_view.h"
 #include "drawing/segment_scene.h"
-#include "base/text.h"
 
 #include <algorithm>
 

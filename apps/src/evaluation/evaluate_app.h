@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "evaluation/evaluation_report.h"
 #include "base/app.h"
+#include "evaluation/evaluation_report.h"
 
 #include <facetloc/mapping/map_builder.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluation_pictures.h"
 
+#include "base/depth_input.h"
 #include "drawing/pictures.h"
 #include "evaluation/failures.h"
-#include "base/depth_input.h"
 
 #include <facetloc/io/depth_sequence.h>
 

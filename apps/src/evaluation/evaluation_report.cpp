@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluation_report.h"
 
+#include "base/text.h"
 #include "evaluation/html_report.h"
 #include "evaluation/trajectory_report.h"
-#include "base/text.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/text.h>

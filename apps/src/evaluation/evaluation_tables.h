@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "evaluation/evaluation_details.h"
 #include "base/text.h"
+#include "evaluation/evaluation_details.h"
 
 #include <ostream>
 #include <string>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/start_curves.h"
 
-#include "drawing/charts.h"
 #include "base/text.h"
+#include "drawing/charts.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/text.h>

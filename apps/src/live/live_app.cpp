@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_app.h"
 
-#include "drawing/outputs.h"
-#include "live/live_run.h"
 #include "base/ambiguity_file.h"
 #include "base/localization_report.h"
 #include "base/place_index_file.h"
 #include "base/pose_stream.h"
 #include "base/provenance.h"
+#include "drawing/outputs.h"
+#include "live/live_run.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/atomic_file.h>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "live/live_source.h"
 #include "base/app.h"
 #include "base/depth_input.h"
+#include "live/live_source.h"
 
+#include <facetloc/localization/pose_tracking.h>
 #include <facetloc/mapping/map_builder.h>
 #include <facetloc/mapping/mapping_params.h>
-#include <facetloc/localization/pose_tracking.h>
 
 #include <ostream>
 #include <string>

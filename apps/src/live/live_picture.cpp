@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_picture.h"
 
+#include "base/text.h"
 #include "drawing/depth_drawing.h"
 #include "drawing/page.h"
 #include "drawing/vtk_picture.h"
 #include "live/live_cloud.h"
 #include "live/live_plan.h"
-#include "base/text.h"
 
 #include <facetloc/io/text.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_run.h"
 
-#include "drawing/outputs.h"
 #include "base/text.h"
+#include "drawing/outputs.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/pose_stream.h"
+#include "base/stop_signal.h"
 #include "drawing/offscreen_display.h"
 #include "live/live_app.h"
 #include "live/live_picture.h"
@@ -8,8 +10,6 @@
 #include "live/live_session.h"
 #include "live/live_status.h"
 #include "live/live_window.h"
-#include "base/pose_stream.h"
-#include "base/stop_signal.h"
 
 #include <facetloc/io/oni_recorder.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "live/live_result.h"
 #include "base/app.h"
+#include "live/live_result.h"
 
 #include <chrono>
 #include <string>

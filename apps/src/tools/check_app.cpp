@@ -2,9 +2,9 @@
 #include "tools/check_app.h"
 
 #include "base/batch.h"
+#include "base/text.h"
 #include "tools/noise_table.h"
 #include "tools/seen_motions.h"
-#include "base/text.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/features/local_model.h>

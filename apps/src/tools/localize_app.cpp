@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/localize_app.h"
 
-#include "drawing/outputs.h"
 #include "base/batch.h"
-#include "tools/drive.h"
 #include "base/localization_report.h"
 #include "base/milliseconds.h"
 #include "base/pose_stream.h"
 #include "base/text.h"
+#include "drawing/outputs.h"
+#include "tools/drive.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/map_database.h>

@@ -2,11 +2,11 @@
 #include "tools/map_apps.h"
 
 #include "base/ambiguity_file.h"
-#include "tools/map_alignment.h"
-#include "tools/map_extend_app.h"
 #include "base/place_index_file.h"
 #include "base/provenance.h"
 #include "base/text.h"
+#include "tools/map_alignment.h"
+#include "tools/map_extend_app.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/cloud_file.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/ambiguity_file.h"
 #include "base/batch.h"
-#include "tools/map_apps.h"
 #include "base/place_index_file.h"
 #include "base/provenance.h"
-#include "tools/seen_motions.h"
 #include "base/text.h"
+#include "tools/map_apps.h"
+#include "tools/seen_motions.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/output_lock.h>

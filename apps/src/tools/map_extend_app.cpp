@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/map_extend_app.h"
 
-#include "drawing/offscreen_display.h"
-#include "drawing/outputs.h"
-#include "drawing/pictures.h"
 #include "base/ambiguity_file.h"
 #include "base/batch.h"
 #include "base/place_index_file.h"
 #include "base/provenance.h"
 #include "base/text.h"
+#include "drawing/offscreen_display.h"
+#include "drawing/outputs.h"
+#include "drawing/pictures.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/error.h>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/render_app.h"
 
+#include "base/batch.h"
+#include "base/text.h"
 #include "drawing/match_pictures.h"
 #include "drawing/offscreen_display.h"
 #include "drawing/outputs.h"
 #include "drawing/pictures.h"
 #include "evaluation/failures.h"
-#include "base/batch.h"
-#include "base/text.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/atomic_file.h>

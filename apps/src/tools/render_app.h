@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "evaluation/evaluation.h"
 #include "base/app.h"
 #include "base/depth_input.h"
+#include "evaluation/evaluation.h"
 
 #include <facetloc/localization/global_localization.h>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/segment_app.h"
 
+#include "base/batch.h"
+#include "base/provenance.h"
+#include "base/text.h"
 #include "drawing/colours.h"
 #include "drawing/depth_drawing.h"
 #include "drawing/outputs.h"
-#include "base/batch.h"
 #include "tools/noise_table.h"
-#include "base/provenance.h"
-#include "base/text.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/cloud_file.h>

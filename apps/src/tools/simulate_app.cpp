@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/simulate_app.h"
 
-#include "evaluation/frame_truth.h"
 #include "base/batch.h"
 #include "base/text.h"
+#include "evaluation/frame_truth.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/atomic_file.h>

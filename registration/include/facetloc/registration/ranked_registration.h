@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/registration/candidate_pairs.h>
 #include <facetloc/localization/global_localization.h>
+#include <facetloc/registration/candidate_pairs.h>
 
 #include <pcl/impl/pcl_base.hpp>
 #include <pcl/registration/registration.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "motion/view_placing.h"
 #include "motion/view_odometry.h"
+#include "motion/view_placing.h"
 
 #include <memory>
 #include <optional>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "belief/floor_update.h"
 #include "nearby/nearby_models.h"
 #include "nearby/view_alignment.h"
-#include "belief/floor_update.h"
 
 #include <memory>
 #include <optional>

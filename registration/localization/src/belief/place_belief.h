@@ -4,9 +4,9 @@
 #include "ranking/place_ranking.h"
 
 #include <facetloc/features/local_model.h>
-#include <facetloc/registration/hypothesis.h>
 #include <facetloc/localization/localization_params.h>
 #include <facetloc/localization/sequence_params.h>
+#include <facetloc/registration/hypothesis.h>
 
 #include <deque>
 #include <memory>

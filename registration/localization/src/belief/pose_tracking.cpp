@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "belief/place_belief.h"
-#include "ranking/place_ranking.h"
-#include "shared/pose_fusion.h"
 #include "belief/map_surroundings.h"
+#include "belief/place_belief.h"
 #include "belief/repeated_looks.h"
 #include "motion/view_odometry.h"
+#include "ranking/place_ranking.h"
+#include "shared/pose_fusion.h"
 
 #include <facetloc/localization/global_localization.h>
-#include <facetloc/registration/pose_prior.h>
 #include <facetloc/localization/pose_tracking.h>
+#include <facetloc/registration/pose_prior.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "belief/place_belief.h"
 #include "belief/image_motion.h"
+#include "belief/place_belief.h"
 #include "belief/smoothed_places.h"
 
 #include <facetloc/localization/global_localization.h>

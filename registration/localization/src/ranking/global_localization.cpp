@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pairs/view_registration.h"
 #include "ranking/place_ranking.h"
 #include "ranking/standing.h"
-#include "pairs/view_registration.h"
 #include "shared/in_parallel.h"
 #include "shortlist/shortlist.h"
 

@@ -8,8 +8,8 @@
 #include "pairs/consensus.h"
 
 #include <facetloc/features/local_model.h>
-#include <facetloc/registration/hypothesis.h>
 #include <facetloc/localization/localization_params.h>
+#include <facetloc/registration/hypothesis.h>
 
 #include <memory>
 #include <optional>

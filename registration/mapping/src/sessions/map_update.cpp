@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sessions/seen_through.h"
 #include "motion/view_placing.h"
 #include "nearby/view_alignment.h"
+#include "sessions/seen_through.h"
 #include "shared/in_parallel.h"
 
 #include <facetloc/mapping/map_session.h>

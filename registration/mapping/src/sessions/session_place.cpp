@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "graph/common_place.h"
 #include "graph/graph_covariance.h"
-#include "trajectory/keyframe_graph.h"
 #include "shared/in_parallel.h"
+#include "trajectory/keyframe_graph.h"
 
 #include <facetloc/mapping/map_session.h>
 

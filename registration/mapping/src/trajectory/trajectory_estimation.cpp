@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "graph/graph_covariance.h"
-#include "trajectory/keyframe_graph.h"
 #include "graph/loop_consistency.h"
 #include "motion/step_prior.h"
+#include "motion/view_odometry.h"
 #include "motion/view_placing.h"
 #include "shared/in_parallel.h"
 #include "shared/pose_fusion.h"
-#include "motion/view_odometry.h"
+#include "trajectory/keyframe_graph.h"
 
-#include <facetloc/registration/pose_prior.h>
 #include <facetloc/mapping/trajectory_estimation.h>
+#include <facetloc/registration/pose_prior.h>
 
 #include <Eigen/Cholesky>
 

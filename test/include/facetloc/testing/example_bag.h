@@ -36,8 +36,8 @@ inline bool writeBag(const DepthSequence& sequence, const std::filesystem::path&
   std::ofstream(folder / "intrinsics.txt")
       << k.width << " " << k.height << " " << k.fx << " " << k.fy << " " << k.cx << " " << k.cy;
   if (!odometry.empty()) writeTumTrajectory(folder / "odometry.txt", odometry.poses());
-  const std::string command = std::string("/usr/bin/python3 ") + kWriteBag + " '" + folder.string() +
-                              "' '" + bag.string() + "' " + kind;
+  const std::string command = std::string("/usr/bin/python3 ") + kWriteBag + " '" + folder.string() + "' '" +
+                              bag.string() + "' " + kind;
   const bool done = std::system(command.c_str()) == 0;  // NOLINT(cert-env33-c)
   fs::remove_all(folder);
   return done;

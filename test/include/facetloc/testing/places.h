@@ -19,7 +19,8 @@ extern const char* const kStreamSchema;
 extern const char* const kWriteBag;
 /// @}
 
-/** \brief A folder of recordings and real images beside the checkout, or below $FACETLOC_DATA; may be absent. */
+/** \brief A folder of recordings and real images beside the checkout, or below $FACETLOC_DATA; may be absent.
+ */
 std::filesystem::path dataFolder(const std::string& name);
 
 }  // namespace facetloc::test

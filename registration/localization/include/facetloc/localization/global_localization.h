@@ -2,8 +2,8 @@
 #pragma once
 
 #include <facetloc/features/local_model.h>
-#include <facetloc/registration/hypothesis.h>
 #include <facetloc/localization/localization_params.h>
+#include <facetloc/registration/hypothesis.h>
 
 #include <functional>
 #include <memory>

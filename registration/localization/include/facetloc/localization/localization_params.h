@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/localization/ranking_params.h>
+#include <facetloc/localization/shortlist_params.h>
 #include <facetloc/registration/depth_params.h>
 #include <facetloc/registration/pair_params.h>
 #include <facetloc/registration/pose_prior.h>
-#include <facetloc/localization/ranking_params.h>
-#include <facetloc/localization/shortlist_params.h>
 
 namespace facetloc {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <facetloc/features/local_model.h>
-#include <facetloc/registration/pose_prior.h>
 #include <facetloc/localization/shortlist_params.h>
+#include <facetloc/registration/pose_prior.h>
 
 #include <functional>
 #include <iosfwd>

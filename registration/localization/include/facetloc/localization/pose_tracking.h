@@ -2,9 +2,9 @@
 #pragma once
 
 #include <facetloc/features/local_model.h>
-#include <facetloc/registration/hypothesis.h>
 #include <facetloc/localization/localization_params.h>
 #include <facetloc/localization/tracking_params.h>
+#include <facetloc/registration/hypothesis.h>
 
 #include <memory>
 #include <optional>

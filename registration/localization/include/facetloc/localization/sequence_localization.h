@@ -3,9 +3,9 @@
 
 #include <facetloc/features/local_model.h>
 #include <facetloc/features/organized_cloud.h>
-#include <facetloc/registration/hypothesis.h>
 #include <facetloc/localization/localization_params.h>
 #include <facetloc/localization/sequence_params.h>
+#include <facetloc/registration/hypothesis.h>
 
 #include <memory>
 #include <optional>
