@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shared/inverse_depth.h"
 #include "shared/lanes.h"
+#include "shared/median.h"
 
 #include <facetloc/features/depth_image.h>
 
@@ -49,8 +50,7 @@ double usualDepth(const DepthImage& image) {
   for (std::size_t i = stride / 2; i < image.depth.size(); i += stride)
     if (isMeasured(image.depth[i])) depths[n++] = image.depth[i];
   if (n == 0) return DepthNoise::kUsualDepth;
-  std::nth_element(depths.begin(), depths.begin() + n / 2, depths.begin() + n);
-  return depths[n / 2];
+  return internal::median(depths.begin(), depths.begin() + n);
 }
 
 void dropBeyond(double max_depth, DepthImage& image) {
@@ -82,6 +82,10 @@ DepthImage subsampled(const DepthImage& image, int step) {
 
 int subsamplingStep(const Intrinsics& camera, int working_width) {
   return working_width > 0 ? std::max(1, camera.width / working_width) : 1;
+}
+
+DepthImage workingImage(const DepthImage& image, int working_width) {
+  return subsampled(image, subsamplingStep(image.camera, working_width));
 }
 
 int LabelImage::maxLabel() const { return label.empty() ? 0 : *std::max_element(label.begin(), label.end()); }

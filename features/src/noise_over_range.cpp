@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shared/inverse_depth.h"
+#include "shared/median.h"
 
 #include <facetloc/features/noise_over_range.h>
 #include <facetloc/features/plane_fit.h>
@@ -24,13 +25,6 @@ constexpr double kTrim = 3.5;           // residuals beyond are no noise [standa
 constexpr double kMostOutliers = 0.02;  // share of the measured pixels
 constexpr double kBinWidth = 0.5;       // [m]
 constexpr std::size_t kFewest = 20;     // samples of a bin
-
-template <class Number>
-Number medianOf(std::vector<Number>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /** A square of inverse depths of an image, and their residuals from a plane; 0 = not measured. */
 class Tile {
@@ -98,7 +92,7 @@ private:
     scratch_.clear();
     for (std::size_t i = 0; i < residual_.size(); ++i)
       if (has(i)) scratch_.push_back(std::abs(residual_[i]));
-    return medianOf(scratch_);
+    return internal::median(scratch_.begin(), scratch_.end());
   }
 
   /** Mean product of residuals that are so far apart. */
@@ -160,7 +154,7 @@ NoiseSample typicalOf(std::vector<NoiseSample> samples) {
     std::vector<double> values;
     std::transform(samples.begin(), samples.end(), std::back_inserter(values),
                    [&](const NoiseSample& s) { return s.*value; });
-    return medianOf(values);
+    return internal::median(values.begin(), values.end());
   };
   return {median(&NoiseSample::depth), median(&NoiseSample::inverse_depth_std),
           median(&NoiseSample::correlation_px)};

@@ -26,6 +26,15 @@ std::string directionText(const Eigen::Vector3d& v) {
   return text + ")";
 }
 
+double squaredMahalanobis(const PoseWithCovariance& pose, const Eigen::Isometry3d& T) {
+  const Vector6d d = perturbation(pose.T, T);
+  return d.dot(pose.P.ldlt().solve(d));
+}
+
+double squaredMahalanobis(const PoseWithCovariance& a, const PoseWithCovariance& b) {
+  return squaredMahalanobis(PoseWithCovariance{a.T, a.P + b.P}, b.T);
+}
+
 }  // namespace
 
 Matrix6d turned(const Eigen::Matrix3d& R, const Matrix6d& P) {

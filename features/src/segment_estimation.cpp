@@ -19,6 +19,8 @@ namespace facetloc {
 using namespace internal;
 namespace {
 
+constexpr double kTrim = 3.0;  // residual beyond which a pixel leaves the fit [noise std]
+
 // Sums over the points z b of a region, from which centroid and covariance follow.
 struct PointMoments {
   double n = 0;
@@ -160,7 +162,7 @@ PointMoments pointMoments(double n, const DepthSums& sums, const Intrinsics& c) 
 
 // First pass: the plane of each region from all of its pixels, and how far they scatter.
 void fitRegions(const Intrinsics& camera, const std::vector<float>& inverse, const std::vector<Run>& runs,
-                const DepthNoise& noise, double trim, std::vector<Region>& regions) {
+                const DepthNoise& noise, std::vector<Region>& regions) {
   for (const auto& [label, v, begin, end] : runs)
     sumMeasured(inverse.data() + static_cast<std::size_t>(v) * camera.width + begin,
                 inverse.data() + inverse.size(), end - begin, begin, v, regions[label].sums);
@@ -170,7 +172,7 @@ void fitRegions(const Intrinsics& camera, const std::vector<float>& inverse, con
     r.fitted = fit.plane;
     if (!(r.plane.n > 0 && r.plane.d > 0)) continue;  // nothing of it is measured
     const double rms = std::sqrt(fit.sse / r.plane.n), depth = r.plane.n / r.plane.d;
-    r.tolerance = trim * std::max(noise.ofInverseDepth(depth), rms);
+    r.tolerance = kTrim * std::max(noise.ofInverseDepth(depth), rms);
   }
 }
 
@@ -322,7 +324,7 @@ void SegmentEstimation::estimate(const DepthImage& image, const LabelImage& labe
   for (const Run& run : b.runs) max_label = std::max(max_label, run.label);
   makeRoom(b.regions, max_label + 1);
   b.regions.assign(max_label + 1, {});
-  fitRegions(image.camera, b.inverse, b.runs, noise, params_.trim, b.regions);
+  fitRegions(image.camera, b.inverse, b.runs, noise, b.regions);
   const double min_support = std::max(3.0, scaledPixels(params_.min_support, image.camera));
   gatherSupport(image, b.inverse, b.runs, min_support, b.regions, b.row_extremes);
 

@@ -2,6 +2,7 @@
 #include "sequence_source.h"
 
 #include "millimetres.h"
+#include "shared/median.h"
 
 #include <facetloc/io/error.h>
 
@@ -27,10 +28,9 @@ int rateOf(const std::vector<FrameFile>& frames) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < frames.size(); ++i) steps.push_back(frames[i].stamp - frames[i - 1].stamp);
   if (steps.empty()) return kUsualRate;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle > 0 ? static_cast<int>(std::clamp(std::round(1 / *middle), 1.0, double(kHighestRate)))
-                     : kUsualRate;
+  const double usual = internal::median(steps.begin(), steps.end());
+  return usual > 0 ? static_cast<int>(std::clamp(std::round(1 / usual), 1.0, double(kHighestRate)))
+                   : kUsualRate;
 }
 
 /** Of the first image that can be read. */

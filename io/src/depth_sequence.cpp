@@ -91,8 +91,7 @@ DepthImage DepthSequence::load(std::size_t index, int working_width) const {
     image = readDepthPng(path, *camera_);
   else
     image = readDepthPcd(path, knownIntrinsics());
-  const int step = working_width > 0 ? subsamplingStep(image.camera, working_width) : 1;
-  return step > 1 ? subsampled(image, step) : image;
+  return workingImage(image, working_width);
 }
 
 std::vector<Segment> DepthSequence::segments(std::size_t index) const {

@@ -65,7 +65,7 @@ TEST(Help, OptionsOfVersion01LeadToOnesThatThereAre) {
   }
   EXPECT_GT(groups, 100u);
   for (const char* old : {"ekf_iterations", "min_segment", "min_support", "shortlist", "floor_std",
-                          "track_models", "noise_factor", "max_translation", "model_distance", "faithful"})
+                          "key_distance", "noise_factor", "max_translation", "model_distance", "faithful"})
     EXPECT_THAT(all, testing::HasSubstr("--" + newNameOf(old) + " ")) << old;
 }
 

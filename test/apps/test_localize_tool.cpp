@@ -74,8 +74,8 @@ TEST_F(Tools, AMapOfLinksAloneLocalizesAsWellAsOneWithPoses) {
 }
 
 TEST_F(Tools, ParametersOfResultsCanBeUsedAgain) {
-  ASSERT_EQ(runTool<LocalizeApp>(
-                {map(), firstImage(), "-o", folder_ / "a", "--probability.null_score", "-5", "--width=160"})
+  ASSERT_EQ(runTool<LocalizeApp>({map(), firstImage(), "-o", folder_ / "a", "--probability.map_incomplete",
+                                  "0.1", "--calibration.probability.null_score", "-5", "--width=160"})
                 .code,
             kOk);
   ASSERT_EQ(

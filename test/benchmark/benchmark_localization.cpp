@@ -61,7 +61,7 @@ void localization(benchmark::State& state) {
   GlobalLocalizationParams params;
   const bool dense = state.range(1) != 0;
   params.steps.depth_assistance = params.evidence.enabled = dense;
-  if (!dense) params.score.free_space_weight = 0;
+  if (!dense) params.calibration.score.free_space_weight = 0;
   params.shortlist.size = state.range(2) != 0 ? params.shortlist.size : 0;
   params.shortlist.exhaustive_up_to = 0;
   const GlobalLocalization localizer(map, params);

@@ -13,11 +13,11 @@ namespace facetloc::benchmarks {
 /** \brief Parameters of GicpOdometry. */
 struct GicpOdometryParams {
   static constexpr const char* kTitle = "Odometry by generalized ICP, as a yardstick";
-  double voxel = 0.05;         ///< [m]
-  double max_depth = 5;        ///< of points that are used [m]
-  double max_distance = 0.25;  ///< of corresponding points [m]
+  double voxel = 0.05;
+  double max_depth = 5;
+  double max_distance = 0.25;
   int iterations = 50;
-  double max_rms = 0.1;  ///< of corresponding points after alignment [m]
+  double max_rms = 0.1;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {

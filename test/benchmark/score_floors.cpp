@@ -10,6 +10,7 @@
 // the paper's. Frames are classed by the rendered truth (facetloc_evaluate). Two threads or twenty: same
 // figures.
 #include "base/app.h"
+#include "base/localization_options.h"
 #include "base/localization_report.h"
 #include "evaluation/evaluation.h"
 #include "mapped_place.h"
@@ -45,19 +46,17 @@ std::vector<Variant> ablation(const Variant& all_of_it) {
     variants.back().name = name;
     return variants.back();
   };
-  Variant& sigma = add("Sigma_q by eq. (4)-(5)");
-  sigma.view.features.paper_uncertainty = true;
-  sigma.view.features.paper_factor = 1;
+  add("Sigma_q by eq. (4)-(5)").view.features.paper_uncertainty = true;
   add("a single EKF step").localization.ekf.iterations = 1;
   add("segment-overlap score").localization.score.by_overlap = true;
   add("no joint refinement").localization.steps.joint_refinement = false;
   add("no information of the floor").localization.steps.floor_information = false;
   add("no dense last degree of freedom").localization.steps.depth_assistance = false;
   Variant& free_space = add("no free-space term");
-  free_space.localization.score.free_space_weight = 0;
-  free_space.localization.evidence.contradiction_weight = 0;
+  free_space.localization.calibration.score.free_space_weight = 0;
+  free_space.localization.calibration.evidence.contradiction_weight = 0;
   add("no multi-model evidence").localization.evidence.enabled = false;
-  add("no support by several models").localization.evidence.support_weight = 0;
+  add("no support by several models").localization.calibration.evidence.support_weight = 0;
   add("no dense refinement").localization.refinement.enabled = false;
   add("no calibration of the camera").calibrated = false;
   add("minimum support 1000 px").view.labels.min_support = 1000;
@@ -164,7 +163,7 @@ private:
     line.addOption("max-hypotheses", max_hypotheses_, "K", "Keep so many hypotheses per image at most.");
     line.addPresets();
     line.addParams(view_);
-    line.addParams(localization_);
+    addLocalizationOptions(line, localization_);
   }
 
   int execute(const CommandLine&, const Console&) override {

@@ -10,6 +10,7 @@
 // segments alone (EkfRegistration). Where the sequences reach that far, unrelated pairs follow, more than 4 m
 // apart and without a pixel in common, of which none should be sure.
 #include "set_parameter.h"
+#include "shared/median.h"
 
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/localization/global_localization.h>
@@ -114,10 +115,8 @@ PairError errorOf(const Hypothesis& h, const Eigen::Isometry3d& truth) {
           rotationAngle(h.T_m_c.T.linear() * truth.linear().transpose())};
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
+double medianOrZero(std::vector<double> values) {
+  return values.empty() ? 0 : internal::median(values.begin(), values.end());
 }
 
 struct PairAnswers {
@@ -241,7 +240,7 @@ int main(int argc, char** argv) {
               segments_sure, segments_right);
   std::printf(
       "median error %.3f m %.2f deg; median time per pair: views %.1f ms, registration %.1f ms (max %.1f)\n",
-      median(translation_errors), median(rotation_errors) / kDegree, median(view_ms), median(align_ms),
-      *std::max_element(align_ms.begin(), align_ms.end()));
+      medianOrZero(translation_errors), medianOrZero(rotation_errors) / kDegree, medianOrZero(view_ms),
+      medianOrZero(align_ms), *std::max_element(align_ms.begin(), align_ms.end()));
   scoreUnrelated(frames, builder, params);
 }

@@ -12,6 +12,7 @@
 // local model, how many are sure and how many of these are right. With --unknown each start has a map of its
 // own, without the local models within 3 m of its way.
 #include "base/app.h"
+#include "base/localization_options.h"
 #include "mapped_place.h"
 
 #include <facetloc/localization/sequence_localization.h>
@@ -87,7 +88,7 @@ private:
     line.addParams(view_);
     line.addParams(evaluation_, "evaluation");
     line.addParams(sequence_, "sequence");
-    line.addParams(localization_);
+    addLocalizationOptions(line, localization_);
   }
 
   static void print(std::size_t start, std::size_t image, double gone, bool right, const PoseError& error,

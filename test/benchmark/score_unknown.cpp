@@ -8,6 +8,7 @@
 // have them. Every query is localized twice: in the whole map, and in a map that is made anew without the
 // local models within the radius of where the query was taken.
 #include "base/app.h"
+#include "base/localization_options.h"
 #include "mapped_place.h"
 
 #include <facetloc/io/atomic_file.h>
@@ -223,7 +224,7 @@ private:
     line.addPresets();
     line.addParams(view_);
     line.addParams(evaluation_, "evaluation");
-    line.addParams(localization_);
+    addLocalizationOptions(line, localization_);
   }
 
   std::vector<Answer> answersIn(MappedPlace& place, const std::string& name) const {

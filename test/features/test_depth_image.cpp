@@ -66,6 +66,14 @@ TEST(DepthImage, SubsamplingOfOneWithoutItsDepthsIsThatOne) {
   EXPECT_TRUE(subsampled(image, 2).empty());
 }
 
+TEST(DepthImage, TheWorkingImageHasAtLeastTheWorkingWidth) {
+  const DepthImage image = counting(13, 10);
+  EXPECT_EQ(workingImage(image, 6).camera, image.camera.subsampled(2));
+  EXPECT_EQ(workingImage(image, 6).depth, subsampled(image, 2).depth);
+  for (const int as_it_is : {0, 7, 13, 100, kWorkingWidth})
+    EXPECT_EQ(workingImage(image, as_it_is).depth, image.depth) << as_it_is;
+}
+
 TEST(DepthImage, TheWorkingWidthIsALowerBound) {
   Intrinsics c = kinectIntrinsics();
   EXPECT_EQ(subsamplingStep(c, 320), 2);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/camera_model.h>
 #include <facetloc/features/params.h>
-#include <facetloc/features/segment_estimation.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ struct Inner {
   bool is_open = true;
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
-    visit("width", p.width, 0.0, 10.0, "Width [m].");
+    visit("width", p.width, 0.0, 10.0, "Width [m].", kForUsers);
     visit("is_open", p.is_open, false, true, "Open.");
   }
 };
@@ -81,6 +81,14 @@ TEST(Params, AFieldIsKnownByItsPathAndTheTitleOfItsGroup) {
   EXPECT_THAT(paths, ElementsAre("all.inner.width", "all.inner.is_open", "all.count"));
 }
 
+TEST(Params, AFieldIsForExpertsUnlessItSaysItIsForUsers) {
+  std::vector<std::string> for_users;
+  forEachParam(Outer(), [&](const ParamInfo& info, const auto&, auto, auto) {
+    if (info.audience == Audience::users) for_users.push_back(info.name);
+  });
+  EXPECT_THAT(for_users, ElementsAre("inner.width"));
+}
+
 TEST(Params, IniTextHasASectionForEachGroup) {
   EXPECT_EQ(toIni(Outer(), "all"), "[all.inner]\nwidth = 2.5\nis_open = 1\n[all]\ncount = 3\n");
   EXPECT_EQ(toIni(Inner(), "inner"), "[inner]\nwidth = 2.5\nis_open = 1\n");
@@ -96,18 +104,18 @@ TEST(Params, FieldsCanBeWritten) {
   EXPECT_TRUE(outer.inner.is_open);
 }
 
-TEST(Params, DefaultsAreValid) { EXPECT_NO_THROW(SegmentEstimationParams{}.validate()); }
+TEST(Params, DefaultsAreValid) { EXPECT_NO_THROW(SensorNoise{}.validate()); }
 
 TEST(Params, TheFirstFieldOutsideItsRangeIsNamed) {
-  SegmentEstimationParams p;
-  p.trim = 0.5;
-  p.offset_floor = -1;
+  SensorNoise p;
+  p.distortion_offset = 1.5;
+  p.depth_std_slope = -1;
   try {
     p.validate();
-    FAIL() << "0.5 was accepted";
+    FAIL() << "1.5 was accepted";
   } catch (const std::invalid_argument& e) {
-    EXPECT_THAT(e.what(), HasSubstr("trim = 0.5"));
-    EXPECT_THAT(e.what(), HasSubstr("[1, 100]"));
+    EXPECT_THAT(e.what(), HasSubstr("distortion_offset = 1.5"));
+    EXPECT_THAT(e.what(), HasSubstr("[0, 1]"));
   }
   Outer outer;
   outer.inner.width = 11;
@@ -120,18 +128,18 @@ TEST(Params, TheFirstFieldOutsideItsRangeIsNamed) {
 }
 
 TEST(Params, NotANumberIsOutsideEveryRange) {
-  SegmentEstimationParams p;
-  p.max_depth = std::numeric_limits<double>::quiet_NaN();
+  SensorNoise p;
+  p.depth_std = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(p.validate(), std::invalid_argument);
 }
 
 TEST(Params, IniTextKeepsEveryDigitInTheOrderOfTheDescription) {
-  SegmentEstimationParams p;
-  p.max_depth = 1.0 / 3;
+  SensorNoise p;
+  p.distortion_offset = 1.0 / 3;
   const std::string text = toIni(p);
-  EXPECT_THAT(text, HasSubstr("max_depth = 0.3333333333333333\n"));
-  EXPECT_THAT(text, HasSubstr("offset_floor = 0.002\n"));
-  EXPECT_LT(text.find("min_width"), text.find("offset_floor"));
+  EXPECT_THAT(text, HasSubstr("distortion_offset = 0.3333333333333333\n"));
+  EXPECT_THAT(text, HasSubstr("depth_std = 0\n"));
+  EXPECT_LT(text.find("distortion_offset"), text.find("depth_std"));
 }
 
 }  // namespace

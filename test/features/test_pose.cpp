@@ -56,6 +56,31 @@ TEST(Pose, NearIsBothInPlaceAndInDirection) {
   EXPECT_FALSE(isNear(at(0, 0), at(0, 3.1), 0.2, 3));
 }
 
+TEST(Pose, MahalanobisDistanceCountsInStandardDeviations) {
+  PoseWithCovariance pose;
+  pose.P = Vector6d::Zero().asDiagonal();
+  pose.P.diagonal() << 0.01, 0.04, 0.09, 0.25, 1, 4;
+  Vector6d d;
+  d << 0.1, -0.2, 0.3, 0.5, -1, 2;  // each one standard deviation
+  EXPECT_NEAR(squaredMahalanobis(pose, perturbed(pose.T, 2 * d)), 4 * 6, 1e-9);
+  EXPECT_EQ(squaredMahalanobis(pose, pose.T), 0);
+  PoseWithCovariance other{perturbed(pose.T, 2 * d), 3 * pose.P};
+  EXPECT_NEAR(squaredMahalanobis(pose, other), 6, 1e-9) << "the errors of both";
+}
+
+// Its mean is the number of degrees of freedom, whatever the covariance.
+TEST(Pose, MahalanobisDistanceIsChiSquare) {
+  Rng rng(12);
+  const Matrix6d A = Matrix6d::Random();
+  const Eigen::Isometry3d T = test::randomPose(rng, 0.5, 5);
+  const PoseWithCovariance pose{T, 1e-4 * (A * A.transpose() + Matrix6d::Identity())};
+  const Matrix6d L = pose.P.llt().matrixL();
+  constexpr int kTrials = 20000;
+  double sum = 0;
+  for (int i = 0; i < kTrials; ++i) sum += squaredMahalanobis(pose, perturbed(T, L * gaussian<6>(rng)));
+  EXPECT_NEAR(sum / kTrials, 6, 0.1);  // standard deviation of the mean: 0.024
+}
+
 TEST(Pose, APoseToldInAnotherFrameHasThePerturbationOfThatFrame) {
   Rng rng(9);
   for (int i = 0; i < 20; ++i) {

@@ -75,7 +75,7 @@ TEST(RegionFrame, CovarianceIsThatOfManyMeasurements) {
   ImageNoise noise;
   noise.distortion_slope = noise.distortion_offset = 0;
   SegmentEstimationParams exact;
-  exact.edge_factor = exact.slope_floor_deg = exact.offset_floor = 0;
+  exact.errors = {0, 0, 0};
   const auto true_points = rectangle(R, centre, 1.0, 0.8, 13);
   const double std = noise.ofInverseDepth(centre.norm());
   double nees = 0;

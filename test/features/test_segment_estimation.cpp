@@ -306,7 +306,6 @@ TEST(SegmentCovariance, FaithfulIsAParameter) {
   const Patch p = patch({0, 0, 2}, {0.1, 0.2, 1}, 80, 60, 239, 179);
   SegmentEstimationParams params;
   params.paper_uncertainty = true;
-  params.paper_factor = 1;
   const Segment s = estimate(p, params).at(0);
   EXPECT_THAT(s.Sigma_q,
               MatrixNear(paperCovariance(s.normal(), s.t, s.lambda, p.image.camera, 1, {}), 1e-15));

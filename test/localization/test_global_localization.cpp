@@ -241,7 +241,7 @@ TEST_F(LocalizationInARoom, TheListIsSortedMergedAndItsProbabilitiesLeaveRoomFor
     const Hypothesis& h = answer.hypotheses[i];
     sum += h.probability;
     EXPECT_THAT(*h.T_w_c, PoseNear(*map->models[h.model].T_w_m * h.T_m_c.T, 1e-12, 1e-9));
-    const double support = EvidenceParams().support_weight * std::log(h.found_by.size());
+    const double support = EvidenceCalibration().support_weight * std::log(h.found_by.size());
     EXPECT_NEAR(h.score, h.consensus + h.evidence + support, 1e-9);
     for (std::size_t k = 0; k < i; ++k) {
       EXPECT_LE(h.score, answer.hypotheses[k].score);

@@ -26,6 +26,8 @@ Hypothesis hypothesis(double score, const std::optional<Eigen::Isometry3d>& T_w_
   return h;
 }
 
+constexpr ProbabilityParams kEven;  // the map lacks a place as likely as it holds it
+
 Eigen::Isometry3d pose(double x, double turn_deg = 0) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = expSO3({0, turn_deg * kDegree, 0});
@@ -34,7 +36,7 @@ Eigen::Isometry3d pose(double x, double turn_deg = 0) {
 }
 
 void rankPlaces(const MergingParams& params, std::vector<Hypothesis>& h) {
-  const PlainProbabilityParams plain;
+  const PlainProbabilityCalibration plain;
   mergePlaces(params, h);
   assignProbabilities(plain.slope, plain.null_score, h);
 }
@@ -86,11 +88,11 @@ TEST(RankPlaces, APoseCloseToABetterOneIsTheSameAnswer) {
 }
 
 TEST(RankPlaces, TheHigherTheRunnersUpScoreTheLikelierIsNoPlaceOfTheList) {
-  ProbabilityParams params;
+  ProbabilityCalibration params;
   params.null_score = 10, params.runners_up = 3, params.runners_up_weight = 0.5;
   params.least_null_score = -15, params.ambiguity_weight = 0;
   const auto null = [&params](const std::vector<Hypothesis>& sorted) {
-    return nullScore(params, {}, sorted);
+    return nullScore(params, kEven, {}, sorted);
   };
   std::vector<Hypothesis> h{hypothesis(50, pose(0))};
   EXPECT_EQ(null({}), -15);
@@ -109,24 +111,30 @@ TEST(RankPlaces, TheHigherTheRunnersUpScoreTheLikelierIsNoPlaceOfTheList) {
 }
 
 TEST(RankPlaces, TheMoreAlikeThePlacesOfAMapTheLikelierItLacksTheRightOne) {
-  ProbabilityParams params;
+  ProbabilityCalibration params;
   params.least_null_score = -15, params.ambiguity_weight = 0.5, params.usual_ambiguity = 10;
-  EXPECT_DOUBLE_EQ(nullScore(params, {}, {}), -15 + 0.5 * 10);
-  EXPECT_DOUBLE_EQ(nullScore(params, MapAmbiguity{40, 20}, {}), -15 + 0.5 * 25) << "few views, and the usual";
-  EXPECT_NEAR(nullScore(params, MapAmbiguity{40, 1000000}, {}), -15 + 0.5 * 40, 1e-3);
+  EXPECT_DOUBLE_EQ(nullScore(params, kEven, {}, {}), -15 + 0.5 * 10);
+  EXPECT_DOUBLE_EQ(nullScore(params, kEven, MapAmbiguity{40, 20}, {}), -15 + 0.5 * 25)
+      << "few views, and the usual";
+  EXPECT_NEAR(nullScore(params, kEven, MapAmbiguity{40, 1000000}, {}), -15 + 0.5 * 40, 1e-3);
 }
 
 /** Prior odds of the map holding the place or not are the odds of the answer, all else alike. */
 TEST(RankPlaces, AMapThatIsKnownToBeCompleteIsBelievedMore) {
-  ProbabilityParams params;
+  const ProbabilityCalibration params;
   const auto odds = [&](double incomplete) {
-    params.map_incomplete = incomplete;
     std::vector<Hypothesis> h{hypothesis(10)};
-    assignProbabilities(params.slope, nullScore(params, {}, h), h);
+    assignProbabilities(params.slope, nullScore(params, ProbabilityParams{incomplete}, {}, h), h);
     return h[0].probability / (1 - h[0].probability);
   };
   EXPECT_NEAR(odds(0.1) / odds(0.5), 9, 1e-9);
   EXPECT_NEAR(odds(0.75) / odds(0.5), 1.0 / 3, 1e-9);
+}
+
+TEST(RankPlaces, PriorOddsAreThoseOfTheMapLackingThePlace) {
+  EXPECT_EQ(kEven.priorLogOdds(), 0);
+  EXPECT_NEAR(ProbabilityParams{0.9}.priorLogOdds(), std::log(9), 1e-12);
+  EXPECT_NEAR(ProbabilityParams{0.1}.priorLogOdds(), -std::log(9), 1e-12);
 }
 
 TEST(RankPlaces, HypothesesOfOnePlaceBecomeTheBestOfThem) {
@@ -229,7 +237,7 @@ TEST_F(Evidence, IsForTheTruePlaceAndAgainstAnother) {
 
 TEST_F(Evidence, APlaceThatLooksLikeNoOtherIsBelievedSooner) {
   const Hypothesis here = hypothesis(0, truth);
-  params.probability.least_null_score = -10, params.probability.usual_ambiguity = 0;
+  params.calibration.probability.least_null_score = -10, params.calibration.probability.usual_ambiguity = 0;
   map.ambiguity = MapAmbiguity{40, 20};  // counts as much as the usual one
   const auto nullScoreWith = [&](double weight, double share) {
     return ranking().oddsOfKnown(true, weight, share, here).null_score;
@@ -272,9 +280,9 @@ TEST_F(Evidence, OfSomethingThatMovedIsBounded) {
   EXPECT_LT(after, before - 10);
   // Closed form, of a quarter of the pixels in each direction, as far as they are tested.
   constexpr double kQuarter = 0.25;
-  const double largest =
-      2 * params.evidence.contradiction_weight * std::log1p(kQuarter / params.score.free_space_share) +
-      params.evidence.disagreement_weight * kQuarter;
+  const double largest = 2 * params.calibration.evidence.contradiction_weight *
+                             std::log1p(kQuarter / params.calibration.score.free_space_share) +
+                         params.calibration.evidence.disagreement_weight * kQuarter;
   EXPECT_GT(after, before - largest);
   Eigen::Isometry3d wrong = truth;
   wrong.translation() += Eigen::Vector3d(0.4, 0.3, 0);
@@ -284,9 +292,9 @@ TEST_F(Evidence, OfSomethingThatMovedIsBounded) {
 TEST_F(Evidence, WeighsWhatAllNearModelsSay) {
   std::vector<Hypothesis> h{hypothesis(0, truth)}, doubled = h;
   ASSERT_TRUE(add(h));
-  params.evidence.contradiction_weight *= 2;
-  params.evidence.occlusion_weight *= 2;
-  params.evidence.disagreement_weight *= 2;
+  params.calibration.evidence.contradiction_weight *= 2;
+  params.calibration.evidence.occlusion_weight *= 2;
+  params.calibration.evidence.disagreement_weight *= 2;
   ASSERT_TRUE(add(doubled));
   EXPECT_NEAR(doubled[0].evidence, 2 * h[0].evidence, 1e-9);
 }
@@ -300,7 +308,8 @@ TEST_F(Evidence, TheBestPlaceIsBelievedByItsLeadOverTheNextOnes) {
   ASSERT_EQ(h.size(), 2u);
   const double null = nullScore(params.probability, {}, h);
   const double none = 1 - h[0].probability - h[1].probability;
-  EXPECT_NEAR(std::log(h[0].probability / none), params.probability.slope * (h[0].score - null), 1e-6);
+  EXPECT_NEAR(std::log(h[0].probability / none), params.calibration.probability.slope * (h[0].score - null),
+              1e-6);
 }
 
 TEST_F(Evidence, HypothesesBeyondTheBestGetTheLeastOfThose) {
@@ -318,14 +327,15 @@ TEST_F(Evidence, HypothesesBeyondTheBestGetTheLeastOfThose) {
 TEST_F(Evidence, HopelessHypothesesGetTheLeastOfTheOthers) {
   Eigen::Isometry3d wrong = truth;
   wrong.translation() += Eigen::Vector3d(0.4, 0.3, 0);
-  const double hopeless = -std::log(params.evidence.hopeless_odds) / params.plain_probability.slope;
+  const double hopeless =
+      -std::log(params.calibration.evidence.hopeless_odds) / params.calibration.plain_probability.slope;
   const std::vector<Hypothesis> given{hypothesis(50, wrong), hypothesis(50 - hopeless + 0.1, truth),
                                       hypothesis(50 - hopeless - 0.1, truth)};
   std::vector<Hypothesis> h = given;
   ASSERT_TRUE(add(h));
   EXPECT_GT(h[1].evidence, h[0].evidence);
   EXPECT_EQ(h[2].evidence, h[0].evidence);
-  params.evidence.hopeless_odds = 0;
+  params.calibration.evidence.hopeless_odds = 0;
   h = given;
   ASSERT_TRUE(add(h));
   EXPECT_EQ(h[2].evidence, h[1].evidence);
@@ -338,10 +348,12 @@ TEST_F(Evidence, OfAPerfectViewIsThatOfItsUntestedPixels) {
   map.models[0].T_w_m = truth;
   std::vector<Hypothesis> h{hypothesis(0, truth)};
   ASSERT_TRUE(add(h));
-  const double share = params.evidence.untested_pixels * params.evidence.untested_contradiction /
-                       (1 + params.evidence.untested_pixels);
+  const double share = params.calibration.evidence.untested_pixels *
+                       params.calibration.evidence.untested_contradiction /
+                       (1 + params.calibration.evidence.untested_pixels);
   EXPECT_NEAR(h[0].evidence,
-              -2 * params.evidence.contradiction_weight * std::log1p(share / params.score.free_space_share),
+              -2 * params.calibration.evidence.contradiction_weight *
+                  std::log1p(share / params.calibration.score.free_space_share),
               0.2);
 }
 
@@ -370,7 +382,8 @@ TEST_F(Evidence, APasserByInOneModelIsForgiven) {
   map.models[1].view.depth = DepthPicture::fromDepth(image);
   const double after = evidenceOfTruth();
   EXPECT_LT(after, before);
-  const double alone = params.evidence.contradiction_weight * std::log1p(0.3 / params.score.free_space_share);
+  const double alone = params.calibration.evidence.contradiction_weight *
+                       std::log1p(0.3 / params.calibration.score.free_space_share);
   EXPECT_GT(after, before - 0.5 * alone);
 }
 
@@ -393,7 +406,8 @@ TEST_F(Evidence, RefinedPlacesAreNearerToTheTruth) {
 }
 
 TEST_F(Evidence, HopelessPlacesAreNotRefined) {
-  const double hopeless = -std::log(params.evidence.hopeless_odds) / params.probability.slope;
+  const double hopeless =
+      -std::log(params.calibration.evidence.hopeless_odds) / params.calibration.probability.slope;
   Eigen::Isometry3d near = truth;
   near.translation() += Eigen::Vector3d(0.03, -0.02, 0.02);
   const auto refined = [&](double below) {
@@ -427,8 +441,8 @@ TEST_F(Evidence, APlaceThatSeveralModelsFindIsLikelier) {
   for (const int n : {2, 3}) {
     std::vector<Hypothesis> h;
     for (int model = 0; model < n; ++model) h.push_back(hypothesis(20, truth, model));
-    EXPECT_THAT(scores(h), testing::ElementsAre(
-                               testing::DoubleNear(params.evidence.support_weight * std::log(n), 1e-9)));
+    EXPECT_THAT(scores(h), testing::ElementsAre(testing::DoubleNear(
+                               params.calibration.evidence.support_weight * std::log(n), 1e-9)));
   }
 }
 
@@ -440,8 +454,8 @@ TEST_F(Evidence, ModelsOfOnePoseFindAPlaceOnce) {
   ranking().rank(scene, h);
   ASSERT_EQ(h.size(), 1u);
   EXPECT_EQ(h[0].found_by.size(), 4u);
-  EXPECT_NEAR(h[0].score - h[0].consensus - h[0].evidence, params.evidence.support_weight * std::log(2),
-              1e-9);
+  EXPECT_NEAR(h[0].score - h[0].consensus - h[0].evidence,
+              params.calibration.evidence.support_weight * std::log(2), 1e-9);
 }
 
 TEST_F(Evidence, OfAHypothesisThatIsNowhereIsNoMerit) {

@@ -404,7 +404,7 @@ TEST_F(BeliefInARoom, ALookCountsByTheMotionSinceTheLast) {
   belief.look(view(0), nullptr);
   EXPECT_DOUBLE_EQ(logOdds(belief), first) << "it has not moved";
   PoseWithCovariance there_and_back;  // of half the independent distance
-  there_and_back.T.translation().x() = SequenceParams{}.independent_distance / 4;
+  there_and_back.T.translation().x() = SequenceCalibration{}.independent_distance / 4;
   belief.move(there_and_back);
   there_and_back.T = there_and_back.T.inverse();
   belief.move(there_and_back);

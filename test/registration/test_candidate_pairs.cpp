@@ -2,6 +2,7 @@
 #include "pairs/pair_distance.h"
 #include "pairs/plane_measurement.h"
 
+#include <facetloc/features/chi_square.h>
 #include <facetloc/registration/candidate_pairs.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/convex_polygons.h>
@@ -28,7 +29,7 @@ using test::rectangle;
 using test::Rng;
 using test::uniform;
 
-constexpr double kGate = 11.345;     // chi2(3) at 99 %
+constexpr double kGate = chiSquareQuantile(3, 0.99);
 constexpr double kExactGate = 9.21;  // chi2(2) at 99 %
 
 std::vector<Segment> randomSegments(Rng& rng, int n) {

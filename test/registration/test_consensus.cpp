@@ -23,7 +23,7 @@ using test::smallCamera;
 
 const double kPi = std::acos(-1.0);
 const double kNewDirection =
-    -std::log(1 - ConsensusParams{}.parallel_weight);  // what a new direction gains at most
+    -std::log(1 - ScoreCalibration{}.parallel_weight);  // what a new direction gains at most
 
 PoseWithCovariance accuratePose() {
   PoseWithCovariance pose;
@@ -45,12 +45,12 @@ View viewOf(const std::vector<Segment>& segments) {
 }
 
 double llr(const View& scene, const View& model, const PoseWithCovariance& pose = accuratePose(),
-           const ConsensusParams& params = {}) {
+           const ScoreCalibration& params = {}) {
   return logLikelihoodRatio(Query(scene), model, pose, DepthComparison({}), params);
 }
 
 double llr(const std::vector<Segment>& scene, const std::vector<Segment>& model,
-           const PoseWithCovariance& pose = accuratePose(), const ConsensusParams& params = {}) {
+           const PoseWithCovariance& pose = accuratePose(), const ScoreCalibration& params = {}) {
   return llr(viewOf(scene), viewOf(model), pose, params);
 }
 
@@ -124,7 +124,7 @@ TEST(LogLikelihoodRatio, AParallelSegmentIsDiscountedByHowLikelyItIsByChance) {
   const double uniform = 1 / (2 * kPi), parallel = uniform / std::pow(3 * kDegree, 2);
   const Segment s = threeWalls()[0], table = rectangle({0, 0.6, 3}, {0, 1, 0}, 1, 0.8, 0, 0.02, 0.02);
   for (const double mu : {0.0, 0.5, 0.8}) {
-    ConsensusParams params;
+    ScoreCalibration params;
     params.parallel_weight = mu;
     const double share = mu * (1 - params.coplanar_weight);
     const double alone = llr({table}, {s, table}, accuratePose(), params);
@@ -140,7 +140,7 @@ TEST(LogLikelihoodRatio, AnotherPartOfAPlaneIsDiscountedByHowWellThatPlaneIsKnow
   for (const double turn_deg : {0.0, 1.0, 3.0})
     for (const double offset : {0.0, 0.03, 0.08})
       for (const double w : {0.0, 0.5, 0.8}) {
-        ConsensusParams params;
+        ScoreCalibration params;
         params.coplanar_weight = w;
         const double mu = params.parallel_weight, turn = turn_deg * kDegree;
         const Segment part =
@@ -169,7 +169,7 @@ TEST(LogLikelihoodRatio, AWallInPiecesIsNotAsMuchEvidenceAsThereArePieces) {
   for (int i = 0; i < 9; ++i)
     pieces.push_back(
         rectangle({-0.5 + 0.5 * (i % 3), -0.5 + 0.5 * (i / 3), 4}, {0, 0, 1}, 0.25, 0.25, 0, 0.02, 0.02));
-  ConsensusParams each_by_itself;
+  ScoreCalibration each_by_itself;
   each_by_itself.coplanar_weight = 0;
   const double one = llr({wall}, {wall}), in_pieces = llr(pieces, {wall});
   EXPECT_GT(in_pieces, one - 1);

@@ -179,7 +179,7 @@ TEST(DepthConsistency, ExactAgreementIsLikelierThanContradictionWhateverTheError
   wall.noise.inverse_depth_std = 1 / kKinectGain;
   for (const double absolute : {0.01, 0.3, 3.0, 30.0})
     for (const double relative : {0.0, 0.003, 0.1}) {
-      DepthConsistencyParams params;
+      DepthCalibration params;
       params.absolute_error = absolute;
       params.relative_error = relative;
       const DepthAgreement a = DepthComparison(params).compare(wall, wall, kHere, kFineColumns);

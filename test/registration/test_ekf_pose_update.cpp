@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pairs/ekf_pose_update.h"
 
+#include <facetloc/features/chi_square.h>
 #include <facetloc/features/segment_estimation.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/pose_matchers.h>
@@ -31,7 +32,7 @@ using test::randomDirection;
 using test::Rng;
 using test::uniform;
 
-constexpr double kGate = 11.345;  // chi2(3) at 99 %
+constexpr double kGate = chiSquareQuantile(3, 0.99);
 
 EkfParams ungated(int iterations = EkfParams{}.iterations) {
   EkfParams p;

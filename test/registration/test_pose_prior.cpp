@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/chi_square.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
@@ -184,7 +185,7 @@ TEST(PosePrior, PropagatesTheFloorThroughTheMounting) {
 }
 
 TEST(PosePrior, TruePosesLieWithinThePriorOfThePaper) {
-  constexpr double kChi2At99Percent = 16.81;  // of six degrees of freedom
+  constexpr double kChi2At99Percent = chiSquareQuantile(6, 0.99);
   constexpr int kTrials = 20000;
   const CameraMounting mounting{1, 10};
   const Eigen::LDLT<Matrix6d> P(posePrior(mounting));

@@ -2,6 +2,7 @@
 #include "motion/step_prior.h"
 #include "motion/view_placing.h"
 
+#include <facetloc/features/chi_square.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
 
@@ -31,7 +32,7 @@ TEST(ViewPlacing, FindsTheMotionFromAFarStart) {
   EXPECT_GT(found->agreement, 0.95);
   EXPECT_GT(found->overlap, 0.4);
   const Vector6d off = perturbation(a.inverse() * b, found->T_a_b);
-  EXPECT_LT(off.dot(found->information * off), 22.5) << "beyond the 99.9 % ellipsoid";
+  EXPECT_LT(off.dot(found->information * off), chiSquareQuantile(6, 0.999)) << "beyond the 99.9 % ellipsoid";
 }
 
 TEST(ViewPlacing, WhereNothingIsInCommonNothingAgrees) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pairs/view_registration.h"
 
+#include <facetloc/features/chi_square.h>
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/decimal_comma.h>
@@ -54,7 +55,7 @@ TEST_F(TwoViewsOfARoom, AreRegistered) {
   EXPECT_GE(h[0].pairs.size(), 3u);
   EXPECT_GT(h[0].free_space, -20) << "a share of some 2 % contradicts";
   const Vector6d e = perturbation(h[0].T_m_c.T, truth);
-  EXPECT_LT(e.dot(h[0].T_m_c.P.llt().solve(e)), 22.5);  // chi2(6) at 99.9 %
+  EXPECT_LT(e.dot(h[0].T_m_c.P.llt().solve(e)), chiSquareQuantile(6, 0.999));
 }
 
 TEST_F(TwoViewsOfARoom, HypothesesComeByScoreAndScoresAddUp) {
@@ -137,7 +138,7 @@ TEST_F(TwoViewsOfARoom, EveryStepCanBeSwitchedOff) {
   p.score.by_overlap = true;
   expectFound(p, "score by overlap");
   p = {};
-  p.score.free_space_weight = 0;
+  p.calibration.score.free_space_weight = 0;
   expectFound(p, "no free space");
   EXPECT_EQ(align(p)[0].free_space, 0);
   p = {};

@@ -96,7 +96,7 @@ TEST(SmoothNoise, MakesPlanesAsUncertainAsTheyAre) {
   const Eigen::Vector3d n = Eigen::Vector3d(0.3, 0.2, 1).normalized();
   const double rho = n.dot(Eigen::Vector3d(0, 0, 1.5));
   SegmentEstimationParams of_the_fit;
-  of_the_fit.edge_factor = of_the_fit.slope_floor_deg = of_the_fit.offset_floor = 0;
+  of_the_fit.errors = {0, 0, 0};
   double sum = 0;
   int images = 0;
   for (unsigned seed = 0; seed < 100; ++seed) {

@@ -10,6 +10,7 @@ const char* const kLocalizeTool = FACETLOC_TOOLS "/facetloc_localize";
 const char* const kMapTool = FACETLOC_TOOLS "/facetloc_map";
 const char* const kSegmentTool = FACETLOC_TOOLS "/facetloc_segment";
 const char* const kMpirun = FACETLOC_MPIRUN;
+const char* const kCalibration = FACETLOC_SOURCE "/apps/calibration.ini";
 const char* const kGoldenFolder = FACETLOC_SOURCE "/test/apps/golden";
 const char* const kReadStream = FACETLOC_SOURCE "/apps/examples/read_stream.py";
 const char* const kStreamSchema = FACETLOC_SOURCE "/apps/stream.schema.json";

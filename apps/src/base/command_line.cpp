@@ -18,6 +18,7 @@ namespace facetloc {
 namespace {
 
 constexpr unsigned kHelpWidth = 110;
+constexpr const char* kUsersTitle = "For users";  // of the parameters that are not in --help
 
 std::string underscored(std::string name) {
   std::replace(name.begin(), name.end(), '-', '_');
@@ -129,9 +130,11 @@ void CommandLine::add(Options& group, const std::string& name, Semantic* semanti
   if (comma != std::string::npos) options_[name.substr(comma + 1)] = option;
 }
 
-CommandLine::Options& CommandLine::groupOf(const std::string& title, Shown shown) {
+CommandLine::Options& CommandLine::groupOf(const ParamInfo& info, Shown shown) {
+  const bool for_users = info.audience == Audience::users && shown == Shown::in_help_all;
+  const std::string title = for_users ? kUsersTitle : info.group;
   for (const Group& group : groups_)
-    if (group.title == title) return *group.options;
+    if (group.title == title && group.shown == shown) return *group.options;
   groups_.push_back({title, shown, std::make_unique<Options>(title, kHelpWidth)});
   return *groups_.back().options;
 }
@@ -323,8 +326,10 @@ void CommandLine::printHelp(std::ostream& out, bool all) const {
   for (const Group& group : groups_)
     if (group.shown == Shown::in_help) out << *group.options << "\n";
   out << general_;
-  for (const Group& group : groups_)
-    if (all && group.shown == Shown::in_help_all) out << "\n" << *group.options;
+  for (const bool for_users : {true, false})
+    for (const Group& group : groups_)
+      if (all && group.shown == Shown::in_help_all && (group.title == kUsersTitle) == for_users)
+        out << "\n" << *group.options;
 }
 
 }  // namespace facetloc

@@ -30,7 +30,8 @@ public:
  * (`--score.by_overlap`, `--score.by_overlap=0`). The `method` of a group of parameters goes by the name of
  * the group, too (`--split quadtree` is `--split.method quadtree`).
  *
- * --help shows what users need, on 40 lines at most; --help-all every parameter, by group. */
+ * --help shows what users need, on 40 lines at most; --help-all every parameter: those for users first, those
+ * for experts by group. */
 class CommandLine {
 public:
   /** \param tool its name, as in `facetloc_segment`; \param synopsis what follows the name in the usage line;
@@ -50,7 +51,7 @@ public:
   }
   void addSwitch(const std::string& name, bool& value, const std::string& help);
   /** \brief Where the options of a group of parameters are shown. */
-  enum class Shown { in_help, in_help_all };
+  enum class Shown { in_help, in_help_all, nowhere };
   /** \brief One option for each field of a parameter struct (features/params.h), validated after parsing.
    * \param name of the group, for a struct of fields */
   template <class Params>
@@ -58,7 +59,7 @@ public:
     forEachParam(
         params,
         [&](const ParamInfo& info, auto& value, auto, auto) {
-          addParameter(groupOf(info.group, shown), info.name, value, info.help);
+          addParameter(groupOf(info, shown), info.name, value, info.help);
         },
         name);
     checks_.push_back([&params, name] { checkRanges(params, name); });
@@ -111,7 +112,7 @@ private:
     Shown shown;
     std::unique_ptr<Options> options;
   };
-  Options& groupOf(const std::string& title, Shown shown);
+  Options& groupOf(const ParamInfo& info, Shown shown);
   void addParameter(Options& group, const std::string& name, bool& value, const std::string& help);
   void addParameter(Options& group, const std::string& name, double& value, const std::string& help);
   void addParameter(Options& group, const std::string& name, int& value, const std::string& help);

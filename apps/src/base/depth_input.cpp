@@ -78,8 +78,7 @@ View viewOf(const DepthSequence& sequence, std::size_t index, int working_width,
   view.camera = std::make_shared<const Camera>(builder.camera());
   view.depth.noise = view.camera->noise;
   view.intrinsics = view.camera->intrinsics.valid() ? view.camera->intrinsics : kinectIntrinsics();
-  if (working_width > 0)
-    view.intrinsics = view.intrinsics.subsampled(subsamplingStep(view.intrinsics, working_width));
+  view.intrinsics = view.intrinsics.subsampled(subsamplingStep(view.intrinsics, working_width));
   return view;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/localization_hints.h"
 
+#include "shared/median.h"
+
 #include <facetloc/io/text.h>
 
 #include <algorithm>
@@ -59,9 +61,7 @@ ViewTraits ViewTraits::of(const View& view) {
 double medianOfKnown(std::vector<double> values) {
   values.erase(std::remove(values.begin(), values.end(), 0.0), values.end());
   if (values.empty()) return 0;
-  const auto median = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), median, values.end());
-  return *median;
+  return internal::median(values.begin(), values.end());
 }
 
 std::vector<std::string> whatToLookAt(const StateCounts& counts, const std::vector<ViewTraits>& views,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/depth_drawing.h"
 
-#include <facetloc/registration/depth_params.h>
+#include <facetloc/registration/calibration.h>
 
 #include <algorithm>
 #include <array>
@@ -77,7 +77,7 @@ private:
     if (view_.depth.empty()) return 1 / predicted;
     if (!(z > 0)) return kNever;
     const double error = std::abs(1 / z - predicted);
-    const DepthConsistencyParams p;
+    const DepthCalibration p;
     const double noise = view_.depth.noise.ofInverseDepth(1 / predicted);
     const double tolerance = p.gate * (p.absolute_error * noise + p.relative_error * predicted);
     return error <= tolerance ? error : kNever;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/matched_segments.h"
 
-#include <facetloc/localization/ranking_params.h>
+#include <facetloc/registration/calibration.h>
 #include <facetloc/registration/candidate_pairs.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace facetloc {
 
 std::vector<SegmentPair> matchedSegments(const View& scene, const View& model,
                                          const Eigen::Isometry3d& T_m_c) {
-  const ConsensusParams slack;  // as much as counts for agreement when a hypothesis is scored
+  const ScoreCalibration slack;  // as much as counts for agreement when a hypothesis is scored
   const double rotation_std = slack.slope_slack_deg * kDegree, translation_std = slack.offset_slack;
   PoseWithCovariance pose;
   pose.T = T_m_c;

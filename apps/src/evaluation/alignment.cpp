@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/alignment.h"
 
+#include "shared/median.h"
+
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
@@ -34,12 +36,6 @@ void require(const std::vector<PosePair>& pairs) {
     throw std::invalid_argument("there are " + std::to_string(pairs.size()) +
                                 " pairs of an estimated and a true pose, and an alignment needs " +
                                 std::to_string(kLeastPairs));
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -80,7 +76,7 @@ Alignment robustlyAligned(const std::vector<PosePair>& pairs) {
     const Alignment alignment = aligned(kept);
     std::vector<double> distances;
     for (const PosePair& pair : pairs) distances.push_back(distanceAfter(alignment.T_true_estimated, pair));
-    const double farthest = std::max(kExact, kFarthest * median(distances));
+    const double farthest = std::max(kExact, kFarthest * internal::median(distances));
     std::vector<char> near;
     for (const double distance : distances) near.push_back(distance <= farthest);
     if (near == is_kept || round == kMostRounds) return alignment;

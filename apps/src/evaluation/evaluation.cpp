@@ -195,7 +195,7 @@ private:
   }
 
   void judgePlanes(const std::vector<std::size_t>& covering, const PlaceTruth& truth, FrameEvaluation& e) {
-    const auto seen = truth.segments(e.name, e.T_w_c, params_.visible_pixels);
+    const auto seen = truth.segments(e.name, e.T_w_c, kVisiblePixels);
     if (!seen) return;
     e.visible_planes = static_cast<int>(seen->size());
     if (models_.empty()) return;
@@ -204,9 +204,7 @@ private:
       const auto& model = segmentsOf(i);
       if (!e.covered || !model) continue;
       compared = true;
-      if (!sharedPlanesSuffice(*seen, *model, params_.solvable_position,
-                               params_.solvable_rotation_deg * kDegree))
-        continue;
+      if (!sharedPlanesSuffice(*seen, *model, kSolvablePosition, kSolvableRotationDeg * kDegree)) continue;
       e.solvable = true;
       return;
     }
@@ -216,7 +214,7 @@ private:
   /** The true segments of a local model, read when they are needed first. */
   const std::optional<TrueSegments>& segmentsOf(std::size_t i) {
     if (!model_segments_[i])
-      model_segments_[i] = truth_.segments(models_[i].name, models_[i].T_w_m, params_.visible_pixels);
+      model_segments_[i] = truth_.segments(models_[i].name, models_[i].T_w_m, kVisiblePixels);
     return *model_segments_[i];
   }
 

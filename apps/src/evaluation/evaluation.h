@@ -21,35 +21,28 @@
 
 namespace facetloc {
 
+constexpr double kVisiblePixels = 150;      ///< size of a true plane that counts as seen [px at 320x240]
+constexpr double kSolvablePosition = 0.05;  ///< largest standard deviation by shared planes [m]
+constexpr double kSolvableRotationDeg = 3;  ///< largest standard deviation of the orientation
+
 /** \brief When a hypothesis is correct, and which images a map can be expected to localize. */
 struct EvaluationParams {
   static constexpr const char* kTitle = "What counts as correct, covered and solvable";
-  double max_translation = 0.2;      ///< the paper's [m]
-  double max_rotation_deg = 2;       ///< the paper's
-  double covered_distance = 1.0;     ///< of a local model [m]
-  double covered_rotation_deg = 20;  ///< of the same local model
-  double visible_pixels = 150;       ///< of a true plane that counts as seen [px at 320x240]
-  double solvable_position = 0.05;   ///< standard deviation that shared planes must reach [m]
-  double solvable_rotation_deg = 3;  ///< the same for the orientation
+  double max_translation = 0.2;
+  double max_rotation_deg = 2;
+  double covered_distance = 1.0;
+  double covered_rotation_deg = 20;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("max_translation", p.max_translation, 0.0, 1e6,
-          "Largest position error of a correct hypothesis [m].");
+          "Largest position error of a correct hypothesis [m].", kForUsers);
     visit("max_rotation_deg", p.max_rotation_deg, 0.0, 180.0,
-          "Largest orientation error of a correct hypothesis [deg].");
+          "Largest orientation error of a correct hypothesis [deg].", kForUsers);
     visit("covered_distance", p.covered_distance, 0.0, 1e6,
           "Largest distance of a local model that covers an image [m].");
     visit("covered_rotation_deg", p.covered_rotation_deg, 0.0, 180.0,
           "Largest angle to a local model that covers an image [deg].");
-    visit("visible_pixels", p.visible_pixels, 3.0, 76800.0,
-          "Smallest size of a true plane that counts as seen [px at 320x240].");
-    visit("solvable_position", p.solvable_position, 0.0, 1e3,
-          "Largest position uncertainty of an image that is solvable by its true planes, standard deviation "
-          "[m].");
-    visit("solvable_rotation_deg", p.solvable_rotation_deg, 0.0, 180.0,
-          "Largest orientation uncertainty of an image that is solvable by its true planes, standard "
-          "deviation [deg].");
   }
   void validate() const { checkRanges(*this); }
 };

@@ -111,10 +111,10 @@ std::vector<std::string> reportPreface(const EvaluationReport& report) {
     lines.push_back("Covered: a local model within " + text::significant(p.covered_distance) + " m and " +
                     text::significant(p.covered_rotation_deg) + " deg.");
   if (std::any_of(frames.begin(), frames.end(), [](const auto& f) { return f.solvable.has_value(); }))
-    lines.push_back("Solvable: the true planes of at least " + text::significant(p.visible_pixels) +
+    lines.push_back("Solvable: the true planes of at least " + text::significant(kVisiblePixels) +
                     " px at 320x240 that the image shares with a covering local model fix its pose to " +
-                    text::significant(p.solvable_position) + " m and " +
-                    text::significant(p.solvable_rotation_deg) + " deg (standard deviation).");
+                    text::significant(kSolvablePosition) + " m and " +
+                    text::significant(kSolvableRotationDeg) + " deg (standard deviation).");
   const auto unmapped = [](const auto& f) { return f.unmapped; };
   if (const auto n = std::count_if(frames.begin(), frames.end(), unmapped)) {
     const auto near = std::count_if(frames.begin(), frames.end(), [&](const auto& f) {

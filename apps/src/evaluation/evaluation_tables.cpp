@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluation_tables.h"
 
+#include <facetloc/features/chi_square.h>
 #include <facetloc/io/text.h>
 
 #include <algorithm>
@@ -143,7 +144,7 @@ const std::vector<Quantity>& quantities() {
       nees("Avg.", [](const Y& s) { return statistics(s.nees).mean; }),
       nees("Median (right: 5.35)", [](const Y& s) { return cumulativeHistogram(s.nees).bound(0.5); }),
       nees("Share within the 95 % ellipsoid [%]", [](const Y& s) {
-        constexpr double kEllipsoid = 12.592;  // of chi squared with 6 degrees of freedom
+        constexpr double kEllipsoid = chiSquareQuantile(6, 0.95);
         return shareOf(static_cast<std::size_t>(std::count_if(s.nees.begin(), s.nees.end(),
                                                               [](double e) { return e <= kEllipsoid; })),
                        s.nees.size());

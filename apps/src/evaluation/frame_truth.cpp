@@ -21,7 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kWorkingWidth = 320;       // [px]
 constexpr double kUnitTolerance = 1e-6;  // of |n|
 constexpr const char* kPlanes = "planes.csv";
 constexpr const char* kPlanesHeader = "plane,nx,ny,nz,d";

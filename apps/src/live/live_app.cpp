@@ -2,6 +2,7 @@
 #include "live/live_app.h"
 
 #include "base/ambiguity_file.h"
+#include "base/localization_options.h"
 #include "base/localization_report.h"
 #include "base/place_index_file.h"
 #include "base/pose_stream.h"
@@ -72,7 +73,7 @@ void LiveApp::addOptions(CommandLine& line) {
   addMinProbability(line, min_probability_);
   input_.addOptions(line);
   line.addParams(tracking_, "tracking");
-  line.addParams(localization_);
+  addLocalizationOptions(line, localization_);
   line.addParams(mapping_, "mapping");
   line.addParams(places_, "map");
 }

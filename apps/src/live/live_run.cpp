@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_run.h"
 
+#include "base/localization_options.h"
 #include "base/text.h"
 #include "drawing/outputs.h"
 
@@ -142,14 +143,15 @@ void LiveRun::startSession() {
     options.odometry = odometry_ =
         std::make_shared<OdometryInput>(options_.odometry, options.camera.mounting);
   if (!options_.results.empty()) {
-    const std::string params_ini = "# " + versionText() + ", live from " + source_->name() +
-                                   (map_ ? ", map " + fs::path(options_.map).filename().string() + " of " +
-                                               counted(map_->models.size(), "local model")
-                                    : mapping_ ? ", which makes a map"
-                                               : ", without a map") +
-                                   "\nwidth = " + std::to_string(options.width) + "\n" +
-                                   toIni(options.camera.noise, "noise") + toIni(options.view) +
-                                   toIni(options.tracking, "tracking") + toIni(options.localization);
+    const std::string params_ini =
+        "# " + versionText() + ", live from " + source_->name() +
+        (map_ ? ", map " + fs::path(options_.map).filename().string() + " of " +
+                    counted(map_->models.size(), "local model")
+         : mapping_ ? ", which makes a map"
+                    : ", without a map") +
+        "\nmin-probability = " + text::shortest(options.tracking.min_probability) +
+        "\nwidth = " + std::to_string(options.width) + "\n" + toIni(options.camera.noise, "noise") +
+        toIni(options.view) + toIni(options.tracking, "tracking") + localizationIni(options.localization);
     results_ = std::make_unique<LiveResults>(options_.results, params_ini);
   }
   if (options_.stream) stream_ = std::make_unique<PoseStream>(*options_.stream, options.camera.mounting);

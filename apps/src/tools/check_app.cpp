@@ -3,6 +3,7 @@
 
 #include "base/batch.h"
 #include "base/text.h"
+#include "shared/median.h"
 #include "tools/noise_table.h"
 #include "tools/seen_motions.h"
 
@@ -38,12 +39,6 @@ double quantile(std::vector<float>& values, double q) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
-}
-
-double medianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 void line(const Console& console, const std::string& title, const std::string& words) {
@@ -100,7 +95,7 @@ void CheckApp::reportImages(const DepthSequence& sequence, const std::vector<Ima
   if (sequence.stamped() && frames.size() > 1) {
     std::vector<double> steps;
     for (std::size_t i = 1; i < frames.size(); ++i) steps.push_back(frames[i].stamp - frames[i - 1].stamp);
-    const double usual = medianOf(steps), longest = *std::max_element(steps.begin(), steps.end());
+    const double usual = internal::median(steps), longest = *std::max_element(steps.begin(), steps.end());
     line(console, "times",
          text::decimals(frames.front().stamp, 3) + " to " + text::decimals(frames.back().stamp, 3) + " s, " +
              text::significant(1 / usual, 3) + " images per second, longest gap " +
@@ -272,8 +267,7 @@ int CheckApp::execute(const CommandLine& command, const Console& console) {
               report.measured = static_cast<double>(measured) / static_cast<double>(image.depth.size());
               dropBeyond(camera.max_depth, image);
               report.noise = noiseSamples(image);
-              const int working = depth_.width > 0 ? subsamplingStep(image.camera, depth_.width) : 1;
-              report.view = builders[worker].build(working > 1 ? subsampled(image, working) : image);
+              report.view = builders[worker].build(workingImage(image, depth_.width));
               report.is_read = true;
             });
   const int code = batch.report();

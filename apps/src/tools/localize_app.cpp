@@ -2,6 +2,7 @@
 #include "tools/localize_app.h"
 
 #include "base/batch.h"
+#include "base/localization_options.h"
 #include "base/localization_report.h"
 #include "base/milliseconds.h"
 #include "base/pose_stream.h"
@@ -150,7 +151,7 @@ void LocalizeApp::addOptions(CommandLine& line) {
   line.addPresets();
   addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
-  line.addParams(localization_);
+  addLocalizationOptions(line, localization_);
   line.addParams(sequence_, "sequence");
 }
 
@@ -337,7 +338,7 @@ std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& file, const 
          cameraLine(file) + "max-hypotheses = " + std::to_string(max_hypotheses_) + "\n" +
          "min-probability = " + text::shortest(min_probability_) + "\n" +
          (is_sequence_ ? "sequence = 1\n" : "") + (smooth_ ? "smooth = 1\n" : "") + toIni(input_, camera) +
-         toIni(localization_) + (is_sequence_ ? "\n" + toIni(sequence_, "sequence") : "");
+         localizationIni(localization_) + (is_sequence_ ? "\n" + toIni(sequence_, "sequence") : "");
 }
 
 int LocalizeApp::execute(const CommandLine& line, const Console& console) {

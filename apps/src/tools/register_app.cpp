@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/register_app.h"
 
+#include "base/localization_options.h"
 #include "base/localization_report.h"
 #include "base/milliseconds.h"
 #include "base/text.h"
@@ -61,7 +62,7 @@ void RegisterApp::addOptions(CommandLine& line) {
   line.addPresets();
   addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
-  line.addParams(localization_);
+  addLocalizationOptions(line, localization_);
 }
 
 /** The first pose, sure or not, moves it. */
@@ -121,7 +122,7 @@ int RegisterApp::execute(const CommandLine& line, const Console& console) {
     console.out << "; aligned source in " << aligned_;
   }
   if (!folder_.empty()) {
-    writeResults(folder_, {result}, toIni(input_, source_camera) + toIni(localization_));
+    writeResults(folder_, {result}, toIni(input_, source_camera) + localizationIni(localization_));
     console.out << "; results in " << folder_;
   }
   console.out << "\n";

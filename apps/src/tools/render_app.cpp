@@ -2,6 +2,7 @@
 #include "tools/render_app.h"
 
 #include "base/batch.h"
+#include "base/localization_options.h"
 #include "base/text.h"
 #include "drawing/match_pictures.h"
 #include "drawing/offscreen_display.h"
@@ -171,7 +172,7 @@ void RenderApp::addOptions(CommandLine& line) {
   addRecordingOptions(line, depth_.recording);
   depth_.addOptions(line);
   line.addParams(evaluation_, "evaluation");
-  line.addParams(localization_);
+  addLocalizationOptions(line, localization_);
 }
 
 int RenderApp::renderMap(const Console& console) const {

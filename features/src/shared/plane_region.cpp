@@ -22,6 +22,11 @@ constexpr double kPaperDepthFactor = 2.0;
 constexpr double kFaithfulPixelStd = 1.0;
 constexpr double kCorrelatedPixels =
     100.0;  // pixels at 320x240 that share one independent error, N_eff of METHOD 7.3
+// Smallest sqrt(lambda_2) of a segment: as it is, unless it is wide compared with the noise, and as if it
+// faced the camera (METHOD 8).
+constexpr double kMinWidth = 0.03;       // [m]
+constexpr double kMinWidthPixels = 2.0;  // [px at the working size]
+constexpr double kMinIncidence = 0.1;    // |cosine| between normal and ray at the centroid
 constexpr double kMinIndependent = 8.0;
 constexpr double kWideInNoise = 5.0;  // a strip this many sigma_r wide has a slope worth measuring
 
@@ -61,11 +66,11 @@ Eigen::Matrix3d uncertaintyOfFit(const PlaneRegion& region, const Segment& s, do
           .square()
           .matrix();
   Eigen::Matrix3d Sigma_q = slopeOffsetCovariance(s.R, s.t, rho, Sigma_m);
-  Sigma_q += paperCovariance(s.normal(), s.t, s.lambda, camera, params.edge_factor, noise);
-  Sigma_q.diagonal() +=
-      Eigen::Array3d(params.slope_floor_deg * kDegree, params.slope_floor_deg * kDegree, params.offset_floor)
-          .square()
-          .matrix();
+  Sigma_q += paperCovariance(s.normal(), s.t, s.lambda, camera, params.errors.edge_factor, noise);
+  Sigma_q.diagonal() += Eigen::Array3d(params.errors.slope_floor_deg * kDegree,
+                                       params.errors.slope_floor_deg * kDegree, params.errors.offset_floor)
+                            .square()
+                            .matrix();
   return Sigma_q;
 }
 
@@ -110,15 +115,15 @@ bool describe(const PlaneRegion& region, const Intrinsics& camera, const ImageNo
   const double width = std::sqrt(s.lambda[1]);
   const double nearest =
       s.t.z() - std::max(std::sqrt(s.lambda[0]) * std::abs(s.R(2, 0)), width * std::abs(s.R(2, 1)));
-  if (nearest > params.max_depth || n.dot(s.t.normalized()) < params.min_incidence) return false;
+  if (nearest > params.max_depth || n.dot(s.t.normalized()) < kMinIncidence) return false;
   // A strip fixes its slope across only if it is wide compared with the noise, or with what furniture is made
   // of.
   const double noise_width =
       kWideInNoise * std::sqrt(offsetVariance(n, s.t, camera, noiseOfNeighbours(noise, s.t.z())));
-  if (!(width >= std::min(params.min_width, noise_width))) return false;
-  if (!(width * camera.fx / s.t.z() >= params.min_width_px)) return false;
+  if (!(width >= std::min(kMinWidth, noise_width))) return false;
+  if (!(width * camera.fx / s.t.z() >= kMinWidthPixels)) return false;
 
-  s.Sigma_q = params.paper_uncertainty ? paperCovariance(n, s.t, s.lambda, camera, params.paper_factor, noise)
+  s.Sigma_q = params.paper_uncertainty ? paperCovariance(n, s.t, s.lambda, camera, 1, noise)
                                        : uncertaintyOfFit(region, s, rho, camera, noise, params);
   return s.Sigma_q.allFinite() && s.Sigma_q.llt().info() == Eigen::Success;
 }

@@ -3,11 +3,19 @@
 
 #include <facetloc/features/depth_picture.h>
 #include <facetloc/features/pose.h>
-#include <facetloc/registration/depth_params.h>
 
 #include <vector>
 
 namespace facetloc::internal {
+
+/** \brief How a pose that planes have found is refined by all pixels (METHOD 12). */
+struct DenseRefinementParams {
+  int iterations = 6;            ///< Gauss-Newton steps at most
+  double pixel_error = 1.6;      ///< of a difference of inverse depths [noise std]: sqrt 2 and the distortion
+  double robust_gate = 3.0;      ///< difference at which a pixel loses its weight [errors]
+  double correlated_pixels = 1;  ///< that count as one independent measurement
+  double significance = 0;       ///< least information of a direction [the gradients' noise]; 0 = no test
+};
 
 /** \brief Refines the pose of a scene by the inverse depths of pictures whose poses are known: moves a grid
  * of the scene's pixels into each of them and reduces the differences there, robustly, the plane-based

@@ -4,7 +4,7 @@
 #include "depth/moved_pixels.h"
 
 #include <facetloc/features/depth_picture.h>
-#include <facetloc/registration/depth_params.h>
+#include <facetloc/registration/calibration.h>
 
 #include <Eigen/Geometry>
 
@@ -50,7 +50,7 @@ struct DepthErrors {
 /** \brief Compares pictures, each by the noise that it was seen with. */
 class DepthComparison {
 public:
-  explicit DepthComparison(const DepthConsistencyParams& params) : params_(params) {}
+  explicit DepthComparison(const DepthCalibration& calibration) : calibration_(calibration) {}
 
   /** \brief Moves every pixel on a grid of so many columns from a into b. Nothing is counted where b is
    * unknown. */
@@ -62,14 +62,14 @@ public:
   DepthErrors errorsBetween(const DepthPicture& a, const DepthPicture& b) const {
     // In inverse depth r, the noise of depths is a polynomial: s_2 + s_1 r + s_0 r^2 (features/METHOD 2.2).
     const DepthNoise noise = commonNoise(a, b);
-    const double factor = params_.absolute_error;
-    return {factor * noise.inverse_depth_std, params_.relative_error + factor * noise.depth_std_slope,
-            factor * noise.depth_std, params_.gate};
+    const double factor = calibration_.absolute_error;
+    return {factor * noise.inverse_depth_std, calibration_.relative_error + factor * noise.depth_std_slope,
+            factor * noise.depth_std, calibration_.gate};
   }
-  double farthest() const { return 1 / params_.max_depth; }  ///< smallest inverse depth compared [1/m]
+  double farthest() const { return 1 / calibration_.max_depth; }  ///< smallest inverse depth compared [1/m]
 
 private:
-  DepthConsistencyParams params_;
+  DepthCalibration calibration_;
 };
 
 /** \brief The verdicts of picture b on the pixels of picture a, seen from T_b_a. Both must outlive it. */

@@ -11,11 +11,16 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr int kFewestPixels = 60;     // that must be compared before their agreement says anything
-constexpr double kLongStep = 0.2;     // after which a velocity says nothing of the next one [s]
-constexpr double kSlipTime = 1.0;     // for which wheels slip alike [s]
-constexpr double kSlideChange = 0.2;  // of the speed sideways in a second [m/s]
-constexpr double kSure = 3;           // standard deviations
+constexpr int kFewestPixels = 60;           // that must be compared before their agreement says anything
+constexpr double kLongStep = 0.2;           // after which a velocity says nothing of the next one [s]
+constexpr double kLeastAgreement = 0.7;     // share of the depth pixels that the keyframes must confirm
+constexpr int kKeys = 2;                    // nearest keyframes that a view is aligned with
+constexpr int kKeptKeys = 20;               // latest keyframes that are kept
+constexpr double kSlipSpeed = 0.01;         // of a robot on wheels, sideways and up and down [m/s]
+constexpr double kTiltRate = 10 * kDegree;  // roll and pitch of a robot on wheels [rad/s]
+constexpr double kSlipTime = 1.0;           // for which wheels slip alike [s]
+constexpr double kSlideChange = 0.2;        // of the speed sideways in a second [m/s]
+constexpr double kSure = 3;                 // standard deviations
 // Keeps the prior regular when no time has passed.
 constexpr double kLeastRotation = 1e-4, kLeastTranslation = 1e-4;  // [rad, m]
 
@@ -45,7 +50,7 @@ ViewMotion ViewOdometry::add(const View& view, double dt, const std::optional<Po
         compareWithAll(view.depth, T_o_c.T, around_us.pictures, comparison_, kFineColumns);
     if (found.judged() >= kFewestPixels) {
       out.agreement = found.agree / double(found.judged());
-      out.broken = !(out.agreement >= params_.min_agreement);
+      out.broken = !(out.agreement >= kLeastAgreement);
     }
   }
   if (out.broken) {
@@ -85,7 +90,7 @@ void ViewOdometry::rollOn(PoseWithCovariance& T_o_c, double dt) {
   slide_.variance *= 1 - weight;
   if (slides()) return;
 
-  const double slip = params_.slip_speed * std::sqrt(dt * kSlipTime) + kLeastTranslation;
+  const double slip = kSlipSpeed * std::sqrt(dt * kSlipTime) + kLeastTranslation;
   const Vector6d gain = T_o_c.P * h / (variance + slip * slip);
   T_o_c.T = perturbed(T_o_c.T, -gain * shift);
   const Matrix6d left = Matrix6d::Identity() - gain * h.transpose();  // Joseph form
@@ -93,7 +98,7 @@ void ViewOdometry::rollOn(PoseWithCovariance& T_o_c, double dt) {
 }
 
 bool ViewOdometry::slides() const {
-  return std::abs(slide_.speed) > kSure * std::sqrt(slide_.variance) + params_.slip_speed;
+  return std::abs(slide_.speed) > kSure * std::sqrt(slide_.variance) + kSlipSpeed;
 }
 
 // What this step adds to the error of where the camera is. Of a posterior P after a prediction P0, the part P
@@ -136,8 +141,8 @@ PoseWithCovariance ViewOdometry::predict(double dt) const {
     Vector6d base = A.partialPivLu().solve(motion);
     if (!slides()) base[4] = 0;
     motion = A * base;
-    std[0] = std[1] = params_.tilt_rate_deg * kDegree * dt;
-    std[5] = params_.slip_speed * std::sqrt(dt * kSlipTime);
+    std[0] = std[1] = kTiltRate * dt;
+    std[5] = kSlipSpeed * std::sqrt(dt * kSlipTime);
     P = A * std.cwiseAbs2().asDiagonal() * A.transpose();
   }
   P.diagonal().head<3>().array() += kLeastRotation * kLeastRotation;
@@ -150,7 +155,7 @@ Surroundings ViewOdometry::around(const Eigen::Isometry3d& T_o_c) const {
   for (std::size_t i = 0; i < keys_.size(); ++i)
     near.emplace_back(viewDistance(keys_[i].T_o_k, T_o_c), static_cast<int>(i));
   std::sort(near.begin(), near.end());
-  if (static_cast<int>(near.size()) > params_.keys) near.resize(params_.keys);
+  if (static_cast<int>(near.size()) > kKeys) near.resize(kKeys);
   Surroundings out;
   for (const auto& [distance, i] : near)
     if (std::isfinite(distance)) out.add(i, borrowed(keys_[i].view), keys_[i].T_o_k);
@@ -166,7 +171,7 @@ void ViewOdometry::takeKey(const View& view) {
   });
   if (known) return;
   keys_.push_back({view, T_o_c_});
-  if (static_cast<int>(keys_.size()) > params_.kept_keys) keys_.pop_front();
+  if (static_cast<int>(keys_.size()) > kKeptKeys) keys_.pop_front();
 }
 
 }  // namespace facetloc::internal

@@ -48,7 +48,7 @@ Vector6d freeStep(Matrix6d information) {
 
 }  // namespace
 
-ViewPlacing::ViewPlacing() : alignment_(alignmentWithCovariance()), comparison_(DepthConsistencyParams{}) {
+ViewPlacing::ViewPlacing() : alignment_(alignmentWithCovariance()), comparison_(DepthCalibration{}) {
   alignment_.dense.iterations = kDenseIterations;
 }
 

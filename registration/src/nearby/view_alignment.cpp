@@ -3,8 +3,6 @@
 
 #include "pairs/joint_refinement.h"
 
-#include <facetloc/localization/tracking_params.h>
-
 #include <Eigen/Cholesky>
 
 #include <cmath>
@@ -22,10 +20,9 @@ void Surroundings::add(int index, std::shared_ptr<const View> view, const Eigen:
 }
 
 ViewAlignmentParams alignmentWithCovariance() {
-  const PoseTrackingParams tracking;
   ViewAlignmentParams params;
-  params.dense.correlated_pixels = tracking.correlated_pixels;
-  params.dense.significance = tracking.significance;
+  params.dense.correlated_pixels = kCorrelatedPixels;
+  params.dense.significance = kSignificance;
   return params;
 }
 

@@ -36,8 +36,11 @@ struct ViewAlignmentParams {
   DenseRefinementParams dense;
 };
 
-/** \brief As views are aligned where the covariance counts: neighbouring pixels err alike, and motions that
- * they only seem to tell are left to the prior (PoseTrackingParams). */
+constexpr double kCorrelatedPixels = 200;  ///< depth pixels that count as one independent measurement
+constexpr double kSignificance = 2;        ///< least information of a direction [the gradients' noise]
+
+/** \brief As views are aligned where the covariance counts: neighbouring pixels err alike, and directions
+ * without significant information are left to the prior (METHOD 12). */
 ViewAlignmentParams alignmentWithCovariance();
 
 /** \brief Where a view is in its surroundings. */

@@ -22,7 +22,7 @@ constexpr double kMinVisible = 0.05;  // share of visible samples below which a 
 constexpr double kMinLlr = -10, kMaxLlr = 15;  // bounds of a pair's log likelihood ratio (METHOD 10.1)
 
 // Log likelihood of a pair under the hypothesis, with slack (METHOD 10.1).
-double pairLogLikelihood(const PlaneMeasurement& m, const Matrix6d& P, const ConsensusParams& params) {
+double pairLogLikelihood(const PlaneMeasurement& m, const Matrix6d& P, const ScoreCalibration& params) {
   Eigen::Matrix3d S = m.H * P * m.H.transpose() + m.W;
   const double slope = std::pow(params.slope_slack_deg * kDegree, 2);
   S.diagonal() += Eigen::Vector3d(slope, slope, params.offset_slack * params.offset_slack);
@@ -50,7 +50,7 @@ double coplanarDensity(const std::vector<Segment>& scene, std::size_t j) {
 // density that it is part of a plane that it has shown (METHOD 10.2). Of a wall in pieces, which a noisy
 // camera makes of it, each further one is nearly what chance makes expect, however well it fits.
 double chanceDensity(const Eigen::Vector3d& u, const std::vector<Eigen::Vector3d>& seen, double coplanar,
-                     const ConsensusParams& params) {
+                     const ScoreCalibration& params) {
   const double uniform = 1 / (2 * kPi);
   if (seen.empty()) return uniform / params.max_offset;
   double parallel = 0;
@@ -111,7 +111,7 @@ Query::Query(const View& scene, const PoseWithCovariance& prior_pose, const Matr
 }
 
 double logLikelihoodRatio(const Query& query, const View& model, const PoseWithCovariance& T_m_c,
-                          const DepthComparison& comparison, const ConsensusParams& params) {
+                          const DepthComparison& comparison, const ScoreCalibration& params) {
   const View& scene = query.view;
   const DepthErrors errors = comparison.errorsBetween(scene.depth, model.depth);
   // The largest over all directions, not over the axes of the model: the score does not depend on those.
@@ -169,7 +169,7 @@ double logLikelihoodRatio(const Query& query, const View& model, const PoseWithC
   return sum;
 }
 
-double freeSpaceTerm(const DepthAgreement& compared, const ConsensusParams& params) {
+double freeSpaceTerm(const DepthAgreement& compared, const ScoreCalibration& params) {
   const double share = compared.contradict / std::max(1.0, double(compared.judged()));
   return -params.free_space_weight * std::log1p(share / params.free_space_share);
 }
@@ -197,7 +197,7 @@ namespace {
 
 class LikelihoodScore : public HypothesisScore {
 public:
-  LikelihoodScore(const ConsensusParams& params, const DepthComparison& comparison)
+  LikelihoodScore(const ScoreCalibration& params, const DepthComparison& comparison)
       : params_(params), comparison_(comparison) {}
 
   void score(const Query& query, const View& model, int columns, Hypothesis& h) const override {
@@ -213,7 +213,7 @@ public:
   bool inNats() const override { return true; }
 
 private:
-  ConsensusParams params_;
+  ScoreCalibration params_;
   DepthComparison comparison_;
 };
 
@@ -232,11 +232,10 @@ private:
 
 }  // namespace
 
-std::unique_ptr<const HypothesisScore> hypothesisScore(const ConsensusParams& params,
-                                                       const MatchingParams& matching,
+std::unique_ptr<const HypothesisScore> hypothesisScore(const ViewRegistrationParams& params,
                                                        const DepthComparison& comparison) {
-  if (params.by_overlap) return std::make_unique<const OverlapScore>(matching);
-  return std::make_unique<const LikelihoodScore>(params, comparison);
+  if (params.score.by_overlap) return std::make_unique<const OverlapScore>(params.matching);
+  return std::make_unique<const LikelihoodScore>(params.calibration.score, comparison);
 }
 
 }  // namespace facetloc::internal

@@ -5,6 +5,7 @@
 #include "pairs/query.h"
 
 #include <facetloc/features/local_model.h>
+#include <facetloc/localization/localization_params.h>
 #include <facetloc/localization/ranking_params.h>
 #include <facetloc/registration/hypothesis.h>
 #include <facetloc/registration/pair_params.h>
@@ -21,7 +22,7 @@ std::vector<Eigen::Vector3d> samplePoints(const Segment& segment);
  * 10.1-10.3) [nats]. Visibility comes from the model's depth picture; without one every sample counts as
  * visible. */
 double logLikelihoodRatio(const Query& query, const View& model, const PoseWithCovariance& T_m_c,
-                          const DepthComparison& comparison, const ConsensusParams& params);
+                          const DepthComparison& comparison, const ScoreCalibration& params);
 
 /** \brief What the contradicting pixels among those compared say against a pose: -w ln(1 + c / c_0) [nats], c
  * being their share.
@@ -29,7 +30,7 @@ double logLikelihoodRatio(const Query& query, const View& model, const PoseWithC
  * The term is not linear in c, since pixels do not contradict one by one:
  * what has moved takes a whole region with it. The share of changed pixels in a true view is mostly tiny and
  * now and then large, with a tail like a power of c; so is the evidence against the pose. */
-double freeSpaceTerm(const DepthAgreement& compared, const ConsensusParams& params);
+double freeSpaceTerm(const DepthAgreement& compared, const ScoreCalibration& params);
 
 /** \brief Segment-overlap score (METHOD 10.5), the paper's consensus measure as far as is known. */
 double surfaceMatchingScore(const std::vector<Segment>& scene, const std::vector<Segment>& model,
@@ -46,8 +47,7 @@ public:
 };
 
 /** \brief Ours, the log likelihood ratio and the free-space term, or the paper's, the overlap of segments. */
-std::unique_ptr<const HypothesisScore> hypothesisScore(const ConsensusParams& params,
-                                                       const MatchingParams& matching,
+std::unique_ptr<const HypothesisScore> hypothesisScore(const ViewRegistrationParams& params,
                                                        const DepthComparison& comparison);
 
 }  // namespace facetloc::internal

@@ -4,17 +4,19 @@
 #include "pairs/cholesky3.h"
 #include "pairs/pair_distance.h"
 
+#include <facetloc/features/chi_square.h>
+
 #include <algorithm>
 #include <cmath>
 
 namespace facetloc::internal {
 namespace {
 
-constexpr int kCollections = 2;          // how often the pairs are collected
-constexpr int kIterations = 10;          // Gauss-Newton steps per collection
-constexpr double kConverged = 1e-6;      // norm of a step [rad, m]
-constexpr double kHuber2 = 11.345;       // square of the Huber threshold on d, chi2(3) at 99 % (METHOD 7)
-constexpr double kMinCosine = 0.9;       // between the normals of a pair at the hypothesis
+constexpr int kCollections = 2;                         // how often the pairs are collected
+constexpr int kIterations = 10;                         // Gauss-Newton steps per collection
+constexpr double kConverged = 1e-6;                     // norm of a step [rad, m]
+constexpr double kHuber2 = chiSquareQuantile(3, 0.99);  // square of the Huber threshold on d (METHOD 7)
+constexpr double kMinCosine = 0.9;                      // between the normals of a pair at the hypothesis
 constexpr double kInformationCap = 2.0;  // of a model segment, in terms of its most informative pair
 
 // For each scene segment the model segment that fits best, if any does.

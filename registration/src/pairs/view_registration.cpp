@@ -9,6 +9,8 @@
 namespace facetloc::internal {
 namespace {
 
+constexpr int kMostAssisted = 1;  // incomplete poses of a local model that depth may complete
+
 // What a pose needs to be complete, in a view with this noise. No pose is better than the planes it comes
 // from: the limits are those for a Kinect, and for noisier cameras larger in proportion (METHOD 6.3).
 HypothesisTreeParams limitsFor(const View& view, HypothesisTreeParams params) {
@@ -31,9 +33,7 @@ bool byScore(const Hypothesis& a, const Hypothesis& b) { return a.score > b.scor
 }  // namespace
 
 ViewRegistration::ViewRegistration(const ViewRegistrationParams& params)
-    : params_(params),
-      comparison_(params.depth),
-      score_(hypothesisScore(params.score, params.matching, comparison_)) {}
+    : params_(params), comparison_(params.calibration.depth), score_(hypothesisScore(params, comparison_)) {}
 
 bool ViewRegistration::mayFixPose(const Query& query) const {
   // A model without any error would double the information; as much again for what linearisation neglects.
@@ -107,7 +107,7 @@ void ViewRegistration::completeByDepth(const Query& query, const View& model,
                                        const std::vector<PoseNode>& incomplete, Chosen chosen,
                                        std::vector<Hypothesis>& hypotheses) const {
   const DepthAlignmentParams alignment;
-  const int n = std::min<int>(incomplete.size(), params_.steps.max_assisted);
+  const int n = std::min(kMostAssisted, static_cast<int>(incomplete.size()));
   for (int i = 0; i < n; ++i) {
     const PoseNode& node = incomplete[i];
     const Eigen::Vector3d& v = node.free_direction;

@@ -42,16 +42,16 @@ Intrinsics kinectIntrinsics();
  * of b). camera_presets.h knows other cameras. */
 struct SensorNoise : DepthNoise {
   static constexpr const char* kTitle = "Noise of the depth camera";
-  double distortion_offset =
-      0.25 / kKinectGain;  ///< smooth distortion of 1/z over the image, constant part [1/m]
-  double distortion_slope = 0.5 / kKinectGain;  ///< its part per unit of the normalised ray [1/m]
+  double distortion_offset = 0.25 / kKinectGain;
+  double distortion_slope = 0.5 / kKinectGain;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("inverse_depth_std", p.inverse_depth_std, kLeastInverseDepthStd, 1.0,
           "Random error of inverse depth, standard deviation [1/m]: the part of sigma_z that grows with z^2, "
           "divided by z^2; 0.00142 for a Kinect. Set it for a camera that is noisier and whose noise is "
-          "smooth over many pixels.");
+          "smooth over many pixels.",
+          kForUsers);
     visit("distortion_offset", p.distortion_offset, 0.0, 1.0,
           "Smooth distortion of inverse depth at the image centre, standard deviation [1/m].");
     visit("distortion_slope", p.distortion_slope, 0.0, 1.0,
@@ -60,9 +60,11 @@ struct SensorNoise : DepthNoise {
           "[1/m].");
     visit("depth_std", p.depth_std, 0.0, kLargestDepthStd,
           "Part of the random error of depth that is the same at all distances, standard deviation [m]; 0 "
-          "for cameras that triangulate, about 0.001 for those that measure the time of flight.");
+          "for cameras that triangulate, about 0.001 for those that measure the time of flight.",
+          kForUsers);
     visit("depth_std_slope", p.depth_std_slope, 0.0, kLargestDepthStdSlope,
-          "Part of the random error of depth that grows with depth, standard deviation as a share of depth.");
+          "Part of the random error of depth that grows with depth, standard deviation as a share of depth.",
+          kForUsers);
   }
   void validate() const { checkRanges(*this); }
 };
@@ -93,17 +95,17 @@ struct CameraMounting {
 /** \brief How a robot with two drive wheels and a caster stands on an uneven floor. */
 struct RobotParams {
   static constexpr const char* kTitle = "Robot on wheels and its floor";
-  double floor_std = 0.005;        ///< deviation of the floor under each wheel [m]
-  double wheel_track = 0.325;      ///< distance of the drive wheels [m]
-  double caster_distance = 0.165;  ///< of the caster behind the axle [m]
+  double floor_std = 0.005;
+  double wheel_track = 0.325;
+  double caster_distance = 0.165;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("floor_std", p.floor_std, 0.0, 1.0,
-          "Unevenness of the floor under each wheel, standard deviation [m].");
-    visit("wheel_track", p.wheel_track, 0.01, 10.0, "Distance of the robot's drive wheels [m].");
+          "Unevenness of the floor under each wheel, standard deviation [m].", kForUsers);
+    visit("wheel_track", p.wheel_track, 0.01, 10.0, "Distance of the robot's drive wheels [m].", kForUsers);
     visit("caster_distance", p.caster_distance, 0.01, 10.0,
-          "Distance of the robot's caster behind the axle of its drive wheels [m].");
+          "Distance of the robot's caster behind the axle of its drive wheels [m].", kForUsers);
   }
   void validate() const { checkRanges(*this); }
 };

@@ -46,6 +46,12 @@ DepthImage subsampled(const DepthImage& image, int step);
  * 1 for smaller images and for a working width of 0. */
 int subsamplingStep(const Intrinsics& camera, int working_width);
 
+constexpr int kWorkingWidth = 320;  ///< at which images are segmented unless another is set [px]
+
+/** \brief The image as it is segmented: subsampled so that at least working_width columns remain; as it is
+ * for a working width of 0. */
+DepthImage workingImage(const DepthImage& image, int working_width = kWorkingWidth);
+
 /** \brief One label per pixel, row-major; 0 = none, k = k-th segment counted from 1. */
 struct LabelImage {
   int width = 0;

@@ -21,17 +21,24 @@ namespace facetloc {
  *
  * and a struct of groups visits these by their names, `visit("ekf", p.ekf)`. A field is known by its path in
  * the struct, `ekf.iterations`. This one list drives validation, command-line options, parameter files, help
- * texts and what is recorded beside maps and results. Fields are bool, int, double or a choice; angles named
+ * texts and what is recorded beside maps and results, and its text is the only one of a field; kForUsers
+ * after it marks a field that users have a reason to set. Fields are bool, int, double or a choice; angles
+ * named
  * *_deg are in degrees.
  *
  * A choice is an enum class that counts from 0 and whose function namesOf(), next to it, returns an array of
  * the names of its values. */
+
+/** \brief Who has a reason to set a field. */
+enum class Audience { experts, users };
+constexpr Audience kForUsers = Audience::users;  ///< for describe(); a field is for experts unless it says so
 
 /** \brief What is known of a field beside its value and its range. */
 struct ParamInfo {
   const std::string& name;  ///< its path, such as "ekf.iterations"
   const char* group;        ///< title of its group
   const char* help;
+  Audience audience;
 };
 
 namespace params_detail {
@@ -44,9 +51,10 @@ public:
       : function_(function), prefix_(std::move(prefix)), group_(group) {}
 
   template <class Field, class Bound>
-  void operator()(const char* name, Field& field, Bound lowest, Bound highest, const char* help) const {
+  void operator()(const char* name, Field& field, Bound lowest, Bound highest, const char* help,
+                  Audience audience = Audience::experts) const {
     const std::string path = prefix_ + name;
-    function_(ParamInfo{path, group_, help}, field, lowest, highest);
+    function_(ParamInfo{path, group_, help, audience}, field, lowest, highest);
   }
   template <class Group>
   void operator()(const char* name, Group& group) const {
@@ -92,7 +100,7 @@ void checkRanges(const Params& params, const std::string& name = {}) {
 /** \brief The parameters, which have been checked; for the lists of constructors and for setters. */
 template <class Params>
 const Params& checked(const Params& params) {
-  checkRanges(params);
+  params.validate();
   return params;
 }
 

@@ -10,47 +10,28 @@
 
 namespace facetloc {
 
+/** \brief Errors of a segment beyond those of its plane fit, fitted together (METHOD 7.3). */
+struct SegmentErrors {
+  double edge_factor = 0.15;     ///< kappa_u of the term for uncertain outlines
+  double slope_floor_deg = 0.1;  ///< s_0: smallest slope uncertainty, standard deviation
+  double offset_floor = 0.002;   ///< r_0: smallest offset uncertainty, standard deviation [m]
+};
+
 /** \brief Which regions of a labelled depth image become segments, and how uncertain they are (METHOD 7,
  * 8). */
 struct SegmentEstimationParams {
   static constexpr const char* kTitle = "Segments and their uncertainty";
-  double min_support = 150;   ///< [px at 320x240], scaled with the image area; ViewBuilder takes the labels'
-  double max_depth = 7.5;     ///< nearest end of the segment's ellipse [m]
-  double min_width = 0.03;    ///< smallest sqrt(lambda_2) [m], unless it is wide compared with the noise
-  double min_width_px = 2.0;  ///< smallest sqrt(lambda_2), as if it faced the camera [px at the working size]
-  double min_incidence = 0.1;      ///< smallest |cosine| between normal and ray at the centroid
-  double trim = 3.0;               ///< residual beyond which a pixel leaves the fit [noise std]
-  bool paper_uncertainty = false;  ///< the paper's eqs. (4)-(5) instead of the full covariance
-  double paper_factor = 0.25;      ///< kappa_u on sigma_r of eq. (4), 1 = literal
-  double edge_factor = 0.15;       ///< kappa_u of the term for uncertain outlines
-  double slope_floor_deg = 0.1;    ///< s_0
-  double offset_floor = 0.002;     ///< r_0 [m]
+  double min_support = 150;  ///< [px at 320x240], scaled with the image area; ViewBuilder takes the labels'
+  double max_depth = 7.5;
+  bool paper_uncertainty = false;
+  SegmentErrors errors;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("max_depth", p.max_depth, 0.1, 1e3,
-          "Distance of its nearest end beyond which a segment is left out [m].");
-    visit(
-        "min_width", p.min_width, 0.0, 10.0,
-        "Smallest standard deviation of a segment's points along its minor axis [m]; segments whose width is "
-        "five times the depth noise are kept, too.");
-    visit("min_width_px", p.min_width_px, 0.0, 100.0,
-          "Smallest standard deviation of a segment's points along its minor axis, as if it faced the camera "
-          "[px].");
-    visit("min_incidence", p.min_incidence, 0.0, 1.0,
-          "Smallest cosine between a segment's normal and the viewing ray of its centroid.");
-    visit("trim", p.trim, 1.0, 100.0,
-          "Residual beyond which a pixel leaves the plane fit [noise standard deviations].");
+          "Distance of its nearest end beyond which a segment is left out [m].", kForUsers);
     visit("paper_uncertainty", p.paper_uncertainty, false, true,
           "Uncertainty of a segment by the paper's eqs. (4)-(5) instead of the covariance of its plane fit.");
-    visit("paper_factor", p.paper_factor, 0.01, 10.0,
-          "Factor on sigma_r in the paper's eq. (4); the paper's is 1.");
-    visit("edge_factor", p.edge_factor, 0.0, 10.0,
-          "Factor on sigma_r in the term that accounts for uncertain outlines.");
-    visit("slope_floor_deg", p.slope_floor_deg, 0.0, 10.0,
-          "Smallest slope uncertainty of a segment, standard deviation [deg].");
-    visit("offset_floor", p.offset_floor, 0.0, 1.0,
-          "Smallest offset uncertainty of a segment, standard deviation [m].");
   }
   void validate() const { checkRanges(*this); }
 };

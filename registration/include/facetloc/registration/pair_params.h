@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/chi_square.h>
 #include <facetloc/features/params.h>
 
 namespace facetloc {
@@ -8,9 +9,9 @@ namespace facetloc {
 /** \brief When a scene and a model segment may be the same surface (METHOD 4). */
 struct MatchingParams {
   static constexpr const char* kTitle = "Candidate pairs of segments";
-  double coplanarity_gate = 11.345;  ///< EPS_1 on d^2, chi2(3) at 99 %
-  double overlap_gate = 11.345;      ///< EPS_2 on the distance of the centroids
-  int max_segments = 30;             ///< N_dom: the most informative segments of each image
+  double coplanarity_gate = chiSquareQuantile(3, 0.99);
+  double overlap_gate = chiSquareQuantile(3, 0.99);
+  int max_segments = 30;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -21,7 +22,8 @@ struct MatchingParams {
     visit("overlap_gate", p.overlap_gate, 0.1, 1e6,
           "Largest squared Mahalanobis distance between the outlines of a pair.");
     visit("max_segments", p.max_segments, 1, 64,
-          "Number of most informative segments of each image that generate hypotheses; fewer are faster.");
+          "Number of most informative segments of each image that generate hypotheses; fewer are faster.",
+          kForUsers);
   }
   void validate() const { checkRanges(*this); }
 };
@@ -29,9 +31,9 @@ struct MatchingParams {
 /** \brief The iterated Extended Kalman Filter for one pair of segments (METHOD 5). */
 struct EkfParams {
   static constexpr const char* kTitle = "Kalman update of a pose by one pair of segments";
-  int iterations = 20;      ///< 1 = the paper's EKF
-  double gate = 11.345;     ///< on the post-fit cost, chi2(3) at 99 %
-  double min_cosine = 0.5;  ///< between the normals of a pair, before each linearisation
+  int iterations = 20;
+  double gate = chiSquareQuantile(3, 0.99);
+  double min_cosine = 0.5;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -47,20 +49,20 @@ struct EkfParams {
 /** \brief Best-first search for consistent sets of pairs (METHOD 6). */
 struct HypothesisTreeParams {
   static constexpr const char* kTitle = "Search for consistent sets of pairs";
-  int max_expansions = 700;  ///< Kalman updates per local model
-  int max_hypotheses = 10;   ///< distinct poses per local model
-  int max_pairs = 6;         ///< pairs of a hypothesis
-  double min_gain = 1.0;     ///< information that a further pair must add [nats]
-  double angle_gate = 3.0;  ///< on the difference between the angles of two scene and two model normals [std]
-  double complete_rotation_deg = 3.0;   ///< largest orientation std of a complete hypothesis
-  double complete_translation = 0.2;    ///< largest position std of a complete hypothesis [m]
-  double duplicate_rotation_deg = 1.0;  ///< unrefined poses nearer than this and ...
-  double duplicate_translation = 0.05;  ///< ... this are one hypothesis [m]
+  int max_expansions = 700;
+  int max_hypotheses = 10;
+  int max_pairs = 6;
+  double min_gain = 1.0;
+  double angle_gate = 3.0;
+  double complete_rotation_deg = 3.0;
+  double complete_translation = 0.2;
+  double duplicate_rotation_deg = 1.0;
+  double duplicate_translation = 0.05;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("max_expansions", p.max_expansions, 1, 1000000,
-          "Largest number of Kalman updates for one local model; fewer are faster.");
+          "Largest number of Kalman updates for one local model; fewer are faster.", kForUsers);
     visit("max_hypotheses", p.max_hypotheses, 1, 10000,
           "Largest number of distinct hypotheses of one local model.");
     visit("max_pairs", p.max_pairs, 1, 16,
@@ -88,9 +90,8 @@ struct HypothesisTreeParams {
 struct RegistrationSteps {
   static constexpr const char* kTitle = "Steps of a registration that can be left out";
   bool joint_refinement = true;
-  bool floor_information = true;  ///< where pairs alone fix no pose, what is known without them counts too
-  bool depth_assistance = true;   ///< the last translation by dense depth
-  int max_assisted = 1;           ///< incomplete poses per local model that depth may complete
+  bool floor_information = true;
+  bool depth_assistance = true;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -101,8 +102,6 @@ struct RegistrationSteps {
         "Where planes alone fix no pose, count what the camera's mounting tells of roll, pitch and height.");
     visit("depth_assistance", p.depth_assistance, false, true,
           "Find a translation that the planes leave free by comparing depth pictures.");
-    visit("max_assisted", p.max_assisted, 0, 1000,
-          "Largest number of incomplete poses of one local model that depth pictures may complete.");
   }
   void validate() const { checkRanges(*this); }
 };

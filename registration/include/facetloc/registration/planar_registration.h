@@ -45,7 +45,7 @@ protected:
 private:
   ViewParams view_params_;
   Camera camera_;
-  int working_width_ = 320;
+  int working_width_ = kWorkingWidth;
 };
 
 }  // namespace facetloc

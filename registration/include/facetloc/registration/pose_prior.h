@@ -12,20 +12,22 @@ namespace facetloc {
  * 2). */
 struct PosePriorParams {
   static constexpr const char* kTitle = "Prior of the pose relative to a local model";
-  double rotation_std_deg = 20;  ///< heading of the robot, or any axis where the mounting is unknown
-  double translation_std = 1.0;  ///< in the floor plane, or any axis where the mounting is unknown [m]
-  RobotParams robot;             ///< where the mounting of the camera is known
+  double rotation_std_deg = 20;
+  double translation_std = 1.0;
+  RobotParams robot;  ///< where the mounting of the camera is known
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit(
         "rotation_std_deg", p.rotation_std_deg, 0.01, 180.0,
         "Prior of a robot's heading, standard deviation [deg]; of every axis for a camera whose mounting is "
-        "unknown. Raise it for a map driven less densely than every 15 deg.");
+        "unknown. Raise it for a map driven less densely than every 15 deg.",
+        kForUsers);
     visit(
         "translation_std", p.translation_std, 0.001, 100.0,
         "Prior of a robot's position on the floor, standard deviation [m]; of every axis for a camera whose "
-        "mounting is unknown. Raise it for a map driven less densely than every 0.5 m.");
+        "mounting is unknown. Raise it for a map driven less densely than every 0.5 m.",
+        kForUsers);
     visit("robot", p.robot);
   }
   void validate() const { checkRanges(*this); }
@@ -51,10 +53,20 @@ Matrix6d floorInformation(const std::optional<CameraMounting>& mounting, const P
 
 /** \brief How well an odometry measures motions. */
 struct OdometryError {
-  double drift = 0.02;              ///< of the way, as a share of it, standard deviation
-  double turn_deg = 1;              ///< of the heading after 1 m of way, standard deviation
-  double least_translation = 1e-4;  ///< [m]
+  static constexpr const char* kTitle = "Error of a given odometry";
+  double drift = 0.02;
+  double turn_deg = 1;
+  double least_translation = 1e-4;  ///< error of a step of any length, standard deviation [m]
   double least_rotation_deg = 0.01;
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("drift", p.drift, 0.0, 1.0,
+          "Error of a given odometry along its path, standard deviation as a share of the path.", kForUsers);
+    visit("turn_deg", p.turn_deg, 0.0, 180.0,
+          "Error of the heading of a given odometry after one metre, standard deviation [deg].", kForUsers);
+  }
+  void validate() const { checkRanges(*this); }
 };
 
 /** \brief A motion of the camera that an odometry has measured, T_before_now, with its covariance

@@ -3,6 +3,9 @@
 
 #include "motion/step_prior.h"
 #include "shared/pose_fusion.h"
+#include "shared/pose_radius.h"
+
+#include <facetloc/features/chi_square.h>
 
 #include <Eigen/Cholesky>
 
@@ -13,17 +16,16 @@ constexpr double kLongStep = 0.2;  // after which the next image may show anothe
 // Of two images that show the same; of two in quick succession it takes more to overrule the odometry.
 constexpr double kLeastAgreement = 0.8, kLeastOverlap = 0.3;
 constexpr double kClearAgreement = 0.9, kClearOverlap = 0.6;
-constexpr double kGate = 22.46;  // of 99.9 % in 6 degrees of freedom
+constexpr double kGate = chiSquareQuantile(6, 0.999);
 
 bool contradict(const PoseWithCovariance& a, const PoseWithCovariance& b) {
-  const Vector6d d = perturbation(a.T, b.T);
-  return d.dot((a.P + b.P).ldlt().solve(d)) > kGate;
+  return squaredMahalanobis(a, b) > kGate;
 }
 
 }  // namespace
 
 ImageMotion::ImageMotion(const ViewOdometryParams& params)
-    : odometry_(params, alignmentWithCovariance(), DepthComparison(DepthConsistencyParams{})) {}
+    : odometry_(params, alignmentWithCovariance(), DepthComparison(DepthCalibration{})) {}
 
 void ImageMotion::reset() {
   odometry_.reset();
@@ -54,7 +56,7 @@ ViewMotion ImageMotion::add(const std::shared_ptr<const View>& view, double dt,
       prior.T = seen.T_a_b.T;
     double agreement = 0;
     if (const auto found = placed(*view, prior, dt <= kLongStep, agreement)) {
-      if (!isNear(found->T, seen.T_a_b.T, 0.05, 2)) {
+      if (!kSameMotion.joins(found->T, seen.T_a_b.T)) {
         odometry_.reset();
         odometry_.add(*view, 0);
       }

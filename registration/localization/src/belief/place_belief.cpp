@@ -4,6 +4,8 @@
 #include "shared/in_parallel.h"
 #include "shared/pose_fusion.h"
 
+#include <facetloc/features/chi_square.h>
+
 #include <Eigen/Cholesky>
 
 #include <algorithm>
@@ -14,7 +16,7 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr double kGate = 16.8;        // of 99 % in 6 degrees of freedom
+constexpr double kGate = chiSquareQuantile(6, 0.99);
 constexpr double kForgotten = 1e-4;   // odds that no later view makes up for
 constexpr std::size_t kMostNew = 8;   // places that a search brings up
 constexpr double kHopeless = 1e-5;    // probability in a search
@@ -24,9 +26,8 @@ constexpr double kLeast = 1e-3;       // [m, rad]
 // Is a place that a search has found one where the camera is thought to be?
 bool isThere(const BelievedPlace& place, const Hypothesis& found) {
   if (place.part != found.part) return false;
-  if (isOneAnswer(place.T_w_c.T, *found.T_w_c)) return true;
-  const Vector6d d = perturbation(place.T_w_c.T, *found.T_w_c);
-  return d.dot(place.T_w_c.P.ldlt().solve(d)) < kGate;
+  if (kSameAnswer.joins(place.T_w_c.T, *found.T_w_c)) return true;
+  return squaredMahalanobis(place.T_w_c, *found.T_w_c) < kGate;
 }
 
 double bounded(double log_odds) { return std::clamp(log_odds, -kMostOfOneLook, kMostOfOneLook); }
@@ -37,8 +38,8 @@ PlaceBelief::PlaceBelief(std::shared_ptr<const Map> map, const GlobalLocalizatio
                          const SequenceParams& params)
     : map_(std::move(map)),
       params_(checked(params)),
-      prior_(
-          -std::log(localization.probability.map_incomplete / (1 - localization.probability.map_incomplete))),
+      calibration_(localization.calibration.sequence),
+      prior_(-localization.probability.priorLogOdds()),
       ranking_(map_,
                [&] {
                  GlobalLocalizationParams without_prior = localization;
@@ -75,7 +76,7 @@ bool PlaceBelief::isDue() const {
 
 void PlaceBelief::suppose(int part, const PoseWithCovariance& T_w_c) {
   const auto known = std::find_if(places_.begin(), places_.end(), [&](const BelievedPlace& place) {
-    return place.part == part && isOneAnswer(place.T_w_c.T, T_w_c.T);
+    return place.part == part && kSameAnswer.joins(place.T_w_c.T, T_w_c.T);
   });
   if (known != places_.end()) {
     known->T_w_c = T_w_c;
@@ -94,8 +95,8 @@ PoseWithCovariance PlaceBelief::poseOf(const Hypothesis& h) const {
 
 // What a view says of a place that was known before it.
 double PlaceBelief::oddsOfKnown(const View& view, const Hypothesis& h) const {
-  const ScoreOdds odds = ranking_.oddsOfKnown(ranking_.mayHaveEvidence(view), params_.lookalike_weight,
-                                              params_.lookalike_share_of_place, h);
+  const ScoreOdds odds = ranking_.oddsOfKnown(ranking_.mayHaveEvidence(view), calibration_.lookalike_weight,
+                                              calibration_.lookalike_share_of_place, h);
   return bounded(odds(h.score));
 }
 
@@ -130,10 +131,10 @@ std::vector<Hypothesis> PlaceBelief::sortFound(const Localization& found,
 
 double PlaceBelief::look(std::shared_ptr<const View> view, const Localization* found, bool independent) {
   if (!has_odds_) return 0;
-  const double independence =
-      looks_ == 0 || independent
-          ? 1
-          : 1 - std::exp(-motionSince(params_.independent_distance, params_.independent_rotation_deg));
+  const double independence = looks_ == 0 || independent
+                                  ? 1
+                                  : 1 - std::exp(-motionSince(calibration_.independent_distance,
+                                                              calibration_.independent_rotation_deg));
   const Query query(*view);
   std::vector<std::optional<Hypothesis>> seen(places_.size());
   forEachInParallel(static_cast<int>(places_.size()), threads_,
@@ -198,7 +199,7 @@ void PlaceBelief::normalize() {
   for (BelievedPlace& place : places_) {
     place.log_odds -= beyond;
     const bool is_known = std::any_of(kept.begin(), kept.end(), [&](const BelievedPlace& other) {
-      return other.part == place.part && isOneAnswer(other.T_w_c.T, place.T_w_c.T);
+      return other.part == place.part && kSameAnswer.joins(other.T_w_c.T, place.T_w_c.T);
     });
     if (is_known || place.log_odds < std::log(kForgotten)) continue;
     if (static_cast<int>(kept.size()) < params_.max_places) kept.push_back(std::move(place));

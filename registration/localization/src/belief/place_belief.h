@@ -81,6 +81,7 @@ private:
 
   std::shared_ptr<const Map> map_;
   SequenceParams params_;
+  SequenceCalibration calibration_;
   double prior_;  // that the map holds the place, as log odds
   PlaceRanking ranking_;
   bool has_odds_;

@@ -20,6 +20,20 @@ namespace facetloc {
 using namespace internal;
 namespace {
 
+constexpr int kModels = 5;              // nearest local models that a view is aligned with
+constexpr int kDenseIterations = 4;     // of the alignment by all pixels
+constexpr double kCorrelatedViews = 2;  // that count as one independent view: they see the same models alike
+constexpr double kFloorLength = 0.7;    // way after which a robot on wheels stands on other unevenness [m]
+// Std from which on the pose is unknown, half the paper's 0.2 m, and at which nothing is left to track, the
+// paper's prior.
+constexpr double kFreeTranslation = 0.1, kFreeRotationDeg = 2;   // [m]
+constexpr double kLostTranslation = 1.0, kLostRotationDeg = 20;  // [m]
+constexpr double kLeastAgreement = 0.6;  // share of the depth pixels that the map must confirm
+constexpr double kKnownPixels = 0.1;     // share of them that must be in the map for it to object
+constexpr double kSureAgreement = 0.85;  // agreement of a place that is new, and of one that is beyond doubt
+constexpr int kMostBadViews = 3;         // in a row at a place in doubt, until the camera is lost
+constexpr double kPatience = 1.0;        // with a map that contradicts while the camera's views agree [s]
+
 constexpr const char* kUnconfirmed = "a likely place waits for the next view to confirm it";
 
 bool exceeds(const Matrix6d& P, double rotation_deg, double translation) {
@@ -31,14 +45,10 @@ double share(const DepthAgreement& a) {
   return a.agree + a.contradict > 0 ? a.agree / double(a.agree + a.contradict) : 0;
 }
 
-ViewAlignmentParams alignmentParams(const GlobalLocalizationParams& localization,
-                                    const PoseTrackingParams& tracking) {
-  ViewAlignmentParams params;
-  params.matching = localization.matching;
-  params.dense = localization.refinement;
-  params.dense.correlated_pixels = tracking.correlated_pixels;
-  params.dense.significance = tracking.significance;
-  params.dense.iterations = tracking.dense_iterations;
+ViewAlignmentParams alignmentParams(const MatchingParams& matching) {
+  ViewAlignmentParams params = alignmentWithCovariance();
+  params.matching = matching;
+  params.dense.iterations = kDenseIterations;
   return params;
 }
 
@@ -116,11 +126,11 @@ PoseTracking::Impl::Impl(const std::shared_ptr<const Map>& map, const PoseTracki
                          const GlobalLocalizationParams& localization)
     : params_(checked(params)),
       localization_(map, localization),
-      surroundings_(map, DepthComparison(localization.depth)),
+      surroundings_(map, DepthComparison(localization.calibration.depth)),
       belief_(map, localization, SequenceParams{}),
       floor_covariance_(floorCovariance(localization.prior)),
-      alignment_(alignmentParams(localization, params)),
-      comparison_(refinedErrors(localization.depth, localization.refinement)),
+      alignment_(alignmentParams(localization.matching)),
+      comparison_(refinedErrors(localization.calibration)),
       odometry_(params.odometry, alignment_, comparison_) {}
 
 PoseTracking::PoseTracking(std::shared_ptr<const Map> map, const PoseTrackingParams& params,
@@ -156,8 +166,8 @@ TrackedPose PoseTracking::Impl::update(const View& view, double stamp,
   }
   std::optional<PoseWithCovariance> by_odometry;
   if (given && given->matrix().allFinite())
-    by_odometry = motionByOdometry(*given, view.camera ? view.camera->mounting : std::nullopt,
-                                   {params_.odometry_drift, params_.odometry_turn_deg});
+    by_odometry =
+        motionByOdometry(*given, view.camera ? view.camera->mounting : std::nullopt, params_.odometry_error);
   const bool in_time = dt >= 0 && (by_odometry || dt <= params_.max_gap);
   if (!in_time) odometry_.reset();
   if (dt < 0) next_check_ = stamp;
@@ -184,7 +194,7 @@ void PoseTracking::Impl::stand(const Eigen::Isometry3d& motion) {
   const std::optional<FloorPlane> floor =
       surroundings_.floorNear(part_, T_w_c_.T, kFloorModels, floor_covariance_);
   if (!floor) return;
-  const double repeated = std::max(1.0, params_.floor_length / way);
+  const double repeated = std::max(1.0, kFloorLength / way);
   T_w_c_ = updatedByFloor(T_w_c_, *surroundings_.map().camera.mounting, *floor, floor_covariance_, repeated);
 }
 
@@ -192,7 +202,7 @@ TrackedPose PoseTracking::Impl::track(const View& view, const ViewMotion& motion
   T_w_c_ = T_w_c_ * motion.T_a_b;
   looks_.move(motion.T_a_b.T);
   stand(motion.T_a_b.T);
-  if (exceeds(T_w_c_.P, params_.lost_rotation_deg, params_.lost_translation))
+  if (exceeds(T_w_c_.P, kLostRotationDeg, kLostTranslation))
     return lose(view, "the pose has become as uncertain as any");
   doubtful_ = doubtful_ || motion.broken || !confirmed_;
   Step step = align(view, part_, T_w_c_);
@@ -200,7 +210,7 @@ TrackedPose PoseTracking::Impl::track(const View& view, const ViewMotion& motion
   const double agreement = share(step.of_map);
 
   std::string objection;
-  if (step.is_judged && agreement < (doubtful_ ? params_.sure_agreement : params_.min_agreement))
+  if (step.is_judged && agreement < (doubtful_ ? kSureAgreement : kLeastAgreement))
     objection = "the map contradicts the view";
   else if (doubtful_ && !view.depth.empty() && !isSure(step))
     objection = motion.broken ? "the view contradicts the ones before" : "the map does not confirm the view";
@@ -211,12 +221,11 @@ TrackedPose PoseTracking::Impl::track(const View& view, const ViewMotion& motion
     if (isSure(step) || view.depth.empty()) doubtful_ = false;
   } else {
     if (bad_views_++ == 0) bad_since_ = stamp_;
-    const bool enough =
-        doubtful_ ? bad_views_ >= params_.max_bad_views : stamp_ - bad_since_ >= params_.patience;
+    const bool enough = doubtful_ ? bad_views_ >= kMostBadViews : stamp_ - bad_since_ >= kPatience;
     if (!confirmed_ || enough) return lose(view, objection);
     step.alignment = {T_w_c_, {}, false};
   }
-  const bool in_doubt = step.is_judged && agreement < params_.sure_agreement;
+  const bool in_doubt = step.is_judged && agreement < kSureAgreement;
   const bool check = in_doubt && stamp_ >= next_check_;
   if (check && hasBetterPlace(view, step)) {
     TrackedPose out;
@@ -241,23 +250,23 @@ TrackedPose PoseTracking::Impl::track(const View& view, const ViewMotion& motion
 // At a new place what is hidden does not count as nothing: most of the view must be seen in the map.
 bool PoseTracking::Impl::isSure(const Step& step) const {
   constexpr double kSeen = 0.7;
-  return step.is_judged && share(step.of_map) >= params_.sure_agreement &&
+  return step.is_judged && share(step.of_map) >= kSureAgreement &&
          step.of_map.agree >= kSeen * step.of_map.judged();
 }
 
 PoseTracking::Impl::Step PoseTracking::Impl::align(const View& view, int part,
                                                    const PoseWithCovariance& prior) const {
   Step step;
-  step.surroundings = surroundings_.around(view, part, prior.T, params_.models);
+  step.surroundings = surroundings_.around(view, part, prior.T, kModels);
   looks_.discount(step.surroundings);
   step.alignment = alignView(view, step.surroundings, prior, alignment_);
-  step.alignment.T_w_c.P = discounted(prior.P, step.alignment.T_w_c.P, 1 / params_.correlated_views);
+  step.alignment.T_w_c.P = discounted(prior.P, step.alignment.T_w_c.P, 1 / kCorrelatedViews);
   step.of_map = compareWithAll(view.depth, step.alignment.T_w_c.T, step.surroundings.pictures, comparison_,
                                kFineColumns);
   if (view.depth.empty()) return step;
   const int grid = gridStep(view.depth, kFineColumns);
   const int pixels = (view.depth.camera.width / grid) * (view.depth.camera.height / grid);
-  step.is_judged = step.of_map.agree + step.of_map.contradict >= params_.min_known_pixels * pixels;
+  step.is_judged = step.of_map.agree + step.of_map.contradict >= kKnownPixels * pixels;
   return step;
 }
 
@@ -269,8 +278,7 @@ TrackedPose PoseTracking::Impl::answer(const View& view, const Step& step) const
   out.map_agreement = share(step.of_map);
   out.view_agreement = step.view_agreement;
   const Eigen::Matrix3d R_c_w = out.T_w_c->T.linear().transpose();
-  out.reason = freeMotions(principalStd(out.T_w_c->P), params_.free_rotation_deg * kDegree,
-                           params_.free_translation, R_c_w);
+  out.reason = freeMotions(principalStd(out.T_w_c->P), kFreeRotationDeg * kDegree, kFreeTranslation, R_c_w);
   if (!out.reason.empty()) out.reason = "nothing in view fixes " + out.reason;
   if (view.segments.empty()) out.reason = "the view shows no planar segment";
   out.state = out.reason.empty() ? TrackingState::tracking : TrackingState::cannot_tell;
@@ -360,7 +368,7 @@ bool PoseTracking::Impl::hasBetterPlace(const View& view, const Step& step) {
   std::string ignored;
   const std::optional<BelievedPlace> best = likeliestPlace(view, ignored);
   if (!best || !(best->probability >= params_.min_probability)) return false;
-  const bool is_known = best->part == part_ && isOneAnswer(best->T_w_c.T, T_w_c_.T);
+  const bool is_known = best->part == part_ && kSameAnswer.joins(best->T_w_c.T, T_w_c_.T);
   if (is_known) return false;
   const Step there = align(view, best->part, best->T_w_c);
   if (!isSure(there) || !(share(there.of_map) > share(step.of_map))) return false;

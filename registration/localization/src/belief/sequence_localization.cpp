@@ -34,8 +34,7 @@ struct SequenceLocalization::Impl {
         localization(map, withProbabilities(the_localization)),
         belief(map, the_localization, params),
         motion(params.odometry),
-        prior(-std::log(the_localization.probability.map_incomplete /
-                        (1 - the_localization.probability.map_incomplete))) {}
+        prior(-the_localization.probability.priorLogOdds()) {}
 
   SequenceAnswer add(View&& view, double stamp, const std::optional<PoseWithCovariance>& given);
   void reset();
@@ -161,8 +160,7 @@ SequenceAnswer SequenceLocalization::add(View view, double stamp,
 }
 SequenceAnswer SequenceLocalization::addImage(const DepthImage& image, double stamp,
                                               const std::optional<PoseWithCovariance>& motion) {
-  constexpr int kWorkingWidth = 320;
-  const DepthImage small = subsampled(image, subsamplingStep(image.camera, kWorkingWidth));
+  const DepthImage small = workingImage(image);
   Camera seen = impl_->camera;
   seen.intrinsics = small.camera;
   if (!impl_->builder || !(impl_->builder->camera().intrinsics == small.camera))

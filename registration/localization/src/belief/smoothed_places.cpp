@@ -4,6 +4,8 @@
 #include "ranking/place_ranking.h"
 #include "shared/pose_fusion.h"
 
+#include <facetloc/features/chi_square.h>
+
 #include <Eigen/Cholesky>
 
 #include <algorithm>
@@ -14,7 +16,7 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr double kGate = 16.8;         // of 99 % in 6 degrees of freedom
+constexpr double kGate = chiSquareQuantile(6, 0.99);
 constexpr double kNowhereLeft = 1e-9;  // what rounding leaves of the probability of nowhere
 
 struct Place {
@@ -35,9 +37,8 @@ std::vector<Place> placesOf(const SequenceAnswer& answer) {
 
 bool isSamePlace(const Place& a, const Place& b) {
   if (a.match.part != b.match.part) return false;
-  if (isOneAnswer(a.T_w_c.T, b.T_w_c.T)) return true;
-  const Vector6d d = perturbation(a.T_w_c.T, b.T_w_c.T);
-  return d.dot((a.T_w_c.P + b.T_w_c.P).ldlt().solve(d)) < kGate;
+  if (kSameAnswer.joins(a.T_w_c.T, b.T_w_c.T)) return true;
+  return squaredMahalanobis(a.T_w_c, b.T_w_c) < kGate;
 }
 
 // Of a place that is not in a list: it is no likelier than the last of it, nor than a place that nobody has

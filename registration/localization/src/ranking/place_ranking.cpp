@@ -22,7 +22,7 @@ struct DepthEvidence {
   std::vector<DepthAgreement> of_models;
 };
 
-double weighed(const DepthEvidence& found, double free_space_share, const EvidenceParams& params) {
+double weighed(const DepthEvidence& found, double free_space_share, const EvidenceCalibration& params) {
   const auto tail = [&](double share) { return std::log1p(share / free_space_share); };
   const double untested = params.untested_pixels * found.pixels;
   const auto contradiction = [&](const DepthAgreement& a, double untested_here) {
@@ -64,34 +64,25 @@ Explanation explanationOf(const DepthEvidence& found, const View& scene,
           share(paired, all)};
 }
 
-// That the map lacks the place, as a logarithm.
-double priorOdds(const ProbabilityParams& params) {
-  return std::log(params.map_incomplete / (1 - params.map_incomplete));
-}
-
 void sortByScore(std::vector<Hypothesis>& h) {
   std::stable_sort(h.begin(), h.end(),
                    [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
 }
 
-bool samePlace(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, const MergingParams& params) {
-  return isNear(a, b, params.translation, params.rotation_deg);
-}
-
-bool samePlace(const Hypothesis& a, const Hypothesis& b, const MergingParams& params) {
-  return a.part == b.part && a.T_w_c && b.T_w_c && samePlace(*a.T_w_c, *b.T_w_c, params);
+bool samePlace(const Hypothesis& a, const Hypothesis& b) {
+  return a.part == b.part && a.T_w_c && b.T_w_c && kSamePlace.joins(*a.T_w_c, *b.T_w_c);
 }
 
 // Are these answers that exclude each other? Poses that are close to each other are one, found more or less
 // well.
 bool areRivals(const Hypothesis& a, const Hypothesis& b) {
   if (a.part != b.part) return true;
-  if (a.T_w_c && b.T_w_c) return !isOneAnswer(*a.T_w_c, *b.T_w_c);
-  return a.model != b.model || !isOneAnswer(a.T_m_c.T, b.T_m_c.T);
+  if (a.T_w_c && b.T_w_c) return !kSameAnswer.joins(*a.T_w_c, *b.T_w_c);
+  return a.model != b.model || !kSameAnswer.joins(a.T_m_c.T, b.T_m_c.T);
 }
 
 // What wrong places score for the map's own views; of few views, drawn towards the usual.
-double meanAmbiguity(const ProbabilityParams& params, const std::optional<MapAmbiguity>& ambiguity) {
+double meanAmbiguity(const ProbabilityCalibration& params, const std::optional<MapAmbiguity>& ambiguity) {
   constexpr double kViews = 20;  // that the usual ambiguity counts as
   const MapAmbiguity found = ambiguity.value_or(MapAmbiguity());
   return (found.views * found.score + kViews * params.usual_ambiguity) / (found.views + kViews);
@@ -99,23 +90,19 @@ double meanAmbiguity(const ProbabilityParams& params, const std::optional<MapAmb
 
 }  // namespace
 
-bool isOneAnswer(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
-  constexpr double kDistance = 0.3, kAngleDeg = 5;  // [m]
-  return isNear(a, b, kDistance, kAngleDeg);
-}
-
-DepthConsistencyParams refinedErrors(DepthConsistencyParams depth, const PlaceRefinementParams& params) {
-  depth.absolute_error = params.absolute_error;
-  depth.relative_error = params.relative_error;
+DepthCalibration refinedErrors(const Calibration& calibration) {
+  DepthCalibration depth = calibration.depth;
+  depth.absolute_error = calibration.refined_depth.absolute_error;
+  depth.relative_error = calibration.refined_depth.relative_error;
   return depth;
 }
 
 PlaceRanking::PlaceRanking(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params)
     : map_(std::move(map)),
       params_(params),
-      comparison_(params.depth),
-      refined_comparison_(refinedErrors(params.depth, params.refinement)),
-      score_(hypothesisScore(params.score, params.matching, comparison_)),
+      comparison_(params.calibration.depth),
+      refined_comparison_(refinedErrors(params.calibration)),
+      score_(hypothesisScore(params, comparison_)),
       alignment_(alignmentWithCovariance()),
       near_(map_, true) {
   alignment_.matching = params.matching;
@@ -137,7 +124,7 @@ void PlaceRanking::rank(const View& scene, std::vector<Hypothesis>& hypotheses) 
 
 // Of two views, the one picture says little beside the segments.
 double PlaceRanking::together(const Hypothesis& h) const {
-  const double weight = map_->models.size() == 1 ? params_.pair_probability.evidence_weight : 1;
+  const double weight = map_->models.size() == 1 ? params_.calibration.pair_probability.evidence_weight : 1;
   return h.consensus + weight * h.evidence;
 }
 
@@ -147,31 +134,34 @@ bool PlaceRanking::mayHaveEvidence(const View& scene) const {
 
 // What looks like a place scores no more than what looks like the places of the map that have most of it.
 double PlaceRanking::lookalikesOf(const Hypothesis& place, double share_of_place) const {
-  const double of_map = meanAmbiguity(params_.probability, map_->ambiguity);
+  const double of_map = meanAmbiguity(params_.calibration.probability, map_->ambiguity);
   std::optional<double> of_place;
   for (const int i : near_.bySight(place.part, *place.T_w_c, kReach, params_.evidence.models))
     if (const auto& score = map_->models[i].lookalike_score)
-      of_place = std::max({*score, of_place.value_or(*score), params_.probability.least_null_score});
+      of_place =
+          std::max({*score, of_place.value_or(*score), params_.calibration.probability.least_null_score});
   return of_place ? std::min(of_map, of_map + share_of_place * (*of_place - of_map)) : of_map;
 }
 
 ScoreOdds PlaceRanking::oddsOfKnown(bool evidence, double lookalike_weight, double share_of_place,
                                     const Hypothesis& place) const {
   if (!evidence || map_->models.size() == 1) return odds(evidence, {});
-  const ProbabilityParams& p = params_.probability;
+  const ProbabilityCalibration& p = params_.calibration.probability;
+  const double prior = params_.probability.priorLogOdds();
   return {p.slope, (1 - lookalike_weight) * p.least_null_score +
-                       lookalike_weight * lookalikesOf(place, share_of_place) + priorOdds(p) / p.slope};
+                       lookalike_weight * lookalikesOf(place, share_of_place) + prior / p.slope};
 }
 
 ScoreOdds PlaceRanking::odds(bool evidence, const std::vector<Hypothesis>& sorted) const {
   if (map_->models.size() == 1) {
-    const PairProbabilityParams& p = params_.pair_probability;
+    const PairProbabilityCalibration& p = params_.calibration.pair_probability;
     const double slope = evidence ? p.slope : p.segments_slope;
     const double null_score = evidence ? p.null_score : p.segments_null_score;
-    return {slope, null_score + priorOdds(params_.probability) / slope};
+    return {slope, null_score + params_.probability.priorLogOdds() / slope};
   }
-  if (evidence) return {params_.probability.slope, nullScore(params_.probability, map_->ambiguity, sorted)};
-  return {params_.plain_probability.slope, params_.plain_probability.null_score};
+  const ProbabilityCalibration& p = params_.calibration.probability;
+  if (evidence) return {p.slope, nullScore(p, params_.probability, map_->ambiguity, sorted)};
+  return {params_.calibration.plain_probability.slope, params_.calibration.plain_probability.null_score};
 }
 
 std::optional<Hypothesis> PlaceRanking::at(const Query& query, int part,
@@ -229,7 +219,7 @@ double PlaceRanking::evidence(const View& scene, const std::vector<Neighbour>& n
   const int step = gridStep(scene.depth, kFineColumns);
   found.pixels = gridPoints(scene.depth.camera.width, step) * gridPoints(scene.depth.camera.height, step);
   h.explained = explanationOf(found, scene, h.pairs);
-  return weighed(found, params_.score.free_space_share, params_.evidence);
+  return weighed(found, params_.calibration.score.free_space_share, params_.calibration.evidence);
 }
 
 // Moves a hypothesis, within its place, to where the pixels of these models fit best.
@@ -239,14 +229,13 @@ void PlaceRanking::refine(const View& scene, const std::vector<Neighbour>& neigh
   const Eigen::Isometry3d& T_w_m = *map_->models[h.model].T_w_m;
   PoseWithCovariance pose = T_w_m * h.T_m_c;
   Matrix6d of_pixels;
-  if (!refineByDepth(scene.depth, pictures, params_.refinement, pose, &of_pixels)) return;
-  if (!samePlace(*h.T_w_c, pose.T, params_.merging))
-    return;  // that is no refinement: planes found another place
+  if (!refineByDepth(scene.depth, pictures, {}, pose, &of_pixels)) return;
+  if (!kSamePlace.joins(*h.T_w_c, pose.T)) return;  // that is no refinement: planes found another place
   // What a sensor always measures wrongly all its pixels share: while it is left in, they tell no more than
   // the planes, whose covariance counts with it.
   if (scene.camera && scene.camera->distortion) {
     const Matrix6d of_planes = pose.P.ldlt().solve(Matrix6d::Identity());
-    pose.P = symmetricInverse(of_planes + of_pixels / params_.refinement.pixels_as_one);
+    pose.P = symmetricInverse(of_planes + of_pixels / params_.calibration.refined_depth.pixels_as_one);
   }
   h.T_w_c = pose.T;
   h.T_m_c = T_w_m.inverse() * pose;
@@ -255,7 +244,7 @@ void PlaceRanking::refine(const View& scene, const std::vector<Neighbour>& neigh
 // How many of the sorted hypotheses, at most so many, are not hopeless beside the best.
 std::size_t PlaceRanking::hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const {
   if (sorted.empty()) return 0;
-  const double least = sorted.front().score + std::log(params_.evidence.hopeless_odds) / slope;
+  const double least = sorted.front().score + std::log(params_.calibration.evidence.hopeless_odds) / slope;
   const auto end =
       sorted.begin() + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(sorted.size()), most);
   const auto isHopeless = [least](const Hypothesis& h) { return h.score < least; };
@@ -265,7 +254,8 @@ std::size_t PlaceRanking::hopeful(const std::vector<Hypothesis>& sorted, int mos
 bool PlaceRanking::addEvidence(const View& scene, std::vector<Hypothesis>& hypotheses) const {
   sortByScore(hypotheses);
   if (!params_.evidence.enabled || scene.depth.empty()) return false;
-  const std::size_t n = hopeful(hypotheses, params_.evidence.hypotheses, params_.plain_probability.slope);
+  const std::size_t n =
+      hopeful(hypotheses, params_.evidence.hypotheses, params_.calibration.plain_probability.slope);
   bool any = false;
   double least = std::numeric_limits<double>::infinity();
   std::vector<double> found(n, 0);
@@ -287,7 +277,7 @@ bool PlaceRanking::addEvidence(const View& scene, std::vector<Hypothesis>& hypot
 }
 
 void PlaceRanking::refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses) const {
-  const std::size_t n = hopeful(hypotheses, params_.refinement.places, params_.probability.slope);
+  const std::size_t n = hopeful(hypotheses, params_.refinement.places, params_.calibration.probability.slope);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < n; ++i) {
     Hypothesis& h = hypotheses[i];
@@ -313,7 +303,7 @@ int PlaceRanking::viewpoints(const std::vector<int>& models) const {
   int n = 0;
   for (const int i : models) {
     const std::optional<Eigen::Isometry3d>& T_w_m = map_->models[i].T_w_m;
-    const auto isThere = [&](const Eigen::Isometry3d& T) { return samePlace(T, *T_w_m, params_.merging); };
+    const auto isThere = [&](const Eigen::Isometry3d& T) { return kSamePlace.joins(T, *T_w_m); };
     if (T_w_m && std::any_of(poses.begin(), poses.end(), isThere)) continue;
     if (T_w_m) poses.push_back(*T_w_m);
     ++n;
@@ -325,7 +315,7 @@ int PlaceRanking::viewpoints(const std::vector<int>& models) const {
 void PlaceRanking::score(std::vector<Hypothesis>& places) const {
   for (Hypothesis& h : places)
     h.score = h.consensus + h.evidence +
-              params_.evidence.support_weight * std::log(std::max(1, viewpoints(h.found_by)));
+              params_.calibration.evidence.support_weight * std::log(std::max(1, viewpoints(h.found_by)));
   sortByScore(places);
 }
 
@@ -335,8 +325,8 @@ void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypothese
   std::vector<Hypothesis> places;
   for (Hypothesis& h : hypotheses) {
     if (h.found_by.empty()) h.found_by = {h.model};
-    const auto known = std::find_if(places.begin(), places.end(),
-                                    [&](const Hypothesis& p) { return samePlace(p, h, params); });
+    const auto known =
+        std::find_if(places.begin(), places.end(), [&](const Hypothesis& p) { return samePlace(p, h); });
     if (known == places.end()) {
       places.push_back(std::move(h));
       continue;
@@ -349,10 +339,10 @@ void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypothese
   hypotheses.swap(places);
 }
 
-double nullScore(const ProbabilityParams& params, const std::optional<MapAmbiguity>& ambiguity,
-                 const std::vector<Hypothesis>& sorted) {
+double nullScore(const ProbabilityCalibration& params, const ProbabilityParams& prior,
+                 const std::optional<MapAmbiguity>& ambiguity, const std::vector<Hypothesis>& sorted) {
   const double of_all_views =
-      params.ambiguity_weight * meanAmbiguity(params, ambiguity) + priorOdds(params) / params.slope;
+      params.ambiguity_weight * meanAmbiguity(params, ambiguity) + prior.priorLogOdds() / params.slope;
 
   const std::size_t end = std::min<std::size_t>(sorted.size(), 1 + params.runners_up);
   if (end < 2) return params.least_null_score + of_all_views;

@@ -6,6 +6,7 @@
 #include "nearby/nearby_models.h"
 #include "nearby/view_alignment.h"
 #include "pairs/consensus.h"
+#include "shared/pose_radius.h"
 
 #include <facetloc/features/local_model.h>
 #include <facetloc/localization/localization_params.h>
@@ -18,7 +19,7 @@
 namespace facetloc::internal {
 
 /** \brief How depth is compared at a pose that all pixels have refined. */
-DepthConsistencyParams refinedErrors(DepthConsistencyParams depth, const PlaceRefinementParams& params);
+DepthCalibration refinedErrors(const Calibration& calibration);
 
 /** \brief From a score to log odds against that a list lacks the place of a view. */
 struct ScoreOdds {
@@ -101,9 +102,6 @@ private:
  * models have found it. */
 void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypotheses);
 
-/** \brief Poses that are so close to each other are one answer, found more or less well: 0.3 m and 5 deg. */
-bool isOneAnswer(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
-
 /** \brief Score at which a place that has evidence is as likely as none of the list [nats]:
  *
  *     S_0 = max(least_null_score, null_score + runners_up_weight * mean score of the next best places)
@@ -112,11 +110,11 @@ bool isOneAnswer(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
  * What the next best places score is a sample of what wrong places score for this view. A is what they score
  * for other views of this map, which tells what a place would score that only looks like one which the map
  * lacks; of few views, it is drawn towards the usual. pi: map_incomplete. */
-double nullScore(const ProbabilityParams& params, const std::optional<MapAmbiguity>& ambiguity,
-                 const std::vector<Hypothesis>& sorted);
+double nullScore(const ProbabilityCalibration& calibration, const ProbabilityParams& prior,
+                 const std::optional<MapAmbiguity>& ambiguity, const std::vector<Hypothesis>& sorted);
 
 /** \brief Gives each place of a sorted list its probability: softmax of slope times score, with a null place.
- * A pose within 0.3 m and 5 deg of a better one is the same answer, found less well, and hands its
+ * A pose within kSameAnswer of a better one is the same answer, found less well, and hands its
  * probability on. */
 void assignProbabilities(double slope, double null_score, std::vector<Hypothesis>& hypotheses);
 

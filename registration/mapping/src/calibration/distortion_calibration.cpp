@@ -51,9 +51,10 @@ struct PairEquations {
   Vector6d h_motion = Vector6d::Zero();
 };
 
-class Calibration {
+class DistortionProblem {
 public:
-  Calibration(const std::vector<PosedPicture>& pictures, const SensorNoise& noise, const PoseAccuracy& poses)
+  DistortionProblem(const std::vector<PosedPicture>& pictures, const SensorNoise& noise,
+                    const PoseAccuracy& poses)
       : field_(DepthDistortion::extentOf(pictures.front().picture->camera)),
         error_(kPixelError * noise.ofInverseDepth(DepthNoise::kUsualDepth)) {
     for (int i = 0; i < kNodes; ++i) {
@@ -101,7 +102,7 @@ private:
 /** Calls visit(ray in a, inverse depth there, ray in b's axes, difference) for the pixels of a grid that b
  * saw too. */
 template <class Visitor>
-void Calibration::forEachDifference(const Pair& pair, int columns, const Visitor& visit) const {
+void DistortionProblem::forEachDifference(const Pair& pair, int columns, const Visitor& visit) const {
   const DepthPicture& a = *pair.a;
   const int step = gridStep(a, columns);
   for (int v = step / 2; v < a.camera.height; v += step)
@@ -120,7 +121,7 @@ void Calibration::forEachDifference(const Pair& pair, int columns, const Visitor
     }
 }
 
-bool Calibration::overlap(const Pair& pair) const {
+bool DistortionProblem::overlap(const Pair& pair) const {
   int common = 0;
   const double largest = kGate * prior_std_.maxCoeff();
   forEachDifference(pair, kCoarseColumns,
@@ -131,7 +132,7 @@ bool Calibration::overlap(const Pair& pair) const {
 }
 
 /** For each picture some of those that overlap with it, from all around. */
-void Calibration::choosePairs(const std::vector<PosedPicture>& pictures) {
+void DistortionProblem::choosePairs(const std::vector<PosedPicture>& pictures) {
   for (const PosedPicture& a : pictures) {
     std::vector<Pair> possible;
     for (const PosedPicture& b : pictures) {
@@ -144,7 +145,7 @@ void Calibration::choosePairs(const std::vector<PosedPicture>& pictures) {
   }
 }
 
-PairEquations Calibration::equationsOf(const Pair& pair) const {
+PairEquations DistortionProblem::equationsOf(const Pair& pair) const {
   PairEquations e;
   const double information = 1 / (error_ * error_ * kCorrelatedPixels);
   const double field_variance = 2 * prior_std_.squaredNorm() / kNodes;
@@ -181,7 +182,7 @@ PairEquations Calibration::equationsOf(const Pair& pair) const {
   return e;
 }
 
-void Calibration::setPoseAccuracy(const PoseAccuracy& poses) {
+void DistortionProblem::setPoseAccuracy(const PoseAccuracy& poses) {
   poses_ = {std::max(poses.rotation_std, kExact.rotation_std),
             std::max(poses.translation_std, kExact.translation_std)};
   motion_variance_ << Eigen::Vector3d::Constant(2 * poses_.rotation_std * poses_.rotation_std),
@@ -190,7 +191,7 @@ void Calibration::setPoseAccuracy(const PoseAccuracy& poses) {
 
 /** One Gauss-Newton step, and the pose accuracy that it shows. \return its size [standard deviations of the
  * prior]. */
-double Calibration::improve() {
+double DistortionProblem::improve() {
   NodeVector values = Eigen::Map<const NodeVector>(field_.values().data());
   NodeMatrix A = prior_information_;
   NodeVector h = prior_information_ * values;
@@ -245,7 +246,7 @@ std::optional<DistortionEstimate> calibrateDistortion(const std::vector<PosedPic
   if (std::any_of(used.begin(), used.end(),
                   [&](const PosedPicture& p) { return p.picture->camera != camera; }))
     return {};
-  Calibration calibration(used, noise, poses);
+  DistortionProblem calibration(used, noise, poses);
   if (calibration.empty()) return {};
   return calibration.solve();
 }

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "shared/pose_radius.h"
+
 #include <facetloc/features/pose.h>
 #include <facetloc/mapping/map_ambiguity.h>
 
@@ -11,7 +13,6 @@ namespace {
 
 constexpr std::size_t kMostViews = 200;
 constexpr std::size_t kMostRegistrations = 400000;  // where every model is registered with every view
-constexpr double kSamePlace = 1, kSameRotationDeg = 15;
 
 }  // namespace
 
@@ -50,7 +51,7 @@ std::optional<Hypothesis> wrongPlace(const GlobalLocalization& localization, int
   if (!view.camera) view.camera = std::make_shared<const Camera>(map.camera);
   Localization answer = localization.localize(view, isNearOrExcluded);
   for (Hypothesis& h : answer.hypotheses)
-    if (h.T_w_c && !isNear(*h.T_w_c, T_w_m, kSamePlace, kSameRotationDeg)) return std::move(h);
+    if (h.T_w_c && !internal::kSameSurroundings.joins(*h.T_w_c, T_w_m)) return std::move(h);
   return {};
 }
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "shared/median.h"
+
 #include <facetloc/mapping/pose_check.h>
 
 #include <algorithm>
@@ -59,11 +61,9 @@ std::vector<Pair> pairsOf(const std::vector<SeenMotion>& motions, const PosesByT
   return pairs;
 }
 
-double median(std::vector<double> values) {
+double medianOrInfinity(std::vector<double> values) {
   if (values.empty()) return std::numeric_limits<double>::infinity();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return internal::median(values.begin(), values.end());
 }
 
 struct Error {
@@ -84,7 +84,7 @@ template <class Value>
 double medianOf(const std::vector<Error>& errors, const Value& value) {
   std::vector<double> values;
   for (const Error& error : errors) values.push_back(value(error));
-  return median(std::move(values));
+  return medianOrInfinity(std::move(values));
 }
 
 PoseDisagreement disagreementOf(const std::vector<Pair>& pairs) {
@@ -148,7 +148,7 @@ public:
       if (const double n = p.by_poses.translation().norm(); n > 0)
         ratios.push_back(p.by_images.translation().norm() / n);
     Reading scaled = reading;
-    if (!ratios.empty()) scaled.scale *= median(std::move(ratios));
+    if (!ratios.empty()) scaled.scale *= medianOrInfinity(std::move(ratios));
     return cost(scaled) < kBetter * cost(reading) ? scaled : reading;
   }
 
@@ -195,10 +195,10 @@ std::string focalFault(const std::vector<Pair>& pairs) {
     if (const double turn = rotationAngle(p.by_poses.linear()); turn > kLeastTurn)
       ratios.push_back(rotationAngle(p.by_images.linear()) / turn);
   if (ratios.size() < kEnough) return {};
-  const double ratio = median(ratios);
+  const double ratio = medianOrInfinity(ratios);
   for (double& r : ratios) r = std::abs(r - ratio);
   const double change = std::abs(ratio - 1);
-  if (std::max(ratio, 1 / ratio) < kMuch || median(ratios) > kSpread * change) return {};
+  if (std::max(ratio, 1 / ratio) < kMuch || medianOrInfinity(ratios) > kSpread * change) return {};
   return "the images turn " + decimals(ratio, 2) +
          " times as much as their poses: look at fx and fy of camera.ini";
 }

@@ -3,6 +3,8 @@
 
 #include "graph/mutual_agreement.h"
 
+#include <facetloc/features/chi_square.h>
+
 #include <Eigen/Cholesky>
 
 #include <algorithm>
@@ -12,8 +14,8 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr double kEllipsoid = 12.59;  // of 95 % in 6 degrees of freedom
-constexpr double kTellingStd = 0.5;   // of a round trip, beyond which it tells nothing [m]
+constexpr double kEllipsoid = chiSquareQuantile(6, 0.95);
+constexpr double kTellingStd = 0.5;  // of a round trip, beyond which it tells nothing [m]
 constexpr double kTellingRotation = 10 * kDegree;
 
 using RelativePoses = std::map<int, std::vector<std::optional<PoseWithCovariance>>>;  // from some nodes
@@ -24,8 +26,8 @@ Agreement compare(const PoseEdge& a, const PoseEdge& b, const RelativePoses& fro
   const PoseWithCovariance round = a.T_from_to * *there * inverse(b.T_from_to) * *back;
   if (largestTranslationStd(round.P) > kTellingStd || largestRotationStd(round.P) > kTellingRotation)
     return Agreement::says_nothing;
-  const Vector6d off = perturbation(Eigen::Isometry3d::Identity(), round.T);
-  return off.dot(round.P.ldlt().solve(off)) < kEllipsoid ? Agreement::agree : Agreement::contradict;
+  const double off = squaredMahalanobis({Eigen::Isometry3d::Identity(), round.P}, round.T);
+  return off < kEllipsoid ? Agreement::agree : Agreement::contradict;
 }
 
 }  // namespace

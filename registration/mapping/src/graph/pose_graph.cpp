@@ -52,8 +52,7 @@ GraphPoses optimized(const PoseGraph& graph, bool with_covariances) {
   }
   for (const PoseEdge& e : graph.edges) {
     const Eigen::Isometry3d T_from_to = out.nodes[e.from].T.inverse() * out.nodes[e.to].T;
-    const Vector6d d = perturbation(e.T_from_to.T, T_from_to);
-    out.mismatch.push_back(d.dot(e.T_from_to.P.ldlt().solve(d)));
+    out.mismatch.push_back(squaredMahalanobis(e.T_from_to, T_from_to));
   }
   return out;
 }

@@ -3,6 +3,8 @@
 
 #include "graph/pose_graph.h"
 
+#include <facetloc/features/chi_square.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCore>
 
@@ -199,8 +201,8 @@ private:
     problem_->SetParameterBlockConstant(p.t.data());
   }
 
-  static constexpr double kEllipsoid = 12.59;      // of 95 % in 6 degrees of freedom
-  static constexpr double kFloorEllipsoid = 7.81;  // the same in 3
+  static constexpr double kEllipsoid = chiSquareQuantile(6, 0.95);
+  static constexpr double kFloorEllipsoid = chiSquareQuantile(3, 0.95);
   const PoseGraph& graph_;
   ceres::EigenQuaternionManifold manifold_;
   ceres::CauchyLoss loss_{std::sqrt(kEllipsoid)}, floor_loss_{std::sqrt(kFloorEllipsoid)};

@@ -3,6 +3,7 @@
 #include "nearby/view_alignment.h"
 #include "sessions/seen_through.h"
 #include "shared/in_parallel.h"
+#include "shared/pose_radius.h"
 
 #include <facetloc/mapping/map_session.h>
 
@@ -17,9 +18,9 @@ using namespace internal;
 
 namespace {
 
-constexpr ViewReach kKnownReach{1, 30 * kDegree};       // of local models that make a place known [m]
-constexpr std::size_t kMostLooks = 16;                  // nearest images that one local model is judged by
-constexpr double kOtherPlace = 0.1, kOtherTurnDeg = 5;  // of two images that count as two looks [m]
+constexpr ViewReach kKnownReach{1, 30 * kDegree};  // of local models that make a place known [m]
+constexpr int kLooks = 2;               // places that must look through a surface before it counts as gone
+constexpr std::size_t kMostLooks = 16;  // nearest images that one local model is judged by
 constexpr double kLoose = 0.1, kLooseRotation = 2 * kDegree;  // errors of an image's place in the map [m]
 constexpr double kTrustedAgreement = 0.6;  // of an image with the map around it, below which it is misplaced
 constexpr double kConvincingAgreement = 0.92;  // of an image whose place nothing else confirms
@@ -27,11 +28,11 @@ constexpr int kFewestPixels = 60;              // that two views must have in co
 
 /** Aligned images are off by their noise, and pixels of one surface err alike: many of them together tell
  * smaller differences than one does. */
-DepthConsistencyParams narrowComparison() {
-  DepthConsistencyParams params;
-  params.absolute_error /= 2;
-  params.relative_error /= 2;
-  return params;
+DepthCalibration narrowComparison() {
+  DepthCalibration errors;
+  errors.absolute_error /= 2;
+  errors.relative_error /= 2;
+  return errors;
 }
 
 /** An image of the session as one local model has it. */
@@ -44,11 +45,10 @@ struct Look {
 /** What the session says of the local models, which stay as they are. */
 class Review {
 public:
-  Review(const Map& map, const std::vector<SessionImage>& session, const MapSessionParams& params,
-         int threads)
+  Review(const Map& map, const std::vector<SessionImage>& session, int threads)
       : map_(map),
         session_(session),
-        comparison_(DepthConsistencyParams{}),
+        comparison_(DepthCalibration{}),
         narrow_(narrowComparison()),
         looks_(map.models.size()),
         reviews_(map.models.size()) {
@@ -59,7 +59,7 @@ public:
       std::vector<PosedPicture> others;
       for (const Look& look : looks_[m])
         if (trusted_[look.image]) others.push_back({&session_[look.image].view->depth, look.T_m_c});
-      reviews_[m] = reviewSurfaces(map_.models[m].view, others, narrow_, params.looks);
+      reviews_[m] = reviewSurfaces(map_.models[m].view, others, narrow_, kLooks);
     });
   }
   const SurfaceReview& of(std::size_t model) const { return reviews_[model]; }
@@ -84,7 +84,7 @@ private:
       const auto i = by_distance.second;
       const Eigen::Isometry3d T_m_c = model.T_w_m->inverse() * session_[i].T_w_c;
       const bool same = std::any_of(looks.begin(), looks.end(), [&](const Look& look) {
-        return isNear(session_[look.image].T_w_c, session_[i].T_w_c, kOtherPlace, kOtherTurnDeg);
+        return kSameLook.joins(session_[look.image].T_w_c, session_[i].T_w_c);
       });
       if (same) continue;
       Look look{i, T_m_c, agreement(m, i, T_m_c)};
@@ -133,7 +133,7 @@ public:
         near_(builder),
         builder_(builder),
         params_(params),
-        comparison_(DepthConsistencyParams{}),
+        comparison_(DepthCalibration{}),
         used_(session.size(), false),
         trusted_(session.size(), false),
         removed_(map.models.size(), false),
@@ -237,7 +237,7 @@ private:
     std::vector<PosedPicture> looks;
     const Eigen::Isometry3d& T_w_c = session_[image].T_w_c;
     for (std::size_t i = 0; i < session_.size(); ++i)
-      if (trusted_[i] && !isNear(session_[i].T_w_c, T_w_c, kOtherPlace, kOtherTurnDeg) &&
+      if (trusted_[i] && !kSameLook.joins(session_[i].T_w_c, T_w_c) &&
           std::isfinite(viewDistance(session_[i].T_w_c, T_w_c, kKnownReach)))
         looks.push_back({&session_[i].view->depth, session_[i].T_w_c});
     return looks;
@@ -333,7 +333,7 @@ MapChanges updateMap(Map& map, const std::vector<SessionImage>& session, const M
   params.validate();
   if (map.store) throw std::invalid_argument("a map is updated in memory: read it with readMap()");
   Update update(map, session, builder, params);
-  update.retire(Review(map, session, params, threads));
+  update.retire(Review(map, session, threads));
   update.add();
   return update.finish();
 }

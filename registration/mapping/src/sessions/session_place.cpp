@@ -2,8 +2,10 @@
 #include "graph/common_place.h"
 #include "graph/graph_covariance.h"
 #include "shared/in_parallel.h"
+#include "shared/pose_radius.h"
 #include "trajectory/keyframe_graph.h"
 
+#include <facetloc/features/chi_square.h>
 #include <facetloc/mapping/map_session.h>
 
 #include <algorithm>
@@ -19,25 +21,24 @@ namespace {
 // Errors of an answer that its covariance does not know: those of the local model's own pose.
 constexpr double kMapRotation = 0.2 * kDegree, kMapTranslation = 0.01;  // [m]
 
-constexpr double kFarEllipsoid = 22.46;  // of 99.9 % in 6 degrees of freedom
+constexpr double kFarEllipsoid = chiSquareQuantile(6, 0.999);
 
 // Of a keyframe in the map, beyond which nothing is concluded from it [m].
 constexpr double kCertainRotation = 2 * kDegree, kCertainTranslation = 0.1;
 
-PlaceTolerance toleranceOf(const MapSessionParams& params) {
-  return {params.agreement_distance, params.agreement_deg * kDegree};
-}
+// Of two images that agree on a place, beyond what the trajectory allows.
+constexpr PlaceTolerance kTolerance{kSameAnswer.distance, kSameAnswer.angle_deg* kDegree};
 
 /** The sure answers of all keyframes. */
 std::vector<FoundKeyframe> sureKeyframes(const GlobalLocalization& localization,
-                                         const CameraTrajectory& trajectory, const MapSessionParams& params,
-                                         int threads, const std::function<void()>& progress) {
+                                         const CameraTrajectory& trajectory, int threads,
+                                         const std::function<void()>& progress) {
   const int n = static_cast<int>(trajectory.keyframes.size());
   std::vector<std::optional<PoseWithCovariance>> T_w_c(trajectory.keyframes.size());
   std::mutex mutex;
   forEachInParallel(n, threads, [&](int k) {
     const Localization answer = localization.localize(*trajectory.keyframes[k].view);
-    if (answer.state(params.min_probability) == AnswerState::sure && answer.hypotheses.front().T_w_c) {
+    if (answer.state() == AnswerState::sure && answer.hypotheses.front().T_w_c) {
       const Hypothesis& h = answer.hypotheses.front();
       const Eigen::Isometry3d T_w_m = *h.T_w_c * h.T_m_c.T.inverse();
       PoseWithCovariance T = T_w_m * h.T_m_c;
@@ -125,7 +126,7 @@ SessionPlace placeInMap(const GlobalLocalization& localization, const CameraTraj
   place.asked = trajectory.keyframes.size();
   place.T_w_k.resize(trajectory.keyframes.size());
   place.confirmed.assign(trajectory.keyframes.size(), false);
-  const std::vector<FoundKeyframe> found = sureKeyframes(localization, trajectory, params, threads, progress);
+  const std::vector<FoundKeyframe> found = sureKeyframes(localization, trajectory, threads, progress);
   place.sure = found.size();
   if (found.empty()) return place;
 
@@ -148,7 +149,7 @@ SessionPlace placeInMap(const GlobalLocalization& localization, const CameraTraj
   const auto least = static_cast<std::size_t>(params.min_agreeing);
   for (const int part : trajectory.parts()) {
     std::vector<FoundKeyframe> left = ofPart(found, trajectory, part);
-    const std::vector<FoundKeyframe> main = withCommonPlace(left, relative, toleranceOf(params), least);
+    const std::vector<FoundKeyframe> main = withCommonPlace(left, relative, kTolerance, least);
     if (main.empty()) continue;
     place.agreeing += main.size();
     const Eigen::Isometry3d T_w_s = middlePlace(main, trajectory.keyframes);
@@ -156,7 +157,7 @@ SessionPlace placeInMap(const GlobalLocalization& localization, const CameraTraj
       if (trajectory.keyframes[k].part == part) graph.T_w_n[k + 1] = T_w_s * graph.T_w_n[k + 1];
     // Stretches beyond a break of the trajectory agree among themselves.
     for (std::vector<FoundKeyframe> set = main; !set.empty();
-         set = withCommonPlace(left, relative, toleranceOf(params), least)) {
+         set = withCommonPlace(left, relative, kTolerance, least)) {
       for (const FoundKeyframe& f : set) graph.edges.push_back({0, f.keyframe + 1, f.T_w_c, true});
       left = without(left, set);
     }
@@ -169,7 +170,7 @@ SessionPlace placeInMap(const GlobalLocalization& localization, const CameraTraj
   for (const FoundKeyframe& f : found) {
     auto& T_w_k = place.T_w_k[f.keyframe];
     if (!T_w_k) continue;
-    place.confirmed[f.keyframe] = isNear(*T_w_k, f.T_w_c.T, params.agreement_distance, params.agreement_deg);
+    place.confirmed[f.keyframe] = kSameAnswer.joins(*T_w_k, f.T_w_c.T);
     if (!place.confirmed[f.keyframe]) T_w_k.reset();  // it is sure to be elsewhere
   }
   return place;
@@ -183,14 +184,14 @@ SessionPlace placeRigidly(const GlobalLocalization& localization, const CameraTr
   place.asked = trajectory.keyframes.size();
   place.T_w_k.resize(trajectory.keyframes.size());
   place.confirmed.assign(trajectory.keyframes.size(), false);
-  const std::vector<FoundKeyframe> found = sureKeyframes(localization, trajectory, params, threads, progress);
+  const std::vector<FoundKeyframe> found = sureKeyframes(localization, trajectory, threads, progress);
   place.sure = found.size();
   const MapBuilder builder(accuracy);
   const RelativePose relative = [&](int a, int b) {
     return builder.link(a, b, trajectory.keyframes[a].T_w_c.T, trajectory.keyframes[b].T_w_c.T).T_from_to;
   };
   const std::vector<FoundKeyframe> set =
-      withCommonPlace(found, relative, toleranceOf(params), static_cast<std::size_t>(params.min_agreeing));
+      withCommonPlace(found, relative, kTolerance, static_cast<std::size_t>(params.min_agreeing));
   if (set.empty()) return place;
   place.agreeing = set.size();
   place.confirmed.assign(trajectory.keyframes.size(), true);
@@ -203,9 +204,8 @@ SessionPlace placeRigidly(const GlobalLocalization& localization, const CameraTr
     graph.edges.push_back({0, 1, f.T_w_c * inverse(trajectory.keyframes[f.keyframe].T_w_c), true});
   const Eigen::Isometry3d T_w_s = optimized(graph, false).nodes[1].T;
   const bool stays =
-      std::all_of(trajectory.keyframes.begin(), trajectory.keyframes.end(), [&](const Keyframe& k) {
-        return isNear(T_w_s * k.T_w_c.T, k.T_w_c.T, params.agreement_distance, params.agreement_deg);
-      });
+      std::all_of(trajectory.keyframes.begin(), trajectory.keyframes.end(),
+                  [&](const Keyframe& k) { return kSameAnswer.joins(T_w_s * k.T_w_c.T, k.T_w_c.T); });
   for (std::size_t k = 0; k < place.T_w_k.size(); ++k)
     place.T_w_k[k] = stays ? trajectory.keyframes[k].T_w_c.T : T_w_s * trajectory.keyframes[k].T_w_c.T;
   return place;

@@ -6,8 +6,10 @@
 #include "motion/view_placing.h"
 #include "shared/in_parallel.h"
 #include "shared/pose_fusion.h"
+#include "shared/pose_radius.h"
 #include "trajectory/keyframe_graph.h"
 
+#include <facetloc/features/chi_square.h>
 #include <facetloc/mapping/trajectory_estimation.h>
 #include <facetloc/registration/pose_prior.h>
 
@@ -28,15 +30,19 @@ namespace {
 
 using Source = KeyframeMotion::Source;
 
-constexpr double kFarEllipsoid = 22.46;  // of 99.9 % in 6 degrees of freedom
-constexpr double kLongStep = 0.2;        // after which the next image may show another place [s]
-constexpr double kSamePosition = 0.05, kSameRotationDeg = 2;  // of an odometry that is right [m]
-constexpr double kSparse = 0.02, kSparseTurnDeg = 1;          // of a camera that has moved between images [m]
-constexpr double kClearAgreement = 0.9;                       // of an image with the keyframes before it
-constexpr double kLeastOverlap = 0.2;  // share of the pixels of two keyframes that they have in common
-constexpr double kLoopOverlap = 0.3;   // share that an uncertain loop must have in common
-constexpr double kUnknown = 100;       // standard deviation of what two views do not tell [m, rad]
-constexpr double kTrustedRotation = 5 * kDegree;
+constexpr double kFarEllipsoid = chiSquareQuantile(6, 0.999);
+constexpr double kLongStep = 0.2;                     // after which the next image may show another place [s]
+constexpr double kSparse = 0.02, kSparseTurnDeg = 1;  // of a camera that has moved between images [m]
+constexpr double kClearAgreement = 0.9;               // of an image with the keyframes before it
+constexpr double kLeastOverlap = 0.2;         // share of the pixels of two keyframes that they have in common
+constexpr double kLoopOverlap = 0.3;          // share that an uncertain loop must have in common
+constexpr double kUnknown = 100;              // standard deviation of what two views do not tell [m, rad]
+constexpr double kLeastAgreement = 0.8;       // share of the pixels of two keyframes in which they must agree
+constexpr double kReachAngle = 45 * kDegree;  // between the viewing directions of keyframes that are compared
+// Of a relative pose, beyond which a lone loop is not believed [m].
+constexpr double kTrustedStd = 0.3, kTrustedRotation = 5 * kDegree;
+constexpr int kConsistentLoops = 3;  // that must agree before an uncertain one of them is believed
+constexpr int kPasses = 4;           // comparisons of all keyframes, each followed by an optimization
 constexpr double kUncertainStd = 1, kUncertainRotation = 10 * kDegree;  // beyond which rooms look alike [m]
 constexpr int kMostUncertain = 15;       // earlier keyframes that one is compared with far from certainty
 constexpr int kLocal = 20;               // keyframes in a row between which no loop is closed
@@ -52,11 +58,6 @@ PoseWithCovariance measured(const PlacedView& placed) {
   Matrix6d information = placed.information;
   information.diagonal().array() += 1 / (kUnknown * kUnknown);
   return {placed.T_a_b, withSharedErrors(symmetricInverse(information))};
-}
-
-double mahalanobis(const PoseWithCovariance& T, const Eigen::Isometry3d& other, const Matrix6d& P_other) {
-  const Vector6d d = perturbation(T.T, other);
-  return d.dot((T.P + P_other).ldlt().solve(d));
 }
 
 /** Two keyframes, compared. */
@@ -141,7 +142,7 @@ double CameraTrajectory::length() const {
 struct TrajectoryEstimation::Impl {
   explicit Impl(const MappingParams& the_params)
       : params(checked(the_params)),
-        odometry(params.odometry, alignmentWithCovariance(), DepthComparison(DepthConsistencyParams{})) {}
+        odometry(params.odometry, alignmentWithCovariance(), DepthComparison(DepthCalibration{})) {}
 
   struct Image {
     double stamp;
@@ -371,9 +372,9 @@ TrajectoryEstimation::Impl::motionOf(const ViewMotion& seen, bool is_sparse,
 }
 
 PoseWithCovariance TrajectoryEstimation::Impl::withDrift(const Eigen::Isometry3d& motion) const {
-  return motionByOdometry(
-      motion, mounting(),
-      {params.odometry_drift, params.odometry_turn_deg, kSharedTranslation, kSharedRotation / kDegree});
+  return motionByOdometry(motion, mounting(),
+                          {params.odometry_error.drift, params.odometry_error.turn_deg, kSharedTranslation,
+                           kSharedRotation / kDegree});
 }
 
 PoseWithCovariance TrajectoryEstimation::Impl::guessedStep() const {
@@ -399,10 +400,11 @@ TrajectoryEstimation::Impl::place(const std::shared_ptr<const View>& view, const
   Position out = thought;
   std::optional<PlacedView> placed = placing.place(*view, *nodes[current].view, prior, true);
   out.follows = false;
-  if (!placed || placed->agreement < params.min_agreement || placed->overlap < kLeastOverlap) return out;
-  out.follows = thought.known && isNear(placed->T_a_b, thought.T, kSamePosition, kSameRotationDeg);
+  if (!placed || placed->agreement < kLeastAgreement || placed->overlap < kLeastOverlap) return out;
+  out.follows = thought.known && kSameMotion.joins(placed->T_a_b, thought.T);
   const PoseWithCovariance seen = measured(*placed);
-  if (!out.guessed && mahalanobis(seen, out.by_motion.T, withSharedErrors(out.by_motion.P)) > kFarEllipsoid)
+  if (!out.guessed &&
+      squaredMahalanobis(seen, {out.by_motion.T, withSharedErrors(out.by_motion.P)}) > kFarEllipsoid)
     out.by_motion = {placed->T_a_b, guessedStep().P};
   out.T = placed->T_a_b;
   out.placed = std::move(placed);
@@ -435,7 +437,7 @@ void TrajectoryEstimation::Impl::takeKeyframe(const std::shared_ptr<const View>&
 std::optional<PlacedView> TrajectoryEstimation::Impl::compare(int a, int b, const PoseWithCovariance& prior,
                                                               bool search) const {
   auto placed = placing.place(*nodes[b].view, *nodes[a].view, prior, search);
-  if (placed && (placed->agreement < params.min_agreement || placed->overlap < kLeastOverlap)) placed.reset();
+  if (placed && (placed->agreement < kLeastAgreement || placed->overlap < kLeastOverlap)) placed.reset();
   return placed;
 }
 
@@ -451,7 +453,7 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const G
   };
   const int n = static_cast<int>(nodes.size());
   std::vector<std::vector<Pair>> of_node(n);
-  const ViewReach reach{params.reach, params.reach_deg * kDegree};
+  const ViewReach reach{params.reach, kReachAngle};
   forEachInParallel(n - first, threads, [&](int i_b) {
     const int b = first + i_b;
     const auto T_b = known.relativeTo(b);
@@ -460,7 +462,7 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const G
       if (!T_b[a]) continue;
       const PoseWithCovariance T = inverse(*T_b[a]);
       const double std = largestTranslationStd(T.P);
-      if (std <= params.trusted_std && largestRotationStd(T.P) <= kTrustedRotation) {
+      if (std <= kTrustedStd && largestRotationStd(T.P) <= kTrustedRotation) {
         const double distance = viewDistance(Eigen::Isometry3d::Identity(), T.T, reach);
         if (std::isfinite(distance)) certain.push_back({distance, {a, T, true, {}}});
       } else if (b - a > kLocal && std <= kUncertainStd && largestRotationStd(T.P) <= kUncertainRotation) {
@@ -495,7 +497,7 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const G
       (*all)[{p.a, b}] = {p.T_a_b.T, p.placed};
       if (!p.placed) continue;
       const PoseWithCovariance T = measured(*p.placed);
-      if (mahalanobis(p.T_a_b, T.T, T.P) > kFarEllipsoid) continue;
+      if (squaredMahalanobis(p.T_a_b, T) > kFarEllipsoid) continue;
       if (p.certain)
         out.push_back({p.a, b, T, b - p.a > kLocal ? Source::loop : Source::overlap, 0});
       else if (p.placed->overlap >= kLoopOverlap && p.placed->agreement >= kClearAgreement)
@@ -503,7 +505,7 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const G
     }
   compared = all;
   compared_since.clear();
-  const std::vector<bool> confirmed = consistentLoops(uncertain, known, params.consistent_loops);
+  const std::vector<bool> confirmed = consistentLoops(uncertain, known, kConsistentLoops);
   for (std::size_t i = 0; i < uncertain.size(); ++i)
     if (confirmed[i])
       out.push_back({uncertain[i].from, uncertain[i].to, uncertain[i].T_from_to, Source::loop, 0});
@@ -539,7 +541,7 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::tieParts(const GraphCova
   for (std::size_t i = 0; i < some.size(); ++i)
     if (placed[i] && placed[i]->overlap >= kLoopOverlap && placed[i]->agreement >= kClearAgreement)
       ties.push_back({some[i].first, some[i].second, measured(*placed[i]), true});
-  const std::vector<bool> confirmed = consistentLoops(ties, known, std::min(2, params.consistent_loops));
+  const std::vector<bool> confirmed = consistentLoops(ties, known, std::min(2, kConsistentLoops));
   std::vector<KeyframeMotion> out;
   for (std::size_t i = 0; i < ties.size(); ++i)
     if (confirmed[i]) out.push_back({ties[i].from, ties[i].to, ties[i].T_from_to, Source::loop, 0});
@@ -554,11 +556,11 @@ PoseGraph TrajectoryEstimation::Impl::graphOf(const std::vector<KeyframeMotion>&
 
 // Depth at the poses found.
 bool TrajectoryEstimation::Impl::agrees(const KeyframeMotion& m) const {
-  const DepthComparison comparison(DepthConsistencyParams{});
+  const DepthComparison comparison(DepthCalibration{});
   const Eigen::Isometry3d T = T_w_k[m.from].T.inverse() * T_w_k[m.to].T;
   const DepthAgreement seen =
       comparison.compareBoth(nodes[m.to].view->depth, nodes[m.from].view->depth, T, kFineColumns);
-  return seen.agree >= params.min_agreement * (seen.agree + seen.contradict);
+  return seen.agree >= kLeastAgreement * (seen.agree + seen.contradict);
 }
 
 void TrajectoryEstimation::Impl::optimize(std::vector<KeyframeMotion> found) {
@@ -586,8 +588,8 @@ void TrajectoryEstimation::Impl::optimize(std::vector<KeyframeMotion> found) {
 void TrajectoryEstimation::Impl::improve(const std::function<void(double)>& progress, int asked) {
   if (nodes.size() < 2) return;
   const int first = std::clamp(asked, 0, static_cast<int>(nodes.size()));
-  for (int pass = 0; pass < params.passes; ++pass) {
-    if (progress) progress(pass / double(params.passes));
+  for (int pass = 0; pass < kPasses; ++pass) {
+    if (progress) progress(pass / double(kPasses));
     std::vector<KeyframeMotion> all = chain;
     all.insert(all.end(), relations.begin(), relations.end());
     const GraphCovariance known(graphOf(all), threads);

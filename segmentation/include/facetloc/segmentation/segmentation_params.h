@@ -15,17 +15,18 @@ constexpr const auto& namesOf(SplitMethod) { return kNamesOfSplitMethods; }
 struct SplitParams {
   static constexpr const char* kTitle = "Split of a depth image into flat parts";
   SplitMethod method = SplitMethod::quadtree;
-  double tolerance = 7.0;  ///< largest deviation of a pixel from its triangle [noise std]
-  double min_fill = 0.5;   ///< share of valid pixels below which triangles and cells are refined or dropped
-  double min_fill_pixels = 20;  ///< size from which the fill rule refines, at least 7 px [px at 320x240]
-  double min_area = 2;          ///< smaller triangles are not refined [px at 320x240]
-  int max_vertices = 20000;     ///< safety limit; the worst triangles are refined first
+  double tolerance = 7.0;
+  double min_fill = 0.5;
+  double min_fill_pixels = 20;
+  double min_area = 2;
+  int max_vertices = 20000;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("method", p.method, SplitMethod::quadtree, SplitMethod::delaunay,
           "How an image is split: quadtree, into squares, is fast; delaunay, into triangles, is the paper's "
-          "way. --split for short.");
+          "way. --split for short.",
+          kForUsers);
     visit(
         "tolerance", p.tolerance, 1.0, 1e3,
         "Largest deviation of a pixel from the plane of its triangle [noise standard deviations]; 6 to 8 do "
@@ -45,8 +46,8 @@ struct SplitParams {
 /** \brief Merge stage: when two regions, or the parts of a cell, are one plane (METHOD 5). */
 struct MergeParams {
   static constexpr const char* kTitle = "Merging of regions into planes";
-  double tolerance = 2.75;           ///< largest cost of a merge [noise std]
-  double min_plane_distance = 0.12;  ///< of the camera centre; nearer planes are discontinuities [m]
+  double tolerance = 2.75;
+  double min_plane_distance = 0.12;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -64,16 +65,16 @@ struct MergeParams {
 /** \brief Labels of the pixels of each plane. */
 struct LabelParams {
   static constexpr const char* kTitle = "Labels of the pixels of each plane";
-  double tolerance = 5.0;      ///< largest residual of a labelled pixel [noise std]
-  double min_support = 150;    ///< smallest segment [px at 320x240], scaled with the image area
-  bool estimate_noise = true;  ///< raise the configured noise to what the image shows
+  double tolerance = 5.0;
+  double min_support = 150;
+  bool estimate_noise = true;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("tolerance", p.tolerance, 1.0, 1e3,
           "Largest residual of a pixel that belongs to a plane [noise standard deviations].");
     visit("min_support", p.min_support, 3.0, 1e6,
-          "Number of pixels of the smallest segment [px at 320x240, scaled with the image area].");
+          "Number of pixels of the smallest segment [px at 320x240, scaled with the image area].", kForUsers);
     visit("estimate_noise", p.estimate_noise, false, true,
           "Raise the camera's noise to what each image shows.");
   }

@@ -12,7 +12,8 @@ extern const char* const kLiveTool;
 extern const char* const kLocalizeTool;
 extern const char* const kMapTool;
 extern const char* const kSegmentTool;
-extern const char* const kMpirun;  ///< empty if this build has no MPI
+extern const char* const kMpirun;       ///< empty if this build has no MPI
+extern const char* const kCalibration;  ///< the file that ships
 extern const char* const kGoldenFolder;
 extern const char* const kReadStream;  ///< the example that reads the stream of a tool
 extern const char* const kStreamSchema;

@@ -15,61 +15,41 @@ namespace facetloc {
  * stereo and time-of-flight cameras, which are off. */
 struct SimulatedNoise {
   static constexpr const char* kTitle = "Errors of the simulated camera";
-  double noise_factor = 1;     ///< raises the random noise, the distortion and the noise of silhouettes
-  double disparity_std = 0.5;  ///< random noise of the disparity [DU = 1/8 px of a Kinect]
-  double correlation_px =
-      2.0;                  ///< its correlation length: a matching window of 9 px [px at 640x480]; 0 = white
-  double distortion = 0.5;  ///< smooth, fixed distortion, standard deviation [DU]
-  double quantization = 1.0;        ///< of the disparity [DU]; 0 = none
+  double noise_factor = 1;
+  double disparity_std = 0.5;
+  double correlation_px = 2.0;
+  double distortion = 0.5;
+  double quantization = 1.0;
+  double random_dropout = 0.005;
+
+  /** \name The model of a sensor, which a preset sets as a whole */
+  /// @{
   double edge_std_px = 0.5;         ///< lateral noise of silhouettes [px]
   double grazing_dropout_deg = 80;  ///< surfaces seen at a larger angle are lost [deg]
   double grazing_spread_deg = 2;    ///< by how much that angle differs from patch to patch [deg]
   double dark_range = 3.5;  ///< dark surfaces seen at a right angle are lost farther away [m]; 0 = never
   double projector_baseline = 0.075;  ///< distance of camera and projector, which casts shadows [m]
-  double random_dropout = 0.005;      ///< share of pixels lost at random
-  double min_depth = 0.5;             ///< [m]
-  double max_depth = 8.0;             ///< [m]
-  double depth_std = 0;               ///< part of the random noise that is the same in depth [m]
-  double depth_std_slope = 0;         ///< ... and that is a share of depth
-  double fattening_px = 0;            ///< stereo: nearer surfaces grow at silhouettes [px at 640x480]
-  double untextured = 0;              ///< stereo: share of the pixels that cannot be matched, in patches
+  double min_depth = 0.5;             ///< nearest depth measured [m]
+  double max_depth = 8.0;             ///< farthest depth measured [m]
+  double depth_std = 0;          ///< part of the random noise of depth that is constant over distance [m]
+  double depth_std_slope = 0;    ///< part of the random noise of depth that is a share of depth
+  double fattening_px = 0;       ///< stereo: nearer surfaces grow at silhouettes [px at 640x480]
+  double untextured = 0;         ///< stereo: share of the pixels that cannot be matched, in patches
   double flying_px = 0;          ///< time of flight: width of mixed depths at silhouettes [px at 640x480]
   double multipath = 0;          ///< time of flight: depths in the edge of a corner are too large by this [m]
   double reliable_depth = 1000;  ///< half of what is farther is lost on the way: depths are too small [m]
+  /// @}
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("noise_factor", p.noise_factor, 0.0, 20.0,
-          "Factor of the random noise, the distortion and the noise of silhouettes.");
+          "Factor of the random noise, the distortion and the noise of silhouettes.", kForUsers);
     visit("disparity_std", p.disparity_std, 0.0, 20.0, "Random noise of the disparity [1/8 px of a Kinect].");
     visit("correlation_px", p.correlation_px, 0.0, 20.0, "Correlation length of the noise [px]; 0 = white.");
     visit("distortion", p.distortion, 0.0, 20.0,
           "Smooth fixed distortion of the disparity, standard deviation [1/8 px].");
     visit("quantization", p.quantization, 0.0, 20.0, "Step of the disparity [1/8 px]; 0 = none.");
-    visit("edge_std_px", p.edge_std_px, 0.0, 10.0, "Lateral noise of silhouettes [px].");
-    visit("grazing_dropout_deg", p.grazing_dropout_deg, 10.0, 90.0,
-          "Angle from its normal beyond which a surface is lost [deg].");
-    visit("grazing_spread_deg", p.grazing_spread_deg, 0.0, 30.0,
-          "Spread of the angle at which surfaces are lost from patch to patch, standard deviation [deg].");
-    visit("dark_range", p.dark_range, 0.0, 100.0,
-          "Distance beyond which dark surfaces seen at a right angle are lost in patches [m]; 0 = never.");
-    visit("projector_baseline", p.projector_baseline, 0.0, 1.0,
-          "Distance of the projector from the camera, which causes shadows [m].");
     visit("random_dropout", p.random_dropout, 0.0, 1.0, "Share of pixels lost at random.");
-    visit("min_depth", p.min_depth, 0.0, 100.0, "Nearest depth measured [m].");
-    visit("max_depth", p.max_depth, 0.1, 1000.0, "Farthest depth measured [m].");
-    visit("depth_std", p.depth_std, 0.0, 1.0, "Random noise of depth that is the same at all distances [m].");
-    visit("depth_std_slope", p.depth_std_slope, 0.0, 0.5, "Random noise of depth as a share of depth.");
-    visit("fattening_px", p.fattening_px, 0.0, 50.0,
-          "Width by which nearer surfaces grow at silhouettes, as in stereo [px].");
-    visit("untextured", p.untextured, 0.0, 1.0,
-          "Share of the pixels, in patches, without texture that stereo could match.");
-    visit("flying_px", p.flying_px, 0.0, 10.0,
-          "Distance over which depths mix at silhouettes, as with the time of flight [px].");
-    visit("multipath", p.multipath, 0.0, 1.0,
-          "Error of depth in the edge of a corner, as of light that comes round it [m].");
-    visit("reliable_depth", p.reliable_depth, 0.1, 1000.0,
-          "Distance beyond which depths are too small, by half of what exceeds it [m].");
   }
   void validate() const { checkRanges(*this); }
 };

@@ -14,19 +14,21 @@ namespace facetloc {
 /** \brief How a robot with a camera drives, and when it takes an image. */
 struct DriveParams {
   static constexpr const char* kTitle = "Drive of the robot";
-  double camera_height = 1.0;   ///< [m]
-  double camera_tilt_deg = 10;  ///< downwards
-  double step = 0.5;            ///< an image is taken after so much driving [m] ...
-  double turn_deg = 5;          ///< ... or turning, as in the paper
-  double sway_deg = 0;          ///< amplitude of the heading about the line that is driven
-  double sway_length = 5;       ///< period of that [m]
-  double clearance = 0.5;       ///< from walls and boxes of a room [m]
+  double camera_height = 1.0;
+  double camera_tilt_deg = 10;
+  double step = 0.5;
+  double turn_deg = 5;
+  double sway_deg = 0;
+  double sway_length = 5;
+  double clearance = 0.5;
   RobotParams robot;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
-    visit("camera_height", p.camera_height, 0.0, 100.0, "Height of the camera above the floor [m].");
-    visit("camera_tilt_deg", p.camera_tilt_deg, -90.0, 90.0, "Tilt of the camera downwards [deg].");
+    visit("camera_height", p.camera_height, 0.0, 100.0, "Height of the camera above the floor [m].",
+          kForUsers);
+    visit("camera_tilt_deg", p.camera_tilt_deg, -90.0, 90.0, "Tilt of the camera downwards [deg].",
+          kForUsers);
     visit("step", p.step, 0.01, 10.0, "Way of the robot after which an image is taken [m].");
     visit("turn_deg", p.turn_deg, 0.1, 180.0, "Turn of the robot after which an image is taken [deg].");
     visit("sway_deg", p.sway_deg, 0.0, 90.0, "Amplitude of the heading about the line that is driven [deg].");
@@ -42,15 +44,15 @@ struct DriveParams {
 /** \brief How fast a robot drives, and its camera takes images at most. */
 struct PaceParams {
   static constexpr const char* kTitle = "Pace of the robot";
-  double rate = 30;           ///< images per second
-  double speed = 0.5;         ///< straight on [m/s]
-  double turn_rate_deg = 45;  ///< on the spot [deg/s]
+  double rate = 30;
+  double speed = 0.5;
+  double turn_rate_deg = 45;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("rate", p.rate, 0.1, 1000.0,
-          "Images per second: all of the continuous drive, at most of other runs.");
-    visit("speed", p.speed, 0.01, 10.0, "Speed of the robot straight on [m/s].");
+          "Images per second: all of the continuous drive, at most of other runs.", kForUsers);
+    visit("speed", p.speed, 0.01, 10.0, "Speed of the robot straight on [m/s].", kForUsers);
     visit("turn_rate_deg", p.turn_rate_deg, 1.0, 360.0, "Turn rate of the robot on the spot [deg/s].");
   }
   void validate() const { checkRanges(*this); }

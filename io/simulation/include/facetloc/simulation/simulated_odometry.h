@@ -19,9 +19,9 @@ namespace facetloc {
  * that position and heading do a random walk. s is drawn once for a run. */
 struct WheelOdometryParams {
   static constexpr const char* kTitle = "Errors of the wheel odometry";
-  double scale_std = 0.02;     ///< of s, a share of the way
-  double length_std = 0.01;    ///< random error of the length after 1 m [m]
-  double heading_std_deg = 1;  ///< random error of the heading after 1 m [deg]
+  double scale_std = 0.02;
+  double length_std = 0.01;
+  double heading_std_deg = 1;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {

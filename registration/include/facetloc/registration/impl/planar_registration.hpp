@@ -10,8 +10,7 @@ View PlanarRegistration<PointT>::makeView(const pcl::PointCloud<PointT>& cloud, 
                                           std::string& why_empty) {
   const auto image = depthImageOfInput(&cloud, indices, camera_.intrinsics, why_empty);
   if (!image) return {};
-  View view = ViewBuilder(camera_, view_params_)
-                  .build(subsampled(*image, subsamplingStep(image->camera, working_width_)));
+  View view = ViewBuilder(camera_, view_params_).build(workingImage(*image, working_width_));
   if (view.segments.empty()) why_empty = "the cloud shows no planar segment";
   return view;
 }

@@ -3,7 +3,7 @@
 
 #include <facetloc/localization/ranking_params.h>
 #include <facetloc/localization/shortlist_params.h>
-#include <facetloc/registration/depth_params.h>
+#include <facetloc/registration/calibration.h>
 #include <facetloc/registration/pair_params.h>
 #include <facetloc/registration/pose_prior.h>
 
@@ -16,8 +16,8 @@ struct ViewRegistrationParams {
   EkfParams ekf;
   HypothesisTreeParams tree;
   RegistrationSteps steps;
-  DepthConsistencyParams depth;
   ConsensusParams score;
+  Calibration calibration;  ///< no group of parameters: replaced as a whole
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -25,10 +25,10 @@ struct ViewRegistrationParams {
     visit("ekf", p.ekf);
     visit("tree", p.tree);
     visit("steps", p.steps);
-    visit("depth", p.depth);
     visit("score", p.score);
   }
-  void validate() const { checkRanges(*this); }
+  /** \brief Throws std::invalid_argument for a parameter or a constant out of its range. */
+  void validate() const { checkRanges(*this), calibration.validate(); }
 };
 
 /** \brief Parameters of the search of a whole map. A field is known by its path, such as `ekf.iterations`. */
@@ -40,8 +40,6 @@ struct GlobalLocalizationParams : ViewRegistrationParams {
   MergingParams merging;
   PlaceRefinementParams refinement;
   ProbabilityParams probability;
-  PlainProbabilityParams plain_probability;
-  PairProbabilityParams pair_probability;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -52,10 +50,9 @@ struct GlobalLocalizationParams : ViewRegistrationParams {
     visit("merging", p.merging);
     visit("refinement", p.refinement);
     visit("probability", p.probability);
-    visit("plain_probability", p.plain_probability);
-    visit("pair_probability", p.pair_probability);
   }
-  void validate() const { checkRanges(*this); }
+  /** \brief Throws std::invalid_argument for a parameter or a constant out of its range. */
+  void validate() const { checkRanges(*this), calibration.validate(); }
 };
 
 }  // namespace facetloc

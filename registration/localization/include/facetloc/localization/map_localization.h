@@ -93,7 +93,7 @@ private:
   ViewParams view_params_;
   GlobalLocalizationParams params_;
   SequenceParams sequence_params_;
-  int working_width_ = 320;
+  int working_width_ = kWorkingWidth;
   int threads_ = 1;
   double min_probability_ = kMinProbability;
   bool is_sequence_ = false;

@@ -8,27 +8,26 @@ namespace facetloc {
 /** \brief Which local models a view is registered with, in which order, and when no more are asked. */
 struct ShortlistParams {
   static constexpr const char* kTitle = "Shortlist of local models that a view is registered with";
-  int size = 40;                   ///< most local models that a view is registered with; 0 = always all
-  int examined_models = 200;       ///< of larger maps than are aligned: best aligned models that are examined
-  double examined_gap = 20;        ///< score below the best of these at which one is hopeless [nats]
-  double gap = 1.2;                ///< alignment score below the best at which a local model is hopeless
-  int exhaustive_up_to = 5;        ///< local models of a map that is small
-  int aligned_models = 3000;       ///< local models that are aligned with a view
-  int first_models = 10;           ///< likeliest ones that a view is registered with first
-  double sure_probability = 0.95;  ///< of a place that they show, with which no others are asked
-  double start_translation = 0.2;  ///< how well an alignment tells the position, standard deviation [m]
-  double start_rotation_deg = 3;   ///< and the heading
-  // Of a camera in any attitude:
-  int overlaid_first =
-      3;  ///< likeliest local models that a view is registered with about an alignment, first
-  int overlaid_size = 200;  ///< most local models that it is registered with
+  int size = 40;
+  int examined_models = 200;
+  double examined_gap = 20;
+  double gap = 1.2;
+  int exhaustive_up_to = 5;
+  int aligned_models = 3000;
+  int first_models = 10;
+  double sure_probability = 0.95;
+  double start_translation = 0.2;
+  double start_rotation_deg = 3;
+  int overlaid_first = 3;
+  int overlaid_size = 200;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("size", p.size, 0, 100000000,
           "Largest number of local models that a view is registered with; 0 registers with all of them, "
           "which is "
-          "slower and overlooks nothing.");
+          "slower and overlooks nothing.",
+          kForUsers);
     visit("examined_models", p.examined_models, 1, 100000000,
           "In maps of more than aligned_models: number of best aligned local models that are examined by all "
           "planes.");
@@ -54,7 +53,8 @@ struct ShortlistParams {
           "Where the mounting is unknown: number of likeliest local models that are tried about their quick "
           "alignments alone, before any others.");
     visit("overlaid_size", p.overlaid_size, 1, 100000000,
-          "Where the mounting is unknown: largest number of local models that a view is registered with.");
+          "Where the mounting is unknown: largest number of local models that a view is registered with.",
+          kForUsers);
   }
   void validate() const { checkRanges(*this); }
 };

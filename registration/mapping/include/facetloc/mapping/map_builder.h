@@ -9,20 +9,21 @@ namespace facetloc {
 /** \brief When an image becomes a local model: the paper's rule. */
 struct MapBuilderParams {
   static constexpr const char* kTitle = "Images that become local models, and their poses";
-  double distance = 0.5;               ///< from the latest local model [m]
-  double rotation_deg = 15;            ///< from the latest local model
-  double pose_rotation_std_deg = 0.5;  ///< accuracy of the given poses, recorded in the links
-  double pose_translation_std = 0.02;  ///< [m]
+  double distance = 0.5;
+  double rotation_deg = 15;
+  double pose_rotation_std_deg = 0.5;
+  double pose_translation_std = 0.02;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
-    visit("distance", p.distance, 0.0, 1e3, "Way from the latest local model to the next one [m].");
+    visit("distance", p.distance, 0.0, 1e3, "Way from the latest local model to the next one [m].",
+          kForUsers);
     visit("rotation_deg", p.rotation_deg, 0.0, 180.0,
-          "Turn from the latest local model to the next one [deg].");
+          "Turn from the latest local model to the next one [deg].", kForUsers);
     visit("pose_rotation_std_deg", p.pose_rotation_std_deg, 1e-6, 180.0,
-          "Accuracy of given orientations, standard deviation [deg].");
+          "Accuracy of given orientations, standard deviation [deg].", kForUsers);
     visit("pose_translation_std", p.pose_translation_std, 1e-6, 1e3,
-          "Accuracy of given positions, standard deviation [m].");
+          "Accuracy of given positions, standard deviation [m].", kForUsers);
   }
   void validate() const { checkRanges(*this); }
 };

@@ -14,33 +14,19 @@ namespace facetloc {
 /** \brief How a later session is found in a map, and when the map changes. */
 struct MapSessionParams {
   static constexpr const char* kTitle = "A later session in a map";
-  int min_agreeing = 3;                      ///< sure images that must agree on where the session is
-  double agreement_distance = 0.3;           ///< of two images, beyond what the trajectory allows [m]
-  double agreement_deg = 5;                  ///< of the orientations of two images, likewise
-  double min_probability = kMinProbability;  ///< of a sure image
-  double known_share = 0.8;                  ///< of an image's pixels: with so many known, its place is known
-  double changed_share = 0.3;  ///< of a local model's pixels: with so many gone, it is replaced as a whole
-  int looks = 2;               ///< places that must look through a surface before it counts as gone
+  int min_agreeing = 3;
+  double known_share = 0.8;
+  double changed_share = 0.3;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("min_agreeing", p.min_agreeing, 1, 1000,
-          "Number of sure images that must agree on where a session is in the map.");
-    visit("agreement_distance", p.agreement_distance, 0.0, 100.0,
-          "Distance by which two images that agree may be off each other, beyond the errors of their "
-          "trajectory [m].");
-    visit("agreement_deg", p.agreement_deg, 0.0, 180.0,
-          "Angle by which two images that agree may be off each other, beyond the errors of their trajectory "
-          "[deg].");
-    visit("min_probability", p.min_probability, 0.0, 1.0,
-          "Probability at which the place of an image of a session counts as sure.");
+          "Number of sure images that must agree on where a session is in the map.", kForUsers);
     visit("known_share", p.known_share, 0.0, 1.0,
           "Share of an image's depth pixels that local models must confirm, or it becomes a local model.");
     visit("changed_share", p.changed_share, 0.0, 1.0,
-          "Share of a local model's depth pixels beyond which it is replaced as a whole if they are gone.");
-    visit("looks", p.looks, 1, 100,
-          "Number of different places from which a session must look through a surface before it counts as "
-          "gone.");
+          "Share of a local model's depth pixels beyond which it is replaced as a whole if they are gone.",
+          kForUsers);
   }
   void validate() const { checkRanges(*this); }
 };

@@ -12,18 +12,12 @@ bool PlanarSegmentation<PointT>::compute() {
   result_ = {};
   status_.clear();
   if (input_) this->initCompute();  // which complains aloud of none
-  const std::optional<Intrinsics> camera =
-      cameraOfInput(input_.get(), indices_.get(), camera_.intrinsics, status_);
-  if (!camera) return false;
-  DepthImage image = depthImage(*input_, *camera);
-  dropBeyond(camera_.max_depth, image);
-  if (!this->fake_indices_) {
-    std::vector<float> wanted(image.depth.size(), 0.f);
-    for (const auto i : *indices_) wanted[i] = image.depth[i];
-    image.depth.swap(wanted);
-  }
+  std::optional<DepthImage> image = depthImageOfInput(
+      input_.get(), this->fake_indices_ ? nullptr : indices_.get(), camera_.intrinsics, status_);
+  if (!image) return false;
   this->deinitCompute();
-  PlaneSegmenter(params_, camera_.noise).segment(image, result_);
+  dropBeyond(camera_.max_depth, *image);
+  PlaneSegmenter(params_, camera_.noise).segment(*image, result_);
   if (result_.planes.empty()) status_ = "no planar segment of the minimum support";
   return true;
 }

@@ -76,8 +76,7 @@ bool MapLocalization<PointT>::see(std::string& why_not) {
       depthImageOfInput(input_.get(), use_indices_ ? indices_.get() : nullptr, camera_.intrinsics, why_not);
   if (!image) return false;
   if (!builder_) builder_.emplace(map_->calibrated(camera_), view_params_);
-  const int step = working_width_ > 0 ? subsamplingStep(image->camera, working_width_) : 1;
-  view_ = builder_->build(step > 1 ? subsampled(*image, step) : *image);
+  view_ = builder_->build(workingImage(*image, working_width_));
   return true;
 }
 
