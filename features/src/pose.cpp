@@ -26,15 +26,6 @@ std::string directionText(const Eigen::Vector3d& v) {
   return text + ")";
 }
 
-double squaredMahalanobis(const PoseWithCovariance& pose, const Eigen::Isometry3d& T) {
-  const Vector6d d = perturbation(pose.T, T);
-  return d.dot(pose.P.ldlt().solve(d));
-}
-
-double squaredMahalanobis(const PoseWithCovariance& a, const PoseWithCovariance& b) {
-  return squaredMahalanobis(PoseWithCovariance{a.T, a.P + b.P}, b.T);
-}
-
 }  // namespace
 
 Matrix6d turned(const Eigen::Matrix3d& R, const Matrix6d& P) {
@@ -65,6 +56,15 @@ Vector6d perturbation(const Eigen::Isometry3d& T0, const Eigen::Isometry3d& T) {
   Vector6d d;
   d << logSO3(T.linear() * T0.linear().transpose()), T.translation() - T0.translation();
   return d;
+}
+
+double squaredMahalanobis(const PoseWithCovariance& pose, const Eigen::Isometry3d& T) {
+  const Vector6d d = perturbation(pose.T, T);
+  return d.dot(pose.P.ldlt().solve(d));
+}
+
+double squaredMahalanobis(const PoseWithCovariance& a, const PoseWithCovariance& b) {
+  return squaredMahalanobis(PoseWithCovariance{a.T, a.P + b.P}, b.T);
 }
 
 // To first order, with the left, decoupled perturbations of both factors: d phi = d phi_1 + R d phi_2,

@@ -14,7 +14,6 @@
 
 namespace facetloc::benchmarks {
 
-constexpr int kWorkingWidth = 320;
 constexpr double kPoseTolerance = 0.02;  // [s]
 
 /** \brief The views of some images of a run. */

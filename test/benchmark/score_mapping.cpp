@@ -30,7 +30,6 @@ using namespace facetloc;
 using benchmarks::GicpOdometry;
 using benchmarks::GicpOdometryParams;
 
-constexpr int kWorkingWidth = 320;
 constexpr double kPoseTolerance = 0.02;  // [s]
 constexpr double kMillimetres = 1000, kPercent = 100;
 

@@ -30,7 +30,6 @@ using namespace facetloc;
 
 constexpr int kPairs = 40, kUnrelatedPairs = 60;
 constexpr double kUnrelatedDistance = 4;  // [m]
-constexpr int kWorkingWidth = 320;
 constexpr std::uint32_t kSeed = 1;
 constexpr double kMaxTranslationError = 0.3, kMaxRotationError = 10 * kDegree;
 

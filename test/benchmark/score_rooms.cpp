@@ -30,7 +30,6 @@ namespace {
 using namespace facetloc;
 
 constexpr int kRooms = 20, kQueriesPerRoom = 10, kPlaces = 3, kHeadings = 24;
-constexpr int kWorkingWidth = 320;
 constexpr int kBoxes = 16;
 constexpr int kAttempts = 500;      // to find a sensible query; a small, crowded room may have none
 constexpr double kFreeView = 1.5;   // distance of what the robot looks at [m]: nearer, a wall fills the view
@@ -103,7 +102,7 @@ public:
   }
   View view(const Eigen::Isometry3d& T_w_c) {
     const SimulatedFrame frame = camera_.render(scene_, T_w_c, frame_++);
-    return builder_.build(subsampled(frame.depth, subsamplingStep(frame.depth.camera, kWorkingWidth)));
+    return builder_.build(workingImage(frame.depth));
   }
   TrueSegments trueSegmentsOf(const Eigen::Isometry3d& T_w_c) const {
     const SimulatedFrame frame = small_camera_.renderExact(scene_, T_w_c);

@@ -39,7 +39,6 @@ namespace {
 namespace fs = std::filesystem;
 using namespace facetloc;
 
-constexpr int kWorkingWidth = 320;
 constexpr double kTolerance = 0.02;  // [s]
 constexpr double kGoodTranslation = 0.05, kGoodRotation = 1 * kDegree;
 constexpr double kCoveredTranslation = 1, kCoveredRotation = 20 * kDegree;

@@ -82,8 +82,9 @@ TEST(Params, AFieldIsKnownByItsPathAndTheTitleOfItsGroup) {
 }
 
 TEST(Params, AFieldIsForExpertsUnlessItSaysItIsForUsers) {
+  const Outer outer;
   std::vector<std::string> for_users;
-  forEachParam(Outer(), [&](const ParamInfo& info, const auto&, auto, auto) {
+  forEachParam(outer, [&](const ParamInfo& info, const auto&, auto, auto) {
     if (info.audience == Audience::users) for_users.push_back(info.name);
   });
   EXPECT_THAT(for_users, ElementsAre("inner.width"));

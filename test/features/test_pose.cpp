@@ -58,7 +58,6 @@ TEST(Pose, NearIsBothInPlaceAndInDirection) {
 
 TEST(Pose, MahalanobisDistanceCountsInStandardDeviations) {
   PoseWithCovariance pose;
-  pose.P = Vector6d::Zero().asDiagonal();
   pose.P.diagonal() << 0.01, 0.04, 0.09, 0.25, 1, 4;
   Vector6d d;
   d << 0.1, -0.2, 0.3, 0.5, -1, 2;  // each one standard deviation

@@ -18,8 +18,6 @@
 namespace facetloc {
 namespace {
 
-constexpr int kWorkingWidth = 320;
-
 class RealImages : public testing::Test {};
 
 #define SKIP_WITHOUT(path)                                                                                   \

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ranking/standing.h"
+#include "pairs/mounting_check.h"
 
 #include <facetloc/mapping/found_mounting.h>
 

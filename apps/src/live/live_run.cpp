@@ -8,6 +8,7 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/openni_grabber.h>
+#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <stdexcept>

@@ -5,10 +5,8 @@
 #include "pairs/query.h"
 
 #include <facetloc/features/local_model.h>
-#include <facetloc/localization/localization_params.h>
-#include <facetloc/localization/ranking_params.h>
 #include <facetloc/registration/hypothesis.h>
-#include <facetloc/registration/pair_params.h>
+#include <facetloc/registration/registration_params.h>
 
 #include <memory>
 #include <vector>

@@ -137,4 +137,10 @@ std::string unconstrainedDirections(const Query& query, const HypothesisTreePara
                      limits.complete_rotation_deg * kDegree, limits.complete_translation);
 }
 
+std::string whyNoHypothesis(const Query& query, const HypothesisTreeParams& params) {
+  if (query.view.segments.empty()) return "the view shows no planar segment";
+  const std::string open = unconstrainedDirections(query, params);
+  return open.empty() ? "no local model agrees with the view" : "the planes in view leave free: " + open;
+}
+
 }  // namespace facetloc::internal

@@ -6,7 +6,7 @@
 #include "pairs/hypothesis_tree.h"
 #include "pairs/joint_refinement.h"
 
-#include <facetloc/localization/localization_params.h>
+#include <facetloc/registration/registration_params.h>
 
 namespace facetloc::internal {
 
@@ -51,5 +51,8 @@ private:
  * "translation along (1.00, 0.02, 0.00)"; empty if they, with what is known without them, fix all six degrees
  * of freedom. */
 std::string unconstrainedDirections(const Query& query, const HypothesisTreeParams& params);
+
+/** \brief Why a view has no hypothesis, in words. */
+std::string whyNoHypothesis(const Query& query, const HypothesisTreeParams& params);
 
 }  // namespace facetloc::internal

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/registration/candidate_pairs.h>
+#include <facetloc/registration/pair_registration.h>
 
 #include <pcl/impl/pcl_base.hpp>
 #include <pcl/registration/registration.h>
@@ -112,11 +112,11 @@ public:
   /// @}
 
   /** \brief Throws std::invalid_argument for a parameter out of its range. */
-  void setRegistrationParams(const GlobalLocalizationParams& params) {
+  void setRegistrationParams(const RegistrationParams& params) {
     params_ = checked(params);
     forgetTarget();
   }
-  const GlobalLocalizationParams& getRegistrationParams() const { return params_; }
+  const RegistrationParams& getRegistrationParams() const { return params_; }
   /** \brief Covariance of the guess given to align(), order (phi, t); the parameters' prior unless
    * set. */
   void setPriorCovariance(const Matrix6d& P) { prior_covariance_ = P; }
@@ -172,7 +172,7 @@ protected:
     return std::nullopt;
   }
   /** \brief To be called when the view of the target would come out another. */
-  void forgetTarget() { target_map_.reset(); }
+  void forgetTarget() { in_target_.reset(); }
   void computeTransformation(PointCloudSource& output, const Matrix4& guess) override;
 
   using Base::converged_;
@@ -198,11 +198,10 @@ private:
 
   pcl::IndicesPtr chosen_;  // the points of the source that count; null = all
   bool indices_fit_ = true;
-  GlobalLocalizationParams params_;
+  RegistrationParams params_;
   std::optional<Matrix6d> prior_covariance_;
   double min_probability_ = kMinProbability;
-  std::shared_ptr<const Map> target_map_;  // of the target's view; null until it was read
-  std::shared_ptr<const GlobalLocalization> in_target_;
+  std::shared_ptr<const PairRegistration> in_target_;  // null until the target was read
   std::string target_fault_;
   int unset_iterations_ = this->max_iterations_;
   bool has_warned_ = false;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pairs/mounting_check.h"
 #include "pairs/view_registration.h"
 #include "ranking/place_ranking.h"
-#include "ranking/standing.h"
 #include "shared/in_parallel.h"
 #include "shortlist/shortlist.h"
 
@@ -10,32 +10,17 @@
 #include <Eigen/Cholesky>
 
 #include <optional>
-#include <stdexcept>
 #include <utility>
 
 namespace facetloc {
 
 using namespace internal;
 
-namespace {
-
-std::vector<SegmentPair> checkedPairs(std::vector<SegmentPair> pairs, const View& scene, const View& model) {
-  for (const SegmentPair& p : pairs)
-    if (p.scene < 0 || p.scene >= static_cast<int>(scene.segments.size()) || p.model < 0 ||
-        p.model >= static_cast<int>(model.segments.size()))
-      throw std::invalid_argument("a chosen pair names a segment that the view or the model does not have");
-  return pairs;
-}
-
-}  // namespace
-
 struct GlobalLocalization::Impl {
   Impl(std::shared_ptr<const Map> the_map, const GlobalLocalizationParams& the_params);
 
-  CameraDifference differenceOf(const View& view) const;
   Query queryOf(const View& view, bool on_floor) const;
-  void registerWith(const Batch& batch, const Query& query, const PairChoice& chosen,
-                    std::vector<Hypothesis>& hypotheses) const;
+  void registerWith(const Batch& batch, const Query& query, std::vector<Hypothesis>& hypotheses) const;
   Localization rank(const Query& query, std::vector<Hypothesis> hypotheses) const;
   bool isSure(const Localization& answer) const;
 
@@ -60,29 +45,16 @@ GlobalLocalization::Impl::Impl(std::shared_ptr<const Map> the_map, const GlobalL
   if (params.steps.floor_information) of_floor = floorInformation(map->camera.mounting, params.prior);
 }
 
-CameraDifference GlobalLocalization::Impl::differenceOf(const View& view) const {
-  static const Camera unknown;
-  CameraDifference difference =
-      facetloc::differenceOf(view.camera ? *view.camera : unknown, map->camera, view.noise());
-  if (difference.mounting == CameraDifference::Mounting::unknown &&
-      showsMounting(view, *map->camera.mounting))
-    difference.mounting = CameraDifference::Mounting::same;
-  return difference;
-}
-
 Query GlobalLocalization::Impl::queryOf(const View& view, bool is_on_floor) const {
   return is_on_floor ? Query(view, on_floor, of_floor) : Query(view, anywhere);
 }
 
 // Each model's list is written by its index, so that the answer does not depend on the number of threads.
-void GlobalLocalization::Impl::registerWith(const Batch& batch, const Query& query, const PairChoice& chosen,
+void GlobalLocalization::Impl::registerWith(const Batch& batch, const Query& query,
                                             std::vector<Hypothesis>& hypotheses) const {
   std::vector<std::vector<Hypothesis>> of_model(batch.size());
   forEachInParallel(static_cast<int>(batch.size()), threads, [&](int i) {
-    const std::shared_ptr<const View> model = map->view(batch[i].model);
-    const std::optional<std::vector<SegmentPair>> pairs =
-        chosen ? std::optional(checkedPairs(chosen(batch[i].model), query.view, *model)) : std::nullopt;
-    of_model[i] = registration.align(query, *model, batch[i].T_m_c, pairs ? &*pairs : nullptr);
+    of_model[i] = registration.align(query, *map->view(batch[i].model), batch[i].T_m_c);
   });
   const auto isAskedAnew = [&batch](const Hypothesis& h) {
     return std::binary_search(batch.begin(), batch.end(), Start{h.model, {}},
@@ -102,17 +74,13 @@ void GlobalLocalization::Impl::registerWith(const Batch& batch, const Query& que
 Localization GlobalLocalization::Impl::rank(const Query& query, std::vector<Hypothesis> hypotheses) const {
   Localization answer;
   if (map->models.empty()) answer.reason = "the map has no local model";
-  if (query.view.segments.empty()) answer.reason = "the view shows no planar segment";
+  if (query.view.segments.empty()) answer.reason = whyNoHypothesis(query, params.tree);
   if (!answer.reason.empty()) return answer;
 
   answer.has_probabilities = registration.score().inNats();
   answer.hypotheses = std::move(hypotheses);
   ranking.rank(query.view, answer.hypotheses);
-  if (answer.hypotheses.empty()) {
-    const std::string open = unconstrainedDirections(query, params.tree);
-    answer.reason =
-        open.empty() ? "no local model agrees with the view" : "the planes in view leave free: " + open;
-  }
+  if (answer.hypotheses.empty()) answer.reason = whyNoHypothesis(query, params.tree);
   return answer;
 }
 
@@ -135,13 +103,13 @@ Localization GlobalLocalization::localize(const View& view) const {
 }
 
 Localization GlobalLocalization::localize(const View& view, const std::function<bool(int)>& excluded) const {
-  const CameraDifference camera = impl_->differenceOf(view);
+  const CameraDifference camera = differenceFrom(impl_->map->camera, view);
   const Query query = impl_->queryOf(view, camera.sameMounting());
   Localization answer;
   std::vector<Hypothesis> found;
   for (const Batch& batch :
        impl_->shortlist.batches(query, camera.sameMounting(), impl_->threads, excluded)) {
-    impl_->registerWith(batch, query, {}, found);
+    impl_->registerWith(batch, query, found);
     answer = impl_->rank(query, found);
     if (impl_->isSure(answer)) break;
   }
@@ -150,18 +118,13 @@ Localization GlobalLocalization::localize(const View& view, const std::function<
 }
 
 Localization GlobalLocalization::localize(const View& view, const PoseWithCovariance& prior) const {
-  return localize(view, prior, PairChoice());
-}
-
-Localization GlobalLocalization::localize(const View& view, const PoseWithCovariance& prior,
-                                          const PairChoice& chosen) const {
-  const CameraDifference camera = impl_->differenceOf(view);
+  const CameraDifference camera = differenceFrom(impl_->map->camera, view);
   const bool on_floor = camera.sameMounting();
   Localization answer;
   if (prior.P.allFinite() && Eigen::LLT<Matrix6d>(prior.P).info() == Eigen::Success) {
     const Query query(view, prior, on_floor ? impl_->of_floor : Matrix6d(Matrix6d::Zero()));
     std::vector<Hypothesis> found;
-    impl_->registerWith(impl_->shortlist.batch(query, on_floor, impl_->threads), query, chosen, found);
+    impl_->registerWith(impl_->shortlist.batch(query, on_floor, impl_->threads), query, found);
     answer = impl_->rank(query, std::move(found));
   } else {
     answer.reason = "the covariance of the prior is not positive definite";
@@ -171,7 +134,7 @@ Localization GlobalLocalization::localize(const View& view, const PoseWithCovari
 }
 
 PoseWithCovariance GlobalLocalization::prior(const View& view) const {
-  return impl_->differenceOf(view).sameMounting() ? impl_->on_floor : impl_->anywhere;
+  return differenceFrom(impl_->map->camera, view).sameMounting() ? impl_->on_floor : impl_->anywhere;
 }
 
 }  // namespace facetloc

@@ -27,7 +27,7 @@ constexpr double kFarEllipsoid = chiSquareQuantile(6, 0.999);
 constexpr double kCertainRotation = 2 * kDegree, kCertainTranslation = 0.1;
 
 // Of two images that agree on a place, beyond what the trajectory allows.
-constexpr PlaceTolerance kTolerance{kSameAnswer.distance, kSameAnswer.angle_deg* kDegree};
+constexpr PlaceTolerance kTolerance{kSameAnswer.distance, kDegree* kSameAnswer.angle_deg};
 
 /** The sure answers of all keyframes. */
 std::vector<FoundKeyframe> sureKeyframes(const GlobalLocalization& localization,

@@ -127,10 +127,9 @@ double RankedRegistration<PointT>::getFitnessScore(double max_range) {
 
 template <typename PointT>
 void RankedRegistration<PointT>::readTarget() {
-  if (target_map_) return;
+  if (in_target_) return;
   target_fault_.clear();
-  target_map_ = std::make_shared<const Map>(mapOf(makeView(*target_, nullptr, target_fault_)));
-  in_target_ = std::make_shared<const GlobalLocalization>(target_map_, params_);
+  in_target_ = std::make_shared<const PairRegistration>(makeView(*target_, nullptr, target_fault_), params_);
 }
 
 // The distance of a correspondence, between two planes: of a point of one from the other.
@@ -139,7 +138,7 @@ std::optional<std::vector<SegmentPair>> RankedRegistration<PointT>::pairsOf(cons
                                                                             const PoseWithCovariance& guess) {
   std::optional<std::vector<SegmentPair>> pairs = choosePairs(guess);
   if (!(corr_dist_threshold_ < std::sqrt(std::numeric_limits<double>::max()))) return pairs;  // never set
-  const std::vector<Segment>& target = target_map_->models.front().view.segments;
+  const std::vector<Segment>& target = in_target_->target().segments;
   if (!pairs) pairs = candidatePairs(scene.segments, target, guess, params_.matching);
   const auto isTooFar = [&](const SegmentPair& p) {
     const Segment& model = target[static_cast<std::size_t>(p.model)];
@@ -183,11 +182,11 @@ void RankedRegistration<PointT>::computeTransformation(PointCloudSource& output,
   else if (!source_fault.empty())
     answer_.reason = "source: " + source_fault;
   else if (const std::optional<std::vector<SegmentPair>> pairs = pairsOf(scene, prior); !pairs)
-    answer_ = in_target_->localize(scene, prior);
+    answer_ = in_target_->align(scene, prior);
   else if (pairs->empty())
     answer_.reason = "no correspondence of source and target is left";
   else
-    answer_ = in_target_->localize(scene, prior, [&pairs](int) { return *pairs; });
+    answer_ = in_target_->align(scene, prior, &*pairs);
 
   const AnswerState state = getState();
   converged_ = state == AnswerState::sure;

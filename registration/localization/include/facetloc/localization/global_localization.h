@@ -43,13 +43,6 @@ public:
    * reaches farther than the index. One whose covariance is not positive definite gives a reason. */
   Localization localize(const View& view, const PoseWithCovariance& prior) const;
 
-  /** \brief Pairs of segments that may correspond, of a view and a local model of the map, by their places in
-   * the lists of both; the most promising first. */
-  using PairChoice = std::function<std::vector<SegmentPair>(int model)>;
-  /** \brief The same with pairs that somebody else has chosen in place of candidatePairs(). No other pair
-   * takes part in a pose. Throws std::invalid_argument for a pair that names no segment. */
-  Localization localize(const View& view, const PoseWithCovariance& prior, const PairChoice& chosen) const;
-
   /** \brief The same with no local model that is excluded. */
   Localization localize(const View& view, const std::function<bool(int model)>& excluded) const;
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/localization/tracking_params.h>
+#include <facetloc/registration/motion_params.h>
+#include <facetloc/registration/pose_prior.h>
 
 namespace facetloc {
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/features/params.h>
+#include <facetloc/registration/calibration.h>
+#include <facetloc/registration/pair_params.h>
+#include <facetloc/registration/pose_prior.h>
 
 #include <cmath>
 
@@ -80,6 +82,55 @@ struct ProbabilityParams {
           kForUsers);
   }
   void validate() const { checkRanges(*this); }
+};
+
+/** \brief How hypotheses of the pose of one view relative to another are found and scored. */
+struct ViewRegistrationParams {
+  static constexpr const char* kTitle = "Registration of two views";
+  MatchingParams matching;
+  EkfParams ekf;
+  HypothesisTreeParams tree;
+  RegistrationSteps steps;
+  ConsensusParams score;
+  Calibration calibration;  ///< no group of parameters: replaced as a whole
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("matching", p.matching);
+    visit("ekf", p.ekf);
+    visit("tree", p.tree);
+    visit("steps", p.steps);
+    visit("score", p.score);
+  }
+  /** \brief Throws std::invalid_argument for a parameter or a constant out of its range. */
+  void validate() const { checkRanges(*this), calibration.validate(); }
+};
+
+/** \brief Parameters of the registration of two views: hypotheses, and the ranking of them. A field is known
+ * by its path, such as `ekf.iterations`. */
+struct RegistrationParams : ViewRegistrationParams {
+  static constexpr const char* kTitle = "Registration of two views";
+  PosePriorParams prior;
+  EvidenceParams evidence;
+  MergingParams merging;
+  PlaceRefinementParams refinement;
+  ProbabilityParams probability;
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("prior", p.prior);
+    ViewRegistrationParams::describe(p, visit);
+    describeRanking(p, visit);
+  }
+  template <class Self, class Visitor>
+  static void describeRanking(Self& p, Visitor&& visit) {
+    visit("evidence", p.evidence);
+    visit("merging", p.merging);
+    visit("refinement", p.refinement);
+    visit("probability", p.probability);
+  }
+  /** \brief Throws std::invalid_argument for a parameter or a constant out of its range. */
+  void validate() const { checkRanges(*this), calibration.validate(); }
 };
 
 }  // namespace facetloc

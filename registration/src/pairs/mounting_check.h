@@ -10,4 +10,8 @@ namespace facetloc::internal {
  * for a few degrees? */
 bool showsMounting(const View& view, const CameraMounting& mounting);
 
+/** \brief How the camera of a view differs from that of a map or another view; a camera without mounting has
+ * that of the map where the view shows it. */
+CameraDifference differenceFrom(const Camera& of_map, const View& view);
+
 }  // namespace facetloc::internal

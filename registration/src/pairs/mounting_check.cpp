@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ranking/standing.h"
+#include "pairs/mounting_check.h"
 
 #include <facetloc/features/pose.h>
 
@@ -40,6 +40,14 @@ bool showsMounting(const View& view, const CameraMounting& mounting) {
                        [&](const Eigen::Vector3d& b) { return a.cross(b).norm() > std::sin(kOtherWay); });
   };
   return shows_level || std::any_of(walls.begin(), walls.end(), isOfTwo);
+}
+
+CameraDifference differenceFrom(const Camera& of_map, const View& view) {
+  static const Camera unknown;
+  CameraDifference difference = differenceOf(view.camera ? *view.camera : unknown, of_map, view.noise());
+  if (difference.mounting == CameraDifference::Mounting::unknown && showsMounting(view, *of_map.mounting))
+    difference.mounting = CameraDifference::Mounting::same;
+  return difference;
 }
 
 }  // namespace facetloc::internal

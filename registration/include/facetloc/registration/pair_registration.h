@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/registration/hypothesis.h>
+#include <facetloc/registration/registration_params.h>
+
+#include <memory>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief Registers views with one other view, the target: a ranked list of poses, or why there is none. The PCL
+ * classes are faces of it.
+ *
+ * Floor information counts where the cameras of both views are mounted alike. Never changes; thread-safe. */
+class PairRegistration {
+public:
+  /** \brief Throws std::invalid_argument for a parameter out of its range. */
+  explicit PairRegistration(View target, const RegistrationParams& params = {});
+  PairRegistration(PairRegistration&&) noexcept;
+  PairRegistration& operator=(PairRegistration&&) noexcept;
+  ~PairRegistration();
+
+  const View& target() const;
+
+  /** \brief Poses of a view in the target's camera frame (Hypothesis::T_m_c, which T_w_c repeats).
+   * \param prior T_target_view with its covariance, order (phi, t); if that is not positive definite, the answer
+   * is empty with a reason
+   * \param chosen if not null, the only pairs (scene = view, model = target) that take part in a pose, in place of
+   * candidatePairs(). Throws std::invalid_argument for a pair that names no segment. */
+  Localization align(const View& view, const PoseWithCovariance& prior,
+                     const std::vector<SegmentPair>* chosen = nullptr) const;
+  /** \brief The same with the prior of RegistrationParams for the mounting of the target's camera. */
+  Localization align(const View& view) const;
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace facetloc

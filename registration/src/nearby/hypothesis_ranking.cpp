@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "nearby/hypothesis_ranking.h"
+
+#include "depth/dense_refinement.h"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+namespace facetloc::internal {
+namespace {
+
+// What several models say about one world pose: all together about each pixel of the scene, and one by one
+// about their own pixels, moved into the scene.
+struct DepthEvidence {
+  DepthAgreement of_scene;
+  int pixels = 0;  // of the scene
+  std::vector<DepthAgreement> of_models;
+};
+
+double weighed(const DepthEvidence& found, double free_space_share, const EvidenceCalibration& params) {
+  const auto tail = [&](double share) { return std::log1p(share / free_space_share); };
+  const double untested = params.untested_pixels * found.pixels;
+  const auto contradiction = [&](const DepthAgreement& a, double untested_here) {
+    const double n = a.judged() + untested_here;
+    return tail(n > 0 ? (a.contradict + untested_here * params.untested_contradiction) / n : 0);
+  };
+  // The models' pixels are counted on the coarser grid.
+  constexpr double kCoarser = double(kCoarseColumns * kCoarseColumns) / (kFineColumns * kFineColumns);
+  double of_models = 0, hidden = 0;
+  int tested = 0;
+  for (const DepthAgreement& a : found.of_models) {
+    if (a.judged() == 0) continue;
+    ++tested;
+    of_models += contradiction(a, kCoarser * untested);
+    hidden += tail(a.occluded / static_cast<double>(a.judged()));
+  }
+  if (tested > 0)
+    of_models /= tested, hidden /= tested;
+  else
+    of_models = contradiction({}, untested);
+  const double disagreement =
+      (found.of_scene.judged() - found.of_scene.agree) / std::max(1.0, double(found.pixels));
+  return -params.contradiction_weight * (contradiction(found.of_scene, untested) + of_models) -
+         params.occlusion_weight * hidden - params.disagreement_weight * disagreement;
+}
+
+Explanation explanationOf(const DepthEvidence& found, const View& scene,
+                          const std::vector<SegmentPair>& pairs) {
+  const auto share = [](double part, double of) { return of > 0 ? part / of : 0; };
+  const DepthAgreement& a = found.of_scene;
+  std::vector<char> has_partner(scene.segments.size(), 0);
+  for (const SegmentPair& pair : pairs) has_partner[pair.scene] = 1;
+  double all = 0, paired = 0;
+  for (std::size_t i = 0; i < scene.segments.size(); ++i) {
+    all += scene.segments[i].num_points;
+    if (has_partner[i]) paired += scene.segments[i].num_points;
+  }
+  return {share(a.judged(), found.pixels), share(a.agree, a.judged()), share(a.contradict, a.judged()),
+          share(paired, all)};
+}
+
+void sortByScore(std::vector<Hypothesis>& h) {
+  std::stable_sort(h.begin(), h.end(),
+                   [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
+}
+
+bool samePlace(const Hypothesis& a, const Hypothesis& b) {
+  return a.part == b.part && a.T_w_c && b.T_w_c && kSamePlace.joins(*a.T_w_c, *b.T_w_c);
+}
+
+// Are these answers that exclude each other? Poses that are close to each other are one, found more or less
+// well.
+bool areRivals(const Hypothesis& a, const Hypothesis& b) {
+  if (a.part != b.part) return true;
+  if (a.T_w_c && b.T_w_c) return !kSameAnswer.joins(*a.T_w_c, *b.T_w_c);
+  return a.model != b.model || !kSameAnswer.joins(a.T_m_c.T, b.T_m_c.T);
+}
+
+}  // namespace
+
+DepthCalibration refinedErrors(const Calibration& calibration) {
+  DepthCalibration depth = calibration.depth;
+  depth.absolute_error = calibration.refined_depth.absolute_error;
+  depth.relative_error = calibration.refined_depth.relative_error;
+  return depth;
+}
+
+HypothesisRanking::HypothesisRanking(const RegistrationParams& params)
+    : params_(params),
+      comparison_(params.calibration.depth),
+      refined_comparison_(refinedErrors(params.calibration)) {}
+
+void HypothesisRanking::rank(const View& scene, std::vector<Hypothesis>& hypotheses) const {
+  // The paper's score counts pixels: nats of evidence do not add to it.
+  const bool evidence = !params_.score.by_overlap && addEvidence(scene, hypotheses);
+  mergePlaces(params_.merging, hypotheses);
+  if (evidence) score(hypotheses);
+  if (evidence && params_.refinement.enabled) refinePlaces(scene, hypotheses);
+  if (evidence && evidenceWeight() != 1) {
+    for (Hypothesis& h : hypotheses) h.score = h.consensus + evidenceWeight() * h.evidence;
+    sortByScore(hypotheses);
+  }
+  const ScoreOdds found = odds(evidence, hypotheses);
+  assignProbabilities(found.slope, found.null_score, hypotheses);
+}
+
+double HypothesisRanking::evidence(const View& scene, const std::vector<NearbyView>& neighbours, Hypothesis& h,
+                              const DepthComparison& comparison) const {
+  const Eigen::Isometry3d& T_w_c = *h.T_w_c;
+  DepthEvidence found;
+  std::vector<PosedPicture> pictures;
+  for (const NearbyView& n : neighbours) {
+    const DepthPicture& depth = n.view->depth;
+    const Eigen::Isometry3d T_m_c = n.T_w_m.inverse() * T_w_c;
+    pictures.push_back({&depth, n.T_w_m});
+    found.of_models.push_back(comparison.compare(depth, scene.depth, T_m_c.inverse(), kCoarseColumns));
+  }
+  found.of_scene = compareWithAll(scene.depth, T_w_c, pictures, comparison, kFineColumns);
+  const int step = gridStep(scene.depth, kFineColumns);
+  found.pixels = gridPoints(scene.depth.camera.width, step) * gridPoints(scene.depth.camera.height, step);
+  h.explained = explanationOf(found, scene, h.pairs);
+  return weighed(found, params_.calibration.score.free_space_share, params_.calibration.evidence);
+}
+
+// Moves a hypothesis, within its place, to where the pixels of these models fit best.
+void HypothesisRanking::refine(const View& scene, const std::vector<NearbyView>& neighbours, Hypothesis& h) const {
+  std::vector<PosedPicture> pictures;
+  for (const NearbyView& n : neighbours) pictures.push_back({&n.view->depth, n.T_w_m});
+  const Eigen::Isometry3d T_w_m = poseOfModel(h);
+  PoseWithCovariance pose = T_w_m * h.T_m_c;
+  Matrix6d of_pixels;
+  if (!refineByDepth(scene.depth, pictures, {}, pose, &of_pixels)) return;
+  if (!kSamePlace.joins(*h.T_w_c, pose.T)) return;  // that is no refinement: planes found another place
+  // What a sensor always measures wrongly all its pixels share: while it is left in, they tell no more than
+  // the planes, whose covariance counts with it.
+  if (scene.camera && scene.camera->distortion) {
+    const Matrix6d of_planes = pose.P.ldlt().solve(Matrix6d::Identity());
+    pose.P = symmetricInverse(of_planes + of_pixels / params_.calibration.refined_depth.pixels_as_one);
+  }
+  h.T_w_c = pose.T;
+  h.T_m_c = T_w_m.inverse() * pose;
+}
+
+// How many of the sorted hypotheses, at most so many, are not hopeless beside the best.
+std::size_t HypothesisRanking::hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const {
+  if (sorted.empty()) return 0;
+  const double least = sorted.front().score + std::log(params_.calibration.evidence.hopeless_odds) / slope;
+  const auto end =
+      sorted.begin() + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(sorted.size()), most);
+  const auto isHopeless = [least](const Hypothesis& h) { return h.score < least; };
+  return static_cast<std::size_t>(std::find_if(sorted.begin(), end, isHopeless) - sorted.begin());
+}
+
+bool HypothesisRanking::addEvidence(const View& scene, std::vector<Hypothesis>& hypotheses) const {
+  sortByScore(hypotheses);
+  if (!params_.evidence.enabled || scene.depth.empty()) return false;
+  const std::size_t n =
+      hopeful(hypotheses, params_.evidence.hypotheses, params_.calibration.plain_probability.slope);
+  bool any = false;
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<double> found(n, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    Hypothesis& h = hypotheses[i];
+    if (!h.T_w_c) continue;
+    const std::vector<NearbyView> models = neighbours(h);
+    found[i] = evidence(scene, models, h, comparison_);
+    any = any || !models.empty();
+    least = std::min(least, found[i]);
+  }
+  if (!any) return false;
+  for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+    Hypothesis& h = hypotheses[i];
+    h.evidence = i < n && h.T_w_c ? found[i] : least;
+    h.score = h.consensus + h.evidence;
+  }
+  return true;
+}
+
+void HypothesisRanking::refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses) const {
+  const std::size_t n = hopeful(hypotheses, params_.refinement.places, params_.calibration.probability.slope);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < n; ++i) {
+    Hypothesis& h = hypotheses[i];
+    if (!h.T_w_c) continue;
+    const std::vector<NearbyView> models = neighbours(h);
+    refine(scene, models, h);
+    h.evidence = evidence(scene, models, h, refined_comparison_);
+    least = std::min(least, h.evidence);
+  }
+  // The others are compared with the larger errors of a pose that is not refined, which is no merit.
+  for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+    Hypothesis& h = hypotheses[i];
+    if (i >= n || !h.T_w_c) h.evidence = std::min(h.evidence, least);
+  }
+  score(hypotheses);
+  mergePlaces(params_.merging, hypotheses);
+  score(hypotheses);
+}
+
+// Local models see a place from different sides: several that find it by themselves hardly err alike.
+void HypothesisRanking::score(std::vector<Hypothesis>& places) const {
+  for (Hypothesis& h : places)
+    h.score = h.consensus + h.evidence +
+              params_.calibration.evidence.support_weight * std::log(std::max(1, viewpoints(h.found_by)));
+  sortByScore(places);
+}
+
+void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypotheses) {
+  sortByScore(hypotheses);
+  if (!params.enabled) return;
+  std::vector<Hypothesis> places;
+  for (Hypothesis& h : hypotheses) {
+    if (h.found_by.empty()) h.found_by = {h.model};
+    const auto known =
+        std::find_if(places.begin(), places.end(), [&](const Hypothesis& p) { return samePlace(p, h); });
+    if (known == places.end()) {
+      places.push_back(std::move(h));
+      continue;
+    }
+    std::vector<int> models;
+    std::set_union(known->found_by.begin(), known->found_by.end(), h.found_by.begin(), h.found_by.end(),
+                   std::back_inserter(models));
+    known->found_by.swap(models);
+  }
+  hypotheses.swap(places);
+}
+
+void assignProbabilities(double slope, double null_score, std::vector<Hypothesis>& hypotheses) {
+  if (hypotheses.empty()) return;
+  const double largest = std::max(hypotheses.front().score, null_score);  // keeps the exponentials in range
+  double sum = std::exp(slope * (null_score - largest));
+  for (Hypothesis& h : hypotheses) sum += h.probability = std::exp(slope * (h.score - largest));
+  for (Hypothesis& h : hypotheses) h.probability /= sum;
+  for (auto h = hypotheses.begin(); h != hypotheses.end(); ++h) {
+    const auto better = std::find_if(hypotheses.begin(), h, [&](const Hypothesis& other) {
+      return other.probability > 0 && !areRivals(other, *h);
+    });
+    if (better != h) better->probability += std::exchange(h->probability, 0);
+  }
+}
+
+ScoreOdds oddsOfPair(const RegistrationParams& params, bool evidence) {
+  const PairProbabilityCalibration& p = params.calibration.pair_probability;
+  const double slope = evidence ? p.slope : p.segments_slope;
+  const double null_score = evidence ? p.null_score : p.segments_null_score;
+  return {slope, null_score + params.probability.priorLogOdds() / slope};
+}
+
+}  // namespace facetloc::internal

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "depth/depth_consistency.h"
+#include "nearby/view_alignment.h"
+#include "shared/pose_radius.h"
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/registration/hypothesis.h>
+#include <facetloc/registration/registration_params.h>
+
+#include <memory>
+#include <vector>
+
+namespace facetloc::internal {
+
+/** \brief How depth is compared at a pose that all pixels have refined. */
+DepthCalibration refinedErrors(const Calibration& calibration);
+
+/** \brief Reach of the views that may show what a scene shows. */
+constexpr ViewReach kEvidenceReach{2.5, 50 * kDegree};
+
+/** \brief From a score to log odds against the null hypothesis: the list lacks the place of the view. */
+struct ScoreOdds {
+  double slope = 0;       ///< [1/nat]
+  double null_score = 0;  ///< [nats]
+
+  double operator()(double score) const { return slope * (score - null_score); }
+};
+
+/** \brief A view near a hypothesis. */
+struct NearbyView {
+  std::shared_ptr<const View> view;
+  Eigen::Isometry3d T_w_m;
+};
+
+/** \brief Makes hypotheses one ranked list of places: evidence, merging, refinement, probabilities. Which views
+ * are near a hypothesis, and what a score is worth, differ between a map and a pair of views. Never changes; all
+ * functions are thread-safe. */
+class HypothesisRanking {
+public:
+  virtual ~HypothesisRanking() = default;
+
+  /** \brief Ranks hypotheses of a scene, with T_w_c where it is known. A place that has evidence and was found
+   * by n local models independently gets w_s ln n more [nats]. */
+  void rank(const View& scene, std::vector<Hypothesis>& hypotheses) const;
+
+  /** \brief Scores the best hypotheses by the depth of the local models nearest to their world poses,
+   * whichever generated them, instead of their own model's alone (METHOD 11.1). The score is the
+   * consensus minus
+   *
+   *     w_c (ln(1 + c / c_0) + mean ln(1 + c_m / c_0)) + w_o mean ln(1 + o_m / c_0) + w_d d   [nats]
+   *
+   * c: share of the scene's pixels that contradict the models (more of them than agree with it); c_m, o_m:
+   * share of model m's pixels that contradict the scene, and that are hidden in it; d: share of the scene's
+   * pixels that are compared and do not agree. The mean is over models, not over pixels: a passer-by in one
+   * of them spoils its own term only. A pose that hardly any pixel tests counts as contradicted like most
+   * wrong ones.
+   *
+   * Hypotheses beyond the best ones get the least evidence of those. False, and no change, where there is
+   * none: no poses of local models, no depth. */
+  bool addEvidence(const View& scene, std::vector<Hypothesis>& hypotheses) const;
+
+  /** \brief Refines the poses of the best places by all pixels (refineByDepth) and weighs their evidence
+   * again, with the errors that a refined pose leaves; merges and scores. For places that have evidence. */
+  void refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses) const;
+
+protected:
+  explicit HypothesisRanking(const RegistrationParams& params);
+
+  /** \brief The views near a hypothesis that has T_w_c. */
+  virtual std::vector<NearbyView> neighbours(const Hypothesis& h) const = 0;
+  /** \brief Pose of the local model that generated a hypothesis with T_w_c. */
+  virtual Eigen::Isometry3d poseOfModel(const Hypothesis& h) const = 0;
+  /** \brief Number of viewpoints of some local models, which count as independent. */
+  virtual int viewpoints(const std::vector<int>& models) const = 0;
+  /** \brief Weight of the evidence beside the consensus. */
+  virtual double evidenceWeight() const = 0;
+  /** \brief Odds of the scores of a sorted list. */
+  virtual ScoreOdds odds(bool evidence, const std::vector<Hypothesis>& sorted) const = 0;
+
+  /** \brief Evidence of views for a hypothesis [nats]; also sets h.explained. */
+  double evidence(const View& scene, const std::vector<NearbyView>& neighbours, Hypothesis& h,
+                  const DepthComparison& comparison) const;
+  const DepthComparison& comparison() const { return comparison_; }
+  const DepthComparison& refinedComparison() const { return refined_comparison_; }
+
+private:
+  void refine(const View& scene, const std::vector<NearbyView>& neighbours, Hypothesis& h) const;
+  void score(std::vector<Hypothesis>& places) const;
+  std::size_t hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const;
+
+  RegistrationParams params_;
+  DepthComparison comparison_, refined_comparison_;
+};
+
+/** \brief Sorts by score and merges hypotheses of one place into the best of them, which tells which local
+ * models have found it. */
+void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypotheses);
+
+/** \brief Gives each place of a sorted list its probability: softmax of slope times score, with a null place.
+ * A pose within kSameAnswer of a better one is the same answer, found less well, and hands its
+ * probability on. */
+void assignProbabilities(double slope, double null_score, std::vector<Hypothesis>& hypotheses);
+
+/** \brief Odds of the score of a pose of two views. */
+ScoreOdds oddsOfPair(const RegistrationParams& params, bool evidence);
+
+}  // namespace facetloc::internal

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "nearby/hypothesis_ranking.h"
+#include "pairs/mounting_check.h"
+#include "pairs/view_registration.h"
+
+#include <facetloc/registration/pair_registration.h>
+#include <facetloc/registration/pose_prior.h>
+
+#include <Eigen/Cholesky>
+
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace facetloc {
+
+using namespace internal;
+
+namespace {
+
+/** The only view near a hypothesis is the target, whose camera frame is the world. */
+class PairRanking : public HypothesisRanking {
+public:
+  PairRanking(std::shared_ptr<const View> target, const RegistrationParams& params)
+      : HypothesisRanking(params), target_(std::move(target)), params_(params) {}
+
+private:
+  std::vector<NearbyView> neighbours(const Hypothesis& h) const override {
+    const Eigen::Isometry3d T_w_m = poseOfModel(h);
+    const bool shows = !target_->depth.empty() && std::isfinite(viewDistance(T_w_m, *h.T_w_c, kEvidenceReach));
+    return shows ? std::vector<NearbyView>{{target_, T_w_m}} : std::vector<NearbyView>();
+  }
+  Eigen::Isometry3d poseOfModel(const Hypothesis&) const override { return Eigen::Isometry3d::Identity(); }
+  int viewpoints(const std::vector<int>&) const override { return 1; }
+  double evidenceWeight() const override { return params_.calibration.pair_probability.evidence_weight; }
+  ScoreOdds odds(bool evidence, const std::vector<Hypothesis>&) const override {
+    return oddsOfPair(params_, evidence);
+  }
+
+  std::shared_ptr<const View> target_;
+  RegistrationParams params_;
+};
+
+void check(const std::vector<SegmentPair>& pairs, const View& scene, const View& model) {
+  for (const SegmentPair& p : pairs)
+    if (p.scene < 0 || p.scene >= static_cast<int>(scene.segments.size()) || p.model < 0 ||
+        p.model >= static_cast<int>(model.segments.size()))
+      throw std::invalid_argument("a chosen pair names a segment that the view or the model does not have");
+}
+
+}  // namespace
+
+struct PairRegistration::Impl {
+  Impl(View the_target, const RegistrationParams& the_params)
+      : target(std::make_shared<const View>(std::move(the_target))),
+        params(checked(the_params)),
+        registration(params),
+        ranking(target, params) {
+    if (target->camera) camera = *target->camera;
+    if (params.steps.floor_information) of_floor = floorInformation(camera.mounting, params.prior);
+  }
+
+  std::shared_ptr<const View> target;
+  RegistrationParams params;
+  ViewRegistration registration;
+  PairRanking ranking;
+  Camera camera;                         // of the target
+  Matrix6d of_floor = Matrix6d::Zero();  // information of the floor about a pose
+};
+
+PairRegistration::PairRegistration(View target, const RegistrationParams& params)
+    : impl_(std::make_unique<Impl>(std::move(target), params)) {}
+PairRegistration::PairRegistration(PairRegistration&&) noexcept = default;
+PairRegistration& PairRegistration::operator=(PairRegistration&&) noexcept = default;
+PairRegistration::~PairRegistration() = default;
+
+const View& PairRegistration::target() const { return *impl_->target; }
+
+Localization PairRegistration::align(const View& view, const PoseWithCovariance& prior,
+                                     const std::vector<SegmentPair>* chosen) const {
+  Localization answer;
+  answer.camera = differenceFrom(impl_->camera, view);
+  answer.has_probabilities = impl_->registration.score().inNats();
+  if (chosen) check(*chosen, view, *impl_->target);
+  if (!prior.P.allFinite() || Eigen::LLT<Matrix6d>(prior.P).info() != Eigen::Success) {
+    answer.reason = "the covariance of the prior is not positive definite";
+    return answer;
+  }
+  const Query query(view, prior,
+                    answer.camera.sameMounting() ? impl_->of_floor : Matrix6d(Matrix6d::Zero()));
+  if (impl_->registration.mayFixPose(query))
+    answer.hypotheses = impl_->registration.align(query, *impl_->target, prior, chosen);
+  for (Hypothesis& h : answer.hypotheses) h.T_w_c = h.T_m_c.T;
+  impl_->ranking.rank(view, answer.hypotheses);
+  if (answer.hypotheses.empty()) answer.reason = whyNoHypothesis(query, impl_->params.tree);
+  return answer;
+}
+
+Localization PairRegistration::align(const View& view) const {
+  PoseWithCovariance prior;
+  const bool same_mounting = differenceFrom(impl_->camera, view).sameMounting();
+  prior.P = posePrior(same_mounting ? impl_->camera.mounting : std::nullopt, impl_->params.prior);
+  return align(view, prior);
+}
+
+}  // namespace facetloc
