@@ -6,9 +6,11 @@ cd "$(dirname "$0")/.."
 # What exists, as "MODULE/METHOD NUMBER"; an equation, whose number ends a line, with the number in parentheses.
 targets() {
   local file
-  for file in {features,segmentation,registration}/METHOD.md; do
+  for file in {features,segmentation,registration,registration/localization,registration/mapping}/METHOD.md; do
     [[ -f $file ]] || continue
-    sed -nE "s|^##+ ([0-9]+(\.[0-9]+)*)\.? .*|${file%.md} \1|p; s|.*(\([0-9]+\.[0-9]+\)) *$|${file%.md} \1|p" "$file"
+    local module=${file%/METHOD.md}
+    local method=${module##*/}/METHOD
+    sed -nE "s|^##+ ([0-9]+(\.[0-9]+)*)\.? .*|$method \1|p; s|.*(\([0-9]+\.[0-9]+\)) *$|$method \1|p" "$file"
   done
 }
 
@@ -63,8 +65,8 @@ references() {
       file = FILENAME
       in_code = 0
       split(file, folder, "/")
-      own_module = folder[1] == "test" ? folder[2] : folder[1]
-      if (own_module !~ /^(features|segmentation|registration)$/) own_module = ""
+      own_module = folder[1] == "test" || folder[2] ~ /^(localization|mapping)$/ ? folder[2] : folder[1]
+      if (own_module !~ /^(features|segmentation|registration|localization|mapping)$/) own_module = ""
     }
     FNR > 1 {
       following = $0

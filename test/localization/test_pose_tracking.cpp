@@ -163,7 +163,7 @@ TEST_F(TrackingInARoom, FollowsTheCameraAndKnowsItsError) {
   EXPECT_LT(translation, 0.015);
   EXPECT_LT(nees, 9);  // 6 if all errors were independent; no overconfidence but by models in common
   // White noise errs less than assumed by what is allowed for errors that neighbours share, and no less.
-  constexpr double kCorrelatedViews = 2;  // METHOD 15
+  constexpr double kCorrelatedViews = 2;  // mapping/METHOD 15
   const double caution = internal::kCorrelatedPixels * kCorrelatedViews *
                          std::pow(internal::DenseRefinementParams{}.pixel_error, 2);
   EXPECT_GT(nees, 6 / caution);

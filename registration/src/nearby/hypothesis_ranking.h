@@ -46,7 +46,7 @@ public:
   void rank(const View& scene, std::vector<Hypothesis>& hypotheses) const;
 
   /** \brief Scores the best hypotheses by the depth of the local models nearest to their world poses,
-   * whichever generated them, instead of their own model's alone (METHOD 11.1). The score is the
+   * whichever generated them, instead of their own model's alone (localization/METHOD 11.1). The score is the
    * consensus minus
    *
    *     w_c (ln(1 + c / c_0) + mean ln(1 + c_m / c_0)) + w_o mean ln(1 + o_m / c_0) + w_d d   [nats]

@@ -10,8 +10,8 @@ namespace facetloc::internal {
  * for a few degrees? */
 bool showsMounting(const View& view, const CameraMounting& mounting);
 
-/** \brief How the camera of a view differs from that of a map or another view; a camera without mounting has
- * that of the map where the view shows it. */
+/** \brief Difference between the camera of a view and a map's, or another view's. Where the view shows the
+ * mounting of the map's camera, a camera without mounting counts as mounted like it. */
 CameraDifference differenceFrom(const Camera& of_map, const View& view);
 
 }  // namespace facetloc::internal

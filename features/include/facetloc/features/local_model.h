@@ -41,7 +41,7 @@ struct LocalModel {
   View view;
   int part = 0;  ///< index of the part of the map
   /** \brief Score of the best wrong place for its view [nats], if the map was asked and has one
-   * (registration/METHOD 11.5). */
+   * (localization/METHOD 11.5). */
   std::optional<double> lookalike_score{};
   bool by_links = false;  ///< T_w_m follows from the map's links (placeByLinks()), and was not given
 

@@ -9,7 +9,7 @@
 
 /** \file
  * A map is asked about itself: how much do wrong places score in it? Nothing else tells a place that
- * looks like many from one that looks like no other where the map does not hold the right one (METHOD 11.5).
+ * looks like many from one that looks like no other where the map does not hold the right one (localization/METHOD 11.5).
  */
 
 namespace facetloc {
