@@ -20,6 +20,7 @@ namespace facetloc::csv {
 struct Row {
   int line = 0;  ///< where it begins, counted from 1
   std::vector<std::string> cells;
+  std::string text;  ///< as it is in the file, with the end of its line
 };
 
 /** \brief A row that ends before its line does. */
@@ -43,12 +44,14 @@ public:
 
 private:
   Row scanRow() {
-    Row row{line_, {}};
+    const std::size_t begin = position_;
+    Row row{line_, {}, {}};
     do row.cells.push_back(scanCell());
     while (take(','));
     take('\r');
     if (!take('\n') && position_ < content_.size()) fail(line_, "a comma or the end of the line is missing");
     ++line_;
+    row.text = content_.substr(begin, position_ - begin);
     return row;
   }
 
@@ -120,9 +123,6 @@ public:
   bool isTorn() const { return torn_; }
   const std::vector<Row>& rows() const { return rows_; }
 
-  bool hasColumn(std::string_view name) const {
-    return std::find(header_.begin(), header_.end(), name) != header_.end();
-  }
   /** \brief The place of a column. */
   std::size_t column(std::string_view name) const {
     const auto found = std::find(header_.begin(), header_.end(), name);

@@ -17,27 +17,45 @@
 namespace facetloc {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr const char* kHypotheses = "hypotheses.csv";
 constexpr const char* kTiming = "timing.csv";
 constexpr const char* kPoses = "poses_tum.txt";
 constexpr const char* kCovariances = "covariances.csv";
 constexpr const char* kStarts = "starts.csv";
 constexpr const char* kParams = "params.ini";
-constexpr std::array<const char*, 7> kModelPose = {"m_tx", "m_ty", "m_tz", "m_qx", "m_qy", "m_qz", "m_qw"};
-constexpr std::array<const char*, 7> kWorldPose = {"w_tx", "w_ty", "w_tz", "w_qx", "w_qy", "w_qz", "w_qw"};
 constexpr double kQuaternionTolerance = 1e-3;  // of |q|^2 as read
 constexpr int kTimeDecimals = 3;               // of milliseconds
 
+using PoseNames = std::array<std::string, 7>;
+const PoseNames kWorldPose = {"w_tx", "w_ty", "w_tz", "w_qx", "w_qy", "w_qz", "w_qw"};
+
+template <class... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
+};
+template <class... Cases>
+Overloaded(Cases...) -> Overloaded<Cases...>;
+
+bool isFinite(const ResultRow& row) {
+  const auto isFiniteIn =
+      Overloaded{[](double value) { return std::isfinite(value); },
+                 [](const Eigen::Isometry3d& T) { return T.matrix().allFinite(); },
+                 [](const std::optional<Eigen::Isometry3d>& T) { return !T || T->matrix().allFinite(); },
+                 [](const auto&) { return true; }};
+  const auto& columns = resultColumns();
+  return (!row.P_w_c || row.P_w_c->allFinite()) &&
+         std::all_of(columns.begin(), columns.end(), [&](const ResultColumn& column) {
+           return std::visit([&](auto member) { return isFiniteIn(row.*member); }, column.value);
+         });
+}
+
 void requireWritable(const FrameResult& frame) {
   if (frame.rows.empty()) throw std::invalid_argument("a frame of the results has no row");
-  for (const ResultRow& row : frame.rows) {
-    const bool finite = std::isfinite(row.probability) && std::isfinite(row.score) &&
-                        std::isfinite(row.sd_rot_deg) && std::isfinite(row.sd_trans_m) &&
-                        row.T_m_c.matrix().allFinite() && (!row.T_w_c || row.T_w_c->matrix().allFinite()) &&
-                        (!row.P_w_c || row.P_w_c->allFinite());
-    if (row.rank < 0 || !finite)
+  for (const ResultRow& row : frame.rows)
+    if (row.rank < 0 || !isFinite(row))
       throw std::invalid_argument("results of frame " + row.frame + " are not finite");
-  }
 }
 
 std::string poseCells(const std::optional<Eigen::Isometry3d>& T) {
@@ -48,29 +66,32 @@ std::string poseCells(const std::optional<Eigen::Isometry3d>& T) {
   return cells;
 }
 
-/** What a row with a hypothesis says between its rank and its reason. */
-std::string hypothesisCells(const ResultRow& row) {
-  return text::csvCell(row.model) + ',' + text::significant(row.probability) + ',' +
-         text::significant(row.score) + ',' + poseCells(row.T_m_c) + ',' + poseCells(row.T_w_c) + ',' +
-         text::significant(row.sd_rot_deg) + ',' + text::significant(row.sd_trans_m);
+std::string cellsOf(const ResultColumn& column, const ResultRow& row) {
+  if (row.rank == 0 && !column.has_always) return std::string(column.names().size() - 1, ',');
+  return std::visit(
+      Overloaded{[&](std::string ResultRow::*text) { return text::csvCell(row.*text); },
+                 [&](int ResultRow::*count) { return std::to_string(row.*count); },
+                 [&](double ResultRow::*number) { return text::significant(row.*number); },
+                 [&](AnswerState ResultRow::*state) { return std::string(toString(row.*state)); },
+                 [&](auto pose) { return poseCells(row.*pose); }},
+      column.value);
 }
 
-constexpr std::size_t kHypothesisCells = 3 + kModelPose.size() + kWorldPose.size() + 2;
-
 std::string hypothesesHeader() {
-  std::string header = "frame,rank,model,probability,score";
-  for (const auto& names : {kModelPose, kWorldPose})
-    for (const char* name : names) header.append(",").append(name);
-  return header + ",sd_rot_deg,sd_trans_m,reason,state,part\n";
+  std::string header;
+  for (const ResultColumn& column : resultColumns())
+    for (const std::string& name : column.names()) header.append(header.empty() ? "" : ",").append(name);
+  return header + "\n";
 }
 
 std::string hypothesesLines(const FrameResult& frame) {
-  static const std::string no_hypothesis(kHypothesisCells - 1, ',');
   std::string lines;
-  for (const ResultRow& row : frame.rows)
-    lines += text::csvCell(row.frame) + ',' + std::to_string(row.rank) + ',' +
-             (row.rank ? hypothesisCells(row) : no_hypothesis) + ',' + text::csvCell(row.reason) + ',' +
-             toString(row.state) + ',' + text::csvCell(row.part) + '\n';
+  for (const ResultRow& row : frame.rows) {
+    std::string line;
+    for (const ResultColumn& column : resultColumns())
+      line.append(&column == &resultColumns().front() ? "" : ",").append(cellsOf(column, row));
+    lines += line + "\n";
+  }
   return lines;
 }
 
@@ -108,135 +129,213 @@ std::string timingLine(const FrameResult& frame) {
   return line + ',' + std::to_string(t.models) + '\n';
 }
 
+bool isOnTrajectory(const ResultRow& row) {
+  return row.rank == 1 && row.T_w_c && row.part.empty() && row.state == AnswerState::sure;
+}
+
 std::string poseLines(const FrameResult& frame) {
   std::string lines;
   for (const ResultRow& row : frame.rows)
-    if (row.rank == 1 && row.T_w_c && row.part.empty() && row.state == AnswerState::sure)
-      lines += tum::line({frame.stamp, *row.T_w_c});
+    if (isOnTrajectory(row)) lines += tum::line({frame.stamp, *row.T_w_c});
   return lines;
 }
 
-/** What a file holds of all frames. */
-template <class LinesOf>
-void writeAll(const std::filesystem::path& path, const std::string& header,
-              const std::vector<FrameResult>& frames, const LinesOf& linesOf) {
-  writeTextAtomically(path, [&](std::ostream& out) {
-    out << header;
-    for (const FrameResult& frame : frames) out << linesOf(frame);
-  });
-}
-
-Eigen::Isometry3d readPose(const csv::Table& table, const csv::Row& row,
-                           const std::array<const char*, 7>& names) {
+Eigen::Isometry3d readPose(const csv::Table& table, const csv::Row& row, const PoseNames& names) {
   PoseColumns columns;
   for (std::size_t i = 0; i < names.size(); ++i) columns[i] = table.real(row, names[i]);
   if (const char* fault = faultOf(columns, kQuaternionTolerance))
-    table.fail(row, std::string(names[0]) + " to " + names[6] + " " + fault);
+    table.fail(row, names.front() + " to " + names.back() + " " + fault);
   return *fromColumns(columns, kQuaternionTolerance);
 }
 
-bool allEmpty(const csv::Table& table, const csv::Row& row, const std::array<const char*, 7>& names) {
+bool allEmpty(const csv::Table& table, const csv::Row& row, const PoseNames& names) {
   return std::all_of(names.begin(), names.end(),
-                     [&](const char* name) { return text::trimmed(table.string(row, name)).empty(); });
+                     [&](const std::string& name) { return text::trimmed(table.string(row, name)).empty(); });
 }
 
-std::optional<AnswerState> stateIn(const csv::Table& table, const csv::Row& row) {
-  if (!table.hasColumn("state")) return {};
-  const auto state = answerStateOf(table.string(row, "state"));
-  if (!state) table.fail(row, "state is none of sure, doubtful, unknown");
-  return state;
+AnswerState stateIn(const csv::Table& table, const csv::Row& row, const std::string& name) {
+  const auto state = answerStateOf(table.string(row, name));
+  if (!state) table.fail(row, name + " is none of sure, doubtful, unknown");
+  return *state;
+}
+
+double numberIn(const csv::Table& table, const csv::Row& row, const ResultColumn& column) {
+  const double number = table.real(row, column.name);
+  if (number < column.least || number > column.most)
+    table.fail(row, std::string(column.name) + (std::isinf(column.most)
+                                                    ? " is negative"
+                                                    : " is not between " + text::shortest(column.least) +
+                                                          " and " + text::shortest(column.most)));
+  return number;
+}
+
+PoseNames poseNames(const ResultColumn& column) {
+  PoseNames names;
+  const std::vector<std::string> all = column.names();
+  std::copy(all.begin(), all.end(), names.begin());
+  return names;
+}
+
+void readColumn(const csv::Table& table, const csv::Row& row, const ResultColumn& column, ResultRow& into) {
+  std::visit(
+      Overloaded{[&](std::string ResultRow::*text) { into.*text = table.string(row, column.name); },
+                 [&](int ResultRow::*count) { into.*count = table.count(row, column.name); },
+                 [&](double ResultRow::*number) { into.*number = numberIn(table, row, column); },
+                 [&](AnswerState ResultRow::*state) { into.*state = stateIn(table, row, column.name); },
+                 [&](Eigen::Isometry3d ResultRow::*T) { into.*T = readPose(table, row, poseNames(column)); },
+                 [&](std::optional<Eigen::Isometry3d> ResultRow::*T) {
+                   if (!allEmpty(table, row, poseNames(column)))
+                     into.*T = readPose(table, row, poseNames(column));
+                 }},
+      column.value);
 }
 
 ResultRow readRow(const csv::Table& table, const csv::Row& row) {
   ResultRow result;
-  result.frame = table.string(row, "frame");
-  result.rank = table.count(row, "rank");
-  result.reason = table.string(row, "reason");
-  const std::optional<AnswerState> state = stateIn(table, row);
-  if (result.rank == 0) return result;
-  result.state = state.value_or(AnswerState::doubtful);
-  result.model = table.string(row, "model");
-  if (table.hasColumn("part")) result.part = table.string(row, "part");
-  result.probability = table.real(row, "probability");
-  if (!plausible::isProbability(result.probability)) table.fail(row, "probability is not between 0 and 1");
-  result.score = table.real(row, "score");
-  result.T_m_c = readPose(table, row, kModelPose);
-  if (!allEmpty(table, row, kWorldPose)) result.T_w_c = readPose(table, row, kWorldPose);
-  result.sd_rot_deg = table.real(row, "sd_rot_deg");
-  result.sd_trans_m = table.real(row, "sd_trans_m");
-  if (result.sd_rot_deg < 0 || result.sd_trans_m < 0) table.fail(row, "a standard deviation is negative");
+  for (const ResultColumn& column : resultColumns())  // the rank is among the first
+    if (column.has_always || result.rank > 0) readColumn(table, row, column, result);
+  if (result.rank == 0) result.state = AnswerState::unknown;
   return result;
 }
 
-std::filesystem::path created(const std::filesystem::path& folder) {
+csv::Table tableOf(const fs::path& path, const Remark& remark) {
+  csv::Table table(path, remark != nullptr);
+  if (table.isTorn()) remark(path.string() + ": its last line is torn, and left out");
+  return table;
+}
+
+csv::Table tableWithoutTornLine(const fs::path& path) {
+  return tableOf(path, [](const std::string&) {});
+}
+
+fs::path created(const fs::path& folder) {
   createFolders(folder);
   return folder;
 }
 
 }  // namespace
 
-void writeResults(const std::filesystem::path& folder, const std::vector<FrameResult>& frames,
-                  const std::string& params_ini) {
-  for (const FrameResult& frame : frames) requireWritable(frame);
-  createFolders(folder);
-  writeTextAtomically(folder / kParams, [&](std::ostream& out) { out << params_ini; });
-  writeAll(folder / kTiming, kTimingHeader, frames, timingLine);
-  writeAll(folder / kPoses, tum::kHeader, frames, poseLines);
-  writeAll(folder / kCovariances, covariancesHeader(), frames, covarianceLine);
-  writeAll(folder / kHypotheses, hypothesesHeader(), frames, hypothesesLines);
+std::vector<std::string> ResultColumn::names() const {
+  const bool is_pose = std::holds_alternative<Eigen::Isometry3d ResultRow::*>(value) ||
+                       std::holds_alternative<std::optional<Eigen::Isometry3d> ResultRow::*>(value);
+  if (!is_pose) return {name};
+  std::vector<std::string> names;
+  for (const std::string& in_world : kWorldPose) names.push_back(name[2] + in_world.substr(1));
+  return names;
 }
 
-ResultsWriter::ResultsWriter(const std::filesystem::path& folder, const std::string& params_ini)
-    : timing_(created(folder) / kTiming, kTimingHeader),
-      poses_(folder / kPoses, tum::kHeader),
-      covariances_(folder / kCovariances, covariancesHeader()),
-      hypotheses_(folder / kHypotheses, hypothesesHeader()) {
+const std::vector<ResultColumn>& resultColumns() {
+  using R = ResultRow;
+  static const std::vector<ResultColumn> columns = {
+      {"frame", &R::frame, "name of the image", "", true},
+      {"rank", &R::rank, "1 = best; 0 = no pose", "", true},
+      {"model", &R::model, "local model by which the pose was found"},
+      {"probability", &R::probability, "of the pose, against all others and none", "", false, 0, 1},
+      {"score", &R::score, "evidence that the probability comes from", "nats"},
+      {"T_m_c", &R::T_m_c, "camera in the local model: position, quaternion x y z w", "m"},
+      {"T_w_c", &R::T_w_c, "camera (x right, y down, z forward) in the world, if the map has poses", "m"},
+      {"sd_rot_deg", &R::sd_rot_deg, "largest standard deviation of the orientation", "deg", false, 0},
+      {"sd_trans_m", &R::sd_trans_m, "largest standard deviation of the position", "m", false, 0},
+      {"reason", &R::reason, "why there is no pose, or what to know of it", "", true},
+      {"state", &R::state, "of the image: sure, doubtful or unknown", "", true},
+      {"part", &R::part, "part of the map in whose frame the poses are; empty: the world"}};
+  return columns;
+}
+
+/** What each file has of one frame or of several. */
+struct ResultsWriter::Text {
+  std::string timing, poses, covariances, hypotheses;
+
+  Text() = default;
+  explicit Text(const FrameResult& frame)
+      : timing(timingLine(frame)),
+        poses(poseLines(frame)),
+        covariances(covarianceLine(frame)),
+        hypotheses(hypothesesLines(frame)) {}
+  explicit Text(const std::vector<FrameResult>& frames) {
+    for (const FrameResult& frame : frames) add(Text(frame));
+  }
+  /** As it is in a folder. */
+  Text(const fs::path& folder, const std::vector<ResultFrame>& kept) {
+    if (kept.empty()) return;
+    std::map<std::string, Text> frames = readFrames(folder);
+    for (const auto& [name, stamp] : kept) {
+      Text& frame = frames[name];
+      if (frame.timing.empty() || frame.hypotheses.empty()) continue;
+      if (!frame.poses.empty()) frame.poses = text::decimals(stamp, tum::kStampDecimals) + frame.poses + "\n";
+      add(frame);
+    }
+  }
+
+private:
+  /** Of each frame; what is on the trajectory lacks its stamp. */
+  static std::map<std::string, Text> readFrames(const fs::path& folder) {
+    std::map<std::string, Text> frames;
+    const csv::Table timing = tableWithoutTornLine(folder / kTiming);
+    for (const csv::Row& row : timing.rows()) frames[timing.string(row, "frame")].timing = row.text;
+    const csv::Table covariances = tableWithoutTornLine(folder / kCovariances);
+    for (const csv::Row& row : covariances.rows())
+      frames[covariances.string(row, "frame")].covariances = row.text;
+    const csv::Table hypotheses = tableWithoutTornLine(folder / kHypotheses);
+    for (const csv::Row& row : hypotheses.rows()) {
+      Text& frame = frames[hypotheses.string(row, "frame")];
+      frame.hypotheses += row.text;
+      if (!isOnTrajectory(readRow(hypotheses, row))) continue;
+      for (const std::string& name : kWorldPose) frame.poses += " " + hypotheses.string(row, name);
+    }
+    return frames;
+  }
+
+  void add(const Text& other) {
+    timing += other.timing;
+    poses += other.poses;
+    covariances += other.covariances;
+    hypotheses += other.hypotheses;
+  }
+};
+
+void writeResults(const fs::path& folder, const std::vector<FrameResult>& frames,
+                  const std::string& params_ini) {
+  for (const FrameResult& frame : frames) requireWritable(frame);
+  ResultsWriter(folder, params_ini, ResultsWriter::Text(frames));
+}
+
+ResultsWriter::ResultsWriter(const fs::path& folder, const std::string& params_ini,
+                             const std::vector<ResultFrame>& kept)
+    : ResultsWriter(folder, params_ini, Text(folder, kept)) {}
+
+ResultsWriter::ResultsWriter(const fs::path& folder, const std::string& params_ini, const Text& begin)
+    : timing_(created(folder) / kTiming, kTimingHeader + begin.timing),
+      poses_(folder / kPoses, tum::kHeader + begin.poses),
+      covariances_(folder / kCovariances, covariancesHeader() + begin.covariances),
+      hypotheses_(folder / kHypotheses, hypothesesHeader() + begin.hypotheses) {
   writeTextAtomically(folder / kParams, [&](std::ostream& out) { out << params_ini; });
 }
 
 void ResultsWriter::append(const FrameResult& frame) {
   requireWritable(frame);
-  timing_.append(timingLine(frame));
-  poses_.append(poseLines(frame));
-  covariances_.append(covarianceLine(frame));
-  hypotheses_.append(hypothesesLines(frame));
+  const Text text(frame);
+  hypotheses_.append(text.hypotheses);
+  covariances_.append(text.covariances);
+  poses_.append(text.poses);
+  timing_.append(text.timing);  // with which the frame counts
 }
 
-bool isResultsFolder(const std::filesystem::path& folder) {
+bool isResultsFolder(const fs::path& folder) {
   std::error_code ignored;
-  return std::filesystem::exists(folder / kHypotheses, ignored);
+  return fs::exists(folder / kHypotheses, ignored);
 }
 
-namespace {
-
-csv::Table tableOf(const std::filesystem::path& path, const Remark& remark) {
-  csv::Table table(path, remark != nullptr);
-  if (table.isTorn()) remark(path.string() + ": its last line is torn, and left out");
-  return table;
-}
-
-/** Of results that were written before there were states. */
-void addStates(std::vector<ResultRow>& rows) {
-  std::map<std::string, AnswerState> states;
-  for (const ResultRow& row : rows)
-    if (row.rank == 1 && row.probability >= kMinProbability) states[row.frame] = AnswerState::sure;
-  for (ResultRow& row : rows)
-    if (row.rank > 0 && states.count(row.frame)) row.state = AnswerState::sure;
-}
-
-}  // namespace
-
-std::vector<ResultRow> readHypotheses(const std::filesystem::path& folder, const Remark& remark) {
+std::vector<ResultRow> readHypotheses(const fs::path& folder, const Remark& remark) {
   const csv::Table table = tableOf(folder / kHypotheses, remark);
   std::vector<ResultRow> rows;
   for (const csv::Row& row : table.rows()) rows.push_back(readRow(table, row));
-  if (!table.hasColumn("state")) addStates(rows);
   return rows;
 }
 
-std::map<std::string, Matrix6d> readCovariances(const std::filesystem::path& folder, const Remark& remark) {
+std::map<std::string, Matrix6d> readCovariances(const fs::path& folder, const Remark& remark) {
   std::map<std::string, Matrix6d> covariances;
-  if (!std::filesystem::exists(folder / kCovariances)) return covariances;
+  if (!fs::exists(folder / kCovariances)) return covariances;
   const csv::Table table = tableOf(folder / kCovariances, remark);
   for (const csv::Row& row : table.rows()) {
     Matrix6d P;
@@ -248,7 +347,7 @@ std::map<std::string, Matrix6d> readCovariances(const std::filesystem::path& fol
   return covariances;
 }
 
-std::vector<TimingRow> readTiming(const std::filesystem::path& folder, const Remark& remark) {
+std::vector<TimingRow> readTiming(const fs::path& folder, const Remark& remark) {
   const csv::Table table = tableOf(folder / kTiming, remark);
   std::vector<TimingRow> rows;
   for (const csv::Row& row : table.rows())
@@ -257,10 +356,25 @@ std::vector<TimingRow> readTiming(const std::filesystem::path& folder, const Rem
   return rows;
 }
 
-void writeStarts(const std::filesystem::path& folder, const std::vector<StartAnswer>& answers) {
+std::map<std::string, FrameResult> readResults(const fs::path& folder) {
+  const Remark ignored = [](const std::string&) {};
+  std::map<std::string, FrameResult> frames;
+  for (TimingRow& timing : readTiming(folder, ignored)) frames[timing.frame].timing = std::move(timing);
+  for (ResultRow& row : readHypotheses(folder, ignored))
+    if (const auto found = frames.find(row.frame); found != frames.end())
+      found->second.rows.push_back(std::move(row));
+  for (auto frame = frames.begin(); frame != frames.end();)
+    frame = frame->second.rows.empty() ? frames.erase(frame) : std::next(frame);
+  for (const auto& [name, covariance] : readCovariances(folder, ignored))
+    if (const auto found = frames.find(name); found != frames.end())
+      found->second.rows.front().P_w_c = covariance;
+  return frames;
+}
+
+void writeStarts(const fs::path& folder, const std::vector<StartAnswer>& answers) {
   writeTextAtomically(folder / kStarts, [&](std::ostream& out) {
     out << "start,frame,state,probability";
-    for (const char* name : kWorldPose) out << ',' << name;
+    for (const std::string& name : kWorldPose) out << ',' << name;
     out << '\n';
     for (const StartAnswer& answer : answers)
       out << text::csvCell(answer.start) << ',' << text::csvCell(answer.frame) << ','
@@ -269,13 +383,13 @@ void writeStarts(const std::filesystem::path& folder, const std::vector<StartAns
   });
 }
 
-std::vector<StartAnswer> readStarts(const std::filesystem::path& folder, const Remark& remark) {
+std::vector<StartAnswer> readStarts(const fs::path& folder, const Remark& remark) {
   std::vector<StartAnswer> answers;
-  if (!std::filesystem::exists(folder / kStarts)) return answers;
+  if (!fs::exists(folder / kStarts)) return answers;
   const csv::Table table = tableOf(folder / kStarts, remark);
   for (const csv::Row& row : table.rows()) {
     StartAnswer answer{table.string(row, "start"), table.string(row, "frame"), {}, 0, {}};
-    answer.state = stateIn(table, row).value_or(AnswerState::unknown);
+    answer.state = stateIn(table, row, "state");
     answer.probability = table.real(row, "probability");
     if (!allEmpty(table, row, kWorldPose)) answer.T_w_c = readPose(table, row, kWorldPose);
     answers.push_back(std::move(answer));

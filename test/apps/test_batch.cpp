@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/batch.h"
 #include "base/progress.h"
-#include "tool_runner.h"
+#include "process.h"
+#include "base/shared_batch.h"
 
 #include <facetloc/io/error.h>
 
@@ -26,7 +27,7 @@ using testing::IsEmpty;
 class BatchTest : public testing::TestWithParam<int> {
 protected:
   std::ostringstream out_, err_;
-  Console console_{out_, err_, false, false, "facetloc_test"};
+  const Console console_{out_, err_, false, false, "facetloc_test"};
   static std::string name(std::size_t i) { return "image" + std::to_string(i); }
 };
 
@@ -112,6 +113,94 @@ TEST_P(BatchTest, NothingToDo) {
   EXPECT_EQ(batch.report(), kOk);
 }
 
+using Numbers = SharedBatch<std::vector<std::size_t>, std::size_t>;
+
+class SharedBatchTest : public BatchTest {
+protected:
+  using Job = std::function<std::size_t(std::size_t item, int worker)>;
+  Numbers batch(const Job& job) const {
+    return {GetParam(), console_, [job](const std::vector<std::size_t>&, int) {
+              return Numbers::Work{name, job};
+            }};
+  }
+};
+
+/** The first item ends when all are done that may run ahead of it. */
+TEST_P(SharedBatchTest, HandsOutResultsInOrder) {
+  const int threads = GetParam();
+  std::atomic<std::size_t> begun{0};
+  std::vector<std::size_t> taken;
+  Numbers squares(threads, console_, [&](const std::vector<std::size_t>& order, int workers) {
+    const std::size_t ahead = workers > 1 ? 8 * static_cast<std::size_t>(workers) : 1;
+    return Numbers::Work{name, [&, order, ahead](std::size_t item, int) {
+                           ++begun;
+                           if (item == 0) {
+                             EXPECT_TRUE(test::eventually([&] { return begun == ahead; }));
+                           }
+                           return order[item] * order[item];
+                         }};
+  });
+  std::vector<std::size_t> order(200);
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = 3 * i;
+  EXPECT_FALSE(squares.helped());
+  squares.run(order, order.size(),
+              [&](std::size_t item, std::optional<std::size_t>&& square, const std::string&) {
+                EXPECT_EQ(item, taken.size());
+                taken.push_back(square.value());
+              });
+  ASSERT_EQ(taken.size(), order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) EXPECT_EQ(taken[i], 9 * i * i);
+  EXPECT_EQ(squares.report(), kOk);
+}
+
+TEST_P(SharedBatchTest, OneBadItemStopsNothing) {
+  Numbers numbers = batch([](std::size_t item, int) {
+    if (item == 7) throw std::runtime_error("is torn");
+    return item;
+  });
+  std::size_t taken = 0;
+  numbers.run({}, 10,
+              [&](std::size_t item, const std::optional<std::size_t>& number, const std::string& reason) {
+                ++taken;
+                EXPECT_EQ(number.has_value(), item != 7);
+                EXPECT_EQ(reason, item == 7 ? "is torn" : "");
+              });
+  EXPECT_EQ(taken, 10u);
+  EXPECT_EQ(numbers.report(), kFailed);
+  EXPECT_EQ(err_.str(), "facetloc_test: image7: is torn\nfacetloc_test: 1 of 10 items failed\n");
+}
+
+TEST_P(SharedBatchTest, StopsWhereNothingCanBeWritten) {
+  Numbers failing = batch([](std::size_t item, int) {
+    if (item == 5) throw WriteError("out/5.png", "No space left on device");
+    return item;
+  });
+  EXPECT_THROW(failing.run({}, 1000, [](std::size_t, auto&&, const std::string&) {}), WriteError);
+  std::size_t taken = 0;
+  Numbers numbers = batch([](std::size_t item, int) { return item; });
+  const auto take = [&](std::size_t item, auto&&, const std::string&) {
+    ++taken;
+    if (item == 5) throw WriteError("results.csv", "No space left on device");
+  };
+  EXPECT_THROW(numbers.run({}, 1000, take), WriteError);
+  EXPECT_EQ(taken, 6u);
+}
+
+TEST_P(SharedBatchTest, HandsOutAllThatIsDoneAtCtrlC) {
+  std::atomic<std::size_t> done{0};
+  std::size_t taken = 0;
+  Numbers numbers = batch([&](std::size_t item, int) {
+    if (item == 20) std::raise(SIGINT);
+    ++done;
+    return item;
+  });
+  const auto run = [&] { numbers.run({}, 1000, [&](std::size_t, auto&&, const std::string&) { ++taken; }); };
+  EXPECT_THAT(run, testing::ThrowsMessage<Stopped>(
+                       testing::AllOf(HasSubstr("stopped after "), HasSubstr(" of 1000 images"))));
+  EXPECT_EQ(taken, done);
+}
+
+INSTANTIATE_TEST_SUITE_P(Threads, SharedBatchTest, testing::Values(0, 1, 2, 5));
 INSTANTIATE_TEST_SUITE_P(Threads, BatchTest, testing::Values(0, 1, 2, 5));
 
 TEST(Progress, LineTellsRateAndTimeLeft) {

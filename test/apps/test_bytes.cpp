@@ -3,7 +3,6 @@
 #include "example_scene.h"
 
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/results.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <gmock/gmock.h>
@@ -28,14 +27,14 @@ void expectSurvives(const T& value) {
 
 TEST(Bytes, LocalModelsSurvive) {
   const LocalModel model{"a model", 1.0 / 3, Eigen::Isometry3d(Eigen::Translation3d(1, 2, 3)), exampleView()};
-  const std::vector<PackedModel> models = {packed(model), {}};
-  expectSurvives(models);
-  const auto again = fromBytes<std::vector<PackedModel>>(toBytes(models));
-  ASSERT_EQ(again.size(), 2u);
-  EXPECT_EQ(again[0].model.name, model.name);
-  EXPECT_EQ(again[0].model.stamp, model.stamp);
-  EXPECT_EQ(again[0].model.T_w_m->matrix(), model.T_w_m->matrix());
-  const View &sent = model.view, &received = again[0].model.view;
+  const PackedModel sent_model = packed(model);
+  expectSurvives(sent_model);
+  expectSurvives(PackedModel());
+  const auto again = fromBytes<PackedModel>(toBytes(sent_model));
+  EXPECT_EQ(again.model.name, model.name);
+  EXPECT_EQ(again.model.stamp, model.stamp);
+  EXPECT_EQ(again.model.T_w_m->matrix(), model.T_w_m->matrix());
+  const View &sent = model.view, &received = again.model.view;
   ASSERT_FALSE(sent.segments.empty());
   EXPECT_EQ(received.intrinsics, sent.intrinsics);
   EXPECT_EQ(received.depth.camera, sent.depth.camera);
@@ -50,21 +49,20 @@ TEST(Bytes, LocalModelsSurvive) {
     EXPECT_EQ(a.num_points, b.num_points);
     EXPECT_TRUE(std::equal(a.hull.begin(), a.hull.end(), b.hull.begin(), b.hull.end()));
   }
-  EXPECT_EQ(again[0].depth, models[0].depth);
-  EXPECT_FALSE(again[1].model.T_w_m);
+  EXPECT_EQ(again.depth, sent_model.depth);
 }
 
 TEST(Bytes, DistortionsSurvive) {
   DepthDistortion::Values values;
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = 1.0 / (3.0 + static_cast<double>(i));
-  const std::optional<DepthDistortion> distortion(
-      DepthDistortion(DepthDistortion::extentOf(kinectIntrinsics()), values));
-  const auto again = fromBytes<std::optional<DepthDistortion>>(toBytes(distortion));
+  const DepthDistortion distortion(DepthDistortion::extentOf(kinectIntrinsics()), values);
+  const auto [images, again] = fromBytes<ModelsOrder>(toBytes(ModelsOrder{{3, 5}, distortion}));
+  EXPECT_THAT(images, testing::ElementsAre(3u, 5u));
   ASSERT_TRUE(again);
-  EXPECT_EQ(again->extent().min(), distortion->extent().min());
-  EXPECT_EQ(again->extent().max(), distortion->extent().max());
+  EXPECT_EQ(again->extent().min(), distortion.extent().min());
+  EXPECT_EQ(again->extent().max(), distortion.extent().max());
   EXPECT_EQ(again->values(), values);
-  EXPECT_FALSE(fromBytes<std::optional<DepthDistortion>>(toBytes(std::optional<DepthDistortion>())));
+  EXPECT_FALSE(fromBytes<ModelsOrder>(toBytes(ModelsOrder())).second);
 }
 
 TEST(Bytes, ResultsSurvive) {
@@ -75,28 +73,28 @@ TEST(Bytes, ResultsSurvive) {
   result.rows[1].reason = "a \"reason\"\nof two lines";
   result.rows[1].T_w_c = Eigen::Isometry3d::Identity();
   result.rows[1].part = "a part";
-  expectSurvives(std::vector<FrameResult>{result, {}});
-  const auto again = fromBytes<std::vector<FrameResult>>(toBytes(std::vector<FrameResult>{result}));
-  EXPECT_EQ(again.at(0).timing.frame, "frame");
-  EXPECT_EQ(again.at(0).rows.at(1).reason, result.rows[1].reason);
-  EXPECT_EQ(again.at(0).rows.at(1).part, "a part");
+  expectSurvives(LocalizedImage{result, {1.0 / 3, 60, 2}});
+  const auto [again, traits] = fromBytes<LocalizedImage>(toBytes(LocalizedImage{result, {1.0 / 3, 60, 2}}));
+  EXPECT_EQ(again.timing.frame, "frame");
+  EXPECT_EQ(again.rows.at(1).reason, result.rows[1].reason);
+  EXPECT_EQ(again.rows.at(1).part, "a part");
+  EXPECT_EQ(traits.noise, 1.0 / 3);
 }
 
 TEST(Bytes, TornOnesAreRefused) {
-  const std::string bytes = toBytes(std::vector<PackedModel>{packed({"a", 1, {}, exampleView()})});
+  const std::string bytes = toBytes(packed({"a", 1, {}, exampleView()}));
   for (std::size_t n = 0; n < bytes.size(); n += 97)
-    EXPECT_THROW(fromBytes<std::vector<PackedModel>>(bytes.substr(0, n)), std::exception) << n;
-  EXPECT_THROW(fromBytes<std::vector<PackedModel>>(bytes + "x"), std::runtime_error);
+    EXPECT_THROW(fromBytes<PackedModel>(bytes.substr(0, n)), std::exception) << n;
+  EXPECT_THROW(fromBytes<PackedModel>(bytes + "x"), std::runtime_error);
   EXPECT_THROW(fromBytes<std::vector<std::string>>(std::string(8, '\xFF')), std::runtime_error);
 }
 
 TEST(Bytes, DistortionsOverNothingAreRefused) {
-  using Distortion = std::optional<DepthDistortion>;
-  std::string bytes = toBytes(Distortion(DepthDistortion()));
-  constexpr std::size_t kLow = sizeof(std::size_t),
-                        kCorner = 2 * sizeof(double);                   // behind the optional's count
+  std::string bytes = toBytes(ModelsOrder{{}, DepthDistortion()});
+  constexpr std::size_t kLow = 2 * sizeof(std::size_t),
+                        kCorner = 2 * sizeof(double);                   // behind two counts
   bytes.replace(kLow, kCorner, bytes.substr(kLow + kCorner, kCorner));  // the lower corner is the upper one
-  EXPECT_THROW(fromBytes<Distortion>(bytes), std::runtime_error);
+  EXPECT_THROW(fromBytes<ModelsOrder>(bytes), std::runtime_error);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include "tool_runner.h"
 
 #include <facetloc/features/params.h>
-#include <facetloc/localization/localization_params.h>
 
 #include <gmock/gmock.h>
 
@@ -136,20 +135,6 @@ TEST(CommandLine, MisspeltOptionsAreRefused) {
   expectUsageError(echo({"a", "--angular", "2"}), "unrecognised option '--angular'");  // no guessing
   expectUsageError(echo({"a", "-oops"}), "unrecognised option '-oops'");               // is not -o oops
   expectUsageError(echo({"--INPUT=a"}), "unrecognised option '--INPUT'");
-}
-
-TEST(CommandLine, OptionsOfVersion01AreToldTheirNewNames) {
-  expectUsageError(echo({"a", "--max_pairs", "3"}),
-                   "unrecognised option '--max_pairs'");  // not one of this tool
-  class OfEkf : public App {
-  public:
-    OfEkf() : App("facetloc_echo", "", "") {}
-    void addOptions(CommandLine& line) override { line.addParams(params_); }
-    int execute(const CommandLine&, const Console&) override { return kOk; }
-    GlobalLocalizationParams params_;
-  };
-  expectUsageError(runTool<OfEkf>({"--ekf-iterations", "3"}),
-                   "unrecognised option '--ekf-iterations'; it is called --ekf.iterations since version 0.2");
 }
 
 TEST(CommandLine, AChoiceGoesByName) {

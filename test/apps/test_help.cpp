@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/old_options.h"
 #include "base/presets.h"
 #include "evaluation/evaluate_app.h"
 #include "live/live_app.h"
@@ -51,22 +50,6 @@ TEST(Help, EachOptionIsUnderstoodAlone) {
       EXPECT_THAT(help.substr(std::min(help.size(), help.find("Options:"))),
                   testing::Not(testing::HasSubstr(words)))
           << tool;
-}
-
-TEST(Help, OptionsOfVersion01LeadToOnesThatThereAre) {
-  std::string all;
-  for (const auto& [tool, help] : helpOfAll("--help-all")) all += help;
-  std::istringstream words(all);
-  std::size_t groups = 0;
-  for (std::string word; words >> word;) {
-    if (word.rfind("--", 0) != 0 || word.find('.') == std::string::npos) continue;
-    ++groups;
-    EXPECT_EQ(newNameOf(word.substr(2)), "") << "the name of an option of today was one of version 0.1, too";
-  }
-  EXPECT_GT(groups, 100u);
-  for (const char* old : {"ekf_iterations", "min_segment", "min_support", "shortlist", "floor_std",
-                          "key_distance", "noise_factor", "max_translation", "model_distance", "faithful"})
-    EXPECT_THAT(all, testing::HasSubstr("--" + newNameOf(old) + " ")) << old;
 }
 
 /** What a preset sets that no tool has would be left out without a word. */

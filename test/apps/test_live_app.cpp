@@ -135,9 +135,13 @@ using test::TemporaryFolder;
 using test::ToolRun;
 using testing::HasSubstr;
 
+// Slow enough for a busy machine, which would drop most of the frames otherwise.
+constexpr const char* kSlowly = "0.3";
+
 TEST_F(LiveTool, PlaysASequenceAsACamera) {
   const std::string results = folder_ / "results";
-  const ToolRun run = runLive({"--device", sequence(), "--headless", "--results", results});
+  const ToolRun run =
+      runLive({"--device", sequence(), "--headless", "--results", results, "--speed", kSlowly});
   EXPECT_EQ(run.code, kOk) << run.err;
   expectWholeResults(results, 20);
   EXPECT_THAT(lastLine(run.out), HasSubstr("40 frames received"));
@@ -148,7 +152,8 @@ TEST_F(LiveTool, PlaysASequenceAsACamera) {
 
 TEST_F(LiveTool, LocalizesInAMap) {
   const std::string results = folder_ / "results";
-  const ToolRun run = runLive({"--device", sequence(), "--map", map(), "--headless", "--results", results});
+  const ToolRun run = runLive(
+      {"--device", sequence(), "--map", map(), "--headless", "--results", results, "--speed", kSlowly});
   EXPECT_EQ(run.code, kOk) << run.err;
   expectWholeResults(results, 20);
   const Trajectory truth = readTumTrajectory(sequence() + "/groundtruth.txt");
@@ -185,7 +190,8 @@ TEST_F(LiveTool, RecordsWhatItSees) {
   const ToolRun run = runLive({"--device", sequence(), "--headless", "--record", file});
   EXPECT_EQ(run.code, kOk) << run.err;
   EXPECT_THAT(run.err, HasSubstr("recorded to " + file));
-  const ToolRun played = runLive({"--device", file, "--headless", "--results", folder_ / "played"});
+  const ToolRun played =
+      runLive({"--device", file, "--headless", "--results", folder_ / "played", "--speed", kSlowly});
   EXPECT_EQ(played.code, kOk) << played.err;
   expectWholeResults(folder_ / "played", 10);
 }

@@ -80,9 +80,9 @@ TEST_F(LiveTool, FindsADeviceThatComesLater) {
   const std::string folder = folder_ / "camera.oni";
   LiveProcess process({"--device", folder, "--headless", "--wait"});
   ASSERT_TRUE(eventually([&] { return process.err().find("waiting for it") != std::string::npos; }));
-  // A recording of two frames in the place where it is waited for.
+  // A recording in the place where it is waited for.
   const ToolRun record =
-      runLive({"--device", sequence(), "--headless", "--record", folder_ / "new.oni", "--duration", "1"});
+      runLive({"--device", sequence(), "--headless", "--record", folder_ / "new.oni", "--max-frames", "3"});
   ASSERT_EQ(record.code, kOk) << record.err;
   fs::rename(folder_ / "new.oni", folder);
   const ToolRun run = process.wait();

@@ -274,31 +274,59 @@ TEST_F(Tools, LocalizeResumesWhereItsFilesDiffer) {
   EXPECT_EQ(answered, std::set<std::string>(frames.begin(), frames.end()));
 }
 
-TEST_F(Tools, LocalizeKeepsOldResultsUntilTheNewOnesAreWhole) {
-  const std::string results = folder_ / "results";
-  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
-  const char* files[] = {"/hypotheses.csv", "/poses_tum.txt", "/covariances.csv",
-                         "/timing.csv",     "/params.ini",    "/images.txt"};
-  std::map<std::string, std::string> old;
-  for (const char* file : files) old[file] = contentOf(results + file);
-  const std::vector<std::string> other = {map(), query(), "-o", results, "--labels.min_support", "99"};
+constexpr const char* kSameInEachRun[] = {"/hypotheses.csv", "/poses_tum.txt", "/covariances.csv",
+                                          "/params.ini", "/images.txt"};
+
+TEST_F(Tools, AFullDiskCostsTheImageAtHandOnly) {
+  const std::string results = folder_ / "results", once = folder_ / "once";
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", once}).code, kOk);
   {
-    const test::FullDisk full(3000);
-    const ToolRun run = runTool<LocalizeApp>(other);
+    const test::FullDisk full(static_cast<int>(fs::file_size(once + "/hypotheses.csv") / 2));
+    const ToolRun run = runTool<LocalizeApp>({map(), query(), "-o", results});
     EXPECT_EQ(run.code, kFailed);
-    EXPECT_THAT(run.err, HasSubstr("partial.txt: " + std::string(test::FullDisk::kWords)));
+    EXPECT_THAT(run.err, HasSubstr("hypotheses.csv: " + std::string(test::FullDisk::kWords)));
     EXPECT_THAT(run.err, Not(HasSubstr("items failed"))) << "it stops at the first write that fails";
   }
-  for (const char* file : files) EXPECT_EQ(contentOf(results + file), old[file]) << file;
+  const std::size_t done = readResults(results).size();
+  EXPECT_GT(done, 0u);
   const ToolRun judged = runTool<EvaluateApp>({results, query() + "/groundtruth.txt"});
-  EXPECT_THAT(judged.err, HasSubstr("a later run into this folder was not finished"));
+  EXPECT_THAT(judged.err, HasSubstr("the run was not finished"));
 
-  std::vector<std::string> resumed = other;
-  resumed.push_back("--resume");
-  ASSERT_EQ(runTool<LocalizeApp>(resumed).code, kOk);
-  EXPECT_NE(contentOf(results + "/params.ini"), old["/params.ini"]);
-  EXPECT_FALSE(fs::exists(results + "/partial.txt"));
-  EXPECT_FALSE(fs::exists(results + "/partial.params.ini"));
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results, "--resume"}).code, kOk);
+  for (const char* file : kSameInEachRun)
+    EXPECT_EQ(contentOf(results + file), contentOf(once + file)) << file;
+  const ToolRun whole = runTool<EvaluateApp>({results, query() + "/groundtruth.txt"});
+  EXPECT_THAT(whole.err, Not(HasSubstr("not finished")));
+}
+
+TEST_F(Tools, ARunThatWasKilledGoesOnToTheSameBytes) {
+  const std::string results = folder_ / "results", once = folder_ / "once";
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", once}).code, kOk);
+  const std::string timing = contentOf(once + "/timing.csv"), rows = contentOf(once + "/hypotheses.csv");
+  std::size_t fifth = 0;  // ends, of the header and four images
+  for (int line = 0; line < 5; ++line) fifth = timing.find('\n', fifth) + 1;
+  const std::string next = timing.substr(fifth, timing.find(',', fifth) - fifth);
+  const std::size_t of_next = rows.find("\n" + next + ",") + 1;
+  for (const std::size_t written :
+       {std::size_t{0}, std::size_t{30}, rows.find('\n', of_next) + 1 - of_next}) {
+    fs::remove_all(results);
+    fs::copy(once, results);
+    test::writeContent(results + "/hypotheses.csv", rows.substr(0, of_next + written));
+    test::writeContent(results + "/timing.csv", timing.substr(0, fifth) + (written ? "12" : ""));
+    EXPECT_EQ(readResults(results).size(), 4u);
+    ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results, "--resume"}).code, kOk);
+    for (const char* file : kSameInEachRun)
+      EXPECT_EQ(contentOf(results + file), contentOf(once + file)) << file << " of " << written;
+  }
+}
+
+TEST_F(Tools, OtherParametersBeginAnew) {
+  const std::string results = folder_ / "results";
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  ASSERT_EQ(runTool<LocalizeApp>({map(), firstImage(), "-o", results, "--labels.min_support", "99"}).code,
+            kOk);
+  EXPECT_EQ(readTiming(results).size(), 1u);
+  EXPECT_THAT(contentOf(results + "/params.ini"), HasSubstr("min_support = 99"));
 }
 
 TEST_F(Tools, LocalizeSaysWhatIsMissing) {
@@ -349,15 +377,6 @@ TEST_F(Tools, AMountingOfAnotherHeightIsNotThatOfTheMap) {
   }
   const ToolRun pair = runTool<RegisterApp>({filesOf(lower + "/depth")[0].string(), firstImage()});
   EXPECT_THAT(pair.err, HasSubstr("mounted differently"));
-}
-
-TEST_F(Tools, AListOfImagesIsNotTakenForAJournal) {
-  const std::string folder = folder_ / "out", list = folder + "/partial.txt";
-  fs::create_directories(folder);
-  fs::copy_file(query() + "/camera.ini", folder + "/camera.ini");
-  std::ofstream(list) << firstImage() << "\n";
-  EXPECT_EQ(runTool<LocalizeApp>({map(), list, "-o", folder}).code, kUsage);
-  EXPECT_TRUE(fs::exists(list));
 }
 
 TEST_F(Tools, LocalizeTellsSureAnswersFromOthers) {

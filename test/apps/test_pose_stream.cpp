@@ -73,6 +73,25 @@ void expectBySchema(const Json::Value& answer) {
   }
 }
 
+/** The schema and the document say of each column of results what the columns say of themselves. */
+TEST(PoseStream, SchemaAndDocumentDescribeTheColumns) {
+  const Json::Value schema = parsed(contentOf(kStreamSchema))["properties"];
+  const std::string document = contentOf(fs::path(kStreamSchema).parent_path() / "RECORDINGS.md");
+  std::size_t in_stream = 0;
+  for (const ResultColumn& column : resultColumns()) {
+    if (schema.isMember(column.name)) {
+      ++in_stream;
+      EXPECT_EQ(schema[column.name]["description"].asString(), column.text) << column.name;
+    }
+    const auto names = column.names();
+    const std::string unit = *column.unit ? std::string(" [") + column.unit + "]" : "";
+    EXPECT_THAT(document, HasSubstr("| `" + names.front() + "`" +
+                                    (names.size() > 1 ? " ... `" + names.back() + "`" : "") + " | " +
+                                    column.text + unit + " |"));
+  }
+  EXPECT_EQ(in_stream, 7u);
+}
+
 FrameResult frame() {
   FrameResult result;
   result.stamp = 1355494975.814212;
@@ -236,8 +255,8 @@ private:
 TEST_F(StreamOfACamera, IsReadByTheExample) {
   const Datagrams datagrams;
   const std::string command = std::string(kLiveTool) + " --device '" + sequence() + "' --map '" + map() +
-                              "' --headless --stream | /usr/bin/env python3 " + kReadStream + " " +
-                              std::to_string(datagrams.port());
+                              "' --headless --stream --speed 0.3 | /usr/bin/env python3 " + kReadStream +
+                              " " + std::to_string(datagrams.port());
   Process process({"/bin/sh", "-c", command});
   const ToolRun run = process.wait();
   ASSERT_EQ(run.code, 0) << run.err;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tools under mpirun, as a user runs them: what several processes write is what one writes.
 #include "base/ranks.h"
-#include "base/results_journal.h"
 #include "process.h"
 #include "tools/localize_app.h"
 #include "tools/map_apps.h"
@@ -9,6 +8,7 @@
 #include "tools/simulate_app.h"
 
 #include <facetloc/io/map_database.h>
+#include <facetloc/io/results.h>
 #include <facetloc/testing/places.h>
 
 #include <gmock/gmock.h>
@@ -36,17 +36,15 @@ using testing::HasSubstr;
 constexpr int kFrames = 13;  // not a multiple of the numbers of ranks
 
 TEST(Ranks, AProcessOfItsOwnIsTheFirstAndOnlyOne) {
-  const Ranks ranks = Ranks::join();
+  Ranks::join();
+  const Ranks& ranks = Ranks::here();
   EXPECT_TRUE(ranks.isFirst());
   EXPECT_EQ(ranks.size(), 1);
   EXPECT_EQ(ranks.threads(), 0);
   EXPECT_EQ(ranks.share(5), 5u);
   for (std::size_t i = 0; i < 5; ++i) EXPECT_TRUE(ranks.owns(i));
-  EXPECT_EQ(ranks.broadcast(std::size_t{7}), 7u);
-  EXPECT_THAT(ranks.gather(std::size_t{7}), testing::ElementsAre(7u));
-  std::vector<std::string> items = {"a", "b"};
-  ranks.collect(items);
-  EXPECT_THAT(items, testing::ElementsAre("a", "b"));
+  ranks.tell("to nobody");
+  ranks.waitForOthers();
   ranks.leave();
   ranks.abort(1);
 }
@@ -104,10 +102,11 @@ std::vector<pid_t> childrenOf(pid_t parent) {
   return children;
 }
 
-/** The number of frames in a rank's journal. */
-auto framesIn(const std::string& journal) {
-  const std::string content = contentOf(journal);
-  return std::count(content.begin(), content.end(), '\n');
+/** The number of images that results have an answer for, as far as a run has come. */
+std::size_t imagesIn(const std::string& results) {
+  std::size_t n = 0;
+  for (const auto& [frame, result] : readResults(results)) n += result.timing.models > 0;
+  return n;
 }
 
 /** One simulated room for all tests of this file, and what a single process makes of it. */
@@ -222,8 +221,7 @@ TEST_P(NumberOfRanks, ABadImageIsToldOnceAndDoneLater) {
   EXPECT_THAT(run.err, AllOf(HasSubstr(bad), HasSubstr("1 of 13 items failed")));
   for (const char* file : {"/hypotheses.csv", "/poses_tum.txt"})
     EXPECT_EQ(contentOf(folder_ / "several" + file), contentOf(folder_ / "one" + file)) << file;
-  const auto done = ResultsJournal(folder_ / "several").read();
-  EXPECT_EQ(done.size(), 12u);
+  EXPECT_EQ(imagesIn(folder_ / "several"), 12u);
 
   fs::copy_file(filesOf(query() + "/depth")[6], bad, fs::copy_options::overwrite_existing);
   const ToolRun resumed =
@@ -250,22 +248,19 @@ private:
 };
 
 /** One image is a pipe in which its rank waits. */
-TEST_F(RanksTest, ARankThatIsKilledEndsTheJobAndLosesNothingThatWasFinished) {
+TEST_F(RanksTest, ARankThatIsKilledEndsTheJobAndLosesNothingThatWasWritten) {
   const auto images = filesOf(query() + "/depth");
   const std::string pipe = folder_ / images[7].filename().string();  // of the second rank
   const SlowPipe waiting(pipe);
   const std::string input = listWith(7, pipe);
   const std::string results = folder_ / "results";
   Process job(mpirun(2, {kLocalizeTool, map(), input, "-o", results, "--threads", "1"}));
-  ASSERT_TRUE(eventually([&] {  // images 0, 2 ... 12 of the first rank, 1, 3, 5 of the second
-    return framesIn(results + "/partial.txt") == 7 && framesIn(results + "/partial.1.txt") == 3;
-  }));
+  ASSERT_TRUE(eventually([&] { return fs::exists(results + "/hypotheses.csv") && imagesIn(results) == 7; }));
   const auto ranks = childrenOf(job.id());
   ASSERT_EQ(ranks.size(), 2u);
   kill(ranks[1], SIGKILL);
   EXPECT_THAT(job.wait().code, AllOf(testing::Gt(0), testing::Ne(127)));
-  EXPECT_FALSE(fs::exists(results + "/hypotheses.csv"));
-  EXPECT_EQ(ResultsJournal(results).read().size(), 10u);
+  EXPECT_EQ(imagesIn(results), 7u);
 
   fs::remove(pipe);
   fs::copy_file(images[7], pipe);
@@ -284,12 +279,16 @@ TEST_F(RanksTest, AnErrorOfAllIsToldOnceAndEndsTheJob) {
   EXPECT_EQ(runRanks(2, {kSegmentTool, query(), "--bad"}).code, kUsage);
 }
 
-/** The folder of the results is one that only the second rank cannot write to: its journal is in the way. */
+/** The second rank is started with another map, which is not there. */
 TEST_F(RanksTest, AnErrorOfOneRankEndsTheJob) {
-  fs::create_directories(folder_ / "results/partial.1.txt/in the way");
-  const ToolRun run = runRanks(2, {kLocalizeTool, map(), query(), "-o", folder_ / "results"});
+  std::vector<std::string> command = {kLocalizeTool, map(), query(), "-o", folder_ / "results"};
+  const std::vector<std::string> other = {
+      ":", "-np", "1", kLocalizeTool, folder_ / "no.flmap", query(), "-o", folder_ / "results"};
+  command.insert(command.end(), other.begin(), other.end());
+  const ToolRun run = runRanks(1, command);
   EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("facetloc_localize (rank 1): "));
+  EXPECT_THAT(run.err,
+              HasSubstr("facetloc_localize (rank 1): " + (folder_ / "no.flmap") + ": does not exist\n"));
 }
 
 /** Both ranks fail in every image of theirs. */
@@ -328,7 +327,7 @@ TEST_F(RanksTest, CtrlCEndsTheJob) {
   const std::string pipe = folder_ / filesOf(query() + "/depth")[7].filename().string();
   const SlowPipe waiting(pipe);
   Process job(mpirun(2, {kLocalizeTool, map(), listWith(7, pipe), "-o", folder_ / "results"}));
-  ASSERT_TRUE(eventually([&] { return fs::exists(folder_ / "results/partial.1.txt"); }));
+  ASSERT_TRUE(eventually([&] { return fs::exists(folder_ / "results/timing.csv"); }));
   const auto ranks = childrenOf(job.id());
   job.signal(SIGINT);
   EXPECT_GT(job.wait().code, 0);

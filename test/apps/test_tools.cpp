@@ -96,7 +96,6 @@ TEST_F(Tools, FromMapToEvaluation) {
     EXPECT_FALSE(contentOf(folder_ / "1" + file).empty());
     EXPECT_EQ(contentOf(folder_ / "1" + file), contentOf(folder_ / "2" + file)) << file;
   }
-  EXPECT_FALSE(fs::exists(folder_ / "1/partial.txt"));
 
   const ToolRun run = runTool<EvaluateApp>({folder_ / "1", query() + "/groundtruth.txt", "--map", map()});
   EXPECT_EQ(run.code, kOk) << run.err;

@@ -5,6 +5,7 @@
 #include "tools/localize_app.h"
 
 #include <facetloc/io/map_database.h>
+#include <facetloc/io/results.h>
 #include <facetloc/testing/places.h>
 
 #include <gmock/gmock.h>
@@ -84,7 +85,7 @@ TEST_F(TwoWriters, OneBuildsAMapAndTheOtherSaysWhoIsInTheWay) {
 TEST_F(TwoWriters, OneLocalizesAndTheOtherSaysWhoIsInTheWay) {
   const std::string input = slowImages(), results = folder_ / "results";
   Process first({kLocalizeTool, map(), input, "-o", results});
-  ASSERT_TRUE(eventually([&] { return fs::exists(results + "/partial.params.ini"); }));
+  ASSERT_TRUE(eventually([&] { return fs::exists(results + "/images.txt"); }));
   for (const char* flag : {"--quiet", "--resume"}) {
     const ToolRun second = Process({kLocalizeTool, map(), query(), "-o", results, flag}).wait();
     EXPECT_EQ(second.code, kFailed);
@@ -95,13 +96,13 @@ TEST_F(TwoWriters, OneLocalizesAndTheOtherSaysWhoIsInTheWay) {
 TEST_F(TwoWriters, CtrlCSaysHowToGoOn) {
   const std::string input = slowImages(), results = folder_ / "results";
   Process job({kLocalizeTool, map(), input, "-o", results, "--threads", "1"});
-  ASSERT_TRUE(eventually([&] { return contentOf(results + "/partial.txt").size() > 100; }));
+  ASSERT_TRUE(eventually([&] { return contentOf(results + "/poses_tum.txt").size() > 100; }));
   job.signal(SIGINT);
   close(std::exchange(pipe_, -1));  // the image ends
   const ToolRun run = job.wait();
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, AllOf(HasSubstr("stopped after "), HasSubstr("--resume goes on")));
-  EXPECT_FALSE(fs::exists(results + "/hypotheses.csv"));
+  EXPECT_EQ(readResults(results).size(), test::kFrames - 1u);
 }
 
 TEST_F(TwoWriters, APipeThatNobodyWritesToIsRefusedAndNotWaitedFor) {

@@ -3,7 +3,6 @@
 // formats: make_seeds FOLDER writes FOLDER/<target>/<name>.
 #include "../io/oni_writer.h"
 #include "base/bytes.h"
-#include "base/results_journal.h"
 #include "small_map.h"
 
 #include <facetloc/features/depth_distortion.h>
@@ -112,26 +111,31 @@ void makeImages(const Seeds& seeds) {
   seeds.put("pclzf", "image", contentOf(camera) + '\0' + contentOf(lzf));
 }
 
-void makeMessagesAndJournals(const Seeds& seeds) {
+void makeMessagesAndResults(const Seeds& seeds) {
   const auto put = [&seeds](char type, const char* name, const auto& value) {
     seeds.put("messages", name, type + toBytes(value));
   };
   put('n', "number", std::size_t(3));
   put('N', "numbers", std::vector<std::size_t>{3, 4, 5});
   put('t', "texts", std::vector<std::string>{"a", "", "a longer one"});
-  put('d', "no_distortion", std::optional<DepthDistortion>());
+  put('d', "no_distortion", ModelsOrder{{3, 4}, {}});
   put('d', "distortion",
-      std::optional<DepthDistortion>(DepthDistortion(DepthDistortion::extentOf(kinectIntrinsics()), {})));
-  put('m', "models", std::vector<PackedModel>{packed(smallMap().models[0]), {}});
+      ModelsOrder{{3, 4}, DepthDistortion(DepthDistortion::extentOf(kinectIntrinsics()), {})});
+  put('m', "model", packed(smallMap().models[0]));
   FrameResult result;
   result.timing = {"frame", 1, 2, 3, 4};
   result.rows.resize(2);
   result.rows[1].T_w_c = Eigen::Isometry3d::Identity();
-  put('r', "results", std::vector<FrameResult>{result});
+  put('r', "result", LocalizedImage{result, {1, 2, 3}});
 
   const Folder folder;
-  ResultsJournal(folder.path()).begin({{"frame", result}, {"a \"frame\"", result}});
-  seeds.put("journal", kPartial, contentOf(folder.path() / kPartial));
+  for (std::size_t i = 0; i < result.rows.size(); ++i)
+    result.rows[i].frame = "frame", result.rows[i].rank = static_cast<int>(i) + 1;
+  writeResults(folder.path(), {result}, "");
+  seeds.put("resume", "tables",
+            contentOf(folder.path() / "hypotheses.csv") + '\0' +
+                contentOf(folder.path() / "covariances.csv") + '\0' +
+                contentOf(folder.path() / "timing.csv"));
 }
 
 }  // namespace
@@ -147,5 +151,5 @@ int main(int argc, char** argv) {
   makeMaps(seeds);
   makeRecordings(seeds);
   makeImages(seeds);
-  makeMessagesAndJournals(seeds);
+  makeMessagesAndResults(seeds);
 }

@@ -4,11 +4,7 @@
 #include "base/bytes.h"
 #include "fuzz_file.h"
 
-#include <facetloc/features/depth_distortion.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/results.h>
-
-#include <optional>
 
 namespace {
 
@@ -38,13 +34,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     receive<std::vector<std::string>>(bytes);
     break;
   case 'd':
-    receive<std::optional<DepthDistortion>>(bytes);
+    receive<ModelsOrder>(bytes);
     break;
   case 'm':
-    receive<std::vector<PackedModel>>(bytes);
+    receive<PackedModel>(bytes);
     break;
   case 'r':
-    receive<std::vector<FrameResult>>(bytes);
+    receive<LocalizedImage>(bytes);
     break;
   default:
     break;

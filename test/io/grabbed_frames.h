@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "watchdog.h"
+
 #include <facetloc/io/openni_grabber.h>
 
 #include <pcl/point_types.h>
@@ -49,7 +51,7 @@ public:
   }
   bool waitFor(std::size_t count) const {
     std::unique_lock lock(mutex_);
-    return arrived_.wait_for(lock, std::chrono::seconds(5), [&] { return frames_.size() >= count; });
+    return arrived_.wait_for(lock, kPatience, [&] { return frames_.size() >= count; });
   }
 
 private:

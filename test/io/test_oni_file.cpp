@@ -227,18 +227,19 @@ TEST_P(Recordings, HaveAllFramesTheSameEachTimeInAnyOrder) {
 
 /** OpenNI2's own player is the judge of what is in a recording. */
 TEST_P(Recordings, ArePlayedByOpenNI2WithTheSameDepth) {
-  const test::Watchdog watchdog(30s);
+  const test::Watchdog watchdog;
   const OniFile oni = OniFile::open(path_);
   OpenNIGrabber grabber(path_.string());
   EXPECT_TRUE(grabber.isFile());
   EXPECT_NEAR(grabber.focalLength(), oni.camera().fx, 1e-3);
   EXPECT_EQ(grabber.getFramesPerSecond(), oni.rate());
+  grabber.setPlayback(0.5, false);  // of which a busy machine loses few
   const test::GrabbedFrames grabbed(grabber);
   grabber.start();
-  ASSERT_TRUE(test::waitUntil([&] { return grabber.isEndOfFile(); }, 15s));
+  ASSERT_TRUE(test::waitUntil([&] { return grabber.isEndOfFile(); }));
   EXPECT_FALSE(grabber.isRunning());
   const auto frames = grabbed.frames();
-  EXPECT_GE(frames.size(), GetParam().frames / 2);  // all on an idle machine
+  EXPECT_GE(frames.size(), GetParam().frames / 2);
   for (const test::GrabbedFrame& frame : frames)
     EXPECT_EQ(frame.depth, oni.readRaw(static_cast<std::size_t>(frame.index - 1))) << frame.index;
 }

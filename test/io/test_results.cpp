@@ -157,20 +157,6 @@ TEST(Results, DoubtfulPosesAreNoTrajectory) {
   EXPECT_EQ(readCovariances(folder.path()).size(), 1u);
 }
 
-TEST(Results, OfOlderVersionsAreSureByTheirProbability) {
-  std::string header = kHeader;
-  header.erase(header.find(",state,part"), 11);
-  const std::string pose = ",1,0,0,0,0,0,0,1,,,,,,,,1,1,\n";
-  const TemporaryFolder folder;
-  putBytes(folder / "hypotheses.csv", header + "f,1,m,0.9" + pose + "f,2,m,0.1" + pose + "g,1,m,0.89" + pose +
-                                          "h,0,,,,,,,,,,,,,,,,,,,,why\n");
-  std::vector<AnswerState> states;
-  for (const ResultRow& row : readHypotheses(folder.path())) states.push_back(row.state);
-  using S = AnswerState;
-  EXPECT_THAT(states, testing::ElementsAre(S::sure, S::sure, S::doubtful, S::unknown));
-  EXPECT_TRUE(readCovariances(folder.path()).empty());
-}
-
 TEST(Results, AWrongStateOrCovarianceIsNamed) {
   EXPECT_THAT(errorOf(kHeader + std::string("f,0,,,,,,,,,,,,,,,,,,,,why,certain,\n")),
               AllOf(HasSubstr("line 2"), HasSubstr("state")));
@@ -306,6 +292,62 @@ TEST(ResultsWriter, BeginsAnewAndIsChecked) {
   EXPECT_TRUE(readTiming(folder / "a").empty()) << "nothing of it is written";
   putBytes(folder / "b", "a file");
   EXPECT_THAT(ioErrorOf([&] { ResultsWriter(folder / "b", ""); }), HasSubstr("cannot be created"));
+}
+
+/** Of a program that is killed while it writes, at whatever byte. */
+TEST(ResultsWriter, GoesOnWithWhatIsWhole) {
+  const TemporaryFolder folder;
+  std::vector<FrameResult> frames = twoFrames();
+  frames[1].rows[0].reason = "dark, \"very\"";
+  std::filesystem::create_directory(folder / "run");
+  const std::vector<ResultFrame> names = {{"1.5", 1.5}, {"2", 2}};
+  constexpr const char* kFiles[] = {"hypotheses.csv", "covariances.csv", "poses_tum.txt", "timing.csv"};
+  writeResults(folder / "none", {}, "");
+  writeResults(folder / "one", {frames[0]}, "");
+  writeResults(folder / "whole", frames, "");
+  const auto sizeOf = [&](const char* run, const char* file) { return bytesOf(folder / run / file).size(); };
+  for (const int before : {0, 1}) {
+    const char *begin = before ? "one" : "none", *end = before ? "whole" : "one";
+    for (const char* torn : kFiles)
+      for (std::size_t size = sizeOf(begin, torn); size < sizeOf(end, torn); size += 5) {
+        bool is_written = true;  // of the files in their order, those before the torn one
+        for (const char* file : kFiles) {
+          const std::string content = bytesOf(folder / (is_written ? end : begin) / file);
+          putBytes(folder / "run" / file, file == torn ? content.substr(0, size) : content);
+          is_written = is_written && file != torn;
+        }
+        EXPECT_EQ(readResults(folder / "run").size(), static_cast<std::size_t>(before)) << torn << size;
+        ResultsWriter writer(folder / "run", "", names);
+        for (std::size_t i = static_cast<std::size_t>(before); i < frames.size(); ++i)
+          writer.append(frames[i]);
+        for (const char* file : kFiles)
+          EXPECT_EQ(bytesOf(folder / "run" / file), bytesOf(folder / "whole" / file)) << file << torn << size;
+      }
+  }
+}
+
+TEST(ResultsWriter, BringsFramesIntoOrderAndDropsOthers) {
+  const TemporaryFolder folder;
+  const std::vector<FrameResult> frames = twoFrames();
+  writeResults(folder / "right", frames, "");
+  writeResults(folder / "wrong", {frames[1], frames[0]}, "");
+  writeResults(folder / "second", {frames[1]}, "");
+  ResultsWriter(folder / "wrong", "", {{"1.5", 1.5}, {"2", 2}, {"not there", 3}});
+  ResultsWriter(folder / "right" / ".", "", {{"1.5", 1.5}, {"2", 2}});
+  for (const char* name : {"hypotheses.csv", "timing.csv", "poses_tum.txt", "covariances.csv"})
+    EXPECT_EQ(bytesOf(folder / "wrong" / name), bytesOf(folder / "right" / name)) << name;
+  ResultsWriter(folder / "wrong", "", {{"2", 2}});
+  for (const char* name : {"hypotheses.csv", "timing.csv", "poses_tum.txt", "covariances.csv"})
+    EXPECT_EQ(bytesOf(folder / "wrong" / name), bytesOf(folder / "second" / name)) << name;
+}
+
+TEST(Results, ColumnsHaveWordsForDocuments) {
+  std::string header;
+  for (const ResultColumn& column : resultColumns()) {
+    EXPECT_STRNE(column.text, "") << column.name;
+    for (const std::string& name : column.names()) header += (header.empty() ? "" : ",") + name;
+  }
+  EXPECT_EQ(header + "\n", kHeader);
 }
 
 TEST(GrowingFile, SaysThatTheDiskIsFull) {

@@ -36,7 +36,7 @@ protected:
     return test::putBytes(folder_ / name, content).string();
   }
   std::string cause(const std::string& device) {
-    const Watchdog watchdog(20s);
+    const Watchdog watchdog;
     return ioErrorOf([&] { OpenNIGrabber grabber(device); });
   }
   /** All frames of a device, one by one. */
@@ -73,7 +73,7 @@ protected:
 };
 
 TEST_F(VirtualCamera, DeliversEachImageOnceWhenTriggered) {
-  const Watchdog watchdog(60s);
+  const Watchdog watchdog;
   test::ExampleSequence sequence;
   sequence.frames = 300;
   OpenNIGrabber grabber(this->sequence(sequence));
@@ -90,7 +90,7 @@ TEST_F(VirtualCamera, DeliversEachImageOnceWhenTriggered) {
 }
 
 TEST_F(VirtualCamera, PlaysInRealTimeOnce) {
-  const Watchdog watchdog(30s);
+  const Watchdog watchdog;
   test::ExampleSequence sequence;
   sequence.frames = 30;
   sequence.rate = 30;
@@ -104,8 +104,8 @@ TEST_F(VirtualCamera, PlaysInRealTimeOnce) {
   ASSERT_TRUE(test::waitUntil([&] { return grabber.isEndOfFile(); }));
   const auto time = std::chrono::steady_clock::now() - begin;
   EXPECT_GE(time, 29 * 33ms);
-  const auto frames = grabbed.frames();
-  EXPECT_GE(frames.size(), 25u);  // 30 on an idle machine
+  const auto frames = grabbed.frames();  // all of them, unless the machine is busy
+  for (std::size_t i = 1; i < frames.size(); ++i) EXPECT_GT(frames[i].index, frames[i - 1].index);
   EXPECT_EQ(frames.back().index, 30);
   EXPECT_FALSE(grabber.isRunning());
   grabber.start();  // does nothing
@@ -113,17 +113,22 @@ TEST_F(VirtualCamera, PlaysInRealTimeOnce) {
 }
 
 TEST_F(VirtualCamera, RepeatsAndHastensWhenTold) {
-  const Watchdog watchdog(30s);
+  const Watchdog watchdog;
   test::ExampleSequence sequence;
   sequence.frames = 10;
   OpenNIGrabber grabber(this->sequence(sequence));
   EXPECT_TRUE(grabber.isFile());
-  grabber.setPlayback(5, true);
   const test::GrabbedFrames grabbed(grabber);
-  const auto begin = std::chrono::steady_clock::now();
+  const auto timeOfImages = [&](double speed) {
+    grabber.setPlayback(speed, true);
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_TRUE(grabbed.waitFor(grabbed.size() + 20));
+    return std::chrono::steady_clock::now() - begin;
+  };
+  grabber.setPlayback(5, true);
   grabber.start();
-  ASSERT_TRUE(grabbed.waitFor(40));
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, 2s);
+  const auto fast = timeOfImages(5), slow = timeOfImages(0.5);
+  EXPECT_LT(fast, slow);
   EXPECT_FALSE(grabber.isEndOfFile());
   grabber.stop();
   const auto frames = grabbed.frames();
@@ -134,7 +139,7 @@ TEST_F(VirtualCamera, RepeatsAndHastensWhenTold) {
 }
 
 TEST_F(VirtualCamera, GoesOnWhereItWasStopped) {
-  const Watchdog watchdog(30s);
+  const Watchdog watchdog;
   OpenNIGrabber grabber(sequence());
   EXPECT_EQ(triggered(grabber, 3).size(), 3u);
   const auto next = triggered(grabber, 2);
@@ -143,7 +148,7 @@ TEST_F(VirtualCamera, GoesOnWhereItWasStopped) {
 }
 
 TEST_F(VirtualCamera, LeavesOutImagesThatCannotBeReadAndSaysSo) {
-  const Watchdog watchdog(30s);
+  const Watchdog watchdog;
   const test::ExampleSequence example;
   const std::string folder = sequence(example);
   const fs::path broken = example.image(folder, 2);
@@ -158,7 +163,7 @@ TEST_F(VirtualCamera, LeavesOutImagesThatCannotBeReadAndSaysSo) {
 }
 
 TEST_F(VirtualCamera, SurvivesTheLossOfItsFolder) {
-  const Watchdog watchdog(30s);
+  const Watchdog watchdog;
   const std::string folder = sequence();
   {
     OpenNIGrabber grabber(folder);
@@ -173,7 +178,7 @@ TEST_F(VirtualCamera, SurvivesTheLossOfItsFolder) {
 }
 
 TEST_F(VirtualCamera, TellsOpenNI2ItsFieldsOfView) {
-  const Watchdog watchdog(30s);
+  const Watchdog watchdog;
   const test::ExampleSequence example;
   const std::string folder = sequence(example);
   ASSERT_EQ(openni::OpenNI::initialize(), openni::STATUS_OK);
@@ -195,7 +200,7 @@ TEST_F(VirtualCamera, TellsOpenNI2ItsFieldsOfView) {
 }
 
 TEST_F(VirtualCamera, DrivesThroughSimulatedPlaces) {
-  const Watchdog watchdog(60s);
+  const Watchdog watchdog;
   const std::string content = "scene = office  # a comment\nrun=map\nseed = 3\nwidth = 80\nframes = 12\n";
   std::vector<std::vector<test::GrabbedFrame>> runs;
   for (const char* name : {"a.scene", "b.scene"}) {
@@ -218,7 +223,7 @@ TEST_F(VirtualCamera, DrivesThroughSimulatedPlaces) {
 }
 
 TEST_F(VirtualCamera, TellsHowItsCameraIsMountedWhereThatIsKnown) {
-  const Watchdog watchdog(30s);
+  const Watchdog watchdog;
   const OpenNIGrabber driven(
       scene("scene = room\nframes = 3\ncamera_height = 1.2\ncamera_tilt_deg = 7\n", "a.scene"));
   ASSERT_TRUE(driven.mounting());
@@ -237,7 +242,7 @@ TEST_F(VirtualCamera, TellsHowItsCameraIsMountedWhereThatIsKnown) {
 
 /** Where a jump leads is where the drive would have been. */
 TEST_F(VirtualCamera, JumpsWhenTheSceneSaysSo) {
-  const Watchdog watchdog(60s);
+  const Watchdog watchdog;
   const std::string drive =
       "scene = office\nwidth = 40\nnoise_factor = 0\nquantization = 0\nrandom_dropout = 0\n";
   OpenNIGrabber straight(scene(drive + "frames = 40\n", "a.scene"));
@@ -282,7 +287,7 @@ TEST_F(VirtualCamera, IsAnnouncedOnlyOnRequest) {
 }
 
 TEST_F(VirtualCamera, IsRecordedBitByBit) {
-  const Watchdog watchdog(30s);
+  const Watchdog watchdog;
   test::ExampleSequence example;
   example.frames = 30;
   const fs::path file = recorded(example);
@@ -306,7 +311,7 @@ TEST_F(VirtualCamera, IsRecordedBitByBit) {
 }
 
 TEST_F(VirtualCamera, IsPlayedInMillimetresWhateverTheUnitOfItsRecording) {
-  const Watchdog watchdog(30s);
+  const Watchdog watchdog;
   test::ExampleSequence example;
   example.frames = 10;
   std::string bytes = test::bytesOf(recorded(example));
@@ -347,7 +352,7 @@ private:
 };
 
 TEST_F(VirtualCamera, KeepsWhatADiskHasRoomForAndSaysThatItIsFull) {
-  const Watchdog watchdog(30s);
+  const Watchdog watchdog;
   const SmallDisk disk(folder_ / "disk", "32k");
   if (!disk.mounted()) GTEST_SKIP() << "no right to mount a disk";
   test::ExampleSequence example;
@@ -367,7 +372,7 @@ TEST_F(VirtualCamera, KeepsWhatADiskHasRoomForAndSaysThatItIsFull) {
 }
 
 TEST_F(VirtualCamera, IsNotRecordedWhereThatIsImpossible) {
-  const Watchdog watchdog(30s);
+  const Watchdog watchdog;
   OpenNIGrabber grabber(sequence());
   EXPECT_THAT(ioErrorOf([&] { OniRecorder recorder(grabber.uri(), folder_ / "none" / "a.oni"); }),
               HasSubstr("does not exist"));

@@ -10,13 +10,15 @@
 
 namespace facetloc::test {
 
+constexpr auto kPatience = std::chrono::seconds(300);  // on a busy machine; longer means that it hangs
+
 /** \brief Ends the process if it is not gone in time: a test that hangs is a test that failed. */
 class Watchdog {
 public:
-  explicit Watchdog(std::chrono::seconds patience)
-      : thread_([this, patience] {
+  Watchdog()
+      : thread_([this] {
           std::unique_lock lock(mutex_);
-          if (done_.wait_for(lock, patience, [this] { return is_done_; })) return;
+          if (done_.wait_for(lock, kPatience, [this] { return is_done_; })) return;
           std::fprintf(stderr, "the test hangs\n");
           std::_Exit(EXIT_FAILURE);
         }) {}
@@ -36,10 +38,10 @@ private:
   std::thread thread_;
 };
 
-/** \brief Waits until something is so, but not longer than some time; was it? */
+/** \brief Waits until a condition holds. \return false if it does not hold after kPatience */
 template <typename Condition>
-bool waitUntil(const Condition& condition, std::chrono::milliseconds patience = std::chrono::seconds(5)) {
-  const auto end = std::chrono::steady_clock::now() + patience;
+bool waitUntil(const Condition& condition) {
+  const auto end = std::chrono::steady_clock::now() + kPatience;
   while (!condition()) {
     if (std::chrono::steady_clock::now() > end) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -2,25 +2,30 @@
 #include "base/app.h"
 
 #include "base/batch.h"
+#include "base/ranks.h"
 #include "base/text.h"
 
-#include <chrono>
 #include <exception>
 #include <sstream>
-#include <thread>
 
 namespace facetloc {
 namespace {
 
-constexpr auto kWordOfTheFirst = std::chrono::seconds(1);  // that other ranks leave it
+void writeAtOnce(std::ostream& out, const std::string& text) {
+  out.write(text.data(), static_cast<std::streamsize>(text.size())).flush();
+}
 
 }  // namespace
 
+void Console::print(const std::string& text) const { writeAtOnce(out, text); }
+
 void Console::note(const std::string& text) const {
-  if (!quiet) err << tool << ": " << printable(text) << "\n";
+  if (!quiet) error(text);
 }
 
-void Console::error(const std::string& what) const { err << tool << ": " << printable(what) << "\n"; }
+void Console::error(const std::string& what) const { writeAtOnce(err, tool + ": " + printable(what) + "\n"); }
+
+void Console::show(const std::string& line) const { writeAtOnce(err, "\r\033[K" + line); }
 
 App::App(std::string name, std::string synopsis, std::string about)
     : name_(std::move(name)), synopsis_(std::move(synopsis)), about_(std::move(about)) {}
@@ -30,10 +35,14 @@ int App::run(const std::vector<std::string>& arguments, Console console) {
   int code = kFailed;
   std::string what = "failed for an unknown reason";
   try {
-    ranks_ = Ranks::join();
-    code = runOnRank(arguments, console);
-    ranks_.leave();
+    Ranks::join();
+    code = runInJob(arguments, console);
+    Ranks::here().leave();
     return code;
+  } catch (const RankFailed& e) {
+    code = e.code();
+    what = e.what();
+    console.tool += " (rank " + std::to_string(e.rank()) + ")";
   } catch (const UsageError& e) {
     code = kUsage;
     what = std::string(e.what()) + "\nTry '" + name_ + " --help'.";
@@ -41,19 +50,16 @@ int App::run(const std::vector<std::string>& arguments, Console console) {
     what = e.what();
   } catch (...) {
   }
-  if (!ranks_.isFirst()) {
-    std::this_thread::sleep_for(kWordOfTheFirst);  // if it fails alike, it tells it and ends us
-    console.tool += " (rank " + std::to_string(ranks_.rank()) + ")";
-  }
+  if (!Ranks::here().isFirst()) Ranks::here().fail(code, what);
   console.error(what);
-  console.err.flush();
-  ranks_.abort(code);
+  Ranks::here().abort(code);
   return code;
 }
 
-int App::runOnRank(const std::vector<std::string>& arguments, Console& console) {
-  if (ranks_.size() > 1 && !dealsOut()) throw UsageError("works in one process: start it without mpirun");
-  if (ranks_.isFirst()) return parseAndExecute(arguments, console);
+int App::threads() const { return threads_ > 0 ? threads_ : Ranks::here().threads(); }
+
+int App::runInJob(const std::vector<std::string>& arguments, Console& console) {
+  if (Ranks::here().isFirst()) return parseAndExecute(arguments, console);
   std::ostringstream nowhere;
   Console silent{nowhere, console.err, false, true, console.tool};
   parseAndExecute(arguments, silent);
@@ -74,7 +80,9 @@ int App::parseAndExecute(const std::vector<std::string>& arguments, Console& con
   line.addGeneralOptions(threads_, console.quiet);
   int code = kOk;
   if (line.parse(arguments, console.out)) {
-    console.quiet = console.quiet || !ranks_.isFirst();
+    if (Ranks::here().size() > 1 && !dealsOut())
+      throw UsageError("works in one process like this: start it without mpirun");
+    console.quiet = console.quiet || !Ranks::here().isFirst();
     code = executeUntilStopped(line, console);
   }
   console.out.flush();

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "base/command_line.h"
-#include "base/ranks.h"
 
 #include <iosfwd>
 #include <string>
@@ -13,7 +12,8 @@ namespace facetloc {
 /** \brief What a tool tells the shell. */
 enum ExitCode { kOk = 0, kFailed = 1, kUsage = 2 };
 
-/** \brief Where a tool writes: results and their place to out, everything else to err. */
+/** \brief Where a tool writes: results and their place to out, everything else to err. Each text is written
+ * at once, so that it stays whole where other threads and processes write to the same place. */
 struct Console {
   std::ostream& out;
   std::ostream& err;
@@ -21,10 +21,14 @@ struct Console {
   bool quiet = false;     ///< no progress and no remarks
   std::string tool;
 
+  /** \brief Results on out. */
+  void print(const std::string& text) const;
   /** \brief A remark on err, unless quiet. */
   void note(const std::string& text) const;
   /** \brief "facetloc_x: what" on err, always. */
   void error(const std::string& what) const;
+  /** \brief A line on err in the place of the one that was shown before; empty = none. */
+  void show(const std::string& line) const;
 };
 
 /** \brief A command-line tool as a class, so that tests can run it.
@@ -32,9 +36,9 @@ struct Console {
  * Every tool has --help, --version, --params, --threads and --quiet. Whatever is thrown becomes a message on
  * err and an exit code here, and nowhere else.
  *
- * Tools that deal out their work run in several processes if mpirun starts them, which ranks() brings
- * together: all execute(), the first one alone has a console.out, remarks and an exit code of its own. A rank
- * that throws ends the job. */
+ * Tools that deal out their work run in several processes if mpirun starts them: all execute() up to
+ * SharedBatch::helped(), the first one alone goes on from there and has a console.out, remarks and an exit
+ * code of its own. A process that throws ends the job, and the first one says why. */
 class App {
 public:
   virtual ~App() = default;
@@ -47,22 +51,22 @@ protected:
   virtual void addOptions(CommandLine& line) = 0;
   /** \brief Does the work; the last line on console.out says where the results are. */
   virtual int execute(const CommandLine& line, const Console& console) = 0;
-  /** \brief Is the work dealt out to ranks()? Otherwise there is one. */
+  /** \brief Is the work, with the options that were given, a SharedBatch, which several processes may do
+   * together?
+   */
   virtual bool dealsOut() const { return false; }
 
-  const Ranks& ranks() const { return ranks_; }
-  /** \brief As given, or else this rank's share of the machine; 0 = all cores. */
-  int threads() const { return threads_ > 0 ? threads_ : ranks_.threads(); }
+  /** \brief As given, or else this process's share of the machine; 0 = all cores. */
+  int threads() const;
 
 private:
-  int runOnRank(const std::vector<std::string>& arguments, Console& console);
+  int runInJob(const std::vector<std::string>& arguments, Console& console);
   int parseAndExecute(const std::vector<std::string>& arguments, Console& console);
   int executeUntilStopped(const CommandLine& line, const Console& console);
 
   std::string name_;
   std::string synopsis_;
   std::string about_;
-  Ranks ranks_;
   int threads_ = 0;
 };
 

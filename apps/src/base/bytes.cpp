@@ -4,13 +4,20 @@
 #include "shared/binary_archive.h"
 
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/results.h>
 
 #include <algorithm>
 #include <sstream>
 #include <stdexcept>
 
 namespace facetloc {
+namespace internal {
+
+template <class Archive, class First, class Second>
+void fields(Archive& archive, std::pair<First, Second>& pair) {
+  archive(pair.first, pair.second);
+}
+
+}  // namespace internal
 
 using namespace internal;
 namespace {
@@ -77,14 +84,20 @@ void fields(Archive& archive, AnswerState& state) {
 
 template <class Archive>
 void fields(Archive& archive, ResultRow& row) {
-  archive(row.frame, row.rank, row.model, row.probability, row.score, row.T_m_c, row.T_w_c, row.P_w_c,
-          row.sd_rot_deg, row.sd_trans_m, row.reason, row.state, row.part);
+  for (const ResultColumn& column : resultColumns())
+    std::visit([&](auto member) { archive(row.*member); }, column.value);
+  archive(row.P_w_c);
 }
 
 template <class Archive>
 void fields(Archive& archive, FrameResult& result) {
   TimingRow& t = result.timing;
   archive(result.stamp, result.rows, t.frame, t.segment_ms, t.features_ms, t.localize_ms, t.models);
+}
+
+template <class Archive>
+void fields(Archive& archive, ViewTraits& traits) {
+  archive(traits.noise, traits.fov, traits.depth);
 }
 
 template <class T>
@@ -111,9 +124,9 @@ T fromBytes(const std::string& bytes) {
 FACETLOC_BYTES_OF(std::size_t)
 FACETLOC_BYTES_OF(std::vector<std::size_t>)
 FACETLOC_BYTES_OF(std::vector<std::string>)
-FACETLOC_BYTES_OF(std::optional<DepthDistortion>)
-FACETLOC_BYTES_OF(std::vector<PackedModel>)
-FACETLOC_BYTES_OF(std::vector<FrameResult>)
+FACETLOC_BYTES_OF(ModelsOrder)
+FACETLOC_BYTES_OF(PackedModel)
+FACETLOC_BYTES_OF(LocalizedImage)
 #undef FACETLOC_BYTES_OF
 
 }  // namespace facetloc

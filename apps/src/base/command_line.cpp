@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/app.h"
-#include "base/old_options.h"
 #include "base/presets.h"
 
 #include <facetloc/io/text.h>
@@ -186,7 +185,7 @@ std::vector<std::string> CommandLine::spelledOut(const std::vector<std::string>&
     const auto equals = argument.find('=');
     const std::string given_name = argument.substr(0, equals);
     const Option* option = find(given_name.substr(given_name.compare(0, 2, "--") == 0 ? 2 : 1));
-    if (!option) refuse(given_name);
+    if (!option) throw UsageError("unrecognised option '" + given_name + "'");
 
     std::string spelled = "--" + option->name;
     const bool has_next = i + 1 < arguments.size() && !asksForOption(arguments[i + 1]);
@@ -204,13 +203,6 @@ std::vector<std::string> CommandLine::spelledOut(const std::vector<std::string>&
     out.push_back(spelled);
   }
   return out;
-}
-
-void CommandLine::refuse(const std::string& given_name) const {
-  const std::string name = underscored(given_name.substr(given_name.find_first_not_of('-')));
-  const std::string now = newNameOf(name);
-  throw UsageError("unrecognised option '" + given_name + "'" +
-                   (find(now) ? "; it is called --" + now + " since version 0.2" : ""));
 }
 
 /** The lines of a parameter file as arguments. */
@@ -236,11 +228,7 @@ std::vector<std::string> CommandLine::parametersIn(std::istream& in, const std::
     const std::string name = prefix + trimmed(line.substr(0, equals));
     const Option* option = find(name);
     if (!option && unknown == Unknown::skipped) continue;
-    if (!option || !option->in_files) {
-      const std::string now = newNameOf(underscored(name));
-      fail("unknown parameter '" + name + "'" +
-           (find(now) ? "; it is called " + now + " since version 0.2" : ""));
-    }
+    if (!option || !option->in_files) fail("unknown parameter '" + name + "'");
     const std::string value = trimmed(line.substr(equals + 1));
     if (value.empty()) fail(name + " has no value");
     if (option->needs != Needs::Nothing)

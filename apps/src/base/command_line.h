@@ -129,7 +129,6 @@ private:
   }
   void addChoice(Options& group, const std::string& name, const std::string& value, const std::string& help,
                  const std::function<void(const std::string&)>& assign);
-  [[noreturn]] void refuse(const std::string& given_name) const;
 
   const Option* find(std::string name) const;
   std::vector<std::string> spelledOut(const std::vector<std::string>& arguments) const;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/localization_report.h"
+#include "base/view_traits.h"
 
 #include <facetloc/features/local_model.h>
 
@@ -9,15 +10,6 @@
 #include <vector>
 
 namespace facetloc {
-
-/** \brief What tells a wrong map, camera or scale, of one image; 0 where it is not known. */
-struct ViewTraits {
-  double noise = 0;  ///< of inverse depth, as found in the image [1/m]
-  double fov = 0;    ///< horizontal field of view [deg]
-  double depth = 0;  ///< median [m]
-
-  static ViewTraits of(const View& view);
-};
 
 /** \brief The median of values that are known; 0 without any. */
 double medianOfKnown(std::vector<double> values);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
 
 /** \file
  * The little that Ranks needs of MPI: message_passing_mpi.cpp, or message_passing_missing.cpp where
- * there is none. */
+ * there is none. Who waits sleeps meanwhile, and leaves the processor to others. */
 
 namespace facetloc::mpi {
 
@@ -18,9 +20,11 @@ struct Place {
 Place join();
 void leave();
 void abort(int code);
-/** \brief From rank 0 to all. */
-void broadcast(std::string& bytes);
-void send(std::string bytes, int to);
-std::string receive(int from);
+/** \brief Begins to send, and waits only if much is on its way already. */
+void send(const std::string& bytes, int to);
+/** \brief Waits until all that was sent is received, or on its way without this process. */
+void flush();
+/** \brief Nothing if it is given up before there is a message. */
+std::optional<std::string> receive(int from, const std::function<bool()>& givesUp);
 
 }  // namespace facetloc::mpi

@@ -10,8 +10,8 @@ Place join() { throw std::runtime_error("was built without MPI: start it without
 // Nobody gets here without having joined.
 void leave() {}
 void abort(int) {}
-void broadcast(std::string&) {}
-void send(std::string, int) {}
-std::string receive(int) { return {}; }
+void send(const std::string&, int) {}
+void flush() {}
+std::optional<std::string> receive(int, const std::function<bool()>&) { return {}; }
 
 }  // namespace facetloc::mpi

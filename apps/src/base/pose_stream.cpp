@@ -3,9 +3,11 @@
 
 #include <facetloc/io/text.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <initializer_list>
+#include <variant>
 
 namespace facetloc {
 namespace {
@@ -52,37 +54,51 @@ std::string covarianceJson(const Matrix6d& P) {
   return listOf(upper);
 }
 
+/** Of hypotheses.csv; null where there is none. */
+std::string columnJson(const std::string& name, const ResultRow& row) {
+  const auto& columns = resultColumns();
+  const auto column = std::find_if(columns.begin(), columns.end(),
+                                   [&](const ResultColumn& candidate) { return candidate.name == name; });
+  struct Json {
+    std::string operator()(const std::string& text) const { return quotedJson(text); }
+    std::string operator()(int number) const { return std::to_string(number); }
+    std::string operator()(double number) const { return text::significant(number); }
+    std::string operator()(AnswerState state) const { return quotedJson(toString(state)); }
+    std::string operator()(const std::optional<Eigen::Isometry3d>& T) const {
+      return T ? poseJson(*T) : kNothing;
+    }
+  };
+  return std::visit([&row](auto member) { return Json()(row.*member); }, column->value);
+}
+
 }  // namespace
 
 std::string toJson(const FrameResult& frame, const std::optional<CameraMounting>& mounting) {
   const ResultRow& best = frame.rows.front();
-  const bool is_found = best.rank > 0;
   std::string line = "{";
-  const auto add = [&line](const char* key, const std::string& value) {
+  const auto add = [&line](const std::string& key, const std::string& value) {
     line.append(line.size() > 1 ? ",\"" : "\"").append(key).append("\":").append(value);
   };
   add("stamp", text::decimals(frame.stamp, kStampDigits));
-  add("frame", quotedJson(best.frame));
-  add("state", quotedJson(toString(best.state)));
-  add("probability", text::significant(is_found ? best.probability : 0));
-  add("model", is_found ? quotedJson(best.model) : kNothing);
-  add("part", quotedJson(best.part));
-  add("T_w_c", best.T_w_c ? poseJson(*best.T_w_c) : kNothing);
+  for (const char* key : {"frame", "state", "probability"}) add(key, columnJson(key, best));
+  add("model", best.rank > 0 ? columnJson("model", best) : kNothing);
+  for (const char* key : {"part", "T_w_c"}) add(key, columnJson(key, best));
   add("T_w_b", best.T_w_c && mounting ? poseJson(*best.T_w_c * mounting->T_b_c().inverse()) : kNothing);
   add("covariance", best.P_w_c ? covarianceJson(*best.P_w_c) : kNothing);
-  add("reason", quotedJson(best.reason));
+  add("reason", columnJson("reason", best));
   return line + "}";
 }
 
 void PoseStream::put(std::size_t index, const FrameResult& frame) {
-  const std::string line = toJson(frame, mounting_);
+  const std::string line = toJson(frame, mounting_) + "\n";
   const std::lock_guard lock(mutex_);
   waiting_.emplace(index, line);
+  std::string text;
   for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_; ++next_) {
-    out_ << first->second << "\n";
+    text += first->second;
     first = waiting_.erase(first);
   }
-  out_.flush();
+  out_ << text << std::flush;
 }
 
 void addStreamOption(CommandLine& line, bool& streams) {

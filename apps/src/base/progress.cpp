@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 
 namespace facetloc {
 namespace {
@@ -37,7 +36,7 @@ Progress::Progress(const Console& console, std::size_t total)
 Progress::~Progress() { clear(); }
 
 void Progress::clear() {
-  if (visible_) console_.err << "\r\033[K" << std::flush;
+  if (visible_) console_.show("");
   visible_ = false;
 }
 
@@ -49,7 +48,7 @@ void Progress::step() {
   if (done_ < total_ && now - shown_ < kRefresh) return;
   shown_ = now;
   const double seconds = std::chrono::duration<double>(now - start_).count();
-  console_.err << "\r\033[K" << progressLine(done_, total_, seconds) << std::flush;
+  console_.show(progressLine(done_, total_, seconds));
   if (done_ == total_) clear();  // what follows begins on an empty line
 }
 

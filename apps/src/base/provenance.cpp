@@ -2,7 +2,6 @@
 #include "base/provenance.h"
 
 #include "base/command_line.h"
-#include "base/results_journal.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
@@ -22,16 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Names {
-  const char* params;
-  const char* images;
-};
-constexpr Names kOfResults = {"params.ini", "images.txt"};
-constexpr Names kUnderWayNames = {"partial.params.ini", "partial.images.txt"};
-
-const Names& namesOf(Provenance::Of of) {
-  return of == Provenance::Of::results ? kOfResults : kUnderWayNames;
-}
+constexpr const char *kParams = "params.ini", *kImages = "images.txt";
 
 std::ifstream opened(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
@@ -113,31 +103,20 @@ std::string checksum(const fs::path& file) {
   return hexadecimal(sum);
 }
 
-std::string checksumOf(const std::string& text) {
-  return hexadecimal(libdeflate_crc32(0, text.data(), text.size()));
-}
-
-std::optional<Provenance> Provenance::read(const fs::path& folder, Of of) {
-  const Names& names = namesOf(of);
-  if (!fs::exists(folder / names.params)) return {};
-  Provenance found{readText(folder / names.params), {}};
-  if (fs::exists(folder / names.images)) found.images = imageSizes(readText(folder / names.images));
+std::optional<Provenance> Provenance::read(const fs::path& folder) {
+  if (!fs::exists(folder / kParams)) return {};
+  Provenance found{readText(folder / kParams), {}};
+  if (fs::exists(folder / kImages)) found.images = imageSizes(readText(folder / kImages));
   return found;
 }
 
-void Provenance::write(const fs::path& folder, Of of) const {
-  writeText(folder / namesOf(of).images, toText(images));
-  writeText(folder / namesOf(of).params, params_ini);
-}
-
-void Provenance::removeUnderWay(const fs::path& folder) {
-  std::error_code ignored;
-  for (const char* name : {kUnderWayNames.params, kUnderWayNames.images}) fs::remove(folder / name, ignored);
+void Provenance::write(const fs::path& folder) const {
+  writeText(folder / kImages, toText(images));
+  writeText(folder / kParams, params_ini);
 }
 
 void Provenance::requireNotReplaced(const fs::path& input, const fs::path& folder) {
-  for (const char* file :
-       {kOfResults.params, kOfResults.images, kUnderWayNames.params, kUnderWayNames.images, kPartial}) {
+  for (const char* file : {kParams, kImages}) {
     std::error_code ignored;
     if (fs::equivalent(input, folder / file, ignored))
       throw UsageError("the results would replace " + input.string() + "; use another output folder");

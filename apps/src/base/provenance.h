@@ -35,23 +35,15 @@ ImageSizes imageSizes(const std::string& text);
 std::string cameraLine(const std::optional<CameraFile>& file);
 /** \brief CRC-32 of a file, in hexadecimal digits. Throws IoError. */
 std::string checksum(const std::filesystem::path& file);
-/** \brief CRC-32 of a text. */
-std::string checksumOf(const std::string& text);
 
-/** \brief What the results in a folder were made of and how: its params.ini and images.txt. Those of a run
- * that is under way have names of their own, since the folder holds the results of an earlier one until then.
- */
+/** \brief What the results in a folder are made of and how: its params.ini and images.txt. */
 struct Provenance {
-  enum class Of { results, run_under_way };
-
   std::string params_ini;
   ImageSizes images;
 
   /** \brief Nothing if there is none. Throws IoError. */
-  static std::optional<Provenance> read(const std::filesystem::path& folder, Of of = Of::results);
-  void write(const std::filesystem::path& folder, Of of = Of::results) const;
-  /** \brief Of a run that is under way no more. */
-  static void removeUnderWay(const std::filesystem::path& folder);
+  static std::optional<Provenance> read(const std::filesystem::path& folder);
+  void write(const std::filesystem::path& folder) const;
   /** \brief Throws UsageError if write() would replace an input file. */
   static void requireNotReplaced(const std::filesystem::path& input, const std::filesystem::path& folder);
   /** \brief Throws IoError, which names the folder, unless results of these images, made as this says, are

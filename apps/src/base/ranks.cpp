@@ -7,9 +7,16 @@
 #include <cstdlib>
 #include <sched.h>
 #include <thread>
+#include <unistd.h>
+#include <vector>
 
 namespace facetloc {
 namespace {
+
+constexpr char kMessage = 'm', kFailure = 'f', kEnd = 'e';  // begin what is sent to the first
+
+Ranks g_here;
+int g_to_hear = 2;  // messages of the first that a rank has not heard yet: see SharedBatch
 
 /** By what mpirun and srun leave in the environment: Open MPI, PMIx; MPICH and its kin. */
 bool startedByMpirun() {
@@ -25,17 +32,19 @@ int threadsFor(int ranks_here) {
   return std::max(1, std::min(share, allowed));
 }
 
+const auto kNever = [] { return false; };
+
 }  // namespace
 
-Ranks Ranks::join() {
-  Ranks ranks;
-  if (!startedByMpirun()) return ranks;
+const Ranks& Ranks::here() { return g_here; }
+
+void Ranks::join() {
+  if (!startedByMpirun()) return;
   const mpi::Place place = mpi::join();
-  ranks.rank_ = place.rank;
-  ranks.size_ = place.size;
-  ranks.threads_ = threadsFor(place.ranks_here);
-  ranks.joined_ = true;
-  return ranks;
+  g_here.rank_ = place.rank;
+  g_here.size_ = place.size;
+  g_here.threads_ = threadsFor(place.ranks_here);
+  g_here.joined_ = true;
 }
 
 void Ranks::leave() const {
@@ -46,16 +55,43 @@ void Ranks::abort(int code) const {
   if (joined_) mpi::abort(code);
 }
 
-std::string Ranks::broadcastBytes(std::string of_first) const {
-  mpi::broadcast(of_first);
-  return of_first;
+void Ranks::fail(int code, const std::string& what) const {
+  while (g_to_hear > 0) hear();  // the first may be waiting for that
+  mpi::send(kFailure + toBytes(std::vector<std::string>{std::to_string(code), what}), 0);
+  mpi::flush();
+  while (true) pause();  // until the first one, which may fail for the same reason, ends the job
 }
 
-std::vector<std::string> Ranks::gatherBytes(const std::string& mine) const {
-  if (!isFirst()) return mpi::send(mine, 0), std::vector<std::string>();
-  std::vector<std::string> all = {mine};
-  for (int rank = 1; rank < size_; ++rank) all.push_back(mpi::receive(rank));
-  return all;
+void Ranks::tell(const std::string& bytes) const {
+  for (int rank = 1; rank < size_; ++rank) mpi::send(bytes, rank);
+  mpi::flush();
+}
+
+std::string Ranks::hear() const {
+  std::string bytes = *mpi::receive(0, kNever);
+  --g_to_hear;
+  return bytes;
+}
+
+void Ranks::send(const std::string& bytes) const { mpi::send(kMessage + bytes, 0); }
+
+std::optional<std::string> Ranks::receive(int rank, const std::function<bool()>& givesUp) const {
+  auto bytes = mpi::receive(rank, givesUp);
+  if (!bytes) return {};
+  const char kind = bytes->at(0);
+  bytes->erase(0, 1);
+  if (kind != kFailure) return bytes;
+  const auto words = fromBytes<std::vector<std::string>>(*bytes);
+  throw RankFailed(rank, std::atoi(words.at(0).c_str()), words.at(1));
+}
+
+void Ranks::finish() const {
+  mpi::send(std::string(1, kEnd), 0);
+  mpi::flush();
+}
+
+void Ranks::waitForOthers() const {
+  for (int rank = 1; rank < size_; ++rank) receive(rank, kNever);
 }
 
 }  // namespace facetloc

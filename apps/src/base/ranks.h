@@ -4,29 +4,44 @@
 #include "base/bytes.h"
 
 #include <cstddef>
+#include <functional>
+#include <optional>
+#include <stdexcept>
 #include <string>
-#include <vector>
 
 namespace facetloc {
 
-/** \brief The processes of an mpirun job, which work on one task, numbered from 0. A process that was started
- * without mpirun is alone: the first and only rank, and MPI is not touched at all.
+/** \brief Another process of the job has failed. */
+class RankFailed : public std::runtime_error {
+public:
+  RankFailed(int rank, int code, const std::string& what)
+      : std::runtime_error(what), rank_(rank), code_(code) {}
+  int rank() const { return rank_; }
+  int code() const { return code_; }
+
+private:
+  int rank_;
+  int code_;
+};
+
+/** \brief The processes of an mpirun job, numbered from 0, as App and SharedBatch see them. A process that
+ * was started without mpirun is alone: the first and only rank, and MPI is not touched at all.
  *
- * Items are dealt out like cards, one to each rank in turn: the images of a sequence cost about the same, the
- * more so the closer they are, and nobody has to be asked for the next one.
- *
- * broadcast(), gather() and collect() are called by all ranks in the same order, by one thread each. */
+ * Messages go between the first rank and the others, and arrive in the order in which they were sent. All of
+ * it is called by the main thread. */
 class Ranks {
 public:
-  /** \brief This process alone. */
-  Ranks() = default;
-  /** \brief Those of the job that the process was started for. Call it once. Throws std::runtime_error in a
-   * job of mpirun if this program was built without MPI. */
-  static Ranks join();
+  /** \brief This process's; alone until it has joined. */
+  static const Ranks& here();
+  /** \brief Joins the job that the process was started for, if any. Call it once. Throws std::runtime_error
+   * in a job of mpirun if this program was built without MPI. */
+  static void join();
   /** \brief The good end: waits for the others. */
   void leave() const;
   /** \brief Ends the whole job with this exit code; returns only if there is none. */
   void abort(int code) const;
+  /** \brief On any rank but the first: hands over to that one why this one fails, which ends the job. */
+  [[noreturn]] void fail(int code, const std::string& what) const;
 
   int rank() const { return rank_; }
   int size() const { return size_; }
@@ -34,40 +49,26 @@ public:
   /** \brief Threads for each rank that fill the machine it shares with others; 0 = all cores. */
   int threads() const { return threads_; }
 
-  /** \brief Is this item dealt to this rank? */
-  bool owns(std::size_t item) const { return item % size_ == static_cast<std::size_t>(rank_); }
-  /** \brief How many of the items are. */
+  /** \brief The rank that an item is dealt to. */
+  int owner(std::size_t item) const { return static_cast<int>(item % size_); }
+  bool owns(std::size_t item) const { return owner(item) == rank_; }
+  /** \brief The number of items that this rank owns. */
   std::size_t share(std::size_t items) const { return (items + size_ - 1 - rank_) / size_; }
 
-  /** \brief The value that the first rank gives, on all ranks. */
-  template <class T>
-  T broadcast(const T& of_first) const {
-    return size_ == 1 ? of_first : fromBytes<T>(broadcastBytes(isFirst() ? toBytes(of_first) : ""));
-  }
-  /** \brief The values of all ranks, on the first one; nothing elsewhere. */
-  template <class T>
-  std::vector<T> gather(const T& mine) const {
-    if (size_ == 1) return {mine};
-    std::vector<T> all;
-    for (const std::string& bytes : gatherBytes(toBytes(mine))) all.push_back(fromBytes<T>(bytes));
-    return all;
-  }
-  /** \brief Brings to the first rank the items that the others own. They lose theirs. */
-  template <class T>
-  void collect(std::vector<T>& items) const {
-    if (size_ == 1) return;
-    std::vector<T> mine;
-    for (std::size_t i = 0; i < items.size() && !isFirst(); ++i)
-      if (owns(i)) mine.push_back(std::move(items[i]));
-    std::vector<std::vector<T>> all = gather(mine);
-    for (std::size_t i = 0; i < items.size() && isFirst(); ++i)
-      if (!owns(i)) items[i] = std::move(all[i % size_][i / size_]);
-  }
+  /** \brief From the first to all others. */
+  void tell(const std::string& bytes) const;
+  std::string hear() const;
+
+  /** \brief To the first; it need not have been received yet when this returns. */
+  void send(const std::string& bytes) const;
+  /** \brief The next message of a rank; nothing if it is given up before there is one. Throws RankFailed. */
+  std::optional<std::string> receive(int rank, const std::function<bool()>& givesUp) const;
+  /** \brief The last message to the first. */
+  void finish() const;
+  /** \brief Until all have called finish(). Throws RankFailed. */
+  void waitForOthers() const;
 
 private:
-  std::string broadcastBytes(std::string of_first) const;
-  std::vector<std::string> gatherBytes(const std::string& mine) const;
-
   int rank_ = 0;
   int size_ = 1;
   int threads_ = 0;

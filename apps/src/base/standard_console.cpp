@@ -9,7 +9,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <fcntl.h>
-#include <iostream>
+#include <ostream>
 #include <streambuf>
 #include <string>
 #include <unistd.h>
@@ -17,7 +17,31 @@
 namespace facetloc {
 namespace {
 
-/** Standard output in printable characters. Where its reader has gone away, nobody misses what is written. */
+/** Where the reader has gone away, what is written is not missed. */
+bool writeAll(int stream, const char* text, std::size_t size) {
+  for (std::size_t done = 0; done < size;) {
+    const ssize_t written = ::write(stream, text + done, size - done);
+    if (written < 0 && errno == EPIPE) return true;
+    if (written < 0 && errno != EINTR) return false;
+    if (written > 0) done += static_cast<std::size_t>(written);
+  }
+  return true;
+}
+
+/** Standard error: a text that comes in one piece is written in one, from any thread. */
+class DirectOutput : public std::streambuf {
+protected:
+  int_type overflow(int_type c) override {
+    if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
+    const char text = traits_type::to_char_type(c);
+    return writeAll(STDERR_FILENO, &text, 1) ? c : traits_type::eof();
+  }
+  std::streamsize xsputn(const char* text, std::streamsize size) override {
+    return writeAll(STDERR_FILENO, text, static_cast<std::size_t>(size)) ? size : 0;
+  }
+};
+
+/** Standard output in printable characters. */
 class PrintableOutput : public std::streambuf {
 public:
   PrintableOutput() { setp(buffer_.data(), buffer_.data() + buffer_.size()); }
@@ -35,13 +59,7 @@ private:
   bool write() {
     const std::string text = printable({pbase(), static_cast<std::size_t>(pptr() - pbase())});
     setp(buffer_.data(), buffer_.data() + buffer_.size());
-    for (std::size_t done = 0; done < text.size();) {
-      const ssize_t written = ::write(STDOUT_FILENO, text.data() + done, text.size() - done);
-      if (written < 0 && errno == EPIPE) return true;
-      if (written < 0 && errno != EINTR) return false;
-      if (written > 0) done += static_cast<std::size_t>(written);
-    }
-    return true;
+    return writeAll(STDOUT_FILENO, text.data(), text.size());
   }
 
   std::array<char, 1 << 16> buffer_;
@@ -65,8 +83,9 @@ Console standardConsole() {
   // What PCL has to say about a bad file comes as an exception, once.
   if (!std::getenv("PCL_VERBOSITY_LEVEL")) pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
   static PrintableOutput output;
-  static std::ostream out(&output);
-  return {out, std::cerr, isatty(STDERR_FILENO) == 1, false, {}};
+  static DirectOutput errors;
+  static std::ostream out(&output), err(&errors);
+  return {out, err, isatty(STDERR_FILENO) == 1, false, {}};
 }
 
 }  // namespace facetloc

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluation.h"
 
-#include "base/results_journal.h"
+#include "base/text.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/features/so3.h>
@@ -314,6 +314,18 @@ std::vector<ModelPose> modelPosesOf(const Map& map) {
   return poses;
 }
 
+namespace {
+
+/** The number of images of the run that it has not come to. */
+std::size_t imagesWithout(const RunResults& run) {
+  std::set<std::string> done;
+  for (const ResultRow& row : run.rows) done.insert(row.frame);
+  return static_cast<std::size_t>(std::count_if(
+      run.images.begin(), run.images.end(), [&](const auto& image) { return done.count(image.first) == 0; }));
+}
+
+}  // namespace
+
 std::vector<RunResults> readRuns(const std::filesystem::path& folder, const Remark& remark) {
   namespace fs = std::filesystem;
   std::vector<fs::path> folders;
@@ -326,12 +338,12 @@ std::vector<RunResults> readRuns(const std::filesystem::path& folder, const Rema
   std::vector<RunResults> runs;
   for (const fs::path& run : folders) {
     const std::string name = run.filename().string();
-    if (remark && ResultsJournal(run).exists())
-      remark(run.string() +
-             ": a later run into this folder was not finished; its results are not among these");
     runs.push_back({single ? "" : name, readHypotheses(run, remark), {}, name, {}});
     runs.back().covariances = readCovariances(run, remark);
     if (auto provenance = Provenance::read(run)) runs.back().images = std::move(provenance->images);
+    if (const std::size_t undone = imagesWithout(runs.back()); remark && undone > 0)
+      remark(run.string() + ": the run was not finished: " + counted(undone, "image") + " of " +
+             std::to_string(runs.back().images.size()) + " without a result");
     if (fs::exists(run / kTiming)) runs.back().timing = readTiming(run, remark);
   }
   return runs;

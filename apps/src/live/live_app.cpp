@@ -135,7 +135,7 @@ int LiveApp::playOrMap(LiveRunOptions options, const CommandLine& line, const Co
     if (isThere(map)) throw IoError(map, "exists already; --overwrite replaces it");
     build(map);
   }
-  console.out << "map in " << map << "\n";
+  console.print("map in " + map + "\n");
   return code;
 }
 
@@ -154,10 +154,10 @@ int LiveApp::play(const LiveRunOptions& options, const CommandLine& line, const 
   try {
     run.run();
   } catch (...) {
-    console.out << run.summary() << "\n";
+    console.print(run.summary() + "\n");
     throw;
   }
-  console.out << run.summary() << "\n";
+  console.print(run.summary() + "\n");
   return kOk;
 }
 

@@ -84,7 +84,8 @@ void LiveSession::run() try {
       continue;
     }
     const auto arrived = mailbox_.take(kWakeUp);  // the pause may have begun in here
-    if (arrived && !paused_ && millisecondsSince(arrived->arrival) <= kOldestFrame) process(*arrived);
+    if (arrived && !paused_ && millisecondsSince(arrived->arrival) <= options_.oldest_frame_ms)
+      process(*arrived);
     if (options_.max_frames > 0 && summary_.processed >= options_.max_frames) break;
     if (!arrived && mailbox_.closed() && !mailbox_.counts().waiting) break;
   }

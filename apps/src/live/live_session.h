@@ -33,6 +33,7 @@ struct LiveSessionOptions {
   std::shared_ptr<OdometryInput> odometry;  ///< of the robot, if it tells one
   int threads = 0;                          ///< of global localization; 0 = all cores
   std::uint64_t max_frames = 0;             ///< ends after so many processed frames; 0 = never
+  double oldest_frame_ms = 100;             ///< age above which a frame is dropped when its turn comes
 };
 
 /** \brief What a live run came to. */
@@ -52,11 +53,10 @@ struct LiveSummary {
 /** \brief The processing thread of a live run: takes the newest frame, segments it, and follows the camera in
  * the map, or makes one.
  *
- * A frame that is older than kOldestFrame when its turn comes is dropped: what is shown is what is. */
+ * A frame that has grown old when its turn comes is dropped: what is shown is what is. */
 class LiveSession {
 public:
   using OnResult = std::function<void(const LiveResultPtr&)>;
-  static constexpr double kOldestFrame = 100;  // [ms]
 
   /** \param map may be null: segmentation only. \param on_result is called by the processing thread after
    * each frame; if it throws, the session ends and finish() throws the same. */

@@ -54,12 +54,12 @@ void LiveStatus::show(const LiveResult& result, double rate) {
   }
   line += "  " + text::decimals(rate, 1) + "/s  " + std::to_string(result.dropped) + " of " +
           std::to_string(result.received) + " dropped";
-  console_.err << "\r\033[K" << line.substr(0, terminalWidth() - 1) << std::flush;
+  console_.show(line.substr(0, terminalWidth() - 1));
   shown_ = true;
 }
 
 void LiveStatus::clear() {
-  if (shown_) console_.err << "\r\033[K" << std::flush;
+  if (shown_) console_.show("");
   shown_ = false;
 }
 

@@ -2,13 +2,13 @@
 #include "tools/localize_app.h"
 
 #include "base/batch.h"
+#include "base/localization_hints.h"
 #include "base/localization_options.h"
 #include "base/localization_report.h"
 #include "base/milliseconds.h"
 #include "base/pose_stream.h"
 #include "base/text.h"
 #include "drawing/outputs.h"
-#include "tools/drive.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/map_database.h>
@@ -29,19 +29,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
-
-/** The results of a finished run. A frame that one of its files lacks is still to be done. */
-std::map<std::string, FrameResult> finishedResults(const fs::path& folder) {
-  std::map<std::string, std::vector<ResultRow>> rows;
-  for (ResultRow& row : readHypotheses(folder)) rows[row.frame].push_back(std::move(row));
-  for (const auto& [frame, covariance] : readCovariances(folder))
-    if (const auto found = rows.find(frame); found != rows.end()) found->second.front().P_w_c = covariance;
-  std::map<std::string, FrameResult> results;
-  for (const TimingRow& timing : readTiming(folder))
-    if (const auto found = rows.find(timing.frame); found != rows.end())
-      results[timing.frame] = {0, found->second, timing};
-  return results;
-}
 
 /** What is found for an image. */
 struct FrameAnswer {
@@ -105,11 +92,11 @@ std::vector<ResultRow> rowsOf(const std::string& frame, const FrameAnswer& answe
   return rows;
 }
 
-/** \param traits receives what tells a wrong camera. */
-FrameResult localizeFrame(std::size_t index, const FrameFile& file, const View& scene,
-                          const ViewBuilder& builder, const Localizer& localize, const Map& map,
-                          int max_hypotheses, ViewTraits& traits) {
-  FrameResult result;
+LocalizedImage localizeFrame(std::size_t index, const FrameFile& file, const View& scene,
+                             const ViewBuilder& builder, const Localizer& localize, const Map& map,
+                             int max_hypotheses) {
+  LocalizedImage image;
+  auto& [result, traits] = image;
   const Clock::time_point start = Clock::now();
   const FrameAnswer answer = localize(index, scene, file.stamp);
   result.stamp = file.stamp;
@@ -118,10 +105,44 @@ FrameResult localizeFrame(std::size_t index, const FrameFile& file, const View& 
   result.rows = rowsOf(file.name, answer, map, max_hypotheses);
   traits = ViewTraits::of(scene);
   traits.noise = scene.noise();
+  return image;
+}
+
+FrameResult failedFrame(const FrameFile& file, const std::string& reason) {
+  FrameResult result;
+  result.stamp = file.stamp;
+  result.timing.frame = file.name;  // no local model was searched
+  result.rows = {noHypothesis(file.name, reason)};
   return result;
 }
 
+bool hasFailed(const FrameResult& result) { return result.timing.models == 0; }
+
 }  // namespace
+
+struct LocalizeApp::Task {
+  DepthSequence sequence;
+  std::shared_ptr<const Map> map;
+  Camera camera;
+  std::string params_ini{};  // what the results depend on beside the images
+
+  const std::vector<FrameFile>& frames() const { return sequence.frames(); }
+  std::vector<ResultFrame> resultFrames() const {
+    std::vector<ResultFrame> all;
+    for (const FrameFile& file : frames()) all.push_back({file.name, file.stamp});
+    return all;
+  }
+};
+
+struct LocalizeApp::Run {
+  std::vector<FrameResult> results;     // of all images
+  std::vector<std::size_t> todo;        // images
+  std::optional<ResultsWriter> writer;  // nothing if all is done already
+  std::vector<ViewTraits> views{};      // of the images of this run
+
+  /** Are the images that are still to be done the last ones? */
+  bool inOrder() const { return todo.empty() || todo.front() + todo.size() == results.size(); }
+};
 
 LocalizeApp::LocalizeApp()
     : App("facetloc_localize", "MAP.flmap INPUT -o RESULTS [options]",
@@ -155,114 +176,97 @@ void LocalizeApp::addOptions(CommandLine& line) {
   line.addParams(sequence_, "sequence");
 }
 
-/** Of a run of the same images with the same map and parameters: of the journal if it was interrupted, else
- * of its results. */
-std::map<std::string, FrameResult> LocalizeApp::earlierResults(const ResultsJournal& journal,
-                                                               const Provenance& provenance) const {
-  if (!resume_) return {};
-  const bool interrupted = journal.exists();
-  const auto before =
-      Provenance::read(folder_, interrupted ? Provenance::Of::run_under_way : Provenance::Of::results);
+/** Of a run of the same images with the same map and parameters, by name. */
+std::map<std::string, FrameResult> LocalizeApp::earlierResults(const Provenance& provenance) const {
+  const auto before = resume_ ? Provenance::read(folder_) : std::nullopt;
   if (!before) return {};
   std::map<std::string, FrameResult> earlier;
-  if (interrupted)
-    earlier = journal.read();
-  else if (isResultsFolder(folder_))
-    earlier = finishedResults(folder_);
+  if (isResultsFolder(folder_)) earlier = readResults(folder_);
   std::vector<std::string> done;
   for (const auto& [frame, result] : earlier)
-    if (provenance.images.count(frame)) done.push_back(frame);
+    if (provenance.images.count(frame) && !hasFailed(result)) done.push_back(frame);
   before->requireSame(provenance, done, folder_);
   return earlier;
 }
 
-/** \param todo receives the frames that earlier has no result of. */
-std::vector<FrameResult> LocalizeApp::startWith(const std::map<std::string, FrameResult>& earlier,
-                                                const std::vector<FrameFile>& frames,
-                                                std::vector<std::size_t>& todo) {
-  std::vector<FrameResult> results(frames.size());
+/** Begins a run, or goes on with an earlier one. What is in the folder is left alone if all is done already
+ * and there is nothing else. */
+LocalizeApp::Run LocalizeApp::begin(const Task& task) const {
+  for (const FrameFile& frame : task.frames()) requireOtherFolder(folder_, frame.path.parent_path());
+  const Provenance provenance{task.params_ini, imageSizes(task.sequence)};
+  const auto earlier = earlierResults(provenance);
+  const std::vector<ResultFrame> frames = task.resultFrames();
+  Run run{std::vector<FrameResult>(frames.size()), {}, {}};
+  std::vector<ResultFrame> kept;
+  std::size_t others = earlier.size();  // of images that are not there now
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const auto found = earlier.find(frames[i].name);
-    if (found != earlier.end())
-      results[i] = found->second;
-    else
-      todo.push_back(i);
-    results[i].stamp = frames[i].stamp;
+    if (found != earlier.end()) --others;
+    if (found == earlier.end() || hasFailed(found->second)) {
+      run.todo.push_back(i);
+      continue;
+    }
+    kept.push_back(frames[i]);
+    run.results[i] = found->second;
+    run.results[i].stamp = frames[i].stamp;
   }
-  return results;
+  if (run.todo.empty() && others == 0) return run;
+  run.writer.emplace(folder_, task.params_ini, kept);
+  provenance.write(folder_);
+  return run;
 }
 
-/** Begins a run, or goes on with an earlier one. Results that are in the folder stay until those of this run
- * are whole. \param journal is left alone if all is done already and there is nothing else. */
-std::vector<FrameResult> LocalizeApp::begin(const std::vector<FrameFile>& frames,
-                                            const Provenance& provenance, ResultsJournal& journal,
-                                            std::vector<std::size_t>& todo) const {
-  if (!journal.exists()) Provenance::removeUnderWay(folder_);  // of a run that was killed at its very end
-  for (const FrameFile& frame : frames) requireOtherFolder(folder_, frame.path.parent_path());
-  const auto earlier = earlierResults(journal, provenance);
-  std::vector<FrameResult> results = startWith(earlier, frames, todo);
-  const bool has_others = earlier.size() + todo.size() > frames.size();  // of images that are not there now
-  if (!todo.empty() || has_others || journal.exists()) {
-    journal.begin(earlier);
-    provenance.write(folder_, Provenance::Of::run_under_way);
-  }
-  return results;
-}
-
-/** The images one after the other, several at a time. \param results of all ranks, on the first one.
- * \return the exit code. */
-int LocalizeApp::localize(const DepthSequence& sequence, const Camera& camera,
-                          const std::shared_ptr<const Map>& map, const std::vector<std::size_t>& todo,
-                          ResultsJournal& journal, std::vector<FrameResult>& results, const Publish& publish,
-                          const Console& console) {
-  Batch batch(is_sequence_ ? 1 : threads(), todo.size(), console, ranks());  // a drive has an order
-  const bool is_alone = sequence.frames().size() == 1;  // else several images are localized at a time
-  std::optional<Drive> drive;
-  if (is_sequence_) drive.emplace(newSequence(map, threads()), smooth_);
+/** \param drive if the images are one */
+LocalizeApp::ImageBatch::Work LocalizeApp::imageWork(const Task& task, const std::vector<std::size_t>& images,
+                                                     int workers, Drive* drive) const {
+  const bool is_alone = task.frames().size() == 1;  // else several images are localized at a time
   const Localizer localizer =
-      drive
-          ? asOneDrive(*drive)
-          : eachByItself(globalLocalization(map, localization_, is_alone ? threads() : 1), min_probability_);
-  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, input_.view));
-  std::vector<FrameResult> found(todo.size());
-  std::vector<ViewTraits> traits(todo.size());
-  const auto fileOf = [&](std::size_t i) -> const FrameFile& { return sequence.frames()[todo[i]]; };
-  const auto publishNow = [&](std::size_t i) {
-    if (!smooth_) publish(todo[i], found[i]);  // else it is not the last word
+      drive ? asOneDrive(*drive)
+            : eachByItself(globalLocalization(task.map, localization_, is_alone ? threads() : 1),
+                           min_probability_);
+  const auto builders =
+      std::make_shared<std::vector<ViewBuilder>>(workers, ViewBuilder(task.camera, input_.view));
+  const auto fileOf = [&task, images](std::size_t i) -> const FrameFile& { return task.frames()[images[i]]; };
+  return {[fileOf](std::size_t i) { return fileOf(i).path.string(); },
+          [this, &task, images, localizer, builders, fileOf](std::size_t i, int worker) {
+            ViewBuilder& builder = (*builders)[worker];
+            const View scene = viewOf(task.sequence, images[i], input_.width, builder);
+            return localizeFrame(i, fileOf(i), scene, builder, localizer, *task.map, max_hypotheses_);
+          }};
+}
+
+void LocalizeApp::smooth(const Task& task, Run& run, const Drive& drive, const Console& console) const {
+  const auto nameOf = [&](std::size_t i) { return task.frames()[run.todo[i]].name; };
+  SequenceLocalization backward = newSequence(task.map, threads());
+  drive.smooth(
+      backward, [&](std::size_t i) { return nameOf(i) + " once more"; }, console,
+      [&](std::size_t i, SequenceAnswer answer) {
+        run.results[run.todo[i]].rows =
+            rowsOf(nameOf(i), frameAnswer(std::move(answer)), *task.map, max_hypotheses_);
+      });
+}
+
+/** The images one after the other, several at a time. \param drive that smoothes, if any */
+void LocalizeApp::localize(const Task& task, Run& run, ImageBatch& batch, const Drive* drive,
+                           const Publish& publish, const Console& console) const {
+  const auto finish = [&](std::size_t frame) {
+    run.writer->append(run.results[frame]);
+    publish(frame, run.results[frame]);
   };
-  batch.run([&](std::size_t i) { return fileOf(i).path.string(); },
-            [&](std::size_t i, int worker) {
-              FrameResult& result = found[i];
-              try {
-                const View scene = viewOf(sequence, todo[i], input_.width, builders[worker]);
-                result = localizeFrame(i, fileOf(i), scene, builders[worker], localizer, *map,
-                                       max_hypotheses_, traits[i]);
-              } catch (const std::exception& e) {
-                result.stamp = fileOf(i).stamp;
-                result.timing.frame = fileOf(i).name;
-                result.rows = {noHypothesis(fileOf(i).name, e.what())};
-                publishNow(i);
-                throw;
-              }
-              journal.append(fileOf(i).name, result);
-              publishNow(i);
+  batch.run(run.todo, run.todo.size(),
+            [&](std::size_t i, std::optional<LocalizedImage>&& image, const std::string& reason) {
+              FrameResult& result = run.results[run.todo[i]];
+              if (image) run.views.push_back(image->second);
+              result = image ? std::move(image->first) : failedFrame(task.frames()[run.todo[i]], reason);
+              if (!smooth_) finish(run.todo[i]);  // else it is not the last word
             });
   if (smooth_) {
-    SequenceLocalization backward = newSequence(map, threads());
-    drive->smooth(
-        backward, [&](std::size_t i) { return fileOf(i).name + " once more"; }, console,
-        [&](std::size_t i, SequenceAnswer answer) {
-          found[i].rows = rowsOf(fileOf(i).name, frameAnswer(std::move(answer)), *map, max_hypotheses_);
-        });
-    for (std::size_t i = 0; i < found.size(); ++i) publish(todo[i], found[i]);
+    smooth(task, run, *drive, console);
+    for (const std::size_t frame : run.todo) finish(frame);
   }
-  ranks().collect(found);
-  for (std::size_t i = 0; i < todo.size() && ranks().isFirst(); ++i) results[todo[i]] = std::move(found[i]);
   std::vector<double> noise;
-  for (const ViewTraits& of_image : traits) noise.push_back(of_image.noise);
-  if (ranks().isFirst()) noteNoise(std::move(noise), camera.noise, console);
-  views_ = std::move(traits);
-  return batch.report();
+  for (const ViewTraits& of_image : run.views) noise.push_back(of_image.noise);
+  noteNoise(std::move(noise), task.camera.noise, console);
 }
 
 SequenceLocalization LocalizeApp::newSequence(const std::shared_ptr<const Map>& map, int threads) const {
@@ -274,21 +278,21 @@ SequenceLocalization LocalizeApp::newSequence(const std::shared_ptr<const Map>& 
 
 /** Every so many images are a start. Its drive ends after kMostWay, as far as the camera itself can tell, or
  * with the images. \return the exit code. */
-int LocalizeApp::localizeFromStarts(const DepthSequence& sequence, const Camera& camera,
-                                    const std::shared_ptr<const Map>& map, const Console& console) const {
+int LocalizeApp::localizeFromStarts(const Task& task, const Console& console) const {
   constexpr double kMostWay = 10;  // [m]
-  const std::vector<FrameFile>& frames = sequence.frames();
+  const std::vector<FrameFile>& frames = task.frames();
   std::vector<View> views(frames.size());
   Batch seeing(threads(), frames.size(), console);
-  std::vector<ViewBuilder> builders(seeing.workers(), ViewBuilder(camera, input_.view));
-  seeing.run(
-      [&](std::size_t i) { return frames[i].path.string(); },
-      [&](std::size_t i, int worker) { views[i] = viewOf(sequence, i, input_.width, builders[worker]); });
+  std::vector<ViewBuilder> builders(seeing.workers(), ViewBuilder(task.camera, input_.view));
+  seeing.run([&](std::size_t i) { return frames[i].path.string(); },
+             [&](std::size_t i, int worker) {
+               views[i] = viewOf(task.sequence, i, input_.width, builders[worker]);
+             });
   const std::size_t n = (frames.size() + starts_ - 1) / starts_;
   std::vector<std::vector<StartAnswer>> found(n);
   Batch batch(threads(), n, console);
   std::vector<SequenceLocalization> drives;
-  for (int worker = 0; worker < batch.workers(); ++worker) drives.push_back(newSequence(map, 1));
+  for (int worker = 0; worker < batch.workers(); ++worker) drives.push_back(newSequence(task.map, 1));
   batch.run([&](std::size_t k) { return "start " + frames[k * starts_].name; },
             [&](std::size_t k, int worker) {
               SequenceLocalization& from_here = drives[worker];
@@ -300,7 +304,7 @@ int LocalizeApp::localizeFromStarts(const DepthSequence& sequence, const Camera&
                 StartAnswer out{frames[k * starts_].name, frames[i].name, answer.state, 0, {}};
                 if (!answer.places.empty()) {
                   out.probability = answer.places.front().probability;
-                  if (map->partOf(answer.places.front().model).empty())
+                  if (task.map->partOf(answer.places.front().model).empty())
                     out.T_w_c = answer.places.front().T_w_c;
                 }
                 found[k].push_back(std::move(out));
@@ -310,24 +314,24 @@ int LocalizeApp::localizeFromStarts(const DepthSequence& sequence, const Camera&
   for (std::vector<StartAnswer>& of_start : found)
     std::move(of_start.begin(), of_start.end(), std::back_inserter(all));
   writeStarts(folder_, all);
-  console.out << counted(n, "start") << " in " << folder_ << "/starts.csv\n";
+  console.print(counted(n, "start") + " in " + folder_ + "/starts.csv\n");
   return std::max(seeing.report(), batch.report());
 }
 
-void LocalizeApp::printSummary(const std::vector<FrameResult>& results, const Map& map,
-                               const Console& console) const {
+void LocalizeApp::printSummary(const Run& run, const Map& map, const Console& console) const {
   StateCounts states;
   std::size_t timed = 0;
   double milliseconds = 0;
-  for (const FrameResult& result : results) {
+  for (const FrameResult& result : run.results) {
     states.add(result.rows.front().state);
     timed += result.timing.sum() > 0;  // others failed
     milliseconds += result.timing.sum();
   }
-  for (const std::string& hint : whatToLookAt(states, views_, map)) console.out << hint << "\n";
-  console.out << inWords(states) << (is_sequence_ ? firstSure(results) : "") << "; "
-              << text::decimals(milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)), 1)
-              << " ms per image and thread; results in " << folder_ << "\n";
+  std::string words;
+  for (const std::string& hint : whatToLookAt(states, run.views, map)) words += hint + "\n";
+  console.print(words + inWords(states) + (is_sequence_ ? firstSure(run.results) : "") + "; " +
+                text::decimals(milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)), 1) +
+                " ms per image and thread; results in " + folder_ + "\n");
 }
 
 /** What the results depend on beside the images. */
@@ -346,8 +350,7 @@ int LocalizeApp::execute(const CommandLine& line, const Console& console) {
                   : localizeAll(line, console, nullptr);
 }
 
-/** \param out where answers are streamed to; null = nowhere */
-int LocalizeApp::localizeAll(const CommandLine& line, const Console& console, std::ostream* out) {
+void LocalizeApp::requireSense() const {
   if (folder_.empty()) throw UsageError("the folder of the results is missing: -o RESULTS");
   if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
   if (starts_ < 0) throw UsageError("starts must not be negative");
@@ -355,53 +358,49 @@ int LocalizeApp::localizeAll(const CommandLine& line, const Console& console, st
   if (smooth_ && !is_sequence_) throw UsageError("--smooth goes with --sequence");
   if (is_sequence_ && resume_)
     throw UsageError("--sequence does not go with --resume: its answers need all images before; run it anew");
-  if (is_sequence_ && ranks().size() > 1)
-    throw UsageError("--sequence does not go with mpirun: its images have an order; run it without");
-  if (streams_ && ranks().size() > 1) throw UsageError("--stream does not go with mpirun; run it without");
   if (is_sequence_ && localization_.score.by_overlap)
     throw UsageError("--sequence does not go with --score.by_overlap, which --preset paper sets: overlaps "
                      "have no probabilities");
+}
+
+/** \param out where answers are streamed to; null = nowhere */
+int LocalizeApp::localizeAll(const CommandLine& line, const Console& console, std::ostream* out) {
+  requireSense();
   Provenance::requireNotReplaced(input_path_, folder_);
   if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
   input_.recording.segments = true;
-  const DepthSequence sequence = openSequence(input_path_, input_.recording, console);
+  DepthSequence sequence = openSequence(input_path_, input_.recording, console);
   const auto map = std::make_shared<const Map>(openMap(map_));
   noteUnfinished(*map, map_, console);
   const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
   noteDifference(camera, *map, console);
+  Task task{std::move(sequence), map, camera};
+  std::optional<Drive> drive;
+  if (is_sequence_) drive.emplace(newSequence(map, threads()), smooth_);
+  const int at_a_time = drive ? 1 : threads();  // a drive has an order
+  ImageBatch batch(at_a_time, console, [&](const std::vector<std::size_t>& images, int workers) {
+    return imageWork(task, images, workers, drive ? &*drive : nullptr);
+  });
+  if (batch.helped()) return kOk;
 
-  ResultsJournal journal(folder_, ranks().rank());
-  std::vector<FrameResult> results;
-  std::vector<std::size_t> todo;
-  Provenance provenance;
-  std::optional<OutputLock> lock;
-  if (ranks().isFirst()) {
-    createFolders(folder_);
-    lock = OutputLock::ofFolder(folder_);
-    provenance = {paramsIni(sequence.camera(), camera, *map), imageSizes(sequence)};
-    results = begin(sequence.frames(), provenance, journal, todo);
-  }
-  todo = ranks().broadcast(todo);
-  if (!ranks().isFirst() && !todo.empty()) journal.begin({});
+  createFolders(folder_);
+  const OutputLock lock = OutputLock::ofFolder(folder_);
+  task.params_ini = paramsIni(task.sequence.camera(), camera, *map);
+  Run run = begin(task);
   std::optional<PoseStream> stream;
   if (out) stream.emplace(*out, camera.mounting);
   const Publish publish = [&stream](std::size_t frame, const FrameResult& result) {
     if (stream) stream->put(frame, result);
   };
-  const std::set<std::size_t> undone(todo.begin(), todo.end());
-  for (std::size_t i = 0; i < results.size(); ++i)
-    if (!undone.count(i)) publish(i, results[i]);  // of an earlier run
-  const int code = localize(sequence, camera, map, todo, journal, results, publish, console);
-  if (!ranks().isFirst()) return kOk;
-  if (journal.exists()) {
-    writeResults(folder_, results, provenance.params_ini);
-    provenance.write(folder_);
-    if (code == kOk) journal.remove();  // else it tells --resume which images are still to be done
-    if (code == kOk) Provenance::removeUnderWay(folder_);
-  }
-  printSummary(results, *map, console);
+  const std::set<std::size_t> undone(run.todo.begin(), run.todo.end());
+  for (std::size_t i = 0; i < run.results.size(); ++i)
+    if (!undone.count(i)) publish(i, run.results[i]);  // of an earlier run
+  localize(task, run, batch, drive ? &*drive : nullptr, publish, console);
+  const int code = batch.report();
+  if (!run.inOrder()) run.writer.emplace(folder_, task.params_ini, task.resultFrames());
+  printSummary(run, *map, console);
   fs::remove(fs::path(folder_) / "starts.csv");  // of an earlier run
-  return starts_ == 0 ? code : std::max(code, localizeFromStarts(sequence, camera, map, console));
+  return starts_ == 0 ? code : std::max(code, localizeFromStarts(task, console));
 }
 
 }  // namespace facetloc

@@ -3,10 +3,11 @@
 
 #include "base/app.h"
 #include "base/depth_input.h"
-#include "base/localization_hints.h"
 #include "base/provenance.h"
-#include "base/results_journal.h"
+#include "tools/drive.h"
+#include "base/shared_batch.h"
 
+#include <facetloc/io/results.h>
 #include <facetloc/localization/sequence_localization.h>
 
 #include <functional>
@@ -22,28 +23,28 @@ public:
   LocalizeApp();
 
 private:
+  using ImageBatch = SharedBatch<std::vector<std::size_t>, LocalizedImage>;
+  struct Task;  // the images and the map
+  struct Run;   // what is done of it
   /** Hands out the answer to a frame as soon as it is final. */
   using Publish = std::function<void(std::size_t frame, const FrameResult& result)>;
 
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
-  bool dealsOut() const override { return true; }
-  std::string paramsIni(const std::optional<CameraFile>& file, const Camera& camera, const Map& map) const;
-  std::map<std::string, FrameResult> earlierResults(const ResultsJournal& journal,
-                                                    const Provenance& provenance) const;
-  static std::vector<FrameResult> startWith(const std::map<std::string, FrameResult>& earlier,
-                                            const std::vector<FrameFile>& frames,
-                                            std::vector<std::size_t>& todo);
-  std::vector<FrameResult> begin(const std::vector<FrameFile>& frames, const Provenance& provenance,
-                                 ResultsJournal& journal, std::vector<std::size_t>& todo) const;
-  int localize(const DepthSequence& sequence, const Camera& camera, const std::shared_ptr<const Map>& map,
-               const std::vector<std::size_t>& todo, ResultsJournal& journal,
-               std::vector<FrameResult>& results, const Publish& publish, const Console& console);
+  bool dealsOut() const override { return !is_sequence_ && !streams_; }
+  void requireSense() const;
   int localizeAll(const CommandLine& line, const Console& console, std::ostream* out);
+  std::string paramsIni(const std::optional<CameraFile>& file, const Camera& camera, const Map& map) const;
+  std::map<std::string, FrameResult> earlierResults(const Provenance& provenance) const;
+  Run begin(const Task& task) const;
+  ImageBatch::Work imageWork(const Task& task, const std::vector<std::size_t>& images, int workers,
+                             Drive* drive) const;
+  void localize(const Task& task, Run& run, ImageBatch& batch, const Drive* drive, const Publish& publish,
+                const Console& console) const;
+  void smooth(const Task& task, Run& run, const Drive& drive, const Console& console) const;
   SequenceLocalization newSequence(const std::shared_ptr<const Map>& map, int threads) const;
-  int localizeFromStarts(const DepthSequence& sequence, const Camera& camera,
-                         const std::shared_ptr<const Map>& map, const Console& console) const;
-  void printSummary(const std::vector<FrameResult>& results, const Map& map, const Console& console) const;
+  int localizeFromStarts(const Task& task, const Console& console) const;
+  void printSummary(const Run& run, const Map& map, const Console& console) const;
 
   std::string map_;
   std::string input_path_;
@@ -58,7 +59,6 @@ private:
   DepthInput input_;
   GlobalLocalizationParams localization_;
   SequenceParams sequence_;
-  std::vector<ViewTraits> views_;  // of the images of this run
 };
 
 }  // namespace facetloc

@@ -284,8 +284,8 @@ int MapCheckApp::execute(const CommandLine&, const Console& console) {
   std::vector<std::string> faults = checkMap(map_);
   if (faults.empty()) faults = placeIndexFaults(map_);
   if (faults.empty()) noteUnfinished(openMap(map_), map_, console);
-  for (const std::string& fault : faults) console.out << fault << "\n";
-  console.out << map_ << ": " << (faults.empty() ? "sound" : counted(faults.size(), "fault")) << "\n";
+  for (const std::string& fault : faults) console.print(fault + "\n");
+  console.print(map_ + ": " + (faults.empty() ? "sound" : counted(faults.size(), "fault")) + "\n");
   return faults.empty() ? kOk : kFailed;
 }
 
@@ -313,11 +313,10 @@ int MapExportApp::execute(const CommandLine&, const Console& console) {
   if (!graph_.empty()) writeGraph(graph_, map);
   if (!polygons_.empty()) writePolygons(polygons_, polygonsOf(map, map_));
   if (!folder_.empty()) exportMap(map, folder_);
-  console.out << counted(map.models.size(), "local model") << " exported";
-  if (!folder_.empty()) console.out << "; files in " << folder_;
-  if (!graph_.empty()) console.out << "; graph in " << graph_;
-  if (!polygons_.empty()) console.out << "; polygons in " << polygons_;
-  console.out << "\n";
+  console.print(counted(map.models.size(), "local model") + " exported" +
+                (folder_.empty() ? "" : "; files in " + folder_) +
+                (graph_.empty() ? "" : "; graph in " + graph_) +
+                (polygons_.empty() ? "" : "; polygons in " + polygons_) + "\n");
   return kOk;
 }
 
@@ -412,6 +411,7 @@ constexpr const char* kMapUsage = "Usage: facetloc_map build|extend|info|check|e
 
 int runMapTool(const std::vector<std::string>& arguments, Console console) {
   const std::string command = arguments.empty() ? "" : arguments.front();
+  console.tool = "facetloc_map";
   const auto run = [&](App&& app) { return app.run({arguments.begin() + 1, arguments.end()}, console); };
   if (command == "build") return run(MapBuildApp());
   if (command == "extend") return run(MapExtendApp());
@@ -425,18 +425,15 @@ int runMapTool(const std::vector<std::string>& arguments, Console console) {
     return command == "-" + name || command == "--" + name;
   };
   if (isOption("version")) {
-    console.out << versionText() << "\n";
+    console.print(versionText() + "\n");
   } else if (isOption("help") || isOption("h")) {
-    console.out << kMapUsage;
+    console.print(kMapUsage);
   } else {
-    console.err << "facetloc_map: " << (command.empty() ? "no command" : "unknown command '" + command + "'")
-                << "\n"
-                << kMapUsage;
+    console.error((command.empty() ? "no command" : "unknown command '" + command + "'") + "\n" + kMapUsage);
     return kUsage;
   }
-  console.out.flush();
   if (console.out) return kOk;
-  console.err << "facetloc_map: the output cannot be written\n";
+  console.error("the output cannot be written");
   return kFailed;
 }
 

@@ -4,6 +4,7 @@
 #include "base/app.h"
 #include "base/depth_input.h"
 #include "tools/image_trajectory.h"
+#include "base/shared_batch.h"
 
 #include <facetloc/io/map_database.h>
 #include <facetloc/mapping/map_builder.h>
@@ -11,8 +12,6 @@
 #include <memory>
 
 namespace facetloc {
-
-class Batch;
 
 /** \brief facetloc_map build: one run of depth images -> a map. */
 class MapBuildApp : public App {
@@ -24,6 +23,7 @@ private:
   struct Selection;
   struct Seen;  // what their images were like
   class Writer;
+  using ModelBatch = SharedBatch<ModelsOrder, PackedModel>;
 
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
@@ -42,12 +42,14 @@ private:
   MapDatabase createDatabase(const std::filesystem::path& path, const DepthSequence& sequence,
                              const std::string& parameters, const Camera& camera, bool overwrite) const;
   int build(const std::filesystem::path& path, const DepthSequence& sequence, const Selection& selection,
-            Camera camera, Batch& batch, const Console& console) const;
+            Camera camera, ModelBatch& batch, const Console& console) const;
   std::optional<DepthDistortion> calibrate(const DepthSequence& sequence, const Camera& camera,
                                            const Console& console) const;
   std::vector<Link> linksOf(const DepthSequence& sequence, const std::vector<std::string>& names) const;
+  ModelBatch::Work modelWork(const DepthSequence& sequence, Camera camera, const ModelsOrder& order,
+                             int workers) const;
   Seen addModels(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
-                 const Camera& camera, Batch& batch, Writer* writer) const;
+                 const Camera& camera, ModelBatch& batch, Writer& writer) const;
 
   std::string disagreement_;    // of poses and images, in words
   Trajectory poses_of_images_;  // given, or found

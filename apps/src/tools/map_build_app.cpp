@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <set>
 #include <utility>
 
@@ -27,7 +28,6 @@ namespace fs = std::filesystem;
 constexpr const char* kParametersKey = "parameters";
 constexpr double kSamePose = 1e-9;  // [m], and of the entries of a rotation: what a file may round
 constexpr std::size_t kCalibrationImages = 200;  // at most
-constexpr std::size_t kImagesPerThread = 8;      // views kept in memory until they are written, in order
 
 bool samePose(const std::optional<Eigen::Isometry3d>& a, const std::optional<Eigen::Isometry3d>& b) {
   if (!a || !b) return !a && !b;
@@ -69,9 +69,9 @@ struct MapBuildApp::Selection {
   std::size_t without_pose = 0;
 };
 
-/** What the images of local models were like. */
+/** What the images of new local models were like. */
 struct MapBuildApp::Seen {
-  std::vector<double> noise;  // of each [1/m]; 0 where it was not read, or by another process
+  std::vector<double> noise;  // of each [1/m]
   std::size_t without_segments = 0;
 };
 
@@ -321,46 +321,48 @@ std::vector<Link> MapBuildApp::linksOf(const DepthSequence& sequence,
   return links;
 }
 
-/** Builds views in parallel, some at a time, and adds them in order. \param writer of the first rank; others
- * have none. */
+MapBuildApp::ModelBatch::Work MapBuildApp::modelWork(const DepthSequence& sequence, Camera camera,
+                                                     const ModelsOrder& order, int workers) const {
+  camera.distortion = order.second;
+  const auto builders = std::make_shared<std::vector<ViewBuilder>>(workers, ViewBuilder(camera, input_.view));
+  const auto fileOf = [&sequence, images = order.first](std::size_t i) -> const FrameFile& {
+    return sequence.frames()[images[i]];
+  };
+  return {[fileOf](std::size_t i) { return fileOf(i).path.string(); },
+          [this, &sequence, fileOf, builders, images = order.first](std::size_t i, int worker) {
+            LocalModel model{fileOf(i).name, fileOf(i).stamp, {}, {}};
+            model.view = (*builders)[worker].build(sequence.load(images[i], input_.width));
+            return packed(std::move(model));
+          }};
+}
+
+/** Adds the local models of candidates in order, those that are there already among them. */
 MapBuildApp::Seen MapBuildApp::addModels(const DepthSequence& sequence,
                                          const std::vector<Candidate>& candidates, const Camera& camera,
-                                         Batch& batch, Writer* writer) const {
-  const auto fileOf = [&](std::size_t i) -> const FrameFile& {
-    return sequence.frames()[candidates[i].frame];
+                                         ModelBatch& batch, Writer& writer) const {
+  const auto nameOf = [&](const Candidate& c) { return sequence.frames()[c.frame].name; };
+  std::vector<std::size_t> images;
+  for (const Candidate& c : candidates)
+    if (!writer.has(nameOf(c))) images.push_back(c.frame);
+  auto next = candidates.begin();
+  const auto advance = [&] {
+    for (; next != candidates.end() && writer.has(nameOf(*next)); ++next)
+      writer.advance(nameOf(*next), next->T_w_m);
   };
-  const auto names = ranks().broadcast(writer ? writer->names() : std::vector<std::string>());
-  const std::set<std::string> present(names.begin(), names.end());
-  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, input_.view));
   Seen seen;
-  seen.noise.assign(candidates.size(), 0);
-  const std::size_t chunk =
-      kImagesPerThread * ranks().broadcast(static_cast<std::size_t>(batch.workers())) * ranks().size();
-  for (std::size_t first = 0; first < candidates.size(); first += chunk) {
-    const std::size_t last = std::min(first + chunk, candidates.size());
-    std::vector<PackedModel> models(last - first);
-    const auto build = [&](std::size_t i, int worker) {
-      LocalModel model{fileOf(i).name, fileOf(i).stamp, candidates[i].T_w_m, {}};
-      if (!present.count(model.name)) {
-        model.view = builders[worker].build(sequence.load(candidates[i].frame, input_.width));
-        seen.noise[i] = model.view.noise();
-      }
-      models[i - first] = packed(std::move(model));
-    };
-    const auto built = batch.run(
-        first, last, [&](std::size_t i) { return fileOf(i).path.string(); }, build);
-    ranks().collect(models);
-    for (std::size_t i = 0; writer && i < models.size(); ++i) {
-      if (!built[i]) continue;
-      const LocalModel& model = models[i].model;
-      if (writer->has(model.name))
-        writer->advance(model.name, model.T_w_m);
-      else if (model.view.segments.empty())
-        ++seen.without_segments;
-      else
-        writer->add(models[i]);
-    }
-  }
+  batch.run({images, camera.distortion}, images.size(),
+            [&](std::size_t, std::optional<PackedModel>&& built, const std::string&) {
+              advance();
+              const Candidate& candidate = *next++;
+              if (!built) return;
+              built->model.T_w_m = candidate.T_w_m;
+              seen.noise.push_back(built->model.view.noise());
+              if (built->model.view.segments.empty())
+                ++seen.without_segments;
+              else
+                writer.add(*built);
+            });
+  advance();
   return seen;
 }
 
@@ -390,10 +392,10 @@ std::optional<DepthDistortion> MapBuildApp::calibrate(const DepthSequence& seque
   return {};
 }
 
-/** By the first rank. \param path of the map until it is whole. \return the exit code. Throws IoError, and
+/** \param path of the map until it is whole. \return the exit code. Throws IoError, and
  * leaves no map, if there would be nothing in it. */
 int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence, const Selection& selection,
-                       Camera camera, Batch& batch, const Console& console) const {
+                       Camera camera, ModelBatch& batch, const Console& console) const {
   const std::string parameters = cameraLine(sequence.camera()) + "every = " + std::to_string(every_) + "\n" +
                                  "raw-depth = " + (raw_depth_ ? "1" : "0") + "\n" + toIni(input_, camera) +
                                  toIni(builder_, "map") + (found_ ? by_images_.toIni() : "");
@@ -404,10 +406,9 @@ int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence, cons
   else if (!raw_depth_)
     camera.distortion = calibrate(sequence, camera, console);
   if (camera.distortion && present.models.empty()) database.setCamera(camera);
-  camera.distortion = ranks().broadcast(camera.distortion);
   const MapBuilder builder(builder_);
   Writer writer(std::move(database), present, builder, !found_);
-  const Seen seen = addModels(sequence, selection.candidates, camera, batch, &writer);
+  const Seen seen = addModels(sequence, selection.candidates, camera, batch, writer);
 
   const int code = std::max<int>(unread_, batch.report());
   if (selection.without_pose > 0)
@@ -438,19 +439,16 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   if (overwrite_ && resume_) throw UsageError("overwrite and resume exclude each other");
   const DepthSequence sequence = openSequence(sequence_, input_.recording, console);
   Camera camera = input_.camera(sequence.camera(), line);
-  std::optional<OutputLock> lock;
-  if (ranks().isFirst()) lock = OutputLock::ofFile(map_);
+  ModelBatch batch(threads(), console, [this, &sequence, camera](const ModelsOrder& order, int workers) {
+    return modelWork(sequence, camera, order, workers);
+  });
+  if (batch.helped()) return kOk;
+  const OutputLock lock = OutputLock::ofFile(map_);
   findPoses(sequence, camera, console);
-  if (ranks().isFirst()) writeTrajectory(sequence);
+  writeTrajectory(sequence);
   const bool goes_on = resume_ && isThere(map_) && !MapDatabase::open(map_).modelNames().empty();
-  if (ranks().isFirst() && !goes_on) disagreement_ = checkPoses(sequence, camera, console);
+  if (!goes_on) disagreement_ = checkPoses(sequence, camera, console);
   const Selection selection = select(sequence);
-  Batch batch(threads(), selection.candidates.size(), console, ranks());
-  if (!ranks().isFirst()) {
-    camera.distortion = ranks().broadcast(camera.distortion);
-    addModels(sequence, selection.candidates, camera, batch, nullptr);
-    return kOk;
-  }
   int code = kOk;
   const auto buildAt = [&](const fs::path& path) {
     code = build(path, sequence, selection, camera, batch, console);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/segment_app.h"
 
-#include "base/batch.h"
 #include "base/provenance.h"
 #include "base/text.h"
 #include "drawing/colours.h"
 #include "drawing/depth_drawing.h"
 #include "drawing/outputs.h"
 #include "tools/noise_table.h"
+#include "base/shared_batch.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/cloud_file.h>
@@ -19,7 +19,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
-#include <numeric>
+#include <memory>
 #include <set>
 
 namespace facetloc {
@@ -260,32 +260,34 @@ int SegmentApp::execute(const CommandLine& line, const Console& console) {
     sequences.push_back(openSequence(input, input_.recording, console));
   }
   const std::vector<Image> all = images(sequences);
-  std::vector<std::size_t> todo;
-  std::optional<OutputLock> lock;
-  if (ranks().isFirst()) {
-    createFolders(folder_);
-    lock = OutputLock::ofFolder(folder_);
-    todo = prepare(all, provenance(all, line));
-  }
-  todo = ranks().broadcast(todo);
+  using Images = std::vector<std::size_t>;  // among all
+  using Segmentation = SharedBatch<Images, std::size_t>;
+  Segmentation batch(threads(), console, [&](const Images& images, int n) -> Segmentation::Work {
+    const auto workers = std::make_shared<std::vector<Worker>>(n, Worker(*this, line));
+    return {[&all, images](std::size_t i) { return all[images[i]].file().path.string(); },
+            [&all, images, workers](std::size_t i, int worker) {
+              return (*workers)[worker].process(all[images[i]]);
+            }};
+  });
+  if (batch.helped()) return kOk;
+  createFolders(folder_);
+  const OutputLock lock = OutputLock::ofFolder(folder_);
+  const Images todo = prepare(all, provenance(all, line));
 
   const auto start = std::chrono::steady_clock::now();
-  std::vector<std::size_t> segments(todo.size(), 0);
-  Batch batch(threads(), todo.size(), console, ranks());
-  std::vector<Worker> workers(batch.workers(), Worker(*this, line));
-  batch.run([&](std::size_t i) { return all[todo[i]].file().path.string(); },
-            [&](std::size_t i, int worker) { segments[i] = workers[worker].process(all[todo[i]]); });
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-
   std::size_t sum = 0;
-  for (const std::size_t n : ranks().gather(std::accumulate(segments.begin(), segments.end(), std::size_t{})))
-    sum += n;
+  batch.run(todo, todo.size(),
+            [&](std::size_t, const std::optional<std::size_t>& segments, const std::string&) {
+              sum += segments.value_or(0);
+            });
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const int code = batch.report();
   const std::size_t done = todo.size() - batch.failures().size();
-  console.out << counted(done, "image") << " with " << counted(sum, "segment") << " in "
-              << text::decimals(seconds, 1) << " s";
-  if (all.size() > todo.size()) console.out << " (" << all.size() - todo.size() << " were done before)";
-  console.out << "; results in " << folder_ << "\n";
+  const std::size_t before = all.size() - todo.size();
+  console.print(counted(done, "image") + " with " + counted(sum, "segment") + " in " +
+                text::decimals(seconds, 1) + " s" +
+                (before > 0 ? " (" + std::to_string(before) + " were done before)" : "") + "; results in " +
+                folder_ + "\n");
   return code;
 }
 

@@ -9,30 +9,52 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace facetloc {
 
-/** \brief One line of RESULTS/hypotheses.csv. rank 1 = best; rank 0 = no hypothesis, with a
- * reason. */
+/** \brief One line of RESULTS/hypotheses.csv, as resultColumns() describes it. rank 1 = best; rank 0 = no
+ * hypothesis, with a reason. */
 struct ResultRow {
   std::string frame;
   int rank = 0;
-  std::string model;  ///< name of the local model
+  std::string model;
   double probability = 0;
   double score = 0;
   Eigen::Isometry3d T_m_c = Eigen::Isometry3d::Identity();
-  std::optional<Eigen::Isometry3d> T_w_c;  ///< in the frame of the part; empty columns where there is none
+  std::optional<Eigen::Isometry3d> T_w_c;
   std::optional<Matrix6d> P_w_c;  ///< its covariance, of rank 1; in covariances.csv instead of hypotheses.csv
-  double sd_rot_deg = 0;          ///< largest standard deviation of the orientation over directions [deg]
-  double sd_trans_m = 0;          ///< largest standard deviation of the position over directions [m]
-  std::string reason;             ///< remarks such as "depth-assisted"; why there is no hypothesis
-  AnswerState state = AnswerState::unknown;  ///< of the frame, the same in all its rows
-  std::string part;                          ///< of the map, that the model belongs to; empty for the world
+  double sd_rot_deg = 0;
+  double sd_trans_m = 0;
+  std::string reason;
+  AnswerState state = AnswerState::unknown;
+  std::string part;
 };
+
+/** \brief A column of hypotheses.csv, or the seven of a pose. What is written, read, sent to another process
+ * or streamed, and what documents have to say, follows from it. */
+struct ResultColumn {
+  using Value =
+      std::variant<std::string ResultRow::*, int ResultRow::*, double ResultRow::*, AnswerState ResultRow::*,
+                   Eigen::Isometry3d ResultRow::*, std::optional<Eigen::Isometry3d> ResultRow::*>;
+  const char* name;  ///< also of the stream
+  Value value;
+  const char* text;  ///< what it is, for documents
+  const char* unit = "";
+  bool has_always = false;  ///< else it is empty in a row without a hypothesis
+  double least = -std::numeric_limits<double>::infinity();
+  double most = std::numeric_limits<double>::infinity();
+
+  /** \brief In the file: the name, or w_tx ... w_qw of T_w_c. */
+  std::vector<std::string> names() const;
+};
+/** \brief In the order of the file. */
+const std::vector<ResultColumn>& resultColumns();
 
 /** \brief One line of RESULTS/timing.csv. */
 struct TimingRow {
@@ -53,37 +75,54 @@ struct FrameResult {
   TimingRow timing;
 };
 
+/** \brief A frame by its name in the results, with its stamp [s]. */
+struct ResultFrame {
+  std::string name;
+  double stamp = 0;
+};
+
 /** \brief Writes a results folder: hypotheses.csv, poses_tum.txt (the sure poses in the world),
  * covariances.csv (of the poses T_w_c of rank 1, whatever their state), timing.csv (all atomically, frames in
  * the given order) and params.ini. */
 void writeResults(const std::filesystem::path& folder, const std::vector<FrameResult>& frames,
                   const std::string& params_ini);
-/** \brief A results folder that grows while a run goes on: a frame is in all files when append() returns. */
+/** \brief A results folder that grows while a run goes on: a frame is in all files when append() returns. Of
+ * a program that is killed, only the frame that it was writing is lost: a frame counts when its line of
+ * timing.csv, the last to be written, is whole. */
 class ResultsWriter {
 public:
-  /** \brief Begins anew, in the place of older results. Throws IoError. */
-  ResultsWriter(const std::filesystem::path& folder, const std::string& params_ini);
+  /** \brief Begins anew, in the place of older results, or goes on with them: the frames of kept that are
+   * whole there stay, byte for byte and in this order, the others go. Throws IoError. */
+  ResultsWriter(const std::filesystem::path& folder, const std::string& params_ini,
+                const std::vector<ResultFrame>& kept = {});
   /** \brief Throws IoError, std::invalid_argument for values that are not finite. */
   void append(const FrameResult& frame);
 
 private:
+  struct Text;
+
+  friend void writeResults(const std::filesystem::path& folder, const std::vector<FrameResult>& frames,
+                           const std::string& params_ini);
+  ResultsWriter(const std::filesystem::path& folder, const std::string& params_ini, const Text& begin);
+
   GrowingFile timing_, poses_, covariances_, hypotheses_;
 };
 /** \brief Is there a hypotheses.csv in it? */
 bool isResultsFolder(const std::filesystem::path& folder);
 /** \brief Receives what is worth to be said of a file that is read nevertheless. */
 using Remark = std::function<void(const std::string&)>;
-/** \brief Reads hypotheses.csv (columns by name); results of older versions, which have no column of the
- * state, get the one by kMinProbability, and without one of the part all is in the world. Throws IoError with
- * the line for malformed files and for values that are impossible. \param remark If there is one, a last line
- * that a killed program has left torn is left out, and remarked.
- */
+/** \brief Reads hypotheses.csv (columns by name). Throws IoError with the line for malformed files and for
+ * values that are impossible. \param remark If there is one, a last line that a killed program has left torn
+ * is left out, and remarked. */
 std::vector<ResultRow> readHypotheses(const std::filesystem::path& folder, const Remark& remark = {});
 /** \brief Reads covariances.csv, alike, by frame; empty if there is no such file. */
 std::map<std::string, Matrix6d> readCovariances(const std::filesystem::path& folder,
                                                 const Remark& remark = {});
 /** \brief Reads timing.csv, alike. */
 std::vector<TimingRow> readTiming(const std::filesystem::path& folder, const Remark& remark = {});
+/** \brief The frames that are whole, by name and without their stamps, be it that the program that wrote them
+ * was killed. Throws IoError. */
+std::map<std::string, FrameResult> readResults(const std::filesystem::path& folder);
 
 /** \brief One line of RESULTS/starts.csv: what a camera that wakes up at one image of a drive says at a later
  * one.
