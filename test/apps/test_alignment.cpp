@@ -2,6 +2,7 @@
 #include "evaluation/alignment.h"
 
 #include <facetloc/features/so3.h>
+#include <facetloc/testing/random_segments.h>
 
 #include <gtest/gtest.h>
 
@@ -80,6 +81,71 @@ TEST(RobustAlignment, IsTheSameEveryTime) {
     pairs[i].estimated.translation().x() += 0.01 * std::sin(17. * double(i * i));
   EXPECT_EQ(robustlyAligned(pairs).T_true_estimated.matrix(),
             robustlyAligned(pairs).T_true_estimated.matrix());
+}
+
+/** A camera in a space of half a metre, with Gaussian errors of positions and orientations. */
+std::vector<PosePair> room(int n, double position_std, double rotation_std) {
+  test::Rng rng(3);
+  std::vector<PosePair> pairs;
+  for (int i = 0; i < n; ++i) {
+    const Eigen::Isometry3d truth = test::randomPose(rng, 3, 0.5);
+    Eigen::Isometry3d estimated = kMotion.inverse() * truth;
+    estimated.translation() += position_std * test::gaussian<3>(rng);
+    estimated.linear() = expSO3(rotation_std * test::gaussian<3>(rng)) * estimated.linear();
+    pairs.push_back({double(i), estimated, truth});
+  }
+  return pairs;
+}
+
+double rotationErrorDeg(const Alignment& a) {
+  return rotationAngle(a.T_true_estimated.linear() * kMotion.linear().transpose()) / kDegree;
+}
+
+TEST(RobustAlignment, OrientationsTellTheRotationWherePositionsAreNear) {
+  const int n = 200;
+  const double position_std = 0.1, rotation_std = 1 * kDegree;
+  const std::vector<PosePair> pairs = room(n, position_std, rotation_std);
+  const Alignment whole = robustlyAligned(pairs), positions = robustlyAligned(pairs, 0);
+  // The mean of n orientations has the error of one over sqrt(n), in each of three axes.
+  EXPECT_LT(rotationErrorDeg(whole), 2.5 * std::sqrt(3. / n));
+  EXPECT_GT(rotationErrorDeg(positions), 2 * rotationErrorDeg(whole));
+  EXPECT_LT((whole.T_true_estimated.translation() - kMotion.translation()).norm(), 0.05);
+  EXPECT_NEAR(whole.residual, position_std * std::sqrt(3.), 0.02);
+  EXPECT_NEAR(whole.rotation_residual_deg, std::sqrt(3.), 0.2);
+}
+
+TEST(RobustAlignment, AWrongOrientationIsLeftOutToo) {
+  std::vector<PosePair> pairs = spiral(40);
+  for (std::size_t i = 0; i < pairs.size(); i += 5) pairs[i].estimated.rotate(expSO3({0, 1, 0}));
+  const Alignment a = robustlyAligned(pairs);
+  EXPECT_TRUE(a.T_true_estimated.isApprox(kMotion, 1e-9));
+  EXPECT_EQ(a.used, 32u);
+}
+
+TEST(RobustAlignment, IsTheMinimumOfItsSum) {
+  for (const double lever : {0.0, 0.5, kPoseLever}) {
+    const std::vector<PosePair> pairs = room(30, 0.02, 0.5 * kDegree);
+    const auto sum = [&](const Eigen::Isometry3d& T) {
+      double total = 0;
+      for (const PosePair& pair : pairs) {
+        const Eigen::Isometry3d moved = T * pair.estimated;
+        total += (moved.translation() - pair.truth.translation()).squaredNorm() +
+                 lever * lever / 2 * (moved.linear() - pair.truth.linear()).squaredNorm();
+      }
+      return total;
+    };
+    const Alignment a = robustlyAligned(pairs, lever);
+    ASSERT_EQ(a.used, pairs.size()) << "none is that far off";
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double step : {-1e-4, 1e-4}) {
+        const Eigen::Vector3d d = step * Eigen::Vector3d::Unit(axis);
+        Eigen::Isometry3d turned = a.T_true_estimated, shifted = a.T_true_estimated;
+        turned.linear() = expSO3(d) * turned.linear();
+        shifted.translation() += d;
+        EXPECT_GT(sum(turned), sum(a.T_true_estimated)) << lever;
+        EXPECT_GT(sum(shifted), sum(a.T_true_estimated)) << lever;
+      }
+  }
 }
 
 TEST(Alignment, NeedsThreePairs) {

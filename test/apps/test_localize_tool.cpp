@@ -86,6 +86,18 @@ TEST_F(Tools, ParametersOfResultsCanBeUsedAgain) {
   EXPECT_EQ(contentOf(folder_ / "a/hypotheses.csv"), contentOf(folder_ / "b/hypotheses.csv"));
 }
 
+TEST_F(Tools, ThePapersMethodFindsPlacesToo) {
+  const std::string map = folder_ / "paper.flmap", results = folder_ / "paper";
+  ASSERT_EQ(runMap({"build", map_run(), "-o", map, "--preset", "paper"}).code, kOk);
+  ASSERT_EQ(runTool<LocalizeApp>({map, query(), "-o", results, "--preset", "paper"}).code, kOk);
+  EXPECT_THAT(contentOf(fs::path(results) / "params.ini"),
+              AllOf(HasSubstr("max_expansions = 1000"), HasSubstr("max_hypotheses = 20")));
+  const Summary all = summarize(
+      "", evaluate(readHypotheses(results), readTumTrajectory(query() + "/groundtruth.txt"), {}, {}).frames);
+  EXPECT_EQ(all.none, 0u);
+  EXPECT_GE(all.correct, all.total * 5 / 6);
+}
+
 TEST_F(Tools, ADriveIsLocalizedAsOne) {
   const auto run = [&](const std::string& threads) {
     const fs::path results = folder_ / ("drive" + threads);

@@ -7,8 +7,8 @@
 //
 // For each floor a map is built of its run map/ by the paper's rule, and every N-th image of its run query/
 // is localized in it. With --ablation the same is done again and again, with one choice at a time put back to
-// the paper's. Frames are classed by the rendered truth (facetloc_evaluate). Two threads or twenty: same
-// figures.
+// the paper's, and with two that stand in for each other. Frames are classed by the rendered truth
+// (facetloc_evaluate). Two threads or twenty: same figures.
 #include "base/app.h"
 #include "base/localization_options.h"
 #include "base/localization_report.h"
@@ -50,12 +50,15 @@ std::vector<Variant> ablation(const Variant& all_of_it) {
   add("a single EKF step").localization.ekf.iterations = 1;
   add("segment-overlap score").localization.score.by_overlap = true;
   add("no joint refinement").localization.steps.joint_refinement = false;
+  Variant& plain = add("single step, no joint refinement");
+  plain.localization.ekf.iterations = 1;
+  plain.localization.steps.joint_refinement = false;
   add("no information of the floor").localization.steps.floor_information = false;
   add("no dense last degree of freedom").localization.steps.depth_assistance = false;
   Variant& free_space = add("no free-space term");
   free_space.localization.calibration.score.free_space_weight = 0;
   free_space.localization.calibration.evidence.contradiction_weight = 0;
-  add("no multi-model evidence").localization.evidence.enabled = false;
+  add("no evidence, no dense refinement").localization.evidence.enabled = false;  // the one needs the other
   add("no support by several models").localization.calibration.evidence.support_weight = 0;
   add("no dense refinement").localization.refinement.enabled = false;
   add("no calibration of the camera").calibrated = false;

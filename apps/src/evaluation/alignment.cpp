@@ -4,6 +4,7 @@
 #include "shared/median.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
 
 #include <algorithm>
 #include <cmath>
@@ -14,8 +15,8 @@ namespace facetloc {
 namespace {
 
 constexpr double kOnALine = 0.05;  // standard deviation of positions across a line that is none [m]
-constexpr double kLever = 0.1;     // to the points that stand for orientations [m]
-constexpr double kFarthest = 3;    // of the median distance
+constexpr double kLever = 0.1;     // weight of orientations beside positions on a line [m]
+constexpr double kFarthest = 3;    // times the median distance
 constexpr double kExact = 1e-6;    // [m] closer pairs agree, whatever the median is
 constexpr int kMostRounds = 50;
 
@@ -38,53 +39,82 @@ void require(const std::vector<PosePair>& pairs) {
                                 std::to_string(kLeastPairs));
 }
 
+// The rotation R that maximises trace(R^T M).
+Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& M) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Vector3d signs = Eigen::Vector3d::Ones();
+  signs[2] = svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1;
+  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+}
+
+// The minimum of the sum in robustlyAligned(): R maximises the trace of R^T with the covariance of the
+// centred positions and the sum of the relative rotations.
+Eigen::Isometry3d fitted(const std::vector<PosePair>& pairs, double lever) {
+  const auto n = static_cast<double>(pairs.size());
+  Eigen::Vector3d estimated = Eigen::Vector3d::Zero(), truth = Eigen::Vector3d::Zero();
+  for (const PosePair& pair : pairs) {
+    estimated += pair.estimated.translation() / n;
+    truth += pair.truth.translation() / n;
+  }
+  Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
+  for (const PosePair& pair : pairs) {
+    M += (pair.truth.translation() - truth) * (pair.estimated.translation() - estimated).transpose();
+    M += lever * lever / 2 * pair.truth.linear() * pair.estimated.linear().transpose();
+  }
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = nearestRotation(M);
+  T.translation() = truth - T.linear() * estimated;
+  return T;
+}
+
+Alignment alignment(const std::vector<PosePair>& pairs, double lever) {
+  Alignment out;
+  out.T_true_estimated = fitted(pairs, lever);
+  out.used = pairs.size();
+  const auto rms = [&](double (*error)(const Eigen::Isometry3d&, const PosePair&)) {
+    double sum = 0;
+    for (const PosePair& pair : pairs) sum += std::pow(error(out.T_true_estimated, pair), 2);
+    return std::sqrt(sum / static_cast<double>(pairs.size()));
+  };
+  out.residual = rms(distanceAfter);
+  out.rotation_residual_deg = rms(angleAfter) / kDegree;
+  return out;
+}
+
 }  // namespace
 
 double distanceAfter(const Eigen::Isometry3d& T_true_estimated, const PosePair& pair) {
   return (T_true_estimated * pair.estimated.translation() - pair.truth.translation()).norm();
 }
 
-Alignment aligned(const std::vector<PosePair>& pairs) {
-  require(pairs);
-  std::vector<Eigen::Vector3d> points = {Eigen::Vector3d::Zero()};  // in the camera's frame
-  if (areOnALine(pairs))
-    for (int axis = 0; axis < 3; ++axis) points.emplace_back(kLever * Eigen::Vector3d::Unit(axis));
-  const auto columns = static_cast<Eigen::Index>(pairs.size() * points.size());
-  Eigen::Matrix3Xd estimated(3, columns), truth(3, columns);
-  Eigen::Index column = 0;
-  for (const PosePair& pair : pairs)
-    for (const Eigen::Vector3d& point : points) {
-      estimated.col(column) = pair.estimated * point;
-      truth.col(column++) = pair.truth * point;
-    }
-  Alignment alignment;
-  alignment.T_true_estimated = Eigen::Isometry3d(Eigen::umeyama(estimated, truth, false));
-  alignment.used = pairs.size();
-  for (const PosePair& pair : pairs) {
-    const double distance = distanceAfter(alignment.T_true_estimated, pair);
-    alignment.residual += distance * distance / static_cast<double>(pairs.size());
-  }
-  alignment.residual = std::sqrt(alignment.residual);
-  return alignment;
+double angleAfter(const Eigen::Isometry3d& T_true_estimated, const PosePair& pair) {
+  return rotationAngle(pair.truth.linear().transpose() * T_true_estimated.linear() * pair.estimated.linear());
 }
 
-Alignment robustlyAligned(const std::vector<PosePair>& pairs) {
+Alignment aligned(const std::vector<PosePair>& pairs) {
+  require(pairs);
+  return alignment(pairs, areOnALine(pairs) ? kLever : 0);
+}
+
+Alignment robustlyAligned(const std::vector<PosePair>& pairs, double lever) {
   require(pairs);
   std::vector<PosePair> kept = pairs;
   std::vector<char> is_kept(pairs.size(), 1);
   for (int round = 0;; ++round) {
-    const Alignment alignment = aligned(kept);
+    const Alignment found = alignment(kept, lever);
     std::vector<double> distances;
-    for (const PosePair& pair : pairs) distances.push_back(distanceAfter(alignment.T_true_estimated, pair));
+    for (const PosePair& pair : pairs)
+      distances.push_back(std::hypot(distanceAfter(found.T_true_estimated, pair),
+                                     lever * angleAfter(found.T_true_estimated, pair)));
     const double farthest = std::max(kExact, kFarthest * internal::median(distances));
     std::vector<char> near;
     for (const double distance : distances) near.push_back(distance <= farthest);
-    if (near == is_kept || round == kMostRounds) return alignment;
+    if (near == is_kept || round == kMostRounds) return found;
     is_kept = near;
     kept.clear();
     for (std::size_t i = 0; i < pairs.size(); ++i)
       if (is_kept[i]) kept.push_back(pairs[i]);
-    if (kept.size() < kLeastPairs) return alignment;
+    if (kept.size() < kLeastPairs) return found;
   }
 }
 

@@ -92,9 +92,9 @@ std::string alignmentText(const ResultsAlignment& a) {
   const auto millimetres = [](double metres) { return text::decimals(1000 * metres, 1) + " mm"; };
   return "Aligned with the truth: " + motionText(a.motion.T_true_estimated) + ", by " +
          std::to_string(a.motion.used) + " of " + counted(a.answers, "sure answer") + " with a residual of " +
-         millimetres(a.motion.residual) + " (RMS). Absolute trajectory error of all sure answers: RMSE " +
-         millimetres(a.errors.rmse) + ", median " + millimetres(a.errors.median) + ", largest " +
-         millimetres(a.errors.max) + ".";
+         millimetres(a.motion.residual) + " and " + text::decimals(a.motion.rotation_residual_deg, 2) +
+         " deg (RMS). Absolute trajectory error of all sure answers: RMSE " + millimetres(a.errors.rmse) +
+         ", median " + millimetres(a.errors.median) + ", largest " + millimetres(a.errors.max) + ".";
 }
 
 }  // namespace

@@ -10,15 +10,19 @@ namespace {
 
 // A step of so much leaves an error of some 3e-5, a fiftieth of the least uncertainty of a plane's slope and
 // offset.
-constexpr double kConvergedRotation = 1e-4;     // [rad]
-constexpr double kConvergedTranslation = 1e-4;  // [m]
+constexpr double kSettledRotation = 1e-4;     // [rad]
+constexpr double kSettledTranslation = 1e-4;  // [m]
+
+// Linearisations after which the pace of the steps is known. An update that ends earlier is taken on trust;
+// from here on, one that will not settle in time has no solution and is refused.
+constexpr int kPaceKnown = 8;
 
 // Steps shrink by about the same factor from one to the next. False if they cannot become small enough in the
 // iterations that are left, going by the length of the last one and of the second before it.
-bool mayConverge(double length, double length_before, int iterations_left) {
+bool maySettle(double length, double length_before, int iterations_left) {
   if (!(length < length_before)) return false;
   const double of_two = length / length_before;
-  return length * std::pow(of_two, 0.5 * iterations_left) < kConvergedTranslation;
+  return length * std::pow(of_two, 0.5 * iterations_left) < kSettledTranslation;
 }
 
 // One linearisation of h about the displacement e from the prior mean.
@@ -49,22 +53,20 @@ EkfUpdate ekfPoseUpdate(const Segment& scene, const Segment& model, const PoseWi
   EkfUpdate out;
   Vector6d e = Vector6d::Zero(), step = Vector6d::Zero();
   Linearization lin;
-  bool converged = false;
-  constexpr int kSettled = 8;  // iterations after which the pace is known
-  double length[2] = {0, 0};   // of the last two steps [rad + m]
-  for (int i = 0; i < params.iterations && !converged; ++i) {
+  bool settled = false;
+  double length[2] = {0, 0};  // of the last two steps [rad + m]
+  for (int i = 0; i < params.iterations && !settled; ++i) {
     e += step;
     if (!lin.at(scene, model, prior, e, params.min_cosine)) return out;
     step = lin.PHt * lin.v - e;  // METHOD 5.1
-    // The paper's EKF, one iteration, takes its only step on trust.
     const double turn = step.head<3>().norm(), shift = step.tail<3>().norm();
-    converged = params.iterations == 1 || (turn < kConvergedRotation && shift < kConvergedTranslation);
-    if (!converged && i >= kSettled && !mayConverge(turn + shift, length[i % 2], params.iterations - 1 - i))
+    settled = turn < kSettledRotation && shift < kSettledTranslation;
+    if (!settled && i >= kPaceKnown && !maySettle(turn + shift, length[i % 2], params.iterations - 1 - i))
       return out;
     length[i % 2] = turn + shift;
   }
   Cholesky3 noise;
-  if (!converged || !noise.compute(lin.m.W)) return out;
+  if (!noise.compute(lin.m.W)) return out;
   const Eigen::Vector3d h = lin.m.h + lin.Ht * step;  // the residual that the last step leaves
   e += step;
 

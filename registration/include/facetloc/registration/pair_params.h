@@ -38,7 +38,8 @@ struct EkfParams {
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("iterations", p.iterations, 1, 100,
-          "Largest number of iterations of a Kalman update; 1 is the paper's Extended Kalman Filter.");
+          "Largest number of linearisations of a Kalman update. Up to 8, the last state is taken on trust, "
+          "as in a plain Extended Kalman Filter; with more, a pair that does not settle is refused.");
     visit("gate", p.gate, 0.1, 1e6, "Largest post-fit cost of a pair, chi-square of 3 degrees of freedom.");
     visit("min_cosine", p.min_cosine, 0.0, 1.0,
           "Smallest cosine between the normals of a pair at the current pose.");
