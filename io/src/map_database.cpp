@@ -356,7 +356,7 @@ void replaceMap(const fs::path& asked, const std::function<void(const fs::path& 
   });
 }
 
-void writeMap(const fs::path& path, const Map& map) {
+void writeMap(const fs::path& path, const Map& map, const std::function<void(std::ostream&)>& place_index) {
   replaceMap(path, [&](const fs::path& temporary) {
     Connection db = map_connection::create(temporary, path);
     Transaction transaction(db);
@@ -374,6 +374,7 @@ void writeMap(const fs::path& path, const Map& map) {
       for (const LocalModel& model : map.models) lookalike_scores.push_back(model.lookalike_score);
       insertAmbiguity(db, *map.ambiguity, lookalike_scores);
     }
+    if (place_index) place_index_parts::write(db, place_index);
     transaction.commit();
   });
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/localization_options.h"
 #include "evaluation/evaluation.h"
 #include "tool_runner.h"
 #include "tools/localize_app.h"

@@ -11,6 +11,7 @@
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/map_localization.h>
 #include <facetloc/localization/sequence_localization.h>
+#include <facetloc/mapping/map_making.h>
 #include <facetloc/registration/planar_registration.h>
 #include <facetloc/segmentation/planar_segmentation.h>
 #include <facetloc/segmentation/view_builder.h>
@@ -67,8 +68,12 @@ void localizeDrive(const std::shared_ptr<const Map>& map, ViewBuilder& builder,
 #include "example_localize_drive.inc"
 }
 
-void writeMapOfWalk(const std::function<View(const DepthImage&)>& myViewOf){
+void writeMapOfWalk(const std::function<View(const DepthImage&)>& myViewOf) {
 #include "example_write_map.inc"
+}
+
+void makeMapOfWalk(){
+#include "example_make_map.inc"
 }
 
 /** What an example prints in a folder. */
@@ -174,6 +179,16 @@ TEST_F(Readme, ADriveIsFoundInAMap) {
   int sure = 0;
   localizeDrive(opened, builder, images, [&](const Eigen::Isometry3d&) { ++sure; });
   EXPECT_GE(sure, 6);
+}
+
+TEST_F(Readme, AMapIsMadeOfARecording) {
+  fs::copy(map_run(), folder_ / "walk", fs::copy_options::recursive);
+  printedIn(folder_ / ".", makeMapOfWalk);
+  ASSERT_EQ(runMap({"build", map_run(), "-o", folder_ / "tool.flmap"}).code, kOk);
+  const Map made = readMap(folder_ / "walk.flmap"), by_tool = readMap(folder_ / "tool.flmap");
+  ASSERT_EQ(made.models.size(), by_tool.models.size());
+  for (std::size_t i = 0; i < made.models.size(); ++i) EXPECT_EQ(made.models[i].name, by_tool.models[i].name);
+  EXPECT_EQ(made.links.size(), by_tool.links.size());
 }
 
 TEST_F(Readme, AMapIsWrittenImageByImage) {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "calibration/distortion_calibration.h"
+
 #include <facetloc/features/local_model.h>
-#include <facetloc/mapping/distortion_calibration.h>
 #include <facetloc/mapping/map_builder.h>
 
 #include <optional>
@@ -15,8 +16,8 @@ inline std::optional<DepthDistortion> distortionOf(const Map& map) {
   std::vector<PosedPicture> pictures;
   for (const LocalModel& model : map.models) pictures.push_back({&model.view.depth, *model.T_w_m});
   const MapBuilderParams poses;
-  const auto found = calibrateDistortion(pictures, map.camera.noise,
-                                         {poses.pose_rotation_std_deg * kDegree, poses.pose_translation_std});
+  const auto found = internal::calibrateDistortion(
+      pictures, map.camera.noise, {poses.pose_rotation_std_deg * kDegree, poses.pose_translation_std});
   return found && found->reliable() ? std::make_optional(found->distortion) : std::nullopt;
 }
 

@@ -12,11 +12,11 @@
 #include "base/app.h"
 #include "base/localization_options.h"
 #include "base/localization_report.h"
+#include "calibration/map_ambiguity.h"
 #include "evaluation/evaluation.h"
 #include "mapped_place.h"
 
 #include <facetloc/localization/global_localization.h>
-#include <facetloc/mapping/map_ambiguity.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -28,6 +28,7 @@
 namespace {
 
 using namespace facetloc;
+using namespace facetloc::internal;
 using benchmarks::MappedPlace;
 using benchmarks::SeenRun;
 

@@ -13,10 +13,10 @@
 // own, without the local models within 3 m of its way.
 #include "base/app.h"
 #include "base/localization_options.h"
+#include "calibration/map_ambiguity.h"
 #include "mapped_place.h"
 
 #include <facetloc/localization/sequence_localization.h>
-#include <facetloc/mapping/map_ambiguity.h>
 
 #include <algorithm>
 #include <array>
@@ -33,6 +33,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace facetloc;
+using namespace facetloc::internal;
 using benchmarks::MappedPlace;
 
 constexpr std::array<double, 7> kMetres = {0, 0.5, 1, 2, 3, 4, 5};

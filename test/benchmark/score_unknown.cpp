@@ -9,11 +9,11 @@
 // local models within the radius of where the query was taken.
 #include "base/app.h"
 #include "base/localization_options.h"
+#include "calibration/map_ambiguity.h"
 #include "mapped_place.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/localization/global_localization.h>
-#include <facetloc/mapping/map_ambiguity.h>
 
 #include <algorithm>
 #include <array>
@@ -31,6 +31,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace facetloc;
+using namespace facetloc::internal;
 using benchmarks::MappedPlace;
 
 /** What became of one query in one map. */

@@ -140,7 +140,7 @@ TEST(Params, IniTextKeepsEveryDigitInTheOrderOfTheDescription) {
   const std::string text = toIni(p);
   EXPECT_THAT(text, HasSubstr("distortion_offset = 0.3333333333333333\n"));
   EXPECT_THAT(text, HasSubstr("depth_std = 0\n"));
-  EXPECT_LT(text.find("distortion_offset"), text.find("depth_std"));
+  EXPECT_LT(text.find("distortion_offset"), text.find("\ndepth_std"));
 }
 
 }  // namespace

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "../apps/example_scene.h"
-#include "base/place_index_file.h"
 #include "fuzz_file.h"
+#include "tools/map_completion.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>

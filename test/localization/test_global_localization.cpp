@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/map_ambiguity.h"
 #include "pairs/view_registration.h"
 #include "ranking/place_ranking.h"
 
 #include <facetloc/localization/global_localization.h>
-#include <facetloc/mapping/map_ambiguity.h>
 #include <facetloc/registration/candidate_pairs.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A map that says by its links alone how its places lie to each other is as good as one with poses.
+#include "calibration/map_ambiguity.h"
+
 #include <facetloc/features/map_parts.h>
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/pose_tracking.h>
-#include <facetloc/mapping/map_ambiguity.h>
 #include <facetloc/mapping/map_builder.h>
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/simulation/simulated_camera.h>
@@ -19,6 +20,9 @@
 #include <utility>
 
 namespace facetloc {
+
+using namespace internal;
+
 namespace {
 
 using testing::ElementsAre;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/mapping/distortion_calibration.h>
+#include "calibration/distortion_calibration.h"
+
 #include <facetloc/testing/synthetic_views.h>
 
 #include <gtest/gtest.h>
@@ -8,6 +9,9 @@
 #include <random>
 
 namespace facetloc {
+
+using namespace internal;
+
 namespace {
 
 using test::smallCamera;

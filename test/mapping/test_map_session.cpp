@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/mapping/map_session.h>
+#include "sessions/map_update.h"
+#include "sessions/session_place.h"
+
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
 
@@ -8,6 +10,9 @@
 #include <algorithm>
 
 namespace facetloc {
+
+using namespace internal;
+
 namespace {
 
 using test::lookingAlong;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/mapping/pose_check.h>
+
+#include "calibration/pose_check.h"
 
 #include <gmock/gmock.h>
 
@@ -7,6 +8,9 @@
 #include <random>
 
 namespace facetloc {
+
+using namespace internal;
+
 namespace {
 
 using testing::HasSubstr;

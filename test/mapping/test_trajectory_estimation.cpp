@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "trajectory/trajectory_links.h"
+
 #include <facetloc/mapping/trajectory_estimation.h>
-#include <facetloc/mapping/trajectory_links.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
 
@@ -12,6 +13,9 @@
 #include <stdexcept>
 
 namespace facetloc {
+
+using namespace internal;
+
 namespace {
 
 using test::largeRoom;

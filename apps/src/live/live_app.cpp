@@ -4,11 +4,11 @@
 #include "base/ambiguity_file.h"
 #include "base/localization_options.h"
 #include "base/localization_report.h"
-#include "base/place_index_file.h"
 #include "base/pose_stream.h"
 #include "base/provenance.h"
 #include "drawing/outputs.h"
 #include "live/live_run.h"
+#include "tools/map_completion.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/atomic_file.h>
@@ -125,8 +125,8 @@ int LiveApp::playOrMap(LiveRunOptions options, const CommandLine& line, const Co
     options.build = path.string();
     code = play(options, line, console);
     if (!isThere(path)) throw IoError(map, "is not written: no frame came");
-    writePlaceIndex(path);
-    writeAmbiguity(path, threads(), console);
+    completeMounting(path, console);
+    completeMap(path, threads(), console);
   };
   if (overwrite_ && isThere(map)) {
     openMap(map);  // what is no map stays

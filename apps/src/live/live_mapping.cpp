@@ -20,23 +20,6 @@ constexpr double kStep = 0.05;                 // of the way: less is noise [m]
 constexpr double kMoved = 0.05;                // of keyframes, after which the trail is drawn anew [m]
 constexpr std::chrono::seconds kLeastRest(1);  // between improvements
 
-/** The planes of local models, which a plan is drawn of. */
-class Planes : public MapStore {
-public:
-  explicit Planes(std::vector<std::shared_ptr<const View>> views) : views_(std::move(views)) {}
-  std::shared_ptr<const View> view(int i) const override { return views_[static_cast<std::size_t>(i)]; }
-  std::unique_ptr<std::istream> placeIndex() const override { return nullptr; }
-
-private:
-  std::vector<std::shared_ptr<const View>> views_;
-};
-
-TrajectoryEstimation endless(const MappingParams& params) {
-  TrajectoryEstimation trajectory(params);
-  trajectory.setEndless(true);
-  return trajectory;
-}
-
 }  // namespace
 
 std::string LiveMapState::inWords() const {
@@ -47,8 +30,7 @@ std::string LiveMapState::inWords() const {
 LiveMapping::LiveMapping(const LiveMappingOptions& options)
     : path_(options.map),
       camera_(options.camera),
-      trajectory_(endless(options.trajectory)),
-      places_(options.places),
+      map_(options.trajectory, options.places),
       database_(MapDatabase::create(options.map)) {
   database_.setCamera(options.camera);
   database_.setMeta("parameters", options.parameters);
@@ -71,22 +53,20 @@ LiveMapState LiveMapping::update(const View& view, const std::string& name, doub
   takeResult();
   follow(view, name, stamp, motion);
   const Clock::time_point now = Clock::now();
-  const bool improve = compared_ < trajectory_.keyframes() && now >= next_improvement_;
+  const bool improve = map_.canBeImproved() && now >= next_improvement_;
   if (improve || !unwritten_.empty()) begin(improve);
   return state_;
 }
 
 void LiveMapping::follow(const View& view, const std::string& name, double stamp,
                          const std::optional<Eigen::Isometry3d>& motion) {
-  trajectory_.add(view, stamp, motion);
-  if (places_.visit(trajectory_, view, name, stamp)) unwritten_.push_back({name, stamp, {}, view});
-  state_.keyframes = trajectory_.keyframes();
-  if (trajectory_.part(trajectory_.latestKeyframe()) != main_part_) {
-    state_.T_w_c.reset();
+  if (map_.add(view, name, stamp, motion)) unwritten_.push_back(LocalModel{name, stamp, {}, view});
+  state_.keyframes = map_.keyframes();
+  state_.T_w_c = map_.latest();
+  if (!state_.T_w_c) {
     trail_.interrupt();
     last_place_.reset();
   } else {
-    state_.T_w_c = trajectory_.latest();
     const Eigen::Vector3d place = state_.T_w_c->T.translation();
     trail_.add(place);
     const double step = last_place_ ? (place - *last_place_).norm() : 0;
@@ -105,23 +85,15 @@ void LiveMapping::takeResult() {
     done = std::move(done_);
   }
   if (!done) return;
-  state_.map = done->map;
+  state_.map = done->result;
   if (!done->improve) return;
-  const int n = done->trajectory.keyframes();
-  double moved = main_part_ == done->main_part ? 0 : kMoved;
-  for (int k = 0; k < n; ++k)
-    moved = std::max(moved,
-                     (done->trajectory.pose(k).T.translation() - trajectory_.pose(k).T.translation()).norm());
-  trajectory_.adopt(done->trajectory);
-  compared_ = n;
-  main_part_ = done->main_part;
-  state_.loops = done->loops;
+  const double moved = map_.adopt(done->map);
+  state_.loops = map_.loops();
   const Clock::time_point now = Clock::now();
   next_improvement_ = now + std::max<Clock::duration>(kLeastRest, now - improved_);
   if (moved < kMoved) return;
   trail_ = {};
-  for (int k = 0; k < trajectory_.keyframes(); ++k)
-    if (trajectory_.part(k) == main_part_) trail_.add(trajectory_.pose(k).T.translation());
+  for (const Eigen::Vector3d& place : map_.trail()) trail_.add(place);
   trail_.interrupt();
   last_place_.reset();
 }
@@ -132,8 +104,7 @@ void LiveMapping::begin(bool improve) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (busy_ || to_do_ || done_) return;
   }
-  auto job = std::make_unique<Job>(Job{
-      trajectory_.clone(), places_, std::move(unwritten_), improve, compared_, main_part_, state_.loops, {}});
+  auto job = std::make_unique<Job>(Job{map_.clone(), std::move(unwritten_), improve, {}});
   unwritten_.clear();
   if (improve) improved_ = Clock::now();
   {
@@ -169,43 +140,20 @@ void LiveMapping::work() {
 
 /** First what would be lost if somebody killed the program now. */
 void LiveMapping::carryOut(Job& job) {
-  std::vector<std::optional<Eigen::Isometry3d>> poses = job.places.poses(job.trajectory, job.main_part);
-  const std::size_t first_new = poses.size() - job.models.size();
+  const std::size_t first_new = static_cast<std::size_t>(job.map.size()) - job.models.size();
+  const auto T_w_m = job.map.poses();
   for (std::size_t i = 0; i < job.models.size(); ++i) {
-    job.models[i].T_w_m = poses[first_new + i];
+    job.models[i].T_w_m = T_w_m[first_new + i];
     database_.add(job.models[i]);
   }
   job.models.clear();
-  if (job.improve) {
-    job.trajectory.improve({}, job.first);
-    const std::vector<int> parts = job.trajectory.trajectory().parts();
-    job.main_part = parts.empty() ? 0 : parts.front();
-    poses = job.places.poses(job.trajectory, job.main_part);
-  }
-  const CameraTrajectory trajectory = job.trajectory.trajectory();
-  job.loops = trajectory.loops();
-  const std::vector<Link> links = job.places.links(trajectory);
+  if (job.improve) job.map.improve();
+  job.result = job.map.map(camera_);
   if (job.improve)
-    database_.setPoses(poses, links);
+    database_.setPoses(job.map.poses(), job.result->links);
   else
-    for (const Link& link : links)
+    for (const Link& link : job.result->links)
       if (link.to >= static_cast<int>(first_new)) database_.add(link);
-  job.map = mapOf(job, links);
-}
-
-std::shared_ptr<const Map> LiveMapping::mapOf(const Job& job, const std::vector<Link>& links) const {
-  auto map = std::make_shared<Map>();
-  map->camera = camera_;
-  map->links = links;
-  const auto poses = job.places.poses(job.trajectory, job.main_part);
-  std::vector<std::shared_ptr<const View>> views;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const MappedPlace& place = job.places.places()[i];
-    map->models.push_back({place.name, place.stamp, poses[i], {}});
-    views.push_back(place.view);
-  }
-  map->store = std::make_shared<Planes>(std::move(views));
-  return map;
 }
 
 void LiveMapping::finish() {
@@ -215,7 +163,7 @@ void LiveMapping::finish() {
   };
   wait();
   takeResult();
-  if (places_.places().empty()) {
+  if (map_.size() == 0) {
     std::filesystem::remove(path_);
     throw IoError(path_.string(), "is not written: none of the images makes a local model");
   }

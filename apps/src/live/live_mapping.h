@@ -2,9 +2,9 @@
 #pragma once
 
 #include "live/live_trail.h"
-#include "live/mapped_places.h"
 
 #include <facetloc/io/map_database.h>
+#include <facetloc/mapping/growing_map.h>
 
 #include <atomic>
 #include <chrono>
@@ -60,7 +60,7 @@ public:
   LiveMapState update(const View& view, const std::string& name, double stamp,
                       const std::optional<Eigen::Isometry3d>& motion = {});
   /** \brief The next image may show any other place. */
-  void interrupt() { trajectory_.interrupt(); }
+  void interrupt() { map_.interrupt(); }
   /** \brief Writes what is not written yet, with the best poses; the file is whole then. A map without local
    * models is removed. Throws IoError. */
   void finish();
@@ -71,13 +71,10 @@ private:
   using Clock = std::chrono::steady_clock;
   /** What is to be done in the background, and what has come of it. */
   struct Job {
-    TrajectoryEstimation trajectory;
-    MappedPlaces places;
+    GrowingMap map;
     std::vector<LocalModel> models;  // new ones
     bool improve = false;
-    int first = 0;  // keyframe that has not been compared yet
-    int main_part = 0, loops = 0;
-    std::shared_ptr<const Map> map;
+    std::shared_ptr<const Map> result;
   };
 
   void follow(const View& view, const std::string& name, double stamp,
@@ -86,18 +83,15 @@ private:
   void begin(bool improve);
   void work();
   void carryOut(Job& job);
-  std::shared_ptr<const Map> mapOf(const Job& job, const std::vector<Link>& links) const;
 
   // Of the thread that calls update()
   const std::filesystem::path path_;
   const Camera camera_;
-  TrajectoryEstimation trajectory_;
-  MappedPlaces places_;
+  GrowingMap map_;
   std::vector<LocalModel> unwritten_;
   LiveTrail trail_;
   std::optional<Eigen::Vector3d> last_place_;  // of the way
   LiveMapState state_;
-  int main_part_ = 0, compared_ = 0;
   Clock::time_point improved_ = Clock::now(), next_improvement_ = improved_;
 
   // Of the background thread

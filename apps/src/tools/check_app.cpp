@@ -4,14 +4,15 @@
 #include "base/batch.h"
 #include "base/text.h"
 #include "shared/median.h"
+#include "tools/image_trajectory.h"
+#include "tools/map_watch.h"
 #include "tools/noise_table.h"
-#include "tools/seen_motions.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/features/local_model.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/text.h>
-#include <facetloc/mapping/found_mounting.h>
+#include <facetloc/mapping/map_making.h>
 #include <facetloc/registration/observability.h>
 #include <facetloc/segmentation/view_builder.h>
 
@@ -215,14 +216,18 @@ void CheckApp::reportPoses(const DepthSequence& sequence, const Camera& camera, 
     return withoutPoses();
   }
   const Trajectory& poses = sequence.groundTruth();
-  MapBuilder rule;
-  std::size_t posed = 0, models = 0;
-  for (const FrameFile& frame : sequence.frames())
-    if (const auto T_w_c = poses.at(frame.stamp, pose_tolerance_)) {
-      ++posed;
-      models += rule.accept(*T_w_c);
-    }
+  MapMakingParams params;
+  params.view = depth_.view;
+  MapMaking making(camera, params);
+  making.setNumberOfThreads(threads());
+  making.setPosesByTime([&](double stamp) { return poses.interpolated(stamp); });
   const std::size_t all = sequence.frames().size();
+  std::size_t posed = 0;
+  for (std::size_t i = 0; i < all; ++i) {
+    const auto T_w_c = poses.at(sequence.frames()[i].stamp, pose_tolerance_);
+    posed += T_w_c.has_value();
+    making.add(mapImage(sequence, i, depth_.width, T_w_c));
+  }
   line(console, "poses",
        std::to_string(poses.poses().size()) + " from " + text::decimals(poses.poses().front().stamp, 3) +
            " to " + text::decimals(poses.poses().back().stamp, 3) + " s; " + counted(posed, "image") +
@@ -231,8 +236,10 @@ void CheckApp::reportPoses(const DepthSequence& sequence, const Camera& camera, 
     advice.push_back("most images have no pose within " + text::significant(pose_tolerance_) +
                      " s: do both clocks show the same time (--time-offset)? Is --pose-tolerance too small?");
   if (posed == 0) return;
-  const PoseCheck check = checkPoses(seenMotions(sequence, camera, depth_, threads(), console),
-                                     [&](double stamp) { return poses.interpolated(stamp); });
+  MapWatch watch(console);
+  making.setProgress(watch.callback());
+  if (canBeReadAgain(sequence)) making.checkPoses();
+  const PoseCheck check = making.findings().poses.value_or(PoseCheck());
   if (check.isKnown()) {
     line(console, "", "they disagree with the motions that the images show by " + check.as_given.inWords());
     if (!check.cause.empty()) advice.push_back(check.cause);
@@ -241,7 +248,8 @@ void CheckApp::reportPoses(const DepthSequence& sequence, const Camera& camera, 
           "no map can be made with these poses: --without-poses lets facetloc_map build find its own");
   }
   line(console, "map",
-       "facetloc_map build will make about " + counted(models, "local model") + " with these poses");
+       "facetloc_map build will make about " + counted(making.places().size(), "local model") +
+           " with these poses");
 }
 
 int CheckApp::execute(const CommandLine& command, const Console& console) {

@@ -4,40 +4,40 @@
 #include "base/app.h"
 #include "base/depth_input.h"
 
-#include <facetloc/io/trajectory.h>
-#include <facetloc/mapping/trajectory_estimation.h>
+#include <facetloc/mapping/map_findings.h>
+#include <facetloc/mapping/map_image.h>
 
 #include <string>
-#include <vector>
 
 namespace facetloc {
 
-/** \brief A trajectory, and what was in the way. */
-struct FoundTrajectory {
-  CameraTrajectory trajectory;        ///< a pose for each image of the sequence
-  std::vector<std::string> failures;  ///< name and cause of each image that could not be read
+/** \brief An image of a sequence, for MapMaking and MapSession. The sequence must outlive it. */
+MapImage mapImage(const DepthSequence& sequence, std::size_t index, int working_width,
+                  const std::optional<Eigen::Isometry3d>& T_w_c = {});
 
-  /** \brief Lists the failures on console.err. \return kFailed if there are any, else kOk. */
-  int report(const Console& console) const;
-};
+/** \brief False for images that can be read once, such as pipes. */
+bool canBeReadAgain(const DepthSequence& sequence);
 
-/** \brief Finds the trajectory of a camera from its images: options and messages of the tools that do so. */
+/** \brief Lists the images that could not be read on console.err. \return kFailed if there are any, else
+ * kOk. */
+int reportUnread(const MapFindings& findings, const Console& console);
+
+/** \brief Options and messages of the tools that find the trajectory of a camera from its images. */
 class ImageTrajectory {
 public:
   void addOptions(CommandLine& line);
   /** \brief The parameters as they are recorded in maps. */
   std::string toIni() const;
+  const MappingParams& params() const { return params_; }
 
-  /** \brief The trajectory of all images that can be read; those that cannot are where they are between the
-   * others. Shows progress. Throws IoError if no image can be read, and for an odometry that has nothing to
-   * do with the images. */
-  FoundTrajectory find(const DepthSequence& sequence, const DepthInput& input, const Camera& camera,
-                       int threads, const Console& console) const;
+  /** \brief The odometry that is given, in the axes of the camera; empty without one. Throws IoError. */
+  PosesByTime odometry(const DepthSequence& sequence, const Camera& camera) const;
+  /** \brief Reports what was in the way of a trajectory from images. \return kFailed if images could not be
+   * read. Throws IoError if no image can be read, and for an odometry that has nothing to do with the
+   * images. */
+  int report(const MapFindings& findings, const DepthSequence& sequence, const Console& console) const;
 
 private:
-  Trajectory odometry(const DepthSequence& sequence, const Camera& camera) const;
-  void noteOdometry(const CameraTrajectory& found, const Trajectory& odometry, const Console& console) const;
-
   std::string odometry_;
   MappingParams params_;
 };

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/map_apps.h"
 
-#include "base/ambiguity_file.h"
-#include "base/place_index_file.h"
 #include "base/provenance.h"
 #include "base/text.h"
-#include "tools/map_alignment.h"
+#include "tools/map_completion.h"
 #include "tools/map_extend_app.h"
+#include "tools/map_watch.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/cloud_file.h>
@@ -15,6 +14,7 @@
 #include <facetloc/io/map_graph.h>
 #include <facetloc/io/output_lock.h>
 #include <facetloc/io/text.h>
+#include <facetloc/mapping/map_merging.h>
 
 #include <algorithm>
 #include <cmath>
@@ -152,22 +152,9 @@ void printMeta(std::ostream& out, const Map& map) {
   }
 }
 
-void appendMap(const Map& map, const std::string& prefix, const std::set<std::string>& ambiguous,
-               Map& merged) {
-  const int offset = static_cast<int>(merged.models.size());
-  for (LocalModel model : map.models) {
-    if (ambiguous.count(model.name)) model.name = prefix + "_" + model.name;
-    merged.models.push_back(std::move(model));
-  }
-  for (Link link : map.links) {
-    link.from += offset;
-    link.to += offset;
-    merged.links.push_back(link);
-  }
-}
-
-bool sameMounting(const std::optional<CameraMounting>& a, const std::optional<CameraMounting>& b) {
-  return a && b ? a->agreesWith(*b) : !a && !b;
+std::string inWords(const Eigen::Isometry3d& T) {
+  return text::decimals(T.translation().norm(), 2) + " m and " +
+         text::decimals(rotationAngle(T.linear()) / kDegree, 1) + " deg";
 }
 
 std::optional<DepthDistortion::Values> distortionOf(const Map& map) {
@@ -186,40 +173,6 @@ void noteChosenDistortion(const std::vector<Map>& maps, const std::vector<std::s
                  paths[chosen - maps.begin()]);
 }
 
-}  // namespace
-
-Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& stems) {
-  std::set<std::string> seen, ambiguous, final_names;
-  for (const Map& map : maps)
-    for (const LocalModel& model : map.models)
-      if (!seen.insert(model.name).second) ambiguous.insert(model.name);
-
-  Map merged;
-  for (std::size_t i = 0; i < maps.size(); ++i) {
-    appendMap(maps[i], stems[i], ambiguous, merged);
-    const Camera& camera = maps[i].camera;
-    if (i == 0) merged.camera = camera;
-    // One camera's field differs a little from map to map; of two cameras one has to be chosen.
-    if (!merged.camera.distortion) merged.camera.distortion = camera.distortion;
-    if (!sameMounting(merged.camera.mounting, camera.mounting)) merged.camera.mounting.reset();
-    const auto alike = std::count(stems.begin(), stems.begin() + static_cast<std::ptrdiff_t>(i), stems[i]);
-    const std::string prefix = stems[i] + (alike > 0 ? "_" + std::to_string(alike + 1) : "") + ".";
-    for (const auto& [key, value] : maps[i].meta) {
-      const bool of_format = key == "format" || key == "conventions";  // the new file has its own
-      if (!of_format && key != kImagesKey) merged.meta[prefix + key] = value;
-    }
-  }
-  for (const LocalModel& model : merged.models)
-    if (!final_names.insert(model.name).second)
-      throw std::invalid_argument("two local models would be named " + model.name +
-                                  "; rename the maps so that their names differ");
-  merged.meta["software"] = versionText();
-  placeByLinks(merged);
-  return merged;
-}
-
-namespace {
-
 /** Writes a map that is made of others, with all that it is asked for when it is opened. */
 void writeNewMap(const std::string& path, bool overwrite, int threads, const Console& console,
                  const std::function<const Map&()>& make) {
@@ -228,8 +181,7 @@ void writeNewMap(const std::string& path, bool overwrite, int threads, const Con
   if (!overwrite && fs::file_size(path) > 0)
     throw IoError(path, "exists already; give --overwrite to replace it");
   writeMap(path, make());
-  writePlaceIndex(path);
-  writeAmbiguity(path, threads, console);
+  completeMap(path, threads, console);
 }
 
 /** Red, green and blue as the normal has x, y and z. */
@@ -378,16 +330,38 @@ int MapMergeApp::execute(const CommandLine&, const Console& console) {
   return kOk;
 }
 
+/** Throws IoError for a map that is not found in those before it. */
+void MapMergeApp::align(std::vector<Map>& maps, const Console& console) const {
+  MapWatch watch(console);
+  const std::vector<MapAlignment> alignments = alignMaps(maps, threads(), watch.callback());
+  for (std::size_t i = 0; i < alignments.size(); ++i) {
+    const MapAlignment& alignment = alignments[i];
+    if (alignment.tried.empty()) continue;
+    if (alignment.isLost()) {
+      std::string tried;
+      for (const auto& [k, place] : alignment.tried) tried += "; in " + maps_[k] + ", " + place.inWords();
+      throw IoError(maps_[i], "is not found in the maps before it" + tried +
+                                  "; --same-coordinates merges maps that share a world frame as they are");
+    }
+    const auto& [k, place] = alignment.tried.back();
+    console.out << maps_[i] << " is found in " << maps_[k] << " (" << place.inWords() << ") and "
+                << (alignment.moved ? "moves by " + inWords(alignment.T_new_old) : "stays where it is")
+                << "\n";
+  }
+}
+
 Map MapMergeApp::merge(const Console& console) const {
   std::vector<Map> maps;
   std::vector<std::string> stems;
   for (const std::string& path : maps_) {
-    maps.push_back(readMap(path));
-    noteUnfinished(maps.back(), path, console);
+    Map& map = maps.emplace_back(readMap(path));
+    noteUnfinished(map, path, console);
+    for (const char* key : {"format", "conventions", kImagesKey}) map.meta.erase(key);  // of its own file
     stems.push_back(fs::path(path).stem().string());
   }
-  if (!same_coordinates_) alignMaps(maps, maps_, threads(), console);
+  if (!same_coordinates_) align(maps, console);
   Map merged = mergedMap(maps, stems);
+  merged.meta["software"] = versionText();
   const auto hasMounting = [](const Map& map) { return map.camera.mounting.has_value(); };
   if (!merged.camera.mounting && std::any_of(maps.begin(), maps.end(), hasMounting))
     console.note("the maps differ in the camera's mounting; the merged one has none");

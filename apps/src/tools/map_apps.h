@@ -3,11 +3,11 @@
 
 #include "base/app.h"
 #include "base/depth_input.h"
-#include "tools/image_trajectory.h"
 #include "base/shared_batch.h"
+#include "tools/image_trajectory.h"
 
 #include <facetloc/io/map_database.h>
-#include <facetloc/mapping/map_builder.h>
+#include <facetloc/mapping/map_making.h>
 
 #include <memory>
 
@@ -19,42 +19,37 @@ public:
   MapBuildApp();
 
 private:
-  struct Candidate;  // an image that becomes a local model
-  struct Selection;
-  struct Seen;  // what their images were like
+  struct Seen;  // what the images of local models were like
   class Writer;
   using ModelBatch = SharedBatch<ModelsOrder, PackedModel>;
 
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
   bool dealsOut() const override { return true; }
-  Selection select(const DepthSequence& sequence) const;
-  void findPoses(const DepthSequence& sequence, Camera& camera, const Console& console);
-  std::optional<Eigen::Isometry3d> poseOf(const FrameFile& frame, std::size_t index) const;
-  void noteTrajectory(const Console& console) const;
-  void writeTrajectory(const DepthSequence& sequence) const;
-  std::string checkPoses(const DepthSequence& sequence, const Camera& camera, const Console& console) const;
-  bool madeOf(const Map& present, const DepthSequence& sequence,
-              const std::vector<Candidate>& candidates) const;
+  MapMaking makingOf(const DepthSequence& sequence, const Camera& camera);
+  int findTrajectory(const DepthSequence& sequence, MapMaking& making, const Console& console) const;
+  void noteTrajectory(const CameraTrajectory& trajectory, const Console& console) const;
+  void noteDistortion(const MapFindings& findings, const Console& console) const;
+  void noteWithoutPose(const DepthSequence& sequence, const MapMaking& making, const Console& console) const;
+  void writeTrajectory(const DepthSequence& sequence, const MapMaking& making) const;
+  std::string checkPoses(const DepthSequence& sequence, MapMaking& making, const Console& console) const;
+  std::vector<MapPlace> placesOf(const DepthSequence& sequence, const MapMaking& making) const;
+  bool madeOf(const Map& present, const DepthSequence& sequence, const std::vector<MapPlace>& places) const;
   MapDatabase openDatabase(const std::filesystem::path& path, const DepthSequence& sequence,
-                           const std::vector<Candidate>& candidates, const std::string& parameters,
+                           const std::vector<MapPlace>& places, const std::string& parameters,
                            const Camera& camera) const;
   MapDatabase createDatabase(const std::filesystem::path& path, const DepthSequence& sequence,
                              const std::string& parameters, const Camera& camera, bool overwrite) const;
-  int build(const std::filesystem::path& path, const DepthSequence& sequence, const Selection& selection,
-            Camera camera, ModelBatch& batch, const Console& console) const;
-  std::optional<DepthDistortion> calibrate(const DepthSequence& sequence, const Camera& camera,
-                                           const Console& console) const;
-  std::vector<Link> linksOf(const DepthSequence& sequence, const std::vector<std::string>& names) const;
+  int build(const std::filesystem::path& path, const DepthSequence& sequence,
+            const std::vector<MapPlace>& places, MapMaking& making, ModelBatch& batch,
+            const Console& console) const;
   ModelBatch::Work modelWork(const DepthSequence& sequence, Camera camera, const ModelsOrder& order,
                              int workers) const;
-  Seen addModels(const DepthSequence& sequence, const std::vector<Candidate>& candidates,
-                 const Camera& camera, ModelBatch& batch, Writer& writer) const;
+  Seen addModels(const DepthSequence& sequence, const std::vector<MapPlace>& places, const Camera& camera,
+                 ModelBatch& batch, Writer& writer) const;
 
-  std::string disagreement_;    // of poses and images, in words
-  Trajectory poses_of_images_;  // given, or found
-  int unread_ = 0;              // kFailed if images could not be read when the trajectory was found
-  std::optional<CameraTrajectory> found_;  // by the images, if no poses are given
+  std::string disagreement_;  // of poses and images, in words
+  Trajectory given_;          // poses of the images; empty if none are given
 
   std::string sequence_;
   std::string map_;
@@ -130,17 +125,13 @@ public:
 private:
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
+  void align(std::vector<Map>& maps, const Console& console) const;
   Map merge(const Console& console) const;
   std::vector<std::string> maps_;
   std::string output_;
   bool same_coordinates_ = false;
   bool overwrite_ = false;
 };
-
-/** \brief One map of several: models in the order of the maps, links kept. Names that occur more than once
- * get the stem of their map in front. \param stems one per map. Throws std::invalid_argument if names still
- * collide. */
-Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& stems);
 
 /** \brief facetloc_map: hands over to the tool that its first argument names. \return the exit code. */
 int runMapTool(const std::vector<std::string>& arguments, Console console);

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/map_extend_app.h"
 
-#include "base/ambiguity_file.h"
-#include "base/batch.h"
-#include "base/place_index_file.h"
 #include "base/provenance.h"
 #include "base/text.h"
 #include "drawing/offscreen_display.h"
 #include "drawing/outputs.h"
 #include "drawing/pictures.h"
+#include "tools/map_completion.h"
+#include "tools/map_watch.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/error.h>
@@ -16,14 +15,12 @@
 #include <facetloc/io/output_lock.h>
 
 #include <algorithm>
-#include <numeric>
 
 namespace facetloc {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kKeyShare = 0.5;       // of the distance of local models, for images along given poses
 constexpr std::size_t kMostNamed = 12;  // local models that a line of the report names
 constexpr Colour kNew = {0, 130, 60}, kEdited = {130, 60, 170};
 
@@ -66,14 +63,6 @@ std::string nextSession(const Map& map) {
 
 }  // namespace
 
-/** Images on a trajectory, of which the keyframes have views. */
-struct MapExtendApp::Session {
-  CameraTrajectory trajectory;
-  std::vector<std::size_t> frame;  // of each image of the trajectory: its number in the sequence
-  bool rigid = false;              // the poses were given
-  int code = kOk;                  // kFailed if some images could not be read
-};
-
 MapExtendApp::MapExtendApp()
     : App("facetloc_map extend", "MAP.flmap SEQUENCE [-o NEW.flmap] [options]",
           "Brings a map up to date with a later session: finds the session in the map, takes out surfaces "
@@ -103,77 +92,41 @@ void MapExtendApp::addOptions(CommandLine& line) {
   by_images_.addOptions(line);
 }
 
-/** Images at half the distance of local models, along poses that are known. */
-MapExtendApp::Session MapExtendApp::readAlong(const Trajectory& poses, const DepthSequence& sequence,
-                                              const Camera& camera, const Console& console) const {
-  if (!sequence.stamped())
+/** Throws IoError for poses that cannot be matched with the images. */
+MapSession MapExtendApp::sessionIn(const std::shared_ptr<const Map>& map, const DepthSequence& sequence,
+                                   const Camera& camera) const {
+  Trajectory given;
+  if (!poses_.empty())
+    given = sequence.readPoses(poses_);
+  else if (!without_poses_)
+    given = sequence.groundTruth();
+  const bool by_poses = !poses_.empty() || !given.empty();
+  if (by_poses && !sequence.stamped())
     throw IoError(sequence_, "its image names are no time stamps: poses cannot be matched");
-  MapBuilderParams between = builder_;
-  between.distance *= kKeyShare, between.rotation_deg *= kKeyShare;
-  MapBuilder rule(between);
-  Session session;
-  session.rigid = true;
-  std::vector<StampedPose> at;
+
+  MapUpdateParams params;
+  params.session = session_;
+  params.places = builder_;
+  params.trajectory = by_images_.params();
+  params.view = input_.view;
+  MapSession session(map, camera, params);
+  session.setNumberOfThreads(threads());
+  bool has_pose = false;
   for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
-    const double stamp = sequence.frames()[i].stamp;
-    const auto pose = poses.at(stamp, pose_tolerance_);
-    if (!pose || !rule.accept(*pose)) continue;
-    session.frame.push_back(i);
-    at.push_back({stamp, *pose});
+    const auto T_w_c = given.at(sequence.frames()[i].stamp, pose_tolerance_);
+    has_pose = has_pose || T_w_c;
+    session.add(mapImage(sequence, i, input_.width, T_w_c));
   }
-  if (at.empty())
+  if (by_poses && !has_pose)
     throw IoError(sequence_,
                   "none of its images has a pose within " + std::to_string(pose_tolerance_) + " s");
-  std::vector<std::shared_ptr<const View>> views(at.size());
-  Batch batch(threads(), at.size(), console);
-  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, input_.view));
-  batch.run([&](std::size_t i) { return sequence.frames()[session.frame[i]].path.string(); },
-            [&](std::size_t i, int worker) {
-              views[i] = std::make_shared<const View>(
-                  builders[worker].build(sequence.load(session.frame[i], input_.width)));
-            });
-  session.code = batch.report();
-  std::vector<std::size_t> frames;
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    if (!views[i]) continue;
-    const int k = static_cast<int>(session.trajectory.keyframes.size());
-    session.trajectory.images.push_back({at[i].stamp, at[i].T_w_c, k});
-    session.trajectory.keyframes.push_back({frames.size(), views[i], {at[i].T_w_c, Matrix6d::Zero()}, 0});
-    frames.push_back(session.frame[i]);
-  }
-  session.frame = std::move(frames);
+  if (!by_poses) session.setOdometry(by_images_.odometry(sequence, camera));
   return session;
-}
-
-/** All images, whose trajectory is found by what they show. */
-MapExtendApp::Session MapExtendApp::readAll(const DepthSequence& sequence, const Camera& camera,
-                                            const Console& console) const {
-  FoundTrajectory found = by_images_.find(sequence, input_, camera, threads(), console);
-  Session session;
-  session.code = found.report(console);
-  session.trajectory = std::move(found.trajectory);
-  session.frame.resize(session.trajectory.images.size());
-  std::iota(session.frame.begin(), session.frame.end(), std::size_t{0});
-  return session;
-}
-
-MapExtendApp::Session MapExtendApp::read(const DepthSequence& sequence, const Camera& camera,
-                                         const Console& console) const {
-  if (!poses_.empty()) return readAlong(sequence.readPoses(poses_), sequence, camera, console);
-  if (!without_poses_ && !sequence.groundTruth().empty())
-    return readAlong(sequence.groundTruth(), sequence, camera, console);
-  return readAll(sequence, camera, console);
 }
 
 /** Throws IoError if the session is not in the map. */
-SessionPlace MapExtendApp::find(const Session& session, const std::shared_ptr<const Map>& map,
-                                const Console& console) const {
-  const GlobalLocalization localization(map);
-  Progress progress(console, session.trajectory.keyframes.size());
-  const auto step = [&] { progress.step(); };
-  const SessionPlace place =
-      session.rigid ? placeRigidly(localization, session.trajectory, builder_, session_, threads(), step)
-                    : placeInMap(localization, session.trajectory, session_, threads(), step);
+const SessionPlace& MapExtendApp::find(MapSession& session) const {
+  const SessionPlace& place = session.find();
   if (!place.found())
     throw IoError(sequence_, "is not found in " + map_ + ", which stays as it is: " + place.inWords() + ", " +
                                  std::to_string(session_.min_agreeing) + " must");
@@ -184,29 +137,21 @@ SessionPlace MapExtendApp::find(const Session& session, const std::shared_ptr<co
 void MapExtendApp::write(const Map& map, const Console& console) const {
   replaceMap(output_.empty() ? map_ : output_, [&](const fs::path& temporary) {
     writeMap(temporary, map);
-    writePlaceIndex(temporary);
-    writeAmbiguity(temporary, threads(), console);
+    completeMap(temporary, threads(), console);
   });
 }
 
-void MapExtendApp::writeTrajectory(const Session& session, const SessionPlace& place) const {
+void MapExtendApp::writeTrajectory(const MapSession& session) const {
   std::vector<StampedPose> poses;
-  for (const TrajectoryPose& image : session.trajectory.images)
-    if (const auto& T_w_k = place.T_w_k[image.keyframe])
-      poses.push_back({image.stamp, *T_w_k * session.trajectory.keyframes[image.keyframe].T_w_c.T.inverse() *
-                                        image.T_w_c});
+  for (const TrajectoryPose& pose : session.poses()) poses.push_back({pose.stamp, pose.T_w_c});
   writeTumTrajectory(trajectory_, poses);
 }
 
-void MapExtendApp::drawChanges(const Map& map, const Session& session, const SessionPlace& place,
-                               const MapChanges& changes) const {
+void MapExtendApp::drawChanges(const Map& map, const MapSession& session, const MapChanges& changes) const {
   const OffscreenDisplay display;
   if (!display.available()) throw IoError(changes_, "cannot be drawn: " + display.problem());
   DrawnRun run{"session", {}, kCurveColours[0]};
-  for (const TrajectoryPose& image : session.trajectory.images)
-    if (place.T_w_k[image.keyframe])
-      run.T_w_c.push_back(*place.T_w_k[image.keyframe] *
-                          session.trajectory.keyframes[image.keyframe].T_w_c.T.inverse() * image.T_w_c);
+  for (const TrajectoryPose& pose : session.poses()) run.T_w_c.push_back(pose.T_w_c);
   drawFloorMap(changes_, map, {run},
                {{"new local models", changes.T_w_new, kNew},
                 {"without what has moved", changes.T_w_edited, kEdited},
@@ -228,30 +173,27 @@ int MapExtendApp::execute(const CommandLine& line, const Console& console) {
   const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
   noteDifference(camera, *map, console);
 
-  const Session session = read(sequence, camera, console);
-  const SessionPlace place = find(session, map, console);
+  MapSession session = sessionIn(map, sequence, camera);
+  MapWatch watch(console);
+  session.setProgress(watch.callback());
+  session.findTrajectory();
+  const int code = by_images_.report(session.findings(), sequence, console);
+  const SessionPlace& place = find(session);
   console.out << "the session is found in the map: " << place.inWords() << "\n";
-  std::vector<SessionImage> images;
-  for (std::size_t k = 0; k < place.T_w_k.size(); ++k) {
-    const Keyframe& keyframe = session.trajectory.keyframes[k];
-    const FrameFile& file = sequence.frames()[session.frame[keyframe.image]];
-    if (place.T_w_k[k])
-      images.push_back({file.name, file.stamp, keyframe.view, *place.T_w_k[k], place.confirmed[k]});
-  }
-  const std::size_t lost = place.T_w_k.size() - images.size();
+  const std::size_t lost = place.T_w_k.size() - session.placed();
   if (lost > 0) console.note(counted(lost, "keyframe") + " left out, whose place in the map is not certain");
 
   Map changed = *map;
-  const MapChanges changes = updateMap(changed, images, builder_, session_, threads());
+  const MapChanges changes = session.update(changed);
   printChanges(console.out, changes);
   changed.meta[nextSession(*map)] = sequence_ + ": " + counted(sequence.frames().size(), "image") + ", " +
                                     summaryOf(changes) + "; " + versionText();
   write(changed, console);
-  if (!trajectory_.empty()) writeTrajectory(session, place);
-  if (!changes_.empty()) drawChanges(changed, session, place, changes);
+  if (!trajectory_.empty()) writeTrajectory(session);
+  if (!changes_.empty()) drawChanges(changed, session, changes);
   console.out << summaryOf(changes) << "; map of " << counted(changed.models.size(), "local model") << " in "
               << target << "\n";
-  return session.code;
+  return code;
 }
 
 }  // namespace facetloc

@@ -9,28 +9,20 @@
 
 namespace facetloc {
 
-class Trajectory;
-
 /** \brief facetloc_map extend: a later session is found in a map, and brings it up to date. */
 class MapExtendApp : public App {
 public:
   MapExtendApp();
 
 private:
-  struct Session;
-
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
-  Session read(const DepthSequence& sequence, const Camera& camera, const Console& console) const;
-  Session readAlong(const Trajectory& poses, const DepthSequence& sequence, const Camera& camera,
-                    const Console& console) const;
-  Session readAll(const DepthSequence& sequence, const Camera& camera, const Console& console) const;
-  SessionPlace find(const Session& session, const std::shared_ptr<const Map>& map,
-                    const Console& console) const;
+  MapSession sessionIn(const std::shared_ptr<const Map>& map, const DepthSequence& sequence,
+                       const Camera& camera) const;
+  const SessionPlace& find(MapSession& session) const;
   void write(const Map& map, const Console& console) const;
-  void writeTrajectory(const Session& session, const SessionPlace& place) const;
-  void drawChanges(const Map& map, const Session& session, const SessionPlace& place,
-                   const MapChanges& changes) const;
+  void writeTrajectory(const MapSession& session) const;
+  void drawChanges(const Map& map, const MapSession& session, const MapChanges& changes) const;
 
   std::string map_;
   std::string sequence_;

@@ -398,4 +398,10 @@ std::size_t PlaceIndex::bytes() const {
   return sum;
 }
 
+std::function<void(std::ostream&)> placeIndexOf(const Map& map) {
+  constexpr std::size_t kSoonMade = 400;  // local models
+  if (!map.camera.mounting || map.models.size() <= kSoonMade) return {};
+  return [index = std::make_shared<const PlaceIndex>(map)](std::ostream& out) { index->write(out); };
+}
+
 }  // namespace facetloc

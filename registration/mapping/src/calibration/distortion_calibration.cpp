@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/distortion_calibration.h"
+
 #include "depth/depth_consistency.h"
 #include "depth/depth_difference.h"
 #include "nearby/view_alignment.h"
-
-#include <facetloc/mapping/distortion_calibration.h>
 
 #include <Eigen/Cholesky>
 
@@ -235,8 +235,9 @@ bool DistortionEstimate::reliable() const {
          poses.translation_std <= kGoodEnough.translation_std;
 }
 
-std::optional<DistortionEstimate> calibrateDistortion(const std::vector<PosedPicture>& pictures,
-                                                      const SensorNoise& noise, const PoseAccuracy& poses) {
+std::optional<DistortionEstimate> internal::calibrateDistortion(const std::vector<PosedPicture>& pictures,
+                                                                const SensorNoise& noise,
+                                                                const PoseAccuracy& poses) {
   std::vector<PosedPicture> used;
   for (const PosedPicture& p : pictures)
     if (!p.picture->empty()) used.push_back(p);

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/map_ambiguity.h"
+
 #include "shared/pose_radius.h"
 
 #include <facetloc/features/pose.h>
-#include <facetloc/mapping/map_ambiguity.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 constexpr std::size_t kMostViews = 200;
@@ -79,4 +80,4 @@ void setAmbiguity(const LookalikeScores& scores, Map& map) {
   for (std::size_t i = 0; i < map.models.size(); ++i) map.models[i].lookalike_score = scores[i];
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

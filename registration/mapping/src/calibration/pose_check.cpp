@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/pose_check.h"
+
 #include "shared/median.h"
 
 #include <facetloc/mapping/pose_check.h>
@@ -10,6 +12,9 @@
 #include <numeric>
 
 namespace facetloc {
+
+using namespace internal;
+
 namespace {
 
 constexpr std::size_t kEnough = 5;                      // motions
@@ -218,7 +223,7 @@ bool PoseCheck::isBeyondSense() const {
          as_given.translation > kSenselessMetres;
 }
 
-PoseCheck checkPoses(const std::vector<SeenMotion>& motions, const PosesByTime& poses) {
+PoseCheck internal::checkPoses(const std::vector<SeenMotion>& motions, const PosesByTime& poses) {
   const Trial trial(motions, poses);
   PoseCheck check;
   check.as_given = check.mended = disagreementOf(trial.pairs({}));

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "sessions/map_update.h"
+
 #include "motion/view_placing.h"
 #include "nearby/view_alignment.h"
 #include "sessions/seen_through.h"
 #include "shared/in_parallel.h"
 #include "shared/pose_radius.h"
-
-#include <facetloc/mapping/map_session.h>
 
 #include <algorithm>
 #include <set>
@@ -328,8 +328,8 @@ private:
 
 }  // namespace
 
-MapChanges updateMap(Map& map, const std::vector<SessionImage>& session, const MapBuilderParams& builder,
-                     const MapSessionParams& params, int threads) {
+MapChanges internal::updateMap(Map& map, const std::vector<SessionImage>& session,
+                               const MapBuilderParams& builder, const MapSessionParams& params, int threads) {
   params.validate();
   if (map.store) throw std::invalid_argument("a map is updated in memory: read it with readMap()");
   Update update(map, session, builder, params);

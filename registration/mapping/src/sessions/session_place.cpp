@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "sessions/session_place.h"
+
 #include "graph/common_place.h"
 #include "graph/graph_covariance.h"
+#include "sessions/parallel_stage.h"
 #include "shared/in_parallel.h"
 #include "shared/pose_radius.h"
 #include "trajectory/keyframe_graph.h"
@@ -10,7 +13,6 @@
 
 #include <algorithm>
 #include <map>
-#include <mutex>
 
 namespace facetloc {
 
@@ -31,12 +33,11 @@ constexpr PlaceTolerance kTolerance{kSameAnswer.distance, kDegree* kSameAnswer.a
 
 /** The sure answers of all keyframes. */
 std::vector<FoundKeyframe> sureKeyframes(const GlobalLocalization& localization,
-                                         const CameraTrajectory& trajectory, int threads,
-                                         const std::function<void()>& progress) {
-  const int n = static_cast<int>(trajectory.keyframes.size());
-  std::vector<std::optional<PoseWithCovariance>> T_w_c(trajectory.keyframes.size());
-  std::mutex mutex;
-  forEachInParallel(n, threads, [&](int k) {
+                                         const CameraTrajectory& trajectory, const MapSessionParams& params,
+                                         int threads, const MapProgressCallback& progress) {
+  const std::size_t n = trajectory.keyframes.size();
+  std::vector<std::optional<PoseWithCovariance>> T_w_c(n);
+  ParallelStage(MapProgress::Stage::place, n, threads, progress).run([&](std::size_t k) {
     const Localization answer = localization.localize(*trajectory.keyframes[k].view);
     if (answer.state() == AnswerState::sure && answer.hypotheses.front().T_w_c) {
       const Hypothesis& h = answer.hypotheses.front();
@@ -46,13 +47,10 @@ std::vector<FoundKeyframe> sureKeyframes(const GlobalLocalization& localization,
       T.P.diagonal().tail<3>().array() += kMapTranslation * kMapTranslation;
       T_w_c[k] = T;
     }
-    if (!progress) return;
-    const std::lock_guard<std::mutex> lock(mutex);
-    progress();
   });
   std::vector<FoundKeyframe> found;
-  for (int k = 0; k < n; ++k)
-    if (T_w_c[k]) found.push_back({k, *T_w_c[k]});
+  for (std::size_t k = 0; k < n; ++k)
+    if (T_w_c[k]) found.push_back({static_cast<int>(k), *T_w_c[k]});
   return found;
 }
 
@@ -119,8 +117,9 @@ std::string SessionPlace::inWords() const {
          " sure, " + std::to_string(agreeing) + " of them agree";
 }
 
-SessionPlace placeInMap(const GlobalLocalization& localization, const CameraTrajectory& trajectory,
-                        const MapSessionParams& params, int threads, const std::function<void()>& progress) {
+SessionPlace internal::placeInMap(const GlobalLocalization& localization, const CameraTrajectory& trajectory,
+                                  const MapSessionParams& params, int threads,
+                                  const MapProgressCallback& progress) {
   params.validate();
   SessionPlace place;
   place.asked = trajectory.keyframes.size();
@@ -176,9 +175,10 @@ SessionPlace placeInMap(const GlobalLocalization& localization, const CameraTraj
   return place;
 }
 
-SessionPlace placeRigidly(const GlobalLocalization& localization, const CameraTrajectory& trajectory,
-                          const MapBuilderParams& accuracy, const MapSessionParams& params, int threads,
-                          const std::function<void()>& progress) {
+SessionPlace internal::placeRigidly(const GlobalLocalization& localization,
+                                    const CameraTrajectory& trajectory, const MapBuilderParams& accuracy,
+                                    const MapSessionParams& params, int threads,
+                                    const MapProgressCallback& progress) {
   params.validate();
   SessionPlace place;
   place.asked = trajectory.keyframes.size();

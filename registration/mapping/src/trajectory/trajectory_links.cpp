@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "trajectory/trajectory_links.h"
+
 #include "graph/graph_covariance.h"
 #include "trajectory/keyframe_graph.h"
-
-#include <facetloc/mapping/trajectory_links.h>
 
 #include <algorithm>
 #include <map>
@@ -41,8 +41,8 @@ std::vector<int> nearestModels(const CameraTrajectory& trajectory, const std::ve
 
 }  // namespace
 
-std::vector<Link> trajectoryLinks(const CameraTrajectory& trajectory,
-                                  const std::vector<std::size_t>& images) {
+std::vector<Link> internal::trajectoryLinks(const CameraTrajectory& trajectory,
+                                            const std::vector<std::size_t>& images) {
   for (const std::size_t image : images)
     if (image >= trajectory.images.size())
       throw std::invalid_argument("links: there is no image " + std::to_string(image));
@@ -69,9 +69,9 @@ std::vector<Link> trajectoryLinks(const CameraTrajectory& trajectory,
   return linksBetween(trajectory, places, pairs);
 }
 
-std::vector<Link> linksBetween(const CameraTrajectory& trajectory,
-                               const std::vector<PlaceOnTrajectory>& places,
-                               const std::set<std::pair<int, int>>& pairs) {
+std::vector<Link> internal::linksBetween(const CameraTrajectory& trajectory,
+                                         const std::vector<PlaceOnTrajectory>& places,
+                                         const std::set<std::pair<int, int>>& pairs) {
   if (pairs.empty()) return {};
   std::vector<Eigen::Isometry3d> T_w_k;
   for (const Keyframe& k : trajectory.keyframes) T_w_k.push_back(k.T_w_c.T);

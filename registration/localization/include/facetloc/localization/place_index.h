@@ -72,4 +72,8 @@ private:
   std::unique_ptr<const Impl> impl_;
 };
 
+/** \brief Writes the place index that a map file is to keep. Empty for a map of at most 400 local models, of
+ * whose views an index is soon made, and if the mounting of its camera is unknown. */
+std::function<void(std::ostream&)> placeIndexOf(const Map& map);
+
 }  // namespace facetloc

@@ -3,9 +3,12 @@
 
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/mapping/map_builder.h>
+#include <facetloc/mapping/map_findings.h>
+#include <facetloc/mapping/map_image.h>
 #include <facetloc/mapping/trajectory_estimation.h>
+#include <facetloc/segmentation/view_builder.h>
 
-#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -45,29 +48,6 @@ struct SessionPlace {
   std::string inWords() const;
 };
 
-/** \brief Finds a trajectory in a map: its keyframes are localized, of the sure answers the largest set is
- * taken in which all agree on one place, and the trajectory is bent to them in a pose graph, in which the map
- * stays as it is (METHOD 14.5). The same for any number of threads. */
-SessionPlace placeInMap(const GlobalLocalization& localization, const CameraTrajectory& trajectory,
-                        const MapSessionParams& params, int threads = 1,
-                        const std::function<void()>& progress = {});
-
-/** \brief The same for a trajectory whose shape is known, such as another map's: it moves as a whole. Where
- * the two agree within the tolerance as they are, it stays where it is.
- * \param accuracy of its poses, relative to each other */
-SessionPlace placeRigidly(const GlobalLocalization& localization, const CameraTrajectory& trajectory,
-                          const MapBuilderParams& accuracy, const MapSessionParams& params, int threads = 1,
-                          const std::function<void()>& progress = {});
-
-/** \brief An image of a session that has its place in the map. */
-struct SessionImage {
-  std::string name;
-  double stamp = 0;  ///< [s]
-  std::shared_ptr<const View> view;
-  Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();
-  bool confirmed = true;  ///< otherwise it must agree with the map around it almost everywhere to count
-};
-
 /** \brief What a session has changed in a map. Local models by their names. */
 struct MapChanges {
   struct Replacement {
@@ -86,13 +66,59 @@ struct MapChanges {
   bool any() const { return !(added.empty() && replaced.empty() && retired.empty() && edited.empty()); }
 };
 
-/** \brief Brings a map up to date: surfaces that several images of a session have looked through retire,
- * local models that have lost much are replaced, and places that no local model shows become new ones
- * (METHOD 14.6).
+/** \brief How a later session is taken up into a map. */
+struct MapUpdateParams {
+  MapSessionParams session;
+  MapBuilderParams places;   ///< which images become local models, and how accurate given poses are
+  MappingParams trajectory;  ///< of a session without poses
+  ViewParams view;           ///< from images to views
+};
+
+/** \brief A later session in a map: finds it there, and brings the map up to date.
  *
- * The map is to hold its views (readMap()) and their poses. Its ambiguity is unknown afterwards if anything
- * has changed. The same for any number of threads. */
-MapChanges updateMap(Map& map, const std::vector<SessionImage>& session, const MapBuilderParams& builder,
-                     const MapSessionParams& params, int threads = 1);
+ *     facetloc::MapSession session(map, map->calibrated(camera));
+ *     for (...) session.add({name, stamp, [=] { return read(file); }, T_w_c});
+ *     facetloc::Map changed = *map;
+ *     if (session.find().found()) session.update(changed);
+ *
+ * Its images may have poses, in whatever coordinates, and keep their arrangement then; otherwise their
+ * trajectory is found from the images themselves. Same images, same result, for any number of threads. */
+class MapSession {
+public:
+  /** \brief Throws std::invalid_argument for a parameter out of its range. \param camera of the session */
+  MapSession(std::shared_ptr<const Map> map, const Camera& camera, const MapUpdateParams& params = {});
+  MapSession(MapSession&&) noexcept;
+  MapSession& operator=(MapSession&&) noexcept;
+  ~MapSession();
+
+  /** \brief Threads; 1 by default, 0 = all cores. */
+  void setNumberOfThreads(int n);
+  void setProgress(MapProgressCallback progress);
+  /** \brief Poses that drift, for a session without other poses, in the axes of its camera. */
+  void setOdometry(PosesByTime odometry);
+  /** \brief The next image of the session. If any image has a pose, those without one are left out. */
+  void add(MapImage image);
+
+  /** \brief The images of the session, with a pose relative to each other: findings().trajectory. Done by
+   * find() unless it was done before. */
+  void findTrajectory();
+  /** \brief Finds the session in the map. */
+  const SessionPlace& find();
+  const MapFindings& findings() const;
+  /** \brief The keyframes whose place in the map is known, as images of the session. */
+  std::size_t placed() const;
+  /** \brief The images whose place in the map is known, with their poses there. */
+  std::vector<TrajectoryPose> poses() const;
+
+  /** \brief Brings a map up to date: surfaces that several images of the session have looked through retire,
+   * local models that have lost much are replaced, and places that no local model shows become new ones
+   * (METHOD 14.6). Its ambiguity is unknown afterwards if anything has changed.
+   * \param map a copy of the session's, with its views in memory (readMap()) */
+  MapChanges update(Map& map) const;
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace facetloc

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "live/mapped_places.h"
+#include "sessions/mapped_places.h"
 
-#include <facetloc/mapping/trajectory_links.h>
+#include "trajectory/trajectory_links.h"
 
 #include <algorithm>
 #include <map>
 
-namespace facetloc {
+namespace facetloc::internal {
 namespace {
 
 constexpr double kNearDistance = 0.35, kNearRotationDeg = 10;  // of a place that is there already [m]
@@ -72,4 +72,4 @@ std::vector<Link> MappedPlaces::links(const CameraTrajectory& trajectory) const 
   return linksBetween(trajectory, places, pairs);
 }
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

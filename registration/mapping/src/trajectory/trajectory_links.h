@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-namespace facetloc {
+namespace facetloc::internal {
 
 /** \brief A place on a trajectory, as a keyframe knows it. */
 struct PlaceOnTrajectory {
@@ -27,4 +27,4 @@ std::vector<Link> linksBetween(const CameraTrajectory& trajectory,
  * std::invalid_argument for a number that is no image's. */
 std::vector<Link> trajectoryLinks(const CameraTrajectory& trajectory, const std::vector<std::size_t>& images);
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

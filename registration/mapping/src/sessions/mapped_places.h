@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace facetloc {
+namespace facetloc::internal {
 
 /** \brief An image that is a local model, as the keyframe knows it that it hangs from. */
 struct MappedPlace {
@@ -49,4 +49,4 @@ private:
   std::optional<int> latest_;
 };
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/place_index_file.h"
 #include "process.h"
+#include "tools/map_completion.h"
 
 #include <facetloc/io/map_database.h>
 #include <facetloc/localization/place_index.h>
 #include <facetloc/testing/synthetic_views.h>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 namespace facetloc {
 namespace {
@@ -30,25 +30,29 @@ Map copiesOfAView(int n) {
   return map;
 }
 
+void complete(const std::string& path) {
+  test::captured([&](const Console& console) { return completeMap(path, 1, console), kOk; });
+}
+
 bool hasItsIndex(const std::string& path) {
   const Map map = openMap(path);
   const auto written = map.store->placeIndex();
   return written && PlaceIndex::read(*written, map).has_value();
 }
 
-TEST(PlaceIndexFile, IsWrittenWhereItWillBeRead) {
+TEST(MapCompletion, AnIndexIsWrittenWhereItWillBeRead) {
   const TemporaryFolder folder;
   const std::string path = folder / "large.flmap";
   writeMap(path, copiesOfAView(401));
   EXPECT_FALSE(hasItsIndex(path));
-  writePlaceIndex(path);
+  complete(path);
   EXPECT_TRUE(hasItsIndex(path));
   const std::string bytes = contentOf(path);
-  writePlaceIndex(path);
+  complete(path);
   EXPECT_EQ(contentOf(path), bytes) << "nothing was missing";
 }
 
-TEST(PlaceIndexFile, OneOfAnotherMapIsReplaced) {
+TEST(MapCompletion, AnIndexOfAnotherMapIsReplaced) {
   const TemporaryFolder folder;
   const std::string path = folder / "large.flmap";
   Map map = copiesOfAView(401);
@@ -57,17 +61,42 @@ TEST(PlaceIndexFile, OneOfAnotherMapIsReplaced) {
   const PlaceIndex other(map);
   MapDatabase::open(path).setPlaceIndex([&other](std::ostream& out) { other.write(out); });
   EXPECT_FALSE(hasItsIndex(path));
-  writePlaceIndex(path);
+  complete(path);
   EXPECT_TRUE(hasItsIndex(path));
 }
 
-TEST(PlaceIndexFile, AMapThatIsReadAsAWholeNeedsNone) {
+TEST(MapCompletion, AMapThatIsReadAsAWholeNeedsNoIndex) {
   const TemporaryFolder folder;
   const std::string path = folder / "small.flmap";
   writeMap(path, copiesOfAView(3));
   const std::string bytes = contentOf(path);
-  writePlaceIndex(path);
+  complete(path);
   EXPECT_EQ(contentOf(path), bytes);
+}
+
+TEST(MapCompletion, AnIndexGoesIntoAMapFileAsItIsWritten) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "large.flmap";
+  const Map map = copiesOfAView(401);
+  writeMap(path, map, placeIndexOf(map));
+  EXPECT_TRUE(hasItsIndex(path));
+}
+
+TEST(MapCompletion, TheMountingIsFoundByTheFloor) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "small.flmap";
+  Map map = copiesOfAView(12);
+  map.camera.mounting.reset();
+  for (std::size_t i = 0; i < map.models.size(); ++i)
+    map.models[i].T_w_m->translation().x() += 0.3 * static_cast<double>(i);
+  writeMap(path, map);
+  const auto complete = [&] {
+    return test::captured([&](const Console& console) { return completeMounting(path, console), kOk; }).out;
+  };
+  EXPECT_THAT(complete(), testing::HasSubstr("the camera is mounted"));
+  ASSERT_TRUE(openMap(path).camera.mounting);
+  EXPECT_TRUE(openMap(path).camera.mounting->agreesWith(kMounting));
+  EXPECT_EQ(complete(), "") << "it is known";
 }
 
 }  // namespace

@@ -1,30 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/features/depth_distortion.h>
 #include <facetloc/features/depth_picture.h>
+#include <facetloc/mapping/map_findings.h>
 
 #include <optional>
 #include <vector>
 
-namespace facetloc {
-
-/** \brief How well the poses of pictures are known, relative to others nearby. */
-struct PoseAccuracy {
-  double rotation_std;     ///< about each axis [rad]
-  double translation_std;  ///< along each axis [m]
-};
-
-/** \brief What pictures with poses tell of their camera. */
-struct DistortionEstimate {
-  DepthDistortion distortion;
-  PoseAccuracy poses;  ///< by what the pictures show
-
-  /** \brief Are the poses good enough? A distortion of one disparity unit of a Kinect tilts a wall at 3 m by
-   * about half a degree. Poses that are worse than that, or that were themselves found with the distorted
-   * images, cannot tell one from the other. */
-  bool reliable() const;
-};
+namespace facetloc::internal {
 
 /** \brief Finds the smooth distortion of a depth camera from pictures that it took of one place, from poses
  * that are known about: what it sees at one place of its image, it also sees at another, and the two differ.
@@ -42,4 +25,4 @@ struct DistortionEstimate {
 std::optional<DistortionEstimate> calibrateDistortion(const std::vector<PosedPicture>& pictures,
                                                       const SensorNoise& noise, const PoseAccuracy& poses);
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

@@ -9,10 +9,11 @@
 
 /** \file
  * A map is asked about itself: how much do wrong places score in it? Nothing else tells a place that
- * looks like many from one that looks like no other where the map does not hold the right one (localization/METHOD 11.5).
+ * looks like many from one that looks like no other where the map does not hold the right one
+ * (localization/METHOD 11.5).
  */
 
-namespace facetloc {
+namespace facetloc::internal {
 
 /** \brief The local models whose views are asked for: all with a pose, or some of a large map. */
 std::vector<int> viewsToAsk(const Map& map);
@@ -39,4 +40,4 @@ std::optional<MapAmbiguity> ambiguityOf(const LookalikeScores& scores);
 /** \brief Puts them, and the ambiguity, into a map. */
 void setAmbiguity(const LookalikeScores& scores, Map& map);
 
-}  // namespace facetloc
+}  // namespace facetloc::internal

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/app.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief Finds the mounting of the camera by the floor and writes it into a map file, unless it is known
+ * already. Says so on console.out. Throws IoError. */
+void completeMounting(const std::filesystem::path& map, const Console& console);
+
+/** \brief Writes into a map file what it still lacks: the place index of a large map, and its ambiguity.
+ * \param threads 0 = all cores. Throws IoError, and Stopped at Ctrl-C. */
+void completeMap(const std::filesystem::path& map, int threads, const Console& console);
+
+/** \brief The faults of the place index in a map file, in words; empty if it is sound or missing. */
+std::vector<std::string> placeIndexFaults(const std::filesystem::path& map);
+
+}  // namespace facetloc

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sessions/image_run.h"
+
+#include <facetloc/localization/global_localization.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <numeric>
+
+namespace facetloc::internal {
+namespace {
+
+using Stage = MapProgress::Stage;
+
+constexpr std::size_t kImagesPerThread = 16;                  // views built ahead of the one that is taken
+constexpr std::size_t kStarts = 24;                           // images that others are registered with
+constexpr double kLeastTurn = 1 * kDegree, kLeastWay = 0.02;  // of a motion that is worth comparing [m]
+constexpr double kMostTurn = 15 * kDegree, kMostWay = 0.4;    // after which no longer one is tried
+
+/** Motions from keyframe to keyframe, by the images. */
+std::vector<SeenMotion> motionsOf(const CameraTrajectory& trajectory) {
+  std::vector<SeenMotion> motions;
+  const auto stampOf = [&](int k) { return trajectory.images[trajectory.keyframes[k].image].stamp; };
+  for (const KeyframeMotion& m : trajectory.motions)
+    if (m.source == KeyframeMotion::Source::overlap && m.to == m.from + 1)
+      motions.push_back({stampOf(m.from), stampOf(m.to), m.T_from_to.T});
+  return motions;
+}
+
+/** Of the images 1, 2, 4, ... after one, as long as they show the same. */
+std::vector<SeenMotion> motionsFrom(std::size_t first, const std::vector<MapImage>& images,
+                                    ViewBuilders& builders) {
+  const auto viewOf = [&](std::size_t i) {
+    View view = builders.build(images[i].load());
+    view.camera.reset();  // whatever is known of its mounting
+    return view;
+  };
+  std::vector<SeenMotion> motions;
+  const GlobalLocalization target(std::make_shared<const Map>(mapOf(viewOf(first))));
+  for (std::size_t gap = 1; first + gap < images.size(); gap *= 2) {
+    const Localization answer = target.localize(viewOf(first + gap));
+    if (answer.state() != AnswerState::sure) break;
+    const Eigen::Isometry3d& T = answer.hypotheses.front().T_m_c.T;
+    const double turn = rotationAngle(T.linear()), way = T.translation().norm();
+    if (turn > kLeastTurn || way > kLeastWay)
+      motions.push_back({images[first].stamp, images[first + gap].stamp, T});
+    if (turn > kMostTurn || way > kMostWay) break;
+  }
+  return motions;
+}
+
+/** Motion from image to image by an odometry, where it knows both. */
+class OdometrySteps {
+public:
+  explicit OdometrySteps(const PosesByTime& poses) : poses_(poses) {}
+
+  std::optional<Eigen::Isometry3d> to(double stamp) {
+    const auto now = poses_ ? poses_(stamp) : std::nullopt;
+    std::optional<Eigen::Isometry3d> motion;
+    if (now && before_) motion = before_->inverse() * *now;
+    before_ = now;
+    unknown_ += !now;
+    return motion;
+  }
+  std::size_t unknown() const { return poses_ ? unknown_ : 0; }
+
+private:
+  const PosesByTime& poses_;
+  std::optional<Eigen::Isometry3d> before_;
+  std::size_t unknown_ = 0;
+};
+
+}  // namespace
+
+View ViewBuilders::build(const DepthImage& image) {
+  std::unique_ptr<ViewBuilder> builder;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!idle_.empty()) {
+      builder = std::move(idle_.back());
+      idle_.pop_back();
+    }
+  }
+  if (!builder) builder = std::make_unique<ViewBuilder>(camera_, params_);
+  View view = builder->build(image);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  idle_.push_back(std::move(builder));
+  return view;
+}
+
+bool ImageRun::hasPoses() const {
+  return std::any_of(images.begin(), images.end(),
+                     [](const MapImage& image) { return image.T_w_c.has_value(); });
+}
+
+std::vector<std::size_t> ImageRun::all() const {
+  std::vector<std::size_t> numbers(images.size());
+  std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+  return numbers;
+}
+
+void ImageRun::buildViews(const std::vector<std::size_t>& numbers, Stage of_progress,
+                          std::vector<UnreadImage>& unread, const Take& take) const {
+  ParallelStage work = stage(of_progress, numbers.size());
+  ViewBuilders builders(camera, view);
+  const std::size_t chunk = kImagesPerThread * static_cast<std::size_t>(work.threads());
+  for (std::size_t first = 0; first < numbers.size(); first += chunk) {
+    const std::size_t last = std::min(first + chunk, numbers.size());
+    std::vector<std::optional<View>> views(last - first);
+    std::vector<std::string> causes(last - first);
+    work.run(first, last, [&](std::size_t i) {
+      try {
+        views[i - first] = builders.build(images[numbers[i]].load());
+      } catch (const std::exception& e) {
+        causes[i - first] = e.what();
+      }
+    });
+    for (std::size_t i = first; i < last; ++i) {
+      if (!views[i - first]) unread.push_back({numbers[i], causes[i - first]});
+      take(numbers[i], std::move(views[i - first]));
+    }
+  }
+}
+
+CameraTrajectory ImageRun::findTrajectory(const MappingParams& params, MapFindings& findings) const {
+  TrajectoryEstimation estimation(params);
+  estimation.setNumberOfThreads(threads);
+  OdometrySteps steps(odometry);
+  findings.unread.clear();
+  buildViews(all(), Stage::trajectory, findings.unread, [&](std::size_t i, std::optional<View> built) {
+    estimation.add(built ? std::move(*built) : View(), images[i].stamp, steps.to(images[i].stamp));
+  });
+  if (findings.noneRead(images.size())) return {};
+  findings.without_odometry = steps.unknown();
+  estimation.improve([this](double share) {
+    if (progress) progress({Stage::loops, static_cast<std::size_t>(std::lround(100 * share)), 100});
+  });
+  CameraTrajectory found = estimation.trajectory();
+  if (odometry) findings.odometry = checkPoses(motionsOf(found), odometry);
+  return found;
+}
+
+std::vector<SeenMotion> ImageRun::seenMotions() const {
+  const std::size_t starts = std::min(images.size(), kStarts);
+  std::vector<std::vector<SeenMotion>> motions(starts);
+  ViewBuilders builders(camera, view);
+  stage(Stage::poses, starts).run([&](std::size_t i) {
+    try {
+      motions[i] = motionsFrom(i * images.size() / starts, images, builders);
+    } catch (const std::exception&) {  // the image is named when it is read for the map
+    }
+  });
+  std::vector<SeenMotion> all;
+  for (const auto& of_start : motions) all.insert(all.end(), of_start.begin(), of_start.end());
+  return all;
+}
+
+}  // namespace facetloc::internal

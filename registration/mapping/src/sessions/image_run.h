@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "calibration/pose_check.h"
+#include "sessions/parallel_stage.h"
+
+#include <facetloc/mapping/map_findings.h>
+#include <facetloc/segmentation/view_builder.h>
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace facetloc::internal {
+
+/** \brief Builds views for several threads. */
+class ViewBuilders {
+public:
+  ViewBuilders(const Camera& camera, const ViewParams& params) : camera_(camera), params_(params) {}
+  View build(const DepthImage& image);
+
+private:
+  Camera camera_;
+  ViewParams params_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<ViewBuilder>> idle_;
+};
+
+/** \brief The images of a run, and how they are read and worked on. */
+struct ImageRun {
+  Camera camera;
+  ViewParams view;
+  std::vector<MapImage> images;
+  PosesByTime odometry;  // may be empty
+  int threads = 1;
+  MapProgressCallback progress;
+
+  ParallelStage stage(MapProgress::Stage stage, std::size_t items) const {
+    return {stage, items, threads, progress};
+  }
+  bool hasPoses() const;
+  std::vector<std::size_t> all() const;
+
+  /** \brief Receives a view, in the order of the images; nothing of an image that could not be read. */
+  using Take = std::function<void(std::size_t image, std::optional<View> view)>;
+  /** \brief Builds views, some at a time, and hands them over in order.
+   * \param unread takes the images that could not be read */
+  void buildViews(const std::vector<std::size_t>& images, MapProgress::Stage stage,
+                  std::vector<UnreadImage>& unread, const Take& take) const;
+
+  /** \brief The trajectory of all images; those that cannot be read are where they are between the others.
+   * Fills in findings. */
+  CameraTrajectory findTrajectory(const MappingParams& params, MapFindings& findings) const;
+
+  /** \brief How the camera moved at some places of the run, by its images alone: pairs of images, of which
+   * one is registered with the other and the answer is sure. Images that cannot be read are left out. */
+  std::vector<SeenMotion> seenMotions() const;
+};
+
+}  // namespace facetloc::internal

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/distortion_calibration.h"
+#include "calibration/map_ambiguity.h"
+#include "sessions/image_run.h"
+#include "trajectory/trajectory_links.h"
+
+#include <facetloc/features/map_parts.h>
+#include <facetloc/mapping/map_making.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+namespace facetloc {
+
+using namespace internal;
+
+namespace {
+
+using Stage = MapProgress::Stage;
+
+constexpr std::size_t kCalibrationImages = 200;  // at most
+
+/** The poses of the images themselves, at their times. */
+PosesByTime posesOf(const std::vector<MapImage>& images) {
+  std::map<double, Eigen::Isometry3d> by_time;
+  for (const MapImage& image : images)
+    if (image.T_w_c) by_time.emplace(image.stamp, *image.T_w_c);
+  return [by_time](double stamp) -> std::optional<Eigen::Isometry3d> {
+    const auto found = by_time.find(stamp);
+    return found == by_time.end() ? std::nullopt : std::optional(found->second);
+  };
+}
+
+}  // namespace
+
+void MapMakingParams::validate() const {
+  places.validate();
+  trajectory.validate();
+  view.validate();
+  if (every < 0) throw std::invalid_argument("every must not be negative");
+}
+
+struct MapMaking::Impl {
+  Impl(const Camera& camera, const MapMakingParams& the_params) : params(the_params) {
+    params.validate();
+    run.camera = camera;
+    run.view = params.view;
+  }
+
+  bool findsTrajectory() const { return params.every == 0 && !run.images.empty() && !run.hasPoses(); }
+  int partOf(std::size_t image) const {
+    const auto& found = findings.trajectory;
+    return found ? found->keyframes[found->images[image].keyframe].part : 0;
+  }
+  std::optional<Eigen::Isometry3d> pose(std::size_t image) const;
+  std::vector<PosedPicture> pictures(std::vector<DepthPicture>& depth) const;
+  void calibrate();
+  std::vector<Link> linksOfPoses(const std::vector<std::size_t>& images) const;
+  std::vector<Link> links(const std::vector<std::size_t>& images) const {
+    return findings.trajectory ? trajectoryLinks(*findings.trajectory, images) : linksOfPoses(images);
+  }
+  bool canBeMade();
+  Map build(const std::vector<MapPlace>& places);
+
+  MapMakingParams params;
+  ImageRun run;
+  PosesByTime poses_by_time;
+  MapFindings findings;
+  std::vector<int> parts;   // of the trajectory, the largest first
+  bool calibrated = false;  // by the poses that are known now
+};
+
+std::optional<Eigen::Isometry3d> MapMaking::Impl::pose(std::size_t image) const {
+  if (!findings.trajectory) return run.images[image].T_w_c;
+  if (partOf(image) != parts.front()) return {};
+  return findings.trajectory->images[image].T_w_c;
+}
+
+/** Images of the whole run; the same for any number of threads. Those that cannot be read are empty. */
+std::vector<PosedPicture> MapMaking::Impl::pictures(std::vector<DepthPicture>& depth) const {
+  std::vector<std::pair<std::size_t, Eigen::Isometry3d>> posed;
+  for (std::size_t i = 0; i < run.images.size(); ++i)
+    if (const auto T_w_c = pose(i)) posed.emplace_back(i, *T_w_c);
+  depth.resize(std::min(posed.size(), kCalibrationImages));
+  const auto chosen = [&](std::size_t i) { return posed[i * posed.size() / depth.size()]; };
+  run.stage(Stage::distortion, depth.size()).run([&](std::size_t i) {
+    try {
+      depth[i].assign(run.images[chosen(i).first].load());
+    } catch (const std::exception&) {  // the image is named when it is to become a local model
+    }
+  });
+  std::vector<PosedPicture> all;
+  for (std::size_t i = 0; i < depth.size(); ++i) all.push_back({&depth[i], chosen(i).second});
+  return all;
+}
+
+void MapMaking::Impl::calibrate() {
+  if (std::exchange(calibrated, true)) return;
+  std::vector<DepthPicture> depth;
+  findings.distortion = calibrateDistortion(
+      pictures(depth), run.camera.noise,
+      {params.places.pose_rotation_std_deg * kDegree, params.places.pose_translation_std});
+  run.camera.distortion.reset();
+  if (findings.distortion && findings.distortion->reliable())
+    run.camera.distortion = findings.distortion->distortion;
+}
+
+/** From each local model to the next, by their poses. */
+std::vector<Link> MapMaking::Impl::linksOfPoses(const std::vector<std::size_t>& images) const {
+  const MapBuilder rule(params.places);
+  std::vector<Link> links;
+  for (std::size_t i = 1; i < images.size(); ++i) {
+    const auto before = pose(images[i - 1]), now = pose(images[i]);
+    if (before && now)
+      links.push_back(rule.link(static_cast<int>(i) - 1, static_cast<int>(i), *before, *now));
+  }
+  return links;
+}
+
+/** Otherwise findings have the problem. */
+bool MapMaking::Impl::canBeMade() {
+  if (run.images.empty())
+    findings.problem = "there are no images";
+  else if (findings.noneRead(run.images.size()))
+    findings.problem = "no image can be read: " + findings.unread.front().cause;
+  else if (!params.any_poses && findings.poses && findings.poses->isBeyondSense())
+    findings.problem = "poses and images disagree by " + findings.poses->as_given.inWords() +
+                       (findings.poses->cause.empty() ? "" : "; " + findings.poses->cause);
+  return findings.problem.empty();
+}
+
+Map MapMaking::Impl::build(const std::vector<MapPlace>& places) {
+  Map map;
+  std::vector<std::size_t> images;
+  for (const MapPlace& place : places) images.push_back(place.image);
+  std::vector<std::size_t> made;
+  findings.unread.clear();
+  findings.without_segments = 0;
+  run.buildViews(images, Stage::models, findings.unread, [&](std::size_t i, std::optional<View> view) {
+    if (!view) return;
+    if (view->segments.empty()) {
+      ++findings.without_segments;
+      return;
+    }
+    view->camera.reset();  // the map's
+    map.models.push_back(LocalModel{run.images[i].name, run.images[i].stamp, pose(i), std::move(*view)});
+    made.push_back(i);
+  });
+  if (made.empty()) findings.problem = "none of the images makes a local model";
+  map.links = links(made);
+  return map;
+}
+
+MapMaking::MapMaking(const Camera& camera, const MapMakingParams& params)
+    : impl_(std::make_unique<Impl>(camera, params)) {}
+MapMaking::MapMaking(MapMaking&&) noexcept = default;
+MapMaking& MapMaking::operator=(MapMaking&&) noexcept = default;
+MapMaking::~MapMaking() = default;
+
+void MapMaking::setNumberOfThreads(int n) { impl_->run.threads = n; }
+void MapMaking::setProgress(MapProgressCallback progress) { impl_->run.progress = std::move(progress); }
+void MapMaking::setPosesByTime(PosesByTime poses) { impl_->poses_by_time = std::move(poses); }
+void MapMaking::setOdometry(PosesByTime odometry) { impl_->run.odometry = std::move(odometry); }
+void MapMaking::add(MapImage image) { impl_->run.images.push_back(std::move(image)); }
+const MapFindings& MapMaking::findings() const { return impl_->findings; }
+const Camera& MapMaking::camera() const { return impl_->run.camera; }
+std::optional<Eigen::Isometry3d> MapMaking::pose(std::size_t image) const { return impl_->pose(image); }
+
+void MapMaking::findTrajectory() {
+  Impl& m = *impl_;
+  if (!m.findsTrajectory()) return;
+  for (const bool again : {false, true}) {
+    CameraTrajectory found = m.run.findTrajectory(m.params.trajectory, m.findings);
+    if (m.findings.noneRead(m.run.images.size())) return;
+    m.parts = found.parts();
+    m.findings.trajectory = std::move(found);
+    m.calibrated = false;
+    if (again || !m.params.distortion) return;
+    m.calibrate();
+    if (!m.run.camera.distortion) return;
+  }
+}
+
+void MapMaking::checkPoses() {
+  Impl& m = *impl_;
+  if (!m.run.hasPoses() && !m.poses_by_time) return;
+  m.findings.poses =
+      internal::checkPoses(m.run.seenMotions(), m.poses_by_time ? m.poses_by_time : posesOf(m.run.images));
+}
+
+std::vector<MapPlace> MapMaking::places() const {
+  const Impl& m = *impl_;
+  std::vector<MapPlace> places;
+  std::map<int, MapBuilder> rules;  // of each part
+  for (std::size_t i = 0; i < m.run.images.size(); ++i) {
+    const auto T_w_m = m.pose(i);
+    const auto& found = m.findings.trajectory;
+    const auto by_rule = found ? std::optional(found->images[i].T_w_c) : T_w_m;
+    MapBuilder& rule = rules.try_emplace(m.partOf(i), m.params.places).first->second;
+    if (m.params.every > 0 ? i % static_cast<std::size_t>(m.params.every) == 0
+                           : by_rule && rule.accept(*by_rule))
+      places.push_back({i, T_w_m});
+  }
+  return places;
+}
+
+void MapMaking::findDistortion() { impl_->calibrate(); }
+
+void MapMaking::setDistortion(const std::optional<DepthDistortion>& distortion) {
+  impl_->run.camera.distortion = distortion;
+}
+
+std::vector<Link> MapMaking::links(const std::vector<std::size_t>& images) const {
+  const Impl& m = *impl_;
+  for (const std::size_t image : images)
+    if (image >= m.run.images.size())
+      throw std::invalid_argument("links: there is no image " + std::to_string(image));
+  return m.links(images);
+}
+
+Map MapMaking::finish() {
+  Impl& m = *impl_;
+  m.findings.problem.clear();
+  findTrajectory();
+  checkPoses();
+  if (!m.canBeMade()) return {};
+  if (m.params.distortion) findDistortion();
+  auto map = std::make_shared<Map>(m.build(places()));
+  if (map->models.empty()) return {};
+  map->camera = m.run.camera;
+  placeByLinks(*map);
+  if (!map->camera.mounting) m.findings.mounting = findMounting(*map);
+  if (m.findings.mounting) {
+    map->camera.mounting = m.findings.mounting->mounting;
+    placeByLinks(*map);
+  }
+  const MapLookalikes found = findLookalikes(map, m.run.threads, m.run.progress);
+  setAmbiguity(found.scores, *map);
+  return std::move(*map);
+}
+
+MapLookalikes findLookalikes(const std::shared_ptr<const Map>& map, int threads,
+                             const MapProgressCallback& progress) {
+  MapLookalikes found{{}, LookalikeScores(map->models.size())};
+  const std::vector<int> models = viewsToAsk(*map);
+  if (models.empty()) return found;
+  const GlobalLocalization localization(map);
+  ParallelStage(Stage::ambiguity, models.size(), threads, progress).run([&](std::size_t i) {
+    if (const auto wrong = wrongPlace(localization, models[i])) found.scores[models[i]] = wrong->score;
+  });
+  found.ambiguity = ambiguityOf(found.scores);
+  return found;
+}
+
+}  // namespace facetloc
