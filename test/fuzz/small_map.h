@@ -3,7 +3,7 @@
 
 #include "../apps/example_scene.h"
 #include "fuzz_file.h"
-#include "tools/map_completion.h"
+#include "base/map_completion.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>

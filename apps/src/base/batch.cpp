@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/batch.h"
 
-#include "base/text.h"
 #include "base/ordered_jobs.h"
+#include "base/text.h"
 
 #include <facetloc/io/error.h>
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/batch.h"
-#include "base/ranks.h"
 #include "base/ordered_jobs.h"
+#include "base/ranks.h"
 
 #include <functional>
 #include <optional>

@@ -4,11 +4,11 @@
 #include "base/ambiguity_file.h"
 #include "base/localization_options.h"
 #include "base/localization_report.h"
+#include "base/map_completion.h"
 #include "base/pose_stream.h"
 #include "base/provenance.h"
 #include "drawing/outputs.h"
 #include "live/live_run.h"
-#include "tools/map_completion.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/atomic_file.h>

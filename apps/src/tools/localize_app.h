@@ -4,8 +4,8 @@
 #include "base/app.h"
 #include "base/depth_input.h"
 #include "base/provenance.h"
-#include "tools/drive.h"
 #include "base/shared_batch.h"
+#include "tools/drive.h"
 
 #include <facetloc/io/results.h>
 #include <facetloc/localization/sequence_localization.h>

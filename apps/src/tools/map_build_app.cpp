@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/batch.h"
+#include "base/map_completion.h"
 #include "base/provenance.h"
 #include "base/text.h"
 #include "tools/map_apps.h"
-#include "tools/map_completion.h"
 #include "tools/map_watch.h"
 
 #include <facetloc/io/error.h>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/map_extend_app.h"
 
+#include "base/map_completion.h"
 #include "base/provenance.h"
 #include "base/text.h"
 #include "drawing/offscreen_display.h"
 #include "drawing/outputs.h"
 #include "drawing/pictures.h"
-#include "tools/map_completion.h"
 #include "tools/map_watch.h"
 
 #include <facetloc/features/map_parts.h>

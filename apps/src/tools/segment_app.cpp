@@ -2,12 +2,12 @@
 #include "tools/segment_app.h"
 
 #include "base/provenance.h"
+#include "base/shared_batch.h"
 #include "base/text.h"
 #include "drawing/colours.h"
 #include "drawing/depth_drawing.h"
 #include "drawing/outputs.h"
 #include "tools/noise_table.h"
-#include "base/shared_batch.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/cloud_file.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/map_completion.h"
+#include "base/map_completion.h"
 
 #include "tools/map_watch.h"
 
