@@ -1,9 +1,42 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/local_model.h>
 
+#include <stdexcept>
 #include <utility>
 
 namespace facetloc {
+
+LocalModel::LocalModel(std::string model_name, double model_stamp,
+                       const std::optional<Eigen::Isometry3d>& pose)
+    : name(std::move(model_name)), stamp(model_stamp), T_w_m(pose) {}
+
+LocalModel::LocalModel(std::string model_name, double model_stamp,
+                       const std::optional<Eigen::Isometry3d>& pose, View view)
+    : LocalModel(std::move(model_name), model_stamp, pose) {
+  setView(std::move(view));
+}
+
+void LocalModel::setView(View view) { setView(std::make_shared<const View>(std::move(view))); }
+
+bool LocalModel::hasPicture() const {
+  return view_ ? view_->hasPicture() : store_ && store_->hasPicture(index_);
+}
+
+std::shared_ptr<const View> Map::view(int i) const {
+  const LocalModel& model = models[static_cast<std::size_t>(i)];
+  if (model.view_) return model.view_;
+  if (!model.store_) throw std::logic_error("local model " + std::to_string(i) + " of the map has no view");
+  return model.store_->view(model.index_);
+}
+
+void Map::setStore(std::shared_ptr<const MapStore> store) {
+  store_ = std::move(store);
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    models[i].view_.reset();
+    models[i].store_ = store_;
+    models[i].index_ = static_cast<int>(i);
+  }
+}
 
 std::string Map::partOf(int i) const {
   const auto part = static_cast<std::size_t>(models[static_cast<std::size_t>(i)].part);
@@ -20,9 +53,7 @@ Camera Map::calibrated(Camera of_images) const {
 Map mapOf(View view) {
   Map map;
   if (view.camera) map.camera = *view.camera;
-  map.models.resize(1);
-  map.models[0].T_w_m = Eigen::Isometry3d::Identity();
-  map.models[0].view = std::move(view);
+  map.models.emplace_back(std::string(), 0.0, Eigen::Isometry3d::Identity(), std::move(view));
   return map;
 }
 

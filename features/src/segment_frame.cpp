@@ -14,11 +14,11 @@ void setOrientation(SegmentFrame& frame, const Eigen::Quaterniond& q) {
   frame.normal_x = n.x(), frame.normal_y = n.y(), frame.normal_z = n.z();
 }
 
-// Does the normal fit the orientation, if it is given?
+// Does the normal fit the orientation?
 bool normalFits(const SegmentFrame& frame) {
   constexpr float kTolerance = 1e-2f;
   const Eigen::Vector3f n(frame.normal_x, frame.normal_y, frame.normal_z);
-  return n.isZero() || (n - frame.normal()).norm() <= kTolerance;  // false for NaN
+  return (n - frame.normal()).norm() <= kTolerance;  // false for NaN
 }
 
 bool finite(const float* values, int n) {

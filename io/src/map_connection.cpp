@@ -23,11 +23,13 @@ int pragma(Connection& db, const std::string& name) {
   return statement.step() ? statement.integer() : 0;
 }
 
-std::string versionText(int version) {
-  return std::to_string(version / 1000) + "." + std::to_string(version % 1000);
-}
+/** The formats of unreleased versions have numbers below these. */
+constexpr int kMajorUnit = 1 << 16;
+constexpr int kVersion = kMajorUnit * MapDatabase::kMajor + MapDatabase::kMinor;
 
-constexpr int kVersion = 1000 * MapDatabase::kMajor + MapDatabase::kMinor;
+std::string versionText(int version) {
+  return std::to_string(version / kMajorUnit) + "." + std::to_string(version % kMajorUnit);
+}
 
 /** Throws unless the file is a map of a format that we understand. Newer minor formats only add columns and
  * tables. */
@@ -43,13 +45,12 @@ void requireMap(Connection& db) {
   if (id != MapDatabase::kApplicationId)
     throw IoError(db.name(), "is not a map: it is an SQLite database of another application, or empty");
   const int version = pragma(db, "user_version");
-  const std::string ours = std::to_string(MapDatabase::kMajor) + ".x";
-  if (version / 1000 > MapDatabase::kMajor)
+  if (version < kVersion)
+    throw IoError(db.name(), "was written by an unreleased version of facetloc: build the map again");
+  if (version / kMajorUnit > MapDatabase::kMajor)
     throw IoError(db.name(), "map format " + versionText(version) +
-                                 " is newer than this program understands (" + ours + ")");
-  if (version / 1000 < MapDatabase::kMajor)
-    throw IoError(db.name(),
-                  "map format " + versionText(version) + " is unknown to this program (" + ours + ")");
+                                 " is newer than this program understands (" +
+                                 std::to_string(MapDatabase::kMajor) + ".x)");
 }
 
 /** A map consists of tables. A view, a trigger or a generated column in their place would compute, whenever
@@ -71,7 +72,7 @@ void requireRealTables(Connection& db) {
       const std::string table = column.text();
       throw BadCell("column " + column.text() + " of its table " + table + " is computed");
     }
-    for (const char* needed : {"meta", "mounting", "model", "segment", "depth_picture", "link"})
+    for (const char* needed : schema::kTableNames)
       if (std::find(tables.begin(), tables.end(), needed) == tables.end())
         throw BadCell(std::string("it has no table ") + needed);
   } catch (const BadCell& e) {
@@ -83,32 +84,6 @@ void configureForWriting(Connection& db) {
   db.execute("PRAGMA journal_mode = DELETE; PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON");
 }
 
-void markFormat(Connection& db) {
-  db.execute("PRAGMA user_version = " + std::to_string(kVersion));
-  Statement meta(db, "INSERT OR REPLACE INTO meta(key, value) VALUES(?, ?)");
-  (meta << kFormatKey << "facetloc map " + versionText(kVersion)).run();
-}
-
-/** What 1.0 has not. */
-void createLaterTables(Connection& db) {
-  db.execute(schema::kPlaceIndexTable);
-  db.execute(schema::kDistortionTable);
-  db.execute(schema::kNoiseTables);
-  db.execute(schema::kAmbiguityTable);
-  db.execute(schema::kLookalikeTable);
-  db.execute(schema::kRangeTables);
-  db.execute(schema::kLinkIndex);
-}
-
-/** Adds what an older minor format lacks. */
-void upgrade(Connection& db) {
-  if (pragma(db, "user_version") >= kVersion) return;
-  Transaction transaction(db);
-  createLaterTables(db);
-  markFormat(db);
-  transaction.commit();
-}
-
 /** SQLite notices by itself that pages are missing, but not a part of the last one. */
 void requireWhole(Connection& db, const fs::path& path) {
   const int page_size = pragma(db, "page_size");
@@ -116,11 +91,15 @@ void requireWhole(Connection& db, const fs::path& path) {
     throw IoError(path.string(), "is truncated");
 }
 
-Connection connect(const fs::path& path, int flags) {
-  Connection db(path, flags);
+void requireSound(Connection& db, const fs::path& path) {
   requireMap(db);
   requireWhole(db, path);
   requireRealTables(db);
+}
+
+Connection connect(const fs::path& path, int flags) {
+  Connection db(path, flags);
+  requireSound(db, path);
   return db;
 }
 
@@ -130,22 +109,22 @@ Connection openForWriting(const fs::path& path) {
   files::requireRegularFile(path);
   Connection db = connect(path, SQLITE_OPEN_READWRITE);
   configureForWriting(db);
-  upgrade(db);
   return db;
 }
 
 Connection openForReading(const fs::path& path) {
   files::requireRegularFile(path);
-  Connection db(path, SQLITE_OPEN_READONLY);
-  try {
-    requireMap(db);
-    requireWhole(db, path);
-    requireRealTables(db);
-    return db;
-  } catch (const IoError&) {
-    if (db.lastCode() != SQLITE_READONLY_ROLLBACK) throw;
+  constexpr int kAttempts = 20;  // SQLite takes a commit that just ends for one whose writer was killed
+  for (int attempt = 1; attempt < kAttempts; ++attempt) {
+    Connection db(path, SQLITE_OPEN_READONLY);
+    try {
+      requireSound(db, path);
+      return db;
+    } catch (const IoError&) {
+      if (db.lastCode() != SQLITE_READONLY_ROLLBACK) throw;
+    }
+    connect(path, SQLITE_OPEN_READWRITE);
   }
-  connect(path, SQLITE_OPEN_READWRITE);
   return connect(path, SQLITE_OPEN_READONLY);
 }
 
@@ -163,10 +142,10 @@ Connection create(const fs::path& path, const fs::path& shown) {
   configureForWriting(db);
   Transaction transaction(db);
   db.execute("PRAGMA application_id = " + std::to_string(MapDatabase::kApplicationId));
+  db.execute("PRAGMA user_version = " + std::to_string(kVersion));
   db.execute(schema::kTables);
-  createLaterTables(db);
-  markFormat(db);
   Statement meta(db, schema::insert("key, value", "meta"));
+  (meta << kFormatKey << "facetloc map " + versionText(kVersion)).run();
   (meta << kConventionsKey << schema::kConventions).run();
   transaction.commit();
   return db;

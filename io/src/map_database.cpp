@@ -6,13 +6,11 @@
 #include "map_rows.h"
 #include "map_schema.h"
 #include "place_index_parts.h"
-#include "pose_columns.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 
-#include <cmath>
 #include <stdexcept>
 
 namespace facetloc {
@@ -46,57 +44,16 @@ void insertMeta(Connection& db, const std::string& key, const std::string& value
   (statement << key << value).run();
 }
 
-/** Is the camera turned or moved as older formats cannot say? */
-bool hasTurn(const CameraMounting& mounting) {
-  return mounting.roll_deg != 0 || mounting.pan_deg != 0 || mounting.x != 0 || mounting.y != 0;
-}
-
 void insertCamera(Connection& db, const Camera& camera) {
-  db.execute("DELETE FROM mounting; DELETE FROM distortion; DELETE FROM camera; DELETE FROM camera_range");
-  if (sqlite::hasTable(db, "mounting_turn")) db.execute("DELETE FROM mounting_turn");
-  if (camera.mounting) {
-    describing(db, "the mounting of the camera", [&] { requireSound(*camera.mounting); });
-    Statement statement(db, "INSERT INTO mounting(id, height, tilt_deg) VALUES(0, ?, ?)");
-    (statement << camera.mounting->height << camera.mounting->tilt_deg).run();
-  }
-  if (camera.mounting && hasTurn(*camera.mounting)) {
-    db.execute(schema::kMountingTable);
-    Statement statement(db, schema::insert(schema::kMountingTurnColumns, "mounting_turn"));
-    (statement << 0 << camera.mounting->roll_deg << camera.mounting->pan_deg << camera.mounting->x
-               << camera.mounting->y)
-        .run();
-  }
-  if (camera.distortion) {
-    Statement statement(db, schema::insert(schema::kDistortionColumns, "distortion"));
-    for (int i = 0; i < DepthDistortion::kNodes; ++i) {
-      const Eigen::Vector2d ray = camera.distortion->rayOf(i);
-      (statement << i << ray.x() << ray.y() << camera.distortion->values()[i]).run();
-    }
-  }
   describing(db, "the camera", [&] { requireSound(camera); });
+  db.execute("DELETE FROM camera");
   Statement statement(db, schema::insert(schema::kCameraColumns, "camera"));
-  statement << 0;
-  if (camera.intrinsics.valid())
-    statement << camera.intrinsics;
-  else
-    statement.bindAll(std::array<std::nullptr_t, 6>{});
-  (statement << camera.noise.inverse_depth_std << camera.noise.distortion_offset
-             << camera.noise.distortion_slope)
-      .run();
-  const bool is_limited = !std::isinf(camera.max_depth);
-  if (camera.noise.isConstantInInverseDepth() && !is_limited) return;
-  Statement range(db, schema::insert(schema::kRangeColumns, "camera_range"));
-  range << 0 << camera.noise.depth_std << camera.noise.depth_std_slope;
-  if (is_limited)
-    range << camera.max_depth;
-  else
-    range << nullptr;
-  range.run();
+  (statement << 0 << camera).run();
 }
 
 void removeAmbiguity(Connection& db) {
-  db.execute("DELETE FROM ambiguity");
-  db.execute("DELETE FROM lookalike");
+  if (!Statement(db, "SELECT 1 FROM ambiguity").step()) return;  // and no score of any model
+  db.execute("DELETE FROM ambiguity; UPDATE model SET lookalike_score = NULL");
 }
 
 void insertAmbiguity(Connection& db, const MapAmbiguity& ambiguity,
@@ -109,9 +66,9 @@ void insertAmbiguity(Connection& db, const MapAmbiguity& ambiguity,
   removeAmbiguity(db);
   Statement statement(db, schema::insert(schema::kAmbiguityColumns, "ambiguity"));
   (statement << 0 << ambiguity.score << ambiguity.views).run();
-  Statement of_model(db, schema::insert(schema::kLookalikeColumns, "lookalike"));
+  Statement of_model(db, "UPDATE model SET lookalike_score = ? WHERE id = ?");
   for (std::size_t i = 0; i < lookalike_scores.size(); ++i)
-    if (lookalike_scores[i]) (of_model << static_cast<int>(i) << *lookalike_scores[i]).run();
+    (of_model << lookalike_scores[i] << static_cast<int>(i)).run();
 }
 
 int nextId(Connection& db, const std::string& table) {
@@ -120,11 +77,11 @@ int nextId(Connection& db, const std::string& table) {
   return statement.integer();
 }
 
-void insertSegments(Connection& db, int model_id, const LocalModel& model) {
+void insertSegments(Connection& db, int model_id, const PackedModel& packed) {
   Statement statement(db, schema::insert(schema::kSegmentColumns, "segment"));
-  for (std::size_t i = 0; i < model.view.segments.size(); ++i) {
-    const Segment& s = model.view.segments[i];
-    describing(db, "segment " + std::to_string(i) + " of " + nameOf(model_id, model.name),
+  for (std::size_t i = 0; i < packed.view.segments.size(); ++i) {
+    const Segment& s = packed.view.segments[i];
+    describing(db, "segment " + std::to_string(i) + " of " + nameOf(model_id, packed.model.name),
                [&] { requireSound(s); });
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.linear() = s.R;
@@ -138,35 +95,27 @@ void insertSegments(Connection& db, int model_id, const LocalModel& model) {
 
 void insertPicture(Connection& db, int model_id, const PackedModel& packed) {
   if (packed.depth.empty()) return;
-  const DepthNoise& of_picture = packed.model.view.depth.noise;
+  const DepthNoise& of_picture = packed.view.depth.noise;
   describing(db, nameOf(model_id, packed.model.name), [&] {
-    requireSizeOfPicture(packed.model.view.depth.camera, packed.model.view.intrinsics);
+    requireSizeOfPicture(packed.view.depth.camera, packed.view.intrinsics);
     requireSound(of_picture);
   });
   Statement statement(db, schema::insert(schema::kPictureColumns, "depth_picture"));
-  statement << model_id << packed.model.view.depth.camera << std::string(depth_blob::kEncoding)
-            << packed.depth;
-  statement.run();
-  Statement noise(db, schema::insert(schema::kPictureNoiseColumns, "picture_noise"));
-  (noise << model_id << of_picture.inverse_depth_std).run();
-  if (of_picture.isConstantInInverseDepth()) return;
-  Statement range(db, schema::insert(schema::kRangeNoiseColumns, "picture_range_noise"));
-  (range << model_id << of_picture.depth_std << of_picture.depth_std_slope).run();
+  (statement << model_id << packed.view.depth.camera << of_picture << std::string(depth_blob::kEncoding)
+             << packed.depth)
+      .run();
 }
 
 int insertModel(Connection& db, const PackedModel& packed) {
   const LocalModel& model = packed.model;
   const int id = nextId(db, "model");
-  describing(db, nameOf(id, model.name), [&] { requireSound(model); });
+  describing(db, nameOf(id, model.name), [&] { requireSound(model, packed.view); });
   Statement statement(db, schema::insert(schema::kModelColumns, "model"));
   statement << id << model.name << model.stamp;
-  if (const auto T_w_m = model.givenPose())
-    statement << *T_w_m;
-  else
-    statement.bindAll(std::array<std::nullptr_t, std::tuple_size<PoseColumns>::value>{});
-  statement << model.view.intrinsics << static_cast<int>(model.view.segments.size());
+  statement << model.givenPose();
+  statement << packed.view.intrinsics << static_cast<int>(packed.view.segments.size()) << nullptr;
   statement.run();
-  insertSegments(db, id, model);
+  insertSegments(db, id, packed);
   insertPicture(db, id, packed);
   place_index_parts::remove(db);  // it does not know this model
   removeAmbiguity(db);
@@ -174,9 +123,9 @@ int insertModel(Connection& db, const PackedModel& packed) {
 }
 
 /** Packs it first, if there is sense in it. */
-int insertModel(Connection& db, const LocalModel& model) {
-  describing(db, nameOf(nextId(db, "model"), model.name), [&] { requireSound(model); });
-  return insertModel(db, packed(model));
+int insertModel(Connection& db, const LocalModel& model, const View& view) {
+  describing(db, nameOf(nextId(db, "model"), model.name), [&] { requireSound(model, view); });
+  return insertModel(db, packed(model, view));
 }
 
 void insertLink(Connection& db, const Link& link) {
@@ -194,11 +143,7 @@ void updatePose(Connection& db, int model_id, const std::optional<Eigen::Isometr
   });
   Statement statement(db,
                       "UPDATE model SET tx = ?, ty = ?, tz = ?, qx = ?, qy = ?, qz = ?, qw = ? WHERE id = ?");
-  if (T_w_m)
-    statement << *T_w_m;
-  else
-    statement.bindAll(std::array<std::nullptr_t, std::tuple_size<PoseColumns>::value>{});
-  (statement << model_id).run();
+  (statement << T_w_m << model_id).run();
 }
 
 // ---- Checking
@@ -226,10 +171,10 @@ std::vector<std::string> integrityFaults(Connection& db) {
 // -------------------------------------------------------------------------------------------------
 
 struct MapDatabase::Impl {
-  template <class Model>
-  int add(const Model& model) {
+  template <class... Model>
+  int add(const Model&... model) {
     Transaction transaction(db);
-    const int id = insertModel(db, model);
+    const int id = insertModel(db, model...);
     transaction.commit();
     return id;
   }
@@ -290,19 +235,18 @@ void MapDatabase::setPlaceIndex(const std::function<void(std::ostream&)>& write)
   transaction.commit();
 }
 
-PackedModel packed(LocalModel model) {
-  DepthPicture& picture = model.view.depth;
+PackedModel packed(LocalModel model, View view) {
+  DepthPicture& picture = view.depth;
   std::vector<std::uint8_t> depth;
   if (!picture.empty()) depth = depth_blob::encode(picture.inverse_depth, picture.camera.width);
-  const Intrinsics camera = picture.camera;
-  const DepthNoise noise = picture.noise;
-  picture = {};
-  picture.camera = camera;
-  picture.noise = noise;
-  return {std::move(model), std::move(depth)};
+  DepthPicture rest;
+  rest.camera = picture.camera;
+  rest.noise = picture.noise;
+  picture = std::move(rest);
+  return {std::move(model), std::move(view), std::move(depth)};
 }
 
-int MapDatabase::add(const LocalModel& model) { return impl_->add(model); }
+int MapDatabase::add(const LocalModel& model, const View& view) { return impl_->add(model, view); }
 
 int MapDatabase::add(const PackedModel& model) { return impl_->add(model); }
 
@@ -363,11 +307,8 @@ void writeMap(const fs::path& path, const Map& map, const std::function<void(std
     for (const auto& [key, value] : map.meta)
       if (!isReserved(key)) insertMeta(db, key, value);
     insertCamera(db, map.camera);
-    for (std::size_t i = 0; i < map.models.size(); ++i) {
-      LocalModel model = map.models[i];
-      if (map.store) model.view = *map.view(static_cast<int>(i));
-      insertModel(db, model);
-    }
+    for (std::size_t i = 0; i < map.models.size(); ++i)
+      insertModel(db, map.models[i], *map.view(static_cast<int>(i)));
     for (const Link& link : map.links) insertLink(db, link);
     if (map.ambiguity) {
       std::vector<std::optional<double>> lookalike_scores;

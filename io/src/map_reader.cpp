@@ -21,26 +21,26 @@ std::string nameOf(int model, const std::string& name) {
   return "model " + std::to_string(model) + " ('" + name + "')";
 }
 
-void MapReader::readAll(Pictures pictures) {
+void MapReader::readAll(Views views) {
   readMeta();
   readCamera();
+  readAmbiguity();
   readModels();
-  if (pictures != Pictures::cameras_only) readSegments();
-  readPictures(pictures);
-  readNoise();
-  readLookalikes();
+  if (views != Views::leave) readSegments();
+  readPictures(views);
   readLinks();
 }
 
 Map MapReader::read() {
-  readAll(Pictures::keep);
+  readAll(Views::keep);
+  for (std::size_t i = 0; i < views_.size(); ++i) map_.models[i].setView(std::move(views_[i]));
   return std::move(map_);
 }
 
-void MapReader::check() { readAll(Pictures::look_at); }
+void MapReader::check() { readAll(Views::look_at); }
 
 Map MapReader::readWithoutViews() {
-  readAll(Pictures::cameras_only);
+  readAll(Views::leave);
   return std::move(map_);
 }
 
@@ -74,10 +74,10 @@ void MapReader::forEachRow(const std::string& sql, const Function& function) {
 }
 
 /** The model that a row belongs to. */
-LocalModel& MapReader::modelOf(int id, std::string& label) {
+std::size_t MapReader::modelOf(int id, std::string& label) const {
   label += " of model " + std::to_string(id);
   require(id >= 0 && id < static_cast<int>(map_.models.size()), "there is no such model");
-  return map_.models[id];
+  return static_cast<std::size_t>(id);
 }
 
 void MapReader::readMeta() {
@@ -89,45 +89,15 @@ void MapReader::readMeta() {
 }
 
 void MapReader::readCamera() {
-  if (sqlite::hasTable(db_, "camera"))
-    forEachRow(schema::select(schema::kCameraColumns, "camera", "id"),
-               [this](Statement& row, std::string& label) {
-                 label = "the camera";
-                 row.skip(1);
-                 map_.camera = map_rows::readCamera(row);
-               });
-  if (sqlite::hasTable(db_, "camera_range"))
-    forEachRow(schema::select(schema::kRangeColumns, "camera_range", "id"),
-               [this](Statement& row, std::string& label) {
-                 label = "the range of the camera";
-                 row.skip(1);
-                 readRange(row, map_.camera);
-               });
-  forEachRow(schema::select("height, tilt_deg", "mounting", "id"),
+  forEachRow(schema::select(schema::kCameraColumns, "camera", "id"),
              [this](Statement& row, std::string& label) {
-               label = "the camera mounting";
-               const double height = row.real(), tilt_deg = row.real();
-               const CameraMounting mounting{height, tilt_deg};
-               map_rows::requireSound(mounting);
-               map_.camera.mounting = mounting;
+               label = "the camera";
+               row.skip(1);
+               map_.camera = map_rows::readCamera(row);
              });
-  if (map_.camera.mounting && sqlite::hasTable(db_, "mounting_turn"))
-    forEachRow(schema::select(schema::kMountingTurnColumns, "mounting_turn", "id"),
-               [this](Statement& row, std::string& label) {
-                 label = "the camera mounting";
-                 row.skip(1);
-                 CameraMounting mounting = *map_.camera.mounting;
-                 mounting.roll_deg = row.real(), mounting.pan_deg = row.real();
-                 mounting.x = row.real(), mounting.y = row.real();
-                 map_rows::requireSound(mounting);
-                 map_.camera.mounting = mounting;
-               });
-  readDistortion();
-  readAmbiguity();
 }
 
 void MapReader::readAmbiguity() {
-  if (!sqlite::hasTable(db_, "ambiguity")) return;
   forEachRow(schema::select(schema::kAmbiguityColumns, "ambiguity", "id"),
              [this](Statement& row, std::string& label) {
                label = "the ambiguity";
@@ -136,38 +106,20 @@ void MapReader::readAmbiguity() {
              });
 }
 
-void MapReader::readDistortion() {
-  if (!sqlite::hasTable(db_, "distortion")) return;
-  std::vector<Eigen::Vector2d> rays;
-  DepthDistortion::Values values;
-  forEachRow(schema::select(schema::kDistortionColumns, "distortion", "node"),
-             [&](Statement& row, std::string& label) {
-               label = "the distortion";
-               require(rays.size() < values.size(), "it has too many nodes");
-               require(row.integer() == static_cast<int>(rays.size()), "its node numbers have a gap");
-               const double x = row.real(), y = row.real();
-               values[rays.size()] = row.real();
-               rays.emplace_back(x, y);
-             });
-  if (rays.empty()) return;
-  try {
-    require(rays.size() == values.size(), "it has too few nodes");
-    map_.camera.distortion.emplace(Eigen::AlignedBox2d(rays.front(), rays.back()), values);
-  } catch (const std::exception& e) {
-    faults_.push_back(std::string("the distortion: ") + e.what());
-  }
-}
-
 void MapReader::readModels() {
   forEachRow(
       schema::select(schema::kModelColumns, "model", "id"), [this](Statement& row, std::string& label) {
         const int index = static_cast<int>(map_.models.size());
         label = "model " + std::to_string(index);
         map_.models.emplace_back();  // even a bad model keeps its place, so that the next ones have theirs
+        views_.emplace_back();
         num_segments_.push_back(0);
         require(row.integer() == index, "the model numbers have a gap before it");
-        map_.models.back() = readModel(row);
-        num_segments_.back() = row.integer();
+        ModelRow read = readModel(row);
+        map_.models.back() = std::move(read.model);
+        views_.back().intrinsics = read.intrinsics;
+        views_.back().depth.noise = map_.camera.noise;  // unless it has a picture
+        num_segments_.back() = read.num_segments;
       });
 }
 
@@ -178,9 +130,9 @@ void MapReader::readSegments() {
                label = "a segment";
                const int model_id = row.integer(), index = row.integer();
                label = "segment " + std::to_string(index);
-               LocalModel& model = modelOf(model_id, label);
-               require(index == found[model_id]++, "the segment numbers have a gap before it");
-               model.view.segments.push_back(readSegment(row));
+               const std::size_t model = modelOf(model_id, label);
+               require(index == found[model]++, "the segment numbers have a gap before it");
+               views_[model].segments.push_back(readSegment(row));
              });
   for (std::size_t i = 0; i < found.size(); ++i)
     if (found[i] != num_segments_[i])
@@ -202,50 +154,19 @@ void MapReader::requireMemoryForPictures() {
                                   std::to_string(static_cast<long>(unpacked / 1e6)) + " MB of memory");
 }
 
-void MapReader::readPictures(Pictures pictures) {
-  const bool whole = pictures != Pictures::cameras_only;
+void MapReader::readPictures(Views views) {
+  const bool whole = views != Views::leave;
   if (whole) requireMemoryForPictures();
-  forEachRow(schema::select(whole ? schema::kPictureColumns : schema::kPictureCameraColumns, "depth_picture",
+  forEachRow(schema::select(whole ? schema::kPictureColumns : schema::kPictureHeadColumns, "depth_picture",
                             "model_id"),
              [&](Statement& row, std::string& label) {
                label = "the depth picture";
-               LocalModel& model = modelOf(row.integer(), label);
-               const Intrinsics camera = readPictureCamera(row, model.view.intrinsics);
-               DepthPicture picture;
-               if (whole) picture = unpackedPicture(camera, readPackedPicture(row));
-               if (pictures == Pictures::keep) model.view.depth = std::move(picture);
-               model.view.depth.camera = camera;
-             });
-}
-
-/** The camera's, of a file or a picture without it. */
-void MapReader::readNoise() {
-  for (LocalModel& model : map_.models) model.view.depth.noise = map_.camera.noise;
-  if (!sqlite::hasTable(db_, "picture_noise")) return;
-  forEachRow(schema::select(schema::kPictureNoiseColumns, "picture_noise", "model_id"),
-             [&](Statement& row, std::string& label) {
-               label = "the noise of the depth picture";
-               LocalModel& model = modelOf(row.integer(), label);
-               model.view.depth.noise = map_rows::readNoise(row);
-             });
-  if (!sqlite::hasTable(db_, "picture_range_noise")) return;
-  forEachRow(schema::select(schema::kRangeNoiseColumns, "picture_range_noise", "model_id"),
-             [&](Statement& row, std::string& label) {
-               label = "the noise of the depth picture over its range";
-               LocalModel& model = modelOf(row.integer(), label);
-               readNoiseOverRange(row, model.view.depth.noise);
-             });
-}
-
-void MapReader::readLookalikes() {
-  if (!sqlite::hasTable(db_, "lookalike")) return;
-  forEachRow(schema::select(schema::kLookalikeColumns, "lookalike", "model_id"),
-             [&](Statement& row, std::string& label) {
-               label = "the look-alikes";
-               LocalModel& model = modelOf(row.integer(), label);
-               const double score = row.real();
-               map_rows::requirePossibleScore(score);
-               model.lookalike_score = score;
+               View& view = views_[modelOf(row.integer(), label)];
+               if (views == Views::leave)
+                 readPictureHead(row, view.intrinsics);
+               else if (DepthPicture picture = unpacked(readPicture(row, view.intrinsics));
+                        views == Views::keep)
+                 view.depth = std::move(picture);
              });
 }
 
@@ -287,12 +208,7 @@ ViewReader::ViewReader(Connection& db, const DepthNoise& noise)
       usual_noise_(noise),
       of_model_(db, ofModel(schema::kModelColumns, "model", "id")),
       segments_(db, ofModel(schema::kSegmentColumns, "segment", "model_id") + " ORDER BY idx"),
-      picture_(db, ofModel(schema::kPictureColumns, "depth_picture", "model_id")) {
-  if (sqlite::hasTable(db, "picture_noise"))
-    noise_.emplace(db, ofModel(schema::kPictureNoiseColumns, "picture_noise", "model_id"));
-  if (sqlite::hasTable(db, "picture_range_noise"))
-    range_noise_.emplace(db, ofModel(schema::kRangeNoiseColumns, "picture_range_noise", "model_id"));
-}
+      picture_(db, ofModel(schema::kPictureColumns, "depth_picture", "model_id")) {}
 
 PackedView ViewReader::read(int model) {
   PackedView packed;
@@ -303,8 +219,9 @@ PackedView ViewReader::read(int model) {
     const RowsOf of_model(of_model_, model);
     require(of_model->step(), "there is no such model");
     of_model->skip(1);
-    view = readModel(of_model.row()).view;
-    const int num_segments = of_model->integer();
+    const ModelRow of_file = readModel(of_model.row());
+    view.intrinsics = of_file.intrinsics;
+    view.depth.noise = usual_noise_;
 
     const RowsOf segment(segments_, model);
     while (segment->step()) {
@@ -312,24 +229,12 @@ PackedView ViewReader::read(int model) {
       require(segment->integer() == static_cast<int>(view.segments.size()), "its segment numbers have a gap");
       view.segments.push_back(readSegment(segment.row()));
     }
-    require(num_segments == static_cast<int>(view.segments.size()), "num_segments is wrong");
+    require(of_file.num_segments == static_cast<int>(view.segments.size()), "num_segments is wrong");
 
     const RowsOf picture(picture_, model);
     if (!picture->step()) return packed;
     picture->skip(1);
-    view.depth.camera = readPictureCamera(picture.row(), view.intrinsics);
-    packed.packed_ = readPackedPicture(picture.row());
-    view.depth.noise = usual_noise_;
-    if (!noise_) return packed;
-    const RowsOf noise(*noise_, model);
-    if (!noise->step()) return packed;
-    noise->skip(1);
-    view.depth.noise = readNoise(noise.row());
-    if (!range_noise_) return packed;
-    const RowsOf range(*range_noise_, model);
-    if (!range->step()) return packed;
-    range->skip(1);
-    readNoiseOverRange(range.row(), view.depth.noise);
+    packed.picture_ = readPicture(picture.row(), view.intrinsics);
   } catch (const BadCell& e) {
     throw IoError(packed.file_, "is not sound: " + packed.label_ + ": " + e.what());
   }
@@ -338,9 +243,7 @@ PackedView ViewReader::read(int model) {
 
 View PackedView::unpacked() && {
   try {
-    const DepthNoise noise = view_.depth.noise;
-    if (!packed_.empty()) view_.depth = unpackedPicture(view_.depth.camera, packed_);
-    view_.depth.noise = noise;
+    if (picture_) view_.depth = map_rows::unpacked(*picture_);
   } catch (const BadCell& e) {
     throw IoError(file_, "is not sound: " + label_ + ": " + e.what());
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "map_rows.h"
 #include "sqlite.h"
 
 #include <facetloc/features/local_model.h>
@@ -29,7 +30,7 @@ public:
   Map read();
   /** \brief Looks at all of it and keeps no depth picture, so that a large map takes little memory. */
   void check();
-  /** \brief All but segments and depth pictures; of the views the cameras. */
+  /** \brief All but the views, of which only sizes are looked at. */
   Map readWithoutViews();
 
   const std::vector<std::string>& faults() const { return faults_; }
@@ -37,26 +38,24 @@ public:
   void requireSound() const;
 
 private:
-  enum class Pictures { keep, look_at, cameras_only };
-  void readAll(Pictures pictures);
+  enum class Views { keep, look_at, leave };
+  void readAll(Views views);
   template <typename Function>
   void forEachRow(const std::string& sql, const Function& function);
-  LocalModel& modelOf(int id, std::string& label);
+  std::size_t modelOf(int id, std::string& label) const;
   void readMeta();
   void readCamera();
-  void readDistortion();
   void readAmbiguity();
   void readModels();
   void readSegments();
   void requireMemoryForPictures();
-  void readPictures(Pictures pictures);
-  void readNoise();
-  void readLookalikes();
+  void readPictures(Views views);
   void readLinks();
 
   sqlite::Connection& db_;
   sqlite::Snapshot snapshot_;
   Map map_;
+  std::vector<View> views_;  // of the models
   std::vector<int> num_segments_;
   std::set<std::pair<int, int>> linked_;
   std::vector<std::string> faults_;
@@ -76,14 +75,14 @@ public:
 private:
   friend class ViewReader;
   std::string file_, label_;
-  View view_;
-  sqlite::Blob packed_;
+  View view_;  // without its picture
+  std::optional<map_rows::PackedPicture> picture_;
 };
 
 /** \brief Looks up views of local models, one at a time. */
 class ViewReader {
 public:
-  /** \param noise of the pictures whose own noise is not in the file */
+  /** \param noise of views without a picture */
   ViewReader(sqlite::Connection& db, const DepthNoise& noise);
   /** \brief Throws IoError if there is none or it is not sound. */
   PackedView read(int model);
@@ -91,8 +90,7 @@ public:
 private:
   sqlite::Connection& db_;
   DepthNoise usual_noise_;
-  sqlite::Statement of_model_, segments_, picture_;       // of the model that is bound to them
-  std::optional<sqlite::Statement> noise_, range_noise_;  // of a file that has them
+  sqlite::Statement of_model_, segments_, picture_;  // of the model that is bound to them
 };
 
 }  // namespace facetloc

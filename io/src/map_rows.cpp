@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <stdexcept>
 
 namespace facetloc::map_rows {
 
@@ -46,6 +47,22 @@ void requireSound(const DepthPicture& picture, const Intrinsics& working_image) 
           "its depth picture has the wrong size");
 }
 
+void requireSound(const CameraMounting& mounting) {
+  require(mounting.height >= 0 && mounting.height <= plausible::kHighest &&
+              std::abs(mounting.tilt_deg) <= plausible::kStraightDown &&
+              std::abs(mounting.roll_deg) <= plausible::kUpsideDown &&
+              std::abs(mounting.pan_deg) <= plausible::kUpsideDown &&
+              std::abs(mounting.x) <= plausible::kHighest && std::abs(mounting.y) <= plausible::kHighest,
+          "its mounting is no place on a robot");
+}
+
+void requireSound(const LocalModel& model) {
+  require(!model.name.empty(), "it has no name");
+  require(std::isfinite(model.stamp) && plausible::isStamp(model.stamp), "its stamp is impossible");
+  if (model.T_w_m) requireSound(*model.T_w_m);
+  if (model.lookalike_score) requirePossibleScore(*model.lookalike_score);
+}
+
 Eigen::Isometry3d readPose(Statement& row) {
   const PoseColumns columns = row.reals<7>();
   if (const char* fault = faultOf(columns, kRotationTolerance))
@@ -59,22 +76,83 @@ void readUpperTriangle(Statement& row, Matrix& m) {
     for (int j = i; j < m.cols(); ++j) m(i, j) = m(j, i) = row.real();
 }
 
+constexpr int kIntrinsicsCells = 6, kPoseCells = std::tuple_size<PoseColumns>::value, kMountingCells = 6,
+              kDistortionCells = 5;
+
+/** The bytes of numbers, the lowest first. \tparam Bits an unsigned integer of their size */
+template <class Bits, class Iterator>
+Blob blobOf(Iterator number, Iterator end) {
+  Blob blob;
+  for (; number != end; ++number) {
+    static_assert(sizeof(Bits) == sizeof *number);
+    Bits bits;
+    std::memcpy(&bits, &*number, sizeof bits);
+    for (std::size_t i = 0; i < sizeof bits; ++i) blob.push_back(static_cast<std::uint8_t>(bits >> 8 * i));
+  }
+  return blob;
+}
+
+/** Number i of such a blob. */
+template <class Number, class Bits>
+Number numberIn(const Blob& blob, std::size_t i) {
+  static_assert(sizeof(Bits) == sizeof(Number));
+  Bits bits = 0;
+  for (std::size_t k = 0; k < sizeof bits; ++k) bits |= Bits(blob[i * sizeof bits + k]) << 8 * k;
+  Number number;
+  std::memcpy(&number, &bits, sizeof number);
+  return number;
+}
+
 ConvexHull hullOf(const Blob& blob) {
-  constexpr std::size_t kVertexBytes = 8;
+  constexpr std::size_t kVertexBytes = 2 * sizeof(float);
   require(blob.size() % kVertexBytes == 0 && blob.size() <= kVertexBytes * ConvexHull::kMaxVertices,
           "its hull has the wrong size");
-  const auto coordinate = [&blob](std::size_t offset) {
-    std::uint32_t bits = 0;
-    for (int i = 0; i < 4; ++i) bits |= std::uint32_t(blob[offset + i]) << (8 * i);
-    float value;
-    std::memcpy(&value, &bits, sizeof value);
-    return value;
+  const auto coordinate = [&blob](int i) {
+    return numberIn<float, std::uint32_t>(blob, static_cast<std::size_t>(i));
   };
   ConvexHull hull;
   hull.size = static_cast<int>(blob.size() / kVertexBytes);
-  for (int i = 0; i < hull.size; ++i)
-    hull.vertex[i] = {coordinate(kVertexBytes * i), coordinate(kVertexBytes * i + 4)};
+  for (int i = 0; i < hull.size; ++i) hull.vertex[i] = {coordinate(2 * i), coordinate(2 * i + 1)};
   return hull;
+}
+
+std::optional<CameraMounting> readMounting(Statement& row) {
+  if (row.isNull()) {
+    row.skip(kMountingCells);
+    return {};
+  }
+  CameraMounting mounting;
+  mounting.height = row.real(), mounting.tilt_deg = row.real();
+  mounting.roll_deg = row.real(), mounting.pan_deg = row.real();
+  mounting.x = row.real(), mounting.y = row.real();
+  return mounting;
+}
+
+std::optional<DepthDistortion> readDistortion(Statement& row) {
+  if (row.isNull()) {
+    row.skip(kDistortionCells);
+    return {};
+  }
+  const auto border = row.reals<4>();
+  const Eigen::AlignedBox2d extent(Eigen::Vector2d(border[0], border[1]),
+                                   Eigen::Vector2d(border[2], border[3]));
+  const Blob nodes = row.blob();
+  DepthDistortion::Values values;
+  require(nodes.size() == values.size() * sizeof(double), "its distortion has the wrong size");
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = numberIn<double, std::uint64_t>(nodes, i);
+  try {
+    return DepthDistortion(extent, values);
+  } catch (const std::invalid_argument&) {
+    throw BadCell("its distortion is impossible");
+  }
+}
+
+DepthNoise readNoise(Statement& row) {
+  DepthNoise noise;
+  noise.inverse_depth_std = row.real();
+  noise.depth_std = row.real();
+  noise.depth_std_slope = row.real();
+  return noise;
 }
 
 }  // namespace
@@ -100,6 +178,7 @@ void requireSound(const Camera& camera) {
   for (const double distortion : {camera.noise.distortion_offset, camera.noise.distortion_slope})
     require(distortion >= 0 && distortion <= 1, "its expected distortion is impossible");
   require(camera.max_depth > 0, "its largest depth is impossible");
+  if (camera.mounting) requireSound(*camera.mounting);
 }
 
 void requireSound(const Segment& s) {
@@ -115,15 +194,6 @@ void requireSound(const Segment& s) {
   require(s.hull.size < 3 || s.hull.area() >= 0, "its hull is not counter-clockwise");
 }
 
-void requireSound(const CameraMounting& mounting) {
-  require(mounting.height >= 0 && mounting.height <= plausible::kHighest &&
-              std::abs(mounting.tilt_deg) <= plausible::kStraightDown &&
-              std::abs(mounting.roll_deg) <= plausible::kUpsideDown &&
-              std::abs(mounting.pan_deg) <= plausible::kUpsideDown &&
-              std::abs(mounting.x) <= plausible::kHighest && std::abs(mounting.y) <= plausible::kHighest,
-          "it is no place on a robot");
-}
-
 void requireSound(const Link& link) {
   require(link.from != link.to, "it leads from a model to itself");
   requireSound(link.T_from_to.T);
@@ -131,18 +201,40 @@ void requireSound(const Link& link) {
           "its covariance is not positive definite, or smaller than any sensor's");
 }
 
-void requireSound(const LocalModel& model) {
-  require(!model.name.empty(), "it has no name");
-  require(std::isfinite(model.stamp) && plausible::isStamp(model.stamp), "its stamp is impossible");
-  requireSound(model.view.intrinsics);
-  if (model.T_w_m) requireSound(*model.T_w_m);
-  requireSound(model.view.depth, model.view.intrinsics);
+void requireSound(const LocalModel& model, const View& view) {
+  requireSound(model);
+  requireSound(view.intrinsics);
+  requireSound(view.depth, view.intrinsics);
 }
 
 Statement& operator<<(Statement& s, const Intrinsics& k) {
   return s << k.width << k.height << k.fx << k.fy << k.cx << k.cy;
 }
 Statement& operator<<(Statement& s, const Eigen::Isometry3d& T) { return s.bindAll(toColumns(T)); }
+Statement& operator<<(Statement& s, const std::optional<Eigen::Isometry3d>& T) {
+  return T ? s << *T : s.bindNulls(kPoseCells);
+}
+Statement& operator<<(Statement& s, const DepthNoise& noise) {
+  return s << noise.inverse_depth_std << noise.depth_std << noise.depth_std_slope;
+}
+Statement& operator<<(Statement& s, const Camera& camera) {
+  if (camera.intrinsics.valid())
+    s << camera.intrinsics;
+  else
+    s.bindNulls(kIntrinsicsCells);
+  s << static_cast<const DepthNoise&>(camera.noise) << camera.noise.distortion_offset
+    << camera.noise.distortion_slope;
+  s << (std::isinf(camera.max_depth) ? std::nullopt : std::optional(camera.max_depth));
+  if (const auto& m = camera.mounting)
+    s << m->height << m->tilt_deg << m->roll_deg << m->pan_deg << m->x << m->y;
+  else
+    s.bindNulls(kMountingCells);
+  if (!camera.distortion) return s.bindNulls(kDistortionCells);
+  const Eigen::AlignedBox2d& extent = camera.distortion->extent();
+  const DepthDistortion::Values& values = camera.distortion->values();
+  return s << extent.min().x() << extent.min().y() << extent.max().x() << extent.max().y()
+           << blobOf<std::uint64_t>(values.begin(), values.end());
+}
 
 Intrinsics readIntrinsics(Statement& row) {
   Intrinsics k;
@@ -153,15 +245,9 @@ Intrinsics readIntrinsics(Statement& row) {
 }
 
 Blob hullBlob(const ConvexHull& hull) {
-  Blob blob;
-  for (const Eigen::Vector2f& vertex : hull) {
-    for (const float coordinate : {vertex.x(), vertex.y()}) {
-      std::uint32_t bits;
-      std::memcpy(&bits, &coordinate, sizeof bits);
-      for (int shift = 0; shift < 32; shift += 8) blob.push_back(static_cast<std::uint8_t>(bits >> shift));
-    }
-  }
-  return blob;
+  std::vector<float> coordinates;
+  for (const Eigen::Vector2f& vertex : hull) coordinates.insert(coordinates.end(), {vertex.x(), vertex.y()});
+  return blobOf<std::uint32_t>(coordinates.begin(), coordinates.end());
 }
 
 Segment readSegment(Statement& row) {
@@ -177,53 +263,45 @@ Segment readSegment(Statement& row) {
   return s;
 }
 
-LocalModel readModel(Statement& row) {
-  LocalModel model;
-  model.name = row.text();
-  model.stamp = row.real();
+ModelRow readModel(Statement& row) {
+  ModelRow read;
+  read.model.name = row.text();
+  read.model.stamp = row.real();
   if (row.isNull())
-    row.skip(std::tuple_size<PoseColumns>::value);
+    row.skip(kPoseCells);
   else
-    model.T_w_m = readPose(row);
-  model.view.intrinsics = readIntrinsics(row);
-  requireSound(model);
-  return model;
-}
-
-Intrinsics readPictureCamera(Statement& row, const Intrinsics& working_image) {
-  const Intrinsics camera = readIntrinsics(row);
-  requireSizeOfPicture(camera, working_image);
-  return camera;
+    read.model.T_w_m = readPose(row);
+  read.intrinsics = readIntrinsics(row);
+  read.num_segments = row.integer();
+  read.model.lookalike_score = row.realOrNull();
+  requireSound(read.model);
+  return read;
 }
 
 Camera readCamera(Statement& row) {
   Camera camera;
   if (row.isNull())
-    row.skip(6);
+    row.skip(kIntrinsicsCells);
   else
     camera.intrinsics = readIntrinsics(row);
-  camera.noise.inverse_depth_std = row.real();
+  static_cast<DepthNoise&>(camera.noise) = readNoise(row);
   camera.noise.distortion_offset = row.real();
   camera.noise.distortion_slope = row.real();
+  camera.max_depth = row.realOrNull().value_or(camera.max_depth);
+  camera.mounting = readMounting(row);
+  camera.distortion = readDistortion(row);
   requireSound(camera);
   return camera;
 }
 
-void readRange(Statement& row, Camera& camera) {
-  camera.noise.depth_std = row.real();
-  camera.noise.depth_std_slope = row.real();
-  if (!row.isNull()) camera.max_depth = row.real();
-  requireSound(camera);
-}
-
 void requirePossibleScore(double score) {
   constexpr double kMost = 1e4;  // [nats]
-  require(std::abs(score) <= kMost, "it is impossible");
+  require(std::abs(score) <= kMost, "its score of wrong places is impossible");
 }
 
 void requireSound(const MapAmbiguity& ambiguity) {
   requirePossibleScore(ambiguity.score);
-  require(ambiguity.views > 0, "it is impossible");
+  require(ambiguity.views > 0, "its number of views is impossible");
 }
 
 MapAmbiguity readAmbiguity(Statement& row) {
@@ -234,28 +312,28 @@ MapAmbiguity readAmbiguity(Statement& row) {
   return ambiguity;
 }
 
-DepthNoise readNoise(Statement& row) {
-  DepthNoise noise;
-  noise.inverse_depth_std = row.real();
-  requireSound(noise);
-  return noise;
+PackedPicture readPictureHead(Statement& row, const Intrinsics& working_image) {
+  PackedPicture packed;
+  packed.camera = readIntrinsics(row);
+  requireSizeOfPicture(packed.camera, working_image);
+  packed.noise = readNoise(row);
+  requireSound(packed.noise);
+  return packed;
 }
 
-void readNoiseOverRange(Statement& row, DepthNoise& noise) {
-  noise.depth_std = row.real();
-  noise.depth_std_slope = row.real();
-  requireSound(noise);
-}
-
-Blob readPackedPicture(Statement& row) {
+PackedPicture readPicture(Statement& row, const Intrinsics& working_image) {
+  PackedPicture packed = readPictureHead(row, working_image);
   require(row.text() == depth_blob::kEncoding, "its depth picture is of an unknown encoding");
-  return row.blob();
+  packed.data = row.blob();
+  return packed;
 }
 
-DepthPicture unpackedPicture(const Intrinsics& camera, const Blob& packed) {
-  auto values = depth_blob::decode(packed, camera.width, camera.height);
+DepthPicture unpacked(const PackedPicture& packed) {
+  auto values = depth_blob::decode(packed.data, packed.camera.width, packed.camera.height);
   require(values.has_value(), "its depth picture is corrupt");
-  return DepthPicture::fromStored(camera, std::move(*values));
+  DepthPicture picture = DepthPicture::fromStored(packed.camera, std::move(*values));
+  picture.noise = packed.noise;
+  return picture;
 }
 
 Link readLink(Statement& row) {

@@ -18,15 +18,17 @@ void requireSizeOfPicture(const Intrinsics& picture, const Intrinsics& working_i
 void requireSoundPose(const Eigen::Isometry3d& T);
 void requireSound(const DepthNoise& noise);
 void requireSound(const Camera& camera);
-void requireSound(const CameraMounting& mounting);
 void requireSound(const Segment& segment);
-void requireSound(const LocalModel& model);
+void requireSound(const LocalModel& model, const View& view);
 void requireSound(const Link& link);
 void requireSound(const MapAmbiguity& ambiguity);
 void requirePossibleScore(double score);
 
 sqlite::Statement& operator<<(sqlite::Statement& s, const Intrinsics& camera);
 sqlite::Statement& operator<<(sqlite::Statement& s, const Eigen::Isometry3d& T);
+sqlite::Statement& operator<<(sqlite::Statement& s, const std::optional<Eigen::Isometry3d>& T);
+sqlite::Statement& operator<<(sqlite::Statement& s, const DepthNoise& noise);
+sqlite::Statement& operator<<(sqlite::Statement& s, const Camera& camera);
 template <typename Matrix>
 sqlite::Statement& bindUpperTriangle(sqlite::Statement& s, const Matrix& m) {
   for (int row = 0; row < m.rows(); ++row)
@@ -35,25 +37,30 @@ sqlite::Statement& bindUpperTriangle(sqlite::Statement& s, const Matrix& m) {
 }
 sqlite::Blob hullBlob(const ConvexHull& hull);
 
+/** \brief A local model as its row has it, without its view. */
+struct ModelRow {
+  LocalModel model;
+  Intrinsics intrinsics;  ///< of the view
+  int num_segments = 0;
+};
+
 /** \brief Each reads its cells from where the row is. */
 Intrinsics readIntrinsics(sqlite::Statement& row);
 Segment readSegment(sqlite::Statement& row);
-LocalModel readModel(sqlite::Statement& row);
+ModelRow readModel(sqlite::Statement& row);
 Link readLink(sqlite::Statement& row);
-/** \brief The camera of a depth picture of that working image. */
-Intrinsics readPictureCamera(sqlite::Statement& row, const Intrinsics& working_image);
-/** \brief The camera of the map, without mounting, distortion and what readRange() reads, which have tables
- * of their own. */
 Camera readCamera(sqlite::Statement& row);
-/** \brief What else is known of a camera's noise and range. */
-void readRange(sqlite::Statement& row, Camera& camera);
 MapAmbiguity readAmbiguity(sqlite::Statement& row);
-/** \brief Noise of a depth picture, as far as it is constant in inverse depth. */
-DepthNoise readNoise(sqlite::Statement& row);
-/** \brief ... and the rest. */
-void readNoiseOverRange(sqlite::Statement& row, DepthNoise& noise);
-/** \brief The rest of a depth picture, still packed. */
-sqlite::Blob readPackedPicture(sqlite::Statement& row);
-DepthPicture unpackedPicture(const Intrinsics& camera, const sqlite::Blob& packed);
+
+/** \brief A depth picture as its row has it. */
+struct PackedPicture {
+  Intrinsics camera;
+  DepthNoise noise;
+  sqlite::Blob data;
+};
+PackedPicture readPictureHead(sqlite::Statement& row, const Intrinsics& working_image);
+/** \brief The same with its data. */
+PackedPicture readPicture(sqlite::Statement& row, const Intrinsics& working_image);
+DepthPicture unpacked(const PackedPicture& packed);
 
 }  // namespace facetloc::map_rows

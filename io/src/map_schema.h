@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <string>
 
 /** \file
@@ -18,10 +19,36 @@ CREATE TABLE meta(               -- how the map was made, and conventions in wor
   value TEXT NOT NULL
 ) STRICT, WITHOUT ROWID;
 
-CREATE TABLE mounting(           -- how the camera sits on its robot; one row or none
+CREATE TABLE camera(             -- that the models' images were taken with; one row or none
   id INTEGER PRIMARY KEY CHECK(id = 0),
-  height REAL NOT NULL,          -- of the optical centre above the floor [m]
-  tilt_deg REAL NOT NULL         -- of the optical axis below the horizon [deg]
+  width INTEGER, height INTEGER, -- intrinsics of its full images [px]; NULL while each image has its own
+  fx REAL, fy REAL, cx REAL, cy REAL,
+  inverse_depth_std REAL NOT NULL CHECK(inverse_depth_std > 0),  -- random error of 1/z [1/m] ...
+  depth_std REAL NOT NULL CHECK(depth_std >= 0),                 -- ... of z, the same at all depths [m] ...
+  depth_std_slope REAL NOT NULL CHECK(depth_std_slope >= 0),     -- ... and as a share of z
+  distortion_offset REAL NOT NULL CHECK(distortion_offset >= 0), -- smooth distortion that it may have [1/m] ...
+  distortion_slope REAL NOT NULL CHECK(distortion_slope >= 0),   -- ... and per unit of the normalised ray
+  max_depth REAL CHECK(max_depth > 0),           -- farther pixels were left out [m]; NULL = none
+  mount_height REAL, mount_tilt_deg REAL,        -- on a robot: above the floor [m], below the horizon [deg]; NULL = unknown
+  mount_roll_deg REAL, mount_pan_deg REAL,       -- about the optical axis, the right side lower; to the left
+  mount_x REAL, mount_y REAL,                    -- of the optical centre ahead of the base and to its left [m]
+  distortion_left REAL, distortion_top REAL,     -- normalised rays of the first and the last node of the distortion
+  distortion_right REAL, distortion_bottom REAL, -- that was taken out of the models' images; NULL = none
+  distortion BLOB CHECK(length(distortion) % 8 = 0),  -- measured minus true 1/z [1/m]: float64 little-endian, row by row,
+                                                      -- bilinear between the nodes
+  CHECK((width IS NULL) = (height IS NULL) AND (height IS NULL) = (fx IS NULL) AND (fx IS NULL) = (fy IS NULL) AND
+        (fy IS NULL) = (cx IS NULL) AND (cx IS NULL) = (cy IS NULL)),
+  CHECK((mount_height IS NULL) = (mount_tilt_deg IS NULL) AND (mount_tilt_deg IS NULL) = (mount_roll_deg IS NULL) AND
+        (mount_roll_deg IS NULL) = (mount_pan_deg IS NULL) AND (mount_pan_deg IS NULL) = (mount_x IS NULL) AND
+        (mount_x IS NULL) = (mount_y IS NULL)),
+  CHECK((distortion IS NULL) = (distortion_left IS NULL) AND (distortion IS NULL) = (distortion_top IS NULL) AND
+        (distortion IS NULL) = (distortion_right IS NULL) AND (distortion IS NULL) = (distortion_bottom IS NULL))
+) STRICT;
+
+CREATE TABLE ambiguity(          -- how much alike the places of the map look; one row or none
+  id INTEGER PRIMARY KEY CHECK(id = 0),
+  score REAL NOT NULL,           -- of wrong places for the map's own views, mean of the highest tenth [nats]
+  views INTEGER NOT NULL CHECK(views > 0)  -- that were asked for
 ) STRICT;
 
 CREATE TABLE model(              -- local models, numbered 0, 1, 2, ...
@@ -35,6 +62,7 @@ CREATE TABLE model(              -- local models, numbered 0, 1, 2, ...
   fx REAL NOT NULL CHECK(fx > 0), fy REAL NOT NULL CHECK(fy > 0),
   cx REAL NOT NULL, cy REAL NOT NULL,
   num_segments INTEGER NOT NULL CHECK(num_segments >= 0),
+  lookalike_score REAL,          -- of the best wrong place for its view [nats]; NULL if none is known
   CHECK((tx IS NULL) = (ty IS NULL) AND (ty IS NULL) = (tz IS NULL) AND (tz IS NULL) = (qx IS NULL) AND
         (qx IS NULL) = (qy IS NULL) AND (qy IS NULL) = (qz IS NULL) AND (qz IS NULL) = (qw IS NULL)),
   CHECK(qw IS NULL OR abs(qx * qx + qy * qy + qz * qz + qw * qw - 1) < 1e-6)
@@ -62,6 +90,9 @@ CREATE TABLE depth_picture(      -- small inverse-depth picture of a model for d
   height INTEGER NOT NULL CHECK(height > 0),
   fx REAL NOT NULL CHECK(fx > 0), fy REAL NOT NULL CHECK(fy > 0),
   cx REAL NOT NULL, cy REAL NOT NULL,
+  inverse_depth_std REAL NOT NULL CHECK(inverse_depth_std > 0),  -- noise of the picture, as the camera's
+  depth_std REAL NOT NULL CHECK(depth_std >= 0),
+  depth_std_slope REAL NOT NULL CHECK(depth_std_slope >= 0),
   encoding TEXT NOT NULL,        -- of data: see DepthBlob
   data BLOB NOT NULL             -- 1/z [1/16384 per m], 0 = unknown
 ) STRICT;
@@ -81,99 +112,32 @@ CREATE TABLE link(               -- topological links
   c_tx_tx REAL NOT NULL, c_tx_ty REAL NOT NULL, c_tx_tz REAL NOT NULL,
   c_ty_ty REAL NOT NULL, c_ty_tz REAL NOT NULL,
   c_tz_tz REAL NOT NULL,
+  UNIQUE(from_id, to_id),
   CHECK(from_id <> to_id),
   CHECK(abs(qx * qx + qy * qy + qz * qz + qw * qw - 1) < 1e-6)
 ) STRICT;
-)sql";
 
-/** \brief Since 1.1. */
-inline constexpr const char* kPlaceIndexTable = R"sql(
-CREATE TABLE IF NOT EXISTS place_index(  -- what PlaceIndex has written, in parts; gone when a model is added
+CREATE TABLE place_index(        -- what PlaceIndex has written, in parts; gone when a model is added
   part INTEGER PRIMARY KEY CHECK(part >= 0),  -- 0, 1, 2, ...
-  crc32 INTEGER NOT NULL,                     -- of data
+  crc32 INTEGER NOT NULL,        -- of data
   data BLOB NOT NULL
 ) STRICT;
 )sql";
 
-/** \brief Since 1.2. */
-inline constexpr const char* kDistortionTable = R"sql(
-CREATE TABLE IF NOT EXISTS distortion(   -- of the depth camera, taken out of the models' images; a grid or nothing
-  node INTEGER PRIMARY KEY CHECK(node >= 0),  -- row by row, from the top left
-  ray_x REAL NOT NULL, ray_y REAL NOT NULL,   -- normalised ray (b_x, b_y) of the node
-  inverse_depth REAL NOT NULL                 -- measured minus true [1/m], bilinear between the nodes
-) STRICT;
-)sql";
-
-/** \brief Since 1.3. */
-inline constexpr const char* kNoiseTables = R"sql(
-CREATE TABLE IF NOT EXISTS camera(        -- that the models' images were taken with; one row or none
-  id INTEGER PRIMARY KEY CHECK(id = 0),
-  width INTEGER, height INTEGER,          -- intrinsics of its full images [px]; NULL while each image has its own
-  fx REAL, fy REAL, cx REAL, cy REAL,
-  inverse_depth_std REAL NOT NULL CHECK(inverse_depth_std > 0),    -- random error of 1/z [1/m]
-  distortion_offset REAL NOT NULL CHECK(distortion_offset >= 0),   -- smooth distortion that it may have [1/m] ...
-  distortion_slope REAL NOT NULL CHECK(distortion_slope >= 0)      -- ... and per unit of the normalised ray
-) STRICT;
-CREATE TABLE IF NOT EXISTS picture_noise( -- what each model's image shows; without a row, the camera's
-  model_id INTEGER PRIMARY KEY REFERENCES model(id) ON DELETE CASCADE,
-  inverse_depth_std REAL NOT NULL CHECK(inverse_depth_std > 0)     -- random error of 1/z [1/m]
-) STRICT;
-)sql";
-
-/** \brief Since 1.4. */
-inline constexpr const char* kAmbiguityTable = R"sql(
-CREATE TABLE IF NOT EXISTS ambiguity(    -- how much alike the places of the map look; one row or none
-  id INTEGER PRIMARY KEY CHECK(id = 0),
-  score REAL NOT NULL,                   -- of wrong places for the map's own views, mean of the highest tenth [nats]
-  views INTEGER NOT NULL CHECK(views > 0)  -- that were asked for
-) STRICT;
-)sql";
-
-/** \brief Since 1.6. */
-inline constexpr const char* kLookalikeTable = R"sql(
-CREATE TABLE IF NOT EXISTS lookalike(    -- the best wrong place for the view of a model; no row if none is known
-  model_id INTEGER PRIMARY KEY REFERENCES model(id) ON DELETE CASCADE,
-  score REAL NOT NULL                    -- of that place [nats]
-) STRICT;
-)sql";
-
-/** \brief Since 1.7; only of a camera that is not mounted straight ahead above the base. */
-inline constexpr const char* kMountingTable = R"sql(
-CREATE TABLE IF NOT EXISTS mounting_turn( -- what mounting leaves out; one row or none
-  id INTEGER PRIMARY KEY CHECK(id = 0),
-  roll_deg REAL NOT NULL,                 -- about the optical axis, the right side lower
-  pan_deg REAL NOT NULL,                  -- to the left of straight ahead
-  x REAL NOT NULL, y REAL NOT NULL        -- of the optical centre ahead of the base and to its left [m]
-) STRICT;
-)sql";
-
-/** \brief Since 1.5. Without a row, noise is the same at all depths in inverse depth, and no depth is too
- * large. */
-inline constexpr const char* kRangeTables = R"sql(
-CREATE TABLE IF NOT EXISTS camera_range( -- what else is known of the camera's noise and range; one row or none
-  id INTEGER PRIMARY KEY CHECK(id = 0),
-  depth_std REAL NOT NULL CHECK(depth_std >= 0),              -- random error of z that is the same at all depths [m] ...
-  depth_std_slope REAL NOT NULL CHECK(depth_std_slope >= 0),  -- ... and as a share of depth
-  max_depth REAL CHECK(max_depth > 0)                         -- farther pixels were left out [m]; NULL = none
-) STRICT;
-CREATE TABLE IF NOT EXISTS picture_range_noise( -- what picture_noise leaves out
-  model_id INTEGER PRIMARY KEY REFERENCES model(id) ON DELETE CASCADE,
-  depth_std REAL NOT NULL CHECK(depth_std >= 0),
-  depth_std_slope REAL NOT NULL CHECK(depth_std_slope >= 0)
-) STRICT;
-)sql";
-
-/** \brief Since 1.4. An index serves maps of older formats, too. */
-inline constexpr const char* kLinkIndex =
-    "CREATE UNIQUE INDEX IF NOT EXISTS link_of_models ON link(from_id, to_id)";
+inline constexpr std::array<const char*, 8> kTableNames = {
+    "meta", "camera", "ambiguity", "model", "segment", "depth_picture", "link", "place_index"};
 
 inline constexpr const char* kModelColumns =
-    "id, name, stamp, tx, ty, tz, qx, qy, qz, qw, width, height, fx, fy, cx, cy, num_segments";
+    "id, name, stamp, tx, ty, tz, qx, qy, qz, qw, width, height, fx, fy, cx, cy, num_segments, "
+    "lookalike_score";
 inline constexpr const char* kSegmentColumns =
     "model_id, idx, tx, ty, tz, qx, qy, qz, qw, var_sx, cov_sx_sy, cov_sx_r, var_sy, cov_sy_r, var_r, "
     "lambda1, lambda2, num_points, hull";
-inline constexpr const char* kPictureCameraColumns = "model_id, width, height, fx, fy, cx, cy";
-inline constexpr const char* kPictureColumns = "model_id, width, height, fx, fy, cx, cy, encoding, data";
+/** \brief All but the pixels. */
+inline constexpr const char* kPictureHeadColumns =
+    "model_id, width, height, fx, fy, cx, cy, inverse_depth_std, depth_std, depth_std_slope";
+inline constexpr const char* kPictureColumns =
+    "model_id, width, height, fx, fy, cx, cy, inverse_depth_std, depth_std, depth_std_slope, encoding, data";
 inline constexpr const char* kLinkColumns =
     "id, from_id, to_id, tx, ty, tz, qx, qy, qz, qw, "
     "c_rx_rx, c_rx_ry, c_rx_rz, c_rx_tx, c_rx_ty, c_rx_tz, c_ry_ry, c_ry_rz, c_ry_tx, c_ry_ty, c_ry_tz, "
@@ -187,15 +151,11 @@ inline constexpr const char* kConventions = "metres, radians, seconds; T_a_b map
                                             "translation) of a left, decoupled perturbation; q = (s_x, s_y, "
                                             "r): tilts about the axes of F and offset along its normal";
 
-inline constexpr const char* kDistortionColumns = "node, ray_x, ray_y, inverse_depth";
 inline constexpr const char* kCameraColumns =
-    "id, width, height, fx, fy, cx, cy, inverse_depth_std, distortion_offset, distortion_slope";
-inline constexpr const char* kPictureNoiseColumns = "model_id, inverse_depth_std";
-inline constexpr const char* kMountingTurnColumns = "id, roll_deg, pan_deg, x, y";
-inline constexpr const char* kRangeColumns = "id, depth_std, depth_std_slope, max_depth";
-inline constexpr const char* kRangeNoiseColumns = "model_id, depth_std, depth_std_slope";
+    "id, width, height, fx, fy, cx, cy, inverse_depth_std, depth_std, depth_std_slope, distortion_offset, "
+    "distortion_slope, max_depth, mount_height, mount_tilt_deg, mount_roll_deg, mount_pan_deg, mount_x, "
+    "mount_y, distortion_left, distortion_top, distortion_right, distortion_bottom, distortion";
 inline constexpr const char* kAmbiguityColumns = "id, score, views";
-inline constexpr const char* kLookalikeColumns = "model_id, score";
 inline constexpr const char* kIndexColumns = "part, crc32, data";
 
 inline std::string select(const std::string& columns, const std::string& table) {

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 namespace facetloc {
 namespace {
@@ -55,11 +56,23 @@ private:
   std::unordered_map<int, Views::iterator> places_;
 };
 
+/** Of which local models there is a depth picture. \param n number of models */
+std::vector<bool> pictured(Connection& db, std::size_t n) {
+  std::vector<bool> found(n, false);
+  Statement row(db, "SELECT model_id FROM depth_picture WHERE model_id BETWEEN 0 AND " + std::to_string(n) +
+                        " - 1");
+  while (row.step()) found[static_cast<std::size_t>(row.integer())] = true;
+  return found;
+}
+
 /** Reads views from a map file when they are asked for. */
 class MapFileStore : public MapStore {
 public:
-  MapFileStore(Connection db, const DepthNoise& noise, std::size_t views)
-      : db_(std::move(db)), reader_(db_, noise), recent_(views) {}
+  MapFileStore(Connection db, const Map& map, std::size_t views)
+      : db_(std::move(db)),
+        pictured_(pictured(db_, map.models.size())),
+        reader_(db_, map.camera.noise),
+        recent_(views) {}
 
   std::string name() const override { return db_.name(); }
   std::shared_ptr<const View> view(int i) const override {
@@ -72,11 +85,13 @@ public:
     recent_.add(i, view);
     return view;
   }
+  bool hasPicture(int i) const override { return pictured_[static_cast<std::size_t>(i)]; }
   std::unique_ptr<std::istream> placeIndex() const override { return place_index_parts::open(db_, mutex_); }
 
 private:
   mutable std::mutex mutex_;
   mutable Connection db_;
+  const std::vector<bool> pictured_;  // models
   mutable ViewReader reader_;
   mutable RecentViews recent_;
 };
@@ -96,7 +111,7 @@ Map openMap(const std::filesystem::path& path, std::size_t views_in_memory) {
   Connection db = map_connection::openForReading(path);
   const bool small = isSmall(db, views_in_memory);
   Map map = readSound(db, small);
-  if (!small) map.store = std::make_shared<MapFileStore>(std::move(db), map.camera.noise, views_in_memory);
+  if (!small) map.setStore(std::make_shared<MapFileStore>(std::move(db), map, views_in_memory));
   return map;
 }
 

@@ -124,7 +124,6 @@ void write(Connection& db, const std::function<void(std::ostream&)>& writer) {
 }
 
 int number(Connection& db) {
-  if (!hasTable(db, kTable)) return 0;
   Statement count(db, std::string("SELECT count(*) AS n FROM ") + kTable);
   return count.step() ? count.integer() : 0;
 }

@@ -35,23 +35,22 @@ struct Field {
   const char* name;
   std::uint8_t type;
   std::size_t offset, count;
-  bool may_be_missing;
 };
 
 constexpr std::size_t kFieldBytes = 4;  // of a number, of both types
 constexpr Field kFields[] = {
-    {"x", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, x), 1, false},
-    {"y", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, y), 1, false},
-    {"z", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, z), 1, false},
-    {"normal_x", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, normal_x), 1, true},
-    {"normal_y", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, normal_y), 1, true},
-    {"normal_z", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, normal_z), 1, true},
-    {"orientation", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, orientation), 4, false},
-    {"sigma_q", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, sigma_q), 6, false},
-    {"lambda", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, lambda), 2, false},
-    {"num_points", pcl::PCLPointField::INT32, offsetof(SegmentFrame, num_points), 1, false},
-    {"hull_size", pcl::PCLPointField::INT32, offsetof(SegmentFrame, hull_size), 1, false},
-    {"hull", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, hull), 2 * ConvexHull::kMaxVertices, false},
+    {"x", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, x), 1},
+    {"y", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, y), 1},
+    {"z", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, z), 1},
+    {"normal_x", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, normal_x), 1},
+    {"normal_y", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, normal_y), 1},
+    {"normal_z", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, normal_z), 1},
+    {"orientation", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, orientation), 4},
+    {"sigma_q", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, sigma_q), 6},
+    {"lambda", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, lambda), 2},
+    {"num_points", pcl::PCLPointField::INT32, offsetof(SegmentFrame, num_points), 1},
+    {"hull_size", pcl::PCLPointField::INT32, offsetof(SegmentFrame, hull_size), 1},
+    {"hull", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, hull), 2 * ConvexHull::kMaxVertices},
 };
 
 /** Copies a field into each frame. PCL's own conversion warns aloud of fields that are not there. */
@@ -59,11 +58,9 @@ void readField(const Field& field, const pcl::PCLPointCloud2& raw, const std::st
                std::vector<SegmentFrame>& frames) {
   const auto found = std::find_if(raw.fields.begin(), raw.fields.end(),
                                   [&field](const pcl::PCLPointField& f) { return f.name == field.name; });
-  if (found == raw.fields.end()) {
-    if (field.may_be_missing) return;
+  if (found == raw.fields.end())
     throw IoError(path, std::string("has no field ") + field.name +
                             ": it holds no segments, which facetloc_segment writes");
-  }
   const std::size_t bytes = field.count * kFieldBytes;
   if (found->datatype != field.type || found->count != field.count || found->offset + bytes > raw.point_step)
     throw IoError(path, std::string("has a field ") + field.name + " of another type than segments have");
@@ -85,9 +82,7 @@ std::vector<Segment> readSegments(const std::filesystem::path& path) {
   if (n == 0) return {};
   if (n > kMost) throw IoError(path.string(), "has more segments than an image can have");
   const pcl::PCLPointCloud2 raw = readPcd(path, header);
-  SegmentFrame frame;
-  frame.normal_x = frame.normal_y = frame.normal_z = 0;  // not given
-  std::vector<SegmentFrame> frames(n, frame);
+  std::vector<SegmentFrame> frames(n);
   for (const Field& field : kFields) readField(field, raw, path.string(), frames);
   std::vector<Segment> segments(n);
   for (std::size_t i = 0; i < n; ++i)

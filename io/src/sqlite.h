@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -95,9 +96,16 @@ public:
     const void* data = value.empty() ? static_cast<const void*>("") : value.data();
     return check(sqlite3_bind_blob(get(), ++bound_, data, static_cast<int>(value.size()), SQLITE_TRANSIENT));
   }
+  Statement& operator<<(const std::optional<double>& value) {
+    return value ? *this << *value : *this << nullptr;
+  }
   template <typename Range>
   Statement& bindAll(const Range& values) {
     for (const auto& value : values) *this << value;
+    return *this;
+  }
+  Statement& bindNulls(int cells) {
+    for (int i = 0; i < cells; ++i) *this << nullptr;
     return *this;
   }
 
@@ -125,6 +133,11 @@ public:
     const int type = sqlite3_column_type(get(), cell_);
     if (type != SQLITE_FLOAT && type != SQLITE_INTEGER) bad("is not a number");
     return sqlite3_column_double(get(), cell_++);
+  }
+  std::optional<double> realOrNull() {
+    if (!isNull()) return real();
+    skip(1);
+    return {};
   }
   template <std::size_t N>
   std::array<double, N> reals() {
@@ -203,12 +216,5 @@ public:
 private:
   Connection& db_;
 };
-
-/** \brief Files of an older format lack some. */
-inline bool hasTable(Connection& db, const std::string& name) {
-  Statement table(db,
-                  "SELECT count(*) AS n FROM sqlite_master WHERE type = 'table' AND name = '" + name + "'");
-  return table.step() && table.integer() > 0;
-}
 
 }  // namespace facetloc::sqlite

@@ -101,12 +101,7 @@ private:
   }
 
   void addModel(const std::string& name, const Eigen::Isometry3d& T_w_m, Map& map) const {
-    LocalModel model;
-    model.name = name;
-    model.stamp = static_cast<double>(map.models.size());
-    model.T_w_m = T_w_m;
-    model.view = see(name, T_w_m).view;
-    map.models.push_back(std::move(model));
+    map.models.emplace_back(name, static_cast<double>(map.models.size()), T_w_m, see(name, T_w_m).view);
   }
 
   std::vector<Segment> world_;

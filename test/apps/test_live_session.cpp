@@ -119,12 +119,10 @@ DepthImage imageAt(int frame) {
 std::shared_ptr<const Map> mapOfTheRoom() {
   auto map = std::make_shared<Map>();
   for (int i = 0; i < 3; ++i) {
-    LocalModel model;
-    model.name = "model " + std::to_string(i);
-    model.T_w_m = kFirstPose * Eigen::Translation3d(0.15 * i, 0, 0) *
-                  Eigen::AngleAxisd(0.05 * i, Eigen::Vector3d::UnitY());
-    model.view = test::viewFrom(test::largeRoom(), *model.T_w_m, 1000u + static_cast<unsigned>(i));
-    map->models.push_back(std::move(model));
+    const Eigen::Isometry3d T_w_m = kFirstPose * Eigen::Translation3d(0.15 * i, 0, 0) *
+                                    Eigen::AngleAxisd(0.05 * i, Eigen::Vector3d::UnitY());
+    map->models.emplace_back("model " + std::to_string(i), 0, T_w_m,
+                             test::viewFrom(test::largeRoom(), T_w_m, 1000u + static_cast<unsigned>(i)));
   }
   return map;
 }

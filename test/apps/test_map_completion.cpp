@@ -19,14 +19,9 @@ constexpr CameraMounting kMounting{1.0, 10.0};
 Map copiesOfAView(int n) {
   Map map;
   map.camera.mounting = kMounting;
-  LocalModel m;
-  m.T_w_m = kMounting.T_b_c();
-  m.view = viewFrom(test::box({-1, -2, 0}, {5, 3, 2.5}), *m.T_w_m, 1);
-  m.view.depth = {};
-  for (int i = 0; i < n; ++i) {
-    m.name = std::to_string(i);
-    map.models.push_back(m);
-  }
+  View view = viewFrom(test::box({-1, -2, 0}, {5, 3, 2.5}), kMounting.T_b_c(), 1);
+  view.depth = {};
+  for (int i = 0; i < n; ++i) map.models.emplace_back(std::to_string(i), 0, kMounting.T_b_c(), view);
   return map;
 }
 
@@ -36,7 +31,7 @@ void complete(const std::string& path) {
 
 bool hasItsIndex(const std::string& path) {
   const Map map = openMap(path);
-  const auto written = map.store->placeIndex();
+  const auto written = map.store()->placeIndex();
   return written && PlaceIndex::read(*written, map).has_value();
 }
 

@@ -57,7 +57,7 @@ TEST_F(Tools, MapIsExportedAsAMesh) {
   ASSERT_EQ(pcl::io::loadPLYFile(ply, mesh), 0);
   const Map posed = readMap(map());
   std::size_t segments = 0;
-  for (const LocalModel& model : posed.models) segments += model.view.segments.size();
+  for (std::size_t i = 0; i < posed.models.size(); ++i) segments += posed.view(i)->segments.size();
   EXPECT_EQ(mesh.polygons.size(), segments);
   pcl::PointCloud<pcl::PointXYZRGB> vertices;
   pcl::fromPCLPointCloud2(mesh.cloud, vertices);

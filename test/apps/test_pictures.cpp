@@ -9,6 +9,7 @@
 #include "tool_runner.h"
 
 #include <facetloc/io/error.h>
+#include <facetloc/testing/changed_views.h>
 
 #include <gmock/gmock.h>
 
@@ -80,7 +81,7 @@ TEST(DepthDrawing, Averages) {
 TEST(MatchedSegments, AreTheSameSurfacesAtTheTruePose) {
   const Map map = ExampleScene().map();
   const View query = ExampleScene().see("x", kQueryPose).view;
-  const auto pairs = matchedSegments(query, map.models[1].view, map.models[1].T_w_m->inverse() * kQueryPose);
+  const auto pairs = matchedSegments(query, *map.view(1), map.models[1].T_w_m->inverse() * kQueryPose);
   ASSERT_EQ(pairs.size(), query.segments.size());
   for (const SegmentPair& pair : pairs) EXPECT_EQ(pair.scene, pair.model);
 }
@@ -89,8 +90,8 @@ TEST(MatchedSegments, AreFewAtAWrongPose) {
   const Map map = ExampleScene().map();
   const View query = ExampleScene().see("x", kQueryPose).view;
   const Eigen::Isometry3d wrong = ExampleScene::pose(0.6, 0.4, 20);
-  EXPECT_LE(matchedSegments(query, map.models[0].view, map.models[0].T_w_m->inverse() * wrong).size(), 2u);
-  EXPECT_TRUE(matchedSegments(View(), map.models[0].view, wrong).empty());
+  EXPECT_LE(matchedSegments(query, *map.view(0), map.models[0].T_w_m->inverse() * wrong).size(), 2u);
+  EXPECT_TRUE(matchedSegments(View(), *map.view(0), wrong).empty());
 }
 
 TEST(Failures, AreWhatIsWrongOrMissing) {
@@ -275,7 +276,7 @@ TEST_F(Pictures, AModelWithoutDepthIsDrawn) {
   Map map = map_;
   drawMatches(path_, query_, map, answers());
   const Raster<std::uint8_t> with_depth = written();
-  map.models[1].view.depth = {};
+  test::changeView(map, 1, [](View& view) { view.depth = {}; });
   drawMatches(path_, query_, map, answers());
   EXPECT_EQ(written().width, with_depth.width);
   EXPECT_GT(test::strangePixels(with_depth, written()), 100);  // its segments stand before an empty ground

@@ -43,12 +43,10 @@ std::shared_ptr<const Map> mapOfRooms(int models) {
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> heading(0, 6.28), place(-0.8, 0.8);
   for (int i = 0; i < models; ++i) {
-    LocalModel m;
     const std::uint64_t room = static_cast<std::uint64_t>(i) / kPerRoom;
-    m.T_w_m = cameraPose(place(random), place(random), heading(random));
-    m.view = viewOf(clutteredRoom(kSeed + room), *m.T_w_m, static_cast<std::uint64_t>(i));
-    m.T_w_m->translation().x() += 20.0 * static_cast<double>(room);
-    map->models.push_back(std::move(m));
+    const Eigen::Isometry3d T = cameraPose(place(random), place(random), heading(random));
+    map->models.emplace_back("", 0, Eigen::Translation3d(20.0 * static_cast<double>(room), 0, 0) * T,
+                             viewOf(clutteredRoom(kSeed + room), T, static_cast<std::uint64_t>(i)));
   }
   return map;
 }
@@ -72,7 +70,7 @@ void localization(benchmark::State& state) {
   std::size_t next = 0, hypotheses = 0;
   for (auto _ : state) hypotheses += localizer.localize(scenes[next++ % scenes.size()]).hypotheses.size();
   double segments = 0;
-  for (const LocalModel& m : map->models) segments += static_cast<double>(m.view.segments.size()) / models;
+  for (int i = 0; i < models; ++i) segments += static_cast<double>(map->view(i)->segments.size()) / models;
   state.SetItemsProcessed(state.iterations() * models);
   state.counters["segments_per_model"] = segments;
   state.counters["places"] = static_cast<double>(hypotheses) / static_cast<double>(state.iterations());

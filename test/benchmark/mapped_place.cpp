@@ -57,7 +57,7 @@ Map MappedPlace::map(const Camera& camera) const {
   Map map;
   map.camera = camera;
   for (std::size_t i = 0; i < models_.size(); ++i)
-    map.models.push_back({models_[i].name, models_[i].stamp, models_[i].T_w_m, mapping_.views[i]});
+    map.models.emplace_back(models_[i].name, models_[i].stamp, models_[i].T_w_m, mapping_.views[i]);
   return map;
 }
 

@@ -14,7 +14,8 @@ namespace facetloc::benchmarks {
 /** \brief What the camera that made a map always measures wrongly; the map's views are uncorrected. */
 inline std::optional<DepthDistortion> distortionOf(const Map& map) {
   std::vector<PosedPicture> pictures;
-  for (const LocalModel& model : map.models) pictures.push_back({&model.view.depth, *model.T_w_m});
+  for (std::size_t i = 0; i < map.models.size(); ++i)
+    pictures.push_back({&map.view(static_cast<int>(i))->depth, *map.models[i].T_w_m});
   const MapBuilderParams poses;
   const auto found = internal::calibrateDistortion(
       pictures, map.camera.noise, {poses.pose_rotation_std_deg * kDegree, poses.pose_translation_std});

@@ -105,9 +105,8 @@ public:
     while (rest >= floors_[k].models) rest -= floors_[k++].models;
     if (k != loaded_) map_ = simulatedFloor(folder_, floors_[k].scene, floors_[k].seed).map;
     loaded_ = k;
-    return borrowed(map_.models[rest].view);
+    return map_.view(static_cast<int>(rest));
   }
-  std::unique_ptr<std::istream> placeIndex() const override { return nullptr; }
 
 private:
   std::string folder_;
@@ -129,7 +128,7 @@ public:
     Map map;
     map.camera.mounting = mounting_;
     map.models.assign(models_.begin(), models_.begin() + static_cast<std::ptrdiff_t>(n));
-    map.store = std::make_shared<ViewsOfFloors>(options_.floors, floors_);
+    map.setStore(std::make_shared<ViewsOfFloors>(options_.floors, floors_));
     writeMap(path, map);
     return path;
   }
@@ -148,8 +147,12 @@ public:
       while (chosen.size() < wanted && chosen.size() * all / wanted < before + floors_[k].queries) {
         if (floor.query.models.empty())
           floor = simulatedFloor(options_.floors, floors_[k].scene, floors_[k].seed);
-        const LocalModel& q = floor.query.models[chosen.size() * all / wanted - before];
-        chosen.push_back({floors_[k].name() + "/" + q.name, q.view, placeOf(k) * *q.T_w_m, {}});
+        const std::size_t i = chosen.size() * all / wanted - before;
+        const LocalModel& q = floor.query.models[i];
+        chosen.push_back({floors_[k].name() + "/" + q.name,
+                          *floor.query.view(static_cast<int>(i)),
+                          placeOf(k) * *q.T_w_m,
+                          {}});
         chosen.back().view.camera = std::make_shared<const Camera>(floor.query.camera);
       }
     }
@@ -168,15 +171,8 @@ private:
     mounting_ = floor.map.camera.mounting;
     const Eigen::Isometry3d place = placeOf(floors_.size());
     floors_.push_back({scene, seed_, floor.map.models.size(), floor.query.models.size()});
-    for (const LocalModel& m : floor.map.models) {
-      LocalModel light;
-      light.name = floors_.back().name() + "/" + m.name;
-      light.stamp = m.stamp;
-      light.T_w_m = place * *m.T_w_m;
-      light.view.intrinsics = m.view.intrinsics;
-      light.view.depth.camera = m.view.depth.camera;
-      models_.push_back(std::move(light));
-    }
+    for (const LocalModel& m : floor.map.models)
+      models_.emplace_back(floors_.back().name() + "/" + m.name, m.stamp, place * *m.T_w_m);
     if (++kind_ == simulatedPlaceNames().size()) kind_ = 0, ++seed_;
   }
 

@@ -222,7 +222,7 @@ int main(int argc, char** argv) {
     };
     sure += isSure(answer);
     sure_right += isSure(answer) && isRight(answer);
-    const Localization by_segments = registerPair(scene, map->models[0].view, params).by_segments;
+    const Localization by_segments = registerPair(scene, *map->view(0), params).by_segments;
     segments_sure += isSure(by_segments);
     segments_right += isSure(by_segments) && isRight(by_segments);
     if (rank == 1) translation_errors.push_back(first.translation), rotation_errors.push_back(first.rotation);
@@ -231,7 +231,7 @@ int main(int argc, char** argv) {
                 rotationAngle(truth.linear()) / kDegree, answer.hypotheses.size(), rank, first.translation,
                 first.rotation / kDegree, answer.hypotheses.empty() ? 0.0 : answer.hypotheses[0].probability,
                 !answer.hypotheses.empty() && answer.hypotheses[0].depth_assisted ? "d" : " ",
-                scene.segments.size(), map->models[0].view.segments.size(), align_ms.back());
+                scene.segments.size(), map->view(0)->segments.size(), align_ms.back());
   }
   std::printf("%d of %zu pairs registered (rank 1 within %.1f m and %.0f deg), %d anywhere in the list\n",
               registered, pairs.size(), kMaxTranslationError, kMaxRotationError / kDegree, anywhere);

@@ -147,10 +147,8 @@ std::vector<Answered> localizeInRoom(std::uint64_t seed) {
     const Eigen::Vector2d place = room.place();
     for (int h = 0; h < kHeadings; ++h) {
       mapped.push_back({place.x(), place.y(), h * 360.0 / kHeadings * kDegree});
-      LocalModel model;
-      model.T_w_m = room.cameraPose(place.x(), place.y(), mapped.back().heading);
-      model.view = room.view(*model.T_w_m);
-      map->models.push_back(std::move(model));
+      const Eigen::Isometry3d T_w_m = room.cameraPose(place.x(), place.y(), mapped.back().heading);
+      map->models.emplace_back("", 0, T_w_m, room.view(T_w_m));
     }
   }
   const GlobalLocalization localization(map);

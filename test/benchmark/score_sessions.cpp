@@ -117,8 +117,8 @@ void print(const char* name, const Count& c) {
 
 void score(const fs::path& place, const fs::path& before_path, const fs::path& after_path) {
   const Map before = readMap(before_path), after = readMap(after_path);
-  std::map<std::string, const LocalModel*> kept;
-  for (const LocalModel& model : after.models) kept[model.name] = &model;
+  std::map<std::string, int> kept;
+  for (std::size_t i = 0; i < after.models.size(); ++i) kept[after.models[i].name] = static_cast<int>(i);
   std::vector<Look> looks;
   const DepthSequence query = DepthSequence::open(place / "query");
   for (std::size_t i = 0; i < query.frames().size(); ++i)
@@ -130,11 +130,14 @@ void score(const fs::path& place, const fs::path& before_path, const fs::path& a
   const auto planes = planesOf(place / "map"), later = planesOf(place / "query");
 
   Count moved, unmoved;
-  for (const LocalModel& model : before.models) {
+  for (std::size_t i = 0; i < before.models.size(); ++i) {
+    const LocalModel& model = before.models[i];
     const DepthImage image = run.load(frame.at(model.name), kWidth);
     const auto labels = readGreyPng(place / "map/labels" / (model.name + ".png"));
     const auto found = kept.find(model.name);
-    for (const Segment& s : model.view.segments) {
+    const std::vector<Segment> segments_kept =
+        found == kept.end() ? std::vector<Segment>() : after.view(found->second)->segments;
+    for (const Segment& s : before.view(static_cast<int>(i))->segments) {
       const Truth truth = truthOf(s, image, labels);
       const auto plane = planes.find(truth.plane);
       if (plane == planes.end()) continue;
@@ -147,10 +150,9 @@ void score(const fs::path& place, const fs::path& before_path, const fs::path& a
       for (const Eigen::Vector3d& p : truth.points) points.push_back(*model.T_w_m * p);
       Count& count = later.count(truth.plane) ? unmoved : moved;
       const bool is_kept = found != kept.end() &&
-                           std::any_of(found->second->view.segments.begin(),
-                                       found->second->view.segments.end(), [&](const Segment& k) {
-                                         return (k.t - s.t).norm() < 1e-6 && k.num_points == s.num_points;
-                                       });
+                           std::any_of(segments_kept.begin(), segments_kept.end(), [&](const Segment& k) {
+                             return (k.t - s.t).norm() < 1e-6 && k.num_points == s.num_points;
+                           });
       // What a new view replaces is gone, unless it has not moved, which the new view shows, too.
       const bool is_replaced = found == kept.end();
       const bool is_gone = &count == &moved ? !is_kept : !is_kept && !is_replaced;

@@ -81,14 +81,14 @@ struct Floor {
       const auto pose = mapping.groundTruth().at(frame.stamp, kTolerance);
       if (!pose || !rule.accept(*pose)) continue;
       chosen.push_back(i);
-      map->models.push_back({frame.name, frame.stamp, *pose, {}});
+      map->models.emplace_back(frame.name, frame.stamp, *pose);
     }
     map->camera = mapping.camera()->camera;
     std::vector<View> of_models = viewsOf(mapping, chosen, map->camera);
-    for (std::size_t i = 0; i < chosen.size(); ++i) map->models[i].view = std::move(of_models[i]);
+    for (std::size_t i = 0; i < chosen.size(); ++i) map->models[i].setView(std::move(of_models[i]));
     map->camera.distortion = benchmarks::distortionOf(*map);
     of_models = viewsOf(mapping, chosen, map->camera);
-    for (std::size_t i = 0; i < chosen.size(); ++i) map->models[i].view = std::move(of_models[i]);
+    for (std::size_t i = 0; i < chosen.size(); ++i) map->models[i].setView(std::move(of_models[i]));
 
     std::vector<std::size_t> all;
     for (std::size_t i = 0; i < drive.frames().size(); ++i) {

@@ -83,9 +83,9 @@ TEST(SegmentFrame, NormalsThatWereTurnedAloneAreRefused) {
   SegmentFrame frame = toSegmentFrame(randomSegments(1)[0]);
   Segment s;
   ASSERT_TRUE(toSegment(frame, s));
-  SegmentFrame older = frame;  // of files without normals
-  older.normal_x = older.normal_y = older.normal_z = 0;
-  EXPECT_TRUE(toSegment(older, s));
+  SegmentFrame without = frame;
+  without.normal_x = without.normal_y = without.normal_z = 0;
+  EXPECT_FALSE(toSegment(without, s));
   frame.normal_x = -frame.normal_x, frame.normal_y = -frame.normal_y, frame.normal_z = -frame.normal_z;
   EXPECT_FALSE(toSegment(frame, s));
   frame.normal_x = std::numeric_limits<float>::quiet_NaN();

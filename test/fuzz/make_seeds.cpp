@@ -121,7 +121,7 @@ void makeMessagesAndResults(const Seeds& seeds) {
   put('d', "no_distortion", ModelsOrder{{3, 4}, {}});
   put('d', "distortion",
       ModelsOrder{{3, 4}, DepthDistortion(DepthDistortion::extentOf(kinectIntrinsics()), {})});
-  put('m', "model", packed(smallMap().models[0]));
+  put('m', "model", packed(smallMap().models[0], *smallMap().view(0)));
   FrameResult result;
   result.timing = {"frame", 1, 2, 3, 4};
   result.rows.resize(2);

@@ -32,7 +32,7 @@ std::vector<std::string> updatesOf(sqlite3* db) {
 /** A picture that unpacks: some values over and over, as many as a picture of the map has, or another number.
  */
 std::vector<std::uint8_t> packedPicture(FuzzedDataProvider& input) {
-  static const DepthPicture example = smallMap().models.front().view.depth;
+  static const DepthPicture example = smallMap().view(0)->depth;
   constexpr std::size_t kMost = 4096;
   const std::size_t size = input.ConsumeBool() ? example.inverse_depth.size()
                                                : input.ConsumeIntegralInRange<std::size_t>(0, kMost);

@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::optional<PlaceIndex> index;
   fuzz::accepts<std::runtime_error>([&] { index = PlaceIndex::read(in, map); });
   if (!index) return 0;
-  for (const LocalModel& model : map.models) index->candidates(model.view, 10);
+  for (std::size_t i = 0; i < map.models.size(); ++i) index->candidates(*map.view(static_cast<int>(i)), 10);
   std::ostringstream out;
   index->write(out);
   std::istringstream again(out.str());

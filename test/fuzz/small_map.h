@@ -27,14 +27,11 @@ inline Map smallMap() {
   map.camera.distortion = DepthDistortion(DepthDistortion::extentOf(kinectIntrinsics()));
   ViewBuilder builder{Camera()};
   for (const double heading_deg : {0., 8., -20.}) {
-    LocalModel model;
-    model.name = std::to_string(map.models.size());
-    model.stamp = static_cast<double>(map.models.size());
-    model.T_w_m = test::ExampleScene::pose(0.01 * heading_deg, 0.1, heading_deg);
-    const DepthImage image = test::ExampleScene().see(model.name, *model.T_w_m).depth;
-    model.view = builder.build(subsampled(image, 2));
-    model.view.camera = nullptr;
-    map.models.push_back(std::move(model));
+    const std::string name = std::to_string(map.models.size());
+    const Eigen::Isometry3d T_w_m = test::ExampleScene::pose(0.01 * heading_deg, 0.1, heading_deg);
+    View view = builder.build(subsampled(test::ExampleScene().see(name, T_w_m).depth, 2));
+    view.camera = nullptr;
+    map.models.emplace_back(name, static_cast<double>(map.models.size()), T_w_m, std::move(view));
   }
   for (int i = 0; i < 2; ++i) {
     Link link;

@@ -47,14 +47,20 @@ public:
     return picture;
   }
 
-  LocalModel model(const std::string& name, int segments = 4) {
-    LocalModel m;
-    m.name = name;
-    m.stamp = 1305031102.175304 + value();
-    m.T_w_m = pose();
-    m.view.intrinsics = {320, 240, 262.5 + value(), 262.5, 159.5, 119.5};
-    for (int i = 0; i < segments; ++i) m.view.segments.push_back(segment());
-    m.view.depth = picture();
+  LocalModel model(const std::string& name) { return {name, 1305031102.175304 + value(), pose()}; }
+
+  View view(int segments = 4) {
+    View v;
+    v.intrinsics = {320, 240, 262.5 + value(), 262.5, 159.5, 119.5};
+    for (int i = 0; i < segments; ++i) v.segments.push_back(segment());
+    v.depth = picture();
+    return v;
+  }
+
+  /** \brief A local model with its view. */
+  LocalModel seen(const std::string& name, int segments = 4) {
+    LocalModel m = model(name);
+    m.setView(view(segments));
     return m;
   }
 
@@ -73,7 +79,7 @@ public:
     m.camera.noise = {{1.0 / 300, 1.0 / 1100, 1.0 / 1300}, 1.0 / 700, 1.0 / 900};
     m.camera.max_depth = 5.0 / 3;
     m.meta = {{"software", "test"}, {"min_support", "150"}};
-    for (int i = 0; i < models; ++i) m.models.push_back(model("frame " + std::to_string(i), 3 + i));
+    for (int i = 0; i < models; ++i) m.models.push_back(seen("frame " + std::to_string(i), 3 + i));
     for (int i = 0; i + 1 < models; ++i) m.links.push_back(link(i, i + 1));
     return m;
   }

@@ -5,6 +5,7 @@
 #include "temporary_folder.h"
 
 #include <facetloc/io/map_database.h>
+#include <facetloc/testing/changed_views.h>
 
 #include <gtest/gtest.h>
 #include <sqlite3.h>
@@ -46,22 +47,32 @@ inline void expectEqual(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) 
   EXPECT_LT((a.linear() - b.linear()).cwiseAbs().maxCoeff(), 2e-15);
 }
 
-inline void expectEqual(const LocalModel& a, const LocalModel& b) {
-  EXPECT_EQ(a.name, b.name);
-  EXPECT_EQ(a.stamp, b.stamp);
-  ASSERT_EQ(a.givenPose().has_value(), b.givenPose().has_value());
-  if (a.givenPose()) expectEqual(*a.T_w_m, *b.T_w_m);
-  EXPECT_EQ(a.view.intrinsics, b.view.intrinsics);
-  ASSERT_EQ(a.view.segments.size(), b.view.segments.size());
-  for (std::size_t i = 0; i < a.view.segments.size(); ++i)
-    expectEqual(a.view.segments[i], b.view.segments[i]);
-  EXPECT_EQ(a.view.depth.camera, b.view.depth.camera);
-  EXPECT_EQ(a.view.depth.inverse_depth, b.view.depth.inverse_depth);
-  EXPECT_EQ(a.view.depth.lowest, b.view.depth.lowest);
-  if (!a.view.depth.empty()) {
-    EXPECT_EQ(a.view.depth.noise.inverse_depth_std, b.view.depth.noise.inverse_depth_std);
-    EXPECT_EQ(a.view.depth.noise.depth_std, b.view.depth.noise.depth_std);
-    EXPECT_EQ(a.view.depth.noise.depth_std_slope, b.view.depth.noise.depth_std_slope);
+inline void expectEqual(const View& a, const View& b) {
+  EXPECT_EQ(a.intrinsics, b.intrinsics);
+  ASSERT_EQ(a.segments.size(), b.segments.size());
+  for (std::size_t i = 0; i < a.segments.size(); ++i) expectEqual(a.segments[i], b.segments[i]);
+  EXPECT_EQ(a.depth.camera, b.depth.camera);
+  EXPECT_EQ(a.depth.inverse_depth, b.depth.inverse_depth);
+  EXPECT_EQ(a.depth.lowest, b.depth.lowest);
+  if (!a.depth.empty()) {
+    EXPECT_EQ(a.depth.noise.inverse_depth_std, b.depth.noise.inverse_depth_std);
+    EXPECT_EQ(a.depth.noise.depth_std, b.depth.noise.depth_std);
+    EXPECT_EQ(a.depth.noise.depth_std_slope, b.depth.noise.depth_std_slope);
+  }
+}
+
+/** \brief The local models of two maps, with their views. */
+inline void expectEqualModels(const Map& a, const Map& b) {
+  ASSERT_EQ(a.models.size(), b.models.size());
+  for (std::size_t i = 0; i < a.models.size(); ++i) {
+    SCOPED_TRACE(i);
+    EXPECT_EQ(a.models[i].name, b.models[i].name);
+    EXPECT_EQ(a.models[i].stamp, b.models[i].stamp);
+    const auto of_a = a.models[i].givenPose(), of_b = b.models[i].givenPose();
+    ASSERT_EQ(of_a.has_value(), of_b.has_value());
+    if (of_a) expectEqual(*of_a, *of_b);
+    EXPECT_EQ(a.models[i].hasPicture(), b.models[i].hasPicture());
+    expectEqual(*a.view(static_cast<int>(i)), *b.view(static_cast<int>(i)));
   }
 }
 

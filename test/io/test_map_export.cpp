@@ -5,6 +5,7 @@
 #include <facetloc/features/segment_frame.h>
 #include <facetloc/io/map_export.h>
 #include <facetloc/io/trajectory.h>
+#include <facetloc/testing/changed_views.h>
 
 #include <Eigen/LU>
 #include <gmock/gmock.h>
@@ -39,12 +40,12 @@ TEST(MapExport, SegmentsBecomeClouds) {
   exportMap(map, folder / "out/put");
   pcl::PointCloud<SegmentFrame> cloud;
   ASSERT_EQ(pcl::io::loadPCDFile((folder / "out/put/models/frame_1.pcd").string(), cloud), 0);
-  ASSERT_EQ(cloud.size(), map.models[1].view.segments.size());
+  ASSERT_EQ(cloud.size(), map.view(1)->segments.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     Segment segment;
     ASSERT_TRUE(toSegment(cloud[i], segment));
-    EXPECT_TRUE(segment.t.isApprox(map.models[1].view.segments[i].t, 1e-6));
-    EXPECT_TRUE(segment.R.isApprox(map.models[1].view.segments[i].R, 1e-6));
+    EXPECT_TRUE(segment.t.isApprox(map.view(1)->segments[i].t, 1e-6));
+    EXPECT_TRUE(segment.R.isApprox(map.view(1)->segments[i].R, 1e-6));
     EXPECT_EQ(segment.num_points, 1234);
   }
 }
@@ -117,8 +118,8 @@ TEST(MapExport, NamesBecomeDistinctFileNames) {
   const TemporaryFolder folder;
   ExampleMap example;
   Map map;
-  for (const char* name : {"a/b", "a_b", "..", "empty"}) map.models.push_back(example.model(name, 1));
-  map.models[3].view.segments.clear();
+  for (const char* name : {"a/b", "a_b", "..", "empty"}) map.models.push_back(example.seen(name, 1));
+  test::changeView(map, 3, [](View& view) { view.segments.clear(); });
   exportMap(map, folder.path());
   for (const char* name : {"a_b.pcd", "a_b_.pcd", "_...pcd"})
     EXPECT_TRUE(fs::exists(folder / "models" / name)) << name;

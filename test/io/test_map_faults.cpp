@@ -7,6 +7,7 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <memory>
 #include <random>
 #include <string>
 #include <utility>
@@ -31,7 +32,9 @@ TEST_F(MapFile, TheTablesThemselvesRefuseNonsense) {
        {"UPDATE segment SET var_sx = 0", "UPDATE segment SET qw = 2", "UPDATE segment SET tx = 'far'",
         "UPDATE segment SET lambda1 = 0", "UPDATE segment SET hull = x'00'", "UPDATE model SET tx = NULL",
         "UPDATE model SET name = 'same'", "UPDATE link SET to_id = from_id",
-        "UPDATE link SET from_id = 0, to_id = 1"}) {
+        "UPDATE link SET from_id = 0, to_id = 1", "UPDATE camera SET mount_x = NULL",
+        "UPDATE camera SET fx = 3", "UPDATE camera SET distortion_top = 1",
+        "UPDATE depth_picture SET inverse_depth_std = 0"}) {
     sqlite3* db = nullptr;
     ASSERT_EQ(sqlite3_open(path_.c_str(), &db), SQLITE_OK);
     EXPECT_NE(sqlite3_exec(db, statement, nullptr, nullptr, nullptr), SQLITE_OK) << statement;
@@ -78,11 +81,15 @@ TEST_F(MapFile, FaultsAreToldInWords) {
        "segment 2 of model 1: its Sigma_q is not positive definite, or smaller than any camera's"},
       {"UPDATE model SET tx = 2e6 WHERE id = 1", "model 1: its pose is more than 1000 km away"},
       {"UPDATE model SET stamp = 1e12 WHERE id = 1", "model 1: its stamp is impossible"},
-      {"INSERT INTO ambiguity VALUES(0, 1e9, 5)", "the ambiguity: it is impossible"},
-      {"INSERT INTO lookalike VALUES(1, 1e9)", "the look-alikes of model 1: it is impossible"},
-      {"UPDATE mounting SET height = 5000", "the camera mounting: it is no place on a robot"},
-      {"UPDATE mounting SET tilt_deg = 270", "the camera mounting: it is no place on a robot"},
-      {"DROP INDEX link_of_models; UPDATE link SET from_id = 0, to_id = 1",
+      {"INSERT INTO ambiguity VALUES(0, 1e9, 5)", "the ambiguity: its score of wrong places is impossible"},
+      {"INSERT INTO ambiguity VALUES(0, 1, -5)", "the ambiguity: its number of views is impossible"},
+      {"UPDATE model SET lookalike_score = 1e9 WHERE id = 1",
+       "model 1: its score of wrong places is impossible"},
+      {"UPDATE camera SET mount_height = 5000", "the camera: its mounting is no place on a robot"},
+      {"UPDATE camera SET mount_tilt_deg = 270", "the camera: its mounting is no place on a robot"},
+      {"UPDATE camera SET mount_x = NULL", "the camera: column mount_x is not a number"},
+      {"ALTER TABLE link RENAME TO l; CREATE TABLE link AS SELECT * FROM l; DROP TABLE l; "
+       "UPDATE link SET from_id = 0, to_id = 1",
        "link 1: another one joins the same models"},
   };
   for (const auto& [statement, fault] : cases) {
@@ -115,18 +122,19 @@ TEST_F(MapFile, WhatIsNoTableIsRefused) {
 
 TEST_F(MapFile, PicturesThatTakeMoreMemoryThanTheFileExplainsAreRefused) {
   Map map;
-  LocalModel m = ExampleMap().model("a");
-  m.view.intrinsics = {4096, 3072, 3000, 3000, 2047.5, 1535.5};
-  m.view.depth = DepthPicture::fromStored(m.view.intrinsics, std::vector<std::uint16_t>(4096 * 3072));
-  m.view.depth.noise.inverse_depth_std = 0.003;
+  View view = ExampleMap().view();
+  view.intrinsics = {4096, 3072, 3000, 3000, 2047.5, 1535.5};
+  view.depth = DepthPicture::fromStored(view.intrinsics, std::vector<std::uint16_t>(4096 * 3072));
+  view.depth.noise.inverse_depth_std = 0.003;
+  const auto shared = std::make_shared<const View>(std::move(view));
   for (int i = 0; i < 8; ++i) {
-    m.name = std::to_string(i);
-    map.models.push_back(m);
+    map.models.emplace_back(std::to_string(i), 0);
+    map.models.back().setView(shared);
   }
   writeMap(path_, map);
   EXPECT_THAT(readError(), HasSubstr("its depth pictures would take 603 MB of memory"));
   EXPECT_THAT(checkMap(path_), Contains(HasSubstr("MB of memory")));
-  EXPECT_TRUE(openMap(path_).store) << "views of so many pixels stay in the file";
+  EXPECT_TRUE(openMap(path_).store()) << "views of so many pixels stay in the file";
 }
 
 TEST_F(MapFile, CheckTellsEveryFault) {
@@ -141,7 +149,7 @@ TEST_F(MapFile, CheckTellsEveryFault) {
 TEST_F(MapFile,
        EmptyModelsAndSeveredGraphsAreSound) {  // images of nothing, merged maps, a build that was killed
   Map map = ExampleMap().map(4);
-  map.models[3].view.segments.clear();
+  test::changeView(map, 3, [](View& view) { view.segments.clear(); });
   map.links.erase(map.links.begin() + 1);
   writeMap(path_, map);
   EXPECT_EQ(readError(), "");
@@ -170,7 +178,7 @@ TEST_F(MapFile, FlippedBytesAreErrorsOrMaps) {
     putBytes(path_, corrupt);
     refused += !readError().empty();
     ioErrorOf([this] { checkMap(path_); });
-    ioErrorOf([this] { MapDatabase::open(path_).add(ExampleMap().model("one more")); });
+    ioErrorOf([this] { MapDatabase::open(path_).add(ExampleMap().model("one more"), ExampleMap().view()); });
   }
   EXPECT_GT(refused, 50);
   EXPECT_LT(refused, 1000);

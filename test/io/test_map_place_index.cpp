@@ -39,7 +39,7 @@ protected:
   }
   std::string read() const {
     const Map map = openMap(path_, 0);
-    const auto in = map.store->placeIndex();
+    const auto in = map.store()->placeIndex();
     if (!in) return "";
     std::string found(bytes_.size(), '\0');
     in->read(found.data(), static_cast<std::streamsize>(found.size()));
@@ -58,7 +58,7 @@ TEST_F(PlaceIndexInAMapFile, IsReadAsItWasWritten) {
 }
 
 TEST_F(PlaceIndexInAMapFile, IsGoneWhenAModelIsAdded) {
-  MapDatabase::open(path_).add(ExampleMap(9).model("more"));
+  MapDatabase::open(path_).add(ExampleMap(9).model("more"), ExampleMap(9).view());
   EXPECT_EQ(read(), "");
 }
 

@@ -61,7 +61,7 @@ public:
         ExampleMap example;
         MapDatabase db = MapDatabase::open(path);
         for (;;) {
-          db.add(example.model("model " + std::to_string(db.modelNames().size()), 25));
+          db.add(example.model("model " + std::to_string(db.modelNames().size())), example.view(25));
           if (write(ends[1], "+", 1) != 1) _exit(2);
         }
       } catch (...) {
@@ -142,8 +142,7 @@ TEST_F(MapFile, AReaderSeesTheMapOfOneTimeWhoeverWrites) {
   std::thread writer([&] {
     MapDatabase map = MapDatabase::open(path_);
     for (int i = 0; i < 150; ++i) {
-      LocalModel model = ExampleMap(9).model("more" + std::to_string(i));
-      map.add(model);
+      map.add(ExampleMap(9).model("more" + std::to_string(i)), ExampleMap(9).view());
     }
     done = true;
   });

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <thread>
 #include <vector>
@@ -14,6 +15,7 @@ namespace {
 
 using test::ExampleMap;
 using test::expectEqual;
+using test::expectEqualModels;
 using test::ioErrorOf;
 using test::MapFile;
 using test::vandalize;
@@ -22,31 +24,36 @@ using testing::HasSubstr;
 
 TEST_F(MapFile, ASmallMapIsOpenedAsAWhole) {
   writeExample(3);
-  EXPECT_EQ(openMap(path_, 3).store, nullptr);
-  EXPECT_FALSE(openMap(path_, 3).models[2].view.segments.empty());
-  EXPECT_NE(openMap(path_, 2).store, nullptr);
+  EXPECT_EQ(openMap(path_, 3).store(), nullptr);
+  EXPECT_FALSE(openMap(path_, 3).view(2)->segments.empty());
+  EXPECT_NE(openMap(path_, 2).store(), nullptr);
 }
 
 TEST_F(MapFile, AMapWhoseViewsStayInTheFileIsTheSameMap) {
   Map map = ExampleMap().map(4);
-  map.models[2].view.depth = {};
-  map.models[3].view.segments.clear();
+  test::changeView(map, 2, [](View& view) { view.depth = {}; });
+  test::changeView(map, 3, [](View& view) { view.segments.clear(); });
   writeMap(path_, map);
   const Map whole = readMap(path_), opened = openMap(path_, 2);
-  ASSERT_EQ(opened.models.size(), whole.models.size());
   EXPECT_EQ(opened.links.size(), whole.links.size());
   EXPECT_EQ(opened.meta, whole.meta);
   EXPECT_TRUE(opened.camera.mounting);
-  for (int pass = 0; pass < 2; ++pass)
-    for (int i = 0; i < 4; ++i) {
-      LocalModel model = opened.models[i];
-      EXPECT_TRUE(model.view.segments.empty());
-      EXPECT_TRUE(model.view.depth.empty());
-      EXPECT_EQ(model.hasPicture(), i != 2);
-      model.view = *opened.view(i);
-      expectEqual(whole.models[i], model);
-      expectEqual(whole.models[i], {model.name, model.stamp, model.T_w_m, *whole.view(i)});
-    }
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(opened.models[i].hasPicture(), i != 2);
+  for (int pass = 0; pass < 2; ++pass) expectEqualModels(whole, opened);
+}
+
+TEST_F(MapFile, LocalModelsOfAnOpenMapKeepTheirViewsInOtherMaps) {
+  writeExample(4);
+  const Map whole = readMap(path_);
+  Map opened = openMap(path_, 0);
+  std::reverse(opened.models.begin(), opened.models.end());
+  Map some;
+  some.models = {opened.models[2], whole.models[2]};
+  expectEqual(*opened.view(0), *whole.view(3));
+  expectEqual(*some.view(0), *whole.view(1));
+  EXPECT_EQ(some.view(1), whole.view(2)) << "copies share a view in memory";
+  writeMap(folder_ / "some.flmap", some);
+  expectEqualModels(readMap(folder_ / "some.flmap"), some);
 }
 
 TEST_F(MapFile, ViewsThatWereAskedForLastStayInMemory) {
@@ -71,7 +78,7 @@ TEST_F(MapFile, ViewsCanBeAskedForByManyThreads) {
     threads.emplace_back([&, t] {
       for (int n = 0; n < 300; ++n) {
         const int i = static_cast<int>((n * (2 * t + 1)) % 8);
-        different[t] += opened.view(i)->depth.inverse_depth != whole.models[i].view.depth.inverse_depth;
+        different[t] += opened.view(i)->depth.inverse_depth != whole.view(i)->depth.inverse_depth;
       }
     });
   for (std::thread& thread : threads) thread.join();
@@ -87,7 +94,7 @@ TEST_F(MapFile, AViewThatIsNotSoundIsToldWhenItIsAskedFor) {
   EXPECT_THAT(ioErrorOf([&] { opened.view(1); }),
               AllOf(HasSubstr("room.flmap"), HasSubstr("model 1: its depth picture is corrupt")));
   EXPECT_THAT(ioErrorOf([&] { opened.view(2); }), HasSubstr("model 2: its segment numbers have a gap"));
-  EXPECT_THAT(ioErrorOf([&] { opened.view(3); }), HasSubstr("no such model"));
+  EXPECT_THAT(ioErrorOf([&] { opened.store()->view(3); }), HasSubstr("no such model"));
   EXPECT_EQ(opened.view(0)->segments.size(), 3u) << "views of others can still be had";
   EXPECT_NE(ioErrorOf([&] { openMap(path_); }), "") << "a small map is checked at once";
 }
@@ -96,7 +103,7 @@ TEST_F(MapFile, AnOpenMapCanBeWrittenTo) {
   writeExample(3);
   const Map opened = openMap(path_, 1);
   opened.view(0);
-  EXPECT_EQ(MapDatabase::open(path_).add(ExampleMap(9).model("more")), 3);
+  EXPECT_EQ(MapDatabase::open(path_).add(ExampleMap(9).model("more"), ExampleMap(9).view()), 3);
   EXPECT_EQ(opened.view(2)->segments.size(), 5u);
 }
 

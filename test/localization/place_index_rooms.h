@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "opened_map.h"
 #include "pairs/query.h"
 
 #include <facetloc/localization/place_index.h>
@@ -56,6 +57,8 @@ protected:
   static View query(int r, double heading, unsigned seed) {
     return mounted(viewFrom(room(r), robotCamera(2.3, 2.2, heading), seed), kMounting);
   }
+  /** \brief The view of a local model, as an image of the map's camera. */
+  static View viewOf(int model) { return mounted(*map->view(model), kMounting); }
   static ShortlistParams few() {
     ShortlistParams params;
     params.aligned_models = 30;

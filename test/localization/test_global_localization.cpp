@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/map_ambiguity.h"
+#include "opened_map.h"
 #include "pairs/view_registration.h"
 #include "ranking/place_ranking.h"
 
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/registration/candidate_pairs.h>
+#include <facetloc/testing/changed_views.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_views.h>
@@ -32,10 +34,7 @@ using test::viewFrom;
 using testing::HasSubstr;
 
 LocalModel modelAt(const test::Scene& scene, const Eigen::Isometry3d& T_w_m, unsigned seed) {
-  LocalModel m;
-  m.T_w_m = T_w_m;
-  m.view = viewFrom(scene, T_w_m, seed);
-  return m;
+  return {"", 0, T_w_m, viewFrom(scene, T_w_m, seed)};
 }
 
 std::shared_ptr<Map> mapOf(const test::Scene& scene, const std::vector<Eigen::Isometry3d>& poses) {
@@ -58,7 +57,7 @@ std::vector<Eigen::Isometry3d> loop() {
 
 class LocalizationInARoom : public testing::Test {
 protected:
-  static void SetUpTestSuite() { map = mapOf(test::largeRoom(), loop()); }
+  static void SetUpTestSuite() { map = test::openedMap(*mapOf(test::largeRoom(), loop())); }
   static void TearDownTestSuite() { map.reset(); }
   static std::shared_ptr<const Map> map;
 };
@@ -69,7 +68,7 @@ TEST_F(LocalizationInARoom, EveryMapImageIsFoundAtItsOwnPlace) {
   planes_only.refinement.enabled = false;
   const GlobalLocalization localization(map, planes_only);
   for (std::size_t i = 0; i < map->models.size(); ++i) {
-    const Localization answer = localization.localize(map->models[i].view);
+    const Localization answer = localization.localize(*map->view(i));
     ASSERT_FALSE(answer.hypotheses.empty()) << i << ": " << answer.reason;
     EXPECT_EQ(answer.reason, "");
     EXPECT_EQ(answer.hypotheses[0].model, static_cast<int>(i));
@@ -78,23 +77,33 @@ TEST_F(LocalizationInARoom, EveryMapImageIsFoundAtItsOwnPlace) {
   }
 }
 
+TEST_F(LocalizationInARoom, ViewsInAFileGiveTheAnswersOfThoseInMemory) {
+  const GlobalLocalization in_file(map), in_memory(test::inMemory(*map));
+  ASSERT_TRUE(map->store());
+  for (unsigned i = 0; i < 3; ++i) {
+    const View view = viewFrom(test::largeRoom(), lookingAlong({3.1, 2.4, 1.3}, {1, 2. * i - 2, -0.2}), i);
+    const Localization answer = in_file.localize(view);
+    EXPECT_FALSE(answer.hypotheses.empty()) << answer.reason;
+    test::expectSame(answer, in_memory.localize(view));
+  }
+}
+
 TEST_F(LocalizationInARoom, ModelsThatAreExcludedFindNothing) {
   const GlobalLocalization localization(map);
-  const Localization answer =
-      localization.localize(map->models[3].view, [](int model) { return model % 2 == 1; });
+  const Localization answer = localization.localize(*map->view(3), [](int model) { return model % 2 == 1; });
   ASSERT_FALSE(answer.hypotheses.empty());
   for (const Hypothesis& h : answer.hypotheses)
     for (const int model : h.found_by) EXPECT_EQ(model % 2, 0);
-  EXPECT_TRUE(localization.localize(map->models[3].view, [](int) { return true; }).hypotheses.empty());
+  EXPECT_TRUE(localization.localize(*map->view(3), [](int) { return true; }).hypotheses.empty());
 }
 
 TEST_F(LocalizationInARoom, PairsMayBeChosenBySomebodyElse) {
   GlobalLocalization localization(map);
-  const View& view = map->models[3].view;
+  const View view = *map->view(3);
   const PoseWithCovariance prior = localization.prior(view);
   const Localization free = localization.localize(view, prior);
   const auto ours = [&](int model) {
-    return candidatePairs(view.segments, map->models[static_cast<std::size_t>(model)].view.segments, prior);
+    return candidatePairs(view.segments, map->view(static_cast<std::size_t>(model))->segments, prior);
   };
   const Localization same = localization.localize(view, prior, ours);
   ASSERT_FALSE(same.hypotheses.empty());
@@ -148,17 +157,17 @@ TEST_F(LocalizationInARoom, AModelThatCannotBeReadIsAnErrorForAnyNumberOfThreads
     std::shared_ptr<const View> view(int i) const override {
       throw std::runtime_error("local model " + std::to_string(i) + " is damaged");
     }
-    std::unique_ptr<std::istream> placeIndex() const override { return nullptr; }
+    bool hasPicture(int) const override { return true; }
   };
   auto broken = std::make_shared<Map>(*map);
-  broken->store = std::make_shared<BrokenStore>();
+  broken->setStore(std::make_shared<BrokenStore>());
   GlobalLocalizationParams likeliest_first, all;
   all.shortlist.size = 0;
   const auto errorOf = [&](const GlobalLocalizationParams& params, int threads) -> std::string {
     GlobalLocalization localization(broken, params);
     localization.setNumberOfThreads(threads);
     try {
-      localization.localize(map->models[3].view);
+      localization.localize(*map->view(3));
     } catch (const std::runtime_error& e) {
       return e.what();
     }
@@ -173,10 +182,10 @@ TEST_F(LocalizationInARoom, AModelThatCannotBeReadIsAnErrorForAnyNumberOfThreads
 
 TEST_F(LocalizationInARoom, EveryMapImageAgreesWithItsNeighbours) {
   const GlobalLocalization localization(map);
-  for (const LocalModel& m : map->models) {
-    const Localization answer = localization.localize(m.view);
+  for (int i = 0; i < static_cast<int>(map->models.size()); ++i) {
+    const Localization answer = localization.localize(*map->view(i));
     ASSERT_FALSE(answer.hypotheses.empty()) << answer.reason;
-    EXPECT_THAT(*answer.hypotheses[0].T_w_c, PoseNear(*m.T_w_m, 0.015, 0.2));
+    EXPECT_THAT(*answer.hypotheses[0].T_w_c, PoseNear(*map->models[i].T_w_m, 0.015, 0.2));
   }
 }
 
@@ -184,12 +193,12 @@ TEST_F(LocalizationInARoom, ModelsThatAreAskedOneByOneGiveTheSameAnswer) {
   GlobalLocalizationParams all;
   all.shortlist.size = 0;
   const GlobalLocalization localization(map, all);
-  const View& scene = map->models[3].view;
+  const View scene = *map->view(3);
   const Query query(scene, localization.prior(scene));
   const ViewRegistration registration;
   std::vector<Hypothesis> one_by_one;
   for (std::size_t i = 0; i < map->models.size(); ++i)
-    for (Hypothesis h : registration.align(query, map->models[i].view)) {
+    for (Hypothesis h : registration.align(query, *map->view(i))) {
       h.model = static_cast<int>(i);
       h.T_w_c = *map->models[i].T_w_m * h.T_m_c.T;
       one_by_one.push_back(h);
@@ -301,11 +310,9 @@ TEST_F(LocalizationInARoom, TheAnswerDoesNotDependOnThreadsOrRepetition) {
 
 TEST_F(LocalizationInARoom, WithoutDepthPicturesOrWorldPosesTheSegmentsStillTell) {
   auto bare = std::make_shared<Map>(*map);
-  for (LocalModel& m : bare->models) {
-    m.view.depth = {};
-    m.T_w_m.reset();
-  }
-  View scene = map->models[1].view;  // its planes fix the pose by themselves
+  for (LocalModel& m : bare->models) m.T_w_m.reset();
+  test::changeViews(*bare, [](View& view) { view.depth = {}; });
+  View scene = *map->view(1);  // its planes fix the pose by themselves
   scene.depth = {};
   const Localization answer = GlobalLocalization(bare).localize(scene);
   ASSERT_FALSE(answer.hypotheses.empty());
@@ -320,8 +327,8 @@ TEST_F(LocalizationInARoom, WithoutDepthPicturesOrWorldPosesTheSegmentsStillTell
 TEST_F(LocalizationInARoom, IdenticalSegmentsGiveTheIdentityExactly) {
   auto one = std::make_shared<Map>();
   one->models.push_back(map->models[1]);
-  one->models[0].view.depth = {};
-  const Localization answer = GlobalLocalization(one).localize(one->models[0].view);
+  test::changeView(*one, 0, [](View& view) { view.depth = {}; });
+  const Localization answer = GlobalLocalization(one).localize(*one->view(0));
   ASSERT_FALSE(answer.hypotheses.empty());
   EXPECT_THAT(answer.hypotheses[0].T_m_c.T, PoseNear(Eigen::Isometry3d::Identity(), 1e-9, 1e-7));
 }
@@ -337,7 +344,7 @@ TEST(GlobalLocalization, AnEmptyMapOrViewHasAReason) {
   answer = GlobalLocalization(map).localize({});
   EXPECT_TRUE(answer.hypotheses.empty());
   EXPECT_THAT(answer.reason, HasSubstr("no planar segment"));
-  map->models[0].view = {};  // a model of an image that showed nothing
+  map->models[0].setView(View());  // a model of an image that showed nothing
   answer = GlobalLocalization(map).localize(view);
   EXPECT_TRUE(answer.hypotheses.empty());
   EXPECT_NE(answer.reason, "");
@@ -347,10 +354,10 @@ TEST(GlobalLocalization, AnImpossiblePriorIsNoCrash) {
   const auto map = mapOf(test::largeRoom(), {loop()[0]});
   PoseWithCovariance prior;
   prior.P.setConstant(std::numeric_limits<double>::quiet_NaN());
-  EXPECT_TRUE(GlobalLocalization(map).localize(map->models[0].view, prior).hypotheses.empty());
+  EXPECT_TRUE(GlobalLocalization(map).localize(*map->view(0), prior).hypotheses.empty());
   // A robot that neither tilts nor climbs: nothing is left to estimate there, which no update allows for.
   prior.P = (Vector6d() << 0, 0, 0.1, 1, 1, 0).finished().asDiagonal();
-  const Localization answer = GlobalLocalization(map).localize(map->models[0].view, prior);
+  const Localization answer = GlobalLocalization(map).localize(*map->view(0), prior);
   EXPECT_TRUE(answer.hypotheses.empty());
   EXPECT_THAT(answer.reason, HasSubstr("not positive definite"));
 }

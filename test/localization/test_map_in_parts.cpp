@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A map that says by its links alone how its places lie to each other is as good as one with poses.
 #include "calibration/map_ambiguity.h"
+#include "opened_map.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/localization/global_localization.h>
@@ -51,6 +52,7 @@ protected:
       map->models.push_back({"place " + std::to_string(i), 0.1 * i, T_w_c, see(place.mapped, T_w_c)});
       if (i > 0) map->links.push_back(builder.link(i - 1, i, *map->models[i - 1].T_w_m, T_w_c));
     }
+    map = test::openedMap(*map);
     drive.sway_deg = 5;
     const auto later = simulateDrive(place.mapping_route, kFrames, drive, 6);
     for (std::size_t i = 0; i < later.size(); i += kQueryStep)
@@ -122,6 +124,13 @@ TEST_F(MapInParts, LinksAloneLocalizeAsWellAsPoses) {
   EXPECT_GE(by_links.sure, 0.95 * with_poses.sure);
   EXPECT_EQ(by_links.wrong, 0);
   EXPECT_EQ(with_poses.wrong, 0);
+}
+
+TEST_F(MapInParts, ViewsInAFileGiveTheAnswersOfThoseInMemory) {
+  const auto parts = withoutPoses({13, 26});
+  const GlobalLocalization in_file(parts), in_memory(test::inMemory(*parts));
+  for (std::size_t i = 0; i < queries.size(); i += 10)
+    test::expectSame(in_file.localize(queries[i].view), in_memory.localize(queries[i].view));
 }
 
 TEST_F(MapInParts, EachPartIsLocalizedInByItself) {

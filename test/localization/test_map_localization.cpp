@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "opened_map.h"
+
 #include <facetloc/localization/map_localization.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
@@ -24,10 +26,8 @@ Eigen::Isometry3d poseAt(double degrees, double radius) {
 std::shared_ptr<const Map> roomMap() {
   auto map = std::make_shared<Map>();
   for (int i = 0; i < 18; ++i) {
-    LocalModel model;
-    model.T_w_m = poseAt(20 * i, 0.35);
-    model.view = test::viewFrom(test::largeRoom(), *model.T_w_m, 1000 + i);
-    map->models.push_back(std::move(model));
+    const Eigen::Isometry3d T_w_m = poseAt(20 * i, 0.35);
+    map->models.emplace_back("", 0, T_w_m, test::viewFrom(test::largeRoom(), T_w_m, 1000 + i));
   }
   return map;
 }
@@ -48,7 +48,7 @@ Cloud::Ptr cloudFrom(const Eigen::Isometry3d& T_w_c, unsigned seed) {
 
 class MapLocalizationInARoom : public testing::Test {
 protected:
-  static void SetUpTestSuite() { map = roomMap(); }
+  static void SetUpTestSuite() { map = test::openedMap(*roomMap()); }
   static void TearDownTestSuite() { map.reset(); }
   static std::shared_ptr<const Map> map;
 };

@@ -2,6 +2,7 @@
 #include "belief/map_surroundings.h"
 
 #include <facetloc/registration/pose_prior.h>
+#include <facetloc/testing/changed_views.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
 
@@ -18,10 +19,7 @@ using test::viewFrom;
 using testing::ElementsAre;
 
 LocalModel modelAt(const Eigen::Isometry3d& T_w_m, unsigned seed) {
-  LocalModel m;
-  m.T_w_m = T_w_m;
-  m.view = viewFrom(largeRoom(), T_w_m, seed);
-  return m;
+  return {"", 0, T_w_m, viewFrom(largeRoom(), T_w_m, seed)};
 }
 
 class SurroundingsOfAPose : public testing::Test {
@@ -59,7 +57,7 @@ TEST_F(SurroundingsOfAPose, AreTheNearestModels) {
 }
 
 TEST_F(SurroundingsOfAPose, WithoutDepthAreTheNearest) {
-  for (LocalModel& m : map->models) m.view.depth = {};
+  test::changeViews(*map, [](View& changed) { changed.depth = {}; });
   const Surroundings found = surroundings().around(view, 0, pose, 1);
   EXPECT_THAT(viewsOf(found), ElementsAre(0));
   EXPECT_TRUE(found.pictures.empty());
@@ -67,20 +65,20 @@ TEST_F(SurroundingsOfAPose, WithoutDepthAreTheNearest) {
 
 TEST_F(SurroundingsOfAPose, AModelBehindAWallGivesNoPicture) {
   // The same pose, but what that model saw is nearer than all that the view sees.
-  map->models[0].view = viewFrom(test::box({2.5, 2, 0}, {3.9, 3, 2.5}), *map->models[0].T_w_m, 5);
+  map->models[0].setView(viewFrom(test::box({2.5, 2, 0}, {3.9, 3, 2.5}), *map->models[0].T_w_m, 5));
   const Surroundings found = surroundings().around(view, 0, pose, 5);
   ASSERT_EQ(found.pictures.size(), 1u);
-  EXPECT_EQ(found.pictures[0].picture, &map->models[1].view.depth);
+  EXPECT_EQ(found.pictures[0].picture, &map->view(1)->depth);
   EXPECT_EQ(viewsOf(found).front(), 1);
 }
 
 TEST_F(SurroundingsOfAPose, HaveTheirSegmentsInTheWorld) {
   const Surroundings found = surroundings().around(view, 0, pose, 5);
-  ASSERT_EQ(found.segments.size(), map->models[0].view.segments.size() + map->models[1].view.segments.size());
+  ASSERT_EQ(found.segments.size(), map->view(0)->segments.size() + map->view(1)->segments.size());
   ASSERT_EQ(found.origins.size(), found.segments.size());
   for (std::size_t i = 0; i < found.segments.size(); ++i) {
     const LocalModel& m = map->models[found.origins[i].view];
-    const Segment& s = m.view.segments[found.origins[i].segment];
+    const Segment& s = map->view(found.origins[i].view)->segments[found.origins[i].segment];
     EXPECT_LT((*m.T_w_m * s.t - found.segments[i].t).norm(), 1e-12);
     EXPECT_LT((m.T_w_m->linear() * s.R - found.segments[i].R).norm(), 1e-12);
   }

@@ -24,14 +24,11 @@ void PlaceIndexOfRooms::SetUpTestSuite() {
   for (int r = 0; r < kRooms; ++r)
     for (int i = 0; i < kViews; ++i) {
       const Eigen::Isometry3d T = robotCamera(i < kViews / 2 ? 2 : 3.2, 2.4, 30 * kDegree * i);
-      LocalModel m;
-      m.name = std::to_string(r) + "/" + std::to_string(i);
-      m.T_w_m = T;
-      m.T_w_m->pretranslate(Eigen::Vector3d(20.0 * r, 0, 0));
-      m.view = mounted(viewFrom(room(r), T, unsigned(100 + r * kViews + i)), kMounting);
-      made->models.push_back(m);
+      made->models.emplace_back(std::to_string(r) + "/" + std::to_string(i), 0,
+                                Eigen::Translation3d(20.0 * r, 0, 0) * T,
+                                mounted(viewFrom(room(r), T, unsigned(100 + r * kViews + i)), kMounting));
     }
-  map = made;
+  map = openedMap(*made);
 }
 
 }  // namespace facetloc::test
@@ -54,7 +51,7 @@ TEST_F(PlaceIndexOfRooms, EveryModelLeadsItsOwnList) {
   // Most views are alike in all rooms, but for the noise.
   int near_front = 0;
   for (std::size_t i = 0; i < map->models.size(); ++i) {
-    const std::vector<int> list = index.shortlist(map->models[i].view, kRooms);
+    const std::vector<int> list = index.shortlist(viewOf(i), kRooms);
     ASSERT_EQ(list.size(), kRooms);
     EXPECT_EQ(list.front() % kViews, static_cast<int>(i) % kViews);
     near_front += std::count(list.begin(), list.end(), static_cast<int>(i));
@@ -143,12 +140,10 @@ TEST_F(PlaceIndexOfRooms, WithoutWallsTheModelsThatShareLevelSurfacesComeFirst) 
   Map tables;
   tables.camera.mounting = kMounting;
   for (int i = 0; i < 6; ++i) {
-    LocalModel m;
-    m.name = std::to_string(i);
-    m.T_w_m = robotCamera(2, 2, 0);
-    m.view = facing(viewFrom(withTable(i), *m.T_w_m, unsigned(i)), isLevel);
-    ASSERT_GE(placeSignature(m.view, kMounting).surfaces.size(), 1u) << i;
-    tables.models.push_back(m);
+    const Eigen::Isometry3d T_w_m = robotCamera(2, 2, 0);
+    const View view = facing(viewFrom(withTable(i), T_w_m, unsigned(i)), isLevel);
+    ASSERT_GE(placeSignature(view, kMounting).surfaces.size(), 1u) << i;
+    tables.models.emplace_back(std::to_string(i), 0, T_w_m, view);
   }
   const PlaceIndex index(tables);
   for (int i = 0; i < 6; ++i) {
@@ -160,19 +155,19 @@ TEST_F(PlaceIndexOfRooms, WithoutWallsTheModelsThatShareLevelSurfacesComeFirst) 
 TEST_F(PlaceIndexOfRooms, BadInput) {
   const PlaceIndex index(*map, few());
   EXPECT_TRUE(index.shortlist(View{}, 10).empty());
-  EXPECT_TRUE(index.shortlist(map->models[0].view, 0).empty());
-  View bad = map->models[0].view;
+  EXPECT_TRUE(index.shortlist(viewOf(0), 0).empty());
+  View bad = viewOf(0);
   for (Segment& s : bad.segments) s.R(0, 0) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(index.shortlist(bad, 10).empty());
 
   Map empty;
   EXPECT_THROW(PlaceIndex{empty}, std::invalid_argument);  // no mounting
   empty.camera.mounting = kMounting;
-  EXPECT_TRUE(PlaceIndex(empty).shortlist(map->models[0].view, 10).empty());
+  EXPECT_TRUE(PlaceIndex(empty).shortlist(viewOf(0), 10).empty());
 
   Map without_segments = empty;
-  without_segments.models.resize(3);
-  EXPECT_EQ(PlaceIndex(without_segments).shortlist(map->models[0].view, 10), (std::vector<int>{0, 1, 2}));
+  without_segments.models.resize(3, {"", 0, {}, View()});
+  EXPECT_EQ(PlaceIndex(without_segments).shortlist(viewOf(0), 10), (std::vector<int>{0, 1, 2}));
 }
 
 }  // namespace

@@ -117,7 +117,7 @@ TEST_F(PlaceIndexOfRooms, TheShortlistIsOfTheBestAlignedAndOfThoseWithWhosePlane
         expected.push_back(c.model);
         continue;
       }
-      const auto h = registration.alignFrom(start[c.model], onFloor(view), map->models[c.model].view);
+      const auto h = registration.alignFrom(start[c.model], onFloor(view), *map->view(c.model));
       if (h) others.emplace_back(-h->score, c.model);
     }
     std::sort(others.begin(), others.end());
@@ -155,9 +155,8 @@ TEST_F(PlaceIndexOfRooms, AnExaminedModelThatCannotBeReadIsAnErrorForAnyNumberOf
   struct Store : MapStore {
     std::shared_ptr<const View> view(int i) const override {
       if (i == damaged) throw std::runtime_error("local model " + std::to_string(i) + " is damaged");
-      return std::make_shared<View>(intact->models[i].view);
+      return intact->view(i);
     }
-    std::unique_ptr<std::istream> placeIndex() const override { return nullptr; }
     std::shared_ptr<const Map> intact = map;
     int damaged = -1;
   };
@@ -172,7 +171,7 @@ TEST_F(PlaceIndexOfRooms, AnExaminedModelThatCannotBeReadIsAnErrorForAnyNumberOf
       PlaceIndex(*map, params.shortlist).shortlist(view, params.shortlist.aligned_models);
   const auto store = std::make_shared<Store>();
   auto stored = std::make_shared<Map>(*map);
-  stored->store = store;
+  stored->setStore(store);
   const Shortlist shortlist(stored, params);
   for (const int threads : {1, 2}) {
     store->damaged = aligned.at(25);  // aligned, but not examined
@@ -207,9 +206,8 @@ struct ListeningStore : MapStore {
   explicit ListeningStore(std::shared_ptr<const Map> map) : of(std::move(map)) {}
   std::shared_ptr<const View> view(int i) const override {
     asked.push_back(i);
-    return borrowed(of->models[i].view);
+    return of->view(i);
   }
-  std::unique_ptr<std::istream> placeIndex() const override { return nullptr; }
   std::shared_ptr<const Map> of;
   mutable std::vector<int> asked;
 };
@@ -220,7 +218,7 @@ std::vector<int> askedFor(const View& view, const std::shared_ptr<const Map>& ma
   params.evidence.enabled = false;  // which asks them, too
   const auto store = std::make_shared<ListeningStore>(map);
   auto stored = std::make_shared<Map>(*map);
-  stored->store = store;
+  stored->setStore(store);
   const GlobalLocalization localization(stored, params);
   store->asked.clear();  // of the index
   EXPECT_FALSE(localization.localize(view).hypotheses.empty());
@@ -259,7 +257,7 @@ TEST_F(PlaceIndexOfRooms, AProbabilityByOverlapScoresLeavesNobodyUnasked) {
 }
 
 TEST_F(PlaceIndexOfRooms, ASmallMapIsSearchedAsAWhole) {
-  const View& view = map->models[0].view;
+  const View view = viewOf(0);
   GlobalLocalizationParams small;
   small.shortlist.exhaustive_up_to = static_cast<int>(map->models.size());
   EXPECT_EQ(modelsFor(view, Shortlist(map, small)).size(), map->models.size());
@@ -273,7 +271,7 @@ TEST_F(PlaceIndexOfRooms, AViewThatHasNothingToLookUpIsRegisteredWithAll) {
   GlobalLocalizationParams params;
   params.shortlist.exhaustive_up_to = 0;
   const Shortlist shortlist(map, params);
-  EXPECT_LT(modelsFor(map->models[0].view, shortlist).size(), map->models.size());
+  EXPECT_LT(modelsFor(viewOf(0), shortlist).size(), map->models.size());
   // A room on one of its corners: neither walls nor level surfaces.
   View oblique = query(0, 0, 78);
   const Eigen::Matrix3d R_b_c = kMounting.T_b_c().linear();
@@ -288,7 +286,7 @@ TEST_F(PlaceIndexOfRooms, AViewThatHasNothingToLookUpIsRegisteredWithAll) {
 }
 
 TEST_F(PlaceIndexOfRooms, AWiderPriorThanTheUsualOneIsSearchedInAllModels) {
-  const View& view = map->models[5].view;
+  const View view = viewOf(5);
   GlobalLocalizationParams params;
   params.shortlist.exhaustive_up_to = 0;
   const auto models = [&] {
@@ -364,6 +362,21 @@ TEST_F(PlaceIndexOfRooms, ACameraInAnyAttitudeIsLookedForInTheLikeliestModelsFir
     for (const Start& s : batch) EXPECT_EQ(s.T_m_c.P, in_the_hand.prior.P);
   params.shortlist.size = 0;
   EXPECT_EQ(Shortlist(map, params).batches(in_the_hand, false, 1).size(), 1u);
+}
+
+TEST_F(PlaceIndexOfRooms, ACameraInTheHandIsLookedForInAllModelsOfAMapInItsFile) {
+  const Shortlist in_file(map, {}), in_memory(test::inMemory(*map), {});
+  ASSERT_TRUE(map->store());
+  for (int model = 3; model < kRooms * kViews; model += 31) {
+    View view = viewOf(model);
+    view.camera = nullptr;
+    const auto found = in_file.batches(inTheHand(view), false, 1),
+               expected = in_memory.batches(inTheHand(view), false, 1);
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) EXPECT_EQ(modelsOf(found[i]), modelsOf(expected[i]));
+    const std::vector<int> first = modelsOf(found[0]);
+    EXPECT_EQ(std::count(first.begin(), first.end(), model), 1) << "an image of the map is laid over itself";
+  }
 }
 
 TEST_F(PlaceIndexOfRooms, WhoIsAskedAnewSaysNothingTwice) {

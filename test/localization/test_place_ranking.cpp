@@ -2,6 +2,7 @@
 #include "ranking/place_ranking.h"
 
 #include <facetloc/features/so3.h>
+#include <facetloc/testing/changed_views.h>
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_depth.h>
 
@@ -202,10 +203,8 @@ class Evidence : public testing::Test {
 protected:
   Evidence() {
     for (const double x : {0.8, 1.3, 1.8}) {
-      LocalModel m;
-      m.T_w_m = lookingAlong({x, 0.5, 1.2}, {0.4, 1, -0.2});
-      m.view = viewFrom(*m.T_w_m);
-      map.models.push_back(m);
+      const Eigen::Isometry3d T_w_m = lookingAlong({x, 0.5, 1.2}, {0.4, 1, -0.2});
+      map.models.emplace_back("", 0, T_w_m, viewFrom(T_w_m));
     }
   }
   static View viewFrom(const Eigen::Isometry3d& T_w_c) {
@@ -344,7 +343,7 @@ TEST_F(Evidence, HopelessHypothesesGetTheLeastOfTheOthers) {
 TEST_F(Evidence, OfAPerfectViewIsThatOfItsUntestedPixels) {
   // Closed form: no pixel contradicts, is hidden or disagrees; what is left is the share that came untested.
   map.models.resize(1);
-  map.models[0].view = scene;
+  map.models[0].setView(scene);
   map.models[0].T_w_m = truth;
   std::vector<Hypothesis> h{hypothesis(0, truth)};
   ASSERT_TRUE(add(h));
@@ -379,7 +378,7 @@ TEST_F(Evidence, APasserByInOneModelIsForgiven) {
   DepthImage image = test::render(test::furnishedRoom(), test::smallCamera(), *map.models[1].T_w_m).image;
   for (int v = 0; v < image.camera.height; ++v)
     for (int u = 100; u < 200; ++u) image.depth[v * image.camera.width + u] *= 0.5f;
-  map.models[1].view.depth = DepthPicture::fromDepth(image);
+  test::changeView(map, 1, [&](View& view) { view.depth = DepthPicture::fromDepth(image); });
   const double after = evidenceOfTruth();
   EXPECT_LT(after, before);
   const double alone = params.calibration.evidence.contradiction_weight *
@@ -502,7 +501,7 @@ TEST_F(Evidence, IsNoneWhereThereIsNothingToCompare) {
   scene.depth = {};
   expectNone(plain);
   scene = with_depth;
-  for (LocalModel& m : map.models) m.view.depth = {};
+  test::changeViews(map, [](View& view) { view.depth = {}; });
   expectNone(plain);
   map.models.clear();
   expectNone(plain);

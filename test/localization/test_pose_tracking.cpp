@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "nearby/view_alignment.h"
+#include "opened_map.h"
 
 #include <facetloc/localization/pose_tracking.h>
+#include <facetloc/testing/changed_views.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_views.h>
@@ -45,12 +47,7 @@ struct Drive {
 std::shared_ptr<Map> mapOf(const test::Scene& scene, const std::vector<Eigen::Isometry3d>& poses) {
   auto map = std::make_shared<Map>();
   const Drive views(scene, poses, 1000);
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    LocalModel m;
-    m.T_w_m = poses[i];
-    m.view = views.views[i];
-    map->models.push_back(std::move(m));
-  }
+  for (std::size_t i = 0; i < poses.size(); ++i) map->models.emplace_back("", 0, poses[i], views.views[i]);
   return map;
 }
 
@@ -67,7 +64,7 @@ protected:
   static void SetUpTestSuite() {
     std::vector<Eigen::Isometry3d> models, poses;
     for (int i = 0; i < 18; ++i) models.push_back(onCircle(20 * i, 0.35, 1.2));
-    map = mapOf(test::largeRoom(), models);
+    map = test::openedMap(*mapOf(test::largeRoom(), models));
     for (int i = 0; i < kViews; ++i)  // 0.4 m/s and 36 deg/s, with a sway
       poses.push_back(onCircle(10 + 1.2 * i, 0.6, 1.2 + 0.03 * std::sin(0.3 * i)));
     drive = std::make_unique<Drive>(test::largeRoom(), poses, 1);
@@ -109,8 +106,8 @@ TEST_F(TrackingInARoom, TheStoreyAboveIsNotTheFloor) {
   const CameraMounting mounting{1.2, tiltOf(onCircle(0, 0.6, 1.2))};
   two_storeys->camera.mounting = mounting;
   for (LocalModel m : map->models) {  // of another room
-    m.view = viewFrom(test::furnishedRoom(), lookingAlong({2, 1.5, 1.2}, m.T_w_m->linear().col(2)),
-                      static_cast<unsigned>(two_storeys->models.size()));
+    m.setView(viewFrom(test::furnishedRoom(), lookingAlong({2, 1.5, 1.2}, m.T_w_m->linear().col(2)),
+                       static_cast<unsigned>(two_storeys->models.size())));
     m.T_w_m->translation().z() += 3;
     two_storeys->models.push_back(std::move(m));
   }
@@ -123,11 +120,8 @@ TEST_F(TrackingInARoom, TheStoreyAboveIsNotTheFloor) {
 
 TEST_F(TrackingInARoom, ViewsThatNoPlaceExplainsAreNoCrash) {
   auto large = std::make_shared<Map>(*map);  // where a place is very likely not one of a few
-  for (int i = 0; i < 10000; ++i) {
-    LocalModel nothing;
-    nothing.T_w_m = Eigen::Isometry3d(Eigen::Translation3d(100 + i, 0, 1));
-    large->models.push_back(nothing);
-  }
+  for (int i = 0; i < 10000; ++i)
+    large->models.emplace_back("", 0, Eigen::Isometry3d(Eigen::Translation3d(100 + i, 0, 1)), View());
   PoseTracking tracking(large);
   for (int i = 0; i < 10; ++i) {
     const double a = 0.157 * i;
@@ -169,6 +163,19 @@ TEST_F(TrackingInARoom, FollowsTheCameraAndKnowsItsError) {
   EXPECT_GT(nees, 6 / caution);
 }
 
+TEST_F(TrackingInARoom, ViewsInAFileGiveThePosesOfThoseInMemory) {
+  PoseTracking in_file(map), in_memory(test::inMemory(*map));
+  for (int i = 0; i < 15; ++i) {
+    const TrackedPose a = in_file.update(drive->views[i], i * kFrame),
+                      b = in_memory.update(drive->views[i], i * kFrame);
+    EXPECT_EQ(a.state, b.state);
+    ASSERT_EQ(a.T_w_c.has_value(), b.T_w_c.has_value()) << i;
+    if (!a.T_w_c) continue;
+    EXPECT_EQ(a.T_w_c->T.matrix(), b.T_w_c->T.matrix());
+    EXPECT_EQ(a.T_w_c->P, b.T_w_c->P);
+  }
+}
+
 TEST_F(TrackingInARoom, FollowsEveryFourthView) {
   PoseTracking tracking(map);
   for (int i = 0; i < kViews; i += 4) {
@@ -183,13 +190,14 @@ TEST_F(TrackingInARoom, TheMatchedModelIsDrawnAsItIs) {
   ASSERT_TRUE(last_.match);
   const Hypothesis& match = *last_.match;
   const LocalModel& model = map->models.at(match.model);
+  const std::shared_ptr<const View> view = map->view(match.model);
   EXPECT_THAT(*model.T_w_m * match.T_m_c.T, PoseNear(last_.T_w_c->T, 1e-9, 1e-6));
   EXPECT_FALSE(match.pairs.empty());
   for (const SegmentPair& p : match.pairs) {
     ASSERT_LT(static_cast<std::size_t>(p.scene), drive->views[next_ - 1].segments.size());
-    ASSERT_LT(static_cast<std::size_t>(p.model), model.view.segments.size());
+    ASSERT_LT(static_cast<std::size_t>(p.model), view->segments.size());
     const Eigen::Vector3d n = match.T_m_c.T.linear() * drive->views[next_ - 1].segments[p.scene].normal();
-    EXPECT_GT(n.dot(model.view.segments[p.model].normal()), 0.95);
+    EXPECT_GT(n.dot(view->segments[p.model].normal()), 0.95);
   }
   // The covariance in model axes is the covariance of draws in world axes.
   Rng rng(1);
@@ -432,7 +440,7 @@ TEST_F(TrackingInARoom, AMapWithoutWorldPosesSaysSo) {
 
 TEST_F(TrackingInARoom, WithoutDepthPicturesThePlanesFollow) {
   auto bare = std::make_shared<Map>(*map);
-  for (LocalModel& m : bare->models) m.view.depth = {};
+  test::changeViews(*bare, [](View& view) { view.depth = {}; });
   PoseTrackingParams params;
   params.min_probability = 0.3;  // there is less evidence
   PoseTracking tracking(bare, params);

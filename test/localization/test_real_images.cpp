@@ -30,10 +30,7 @@ std::shared_ptr<const Map> mapOf(const DepthSequence& sequence) {
   for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
     const auto T_w_c = sequence.groundTruth().at(sequence.frames()[i].stamp);
     if (!T_w_c || !rule.accept(*T_w_c)) continue;
-    LocalModel model;
-    model.T_w_m = T_w_c;
-    model.view = builder.build(sequence.load(i, kWorkingWidth));
-    map->models.push_back(std::move(model));
+    map->models.emplace_back("", 0, *T_w_c, builder.build(sequence.load(i, kWorkingWidth)));
   }
   return map;
 }

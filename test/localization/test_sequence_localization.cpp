@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "belief/place_belief.h"
+#include "opened_map.h"
 
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/sequence_localization.h>
@@ -26,10 +27,7 @@ using testing::HasSubstr;
 constexpr double kFrame = 0.1;  // [s]
 
 LocalModel modelAt(const test::Scene& scene, const Eigen::Isometry3d& T_w_m, unsigned seed) {
-  LocalModel m;
-  m.T_w_m = T_w_m;
-  m.view = viewFrom(scene, T_w_m, seed);
-  return m;
+  return {"", 0, T_w_m, viewFrom(scene, T_w_m, seed)};
 }
 
 /** On a circle about the middle of the large room, looking outwards and down: the floor is always in view. */
@@ -55,6 +53,7 @@ protected:
     map = std::make_shared<Map>();
     for (int i = 0; i < 18; ++i)
       map->models.push_back(modelAt(test::largeRoom(), onCircle(20 * i, 0.35), 1000 + i));
+    map = test::openedMap(*map);
     for (int i = 0; i < kViews; ++i) {  // 36 deg/s and, on the circle, 0.4 m/s
       truth.push_back(onCircle(10 + 3.6 * i, 0.6));
       views.push_back(viewFrom(test::largeRoom(), truth.back(), 1 + i));
@@ -91,6 +90,18 @@ TEST_F(SequenceInARoom, ACameraThatMovesKnowsWhereItIs) {
   }
   EXPECT_GE(sure, kViews - 20);
   EXPECT_LE(searched, 20);
+}
+
+TEST_F(SequenceInARoom, ViewsInAFileGiveTheAnswersOfThoseInMemory) {
+  SequenceLocalization in_file(map), in_memory(test::inMemory(*map));
+  for (int i = 0; i < 12; ++i) {
+    const SequenceAnswer a = in_file.add(views[i], i * kFrame), b = in_memory.add(views[i], i * kFrame);
+    ASSERT_EQ(a.places.size(), b.places.size());
+    for (std::size_t k = 0; k < a.places.size(); ++k) {
+      EXPECT_EQ(a.places[k].probability, b.places[k].probability);
+      EXPECT_EQ(a.places[k].T_w_c->matrix(), b.places[k].T_w_c->matrix());
+    }
+  }
 }
 
 TEST_F(SequenceInARoom, StandingStillSharpensNothing) {
@@ -315,6 +326,7 @@ protected:
       m.T_w_m = shifted(*m.T_w_m);
       map->models.push_back(std::move(m));
     }
+    map = test::openedMap(*map);
     for (int i = 0; i < kViews; ++i) {
       const Eigen::Isometry3d there = onCircle(degrees(i), 0.4);
       truth.push_back(shifted(there));

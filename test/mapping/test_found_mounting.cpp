@@ -2,6 +2,7 @@
 #include "pairs/mounting_check.h"
 
 #include <facetloc/mapping/found_mounting.h>
+#include <facetloc/testing/changed_views.h>
 
 #include <gmock/gmock.h>
 
@@ -32,11 +33,10 @@ Map drive(const CameraMounting& mounting, double sway_height, double sway_tilt, 
     CameraMounting now = mounting;
     now.height += sway_height * normal(random);
     now.tilt_deg += sway_tilt * normal(random);
-    LocalModel model;
-    model.T_w_m = Eigen::Isometry3d(Eigen::Translation3d(way * i / 39, 0, 0));
-    model.view.segments = {level(now, now.height), level(now, now.height - 0.3 - 0.01 * i),
-                           plane({0, 0, 1}, 2 + 0.1 * i)};
-    map.models.push_back(model);
+    View view;
+    view.segments = {level(now, now.height), level(now, now.height - 0.3 - 0.01 * i),
+                     plane({0, 0, 1}, 2 + 0.1 * i)};
+    map.models.emplace_back("", 0, Eigen::Isometry3d(Eigen::Translation3d(way * i / 39, 0, 0)), view);
   }
   return map;
 }
@@ -48,6 +48,17 @@ TEST(FoundMounting, IsThatOfARobotOnAnUnevenFloor) {
   EXPECT_NEAR(found->mounting.height, 0.98, 0.01);
   EXPECT_NEAR(found->mounting.tilt_deg, 10, 1);
   EXPECT_THAT(found->inWords(), testing::HasSubstr("of 40 local models"));
+}
+
+TEST(FoundMounting, IsFoundWhereTheViewsAreNotInMemory) {
+  struct Store : MapStore {
+    std::shared_ptr<const View> view(int i) const override { return map.view(i); }
+    Map map = drive({0.98, 10}, 0.004, 1.5, 10);
+  };
+  const auto store = std::make_shared<Store>();
+  Map stored = store->map;
+  stored.setStore(store);
+  EXPECT_EQ(findMounting(stored)->models, findMounting(store->map)->models);
 }
 
 TEST(FoundMounting, ACameraInTheHandHasNone) {
@@ -77,12 +88,10 @@ TEST(FoundMounting, ARollIsPartOfIt) {
 TEST(SeenFloor, IsOfARolledCameraInTheHandToo) {
   Map map = drive({1.3, 20}, 0.02, 1, 0);
   constexpr double kRoll = 5;  // the camera's right side is lower
-  for (LocalModel& model : map.models)
-    for (Segment& s : model.view.segments) {
-      const Eigen::Matrix3d R =
-          Eigen::AngleAxisd(-kRoll * kDegree, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-      s.R = R * s.R, s.t = R * s.t;
-    }
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(-kRoll * kDegree, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  test::changeViews(map, [&R](View& view) {
+    for (Segment& s : view.segments) s.R = R * s.R, s.t = R * s.t;
+  });
   const auto floor = findFloor(map);
   ASSERT_TRUE(floor);
   EXPECT_NEAR(floor->height, 1.3, 0.02);

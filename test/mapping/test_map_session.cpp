@@ -38,8 +38,8 @@ protected:
     Map map;
     for (int i = 0; i < kModels; ++i) {
       const Eigen::Isometry3d T = lookAt(30. * i);
-      map.models.push_back({"m" + std::to_string(i), double(i), T,
-                            viewFrom(test::largeRoom() + kChest, T, static_cast<unsigned>(i))});
+      map.models.emplace_back("m" + std::to_string(i), double(i), T,
+                              viewFrom(test::largeRoom() + kChest, T, static_cast<unsigned>(i)));
       if (i > 0) map.links.push_back(MapBuilder().link(i - 1, i, *map.models[i - 1].T_w_m, T));
     }
     return map;
@@ -121,8 +121,8 @@ TEST_F(ASessionInARoom, TakesOutWhatHasGone) {
     return (p - kMiddle).head<2>().cwiseAbs().maxCoeff() < 0.45 && p.z() > 0.05;
   };
   int left = 0;
-  for (const LocalModel& model : map.models)
-    for (const Segment& s : model.view.segments) left += isOfChest(s, *model.T_w_m);
+  for (int i = 0; i < static_cast<int>(map.models.size()); ++i)
+    for (const Segment& s : map.view(i)->segments) left += isOfChest(s, *map.models[i].T_w_m);
   EXPECT_LE(left, 1);
   // The same session again finds nothing to do.
   const std::size_t models = map.models.size();
@@ -137,7 +137,7 @@ TEST_F(ASessionInARoom, RenewsWhereSomethingHasCome) {
   Map map;
   for (const SessionImage& image : sessionOf(test::largeRoom()))
     if (map.models.size() < kModels)
-      map.models.push_back({"m" + image.name, image.stamp, image.T_w_c, *image.view});
+      map.models.emplace_back("m" + image.name, image.stamp, image.T_w_c, *image.view);
   const std::size_t before = map.models.size();
   const std::vector<SessionImage> with_table = sessionOf(test::largeRoom() + table);
   std::vector<SessionImage> once = sessionOf(test::largeRoom());

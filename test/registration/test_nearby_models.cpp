@@ -27,7 +27,9 @@ std::shared_ptr<const Map> building() {
       m.T_w_m->translation() << std::round(place(engine)), place(engine), 1;
     }
     m.part = i % 4 == 0 ? 3 : 0;
-    if (i % 5 > 0) m.view.depth.camera = {160, 120, 130, 130, 80, 60};
+    View view;
+    if (i % 5 > 0) view.depth.camera = {160, 120, 130, 130, 80, 60};
+    m.setView(view);
     map->models.push_back(m);
   }
   return map;

@@ -66,12 +66,12 @@ void fields(Archive& archive, View& view) {
 
 template <class Archive>
 void fields(Archive& archive, LocalModel& model) {
-  archive(model.name, model.stamp, model.T_w_m, model.view);
+  archive(model.name, model.stamp, model.T_w_m);
 }
 
 template <class Archive>
 void fields(Archive& archive, PackedModel& packed) {
-  archive(packed.model, packed.depth);
+  archive(packed.model, packed.view, packed.depth);
 }
 
 template <class Archive>

@@ -25,7 +25,7 @@ std::vector<ViewTraits> traitsOf(const Map& map) {
   std::vector<ViewTraits> traits;
   const std::size_t step = std::max<std::size_t>(1, map.models.size() / kModels);
   for (std::size_t i = 0; i < map.models.size(); i += step)
-    traits.push_back(ViewTraits::of(map.models[i].view));
+    traits.push_back(ViewTraits::of(*map.view(static_cast<int>(i))));
   return traits;
 }
 

@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool hasItsIndex(const Map& map) {
-  const auto written = map.store ? map.store->placeIndex() : nullptr;
+  const auto written = map.store() ? map.store()->placeIndex() : nullptr;
   return written && PlaceIndex::read(*written, map);
 }
 
@@ -51,7 +51,7 @@ void completeMap(const fs::path& path, int threads, const Console& console) {
 
 std::vector<std::string> placeIndexFaults(const fs::path& path) try {
   const Map map = openMap(path, 0);
-  const auto written = map.camera.mounting ? map.store->placeIndex() : nullptr;
+  const auto written = map.camera.mounting ? map.store()->placeIndex() : nullptr;
   if (written) PlaceIndex::read(*written, map);
   return {};
 } catch (const std::exception& e) {

@@ -60,7 +60,7 @@ LiveMapState LiveMapping::update(const View& view, const std::string& name, doub
 
 void LiveMapping::follow(const View& view, const std::string& name, double stamp,
                          const std::optional<Eigen::Isometry3d>& motion) {
-  if (map_.add(view, name, stamp, motion)) unwritten_.push_back(LocalModel{name, stamp, {}, view});
+  if (map_.add(view, name, stamp, motion)) unwritten_.push_back({{name, stamp}, view});
   state_.keyframes = map_.keyframes();
   state_.T_w_c = map_.latest();
   if (!state_.T_w_c) {
@@ -143,8 +143,8 @@ void LiveMapping::carryOut(Job& job) {
   const std::size_t first_new = static_cast<std::size_t>(job.map.size()) - job.models.size();
   const auto T_w_m = job.map.poses();
   for (std::size_t i = 0; i < job.models.size(); ++i) {
-    job.models[i].T_w_m = T_w_m[first_new + i];
-    database_.add(job.models[i]);
+    job.models[i].model.T_w_m = T_w_m[first_new + i];
+    database_.add(job.models[i].model, job.models[i].view);
   }
   job.models.clear();
   if (job.improve) job.map.improve();

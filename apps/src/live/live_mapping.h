@@ -69,10 +69,14 @@ public:
 
 private:
   using Clock = std::chrono::steady_clock;
+  struct SeenModel {
+    LocalModel model;
+    View view;
+  };
   /** What is to be done in the background, and what has come of it. */
   struct Job {
     GrowingMap map;
-    std::vector<LocalModel> models;  // new ones
+    std::vector<SeenModel> models;  // new ones
     bool improve = false;
     std::shared_ptr<const Map> result;
   };
@@ -88,7 +92,7 @@ private:
   const std::filesystem::path path_;
   const Camera camera_;
   GrowingMap map_;
-  std::vector<LocalModel> unwritten_;
+  std::vector<SeenModel> unwritten_;
   LiveTrail trail_;
   std::optional<Eigen::Vector3d> last_place_;  // of the way
   LiveMapState state_;

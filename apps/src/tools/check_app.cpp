@@ -177,9 +177,7 @@ void CheckApp::reportFloor(std::vector<ImageReport>& images, const Camera& camer
   Map map;
   for (ImageReport& image : images) {
     if (!image.is_read) continue;
-    LocalModel model;
-    model.view = std::move(image.view);
-    map.models.push_back(std::move(model));
+    map.models.emplace_back(std::string(), 0.0, std::nullopt, std::move(image.view));
   }
   const auto floor = findFloor(map);
   if (!floor) return line(console, "floor", "none that the images have in common");

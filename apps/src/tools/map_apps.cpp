@@ -53,7 +53,7 @@ std::string extentOf(const Map& map) {
 
 std::string cameraOf(const Map& map) {
   if (map.models.empty()) return "-";
-  const Intrinsics& k = map.models.front().view.intrinsics;
+  const Intrinsics k = map.view(0)->intrinsics;
   return std::to_string(k.width) + "x" + std::to_string(k.height) + ", fx " + text::decimals(k.fx, 2) +
          ", fy " + text::decimals(k.fy, 2) + ", cx " + text::decimals(k.cx, 2) + ", cy " +
          text::decimals(k.cy, 2);
@@ -65,18 +65,14 @@ std::string inDisparity(const DepthDistortion& distortion) {
          " disparity units (1/8 px of a Kinect) on average";
 }
 
-/** The camera's, and the images' where they are noisier. */
-std::string noiseOf(const Map& map) {
-  double least = std::numeric_limits<double>::infinity(), most = 0;
-  for (const LocalModel& model : map.models) {
-    least = std::min(least, model.view.noise());
-    most = std::max(most, model.view.noise());
-  }
+/** The camera's, and the images' where they are noisier. \param of_images one each */
+std::string noiseOf(const Map& map, const std::vector<double>& of_images) {
   std::string words = text::significant(map.camera.noise.ofInverseDepth(DepthNoise::kUsualDepth), 3) + " 1/m";
   if (!map.camera.noise.isConstantInInverseDepth())
     words += " at " + text::decimals(DepthNoise::kUsualDepth, 0) + " m";
-  if (most > 0)
-    words += ", of the images " + text::significant(least, 3) + " to " + text::significant(most, 3);
+  const auto [least, most] = std::minmax_element(of_images.begin(), of_images.end());
+  if (!of_images.empty())
+    words += ", of the images " + text::significant(*least, 3) + " to " + text::significant(*most, 3);
   return words;
 }
 
@@ -111,13 +107,14 @@ void addParts(TextTable& table, const Map& map) {
 }
 
 void printSummary(std::ostream& out, const Map& map) {
-  std::vector<double> segments, areas;
+  std::vector<double> segments, areas, noise;
   std::size_t with_pose = 0, with_depth = 0;
   for (std::size_t i = 0; i < map.models.size(); ++i) {
     const auto view = map.view(static_cast<int>(i));  // of a large map, one at a time
     segments.push_back(static_cast<double>(view->segments.size()));
     with_pose += map.models[i].givenPose().has_value();
-    with_depth += map.models[i].hasPicture();
+    with_depth += view->hasPicture();
+    noise.push_back(view->noise());
     for (const Segment& s : view->segments) areas.push_back(s.area());
   }
   TextTable table({"local models", ""});
@@ -134,7 +131,7 @@ void printSummary(std::ostream& out, const Map& map) {
   table.add({"  per model", meanMinMax(segments, 1)});
   table.add({"  area of the hull [m2]", meanMinMax(areas, 3)});
   table.add({"camera mounting", map.camera.mounting ? inWords(*map.camera.mounting) : "unknown"});
-  table.add({"noise of inverse depth", noiseOf(map)});
+  table.add({"noise of inverse depth", noiseOf(map, noise)});
   table.add({"wrong places score", ambiguityOf(map)});
   table.add({"distortion taken out", map.camera.distortion ? inDisparity(*map.camera.distortion) : "none"});
   out << table;

@@ -288,9 +288,8 @@ MapBuildApp::ModelBatch::Work MapBuildApp::modelWork(const DepthSequence& sequen
   };
   return {[fileOf](std::size_t i) { return fileOf(i).path.string(); },
           [this, &sequence, fileOf, builders, images = order.first](std::size_t i, int worker) {
-            LocalModel model{fileOf(i).name, fileOf(i).stamp, {}, {}};
-            model.view = (*builders)[worker].build(sequence.load(images[i], input_.width));
-            return packed(std::move(model));
+            return packed({fileOf(i).name, fileOf(i).stamp},
+                          (*builders)[worker].build(sequence.load(images[i], input_.width)));
           }};
 }
 
@@ -309,8 +308,8 @@ MapBuildApp::Seen MapBuildApp::addModels(const DepthSequence& sequence, const st
             [&](std::size_t i, std::optional<PackedModel>&& built, const std::string&) {
               if (!built) return;
               built->model.T_w_m = missing[i].T_w_m;
-              seen.noise.push_back(built->model.view.noise());
-              if (built->model.view.segments.empty())
+              seen.noise.push_back(built->view.noise());
+              if (built->view.segments.empty())
                 ++seen.without_segments;
               else
                 writer.add(*built);

@@ -113,7 +113,7 @@ int RegisterApp::execute(const CommandLine& line, const Console& console) {
   if (state == AnswerState::doubtful) console.out << ": no pose is likely enough to act on it";
   console.out << "\n";
   console.out << counted(scene.segments.size(), "source segment") << ", "
-              << counted(map->models[0].view.segments.size(), "target segment") << ", registered in "
+              << counted(map->view(0)->segments.size(), "target segment") << ", registered in "
               << text::decimals(milliseconds, 1) << " ms";
   if (!aligned_.empty() && state == AnswerState::unknown) {
     console.note("there is no pose by which the source could be moved: " + aligned_ + " is not written");

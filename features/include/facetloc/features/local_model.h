@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace facetloc {
@@ -23,6 +24,7 @@ struct View {
   std::vector<Segment> segments;  ///< the most useful first, by information content (METHOD 9)
   DepthPicture depth;             ///< may be empty: dense checks are then skipped
 
+  bool hasPicture() const { return depth.camera.valid(); }
   /** \brief Noise of inverse depth that it was seen with, at the usual depth [1/m]. */
   double noise() const { return depth.noise.ofInverseDepth(DepthNoise::kUsualDepth); }
 };
@@ -33,32 +35,7 @@ std::shared_ptr<const T> borrowed(const T& object) {
   return std::shared_ptr<const T>(std::shared_ptr<const T>(), &object);
 }
 
-/** \brief A local model of the map: the view of one map image, in the frame S_M of its camera. */
-struct LocalModel {
-  std::string name;
-  double stamp = 0;                        ///< [s]
-  std::optional<Eigen::Isometry3d> T_w_m;  ///< pose of S_M in the frame of its part of the map, if known
-  View view;
-  int part = 0;  ///< index of the part of the map
-  /** \brief Score of the best wrong place for its view [nats], if the map was asked and has one
-   * (localization/METHOD 11.5). */
-  std::optional<double> lookalike_score{};
-  bool by_links = false;  ///< T_w_m follows from the map's links (placeByLinks()), and was not given
-
-  /** \brief True also where the picture itself is in a MapStore. */
-  bool hasPicture() const { return view.depth.camera.valid(); }
-  /** \brief T_w_m as whoever made the map has given it. */
-  std::optional<Eigen::Isometry3d> givenPose() const { return by_links ? std::nullopt : T_w_m; }
-};
-
-/** \brief A topological link between two local models. */
-struct Link {
-  int from = 0;  ///< index of a local model
-  int to = 0;
-  PoseWithCovariance T_from_to;
-};
-
-/** \brief Where the parts of a map are that are too large to be in memory all at once. Thread-safe; all
+/** \brief Where the views of a map are that are too large to be in memory all at once. Thread-safe; all
  * functions throw what reading throws. */
 class MapStore {
 public:
@@ -67,8 +44,48 @@ public:
   virtual std::string name() const { return "the map"; }
   /** \brief The view of local model number i. */
   virtual std::shared_ptr<const View> view(int i) const = 0;
+  /** \brief Whether that view has a depth picture. */
+  virtual bool hasPicture(int i) const { return view(i)->hasPicture(); }
   /** \brief The map's PlaceIndex as it was written; null if there is none. */
-  virtual std::unique_ptr<std::istream> placeIndex() const = 0;
+  virtual std::unique_ptr<std::istream> placeIndex() const { return nullptr; }
+};
+
+/** \brief A local model of the map: the view of one map image, in the frame S_M of its camera. Map::view()
+ * reads the view, in memory or in a MapStore. Copies share it. */
+struct LocalModel {
+  LocalModel() = default;
+  LocalModel(std::string name, double stamp, const std::optional<Eigen::Isometry3d>& T_w_m = {});
+  LocalModel(std::string name, double stamp, const std::optional<Eigen::Isometry3d>& T_w_m, View view);
+
+  std::string name;
+  double stamp = 0;                        ///< [s]
+  std::optional<Eigen::Isometry3d> T_w_m;  ///< pose of S_M in the frame of its part of the map, if known
+  int part = 0;                            ///< index of the part of the map
+  /** \brief Score of the best wrong place for its view [nats], if the map was asked and has one
+   * (registration/METHOD 11.5). */
+  std::optional<double> lookalike_score{};
+  bool by_links = false;  ///< T_w_m follows from the map's links (placeByLinks()), and was not given
+
+  /** \brief Replaces its view by one in memory. */
+  void setView(View view);
+  void setView(std::shared_ptr<const View> view) { view_ = std::move(view), store_.reset(); }
+  /** \brief Whether its view has a depth picture; false without a view. */
+  bool hasPicture() const;
+  /** \brief T_w_m as whoever made the map has given it. */
+  std::optional<Eigen::Isometry3d> givenPose() const { return by_links ? std::nullopt : T_w_m; }
+
+private:
+  friend struct Map;
+  std::shared_ptr<const View> view_;       // in memory, or ...
+  std::shared_ptr<const MapStore> store_;  // ... view number index_ of a store
+  int index_ = 0;
+};
+
+/** \brief A topological link between two local models. */
+struct Link {
+  int from = 0;  ///< index of a local model
+  int to = 0;
+  PoseWithCovariance T_from_to;
 };
 
 /** \brief How much alike the places of a map look: what wrong places score when its own views are asked for
@@ -90,12 +107,15 @@ struct Map {
   std::optional<MapAmbiguity> ambiguity;  ///< as far as it was asked about itself
   std::map<std::string, std::string>
       meta;  ///< how it was made: parameters, software version, conventions in words
-  std::shared_ptr<const MapStore> store;  ///< if not null, the models' own views tell their cameras alone
 
-  /** \brief The view of local model number i, wherever it is; in the map's memory, valid while the map is. */
-  std::shared_ptr<const View> view(int i) const {
-    return store ? store->view(i) : borrowed(models[static_cast<std::size_t>(i)].view);
-  }
+  /** \brief The view of local model number i, wherever it is. Throws what reading it throws, and
+   * std::logic_error if the model has none. */
+  std::shared_ptr<const View> view(int i) const;
+
+  /** \brief Replaces the views of all local models by those of a store, by their index. */
+  void setStore(std::shared_ptr<const MapStore> store);
+  /** \brief The store that was set last; null for a map in memory. */
+  const std::shared_ptr<const MapStore>& store() const { return store_; }
 
   /** \brief The name of the part that local model number i belongs to; empty for the world. */
   std::string partOf(int i) const;
@@ -103,6 +123,9 @@ struct Map {
   /** \brief A camera whose images are to be localized in the map: with the distortion that the map has found,
    * if its optics are those of the map's camera and nothing else is known. */
   Camera calibrated(Camera of_images) const;
+
+private:
+  std::shared_ptr<const MapStore> store_;
 };
 
 /** \brief A map of nothing but one view, whose camera frame is the world: what a view is registered with. */

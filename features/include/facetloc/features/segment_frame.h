@@ -49,8 +49,7 @@ SegmentFrame toSegmentFrame(const Segment& segment);
 std::ostream& operator<<(std::ostream& out, const SegmentFrame& frame);
 /** \brief False if a field is not finite, the quaternion is not a rotation, Sigma_q is not positive definite,
  * the hull is malformed, or the normal is another than the orientation's, as after
- * pcl::transformPointCloudWithNormals(); out is then unchanged. A normal of zeros, as in files of version
- * 0.1, says nothing. Never crashes, whatever the bytes. */
+ * pcl::transformPointCloudWithNormals(); out is then unchanged. Never crashes, whatever the bytes. */
 bool toSegment(const SegmentFrame& frame, Segment& out);
 
 pcl::PointCloud<SegmentFrame> toCloud(const std::vector<Segment>& segments);

@@ -18,10 +18,11 @@ namespace facetloc {
  * longer than everything else about adding a model, and any thread can do it. The picture is to have the size
  * that its camera says. */
 struct PackedModel {
-  LocalModel model;                 ///< of view.depth the camera and the noise alone
+  LocalModel model;
+  View view;                        ///< its depth has the camera and the noise alone
   std::vector<std::uint8_t> depth;  ///< empty if there is no depth picture
 };
-PackedModel packed(LocalModel model);
+PackedModel packed(LocalModel model, View view);
 
 /** \brief A map file (*.flmap): one SQLite database. All functions throw IoError with file and
  * cause.
@@ -33,7 +34,7 @@ class MapDatabase {
 public:
   static constexpr int kApplicationId = 0x464C4D50;  ///< "FLMP"
   static constexpr int kMajor = 1;
-  static constexpr int kMinor = 7;
+  static constexpr int kMinor = 0;
 
   /** \brief Creates a new, empty map; refuses an existing file unless overwrite is set. */
   static MapDatabase create(const std::filesystem::path& path, bool overwrite = false);
@@ -55,7 +56,7 @@ public:
   void setPlaceIndex(const std::function<void(std::ostream&)>& write);
   /** \brief Adds a local model with its segments, depth picture and given pose in one transaction; returns
    * its index. */
-  int add(const LocalModel& model);
+  int add(const LocalModel& model, const View& view);
   int add(const PackedModel& model);
   /** \brief Adds a link between two models that are already there. */
   void add(const Link& link);

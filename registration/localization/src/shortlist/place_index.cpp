@@ -129,41 +129,31 @@ std::uint32_t checksumOfNames(const Map& map) {
   return sum.checksum();
 }
 
-// Changes with signatures. What version 0.1 wrote held descriptors and their search tree, too: both follow
-// from the signatures, and nothing that a file says of them is used.
-constexpr const char *kFormat = "facetloc place index 5", *kFormatWithoutTurn = "facetloc place index 4",
-                     *kFormatWithTree = "facetloc place index 3";
+constexpr const char* kFormat = "facetloc place index 1.0";  // changes with signatures
 
 /** What a written index depends on. */
 struct Header {
   std::string format = kFormat;
   std::size_t models = 0;
   std::uint32_t names = 0;
-  double height = 0, tilt_deg = 0;  // of the camera
-  Eigen::Vector4d turn =
-      Eigen::Vector4d::Zero();  // its roll and pan [deg], x and y [m]; older formats have none
+  Vector6d mounting = Vector6d::Zero();  // of the camera
   Eigen::Matrix3d floor = Eigen::Matrix3d::Zero();
 
   Header() = default;
   Header(const Map& map, const PosePriorParams& prior)
-      : models(map.models.size()),
-        names(checksumOfNames(map)),
-        height(map.camera.mounting->height),
-        tilt_deg(map.camera.mounting->tilt_deg),
-        turn(map.camera.mounting->roll_deg, map.camera.mounting->pan_deg, map.camera.mounting->x,
-             map.camera.mounting->y),
-        floor(floorCovariance(prior)) {}
+      : models(map.models.size()), names(checksumOfNames(map)), floor(floorCovariance(prior)) {
+    const CameraMounting& m = *map.camera.mounting;
+    mounting << m.height, m.tilt_deg, m.roll_deg, m.pan_deg, m.x, m.y;
+  }
   bool isOf(const Header& o) const {
-    return models == o.models && names == o.names && height == o.height && tilt_deg == o.tilt_deg &&
-           turn == o.turn && floor == o.floor;
+    return format == o.format && models == o.models && names == o.names && mounting == o.mounting &&
+           floor == o.floor;
   }
 };
 
 template <class Archive>
 void fields(Archive& archive, Header& h) {
-  archive(h.format, h.models, h.names, h.height, h.tilt_deg);
-  if (h.format == kFormat) archive(h.turn);
-  archive(h.floor);
+  archive(h.format, h.models, h.names, h.mounting, h.floor);
 }
 
 }  // namespace
@@ -236,13 +226,13 @@ bool PlaceIndex::covers(const PoseWithCovariance& prior) {
 PlaceIndex::PlaceIndex(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 
 PlaceIndex PlaceIndex::of(const Map& map, const ShortlistParams& params, const PosePriorParams& prior) {
-  const auto written = map.store ? map.store->placeIndex() : nullptr;
+  const auto written = map.store() ? map.store()->placeIndex() : nullptr;
   if (!written) return PlaceIndex(map, params, prior);
   try {
     auto read = PlaceIndex::read(*written, map, params, prior);
     return read ? std::move(*read) : PlaceIndex(map, params, prior);
   } catch (const std::runtime_error& e) {
-    throw std::runtime_error(map.store->name() + ": is not sound: " + e.what());
+    throw std::runtime_error(map.store()->name() + ": is not sound: " + e.what());
   }
 }
 
@@ -257,9 +247,7 @@ std::optional<PlaceIndex> PlaceIndex::read(std::istream& in, const Map& map, con
   BinaryReader archive(in);
   Header written;
   archive(written);
-  const bool has_tree = written.format == kFormatWithTree;
-  const bool is_known = has_tree || written.format == kFormatWithoutTurn || written.format == kFormat;
-  if (!is_known || !written.isOf(impl->header)) return std::nullopt;
+  if (!written.isOf(impl->header)) return std::nullopt;
   const auto require = [](bool condition) {
     if (!condition) throw std::runtime_error("its place index holds values that no index has");
   };
@@ -267,12 +255,6 @@ std::optional<PlaceIndex> PlaceIndex::read(std::istream& in, const Map& map, con
   require(impl->places.size() == map.models.size() &&
           std::all_of(impl->places.begin(), impl->places.end(), isSound));
   impl->describePlaces();
-  if (has_tree) {
-    std::vector<int> owner;
-    std::vector<float> heading;
-    archive(owner, heading);
-    require(owner == impl->owner && heading == impl->heading);
-  }
   return PlaceIndex(std::move(impl));
 }
 

@@ -21,8 +21,19 @@ Shortlist::Shortlist(std::shared_ptr<const Map> map, const GlobalLocalizationPar
     return;
   if (mounting && PlaceIndex::covers(usual))
     index_ = std::make_shared<PlaceIndex>(PlaceIndex::of(*map_, shortlist, params.prior));
-  planes_.reserve(map_->models.size());
-  for (const LocalModel& model : map_->models) planes_.emplace_back(model.view);
+  planes_ = std::make_shared<Planes>();
+}
+
+// For a camera in the hand alone: a large map is opened without its views.
+const std::vector<PlaneColumns>& Shortlist::planes() const {
+  std::call_once(planes_->read, [this] {
+    std::vector<PlaneColumns> of_models;
+    of_models.reserve(map_->models.size());
+    for (std::size_t i = 0; i < map_->models.size(); ++i)
+      of_models.emplace_back(*map_->view(static_cast<int>(i)));
+    planes_->of_models = std::move(of_models);
+  });
+  return planes_->of_models;
 }
 
 std::vector<Batch> Shortlist::batches(const Query& query, bool on_floor, int threads,
@@ -100,7 +111,8 @@ std::vector<Batch> Shortlist::overlaid(const Query& query, int threads,
   Batch all = allModels(query, excluded);
   const bool can_be_sure = registration_.score().inNats() && params_.steps.joint_refinement;
   const PlaneOverlay scene(query.view, query.prior);
-  if (planes_.empty() || !can_be_sure || !scene.isUseful()) return {all};
+  if (!planes_ || !can_be_sure || !scene.isUseful()) return {all};
+  const std::vector<PlaneColumns>& of_models = planes();
 
   const ShortlistParams& p = params_.shortlist;
   constexpr int kBlock = 64;  // models that one thread takes at a time
@@ -108,7 +120,7 @@ std::vector<Batch> Shortlist::overlaid(const Query& query, int threads,
   std::vector<Overlay> overlays(all.size());
   forEachInParallel((n + kBlock - 1) / kBlock, threads, [&](int block) {
     for (int i = block * kBlock; i < std::min(n, (block + 1) * kBlock); ++i)
-      overlays[i] = scene.on(planes_[all[i].model]);
+      overlays[i] = scene.on(of_models[all[i].model]);
   });
   std::vector<int> order(all.size());
   std::iota(order.begin(), order.end(), 0);

@@ -10,6 +10,7 @@
 
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 namespace facetloc::internal {
@@ -48,6 +49,8 @@ private:
   std::vector<Candidate> examined(const Query& query, std::vector<Candidate> aligned, int threads) const;
   std::vector<Batch> overlaid(const Query& query, int threads,
                               const std::function<bool(int)>& excluded) const;
+  /** Reads the views of all models at the first call. */
+  const std::vector<PlaneColumns>& planes() const;
   Batch allModels(const Query& query, const std::function<bool(int)>& excluded) const;
   PoseWithCovariance startAt(const Eigen::Isometry3d& T_m_c,
                              const std::optional<CameraMounting>& mounting) const;
@@ -57,7 +60,11 @@ private:
   ViewRegistration registration_;
   PosePriorParams start_;                    // how well a quick alignment tells a pose
   std::shared_ptr<const PlaceIndex> index_;  // null for a small map, and where there is no mounting
-  std::vector<PlaneColumns> planes_;         // of each model; none in a small map
+  struct Planes {
+    std::once_flag read;
+    std::vector<PlaneColumns> of_models;
+  };
+  std::shared_ptr<Planes> planes_;  // null in a small map
 };
 
 }  // namespace facetloc::internal

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <vector>
 
 namespace facetloc {
@@ -31,12 +32,14 @@ struct Plane {
 
 std::vector<Plane> planesBelow(const Map& map) {
   std::vector<Plane> planes;
-  for (std::size_t i = 0; i < map.models.size(); ++i)
-    for (const Segment& s : map.models[i].view.segments) {
+  for (int i = 0; i < static_cast<int>(map.models.size()); ++i) {
+    const std::shared_ptr<const View> view = map.view(i);
+    for (const Segment& s : view->segments) {
       const double offset = s.offset();
       if (s.normal().y() > std::cos(kSteepest) && offset > kLowest && offset < kHighest)
-        planes.push_back({static_cast<int>(i), s.normal(), offset});
+        planes.push_back({i, s.normal(), offset});
     }
+  }
   return planes;
 }
 

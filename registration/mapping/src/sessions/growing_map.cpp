@@ -12,17 +12,6 @@ using namespace internal;
 
 namespace {
 
-/** The planes of local models, without depth pictures. */
-class Planes : public MapStore {
-public:
-  explicit Planes(std::vector<std::shared_ptr<const View>> views) : views_(std::move(views)) {}
-  std::shared_ptr<const View> view(int i) const override { return views_[static_cast<std::size_t>(i)]; }
-  std::unique_ptr<std::istream> placeIndex() const override { return nullptr; }
-
-private:
-  std::vector<std::shared_ptr<const View>> views_;
-};
-
 TrajectoryEstimation endless(const MappingParams& params) {
   TrajectoryEstimation trajectory(params);
   trajectory.setEndless(true);
@@ -111,13 +100,11 @@ std::shared_ptr<const Map> GrowingMap::map(const Camera& camera) const {
   map->camera = camera;
   map->links = links();
   const auto T_w_m = poses();
-  std::vector<std::shared_ptr<const View>> views;
   for (std::size_t i = 0; i < T_w_m.size(); ++i) {
     const MappedPlace& place = impl_->places.places()[i];
-    map->models.push_back(LocalModel{place.name, place.stamp, T_w_m[i], {}});
-    views.push_back(place.view);
+    map->models.emplace_back(place.name, place.stamp, T_w_m[i]);
+    map->models.back().setView(place.view);
   }
-  map->store = std::make_shared<Planes>(std::move(views));
   return map;
 }
 

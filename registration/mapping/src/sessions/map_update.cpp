@@ -59,7 +59,7 @@ public:
       std::vector<PosedPicture> others;
       for (const Look& look : looks_[m])
         if (trusted_[look.image]) others.push_back({&session_[look.image].view->depth, look.T_m_c});
-      reviews_[m] = reviewSurfaces(map_.models[m].view, others, narrow_, kLooks);
+      reviews_[m] = reviewSurfaces(*map_.view(m), others, narrow_, kLooks);
     });
   }
   const SurfaceReview& of(std::size_t model) const { return reviews_[model]; }
@@ -69,6 +69,7 @@ private:
   /** The nearest images from different places, each aligned with the local model by what the two show. */
   std::vector<Look> looksAt(int m) const {
     const LocalModel& model = map_.models[m];
+    const std::shared_ptr<const View> view = map_.view(m);
     std::vector<std::pair<double, std::size_t>> near;
     for (std::size_t i = 0; model.T_w_m && i < session_.size(); ++i) {
       const double distance = viewDistance(*model.T_w_m, session_[i].T_w_c);
@@ -88,7 +89,7 @@ private:
       });
       if (same) continue;
       Look look{i, T_m_c, agreement(m, i, T_m_c)};
-      const auto placed = placing_.place(*session_[i].view, model.view, {T_m_c, P}, false);
+      const auto placed = placing_.place(*session_[i].view, *view, {T_m_c, P}, false);
       if (placed && isNear(placed->T_a_b, T_m_c, 2 * kLoose, 2 * kLooseRotation / kDegree)) {
         const DepthAgreement aligned = agreement(m, i, placed->T_a_b);
         if (aligned.likelihood > look.seen.likelihood || look.seen.judged() < kFewestPixels)
@@ -99,8 +100,7 @@ private:
     return looks;
   }
   DepthAgreement agreement(int m, std::size_t image, const Eigen::Isometry3d& T_m_c) const {
-    return comparison_.compareBoth(session_[image].view->depth, map_.models[m].view.depth, T_m_c,
-                                   kFineColumns);
+    return comparison_.compareBoth(session_[image].view->depth, map_.view(m)->depth, T_m_c, kFineColumns);
   }
   /** What contradicts most of the map around it is in the wrong place, and tells nothing. */
   std::vector<char> trustedImages() const {
@@ -162,13 +162,13 @@ public:
         replace(m, *image);
         continue;
       }
-      View left = withoutGone(model.view, of_model);
+      View left = withoutGone(*map_.view(static_cast<int>(m)), of_model);
       if (left.segments.empty()) {
         removed_[m] = true;
         changes_.retired.push_back(model.name);
         changes_.T_w_old.push_back(*model.T_w_m);
       } else {
-        model.view = std::move(left);
+        model.setView(std::move(left));
         edited_[m] = true;
       }
     }
@@ -272,7 +272,7 @@ private:
     for (std::size_t m = 0; m < map_.models.size(); ++m)
       if (!removed_[m] && map_.models[m].T_w_m &&
           std::isfinite(viewDistance(*map_.models[m].T_w_m, image.T_w_c, kKnownReach)))
-        others.push_back({&map_.models[m].view.depth, *map_.models[m].T_w_m});
+        others.push_back({&map_.view(static_cast<int>(m))->depth, *map_.models[m].T_w_m});
     const DepthPicture& picture = image.view->depth;
     const int step = gridStep(picture, kFineColumns);
     const double farthest = comparison_.farthest() / DepthPicture::kQuantum;
@@ -289,10 +289,10 @@ private:
     used_[i] = true;
     std::string name = image.name;
     for (int k = 2; !names_.insert(name).second; ++k) name = image.name + "_" + std::to_string(k);
-    LocalModel model{name, image.stamp, image.T_w_c, *image.view};
-    model.view.camera.reset();  // the map's
+    View view = *image.view;
+    view.camera.reset();  // the map's
     changes_.T_w_new.push_back(image.T_w_c);
-    return model;
+    return {name, image.stamp, image.T_w_c, std::move(view)};
   }
   const LocalModel& take(std::size_t i) {
     map_.models.push_back(modelOf(i));
@@ -331,7 +331,7 @@ private:
 MapChanges internal::updateMap(Map& map, const std::vector<SessionImage>& session,
                                const MapBuilderParams& builder, const MapSessionParams& params, int threads) {
   params.validate();
-  if (map.store) throw std::invalid_argument("a map is updated in memory: read it with readMap()");
+  if (map.store()) throw std::invalid_argument("a map is updated in memory: read it with readMap()");
   Update update(map, session, builder, params);
   update.retire(Review(map, session, threads));
   update.add();
