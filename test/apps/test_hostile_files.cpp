@@ -24,6 +24,9 @@ namespace facetloc {
 namespace {
 
 namespace fs = std::filesystem;
+using test::kLiveTool;
+using test::kLocalizeTool;
+using test::kMapTool;
 using test::Process;
 using test::ToolRun;
 using testing::HasSubstr;

@@ -28,6 +28,7 @@
 namespace facetloc {
 namespace {
 
+using test::kCalibration;
 using test::TemporaryFolder;
 using testing::HasSubstr;
 using testing::Not;

@@ -25,6 +25,10 @@ namespace {
 namespace fs = std::filesystem;
 using test::contentOf;
 using test::eventually;
+using test::kLocalizeTool;
+using test::kMapTool;
+using test::kMpirun;
+using test::kSegmentTool;
 using test::lastLine;
 using test::Process;
 using test::runTool;

@@ -18,6 +18,8 @@
 namespace facetloc {
 namespace {
 
+using test::dataFolder;
+
 class RealImages : public testing::Test {};
 
 #define SKIP_WITHOUT(path)                                                                                   \
