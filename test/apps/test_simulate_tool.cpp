@@ -23,7 +23,8 @@ using test::Tools;
 using testing::HasSubstr;
 
 TEST_F(Tools, SimulateIsReproducible) {
-  for (const std::string scene : {"room", "office", "home", "hall", "corridor", "hotel"}) {
+  for (const std::string scene :
+       {"room", "office", "home", "hall", "corridor", "hotel", "boards", "doors", "box"}) {
     for (const std::string threads : {"1", "2"}) {
       const ToolRun run = runTool<SimulateApp>({scene, "--seed", "9", "--frames", "2", "--width", "160", "-o",
                                                 folder_ / scene + threads, "--threads", threads});
@@ -45,7 +46,7 @@ TEST_F(Tools, SimulateIsReproducible) {
 TEST_F(Tools, SimulateRefusesWhatThereIsNot) {
   const ToolRun run = runTool<SimulateApp>({"palace", "-o", folder_ / "x"});
   EXPECT_EQ(run.code, kUsage);
-  for (const char* scene : {"office", "home", "hall", "corridor", "hotel", "room"})
+  for (const char* scene : {"office", "home", "hall", "corridor", "hotel", "boards", "doors", "box", "room"})
     EXPECT_THAT(run.err, HasSubstr(scene));
 }
 
@@ -67,6 +68,53 @@ TEST_F(Tools, SimulateTakesAnotherCamera) {
   const DepthImage image = sequence.load(0);
   EXPECT_EQ(image.camera.height, 96) << "3 to 4, as its camera";
   EXPECT_EQ(std::count(image.depth.begin(), image.depth.end(), 0.f), 128 * 96);
+}
+
+TEST_F(Tools, SimulateMakesMapsThatAreALittleOff) {
+  const auto simulate = [&](const std::string& name, std::vector<std::string> options) {
+    std::vector<std::string> arguments = {"room", "--frames", "3", "--width", "80", "-o", folder_ / name};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const ToolRun run = runTool<SimulateApp>(arguments);
+    EXPECT_EQ(run.code, kOk) << run.err;
+  };
+  const auto images = [&](const std::string& run) {
+    std::vector<std::vector<float>> all;
+    const DepthSequence sequence = DepthSequence::open(folder_ / run);
+    for (std::size_t i = 0; i < sequence.frames().size(); ++i) all.push_back(sequence.load(i).depth);
+    return all;
+  };
+  simulate("true", {});
+  simulate("bent", {"--surface-error", "0.02"});
+  simulate("moved", {"--map_poses.translation_std", "0.05"});
+  EXPECT_NE(images("bent/map"), images("true/map"));
+  EXPECT_EQ(images("bent/query"), images("true/query"));
+  EXPECT_EQ(images("moved/map"), images("true/map"));
+  for (const char* run : {"map", "query"})
+    EXPECT_EQ(contentOf(folder_ / ("moved/" + std::string(run) + "/groundtruth.txt")),
+              contentOf(folder_ / ("true/" + std::string(run) + "/groundtruth.txt")));
+  const Trajectory moved = readTumTrajectory(folder_ / "moved/map/poses.txt"),
+                   truth = readTumTrajectory(folder_ / "true/map/groundtruth.txt");
+  ASSERT_EQ(moved.poses().size(), truth.poses().size());
+  const double error = (moved.poses()[0].T_w_c.translation() - truth.poses()[0].T_w_c.translation()).norm();
+  EXPECT_GT(error, 0.005);
+  EXPECT_LT(error, 0.3);
+  EXPECT_FALSE(fs::exists(folder_ / "true/map/poses.txt"));
+  EXPECT_FALSE(fs::exists(folder_ / "moved/query/poses.txt"));
+}
+
+TEST_F(Tools, SimulateAddsSharedErrorsOfTheCamera) {
+  const auto simulate = [&](const std::string& name, std::vector<std::string> options) {
+    std::vector<std::string> arguments = {"room",    "--camera", "phone_lidar", "--frames",    "1",
+                                          "--width", "128",      "-o",          folder_ / name};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    EXPECT_EQ(runTool<SimulateApp>(arguments).code, kOk);
+    return DepthSequence::open(folder_ / (name + "/map")).load(0).depth;
+  };
+  const auto usual = simulate("usual", {}), shared = simulate("shared", {"--shared-errors"});
+  EXPECT_NE(usual, shared);
+  EXPECT_EQ(usual, simulate("off", {"--shared-errors", "--sensor.smooth_error", "0", "--sensor.blur_px", "0",
+                                    "--sensor.filling_px", "0"}))
+      << "options count more";
 }
 
 TEST_F(Tools, SimulateRefusesAnUnknownCamera) {

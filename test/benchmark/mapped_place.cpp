@@ -18,15 +18,18 @@ void SeenRun::see(const Camera& camera, const ViewParams& params) {
   }
 }
 
-MappedPlace::MappedPlace(const std::filesystem::path& folder, std::size_t every, const std::string& query)
+MappedPlace::MappedPlace(const std::filesystem::path& folder, std::size_t every, const std::string& query,
+                         const std::string& map_poses)
     : truth_(PlaceTruth::open(folder)),
+      query_name_(query),
       mapping_{DepthSequence::open(folder / "map"), {}, {}},
       query_{DepthSequence::open(folder / query), {}, {}} {
   MapBuilder rule;
-  const PlaceTruth of_map = truth_.of("map");
+  const Trajectory poses =
+      map_poses.empty() ? truth_.of("map").poses() : readTumTrajectory(folder / "map" / map_poses);
   for (std::size_t i = 0; i < mapping_.sequence.frames().size(); ++i) {
     const FrameFile& frame = mapping_.sequence.frames()[i];
-    const auto pose = of_map.poses().at(frame.stamp, kPoseTolerance);
+    const auto pose = poses.at(frame.stamp, kPoseTolerance);
     if (!pose || !rule.accept(*pose)) continue;
     mapping_.frames.push_back(i);
     models_.push_back({frame.name, frame.stamp, *pose});
@@ -42,8 +45,12 @@ Map MappedPlace::see(const ViewParams& params, bool calibrated) {
     mapping_.see(camera, params);
   }
   Map made = map(camera);
-  query_.see(made.calibrated(query_.sequence.camera()->camera), params);
+  seeQuery(made, params);
   return made;
+}
+
+void MappedPlace::seeQuery(const Map& map, const ViewParams& params) {
+  query_.see(map.calibrated(query_.sequence.camera()->camera), params);
 }
 
 bool MappedPlace::covers(const Eigen::Isometry3d& T_w_c, const EvaluationParams& params) const {
@@ -51,6 +58,22 @@ bool MappedPlace::covers(const Eigen::Isometry3d& T_w_c, const EvaluationParams&
     const PoseError error = poseError(model.T_w_m, T_w_c);
     return error.translation <= params.covered_distance && error.rotation_deg <= params.covered_rotation_deg;
   });
+}
+
+PosedRun MappedPlace::posedQuery(const EvaluationParams& params) const {
+  const PlaceTruth truth = truth_.of(query_name_);
+  PosedRun run;
+  for (std::size_t i = 0; i < query_.frames.size(); ++i) {
+    const double stamp = query_.sequence.frames()[query_.frames[i]].stamp;
+    const auto T_w_c = truth.poses().at(stamp, kPoseTolerance);
+    if (!T_w_c) continue;
+    run.frames.push_back(query_.frames[i]);
+    run.views.push_back(query_.views[i]);
+    run.stamps.push_back(stamp);
+    run.truth.push_back(*T_w_c);
+    run.covered.push_back(covers(*T_w_c, params));
+  }
+  return run;
 }
 
 Map MappedPlace::map(const Camera& camera) const {

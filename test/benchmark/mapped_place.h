@@ -25,19 +25,36 @@ struct SeenRun {
   void see(const Camera& camera, const ViewParams& params);
 };
 
+/** \brief The images of a run that have a true pose, in the order of time. */
+struct PosedRun {
+  std::vector<std::size_t> frames;  ///< indices in the sequence
+  std::vector<View> views;
+  std::vector<double> stamps;            ///< [s]
+  std::vector<Eigen::Isometry3d> truth;  ///< T_w_c
+  std::vector<char> covered;             ///< by a local model
+};
+
 /** \brief A folder with the runs map/ and query/: the one makes the map, by the paper's rule, the other asks.
  */
 class MappedPlace {
 public:
   /** \param every Only each N-th image of the query is asked. \param query the run that asks
-   * Throws IoError. */
-  MappedPlace(const std::filesystem::path& folder, std::size_t every, const std::string& query = "query");
+   * \param map_poses file in the folder map/ with the poses that the map is made with (TUM); by default the
+   * true ones. Throws IoError. */
+  MappedPlace(const std::filesystem::path& folder, std::size_t every, const std::string& query = "query",
+              const std::string& map_poses = {});
 
   /** \brief Builds the map as facetloc_map does, and sees the query with the map's camera. */
   Map see(const ViewParams& params, bool calibrated = true);
 
+  /** \brief Sees the query with the camera of a map that is there already. */
+  void seeQuery(const Map& map, const ViewParams& params);
+
   /** \brief Does a local model show what a camera sees from there? */
   bool covers(const Eigen::Isometry3d& T_w_c, const EvaluationParams& params) const;
+
+  /** \brief The images of the query that were seen and have a true pose. */
+  PosedRun posedQuery(const EvaluationParams& params) const;
 
   const PlaceTruth& truth() const { return truth_; }
   const std::vector<ModelPose>& models() const { return models_; }
@@ -48,6 +65,7 @@ private:
   Map map(const Camera& camera) const;
 
   PlaceTruth truth_;
+  std::string query_name_;
   SeenRun mapping_, query_;
   std::vector<ModelPose> models_;
 };

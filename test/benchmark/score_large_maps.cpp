@@ -27,7 +27,6 @@
 #include <facetloc/io/map_database.h>
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/place_index.h>
-#include <facetloc/simulation/simulated_place.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -56,6 +55,7 @@ using internal::Shortlist;
 using internal::Start;
 using internal::ViewRegistration;
 
+const std::vector<std::string> kScenes = {"office", "home", "hall", "corridor", "hotel"};
 constexpr double kFloorDistance = 1000;  // [m]
 constexpr double kRightTranslation = 0.2, kRightRotation = 2 * kDegree;
 constexpr double kNear = 3, kNearRotation = 45 * kDegree;  // of models that may show the same
@@ -166,14 +166,14 @@ private:
     return T;
   }
   void addFloor() {
-    const std::string scene = simulatedPlaceNames()[kind_];
+    const std::string scene = kScenes[kind_];
     const SimulatedFloor floor = simulatedFloor(options_.floors, scene, seed_);
     mounting_ = floor.map.camera.mounting;
     const Eigen::Isometry3d place = placeOf(floors_.size());
     floors_.push_back({scene, seed_, floor.map.models.size(), floor.query.models.size()});
     for (const LocalModel& m : floor.map.models)
       models_.emplace_back(floors_.back().name() + "/" + m.name, m.stamp, place * *m.T_w_m);
-    if (++kind_ == simulatedPlaceNames().size()) kind_ = 0, ++seed_;
+    if (++kind_ == kScenes.size()) kind_ = 0, ++seed_;
   }
 
   const Options& options_;

@@ -9,6 +9,7 @@
 // of the truth; sure = with a probability of 0.9 or more, by depth and segments (PlanarRegistration) and by
 // segments alone (EkfRegistration). Where the sequences reach that far, unrelated pairs follow, more than 4 m
 // apart and without a pixel in common, of which none should be sure.
+#include "image_overlap.h"
 #include "set_parameter.h"
 #include "shared/median.h"
 
@@ -43,27 +44,6 @@ double milliseconds(std::chrono::steady_clock::time_point since) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
 }
 
-// Share of a's pixels that b sees too, by the true poses.
-double overlap(const DepthImage& a, const DepthImage& b, const Eigen::Isometry3d& T_b_a) {
-  constexpr int kStep = 8;
-  constexpr double kSameDepth = 0.05;  // of the depth
-  int valid = 0, shared = 0;
-  for (int v = kStep / 2; v < a.camera.height; v += kStep)
-    for (int u = kStep / 2; u < a.camera.width; u += kStep) {
-      const double z = a.at(u, v);
-      if (!(z > 0)) continue;
-      ++valid;
-      const Eigen::Vector3d p = T_b_a * (z * a.camera.ray(u, v));
-      if (!(p.z() > 0)) continue;
-      const Eigen::Vector2d q = b.camera.project(p);
-      const int x = static_cast<int>(std::lround(q.x())), y = static_cast<int>(std::lround(q.y()));
-      if (x < 0 || y < 0 || x >= b.camera.width || y >= b.camera.height) continue;
-      const double seen = b.at(x, y);
-      shared += seen > 0 && std::abs(seen - p.z()) < kSameDepth * p.z();
-    }
-  return valid ? shared / static_cast<double>(valid) : 0;
-}
-
 std::vector<Frame> readFrames(const std::vector<std::string>& folders) {
   std::vector<Frame> frames;
   for (const std::string& folder : folders) {
@@ -83,8 +63,8 @@ std::vector<std::pair<int, int>> choosePairs(const std::vector<Frame>& frames) {
     const Eigen::Isometry3d T = frames[j].T_w_c.inverse() * frames[i].T_w_c;
     const double distance = T.translation().norm(), angle = rotationAngle(T.linear());
     if (distance < 0.6 || distance > 1.7 || angle < 20 * kDegree || angle > 60 * kDegree) continue;
-    if (overlap(frames[i].image, frames[j].image, T) < 0.3) continue;
-    if (overlap(frames[j].image, frames[i].image, T.inverse()) < 0.3) continue;
+    if (benchmarks::overlap(frames[i].image, frames[j].image, T) < 0.3) continue;
+    if (benchmarks::overlap(frames[j].image, frames[i].image, T.inverse()) < 0.3) continue;
     pairs.emplace_back(i, j);
   }
   return pairs;
@@ -97,8 +77,8 @@ std::vector<std::pair<int, int>> chooseUnrelatedPairs(const std::vector<Frame>& 
     const int i = static_cast<int>(random() % frames.size()), j = static_cast<int>(random() % frames.size());
     const Eigen::Isometry3d T = frames[j].T_w_c.inverse() * frames[i].T_w_c;
     if (T.translation().norm() < kUnrelatedDistance) continue;
-    if (overlap(frames[i].image, frames[j].image, T) > 0) continue;
-    if (overlap(frames[j].image, frames[i].image, T.inverse()) > 0) continue;
+    if (benchmarks::overlap(frames[i].image, frames[j].image, T) > 0) continue;
+    if (benchmarks::overlap(frames[j].image, frames[i].image, T.inverse()) > 0) continue;
     pairs.emplace_back(i, j);
   }
   return pairs;

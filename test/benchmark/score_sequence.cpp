@@ -35,6 +35,7 @@ namespace fs = std::filesystem;
 using namespace facetloc;
 using namespace facetloc::internal;
 using benchmarks::MappedPlace;
+using benchmarks::PosedRun;
 
 constexpr std::array<double, 7> kMetres = {0, 0.5, 1, 2, 3, 4, 5};
 
@@ -46,13 +47,6 @@ struct Course {
   bool ever_wrong = false;  // and sure
   int images = 0, sure = 0, sure_right = 0, searches = 0, places = 0, rank1 = 0, carried = 0;
   double milliseconds = 0;
-};
-
-struct Seen {
-  std::vector<View> views;
-  std::vector<double> stamps;
-  std::vector<Eigen::Isometry3d> truth;
-  std::vector<char> covered;  // by a local model
 };
 
 Map without(const Map& whole, const std::vector<Eigen::Isometry3d>& way, double radius) {
@@ -102,7 +96,7 @@ private:
                 answer.places.size(), 1e3 * error.translation, error.rotation_deg, answer.reason.c_str());
   }
 
-  Course follow(SequenceLocalization& sequence, const Seen& seen, std::size_t start) const {
+  Course follow(SequenceLocalization& sequence, const PosedRun& seen, std::size_t start) const {
     Course course;
     double gone = 0;
     std::size_t next = 0;
@@ -143,7 +137,7 @@ private:
     return course;
   }
 
-  std::vector<Course> coursesOf(const std::shared_ptr<const Map>& map, const Seen& seen) const {
+  std::vector<Course> coursesOf(const std::shared_ptr<const Map>& map, const PosedRun& seen) const {
     const int n = (static_cast<int>(seen.views.size()) + start_ - 1) / start_;
     std::vector<Course> courses(n);
 #pragma omp parallel
@@ -211,17 +205,7 @@ private:
     for (const std::string& name : places_) {
       MappedPlace place(name, static_cast<std::size_t>(every_), run_);
       Map map = place.see(view_);
-      const PlaceTruth truth = place.truth().of(run_);
-      Seen seen;
-      for (std::size_t i = 0; i < place.query().frames.size(); ++i) {
-        const FrameFile& frame = place.query().sequence.frames()[place.query().frames[i]];
-        const auto T_w_c = truth.poses().at(frame.stamp, benchmarks::kPoseTolerance);
-        if (!T_w_c) continue;
-        seen.views.push_back(place.query().views[i]);
-        seen.stamps.push_back(frame.stamp);
-        seen.truth.push_back(*T_w_c);
-        seen.covered.push_back(place.covers(*T_w_c, evaluation_));
-      }
+      const PosedRun seen = place.posedQuery(evaluation_);
       setAmbiguity(lookalikeScores(GlobalLocalization(std::make_shared<const Map>(map), localization_)), map);
       const std::vector<Course> courses = coursesOf(std::make_shared<const Map>(std::move(map)), seen);
       print(fs::path(name).filename().string(), courses);

@@ -162,5 +162,103 @@ TEST(SimulatedCamera, BeyondWhatIsReliableDepthsAreTooSmall) {
   EXPECT_NEAR(seen(noise, {wallAt(7)}).at(160, 120), 6, 1e-4);
 }
 
+// ---- Errors that pixels share ----
+
+double correlation(const DepthImage& a, const DepthImage& b, double z) {
+  double ab = 0, aa = 0, bb = 0;
+  for (std::size_t i = 0; i < a.depth.size(); ++i) {
+    const double x = a.depth[i] - z, y = b.depth[i] - z;
+    ab += x * y, aa += x * x, bb += y * y;
+  }
+  return ab / std::sqrt(aa * bb);
+}
+
+TEST(SharedErrors, ArePartOfACameraOnlyIfAskedFor) {
+  for (const CameraPreset& preset : cameraPresets()) {
+    const SimulatedNoise usual = simulatedNoise(preset.name);
+    EXPECT_EQ(usual.smooth_error, 0) << preset.name;
+    EXPECT_EQ(usual.blur_px, 0) << preset.name;
+    EXPECT_EQ(usual.filling_px, 0) << preset.name;
+    EXPECT_GT(simulatedNoise(preset.name, SharedErrors::as_measured).smooth_error, 0) << preset.name;
+  }
+  EXPECT_GT(simulatedNoise("realsense_d435", SharedErrors::as_measured).blur_px, 0);
+  EXPECT_GT(simulatedNoise("phone_lidar", SharedErrors::as_measured).filling_px, 0);
+}
+
+TEST(SharedErrors, SmoothErrorIsAShareOfDepthThatNoMeanIsFreeOf) {
+  SimulatedNoise noise = noErrors();
+  noise.smooth_error = 0.01;
+  noise.smooth_images = 1;
+  double squares = 0, of_blocks = 0;
+  constexpr int kFrames = 40, kBlock = 40;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const DepthImage image = seen(noise, {wallAt(2)}, frame);
+    for (const float z : image.depth) squares += std::pow(z / 2 - 1, 2) / (320 * 240 * kFrames);
+    double block = 0;
+    for (int v = 0; v < kBlock; ++v)
+      for (int u = 0; u < kBlock; ++u) block += (image.at(u, v) / 2 - 1) / (kBlock * kBlock);
+    of_blocks += block * block / kFrames;
+  }
+  EXPECT_NEAR(std::sqrt(squares), 0.01, 0.0005);
+  EXPECT_GT(std::sqrt(of_blocks), 0.007) << "1600 independent pixels would leave 0.00025";
+}
+
+TEST(SharedErrors, SmoothErrorChangesSlowlyFromImageToImage) {
+  SimulatedNoise noise = noErrors();
+  noise.smooth_error = 0.01;
+  noise.smooth_images = 10;
+  const DepthImage first = seen(noise, {wallAt(2)}, 0);
+  EXPECT_GT(correlation(first, seen(noise, {wallAt(2)}, 1), 2), 0.9);
+  double far = 0;
+  for (int k = 2; k < 18; ++k) far += std::abs(correlation(first, seen(noise, {wallAt(2)}, 10 * k), 2)) / 16;
+  EXPECT_LT(far, 0.5);
+}
+
+TEST(SharedErrors, BlurMakesRampsOfSilhouettesAndLeavesPlanes) {
+  SimulatedNoise noise = noErrors();
+  noise.blur_px = 4;  // 2 at this size
+  Rectangle slope = wallAt(3);
+  slope.axis_u = Eigen::Vector3d(1, 0, 0.5).normalized();
+  const DepthImage exact = seen(noErrors(), {slope}), same = seen(noise, {slope});
+  for (int u = 20; u < 300; ++u) EXPECT_NEAR(same.at(u, 120), exact.at(u, 120), 1e-4) << u;
+  const std::vector<Rectangle> step = {wallAt(3), wallAt(1, 0.2, 2)};
+  const DepthImage sharp = seen(noErrors(), step), ramp = seen(noise, step);
+  int between = 0;
+  for (int u = 0; u < 320; ++u) between += ramp.at(u, 120) > 1.02 && ramp.at(u, 120) < 2.9;
+  EXPECT_GE(between, 2 * 4);
+  EXPECT_LE(between, 2 * 12);
+  for (int u = 0; u < 320; ++u) {
+    const double x = std::abs(u - kCamera.cx);
+    if (std::abs(x - 0.2 * kCamera.fx) < 10) continue;
+    EXPECT_NEAR(ramp.at(u, 120), sharp.at(u, 120), 1e-3) << u;
+  }
+}
+
+TEST(SharedErrors, FillingLeavesNoHoleAndInterpolatesEdges) {
+  SimulatedNoise noise = noErrors();
+  noise.untextured = 0.3;  // holes
+  noise.filling_px = 12;   // 6 at this size
+  const std::vector<Rectangle> step = {wallAt(3), wallAt(1, 0.2, 2)};
+  const DepthImage image = seen(noise, step);
+  EXPECT_EQ(measuredShare(image), 1);
+  const double edge = kCamera.cx + 0.2 * kCamera.fx;  // of the near wall
+  EXPECT_GT(image.at(static_cast<int>(edge) - 1, 120), 1.05);
+  EXPECT_LT(image.at(static_cast<int>(edge) + 2, 120), 2.9);
+  SimulatedNoise without_holes = noise;
+  without_holes.untextured = 0;
+  const DepthImage whole = seen(without_holes, step);
+  for (int u = 0; u < 320; ++u) {
+    const double x = std::abs(u - kCamera.cx);
+    if (std::abs(x - 0.2 * kCamera.fx) < 8) continue;
+    EXPECT_NEAR(whole.at(u, 120), x < 0.2 * kCamera.fx ? 1 : 3, 1e-4) << u;
+  }
+}
+
+TEST(SharedErrors, FillingMakesNothingUpWhereNothingIsSeen) {
+  SimulatedNoise noise = noErrors();
+  noise.filling_px = 12;
+  EXPECT_EQ(measuredShare(seen(noise, {})), 0);
+}
+
 }  // namespace
 }  // namespace facetloc

@@ -35,6 +35,7 @@ constexpr std::uint64_t kSeedOfRounds = kRunSeeds - 1;
 constexpr int kMostFrames = 1000000;
 constexpr int kMostRounds = 1000;
 constexpr double kSwayInRounds = 4;  // [deg] of the mapping run, so that it never looks the same way twice
+constexpr double kMostBent = 1;      // [m]
 constexpr const char* kUsualCamera = "kinect";
 constexpr const char *kRoom = "room", *kMap = "map", *kQuery = "query", *kDrive = "drive";
 constexpr double kWalls = 0.3;    // [m] thickness that belongs to a room
@@ -91,6 +92,7 @@ struct SimulateApp::Run {
   std::vector<Eigen::Isometry3d> poses;
   std::vector<double> stamps{};
   std::vector<Eigen::Isometry3d> odometry{};  // T_o_b; may be empty
+  std::vector<Eigen::Isometry3d> reported{};  // poses with errors; may be empty
 
   std::string frameName(std::size_t i) const { return text::decimals(stamps[i], 6); }
 };
@@ -106,13 +108,15 @@ SimulateApp::SimulateApp()
           "Makes two depth sequences of a simulated place, taken by a robot with a Kinect-like camera: "
           "DIR/map and DIR/query, a later drive on another line, after some things have moved, partly "
           "where the first one never was. With camera.ini, groundtruth.txt, the true planes of each pixel "
-          "(labels/, 16-bit PNG; planes.csv: their equations) and query/unmapped.txt, the images that "
-          "show only a room that the first drive never entered. SCENE is one of: office (a loop of "
-          "corridors and some rooms), home (a flat), hall (shelves and columns), corridor (40 m, bare, "
-          "driven along once), hotel (12 rooms that are equal inside), room (one closed room with random "
-          "boxes, where nothing moves). With --runs also "
-          "DIR/drive, the later drive in real time, for trackers; it has no labels. What is made must not "
-          "exist yet. The same seed and options give the same files.") {
+          "(labels/, 16-bit PNG; planes.csv: their equations) and query/unmapped.txt, the images that show "
+          "only a room that the first drive never entered. SCENE is one of: office (a loop of corridors "
+          "and some rooms), home (a flat), hall (shelves and columns), corridor (40 m, bare, driven along "
+          "once), hotel (12 rooms that are equal inside), boards (flat boards on a bare floor, for "
+          "--drive.camera_tilt_deg 60), doors (a corridor with equal doors), box (a cabinet that looks the "
+          "same from opposite sides), room (one closed room with random boxes, where nothing moves). With "
+          "--runs also DIR/drive, the later drive in real time, for trackers; it has no labels. With "
+          "--map_poses.* also map/poses.txt, poses with errors, for facetloc_map build --poses. What is "
+          "made must not exist yet. The same seed and options give the same files.") {
   drive_.sway_deg = 10;
 }
 
@@ -137,6 +141,11 @@ void SimulateApp::addOptions(CommandLine& line) {
   line.addParams(odometry_, "odometry");
   line.addOption("camera", preset_, "NAME",
                  "Camera of the robot, with its errors: " + cameraPresetNames() + ".");
+  line.addSwitch("shared-errors", shared_errors_,
+                 "Add errors that many pixels share: smooth ones, blurred or filled-in edges.");
+  line.addOption("surface-error", surface_error_, "M",
+                 "Bend the surfaces that the mapping run sees, rms displacement [m].");
+  line.addParams(map_poses_, "map_poses");
 }
 
 namespace {
@@ -153,9 +162,8 @@ Intrinsics scaled(Intrinsics k, int width) {
   return k;
 }
 
-/** The errors of a preset, but for the options that are given. */
-SimulatedNoise noiseOf(const std::string& preset, const SimulatedNoise& options, const CommandLine& line) {
-  SimulatedNoise noise = simulatedNoise(preset);
+/** The errors of a camera, but for the options that are given. */
+SimulatedNoise noiseOf(SimulatedNoise noise, const SimulatedNoise& options, const CommandLine& line) {
   std::vector<const double*> given;
   SimulatedNoise::describe(options,
                            [&](const char*, const double& value, auto&&...) { given.push_back(&value); });
@@ -200,6 +208,8 @@ SimulateApp::Place SimulateApp::makePlace() const {
   } else {
     made = simulatedPlace(scene_, seed);
   }
+  made.mapped.bending.std = surface_error_;
+  made.mapped.bending.seed = seed;
   place.mapped = std::make_shared<Scene>(std::move(made.mapped));
   place.later = std::make_shared<Scene>(std::move(made.later));
   place.unmapped_rooms = std::move(made.unmapped_rooms);
@@ -228,6 +238,7 @@ SimulateApp::Place SimulateApp::makePlace() const {
   const std::vector<std::uint64_t> more = numbers(map_frames + query_frames + drive_frames, further);
   runs.front().noise.insert(runs.front().noise.end(), more.begin(), more.end());
   setStamps(runs);
+  if (map_poses_.any()) runs.front().reported = simulateMapPoses(runs.front().poses, map_poses_, seed);
   const std::vector<std::string> wanted = wantedRuns();
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (std::find(wanted.begin(), wanted.end(), runs[i].name) == wanted.end()) continue;
@@ -259,6 +270,7 @@ void SimulateApp::prepareFolder(const Run& run, const CameraFile& camera) const 
     writePlanes(folder / "planes.csv", planesOf(*run.scene));
   }
   writeTumTrajectory(folder / "groundtruth.txt", stamped(run.stamps, run.poses));
+  if (!run.reported.empty()) writeTumTrajectory(folder / "poses.txt", stamped(run.stamps, run.reported));
   if (!run.odometry.empty()) writeTumTrajectory(folder / "odometry.txt", stamped(run.stamps, run.odometry));
 }
 
@@ -288,6 +300,8 @@ void SimulateApp::checkOptions() const {
     if (frames < 1 || frames > kMostFrames)
       throw UsageError("map-frames and query-frames must lie in [1, 1000000]");
   if (rounds_ < 1 || rounds_ > kMostRounds) throw UsageError("rounds must lie in [1, 1000]");
+  if (!(surface_error_ >= 0 && surface_error_ <= kMostBent))
+    throw UsageError("surface-error must lie in [0, 1]");
   if (!(map_step_ >= 0.01 && map_step_ <= 10)) throw UsageError("map-step must lie in [0.01, 10]");
   if (!(seconds_ * pace_.rate >= 0.5 && seconds_ * pace_.rate <= kMostFrames))
     throw UsageError("drive must be as long as one image at least, and no longer than a million");
@@ -303,8 +317,9 @@ int SimulateApp::execute(const CommandLine& line, const Console& console) {
   const CameraPreset& preset = *findCameraPreset(preset_.empty() ? kUsualCamera : preset_);
   const Intrinsics intrinsics =
       scaled(preset.intrinsics, line.given("width") ? width_ : preset.intrinsics.width);
-  const SimulatedCamera camera(intrinsics, noiseOf(preset.name, noise_, line),
-                               static_cast<std::uint64_t>(seed_));
+  const SimulatedNoise usual =
+      simulatedNoise(preset.name, shared_errors_ ? SharedErrors::as_measured : SharedErrors::left_out);
+  const SimulatedCamera camera(intrinsics, noiseOf(usual, noise_, line), static_cast<std::uint64_t>(seed_));
   CameraFile camera_file{preset.camera(), kDepthScale, preset_};
   camera_file.camera.intrinsics = intrinsics;
   camera_file.camera.mounting = drive_.mounting();

@@ -6,6 +6,7 @@
 #include <facetloc/io/camera_file.h>
 #include <facetloc/simulation/simulated_camera.h>
 #include <facetloc/simulation/simulated_drive.h>
+#include <facetloc/simulation/simulated_map_poses.h>
 #include <facetloc/simulation/simulated_odometry.h>
 
 #include <string>
@@ -46,6 +47,9 @@ private:
   PaceParams pace_;
   DriveParams drive_;
   SimulatedNoise noise_;
+  bool shared_errors_ = false;
+  double surface_error_ = 0;  // [m]
+  MapPoseErrors map_poses_;
   bool with_odometry_ = false;
   WheelOdometryParams odometry_;
 };

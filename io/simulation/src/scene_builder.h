@@ -73,11 +73,15 @@ private:
   std::uint16_t next_id_ = 1;
 };
 
-// ---- Places: a file each, NAME_floor.h, bare_corridor.cpp and equal_rooms.cpp ----
+// ---- Places: a file each, NAME_floor.h, and those without a plan of their own, such as bare_corridor.cpp
+// ----
 SimulatedPlace officeFloor(std::uint64_t seed);
 SimulatedPlace homeFloor(std::uint64_t seed);
 SimulatedPlace hallFloor(std::uint64_t seed);
 SimulatedPlace bareCorridor(std::uint64_t seed);
 SimulatedPlace equalRooms(std::uint64_t seed);
+SimulatedPlace bareFloor(std::uint64_t seed);
+SimulatedPlace equalDoors(std::uint64_t seed);
+SimulatedPlace symmetricBox(std::uint64_t seed);
 
 }  // namespace facetloc

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "bent_surfaces.h"
 #include "hits.h"
 #include "random.h"
 #include "surface_errors.h"
@@ -26,7 +27,16 @@ constexpr double kGlassSeen = 1.3;       // [sigma] blobs above this are seen in
 constexpr double kDrawnBack = 0.5;       // of the way beyond the reliable depth is seen
 constexpr double kDarkSpread = 0.35;     // of the range of dark surfaces, per sigma of the blobs
 
-enum Purpose : std::uint64_t { kDistortion, kDisparity, kSilhouettes, kDropouts, kBlobs, kTexture, kMixing };
+enum Purpose : std::uint64_t {
+  kDistortion,
+  kDisparity,
+  kSilhouettes,
+  kDropouts,
+  kBlobs,
+  kTexture,
+  kMixing,
+  kSmoothError
+};
 
 /** Sums of neighbours along one axis, weighted; the image shrinks by the kernel's size minus 1. */
 std::vector<double> convolvedRows(const std::vector<double>& image, int width, int height,
@@ -128,6 +138,24 @@ std::vector<bool> patches(double share, const Intrinsics& camera, double size, R
   return inside;
 }
 
+/** Of unit variance, and between two images at random where these are so many images apart. */
+std::vector<double> slowlyChangingField(const Intrinsics& camera, std::uint64_t seed, std::uint64_t frame,
+                                        double images) {
+  const double at = static_cast<double>(frame) / images, before = std::floor(at);
+  const auto field = [&](double index) {
+    return smoothField(camera.width, camera.height,
+                       Random(derivedSeed(seed, kSmoothError, static_cast<std::uint64_t>(index))));
+  };
+  std::vector<double> sum = field(before);
+  const double angle = (at - before) * 90 * kDegree;
+  if (angle > 0) {
+    const std::vector<double> next = field(before + 1);
+    for (std::size_t i = 0; i < sum.size(); ++i)
+      sum[i] = std::cos(angle) * sum[i] + std::sin(angle) * next[i];
+  }
+  return sum;
+}
+
 double quantized(double inverse_depth, double step) {
   if (step <= 0) return inverse_depth;
   const double disparity = kKinectOffset - kKinectGain * inverse_depth;
@@ -149,17 +177,30 @@ SimulatedCamera::SimulatedCamera(const Intrinsics& camera, const SimulatedNoise&
 
 SimulatedFrame SimulatedCamera::renderExact(const Scene& scene, const Eigen::Isometry3d& T_w_c) const {
   const Hits hits(scene, T_w_c, camera_);
+  BentSurfaces bent(scene.bending, T_w_c);
   SimulatedFrame frame = emptyFrame(camera_);
-  for (std::size_t i = 0; i < hits.surface.size(); ++i) {
-    if (hits.surface[i] == kNothing) continue;
-    frame.depth.depth[i] = static_cast<float>(hits.depth[i]);
-    frame.labels.label[i] = hits.with(hits.surface[i], [](const auto& seen) { return seen.label; });
-  }
+  for (int v = 0; v < camera_.height; ++v)
+    for (int u = 0; u < camera_.width; ++u) {
+      const std::size_t i = std::size_t(v) * camera_.width + u;
+      if (hits.surface[i] == kNothing) continue;
+      hits.with(hits.surface[i], [&](const auto& seen) {
+        frame.depth.depth[i] = static_cast<float>(bent.depth(seen, camera_.ray(u, v), hits.depth[i]));
+        frame.labels.label[i] = seen.label;
+      });
+    }
   return frame;
 }
 
 SimulatedFrame SimulatedCamera::render(const Scene& scene, const Eigen::Isometry3d& T_w_c,
                                        std::uint64_t frame_index) const {
+  Seen seen = surfacesSeen(scene, T_w_c, frame_index);
+  shareErrors(seen.depth, frame_index);
+  return measured(seen, frame_index);
+}
+
+/** What the camera makes out of the scene, before it measures how far away that is. */
+SimulatedCamera::Seen SimulatedCamera::surfacesSeen(const Scene& scene, const Eigen::Isometry3d& T_w_c,
+                                                    std::uint64_t frame_index) const {
   const double scale = camera_.width / kReferenceWidth;
   const auto stream = [&](Purpose purpose) { return Random(derivedSeed(seed_, purpose, frame_index)); };
   const std::vector<double> blobs =
@@ -168,17 +209,16 @@ SimulatedFrame SimulatedCamera::render(const Scene& scene, const Eigen::Isometry
   std::transform(blobs.begin(), blobs.end(), opaque.begin(), [](double b) { return b > kGlassSeen; });
 
   const Hits hits(scene, T_w_c, camera_, opaque);
+  BentSurfaces bent(scene.bending, T_w_c);
   const std::vector<bool> lit = litByProjector(hits.depth);
   const auto covered = fattened(hits, camera_, noise_.fattening_px * scale);
   const auto seen =
       jittered(covered, camera_, noise_.noise_factor * noise_.edge_std_px * scale, stream(kSilhouettes));
   const auto mixed_in = jittered(seen, camera_, noise_.flying_px * scale, stream(kMixing));
   const auto untextured = patches(noise_.untextured, camera_, kPatchSize * scale, stream(kTexture));
-  const auto noise =
-      correlatedNoise(camera_.width, camera_.height, noise_.correlation_px * scale, stream(kDisparity));
   Random dropouts = stream(kDropouts), mixing = stream(kMixing);
 
-  SimulatedFrame frame = emptyFrame(camera_);
+  Seen result{std::vector<double>(hits.depth.size(), 0.0), emptyFrame(camera_).labels};
   for (int v = 0; v < camera_.height; ++v) {
     for (int u = 0; u < camera_.width; ++u) {
       const std::size_t i = std::size_t(v) * camera_.width + u;
@@ -189,16 +229,40 @@ SimulatedFrame SimulatedCamera::render(const Scene& scene, const Eigen::Isometry
         double z = surface.depthAlong(ray);
         const double cosine = std::abs(surface.normalAt(z * ray).dot(ray)) / ray.norm();
         if (!(z > 0 && z < kMiss) || !reflects(surface.material, z, cosine, blobs[i])) return;
+        z = bent.depth(surface, ray, z);
         if (mixed_in[i] != seen[i]) z = hits.between(z, mixed_in[i], ray, mixing.uniform());
         if (noise_.multipath > 0) z += noise_.multipath * cornerShare(hits, camera_, u, v);
         if (z > noise_.reliable_depth) z = noise_.reliable_depth + kDrawnBack * (z - noise_.reliable_depth);
-        const double depth =
-            1 / quantized(1 / z + distortion_[i] + randomStd(z) * noise[i], noise_.quantization);
-        if (!(depth > 0 && depth >= noise_.min_depth && depth <= noise_.max_depth)) return;
-        frame.depth.depth[i] = static_cast<float>(depth);
-        frame.labels.label[i] = surface.label;
+        result.depth[i] = z;
+        result.labels.label[i] = surface.label;
       });
     }
+  }
+  return result;
+}
+
+/** Errors that neighbouring pixels have in common, so that no mean over pixels is free of them. */
+void SimulatedCamera::shareErrors(std::vector<double>& depth, std::uint64_t frame_index) const {
+  const double scale = camera_.width / kReferenceWidth;
+  if (noise_.blur_px > 0) depth = blurred(depth, camera_, noise_.blur_px * scale);
+  if (noise_.filling_px > 0) depth = filledIn(depth, camera_, noise_.filling_px * scale);
+  if (!(noise_.smooth_error > 0)) return;
+  const std::vector<double> field = slowlyChangingField(camera_, seed_, frame_index, noise_.smooth_images);
+  for (std::size_t i = 0; i < depth.size(); ++i) depth[i] *= std::exp(noise_.smooth_error * field[i]);
+}
+
+SimulatedFrame SimulatedCamera::measured(const Seen& seen, std::uint64_t frame_index) const {
+  const auto noise =
+      correlatedNoise(camera_.width, camera_.height, noise_.correlation_px * camera_.width / kReferenceWidth,
+                      Random(derivedSeed(seed_, kDisparity, frame_index)));
+  SimulatedFrame frame = emptyFrame(camera_);
+  for (std::size_t i = 0; i < seen.depth.size(); ++i) {
+    const double z = seen.depth[i];
+    if (!(z > 0)) continue;
+    const double depth = 1 / quantized(1 / z + distortion_[i] + randomStd(z) * noise[i], noise_.quantization);
+    if (!(depth > 0 && depth >= noise_.min_depth && depth <= noise_.max_depth)) continue;
+    frame.depth.depth[i] = static_cast<float>(depth);
+    frame.labels.label[i] = seen.labels.label[i];
   }
   return frame;
 }

@@ -8,7 +8,8 @@
 namespace facetloc {
 
 const std::vector<std::string>& simulatedPlaceNames() {
-  static const std::vector<std::string> names = {"office", "home", "hall", "corridor", "hotel"};
+  static const std::vector<std::string> names = {"office", "home",   "hall",  "corridor",
+                                                 "hotel",  "boards", "doors", "box"};
   return names;
 }
 
@@ -18,6 +19,9 @@ SimulatedPlace simulatedPlace(const std::string& name, std::uint64_t seed) {
   if (name == "hall") return hallFloor(seed);
   if (name == "corridor") return bareCorridor(seed);
   if (name == "hotel") return equalRooms(seed);
+  if (name == "boards") return bareFloor(seed);
+  if (name == "doors") return equalDoors(seed);
+  if (name == "box") return symmetricBox(seed);
   throw std::invalid_argument("there is no simulated place named '" + name + "'");
 }
 

@@ -54,15 +54,36 @@ SimulatedNoise filledUp(const CameraPreset& preset) {
   return noise;
 }
 
+SimulatedNoise rough(const CameraPreset& preset) {
+  const std::string_view name = preset.name;
+  if (name == "realsense_d435") return stereo(preset);
+  if (name == "azure_kinect") return timeOfFlight(preset);
+  if (name == "phone_lidar") return filledUp(preset);
+  return {};  // Kinect and Xtion are twins
+}
+
+void addSharedErrors(std::string_view name, SimulatedNoise& noise) {
+  noise.smooth_error = 0.003;  // what a calibration leaves, and the temperature changes
+  if (name == "realsense_d435") {
+    noise.smooth_error = 0.005;
+    noise.blur_px = 3;
+  } else if (name == "azure_kinect") {
+    noise.smooth_error = 0.002;
+  } else if (name == "phone_lidar") {
+    noise.smooth_error = 0.004;
+    noise.blur_px = 8;
+    noise.filling_px = 10;  // half the distance of neighbouring beams
+  }
+}
+
 }  // namespace
 
-SimulatedNoise simulatedNoise(std::string_view name) {
+SimulatedNoise simulatedNoise(std::string_view name, SharedErrors shared) {
   const CameraPreset* preset = findCameraPreset(name);
   if (!preset) throw std::invalid_argument("simulatedNoise: unknown camera " + std::string(name));
-  if (name == "realsense_d435") return stereo(*preset);
-  if (name == "azure_kinect") return timeOfFlight(*preset);
-  if (name == "phone_lidar") return filledUp(*preset);
-  return {};  // Kinect and Xtion are twins
+  SimulatedNoise noise = rough(*preset);
+  if (shared == SharedErrors::as_measured) addSharedErrors(name, noise);
+  return noise;
 }
 
 }  // namespace facetloc

@@ -18,4 +18,12 @@ std::vector<int> fattened(const Hits& hits, const Intrinsics& camera, double px)
  * surfaces meet, 0 from 0.3 m on. Light that comes round a corner has a longer way. */
 double cornerShare(const Hits& hits, const Intrinsics& camera, int u, int v);
 
+/** \brief Depths [m] (0 = nothing seen) as a window sees them: means of the inverse depths seen around,
+ * weighted by a Gaussian of that standard deviation. Planes stay planes, silhouettes become ramps. */
+std::vector<double> blurred(const std::vector<double>& depth, const Intrinsics& camera, double px);
+
+/** \brief Depths without holes: those of so many pixels beside silhouettes and those not seen are
+ * interpolated between the others. Where nothing is seen at all, nothing is made up. */
+std::vector<double> filledIn(const std::vector<double>& depth, const Intrinsics& camera, double px);
+
 }  // namespace facetloc

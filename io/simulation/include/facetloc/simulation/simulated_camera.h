@@ -38,6 +38,10 @@ struct SimulatedNoise {
   double flying_px = 0;          ///< time of flight: width of mixed depths at silhouettes [px at 640x480]
   double multipath = 0;          ///< time of flight: depths in the edge of a corner are too large by this [m]
   double reliable_depth = 1000;  ///< half of what is farther is lost on the way: depths are too small [m]
+  double smooth_error = 0;       ///< smooth error over the image, as a share of depth
+  double smooth_images = 10;     ///< images after which that error is another one
+  double blur_px = 0;            ///< radius over which inverse depths are averaged [px at 640x480]
+  double filling_px = 0;  ///< holes, and so many pixels beside silhouettes, are interpolated [px at 640x480]
   /// @}
 
   template <class Self, class Visitor>
@@ -54,9 +58,13 @@ struct SimulatedNoise {
   void validate() const { checkRanges(*this); }
 };
 
+/** \brief Errors that neighbouring pixels have in common: smooth ones over the image, blurred or interpolated
+ * edges. Real cameras have them; a mean over many pixels is not free of them. */
+enum class SharedErrors { left_out, as_measured };
+
 /** \brief The errors of a camera that camera_presets.h knows by this name. Throws std::invalid_argument for
  * another one. */
-SimulatedNoise simulatedNoise(std::string_view preset);
+SimulatedNoise simulatedNoise(std::string_view preset, SharedErrors shared = SharedErrors::left_out);
 
 /** \brief A rendered frame with its truth. */
 struct SimulatedFrame {
@@ -70,12 +78,19 @@ class SimulatedCamera {
 public:
   SimulatedCamera(const Intrinsics& camera, const SimulatedNoise& noise, std::uint64_t seed);
   const Intrinsics& camera() const { return camera_; }
-  /** \brief Exact depth and labels, without any error; panes of glass are not there. */
+  /** \brief Exact depth and labels, without any error of the camera; panes of glass are not there. */
   SimulatedFrame renderExact(const Scene& scene, const Eigen::Isometry3d& T_w_c) const;
   /** \brief A frame as the sensor sees it; frame_index selects the noise. */
   SimulatedFrame render(const Scene& scene, const Eigen::Isometry3d& T_w_c, std::uint64_t frame_index) const;
 
 private:
+  struct Seen {
+    std::vector<double> depth;  // [m], 0 where nothing is seen
+    LabelImage labels;
+  };
+  Seen surfacesSeen(const Scene& scene, const Eigen::Isometry3d& T_w_c, std::uint64_t frame_index) const;
+  void shareErrors(std::vector<double>& depth, std::uint64_t frame_index) const;
+  SimulatedFrame measured(const Seen& seen, std::uint64_t frame_index) const;
   double randomStd(double z) const;
   bool reflects(Material material, double z, double cosine, double blob) const;
   std::vector<bool> litByProjector(const std::vector<double>& depth) const;

@@ -31,7 +31,7 @@ struct SimulatedPlace {
   bool one_way = false;                             ///< the routes end at their last waypoints
 };
 
-/** \brief The names of the places that there are: office, home, hall, corridor, hotel. */
+/** \brief The names of the places that there are: office, home, hall, corridor, hotel, boards, doors, box. */
 const std::vector<std::string>& simulatedPlaceNames();
 /** \brief The place of that name, made up from the seed; the same seed gives the same place. Throws
  * std::invalid_argument for an unknown name.
@@ -42,7 +42,12 @@ const std::vector<std::string>& simulatedPlaceNames();
  * - hall: shelves, columns and large distances.
  * - corridor: 40 m long and bare, driven along once: but for its ends, out of range for most of the way,
  *   nothing tells how far along it a camera is.
- * - hotel: twelve rooms off one corridor, equal inside; doors and what stands beside them differ. */
+ * - hotel: twelve rooms off one corridor, equal inside; doors and what stands beside them differ.
+ * - boards: a bare floor with some flat boards, driven over; nothing else is in sight. For a camera that
+ *   looks down.
+ * - doors: a corridor driven along once, with closed doors every 1.8 m, all alike, and three things that
+ * stand beside them.
+ * - box: a cabinet on a bare floor, driven around, which looks the same from opposite sides. */
 SimulatedPlace simulatedPlace(const std::string& name, std::uint64_t seed);
 
 }  // namespace facetloc

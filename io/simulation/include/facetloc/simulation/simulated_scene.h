@@ -39,10 +39,19 @@ struct RoundBody {
   Material material = Material::matt;
 };
 
+/** \brief How far surfaces are from where a scene says: each is moved along its normal by a smooth function
+ * of the place on it, another one for each plane id. */
+struct SurfaceBending {
+  double std = 0;          ///< of the displacement [m]; 0 = all surfaces are as the scene says
+  double length = 2;       ///< shortest wavelength [m]; the longest is three times that
+  std::uint64_t seed = 1;  ///< the same seed, the same surfaces
+};
+
 /** \brief What a simulated camera can see; z up, floor at z = 0. */
 struct Scene {
   std::vector<Rectangle> rectangles;
   std::vector<RoundBody> bodies;
+  SurfaceBending bending{};
 };
 
 /** \brief Adds the six faces of a box (centre, orientation, half sizes); plane ids count up from next_id. */

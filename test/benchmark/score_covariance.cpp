@@ -1,0 +1,378 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// How well stated covariances agree with the errors of poses.
+//
+//   score_covariance [--kinds single,pair,motion,sequence,tracking] [--truth-deg DEG] [--truth-mm MM]
+//   [--run query] [--map FILE] [--map-poses poses.txt] [--csv FILE] [--GROUP.PARAMETER VALUE] PLACE...
+//
+// Each PLACE is a folder with a run map/, which makes the map by the paper's rule, and another run that is
+// compared with its true poses, in four ways: each image alone in the map (single), image against image, by
+// distance (pair), from each N-th image to the next (motion), and all images in a row (sequence, tracking).
+// A pose is right within 0.3 m and 5 deg; right ones alone count for the covariance. Printed are how many are
+// sure, right of these, and right at rank 1; NEES, e^T P^-1 e, its mean (6 if covariances are right), median
+// (5.35) and 97 % bound (13.97); the share in the 50 and 95 % ellipsoids; and |error| / std along the
+// weakest, middle and strongest principal axis of the stated position, as 50, 90 and 97 % bounds
+// (0.67, 1.64, 2.17).
+#include "base/app.h"
+#include "base/text.h"
+#include "belief/image_motion.h"
+#include "covariance_statistics.h"
+#include "image_overlap.h"
+#include "mapped_place.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/map_database.h>
+#include <facetloc/io/text.h>
+#include <facetloc/localization/pose_tracking.h>
+#include <facetloc/localization/sequence_localization.h>
+#include <facetloc/mapping/map_ambiguity.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace facetloc;
+using benchmarks::CovarianceStatistics;
+using benchmarks::MappedPlace;
+using benchmarks::PosedRun;
+
+constexpr std::array<std::pair<double, double>, 4> kDistances = {
+    {{0, 0.3}, {0.3, 0.6}, {0.6, 1}, {1, 1.7}}};           // between two views [m]
+constexpr double kMostTurned = 45 * kDegree;               // between two views
+constexpr double kLeastOverlap = 0.3;                      // of two views
+constexpr double kPairRotation = 60, kPairDistance = 1.5;  // prior of a pair [deg], [m]
+constexpr int kPairAttempts = 50000;
+constexpr std::uint32_t kSeed = 1;
+
+/** What a kind of localization says of one image. */
+struct Answer {
+  std::optional<PoseWithCovariance> pose;
+  bool sure = false;
+};
+
+/** The answers of one kind to the images of one place. */
+struct Tally {
+  std::string place, kind, group;
+  std::size_t images = 0, sure = 0, sure_right = 0, right = 0;
+  CovarianceStatistics statistics{};
+};
+
+double percent(std::size_t n, std::size_t of) {
+  return of == 0 ? 0 : 100.0 * static_cast<double>(n) / static_cast<double>(of);
+}
+
+/** Heading and cells of a table of tallies. */
+using Column = std::pair<std::string, std::string>;
+
+std::vector<Column> columnsOf(const Tally& t) {
+  const CovarianceStatistics& s = t.statistics;
+  const bool any = s.size() > 0;
+  const auto number = [&](double x) { return any ? text::decimals(x, x < 100 ? 2 : 0) : ""; };
+  const auto share_of = [&](double x) { return any ? text::decimals(100 * x, 1) : ""; };
+  std::vector<Column> columns = {{"place", t.place},
+                                 {"kind", t.kind},
+                                 {"group", t.group},
+                                 {"images", std::to_string(t.images)},
+                                 {"sure", std::to_string(t.sure)},
+                                 {"right of sure [%]", text::decimals(percent(t.sure_right, t.sure), 1)},
+                                 {"rank 1 [%]", text::decimals(percent(t.right, t.images), 1)},
+                                 {"n", std::to_string(s.size())},
+                                 {"NEES", number(s.meanNees())},
+                                 {"median", number(s.nees(0.5))},
+                                 {"97 %", number(s.nees(0.97))},
+                                 {"in 50 %", share_of(s.inside50())},
+                                 {"in 95 %", share_of(s.inside95())}};
+  const std::array<std::string, 3> names = {"weakest", "middle", "strongest"};
+  for (std::size_t axis = 0; axis < names.size(); ++axis)
+    for (const double share : {0.5, 0.9, 0.97})
+      columns.emplace_back((share == 0.5 ? names[axis] + " " : "") + text::shortest(100 * share) + " %",
+                           number(s.ratio(static_cast<CovarianceStatistics::Axis>(axis), share)));
+  return columns;
+}
+
+std::vector<std::string> headings(const std::vector<Column>& columns) {
+  std::vector<std::string> all;
+  for (const auto& [heading, cell] : columns) all.push_back(heading);
+  return all;
+}
+
+std::vector<std::string> cells(const std::vector<Column>& columns) {
+  std::vector<std::string> all;
+  for (const auto& [heading, cell] : columns) all.push_back(cell);
+  return all;
+}
+
+/** One column each for CSV, without units and with the axis in each name. */
+void writeCsv(const fs::path& path, const std::vector<Tally>& tallies) {
+  writeTextAtomically(path, [&](std::ostream& out) {
+    out << "place,kind,group,images,sure,sure_right_percent,rank1_percent,n,nees_mean,nees_median,nees_97,"
+           "inside_50_percent,inside_95_percent";
+    for (const char* axis : {"weakest", "middle", "strongest"})
+      for (const char* share : {"50", "90", "97"}) out << "," << axis << "_" << share;
+    out << "\n";
+    for (const Tally& tally : tallies) {
+      std::string line;
+      for (const std::string& cell : cells(columnsOf(tally)))
+        line += (line.empty() ? "" : ",") + text::csvCell(cell);
+      out << line << "\n";
+    }
+  });
+}
+
+std::vector<std::string> listOf(const std::string& text) {
+  std::vector<std::string> all;
+  for (const std::string_view part : text::split(text, ',')) all.emplace_back(text::trimmed(part));
+  return all;
+}
+
+/** Pairs (view, other view) of a run that overlap and are so far apart; a fixed seed chooses them. */
+std::vector<std::pair<std::size_t, std::size_t>> choosePairs(const PosedRun& run,
+                                                             const std::vector<DepthImage>& images,
+                                                             const std::pair<double, double>& distance,
+                                                             std::size_t n) {
+  std::mt19937 random(kSeed);
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (int attempt = 0; attempt < kPairAttempts && pairs.size() < n; ++attempt) {
+    const std::size_t i = random() % run.truth.size(), j = random() % run.truth.size();
+    const Eigen::Isometry3d T_j_i = run.truth[j].inverse() * run.truth[i];
+    const double apart = T_j_i.translation().norm();
+    if (i == j || apart < distance.first || apart >= distance.second) continue;
+    if (rotationAngle(T_j_i.linear()) > kMostTurned) continue;
+    if (benchmarks::overlap(images[i], images[j], T_j_i) < kLeastOverlap) continue;
+    if (benchmarks::overlap(images[j], images[i], T_j_i.inverse()) < kLeastOverlap) continue;
+    pairs.emplace_back(i, j);
+  }
+  return pairs;
+}
+
+class ScoreCovarianceApp : public App {
+public:
+  ScoreCovarianceApp()
+      : App("score_covariance", "PLACE... [options]",
+            "Compares the covariances of poses with their errors.") {
+    evaluation_.max_translation = 0.3;
+    evaluation_.max_rotation_deg = 5;
+  }
+
+private:
+  void addOptions(CommandLine& line) override {
+    line.addArguments("PLACE", places_);
+    line.addOption("run", run_, "NAME", "The run that is localized.");
+    line.addOption("every", every_, "N", "See only every N-th image.");
+    line.addOption("kinds", kinds_, "KIND,...",
+                   "Kinds that are compared: single,pair,motion,sequence,tracking.");
+    line.addOption("gaps", gaps_, "N,...", "Images from one to the next, of motions.");
+    line.addOption("pairs", pairs_, "N", "Largest number of pairs of each distance.");
+    line.addOption("map", map_, "FILE", "Map (.flmap) that is used instead of one of PLACE/map.");
+    line.addOption("map-poses", map_poses_, "NAME", "File in PLACE/map with the poses of the map (TUM).");
+    line.addOption("truth-deg", truth_deg_, "DEG", "Error of true orientations, root mean square [deg].");
+    line.addOption("truth-mm", truth_mm_, "MM", "Error of true positions, root mean square [mm].");
+    line.addOption("csv", csv_, "FILE", "Write the table to this file.");
+    line.addPresets();
+    line.addParams(view_);
+    line.addParams(evaluation_, "evaluation");
+    line.addParams(sequence_, "sequence");
+    line.addParams(tracking_, "tracking");
+    line.addParams(localization_);
+  }
+
+  void count(const Answer& answer, const Eigen::Isometry3d& truth, Tally& tally) const {
+    ++tally.images;
+    tally.sure += answer.sure;
+    if (!answer.pose ||
+        !isNear(answer.pose->T, truth, evaluation_.max_translation, evaluation_.max_rotation_deg))
+      return;
+    ++tally.right;
+    tally.sure_right += answer.sure;
+    tally.statistics.add(*answer.pose, truth, benchmarks::covarianceOfTruth(truth_deg_, truth_mm_));
+  }
+
+  void count(const std::vector<Answer>& answers, const PosedRun& run, Tally& tally) const {
+    for (std::size_t i = 0; i < answers.size(); ++i) count(answers[i], run.truth[i], tally);
+  }
+
+  static std::optional<PoseWithCovariance> worldPose(const Map& map, const std::vector<Hypothesis>& places) {
+    if (places.empty() || !map.models[places.front().model].T_w_m) return {};
+    return *map.models[places.front().model].T_w_m * places.front().T_m_c;
+  }
+
+  std::vector<Answer> singleAnswers(const std::shared_ptr<const Map>& map, const PosedRun& run) const {
+    GlobalLocalization localization(map, localization_);
+    localization.setNumberOfThreads(1);
+    std::vector<Answer> answers(run.views.size());
+    const int n = static_cast<int>(answers.size());
+#pragma omp parallel for schedule(dynamic)
+    for (int i = 0; i < n; ++i) {
+      const Localization found = localization.localize(run.views[i]);
+      answers[i] = {worldPose(*map, found.hypotheses), found.state() == AnswerState::sure};
+    }
+    return answers;
+  }
+
+  std::vector<Tally> pairs(const MappedPlace& place, const PosedRun& run) const {
+    std::vector<DepthImage> images;
+    for (const std::size_t frame : run.frames)
+      images.push_back(place.query().sequence.load(frame, benchmarks::kWorkingWidth));
+    std::vector<Tally> tallies;
+    for (const auto& distance : kDistances) {
+      Tally tally{"", "pair", text::shortest(distance.first) + "-" + text::shortest(distance.second) + " m"};
+      const auto chosen = choosePairs(run, images, distance, static_cast<std::size_t>(pairs_));
+      std::vector<Answer> answers(chosen.size());
+      const int n = static_cast<int>(answers.size());
+#pragma omp parallel for schedule(dynamic)
+      for (int k = 0; k < n; ++k)
+        answers[k] = registered(run.views[chosen[k].first], run.views[chosen[k].second]);
+      for (std::size_t k = 0; k < chosen.size(); ++k)
+        count(answers[k], run.truth[chosen[k].second].inverse() * run.truth[chosen[k].first], tally);
+      tallies.push_back(std::move(tally));
+    }
+    return tallies;
+  }
+
+  /** The pose of a view in the frame of another one. */
+  Answer registered(const View& view, const View& other) const {
+    GlobalLocalizationParams params = localization_;
+    params.prior.rotation_std_deg = kPairRotation;
+    params.prior.translation_std = kPairDistance;
+    GlobalLocalization localization(std::make_shared<const Map>(mapOf(other)), params);
+    localization.setNumberOfThreads(1);
+    const Localization found = localization.localize(view);
+    if (found.hypotheses.empty()) return {};
+    return {found.hypotheses.front().T_m_c, found.state() == AnswerState::sure};
+  }
+
+  /** From each image to the one so many later; sure if the views have seen the motion. */
+  Tally motions(const PosedRun& run, std::size_t gap) const {
+    Tally tally{"", "motion", std::to_string(gap)};
+    internal::ImageMotion motion(sequence_.odometry);
+    for (std::size_t i = 0; i < run.views.size(); i += gap) {
+      const auto view = std::make_shared<const View>(run.views[i]);
+      const internal::ViewMotion seen = motion.add(view, i ? run.stamps[i] - run.stamps[i - gap] : 0, {});
+      if (i == 0) continue;
+      Answer answer;
+      if (!seen.broken) answer = {seen.T_a_b, seen.agreement > 0};
+      count(answer, run.truth[i - gap].inverse() * run.truth[i], tally);
+    }
+    return tally;
+  }
+
+  std::vector<Answer> sequenceAnswers(const std::shared_ptr<const Map>& map, const PosedRun& run) const {
+    SequenceLocalization sequence(map, sequence_, localization_);
+    sequence.setNumberOfThreads(threads());
+    std::vector<Answer> answers;
+    for (std::size_t i = 0; i < run.views.size(); ++i) {
+      const SequenceAnswer found = sequence.add(run.views[i], run.stamps[i]);
+      answers.push_back({worldPose(*map, found.places), found.state == AnswerState::sure});
+    }
+    return answers;
+  }
+
+  std::vector<Answer> trackedAnswers(const std::shared_ptr<const Map>& map, const PosedRun& run) const {
+    PoseTracking tracking(map, tracking_, localization_);
+    tracking.setNumberOfThreads(threads());
+    std::vector<Answer> answers;
+    for (std::size_t i = 0; i < run.views.size(); ++i) {
+      const TrackedPose found = tracking.update(run.views[i], run.stamps[i]);
+      const bool sure = found.state == TrackingState::localized || found.state == TrackingState::tracking;
+      const bool posed = sure || found.state == TrackingState::cannot_tell;
+      answers.push_back({posed ? found.T_w_c : std::nullopt, sure});
+    }
+    return answers;
+  }
+
+  bool wants(const std::string& kind) const {
+    const std::vector<std::string> kinds = listOf(kinds_);
+    return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
+  }
+
+  /** Either one that is there already, or the place's own by the paper's rule. */
+  Map mapOfPlace(MappedPlace& place) const {
+    Map map = map_.empty() ? place.see(view_) : readMap(map_);
+    if (map_.empty())
+      setAmbiguity(lookalikeScores(GlobalLocalization(std::make_shared<const Map>(map), localization_)), map);
+    else
+      place.seeQuery(map, view_);
+    return map;
+  }
+
+  std::vector<Tally> tallies(const std::string& folder) const {
+    MappedPlace place(folder, static_cast<std::size_t>(every_), run_, map_poses_);
+    const auto map = std::make_shared<const Map>(mapOfPlace(place));
+    const PosedRun run = place.posedQuery(evaluation_);
+    std::vector<Tally> all;
+    const auto add = [&](const std::string& kind, const std::vector<Answer>& answers) {
+      count(answers, run, all.emplace_back(Tally{"", kind, ""}));
+    };
+    if (wants("single")) add("single", singleAnswers(map, run));
+    if (wants("pair"))
+      for (Tally& tally : pairs(place, run)) all.push_back(std::move(tally));
+    if (wants("motion"))
+      for (const std::size_t gap : gapsOf()) all.push_back(motions(run, gap));
+    if (wants("sequence")) add("sequence", sequenceAnswers(map, run));
+    if (wants("tracking")) add("tracking", trackedAnswers(map, run));
+    const fs::path path = fs::path(folder).lexically_normal();
+    for (Tally& tally : all)
+      tally.place = (path.has_filename() ? path : path.parent_path()).filename().string();
+    return all;
+  }
+
+  std::vector<std::size_t> gapsOf() const {
+    std::vector<std::size_t> gaps;
+    for (const std::string& word : listOf(gaps_)) {
+      const auto gap = text::to<int>(word);
+      if (!gap || *gap < 1) throw UsageError("gaps must be positive numbers");
+      gaps.push_back(static_cast<std::size_t>(*gap));
+    }
+    return gaps;
+  }
+
+  void checkOptions() const {
+    if (every_ < 1 || pairs_ < 1) throw UsageError("every and pairs must be positive");
+    if (!(truth_deg_ >= 0 && truth_mm_ >= 0)) throw UsageError("errors of the truth must not be negative");
+    gapsOf();
+    for (const std::string& kind : listOf(kinds_))
+      if (kind != "single" && kind != "pair" && kind != "motion" && kind != "sequence" && kind != "tracking")
+        throw UsageError("unknown kind '" + kind + "'; there are: single pair motion sequence tracking");
+  }
+
+  int execute(const CommandLine&, const Console& console) override {
+    checkOptions();
+    if (!map_.empty() && places_.size() != 1) throw UsageError("a map has one place");
+    std::vector<Tally> all;
+    for (const std::string& folder : places_)
+      for (Tally& tally : tallies(folder)) all.push_back(std::move(tally));
+    TextTable table(headings(columnsOf({})));
+    for (const Tally& tally : all) table.add(cells(columnsOf(tally)));
+    console.out << table;
+    if (!csv_.empty()) writeCsv(csv_, all);
+    return kOk;
+  }
+
+  std::vector<std::string> places_;
+  std::string map_, run_ = "query", kinds_ = "single,pair,motion,sequence,tracking", gaps_ = "1,2,4,8",
+                    map_poses_, csv_;
+  int every_ = 1, pairs_ = 100;
+  double truth_deg_ = 0, truth_mm_ = 0;
+  ViewParams view_;
+  EvaluationParams evaluation_;
+  SequenceParams sequence_;
+  PoseTrackingParams tracking_;
+  GlobalLocalizationParams localization_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ScoreCovarianceApp app;
+  return runApp(app, argc, argv);
+}
