@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/batch.h"
 #include "base/progress.h"
-#include "process.h"
 #include "base/shared_batch.h"
+#include "process.h"
 
 #include <facetloc/io/error.h>
 

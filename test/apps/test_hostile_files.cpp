@@ -5,6 +5,7 @@
 
 #include <facetloc/io/map_database.h>
 #include <facetloc/localization/place_index.h>
+#include <facetloc/segmentation/view_builder.h>
 #include <facetloc/testing/places.h>
 
 #include <gmock/gmock.h>
@@ -18,6 +19,7 @@
 #include <sstream>
 #include <string>
 #include <sys/resource.h>
+#include <utility>
 #include <vector>
 
 namespace facetloc {
@@ -58,14 +60,16 @@ void execute(const fs::path& path, const std::string& sql) {
   sqlite3_close(db);
 }
 
-/** Views of a corner of a room, so many that they stay in the file. */
+/** A view of a corner of a room, so often that the views stay in the file. */
 Map largeMap() {
-  Map map = test::ExampleScene().map();
-  map.links.clear();
-  for (std::size_t i = map.models.size(); i <= 400; ++i) {
-    map.models.push_back(map.models[i % 3]);
-    map.models.back().name = std::to_string(i);
-  }
+  constexpr int kModels = 401;
+  Map map;
+  map.camera.mounting = CameraMounting{1.0, 8};
+  const Eigen::Isometry3d T_w_m = test::ExampleScene::pose(0, 0, 0);
+  View view = ViewBuilder(Camera()).build(test::ExampleScene().see("corner", T_w_m).depth);
+  view.camera = nullptr;
+  map.models.assign(kModels, {"", 0, T_w_m, std::move(view)});
+  for (int i = 0; i < kModels; ++i) map.models[i].name = std::to_string(i);
   return map;
 }
 
@@ -135,8 +139,7 @@ void PrintTo(const Hostile& h, std::ostream* out) { *out << h.file; }
 class HostileFiles : public testing::TestWithParam<Hostile> {
 protected:
   void SetUp() override {
-    const char* set = std::getenv("FACETLOC_DATA");
-    path_ = fs::path(set ? set : FACETLOC_DATA_DIR) / "hostile" / GetParam().file;
+    path_ = test::dataFolder("hostile") / GetParam().file;
     if (!fs::exists(path_)) GTEST_SKIP() << "no data at " << path_ << "; see FACETLOC_DATA";
   }
   fs::path path_;

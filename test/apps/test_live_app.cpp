@@ -244,7 +244,7 @@ TEST(LiveApp, HelpTellsTheKeys) {
 
 /** Of real sensors; they lie beside the checkout, or where the environment says. */
 TEST(LiveApp, PlaysRealRecordings) {
-  const fs::path folder = dataFolder("oni");
+  const fs::path folder = test::dataFolder("oni");
   if (!fs::is_directory(folder)) GTEST_SKIP() << folder << " is not there";
   TemporaryFolder results;
   int recordings = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "process.h"
 #include "base/map_completion.h"
+#include "process.h"
 
 #include <facetloc/io/map_database.h>
 #include <facetloc/localization/place_index.h>

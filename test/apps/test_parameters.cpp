@@ -6,6 +6,7 @@
 
 #include <facetloc/localization/localization_params.h>
 #include <facetloc/localization/sequence_params.h>
+#include <facetloc/localization/tracking_params.h>
 #include <facetloc/mapping/map_builder.h>
 #include <facetloc/mapping/map_session.h>
 #include <facetloc/mapping/mapping_params.h>

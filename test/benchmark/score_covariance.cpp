@@ -16,6 +16,7 @@
 #include "base/app.h"
 #include "base/text.h"
 #include "belief/image_motion.h"
+#include "calibration/map_ambiguity.h"
 #include "covariance_statistics.h"
 #include "image_overlap.h"
 #include "mapped_place.h"
@@ -25,7 +26,6 @@
 #include <facetloc/io/text.h>
 #include <facetloc/localization/pose_tracking.h>
 #include <facetloc/localization/sequence_localization.h>
-#include <facetloc/mapping/map_ambiguity.h>
 
 #include <algorithm>
 #include <array>
@@ -222,7 +222,7 @@ private:
   std::vector<Tally> pairs(const MappedPlace& place, const PosedRun& run) const {
     std::vector<DepthImage> images;
     for (const std::size_t frame : run.frames)
-      images.push_back(place.query().sequence.load(frame, benchmarks::kWorkingWidth));
+      images.push_back(place.query().sequence.load(frame, kWorkingWidth));
     std::vector<Tally> tallies;
     for (const auto& distance : kDistances) {
       Tally tally{"", "pair", text::shortest(distance.first) + "-" + text::shortest(distance.second) + " m"};
@@ -299,7 +299,9 @@ private:
   Map mapOfPlace(MappedPlace& place) const {
     Map map = map_.empty() ? place.see(view_) : readMap(map_);
     if (map_.empty())
-      setAmbiguity(lookalikeScores(GlobalLocalization(std::make_shared<const Map>(map), localization_)), map);
+      internal::setAmbiguity(
+          internal::lookalikeScores(GlobalLocalization(std::make_shared<const Map>(map), localization_)),
+          map);
     else
       place.seeQuery(map, view_);
     return map;

@@ -97,29 +97,6 @@ TEST_F(LocalizationInARoom, ModelsThatAreExcludedFindNothing) {
   EXPECT_TRUE(localization.localize(*map->view(3), [](int) { return true; }).hypotheses.empty());
 }
 
-TEST_F(LocalizationInARoom, PairsMayBeChosenBySomebodyElse) {
-  GlobalLocalization localization(map);
-  const View view = *map->view(3);
-  const PoseWithCovariance prior = localization.prior(view);
-  const Localization free = localization.localize(view, prior);
-  const auto ours = [&](int model) {
-    return candidatePairs(view.segments, map->view(static_cast<std::size_t>(model))->segments, prior);
-  };
-  const Localization same = localization.localize(view, prior, ours);
-  ASSERT_FALSE(same.hypotheses.empty());
-  EXPECT_THAT(*same.hypotheses[0].T_w_c, PoseNear(*free.hypotheses[0].T_w_c, 1e-6, 1e-4));
-
-  const auto of_own_model = [&](int model) { return model == 3 ? ours(3) : std::vector<SegmentPair>(); };
-  for (const Hypothesis& h : localization.localize(view, prior, of_own_model).hypotheses)
-    EXPECT_EQ(h.model, 3);
-  for (const int threads : {1, 2})
-    for (const SegmentPair& wrong : {SegmentPair{-1, 0}, {0, -1}, {1000, 0}, {0, 1000}}) {
-      localization.setNumberOfThreads(threads);
-      EXPECT_THROW(localization.localize(view, prior, [&](int) { return std::vector{wrong}; }),
-                   std::invalid_argument);
-    }
-}
-
 /** Two rooms that are the same: whatever is seen in the one fits the other. */
 TEST_F(LocalizationInARoom, AMapOfTwinsKnowsThatItIsAmbiguous) {
   auto twins = std::make_shared<Map>(*map);

@@ -317,7 +317,7 @@ TEST(PlanarRegistration, ReadsItsTargetOnceForManySources) {
 }
 
 TYPED_TEST(OurRegistration, ParametersOutOfTheirRangeAreRefused) {
-  GlobalLocalizationParams params;
+  RegistrationParams params;
   params.evidence.models = -1;
   EXPECT_THROW(this->ranked().setRegistrationParams(params), std::invalid_argument);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/map_completion.h"
 
-#include "tools/map_watch.h"
+#include "base/map_watch.h"
 
 #include <facetloc/io/map_database.h>
 #include <facetloc/localization/place_index.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_app.h"
 
-#include "base/ambiguity_file.h"
 #include "base/localization_options.h"
 #include "base/localization_report.h"
 #include "base/map_completion.h"

@@ -2,10 +2,10 @@
 #include "tools/check_app.h"
 
 #include "base/batch.h"
+#include "base/map_watch.h"
 #include "base/text.h"
 #include "shared/median.h"
 #include "tools/image_trajectory.h"
-#include "tools/map_watch.h"
 #include "tools/noise_table.h"
 
 #include <facetloc/features/camera_presets.h>

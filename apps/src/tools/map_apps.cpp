@@ -2,10 +2,10 @@
 #include "tools/map_apps.h"
 
 #include "base/map_completion.h"
+#include "base/map_watch.h"
 #include "base/provenance.h"
 #include "base/text.h"
 #include "tools/map_extend_app.h"
-#include "tools/map_watch.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/cloud_file.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/batch.h"
 #include "base/map_completion.h"
+#include "base/map_watch.h"
 #include "base/provenance.h"
 #include "base/text.h"
 #include "tools/map_apps.h"
-#include "tools/map_watch.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/output_lock.h>
@@ -61,7 +61,7 @@ public:
 
   std::size_t added() const { return added_; }
   std::size_t models() const { return index_.size(); }
-  std::vector<std::string> names() const { return database_.modelNames(); }
+  bool has(const std::string& name) const { return index_.count(name) > 0; }
 
   void add(const PackedModel& packed) {
     if (std::exchange(whole_, false)) database_.setMeta(kStateKey, kUnderWay);

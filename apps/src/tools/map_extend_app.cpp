@@ -2,12 +2,12 @@
 #include "tools/map_extend_app.h"
 
 #include "base/map_completion.h"
+#include "base/map_watch.h"
 #include "base/provenance.h"
 #include "base/text.h"
 #include "drawing/offscreen_display.h"
 #include "drawing/outputs.h"
 #include "drawing/pictures.h"
-#include "tools/map_watch.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/error.h>

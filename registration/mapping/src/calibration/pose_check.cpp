@@ -3,8 +3,6 @@
 
 #include "shared/median.h"
 
-#include <facetloc/mapping/pose_check.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

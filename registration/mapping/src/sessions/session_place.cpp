@@ -33,8 +33,8 @@ constexpr PlaceTolerance kTolerance{kSameAnswer.distance, kDegree* kSameAnswer.a
 
 /** The sure answers of all keyframes. */
 std::vector<FoundKeyframe> sureKeyframes(const GlobalLocalization& localization,
-                                         const CameraTrajectory& trajectory, const MapSessionParams& params,
-                                         int threads, const MapProgressCallback& progress) {
+                                         const CameraTrajectory& trajectory, int threads,
+                                         const MapProgressCallback& progress) {
   const std::size_t n = trajectory.keyframes.size();
   std::vector<std::optional<PoseWithCovariance>> T_w_c(n);
   ParallelStage(MapProgress::Stage::place, n, threads, progress).run([&](std::size_t k) {

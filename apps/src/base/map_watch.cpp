@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/map_watch.h"
+#include "base/map_watch.h"
 
 #include "base/batch.h"
 
