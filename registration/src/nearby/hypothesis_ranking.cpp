@@ -109,8 +109,8 @@ void HypothesisRanking::rank(const View& scene, std::vector<Hypothesis>& hypothe
   assignProbabilities(found.slope, found.null_score, hypotheses);
 }
 
-double HypothesisRanking::evidence(const View& scene, const std::vector<NearbyView>& neighbours, Hypothesis& h,
-                              const DepthComparison& comparison) const {
+double HypothesisRanking::evidence(const View& scene, const std::vector<NearbyView>& neighbours,
+                                   Hypothesis& h, const DepthComparison& comparison) const {
   const Eigen::Isometry3d& T_w_c = *h.T_w_c;
   DepthEvidence found;
   std::vector<PosedPicture> pictures;
@@ -128,7 +128,8 @@ double HypothesisRanking::evidence(const View& scene, const std::vector<NearbyVi
 }
 
 // Moves a hypothesis, within its place, to where the pixels of these models fit best.
-void HypothesisRanking::refine(const View& scene, const std::vector<NearbyView>& neighbours, Hypothesis& h) const {
+void HypothesisRanking::refine(const View& scene, const std::vector<NearbyView>& neighbours,
+                               Hypothesis& h) const {
   std::vector<PosedPicture> pictures;
   for (const NearbyView& n : neighbours) pictures.push_back({&n.view->depth, n.T_w_m});
   const Eigen::Isometry3d T_w_m = poseOfModel(h);

@@ -34,15 +34,15 @@ struct NearbyView {
   Eigen::Isometry3d T_w_m;
 };
 
-/** \brief Makes hypotheses one ranked list of places: evidence, merging, refinement, probabilities. Which views
- * are near a hypothesis, and what a score is worth, differ between a map and a pair of views. Never changes; all
- * functions are thread-safe. */
+/** \brief Makes hypotheses one ranked list of places: evidence, merging, refinement, probabilities. Which
+ * views are near a hypothesis, and what a score is worth, differ between a map and a pair of views. Never
+ * changes; all functions are thread-safe. */
 class HypothesisRanking {
 public:
   virtual ~HypothesisRanking() = default;
 
-  /** \brief Ranks hypotheses of a scene, with T_w_c where it is known. A place that has evidence and was found
-   * by n local models independently gets w_s ln n more [nats]. */
+  /** \brief Ranks hypotheses of a scene, with T_w_c where it is known. A place that has evidence and was
+   * found by n local models independently gets w_s ln n more [nats]. */
   void rank(const View& scene, std::vector<Hypothesis>& hypotheses) const;
 
   /** \brief Scores the best hypotheses by the depth of the local models nearest to their world poses,

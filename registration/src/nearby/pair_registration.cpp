@@ -27,7 +27,8 @@ public:
 private:
   std::vector<NearbyView> neighbours(const Hypothesis& h) const override {
     const Eigen::Isometry3d T_w_m = poseOfModel(h);
-    const bool shows = !target_->depth.empty() && std::isfinite(viewDistance(T_w_m, *h.T_w_c, kEvidenceReach));
+    const bool shows =
+        !target_->depth.empty() && std::isfinite(viewDistance(T_w_m, *h.T_w_c, kEvidenceReach));
     return shows ? std::vector<NearbyView>{{target_, T_w_m}} : std::vector<NearbyView>();
   }
   Eigen::Isometry3d poseOfModel(const Hypothesis&) const override { return Eigen::Isometry3d::Identity(); }
@@ -86,8 +87,7 @@ Localization PairRegistration::align(const View& view, const PoseWithCovariance&
     answer.reason = "the covariance of the prior is not positive definite";
     return answer;
   }
-  const Query query(view, prior,
-                    answer.camera.sameMounting() ? impl_->of_floor : Matrix6d(Matrix6d::Zero()));
+  const Query query(view, prior, answer.camera.sameMounting() ? impl_->of_floor : Matrix6d(Matrix6d::Zero()));
   if (impl_->registration.mayFixPose(query))
     answer.hypotheses = impl_->registration.align(query, *impl_->target, prior, chosen);
   for (Hypothesis& h : answer.hypotheses) h.T_w_c = h.T_m_c.T;

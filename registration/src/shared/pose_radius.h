@@ -20,7 +20,8 @@ constexpr PoseRadius kSameMotion{0.05, 2};
 /** \brief Hypotheses that are listed once. Below the tolerance that defines a correct pose, so that a wrong
  * neighbour cannot absorb the right one (localization/METHOD 11.2). */
 constexpr PoseRadius kSamePlace{0.15, 2};
-/** \brief Answers that do not exclude each other: one place, found more or less well (localization/METHOD 11.4). */
+/** \brief Answers that do not exclude each other: one place, found more or less well
+ * (localization/METHOD 11.4). */
 constexpr PoseRadius kSameAnswer{0.3, 5};
 /** \brief Images from there are no second look at a surface (mapping/METHOD 14.6). */
 constexpr PoseRadius kSameLook{0.1, 5};

@@ -109,7 +109,8 @@ struct RefinedDepthCalibration {
   }
 };
 
-/** \brief From scores to probabilities, for places with evidence of nearby local models (localization/METHOD 11.5). */
+/** \brief From scores to probabilities, for places with evidence of nearby local models
+ * (localization/METHOD 11.5). */
 struct ProbabilityCalibration {
   static constexpr const char* kTitle = "Probability of a place with evidence of nearby local models";
   double slope = 0.09;

@@ -10,8 +10,8 @@
 
 namespace facetloc {
 
-/** \brief Registers views with one other view, the target: a ranked list of poses, or why there is none. The PCL
- * classes are faces of it.
+/** \brief Registers views with one other view, the target: a ranked list of poses, or why there is none. The
+ * PCL classes are faces of it.
  *
  * Floor information counts where the cameras of both views are mounted alike. Never changes; thread-safe. */
 class PairRegistration {
@@ -25,10 +25,10 @@ public:
   const View& target() const;
 
   /** \brief Poses of a view in the target's camera frame (Hypothesis::T_m_c, which T_w_c repeats).
-   * \param prior T_target_view with its covariance, order (phi, t); if that is not positive definite, the answer
-   * is empty with a reason
-   * \param chosen if not null, the only pairs (scene = view, model = target) that take part in a pose, in place of
-   * candidatePairs(). Throws std::invalid_argument for a pair that names no segment. */
+   * \param prior T_target_view with its covariance, order (phi, t); if that is not positive definite, the
+   * answer is empty with a reason \param chosen if not null, the only pairs (scene = view, model = target)
+   * that take part in a pose, in place of candidatePairs(). Throws std::invalid_argument for a pair that
+   * names no segment. */
   Localization align(const View& view, const PoseWithCovariance& prior,
                      const std::vector<SegmentPair>* chosen = nullptr) const;
   /** \brief The same with the prior of RegistrationParams for the mounting of the target's camera. */

@@ -103,7 +103,7 @@ struct MapLookalikes {
   std::vector<std::optional<double>> scores;  ///< by index of the local models [nats]
 };
 /** \brief Localizes views of a map in it without their surroundings: the ambiguity of a map that was made
- * otherwise (METHOD 11.5). \param threads 0 = all cores */
+ * otherwise (localization/METHOD 11.5). \param threads 0 = all cores */
 MapLookalikes findLookalikes(const std::shared_ptr<const Map>& map, int threads = 1,
                              const MapProgressCallback& progress = {});
 
