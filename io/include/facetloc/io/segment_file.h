@@ -18,7 +18,7 @@ constexpr const char* kSegmentEnding = ".segments.pcd";
 bool isSegmentFile(const std::filesystem::path& path);
 
 /** \brief The segments of such a file, in its order. Throws IoError for what is no PCD file, has not the
- * fields of SegmentFrame, or holds a frame that is none, and names it; files of version 0.1 have no normals.
+ * fields of SegmentFrame, or holds a frame that is none, and names it.
  */
 std::vector<Segment> readSegments(const std::filesystem::path& path);
 

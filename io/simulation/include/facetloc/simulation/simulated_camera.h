@@ -21,6 +21,10 @@ struct SimulatedNoise {
   double distortion = 0.5;
   double quantization = 1.0;
   double random_dropout = 0.005;
+  double smooth_error = 0;
+  double smooth_images = 10;
+  double blur_px = 0;
+  double filling_px = 0;
 
   /** \name The model of a sensor, which a preset sets as a whole */
   /// @{
@@ -38,10 +42,6 @@ struct SimulatedNoise {
   double flying_px = 0;          ///< time of flight: width of mixed depths at silhouettes [px at 640x480]
   double multipath = 0;          ///< time of flight: depths in the edge of a corner are too large by this [m]
   double reliable_depth = 1000;  ///< half of what is farther is lost on the way: depths are too small [m]
-  double smooth_error = 0;       ///< smooth error over the image, as a share of depth
-  double smooth_images = 10;     ///< images after which that error is another one
-  double blur_px = 0;            ///< radius over which inverse depths are averaged [px at 640x480]
-  double filling_px = 0;  ///< holes, and so many pixels beside silhouettes, are interpolated [px at 640x480]
   /// @}
 
   template <class Self, class Visitor>
@@ -54,6 +54,15 @@ struct SimulatedNoise {
           "Smooth fixed distortion of the disparity, standard deviation [1/8 px].");
     visit("quantization", p.quantization, 0.0, 20.0, "Step of the disparity [1/8 px]; 0 = none.");
     visit("random_dropout", p.random_dropout, 0.0, 1.0, "Share of pixels lost at random.");
+    visit("smooth_error", p.smooth_error, 0.0, 0.5,
+          "Smooth error over the whole image, standard deviation as a share of depth.");
+    visit("smooth_images", p.smooth_images, 1.0, 1e6,
+          "Number of images after which the smooth error is drawn anew.");
+    visit("blur_px", p.blur_px, 0.0, 50.0,
+          "Radius over which inverse depths are averaged, also across silhouettes, standard deviation [px].");
+    visit(
+        "filling_px", p.filling_px, 0.0, 50.0,
+        "Width beside silhouettes over which depths are interpolated, and holes with them [px]; 0 = never.");
   }
   void validate() const { checkRanges(*this); }
 };
