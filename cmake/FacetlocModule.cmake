@@ -23,7 +23,7 @@ function(facetloc_add_module name)
   target_sources(${lib} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${arg_HEADERS})
   list(TRANSFORM arg_DEPENDS PREPEND facetloc::)
   target_link_libraries(${lib} PUBLIC ${arg_DEPENDS} ${arg_LINK}
-                        PRIVATE ${arg_PRIVATE_LINK} $<BUILD_INTERFACE:facetloc_warnings>)
+                        PRIVATE fmt::fmt ${arg_PRIVATE_LINK} $<BUILD_INTERFACE:facetloc_warnings>)
   # Headers that only the module reads, by room, and features/src/shared, which all modules read.
   target_include_directories(${lib} PRIVATE src ${PROJECT_SOURCE_DIR}/features/src)
   target_include_directories(${lib} SYSTEM PUBLIC ${PCL_INCLUDE_DIRS})

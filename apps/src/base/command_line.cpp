@@ -4,6 +4,8 @@
 
 #include <facetloc/io/text.h>
 
+#include <boost/program_options.hpp>
+
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -69,24 +71,38 @@ std::string wrapped(const std::string& paragraph) {
 
 }  // namespace
 
+struct CommandLine::Declared {
+  struct Group {
+    std::string title;
+    Shown shown;
+    std::unique_ptr<Options> options;
+  };
+  Options common{"Options", kHelpWidth}, general{"General", kHelpWidth}, hidden;
+  std::vector<Group> groups;  // of parameters, in the order in which they were added
+  po::positional_options_description positions;
+  po::variables_map values;
+};
+
 CommandLine::CommandLine(std::string tool, std::string synopsis, std::string about)
     : tool_(std::move(tool)),
       synopsis_(std::move(synopsis)),
       about_(std::move(about)),
-      common_("Options", kHelpWidth),
-      general_("General", kHelpWidth) {
-  add(general_, "help,h", po::bool_switch(), "Print this help.", Needs::Nothing);
-  add(general_, "help-all", po::bool_switch(), "Print all options, with those of the algorithms by group.",
-      Needs::Nothing);
-  add(general_, "version", po::bool_switch(), "Print the version.", Needs::Nothing);
-  add(general_, "params", bound(params_file_, "FILE"),
+      declared_(std::make_unique<Declared>()) {
+  add(declared_->general, "help,h", po::bool_switch(), "Print this help.", Needs::Nothing);
+  add(declared_->general, "help-all", po::bool_switch(),
+      "Print all options, with those of the algorithms by group.", Needs::Nothing);
+  add(declared_->general, "version", po::bool_switch(), "Print the version.", Needs::Nothing);
+  add(declared_->general, "params", bound(params_file_, "FILE"),
       "Read options from a file of 'name = value' lines, with [group] lines for those of the algorithms; the "
       "command line wins.");
 }
+CommandLine::~CommandLine() = default;
+
+CommandLine::Options& CommandLine::common() { return declared_->common; }
 
 void CommandLine::addGeneralOptions(int& threads, bool& quiet) {
-  add(general_, "threads", bound(threads, "N"), "Threads; 0 = all cores.");
-  add(general_, "quiet,q", po::bool_switch(&quiet), "No progress and no remarks.", Needs::Nothing);
+  add(declared_->general, "threads", bound(threads, "N"), "Threads; 0 = all cores.");
+  add(declared_->general, "quiet,q", po::bool_switch(&quiet), "No progress and no remarks.", Needs::Nothing);
   checks_.push_back([&threads] {
     if (threads < 0) throw UsageError("threads = " + std::to_string(threads) + " is negative");
   });
@@ -94,18 +110,18 @@ void CommandLine::addGeneralOptions(int& threads, bool& quiet) {
 
 void CommandLine::addArgument(const std::string& name, std::string& value, bool required) {
   arguments_.push_back({name, required});
-  hidden_.add_options()(name.c_str(), po::value(&value), "");
-  positions_.add(name.c_str(), 1);
+  declared_->hidden.add_options()(name.c_str(), po::value(&value), "");
+  declared_->positions.add(name.c_str(), 1);
 }
 
 void CommandLine::addArguments(const std::string& name, std::vector<std::string>& values) {
   arguments_.push_back({name, true});
-  hidden_.add_options()(name.c_str(), po::value(&values), "");
-  positions_.add(name.c_str(), -1);
+  declared_->hidden.add_options()(name.c_str(), po::value(&values), "");
+  declared_->positions.add(name.c_str(), -1);
 }
 
 void CommandLine::addSwitch(const std::string& name, bool& value, const std::string& help) {
-  add(common_, name, po::bool_switch(&value), help, Needs::Nothing);
+  add(declared_->common, name, po::bool_switch(&value), help, Needs::Nothing);
 }
 
 CommandLine::Semantic* CommandLine::bound(std::string& value, const std::string& value_name) {
@@ -124,7 +140,7 @@ void CommandLine::add(Options& group, const std::string& name, Semantic* semanti
                       Needs needs) {
   group.add_options()(name.c_str(), semantic, help.c_str());
   const auto comma = name.find(',');
-  const Option option{name.substr(0, comma), needs, &group != &general_ || name == "threads"};
+  const Option option{name.substr(0, comma), needs, &group != &declared_->general || name == "threads"};
   options_[underscored(option.name)] = option;
   if (comma != std::string::npos) options_[name.substr(comma + 1)] = option;
 }
@@ -132,10 +148,10 @@ void CommandLine::add(Options& group, const std::string& name, Semantic* semanti
 CommandLine::Options& CommandLine::groupOf(const ParamInfo& info, Shown shown) {
   const bool for_users = info.audience == Audience::users && shown == Shown::in_help_all;
   const std::string title = for_users ? kUsersTitle : info.group;
-  for (const Group& group : groups_)
+  for (const Declared::Group& group : declared_->groups)
     if (group.title == title && group.shown == shown) return *group.options;
-  groups_.push_back({title, shown, std::make_unique<Options>(title, kHelpWidth)});
-  return *groups_.back().options;
+  declared_->groups.push_back({title, shown, std::make_unique<Options>(title, kHelpWidth)});
+  return *declared_->groups.back().options;
 }
 
 void CommandLine::addParameter(Options& group, const std::string& name, bool& value,
@@ -260,32 +276,32 @@ void CommandLine::store(const std::vector<std::string>& arguments) {
     if (argument.find("%value%") != std::string::npos)
       throw po::error(text::quoted(argument) + " cannot be an argument");
   Options all;
-  all.add(common_).add(general_).add(hidden_);
-  for (const Group& group : groups_) all.add(*group.options);
+  all.add(declared_->common).add(declared_->general).add(declared_->hidden);
+  for (const Declared::Group& group : declared_->groups) all.add(*group.options);
   po::store(po::command_line_parser(arguments)
                 .options(all)
-                .positional(positions_)
+                .positional(declared_->positions)
                 .style(allow_long | long_allow_adjacent)
                 .run(),
-            values_);
+            declared_->values);
 }
 
 bool CommandLine::parse(const std::vector<std::string>& arguments, std::ostream& out) try {
   store(spelledOut(arguments));
-  if (values_["help-all"].as<bool>()) return printHelp(out, true), false;
-  if (values_["help"].as<bool>()) return printHelp(out, false), false;
-  if (values_["version"].as<bool>()) return out << versionText() << "\n", false;
-  if (values_.count("params")) {
-    const std::string path = values_["params"].as<std::string>();
+  if (declared_->values["help-all"].as<bool>()) return printHelp(out, true), false;
+  if (declared_->values["help"].as<bool>()) return printHelp(out, false), false;
+  if (declared_->values["version"].as<bool>()) return out << versionText() << "\n", false;
+  if (declared_->values.count("params")) {
+    const std::string path = declared_->values["params"].as<std::string>();
     storeFrom(path, readFile(path));
   }
-  if (values_.count("preset")) {
-    const std::string name = values_["preset"].as<std::string>();
+  if (declared_->values.count("preset")) {
+    const std::string name = declared_->values["preset"].as<std::string>();
     std::istringstream text(presetText(name));
     storeFrom("preset " + name, parametersIn(text, name, Unknown::skipped));
   }
   requireArguments();
-  po::notify(values_);
+  po::notify(declared_->values);
   for (const auto& check : checks_) check();
   return true;
 } catch (const po::too_many_positional_options_error&) {
@@ -298,24 +314,25 @@ bool CommandLine::parse(const std::vector<std::string>& arguments, std::ostream&
 
 void CommandLine::requireArguments() const {
   for (const Argument& argument : arguments_)
-    if (argument.required && !values_.count(argument.name)) throw UsageError(argument.name + " is missing");
+    if (argument.required && !declared_->values.count(argument.name))
+      throw UsageError(argument.name + " is missing");
 }
 
 bool CommandLine::has(const std::string& name) const { return find(name) != nullptr; }
 
 bool CommandLine::given(const std::string& name) const {
   const Option* option = find(name);
-  return option && values_.count(option->name) && !values_[option->name].defaulted();
+  return option && declared_->values.count(option->name) && !declared_->values[option->name].defaulted();
 }
 
 void CommandLine::printHelp(std::ostream& out, bool all) const {
   out << "Usage: " << tool_ << " " << synopsis_ << "\n\n" << wrapped(about_) << "\n";
-  if (!common_.options().empty()) out << common_ << "\n";
-  for (const Group& group : groups_)
+  if (!declared_->common.options().empty()) out << declared_->common << "\n";
+  for (const Declared::Group& group : declared_->groups)
     if (group.shown == Shown::in_help) out << *group.options << "\n";
-  out << general_;
+  out << declared_->general;
   for (const bool for_users : {true, false})
-    for (const Group& group : groups_)
+    for (const Declared::Group& group : declared_->groups)
       if (all && group.shown == Shown::in_help_all && (group.title == kUsersTitle) == for_users)
         out << "\n" << *group.options;
 }

@@ -3,8 +3,6 @@
 
 #include <facetloc/features/params.h>
 
-#include <boost/program_options.hpp>
-
 #include <functional>
 #include <istream>
 #include <map>
@@ -13,6 +11,11 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+namespace boost::program_options {
+class options_description;
+class value_semantic;
+}  // namespace boost::program_options
 
 namespace facetloc {
 
@@ -37,6 +40,7 @@ public:
   /** \param tool its name, as in `facetloc_segment`; \param synopsis what follows the name in the usage line;
    * \param about one paragraph. */
   CommandLine(std::string tool, std::string synopsis, std::string about);
+  ~CommandLine();
 
   /** \brief An argument without a name. Optional ones come last. */
   void addArgument(const std::string& name, std::string& value, bool required = true);
@@ -47,7 +51,7 @@ public:
    */
   template <class T>
   void addOption(const std::string& name, T& value, const std::string& value_name, const std::string& help) {
-    add(common_, name, bound(value, value_name), help);
+    add(common(), name, bound(value, value_name), help);
   }
   void addSwitch(const std::string& name, bool& value, const std::string& help);
   /** \brief Where the options of a group of parameters are shown. */
@@ -107,11 +111,7 @@ private:
   static Semantic* bound(int& value, const std::string& value_name);
   void add(Options& group, const std::string& name, Semantic* semantic, const std::string& help,
            Needs needs = Needs::Value);
-  struct Group {
-    std::string title;
-    Shown shown;
-    std::unique_ptr<Options> options;
-  };
+  Options& common();
   Options& groupOf(const ParamInfo& info, Shown shown);
   void addParameter(Options& group, const std::string& name, bool& value, const std::string& help);
   void addParameter(Options& group, const std::string& name, double& value, const std::string& help);
@@ -146,13 +146,9 @@ private:
   std::map<std::string, Option> options_;  // by name with underscores only, and by short name
   std::string params_file_;
   std::string preset_;
-  Options common_;
-  Options general_;
-  std::vector<Group> groups_;  // of parameters, in the order in which they were added
-  Options hidden_;
-  boost::program_options::positional_options_description positions_;
+  struct Declared;  // with Boost, whose headers take longer to compile than most tools
+  std::unique_ptr<Declared> declared_;
   std::vector<std::function<void()>> checks_;
-  boost::program_options::variables_map values_;
 };
 
 }  // namespace facetloc
