@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/camera.h>
 
-#include <array>
-#include <charconv>
+#include <fmt/format.h>
+#include <string>
+#include <vector>
 
 namespace facetloc {
 namespace {
 
 constexpr double kMuchNoisier = 1.3;  // a Kinect's images have up to 1.2 times what its specification says
-
-std::string decimals(double value, int n) {
-  std::array<char, 32> text{};
-  const auto end =
-      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, n).ptr;
-  return {text.data(), end};
-}
 
 }  // namespace
 
@@ -40,8 +34,9 @@ std::vector<std::string> inWords(const CameraDifference& d, const Camera& of_vie
   using Mounting = CameraDifference::Mounting;
   std::vector<std::string> words;
   if (d.mounting == Mounting::other)
-    words.push_back("the cameras are mounted differently, " + inWords(*of_view.mounting) +
-                    ", and in the map " + inWords(*of_map.mounting) + ": the prior is isotropic");
+    words.push_back(
+        fmt::format("the cameras are mounted differently, {}, and in the map {}: the prior is isotropic",
+                    inWords(*of_view.mounting), inWords(*of_map.mounting)));
   if (d.mounting == Mounting::unknown)
     words.push_back("the mounting of the images' camera is unknown: where they do not show that it is the "
                     "map's, the prior is "
@@ -52,16 +47,16 @@ std::vector<std::string> inWords(const CameraDifference& d, const Camera& of_vie
   if (d.distortion_is_left_in)
     words.push_back("the distortion that the map knows of this camera was not taken out of the images");
   if (d.noise_ratio > kMuchNoisier)
-    words.push_back("the images are " + decimals(d.noise_ratio, 1) +
-                    " times as noisy as the map's camera: fewer answers are sure");
+    words.push_back(fmt::format(
+        "the images are {:.1f} times as noisy as the map's camera: fewer answers are sure", d.noise_ratio));
   return words;
 }
 
 std::string inWords(const CameraMounting& mounting) {
   std::string words =
-      decimals(mounting.height, 3) + " m above the floor, " + decimals(mounting.tilt_deg, 1) + " deg down";
+      fmt::format("{:.3f} m above the floor, {:.1f} deg down", mounting.height, mounting.tilt_deg);
   const auto add = [&words](double value, int digits, const char* unit) {
-    if (value != 0) words += ", " + decimals(value, digits) + unit;
+    if (value != 0) words += fmt::format(", {:.{}f}{}", value, digits, unit);
   };
   add(mounting.roll_deg, 1, " deg rolled to the right");
   add(mounting.pan_deg, 1, " deg to the left");

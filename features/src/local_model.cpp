@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/local_model.h>
 
+#include <fmt/format.h>
 #include <stdexcept>
 #include <utility>
 
@@ -25,7 +26,7 @@ bool LocalModel::hasPicture() const {
 std::shared_ptr<const View> Map::view(int i) const {
   const LocalModel& model = models[static_cast<std::size_t>(i)];
   if (model.view_) return model.view_;
-  if (!model.store_) throw std::logic_error("local model " + std::to_string(i) + " of the map has no view");
+  if (!model.store_) throw std::logic_error(fmt::format("local model {} of the map has no view", i));
   return model.store_->view(model.index_);
 }
 

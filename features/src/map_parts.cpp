@@ -2,6 +2,7 @@
 #include <facetloc/features/map_parts.h>
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <functional>
 #include <limits>
 #include <queue>
@@ -105,7 +106,7 @@ void placeByLinks(Map& map) {
     first.T_w_m = firstPose(map);
     first.part = static_cast<int>(map.parts.size());
     first.by_links = true;
-    map.parts.push_back(first.name.empty() ? "part " + std::to_string(first.part) : first.name);
+    map.parts.push_back(first.name.empty() ? fmt::format("part {}", first.part) : first.name);
     placing.addSource(i);
     placing.spread();
   }

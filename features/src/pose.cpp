@@ -5,8 +5,8 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace facetloc {
 namespace {
@@ -16,14 +16,9 @@ std::string directionText(const Eigen::Vector3d& v) {
   int largest = 0;
   v.cwiseAbs().maxCoeff(&largest);
   const Eigen::Vector3d d = v[largest] < 0 ? Eigen::Vector3d(-v) : v;
-  std::string text;
-  for (int i = 0; i < 3; ++i) {
-    char number[16];
-    const double rounded = std::round(100 * d[i]) / 100 + 0.0;  // adding zero makes -0 positive
-    const auto end = std::to_chars(number, number + sizeof number, rounded, std::chars_format::fixed, 2).ptr;
-    text += (i == 0 ? "(" : ", ") + std::string(number, end);
-  }
-  return text + ")";
+  // Adding zero makes -0 positive.
+  const auto rounded = [&](int i) { return std::round(100 * d[i]) / 100 + 0.0; };
+  return fmt::format("({:.2f}, {:.2f}, {:.2f})", rounded(0), rounded(1), rounded(2));
 }
 
 }  // namespace

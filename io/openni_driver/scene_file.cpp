@@ -7,6 +7,7 @@
 #include <facetloc/io/text.h>
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <set>
 #include <type_traits>
 #include <vector>
@@ -42,7 +43,7 @@ public:
 
 private:
   [[noreturn]] void fail(const std::string& cause) const {
-    throw IoError(path_, "line " + std::to_string(line_) + ": " + cause);
+    throw IoError(path_, fmt::format("line {}: {}", line_, cause));
   }
 
   void store(std::string_view entry) {
@@ -90,11 +91,10 @@ private:
   double number(const std::string& key, std::string_view word, double lowest, double highest,
                 bool whole) const {
     const auto value = text::to<double>(word);
-    if (!value) fail(text::quoted(word) + " is not a number (" + key + ")");
+    if (!value) fail(fmt::format("'{}' is not a number ({})", word, key));
     if (!(*value >= lowest && *value <= highest) || (whole && *value != static_cast<double>(int(*value))))
-      fail(key + " = " + std::string(word) + " is impossible: expected " +
-           (whole ? "a whole number" : "one") + " in [" + text::shortest(lowest) + ", " +
-           text::shortest(highest) + "]");
+      fail(fmt::format("{} = {} is impossible: expected {} in [{}, {}]", key, word,
+                       whole ? "a whole number" : "one", text::shortest(lowest), text::shortest(highest)));
     return *value;
   }
 
@@ -104,7 +104,7 @@ private:
       if (name == word) return name;
       all += " " + name;
     }
-    fail("unknown " + key + " " + text::quoted(word) + "; there are:" + all);
+    fail(fmt::format("unknown {} '{}'; there are:{}", key, word, all));
   }
 
   std::string path_;

@@ -8,6 +8,7 @@
 #include <facetloc/io/text.h>
 
 #include <cmath>
+#include <fmt/format.h>
 #include <limits>
 #include <map>
 #include <stdexcept>
@@ -111,7 +112,7 @@ public:
 
 private:
   [[noreturn]] void fail(const std::string& cause) const {
-    throw IoError(path_, "line " + std::to_string(line_) + ": " + cause);
+    throw IoError(path_, fmt::format("line {}: {}", line_, cause));
   }
 
   void parseLine(const std::string& line) {
@@ -126,42 +127,43 @@ private:
   void store(std::string_view name, std::string_view word) {
     if (name == kPreset) return choose(word);
     const Key* key = findKey(name);
-    if (!key) fail("unknown key " + text::quoted(name) + " (known: " + knownKeys() + ")");
+    if (!key) fail(fmt::format("unknown key '{}' (known: {})", name, knownKeys()));
     const auto value = text::to<double>(word);
-    if (!value) fail(text::quoted(word) + " is not a number (" + std::string(name) + ")");
+    if (!value) fail(fmt::format("'{}' is not a number ({})", word, name));
     if (!(*value >= key->lowest && *value <= key->highest) || (key->whole && *value != std::floor(*value)) ||
         (name == "fy" && *value == 0))
-      fail(std::string(name) + " = " + std::string(word) + " is impossible" + advice(*key));
-    if (!values_.emplace(key->name, *value).second) fail(std::string(name) + " is given twice");
+      fail(fmt::format("{} = {} is impossible{}", name, word, advice(*key)));
+    if (!values_.emplace(key->name, *value).second) fail(fmt::format("{} is given twice", name));
   }
 
   void choose(std::string_view name) {
-    if (preset_) fail(std::string(kPreset) + " is given twice");
+    if (preset_) fail(fmt::format("{} is given twice", kPreset));
     preset_ = findCameraPreset(name);
     if (!preset_)
-      fail("unknown camera " + text::quoted(name) + " (known: " + cameraPresetNames() +
-           "); for another one leave the key out and set inverse_depth_std, depth_std and depth_std_slope");
+      fail(fmt::format("unknown camera '{}' (known: {}); for another one leave the key out and set "
+                       "inverse_depth_std, depth_std and depth_std_slope",
+                       name, cameraPresetNames()));
   }
 
   /** What a number that may be left out can be. */
   static std::string advice(const Key& key) {
     if (key.required) return {};
-    return ": it must lie in [" + text::shortest(key.lowest) + ", " + text::shortest(key.highest) +
-           "], or the key be left out";
+    return fmt::format(": it must lie in [{}, {}], or the key be left out", text::shortest(key.lowest),
+                       text::shortest(key.highest));
   }
 
   void requireComplete() const {
     for (const Key& key : kKeys)
-      if (key.required && !values_.count(key.name)) throw IoError(path_, "has no " + std::string(key.name));
+      if (key.required && !values_.count(key.name)) throw IoError(path_, fmt::format("has no {}", key.name));
     constexpr double kMostOblong = 2;  // of a pixel, whichever way the y axis points
     const double fy = values_.at("fy");
     if (fy < 0 && !(-fy <= kMostOblong * values_.at("fx") && -fy >= values_.at("fx") / kMostOblong))
-      throw IoError(path_, "fy = " + text::shortest(fy) + " is impossible");
+      throw IoError(path_, fmt::format("fy = {} is impossible", text::shortest(fy)));
     if (values_.count("mount_height") != values_.count("mount_tilt_deg"))
       throw IoError(path_, "has only one of mount_height and mount_tilt_deg");
     for (const MountingKey& key : kMountingKeys)
       if (values_.count(key.name) && !values_.count("mount_height"))
-        throw IoError(path_, std::string("has ") + key.name + ", but not mount_height and mount_tilt_deg");
+        throw IoError(path_, fmt::format("has {}, but not mount_height and mount_tilt_deg", key.name));
   }
 
   std::string path_;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -72,7 +73,7 @@ private:
       if (c == '\n') ++line_;
       found += c;
     }
-    throw TornRow(path_, "line " + std::to_string(first_line) + ": a quote is not closed");
+    throw TornRow(path_, fmt::format("line {}: a quote is not closed", first_line));
   }
 
   bool take(char c) {
@@ -82,7 +83,7 @@ private:
   }
 
   [[noreturn]] void fail(int line, const std::string& cause) const {
-    throw IoError(path_, "line " + std::to_string(line) + ": " + cause);
+    throw IoError(path_, fmt::format("line {}: {}", line, cause));
   }
 
   std::string_view content_;
@@ -115,8 +116,7 @@ public:
     }
     for (const Row& row : rows_)
       if (row.cells.size() != header_.size())
-        fail(row, "has " + std::to_string(row.cells.size()) + " columns, the header has " +
-                      std::to_string(header_.size()));
+        fail(row, fmt::format("has {} columns, the header has {}", row.cells.size(), header_.size()));
   }
 
   /** \brief Was the last row left out? */
@@ -143,7 +143,7 @@ public:
   }
 
   [[noreturn]] void fail(const Row& row, const std::string& cause) const {
-    throw IoError(path_, "line " + std::to_string(row.line) + ": " + cause);
+    throw IoError(path_, fmt::format("line {}: {}", row.line, cause));
   }
 
 private:
@@ -151,7 +151,7 @@ private:
   Number number(const Row& row, std::string_view name) const {
     const auto word = text::trimmed(string(row, name));
     const auto value = text::to<Number>(word);
-    if (!value) fail(row, std::string(name) + " = " + text::quoted(word) + " is not a number");
+    if (!value) fail(row, fmt::format("{} = '{}' is not a number", name, word));
     return *value;
   }
 

@@ -11,7 +11,6 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/png.h>
 #include <facetloc/io/segment_file.h>
-#include <facetloc/io/text.h>
 
 #include <pcl/PCLPointCloud2.h>
 
@@ -19,6 +18,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <fmt/format.h>
 
 namespace facetloc {
 namespace {
@@ -30,11 +30,10 @@ constexpr std::uint16_t kNotMeasured = 65535;  // of a PNG, beside 0: so 7-Scene
 /** An image of another size was not taken with this camera. */
 void requireSize(const fs::path& path, int width, int height, const Intrinsics& camera) {
   if (width == camera.width && height == camera.height) return;
-  const auto size = [](int w, int h) { return std::to_string(w) + "x" + std::to_string(h); };
-  throw IoError(path.string(), "is of " + size(width, height) + " pixels, but the camera of " +
-                                   size(camera.width, camera.height) +
-                                   ": width and height in camera.ini, with the rest of the calibration, have "
-                                   "to be the images'");
+  throw IoError(path.string(),
+                fmt::format("is of {}x{} pixels, but the camera of {}x{}: width and height in camera.ini, "
+                            "with the rest of the calibration, have to be the images'",
+                            width, height, camera.width, camera.height));
 }
 
 }  // namespace
@@ -131,7 +130,7 @@ public:
     if (field == cloud.fields.end()) throw IoError(path, std::string("has no field ") + name);
     is_double_ = field->datatype == pcl::PCLPointField::FLOAT64;
     if (!is_double_ && field->datatype != pcl::PCLPointField::FLOAT32)
-      throw IoError(path, std::string("has a field ") + name + " that is not of floating point");
+      throw IoError(path, fmt::format("has a field {} that is not of floating point", name));
     offset_ = field->offset;
     if (offset_ + (is_double_ ? sizeof(double) : sizeof(float)) > cloud.point_step)
       throw IoError(path, "has a corrupt header");
@@ -157,8 +156,8 @@ private:
 pcl::PointCloud<pcl::PointXYZ> readOrganizedPoints(const fs::path& path) {
   const PcdHeader header(path);
   if (header.height() < 2 || header.width() < 2)
-    throw IoError(path.string(), "is not an organized cloud (" + std::to_string(header.width()) + "x" +
-                                     std::to_string(header.height()) + ")");
+    throw IoError(path.string(),
+                  fmt::format("is not an organized cloud ({}x{})", header.width(), header.height()));
   const pcl::PCLPointCloud2 raw = readPcd(path, header);
   const Coordinate x(raw, "x", path.string()), y(raw, "y", path.string()), z(raw, "z", path.string());
   pcl::PointCloud<pcl::PointXYZ> cloud(header.width(), header.height());

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <fcntl.h>
 #include <filesystem>
+#include <fmt/format.h>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -50,7 +51,7 @@ inline void requireFolderOf(const std::filesystem::path& path) {
   std::error_code error;
   const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
   if (!std::filesystem::is_directory(folder, error))
-    throw IoError(path.string(), "its folder " + folder.string() + " does not exist");
+    throw IoError(path.string(), fmt::format("its folder {} does not exist", folder.string()));
 }
 
 /** \brief Where a file would be written: a link stays one, and what it leads to, which may not be there yet,

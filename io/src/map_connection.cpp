@@ -5,6 +5,7 @@
 #include "map_schema.h"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,7 @@ constexpr int kMajorUnit = 1 << 16;
 constexpr int kVersion = kMajorUnit * MapDatabase::kMajor + MapDatabase::kMinor;
 
 std::string versionText(int version) {
-  return std::to_string(version / kMajorUnit) + "." + std::to_string(version % kMajorUnit);
+  return fmt::format("{}.{}", version / kMajorUnit, version % kMajorUnit);
 }
 
 /** Throws unless the file is a map of a format that we understand. Newer minor formats only add columns and
@@ -48,9 +49,8 @@ void requireMap(Connection& db) {
   if (version < kVersion)
     throw IoError(db.name(), "was written by an unreleased version of facetloc: build the map again");
   if (version / kMajorUnit > MapDatabase::kMajor)
-    throw IoError(db.name(), "map format " + versionText(version) +
-                                 " is newer than this program understands (" +
-                                 std::to_string(MapDatabase::kMajor) + ".x)");
+    throw IoError(db.name(), fmt::format("map format {} is newer than this program understands ({}.x)",
+                                         versionText(version), MapDatabase::kMajor));
 }
 
 /** A map consists of tables. A view, a trigger or a generated column in their place would compute, whenever
@@ -61,16 +61,16 @@ void requireRealTables(Connection& db) {
   try {
     while (entry.step()) {
       const std::string type = entry.text(), name = entry.text(), sql = entry.text();
-      if (type != "table" && type != "index") throw BadCell("it holds a " + type + ", " + name);
+      if (type != "table" && type != "index") throw BadCell(fmt::format("it holds a {}, {}", type, name));
       if (type == "table" && sql.rfind("CREATE TABLE", 0) != 0 && name.rfind("sqlite_", 0) != 0)
-        throw BadCell("its table " + name + " is virtual");
+        throw BadCell(fmt::format("its table {} is virtual", name));
       if (type == "table") tables.push_back(name);
     }
     Statement column(db, "SELECT t.name, x.name FROM sqlite_master AS t, pragma_table_xinfo(t.name) AS x "
                          "WHERE t.type = 'table' AND x.hidden > 0");
     if (column.step()) {
       const std::string table = column.text();
-      throw BadCell("column " + column.text() + " of its table " + table + " is computed");
+      throw BadCell(fmt::format("column {} of its table {} is computed", column.text(), table));
     }
     for (const char* needed : schema::kTableNames)
       if (std::find(tables.begin(), tables.end(), needed) == tables.end())
@@ -141,8 +141,8 @@ Connection create(const fs::path& path, const fs::path& shown) {
   Connection db(path, shown, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
   configureForWriting(db);
   Transaction transaction(db);
-  db.execute("PRAGMA application_id = " + std::to_string(MapDatabase::kApplicationId));
-  db.execute("PRAGMA user_version = " + std::to_string(kVersion));
+  db.execute(fmt::format("PRAGMA application_id = {}", MapDatabase::kApplicationId));
+  db.execute(fmt::format("PRAGMA user_version = {}", kVersion));
   db.execute(schema::kTables);
   Statement meta(db, schema::insert("key, value", "meta"));
   (meta << kFormatKey << "facetloc map " + versionText(kVersion)).run();

@@ -11,6 +11,7 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 
+#include <fmt/format.h>
 #include <stdexcept>
 
 namespace facetloc {
@@ -35,7 +36,7 @@ void describing(const Connection& db, const std::string& thing, const Work& work
   try {
     work();
   } catch (const BadCell& e) {
-    throw IoError(db.name(), "cannot add " + thing + ": " + e.what());
+    throw IoError(db.name(), fmt::format("cannot add {}: {}", thing, e.what()));
   }
 }
 
@@ -81,7 +82,7 @@ void insertSegments(Connection& db, int model_id, const PackedModel& packed) {
   Statement statement(db, schema::insert(schema::kSegmentColumns, "segment"));
   for (std::size_t i = 0; i < packed.view.segments.size(); ++i) {
     const Segment& s = packed.view.segments[i];
-    describing(db, "segment " + std::to_string(i) + " of " + nameOf(model_id, packed.model.name),
+    describing(db, fmt::format("segment {} of {}", i, nameOf(model_id, packed.model.name)),
                [&] { requireSound(s); });
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.linear() = s.R;
@@ -129,8 +130,7 @@ int insertModel(Connection& db, const LocalModel& model, const View& view) {
 }
 
 void insertLink(Connection& db, const Link& link) {
-  describing(db, "link " + std::to_string(link.from) + " -> " + std::to_string(link.to),
-             [&] { requireSound(link); });
+  describing(db, fmt::format("link {} -> {}", link.from, link.to), [&] { requireSound(link); });
   Statement statement(db, schema::insert(schema::kLinkColumns, "link"));
   statement << nextId(db, "link") << link.from << link.to << link.T_from_to.T;
   bindUpperTriangle(statement, link.T_from_to.P);
@@ -138,7 +138,7 @@ void insertLink(Connection& db, const Link& link) {
 }
 
 void updatePose(Connection& db, int model_id, const std::optional<Eigen::Isometry3d>& T_w_m) {
-  describing(db, "the pose of local model " + std::to_string(model_id), [&] {
+  describing(db, fmt::format("the pose of local model {}", model_id), [&] {
     if (T_w_m) requireSoundPose(*T_w_m);
   });
   Statement statement(db,
@@ -161,7 +161,7 @@ std::vector<std::string> integrityFaults(Connection& db) {
     if (answer != "ok") faults.push_back("SQLite's integrity check: " + answer);
   }
   Statement keys(db, "PRAGMA foreign_key_check");
-  while (keys.step()) faults.push_back("a row of table " + keys.text() + " belongs to nothing");
+  while (keys.step()) faults.push_back(fmt::format("a row of table {} belongs to nothing", keys.text()));
   return faults;
 }
 
@@ -210,7 +210,7 @@ MapDatabase MapDatabase::open(const std::filesystem::path& path) {
 
 void MapDatabase::setMeta(const std::string& key, const std::string& value) {
   if (isReserved(key))
-    throw std::invalid_argument("MapDatabase: the meta key " + key + " belongs to the file format");
+    throw std::invalid_argument(fmt::format("MapDatabase: the meta key {} belongs to the file format", key));
   insertMeta(impl_->db, key, value);
 }
 

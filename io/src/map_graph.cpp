@@ -11,6 +11,7 @@
 #include <Eigen/Cholesky>
 
 #include <array>
+#include <fmt/format.h>
 #include <optional>
 #include <ostream>
 #include <stdexcept>
@@ -54,17 +55,15 @@ std::string commentOf(const Map& map, int model) {
   const LocalModel& m = map.models[static_cast<std::size_t>(model)];
   if (!m.T_w_m) return "# the pose of the next vertex is unknown\n";
   if (!m.by_links) return {};
-  const std::string part =
-      map.partOf(model).empty() ? "" : ", in the frame of part " + std::to_string(m.part);
-  return "# the pose of the next vertex follows from links" + part + "\n";
+  const std::string part = map.partOf(model).empty() ? "" : fmt::format(", in the frame of part {}", m.part);
+  return fmt::format("# the pose of the next vertex follows from links{}\n", part);
 }
 
 /** The id and the pose of a line. Throws std::invalid_argument. */
 std::pair<int, Eigen::Isometry3d> vertexOf(const std::vector<std::string_view>& words) {
   constexpr std::size_t kWords = 2 + std::tuple_size<PoseColumns>::value;
   if (words.size() != kWords)
-    throw std::invalid_argument("has " + std::to_string(words.size()) + " words instead of " +
-                                std::to_string(kWords));
+    throw std::invalid_argument(fmt::format("has {} words instead of {}", words.size(), kWords));
   const auto id = text::to<int>(words[1]);
   if (!id) throw std::invalid_argument(text::quoted(words[1]) + " is no index of a local model");
   PoseColumns columns;
@@ -91,12 +90,12 @@ std::vector<std::optional<Eigen::Isometry3d>> verticesOf(const std::filesystem::
     try {
       const auto [id, T] = vertexOf(words);
       if (id < 0 || static_cast<std::size_t>(id) >= models)
-        throw std::invalid_argument("the map has no local model " + std::to_string(id));
+        throw std::invalid_argument(fmt::format("the map has no local model {}", id));
       auto& pose = poses[static_cast<std::size_t>(id)];
-      if (pose) throw std::invalid_argument("local model " + std::to_string(id) + " has a vertex already");
+      if (pose) throw std::invalid_argument(fmt::format("local model {} has a vertex already", id));
       pose = T;
     } catch (const std::invalid_argument& e) {
-      throw IoError(path.string(), "line " + std::to_string(number) + ": " + e.what());
+      throw IoError(path.string(), fmt::format("line {}: {}", number, e.what()));
     }
   }
   return poses;
@@ -130,7 +129,7 @@ void readGraphPoses(const std::filesystem::path& path, Map& map) {
     if (!map.partOf(model).empty()) continue;
     if (!poses[i])
       throw IoError(path.string(),
-                    "has no vertex of local model " + std::to_string(i) + " ('" + map.models[i].name + "')");
+                    fmt::format("has no vertex of local model {} ('{}')", i, map.models[i].name));
     any = true;
   }
   if (!any) throw IoError(path.string(), "cannot give the map a world: its parts are not joined by links");

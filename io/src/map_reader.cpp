@@ -7,6 +7,7 @@
 #include <facetloc/features/map_parts.h>
 
 #include <cmath>
+#include <fmt/format.h>
 #include <stdexcept>
 #include <utility>
 
@@ -17,9 +18,7 @@ using sqlite::BadCell;
 using sqlite::Connection;
 using sqlite::Statement;
 
-std::string nameOf(int model, const std::string& name) {
-  return "model " + std::to_string(model) + " ('" + name + "')";
-}
+std::string nameOf(int model, const std::string& name) { return fmt::format("model {} ('{}')", model, name); }
 
 void MapReader::readAll(Views views) {
   readMeta();
@@ -46,9 +45,8 @@ Map MapReader::readWithoutViews() {
 
 void MapReader::requireSound() const {
   if (faults_.empty()) return;
-  const std::string more =
-      faults_.size() > 1 ? " (and " + std::to_string(faults_.size() - 1) + " more faults)" : "";
-  throw IoError(db_.name(), "is not sound: " + faults_.front() + more);
+  const std::string more = faults_.size() > 1 ? fmt::format(" (and {} more faults)", faults_.size() - 1) : "";
+  throw IoError(db_.name(), fmt::format("is not sound: {}{}", faults_.front(), more));
 }
 
 Map readSound(sqlite::Connection& db, bool with_views) {
@@ -68,14 +66,14 @@ void MapReader::forEachRow(const std::string& sql, const Function& function) {
     try {
       function(row, label);
     } catch (const BadCell& e) {
-      faults_.push_back(label + ": " + e.what());
+      faults_.push_back(fmt::format("{}: {}", label, e.what()));
     }
   }
 }
 
 /** The model that a row belongs to. */
 std::size_t MapReader::modelOf(int id, std::string& label) const {
-  label += " of model " + std::to_string(id);
+  label += fmt::format(" of model {}", id);
   require(id >= 0 && id < static_cast<int>(map_.models.size()), "there is no such model");
   return static_cast<std::size_t>(id);
 }
@@ -110,7 +108,7 @@ void MapReader::readModels() {
   forEachRow(
       schema::select(schema::kModelColumns, "model", "id"), [this](Statement& row, std::string& label) {
         const int index = static_cast<int>(map_.models.size());
-        label = "model " + std::to_string(index);
+        label = fmt::format("model {}", index);
         map_.models.emplace_back();  // even a bad model keeps its place, so that the next ones have theirs
         views_.emplace_back();
         num_segments_.push_back(0);
@@ -129,15 +127,16 @@ void MapReader::readSegments() {
              [&](Statement& row, std::string& label) {
                label = "a segment";
                const int model_id = row.integer(), index = row.integer();
-               label = "segment " + std::to_string(index);
+               label = fmt::format("segment {}", index);
                const std::size_t model = modelOf(model_id, label);
                require(index == found[model]++, "the segment numbers have a gap before it");
                views_[model].segments.push_back(readSegment(row));
              });
   for (std::size_t i = 0; i < found.size(); ++i)
     if (found[i] != num_segments_[i])
-      faults_.push_back(nameOf(static_cast<int>(i), map_.models[i].name) + ": num_segments says " +
-                        std::to_string(num_segments_[i]) + ", but there are " + std::to_string(found[i]));
+      faults_.push_back(fmt::format("{}: num_segments says {}, but there are {}",
+                                    nameOf(static_cast<int>(i), map_.models[i].name), num_segments_[i],
+                                    found[i]));
 }
 
 /** Before anything is unpacked: what all pictures would take, each of two bytes a pixel and as much for each
@@ -150,8 +149,8 @@ void MapReader::requireMemoryForPictures() {
   sum.step();
   const double unpacked = kBytesPerPixel * sum.real(), in_file = sum.real();
   if (unpacked > kAlways + kMostPacked * in_file)
-    throw IoError(db_.name(), "is not sound: its depth pictures would take " +
-                                  std::to_string(static_cast<long>(unpacked / 1e6)) + " MB of memory");
+    throw IoError(db_.name(), fmt::format("is not sound: its depth pictures would take {} MB of memory",
+                                          static_cast<long>(unpacked / 1e6)));
 }
 
 void MapReader::readPictures(Views views) {
@@ -173,7 +172,7 @@ void MapReader::readPictures(Views views) {
 void MapReader::readLinks() {
   forEachRow(schema::select(schema::kLinkColumns, "link", "id"), [this](Statement& row, std::string& label) {
     label = "a link";
-    label = "link " + std::to_string(row.integer());
+    label = fmt::format("link {}", row.integer());
     const Link link = readLink(row);
     require(linked_.emplace(link.from, link.to).second, "another one joins the same models");
     for (const int end : {link.from, link.to}) modelOf(end, label);
@@ -213,7 +212,7 @@ ViewReader::ViewReader(Connection& db, const DepthNoise& noise)
 PackedView ViewReader::read(int model) {
   PackedView packed;
   packed.file_ = db_.name();
-  packed.label_ = "model " + std::to_string(model);
+  packed.label_ = fmt::format("model {}", model);
   View& view = packed.view_;
   try {
     const RowsOf of_model(of_model_, model);
@@ -236,7 +235,7 @@ PackedView ViewReader::read(int model) {
     picture->skip(1);
     packed.picture_ = readPicture(picture.row(), view.intrinsics);
   } catch (const BadCell& e) {
-    throw IoError(packed.file_, "is not sound: " + packed.label_ + ": " + e.what());
+    throw IoError(packed.file_, fmt::format("is not sound: {}: {}", packed.label_, e.what()));
   }
   return packed;
 }
@@ -245,7 +244,7 @@ View PackedView::unpacked() && {
   try {
     if (picture_) view_.depth = map_rows::unpacked(*picture_);
   } catch (const BadCell& e) {
-    throw IoError(file_, "is not sound: " + label_ + ": " + e.what());
+    throw IoError(file_, fmt::format("is not sound: {}: {}", label_, e.what()));
   }
   return std::move(view_);
 }

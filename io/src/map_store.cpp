@@ -6,6 +6,7 @@
 #include <facetloc/io/map_database.h>
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <list>
 #include <mutex>
 #include <unordered_map>
@@ -59,8 +60,7 @@ private:
 /** Of which local models there is a depth picture. \param n number of models */
 std::vector<bool> pictured(Connection& db, std::size_t n) {
   std::vector<bool> found(n, false);
-  Statement row(db, "SELECT model_id FROM depth_picture WHERE model_id BETWEEN 0 AND " + std::to_string(n) +
-                        " - 1");
+  Statement row(db, fmt::format("SELECT model_id FROM depth_picture WHERE model_id BETWEEN 0 AND {} - 1", n));
   while (row.step()) found[static_cast<std::size_t>(row.integer())] = true;
   return found;
 }

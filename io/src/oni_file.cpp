@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fmt/format.h>
 #include <optional>
 #include <stdexcept>
 
@@ -122,13 +123,13 @@ private:
     if (ends_early_) return;
     const bool sound = header.mark == kRecordMark && header.fields >= header_size_ &&
                        header.fields <= kMostFields && header.data <= kMostData;
-    if (!sound) fail("is corrupt at byte " + std::to_string(position_));
+    if (!sound) fail(fmt::format("is corrupt at byte {}", position_));
     ends_early_ = position_ + header.fields + header.data > size_;
     if (ends_early_) return;
     try {
       readFields(header);
     } catch (const std::logic_error&) {
-      fail("is corrupt at byte " + std::to_string(position_));
+      fail(fmt::format("is corrupt at byte {}", position_));
     }
     position_ += header.fields + header.data;
     out_.finished_ = header.type == kEnd;
@@ -214,7 +215,7 @@ private:
 
   template <typename T>
   void setOnce(T& value, T is, const char* what) {
-    if (!out_.frames_.empty() && value != is) fail("has depth that changes its " + std::string(what));
+    if (!out_.frames_.empty() && value != is) fail(fmt::format("has depth that changes its {}", what));
     value = is;
   }
 
@@ -263,7 +264,7 @@ std::vector<std::uint16_t> OniFile::readRaw(std::size_t index) const {
     depth.resize(pixels);
     std::memcpy(depth.data(), bytes.data(), bytes.size());
   }
-  if (depth.empty()) throw IoError(path_.string(), "frame " + std::to_string(index) + " is corrupt");
+  if (depth.empty()) throw IoError(path_.string(), fmt::format("frame {} is corrupt", index));
   return depth;
 }
 

@@ -13,6 +13,7 @@
 #include <array>
 #include <chrono>
 #include <cstring>
+#include <fmt/format.h>
 #include <thread>
 
 namespace facetloc {
@@ -36,7 +37,7 @@ bool awaitsData(const std::filesystem::path& path) {
 
 /** Nobody can put a link in its place; what is left of a recorder that is killed can be read. */
 std::filesystem::path partOf(const std::filesystem::path& file) {
-  return file.parent_path() / (file.stem().string() + ".part-" + randomDigits() + ".oni");
+  return file.parent_path() / fmt::format("{}.part-{}.oni", file.stem().string(), randomDigits());
 }
 
 /** The recorder starts on a thread of its own, and lets go all frames that come before that. */
@@ -86,7 +87,7 @@ OniRecorder::OniRecorder(const std::string& device_uri, const std::filesystem::p
 void OniRecorder::start(const std::string& device_uri) {
   Recording& r = *recording_;
   const auto require = [](bool done, const std::string& path, const char* what) {
-    if (!done) throw IoError(path, what + (": " + openniError()));
+    if (!done) throw IoError(path, fmt::format("{}: {}", what, openniError()));
   };
   const auto ok = openni::STATUS_OK;
   require(r.initialized, device_uri, "OpenNI2 does not work");
@@ -137,8 +138,7 @@ std::size_t OniRecorder::stop() {
   } else {
     std::filesystem::remove(part_);
   }
-  if (full)
-    throw IoError(file_.string(), "the disk is full: it has " + std::to_string(frames_) + " frames only");
+  if (full) throw IoError(file_.string(), fmt::format("the disk is full: it has {} frames only", frames_));
   return frames_;
 }
 

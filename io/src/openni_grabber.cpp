@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <fmt/format.h>
 #include <mutex>
 #include <stdexcept>
 #include <thread>
@@ -42,13 +43,13 @@ bool isRecording(const fs::path& path) { return path.extension() == ".oni"; }
 std::string causeOf(const std::string& what) {
   const auto says = [&what](const char* words) { return what.find(words) != std::string::npos; };
   if (says("No devices connected"))
-    return "no depth camera is connected (drivers: " + openniDriverFolder() + ")";
+    return fmt::format("no depth camera is connected (drivers: {})", openniDriverFolder());
   if (says("Found no files matching")) return "OpenNI2 has no drivers in " + openniDriverFolder();
   if (says("could not find compatible depth stream mode")) return "the device has no such depth mode";
   if (says("No matching device found") || says("Couldn't open device")) {
     const std::string details = openniError();
-    return "no driver of OpenNI2 can open it (drivers: " + openniDriverFolder() + ")" +
-           (details.empty() ? "" : ": " + details);
+    return fmt::format("no driver of OpenNI2 can open it (drivers: {}){}", openniDriverFolder(),
+                       details.empty() ? "" : ": " + details);
   }
   return what;
 }
@@ -67,10 +68,9 @@ bool meansFile(const std::string& device_id) {
 void requirePlayable(const fs::path& path) {
   const OniFile recording = OniFile::open(path);
   if (!recording.finished())
-    throw IoError(path.string(),
-                  "was never finished, and OpenNI2 does not play it; the tools for batches read "
-                  "its " +
-                      std::to_string(recording.size()) + " frames");
+    throw IoError(path.string(), fmt::format("was never finished, and OpenNI2 does not play it; "
+                                             "the tools for batches read its {} frames",
+                                             recording.size()));
   recording.requireSound();
 }
 
@@ -87,8 +87,9 @@ std::string checkedId(const std::string& device_id) {
   // Relative paths would depend on the working directory, which OpenNI2 changes.
   const std::string absolute = fs::absolute(path).lexically_normal().string();
   if (absolute.size() > kLongestUri)
-    throw IoError(device_id, "its path is longer than the " + std::to_string(kLongestUri) +
-                                 " characters that OpenNI2 has room for");
+    throw IoError(
+        device_id,
+        fmt::format("its path is longer than the {} characters that OpenNI2 has room for", kLongestUri));
   if (isRecording(path)) requirePlayable(path);
   return absolute;
 }
@@ -106,13 +107,12 @@ public:
         stamp_(frame.getTimestamp()) {
     // The player does not look at what it has decoded.
     if (static_cast<std::size_t>(frame.getDataSize()) != getDataSize())
-      throw std::runtime_error("frame " + std::to_string(index_) + " is corrupt: it has " +
-                               std::to_string(frame.getDataSize()) + " bytes instead of " +
-                               std::to_string(getDataSize()));
+      throw std::runtime_error(fmt::format("frame {} is corrupt: it has {} bytes instead of {}", index_,
+                                           frame.getDataSize(), getDataSize()));
     std::memcpy(depth_.data(), frame.getData(), getDataSize());
     const openni::PixelFormat unit = frame.getVideoMode().getPixelFormat();
     if (unit != openni::PIXEL_FORMAT_DEPTH_1_MM && unit != openni::PIXEL_FORMAT_DEPTH_100_UM)
-      throw std::runtime_error("depth in an unknown unit, " + std::to_string(unit));
+      throw std::runtime_error(fmt::format("depth in an unknown unit, {}", static_cast<int>(unit)));
     if (unit == openni::PIXEL_FORMAT_DEPTH_100_UM)
       for (std::uint16_t& z : depth_)
         if (z != invalid) z = static_cast<std::uint16_t>((z + 5) / 10);

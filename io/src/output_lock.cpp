@@ -5,6 +5,7 @@
 
 #include <facetloc/io/output_lock.h>
 
+#include <fmt/format.h>
 #include <fstream>
 #include <sstream>
 #include <sys/file.h>
@@ -37,7 +38,7 @@ std::string holderOf(const struct stat& status) {
         std::dec >> inode;
     if (words && kind == "FLOCK" && major == major(status.st_dev) && minor == minor(status.st_dev) &&
         inode == status.st_ino)
-      return "process " + std::to_string(process);
+      return fmt::format("process {}", process);
   }
   return "another process";
 }
@@ -56,7 +57,8 @@ files::Descriptor locked(const fs::path& path, int flags) {
     const struct stat status = statusOf(file, path);
     if (flock(file.number(), LOCK_EX | LOCK_NB) != 0) {
       if (errno != EWOULDBLOCK) return file;  // a file system without locks
-      throw IoError(path.string(), "is being written by " + holderOf(status) + "; wait until it is done");
+      throw IoError(path.string(),
+                    fmt::format("is being written by {}; wait until it is done", holderOf(status)));
     }
     if (isAt(status, path)) return file;
   }

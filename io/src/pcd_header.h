@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <fmt/format.h>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -108,7 +109,7 @@ private:
     std::vector<std::uint64_t> found;
     for (std::size_t i = 1; i < words.size(); ++i) {
       const auto value = text::to<std::uint64_t>(words[i]);
-      if (!value) fail("has a corrupt header: " + text::quoted(words[i]) + " is not a count");
+      if (!value) fail(fmt::format("has a corrupt header: '{}' is not a count", words[i]));
       found.push_back(*value);
     }
     return found;
@@ -116,7 +117,7 @@ private:
 
   std::uint64_t number(const Words& words) const {
     const auto found = numbers(words);
-    if (found.size() != 1) fail("has a corrupt header: " + std::string(words[0]) + " is not one number");
+    if (found.size() != 1) fail(fmt::format("has a corrupt header: {} is not one number", words[0]));
     return found[0];
   }
 
@@ -146,9 +147,7 @@ private:
     const std::uint64_t body = file_size - std::min<std::uint64_t>(file_size, data_offset_);
     const std::uint64_t promised = points_ * step();
     const auto requireBytes = [&](std::uint64_t needed) {
-      if (body < needed)
-        fail("is truncated: " + std::to_string(body) + " bytes of points instead of " +
-             std::to_string(needed));
+      if (body < needed) fail(fmt::format("is truncated: {} bytes of points instead of {}", body, needed));
     };
     if (encoding_ == "ascii") {
       std::uint64_t values = 0;

@@ -4,6 +4,7 @@
 #include "map_schema.h"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <libdeflate.h>
 #include <streambuf>
 #include <utility>
@@ -63,13 +64,12 @@ private:
 
 /** The part of that number; empty behind the last. */
 Blob partOf(Connection& db, int number) {
-  Statement row(db,
-                schema::select(schema::kIndexColumns, kTable) + " WHERE part = " + std::to_string(number));
+  Statement row(db, fmt::format("{} WHERE part = {}", schema::select(schema::kIndexColumns, kTable), number));
   if (!row.step()) return {};
   row.skip(1);
   const int written = row.integer();
   Blob data = row.blob();
-  if (checksum(data) != written) throw BadCell("part " + std::to_string(number) + " is corrupt");
+  if (checksum(data) != written) throw BadCell(fmt::format("part {} is corrupt", number));
   return data;
 }
 
@@ -82,8 +82,7 @@ protected:
     try {
       const std::lock_guard<std::mutex> lock(mutex_);
       part_ = partOf(db_, number_);
-      if (part_.empty() && number_ < number(db_))
-        throw BadCell("part " + std::to_string(number_) + " is missing");
+      if (part_.empty() && number_ < number(db_)) throw BadCell(fmt::format("part {} is missing", number_));
       ++number_;
     } catch (const BadCell& e) {
       throw IoError(db_.name(), std::string("is not sound: its place index: ") + e.what());

@@ -9,6 +9,7 @@
 
 #include <csetjmp>
 #include <cstdio>
+#include <fmt/format.h>
 #include <stdexcept>
 #include <string>
 
@@ -65,7 +66,7 @@ public:
     errno = 0;
     if (succeeds(png_, info_, step, context)) return;
     if (kind_ == Kind::kWrite) throw WriteError(path_, errno ? files::lastError() : complaint_.text);
-    throw IoError(path_, "is a truncated or corrupt PNG: " + std::string(complaint_.text));
+    throw IoError(path_, fmt::format("is a truncated or corrupt PNG: {}", complaint_.text));
   }
 
 private:
@@ -110,15 +111,13 @@ void requireSignature(std::FILE* file, const std::string& path) {
 
 void requireGrey(const Header& h, int min_bits, const std::string& path) {
   if (h.colour != PNG_COLOR_TYPE_GRAY)
-    throw IoError(path, "is not a greyscale PNG but one of type " +
-                            std::string(h.colour == PNG_COLOR_TYPE_PALETTE      ? "palette"
-                                        : h.colour == PNG_COLOR_TYPE_GRAY_ALPHA ? "grey with alpha"
-                                                                                : "colour"));
-  if (h.bits < min_bits)
-    throw IoError(path, "has " + std::to_string(h.bits) + " bits per pixel, not " + std::to_string(min_bits));
+    throw IoError(path, fmt::format("is not a greyscale PNG but one of type {}",
+                                    h.colour == PNG_COLOR_TYPE_PALETTE      ? "palette"
+                                    : h.colour == PNG_COLOR_TYPE_GRAY_ALPHA ? "grey with alpha"
+                                                                            : "colour"));
+  if (h.bits < min_bits) throw IoError(path, fmt::format("has {} bits per pixel, not {}", h.bits, min_bits));
   if (std::uint64_t(h.width) * h.height > kMaxPixels)
-    throw IoError(path,
-                  "claims to be of " + std::to_string(h.width) + "x" + std::to_string(h.height) + " pixels");
+    throw IoError(path, fmt::format("claims to be of {}x{} pixels", h.width, h.height));
 }
 
 std::vector<png_bytep> rowPointers(std::vector<png_byte>& bytes, std::size_t height) {

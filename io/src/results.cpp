@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fmt/format.h>
 #include <optional>
 #include <stdexcept>
 
@@ -55,7 +56,7 @@ void requireWritable(const FrameResult& frame) {
   if (frame.rows.empty()) throw std::invalid_argument("a frame of the results has no row");
   for (const ResultRow& row : frame.rows)
     if (row.rank < 0 || !isFinite(row))
-      throw std::invalid_argument("results of frame " + row.frame + " are not finite");
+      throw std::invalid_argument(fmt::format("results of frame {} are not finite", row.frame));
 }
 
 std::string poseCells(const std::optional<Eigen::Isometry3d>& T) {
@@ -100,7 +101,7 @@ template <class Visit>
 void forEachOfTriangle(const Visit& visit) {
   static constexpr std::array<const char*, 6> kAxes = {"rx", "ry", "rz", "tx", "ty", "tz"};
   for (int i = 0; i < 6; ++i)
-    for (int j = i; j < 6; ++j) visit(i, j, std::string(kAxes[i]) + "_" + kAxes[j]);
+    for (int j = i; j < 6; ++j) visit(i, j, fmt::format("{}_{}", kAxes[i], kAxes[j]));
 }
 
 std::string covariancesHeader() {
@@ -144,7 +145,7 @@ Eigen::Isometry3d readPose(const csv::Table& table, const csv::Row& row, const P
   PoseColumns columns;
   for (std::size_t i = 0; i < names.size(); ++i) columns[i] = table.real(row, names[i]);
   if (const char* fault = faultOf(columns, kQuaternionTolerance))
-    table.fail(row, names.front() + " to " + names.back() + " " + fault);
+    table.fail(row, fmt::format("{} to {} {}", names.front(), names.back(), fault));
   return *fromColumns(columns, kQuaternionTolerance);
 }
 
@@ -162,10 +163,9 @@ AnswerState stateIn(const csv::Table& table, const csv::Row& row, const std::str
 double numberIn(const csv::Table& table, const csv::Row& row, const ResultColumn& column) {
   const double number = table.real(row, column.name);
   if (number < column.least || number > column.most)
-    table.fail(row, std::string(column.name) + (std::isinf(column.most)
-                                                    ? " is negative"
-                                                    : " is not between " + text::shortest(column.least) +
-                                                          " and " + text::shortest(column.most)));
+    table.fail(row, std::isinf(column.most)
+                        ? fmt::format("{} is negative", column.name)
+                        : fmt::format("{} is not between {} and {}", column.name, column.least, column.most));
   return number;
 }
 

@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <fmt/format.h>
 #include <ostream>
 
 namespace facetloc {
@@ -63,7 +64,7 @@ void readField(const Field& field, const pcl::PCLPointCloud2& raw, const std::st
                             ": it holds no segments, which facetloc_segment writes");
   const std::size_t bytes = field.count * kFieldBytes;
   if (found->datatype != field.type || found->count != field.count || found->offset + bytes > raw.point_step)
-    throw IoError(path, std::string("has a field ") + field.name + " of another type than segments have");
+    throw IoError(path, fmt::format("has a field {} of another type than segments have", field.name));
   for (std::size_t i = 0; i < frames.size(); ++i)
     std::memcpy(reinterpret_cast<std::uint8_t*>(&frames[i]) + field.offset,
                 raw.data.data() + i * raw.point_step + found->offset, bytes);
@@ -87,7 +88,7 @@ std::vector<Segment> readSegments(const std::filesystem::path& path) {
   std::vector<Segment> segments(n);
   for (std::size_t i = 0; i < n; ++i)
     if (!toSegment(frames[i], segments[i]))
-      throw IoError(path.string(), "is corrupt: its point " + std::to_string(i) + " is no segment");
+      throw IoError(path.string(), fmt::format("is corrupt: its point {} is no segment", i));
   return segments;
 }
 

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <fmt/format.h>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -58,7 +59,7 @@ public:
     if (code == SQLITE_FULL) throw WriteError(name_, std::generic_category().message(ENOSPC));
     if (db_ && lastCode() == SQLITE_IOERR_WRITE)
       throw WriteError(name_, system ? std::generic_category().message(system) : sqlite3_errmsg(handle()));
-    throw IoError(name_, doing + ": " + (db_ ? sqlite3_errmsg(handle()) : "out of memory"));
+    throw IoError(name_, fmt::format("{}: {}", doing, db_ ? sqlite3_errmsg(handle()) : "out of memory"));
   }
 
 private:
@@ -177,7 +178,7 @@ private:
   }
   [[noreturn]] void bad(const char* what) const {
     const char* column = sqlite3_column_name(get(), cell_);
-    throw BadCell(std::string("column ") + (column ? column : "?") + " " + what);
+    throw BadCell(fmt::format("column {} {}", column ? column : "?", what));
   }
 
   Connection& db_;

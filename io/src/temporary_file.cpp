@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdio>
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <regex>
 #include <sys/file.h>
 #include <sys/random.h>
@@ -50,7 +51,7 @@ files::Descriptor createNew(const fs::path& path) {
 
 TemporaryFile::TemporaryFile(const fs::path& target) : target_(target) {
   while (!file_) {
-    const fs::path path = target.parent_path() / (".facetloc-" + randomDigits() + ".tmp");
+    const fs::path path = target.parent_path() / fmt::format(".facetloc-{}.tmp", randomDigits());
     files::Descriptor file = createNew(path);
     if (!file && errno == EEXIST) continue;
     if (!file) throw WriteError(target.string(), files::lastError());

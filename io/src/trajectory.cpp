@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <stdexcept>
 #include <string>
 
@@ -20,7 +21,7 @@ constexpr std::size_t kColumns = 8;
 
 StampedPose parsePose(const std::vector<std::string_view>& words) {
   if (words.size() != kColumns)
-    throw std::invalid_argument("has " + std::to_string(words.size()) + " columns instead of 8");
+    throw std::invalid_argument(fmt::format("has {} columns instead of {}", words.size(), kColumns));
   std::array<double, kColumns> values{};
   for (std::size_t i = 0; i < kColumns; ++i) {
     const auto value = text::to<double>(words[i]);
@@ -91,7 +92,7 @@ Trajectory readTumTrajectory(const std::filesystem::path& path) {
     try {
       poses.push_back(parsePose(words));
     } catch (const std::invalid_argument& e) {
-      throw IoError(path.string(), "line " + std::to_string(number) + ": " + e.what());
+      throw IoError(path.string(), fmt::format("line {}: {}", number, e.what()));
     }
   }
   return Trajectory(std::move(poses));

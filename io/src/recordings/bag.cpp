@@ -15,6 +15,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <fmt/format.h>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -105,7 +106,7 @@ std::size_t pixelSize(const std::string& encoding) {
 std::string listOf(const std::map<std::string, std::size_t>& topics) {
   std::string list;
   for (const auto& [topic, count] : topics)
-    list.append(list.empty() ? "" : ", ").append(topic).append(" (" + std::to_string(count) + ")");
+    list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", topic, count);
   return list.empty() ? "none" : list;
 }
 
@@ -125,7 +126,7 @@ public:
   CameraFile camera() const override {
     if (!camera_.camera.intrinsics.valid())
       throw IoError(bag_.path(),
-                    "has no camera_info for " + topic_ + "; a camera.ini beside it would say it");
+                    fmt::format("has no camera_info for {}; a camera.ini beside it would say it", topic_));
     return camera_;
   }
 
@@ -133,14 +134,14 @@ public:
     return bag_.guarded([&] {
       const std::lock_guard lock(mutex_);
       const auto message = messages_.at(index).instantiate<sensor_msgs::Image>();
-      if (!message) throw IoError(bag_.path(), "image " + std::to_string(index) + " is of another type");
+      if (!message) throw IoError(bag_.path(), fmt::format("image {} is of another type", index));
       return depthOf(*message, index);
     });
   }
 
   std::string remark() const override {
-    std::string words = bag_.path() + ": the depth images are those of " + topic_;
-    if (others_ > 0) words += ", one of " + std::to_string(others_ + 1) + " topics with such images";
+    std::string words = fmt::format("{}: the depth images are those of {}", bag_.path(), topic_);
+    if (others_ > 0) words += fmt::format(", one of {} topics with such images", others_ + 1);
     return words;
   }
 
@@ -159,9 +160,10 @@ private:
     const auto best = std::min_element(depth.begin(), depth.end(),
                                        [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
     if (best == depth.end() || (!wanted.empty() && best->first != wanted))
-      throw IoError(bag_.path(),
-                    "has no depth images" + (wanted.empty() ? "" : " in " + wanted) +
-                        " (sensor_msgs/Image of 16UC1, mono16 or 32FC1); its images: " + listOf(images));
+      throw IoError(
+          bag_.path(),
+          fmt::format("has no depth images{} (sensor_msgs/Image of 16UC1, mono16 or 32FC1); its images: {}",
+                      wanted.empty() ? "" : " in " + wanted, listOf(images)));
     topic_ = best->first;
     others_ = depth.size() - 1;
   }
@@ -220,7 +222,7 @@ private:
     constexpr std::uint32_t kLargestSide = 65535;
     const std::size_t pixel = pixelSize(message.encoding), row = message.width * pixel;
     const auto fail = [&](const std::string& cause) {
-      throw IoError(bag_.path(), "image " + std::to_string(index) + " of " + topic_ + " " + cause);
+      throw IoError(bag_.path(), fmt::format("image {} of {} {}", index, topic_, cause));
     };
     if (pixel == 0) fail("is of the encoding " + text::quoted(message.encoding));
     if (message.is_bigendian) fail("is big-endian");

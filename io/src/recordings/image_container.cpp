@@ -7,6 +7,8 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/oni_file.h>
 
+#include <fmt/format.h>
+
 namespace facetloc::internal {
 namespace {
 
@@ -32,8 +34,8 @@ public:
 
   std::string remark() const override {
     if (file_.finished()) return {};
-    return file_.path().string() + ": the recording was never finished; it is read as far as it goes, " +
-           std::to_string(file_.size()) + " frames";
+    return fmt::format("{}: the recording was never finished; it is read as far as it goes, {} frames",
+                       file_.path().string(), file_.size());
   }
 
 private:

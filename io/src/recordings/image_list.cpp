@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <fmt/format.h>
 
 namespace facetloc::internal {
 namespace {
@@ -42,7 +43,7 @@ public:
 
 private:
   [[noreturn]] void fail(const std::string& cause) const {
-    throw IoError(list_.string(), "line " + std::to_string(line_) + ": " + cause);
+    throw IoError(list_.string(), fmt::format("line {}: {}", line_, cause));
   }
 
   void add(std::string_view entry) {
@@ -67,9 +68,9 @@ private:
 
   void put(std::string_view entry, std::optional<double> stamp) {
     const fs::path path = list_.parent_path() / fs::path(entry);  // an absolute entry stays as it is
-    if (!isImage(path)) fail(std::string(entry) + " is neither a .png nor a .pcd file");
+    if (!isImage(path)) fail(fmt::format("{} is neither a .png nor a .pcd file", entry));
     if (!images_.empty() && images_.front().stamp.has_value() != stamp.has_value())
-      fail("has " + std::string(stamp ? "a" : "no") + " time stamp, unlike the lines before it");
+      fail(fmt::format("has {} time stamp, unlike the lines before it", stamp ? "a" : "no"));
     images_.push_back({path, stamp});  // one that is missing fails when it is read, and stops no other
   }
 

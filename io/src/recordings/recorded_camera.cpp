@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace facetloc::internal {
 namespace {
@@ -64,9 +65,7 @@ std::optional<PngSize> sizeOfImages(const RecordingLayout& layout) {
   return {};
 }
 
-std::string inWords(const PngSize& size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
+std::string inWords(const PngSize& size) { return fmt::format("{}x{}", size.width, size.height); }
 
 std::vector<double> numbersIn(const fs::path& path) {
   const std::string content = files::readText(path);
@@ -84,7 +83,7 @@ Intrinsics readMatrix(const fs::path& path, const PngSize& size) {
   const std::vector<double> m = numbersIn(path);
   const std::size_t columns = m.size() == 9 ? 3 : 4;
   if (m.size() != columns * columns)
-    throw IoError(path.string(), "has " + std::to_string(m.size()) + " numbers, no matrix of 3x3 or 4x4");
+    throw IoError(path.string(), fmt::format("has {} numbers, no matrix of 3x3 or 4x4", m.size()));
   const Intrinsics intrinsics{size.width, size.height, m[0], m[columns + 1], m[2], m[columns + 2]};
   if (!intrinsics.valid()) throw IoError(path.string(), "its matrix is of no camera");
   return intrinsics;
@@ -142,10 +141,10 @@ RecordedCamera presetCamera(const CameraPreset& preset, const std::optional<Reco
   const auto intrinsics = scaledTo(*size, preset.intrinsics);
   if (!intrinsics)
     throw IoError(layout.frames.front().path.string(),
-                  "is of " + inWords(*size) + " pixels, but the intrinsics of " + preset.name +
-                      " are known for " +
-                      inWords(PngSize{preset.intrinsics.width, preset.intrinsics.height}) +
-                      " and images of the same shape only: write a camera.ini with the calibration");
+                  fmt::format("is of {} pixels, but the intrinsics of {} are known for {}x{} and images of "
+                              "the same shape only: write a camera.ini with the calibration",
+                              inWords(*size), preset.name, preset.intrinsics.width,
+                              preset.intrinsics.height));
   return {fileOf(*intrinsics, kMillimetres, preset),
           std::string("there is no calibration: the intrinsics are taken to be those of a typical ") +
               preset.name};
@@ -162,8 +161,9 @@ std::optional<RecordedCamera> cameraOf(const RecordingLayout& layout, const std:
     if (const auto matrix = findIn(beside, name)) {
       const CameraPreset& usual = cameraPresets().front();
       return RecordedCamera{fileOf(readMatrix(*matrix, *size), kMillimetres, usual),
-                            "there is no camera.ini: the intrinsics are those of " + matrix->string() +
-                                ", depths are taken to be millimetres, the noise a " + usual.name + "'s"};
+                            fmt::format("there is no camera.ini: the intrinsics are those of {}, depths are "
+                                        "taken to be millimetres, the noise a {}'s",
+                                        matrix->string(), usual.name)};
     }
   return knownCamera(layout, *size, asked);
 }
@@ -171,32 +171,28 @@ std::optional<RecordedCamera> cameraOf(const RecordingLayout& layout, const std:
 RecordedCamera withPreset(const std::string& name, const std::optional<RecordedCamera>& recorded,
                           const RecordingLayout& layout) {
   if (const CameraPreset* preset = findCameraPreset(name)) return presetCamera(*preset, recorded, layout);
-  throw IoError(name,
-                "is neither the file of a camera nor the name of one (known: " + cameraPresetNames() + ")");
+  throw IoError(name, fmt::format("is neither the file of a camera nor the name of one (known: {})",
+                                  cameraPresetNames()));
 }
 
 std::string adviceOnCamera(const RecordingLayout& layout, const fs::path& asked) {
   const CameraPreset& usual = cameraPresets().front();
   const PngSize size =
       sizeOfImages(layout).value_or(PngSize{usual.intrinsics.width, usual.intrinsics.height});
-  const std::string w = std::to_string(size.width), h = std::to_string(size.height),
-                    f = text::shortest(std::round(usual.intrinsics.fx * size.width / usual.intrinsics.width));
-  return "PNG images need to know their camera. Write the file " +
-         (asked / kCameraFile).lexically_normal().string() +
-         " with its calibration; of a typical Kinect, it would be\n"
-         "  width=" +
-         w + "  height=" + h +
-         "\n"
-         "  fx=" +
-         f + "  fy=" + f + "  cx=" + text::shortest((size.width - 1) / 2.0) +
-         "  cy=" + text::shortest((size.height - 1) / 2.0) +
-         "\n"
-         "  depth_scale=1000    # PNG values per metre; 5000 in TUM's recordings\n"
-         "  camera=" +
-         usual.name +
-         "\n"
-         "or name the camera, for the intrinsics of a typical device: --camera NAME, one of " +
-         cameraPresetNames();
+  return fmt::format(
+      "PNG images need to know their camera. "
+      "Write the file {file} with its calibration; of a typical Kinect, it would be\n"
+      "  width={width}  height={height}\n"
+      "  fx={f}  fy={f}  cx={cx}  cy={cy}\n"
+      "  depth_scale=1000    # PNG values per metre; 5000 in TUM's recordings\n"
+      "  camera={camera}\n"
+      "or name the camera, for the intrinsics of a typical device: --camera NAME, one of {names}",
+      fmt::arg("file", (asked / kCameraFile).lexically_normal().string()), fmt::arg("width", size.width),
+      fmt::arg("height", size.height),
+      fmt::arg("f", text::shortest(std::round(usual.intrinsics.fx * size.width / usual.intrinsics.width))),
+      fmt::arg("cx", text::shortest((size.width - 1) / 2.0)),
+      fmt::arg("cy", text::shortest((size.height - 1) / 2.0)), fmt::arg("camera", usual.name),
+      fmt::arg("names", cameraPresetNames()));
 }
 
 }  // namespace facetloc::internal

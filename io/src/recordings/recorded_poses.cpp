@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
+#include <fmt/format.h>
 #include <functional>
 #include <optional>
 
@@ -32,8 +33,7 @@ std::optional<Eigen::Isometry3d> readPoseMatrix(const fs::path& path) {
   const auto words = text::words(content);
   Eigen::Matrix4d m;
   if (words.size() != static_cast<std::size_t>(m.size()))
-    throw IoError(path.string(),
-                  "has " + std::to_string(words.size()) + " numbers instead of the 16 of a pose");
+    throw IoError(path.string(), fmt::format("has {} numbers instead of the 16 of a pose", words.size()));
   for (std::size_t i = 0; i < words.size(); ++i) {
     const auto value = text::to<double>(words[i]);
     if (!value) throw IoError(path.string(), text::quoted(words[i]) + " is not a number");

@@ -3,10 +3,10 @@
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/segment_file.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <cstddef>
+#include <fmt/format.h>
 #include <map>
 #include <system_error>
 
@@ -20,8 +20,8 @@ void requireUniqueNames(const std::vector<FrameFile>& frames, const fs::path& so
   for (const FrameFile& frame : frames) {
     const auto [other, is_new] = seen.emplace(frame.name, frame.path);
     if (!is_new)
-      throw IoError(source.string(), "two frames have the name " + text::quoted(frame.name) + ": " +
-                                         other->second.string() + " and " + frame.path.string());
+      throw IoError(source.string(), fmt::format("two frames have the name '{}': {} and {}", frame.name,
+                                                 other->second.string(), frame.path.string()));
   }
 }
 
@@ -37,7 +37,7 @@ RecordingLayout layoutOf(const ImageContainer& container, const fs::path& path,
   if (ascending) return layoutOf(images, beside);
   RecordingLayout layout;
   for (std::size_t i = 0; i < images.size(); ++i)
-    layout.frames.push_back({"frame_" + std::to_string(i), path, static_cast<double>(i)});
+    layout.frames.push_back({fmt::format("frame_{}", i), path, static_cast<double>(i)});
   return layout;
 }
 

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <map>
 #include <vector>
 
@@ -180,7 +181,7 @@ TrackedPose PoseTracking::Impl::update(const View& view, double stamp,
     belief_.move(motion.T_a_b);
   if (!active_) return search(view);
   if (!(dt >= 0)) return lose(view, "the time went back");
-  if (!in_time) return lose(view, "no view came for " + numberText(std::round(10 * dt) / 10) + " s");
+  if (!in_time) return lose(view, fmt::format("no view came for {} s", numberText(std::round(10 * dt) / 10)));
   return track(view, motion);
 }
 

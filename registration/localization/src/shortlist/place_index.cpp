@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <flann/flann.hpp>
+#include <fmt/format.h>
 #include <future>
 #include <limits>
 #include <memory>
@@ -232,7 +233,7 @@ PlaceIndex PlaceIndex::of(const Map& map, const ShortlistParams& params, const P
     auto read = PlaceIndex::read(*written, map, params, prior);
     return read ? std::move(*read) : PlaceIndex(map, params, prior);
   } catch (const std::runtime_error& e) {
-    throw std::runtime_error(map.store()->name() + ": is not sound: " + e.what());
+    throw std::runtime_error(fmt::format("{}: is not sound: {}", map.store()->name(), e.what()));
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <map>
 #include <memory>
 #include <vector>
@@ -87,8 +88,8 @@ bool hasMoved(const Map& map) {
 }  // namespace
 
 std::string FoundMounting::inWords() const {
-  return facetloc::inWords(mounting) + ", by the floor in " + std::to_string(models) + " of " +
-         std::to_string(all_models) + " local models";
+  return fmt::format("{}, by the floor in {} of {} local models", facetloc::inWords(mounting), models,
+                     all_models);
 }
 
 CameraMounting SeenFloor::mounting() const {

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <fmt/format.h>
 #include <limits>
 #include <numeric>
 
@@ -160,12 +160,6 @@ private:
   const PosesByTime& poses_;
 };
 
-std::string decimals(double value, int n) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", n, value);
-  return text;
-}
-
 std::string inWords(const Reading& r) {
   std::vector<std::string> faults;
   if (r.w_first) faults.emplace_back("their quaternions are in the order w x y z, where x y z w is expected");
@@ -180,11 +174,12 @@ std::string inWords(const Reading& r) {
         "they are of axes with y up and z backward, not of the camera's optical frame (x right, y "
         "down, z forward)");
   if (r.delay != 0)
-    faults.push_back("their clock is another one: the pose of an image is stamped " +
-                     decimals(std::abs(r.delay), 2) + " s " + (r.delay > 0 ? "later" : "earlier"));
+    faults.push_back(fmt::format("their clock is another one: the pose of an image is stamped {:.2f} s {}",
+                                 std::abs(r.delay), r.delay > 0 ? "later" : "earlier"));
   if (r.scale != 1)
-    faults.push_back("the images' motions are " + decimals(r.scale, 3) +
-                     " times as long: look at depth_scale of camera.ini and at the unit of the poses");
+    faults.push_back(fmt::format("the images' motions are {:.3f} times as long: look at depth_scale of "
+                                 "camera.ini and at the unit of the poses",
+                                 r.scale));
   std::string words;
   for (const std::string& fault : faults) words += (words.empty() ? "" : "; ") + fault;
   return words;
@@ -202,15 +197,14 @@ std::string focalFault(const std::vector<Pair>& pairs) {
   for (double& r : ratios) r = std::abs(r - ratio);
   const double change = std::abs(ratio - 1);
   if (std::max(ratio, 1 / ratio) < kMuch || medianOrInfinity(ratios) > kSpread * change) return {};
-  return "the images turn " + decimals(ratio, 2) +
-         " times as much as their poses: look at fx and fy of camera.ini";
+  return fmt::format("the images turn {:.2f} times as much as their poses: look at fx and fy of camera.ini",
+                     ratio);
 }
 
 }  // namespace
 
 std::string PoseDisagreement::inWords() const {
-  return decimals(rotation_deg, 2) + " deg, " + decimals(1e3 * translation, 0) + " mm, median of " +
-         std::to_string(motions) + " motions";
+  return fmt::format("{:.2f} deg, {:.0f} mm, median of {} motions", rotation_deg, 1e3 * translation, motions);
 }
 
 bool PoseCheck::isKnown() const { return std::max(as_given.motions, mended.motions) >= kEnough; }

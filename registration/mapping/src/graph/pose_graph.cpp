@@ -4,6 +4,7 @@
 #include "graph/graph_covariance.h"
 #include "graph/pose_problem.h"
 
+#include <fmt/format.h>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -15,8 +16,8 @@ void check(const PoseGraph& graph) {
   const int n = static_cast<int>(graph.T_w_n.size());
   for (const PoseEdge& e : graph.edges)
     if (e.from < 0 || e.to < 0 || e.from >= n || e.to >= n || e.from == e.to)
-      throw std::invalid_argument("pose graph: an edge joins " + std::to_string(e.from) + " and " +
-                                  std::to_string(e.to) + " of " + std::to_string(n) + " nodes");
+      throw std::invalid_argument(
+          fmt::format("pose graph: an edge joins {} and {} of {} nodes", e.from, e.to, n));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <facetloc/mapping/map_making.h>
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <map>
 #include <numeric>
 #include <stdexcept>
@@ -127,8 +128,8 @@ bool MapMaking::Impl::canBeMade() {
   else if (findings.noneRead(run.images.size()))
     findings.problem = "no image can be read: " + findings.unread.front().cause;
   else if (!params.any_poses && findings.poses && findings.poses->isBeyondSense())
-    findings.problem = "poses and images disagree by " + findings.poses->as_given.inWords() +
-                       (findings.poses->cause.empty() ? "" : "; " + findings.poses->cause);
+    findings.problem = fmt::format("poses and images disagree by {}{}", findings.poses->as_given.inWords(),
+                                   findings.poses->cause.empty() ? "" : "; " + findings.poses->cause);
   return findings.problem.empty();
 }
 
@@ -217,7 +218,7 @@ std::vector<Link> MapMaking::links(const std::vector<std::size_t>& images) const
   const Impl& m = *impl_;
   for (const std::size_t image : images)
     if (image >= m.run.images.size())
-      throw std::invalid_argument("links: there is no image " + std::to_string(image));
+      throw std::invalid_argument(fmt::format("links: there is no image {}", image));
   return m.links(images);
 }
 

@@ -5,6 +5,7 @@
 #include <facetloc/mapping/map_merging.h>
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <set>
 #include <stdexcept>
 
@@ -90,8 +91,8 @@ void requireUniqueNames(const Map& map) {
   std::set<std::string> names;
   for (const LocalModel& model : map.models)
     if (!names.insert(model.name).second)
-      throw std::invalid_argument("two local models would be named " + model.name +
-                                  "; rename the maps so that their names differ");
+      throw std::invalid_argument(fmt::format(
+          "two local models would be named {}; rename the maps so that their names differ", model.name));
 }
 
 }  // namespace
@@ -121,7 +122,7 @@ Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& name
     if (!merged.camera.distortion) merged.camera.distortion = camera.distortion;
     if (!sameMounting(merged.camera.mounting, camera.mounting)) merged.camera.mounting.reset();
     const auto alike = std::count(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]);
-    const std::string prefix = names[i] + (alike > 0 ? "_" + std::to_string(alike + 1) : "") + ".";
+    const std::string prefix = alike > 0 ? fmt::format("{}_{}.", names[i], alike + 1) : names[i] + ".";
     for (const auto& [key, value] : maps[i].meta) merged.meta[prefix + key] = value;
   }
   requireUniqueNames(merged);

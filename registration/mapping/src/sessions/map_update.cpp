@@ -8,6 +8,7 @@
 #include "shared/pose_radius.h"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -288,7 +289,7 @@ private:
     const SessionImage& image = session_[i];
     used_[i] = true;
     std::string name = image.name;
-    for (int k = 2; !names_.insert(name).second; ++k) name = image.name + "_" + std::to_string(k);
+    for (int k = 2; !names_.insert(name).second; ++k) name = fmt::format("{}_{}", image.name, k);
     View view = *image.view;
     view.camera.reset();  // the map's
     changes_.T_w_new.push_back(image.T_w_c);

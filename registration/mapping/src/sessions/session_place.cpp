@@ -12,6 +12,7 @@
 #include <facetloc/mapping/map_session.h>
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <map>
 
 namespace facetloc {
@@ -113,8 +114,8 @@ std::vector<FoundKeyframe> ofPart(const std::vector<FoundKeyframe>& found, const
 }  // namespace
 
 std::string SessionPlace::inWords() const {
-  return std::to_string(sure) + " of " + std::to_string(asked) + (asked == 1 ? " image is" : " images are") +
-         " sure, " + std::to_string(agreeing) + " of them agree";
+  return fmt::format("{} of {} {} sure, {} of them agree", sure, asked,
+                     asked == 1 ? "image is" : "images are", agreeing);
 }
 
 SessionPlace internal::placeInMap(const GlobalLocalization& localization, const CameraTrajectory& trajectory,

@@ -5,6 +5,7 @@
 #include "trajectory/keyframe_graph.h"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -45,7 +46,7 @@ std::vector<Link> internal::trajectoryLinks(const CameraTrajectory& trajectory,
                                             const std::vector<std::size_t>& images) {
   for (const std::size_t image : images)
     if (image >= trajectory.images.size())
-      throw std::invalid_argument("links: there is no image " + std::to_string(image));
+      throw std::invalid_argument(fmt::format("links: there is no image {}", image));
   const auto partOf = [&](int model) {
     return trajectory.keyframes[trajectory.images[images[model]].keyframe].part;
   };
