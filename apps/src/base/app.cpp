@@ -6,6 +6,7 @@
 #include "base/text.h"
 
 #include <exception>
+#include <fmt/core.h>
 #include <sstream>
 
 namespace facetloc {
@@ -23,7 +24,9 @@ void Console::note(const std::string& text) const {
   if (!quiet) error(text);
 }
 
-void Console::error(const std::string& what) const { writeAtOnce(err, tool + ": " + printable(what) + "\n"); }
+void Console::error(const std::string& what) const {
+  writeAtOnce(err, fmt::format("{}: {}\n", tool, printable(what)));
+}
 
 void Console::show(const std::string& line) const { writeAtOnce(err, "\r\033[K" + line); }
 
@@ -42,10 +45,10 @@ int App::run(const std::vector<std::string>& arguments, Console console) {
   } catch (const RankFailed& e) {
     code = e.code();
     what = e.what();
-    console.tool += " (rank " + std::to_string(e.rank()) + ")";
+    console.tool += fmt::format(" (rank {})", e.rank());
   } catch (const UsageError& e) {
     code = kUsage;
-    what = std::string(e.what()) + "\nTry '" + name_ + " --help'.";
+    what = fmt::format("{}\nTry '{} --help'.", e.what(), name_);
   } catch (const std::exception& e) {
     what = e.what();
   } catch (...) {
@@ -71,7 +74,7 @@ int App::executeUntilStopped(const CommandLine& line, const Console& console) tr
   return execute(line, console);
 } catch (const Stopped& e) {
   if (!line.has("resume")) throw;
-  throw std::runtime_error(std::string(e.what()) + "; the same command with --resume goes on from there");
+  throw std::runtime_error(fmt::format("{}; the same command with --resume goes on from there", e.what()));
 }
 
 int App::parseAndExecute(const std::vector<std::string>& arguments, Console& console) {

@@ -8,12 +8,13 @@
 
 #include <algorithm>
 #include <exception>
+#include <fmt/core.h>
 #include <thread>
 
 namespace facetloc {
 
 Stopped::Stopped(std::size_t done, std::size_t total)
-    : std::runtime_error("stopped after " + std::to_string(done) + " of " + counted(total, "image")) {}
+    : std::runtime_error(fmt::format("stopped after {} of {}", done, counted(total, "image"))) {}
 
 int Batch::workersFor(int threads, std::size_t items) {
   const std::size_t wanted = threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency());
@@ -29,7 +30,7 @@ ItemFailure Batch::failureOf(const Name& name, std::size_t index, const std::fun
   } catch (const IoError& e) {
     return {e.what(), e.what()};  // names the file already
   } catch (const std::exception& e) {
-    return {e.what(), name(index) + ": " + e.what()};
+    return {e.what(), fmt::format("{}: {}", name(index), e.what())};
   } catch (...) {
     return {"failed for an unknown reason", name(index) + ": failed for an unknown reason"};
   }
@@ -62,7 +63,7 @@ int Batch::report() const { return report(failures_, total_, console_); }
 int Batch::report(const std::vector<std::string>& failures, std::size_t total, const Console& console) {
   if (failures.empty()) return kOk;
   for (const std::string& failure : failures) console.error(failure);
-  console.error(std::to_string(failures.size()) + " of " + counted(total, "item") + " failed");
+  console.error(fmt::format("{} of {} failed", failures.size(), counted(total, "item")));
   return kFailed;
 }
 

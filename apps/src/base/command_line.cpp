@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <fmt/format.h>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -47,13 +48,6 @@ bool isTruthValue(const std::string& text) {
 /** "-5" is a number, "-x" and "--x" ask for an option. */
 bool asksForOption(const std::string& argument) {
   return argument.size() > 1 && argument[0] == '-' && !text::to<double>(argument);
-}
-
-/** A default as the help shows it. */
-std::string helpNumber(double value) {
-  std::ostringstream out;
-  out << value;
-  return out.str();
 }
 
 std::string wrapped(const std::string& paragraph) {
@@ -104,7 +98,7 @@ void CommandLine::addGeneralOptions(int& threads, bool& quiet) {
   add(declared_->general, "threads", bound(threads, "N"), "Threads; 0 = all cores.");
   add(declared_->general, "quiet,q", po::bool_switch(&quiet), "No progress and no remarks.", Needs::Nothing);
   checks_.push_back([&threads] {
-    if (threads < 0) throw UsageError("threads = " + std::to_string(threads) + " is negative");
+    if (threads < 0) throw UsageError(fmt::format("threads = {} is negative", threads));
   });
 }
 
@@ -129,7 +123,7 @@ CommandLine::Semantic* CommandLine::bound(std::string& value, const std::string&
 }
 
 CommandLine::Semantic* CommandLine::bound(double& value, const std::string& value_name) {
-  return po::value(&value)->value_name(value_name)->default_value(value, helpNumber(value));
+  return po::value(&value)->value_name(value_name)->default_value(value, fmt::format("{:g}", value));
 }
 
 CommandLine::Semantic* CommandLine::bound(int& value, const std::string& value_name) {
@@ -178,9 +172,8 @@ void CommandLine::addChoice(Options& group, const std::string& name, const std::
 }
 
 void CommandLine::addPresets() {
-  std::string names;
-  for (const std::string& name : presetNames()) names += (names.empty() ? "" : ", ") + name;
-  addOption("preset", preset_, "NAME", "Parameters that are shipped as a set: " + names + ".");
+  addOption("preset", preset_, "NAME",
+            fmt::format("Parameters that are shipped as a set: {}.", fmt::join(presetNames(), ", ")));
 }
 
 const CommandLine::Option* CommandLine::find(std::string name) const {
@@ -201,7 +194,7 @@ std::vector<std::string> CommandLine::spelledOut(const std::vector<std::string>&
     const auto equals = argument.find('=');
     const std::string given_name = argument.substr(0, equals);
     const Option* option = find(given_name.substr(given_name.compare(0, 2, "--") == 0 ? 2 : 1));
-    if (!option) throw UsageError("unrecognised option '" + given_name + "'");
+    if (!option) throw UsageError(fmt::format("unrecognised option '{}'", given_name));
 
     std::string spelled = "--" + option->name;
     const bool has_next = i + 1 < arguments.size() && !asksForOption(arguments[i + 1]);
@@ -213,9 +206,9 @@ std::vector<std::string> CommandLine::spelledOut(const std::vector<std::string>&
     else if (option->needs == Needs::Either)
       spelled += "=true";
     else if (option->needs == Needs::Value)
-      throw UsageError("the value of option '" + given_name + "' is missing");
+      throw UsageError(fmt::format("the value of option '{}' is missing", given_name));
     if (option->needs != Needs::Nothing && spelled.back() == '=')
-      throw UsageError("the value of option '" + given_name + "' is empty");
+      throw UsageError(fmt::format("the value of option '{}' is empty", given_name));
     out.push_back(spelled);
   }
   return out;
@@ -232,7 +225,7 @@ std::vector<std::string> CommandLine::parametersIn(std::istream& in, const std::
     line = trimmed(withoutComment(line));
     if (line.empty()) continue;
     const auto fail = [&](const std::string& cause) {
-      throw UsageError(path + ": line " + std::to_string(number) + ": " + cause);
+      throw UsageError(fmt::format("{}: line {}: {}", path, number, cause));
     };
     if (line.front() == '[' && line.back() == ']') {
       prefix = trimmed(line.substr(1, line.size() - 2));
@@ -244,11 +237,11 @@ std::vector<std::string> CommandLine::parametersIn(std::istream& in, const std::
     const std::string name = prefix + trimmed(line.substr(0, equals));
     const Option* option = find(name);
     if (!option && unknown == Unknown::skipped) continue;
-    if (!option || !option->in_files) fail("unknown parameter '" + name + "'");
+    if (!option || !option->in_files) fail(fmt::format("unknown parameter '{}'", name));
     const std::string value = trimmed(line.substr(equals + 1));
     if (value.empty()) fail(name + " has no value");
     if (option->needs != Needs::Nothing)
-      arguments.push_back("--" + option->name + "=" + value);
+      arguments.push_back(fmt::format("--{}={}", option->name, value));
     else if (!isTruthValue(value))
       fail(name + " is either true or false");
     else if (value == "1" || value == "true" || value == "yes" || value == "on")
@@ -267,14 +260,14 @@ std::vector<std::string> CommandLine::readFile(const std::string& path) const {
 void CommandLine::storeFrom(const std::string& path, const std::vector<std::string>& arguments) try {
   store(arguments);
 } catch (const po::error& e) {
-  throw UsageError(path + ": " + e.what());
+  throw UsageError(fmt::format("{}: {}", path, e.what()));
 }
 
 void CommandLine::store(const std::vector<std::string>& arguments) {
   using namespace po::command_line_style;
   for (const std::string& argument : arguments)  // in such a one Boost would replace its value without end
     if (argument.find("%value%") != std::string::npos)
-      throw po::error(text::quoted(argument) + " cannot be an argument");
+      throw po::error(fmt::format("'{}' cannot be an argument", argument));
   Options all;
   all.add(declared_->common).add(declared_->general).add(declared_->hidden);
   for (const Declared::Group& group : declared_->groups) all.add(*group.options);

@@ -7,9 +7,9 @@
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/text.h>
 
 #include <cmath>
+#include <fmt/core.h>
 #include <memory>
 
 namespace facetloc {
@@ -20,8 +20,7 @@ void DepthInput::addOptions(CommandLine& line) {
   line.addCheck([this] {
     constexpr int kLeastWidth = 40;  // [px] below, an image shows no segments
     if (width != 0 && width < kLeastWidth)
-      throw UsageError("width = " + std::to_string(width) + " is neither 0 nor at least " +
-                       std::to_string(kLeastWidth));
+      throw UsageError(fmt::format("width = {} is neither 0 nor at least {}", width, kLeastWidth));
   });
   line.addParams(noise, "noise");
   line.addParams(view);
@@ -36,9 +35,10 @@ void addTimeOffset(CommandLine& line, double& seconds) {
 }
 
 void addRecordingOptions(CommandLine& line, RecordingHints& recording) {
-  line.addOption("camera", recording.camera, "FILE|NAME",
-                 "A camera.ini, or one of these for its noise and, if need be, its intrinsics: " +
-                     cameraPresetNames() + ".");
+  line.addOption(
+      "camera", recording.camera, "FILE|NAME",
+      fmt::format("A camera.ini, or one of these for its noise and, if need be, its intrinsics: {}.",
+                  cameraPresetNames()));
   line.addOption("depth-scale", recording.depth_scale, "N", "PNG values per metre; 0 = as camera.ini says.");
   addTimeOffset(line, recording.time_offset);
   line.addCheck([&recording] {
@@ -85,8 +85,9 @@ View viewOf(const DepthSequence& sequence, std::size_t index, int working_width,
 void noteUnfinished(const Map& map, const std::string& path, const Console& console) {
   const auto state = map.meta.find(kStateKey);
   if (state != map.meta.end() && state->second == kUnderWay)
-    console.note(path + ": its build has not ended, or was interrupted: it has " +
-                 counted(map.models.size(), "local model") + " so far; facetloc_map build --resume goes on");
+    console.note(fmt::format("{}: its build has not ended, or was interrupted: it has {} so far; "
+                             "facetloc_map build --resume goes on",
+                             path, counted(map.models.size(), "local model")));
 }
 
 void noteDifference(const Camera& of_images, const Map& map, const Console& console) {
@@ -99,14 +100,17 @@ void noteNoise(std::vector<double> found, const SensorNoise& specified, const Co
   const double median = medianOfKnown(std::move(found));
   const double expected = specified.ofInverseDepth(DepthNoise::kUsualDepth);
   if (!(median > kMuch * expected)) return;
-  const std::string numbers = text::significant(median, 2) + ", not " + text::significant(expected, 2);
+  const std::string numbers = fmt::format("{:.2g}, not {:.2g}", median, expected);
   if (specified.isConstantInInverseDepth())
-    console.note("the images are noisier than their camera's specification: inverse_depth_std is about " +
-                 numbers + "; set it in camera.ini or by --noise.inverse_depth_std");
+    console.note(fmt::format(
+        "the images are noisier than their camera's specification: inverse_depth_std is about {}; set it in "
+        "camera.ini or by --noise.inverse_depth_std",
+        numbers));
   else
-    console.note("the images are noisier than their camera's specification: at " +
-                 text::decimals(DepthNoise::kUsualDepth, 0) + " m, the noise of inverse depth is about " +
-                 numbers + " 1/m; facetloc_segment --noise measures what to set in camera.ini");
+    console.note(fmt::format("the images are noisier than their camera's specification: at {:.0f} m, the "
+                             "noise of inverse depth is about {} 1/m; facetloc_segment --noise measures what "
+                             "to set in camera.ini",
+                             DepthNoise::kUsualDepth, numbers));
 }
 
 void requireTolerance(double seconds) {
@@ -114,7 +118,7 @@ void requireTolerance(double seconds) {
 }
 
 std::string toIni(const DepthInput& input, const Camera& camera) {
-  return "width = " + std::to_string(input.width) + "\n" + toIni(camera.noise, "noise") + toIni(input.view);
+  return fmt::format("width = {}\n{}{}", input.width, toIni(camera.noise, "noise"), toIni(input.view));
 }
 
 }  // namespace facetloc

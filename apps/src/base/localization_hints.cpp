@@ -3,10 +3,9 @@
 
 #include "shared/median.h"
 
-#include <facetloc/io/text.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fmt/core.h>
 
 namespace facetloc {
 namespace {
@@ -38,8 +37,7 @@ struct Comparison {
   bool isKnown() const { return of_images > 0 && of_map > 0; }
   double ratio() const { return isKnown() ? std::max(of_images / of_map, of_map / of_images) : 1; }
   std::string inWords(int decimals, const std::string& unit) const {
-    return text::decimals(of_images, decimals) + unit + ", the map's images have " +
-           text::decimals(of_map, decimals) + unit;
+    return fmt::format("{0:.{3}f}{2}, the map's images have {1:.{3}f}{2}", of_images, of_map, unit, decimals);
   }
 
   double of_images, of_map;
@@ -71,16 +69,17 @@ std::vector<std::string> whatToLookAt(const StateCounts& counts, const std::vect
   const std::vector<ViewTraits> models = traitsOf(map);
   const Comparison fov(views, models, &ViewTraits::fov), depth(views, models, &ViewTraits::depth);
   const std::string optics =
-      "Do fx and fy fit the images? Their field of view is " + fov.inWords(0, " deg") + ".";
+      fmt::format("Do fx and fy fit the images? Their field of view is {}.", fov.inWords(0, " deg"));
   const std::string scale =
-      "Does depth_scale fit the images? Their median depth is " + depth.inWords(2, " m") + ".";
+      fmt::format("Does depth_scale fit the images? Their median depth is {}.", depth.inWords(2, " m"));
   std::vector<std::string> hints = {"Hardly any image is sure. What to look at:"};
   if (fov.ratio() > kOtherOptics) hints.push_back(optics);
   if (depth.ratio() > kOtherScale) hints.push_back(scale);
   if (map.parts.size() > 1)
-    hints.push_back("Do links join the local models of the map? It is in " +
-                    std::to_string(map.parts.size()) +
-                    " parts, and a place that two of them show may be either.");
+    hints.push_back(fmt::format(
+        "Do links join the local models of the map? It is in {} parts, and a place that two of them show may "
+        "be either.",
+        map.parts.size()));
   hints.push_back("Is it the map of this place?");
   if (fov.isKnown() && fov.ratio() <= kOtherOptics) hints.push_back(optics);
   if (depth.isKnown() && depth.ratio() <= kOtherScale) hints.push_back(scale);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/core.h>
 
 namespace facetloc {
 namespace {
@@ -30,8 +31,8 @@ ResultRow resultRow(const std::string& frame, int rank, const Hypothesis& h, con
 }
 
 std::string vectorText(const Eigen::Vector3d& v, int decimals) {
-  return text::decimals(v.x(), decimals) + " " + text::decimals(v.y(), decimals) + " " +
-         text::decimals(v.z(), decimals);
+  // Adding zero makes -0 positive.
+  return fmt::format("{0:.{3}f} {1:.{3}f} {2:.{3}f}", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0, decimals);
 }
 
 }  // namespace
@@ -62,9 +63,9 @@ void StateCounts::add(AnswerState state) {
 }
 
 std::string inWords(const StateCounts& counts) {
-  return counted(static_cast<std::size_t>(counts.all()), "image") + ": " + std::to_string(counts.sure) +
-         " sure, " + std::to_string(counts.doubtful) + " doubtful, " + std::to_string(counts.unknown) +
-         " unknown";
+  return fmt::format("{}: {} sure, {} doubtful, {} unknown",
+                     counted(static_cast<std::size_t>(counts.all()), "image"), counts.sure, counts.doubtful,
+                     counts.unknown);
 }
 
 ResultRow noHypothesis(const std::string& frame, const std::string& reason) {

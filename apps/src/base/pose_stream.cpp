@@ -3,11 +3,8 @@
 
 #include <facetloc/io/text.h>
 
-#include <algorithm>
-#include <array>
-#include <cstdio>
-#include <initializer_list>
-#include <variant>
+#include <fmt/core.h>
+#include <vector>
 
 namespace facetloc {
 namespace {
@@ -22,9 +19,7 @@ std::string quotedJson(const std::string& s) {
     if (c == '"' || c == '\\') {
       out.append(1, '\\').append(1, c);
     } else if (static_cast<unsigned char>(c) < 0x20) {
-      std::array<char, 8> code{};
-      std::snprintf(code.data(), code.size(), "\\u%04x", static_cast<unsigned>(c));
-      out += code.data();
+      out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
     } else {
       out += c;
     }
@@ -32,19 +27,19 @@ std::string quotedJson(const std::string& s) {
   return out + "\"";
 }
 
-template <typename Numbers>
-std::string listOf(const Numbers& numbers) {
+std::string listOf(const std::vector<double>& numbers) {
   std::string out = "[";
   for (const double value : numbers) out.append(out.size() > 1 ? "," : "").append(text::significant(value));
   return out + "]";
 }
 
-std::string poseJson(const Eigen::Isometry3d& T) {
-  Eigen::Quaterniond q = Eigen::Quaterniond(T.linear()).normalized();
+std::string poseJson(const std::optional<Eigen::Isometry3d>& T) {
+  if (!T) return kNothing;
+  Eigen::Quaterniond q = Eigen::Quaterniond(T->linear()).normalized();
   if (q.w() < 0) q.coeffs() = -q.coeffs();
-  const auto& t = T.translation();
-  return "{\"position\":" + listOf(std::initializer_list<double>{t.x(), t.y(), t.z()}) +
-         ",\"quaternion\":" + listOf(std::initializer_list<double>{q.x(), q.y(), q.z(), q.w()}) + "}";
+  const auto& t = T->translation();
+  return fmt::format(R"({{"position":{},"quaternion":{}}})", listOf({t.x(), t.y(), t.z()}),
+                     listOf({q.x(), q.y(), q.z(), q.w()}));
 }
 
 std::string covarianceJson(const Matrix6d& P) {
@@ -54,39 +49,19 @@ std::string covarianceJson(const Matrix6d& P) {
   return listOf(upper);
 }
 
-/** Of hypotheses.csv; null where there is none. */
-std::string columnJson(const std::string& name, const ResultRow& row) {
-  const auto& columns = resultColumns();
-  const auto column = std::find_if(columns.begin(), columns.end(),
-                                   [&](const ResultColumn& candidate) { return candidate.name == name; });
-  struct Json {
-    std::string operator()(const std::string& text) const { return quotedJson(text); }
-    std::string operator()(int number) const { return std::to_string(number); }
-    std::string operator()(double number) const { return text::significant(number); }
-    std::string operator()(AnswerState state) const { return quotedJson(toString(state)); }
-    std::string operator()(const std::optional<Eigen::Isometry3d>& T) const {
-      return T ? poseJson(*T) : kNothing;
-    }
-  };
-  return std::visit([&row](auto member) { return Json()(row.*member); }, column->value);
-}
-
 }  // namespace
 
 std::string toJson(const FrameResult& frame, const std::optional<CameraMounting>& mounting) {
   const ResultRow& best = frame.rows.front();
-  std::string line = "{";
-  const auto add = [&line](const std::string& key, const std::string& value) {
-    line.append(line.size() > 1 ? ",\"" : "\"").append(key).append("\":").append(value);
-  };
-  add("stamp", text::decimals(frame.stamp, kStampDigits));
-  for (const char* key : {"frame", "state", "probability"}) add(key, columnJson(key, best));
-  add("model", best.rank > 0 ? columnJson("model", best) : kNothing);
-  for (const char* key : {"part", "T_w_c"}) add(key, columnJson(key, best));
-  add("T_w_b", best.T_w_c && mounting ? poseJson(*best.T_w_c * mounting->T_b_c().inverse()) : kNothing);
-  add("covariance", best.P_w_c ? covarianceJson(*best.P_w_c) : kNothing);
-  add("reason", columnJson("reason", best));
-  return line + "}";
+  std::optional<Eigen::Isometry3d> T_w_b;
+  if (best.T_w_c && mounting) T_w_b = *best.T_w_c * mounting->T_b_c().inverse();
+  return fmt::format(
+      R"({{"stamp":{},"frame":{},"state":{},"probability":{},"model":{},"part":{},"T_w_c":{},"T_w_b":{},)"
+      R"("covariance":{},"reason":{}}})",
+      text::decimals(frame.stamp, kStampDigits), quotedJson(best.frame), quotedJson(toString(best.state)),
+      text::significant(best.probability), best.rank > 0 ? quotedJson(best.model) : kNothing,
+      quotedJson(best.part), poseJson(best.T_w_c), poseJson(T_w_b),
+      best.P_w_c ? covarianceJson(*best.P_w_c) : kNothing, quotedJson(best.reason));
 }
 
 void PoseStream::put(std::size_t index, const FrameResult& frame) {

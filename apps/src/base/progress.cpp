@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/progress.h"
 
-#include <facetloc/io/text.h>
-
-#include <algorithm>
 #include <cmath>
+#include <fmt/core.h>
 
 namespace facetloc {
 namespace {
@@ -13,20 +11,20 @@ constexpr auto kRefresh = std::chrono::milliseconds(100);
 
 std::string duration(double seconds) {
   const auto s = static_cast<long long>(std::ceil(seconds));
-  if (s < 120) return std::to_string(s) + " s";
-  if (s < 7200) return std::to_string((s + 30) / 60) + " min";
-  return text::decimals(static_cast<double>(s) / 3600, 1) + " h";
+  if (s < 120) return fmt::format("{} s", s);
+  if (s < 7200) return fmt::format("{} min", (s + 30) / 60);
+  return fmt::format("{:.1f} h", static_cast<double>(s) / 3600);
 }
 
 }  // namespace
 
 std::string progressLine(std::size_t done, std::size_t total, double seconds) {
-  const std::string all = std::to_string(total), so_far = std::to_string(done);
-  std::string line = std::string(all.size() - std::min(all.size(), so_far.size()), ' ') + so_far + "/" + all;
+  const std::string all = std::to_string(total);
+  std::string line = fmt::format("{:>{}}/{}", done, all.size(), all);
   if (done == 0 || !(seconds > 0)) return line;
   const double rate = static_cast<double>(done) / seconds;
-  line += "  " + text::decimals(rate, 1) + "/s";
-  if (done < total) line += "  " + duration(static_cast<double>(total - done) / rate) + " left";
+  line += fmt::format("  {:.1f}/s", rate);
+  if (done < total) line += fmt::format("  {} left", duration(static_cast<double>(total - done) / rate));
   return line;
 }
 

@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <fmt/core.h>
 #include <fstream>
 #include <iterator>
 #include <libdeflate.h>
@@ -38,12 +39,6 @@ void writeText(const fs::path& path, const std::string& text) {
   writeTextAtomically(path, [&](std::ostream& out) { out << text; });
 }
 
-std::string hexadecimal(std::uint32_t number) {
-  std::ostringstream text;
-  text << std::hex << number;
-  return text.str();
-}
-
 }  // namespace
 
 std::uintmax_t sizeOf(const FrameFile& image) {
@@ -60,7 +55,7 @@ ImageSizes imageSizes(const DepthSequence& sequence) {
 
 std::string toText(const ImageSizes& sizes) {
   std::string text;
-  for (const auto& [name, size] : sizes) text += std::to_string(size) + " " + name + "\n";
+  for (const auto& [name, size] : sizes) text += fmt::format("{} {}\n", size, name);
   return text;
 }
 
@@ -76,9 +71,9 @@ std::string cameraLine(const std::optional<CameraFile>& file) {
   if (!file) return "# camera: as the images say\n";
   const Camera& camera = file->camera;
   const Intrinsics& k = camera.intrinsics;
-  std::string line = "# camera: " + std::to_string(k.width) + "x" + std::to_string(k.height);
+  std::string line = fmt::format("# camera: {}x{}", k.width, k.height);
   const auto add = [&line](const char* name, double value) {
-    line.append(", ").append(name).append(" ").append(text::shortest(value));
+    line += fmt::format(", {} {}", name, text::shortest(value));
   };
   add("fx", k.fx), add("fy", k.fy), add("cx", k.cx), add("cy", k.cy), add("depth_scale", file->depth_scale);
   if (const auto& mounting = camera.mounting) {
@@ -100,7 +95,7 @@ std::string checksum(const fs::path& file) {
   while (in.read(bytes.data(), bytes.size()), in.gcount() > 0)
     sum = libdeflate_crc32(sum, bytes.data(), static_cast<std::size_t>(in.gcount()));
   if (in.bad()) throw IoError(file.string(), "cannot be read");
-  return hexadecimal(sum);
+  return fmt::format("{:x}", sum);
 }
 
 std::optional<Provenance> Provenance::read(const fs::path& folder) {
@@ -119,7 +114,8 @@ void Provenance::requireNotReplaced(const fs::path& input, const fs::path& folde
   for (const char* file : {kParams, kImages}) {
     std::error_code ignored;
     if (fs::equivalent(input, folder / file, ignored))
-      throw UsageError("the results would replace " + input.string() + "; use another output folder");
+      throw UsageError(
+          fmt::format("the results would replace {}; use another output folder", input.string()));
   }
 }
 

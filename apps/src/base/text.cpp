@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.h"
 
-#include <facetloc/io/text.h>
-
 #include <algorithm>
+#include <fmt/core.h>
 
 namespace facetloc {
 namespace {
@@ -37,7 +36,7 @@ std::string printable(std::string_view text) {
 }
 
 std::string counted(std::size_t n, const std::string& noun) {
-  return std::to_string(n) + " " + noun + (n == 1 ? "" : "s");
+  return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s");
 }
 
 TextTable::TextTable(std::vector<std::string> header) { rows_.push_back(std::move(header)); }

@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/core.h>
 #include <map>
 #include <set>
 
@@ -32,8 +33,8 @@ constexpr int kFewSegments = 4;                         // in an image
 constexpr double kLongGap = 1;                          // between images [s]
 constexpr double kLeastPosed = 0.5;                     // of the images
 
-std::string percent(double share) { return text::decimals(100 * share, 0) + " %"; }
-std::string metres(double m) { return text::decimals(m, 2) + " m"; }
+std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+std::string metres(double m) { return fmt::format("{:.2f} m", m); }
 
 /** The q-quantile. */
 double quantile(std::vector<float>& values, double q) {
@@ -49,13 +50,9 @@ void line(const Console& console, const std::string& title, const std::string& w
 }
 
 std::string inWords(const Intrinsics& k) {
-  const auto angle = [](double size, double f) {
-    return text::decimals(2 * std::atan(size / 2 / f) / kDegree, 0);
-  };
-  return std::to_string(k.width) + "x" + std::to_string(k.height) + ", fx " + text::significant(k.fx, 5) +
-         ", fy " + text::significant(k.fy, 5) + ", cx " + text::significant(k.cx, 5) + ", cy " +
-         text::significant(k.cy, 5) + "; field of view " + angle(k.width, k.fx) + " x " +
-         angle(k.height, k.fy) + " deg";
+  const auto angle = [](double size, double f) { return 2 * std::atan(size / 2 / f) / kDegree; };
+  return fmt::format("{}x{}, fx {:.5g}, fy {:.5g}, cx {:.5g}, cy {:.5g}; field of view {:.0f} x {:.0f} deg",
+                     k.width, k.height, k.fx, k.fy, k.cx, k.cy, angle(k.width, k.fx), angle(k.height, k.fy));
 }
 
 }  // namespace
@@ -92,18 +89,18 @@ void CheckApp::addOptions(CommandLine& line) {
 void CheckApp::reportImages(const DepthSequence& sequence, const std::vector<ImageReport>& images,
                             const Console& console, Advice& advice) const {
   const auto& frames = sequence.frames();
-  line(console, "recording", counted(frames.size(), "image") + ", " + sequence.layout());
+  line(console, "recording", fmt::format("{}, {}", counted(frames.size(), "image"), sequence.layout()));
   if (sequence.stamped() && frames.size() > 1) {
     std::vector<double> steps;
     for (std::size_t i = 1; i < frames.size(); ++i) steps.push_back(frames[i].stamp - frames[i - 1].stamp);
     const double usual = internal::median(steps), longest = *std::max_element(steps.begin(), steps.end());
     line(console, "times",
-         text::decimals(frames.front().stamp, 3) + " to " + text::decimals(frames.back().stamp, 3) + " s, " +
-             text::significant(1 / usual, 3) + " images per second, longest gap " +
-             text::significant(longest, 3) + " s");
+         fmt::format("{:.3f} to {:.3f} s, {:.3g} images per second, longest gap {:.3g} s",
+                     frames.front().stamp, frames.back().stamp, 1 / usual, longest));
     if (longest > kLongGap)
-      advice.push_back("between some images there are more than " + text::significant(kLongGap, 2) +
-                       " s: without poses, a trajectory may break there");
+      advice.push_back(fmt::format(
+          "between some images there are more than {:.2g} s: without poses, a trajectory may break there",
+          kLongGap));
   } else if (!sequence.stamped()) {
     advice.push_back("the images have no times: no poses can be matched with them; names that are times in "
                      "seconds, or a depth.txt, would give them some");
@@ -126,17 +123,18 @@ void CheckApp::reportImages(const DepthSequence& sequence, const std::vector<Ima
   }
   const double median = quantile(depth, 0.5);
   line(console, "depth",
-       percent(measured) + " of the pixels are measured; 98 % of them from " + metres(quantile(depth, 0.01)) +
-           " to " + metres(quantile(depth, 0.99)) + ", median " + metres(median));
+       fmt::format("{} of the pixels are measured; 98 % of them from {} to {}, median {}", percent(measured),
+                   metres(quantile(depth, 0.01)), metres(quantile(depth, 0.99)), metres(median)));
   if (median < kLeastMedian || median > kMostMedian)
-    advice.push_back("half of the depths are " + std::string(median < kLeastMedian ? "below " : "above ") +
-                     metres(median) +
-                     ", as no room has it: is depth_scale right? (--depth-scale tries another one)");
+    advice.push_back(fmt::format(
+        "half of the depths are {} {}, as no room has it: is depth_scale right? (--depth-scale tries "
+        "another one)",
+        median < kLeastMedian ? "below" : "above", metres(median)));
   else if (measured < kFewMeasured)
     advice.push_back(
         "most of the image is not measured: the scene is too far or too dark for the camera, or 0 is "
         "not its only mark for that");
-  line(console, "planes", text::decimals(segments, 1) + " segments in an image");
+  line(console, "planes", fmt::format("{:.1f} segments in an image", segments));
   if (segments < kFewSegments) advice.push_back("the images show few planes: such places look alike");
 }
 
@@ -149,7 +147,7 @@ void CheckApp::reportCamera(const DepthSequence& sequence, const std::vector<Ima
   if (!file) return line(console, "", "by the points of the clouds");
   const bool is_png = sequence.frames().front().path.extension() == ".png";
   const Camera& camera = file->camera;
-  std::string words = is_png ? text::significant(file->depth_scale, 6) + " PNG values per metre" : "";
+  std::string words = is_png ? fmt::format("{:.6g} PNG values per metre", file->depth_scale) : "";
   const auto add = [&words](const std::string& more) { words += (words.empty() ? "" : ", ") + more; };
   if (!file->preset.empty()) add(std::string("noise of a ") + file->preset);
   if (std::isfinite(camera.max_depth)) add("measures up to " + metres(camera.max_depth));
@@ -183,15 +181,15 @@ void CheckApp::reportFloor(std::vector<ImageReport>& images, const Camera& camer
   if (!floor) return line(console, "floor", "none that the images have in common");
   const auto degrees = [](double deg) { return text::decimals(deg, 1) + " deg"; };
   line(console, "floor",
-       metres(floor->height) + " below the camera (spread " + text::decimals(1000 * floor->height_std, 0) +
-           " mm), which is tilted by " + degrees(floor->tilt_deg) + " and rolled by " +
-           degrees(floor->roll_deg) + "; in " + std::to_string(floor->views) + " of " +
-           counted(floor->all_views, "image"));
+       fmt::format(
+           "{} below the camera (spread {:.0f} mm), which is tilted by {} and rolled by {}; in {} of {}",
+           metres(floor->height), 1000 * floor->height_std, degrees(floor->tilt_deg),
+           degrees(floor->roll_deg), floor->views, counted(floor->all_views, "image")));
   if (!floor->steady) return;
   const CameraMounting found = floor->mounting();
-  std::string lines = "mount_height=" + text::decimals(found.height, 3) +
-                      " mount_tilt_deg=" + text::decimals(found.tilt_deg, 1);
-  if (found.roll_deg != 0) lines += " mount_roll_deg=" + text::decimals(found.roll_deg, 1);
+  std::string lines =
+      fmt::format("mount_height={:.3f} mount_tilt_deg={}", found.height, text::decimals(found.tilt_deg, 1));
+  if (found.roll_deg != 0) lines += fmt::format(" mount_roll_deg={:.1f}", found.roll_deg);
   if (!camera.mounting)
     advice.push_back("the camera seems to be mounted on a robot, which helps much; for camera.ini: " + lines);
   else if (!camera.mounting->agreesWith(found))
@@ -227,12 +225,13 @@ void CheckApp::reportPoses(const DepthSequence& sequence, const Camera& camera, 
     making.add(mapImage(sequence, i, depth_.width, T_w_c));
   }
   line(console, "poses",
-       std::to_string(poses.poses().size()) + " from " + text::decimals(poses.poses().front().stamp, 3) +
-           " to " + text::decimals(poses.poses().back().stamp, 3) + " s; " + counted(posed, "image") +
-           " of " + std::to_string(all) + " have one");
+       fmt::format("{} from {:.3f} to {:.3f} s; {} of {} have one", poses.poses().size(),
+                   poses.poses().front().stamp, poses.poses().back().stamp, counted(posed, "image"), all));
   if (static_cast<double>(posed) < kLeastPosed * static_cast<double>(all))
-    advice.push_back("most images have no pose within " + text::significant(pose_tolerance_) +
-                     " s: do both clocks show the same time (--time-offset)? Is --pose-tolerance too small?");
+    advice.push_back(fmt::format(
+        "most images have no pose within {:.9g} s: do both clocks show the same time (--time-offset)? Is "
+        "--pose-tolerance too small?",
+        pose_tolerance_));
   if (posed == 0) return;
   MapWatch watch(console);
   making.setProgress(watch.callback());
@@ -246,8 +245,8 @@ void CheckApp::reportPoses(const DepthSequence& sequence, const Camera& camera, 
           "no map can be made with these poses: --without-poses lets facetloc_map build find its own");
   }
   line(console, "map",
-       "facetloc_map build will make about " + counted(making.places().size(), "local model") +
-           " with these poses");
+       fmt::format("facetloc_map build will make about {} with these poses",
+                   counted(making.places().size(), "local model")));
 }
 
 int CheckApp::execute(const CommandLine& command, const Console& console) {

@@ -8,10 +8,10 @@
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/text.h>
 
 #include <atomic>
 #include <cmath>
+#include <fmt/core.h>
 
 namespace facetloc {
 
@@ -81,8 +81,9 @@ int ConvertApp::writeImages(const DepthSequence& sequence, const CameraFile& cam
                             camera.depth_scale);
             });
   if (beyond > 0)
-    console.note(counted(beyond, "pixel") + " farther than " + text::decimals(farthest, 1) +
-                 " m do not fit PNGs and are left out; --scale 1000 would keep up to 65.5 m");
+    console.note(fmt::format(
+        "{} farther than {:.1f} m do not fit PNGs and are left out; --scale 1000 would keep up to 65.5 m",
+        counted(beyond, "pixel"), farthest));
   const int code = batch.report();
   console.out << counted(total - batch.failures().size(), "image");
   return code;

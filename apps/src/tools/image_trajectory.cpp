@@ -4,9 +4,9 @@
 #include "base/text.h"
 
 #include <facetloc/io/error.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
+#include <fmt/core.h>
 #include <memory>
 
 namespace facetloc {
@@ -37,10 +37,10 @@ int reportUnread(const MapFindings& findings, const Console& console) {
 }
 
 std::string inWords(const CameraTrajectory& trajectory) {
-  return "way " + text::decimals(trajectory.length(), 1) + " m, " +
-         counted(trajectory.keyframes.size(), "keyframe") + ", " +
-         counted(static_cast<std::size_t>(trajectory.loops()), "comparison") + " with places seen before, " +
-         counted(trajectory.parts().size(), "piece");
+  return fmt::format("way {:.1f} m, {}, {} with places seen before, {}", trajectory.length(),
+                     counted(trajectory.keyframes.size(), "keyframe"),
+                     counted(static_cast<std::size_t>(trajectory.loops()), "comparison"),
+                     counted(trajectory.parts().size(), "piece"));
 }
 
 void ImageTrajectory::addOptions(CommandLine& line) {
@@ -50,7 +50,8 @@ void ImageTrajectory::addOptions(CommandLine& line) {
 }
 
 std::string ImageTrajectory::toIni() const {
-  return (odometry_.empty() ? "" : "odometry = " + odometry_ + "\n") + facetloc::toIni(params_, "mapping");
+  return (odometry_.empty() ? "" : fmt::format("odometry = {}\n", odometry_)) +
+         facetloc::toIni(params_, "mapping");
 }
 
 PosesByTime ImageTrajectory::odometry(const DepthSequence& sequence, const Camera& camera) const {
@@ -75,8 +76,8 @@ int ImageTrajectory::report(const MapFindings& findings, const DepthSequence& se
     console.note(counted(findings.without_odometry, "image") + " outside the time of the odometry");
   if (!findings.odometry || !findings.odometry->isKnown()) return code;
   const PoseCheck& check = *findings.odometry;
-  console.note("odometry and images disagree by " + check.as_given.inWords() +
-               (check.cause.empty() ? "" : "; " + check.cause));
+  console.note(fmt::format("odometry and images disagree by {}{}", check.as_given.inWords(),
+                           check.cause.empty() ? "" : "; " + check.cause));
   if (check.wrong_convention) throw IoError(odometry_, "is not of these images as it stands; " + check.cause);
   return code;
 }

@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fmt/core.h>
 #include <functional>
 #include <iterator>
 #include <memory>
@@ -81,7 +82,7 @@ std::string firstSure(const std::vector<FrameResult>& results) {
     return result.rows.front().state == AnswerState::sure;
   });
   if (first == results.end()) return "";
-  return ", first sure at image " + std::to_string(first - results.begin() + 1);
+  return fmt::format(", first sure at image {}", first - results.begin() + 1);
 }
 
 std::vector<ResultRow> rowsOf(const std::string& frame, const FrameAnswer& answer, const Map& map,
@@ -314,7 +315,7 @@ int LocalizeApp::localizeFromStarts(const Task& task, const Console& console) co
   for (std::vector<StartAnswer>& of_start : found)
     std::move(of_start.begin(), of_start.end(), std::back_inserter(all));
   writeStarts(folder_, all);
-  console.print(counted(n, "start") + " in " + folder_ + "/starts.csv\n");
+  console.print(fmt::format("{} in {}/starts.csv\n", counted(n, "start"), folder_));
   return std::max(seeing.report(), batch.report());
 }
 
@@ -329,18 +330,19 @@ void LocalizeApp::printSummary(const Run& run, const Map& map, const Console& co
   }
   std::string words;
   for (const std::string& hint : whatToLookAt(states, run.views, map)) words += hint + "\n";
-  console.print(words + inWords(states) + (is_sequence_ ? firstSure(run.results) : "") + "; " +
-                text::decimals(milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)), 1) +
-                " ms per image and thread; results in " + folder_ + "\n");
+  console.print(fmt::format("{}{}{}; {:.1f} ms per image and thread; results in {}\n", words, inWords(states),
+                            is_sequence_ ? firstSure(run.results) : "",
+                            milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)), folder_));
 }
 
 /** What the results depend on beside the images. */
 std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& file, const Camera& camera,
                                    const Map& map) const {
-  return "# " + versionText() + ", map " + fs::path(map_).filename().string() + " of " +
-         counted(map.models.size(), "local model") + ", checksum " + checksum(map_) + "\n" +
-         cameraLine(file) + "max-hypotheses = " + std::to_string(max_hypotheses_) + "\n" +
-         "min-probability = " + text::shortest(min_probability_) + "\n" +
+  return fmt::format("# {}, map {} of {}, checksum {}\n", versionText(), fs::path(map_).filename().string(),
+                     counted(map.models.size(), "local model"), checksum(map_)) +
+         cameraLine(file) +
+         fmt::format("max-hypotheses = {}\nmin-probability = {}\n", max_hypotheses_,
+                     text::shortest(min_probability_)) +
          (is_sequence_ ? "sequence = 1\n" : "") + (smooth_ ? "smooth = 1\n" : "") + toIni(input_, camera) +
          localizationIni(localization_) + (is_sequence_ ? "\n" + toIni(sequence_, "sequence") : "");
 }

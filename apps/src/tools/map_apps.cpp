@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <fmt/core.h>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -35,8 +36,8 @@ std::string meanMinMax(const std::vector<double>& values, int decimals) {
   double sum = 0;
   for (const double v : values) sum += v;
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
-  return text::decimals(sum / static_cast<double>(values.size()), decimals) + " (" +
-         text::decimals(*least, decimals) + " to " + text::decimals(*most, decimals) + ")";
+  return fmt::format("{0:.{3}f} ({1:.{3}f} to {2:.{3}f})", sum / static_cast<double>(values.size()), *least,
+                     *most, decimals);
 }
 
 std::string extentOf(const Map& map) {
@@ -45,42 +46,39 @@ std::string extentOf(const Map& map) {
   for (const LocalModel& model : map.models)
     if (model.T_w_m && model.part == part) box.extend(model.T_w_m->translation());
   if (box.isEmpty()) return "unknown: no model has a pose";
-  const Eigen::Vector3d size = box.sizes();
-  return text::decimals(size.x(), 2) + " x " + text::decimals(size.y(), 2) + " x " +
-         text::decimals(size.z(), 2) + " m, from (" + text::decimals(box.min().x(), 2) + ", " +
-         text::decimals(box.min().y(), 2) + ", " + text::decimals(box.min().z(), 2) + ")";
+  const Eigen::Vector3d size = box.sizes(), from = box.min().array() + 0.0;  // -0 becomes 0
+  return fmt::format("{:.2f} x {:.2f} x {:.2f} m, from ({:.2f}, {:.2f}, {:.2f})", size.x(), size.y(),
+                     size.z(), from.x(), from.y(), from.z());
 }
 
 std::string cameraOf(const Map& map) {
   if (map.models.empty()) return "-";
   const Intrinsics k = map.view(0)->intrinsics;
-  return std::to_string(k.width) + "x" + std::to_string(k.height) + ", fx " + text::decimals(k.fx, 2) +
-         ", fy " + text::decimals(k.fy, 2) + ", cx " + text::decimals(k.cx, 2) + ", cy " +
-         text::decimals(k.cy, 2);
+  return fmt::format("{}x{}, fx {:.2f}, fy {:.2f}, cx {:.2f}, cy {:.2f}", k.width, k.height, k.fx, k.fy, k.cx,
+                     k.cy);
 }
 
 /** A Kinect's unit is the one that people know. */
 std::string inDisparity(const DepthDistortion& distortion) {
-  return text::decimals(kKinectGain * distortion.rms(), 2) +
-         " disparity units (1/8 px of a Kinect) on average";
+  return fmt::format("{:.2f} disparity units (1/8 px of a Kinect) on average",
+                     kKinectGain * distortion.rms());
 }
 
 /** The camera's, and the images' where they are noisier. \param of_images one each */
 std::string noiseOf(const Map& map, const std::vector<double>& of_images) {
-  std::string words = text::significant(map.camera.noise.ofInverseDepth(DepthNoise::kUsualDepth), 3) + " 1/m";
+  std::string words = fmt::format("{:.3g} 1/m", map.camera.noise.ofInverseDepth(DepthNoise::kUsualDepth));
   if (!map.camera.noise.isConstantInInverseDepth())
-    words += " at " + text::decimals(DepthNoise::kUsualDepth, 0) + " m";
+    words += fmt::format(" at {:.0f} m", DepthNoise::kUsualDepth);
   const auto [least, most] = std::minmax_element(of_images.begin(), of_images.end());
-  if (!of_images.empty())
-    words += ", of the images " + text::significant(*least, 3) + " to " + text::significant(*most, 3);
+  if (!of_images.empty()) words += fmt::format(", of the images {:.3g} to {:.3g}", *least, *most);
   return words;
 }
 
 std::string ambiguityOf(const Map& map) {
   if (!map.ambiguity) return "unknown";
-  return text::decimals(map.ambiguity->score, 1) + " nats, in the tenth of " +
-         counted(static_cast<std::size_t>(map.ambiguity->views), "view") +
-         " that looks most like another place";
+  return fmt::format("{} nats, in the tenth of {} that looks most like another place",
+                     text::decimals(map.ambiguity->score, 1),
+                     counted(static_cast<std::size_t>(map.ambiguity->views), "view"));
 }
 
 std::string partName(const std::string& name) { return name.empty() ? "the world" : name; }
@@ -92,7 +90,7 @@ std::string placedByLinks(const Map& map) {
     models += part.by_links;
     parts += part.by_links > 0;
   }
-  return models == 0 ? "" : std::to_string(models) + ", in " + counted(parts, "part");
+  return models == 0 ? "" : fmt::format("{}, in {}", models, counted(parts, "part"));
 }
 
 /** Of a map that is not all in one world. */
@@ -103,7 +101,7 @@ void addParts(TextTable& table, const Map& map) {
   const std::vector<PartCount> counts = partCounts(map);
   for (std::size_t i = 0; i < std::min(kMost, counts.size()); ++i)
     table.add({"  " + partName(map.parts[i]), counted(counts[i].models, "local model")});
-  if (counts.size() > kMost) table.add({"  and", std::to_string(counts.size() - kMost) + " more"});
+  if (counts.size() > kMost) table.add({"  and", fmt::format("{} more", counts.size() - kMost)});
 }
 
 void printSummary(std::ostream& out, const Map& map) {
@@ -150,8 +148,7 @@ void printMeta(std::ostream& out, const Map& map) {
 }
 
 std::string inWords(const Eigen::Isometry3d& T) {
-  return text::decimals(T.translation().norm(), 2) + " m and " +
-         text::decimals(rotationAngle(T.linear()) / kDegree, 1) + " deg";
+  return fmt::format("{:.2f} m and {:.1f} deg", T.translation().norm(), rotationAngle(T.linear()) / kDegree);
 }
 
 std::optional<DepthDistortion::Values> distortionOf(const Map& map) {
@@ -234,7 +231,7 @@ int MapCheckApp::execute(const CommandLine&, const Console& console) {
   if (faults.empty()) faults = placeIndexFaults(map_);
   if (faults.empty()) noteUnfinished(openMap(map_), map_, console);
   for (const std::string& fault : faults) console.print(fault + "\n");
-  console.print(map_ + ": " + (faults.empty() ? "sound" : counted(faults.size(), "fault")) + "\n");
+  console.print(fmt::format("{}: {}\n", map_, faults.empty() ? "sound" : counted(faults.size(), "fault")));
   return faults.empty() ? kOk : kFailed;
 }
 
@@ -262,10 +259,10 @@ int MapExportApp::execute(const CommandLine&, const Console& console) {
   if (!graph_.empty()) writeGraph(graph_, map);
   if (!polygons_.empty()) writePolygons(polygons_, polygonsOf(map, map_));
   if (!folder_.empty()) exportMap(map, folder_);
-  console.print(counted(map.models.size(), "local model") + " exported" +
-                (folder_.empty() ? "" : "; files in " + folder_) +
-                (graph_.empty() ? "" : "; graph in " + graph_) +
-                (polygons_.empty() ? "" : "; polygons in " + polygons_) + "\n");
+  console.print(fmt::format("{} exported{}{}{}\n", counted(map.models.size(), "local model"),
+                            folder_.empty() ? "" : "; files in " + folder_,
+                            graph_.empty() ? "" : "; graph in " + graph_,
+                            polygons_.empty() ? "" : "; polygons in " + polygons_));
   return kOk;
 }
 
@@ -336,14 +333,17 @@ void MapMergeApp::align(std::vector<Map>& maps, const Console& console) const {
     if (alignment.tried.empty()) continue;
     if (alignment.isLost()) {
       std::string tried;
-      for (const auto& [k, place] : alignment.tried) tried += "; in " + maps_[k] + ", " + place.inWords();
-      throw IoError(maps_[i], "is not found in the maps before it" + tried +
-                                  "; --same-coordinates merges maps that share a world frame as they are");
+      for (const auto& [k, place] : alignment.tried)
+        tried += fmt::format("; in {}, {}", maps_[k], place.inWords());
+      throw IoError(maps_[i],
+                    fmt::format("is not found in the maps before it{}; --same-coordinates merges maps "
+                                "that share a world frame as they are",
+                                tried));
     }
     const auto& [k, place] = alignment.tried.back();
-    console.out << maps_[i] << " is found in " << maps_[k] << " (" << place.inWords() << ") and "
-                << (alignment.moved ? "moves by " + inWords(alignment.T_new_old) : "stays where it is")
-                << "\n";
+    console.out << fmt::format("{} is found in {} ({}) and {}\n", maps_[i], maps_[k], place.inWords(),
+                               alignment.moved ? "moves by " + inWords(alignment.T_new_old)
+                                               : "stays where it is");
   }
 }
 
@@ -400,7 +400,8 @@ int runMapTool(const std::vector<std::string>& arguments, Console console) {
   } else if (isOption("help") || isOption("h")) {
     console.print(kMapUsage);
   } else {
-    console.error((command.empty() ? "no command" : "unknown command '" + command + "'") + "\n" + kMapUsage);
+    console.error((command.empty() ? "no command\n" : fmt::format("unknown command '{}'\n", command)) +
+                  kMapUsage);
     return kUsage;
   }
   if (console.out) return kOk;

@@ -8,9 +8,9 @@
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/output_lock.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
+#include <fmt/core.h>
 #include <map>
 #include <memory>
 #include <set>
@@ -164,17 +164,18 @@ void MapBuildApp::noteTrajectory(const CameraTrajectory& trajectory, const Conso
   std::size_t outside = 0;
   for (const TrajectoryPose& pose : trajectory.images)
     outside += trajectory.keyframes[pose.keyframe].part != parts.front();
-  console.note("the images do not hang together: " + counted(outside, "image") + " in " +
-               counted(parts.size() - 1, "piece") +
-               " that nothing ties to the largest one; their local models have no pose in its world");
+  console.note(fmt::format("the images do not hang together: {} in {} that nothing ties to the largest one; "
+                           "their local models have no pose in its world",
+                           counted(outside, "image"), counted(parts.size() - 1, "piece")));
 }
 
 void MapBuildApp::noteDistortion(const MapFindings& findings, const Console& console) const {
   const auto& found = findings.distortion;
   if (!found || found->reliable()) return;
-  console.note("the distortion of the camera is left in: the poses are too far from what the images show (" +
-               text::decimals(found->poses.rotation_std / kDegree, 2) + " deg, " +
-               text::decimals(1e3 * found->poses.translation_std, 0) + " mm) to find it");
+  console.note(fmt::format(
+      "the distortion of the camera is left in: the poses are too far from what the images show ({:.2f} deg, "
+      "{:.0f} mm) to find it",
+      found->poses.rotation_std / kDegree, 1e3 * found->poses.translation_std));
 }
 
 void MapBuildApp::writeTrajectory(const DepthSequence& sequence, const MapMaking& making) const {
@@ -195,13 +196,15 @@ std::string MapBuildApp::checkPoses(const DepthSequence& sequence, MapMaking& ma
   const PoseCheck& check = *making.findings().poses;
   if (!check.isKnown()) return {};
   if (!check.cause.empty())
-    console.note("the poses disagree with the images by " + check.as_given.inWords() + "; " + check.cause +
-                 "; so read, they disagree by " + check.mended.inWords());
+    console.note(fmt::format("the poses disagree with the images by {}; {}; so read, they disagree by {}",
+                             check.as_given.inWords(), check.cause, check.mended.inWords()));
   if (check.isBeyondSense() && !force_)
-    throw IoError(poses_.empty() ? sequence_ : poses_,
-                  "its poses are not those of its images: they disagree by " + check.as_given.inWords() +
-                      (check.cause.empty() ? "; look at fx, fy and depth_scale of camera.ini, too" : "") +
-                      "; --force builds the map nevertheless");
+    throw IoError(
+        poses_.empty() ? sequence_ : poses_,
+        fmt::format("its poses are not those of its images: they disagree by {}{}; --force builds the map "
+                    "nevertheless",
+                    check.as_given.inWords(),
+                    check.cause.empty() ? "; look at fx, fy and depth_scale of camera.ini, too" : ""));
   return check.as_given.inWords();
 }
 
@@ -213,8 +216,7 @@ std::vector<MapPlace> MapBuildApp::placesOf(const DepthSequence& sequence, const
   if (asks_for_poses && every_ == 0 && given_.empty()) throw IoError(poses_, "has no poses");
   std::vector<MapPlace> places = making.places();
   if (places.empty())
-    throw IoError(sequence_,
-                  "none of its images has a pose within " + text::significant(pose_tolerance_) + " s");
+    throw IoError(sequence_, fmt::format("none of its images has a pose within {:.9g} s", pose_tolerance_));
   return places;
 }
 
@@ -225,8 +227,8 @@ void MapBuildApp::noteWithoutPose(const DepthSequence& sequence, const MapMaking
   std::size_t without = 0;
   for (std::size_t i = 0; i < sequence.frames().size(); ++i) without += !making.pose(i);
   if (without > 0)
-    console.note(counted(without, "image") + " without a pose within " + text::significant(pose_tolerance_) +
-                 " s");
+    console.note(
+        fmt::format("{} without a pose within {:.9g} s", counted(without, "image"), pose_tolerance_));
 }
 
 /** Were the local models that are there already made of the same images, with the same poses? */
@@ -322,8 +324,8 @@ MapBuildApp::Seen MapBuildApp::addModels(const DepthSequence& sequence, const st
 int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence,
                        const std::vector<MapPlace>& places, MapMaking& making, ModelBatch& batch,
                        const Console& console) const {
-  const std::string parameters = cameraLine(sequence.camera()) + "every = " + std::to_string(every_) + "\n" +
-                                 "raw-depth = " + (raw_depth_ ? "1" : "0") + "\n" +
+  const std::string parameters = cameraLine(sequence.camera()) +
+                                 fmt::format("every = {}\nraw-depth = {:d}\n", every_, raw_depth_) +
                                  toIni(input_, making.camera()) + toIni(builder_, "map") +
                                  (making.findings().trajectory ? by_images_.toIni() : "");
   MapDatabase database = openDatabase(path, sequence, places, parameters, making.camera());

@@ -15,6 +15,7 @@
 #include <facetloc/io/output_lock.h>
 
 #include <algorithm>
+#include <fmt/core.h>
 
 namespace facetloc {
 namespace {
@@ -28,7 +29,7 @@ std::string named(const std::vector<std::string>& names) {
   std::string words;
   for (std::size_t i = 0; i < std::min(names.size(), kMostNamed); ++i)
     words += (i > 0 ? ", " : "") + names[i];
-  if (names.size() > kMostNamed) words += ", and " + std::to_string(names.size() - kMostNamed) + " more";
+  if (names.size() > kMostNamed) words += fmt::format(", and {} more", names.size() - kMostNamed);
   return words;
 }
 
@@ -41,7 +42,7 @@ void printChanges(std::ostream& out, const MapChanges& changes) {
   };
   std::vector<std::string> replaced;
   for (const MapChanges::Replacement& r : changes.replaced)
-    replaced.push_back(r.old_model + " by " + r.new_model);
+    replaced.push_back(fmt::format("{} by {}", r.old_model, r.new_model));
   line("new local models", changes.added);
   line("replaced", replaced);
   line("retired", changes.retired);
@@ -49,16 +50,16 @@ void printChanges(std::ostream& out, const MapChanges& changes) {
 }
 
 std::string summaryOf(const MapChanges& changes) {
-  return counted(changes.added.size(), "local model") + " added, " + std::to_string(changes.replaced.size()) +
-         " replaced, " + std::to_string(changes.retired.size()) + " retired, " +
-         std::to_string(changes.edited.size()) + " without what has moved";
+  return fmt::format("{} added, {} replaced, {} retired, {} without what has moved",
+                     counted(changes.added.size(), "local model"), changes.replaced.size(),
+                     changes.retired.size(), changes.edited.size());
 }
 
 /** The key of the meta data of the next session. */
 std::string nextSession(const Map& map) {
   int n = 2;
-  while (map.meta.count("session " + std::to_string(n))) ++n;
-  return "session " + std::to_string(n);
+  while (map.meta.count(fmt::format("session {}", n))) ++n;
+  return fmt::format("session {}", n);
 }
 
 }  // namespace
@@ -118,8 +119,7 @@ MapSession MapExtendApp::sessionIn(const std::shared_ptr<const Map>& map, const 
     session.add(mapImage(sequence, i, input_.width, T_w_c));
   }
   if (by_poses && !has_pose)
-    throw IoError(sequence_,
-                  "none of its images has a pose within " + std::to_string(pose_tolerance_) + " s");
+    throw IoError(sequence_, fmt::format("none of its images has a pose within {:f} s", pose_tolerance_));
   if (!by_poses) session.setOdometry(by_images_.odometry(sequence, camera));
   return session;
 }
@@ -128,8 +128,8 @@ MapSession MapExtendApp::sessionIn(const std::shared_ptr<const Map>& map, const 
 const SessionPlace& MapExtendApp::find(MapSession& session) const {
   const SessionPlace& place = session.find();
   if (!place.found())
-    throw IoError(sequence_, "is not found in " + map_ + ", which stays as it is: " + place.inWords() + ", " +
-                                 std::to_string(session_.min_agreeing) + " must");
+    throw IoError(sequence_, fmt::format("is not found in {}, which stays as it is: {}, {} must", map_,
+                                         place.inWords(), session_.min_agreeing));
   return place;
 }
 
@@ -186,8 +186,9 @@ int MapExtendApp::execute(const CommandLine& line, const Console& console) {
   Map changed = *map;
   const MapChanges changes = session.update(changed);
   printChanges(console.out, changes);
-  changed.meta[nextSession(*map)] = sequence_ + ": " + counted(sequence.frames().size(), "image") + ", " +
-                                    summaryOf(changes) + "; " + versionText();
+  changed.meta[nextSession(*map)] =
+      fmt::format("{}: {}, {}; {}", sequence_, counted(sequence.frames().size(), "image"), summaryOf(changes),
+                  versionText());
   write(changed, console);
   if (!trajectory_.empty()) writeTrajectory(session);
   if (!changes_.empty()) drawChanges(changed, session, changes);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/core.h>
 
 namespace facetloc {
 namespace {
@@ -20,7 +21,7 @@ const CameraPreset& nearestPreset(const std::vector<NoiseBin>& bins) {
 }
 
 /** "16 %", of a root mean square of logarithms. */
-std::string percent(double misfit) { return text::decimals(100 * std::expm1(misfit), 0) + " %"; }
+std::string percent(double misfit) { return fmt::format("{:.0f} %", 100 * std::expm1(misfit)); }
 
 }  // namespace
 
@@ -28,22 +29,20 @@ void printNoise(std::ostream& out, const std::vector<NoiseBin>& bins) {
   TextTable table(
       {"depth [m]", "flat tiles", "std of depth [mm]", "std of 1/z [1/m]", "correlated over [px]"});
   for (const NoiseBin& bin : bins)
-    table.add({text::decimals(bin.nearest, 1) + " to " + text::decimals(bin.farthest, 1),
-               std::to_string(bin.samples), text::significant(1e3 * bin.depthStd(), 3),
+    table.add({fmt::format("{:.1f} to {:.1f}", bin.nearest, bin.farthest), std::to_string(bin.samples),
+               text::significant(1e3 * bin.depthStd(), 3),
                text::significant(bin.typical.inverse_depth_std, 3),
                text::decimals(bin.typical.correlation_px, 1)});
   out << table;
 
   const DepthNoise noise = fittedNoise(bins);
   const CameraPreset& preset = nearestPreset(bins);
-  out << "Correlated over " << text::decimals(correlationLength(bins), 1) << " px. For camera.ini:\n"
-      << "  inverse_depth_std = " << text::significant(noise.inverse_depth_std, 3) << "\n";
-  if (noise.depth_std > 0) out << "  depth_std = " << text::significant(noise.depth_std, 3) << "\n";
-  if (noise.depth_std_slope > 0)
-    out << "  depth_std_slope = " << text::significant(noise.depth_std_slope, 3) << "\n";
-  out << "which is within " << percent(misfit(noise, bins))
-      << " of the table; the nearest preset, camera = " << preset.name << ", is within "
-      << percent(misfit(preset.noise, bins)) << ".\n";
+  out << fmt::format("Correlated over {:.1f} px. For camera.ini:\n  inverse_depth_std = {:.3g}\n",
+                     correlationLength(bins), noise.inverse_depth_std);
+  if (noise.depth_std > 0) out << fmt::format("  depth_std = {:.3g}\n", noise.depth_std);
+  if (noise.depth_std_slope > 0) out << fmt::format("  depth_std_slope = {:.3g}\n", noise.depth_std_slope);
+  out << fmt::format("which is within {} of the table; the nearest preset, camera = {}, is within {}.\n",
+                     percent(misfit(noise, bins)), preset.name, percent(misfit(preset.noise, bins)));
 }
 
 }  // namespace facetloc

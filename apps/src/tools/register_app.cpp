@@ -8,9 +8,9 @@
 
 #include <facetloc/io/cloud_file.h>
 #include <facetloc/io/segment_file.h>
-#include <facetloc/io/text.h>
 
 #include <chrono>
+#include <fmt/core.h>
 #include <system_error>
 
 namespace facetloc {
@@ -112,11 +112,12 @@ int RegisterApp::execute(const CommandLine& line, const Console& console) {
   if (state == AnswerState::unknown) console.out << ": " << answer.reason;
   if (state == AnswerState::doubtful) console.out << ": no pose is likely enough to act on it";
   console.out << "\n";
-  console.out << counted(scene.segments.size(), "source segment") << ", "
-              << counted(map->view(0)->segments.size(), "target segment") << ", registered in "
-              << text::decimals(milliseconds, 1) << " ms";
+  console.out << fmt::format("{}, {}, registered in {:.1f} ms",
+                             counted(scene.segments.size(), "source segment"),
+                             counted(map->view(0)->segments.size(), "target segment"), milliseconds);
   if (!aligned_.empty() && state == AnswerState::unknown) {
-    console.note("there is no pose by which the source could be moved: " + aligned_ + " is not written");
+    console.note(
+        fmt::format("there is no pose by which the source could be moved: {} is not written", aligned_));
   } else if (!aligned_.empty()) {
     writeAligned(source, answer.hypotheses.front().T_m_c.T);
     console.out << "; aligned source in " << aligned_;

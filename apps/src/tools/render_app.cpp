@@ -14,10 +14,10 @@
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <fmt/core.h>
 #include <memory>
 #include <optional>
 
@@ -76,12 +76,11 @@ private:
     for (const Hypothesis& h : answer.hypotheses) {
       const std::size_t rank = drawn.size() + 1;
       if (static_cast<int>(rank) > max_hypotheses_) break;
-      std::string caption =
-          "rank " + std::to_string(rank) + ", probability " + text::decimals(h.probability, 2);
+      std::string caption = fmt::format("rank {}, probability {:.2f}", rank, h.probability);
       if (truth && h.T_w_c && h.part == 0 && hasGivenPose(localization_->map())) {
         const PoseError error = poseError(*h.T_w_c, *truth);
-        caption += ": " + text::decimals(error.translation, 3) + " m and " +
-                   text::decimals(error.rotation_deg, 2) + "° from the truth";
+        caption +=
+            fmt::format(": {:.3f} m and {:.2f}° from the truth", error.translation, error.rotation_deg);
       }
       drawn.push_back({h.model, h.T_m_c.T, caption});
     }
@@ -106,8 +105,7 @@ std::vector<DrawnBelief> beliefsOf(const fs::path& results) {
       frame = row.frame;
       DrawnBelief belief;
       belief.frame = frame;
-      belief.title =
-          "image " + std::to_string(beliefs.size() + 1) + ", " + frame + ": " + toString(row.state);
+      belief.title = fmt::format("image {}, {}: {}", beliefs.size() + 1, frame, toString(row.state));
       belief.sure = row.state == AnswerState::sure;
       beliefs.push_back(std::move(belief));
     }
@@ -176,7 +174,8 @@ void RenderApp::addOptions(CommandLine& line) {
 }
 
 int RenderApp::renderMap(const Console& console) const {
-  if (!map_.empty()) throw UsageError("--map goes with images and results; " + input_ + " is a map itself");
+  if (!map_.empty())
+    throw UsageError(fmt::format("--map goes with images and results; {} is a map itself", input_));
   requirePng(output_);
   requireNoneButPicture(output_);
   const Map map = readMap(input_);
@@ -199,7 +198,7 @@ int RenderApp::renderImages(const CommandLine& line, const Console& console) con
 
   const bool to_folder = chosen.size() > 1 || fs::is_directory(output_) || !fs::path(output_).has_extension();
   if (to_folder && fs::path(output_).extension() == ".png")
-    throw UsageError(input_ + " has several images: -o names a folder, or use --frame");
+    throw UsageError(fmt::format("{} has several images: -o names a folder, or use --frame", input_));
   if (!to_folder) requirePng(output_);
   if (to_folder) createFolders(output_);
   const auto pathOf = [&](std::size_t i) {
@@ -272,7 +271,7 @@ int RenderApp::renderFailures(const CommandLine& line, const Console& console) c
   std::vector<Raster<std::uint8_t>> sheet(std::min(drawn, kOnSheet));
   std::vector<std::string> titles;
   for (std::size_t i = 0; i < sheet.size(); ++i)
-    titles.push_back(failures[i].frame + ": " + failures[i].what);
+    titles.push_back(fmt::format("{}: {}", failures[i].frame, failures[i].what));
   Batch batch(1, drawn, console);  // OpenGL is used by one thread
   batch.run([&](std::size_t i) { return failures[i].frame; },
             [&](std::size_t i, int) {
@@ -285,8 +284,8 @@ int RenderApp::renderFailures(const CommandLine& line, const Console& console) c
             });
   const int code = batch.report();
   if (code == kOk && drawn > 0) writePng(sheet_path, contactSheet(sheet, titles));
-  console.out << failures.size() << " of " << counted(evaluation.frames.size(), "image") << " failed, "
-              << drawn << " drawn; pictures in " << output_ << "\n";
+  console.out << fmt::format("{} of {} failed, {} drawn; pictures in {}\n", failures.size(),
+                             counted(evaluation.frames.size(), "image"), drawn, output_);
   return code;
 }
 

@@ -14,10 +14,10 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/output_lock.h>
 #include <facetloc/io/segment_file.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <chrono>
+#include <fmt/core.h>
 #include <map>
 #include <memory>
 #include <set>
@@ -142,13 +142,15 @@ std::vector<SegmentApp::Image> SegmentApp::images(const std::vector<DepthSequenc
   for (std::size_t input = 0; input < sequences.size(); ++input)
     for (std::size_t i = 0; i < sequences[input].frames().size(); ++i) {
       const FrameFile& file = sequences[input].frames()[i];
-      const std::string name = uses[file.name] > 1 ? labelOf(inputs_[input]) + "_" + file.name : file.name;
+      const std::string name =
+          uses[file.name] > 1 ? fmt::format("{}_{}", labelOf(inputs_[input]), file.name) : file.name;
       for (const auto& [ending, is_written] : outputs()) {
         if (!is_written) continue;
         const auto [other, is_new] = taken.emplace(name + ending, file.path);
         if (!is_new)
-          throw UsageError("results of " + other->second.string() + " and " + file.path.string() +
-                           " would both be named " + name + ending + "; use different output folders");
+          throw UsageError(
+              fmt::format("results of {} and {} would both be named {}{}; use different output folders",
+                          other->second.string(), file.path.string(), name, ending));
       }
       images.push_back({&sequences[input], i, name});
     }
@@ -170,7 +172,7 @@ bool SegmentApp::done(const Image& image) const {
 
 /** What the results depend on. */
 Provenance SegmentApp::provenance(const std::vector<Image>& images, const CommandLine& line) const {
-  Provenance provenance{"# " + versionText() + "\n", {}};
+  Provenance provenance{fmt::format("# {}\n", versionText()), {}};
   const DepthSequence* sequence = nullptr;
   for (const Image& image : images) {
     if (image.sequence != sequence) provenance.params_ini += cameraLine(image.sequence->camera());
@@ -284,10 +286,9 @@ int SegmentApp::execute(const CommandLine& line, const Console& console) {
   const int code = batch.report();
   const std::size_t done = todo.size() - batch.failures().size();
   const std::size_t before = all.size() - todo.size();
-  console.print(counted(done, "image") + " with " + counted(sum, "segment") + " in " +
-                text::decimals(seconds, 1) + " s" +
-                (before > 0 ? " (" + std::to_string(before) + " were done before)" : "") + "; results in " +
-                folder_ + "\n");
+  console.print(fmt::format("{} with {} in {:.1f} s{}; results in {}\n", counted(done, "image"),
+                            counted(sum, "segment"), seconds,
+                            before > 0 ? fmt::format(" ({} were done before)", before) : "", folder_));
   return code;
 }
 

@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fmt/format.h>
 #include <map>
 #include <memory>
 #include <numeric>
@@ -140,7 +141,7 @@ void SimulateApp::addOptions(CommandLine& line) {
                  "Write odometry.txt: what the wheels tell, poses of the robot's base on the floor (TUM).");
   line.addParams(odometry_, "odometry");
   line.addOption("camera", preset_, "NAME",
-                 "Camera of the robot, with its errors: " + cameraPresetNames() + ".");
+                 fmt::format("Camera of the robot, with its errors: {}.", cameraPresetNames()));
   line.addSwitch("shared-errors", shared_errors_,
                  "Add errors that many pixels share: smooth ones, blurred or filled-in edges.");
   line.addOption("surface-error", surface_error_, "M",
@@ -255,7 +256,7 @@ std::vector<std::string> SimulateApp::wantedRuns() const {
   std::istringstream list(runs_);
   for (std::string run; std::getline(list, run, ',');) {
     if (run != kMap && run != kQuery && run != kDrive)
-      throw UsageError("unknown run '" + run + "'; there are: map query drive");
+      throw UsageError(fmt::format("unknown run '{}'; there are: map query drive", run));
     wanted.push_back(run);
   }
   return wanted;
@@ -285,14 +286,11 @@ void SimulateApp::writeUnmapped(const Run& query, const std::vector<char>& unmap
 void SimulateApp::checkOptions() const {
   std::vector<std::string> scenes = simulatedPlaceNames();
   scenes.push_back(kRoom);
-  if (std::find(scenes.begin(), scenes.end(), scene_) == scenes.end()) {
-    std::string names;
-    for (const std::string& name : scenes) names += " " + name;
-    throw UsageError("unknown scene '" + scene_ + "'; there are:" + names);
-  }
+  if (std::find(scenes.begin(), scenes.end(), scene_) == scenes.end())
+    throw UsageError(fmt::format("unknown scene '{}'; there are: {}", scene_, fmt::join(scenes, " ")));
   if (folder_.empty()) throw UsageError("the folder of the sequences is missing: -o DIR");
   if (!preset_.empty() && !findCameraPreset(preset_))
-    throw UsageError("unknown camera '" + preset_ + "'; there are: " + cameraPresetNames());
+    throw UsageError(fmt::format("unknown camera '{}'; there are: {}", preset_, cameraPresetNames()));
   if (seed_ < 0) throw UsageError("seed must not be negative");
   if (width_ < 40 || width_ > 2048) throw UsageError("width must lie in [40, 2048]");
   if (frames_ < 0 || frames_ > kMostFrames) throw UsageError("frames must lie in [0, 1000000]");
@@ -338,7 +336,9 @@ int SimulateApp::execute(const CommandLine& line, const Console& console) {
   std::vector<char> unmapped(images.size(), 0);  // no bits: threads write beside each other
   Batch batch(threads(), images.size(), console);
   batch.run(
-      [&](std::size_t i) { return images[i].run->name + "/" + images[i].run->frameName(images[i].index); },
+      [&](std::size_t i) {
+        return fmt::format("{}/{}", images[i].run->name, images[i].run->frameName(images[i].index));
+      },
       [&](std::size_t i, int) {
         const auto& [run, index] = images[i];
         const fs::path folder = fs::path(folder_) / run->name;
@@ -353,7 +353,7 @@ int SimulateApp::execute(const CommandLine& line, const Console& console) {
   std::string what;
   for (const Run& run : place.runs) {
     if (run.name == kQuery) writeUnmapped(run, unmapped);
-    what += (what.empty() ? "" : ", ") + run.name + " of " + counted(run.poses.size(), "image");
+    what += fmt::format("{}{} of {}", what.empty() ? "" : ", ", run.name, counted(run.poses.size(), "image"));
   }
   console.out << what << " in " << folder_ << "\n";
   return code;
