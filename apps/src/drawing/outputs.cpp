@@ -5,6 +5,8 @@
 
 #include <facetloc/io/png.h>
 
+#include <fmt/format.h>
+
 namespace facetloc {
 
 namespace fs = std::filesystem;
@@ -12,8 +14,8 @@ namespace fs = std::filesystem;
 void requireOtherFolder(const fs::path& results, const fs::path& images) {
   std::error_code ignored;
   if (fs::equivalent(images.empty() ? fs::path(".") : images, results, ignored))
-    throw UsageError("the results would come among the images in " + results.string() +
-                     "; use another output folder");
+    throw UsageError(fmt::format("the results would come among the images in {}; use another output folder",
+                                 results.string()));
 }
 
 void requireNoneButPicture(const fs::path& path) {
@@ -21,7 +23,7 @@ void requireNoneButPicture(const fs::path& path) {
   if (!fs::exists(path)) return;
   const auto size = pngSize(path);
   if (!size || size->bits != kPictureBits)
-    throw UsageError("the picture would overwrite " + path.string() + ", which is none");
+    throw UsageError(fmt::format("the picture would overwrite {}, which is none", path.string()));
 }
 
 }  // namespace facetloc

@@ -3,10 +3,10 @@
 #include "drawing/pictures.h"
 
 #include <facetloc/features/map_parts.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <functional>
 
 namespace facetloc {
@@ -72,7 +72,7 @@ std::vector<LegendEntry> legendOf(const FloorPlan& plan, const std::vector<Drawn
                                   const std::vector<DrawnMarks>& marks) {
   using Vector = Eigen::Vector2d;
   const Vector to_end(kSample - 6, 0), to_middle(kSample / 2 - 3, 0);
-  const auto number = [](std::size_t n) { return " (" + std::to_string(n) + ")"; };
+  const auto number = [](std::size_t n) { return fmt::format(" ({})", n); };
   std::vector<LegendEntry> entries;
   entries.push_back({[=](Page& p, const Vector& at) { drawWall(p, at, at + to_end, kTallestWall); },
                      "upright segments" + number(plan.walls.size())});
@@ -135,7 +135,7 @@ void drawScaleBar(Page& page, const PlanScale& scale, double right, double y) {
   for (const double x : {right - width, right}) page.line({{x, y - kTick}, {x, y + kTick}}, pen);
   TextStyle style;
   style.across = Across::right;
-  page.text({right - width - 8, y}, text::significant(length) + " m", style);
+  page.text({right - width - 8, y}, fmt::format("{:.9g} m", length), style);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "drawing/segment_scene.h"
 
 #include <algorithm>
+#include <fmt/format.h>
 
 namespace facetloc {
 namespace {
@@ -166,7 +167,7 @@ private:
 
 std::string matchedOf(const std::vector<int>& numbers) {
   const auto matched = std::count_if(numbers.begin(), numbers.end(), [](int n) { return n >= 0; });
-  return std::to_string(matched) + " of " + counted(numbers.size(), "segment") + " matched";
+  return fmt::format("{} of {} matched", matched, counted(numbers.size(), "segment"));
 }
 
 void drawAnswer(Page& page, Row& row, const SeenImage& query, const Map& map, int model,
@@ -175,10 +176,10 @@ void drawAnswer(Page& page, Row& row, const SeenImage& query, const Map& map, in
   const Numbering numbers(query.view, *view, matchedSegments(query.view, *view, T_m_c));
   const Side query_side{query.depth, query.labels, numbers.of_query};
   const Side model_side{depthOf(*view), seenSegments(*view), numbers.of_model};
-  const Box left = row.panel(0, "query " + query.name + ": " + matchedOf(numbers.of_query));
+  const Box left = row.panel(0, fmt::format("query {}: {}", query.name, matchedOf(numbers.of_query)));
   drawSide(page, fitted(left, query.depth.camera), query_side);
   const Box middle =
-      row.panel(1, "local model " + map.models[model].name + ": " + matchedOf(numbers.of_model));
+      row.panel(1, fmt::format("local model {}: {}", map.models[model].name, matchedOf(numbers.of_model)));
   drawSide(page, fitted(middle, model_side.depth.camera), model_side);
   const Box right = row.panel(2, "both aligned: local model filled, query outlined");
   drawFit(page, right, query.view, *view, numbers, T_m_c, map.camera.mounting);
@@ -187,7 +188,7 @@ void drawAnswer(Page& page, Row& row, const SeenImage& query, const Map& map, in
 
 void drawQueryAlone(Page& page, Row& row, const SeenImage& query) {
   const std::vector<int> numbers(query.view.segments.size(), -1);
-  const Box left = row.panel(0, "query " + query.name + ": " + counted(numbers.size(), "segment"));
+  const Box left = row.panel(0, fmt::format("query {}: {}", query.name, counted(numbers.size(), "segment")));
   drawSide(page, fitted(left, query.depth.camera), {query.depth, query.labels, numbers});
 }
 

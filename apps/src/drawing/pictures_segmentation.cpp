@@ -10,6 +10,7 @@
 #include <facetloc/segmentation/view_builder.h>
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <stdexcept>
 
 namespace facetloc {
@@ -67,9 +68,10 @@ SeenImage seeSegments(const std::string& name, View view) {
 }
 
 void checkDrawable(const SeenImage& image) {
-  if (!image.depth.valid()) throw std::invalid_argument("the image " + image.name + " has no pixels to draw");
+  if (!image.depth.valid())
+    throw std::invalid_argument(fmt::format("the image {} has no pixels to draw", image.name));
   if (image.labels.width != image.depth.camera.width || image.labels.height != image.depth.camera.height)
-    throw std::invalid_argument("the labels of image " + image.name + " are of another size");
+    throw std::invalid_argument(fmt::format("the labels of image {} are of another size", image.name));
 }
 
 void drawSegmentation(const std::filesystem::path& path, const SeenImage& image) {

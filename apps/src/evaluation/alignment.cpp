@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <stdexcept>
 #include <string>
 
@@ -34,9 +35,9 @@ bool areOnALine(const std::vector<PosePair>& pairs) {
 
 void require(const std::vector<PosePair>& pairs) {
   if (pairs.size() < kLeastPairs)
-    throw std::invalid_argument("there are " + std::to_string(pairs.size()) +
-                                " pairs of an estimated and a true pose, and an alignment needs " +
-                                std::to_string(kLeastPairs));
+    throw std::invalid_argument(
+        fmt::format("there are {} pairs of an estimated and a true pose, and an alignment needs {}",
+                    pairs.size(), kLeastPairs));
 }
 
 // The rotation R that maximises trace(R^T M).

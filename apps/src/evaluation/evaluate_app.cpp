@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fmt/format.h>
 #include <set>
 #include <stdexcept>
 
@@ -46,7 +47,7 @@ void requireSameMap(const std::vector<RunResults>& runs, const Map& map, const s
   for (const RunResults& run : runs)
     for (const ResultRow& row : run.rows)
       if (row.rank > 0 && !names.count(row.model))
-        throw IoError(path, "has no local model " + row.model + ": the results are of another map");
+        throw IoError(path, fmt::format("has no local model {}: the results are of another map", row.model));
 }
 
 }  // namespace
@@ -128,9 +129,8 @@ std::optional<ResultsAlignment> EvaluateApp::align(Input& input) const {
   const std::vector<PosePair> pairs = sureAnswers(
       input.runs, input.truth, input.map ? modelPoses(input.map) : std::vector<ModelPose>(), pose_tolerance_);
   if (pairs.size() < kLeastPairs)
-    throw IoError(results_, "has " + counted(pairs.size(), "sure answer") +
-                                " in a world and with a true pose, and --align needs " +
-                                std::to_string(kLeastPairs));
+    throw IoError(results_, fmt::format("has {} in a world and with a true pose, and --align needs {}",
+                                        counted(pairs.size(), "sure answer"), kLeastPairs));
   ResultsAlignment alignment{robustlyAligned(pairs), pairs.size(), {}};
   const Eigen::Isometry3d& T = alignment.motion.T_true_estimated;
   std::vector<double> distances;

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <map>
 #include <numeric>
 #include <set>
@@ -342,8 +343,8 @@ std::vector<RunResults> readRuns(const std::filesystem::path& folder, const Rema
     runs.back().covariances = readCovariances(run, remark);
     if (auto provenance = Provenance::read(run)) runs.back().images = std::move(provenance->images);
     if (const std::size_t undone = imagesWithout(runs.back()); remark && undone > 0)
-      remark(run.string() + ": the run was not finished: " + counted(undone, "image") + " of " +
-             std::to_string(runs.back().images.size()) + " without a result");
+      remark(fmt::format("{}: the run was not finished: {} of {} without a result", run.string(),
+                         counted(undone, "image"), runs.back().images.size()));
     if (fs::exists(run / kTiming)) runs.back().timing = readTiming(run, remark);
   }
   return runs;

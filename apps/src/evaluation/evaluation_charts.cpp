@@ -3,10 +3,9 @@
 
 #include "drawing/charts.h"
 
-#include <facetloc/io/text.h>
-
 #include <algorithm>
 #include <array>
+#include <fmt/format.h>
 
 namespace facetloc {
 namespace {
@@ -20,7 +19,7 @@ constexpr double kManyRanks = 30;  // from here on the axis of ranks is logarith
 Curve staircase(const Summary& summary, const CumulativeHistogram& histogram, const Panel& panel,
                 const Colour& colour) {
   Curve curve;
-  curve.label = summary.name + " (" + std::to_string(histogram.x.size()) + ")";
+  curve.label = fmt::format("{} ({})", summary.name, histogram.x.size());
   curve.colour = colour;
   double share = 0;
   const auto add = [&](double x, double y) {
@@ -69,11 +68,11 @@ Panel drawn(const Fig6Panel& what, const std::vector<Summary>& summaries) {
   panel.curves.front().width = 5;  // shows beside the others where they coincide
   const double bound = (summaries.front().*what.histogram).bound(kMarkedShare);
   panel.curves.push_back(
-      mark(panel, bound, "99 %: " + text::decimals(bound, what.decimals) + what.unit, kRed));
+      mark(panel, bound, fmt::format("99 %: {:.{}f}{}", bound, what.decimals, what.unit), kRed));
   if (what.paper_bound > 0)
     panel.curves.push_back(
         mark(panel, what.paper_bound,
-             "99 % in the paper: " + text::decimals(what.paper_bound, what.decimals) + what.unit, kGrey));
+             fmt::format("99 % in the paper: {:.{}f}{}", what.paper_bound, what.decimals, what.unit), kGrey));
   return panel;
 }
 
@@ -118,7 +117,7 @@ Curve guide(const std::string& label, double x0, double y0, double x1, double y1
 /** All ranges by a thin line; those that say something are marked, each a curve of a single point. */
 std::vector<Curve> reliabilityCurves(const Summary& summary) {
   Curve line;
-  line.label = "rank 1, Brier score " + text::decimals(summary.brier, 3);
+  line.label = fmt::format("rank 1, Brier score {:.3f}", summary.brier);
   line.width = 1.5f;
   std::vector<Curve> curves;
   for (const ReliabilityBin& bin : summary.reliability) {
@@ -127,7 +126,7 @@ std::vector<Curve> reliabilityCurves(const Summary& summary) {
     line.y.push_back(bin.correct);
     if (bin.n < kReliableCount) continue;
     Curve point;
-    point.label = curves.empty() ? "of " + std::to_string(kReliableCount) + " images or more" : "";
+    point.label = curves.empty() ? fmt::format("of {} images or more", kReliableCount) : "";
     point.x = {bin.mean_probability};
     point.y = {bin.correct};
     point.markers = true;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluation_details.h"
 
-#include <facetloc/io/text.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <functional>
 #include <limits>
 
@@ -15,14 +14,14 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMostShare = 0.95;
 
 std::string wholeRange(double lowest, double highest) {
-  if (std::isinf(highest)) return text::decimals(lowest, 0) + " or more";
-  if (highest - lowest == 1) return text::decimals(lowest, 0);
-  return text::decimals(lowest, 0) + " to " + text::decimals(highest - 1, 0);
+  if (std::isinf(highest)) return fmt::format("{:.0f} or more", lowest);
+  if (highest - lowest == 1) return fmt::format("{:.0f}", lowest);
+  return fmt::format("{:.0f} to {:.0f}", lowest, highest - 1);
 }
 
 std::string realRange(double lowest, double highest) {
-  return std::isinf(highest) ? text::decimals(lowest, 2) + " or more"
-                             : text::decimals(lowest, 2) + " to " + text::decimals(highest, 2);
+  return std::isinf(highest) ? fmt::format("{:.2f} or more", lowest)
+                             : fmt::format("{:.2f} to {:.2f}", lowest, highest);
 }
 
 using Quantity = std::function<std::optional<double>(const FrameEvaluation&)>;

@@ -7,6 +7,7 @@
 
 #include <facetloc/io/depth_sequence.h>
 
+#include <fmt/format.h>
 #include <map>
 #include <memory>
 #include <utility>
@@ -128,12 +129,12 @@ std::vector<ReportPicture> drawMisses(const fs::path& folder, const std::vector<
   if (!drawn.frames.empty()) fs::create_directories(folder);
   for (const Failure& failure : findFailures(drawn, runs, map)) {
     const std::string run = failure.run.empty() ? "" : failure.run + "_";
-    const fs::path path = folder / (kMissPrefix + run + failure.frame + ".png");
+    const fs::path path = folder / fmt::format("{}{}{}.png", kMissPrefix, run, failure.frame);
     try {
       drawMatches(path, images.seen(failure.run, failure.frame), map, failure.answers);
-      pictures.push_back({path, run + failure.frame + ": " + failure.what});
+      pictures.push_back({path, fmt::format("{}{}: {}", run, failure.frame, failure.what)});
     } catch (const std::exception& e) {
-      console.note("a picture of " + failure.frame + " is missing: " + e.what());
+      console.note(fmt::format("a picture of {} is missing: {}", failure.frame, e.what()));
     }
   }
   return pictures;

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <functional>
 #include <optional>
 
@@ -24,13 +25,14 @@ std::string wholeCell(const std::optional<T>& value) {
 /** "mm,deg", empty if there is nothing that the error could be of. */
 std::string errorCells(bool known, const PoseError& error) {
   if (!known) return ",";
-  return text::significant(1000 * error.translation) + "," + text::significant(error.rotation_deg);
+  return fmt::format("{},{}", text::significant(1000 * error.translation),
+                     text::significant(error.rotation_deg));
 }
 
 std::string nearestCells(const std::optional<NearestModel>& nearest) {
   if (!nearest) return ",,";
-  return text::csvCell(nearest->name) + "," + text::significant(nearest->distance) + "," +
-         text::significant(nearest->angle_deg);
+  return fmt::format("{},{},{}", text::csvCell(nearest->name), text::significant(nearest->distance),
+                     text::significant(nearest->angle_deg));
 }
 
 void writeFrames(std::ostream& out, const Evaluation& evaluation) {
@@ -84,17 +86,16 @@ void writeErrors(std::ostream& out, const Evaluation& evaluation) {
 void writeTimes(std::ostream& out, const std::vector<StageTime>& times) {
   out << "stage,images,mean_ms,median_ms,p95_ms,max_ms\n";
   for (const StageTime& t : times)
-    out << t.stage << "," << t.n << "," << text::decimals(t.mean, 3) << "," << text::decimals(t.median, 3)
-        << "," << text::decimals(t.most, 3) << "," << text::decimals(t.max, 3) << "\n";
+    out << fmt::format("{},{},{:.3f},{:.3f},{:.3f},{:.3f}\n", t.stage, t.n, t.mean, t.median, t.most, t.max);
 }
 
 std::string alignmentText(const ResultsAlignment& a) {
-  const auto millimetres = [](double metres) { return text::decimals(1000 * metres, 1) + " mm"; };
-  return "Aligned with the truth: " + motionText(a.motion.T_true_estimated) + ", by " +
-         std::to_string(a.motion.used) + " of " + counted(a.answers, "sure answer") + " with a residual of " +
-         millimetres(a.motion.residual) + " and " + text::decimals(a.motion.rotation_residual_deg, 2) +
-         " deg (RMS). Absolute trajectory error of all sure answers: RMSE " + millimetres(a.errors.rmse) +
-         ", median " + millimetres(a.errors.median) + ", largest " + millimetres(a.errors.max) + ".";
+  return fmt::format(
+      "Aligned with the truth: {}, by {} of {} with a residual of {:.1f} mm and {:.2f} deg (RMS). "
+      "Absolute trajectory error of all sure answers: RMSE {:.1f} mm, median {:.1f} mm, largest {:.1f} mm.",
+      motionText(a.motion.T_true_estimated), a.motion.used, counted(a.answers, "sure answer"),
+      1000 * a.motion.residual, a.motion.rotation_residual_deg, 1000 * a.errors.rmse, 1000 * a.errors.median,
+      1000 * a.errors.max);
 }
 
 }  // namespace
@@ -102,39 +103,40 @@ std::string alignmentText(const ResultsAlignment& a) {
 std::vector<std::string> reportPreface(const EvaluationReport& report) {
   const EvaluationParams& p = report.params;
   const auto& frames = report.evaluation.frames;
-  std::vector<std::string> lines = {"Results " + report.results + " against " + report.truth,
-                                    "Correct: position within " + text::significant(p.max_translation) +
-                                        " m and orientation within " + text::significant(p.max_rotation_deg) +
-                                        " deg."};
+  std::vector<std::string> lines = {
+      fmt::format("Results {} against {}", report.results, report.truth),
+      fmt::format("Correct: position within {:.9g} m and orientation within {:.9g} deg.", p.max_translation,
+                  p.max_rotation_deg)};
   if (report.alignment) lines.push_back(alignmentText(*report.alignment));
   if (!frames.empty() && frames.front().nearest)
-    lines.push_back("Covered: a local model within " + text::significant(p.covered_distance) + " m and " +
-                    text::significant(p.covered_rotation_deg) + " deg.");
+    lines.push_back(fmt::format("Covered: a local model within {:.9g} m and {:.9g} deg.", p.covered_distance,
+                                p.covered_rotation_deg));
   if (std::any_of(frames.begin(), frames.end(), [](const auto& f) { return f.solvable.has_value(); }))
-    lines.push_back("Solvable: the true planes of at least " + text::significant(kVisiblePixels) +
-                    " px at 320x240 that the image shares with a covering local model fix its pose to " +
-                    text::significant(kSolvablePosition) + " m and " +
-                    text::significant(kSolvableRotationDeg) + " deg (standard deviation).");
+    lines.push_back(fmt::format(
+        "Solvable: the true planes of at least {:.9g} px at 320x240 that the image shares with a covering "
+        "local model fix its pose to {:.9g} m and {:.9g} deg (standard deviation).",
+        kVisiblePixels, kSolvablePosition, kSolvableRotationDeg));
   const auto unmapped = [](const auto& f) { return f.unmapped; };
   if (const auto n = std::count_if(frames.begin(), frames.end(), unmapped)) {
     const auto near = std::count_if(frames.begin(), frames.end(), [&](const auto& f) {
       return f.unmapped && f.nearest && f.nearest->distance <= p.covered_distance &&
              f.nearest->angle_deg <= p.covered_rotation_deg;
     });
-    lines.push_back(
-        "Nothing there: " + counted(static_cast<std::size_t>(n), "image") +
-        " of places that the map does not know" +
-        (near ? "; " + std::to_string(near) +
-                    " of them are near a local model, such as behind a wall, and not counted as covered."
-              : "."));
+    lines.push_back(fmt::format(
+        "Nothing there: {} of places that the map does not know{}.",
+        counted(static_cast<std::size_t>(n), "image"),
+        near ? fmt::format(
+                   "; {} of them are near a local model, such as behind a wall, and not counted as covered",
+                   near)
+             : ""));
   }
   const auto isNowhere = [](const auto& f) { return f.hypotheses > 0 && !f.best_error; };
   if (const auto n = std::count_if(frames.begin(), frames.end(), isNowhere))
-    lines.push_back(
-        "Rank 1 is in a local model without a pose: " + counted(static_cast<std::size_t>(n), "image") +
-        "; what is said of probabilities leaves them out.");
+    lines.push_back(fmt::format(
+        "Rank 1 is in a local model without a pose: {}; what is said of probabilities leaves them out.",
+        counted(static_cast<std::size_t>(n), "image")));
   if (const std::size_t n = report.evaluation.without_truth.size())
-    lines.push_back("Left out, without a true pose: " + counted(n, "image") + ".");
+    lines.push_back(fmt::format("Left out, without a true pose: {}.", counted(n, "image")));
   return lines;
 }
 
@@ -170,7 +172,7 @@ void writeHtmlReport(const std::filesystem::path& folder, const EvaluationReport
   const std::vector<ReportTable> missing = missTables(report.evaluation);
   if (missing.empty()) page.paragraph("None.");
   for (const ReportTable& t : missing)
-    page.table(t.title + " (" + std::to_string(t.table.rows().size() - 1) + ")", t.table);
+    page.table(fmt::format("{} ({})", t.title, t.table.rows().size() - 1), t.table);
   writeTextAtomically(folder / "report.html", [&](std::ostream& out) { out << page.str(); });
 }
 

@@ -5,6 +5,7 @@
 #include <facetloc/io/text.h>
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <functional>
 #include <optional>
 
@@ -153,7 +154,7 @@ const std::vector<Quantity>& quantities() {
 }
 
 std::string cell(double value, int decimals, std::optional<double> percent) {
-  return text::decimals(value, decimals) + (percent ? " (" + text::decimals(*percent, 2) + " %)" : "");
+  return text::decimals(value, decimals) + (percent ? fmt::format(" ({:.2f} %)", *percent) : "");
 }
 
 std::string paperCell(const Quantity& q) {
@@ -193,7 +194,7 @@ ReportTable reliabilityTable(const std::vector<Summary>& summaries) {
   const Summary& summary = newImages(summaries);
   TextTable table({"probability", "images", "mean", "correct"});
   for (const ReliabilityBin& bin : summary.reliability) {
-    const std::string range = text::decimals(bin.lowest, 1) + " to " + text::decimals(bin.highest, 1);
+    const std::string range = fmt::format("{:.1f} to {:.1f}", bin.lowest, bin.highest);
     if (bin.n == 0)
       table.add({range, "0", "-", "-"});
     else
@@ -210,8 +211,8 @@ void addErrorTable(const std::string& title, const std::string& quantity,
   for (const ErrorGroup& group : groups) {
     const Summary& s = group.summary;
     const bool any = s.correct > 0;
-    table.add({s.name, std::to_string(s.total), text::decimals(percentOf(s.correct, s), 1) + " %",
-               text::decimals(percentOf(s.best_correct, s), 1) + " %",
+    table.add({s.name, std::to_string(s.total), fmt::format("{:.1f} %", percentOf(s.correct, s)),
+               fmt::format("{:.1f} %", percentOf(s.best_correct, s)),
                any ? text::decimals(s.translation_stats.mean, 1) : "-",
                any ? text::decimals(s.rotation_stats.mean, 2) : "-"});
   }
@@ -228,12 +229,12 @@ void addTimeTable(const std::vector<StageTime>& times, std::vector<ReportTable>&
 }
 
 std::string errorText(const PoseError& error) {
-  return text::decimals(error.translation, 2) + " m, " + text::decimals(error.rotation_deg, 1) + " deg";
+  return fmt::format("{:.2f} m, {:.1f} deg", error.translation, error.rotation_deg);
 }
 
 std::string closestText(const FrameEvaluation& f) {
-  if (f.first_correct) return "correct at rank " + std::to_string(f.first_correct);
-  return f.closest ? "rank " + std::to_string(f.closest) + ": " + errorText(f.closest_error) : "-";
+  if (f.first_correct) return fmt::format("correct at rank {}", f.first_correct);
+  return f.closest ? fmt::format("rank {}: {}", f.closest, errorText(f.closest_error)) : "-";
 }
 
 std::string solvableText(const FrameEvaluation& f) {
@@ -243,8 +244,7 @@ std::string solvableText(const FrameEvaluation& f) {
 std::string nearestText(const FrameEvaluation& f) {
   if (!f.nearest) return "";
   const NearestModel& n = *f.nearest;
-  return (n.name.empty() ? "" : n.name + ": ") + text::decimals(n.distance, 2) + " m, " +
-         text::decimals(n.angle_deg, 1) + " deg";
+  return fmt::format("{}{:.2f} m, {:.1f} deg", n.name.empty() ? "" : n.name + ": ", n.distance, n.angle_deg);
 }
 
 void addMiss(const FrameEvaluation& f, TextTable& table) {
@@ -335,8 +335,7 @@ void writeTables(std::ostream& out, const std::vector<Summary>& summaries) {
   }
   for (std::size_t i = 0; i < summaries.front().reliability.size(); ++i) {
     const ReliabilityBin& range = summaries.front().reliability[i];
-    const std::string group =
-        "probability " + text::decimals(range.lowest, 1) + " to " + text::decimals(range.highest, 1);
+    const std::string group = fmt::format("probability {:.1f} to {:.1f}", range.lowest, range.highest);
     const auto line = [&](const char* name, double (*value)(const ReliabilityBin&)) {
       out << "reliability," << group << "," << name << ",";
       for (const Summary& s : summaries) out << "," << text::significant(value(s.reliability[i]));

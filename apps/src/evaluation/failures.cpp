@@ -3,9 +3,8 @@
 
 #include "drawing/page.h"
 
-#include <facetloc/io/text.h>
-
 #include <algorithm>
+#include <fmt/format.h>
 #include <map>
 
 namespace facetloc {
@@ -17,16 +16,17 @@ bool failed(const FrameEvaluation& frame) {
 }
 
 std::string poseDifference(double translation, double rotation_deg) {
-  return text::decimals(translation, 2) + " m and " + text::decimals(rotation_deg, 2) + "°";
+  return fmt::format("{:.2f} m and {:.2f}°", translation, rotation_deg);
 }
 
 std::string whatFailed(const FrameEvaluation& frame) {
   if (frame.hypotheses == 0) return "no hypothesis: " + frame.reason;
-  return (frame.best_error
-              ? poseDifference(frame.best_error->translation, frame.best_error->rotation_deg) + " off"
-              : "in a local model without a pose") +
-         ", probability " + text::decimals(frame.probability, 2) +
-         (frame.first_correct > 0 ? ", correct at rank " + std::to_string(frame.first_correct) : "");
+  const auto& error = frame.best_error;
+  return fmt::format("{}, probability {:.2f}{}",
+                     error ? poseDifference(error->translation, error->rotation_deg) + " off"
+                           : "in a local model without a pose",
+                     frame.probability,
+                     frame.first_correct > 0 ? fmt::format(", correct at rank {}", frame.first_correct) : "");
 }
 
 /** Indices of local models by name. */
@@ -65,10 +65,11 @@ std::vector<Failure> findFailures(const Evaluation& evaluation, const std::vecto
     }
     if (frame.nearest) {
       const int nearest = indexIn(indices, frame.nearest->name);
-      failure.answers.push_back({nearest, map.models[nearest].T_w_m->inverse() * frame.T_w_c,
-                                 "true pose in the nearest local model, " +
-                                     poseDifference(frame.nearest->distance, frame.nearest->angle_deg) +
-                                     " away" + (frame.unmapped ? "; the map has nothing here" : "")});
+      failure.answers.push_back(
+          {nearest, map.models[nearest].T_w_m->inverse() * frame.T_w_c,
+           fmt::format("true pose in the nearest local model, {} away{}",
+                       poseDifference(frame.nearest->distance, frame.nearest->angle_deg),
+                       frame.unmapped ? "; the map has nothing here" : "")});
     }
     failures.push_back(std::move(failure));
   }

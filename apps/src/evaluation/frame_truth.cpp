@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <fstream>
 #include <stdexcept>
 
@@ -97,7 +98,7 @@ std::map<int, WorldPlane> readPlanes(const fs::path& path) {
   for (std::size_t i = 1; i < lines.size(); ++i) {
     if (lines[i].empty()) continue;
     const auto fail = [&](const std::string& cause) {
-      throw IoError(path.string(), "line " + std::to_string(i + 1) + ": " + cause);
+      throw IoError(path.string(), fmt::format("line {}: {}", i + 1, cause));
     };
     const std::vector<double> n = numbersOf(lines[i]);
     if (n.size() != 5) fail("is not a plane, " + std::string(kPlanesHeader));
@@ -130,7 +131,7 @@ DepthImage exactDepth(const LabelImage& labels, const Intrinsics& camera,
       if (labels.label[i] == 0) continue;
       const auto plane = planes.find(labels.label[i]);
       if (plane == planes.end())
-        throw std::invalid_argument("no plane has the id " + std::to_string(labels.label[i]));
+        throw std::invalid_argument(fmt::format("no plane has the id {}", labels.label[i]));
       const auto& [n, d] = plane->second;
       const double z = (d - n.dot(T_w_c.translation())) / n.dot(T_w_c.linear() * camera.ray(u, v));
       if (isMeasured(static_cast<float>(z))) image.depth[i] = static_cast<float>(z);
@@ -212,9 +213,10 @@ PlaceTruth PlaceTruth::of(const std::string& run) const {
       if (overlap(sequences_[i].poses, sequences_[k].poses))
         throw IoError(
             sequences_[i].folder.string(),
-            "its stamps overlap those of " + sequences_[k].folder.string() +
-                ", so that images cannot be told apart: name the folders of the results after the runs, or "
-                "give the folder of one run as the truth");
+            fmt::format(
+                "its stamps overlap those of {}, so that images cannot be told apart: name the folders of "
+                "the results after the runs, or give the folder of one run as the truth",
+                sequences_[k].folder.string()));
   return *this;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <fmt/format.h>
 #include <fstream>
 #include <iterator>
 
@@ -26,7 +27,7 @@ constexpr const char* kStyle =
     "img{max-width:100%;border:1px solid #ddd}";
 
 std::string element(const std::string& tag, const std::string& text, const std::string& attributes = "") {
-  return "<" + tag + attributes + ">" + htmlEscaped(text) + "</" + tag + ">";
+  return fmt::format("<{0}{1}>{2}</{0}>", tag, attributes, htmlEscaped(text));
 }
 
 bool isTitle(const std::vector<std::string>& row) {
@@ -41,7 +42,7 @@ std::string firstCell(const std::string& text) {
 
 std::string bodyRow(const std::vector<std::string>& row) {
   if (isTitle(row))
-    return "<tr>" + element("th", row[0], " colspan=\"" + std::to_string(row.size()) + "\"") + "</tr>\n";
+    return fmt::format("<tr>{}</tr>\n", element("th", row[0], fmt::format(R"( colspan="{}")", row.size())));
   std::string html = "<tr>" + firstCell(row[0]);
   for (std::size_t c = 1; c < row.size(); ++c) html += element("td", row[c]);
   return html + "</tr>\n";
@@ -93,8 +94,8 @@ void HtmlPage::heading(const std::string& text) { body_ += element("h2", text) +
 void HtmlPage::paragraph(const std::string& text) { body_ += element("p", text) + "\n"; }
 
 void HtmlPage::table(const std::string& caption, const TextTable& table) {
-  body_ += std::string("<div class=\"wide\"><table") + (table.wordsLast() ? " class=\"words\"" : "") + ">" +
-           element("caption", caption) + "\n<thead><tr>";
+  body_ += fmt::format("<div class=\"wide\"><table{}>{}\n<thead><tr>",
+                       table.wordsLast() ? " class=\"words\"" : "", element("caption", caption));
   for (const std::string& cell : table.rows().front()) body_ += element("th", cell);
   body_ += "</tr></thead>\n<tbody>\n";
   for (std::size_t i = 1; i < table.rows().size(); ++i) body_ += bodyRow(table.rows()[i]);
@@ -105,13 +106,15 @@ void HtmlPage::picture(const std::filesystem::path& png, const std::string& capt
   std::ifstream in(png, std::ios::binary);
   if (!in) throw IoError(png.string(), "cannot be read");
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-  body_ += "<figure><img alt=\"" + htmlEscaped(caption) + "\" src=\"data:image/png;base64," + base64(bytes) +
-           "\"/>" + element("figcaption", caption) + "</figure>\n";
+  body_ += fmt::format("<figure><img alt=\"{}\" src=\"data:image/png;base64,{}\"/>{}</figure>\n",
+                       htmlEscaped(caption), base64(bytes), element("figcaption", caption));
 }
 
 std::string HtmlPage::str() const {
-  return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>" + element("title", title_) +
-         "<style>" + kStyle + "</style></head>\n<body>\n" + body_ + "</body></html>\n";
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>{}<style>{}</style></head>\n"
+      "<body>\n{}</body></html>\n",
+      element("title", title_), kStyle, body_);
 }
 
 }  // namespace facetloc

@@ -8,6 +8,7 @@
 #include <facetloc/io/text.h>
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <map>
 #include <optional>
 
@@ -26,7 +27,7 @@ void count(StartCurve& curve, std::size_t i, double step, bool sure, bool right)
   point.right += sure && right;
 }
 
-std::string percent(double share) { return text::decimals(100 * share, 1) + " %"; }
+std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
 
 }  // namespace
 
@@ -68,8 +69,8 @@ void writeStartCurves(const std::filesystem::path& folder, const std::vector<Sta
     writeTextAtomically(folder / ("starts_by_" + curve.name + ".csv"), [&](std::ostream& out) {
       out << curve.name << ",starts,sure,right,recall,precision\n";
       for (const StartCurve::Point& p : curve.points)
-        out << text::shortest(p.x) << ',' << p.starts << ',' << p.sure << ',' << p.right << ','
-            << text::significant(p.recall()) << ',' << text::significant(p.precision()) << '\n';
+        out << fmt::format("{},{},{},{},{:.9g},{:.9g}\n", text::shortest(p.x), p.starts, p.sure, p.right,
+                           p.recall(), p.precision());
     });
 }
 
@@ -79,8 +80,8 @@ void printStartCurves(std::ostream& out, const std::vector<StartCurve>& curves) 
     const std::size_t step = std::max<std::size_t>(1, curve.points.size() / kPrinted);
     for (std::size_t i = 0; i < curve.points.size(); i += step) {
       const StartCurve::Point& p = curve.points[i];
-      out << text::shortest(p.x) << ": " << p.starts << " starts, sure and right " << percent(p.recall())
-          << ", right of the sure ones " << percent(p.precision()) << "\n";
+      out << fmt::format("{}: {} starts, sure and right {}, right of the sure ones {}\n", text::shortest(p.x),
+                         p.starts, percent(p.recall()), percent(p.precision()));
     }
   }
 }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
@@ -25,7 +26,8 @@ void requireDifferentStamps(const Trajectory& trajectory, const std::string& nam
       std::adjacent_find(poses.begin(), poses.end(),
                          [](const StampedPose& a, const StampedPose& b) { return a.stamp == b.stamp; });
   if (same != poses.end())
-    throw std::invalid_argument("two " + name + " poses have the stamp " + text::shortest(same->stamp));
+    throw std::invalid_argument(
+        fmt::format("two {} poses have the stamp {}", name, text::shortest(same->stamp)));
 }
 
 double angleBetween(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {

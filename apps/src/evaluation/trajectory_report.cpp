@@ -7,6 +7,8 @@
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/text.h>
 
+#include <fmt/format.h>
+
 namespace facetloc {
 namespace {
 
@@ -16,12 +18,12 @@ constexpr double kPercent = 100;
 std::vector<std::string> preface(const TrajectoryReport& report) {
   const TrajectoryErrors& e = report.errors;
   std::vector<std::string> lines = {
-      "Trajectory " + report.estimate + " against " + report.truth,
-      counted(e.pairs.size(), "pose") + " over " + text::decimals(e.length(), 2) + " m and " +
-          text::decimals(e.duration(), 1) + " s.",
-      "Aligned by a rigid motion: " + motionText(e.alignment.T_true_estimated) + "."};
+      fmt::format("Trajectory {} against {}", report.estimate, report.truth),
+      fmt::format("{} over {:.2f} m and {:.1f} s.", counted(e.pairs.size(), "pose"), e.length(),
+                  e.duration()),
+      fmt::format("Aligned by a rigid motion: {}.", motionText(e.alignment.T_true_estimated))};
   if (e.without_truth > 0)
-    lines.push_back("Left out, without a true pose: " + counted(e.without_truth, "pose") + ".");
+    lines.push_back(fmt::format("Left out, without a true pose: {}.", counted(e.without_truth, "pose")));
   return lines;
 }
 
@@ -39,12 +41,13 @@ std::vector<ReportTable> tables(const TrajectoryErrors& e) {
   absolute.add(row("orientation [deg]", e.absolute_rotation_deg, 1, 2));
   TextTable relative({"", "RMSE", "mean", "median", "max.", "mean per metre", "intervals"});
   for (const RelativeErrors& r : e.relative) {
-    std::vector<std::string> translation = row("over " + r.over + " [mm]", r.translation, kMillimetres, 1);
-    translation.push_back(text::decimals(kPercent * r.translationShare(), 2) + " %");
+    std::vector<std::string> translation =
+        row(fmt::format("over {} [mm]", r.over), r.translation, kMillimetres, 1);
+    translation.push_back(fmt::format("{:.2f} %", kPercent * r.translationShare()));
     translation.push_back(std::to_string(r.intervals));
     relative.add(translation);
-    std::vector<std::string> rotation = row("over " + r.over + " [deg]", r.rotation_deg, 1, 2);
-    rotation.push_back(text::decimals(r.rotationPerMetre(), 3) + " deg");
+    std::vector<std::string> rotation = row(fmt::format("over {} [deg]", r.over), r.rotation_deg, 1, 2);
+    rotation.push_back(fmt::format("{:.3f} deg", r.rotationPerMetre()));
     rotation.push_back(std::to_string(r.intervals));
     relative.add(rotation);
   }
@@ -86,10 +89,9 @@ void writeSummary(std::ostream& out, const TrajectoryErrors& e) {
 }  // namespace
 
 std::string motionText(const Eigen::Isometry3d& T) {
-  std::string text =
-      "rotated by " + text::decimals(rotationAngle(T.linear()) / kDegree, 2) + " deg, moved by (";
-  for (int axis = 0; axis < 3; ++axis) text += (axis ? ", " : "") + text::decimals(T.translation()[axis], 3);
-  return text + ") m";
+  const auto metres = [&](int axis) { return text::decimals(T.translation()[axis], 3); };
+  return fmt::format("rotated by {:.2f} deg, moved by ({}, {}, {}) m", rotationAngle(T.linear()) / kDegree,
+                     metres(0), metres(1), metres(2));
 }
 
 void printReport(std::ostream& out, const TrajectoryReport& report) {

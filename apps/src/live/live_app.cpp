@@ -16,6 +16,7 @@
 #include <facetloc/io/output_lock.h>
 
 #include <filesystem>
+#include <fmt/format.h>
 
 namespace facetloc {
 namespace {
@@ -50,9 +51,11 @@ void LiveApp::addOptions(CommandLine& line) {
   line.addOption("build", run.build, "MAP.flmap",
                  "Make this map while running: sound at any time, whole at the end.");
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already, with --build.");
-  line.addOption("camera", run.source.camera, "FILE|NAME",
-                 "A camera.ini, or one of these for its noise (" + cameraPresetNames() +
-                     "); unless given, the camera.ini in the played folder, or what the device says.");
+  line.addOption(
+      "camera", run.source.camera, "FILE|NAME",
+      fmt::format("A camera.ini, or one of these for its noise ({}); unless given, the camera.ini in the "
+                  "played folder, or what the device says.",
+                  cameraPresetNames()));
   line.addSwitch("headless", run.headless, "No window.");
   line.addOption("results", run.results, "DIR",
                  "Write poses, states and times to this folder while running.");

@@ -5,9 +5,9 @@
 #include "base/text.h"
 
 #include <facetloc/io/error.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -23,8 +23,9 @@ constexpr std::chrono::seconds kLeastRest(1);  // between improvements
 }  // namespace
 
 std::string LiveMapState::inWords() const {
-  return text::decimals(way, 1) + " m, " + counted(static_cast<std::size_t>(keyframes), "keyframe") + ", " +
-         counted(static_cast<std::size_t>(loops), "loop") + ", " + counted(map->models.size(), "local model");
+  return fmt::format("{:.1f} m, {}, {}, {}", way, counted(static_cast<std::size_t>(keyframes), "keyframe"),
+                     counted(static_cast<std::size_t>(loops), "loop"),
+                     counted(map->models.size(), "local model"));
 }
 
 LiveMapping::LiveMapping(const LiveMappingOptions& options)

@@ -19,6 +19,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace facetloc {
 namespace {
@@ -122,32 +123,31 @@ struct Layout {
   }
 };
 
-std::string degrees(double value, int decimals) { return text::decimals(value, decimals) + "°"; }
-
 /** "x 1.20  y -3.41  z 0.98 m". */
 std::string positionText(const Eigen::Vector3d& p) {
-  return "x " + text::decimals(p.x(), 2) + "   y " + text::decimals(p.y(), 2) + "   z " +
-         text::decimals(p.z(), 2) + " m";
+  return fmt::format("x {}   y {}   z {} m", text::decimals(p.x(), 2), text::decimals(p.y(), 2),
+                     text::decimals(p.z(), 2));
 }
 
 std::string seenText(const SeenImage& image) {
   const auto& labels = image.labels.label;
   const auto labelled = labels.size() - std::count(labels.begin(), labels.end(), 0);
   const auto measured = std::count_if(image.depth.depth.begin(), image.depth.depth.end(), isMeasured);
-  const std::string share = measured ? text::decimals(100.0 * labelled / measured, 0) : "0";
-  return counted(image.view.segments.size(), "planar segment") + " on " + share + " % of the measured pixels";
+  return fmt::format("{} on {:.0f} % of the measured pixels",
+                     counted(image.view.segments.size(), "planar segment"),
+                     measured ? 100.0 * labelled / measured : 0.0);
 }
 
 /** "± 12 mm, 0.30°": the largest standard deviations over directions. */
 std::string accuracyText(const Matrix6d& P) {
-  return "± " + text::decimals(1000 * largestTranslationStd(P), 0) + " mm, " +
-         degrees(largestRotationStd(P) / kDegree, 2);
+  return fmt::format("± {:.0f} mm, {:.2f}°", 1000 * largestTranslationStd(P),
+                     largestRotationStd(P) / kDegree);
 }
 
 /** What a position in a part of the map begins with; nothing in the world. */
 std::string partText(const Map& map, int part) {
   const auto i = static_cast<std::size_t>(part);
-  return i < map.parts.size() && !map.parts[i].empty() ? "in part " + map.parts[i] + ":  " : "";
+  return i < map.parts.size() && !map.parts[i].empty() ? fmt::format("in part {}:  ", map.parts[i]) : "";
 }
 
 std::string poseText(const LiveResult& result, const Map* map, const LivePlan* plan, std::size_t matched) {
@@ -156,13 +156,14 @@ std::string poseText(const LiveResult& result, const Map* map, const LivePlan* p
   const PoseWithCovariance* pose = result.pose();
   if (!pose && !match) return "no pose; " + seenText(result.image);
   const std::string model = match ? map->models.at(match->model).name : "";
-  std::string words = pose ? partText(*map, result.tracked->part) + positionText(pose->T.translation())
-                           : "in local model " + model + ":  " + positionText(match->T_m_c.T.translation());
-  if (pose && plan) words += "   heading " + degrees(plan->heading(pose->T), 1);
+  std::string words =
+      pose ? partText(*map, result.tracked->part) + positionText(pose->T.translation())
+           : fmt::format("in local model {}:  {}", model, positionText(match->T_m_c.T.translation()));
+  if (pose && plan) words += fmt::format("   heading {}°", text::decimals(plan->heading(pose->T), 1));
   words += "   " + accuracyText(pose ? pose->P : match->T_m_c.P);
   if (match)
-    words += "   " + std::to_string(matched) + " of " +
-             counted(result.image.view.segments.size(), "segment") + " in local model " + model;
+    words += fmt::format("   {} of {} in local model {}", matched,
+                         counted(result.image.view.segments.size(), "segment"), model);
   return words;
 }
 
@@ -273,7 +274,7 @@ void LivePicture::Scene::showPlan(const LiveResult& result, const Layout& layout
   addFrame(layout.whole), addFrame(layout.near);
   caption(whole_caption_, "map from above: " + counted(map_->models.size(), "local model"), layout.whole);
   const double factor = plan_->magnification();
-  const std::string enlarged = factor > 1 ? ", × " + text::significant(factor) : "";
+  const std::string enlarged = factor > 1 ? fmt::format(", × {:.9g}", factor) : "";
   const std::string ellipse = "; ellipse: 2 std" + enlarged;
   caption(near_caption_, "from near" + (result.pose() ? ellipse : ""), layout.near);
 }

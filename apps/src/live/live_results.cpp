@@ -6,6 +6,7 @@
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/text.h>
 
+#include <fmt/format.h>
 #include <limits>
 #include <optional>
 
@@ -97,9 +98,9 @@ LiveResults::LiveResults(const std::filesystem::path& folder, const std::string&
 
 void LiveResults::append(const LiveResult& result, const FrameResult& row) {
   results_.append(row);
-  states_.append(result.image.name + "," + text::decimals(result.stamp, 6) + "," + result.state() + "," +
-                 text::csvCell(result.reason()) + "," + std::to_string(result.received) + "," +
-                 std::to_string(result.dropped) + "," + text::decimals(result.age_ms, 3) + "\n");
+  states_.append(fmt::format("{},{},{},{},{},{},{:.3f}\n", result.image.name, text::decimals(result.stamp, 6),
+                             result.state(), text::csvCell(result.reason()), result.received, result.dropped,
+                             result.age_ms));
 }
 
 }  // namespace facetloc

@@ -11,6 +11,7 @@
 #include <facetloc/io/text.h>
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <stdexcept>
 #include <thread>
 
@@ -36,7 +37,7 @@ public:
 fs::path unused(const fs::path& file) {
   fs::path name = file;
   for (int n = 2; fs::exists(name); ++n)
-    name = file.parent_path() / (file.stem().string() + "-" + std::to_string(n) + file.extension().string());
+    name = file.parent_path() / fmt::format("{}-{}{}", file.stem().string(), n, file.extension().string());
   return name;
 }
 
@@ -115,9 +116,9 @@ void LiveRun::startMapping(const Camera& camera) {
   options.camera = camera;
   options.trajectory = algorithms_.mapping;
   options.places = algorithms_.places;
-  options.parameters = "width = " + std::to_string(algorithms_.session.width) + "\n" +
-                       toIni(camera.noise, "noise") + toIni(algorithms_.session.view) +
-                       toIni(options.trajectory, "mapping") + toIni(options.places, "map");
+  options.parameters = fmt::format("width = {}\n", algorithms_.session.width) + toIni(camera.noise, "noise") +
+                       toIni(algorithms_.session.view) + toIni(options.trajectory, "mapping") +
+                       toIni(options.places, "map");
   mapping_ = std::make_shared<LiveMapping>(options);
 }
 
@@ -144,15 +145,15 @@ void LiveRun::startSession() {
     options.odometry = odometry_ =
         std::make_shared<OdometryInput>(options_.odometry, options.camera.mounting);
   if (!options_.results.empty()) {
+    const std::string map = map_ ? fmt::format(", map {} of {}", fs::path(options_.map).filename().string(),
+                                               counted(map_->models.size(), "local model"))
+                            : mapping_ ? ", which makes a map"
+                                       : ", without a map";
     const std::string params_ini =
-        "# " + versionText() + ", live from " + source_->name() +
-        (map_ ? ", map " + fs::path(options_.map).filename().string() + " of " +
-                    counted(map_->models.size(), "local model")
-         : mapping_ ? ", which makes a map"
-                    : ", without a map") +
-        "\nmin-probability = " + text::shortest(options.tracking.min_probability) +
-        "\nwidth = " + std::to_string(options.width) + "\n" + toIni(options.camera.noise, "noise") +
-        toIni(options.view) + toIni(options.tracking, "tracking") + localizationIni(options.localization);
+        fmt::format("# {}, live from {}{}\nmin-probability = {}\nwidth = {}\n", versionText(),
+                    source_->name(), map, text::shortest(options.tracking.min_probability), options.width) +
+        toIni(options.camera.noise, "noise") + toIni(options.view) + toIni(options.tracking, "tracking") +
+        localizationIni(options.localization);
     results_ = std::make_unique<LiveResults>(options_.results, params_ini);
   }
   if (options_.stream) stream_ = std::make_unique<PoseStream>(*options_.stream, options.camera.mounting);
@@ -192,11 +193,11 @@ bool LiveRun::sourceEnded() const {
 std::string LiveRun::sourceProblem() const {
   if (!source_->connected()) {
     const std::string cause = source_->lastError();
-    return source_->name() + ": the device has gone" + (cause.empty() ? "" : " (" + cause + ")");
+    return fmt::format("{}: the device has gone{}", source_->name(), cause.empty() ? "" : " (" + cause + ")");
   }
   const auto last = session_->mailbox().lastArrival();
   if (Clock::now() - std::max(last.value_or(source_start_), source_start_) <= kStall) return {};
-  return source_->name() + ": no frame for " + std::to_string(kStall.count()) + " s";
+  return fmt::format("{}: no frame for {} s", source_->name(), kStall.count());
 }
 
 void LiveRun::run() {
@@ -233,7 +234,7 @@ void LiveRun::tellWhatIsMissing() {
     throw IoError(source_->name(), "ended without a frame" + (cause.empty() ? "" : ": " + cause));
   if (cause.empty()) return;
   status_.clear();
-  console_.note(source_->name() + ": frames are missing: " + cause);
+  console_.note(fmt::format("{}: frames are missing: {}", source_->name(), cause));
 }
 
 void LiveRun::loop() {
@@ -279,7 +280,8 @@ void LiveRun::drawWindow() {
   const Clock::time_point start = Clock::now();
   if (!shown_ || start < next_draw_) return;
   std::vector<std::string> footer = {timesText(*shown_, rate_.value())};
-  if (recorder_) footer.front() = "RECORDING " + recording_.filename().string() + ",  " + footer.front();
+  if (recorder_)
+    footer.front() = fmt::format("RECORDING {},  {}", recording_.filename().string(), footer.front());
   if (session_ && session_->paused()) footer.front() = "PAUSED,  " + footer.front();
   window_->show(*shown_, footer);
   const Clock::time_point end = Clock::now();
@@ -342,9 +344,9 @@ std::string LiveRun::summary() const {
   if (mapping_) words += "; mapped " + mapping_->state().inWords();
   if (!options_.results.empty()) words += "; results in " + options_.results;
   if (!options_.screenshots.empty())
-    words += "; " + counted(screenshots_, "screenshot") + " in " + options_.screenshots;
+    words += fmt::format("; {} in {}", counted(screenshots_, "screenshot"), options_.screenshots);
   if (const auto late = to_draw_.counts().dropped)
-    words += " (" + std::to_string(late) + " left out, as drawing took too long)";
+    words += fmt::format(" ({} left out, as drawing took too long)", late);
   return words;
 }
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fmt/format.h>
 #include <utility>
 
 namespace facetloc {
@@ -23,19 +24,18 @@ constexpr double kUsualInterval = 1.0 / 30;  // [s]
 }  // namespace
 
 std::string LiveSummary::text() const {
-  std::string words = counted(received, "frame") + " received, " + std::to_string(processed) +
-                      " processed, " + std::to_string(dropped()) + " dropped";
+  std::string words =
+      fmt::format("{} received, {} processed, {} dropped", counted(received, "frame"), processed, dropped());
   if (processed == 0) return words;
   const auto n = static_cast<double>(processed);
-  if (seconds > 0) words += ", " + text::decimals((n - 1) / seconds, 1) + "/s";
-  words += ", " + text::decimals(processing_ms / n, 1) + " ms each, none older than " +
-           text::decimals(oldest_ms, 0) + " ms";
+  if (seconds > 0) words += fmt::format(", {:.1f}/s", (n - 1) / seconds);
+  words += fmt::format(", {:.1f} ms each, none older than {:.0f} ms", processing_ms / n, oldest_ms);
   std::string shares;
   for (const auto& [state, count] : states)
-    shares += (shares.empty() ? "" : ", ") + state + " " +
-              text::decimals(100 * static_cast<double>(count) / n, 1) + " %";
+    shares +=
+        fmt::format("{}{} {:.1f} %", shares.empty() ? "" : ", ", state, 100 * static_cast<double>(count) / n);
   if (with_odometry > 0)
-    shares += ", with odometry " + text::decimals(100 * static_cast<double>(with_odometry) / n, 1) + " %";
+    shares += fmt::format(", with odometry {:.1f} %", 100 * static_cast<double>(with_odometry) / n);
   return words + "; " + shares;
 }
 

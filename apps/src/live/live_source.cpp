@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fmt/format.h>
 #include <stdexcept>
 
 namespace facetloc {
@@ -30,9 +31,8 @@ constexpr double kUsualRate = 30;      // [Hz] of files without time stamps
 /** Intrinsics for an image of another size: every step-th pixel, as our subsampling and OpenNI's modes. */
 Intrinsics scaledTo(const Intrinsics& camera, int width, int height) {
   if (width <= 0 || camera.width % width != 0 || camera.width / width * height != camera.height)
-    throw std::runtime_error("the camera file is of an image of " + std::to_string(camera.width) + "x" +
-                             std::to_string(camera.height) + ", the device sends " + std::to_string(width) +
-                             "x" + std::to_string(height));
+    throw std::runtime_error(fmt::format("the camera file is of an image of {}x{}, the device sends {}x{}",
+                                         camera.width, camera.height, width, height));
   return camera.subsampled(camera.width / width);
 }
 
@@ -179,7 +179,7 @@ bool LiveSource::connected() const { return !device_ || device_->isConnected(); 
 
 std::string LiveSource::lastError() const {
   if (device_) return device_->lastError();
-  return unreadable_ ? std::to_string(unreadable_) + " of the images cannot be read" : "";
+  return unreadable_ ? fmt::format("{} of the images cannot be read", unreadable_) : "";
 }
 
 }  // namespace facetloc

@@ -4,6 +4,7 @@
 #include <facetloc/io/text.h>
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -24,13 +25,12 @@ std::string stateText(const LiveResult& result) {
 }
 
 std::string timesText(const LiveResult& result, double rate) {
-  std::string words = text::decimals(rate, 1) + " frames/s,  segmentation " +
-                      text::decimals(result.segment_ms, 1) + " ms,  features " +
-                      text::decimals(result.features_ms, 1) + " ms";
-  if (result.mapped) words += ",  mapping " + text::decimals(result.localize_ms, 1) + " ms";
-  if (result.tracked) words += ",  localization " + text::decimals(result.localize_ms, 1) + " ms";
-  return words + ",  age " + text::decimals(result.age_ms, 0) + " ms,  " + std::to_string(result.dropped) +
-         " of " + std::to_string(result.received) + " dropped";
+  std::string words = fmt::format("{:.1f} frames/s,  segmentation {:.1f} ms,  features {:.1f} ms", rate,
+                                  result.segment_ms, result.features_ms);
+  if (result.mapped) words += fmt::format(",  mapping {:.1f} ms", result.localize_ms);
+  if (result.tracked) words += fmt::format(",  localization {:.1f} ms", result.localize_ms);
+  return words +
+         fmt::format(",  age {:.0f} ms,  {} of {} dropped", result.age_ms, result.dropped, result.received);
 }
 
 void FrameRate::update(std::uint64_t frames) {
@@ -49,11 +49,10 @@ void LiveStatus::show(const LiveResult& result, double rate) {
   std::string line = stateText(result);
   if (const PoseWithCovariance* pose = result.isLocalized() ? result.pose() : nullptr) {
     const Eigen::Vector3d p = pose->T.translation();
-    line += "  " + text::decimals(p.x(), 2) + " " + text::decimals(p.y(), 2) + " " +
-            text::decimals(p.z(), 2) + " m";
+    line += fmt::format("  {} {} {} m", text::decimals(p.x(), 2), text::decimals(p.y(), 2),
+                        text::decimals(p.z(), 2));
   }
-  line += "  " + text::decimals(rate, 1) + "/s  " + std::to_string(result.dropped) + " of " +
-          std::to_string(result.received) + " dropped";
+  line += fmt::format("  {:.1f}/s  {} of {} dropped", rate, result.dropped, result.received);
   console_.show(line.substr(0, terminalWidth() - 1));
   shown_ = true;
 }

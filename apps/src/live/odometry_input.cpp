@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <iterator>
 #include <json/json.h>
 #include <memory>
@@ -34,13 +35,13 @@ template <int N>
 Eigen::Matrix<double, N, 1> numbersOf(const Json::Value& pose, const char* key) {
   const Json::Value& list = pose[key];
   if (!list.isArray() || list.size() != static_cast<Json::ArrayIndex>(N))
-    throw std::invalid_argument(std::string("its ") + key + " has not " + std::to_string(N) + " numbers");
+    throw std::invalid_argument(fmt::format("its {} has not {} numbers", key, N));
   Eigen::Matrix<double, N, 1> numbers;
   for (Json::ArrayIndex i = 0; i < list.size(); ++i) {
-    if (!list[i].isNumeric()) throw std::invalid_argument(std::string("its ") + key + " is not of numbers");
+    if (!list[i].isNumeric()) throw std::invalid_argument(fmt::format("its {} is not of numbers", key));
     numbers[static_cast<Eigen::Index>(i)] = list[i].asDouble();
   }
-  if (!numbers.allFinite()) throw std::invalid_argument(std::string("its ") + key + " is not finite");
+  if (!numbers.allFinite()) throw std::invalid_argument(fmt::format("its {} is not finite", key));
   return numbers;
 }
 
@@ -158,7 +159,7 @@ void OdometryInput::take(const std::string& line) {
     latest_ = Clock::now();
   } catch (const std::exception& e) {
     if (!lock) lock.lock();
-    if (!has_fault_) fault_ = name_ + ": line " + std::to_string(lines_) + " is no odometry: " + e.what();
+    if (!has_fault_) fault_ = fmt::format("{}: line {} is no odometry: {}", name_, lines_, e.what());
     has_fault_ = true;
     return;
   }

@@ -9,6 +9,7 @@
 #include <cctype>
 #include <cstdint>
 #include <exception>
+#include <fmt/format.h>
 #include <fstream>
 #include <string>
 #include <string_view>
@@ -57,8 +58,7 @@ void requireHeader(const fs::path& file) {
   if (std::string_view(header.data() + 13, 7) != "depth16")
     throw IoError(file.string(), "is no 16-bit depth image");
   if (width == 0 || height == 0 || width > kLargestSide || height > kLargestSide)
-    throw IoError(file.string(), "its size of " + std::to_string(width) + "x" + std::to_string(height) +
-                                     " pixels is impossible");
+    throw IoError(file.string(), fmt::format("its size of {}x{} pixels is impossible", width, height));
   if (unpacked != kDepthBytes * width * height)
     throw IoError(file.string(), "its sizes in pixels and in bytes do not fit each other");
   if (unpacked > std::uint64_t(kMostPacked) * packed)
@@ -99,8 +99,8 @@ void requireSoundPclzf(const fs::path& folder) {
     }
   }
   if (cameras < images)
-    throw IoError(folder.string(), "has " + std::to_string(images) + " depth images, but only " +
-                                       std::to_string(cameras) + " .xml files of their camera");
+    throw IoError(folder.string(), fmt::format("has {} depth images, but only {} .xml files of their camera",
+                                               images, cameras));
 }
 
 }  // namespace facetloc
