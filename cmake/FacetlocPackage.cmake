@@ -2,7 +2,7 @@
 # all of it (cpack --config CPackConfig.cmake).
 install(FILES README.md CHANGELOG.md LICENSE apps/RECORDINGS.md apps/ROBOT.md apps/stream.schema.json apps/odometry.schema.json
         features/SENSORS.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-foreach(module features segmentation registration)
+foreach(module features segmentation registration registration/localization registration/mapping)
   install(FILES ${module}/METHOD.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/${module})
 endforeach()
 install(DIRECTORY apps/examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
