@@ -55,7 +55,7 @@ function(facetloc_install_package)
   configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/facetloc-config.cmake.in
     ${PROJECT_BINARY_DIR}/facetloc-config.cmake INSTALL_DESTINATION ${dir})
   write_basic_package_version_file(${PROJECT_BINARY_DIR}/facetloc-config-version.cmake
-    COMPATIBILITY SameMinorVersion)
+    COMPATIBILITY SameMajorVersion)
   install(FILES ${PROJECT_BINARY_DIR}/facetloc-config.cmake ${PROJECT_BINARY_DIR}/facetloc-config-version.cmake
           DESTINATION ${dir})
 endfunction()

@@ -63,7 +63,8 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/features ${PROJECT_BINARY_DIR}/segmentation
-    ${PROJECT_BINARY_DIR}/registration ${PROJECT_BINARY_DIR}/io ${PROJECT_BINARY_DIR}/io/simulation)
+    ${PROJECT_BINARY_DIR}/registration ${PROJECT_BINARY_DIR}/registration/localization ${PROJECT_BINARY_DIR}/registration/mapping
+    ${PROJECT_BINARY_DIR}/io ${PROJECT_BINARY_DIR}/io/simulation)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)  # and with them what makes the linker see new libraries
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "xvfb, xauth")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libpcl-dev")  # to compile programs with it

@@ -4,8 +4,7 @@
 //
 //   own_point_type MAP.flmap CLOUD.pcd
 //
-// PlanarRegistration of an own type needs, as PCL's registrations do, PCL_NO_PRECOMPILE and the library lz4
-// as well.
+// PlanarRegistration of an own type needs, as PCL's registrations do, PCL_NO_PRECOMPILE before PCL's headers.
 #include <facetloc/io/map_database.h>
 #include <facetloc/localization/map_localization.h>
 #include <facetloc/segmentation/planar_segmentation.h>
