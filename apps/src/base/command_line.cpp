@@ -20,7 +20,7 @@ namespace facetloc {
 namespace {
 
 constexpr unsigned kHelpWidth = 110;
-constexpr const char* kUsersTitle = "For users";  // of the parameters that are not in --help
+constexpr const char* kUsersTitle = "For users";  // heading of those that --help does not list
 
 std::string underscored(std::string name) {
   std::replace(name.begin(), name.end(), '-', '_');
@@ -72,7 +72,7 @@ struct CommandLine::Declared {
     std::unique_ptr<Options> options;
   };
   Options common{"Options", kHelpWidth}, general{"General", kHelpWidth}, hidden;
-  std::vector<Group> groups;  // of parameters, in the order in which they were added
+  std::vector<Group> groups;  // groups of parameters, in the order of addParams()
   po::positional_options_description positions;
   po::variables_map values;
 };

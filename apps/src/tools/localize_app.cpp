@@ -136,10 +136,10 @@ struct LocalizeApp::Task {
 };
 
 struct LocalizeApp::Run {
-  std::vector<FrameResult> results;     // of all images
+  std::vector<FrameResult> results;     // one per image
   std::vector<std::size_t> todo;        // images
   std::optional<ResultsWriter> writer;  // nothing if all is done already
-  std::vector<ViewTraits> views{};      // of the images of this run
+  std::vector<ViewTraits> views{};      // one per image of this run
 
   /** Are the images that are still to be done the last ones? */
   bool inOrder() const { return todo.empty() || todo.front() + todo.size() == results.size(); }
@@ -199,7 +199,7 @@ LocalizeApp::Run LocalizeApp::begin(const Task& task) const {
   const std::vector<ResultFrame> frames = task.resultFrames();
   Run run{std::vector<FrameResult>(frames.size()), {}, {}};
   std::vector<ResultFrame> kept;
-  std::size_t others = earlier.size();  // of images that are not there now
+  std::size_t others = earlier.size();  // images that no longer exist
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const auto found = earlier.find(frames[i].name);
     if (found != earlier.end()) --others;
@@ -396,12 +396,12 @@ int LocalizeApp::localizeAll(const CommandLine& line, const Console& console, st
   };
   const std::set<std::size_t> undone(run.todo.begin(), run.todo.end());
   for (std::size_t i = 0; i < run.results.size(); ++i)
-    if (!undone.count(i)) publish(i, run.results[i]);  // of an earlier run
+    if (!undone.count(i)) publish(i, run.results[i]);  // localized by an earlier run
   localize(task, run, batch, drive ? &*drive : nullptr, publish, console);
   const int code = batch.report();
   if (!run.inOrder()) run.writer.emplace(folder_, task.params_ini, task.resultFrames());
   printSummary(run, *map, console);
-  fs::remove(fs::path(folder_) / "starts.csv");  // of an earlier run
+  fs::remove(fs::path(folder_) / "starts.csv");  // left by an earlier run
   return starts_ == 0 ? code : std::max(code, localizeFromStarts(task, console));
 }
 

@@ -48,7 +48,7 @@ private:
   Seen addModels(const DepthSequence& sequence, const std::vector<MapPlace>& places, const Camera& camera,
                  ModelBatch& batch, Writer& writer) const;
 
-  std::string disagreement_;  // of poses and images, in words
+  std::string disagreement_;  // between poses and images, as text
   Trajectory given_;          // poses of the images; empty if none are given
 
   std::string sequence_;
