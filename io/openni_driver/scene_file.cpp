@@ -2,9 +2,9 @@
 #include "scene_file.h"
 
 #include "files.h"
+#include "shared/text.h"
 
 #include <facetloc/io/error.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <fmt/format.h>

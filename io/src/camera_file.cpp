@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
+#include "shared/text.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/text.h>
 
 #include <cmath>
 #include <fmt/format.h>

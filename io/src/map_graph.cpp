@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
 #include "pose_columns.h"
+#include "shared/text.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_graph.h>
-#include <facetloc/io/text.h>
 
 #include <Eigen/Cholesky>
 

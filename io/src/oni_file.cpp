@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "depth_codec.h"
 #include "files.h"
+#include "shared/text.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/oni_file.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <cmath>

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "files.h"
+#include "shared/text.h"
 
 #include <facetloc/io/error.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <cstdint>

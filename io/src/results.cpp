@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "csv.h"
 #include "pose_columns.h"
+#include "shared/text.h"
 #include "tum_line.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/results.h>
-#include <facetloc/io/text.h>
 #include <facetloc/io/trajectory.h>
 
 #include <algorithm>

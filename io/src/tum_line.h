@@ -2,8 +2,8 @@
 #pragma once
 
 #include "pose_columns.h"
+#include "shared/text.h"
 
-#include <facetloc/io/text.h>
 #include <facetloc/io/trajectory.h>
 
 #include <cmath>

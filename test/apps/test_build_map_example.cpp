@@ -7,8 +7,6 @@
 #include "example_room.h"
 #include "tools/simulate_app.h"
 
-#include <facetloc/io/text.h>
-
 #include <gmock/gmock.h>
 #include <sqlite3.h>
 

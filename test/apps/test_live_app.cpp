@@ -2,12 +2,12 @@
 // The live tool as a user runs it: a process of its own, with the real OpenNI2 and our driver.
 #include "live/live_app.h"
 #include "live_tool.h"
+#include "shared/text.h"
 #include "tools/map_apps.h"
 #include "tools/simulate_app.h"
 
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/results.h>
-#include <facetloc/io/text.h>
 #include <facetloc/io/trajectory.h>
 #include <facetloc/testing/places.h>
 

@@ -3,6 +3,7 @@
 #include "evaluation/evaluation.h"
 #include "evaluation/trajectory_errors.h"
 #include "example_room.h"
+#include "shared/text.h"
 #include "tools/localize_app.h"
 #include "tools/simulate_app.h"
 
@@ -10,7 +11,6 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
-#include <facetloc/io/text.h>
 #include <facetloc/io/trajectory.h>
 #include <facetloc/testing/full_disk.h>
 

@@ -20,10 +20,10 @@
 #include "covariance_statistics.h"
 #include "image_overlap.h"
 #include "mapped_place.h"
+#include "shared/text.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/text.h>
 #include <facetloc/localization/pose_tracking.h>
 #include <facetloc/localization/sequence_localization.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One recording in all the layouts that people have: the same images, times and poses come out of each.
+#include "shared/text.h"
 #include "temporary_folder.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/png.h>
-#include <facetloc/io/text.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/app.h"
 #include "base/presets.h"
-
-#include <facetloc/io/text.h>
+#include "shared/text.h"
 
 #include <boost/program_options.hpp>
 

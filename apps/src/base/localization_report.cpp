@@ -2,8 +2,7 @@
 #include "base/localization_report.h"
 
 #include "base/text.h"
-
-#include <facetloc/io/text.h>
+#include "shared/text.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/pose_stream.h"
 
-#include <facetloc/io/text.h>
+#include "shared/text.h"
 
 #include <fmt/core.h>
 #include <vector>

@@ -2,10 +2,10 @@
 #include "base/provenance.h"
 
 #include "base/command_line.h"
+#include "shared/text.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/text.h>
 
 #include <array>
 #include <cmath>

@@ -9,7 +9,7 @@
 #include <vector>
 
 /** \file
- * Text for people; of numbers see io/text.h. */
+ * Text for people; of numbers see shared/text.h. */
 
 namespace facetloc {
 

@@ -8,12 +8,12 @@
 #include "evaluation/evaluation_pictures.h"
 #include "evaluation/start_curves.h"
 #include "evaluation/trajectory_report.h"
+#include "shared/text.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <filesystem>

@@ -2,11 +2,11 @@
 #include "evaluation/evaluation.h"
 
 #include "base/text.h"
+#include "shared/text.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <cmath>

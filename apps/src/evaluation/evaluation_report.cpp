@@ -4,9 +4,9 @@
 #include "base/text.h"
 #include "evaluation/html_report.h"
 #include "evaluation/trajectory_report.h"
+#include "shared/text.h"
 
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <cmath>

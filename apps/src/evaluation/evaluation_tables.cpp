@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluation_tables.h"
 
+#include "shared/text.h"
+
 #include <facetloc/features/chi_square.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <fmt/format.h>

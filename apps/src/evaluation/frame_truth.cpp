@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/frame_truth.h"
 
+#include "shared/text.h"
+
 #include <facetloc/features/segment_estimation.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/png.h>
-#include <facetloc/io/text.h>
 #include <facetloc/registration/observability.h>
 
 #include <algorithm>

@@ -3,9 +3,9 @@
 
 #include "base/text.h"
 #include "drawing/charts.h"
+#include "shared/text.h"
 
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <fmt/format.h>

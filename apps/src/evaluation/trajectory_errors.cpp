@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/trajectory_errors.h"
 
+#include "shared/text.h"
+
 #include <facetloc/features/so3.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <cmath>

@@ -2,10 +2,10 @@
 #include "evaluation/trajectory_report.h"
 
 #include "evaluation/html_report.h"
+#include "shared/text.h"
 
 #include <facetloc/features/so3.h>
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/text.h>
 
 #include <fmt/format.h>
 

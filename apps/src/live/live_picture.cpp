@@ -7,8 +7,7 @@
 #include "drawing/vtk_picture.h"
 #include "live/live_cloud.h"
 #include "live/live_plan.h"
-
-#include <facetloc/io/text.h>
+#include "shared/text.h"
 
 #include <vtkActor2D.h>
 #include <vtkCamera.h>

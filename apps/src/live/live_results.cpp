@@ -2,9 +2,9 @@
 #include "live/live_results.h"
 
 #include "base/localization_report.h"
+#include "shared/text.h"
 
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/text.h>
 
 #include <fmt/format.h>
 #include <limits>

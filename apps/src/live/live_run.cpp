@@ -4,11 +4,11 @@
 #include "base/localization_options.h"
 #include "base/text.h"
 #include "drawing/outputs.h"
+#include "shared/text.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/openni_grabber.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -3,8 +3,7 @@
 
 #include "base/milliseconds.h"
 #include "base/text.h"
-
-#include <facetloc/io/text.h>
+#include "shared/text.h"
 
 #include <algorithm>
 #include <chrono>

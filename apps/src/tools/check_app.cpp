@@ -5,13 +5,13 @@
 #include "base/map_watch.h"
 #include "base/text.h"
 #include "shared/median.h"
+#include "shared/text.h"
 #include "tools/image_trajectory.h"
 #include "tools/noise_table.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/features/local_model.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/text.h>
 #include <facetloc/mapping/map_making.h>
 #include <facetloc/registration/observability.h>
 #include <facetloc/segmentation/view_builder.h>

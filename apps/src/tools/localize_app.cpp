@@ -9,11 +9,11 @@
 #include "base/pose_stream.h"
 #include "base/text.h"
 #include "drawing/outputs.h"
+#include "shared/text.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/output_lock.h>
-#include <facetloc/io/text.h>
 #include <facetloc/localization/global_localization.h>
 
 #include <algorithm>

@@ -5,6 +5,7 @@
 #include "base/map_watch.h"
 #include "base/provenance.h"
 #include "base/text.h"
+#include "shared/text.h"
 #include "tools/map_extend_app.h"
 
 #include <facetloc/features/map_parts.h>
@@ -13,7 +14,6 @@
 #include <facetloc/io/map_export.h>
 #include <facetloc/io/map_graph.h>
 #include <facetloc/io/output_lock.h>
-#include <facetloc/io/text.h>
 #include <facetloc/mapping/map_merging.h>
 
 #include <algorithm>

@@ -2,9 +2,9 @@
 #include "tools/noise_table.h"
 
 #include "base/text.h"
+#include "shared/text.h"
 
 #include <facetloc/features/camera_presets.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <cmath>

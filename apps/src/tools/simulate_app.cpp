@@ -4,6 +4,7 @@
 #include "base/batch.h"
 #include "base/text.h"
 #include "evaluation/frame_truth.h"
+#include "shared/text.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/atomic_file.h>
@@ -11,7 +12,6 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/output_lock.h>
 #include <facetloc/io/segment_file.h>
-#include <facetloc/io/text.h>
 #include <facetloc/io/trajectory.h>
 
 #include <algorithm>

@@ -5,10 +5,10 @@
 #include "plausible.h"
 #include "pose_columns.h"
 #include "recordings/image_list.h"
+#include "shared/text.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <array>

@@ -2,10 +2,10 @@
 #include "recordings/image_list.h"
 
 #include "files.h"
+#include "shared/text.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/segment_file.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <cctype>

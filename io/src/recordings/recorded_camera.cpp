@@ -2,11 +2,11 @@
 #include "recordings/recorded_camera.h"
 
 #include "files.h"
+#include "shared/text.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/png.h>
-#include <facetloc/io/text.h>
 
 #include <algorithm>
 #include <cmath>

@@ -3,9 +3,9 @@
 
 #include "files.h"
 #include "plausible.h"
+#include "shared/text.h"
 
 #include <facetloc/io/error.h>
-#include <facetloc/io/text.h>
 
 #include <Eigen/LU>
 #include <Eigen/SVD>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/io/text.h>
+
+#include "shared/text.h"
 
 #include <gtest/gtest.h>
 
