@@ -51,11 +51,4 @@ Camera Map::calibrated(Camera of_images) const {
   return of_images;
 }
 
-Map mapOf(View view) {
-  Map map;
-  if (view.camera) map.camera = *view.camera;
-  map.models.emplace_back(std::string(), 0.0, Eigen::Isometry3d::Identity(), std::move(view));
-  return map;
-}
-
 }  // namespace facetloc

@@ -26,6 +26,7 @@
 #include <facetloc/io/map_database.h>
 #include <facetloc/localization/pose_tracking.h>
 #include <facetloc/localization/sequence_localization.h>
+#include <facetloc/registration/pair_registration.h>
 
 #include <algorithm>
 #include <array>
@@ -241,12 +242,10 @@ private:
 
   /** The pose of a view in the frame of another one. */
   Answer registered(const View& view, const View& other) const {
-    GlobalLocalizationParams params = localization_;
+    RegistrationParams params = localization_;
     params.prior.rotation_std_deg = kPairRotation;
     params.prior.translation_std = kPairDistance;
-    GlobalLocalization localization(std::make_shared<const Map>(mapOf(other)), params);
-    localization.setNumberOfThreads(1);
-    const Localization found = localization.localize(view);
+    const Localization found = PairRegistration(other, params).align(view);
     if (found.hypotheses.empty()) return {};
     return {found.hypotheses.front().T_m_c, found.state() == AnswerState::sure};
   }

@@ -14,7 +14,7 @@
 #include "shared/median.h"
 
 #include <facetloc/io/depth_sequence.h>
-#include <facetloc/localization/global_localization.h>
+#include <facetloc/registration/pair_registration.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <algorithm>
@@ -22,7 +22,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <memory>
 #include <random>
 
 namespace {
@@ -102,15 +101,12 @@ struct PairAnswers {
   Localization by_depth, by_segments;
 };
 
-PairAnswers registerPair(const View& scene, const View& target, const GlobalLocalizationParams& params) {
-  const auto localize = [&](View source, View model) {
-    return GlobalLocalization(std::make_shared<const Map>(mapOf(std::move(model))), params).localize(source);
-  };
+PairAnswers registerPair(const View& scene, const View& target, const RegistrationParams& params) {
   PairAnswers answers;
-  answers.by_depth = localize(scene, target);
+  answers.by_depth = PairRegistration(target, params).align(scene);
   View bare_scene = scene, bare_target = target;
   bare_scene.depth = bare_target.depth = {};
-  answers.by_segments = localize(bare_scene, bare_target);
+  answers.by_segments = PairRegistration(bare_target, params).align(bare_scene);
   return answers;
 }
 
@@ -120,7 +116,7 @@ double probabilityOf(const Localization& answer) {
 }
 
 void scoreUnrelated(const std::vector<Frame>& frames, ViewBuilder& builder,
-                    const GlobalLocalizationParams& params) {
+                    const RegistrationParams& params) {
   const std::vector<std::pair<int, int>> pairs = chooseUnrelatedPairs(frames);
   if (pairs.empty()) return;
   int sure = 0, sure_by_segments = 0, any = 0;
@@ -148,7 +144,7 @@ void scoreUnrelated(const std::vector<Frame>& frames, ViewBuilder& builder,
 
 int main(int argc, char** argv) {
   ViewParams view_params;
-  GlobalLocalizationParams params;
+  RegistrationParams params;
   params.prior.rotation_std_deg = 60;
   params.prior.translation_std = 1.5;
   std::vector<std::string> folders;
@@ -183,11 +179,10 @@ int main(int argc, char** argv) {
     const Eigen::Isometry3d truth = frames[j].T_w_c.inverse() * frames[i].T_w_c;
     auto start = std::chrono::steady_clock::now();
     const View scene = builder.build(frames[i].image);
-    const auto map = std::make_shared<const Map>(mapOf(builder.build(frames[j].image)));
+    const PairRegistration registration(builder.build(frames[j].image), params);
     view_ms.push_back(milliseconds(start));
-    const GlobalLocalization localization(map, params);
     start = std::chrono::steady_clock::now();
-    const Localization answer = localization.localize(scene);
+    const Localization answer = registration.align(scene);
     align_ms.push_back(milliseconds(start));
 
     int rank = 0;
@@ -202,7 +197,7 @@ int main(int argc, char** argv) {
     };
     sure += isSure(answer);
     sure_right += isSure(answer) && isRight(answer);
-    const Localization by_segments = registerPair(scene, *map->view(0), params).by_segments;
+    const Localization by_segments = registerPair(scene, registration.target(), params).by_segments;
     segments_sure += isSure(by_segments);
     segments_right += isSure(by_segments) && isRight(by_segments);
     if (rank == 1) translation_errors.push_back(first.translation), rotation_errors.push_back(first.rotation);
@@ -211,7 +206,7 @@ int main(int argc, char** argv) {
                 rotationAngle(truth.linear()) / kDegree, answer.hypotheses.size(), rank, first.translation,
                 first.rotation / kDegree, answer.hypotheses.empty() ? 0.0 : answer.hypotheses[0].probability,
                 !answer.hypotheses.empty() && answer.hypotheses[0].depth_assisted ? "d" : " ",
-                scene.segments.size(), map->view(0)->segments.size(), align_ms.back());
+                scene.segments.size(), registration.target().segments.size(), align_ms.back());
   }
   std::printf("%d of %zu pairs registered (rank 1 within %.1f m and %.0f deg), %d anywhere in the list\n",
               registered, pairs.size(), kMaxTranslationError, kMaxRotationError / kDegree, anywhere);

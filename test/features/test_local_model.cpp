@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/local_model.h>
+#include <facetloc/testing/map_of_view.h>
 
 #include <gtest/gtest.h>
 
@@ -36,7 +37,7 @@ TEST(Map, HoldsTheViewsOfItsModels) {
 }
 
 TEST(Map, SharesItsViewsWithCopies) {
-  const Map map = mapOf(viewOf(3));
+  const Map map = test::mapOf(viewOf(3));
   Map copy = map;
   EXPECT_EQ(copy.view(0), map.view(0));
   copy.models[0].setView(viewOf(4));
@@ -61,7 +62,7 @@ TEST(Map, FindsTheViewsOfAStoreInAnyOrderAndInOtherMaps) {
   }
   std::reverse(stored.models.begin(), stored.models.end());
   EXPECT_EQ(stored.view(0)->segments.size(), 3u);
-  Map other = mapOf(viewOf(7));
+  Map other = test::mapOf(viewOf(7));
   other.models.push_back(stored.models[1]);
   EXPECT_EQ(other.view(1)->segments.size(), 2u);
   stored.models[0].setView(viewOf(9));

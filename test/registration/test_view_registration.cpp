@@ -5,6 +5,7 @@
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/decimal_comma.h>
+#include <facetloc/testing/map_of_view.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_views.h>
@@ -301,7 +302,7 @@ protected:
   }
   // The same as global localization does it, in a map of nothing but that view.
   static std::vector<Hypothesis> localize(const test::Scene& scene, double along, bool on_floor) {
-    Map map = mapOf(modelOf(scene));
+    Map map = test::mapOf(modelOf(scene));
     map.camera.mounting = kOnRobot;
     map.models[0].T_w_m.reset();  // hypotheses as they are, without evidence
     GlobalLocalizationParams params;

@@ -8,6 +8,7 @@
 
 #include <facetloc/io/cloud_file.h>
 #include <facetloc/io/segment_file.h>
+#include <facetloc/registration/pair_registration.h>
 
 #include <chrono>
 #include <fmt/core.h>
@@ -25,11 +26,11 @@ DepthSequence openImage(const std::string& path, const RecordingHints& hints, co
   return sequence;
 }
 
-/** The target, with its name. */
-Map mapOfTarget(const FrameFile& frame, View view) {
-  Map map = mapOf(std::move(view));
-  map.models[0].name = frame.name;
-  map.models[0].stamp = frame.stamp;
+/** What results say of the target: its name and its camera, whose frame is the world. */
+Map targetMap(const FrameFile& frame, const View& view) {
+  Map map;
+  if (view.camera) map.camera = *view.camera;
+  map.models.emplace_back(frame.name, frame.stamp, Eigen::Isometry3d::Identity());
   return map;
 }
 
@@ -90,20 +91,18 @@ int RegisterApp::execute(const CommandLine& line, const Console& console) {
                target_camera = input_.camera(target.camera(), line);
   ViewBuilder target_builder(target_camera, input_.view), builder(source_camera, input_.view);
   const View scene = viewOf(source, 0, input_.width, builder);
-  const auto map = std::make_shared<const Map>(
-      mapOfTarget(target.frames()[0], viewOf(target, 0, input_.width, target_builder)));
-  noteDifference(source_camera, *map, console);
-  GlobalLocalization localization(map, localization_);
-  localization.setNumberOfThreads(threads());
+  const PairRegistration registration(viewOf(target, 0, input_.width, target_builder), localization_);
+  const Map map = targetMap(target.frames()[0], registration.target());
+  noteDifference(source_camera, map, console);
 
   const Clock::time_point start = Clock::now();
-  const Localization answer = localization.localize(scene);
+  const Localization answer = registration.align(scene);
   const double milliseconds = millisecondsSince(start);
 
   const FrameFile& frame = source.frames()[0];
   FrameResult result;
   result.stamp = frame.stamp;
-  result.rows = resultRows(frame.name, answer, *map, max_hypotheses_, min_probability_);
+  result.rows = resultRows(frame.name, answer, map, max_hypotheses_, min_probability_);
   result.timing = {frame.name, builder.segmentMilliseconds(), builder.featuresMilliseconds(), milliseconds,
                    1};
   const AnswerState state = answer.state(min_probability_);
@@ -114,7 +113,7 @@ int RegisterApp::execute(const CommandLine& line, const Console& console) {
   console.out << "\n";
   console.out << fmt::format("{}, {}, registered in {:.1f} ms",
                              counted(scene.segments.size(), "source segment"),
-                             counted(map->view(0)->segments.size(), "target segment"), milliseconds);
+                             counted(registration.target().segments.size(), "target segment"), milliseconds);
   if (!aligned_.empty() && state == AnswerState::unknown) {
     console.note(
         fmt::format("there is no pose by which the source could be moved: {} is not written", aligned_));

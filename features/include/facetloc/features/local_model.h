@@ -128,7 +128,4 @@ private:
   std::shared_ptr<const MapStore> store_;
 };
 
-/** \brief A map of nothing but one view, whose camera frame is the world: what a view is registered with. */
-Map mapOf(View view);
-
 }  // namespace facetloc

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sessions/image_run.h"
 
-#include <facetloc/localization/global_localization.h>
+#include <facetloc/registration/pair_registration.h>
 
 #include <algorithm>
 #include <cmath>
@@ -37,9 +37,9 @@ std::vector<SeenMotion> motionsFrom(std::size_t first, const std::vector<MapImag
     return view;
   };
   std::vector<SeenMotion> motions;
-  const GlobalLocalization target(std::make_shared<const Map>(mapOf(viewOf(first))));
+  const PairRegistration target(viewOf(first));
   for (std::size_t gap = 1; first + gap < images.size(); gap *= 2) {
-    const Localization answer = target.localize(viewOf(first + gap));
+    const Localization answer = target.align(viewOf(first + gap));
     if (answer.state() != AnswerState::sure) break;
     const Eigen::Isometry3d& T = answer.hypotheses.front().T_m_c.T;
     const double turn = rotationAngle(T.linear()), way = T.translation().norm();
