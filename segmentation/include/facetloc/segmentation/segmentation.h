@@ -8,6 +8,9 @@
 #include <string>
 #include <vector>
 
+#if __has_include(<pcl/segmentation/segmentation.h>)
+#include <pcl/segmentation/segmentation.h>
+#else
 namespace pcl {
 
 /** \brief The abstract base that PCL lacks: what its segmentation classes share by habit.
@@ -36,3 +39,4 @@ protected:
 };
 
 }  // namespace pcl
+#endif
