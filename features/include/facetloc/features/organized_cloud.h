@@ -41,23 +41,17 @@ bool areIndicesOf(const pcl::PointCloud<PointT>& cloud, const pcl::Indices& indi
                      [n = cloud.size()](auto i) { return i >= 0 && std::size_t(i) < n; });
 }
 
-/** \brief The intrinsics of the input of a PCL class: the given ones, or, if nothing is set, those
- * of the points.
+/** \brief The depth image of an organized cloud: z of every point, 0 where isMeasured() says no. */
+template <typename PointT>
+DepthImage depthImage(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera);
+
+/** \brief The depth image of a PCL class's input, restricted to the indices if there are any. Its camera is
+ * the given one; if nothing is set, the camera is recovered from the points.
  *
  * \param cloud, indices may be null
  * \param why_not receives a sentence if the result is empty: there is no organized cloud, the indices do not
  * fit it, or the camera is impossible, of another size, not to be had from the points, or does not see them
  * where they are */
-template <typename PointT>
-std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,
-                                        const Intrinsics& given, std::string& why_not);
-
-/** \brief The depth image of an organized cloud: z of every point, 0 where isMeasured() says no. */
-template <typename PointT>
-DepthImage depthImage(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera);
-
-/** \brief The depth image of a PCL class's input, seen as cameraOfInput() says: of the points of the indices
- * alone if there are any. Nothing, with a sentence, for a cloud that is no depth image. */
 template <typename PointT>
 std::optional<DepthImage> depthImageOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,
                                             const Intrinsics& given, std::string& why_not);

@@ -69,6 +69,18 @@ bool isImageOf(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera, d
 }
 
 template <typename PointT>
+DepthImage depthImage(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera) {
+  DepthImage image;
+  image.camera = camera;
+  image.depth.resize(cloud.size());
+  std::transform(cloud.begin(), cloud.end(), image.depth.begin(),
+                 [](const PointT& p) { return isMeasured(p.z) ? p.z : 0.f; });
+  return image;
+}
+
+namespace detail {
+
+template <typename PointT>
 std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,
                                         const Intrinsics& given, std::string& why_not) {
   const auto none = [&why_not](const char* why) -> std::optional<Intrinsics> {
@@ -89,20 +101,12 @@ std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, co
   return camera;
 }
 
-template <typename PointT>
-DepthImage depthImage(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera) {
-  DepthImage image;
-  image.camera = camera;
-  image.depth.resize(cloud.size());
-  std::transform(cloud.begin(), cloud.end(), image.depth.begin(),
-                 [](const PointT& p) { return isMeasured(p.z) ? p.z : 0.f; });
-  return image;
-}
+}  // namespace detail
 
 template <typename PointT>
 std::optional<DepthImage> depthImageOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,
                                             const Intrinsics& given, std::string& why_not) {
-  const std::optional<Intrinsics> camera = cameraOfInput(cloud, indices, given, why_not);
+  const std::optional<Intrinsics> camera = detail::cameraOfInput(cloud, indices, given, why_not);
   if (!camera) return {};
   DepthImage image = depthImage(*cloud, *camera);
   if (!indices) return image;

@@ -16,9 +16,9 @@ void SegmentFrameEstimation<PointT>::compute(PointCloudOut& output) {
   used_labels_.clear();
   status_.clear();
   if (input_) this->initCompute();  // which complains aloud of none
-  const std::optional<Intrinsics> camera =
-      cameraOfInput(input_.get(), indices_.get(), camera_.intrinsics, status_);
-  if (!camera) return;
+  std::optional<DepthImage> image = depthImageOfInput(
+      input_.get(), this->fake_indices_ ? nullptr : indices_.get(), camera_.intrinsics, status_);
+  if (!image) return;
   if (!labels_ || labels_->size() != input_->size()) {
     status_ = "there must be one label per point of the input cloud";
     return;
@@ -32,7 +32,7 @@ void SegmentFrameEstimation<PointT>::compute(PointCloudOut& output) {
     status_ = "there are more than 65535 labels";
     return;
   }
-  LabelImage labels{camera->width, camera->height, std::vector<std::uint16_t>(input_->size(), 0)};
+  LabelImage labels{image->camera.width, image->camera.height, std::vector<std::uint16_t>(input_->size(), 0)};
   for (const auto i : *indices_) {
     if (!isLabel((*labels_)[i].label)) continue;
     const auto at = std::lower_bound(given.begin(), given.end(), (*labels_)[i].label);
@@ -40,9 +40,8 @@ void SegmentFrameEstimation<PointT>::compute(PointCloudOut& output) {
   }
   this->deinitCompute();
   std::vector<int> used;
-  DepthImage image = depthImage(*input_, *camera);
-  dropBeyond(camera_.max_depth, image);
-  output = toCloud(estimateSegments(image, labels, camera_.noise, params_, &used));
+  dropBeyond(camera_.max_depth, *image);
+  output = toCloud(estimateSegments(*image, labels, camera_.noise, params_, &used));
   for (const int label : used) used_labels_.push_back(given[static_cast<std::size_t>(label) - 1]);
   output.header = input_->header;
   output.sensor_origin_ = input_->sensor_origin_;
