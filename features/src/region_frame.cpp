@@ -99,8 +99,7 @@ std::optional<Segment> segmentOf(const Plane& plane, const Polygon& outline, con
   if (outline.size() < 3 || !(moments.weight > 0)) return std::nullopt;
   const Eigen::Vector3d mean = moments.p / moments.weight;
   // As a camera sees it that looks at its middle.
-  const Eigen::Matrix3d R =
-      Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Matrix3d R = rotationBetween(mean, Eigen::Vector3d::UnitZ());
   PlaneRegion region;
   region.support = solid_angle * kReference.fx * kReference.fy;
   region.m = R * plane.m;
