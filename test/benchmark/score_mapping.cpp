@@ -4,10 +4,13 @@
 //
 //   facetloc_simulate office -o office1 --seed 1 --width 320 --runs map; ...
 //   score_mapping [-o DIR] [--GROUP.PARAMETER VALUE] RECORDING...
+//   score_mapping --gaps 4 [--seed N] RECORDING...
 //
 // Each RECORDING is a depth sequence with groundtruth.txt, such as office1/map. The yardstick is generalized
-// ICP from image to image. With -o, DIR/NAME.txt are the trajectories, for facetloc_evaluate.
+// ICP from image to image. With -o, DIR/NAME.txt are the trajectories, for facetloc_evaluate. With --gaps,
+// the pieces of recordings from which some seconds are missing, each aligned by itself.
 #include "base/app.h"
+#include "evaluation/alignment.h"
 #include "evaluation/trajectory_errors.h"
 #include "gicp_odometry.h"
 
@@ -20,6 +23,10 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <map>
+#include <numeric>
+#include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -32,6 +39,34 @@ using benchmarks::GicpOdometryParams;
 
 constexpr double kPoseTolerance = 0.02;  // [s]
 constexpr double kMillimetres = 1000, kPercent = 100;
+constexpr double kGap = 3;                       // length of a gap [s]
+constexpr double kFoldedDeg = 5, kFolded = 0.3;  // errors within a folded piece [m]
+
+using Frames = std::vector<std::size_t>;
+
+Frames allOf(const DepthSequence& sequence) {
+  Frames frames(sequence.frames().size());
+  std::iota(frames.begin(), frames.end(), std::size_t{0});
+  return frames;
+}
+
+/** The frames outside of n gaps at random times. */
+Frames outsideGaps(const DepthSequence& sequence, int n, unsigned seed) {
+  const std::vector<FrameFile>& frames = sequence.frames();
+  const double begin = frames.front().stamp, left = frames.back().stamp - begin - n * kGap;
+  if (left <= 0) throw std::invalid_argument("the recording is too short for its gaps");
+  std::mt19937 random(seed);
+  std::vector<double> gaps;
+  for (int i = 0; i < n; ++i) gaps.push_back(left * random() / double(std::mt19937::max()));
+  std::sort(gaps.begin(), gaps.end());
+  for (int i = 0; i < n; ++i) gaps[i] += begin + i * kGap;
+  Frames kept;
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    if (std::none_of(gaps.begin(), gaps.end(),
+                     [&](double gap) { return frames[i].stamp > gap && frames[i].stamp < gap + kGap; }))
+      kept.push_back(i);
+  return kept;
+}
 
 /** A trajectory that was found, and at what expense. */
 struct Found {
@@ -52,7 +87,13 @@ Found byGicp(const DepthSequence& sequence, const GicpOdometryParams& params) {
   return found;
 }
 
-Found byPlanes(const DepthSequence& sequence, const MappingParams& params, bool with_mounting, int threads) {
+struct Estimated {
+  CameraTrajectory trajectory;
+  double seconds = 0;
+};
+
+Estimated estimated(const DepthSequence& sequence, const Frames& frames, const MappingParams& params,
+                    bool with_mounting, int threads) {
   Camera camera;
   if (sequence.camera()) camera = sequence.camera()->camera;
   if (!with_mounting) camera.mounting.reset();
@@ -60,19 +101,70 @@ Found byPlanes(const DepthSequence& sequence, const MappingParams& params, bool 
   TrajectoryEstimation estimation(params);
   estimation.setNumberOfThreads(threads);
   const auto start = std::chrono::steady_clock::now();
-  for (std::size_t i = 0; i < sequence.frames().size(); ++i)
+  for (const std::size_t i : frames)
     estimation.add(builder.build(sequence.load(i, kWorkingWidth)), sequence.frames()[i].stamp);
   estimation.improve();
-  const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
-  const CameraTrajectory trajectory = estimation.trajectory();
+  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+  return {estimation.trajectory(), time.count()};
+}
+
+Found largestPiece(const Estimated& estimated) {
+  const CameraTrajectory& trajectory = estimated.trajectory;
   const std::vector<int> parts = trajectory.parts();
   Found found;
   for (const TrajectoryPose& pose : trajectory.images)
     if (trajectory.keyframes[pose.keyframe].part == parts.front())
       found.poses.push_back({pose.stamp, pose.T_w_c});
   found.breaks = static_cast<int>(parts.size()) - 1;
-  found.ms_per_image = time.count() / static_cast<double>(std::max<std::size_t>(1, trajectory.images.size()));
+  found.ms_per_image =
+      1000 * estimated.seconds / static_cast<double>(std::max<std::size_t>(1, trajectory.images.size()));
   return found;
+}
+
+/** Worst error within a piece. */
+struct PieceError {
+  double rotation_deg = 0, translation = 0;
+  bool isFolded() const { return rotation_deg > kFoldedDeg || translation > kFolded; }
+};
+
+PieceError errorOf(const std::vector<PosePair>& piece) {
+  PieceError worst;
+  if (piece.size() < kLeastPairs) return worst;
+  const Eigen::Isometry3d T = robustlyAligned(piece).T_true_estimated;
+  for (const PosePair& pair : piece) {
+    worst.rotation_deg = std::max(worst.rotation_deg, angleAfter(T, pair) / kDegree);
+    worst.translation = std::max(worst.translation, distanceAfter(T, pair));
+  }
+  return worst;
+}
+
+void printPiecesHeader() {
+  std::printf("%-40s %5s %6s %6s %8s | %6s %6s | %8s %9s | %6s\n", "", "seed", "images", "pieces", "largest",
+              "folded", "images", "worst", "", "time");
+}
+
+void printPieces(const std::string& name, unsigned seed, const Estimated& estimated,
+                 const Trajectory& truth) {
+  const CameraTrajectory& trajectory = estimated.trajectory;
+  std::map<int, std::vector<PosePair>> pieces;
+  for (const TrajectoryPose& pose : trajectory.images)
+    if (const auto true_pose = truth.at(pose.stamp, kPoseTolerance))
+      pieces[trajectory.keyframes[pose.keyframe].part].push_back({pose.stamp, pose.T_w_c, *true_pose});
+  std::size_t folded = 0, folded_images = 0, largest = 0;
+  PieceError worst;
+  for (const auto& [ignored, piece] : pieces) {
+    const PieceError error = errorOf(piece);
+    worst.rotation_deg = std::max(worst.rotation_deg, error.rotation_deg);
+    worst.translation = std::max(worst.translation, error.translation);
+    largest = std::max(largest, piece.size());
+    if (!error.isFolded()) continue;
+    ++folded;
+    folded_images += piece.size();
+  }
+  std::printf("%-40s %5u %6zu %6zu %8zu | %6zu %6zu | %4.1f deg %6.0f mm | %4.0f s\n", name.c_str(), seed,
+              trajectory.images.size(), pieces.size(), largest, folded, folded_images, worst.rotation_deg,
+              kMillimetres * worst.translation, estimated.seconds);
+  std::fflush(stdout);
 }
 
 void printHeader() {
@@ -113,20 +205,39 @@ private:
     line.addOption("output,o", folder_, "DIR", "Write the trajectories here.");
     line.addSwitch("without-mounting", without_mounting_, "Take every camera for one in the hand.");
     line.addSwitch("without-gicp", without_gicp_, "Leave out the yardstick.");
+    line.addOption("gaps", gaps_, "N", "Score the pieces of each recording without N gaps of 3 s.");
+    line.addOption("seed", seed_, "N", "Seed of the times of the gaps.");
     line.addParams(mapping_, "mapping");
     line.addParams(gicp_, "gicp", CommandLine::Shown::in_help);
   }
 
   int execute(const CommandLine&, const Console& console) override {
+    if (gaps_ > 0) {
+      scorePieces();
+      return kOk;
+    }
     if (!folder_.empty()) createFolders(folder_);
     printHeader();
     for (const std::string& name : recordings_) {
       const DepthSequence sequence = DepthSequence::open(name);
-      judge(name, "planes", byPlanes(sequence, mapping_, !without_mounting_, threads()), sequence);
+      judge(name, "planes", largestPiece(found(sequence, allOf(sequence))), sequence);
       if (!without_gicp_) judge(name, "gicp", byGicp(sequence, gicp_), sequence);
     }
     if (!folder_.empty()) console.out << "trajectories in " << folder_ << "\n";
     return kOk;
+  }
+
+  Estimated found(const DepthSequence& sequence, const Frames& frames) const {
+    return estimated(sequence, frames, mapping_, !without_mounting_, threads());
+  }
+
+  void scorePieces() const {
+    printPiecesHeader();
+    for (const std::string& name : recordings_) {
+      const DepthSequence sequence = DepthSequence::open(name);
+      const Frames frames = outsideGaps(sequence, gaps_, static_cast<unsigned>(seed_));
+      printPieces(name, static_cast<unsigned>(seed_), found(sequence, frames), sequence.groundTruth());
+    }
   }
 
   void judge(const std::string& name, const std::string& method, const Found& found,
@@ -140,6 +251,7 @@ private:
   std::vector<std::string> recordings_;
   std::string folder_;
   bool without_mounting_ = false, without_gicp_ = false;
+  int gaps_ = 0, seed_ = 1;
   MappingParams mapping_;
   GicpOdometryParams gicp_;
 };
