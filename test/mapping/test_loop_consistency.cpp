@@ -38,8 +38,9 @@ protected:
     const Eigen::Isometry3d T = graph_.T_w_n[from].inverse() * graph_.T_w_n[to];
     return {from, to, {along(wrong_by) * T, covariance(0.3, 0.02)}, true};
   }
-  std::vector<bool> consistent(const std::vector<PoseEdge>& loops, int least) const {
-    return consistentLoops(loops, GraphCovariance(graph_), least);
+  std::vector<bool> consistent(const std::vector<PoseEdge>& loops, int least,
+                               const PoseRadius& one_witness = {0.3, 12}) const {
+    return consistentLoops(loops, GraphCovariance(graph_), least, one_witness);
   }
   PoseGraph graph_;
 };
@@ -52,6 +53,12 @@ TEST_F(ThereAndBack, LoopsThatAgreeConfirmEachOther) {
 
 TEST_F(ThereAndBack, LoopsOfOneKeyframeAreOneWitness) {
   EXPECT_EQ(consistent({loop(2, 17), loop(3, 17), loop(4, 17)}, 3), std::vector<bool>(3, false));
+}
+
+TEST_F(ThereAndBack, LoopsOfNeighbouringKeyframesAreOneWitness) {
+  const std::vector<PoseEdge> loops{loop(2, 17), loop(3, 16)};
+  EXPECT_EQ(consistent(loops, 2), std::vector<bool>(2, true));
+  EXPECT_EQ(consistent(loops, 2, {1.5, 12}), std::vector<bool>(2, false));
 }
 
 TEST_F(ThereAndBack, WhereEqualDoorsAgreeOnOtherPlacesNothingIsBelieved) {

@@ -146,6 +146,80 @@ TEST(TrajectoryEstimation, ATurnedAwayCameraBeginsANewPieceThatIsTiedLater) {
   EXPECT_LT(largestError(found, truth), 0.15);
 }
 
+/** Images of a video around the room, at 15 Hz, with a gap of 3 s after which the camera is elsewhere. */
+class WithGap : public testing::Test {
+protected:
+  /** The first piece looks from 0 to 48 deg. */
+  CameraTrajectory estimated(const std::vector<double>& turns_after, TrajectoryEstimation& estimation) {
+    for (double turn = 0; turn <= 48; turn += 3) add(estimation, turn);
+    stamp_ += 3;
+    for (const double turn : turns_after) add(estimation, turn);
+    EXPECT_EQ(estimation.trajectory().parts().size(), 2u) << "before any tie";
+    estimation.improve([this](double share) { progress_.push_back(share); });
+    return estimation.trajectory();
+  }
+  static std::vector<double> turnsFrom(double first, double last) {
+    std::vector<double> turns;
+    for (double turn = first; turn <= last; turn += 3) turns.push_back(turn);
+    return turns;
+  }
+  std::vector<Eigen::Isometry3d> truth_;
+  std::vector<double> progress_;
+
+private:
+  void add(TrajectoryEstimation& estimation, double turn) {
+    truth_.push_back(onCircle(turn));
+    estimation.add(viewFrom(furnishedRoom(), truth_.back(), 50 + static_cast<unsigned>(truth_.size())),
+                   stamp_ += 1 / 15.0);
+  }
+  double stamp_ = 0;
+};
+
+TEST_F(WithGap, TwoPiecesWithIndependentTiesBecomeOne) {
+  TrajectoryEstimation estimation;
+  const CameraTrajectory found = estimated(turnsFrom(10, 70), estimation);
+  EXPECT_EQ(found.parts().size(), 1u);
+  EXPECT_LT(largestError(found, truth_), 0.05);
+  EXPECT_GT(found.overlaps.confirmed, 5);
+  EXPECT_EQ(found.overlaps.contradicted, 0);
+  EXPECT_EQ(found.cut_bonds, 0);
+}
+
+TEST_F(WithGap, TwoPiecesWithOneTieStayTwo) {
+  TrajectoryEstimation estimation;
+  // The second piece has one keyframe: whatever ties it has share that one.
+  const CameraTrajectory found = estimated({20, 22, 24}, estimation);
+  EXPECT_EQ(found.parts().size(), 2u);
+}
+
+TEST_F(WithGap, ProgressNeverGoesBackAndEndsWithAll) {
+  TrajectoryEstimation estimation;
+  estimated(turnsFrom(10, 70), estimation);
+  ASSERT_GE(progress_.size(), 3u);
+  EXPECT_TRUE(std::is_sorted(progress_.begin(), progress_.end()));
+  EXPECT_EQ(progress_.back(), 1);
+}
+
+TEST(TrajectoryEstimation, PiecesThatFitInTwoWaysStayApart) {
+  // Three of four equal walls, and a corner between two of them.
+  const test::Scene square = test::box({0, 0, 0}, {5, 5, 2.5});
+  TrajectoryEstimation estimation;
+  double stamp = 0;
+  unsigned seed = 7;
+  const auto turn = [&](double first, double last) {
+    for (double turn_deg = first; turn_deg <= last; turn_deg += 3) {
+      const double a = turn_deg * kDegree;
+      const Eigen::Isometry3d T_w_c = lookingAlong({2.5, 2.5, 1.2}, {std::cos(a), std::sin(a), -0.25});
+      estimation.add(viewFrom(square, T_w_c, ++seed), stamp += 1 / 15.0);
+    }
+  };
+  turn(0, 200);
+  stamp += 3;
+  turn(40, 100);
+  estimation.improve();
+  EXPECT_EQ(estimation.trajectory().parts().size(), 2u);
+}
+
 TEST(TrajectoryEstimation, PiecesWithNothingInCommonStayApart) {
   TrajectoryEstimation estimation;
   const View here = viewFrom(furnishedRoom(), onCircle(0), 1),

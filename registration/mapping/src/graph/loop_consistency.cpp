@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "graph/loop_consistency.h"
 
+#include "graph/independent_ties.h"
 #include "graph/mutual_agreement.h"
 
 #include <facetloc/features/chi_square.h>
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 namespace facetloc::internal {
 namespace {
@@ -32,25 +32,29 @@ Agreement compare(const PoseEdge& a, const PoseEdge& b, const RelativePoses& fro
 
 }  // namespace
 
-std::vector<bool> consistentLoops(const std::vector<PoseEdge>& loops, const GraphCovariance& graph,
-                                  int least) {
+std::vector<bool> consistentLoops(const std::vector<PoseEdge>& loops, const GraphCovariance& graph, int least,
+                                  const PoseRadius& one_witness) {
   RelativePoses from;
   for (const PoseEdge& loop : loops)
     for (const int node : {loop.from, loop.to})
       if (!from.count(node)) from.emplace(node, graph.relativeTo(node));
   const int n = static_cast<int>(loops.size());
   const MutualAgreement agreement(n, [&](int i, int j) { return compare(loops[i], loops[j], from); });
-  const auto keyframes = [&](const MutualAgreement::Set& set) {
-    std::set<int> begin, end;
-    for (const int i : set) begin.insert(loops[i].from), end.insert(loops[i].to);
-    return static_cast<int>(std::min(begin.size(), end.size()));
+  const auto apart = [&](int a, int b) {
+    const auto& T_a_b = from.at(a)[b];
+    return !T_a_b || !one_witness.joins(Eigen::Isometry3d::Identity(), T_a_b->T);
+  };
+  const auto witnesses = [&](const MutualAgreement::Set& set) {
+    std::vector<std::pair<int, int>> ties;
+    for (const int i : set) ties.emplace_back(loops[i].from, loops[i].to);
+    return independentTies(ties, apart);
   };
 
   std::vector<bool> confirmed(loops.size(), false);
   MutualAgreement::Set left = allOf(n);
   for (;;) {
-    const MutualAgreement::Largest largest = agreement.largest(left, keyframes);
-    if (largest.members.empty() || keyframes(largest.members) < least) return confirmed;
+    const MutualAgreement::Largest largest = agreement.largest(left, witnesses);
+    if (largest.members.empty() || witnesses(largest.members) < least) return confirmed;
     for (const int i : largest.members) confirmed[i] = largest.is_clear;
     for (const MutualAgreement::Set* done : {&largest.members, &largest.against})
       for (const int i : *done) left.erase(std::find(left.begin(), left.end(), i));

@@ -61,9 +61,9 @@ std::vector<Eigen::Vector3d> GrowingMap::trail() const {
 
 bool GrowingMap::canBeImproved() const { return impl_->compared < keyframes(); }
 
-void GrowingMap::improve() {
+void GrowingMap::improve(const std::function<void(double)>& progress) {
   Impl& m = *impl_;
-  m.trajectory.improve({}, m.compared);
+  m.trajectory.improve(progress, m.compared);
   m.compared = keyframes();
   const CameraTrajectory improved = m.trajectory.trajectory();
   const std::vector<int> parts = improved.parts();

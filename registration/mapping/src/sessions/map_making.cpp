@@ -232,6 +232,7 @@ Map MapMaking::finish() {
   auto map = std::make_shared<Map>(m.build(places()));
   if (map->models.empty()) return {};
   map->camera = m.run.camera;
+  if (m.findings.trajectory) map->meta[kTrajectoryKey] = m.findings.trajectory->overlaps.inWords();
   placeByLinks(*map);
   if (!map->camera.mounting) m.findings.mounting = findMounting(*map);
   if (m.findings.mounting) {

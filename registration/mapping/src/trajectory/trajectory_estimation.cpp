@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "graph/graph_covariance.h"
+#include "graph/independent_ties.h"
 #include "graph/loop_consistency.h"
 #include "motion/step_prior.h"
 #include "motion/view_odometry.h"
@@ -7,7 +8,11 @@
 #include "shared/in_parallel.h"
 #include "shared/pose_fusion.h"
 #include "shared/pose_radius.h"
+#include "trajectory/camera_speed.h"
 #include "trajectory/keyframe_graph.h"
+#include "trajectory/overlap_verdict.h"
+#include "trajectory/piece_bonds.h"
+#include "trajectory/tie_search.h"
 
 #include <facetloc/features/chi_square.h>
 #include <facetloc/mapping/trajectory_estimation.h>
@@ -18,6 +23,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fmt/format.h>
 #include <map>
 #include <stdexcept>
 #include <utility>
@@ -29,24 +35,22 @@ using namespace internal;
 namespace {
 
 using Source = KeyframeMotion::Source;
+using Progress = std::function<void(double)>;
 
 constexpr double kFarEllipsoid = chiSquareQuantile(6, 0.999);
 constexpr double kLongStep = 0.2;                     // after which the next image may show another place [s]
 constexpr double kSparse = 0.02, kSparseTurnDeg = 1;  // of a camera that has moved between images [m]
 constexpr double kClearAgreement = 0.9;               // of an image with the keyframes before it
-constexpr double kLeastOverlap = 0.2;         // share of the pixels of two keyframes that they have in common
-constexpr double kLoopOverlap = 0.3;          // share that an uncertain loop must have in common
-constexpr double kUnknown = 100;              // standard deviation of what two views do not tell [m, rad]
-constexpr double kLeastAgreement = 0.8;       // share of the pixels of two keyframes in which they must agree
+constexpr double kLoopOverlap = 0.3;                  // share that an uncertain loop must have in common
 constexpr double kReachAngle = 45 * kDegree;  // between the viewing directions of keyframes that are compared
 // Of a relative pose, beyond which a lone loop is not believed [m].
 constexpr double kTrustedStd = 0.3, kTrustedRotation = 5 * kDegree;
 constexpr int kConsistentLoops = 3;  // that must agree before an uncertain one of them is believed
 constexpr int kPasses = 4;           // comparisons of all keyframes, each followed by an optimization
 constexpr double kUncertainStd = 1, kUncertainRotation = 10 * kDegree;  // beyond which rooms look alike [m]
-constexpr int kMostUncertain = 15;       // earlier keyframes that one is compared with far from certainty
-constexpr int kLocal = 20;               // keyframes in a row between which no loop is closed
-constexpr std::size_t kMostTies = 4000;  // pairs of keyframes of two parts that are compared
+constexpr int kMostUncertain = 15;   // earlier keyframes that one is compared with far from certainty
+constexpr int kLocal = 20;           // keyframes in a row between which no loop is closed
+constexpr int kIndependentTies = 2;  // that must agree before two pieces become one
 constexpr double kMoved = 0.02, kTurned = 0.5;  // of a prior, after which a pair is compared anew [m, deg]
 constexpr int kLooks = 3;  // keyframes of a place that an image is compared with before it becomes another
 constexpr double kSureAgreement = 0.95,
@@ -54,17 +58,6 @@ constexpr double kSureAgreement = 0.95,
 constexpr double kSureStd = 0.05;     // of its position beside that one [m]
 constexpr int kCrowded = 3;           // keyframes of one place, after which it gets no more
 
-PoseWithCovariance measured(const PlacedView& placed) {
-  Matrix6d information = placed.information;
-  information.diagonal().array() += 1 / (kUnknown * kUnknown);
-  return {placed.T_a_b, withSharedErrors(symmetricInverse(information))};
-}
-
-/** Two keyframes, compared. */
-struct Comparison {
-  Eigen::Isometry3d prior = Eigen::Isometry3d::Identity();  // where they were thought to be
-  std::optional<PlacedView> placed;
-};
 /** A small picture of inverse depths, to find those first that look alike. */
 constexpr int kThumbColumns = 8, kThumbRows = 6;
 using Thumbnail = std::array<double, kThumbColumns * kThumbRows>;
@@ -96,6 +89,16 @@ std::vector<int> inOrder(std::vector<std::pair<double, int>> by_distance) {
 }
 
 using Comparisons = std::map<std::pair<int, int>, Comparison>;
+using Ties = std::map<std::pair<int, int>, std::optional<PlacedView>>;
+
+// Calls a function with 0 .. n - 1 in parallel, and tells the progress in between.
+void inChunks(int n, int threads, const Progress& progress, const std::function<void(int)>& function) {
+  constexpr int kChunk = 64;
+  for (int first = 0; first < n; first += kChunk) {
+    if (progress) progress(double(first) / n);
+    forEachInParallel(std::min(kChunk, n - first), threads, [&](int i) { function(first + i); });
+  }
+}
 
 // Puts parts that have been tied where their first ties say, so that the optimization begins near its end.
 void alignParts(const std::vector<KeyframeMotion>& all, std::vector<PoseWithCovariance>& T_w_k,
@@ -153,6 +156,8 @@ struct TrajectoryEstimation::Impl {
     std::size_t image;
     std::shared_ptr<const View> view;
     int before;                                 // the keyframe that the way led from
+    int piece;                                  // number of the first keyframe that motions led from
+    int run;                                    // number of interruptions before it
     std::optional<Eigen::Isometry3d> T_before;  // in that one, as found with it
   };
   /** From one image to the next. */
@@ -179,6 +184,10 @@ struct TrajectoryEstimation::Impl {
   Position moved(const Position& from, const Motion& step) const;
   Position place(const std::shared_ptr<const View>& view, const Position& thought) const;
   bool beginAgain(const std::shared_ptr<const View>& view, double stamp);
+  PiecePair piecesOf(const KeyframeMotion& m) const {
+    return std::minmax(nodes[m.from].piece, nodes[m.to].piece);
+  }
+  double stampOf(int keyframe) const { return images[nodes[keyframe].image].stamp; }
   bool hang(const std::shared_ptr<const View>& view, const Position& at);
   bool hangFromKnown(const View& view, const Position& at);
   void hangFrom(int keyframe, const PoseWithCovariance& T_k_c);
@@ -188,12 +197,19 @@ struct TrajectoryEstimation::Impl {
   void begin(const std::shared_ptr<const View>& view);
   bool slides() const;
   std::optional<CameraMounting> mounting() const;
-  void improve(const std::function<void(double)>& progress, int first);
+  void improve(const Progress& progress, int first);
   void adopt(const Impl& improved);
   void optimize(std::vector<KeyframeMotion> relations);
   PoseGraph graphOf(const std::vector<KeyframeMotion>& all) const;
-  std::vector<KeyframeMotion> compareKeyframes(const GraphCovariance& known, int first);
-  std::vector<KeyframeMotion> tieParts(const GraphCovariance& known, int first);
+  std::vector<KeyframeMotion> compareKeyframes(const GraphCovariance& known, int first,
+                                               const Progress& progress);
+  std::vector<KeyframeMotion> tieParts(const GraphCovariance& known, int first, const Progress& progress);
+  void compareTies(const std::vector<std::pair<int, int>>& pairs, const Progress& progress);
+  PieceVerdicts verdicts() const;
+  PieceBonds bonds() const;
+  PoseRadius keyRadius() const { return {params.odometry.key_distance, params.odometry.key_rotation_deg}; }
+  bool cutContradicted();
+  void cut(const PiecePair& pieces);
   const Comparison* comparisonOf(const std::pair<int, int>& pair) const;
   std::optional<PlacedView> compare(int a, int b, const PoseWithCovariance& prior, bool search) const;
   bool agrees(const KeyframeMotion& m) const;
@@ -203,6 +219,8 @@ struct TrajectoryEstimation::Impl {
   ViewPlacing placing;
   int threads = 1;
   bool endless = false, interrupted = false;
+  int run = 0, cut_bonds = 0;
+  CameraSpeed speed;
   std::vector<Image> images;
   std::vector<Node> nodes;
   std::vector<KeyframeMotion> chain, relations;
@@ -210,6 +228,7 @@ struct TrajectoryEstimation::Impl {
   std::vector<int> part;
   std::shared_ptr<const Comparisons> compared = std::make_shared<Comparisons>();
   Comparisons compared_since;          // what compared does not know of yet
+  Ties ties;                           // keyframes of different pieces, compared anywhere; empty if refused
   int current = 0;                     // the keyframe that the latest image hangs from
   Position since;                      // that keyframe
   std::shared_ptr<const View> latest;  // view
@@ -248,14 +267,21 @@ bool TrajectoryEstimation::Impl::add(View&& moved_view, double stamp,
                                      const std::optional<Eigen::Isometry3d>& given) {
   const auto view = std::make_shared<const View>(std::move(moved_view));
   const double dt = images.empty() ? 0 : std::max(0.0, stamp - images.back().stamp);
-  const ViewMotion seen = odometry.add(*view, dt);
   if (nodes.empty()) {
+    odometry.add(*view, dt);
     images.push_back({stamp, 0, Eigen::Isometry3d::Identity()});
-    nodes.push_back({0, latest = view, 0, {}});
+    nodes.push_back({0, latest = view, 0, 0, run, {}});
     begin(view);
     return true;
   }
-  if (std::exchange(interrupted, false)) return beginAgain(view, stamp);
+  if (std::exchange(interrupted, false)) {
+    ++run;
+    return beginAgain(view, stamp);
+  }
+  const bool is_gap = !given && speed.isGap(dt);
+  speed.addInterval(dt);
+  if (is_gap) return beginAgain(view, stamp);
+  const ViewMotion seen = odometry.add(*view, dt);
   const bool is_sparse = dt > kLongStep;
   const Motion step = motionOf(seen, is_sparse, given);
   const bool shows_anything = !view->segments.empty() || !view->depth.empty();
@@ -272,6 +298,7 @@ bool TrajectoryEstimation::Impl::add(View&& moved_view, double stamp,
     }
   }
   since = std::move(at);
+  if (since.known && (since.placed || !since.guessed)) speed.addMotion(since.T, stamp - stampOf(current));
   latest = shows_anything ? view : nullptr;
   if (endless && nodes.back().image + 1 < images.size()) images.pop_back();
   images.push_back({stamp, current, since.T});
@@ -403,10 +430,14 @@ TrajectoryEstimation::Impl::place(const std::shared_ptr<const View>& view, const
   if (!placed || placed->agreement < kLeastAgreement || placed->overlap < kLeastOverlap) return out;
   out.follows = thought.known && kSameMotion.joins(placed->T_a_b, thought.T);
   const PoseWithCovariance seen = measured(*placed);
-  if (!out.guessed &&
-      squaredMahalanobis(seen, {out.by_motion.T, withSharedErrors(out.by_motion.P)}) > kFarEllipsoid)
-    out.by_motion = {placed->T_a_b, guessedStep().P};
   out.T = placed->T_a_b;
+  if (!out.guessed) {
+    const PoseWithCovariance by_motion{out.by_motion.T, withSharedErrors(out.by_motion.P)};
+    if (squaredMahalanobis(seen, by_motion) > kFarEllipsoid)
+      out.by_motion = {placed->T_a_b, guessedStep().P};
+    else
+      out.T = fused(by_motion, seen).T;  // views may leave motions free
+  }
   out.placed = std::move(placed);
   out.known = true;
   return out;
@@ -415,12 +446,12 @@ TrajectoryEstimation::Impl::place(const std::shared_ptr<const View>& view, const
 // The latest image becomes one.
 void TrajectoryEstimation::Impl::takeKeyframe(const std::shared_ptr<const View>& view, const Position& at) {
   const int a = current, b = static_cast<int>(nodes.size());
-  nodes.push_back({images.size() - 1, view, a, {}});
+  nodes.push_back({images.size() - 1, view, a, at.known ? nodes[a].piece : b, run, {}});
   if (at.known) {
     nodes.back().T_before = at.T;
     chain.push_back({a, b, {at.by_motion.T, withSharedErrors(at.by_motion.P)}, Source::odometry, 0});
     if (at.placed) {
-      compared_since[{a, b}] = {at.T, at.placed};
+      compared_since[{a, b}] = {at.T, false, at.placed};
       relations.push_back({a, b, measured(*at.placed), Source::overlap, 0});
     }
     T_w_k.push_back(T_w_k[a] * PoseWithCovariance{at.T, chain.back().T_from_to.P});
@@ -444,7 +475,8 @@ std::optional<PlacedView> TrajectoryEstimation::Impl::compare(int a, int b, cons
 // Of keyframes of one part. What the trajectory has known is an overlap; what it has not, a loop that others
 // must confirm.
 std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const GraphCovariance& known,
-                                                                         int first) {
+                                                                         int first,
+                                                                         const Progress& progress) {
   struct Pair {
     int a;
     PoseWithCovariance T_a_b;
@@ -454,7 +486,7 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const G
   const int n = static_cast<int>(nodes.size());
   std::vector<std::vector<Pair>> of_node(n);
   const ViewReach reach{params.reach, kReachAngle};
-  forEachInParallel(n - first, threads, [&](int i_b) {
+  inChunks(n - first, threads, progress, [&](int i_b) {
     const int b = first + i_b;
     const auto T_b = known.relativeTo(b);
     std::vector<std::pair<double, Pair>> certain, uncertain;
@@ -494,7 +526,7 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const G
   std::vector<PoseEdge> uncertain;
   for (int b = first; b < n; ++b)
     for (Pair& p : of_node[b]) {
-      (*all)[{p.a, b}] = {p.T_a_b.T, p.placed};
+      (*all)[{p.a, b}] = {p.T_a_b.T, !p.certain, p.placed};
       if (!p.placed) continue;
       const PoseWithCovariance T = measured(*p.placed);
       if (squaredMahalanobis(p.T_a_b, T) > kFarEllipsoid) continue;
@@ -505,7 +537,7 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const G
     }
   compared = all;
   compared_since.clear();
-  const std::vector<bool> confirmed = consistentLoops(uncertain, known, kConsistentLoops);
+  const std::vector<bool> confirmed = consistentLoops(uncertain, known, kConsistentLoops, keyRadius());
   for (std::size_t i = 0; i < uncertain.size(); ++i)
     if (confirmed[i])
       out.push_back({uncertain[i].from, uncertain[i].to, uncertain[i].T_from_to, Source::loop, 0});
@@ -519,32 +551,75 @@ const Comparison* TrajectoryEstimation::Impl::comparisonOf(const std::pair<int, 
   return earlier == compared->end() ? nullptr : &earlier->second;
 }
 
-// Where a chain has broken, by keyframes that show the same on both sides.
-std::vector<KeyframeMotion> TrajectoryEstimation::Impl::tieParts(const GraphCovariance& known, int first) {
-  std::vector<std::pair<int, int>> pairs;
-  const int n = static_cast<int>(nodes.size());
-  for (int b = first; b < n; ++b)
-    for (int a = 0; a < b; ++a)
-      if (part[a] != part[b]) pairs.emplace_back(a, b);
-  if (pairs.empty()) return {};
-  std::stable_sort(pairs.begin(), pairs.end(),
-                   [](const auto& x, const auto& y) { return x.second - x.first < y.second - y.first; });
-  std::vector<std::pair<int, int>> some;  // all near the breaks, and then less and less
-  for (std::size_t i = 0; i < pairs.size() && some.size() < kMostTies;
-       i += 1 + (i > kMostTies / 2 ? pairs.size() / kMostTies : 0))
-    some.push_back(pairs[i]);
-  std::vector<std::optional<PlacedView>> placed(some.size());
+// Of keyframes of different parts, each once.
+void TrajectoryEstimation::Impl::compareTies(const std::vector<std::pair<int, int>>& pairs,
+                                             const Progress& progress) {
+  std::vector<std::pair<int, int>> missing;
+  std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(missing),
+               [&](const std::pair<int, int>& pair) { return ties.count(pair) == 0; });
   const PoseWithCovariance anywhere{Eigen::Isometry3d::Identity(), posePrior(mounting())};
-  forEachInParallel(static_cast<int>(some.size()), threads,
-                    [&](int i) { placed[i] = compare(some[i].first, some[i].second, anywhere, true); });
-  std::vector<PoseEdge> ties;
-  for (std::size_t i = 0; i < some.size(); ++i)
-    if (placed[i] && placed[i]->overlap >= kLoopOverlap && placed[i]->agreement >= kClearAgreement)
-      ties.push_back({some[i].first, some[i].second, measured(*placed[i]), true});
-  const std::vector<bool> confirmed = consistentLoops(ties, known, std::min(2, kConsistentLoops));
+  std::vector<std::optional<PlacedView>> placed(missing.size());
+  inChunks(static_cast<int>(missing.size()), threads, progress,
+           [&](int i) { placed[i] = compare(missing[i].first, missing[i].second, anywhere, true); });
+  for (std::size_t i = 0; i < missing.size(); ++i) ties[missing[i]] = placed[i];
+}
+
+// Where a chain has broken, by keyframes that show the same on both sides.
+std::vector<KeyframeMotion> TrajectoryEstimation::Impl::tieParts(const GraphCovariance& known, int first,
+                                                                 const Progress& progress) {
+  std::vector<TieEnd> keyframes;
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    keyframes.push_back({nodes[k].view, part[k], nodes[k].run, images[nodes[k].image].stamp});
+  const PoseWithCovariance in_any_attitude{Eigen::Isometry3d::Identity(), posePrior({})};
+  const std::vector<std::pair<int, int>> pairs = tieCandidates(keyframes, first, in_any_attitude, threads);
+  compareTies(pairs, progress);
+  const TravelBound bound(keyframes, speed, known);
+  std::vector<PoseEdge> found;
+  for (const auto& pair : pairs) {
+    const auto& placed = ties.at(pair);
+    if (!placed || placed->overlap < kLoopOverlap || placed->agreement < kClearAgreement) continue;
+    const PoseEdge tie{pair.first, pair.second, measured(*placed), true};
+    if (bound.allows(tie)) found.push_back(tie);
+  }
+  const std::vector<bool> confirmed = consistentLoops(found, known, kIndependentTies, keyRadius());
   std::vector<KeyframeMotion> out;
-  for (std::size_t i = 0; i < ties.size(); ++i)
-    if (confirmed[i]) out.push_back({ties[i].from, ties[i].to, ties[i].T_from_to, Source::loop, 0});
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (confirmed[i]) out.push_back({found[i].from, found[i].to, found[i].T_from_to, Source::loop, 0});
+  return out;
+}
+
+// Of pieces that are tied into one part, and of each with itself, by all keyframes compared.
+PieceVerdicts TrajectoryEstimation::Impl::verdicts() const {
+  PieceVerdicts out;
+  std::vector<std::pair<std::pair<int, int>, const Comparison*>> pairs;
+  for (const auto& [pair, comparison] : *compared)
+    if (part[pair.first] == part[pair.second]) pairs.emplace_back(pair, &comparison);
+  std::vector<OverlapVerdict> verdict(pairs.size());
+  forEachInParallel(static_cast<int>(pairs.size()), threads, [&](int i) {
+    const auto [a, b] = pairs[i].first;
+    verdict[i] =
+        verdictOn(T_w_k[a].T.inverse() * T_w_k[b].T, *nodes[a].view, *nodes[b].view, *pairs[i].second);
+  });
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto [a, b] = pairs[i].first;
+    OverlapVerdicts& of_pieces = out[std::minmax(nodes[a].piece, nodes[b].piece)];
+    of_pieces.confirmed += verdict[i] == OverlapVerdict::confirms;
+    of_pieces.contradicted += verdict[i] == OverlapVerdict::contradicts;
+  }
+  return out;
+}
+
+PieceBonds TrajectoryEstimation::Impl::bonds() const {
+  std::map<PiecePair, std::vector<std::pair<int, int>>> between;
+  for (const KeyframeMotion& m : relations) {
+    const PiecePair pieces = piecesOf(m);
+    if (pieces.first == pieces.second) continue;
+    const bool forward = nodes[m.from].piece == pieces.first;
+    between[pieces].emplace_back(forward ? m.from : m.to, forward ? m.to : m.from);
+  }
+  const auto apart = [&](int a, int b) { return !keyRadius().joins(T_w_k[a].T, T_w_k[b].T); };
+  PieceBonds out;
+  for (const auto& [pieces, found] : between) out[pieces] = independentTies(found, apart);
   return out;
 }
 
@@ -585,18 +660,25 @@ void TrajectoryEstimation::Impl::optimize(std::vector<KeyframeMotion> found) {
   }
 }
 
-void TrajectoryEstimation::Impl::improve(const std::function<void(double)>& progress, int asked) {
+void TrajectoryEstimation::Impl::improve(const Progress& progress, int asked) {
   if (nodes.size() < 2) return;
   const int first = std::clamp(asked, 0, static_cast<int>(nodes.size()));
   for (int pass = 0; pass < kPasses; ++pass) {
-    if (progress) progress(pass / double(kPasses));
+    const auto share = [&](double begin, double end) -> Progress {
+      if (!progress) return {};
+      return [&progress, pass, begin, end](double done) {
+        progress((pass + begin + done * (end - begin)) / kPasses);
+      };
+    };
     std::vector<KeyframeMotion> all = chain;
     all.insert(all.end(), relations.begin(), relations.end());
     const GraphCovariance known(graphOf(all), threads);
     known.ofNodes();  // by all threads, before each of them asks for some
-    std::vector<KeyframeMotion> found = compareKeyframes(known, first);
-    const std::vector<KeyframeMotion> ties = tieParts(known, first);
-    found.insert(found.end(), ties.begin(), ties.end());
+    std::vector<KeyframeMotion> found = compareKeyframes(known, first, share(0, 0.5));
+    const bool is_last = pass + 1 == kPasses;  // ties are judged by the pass after them
+    const std::vector<KeyframeMotion> new_ties =
+        is_last ? std::vector<KeyframeMotion>() : tieParts(known, first, share(0.5, 1));
+    found.insert(found.end(), new_ties.begin(), new_ties.end());
     for (const KeyframeMotion& m : relations)  // those of earlier keyframes; ties of parts that are one now
       if (m.to < first || ((m.source == Source::loop || m.from == nodes[m.to].before) &&
                            std::none_of(found.begin(), found.end(), [&](const KeyframeMotion& f) {
@@ -605,12 +687,36 @@ void TrajectoryEstimation::Impl::improve(const std::function<void(double)>& prog
         found.push_back(m);
     const std::vector<PoseWithCovariance> before = T_w_k;
     optimize(std::move(found));
+    const bool is_cut = cutContradicted();
     double moved = 0;
     for (std::size_t i = 0; i < before.size(); ++i)
       moved = std::max(moved, (before[i].T.translation() - T_w_k[i].T.translation()).norm());
-    if (moved < kMoved) break;
+    if (moved < kMoved && new_ties.empty() && !is_cut) break;
   }
   if (progress) progress(1);
+}
+
+// Takes out the weakest bond between pieces that contradict each other, again and again.
+bool TrajectoryEstimation::Impl::cutContradicted() {
+  bool is_cut = false;
+  for (;;) {
+    const PieceVerdicts all = verdicts();
+    const auto bond = weakestBond(all, bonds(), kIndependentTies);
+    if (!bond) return is_cut;
+    cut(*bond);
+    is_cut = true;
+  }
+}
+
+void TrajectoryEstimation::Impl::cut(const PiecePair& pieces) {
+  std::vector<KeyframeMotion> left;
+  for (const KeyframeMotion& m : relations)
+    if (piecesOf(m) != pieces)
+      left.push_back(m);
+    else if (const auto tie = ties.find({m.from, m.to}); tie != ties.end())
+      tie->second.reset();
+  ++cut_bonds;
+  optimize(std::move(left));
 }
 
 void TrajectoryEstimation::Impl::adopt(const Impl& improved) {
@@ -634,6 +740,11 @@ void TrajectoryEstimation::Impl::adopt(const Impl& improved) {
     T_w_k[m.to] = T_w_k[m.from] * PoseWithCovariance{*nodes[m.to].T_before, m.T_from_to.P};
     part[m.to] = part[m.from];
   }
+}
+
+std::string OverlapVerdicts::inWords() const {
+  return fmt::format("{:.1f} % of {} overlaps of images contradict it by more than 1 deg or 0.1 m",
+                     100 * contradictedShare(), judged());
 }
 
 TrajectoryEstimation::TrajectoryEstimation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -679,6 +790,11 @@ CameraTrajectory TrajectoryEstimation::trajectory() const {
     out.keyframes.push_back({m.nodes[k].image, m.nodes[k].view, m.T_w_k[k], m.part[k]});
   out.motions = m.chain;
   out.motions.insert(out.motions.end(), m.relations.begin(), m.relations.end());
+  for (const auto& [ignored, v] : m.verdicts()) {
+    out.overlaps.confirmed += v.confirmed;
+    out.overlaps.contradicted += v.contradicted;
+  }
+  out.cut_bonds = m.cut_bonds;
   for (std::size_t i = 0; i < m.images.size(); ++i) {
     const Impl::Image& image = m.images[i];
     out.images.push_back({image.stamp, m.T_w_k[image.keyframe].T * image.T_k_c, image.keyframe});

@@ -5,6 +5,7 @@
 #include <facetloc/mapping/map_builder.h>
 #include <facetloc/mapping/mapping_params.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -47,8 +48,9 @@ public:
 
   /** \brief Are there keyframes that improve() has not compared? */
   bool canBeImproved() const;
-  /** \brief Compares new keyframes with earlier ones, closes loops and optimizes all poses. */
-  void improve();
+  /** \brief Compares new keyframes with earlier ones, closes loops and optimizes all poses.
+   * \param progress if given, is called with the share of the work that is done, from one thread */
+  void improve(const std::function<void(double)>& progress = {});
   /** \brief A copy, to be improved by another thread while images are added here. Views are shared. */
   GrowingMap clone() const;
   /** \brief Takes the poses of an improved clone. \return the largest distance by which a keyframe has moved

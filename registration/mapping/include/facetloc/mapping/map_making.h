@@ -14,6 +14,9 @@
 
 namespace facetloc {
 
+/** \brief Key of a map's meta data: how far images contradict the trajectory that was found from them. */
+constexpr const char* kTrajectoryKey = "trajectory";
+
 /** \brief How a map is made of a run. */
 struct MapMakingParams {
   MapBuilderParams places;   ///< which images become local models

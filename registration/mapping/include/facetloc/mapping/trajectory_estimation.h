@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace facetloc {
@@ -39,11 +40,25 @@ struct KeyframeMotion {
   double mismatch = 0;  ///< squared Mahalanobis distance from the trajectory, of 6 degrees of freedom
 };
 
+/** \brief Overlapping keyframes whose views confirm or contradict the relative pose of a trajectory. */
+struct OverlapVerdicts {
+  int confirmed = 0;
+  int contradicted =
+      0;  ///< depth disagrees there, or the views register beyond 1 deg or 0.1 m and their error
+
+  int judged() const { return confirmed + contradicted; }
+  double contradictedShare() const { return judged() > 0 ? double(contradicted) / judged() : 0; }
+  /** \brief "1.4 % of 624 overlaps of images contradict it by more than 1 deg or 0.1 m". */
+  std::string inWords() const;
+};
+
 /** \brief Where a camera has been. Parts that nothing ties together have worlds of their own. */
 struct CameraTrajectory {
   std::vector<TrajectoryPose> images;
   std::vector<Keyframe> keyframes;
   std::vector<KeyframeMotion> motions;  ///< that the poses come from
+  OverlapVerdicts overlaps;             ///< of the keyframes that were compared
+  int cut_bonds = 0;  ///< bonds between parts that were cut since overlaps contradicted them
 
   std::vector<int> parts() const;  ///< numbers of their first keyframes, the largest part first
   int loops() const;               ///< number of motions by which it has come back

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "motion/view_placing.h"
+
+#include <facetloc/mapping/trajectory_estimation.h>
+
+#include <map>
+#include <utility>
+
+namespace facetloc::internal {
+
+/** \brief Two keyframes, compared. */
+struct Comparison {
+  Eigen::Isometry3d prior = Eigen::Isometry3d::Identity();  ///< where they were expected
+  bool anywhere = false;                                    ///< searched far from there, too
+  std::optional<PlacedView> placed;
+};
+
+constexpr double kLeastAgreement = 0.8;  ///< share of the pixels in which two keyframes must agree
+constexpr double kLeastOverlap = 0.2;    ///< share of the pixels that two keyframes must have in common
+
+/** \brief Relative pose by two views, with the errors that all views share. */
+PoseWithCovariance measured(const PlacedView& placed);
+
+enum class OverlapVerdict : char { says_nothing, confirms, contradicts };
+
+/** \brief Verdict of two compared views on their relative pose by the trajectory. They contradict it if depth
+ * disagrees there, or if they were registered farther away than 1 deg or 0.1 m and their error. */
+OverlapVerdict verdictOn(const Eigen::Isometry3d& T_a_b, const View& a, const View& b,
+                         const Comparison& compared);
+
+/** \brief Verdicts on the relative poses of pieces, by the numbers of the pieces, the smaller first. */
+using PieceVerdicts = std::map<std::pair<int, int>, OverlapVerdicts>;
+
+}  // namespace facetloc::internal

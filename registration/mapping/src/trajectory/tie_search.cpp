@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "trajectory/tie_search.h"
+
+#include "shared/in_parallel.h"
+#include "shortlist/plane_overlay.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace facetloc::internal {
+namespace {
+
+constexpr int kMostAlike = 15;  // earlier keyframes that one is compared with for their likeness
+constexpr int kClose = 10;      // numbers of keyframes that are compared whatever they show
+constexpr double kSigmas = 3;
+
+std::vector<int> mostAlike(const std::vector<TieEnd>& keyframes, const std::vector<PlaneColumns>& planes,
+                           int b, const PoseWithCovariance& prior) {
+  const PlaneOverlay overlay(*keyframes[b].view, prior);
+  if (!overlay.isUseful()) return {};
+  std::vector<std::pair<float, int>> alike;
+  for (int a = 0; a < b; ++a) {
+    if (keyframes[a].part == keyframes[b].part) continue;
+    const Overlay laid = overlay.on(planes[a]);
+    if (laid.exists()) alike.emplace_back(-laid.score, a);
+  }
+  std::sort(alike.begin(), alike.end());
+  std::vector<int> best;
+  for (std::size_t i = 0; i < std::min<std::size_t>(kMostAlike, alike.size()); ++i)
+    best.push_back(alike[i].second);
+  return best;
+}
+
+}  // namespace
+
+std::vector<std::pair<int, int>> tieCandidates(const std::vector<TieEnd>& keyframes, int first,
+                                               const PoseWithCovariance& prior, int threads) {
+  const int n = static_cast<int>(keyframes.size());
+  const int part = keyframes.empty() ? 0 : keyframes.front().part;
+  if (std::all_of(keyframes.begin(), keyframes.end(), [part](const TieEnd& k) { return k.part == part; }))
+    return {};
+  std::vector<PlaneColumns> planes;
+  for (const TieEnd& k : keyframes) planes.emplace_back(*k.view);
+  std::vector<std::vector<int>> partners(n - first);
+  forEachInParallel(n - first, threads, [&](int i) {
+    std::vector<int>& of_b = partners[i];
+    const int b = first + i;
+    of_b = mostAlike(keyframes, planes, b, prior);
+    for (int a = std::max(0, b - kClose); a < b; ++a)
+      if (keyframes[a].part != keyframes[b].part) of_b.push_back(a);
+    std::sort(of_b.begin(), of_b.end());
+    of_b.erase(std::unique(of_b.begin(), of_b.end()), of_b.end());
+  });
+  std::vector<std::pair<int, int>> pairs;
+  for (int i = 0; i < n - first; ++i)
+    for (const int a : partners[i]) pairs.emplace_back(a, first + i);
+  return pairs;
+}
+
+TravelBound::TravelBound(const std::vector<TieEnd>& keyframes, const CameraSpeed& speed,
+                         const GraphCovariance& graph)
+    : keyframes_(keyframes), speed_(speed), graph_(graph) {}
+
+// Of the first part, and of the second; (-1, -1) if the camera was interrupted between all of them.
+std::pair<int, int> TravelBound::nearestInTime(int part_a, int part_b) const {
+  std::pair<int, int> nearest{-1, -1};
+  double least = 0;
+  int latest_a = -1, latest_b = -1;
+  for (int k = 0; k < static_cast<int>(keyframes_.size()); ++k) {
+    if (keyframes_[k].part == part_a) latest_a = k;
+    if (keyframes_[k].part == part_b) latest_b = k;
+    const bool is_of_either = k == latest_a || k == latest_b;
+    if (!is_of_either || latest_a < 0 || latest_b < 0 || keyframes_[latest_a].run != keyframes_[latest_b].run)
+      continue;
+    const double duration = std::abs(keyframes_[latest_a].stamp - keyframes_[latest_b].stamp);
+    if (nearest.first >= 0 && duration >= least) continue;
+    nearest = {latest_a, latest_b};
+    least = duration;
+  }
+  return nearest;
+}
+
+bool TravelBound::allows(const PoseEdge& tie) const {
+  const auto [a, b] = nearestInTime(keyframes_[tie.from].part, keyframes_[tie.to].part);
+  if (a < 0) return true;
+  const auto there = graph_.between(a, tie.from), back = graph_.between(tie.to, b);
+  if (!there || !back) return true;
+  const PoseWithCovariance T_a_b = *there * tie.T_from_to * *back;
+  const double duration = std::abs(keyframes_[a].stamp - keyframes_[b].stamp);
+  return T_a_b.T.translation().norm() <= speed_.farthest(duration) + kSigmas * largestTranslationStd(T_a_b.P);
+}
+
+}  // namespace facetloc::internal

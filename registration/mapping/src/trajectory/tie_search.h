@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "graph/graph_covariance.h"
+#include "trajectory/camera_speed.h"
+
+#include <facetloc/features/local_model.h>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace facetloc::internal {
+
+/** \brief A keyframe, as far as the search for ties needs it. */
+struct TieEnd {
+  std::shared_ptr<const View> view;
+  int part = 0;
+  int run = 0;  ///< number of interruptions before it
+  double stamp = 0;
+};
+
+/** \brief Pairs of keyframes of different parts that may show the same place: those close in order, and for
+ * each keyframe the earlier ones whose planes overlay best (localization/METHOD 13.7).
+ *
+ * \param first number of the first keyframe that pairs are formed with \param prior of the relative pose,
+ * about the identity */
+std::vector<std::pair<int, int>> tieCandidates(const std::vector<TieEnd>& keyframes, int first,
+                                               const PoseWithCovariance& prior, int threads);
+
+/** \brief Bound on ties by the time that the camera had between two parts. */
+class TravelBound {
+public:
+  TravelBound(const std::vector<TieEnd>& keyframes, const CameraSpeed& speed, const GraphCovariance& graph);
+
+  /** \brief False if the camera would have had to move much faster than it does. Anything is possible across
+   * an interruption. */
+  bool allows(const PoseEdge& tie) const;
+
+private:
+  std::pair<int, int> nearestInTime(int part_a, int part_b) const;
+
+  const std::vector<TieEnd>& keyframes_;
+  const CameraSpeed& speed_;
+  const GraphCovariance& graph_;
+};
+
+}  // namespace facetloc::internal
