@@ -158,7 +158,12 @@ int MapBuildApp::findTrajectory(const DepthSequence& sequence, MapMaking& making
 }
 
 void MapBuildApp::noteTrajectory(const CameraTrajectory& trajectory, const Console& console) const {
-  console.out << "trajectory: " << inWords(trajectory) << "\n";
+  console.out << "trajectory: " << inWords(trajectory) << "\n"
+              << "trajectory: " << trajectory.overlaps.inWords() << "\n";
+  if (trajectory.cut_bonds > 0)
+    console.note(
+        fmt::format("{} between pieces of the trajectory taken out, which overlapping images contradict",
+                    counted(static_cast<std::size_t>(trajectory.cut_bonds), "bond")));
   const std::vector<int> parts = trajectory.parts();
   if (parts.size() < 2) return;
   std::size_t outside = 0;
@@ -172,6 +177,12 @@ void MapBuildApp::noteTrajectory(const CameraTrajectory& trajectory, const Conso
 void MapBuildApp::noteDistortion(const MapFindings& findings, const Console& console) const {
   const auto& found = findings.distortion;
   if (!found || found->reliable()) return;
+  if (findings.trajectory) {
+    console.note(fmt::format("the distortion of the camera is not estimated: the trajectory is accurate to "
+                             "{:.2f} deg, {:.0f} mm only",
+                             found->poses.rotation_std / kDegree, 1e3 * found->poses.translation_std));
+    return;
+  }
   console.note(fmt::format(
       "the distortion of the camera is left in: the poses are too far from what the images show ({:.2f} deg, "
       "{:.0f} mm) to find it",
@@ -337,6 +348,8 @@ int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence,
     noteDistortion(making.findings(), console);
   }
   if (making.camera().distortion && present.models.empty()) database.setCamera(making.camera());
+  if (const auto& found = making.findings().trajectory)
+    database.setMeta(kTrajectoryKey, found->overlaps.inWords());
   Writer writer(std::move(database), present);
   const Seen seen = addModels(sequence, places, making.camera(), batch, writer);
 
