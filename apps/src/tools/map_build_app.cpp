@@ -158,8 +158,7 @@ int MapBuildApp::findTrajectory(const DepthSequence& sequence, MapMaking& making
 }
 
 void MapBuildApp::noteTrajectory(const CameraTrajectory& trajectory, const Console& console) const {
-  console.out << "trajectory: " << inWords(trajectory) << "\n"
-              << "trajectory: " << trajectory.overlaps.inWords() << "\n";
+  console.out << "trajectory: " << inWords(trajectory) << "; " << trajectory.overlaps.inWords() << "\n";
   if (trajectory.cut_bonds > 0)
     console.note(
         fmt::format("{} between pieces of the trajectory taken out, which overlapping images contradict",

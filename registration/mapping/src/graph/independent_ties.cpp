@@ -5,8 +5,7 @@
 
 namespace facetloc::internal {
 
-int independentTies(const std::vector<std::pair<int, int>>& ties,
-                    const std::function<bool(int, int)>& apart) {
+int independentTies(const std::vector<std::pair<int, int>>& ties, const NodesApart& apart) {
   std::vector<std::pair<int, int>> kept;
   for (const auto& tie : ties)
     if (std::all_of(kept.begin(), kept.end(), [&](const std::pair<int, int>& other) {

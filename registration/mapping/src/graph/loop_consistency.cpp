@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "graph/loop_consistency.h"
 
-#include "graph/independent_ties.h"
 #include "graph/mutual_agreement.h"
 
 #include <facetloc/features/chi_square.h>
@@ -33,17 +32,13 @@ Agreement compare(const PoseEdge& a, const PoseEdge& b, const RelativePoses& fro
 }  // namespace
 
 std::vector<bool> consistentLoops(const std::vector<PoseEdge>& loops, const GraphCovariance& graph, int least,
-                                  const PoseRadius& one_witness) {
+                                  const NodesApart& apart) {
   RelativePoses from;
   for (const PoseEdge& loop : loops)
     for (const int node : {loop.from, loop.to})
       if (!from.count(node)) from.emplace(node, graph.relativeTo(node));
   const int n = static_cast<int>(loops.size());
   const MutualAgreement agreement(n, [&](int i, int j) { return compare(loops[i], loops[j], from); });
-  const auto apart = [&](int a, int b) {
-    const auto& T_a_b = from.at(a)[b];
-    return !T_a_b || !one_witness.joins(Eigen::Isometry3d::Identity(), T_a_b->T);
-  };
   const auto witnesses = [&](const MutualAgreement::Set& set) {
     std::vector<std::pair<int, int>> ties;
     for (const int i : set) ties.emplace_back(loops[i].from, loops[i].to);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "graph/graph_covariance.h"
-#include "shared/pose_radius.h"
+#include "graph/independent_ties.h"
 
 #include <vector>
 
@@ -10,12 +10,12 @@ namespace facetloc::internal {
 
 /** \brief Which of some uncertain loops confirm each other: going there by one and back by another must lead
  * to where one was, along what the graph knows between their ends (pairwise consistency after Mangelson et
- * al., ICRA 2018). Loops whose ends lie within a radius at either side count as one.
+ * al., ICRA 2018). Loops whose ends are not apart at either side count as one.
  *
  * Of the largest sets in which all agree, those of at least so many are taken, unless what contradicts such a
  * set is more than half as large: repeated corridors confirm several answers. \param loops between different
  * nodes \return for each loop whether it is confirmed. Same input, same answer. */
 std::vector<bool> consistentLoops(const std::vector<PoseEdge>& loops, const GraphCovariance& graph, int least,
-                                  const PoseRadius& one_witness);
+                                  const NodesApart& apart);
 
 }  // namespace facetloc::internal

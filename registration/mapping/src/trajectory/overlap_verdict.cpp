@@ -17,6 +17,16 @@ constexpr double kUnknown = 100;  // standard deviation of what two views do not
 constexpr double kFarEllipsoid = chiSquareQuantile(6, 0.999);
 constexpr PoseRadius kSameTrajectory{0.1, 1};
 
+DepthAgreement agreementAt(const Eigen::Isometry3d& T_a_b, const View& a, const View& b) {
+  return DepthComparison(DepthCalibration{}).compareBoth(b.depth, a.depth, T_a_b, kFineColumns);
+}
+
+double overlapOf(const DepthAgreement& seen, const DepthPicture& picture) {
+  const int step = gridStep(picture, kFineColumns);
+  const int pixels = gridPoints(picture.camera.width, step) * gridPoints(picture.camera.height, step);
+  return (seen.agree + seen.contradict) / (2.0 * std::max(1, pixels));
+}
+
 }  // namespace
 
 PoseWithCovariance measured(const PlacedView& placed) {
@@ -25,18 +35,18 @@ PoseWithCovariance measured(const PlacedView& placed) {
   return {placed.T_a_b, withSharedErrors(symmetricInverse(information))};
 }
 
+double overlapOf(const Eigen::Isometry3d& T_a_b, const View& a, const View& b) {
+  return overlapOf(agreementAt(T_a_b, a, b), b.depth);
+}
+
 OverlapVerdict verdictOn(const Eigen::Isometry3d& T_a_b, const View& a, const View& b,
                          const Comparison& compared) {
-  const DepthComparison comparison(DepthCalibration{});
-  const DepthAgreement seen = comparison.compareBoth(b.depth, a.depth, T_a_b, kFineColumns);
-  const double judged = seen.agree + seen.contradict;
-  const double pixels = 2.0 * gridPoints(b.depth.camera.width, gridStep(b.depth, kFineColumns)) *
-                        gridPoints(b.depth.camera.height, gridStep(b.depth, kFineColumns));
-  if (judged < kLeastOverlap * pixels) return OverlapVerdict::says_nothing;
+  const DepthAgreement seen = agreementAt(T_a_b, a, b);
+  if (overlapOf(seen, b.depth) < kLeastOverlap) return OverlapVerdict::says_nothing;
   const bool is_elsewhere = compared.placed && !compared.anywhere &&
                             !kSameTrajectory.joins(compared.placed->T_a_b, T_a_b) &&
                             squaredMahalanobis(measured(*compared.placed), T_a_b) > kFarEllipsoid;
-  const bool agrees = seen.agree >= kLeastAgreement * judged;
+  const bool agrees = seen.agree >= kLeastAgreement * (seen.agree + seen.contradict);
   return agrees && !is_elsewhere ? OverlapVerdict::confirms : OverlapVerdict::contradicts;
 }
 

@@ -23,6 +23,9 @@ constexpr double kLeastOverlap = 0.2;    ///< share of the pixels that two keyfr
 /** \brief Relative pose by two views, with the errors that all views share. */
 PoseWithCovariance measured(const PlacedView& placed);
 
+/** \brief Share of the pixels of two views that agree or contradict at a relative pose. */
+double overlapOf(const Eigen::Isometry3d& T_a_b, const View& a, const View& b);
+
 enum class OverlapVerdict : char { says_nothing, confirms, contradicts };
 
 /** \brief Verdict of two compared views on their relative pose by the trajectory. They contradict it if depth

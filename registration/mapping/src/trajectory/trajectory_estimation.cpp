@@ -48,9 +48,10 @@ constexpr double kTrustedStd = 0.3, kTrustedRotation = 5 * kDegree;
 constexpr int kConsistentLoops = 3;  // that must agree before an uncertain one of them is believed
 constexpr int kPasses = 4;           // comparisons of all keyframes, each followed by an optimization
 constexpr double kUncertainStd = 1, kUncertainRotation = 10 * kDegree;  // beyond which rooms look alike [m]
-constexpr int kMostUncertain = 15;   // earlier keyframes that one is compared with far from certainty
-constexpr int kLocal = 20;           // keyframes in a row between which no loop is closed
-constexpr int kIndependentTies = 2;  // that must agree before two pieces become one
+constexpr int kMostUncertain = 15;        // earlier keyframes that one is compared with far from certainty
+constexpr int kLocal = 20;                // keyframes in a row between which no loop is closed
+constexpr double kSameLookOverlap = 0.5;  // share of the pixels of two keyframes that show the same thing
+constexpr int kIndependentTies = 2;       // that must agree before two pieces become one
 constexpr double kMoved = 0.02, kTurned = 0.5;  // of a prior, after which a pair is compared anew [m, deg]
 constexpr int kLooks = 3;  // keyframes of a place that an image is compared with before it becomes another
 constexpr double kSureAgreement = 0.95,
@@ -90,6 +91,10 @@ std::vector<int> inOrder(std::vector<std::pair<double, int>> by_distance) {
 
 using Comparisons = std::map<std::pair<int, int>, Comparison>;
 using Ties = std::map<std::pair<int, int>, std::optional<PlacedView>>;
+
+bool isTrusted(const Matrix6d& P) {
+  return largestTranslationStd(P) <= kTrustedStd && largestRotationStd(P) <= kTrustedRotation;
+}
 
 // Calls a function with 0 .. n - 1 in parallel, and tells the progress in between.
 void inChunks(int n, int threads, const Progress& progress, const std::function<void(int)>& function) {
@@ -207,7 +212,8 @@ struct TrajectoryEstimation::Impl {
   void compareTies(const std::vector<std::pair<int, int>>& pairs, const Progress& progress);
   PieceVerdicts verdicts() const;
   PieceBonds bonds() const;
-  PoseRadius keyRadius() const { return {params.odometry.key_distance, params.odometry.key_rotation_deg}; }
+  NodesApart keyframesApart() const;
+  NodesApart viewsApart() const;
   bool cutContradicted();
   void cut(const PiecePair& pieces);
   const Comparison* comparisonOf(const std::pair<int, int>& pair) const;
@@ -494,7 +500,7 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const G
       if (!T_b[a]) continue;
       const PoseWithCovariance T = inverse(*T_b[a]);
       const double std = largestTranslationStd(T.P);
-      if (std <= kTrustedStd && largestRotationStd(T.P) <= kTrustedRotation) {
+      if (isTrusted(T.P)) {
         const double distance = viewDistance(Eigen::Isometry3d::Identity(), T.T, reach);
         if (std::isfinite(distance)) certain.push_back({distance, {a, T, true, {}}});
       } else if (b - a > kLocal && std <= kUncertainStd && largestRotationStd(T.P) <= kUncertainRotation) {
@@ -537,7 +543,7 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const G
     }
   compared = all;
   compared_since.clear();
-  const std::vector<bool> confirmed = consistentLoops(uncertain, known, kConsistentLoops, keyRadius());
+  const std::vector<bool> confirmed = consistentLoops(uncertain, known, kConsistentLoops, keyframesApart());
   for (std::size_t i = 0; i < uncertain.size(); ++i)
     if (confirmed[i])
       out.push_back({uncertain[i].from, uncertain[i].to, uncertain[i].T_from_to, Source::loop, 0});
@@ -581,11 +587,30 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::tieParts(const GraphCova
     const PoseEdge tie{pair.first, pair.second, measured(*placed), true};
     if (bound.allows(tie)) found.push_back(tie);
   }
-  const std::vector<bool> confirmed = consistentLoops(found, known, kIndependentTies, keyRadius());
+  const std::vector<bool> confirmed = consistentLoops(found, known, kIndependentTies, viewsApart());
   std::vector<KeyframeMotion> out;
   for (std::size_t i = 0; i < found.size(); ++i)
     if (confirmed[i]) out.push_back({found[i].from, found[i].to, found[i].T_from_to, Source::loop, 0});
   return out;
+}
+
+// Of one part, as far as a new keyframe is from the last.
+NodesApart TrajectoryEstimation::Impl::keyframesApart() const {
+  const PoseRadius radius{params.odometry.key_distance, params.odometry.key_rotation_deg};
+  return [this, radius](int a, int b) { return !radius.joins(T_w_k[a].T, T_w_k[b].T); };
+}
+
+// Of one part, with little in common. The answers are kept for the poses of now.
+NodesApart TrajectoryEstimation::Impl::viewsApart() const {
+  const auto known = std::make_shared<std::map<std::pair<int, int>, bool>>();
+  return [this, known](int a, int b) {
+    if (a == b) return false;
+    const auto [answer, is_new] = known->try_emplace(std::minmax(a, b));
+    if (is_new)
+      answer->second =
+          overlapOf(T_w_k[a].T.inverse() * T_w_k[b].T, *nodes[a].view, *nodes[b].view) < kSameLookOverlap;
+    return answer->second;
+  };
 }
 
 // Of pieces that are tied into one part, and of each with itself, by all keyframes compared.
@@ -609,6 +634,7 @@ PieceVerdicts TrajectoryEstimation::Impl::verdicts() const {
   return out;
 }
 
+// Those that leave the relative pose of their pieces loose have no ties.
 PieceBonds TrajectoryEstimation::Impl::bonds() const {
   std::map<PiecePair, std::vector<std::pair<int, int>>> between;
   for (const KeyframeMotion& m : relations) {
@@ -617,9 +643,18 @@ PieceBonds TrajectoryEstimation::Impl::bonds() const {
     const bool forward = nodes[m.from].piece == pieces.first;
     between[pieces].emplace_back(forward ? m.from : m.to, forward ? m.to : m.from);
   }
-  const auto apart = [&](int a, int b) { return !keyRadius().joins(T_w_k[a].T, T_w_k[b].T); };
   PieceBonds out;
-  for (const auto& [pieces, found] : between) out[pieces] = independentTies(found, apart);
+  if (between.empty()) return out;
+  std::vector<KeyframeMotion> all = chain;
+  all.insert(all.end(), relations.begin(), relations.end());
+  const GraphCovariance known(graphOf(all), threads);
+  const auto isTight = [&](const std::pair<int, int>& tie) {
+    const auto T = known.between(tie.first, tie.second);
+    return T && isTrusted(T->P);
+  };
+  const NodesApart apart = viewsApart();
+  for (const auto& [pieces, found] : between)
+    out[pieces] = std::any_of(found.begin(), found.end(), isTight) ? independentTies(found, apart) : 0;
   return out;
 }
 
