@@ -28,7 +28,7 @@ TEST(PieceBonds, AContradictedBondIsCut) {
 TEST(PieceBonds, WhereTheEndsOfAChainContradictEachOtherItsWeakestBondIsCut) {
   const PieceBonds bonds{{{0, 3}, 4}, {{3, 5}, 2}, {{5, 9}, 6}};
   EXPECT_EQ(weakestBond({{{0, 9}, {1, 30}}}, bonds, kLeast), PiecePair(3, 5));
-  EXPECT_EQ(weakestBond({{{0, 9}, {1, 30}}, {{5, 9}, {50, 4}}}, bonds, kLeast), PiecePair(5, 9));
+  EXPECT_EQ(weakestBond({{{0, 9}, {1, 30}}, {{5, 9}, {50, 2}}}, bonds, kLeast), PiecePair(5, 9));
 }
 
 TEST(PieceBonds, ContradictionsWithinAPieceCutNothing) {

@@ -9,8 +9,8 @@ namespace facetloc::internal {
 namespace {
 
 // Share of the overlaps of two pieces that contradict their pose, beyond noise and things that moved: within
-// a piece it is about 0.02, of a wrong bond more than 0.2.
-constexpr double kContradicted = 0.1;
+// a piece it is up to 0.025, of a right bond 0, of a wrong one 0.07 to 0.8.
+constexpr double kContradicted = 0.05;
 
 bool isContradicted(const OverlapVerdicts& v) { return v.contradictedShare() > kContradicted; }
 

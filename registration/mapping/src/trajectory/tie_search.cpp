@@ -80,14 +80,28 @@ std::pair<int, int> TravelBound::nearestInTime(int part_a, int part_b) const {
   return nearest;
 }
 
+// Distance that the camera may have covered between two keyframes: the known displacements of the parts in
+// between, and what its speed allows from one to the next.
+double TravelBound::farthest(int first, int last) const {
+  double sum = 0;
+  int begin = first;
+  for (int k = first + 1; k <= last; ++k) {
+    if (keyframes_[k].part == keyframes_[k - 1].part) continue;
+    sum += (keyframes_[k - 1].position - keyframes_[begin].position).norm() +
+           speed_.farthest(keyframes_[k].stamp - keyframes_[k - 1].stamp);
+    begin = k;
+  }
+  return sum + (keyframes_[last].position - keyframes_[begin].position).norm();
+}
+
 bool TravelBound::allows(const PoseEdge& tie) const {
   const auto [a, b] = nearestInTime(keyframes_[tie.from].part, keyframes_[tie.to].part);
   if (a < 0) return true;
   const auto there = graph_.between(a, tie.from), back = graph_.between(tie.to, b);
   if (!there || !back) return true;
   const PoseWithCovariance T_a_b = *there * tie.T_from_to * *back;
-  const double duration = std::abs(keyframes_[a].stamp - keyframes_[b].stamp);
-  return T_a_b.T.translation().norm() <= speed_.farthest(duration) + kSigmas * largestTranslationStd(T_a_b.P);
+  return T_a_b.T.translation().norm() <=
+         farthest(std::min(a, b), std::max(a, b)) + kSigmas * largestTranslationStd(T_a_b.P);
 }
 
 }  // namespace facetloc::internal

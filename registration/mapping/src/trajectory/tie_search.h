@@ -18,6 +18,7 @@ struct TieEnd {
   int part = 0;
   int run = 0;  ///< number of interruptions before it
   double stamp = 0;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in the world of its part
 };
 
 /** \brief Pairs of keyframes of different parts that may show the same place: those close in order, and for
@@ -28,7 +29,7 @@ struct TieEnd {
 std::vector<std::pair<int, int>> tieCandidates(const std::vector<TieEnd>& keyframes, int first,
                                                const PoseWithCovariance& prior, int threads);
 
-/** \brief Bound on ties by the time that the camera had between two parts. */
+/** \brief Bound on ties by the distance that the camera may have covered between two parts. */
 class TravelBound {
 public:
   TravelBound(const std::vector<TieEnd>& keyframes, const CameraSpeed& speed, const GraphCovariance& graph);
@@ -39,6 +40,7 @@ public:
 
 private:
   std::pair<int, int> nearestInTime(int part_a, int part_b) const;
+  double farthest(int first, int last) const;
 
   const std::vector<TieEnd>& keyframes_;
   const CameraSpeed& speed_;

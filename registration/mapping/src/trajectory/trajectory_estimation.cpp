@@ -575,7 +575,8 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::tieParts(const GraphCova
                                                                  const Progress& progress) {
   std::vector<TieEnd> keyframes;
   for (std::size_t k = 0; k < nodes.size(); ++k)
-    keyframes.push_back({nodes[k].view, part[k], nodes[k].run, images[nodes[k].image].stamp});
+    keyframes.push_back(
+        {nodes[k].view, part[k], nodes[k].run, images[nodes[k].image].stamp, T_w_k[k].T.translation()});
   const PoseWithCovariance in_any_attitude{Eigen::Isometry3d::Identity(), posePrior({})};
   const std::vector<std::pair<int, int>> pairs = tieCandidates(keyframes, first, in_any_attitude, threads);
   compareTies(pairs, progress);
