@@ -15,11 +15,11 @@
 // (0.67, 1.64, 2.17).
 #include "base/app.h"
 #include "base/text.h"
-#include "belief/image_motion.h"
 #include "calibration/map_ambiguity.h"
 #include "covariance_statistics.h"
 #include "image_overlap.h"
 #include "mapped_place.h"
+#include "motion/camera_motion.h"
 #include "shared/text.h"
 
 #include <facetloc/io/atomic_file.h>
@@ -253,13 +253,13 @@ private:
   /** From each image to the one so many later; sure if the views have seen the motion. */
   Tally motions(const PosedRun& run, std::size_t gap) const {
     Tally tally{"", "motion", std::to_string(gap)};
-    internal::ImageMotion motion(sequence_.odometry);
+    internal::CameraMotion motion(sequence_.odometry);
     for (std::size_t i = 0; i < run.views.size(); i += gap) {
       const auto view = std::make_shared<const View>(run.views[i]);
-      const internal::ViewMotion seen = motion.add(view, i ? run.stamps[i] - run.stamps[i - gap] : 0, {});
+      const internal::Motion seen = motion.next(view, i ? run.stamps[i] - run.stamps[i - gap] : 0);
       if (i == 0) continue;
       Answer answer;
-      if (!seen.broken) answer = {seen.T_a_b, seen.agreement > 0};
+      if (seen.source != internal::Motion::Source::broken) answer = {seen.likeliest(), seen.agreement > 0};
       count(answer, run.truth[i - gap].inverse() * run.truth[i], tally);
     }
     return tally;

@@ -30,7 +30,7 @@ DepthAgreement DepthComparison::compare(const DepthPicture& a, const DepthPictur
   std::array<int, 4> count{};
   DepthVerdicts verdicts;
   for (int v = step / 2; v < a.camera.height; v += step) {
-    judge.row(v, step, verdicts, &sum.likelihood);
+    judge.row(v, step, verdicts, &sum);
     for (const DepthVerdict verdict : verdicts) ++count[static_cast<int>(verdict)];
   }
   sum.agree = count[static_cast<int>(DepthVerdict::agree)];
@@ -51,10 +51,10 @@ namespace {
 // Judges pixels u, u + step, ... of a row of picture a; the point of inverse depth rho on a ray b is
 // (R b + t rho) / rho, so that everything stays in inverse depth. Adds the likelihoods to a sum.
 FACETLOC_MULTIVERSION void judgePixels(const DepthJudge::Geometry& g, const std::uint16_t* row, int v, int u,
-                                       int step, int n, DepthVerdict* out, double* likelihood) {
+                                       int step, int n, DepthVerdict* out, DepthAgreement* total) {
   float start[3];
   g.rays.startRow(v, start);
-  Floats sum{};
+  Floats sum{}, misfit{};
   for (int i = 0; i < n; i += kLanes) {
     Floats column, rho, p[3];
     readPixels(row, u, step, n, i, column, rho);
@@ -80,7 +80,7 @@ FACETLOC_MULTIVERSION void judgePixels(const DepthJudge::Geometry& g, const std:
     const Ints verdict = inside & (contradicts ? kContradict : hides ? kOcclude : kAgree);
     const Chars codes = __builtin_convertvector(verdict, Chars);
     std::memcpy(out + i, &codes, std::min(kLanes, n - i));
-    if (!likelihood) continue;
+    if (!total) continue;
 
     // The logarithm of x = 2^e (1 + f) with f in [-0.25, 0.5], to 1e-6: ln(1 + f) = 2 artanh(f / (2 + f)).
     const Floats argument = inside ? error * (1 / g.unit_error) : none + 1.f;
@@ -90,14 +90,17 @@ FACETLOC_MULTIVERSION void judgePixels(const DepthJudge::Geometry& g, const std:
     const Floats log_error = __builtin_convertvector(exponent, Floats) * kLn2 +
                              2.f * s * (1.f + s2 * (1.f / 3 + s2 * (1.f / 5 + s2 * (1.f / 7))));
     const Floats ratio = difference / error;
-    const Floats gaussian = -log_error - 0.5f * ratio * ratio, contradiction = none + kContradicting,
+    const Floats half_squared = 0.5f * ratio * ratio;
+    const Floats gaussian = -log_error - half_squared, contradiction = none + kContradicting,
                  occlusion = none + kOccluded;
     const Floats agreement = gaussian > kContradicting ? gaussian : contradiction;
     const Floats counts = contradicts ? contradiction : hides ? occlusion : agreement;
     sum += inside ? counts : none;
+    const Floats bounded = half_squared < -kContradicting ? half_squared : -contradiction;
+    const Floats missed = contradicts ? -contradiction : hides ? -occlusion : bounded;
+    misfit += inside ? missed : none;
   }
-  if (likelihood)
-    for (int k = 0; k < kLanes; ++k) *likelihood += sum[k];
+  for (int k = 0; total && k < kLanes; ++k) total->likelihood += sum[k], total->misfit += misfit[k];
 }
 
 }  // namespace
@@ -121,11 +124,11 @@ DepthJudge::DepthJudge(const DepthComparison& comparison, const DepthPicture& a,
   g_.gate = static_cast<float>(errors.gate);
 }
 
-void DepthJudge::row(int v, int step, DepthVerdicts& out, double* likelihood) const {
+void DepthJudge::row(int v, int step, DepthVerdicts& out, DepthAgreement* sum) const {
   const int first = step / 2, width = a_.camera.width;
   out.resize(gridPoints(width, step));
   judgePixels(g_, a_.inverse_depth.data() + static_cast<std::size_t>(v) * width, v, first, step,
-              static_cast<int>(out.size()), out.data(), likelihood);
+              static_cast<int>(out.size()), out.data(), sum);
 }
 
 DepthVerdict DepthJudge::operator()(int u, int v) const {

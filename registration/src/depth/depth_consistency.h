@@ -20,9 +20,11 @@ struct DepthAgreement {
   int contradict = 0;     ///< predicted nearer than measured: the other camera looked through it
   int occluded = 0;       ///< predicted farther: behind what the other camera saw
   double likelihood = 0;  ///< sum of bounded Gaussian log likelihoods of the error [nats]
+  double misfit = 0;      ///< what an exact agreement of each pixel would add to that [nats]
 
   DepthAgreement& operator+=(const DepthAgreement& o) {
-    agree += o.agree, contradict += o.contradict, occluded += o.occluded, likelihood += o.likelihood;
+    agree += o.agree, contradict += o.contradict, occluded += o.occluded;
+    likelihood += o.likelihood, misfit += o.misfit;
     return *this;
   }
   int judged() const { return agree + contradict + occluded; }
@@ -79,9 +81,9 @@ public:
              const Eigen::Isometry3d& T_b_a);
 
   DepthVerdict operator()(int u, int v) const;
-  /** \brief Of the pixels step / 2, step / 2 + step, ... of row v. Adds to likelihood, if given, the bounded
-   * log likelihoods of their errors [nats]. */
-  void row(int v, int step, DepthVerdicts& out, double* likelihood = nullptr) const;
+  /** \brief Of the pixels step / 2, step / 2 + step, ... of row v. Adds to `sum`, if given, the bounded log
+   * likelihoods of their errors and the misfit. */
+  void row(int v, int step, DepthVerdicts& out, DepthAgreement* sum = nullptr) const;
 
   /** \brief Where the pixels of a appear in b, in numbers. */
   struct Geometry {

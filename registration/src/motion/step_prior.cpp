@@ -3,11 +3,15 @@
 
 #include <facetloc/registration/pose_prior.h>
 
+#include <algorithm>
+
 namespace facetloc::internal {
 namespace {
 
-constexpr double kWay = 0.4, kTurnDeg = 20;  // [m, deg]
-constexpr int kSideways = 4;                 // among the motions of a robot base
+constexpr double kWay = 0.4, kTurnDeg = 20;        // [m, deg]
+constexpr double kSpeed = 0.7, kTurnRateDeg = 40;  // of a walk [m/s, deg/s]
+constexpr double kShortest = 0.2, kLongest = 3;    // times that a motion is thought to take [s]
+constexpr int kSideways = 4;                       // among the motions of a robot base
 
 }  // namespace
 
@@ -19,6 +23,14 @@ Matrix6d stepCovariance(const std::optional<CameraMounting>& mounting, bool slid
   if (!mounting || slides) return P;
   const Vector6d sideways = cameraMotion(*mounting).col(kSideways);  // of the camera, one metre
   return P - (kWay * kWay - kSidewaysStd * kSidewaysStd) * sideways * sideways.transpose();
+}
+
+Matrix6d motionPrior(double dt, const std::optional<CameraMounting>& mounting) {
+  const double time = std::clamp(dt, kShortest, kLongest);
+  PosePriorParams prior;
+  prior.translation_std = kSpeed * time;
+  prior.rotation_std_deg = kTurnRateDeg * time;
+  return posePrior(mounting, prior);
 }
 
 SidewaysShift sidewaysShift(const PoseWithCovariance& T_before_after, const CameraMounting& mounting) {

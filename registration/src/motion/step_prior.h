@@ -13,6 +13,10 @@ namespace facetloc::internal {
  * seen to slide, hardly sideways. */
 Matrix6d stepCovariance(const std::optional<CameraMounting>& mounting, bool slides);
 
+/** \brief Covariance of the motion of a camera in some time [s] about no motion, if nothing else tells: as
+ * far as one that is carried, or on a robot, moves at a walk. */
+Matrix6d motionPrior(double dt, const std::optional<CameraMounting>& mounting);
+
 /** \brief How far sideways a motion of its camera takes a robot [m], and the variance of that. */
 struct SidewaysShift {
   double shift = 0, variance = 0;

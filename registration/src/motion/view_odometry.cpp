@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "motion/view_odometry.h"
 
+#include <facetloc/features/chi_square.h>
 #include <facetloc/registration/pose_prior.h>
 
 #include <Eigen/Cholesky>
@@ -21,8 +22,17 @@ constexpr double kTiltRate = 10 * kDegree;  // roll and pitch of a robot on whee
 constexpr double kSlipTime = 1.0;           // for which wheels slip alike [s]
 constexpr double kSlideChange = 0.2;        // of the speed sideways in a second [m/s]
 constexpr double kSure = 3;                 // standard deviations
+constexpr double kGate = chiSquareQuantile(6, 0.99);
 // Keeps the prior regular when no time has passed.
 constexpr double kLeastRotation = 1e-4, kLeastTranslation = 1e-4;  // [rad, m]
+
+// Of a camera on a robot that has come onto another piece of an uneven floor.
+Matrix6d joltOf(const CameraMounting& mounting) {
+  PosePriorParams floor;
+  floor.translation_std = kLeastTranslation;
+  floor.rotation_std_deg = kLeastRotation / kDegree;
+  return posePrior(mounting, floor);
+}
 
 }  // namespace
 
@@ -40,12 +50,15 @@ void ViewOdometry::reset() {
 ViewMotion ViewOdometry::add(const View& view, double dt, const std::optional<PoseWithCovariance>& given) {
   ViewMotion out;
   camera_motion_.reset();
-  if (view.camera && view.camera->mounting) camera_motion_ = cameraMotion(*view.camera->mounting);
+  if (view.camera && view.camera->mounting) {
+    camera_motion_ = cameraMotion(*view.camera->mounting);
+    jolt_ = joltOf(*view.camera->mounting);
+  }
   const PoseWithCovariance predicted = given ? PoseWithCovariance(T_o_c_ * *given) : predict(dt);
   PoseWithCovariance T_o_c = predicted;
   if (!keys_.empty()) {
     const Surroundings around_us = around(predicted.T);
-    T_o_c = alignView(view, around_us, predicted, alignment_).T_w_c;
+    T_o_c = aligned(view, around_us, predicted);
     const DepthAgreement found =
         compareWithAll(view.depth, T_o_c.T, around_us.pictures, comparison_, kFineColumns);
     if (found.judged() >= kFewestPixels) {
@@ -70,6 +83,22 @@ ViewMotion ViewOdometry::add(const View& view, double dt, const std::optional<Po
   T_o_c_ = T_o_c.T;
   takeKey(view);
   return out;
+}
+
+// A robot on wheels tilts slowly, but for a jolt: where the views deny the prediction, they are believed.
+PoseWithCovariance ViewOdometry::aligned(const View& view, const Surroundings& around_us,
+                                         const PoseWithCovariance& predicted) const {
+  if (!camera_motion_) return alignView(view, around_us, predicted, alignment_).T_w_c;
+  PoseWithCovariance jolted = predicted;
+  jolted.P += turned(T_o_c_.linear(), jolt_);
+  const PoseWithCovariance seen = alignView(view, around_us, jolted, alignment_).T_w_c;
+  const Matrix6d of_jolted = symmetricInverse(jolted.P), of_prediction = symmetricInverse(predicted.P);
+  const Matrix6d of_views = symmetricInverse(seen.P) - of_jolted;
+  const Matrix6d P = symmetricInverse(of_views + of_prediction);
+  const Vector6d off = perturbation(seen.T, predicted.T), shift = P * (of_prediction - of_jolted) * off;
+  const Vector6d left = off - shift;
+  if (shift.dot(of_views * shift) + left.dot(of_prediction * left) > kGate) return seen;
+  return {perturbed(seen.T, shift), P};
 }
 
 // Kalman update of the pose after a motion by wheels that do not slip sideways, seen through the mounting. A

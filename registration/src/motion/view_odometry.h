@@ -49,6 +49,8 @@ private:
   };
   PoseWithCovariance predict(double dt) const;
   Surroundings around(const Eigen::Isometry3d& T_o_c) const;
+  PoseWithCovariance aligned(const View& view, const Surroundings& around_us,
+                             const PoseWithCovariance& predicted) const;
   void learnVelocity(const PoseWithCovariance& predicted, const PoseWithCovariance& found, double dt);
   Matrix6d errorOfStep(const Matrix6d& predicted, const PoseWithCovariance& T_o_c) const;
   bool slides() const;
@@ -59,6 +61,7 @@ private:
   ViewAlignmentParams alignment_;
   DepthComparison comparison_;
   std::optional<Matrix6d> camera_motion_;  // of the latest view's camera by a motion of its robot on wheels
+  Matrix6d jolt_ = Matrix6d::Zero();       // covariance of it on another piece of floor
   std::deque<Key> keys_;
   Eigen::Isometry3d T_o_c_ = Eigen::Isometry3d::Identity();
   Slide slide_;

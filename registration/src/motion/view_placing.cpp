@@ -1,30 +1,41 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "motion/view_placing.h"
 
+#include "depth/depth_fit.h"
+#include "pairs/joint_refinement.h"
+#include "shared/pose_radius.h"
+
 #include <facetloc/registration/pose_prior.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 
 namespace facetloc::internal {
 namespace {
 
-constexpr int kFewestPixels = 60;      // that must be compared before their agreement says anything
 constexpr std::size_t kMostFound = 4;  // places of a search that are refined
 constexpr double kLooseRotation = 3 * kDegree, kLooseTranslation = 0.1;  // about a start [rad, m]
 constexpr int kDenseIterations = 10;
 constexpr double kMostDoubt =
     11;  // that a prior can raise: beyond its 99.9 % ellipsoid it may be wrong [nats]
-constexpr double kIndependentPixels = 240;  // that the pixels of two views are worth
-constexpr double kTellingDrop = 2;          // of what pixels say, beside the place that they like best [nats]
-constexpr double kLeastShare = 0.6;         // of the pixels that the place with most compares
+constexpr double kTellingDrop = 2;      // of what pixels say, beside the place that they like best [nats]
+constexpr double kLeastShare = 0.6;     // of the pixels that the place with most compares
+constexpr double kMetresPerRadian = 2;  // distance of what a rotation moves
+constexpr double kStep = 0.15;          // of a walk along the cost, some pixels [m]
+constexpr double kWalkedStd = 2.5;      // of the prior
+constexpr double kLongestWalk = 3;      // to either side [m]
+constexpr double kHopeless = 8;         // log likelihood behind the best, of no use as a start [nats]
+constexpr double kImprobable = 7;       // of a mode [nats]
 
 // What an alignment has added to its prior. Hardly anything along some motion is nothing: it comes from
 // noise, and many of them would hold the camera where the alignment happened to begin.
 Matrix6d added(const Matrix6d& posterior, const Matrix6d& prior) {
-  constexpr double kMetresPerRadian = 2, kTellingStd = 0.3;  // [m]
+  constexpr double kTellingStd = 0.3;  // [m]
   Vector6d scale;
   scale << Eigen::Vector3d::Constant(kMetresPerRadian), Eigen::Vector3d::Ones();
   const Matrix6d in_metres = scale.cwiseInverse().asDiagonal() *
@@ -39,11 +50,139 @@ Matrix6d added(const Matrix6d& posterior, const Matrix6d& prior) {
 
 // Along what is known least, so far that the camera moves by some pixels.
 Vector6d freeStep(Matrix6d information) {
-  constexpr double kStep = 0.15, kLeastPart = 0.1;  // [m], and of a direction that is a translation
+  constexpr double kLeastPart = 0.1;  // of a direction that is a translation
   information.diagonal().array() += 1;
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eig(information);
   const Vector6d free = eig.eigenvectors().col(0);
   return kStep / std::max(kLeastPart, free.tail<3>().norm()) * free;
+}
+
+/** What poses of two views are ranked by: the likelihood of their pixels, which is higher where pixels are
+ * predicted more precisely, or its drop from an exact fit, which is fair to poses that compare other pixels.
+ */
+enum class Cost { likelihood, misfit };
+
+/** Two views, and what is known of how they lie. */
+class ViewPair {
+public:
+  ViewPair(const View& view, const View& other, const PoseWithCovariance& prior,
+           const ViewAlignmentParams& alignment, const DepthComparison& comparison, Cost cost)
+      : view_(view),
+        prior_(prior),
+        alignment_(alignment),
+        cost_(cost),
+        fit_(view.depth, {{&other.depth, Eigen::Isometry3d::Identity()}}, comparison) {
+    surroundings_.add(0, borrowed(other), Eigen::Isometry3d::Identity());
+    Vector6d loose;
+    loose << Eigen::Vector3d::Constant(kLooseRotation), Eigen::Vector3d::Constant(kLooseTranslation);
+    about_start_ = loose.cwiseAbs2().asDiagonal();
+    prior_factor_.compute(prior.P);
+  }
+  const Matrix6d& aboutStart() const { return about_start_; }
+
+  /** The pose with its pixels compared; without information. */
+  std::optional<PlacedView> at(const Eigen::Isometry3d& T, int columns = kFineColumns) const {
+    const DepthPicture& a = view_.depth;
+    const DepthAgreement seen = fit_.compare(T, columns);
+    const auto log_likelihood = logLikelihood(seen, columns);
+    if (!log_likelihood) return {};
+    const double both = 2.0 * gridPoints(a.camera.width, gridStep(a, columns)) *
+                        gridPoints(a.camera.height, gridStep(a, columns));
+    const double compared = seen.agree + seen.contradict;
+    PlacedView placed;
+    placed.T_a_b = T;
+    placed.agreement = seen.agree / std::max(1.0, compared);
+    placed.overlap = compared / both;
+    placed.log_likelihood =
+        cost_ == Cost::misfit ? *log_likelihood : kIndependentPixels * seen.likelihood / seen.judged();
+    placed.judged = seen.judged();
+    return placed;
+  }
+  /** Of a pose that is an end of an alignment. */
+  Matrix6d shown(const PlacedView& mode) const {
+    return shownInformation(mode.information, mode.T_a_b, fit_, kFineColumns).information;
+  }
+  /** How far the prior is from a pose, bounded [nats]. */
+  double doubt(const Eigen::Isometry3d& T) const {
+    const Vector6d off = perturbation(prior_.T, T);
+    return std::min(kMostDoubt, 0.5 * off.dot(prior_factor_.solve(off)));
+  }
+  /** The end of an alignment. */
+  std::optional<PlacedView> from(const Eigen::Isometry3d& start, const Matrix6d& about) const {
+    PoseWithCovariance T{start, about};
+    T.T = alignView(view_, surroundings_, T, alignment_).T_w_c.T;
+    T = alignView(view_, surroundings_, {T.T, about_start_}, alignment_).T_w_c;  // with the pairs of its end
+    auto placed = at(T.T);
+    if (!placed) return placed;
+    placed->information = added(T.P, about_start_);
+    placed->log_likelihood -= doubt(T.T);
+    return placed;
+  }
+  /** What the planes leave open about a pose, as principal motions with their standard deviations. */
+  std::array<Vector6d, 4> openMotions(const Eigen::Isometry3d& T) const;
+
+private:
+  const View& view_;
+  const PoseWithCovariance& prior_;
+  const ViewAlignmentParams& alignment_;
+  Cost cost_;
+  DepthFit fit_;
+  Surroundings surroundings_;
+  Matrix6d about_start_;
+  Eigen::LDLT<Matrix6d> prior_factor_;
+};
+
+// The three axes of the position and the one of the orientation that the planes tell least of, each as long
+// as the standard deviation of the prior.
+std::array<Vector6d, 4> ViewPair::openMotions(const Eigen::Isometry3d& T) const {
+  Hypothesis h;
+  h.T_m_c = {T, prior_.P};
+  refineJointly(view_.segments, surroundings_.segments, h.T_m_c, alignment_.matching, {}, h);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> turns(h.T_m_c.P.topLeftCorner<3, 3>());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> ways(h.T_m_c.P.bottomRightCorner<3, 3>());
+  std::array<Vector6d, 4> motions;
+  motions.fill(Vector6d::Zero());
+  for (int k = 0; k < 3; ++k) motions[k].tail<3>() = ways.eigenvectors().col(k);
+  motions[3].head<3>() = turns.eigenvectors().col(2);
+  for (Vector6d& motion : motions) motion *= std::sqrt(motion.dot(prior_.P * motion));
+  return motions;
+}
+
+// Poses along an open motion where the cost has a minimum of its own.
+std::vector<Eigen::Isometry3d> walked(const ViewPair& pair, const PlacedView& from, const Vector6d& motion) {
+  const double std = kMetresPerRadian * motion.head<3>().norm() + motion.tail<3>().norm();
+  const int n = static_cast<int>(std::min(kLongestWalk, kWalkedStd * std) / kStep);
+  std::vector<double> log_likelihood;
+  double best = -std::numeric_limits<double>::infinity();
+  for (int i = -n - 1; i <= n + 1; ++i) {
+    const Eigen::Isometry3d T = perturbed(from.T_a_b, i * kStep / std * motion);
+    const auto here = pair.at(T, kCoarseColumns);
+    const bool counts = here && here->judged * kFineColumns * kFineColumns >=
+                                    kLeastShare * from.judged * kCoarseColumns * kCoarseColumns;
+    log_likelihood.push_back(counts ? here->log_likelihood - pair.doubt(T)
+                                    : -std::numeric_limits<double>::infinity());
+    best = std::max(best, log_likelihood.back());
+  }
+  std::vector<Eigen::Isometry3d> minima;
+  for (int i = -n; i <= n; ++i) {
+    const double* here = &log_likelihood[static_cast<std::size_t>(i + n + 1)];
+    if (std::abs(i) > 1 && here[0] >= here[-1] && here[0] > here[1] && here[0] > best - kHopeless)
+      minima.push_back(perturbed(from.T_a_b, i * kStep / std * motion));
+  }
+  return minima;
+}
+
+// Of those where enough of the views is compared: where little is, little can be wrong.
+std::vector<PlacedView> tested(const std::vector<PlacedView>& all) {
+  int most = 0;
+  for (const PlacedView& placed : all) most = std::max(most, placed.judged);
+  std::vector<PlacedView> kept;
+  for (const PlacedView& placed : all)
+    if (placed.judged >= kLeastShare * most) kept.push_back(placed);
+  std::stable_sort(kept.begin(), kept.end(), [](const PlacedView& a, const PlacedView& b) {
+    return a.log_likelihood > b.log_likelihood;
+  });
+  return kept;
 }
 
 }  // namespace
@@ -66,68 +205,57 @@ std::vector<Eigen::Isometry3d> ViewPlacing::starts(const View& view, const View&
 
 std::optional<PlacedView> ViewPlacing::place(const View& view, const View& other,
                                              const PoseWithCovariance& prior, bool search) const {
-  Surroundings surroundings;
-  surroundings.add(0, borrowed(other), Eigen::Isometry3d::Identity());
-  Vector6d loose;
-  loose << Eigen::Vector3d::Constant(kLooseRotation), Eigen::Vector3d::Constant(kLooseTranslation);
-  const Matrix6d about_start = loose.cwiseAbs2().asDiagonal();
-  const Eigen::LDLT<Matrix6d> prior_factor(prior.P);
-
-  struct Place {
-    PlacedView view;
-    int judged;
-    double score;
-  };
-  const double both = 2.0 * gridPoints(view.depth.camera.width, gridStep(view.depth, kFineColumns)) *
-                      gridPoints(view.depth.camera.height, gridStep(view.depth, kFineColumns));
-  const auto judgedAt = [&](const Eigen::Isometry3d& T) -> std::optional<Place> {
-    const DepthAgreement seen = comparison_.compareBoth(view.depth, other.depth, T, kFineColumns);
-    if (seen.judged() < kFewestPixels) return {};
-    const double compared = seen.agree + seen.contradict;
-    PlacedView placed{T, Matrix6d::Zero(), seen.agree / std::max(1.0, compared), compared / both};
-    return Place{placed, seen.judged(), kIndependentPixels * seen.likelihood / seen.judged()};
-  };
-  std::vector<Place> places;
-  int most_judged = 0;
+  const ViewPair pair(view, other, prior, alignment_, comparison_, Cost::likelihood);
+  std::vector<PlacedView> places;
   const auto tryFrom = [&](const Eigen::Isometry3d& start, const Matrix6d& about) {
-    PoseWithCovariance T{start, about};
-    T.T = alignView(view, surroundings, T, alignment_).T_w_c.T;
-    T = alignView(view, surroundings, {T.T, about_start}, alignment_).T_w_c;  // with the pairs of its end
-    auto place = judgedAt(T.T);
-    if (!place) return;
-    place->view.information = added(T.P, about_start);
-    const Vector6d off = perturbation(prior.T, T.T);
-    place->score -= std::min(kMostDoubt, 0.5 * off.dot(prior_factor.solve(off)));
-    places.push_back(*place);
-    most_judged = std::max(most_judged, place->judged);
-  };
-  // Where little of the views is compared, little can be wrong.
-  const auto best = [&]() -> std::optional<PlacedView> {
-    const Place* of_all = nullptr;
-    for (const Place& place : places)
-      if (place.judged >= kLeastShare * most_judged && (!of_all || place.score > of_all->score))
-        of_all = &place;
-    return of_all ? std::optional(of_all->view) : std::nullopt;
+    if (const auto placed = pair.from(start, about)) places.push_back(*placed);
   };
   if (search) tryFrom(prior.T, prior.P);
-  for (const Eigen::Isometry3d& start : starts(view, other, prior, search)) tryFrom(start, about_start);
-  std::optional<PlacedView> found = best();
-  if (!found) return found;
+  for (const Eigen::Isometry3d& start : starts(view, other, prior, search)) tryFrom(start, pair.aboutStart());
+  if (places.empty()) return {};
+  PlacedView found = tested(places).front();
   // Few planes may leave a way free, along which pixels see no farther than an edge is wide.
   if (search) {
-    const Vector6d step = freeStep(found->information);
-    for (const double shift : {-2, -1, 1, 2}) tryFrom(perturbed(found->T_a_b, shift * step), about_start);
-    found = best();
+    const Vector6d step = freeStep(found.information);
+    for (const double shift : {-2, -1, 1, 2})
+      tryFrom(perturbed(found.T_a_b, shift * step), pair.aboutStart());
+    found = tested(places).front();
   }
-  const Vector6d step = freeStep(found->information);
-  const auto here = judgedAt(found->T_a_b), there = judgedAt(perturbed(found->T_a_b, step)),
-             back = judgedAt(perturbed(found->T_a_b, -step));
+  const Vector6d step = freeStep(found.information);
+  const auto there = pair.at(perturbed(found.T_a_b, step)), back = pair.at(perturbed(found.T_a_b, -step)),
+             here = pair.at(found.T_a_b);
   if (here && there && back) {
-    const double drop = here->score - std::max(there->score, back->score);
+    const double drop = here->log_likelihood - std::max(there->log_likelihood, back->log_likelihood);
     const double squared = step.squaredNorm();
-    if (drop > kTellingDrop) found->information += 2 * drop / (squared * squared) * step * step.transpose();
+    if (drop > kTellingDrop) found.information += 2 * drop / (squared * squared) * step * step.transpose();
   }
   return found;
+}
+
+std::vector<PlacedView> ViewPlacing::modes(const View& view, const View& other,
+                                           const PoseWithCovariance& prior) const {
+  const ViewPair pair(view, other, prior, alignment_, comparison_, Cost::misfit);
+  std::vector<PlacedView> all;
+  const auto tryFrom = [&](const Eigen::Isometry3d& start, const Matrix6d& about) {
+    if (const auto placed = pair.from(start, about)) all.push_back(*placed);
+  };
+  tryFrom(prior.T, prior.P);
+  for (const Eigen::Isometry3d& start : starts(view, other, prior, true)) tryFrom(start, pair.aboutStart());
+  if (all.empty()) return {};
+  const PlacedView best = tested(all).front();
+  for (const Vector6d& motion : pair.openMotions(best.T_a_b))
+    for (const Eigen::Isometry3d& start : walked(pair, best, motion)) tryFrom(start, pair.aboutStart());
+
+  std::vector<PlacedView> modes;
+  for (PlacedView& placed : tested(all)) {
+    const auto isKnown = [&](const PlacedView& mode) { return kSameMotion.joins(mode.T_a_b, placed.T_a_b); };
+    if (!modes.empty() && (placed.log_likelihood < modes.front().log_likelihood - kImprobable ||
+                           std::any_of(modes.begin(), modes.end(), isKnown)))
+      continue;
+    placed.information = pair.shown(placed);
+    modes.push_back(std::move(placed));
+  }
+  return modes;
 }
 
 }  // namespace facetloc::internal

@@ -7,29 +7,38 @@
 #include <facetloc/features/local_model.h>
 
 #include <optional>
+#include <vector>
 
 namespace facetloc::internal {
 
-/** \brief Where a view is beside another one, by what the two show. */
+/** \brief A pose of a view relative to another one at which the two agree: a minimum of their cost. */
 struct PlacedView {
   Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< a = the other view, b = this one
   Matrix6d information = Matrix6d::Zero();  ///< of the two views alone: zero along what they do not tell
-  double agreement = 0;  ///< of the depth pixels that agree or contradict, those that agree
-  double overlap = 0;    ///< share of the depth pixels that agree or contradict
+  double agreement = 0;       ///< of the depth pixels that agree or contradict, those that agree
+  double overlap = 0;         ///< share of the depth pixels that agree or contradict
+  double log_likelihood = 0;  ///< of the pixels and the prior, comparable among poses of two views [nats]
+  int judged = 0;             ///< pixels that the two pictures compare
 };
 
-/** \brief Places a view beside another one from several starts and takes the place that depth likes best, for
- * an alignment that starts far from the truth may end elsewhere and look sure there. Never changes;
- * thread-safe. */
+/** \brief Finds the poses of a view relative to another one by several starts and by depth, for an alignment
+ * that starts far from the truth may end elsewhere and look sure there. Never changes; thread-safe. */
 class ViewPlacing {
 public:
   ViewPlacing();
 
-  /** \param prior T_a_b, positive definite \param search also looks for all places within the prior that the
+  /** \brief The likeliest pose.
+   * \param prior T_a_b, positive definite \param search also looks for all places within the prior that the
    * planes in common allow (ViewRegistration)
    * \return nothing if the views have too little in common to say anything. */
   std::optional<PlacedView> place(const View& view, const View& other, const PoseWithCovariance& prior,
                                   bool search) const;
+
+  /** \brief All poses that the views and the prior leave open, the likeliest first: the two look alike one
+   * door farther along a corridor. Beside the starts of place(), the cost is walked along each axis as far as
+   * the prior reaches. The information of a pose is what the cost itself shows, not its derivatives alone
+   * (mapping/METHOD 14.4). Empty if the views have too little in common to say anything. */
+  std::vector<PlacedView> modes(const View& view, const View& other, const PoseWithCovariance& prior) const;
 
 private:
   std::vector<Eigen::Isometry3d> starts(const View& view, const View& other, const PoseWithCovariance& prior,

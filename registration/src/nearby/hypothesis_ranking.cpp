@@ -2,6 +2,7 @@
 #include "nearby/hypothesis_ranking.h"
 
 #include "depth/dense_refinement.h"
+#include "depth/depth_fit.h"
 
 #include <Eigen/Cholesky>
 
@@ -201,6 +202,23 @@ void HypothesisRanking::refinePlaces(const View& scene, std::vector<Hypothesis>&
   score(hypotheses);
   mergePlaces(params_.merging, hypotheses);
   score(hypotheses);
+}
+
+void HypothesisRanking::stateAsShown(const View& scene, const PoseWithCovariance& prior,
+                                     std::vector<Hypothesis>& hypotheses) const {
+  if (scene.depth.empty() || !params_.evidence.enabled || !params_.refinement.enabled) return;
+  const auto n = std::min(hypotheses.size(), static_cast<std::size_t>(params_.refinement.places));
+  for (std::size_t i = 0; i < n; ++i) {
+    Hypothesis& h = hypotheses[i];
+    if (!h.T_w_c) continue;
+    const std::vector<NearbyView> models = neighbours(h);
+    std::vector<PosedPicture> pictures;
+    for (const NearbyView& m : models) pictures.push_back({&m.view->depth, m.T_w_m});
+    const Eigen::Isometry3d T_w_m = poseOfModel(h);
+    const PoseWithCovariance shown = asShown(T_w_m * h.T_m_c, T_w_m * prior,
+                                             {scene.depth, std::move(pictures), comparison_}, kFineColumns);
+    h.T_m_c.P = (T_w_m.inverse() * shown).P;
+  }
 }
 
 // Local models see a place from different sides: several that find it by themselves hardly err alike.

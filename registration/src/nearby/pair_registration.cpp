@@ -92,6 +92,7 @@ Localization PairRegistration::align(const View& view, const PoseWithCovariance&
     answer.hypotheses = impl_->registration.align(query, *impl_->target, prior, chosen);
   for (Hypothesis& h : answer.hypotheses) h.T_w_c = h.T_m_c.T;
   impl_->ranking.rank(view, answer.hypotheses);
+  impl_->ranking.stateAsShown(view, prior, answer.hypotheses);
   if (answer.hypotheses.empty()) answer.reason = whyNoHypothesis(query, impl_->params.tree);
   return answer;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "nearby/view_alignment.h"
 
+#include "depth/depth_fit.h"
 #include "pairs/joint_refinement.h"
 
 #include <Eigen/Cholesky>
@@ -42,6 +43,9 @@ ViewAlignment alignView(const View& view, const Surroundings& surroundings, cons
     const Matrix6d of_planes = out.T_w_c.P.ldlt().solve(Matrix6d::Identity());
     out.T_w_c.P = symmetricInverse(of_planes + information);
   }
+  static const DepthComparison comparison(DepthCalibration{});
+  if (params.as_shown && !view.depth.empty())
+    out.T_w_c = asShown(out.T_w_c, prior, {view.depth, surroundings.pictures, comparison}, kCoarseColumns);
   return out;
 }
 

@@ -34,6 +34,7 @@ struct Surroundings {
 struct ViewAlignmentParams {
   MatchingParams matching;
   DenseRefinementParams dense;
+  bool as_shown = false;  ///< information counts as far as the cost shows it (shownInformation)
 };
 
 constexpr double kCorrelatedPixels = 200;  ///< depth pixels that count as one independent measurement

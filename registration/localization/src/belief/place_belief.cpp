@@ -3,6 +3,7 @@
 
 #include "shared/in_parallel.h"
 #include "shared/pose_fusion.h"
+#include "shared/pose_radius.h"
 
 #include <facetloc/features/chi_square.h>
 
@@ -10,6 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -22,6 +25,12 @@ constexpr std::size_t kMostNew = 8;   // places that a search brings up
 constexpr double kHopeless = 1e-5;    // probability in a search
 constexpr double kMostOfOneLook = 5;  // that one look adds or takes away [nats]
 constexpr double kLeast = 1e-3;       // [m, rad]
+constexpr std::size_t kMostChains = 4;
+constexpr PoseRadius kSharpMotion{0.15, 3};
+constexpr double kMostDoubt = 4;       // that a motion can raise: one of fifty is wrong [nats]
+constexpr double kAlike = 1;           // difference of what places tell that are alike [nats]
+constexpr double kUnlikely = 1e-3;     // share of a place, of an alternative that is dropped
+constexpr double kWorthAsking = 0.01;  // probability of a place that a view is registered near
 
 // Is a place that a search has found one where the camera is thought to be?
 bool isThere(const BelievedPlace& place, const Hypothesis& found) {
@@ -30,7 +39,40 @@ bool isThere(const BelievedPlace& place, const Hypothesis& found) {
   return squaredMahalanobis(place.T_w_c, *found.T_w_c) < kGate;
 }
 
+// Motions one after the other, the likeliest of all combinations.
+std::vector<MotionMode> chained(const std::vector<MotionMode>& first, const std::vector<MotionMode>& then) {
+  std::vector<MotionMode> all;
+  for (const MotionMode& a : first)
+    for (const MotionMode& b : then) all.push_back({a.T_a_b * b.T_a_b, a.probability * b.probability});
+  std::stable_sort(all.begin(), all.end(),
+                   [](const MotionMode& a, const MotionMode& b) { return a.probability > b.probability; });
+  if (all.size() > kMostChains) all.resize(kMostChains);
+  return all;
+}
+
+// How much of a look counts where only a motion of that uncertainty leads back to it.
+double sharpness(const PoseWithCovariance& motion) {
+  const double blur = std::max(largestTranslationStd(motion.P) / kSharpMotion.distance,
+                               largestRotationStd(motion.P) / (kSharpMotion.angle_deg * kDegree));
+  return std::exp(-0.5 * blur * blur);
+}
+
+// One Gaussian for two that are close to each other, by their moments.
+PoseWithCovariance merged(const PoseWithCovariance& a, double share_of_a, const PoseWithCovariance& b) {
+  const Vector6d apart = perturbation(a.T, b.T);
+  const double share = 1 - share_of_a;
+  return {perturbed(a.T, share * apart),
+          share_of_a * a.P + share * b.P + share_of_a * share * apart * apart.transpose()};
+}
+
 double bounded(double log_odds) { return std::clamp(log_odds, -kMostOfOneLook, kMostOfOneLook); }
+
+// What a look adds to a place, beside the place that it likes best. Places that are alike differ by a little
+// in the same way from look to look, since the map shows one of them better: that says nothing, however
+// often.
+double added(double log_odds, double best) {
+  return bounded(best) - std::min(2 * kMostOfOneLook, std::max(0.0, best - log_odds - kAlike));
+}
 
 }  // namespace
 
@@ -46,6 +88,7 @@ PlaceBelief::PlaceBelief(std::shared_ptr<const Map> map, const GlobalLocalizatio
                  without_prior.probability.map_incomplete = 0.5;  // it counts once, not with every look
                  return without_prior;
                }()),
+      near_(map_, true),
       has_odds_(!localization.score.by_overlap) {}
 
 void PlaceBelief::clear() {
@@ -55,19 +98,37 @@ void PlaceBelief::clear() {
   looks_ = 0;
 }
 
-void PlaceBelief::move(const PoseWithCovariance& T_a_b) {
-  for (BelievedPlace& place : places_) {
-    place.T_w_c = place.T_w_c * T_a_b;
-    place.match.pairs.clear();  // they were of another view
-  }
-  const PoseWithCovariance T_b_a = inverse(T_a_b);
-  for (Look& look : kept_) look.T_c_l = T_b_a * look.T_c_l;
-  way_ += T_a_b.T.translation().norm();
-  turn_ += rotationAngle(T_a_b.T.linear());
+void PlaceBelief::move(const Motion& motion) {
+  std::vector<BelievedPlace> moved;
+  for (const BelievedPlace& before : places_)
+    for (const MotionMode& mode : motion.modes) {
+      BelievedPlace place = before;
+      place.T_w_c = before.T_w_c * mode.T_a_b;
+      place.log_odds += std::log(mode.probability);
+      place.match.pairs.clear();  // they were of another view
+      moved.push_back(std::move(place));
+    }
+  places_ = std::move(moved);
+  if (motion.modes.size() > 1) normalize();
+  std::vector<MotionMode> back;
+  for (const MotionMode& mode : motion.modes) back.push_back({inverse(mode.T_a_b), mode.probability});
+  for (Look& look : kept_) look.T_c_l = chained(back, look.T_c_l);
+  way_ += motion.likeliest().T.translation().norm();
+  turn_ += rotationAngle(motion.likeliest().T.linear());
 }
 
 double PlaceBelief::motionSince(double distance, double rotation_deg) const {
   return way_ / distance + turn_ / (rotation_deg * kDegree);
+}
+
+std::vector<int> PlaceBelief::modelsAround(int n) const {
+  std::vector<int> models;
+  for (const BelievedPlace& place : places_) {
+    if (place.probability < kWorthAsking) continue;
+    const std::vector<int> near = near_.bySight(place.part, place.T_w_c.T, kTrackingReach, n);
+    models.insert(models.end(), near.begin(), near.end());
+  }
+  return models;
 }
 
 bool PlaceBelief::isDue() const {
@@ -97,23 +158,31 @@ PoseWithCovariance PlaceBelief::poseOf(const Hypothesis& h) const {
 double PlaceBelief::oddsOfKnown(const View& view, const Hypothesis& h) const {
   const ScoreOdds odds = ranking_.oddsOfKnown(ranking_.mayHaveEvidence(view), calibration_.lookalike_weight,
                                               calibration_.lookalike_share_of_place, h);
-  return bounded(odds(h.score));
+  return odds(h.score);
 }
 
-// What the kept looks say of a place that they were not held against.
+// What the kept looks say of a place that they were not held against, as far as the motions since are known.
 double PlaceBelief::historyOf(const Hypothesis& place) const {
   double sum = 0;
   for (const Look& look : kept_) {
-    const auto seen = ranking_.at(Query(*look.view), place.part, poseOf(place) * look.T_c_l);
-    if (seen) sum += look.weight * oddsOfKnown(*look.view, *seen);
+    double likelihood = 0, known = 0;
+    for (const MotionMode& chain : look.T_c_l) {
+      const double sharp = sharpness(chain.T_a_b);
+      if (sharp < kUnlikely) continue;
+      const auto seen = ranking_.at(Query(*look.view), place.part, poseOf(place) * chain.T_a_b);
+      const double odds = seen ? look.weight * sharp * added(oddsOfKnown(*look.view, *seen), look.best) : 0;
+      likelihood += chain.probability * std::exp(odds);
+      known += chain.probability;
+    }
+    if (known > 0) sum += std::log(likelihood + std::max(0.0, 1 - known));
   }
   return sum;
 }
 
-// Those that are a known place take the place of what was seen there, if they score better; returns the
-// others that are likely enough.
+// Those that may be a known place stand beside what was seen there; returns the others that are likely
+// enough.
 std::vector<Hypothesis> PlaceBelief::sortFound(const Localization& found,
-                                               std::vector<std::optional<Hypothesis>>& seen) const {
+                                               std::vector<Candidates>& seen) const {
   std::vector<Hypothesis> fresh;
   for (const Hypothesis& h : found.hypotheses) {
     if (!h.T_w_c || !map_->models[h.model].T_w_m) continue;
@@ -123,8 +192,16 @@ std::vector<Hypothesis> PlaceBelief::sortFound(const Localization& found,
       if (h.probability > kHopeless && fresh.size() < kMostNew) fresh.push_back(h);
       continue;
     }
-    std::optional<Hypothesis>& there = seen[known - places_.begin()];
-    if (!there || h.score > there->score) there = h;
+    Candidates& there = seen[known - places_.begin()];
+    const auto same = std::find_if(there.begin(), there.end(), [&h](const Candidate& other) {
+      return kSameMotion.joins(*other.match.T_w_c, *h.T_w_c);
+    });
+    if (same != there.end() && h.score <= same->match.score) continue;
+    Candidate candidate{h, intersected(known->T_w_c, poseOf(h))};
+    if (same == there.end())
+      there.push_back(std::move(candidate));
+    else
+      *same = std::move(candidate);
   }
   return fresh;
 }
@@ -136,47 +213,78 @@ double PlaceBelief::look(std::shared_ptr<const View> view, const Localization* f
                                   : 1 - std::exp(-motionSince(calibration_.independent_distance,
                                                               calibration_.independent_rotation_deg));
   const Query query(*view);
-  std::vector<std::optional<Hypothesis>> seen(places_.size());
-  forEachInParallel(static_cast<int>(places_.size()), threads_,
-                    [&](int i) { seen[i] = ranking_.at(query, places_[i].part, places_[i].T_w_c); });
+  std::vector<Candidates> seen(places_.size());
+  forEachInParallel(static_cast<int>(places_.size()), threads_, [&](int i) {
+    const auto there = ranking_.at(query, places_[i].part, places_[i].T_w_c);
+    if (!there) return;
+    PoseWithCovariance T_w_c = poseOf(*there);
+    T_w_c.P = discounted(places_[i].T_w_c.P, T_w_c.P, independence);
+    seen[i].push_back({*there, T_w_c});
+  });
   std::vector<Hypothesis> fresh;
   if (found) fresh = sortFound(*found, seen);
 
+  double best = -std::numeric_limits<double>::infinity();
+  for (Candidates& there : seen)
+    for (Candidate& candidate : there)
+      best = std::max(best, candidate.log_odds = oddsOfKnown(*view, candidate.match));
   double of_best = 0;
+  std::vector<BelievedPlace> places;
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (!seen[i]) continue;
-    const double added = independence * oddsOfKnown(*view, *seen[i]);
-    if (i == 0) of_best = added;
-    update(places_[i], *seen[i], independence, added);
+    std::vector<BelievedPlace> now = updated(places_[i], seen[i], best, independence);
+    if (i == 0) of_best = now.front().log_odds - places_[i].log_odds;
+    std::move(now.begin(), now.end(), std::back_inserter(places));
   }
-  addFresh(*view, fresh, seen, independence);
+  places_ = std::move(places);
+  best = std::max(best, addFresh(*view, fresh, seen, independence));
   ++looks_;
   way_ = turn_ = 0;
   PoseWithCovariance here;
   here.P = kLeast * kLeast * Matrix6d::Identity();
-  kept_.push_back({std::move(view), here, independence});
+  kept_.push_back({std::move(view), {{here, 1}}, independence, best});
   while (static_cast<int>(kept_.size()) > params_.kept_looks) kept_.pop_front();
   normalize();
   return of_best;
 }
 
-void PlaceBelief::update(BelievedPlace& place, const Hypothesis& seen, double weight, double log_odds) const {
-  place.log_odds += log_odds;
-  PoseWithCovariance T_w_c = poseOf(seen);
-  T_w_c.P = discounted(place.T_w_c.P, T_w_c.P, weight);
-  place.T_w_c = T_w_c;
-  place.match = seen;
+// A place, after a view has been seen at one or several poses within its uncertainty: the best of them, and
+// the others beside it. The first one is the likeliest.
+std::vector<BelievedPlace> PlaceBelief::updated(const BelievedPlace& place, const Candidates& seen,
+                                                double best, double weight) {
+  if (seen.empty()) return {place};
+  std::vector<double> off;
+  for (const Candidate& candidate : seen)
+    off.push_back(std::min(kMostDoubt, 0.5 * squaredMahalanobis(place.T_w_c, *candidate.match.T_w_c)));
+  const double nearest = *std::min_element(off.begin(), off.end());
+  std::vector<BelievedPlace> now;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    BelievedPlace there = place;
+    there.log_odds += weight * added(seen[i].log_odds, best) - (off[i] - nearest);
+    there.T_w_c = seen[i].T_w_c;
+    there.match = seen[i].match;
+    now.push_back(std::move(there));
+  }
+  std::stable_sort(now.begin(), now.end(),
+                   [](const BelievedPlace& a, const BelievedPlace& b) { return a.log_odds > b.log_odds; });
+  const double least = now.front().log_odds + std::log(kUnlikely);
+  while (now.back().log_odds < least) now.pop_back();
+  return now;
 }
 
 // Places that a search has brought up are the best of many: for this view, they are ranked as it ranks them.
-void PlaceBelief::addFresh(const View& view, const std::vector<Hypothesis>& fresh,
-                           const std::vector<std::optional<Hypothesis>>& seen, double weight) {
+// Returns the log odds of the place that the view likes best.
+double PlaceBelief::addFresh(const View& view, const std::vector<Hypothesis>& fresh,
+                             const std::vector<Candidates>& seen, double weight) {
   std::vector<Hypothesis> list = fresh;
-  for (const auto& h : seen)
-    if (h) list.push_back(*h);
+  for (const Candidates& there : seen)
+    for (const Candidate& candidate : there) list.push_back(candidate.match);
   std::stable_sort(list.begin(), list.end(),
                    [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
   const ScoreOdds odds = ranking_.odds(ranking_.mayHaveEvidence(view), list);
+  double best = -kMostOfOneLook;
+  for (const Hypothesis& h : fresh) best = std::max(best, odds(h.score));
+  for (const Candidates& there : seen)
+    for (const Candidate& candidate : there) best = std::max(best, candidate.log_odds);
   std::vector<double> before(fresh.size());
   forEachInParallel(static_cast<int>(fresh.size()), threads_,
                     [&](int i) { before[i] = historyOf(fresh[i]); });
@@ -184,10 +292,11 @@ void PlaceBelief::addFresh(const View& view, const std::vector<Hypothesis>& fres
     BelievedPlace place;
     place.T_w_c = poseOf(fresh[i]);
     place.part = fresh[i].part;
-    place.log_odds = prior_ + before[i] + weight * bounded(odds(fresh[i].score));
+    place.log_odds = prior_ + before[i] + weight * added(odds(fresh[i].score), best);
     place.match = fresh[i];
     places_.push_back(std::move(place));
   }
+  return best;
 }
 
 // One place once; those that are forgotten go; probabilities.
@@ -198,10 +307,15 @@ void PlaceBelief::normalize() {
   const double beyond = places_.empty() ? 0 : std::max(0.0, places_.front().log_odds - params_.most_log_odds);
   for (BelievedPlace& place : places_) {
     place.log_odds -= beyond;
-    const bool is_known = std::any_of(kept.begin(), kept.end(), [&](const BelievedPlace& other) {
+    if (place.log_odds < std::log(kForgotten)) continue;
+    const auto same = std::find_if(kept.begin(), kept.end(), [&](const BelievedPlace& other) {
       return other.part == place.part && kSameAnswer.joins(other.T_w_c.T, place.T_w_c.T);
     });
-    if (is_known || place.log_odds < std::log(kForgotten)) continue;
+    if (same != kept.end()) {
+      const double ratio = std::exp(place.log_odds - same->log_odds);
+      if (ratio > kUnlikely) same->T_w_c = merged(same->T_w_c, 1 / (1 + ratio), place.T_w_c);
+      continue;
+    }
     if (static_cast<int>(kept.size()) < params_.max_places) kept.push_back(std::move(place));
   }
   places_ = std::move(kept);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "motion/camera_motion.h"
 #include "ranking/place_ranking.h"
 
 #include <facetloc/features/local_model.h>
@@ -39,18 +40,19 @@ public:
 
   /** \brief Nothing is known. */
   void clear();
-  /** \brief The camera has moved. */
-  void move(const PoseWithCovariance& T_a_b);
+  /** \brief The camera has moved: each place becomes as many as the motion has modes. */
+  void move(const Motion& motion);
   /** \brief Has it moved so far that a look tells something new? True before the first. */
   bool isDue() const;
   /** \brief Holds a view against all places.
    * \param view where the camera is now; it is kept for a while
-   * \param found what a search of the whole map has found for this view; null if there was none
-   * \param independent the view has nothing in common with the ones before, however little the camera may
-   * have moved
-   * \return what the view adds to the log odds of the place that was most probable [nats]; 0 if there was
-   * none, or the map has nothing near it. */
+   * \param found what a search of the map, or of a part of it, has found for this view; null if there was
+   * none \param independent the view has nothing in common with the ones before, however little the camera
+   * may have moved \return what the view adds to the log odds of the place that was most probable [nats]; 0
+   * if there was none, or the map has nothing near it. */
   double look(std::shared_ptr<const View> view, const Localization* found, bool independent = false);
+  /** \brief The n local models nearest to each place that is worth asking about. */
+  std::vector<int> modelsAround(int n) const;
   /** \brief Another source follows the camera here: corrects the pose of this place, or adds it with the odds
    * that any place has beforehand. \param part of the map */
   void suppose(int part, const PoseWithCovariance& T_w_c);
@@ -65,17 +67,24 @@ public:
 private:
   struct Look {  // that is kept
     std::shared_ptr<const View> view;
-    PoseWithCovariance T_c_l;  // from where the camera is now
+    std::vector<MotionMode> T_c_l;  // from where the camera is now
     double weight;
+    double best;  // log odds of the place that it liked best
   };
+  struct Candidate {  // for where a view was taken, near a believed place
+    Hypothesis match;
+    PoseWithCovariance T_w_c;  // by the view and the place
+    double log_odds = 0;       // what the view says of it
+  };
+  using Candidates = std::vector<Candidate>;
   double motionSince(double distance, double rotation_deg) const;
   double oddsOfKnown(const View& view, const Hypothesis& h) const;
   double historyOf(const Hypothesis& place) const;
-  std::vector<Hypothesis> sortFound(const Localization& found,
-                                    std::vector<std::optional<Hypothesis>>& seen) const;
-  void addFresh(const View& view, const std::vector<Hypothesis>& fresh,
-                const std::vector<std::optional<Hypothesis>>& seen, double weight);
-  void update(BelievedPlace& place, const Hypothesis& seen, double weight, double log_odds) const;
+  std::vector<Hypothesis> sortFound(const Localization& found, std::vector<Candidates>& seen) const;
+  static std::vector<BelievedPlace> updated(const BelievedPlace& place, const Candidates& seen, double best,
+                                            double weight);
+  double addFresh(const View& view, const std::vector<Hypothesis>& fresh, const std::vector<Candidates>& seen,
+                  double weight);
   PoseWithCovariance poseOf(const Hypothesis& h) const;
   void normalize();
 
@@ -84,6 +93,7 @@ private:
   SequenceCalibration calibration_;
   double prior_;  // that the map holds the place, as log odds
   PlaceRanking ranking_;
+  NearbyModels near_;
   bool has_odds_;
   std::vector<BelievedPlace> places_;
   std::deque<Look> kept_;

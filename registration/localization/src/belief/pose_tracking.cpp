@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -178,7 +179,7 @@ TrackedPose PoseTracking::Impl::update(const View& view, double stamp,
   if (motion.broken)
     belief_.clear();
   else
-    belief_.move(motion.T_a_b);
+    belief_.move(Motion::known(motion.T_a_b, motion.agreement));
   if (!active_) return search(view);
   if (!(dt >= 0)) return lose(view, "the time went back");
   if (!in_time) return lose(view, fmt::format("no view came for {} s", numberText(std::round(10 * dt) / 10)));
@@ -332,7 +333,7 @@ TrackedPose PoseTracking::Impl::search(const View& view) {
 
 // By all views since nothing was known, or by this one alone: the next view will have to confirm it.
 std::optional<BelievedPlace> PoseTracking::Impl::likeliestPlace(const View& view, std::string& reason) {
-  const Localization found = localization_.localize(view);
+  const Localization found = localization_.localize(view, std::function<bool(int)>());
   reason = found.reason;
   const bool shows_anything = !view.segments.empty() || !view.depth.empty();
   if (shows_anything && belief_.isDue()) belief_.look(std::make_shared<const View>(view), &found);

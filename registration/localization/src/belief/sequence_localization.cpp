@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "belief/image_motion.h"
 #include "belief/place_belief.h"
 #include "belief/smoothed_places.h"
+#include "motion/camera_motion.h"
+#include "shared/pose_radius.h"
 
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/sequence_localization.h>
 #include <facetloc/segmentation/view_builder.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 #include <utility>
 
@@ -40,6 +43,7 @@ struct SequenceLocalization::Impl {
   void reset();
   bool isSure() const;
   bool isSure(double probability, const Matrix6d& P, int looks) const;
+  bool isSureByItself(const Localization& found) const;
   void conclude(SequenceAnswer& answer) const;
   SequenceAnswer answer(const std::string& of_search) const;
 
@@ -47,8 +51,9 @@ struct SequenceLocalization::Impl {
   double min_probability = kMinProbability;
   GlobalLocalization localization;
   PlaceBelief belief;
-  ImageMotion motion;
-  double prior;  // log odds that the map holds a place
+  CameraMotion motion;
+  double prior;            // log odds that the map holds a place
+  bool by_itself = false;  // the latest view that was searched for is sure, and of the first place
   std::optional<double> stamp;
   Camera camera;  // of clouds and images
   std::optional<ViewBuilder> builder;
@@ -58,19 +63,29 @@ void SequenceLocalization::Impl::reset() {
   belief.clear();
   motion.reset();
   stamp.reset();
+  by_itself = false;
 }
 
 bool SequenceLocalization::Impl::isSure(double probability, const Matrix6d& P, int looks) const {
   constexpr int kLeastLooks = 2;
+  constexpr double kBound = 2;  // standard deviations, of 95 % of the errors
   return looks >= kLeastLooks && probability >= min_probability &&
-         largestTranslationStd(P) <= params.max_translation &&
-         largestRotationStd(P) <= params.max_rotation_deg * kDegree;
+         kBound * largestTranslationStd(P) <= params.max_translation &&
+         kBound * largestRotationStd(P) <= params.max_rotation_deg * kDegree;
 }
 
 bool SequenceLocalization::Impl::isSure() const {
   if (belief.places().empty()) return false;
   const BelievedPlace& best = belief.places().front();
   return isSure(best.probability, best.T_w_c.P, belief.looks());
+}
+
+// A drive is as sure as an image that is sure of the same place.
+bool SequenceLocalization::Impl::isSureByItself(const Localization& found) const {
+  if (found.state(min_probability) != AnswerState::sure || belief.places().empty()) return false;
+  const Hypothesis& best = found.hypotheses.front();
+  const BelievedPlace& place = belief.places().front();
+  return best.T_w_c && best.part == place.part && kSamePlace.joins(*best.T_w_c, place.T_w_c.T);
 }
 
 SequenceAnswer SequenceLocalization::Impl::add(View&& view_in, double now,
@@ -82,34 +97,53 @@ SequenceAnswer SequenceLocalization::Impl::add(View&& view_in, double now,
   std::string anew;
   if (!(dt >= 0)) anew = "the time went back";
   if (!anew.empty()) motion.reset();
-  ViewMotion moved = motion.add(view, dt >= 0 ? dt : 0, is_first ? std::nullopt : given);
-  if (!is_first && anew.empty() && moved.broken) anew = "the view contradicts the one before";
+  const Motion moved = motion.next(view, dt >= 0 ? dt : 0, is_first ? std::nullopt : given);
+  if (!is_first && anew.empty() && moved.source == Motion::Source::broken)
+    anew = "the view contradicts the one before";
   if (!anew.empty())
     belief.clear();
   else if (!is_first)
-    belief.move(moved.T_a_b);
+    belief.move(moved);
 
   // What shares nothing with the views before may be of any place: only the map can tell.
   const bool shows_anything = !view->segments.empty() || !view->depth.empty();
   const bool alone = shows_anything && !is_first && anew.empty() && !(moved.agreement > 0);
   std::string of_search;
   const bool searched = shows_anything && (alone || (belief.isDue() && !isSure()));
+  if (shows_anything && (searched || belief.isDue() || moved.source != Motion::Source::seen))
+    by_itself = false;
   if (searched) {
-    const Localization found = localization.localize(*view);
+    const Localization found = localization.localize(*view, std::function<bool(int)>());
     of_search = found.reason;
     if (belief.look(view, &found, alone) < -kContradiction && alone) {
       anew = "the map contradicts the view, which has nothing in common with the one before";
       belief.clear();
       belief.look(view, &found);
     }
+    by_itself = isSureByItself(found);
   } else if (shows_anything && belief.isDue()) {
-    belief.look(view, nullptr);
+    const std::vector<int> near = belief.modelsAround(4);
+    const Localization found = localization.localize(
+        *view, [&](int model) { return std::find(near.begin(), near.end(), model) == near.end(); });
+    belief.look(view, &found);
+  }
+  if (getenv("BELIEF")) {
+    fprintf(stderr,
+            "%.3f dt %.2f motion %d modes %zu agree %.2f sd %.3f m %.2f deg searched %d alone %d anew '%s'\n",
+            now, dt, int(moved.source), moved.modes.size(), moved.agreement,
+            largestTranslationStd(moved.likeliest().P), largestRotationStd(moved.likeliest().P) / kDegree,
+            searched, alone, anew.c_str());
+    for (const BelievedPlace& q : belief.places())
+      fprintf(stderr, "    p %.4f lo %.2f score %.1f t %.2f %.2f %.2f sd %.3f m %.2f deg model %d\n",
+              q.probability, q.log_odds, q.match.score, q.T_w_c.T.translation().x(),
+              q.T_w_c.T.translation().y(), q.T_w_c.T.translation().z(), largestTranslationStd(q.T_w_c.P),
+              largestRotationStd(q.T_w_c.P) / kDegree, q.match.model);
   }
   SequenceAnswer out = answer(of_search);
   out.carried_away = !anew.empty();
   if (out.carried_away) out.reason = anew;
   out.searched = searched;
-  out.T_before_now = moved.T_a_b;
+  out.T_before_now = moved.likeliest();
   return out;
 }
 
@@ -126,6 +160,10 @@ SequenceAnswer SequenceLocalization::Impl::answer(const std::string& of_search) 
   }
   out.looks = belief.looks();
   conclude(out);
+  if (by_itself) {
+    out.state = AnswerState::sure;
+    out.reason.clear();
+  }
   if (out.places.empty() && !of_search.empty()) out.reason = of_search;
   return out;
 }
@@ -172,6 +210,13 @@ SequenceAnswer SequenceLocalization::smoothed(const SequenceAnswer& until_now,
                                               const PoseWithCovariance& T_now_next) const {
   SequenceAnswer out = smoothedPlaces(until_now, from_next, T_now_next, impl_->prior);
   impl_->conclude(out);
+  const bool same = !out.places.empty() && !until_now.places.empty() &&
+                    out.places.front().part == until_now.places.front().part &&
+                    kSamePlace.joins(*out.places.front().T_w_c, *until_now.places.front().T_w_c);
+  if (same && until_now.state == AnswerState::sure) {
+    out.state = AnswerState::sure;
+    out.reason.clear();
+  }
   return out;
 }
 void SequenceLocalization::setCamera(const Camera& camera) {

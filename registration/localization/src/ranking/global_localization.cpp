@@ -99,7 +99,9 @@ const Map& GlobalLocalization::map() const { return *impl_->map; }
 void GlobalLocalization::setNumberOfThreads(int n) { impl_->threads = n; }
 
 Localization GlobalLocalization::localize(const View& view) const {
-  return localize(view, std::function<bool(int)>());
+  Localization answer = localize(view, std::function<bool(int)>());
+  impl_->ranking.stateAsShown(view, prior(view), answer.hypotheses);
+  return answer;
 }
 
 Localization GlobalLocalization::localize(const View& view, const std::function<bool(int)>& excluded) const {
@@ -126,6 +128,7 @@ Localization GlobalLocalization::localize(const View& view, const PoseWithCovari
     std::vector<Hypothesis> found;
     impl_->registerWith(impl_->shortlist.batch(query, on_floor, impl_->threads), query, found);
     answer = impl_->rank(query, std::move(found));
+    impl_->ranking.stateAsShown(view, prior, answer.hypotheses);
   } else {
     answer.reason = "the covariance of the prior is not positive definite";
   }

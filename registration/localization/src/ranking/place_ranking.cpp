@@ -24,6 +24,7 @@ PlaceRanking::PlaceRanking(std::shared_ptr<const Map> map, const GlobalLocalizat
       alignment_(alignmentWithCovariance()),
       near_(map_, true) {
   alignment_.matching = params.matching;
+  alignment_.as_shown = true;
 }
 
 bool PlaceRanking::mayHaveEvidence(const View& scene) const {

@@ -43,7 +43,9 @@ public:
    * reaches farther than the index. One whose covariance is not positive definite gives a reason. */
   Localization localize(const View& view, const PoseWithCovariance& prior) const;
 
-  /** \brief The same with no local model that is excluded. */
+  /** \brief The same with no local model that is excluded. For who weighs the answers further: covariances
+   * are by the derivatives of planes and pixels alone, not by what the cost shows (registration/METHOD
+   * 12.4). */
   Localization localize(const View& view, const std::function<bool(int model)>& excluded) const;
 
   /** \brief Prior of the pose of a view relative to each local model, from the mounting of its camera. */

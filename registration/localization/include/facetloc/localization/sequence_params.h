@@ -30,9 +30,12 @@ struct SequenceParams {
     visit("most_log_odds", p.most_log_odds, 0.1, 100.0,
           "Log odds that any number of views add up to at most; less forgets faster [nats].");
     visit("max_translation", p.max_translation, 1e-3, 100.0,
-          "Position uncertainty from which on a place is not sure, standard deviation [m].", kForUsers);
+          "Position error that 95 % of the errors must stay below for a place to be sure, two standard "
+          "deviations [m].",
+          kForUsers);
     visit("max_rotation_deg", p.max_rotation_deg, 1e-3, 180.0,
-          "Orientation uncertainty from which on a place is not sure, standard deviation [deg].", kForUsers);
+          "Orientation error that 95 % of the errors must stay below for a place to be sure [deg].",
+          kForUsers);
   }
   void validate() const { checkRanges(*this); }
 };

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "depth/depth_consistency.h"
+
+#include <facetloc/features/depth_picture.h>
+#include <facetloc/features/pose.h>
+
+#include <optional>
+#include <vector>
+
+namespace facetloc::internal {
+
+/** \brief How well a picture fits others whose poses are known, as a function of its pose: minus the cost
+ * that a pose has a minimum of (METHOD 12.4). All pictures must outlive it. */
+class DepthFit {
+public:
+  DepthFit(const DepthPicture& scene, std::vector<PosedPicture> pictures, const DepthComparison& comparison)
+      : scene_(scene), pictures_(std::move(pictures)), comparison_(comparison) {}
+
+  /** \brief All pixels of the scene in the others and of the others in the scene. */
+  DepthAgreement compare(const Eigen::Isometry3d& T_w_c, int columns) const;
+  /** \brief Log likelihood of the pixels relative to an exact fit [nats]; nothing where so few are
+   * compared that they say nothing. */
+  std::optional<double> operator()(const Eigen::Isometry3d& T_w_c, int columns) const;
+
+private:
+  const DepthPicture& scene_;
+  std::vector<PosedPicture> pictures_;
+  const DepthComparison& comparison_;
+};
+
+/** \brief Number of independent measurements that the pixels of two pictures are worth. */
+constexpr double kIndependentPixels = 240;
+
+/** \brief Log likelihood of compared pixels relative to an exact fit [nats], where they are enough. */
+std::optional<double> logLikelihood(const DepthAgreement& seen, int columns);
+
+/** \brief Information of a pose without any prior, and the share of it beside what was stated. */
+struct ShownInformation {
+  Matrix6d information, share;
+};
+
+/** \brief What the information of a registered pose is worth by the cost itself (METHOD 12.4). Derivatives of
+ * edges and of noise feign information that the cost does not show some pixels away from its minimum; and
+ * where derivatives show none, steps of the surface may. Along each principal motion, except those known to
+ * millimetres, the information becomes what the cost shows.
+ * \param stated information of the pose T_w_c, without any prior; all of it if nothing can be compared */
+ShownInformation shownInformation(const Matrix6d& stated, const Eigen::Isometry3d& T_w_c, const DepthFit& fit,
+                                  int columns);
+
+/** \brief A registered pose with the covariance that the cost shows; where it shows less than the
+ * derivatives, the pose goes back towards the prior. \param found pose and covariance by derivatives, with
+ * the prior \param prior positive definite */
+PoseWithCovariance asShown(const PoseWithCovariance& found, const PoseWithCovariance& prior,
+                           const DepthFit& fit, int columns);
+
+}  // namespace facetloc::internal

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "motion/camera_motion.h"
+
+#include "motion/step_prior.h"
+#include "shared/pose_fusion.h"
+#include "shared/pose_radius.h"
+
+#include <facetloc/features/chi_square.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace facetloc::internal {
+namespace {
+
+constexpr double kLongStep = 0.2;  // after which the next image may show another place [s]
+// Of two images that show the same; of two in quick succession it takes more to overrule the odometry.
+constexpr double kLeastAgreement = 0.8, kLeastOverlap = 0.3;
+constexpr double kClearAgreement = 0.9, kClearOverlap = 0.6;
+constexpr double kGate = chiSquareQuantile(6, 0.999);
+constexpr std::size_t kMostModes = 4;
+constexpr double kMostDoubt = 4;  // that an odometry can raise: one step of fifty is wrong [nats]
+
+// What two views tell, with what is known beforehand.
+PoseWithCovariance withPrior(const PlacedView& placed, const PoseWithCovariance& prior) {
+  const Matrix6d of_prior = symmetricInverse(prior.P);
+  const Matrix6d P = symmetricInverse(placed.information + of_prior);
+  return {perturbed(placed.T_a_b, P * of_prior * perturbation(placed.T_a_b, prior.T)), withSharedErrors(P)};
+}
+
+// By another odometry, which is wrong now and then.
+void weigh(const PoseWithCovariance& given, std::vector<MotionMode>& modes) {
+  double sum = 0;
+  for (MotionMode& mode : modes) {
+    const double squared = squaredMahalanobis(mode.T_a_b, given);
+    if (squared <= kGate) mode.T_a_b = fused(mode.T_a_b, given);
+    sum += mode.probability *= std::exp(-std::min(kMostDoubt, 0.5 * squared));
+  }
+  for (MotionMode& mode : modes) mode.probability /= sum;
+  std::stable_sort(modes.begin(), modes.end(),
+                   [](const MotionMode& a, const MotionMode& b) { return a.probability > b.probability; });
+}
+
+}  // namespace
+
+CameraMotion::CameraMotion(const ViewOdometryParams& params)
+    : odometry_(
+          params,
+          [] {
+            ViewAlignmentParams alignment = alignmentWithCovariance();
+            alignment.as_shown = true;
+            return alignment;
+          }(),
+          DepthComparison(DepthCalibration{})) {}
+
+void CameraMotion::reset() {
+  odometry_.reset();
+  before_.reset();
+}
+
+// No modes if the two images do not show the same.
+Motion CameraMotion::placed(const View& view, const PoseWithCovariance& prior, bool quick) const {
+  Motion out;
+  out.modes.clear();
+  double sum = 0;
+  for (const PlacedView& mode : placing_.modes(view, *before_, prior)) {
+    if (mode.agreement < (quick ? kClearAgreement : kLeastAgreement) ||
+        mode.overlap < (quick ? kClearOverlap : kLeastOverlap) || out.modes.size() == kMostModes)
+      continue;
+    if (out.modes.empty()) out.agreement = mode.agreement;
+    out.modes.push_back({withPrior(mode, prior), std::exp(mode.log_likelihood)});
+    sum += out.modes.back().probability;
+  }
+  for (MotionMode& mode : out.modes) mode.probability /= sum;
+  out.source = Motion::Source::seen;
+  return out;
+}
+
+Motion CameraMotion::next(const std::shared_ptr<const View>& view, double dt,
+                          const std::optional<PoseWithCovariance>& given) {
+  const ViewMotion film = odometry_.add(*view, dt);
+  Motion out;
+  out.modes.front().T_a_b = film.T_a_b;
+  out.agreement = film.agreement;
+  out.source = film.broken ? Motion::Source::broken : Motion::Source::seen;
+  const bool shows_anything = !view->segments.empty() || !view->depth.empty();
+  if (before_ && shows_anything && (dt > kLongStep || film.broken)) {
+    const auto mounting = view->camera ? view->camera->mounting : std::nullopt;
+    PoseWithCovariance prior{Eigen::Isometry3d::Identity(), motionPrior(dt, mounting)};
+    if (given)
+      prior.T = given->T;
+    else if (!film.broken && dt <= kLongStep)
+      prior.T = film.T_a_b.T;
+    Motion found = placed(*view, prior, dt <= kLongStep);
+    if (!found.modes.empty()) {
+      if (!kSameMotion.joins(found.likeliest().T, film.T_a_b.T)) {
+        odometry_.reset();
+        odometry_.add(*view, 0);
+      }
+      out = std::move(found);
+    } else if (dt > kLongStep) {
+      out.modes.front().T_a_b = prior;
+      out.agreement = film.agreement;
+      out.source = given ? Motion::Source::guessed : Motion::Source::broken;
+    }
+  }
+  if (shows_anything) before_ = view;
+  if (!given) return out;
+  // The wheels may be right, or somebody carries the robot: the views tell nothing.
+  if (out.source == Motion::Source::broken) return Motion::known(*given);
+  weigh(*given, out.modes);
+  return out;
+}
+
+}  // namespace facetloc::internal
