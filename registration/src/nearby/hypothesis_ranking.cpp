@@ -207,16 +207,16 @@ void HypothesisRanking::refinePlaces(const View& scene, std::vector<Hypothesis>&
 void HypothesisRanking::stateAsShown(const View& scene, const PoseWithCovariance& prior,
                                      std::vector<Hypothesis>& hypotheses) const {
   if (scene.depth.empty() || !params_.evidence.enabled || !params_.refinement.enabled) return;
-  const auto n = std::min(hypotheses.size(), static_cast<std::size_t>(params_.refinement.places));
-  for (std::size_t i = 0; i < n; ++i) {
+  constexpr double kPossible = 0.01;  // probability
+  for (std::size_t i = 0; i < hypotheses.size(); ++i) {
     Hypothesis& h = hypotheses[i];
-    if (!h.T_w_c) continue;
+    if (!h.T_w_c || (i > 0 && h.probability < kPossible)) continue;
     const std::vector<NearbyView> models = neighbours(h);
     std::vector<PosedPicture> pictures;
     for (const NearbyView& m : models) pictures.push_back({&m.view->depth, m.T_w_m});
     const Eigen::Isometry3d T_w_m = poseOfModel(h);
     const PoseWithCovariance shown = asShown(T_w_m * h.T_m_c, T_w_m * prior,
-                                             {scene.depth, std::move(pictures), comparison_}, kFineColumns);
+                                             {scene.depth, std::move(pictures), comparison_}, kCoarseColumns);
     h.T_m_c.P = (T_w_m.inverse() * shown).P;
   }
 }

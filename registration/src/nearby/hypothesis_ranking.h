@@ -65,8 +65,9 @@ public:
    * again, with the errors that a refined pose leaves; merges and scores. For places that have evidence. */
   void refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses) const;
 
-  /** \brief Gives the best places, which stay where they are, the covariance that the cost shows
-   * (METHOD 12.4). \param prior T_m_c that the hypotheses were found with, positive definite */
+  /** \brief Gives the first place and all that are possible, which stay where they are, the covariance that
+   * the cost shows (METHOD 12.4). \param prior T_m_c that the hypotheses were found with, positive definite
+   */
   void stateAsShown(const View& scene, const PoseWithCovariance& prior,
                     std::vector<Hypothesis>& hypotheses) const;
 
