@@ -215,7 +215,7 @@ PlaceTruth PlaceTruth::of(const std::string& run) const {
         throw IoError(
             sequences_[i].folder.string(),
             fmt::format(
-                "its stamps overlap those of {}, so that images cannot be told apart: name the folders of "
+                "its stamps overlap with {}, and images are known by their stamps alone: name the folders of "
                 "the results after the runs, or give the folder of one run as the truth",
                 sequences_[k].folder.string()));
   return *this;

@@ -353,7 +353,8 @@ Map MapMergeApp::merge(const Console& console) const {
   for (const std::string& path : maps_) {
     Map& map = maps.emplace_back(readMap(path));
     noteUnfinished(map, path, console);
-    for (const char* key : {"format", "conventions", kImagesKey}) map.meta.erase(key);  // of its own file
+    for (const char* key : {"format", "conventions", kImagesKey})
+      map.meta.erase(key);  // set by the file itself
     stems.push_back(fs::path(path).stem().string());
   }
   if (!same_coordinates_) align(maps, console);

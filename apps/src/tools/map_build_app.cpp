@@ -44,7 +44,7 @@ void removeWithoutModels(const fs::path& path) try {
 
 /** What the images of local models were like. */
 struct MapBuildApp::Seen {
-  std::vector<double> noise;  // of each [1/m]
+  std::vector<double> noise;  // inverse-depth noise by image [1/m]
   std::size_t without_segments = 0;
 };
 

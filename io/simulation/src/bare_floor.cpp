@@ -14,8 +14,8 @@ constexpr double kHalfFloor = 6, kHalfArea = 1.6;
 constexpr double kShortest = 0.15, kLongest = 0.6, kNarrowest = 0.1, kWidest = 0.35;
 constexpr double kThinnest = 0.012, kThickest = 0.03;
 constexpr int kBoards = 24;
-constexpr double kHalfRound = 0.9;  // of the robot's way
-constexpr double kOffRound = 0.25;  // of the later run
+constexpr double kHalfRound = 0.9;  // half the side of the robot's path
+constexpr double kOffRound = 0.25;  // offset of the later run
 
 void addBoard(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
   const double length = random.uniform(kShortest, kLongest), width = random.uniform(kNarrowest, kWidest);

@@ -19,7 +19,7 @@ constexpr int kRoomsOfASide = 6;
 constexpr double kRoomWidth = 4.4, kRoomDepth = 5, kHalfCorridor = 1.1, kHeight = 2.5, kWall = 0.12;
 constexpr double kDoor = 0.95;
 constexpr double kIntoRoom = 2.2;   // that the robot drives past the door
-constexpr double kOffMiddle = 0.1;  // of the later run
+constexpr double kOffMiddle = 0.1;  // offset of the later run
 constexpr double kLook = 120;       // that the robot turns in a room [deg]
 
 double middleOf(int room) { return (room + 0.5) * kRoomWidth; }

@@ -76,7 +76,7 @@ struct LocalModel {
 
 private:
   friend struct Map;
-  std::shared_ptr<const View> view_;       // in memory, or ...
+  std::shared_ptr<const View> view_;       // null if the store has it
   std::shared_ptr<const MapStore> store_;  // ... view number index_ of a store
   int index_ = 0;
 };

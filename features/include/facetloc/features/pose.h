@@ -35,7 +35,7 @@ Vector6d perturbation(const Eigen::Isometry3d& T0, const Eigen::Isometry3d& T);
 /** \brief Squared Mahalanobis distance of T from a pose with a positive definite covariance; chi-square of 6
  * degrees of freedom if T is exact. */
 double squaredMahalanobis(const PoseWithCovariance& pose, const Eigen::Isometry3d& T);
-/** \brief The same of two poses with independent errors. */
+/** \brief Squared Mahalanobis distance between two poses with independent errors. */
 double squaredMahalanobis(const PoseWithCovariance& a, const PoseWithCovariance& b);
 
 /** \brief Covariance of a left, decoupled perturbation in axes that are turned: R maps the old ones into the

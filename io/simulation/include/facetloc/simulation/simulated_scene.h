@@ -42,7 +42,7 @@ struct RoundBody {
 /** \brief How far surfaces are from where a scene says: each is moved along its normal by a smooth function
  * of the place on it, another one for each plane id. */
 struct SurfaceBending {
-  double std = 0;          ///< of the displacement [m]; 0 = all surfaces are as the scene says
+  double std = 0;          ///< standard deviation of the displacement [m]; 0 = surfaces without errors
   double length = 2;       ///< shortest wavelength [m]; the longest is three times that
   std::uint64_t seed = 1;  ///< the same seed, the same surfaces
 };

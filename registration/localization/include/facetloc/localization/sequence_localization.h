@@ -39,8 +39,9 @@ struct SequenceAnswer {
  *
  * Holds a belief: places with covariances and odds, and that the camera is nowhere in the map. It moves with
  * the camera, by the views themselves and by an odometry if there is one, and every view that is new enough
- * is held against each of its places (METHOD 16.6). As long as no place is sure, such views are also searched
- * in the whole map, which may bring up others. A view that fixes no pose still tells which places it
+ * is held against each of its places and registered near them, where it may fit better (METHOD 16.6). As long
+ * as no place is sure, such views are searched in the whole map. A view that is sure on its own, of the first
+ * place, makes the answer sure. A view that fixes no pose still tells which places it
  * excludes; views that show the same again tell nothing new. Its size does not grow with time. Same views,
  * stamps and odometry, same answers, for any number of threads. */
 class SequenceLocalization {
