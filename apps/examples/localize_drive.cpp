@@ -6,7 +6,7 @@
 //
 // The clouds are organized, in the order in which they were taken, here at 10 Hz.
 #include <facetloc/io/map_database.h>
-#include <facetloc/localization/sequence_localization.h>
+#include <facetloc/localization/localizer.h>
 
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
@@ -21,18 +21,18 @@ int main(int argc, char** argv) try {
     return 2;
   }
   const auto map = std::make_shared<const facetloc::Map>(facetloc::openMap(argv[1]));
-  facetloc::SequenceLocalization sequence(map);
+  facetloc::Localizer sequence(map);
   sequence.setCamera(map->camera);  // the clouds are from the camera that has made the map
   for (int i = 2; i < argc; ++i) {
     pcl::PointCloud<pcl::PointXYZ> cloud;
     if (pcl::io::loadPCDFile(argv[i], cloud) < 0) return 1;
-    const facetloc::SequenceAnswer answer = sequence.addCloud(cloud, 0.1 * i);
+    const facetloc::LocalizerAnswer answer = sequence.update(cloud, 0.1 * i);
     std::cout << argv[i] << ": " << toString(answer.state);
-    if (answer.places.empty())
+    if (answer.hypotheses.empty())
       std::cout << ", " << answer.reason << "\n";
     else
-      std::cout << ", " << answer.places.size() << " places, the first with probability "
-                << answer.places[0].probability << " at " << answer.places[0].T_w_c->translation().transpose()
+      std::cout << ", " << answer.hypotheses.size() << " places, the first with probability "
+                << answer.hypotheses[0].probability << " at " << answer.hypotheses[0].T_w_c->translation().transpose()
                 << "\n";
   }
   return 0;

@@ -176,7 +176,7 @@ TEST_F(LiveTool, LocalizesInAMap) {
 TEST_F(LiveTool, TakesItsOwnParameters) {
   const std::string results = folder_ / "results";
   ASSERT_EQ(runLive({"--device", sequence(), "--map", map(), "--headless", "--results", results,
-                     "--max-frames", "2", "--tracking.odometry.key_distance", "0.4"})
+                     "--max-frames", "2", "--localizer.odometry.key_distance", "0.4"})
                 .code,
             kOk);
   EXPECT_THAT(contentOf(results + "/params.ini"), HasSubstr("key_distance = 0.4"));

@@ -28,22 +28,24 @@ LiveResult exampleResult(TrackingState state) {
   result.number = 7;
   result.stamp = 12.5;
   result.image = ExampleScene().see("12.500000", kPose);
-  TrackedPose tracked;
-  tracked.state = state;
-  if (state == TrackingState::cannot_tell) tracked.reason = "nothing in view fixes translation along x";
+  LocalizerAnswer answer;
+  answer.tracking = state;
+  if (state == TrackingState::localized || state == TrackingState::tracking) answer.state = AnswerState::sure;
+  if (state == TrackingState::cannot_tell) answer.reason = "nothing in view fixes translation along x";
   if (state != TrackingState::searching && state != TrackingState::lost) {
-    tracked.T_w_c.emplace();
-    tracked.T_w_c->T = kPose;
-    tracked.T_w_c->P.diagonal() << 1e-6, 1e-6, 1e-6, 4e-4, 1e-4, 1e-4;
+    answer.T_w_c.emplace();
+    answer.T_w_c->T = kPose;
+    answer.T_w_c->P.diagonal() << 1e-6, 1e-6, 1e-6, 4e-4, 1e-4, 1e-4;
     Hypothesis match;
     match.model = 1;
     match.T_m_c.T = ExampleScene::pose(0.4, 0.5, 8).inverse() * kPose;
-    match.T_m_c.P = tracked.T_w_c->P;
+    match.T_m_c.P = answer.T_w_c->P;
     match.T_w_c = kPose;
     match.probability = 0.97;
-    tracked.match = match;
+    match.pairs = {{0, 0, 1}};
+    answer.hypotheses = {match};
   }
-  result.tracked = tracked;
+  result.answer = answer;
   for (int i = 0; i < 5; ++i) result.trail.add({0.05 * i, 0.03 * i, 1});
   return result;
 }
@@ -97,7 +99,7 @@ TEST_F(LivePictureTest, IsTheSameForTheSameFrameWhateverWasDrawnBefore) {
 
 TEST_F(LivePictureTest, DrawsWithoutAMapAndWithoutAnything) {
   LiveResult result = exampleResult(TrackingState::searching);
-  result.tracked.reset();
+  result.answer.reset();
   LiveScreenshot screenshot(nullptr);
   test::expectLikeGolden("live_segmenting", screenshot.draw(result));
 
@@ -114,7 +116,7 @@ TEST_F(LivePictureTest, DrawsAMapWithoutPoses) {
   for (LocalModel& model : map.models) model.T_w_m.reset();
   LiveScreenshot screenshot(std::make_shared<const Map>(map));
   LiveResult result = exampleResult(TrackingState::tracking);
-  result.tracked->T_w_c.reset();
+  result.answer->T_w_c.reset();
   EXPECT_GT(pixelsOf(screenshot.draw(result), stateColour(result)), 1000);
 }
 
@@ -161,23 +163,19 @@ TEST(LiveResults, GiveAPoseWhereItIsCertain) {
 TEST(LiveResults, GiveAPoseThatIsCarriedOnWhereTheMapShowsNothing) {
   const test::TemporaryFolder folder;
   LiveResult result = exampleResult(TrackingState::tracking);
-  result.tracked->match.reset();
+  result.answer->hypotheses.front().pairs.clear();
   LiveResults(folder / "results", "")
       .append(result, frameResult(result, exampleMap().get(), kMinProbability));
   const auto rows = readHypotheses(folder / "results");
   ASSERT_EQ(rows.size(), 1u);
   EXPECT_EQ(rows[0].rank, 1);
   const std::shared_ptr<const Map> map = exampleMap();
-  const auto nearest =
-      std::min_element(map->models.begin(), map->models.end(), [](const LocalModel& a, const LocalModel& b) {
-        return (a.T_w_m->translation() - kPose.translation()).norm() <
-               (b.T_w_m->translation() - kPose.translation()).norm();
-      });
-  EXPECT_EQ(rows[0].model, nearest->name);
+  const LocalModel& latest = map->models[result.answer->hypotheses.front().model];
+  EXPECT_EQ(rows[0].model, latest.name);
   EXPECT_THAT(rows[0].reason, HasSubstr("carried on"));
   ASSERT_TRUE(rows[0].T_w_c);
   EXPECT_TRUE(rows[0].T_w_c->isApprox(kPose, 1e-6));
-  EXPECT_TRUE((*nearest->T_w_m * rows[0].T_m_c).isApprox(kPose, 1e-6));
+  EXPECT_TRUE((*latest.T_w_m * rows[0].T_m_c).isApprox(kPose, 1e-6));
   EXPECT_NEAR(rows[0].sd_trans_m, 0.02, 1e-9);
 }
 

@@ -19,11 +19,13 @@ LiveResult trackedResult(TrackingState state, const std::string& reason) {
   LiveResult result;
   result.received = 12;
   result.dropped = 3;
-  result.tracked.emplace();
-  result.tracked->state = state;
-  result.tracked->reason = reason;
-  result.tracked->T_w_c.emplace();
-  result.tracked->T_w_c->T.translation() << 1.234, -2, 0.5;
+  LocalizerAnswer& answer = result.answer.emplace();
+  answer.tracking = state;
+  if (state == TrackingState::tracking) answer.state = AnswerState::sure;
+  answer.reason = reason;
+  answer.hypotheses.emplace_back();
+  answer.T_w_c.emplace();
+  answer.T_w_c->T.translation() << 1.234, -2, 0.5;
   return result;
 }
 
@@ -59,7 +61,7 @@ TEST(LiveStatus, TellsTimes) {
   result.localize_ms = 9.06;
   EXPECT_THAT(timesText(result, 30), AllOf(HasSubstr("segmentation 5.1 ms"), HasSubstr("localization 9.1 ms"),
                                            HasSubstr("3 of 12 dropped")));
-  result.tracked.reset();
+  result.answer.reset();
   EXPECT_THAT(timesText(result, 30), Not(HasSubstr("localization")));
   EXPECT_EQ(stateText(result), "segmenting");
 }

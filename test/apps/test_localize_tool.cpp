@@ -158,7 +158,7 @@ TEST_F(Tools, ADriveSaysWhenItIsFirstSureAndWhyNotBefore) {
 TEST_F(Tools, ParametersOfADriveCanBeUsedAgain) {
   const std::vector<std::string> drive = {
       map(),        map_run(),           "-o",   folder_ / "a",
-      "--sequence", "--min-probability", "0.95", "--sequence.look_distance",
+      "--sequence", "--min-probability", "0.95", "--localizer.look_distance",
       "0.2"};
   ASSERT_EQ(runTool<LocalizeApp>(drive).code, kOk);
   const ToolRun again =

@@ -5,8 +5,8 @@
 #include "tools/localize_app.h"
 
 #include <facetloc/localization/localization_params.h>
-#include <facetloc/localization/sequence_params.h>
-#include <facetloc/localization/tracking_params.h>
+#include <facetloc/localization/localizer_params.h>
+#include <facetloc/registration/pose_prior.h>
 #include <facetloc/mapping/map_builder.h>
 #include <facetloc/mapping/map_session.h>
 #include <facetloc/mapping/mapping_params.h>
@@ -50,8 +50,8 @@ Parameters parametersOf(const Params&... params) {
 }
 
 Parameters allParameters() {
-  return parametersOf(ViewParams{}, SensorNoise{}, GlobalLocalizationParams{}, SequenceParams{},
-                      PoseTrackingParams{}, MappingParams{}, MapBuilderParams{}, MapSessionParams{},
+  return parametersOf(ViewParams{}, SensorNoise{}, GlobalLocalizationParams{}, LocalizerParams{},
+                      OdometryError{}, MappingParams{}, MapBuilderParams{}, MapSessionParams{},
                       EvaluationParams{}, SimulatedNoise{}, DriveParams{}, PaceParams{},
                       WheelOdometryParams{});
 }

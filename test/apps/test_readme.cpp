@@ -10,7 +10,7 @@
 #include <facetloc/io/results.h>
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/map_localization.h>
-#include <facetloc/localization/sequence_localization.h>
+#include <facetloc/localization/localizer.h>
 #include <facetloc/mapping/map_making.h>
 #include <facetloc/registration/planar_registration.h>
 #include <facetloc/segmentation/planar_segmentation.h>

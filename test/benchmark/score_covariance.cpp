@@ -2,12 +2,12 @@
 //
 // How well stated covariances agree with the errors of poses.
 //
-//   score_covariance [--kinds single,pair,motion,sequence,tracking] [--truth-deg DEG] [--truth-mm MM]
+//   score_covariance [--kinds single,pair,motion,sequence] [--truth-deg DEG] [--truth-mm MM]
 //   [--run query] [--map FILE] [--map-poses poses.txt] [--csv FILE] [--GROUP.PARAMETER VALUE] PLACE...
 //
 // Each PLACE is a folder with a run map/, which makes the map by the paper's rule, and another run that is
 // compared with its true poses, in four ways: each image alone in the map (single), image against image, by
-// distance (pair), from each N-th image to the next (motion), and all images in a row (sequence, tracking).
+// distance (pair), from each N-th image to the next (motion), and all images in a row (sequence).
 // A pose is right within 0.3 m and 5 deg; right ones alone count for the covariance. Printed are how many are
 // sure, right of these, and right at rank 1; NEES, e^T P^-1 e, its mean (6 if covariances are right), median
 // (5.35) and 97 % bound (13.97); the share in the 50 and 95 % ellipsoids; and |error| / std along the
@@ -24,8 +24,7 @@
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/localization/pose_tracking.h>
-#include <facetloc/localization/sequence_localization.h>
+#include <facetloc/localization/localizer.h>
 #include <facetloc/registration/pair_registration.h>
 
 #include <algorithm>
@@ -170,8 +169,7 @@ private:
     line.addArguments("PLACE", places_);
     line.addOption("run", run_, "NAME", "The run that is localized.");
     line.addOption("every", every_, "N", "See only every N-th image.");
-    line.addOption("kinds", kinds_, "KIND,...",
-                   "Kinds that are compared: single,pair,motion,sequence,tracking.");
+    line.addOption("kinds", kinds_, "KIND,...", "Kinds that are compared: single,pair,motion,sequence.");
     line.addOption("gaps", gaps_, "N,...", "Images from one to the next, of motions.");
     line.addOption("pairs", pairs_, "N", "Largest number of pairs of each distance.");
     line.addOption("map", map_, "FILE", "Map (.flmap) that is used instead of one of PLACE/map.");
@@ -182,8 +180,7 @@ private:
     line.addPresets();
     line.addParams(view_);
     line.addParams(evaluation_, "evaluation");
-    line.addParams(sequence_, "sequence");
-    line.addParams(tracking_, "tracking");
+    line.addParams(localizer_, "localizer");
     line.addParams(localization_);
   }
 
@@ -253,7 +250,7 @@ private:
   /** From each image to the one so many later; sure if the views have seen the motion. */
   Tally motions(const PosedRun& run, std::size_t gap) const {
     Tally tally{"", "motion", std::to_string(gap)};
-    internal::CameraMotion motion(sequence_.odometry);
+    internal::CameraMotion motion(localizer_.odometry);
     for (std::size_t i = 0; i < run.views.size(); i += gap) {
       const auto view = std::make_shared<const View>(run.views[i]);
       const internal::Motion seen = motion.next(view, i ? run.stamps[i] - run.stamps[i - gap] : 0);
@@ -266,25 +263,12 @@ private:
   }
 
   std::vector<Answer> sequenceAnswers(const std::shared_ptr<const Map>& map, const PosedRun& run) const {
-    SequenceLocalization sequence(map, sequence_, localization_);
+    Localizer sequence(map, localizer_, localization_);
     sequence.setNumberOfThreads(threads());
     std::vector<Answer> answers;
     for (std::size_t i = 0; i < run.views.size(); ++i) {
-      const SequenceAnswer found = sequence.add(run.views[i], run.stamps[i]);
-      answers.push_back({worldPose(*map, found.places), found.state == AnswerState::sure});
-    }
-    return answers;
-  }
-
-  std::vector<Answer> trackedAnswers(const std::shared_ptr<const Map>& map, const PosedRun& run) const {
-    PoseTracking tracking(map, tracking_, localization_);
-    tracking.setNumberOfThreads(threads());
-    std::vector<Answer> answers;
-    for (std::size_t i = 0; i < run.views.size(); ++i) {
-      const TrackedPose found = tracking.update(run.views[i], run.stamps[i]);
-      const bool sure = found.state == TrackingState::localized || found.state == TrackingState::tracking;
-      const bool posed = sure || found.state == TrackingState::cannot_tell;
-      answers.push_back({posed ? found.T_w_c : std::nullopt, sure});
+      const LocalizerAnswer found = sequence.update(run.views[i], run.stamps[i]);
+      answers.push_back({worldPose(*map, found.hypotheses), found.state == AnswerState::sure});
     }
     return answers;
   }
@@ -320,7 +304,6 @@ private:
     if (wants("motion"))
       for (const std::size_t gap : gapsOf()) all.push_back(motions(run, gap));
     if (wants("sequence")) add("sequence", sequenceAnswers(map, run));
-    if (wants("tracking")) add("tracking", trackedAnswers(map, run));
     const fs::path path = fs::path(folder).lexically_normal();
     for (Tally& tally : all)
       tally.place = (path.has_filename() ? path : path.parent_path()).filename().string();
@@ -342,8 +325,8 @@ private:
     if (!(truth_deg_ >= 0 && truth_mm_ >= 0)) throw UsageError("errors of the truth must not be negative");
     gapsOf();
     for (const std::string& kind : listOf(kinds_))
-      if (kind != "single" && kind != "pair" && kind != "motion" && kind != "sequence" && kind != "tracking")
-        throw UsageError("unknown kind '" + kind + "'; there are: single pair motion sequence tracking");
+      if (kind != "single" && kind != "pair" && kind != "motion" && kind != "sequence")
+        throw UsageError("unknown kind '" + kind + "'; there are: single pair motion sequence");
   }
 
   int execute(const CommandLine&, const Console& console) override {
@@ -360,14 +343,13 @@ private:
   }
 
   std::vector<std::string> places_;
-  std::string map_, run_ = "query", kinds_ = "single,pair,motion,sequence,tracking", gaps_ = "1,2,4,8",
-                    map_poses_, csv_;
+  std::string map_, run_ = "query", kinds_ = "single,pair,motion,sequence", gaps_ = "1,2,4,8", map_poses_,
+                    csv_;
   int every_ = 1, pairs_ = 100;
   double truth_deg_ = 0, truth_mm_ = 0;
   ViewParams view_;
   EvaluationParams evaluation_;
-  SequenceParams sequence_;
-  PoseTrackingParams tracking_;
+  LocalizerParams localizer_;
   GlobalLocalizationParams localization_;
 };
 

@@ -16,7 +16,7 @@
 #include "calibration/map_ambiguity.h"
 #include "mapped_place.h"
 
-#include <facetloc/localization/sequence_localization.h>
+#include <facetloc/localization/localizer.h>
 
 #include <algorithm>
 #include <array>
@@ -87,16 +87,16 @@ private:
   }
 
   static void print(std::size_t start, std::size_t image, double gone, bool right, const PoseError& error,
-                    const SequenceAnswer& answer) {
+                    const LocalizerAnswer& answer) {
     std::printf("start %zu, image %zu, after %.2f m: %s%s%s%s, p %.3f, nowhere %.3f, %zu places, %.0f mm "
                 "%.1f deg; %s\n",
                 start, image, gone, toString(answer.state), right ? ", right" : "",
-                answer.searched ? ", searched" : "", answer.carried_away ? ", carried away" : "",
-                answer.places.empty() ? 0 : answer.places.front().probability, answer.nowhere,
-                answer.places.size(), 1e3 * error.translation, error.rotation_deg, answer.reason.c_str());
+                answer.searched ? ", searched" : "", answer.began_anew ? ", carried away" : "",
+                answer.hypotheses.empty() ? 0 : answer.hypotheses.front().probability, answer.not_in_map,
+                answer.hypotheses.size(), 1e3 * error.translation, error.rotation_deg, answer.reason.c_str());
   }
 
-  Course follow(SequenceLocalization& sequence, const PosedRun& seen, std::size_t start) const {
+  Course follow(Localizer& sequence, const PosedRun& seen, std::size_t start) const {
     Course course;
     double gone = 0;
     std::size_t next = 0;
@@ -104,13 +104,13 @@ private:
       if (i > start && (unknown_ || seen.covered[i]))
         gone += (seen.truth[i].translation() - seen.truth[i - 1].translation()).norm();
       const auto begin = std::chrono::steady_clock::now();
-      const SequenceAnswer answer = sequence.add(seen.views[i], seen.stamps[i]);
+      const LocalizerAnswer answer = sequence.update(seen.views[i], seen.stamps[i]);
       course.milliseconds +=
           std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
       bool right = false;
       PoseError error;
-      if (!answer.places.empty()) {
-        error = poseError(*answer.places.front().T_w_c, seen.truth[i]);
+      if (!answer.hypotheses.empty()) {
+        error = poseError(*answer.hypotheses.front().T_w_c, seen.truth[i]);
         right = error.translation <= evaluation_.max_translation &&
                 error.rotation_deg <= evaluation_.max_rotation_deg;
       }
@@ -120,8 +120,8 @@ private:
       course.sure_right += sure && right;
       course.rank1 += right;
       course.searches += answer.searched;
-      course.carried += answer.carried_away;
-      course.places += static_cast<int>(answer.places.size());
+      course.carried += answer.began_anew;
+      course.places += static_cast<int>(answer.hypotheses.size());
       course.ever_wrong = course.ever_wrong || (sure && !right);
       if (courses_) print(start, i, gone, right, error, answer);
       while ((unknown_ || seen.covered[i]) && next < kMetres.size() && gone >= kMetres[next]) {
@@ -142,7 +142,7 @@ private:
     std::vector<Course> courses(n);
 #pragma omp parallel
     {
-      std::optional<SequenceLocalization> whole;
+      std::optional<Localizer> whole;
       if (!unknown_) whole.emplace(map, sequence_, localization_);
 #pragma omp for schedule(dynamic)
       for (int k = 0; k < n; ++k) {
@@ -158,8 +158,8 @@ private:
           if (i > start) gone += (seen.truth[i].translation() - seen.truth[i - 1].translation()).norm();
           way.push_back(seen.truth[i]);
         }
-        SequenceLocalization sequence(std::make_shared<const Map>(without(*map, way, radius_)), sequence_,
-                                      localization_);
+        Localizer sequence(std::make_shared<const Map>(without(*map, way, radius_)), sequence_,
+                           localization_);
         courses[k] = follow(sequence, seen, start);
       }
     }
@@ -222,7 +222,7 @@ private:
   bool unknown_ = false, courses_ = false;
   ViewParams view_;
   EvaluationParams evaluation_;
-  SequenceParams sequence_;
+  LocalizerParams sequence_;
   GlobalLocalizationParams localization_;
 };
 

@@ -16,7 +16,7 @@
 
 #include <facetloc/features/pose.h>
 #include <facetloc/io/depth_sequence.h>
-#include <facetloc/localization/pose_tracking.h>
+#include <facetloc/localization/localizer.h>
 #include <facetloc/mapping/map_builder.h>
 #include <facetloc/segmentation/view_builder.h>
 
@@ -48,7 +48,7 @@ struct Options {
   double busy = 0.3;   // [s]
   double step = 0.04;  // [s]
   bool frames = false;
-  PoseTrackingParams tracking;
+  LocalizerParams localizer;
 };
 
 std::vector<View> viewsOf(const DepthSequence& sequence, const std::vector<std::size_t>& frames,
@@ -125,14 +125,9 @@ double milliseconds(const std::chrono::steady_clock::time_point& since) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
 }
 
-bool isPosed(const TrackedPose& p) {
-  return p.T_w_c && (p.state == TrackingState::localized || p.state == TrackingState::tracking ||
-                     p.state == TrackingState::cannot_tell);
-}
-
 Score track(const Floor& floor, const Options& options) {
   Score score;
-  PoseTracking tracking(floor.map, options.tracking);
+  Localizer localizer(floor.map, options.localizer);
   const std::size_t n = floor.views.size();
   bool fixed = false, noticed = true, repaired = true, shown = true;
   std::size_t jump = 0;
@@ -152,7 +147,7 @@ Score track(const Floor& floor, const Options& options) {
     if (floor.covered[k] && i > 0) in_map += floor.stamps[i] - floor.stamps[i - 1];
     if (now < free_at) continue;
     const auto start = std::chrono::steady_clock::now();
-    const TrackedPose pose = tracking.update(floor.views[k], now);
+    const LocalizerAnswer pose = localizer.update(floor.views[k], now);
     const double ms = milliseconds(start);
     const bool searched = pose.searched;
     free_at = now + (searched ? options.busy : options.step);
@@ -161,22 +156,22 @@ Score track(const Floor& floor, const Options& options) {
     if (!searched) score.worst_ms = std::max(score.worst_ms, ms);
 
     ++score.frames;
-    ++score.states[static_cast<int>(pose.state)];
+    ++score.states[static_cast<int>(pose.tracking)];
     score.covered += floor.covered[k];
     if (!shown && floor.covered[k]) {
       shown = true;
       ++score.shown;
     }
-    fixed = fixed || pose.state == TrackingState::localized;
+    fixed = fixed || pose.tracking == TrackingState::localized;
     Vector6d e = Vector6d::Zero();
     bool good = false;
     double nees = 0;
-    if (isPosed(pose)) {
+    if (pose.T_w_c) {
       e = perturbation(pose.T_w_c->T, floor.truth[k]);
       good = e.tail<3>().norm() <= kGoodTranslation && e.head<3>().norm() <= kGoodRotation;
       nees = e.dot(pose.T_w_c->P.ldlt().solve(e));
     }
-    if (!noticed && !isPosed(pose)) {
+    if (!noticed && !pose.T_w_c) {
       noticed = true;
       ++score.noticed;
       score.notice += now - jumped_at;
@@ -192,7 +187,7 @@ Score track(const Floor& floor, const Options& options) {
     if (fixed) {
       ++score.after_fix;
       score.good += good;
-      if (isPosed(pose)) {
+      if (pose.T_w_c) {
         ++score.posed;
         score.translation += e.tail<3>().norm();
         score.rotation += e.head<3>().norm() / kDegree;
@@ -201,15 +196,14 @@ Score track(const Floor& floor, const Options& options) {
     }
     if (options.frames) {
       Vector6d std = Vector6d::Zero();
+      const Hypothesis best = pose.hypotheses.empty() ? Hypothesis() : pose.hypotheses.front();
       if (pose.T_w_c) std = pose.T_w_c->P.diagonal().cwiseSqrt();
-      std::printf("%8.3f %5zu %s %-11s %c %6.1f mm %5.2f deg  std %5.1f mm %5.2f deg  nees %7.1f  map %.2f "
-                  "view %.2f  "
+      std::printf("%8.3f %5zu %s %-11s %c %6.1f mm %5.2f deg  std %5.1f mm %5.2f deg  nees %7.1f  "
                   "model %4d %2zu pairs  p %.2f  %5.1f ms  %s\n",
-                  now, k, floor.covered[k] ? "in map" : "      ", stateName(pose.state), good ? '+' : '-',
+                  now, k, floor.covered[k] ? "in map" : "      ", stateName(pose.tracking), good ? '+' : '-',
                   1e3 * e.tail<3>().norm(), e.head<3>().norm() / kDegree, 1e3 * std.tail<3>().maxCoeff(),
-                  std.head<3>().maxCoeff() / kDegree, nees, pose.map_agreement, pose.view_agreement,
-                  pose.match ? pose.match->model : -1, pose.match ? pose.match->pairs.size() : 0,
-                  pose.probability, ms, pose.reason.c_str());
+                  std.head<3>().maxCoeff() / kDegree, nees, best.model, best.pairs.size(), best.probability,
+                  ms, pose.reason.c_str());
     }
   }
   return score;
@@ -252,7 +246,7 @@ int run(int argc, char** argv) {
     } else if (argument == "--step" && has_value) {
       options.step = 1e-3 * std::atof(argv[++i]);
     } else if (argument == "--set" && i + 2 < argc) {
-      if (!benchmarks::setParameter(options.tracking, argv[i + 1], argv[i + 2])) {
+      if (!benchmarks::setParameter(options.localizer, argv[i + 1], argv[i + 2])) {
         std::fprintf(stderr, "score_tracking: no parameter %s\n", argv[i + 1]);
         return 2;
       }

@@ -5,7 +5,7 @@
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/localization/global_localization.h>
-#include <facetloc/localization/pose_tracking.h>
+#include <facetloc/localization/localizer.h>
 #include <facetloc/mapping/map_builder.h>
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/simulation/simulated_camera.h>
@@ -153,16 +153,16 @@ TEST_F(MapInParts, AnAmbiguousPartIsAskedForItsOwnPlacesAlone) {
 
 TEST_F(MapInParts, ACameraIsFollowedInItsPart) {
   const auto parts = withoutPoses({26});
-  PoseTracking tracking(parts);
+  Localizer localizer(parts);
   int followed = 0;
   for (std::size_t i = 0; i < drive_on.size(); ++i) {
-    const TrackedPose pose = tracking.update(drive_on[i].view, 0.1 * static_cast<double>(i));
-    if (pose.state != TrackingState::tracking) continue;
+    const LocalizerAnswer pose = localizer.update(drive_on[i].view, 0.1 * static_cast<double>(i));
+    if (pose.tracking != TrackingState::tracking) continue;
     ++followed;
-    EXPECT_EQ(pose.part, 0);
+    EXPECT_EQ(pose.hypotheses.front().part, 0);
     const Eigen::Isometry3d T_w_part = *map->models[0].T_w_m * parts->models[0].T_w_m->inverse();
     EXPECT_THAT(T_w_part * pose.T_w_c->T, test::PoseNear(drive_on[i].T_w_c, kCorrect, kCorrectDeg));
-    EXPECT_TRUE(!pose.match || pose.match->part == pose.part);
+    EXPECT_EQ(parts->models[pose.hypotheses.front().model].part, 0);
   }
   EXPECT_GT(followed, static_cast<int>(drive_on.size()) / 2);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "opened_map.h"
 
+#include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/map_localization.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
@@ -99,7 +100,7 @@ TEST_F(MapLocalizationInARoom, InSequenceModeCloudsAreOneDrive) {
   MapLocalization<pcl::PointXYZ> localization;
   localization.setMap(map);
   localization.setSequenceMode(true);
-  SequenceLocalization core(map);
+  Localizer core(map);
   for (int i = 0; i < 8; ++i) {
     const Eigen::Isometry3d truth = poseAt(10 + 3.6 * i, 0.6);
     const Cloud::Ptr cloud = cloudFrom(truth, i);
@@ -107,9 +108,9 @@ TEST_F(MapLocalizationInARoom, InSequenceModeCloudsAreOneDrive) {
     localization.setInputCloud(cloud);
     PoseWithCovariance pose;
     const bool is_sure = localization.localize(pose);
-    const SequenceAnswer answer = core.add(localization.getView(), 1 + 0.1 * i);
+    const LocalizerAnswer answer = core.update(localization.getView(), 1 + 0.1 * i);
     EXPECT_EQ(localization.getState(), answer.state) << i;
-    EXPECT_EQ(localization.getHypotheses().size(), answer.places.size()) << i;
+    EXPECT_EQ(localization.getHypotheses().size(), answer.hypotheses.size()) << i;
     if (is_sure) {
       EXPECT_TRUE(isNear(pose.T, truth, 0.1, 2)) << i;
     }
@@ -120,8 +121,8 @@ TEST_F(MapLocalizationInARoom, InSequenceModeCloudsAreOneDrive) {
   localization.setInputCloud(cloudFrom(poseAt(200, 0.6), 50));
   Eigen::Isometry3d T;
   localization.localize(T);
-  const SequenceAnswer first = SequenceLocalization(map).add(localization.getView(), 0);
-  EXPECT_EQ(localization.getHypotheses().size(), first.places.size());
+  const LocalizerAnswer first = Localizer(map).update(localization.getView(), 0);
+  EXPECT_EQ(localization.getHypotheses().size(), first.hypotheses.size());
 }
 
 TEST_F(MapLocalizationInARoom, CloudsWithoutStampsFollowEachOther) {

@@ -74,7 +74,8 @@ void LiveApp::addOptions(CommandLine& line) {
                  "Play recordings so many times as fast; 0 = as fast as possible.");
   addMinProbability(line, min_probability_);
   input_.addOptions(line);
-  line.addParams(tracking_, "tracking");
+  line.addParams(localizer_, "localizer");
+  line.addParams(odometry_error_, "odometry_error");
   addLocalizationOptions(line, localization_);
   line.addParams(mapping_, "mapping");
   line.addParams(places_, "map");
@@ -146,8 +147,9 @@ int LiveApp::play(const LiveRunOptions& options, const CommandLine& line, const 
   algorithms.camera = [&](const std::optional<CameraFile>& file) { return input_.camera(file, line); };
   algorithms.session.view = input_.view;
   algorithms.session.width = input_.width;
-  algorithms.session.tracking = tracking_;
-  if (line.given("min-probability")) algorithms.session.tracking.min_probability = min_probability_;
+  algorithms.session.localizer = localizer_;
+  algorithms.session.odometry_error = odometry_error_;
+  algorithms.session.min_probability = min_probability_;
   algorithms.session.localization = localization_;
   algorithms.session.threads = threads();
   algorithms.mapping = mapping_;

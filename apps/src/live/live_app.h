@@ -5,7 +5,7 @@
 #include "base/depth_input.h"
 #include "live/live_source.h"
 
-#include <facetloc/localization/pose_tracking.h>
+#include <facetloc/localization/localizer.h>
 #include <facetloc/mapping/map_builder.h>
 #include <facetloc/mapping/mapping_params.h>
 
@@ -49,7 +49,8 @@ private:
   double min_probability_ = kMinProbability;
   bool overwrite_ = false;
   bool streams_ = false;
-  PoseTrackingParams tracking_;
+  LocalizerParams localizer_;
+  OdometryError odometry_error_;
   MappingParams mapping_;
   MapBuilderParams places_;
   GlobalLocalizationParams localization_;

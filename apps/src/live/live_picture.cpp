@@ -156,7 +156,7 @@ std::string poseText(const LiveResult& result, const Map* map, const LivePlan* p
   if (!pose && !match) return "no pose; " + seenText(result.image);
   const std::string model = match ? map->models.at(match->model).name : "";
   std::string words =
-      pose ? partText(*map, result.tracked->part) + positionText(pose->T.translation())
+      pose ? partText(*map, result.part()) + positionText(pose->T.translation())
            : fmt::format("in local model {}:  {}", model, positionText(match->T_m_c.T.translation()));
   if (pose && plan) words += fmt::format("   heading {}°", text::decimals(plan->heading(pose->T), 1));
   words += "   " + accuracyText(pose ? pose->P : match->T_m_c.P);

@@ -109,13 +109,13 @@ void LivePlan::look(Panel& panel, const Eigen::Vector2d& centre, double height) 
 /** Disks where the camera may be. */
 void LivePlan::markPlaces(Panel& panel, const LiveResult& result, double metres_per_pixel) {
   constexpr double kLargest = 10, kLeast = 2;  // [px]
-  if (!result.tracked) return;
-  for (const PossiblePlace& place : result.tracked->places) {
+  if (!result.answer || result.pose()) return;
+  for (const Hypothesis& place : result.answer->hypotheses) {
     if (place.part != part_) continue;
-    const Eigen::Vector2d here = plan_.point(place.T_w_c.T.translation());
+    const Eigen::Vector2d here = plan_.point(place.T_w_c->translation());
     const double radius = std::max(kLeast, kLargest * std::sqrt(place.probability)) * metres_per_pixel;
     panel.marker.polygon(disk(here, radius * Eigen::Matrix2d::Identity(), kMarkLevel), stateColour(result));
-    const Eigen::Vector2d ahead = plan_.direction(place.T_w_c.T.linear().col(2));
+    const Eigen::Vector2d ahead = plan_.direction(place.T_w_c->linear().col(2));
     const Eigen::Vector2d tip = here + (radius + kLargest * metres_per_pixel) * ahead;
     panel.marker.line({at(here, kMarkLevel), at(tip, kMarkLevel)}, stateColour(result));
   }
@@ -164,7 +164,7 @@ void LivePlan::show(const LiveResult& result, const Eigen::Vector2d& whole_size,
                     const Eigen::Vector2d& near_size) {
   constexpr double kBorder = 1.06;
   if (empty()) return;
-  if (result.pose() && result.tracked->part != part_) showPart(result.tracked->part);
+  if (result.pose() && result.part() != part_) showPart(result.part());
   Eigen::AlignedBox2d extent = extent_;
   for (const LiveTrail::Line& line : result.trail.lines()) {
     Shapes::Points points;

@@ -6,7 +6,7 @@
 #include "live/live_mapping.h"
 #include "live/live_trail.h"
 
-#include <facetloc/localization/pose_tracking.h>
+#include <facetloc/localization/localizer.h>
 
 #include <cstdint>
 #include <memory>
@@ -17,13 +17,13 @@ namespace facetloc {
 
 /** \brief One processed frame of a live run: what is drawn and written. */
 struct LiveResult {
-  std::uint64_t number = 0;            ///< of processed frames, from 1
-  double stamp = 0;                    ///< [s]; increases from frame to frame
-  SeenImage image;                     ///< at the working size; its name is the stamp
-  std::optional<TrackedPose> tracked;  ///< nothing if there is no map
-  std::optional<LiveMapState> mapped;  ///< if a map is being made
-  LiveTrail trail;                     ///< where the camera was in the world so far
-  bool has_odometry = false;           ///< that has measured how the camera moved since the frame before
+  std::uint64_t number = 0;               ///< of processed frames, from 1
+  double stamp = 0;                       ///< [s]; increases from frame to frame
+  SeenImage image;                        ///< at the working size; its name is the stamp
+  std::optional<LocalizerAnswer> answer;  ///< nothing if there is no map
+  std::optional<LiveMapState> mapped;     ///< if a map is being made
+  LiveTrail trail;                        ///< where the camera was in the world so far
+  bool has_odometry = false;              ///< that has measured how the camera moved since the frame before
 
   double segment_ms = 0, features_ms = 0, localize_ms = 0;
   double age_ms = 0;           ///< from the frame's arrival to the begin of its processing
@@ -37,9 +37,11 @@ struct LiveResult {
   /** \brief The reason; if there is none, how far the map has come that is being made. */
   std::string remark() const;
   /** \brief Its local model and the pose relative to it, if there is one. */
-  const Hypothesis* match() const { return tracked && tracked->match ? &*tracked->match : nullptr; }
+  const Hypothesis* match() const;
   /** \brief The world pose, be it certain or not, if there is one. */
   const PoseWithCovariance* pose() const;
+  /** \brief Part of the map that the pose is in. */
+  int part() const { return answer && answer->T_w_c ? answer->hypotheses.front().part : 0; }
   /** \brief Is the pose one to rely on? */
   bool isLocalized() const;
 };

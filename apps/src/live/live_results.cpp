@@ -13,13 +13,13 @@
 namespace facetloc {
 namespace {
 
-/** Of the models of a part with a pose; nothing if there is none. */
-std::optional<int> nearestModel(const Map& map, int part, const Eigen::Vector3d& place) {
+/** Of the models of the main part with a pose; nothing if there is none. */
+std::optional<int> nearestModel(const Map& map, const Eigen::Vector3d& place) {
   std::optional<int> nearest;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < map.models.size(); ++i) {
     const auto& T_w_m = map.models[i].T_w_m;
-    const bool counts = T_w_m && map.models[i].part == part;
+    const bool counts = T_w_m && map.models[i].part == 0;
     const double squared = counts ? (T_w_m->translation() - place).squaredNorm() : least;
     if (squared < least) least = squared, nearest = static_cast<int>(i);
   }
@@ -33,17 +33,14 @@ public:
       : result_(result), frame_(result.image.name), map_(map), min_probability_(min_probability) {}
 
   ResultRow row() const {
-    if (!result_.mapped && (!result_.tracked || !map_))
-      return noHypothesis(frame_, "segmented without a map");
+    if (!result_.mapped && (!result_.answer || !map_)) return noHypothesis(frame_, "segmented without a map");
     if (!result_.isLocalized())
       return noHypothesis(frame_,
                           result_.state() + (result_.reason().empty() ? "" : ": " + result_.reason()));
-    if (result_.mapped) return rowOf(*result_.pose(), *result_.mapped->map, 0, 1);
-    if (const Hypothesis* match = result_.match()) return rowOf(*match, *map_);
-
-    // The camera's own views carry the pose where no local model shows anything of the place.
-    ResultRow row = rowOf(*result_.pose(), *map_, result_.tracked->part, result_.tracked->probability);
-    row.reason = "carried on: no local model shows what is in view";
+    if (result_.mapped) return rowOf(*result_.pose(), *result_.mapped->map);
+    ResultRow row = rowOf(result_.answer->hypotheses.front(), *map_);
+    row.state = AnswerState::sure;
+    if (!result_.match()) row.reason = "carried on: no local model shows what is in view";
     return row;
   }
 
@@ -54,16 +51,15 @@ private:
     return resultRows(frame_, answer, map, 1, min_probability_).front();
   }
 
-  /** Of a pose that is not that beside a local model of its view. */
-  ResultRow rowOf(const PoseWithCovariance& pose, const Map& map, int part, double probability) const {
-    const auto nearest = nearestModel(map, part, pose.T.translation());
+  /** Of the camera that makes the map. */
+  ResultRow rowOf(const PoseWithCovariance& pose, const Map& map) const {
+    const auto nearest = nearestModel(map, pose.T.translation());
     if (!nearest) return noHypothesis(frame_, "the map has no local model yet");
     Hypothesis carried;
-    carried.part = part;
     carried.model = *nearest;
     carried.T_w_c = pose.T;
     carried.T_m_c = map.models[*nearest].T_w_m->inverse() * pose;
-    carried.probability = probability;
+    carried.probability = 1;
     return rowOf(carried, map);
   }
 

@@ -151,8 +151,8 @@ void LiveRun::startSession() {
                                        : ", without a map";
     const std::string params_ini =
         fmt::format("# {}, live from {}{}\nmin-probability = {}\nwidth = {}\n", versionText(),
-                    source_->name(), map, text::shortest(options.tracking.min_probability), options.width) +
-        toIni(options.camera.noise, "noise") + toIni(options.view) + toIni(options.tracking, "tracking") +
+                    source_->name(), map, text::shortest(options.min_probability), options.width) +
+        toIni(options.camera.noise, "noise") + toIni(options.view) + toIni(options.localizer, "localizer") +
         localizationIni(options.localization);
     results_ = std::make_unique<LiveResults>(options_.results, params_ini);
   }
@@ -166,7 +166,7 @@ void LiveRun::startSession() {
 /** By the processing thread: what must not be lost is written, what may be is left for who has the time. */
 void LiveRun::receive(const LiveResultPtr& result) {
   if (results_ || stream_) {
-    const FrameResult row = frameResult(*result, map_.get(), algorithms_.session.tracking.min_probability);
+    const FrameResult row = frameResult(*result, map_.get(), algorithms_.session.min_probability);
     if (results_) results_->append(*result, row);
     if (stream_) stream_->put(static_cast<std::size_t>(result->number - 1), row);
   }

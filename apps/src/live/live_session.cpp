@@ -45,8 +45,9 @@ LiveSession::LiveSession(const LiveSessionOptions& options, std::shared_ptr<cons
       on_result_(std::move(on_result)),
       builder_(options.camera, options.view) {
   if (map_) {
-    tracking_ = std::make_unique<PoseTracking>(map_, options.tracking, options.localization);
-    tracking_->setNumberOfThreads(options.threads);
+    localizer_ = std::make_unique<Localizer>(map_, options.localizer, options.localization);
+    localizer_->setNumberOfThreads(options.threads);
+    localizer_->setMinProbability(options.min_probability);
   }
   thread_ = std::thread([this] { run(); });
 }
@@ -107,8 +108,7 @@ double LiveSession::increasingStamp(double stamp) {
 }
 
 /** Since the frame before, if it is known where the camera was then, and is now. */
-std::optional<Eigen::Isometry3d>
-LiveSession::motionByOdometry(const LatestFrame<LiveFrame>::Arrived& arrived) {
+std::optional<Eigen::Isometry3d> LiveSession::motionSince(const LatestFrame<LiveFrame>::Arrived& arrived) {
   if (!options_.odometry) return {};
   const std::optional<Eigen::Isometry3d> before =
       std::exchange(T_o_c_, options_.odometry->at(arrived.frame.stamp, arrived.arrival));
@@ -125,15 +125,17 @@ void LiveSession::process(const LatestFrame<LiveFrame>::Arrived& arrived) {
   result->image = see(text::decimals(result->stamp, 6), workingImage(full, options_.width), builder_);
   result->segment_ms = builder_.segmentMilliseconds();
   result->features_ms = builder_.featuresMilliseconds();
-  const std::optional<Eigen::Isometry3d> motion = motionByOdometry(arrived);
+  const std::optional<Eigen::Isometry3d> motion = motionSince(arrived);
   result->has_odometry = motion.has_value();
-  if (tracking_) {
-    if (relocalize_.exchange(false)) tracking_->relocalize();
+  if (localizer_) {
+    if (relocalize_.exchange(false)) localizer_->reset();
     const Clock::time_point begin = Clock::now();
-    result->tracked = tracking_->update(result->image.view, result->stamp, motion);
+    std::optional<PoseWithCovariance> measured;
+    if (motion) measured = motionByOdometry(*motion, builder_.camera().mounting, options_.odometry_error);
+    result->answer = localizer_->update(result->image.view, result->stamp, measured);
     result->localize_ms = millisecondsSince(begin);
     if (result->isLocalized() && result->pose())
-      trail_.add(result->pose()->T.translation(), result->tracked->part);
+      trail_.add(result->pose()->T.translation(), result->part());
     else
       trail_.interrupt();
     result->trail = trail_;

@@ -7,7 +7,8 @@
 #include "live/live_source.h"
 #include "live/odometry_input.h"
 
-#include <facetloc/localization/pose_tracking.h>
+#include <facetloc/localization/localizer.h>
+#include <facetloc/registration/pose_prior.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <atomic>
@@ -27,7 +28,9 @@ struct LiveSessionOptions {
   int width = 320;  ///< working width [px]; 0 = full size
   Camera camera;
   ViewParams view;
-  PoseTrackingParams tracking;
+  LocalizerParams localizer;
+  OdometryError odometry_error;
+  double min_probability = kMinProbability;  ///< of a sure place
   GlobalLocalizationParams localization;
   std::shared_ptr<LiveMapping> mapping;     ///< if a map is to be made
   std::shared_ptr<OdometryInput> odometry;  ///< of the robot, if it tells one
@@ -89,7 +92,7 @@ private:
   void run();
   void process(const LatestFrame<LiveFrame>::Arrived& arrived);
   double increasingStamp(double stamp);
-  std::optional<Eigen::Isometry3d> motionByOdometry(const LatestFrame<LiveFrame>::Arrived& arrived);
+  std::optional<Eigen::Isometry3d> motionSince(const LatestFrame<LiveFrame>::Arrived& arrived);
   void end();
 
   const LiveSessionOptions options_;
@@ -97,7 +100,7 @@ private:
   OnResult on_result_;
   LatestFrame<LiveFrame> mailbox_;
   ViewBuilder builder_;
-  std::unique_ptr<PoseTracking> tracking_;
+  std::unique_ptr<Localizer> localizer_;
   LiveTrail trail_;
   double last_stamp_ = 0, stamp_offset_ = 0;
   std::optional<Eigen::Isometry3d> T_o_c_;                  // of the last frame, by odometry

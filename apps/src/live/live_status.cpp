@@ -28,7 +28,7 @@ std::string timesText(const LiveResult& result, double rate) {
   std::string words = fmt::format("{:.1f} frames/s,  segmentation {:.1f} ms,  features {:.1f} ms", rate,
                                   result.segment_ms, result.features_ms);
   if (result.mapped) words += fmt::format(",  mapping {:.1f} ms", result.localize_ms);
-  if (result.tracked) words += fmt::format(",  localization {:.1f} ms", result.localize_ms);
+  if (result.answer) words += fmt::format(",  localization {:.1f} ms", result.localize_ms);
   return words +
          fmt::format(",  age {:.0f} ms,  {} of {} dropped", result.age_ms, result.dropped, result.received);
 }

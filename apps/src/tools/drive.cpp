@@ -5,28 +5,28 @@
 
 namespace facetloc {
 
-SequenceAnswer Drive::add(std::size_t index, const View& view, double stamp) {
-  SequenceAnswer answer = sequence_.add(view, stamp);
+LocalizerAnswer Drive::add(std::size_t index, const View& view, double stamp) {
+  LocalizerAnswer answer = localizer_.update(view, stamp);
   if (smoothing_) images_.push_back({index, stamp, view, answer});
   return answer;
 }
 
-void Drive::smooth(SequenceLocalization& backward, const std::function<std::string(std::size_t)>& name,
+void Drive::smooth(Localizer& backward, const std::function<std::string(std::size_t)>& name,
                    const Console& console, const Take& take) const {
   const std::size_t n = images_.size();
-  std::vector<SequenceAnswer> from_here(n);
+  std::vector<LocalizerAnswer> from_here(n);
   const auto inReverse = [n](std::size_t i) { return n - 1 - i; };
   Batch(1, n, console)
       .run([&](std::size_t i) { return name(images_[inReverse(i)].index); },
            [&](std::size_t i, int) {
              const Image& image = images_[inReverse(i)];
-             from_here[inReverse(i)] = backward.add(image.view, -image.stamp);
+             from_here[inReverse(i)] = backward.update(image.view, -image.stamp);
            });
   for (std::size_t i = 0; i < n; ++i) {
-    const bool is_cut_off = i + 1 == n || images_[i + 1].until_now.carried_away;
+    const bool is_cut_off = i + 1 == n || images_[i + 1].until_now.began_anew;
     take(images_[i].index, is_cut_off ? images_[i].until_now
-                                      : sequence_.smoothed(images_[i].until_now, from_here[i + 1],
-                                                           images_[i + 1].until_now.T_before_now));
+                                      : localizer_.smoothed(images_[i].until_now, from_here[i + 1],
+                                                            images_[i + 1].until_now.T_before_now));
   }
 }
 

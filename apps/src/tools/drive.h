@@ -3,7 +3,7 @@
 
 #include "base/app.h"
 
-#include <facetloc/localization/sequence_localization.h>
+#include <facetloc/localization/localizer.h>
 
 #include <functional>
 #include <string>
@@ -16,18 +16,17 @@ namespace facetloc {
 class Drive {
 public:
   /** \param smoothing the images are kept, since what comes later is to tell of them too. */
-  Drive(SequenceLocalization sequence, bool smoothing)
-      : sequence_(std::move(sequence)), smoothing_(smoothing) {}
+  Drive(Localizer localizer, bool smoothing) : localizer_(std::move(localizer)), smoothing_(smoothing) {}
 
   /** \brief What the images up to this one say. */
-  SequenceAnswer add(std::size_t index, const View& view, double stamp);
+  LocalizerAnswer add(std::size_t index, const View& view, double stamp);
 
   /** \brief Receives the answer for an image. */
-  using Take = std::function<void(std::size_t index, SequenceAnswer answer)>;
+  using Take = std::function<void(std::size_t index, const LocalizerAnswer& answer)>;
   /** \brief What all of its images say of each of them.
    * \param backward with the same map and parameters, has seen nothing yet
    * \param name of an image, for messages; throws Stopped at Ctrl-C */
-  void smooth(SequenceLocalization& backward, const std::function<std::string(std::size_t index)>& name,
+  void smooth(Localizer& backward, const std::function<std::string(std::size_t index)>& name,
               const Console& console, const Take& take) const;
 
 private:
@@ -35,10 +34,10 @@ private:
     std::size_t index;
     double stamp;
     View view;
-    SequenceAnswer until_now;
+    LocalizerAnswer until_now;
   };
 
-  SequenceLocalization sequence_;
+  Localizer localizer_;
   bool smoothing_;
   std::vector<Image> images_;
 };

@@ -14,7 +14,6 @@
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/output_lock.h>
-#include <facetloc/localization/global_localization.h>
 
 #include <algorithm>
 #include <chrono>
@@ -32,42 +31,15 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 /** What is found for an image. */
-struct FrameAnswer {
-  Localization localization;
-  AnswerState state = AnswerState::unknown;
-};
-using Localizer = std::function<FrameAnswer(std::size_t index, const View& view, double stamp)>;
+using Locate = std::function<LocalizerAnswer(std::size_t index, const View& view, double stamp)>;
 
-Localizer eachByItself(const std::shared_ptr<const GlobalLocalization>& localization,
-                       double min_probability) {
-  return [localization, min_probability](std::size_t, const View& view, double) {
-    FrameAnswer answer;
-    answer.localization = localization->localize(view);
-    answer.state = answer.localization.state(min_probability);
-    return answer;
-  };
+Locate eachByItself(const std::shared_ptr<const Localizer>& localizer) {
+  return [localizer](std::size_t, const View& view, double) { return localizer->localize(view); };
 }
 
-std::shared_ptr<const GlobalLocalization> globalLocalization(const std::shared_ptr<const Map>& map,
-                                                             const GlobalLocalizationParams& params,
-                                                             int threads) {
-  auto localization = std::make_shared<GlobalLocalization>(map, params);
-  localization->setNumberOfThreads(threads);
-  return localization;
-}
-
-FrameAnswer frameAnswer(SequenceAnswer&& of_sequence) {
-  FrameAnswer answer;
-  answer.localization.hypotheses = std::move(of_sequence.places);
-  answer.localization.reason = std::move(of_sequence.reason);
-  answer.state = of_sequence.state;
-  return answer;
-}
-
-Localizer asOneDrive(Drive& drive) {
-  return [&drive](std::size_t index, const View& view, double stamp) {
-    return frameAnswer(drive.add(index, view, stamp));
-  };
+Locate asOneDrive(Drive& drive) {
+  return
+      [&drive](std::size_t index, const View& view, double stamp) { return drive.add(index, view, stamp); };
 }
 
 /** Why a drive is not sure yet, although there are places. */
@@ -85,21 +57,24 @@ std::string firstSure(const std::vector<FrameResult>& results) {
   return fmt::format(", first sure at image {}", first - results.begin() + 1);
 }
 
-std::vector<ResultRow> rowsOf(const std::string& frame, const FrameAnswer& answer, const Map& map,
+std::vector<ResultRow> rowsOf(const std::string& frame, const LocalizerAnswer& answer, const Map& map,
                               int max_hypotheses) {
-  auto rows = resultRows(frame, answer.localization, map, max_hypotheses);
+  Localization localization;
+  localization.hypotheses = answer.hypotheses;
+  localization.reason = answer.reason;
+  auto rows = resultRows(frame, localization, map, max_hypotheses);
   for (ResultRow& row : rows) row.state = answer.state;
-  if (!answer.localization.hypotheses.empty()) addRemark(rows.front(), answer.localization.reason);
+  if (!answer.hypotheses.empty()) addRemark(rows.front(), answer.reason);
   return rows;
 }
 
 LocalizedImage localizeFrame(std::size_t index, const FrameFile& file, const View& scene,
-                             const ViewBuilder& builder, const Localizer& localize, const Map& map,
+                             const ViewBuilder& builder, const Locate& localize, const Map& map,
                              int max_hypotheses) {
   LocalizedImage image;
   auto& [result, traits] = image;
   const Clock::time_point start = Clock::now();
-  const FrameAnswer answer = localize(index, scene, file.stamp);
+  const LocalizerAnswer answer = localize(index, scene, file.stamp);
   result.stamp = file.stamp;
   result.timing = {file.name, builder.segmentMilliseconds(), builder.featuresMilliseconds(),
                    millisecondsSince(start), static_cast<int>(map.models.size())};
@@ -174,7 +149,7 @@ void LocalizeApp::addOptions(CommandLine& line) {
   addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
   addLocalizationOptions(line, localization_);
-  line.addParams(sequence_, "sequence");
+  line.addParams(localizer_, "localizer");
 }
 
 /** Of a run of the same images with the same map and parameters, by name. */
@@ -221,29 +196,28 @@ LocalizeApp::Run LocalizeApp::begin(const Task& task) const {
 LocalizeApp::ImageBatch::Work LocalizeApp::imageWork(const Task& task, const std::vector<std::size_t>& images,
                                                      int workers, Drive* drive) const {
   const bool is_alone = task.frames().size() == 1;  // else several images are localized at a time
-  const Localizer localizer =
-      drive ? asOneDrive(*drive)
-            : eachByItself(globalLocalization(task.map, localization_, is_alone ? threads() : 1),
-                           min_probability_);
+  const Locate locate =
+      drive
+          ? asOneDrive(*drive)
+          : eachByItself(std::make_shared<const Localizer>(newLocalizer(task.map, is_alone ? threads() : 1)));
   const auto builders =
       std::make_shared<std::vector<ViewBuilder>>(workers, ViewBuilder(task.camera, input_.view));
   const auto fileOf = [&task, images](std::size_t i) -> const FrameFile& { return task.frames()[images[i]]; };
   return {[fileOf](std::size_t i) { return fileOf(i).path.string(); },
-          [this, &task, images, localizer, builders, fileOf](std::size_t i, int worker) {
+          [this, &task, images, locate, builders, fileOf](std::size_t i, int worker) {
             ViewBuilder& builder = (*builders)[worker];
             const View scene = viewOf(task.sequence, images[i], input_.width, builder);
-            return localizeFrame(i, fileOf(i), scene, builder, localizer, *task.map, max_hypotheses_);
+            return localizeFrame(i, fileOf(i), scene, builder, locate, *task.map, max_hypotheses_);
           }};
 }
 
 void LocalizeApp::smooth(const Task& task, Run& run, const Drive& drive, const Console& console) const {
   const auto nameOf = [&](std::size_t i) { return task.frames()[run.todo[i]].name; };
-  SequenceLocalization backward = newSequence(task.map, threads());
+  Localizer backward = newLocalizer(task.map, threads());
   drive.smooth(
       backward, [&](std::size_t i) { return nameOf(i) + " once more"; }, console,
-      [&](std::size_t i, SequenceAnswer answer) {
-        run.results[run.todo[i]].rows =
-            rowsOf(nameOf(i), frameAnswer(std::move(answer)), *task.map, max_hypotheses_);
+      [&](std::size_t i, const LocalizerAnswer& answer) {
+        run.results[run.todo[i]].rows = rowsOf(nameOf(i), answer, *task.map, max_hypotheses_);
       });
 }
 
@@ -270,11 +244,11 @@ void LocalizeApp::localize(const Task& task, Run& run, ImageBatch& batch, const 
   noteNoise(std::move(noise), task.camera.noise, console);
 }
 
-SequenceLocalization LocalizeApp::newSequence(const std::shared_ptr<const Map>& map, int threads) const {
-  SequenceLocalization sequence(map, sequence_, localization_);
-  sequence.setNumberOfThreads(threads);
-  sequence.setMinProbability(min_probability_);
-  return sequence;
+Localizer LocalizeApp::newLocalizer(const std::shared_ptr<const Map>& map, int threads) const {
+  Localizer localizer(map, localizer_, localization_);
+  localizer.setNumberOfThreads(threads);
+  localizer.setMinProbability(min_probability_);
+  return localizer;
 }
 
 /** Every so many images are a start. Its drive ends after kMostWay, as far as the camera itself can tell, or
@@ -292,21 +266,21 @@ int LocalizeApp::localizeFromStarts(const Task& task, const Console& console) co
   const std::size_t n = (frames.size() + starts_ - 1) / starts_;
   std::vector<std::vector<StartAnswer>> found(n);
   Batch batch(threads(), n, console);
-  std::vector<SequenceLocalization> drives;
-  for (int worker = 0; worker < batch.workers(); ++worker) drives.push_back(newSequence(task.map, 1));
+  std::vector<Localizer> drives;
+  for (int worker = 0; worker < batch.workers(); ++worker) drives.push_back(newLocalizer(task.map, 1));
   batch.run([&](std::size_t k) { return "start " + frames[k * starts_].name; },
             [&](std::size_t k, int worker) {
-              SequenceLocalization& from_here = drives[worker];
+              Localizer& from_here = drives[worker];
               from_here.reset();
               double way = 0;
               for (std::size_t i = k * starts_; i < frames.size() && way < kMostWay; ++i) {
-                const SequenceAnswer answer = from_here.add(views[i], frames[i].stamp);
+                const LocalizerAnswer answer = from_here.update(views[i], frames[i].stamp);
                 way += answer.T_before_now.T.translation().norm();
                 StartAnswer out{frames[k * starts_].name, frames[i].name, answer.state, 0, {}};
-                if (!answer.places.empty()) {
-                  out.probability = answer.places.front().probability;
-                  if (task.map->partOf(answer.places.front().model).empty())
-                    out.T_w_c = answer.places.front().T_w_c;
+                if (!answer.hypotheses.empty()) {
+                  out.probability = answer.hypotheses.front().probability;
+                  if (task.map->partOf(answer.hypotheses.front().model).empty())
+                    out.T_w_c = answer.hypotheses.front().T_w_c;
                 }
                 found[k].push_back(std::move(out));
               }
@@ -344,7 +318,7 @@ std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& file, const 
          fmt::format("max-hypotheses = {}\nmin-probability = {}\n", max_hypotheses_,
                      text::shortest(min_probability_)) +
          (is_sequence_ ? "sequence = 1\n" : "") + (smooth_ ? "smooth = 1\n" : "") + toIni(input_, camera) +
-         localizationIni(localization_) + (is_sequence_ ? "\n" + toIni(sequence_, "sequence") : "");
+         localizationIni(localization_) + (is_sequence_ ? "\n" + toIni(localizer_, "localizer") : "");
 }
 
 int LocalizeApp::execute(const CommandLine& line, const Console& console) {
@@ -378,7 +352,7 @@ int LocalizeApp::localizeAll(const CommandLine& line, const Console& console, st
   noteDifference(camera, *map, console);
   Task task{std::move(sequence), map, camera};
   std::optional<Drive> drive;
-  if (is_sequence_) drive.emplace(newSequence(map, threads()), smooth_);
+  if (is_sequence_) drive.emplace(newLocalizer(map, threads()), smooth_);
   const int at_a_time = drive ? 1 : threads();  // a drive has an order
   ImageBatch batch(at_a_time, console, [&](const std::vector<std::size_t>& images, int workers) {
     return imageWork(task, images, workers, drive ? &*drive : nullptr);

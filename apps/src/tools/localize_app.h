@@ -8,7 +8,7 @@
 #include "tools/drive.h"
 
 #include <facetloc/io/results.h>
-#include <facetloc/localization/sequence_localization.h>
+#include <facetloc/localization/localizer.h>
 
 #include <functional>
 #include <map>
@@ -42,7 +42,7 @@ private:
   void localize(const Task& task, Run& run, ImageBatch& batch, const Drive* drive, const Publish& publish,
                 const Console& console) const;
   void smooth(const Task& task, Run& run, const Drive& drive, const Console& console) const;
-  SequenceLocalization newSequence(const std::shared_ptr<const Map>& map, int threads) const;
+  Localizer newLocalizer(const std::shared_ptr<const Map>& map, int threads) const;
   int localizeFromStarts(const Task& task, const Console& console) const;
   void printSummary(const Run& run, const Map& map, const Console& console) const;
 
@@ -58,7 +58,7 @@ private:
   int starts_ = 0;
   DepthInput input_;
   GlobalLocalizationParams localization_;
-  SequenceParams sequence_;
+  LocalizerParams localizer_;
 };
 
 }  // namespace facetloc

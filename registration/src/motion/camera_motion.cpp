@@ -85,14 +85,16 @@ Motion CameraMotion::next(const std::shared_ptr<const View>& view, double dt,
   out.agreement = film.agreement;
   out.source = film.broken ? Motion::Source::broken : Motion::Source::seen;
   const bool shows_anything = !view->segments.empty() || !view->depth.empty();
-  if (before_ && shows_anything && (dt > kLongStep || film.broken)) {
+  if (shows_anything && (dt > kLongStep || film.broken)) {
     const auto mounting = view->camera ? view->camera->mounting : std::nullopt;
     PoseWithCovariance prior{Eigen::Isometry3d::Identity(), motionPrior(dt, mounting)};
     if (given)
       prior.T = given->T;
     else if (!film.broken && dt <= kLongStep)
       prior.T = film.T_a_b.T;
-    Motion found = placed(*view, prior, dt <= kLongStep);
+    Motion found;
+    found.modes.clear();
+    if (before_) found = placed(*view, prior, dt <= kLongStep);
     if (!found.modes.empty()) {
       if (!kSameMotion.joins(found.likeliest().T, film.T_a_b.T)) {
         odometry_.reset();
@@ -102,10 +104,10 @@ Motion CameraMotion::next(const std::shared_ptr<const View>& view, double dt,
     } else if (dt > kLongStep) {
       out.modes.front().T_a_b = prior;
       out.agreement = film.agreement;
-      out.source = given ? Motion::Source::guessed : Motion::Source::broken;
+      out.source = given || !before_ ? Motion::Source::guessed : Motion::Source::broken;
     }
   }
-  if (shows_anything) before_ = view;
+  before_ = shows_anything ? view : nullptr;  // an older one would tell of more than this motion
   if (!given) return out;
   // The wheels may be right, or somebody carries the robot: the views tell nothing.
   if (out.source == Motion::Source::broken) return Motion::known(*given);

@@ -30,6 +30,8 @@ constexpr PoseRadius kSharpMotion{0.15, 3};
 constexpr double kMostDoubt = 4;       // that a motion can raise: one of fifty is wrong [nats]
 constexpr double kAlike = 1;           // difference of what places tell that are alike [nats]
 constexpr double kUnlikely = 1e-3;     // share of a place, of an alternative that is dropped
+constexpr double kChanged = 0.4;       // share of a view that may differ from the map at the right place
+constexpr double kEstablished = 0.99;  // probability of a place that is beyond doubt
 constexpr double kWorthAsking = 0.01;  // probability of a place that a view is registered near
 
 // Is a place that a search has found one where the camera is thought to be?
@@ -76,8 +78,14 @@ double added(double log_odds, double best) {
 
 }  // namespace
 
+bool isFixed(const Matrix6d& P, const LocalizerParams& params) {
+  constexpr double kBound = 2;  // standard deviations, of 95 % of the errors
+  return kBound * largestTranslationStd(P) <= params.max_translation &&
+         kBound * largestRotationStd(P) <= params.max_rotation_deg * kDegree;
+}
+
 PlaceBelief::PlaceBelief(std::shared_ptr<const Map> map, const GlobalLocalizationParams& localization,
-                         const SequenceParams& params)
+                         const LocalizerParams& params)
     : map_(std::move(map)),
       params_(checked(params)),
       calibration_(localization.calibration.sequence),
@@ -136,18 +144,19 @@ bool PlaceBelief::isDue() const {
 }
 
 void PlaceBelief::suppose(int part, const PoseWithCovariance& T_w_c) {
-  const auto known = std::find_if(places_.begin(), places_.end(), [&](const BelievedPlace& place) {
-    return place.part == part && kSameAnswer.joins(place.T_w_c.T, T_w_c.T);
-  });
-  if (known != places_.end()) {
-    known->T_w_c = T_w_c;
-    return;
-  }
   BelievedPlace place;
   place.T_w_c = T_w_c;
   place.part = part;
   place.log_odds = prior_;
   places_.push_back(std::move(place));
+}
+
+void PlaceBelief::correct(const PoseWithCovariance& T_w_c, const std::optional<Hypothesis>& match) {
+  BelievedPlace& place = places_.front();
+  place.T_w_c = T_w_c;
+  if (!match) return;
+  place.match.model = match->model;
+  place.match.pairs = match->pairs;
 }
 
 PoseWithCovariance PlaceBelief::poseOf(const Hypothesis& h) const {
@@ -159,6 +168,30 @@ double PlaceBelief::oddsOfKnown(const View& view, const Hypothesis& h) const {
   const ScoreOdds odds = ranking_.oddsOfKnown(ranking_.mayHaveEvidence(view), calibration_.lookalike_weight,
                                               calibration_.lookalike_share_of_place, h);
   return odds(h.score);
+}
+
+// The same of a place that was beyond doubt. What the map does not know, what is hidden from its local models
+// and as much as may have changed since then does not speak against it.
+double PlaceBelief::oddsOfEstablished(const View& view, const Hypothesis& h) const {
+  const double odds = oddsOfKnown(view, h);
+  if (odds >= 0 || !ranking_.mayHaveEvidence(view)) return odds;
+  const Explanation& known = h.explained;
+  return known.compared * std::max(0.0, known.contradicted - kChanged / (1 - kChanged) * known.agreeing) *
+         odds;
+}
+
+// A Gaussian that has become wider than the spacing of local models is as many places: what a view finds in
+// it is one of these.
+void PlaceBelief::spread(BelievedPlace& place) {
+  constexpr double kSpacing = 0.5, kSpacingDeg = 15;  // of the paper's maps [m]
+  const PrincipalStd known = principalStd(place.T_w_c.P);
+  double now = 0;
+  for (int k = 0; k < 3; ++k) {
+    now += std::log(std::max(1.0, known.translation[k] / kSpacing));
+    now += std::log(std::max(1.0, known.rotation[k] / (kSpacingDeg * kDegree)));
+  }
+  place.log_odds -= std::max(0.0, now - place.spread);
+  place.spread = now;
 }
 
 // What the kept looks say of a place that they were not held against, as far as the motions since are known.
@@ -206,12 +239,14 @@ std::vector<Hypothesis> PlaceBelief::sortFound(const Localization& found,
   return fresh;
 }
 
-double PlaceBelief::look(std::shared_ptr<const View> view, const Localization* found, bool independent) {
-  if (!has_odds_) return 0;
+std::optional<double> PlaceBelief::look(std::shared_ptr<const View> view, const Localization* found,
+                                        bool independent) {
+  if (!has_odds_) return {};
   const double independence = looks_ == 0 || independent
                                   ? 1
                                   : 1 - std::exp(-motionSince(calibration_.independent_distance,
                                                               calibration_.independent_rotation_deg));
+  for (BelievedPlace& place : places_) spread(place);
   const Query query(*view);
   std::vector<Candidates> seen(places_.size());
   forEachInParallel(static_cast<int>(places_.size()), threads_, [&](int i) {
@@ -225,14 +260,19 @@ double PlaceBelief::look(std::shared_ptr<const View> view, const Localization* f
   if (found) fresh = sortFound(*found, seen);
 
   double best = -std::numeric_limits<double>::infinity();
-  for (Candidates& there : seen)
-    for (Candidate& candidate : there)
-      best = std::max(best, candidate.log_odds = oddsOfKnown(*view, candidate.match));
-  double of_best = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    for (Candidate& candidate : seen[i]) {
+      const bool is_established =
+          !independent && places_[i].probability >= kEstablished && isFixed(places_[i].T_w_c.P, params_);
+      candidate.log_odds =
+          is_established ? oddsOfEstablished(*view, candidate.match) : oddsOfKnown(*view, candidate.match);
+      best = std::max(best, candidate.log_odds);
+    }
+  std::optional<double> of_best;
   std::vector<BelievedPlace> places;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     std::vector<BelievedPlace> now = updated(places_[i], seen[i], best, independence);
-    if (i == 0) of_best = now.front().log_odds - places_[i].log_odds;
+    if (i == 0 && !seen[i].empty()) of_best = now.front().log_odds - places_[i].log_odds;
     std::move(now.begin(), now.end(), std::back_inserter(places));
   }
   places_ = std::move(places);

@@ -6,7 +6,7 @@
 
 #include <facetloc/features/local_model.h>
 #include <facetloc/localization/localization_params.h>
-#include <facetloc/localization/sequence_params.h>
+#include <facetloc/localization/localizer_params.h>
 #include <facetloc/registration/hypothesis.h>
 
 #include <deque>
@@ -16,12 +16,16 @@
 
 namespace facetloc::internal {
 
+/** \brief Does a covariance fix a pose as well as a sure one needs? */
+bool isFixed(const Matrix6d& P, const LocalizerParams& params);
+
 /** \brief A place where a camera may be. */
 struct BelievedPlace {
   PoseWithCovariance T_w_c;
   int part = 0;            ///< of the map, in whose frame the pose is
   double log_odds = 0;     ///< against that the map does not hold the place [nats]
   double probability = 0;  ///< beside the other places and that
+  double spread = 0;       ///< log of as many local models as its Gaussian covers, which its odds know of
   Hypothesis match;        ///< with a local model, as of the latest look; no pairs once the camera has moved
 };
 
@@ -36,7 +40,7 @@ struct BelievedPlace {
 class PlaceBelief {
 public:
   PlaceBelief(std::shared_ptr<const Map> map, const GlobalLocalizationParams& localization,
-              const SequenceParams& params);
+              const LocalizerParams& params);
 
   /** \brief Nothing is known. */
   void clear();
@@ -48,14 +52,18 @@ public:
    * \param view where the camera is now; it is kept for a while
    * \param found what a search of the map, or of a part of it, has found for this view; null if there was
    * none \param independent the view has nothing in common with the ones before, however little the camera
-   * may have moved \return what the view adds to the log odds of the place that was most probable [nats]; 0
-   * if there was none, or the map has nothing near it. */
-  double look(std::shared_ptr<const View> view, const Localization* found, bool independent = false);
+   * may have moved \return what the view adds to the log odds of the place that was most probable [nats];
+   * nothing if there was none, or the map has nothing near it. */
+  std::optional<double> look(std::shared_ptr<const View> view, const Localization* found,
+                             bool independent = false);
   /** \brief The n local models nearest to each place that is worth asking about. */
   std::vector<int> modelsAround(int n) const;
-  /** \brief Another source follows the camera here: corrects the pose of this place, or adds it with the odds
-   * that any place has beforehand. \param part of the map */
+  /** \brief Somebody says that the camera may be there: adds a place with the odds that any has beforehand.
+   * \param part of the map */
   void suppose(int part, const PoseWithCovariance& T_w_c);
+  /** \brief The pose of the most probable place, of which there is one, as it follows from the latest view.
+   * \param match the local model that shares most with the view; without one it stays */
+  void correct(const PoseWithCovariance& T_w_c, const std::optional<Hypothesis>& match = {});
 
   /** \brief Most probable first; their probabilities add up to at most 1, and the rest is that the camera is
    * nowhere in the map. */
@@ -79,6 +87,8 @@ private:
   using Candidates = std::vector<Candidate>;
   double motionSince(double distance, double rotation_deg) const;
   double oddsOfKnown(const View& view, const Hypothesis& h) const;
+  static void spread(BelievedPlace& place);
+  double oddsOfEstablished(const View& view, const Hypothesis& h) const;
   double historyOf(const Hypothesis& place) const;
   std::vector<Hypothesis> sortFound(const Localization& found, std::vector<Candidates>& seen) const;
   static std::vector<BelievedPlace> updated(const BelievedPlace& place, const Candidates& seen, double best,
@@ -89,7 +99,7 @@ private:
   void normalize();
 
   std::shared_ptr<const Map> map_;
-  SequenceParams params_;
+  LocalizerParams params_;
   SequenceCalibration calibration_;
   double prior_;  // that the map holds the place, as log odds
   PlaceRanking ranking_;

@@ -27,10 +27,10 @@ struct Place {
 
 Eigen::Isometry3d modelPose(const Hypothesis& h) { return *h.T_w_c * h.T_m_c.T.inverse(); }
 
-std::vector<Place> placesOf(const SequenceAnswer& answer) {
+std::vector<Place> placesOf(const LocalizerAnswer& answer) {
   std::vector<Place> places;
-  const double nowhere = std::max(answer.nowhere, kNowhereLeft);
-  for (const Hypothesis& h : answer.places)
+  const double nowhere = std::max(answer.not_in_map, kNowhereLeft);
+  for (const Hypothesis& h : answer.hypotheses)
     places.push_back({h, modelPose(h) * h.T_m_c, std::log(std::max(h.probability, kNowhereLeft) / nowhere)});
   return places;
 }
@@ -51,8 +51,8 @@ double oddsOfUnlisted(const std::vector<Place>& list) {
 
 }  // namespace
 
-SequenceAnswer smoothedPlaces(const SequenceAnswer& until_now, const SequenceAnswer& from_next,
-                              const PoseWithCovariance& T_now_next, double prior) {
+LocalizerAnswer smoothedPlaces(const LocalizerAnswer& until_now, const LocalizerAnswer& from_next,
+                               const PoseWithCovariance& T_now_next, double prior) {
   std::vector<Place> places = placesOf(until_now), later = placesOf(from_next);
   const double unlisted = oddsOfUnlisted(places), unlisted_later = oddsOfUnlisted(later);
   const PoseWithCovariance T_next_now = inverse(T_now_next);
@@ -80,7 +80,7 @@ SequenceAnswer smoothedPlaces(const SequenceAnswer& until_now, const SequenceAns
   double sum = 1;
   for (const Place& place : places) sum += std::exp(place.log_odds);
 
-  SequenceAnswer out;
+  LocalizerAnswer out;
   out.looks = until_now.looks + from_next.looks - 1;  // views next to each other tell the same
   out.T_before_now = until_now.T_before_now;
   for (Place& place : places) {
@@ -89,8 +89,8 @@ SequenceAnswer smoothedPlaces(const SequenceAnswer& until_now, const SequenceAns
     h.T_w_c = place.T_w_c.T;
     h.T_m_c = T_w_m.inverse() * place.T_w_c;
     h.probability = std::exp(place.log_odds) / sum;
-    out.nowhere -= h.probability;
-    out.places.push_back(std::move(h));
+    out.not_in_map -= h.probability;
+    out.hypotheses.push_back(std::move(h));
   }
   return out;
 }

@@ -2,8 +2,7 @@
 #pragma once
 
 #include <facetloc/features/organized_cloud.h>
-#include <facetloc/localization/global_localization.h>
-#include <facetloc/localization/sequence_localization.h>
+#include <facetloc/localization/localizer.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <pcl/pcl_base.h>
@@ -42,7 +41,7 @@ public:
   /// @{
   void setViewParams(const ViewParams& params);
   void setLocalizationParams(const GlobalLocalizationParams& params);
-  void setSequenceParams(const SequenceParams& params);
+  void setLocalizerParams(const LocalizerParams& params);
   /// @}
   /** \brief Width that clouds are subsampled to before segmentation [px]; 0 = full size. 320 unless set. */
   void setWorkingWidth(int width) { working_width_ = width; }
@@ -68,12 +67,16 @@ public:
   /** \name Of the latest cloud. */
   /// @{
   /** \brief All places where it may be, most probable first. */
-  const std::vector<Hypothesis>& getHypotheses() const { return hypotheses_; }
+  const std::vector<Hypothesis>& getHypotheses() const { return answer_.hypotheses; }
   /** \brief Of the first one; 0 if there is none. */
-  double getProbability() const { return hypotheses_.empty() ? 0 : hypotheses_.front().probability; }
-  AnswerState getState() const { return state_; }
+  double getProbability() const {
+    return answer_.hypotheses.empty() ? 0 : answer_.hypotheses.front().probability;
+  }
+  AnswerState getState() const { return answer_.state; }
   /** \brief Why it is not sure; empty if it is. */
-  const std::string& getStatus() const { return status_; }
+  const std::string& getStatus() const { return answer_.reason; }
+  /** \brief All of it. */
+  const LocalizerAnswer& getAnswer() const { return answer_; }
   /** \brief Its planes. */
   const View& getView() const { return view_; }
   /// @}
@@ -84,15 +87,14 @@ private:
   using pcl::PCLBase<PointT>::use_indices_;
 
   bool see(std::string& why_not);
-  void localizeByItself();
-  void localizeInSequence();
+  LocalizerAnswer answer(bool is_image);
   double nextStamp();
 
   std::shared_ptr<const Map> map_;
   Camera camera_;
   ViewParams view_params_;
   GlobalLocalizationParams params_;
-  SequenceParams sequence_params_;
+  LocalizerParams localizer_params_;
   int working_width_ = kWorkingWidth;
   int threads_ = 1;
   double min_probability_ = kMinProbability;
@@ -100,14 +102,11 @@ private:
 
   // Made when they are first needed, and anew when something is set.
   std::optional<ViewBuilder> builder_;
-  std::optional<GlobalLocalization> localization_;
-  std::optional<SequenceLocalization> sequence_;
+  std::optional<Localizer> localizer_;
   std::optional<double> latest_stamp_;
 
   View view_;
-  std::vector<Hypothesis> hypotheses_;
-  AnswerState state_ = AnswerState::unknown;
-  std::string status_;
+  LocalizerAnswer answer_;
 };
 
 }  // namespace facetloc

@@ -14,7 +14,6 @@ template <typename PointT>
 void MapLocalization<PointT>::setMap(std::shared_ptr<const Map> map) {
   map_ = std::move(map);
   builder_.reset();  // the map knows the distortion of its camera
-  localization_.reset();
   reset();
 }
 
@@ -33,28 +32,26 @@ void MapLocalization<PointT>::setViewParams(const ViewParams& params) {
 template <typename PointT>
 void MapLocalization<PointT>::setLocalizationParams(const GlobalLocalizationParams& params) {
   params_ = checked(params);
-  localization_.reset();
   reset();
 }
 
 template <typename PointT>
-void MapLocalization<PointT>::setSequenceParams(const SequenceParams& params) {
-  sequence_params_ = checked(params);
+void MapLocalization<PointT>::setLocalizerParams(const LocalizerParams& params) {
+  localizer_params_ = checked(params);
   reset();
 }
 
 template <typename PointT>
 void MapLocalization<PointT>::setNumberOfThreads(int n) {
   threads_ = n;
-  if (localization_) localization_->setNumberOfThreads(n);
-  if (sequence_) sequence_->setNumberOfThreads(n);
+  if (localizer_) localizer_->setNumberOfThreads(n);
 }
 
 template <typename PointT>
 void MapLocalization<PointT>::setMinProbability(double p) {
   if (!(p > 0 && p <= 1)) throw std::invalid_argument("the least probability must be above 0 and at most 1");
   min_probability_ = p;
-  if (sequence_) sequence_->setMinProbability(p);
+  if (localizer_) localizer_->setMinProbability(p);
 }
 
 template <typename PointT>
@@ -65,7 +62,7 @@ void MapLocalization<PointT>::setSequenceMode(bool on) {
 
 template <typename PointT>
 void MapLocalization<PointT>::reset() {
-  sequence_.reset();
+  localizer_.reset();
   latest_stamp_.reset();
 }
 
@@ -92,61 +89,42 @@ double MapLocalization<PointT>::nextStamp() {
 }
 
 template <typename PointT>
-void MapLocalization<PointT>::localizeByItself() {
-  if (!localization_) {
-    localization_.emplace(map_, params_);
-    localization_->setNumberOfThreads(threads_);
+LocalizerAnswer MapLocalization<PointT>::answer(bool is_image) {
+  if (!is_image && !is_sequence_) return {};
+  if (!localizer_) {
+    localizer_.emplace(map_, localizer_params_, params_);
+    localizer_->setNumberOfThreads(threads_);
+    localizer_->setMinProbability(min_probability_);
   }
-  Localization answer = localization_->localize(view_);
-  state_ = answer.state(min_probability_);
-  hypotheses_ = std::move(answer.hypotheses);
-  status_ = std::move(answer.reason);
-}
-
-template <typename PointT>
-void MapLocalization<PointT>::localizeInSequence() {
-  if (!sequence_) {
-    sequence_.emplace(map_, sequence_params_, params_);
-    sequence_->setNumberOfThreads(threads_);
-    sequence_->setMinProbability(min_probability_);
-  }
-  const double stamp = nextStamp();
-  SequenceAnswer answer = sequence_->add(view_, stamp);
-  state_ = answer.state;
-  hypotheses_ = std::move(answer.places);
-  status_ = std::move(answer.reason);
+  if (!is_sequence_) return localizer_->localize(view_);
+  return localizer_->update(view_, nextStamp());  // a cloud that is none is a camera that saw nothing
 }
 
 template <typename PointT>
 bool MapLocalization<PointT>::localize(PoseWithCovariance& pose) {
   pose = PoseWithCovariance();
   view_ = View();
-  hypotheses_.clear();
-  state_ = AnswerState::unknown;
-  status_.clear();
+  answer_ = {};
   if (!map_) {
-    status_ = "there is no map";
+    answer_.reason = "there is no map";
     return false;
   }
   std::string why_not;
   const bool is_image = see(why_not);
-  if (is_sequence_)
-    localizeInSequence();  // a cloud that is none is a camera that saw nothing
-  else if (is_image)
-    localizeByItself();
-  if (!is_image) status_ = why_not;
-  if (hypotheses_.empty()) return false;
-  const Hypothesis& best = hypotheses_.front();
+  answer_ = answer(is_image);
+  if (!is_image) answer_.reason = why_not;
+  if (answer_.hypotheses.empty()) return false;
+  const Hypothesis& best = answer_.hypotheses.front();
   if (!best.T_w_c || !map_->partOf(best.model).empty()) {
-    status_ = "the map has no poses in the world: the camera is known in a local model only";
+    answer_.reason = "the map has no poses in the world: the camera is known in a local model only";
     return false;
   }
   pose = *map_->models[best.model].T_w_m * best.T_m_c;
   pose.T = *best.T_w_c;
-  if (state_ == AnswerState::sure) return true;
-  if (status_.empty())
-    status_ = "doubtful: the most probable of " + std::to_string(hypotheses_.size()) +
-              " places has a probability of " + std::to_string(best.probability);
+  if (answer_.state == AnswerState::sure) return true;
+  if (answer_.reason.empty())
+    answer_.reason = "doubtful: the most probable of " + std::to_string(answer_.hypotheses.size()) +
+                     " places has a probability of " + std::to_string(best.probability);
   return false;
 }
 

@@ -6,8 +6,8 @@
 namespace facetloc {
 
 /** \brief How the views of a moving camera together tell where it is. */
-struct SequenceParams {
-  static constexpr const char* kTitle = "Localization by a sequence of views";
+struct LocalizerParams {
+  static constexpr const char* kTitle = "Localization of a moving camera";
   ViewOdometryParams odometry;  ///< of images in quick succession
   double look_distance = 0.15;
   double look_rotation_deg = 5;

@@ -3,7 +3,7 @@
 #include "opened_map.h"
 
 #include <facetloc/localization/global_localization.h>
-#include <facetloc/localization/sequence_localization.h>
+#include <facetloc/localization/localizer.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
 
@@ -37,12 +37,13 @@ Eigen::Isometry3d onCircle(double degrees, double radius) {
                       {std::cos(a), std::sin(a), -0.4});
 }
 
-bool isNearTo(const SequenceAnswer& answer, const Eigen::Isometry3d& truth, double translation,
+bool isNearTo(const LocalizerAnswer& answer, const Eigen::Isometry3d& truth, double translation,
               double rotation_deg) {
-  return !answer.places.empty() && isNear(*answer.places.front().T_w_c, truth, translation, rotation_deg);
+  return !answer.hypotheses.empty() &&
+         isNear(*answer.hypotheses.front().T_w_c, truth, translation, rotation_deg);
 }
 
-bool isSureAndWrong(const SequenceAnswer& answer, const Eigen::Isometry3d& truth) {
+bool isSureAndWrong(const LocalizerAnswer& answer, const Eigen::Isometry3d& truth) {
   return answer.state == AnswerState::sure && !isNearTo(answer, truth, 0.3, 5);
 }
 
@@ -74,16 +75,16 @@ std::vector<Eigen::Isometry3d> SequenceInARoom::truth;
 std::vector<View> SequenceInARoom::views;
 
 TEST_F(SequenceInARoom, ACameraThatMovesKnowsWhereItIs) {
-  SequenceLocalization sequence(map);
+  Localizer sequence(map);
   int sure = 0, searched = 0;
   for (int i = 0; i < kViews; ++i) {
-    const SequenceAnswer answer = sequence.add(views[i], i * kFrame);
-    double sum = answer.nowhere;
-    for (const Hypothesis& h : answer.places) sum += h.probability;
+    const LocalizerAnswer answer = sequence.update(views[i], i * kFrame);
+    double sum = answer.not_in_map;
+    for (const Hypothesis& h : answer.hypotheses) sum += h.probability;
     EXPECT_NEAR(sum, 1, 1e-9);
     EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
     EXPECT_EQ(answer.reason.empty(), answer.state == AnswerState::sure);
-    EXPECT_FALSE(answer.carried_away) << i;
+    EXPECT_FALSE(answer.began_anew) << i;
     EXPECT_TRUE(i < 20 || isNearTo(answer, truth[i], 0.1, 2)) << i;
     sure += answer.state == AnswerState::sure;
     searched += answer.searched;
@@ -93,41 +94,42 @@ TEST_F(SequenceInARoom, ACameraThatMovesKnowsWhereItIs) {
 }
 
 TEST_F(SequenceInARoom, ViewsInAFileGiveTheAnswersOfThoseInMemory) {
-  SequenceLocalization in_file(map), in_memory(test::inMemory(*map));
+  Localizer in_file(map), in_memory(test::inMemory(*map));
   for (int i = 0; i < 12; ++i) {
-    const SequenceAnswer a = in_file.add(views[i], i * kFrame), b = in_memory.add(views[i], i * kFrame);
-    ASSERT_EQ(a.places.size(), b.places.size());
-    for (std::size_t k = 0; k < a.places.size(); ++k) {
-      EXPECT_EQ(a.places[k].probability, b.places[k].probability);
-      EXPECT_EQ(a.places[k].T_w_c->matrix(), b.places[k].T_w_c->matrix());
+    const LocalizerAnswer a = in_file.update(views[i], i * kFrame),
+                          b = in_memory.update(views[i], i * kFrame);
+    ASSERT_EQ(a.hypotheses.size(), b.hypotheses.size());
+    for (std::size_t k = 0; k < a.hypotheses.size(); ++k) {
+      EXPECT_EQ(a.hypotheses[k].probability, b.hypotheses[k].probability);
+      EXPECT_EQ(a.hypotheses[k].T_w_c->matrix(), b.hypotheses[k].T_w_c->matrix());
     }
   }
 }
 
 TEST_F(SequenceInARoom, StandingStillSharpensNothing) {
-  SequenceLocalization sequence(map);
-  const SequenceAnswer first = sequence.add(views[0], 0);
-  ASSERT_FALSE(first.places.empty());
-  SequenceAnswer last;
+  Localizer sequence(map);
+  const LocalizerAnswer first = sequence.update(views[0], 0);
+  ASSERT_FALSE(first.hypotheses.empty());
+  LocalizerAnswer last;
   for (int i = 1; i < 200; ++i) {
     const View again = viewFrom(test::largeRoom(), truth[0], static_cast<unsigned>(2000 + i % 10));
-    last = sequence.add(again, i * kFrame);
+    last = sequence.update(again, i * kFrame);
     EXPECT_EQ(last.state, first.state) << i;
   }
-  ASSERT_FALSE(last.places.empty());
+  ASSERT_FALSE(last.hypotheses.empty());
   // Its odometry moves by its noise now and then; a look after next to no motion adds next to nothing.
-  EXPECT_NEAR(last.nowhere, first.nowhere, 0.05);
+  EXPECT_NEAR(last.not_in_map, first.not_in_map, 0.05);
 }
 
 TEST_F(SequenceInARoom, CarriedAwayItBeginsAnew) {
-  SequenceLocalization sequence(map);
+  Localizer sequence(map);
   int i = 0;
-  for (; i < 20; ++i) sequence.add(views[i], i * kFrame);
+  for (; i < 20; ++i) sequence.update(views[i], i * kFrame);
   bool said = false;
   int sure_after = -1;
   for (int k = 0; k < 20; ++k, ++i) {
-    const SequenceAnswer answer = sequence.add(views[40 + k], i * kFrame);
-    said = said || answer.carried_away;
+    const LocalizerAnswer answer = sequence.update(views[40 + k], i * kFrame);
+    said = said || answer.began_anew;
     EXPECT_FALSE(isSureAndWrong(answer, truth[40 + k])) << k;
     if (sure_after < 0 && answer.state == AnswerState::sure) sure_after = k;
   }
@@ -137,21 +139,21 @@ TEST_F(SequenceInARoom, CarriedAwayItBeginsAnew) {
 }
 
 TEST_F(SequenceInARoom, CarriedAwayWithWheelsThatStandStillItBeginsAnew) {
-  SequenceLocalization sequence(map);
+  Localizer sequence(map);
   int i = 0;
   for (; i < 20; ++i) {
     std::optional<PoseWithCovariance> motion;
     if (i > 0) motion = PoseWithCovariance{truth[i - 1].inverse() * truth[i], 1e-6 * Matrix6d::Identity()};
-    sequence.add(views[i], i * kFrame, motion);
+    sequence.update(views[i], i * kFrame, motion);
   }
   const PoseWithCovariance still{Eigen::Isometry3d::Identity(), 1e-6 * Matrix6d::Identity()};
-  const SequenceAnswer carried = sequence.add(views[40], i++ * kFrame, still);
-  EXPECT_TRUE(carried.carried_away);
+  const LocalizerAnswer carried = sequence.update(views[40], i++ * kFrame, still);
+  EXPECT_TRUE(carried.began_anew);
   EXPECT_FALSE(isSureAndWrong(carried, truth[40]));
   bool sure = false;
   for (int k = 41; k < 50; ++k, ++i) {
     const PoseWithCovariance motion{truth[k - 1].inverse() * truth[k], 1e-6 * Matrix6d::Identity()};
-    const SequenceAnswer answer = sequence.add(views[k], i * kFrame, motion);
+    const LocalizerAnswer answer = sequence.update(views[k], i * kFrame, motion);
     EXPECT_FALSE(isSureAndWrong(answer, truth[k])) << k;
     sure = sure || answer.state == AnswerState::sure;
   }
@@ -159,22 +161,26 @@ TEST_F(SequenceInARoom, CarriedAwayWithWheelsThatStandStillItBeginsAnew) {
 }
 
 TEST_F(SequenceInARoom, PairsAreOfTheViewThatHasThem) {
-  SequenceLocalization sequence(map);
-  int with_pairs = 0, looks = 0;
+  Localizer sequence(map);
+  int with_pairs = 0;
   for (int i = 0; i < 30; ++i) {
-    const SequenceAnswer answer =
-        sequence.add(views[i / 3], i * kFrame);  // two looks in three tell nothing new
-    for (const Hypothesis& h : answer.places) {
+    const LocalizerAnswer answer =
+        sequence.update(views[i / 3], i * kFrame);  // of three the first one is a look
+    for (const Hypothesis& h : answer.hypotheses) {
       with_pairs += !h.pairs.empty();
-      EXPECT_TRUE(answer.looks > looks || h.pairs.empty()) << i;
+      const std::shared_ptr<const View> model = map->view(h.model);
+      for (const SegmentPair& p : h.pairs) {
+        const auto& scene = views[i / 3].segments.at(p.scene);
+        const Eigen::Vector3d n = h.T_m_c.T.linear() * scene.normal();
+        EXPECT_GT(n.dot(model->segments.at(p.model).normal()), 0.95) << i;
+      }
     }
-    looks = answer.looks;
   }
   EXPECT_GT(with_pairs, 0);
 }
 
 TEST_F(SequenceInARoom, CloudsAndImagesAreSeenAsViewsAre) {
-  SequenceLocalization by_views(map), by_images(map), by_clouds(map);
+  Localizer by_views(map), by_images(map), by_clouds(map);
   for (int i = 0; i < 3; ++i) {
     const DepthImage image =
         test::noisy(test::render(test::largeRoom(), test::smallCamera(), truth[i], 20).image,
@@ -186,42 +192,43 @@ TEST_F(SequenceInARoom, CloudsAndImagesAreSeenAsViewsAre) {
       cloud[k] = {static_cast<float>((u - image.camera.cx) / image.camera.fx) * z,
                   static_cast<float>((v - image.camera.cy) / image.camera.fy) * z, z};
     }
-    const SequenceAnswer of_view = by_views.add(views[i], i * kFrame);
-    for (const SequenceAnswer& other :
-         {by_images.addImage(image, i * kFrame), by_clouds.addCloud(cloud, i * kFrame)}) {
-      ASSERT_EQ(other.places.size(), of_view.places.size()) << i << other.reason;
-      for (std::size_t k = 0; k < other.places.size(); ++k)
-        EXPECT_TRUE(isNear(*other.places[k].T_w_c, *of_view.places[k].T_w_c, 0.02, 0.5)) << i << " " << k;
+    const LocalizerAnswer of_view = by_views.update(views[i], i * kFrame);
+    for (const LocalizerAnswer& other :
+         {by_images.update(image, i * kFrame), by_clouds.update(cloud, i * kFrame)}) {
+      ASSERT_EQ(other.hypotheses.size(), of_view.hypotheses.size()) << i << other.reason;
+      for (std::size_t k = 0; k < other.hypotheses.size(); ++k)
+        EXPECT_TRUE(isNear(*other.hypotheses[k].T_w_c, *of_view.hypotheses[k].T_w_c, 0.02, 0.5))
+            << i << " " << k;
     }
   }
 }
 
 TEST_F(SequenceInARoom, StampsThatGoBackStartAnew) {
   for (const double stamp : {-5.0, std::numeric_limits<double>::quiet_NaN()}) {
-    SequenceLocalization sequence(map);
-    for (int i = 0; i < 20; ++i) sequence.add(views[i], i * kFrame);
-    const SequenceAnswer answer = sequence.add(views[20], stamp);
-    EXPECT_TRUE(answer.carried_away);
+    Localizer sequence(map);
+    for (int i = 0; i < 20; ++i) sequence.update(views[i], i * kFrame);
+    const LocalizerAnswer answer = sequence.update(views[20], stamp);
+    EXPECT_TRUE(answer.began_anew);
     EXPECT_EQ(answer.looks, 1);
     EXPECT_FALSE(isSureAndWrong(answer, truth[20]));
-    EXPECT_FALSE(isSureAndWrong(sequence.add(views[21], stamp + kFrame), truth[21]));
+    EXPECT_FALSE(isSureAndWrong(sequence.update(views[21], stamp + kFrame), truth[21]));
   }
 }
 
 TEST_F(SequenceInARoom, EmptyViewsAreBridged) {
-  SequenceLocalization sequence(map);
-  SequenceAnswer answer = sequence.add(View(), 0);
+  Localizer sequence(map);
+  LocalizerAnswer answer = sequence.update(View(), 0);
   EXPECT_EQ(answer.state, AnswerState::unknown);
   EXPECT_NE(answer.reason, "");
-  for (int i = 0; i < 20; ++i) answer = sequence.add(views[i], (1 + i) * kFrame);
+  for (int i = 0; i < 20; ++i) answer = sequence.update(views[i], (1 + i) * kFrame);
   EXPECT_EQ(answer.state, AnswerState::sure) << answer.reason;
-  answer = sequence.add(View(), 21 * kFrame);
-  answer = sequence.add(views[21], 22 * kFrame);
+  answer = sequence.update(View(), 21 * kFrame);
+  answer = sequence.update(views[21], 22 * kFrame);
   EXPECT_FALSE(isSureAndWrong(answer, truth[21]));
 }
 
 TEST_F(SequenceInARoom, AnOdometryThatLiesByAFactorOfTwoIsNotBelieved) {
-  SequenceLocalization sequence(map);
+  Localizer sequence(map);
   for (int i = 0; i < kViews; ++i) {
     std::optional<PoseWithCovariance> motion;
     if (i > 0) {
@@ -230,17 +237,17 @@ TEST_F(SequenceInARoom, AnOdometryThatLiesByAFactorOfTwoIsNotBelieved) {
       motion->T = step * step;
       motion->P = 1e-6 * Matrix6d::Identity();
     }
-    EXPECT_FALSE(isSureAndWrong(sequence.add(views[i], i * kFrame, motion), truth[i])) << i;
+    EXPECT_FALSE(isSureAndWrong(sequence.update(views[i], i * kFrame, motion), truth[i])) << i;
   }
 }
 
 TEST_F(SequenceInARoom, AnHonestOdometryIsNoHindrance) {
-  SequenceLocalization sequence(map);
+  Localizer sequence(map);
   int sure = 0;
   for (int i = 0; i < kViews; ++i) {
     std::optional<PoseWithCovariance> motion;
     if (i > 0) motion = PoseWithCovariance{truth[i - 1].inverse() * truth[i], 1e-6 * Matrix6d::Identity()};
-    const SequenceAnswer answer = sequence.add(views[i], i * kFrame, motion);
+    const LocalizerAnswer answer = sequence.update(views[i], i * kFrame, motion);
     EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
     sure += answer.state == AnswerState::sure;
   }
@@ -248,38 +255,38 @@ TEST_F(SequenceInARoom, AnHonestOdometryIsNoHindrance) {
 }
 
 TEST_F(SequenceInARoom, AnOdometryCarriesItThroughTheDark) {
-  SequenceLocalization sequence(map);
-  for (int i = 0; i < 20; ++i) sequence.add(views[i], i * kFrame);
-  SequenceAnswer answer;
+  Localizer sequence(map);
+  for (int i = 0; i < 20; ++i) sequence.update(views[i], i * kFrame);
+  LocalizerAnswer answer;
   for (int i = 20; i < 40; ++i) {
     PoseWithCovariance motion;
     motion.T = truth[i - 1].inverse() * truth[i];
     motion.P = 1e-6 * Matrix6d::Identity();
-    answer = sequence.add(View(), i * kFrame, motion);
+    answer = sequence.update(View(), i * kFrame, motion);
   }
   EXPECT_TRUE(isNearTo(answer, truth[39], 0.1, 2));
 }
 
 TEST_F(SequenceInARoom, WhatTheMapDoesNotHoldIsNotFound) {
-  SequenceLocalization sequence(map);
+  Localizer sequence(map);
   for (int i = 0; i < 20; ++i) {
     const double a = 0.06 * i;
     const View elsewhere =
         viewFrom(test::furnishedRoom(),
                  lookingAlong({1.5, 1 + 0.03 * i, 1.3}, {std::sin(a), std::cos(a), -0.2}), 1 + i);
-    EXPECT_NE(sequence.add(elsewhere, i * kFrame).state, AnswerState::sure) << i;
+    EXPECT_NE(sequence.update(elsewhere, i * kFrame).state, AnswerState::sure) << i;
   }
 }
 
 TEST_F(SequenceInARoom, TheSameViewsGiveTheSameBytesForAnyNumberOfThreads) {
   const auto bytes = [&](int threads) {
-    SequenceLocalization sequence(map);
+    Localizer sequence(map);
     sequence.setNumberOfThreads(threads);
     std::string out;
     for (int i = 0; i < 20; ++i) {
-      const SequenceAnswer answer = sequence.add(views[i], i * kFrame);
+      const LocalizerAnswer answer = sequence.update(views[i], i * kFrame);
       out += answer.reason;
-      for (const Hypothesis& h : answer.places) {
+      for (const Hypothesis& h : answer.hypotheses) {
         out.append(reinterpret_cast<const char*>(h.T_w_c->data()), 16 * sizeof(double));
         out.append(reinterpret_cast<const char*>(&h.probability), sizeof h.probability);
       }
@@ -295,18 +302,18 @@ TEST_F(SequenceInARoom, AMapWithoutPlacesSaysSo) {
   auto bare = std::make_shared<Map>(*map);
   for (LocalModel& m : bare->models) m.T_w_m.reset();
   for (const auto& nothing : {bare, std::make_shared<Map>()}) {
-    SequenceLocalization sequence(nothing);
-    const SequenceAnswer answer = sequence.add(views[0], 0);
+    Localizer sequence(nothing);
+    const LocalizerAnswer answer = sequence.update(views[0], 0);
     EXPECT_EQ(answer.state, AnswerState::unknown);
     EXPECT_NE(answer.reason, "");
   }
 }
 
 TEST_F(SequenceInARoom, ACloudThatIsNoImageSaysSo) {
-  SequenceLocalization sequence(map);
+  Localizer sequence(map);
   pcl::PointCloud<pcl::PointXYZ> cloud;
   cloud.push_back({1, 2, 3});
-  const SequenceAnswer answer = sequence.addCloud(cloud, 0);
+  const LocalizerAnswer answer = sequence.update(cloud, 0);
   EXPECT_EQ(answer.state, AnswerState::unknown);
   EXPECT_THAT(answer.reason, HasSubstr("organized"));
 }
@@ -344,17 +351,17 @@ protected:
 };
 
 TEST_F(SequenceInTwinRooms, OnlyWhatTellsThemApartDecides) {
-  SequenceLocalization sequence(map);
+  Localizer sequence(map);
   int sure_before = 0;
-  SequenceAnswer answer;
+  LocalizerAnswer answer;
   for (int i = 0; i < kViews; ++i) {
-    answer = sequence.add(views[i], i * kFrame);
+    answer = sequence.update(views[i], i * kFrame);
     EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
     if (degrees(i) < 90) sure_before += answer.state == AnswerState::sure;
     if (i == 20) {
-      ASSERT_GE(answer.places.size(), 2u);
-      EXPECT_NEAR(answer.places[0].probability, answer.places[1].probability, 0.3);
-      EXPECT_GT(answer.places[0].probability + answer.places[1].probability, 0.8);
+      ASSERT_GE(answer.hypotheses.size(), 2u);
+      EXPECT_NEAR(answer.hypotheses[0].probability, answer.hypotheses[1].probability, 0.3);
+      EXPECT_GT(answer.hypotheses[0].probability + answer.hypotheses[1].probability, 0.8);
     }
   }
   EXPECT_EQ(sure_before, 0);
@@ -363,41 +370,42 @@ TEST_F(SequenceInTwinRooms, OnlyWhatTellsThemApartDecides) {
 }
 
 TEST_F(SequenceInTwinRooms, WhatIsSeenLaterTellsOfTheFirstViewToo) {
-  SequenceLocalization sequence(map), backward(map);
-  std::vector<SequenceAnswer> until(kViews), from(kViews);
-  for (int i = 0; i < kViews; ++i) until[i] = sequence.add(views[i], i * kFrame);
-  for (int i = kViews - 1; i >= 0; --i) from[i] = backward.add(views[i], -i * kFrame);
+  Localizer sequence(map), backward(map);
+  std::vector<LocalizerAnswer> until(kViews), from(kViews);
+  for (int i = 0; i < kViews; ++i) until[i] = sequence.update(views[i], i * kFrame);
+  for (int i = kViews - 1; i >= 0; --i) from[i] = backward.update(views[i], -i * kFrame);
   ASSERT_EQ(until[0].state, AnswerState::doubtful);
   double squares = 0, variances = 0;
   for (int i = 0; i + 1 < kViews; ++i) {
-    const SequenceAnswer answer = sequence.smoothed(until[i], from[i + 1], until[i + 1].T_before_now);
+    const LocalizerAnswer answer = sequence.smoothed(until[i], from[i + 1], until[i + 1].T_before_now);
     EXPECT_EQ(answer.state, AnswerState::sure) << i << ": " << answer.reason;
     EXPECT_TRUE(isNearTo(answer, truth[i], 0.1, 2)) << i;
-    double sum = answer.nowhere;
-    for (const Hypothesis& h : answer.places) {
+    double sum = answer.not_in_map;
+    for (const Hypothesis& h : answer.hypotheses) {
       sum += h.probability;
       const Eigen::Isometry3d T_w_c = *map->models[h.model].T_w_m * h.T_m_c.T;
       EXPECT_TRUE(isNear(T_w_c, *h.T_w_c, 1e-6, 1e-5)) << "one pose in both frames";
     }
     EXPECT_NEAR(sum, 1, 1e-9);
-    squares += (answer.places.front().T_w_c->translation() - truth[i].translation()).squaredNorm();
-    variances += answer.places.front().T_m_c.P.bottomRightCorner<3, 3>().trace();
+    squares += (answer.hypotheses.front().T_w_c->translation() - truth[i].translation()).squaredNorm();
+    variances += answer.hypotheses.front().T_m_c.P.bottomRightCorner<3, 3>().trace();
   }
   EXPECT_LT(squares, 3 * variances) << "what both directions have seen is not counted twice";
 }
 
 TEST_F(SequenceInTwinRooms, TwoDirectionsOfOneViewAreOneView) {
-  SequenceLocalization sequence(map), backward(map);
-  const SequenceAnswer until = sequence.add(views[0], 0);
-  sequence.add(views[0], kFrame);
-  const SequenceAnswer from = backward.add(views[0], -kFrame);
+  Localizer sequence(map), backward(map);
+  const LocalizerAnswer until = sequence.update(views[0], 0);
+  sequence.update(views[0], kFrame);
+  const LocalizerAnswer from = backward.update(views[0], -kFrame);
   PoseWithCovariance none;
   none.P = 1e-8 * Matrix6d::Identity();
   EXPECT_NE(sequence.smoothed(until, from, none).state, AnswerState::sure);
-  const SequenceAnswer alone = sequence.smoothed(until, SequenceAnswer(), none);
-  ASSERT_EQ(alone.places.size(), until.places.size());
-  for (std::size_t i = 0; i < alone.places.size(); ++i)
-    EXPECT_NEAR(alone.places[i].probability, until.places[i].probability, 1e-6) << "nothing tells nothing";
+  const LocalizerAnswer alone = sequence.smoothed(until, LocalizerAnswer(), none);
+  ASSERT_EQ(alone.hypotheses.size(), until.hypotheses.size());
+  for (std::size_t i = 0; i < alone.hypotheses.size(); ++i)
+    EXPECT_NEAR(alone.hypotheses[i].probability, until.hypotheses[i].probability, 1e-6)
+        << "nothing tells nothing";
 }
 
 class BeliefInARoom : public SequenceInARoom {
@@ -428,7 +436,7 @@ TEST_F(BeliefInARoom, ALookCountsByTheMotionSinceTheLast) {
 }
 
 TEST_F(BeliefInARoom, ItNeverBecomesSurerThanItsBound) {
-  SequenceParams params;
+  LocalizerParams params;
   params.max_places = 3;
   PlaceBelief belief(map, {}, params);
   const GlobalLocalization localization(map);
@@ -444,7 +452,7 @@ TEST_F(BeliefInARoom, ItNeverBecomesSurerThanItsBound) {
 }
 
 TEST_F(BeliefInARoom, TheMostProbablePlacesAreKept) {
-  SequenceParams params;
+  LocalizerParams params;
   for (const int most : {12, 3}) {
     params.max_places = most;
     PlaceBelief belief(map, {}, params);

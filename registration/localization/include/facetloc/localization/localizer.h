@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/features/organized_cloud.h>
+#include <facetloc/localization/localization_params.h>
+#include <facetloc/localization/localizer_params.h>
+#include <facetloc/registration/hypothesis.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief How a moving camera stands in its map: what live programs show. */
+enum class TrackingState {
+  searching,    ///< no place has been sure since the start
+  localized,    ///< a place has become sure with this view
+  tracking,     ///< the place is sure as it was before
+  cannot_tell,  ///< the place is known, but not sure with this view; the reason tells why
+  lost          ///< there was a sure place, and no place is likely any more
+};
+
+/** \brief "searching", "localized", "tracking", "cannot tell", "lost". */
+const char* stateName(TrackingState state);
+
+/** \brief Where a view, or a moving camera, is in a map. */
+struct LocalizerAnswer {
+  AnswerState state = AnswerState::unknown;
+  /** \brief Most probable first, with poses of this view in the frames of their parts of the map. */
+  std::vector<Hypothesis> hypotheses;
+  double not_in_map = 1;  ///< probability that the map does not hold the place; with all others, 1
+  std::string reason;     ///< why it is not sure; empty if it is
+  bool searched = false;  ///< the whole map, which takes its time
+
+  /** \name Of a moving camera. */
+  /// @{
+  TrackingState tracking = TrackingState::searching;
+  /** \brief The pose of the first hypothesis in the frame of its part, with the covariance of a left,
+   * decoupled perturbation (pose.h); nothing while searching or lost. */
+  std::optional<PoseWithCovariance> T_w_c;
+  bool began_anew = false;          ///< all earlier views are forgotten; the reason says why
+  int looks = 0;                    ///< informative views since everything began anew
+  PoseWithCovariance T_before_now;  ///< how the camera has moved, as far as that is known
+  /// @}
+};
+
+/** \brief Tells where a camera is in a map: from one view, or from all views of a moving camera so far, where
+ * the next ones may decide what one leaves open, such as one of a bare wall.
+ *
+ *     facetloc::Localizer localizer(map);
+ *     for (...) {
+ *       const facetloc::LocalizerAnswer answer = localizer.update(builder.build(image), stamp);
+ *       if (answer.state == facetloc::AnswerState::sure) use(*answer.T_w_c);
+ *     }
+ *
+ * Holds a belief: places with covariances and odds, and that the camera is nowhere in the map. It moves with
+ * the camera, by the views themselves and by an odometry if there is one, and every view that is new enough
+ * is held against each of its places and registered near them, where it may fit better (METHOD 16.6). As long
+ * as no place is sure, such views are searched in the whole map. Between them, a place that holds nearly all
+ * of the belief is followed by the planes and pixels around it, and a robot by its floor (METHOD 16.2). A
+ * view that is sure on its own, of the first place, makes the answer sure. A view that fixes no pose still
+ * tells which places it excludes; views that show the same again tell nothing new. Its size does not grow
+ * with time. Same views, stamps and odometry, same answers, for any number of threads. */
+class Localizer {
+public:
+  /** \brief Throws std::invalid_argument for a parameter out of its range. */
+  explicit Localizer(std::shared_ptr<const Map> map, const LocalizerParams& params = {},
+                     const GlobalLocalizationParams& localization = {});
+  Localizer(Localizer&&) noexcept;
+  Localizer& operator=(Localizer&&) noexcept;
+  ~Localizer();
+
+  /** \brief Where a view was taken, by itself. Remembers nothing; thread-safe. */
+  LocalizerAnswer localize(const View& view) const;
+
+  /** \brief Takes the next view of a moving camera. Any view and any stamp [s] have an answer. A stamp that
+   * goes back starts anew, and so does a view that has nothing in common with the one before, unless an
+   * odometry tells how the camera has come there and the map does not deny it.
+   * \param motion of the camera since the view before, T_before_now, with its covariance: of a robot's
+   * wheels, for instance (motionByOdometry()); one that is not finite is none
+   * Throws std::logic_error with score.by_overlap, whose scores have no probabilities. */
+  LocalizerAnswer update(View view, double stamp, const std::optional<PoseWithCovariance>& motion = {});
+  /** \brief The same for the image of an organized cloud, seen as PlanarRegistration sees it. A cloud that is
+   * none has an answer with the reason, and counts as a camera that saw nothing. */
+  template <typename PointT>
+  LocalizerAnswer update(const pcl::PointCloud<PointT>& cloud, double stamp,
+                         const std::optional<PoseWithCovariance>& motion = {}) {
+    std::string why_not;
+    const auto image = depthImageOfInput(&cloud, nullptr, camera().intrinsics, why_not);
+    LocalizerAnswer answer = image ? update(*image, stamp, motion) : update(View(), stamp, motion);
+    if (!image) answer.reason = why_not;
+    return answer;
+  }
+  /** \brief The same for a depth image with its intrinsics; of several pixels one, to be about 320 wide. */
+  LocalizerAnswer update(const DepthImage& image, double stamp,
+                         const std::optional<PoseWithCovariance>& motion = {});
+  /** \brief What all views of a drive, later ones too, say of where one of them was taken (METHOD 16.7).
+   * Neither answer has to come from this object, but from one with its map and parameters.
+   * \param until_now what the views up to this one have said
+   * \param from_next what the next one has said in the reverse order, in which another object takes the views
+   * from the last one on, with stamps that are negated
+   * \param T_now_next how the camera moves to the next one: its T_before_now in the order of time */
+  LocalizerAnswer smoothed(const LocalizerAnswer& until_now, const LocalizerAnswer& from_next,
+                           const PoseWithCovariance& T_now_next) const;
+  /** \brief Forgets all views. */
+  void reset();
+
+  /** \brief The camera of clouds and depth images: noise, mounting and range; without intrinsics they are
+   * recovered from the points of a cloud. By default nothing is known of it. */
+  void setCamera(const Camera& camera);
+  const Camera& camera() const;
+  /** \brief Least probability of a first place that is sure; kMinProbability unless set. Throws
+   * std::invalid_argument outside of (0, 1]. */
+  void setMinProbability(double p);
+  /** \brief OpenMP threads; 1 by default, 0 = all cores. */
+  void setNumberOfThreads(int n);
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace facetloc

@@ -1,0 +1,386 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "belief/place_belief.h"
+#include "belief/place_following.h"
+#include "belief/smoothed_places.h"
+#include "motion/camera_motion.h"
+#include "shared/pose_radius.h"
+
+#include <facetloc/localization/global_localization.h>
+#include <facetloc/localization/localizer.h>
+#include <facetloc/segmentation/view_builder.h>
+
+#include <algorithm>
+#include <functional>
+#include <stdexcept>
+#include <utility>
+
+namespace facetloc {
+
+using namespace internal;
+namespace {
+
+// Of a view that stands alone against the best place, from which on the camera is elsewhere [nats].
+constexpr double kContradiction = 1;
+constexpr double kPatience = 1;       // with a map that contradicts the place that is followed [s]
+constexpr double kCheckInterval = 2;  // between searches of the whole map while that place is in doubt [s]
+constexpr double kWaiting = 1;        // between looks of a camera that stands and is not sure [s]
+constexpr double kLikely = 0.5;       // probability of a place that is still known, be it sure or not
+
+void requireProbabilities(const GlobalLocalizationParams& params) {
+  if (params.score.by_overlap)
+    throw std::logic_error("score.by_overlap: overlaps have no probabilities, which a moving camera needs");
+}
+
+}  // namespace
+
+const char* stateName(TrackingState state) {
+  switch (state) {
+  case TrackingState::searching:
+    return "searching";
+  case TrackingState::localized:
+    return "localized";
+  case TrackingState::tracking:
+    return "tracking";
+  case TrackingState::cannot_tell:
+    return "cannot tell";
+  case TrackingState::lost:
+    return "lost";
+  }
+  return "";
+}
+
+struct Localizer::Impl {
+  Impl(const std::shared_ptr<const Map>& map, const LocalizerParams& the_params,
+       const GlobalLocalizationParams& the_localization)
+      : params(checked(the_params)),
+        localization_params(the_localization),
+        localization(map, the_localization),
+        belief(map, the_localization, params),
+        following(map, the_localization),
+        motion(params.odometry) {}
+
+  /** What one view has come to so far. */
+  struct Step {
+    std::shared_ptr<const View> view;
+    double now = 0;  // [s]
+    Motion motion;
+    bool is_first = false;
+    bool shows_anything = false;
+    bool alone = false;     // nothing but the map can tell whether it is where it is believed to be
+    bool searched = false;  // the whole map
+    std::string anew;       // why everything has begun anew
+    std::string of_search;  // why a search has found nothing
+    bool is_doubted = false, is_contradicted = false;  // by the map, the place that is followed
+  };
+
+  LocalizerAnswer update(View&& view, double stamp, const std::optional<PoseWithCovariance>& given);
+  void move(Step& step, double dt, const std::optional<PoseWithCovariance>& given);
+  void see(Step& step);
+  void follow(Step& step);
+  void search(Step& step);
+  void lookAround(const Step& step);
+  void reset();
+
+  bool anyPose() const;
+  bool isLikely() const;
+  bool isSure() const;
+  bool isSure(double probability, const Matrix6d& P, int looks) const;
+  bool isSureByItself(const Localization& found) const;
+  PoseWithCovariance poseOf(const Hypothesis& h) const;
+  LocalizerAnswer answer(const Step& step);
+  void conclude(LocalizerAnswer& answer) const;
+  bool isKnown(const LocalizerAnswer& answer) const;
+  void track(LocalizerAnswer& answer);
+
+  LocalizerParams params;
+  GlobalLocalizationParams localization_params;
+  double min_probability = kMinProbability;
+  GlobalLocalization localization;
+  PlaceBelief belief;
+  PlaceFollowing following;
+  CameraMotion motion;
+  bool by_itself = false;  // the latest view that was searched for is sure, and of the first place
+  bool is_known = false, was_known = false;  // a place: since when it was sure, and ever
+  std::optional<double> stamp, contradicted_since;
+  double latest_look = 0, next_check = 0;  // [s]
+  Camera camera;                           // of clouds and images
+  std::optional<ViewBuilder> builder;
+};
+
+void Localizer::Impl::reset() {
+  belief.clear();
+  following.clear();
+  motion.reset();
+  stamp.reset();
+  contradicted_since.reset();
+  by_itself = is_known = was_known = false;
+}
+
+bool Localizer::Impl::anyPose() const {
+  const std::vector<LocalModel>& models = localization.map().models;
+  return std::any_of(models.begin(), models.end(), [](const LocalModel& m) { return m.T_w_m.has_value(); });
+}
+
+bool Localizer::Impl::isSure(double probability, const Matrix6d& P, int looks) const {
+  constexpr int kLeastLooks = 2;
+  return looks >= kLeastLooks && probability >= min_probability && isFixed(P, params);
+}
+
+bool Localizer::Impl::isLikely() const {
+  return !belief.places().empty() && belief.places().front().probability >= min_probability;
+}
+
+bool Localizer::Impl::isSure() const {
+  return isLikely() &&
+         isSure(belief.places().front().probability, belief.places().front().T_w_c.P, belief.looks());
+}
+
+// A drive is as sure as an image that is sure of the same place.
+bool Localizer::Impl::isSureByItself(const Localization& found) const {
+  if (found.state(min_probability) != AnswerState::sure || belief.places().empty()) return false;
+  const Hypothesis& best = found.hypotheses.front();
+  const BelievedPlace& place = belief.places().front();
+  return best.T_w_c && best.part == place.part && kSamePlace.joins(*best.T_w_c, place.T_w_c.T);
+}
+
+PoseWithCovariance Localizer::Impl::poseOf(const Hypothesis& h) const {
+  return *localization.map().models[h.model].T_w_m * h.T_m_c;
+}
+
+LocalizerAnswer Localizer::Impl::update(View&& view, double now,
+                                        const std::optional<PoseWithCovariance>& given) {
+  requireProbabilities(localization_params);
+  Step step;
+  step.view = std::make_shared<const View>(std::move(view));
+  step.now = now;
+  step.shows_anything = !step.view->segments.empty() || !step.view->depth.empty();
+  step.is_first = !stamp;
+  const double dt = stamp ? now - *stamp : 0;
+  stamp = now;
+  const bool is_finite = given && given->T.matrix().allFinite() && given->P.allFinite();
+  move(step, dt, is_finite ? given : std::nullopt);
+  if (step.shows_anything)
+    see(step);
+  else
+    by_itself = false;
+  return answer(step);
+}
+
+void Localizer::Impl::move(Step& step, double dt, const std::optional<PoseWithCovariance>& given) {
+  if (!(dt >= 0)) {
+    step.anew = "the time went back";
+    motion.reset();
+  }
+  step.motion = motion.next(step.view, dt >= 0 ? dt : 0, step.is_first ? std::nullopt : given);
+  if (step.is_first) return;
+  if (step.anew.empty() && step.motion.source == Motion::Source::broken)
+    step.anew = "the view contradicts the one before";
+  if (!step.anew.empty()) {
+    belief.clear();
+    following.clear();
+    return;
+  }
+  const Eigen::Isometry3d T_a_b = step.motion.likeliest().T;
+  belief.move(step.motion);
+  following.move(T_a_b);
+  // What shares nothing with the views before may be of any place: only the map can tell.
+  step.alone = step.shows_anything && !(step.motion.agreement > 0);
+  if (!isLikely()) return;
+  const BelievedPlace& place = belief.places().front();
+  belief.correct(following.onFloor(*step.view, place.part, place.T_w_c, T_a_b));
+}
+
+void Localizer::Impl::see(Step& step) {
+  const bool waited = step.now - latest_look >= kWaiting && !isSure();
+  const bool is_due = step.alone || waited || belief.isDue();
+  if (is_due || step.motion.source != Motion::Source::seen) by_itself = false;
+  if (!is_due && isLikely()) follow(step);
+  const bool check = step.is_doubted && step.now >= next_check;
+  if (step.alone || check || (is_due && !isSure()))
+    search(step);
+  else if (is_due)
+    lookAround(step);
+}
+
+// Between looks.
+void Localizer::Impl::follow(Step& step) {
+  const BelievedPlace& place = belief.places().front();
+  const FollowedPlace seen = following.at(*step.view, place.part, place.T_w_c);
+  step.is_doubted = seen.isInDoubt();
+  step.is_contradicted = seen.isContradicted();
+  if (!step.is_contradicted) {
+    contradicted_since.reset();
+    belief.correct(seen.alignment.T_w_c, following.match(seen, place.part));
+    following.accept(seen);
+    return;
+  }
+  if (!contradicted_since) contradicted_since = step.now;
+  if (step.now - *contradicted_since < kPatience) return;
+  step.alone = true;
+  contradicted_since.reset();
+}
+
+void Localizer::Impl::search(Step& step) {
+  step.searched = true;
+  latest_look = step.now;
+  next_check = step.now + kCheckInterval;
+  const Localization found = localization.localize(*step.view, std::function<bool(int)>());
+  step.of_search = found.reason;
+  const std::optional<double> of_best = belief.look(step.view, &found, step.alone);
+  const bool is_elsewhere =
+      of_best ? *of_best < -kContradiction : found.state(min_probability) == AnswerState::sure;
+  if (step.alone && !step.is_first && is_elsewhere && !isSureByItself(found)) {
+    step.anew = "the map contradicts the view";
+    belief.clear();
+    following.clear();
+    belief.look(step.view, &found);
+  }
+  by_itself = isSureByItself(found);
+}
+
+// Asks the view what else it could be near each place.
+void Localizer::Impl::lookAround(const Step& step) {
+  constexpr int kNearModels = 4;
+  latest_look = step.now;
+  const std::vector<int> near = belief.modelsAround(kNearModels);
+  const Localization found = localization.localize(
+      *step.view, [&](int model) { return std::find(near.begin(), near.end(), model) == near.end(); });
+  belief.look(step.view, &found);
+}
+
+LocalizerAnswer Localizer::Impl::answer(const Step& step) {
+  LocalizerAnswer out;
+  for (const BelievedPlace& place : belief.places()) {
+    Hypothesis h = place.match;
+    h.part = place.part;
+    h.T_w_c = place.T_w_c.T;
+    h.T_m_c = localization.map().models[h.model].T_w_m->inverse() * place.T_w_c;
+    h.probability = place.probability;
+    out.not_in_map -= place.probability;
+    out.hypotheses.push_back(std::move(h));
+  }
+  out.looks = belief.looks();
+  out.searched = step.searched;
+  out.began_anew = !step.anew.empty();
+  out.T_before_now = step.motion.likeliest();
+  conclude(out);
+  if (by_itself) out.state = AnswerState::sure;
+  if (out.state == AnswerState::sure) out.reason.clear();
+  if (step.is_contradicted && !step.searched && out.state == AnswerState::sure) {
+    out.state = AnswerState::doubtful;
+    out.reason = "the map contradicts the view";
+  }
+  if (out.hypotheses.empty() && !step.of_search.empty()) out.reason = step.of_search;
+  if (!step.shows_anything && out.state != AnswerState::sure) out.reason = "the view shows no planar segment";
+  if (!anyPose()) out.reason = "no local model of the map has a pose";
+  track(out);
+  if (out.began_anew) out.reason = step.anew;
+  return out;
+}
+
+// The state, and why it is not sure.
+void Localizer::Impl::conclude(LocalizerAnswer& answer) const {
+  if (answer.hypotheses.empty()) {
+    answer.reason = "no place agrees with the views";
+    return;
+  }
+  const Hypothesis& best = answer.hypotheses.front();
+  const Matrix6d P = poseOf(best).P;
+  if (isSure(best.probability, P, answer.looks)) {
+    answer.state = AnswerState::sure;
+    return;
+  }
+  answer.state = AnswerState::doubtful;
+  if (!(best.probability >= min_probability))
+    answer.reason = "no place is likely enough";
+  else if (isFixed(P, params))
+    answer.reason = "a likely place waits for another view to confirm it";
+  else
+    answer.reason =
+        "nothing in view fixes " + freeMotions(principalStd(P), params.max_rotation_deg / 2 * kDegree,
+                                               params.max_translation / 2, best.T_w_c->linear().transpose());
+}
+
+// No more of the pose is unknown than of one that is beside a local model (paper II.B).
+bool Localizer::Impl::isKnown(const LocalizerAnswer& answer) const {
+  if (answer.hypotheses.empty() || answer.hypotheses.front().probability < kLikely) return false;
+  const Matrix6d P = poseOf(answer.hypotheses.front()).P;
+  return largestTranslationStd(P) <= localization_params.prior.translation_std &&
+         largestRotationStd(P) <= localization_params.prior.rotation_std_deg * kDegree;
+}
+
+// What a live program shows: a place is known from when it is sure on, as long as it is likely.
+void Localizer::Impl::track(LocalizerAnswer& answer) {
+  const bool sure = answer.state == AnswerState::sure;
+  const bool was_followed = is_known && !answer.began_anew;
+  is_known = sure || (was_followed && isKnown(answer));
+  was_known = was_known || is_known;
+  if (sure)
+    answer.tracking = was_followed ? TrackingState::tracking : TrackingState::localized;
+  else if (is_known)
+    answer.tracking = TrackingState::cannot_tell;
+  else
+    answer.tracking = was_known ? TrackingState::lost : TrackingState::searching;
+  if (is_known) answer.T_w_c = poseOf(answer.hypotheses.front());
+  if (is_known) answer.T_w_c->T = *answer.hypotheses.front().T_w_c;
+}
+
+Localizer::Localizer(std::shared_ptr<const Map> map, const LocalizerParams& params,
+                     const GlobalLocalizationParams& localization)
+    : impl_(std::make_unique<Impl>(map, params, localization)) {}
+Localizer::Localizer(Localizer&&) noexcept = default;
+Localizer& Localizer::operator=(Localizer&&) noexcept = default;
+Localizer::~Localizer() = default;
+
+LocalizerAnswer Localizer::localize(const View& view) const {
+  Localization found = impl_->localization.localize(view);
+  LocalizerAnswer out;
+  out.state = found.state(impl_->min_probability);
+  out.hypotheses = std::move(found.hypotheses);
+  for (const Hypothesis& h : out.hypotheses) out.not_in_map -= h.probability;
+  out.reason = std::move(found.reason);
+  out.searched = true;
+  return out;
+}
+LocalizerAnswer Localizer::update(View view, double stamp, const std::optional<PoseWithCovariance>& motion) {
+  return impl_->update(std::move(view), stamp, motion);
+}
+LocalizerAnswer Localizer::update(const DepthImage& image, double stamp,
+                                  const std::optional<PoseWithCovariance>& motion) {
+  const DepthImage small = workingImage(image);
+  Camera seen = impl_->camera;
+  seen.intrinsics = small.camera;
+  if (!impl_->builder || !(impl_->builder->camera().intrinsics == small.camera))
+    impl_->builder.emplace(impl_->localization.map().calibrated(seen));
+  return impl_->update(impl_->builder->build(small), stamp, motion);
+}
+LocalizerAnswer Localizer::smoothed(const LocalizerAnswer& until_now, const LocalizerAnswer& from_next,
+                                    const PoseWithCovariance& T_now_next) const {
+  const double prior = -impl_->localization_params.probability.priorLogOdds();
+  LocalizerAnswer out = smoothedPlaces(until_now, from_next, T_now_next, prior);
+  impl_->conclude(out);
+  const bool same = !out.hypotheses.empty() && !until_now.hypotheses.empty() &&
+                    out.hypotheses.front().part == until_now.hypotheses.front().part &&
+                    kSamePlace.joins(*out.hypotheses.front().T_w_c, *until_now.hypotheses.front().T_w_c);
+  if (same && until_now.state == AnswerState::sure) {
+    out.state = AnswerState::sure;
+    out.reason.clear();
+  }
+  return out;
+}
+void Localizer::setCamera(const Camera& camera) {
+  impl_->camera = camera;
+  impl_->builder.reset();
+}
+void Localizer::setMinProbability(double p) {
+  if (!(p > 0 && p <= 1)) throw std::invalid_argument("the least probability must be above 0 and at most 1");
+  impl_->min_probability = p;
+}
+const Camera& Localizer::camera() const { return impl_->camera; }
+void Localizer::reset() { impl_->reset(); }
+void Localizer::setNumberOfThreads(int n) {
+  impl_->localization.setNumberOfThreads(n);
+  impl_->belief.setNumberOfThreads(n);
+}
+
+}  // namespace facetloc

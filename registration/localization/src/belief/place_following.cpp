@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "belief/place_following.h"
+
+#include "nearby/hypothesis_ranking.h"
+#include "shared/pose_fusion.h"
+
+#include <facetloc/registration/pose_prior.h>
+
+#include <algorithm>
+#include <map>
+#include <vector>
+
+namespace facetloc::internal {
+namespace {
+
+constexpr int kModels = 5;               // nearest local models that a view is aligned with
+constexpr int kDenseIterations = 4;      // of the alignment by all pixels
+constexpr double kCorrelatedViews = 2;   // that count as one independent view: they see the same models alike
+constexpr double kFloorLength = 0.7;     // way after which a robot on wheels stands on other unevenness [m]
+constexpr double kLeastAgreement = 0.6;  // share of the depth pixels that the map must confirm
+constexpr double kSureAgreement = 0.85;  // agreement of a place that is beyond doubt
+constexpr double kKnownPixels = 0.1;     // share of them that must be in the map for it to object
+
+// What is hidden from the other camera says nothing.
+double share(const DepthAgreement& a) {
+  return a.agree + a.contradict > 0 ? a.agree / double(a.agree + a.contradict) : 0;
+}
+
+ViewAlignmentParams alignmentParams(const MatchingParams& matching) {
+  ViewAlignmentParams params = alignmentWithCovariance();
+  params.matching = matching;
+  params.dense.iterations = kDenseIterations;
+  params.as_shown = true;
+  return params;
+}
+
+}  // namespace
+
+bool FollowedPlace::isContradicted() const { return is_judged && agreement < kLeastAgreement; }
+bool FollowedPlace::isInDoubt() const { return is_judged && agreement < kSureAgreement; }
+
+PlaceFollowing::PlaceFollowing(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params)
+    : surroundings_(std::move(map), DepthComparison(params.calibration.depth)),
+      floor_covariance_(floorCovariance(params.prior)),
+      alignment_(alignmentParams(params.matching)),
+      comparison_(refinedErrors(params.calibration)) {}
+
+PoseWithCovariance PlaceFollowing::onFloor(const View& view, int part, const PoseWithCovariance& T_w_c,
+                                           const Eigen::Isometry3d& motion) const {
+  constexpr int kFloorModels = 20;
+  constexpr double kTurningWheel = 0.2;  // way of a wheel by turning on the spot [m/rad]
+  const Camera& camera = surroundings_.map().camera;
+  if (!camera.mounting || !view.camera || !differenceOf(*view.camera, camera).sameMounting()) return T_w_c;
+  const double way = motion.translation().norm() + kTurningWheel * rotationAngle(motion.linear());
+  if (!(way > 0)) return T_w_c;
+  const auto floor = surroundings_.floorNear(part, T_w_c.T, kFloorModels, floor_covariance_);
+  if (!floor) return T_w_c;
+  const double repeated = std::max(1.0, kFloorLength / way);
+  return updatedByFloor(T_w_c, *camera.mounting, *floor, floor_covariance_, repeated);
+}
+
+FollowedPlace PlaceFollowing::at(const View& view, int part, const PoseWithCovariance& T_w_c) const {
+  FollowedPlace out;
+  out.surroundings = surroundings_.around(view, part, T_w_c.T, kModels);
+  looks_.discount(out.surroundings);
+  out.alignment = alignView(view, out.surroundings, T_w_c, alignment_);
+  out.alignment.T_w_c.P = discounted(T_w_c.P, out.alignment.T_w_c.P, 1 / kCorrelatedViews);
+  if (view.depth.empty()) return out;
+  const DepthAgreement of_map =
+      compareWithAll(view.depth, out.alignment.T_w_c.T, out.surroundings.pictures, comparison_, kFineColumns);
+  out.agreement = share(of_map);
+  const int grid = gridStep(view.depth, kFineColumns);
+  const int pixels = (view.depth.camera.width / grid) * (view.depth.camera.height / grid);
+  out.is_judged = of_map.agree + of_map.contradict >= kKnownPixels * pixels;
+  return out;
+}
+
+std::optional<Hypothesis> PlaceFollowing::match(const FollowedPlace& place, int part) const {
+  std::map<int, std::vector<SegmentPair>> of_model;
+  for (const SegmentPair& p : place.alignment.pairs) {
+    const Surroundings::Origin& origin = place.surroundings.origins[p.model];
+    of_model[origin.view].push_back({p.scene, origin.segment, p.distance});
+  }
+  if (of_model.empty()) return {};
+  // Of several with as many pairs the first in the map.
+  const auto most = std::max_element(of_model.begin(), of_model.end(), [](const auto& a, const auto& b) {
+    return a.second.size() < b.second.size();
+  });
+  Hypothesis match;
+  match.model = most->first;
+  match.part = part;
+  match.pairs = most->second;
+  match.T_m_c = surroundings_.map().models[match.model].T_w_m->inverse() * place.alignment.T_w_c;
+  match.T_w_c = place.alignment.T_w_c.T;
+  return match;
+}
+
+}  // namespace facetloc::internal

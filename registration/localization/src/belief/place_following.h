@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "belief/map_surroundings.h"
+#include "belief/repeated_looks.h"
+
+#include <facetloc/localization/localization_params.h>
+#include <facetloc/registration/hypothesis.h>
+
+#include <memory>
+
+namespace facetloc::internal {
+
+/** \brief A view at a place of the map that was known before. */
+struct FollowedPlace {
+  ViewAlignment alignment;
+  Surroundings surroundings;
+  double agreement = 0;    ///< of the depth pixels, which the map confirms
+  bool is_judged = false;  ///< the map knows enough of them to object
+
+  bool isContradicted() const;
+  bool isInDoubt() const;
+};
+
+/** \brief Follows a camera from view to view at a place that is known, between the looks of a belief: by the
+ * planes and pixels of the local models around it, and a robot by its floor (METHOD 16.2 to 16.5). */
+class PlaceFollowing {
+public:
+  PlaceFollowing(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params);
+
+  /** \brief The camera has moved on. */
+  void move(const Eigen::Isometry3d& T_a_b) { looks_.move(T_a_b); }
+  /** \brief Nothing has been looked at lately. */
+  void clear() { looks_.clear(); }
+  /** \brief A robot's pose, corrected by the floor that it stands on, as far as that is new by a motion.
+   * The same pose for a camera that is not mounted as the map's. */
+  PoseWithCovariance onFloor(const View& view, int part, const PoseWithCovariance& T_w_c,
+                             const Eigen::Isometry3d& motion) const;
+  /** \brief Aligns a view with the local models around a pose. \param part of the map */
+  FollowedPlace at(const View& view, int part, const PoseWithCovariance& T_w_c) const;
+  /** \brief The place is taken: what it was aligned with has been looked at. */
+  void accept(const FollowedPlace& place) { looks_.add(place.alignment.pairs, place.surroundings); }
+  /** \brief The local model that shares most with the view, with the pairs; nothing if none does. */
+  std::optional<Hypothesis> match(const FollowedPlace& place, int part) const;
+
+private:
+  MapSurroundings surroundings_;
+  Eigen::Matrix3d floor_covariance_;  // of (roll, pitch, height)
+  ViewAlignmentParams alignment_;
+  DepthComparison comparison_;
+  RepeatedLooks looks_;
+};
+
+}  // namespace facetloc::internal
