@@ -130,9 +130,9 @@ TEST(MapMaking, NamesTheProblemWhereThereIsNoMap) {
 }
 
 TEST(MapMaking, RefusesPosesThatTheImagesContradict) {
-  const auto inverted = [](bool any_poses) {
+  const auto inverted = [](bool any_reading) {
     MapMakingParams params;
-    params.any_poses = any_poses;
+    params.any_reading = any_reading;
     MapMaking making({}, params);
     for (int i = 0; i < kImages; ++i) {
       MapImage image = imageOf(i, kStep * i, true);

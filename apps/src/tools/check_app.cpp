@@ -11,6 +11,7 @@
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/features/local_model.h>
+#include <facetloc/io/depth_values.h>
 #include <facetloc/io/error.h>
 #include <facetloc/mapping/map_making.h>
 #include <facetloc/registration/observability.h>
@@ -25,13 +26,13 @@
 namespace facetloc {
 namespace {
 
-constexpr std::size_t kMostImages = 200;                // that are read, evenly spread
-constexpr std::size_t kPixelsOfImage = 2000;            // whose depth is kept
-constexpr double kLeastMedian = 0.3, kMostMedian = 12;  // of depths in rooms and halls [m]
-constexpr double kFewMeasured = 0.4;                    // of all pixels
-constexpr int kFewSegments = 4;                         // in an image
-constexpr double kLongGap = 1;                          // between images [s]
-constexpr double kLeastPosed = 0.5;                     // of the images
+constexpr std::size_t kMostImages = 200;                 // that are read, evenly spread
+constexpr std::size_t kPixelsOfImage = 2000;             // whose depth is kept
+constexpr double kLeastMedian = 0.25, kMostMedian = 12;  // of depths in rooms and halls [m]
+constexpr double kFewMeasured = 0.4;                     // of all pixels
+constexpr int kFewSegments = 4;                          // in an image
+constexpr double kLongGap = 1;                           // between images [s]
+constexpr double kLeastPosed = 0.5;                      // of the images
 
 std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
 std::string metres(double m) { return fmt::format("{:.2f} m", m); }
@@ -55,6 +56,26 @@ std::string inWords(const Intrinsics& k) {
                      k.width, k.height, k.fx, k.fy, k.cx, k.cy, angle(k.width, k.fx), angle(k.height, k.fy));
 }
 
+/** Has the camera moved, and turned about the vertical only, at one height? Then it is on wheels. */
+bool hasDrivenOnFloor(const Trajectory& poses, const SeenFloor& floor) {
+  constexpr double kLeastWay = 2, kMostHeight = 0.05;  // [m]
+  constexpr double kMostLean = 3 * kDegree;
+  if (poses.empty()) return false;
+  const double tilt = floor.tilt_deg * kDegree, roll = floor.roll_deg * kDegree;
+  const Eigen::Vector3d down(std::cos(tilt) * std::sin(roll), std::cos(tilt) * std::cos(roll),
+                             std::sin(tilt));
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::AlignedBox3d way;
+  for (const StampedPose& pose : poses.poses())
+    mean += pose.T_w_c.linear() * down, way.extend(pose.T_w_c.translation());
+  mean.normalize();
+  if (way.diagonal().norm() < kLeastWay) return false;
+  return std::all_of(poses.poses().begin(), poses.poses().end(), [&](const StampedPose& pose) {
+    return (pose.T_w_c.linear() * down).cross(mean).norm() < std::sin(kMostLean) &&
+           std::abs(mean.dot(pose.T_w_c.translation() - way.center())) < kMostHeight;
+  });
+}
+
 }  // namespace
 
 struct CheckApp::ImageReport {
@@ -64,6 +85,19 @@ struct CheckApp::ImageReport {
   std::vector<float> depth;  // of some of them
   std::vector<NoiseSample> noise;
   View view;
+};
+
+struct CheckApp::Findings {
+  std::vector<std::string> notes;  // in the order in which they are found
+  bool in_doubt = false;           // the images, or their poses: nothing is to be derived from them
+  bool impossible = false;         // the recording cannot be right as it is read
+
+  void add(std::string note) { notes.push_back(std::move(note)); }
+  void doubt(std::string note, bool is_impossible) {
+    add(std::move(note));
+    in_doubt = true;
+    impossible = impossible || is_impossible;
+  }
 };
 
 CheckApp::CheckApp()
@@ -87,7 +121,7 @@ void CheckApp::addOptions(CommandLine& line) {
 }
 
 void CheckApp::reportImages(const DepthSequence& sequence, const std::vector<ImageReport>& images,
-                            const Console& console, Advice& advice) const {
+                            const Console& console, Findings& findings) const {
   const auto& frames = sequence.frames();
   line(console, "recording", fmt::format("{}, {}", counted(frames.size(), "image"), sequence.layout()));
   if (sequence.stamped() && frames.size() > 1) {
@@ -98,12 +132,12 @@ void CheckApp::reportImages(const DepthSequence& sequence, const std::vector<Ima
          fmt::format("{:.3f} to {:.3f} s, {:.3g} images per second, longest gap {:.3g} s",
                      frames.front().stamp, frames.back().stamp, 1 / usual, longest));
     if (longest > kLongGap)
-      advice.push_back(fmt::format(
+      findings.add(fmt::format(
           "between some images there are more than {:.2g} s: without poses, a trajectory may break there",
           kLongGap));
   } else if (!sequence.stamped()) {
-    advice.push_back("the images have no times: no poses can be matched with them; names that are times in "
-                     "seconds, or a depth.txt, would give them some");
+    findings.add("the images have no times: no poses can be matched with them; names that are times in "
+                 "seconds, or a depth.txt, would give them some");
   }
   std::vector<float> depth;
   double measured = 0, segments = 0;
@@ -118,24 +152,24 @@ void CheckApp::reportImages(const DepthSequence& sequence, const std::vector<Ima
   measured /= static_cast<double>(n), segments /= static_cast<double>(n);
   if (depth.empty()) {
     line(console, "depth", "nothing is measured");
-    advice.push_back("no pixel is measured: look at the images, and at depth_scale");
+    findings.add("no pixel is measured: look at the images, and at depth_scale");
     return;
   }
   const double median = quantile(depth, 0.5);
   line(console, "depth",
        fmt::format("{} of the pixels are measured; 98 % of them from {} to {}, median {}", percent(measured),
                    metres(quantile(depth, 0.01)), metres(quantile(depth, 0.99)), metres(median)));
-  if (median < kLeastMedian || median > kMostMedian)
-    advice.push_back(fmt::format(
-        "half of the depths are {} {}, as no room has it: is depth_scale right? (--depth-scale tries "
-        "another one)",
-        median < kLeastMedian ? "below" : "above", metres(median)));
+  if (!findings.in_doubt && (median < kLeastMedian || median > kMostMedian))
+    findings.doubt(fmt::format("half of the depths are {} {}, as no room has it: is depth_scale right? "
+                               "(--depth-scale tries another one)",
+                               median < kLeastMedian ? "below" : "above", metres(median)),
+                   false);
   else if (measured < kFewMeasured)
-    advice.push_back(
+    findings.add(
         "most of the image is not measured: the scene is too far or too dark for the camera, or 0 is "
         "not its only mark for that");
   line(console, "planes", fmt::format("{:.1f} segments in an image", segments));
-  if (segments < kFewSegments) advice.push_back("the images show few planes: such places look alike");
+  if (segments < kFewSegments) findings.add("the images show few planes: such places look alike");
 }
 
 void CheckApp::reportCamera(const DepthSequence& sequence, const std::vector<ImageReport>& images,
@@ -155,8 +189,27 @@ void CheckApp::reportCamera(const DepthSequence& sequence, const std::vector<Ima
   if (!words.empty()) line(console, "", words);
 }
 
+void CheckApp::reportValues(const DepthSequence& sequence, Findings& findings) const {
+  if (!sequence.camera()) return;
+  const ValueCheck check = checkValues(depthValues(sequence), sequence.camera()->depth_scale);
+  for (const std::string& fault : check.faults) findings.doubt(fault, check.impossible);
+}
+
+void CheckApp::reportSurfaces(const DepthSequence& sequence, MapMaking& making, const Console& console,
+                              Findings& findings) const {
+  if (findings.impossible || !canBeReadAgain(sequence)) return;
+  making.checkGeometry();
+  const GeometryCheck& check = *making.findings().geometry;
+  for (const ReadingFault& fault : check.faults) findings.doubt(fault.words, fault.impossible);
+  if (check.surfaces > 0)
+    line(console, "surfaces",
+         fmt::format("{} in {} are flat{}", counted(check.surfaces, "large one"),
+                     counted(check.images, "image"), check.faults.empty() ? "" : ", but see below"));
+}
+
 void CheckApp::reportNoise(std::vector<ImageReport>& images, const Camera& camera, const Console& console,
-                           Advice& advice) const {
+                           Findings& findings) const {
+  if (findings.in_doubt) return line(console, "noise", "not known while the images are in doubt");
   std::vector<NoiseSample> samples;
   for (const ImageReport& image : images)
     samples.insert(samples.end(), image.noise.begin(), image.noise.end());
@@ -166,12 +219,12 @@ void CheckApp::reportNoise(std::vector<ImageReport>& images, const Camera& camer
   printNoise(console.out, bins);
   constexpr double kMisfit = 0.3;  // as of a Kinect's, with which others work, too
   if (misfit(camera.noise, bins) > kMisfit)
-    advice.push_back(
+    findings.add(
         "the noise is not the one that the camera is said to have: take the lines above for camera.ini");
 }
 
-void CheckApp::reportFloor(std::vector<ImageReport>& images, const Camera& camera, const Console& console,
-                           Advice& advice) const {
+void CheckApp::reportFloor(std::vector<ImageReport>& images, const Camera& camera, const Trajectory& poses,
+                           const Console& console, Findings& findings) const {
   Map map;
   for (ImageReport& image : images) {
     if (!image.is_read) continue;
@@ -185,64 +238,66 @@ void CheckApp::reportFloor(std::vector<ImageReport>& images, const Camera& camer
            "{} below the camera (spread {:.0f} mm), which is tilted by {} and rolled by {}; in {} of {}",
            metres(floor->height), 1000 * floor->height_std, degrees(floor->tilt_deg),
            degrees(floor->roll_deg), floor->views, counted(floor->all_views, "image")));
-  if (!floor->steady) return;
+  if (!floor->steady || findings.in_doubt) return;
   const CameraMounting found = floor->mounting();
   std::string lines =
       fmt::format("mount_height={:.3f} mount_tilt_deg={}", found.height, text::decimals(found.tilt_deg, 1));
   if (found.roll_deg != 0) lines += fmt::format(" mount_roll_deg={:.1f}", found.roll_deg);
-  if (!camera.mounting)
-    advice.push_back("the camera seems to be mounted on a robot, which helps much; for camera.ini: " + lines);
-  else if (!camera.mounting->agreesWith(found))
-    advice.push_back("the camera is not mounted as it is said to be: the floor says " + lines);
+  if (camera.mounting && !camera.mounting->agreesWith(found))
+    findings.add("the camera is not mounted as it is said to be: the floor says " + lines);
+  else if (!camera.mounting && hasDrivenOnFloor(poses, *floor))
+    findings.add("the camera seems to be mounted on a robot, which helps much; for camera.ini: " + lines);
 }
 
-void CheckApp::reportPoses(const DepthSequence& sequence, const Camera& camera, const Console& console,
-                           Advice& advice) const {
-  const auto withoutPoses = [&] {
-    line(console, "map", "facetloc_map build will find the trajectory from the images");
-  };
+/** Empty if there are none, or none that can be read. */
+Trajectory CheckApp::posesOf(const DepthSequence& sequence, const Console& console,
+                             Findings& findings) const {
   try {
-    if (sequence.groundTruth().empty()) {
-      line(console, "poses", "none");
-      return withoutPoses();
-    }
+    if (!sequence.groundTruth().empty()) return sequence.groundTruth();
+    line(console, "poses", "none");
   } catch (const IoError& e) {
     line(console, "poses", "cannot be read");
-    advice.push_back(e.what());
-    return withoutPoses();
+    findings.add(e.what());
   }
-  const Trajectory& poses = sequence.groundTruth();
+  return {};
+}
+
+MapMaking CheckApp::makingOf(const DepthSequence& sequence, const Camera& camera,
+                             const Trajectory& poses) const {
   MapMakingParams params;
   params.view = depth_.view;
   MapMaking making(camera, params);
   making.setNumberOfThreads(threads());
-  making.setPosesByTime([&](double stamp) { return poses.interpolated(stamp); });
+  if (!poses.empty()) making.setPosesByTime([&poses](double stamp) { return poses.interpolated(stamp); });
+  for (std::size_t i = 0; i < sequence.frames().size(); ++i)
+    making.add(mapImage(sequence, i, depth_.width, poses.at(sequence.frames()[i].stamp, pose_tolerance_)));
+  return making;
+}
+
+void CheckApp::reportPoses(const DepthSequence& sequence, MapMaking& making, const Console& console,
+                           Findings& findings) const {
+  const Trajectory& poses = sequence.groundTruth();
   const std::size_t all = sequence.frames().size();
   std::size_t posed = 0;
-  for (std::size_t i = 0; i < all; ++i) {
-    const auto T_w_c = poses.at(sequence.frames()[i].stamp, pose_tolerance_);
-    posed += T_w_c.has_value();
-    making.add(mapImage(sequence, i, depth_.width, T_w_c));
-  }
+  for (std::size_t i = 0; i < all; ++i) posed += making.pose(i).has_value();
   line(console, "poses",
        fmt::format("{} from {:.3f} to {:.3f} s; {} of {} have one", poses.poses().size(),
                    poses.poses().front().stamp, poses.poses().back().stamp, counted(posed, "image"), all));
   if (static_cast<double>(posed) < kLeastPosed * static_cast<double>(all))
-    advice.push_back(fmt::format(
+    findings.add(fmt::format(
         "most images have no pose within {:.9g} s: do both clocks show the same time (--time-offset)? Is "
         "--pose-tolerance too small?",
         pose_tolerance_));
-  if (posed == 0) return;
-  MapWatch watch(console);
-  making.setProgress(watch.callback());
+  if (posed == 0 || findings.impossible) return;
   if (canBeReadAgain(sequence)) making.checkPoses();
   const PoseCheck check = making.findings().poses.value_or(PoseCheck());
   if (check.isKnown()) {
     line(console, "", "they disagree with the motions that the images show by " + check.as_given.inWords());
-    if (!check.cause.empty()) advice.push_back(check.cause);
+    for (const std::string& words : check.ratiosInWords()) line(console, "", words);
+    if (!check.cause.empty()) findings.doubt(check.cause, false);
     if (check.isBeyondSense())
-      advice.push_back(
-          "no map can be made with these poses: --without-poses lets facetloc_map build find its own");
+      findings.doubt(
+          "no map can be made with these poses: --without-poses lets facetloc_map build find its own", true);
   }
   line(console, "map",
        fmt::format("facetloc_map build will make about {} with these poses",
@@ -279,15 +334,28 @@ int CheckApp::execute(const CommandLine& command, const Console& console) {
   if (std::none_of(images.begin(), images.end(), [](const ImageReport& i) { return i.is_read; }))
     throw IoError(input_, "none of its images can be read");
 
-  Advice advice;
-  if (const std::string remark = sequence.remark(); !remark.empty()) advice.push_back(remark);
-  reportImages(sequence, images, console, advice);
+  Findings findings;
+  if (const std::string remark = sequence.remark(); !remark.empty()) findings.add(remark);
+  reportValues(sequence, findings);
+  reportImages(sequence, images, console, findings);
   reportCamera(sequence, images, console);
-  reportFloor(images, camera, console, advice);
-  reportPoses(sequence, camera, console, advice);
-  reportNoise(images, camera, console, advice);
-  for (std::size_t i = 0; i < advice.size(); ++i)
-    console.out << (i == 0 ? "note\n" : "") << "- " << advice[i] << "\n";
+  const Trajectory poses = posesOf(sequence, console, findings);
+  MapMaking making = makingOf(sequence, camera, poses);
+  MapWatch watch(console);
+  making.setProgress(watch.callback());
+  reportSurfaces(sequence, making, console, findings);
+  if (poses.empty())
+    line(console, "map", "facetloc_map build will find the trajectory from the images");
+  else
+    reportPoses(sequence, making, console, findings);
+  reportFloor(images, camera, poses, console, findings);
+  reportNoise(images, camera, console, findings);
+  for (std::size_t i = 0; i < findings.notes.size(); ++i)
+    console.out << (i == 0 ? "note\n" : "") << "- " << findings.notes[i] << "\n";
+  if (findings.impossible) {
+    console.out << "the recording cannot be right as it is read; facetloc_map build refuses it\n";
+    return kFailed;
+  }
   console.out << "next: facetloc_map build " << input_ << " -o MAP.flmap\n";
   return code;
 }

@@ -4,7 +4,7 @@
 #include "base/depth_input.h"
 
 #include <facetloc/features/noise_over_range.h>
-#include <facetloc/mapping/map_builder.h>
+#include <facetloc/mapping/map_making.h>
 
 #include <string>
 #include <vector>
@@ -19,22 +19,27 @@ public:
 private:
   /** What one image shows. */
   struct ImageReport;
-  /** What is wrong or missing, in the order in which it is found. */
-  using Advice = std::vector<std::string>;
+  /** What is wrong or missing. */
+  struct Findings;
 
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
 
   void reportImages(const DepthSequence& sequence, const std::vector<ImageReport>& images,
-                    const Console& console, Advice& advice) const;
+                    const Console& console, Findings& findings) const;
   void reportCamera(const DepthSequence& sequence, const std::vector<ImageReport>& images,
                     const Console& console) const;
+  void reportValues(const DepthSequence& sequence, Findings& findings) const;
+  void reportSurfaces(const DepthSequence& sequence, MapMaking& making, const Console& console,
+                      Findings& findings) const;
+  void reportPoses(const DepthSequence& sequence, MapMaking& making, const Console& console,
+                   Findings& findings) const;
   void reportNoise(std::vector<ImageReport>& images, const Camera& camera, const Console& console,
-                   Advice& advice) const;
-  void reportFloor(std::vector<ImageReport>& images, const Camera& camera, const Console& console,
-                   Advice& advice) const;
-  void reportPoses(const DepthSequence& sequence, const Camera& camera, const Console& console,
-                   Advice& advice) const;
+                   Findings& findings) const;
+  void reportFloor(std::vector<ImageReport>& images, const Camera& camera, const Trajectory& poses,
+                   const Console& console, Findings& findings) const;
+  Trajectory posesOf(const DepthSequence& sequence, const Console& console, Findings& findings) const;
+  MapMaking makingOf(const DepthSequence& sequence, const Camera& camera, const Trajectory& poses) const;
 
   std::string input_;
   DepthInput depth_;

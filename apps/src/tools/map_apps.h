@@ -32,6 +32,7 @@ private:
   void noteDistortion(const MapFindings& findings, const Console& console) const;
   void noteWithoutPose(const DepthSequence& sequence, const MapMaking& making, const Console& console) const;
   void writeTrajectory(const DepthSequence& sequence, const MapMaking& making) const;
+  void checkReading(const DepthSequence& sequence, MapMaking& making, const Console& console) const;
   std::string checkPoses(const DepthSequence& sequence, MapMaking& making, const Console& console) const;
   std::vector<MapPlace> placesOf(const DepthSequence& sequence, const MapMaking& making) const;
   bool madeOf(const Map& present, const DepthSequence& sequence, const std::vector<MapPlace>& places) const;

@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "tools/map_apps.h"
 
+#include <facetloc/io/depth_values.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/output_lock.h>
 
@@ -118,7 +119,9 @@ void MapBuildApp::addOptions(CommandLine& line) {
   line.addSwitch("resume", resume_, "Go on with a map that is there already.");
   line.addSwitch("raw-depth", raw_depth_,
                  "Leave in what the camera always measures wrongly at the same place of its image.");
-  line.addSwitch("force", force_, "Build the map although the poses are not those of the images.");
+  line.addSwitch("force", force_,
+                 "Build the map even if poses and images disagree, or the images cannot be right as they are "
+                 "read.");
   line.addPresets();
   addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
@@ -196,6 +199,24 @@ void MapBuildApp::writeTrajectory(const DepthSequence& sequence, const MapMaking
   writeTumTrajectory(trajectory_, poses);
 }
 
+/** Says what is wrong with how the images are read. Throws IoError if they cannot be right. */
+void MapBuildApp::checkReading(const DepthSequence& sequence, MapMaking& making,
+                               const Console& console) const {
+  const auto tell = [&](const std::string& fault, bool impossible) {
+    if (impossible && !force_)
+      throw IoError(sequence_,
+                    "cannot be right as it is read: " + fault + "; --force builds the map nevertheless");
+    console.note(fault);
+  };
+  if (!canBeReadAgain(sequence)) return;
+  if (sequence.camera()) {
+    const ValueCheck values = checkValues(depthValues(sequence), sequence.camera()->depth_scale);
+    for (const std::string& fault : values.faults) tell(fault, values.impossible);
+  }
+  making.checkGeometry();
+  for (const ReadingFault& fault : making.findings().geometry->faults) tell(fault.words, fault.impossible);
+}
+
 /** Says how far the poses are from what the images show, and what is wrong with them. \return the
  * disagreement in words, empty if nothing is known of it. Throws IoError if no map can be made of such poses.
  */
@@ -205,9 +226,13 @@ std::string MapBuildApp::checkPoses(const DepthSequence& sequence, MapMaking& ma
   making.checkPoses();
   const PoseCheck& check = *making.findings().poses;
   if (!check.isKnown()) return {};
-  if (!check.cause.empty())
-    console.note(fmt::format("the poses disagree with the images by {}; {}; so read, they disagree by {}",
-                             check.as_given.inWords(), check.cause, check.mended.inWords()));
+  if (!check.cause.empty()) {
+    const std::string mended = check.mended.inWords(), as_given = check.as_given.inWords();
+    console.note(fmt::format("the poses disagree with the images by {}; {}{}", as_given, check.cause,
+                             mended == as_given ? "" : "; so read, they disagree by " + mended));
+  } else {
+    for (const std::string& words : check.ratiosInWords()) console.note(words);
+  }
   if (check.isBeyondSense() && !force_)
     throw IoError(
         poses_.empty() ? sequence_ : poses_,
@@ -386,9 +411,10 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   MapWatch watch(console);
   making.setProgress(watch.callback());
   const OutputLock lock = OutputLock::ofFile(map_);
+  const bool goes_on = resume_ && isThere(map_) && !MapDatabase::open(map_).modelNames().empty();
+  if (!goes_on) checkReading(sequence, making, console);
   int code = findTrajectory(sequence, making, console);
   writeTrajectory(sequence, making);
-  const bool goes_on = resume_ && isThere(map_) && !MapDatabase::open(map_).modelNames().empty();
   if (!goes_on) disagreement_ = checkPoses(sequence, making, console);
   const std::vector<MapPlace> places = placesOf(sequence, making);
   const auto buildAt = [&](const fs::path& path) {

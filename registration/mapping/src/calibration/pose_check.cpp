@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/pose_check.h"
 
+#include "calibration/motion_ratio.h"
 #include "shared/median.h"
 
 #include <algorithm>
@@ -185,26 +186,53 @@ std::string inWords(const Reading& r) {
   return words;
 }
 
-/** If images turn more or less than their poses, throughout. */
-std::string focalFault(const std::vector<Pair>& pairs) {
-  constexpr double kLeastTurn = 3 * kDegree, kMuch = 1.08, kSpread = 0.5;
-  std::vector<double> ratios;
-  for (const Pair& p : pairs)
-    if (const double turn = rotationAngle(p.by_poses.linear()); turn > kLeastTurn)
-      ratios.push_back(rotationAngle(p.by_images.linear()) / turn);
-  if (ratios.size() < kEnough) return {};
-  const double ratio = medianOrInfinity(ratios);
-  for (double& r : ratios) r = std::abs(r - ratio);
-  const double change = std::abs(ratio - 1);
-  if (std::max(ratio, 1 / ratio) < kMuch || medianOrInfinity(ratios) > kSpread * change) return {};
-  return fmt::format("the images turn {:.2f} times as much as their poses: look at fx and fy of camera.ini",
-                     ratio);
+constexpr double kWorthAWord = 0.07;  // of ratios: what a camera always measures wrongly holds motions back
+constexpr double kSenselessRatio = 0.1;
+
+void compareLengths(const std::vector<SeenMotion>& motions, const PosesByTime& poses, PoseCheck& check) {
+  std::vector<MotionVectors> ways, turns;
+  for (const SeenMotion& motion : motions) {
+    const auto a = poses(motion.stamp_a), b = poses(motion.stamp_b);
+    if (!a || !b) continue;
+    const Eigen::Isometry3d T = a->inverse() * *b;
+    ways.push_back({motion.T_a_b.translation(), T.translation(), motion.stamp_a});
+    turns.push_back({logSO3(motion.T_a_b.linear()), logSO3(T.linear()), motion.stamp_a});
+  }
+  check.distances = motionRatio(std::move(ways));
+  check.turns = motionRatio(std::move(turns));
+}
+
+std::string turnsInWords(const MotionRatio& r) {
+  return fmt::format("the images turn {:.3f} times as much as their poses (+- {:.3f})", r.ratio, r.std);
+}
+
+std::string distancesInWords(const MotionRatio& r) {
+  return fmt::format("the images' motions are {:.3f} times as long as those of their poses (+- {:.3f})",
+                     r.ratio, r.std);
+}
+
+/** Turns do not depend on depth_scale, so that focal lengths come first. */
+std::string faultOfLengths(const PoseCheck& check) {
+  std::string words;
+  if (check.turns.difference() > kWorthAWord)
+    words = turnsInWords(check.turns) + ": look at fx and fy of camera.ini";
+  if (check.distances.difference() > kWorthAWord)
+    words += (words.empty() ? "" : "; ") + distancesInWords(check.distances) +
+             ": look at depth_scale of camera.ini and at the unit of the poses";
+  return words;
 }
 
 }  // namespace
 
 std::string PoseDisagreement::inWords() const {
   return fmt::format("{:.2f} deg, {:.0f} mm, median of {} motions", rotation_deg, 1e3 * translation, motions);
+}
+
+std::vector<std::string> PoseCheck::ratiosInWords() const {
+  std::vector<std::string> words;
+  if (turns.differs()) words.push_back(turnsInWords(turns));
+  if (distances.differs()) words.push_back(distancesInWords(distances));
+  return words;
 }
 
 bool PoseCheck::isKnown() const { return std::max(as_given.motions, mended.motions) >= kEnough; }
@@ -219,13 +247,19 @@ PoseCheck internal::checkPoses(const std::vector<SeenMotion>& motions, const Pos
   const Trial trial(motions, poses);
   PoseCheck check;
   check.as_given = check.mended = disagreementOf(trial.pairs({}));
-  const bool fine = check.as_given.motions >= kEnough && check.as_given.rotation_deg <= kFineDegrees &&
-                    check.as_given.translation <= kFineMetres;
+  compareLengths(motions, poses, check);
+  const std::string of_lengths = faultOfLengths(check);
+  const bool fine = of_lengths.empty() && check.as_given.motions >= kEnough &&
+                    check.as_given.rotation_deg <= kFineDegrees && check.as_given.translation <= kFineMetres;
   if (fine || motions.size() < kEnough) return check;
   const Reading best = trial.withBestDelay(trial.withBestScale(trial.bestConvention()));
   check.cause = inWords(best);
   check.wrong_convention = best.w_first || best.inverse || best.axes != Axes::optical || best.scale != 1;
-  if (check.cause.empty()) check.cause = focalFault(trial.pairs({}));
+  if (check.cause.empty()) {
+    check.cause = of_lengths;
+    check.wrong_convention =
+        std::max(check.turns.difference(), check.distances.difference()) > kSenselessRatio;
+  }
   check.mended = disagreementOf(trial.pairs(best));
   return check;
 }

@@ -23,6 +23,7 @@ namespace {
 using Stage = MapProgress::Stage;
 
 constexpr std::size_t kCalibrationImages = 200;  // at most
+constexpr std::size_t kGeometryImages = 24;      // at most, which show the same as hundreds
 
 /** The poses of the images themselves, at their times. */
 PosesByTime posesOf(const std::vector<MapImage>& images) {
@@ -127,7 +128,10 @@ bool MapMaking::Impl::canBeMade() {
     findings.problem = "there are no images";
   else if (findings.noneRead(run.images.size()))
     findings.problem = "no image can be read: " + findings.unread.front().cause;
-  else if (!params.any_poses && findings.poses && findings.poses->isBeyondSense())
+  else if (const ReadingFault* fault = findings.geometry ? findings.geometry->impossible() : nullptr;
+           fault && !params.any_reading)
+    findings.problem = fault->words;
+  else if (!params.any_reading && findings.poses && findings.poses->isBeyondSense())
     findings.problem = fmt::format("poses and images disagree by {}{}", findings.poses->as_given.inWords(),
                                    findings.poses->cause.empty() ? "" : "; " + findings.poses->cause);
   return findings.problem.empty();
@@ -185,6 +189,22 @@ void MapMaking::findTrajectory() {
   }
 }
 
+void MapMaking::checkGeometry() {
+  Impl& m = *impl_;
+  std::vector<DepthImage> images(std::min(m.run.images.size(), kGeometryImages));
+  m.run.stage(Stage::poses, images.size()).run([&](std::size_t i) {
+    try {
+      images[i] = m.run.images[i * m.run.images.size() / images.size()].load();
+      dropBeyond(m.run.camera.max_depth, images[i]);
+    } catch (const std::exception&) {  // the image is named when it is read for the map
+    }
+  });
+  images.erase(
+      std::remove_if(images.begin(), images.end(), [](const DepthImage& image) { return !image.valid(); }),
+      images.end());
+  m.findings.geometry = facetloc::checkGeometry(images, m.run.camera);
+}
+
 void MapMaking::checkPoses() {
   Impl& m = *impl_;
   if (!m.run.hasPoses() && !m.poses_by_time) return;
@@ -225,6 +245,8 @@ std::vector<Link> MapMaking::links(const std::vector<std::size_t>& images) const
 Map MapMaking::finish() {
   Impl& m = *impl_;
   m.findings.problem.clear();
+  checkGeometry();
+  if (!m.canBeMade()) return {};
   findTrajectory();
   checkPoses();
   if (!m.canBeMade()) return {};

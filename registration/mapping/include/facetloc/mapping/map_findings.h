@@ -3,6 +3,7 @@
 
 #include <facetloc/features/depth_distortion.h>
 #include <facetloc/mapping/found_mounting.h>
+#include <facetloc/mapping/geometry_check.h>
 #include <facetloc/mapping/trajectory_estimation.h>
 
 #include <cstddef>
@@ -25,13 +26,29 @@ struct PoseDisagreement {
   std::string inWords() const;
 };
 
+/** \brief Length of motions by images, relative to those by poses. */
+struct MotionRatio {
+  double ratio = 1;
+  double lowest = 1, highest = 1;  ///< the ratio if all errors are those of the poses, or of the images
+  double std = 0;                  ///< standard deviation, from the scatter over the motions
+  std::size_t motions = 0;         ///< 0: nothing is known
+
+  /** \brief Is it certainly another one than 1, whoever errs? */
+  bool differs() const;
+  /** \brief By what share one witness goes farther than the other at least; 0 unless it differs(). */
+  double difference() const;
+};
+
 /** \brief Comparison of poses with the motions that images show. */
 struct PoseCheck {
   PoseDisagreement as_given;
   std::string cause;              ///< the fault of the poses that explains it, in words; else empty
   PoseDisagreement mended;        ///< without that fault
   bool wrong_convention = false;  ///< of numbers, axes or units, which is more than an inaccuracy
+  MotionRatio distances, turns;   ///< of the poses as they are given
 
+  /** \brief A sentence without full stop for each ratio that is certainly not 1. */
+  std::vector<std::string> ratiosInWords() const;
   /** \brief Are there enough motions to judge by? */
   bool isKnown() const;
   /** \brief No map can be made of such poses: they are known, and in a wrong convention, or have nothing to
@@ -66,6 +83,7 @@ struct UnreadImage {
 struct MapFindings {
   std::optional<CameraTrajectory> trajectory;    ///< from the images, where they had no poses
   std::size_t without_odometry = 0;              ///< images outside the time of the odometry
+  std::optional<GeometryCheck> geometry;         ///< the images themselves, as far as they were checked
   std::optional<PoseCheck> poses;                ///< the given poses, as far as they were checked
   std::optional<PoseCheck> odometry;             ///< the odometry, against the trajectory from the images
   std::optional<DistortionEstimate> distortion;  ///< removed from all images only if it is reliable()

@@ -24,7 +24,8 @@ struct MapMakingParams {
   ViewParams view;           ///< from images to views
   int every = 0;             ///< each N-th image becomes a local model, whatever its pose; 0 = by places
   bool distortion = true;    ///< estimate the camera's distortion, and remove it from all images
-  bool any_poses = false;    ///< also make a map if the poses contradict the images
+  bool any_reading = false;  ///< also make a map of images that cannot be right as they are read, and if
+                             ///< the poses contradict the images
 
   /** \brief Throws std::invalid_argument for a parameter out of its range. */
   void validate() const;
@@ -74,6 +75,8 @@ public:
   Map finish();
   const MapFindings& findings() const;
 
+  /** \brief Tests some images for how they are read: findings().geometry. */
+  void checkGeometry();
   /** \brief If no image has a pose and local models are not chosen by their number: the trajectory of all
    * images, found in turn with the distortion of their camera. */
   void findTrajectory();

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/flat_surfaces.h"
+
+#include <facetloc/segmentation/plane_segmenter.h>
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace facetloc::internal {
+namespace {
+
+constexpr double kLeastShare = 0.01;      // of the image, of a surface that is looked at
+constexpr std::size_t kMostSurfaces = 8;  // of an image
+constexpr double kSamples = 1500;         // of a surface, about
+
+double rayLength(double x, double y) { return std::sqrt(1 + x * x + y * y); }
+
+/** The image with z in place of z times a power of the ray's length. */
+DepthImage readAs(DepthImage image, double ray_exponent) {
+  if (ray_exponent == 0) return image;
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u) {
+      const Eigen::Vector3d b = image.camera.ray(u, v);
+      image.depth[static_cast<std::size_t>(v) * image.camera.width + u] *=
+          static_cast<float>(std::pow(b.norm(), -ray_exponent));
+    }
+  return image;
+}
+
+class Collector {
+public:
+  Collector(const Camera& camera, FlatSurfaces& flat)
+      : camera_(camera), flat_(flat), segmenter_({}, camera.noise) {}
+
+  void add(std::size_t number, const DepthImage& image) {
+    segmenter_.segment(image, planes_);
+    double measured = 0, squares = 0;
+    for (const float z : image.depth) measured += isMeasured(z);
+    for (const int n : planes_.support) squares += double(n) * n;
+    if (measured > 0) flat_.flat_share += squares / measured / static_cast<double>(image.depth.size());
+    const std::size_t most = std::min(planes_.support.size(), kMostSurfaces);
+    for (std::size_t k = 0; k < most; ++k)
+      if (planes_.support[k] >= kLeastShare * static_cast<double>(image.depth.size()))
+        addSurface(number, image, k);
+  }
+
+private:
+  void addSurface(std::size_t number, const DepthImage& image, std::size_t k) {
+    FlatSurface surface;
+    surface.image = number;
+    surface.share = planes_.support[k] / static_cast<double>(image.depth.size());
+    surface.plane = planes_.planes[k].toSpace(image.camera);
+    const int step = std::max(1, static_cast<int>(std::sqrt(planes_.support[k] / kSamples)));
+    double sum = 0;
+    for (int v = 0; v < image.camera.height; v += step)
+      for (int u = 0; u < image.camera.width; u += step) {
+        const std::size_t i = static_cast<std::size_t>(v) * image.camera.width + u;
+        if (planes_.labels.label[i] != k + 1 || !isMeasured(image.depth[i])) continue;
+        const Eigen::Vector3d b = image.camera.ray(u, v);
+        surface.samples.emplace_back(b.x(), b.y(), 1 / image.depth[i]);
+        sum += surface.samples.back().z();
+      }
+    if (surface.samples.empty()) return;
+    const double depth = static_cast<double>(surface.samples.size()) / sum;
+    surface.weight =
+        std::pow(std::max(DepthNoise::kLeastInverseDepthStd, camera_.noise.ofInverseDepth(depth)), -2);
+    flat_.surfaces.push_back(std::move(surface));
+  }
+
+  const Camera& camera_;
+  FlatSurfaces& flat_;
+  PlaneSegmenter segmenter_;
+  LabelledPlanes planes_;
+};
+
+/** Normal equations of the two bends: of the length of rays, and of a lens. */
+struct BendEquations {
+  Eigen::Matrix2d H = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d g = Eigen::Vector2d::Zero();
+  double squares = 0;
+
+  BendEquations& operator+=(const BendEquations& o) {
+    H += o.H, g += o.g, squares += o.squares;
+    return *this;
+  }
+};
+
+/** What of the residuals of one surface a bend explains that a plane does not. */
+BendEquations equationsOf(const FlatSurface& s) {
+  const auto n = static_cast<Eigen::Index>(s.samples.size());
+  Eigen::Matrix<double, Eigen::Dynamic, 3> plane(n, 3), rest(n, 3);  // rest: inverse depth, and both bends
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Vector3d& p = s.samples[static_cast<std::size_t>(i)];
+    const double r2 = p.x() * p.x() + p.y() * p.y();
+    plane.row(i) << p.x(), p.y(), 1;
+    rest.row(i) << p.z(), p.z() * std::log(rayLength(p.x(), p.y())),
+        -(s.plane.x() * p.x() + s.plane.y() * p.y()) * r2;
+  }
+  const Eigen::Matrix3d fit = (plane.transpose() * plane).ldlt().solve(plane.transpose() * rest);
+  rest -= plane * fit;
+  const Eigen::Matrix3d products = s.weight * (rest.transpose() * rest);
+  BendEquations e;
+  e.H = products.bottomRightCorner<2, 2>();
+  e.g = products.bottomLeftCorner<2, 1>();
+  e.squares = products(0, 0);
+  return e;
+}
+
+}  // namespace
+
+FlatSurfaces flatSurfaces(const std::vector<DepthImage>& images, const Camera& camera, double ray_exponent) {
+  FlatSurfaces flat;
+  Collector collector(camera, flat);
+  for (std::size_t i = 0; i < images.size(); ++i) collector.add(i, readAs(images[i], ray_exponent));
+  if (!images.empty()) flat.flat_share /= static_cast<double>(images.size());
+  return flat;
+}
+
+SurfaceBend bendOf(const FlatSurfaces& flat) {
+  std::map<std::size_t, BendEquations> of_images;  // neighbouring pixels and surfaces share their errors
+  BendEquations all;
+  for (const FlatSurface& s : flat.surfaces) {
+    const BendEquations e = equationsOf(s);
+    of_images[s.image] += e, all += e;
+  }
+  SurfaceBend bend;
+  bend.flat_share = flat.flat_share;
+  const Eigen::LDLT<Eigen::Matrix2d> solver(all.H);
+  if (flat.surfaces.empty() || !solver.isPositive() || !(all.H.determinant() > 0)) return bend;
+  const Eigen::Vector2d best = -solver.solve(all.g);
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  for (const auto& [image, e] : of_images) {
+    const Eigen::Vector2d score = e.g + e.H * best;
+    scatter += score * score.transpose();
+  }
+  const Eigen::Matrix2d inverse = all.H.inverse(), covariance = inverse * scatter * inverse;
+  bend.ray_exponent = best.x(), bend.ray_exponent_std = std::sqrt(covariance(0, 0));
+  bend.lens = -best.y(), bend.lens_std = std::sqrt(covariance(1, 1));
+  const double left = all.squares + all.g.dot(best);
+  bend.residual_ratio = left > 0 ? all.squares / left : 1;
+  return bend;
+}
+
+}  // namespace facetloc::internal

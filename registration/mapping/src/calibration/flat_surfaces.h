@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/camera.h>
+#include <facetloc/features/depth_image.h>
+#include <facetloc/mapping/geometry_check.h>
+
+#include <vector>
+
+namespace facetloc::internal {
+
+/** \brief A large surface that is flat as an image is read. */
+struct FlatSurface {
+  std::size_t image = 0;
+  double share = 0;                      ///< of the pixels of the image
+  Eigen::Vector3d plane;                 ///< m of the plane m . p = 1 [1/m]
+  std::vector<Eigen::Vector3d> samples;  ///< normalised ray x, y, and inverse depth [1/m]
+  double weight = 0;                     ///< of a squared residual: by the noise at its depth [m^2]
+};
+
+/** \brief The largest surfaces of some images. */
+struct FlatSurfaces {
+  std::vector<FlatSurface> surfaces;  ///< in the order of the images
+  double flat_share = 0;              ///< as of SurfaceBend
+};
+
+/** \brief Segments images whose depths are taken to be z times a power of the length of the ray. */
+FlatSurfaces flatSurfaces(const std::vector<DepthImage>& images, const Camera& camera, double ray_exponent);
+
+/** \brief How surfaces that look flat are bent nevertheless, beyond the reading that they were found with. */
+SurfaceBend bendOf(const FlatSurfaces& flat);
+
+/** \brief Nothing if fewer than 30 pairs of surfaces are about perpendicular. */
+std::optional<RightAngles> rightAngles(const FlatSurfaces& flat, const Intrinsics& camera);
+
+}  // namespace facetloc::internal

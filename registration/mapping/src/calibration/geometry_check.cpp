@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/flat_surfaces.h"
+
+#include <facetloc/mapping/geometry_check.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace facetloc {
+
+using namespace internal;
+namespace {
+
+constexpr std::size_t kLeastSurfaces = 10;
+constexpr double kCertain = 5;           // standard deviations
+constexpr double kLeastExponent = 0.35;  // of rays; real cameras and clutter stay below 0.13
+constexpr double kFlatter = 1.3;         // surfaces that are larger by as much tell one reading from another
+constexpr double kLeastDisplacement = 0.015, kLeastGain = 1.08;  // of a lens worth a word, in the corner
+
+bool isCertain(double value, double std) { return std::abs(value) > kCertain * std; }
+
+/** Square of the longest ray's part across the optical axis. */
+double widestRay(const Intrinsics& k) {
+  double widest = 0;
+  for (const double u : {0.0, k.width - 1.0})
+    for (const double v : {0.0, k.height - 1.0})
+      widest = std::max(widest, k.ray(u, v).head<2>().squaredNorm());
+  return widest;
+}
+
+/** Adds the fault if depths are distances along the rays, or are taken for such. \return the surfaces as
+ * they are to be read. */
+FlatSurfaces checkRays(const std::vector<DepthImage>& images, const Camera& camera, GeometryCheck& check) {
+  FlatSurfaces as_read = flatSurfaces(images, camera, 0);
+  check.surfaces = as_read.surfaces.size();
+  check.bend = bendOf(as_read);
+  const SurfaceBend& bend = check.bend;
+  if (check.surfaces < kLeastSurfaces || !(std::abs(bend.ray_exponent) > kLeastExponent) ||
+      !isCertain(bend.ray_exponent, bend.ray_exponent_std))
+    return as_read;
+  const double sign = bend.ray_exponent > 0 ? 1 : -1;
+  FlatSurfaces otherwise = flatSurfaces(images, camera, sign);
+  if (!(otherwise.flat_share > kFlatter * as_read.flat_share)) return as_read;
+  const std::string larger = fmt::format("so read, flat surfaces are {:.1f} times as large",
+                                         otherwise.flat_share / as_read.flat_share);
+  if (sign > 0)
+    check.faults.push_back(
+        {fmt::format("flat surfaces are bent like bowls: depths are distances along the rays, not z; "
+                     "depth_is = distance in camera.ini reads them ({})",
+                     larger),
+         true});
+  else
+    check.faults.push_back(
+        {fmt::format("flat surfaces bulge, as if z were read as distances along the rays: depth_is = z in "
+                     "camera.ini reads them ({})",
+                     larger),
+         true});
+  return otherwise;
+}
+
+void checkLens(const FlatSurfaces& flat, const Intrinsics& k, GeometryCheck& check) {
+  const SurfaceBend bend = bendOf(flat);
+  const double displacement = std::abs(bend.lens) * widestRay(k);
+  if (flat.surfaces.size() < kLeastSurfaces || !isCertain(bend.lens, bend.lens_std) ||
+      displacement < kLeastDisplacement || bend.residual_ratio < kLeastGain)
+    return;
+  check.faults.push_back(
+      {fmt::format("flat surfaces are bent as behind a lens: in the corners of the image by {:.0f} % of the "
+                   "distance from the centre; the camera's calibration in camera.ini takes it out (k1 is "
+                   "about {:.2f})",
+                   100 * displacement, bend.lens),
+       false});
+}
+
+/** "fx=525 fy=525 cx=319.5 cy=239.5", or factors where the images say their intrinsics. */
+std::string linesFor(const RightAngles& found, const Intrinsics& worked_on, const Intrinsics& full) {
+  if (!full.valid()) return fmt::format("{:.2f} times fx and {:.2f} times fy", found.fx, found.fy);
+  const double step = static_cast<double>(full.width) / worked_on.width;
+  return fmt::format("about fx={:.4g} fy={:.4g} cx={:.4g} cy={:.4g}", found.fx * full.fx, found.fy * full.fy,
+                     full.cx + step * found.cx, full.cy + step * found.cy);
+}
+
+void checkAngles(const FlatSurfaces& flat, const Intrinsics& worked_on, const Camera& camera,
+                 GeometryCheck& check) {
+  constexpr double kLeastShare = 0.22, kMoreShare = 1.45;  // 1.3 times as much is found by chance
+  constexpr double kLeastFocal = 0.04, kLeastCentre = 0.04;
+  constexpr double kSureShare = 0.3, kMuchMoreShare = 3, kMuch = 0.08;  // beyond which nothing else remains
+  check.right_angles = rightAngles(flat, worked_on);
+  if (!check.right_angles) return;
+  const RightAngles& a = *check.right_angles;
+  const auto changeOf = [](double factor, double std, double least) {
+    const double change = std::abs(factor - 1);
+    return change > least && isCertain(change, std) ? change : 0;
+  };
+  const double most =
+      std::max({changeOf(a.fx, a.fx_std, kLeastFocal), changeOf(a.fy, a.fy_std, kLeastFocal),
+                changeOf(1 + a.cx / worked_on.width, a.cx_std / worked_on.width, kLeastCentre),
+                changeOf(1 + a.cy / worked_on.width, a.cy_std / worked_on.width, kLeastCentre)});
+  if (most == 0 || a.share_by_best < kLeastShare || a.share_by_best < kMoreShare * a.share_as_given) return;
+  check.faults.push_back(
+      {fmt::format(
+           "surfaces that meet at right angles do not as the images are read: {:.0f} % of {} pairs are "
+           "perpendicular, and {:.0f} % with {}; look at fx, fy, cx and cy of camera.ini",
+           100 * a.share_as_given, a.pairs, 100 * a.share_by_best, linesFor(a, worked_on, camera.intrinsics)),
+       most > kMuch && a.share_by_best > kSureShare && a.share_by_best > kMuchMoreShare * a.share_as_given});
+}
+
+}  // namespace
+
+const ReadingFault* GeometryCheck::impossible() const {
+  const auto found =
+      std::find_if(faults.begin(), faults.end(), [](const ReadingFault& f) { return f.impossible; });
+  return found == faults.end() ? nullptr : &*found;
+}
+
+GeometryCheck checkGeometry(const std::vector<DepthImage>& images, const Camera& camera) {
+  GeometryCheck check;
+  check.images = images.size();
+  if (images.empty()) return check;
+  const FlatSurfaces flat = checkRays(images, camera, check);
+  const Intrinsics& worked_on = images.front().camera;
+  checkLens(flat, worked_on, check);
+  checkAngles(flat, worked_on, camera, check);
+  return check;
+}
+
+}  // namespace facetloc
