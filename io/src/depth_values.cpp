@@ -49,6 +49,7 @@ public:
         ++values_[value];
         if (u + 1 == image.width || !isMeasured(image.data[i + 1])) continue;
         const std::uint16_t next = image.data[i + 1];
+        if (next == value) continue;  // as of most neighbours where a camera measures in coarse steps
         ++as_read_[static_cast<std::size_t>(std::abs(next - value))];
         ++with_swapped_[static_cast<std::size_t>(std::abs(swapped(next) - swapped(value)))];
       }

@@ -15,7 +15,7 @@ struct DepthValues {
   std::size_t count = 0;               ///< of measured pixels
   std::size_t different = 0;           ///< number of different values
   int divisor = 1;                     ///< largest number of which 98 % of the values are multiples
-  double neighbours = 0;               ///< median difference of neighbouring pixels
+  double neighbours = 0;               ///< median difference of neighbouring pixels that differ
   double neighbours_swapped = 0;       ///< the same with the two bytes of each value swapped
   double median = 0;                   ///< of the values
   std::vector<std::size_t> histogram;  ///< number of pixels by value, 65536 entries; empty without any

@@ -18,14 +18,27 @@ constexpr double kSamples = 1500;         // of a surface, about
 
 double rayLength(double x, double y) { return std::sqrt(1 + x * x + y * y); }
 
-/** The image with z in place of z times a power of the ray's length. */
-DepthImage readAs(DepthImage image, double ray_exponent) {
-  if (ray_exponent == 0) return image;
+/** The z that a number stands for. \param usual depth of the image, which inverse depths are scaled to [m] */
+double meant(DepthIs meaning, double value, double ray_length, double usual) {
+  switch (meaning) {
+  case DepthIs::distance:
+    return value / ray_length;
+  case DepthIs::product:
+    return value * ray_length;
+  case DepthIs::inverse:
+    return usual * usual / value;
+  case DepthIs::z:
+    break;
+  }
+  return value;
+}
+
+DepthImage readAs(DepthIs meaning, DepthImage image, double usual) {
+  if (meaning == DepthIs::z) return image;
   for (int v = 0; v < image.camera.height; ++v)
     for (int u = 0; u < image.camera.width; ++u) {
-      const Eigen::Vector3d b = image.camera.ray(u, v);
-      image.depth[static_cast<std::size_t>(v) * image.camera.width + u] *=
-          static_cast<float>(std::pow(b.norm(), -ray_exponent));
+      float& z = image.depth[static_cast<std::size_t>(v) * image.camera.width + u];
+      if (isMeasured(z)) z = static_cast<float>(meant(meaning, z, image.camera.ray(u, v).norm(), usual));
     }
   return image;
 }
@@ -111,11 +124,13 @@ BendEquations equationsOf(const FlatSurface& s) {
 
 }  // namespace
 
-FlatSurfaces flatSurfaces(const std::vector<DepthImage>& images, const Camera& camera, double ray_exponent) {
+FlatSurfaces flatSurfaces(const std::vector<DepthImage>& images, const Camera& camera, DepthIs meaning) {
   FlatSurfaces flat;
+  if (images.empty()) return flat;
   Collector collector(camera, flat);
-  for (std::size_t i = 0; i < images.size(); ++i) collector.add(i, readAs(images[i], ray_exponent));
-  if (!images.empty()) flat.flat_share /= static_cast<double>(images.size());
+  const double usual = usualDepth(images.front());
+  for (std::size_t i = 0; i < images.size(); ++i) collector.add(i, readAs(meaning, images[i], usual));
+  flat.flat_share /= static_cast<double>(images.size());
   return flat;
 }
 

@@ -24,8 +24,16 @@ struct FlatSurfaces {
   double flat_share = 0;              ///< as of SurfaceBend
 };
 
-/** \brief Segments images whose depths are taken to be z times a power of the length of the ray. */
-FlatSurfaces flatSurfaces(const std::vector<DepthImage>& images, const Camera& camera, double ray_exponent);
+/** \brief What the numbers of depth images may be. */
+enum class DepthIs {
+  z,         ///< as they are read
+  distance,  ///< along the ray, taken for z
+  product,   ///< z, taken for a distance along the ray
+  inverse,   ///< proportional to 1/z, taken for z
+};
+
+/** \brief Segments images by what their numbers are taken to be. */
+FlatSurfaces flatSurfaces(const std::vector<DepthImage>& images, const Camera& camera, DepthIs meaning);
 
 /** \brief How surfaces that look flat are bent nevertheless, beyond the reading that they were found with. */
 SurfaceBend bendOf(const FlatSurfaces& flat);

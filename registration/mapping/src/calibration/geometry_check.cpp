@@ -16,6 +16,7 @@ constexpr std::size_t kLeastSurfaces = 10;
 constexpr double kCertain = 5;           // standard deviations
 constexpr double kLeastExponent = 0.35;  // of rays; real cameras and clutter stay below 0.13
 constexpr double kFlatter = 1.3;         // surfaces that are larger by as much tell one reading from another
+constexpr double kHardlyFlat = 0.03;     // share of the image
 constexpr double kLeastDisplacement = 0.015, kLeastGain = 1.08;  // of a lens worth a word, in the corner
 
 bool isCertain(double value, double std) { return std::abs(value) > kCertain * std; }
@@ -32,19 +33,19 @@ double widestRay(const Intrinsics& k) {
 /** Adds the fault if depths are distances along the rays, or are taken for such. \return the surfaces as
  * they are to be read. */
 FlatSurfaces checkRays(const std::vector<DepthImage>& images, const Camera& camera, GeometryCheck& check) {
-  FlatSurfaces as_read = flatSurfaces(images, camera, 0);
+  FlatSurfaces as_read = flatSurfaces(images, camera, DepthIs::z);
   check.surfaces = as_read.surfaces.size();
   check.bend = bendOf(as_read);
   const SurfaceBend& bend = check.bend;
   if (check.surfaces < kLeastSurfaces || !(std::abs(bend.ray_exponent) > kLeastExponent) ||
       !isCertain(bend.ray_exponent, bend.ray_exponent_std))
     return as_read;
-  const double sign = bend.ray_exponent > 0 ? 1 : -1;
-  FlatSurfaces otherwise = flatSurfaces(images, camera, sign);
+  const bool are_distances = bend.ray_exponent > 0;
+  FlatSurfaces otherwise = flatSurfaces(images, camera, are_distances ? DepthIs::distance : DepthIs::product);
   if (!(otherwise.flat_share > kFlatter * as_read.flat_share)) return as_read;
   const std::string larger = fmt::format("so read, flat surfaces are {:.1f} times as large",
                                          otherwise.flat_share / as_read.flat_share);
-  if (sign > 0)
+  if (are_distances)
     check.faults.push_back(
         {fmt::format("flat surfaces are bent like bowls: depths are distances along the rays, not z; "
                      "depth_is = distance in camera.ini reads them ({})",
@@ -57,6 +58,23 @@ FlatSurfaces checkRays(const std::vector<DepthImage>& images, const Camera& came
                      larger),
          true});
   return otherwise;
+}
+
+/** Images of disparities, as stereo and learned depth have them. */
+bool checkInverse(const std::vector<DepthImage>& images, const Camera& camera, const FlatSurfaces& as_read,
+                  GeometryCheck& check) {
+  constexpr double kMuchFlatter = 1.35;  // frontal surfaces are flat in both
+  const FlatSurfaces inverse = flatSurfaces(images, camera, DepthIs::inverse);
+  if (inverse.surfaces.size() < kLeastSurfaces ||
+      !(inverse.flat_share > kMuchFlatter * std::max(as_read.flat_share, kHardlyFlat)))
+    return false;
+  check.faults.push_back(
+      {fmt::format(
+           "flat surfaces are bent, and are {:.1f} times as large if the numbers are inverse depths: they "
+           "seem to be disparities, of which depths are to be made first",
+           inverse.flat_share / as_read.flat_share),
+       true});
+  return true;
 }
 
 void checkLens(const FlatSurfaces& flat, const Intrinsics& k, GeometryCheck& check) {
@@ -83,7 +101,8 @@ std::string linesFor(const RightAngles& found, const Intrinsics& worked_on, cons
 
 void checkAngles(const FlatSurfaces& flat, const Intrinsics& worked_on, const Camera& camera,
                  GeometryCheck& check) {
-  constexpr double kLeastShare = 0.22, kMoreShare = 1.45;  // 1.3 times as much is found by chance
+  constexpr double kLeastShare = 0.22, kMoreShare = 1.45;  // 1.28 times as much is found by chance
+  constexpr double kFarShare = 1.32, kFar = 0.1;           // by changes that are large
   constexpr double kLeastFocal = 0.04, kLeastCentre = 0.04;
   constexpr double kSureShare = 0.3, kMuchMoreShare = 3, kMuch = 0.08;  // beyond which nothing else remains
   check.right_angles = rightAngles(flat, worked_on);
@@ -97,7 +116,8 @@ void checkAngles(const FlatSurfaces& flat, const Intrinsics& worked_on, const Ca
       std::max({changeOf(a.fx, a.fx_std, kLeastFocal), changeOf(a.fy, a.fy_std, kLeastFocal),
                 changeOf(1 + a.cx / worked_on.width, a.cx_std / worked_on.width, kLeastCentre),
                 changeOf(1 + a.cy / worked_on.width, a.cy_std / worked_on.width, kLeastCentre)});
-  if (most == 0 || a.share_by_best < kLeastShare || a.share_by_best < kMoreShare * a.share_as_given) return;
+  const double gain = most > kFar ? kFarShare : kMoreShare;
+  if (most == 0 || a.share_by_best < kLeastShare || a.share_by_best < gain * a.share_as_given) return;
   check.faults.push_back(
       {fmt::format(
            "surfaces that meet at right angles do not as the images are read: {:.0f} % of {} pairs are "
@@ -119,6 +139,7 @@ GeometryCheck checkGeometry(const std::vector<DepthImage>& images, const Camera&
   check.images = images.size();
   if (images.empty()) return check;
   const FlatSurfaces flat = checkRays(images, camera, check);
+  if (check.faults.empty() && checkInverse(images, camera, flat, check)) return check;
   const Intrinsics& worked_on = images.front().camera;
   checkLens(flat, worked_on, check);
   checkAngles(flat, worked_on, camera, check);

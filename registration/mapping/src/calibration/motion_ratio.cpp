@@ -3,14 +3,20 @@
 
 #include "shared/median.h"
 
+#include <facetloc/features/pose.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 namespace facetloc {
+namespace {
+
+constexpr double kCertain = 4;  // standard deviations
+
+}  // namespace
 
 bool MotionRatio::differs() const {
-  constexpr double kCertain = 4;
   return motions > 0 && (lowest > 1 + kCertain * std || highest < 1 - kCertain * std);
 }
 
@@ -18,6 +24,8 @@ double MotionRatio::difference() const {
   if (!differs()) return 0;
   return lowest > 1 ? lowest - 1 : 1 / highest - 1;
 }
+
+double MotionRatio::certainAngleDeg() const { return angle_deg > kCertain * angle_std_deg ? angle_deg : 0; }
 
 namespace internal {
 namespace {
@@ -28,10 +36,16 @@ constexpr double kLeastCorrelation = 0.7;  // of both witnesses: else they do no
 
 struct Products {
   double images = 0, poses = 0, both = 0;
+  Eigen::Vector3d across = Eigen::Vector3d::Zero();
+
   Products& operator+=(const Products& o) {
-    images += o.images, poses += o.poses, both += o.both;
+    images += o.images, poses += o.poses, both += o.both, across += o.across;
     return *this;
   }
+  Products operator-(const Products& o) const {
+    return {images - o.images, poses - o.poses, both - o.both, across - o.across};
+  }
+  Eigen::Vector3d turn() const { return across / both; }
   double lowest() const { return both / poses; }    // errors of the poses make it too small
   double highest() const { return images / both; }  // errors of the images make it too large
   double middle() const { return std::sqrt(images / poses); }
@@ -39,7 +53,8 @@ struct Products {
 };
 
 Products productsOf(const MotionVectors& m) {
-  return {m.by_images.squaredNorm(), m.by_poses.squaredNorm(), m.by_images.dot(m.by_poses)};
+  return {m.by_images.squaredNorm(), m.by_poses.squaredNorm(), m.by_images.dot(m.by_poses),
+          m.by_images.cross(m.by_poses)};
 }
 
 double medianRatio(const std::vector<MotionVectors>& motions) {
@@ -71,16 +86,19 @@ MotionRatio motionRatio(std::vector<MotionVectors> motions) {
   Products all;
   for (const MotionVectors& m : motions) by_start[m.start] += productsOf(m), all += productsOf(m);
   if (by_start.size() < kEnough || !all.isKnown()) return found;
-  double squares = 0;  // of the jackknife
+  double squares = 0, turn_squares = 0;  // of the jackknife
   for (const auto& [start, of_start] : by_start) {
-    const Products rest{all.images - of_start.images, all.poses - of_start.poses, all.both - of_start.both};
+    const Products rest = all - of_start;
     if (!rest.isKnown()) return found;
     squares += std::pow(rest.middle() - all.middle(), 2);
+    turn_squares += (rest.turn() - all.turn()).squaredNorm();
   }
   const auto n = static_cast<double>(by_start.size());
   found.motions = motions.size();
   found.ratio = all.middle(), found.lowest = all.lowest(), found.highest = all.highest();
   found.std = std::sqrt(squares * (n - 1) / n);
+  found.angle_deg = std::atan(all.turn().norm()) / kDegree;
+  found.angle_std_deg = std::sqrt(turn_squares * (n - 1) / n) / kDegree;
   return found;
 }
 

@@ -17,6 +17,7 @@ using namespace internal;
 namespace {
 
 constexpr std::size_t kEnough = 5;                      // motions
+constexpr std::size_t kEnoughToRefuse = 10;             // fewer come from places that images confuse
 constexpr double kDegrees = 1, kMetres = 0.02;          // what counts as much in a disagreement
 constexpr double kFineDegrees = 1, kFineMetres = 0.02;  // poses as good as that have no fault worth a word
 constexpr double kSenselessDegrees = 5, kSenselessMetres = 0.2;
@@ -24,10 +25,17 @@ constexpr double kBetter = 0.5;  // share of the disagreement that is left witho
 
 enum class Axes { optical, body, opengl };
 
+/** Signs of x and y in the images, if they are stored otherwise than they were seen. */
+struct Storing {
+  int x = 1, y = 1;
+  bool isUsual() const { return x == 1 && y == 1; }
+};
+
 /** One way to read poses. */
 struct Reading {
   bool w_first = false, inverse = false;
   Axes axes = Axes::optical;
+  Storing storing{};
   double delay = 0;  // of the pose after its image [s]
   double scale = 1;  // of translations
 };
@@ -51,6 +59,13 @@ Eigen::Isometry3d read(const Reading& reading, Eigen::Isometry3d T) {
   return T;
 }
 
+Eigen::Isometry3d read(const Storing& storing, Eigen::Isometry3d T) {
+  const Eigen::Matrix3d S = Eigen::Vector3d(storing.x, storing.y, 1).asDiagonal();
+  T.linear() = S * T.linear() * S;
+  T.translation() = S * T.translation();
+  return T;
+}
+
 struct Pair {
   Eigen::Isometry3d by_poses, by_images;
 };
@@ -60,7 +75,8 @@ std::vector<Pair> pairsOf(const std::vector<SeenMotion>& motions, const PosesByT
   std::vector<Pair> pairs;
   for (const SeenMotion& motion : motions) {
     const auto a = poses(motion.stamp_a + reading.delay), b = poses(motion.stamp_b + reading.delay);
-    if (a && b) pairs.push_back({read(reading, *a).inverse() * read(reading, *b), motion.T_a_b});
+    if (a && b)
+      pairs.push_back({read(reading, *a).inverse() * read(reading, *b), read(reading.storing, motion.T_a_b)});
   }
   return pairs;
 }
@@ -118,12 +134,15 @@ public:
   Reading bestConvention() const {
     Reading best;
     double least = kBetter * cost(best);
+    const auto tryOne = [&](const Reading& reading) {
+      if (const double c = cost(reading); c < least) best = reading, least = c;
+    };
     for (const bool w_first : {false, true})
       for (const bool inverse : {false, true})
-        for (const Axes axes : {Axes::optical, Axes::body, Axes::opengl}) {
-          const Reading reading{w_first, inverse, axes, 0, 1};
-          if (const double c = cost(reading); c < least) best = reading, least = c;
-        }
+        for (const Axes axes : {Axes::optical, Axes::body, Axes::opengl})
+          tryOne({w_first, inverse, axes, {}, 0, 1});
+    for (const Storing storing : {Storing{-1, 1}, Storing{1, -1}, Storing{-1, -1}})
+      tryOne({false, false, Axes::optical, storing, 0, 1});
     return best;
   }
 
@@ -174,6 +193,11 @@ std::string inWords(const Reading& r) {
     faults.emplace_back(
         "they are of axes with y up and z backward, not of the camera's optical frame (x right, y "
         "down, z forward)");
+  if (r.storing.x < 0 && r.storing.y < 0)
+    faults.emplace_back("the images are turned by 180 deg against the camera of their poses");
+  else if (!r.storing.isUsual())
+    faults.push_back(fmt::format("the images are mirrored, {}, or the world of the poses is",
+                                 r.storing.x < 0 ? "left to right" : "top to bottom"));
   if (r.delay != 0)
     faults.push_back(fmt::format("their clock is another one: the pose of an image is stamped {:.2f} s {}",
                                  std::abs(r.delay), r.delay > 0 ? "later" : "earlier"));
@@ -188,6 +212,7 @@ std::string inWords(const Reading& r) {
 
 constexpr double kWorthAWord = 0.07;  // of ratios: what a camera always measures wrongly holds motions back
 constexpr double kSenselessRatio = 0.1;
+constexpr double kOtherAxisDeg = 1.5;
 
 void compareLengths(const std::vector<SeenMotion>& motions, const PosesByTime& poses, PoseCheck& check) {
   std::vector<MotionVectors> ways, turns;
@@ -211,6 +236,17 @@ std::string distancesInWords(const MotionRatio& r) {
                      r.ratio, r.std);
 }
 
+std::string axesInWords(const MotionRatio& r) {
+  return fmt::format("the images turn about axes that are {:.1f} deg from those of their poses (+- {:.1f})",
+                     r.angle_deg, r.angle_std_deg);
+}
+
+std::string directionsInWords(const MotionRatio& r) {
+  return fmt::format(
+      "the images move in directions that are {:.1f} deg from those of their poses (+- {:.1f})", r.angle_deg,
+      r.angle_std_deg);
+}
+
 /** Turns do not depend on depth_scale, so that focal lengths come first. */
 std::string faultOfLengths(const PoseCheck& check) {
   std::string words;
@@ -219,7 +255,16 @@ std::string faultOfLengths(const PoseCheck& check) {
   if (check.distances.difference() > kWorthAWord)
     words += (words.empty() ? "" : "; ") + distancesInWords(check.distances) +
              ": look at depth_scale of camera.ini and at the unit of the poses";
+  if (!words.empty()) return words;
+  const double axes = check.turns.certainAngleDeg(), directions = check.distances.certainAngleDeg();
+  if (std::max(axes, directions) > kOtherAxisDeg)
+    words = (axes > directions ? axesInWords(check.turns) : directionsInWords(check.distances)) +
+            ": look at fx, fy, cx and cy of camera.ini; are the poses those of the depth camera?";
   return words;
+}
+
+bool isSenseless(const PoseDisagreement& d) {
+  return d.rotation_deg > kSenselessDegrees || d.translation > kSenselessMetres;
 }
 
 }  // namespace
@@ -231,7 +276,9 @@ std::string PoseDisagreement::inWords() const {
 std::vector<std::string> PoseCheck::ratiosInWords() const {
   std::vector<std::string> words;
   if (turns.differs()) words.push_back(turnsInWords(turns));
+  if (turns.certainAngleDeg() > 0) words.push_back(axesInWords(turns));
   if (distances.differs()) words.push_back(distancesInWords(distances));
+  if (distances.certainAngleDeg() > 0) words.push_back(directionsInWords(distances));
   return words;
 }
 
@@ -239,8 +286,8 @@ bool PoseCheck::isKnown() const { return std::max(as_given.motions, mended.motio
 
 bool PoseCheck::isBeyondSense() const {
   if (!isKnown()) return false;
-  return wrong_convention || as_given.motions < kEnough || as_given.rotation_deg > kSenselessDegrees ||
-         as_given.translation > kSenselessMetres;
+  if (wrong_convention || as_given.motions < kEnough) return true;
+  return as_given.motions >= kEnoughToRefuse && isSenseless(as_given);
 }
 
 PoseCheck internal::checkPoses(const std::vector<SeenMotion>& motions, const PosesByTime& poses) {
@@ -253,14 +300,20 @@ PoseCheck internal::checkPoses(const std::vector<SeenMotion>& motions, const Pos
                     check.as_given.rotation_deg <= kFineDegrees && check.as_given.translation <= kFineMetres;
   if (fine || motions.size() < kEnough) return check;
   const Reading best = trial.withBestDelay(trial.withBestScale(trial.bestConvention()));
-  check.cause = inWords(best);
-  check.wrong_convention = best.w_first || best.inverse || best.axes != Axes::optical || best.scale != 1;
+  const PoseDisagreement mended = disagreementOf(trial.pairs(best));
+  const bool explained =
+      !isSenseless(mended);  // of poses that are not those of the images, some reading is best
+  if (explained) {
+    check.cause = inWords(best);
+    check.wrong_convention = best.w_first || best.inverse || best.axes != Axes::optical ||
+                             !best.storing.isUsual() || best.scale != 1;
+  }
   if (check.cause.empty()) {
     check.cause = of_lengths;
     check.wrong_convention =
         std::max(check.turns.difference(), check.distances.difference()) > kSenselessRatio;
   }
-  check.mended = disagreementOf(trial.pairs(best));
+  if (explained) check.mended = mended;
   return check;
 }
 

@@ -31,12 +31,16 @@ struct MotionRatio {
   double ratio = 1;
   double lowest = 1, highest = 1;  ///< the ratio if all errors are those of the poses, or of the images
   double std = 0;                  ///< standard deviation, from the scatter over the motions
-  std::size_t motions = 0;         ///< 0: nothing is known
+  double angle_deg = 0;            ///< between the directions of both: mean
+  double angle_std_deg = 0;
+  std::size_t motions = 0;  ///< 0: nothing is known
 
   /** \brief Is it certainly another one than 1, whoever errs? */
   bool differs() const;
   /** \brief By what share one witness goes farther than the other at least; 0 unless it differs(). */
   double difference() const;
+  /** \brief angle_deg, if it is certainly not 0; else 0. */
+  double certainAngleDeg() const;
 };
 
 /** \brief Comparison of poses with the motions that images show. */
