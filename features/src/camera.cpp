@@ -35,7 +35,8 @@ std::vector<std::string> inWords(const CameraDifference& d, const Camera& of_vie
   std::vector<std::string> words;
   if (d.mounting == Mounting::other)
     words.push_back(
-        fmt::format("the cameras are mounted differently, {}, and in the map {}: the prior is isotropic",
+        fmt::format("the cameras are mounted differently, {}, and in the map {}: the prior is isotropic, "
+                    "about what both mountings say",
                     inWords(*of_view.mounting), inWords(*of_map.mounting)));
   if (d.mounting == Mounting::unknown)
     words.push_back("the mounting of the images' camera is unknown: where they do not show that it is the "

@@ -56,7 +56,7 @@ TEST_F(Tools, SimulateTakesAnotherCamera) {
   ASSERT_EQ(run.code, kOk) << run.err;
   const CameraFile lidar = *DepthSequence::open(folder_ / "lidar/map").camera();
   EXPECT_EQ(lidar.preset, "phone_lidar");
-  EXPECT_EQ(lidar.camera.intrinsics, findCameraPreset("phone_lidar")->intrinsics);
+  EXPECT_EQ(lidar.camera.intrinsics, findCameraPreset("phone_lidar")->intrinsics());
   EXPECT_EQ(lidar.camera.max_depth, 5);
 
   // An option counts more than the camera: here all pixels are lost.

@@ -149,5 +149,62 @@ TEST(PoseCheck, WithoutMotionsOrPosesNothingIsKnown) {
   EXPECT_TRUE(checkPoses(seenMotions(), still).isBeyondSense());
 }
 
+TEST(MotionRatio, IsKnownWithItsDeviation) {
+  for (const double scale : {0.9, 1.12}) {
+    const MotionRatio ratio = check(trueCamera, scale).distances;
+    EXPECT_TRUE(ratio.differs()) << scale;
+    EXPECT_NEAR(ratio.ratio, scale, 0.02);
+    EXPECT_LT(ratio.std, 0.01);
+  }
+  const PoseCheck right = check(trueCamera);
+  EXPECT_FALSE(right.distances.differs());
+  EXPECT_FALSE(right.turns.differs());
+  EXPECT_EQ(right.turns.certainAngleDeg(), 0);
+  EXPECT_TRUE(right.ratiosInWords().empty());
+}
+
+TEST(MotionRatio, OfMotionsInTheNoiseIsNoFault) {
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  const PoseCheck found = check([&](double t) {  // errors as large as a motion
+    Vector6d error;
+    for (int k = 0; k < 6; ++k) error[k] = (k < 3 ? 2 * kDegree : 0.15) * normal(random);
+    return perturbed(trueCamera(t), error);
+  });
+  EXPECT_FALSE(found.distances.differs());
+  EXPECT_FALSE(found.turns.differs());
+}
+
+TEST(PoseCheck, NamesAScaleThatIsALittleOff) {
+  const PoseCheck found = check(trueCamera, 1.25);
+  EXPECT_THAT(found.cause, HasSubstr("depth_scale"));
+  EXPECT_TRUE(found.isBeyondSense());
+  const PoseCheck nearly = check(trueCamera, 1.08);
+  EXPECT_THAT(nearly.cause, HasSubstr("1.08"));
+  EXPECT_FALSE(nearly.isBeyondSense());
+}
+
+TEST(PoseCheck, NamesMirroredImages) {
+  std::vector<SeenMotion> motions = seenMotions();
+  const Eigen::Matrix3d S = Eigen::Vector3d(-1, 1, 1).asDiagonal();
+  for (SeenMotion& motion : motions) {
+    motion.T_a_b.linear() = S * motion.T_a_b.linear() * S;
+    motion.T_a_b.translation() = S * motion.T_a_b.translation();
+  }
+  const PoseCheck found = checkPoses(motions, [](double stamp) { return std::optional(trueCamera(stamp)); });
+  EXPECT_THAT(found.cause, HasSubstr("mirrored, left to right"));
+  EXPECT_TRUE(found.isBeyondSense());
+}
+
+TEST(PoseCheck, NamesAnotherAxis) {
+  const PoseCheck found = check([](double t) {
+    Eigen::Isometry3d T = trueCamera(t);
+    T.linear() = T.linear() * expSO3({3 * kDegree, 0, 0});
+    return T;
+  });
+  EXPECT_THAT(found.cause, HasSubstr("about axes that are"));
+  EXPECT_FALSE(found.isBeyondSense());
+}
+
 }  // namespace
 }  // namespace facetloc

@@ -101,16 +101,12 @@ void noteNoise(std::vector<double> found, const SensorNoise& specified, const Co
   const double expected = specified.ofInverseDepth(DepthNoise::kUsualDepth);
   if (!(median > kMuch * expected)) return;
   const std::string numbers = fmt::format("{:.2g}, not {:.2g}", median, expected);
-  if (specified.isConstantInInverseDepth())
-    console.note(fmt::format(
-        "the images are noisier than their camera's specification: inverse_depth_std is about {}; set it in "
-        "camera.ini or by --noise.inverse_depth_std",
-        numbers));
-  else
-    console.note(fmt::format("the images are noisier than their camera's specification: at {:.0f} m, the "
-                             "noise of inverse depth is about {} 1/m; facetloc_segment --noise measures what "
-                             "to set in camera.ini",
-                             DepthNoise::kUsualDepth, numbers));
+  console.note(fmt::format(
+      "the images are noisier than their camera's specification: {} {}; fewer answers are sure",
+      specified.isConstantInInverseDepth()
+          ? std::string("inverse_depth_std is about")
+          : fmt::format("at {:.0f} m, the noise of inverse depth [1/m] is about", DepthNoise::kUsualDepth),
+      numbers));
 }
 
 void requireTolerance(double seconds) {

@@ -81,6 +81,9 @@ std::vector<std::string> whatToLookAt(const StateCounts& counts, const std::vect
         "be either.",
         map.parts.size()));
   hints.push_back("Is it the map of this place?");
+  hints.push_back("Is the camera turned about its optical axis against the map's, upright or upside down? "
+                  "camera.ini tells "
+                  "its mounting (mount_roll_deg), and --prior.rotation_std_deg 90 searches all attitudes.");
   if (fov.isKnown() && fov.ratio() <= kOtherOptics) hints.push_back(optics);
   if (depth.isKnown() && depth.ratio() <= kOtherScale) hints.push_back(scale);
   hints.push_back("Does the noise of camera.ini fit the camera, and does the map hold views of the same "

@@ -135,8 +135,9 @@ LiveSource::LiveSource(const LiveSourceOptions& options) : name_(options.device)
   }
   if (!preset) return;
   if (!camera_) camera_.emplace();  // without intrinsics, which frames tell
-  camera_->camera.noise = preset->noise;
-  camera_->camera.max_depth = preset->max_depth;
+  const Camera usual = preset->camera();
+  camera_->camera.noise = usual.noise;
+  camera_->camera.max_depth = usual.max_depth;
 }
 
 void LiveSource::openDevice(const LiveSourceOptions& options) {

@@ -159,11 +159,18 @@ void CheckApp::reportImages(const DepthSequence& sequence, const std::vector<Ima
   line(console, "depth",
        fmt::format("{} of the pixels are measured; 98 % of them from {} to {}, median {}", percent(measured),
                    metres(quantile(depth, 0.01)), metres(quantile(depth, 0.99)), metres(median)));
+  const CameraPreset* preset = sequence.camera() ? findCameraPreset(sequence.camera()->preset) : nullptr;
   if (!findings.in_doubt && (median < kLeastMedian || median > kMostMedian))
     findings.doubt(fmt::format("half of the depths are {} {}, as no room has it: is depth_scale right? "
                                "(--depth-scale tries another one)",
                                median < kLeastMedian ? "below" : "above", metres(median)),
                    false);
+  else if (preset && median < preset->min_depth)
+    findings.doubt(
+        fmt::format("half of the depths are below {}, nearer than a {} measures: is depth_scale right? "
+                    "(--depth-scale tries another one)",
+                    metres(median), preset->name),
+        false);
   else if (measured < kFewMeasured)
     findings.add(
         "most of the image is not measured: the scene is too far or too dark for the camera, or 0 is "
@@ -183,7 +190,7 @@ void CheckApp::reportCamera(const DepthSequence& sequence, const std::vector<Ima
   const Camera& camera = file->camera;
   std::string words = is_png ? fmt::format("{:.6g} PNG values per metre", file->depth_scale) : "";
   const auto add = [&words](const std::string& more) { words += (words.empty() ? "" : ", ") + more; };
-  if (!file->preset.empty()) add(std::string("noise of a ") + file->preset);
+  if (!file->preset.empty()) add(std::string("a ") + file->preset);
   if (std::isfinite(camera.max_depth)) add("measures up to " + metres(camera.max_depth));
   if (camera.mounting) add("mounted " + facetloc::inWords(*camera.mounting));
   if (!words.empty()) line(console, "", words);
@@ -207,8 +214,8 @@ void CheckApp::reportSurfaces(const DepthSequence& sequence, MapMaking& making, 
                      counted(check.images, "image"), check.faults.empty() ? "" : ", but see below"));
 }
 
-void CheckApp::reportNoise(std::vector<ImageReport>& images, const Camera& camera, const Console& console,
-                           Findings& findings) const {
+void CheckApp::reportNoise(std::vector<ImageReport>& images, const Console& console,
+                           const Findings& findings) const {
   if (findings.in_doubt) return line(console, "noise", "not known while the images are in doubt");
   std::vector<NoiseSample> samples;
   for (const ImageReport& image : images)
@@ -217,10 +224,6 @@ void CheckApp::reportNoise(std::vector<ImageReport>& images, const Camera& camer
   if (bins.empty()) return line(console, "noise", "not known: too few flat places");
   console.out << "noise\n";
   printNoise(console.out, bins);
-  constexpr double kMisfit = 0.3;  // as of a Kinect's, with which others work, too
-  if (misfit(camera.noise, bins) > kMisfit)
-    findings.add(
-        "the noise is not the one that the camera is said to have: take the lines above for camera.ini");
 }
 
 void CheckApp::reportFloor(std::vector<ImageReport>& images, const Camera& camera, const Trajectory& poses,
@@ -349,7 +352,7 @@ int CheckApp::execute(const CommandLine& command, const Console& console) {
   else
     reportPoses(sequence, making, console, findings);
   reportFloor(images, camera, poses, console, findings);
-  reportNoise(images, camera, console, findings);
+  reportNoise(images, console, findings);
   for (std::size_t i = 0; i < findings.notes.size(); ++i)
     console.out << (i == 0 ? "note\n" : "") << "- " << findings.notes[i] << "\n";
   if (findings.impossible) {

@@ -34,8 +34,7 @@ private:
                       Findings& findings) const;
   void reportPoses(const DepthSequence& sequence, MapMaking& making, const Console& console,
                    Findings& findings) const;
-  void reportNoise(std::vector<ImageReport>& images, const Camera& camera, const Console& console,
-                   Findings& findings) const;
+  void reportNoise(std::vector<ImageReport>& images, const Console& console, const Findings& findings) const;
   void reportFloor(std::vector<ImageReport>& images, const Camera& camera, const Trajectory& poses,
                    const Console& console, Findings& findings) const;
   Trajectory posesOf(const DepthSequence& sequence, const Console& console, Findings& findings) const;

@@ -4,21 +4,11 @@
 #include "base/text.h"
 #include "shared/text.h"
 
-#include <facetloc/features/camera_presets.h>
-
-#include <algorithm>
 #include <cmath>
 #include <fmt/core.h>
 
 namespace facetloc {
 namespace {
-
-const CameraPreset& nearestPreset(const std::vector<NoiseBin>& bins) {
-  const auto& presets = cameraPresets();
-  return *std::min_element(presets.begin(), presets.end(), [&](const CameraPreset& a, const CameraPreset& b) {
-    return misfit(a.noise, bins) < misfit(b.noise, bins);
-  });
-}
 
 /** "16 %", of a root mean square of logarithms. */
 std::string percent(double misfit) { return fmt::format("{:.0f} %", 100 * std::expm1(misfit)); }
@@ -36,13 +26,11 @@ void printNoise(std::ostream& out, const std::vector<NoiseBin>& bins) {
   out << table;
 
   const DepthNoise noise = fittedNoise(bins);
-  const CameraPreset& preset = nearestPreset(bins);
-  out << fmt::format("Correlated over {:.1f} px. For camera.ini:\n  inverse_depth_std = {:.3g}\n",
-                     correlationLength(bins), noise.inverse_depth_std);
-  if (noise.depth_std > 0) out << fmt::format("  depth_std = {:.3g}\n", noise.depth_std);
-  if (noise.depth_std_slope > 0) out << fmt::format("  depth_std_slope = {:.3g}\n", noise.depth_std_slope);
-  out << fmt::format("which is within {} of the table; the nearest preset, camera = {}, is within {}.\n",
-                     percent(misfit(noise, bins)), preset.name, percent(misfit(preset.noise, bins)));
+  std::string fit = fmt::format("inverse_depth_std = {:.3g}", noise.inverse_depth_std);
+  if (noise.depth_std > 0) fit += fmt::format(", depth_std = {:.3g}", noise.depth_std);
+  if (noise.depth_std_slope > 0) fit += fmt::format(", depth_std_slope = {:.3g}", noise.depth_std_slope);
+  out << fmt::format("Correlated over {:.1f} px. {} is within {} of the table.\n", correlationLength(bins),
+                     fit, percent(misfit(noise, bins)));
 }
 
 }  // namespace facetloc

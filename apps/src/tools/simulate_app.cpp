@@ -314,7 +314,7 @@ int SimulateApp::execute(const CommandLine& line, const Console& console) {
   const Place place = makePlace();
   const CameraPreset& preset = *findCameraPreset(preset_.empty() ? kUsualCamera : preset_);
   const Intrinsics intrinsics =
-      scaled(preset.intrinsics, line.given("width") ? width_ : preset.intrinsics.width);
+      scaled(preset.intrinsics(), line.given("width") ? width_ : preset.intrinsics().width);
   const SimulatedNoise usual =
       simulatedNoise(preset.name, shared_errors_ ? SharedErrors::as_measured : SharedErrors::left_out);
   const SimulatedCamera camera(intrinsics, noiseOf(usual, noise_, line), static_cast<std::uint64_t>(seed_));

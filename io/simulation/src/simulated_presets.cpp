@@ -8,12 +8,24 @@
 namespace facetloc {
 namespace {
 
+/** Noise of depth of the devices. \return default-constructed for Kinect and Xtion, which are twins */
+DepthNoise noiseOf(std::string_view name) {
+  DepthNoise noise;
+  if (name == "realsense_d435") noise.inverse_depth_std = 0.0030;
+  if (name == "azure_kinect")
+    noise.inverse_depth_std = 0.0001, noise.depth_std = noise.depth_std_slope = 0.0005;
+  if (name == "phone_lidar")
+    noise.inverse_depth_std = 0.0001, noise.depth_std = noise.depth_std_slope = 0.002;
+  return noise;
+}
+
 /** Neither a pattern nor steps of disparity: what all cameras but a Kinect have in common. */
 SimulatedNoise plain(const CameraPreset& preset) {
+  const DepthNoise of_depth = noiseOf(preset.name);
   SimulatedNoise noise;
-  noise.disparity_std = preset.noise.inverse_depth_std * kKinectGain;
-  noise.depth_std = preset.noise.depth_std;
-  noise.depth_std_slope = preset.noise.depth_std_slope;
+  noise.disparity_std = of_depth.inverse_depth_std * kKinectGain;
+  noise.depth_std = of_depth.depth_std;
+  noise.depth_std_slope = of_depth.depth_std_slope;
   noise.quantization = 0;
   noise.min_depth = 0.3;
   noise.max_depth = 8;

@@ -117,12 +117,12 @@ std::optional<RecordedCamera> knownCamera(const RecordingLayout& layout, const P
   return {};
 }
 
-/** As of a device with pixels that are larger or smaller. Nothing for an image of another shape. */
-std::optional<Intrinsics> scaledTo(const PngSize& size, const Intrinsics& k) {
-  const double scale = double(size.width) / k.width;
-  if (std::lround(scale * k.height) != size.height) return {};
-  const auto centre = [scale](double c) { return (c + 0.5) * scale - 0.5; };
-  return Intrinsics{size.width, size.height, scale * k.fx, scale * k.fy, centre(k.cx), centre(k.cy)};
+/** "640x480, 848x480". */
+std::string modesOf(const CameraPreset& preset) {
+  std::string words;
+  for (const Intrinsics& mode : preset.modes)
+    words += fmt::format("{}{}x{}", words.empty() ? "" : ", ", mode.width, mode.height);
+  return words;
 }
 
 RecordedCamera presetCamera(const CameraPreset& preset, const std::optional<RecordedCamera>& recorded,
@@ -138,13 +138,12 @@ RecordedCamera presetCamera(const CameraPreset& preset, const std::optional<Reco
   }
   // Clouds have their intrinsics in them, which a camera without any leaves as they are.
   if (!size) return {fileOf({}, kMillimetres, preset)};
-  const auto intrinsics = scaledTo(*size, preset.intrinsics);
+  const auto intrinsics = preset.intrinsicsOf(size->width, size->height);
   if (!intrinsics)
     throw IoError(layout.frames.front().path.string(),
-                  fmt::format("is of {} pixels, but the intrinsics of {} are known for {}x{} and images of "
-                              "the same shape only: write a camera.ini with the calibration",
-                              inWords(*size), preset.name, preset.intrinsics.width,
-                              preset.intrinsics.height));
+                  fmt::format("is of {} pixels, but the intrinsics of {} are known for {} and images of the "
+                              "same shape only: write a camera.ini with the calibration",
+                              inWords(*size), preset.name, modesOf(preset)));
   return {fileOf(*intrinsics, kMillimetres, preset),
           std::string("there is no calibration: the intrinsics are taken to be those of a typical ") +
               preset.name};
@@ -176,22 +175,30 @@ RecordedCamera withPreset(const std::string& name, const std::optional<RecordedC
 }
 
 std::string adviceOnCamera(const RecordingLayout& layout, const fs::path& asked) {
-  const CameraPreset& usual = cameraPresets().front();
-  const PngSize size =
-      sizeOfImages(layout).value_or(PngSize{usual.intrinsics.width, usual.intrinsics.height});
+  const Intrinsics& kinect = cameraPresets().front().intrinsics();
+  const PngSize size = sizeOfImages(layout).value_or(PngSize{kinect.width, kinect.height});
+  const CameraPreset& preset = cameraPresetFor(size.width, size.height);
+  const auto of_device = preset.intrinsicsOf(size.width, size.height);
+  Intrinsics k = of_device.value_or(kinect);
+  if (!of_device) {  // of no device: with a Kinect's field of view
+    const double f = kinect.fx * size.width / kinect.width;
+    k = {size.width, size.height, f, f, (size.width - 1) / 2.0, (size.height - 1) / 2.0};
+  }
   return fmt::format(
       "PNG images need to know their camera. "
-      "Write the file {file} with its calibration; of a typical Kinect, it would be\n"
+      "Write the file {file} with its calibration; of a typical {camera}{mode}, it would be\n"
       "  width={width}  height={height}\n"
-      "  fx={f}  fy={f}  cx={cx}  cy={cy}\n"
+      "  fx={fx}  fy={fy}  cx={cx}  cy={cy}\n"
       "  depth_scale=1000    # PNG values per metre; 5000 in TUM's recordings\n"
-      "  camera={camera}\n"
+      "{key}"
       "or name the camera, for the intrinsics of a typical device: --camera NAME, one of {names}",
-      fmt::arg("file", (asked / kCameraFile).lexically_normal().string()), fmt::arg("width", size.width),
-      fmt::arg("height", size.height),
-      fmt::arg("f", text::shortest(std::round(usual.intrinsics.fx * size.width / usual.intrinsics.width))),
-      fmt::arg("cx", text::shortest((size.width - 1) / 2.0)),
-      fmt::arg("cy", text::shortest((size.height - 1) / 2.0)), fmt::arg("camera", usual.name),
+      fmt::arg("file", (asked / kCameraFile).lexically_normal().string()), fmt::arg("camera", preset.name),
+      fmt::arg("mode", of_device ? "" : ", which has no images of this size"), fmt::arg("width", size.width),
+      fmt::arg("height", size.height), fmt::arg("fx", text::shortest(std::round(k.fx))),
+      fmt::arg("fy", text::shortest(std::round(k.fy))),
+      fmt::arg("cx", text::shortest(std::round(10 * k.cx) / 10)),
+      fmt::arg("cy", text::shortest(std::round(10 * k.cy) / 10)),
+      fmt::arg("key", of_device ? fmt::format("  camera={}\n", preset.name) : std::string()),
       fmt::arg("names", cameraPresetNames()));
 }
 

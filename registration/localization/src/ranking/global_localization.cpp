@@ -16,12 +16,22 @@ namespace facetloc {
 
 using namespace internal;
 
+namespace {
+
+constexpr double kRightAngle = EIGEN_PI / 2;
+
+}  // namespace
+
 struct GlobalLocalization::Impl {
   Impl(std::shared_ptr<const Map> the_map, const GlobalLocalizationParams& the_params);
 
-  Query queryOf(const View& view, bool on_floor) const;
+  PoseWithCovariance priorOf(const View& view, const CameraDifference& camera) const;
+  Query queryOf(const View& view, const CameraDifference& camera) const;
+  bool mayBeTurned(const Localization& answer) const;
   void registerWith(const Batch& batch, const Query& query, std::vector<Hypothesis>& hypotheses) const;
   Localization rank(const Query& query, std::vector<Hypothesis> hypotheses) const;
+  Localization localize(const Query& query, const CameraDifference& camera,
+                        const std::function<bool(int)>& excluded) const;
   bool isSure(const Localization& answer) const;
 
   std::shared_ptr<const Map> map;
@@ -45,8 +55,26 @@ GlobalLocalization::Impl::Impl(std::shared_ptr<const Map> the_map, const GlobalL
   if (params.steps.floor_information) of_floor = floorInformation(map->camera.mounting, params.prior);
 }
 
-Query GlobalLocalization::Impl::queryOf(const View& view, bool is_on_floor) const {
-  return is_on_floor ? Query(view, on_floor, of_floor) : Query(view, anywhere);
+// Of cameras that are mounted differently, about what both mountings say of each other.
+PoseWithCovariance GlobalLocalization::Impl::priorOf(const View& view, const CameraDifference& camera) const {
+  if (camera.sameMounting()) return on_floor;
+  PoseWithCovariance prior = anywhere;
+  if (camera.mounting == CameraDifference::Mounting::other)
+    prior.T = map->camera.mounting->T_b_c().inverse() * view.camera->mounting->T_b_c();
+  return prior;
+}
+
+Query GlobalLocalization::Impl::queryOf(const View& view, const CameraDifference& camera) const {
+  return camera.sameMounting() ? Query(view, on_floor, of_floor) : Query(view, priorOf(view, camera));
+}
+
+// Is an answer so poor that the view may be of a camera turned about its optical axis?
+bool GlobalLocalization::Impl::mayBeTurned(const Localization& answer) const {
+  constexpr double kPoor = 0.5;  // probability of its first place
+  const bool knows_no_better = answer.camera.mounting == CameraDifference::Mounting::unknown ||
+                               answer.camera.mounting == CameraDifference::Mounting::not_in_map;
+  return knows_no_better && answer.has_probabilities &&
+         (answer.hypotheses.empty() || answer.hypotheses.front().probability < kPoor);
 }
 
 // Each model's list is written by its index, so that the answer does not depend on the number of threads.
@@ -100,23 +128,38 @@ void GlobalLocalization::setNumberOfThreads(int n) { impl_->threads = n; }
 
 Localization GlobalLocalization::localize(const View& view) const {
   Localization answer = localize(view, std::function<bool(int)>());
-  impl_->ranking.stateAsShown(view, prior(view), answer.hypotheses);
+  PoseWithCovariance about = prior(view);
+  if (impl_->mayBeTurned(answer))
+    for (int quarter = 1; quarter < 4; ++quarter) {
+      const PoseWithCovariance turned{
+          Eigen::Isometry3d(Eigen::AngleAxisd(quarter * kRightAngle, Eigen::Vector3d::UnitZ())),
+          impl_->anywhere.P};
+      Localization otherwise = impl_->localize(Query(view, turned), answer.camera, {});
+      const bool is_better =
+          impl_->isSure(otherwise) &&
+          (answer.hypotheses.empty() || otherwise.hypotheses.front().score > answer.hypotheses.front().score);
+      if (is_better) answer = std::move(otherwise), about = turned;
+    }
+  impl_->ranking.stateAsShown(view, about, answer.hypotheses);
+  return answer;
+}
+
+Localization GlobalLocalization::Impl::localize(const Query& query, const CameraDifference& camera,
+                                                const std::function<bool(int)>& excluded) const {
+  Localization answer;
+  std::vector<Hypothesis> found;
+  for (const Batch& batch : shortlist.batches(query, camera.sameMounting(), threads, excluded)) {
+    registerWith(batch, query, found);
+    answer = rank(query, found);
+    if (isSure(answer)) break;
+  }
+  answer.camera = camera;
   return answer;
 }
 
 Localization GlobalLocalization::localize(const View& view, const std::function<bool(int)>& excluded) const {
   const CameraDifference camera = differenceFrom(impl_->map->camera, view);
-  const Query query = impl_->queryOf(view, camera.sameMounting());
-  Localization answer;
-  std::vector<Hypothesis> found;
-  for (const Batch& batch :
-       impl_->shortlist.batches(query, camera.sameMounting(), impl_->threads, excluded)) {
-    impl_->registerWith(batch, query, found);
-    answer = impl_->rank(query, found);
-    if (impl_->isSure(answer)) break;
-  }
-  answer.camera = camera;
-  return answer;
+  return impl_->localize(impl_->queryOf(view, camera), camera, excluded);
 }
 
 Localization GlobalLocalization::localize(const View& view, const PoseWithCovariance& prior) const {
@@ -137,7 +180,7 @@ Localization GlobalLocalization::localize(const View& view, const PoseWithCovari
 }
 
 PoseWithCovariance GlobalLocalization::prior(const View& view) const {
-  return differenceFrom(impl_->map->camera, view).sameMounting() ? impl_->on_floor : impl_->anywhere;
+  return impl_->priorOf(view, differenceFrom(impl_->map->camera, view));
 }
 
 }  // namespace facetloc

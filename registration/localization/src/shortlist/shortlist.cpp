@@ -8,6 +8,16 @@
 #include <numeric>
 
 namespace facetloc::internal {
+namespace {
+
+/** The segments of a view as its camera would see them at the mean of the prior. */
+View turnedBack(const Query& query) {
+  View view;
+  for (const Segment& s : query.view.segments) view.segments.push_back(transformed(s, query.prior.T));
+  return view;
+}
+
+}  // namespace
 
 Shortlist::Shortlist(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params)
     : map_(std::move(map)), params_(params), registration_(params), start_(params.prior) {
@@ -110,7 +120,9 @@ std::vector<Batch> Shortlist::overlaid(const Query& query, int threads,
                                        const std::function<bool(int)>& excluded) const {
   Batch all = allModels(query, excluded);
   const bool can_be_sure = registration_.score().inNats() && params_.steps.joint_refinement;
-  const PlaneOverlay scene(query.view, query.prior);
+  // Overlays are near the identity: of a camera that is turned against the map's, as if it were not.
+  const bool is_turned = !query.prior.T.isApprox(Eigen::Isometry3d::Identity());
+  const PlaneOverlay scene(is_turned ? turnedBack(query) : query.view, query.prior);
   if (!planes_ || !can_be_sure || !scene.isUseful()) return {all};
   const std::vector<PlaneColumns>& of_models = planes();
 
@@ -127,13 +139,17 @@ std::vector<Batch> Shortlist::overlaid(const Query& query, int threads,
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return overlays[a].score > overlays[b].score; });
 
+  const auto startOf = [&](const Overlay& overlay) {
+    const Eigen::Isometry3d T(overlay.T_m_c.matrix().cast<double>());
+    return is_turned ? T * query.prior.T : T;
+  };
   const auto batchOf = [&](int first, int last, bool about_overlays) {
     Batch batch;
     for (int r = first; r < std::min(n, last); ++r) {
       const Overlay& overlay = overlays[order[r]];
       batch.push_back(all[order[r]]);
       if (about_overlays && overlay.exists() && p.start_translation > 0)
-        batch.back().T_m_c = startAt(Eigen::Isometry3d(overlay.T_m_c.matrix().cast<double>()), std::nullopt);
+        batch.back().T_m_c = startAt(startOf(overlay), std::nullopt);
     }
     std::sort(batch.begin(), batch.end(), [](const Start& a, const Start& b) { return a.model < b.model; });
     return batch;
