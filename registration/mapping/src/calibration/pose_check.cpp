@@ -306,7 +306,8 @@ PoseCheck internal::checkPoses(const std::vector<SeenMotion>& motions, const Pos
   if (explained) {
     check.cause = inWords(best);
     check.wrong_convention = best.w_first || best.inverse || best.axes != Axes::optical ||
-                             !best.storing.isUsual() || best.scale != 1;
+                             !best.storing.isUsual() ||
+                             std::max(best.scale, 1 / best.scale) > 1 + kSenselessRatio;
   }
   if (check.cause.empty()) {
     check.cause = of_lengths;
