@@ -77,6 +77,38 @@ TEST_F(RecordingTools, CheckDoubtsAScaleThatNoRoomHas) {
   EXPECT_THAT(check(map_run(), {"--depth-scale", "200000"}).out, HasSubstr("depth_scale"));
 }
 
+TEST_F(RecordingTools, CheckDerivesNothingFromImagesInDoubt) {
+  const std::string input = copyOf(map_run());
+  for (const fs::path& path : filesOf(input + "/depth")) {
+    Raster<std::uint16_t> image = readGreyPng(path, 16);
+    for (std::uint16_t& value : image.data)
+      value = static_cast<std::uint16_t>((value >> 8) | ((value & 0xff) << 8));
+    writePng(path, image);
+  }
+  const ToolRun run = check(input);
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.out,
+              AllOf(HasSubstr("bytes of the PNG values are swapped"),
+                    HasSubstr("not known while the images are in doubt"), Not(HasSubstr("mount_height="))));
+  const ToolRun build = runMap({"build", input, "-o", folder_ / "swapped.flmap"});
+  EXPECT_EQ(build.code, kFailed);
+  EXPECT_THAT(build.err, AllOf(HasSubstr("cannot be right as it is read"), HasSubstr("--force")));
+  EXPECT_FALSE(fs::exists(folder_ / "swapped.flmap"));
+}
+
+TEST_F(RecordingTools, CheckAndBuildNameAScaleByThePoses) {
+  const std::string input = copyOf(map_run());
+  CameraFile file = readCameraFile(input + "/camera.ini");
+  file.depth_scale *= 0.8;
+  file.camera.mounting.reset();
+  writeCameraFile(input + "/camera.ini", file);
+  const ToolRun run = check(input);
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.out, AllOf(HasSubstr("depth_scale"), Not(HasSubstr("mount_height="))));
+  EXPECT_EQ(runMap({"build", input, "-o", folder_ / "scaled.flmap"}).code, kFailed);
+  EXPECT_EQ(runMap({"build", input, "-o", folder_ / "scaled.flmap", "--force"}).code, kOk);
+}
+
 TEST_F(RecordingTools, CheckDoubtsPosesThatAreNotTheImages) {
   const std::string input = copyOf(map_run());
   std::vector<StampedPose> poses = readTumTrajectory(input + "/groundtruth.txt").poses();

@@ -272,6 +272,17 @@ TEST_F(Recordings, SmallerImagesHaveATypicalDevicesFieldOfView) {
   }
 }
 
+TEST_F(Recordings, ACameraThatIsNamedHasItsModes) {
+  Raster<std::uint16_t> raster{480, 848, 1, std::vector<std::uint16_t>(480 * 848, 1000)};
+  writePng(folder_ / "1.png", raster);
+  EXPECT_THAT(ioErrorOf([&] { open(); }), AllOf(HasSubstr("camera=realsense_d435"), HasSubstr("fx=425")));
+  RecordingHints hints;
+  hints.camera = "realsense_d435";
+  const Intrinsics k = open(hints).camera()->camera.intrinsics;
+  EXPECT_EQ(k, *findCameraPreset("realsense_d435")->intrinsicsOf(480, 848));
+  EXPECT_EQ(k.fx, 425);
+}
+
 TEST_F(Recordings, WhatTheUserSaysCountsMoreThanTheFiles) {
   putDepth("depth/1.5.png", 1, 5000);
   put("camera.ini", "width=640 height=480 fx=500 fy=501 cx=319.5 cy=239.5 depth_scale=1000 mount_height=1 "

@@ -88,6 +88,37 @@ TEST_F(LocalizationInARoom, ViewsInAFileGiveTheAnswersOfThoseInMemory) {
   }
 }
 
+/** A camera that is turned about its optical axis by quarter turns. */
+Eigen::Isometry3d rolled(const Eigen::Isometry3d& T_w_c, int quarters) {
+  return T_w_c * Eigen::AngleAxisd(quarters * EIGEN_PI / 2, Eigen::Vector3d::UnitZ());
+}
+
+TEST_F(LocalizationInARoom, ATurnedCameraIsFound) {
+  const GlobalLocalization localization(map);
+  for (int quarters = 1; quarters < 4; ++quarters)
+    for (const double side : {-1.0, 1.0}) {
+      const Eigen::Isometry3d T_w_c = rolled(lookingAlong({3.1, 2.4, 1.3}, {1, side, -0.2}), quarters);
+      const Localization answer = localization.localize(viewFrom(test::largeRoom(), T_w_c, 7));
+      ASSERT_EQ(answer.state(), AnswerState::sure) << quarters;
+      EXPECT_THAT(*answer.hypotheses[0].T_w_c, PoseNear(T_w_c, 0.05, 1)) << quarters;
+    }
+}
+
+TEST_F(LocalizationInARoom, TwoMountingsSayHowTheCameraIsTurned) {
+  auto on_robot = std::make_shared<Map>(*map);
+  on_robot->camera.mounting = CameraMounting{1.2, 10};
+  CameraMounting upside_down = *on_robot->camera.mounting;
+  upside_down.roll_deg = 180;
+  const GlobalLocalization localization(on_robot);
+  const Eigen::Isometry3d T_w_c = rolled(lookingAlong({3.1, 2.4, 1.2}, {1, 0.2, -std::tan(10 * kDegree)}), 2);
+  const View view = mounted(viewFrom(test::largeRoom(), T_w_c, 8), upside_down);
+  EXPECT_GT(rotationAngle(localization.prior(view).T.linear()), 170 * kDegree);
+  const Localization answer = localization.localize(view);
+  EXPECT_EQ(answer.camera.mounting, CameraDifference::Mounting::other);
+  ASSERT_EQ(answer.state(), AnswerState::sure);
+  EXPECT_THAT(*answer.hypotheses[0].T_w_c, PoseNear(T_w_c, 0.05, 1));
+}
+
 TEST_F(LocalizationInARoom, ModelsThatAreExcludedFindNothing) {
   const GlobalLocalization localization(map);
   const Localization answer = localization.localize(*map->view(3), [](int model) { return model % 2 == 1; });

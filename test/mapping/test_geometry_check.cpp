@@ -117,6 +117,12 @@ TEST(GeometryCheck, NamesOtherIntrinsicsByRightAngles) {
   }
 }
 
+TEST(GeometryCheck, DoubtsPixelsThatAreNotSquare) {
+  const GeometryCheck check = checkGeometry(withIntrinsics([](Intrinsics& k) { k.fx *= 1.15; }), {});
+  ASSERT_FALSE(check.faults.empty());
+  EXPECT_THAT(check.faults.back().words, HasSubstr("factor of 1.15"));
+}
+
 TEST(GeometryCheck, NothingIsMadeOfImagesThatCannotBeRight) {
   const auto makingOf = [](bool any_reading) {
     MapMakingParams params;

@@ -126,6 +126,18 @@ void checkAngles(const FlatSurfaces& flat, const Intrinsics& worked_on, const Ca
        most > kMuch && a.share_by_best > kSureShare && a.share_by_best > kMuchMoreShare * a.share_as_given});
 }
 
+void checkPixels(const Intrinsics& k, GeometryCheck& check) {
+  constexpr double kMostOblong =
+      1.08;  // depth cameras have square pixels; calibrations err by a few per cent
+  if (std::max(k.fx / k.fy, k.fy / k.fx) < kMostOblong) return;
+  check.faults.push_back(
+      {fmt::format(
+           "fx and fy differ by a factor of {:.2f}, though the pixels of depth cameras are square: look at "
+           "fx and fy of camera.ini",
+           std::max(k.fx / k.fy, k.fy / k.fx)),
+       false});
+}
+
 }  // namespace
 
 const ReadingFault* GeometryCheck::impossible() const {
@@ -143,6 +155,7 @@ GeometryCheck checkGeometry(const std::vector<DepthImage>& images, const Camera&
   const Intrinsics& worked_on = images.front().camera;
   checkLens(flat, worked_on, check);
   checkAngles(flat, worked_on, camera, check);
+  checkPixels(worked_on, check);
   return check;
 }
 

@@ -20,6 +20,7 @@ constexpr std::size_t kEnough = 5;                      // motions
 constexpr std::size_t kEnoughToRefuse = 10;             // fewer come from places that images confuse
 constexpr double kDegrees = 1, kMetres = 0.02;          // what counts as much in a disagreement
 constexpr double kFineDegrees = 1, kFineMetres = 0.02;  // poses as good as that have no fault worth a word
+constexpr double kFarDegrees = 3, kFarMetres = 0.04;    // beyond those of usable public recordings
 constexpr double kSenselessDegrees = 5, kSenselessMetres = 0.2;
 constexpr double kBetter = 0.5;  // share of the disagreement that is left without a fault
 
@@ -309,6 +310,11 @@ PoseCheck internal::checkPoses(const std::vector<SeenMotion>& motions, const Pos
                              !best.storing.isUsual() ||
                              std::max(best.scale, 1 / best.scale) > 1 + kSenselessRatio;
   }
+  if (check.cause.empty() && of_lengths.empty() && check.as_given.motions >= kEnoughToRefuse &&
+      (check.as_given.rotation_deg > kFarDegrees || check.as_given.translation > kFarMetres))
+    check.cause = "no scale and no convention explains it: look at fx, fy, cx and cy of camera.ini, and at "
+                  "how accurate the "
+                  "poses are";
   if (check.cause.empty()) {
     check.cause = of_lengths;
     check.wrong_convention =
