@@ -56,10 +56,11 @@ std::string inWords(const Intrinsics& k) {
                      k.width, k.height, k.fx, k.fy, k.cx, k.cy, angle(k.width, k.fx), angle(k.height, k.fy));
 }
 
-/** Has the camera moved, and turned about the vertical only, at one height? Then it is on wheels. */
+/** Has the camera moved, and turned about the vertical only, at one height? Floors are uneven. */
 bool hasDrivenOnFloor(const Trajectory& poses, const SeenFloor& floor) {
   constexpr double kLeastWay = 2, kMostHeight = 0.05;  // [m]
-  constexpr double kMostLean = 3 * kDegree;
+  constexpr double kMostSlope = 0.01;                  // of the floor, as well as its direction is known
+  constexpr double kMostLean = 6 * kDegree, kMostly = 0.9;
   if (poses.empty()) return false;
   const double tilt = floor.tilt_deg * kDegree, roll = floor.roll_deg * kDegree;
   const Eigen::Vector3d down(std::cos(tilt) * std::sin(roll), std::cos(tilt) * std::cos(roll),
@@ -70,10 +71,12 @@ bool hasDrivenOnFloor(const Trajectory& poses, const SeenFloor& floor) {
     mean += pose.T_w_c.linear() * down, way.extend(pose.T_w_c.translation());
   mean.normalize();
   if (way.diagonal().norm() < kLeastWay) return false;
-  return std::all_of(poses.poses().begin(), poses.poses().end(), [&](const StampedPose& pose) {
+  const auto level = std::count_if(poses.poses().begin(), poses.poses().end(), [&](const StampedPose& pose) {
+    const Eigen::Vector3d from_middle = pose.T_w_c.translation() - way.center();
     return (pose.T_w_c.linear() * down).cross(mean).norm() < std::sin(kMostLean) &&
-           std::abs(mean.dot(pose.T_w_c.translation() - way.center())) < kMostHeight;
+           std::abs(mean.dot(from_middle)) < kMostHeight + kMostSlope * from_middle.norm();
   });
+  return static_cast<double>(level) > kMostly * static_cast<double>(poses.poses().size());
 }
 
 }  // namespace

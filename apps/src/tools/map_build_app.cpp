@@ -119,9 +119,7 @@ void MapBuildApp::addOptions(CommandLine& line) {
   line.addSwitch("resume", resume_, "Go on with a map that is there already.");
   line.addSwitch("raw-depth", raw_depth_,
                  "Leave in what the camera always measures wrongly at the same place of its image.");
-  line.addSwitch("force", force_,
-                 "Build the map even if poses and images disagree, or the images cannot be right as they are "
-                 "read.");
+  line.addSwitch("force", force_, "Build the map even if images or poses cannot be right.");
   line.addPresets();
   addRecordingOptions(line, input_.recording);
   input_.addOptions(line);

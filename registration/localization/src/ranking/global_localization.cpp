@@ -19,6 +19,7 @@ using namespace internal;
 namespace {
 
 constexpr double kRightAngle = EIGEN_PI / 2;
+constexpr double kMuchBetter = 10;  // score of a turned camera than of one that is not [nats]: few are turned
 
 }  // namespace
 
@@ -68,13 +69,11 @@ Query GlobalLocalization::Impl::queryOf(const View& view, const CameraDifference
   return camera.sameMounting() ? Query(view, on_floor, of_floor) : Query(view, priorOf(view, camera));
 }
 
-// Is an answer so poor that the view may be of a camera turned about its optical axis?
+// May the view be of a camera turned about its optical axis?
 bool GlobalLocalization::Impl::mayBeTurned(const Localization& answer) const {
-  constexpr double kPoor = 0.5;  // probability of its first place
   const bool knows_no_better = answer.camera.mounting == CameraDifference::Mounting::unknown ||
                                answer.camera.mounting == CameraDifference::Mounting::not_in_map;
-  return knows_no_better && answer.has_probabilities &&
-         (answer.hypotheses.empty() || answer.hypotheses.front().probability < kPoor);
+  return knows_no_better && answer.has_probabilities && answer.state() != AnswerState::sure;
 }
 
 // Each model's list is written by its index, so that the answer does not depend on the number of threads.
@@ -135,9 +134,9 @@ Localization GlobalLocalization::localize(const View& view) const {
           Eigen::Isometry3d(Eigen::AngleAxisd(quarter * kRightAngle, Eigen::Vector3d::UnitZ())),
           impl_->anywhere.P};
       Localization otherwise = impl_->localize(Query(view, turned), answer.camera, {});
-      const bool is_better =
-          impl_->isSure(otherwise) &&
-          (answer.hypotheses.empty() || otherwise.hypotheses.front().score > answer.hypotheses.front().score);
+      const bool is_better = otherwise.state() == AnswerState::sure &&
+                             (answer.hypotheses.empty() || otherwise.hypotheses.front().score >
+                                                               answer.hypotheses.front().score + kMuchBetter);
       if (is_better) answer = std::move(otherwise), about = turned;
     }
   impl_->ranking.stateAsShown(view, about, answer.hypotheses);
