@@ -71,9 +71,11 @@ Query GlobalLocalization::Impl::queryOf(const View& view, const CameraDifference
 
 // May the view be of a camera turned about its optical axis?
 bool GlobalLocalization::Impl::mayBeTurned(const Localization& answer) const {
+  constexpr double kPoor = 0.5;  // probability of the first place
   const bool knows_no_better = answer.camera.mounting == CameraDifference::Mounting::unknown ||
                                answer.camera.mounting == CameraDifference::Mounting::not_in_map;
-  return knows_no_better && answer.has_probabilities && answer.state() != AnswerState::sure;
+  return knows_no_better && answer.has_probabilities &&
+         (answer.hypotheses.empty() || answer.hypotheses.front().probability < kPoor);
 }
 
 // Each model's list is written by its index, so that the answer does not depend on the number of threads.

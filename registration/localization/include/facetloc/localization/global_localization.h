@@ -25,7 +25,7 @@ namespace facetloc {
  * models are asked. An index for the shortlist comes with the file of a large map or is made with the object.
  *
  * Of two mountings that differ, the prior is about what they say of each other, such as half a turn of a
- * camera that hangs upside down. Where one of them is unknown and no place is sure, the view is
+ * camera that hangs upside down. Where one of them is unknown and the best place is improbable, the view is
  * looked for as of a camera turned by 90, 180 and 270 deg about its optical axis, too, and a place that is
  * sure so is the answer.
  *
