@@ -4,7 +4,7 @@
 set -euo pipefail
 
 packages=(g++ cmake ninja-build ccache
-          libpcl-dev libboost-program-options-dev libsqlite3-dev libpng-dev libdeflate-dev liblz4-dev libfmt-dev libceres-dev libopenmpi-dev openmpi-bin
+          libpcl-dev libboost-program-options-dev libsqlite3-dev libpng-dev libtiff-dev libdeflate-dev liblz4-dev libfmt-dev libceres-dev libopenmpi-dev openmpi-bin
           libgtest-dev libgmock-dev libbenchmark-dev
           xvfb xauth)
 packages+=("$@")  # more packages by name, such as clang-format

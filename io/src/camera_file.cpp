@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <limits>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -20,6 +21,7 @@ namespace {
 constexpr double kPositive = std::numeric_limits<double>::min();
 constexpr double kLargestSide = 65535;  // [px]
 constexpr double kLargest = 1e6;        // of focal lengths and centres [px], generously
+constexpr double kLargestLens = 1e4;    // of coefficients of a lens, generously
 
 struct Key {
   std::string_view name;
@@ -50,8 +52,17 @@ constexpr Key kKeys[] = {
      false},
     {"depth_std", 0, DepthNoise::kLargestDepthStd, false, false},
     {"depth_std_slope", 0, DepthNoise::kLargestDepthStdSlope, false, false},
+    {"k1", -kLargestLens, kLargestLens, false, false},
+    {"k2", -kLargestLens, kLargestLens, false, false},
+    {"k3", -kLargestLens, kLargestLens, false, false},
+    {"k4", -kLargestLens, kLargestLens, false, false},
+    {"k5", -kLargestLens, kLargestLens, false, false},
+    {"k6", -kLargestLens, kLargestLens, false, false},
+    {"p1", -kLargestLens, kLargestLens, false, false},
+    {"p2", -kLargestLens, kLargestLens, false, false},
 };
-constexpr std::string_view kPreset = "camera";  // the key whose value is a word
+constexpr std::string_view kPreset = "camera", kDepthIs = "depth_is";  // the keys whose values are words
+constexpr std::string_view kZ = "z", kDistance = "distance";
 
 /** The keys of a mounting that need not be given with it, and what they set. */
 struct MountingKey {
@@ -74,6 +85,16 @@ constexpr NoiseKey kNoiseKeys[] = {{"inverse_depth_std", &SensorNoise::inverse_d
                                    {"distortion_offset", &SensorNoise::distortion_offset},
                                    {"distortion_slope", &SensorNoise::distortion_slope}};
 
+/** The keys of a lens, and what they set. */
+struct LensKey {
+  const char* name;
+  double LensDistortion::*value;
+};
+constexpr LensKey kLensKeys[] = {{"k1", &LensDistortion::k1}, {"k2", &LensDistortion::k2},
+                                 {"k3", &LensDistortion::k3}, {"k4", &LensDistortion::k4},
+                                 {"k5", &LensDistortion::k5}, {"k6", &LensDistortion::k6},
+                                 {"p1", &LensDistortion::p1}, {"p2", &LensDistortion::p2}};
+
 using Values = std::map<std::string_view, double>;
 
 const Key* findKey(std::string_view name) {
@@ -83,7 +104,7 @@ const Key* findKey(std::string_view name) {
 }
 
 std::string knownKeys() {
-  std::string names(kPreset);
+  std::string names = std::string(kPreset) + ", " + std::string(kDepthIs);
   for (const Key& key : kKeys) names.append(", ").append(key.name);
   return names;
 }
@@ -109,6 +130,7 @@ public:
   }
   /** Null if the file names none. */
   const CameraPreset* preset() const { return preset_; }
+  DepthKind depthKind() const { return depth_kind_.value_or(DepthKind::z); }
 
 private:
   [[noreturn]] void fail(const std::string& cause) const {
@@ -126,6 +148,7 @@ private:
 
   void store(std::string_view name, std::string_view word) {
     if (name == kPreset) return choose(word);
+    if (name == kDepthIs) return chooseKind(word);
     const Key* key = findKey(name);
     if (!key) fail(fmt::format("unknown key '{}' (known: {})", name, knownKeys()));
     const auto value = text::to<double>(word);
@@ -143,6 +166,15 @@ private:
       fail(fmt::format("unknown camera '{}' (known: {}); for another one leave the key out and set "
                        "inverse_depth_std, depth_std and depth_std_slope",
                        name, cameraPresetNames()));
+  }
+
+  void chooseKind(std::string_view word) {
+    if (depth_kind_) fail(fmt::format("{} is given twice", kDepthIs));
+    if (word != kZ && word != kDistance)
+      fail(fmt::format("{} = {} is impossible: it is {}, the distance from the camera's plane, or {}, the "
+                       "distance along the ray",
+                       kDepthIs, word, kZ, kDistance));
+    depth_kind_ = word == kZ ? DepthKind::z : DepthKind::distance;
   }
 
   /** What a number that may be left out can be. */
@@ -170,6 +202,7 @@ private:
   int line_ = 0;
   Values values_;
   const CameraPreset* preset_ = nullptr;
+  std::optional<DepthKind> depth_kind_;
 };
 
 /** As the preset says, or if there is none, as it is by default. */
@@ -199,6 +232,9 @@ CameraFile readCameraFile(const std::filesystem::path& path) {
   for (const auto& [name, value] : kNoiseKeys)
     if (v.count(name)) camera.noise.*value = v.at(name);
   if (v.count("max_depth")) camera.max_depth = v.at("max_depth");
+  for (const auto& [name, value] : kLensKeys)
+    if (v.count(name)) file.lens.*value = v.at(name);
+  file.depth_is = parser.depthKind();
   return file;
 }
 
@@ -218,6 +254,9 @@ void writeCameraFile(const std::filesystem::path& path, const CameraFile& file) 
     };
     line("fx", k.fx), line("fy", file.y_axis_up ? -k.fy : k.fy), line("cx", k.cx), line("cy", k.cy);
     line("depth_scale", file.depth_scale);
+    for (const auto& [name, value] : kLensKeys)
+      if (file.lens.*value != 0) line(name, file.lens.*value);
+    if (file.depth_is == DepthKind::distance) out << kDepthIs << "=" << kDistance << "\n";
     if (camera.mounting) {
       line("mount_height", camera.mounting->height);
       line("mount_tilt_deg", camera.mounting->tilt_deg);

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_axes.h"
+#include "depth_file.h"
 #include "files.h"
 #include "pcd_points.h"
+#include "recordings/bag.h"
 #include "recordings/image_container.h"
 #include "recordings/image_list.h"
 #include "recordings/recorded_poses.h"
 #include "recordings/sequence_reader.h"
 
-#include <facetloc/features/organized_cloud.h>
+#include <facetloc/features/hole_grid.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/png.h>
@@ -36,6 +39,8 @@ void requireSize(const fs::path& path, int width, int height, const Intrinsics& 
                             width, height, camera.width, camera.height));
 }
 
+DepthImage depthOf(const fs::path& path, const CameraFile& file);
+
 }  // namespace
 
 DepthSequence DepthSequence::open(const fs::path& path, const RecordingHints& hints) {
@@ -47,12 +52,20 @@ Trajectory DepthSequence::readTruth(const fs::path& path, double time_offset) {
   hints.time_offset = time_offset;
   if (fs::is_directory(path) || internal::isImage(path) || internal::isContainer(path))
     return internal::SequenceReader(path, hints).readWithoutCamera().groundTruth();
-  return internal::delayed(readTumTrajectory(path), -time_offset);
+  return internal::delayed(readTrajectory(path), -time_offset);
+}
+
+Trajectory readTrajectory(const fs::path& path, std::string* remark) {
+  internal::ReadPoses read = internal::stampedPoses(internal::readPoseTable(path), path);
+  if (remark) *remark = std::move(read.remark);
+  return std::move(read.poses);
 }
 
 /** Poses are looked up at the times of the images. */
-Trajectory DepthSequence::asOfImages(const Trajectory& poses) const {
-  const Trajectory at_images = internal::delayed(poses, -time_offset_);
+Trajectory DepthSequence::asOfImages(const Trajectory& poses, const PoseReading& reading) const {
+  std::optional<Eigen::Isometry3d> T_b_c;
+  if (camera_ && camera_->camera.mounting) T_b_c = camera_->camera.mounting->T_b_c();
+  const Trajectory at_images = internal::delayed(internal::readAs(reading, poses, T_b_c), -time_offset_);
   return camera_ && camera_->y_axis_up ? internal::mirrored(at_images) : at_images;
 }
 
@@ -61,13 +74,27 @@ const Trajectory& DepthSequence::groundTruth() const {
   return ground_truth_;
 }
 
-Trajectory DepthSequence::readPoses(const fs::path& path) const {
-  return asOfImages(internal::readPosesOf(path));
+Trajectory DepthSequence::readAs(const fs::path& path, const PoseReading& reading,
+                                 std::string* remark) const {
+  if (remark) remark->clear();
+  if (internal::isBag(path)) return asOfImages(internal::readBagOdometry(path), reading);
+  internal::ReadPoses read = internal::matched(internal::readPoseTable(path), *times_, path);
+  if (remark) *remark = std::move(read.remark);
+  return asOfImages(read.poses, reading);
+}
+
+Trajectory DepthSequence::readPoses(const fs::path& path, std::string* remark) const {
+  return readAs(path, poses_are_, remark);
+}
+
+Trajectory DepthSequence::readOdometry(const fs::path& path, std::string* remark) const {
+  return readAs(path, {}, remark);
 }
 
 std::string DepthSequence::remark() const {
-  const std::string of_container = container_ ? container_->remark() : std::string();
-  return of_container.empty() ? camera_remark_ : of_container;
+  std::string all;
+  for (const std::string& words : remarks_) all += (all.empty() ? "" : "; ") + words;
+  return all;
 }
 
 /** Nothing while each image says its own. */
@@ -76,20 +103,23 @@ std::optional<Intrinsics> DepthSequence::knownIntrinsics() const {
   return camera_->camera.intrinsics;
 }
 
-DepthImage DepthSequence::load(std::size_t index, int working_width) const {
+internal::CloudImage DepthSequence::loadAsStored(std::size_t index) const {
   const fs::path& path = frames_.at(index).path;
   if (of_segments_)
     throw IoError(path.string(),
                   "holds segments, and no depth image: localize, register and render it instead");
-  DepthImage image;
-  if (container_) {
-    image = container_->read(index);
-    requireSize(path, image.camera.width, image.camera.height, camera_->camera.intrinsics);
-    image.camera = camera_->camera.intrinsics;
-  } else if (internal::isPng(path))
-    image = readDepthPng(path, *camera_);
-  else
-    image = readDepthPcd(path, knownIntrinsics());
+  if (!container_ && internal::isCloud(path)) return internal::imageOfPcd(path, knownIntrinsics());
+  if (!container_) return {depthOf(path, *camera_)};
+  DepthImage image = container_->read(index);
+  requireSize(path, image.camera.width, image.camera.height, camera_->camera.intrinsics);
+  image.camera = camera_->camera.intrinsics;
+  return {std::move(image)};
+}
+
+DepthImage DepthSequence::load(std::size_t index, int working_width) const {
+  DepthImage image = loadAsStored(index).image;
+  if (lens_ && !(internal::isCloud(frames_[index].path) && !container_)) image = (*lens_)(image);
+  fillHoleGrid(image);
   return workingImage(image, working_width);
 }
 
@@ -97,16 +127,25 @@ std::vector<Segment> DepthSequence::segments(std::size_t index) const {
   return readSegments(frames_.at(index).path);
 }
 
-DepthImage readDepthPng(const std::filesystem::path& path, const CameraFile& file) {
-  constexpr int kBits = 16;
-  const Raster<std::uint16_t> raster = readGreyPng(path, kBits);
+namespace {
+
+/** As it is stored. */
+DepthImage depthOf(const fs::path& path, const CameraFile& file) {
+  const DepthValues values = readDepthValues(path);
   const Intrinsics& intrinsics = file.camera.intrinsics;
-  requireSize(path, raster.width, raster.height, intrinsics);
-  DepthImage image{intrinsics, std::vector<float>(raster.data.size())};
-  std::transform(raster.data.begin(), raster.data.end(), image.depth.begin(), [&](std::uint16_t value) {
+  requireSize(path, values.width, values.height, intrinsics);
+  if (!values.metres.empty()) return {intrinsics, values.metres};
+  DepthImage image{intrinsics, std::vector<float>(values.numbers.size())};
+  std::transform(values.numbers.begin(), values.numbers.end(), image.depth.begin(), [&](std::uint16_t value) {
     return value == kNotMeasured ? 0 : static_cast<float>(value / file.depth_scale);
   });
   return image;
+}
+
+}  // namespace
+
+DepthImage readDepthPng(const std::filesystem::path& path, const CameraFile& file) {
+  return depthOf(path, file);
 }
 
 void writeDepthPng(const std::filesystem::path& path, const DepthImage& image, double depth_scale) {
@@ -153,35 +192,37 @@ private:
   std::size_t offset_ = 0;
 };
 
-pcl::PointCloud<pcl::PointXYZ> readOrganizedPoints(const fs::path& path) {
+internal::FileCloud readOrganizedPoints(const fs::path& path) {
   const PcdHeader header(path);
   if (header.height() < 2 || header.width() < 2)
     throw IoError(path.string(),
                   fmt::format("is not an organized cloud ({}x{})", header.width(), header.height()));
-  const pcl::PCLPointCloud2 raw = readPcd(path, header);
+  internal::FileCloud cloud;
+  const pcl::PCLPointCloud2 raw = readPcd(path, header, &cloud.viewpoint);
   const Coordinate x(raw, "x", path.string()), y(raw, "y", path.string()), z(raw, "z", path.string());
-  pcl::PointCloud<pcl::PointXYZ> cloud(header.width(), header.height());
-  for (std::size_t i = 0; i < cloud.size(); ++i) cloud[i] = pcl::PointXYZ(x.of(i), y.of(i), z.of(i));
-  cloud.is_dense = false;
+  cloud.points = pcl::PointCloud<pcl::PointXYZ>(header.width(), header.height());
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    cloud.points[i] = pcl::PointXYZ(x.of(i), y.of(i), z.of(i));
+  cloud.points.is_dense = false;
   return cloud;
 }
 
 }  // namespace
 
+internal::CloudImage internal::imageOfPcd(const fs::path& path, const std::optional<Intrinsics>& camera) {
+  const FileCloud cloud = readOrganizedPoints(path);
+  if (camera)
+    requireSize(path, static_cast<int>(cloud.points.width), static_cast<int>(cloud.points.height), *camera);
+  if (auto found = imageOf(cloud, camera)) return std::move(*found);
+  if (camera) throw IoError(path.string(), "its points are not where the camera of the camera.ini sees them");
+  throw IoError(
+      path.string(),
+      "has too few points to recover the intrinsics from, which a camera.ini would tell, or none of a "
+      "pinhole camera at the origin, whatever its axes are (x right, y down, z forward is expected)");
+}
+
 DepthImage readDepthPcd(const std::filesystem::path& path, const std::optional<Intrinsics>& camera) {
-  const auto cloud = readOrganizedPoints(path);
-  if (camera) {
-    requireSize(path, static_cast<int>(cloud.width), static_cast<int>(cloud.height), *camera);
-    if (!isImageOf(cloud, *camera, kCalibrationError * camera->width))
-      throw IoError(path.string(), "its points are not where the camera of the camera.ini sees them");
-    return depthImage(cloud, *camera);
-  }
-  const auto recovered = recoverIntrinsics(cloud);
-  if (!recovered)
-    throw IoError(path.string(),
-                  "has too few points to recover the intrinsics from, which a camera.ini would tell, or none "
-                  "of a pinhole camera at the origin");
-  return depthImage(cloud, *recovered);
+  return internal::imageOfPcd(path, camera).image;
 }
 
 }  // namespace facetloc

@@ -5,12 +5,14 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <fcntl.h>
 #include <filesystem>
 #include <fmt/format.h>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 /** \file
@@ -78,7 +80,35 @@ inline FilePtr open(const std::filesystem::path& path) {
   return file;
 }
 
-/** \brief A whole text file, without the byte order mark that some editors put in front. */
+/** \brief UTF-8 of UTF-16, as editors and shells of Windows write it: a code point that is half is replaced.
+ */
+inline std::string fromUtf16(std::string_view bytes, bool big_endian) {
+  constexpr std::uint32_t kReplacement = 0xFFFD;
+  std::string out;
+  const auto unit = [&](std::size_t i) {
+    const auto first = static_cast<std::uint8_t>(bytes[i]), second = static_cast<std::uint8_t>(bytes[i + 1]);
+    return static_cast<std::uint32_t>(big_endian ? first << 8 | second : second << 8 | first);
+  };
+  const auto isHigh = [](std::uint32_t u) { return u >= 0xD800 && u < 0xDC00; };
+  const auto isLow = [](std::uint32_t u) { return u >= 0xDC00 && u < 0xE000; };
+  for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
+    std::uint32_t code = unit(i);
+    if (isHigh(code) && i + 3 < bytes.size() && isLow(unit(i + 2))) {
+      code = 0x10000 + ((code - 0xD800) << 10) + (unit(i + 2) - 0xDC00);
+      i += 2;
+    } else if (isHigh(code) || isLow(code)) {
+      code = kReplacement;
+    }
+    const int more = code < 0x80 ? 0 : code < 0x800 ? 1 : code < 0x10000 ? 2 : 3;  // bytes behind the first
+    constexpr std::uint32_t kFirst[] = {0, 0xC0, 0xE0, 0xF0};
+    out += static_cast<char>(kFirst[more] | code >> 6 * more);
+    for (int k = more - 1; k >= 0; --k) out += static_cast<char>(0x80 | (code >> 6 * k & 0x3F));
+  }
+  return out;
+}
+
+/** \brief A whole text file as UTF-8, without the byte order mark that some editors put in front; UTF-16 is
+ * known by its mark. */
 inline std::string readText(const std::filesystem::path& path) {
   requireFile(path);
   const FilePtr file = open(path);
@@ -89,6 +119,8 @@ inline std::string readText(const std::filesystem::path& path) {
   if (std::ferror(file.get())) throw IoError(path.string(), "cannot be read: " + lastError());
   constexpr const char* kByteOrderMark = "\xEF\xBB\xBF";
   if (text.rfind(kByteOrderMark, 0) == 0) text.erase(0, 3);
+  const bool little = text.rfind("\xFF\xFE", 0) == 0, big = text.rfind("\xFE\xFF", 0) == 0;
+  if (little || big) return fromUtf16(std::string_view(text).substr(2), big);
   return text;
 }
 

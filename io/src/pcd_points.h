@@ -3,14 +3,17 @@
 
 #include "pcd_header.h"
 
+#include <Eigen/Geometry>
 #include <pcl/PCLPointCloud2.h>
 
 #include <filesystem>
 
 namespace facetloc {
 
-/** \brief The points of a PCD file with a sound header, as PCL reads them. Throws IoError. */
-pcl::PCLPointCloud2 readPcd(const std::filesystem::path& path, const PcdHeader& header);
+/** \brief The points of a PCD file with a sound header, as PCL reads them, whatever the locale of the program
+ * is. Throws IoError. \param viewpoint receives the pose of the sensor that the header says, if not null */
+pcl::PCLPointCloud2 readPcd(const std::filesystem::path& path, const PcdHeader& header,
+                            Eigen::Isometry3d* viewpoint = nullptr);
 
 /** \brief Writes points as a binary_compressed PCD, atomically. Throws IoError. */
 void writePcd(const std::filesystem::path& path, const pcl::PCLPointCloud2& points);

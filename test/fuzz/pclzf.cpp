@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto camera = folder.put("frame_20121214T142255.814212.xml", input.substr(0, zero));
   const auto image = folder.put("frame_20121214T142255.814212_depth.pclzf",
                                 zero < input.size() ? input.substr(zero + 1) : std::string_view());
-  if (!fuzz::accepts<IoError>([&] { requireSoundPclzf(folder.path()); })) return 0;
+  if (!fuzz::accepts<IoError>([&] { requireSoundPclzfFolder(folder.path()); })) return 0;
   pcl::io::LZFDepth16ImageReader reader;
   pcl::PointCloud<pcl::PointXYZ> cloud;
   fuzz::require(reader.readParameters(camera.string()), "PCL does not read a camera that was read");

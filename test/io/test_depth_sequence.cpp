@@ -119,11 +119,11 @@ TEST_F(Sequence, ATumFolderIsOrderedByItsStamps) {
   EXPECT_EQ(read.at(0, 0), 0.f);
 }
 
-TEST_F(Sequence, NamesThatAreNoNumbersAreOrderedLexicographically) {
-  for (const char* name : {"frame_2", "frame_10", "frame_1"}) putPng(std::string(name) + ".PNG");
+TEST_F(Sequence, NamesWithoutNumbersAreOrderedLexicographically) {
+  for (const char* name : {"hall", "stairs", "attic"}) putPng(std::string(name) + ".PNG");
   putCamera();
   const auto sequence = DepthSequence::open(folder_.path());
-  EXPECT_THAT(namesOf(sequence), ElementsAre("frame_1", "frame_10", "frame_2"));
+  EXPECT_THAT(namesOf(sequence), ElementsAre("attic", "hall", "stairs"));
   EXPECT_THAT(stampsOf(sequence), ElementsAre(0, 1, 2));
   EXPECT_FALSE(sequence.stamped());
 }
@@ -214,7 +214,7 @@ TEST_F(Sequence, ListsWithFaultsNameTheLine) {
   putBytes(folder_ / "list.lst", "1.png\ncamera.ini\n");
   EXPECT_THAT(openError("list.lst"), AllOf(HasSubstr("line 2"), HasSubstr("neither")));
   putBytes(folder_ / "list.lst", "");
-  EXPECT_THAT(openError("list.lst"), HasSubstr("no .png or .pcd"));
+  EXPECT_THAT(openError("list.lst"), HasSubstr("no depth images"));
 }
 
 TEST_F(Sequence, NamesMustBeUnique) {
@@ -225,7 +225,7 @@ TEST_F(Sequence, NamesMustBeUnique) {
 }
 
 TEST_F(Sequence, ThereMustBeSomethingToRead) {
-  EXPECT_THAT(openError(), HasSubstr("no .png or .pcd"));
+  EXPECT_THAT(openError(), HasSubstr("no depth images"));
   EXPECT_THAT(openError("none"), HasSubstr("does not exist"));
   putBytes(folder_ / "a.jpg", "x");
   EXPECT_THAT(openError("a.jpg"), HasSubstr("no sequence"));

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <fmt/core.h>
 #include <memory>
+#include <stdexcept>
 
 namespace facetloc {
 
@@ -41,7 +42,16 @@ void addRecordingOptions(CommandLine& line, RecordingHints& recording) {
                   cameraPresetNames()));
   line.addOption("depth-scale", recording.depth_scale, "N", "PNG values per metre; 0 = as camera.ini says.");
   addTimeOffset(line, recording.time_offset);
+  line.addOption(
+      "poses-are", recording.poses_are, "LIST",
+      "How the poses are written, with commas between: auto, wxyz (quaternions), inverse (world in "
+      "camera), base (robot axes), opengl (y up, z backward).");
   line.addCheck([&recording] {
+    try {
+      PoseReading::of(recording.poses_are);
+    } catch (const std::invalid_argument& e) {
+      throw UsageError(std::string("poses-are: ") + e.what());
+    }
     if (!(recording.depth_scale >= 0 && std::isfinite(recording.depth_scale)))
       throw UsageError("depth-scale must not be negative");
   });
@@ -63,7 +73,7 @@ Camera DepthInput::camera(const std::optional<CameraFile>& file, const CommandLi
 
 DepthSequence openSequence(const std::string& path, const RecordingHints& hints, const Console& console) {
   DepthSequence sequence = DepthSequence::open(path, hints);
-  if (const std::string remark = sequence.remark(); !remark.empty()) console.note(remark);
+  for (const std::string& remark : sequence.remarks()) console.note(remark);
   if (sequence.ofSegments())
     console.note(path +
                  " holds segments without depth: only planes are compared, and more of the sure answers "

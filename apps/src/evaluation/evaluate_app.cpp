@@ -207,7 +207,7 @@ std::vector<ReportPicture> EvaluateApp::drawPictures(const EvaluationReport& rep
 }
 
 int EvaluateApp::evaluateTrajectory(const Console& console) const {
-  const Trajectory estimate = readTumTrajectory(results_);
+  const Trajectory estimate = readTrajectory(results_);
   TrajectoryReport report{results_, truth_, {}};
   try {
     report.errors =

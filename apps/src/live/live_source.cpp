@@ -125,7 +125,7 @@ LiveSource::LiveSource(const LiveSourceOptions& options) : name_(options.device)
   const fs::path path = options.device;
   if (isPclzfFolder(path)) {
     const float rate = static_cast<float>(kUsualRate * (options.speed > 0 ? options.speed : 1));
-    requireSoundPclzf(path);
+    requireSoundPclzfFolder(path);
     auto images =
         std::make_unique<pcl::ImageGrabber<pcl::PointXYZ>>(path.string(), rate, options.repeat, true);
     if (!options.repeat) last_ = images->size();

@@ -11,6 +11,6 @@ bool isPclzfFolder(const std::filesystem::path& path);
 /** \brief Throws IoError, which names the file, unless PCL's grabber survives the folder: it trusts the names
  * of its files to tell a time, their headers to tell the truth, and the n-th .xml to be the camera of the
  * n-th depth image. */
-void requireSoundPclzf(const std::filesystem::path& folder);
+void requireSoundPclzfFolder(const std::filesystem::path& folder);
 
 }  // namespace facetloc

@@ -61,6 +61,7 @@ CameraFile ConvertApp::outputCamera(const DepthSequence& sequence) const {
     camera.depth_scale = kFineScale;
   }
   if (sequence.frames().front().path.extension() == ".pcd") camera.depth_scale = kFineScale;
+  camera.lens = {}, camera.depth_is = DepthKind::z;  // images that are read are a pinhole camera's
   if (scale_ > 0) camera.depth_scale = scale_;
   camera.y_axis_up = false;  // poses are written for a camera as all others
   return camera;
@@ -97,7 +98,7 @@ void ConvertApp::writePoses(const DepthSequence& sequence, const Console& consol
   if (!sequence.groundTruth().empty()) write("groundtruth.txt", sequence.groundTruth());
   if (fs::path(input_).extension() != ".bag") return;
   try {
-    write("odometry.txt", sequence.readPoses(input_));
+    write("odometry.txt", sequence.readOdometry(input_));
   } catch (const IoError& e) {
     console.note(e.what());
   }

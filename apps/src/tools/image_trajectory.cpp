@@ -58,7 +58,7 @@ PosesByTime ImageTrajectory::odometry(const DepthSequence& sequence, const Camer
   if (odometry_.empty()) return {};
   if (!sequence.stamped())
     throw IoError(odometry_, "the image names are no time stamps: an odometry cannot be matched with them");
-  std::vector<StampedPose> poses = sequence.readPoses(odometry_).poses();
+  std::vector<StampedPose> poses = sequence.readOdometry(odometry_).poses();
   if (poses.empty()) throw IoError(odometry_, "has no poses");
   if (camera.mounting)
     for (StampedPose& pose : poses) pose.T_w_c = pose.T_w_c * camera.mounting->T_b_c();

@@ -26,10 +26,11 @@ private:
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
   bool dealsOut() const override { return true; }
-  MapMaking makingOf(const DepthSequence& sequence, const Camera& camera);
+  MapMaking makingOf(const DepthSequence& sequence, const Camera& camera, const Console& console);
   int findTrajectory(const DepthSequence& sequence, MapMaking& making, const Console& console) const;
   void noteTrajectory(const CameraTrajectory& trajectory, const Console& console) const;
   void noteDistortion(const MapFindings& findings, const Console& console) const;
+  void requireMostPosed(const DepthSequence& sequence, const MapMaking& making) const;
   void noteWithoutPose(const DepthSequence& sequence, const MapMaking& making, const Console& console) const;
   void writeTrajectory(const DepthSequence& sequence, const MapMaking& making) const;
   void checkReading(const DepthSequence& sequence, MapMaking& making, const Console& console) const;

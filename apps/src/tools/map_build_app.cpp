@@ -106,7 +106,8 @@ MapBuildApp::MapBuildApp()
 void MapBuildApp::addOptions(CommandLine& line) {
   line.addArgument("SEQUENCE", sequence_);
   line.addOption("output,o", map_, "MAP.flmap", "The map to write.");
-  line.addOption("poses", poses_, "FILE", "Camera poses in the TUM format: stamp tx ty tz qx qy qz qw.");
+  line.addOption("poses", poses_, "FILE",
+                 "Camera poses: stamp tx ty tz qx qy qz qw, or rows of 7, 12 or 16 numbers, one per image.");
   line.addSwitch("without-poses", without_poses_,
                  "Find the trajectory from the images, even if the SEQUENCE has poses.");
   line.addOption("trajectory", trajectory_, "OUT.txt",
@@ -127,11 +128,13 @@ void MapBuildApp::addOptions(CommandLine& line) {
   by_images_.addOptions(line);
 }
 
-MapMaking MapBuildApp::makingOf(const DepthSequence& sequence, const Camera& camera) {
+MapMaking MapBuildApp::makingOf(const DepthSequence& sequence, const Camera& camera, const Console& console) {
+  std::string remark;
   if (!poses_.empty())
-    given_ = sequence.readPoses(poses_);
+    given_ = sequence.readPoses(poses_, &remark);
   else if (!without_poses_)
     given_ = sequence.groundTruth();
+  if (!remark.empty()) console.note(remark);
   MapMakingParams params;
   params.places = builder_;
   params.trajectory = by_images_.params();
@@ -262,6 +265,21 @@ void MapBuildApp::noteWithoutPose(const DepthSequence& sequence, const MapMaking
   if (without > 0)
     console.note(
         fmt::format("{} without a pose within {:.9g} s", counted(without, "image"), pose_tolerance_));
+}
+
+/** Poses that fit few images and cannot be checked may be those of other images, by a clock that is none. */
+void MapBuildApp::requireMostPosed(const DepthSequence& sequence, const MapMaking& making) const {
+  if (given_.empty() || force_ || !disagreement_.empty()) return;
+  const std::size_t all = sequence.frames().size();
+  std::size_t without = 0;
+  for (std::size_t i = 0; i < all; ++i) without += !making.pose(i);
+  if (2 * without <= all || without == all) return;
+  throw IoError(
+      poses_.empty() ? sequence_ : poses_,
+      fmt::format("{} of {} have no pose within {:.9g} s, and the others show too few motions to check their "
+                  "poses by: are the times of images and poses those of one clock (--time-offset)? Is "
+                  "--pose-tolerance too small? --force builds the map nevertheless",
+                  without, counted(all, "image"), pose_tolerance_));
 }
 
 /** Were the local models that are there already made of the same images, with the same poses? */
@@ -405,7 +423,7 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
     return modelWork(sequence, camera, order, workers);
   });
   if (batch.helped()) return kOk;
-  MapMaking making = makingOf(sequence, camera);
+  MapMaking making = makingOf(sequence, camera, console);
   MapWatch watch(console);
   making.setProgress(watch.callback());
   const OutputLock lock = OutputLock::ofFile(map_);
@@ -413,7 +431,10 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   if (!goes_on) checkReading(sequence, making, console);
   int code = findTrajectory(sequence, making, console);
   writeTrajectory(sequence, making);
-  if (!goes_on) disagreement_ = checkPoses(sequence, making, console);
+  if (!goes_on) {
+    disagreement_ = checkPoses(sequence, making, console);
+    requireMostPosed(sequence, making);
+  }
   const std::vector<MapPlace> places = placesOf(sequence, making);
   const auto buildAt = [&](const fs::path& path) {
     code = std::max(code, build(path, sequence, places, making, batch, console));

@@ -4,6 +4,7 @@
 #include "files.h"
 #include "plausible.h"
 #include "pose_columns.h"
+#include "recordings/calibration_file.h"
 #include "recordings/image_list.h"
 #include "shared/text.h"
 
@@ -142,6 +143,7 @@ public:
   std::string remark() const override {
     std::string words = fmt::format("{}: the depth images are those of {}", bag_.path(), topic_);
     if (others_ > 0) words += fmt::format(", one of {} topics with such images", others_ + 1);
+    if (!lens_remark_.empty()) words += "; " + lens_remark_;
     return words;
   }
 
@@ -200,9 +202,23 @@ private:
     camera_.depth_scale = kMillimetres;
     if (is_realsense) findDepthUnit();
     if (const auto info = bag_.first<sensor_msgs::CameraInfo>(base + "/camera_info")) {
+      const bool rectified = lower(topic_).find("rect") != std::string::npos && info->P[0] > 0;
       const auto& K = info->K;
-      camera_.camera.intrinsics = {
-          static_cast<int>(info->width), static_cast<int>(info->height), K[0], K[4], K[2], K[5]};
+      const auto& P = info->P;
+      const int width = static_cast<int>(info->width), height = static_cast<int>(info->height);
+      camera_.camera.intrinsics = rectified ? Intrinsics{width, height, P[0], P[5], P[2], P[6]}
+                                            : Intrinsics{width, height, K[0], K[4], K[2], K[5]};
+      if (!rectified) findLens(info->distortion_model, {info->D.begin(), info->D.end()});
+    }
+  }
+
+  /** Images called rectified have none. */
+  void findLens(const std::string& model, const std::vector<double>& coefficients) {
+    try {
+      camera_.lens = lensOf(model, coefficients);
+      if (!camera_.lens.isNone()) lens_remark_ = "the lens of its camera_info is taken out of the images";
+    } catch (const std::invalid_argument& e) {
+      lens_remark_ = std::string("camera_info: ") + e.what() + "; it is left in the images";
     }
   }
 
@@ -262,6 +278,7 @@ private:
   std::vector<rosbag::MessageInstance> messages_;
   std::vector<double> stamps_;
   CameraFile camera_;
+  std::string lens_remark_;
 };
 
 template <typename Position, typename Orientation>

@@ -3,6 +3,8 @@
 
 #include "recordings/image_container.h"
 
+#include <facetloc/io/trajectory.h>
+
 #include <filesystem>
 #include <memory>
 #include <string>

@@ -42,19 +42,15 @@ private:
   OniFile file_;
 };
 
-bool isBag(const fs::path& path) { return lowerExtension(path) == ".bag"; }
-
 }  // namespace
+
+bool isBag(const fs::path& path) { return lowerExtension(path) == ".bag"; }
 
 bool isContainer(const fs::path& path) { return lowerExtension(path) == ".oni" || isBag(path); }
 
 std::shared_ptr<const ImageContainer> openContainer(const fs::path& path, const std::string& topic) {
   if (isBag(path)) return openBag(path, topic);
   return std::make_shared<const OniContainer>(path);
-}
-
-Trajectory readPosesOf(const fs::path& path) {
-  return isBag(path) ? readBagOdometry(path) : readTumTrajectory(path);
 }
 
 }  // namespace facetloc::internal

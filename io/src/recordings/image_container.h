@@ -3,7 +3,6 @@
 
 #include <facetloc/features/depth_image.h>
 #include <facetloc/io/camera_file.h>
-#include <facetloc/io/trajectory.h>
 
 #include <cstddef>
 #include <filesystem>
@@ -36,7 +35,7 @@ bool isContainer(const std::filesystem::path& path);
 std::shared_ptr<const ImageContainer> openContainer(const std::filesystem::path& path,
                                                     const std::string& topic);
 
-/** \brief Poses in a file: of the TUM format, or the odometry of a bag. Throws IoError. */
-Trajectory readPosesOf(const std::filesystem::path& path);
+/** \brief Is it a ROS 1 bag, by its name? */
+bool isBag(const std::filesystem::path& path);
 
 }  // namespace facetloc::internal

@@ -1,31 +1,107 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/image_list.h"
 
+#include "depth_file.h"
 #include "files.h"
+#include "recordings/name_numbers.h"
+#include "recordings/pose_table.h"
 #include "shared/text.h"
 
 #include <facetloc/io/error.h>
+#include <facetloc/io/png.h>
 #include <facetloc/io/segment_file.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <fmt/format.h>
+#include <functional>
+#include <iterator>
+#include <set>
+#include <stdexcept>
+#include <utility>
 
 namespace facetloc::internal {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kDepth = "depth";  // of an image's ending, or its folder
+constexpr const char* kDepth = "depth";  // in the name of an image or of its folder
+constexpr const char* kOthers[] = {"conf", "confidence", "color",   "colour", "rgb",  "mask", "label",
+                                   "seg",  "normal",     "normals", "ir",     "gray", "grey", "amplitude"};
 
-/** frame-000000.depth.png, beside frame-000000.color.png. */
-bool isNamedDepth(const ListedImage& image) {
-  return image.path.stem().extension() == std::string(".") + kDepth;
+std::string lower(std::string s) {
+  for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return s;
+}
+
+/** frame-000000.depth.png, depth_00001.png, 000001-depth.png. */
+bool isNamedDepth(const fs::path& path) { return hasWord(path.stem().string(), kDepth); }
+
+/** conf_00000.png. */
+bool isNamedOtherwise(const fs::path& path) {
+  const std::string name = path.stem().string();
+  return std::any_of(std::begin(kOthers), std::end(kOthers),
+                     [&name](const char* word) { return hasWord(name, word); });
+}
+
+bool mentionsDepth(const fs::path& folder) {
+  return lower(folder.filename().string()).find(kDepth) != std::string::npos;
 }
 
 bool isInDepthFolder(std::string_view path) {
   const fs::path folder = fs::path(path).parent_path();
-  return std::any_of(folder.begin(), folder.end(), [](const fs::path& part) { return part == kDepth; });
+  return std::any_of(folder.begin(), folder.end(), mentionsDepth);
+}
+
+bool isHidden(const fs::path& path) { return path.filename().string().front() == '.'; }
+
+/** Pictures of depth in 8 bits or in colours are no depth images. */
+bool isDepthImage(const fs::path& path) {
+  constexpr int kBits = 16;
+  if (!isPng(path)) return true;
+  const auto size = pngSize(path);
+  return size && size->bits == kBits;
+}
+
+std::vector<fs::path> foldersIn(const fs::path& folder) {
+  std::vector<fs::path> folders;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.is_directory(ignored) && !isHidden(entry.path())) folders.push_back(entry.path());
+  std::sort(folders.begin(), folders.end());
+  return folders;
+}
+
+bool hasDepthImages(const fs::path& folder) {
+  const auto images = imagesOfFolder(folder);
+  return !images.empty() && isDepthImage(images.front().path);
+}
+
+bool hasImagesNamedDepth(const fs::path& folder) {
+  const auto images = imagesOfFolder(folder);
+  return !images.empty() && isNamedDepth(images.front().path) && isDepthImage(images.front().path);
+}
+
+/** A line of a list: numbers, and the paths that they are before. */
+struct ListLine {
+  struct Path {
+    std::string text;
+    std::vector<double> before;  // numbers, since the path before
+  };
+  std::vector<Path> paths;
+  std::vector<double> after;  // the last path
+};
+
+ListLine splitLine(std::string_view entry) {
+  ListLine line;
+  for (const std::string_view word : text::words(entry)) {
+    if (const auto number = text::to<double>(word))
+      line.after.push_back(*number);
+    else
+      line.paths.push_back({std::string(word), std::exchange(line.after, {})});
+  }
+  return line;
 }
 
 class ListParser {
@@ -47,36 +123,102 @@ private:
   }
 
   void add(std::string_view entry) {
-    const auto words = text::words(entry);
-    const auto stamp = [&words](std::size_t i) { return text::to<double>(words[i]); };
-    if (words.size() == 2 && stamp(0))
-      put(words[1], stamp(0));
-    else if (words.size() == 4 && stamp(0) && stamp(2))
-      putEither({{words[1], stamp(0)}, {words[3], stamp(2)}});
-    else
-      put(entry, {});
+    ListLine line = splitLine(entry);
+    if (line.paths.size() == 1 && line.paths[0].text.find(',') != std::string::npos) {
+      std::string spaced(entry);  // stamp,path
+      std::replace(spaced.begin(), spaced.end(), ',', ' ');
+      if (ListLine parts = splitLine(spaced); !parts.paths.empty() && !parts.paths[0].before.empty())
+        line = std::move(parts);
+    }
+    const bool has_stamps = std::any_of(line.paths.begin(), line.paths.end(),
+                                        [](const ListLine::Path& path) { return !path.before.empty(); });
+    if (images_.empty() && !has_stamps && !isImage(fs::path(entry)) && isHeader(line)) return;
+    if (!has_stamps && !areFiles(line)) return put(std::string(entry), {}, {});  // a path with blanks in it
+    const ListLine::Path& depth = depthOf(line.paths);
+    std::optional<double> stamp;
+    if (!depth.before.empty()) stamp = depth.before.back();
+    put(depth.text, stamp, poseOf(line));
   }
 
-  using Entry = std::pair<std::string_view, std::optional<double>>;
-
-  void putEither(const std::vector<Entry>& pair) {
-    const bool first = isInDepthFolder(pair[0].first), second = isInDepthFolder(pair[1].first);
-    if (first == second) fail("names two images, of which one has to be in a folder called depth");
-    const Entry& depth = pair[first ? 0 : 1];
-    put(depth.first, depth.second);
+  /** One image and perhaps its pose, or several names with endings. */
+  static bool areFiles(const ListLine& line) {
+    constexpr std::size_t kPose = 7;
+    if (line.paths.size() == 1)
+      return isImage(line.paths[0].text) && (line.after.empty() || line.after.size() == kPose);
+    return !line.paths.empty() && line.after.empty() &&
+           std::all_of(line.paths.begin(), line.paths.end(),
+                       [](const ListLine::Path& path) { return fs::path(path.text).has_extension(); });
   }
 
-  void put(std::string_view entry, std::optional<double> stamp) {
+  /** A line of names above the columns. */
+  static bool isHeader(const ListLine& line) {
+    return line.after.empty() &&
+           std::any_of(line.paths.begin(), line.paths.end(), [](const ListLine::Path& p) {
+             return lower(p.text).find("stamp") != std::string::npos || lower(p.text) == "time";
+           });
+  }
+
+  /** Of several images the one whose folder or name says depth. */
+  const ListLine::Path& depthOf(const std::vector<ListLine::Path>& paths) const {
+    if (paths.size() == 1) return paths[0];
+    const auto only = [&paths](auto holds) -> const ListLine::Path* {
+      const auto found = std::find_if(paths.begin(), paths.end(), holds);
+      return found != paths.end() && std::find_if(found + 1, paths.end(), holds) == paths.end() ? &*found
+                                                                                                : nullptr;
+    };
+    if (const auto* path = only([](const ListLine::Path& p) { return isInDepthFolder(asPath(p.text)); }))
+      return *path;
+    if (const auto* path = only([](const ListLine::Path& p) { return isNamedDepth(asPath(p.text)); }))
+      return *path;
+    if (const auto* path = only([](const ListLine::Path& p) { return isImage(p.text); })) return *path;
+    fail(fmt::format("names {} images, of which one has to be in a folder called depth",
+                     paths.size() == 2 ? "two" : std::to_string(paths.size())));
+  }
+
+  /** In front of the first path and its stamp, or behind the last path. */
+  std::optional<Eigen::Isometry3d> poseOf(const ListLine& line) const {
+    constexpr std::size_t kPose = 7;
+    std::vector<double> numbers = line.paths.front().before;
+    if (!numbers.empty()) numbers.pop_back();
+    if (numbers.empty()) numbers = line.after;
+    if (numbers.size() != kPose && numbers.size() != kPose + 1) return {};
+    std::array<double, kPose> columns{};
+    std::copy(numbers.end() - kPose, numbers.end(), columns.begin());
+    try {
+      return poseOfColumns(columns);
+    } catch (const std::invalid_argument& e) {
+      fail(std::string("its pose ") + e.what());
+    }
+  }
+
+  static std::string asPath(std::string text) {
+    std::replace(text.begin(), text.end(), '\\', '/');
+    return text;
+  }
+
+  /** Of programs on Windows, unless a file has such a name. */
+  fs::path pathOf(const std::string& entry) const {
     const fs::path path = list_.parent_path() / fs::path(entry);  // an absolute entry stays as it is
-    if (!isImage(path)) fail(fmt::format("{} is neither a .png nor a .pcd file", entry));
+    std::error_code ignored;
+    if (entry.find('\\') == std::string::npos || fs::exists(path, ignored)) return path;
+    return list_.parent_path() / fs::path(asPath(entry));
+  }
+
+  /** An image that several others are the nearest of is listed with each of them. */
+  void put(const std::string& entry, std::optional<double> stamp,
+           const std::optional<Eigen::Isometry3d>& pose) {
+    const fs::path path = pathOf(entry);
+    if (!isImage(path)) fail(fmt::format("{} is neither {}", entry, imageEndings(" nor ")));
     if (!images_.empty() && images_.front().stamp.has_value() != stamp.has_value())
       fail(fmt::format("has {} time stamp, unlike the lines before it", stamp ? "a" : "no"));
-    images_.push_back({path, stamp});  // one that is missing fails when it is read, and stops no other
+    if (!listed_.insert(path.lexically_normal()).second) return;
+    images_.push_back({path, stamp, pose});  // one that is missing fails when it is read, and stops no other
   }
 
   fs::path list_;
   int line_ = 0;
   std::vector<ListedImage> images_;
+  std::set<fs::path> listed_;
 };
 
 }  // namespace
@@ -86,11 +228,7 @@ bool endsWith(const std::string& name, const std::string& ending) {
          name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
 }
 
-std::string lowerExtension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
+std::string lowerExtension(const fs::path& path) { return lower(path.extension().string()); }
 
 std::string frameName(const fs::path& path) {
   const std::string name = path.filename().string();
@@ -99,18 +237,26 @@ std::string frameName(const fs::path& path) {
 }
 
 bool isPng(const fs::path& path) { return lowerExtension(path) == ".png"; }
-bool isImage(const fs::path& path) { return isPng(path) || lowerExtension(path) == ".pcd"; }
+bool isCloud(const fs::path& path) { return lowerExtension(path) == ".pcd"; }
+bool isImage(const fs::path& path) { return isDepthFile(path) || isCloud(path); }
 bool isImageList(const fs::path& path) {
-  return lowerExtension(path) == ".txt" || lowerExtension(path) == ".lst";
+  const std::string extension = lowerExtension(path);
+  return extension == ".txt" || extension == ".lst" || extension == ".csv";
+}
+
+std::string imageEndings(const char* between) {
+  std::string words = ".pcd";
+  for (const char* ending : depthFileEndings()) words += std::string(between) + ending;
+  return words;
 }
 
 std::vector<ListedImage> imagesOfFolder(const fs::path& folder) {
   std::vector<ListedImage> images;
   try {
     for (const auto& entry : fs::directory_iterator(folder)) {
-      const bool hidden = entry.path().filename().string().front() == '.';
       // A link that leads nowhere is an image that cannot be read.
-      if (!hidden && isImage(entry.path()) && !entry.is_directory()) images.push_back({entry.path()});
+      if (!isHidden(entry.path()) && isImage(entry.path()) && !entry.is_directory())
+        images.push_back({entry.path()});
     }
   } catch (const fs::filesystem_error& e) {
     throw IoError(folder.string(), e.what());
@@ -120,10 +266,37 @@ std::vector<ListedImage> imagesOfFolder(const fs::path& folder) {
       images.erase(std::remove_if(images.begin(), images.end(), std::not_fn(counts)), images.end());
   };
   keepIfAny([](const ListedImage& image) { return isSegmentFile(image.path); });
-  keepIfAny(isNamedDepth);
+  keepIfAny([](const ListedImage& image) { return isNamedDepth(image.path); });
+  keepIfAny([](const ListedImage& image) { return !isNamedOtherwise(image.path); });
   std::sort(images.begin(), images.end(),
             [](const ListedImage& a, const ListedImage& b) { return a.path < b.path; });
   return images;
+}
+
+fs::path folderOfImages(const fs::path& recording) {
+  std::error_code ignored;
+  if (fs::is_directory(recording / kDepth, ignored)) return recording / kDepth;
+  if (!imagesOfFolder(recording).empty()) return recording;
+  std::vector<fs::path> folders = foldersIn(recording);
+  for (int level = 0; level < 2 && !folders.empty(); ++level) {
+    for (const bool by_folder : {true, false}) {
+      std::vector<fs::path> found;
+      std::copy_if(folders.begin(), folders.end(), std::back_inserter(found), [&](const fs::path& folder) {
+        return by_folder ? mentionsDepth(folder) && hasDepthImages(folder) : hasImagesNamedDepth(folder);
+      });
+      if (found.size() == 1) return found[0];
+      if (found.empty()) continue;
+      std::string names;
+      for (const fs::path& folder : found) names += (names.empty() ? "" : ", ") + folder.string();
+      throw IoError(recording.string(),
+                    fmt::format("has {} folders of depth images: {}; name one of them", found.size(), names));
+    }
+    std::vector<fs::path> below;
+    for (const fs::path& folder : folders)
+      for (fs::path& path : foldersIn(folder)) below.push_back(std::move(path));
+    folders = std::move(below);
+  }
+  return recording;
 }
 
 std::vector<ListedImage> imagesOfList(const fs::path& list) {

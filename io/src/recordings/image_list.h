@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Geometry>
+
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -14,7 +16,8 @@ namespace facetloc::internal {
 /** \brief An image that a folder or a list names. */
 struct ListedImage {
   std::filesystem::path path;
-  std::optional<double> stamp{};  ///< [s], where a list says it
+  std::optional<double> stamp{};             ///< as a list says it
+  std::optional<Eigen::Isometry3d> T_w_c{};  ///< as a list says it
 };
 
 bool endsWith(const std::string& name, const std::string& ending);
@@ -23,18 +26,34 @@ std::string lowerExtension(const std::filesystem::path& path);
 /** \brief The name of a frame by its file's: "a" of a.png and of a.segments.pcd. */
 std::string frameName(const std::filesystem::path& path);
 bool isPng(const std::filesystem::path& path);
+bool isCloud(const std::filesystem::path& path);
+/** \brief A depth image or a cloud, by its name. */
 bool isImage(const std::filesystem::path& path);
+/** \brief ".pcd, .png, ...", for messages. */
+std::string imageEndings(const char* between = ", ");
 /** \brief Is it a list by its name? */
 bool isImageList(const std::filesystem::path& path);
 
-/** \brief The images in a folder, in the order of their names; those with the ending `.depth` alone if there
- * are any, since others beside them show something else; before these, files of
- * segments alone, beside which facetloc_segment writes labels and pictures. Throws IoError. */
+/** \brief The images in a folder, in the order of their names; those with the word depth in their names alone
+ * if there are any, since others beside them show something else, as confidences and colours do; before
+ * these, files of segments alone, beside which facetloc_segment writes labels and pictures. Throws IoError.
+ */
 std::vector<ListedImage> imagesOfFolder(const std::filesystem::path& folder);
 
-/** \brief The images that a text file lists, in its order; # starts a comment line. A line is a path,
- * relative to the list, or a stamp and a path (depth.txt of TUM), or two of these pairs (associations), of
- * which the one in a folder called depth counts. Throws IoError with the line for anything else. */
+/** \brief The folder of a recording that has its images: the one called depth, or itself, or else the one
+ * below it, to a depth of two, that has depth in its name and depth images in it, or images with depth in
+ * their names. Throws IoError if there are several. */
+std::filesystem::path folderOfImages(const std::filesystem::path& recording);
+
+/** \brief What is in a folder that has no depth images, and what to do about it. */
+std::string foundIn(const std::filesystem::path& folder);
+/** \brief What to do about files of a kind that is not read, by their extension; empty for others. */
+std::string adviceOnFile(const std::filesystem::path& path);
+
+/** \brief The images that a text file lists, in its order, each once; # starts a comment line. A line is a
+ * path, relative to the list, or a stamp and a path (depth.txt of TUM), or several of these pairs
+ * (associations), of which the one with depth in its folder or name counts, with a pose or without: seven
+ * numbers, or eight with its stamp, in front or behind. Throws IoError with the line for anything else. */
 std::vector<ListedImage> imagesOfList(const std::filesystem::path& list);
 
 /** \brief The paths at which a file that belongs to a recording can be: in the folder of the images, its

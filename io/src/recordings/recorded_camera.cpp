@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/recorded_camera.h"
 
+#include "depth_file.h"
 #include "files.h"
+#include "recordings/calibration_file.h"
 #include "shared/text.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/png.h>
+#include <facetloc/io/pclzf.h>
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <system_error>
 
 namespace facetloc::internal {
 namespace {
@@ -57,18 +60,17 @@ const KnownCamera kKnown[] = {
     {"ICL-NUIM", "", Kind::icl_nuim, {640, 480, 481.2, 480, 319.5, 239.5}, kTumScale, "kinect", true},
 };
 
-/** Of the first PNG that can be read; nothing if there is none. */
+/** Of the first depth image that can be read; nothing if there is none. */
 std::optional<PngSize> sizeOfImages(const RecordingLayout& layout) {
   for (const FrameFile& frame : layout.frames)
-    if (isPng(frame.path))
-      if (const auto size = pngSize(frame.path)) return size;
+    if (isDepthFile(frame.path))
+      if (const auto size = depthFileSize(frame.path)) return size;
   return {};
 }
 
 std::string inWords(const PngSize& size) { return fmt::format("{}x{}", size.width, size.height); }
 
-std::vector<double> numbersIn(const fs::path& path) {
-  const std::string content = files::readText(path);
+std::vector<double> numbersOf(const std::string& content, const fs::path& path) {
   std::vector<double> numbers;
   for (const std::string_view word : text::words(content)) {
     const auto number = text::to<double>(word);
@@ -77,6 +79,8 @@ std::vector<double> numbersIn(const fs::path& path) {
   }
   return numbers;
 }
+
+std::vector<double> numbersIn(const fs::path& path) { return numbersOf(files::readText(path), path); }
 
 /** 3x3, or 4x4 with the same in its corner. */
 Intrinsics readMatrix(const fs::path& path, const PngSize& size) {
@@ -149,10 +153,99 @@ RecordedCamera presetCamera(const CameraPreset& preset, const std::optional<Reco
               preset.name};
 }
 
+/** Of PCL's recorders: frame_<time>.xml beside frame_<time>_depth.pclzf. */
+std::optional<RecordedCamera> cameraOfPclzf(const RecordingLayout& layout, const PngSize& size) {
+  const fs::path& image = layout.frames.front().path;
+  if (lowerExtension(image) != ".pclzf") return {};
+  const std::string name = image.stem().string();
+  const fs::path file = image.parent_path() / (name.substr(0, name.rfind('_')) + ".xml");
+  if (!fs::is_regular_file(file)) return {};
+  const PclzfCamera camera = readPclzfCamera(file, size.width, size.height);
+  return RecordedCamera{fileOf(camera.intrinsics, camera.depth_scale, cameraPresets().front())};
+}
+
+bool isCalibration(const fs::path& file) {
+  const std::string extension = lowerExtension(file);
+  return extension == ".yaml" || extension == ".yml" || extension == ".json";
+}
+
+/** Those of folders, and the first one of each folder below that is called calib or the like. */
+std::vector<fs::path> calibrationsIn(const std::vector<fs::path>& folders) {
+  std::vector<fs::path> found;
+  const auto add = [&found](const fs::path& folder, bool all) {
+    constexpr std::size_t kMost = 20;
+    std::error_code ignored;
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+      if (isCalibration(entry.path()) && entry.is_regular_file(ignored)) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    if (!all && files.size() > 1) files.resize(1);
+    if (files.size() > kMost) files.resize(kMost);
+    found.insert(found.end(), files.begin(), files.end());
+  };
+  for (const fs::path& folder : folders) {
+    add(folder, true);
+    std::error_code ignored;
+    std::vector<fs::path> below;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+      if (entry.is_directory(ignored) &&
+          (mentions(entry.path().filename(), "calib") || mentions(entry.path().filename(), "intrinsic")))
+        below.push_back(entry.path());
+    std::sort(below.begin(), below.end());
+    for (const fs::path& calibrations : below) add(calibrations, false);
+  }
+  return found;
+}
+
+/** Of the size of the images. */
+std::optional<RecordedCamera> calibratedCamera(const PngSize& size,
+                                               const std::vector<fs::path>& calibrations) {
+  for (const fs::path& file : calibrations) {
+    auto found = readCalibration(file);
+    if (!found) continue;
+    Intrinsics& k = found->intrinsics;
+    if (k.width == 0 && k.height == 0) k.width = size.width, k.height = size.height;
+    if (k.width != size.width || k.height != size.height) continue;
+    RecordedCamera camera{fileOf(k, found->depth_scale.value_or(kMillimetres), cameraPresets().front())};
+    camera.file.lens = found->lens;
+    camera.remark = fmt::format(
+        "there is no camera.ini: the intrinsics{} are those of {}, depths are {}, the "
+        "noise a {}'s",
+        found->lens.isNone() ? "" : " and the lens", file.string(),
+        found->depth_scale ? "by its scale" : "taken to be millimetres", cameraPresets().front().name);
+    return camera;
+  }
+  return {};
+}
+
+/** The camera of the colour images of phones, camera_matrix.csv of Stray Scanner, whose depth images show the
+ * same with fewer pixels. */
+std::optional<RecordedCamera> phoneCamera(const PngSize& size, const std::vector<fs::path>& within) {
+  constexpr double kColourWidths[] = {1920, 1440, 1280, 640};
+  const auto file = findIn(within, "camera_matrix.csv");
+  if (!file) return {};
+  std::string content = files::readText(*file);
+  std::replace(content.begin(), content.end(), ',', ' ');
+  const std::vector<double> m = numbersOf(content, *file);
+  if (m.size() != 9) throw IoError(file->string(), "is no matrix of 3x3");
+  double width = kColourWidths[0];  // the centre is near the middle
+  for (const double w : kColourWidths)
+    if (std::abs(w - 2 * m[2]) < std::abs(width - 2 * m[2])) width = w;
+  const double scale = size.width / width;
+  const auto centre = [scale](double c) { return (c + 0.5) * scale - 0.5; };
+  const Intrinsics k{size.width, size.height, scale * m[0], scale * m[4], centre(m[2]), centre(m[5])};
+  if (!k.valid()) throw IoError(file->string(), "its matrix is of no camera");
+  return RecordedCamera{
+      fileOf(k, kMillimetres, *findCameraPreset("phone_lidar")),
+      fmt::format("there is no camera.ini: the intrinsics are those of {} for colour images of "
+                  "{} columns, depths are millimetres, the noise a phone's",
+                  file->string(), width)};
+}
+
 }  // namespace
 
 std::optional<RecordedCamera> cameraOf(const RecordingLayout& layout, const std::vector<fs::path>& beside,
-                                       const fs::path& asked) {
+                                       const std::vector<fs::path>& within, const fs::path& asked) {
   if (const auto file = findIn(beside, kCameraFile)) return RecordedCamera{readCameraFile(*file)};
   const auto size = sizeOfImages(layout);
   if (!size) return {};
@@ -164,6 +257,11 @@ std::optional<RecordedCamera> cameraOf(const RecordingLayout& layout, const std:
                                         "taken to be millimetres, the noise a {}'s",
                                         matrix->string(), usual.name)};
     }
+  if (auto camera = cameraOfPclzf(layout, *size)) return camera;
+  if (auto camera = phoneCamera(*size, within)) return camera;
+  std::vector<fs::path> calibrations = calibrationsIn(within);
+  if (const auto of_replica = findIn(beside, "cam_params.json")) calibrations.push_back(*of_replica);
+  if (auto camera = calibratedCamera(*size, calibrations)) return camera;
   return knownCamera(layout, *size, asked);
 }
 
@@ -185,7 +283,7 @@ std::string adviceOnCamera(const RecordingLayout& layout, const fs::path& asked)
     k = {size.width, size.height, f, f, (size.width - 1) / 2.0, (size.height - 1) / 2.0};
   }
   return fmt::format(
-      "PNG images need to know their camera. "
+      "depth images need to know their camera. "
       "Write the file {file} with its calibration; of a typical {camera}{mode}, it would be\n"
       "  width={width}  height={height}\n"
       "  fx={fx}  fy={fy}  cx={cx}  cy={cy}\n"

@@ -22,11 +22,13 @@ struct RecordedCamera {
 };
 
 /** \brief What the files of a recording say of its camera: camera.ini, else a matrix of intrinsics as 3DMatch
- * and ScanNet have it, else, of PNG images in a public data set's layout, what is known of its camera.
- * Nothing if none of these is there. Throws IoError. \param beside folders to look in; \param asked the
- * folder of the recording */
+ * and ScanNet have it, the .xml of PCL's recorders, the camera of a phone, or a calibration in YAML or JSON
+ * of the size of the images; else, in a public data set's layout, what is known of its camera. Nothing if
+ * none of these is there. Throws IoError. \param beside folders to look in; \param within those of them that
+ * are the recording's own; \param asked the folder of the recording */
 std::optional<RecordedCamera> cameraOf(const RecordingLayout& layout,
                                        const std::vector<std::filesystem::path>& beside,
+                                       const std::vector<std::filesystem::path>& within,
                                        const std::filesystem::path& asked);
 
 /** \brief The camera of which a user names the CameraPreset: its noise and largest depth count more than

@@ -2,24 +2,45 @@
 #include "recordings/recorded_poses.h"
 
 #include "files.h"
-#include "plausible.h"
 #include "shared/text.h"
 
 #include <facetloc/io/error.h>
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
-
+#include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <functional>
 #include <optional>
+#include <set>
+#include <stdexcept>
+
+namespace facetloc {
+
+PoseReading PoseReading::of(std::string_view words) {
+  PoseReading reading;
+  for (const std::string_view part : text::split(words, ',')) {
+    const std::string_view word = text::trimmed(part);
+    if (word == "wxyz")
+      reading.w_first = true;
+    else if (word == "inverse")
+      reading.inverse = true;
+    else if (word == "base")
+      reading.axes = Axes::base;
+    else if (word == "opengl")
+      reading.axes = Axes::opengl;
+    else if (word != "auto" && !word.empty())
+      throw std::invalid_argument(text::quoted(word) +
+                                  " is no convention of poses (known: auto, wxyz, inverse, base, opengl)");
+  }
+  return reading;
+}
+
+}  // namespace facetloc
 
 namespace facetloc::internal {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kTolerance = 1e-2;  // of a rotation matrix: files have as few as four decimals
 
 Trajectory changed(const Trajectory& poses, const std::function<void(StampedPose&)>& change) {
   std::vector<StampedPose> all = poses.poses();
@@ -40,30 +61,129 @@ std::optional<Eigen::Isometry3d> readPoseMatrix(const fs::path& path) {
     m(static_cast<Eigen::Index>(i) / 4, static_cast<Eigen::Index>(i) % 4) = *value;
   }
   if (!m.allFinite()) return {};
-  const Eigen::Matrix3d R = m.topLeftCorner<3, 3>();
-  const bool is_rotation =
-      (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= kTolerance &&
-      R.determinant() > 0;
-  if (!is_rotation || m.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
-    throw IoError(path.string(), "its matrix is not a pose");
-  if (!plausible::isPosition(m.topRightCorner<3, 1>()))
-    throw IoError(path.string(), "its pose is more than 1000 km away");
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = svd.matrixU() * svd.matrixV().transpose();  // the nearest rotation
-  T.translation() = m.topRightCorner<3, 1>();
-  return T;
+  try {
+    return poseOfMatrix(m);
+  } catch (const std::invalid_argument& e) {
+    throw IoError(path.string(), std::string("its pose ") + e.what());
+  }
+}
+
+std::string lostPoses(const PoseTable& table, const fs::path& path) {
+  if (const std::size_t n = table.lost(); n > 0)
+    return fmt::format("{}: {} of its {} poses {} lost (NaN or zeros) and left out", path.string(), n,
+                       table.rows.size(), n == 1 ? "is" : "are");
+  return {};
+}
+
+void say(std::string& remark, const std::string& more) {
+  if (!more.empty()) remark += (remark.empty() ? "" : "; ") + more;
+}
+
+/** \param stampOf the i-th row */
+template <typename StampOf>
+Trajectory posesAt(const PoseTable& table, StampOf stampOf) {
+  std::vector<StampedPose> poses;
+  for (std::size_t i = 0; i < table.rows.size(); ++i)
+    if (const auto& T = table.rows[i].T_w_c) poses.push_back({stampOf(i), *T});
+  return Trajectory(std::move(poses));
+}
+
+ReadPoses byOrder(const PoseTable& table, const ImageTimes& images, const fs::path& path) {
+  ReadPoses read{posesAt(table, [&](std::size_t i) { return images.stamps[i]; }), {}};
+  say(read.remark, fmt::format("{}: its {} poses are those of the images, in their order", path.string(),
+                               table.rows.size()));
+  return read;
+}
+
+/** Stamps 0, 1, 2, ... or 1, 2, 3, ..., as they are of no clock. */
+bool areRowNumbers(const PoseTable& table) {
+  constexpr std::size_t kEnough = 3;
+  const double first = table.rows.front().stamp;
+  if (table.rows.size() < kEnough || (first != 0 && first != 1)) return false;
+  for (std::size_t i = 0; i < table.rows.size(); ++i)
+    if (table.rows[i].stamp != first + static_cast<double>(i)) return false;
+  return true;
+}
+
+/** Rows of which the number of an image is the index, as KITTI's. */
+bool areIndexed(const PoseTable& table, const ImageTimes& images) {
+  const double rows = static_cast<double>(table.rows.size());
+  return images.unit.counted && !images.numbers.empty() &&
+         std::all_of(images.numbers.begin(), images.numbers.end(), [rows](double n) { return n < rows; });
+}
+
+ReadPoses byIndex(const PoseTable& table, const ImageTimes& images, const fs::path& path) {
+  PoseTable of_images = table;
+  of_images.rows.clear();
+  for (const double n : images.numbers) of_images.rows.push_back(table.rows[static_cast<std::size_t>(n)]);
+  ReadPoses read{posesAt(of_images, [&](std::size_t i) { return images.stamps[i]; }), {}};
+  say(read.remark, fmt::format("{}: image N is taken to have pose N, counted from 0", path.string()));
+  return read;
 }
 
 }  // namespace
 
-Trajectory RecordedPoses::read() const {
-  if (!trajectory.empty())
-    return changed(readTumTrajectory(trajectory), [this](StampedPose& pose) { pose.stamp *= seconds; });
-  std::vector<StampedPose> poses;
+ReadPoses RecordedPoses::read(const ImageTimes& images) const {
+  if (!trajectory.empty()) {
+    PoseTable table = readPoseTable(trajectory);
+    if (!(seconds > 0)) return matched(table, images, trajectory);
+    table.unit = {seconds};
+    return stampedPoses(table, trajectory);
+  }
+  std::vector<StampedPose> poses = listed;
   for (const PoseFile& file : of_images)
     if (const auto T_w_c = readPoseMatrix(file.path)) poses.push_back({file.stamp, *T_w_c});
-  return Trajectory(std::move(poses));
+  return {Trajectory(std::move(poses)), {}};
+}
+
+bool haveSameNumbers(const PoseTable& table, const ImageTimes& images) {
+  if (!table.stamped || images.numbers.empty()) return false;
+  const std::vector<double> stamps = table.stamps();
+  const std::set<double> known(stamps.begin(), stamps.end());
+  const auto n = std::count_if(images.numbers.begin(), images.numbers.end(),
+                               [&](double number) { return known.count(number) > 0; });
+  const auto all = static_cast<std::ptrdiff_t>(images.numbers.size());
+  const bool as_many = table.rows.size() == images.numbers.size();  // then an order that fits all counts more
+  return as_many ? n == all : 2 * n > all;
+}
+
+ReadPoses stampedPoses(const PoseTable& table, const fs::path& path) {
+  if (!table.stamped)
+    throw IoError(path.string(), "has poses without time stamps, which belong to the images of a recording");
+  ReadPoses read{posesAt(table, [&](std::size_t i) { return table.rows[i].stamp * table.unit.seconds; }), {}};
+  if (table.unit.seconds != 1 && !table.unit.counted)
+    say(read.remark, fmt::format("{}: its stamps are taken to be {}", path.string(), table.unit.inWords()));
+  say(read.remark, lostPoses(table, path));
+  return read;
+}
+
+ReadPoses matched(const PoseTable& table, const ImageTimes& images, const fs::path& path) {
+  if (table.rows.empty()) return {};
+  if (haveSameNumbers(table, images)) {
+    const double unit = images.unit.seconds;
+    return {posesAt(table, [&](std::size_t i) { return table.rows[i].stamp * unit; }),
+            lostPoses(table, path)};
+  }
+  if (table.stamped && !images.unit.counted && !areRowNumbers(table)) return stampedPoses(table, path);
+  ReadPoses read;
+  if (table.rows.size() == images.stamps.size())
+    read = byOrder(table, images, path);
+  else if (!table.stamped && areIndexed(table, images))
+    read = byIndex(table, images, path);
+  else
+    throw IoError(
+        path.string(),
+        fmt::format("has {} poses{}, but there are {} images{}: which pose is whose is not known; a "
+                    "list of the images with their times (depth.txt: stamp and name of file) would "
+                    "say it",
+                    table.rows.size(),
+                    !table.stamped         ? " without time stamps"
+                    : areRowNumbers(table) ? ", which are numbered and have no times"
+                                           : "",
+                    images.stamps.size(),
+                    images.unit.counted ? ", whose names are numbers and no times" : ""));
+  say(read.remark, lostPoses(table, path));
+  return read;
 }
 
 Trajectory mirrored(const Trajectory& poses) {
@@ -76,6 +196,27 @@ Trajectory mirrored(const Trajectory& poses) {
 
 Trajectory delayed(const Trajectory& poses, double seconds) {
   return changed(poses, [seconds](StampedPose& pose) { pose.stamp += seconds; });
+}
+
+Trajectory readAs(const PoseReading& reading, const Trajectory& poses,
+                  const std::optional<Eigen::Isometry3d>& T_b_c) {
+  if (reading.isUsual()) return poses;
+  using Axes = PoseReading::Axes;
+  Eigen::Isometry3d T_other_optical = Eigen::Isometry3d::Identity();
+  if (reading.axes == Axes::opengl) T_other_optical.linear().diagonal() << 1, -1, -1;
+  if (reading.axes == Axes::base) {
+    T_other_optical.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+    if (T_b_c) T_other_optical = *T_b_c;
+  }
+  return changed(poses, [&](StampedPose& pose) {
+    Eigen::Isometry3d& T = pose.T_w_c;
+    if (reading.w_first) {
+      const Eigen::Quaterniond q(T.linear());
+      T.linear() = Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w()).normalized().toRotationMatrix();
+    }
+    if (reading.inverse) T = T.inverse();
+    T = T * T_other_optical;
+  });
 }
 
 }  // namespace facetloc::internal

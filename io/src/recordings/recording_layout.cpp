@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/recording_layout.h"
 
+#include "recordings/name_numbers.h"
+#include "recordings/pose_files.h"
 #include "shared/text.h"
 
 #include <facetloc/io/error.h>
 
 #include <algorithm>
-#include <cctype>
-#include <cmath>
-#include <ctime>
-#include <map>
+#include <fmt/format.h>
+#include <numeric>
 
 namespace facetloc::internal {
 namespace {
@@ -17,7 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kTrajectory = "groundtruth.txt";
-constexpr const char* kLists[] = {"depth.txt", "associations.txt", "associated.txt"};
+constexpr const char* kLists[] = {"depth.txt",       "associations.txt", "associated.txt",
+                                  "association.txt", "associate.txt",    "depth.csv"};
 constexpr const char* kIclEnding = ".gt.freiburg";
 constexpr int kStampDigits = 6;  // microseconds
 
@@ -41,17 +42,21 @@ void setStamp(FrameFile& frame, double stamp) {
 /** The images of a folder, by the layouts from the most to the least peculiar. */
 class LayoutFinder {
 public:
-  LayoutFinder(const std::vector<ListedImage>& images, const std::vector<fs::path>& beside)
-      : images_(images), beside_(beside) {
+  LayoutFinder(const std::vector<ListedImage>& images, const std::vector<fs::path>& beside,
+               const std::vector<fs::path>& within)
+      : images_(images), beside_(beside), within_(within) {
     for (const ListedImage& image : images) layout_.frames.push_back({frameName(image.path), image.path, 0});
   }
 
   RecordingLayout find() {
     if (!layout_.frames.empty() &&
-        !(isListed() || isSevenScenes() || isScanNet() || isIclNuim() || isStamped() || hasListBeside()))
+        !(isListed() || isSevenScenes() || isScanNet() || isIclNuim() || hasNumbers()) && !hasListBeside())
       countFrames();
-    std::stable_sort(layout_.frames.begin(), layout_.frames.end(),
-                     [](const FrameFile& a, const FrameFile& b) { return a.stamp < b.stamp; });
+    if (layout_.unit.counted && layout_.kind == Kind::plain) try {
+        hasListBeside();
+      } catch (const IoError&) {  // the numbers are enough
+      }
+    sort();
     findPoses();
     return layout_;
   }
@@ -67,8 +72,37 @@ private:
   bool isListed() {
     if (!images_.front().stamp) return false;
     setKind(Kind::listed);
-    for (std::size_t i = 0; i < images_.size(); ++i) setStamp(layout_.frames[i], *images_[i].stamp);
+    std::vector<std::string> names;
+    NameNumbers stamps;
+    stamps.decimal = true;
+    for (const ListedImage& image : images_) {
+      names.push_back(frameName(image.path));
+      stamps.numbers.push_back(*image.stamp);
+    }
+    const auto in_names = numbersInNames(names);
+    if (in_names && in_names->numbers == stamps.numbers) stamps = *in_names;
+    takeNumbers(stamps);
+    for (FrameFile& frame : layout_.frames) frame.name = nameOfStamp(frame.stamp);
+    for (std::size_t i = 0; i < images_.size(); ++i)
+      if (images_[i].T_w_c) layout_.poses.listed.push_back({layout_.frames[i].stamp, *images_[i].T_w_c});
     return true;
+  }
+
+  /** Of the frames in their order. */
+  void takeNumbers(const NameNumbers& found) {
+    layout_.numbers = found.numbers;
+    layout_.unit = unitOfNumbers(found.numbers, found.decimal, found.padded);
+    for (std::size_t i = 0; i < found.numbers.size(); ++i) {
+      FrameFile& frame = layout_.frames[i];
+      const double seconds = found.numbers[i] * layout_.unit.seconds;
+      const bool is_name = layout_.unit.seconds == 1 && text::to<double>(frame.name);
+      if (is_name)
+        frame.stamp = seconds;
+      else
+        setStamp(frame, seconds);
+    }
+    if (layout_.unit.seconds != 1 && !layout_.unit.counted)
+      layout_.remark = fmt::format("the stamps of the images are taken to be {}", layout_.unit.inWords());
   }
 
   /** Numbers all frames, and finds the file that may have the pose of each. */
@@ -106,7 +140,8 @@ private:
   }
 
   bool isScanNet() {
-    const fs::path poses = layout_.frames.front().path.parent_path() / ".." / "pose";
+    const fs::path beside = layout_.frames.front().path.parent_path() / "..";
+    const fs::path poses = beside / (fs::is_directory(beside / "pose") ? "pose" : "poses");
     if (!fs::is_directory(poses)) return false;
     return isNumbered(Kind::scannet, countIn,
                       [&](const FrameFile& frame) { return poses / (frame.name + ".txt"); });
@@ -135,20 +170,18 @@ private:
   }
 
   /** One stray name among stamps is an error: it would silently turn all stamps into indices. */
-  bool isStamped() {
+  bool hasNumbers() {
     const auto has_stamp = [](const FrameFile& frame) { return stampInName(frame.name).has_value(); };
-    std::vector<FrameFile>& frames = layout_.frames;
+    const std::vector<FrameFile>& frames = layout_.frames;
     const auto stray = std::find_if_not(frames.begin(), frames.end(), has_stamp);
-    if (stray != frames.end()) {
-      if (std::any_of(frames.begin(), frames.end(), has_stamp))
-        throw IoError(stray->path.string(),
-                      "its name is no time stamp, unlike those of other images beside it");
-      return false;
-    }
-    for (FrameFile& frame : frames) {
-      frame.stamp = *stampInName(frame.name);
-      if (!text::to<double>(frame.name)) frame.name = nameOfStamp(frame.stamp);
-    }
+    if (stray != frames.end() && std::any_of(frames.begin(), frames.end(), has_stamp))
+      throw IoError(stray->path.string(),
+                    "its name is no time stamp, unlike those of other images beside it");
+    std::vector<std::string> names;
+    for (const FrameFile& frame : frames) names.push_back(frame.name);
+    const auto numbers = numbersInNames(names);
+    if (!numbers) return false;
+    takeNumbers(*numbers);
     layout_.stamped = true;
     return true;
   }
@@ -158,12 +191,26 @@ private:
     for (const char* name : kLists) {
       const auto list = findIn(beside_, name);
       if (!list) continue;
-      const LayoutFinder listed(imagesOfList(*list), beside_);
-      if (listed.images_.empty() || !listed.images_.front().stamp) continue;
+      LayoutFinder listed(imagesOfList(*list), beside_, within_);
+      if (listed.images_.empty() || !listed.isListed() || listed.layout_.unit.counted) continue;
       *this = listed;
-      return isListed();
+      return true;
     }
     return false;
+  }
+
+  /** By their stamps, and each number with its frame. */
+  void sort() {
+    std::vector<std::size_t> order(layout_.frames.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const std::vector<FrameFile> frames = layout_.frames;
+    const std::vector<double> numbers = layout_.numbers;
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return frames[a].stamp < frames[b].stamp; });
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      layout_.frames[i] = frames[order[i]];
+      if (!numbers.empty()) layout_.numbers[i] = numbers[order[i]];
+    }
   }
 
   void countFrames() {
@@ -173,34 +220,46 @@ private:
   /** Indices are no times: poses would be matched to them at random. */
   void findPoses() {
     if (!layout_.stamped && !layout_.frames.empty()) return;
-    if (const auto file = findIn(beside_, kTrajectory)) layout_.poses = {*file, 1, {}};
+    if (const auto file = findIn(beside_, kTrajectory))
+      layout_.poses = {*file, 0, {}, {}};
+    else if (layout_.poses.empty())
+      if (const auto other = trajectoryIn(within_)) {
+        layout_.poses = {*other, 0, {}, {}};
+        say(fmt::format("the poses are those of {}", other->string()));
+      }
+    if (layout_.unit.counted && layout_.kind != Kind::icl_nuim) takeTimesOfPoses();
   }
 
+  /** Of images that are only counted. */
+  void takeTimesOfPoses() {
+    const fs::path& file = layout_.poses.trajectory;
+    PoseTable table;
+    if (!file.empty()) try {
+        table = readPoseTable(file);
+      } catch (const IoError&) {  // told to who asks for the poses
+      }
+    const bool same_numbers = haveSameNumbers(table, layout_.times());
+    const bool as_many = table.stamped && table.rows.size() == layout_.frames.size();
+    if (same_numbers || (as_many && !table.rows.empty())) {
+      for (std::size_t i = 0; i < layout_.frames.size(); ++i) {
+        FrameFile& frame = layout_.frames[i];
+        if (same_numbers && text::to<double>(frame.name))
+          frame.stamp = layout_.numbers[i];
+        else
+          setStamp(frame, same_numbers ? layout_.numbers[i] : table.rows[i].stamp * table.unit.seconds);
+      }
+      if (same_numbers) layout_.unit = {};
+      return;
+    }
+    say(fmt::format("the images are only numbered: they are taken to be 1/{} s apart", kFrameRate));
+  }
+
+  void say(const std::string& words) { layout_.remark += (layout_.remark.empty() ? "" : "; ") + words; }
+
   std::vector<ListedImage> images_;
-  std::vector<fs::path> beside_;
+  std::vector<fs::path> beside_, within_;
   RecordingLayout layout_;
 };
-
-/** Seconds since 1970 of 20121214T142255.814212, as if its clock had shown universal time. */
-std::optional<double> secondsOfIsoTime(const std::string& s) {
-  constexpr std::size_t kLength = 15;  // of the whole seconds
-  if (s.size() < kLength || s[8] != 'T' || (s.size() > kLength && s[kLength] != '.')) return {};
-  for (std::size_t i = 0; i < s.size(); ++i)
-    if (i != 8 && i != kLength && !std::isdigit(static_cast<unsigned char>(s[i]))) return {};
-  const auto number = [&s](std::size_t begin, std::size_t size) {
-    return text::to<int>(s.substr(begin, size));
-  };
-  const auto year = number(0, 4), month = number(4, 2), day = number(6, 2), hour = number(9, 2),
-             minute = number(11, 2), second = number(13, 2);
-  const auto fraction = text::to<double>("0" + s.substr(kLength) + "0");
-  if (!year || !month || !day || !hour || !minute || !second || !fraction) return {};
-  if (*month < 1 || *month > 12 || *day < 1 || *day > 31 || *hour > 23 || *minute > 59 || *second > 60)
-    return {};
-  std::tm time{};
-  time.tm_year = *year - 1900, time.tm_mon = *month - 1, time.tm_mday = *day;
-  time.tm_hour = *hour, time.tm_min = *minute, time.tm_sec = *second;
-  return static_cast<double>(timegm(&time)) + *fraction;
-}
 
 }  // namespace
 
@@ -220,16 +279,17 @@ std::string RecordingLayout::inWords() const {
   return stamped ? "images named by their times" : "images in the order of their names, without times";
 }
 
-std::optional<double> stampInName(const std::string& name) {
-  const auto number = text::to<double>(name);
-  if (number) return std::isfinite(*number) ? number : std::nullopt;
-  return secondsOfIsoTime(name.substr(name.find_last_of('_') + 1));  // frame_20121214T142255.814212
-}
-
 std::string nameOfStamp(double stamp) { return text::decimals(stamp, kStampDigits); }
 
-RecordingLayout layoutOf(const std::vector<ListedImage>& images, const std::vector<fs::path>& beside) {
-  return LayoutFinder(images, beside).find();
+ImageTimes RecordingLayout::times() const {
+  ImageTimes times{{}, numbers, unit};
+  for (const FrameFile& frame : frames) times.stamps.push_back(frame.stamp);
+  return times;
+}
+
+RecordingLayout layoutOf(const std::vector<ListedImage>& images, const std::vector<fs::path>& beside,
+                         const std::vector<fs::path>& within) {
+  return LayoutFinder(images, beside, within).find();
 }
 
 }  // namespace facetloc::internal

@@ -30,24 +30,25 @@ struct RecordingLayout {
   Kind kind = Kind::plain;
   std::vector<FrameFile> frames;  ///< in the order of their stamps
   bool stamped = false;           ///< are the stamps times, rather than indices?
+  std::vector<double> numbers;    ///< in the names of the frames, or before these in a list; or empty
+  TimeUnit unit;                  ///< of the numbers
   RecordedPoses poses;
+  std::string remark;  ///< what was taken for granted, a sentence without full stop, or nothing
 
   /** \brief "7-Scenes", "images named by their times". */
   std::string inWords() const;
+  ImageTimes times() const;
 };
-
-/** \brief Recordings that number their images have so many per second. */
-constexpr double kFrameRate = 30;
 
 /** \brief Where images have no stamps by their names, those are in a list beside them, or they are numbered,
  * or else the order is all that is known of their times. Images without names of their own that are stamps
- * are named by their stamps, with 6 decimals. Throws IoError for a name that is none among stamps.
- * \param beside folders to look for lists and poses in */
+ * are named by their stamps, with 6 decimals. Images that are numbered take the stamps of poses beside them
+ * that are the same numbers, or as many. Throws IoError for a name that is none among stamps.
+ * \param beside folders to look for lists and poses in \param within those of them that are the
+ * recording's own, where poses may have any name */
 RecordingLayout layoutOf(const std::vector<ListedImage>& images,
-                         const std::vector<std::filesystem::path>& beside);
-
-/** \brief The time that the name of an image is or has in it, as those of PCL's recorders do, [s]. */
-std::optional<double> stampInName(const std::string& name);
+                         const std::vector<std::filesystem::path>& beside,
+                         const std::vector<std::filesystem::path>& within);
 
 /** \brief A name that is a stamp. */
 std::string nameOfStamp(double stamp);

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/sequence_reader.h"
 
+#include "cloud_axes.h"
+#include "depth_file.h"
+
 #include <facetloc/io/error.h>
 #include <facetloc/io/segment_file.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstddef>
 #include <fmt/format.h>
 #include <map>
@@ -14,6 +18,11 @@ namespace facetloc::internal {
 namespace {
 
 namespace fs = std::filesystem;
+
+std::string lower(std::string s) {
+  for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return s;
+}
 
 void requireUniqueNames(const std::vector<FrameFile>& frames, const fs::path& source) {
   std::map<std::string, fs::path> seen;
@@ -34,7 +43,7 @@ RecordingLayout layoutOf(const ImageContainer& container, const fs::path& path,
     images.push_back({path, container.stamp(i)});
     ascending = ascending && (i == 0 || images[i].stamp > images[i - 1].stamp);
   }
-  if (ascending) return layoutOf(images, beside);
+  if (ascending) return layoutOf(images, beside, {});
   RecordingLayout layout;
   for (std::size_t i = 0; i < images.size(); ++i)
     layout.frames.push_back({fmt::format("frame_{}", i), path, static_cast<double>(i)});
@@ -55,26 +64,33 @@ void SequenceReader::listImages() {
   std::error_code ignored;
   const bool is_folder = fs::is_directory(path_, ignored);
   asked_ = is_folder ? fs::absolute(path_) : fs::absolute(path_).parent_path();
-  const bool has_depth = is_folder && fs::is_directory(path_ / "depth", ignored);
-  const fs::path images = has_depth ? path_ / "depth" : path_;
+  const fs::path images = is_folder ? folderOfImages(path_) : path_;
+  const bool has_depth = is_folder && images != path_;
   beside_ = placesBeside(has_depth ? images : asked_, asked_);
+  const auto add = [this](const fs::path& folder) {
+    if (std::find(within_.begin(), within_.end(), folder) == within_.end()) within_.push_back(folder);
+  };
+  if (has_depth) add(images), add(images.parent_path());
+  add(asked_);
+  if (lower(asked_.filename().string()).find("depth") != std::string::npos) add(asked_ / "..");
   if (is_folder)
-    layout_ = layoutOf(imagesOfFolder(images), beside_);
+    layout_ = layoutOf(imagesOfFolder(images), beside_, within_);
   else if (isImage(path_))
-    layout_ = layoutOf({{path_}}, beside_);
+    layout_ = layoutOf({{path_}}, beside_, within_);
   else if (isImageList(path_))
-    layout_ = layoutOf(imagesOfList(path_), beside_);
+    layout_ = layoutOf(imagesOfList(path_), beside_, {});
   else if (isContainer(path_))
     layout_ = layoutOf(*(container_ = openContainer(path_, hints_.topic)), path_, beside_);
   else
     throw IoError(path_.string(),
-                  "is no sequence: expected a folder, a .png, a .pcd, an .oni or .bag recording, "
-                  "or a list in a .txt or .lst file");
+                  fmt::format("is no sequence: expected a folder, a depth image ({}), an .oni or "
+                              ".bag recording, or a list in a .txt, .lst or .csv file{}{}",
+                              imageEndings(), adviceOnFile(path_).empty() ? "" : "; ", adviceOnFile(path_)));
 }
 
-bool SequenceReader::hasPngs() const {
+bool SequenceReader::needsCamera() const {
   return std::any_of(layout_.frames.begin(), layout_.frames.end(),
-                     [](const FrameFile& frame) { return isPng(frame.path); });
+                     [](const FrameFile& frame) { return isDepthFile(frame.path); });
 }
 
 /** Throws IoError if there are images as well. */
@@ -93,7 +109,7 @@ std::optional<RecordedCamera> SequenceReader::camera() const {
   if (is_file)
     camera = RecordedCamera{readCameraFile(hints_.camera)};
   else
-    camera = cameraOf(layout_, beside_, asked_);
+    camera = cameraOf(layout_, beside_, within_, asked_);
   if (!camera && container_) camera = RecordedCamera{container_->camera()};
   if (!hints_.camera.empty() && !is_file) camera = withPreset(hints_.camera, camera, layout_);
   if (camera && hints_.depth_scale > 0) camera->file.depth_scale = hints_.depth_scale;
@@ -101,7 +117,7 @@ std::optional<RecordedCamera> SequenceReader::camera() const {
 }
 
 DepthSequence SequenceReader::readWithoutCamera() const {
-  return readWith(cameraOf(layout_, beside_, asked_));  // which may say where its y axis points
+  return readWith(cameraOf(layout_, beside_, within_, asked_));  // which may say where its y axis points
 }
 
 DepthSequence SequenceReader::readWith(std::optional<RecordedCamera> camera) const {
@@ -109,14 +125,26 @@ DepthSequence SequenceReader::readWith(std::optional<RecordedCamera> camera) con
   sequence.frames_ = layout_.frames;
   sequence.stamped_ = layout_.stamped;
   sequence.container_ = container_;
+  sequence.times_ = std::make_shared<const ImageTimes>(layout_.times());
   sequence.layout_ = container_ ? "a recording in one file" : layout_.inWords();
   sequence.time_offset_ = hints_.time_offset;
+  sequence.poses_are_ = PoseReading::of(hints_.poses_are);
+  const auto remark = [&sequence](std::string words) {
+    if (!words.empty()) sequence.remarks_.push_back(std::move(words));
+  };
+  if (container_) remark(container_->remark());
+  remark(layout_.remark);
   if (camera) {
     sequence.camera_ = std::move(camera->file);
-    sequence.camera_remark_ = std::move(camera->remark);
+    remark(std::move(camera->remark));
+    if (!sequence.camera_->isPinhole() && sequence.camera_->camera.intrinsics.valid())
+      sequence.lens_ = std::make_shared<const LensCorrection>(
+          sequence.camera_->camera.intrinsics, sequence.camera_->lens, sequence.camera_->depth_is);
   }
   try {
-    sequence.ground_truth_ = sequence.asOfImages(layout_.poses.read());
+    ReadPoses poses = layout_.poses.read(*sequence.times_);
+    remark(std::move(poses.remark));
+    sequence.ground_truth_ = sequence.asOfImages(poses.poses, sequence.poses_are_);
   } catch (const IoError&) {  // of no matter to those who do not ask for poses
     sequence.ground_truth_fault_ = std::current_exception();
   }
@@ -124,8 +152,13 @@ DepthSequence SequenceReader::readWith(std::optional<RecordedCamera> camera) con
 }
 
 DepthSequence SequenceReader::read() const {
-  if (layout_.frames.empty()) throw IoError(path_.string(), "has no .png or .pcd depth images");
-  if (hints_.depth_scale > 0 && !hasPngs())
+  if (layout_.frames.empty()) {
+    std::error_code ignored;
+    const bool is_folder = fs::is_directory(path_, ignored);
+    throw IoError(path_.string(), fmt::format("has no depth images ({}){}", imageEndings(),
+                                              is_folder ? "; " + foundIn(path_) : ""));
+  }
+  if (hints_.depth_scale > 0 && !needsCamera() && !container_)
     throw IoError(path_.string(), "has no PNG images, whose values a depth scale would explain");
   const bool of_segments = hasSegments();
   if (of_segments && !hints_.segments)
@@ -135,7 +168,12 @@ DepthSequence SequenceReader::read() const {
         "the depth images are needed that they were found in");
   DepthSequence sequence = readWith(camera());
   sequence.of_segments_ = of_segments;
-  if (!sequence.camera() && hasPngs()) throw IoError(path_.string(), adviceOnCamera(layout_, asked_));
+  if (!sequence.camera() && needsCamera()) throw IoError(path_.string(), adviceOnCamera(layout_, asked_));
+  if (!of_segments && !container_ && isCloud(layout_.frames.front().path)) try {
+      const std::string words = sequence.loadAsStored(0).remark;
+      if (!words.empty()) sequence.remarks_.push_back(words);
+    } catch (const IoError&) {  // told when it is loaded
+    }
   return sequence;
 }
 

@@ -27,14 +27,15 @@ public:
 
 private:
   void listImages();
-  bool hasPngs() const;
+  bool needsCamera() const;
   bool hasSegments() const;
   DepthSequence readWith(std::optional<RecordedCamera> camera) const;
   std::optional<RecordedCamera> camera() const;
 
   std::filesystem::path path_, asked_;
   RecordingHints hints_;
-  std::vector<std::filesystem::path> beside_;
+  std::vector<std::filesystem::path> beside_;  // where files that belong to it can be
+  std::vector<std::filesystem::path> within_;  // those of these that are its own
   RecordingLayout layout_;
   std::shared_ptr<const ImageContainer> container_;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <facetloc/features/camera.h>
+#include <facetloc/features/lens_distortion.h>
 
 #include <filesystem>
 #include <string>
@@ -11,6 +12,8 @@ namespace facetloc {
 /** \brief The camera.ini of a depth sequence: one `key = value` per line, # starts a comment.
  *
  *     width=640  height=480  fx=525  fy=525  cx=319.5  cy=239.5  depth_scale=5000
+ *     k1=4.72  k2=3.21  p1=0  p2=0  k3=0.17  k4=5.06  k5=4.78  k6=0.89     optional, see LensDistortion
+ *     depth_is=distance                          optional: along the ray, instead of z
  *     mount_height=0.98  mount_tilt_deg=10       optional, both or none, and with them
  *     mount_roll_deg=0  mount_pan_deg=0  mount_x=0.2  mount_y=0       optional, see CameraMounting
  *     camera=azure_kinect                        optional: noise and largest depth of a CameraPreset
@@ -25,7 +28,12 @@ struct CameraFile {
   double depth_scale = 1000;  ///< PNG value per metre
   std::string preset{};       ///< the CameraPreset that is named; empty if none is
   bool y_axis_up =
-      false;  ///< of the camera in its poses; its images have their first row on top all the same
+      false;              ///< of the camera in its poses; its images have their first row on top all the same
+  LensDistortion lens{};  ///< of the images as they are stored; those that are read are a pinhole camera's
+  DepthKind depth_is = DepthKind::z;  ///< in the images as they are stored
+
+  /** \brief Are the images as they are stored those of a pinhole camera? */
+  bool isPinhole() const { return lens.isNone() && depth_is == DepthKind::z; }
 };
 
 /** \brief Throws IoError with the line for unknown keys and presets, missing keys, values that are no numbers

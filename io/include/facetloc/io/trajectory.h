@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace facetloc {
@@ -37,8 +38,16 @@ private:
   std::vector<StampedPose> poses_;
 };
 
-/** \brief Reads the TUM format: `stamp tx ty tz qx qy qz qw`, # starts a comment. Throws IoError with the
- * line number for a malformed line, a value that is not finite or a quaternion that is no rotation. */
+/** \brief Reads poses with time stamps in the forms that people have: the TUM format with blanks, commas or
+ * semicolons between the columns, with a line of names, with a number behind each pose; EuRoC's; a stamp and
+ * a matrix of 12 or 16 numbers. Stamps in milliseconds, microseconds or nanoseconds are known by a header or
+ * by their size. Lost poses, NaN or a quaternion of zeros, are left out. Throws IoError with the line number.
+ * \param remark receives what was taken for granted or left out, or nothing */
+Trajectory readTrajectory(const std::filesystem::path& path, std::string* remark = nullptr);
+
+/** \brief Reads the TUM format as facetloc writes it, strictly: `stamp tx ty tz qx qy qz qw`, # starts a
+ * comment. Throws IoError with the line number for a malformed line, a value that is not finite or a
+ * quaternion that is no rotation. */
 Trajectory readTumTrajectory(const std::filesystem::path& path);
 /** \brief Writes the TUM format: a header line, stamps with 6 decimals, exactly 8 columns, no trailing space.
  */

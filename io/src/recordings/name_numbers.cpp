@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "recordings/name_numbers.h"
+
+#include "shared/text.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <ctime>
+#include <utility>
+
+namespace facetloc::internal {
+namespace {
+
+bool isDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+bool isLower(char c) { return std::islower(static_cast<unsigned char>(c)) != 0; }
+bool isUpper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
+char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
+
+/** Seconds since 1970 of 20121214T142255.814212, as if its clock had shown universal time. */
+std::optional<double> secondsOfIsoTime(const std::string& s) {
+  constexpr std::size_t kLength = 15;  // of the whole seconds
+  if (s.size() < kLength || s[8] != 'T' || (s.size() > kLength && s[kLength] != '.')) return {};
+  for (std::size_t i = 0; i < s.size(); ++i)
+    if (i != 8 && i != kLength && !isDigit(s[i])) return {};
+  const auto number = [&s](std::size_t begin, std::size_t size) {
+    return text::to<int>(s.substr(begin, size));
+  };
+  const auto year = number(0, 4), month = number(4, 2), day = number(6, 2), hour = number(9, 2),
+             minute = number(11, 2), second = number(13, 2);
+  const auto fraction = text::to<double>("0" + s.substr(kLength) + "0");
+  if (!year || !month || !day || !hour || !minute || !second || !fraction) return {};
+  if (*month < 1 || *month > 12 || *day < 1 || *day > 31 || *hour > 23 || *minute > 59 || *second > 60)
+    return {};
+  std::tm time{};
+  time.tm_year = *year - 1900, time.tm_mon = *month - 1, time.tm_mday = *day;
+  time.tm_hour = *hour, time.tm_min = *minute, time.tm_sec = *second;
+  return static_cast<double>(timegm(&time)) + *fraction;
+}
+
+/** A name as texts and numbers in turn: one text more than numbers. */
+struct Pieces {
+  std::vector<std::string> texts, numbers;
+};
+
+Pieces piecesOf(const std::string& name) {
+  Pieces pieces;
+  std::string text;
+  for (std::size_t i = 0; i < name.size();) {
+    if (!isDigit(name[i])) {
+      text += name[i++];
+      continue;
+    }
+    std::size_t end = i;
+    bool has_point = false;
+    while (end < name.size() && (isDigit(name[end]) || (name[end] == '.' && !has_point &&
+                                                        end + 1 < name.size() && isDigit(name[end + 1])))) {
+      has_point = has_point || name[end] == '.';
+      ++end;
+    }
+    pieces.texts.push_back(std::exchange(text, {}));
+    pieces.numbers.push_back(name.substr(i, end - i));
+    i = end;
+  }
+  pieces.texts.push_back(text);
+  return pieces;
+}
+
+/** Which of the numbers of names that are alike otherwise differs from name to name, one with a point rather
+ * than another; of a single name the only one. Nothing if the names are not alike, or do not differ by a
+ * number. */
+std::optional<std::size_t> counting(const std::vector<Pieces>& names) {
+  const Pieces& first = names.front();
+  if (first.numbers.empty()) return {};
+  for (const Pieces& name : names)
+    if (name.texts != first.texts) return {};
+  if (names.size() == 1) return first.numbers.size() == 1 ? std::optional<std::size_t>(0) : std::nullopt;
+  std::optional<std::size_t> found;
+  for (std::size_t k = 0; k < first.numbers.size(); ++k) {
+    std::vector<std::string> values;
+    for (const Pieces& name : names) values.push_back(name.numbers[k]);
+    std::sort(values.begin(), values.end());
+    if (std::adjacent_find(values.begin(), values.end()) != values.end()) continue;
+    if (first.numbers[k].find('.') != std::string::npos) return k;
+    if (!found) found = k;
+  }
+  return found;
+}
+
+bool isPadded(const std::string& number) {
+  return number.size() > 1 && number[0] == '0' && number.find('.') == std::string::npos;
+}
+
+}  // namespace
+
+std::optional<double> stampInName(const std::string& name) {
+  const auto number = text::to<double>(name);
+  if (number) return std::isfinite(*number) ? number : std::nullopt;
+  for (const std::string_view word : text::split(name, '_'))  // frame_20121214T142255.814212_depth
+    if (const auto seconds = secondsOfIsoTime(std::string(word))) return seconds;
+  return {};
+}
+
+std::optional<NameNumbers> numbersInNames(const std::vector<std::string>& names) {
+  if (names.empty()) return {};
+  NameNumbers found;
+  for (const std::string& name : names) {
+    const auto stamp = stampInName(name);
+    if (!stamp) break;
+    found.numbers.push_back(*stamp);
+    found.decimal = found.decimal || name.find_first_of(".eET") != std::string::npos;
+    found.padded = found.padded || isPadded(name);
+  }
+  if (found.numbers.size() == names.size()) return found;
+  std::vector<Pieces> pieces;
+  for (const std::string& name : names) pieces.push_back(piecesOf(name));
+  const auto k = counting(pieces);
+  if (!k) return {};
+  found = {};
+  for (const Pieces& name : pieces) {
+    const auto number = text::to<double>(name.numbers[*k]);
+    if (!number) return {};
+    found.numbers.push_back(*number);
+    found.decimal = found.decimal || name.numbers[*k].find('.') != std::string::npos;
+    found.padded = found.padded || isPadded(name.numbers[*k]);
+  }
+  return found;
+}
+
+bool hasWord(const std::string& name, const std::string& word) {
+  const auto isLetter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
+  std::string folded = name;
+  std::transform(folded.begin(), folded.end(), folded.begin(), lower);
+  for (auto at = folded.find(word); at != std::string::npos; at = folded.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    const bool begins = at == 0 || !isLetter(name[at - 1]) || (isLower(name[at - 1]) && isUpper(name[at]));
+    const bool ends =
+        end == name.size() || !isLetter(name[end]) || (isLower(name[end - 1]) && isUpper(name[end]));
+    if (begins && ends) return true;
+  }
+  return false;
+}
+
+}  // namespace facetloc::internal

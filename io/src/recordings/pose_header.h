@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+/** \file
+ * Which columns of a file of poses are what. Private to io. */
+
+namespace facetloc::internal {
+
+/** \brief Columns, counted from 0. */
+struct PoseHeader {
+  std::size_t width = 0;      ///< number of columns
+  int stamp = -1;             ///< -1: none
+  int nanoseconds = -1;       ///< of the part of the stamp below a second; -1: none
+  double unit = 0;            ///< seconds that a stamp stands for, if the header says it; 0: it does not
+  int matrix = -1;            ///< where a matrix begins, row by row; -1: a position and a quaternion instead
+  std::array<int, 7> pose{};  ///< tx ty tz qx qy qz qw
+
+  /** \brief By a line of names, such as `timestamp tx ty tz qx qy qz qw` or EuRoC's `#timestamp
+   * [ns],p_x,...`. Empty if the names are not those of one position and one quaternion. */
+  static std::optional<PoseHeader> of(std::string_view names);
+  /** \brief tx ty tz qx qy qz qw from a column on. */
+  static PoseHeader inOrder(std::size_t width, int stamp, int first);
+  static PoseHeader ofMatrix(std::size_t width, int stamp, int first);
+  /** \brief A stamp in nanoseconds, a position, and a quaternion w x y z. */
+  static PoseHeader ofEuroc(std::size_t width);
+};
+
+}  // namespace facetloc::internal

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "recordings/time_units.h"
+
+#include <Eigen/Geometry>
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+/** \file
+ * Files of poses in the forms in which people have them. Private to io. */
+
+namespace facetloc::internal {
+
+/** \brief One pose of a file. */
+struct PoseRow {
+  double stamp = 0;                        ///< as it is written, if the table is stamped
+  std::optional<Eigen::Isometry3d> T_w_c;  ///< none: lost, which trackers write as NaN or zeros
+};
+
+/** \brief The poses of a file, in its order. */
+struct PoseTable {
+  std::vector<PoseRow> rows;
+  bool stamped = true;
+  TimeUnit unit;  ///< of the stamps, by the header of the table or by their size
+
+  std::size_t lost() const;
+  std::vector<double> stamps() const;
+};
+
+/** \brief Reads rows of numbers between blanks, commas or semicolons, with decimal points or commas; # and %
+ * start comments, and a line of names may come first and tell what the columns are. Without one, rows are
+ * `tx ty tz qx qy qz qw` or a matrix of 12 or 16 numbers by rows, with or without a stamp in front, as of
+ * TUM, KITTI and Replica; of 8 with a number behind or in front, as of RTAB-Map; of 17 as of EuRoC; or
+ * matrices of 4x4 one after the other, as of Redwood. Throws IoError with the line. */
+PoseTable readPoseTable(const std::filesystem::path& path);
+
+/** \brief The same of text that is there. \param source named in errors */
+PoseTable parsePoseTable(std::string_view content, const std::string& source);
+
+/** \brief The rigid transform of a matrix that is one up to 1e-2, as files have as few as four decimals.
+ * Throws std::invalid_argument. */
+Eigen::Isometry3d poseOfMatrix(const Eigen::Matrix4d& m);
+
+/** \brief A pose of seven numbers, tx ty tz qx qy qz qw; none if it was lost: not finite, or a quaternion of
+ * zeros. Throws std::invalid_argument. */
+std::optional<Eigen::Isometry3d> poseOfColumns(const std::array<double, 7>& columns);
+
+}  // namespace facetloc::internal
