@@ -185,15 +185,8 @@ bool areMillimetres(const DepthImage& image) {
 
 bool isTurnNone(const Turn& turn) { return !turn.rows_from_below && turn.axes.isIdentity(); }
 
-bool anyBehind(const Cloud& cloud) {
-  std::size_t behind = 0, in_front = 0;
-  for (const auto& p : cloud)
-    if (std::isfinite(p.z)) ++(p.z > 0 ? in_front : behind);
-  return behind > in_front;
-}
-
 bool fits(const Cloud& cloud, const Intrinsics& camera) {
-  return !anyBehind(cloud) && isImageOf(cloud, camera, kCalibrationError * camera.width);
+  return !detail::isBehind(cloud) && isImageOf(cloud, camera, kCalibrationError * camera.width);
 }
 
 constexpr const char* kLensRemark = "the clouds are on the grid of an image with lens distortion: their "

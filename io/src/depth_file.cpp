@@ -44,11 +44,15 @@ const Format* formatOf(const fs::path& path) {
   return nullptr;
 }
 
-/** Floating-point depth that is in millimetres, and what was not measured. */
+/** Without what was not measured; millimetres become metres, and depth along the negative z axis, as of
+ * renderers, positive. */
 void toMetres(std::vector<float>& values) {
   constexpr float kFarthest = 100, kMillimetres = 1000;
+  const auto n = [&values](auto holds) { return std::count_if(values.begin(), values.end(), holds); };
+  const bool negative = n([](float z) { return isMeasured(-z); }) > n([](float z) { return isMeasured(z); });
   std::vector<float> measured;
   for (float& z : values) {
+    if (negative) z = -z;
     if (!isMeasured(z)) z = 0;
     if (z > 0) measured.push_back(z);
   }

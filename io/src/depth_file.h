@@ -32,7 +32,7 @@ bool isDepthFile(const std::filesystem::path& path);
 std::optional<PngSize> depthFileSize(const std::filesystem::path& path);
 
 /** \brief Reads any of these. Floating-point depth is in metres, or in millimetres if most of it would be
- * beyond 100 m. Throws IoError. */
+ * beyond 100 m, and may be negative throughout. Throws IoError. */
 DepthValues readDepthValues(const std::filesystem::path& path);
 
 // Formats. All throw IoError.

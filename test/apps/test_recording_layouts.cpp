@@ -107,6 +107,57 @@ protected:
     return (folder / "walk.bag").string();
   }
 
+  /** As a camera with a lens stores it: distances along rays. */
+  std::string throughALens(const std::string& source, const std::string& name) {
+    const fs::path folder = folder_ / name;
+    const DepthSequence sequence = DepthSequence::open(source);
+    CameraFile camera = *sequence.camera();
+    camera.lens.k1 = -0.25, camera.lens.k2 = 0.08, camera.lens.p1 = 1e-3;
+    camera.depth_is = DepthKind::distance;
+    fs::create_directories(folder / "depth");
+    writeCameraFile(folder / "camera.ini", camera);
+    fs::copy_file(fs::path(source) / "groundtruth.txt", folder / "groundtruth.txt");
+    for (std::size_t i = 0; i < sequence.frames().size(); ++i)
+      writeDepthPng(folder / "depth" / sequence.frames()[i].path.filename(), stored(sequence.load(i), camera),
+                    camera.depth_scale);
+    return folder.string();
+  }
+
+  /** Each pixel at twice its column and row. */
+  std::string alignedToAFinerImage(const std::string& source, const std::string& name) {
+    const fs::path folder = folder_ / name;
+    const DepthSequence sequence = DepthSequence::open(source);
+    fs::create_directories(folder / "depth");
+    for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
+      const DepthImage image = sequence.load(i);
+      const Intrinsics& k = image.camera;
+      DepthImage fine{{2 * k.width, 2 * k.height, 2 * k.fx, 2 * k.fy, 2 * k.cx + 1, 2 * k.cy + 1}, {}};
+      for (int v = 0; v < fine.camera.height; ++v)
+        for (int u = 0; u < fine.camera.width; ++u)
+          fine.depth.push_back(u % 2 == 1 && v % 2 == 1 ? image.at(u / 2, v / 2) : 0.f);
+      CameraFile camera = *sequence.camera();
+      camera.camera.intrinsics = fine.camera;
+      writeCameraFile(folder / "camera.ini", camera);
+      writeDepthPng(folder / "depth" / sequence.frames()[i].path.filename(), fine, camera.depth_scale);
+    }
+    return folder.string();
+  }
+
+  /** 000000.png, 000001.png, ... */
+  std::string numbered(const std::string& source, const std::string& name, std::size_t images) {
+    const fs::path folder = folder_ / name;
+    copyCamera(source, folder);
+    fs::create_directories(folder / "depth");
+    fs::copy_file(fs::path(source) / "groundtruth.txt", folder / "groundtruth.txt");
+    const DepthSequence sequence = DepthSequence::open(source);
+    for (std::size_t i = 0; i < std::min(images, sequence.frames().size()); ++i) {
+      const std::string number = std::to_string(i);
+      fs::copy_file(sequence.frames()[i].path,
+                    folder / "depth" / (std::string(6 - number.size(), '0') + number + ".png"));
+    }
+    return folder.string();
+  }
+
   std::string recordedByPcl(const std::string& source, const std::string& name) {
     const fs::path folder = folder_ / name;
     fs::create_directories(folder);
@@ -125,6 +176,22 @@ protected:
   }
 
 private:
+  static DepthImage stored(const DepthImage& seen, const CameraFile& camera) {
+    DepthImage image{seen.camera, {}};
+    for (int v = 0; v < image.camera.height; ++v)
+      for (int u = 0; u < image.camera.width; ++u) {
+        const auto ray = camera.lens.undistorted(image.camera.ray(u, v).head<2>());
+        const Eigen::Vector2d pixel =
+            ray ? seen.camera.project({ray->x(), ray->y(), 1}) : Eigen::Vector2d(-1, -1);
+        const int column = static_cast<int>(std::lround(pixel.x())),
+                  row = static_cast<int>(std::lround(pixel.y()));
+        const bool is_seen =
+            column >= 0 && row >= 0 && column < seen.camera.width && row < seen.camera.height;
+        image.depth.push_back(
+            is_seen ? seen.at(column, row) * static_cast<float>(std::sqrt(1 + ray->squaredNorm())) : 0.f);
+      }
+    return image;
+  }
   static pcl::PointCloud<pcl::PointXYZ> cloudOf(const DepthImage& image) {
     pcl::PointCloud<pcl::PointXYZ> cloud(image.camera.width, image.camera.height);
     for (int v = 0; v < image.camera.height; ++v)
@@ -143,6 +210,66 @@ TEST_F(Layouts, SevenScenes) {
 TEST_F(Layouts, Tum) { expectToWork(tum(map_run(), "a"), tum(query(), "b")); }
 TEST_F(Layouts, FilesOfPclsRecorders) {
   expectToWork(recordedByPcl(map_run(), "a"), recordedByPcl(query(), "b"));
+}
+
+TEST_F(Layouts, DistancesThroughALens) {
+  expectToWork(throughALens(map_run(), "a"), throughALens(query(), "b"));
+}
+
+TEST_F(Layouts, DepthAlignedToAFinerImageShowsItsPlanesAtAnyWidth) {
+  const auto segmentsOf = [&](const std::string& input, const std::string& width) {
+    const ToolRun run = runTool<SegmentApp>({input, "-o", folder_ / ("s" + width), "--width", width});
+    EXPECT_EQ(run.code, kOk) << run.err;
+    const auto at = run.out.find(" with ");
+    return std::stoi(run.out.substr(at + 6));
+  };
+  const std::string sparse = alignedToAFinerImage(query(), "a");
+  const int dense = segmentsOf(query(), "320");
+  for (const char* width : {"320", "0"}) EXPECT_GE(segmentsOf(sparse, width), 0.8 * dense) << width;
+}
+
+TEST_F(Layouts, NumberedImagesBesideAsManyPoses) {
+  expectToWork(numbered(map_run(), "a", 1000), numbered(query(), "b", 1000));
+}
+
+TEST_F(Layouts, NumberedImagesBesideMorePosesMakeNoMap) {
+  const ToolRun run = runMap({"build", numbered(map_run(), "a", 8), "-o", folder_ / "a.flmap"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("which pose is whose is not known"));
+  EXPECT_FALSE(fs::exists(folder_ / "a.flmap"));
+}
+
+TEST_F(Layouts, AMapIsNotMadeOfAFewPosesThatNothingChecks) {
+  const std::string input = folder_ / "input";
+  fs::copy(map_run(), input, fs::copy_options::recursive);
+  std::vector<StampedPose> poses = readTumTrajectory(input + "/groundtruth.txt").poses();
+  poses.resize(2);
+  writeTumTrajectory(input + "/groundtruth.txt", poses);
+  const ToolRun run = runMap({"build", input, "-o", folder_ / "a.flmap"});
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, testing::AllOf(HasSubstr("have no pose within"), HasSubstr("--force")));
+  EXPECT_EQ(runMap({"build", input, "-o", folder_ / "b.flmap", "--force"}).code, kOk);
+}
+
+TEST_F(Layouts, PosesInAnotherConventionAreReadAsTheirCheckSays) {
+  const std::string input = folder_ / "input";
+  fs::copy(map_run(), input, fs::copy_options::recursive);
+  std::vector<StampedPose> poses = readTumTrajectory(input + "/groundtruth.txt").poses();
+  for (StampedPose& pose : poses) pose.T_w_c = pose.T_w_c.inverse();
+  writeTumTrajectory(input + "/groundtruth.txt", poses);
+  const ToolRun refused = runMap({"build", input, "-o", folder_ / "a.flmap"});
+  EXPECT_EQ(refused.code, kFailed);
+  EXPECT_THAT(refused.err, HasSubstr("--poses-are inverse"));
+  const ToolRun run = runMap({"build", input, "-o", folder_ / "b.flmap", "--poses-are", "inverse"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_EQ(runMap({"build", input, "-o", folder_ / "c.flmap", "--poses-are", "left"}).code, kUsage);
+}
+
+TEST_F(Layouts, ResultsSayWhichFileAFrameIsFrom) {
+  const std::string input = numbered(query(), "a", 3), out = folder_ / "s";
+  ASSERT_EQ(runTool<SegmentApp>({input, "-o", out}).code, kOk);
+  EXPECT_THAT(contentOf(out + "/inputs.csv"),
+              testing::AllOf(HasSubstr("frame,file\n"), HasSubstr("a/depth/000001.png")));
 }
 
 TEST_F(Layouts, Bags) {

@@ -155,7 +155,7 @@ TEST_F(Tools, SegmentReportsABadImageAndDoesTheOthers) {
   const ToolRun run = runTool<SegmentApp>({input, "-o", folder_ / "out"});
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("1 of 12 items failed"));
-  EXPECT_EQ(filesOf(folder_ / "out").size(), 13u);  // and params.ini and images.txt
+  EXPECT_EQ(filesOf(folder_ / "out").size(), 14u);  // and params.ini, images.txt and inputs.csv
 
   // What is there is not touched, what is missing is done.
   const fs::path first = filesOf(folder_ / "out").front();
@@ -165,7 +165,7 @@ TEST_F(Tools, SegmentReportsABadImageAndDoesTheOthers) {
   const ToolRun resumed = runTool<SegmentApp>({input, "-o", folder_ / "out", "--resume"});
   EXPECT_EQ(resumed.code, kOk) << resumed.err;
   EXPECT_THAT(resumed.out, AllOf(HasSubstr("1 image with"), HasSubstr("11 were done before")));
-  EXPECT_EQ(filesOf(folder_ / "out").size(), 14u);
+  EXPECT_EQ(filesOf(folder_ / "out").size(), 15u);
   EXPECT_EQ(fs::last_write_time(first), old);
 }
 
@@ -191,11 +191,11 @@ TEST_F(Tools, SegmentLeavesNothingThatIsOfAnotherRun) {
   const fs::path gone = filesOf(input + "/depth").front();
   const fs::path labels = fs::path(out) / gone.filename();  // as large as the image was taken to be
   ASSERT_EQ(runTool<SegmentApp>({input, "-o", out, "--labels", "--overlay", "--width", "160"}).code, kOk);
-  EXPECT_EQ(filesOf(out).size(), 3u * kFrames + 2);
+  EXPECT_EQ(filesOf(out).size(), 3u * kFrames + 3);
   EXPECT_EQ(readGreyPng(labels, 16).width, 160);
 
   ASSERT_EQ(runTool<SegmentApp>({input, "-o", out}).code, kOk);
-  EXPECT_EQ(filesOf(out).size(), 1u * kFrames + 2) << "labels of width 160";
+  EXPECT_EQ(filesOf(out).size(), 1u * kFrames + 3) << "labels of width 160";
   const ToolRun resumed = runTool<SegmentApp>({input, "-o", out, "--labels", "--resume"});
   EXPECT_EQ(resumed.code, kOk) << resumed.err;
   EXPECT_THAT(resumed.out, Not(HasSubstr("done before")));
@@ -203,7 +203,7 @@ TEST_F(Tools, SegmentLeavesNothingThatIsOfAnotherRun) {
 
   fs::remove(gone);
   ASSERT_EQ(runTool<SegmentApp>({input, "-o", out, "--labels", "--resume"}).code, kOk);
-  EXPECT_EQ(filesOf(out).size(), 2u * (kFrames - 1) + 2);
+  EXPECT_EQ(filesOf(out).size(), 2u * (kFrames - 1) + 3);
   EXPECT_FALSE(fs::exists(labels));
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 const Intrinsics kCamera{160, 144, 126, 126, 79.5, 72.5};
 
-/** As strong as that of a wide time-of-flight camera. */
+/** A wide time-of-flight camera has one as strong. */
 LensDistortion wideLens() {
   LensDistortion lens;
   lens.k1 = 4.7, lens.k2 = 3.2, lens.k3 = 0.17, lens.k4 = 5.05, lens.k5 = 4.8, lens.k6 = 0.89;

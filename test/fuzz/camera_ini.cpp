@@ -17,7 +17,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   writeCameraFile(path, *read);
   const CameraFile again = readCameraFile(path);
   fuzz::require(again.camera.intrinsics == read->camera.intrinsics &&
-                    again.depth_scale == read->depth_scale &&
+                    again.depth_scale == read->depth_scale && again.lens == read->lens &&
+                    again.depth_is == read->depth_is &&
                     again.camera.noise.inverse_depth_std == read->camera.noise.inverse_depth_std &&
                     again.camera.noise.depth_std == read->camera.noise.depth_std &&
                     again.camera.noise.depth_std_slope == read->camera.noise.depth_std_slope &&

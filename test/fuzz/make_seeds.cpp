@@ -14,6 +14,7 @@
 #include <pcl/io/lzf_image_io.h>
 #include <pcl/io/pcd_io.h>
 
+#include <array>
 #include <fstream>
 #include <iostream>
 #include <random>
@@ -46,6 +47,21 @@ std::vector<std::uint16_t> millimetres(const DepthImage& image) {
   std::vector<std::uint16_t> values;
   for (const float z : image.depth) values.push_back(static_cast<std::uint16_t>(1000 * z));
   return values;
+}
+
+/** An uncompressed TIFF of 8x6 floating-point values. */
+std::string tiffOf(const std::string& pixels) {
+  constexpr std::uint16_t kShort = 3, kLong = 4;
+  const auto size = static_cast<std::uint32_t>(pixels.size());
+  std::string file = "II" + bytesOf<std::uint16_t>({42}) + bytesOf<std::uint32_t>({8 + size}) + pixels;
+  const std::vector<std::array<std::uint32_t, 3>> entries = {
+      {256, kLong, 8}, {257, kLong, 6},  {258, kShort, 32}, {259, kShort, 1},   {262, kShort, 1},
+      {273, kLong, 8}, {277, kShort, 1}, {278, kLong, 6},   {279, kLong, size}, {339, kShort, 3}};
+  file += bytesOf<std::uint16_t>({static_cast<std::uint16_t>(entries.size())});
+  for (const auto& [tag, type, value] : entries)
+    file += bytesOf<std::uint16_t>({static_cast<std::uint16_t>(tag), static_cast<std::uint16_t>(type)}) +
+            bytesOf<std::uint32_t>({1, value});
+  return file + bytesOf<std::uint32_t>({0});
 }
 
 class Seeds {
@@ -102,6 +118,18 @@ void makeImages(const Seeds& seeds) {
   pcl::io::savePCDFileASCII(seeds("pcd", "ascii.pcd"), cloud);
   pcl::io::savePCDFileBinary(seeds("pcd", "binary.pcd"), cloud);
   pcl::io::savePCDFileBinaryCompressed(seeds("pcd", "compressed.pcd"), cloud);
+
+  const std::string numbers = bytesOf(millimetres(image)), floats = bytesOf(image.depth);
+  const auto npy = [](const char* type) {
+    std::string header = std::string("{'descr': '") + type + "', 'fortran_order': False, 'shape': (6, 8), }";
+    header.resize(118, ' ');
+    return std::string("n\x93NUMPY\x01\0", 9) + std::string("\x76\0", 2) + header;
+  };
+  seeds.put("depth_formats", "whole.npy", npy("<u2") + numbers);
+  seeds.put("depth_formats", "floats.npy", npy("<f4") + floats);
+  seeds.put("depth_formats", "a.pgm", "gP5\n8 6\n65535\n" + numbers);
+  seeds.put("depth_formats", "a.pfm", "fPf\n8 6\n-1.0\n" + floats);
+  seeds.put("depth_formats", "a.tif", "t" + tiffOf(floats));
 
   const Folder folder;
   const std::string camera = folder.path() / "camera.xml", lzf = folder.path() / "image.pclzf";

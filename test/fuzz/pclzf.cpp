@@ -5,6 +5,7 @@
 #include "live/pclzf_folder.h"
 
 #include <facetloc/io/error.h>
+#include <facetloc/io/pclzf.h>
 
 #include <pcl/console/print.h>
 #include <pcl/io/lzf_image_io.h>
@@ -24,6 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto image = folder.put("frame_20121214T142255.814212_depth.pclzf",
                                 zero < input.size() ? input.substr(zero + 1) : std::string_view());
   if (!fuzz::accepts<IoError>([&] { requireSoundPclzfFolder(folder.path()); })) return 0;
+  fuzz::accepts<IoError>([&] { readPclzf(image); });
   pcl::io::LZFDepth16ImageReader reader;
   pcl::PointCloud<pcl::PointXYZ> cloud;
   fuzz::require(reader.readParameters(camera.string()), "PCL does not read a camera that was read");

@@ -1,20 +1,50 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bytes as a trajectory. One that is read is found by its stamps, and can be written.
+// Bytes as poses, in the TUM format and in all other forms. Those that are read are found by their stamps,
+// and can be written.
 #include "fuzz_file.h"
+#include "recordings/recorded_poses.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/trajectory.h>
 
+namespace {
+
+using namespace facetloc;
+
+void requireWritable(const Trajectory& poses, const fuzz::Folder& folder) {
+  const auto path = folder.path() / "written.txt";
+  writeTumTrajectory(path, poses.poses());
+  fuzz::require(readTumTrajectory(path).poses().size() == poses.poses().size(),
+                "a trajectory is not what was written");
+}
+
+/** Of images that are numbered, and of images with times. */
+void match(const internal::PoseTable& table) {
+  internal::ImageTimes images;
+  for (int i = 0; i < 3; ++i) images.numbers.push_back(i), images.stamps.push_back(i / 30.0);
+  for (const bool counted : {true, false}) {
+    images.unit = {1, counted};
+    fuzz::accepts<IoError>([&] {
+      for (const StampedPose& pose : internal::matched(table, images, "poses").poses.poses())
+        fuzz::require(pose.T_w_c.matrix().allFinite(), "a pose is not finite");
+    });
+  }
+}
+
+}  // namespace
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace facetloc;
   static const fuzz::Folder folder;
   const auto path = folder.put("groundtruth.txt", fuzz::asText(data, size));
   Trajectory read;
-  if (!fuzz::accepts<IoError>([&] { read = readTumTrajectory(path); })) return 0;
-  for (const StampedPose& pose : read.poses())
-    fuzz::require(read.at(pose.stamp).has_value(), "a pose is not found by its stamp");
-  writeTumTrajectory(path, read.poses());
-  fuzz::require(readTumTrajectory(path).poses().size() == read.poses().size(),
-                "a trajectory is not what was written");
+  if (fuzz::accepts<IoError>([&] { read = readTumTrajectory(path); })) {
+    for (const StampedPose& pose : read.poses())
+      fuzz::require(read.at(pose.stamp).has_value(), "a pose is not found by its stamp");
+    requireWritable(read, folder);
+  }
+  internal::PoseTable table;
+  if (!fuzz::accepts<IoError>([&] { table = internal::readPoseTable(path); })) return 0;
+  match(table);
+  if (fuzz::accepts<IoError>([&] { read = readTrajectory(path); })) requireWritable(read, folder);
   return 0;
 }

@@ -129,6 +129,11 @@ TEST_F(DepthFormats, FloatingPointMillimetresAreKnownByTheirSize) {
               ElementsAre(0, 1, 1.5f, 2, 2.5f, 3));
 }
 
+TEST_F(DepthFormats, DepthAlongTheNegativeAxisIsTurned) {
+  EXPECT_THAT(read("a.tif", tiff<float>({0, -1, -1.5f, -2, -2.5f, 3}, 3)).metres,
+              ElementsAre(0, 1, 1.5f, 2, 2.5f, 0));
+}
+
 TEST_F(DepthFormats, WhatIsNotOneDepthImageIsNamed) {
   EXPECT_THAT(errorOf("a.npy", npy("<u2", "5, 2, 3", bytes(kNumbers))),
               AllOf(HasSubstr("a.npy"), HasSubstr("5, 2, 3")));

@@ -206,6 +206,8 @@ TEST(PoseTable, NamesTheLineOfAFault) {
   EXPECT_THAT(errorOf(joined(matrixOf(1, 3)) + "\n1 1 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("not a pose"));
   EXPECT_THAT(errorOf("1 0 0 0\n0 1 0 0\n0 0 1 0\n"), HasSubstr("four rows"));
   EXPECT_THAT(errorOf(std::string("\0\x89PNG\xFF", 6)), HasSubstr("line 1"));
+  EXPECT_THAT(errorOf("nonsense\n"), HasSubstr("line 1"));
+  EXPECT_THAT(errorOf("stamp 2 of 3\n" + good), HasSubstr("line 1"));
   EXPECT_EQ(errorOf(""), "");
   EXPECT_EQ(errorOf("# nothing yet\n"), "");
 }

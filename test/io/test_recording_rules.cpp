@@ -279,6 +279,20 @@ TEST_F(Rules, APhonesScan) {
   EXPECT_EQ(sequence.groundTruth().at(100.2)->translation(), Eigen::Vector3d(4, 5, 6));
 }
 
+TEST_F(Rules, AnotherPhonesScan) {
+  putDepth("depth_00000.png", 1500);
+  putPicture("conf_00000.png", 1);
+  put("frame_00000.json", "{\"time\": 1.5, \"intrinsics\": [1600, 0, 960, 0, 1600, 720, 0, 0, 1]}");
+  EXPECT_NEAR(open().camera()->camera.intrinsics.fx, 1600 * 8 / 1920.0, 1e-9);
+  EXPECT_EQ(open().frames().size(), 1u);
+}
+
+TEST_F(Rules, ACalibrationOfOtherImagesIsNone) {
+  putDepth("depth/1.5.png");
+  put("camera.json", "{\"fx\": 1600, \"fy\": 1600, \"cx\": 960, \"cy\": 720}");
+  EXPECT_THAT(errorOf(), HasSubstr("camera.ini"));
+}
+
 TEST_F(Rules, WhereNothingFitsTheMessageSaysWhatIsThere) {
   for (int i = 0; i < 3; ++i) put("rgb/" + std::to_string(i) + ".jpg", "x");
   put("notes.md", "x");

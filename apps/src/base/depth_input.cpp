@@ -119,6 +119,11 @@ void noteNoise(std::vector<double> found, const SensorNoise& specified, const Co
       numbers));
 }
 
+std::string adviceOnPoses(const PoseCheck& check) {
+  if (check.convention.empty()) return {};
+  return "; --poses-are " + check.convention + " reads them so";
+}
+
 void requireTolerance(double seconds) {
   if (!(seconds >= 0)) throw UsageError("pose-tolerance must not be negative");
 }

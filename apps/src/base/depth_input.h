@@ -5,6 +5,7 @@
 
 #include <facetloc/features/local_model.h>
 #include <facetloc/io/depth_sequence.h>
+#include <facetloc/mapping/map_findings.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <optional>
@@ -48,6 +49,9 @@ void noteDifference(const Camera& of_images, const Map& map, const Console& cons
 /** \brief A remark if images are much noisier than their camera's specification.
  * \param found noise of inverse depth of each image at the usual depth [1/m], 0 where it is not known */
 void noteNoise(std::vector<double> found, const SensorNoise& specified, const Console& console);
+
+/** \brief "; --poses-are wxyz reads them so" if that is what is wrong with poses, or nothing. */
+std::string adviceOnPoses(const PoseCheck& check);
 
 /** \brief Throws UsageError unless images and poses can be matched within this time [s]. */
 void requireTolerance(double seconds);

@@ -16,6 +16,7 @@
 #include <libdeflate.h>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
 namespace facetloc {
 namespace {
@@ -85,6 +86,18 @@ std::string cameraLine(const std::optional<CameraFile>& file) {
     addIfAny("mount_x", mounting->x), addIfAny("mount_y", mounting->y);
   }
   if (!std::isinf(camera.max_depth)) add("max_depth", camera.max_depth);
+  const LensDistortion& lens = file->lens;
+  if (!lens.isNone())
+    for (const auto& [name, value] : {std::pair("k1", lens.k1),
+                                      {"k2", lens.k2},
+                                      {"k3", lens.k3},
+                                      {"k4", lens.k4},
+                                      {"k5", lens.k5},
+                                      {"k6", lens.k6},
+                                      {"p1", lens.p1},
+                                      {"p2", lens.p2}})
+      add(name, value);
+  if (file->depth_is == DepthKind::distance) line += ", depth_is distance";
   return line + "\n";
 }
 
@@ -131,6 +144,13 @@ void Provenance::requireSame(const Provenance& now, const std::vector<std::strin
     throw IoError(folder,
                   "was begun with another map, other images or other parameters; leave out --resume or "
                   "use another folder");
+}
+
+void writeInputs(const fs::path& folder, const std::vector<FrameFile>& frames) {
+  std::string table = "frame,file\n";
+  for (const FrameFile& frame : frames)
+    table += text::csvCell(frame.name) + "," + text::csvCell(frame.path.string()) + "\n";
+  writeText(folder / "inputs.csv", table);
 }
 
 }  // namespace facetloc

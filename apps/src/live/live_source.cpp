@@ -83,6 +83,20 @@ private:
   std::optional<Intrinsics> given_, recovered_;
 };
 
+/** Frames as a pinhole camera's. */
+FrameSink corrected(const CameraFile& camera, const FrameSink& sink) {
+  auto lens = std::make_shared<std::optional<LensCorrection>>();  // of frames of one size
+  return [lens, camera, sink](LiveFrame frame) {
+    frame.image = [lens, camera, image = std::move(frame.image)] {
+      const DepthImage stored = image();
+      if (stored.valid() && (!*lens || (*lens)->camera() != stored.camera))
+        lens->emplace(stored.camera, camera.lens, camera.depth_is);
+      return stored.valid() ? (**lens)(stored) : stored;
+    };
+    sink(std::move(frame));
+  };
+}
+
 /** What our virtual camera, or a program, told the grabber; nothing for a device as it is. */
 std::optional<Intrinsics> calibrationOf(const OpenNIGrabber& grabber) {
   const auto mode = grabber.getDevice()->getDepthVideoMode();
@@ -122,6 +136,7 @@ void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camer
 LiveSource::LiveSource(const LiveSourceOptions& options) : name_(options.device) {
   const CameraPreset* preset = fs::exists(options.camera) ? nullptr : findCameraPreset(options.camera);
   if (!options.camera.empty() && !preset) camera_ = readCameraFile(options.camera);
+  if (camera_ && !camera_->isPinhole()) lens_camera_ = camera_;
   const fs::path path = options.device;
   if (isPclzfFolder(path)) {
     const float rate = static_cast<float>(kUsualRate * (options.speed > 0 ? options.speed : 1));
@@ -160,7 +175,10 @@ LiveSource::~LiveSource() { stop(); }
 void LiveSource::start(const FrameSink& sink) {
   std::optional<Intrinsics> intrinsics = calibration_;
   if (camera_ && camera_->camera.intrinsics.valid()) intrinsics = camera_->camera.intrinsics;
-  connectFrames(*grabber_, intrinsics, countedStamps(kUsualRate), sink);
+  if (lens_camera_)
+    connectFrames(*grabber_, intrinsics, countedStamps(kUsualRate), corrected(*lens_camera_, sink));
+  else
+    connectFrames(*grabber_, intrinsics, countedStamps(kUsualRate), sink);
   if (!device_)
     grabber_->registerCallback<OnCloud>([this](const Cloud::ConstPtr& cloud) {
       ++delivered_;

@@ -114,6 +114,7 @@ CheckApp::CheckApp()
 
 void CheckApp::addOptions(CommandLine& line) {
   line.addArgument("RECORDING", input_);
+  line.addOption("poses", poses_, "FILE", "Explain these poses instead of those of the RECORDING.");
   line.addOption("pose-tolerance", pose_tolerance_, "S",
                  "Largest distance in time of an image and its pose [s].");
   line.addCheck([this] { requireTolerance(pose_tolerance_); });
@@ -259,7 +260,10 @@ void CheckApp::reportFloor(std::vector<ImageReport>& images, const Camera& camer
 Trajectory CheckApp::posesOf(const DepthSequence& sequence, const Console& console,
                              Findings& findings) const {
   try {
-    if (!sequence.groundTruth().empty()) return sequence.groundTruth();
+    std::string remark;
+    Trajectory poses = poses_.empty() ? sequence.groundTruth() : sequence.readPoses(poses_, &remark);
+    if (!remark.empty()) findings.add(remark);
+    if (!poses.empty()) return poses;
     line(console, "poses", "none");
   } catch (const IoError& e) {
     line(console, "poses", "cannot be read");
@@ -300,7 +304,7 @@ void CheckApp::reportPoses(const DepthSequence& sequence, MapMaking& making, con
   if (check.isKnown()) {
     line(console, "", "they disagree with the motions that the images show by " + check.as_given.inWords());
     for (const std::string& words : check.ratiosInWords()) line(console, "", words);
-    if (!check.cause.empty()) findings.doubt(check.cause, false);
+    if (!check.cause.empty()) findings.doubt(check.cause + adviceOnPoses(check), false);
     if (check.isBeyondSense())
       findings.doubt(
           "no map can be made with these poses: --without-poses lets facetloc_map build find its own", true);
@@ -341,6 +345,7 @@ int CheckApp::execute(const CommandLine& command, const Console& console) {
     throw IoError(input_, "none of its images can be read");
 
   Findings findings;
+  for (const std::string& remark : sequence.remarks()) findings.add(remark);
   if (const std::string remark = sequence.remark(); !remark.empty()) findings.add(remark);
   reportValues(sequence, findings);
   reportImages(sequence, images, console, findings);

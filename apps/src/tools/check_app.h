@@ -40,7 +40,7 @@ private:
   Trajectory posesOf(const DepthSequence& sequence, const Console& console, Findings& findings) const;
   MapMaking makingOf(const DepthSequence& sequence, const Camera& camera, const Trajectory& poses) const;
 
-  std::string input_;
+  std::string input_, poses_;
   DepthInput depth_;
   double pose_tolerance_ = 0.02;
 };

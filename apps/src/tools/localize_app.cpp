@@ -363,6 +363,7 @@ int LocalizeApp::localizeAll(const CommandLine& line, const Console& console, st
   const OutputLock lock = OutputLock::ofFolder(folder_);
   task.params_ini = paramsIni(task.sequence.camera(), camera, *map);
   Run run = begin(task);
+  writeInputs(folder_, task.sequence.frames());
   std::optional<PoseStream> stream;
   if (out) stream.emplace(*out, camera.mounting);
   const Publish publish = [&stream](std::size_t frame, const FrameResult& result) {

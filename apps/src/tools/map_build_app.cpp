@@ -98,16 +98,15 @@ private:
 MapBuildApp::MapBuildApp()
     : App("facetloc_map build", "SEQUENCE -o MAP.flmap [options]",
           "Builds a map of local models from one recording. Its camera poses come with the SEQUENCE or from "
-          "--poses; without either, they are found from the images themselves. The first image becomes a "
-          "local "
-          "model, and so does each later one that lies --map.distance or --map.rotation_deg from the latest "
-          "one. Under mpirun, the images are dealt out to its processes.") {}
+          "--poses, or else are found from the images. Local models are the first image and each later one "
+          "that lies --map.distance or --map.rotation_deg from the latest. Under mpirun, its processes share "
+          "the images.") {}
 
 void MapBuildApp::addOptions(CommandLine& line) {
   line.addArgument("SEQUENCE", sequence_);
   line.addOption("output,o", map_, "MAP.flmap", "The map to write.");
   line.addOption("poses", poses_, "FILE",
-                 "Camera poses: stamp tx ty tz qx qy qz qw, or rows of 7, 12 or 16 numbers, one per image.");
+                 "Camera poses: stamp tx ty tz qx qy qz qw, or as RECORDINGS.md says.");
   line.addSwitch("without-poses", without_poses_,
                  "Find the trajectory from the images, even if the SEQUENCE has poses.");
   line.addOption("trajectory", trajectory_, "OUT.txt",
@@ -230,7 +229,8 @@ std::string MapBuildApp::checkPoses(const DepthSequence& sequence, MapMaking& ma
   if (!check.cause.empty()) {
     const std::string mended = check.mended.inWords(), as_given = check.as_given.inWords();
     console.note(fmt::format("the poses disagree with the images by {}; {}{}", as_given, check.cause,
-                             mended == as_given ? "" : "; so read, they disagree by " + mended));
+                             mended == as_given ? "" : "; so read, they disagree by " + mended) +
+                 adviceOnPoses(check));
   } else {
     for (const std::string& words : check.ratiosInWords()) console.note(words);
   }

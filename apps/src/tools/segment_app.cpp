@@ -275,6 +275,9 @@ int SegmentApp::execute(const CommandLine& line, const Console& console) {
   createFolders(folder_);
   const OutputLock lock = OutputLock::ofFolder(folder_);
   const Images todo = prepare(all, provenance(all, line));
+  std::vector<FrameFile> frames;
+  for (const Image& image : all) frames.push_back(image.file());
+  writeInputs(folder_, frames);
 
   const auto start = std::chrono::steady_clock::now();
   std::size_t sum = 0;

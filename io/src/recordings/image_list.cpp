@@ -276,7 +276,9 @@ std::vector<ListedImage> imagesOfFolder(const fs::path& folder) {
 fs::path folderOfImages(const fs::path& recording) {
   std::error_code ignored;
   if (fs::is_directory(recording / kDepth, ignored)) return recording / kDepth;
-  if (!imagesOfFolder(recording).empty()) return recording;
+  const auto own = imagesOfFolder(recording);
+  if (std::any_of(own.begin(), own.end(), [](const ListedImage& image) { return isDepthImage(image.path); }))
+    return recording;
   std::vector<fs::path> folders = foldersIn(recording);
   for (int level = 0; level < 2 && !folders.empty(); ++level) {
     for (const bool by_folder : {true, false}) {

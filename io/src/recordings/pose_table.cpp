@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <fmt/format.h>
 #include <stdexcept>
@@ -58,6 +59,7 @@ public:
       ++number_;
       addLine(text::trimmed(line));
     }
+    if (lines_.empty() && unknown_ > 0) fail(unknown_, "has no numbers, and no names of columns of poses");
     if (lines_.empty()) return {};
     return isOfMatrices() ? ofMatrices() : ofRows();
   }
@@ -73,7 +75,11 @@ private:
     const std::string cells = spaced(text::withoutComment(line));
     const auto words = text::words(cells);
     if (words.empty()) return;
-    if (lines_.empty() && !text::to<double>(words[0]) && isOfNames(line)) return takeNames(line);
+    if (lines_.empty() && !text::to<double>(words[0]) && isOfNames(line)) {
+      takeNames(line);
+      if (!header_) unknown_ = number_;
+      return;
+    }
     Line row{number_, {}};
     for (const std::string_view word : words) {
       const auto value = text::to<double>(word);
@@ -83,10 +89,14 @@ private:
     lines_.push_back(std::move(row));
   }
 
-  /** Letters and no control characters, as no binary file has it. */
+  /** No digit in front of a word, and no control characters, as binary files have them. */
   static bool isOfNames(std::string_view line) {
+    const auto words = text::words(line);
     return std::none_of(line.begin(), line.end(),
-                        [](char c) { return static_cast<unsigned char>(c) < ' ' && c != '\t'; });
+                        [](char c) { return static_cast<unsigned char>(c) < ' ' && c != '\t'; }) &&
+           std::none_of(words.begin(), words.end(), [](std::string_view word) {
+             return std::isdigit(static_cast<unsigned char>(word.front())) != 0;
+           });
   }
 
   void takeNames(std::string_view line) {
@@ -227,7 +237,7 @@ private:
   }
 
   std::string source_;
-  int number_ = 0;
+  int number_ = 0, unknown_ = 0;  // the latter has words that are no names of columns
   std::vector<Line> lines_;
   std::optional<PoseHeader> header_;
 };

@@ -197,14 +197,60 @@ std::vector<fs::path> calibrationsIn(const std::vector<fs::path>& folders) {
   return found;
 }
 
+/** Could it be the camera of images of this size? Its centre is near the middle of these. */
+bool isCentred(const Intrinsics& k, const PngSize& size) {
+  const auto isNear = [](double c, int side) { return c > 0.25 * side && c < 0.75 * side; };
+  return isNear(k.cx, size.width) && isNear(k.cy, size.height);
+}
+
+/** Phones have images of confidence. */
+bool isPhone(const std::vector<fs::path>& within) {
+  std::error_code ignored;
+  for (const fs::path& folder : within)
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+      if (entry.path().filename().string().rfind("conf", 0) == 0) return true;
+  return false;
+}
+
+/** Of the colour images of a phone, whose depth images show the same with fewer pixels. */
+RecordedCamera phoneCamera(const Intrinsics& colour, const PngSize& size, const fs::path& file) {
+  constexpr double kColourWidths[] = {1920, 1440, 1280, 640};
+  double width = kColourWidths[0];  // the centre is near the middle
+  for (const double w : kColourWidths)
+    if (std::abs(w - 2 * colour.cx) < std::abs(width - 2 * colour.cx)) width = w;
+  const double scale = size.width / width;
+  const auto centre = [scale](double c) { return (c + 0.5) * scale - 0.5; };
+  const Intrinsics k{size.width,        size.height,       scale * colour.fx,
+                     scale * colour.fy, centre(colour.cx), centre(colour.cy)};
+  if (!k.valid() || !isCentred(k, size)) throw IoError(file.string(), "its camera is not of these images");
+  return {
+      fileOf(k, kMillimetres, *findCameraPreset("phone_lidar")),
+      fmt::format("there is no camera.ini: the intrinsics are those of {} for colour images of {} columns, "
+                  "depths are millimetres, the noise a phone's",
+                  file.string(), width)};
+}
+
+/** Of Stray Scanner: the matrix of the colour images. */
+std::optional<RecordedCamera> cameraOfStrayScanner(const PngSize& size, const std::vector<fs::path>& within) {
+  const auto file = findIn(within, "camera_matrix.csv");
+  if (!file) return {};
+  std::string content = files::readText(*file);
+  std::replace(content.begin(), content.end(), ',', ' ');
+  const std::vector<double> m = numbersOf(content, *file);
+  if (m.size() != 9) throw IoError(file->string(), "is no matrix of 3x3");
+  return phoneCamera({1, 1, m[0], m[4], m[2], m[5]}, size, *file);
+}
+
 /** Of the size of the images. */
-std::optional<RecordedCamera> calibratedCamera(const PngSize& size,
-                                               const std::vector<fs::path>& calibrations) {
+std::optional<RecordedCamera> calibratedCamera(const PngSize& size, const std::vector<fs::path>& calibrations,
+                                               bool is_phone) {
   for (const fs::path& file : calibrations) {
     auto found = readCalibration(file);
     if (!found) continue;
     Intrinsics& k = found->intrinsics;
-    if (k.width == 0 && k.height == 0) k.width = size.width, k.height = size.height;
+    const bool no_size = k.width == 0 && k.height == 0;
+    if (no_size && is_phone && !isCentred(k, size)) return phoneCamera(k, size, file);
+    if (no_size && isCentred(k, size)) k.width = size.width, k.height = size.height;
     if (k.width != size.width || k.height != size.height) continue;
     RecordedCamera camera{fileOf(k, found->depth_scale.value_or(kMillimetres), cameraPresets().front())};
     camera.file.lens = found->lens;
@@ -216,30 +262,6 @@ std::optional<RecordedCamera> calibratedCamera(const PngSize& size,
     return camera;
   }
   return {};
-}
-
-/** The camera of the colour images of phones, camera_matrix.csv of Stray Scanner, whose depth images show the
- * same with fewer pixels. */
-std::optional<RecordedCamera> phoneCamera(const PngSize& size, const std::vector<fs::path>& within) {
-  constexpr double kColourWidths[] = {1920, 1440, 1280, 640};
-  const auto file = findIn(within, "camera_matrix.csv");
-  if (!file) return {};
-  std::string content = files::readText(*file);
-  std::replace(content.begin(), content.end(), ',', ' ');
-  const std::vector<double> m = numbersOf(content, *file);
-  if (m.size() != 9) throw IoError(file->string(), "is no matrix of 3x3");
-  double width = kColourWidths[0];  // the centre is near the middle
-  for (const double w : kColourWidths)
-    if (std::abs(w - 2 * m[2]) < std::abs(width - 2 * m[2])) width = w;
-  const double scale = size.width / width;
-  const auto centre = [scale](double c) { return (c + 0.5) * scale - 0.5; };
-  const Intrinsics k{size.width, size.height, scale * m[0], scale * m[4], centre(m[2]), centre(m[5])};
-  if (!k.valid()) throw IoError(file->string(), "its matrix is of no camera");
-  return RecordedCamera{
-      fileOf(k, kMillimetres, *findCameraPreset("phone_lidar")),
-      fmt::format("there is no camera.ini: the intrinsics are those of {} for colour images of "
-                  "{} columns, depths are millimetres, the noise a phone's",
-                  file->string(), width)};
 }
 
 }  // namespace
@@ -258,10 +280,10 @@ std::optional<RecordedCamera> cameraOf(const RecordingLayout& layout, const std:
                                         matrix->string(), usual.name)};
     }
   if (auto camera = cameraOfPclzf(layout, *size)) return camera;
-  if (auto camera = phoneCamera(*size, within)) return camera;
+  if (auto camera = cameraOfStrayScanner(*size, within)) return camera;
   std::vector<fs::path> calibrations = calibrationsIn(within);
   if (const auto of_replica = findIn(beside, "cam_params.json")) calibrations.push_back(*of_replica);
-  if (auto camera = calibratedCamera(*size, calibrations)) return camera;
+  if (auto camera = calibratedCamera(*size, calibrations, isPhone(within))) return camera;
   return knownCamera(layout, *size, asked);
 }
 

@@ -158,7 +158,7 @@ DepthSequence SequenceReader::read() const {
     throw IoError(path_.string(), fmt::format("has no depth images ({}){}", imageEndings(),
                                               is_folder ? "; " + foundIn(path_) : ""));
   }
-  if (hints_.depth_scale > 0 && !needsCamera() && !container_)
+  if (hints_.depth_scale > 0 && !needsCamera())
     throw IoError(path_.string(), "has no PNG images, whose values a depth scale would explain");
   const bool of_segments = hasSegments();
   if (of_segments && !hints_.segments)

@@ -46,7 +46,8 @@ template <typename PointT>
 DepthImage depthImage(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera);
 
 /** \brief The depth image of a PCL class's input, restricted to the indices if there are any. Its camera is
- * the given one; if nothing is set, the camera is recovered from the points.
+ * the given one; if nothing is set, the camera is recovered from the points. Of a whole cloud, a grid of
+ * holes is filled (hole_grid.h): points without coordinates may have depth in the image.
  *
  * \param cloud, indices may be null
  * \param why_not receives a sentence if the result is empty: there is no organized cloud, the indices do not

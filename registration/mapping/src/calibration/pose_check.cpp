@@ -211,6 +211,17 @@ std::string inWords(const Reading& r) {
   return words;
 }
 
+/** "wxyz,inverse": the words of PoseReading. */
+std::string conventionOf(const Reading& r) {
+  std::string words;
+  const auto add = [&words](bool is_so, const char* word) {
+    if (is_so) words += (words.empty() ? "" : ",") + std::string(word);
+  };
+  add(r.w_first, "wxyz"), add(r.inverse, "inverse");
+  add(r.axes == Axes::body, "base"), add(r.axes == Axes::opengl, "opengl");
+  return words;
+}
+
 constexpr double kWorthAWord = 0.07;  // of ratios: what a camera always measures wrongly holds motions back
 constexpr double kSenselessRatio = 0.1;
 constexpr double kOtherAxisDeg = 1.5;
@@ -306,6 +317,7 @@ PoseCheck internal::checkPoses(const std::vector<SeenMotion>& motions, const Pos
       !isSenseless(mended);  // of poses that are not those of the images, some reading is best
   if (explained) {
     check.cause = inWords(best);
+    check.convention = conventionOf(best);
     check.wrong_convention = best.w_first || best.inverse || best.axes != Axes::optical ||
                              !best.storing.isUsual() ||
                              std::max(best.scale, 1 / best.scale) > 1 + kSenselessRatio;

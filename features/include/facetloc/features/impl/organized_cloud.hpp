@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/hole_grid.h>
 #include <facetloc/features/organized_cloud.h>
 
 #include <algorithm>
@@ -80,6 +81,14 @@ DepthImage depthImage(const pcl::PointCloud<PointT>& cloud, const Intrinsics& ca
 
 namespace detail {
 
+/** \brief Do most points lie behind the camera, as in the axes of viewers? */
+template <typename PointT>
+bool isBehind(const pcl::PointCloud<PointT>& cloud) {
+  const auto n = [&cloud](auto holds) { return std::count_if(cloud.begin(), cloud.end(), holds); };
+  return n([](const PointT& p) { return p.z < -kNearestMeasured; }) >
+         n([](const PointT& p) { return p.z > 0; });
+}
+
 template <typename PointT>
 std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,
                                         const Intrinsics& given, std::string& why_not) {
@@ -94,6 +103,10 @@ std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, co
   if (is_set && !given.valid()) return none("the camera that was set is impossible");
   if (is_set && (given.width != int(cloud->width) || given.height != int(cloud->height)))
     return none("the camera that was set has not the size of the cloud");
+  if (isBehind(*cloud))
+    return none(
+        "the points lie behind the camera: x right, y down, z forward is expected, and a cloud with y "
+        "up and z backward has to be turned by 180 deg about x");
   if (is_set && !isImageOf(*cloud, given, kCalibrationError * given.width))
     return none("the points are not where the camera that was set sees them");
   const std::optional<Intrinsics> camera = is_set ? given : recoverIntrinsics(*cloud);
@@ -109,7 +122,10 @@ std::optional<DepthImage> depthImageOfInput(const pcl::PointCloud<PointT>* cloud
   const std::optional<Intrinsics> camera = detail::cameraOfInput(cloud, indices, given, why_not);
   if (!camera) return {};
   DepthImage image = depthImage(*cloud, *camera);
-  if (!indices) return image;
+  if (!indices) {
+    fillHoleGrid(image);
+    return image;
+  }
   std::vector<float> chosen(image.depth.size(), 0.f);
   for (const auto i : *indices) chosen[i] = image.depth[i];
   image.depth.swap(chosen);

@@ -46,8 +46,9 @@ struct MotionRatio {
 /** \brief Comparison of poses with the motions that images show. */
 struct PoseCheck {
   PoseDisagreement as_given;
-  std::string cause;              ///< the fault of the poses that explains it, in words; else empty
-  PoseDisagreement mended;        ///< without that fault
+  std::string cause;        ///< the fault of the poses that explains it, in words; else empty
+  std::string convention;   ///< that explains it, as io's PoseReading takes it ("wxyz,inverse"); else empty
+  PoseDisagreement mended;  ///< without that fault
   bool wrong_convention = false;  ///< of numbers, axes or units, which is more than an inaccuracy
   MotionRatio distances, turns;   ///< of the poses as they are given
 

@@ -5,6 +5,8 @@
 
 #include <pcl/impl/pcl_base.hpp>
 
+#include <cmath>
+
 namespace facetloc {
 
 template <typename PointT>
@@ -32,7 +34,8 @@ void PlanarSegmentation<PointT>::segment(std::vector<pcl::PointIndices>& segment
     segments[k].indices.reserve(result_.support[k]);
   }
   for (std::size_t i = 0; i < result_.labels.label.size(); ++i)
-    if (const int k = result_.labels.label[i]) segments[k - 1].indices.push_back(static_cast<int>(i));
+    if (const int k = result_.labels.label[i]; k > 0 && std::isfinite((*input_)[i].z))
+      segments[k - 1].indices.push_back(static_cast<int>(i));
 }
 
 template <typename PointT>
