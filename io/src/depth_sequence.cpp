@@ -55,12 +55,6 @@ Trajectory DepthSequence::readTruth(const fs::path& path, double time_offset) {
   return internal::delayed(readTrajectory(path), -time_offset);
 }
 
-Trajectory readTrajectory(const fs::path& path, std::string* remark) {
-  internal::ReadPoses read = internal::stampedPoses(internal::readPoseTable(path), path);
-  if (remark) *remark = std::move(read.remark);
-  return std::move(read.poses);
-}
-
 /** Poses are looked up at the times of the images. */
 Trajectory DepthSequence::asOfImages(const Trajectory& poses, const PoseReading& reading) const {
   std::optional<Eigen::Isometry3d> T_b_c;

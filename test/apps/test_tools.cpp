@@ -107,7 +107,7 @@ TEST_F(Tools, FromMapToEvaluation) {
 TEST_F(Tools, ATrajectoryThatCannotBeReadStopsOnlyWhoNeedsIt) {
   const std::string input = folder_ / "input", path = folder_ / "m.flmap";
   fs::copy(query(), input, fs::copy_options::recursive);
-  test::writeContent(input + "/groundtruth.txt", "timestamp tx ty tz qx qy qz qw\n");
+  test::writeContent(input + "/groundtruth.txt", "0.5 left and right\n");
   EXPECT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "results"}).code, kOk);
   EXPECT_EQ(runTool<SegmentApp>({input, "-o", folder_ / "out"}).code, kOk);
   EXPECT_EQ(runMap({"build", input, "-o", path, "--poses", query() + "/groundtruth.txt"}).code, kOk);

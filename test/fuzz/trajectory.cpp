@@ -25,7 +25,8 @@ void match(const internal::PoseTable& table) {
   for (const bool counted : {true, false}) {
     images.unit = {1, counted};
     fuzz::accepts<IoError>([&] {
-      for (const StampedPose& pose : internal::matched(table, images, "poses").poses.poses())
+      const internal::ReadPoses read = internal::matched(table, images, "poses");
+      for (const StampedPose& pose : read.poses.poses())
         fuzz::require(pose.T_w_c.matrix().allFinite(), "a pose is not finite");
     });
   }

@@ -42,10 +42,8 @@ void addRecordingOptions(CommandLine& line, RecordingHints& recording) {
                   cameraPresetNames()));
   line.addOption("depth-scale", recording.depth_scale, "N", "PNG values per metre; 0 = as camera.ini says.");
   addTimeOffset(line, recording.time_offset);
-  line.addOption(
-      "poses-are", recording.poses_are, "LIST",
-      "How the poses are written, with commas between: auto, wxyz (quaternions), inverse (world in "
-      "camera), base (robot axes), opengl (y up, z backward).");
+  line.addOption("poses-are", recording.poses_are, "LIST",
+                 "Convention of the poses: auto, or some of wxyz,inverse,base,opengl.");
   line.addCheck([&recording] {
     try {
       PoseReading::of(recording.poses_are);

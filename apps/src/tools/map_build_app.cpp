@@ -99,8 +99,7 @@ MapBuildApp::MapBuildApp()
     : App("facetloc_map build", "SEQUENCE -o MAP.flmap [options]",
           "Builds a map of local models from one recording. Its camera poses come with the SEQUENCE or from "
           "--poses, or else are found from the images. Local models are the first image and each later one "
-          "that lies --map.distance or --map.rotation_deg from the latest. Under mpirun, its processes share "
-          "the images.") {}
+          "that lies --map.distance or --map.rotation_deg from the latest. mpirun shares the images out.") {}
 
 void MapBuildApp::addOptions(CommandLine& line) {
   line.addArgument("SEQUENCE", sequence_);

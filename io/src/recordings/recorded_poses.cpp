@@ -35,6 +35,12 @@ PoseReading PoseReading::of(std::string_view words) {
   return reading;
 }
 
+Trajectory readTrajectory(const std::filesystem::path& path, std::string* remark) {
+  internal::ReadPoses read = internal::stampedPoses(internal::readPoseTable(path), path);
+  if (remark) *remark = std::move(read.remark);
+  return std::move(read.poses);
+}
+
 }  // namespace facetloc
 
 namespace facetloc::internal {
