@@ -346,7 +346,6 @@ int CheckApp::execute(const CommandLine& command, const Console& console) {
 
   Findings findings;
   for (const std::string& remark : sequence.remarks()) findings.add(remark);
-  if (const std::string remark = sequence.remark(); !remark.empty()) findings.add(remark);
   reportValues(sequence, findings);
   reportImages(sequence, images, console, findings);
   reportCamera(sequence, images, console);
