@@ -9,6 +9,8 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -20,6 +22,19 @@ namespace {
 
 constexpr double kRightAngle = EIGEN_PI / 2;
 constexpr double kMuchBetter = 10;  // score of a turned camera than of one that is not [nats]: few are turned
+
+Eigen::Isometry3d quarterTurns(int n) {
+  return Eigen::Isometry3d(Eigen::AngleAxisd(n * kRightAngle, Eigen::Vector3d::UnitZ()));
+}
+
+/** Does a view show a large plane below its camera, if that is turned so? */
+bool showsFloor(const View& view, const Eigen::Isometry3d& T_m_c) {
+  constexpr double kSteepest = 50 * kDegree;
+  constexpr int kLeastSupport = 300;  // [px]
+  return std::any_of(view.segments.begin(), view.segments.end(), [&](const Segment& s) {
+    return s.num_points >= kLeastSupport && (T_m_c.linear() * s.normal()).y() > std::cos(kSteepest);
+  });
+}
 
 }  // namespace
 
@@ -130,17 +145,18 @@ void GlobalLocalization::setNumberOfThreads(int n) { impl_->threads = n; }
 Localization GlobalLocalization::localize(const View& view) const {
   Localization answer = localize(view, std::function<bool(int)>());
   PoseWithCovariance about = prior(view);
-  if (impl_->mayBeTurned(answer))
+  if (impl_->mayBeTurned(answer)) {
+    const bool shows_floor = showsFloor(view, Eigen::Isometry3d::Identity());
     for (int quarter = 1; quarter < 4; ++quarter) {
-      const PoseWithCovariance turned{
-          Eigen::Isometry3d(Eigen::AngleAxisd(quarter * kRightAngle, Eigen::Vector3d::UnitZ())),
-          impl_->anywhere.P};
+      const PoseWithCovariance turned{quarterTurns(quarter), impl_->anywhere.P};
+      if (shows_floor && !showsFloor(view, turned.T)) continue;
       Localization otherwise = impl_->localize(Query(view, turned), answer.camera, {});
       const bool is_better = otherwise.state() == AnswerState::sure &&
                              (answer.hypotheses.empty() || otherwise.hypotheses.front().score >
                                                                answer.hypotheses.front().score + kMuchBetter);
       if (is_better) answer = std::move(otherwise), about = turned;
     }
+  }
   impl_->ranking.stateAsShown(view, about, answer.hypotheses);
   return answer;
 }
