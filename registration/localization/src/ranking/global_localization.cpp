@@ -36,6 +36,15 @@ bool showsFloor(const View& view, const Eigen::Isometry3d& T_m_c) {
   });
 }
 
+// Of ten cameras about whose mounting nothing is known, one is turned: what that is before the view is seen.
+void discountTurned(Localization& answer) {
+  constexpr double kTurned = 0.1;
+  double sum = 0;
+  for (const Hypothesis& h : answer.hypotheses) sum += h.probability;
+  const double all = kTurned * sum + std::max(0.0, 1 - sum);
+  for (Hypothesis& h : answer.hypotheses) h.probability *= kTurned / all;
+}
+
 }  // namespace
 
 struct GlobalLocalization::Impl {
@@ -154,7 +163,9 @@ Localization GlobalLocalization::localize(const View& view) const {
       const bool is_better = otherwise.state() == AnswerState::sure &&
                              (answer.hypotheses.empty() || otherwise.hypotheses.front().score >
                                                                answer.hypotheses.front().score + kMuchBetter);
-      if (is_better) answer = std::move(otherwise), about = turned;
+      if (!is_better) continue;
+      answer = std::move(otherwise), about = turned;
+      discountTurned(answer);
     }
   }
   impl_->ranking.stateAsShown(view, about, answer.hypotheses);
