@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <set>
 
@@ -161,6 +162,30 @@ TYPED_TEST(PlanarSegmentationTest, AnAllInvalidCloudOfAKnownCameraHasNoSegment) 
   auto nan = pcl::make_shared<pcl::PointCloud<TypeParam>>(*this->cloud);
   for (auto& p : *nan) p.x = p.y = p.z = std::numeric_limits<float>::quiet_NaN();
   this->expectNothingFrom(nan, "no planar segment");
+}
+
+TYPED_TEST(PlanarSegmentationTest, PointsBehindTheCameraAreNamed) {
+  auto turned = pcl::make_shared<pcl::PointCloud<TypeParam>>(*this->cloud);
+  for (auto& p : *turned) p.y = -p.y, p.z = -p.z;
+  this->expectNothingFrom(turned, "behind the camera");
+  this->segmentationOf().setCamera({test::smallCamera(), {}, {}, {}});
+  this->expectNothingFrom(turned, "behind the camera");
+}
+
+TYPED_TEST(PlanarSegmentationTest, ACloudAlignedToAFinerImageIsSegmentedWithoutItsHoles) {
+  this->segmentation->setInputCloud(this->cloud);
+  this->segmentation->segment(this->segments);
+  const std::size_t dense = this->segments.size();
+  auto sparse = pcl::make_shared<pcl::PointCloud<TypeParam>>(*this->cloud);
+  for (std::uint32_t v = 0; v < sparse->height; ++v)
+    for (std::uint32_t u = 0; u < sparse->width; ++u)
+      if (auto& p = (*sparse)(u, v); u % 2 == 0 || v % 2 == 0)
+        p.x = p.y = p.z = std::numeric_limits<float>::quiet_NaN();
+  this->segmentation->setInputCloud(sparse);
+  this->segmentation->segment(this->segments);
+  EXPECT_GE(double(this->segments.size()), 0.7 * double(dense));
+  for (const auto& segment : this->segments)
+    for (const auto i : segment.indices) ASSERT_TRUE(std::isfinite((*sparse)[std::size_t(i)].z));
 }
 
 TYPED_TEST(PlanarSegmentationTest, IndicesAreRespected) {

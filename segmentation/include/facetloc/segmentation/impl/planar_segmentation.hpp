@@ -60,7 +60,8 @@ void PlanarSegmentation<PointT>::segment(Labels& labels) {
   labels.resize(input_->size());
   labels.width = input_->width;
   labels.height = input_->height;
-  for (std::size_t i = 0; i < labels.size(); ++i) labels[i].label = result_.labels.label[i];
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    labels[i].label = std::isfinite((*input_)[i].z) ? result_.labels.label[i] : 0;
 }
 
 }  // namespace facetloc
