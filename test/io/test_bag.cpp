@@ -118,6 +118,18 @@ TEST_F(Bag, ACameraFileBesideItIsBelieved) {
   EXPECT_EQ(DepthSequence::open(path).load(0).camera.fx, 77);
 }
 
+TEST_F(Bag, TheLensOfItsCameraIsTakenOut) {
+  const DepthSequence bent = DepthSequence::open(bag("lens"));
+  EXPECT_EQ(bent.camera()->lens.k1, 0.1);
+  EXPECT_EQ(bent.camera()->lens.p2, 0.002);
+  EXPECT_THAT(bent.remark(), HasSubstr("the lens of its camera_info is taken out"));
+  const LensCorrection lens(bent.camera()->camera.intrinsics, bent.camera()->lens);
+  EXPECT_EQ(bent.load(0).depth, lens(DepthSequence::open(bag("uint16")).load(0)).depth);
+  const DepthSequence fisheye = DepthSequence::open(bag("fisheye"));
+  EXPECT_TRUE(fisheye.camera()->isPinhole());
+  EXPECT_THAT(fisheye.remark(), AllOf(HasSubstr("equidistant"), HasSubstr("left in")));
+}
+
 TEST_F(Bag, ATopicCanBeNamed) {
   RecordingHints hints;
   hints.topic = "/camera/depth/image_raw";

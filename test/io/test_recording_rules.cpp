@@ -266,6 +266,15 @@ TEST_F(Rules, ALibraryOfReplica) {
   EXPECT_EQ(sequence.groundTruth().at(sequence.frames()[1].stamp)->translation(), Eigen::Vector3d(7, 8, 9));
 }
 
+TEST_F(Rules, PosesInAFolderOfTheirOwnHaveTheNamesOfTheImages) {
+  put("camera.ini", kCamera);
+  putDepth("depth/frame_000003.png"), putDepth("depth/frame_000004.png");
+  put("poses/frame_000003.txt", "1 0 0 4 0 1 0 5 0 0 1 6 0 0 0 1\n");
+  const DepthSequence sequence = open();
+  ASSERT_EQ(sequence.groundTruth().poses().size(), 1u);
+  EXPECT_EQ(sequence.groundTruth().at(sequence.frames()[0].stamp)->translation(), Eigen::Vector3d(4, 5, 6));
+}
+
 TEST_F(Rules, APhonesScan) {
   putDepth("depth/000000.png", 1500), putDepth("depth/000001.png", 1500);
   putPicture("confidence/000000.png", 1);

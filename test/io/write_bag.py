@@ -3,7 +3,8 @@
 """Writes a ROS bag with the library of ROS: write_bag.py FOLDER OUT.bag KIND
 
 FOLDER has intrinsics.txt (width height fx fy cx cy), <stamp>.raw (depth in millimetres, 16 bit) and, if there is an
-odometry, odometry.txt (TUM). KIND: uint16, float, compressed, realsense, colour, big_endian, short, no_camera.
+odometry, odometry.txt (TUM). KIND: uint16, float, compressed, realsense, colour, big_endian, short, no_camera,
+lens, fisheye.
 """
 import array
 import pathlib
@@ -56,6 +57,9 @@ with rosbag.Bag(out, "w", compression="bz2" if kind == "compressed" else "none")
         bag.write("/camera/color/image_raw", grey, time + LATENCY)
     if kind != "no_camera":
         info = CameraInfo(width=width, height=height, K=[fx, 0, cx, 0, fy, cy, 0, 0, 1])
+        if kind in ("lens", "fisheye"):
+            info.distortion_model = "plumb_bob" if kind == "lens" else "equidistant"
+            info.D = [0.1, -0.02, 0.001, 0.002, 0.0] if kind == "lens" else [0.1, 0, 0, 0]
         bag.write(base + ("/info/camera_info" if kind == "realsense" else "/camera_info"), info, time + LATENCY)
     if kind == "realsense":
         bag.write("/device_0/sensor_0/option/Depth Units/value", Float32(UNIT), time + LATENCY)

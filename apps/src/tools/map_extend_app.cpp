@@ -95,12 +95,14 @@ void MapExtendApp::addOptions(CommandLine& line) {
 
 /** Throws IoError for poses that cannot be matched with the images. */
 MapSession MapExtendApp::sessionIn(const std::shared_ptr<const Map>& map, const DepthSequence& sequence,
-                                   const Camera& camera) const {
+                                   const Camera& camera, const Console& console) const {
   Trajectory given;
+  std::string remark;
   if (!poses_.empty())
-    given = sequence.readPoses(poses_);
+    given = sequence.readPoses(poses_, &remark);
   else if (!without_poses_)
     given = sequence.groundTruth();
+  if (!remark.empty()) console.note(remark);
   const bool by_poses = !poses_.empty() || !given.empty();
   if (by_poses && !sequence.stamped())
     throw IoError(sequence_, "its image names are no time stamps: poses cannot be matched");
@@ -173,7 +175,7 @@ int MapExtendApp::execute(const CommandLine& line, const Console& console) {
   const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
   noteDifference(camera, *map, console);
 
-  MapSession session = sessionIn(map, sequence, camera);
+  MapSession session = sessionIn(map, sequence, camera, console);
   MapWatch watch(console);
   session.setProgress(watch.callback());
   session.findTrajectory();

@@ -18,7 +18,7 @@ private:
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
   MapSession sessionIn(const std::shared_ptr<const Map>& map, const DepthSequence& sequence,
-                       const Camera& camera) const;
+                       const Camera& camera, const Console& console) const;
   const SessionPlace& find(MapSession& session) const;
   void write(const Map& map, const Console& console) const;
   void writeTrajectory(const MapSession& session) const;

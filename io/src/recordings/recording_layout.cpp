@@ -143,7 +143,10 @@ private:
     const fs::path beside = layout_.frames.front().path.parent_path() / "..";
     const fs::path poses = beside / (fs::is_directory(beside / "pose") ? "pose" : "poses");
     if (!fs::is_directory(poses)) return false;
-    return isNumbered(Kind::scannet, countIn,
+    const auto count = [](const std::string& name) {
+      return name.find('.') == std::string::npos ? countAtEndOf(name) : std::nullopt;  // 1.5 is a time
+    };
+    return isNumbered(Kind::scannet, count,
                       [&](const FrameFile& frame) { return poses / (frame.name + ".txt"); });
   }
 
