@@ -32,8 +32,8 @@ int main(int argc, char** argv) try {
       std::cout << ", " << answer.reason << "\n";
     else
       std::cout << ", " << answer.hypotheses.size() << " places, the first with probability "
-                << answer.hypotheses[0].probability << " at " << answer.hypotheses[0].T_w_c->translation().transpose()
-                << "\n";
+                << answer.hypotheses[0].probability << " at "
+                << answer.hypotheses[0].T_w_c->translation().transpose() << "\n";
   }
   return 0;
 } catch (const std::exception& e) {

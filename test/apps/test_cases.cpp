@@ -26,21 +26,21 @@ TEST_P(Cases, AreReadRightOrNamed) {
   EXPECT_EQ(code, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(, Cases,
-                         testing::Values("01-rtabmap-export", "05-other-trajectory-files",
-                                         "05-poses-that-were-lost", "06-turned-cloud", "07-pclzf-folder",
-                                         "08-tiff-depth", "09-lens-distortion", "10-decimated-then-aligned",
-                                         "10-sparse-after-alignment", "11-stamps-in-nanoseconds",
-                                         "12-depth-at-the-end", "13-folder-aligned_depth", "15-utf-16",
-                                         "20-lists", "20-lists-and-poses-that-are-read",
-                                         "22-names-of-folders", "27-pairwise-tutorial", "30-numbered-images",
-                                         "32-rtabmap-sample"),
-                         [](const auto& test) {
-                           std::string name = test.param;
-                           for (char& c : name)
-                             if (c == '-') c = '_';
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    , Cases,
+    testing::Values("01-rtabmap-export", "03-distance-along-rays", "04-rotated-bits",
+                    "05-other-trajectory-files", "05-poses-that-were-lost", "06-turned-cloud",
+                    "07-pclzf-folder", "08-tiff-depth", "09-lens-distortion", "10-decimated-then-aligned",
+                    "10-sparse-after-alignment", "11-stamps-in-nanoseconds", "12-depth-at-the-end",
+                    "13-folder-aligned_depth", "15-utf-16", "16-native-mode-848x480", "17-camera-upside-down",
+                    "18-swapped-bytes", "20-lists", "20-lists-and-poses-that-are-read", "22-names-of-folders",
+                    "27-pairwise-tutorial", "28-scale-of-800", "30-numbered-images", "32-rtabmap-sample"),
+    [](const auto& test) {
+      std::string name = test.param;
+      for (char& c : name)
+        if (c == '-') c = '_';
+      return name;
+    });
 
 }  // namespace
 }  // namespace facetloc::test

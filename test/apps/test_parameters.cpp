@@ -6,10 +6,10 @@
 
 #include <facetloc/localization/localization_params.h>
 #include <facetloc/localization/localizer_params.h>
-#include <facetloc/registration/pose_prior.h>
 #include <facetloc/mapping/map_builder.h>
 #include <facetloc/mapping/map_session.h>
 #include <facetloc/mapping/mapping_params.h>
+#include <facetloc/registration/pose_prior.h>
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/simulation/simulated_camera.h>
 #include <facetloc/simulation/simulated_drive.h>

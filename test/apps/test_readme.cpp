@@ -9,8 +9,8 @@
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
 #include <facetloc/localization/global_localization.h>
-#include <facetloc/localization/map_localization.h>
 #include <facetloc/localization/localizer.h>
+#include <facetloc/localization/map_localization.h>
 #include <facetloc/mapping/map_making.h>
 #include <facetloc/registration/planar_registration.h>
 #include <facetloc/segmentation/planar_segmentation.h>

@@ -52,8 +52,8 @@ struct Provenance {
                    const std::string& folder) const;
 };
 
-/** \brief Writes inputs.csv to a folder of results: the file, or the recording, that each frame is from. Throws
- * IoError. */
+/** \brief Writes inputs.csv to a folder of results: the file, or the recording, that each frame is from.
+ * Throws IoError. */
 void writeInputs(const std::filesystem::path& folder, const std::vector<FrameFile>& frames);
 
 }  // namespace facetloc
