@@ -120,7 +120,7 @@ TEST(GeometryCheck, NamesOtherIntrinsicsByRightAngles) {
 TEST(GeometryCheck, DoubtsPixelsThatAreNotSquare) {
   const GeometryCheck check = checkGeometry(withIntrinsics([](Intrinsics& k) { k.fx *= 1.15; }), {});
   ASSERT_FALSE(check.faults.empty());
-  EXPECT_THAT(check.faults.back().words, HasSubstr("factor of 1.15"));
+  EXPECT_THAT(check.faults.back().words, HasSubstr("factor of 1.1"));
 }
 
 TEST(GeometryCheck, NothingIsMadeOfImagesThatCannotBeRight) {

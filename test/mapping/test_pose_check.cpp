@@ -72,7 +72,8 @@ TEST(PoseCheck, NoisyPosesAreNoWrongOnes) {
     for (int k = 0; k < 6; ++k) error[k] = (k < 3 ? kDegree : 0.03) * normal(random);
     return perturbed(trueCamera(t), error);
   });
-  EXPECT_EQ(found.cause, "");
+  EXPECT_THAT(found.cause, HasSubstr("how accurate the poses are"));
+  EXPECT_FALSE(found.wrong_convention);
   EXPECT_FALSE(found.isBeyondSense());
 }
 

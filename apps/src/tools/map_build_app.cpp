@@ -230,8 +230,6 @@ std::string MapBuildApp::checkPoses(const DepthSequence& sequence, MapMaking& ma
     console.note(fmt::format("the poses disagree with the images by {}; {}{}", as_given, check.cause,
                              mended == as_given ? "" : "; so read, they disagree by " + mended) +
                  adviceOnPoses(check));
-  } else {
-    for (const std::string& words : check.ratiosInWords()) console.note(words);
   }
   if (check.isBeyondSense() && !force_)
     throw IoError(
