@@ -137,6 +137,8 @@ TEST_F(Tools, ADriveIsLocalizedByItsLaterImagesToo) {
   for (const StampedPose& p : sure) EXPECT_TRUE(isNear(p.T_w_c, *truth.at(p.stamp, 0.02), 0.2, 2)) << p.stamp;
   EXPECT_THAT(contentOf(smoothed + "/params.ini"), HasSubstr("smooth = 1"));
   EXPECT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", filtered, "--smooth"}).code, kUsage);
+  EXPECT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", filtered, "--near", "0,0,1,0"}).code, kUsage);
+  EXPECT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", filtered, "--sequence", "--near", "here"}).code, kUsage);
 }
 
 TEST_F(Tools, ADriveSaysWhenItIsFirstSureAndWhyNotBefore) {

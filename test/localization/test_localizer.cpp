@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <stdexcept>
 #include <string>
 
 namespace facetloc {
@@ -367,6 +368,57 @@ TEST_F(SequenceInTwinRooms, OnlyWhatTellsThemApartDecides) {
   EXPECT_EQ(sure_before, 0);
   EXPECT_EQ(answer.state, AnswerState::sure) << answer.reason;
   EXPECT_TRUE(isNearTo(answer, truth.back(), 0.1, 2));
+}
+
+/** About 0.6 m and 15 deg off. */
+PoseWithCovariance startNear(const Eigen::Isometry3d& T_w_c) {
+  PoseWithCovariance start;
+  start.T = Eigen::Translation3d(0.4, -0.4, 0) * T_w_c;
+  start.T.linear() = Eigen::AngleAxisd(15 * kDegree, Eigen::Vector3d::UnitZ()) * start.T.linear();
+  start.P = Matrix6d::Identity();
+  start.P.topLeftCorner<3, 3>() *= 30 * kDegree * 30 * kDegree;
+  return start;
+}
+
+TEST_F(SequenceInTwinRooms, AStartDecidesBetweenThem) {
+  Localizer localizer(map);
+  localizer.setPose(startNear(truth[0]));
+  int sure = 0;
+  for (int i = 0; i < 20; ++i) {
+    const LocalizerAnswer answer = localizer.update(views[i], i * kFrame);
+    EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
+    sure += answer.state == AnswerState::sure;
+  }
+  EXPECT_GE(sure, 15);
+}
+
+TEST_F(SequenceInARoom, AWrongStartIsLeft) {
+  Localizer localizer(map);
+  localizer.setPose(startNear(truth[45]));
+  LocalizerAnswer answer;
+  for (int i = 0; i < 30; ++i) {
+    answer = localizer.update(views[i], i * kFrame);
+    EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
+  }
+  EXPECT_EQ(answer.state, AnswerState::sure) << answer.reason << " after a second";
+}
+
+TEST_F(SequenceInARoom, AStartWithoutSenseIsRefused) {
+  Localizer localizer(map);
+  EXPECT_THROW(localizer.setPose(PoseWithCovariance()), std::invalid_argument) << "no covariance";
+  EXPECT_THROW(localizer.setPose(startNear(truth[0]), 7), std::invalid_argument) << "no such part";
+  PoseWithCovariance nan = startNear(truth[0]);
+  nan.T.translation().x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(localizer.setPose(nan), std::invalid_argument);
+}
+
+TEST_F(SequenceInARoom, AStartIsKnownBeforeAnythingIsSeen) {
+  Localizer localizer(map);
+  localizer.setPose(startNear(truth[0]));
+  const LocalizerAnswer answer = localizer.update(View(), 0);
+  ASSERT_EQ(answer.hypotheses.size(), 1u);
+  EXPECT_THAT(*answer.hypotheses[0].T_w_c, test::PoseNear(startNear(truth[0]).T, 1e-9, 1e-6));
+  EXPECT_NE(answer.state, AnswerState::sure);
 }
 
 TEST_F(SequenceInTwinRooms, WhatIsSeenLaterTellsOfTheFirstViewToo) {

@@ -6,6 +6,7 @@
 #include "base/map_completion.h"
 #include "base/pose_stream.h"
 #include "base/provenance.h"
+#include "base/start_option.h"
 #include "drawing/outputs.h"
 #include "live/live_run.h"
 
@@ -53,9 +54,9 @@ void LiveApp::addOptions(CommandLine& line) {
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already, with --build.");
   line.addOption(
       "camera", run.source.camera, "FILE|NAME",
-      fmt::format("A camera.ini, or one of these for its noise ({}); unless given, the camera.ini in the "
-                  "played folder, or what the device says.",
-                  cameraPresetNames()));
+      fmt::format(
+          "A camera.ini, or one of {}; unless given, that in the played folder, or what the device says.",
+          cameraPresetNames()));
   line.addSwitch("headless", run.headless, "No window.");
   line.addOption("results", run.results, "DIR",
                  "Write poses, states and times to this folder while running.");
@@ -66,6 +67,7 @@ void LiveApp::addOptions(CommandLine& line) {
   line.addOption("record", run.recording, "FILE.oni", "Record the device's depth images.");
   line.addOption("odometry", run.odometry, "FILE",
                  "Wheel odometry, as lines of JSON (ROBOT.md); - = standard input.");
+  addStartOption(line, run.near);
   line.addOption("max-frames", run.max_frames, "N", "End after so many processed frames; 0 = never.");
   line.addOption("duration", run.duration, "S", "End after so many seconds; 0 = never.");
   line.addSwitch("wait", run.wait, "Wait for a device that is not there, or has gone, or sends nothing.");
@@ -87,6 +89,8 @@ void LiveApp::checkOptions() const {
     throw UsageError("stream belongs to --map or --build: without a map there are no poses");
   if (!run_.odometry.empty() && run_.map.empty() && run_.build.empty())
     throw UsageError("odometry belongs to --map or --build");
+  if (!run_.near.empty() && run_.map.empty()) throw UsageError("near belongs to --map");
+  startPose(run_.near, {});
   if (overwrite_ && run_.build.empty()) throw UsageError("overwrite belongs to --build");
   if (run_.every < 1) throw UsageError("every must be positive");
   if (run_.max_frames < 0) throw UsageError("max-frames must not be negative");

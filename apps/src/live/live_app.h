@@ -23,6 +23,7 @@ struct LiveRunOptions {
   std::string screenshots;  ///< folder; empty = none
   std::string recording;    ///< file; empty = none
   std::string odometry;     ///< file, "-" = standard input; empty = none
+  std::string near;         ///< where the camera begins (startPose()); empty = not known
   int every = 30;           ///< processed frames per screenshot
   bool headless = false;
   bool wait = false;  ///< for a device that is not there, or has gone

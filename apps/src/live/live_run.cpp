@@ -2,6 +2,7 @@
 #include "live/live_run.h"
 
 #include "base/localization_options.h"
+#include "base/start_option.h"
 #include "base/text.h"
 #include "drawing/outputs.h"
 #include "shared/text.h"
@@ -141,6 +142,7 @@ void LiveRun::startSession() {
   }
   if (!options_.build.empty()) startMapping(options.camera);
   options.mapping = mapping_;
+  if (map_) options.start = startPose(options_.near, options.camera.mounting);
   if (!options_.odometry.empty())
     options.odometry = odometry_ =
         std::make_shared<OdometryInput>(options_.odometry, options.camera.mounting);

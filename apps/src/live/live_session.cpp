@@ -48,6 +48,7 @@ LiveSession::LiveSession(const LiveSessionOptions& options, std::shared_ptr<cons
     localizer_ = std::make_unique<Localizer>(map_, options.localizer, options.localization);
     localizer_->setNumberOfThreads(options.threads);
     localizer_->setMinProbability(options.min_probability);
+    if (options.start) localizer_->setPose(*options.start);
   }
   thread_ = std::thread([this] { run(); });
 }

@@ -31,6 +31,7 @@ struct LiveSessionOptions {
   LocalizerParams localizer;
   OdometryError odometry_error;
   double min_probability = kMinProbability;  ///< of a sure place
+  std::optional<PoseWithCovariance> start;   ///< where the camera is when it begins, as far as that is known
   GlobalLocalizationParams localization;
   std::shared_ptr<LiveMapping> mapping;     ///< if a map is to be made
   std::shared_ptr<OdometryInput> odometry;  ///< of the robot, if it tells one

@@ -7,6 +7,7 @@
 #include "base/localization_report.h"
 #include "base/milliseconds.h"
 #include "base/pose_stream.h"
+#include "base/start_option.h"
 #include "base/text.h"
 #include "drawing/outputs.h"
 #include "shared/text.h"
@@ -138,6 +139,7 @@ void LocalizeApp::addOptions(CommandLine& line) {
       "sequence", is_sequence_,
       "The images are one drive: each is localized by all images up to it, which may decide what one "
       "of them leaves open.");
+  addStartOption(line, near_);
   line.addSwitch("smooth", smooth_, "With --sequence: each image is localized by those after it, too.");
   line.addOption(
       "starts", starts_, "N",
@@ -317,7 +319,8 @@ std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& file, const 
          cameraLine(file) +
          fmt::format("max-hypotheses = {}\nmin-probability = {}\n", max_hypotheses_,
                      text::shortest(min_probability_)) +
-         (is_sequence_ ? "sequence = 1\n" : "") + (smooth_ ? "smooth = 1\n" : "") + toIni(input_, camera) +
+         (is_sequence_ ? "sequence = 1\n" : "") + (smooth_ ? "smooth = 1\n" : "") +
+         (near_.empty() ? "" : "near = " + near_ + "\n") + toIni(input_, camera) +
          localizationIni(localization_) + (is_sequence_ ? "\n" + toIni(localizer_, "localizer") : "");
 }
 
@@ -332,6 +335,8 @@ void LocalizeApp::requireSense() const {
   if (starts_ < 0) throw UsageError("starts must not be negative");
   if (starts_ > 0 && !is_sequence_) throw UsageError("--starts goes with --sequence");
   if (smooth_ && !is_sequence_) throw UsageError("--smooth goes with --sequence");
+  if (!near_.empty() && !is_sequence_) throw UsageError("--near goes with --sequence");
+  startPose(near_, {});
   if (is_sequence_ && resume_)
     throw UsageError("--sequence does not go with --resume: its answers need all images before; run it anew");
   if (is_sequence_ && localization_.score.by_overlap)
@@ -352,7 +357,11 @@ int LocalizeApp::localizeAll(const CommandLine& line, const Console& console, st
   noteDifference(camera, *map, console);
   Task task{std::move(sequence), map, camera};
   std::optional<Drive> drive;
-  if (is_sequence_) drive.emplace(newLocalizer(map, threads()), smooth_);
+  if (is_sequence_) {
+    Localizer localizer = newLocalizer(map, threads());
+    if (const auto start = startPose(near_, camera.mounting)) localizer.setPose(*start);
+    drive.emplace(std::move(localizer), smooth_);
+  }
   const int at_a_time = drive ? 1 : threads();  // a drive has an order
   ImageBatch batch(at_a_time, console, [&](const std::vector<std::size_t>& images, int workers) {
     return imageWork(task, images, workers, drive ? &*drive : nullptr);

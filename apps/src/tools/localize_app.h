@@ -49,6 +49,7 @@ private:
   std::string map_;
   std::string input_path_;
   std::string folder_;
+  std::string near_;
   int max_hypotheses_ = 100;
   double min_probability_ = kMinProbability;
   bool resume_ = false;

@@ -9,6 +9,8 @@
 #include <facetloc/localization/localizer.h>
 #include <facetloc/segmentation/view_builder.h>
 
+#include <Eigen/Cholesky>
+
 #include <algorithm>
 #include <functional>
 #include <stdexcept>
@@ -378,6 +380,17 @@ void Localizer::setMinProbability(double p) {
 }
 const Camera& Localizer::camera() const { return impl_->camera; }
 void Localizer::reset() { impl_->reset(); }
+void Localizer::setPose(const PoseWithCovariance& T_w_c, int part) {
+  const bool is_finite = T_w_c.T.matrix().allFinite() && T_w_c.P.allFinite();
+  if (!is_finite || Eigen::LLT<Matrix6d>(T_w_c.P).info() != Eigen::Success)
+    throw std::invalid_argument("the covariance of a pose must be positive definite, and all numbers finite");
+  const std::vector<LocalModel>& models = impl_->localization.map().models;
+  if (std::none_of(models.begin(), models.end(),
+                   [part](const LocalModel& m) { return m.part == part && m.T_w_m; }))
+    throw std::invalid_argument("the map has no such part with poses");
+  impl_->reset();
+  impl_->belief.suppose(part, T_w_c, impl_->params.most_log_odds);
+}
 void Localizer::setNumberOfThreads(int n) {
   impl_->localization.setNumberOfThreads(n);
   impl_->belief.setNumberOfThreads(n);

@@ -143,12 +143,17 @@ bool PlaceBelief::isDue() const {
   return looks_ == 0 || motionSince(params_.look_distance, params_.look_rotation_deg) >= 1;
 }
 
-void PlaceBelief::suppose(int part, const PoseWithCovariance& T_w_c) {
+void PlaceBelief::suppose(int part, const PoseWithCovariance& T_w_c, double log_odds) {
+  const std::vector<int> nearest = near_.byPlace(part, T_w_c.T.translation(), 1);
+  if (nearest.empty()) return;
   BelievedPlace place;
   place.T_w_c = T_w_c;
   place.part = part;
-  place.log_odds = prior_;
+  place.log_odds = prior_ + log_odds;
+  place.spread = spreadOf(T_w_c.P);  // as whoever says so knows
+  place.match.model = nearest.front();
   places_.push_back(std::move(place));
+  weigh();
 }
 
 void PlaceBelief::correct(const PoseWithCovariance& T_w_c, const std::optional<Hypothesis>& match) {
@@ -180,18 +185,16 @@ double PlaceBelief::oddsOfEstablished(const View& view, const Hypothesis& h) con
          odds;
 }
 
-// A Gaussian that has become wider than the spacing of local models is as many places: what a view finds in
-// it is one of these.
-void PlaceBelief::spread(BelievedPlace& place) {
+// A Gaussian that is wider than the spacing of local models is as many places: their log.
+double PlaceBelief::spreadOf(const Matrix6d& P) {
   constexpr double kSpacing = 0.5, kSpacingDeg = 15;  // of the paper's maps [m]
-  const PrincipalStd known = principalStd(place.T_w_c.P);
-  double now = 0;
+  const PrincipalStd known = principalStd(P);
+  double spread = 0;
   for (int k = 0; k < 3; ++k) {
-    now += std::log(std::max(1.0, known.translation[k] / kSpacing));
-    now += std::log(std::max(1.0, known.rotation[k] / (kSpacingDeg * kDegree)));
+    spread += std::log(std::max(1.0, known.translation[k] / kSpacing));
+    spread += std::log(std::max(1.0, known.rotation[k] / (kSpacingDeg * kDegree)));
   }
-  place.log_odds -= std::max(0.0, now - place.spread);
-  place.spread = now;
+  return spread;
 }
 
 // What the kept looks say of a place that they were not held against, as far as the motions since are known.
@@ -246,7 +249,11 @@ std::optional<double> PlaceBelief::look(std::shared_ptr<const View> view, const 
                                   ? 1
                                   : 1 - std::exp(-motionSince(calibration_.independent_distance,
                                                               calibration_.independent_rotation_deg));
-  for (BelievedPlace& place : places_) spread(place);
+  for (BelievedPlace& place : places_) {  // what a view finds in a wide one is one of many
+    const double now = spreadOf(place.T_w_c.P);
+    place.log_odds -= std::max(0.0, now - place.spread);
+    place.spread = now;
+  }
   const Query query(*view);
   std::vector<Candidates> seen(places_.size());
   forEachInParallel(static_cast<int>(places_.size()), threads_, [&](int i) {
@@ -359,6 +366,10 @@ void PlaceBelief::normalize() {
     if (static_cast<int>(kept.size()) < params_.max_places) kept.push_back(std::move(place));
   }
   places_ = std::move(kept);
+  weigh();
+}
+
+void PlaceBelief::weigh() {
   double sum = 1;
   for (const BelievedPlace& place : places_) sum += std::exp(place.log_odds);
   for (BelievedPlace& place : places_) place.probability = std::exp(place.log_odds) / sum;

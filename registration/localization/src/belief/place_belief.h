@@ -58,9 +58,9 @@ public:
                              bool independent = false);
   /** \brief The n local models nearest to each place that is worth asking about. */
   std::vector<int> modelsAround(int n) const;
-  /** \brief Somebody says that the camera may be there: adds a place with the odds that any has beforehand.
-   * \param part of the map */
-  void suppose(int part, const PoseWithCovariance& T_w_c);
+  /** \brief Somebody says that the camera is there: adds a place. Nothing happens in a part without poses.
+   * \param part of the map \param log_odds against any other place [nats] */
+  void suppose(int part, const PoseWithCovariance& T_w_c, double log_odds = 0);
   /** \brief The pose of the most probable place, of which there is one, as it follows from the latest view.
    * \param match the local model that shares most with the view; without one it stays */
   void correct(const PoseWithCovariance& T_w_c, const std::optional<Hypothesis>& match = {});
@@ -87,7 +87,7 @@ private:
   using Candidates = std::vector<Candidate>;
   double motionSince(double distance, double rotation_deg) const;
   double oddsOfKnown(const View& view, const Hypothesis& h) const;
-  static void spread(BelievedPlace& place);
+  static double spreadOf(const Matrix6d& P);
   double oddsOfEstablished(const View& view, const Hypothesis& h) const;
   double historyOf(const Hypothesis& place) const;
   std::vector<Hypothesis> sortFound(const Localization& found, std::vector<Candidates>& seen) const;
@@ -97,6 +97,7 @@ private:
                   double weight);
   PoseWithCovariance poseOf(const Hypothesis& h) const;
   void normalize();
+  void weigh();  // probabilities by the odds
 
   std::shared_ptr<const Map> map_;
   LocalizerParams params_;

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/start_option.h"
+
+#include "shared/text.h"
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace facetloc {
+
+void addStartOption(CommandLine& line, std::string& text) {
+  line.addOption("near", text, "X,Y,Z,YAW", "The camera begins about there [m, deg] (ROBOT.md).");
+}
+
+std::optional<PoseWithCovariance> startPose(const std::string& near,
+                                            const std::optional<CameraMounting>& mounting) {
+  if (near.empty()) return {};
+  std::vector<double> numbers = {0, 0, 0, 0, 1, 30};
+  const auto words = text::split(near, ',');
+  if (words.size() < 4 || words.size() > numbers.size())
+    throw UsageError("near: " + near + " is not x,y,z,yaw_deg[,std_m[,std_deg]]");
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const auto number = text::to<double>(words[i]);
+    if (!number || !std::isfinite(*number))
+      throw UsageError("near: '" + std::string(words[i]) + "' is no number");
+    numbers[i] = *number;
+  }
+  const double std_m = numbers[4], std_rad = numbers[5] * kDegree;
+  if (!(std_m > 0 && numbers[5] > 0 && numbers[5] <= 180))
+    throw UsageError("near: standard deviations must be positive, of the direction at most 180 deg");
+  PoseWithCovariance start;
+  const CameraMounting mounted = mounting.value_or(CameraMounting{});
+  const Eigen::AngleAxisd heading((numbers[3] - mounted.pan_deg) * kDegree, Eigen::Vector3d::UnitZ());
+  start.T.linear() = heading.toRotationMatrix() * mounted.T_b_c().linear();
+  start.T.translation() << numbers[0], numbers[1], numbers[2];
+  start.P.setZero();
+  start.P.diagonal() << Eigen::Vector3d::Constant(std_rad * std_rad),
+      Eigen::Vector3d::Constant(std_m * std_m);
+  return start;
+}
+
+}  // namespace facetloc
