@@ -34,7 +34,7 @@ TEST(StartPose, IsMountedAsTheCamera) {
 TEST(StartPose, RefusesWhatIsNone) {
   EXPECT_FALSE(startPose("", {}));
   for (const char* text : {"1", "1,2,3", "1,2,3,4,5,6,7", "a,2,3,4", "1,2,3,nan", "1,2,3,4,0", "1,2,3,4,-1",
-                           "1,2,3,4,1,0", "1,2,3,4,1,181", "1,2,,4", "1;2;3;4"})
+                           "1,2,3,4,1,0", "1,2,3,4,1,181", "1,2,3,4,1e200", "1,2,,4", "1;2;3;4"})
     EXPECT_THROW(startPose(text, {}), UsageError) << text;
 }
 

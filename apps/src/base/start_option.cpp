@@ -15,6 +15,7 @@ void addStartOption(CommandLine& line, std::string& text) {
 
 std::optional<PoseWithCovariance> startPose(const std::string& near,
                                             const std::optional<CameraMounting>& mounting) {
+  constexpr double kLeastStd = 1e-3, kMostStd = 1e4, kLeastDeg = 0.01;  // [m]
   if (near.empty()) return {};
   std::vector<double> numbers = {0, 0, 0, 0, 1, 30};
   const auto words = text::split(near, ',');
@@ -27,8 +28,8 @@ std::optional<PoseWithCovariance> startPose(const std::string& near,
     numbers[i] = *number;
   }
   const double std_m = numbers[4], std_rad = numbers[5] * kDegree;
-  if (!(std_m > 0 && numbers[5] > 0 && numbers[5] <= 180))
-    throw UsageError("near: standard deviations must be positive, of the direction at most 180 deg");
+  if (!(std_m >= kLeastStd && std_m <= kMostStd && numbers[5] >= kLeastDeg && numbers[5] <= 180))
+    throw UsageError("near: standard deviations must be between 1 mm and 10 km, and 0.01 and 180 deg");
   PoseWithCovariance start;
   const CameraMounting mounted = mounting.value_or(CameraMounting{});
   const Eigen::AngleAxisd heading((numbers[3] - mounted.pan_deg) * kDegree, Eigen::Vector3d::UnitZ());
