@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -82,6 +83,7 @@ struct Localizer::Impl {
   void search(Step& step);
   void lookAround(const Step& step);
   void reset();
+  void forget();  // the places and all that was seen there
 
   bool anyPose() const;
   bool isLikely() const;
@@ -104,18 +106,23 @@ struct Localizer::Impl {
   bool by_itself = false;  // the latest view that was searched for is sure, and of the first place
   bool is_known = false, was_known = false;  // a place: since when it was sure, and ever
   std::optional<double> stamp, contradicted_since;
-  double latest_look = 0, next_check = 0;  // [s]
-  Camera camera;                           // of clouds and images
+  double latest_look = -std::numeric_limits<double>::infinity(), next_check = latest_look;  // [s]
+  Camera camera;  // of clouds and images
   std::optional<ViewBuilder> builder;
 };
 
 void Localizer::Impl::reset() {
-  belief.clear();
-  following.clear();
+  forget();
   motion.reset();
   stamp.reset();
-  contradicted_since.reset();
   by_itself = is_known = was_known = false;
+}
+
+void Localizer::Impl::forget() {
+  belief.clear();
+  following.clear();
+  contradicted_since.reset();
+  latest_look = next_check = -std::numeric_limits<double>::infinity();
 }
 
 bool Localizer::Impl::anyPose() const {
@@ -177,11 +184,7 @@ void Localizer::Impl::move(Step& step, double dt, const std::optional<PoseWithCo
   if (step.is_first) return;
   if (step.anew.empty() && step.motion.source == Motion::Source::broken)
     step.anew = "the view contradicts the one before";
-  if (!step.anew.empty()) {
-    belief.clear();
-    following.clear();
-    return;
-  }
+  if (!step.anew.empty()) return forget();
   const Eigen::Isometry3d T_a_b = step.motion.likeliest().T;
   belief.move(step.motion);
   following.move(T_a_b);
@@ -224,8 +227,6 @@ void Localizer::Impl::follow(Step& step) {
 
 void Localizer::Impl::search(Step& step) {
   step.searched = true;
-  latest_look = step.now;
-  next_check = step.now + kCheckInterval;
   const Localization found = localization.localize(*step.view, std::function<bool(int)>());
   step.of_search = found.reason;
   const std::optional<double> of_best = belief.look(step.view, &found, step.alone);
@@ -233,11 +234,12 @@ void Localizer::Impl::search(Step& step) {
       of_best ? *of_best < -kContradiction : found.state(min_probability) == AnswerState::sure;
   if (step.alone && !step.is_first && is_elsewhere && !isSureByItself(found)) {
     step.anew = "the map contradicts the view";
-    belief.clear();
-    following.clear();
+    forget();
     belief.look(step.view, &found);
   }
   by_itself = isSureByItself(found);
+  latest_look = step.now;
+  next_check = step.now + kCheckInterval;
 }
 
 // Asks the view what else it could be near each place.
