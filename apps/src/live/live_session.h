@@ -30,7 +30,7 @@ struct LiveSessionOptions {
   ViewParams view;
   LocalizerParams localizer;
   OdometryError odometry_error;
-  double min_probability = kMinProbability;  ///< of a sure place
+  double min_probability = kMinProbability;  ///< least probability of a sure place
   std::optional<PoseWithCovariance> start;   ///< where the camera is when it begins, as far as that is known
   GlobalLocalizationParams localization;
   std::shared_ptr<LiveMapping> mapping;     ///< if a map is to be made

@@ -85,7 +85,7 @@ private:
 
 /** Frames as a pinhole camera's. */
 FrameSink corrected(const CameraFile& camera, const FrameSink& sink) {
-  auto lens = std::make_shared<std::optional<LensCorrection>>();  // of frames of one size
+  auto lens = std::make_shared<std::optional<LensCorrection>>();  // kept while the size of frames stays
   return [lens, camera, sink](LiveFrame frame) {
     frame.image = [lens, camera, image = std::move(frame.image)] {
       const DepthImage stored = image();

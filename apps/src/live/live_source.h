@@ -76,7 +76,7 @@ private:
 
   std::string name_;
   std::optional<CameraFile> camera_;
-  std::optional<CameraFile> lens_camera_;  // by which frames are corrected; files that are served are already
+  std::optional<CameraFile> lens_camera_;  // its lens corrects frames; served files are corrected already
   std::optional<Intrinsics> calibration_;  // without a camera file
   std::unique_ptr<pcl::Grabber> grabber_;
   std::atomic<std::uint64_t> delivered_{0}, unreadable_{0};  // of the files that PCL plays

@@ -28,11 +28,11 @@ namespace {
 
 constexpr std::size_t kMostImages = 200;                 // that are read, evenly spread
 constexpr std::size_t kPixelsOfImage = 2000;             // whose depth is kept
-constexpr double kLeastMedian = 0.25, kMostMedian = 12;  // of depths in rooms and halls [m]
-constexpr double kFewMeasured = 0.4;                     // of all pixels
-constexpr int kFewSegments = 4;                          // in an image
+constexpr double kLeastMedian = 0.25, kMostMedian = 12;  // median depth in rooms and halls [m]
+constexpr double kFewMeasured = 0.4;                     // share of the pixels
+constexpr int kFewSegments = 4;                          // segments per image
 constexpr double kLongGap = 1;                           // between images [s]
-constexpr double kLeastPosed = 0.5;                      // of the images
+constexpr double kLeastPosed = 0.5;                      // share of the images
 
 std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
 std::string metres(double m) { return fmt::format("{:.2f} m", m); }
@@ -59,7 +59,7 @@ std::string inWords(const Intrinsics& k) {
 /** Has the camera moved, and turned about the vertical only, at one height? Floors are uneven. */
 bool hasDrivenOnFloor(const Trajectory& poses, const SeenFloor& floor) {
   constexpr double kLeastWay = 2, kMostHeight = 0.05;  // [m]
-  constexpr double kMostSlope = 0.01;                  // of the floor, as well as its direction is known
+  constexpr double kMostSlope = 0.01;                  // the floor's direction is known to this slope
   constexpr double kMostLean = 6 * kDegree, kMostly = 0.9;
   if (poses.empty()) return false;
   const double tilt = floor.tilt_deg * kDegree, roll = floor.roll_deg * kDegree;
@@ -91,7 +91,7 @@ struct CheckApp::ImageReport {
 };
 
 struct CheckApp::Findings {
-  std::vector<std::string> notes;  // in the order in which they are found
+  std::vector<std::string> notes;  // sentences, printed in this order
   bool in_doubt = false;           // the images, or their poses: nothing is to be derived from them
   bool impossible = false;         // the recording cannot be right as it is read
 
