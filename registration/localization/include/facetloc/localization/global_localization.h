@@ -26,8 +26,8 @@ namespace facetloc {
  *
  * Of two mountings that differ, the prior is about what they say of each other, such as half a turn of a
  * camera that hangs upside down. Where one of them is unknown and the best place is improbable, the view is
- * looked for as of a camera turned by 90, 180 and 270 deg about its optical axis, too, and a place that is
- * sure so is the answer.
+ * looked for as of a camera turned by 90, 180 and 270 deg about its optical axis, too. A place that is sure
+ * so is the answer, with the probability that it has if one camera of ten is turned.
  *
  * The answer is the same for any number of threads. */
 class GlobalLocalization {
