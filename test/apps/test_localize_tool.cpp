@@ -138,7 +138,8 @@ TEST_F(Tools, ADriveIsLocalizedByItsLaterImagesToo) {
   EXPECT_THAT(contentOf(smoothed + "/params.ini"), HasSubstr("smooth = 1"));
   EXPECT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", filtered, "--smooth"}).code, kUsage);
   EXPECT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", filtered, "--near", "0,0,1,0"}).code, kUsage);
-  EXPECT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", filtered, "--sequence", "--near", "here"}).code, kUsage);
+  EXPECT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", filtered, "--sequence", "--near", "here"}).code,
+            kUsage);
 }
 
 TEST_F(Tools, ADriveSaysWhenItIsFirstSureAndWhyNotBefore) {

@@ -63,7 +63,8 @@ FlatSurfaces checkRays(const std::vector<DepthImage>& images, const Camera& came
 /** Images of disparities, as stereo and learned depth have them. */
 bool checkInverse(const std::vector<DepthImage>& images, const Camera& camera, const FlatSurfaces& as_read,
                   GeometryCheck& check) {
-  constexpr double kMuchFlatter = 1.6;  // frontal surfaces are flat in both; 1.4 where a camera is much distorted
+  constexpr double kMuchFlatter =
+      1.6;  // frontal surfaces are flat in both; 1.4 where a camera is much distorted
   const FlatSurfaces inverse = flatSurfaces(images, camera, DepthIs::inverse);
   if (inverse.surfaces.size() < kLeastSurfaces ||
       !(inverse.flat_share > kMuchFlatter * std::max(as_read.flat_share, kHardlyFlat)))
