@@ -100,10 +100,11 @@ DepthPicture DepthPicture::fromStored(const Intrinsics& camera, std::vector<std:
 }
 
 void DepthPicture::deriveExtremes() {
-  lowest.resize(inverse_depth.size());
-  highest.resize(inverse_depth.size());
+  std::vector<std::uint16_t> lowest(inverse_depth.size()), highest(inverse_depth.size());
   smallestOf3x3(inverse_depth.data(), camera.width, camera.height, lowest.data());
   largestOf3x3(inverse_depth.data(), camera.width, camera.height, highest.data());
+  extremes.resize(inverse_depth.size());
+  for (std::size_t i = 0; i < extremes.size(); ++i) extremes[i] = {lowest[i], highest[i]};
 }
 
 }  // namespace facetloc

@@ -50,6 +50,7 @@ namespace {
 
 using namespace facetloc;
 using internal::Batch;
+using internal::NextBatch;
 using internal::Query;
 using internal::Shortlist;
 using internal::Start;
@@ -349,9 +350,9 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
   std::size_t listed = 0, held = 0;
   for (const Question& q : queries) {
     const Query query(q.view, quick.prior(q.view), floorInformation(map->camera.mounting, some.prior));
-    const std::vector<Batch> batches = shortlist.batches(query, true, 1);
     bool holds = false;
-    for (const Batch& batch : batches) {
+    for (const NextBatch& next : shortlist.batches(query, true, 1)) {
+      const Batch batch = next(std::numeric_limits<double>::lowest());
       listed += batch.size();
       for (const Start& start_of : batch)
         holds = holds || std::binary_search(q.shown_by.begin(), q.shown_by.end(), start_of.model);

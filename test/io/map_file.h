@@ -53,7 +53,7 @@ inline void expectEqual(const View& a, const View& b) {
   for (std::size_t i = 0; i < a.segments.size(); ++i) expectEqual(a.segments[i], b.segments[i]);
   EXPECT_EQ(a.depth.camera, b.depth.camera);
   EXPECT_EQ(a.depth.inverse_depth, b.depth.inverse_depth);
-  EXPECT_EQ(a.depth.lowest, b.depth.lowest);
+  EXPECT_TRUE(a.depth.extremes == b.depth.extremes);
   if (!a.depth.empty()) {
     EXPECT_EQ(a.depth.noise.inverse_depth_std, b.depth.noise.inverse_depth_std);
     EXPECT_EQ(a.depth.noise.depth_std, b.depth.noise.depth_std);

@@ -3,6 +3,7 @@
 
 #include "opened_map.h"
 #include "pairs/query.h"
+#include "shortlist/shortlist.h"
 
 #include <facetloc/localization/place_index.h>
 #include <facetloc/testing/pose_matchers.h>
@@ -11,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -39,6 +41,16 @@ inline internal::Query onFloor(const View& view, const PosePriorParams& params =
   PoseWithCovariance prior;
   prior.P = posePrior(kMounting, params);
   return internal::Query(view, prior, floorInformation(kMounting, params));
+}
+
+/** \brief The batches as they are made if no model has anything to say of the view. */
+inline std::vector<internal::Batch> allBatches(const internal::Shortlist& shortlist,
+                                               const internal::Query& query, bool on_floor, int threads,
+                                               const std::function<bool(int)>& excluded = {}) {
+  std::vector<internal::Batch> made;
+  for (const internal::NextBatch& next : shortlist.batches(query, on_floor, threads, excluded))
+    made.push_back(next(std::numeric_limits<double>::lowest()));
+  return made;
 }
 
 /** \brief Views of the room all around from two places; four rooms in a row, each with one more cupboard

@@ -22,6 +22,7 @@ namespace facetloc {
 using namespace internal;
 namespace {
 
+using test::allBatches;
 using test::kMounting;
 using test::onFloor;
 using test::PlaceIndexOfRooms;
@@ -40,7 +41,7 @@ std::vector<int> modelsOf(const std::vector<Batch>& batches) {
   return models;
 }
 std::vector<int> modelsFor(const View& view, const Shortlist& shortlist, int threads = 1) {
-  return modelsOf(shortlist.batches(onFloor(view), true, threads));
+  return modelsOf(allBatches(shortlist, onFloor(view), true, threads));
 }
 
 std::vector<int> sorted(std::vector<int> models) {
@@ -53,8 +54,8 @@ TEST_F(PlaceIndexOfRooms, TheShortlistedAnswerIsThatOfAllModelsIfTheListHoldsThe
   params.shortlist.size = 0;
   const GlobalLocalization all(map, params);
   params.shortlist.exhaustive_up_to = 0;
-  params.shortlist.size = 20;
-  params.shortlist.gap = 1e6;
+  params.shortlist.size = params.shortlist.examined_models = 20;
+  params.shortlist.gap = params.shortlist.examined_gap = 1e6;
   params.shortlist.aligned_models = 40;
   const GlobalLocalization from_starts(map, params);
   params.shortlist.start_translation = 0;
@@ -65,12 +66,13 @@ TEST_F(PlaceIndexOfRooms, TheShortlistedAnswerIsThatOfAllModelsIfTheListHoldsThe
     const View view = query(int(i % kRooms), 0.7 * i, 700 + i);
     const Localization whole = all.localize(view), brief = some.localize(view);
     if (whole.hypotheses.empty()) continue;
-    for (const Batch& batch : shortlist.batches(onFloor(view), true, 1)) {
+    for (const Batch& batch : allBatches(shortlist, onFloor(view), true, 1)) {
       const std::vector<int> models = modelsOf(batch);
       EXPECT_TRUE(std::is_sorted(models.begin(), models.end()));
     }
     const std::vector<int> list = sorted(modelsFor(view, shortlist));
-    EXPECT_EQ(list.size(), 20u);
+    EXPECT_LE(list.size(), 20u);
+    EXPECT_GT(list.size(), 10u);
     if (!std::binary_search(list.begin(), list.end(), whole.hypotheses[0].model)) continue;
     ++compared;
     // A room that looks the same in this view may come first: one more of its models has found it.
@@ -127,7 +129,7 @@ TEST_F(PlaceIndexOfRooms, TheShortlistIsOfTheBestAlignedAndOfThoseWithWhosePlane
       for (const int model : modelsFor(view, shortlist, threads))
         if (std::find(by_rank.begin(), by_rank.end(), model) == by_rank.end()) by_rank.push_back(model);
     EXPECT_EQ(by_rank, expected) << i;
-    const std::vector<Batch> batches = shortlists.back().batches(onFloor(view), true, threads);
+    const std::vector<Batch> batches = allBatches(shortlists.back(), onFloor(view), true, threads);
     ASSERT_EQ(batches.size(), 2u);
     EXPECT_EQ(modelsOf(batches[0]), sorted({expected.begin(), expected.begin() + kFirst})) << i;
     EXPECT_EQ(modelsOf(batches[1]), sorted({expected.begin() + kFirst, expected.end()})) << i;
@@ -142,10 +144,10 @@ TEST_F(PlaceIndexOfRooms, TheShortlistIsOfTheBestAlignedAndOfThoseWithWhosePlane
     GlobalLocalizationParams close = params;
     close.shortlist.examined_gap = 0.5 * (others[1].first + others[2].first) - others[0].first;
     EXPECT_EQ(modelsFor(view, Shortlist(map, close), threads).size(), std::size_t{kFirst + 2}) << i;
-    // Where all are aligned, alignments are enough.
-    close.shortlist.aligned_models = static_cast<int>(map->models.size());
-    const std::vector<int> aligned = PlaceIndex(*map, close.shortlist).shortlist(view, kListed);
-    EXPECT_EQ(sorted(modelsFor(view, Shortlist(map, close), threads)), sorted(aligned)) << i;
+    // Beside what has been registered, none of them.
+    const Query query = onFloor(view);
+    const Shortlist shortlist(map, close);
+    EXPECT_TRUE(shortlist.batches(query, true, threads).back()(1e6).empty()) << i;
     threads = 3;  // to no effect
   }
   EXPECT_GT(moved, 0) << "alignments alone tell as much";
@@ -228,10 +230,11 @@ std::vector<int> askedFor(const View& view, const std::shared_ptr<const Map>& ma
 TEST_F(PlaceIndexOfRooms, WhatTheLikeliestModelsShowBeyondDoubtIsNotSearchedForInTheOthers) {
   GlobalLocalizationParams params;
   params.shortlist.exhaustive_up_to = 0;
-  params.shortlist.gap = 1e6;
+  params.shortlist.gap = params.shortlist.examined_gap = 1e6;
+  params.shortlist.examined_models = params.shortlist.size;
   params.shortlist.first_models = 4;
   const View view = query(1, 0.4, 77);
-  const std::vector<Batch> batches = Shortlist(map, params).batches(onFloor(view), true, 1);
+  const std::vector<Batch> batches = allBatches(Shortlist(map, params), onFloor(view), true, 1);
   ASSERT_EQ(batches.size(), 2u);
   const PlaceIndex index(*map, params.shortlist);
   EXPECT_EQ(batches[0].size(), 4u);
@@ -240,7 +243,10 @@ TEST_F(PlaceIndexOfRooms, WhatTheLikeliestModelsShowBeyondDoubtIsNotSearchedForI
   params.shortlist.sure_probability = 0;
   EXPECT_EQ(askedFor(view, map, params), modelsOf(batches[0]));
   params.shortlist.sure_probability = 1;
-  EXPECT_EQ(askedFor(view, map, params), modelsOf(batches));
+  const std::vector<int> asked = askedFor(view, map, params);  // others are examined first
+  const std::vector<int> registered(asked.end() - static_cast<std::ptrdiff_t>(batches[1].size()),
+                                    asked.end());
+  EXPECT_EQ(registered, modelsOf(batches[1]));
 }
 
 TEST_F(PlaceIndexOfRooms, AProbabilityByOverlapScoresLeavesNobodyUnasked) {
@@ -250,6 +256,7 @@ TEST_F(PlaceIndexOfRooms, AProbabilityByOverlapScoresLeavesNobodyUnasked) {
   params.shortlist.first_models = 4;
   params.shortlist.sure_probability = 0;
   params.score.by_overlap = true;
+  params.shortlist.examined_models = params.shortlist.size;
   const View view = query(1, 0.4, 77);
   const std::vector<int> asked = askedFor(view, map, params);
   EXPECT_EQ(asked, modelsFor(view, Shortlist(map, params)));
@@ -280,7 +287,7 @@ TEST_F(PlaceIndexOfRooms, AViewThatHasNothingToLookUpIsRegisteredWithAll) {
   for (Segment& s : oblique.segments) s = transformed(s, onto_corner);
   ASSERT_TRUE(PlaceIndex(*map).shortlist(oblique, 10).empty());
   EXPECT_EQ(modelsFor(oblique, shortlist).size(), map->models.size());
-  const std::vector<Batch> of_nothing = shortlist.batches(onFloor(View{}), true, 1);
+  const std::vector<Batch> of_nothing = allBatches(shortlist, onFloor(View{}), true, 1);
   ASSERT_EQ(of_nothing.size(), 1u);  // which fixes no pose, whatever the model
   EXPECT_TRUE(of_nothing[0].empty());
 }
@@ -290,7 +297,7 @@ TEST_F(PlaceIndexOfRooms, AWiderPriorThanTheUsualOneIsSearchedInAllModels) {
   GlobalLocalizationParams params;
   params.shortlist.exhaustive_up_to = 0;
   const auto models = [&] {
-    return modelsOf(Shortlist(map, params).batches(onFloor(view, params.prior), true, 1)).size();
+    return modelsOf(allBatches(Shortlist(map, params), onFloor(view, params.prior), true, 1)).size();
   };
   EXPECT_LT(models(), map->models.size());
   PosePriorParams wide;
@@ -330,9 +337,10 @@ std::vector<int> different(std::vector<int> models) {
 
 TEST_F(PlaceIndexOfRooms, ACameraInAnyAttitudeIsLookedForInTheLikeliestModelsFirst) {
   GlobalLocalizationParams params;
+  params.shortlist.examined_gap = 1e6;
   const View view = query(1, 0.4, 77);
   const Query in_the_hand = inTheHand(view);
-  const std::vector<Batch> batches = Shortlist(map, params).batches(in_the_hand, false, 1);
+  const std::vector<Batch> batches = allBatches(Shortlist(map, params), in_the_hand, false, 1);
   ASSERT_EQ(batches.size(), 3u);
   EXPECT_EQ(batches[0].size(), 3u);
   EXPECT_EQ(batches[1].size(), 10u);
@@ -345,23 +353,30 @@ TEST_F(PlaceIndexOfRooms, ACameraInAnyAttitudeIsLookedForInTheLikeliestModelsFir
   for (const Start& s : batches[1]) EXPECT_EQ(s.T_m_c.P, in_the_hand.prior.P);
   const std::vector<int> again = different(modelsOf(batches[1])), first = modelsOf(batches[0]);
   EXPECT_TRUE(std::includes(again.begin(), again.end(), first.begin(), first.end()));
-  EXPECT_EQ(different(modelsOf(batches)).size(), map->models.size());
+  EXPECT_GT(different(modelsOf(batches)).size(), 0.8 * static_cast<double>(map->models.size()))
+      << "all whose planes agree at all where they are laid over the view";
+  GlobalLocalizationParams narrow;
+  narrow.shortlist.examined_gap = 5;
+  EXPECT_LT(allBatches(Shortlist(map, narrow), in_the_hand, false, 1)[2].size(), batches[2].size() / 2);
 
-  const std::vector<Batch> by_four = Shortlist(map, params).batches(in_the_hand, false, 4);
+  const std::vector<Batch> by_four = allBatches(Shortlist(map, params), in_the_hand, false, 4);
   for (std::size_t i = 0; i < batches.size(); ++i) EXPECT_EQ(modelsOf(by_four[i]), modelsOf(batches[i]));
   params.shortlist.overlaid_size = 25;
-  EXPECT_EQ(different(modelsOf(Shortlist(map, params).batches(in_the_hand, false, 1))).size(), 25u);
+  const std::size_t few =
+      different(modelsOf(allBatches(Shortlist(map, params), in_the_hand, false, 1))).size();
+  EXPECT_GT(few, 10u);
+  EXPECT_LE(few, 25u);
   const int excluded = first[0];
-  const auto without =
-      modelsOf(Shortlist(map, params).batches(in_the_hand, false, 1, [&](int m) { return m == excluded; }));
+  const auto without = modelsOf(
+      allBatches(Shortlist(map, params), in_the_hand, false, 1, [&](int m) { return m == excluded; }));
   EXPECT_EQ(std::count(without.begin(), without.end(), excluded), 0);
 
   params.shortlist.start_translation = 0;
   const Shortlist about_the_prior(map, params);
-  for (const Batch& batch : about_the_prior.batches(in_the_hand, false, 1))
+  for (const Batch& batch : allBatches(about_the_prior, in_the_hand, false, 1))
     for (const Start& s : batch) EXPECT_EQ(s.T_m_c.P, in_the_hand.prior.P);
   params.shortlist.size = 0;
-  EXPECT_EQ(Shortlist(map, params).batches(in_the_hand, false, 1).size(), 1u);
+  EXPECT_EQ(allBatches(Shortlist(map, params), in_the_hand, false, 1).size(), 1u);
 }
 
 TEST_F(PlaceIndexOfRooms, ACameraInTheHandIsLookedForInAllModelsOfAMapInItsFile) {
@@ -370,8 +385,8 @@ TEST_F(PlaceIndexOfRooms, ACameraInTheHandIsLookedForInAllModelsOfAMapInItsFile)
   for (int model = 3; model < kRooms * kViews; model += 31) {
     View view = viewOf(model);
     view.camera = nullptr;
-    const auto found = in_file.batches(inTheHand(view), false, 1),
-               expected = in_memory.batches(inTheHand(view), false, 1);
+    const auto found = allBatches(in_file, inTheHand(view), false, 1),
+               expected = allBatches(in_memory, inTheHand(view), false, 1);
     ASSERT_EQ(found.size(), expected.size());
     for (std::size_t i = 0; i < found.size(); ++i) EXPECT_EQ(modelsOf(found[i]), modelsOf(expected[i]));
     const std::vector<int> first = modelsOf(found[0]);
@@ -387,6 +402,7 @@ TEST_F(PlaceIndexOfRooms, WhoIsAskedAnewSaysNothingTwice) {
   const GlobalLocalization all(in_the_hand, params);
   params.shortlist.size = 40;
   params.shortlist.sure_probability = 1;  // so that all batches are asked
+  params.shortlist.examined_gap = 1e6;
   const GlobalLocalization by_batches(in_the_hand, params);
   int compared = 0, alike = 0;
   for (unsigned i = 0; i < 8; ++i) {

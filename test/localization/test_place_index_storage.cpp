@@ -26,6 +26,7 @@ namespace facetloc {
 using namespace internal;
 namespace {
 
+using test::allBatches;
 using test::facing;
 using test::kMounting;
 using test::onFloor;
@@ -186,7 +187,7 @@ TEST_F(PlaceIndexOfRooms, NoModelIsAskedAboutAViewThatNoneCouldPlace) {
   const GlobalLocalization localization(light, params);
   const View view = facing(query(0, 0.3, 900), isFloor);
   ASSERT_FALSE(view.segments.empty());
-  const std::vector<Batch> batches = Shortlist(light, params).batches(onFloor(view), true, 1);
+  const std::vector<Batch> batches = allBatches(Shortlist(light, params), onFloor(view), true, 1);
   ASSERT_EQ(batches.size(), 1u);
   EXPECT_TRUE(batches[0].empty());
   const Localization answer = localization.localize(view);

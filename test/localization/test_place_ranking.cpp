@@ -215,7 +215,14 @@ protected:
     return view;
   }
   PlaceRanking ranking() const { return PlaceRanking(borrowed(map), params); }
-  bool add(std::vector<Hypothesis>& h) const { return ranking().addEvidence(scene, h); }
+  bool add(std::vector<Hypothesis>& h) const {
+    PixelVerdicts nothing;
+    return ranking().addEvidence(scene, h, nothing);
+  }
+  void refinePlaces(std::vector<Hypothesis>& h) const {
+    PixelVerdicts nothing;
+    ranking().refinePlaces(scene, h, nothing);
+  }
 
   Map map;
   const Eigen::Isometry3d truth = lookingAlong({1.5, 0.8, 1.2}, {0.3, 1, -0.2});
@@ -311,6 +318,30 @@ TEST_F(Evidence, TheBestPlaceIsBelievedByItsLeadOverTheNextOnes) {
               1e-6);
 }
 
+TEST_F(Evidence, AListThatGrowsIsRankedAsOneThatComesAtOnce) {
+  Eigen::Isometry3d near = truth, wrong = truth;
+  near.translation().x() += 0.02, wrong.translation() += Eigen::Vector3d(0.4, 0.3, 0);
+  std::vector<Hypothesis> all{hypothesis(30, truth), hypothesis(20, wrong), hypothesis(28, near)};
+  for (Hypothesis& x : all) {
+    x.T_m_c.T = map.models[0].T_w_m->inverse() * *x.T_w_c;
+    x.T_m_c.P.diagonal() << Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(1e-3);
+  }
+  ComparedAndRefined known;
+  for (const std::size_t n : {1, 2, 3, 3}) {
+    std::vector<Hypothesis> grown(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(n)), at_once = grown;
+    ranking().rank(scene, grown, known);
+    ranking().rank(scene, at_once);
+    ASSERT_EQ(grown.size(), at_once.size());
+    for (std::size_t i = 0; i < grown.size(); ++i) {
+      EXPECT_EQ(grown[i].T_w_c->matrix(), at_once[i].T_w_c->matrix());
+      EXPECT_EQ(grown[i].T_m_c.P, at_once[i].T_m_c.P);
+      EXPECT_EQ(grown[i].score, at_once[i].score);
+      EXPECT_EQ(grown[i].probability, at_once[i].probability);
+      EXPECT_EQ(grown[i].explained.agreeing, at_once[i].explained.agreeing);
+    }
+  }
+}
+
 TEST_F(Evidence, HypothesesBeyondTheBestGetTheLeastOfThose) {
   params.evidence.hypotheses = 2;
   Eigen::Isometry3d near = truth;
@@ -397,7 +428,7 @@ TEST_F(Evidence, RefinedPlacesAreNearerToTheTruth) {
     x.T_m_c.P.diagonal() << Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(1e-3);
   }
   ASSERT_TRUE(add(h));
-  ranking().refinePlaces(scene, h);
+  refinePlaces(h);
   ASSERT_EQ(h.size(), 2u);
   EXPECT_LT((h[0].T_w_c->translation() - truth.translation()).norm(), 0.005);
   EXPECT_TRUE((*map.models[0].T_w_m * h[0].T_m_c.T).isApprox(*h[0].T_w_c, 1e-12));
@@ -416,7 +447,7 @@ TEST_F(Evidence, HopelessPlacesAreNotRefined) {
       x.T_m_c.T = map.models[0].T_w_m->inverse() * *x.T_w_c;
       x.T_m_c.P.diagonal() << Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(1e-3);
     }
-    ranking().refinePlaces(scene, h);
+    refinePlaces(h);
     return std::none_of(h.begin(), h.end(),
                         [&](const Hypothesis& x) { return x.T_w_c->isApprox(near, 1e-12); });
   };
@@ -476,7 +507,7 @@ TEST_F(Evidence, ARefinementThatLeavesItsPlaceIsNotTaken) {
     h[0].T_m_c.T = map.models[0].T_w_m->inverse() * beside;
     h[0].T_m_c.P.diagonal() << Eigen::Vector3d::Constant(1e-3), Eigen::Vector3d::Constant(0.1);
     EXPECT_TRUE(add(h));
-    ranking().refinePlaces(scene, h);
+    refinePlaces(h);
     return (h[0].T_w_c->translation() - truth.translation()).norm();
   };
   EXPECT_NEAR(refined(0.2), 0.2, 1e-12) << "the truth is in another place";

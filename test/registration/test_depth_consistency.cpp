@@ -115,6 +115,12 @@ TEST(DepthConsistency, JudgeSaysWhatCompareCounts) {
   Eigen::Isometry3d T = B.inverse() * A;
   T.translation() += Eigen::Vector3d(0.15, -0.05, 0.1);
   const DepthAgreement want = comparison().compare(a, b, T, kFineColumns);
+  const DepthAgreement counted = comparison().count(a, b, T, kFineColumns);
+  EXPECT_EQ(counted.agree, want.agree);
+  EXPECT_EQ(counted.contradict, want.contradict);
+  EXPECT_EQ(counted.occluded, want.occluded);
+  EXPECT_EQ(comparison().countBoth(a, b, T, kFineColumns).judged(),
+            comparison().compareBoth(a, b, T, kFineColumns).judged());
   const DepthComparison compared = comparison();
   const DepthJudge judge(compared, a, b, T);
   DepthAgreement sum;

@@ -5,7 +5,6 @@
 #include "shared/lanes.h"
 
 #include <algorithm>
-#include <array>
 #include <vector>
 
 namespace facetloc::internal {
@@ -27,15 +26,7 @@ DepthAgreement DepthComparison::compare(const DepthPicture& a, const DepthPictur
   if (a.empty() || b.empty()) return sum;
   const DepthJudge judge(*this, a, b, T_b_a);
   const int step = gridStep(a, columns);
-  std::array<int, 4> count{};
-  DepthVerdicts verdicts;
-  for (int v = step / 2; v < a.camera.height; v += step) {
-    judge.row(v, step, verdicts, &sum);
-    for (const DepthVerdict verdict : verdicts) ++count[static_cast<int>(verdict)];
-  }
-  sum.agree = count[static_cast<int>(DepthVerdict::agree)];
-  sum.contradict = count[static_cast<int>(DepthVerdict::contradict)];
-  sum.occluded = count[static_cast<int>(DepthVerdict::occluded)];
+  for (int v = step / 2; v < a.camera.height; v += step) judge.add(v, step, sum);
   return sum;
 }
 
@@ -46,44 +37,118 @@ DepthAgreement DepthComparison::compareBoth(const DepthPicture& a, const DepthPi
   return sum;
 }
 
+DepthAgreement DepthComparison::count(const DepthPicture& a, const DepthPicture& b,
+                                      const Eigen::Isometry3d& T_b_a, int columns) const {
+  DepthAgreement sum;
+  if (a.empty() || b.empty()) return sum;
+  const DepthJudge judge(*this, a, b, T_b_a);
+  const int step = gridStep(a, columns);
+  for (int v = step / 2; v < a.camera.height; v += step) judge.count(v, step, sum);
+  return sum;
+}
+
+DepthAgreement DepthComparison::countBoth(const DepthPicture& a, const DepthPicture& b,
+                                          const Eigen::Isometry3d& T_b_a, int columns) const {
+  DepthAgreement sum = count(a, b, T_b_a, columns);
+  sum += count(b, a, T_b_a.inverse(), columns);
+  return sum;
+}
+
 namespace {
 
+/** What eight pixels show of another picture. */
+struct Judged {
+  Ints inside, contradicts, hides;  // the last two also of pixels that are not inside
+  Floats difference, error;         // of inverse depths [1/m]
+};
+
 // Judges pixels u, u + step, ... of a row of picture a; the point of inverse depth rho on a ray b is
-// (R b + t rho) / rho, so that everything stays in inverse depth. Adds the likelihoods to a sum.
+// (R b + t rho) / rho, so that everything stays in inverse depth.
+FACETLOC_ALWAYS_INLINE void judgeEight(const DepthJudge::Geometry& g, const float (&start)[3],
+                                       const std::uint16_t* row, int u, int step, int n, int i, Judged& out) {
+  Floats column, rho, p[3];
+  readPixels(row, u, step, n, i, column, rho);
+  g.rays.along(start, column, p);
+  for (int k = 0; k < 3; ++k) p[k] += g.t[k] * rho;
+  const Floats inverse = 1.f / p[2], x = g.fx * p[0] * inverse + g.cx, y = g.fy * p[1] * inverse + g.cy;
+  Ints inside = (kLane < n - i) & (rho >= g.farthest) & (p[2] > kNearest * rho), at_u, at_v;
+  findPixels(x, y, g.width, g.height, 1, inside, at_u, at_v);
+  const Ints at = at_v * g.width + at_u;
+  std::int32_t both[kLanes];
+  for (int k = 0; k < kLanes; ++k) std::memcpy(&both[k], g.extremes + at[k], sizeof both[k]);
+  Ints extremes;
+  std::memcpy(&extremes, both, sizeof extremes);
+  const Ints low = extremes & 0xffff, high = (extremes >> 16) & 0xffff;
+  out.inside = inside & (high != 0);
+
+  const Floats predicted = rho * inverse, none{};
+  const Floats below = predicted - __builtin_convertvector(low, Floats) * kQuantum;
+  const Floats above = predicted - __builtin_convertvector(high, Floats) * kQuantum;
+  out.difference = below < 0.f ? below : above > 0.f ? above : none;
+  out.error = g.absolute_error + g.relative_error * predicted + g.squared_error * predicted * predicted;
+  out.contradicts = out.difference > g.gate * out.error;
+  out.hides = out.difference < -g.gate * out.error;
+}
+
+struct Counts {
+  Ints agree{}, contradict{}, occluded{};  // negative: a comparison that holds is -1
+
+  FACETLOC_ALWAYS_INLINE void add(const Judged& judged) {
+    agree += judged.inside & ~judged.contradicts & ~judged.hides;
+    contradict += judged.inside & judged.contradicts;
+    occluded += judged.inside & judged.hides;
+  }
+  FACETLOC_ALWAYS_INLINE void addTo(DepthAgreement& sum) const {
+    for (int k = 0; k < kLanes; ++k)
+      sum.agree -= agree[k], sum.contradict -= contradict[k], sum.occluded -= occluded[k];
+  }
+};
+
 FACETLOC_MULTIVERSION void judgePixels(const DepthJudge::Geometry& g, const std::uint16_t* row, int v, int u,
-                                       int step, int n, DepthVerdict* out, DepthAgreement* total) {
+                                       int step, int n, DepthVerdict* out) {
   float start[3];
   g.rays.startRow(v, start);
-  Floats sum{}, misfit{};
   for (int i = 0; i < n; i += kLanes) {
-    Floats column, rho, p[3];
-    readPixels(row, u, step, n, i, column, rho);
-    g.rays.along(start, column, p);
-    for (int k = 0; k < 3; ++k) p[k] += g.t[k] * rho;
-    const Floats inverse = 1.f / p[2], x = g.fx * p[0] * inverse + g.cx, y = g.fy * p[1] * inverse + g.cy;
-    Ints inside = (kLane < n - i) & (rho >= g.farthest) & (p[2] > kNearest * rho), at_u, at_v, low, high;
-    findPixels(x, y, g.width, g.height, 1, inside, at_u, at_v);
-    const Ints at = at_v * g.width + at_u;
-    for (int k = 0; k < kLanes; ++k) low[k] = g.lowest[at[k]], high[k] = g.highest[at[k]];
-    inside &= high != 0;
-
-    const Floats predicted = rho * inverse, none{};
-    const Floats below = predicted - __builtin_convertvector(low, Floats) * kQuantum;
-    const Floats above = predicted - __builtin_convertvector(high, Floats) * kQuantum;
-    const Floats difference = below < 0.f ? below : above > 0.f ? above : none;
-    const Floats error =
-        g.absolute_error + g.relative_error * predicted + g.squared_error * predicted * predicted;
-    const Ints contradicts = difference > g.gate * error, hides = difference < -g.gate * error;
+    Judged judged;
+    judgeEight(g, start, row, u, step, n, i, judged);
     constexpr Ints kAgree = Ints{} + int(DepthVerdict::agree),
                    kContradict = Ints{} + int(DepthVerdict::contradict),
                    kOcclude = Ints{} + int(DepthVerdict::occluded);
-    const Ints verdict = inside & (contradicts ? kContradict : hides ? kOcclude : kAgree);
+    const Ints verdict = judged.inside & (judged.contradicts ? kContradict
+                                          : judged.hides     ? kOcclude
+                                                             : kAgree);
     const Chars codes = __builtin_convertvector(verdict, Chars);
     std::memcpy(out + i, &codes, std::min(kLanes, n - i));
-    if (!total) continue;
+  }
+}
+
+FACETLOC_MULTIVERSION void countPixels(const DepthJudge::Geometry& g, const std::uint16_t* row, int v, int u,
+                                       int step, int n, DepthAgreement& total) {
+  float start[3];
+  g.rays.startRow(v, start);
+  Counts counts;
+  for (int i = 0; i < n; i += kLanes) {
+    Judged judged;
+    judgeEight(g, start, row, u, step, n, i, judged);
+    counts.add(judged);
+  }
+  counts.addTo(total);
+}
+
+FACETLOC_MULTIVERSION void addPixels(const DepthJudge::Geometry& g, const std::uint16_t* row, int v, int u,
+                                     int step, int n, DepthAgreement& total) {
+  float start[3];
+  g.rays.startRow(v, start);
+  Counts counts;
+  Floats sum{}, misfit{};
+  for (int i = 0; i < n; i += kLanes) {
+    Judged judged;
+    judgeEight(g, start, row, u, step, n, i, judged);
+    counts.add(judged);
+    const auto& [inside, contradicts, hides, difference, error] = judged;
 
     // The logarithm of x = 2^e (1 + f) with f in [-0.25, 0.5], to 1e-6: ln(1 + f) = 2 artanh(f / (2 + f)).
-    const Floats argument = inside ? error * (1 / g.unit_error) : none + 1.f;
+    const Floats none{}, argument = inside ? error * (1 / g.unit_error) : none + 1.f;
     const Ints exponent = (((Ints)argument + 0x00400000) >> 23) - 127;
     const Floats f = (Floats)((Ints)argument - (exponent << 23)) - 1.f;
     const Floats s = f / (2.f + f), s2 = s * s;
@@ -94,13 +159,14 @@ FACETLOC_MULTIVERSION void judgePixels(const DepthJudge::Geometry& g, const std:
     const Floats gaussian = -log_error - half_squared, contradiction = none + kContradicting,
                  occlusion = none + kOccluded;
     const Floats agreement = gaussian > kContradicting ? gaussian : contradiction;
-    const Floats counts = contradicts ? contradiction : hides ? occlusion : agreement;
-    sum += inside ? counts : none;
+    const Floats counted = contradicts ? contradiction : hides ? occlusion : agreement;
+    sum += inside ? counted : none;
     const Floats bounded = half_squared < -kContradicting ? half_squared : -contradiction;
     const Floats missed = contradicts ? -contradiction : hides ? -occlusion : bounded;
     misfit += inside ? missed : none;
   }
-  for (int k = 0; total && k < kLanes; ++k) total->likelihood += sum[k], total->misfit += misfit[k];
+  counts.addTo(total);
+  for (int k = 0; k < kLanes; ++k) total.likelihood += sum[k], total.misfit += misfit[k];
 }
 
 }  // namespace
@@ -114,7 +180,7 @@ DepthJudge::DepthJudge(const DepthComparison& comparison, const DepthPicture& a,
   g_.fx = static_cast<float>(b.camera.fx), g_.cx = static_cast<float>(b.camera.cx + 0.5);
   g_.fy = static_cast<float>(b.camera.fy), g_.cy = static_cast<float>(b.camera.cy + 0.5);
   g_.width = b.camera.width, g_.height = b.camera.height;
-  g_.lowest = b.lowest.data(), g_.highest = b.highest.data();
+  g_.extremes = b.extremes.data();
   g_.farthest = static_cast<float>(comparison.farthest());
   const DepthErrors errors = comparison.errorsBetween(a, b);
   g_.absolute_error = static_cast<float>(errors.absolute);
@@ -124,17 +190,26 @@ DepthJudge::DepthJudge(const DepthComparison& comparison, const DepthPicture& a,
   g_.gate = static_cast<float>(errors.gate);
 }
 
-void DepthJudge::row(int v, int step, DepthVerdicts& out, DepthAgreement* sum) const {
-  const int first = step / 2, width = a_.camera.width;
-  out.resize(gridPoints(width, step));
-  judgePixels(g_, a_.inverse_depth.data() + static_cast<std::size_t>(v) * width, v, first, step,
-              static_cast<int>(out.size()), out.data(), sum);
+const std::uint16_t* DepthJudge::pixels(int v) const {
+  return a_.inverse_depth.data() + static_cast<std::size_t>(v) * a_.camera.width;
+}
+
+void DepthJudge::row(int v, int step, DepthVerdicts& out) const {
+  out.resize(gridPoints(a_.camera.width, step));
+  judgePixels(g_, pixels(v), v, step / 2, step, static_cast<int>(out.size()), out.data());
+}
+
+void DepthJudge::count(int v, int step, DepthAgreement& sum) const {
+  countPixels(g_, pixels(v), v, step / 2, step, gridPoints(a_.camera.width, step), sum);
+}
+
+void DepthJudge::add(int v, int step, DepthAgreement& sum) const {
+  addPixels(g_, pixels(v), v, step / 2, step, gridPoints(a_.camera.width, step), sum);
 }
 
 DepthVerdict DepthJudge::operator()(int u, int v) const {
   DepthVerdict verdict;
-  judgePixels(g_, a_.inverse_depth.data() + static_cast<std::size_t>(v) * a_.camera.width, v, u, 1, 1,
-              &verdict, nullptr);
+  judgePixels(g_, pixels(v), v, u, 1, 1, &verdict);
   return verdict;
 }
 

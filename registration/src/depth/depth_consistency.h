@@ -61,6 +61,12 @@ public:
   /** \brief Both directions. */
   DepthAgreement compareBoth(const DepthPicture& a, const DepthPicture& b, const Eigen::Isometry3d& T_b_a,
                              int columns) const;
+  /** \brief The verdicts alone, without likelihood and misfit, in half the time. */
+  DepthAgreement count(const DepthPicture& a, const DepthPicture& b, const Eigen::Isometry3d& T_b_a,
+                       int columns) const;
+  /** \brief Both directions. */
+  DepthAgreement countBoth(const DepthPicture& a, const DepthPicture& b, const Eigen::Isometry3d& T_b_a,
+                           int columns) const;
   DepthErrors errorsBetween(const DepthPicture& a, const DepthPicture& b) const {
     // In inverse depth r, the noise of depths is a polynomial: s_2 + s_1 r + s_0 r^2 (features/METHOD 2.2).
     const DepthNoise noise = commonNoise(a, b);
@@ -81,9 +87,12 @@ public:
              const Eigen::Isometry3d& T_b_a);
 
   DepthVerdict operator()(int u, int v) const;
-  /** \brief Of the pixels step / 2, step / 2 + step, ... of row v. Adds to `sum`, if given, the bounded log
-   * likelihoods of their errors and the misfit. */
-  void row(int v, int step, DepthVerdicts& out, DepthAgreement* sum = nullptr) const;
+  /** \brief Of the pixels step / 2, step / 2 + step, ... of row v. */
+  void row(int v, int step, DepthVerdicts& out) const;
+  /** \brief Counts the verdicts on these pixels. */
+  void count(int v, int step, DepthAgreement& sum) const;
+  /** \brief The same, and adds the bounded log likelihoods of their errors and the misfit. */
+  void add(int v, int step, DepthAgreement& sum) const;
 
   /** \brief Where the pixels of a appear in b, in numbers. */
   struct Geometry {
@@ -91,11 +100,13 @@ public:
     float t[3];
     float fx, fy, cx, cy;  // of b, moved by half a pixel
     int width, height;
-    const std::uint16_t *lowest, *highest;
+    const DepthPicture::Extremes* extremes;
     float farthest, absolute_error, relative_error, squared_error, unit_error, gate;
   };
 
 private:
+  const std::uint16_t* pixels(int v) const;
+
   const DepthPicture& a_;
   Geometry g_;
 };

@@ -96,12 +96,13 @@ HypothesisRanking::HypothesisRanking(const RegistrationParams& params)
       comparison_(params.calibration.depth),
       refined_comparison_(refinedErrors(params.calibration)) {}
 
-void HypothesisRanking::rank(const View& scene, std::vector<Hypothesis>& hypotheses) const {
+void HypothesisRanking::rank(const View& scene, std::vector<Hypothesis>& hypotheses,
+                             ComparedAndRefined& known) const {
   // The paper's score counts pixels: nats of evidence do not add to it.
-  const bool evidence = !params_.score.by_overlap && addEvidence(scene, hypotheses);
+  const bool evidence = !params_.score.by_overlap && addEvidence(scene, hypotheses, known.compared);
   mergePlaces(params_.merging, hypotheses);
   if (evidence) score(hypotheses);
-  if (evidence && params_.refinement.enabled) refinePlaces(scene, hypotheses);
+  if (evidence && params_.refinement.enabled) refinePlaces(scene, hypotheses, known.refined);
   if (evidence && evidenceWeight() != 1) {
     for (Hypothesis& h : hypotheses) h.score = h.consensus + evidenceWeight() * h.evidence;
     sortByScore(hypotheses);
@@ -119,7 +120,7 @@ double HypothesisRanking::evidence(const View& scene, const std::vector<NearbyVi
     const DepthPicture& depth = n.view->depth;
     const Eigen::Isometry3d T_m_c = n.T_w_m.inverse() * T_w_c;
     pictures.push_back({&depth, n.T_w_m});
-    found.of_models.push_back(comparison.compare(depth, scene.depth, T_m_c.inverse(), kCoarseColumns));
+    found.of_models.push_back(comparison.count(depth, scene.depth, T_m_c.inverse(), kCoarseColumns));
   }
   found.of_scene = compareWithAll(scene.depth, T_w_c, pictures, comparison, kFineColumns);
   const int step = gridStep(scene.depth, kFineColumns);
@@ -158,7 +159,15 @@ std::size_t HypothesisRanking::hopeful(const std::vector<Hypothesis>& sorted, in
   return static_cast<std::size_t>(std::find_if(sorted.begin(), end, isHopeless) - sorted.begin());
 }
 
-bool HypothesisRanking::addEvidence(const View& scene, std::vector<Hypothesis>& hypotheses) const {
+PixelVerdict HypothesisRanking::verdict(const View& scene, Hypothesis h, bool refined) const {
+  const std::vector<NearbyView> models = neighbours(h);
+  if (refined) refine(scene, models, h);
+  const double evidence_here = evidence(scene, models, h, refined ? refined_comparison_ : comparison_);
+  return {h.T_m_c, h.T_w_c, evidence_here, h.explained, !models.empty()};
+}
+
+bool HypothesisRanking::addEvidence(const View& scene, std::vector<Hypothesis>& hypotheses,
+                                    PixelVerdicts& known) const {
   sortByScore(hypotheses);
   if (!params_.evidence.enabled || scene.depth.empty()) return false;
   const std::size_t n =
@@ -169,9 +178,11 @@ bool HypothesisRanking::addEvidence(const View& scene, std::vector<Hypothesis>& 
   for (std::size_t i = 0; i < n; ++i) {
     Hypothesis& h = hypotheses[i];
     if (!h.T_w_c) continue;
-    const std::vector<NearbyView> models = neighbours(h);
-    found[i] = evidence(scene, models, h, comparison_);
-    any = any || !models.empty();
+    const PixelVerdict& said =
+        known.of(h, [&](const Hypothesis& judged) { return verdict(scene, judged, false); });
+    h.explained = said.explained;
+    found[i] = said.evidence;
+    any = any || said.compared;
     least = std::min(least, found[i]);
   }
   if (!any) return false;
@@ -183,15 +194,18 @@ bool HypothesisRanking::addEvidence(const View& scene, std::vector<Hypothesis>& 
   return true;
 }
 
-void HypothesisRanking::refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses) const {
+void HypothesisRanking::refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses,
+                                     PixelVerdicts& known) const {
   const std::size_t n = hopeful(hypotheses, params_.refinement.places, params_.calibration.probability.slope);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < n; ++i) {
     Hypothesis& h = hypotheses[i];
     if (!h.T_w_c) continue;
-    const std::vector<NearbyView> models = neighbours(h);
-    refine(scene, models, h);
-    h.evidence = evidence(scene, models, h, refined_comparison_);
+    const PixelVerdict& said =
+        known.of(h, [&](const Hypothesis& judged) { return verdict(scene, judged, true); });
+    h.T_m_c = said.T_m_c, h.T_w_c = said.T_w_c;
+    h.explained = said.explained;
+    h.evidence = said.evidence;
     least = std::min(least, h.evidence);
   }
   // The others are compared with the larger errors of a pose that is not refined, which is no merit.

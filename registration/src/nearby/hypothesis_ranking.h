@@ -9,7 +9,11 @@
 #include <facetloc/registration/hypothesis.h>
 #include <facetloc/registration/registration_params.h>
 
+#include <array>
+#include <map>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace facetloc::internal {
@@ -28,6 +32,39 @@ struct ScoreOdds {
   double operator()(double score) const { return slope * (score - null_score); }
 };
 
+/** \brief What pixels have said of a hypothesis. */
+struct PixelVerdict {
+  PoseWithCovariance T_m_c;  ///< refined, or as it was
+  std::optional<Eigen::Isometry3d> T_w_c;
+  double evidence = 0;  ///< [nats]
+  Explanation explained;
+  bool compared = false;  ///< with any local model
+};
+
+/** \brief What pixels have said of the hypotheses of one scene, so that a list that grows is compared and
+ * refined anew only where it is new. */
+class PixelVerdicts {
+public:
+  /** \brief The verdict on a hypothesis with T_w_c, which is asked for if there is none yet. \param judge
+   * Hypothesis -> PixelVerdict */
+  template <typename Judge>
+  const PixelVerdict& of(const Hypothesis& h, Judge&& judge) {
+    Key key{h.model, {}};
+    Eigen::Map<Eigen::Matrix4d>(key.second.data()) = h.T_w_c->matrix();
+    const auto known = verdicts_.find(key);
+    return known != verdicts_.end() ? known->second : verdicts_.emplace(key, judge(h)).first->second;
+  }
+
+private:
+  using Key = std::pair<int, std::array<double, 16>>;
+  std::map<Key, PixelVerdict> verdicts_;
+};
+
+/** \brief The verdicts before and after refinement. */
+struct ComparedAndRefined {
+  PixelVerdicts compared, refined;
+};
+
 /** \brief A view near a hypothesis. */
 struct NearbyView {
   std::shared_ptr<const View> view;
@@ -42,8 +79,13 @@ public:
   virtual ~HypothesisRanking() = default;
 
   /** \brief Ranks hypotheses of a scene, with T_w_c where it is known. A place that has evidence and was
-   * found by n local models independently gets w_s ln n more [nats]. */
-  void rank(const View& scene, std::vector<Hypothesis>& hypotheses) const;
+   * found by n local models independently gets w_s ln n more [nats]. \param known of this scene, from lists
+   * that were ranked before; the answer is the same without */
+  void rank(const View& scene, std::vector<Hypothesis>& hypotheses, ComparedAndRefined& known) const;
+  void rank(const View& scene, std::vector<Hypothesis>& hypotheses) const {
+    ComparedAndRefined nothing;
+    rank(scene, hypotheses, nothing);
+  }
 
   /** \brief Scores the best hypotheses by the depth of the local models nearest to their world poses,
    * whichever generated them, instead of their own model's alone (localization/METHOD 11.1). The score is the
@@ -59,11 +101,11 @@ public:
    *
    * Hypotheses beyond the best ones get the least evidence of those. False, and no change, where there is
    * none: no poses of local models, no depth. */
-  bool addEvidence(const View& scene, std::vector<Hypothesis>& hypotheses) const;
+  bool addEvidence(const View& scene, std::vector<Hypothesis>& hypotheses, PixelVerdicts& known) const;
 
   /** \brief Refines the poses of the best places by all pixels (refineByDepth) and weighs their evidence
    * again, with the errors that a refined pose leaves; merges and scores. For places that have evidence. */
-  void refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses) const;
+  void refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses, PixelVerdicts& known) const;
 
   /** \brief Gives the first place and all that are possible, which stay where they are, the covariance that
    * the cost shows (METHOD 12.4). \param prior T_m_c that the hypotheses were found with, positive definite
@@ -93,6 +135,7 @@ protected:
 
 private:
   void refine(const View& scene, const std::vector<NearbyView>& neighbours, Hypothesis& h) const;
+  PixelVerdict verdict(const View& scene, Hypothesis h, bool refined) const;
   void score(std::vector<Hypothesis>& places) const;
   std::size_t hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const;
 

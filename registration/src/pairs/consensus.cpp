@@ -205,8 +205,8 @@ public:
     h.score = h.consensus;
     if (params_.free_space_weight == 0) return;
     const DepthPicture &scene = query.view.depth, &of_model = model.depth;
-    for (const auto& compared : {comparison_.compare(scene, of_model, h.T_m_c.T, columns),
-                                 comparison_.compare(of_model, scene, h.T_m_c.T.inverse(), columns)})
+    for (const auto& compared : {comparison_.count(scene, of_model, h.T_m_c.T, columns),
+                                 comparison_.count(of_model, scene, h.T_m_c.T.inverse(), columns)})
       h.free_space += freeSpaceTerm(compared, params_);
     h.score += h.free_space;
   }

@@ -24,7 +24,7 @@ std::vector<double> alignDepth(const DepthPicture& scene, const DepthPicture& mo
   std::vector<DepthAgreement> found;
   int largest = 0;
   for (int i = -half; i <= half; ++i) {
-    found.push_back(comparison.compareBoth(scene, model, at(centre + i * params.step), kCoarseColumns));
+    found.push_back(comparison.countBoth(scene, model, at(centre + i * params.step), kCoarseColumns));
     largest = std::max(largest, found.back().judged());
   }
   constexpr double kEnoughShared = 0.25;  // of the largest overlap; fewer pixels agree by chance
@@ -45,29 +45,33 @@ std::vector<double> alignDepth(const DepthPicture& scene, const DepthPicture& mo
   std::stable_sort(maxima.begin(), maxima.end(), [&](int a, int b) { return agreement[a] > agreement[b]; });
   if (maxima.size() > 2) maxima.resize(2);
 
-  constexpr int kFineHalf = 5;  // fine steps on each side
-  constexpr double kReach = 2;  // so far [coarse steps]: on the coarse grid the maximum may be a neighbour's
-  std::vector<double> positions;
-  for (const int i : maxima) {
-    const double coarse = centre + (i - half) * params.step;
-    struct Fine {
+  const auto likeliest = [&](double around, double step, int steps_aside) {
+    struct Step {
       double position;
       DepthAgreement agreement;
     };
-    std::vector<Fine> fine;
+    std::vector<Step> tried;
     int most_shared = 1;
-    for (int j = -kFineHalf; j <= kFineHalf; ++j) {
-      const double position = coarse + j * kReach * params.step / kFineHalf;
-      fine.push_back({position, comparison.compareBoth(scene, model, at(position), kFineColumns)});
-      most_shared = std::max(most_shared, fine.back().agreement.judged());
+    for (int j = -steps_aside; j <= steps_aside; ++j) {
+      const double position = around + j * step;
+      tried.push_back({position, comparison.compareBoth(scene, model, at(position), kFineColumns)});
+      most_shared = std::max(most_shared, tried.back().agreement.judged());
     }
-    double best_position = coarse, best_likelihood = -std::numeric_limits<double>::infinity();
-    for (const auto& [position, a] : fine) {
+    double best_position = around, best_likelihood = -std::numeric_limits<double>::infinity();
+    for (const auto& [position, a] : tried) {
       if (a.judged() < kEnoughShared * most_shared) continue;
       const double likelihood = a.likelihood / a.judged();
       if (likelihood > best_likelihood) best_likelihood = likelihood, best_position = position;
     }
-    positions.push_back(best_position);
+    return best_position;
+  };
+  constexpr int kSteps = 2;     // to each side of a maximum, then one of half the size
+  constexpr double kReach = 2;  // so far [coarse steps]: on the coarse grid the maximum may be a neighbour's
+  const double step = kReach * params.step / (kSteps + 0.5);
+  std::vector<double> positions;
+  for (const int i : maxima) {
+    const double near = likeliest(centre + (i - half) * params.step, step, kSteps);
+    positions.push_back(likeliest(near, step / 2, 1));
   }
   return positions;
 }

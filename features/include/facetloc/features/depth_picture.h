@@ -20,10 +20,15 @@ struct DepthPicture {
   static constexpr double kQuantum =
       1.0 / 16384;  ///< [1/m]: 0.02 disparity units of a Kinect; reaches to 0.25 m
 
+  /** \brief Smallest and largest inverse depth of a neighbourhood [kQuantum], 0 if all of it is unknown. */
+  struct Extremes {
+    std::uint16_t lowest = 0, highest = 0;
+    bool operator==(const Extremes& o) const { return lowest == o.lowest && highest == o.highest; }
+  };
+
   Intrinsics camera;                         ///< of the picture itself
   std::vector<std::uint16_t> inverse_depth;  ///< [kQuantum], row-major
-  std::vector<std::uint16_t> lowest;         ///< over 3x3 known neighbours; derived
-  std::vector<std::uint16_t> highest;        ///< over 3x3 known neighbours; derived
+  std::vector<Extremes> extremes;            ///< over 3x3 known neighbours; derived
   DepthNoise noise;                          ///< random error of its depths
 
   bool empty() const { return inverse_depth.empty(); }
@@ -31,7 +36,7 @@ struct DepthPicture {
   static DepthPicture fromDepth(const DepthImage& image);
   /** \brief The same, in the memory that this picture has. */
   void assign(const DepthImage& image);
-  /** \brief From stored values; lowest and highest are derived. Throws std::invalid_argument if the size is
+  /** \brief From stored values; extremes are derived. Throws std::invalid_argument if the size is
    * wrong. */
   static DepthPicture fromStored(const Intrinsics& camera, std::vector<std::uint16_t> inverse_depth);
 

@@ -20,7 +20,7 @@ Surroundings MapSurroundings::around(const View& view, int part, const Eigen::Is
   for (const int i : near_.bySight(part, T_w_c, kTrackingReach, kCompared * n)) {
     const Eigen::Isometry3d T_m_c = map_->models[i].T_w_m->inverse() * T_w_c;
     Found found{i, map_->view(i)};
-    const int pixels = comparison_.compare(view.depth, found.view->depth, T_m_c, kCoarseColumns).agree;
+    const int pixels = comparison_.count(view.depth, found.view->depth, T_m_c, kCoarseColumns).agree;
     (pixels >= kFewestPixels ? confirming : silent).push_back(std::move(found));
   }
   Surroundings out;

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -45,6 +46,12 @@ void discountTurned(Localization& answer) {
   for (Hypothesis& h : answer.hypotheses) h.probability *= kTurned / all;
 }
 
+double bestScore(const std::vector<Hypothesis>& found) {
+  double best = std::numeric_limits<double>::lowest();
+  for (const Hypothesis& h : found) best = std::max(best, h.score);
+  return best;
+}
+
 }  // namespace
 
 struct GlobalLocalization::Impl {
@@ -54,7 +61,7 @@ struct GlobalLocalization::Impl {
   Query queryOf(const View& view, const CameraDifference& camera) const;
   bool mayBeTurned(const Localization& answer) const;
   void registerWith(const Batch& batch, const Query& query, std::vector<Hypothesis>& hypotheses) const;
-  Localization rank(const Query& query, std::vector<Hypothesis> hypotheses) const;
+  Localization rank(const Query& query, std::vector<Hypothesis> hypotheses, ComparedAndRefined& known) const;
   Localization localize(const Query& query, const CameraDifference& camera,
                         const std::function<bool(int)>& excluded) const;
   bool isSure(const Localization& answer) const;
@@ -124,7 +131,8 @@ void GlobalLocalization::Impl::registerWith(const Batch& batch, const Query& que
     }
 }
 
-Localization GlobalLocalization::Impl::rank(const Query& query, std::vector<Hypothesis> hypotheses) const {
+Localization GlobalLocalization::Impl::rank(const Query& query, std::vector<Hypothesis> hypotheses,
+                                            ComparedAndRefined& known) const {
   Localization answer;
   if (map->models.empty()) answer.reason = "the map has no local model";
   if (query.view.segments.empty()) answer.reason = whyNoHypothesis(query, params.tree);
@@ -132,7 +140,7 @@ Localization GlobalLocalization::Impl::rank(const Query& query, std::vector<Hypo
 
   answer.has_probabilities = registration.score().inNats();
   answer.hypotheses = std::move(hypotheses);
-  ranking.rank(query.view, answer.hypotheses);
+  ranking.rank(query.view, answer.hypotheses, known);
   if (answer.hypotheses.empty()) answer.reason = whyNoHypothesis(query, params.tree);
   return answer;
 }
@@ -176,9 +184,10 @@ Localization GlobalLocalization::Impl::localize(const Query& query, const Camera
                                                 const std::function<bool(int)>& excluded) const {
   Localization answer;
   std::vector<Hypothesis> found;
-  for (const Batch& batch : shortlist.batches(query, camera.sameMounting(), threads, excluded)) {
-    registerWith(batch, query, found);
-    answer = rank(query, found);
+  ComparedAndRefined known;
+  for (const NextBatch& next : shortlist.batches(query, camera.sameMounting(), threads, excluded)) {
+    registerWith(next(bestScore(found)), query, found);
+    answer = rank(query, found, known);
     if (isSure(answer)) break;
   }
   answer.camera = camera;
@@ -198,7 +207,8 @@ Localization GlobalLocalization::localize(const View& view, const PoseWithCovari
     const Query query(view, prior, on_floor ? impl_->of_floor : Matrix6d(Matrix6d::Zero()));
     std::vector<Hypothesis> found;
     impl_->registerWith(impl_->shortlist.batch(query, on_floor, impl_->threads), query, found);
-    answer = impl_->rank(query, std::move(found));
+    ComparedAndRefined nothing;
+    answer = impl_->rank(query, std::move(found), nothing);
     impl_->ranking.stateAsShown(view, prior, answer.hypotheses);
   } else {
     answer.reason = "the covariance of the prior is not positive definite";

@@ -10,11 +10,23 @@
 namespace facetloc::internal {
 namespace {
 
+constexpr double kNothing = std::numeric_limits<double>::lowest();  // score
+
 /** The segments of a view as its camera would see them at the mean of the prior. */
 View turnedBack(const Query& query) {
   View view;
   for (const Segment& s : query.view.segments) view.segments.push_back(transformed(s, query.prior.T));
   return view;
+}
+
+// As if the models that are left out had given no hypothesis.
+Batch byModel(Batch batch) {
+  std::sort(batch.begin(), batch.end(), [](const Start& a, const Start& b) { return a.model < b.model; });
+  return batch;
+}
+
+NextBatch asItIs(Batch batch) {
+  return [batch = std::move(batch)](double) { return batch; };
 }
 
 }  // namespace
@@ -46,84 +58,89 @@ const std::vector<PlaneColumns>& Shortlist::planes() const {
   return planes_->of_models;
 }
 
-std::vector<Batch> Shortlist::batches(const Query& query, bool on_floor, int threads,
-                                      const std::function<bool(int)>& excluded) const {
-  if (!registration_.mayFixPose(query)) return {{}};
+std::vector<NextBatch> Shortlist::batches(const Query& query, bool on_floor, int threads,
+                                          const std::function<bool(int)>& excluded) const {
+  if (!registration_.mayFixPose(query)) return {asItIs({})};
   std::vector<Candidate> models;
-  if (index_ && on_floor) models = listed(query, threads, excluded);
+  if (index_ && on_floor) models = listed(query, excluded);
   if (models.empty() && !on_floor) return overlaid(query, threads, excluded);
-  if (models.empty()) return {allModels(query, excluded)};
-  std::sort(models.begin(), models.end(),  // as if the others had given no hypothesis
-            [](const Candidate& a, const Candidate& b) { return a.model < b.model; });
+  if (models.empty()) return {asItIs(allModels(query, excluded))};
   // Only the joint refinement estimates a pose without where it was looked for.
   const bool from_starts = params_.steps.joint_refinement;
-  std::vector<Batch> out(2);
+  const int first = std::min(params_.shortlist.first_models, params_.shortlist.size);
+  Batch likeliest, others;
   for (const Candidate& c : models)
-    out[c.rank < params_.shortlist.first_models ? 0 : 1].push_back(
-        {c.model, c.start && from_starts ? startAt(*c.start, map_->camera.mounting) : query.prior});
-  if (out[1].empty()) out.pop_back();
+    (c.rank < first ? likeliest : others)
+        .push_back(c.start && from_starts ? Start{c.model, startAt(*c.start, map_->camera.mounting), true}
+                                          : Start{c.model, query.prior});
+  std::vector<NextBatch> out = {asItIs(byModel(std::move(likeliest)))};
+  const int most = params_.shortlist.size - first;
+  if (!others.empty() && most > 0)
+    out.push_back([this, &query, others = std::move(others), most, threads](double reached) {
+      return examined(query, others, most, reached, threads);
+    });
   return out;
 }
 
 Batch Shortlist::batch(const Query& query, bool on_floor, int threads) const {
   if (!registration_.mayFixPose(query)) return {};
-  std::vector<Candidate> models;
-  if (index_ && on_floor && PlaceIndex::covers(query.prior)) models = listed(query, threads, {});
-  if (models.empty()) return allModels(query, {});
+  const int first = std::min(params_.shortlist.first_models, params_.shortlist.size);
+  Batch likeliest, others;
+  if (index_ && on_floor && PlaceIndex::covers(query.prior))
+    for (const Candidate& c : listed(query, {}))
+      (c.rank < first ? likeliest : others)
+          .push_back(c.start ? Start{c.model, startAt(*c.start, map_->camera.mounting), true}
+                             : Start{c.model, query.prior});
+  if (likeliest.empty()) return allModels(query, {});
+  others = examined(query, others, params_.shortlist.size - first, kNothing, threads);
+  likeliest.insert(likeliest.end(), others.begin(), others.end());
+  for (Start& start : likeliest) start.T_m_c = query.prior;  // starts are what the map's prior leads to
+  return byModel(std::move(likeliest));
+}
+
+std::vector<Candidate> Shortlist::listed(const Query& query, const std::function<bool(int)>& excluded) const {
+  const ShortlistParams& p = params_.shortlist;
+  return index_->candidates(query.view, std::max(p.examined_models, p.size), excluded);
+}
+
+// Many models are aligned as well by chance. Those with whom all planes and some pixels, next to the
+// alignment, agree best, in a tenth of the time that registration takes.
+Batch Shortlist::examined(const Query& query, const Batch& aligned, int most, double reached,
+                          int threads) const {
+  const int n = static_cast<int>(aligned.size());
+  const bool has_gap = registration_.score().inNats();
+  if (!has_gap && n <= most) return byModel(aligned);
+  std::vector<double> score(aligned.size(), kNothing);
+  forEachInParallel(n, threads, [&](int i) {
+    if (!aligned[i].is_aligned) return;
+    const auto found = registration_.alignFrom(aligned[i].T_m_c, query, *map_->view(aligned[i].model));
+    if (found) score[i] = found->score;
+  });
+  std::vector<int> order(aligned.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&score](int a, int b) { return score[a] > score[b]; });
   Batch out;
-  for (const Candidate& c : models)
-    out.push_back({c.model, query.prior});  // starts are what the map's prior leads to
-  std::sort(out.begin(), out.end(), [](const Start& a, const Start& b) { return a.model < b.model; });
-  return out;
-}
-
-// Where all models can be aligned, alignments tell enough. In larger maps many are aligned as well by chance.
-std::vector<Candidate> Shortlist::listed(const Query& query, int threads,
-                                         const std::function<bool(int)>& excluded) const {
-  const ShortlistParams& p = params_.shortlist;
-  const bool is_large = map_->models.size() > static_cast<std::size_t>(p.aligned_models);
-  std::vector<Candidate> models =
-      index_->candidates(query.view, is_large ? std::max(p.examined_models, p.size) : p.size, excluded);
-  if (static_cast<int>(models.size()) <= p.size) return models;
-  return examined(query, std::move(models), threads);
-}
-
-// Of the models that come after the best aligned, those with whom all planes and some pixels, next to the
-// alignment, agree best.
-std::vector<Candidate> Shortlist::examined(const Query& query, std::vector<Candidate> models,
-                                           int threads) const {
-  const ShortlistParams& p = params_.shortlist;
-  const int n = static_cast<int>(models.size()), kept = std::min(p.first_models, p.size);
-  std::vector<double> score(models.size(), std::numeric_limits<double>::lowest());  // by rank
-  forEachInParallel(n - kept, threads, [&](int i) {
-    const Candidate& c = models[kept + i];
-    if (!c.start) return;
-    const auto found =
-        registration_.alignFrom(startAt(*c.start, map_->camera.mounting), query, *map_->view(c.model));
-    if (found) score[c.rank] = found->score;
-  });
-  std::stable_sort(models.begin() + kept, models.end(), [&score](const Candidate& a, const Candidate& b) {
-    return score[a.rank] > score[b.rank];
-  });
-  const double gap =
-      registration_.score().inNats() ? p.examined_gap : std::numeric_limits<double>::infinity();
-  const double best = score[models[kept].rank];
-  const auto isHopeless = [&](const Candidate& c) { return score[c.rank] < best - gap; };
-  models.erase(std::find_if(models.begin() + kept, models.begin() + p.size, isHopeless), models.end());
-  for (std::size_t i = 0; i < models.size(); ++i) models[i].rank = static_cast<int>(i);
-  return models;
+  if (order.empty()) return out;
+  const double best = std::max(reached, score[order.front()]);
+  for (const int i : order) {
+    const bool is_hopeless =
+        has_gap && aligned[i].is_aligned && score[i] < best - params_.shortlist.examined_gap;
+    if (static_cast<int>(out.size()) >= most) break;
+    if (!is_hopeless) out.push_back(aligned[i]);
+  }
+  return byModel(std::move(out));
 }
 
 // About where they are laid over the view, models cost little, but overlays are not exact: a pose beside one
 // is lost. What is sure there is right; else the likeliest are asked once more, about the prior.
-std::vector<Batch> Shortlist::overlaid(const Query& query, int threads,
-                                       const std::function<bool(int)>& excluded) const {
+std::vector<NextBatch> Shortlist::overlaid(const Query& query, int threads,
+                                           const std::function<bool(int)>& excluded) const {
   Batch all = allModels(query, excluded);
   const bool can_be_sure = registration_.score().inNats() && params_.steps.joint_refinement;
   // Overlays are near the identity: of a camera that is turned against the map's, as if it were not.
   const bool is_turned = !query.prior.T.isApprox(Eigen::Isometry3d::Identity());
   const PlaneOverlay scene(is_turned ? turnedBack(query) : query.view, query.prior);
-  if (!planes_ || !can_be_sure || !scene.isUseful()) return {all};
+  if (!planes_ || !can_be_sure || !scene.isUseful()) return {asItIs(std::move(all))};
   const std::vector<PlaneColumns>& of_models = planes();
 
   const ShortlistParams& p = params_.shortlist;
@@ -149,14 +166,17 @@ std::vector<Batch> Shortlist::overlaid(const Query& query, int threads,
       const Overlay& overlay = overlays[order[r]];
       batch.push_back(all[order[r]]);
       if (about_overlays && overlay.exists() && p.start_translation > 0)
-        batch.back().T_m_c = startAt(startOf(overlay), std::nullopt);
+        batch.back() = {all[order[r]].model, startAt(startOf(overlay), std::nullopt), true};
     }
-    std::sort(batch.begin(), batch.end(), [](const Start& a, const Start& b) { return a.model < b.model; });
     return batch;
   };
-  std::vector<Batch> batches = {batchOf(0, p.overlaid_first, true), batchOf(0, p.first_models, false),
-                                batchOf(p.first_models, p.overlaid_size, true)};
-  if (batches.back().empty()) batches.pop_back();
+  std::vector<NextBatch> batches = {asItIs(byModel(batchOf(0, p.overlaid_first, true))),
+                                    asItIs(byModel(batchOf(0, p.first_models, false)))};
+  Batch others = batchOf(p.first_models, p.overlaid_size, true);
+  if (!others.empty())
+    batches.push_back([this, &query, others = std::move(others), threads](double reached) {
+      return examined(query, others, static_cast<int>(others.size()), reached, threads);
+    });
   return batches;
 }
 

@@ -19,36 +19,40 @@ namespace facetloc::internal {
 struct Start {
   int model = 0;
   PoseWithCovariance T_m_c;
+  bool is_aligned = false;  ///< a quick alignment has laid the view over it there
 };
 /** \brief Registered together, before anything is made of their answers; by increasing model. */
 using Batch = std::vector<Start>;
+/** \brief Makes a batch when it is its turn, by the best score so far of a registration [nats]; lowest if
+ * there is none. */
+using NextBatch = std::function<Batch(double reached)>;
 
 /** \brief Knows which local models of a map a view is registered with, in which order, in which batches, and
  * from which starts; nobody else does.
  *
  * Where the mounting of the camera is the map's, only the models on the list of a PlaceIndex: the likeliest
- * first, then the others. For a camera in any attitude, many models, in the order of a PlaneOverlay: the very
- * likeliest about that alone, then anywhere, then the others. All models at once if the map is small or the
- * prior not the usual one. Never changes; thread-safe. */
+ * first, then of the others those that come near the best of them at a closer look. For a camera in any
+ * attitude, models in the order of a PlaneOverlay: the very likeliest about that alone, then anywhere, then
+ * of many others those that come near. All models at once if the map is small or the prior not the usual one.
+ * Never changes; thread-safe. */
 class Shortlist {
 public:
   Shortlist(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params);
 
   /** \brief At least one batch, which is empty for a view that fixes no pose. If the answer of one is sure,
-   * the next ones need not be asked. A model that comes again is asked anew, in place of what it said. \param
-   * on_floor the camera is mounted as the map's, and the query's prior is by this mounting \param
-   * threads 0 = all cores \param excluded models, if any are */
-  std::vector<Batch> batches(const Query& query, bool on_floor, int threads,
-                             const std::function<bool(int model)>& excluded = {}) const;
+   * the next ones need not be made. A model that comes again is asked anew, in place of what it said. The
+   * query must outlive them. \param on_floor the camera is mounted as the map's, and the query's prior is by
+   * this mounting \param threads 0 = all cores \param excluded models, if any are */
+  std::vector<NextBatch> batches(const Query& query, bool on_floor, int threads,
+                                 const std::function<bool(int model)>& excluded = {}) const;
   /** \brief The same for a prior of the caller's: one batch, about this prior. */
   Batch batch(const Query& query, bool on_floor, int threads) const;
 
 private:
-  std::vector<Candidate> listed(const Query& query, int threads,
-                                const std::function<bool(int)>& excluded) const;
-  std::vector<Candidate> examined(const Query& query, std::vector<Candidate> aligned, int threads) const;
-  std::vector<Batch> overlaid(const Query& query, int threads,
-                              const std::function<bool(int)>& excluded) const;
+  std::vector<Candidate> listed(const Query& query, const std::function<bool(int)>& excluded) const;
+  Batch examined(const Query& query, const Batch& aligned, int most, double reached, int threads) const;
+  std::vector<NextBatch> overlaid(const Query& query, int threads,
+                                  const std::function<bool(int)>& excluded) const;
   /** Reads the views of all models at the first call. */
   const std::vector<PlaneColumns>& planes() const;
   Batch allModels(const Query& query, const std::function<bool(int)>& excluded) const;

@@ -29,10 +29,10 @@ struct ShortlistParams {
           "slower and overlooks nothing.",
           kForUsers);
     visit("examined_models", p.examined_models, 1, 100000000,
-          "In maps of more than aligned_models: number of best aligned local models that are examined by all "
+          "Number of best aligned local models that, where the first ones leave a doubt, are examined by all "
           "planes.");
     visit("examined_gap", p.examined_gap, 0.0, 1e6,
-          "Score below the best examined local model at which one is left out [nats].");
+          "Score below the best examined or registered local model at which one is left out [nats].");
     visit("gap", p.gap, 0.0, 1e6,
           "Score of its quick alignment below the best at which a local model is left out.");
     visit("exhaustive_up_to", p.exhaustive_up_to, 0, 100000000,
