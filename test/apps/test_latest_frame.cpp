@@ -119,5 +119,30 @@ TEST(LatestFrame, EveryFrameIsTakenOrDropped) {
   EXPECT_EQ(taken + box.counts().dropped, static_cast<std::uint64_t>(kFrames));
 }
 
+TEST(LatestFrame, InTurnNothingIsDropped) {
+  LatestFrame<int> mailbox;
+  constexpr int kFrames = 200;
+  std::thread writer([&] {
+    for (int i = 0; i < kFrames; ++i) mailbox.putInTurn(i);
+  });
+  for (int i = 0; i < kFrames; ++i) {
+    const auto taken = mailbox.take(10s);
+    ASSERT_TRUE(taken);
+    EXPECT_EQ(taken->frame, i);
+  }
+  writer.join();
+  EXPECT_EQ(mailbox.counts().dropped, 0u);
+}
+
+TEST(LatestFrame, CloseEndsTheWaitForOnesTurn) {
+  LatestFrame<int> mailbox;
+  mailbox.put(1);
+  std::thread writer([&] { mailbox.putInTurn(2); });
+  std::this_thread::sleep_for(20ms);
+  mailbox.close();
+  writer.join();
+  EXPECT_EQ(mailbox.counts().received, 1u);
+}
+
 }  // namespace
 }  // namespace facetloc

@@ -5,10 +5,13 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/results.h>
 #include <facetloc/io/trajectory.h>
+#include <facetloc/testing/example_bag.h>
 
 #include <gmock/gmock.h>
 
 #include <filesystem>
+#include <fstream>
+#include <map>
 
 namespace facetloc {
 namespace {
@@ -124,6 +127,101 @@ TEST_F(LiveTool, SaysThatImagesCannotBeRead) {
   const ToolRun none = runLive(arguments);
   EXPECT_EQ(none.code, kFailed);
   EXPECT_THAT(none.err, HasSubstr("ended without a frame: "));
+}
+
+/** As fast as possible, which drops most frames otherwise. */
+TEST_F(LiveTool, PlaysEveryFrameOfARecording) {
+  const std::string oni = folder_ / "run.oni", list = folder_ / "list.txt", bag = folder_ / "walk.bag";
+  const DepthSequence images = DepthSequence::open(sequence());
+  std::ofstream lines(list);
+  for (const FrameFile& frame : images.frames()) lines << frame.stamp << " " << frame.path.string() << "\n";
+  lines.close();
+  fs::copy(sequence() + "/camera.ini", folder_ / "camera.ini");
+  std::map<std::string, std::size_t> recordings = {
+      {sequence(), 40}, {writeClouds(10), 10}, {writePclzf(10), 10}, {list, 40}};
+  if (test::hasBags()) {
+    ASSERT_TRUE(test::writeBag(images, bag, "uint16"));
+    recordings[bag] = 40;
+  }
+  ASSERT_EQ(runLive({"--device", sequence(), "--headless", "--record", oni, "--speed", "0.3"}).code, kOk);
+  recordings[oni] = DepthSequence::open(oni).frames().size();
+  int number = 0;
+  for (const auto& [device, frames] : recordings) {
+    const std::string results = folder_ / std::to_string(number++);
+    const ToolRun run = runLive({"--device", device, "--map", map(), "--headless", "--results", results,
+                                 "--every-frame", "--speed", "0"});
+    EXPECT_EQ(run.code, kOk) << device << run.err;
+    expectWholeResults(results, frames);
+    EXPECT_EQ(readHypotheses(results).size(), frames) << device;
+    EXPECT_THAT(lastLine(run.out), HasSubstr(" 0 dropped")) << device;
+  }
+}
+
+TEST_F(LiveTool, EveryFrameSkipsImagesThatCannotBeRead) {
+  const std::string copy = folder_ / "copy";
+  fs::copy(sequence(), copy, fs::copy_options::recursive);
+  const auto names = namesIn(copy + "/depth");
+  for (const std::size_t bad : {0u, 7u, 39u})
+    test::writeContent(copy + "/depth/" + names[bad], "no PNG at all");
+  const ToolRun run = runLive({"--device", copy, "--headless", "--every-frame", "--speed", "0"});
+  EXPECT_EQ(run.code, kOk);
+  EXPECT_THAT(run.err, HasSubstr("frames are missing: "));
+  EXPECT_THAT(lastLine(run.out), HasSubstr("37 frames received, 37 processed"));
+
+  for (const std::string& name : names) test::writeContent(copy + "/depth/" + name, "no PNG at all");
+  for (const bool repeat : {false, true}) {
+    std::vector<std::string> arguments = {"--device", copy, "--headless", "--every-frame"};
+    if (repeat) arguments.push_back("--repeat");
+    const ToolRun none = runLive(arguments);
+    EXPECT_EQ(none.code, kFailed);
+    EXPECT_THAT(none.err, HasSubstr("ended without a frame: "));
+  }
+}
+
+TEST_F(LiveTool, EveryFrameNeedsAFile) {
+  for (const std::vector<std::string>& device : {std::vector<std::string>{}, {"--device", "#1"}}) {
+    std::vector<std::string> arguments = {"--headless", "--every-frame"};
+    arguments.insert(arguments.end(), device.begin(), device.end());
+    const ToolRun run = runLive(arguments);
+    EXPECT_EQ(run.code, kUsage);
+    EXPECT_THAT(run.err, HasSubstr("every-frame belongs to a recording"));
+  }
+  const ToolRun missing = runLive({"--device", folder_ / "no.bag", "--headless", "--every-frame"});
+  EXPECT_EQ(missing.code, kFailed);
+  EXPECT_THAT(missing.err, HasSubstr("no.bag"));
+}
+
+TEST_F(LiveTool, PlaysABagAsOtherRecordings) {
+  if (!test::hasBags()) GTEST_SKIP() << "no python3-rosbag to write bags with, or a build that reads none";
+  const std::string bag = folder_ / "walk.bag", results = folder_ / "results";
+  ASSERT_TRUE(test::writeBag(DepthSequence::open(sequence()), bag, "uint16"));
+  const ToolRun run = runLive({"--device", bag, "--map", map(), "--headless", "--results", results,
+                               "--max-frames", "60", "--repeat"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  expectWholeResults(results, 60);
+  EXPECT_THAT(lastLine(run.out), HasSubstr("tracking"));
+  const ToolRun topic = runLive({"--device", bag, "--headless", "--topic", "/nothing"});
+  EXPECT_EQ(topic.code, kFailed);
+  EXPECT_THAT(topic.err, HasSubstr("/nothing"));
+}
+
+TEST_F(LiveTool, TakesTheCameraOfAMap) {
+  const std::string bare = folder_ / "bare", results = folder_ / "results";
+  fs::create_directories(bare);
+  const DepthSequence images = DepthSequence::open(sequence());
+  for (std::size_t i = 0; i < 10; ++i)
+    writeDepthPng(fs::path(bare) / (images.frames()[i].name + ".png"), images.load(i), 1000);
+  const ToolRun run = runLive({"--device", bare, "--camera", map(), "--map", map(), "--headless", "--results",
+                               results, "--every-frame"});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("taken to be millimetres"));
+  EXPECT_THAT(lastLine(run.out), HasSubstr("tracking"));
+  // Of a device, whose own camera it replaces.
+  const std::vector<std::string> of_device = {"--device", sequence(),   "--camera",     map(), "--map",
+                                              map(),      "--headless", "--max-frames", "3"};
+  const ToolRun device = runLive(of_device);
+  EXPECT_EQ(device.code, kOk) << device.err;
+  EXPECT_THAT(device.err, testing::Not(HasSubstr("mounted")));
 }
 
 }  // namespace

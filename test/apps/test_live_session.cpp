@@ -222,6 +222,18 @@ TEST_F(LiveSessionTest, AnOldFrameIsDropped) {
   EXPECT_GE(first->received, first->dropped + 1);
 }
 
+TEST_F(LiveSessionTest, NoFrameOfARecordingIsTooOld) {
+  options_.oldest_frame_ms = 1;
+  options_.every_frame = true;
+  LiveSession session(options_, nullptr, answers_.sink());
+  session.setPaused(true);
+  session.mailbox().put(frameOf(imageAt(0), 1));
+  std::this_thread::sleep_for(50ms);
+  session.setPaused(false);
+  session.finish([] {});
+  EXPECT_EQ(session.summary().processed, 1u);
+}
+
 /** Also of the frame that the thread was waiting for when the pause began. */
 TEST_F(LiveSessionTest, WhilePausedNothingIsProcessed) {
   LiveSession session(options_, nullptr, answers_.sink());

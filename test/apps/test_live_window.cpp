@@ -57,6 +57,26 @@ TEST_F(LiveTool, TheSameFrameGivesTheSamePicture) {
   EXPECT_GE(compared, 1);
 }
 
+/** They take longer than the frames that are to be drawn, which wait. */
+TEST_F(LiveTool, LeavesOutNoScreenshotOfAFile) {
+  if (!OffscreenDisplay().available()) GTEST_SKIP() << OffscreenDisplay().problem();
+  for (const bool every_frame : {false, true}) {
+    const std::string shots = folder_ / (every_frame ? "every" : "some");
+    std::vector<std::string> arguments = {"--device", sequence(),      "--headless", "--map",
+                                          map(),      "--screenshots", shots,        "--every",
+                                          "1",        "--speed",       "4"};
+    if (every_frame) arguments.push_back("--every-frame");
+    const ToolRun run = runLive(arguments);
+    ASSERT_EQ(run.code, kOk) << run.err;
+    const auto pictures = namesIn(shots).size();
+    EXPECT_THAT(lastLine(run.out), HasSubstr(" " + std::to_string(pictures) + " processed"));
+    EXPECT_THAT(lastLine(run.out), Not(HasSubstr("left out")));
+    if (every_frame) {
+      EXPECT_EQ(pictures, 40u);
+    }
+  }
+}
+
 TEST_F(LiveTool, NeedsNoDisplayWithoutPictures) {
   const ToolRun run = runLive({"--device", sequence(), "--headless", "--max-frames", "1"});
   EXPECT_EQ(run.code, kOk) << run.err;

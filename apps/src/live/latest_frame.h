@@ -43,12 +43,25 @@ public:
     filled_.notify_one();
   }
 
+  /** \brief Leaves a frame as soon as the one before has been taken: nothing is dropped. A closed mailbox
+   * ignores it, and nobody waits for one. */
+  void putInTurn(Frame frame) {
+    {
+      std::unique_lock<std::mutex> lock(mutex_);
+      emptied_.wait(lock, [this] { return !frame_ || closed_; });
+    }
+    put(std::move(frame));
+  }
+
   /** \brief The newest frame, as soon as there is one; nothing after the timeout, or if the mailbox is empty
    * and closed. */
   std::optional<Arrived> take(Clock::duration timeout) {
     std::unique_lock<std::mutex> lock(mutex_);
     filled_.wait_for(lock, timeout, [this] { return frame_ || closed_; });
-    return std::exchange(frame_, std::nullopt);
+    std::optional<Arrived> taken = std::exchange(frame_, std::nullopt);
+    lock.unlock();
+    emptied_.notify_all();
+    return taken;
   }
 
   /** \brief No frame gets in any more; the one that is there can still be taken. Wakes who waits. */
@@ -58,6 +71,7 @@ public:
       closed_ = true;
     }
     filled_.notify_all();
+    emptied_.notify_all();
   }
   bool closed() const {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -66,9 +80,12 @@ public:
   /** \brief Throws away what is there, as dropped. */
   void clear() {
     std::optional<Arrived> gone;
-    const std::lock_guard<std::mutex> lock(mutex_);
-    counts_.dropped += frame_.has_value();
-    gone.swap(frame_);
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      counts_.dropped += frame_.has_value();
+      gone.swap(frame_);
+    }
+    emptied_.notify_all();
   }
 
   Counts counts() const {
@@ -83,7 +100,7 @@ public:
 
 private:
   mutable std::mutex mutex_;
-  std::condition_variable filled_;
+  std::condition_variable filled_, emptied_;
   std::optional<Arrived> frame_;
   std::optional<Clock::time_point> last_arrival_;
   Counts counts_;  // but for waiting

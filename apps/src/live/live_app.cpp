@@ -42,7 +42,7 @@ LiveApp::LiveApp()
           "camera in a map; with --build, makes a map while it moves. DEVICE is a camera of OpenNI2 (#1 is "
           "the first one, or a URI), an .oni "
           "recording, a depth sequence of PNG or PCD files or a .scene file that is served as a camera, or a "
-          "folder of PCLZF files that is played. Keys in the window: " +
+          "folder of PCLZF files, a ROS bag or a list of images that is played. Keys in the window: " +
               keysText() + ".") {}
 
 void LiveApp::addOptions(CommandLine& line) {
@@ -55,7 +55,8 @@ void LiveApp::addOptions(CommandLine& line) {
   line.addOption(
       "camera", run.source.camera, "FILE|NAME",
       fmt::format(
-          "A camera.ini, or one of {}; unless given, that in the played folder, or what the device says.",
+          "A camera.ini, a map that was made with the camera, for all that it says of it, or one of {}; "
+          "unless given, that in the played folder, or what the device says.",
           cameraPresetNames()));
   line.addSwitch("headless", run.headless, "No window.");
   line.addOption("results", run.results, "DIR",
@@ -72,6 +73,9 @@ void LiveApp::addOptions(CommandLine& line) {
   line.addOption("duration", run.duration, "S", "End after so many seconds; 0 = never.");
   line.addSwitch("wait", run.wait, "Wait for a device that is not there, or has gone, or sends nothing.");
   line.addSwitch("repeat", run.source.repeat, "Play files and recordings again and again.");
+  line.addSwitch("every-frame", run.source.every_frame,
+                 "Process every frame of a recording: each waits until the one before it is done.");
+  line.addOption("topic", run.source.topic, "NAME", "Topic of the depth images of a bag.");
   line.addOption("speed", run.source.speed, "X",
                  "Play recordings so many times as fast; 0 = as fast as possible.");
   addMinProbability(line, min_probability_);
@@ -92,6 +96,9 @@ void LiveApp::checkOptions() const {
   if (!run_.near.empty() && run_.map.empty()) throw UsageError("near belongs to --map");
   startPose(run_.near, {});
   if (overwrite_ && run_.build.empty()) throw UsageError("overwrite belongs to --build");
+  const std::string& device = run_.source.device;
+  if (run_.source.every_frame && (device.empty() || device.front() == '#'))
+    throw UsageError("every-frame belongs to a recording: --device FILE");
   if (run_.every < 1) throw UsageError("every must be positive");
   if (run_.max_frames < 0) throw UsageError("max-frames must not be negative");
   if (!(run_.duration >= 0)) throw UsageError("duration must not be negative");

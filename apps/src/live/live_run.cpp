@@ -62,6 +62,7 @@ LiveRun::LiveRun(const LiveRunOptions& options, LiveAlgorithms algorithms, const
 
 LiveRun::~LiveRun() {
   recorder_.reset();
+  to_draw_.close();
   closeSource();
 }
 
@@ -79,6 +80,7 @@ bool LiveRun::openSource() {
   while (!stopAsked() && !timeIsUp()) {
     try {
       source_ = std::make_unique<LiveSource>(options_.source);
+      for (const std::string& remark : source_->remarks()) console_.note(remark);
       return true;
     } catch (const IoError& e) {
       if (!options_.wait) throw;
@@ -107,7 +109,7 @@ void LiveRun::closeSource() {
   if (!source_) return;
   stopRecording();
   source_->stop();
-  if (session_) session_->letGo();
+  if (session_) session_->letGo([this] { drawScreenshots(); });
   source_.reset();
 }
 
@@ -126,7 +128,7 @@ void LiveRun::startMapping(const Camera& camera) {
 /** What is left to do when no frame comes any more. */
 void LiveRun::finish() {
   if (!session_) return;
-  session_->finish();
+  session_->finish([this] { drawScreenshots(); });
   tick();  // the last screenshot
   if (mapping_) mapping_->finish();
 }
@@ -136,6 +138,7 @@ void LiveRun::startSession() {
   LiveSessionOptions options = algorithms_.session;
   options.camera = algorithms_.camera(source_->camera());
   options.max_frames = static_cast<std::uint64_t>(options_.max_frames);
+  options.every_frame = options_.source.every_frame;
   if (map_) {
     options.camera = map_->calibrated(options.camera);
     noteDifference(options.camera, *map_, console_);
@@ -174,7 +177,13 @@ void LiveRun::receive(const LiveResultPtr& result) {
   }
   newest_.put(result);
   const bool its_turn = (result->number - 1) % static_cast<std::uint64_t>(options_.every) == 0;
-  if (!options_.screenshots.empty() && its_turn) to_draw_.put(result);
+  if (!options_.screenshots.empty() && its_turn) {
+    if (source_->isFile())
+      to_draw_.putInTurn(result);
+    else
+      to_draw_.put(result);
+  }
+  source_->next();
 }
 
 bool LiveRun::stopAsked() const { return quit_ || stop_.raised(); }
@@ -197,6 +206,7 @@ std::string LiveRun::sourceProblem() const {
     const std::string cause = source_->lastError();
     return fmt::format("{}: the device has gone{}", source_->name(), cause.empty() ? "" : " (" + cause + ")");
   }
+  if (options_.source.every_frame) return {};  // it waits for us
   const auto last = session_->mailbox().lastArrival();
   if (Clock::now() - std::max(last.value_or(source_start_), source_start_) <= kStall) return {};
   return fmt::format("{}: no frame for {} s", source_->name(), kStall.count());
@@ -263,8 +273,7 @@ void LiveRun::tick() {
     rate_.update(shown_->number);
     status_.show(*shown_, rate_.value());
   }
-  if (auto result = to_draw_.take({}))
-    drawScreenshot(*result->frame, fs::path(options_.screenshots) / (result->frame->image.name + ".png"));
+  drawScreenshots();
   if (!window_) return;
   drawWindow();
   for (const LiveCommand command : window_->commands()) {
@@ -288,6 +297,12 @@ void LiveRun::drawWindow() {
   window_->show(*shown_, footer);
   const Clock::time_point end = Clock::now();
   next_draw_ = end + (end - start);
+}
+
+/** The one whose turn it is, if there is one. */
+void LiveRun::drawScreenshots() {
+  if (auto result = to_draw_.take({}))
+    drawScreenshot(*result->frame, fs::path(options_.screenshots) / (result->frame->image.name + ".png"));
 }
 
 void LiveRun::drawScreenshot(const LiveResult& result, const fs::path& path) {

@@ -67,6 +67,7 @@ private:
   void tick();
   void obey(LiveCommand command);
   void drawWindow();
+  void drawScreenshots();
   void drawScreenshot(const LiveResult& result, const std::filesystem::path& path);
   void startRecording(const std::filesystem::path& file);
   void stopRecording();

@@ -65,14 +65,17 @@ void LiveSession::end() {
   mailbox_.clear();  // a frame may be a buffer of a driver that is about to go
 }
 
-void LiveSession::letGo() {
+void LiveSession::letGo(const std::function<void()>& meanwhile) {
   mailbox_.clear();
   // What the present round has taken is gone when the next one begins.
-  const std::uint64_t round = rounds_;
-  while (!done_ && rounds_ == round) std::this_thread::sleep_for(kNap);
+  for (const std::uint64_t round = rounds_; !done_ && rounds_ == round; std::this_thread::sleep_for(kNap))
+    if (meanwhile) meanwhile();
 }
 
-void LiveSession::finish() {
+void LiveSession::finish(const std::function<void()>& meanwhile) {
+  mailbox_.close();
+  paused_ = false;
+  for (; meanwhile && !done_; std::this_thread::sleep_for(kNap)) meanwhile();
   end();
   if (error_) std::rethrow_exception(error_);
 }
@@ -85,8 +88,7 @@ void LiveSession::run() try {
       continue;
     }
     const auto arrived = mailbox_.take(kWakeUp);  // the pause may have begun in here
-    if (arrived && !paused_ && millisecondsSince(arrived->arrival) <= options_.oldest_frame_ms)
-      process(*arrived);
+    if (arrived && mayProcess(*arrived)) process(*arrived);
     if (options_.max_frames > 0 && summary_.processed >= options_.max_frames) break;
     if (!arrived && mailbox_.closed() && !mailbox_.counts().waiting) break;
   }
@@ -96,6 +98,11 @@ void LiveSession::run() try {
   error_ = std::current_exception();
   mailbox_.close();
   done_ = true;
+}
+
+bool LiveSession::mayProcess(const LatestFrame<LiveFrame>::Arrived& arrived) const {
+  if (options_.every_frame) return true;
+  return !paused_ && millisecondsSince(arrived.arrival) <= options_.oldest_frame_ms;
 }
 
 /** A recording that is repeated begins again: its time goes on, but the camera is somewhere else. */

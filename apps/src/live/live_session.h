@@ -38,6 +38,7 @@ struct LiveSessionOptions {
   int threads = 0;                          ///< of global localization; 0 = all cores
   std::uint64_t max_frames = 0;             ///< ends after so many processed frames; 0 = never
   double oldest_frame_ms = 100;             ///< age above which a frame is dropped when its turn comes
+  bool every_frame = false;                 ///< none is dropped: the next one comes when this one is done
 };
 
 /** \brief What a live run came to. */
@@ -73,8 +74,9 @@ public:
   /** \brief Where a source puts its frames. */
   LatestFrame<LiveFrame>& mailbox() { return mailbox_; }
 
-  /** \brief When it returns, no frame is held any more that came before: their source can be destroyed. */
-  void letGo();
+  /** \brief When it returns, no frame is held any more that came before: their source can be destroyed.
+   * \param meanwhile is called while it waits: for what the processing thread may be waiting for. */
+  void letGo(const std::function<void()>& meanwhile = {});
 
   /** \brief While paused, frames are received and dropped. */
   void setPaused(bool paused) { paused_ = paused; }
@@ -85,12 +87,13 @@ public:
   /** \brief Has the thread ended: enough frames, or an exception? */
   bool done() const { return done_; }
   /** \brief Takes no more frames, processes the one that is there, ends the thread, and throws what it threw.
-   */
-  void finish();
+   * \param meanwhile as letGo()'s */
+  void finish(const std::function<void()>& meanwhile = {});
   LiveSummary summary() const;
 
 private:
   void run();
+  bool mayProcess(const LatestFrame<LiveFrame>::Arrived& arrived) const;
   void process(const LatestFrame<LiveFrame>::Arrived& arrived);
   double increasingStamp(double stamp);
   std::optional<Eigen::Isometry3d> motionSince(const LatestFrame<LiveFrame>::Arrived& arrived);

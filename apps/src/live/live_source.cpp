@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_source.h"
 
+#include "live/file_player.h"
 #include "live/pclzf_folder.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/features/organized_cloud.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/map_camera.h>
 #include <facetloc/io/openni_grabber.h>
 
 #include <pcl/io/image_grabber.h>
@@ -105,6 +107,15 @@ std::optional<Intrinsics> calibrationOf(const OpenNIGrabber& grabber) {
   return k.valid() ? std::optional(k) : std::nullopt;
 }
 
+/** Without OpenNI2: all that it does not know, and every file whose frames are to wait, but for our virtual
+ * cameras, which wait themselves. */
+bool isPlayed(const LiveSourceOptions& options) {
+  const fs::path path = options.device;
+  std::error_code ignored;
+  if (path.extension() == ".scene" || !fs::exists(path, ignored)) return false;
+  return options.every_frame || (fs::is_regular_file(path, ignored) && path.extension() != ".oni");
+}
+
 }  // namespace
 
 FrameStamps countedStamps(double rate) {
@@ -133,26 +144,36 @@ void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camer
   }
 }
 
-LiveSource::LiveSource(const LiveSourceOptions& options) : name_(options.device) {
-  const CameraPreset* preset = fs::exists(options.camera) ? nullptr : findCameraPreset(options.camera);
-  if (!options.camera.empty() && !preset) camera_ = readCameraFile(options.camera);
-  if (camera_ && !camera_->isPinhole()) lens_camera_ = camera_;
-  const fs::path path = options.device;
-  if (isPclzfFolder(path)) {
-    const float rate = static_cast<float>(kUsualRate * (options.speed > 0 ? options.speed : 1));
-    requireSoundPclzfFolder(path);
-    auto images =
-        std::make_unique<pcl::ImageGrabber<pcl::PointXYZ>>(path.string(), rate, options.repeat, true);
-    if (!options.repeat) last_ = images->size();
-    grabber_ = std::move(images);
-  } else {
-    openDevice(options);
+LiveSource::LiveSource(const LiveSourceOptions& options)
+    : every_frame_(options.every_frame), name_(options.device) {
+  if (isPlayed(options)) {
+    player_ = std::make_unique<FilePlayer>(options);
+    camera_ = player_->camera();
+    return;
   }
+  const CameraPreset* preset = fs::exists(options.camera) ? nullptr : findCameraPreset(options.camera);
+  const bool of_map = isMapFile(options.camera);
+  if (!options.camera.empty() && !preset && !of_map) camera_ = readCameraFile(options.camera);
+  if (camera_ && !camera_->isPinhole()) lens_camera_ = camera_;
+  if (isPclzfFolder(options.device))
+    openPclzf(options);
+  else
+    openDevice(options);
+  if (of_map) camera_ = cameraOfMap(options.camera, camera_);
   if (!preset) return;
   if (!camera_) camera_.emplace();  // without intrinsics, which frames tell
   const Camera usual = preset->camera();
   camera_->camera.noise = usual.noise;
   camera_->camera.max_depth = usual.max_depth;
+}
+
+void LiveSource::openPclzf(const LiveSourceOptions& options) {
+  const fs::path path = options.device;
+  const float rate = static_cast<float>(kUsualRate * (options.speed > 0 ? options.speed : 1));
+  requireSoundPclzfFolder(path);
+  auto images = std::make_unique<pcl::ImageGrabber<pcl::PointXYZ>>(path.string(), rate, options.repeat, true);
+  if (!options.repeat) last_ = images->size();
+  grabber_ = std::move(images);
 }
 
 void LiveSource::openDevice(const LiveSourceOptions& options) {
@@ -163,6 +184,9 @@ void LiveSource::openDevice(const LiveSourceOptions& options) {
   auto device = std::make_unique<OpenNIGrabber>(options.device);
   device->setPlayback(options.speed, options.repeat);
   device_ = device.get();
+  if (every_frame_ && !device->isFile())
+    throw std::runtime_error(device->uri() + " is a camera, whose frames cannot wait: --every-frame is for "
+                                             "recordings");
   calibration_ = calibrationOf(*device);
   if (!camera_ && calibration_ && device->mounting())
     camera_ = CameraFile{{*calibration_, {}, device->mounting(), {}}};
@@ -173,6 +197,7 @@ void LiveSource::openDevice(const LiveSourceOptions& options) {
 LiveSource::~LiveSource() { stop(); }
 
 void LiveSource::start(const FrameSink& sink) {
+  if (player_) return player_->start(sink);
   std::optional<Intrinsics> intrinsics = calibration_;
   if (camera_ && camera_->camera.intrinsics.valid()) intrinsics = camera_->camera.intrinsics;
   if (lens_camera_)
@@ -184,12 +209,28 @@ void LiveSource::start(const FrameSink& sink) {
       ++delivered_;
       unreadable_ += cloud->empty();
     });
+  next();
   grabber_->start();
 }
 
-void LiveSource::stop() { grabber_->stop(); }
+void LiveSource::stop() { player_ ? player_->stop() : grabber_->stop(); }
+
+void LiveSource::next() {
+  if (!every_frame_) return;
+  if (player_)
+    player_->next();
+  else if (device_)
+    device_->trigger(1);
+}
+
+bool LiveSource::isFile() const { return !device_ || device_->isFile(); }
+
+std::vector<std::string> LiveSource::remarks() const {
+  return player_ ? player_->remarks() : std::vector<std::string>();
+}
 
 bool LiveSource::atEnd() const {
+  if (player_) return player_->atEnd();
   if (device_) return device_->isEndOfFile();
   return !grabber_->isRunning() || (last_ && delivered_ >= *last_);  // one of PCL's grabbers never stops
 }
@@ -197,6 +238,7 @@ bool LiveSource::atEnd() const {
 bool LiveSource::connected() const { return !device_ || device_->isConnected(); }
 
 std::string LiveSource::lastError() const {
+  if (player_) return player_->lastError();
   if (device_) return device_->lastError();
   return unreadable_ ? fmt::format("{} of the images cannot be read", unreadable_) : "";
 }

@@ -12,9 +12,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace facetloc {
 
+class FilePlayer;
 class OpenNIGrabber;
 
 /** \brief A frame of a camera that nobody has looked at: a pointer to what the grabber delivered. */
@@ -39,10 +41,15 @@ void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camer
 
 /** \brief What is played, and how. */
 struct LiveSourceOptions {
-  std::string device;   ///< as OpenNIGrabber, or a folder of PCLZF files
-  std::string camera;   ///< a file of the device, or a CameraPreset; empty = what lies beside its files
-  bool repeat = false;  ///< files and recordings begin again at their end
-  double speed = 1;     ///< of files and recordings
+  std::string device;  ///< as OpenNIGrabber, a folder of PCLZF files, or what DepthSequence reads
+  /** A file of the device, a map that was made with it, or a CameraPreset; empty = what lies beside its
+   * files.
+   */
+  std::string camera;
+  std::string topic;         ///< of a bag; empty = RecordingHints::topic
+  bool repeat = false;       ///< files and recordings begin again at their end
+  bool every_frame = false;  ///< of files: a frame comes when the one before it has been processed
+  double speed = 1;          ///< of files and recordings
 };
 
 /** \brief A depth camera, or what stands for one: a recording, or a folder of depth images that is played. */
@@ -59,26 +66,35 @@ public:
   void start(const FrameSink& sink);
   /** \brief When it returns, the sink is not called any more. */
   void stop();
+  /** \brief With every_frame: the frame before has been processed. No effect otherwise. */
+  void next();
 
   const std::string& name() const { return name_; }
   const std::optional<CameraFile>& camera() const { return camera_; }
+  /** \brief Is it played from files, and no camera? */
+  bool isFile() const;
   /** \brief Were all files delivered, or did the recording end? Never with repeat. */
   bool atEnd() const;
   /** \brief False when a device has been unplugged. */
   bool connected() const;
   /** \brief What the driver says of that, or of an image that it could not read; may be empty. */
   std::string lastError() const;
-  /** \brief The device of OpenNI2; nothing for files that PCL plays. */
+  /** \brief What its user should know of it, sentences without full stop. */
+  std::vector<std::string> remarks() const;
+  /** \brief The device of OpenNI2; nothing for files that are played without it. */
   const OpenNIGrabber* device() const { return device_; }
 
 private:
   void openDevice(const LiveSourceOptions& options);
+  void openPclzf(const LiveSourceOptions& options);
 
+  const bool every_frame_;
   std::string name_;
   std::optional<CameraFile> camera_;
   std::optional<CameraFile> lens_camera_;  // its lens corrects frames; served files are corrected already
   std::optional<Intrinsics> calibration_;  // without a camera file
-  std::unique_ptr<pcl::Grabber> grabber_;
+  std::unique_ptr<FilePlayer> player_;
+  std::unique_ptr<pcl::Grabber> grabber_;                    // null if there is a player
   std::atomic<std::uint64_t> delivered_{0}, unreadable_{0};  // of the files that PCL plays
   std::optional<std::uint64_t> last_;  // number of files, where only counting tells the end
   OpenNIGrabber* device_ = nullptr;    // the same, if it is one

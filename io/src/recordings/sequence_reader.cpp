@@ -5,6 +5,7 @@
 #include "depth_file.h"
 
 #include <facetloc/io/error.h>
+#include <facetloc/io/map_camera.h>
 #include <facetloc/io/segment_file.h>
 
 #include <algorithm>
@@ -106,11 +107,21 @@ std::optional<RecordedCamera> SequenceReader::camera() const {
   std::error_code ignored;
   const bool is_file = fs::is_regular_file(hints_.camera, ignored);
   std::optional<RecordedCamera> camera;
-  if (is_file)
+  const bool of_map = is_file && isMapFile(hints_.camera);
+  if (is_file && !of_map)
     camera = RecordedCamera{readCameraFile(hints_.camera)};
   else
     camera = cameraOf(layout_, beside_, within_, asked_);
   if (!camera && container_) camera = RecordedCamera{container_->camera()};
+  if (of_map) {
+    const std::string remark =
+        camera || hints_.depth_scale > 0 || !needsCamera()
+            ? ""
+            : "nothing says the unit of its depth, which is taken to be millimetres; a depth_scale in a "
+              "camera.ini beside it says otherwise";
+    camera = RecordedCamera{cameraOfMap(hints_.camera, camera ? std::optional(camera->file) : std::nullopt),
+                            remark};
+  }
   if (!hints_.camera.empty() && !is_file) camera = withPreset(hints_.camera, camera, layout_);
   if (camera && hints_.depth_scale > 0) camera->file.depth_scale = hints_.depth_scale;
   return camera;

@@ -32,9 +32,9 @@ struct FrameFile {
 
 /** \brief What a user knows of a recording, where it counts more than what the recording's files say. */
 struct RecordingHints {
-  /** The file of a camera (camera_file.h) or a CameraPreset's name; empty: as the recording says. Of a
-   * preset, noise and largest depth hold; its intrinsics, of a typical device, only if the recording has
-   * none. */
+  /** The file of a camera (camera_file.h), a map that was made with it (map_camera.h) or a CameraPreset's
+   * name; empty: as the recording says. Of a preset, noise and largest depth hold; its intrinsics, of a
+   * typical device, only if the recording has none. */
   std::string camera{};
   double depth_scale = 0;  ///< PNG values per metre; 0: as the recording says
   double time_offset = 0;  ///< added to the time of an image, it is the time of its pose [s]

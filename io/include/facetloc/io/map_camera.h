@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/io/camera_file.h>
+
+#include <filesystem>
+#include <optional>
+
+namespace facetloc {
+
+/** \brief Is it a map file, by its first bytes? False for what cannot be read. */
+bool isMapFile(const std::filesystem::path& path);
+
+/** \brief The camera that a map was made with, for other images of the same camera: intrinsics, noise,
+ * largest depth and mounting, without the distortion that the map has found (Map::calibrated() adds it).
+ * \param stored how the other images are stored, if that is known: its depth scale, lens and axes are kept,
+ * and its intrinsics where the map has none. Throws IoError for what is no map, and if nothing says the
+ * intrinsics. */
+CameraFile cameraOfMap(const std::filesystem::path& map, const std::optional<CameraFile>& stored = {});
+
+}  // namespace facetloc
