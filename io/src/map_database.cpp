@@ -7,6 +7,7 @@
 #include "map_schema.h"
 #include "place_index_parts.h"
 
+#include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
@@ -52,7 +53,10 @@ void insertCamera(Connection& db, const Camera& camera) {
   (statement << 0 << camera).run();
 }
 
-void removeAmbiguity(Connection& db) {
+/** What was found out about the map as it was. */
+void removeFindings(Connection& db) {
+  Statement sure(db, "DELETE FROM meta WHERE key = ?");
+  (sure << kSureKey).run();
   if (!Statement(db, "SELECT 1 FROM ambiguity").step()) return;  // and no score of any model
   db.execute("DELETE FROM ambiguity; UPDATE model SET lookalike_score = NULL");
 }
@@ -64,7 +68,7 @@ void insertAmbiguity(Connection& db, const MapAmbiguity& ambiguity,
     for (const std::optional<double>& score : lookalike_scores)
       if (score) requirePossibleScore(*score);
   });
-  removeAmbiguity(db);
+  removeFindings(db);
   Statement statement(db, schema::insert(schema::kAmbiguityColumns, "ambiguity"));
   (statement << 0 << ambiguity.score << ambiguity.views).run();
   Statement of_model(db, "UPDATE model SET lookalike_score = ? WHERE id = ?");
@@ -119,7 +123,7 @@ int insertModel(Connection& db, const PackedModel& packed) {
   insertSegments(db, id, packed);
   insertPicture(db, id, packed);
   place_index_parts::remove(db);  // it does not know this model
-  removeAmbiguity(db);
+  removeFindings(db);
   return id;
 }
 
@@ -266,7 +270,7 @@ void MapDatabase::setPoses(const std::vector<std::optional<Eigen::Isometry3d>>& 
   db.execute("DELETE FROM link");
   for (const Link& link : links) insertLink(db, link);
   place_index_parts::remove(db);
-  removeAmbiguity(db);
+  removeFindings(db);
   transaction.commit();
 }
 
@@ -304,8 +308,6 @@ void writeMap(const fs::path& path, const Map& map, const std::function<void(std
   replaceMap(path, [&](const fs::path& temporary) {
     Connection db = map_connection::create(temporary, path);
     Transaction transaction(db);
-    for (const auto& [key, value] : map.meta)
-      if (!isReserved(key)) insertMeta(db, key, value);
     insertCamera(db, map.camera);
     for (std::size_t i = 0; i < map.models.size(); ++i)
       insertModel(db, map.models[i], *map.view(static_cast<int>(i)));
@@ -315,6 +317,8 @@ void writeMap(const fs::path& path, const Map& map, const std::function<void(std
       for (const LocalModel& model : map.models) lookalike_scores.push_back(model.lookalike_score);
       insertAmbiguity(db, *map.ambiguity, lookalike_scores);
     }
+    for (const auto& [key, value] : map.meta)
+      if (!isReserved(key)) insertMeta(db, key, value);
     if (place_index) place_index_parts::write(db, place_index);
     transaction.commit();
   });

@@ -4,6 +4,7 @@
 #include "shared/text.h"
 
 #include <facetloc/features/map_parts.h>
+#include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_graph.h>
@@ -139,6 +140,7 @@ void readGraphPoses(const std::filesystem::path& path, Map& map) {
     map.models[i].by_links = false;
   }
   placeByLinks(map);
+  map.meta.erase(kSureKey);
 }
 
 }  // namespace facetloc

@@ -5,6 +5,7 @@
 #include "map_schema.h"
 
 #include <facetloc/features/map_parts.h>
+#include <facetloc/features/sure_threshold.h>
 
 #include <cmath>
 #include <fmt/format.h>
@@ -84,6 +85,11 @@ void MapReader::readMeta() {
     const std::string key = row.text();
     map_.meta[key] = row.text();
   });
+  try {
+    sureThresholdOf(map_);
+  } catch (const std::invalid_argument& e) {
+    faults_.push_back(e.what());
+  }
 }
 
 void MapReader::readCamera() {

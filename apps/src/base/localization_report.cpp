@@ -49,8 +49,10 @@ std::vector<ResultRow> resultRows(const std::string& frame, const Localization& 
 }
 
 void addMinProbability(CommandLine& line, double& min_probability) {
-  line.addOption("min-probability", min_probability, "P",
-                 "Least probability of the first pose of an answer that is sure.");
+  line.addOption(
+      "min-probability", min_probability, "P",
+      "Least probability of the first pose of an answer that is sure; unless given, as the map was "
+      "calibrated, else 0.9.");
   line.addCheck([&min_probability] {
     if (!(min_probability > 0 && min_probability <= 1))
       throw UsageError("min-probability must be above 0 and at most 1");

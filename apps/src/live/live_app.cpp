@@ -160,7 +160,7 @@ int LiveApp::play(const LiveRunOptions& options, const CommandLine& line, const 
   algorithms.session.width = input_.width;
   algorithms.session.localizer = localizer_;
   algorithms.session.odometry_error = odometry_error_;
-  algorithms.session.min_probability = min_probability_;
+  if (line.given("min-probability")) algorithms.min_probability = min_probability_;
   algorithms.session.localization = localization_;
   algorithms.session.threads = threads();
   algorithms.mapping = mapping_;

@@ -7,6 +7,7 @@
 #include "drawing/outputs.h"
 #include "shared/text.h"
 
+#include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/openni_grabber.h>
@@ -49,7 +50,9 @@ LiveRun::LiveRun(const LiveRunOptions& options, LiveAlgorithms algorithms, const
   if (!options_.map.empty()) {
     map_ = std::make_shared<const Map>(openMap(options_.map));
     noteUnfinished(*map_, options_.map, console_);
+    algorithms_.session.min_probability = minProbabilityOf(*map_);
   }
+  if (algorithms_.min_probability) algorithms_.session.min_probability = *algorithms_.min_probability;
   if (!options_.headless) {
     if (!displayUsable())
       throw std::runtime_error("no X server can be reached (DISPLAY); without a window: --headless");

@@ -26,7 +26,8 @@ namespace facetloc {
 /** \brief What a live run needs to know of the algorithms, for a camera that is not known yet. */
 struct LiveAlgorithms {
   std::function<Camera(const std::optional<CameraFile>&)> camera;
-  LiveSessionOptions session;  // but for its camera, and the map that it makes
+  LiveSessionOptions session;             // but for its camera, its map, and the one that it makes
+  std::optional<double> min_probability;  // none = as the map was calibrated
   MappingParams mapping;
   MapBuilderParams places;
 };
@@ -73,7 +74,7 @@ private:
   void stopRecording();
 
   const LiveRunOptions options_;
-  const LiveAlgorithms algorithms_;
+  LiveAlgorithms algorithms_;
   const Console& console_;
   StopSignal stop_;
   bool quit_ = false;

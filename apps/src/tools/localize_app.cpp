@@ -12,6 +12,7 @@
 #include "drawing/outputs.h"
 #include "shared/text.h"
 
+#include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/output_lock.h>
@@ -353,6 +354,7 @@ int LocalizeApp::localizeAll(const CommandLine& line, const Console& console, st
   DepthSequence sequence = openSequence(input_path_, input_.recording, console);
   const auto map = std::make_shared<const Map>(openMap(map_));
   noteUnfinished(*map, map_, console);
+  if (!line.given("min-probability")) min_probability_ = minProbabilityOf(*map);
   const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
   noteDifference(camera, *map, console);
   Task task{std::move(sequence), map, camera};

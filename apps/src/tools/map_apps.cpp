@@ -6,9 +6,11 @@
 #include "base/provenance.h"
 #include "base/text.h"
 #include "shared/text.h"
+#include "tools/map_calibrate_app.h"
 #include "tools/map_extend_app.h"
 
 #include <facetloc/features/map_parts.h>
+#include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/cloud_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_export.h>
@@ -81,6 +83,12 @@ std::string ambiguityOf(const Map& map) {
                      counted(static_cast<std::size_t>(map.ambiguity->views), "view"));
 }
 
+std::string sureOf(const Map& map) {
+  const auto threshold = sureThresholdOf(map);
+  return threshold ? threshold->inWords()
+                   : fmt::format("p >= {}, not calibrated", text::shortest(minProbabilityOf(map)));
+}
+
 std::string partName(const std::string& name) { return name.empty() ? "the world" : name; }
 
 /** Empty if all poses were given. */
@@ -131,6 +139,7 @@ void printSummary(std::ostream& out, const Map& map) {
   table.add({"camera mounting", map.camera.mounting ? inWords(*map.camera.mounting) : "unknown"});
   table.add({"noise of inverse depth", noiseOf(map, noise)});
   table.add({"wrong places score", ambiguityOf(map)});
+  table.add({"sure from", sureOf(map)});
   table.add({"distortion taken out", map.camera.distortion ? inDisparity(*map.camera.distortion) : "none"});
   out << table;
 }
@@ -138,7 +147,7 @@ void printSummary(std::ostream& out, const Map& map) {
 /** Values of several lines, such as parameters, are indented below their key. */
 void printMeta(std::ostream& out, const Map& map) {
   for (const auto& [key, value] : map.meta) {
-    if (key == kImagesKey) continue;  // for programs
+    if (key == kImagesKey || key == kSureKey) continue;  // for programs
     const bool several = value.find('\n') != std::string::npos;
     out << key << (several ? ":" : ": " + value) << "\n";
     if (!several) continue;
@@ -369,15 +378,17 @@ Map MapMergeApp::merge(const Console& console) const {
 
 namespace {
 
-constexpr const char* kMapUsage = "Usage: facetloc_map build|extend|info|check|export|import|merge ...\n\n"
-                                  "  build SEQUENCE -o MAP.flmap   make a map of one run of depth images\n"
-                                  "  extend MAP.flmap SEQUENCE     bring a map up to date with a later run\n"
-                                  "  info MAP.flmap                say what is in a map\n"
-                                  "  check MAP.flmap               prove a map sound\n"
-                                  "  export MAP.flmap -o DIR       write PCD, TUM and g2o files\n"
-                                  "  import MAP.flmap -o OUT.flmap take poses from a g2o file\n"
-                                  "  merge MAPS -o OUT.flmap       put several maps into one\n\n"
-                                  "'facetloc_map build --help' and so on tell the options.\n";
+constexpr const char* kMapUsage =
+    "Usage: facetloc_map build|extend|calibrate|info|check|export|import|merge ...\n\n"
+    "  build SEQUENCE -o MAP.flmap   make a map of one run of depth images\n"
+    "  extend MAP.flmap SEQUENCE     bring a map up to date with a later run\n"
+    "  calibrate MAP.flmap RECORDING set from when on an answer is sure\n"
+    "  info MAP.flmap                say what is in a map\n"
+    "  check MAP.flmap               prove a map sound\n"
+    "  export MAP.flmap -o DIR       write PCD, TUM and g2o files\n"
+    "  import MAP.flmap -o OUT.flmap take poses from a g2o file\n"
+    "  merge MAPS -o OUT.flmap       put several maps into one\n\n"
+    "'facetloc_map build --help' and so on tell the options.\n";
 
 }  // namespace
 
@@ -387,6 +398,7 @@ int runMapTool(const std::vector<std::string>& arguments, Console console) {
   const auto run = [&](App&& app) { return app.run({arguments.begin() + 1, arguments.end()}, console); };
   if (command == "build") return run(MapBuildApp());
   if (command == "extend") return run(MapExtendApp());
+  if (command == "calibrate") return run(MapCalibrateApp());
   if (command == "info") return run(MapInfoApp());
   if (command == "check") return run(MapCheckApp());
   if (command == "export") return run(MapExportApp());

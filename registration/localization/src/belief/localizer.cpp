@@ -5,6 +5,7 @@
 #include "motion/camera_motion.h"
 #include "shared/pose_radius.h"
 
+#include <facetloc/features/sure_threshold.h>
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/localizer.h>
 #include <facetloc/segmentation/view_builder.h>
@@ -57,6 +58,7 @@ struct Localizer::Impl {
        const GlobalLocalizationParams& the_localization)
       : params(checked(the_params)),
         localization_params(the_localization),
+        min_probability(minProbabilityOf(*map)),
         localization(map, the_localization),
         belief(map, the_localization, params),
         following(map, the_localization),
@@ -98,7 +100,7 @@ struct Localizer::Impl {
 
   LocalizerParams params;
   GlobalLocalizationParams localization_params;
-  double min_probability = kMinProbability;
+  double min_probability;
   GlobalLocalization localization;
   PlaceBelief belief;
   PlaceFollowing following;

@@ -2,6 +2,7 @@
 #include "sessions/session_place.h"
 
 #include <facetloc/features/map_parts.h>
+#include <facetloc/features/sure_threshold.h>
 #include <facetloc/mapping/map_merging.h>
 
 #include <algorithm>
@@ -123,7 +124,8 @@ Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& name
     if (!sameMounting(merged.camera.mounting, camera.mounting)) merged.camera.mounting.reset();
     const auto alike = std::count(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]);
     const std::string prefix = alike > 0 ? fmt::format("{}_{}.", names[i], alike + 1) : names[i] + ".";
-    for (const auto& [key, value] : maps[i].meta) merged.meta[prefix + key] = value;
+    for (const auto& [key, value] : maps[i].meta)
+      if (key != kSureKey) merged.meta[prefix + key] = value;
   }
   requireUniqueNames(merged);
   placeByLinks(merged);

@@ -7,6 +7,8 @@
 #include "shared/in_parallel.h"
 #include "shared/pose_radius.h"
 
+#include <facetloc/features/sure_threshold.h>
+
 #include <algorithm>
 #include <fmt/format.h>
 #include <set>
@@ -218,7 +220,10 @@ public:
     }
     map_.models = std::move(models);
     map_.links = std::move(links);
-    if (changes_.any()) map_.ambiguity.reset();
+    if (changes_.any()) {
+      map_.ambiguity.reset();
+      map_.meta.erase(kSureKey);
+    }
     return std::move(changes_);
   }
 

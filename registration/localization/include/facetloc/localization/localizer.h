@@ -66,7 +66,8 @@ struct LocalizerAnswer {
  * with time. Same views, stamps and odometry, same answers, for any number of threads. */
 class Localizer {
 public:
-  /** \brief Throws std::invalid_argument for a parameter out of its range. */
+  /** \brief Throws std::invalid_argument for a parameter out of its range, and for a SureThreshold of the map
+   * that is impossible. */
   explicit Localizer(std::shared_ptr<const Map> map, const LocalizerParams& params = {},
                      const GlobalLocalizationParams& localization = {});
   Localizer(Localizer&&) noexcept;
@@ -117,8 +118,8 @@ public:
    * recovered from the points of a cloud. By default nothing is known of it. */
   void setCamera(const Camera& camera);
   const Camera& camera() const;
-  /** \brief Least probability of a first place that is sure; kMinProbability unless set. Throws
-   * std::invalid_argument outside of (0, 1]. */
+  /** \brief Least probability of a first place that is sure; by default the one that the map was calibrated
+   * for (SureThreshold), else kMinProbability. Throws std::invalid_argument outside of (0, 1]. */
   void setMinProbability(double p);
   /** \brief OpenMP threads; 1 by default, 0 = all cores. */
   void setNumberOfThreads(int n);

@@ -47,8 +47,8 @@ public:
   void setWorkingWidth(int width) { working_width_ = width; }
   /** \brief OpenMP threads; 1 unless set, 0 = all cores. */
   void setNumberOfThreads(int n);
-  /** \brief Least probability of a pose that is sure; 0.9 unless set. Throws std::invalid_argument outside of
-   * (0, 1]. */
+  /** \brief Least probability of a pose that is sure; unless set, as the map was calibrated
+   * (SureThreshold), else 0.9. Throws std::invalid_argument outside of (0, 1]. */
   void setMinProbability(double p);
 
   /** \brief Is each cloud one of a drive? The time of a cloud is its header's stamp [us]; a cloud without one
@@ -97,7 +97,7 @@ private:
   LocalizerParams localizer_params_;
   int working_width_ = kWorkingWidth;
   int threads_ = 1;
-  double min_probability_ = kMinProbability;
+  std::optional<double> min_probability_;  // none = the map's
   bool is_sequence_ = false;
 
   // Made when they are first needed, and anew when something is set.

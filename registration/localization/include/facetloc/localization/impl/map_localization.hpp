@@ -94,7 +94,7 @@ LocalizerAnswer MapLocalization<PointT>::answer(bool is_image) {
   if (!localizer_) {
     localizer_.emplace(map_, localizer_params_, params_);
     localizer_->setNumberOfThreads(threads_);
-    localizer_->setMinProbability(min_probability_);
+    if (min_probability_) localizer_->setMinProbability(*min_probability_);
   }
   if (!is_sequence_) return localizer_->localize(view_);
   return localizer_->update(view_, nextStamp());  // a cloud that is none is a camera that saw nothing

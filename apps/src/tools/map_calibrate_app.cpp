@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/map_calibrate_app.h"
+
+#include "base/batch.h"
+#include "base/localization_options.h"
+#include "base/map_watch.h"
+#include "base/text.h"
+#include "shared/text.h"
+
+#include <facetloc/io/error.h>
+#include <facetloc/io/map_database.h>
+#include <facetloc/io/output_lock.h>
+#include <facetloc/localization/localizer.h>
+#include <facetloc/mapping/own_views.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fmt/format.h>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+void requireShare(const char* name, double value) {
+  if (!(value > 0 && value < 1)) throw UsageError(std::string(name) + " must be above 0 and below 1");
+}
+
+std::string percent(double share) { return fmt::format("{:.3g} %", 100 * share); }
+
+void printCandidates(std::ostream& out, const SureCalibration& calibration) {
+  TextTable table({"sure from p", "sure", "wrong", "at most wrong", ""});
+  for (const SureCalibration::Candidate& c : calibration.candidates())
+    table.add({text::shortest(c.min_probability), std::to_string(c.sure), std::to_string(c.wrong),
+               c.sure == 0 ? "-" : percent(c.bound), c.accepted ? "holds" : "not shown"});
+  out << table;
+}
+
+}  // namespace
+
+MapCalibrateApp::MapCalibrateApp()
+    : App("facetloc_map calibrate", "MAP.flmap [RECORDING] [--alpha A] [options]",
+          "Sets the probability from which on an answer in the map is sure: the lowest one for which images "
+          "whose poses are known show, with the confidence given, that at most a share A of the sure answers "
+          "is wrong. The images are those of the RECORDING, whose poses are in the coordinates of the map, "
+          "or "
+          "else the map's own, each in the map without itself. The threshold is kept in the map: "
+          "facetloc_localize and facetloc_live use it unless --min-probability is given. Where the images "
+          "are not enough, the map stays as it is.") {}
+
+void MapCalibrateApp::addOptions(CommandLine& line) {
+  line.addArguments("MAP.flmap [RECORDING]", inputs_);
+  line.addOption("alpha", alpha_, "A", "Largest share of wrong answers among the sure ones.");
+  line.addOption("confidence", confidence_, "C", "Confidence with which that share is not exceeded.");
+  line.addOption("max-translation", is_right_.max_translation, "M",
+                 "Largest position error of a right pose [m].");
+  line.addOption("max-rotation-deg", is_right_.max_rotation_deg, "DEG",
+                 "Largest orientation error of a right pose.");
+  line.addOption("poses", poses_, "FILE",
+                 "Camera poses in the coordinates of the map; else as the RECORDING says.");
+  line.addOption("pose-tolerance", pose_tolerance_, "S",
+                 "Largest distance in time of an image and its pose [s].");
+  line.addCheck([this] {
+    requireTolerance(pose_tolerance_);
+    requireShare("alpha", alpha_);
+    requireShare("confidence", confidence_);
+    if (!(is_right_.max_translation > 0)) throw UsageError("max-translation must be positive");
+    if (!(is_right_.max_rotation_deg > 0)) throw UsageError("max-rotation-deg must be positive");
+  });
+  addRecordingOptions(line, input_.recording);
+  input_.addOptions(line);
+  addLocalizationOptions(line, localization_);
+}
+
+/** Images of known poses, each of another view. Throws IoError. */
+std::vector<MapCalibrateApp::Asked> MapCalibrateApp::askedOf(const DepthSequence& sequence,
+                                                             const Console& console) const {
+  std::string remark;
+  const Trajectory poses = poses_.empty() ? sequence.groundTruth() : sequence.readPoses(poses_, &remark);
+  if (!remark.empty()) console.note(remark);
+  if (poses.empty())
+    throw IoError(inputs_[1], "has no poses, which tell right answers from wrong ones; --poses gives them");
+  if (!sequence.stamped())
+    throw IoError(inputs_[1], "its image names are no time stamps: poses cannot be matched");
+  std::vector<Asked> posed, asked;
+  std::vector<Eigen::Isometry3d> T_w_c;
+  for (std::size_t i = 0; i < sequence.frames().size(); ++i)
+    if (const auto T = poses.at(sequence.frames()[i].stamp, pose_tolerance_)) {
+      posed.push_back({i, *T});
+      T_w_c.push_back(*T);
+    }
+  if (posed.empty())
+    throw IoError(inputs_[1], fmt::format("none of its images has a pose within {:f} s", pose_tolerance_));
+  for (const std::size_t i : independentImages(T_w_c)) asked.push_back(posed[i]);
+  if (asked.size() < posed.size())
+    console.note(fmt::format("{} of {} are asked: the others show the same as the one before", asked.size(),
+                             counted(posed.size(), "image")));
+  return asked;
+}
+
+/** \return the exit code. */
+int MapCalibrateApp::ask(const std::shared_ptr<const Map>& map, const CommandLine& line,
+                         SureCalibration& calibration, const Console& console) {
+  if (inputs_.size() == 1) {
+    MapWatch watch(console);
+    addOwnViews(map, calibration, is_right_, localization_, threads(), watch.callback());
+    return kOk;
+  }
+  const bool has_world = std::any_of(map->models.begin(), map->models.end(), [&](const LocalModel& model) {
+    return model.T_w_m && (map->parts.empty() || map->parts[model.part].empty());
+  });
+  if (!has_world)
+    throw IoError(inputs_[0],
+                  "has no poses in a world, with which those of a recording could be compared; without a "
+                  "recording it is calibrated by its own images");
+  input_.recording.segments = true;
+  const DepthSequence sequence = openSequence(inputs_[1], input_.recording, console);
+  const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
+  noteDifference(camera, *map, console);
+  const std::vector<Asked> asked = askedOf(sequence, console);
+  std::vector<std::optional<std::pair<double, bool>>> answers(asked.size());
+  Batch batch(threads(), asked.size(), console);
+  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, input_.view));
+  const Localizer localizer(map, {}, localization_);
+  batch.run([&](std::size_t i) { return sequence.frames()[asked[i].frame].path.string(); },
+            [&](std::size_t i, int worker) {
+              const View view = viewOf(sequence, asked[i].frame, input_.width, builders[worker]);
+              const LocalizerAnswer found = localizer.localize(view);
+              answers[i] = {0, false};
+              if (found.hypotheses.empty() || found.state == AnswerState::unknown) return;
+              const Hypothesis& best = found.hypotheses.front();
+              answers[i] = {best.probability, best.T_w_c && map->partOf(best.model).empty() &&
+                                                  is_right_(*best.T_w_c, asked[i].T_w_c)};
+            });
+  for (const auto& answer : answers)
+    if (answer) calibration.add(answer->first, answer->second);
+  return batch.report();
+}
+
+/** Says what is missing. */
+void MapCalibrateApp::refuse(const SureCalibration& calibration) const {
+  const std::string images = inputs_.size() > 1 ? inputs_[1] : inputs_[0];
+  const std::vector<SureCalibration::Candidate> all = calibration.candidates();
+  const auto usual = std::find_if(all.begin(), all.end(),
+                                  [](const auto& c) { return c.min_probability <= kMinProbability; });
+  const std::string what =
+      fmt::format("no threshold is shown to leave at most {} of the sure answers wrong", percent(alpha_));
+  if (const auto needed = calibration.imagesNeeded())
+    throw IoError(images,
+                  fmt::format("{}: its {} are too few; it takes about {} like these, or a larger --alpha",
+                              what, counted(calibration.images(), "image"), *needed));
+  if (usual->sure == 0)
+    throw IoError(images, fmt::format("{}: none of its {} is sure; it takes at least {} that are", what,
+                                      counted(calibration.images(), "image"), calibration.leastSure()));
+  const bool elsewhere = inputs_.size() > 1 && 2 * usual->wrong > usual->sure;
+  throw IoError(images,
+                fmt::format("{}: {} of {} sure answers are wrong{}; {}", what, usual->wrong, usual->sure,
+                            fmt::format(" at p >= {}", text::shortest(usual->min_probability)),
+                            elsewhere ? "its poses must be in the coordinates of the map"
+                                      : "more images would not help, a larger --alpha may"));
+}
+
+int MapCalibrateApp::execute(const CommandLine& line, const Console& console) {
+  if (inputs_.size() > 2) throw UsageError("one MAP.flmap and at most one RECORDING");
+  if (inputs_.size() < 2 && !poses_.empty()) throw UsageError("poses belong to a RECORDING");
+  if (localization_.score.by_overlap)
+    throw UsageError("score.by_overlap, which --preset paper sets, has no probabilities to calibrate");
+  const std::string& path = inputs_[0];
+  if (!fs::is_regular_file(path)) throw IoError(path, "is not there");
+  const OutputLock lock = OutputLock::ofFile(path);
+  const auto map = std::make_shared<const Map>(openMap(path));
+  noteUnfinished(*map, path, console);
+  if (map->models.empty()) throw IoError(path, "has no local models");
+  SureCalibration calibration(alpha_, confidence_);
+  const int code = ask(map, line, calibration, console);
+  printCandidates(console.out, calibration);
+  const auto threshold = calibration.threshold(
+      inputs_.size() > 1 ? fs::path(inputs_[1]).lexically_normal().string() : "the map itself");
+  if (!threshold) refuse(calibration);
+  MapDatabase::open(path).setMeta(kSureKey, toText(*threshold));
+  console.out << fmt::format("sure from {}\n", threshold->inWords());
+  return code;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shared/text.h"
+
+#include <facetloc/features/answer_state.h>
+#include <facetloc/features/sure_threshold.h>
+
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+#include <stdexcept>
+
+namespace facetloc {
+namespace {
+
+constexpr std::array<const char*, 6> kNames = {"min_probability", "alpha", "confidence",
+                                               "images",          "sure",  "wrong"};
+constexpr std::string_view kFrom = " from ";
+
+[[noreturn]] void fail(const std::string& cause) {
+  throw std::invalid_argument("the threshold of sure answers in its meta data " + cause);
+}
+
+template <class Number>
+Number value(std::string_view word, const char* name) {
+  const std::string prefix = std::string(name) + "=";
+  const auto number = word.substr(0, prefix.size()) == prefix ? text::to<Number>(word.substr(prefix.size()))
+                                                              : std::optional<Number>();
+  if (!number) fail(fmt::format("has no {}", name));
+  return *number;
+}
+
+void requirePossible(const SureThreshold& t) {
+  const auto isShare = [](double p) { return p > 0 && p < 1; };
+  const bool possible = t.min_probability > 0 && t.min_probability <= 1 && isShare(t.alpha) &&
+                        isShare(t.confidence) && t.wrong >= 0 && t.wrong <= t.sure && t.sure <= t.images;
+  if (!possible) fail("is impossible");
+}
+
+}  // namespace
+
+std::string SureThreshold::inWords() const {
+  return fmt::format(
+      "p >= {}: at most {} % of the sure answers are wrong, with {} % confidence; {} of {} images of {} are "
+      "sure, {} of these wrong",
+      text::shortest(min_probability), fmt::format("{:.4g}", 100 * alpha),
+      fmt::format("{:.4g}", 100 * confidence), sure, images, source, wrong);
+}
+
+std::string toText(const SureThreshold& t) {
+  requirePossible(t);
+  std::string source = t.source;
+  std::replace(source.begin(), source.end(), '\n', ' ');
+  return fmt::format("min_probability={} alpha={} confidence={} images={} sure={} wrong={}{}{}",
+                     text::shortest(t.min_probability), text::shortest(t.alpha), text::shortest(t.confidence),
+                     t.images, t.sure, t.wrong, kFrom, source);
+}
+
+std::optional<SureThreshold> sureThresholdOf(const Map& map) {
+  const auto found = map.meta.find(kSureKey);
+  if (found == map.meta.end()) return {};
+  const std::string_view all = found->second;
+  const auto end = all.find(kFrom);
+  const auto words = text::words(all.substr(0, end));
+  if (end == std::string_view::npos || words.size() != kNames.size()) fail("is malformed");
+  SureThreshold t;
+  t.min_probability = value<double>(words[0], kNames[0]);
+  t.alpha = value<double>(words[1], kNames[1]);
+  t.confidence = value<double>(words[2], kNames[2]);
+  t.images = value<int>(words[3], kNames[3]);
+  t.sure = value<int>(words[4], kNames[4]);
+  t.wrong = value<int>(words[5], kNames[5]);
+  t.source = all.substr(end + kFrom.size());
+  requirePossible(t);
+  return t;
+}
+
+double minProbabilityOf(const Map& map) {
+  const auto threshold = sureThresholdOf(map);
+  return threshold ? threshold->min_probability : kMinProbability;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "example_room.h"
+#include "tools/localize_app.h"
+#include "tools/map_apps.h"
+
+#include <facetloc/features/sure_threshold.h>
+#include <facetloc/io/map_database.h>
+#include <facetloc/io/results.h>
+
+#include <gmock/gmock.h>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using test::runMap;
+using test::runTool;
+using test::Tools;
+using testing::HasSubstr;
+using testing::Not;
+
+SureThreshold strict() {
+  SureThreshold t;
+  t.min_probability = 1;
+  t.alpha = 0.01;
+  t.confidence = 0.95;
+  t.images = t.sure = 500;
+  t.source = "a walk";
+  return t;
+}
+
+/** The room has few images: a large alpha and little confidence. */
+TEST_F(Tools, MapIsCalibratedByARecording) {
+  const std::string copy = folder_ / "copy.flmap";
+  fs::copy_file(map(), copy);
+  EXPECT_THAT(runMap({"info", copy}).out, HasSubstr("p >= 0.9, not calibrated"));
+  const auto calibrated = runMap({"calibrate", copy, query(), "--alpha", "0.4", "--confidence", "0.5"});
+  ASSERT_EQ(calibrated.code, kOk) << calibrated.err;
+  EXPECT_THAT(calibrated.out, HasSubstr("at most 40 % of the sure answers are wrong, with 50 % confidence"));
+  const auto threshold = sureThresholdOf(openMap(copy));
+  ASSERT_TRUE(threshold);
+  EXPECT_EQ(threshold->alpha, 0.4);
+  EXPECT_LE(threshold->images, test::kFrames);
+  EXPECT_THAT(threshold->source, HasSubstr("query"));
+  EXPECT_THAT(runMap({"info", copy}).out, HasSubstr(threshold->inWords()));
+  EXPECT_EQ(runMap({"check", copy}).code, kOk);
+
+  const auto own = runMap({"calibrate", copy, "--alpha", "0.5", "--confidence", "0.1"});
+  if (own.code == kOk) {
+    EXPECT_EQ(sureThresholdOf(openMap(copy))->source, "the map itself");
+  } else {
+    EXPECT_THAT(own.err, HasSubstr("no threshold is shown"));
+  }
+}
+
+TEST_F(Tools, CalibrateSaysHowManyImagesAreMissing) {
+  const std::string copy = folder_ / "copy.flmap", bytes = test::contentOf(map());
+  fs::copy_file(map(), copy);
+  const auto few = runMap({"calibrate", copy, query()});
+  EXPECT_EQ(few.code, kFailed);
+  EXPECT_THAT(few.err, HasSubstr("are too few; it takes about "));
+  EXPECT_TRUE(test::contentOf(copy) == bytes) << "the map stays as it is";
+}
+
+TEST_F(Tools, CalibrateRefusesWhatMakesNoSense) {
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"calibrate", map(), query(), "--alpha", "0"},
+                                             {"calibrate", map(), query(), "--alpha", "1"},
+                                             {"calibrate", map(), query(), "--alpha", "nan"},
+                                             {"calibrate", map(), query(), "--confidence", "1.5"},
+                                             {"calibrate", map(), query(), "--max-translation", "-1"},
+                                             {"calibrate", map(), query(), query()},
+                                             {"calibrate", map(), "--poses", "x"},
+                                             {"calibrate"}})
+    EXPECT_EQ(runMap(arguments).code, kUsage) << arguments.back();
+  EXPECT_EQ(runMap({"calibrate", folder_ / "no.flmap"}).code, kFailed);
+  const std::string bare = folder_ / "bare";
+  fs::copy(query(), bare, fs::copy_options::recursive);
+  fs::remove(bare + "/groundtruth.txt");
+  const auto without_poses = runMap({"calibrate", map(), bare});
+  EXPECT_EQ(without_poses.code, kFailed);
+  EXPECT_THAT(without_poses.err, HasSubstr("has no poses"));
+}
+
+TEST_F(Tools, LocalizeIsAsSureAsTheMapWasCalibrated) {
+  const std::string copy = folder_ / "copy.flmap", results = folder_ / "results";
+  fs::copy_file(map(), copy);
+  MapDatabase::open(copy).setMeta(kSureKey, toText(strict()));
+  ASSERT_EQ(runTool<LocalizeApp>({copy, query(), "-o", results}).code, kOk);
+  EXPECT_THAT(test::contentOf(results + "/params.ini"), HasSubstr("min-probability = 1\n"));
+  const auto by_user = runTool<LocalizeApp>({copy, query(), "-o", results, "--min-probability", "0.9"});
+  EXPECT_THAT(by_user.out, Not(HasSubstr(" 0 sure")));
+  EXPECT_THAT(test::contentOf(results + "/params.ini"), HasSubstr("min-probability = 0.9\n"));
+}
+
+/** It was found for the map as it was. */
+TEST_F(Tools, AChangedMapIsNotCalibrated) {
+  const std::string copy = folder_ / "copy.flmap", merged = folder_ / "merged.flmap";
+  fs::copy_file(map(), copy);
+  MapDatabase::open(copy).setMeta(kSureKey, toText(strict()));
+  ASSERT_EQ(runMap({"merge", copy, map(), "-o", merged}).code, kOk);
+  const Map both = readMap(merged);
+  EXPECT_FALSE(sureThresholdOf(both));
+  for (const auto& [key, value] : both.meta) EXPECT_THAT(key, Not(testing::EndsWith(kSureKey)));
+  const Map whole = readMap(copy);
+  writeMap(folder_ / "written.flmap", whole);
+  EXPECT_TRUE(sureThresholdOf(readMap(folder_ / "written.flmap"))) << "a copy is as good";
+  LocalModel another = whole.models[0];
+  another.name = "another";
+  MapDatabase::open(copy).add(another, *whole.view(0));
+  EXPECT_FALSE(sureThresholdOf(readMap(copy)));
+}
+
+TEST_F(Tools, CheckFindsAThresholdThatIsImpossible) {
+  const std::string copy = folder_ / "copy.flmap";
+  fs::copy_file(map(), copy);
+  MapDatabase::open(copy).setMeta(kSureKey, "min_probability=7");
+  const auto check = runMap({"check", copy});
+  EXPECT_EQ(check.code, kFailed);
+  EXPECT_THAT(check.out, HasSubstr("the threshold of sure answers"));
+  EXPECT_THAT(runMap({"info", copy}).err, HasSubstr("the threshold of sure answers"));
+}
+
+}  // namespace
+}  // namespace facetloc
