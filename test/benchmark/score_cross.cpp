@@ -6,7 +6,7 @@
 //
 // MAPS end in .flmap, the rest are RECORDINGS; of a folder with a run query/, that run. Each recording is
 // localized image by image in the maps of all other places. A place is called by the name of the map's file,
-// and by that of the recording, or of the folder that a run is in; PLACE:PATH calls it otherwise.
+// and a recording by its own, or a run by its folder's; PLACE:PATH calls it otherwise.
 #include "base/app.h"
 #include "base/batch.h"
 #include "base/depth_input.h"
