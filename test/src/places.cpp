@@ -12,6 +12,7 @@ const char* const kSegmentTool = FACETLOC_TOOLS "/facetloc_segment";
 const char* const kMpirun = FACETLOC_MPIRUN;
 const char* const kCalibration = FACETLOC_SOURCE "/apps/calibration.ini";
 const char* const kGoldenFolder = FACETLOC_SOURCE "/test/apps/golden";
+const char* const kSupervise = FACETLOC_SOURCE "/apps/examples/supervise.py";
 const char* const kReadStream = FACETLOC_SOURCE "/apps/examples/read_stream.py";
 const char* const kStreamSchema = FACETLOC_SOURCE "/apps/stream.schema.json";
 const char* const kWriteBag = FACETLOC_SOURCE "/test/io/write_bag.py";

@@ -15,6 +15,7 @@ extern const char* const kSegmentTool;
 extern const char* const kMpirun;       ///< empty if this build has no MPI
 extern const char* const kCalibration;  ///< the file that ships
 extern const char* const kGoldenFolder;
+extern const char* const kSupervise;   ///< the example that keeps a robot localized
 extern const char* const kReadStream;  ///< the example that reads the stream of a tool
 extern const char* const kStreamSchema;
 extern const char* const kWriteBag;
