@@ -38,8 +38,7 @@ void addTimeOffset(CommandLine& line, double& seconds) {
 void addRecordingOptions(CommandLine& line, RecordingHints& recording) {
   line.addOption(
       "camera", recording.camera, "FILE|NAME",
-      fmt::format("A camera.ini, a map that was made with the camera, or one of these for its range and, if "
-                  "need be, its intrinsics: {}.",
+      fmt::format("A camera.ini, a map made with the camera, or, for range and usual intrinsics, one of {}.",
                   cameraPresetNames()));
   line.addOption("depth-scale", recording.depth_scale, "N", "PNG values per metre; 0 = as camera.ini says.");
   addTimeOffset(line, recording.time_offset);

@@ -49,10 +49,8 @@ std::vector<ResultRow> resultRows(const std::string& frame, const Localization& 
 }
 
 void addMinProbability(CommandLine& line, double& min_probability) {
-  line.addOption(
-      "min-probability", min_probability, "P",
-      "Least probability of the first pose of an answer that is sure; unless given, as the map was "
-      "calibrated, else 0.9.");
+  line.addOption("min-probability", min_probability, "P",
+                 "Least probability of a sure answer; unless given, as the map was calibrated.");
   line.addCheck([&min_probability] {
     if (!(min_probability > 0 && min_probability <= 1))
       throw UsageError("min-probability must be above 0 and at most 1");

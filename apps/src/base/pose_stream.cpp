@@ -77,9 +77,8 @@ void PoseStream::put(std::size_t index, const FrameResult& frame) {
 }
 
 void addStreamOption(CommandLine& line, bool& streams) {
-  line.addSwitch(
-      "stream", streams,
-      "Write each answer to standard output as one line of JSON; all else goes to standard error.");
+  line.addSwitch("stream", streams,
+                 "Answers to standard output, a line of JSON each; all else to standard error.");
 }
 
 Console besideStream(const Console& console) {

@@ -38,11 +38,9 @@ bool isThere(const fs::path& path) {
 
 LiveApp::LiveApp()
     : App("facetloc_live", "[--device DEVICE] [--map MAP.flmap | --build MAP.flmap] [options]",
-          "Cuts what a depth camera sees now into planar segments and, with --map, finds and follows the "
-          "camera in a map; with --build, makes a map while it moves. DEVICE is a camera of OpenNI2 (#1 is "
-          "the first one, or a URI), an .oni "
-          "recording, a depth sequence of PNG or PCD files or a .scene file that is served as a camera, or a "
-          "folder of PCLZF files, a ROS bag or a list of images that is played. Keys in the window: " +
+          "Cuts what a depth camera sees into planar segments; with --map, finds and follows it in a map, "
+          "with --build, makes a map while it moves. DEVICE is a camera of OpenNI2 (#1, or a URI), a .scene "
+          "file, or a recording: .oni, ROS bag, folder or list of images. Keys: " +
               keysText() + ".") {}
 
 void LiveApp::addOptions(CommandLine& line) {
@@ -55,8 +53,7 @@ void LiveApp::addOptions(CommandLine& line) {
   line.addOption(
       "camera", run.source.camera, "FILE|NAME",
       fmt::format(
-          "A camera.ini, a map that was made with the camera, for all that it says of it, or one of {}; "
-          "unless given, that in the played folder, or what the device says.",
+          "A camera.ini, a map made with the camera, or one of {}; else as the recording or device says.",
           cameraPresetNames()));
   line.addSwitch("headless", run.headless, "No window.");
   line.addOption("results", run.results, "DIR",
