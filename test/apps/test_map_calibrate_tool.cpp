@@ -62,6 +62,14 @@ TEST_F(Tools, CalibrateSaysHowManyImagesAreMissing) {
   EXPECT_TRUE(test::contentOf(copy) == bytes) << "the map stays as it is";
 }
 
+TEST_F(Tools, CalibrateWarnsOfTheRecordingThatTheMapIsMadeOf) {
+  const std::string copy = folder_ / "copy.flmap";
+  fs::copy_file(map(), copy);
+  const auto same = runMap({"calibrate", copy, map_run(), "--alpha", "0.4", "--confidence", "0.5"});
+  EXPECT_THAT(same.err, HasSubstr("are local models of the map and left out"));
+  EXPECT_THAT(runMap({"calibrate", copy, query()}).err, Not(HasSubstr("left out")));
+}
+
 TEST_F(Tools, CalibrateRefusesWhatMakesNoSense) {
   for (const std::vector<std::string>& arguments :
        std::vector<std::vector<std::string>>{{"calibrate", map(), query(), "--alpha", "0"},

@@ -16,6 +16,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
+#include <set>
+#include <utility>
 
 namespace facetloc {
 namespace {
@@ -72,8 +74,8 @@ void MapCalibrateApp::addOptions(CommandLine& line) {
   addLocalizationOptions(line, localization_);
 }
 
-/** Images of known poses, each of another view. Throws IoError. */
-std::vector<MapCalibrateApp::Asked> MapCalibrateApp::askedOf(const DepthSequence& sequence,
+/** Images of known poses, each of another view, none of them a local model. Throws IoError. */
+std::vector<MapCalibrateApp::Asked> MapCalibrateApp::askedOf(const DepthSequence& sequence, const Map& map,
                                                              const Console& console) const {
   std::string remark;
   const Trajectory poses = poses_.empty() ? sequence.groundTruth() : sequence.readPoses(poses_, &remark);
@@ -82,15 +84,29 @@ std::vector<MapCalibrateApp::Asked> MapCalibrateApp::askedOf(const DepthSequence
     throw IoError(inputs_[1], "has no poses, which tell right answers from wrong ones; --poses gives them");
   if (!sequence.stamped())
     throw IoError(inputs_[1], "its image names are no time stamps: poses cannot be matched");
+  std::set<std::pair<std::string, double>> in_map;
+  for (const LocalModel& model : map.models) in_map.emplace(model.name, model.stamp);
+  std::size_t left_out = 0;
   std::vector<Asked> posed, asked;
   std::vector<Eigen::Isometry3d> T_w_c;
-  for (std::size_t i = 0; i < sequence.frames().size(); ++i)
-    if (const auto T = poses.at(sequence.frames()[i].stamp, pose_tolerance_)) {
-      posed.push_back({i, *T});
-      T_w_c.push_back(*T);
+  for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
+    const FrameFile& frame = sequence.frames()[i];
+    const auto T = poses.at(frame.stamp, pose_tolerance_);
+    if (!T) continue;
+    if (in_map.count({frame.name, frame.stamp})) {
+      ++left_out;
+      continue;
     }
+    posed.push_back({i, *T});
+    T_w_c.push_back(*T);
+  }
+  if (left_out > 0)
+    console.note(fmt::format("{} of its images are local models of the map and left out: the others are too "
+                             "much like them for an honest bound; calibrate by a later drive",
+                             left_out));
   if (posed.empty())
-    throw IoError(inputs_[1], fmt::format("none of its images has a pose within {:f} s", pose_tolerance_));
+    throw IoError(inputs_[1], fmt::format("none of its {}images has a pose within {:f} s",
+                                          left_out > 0 ? "other " : "", pose_tolerance_));
   for (const std::size_t i : independentImages(T_w_c)) asked.push_back(posed[i]);
   if (asked.size() < posed.size())
     console.note(fmt::format("{} of {} are asked: the others show the same as the one before", asked.size(),
@@ -117,7 +133,7 @@ int MapCalibrateApp::ask(const std::shared_ptr<const Map>& map, const CommandLin
   const DepthSequence sequence = openSequence(inputs_[1], input_.recording, console);
   const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
   noteDifference(camera, *map, console);
-  const std::vector<Asked> asked = askedOf(sequence, console);
+  const std::vector<Asked> asked = askedOf(sequence, *map, console);
   std::vector<std::optional<std::pair<double, bool>>> answers(asked.size());
   Batch batch(threads(), asked.size(), console);
   std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, input_.view));

@@ -27,7 +27,7 @@ private:
 
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
-  std::vector<Asked> askedOf(const DepthSequence& sequence, const Console& console) const;
+  std::vector<Asked> askedOf(const DepthSequence& sequence, const Map& map, const Console& console) const;
   int ask(const std::shared_ptr<const Map>& map, const CommandLine& line, SureCalibration& calibration,
           const Console& console);
   [[noreturn]] void refuse(const SureCalibration& calibration) const;
