@@ -2,17 +2,22 @@
 //
 // Registration of pairs of single images from one place: how many are found, how well, how fast.
 //
-//   score_pairs [--param=value ...] SEQUENCE...     sequences with ground truth in one common world
+//   score_pairs [--param=value ...] [--clouds | --peers] SEQUENCE...
 //
-// Pairs are 0.6-1.7 m and 20-60 deg apart by the true poses and share at least 30 % of their pixels; a fixed
-// seed chooses them. The prior is 60 deg and 1.5 m about the identity. Registered = within 0.3 m and 10 deg
-// of the truth; sure = with a probability of 0.9 or more, by depth and segments (PlanarRegistration) and by
-// segments alone (EkfRegistration). Where the sequences reach that far, unrelated pairs follow, more than 4 m
-// apart and without a pixel in common, of which none should be sure.
-#include "image_overlap.h"
+// The sequences have ground truth in one common world. Pairs are 0.6-1.7 m and 20-60 deg apart by the true poses and
+// share at least 30 % of their pixels (--min_distance=..., see PairChoice); a fixed seed chooses them. The prior is
+// 60 deg and 1.5 m about the identity. Registered = within 0.3 m and 10 deg of the truth; sure = with a probability of
+// 0.9 or more, by depth and by segments alone. Where the sequences reach that far, unrelated pairs follow, more than
+// 4 m apart and without a pixel in common, of which none should be sure.
+//
+// --clouds: the same pairs as organized clouds of full size, by the PCL classes with nothing set but --camera=PRESET.
+// --peers: beside PCL's own registrations. --others=SEQUENCE: unrelated pairs are completed by one image of each.
+#include "cloud_registrations.h"
+#include "posed_pairs.h"
 #include "set_parameter.h"
 #include "shared/median.h"
 
+#include <facetloc/features/camera_presets.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/registration/pair_registration.h>
 #include <facetloc/segmentation/view_builder.h>
@@ -22,65 +27,21 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
+#include <optional>
+#include <pcl/console/print.h>
 #include <random>
 
 namespace {
 
 using namespace facetloc;
 
-constexpr int kPairs = 40, kUnrelatedPairs = 60;
-constexpr double kUnrelatedDistance = 4;  // [m]
-constexpr std::uint32_t kSeed = 1;
 constexpr double kMaxTranslationError = 0.3, kMaxRotationError = 10 * kDegree;
 
-struct Frame {
-  std::string name;
-  DepthImage image;
-  Eigen::Isometry3d T_w_c;
-};
+using namespace benchmarks;
 
 double milliseconds(std::chrono::steady_clock::time_point since) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
-}
-
-std::vector<Frame> readFrames(const std::vector<std::string>& folders) {
-  std::vector<Frame> frames;
-  for (const std::string& folder : folders) {
-    const DepthSequence sequence = DepthSequence::open(folder);
-    for (std::size_t i = 0; i < sequence.frames().size(); ++i)
-      if (const auto T = sequence.groundTruth().at(sequence.frames()[i].stamp))
-        frames.push_back({sequence.frames()[i].name, sequence.load(i, kWorkingWidth), *T});
-  }
-  return frames;
-}
-
-std::vector<std::pair<int, int>> choosePairs(const std::vector<Frame>& frames) {
-  std::mt19937 random(kSeed);
-  std::vector<std::pair<int, int>> pairs;
-  for (int attempt = 0; attempt < 200000 && static_cast<int>(pairs.size()) < kPairs; ++attempt) {
-    const int i = static_cast<int>(random() % frames.size()), j = static_cast<int>(random() % frames.size());
-    const Eigen::Isometry3d T = frames[j].T_w_c.inverse() * frames[i].T_w_c;
-    const double distance = T.translation().norm(), angle = rotationAngle(T.linear());
-    if (distance < 0.6 || distance > 1.7 || angle < 20 * kDegree || angle > 60 * kDegree) continue;
-    if (benchmarks::overlap(frames[i].image, frames[j].image, T) < 0.3) continue;
-    if (benchmarks::overlap(frames[j].image, frames[i].image, T.inverse()) < 0.3) continue;
-    pairs.emplace_back(i, j);
-  }
-  return pairs;
-}
-
-std::vector<std::pair<int, int>> chooseUnrelatedPairs(const std::vector<Frame>& frames) {
-  std::mt19937 random(kSeed);
-  std::vector<std::pair<int, int>> pairs;
-  for (int attempt = 0; attempt < 200000 && static_cast<int>(pairs.size()) < kUnrelatedPairs; ++attempt) {
-    const int i = static_cast<int>(random() % frames.size()), j = static_cast<int>(random() % frames.size());
-    const Eigen::Isometry3d T = frames[j].T_w_c.inverse() * frames[i].T_w_c;
-    if (T.translation().norm() < kUnrelatedDistance) continue;
-    if (benchmarks::overlap(frames[i].image, frames[j].image, T) > 0) continue;
-    if (benchmarks::overlap(frames[j].image, frames[i].image, T.inverse()) > 0) continue;
-    pairs.emplace_back(i, j);
-  }
-  return pairs;
 }
 
 struct PairError {
@@ -88,9 +49,12 @@ struct PairError {
   bool registered() const { return translation <= kMaxTranslationError && rotation <= kMaxRotationError; }
 };
 
+PairError errorOf(const Eigen::Isometry3d& T, const Eigen::Isometry3d& truth) {
+  return {(T.translation() - truth.translation()).norm(),
+          rotationAngle(T.linear() * truth.linear().transpose())};
+}
 PairError errorOf(const Hypothesis& h, const Eigen::Isometry3d& truth) {
-  return {(h.T_m_c.T.translation() - truth.translation()).norm(),
-          rotationAngle(h.T_m_c.T.linear() * truth.linear().transpose())};
+  return errorOf(h.T_m_c.T, truth);
 }
 
 double medianOrZero(std::vector<double> values) {
@@ -115,18 +79,19 @@ double probabilityOf(const Localization& answer) {
   return answer.hypotheses.empty() ? 0 : answer.hypotheses.front().probability;
 }
 
-void scoreUnrelated(const std::vector<Frame>& frames, ViewBuilder& builder,
-                    const RegistrationParams& params) {
-  const std::vector<std::pair<int, int>> pairs = chooseUnrelatedPairs(frames);
+View viewOf(const PosedFrame& frame, ViewBuilder& builder) { return builder.build(frame.image(kWorkingWidth)); }
+
+void scoreUnrelated(const std::vector<PosedFrame>& frames, const std::vector<FramePair>& pairs,
+                    ViewBuilder& builder, const RegistrationParams& params) {
   if (pairs.empty()) return;
   int sure = 0, sure_by_segments = 0, any = 0;
   double highest = 0, highest_by_segments = 0;
   for (const auto& [i, j] : pairs) {
-    const View scene = builder.build(frames[i].image), target = builder.build(frames[j].image);
-    const PairAnswers answers = registerPair(scene, target, params);
+    const PairAnswers answers =
+        registerPair(viewOf(frames[i], builder), viewOf(frames[j], builder), params);
     const double p = probabilityOf(answers.by_depth), q = probabilityOf(answers.by_segments);
     std::printf("%-11s %-11s unrelated, %.2f m apart: probability %.3f, by segments alone %.3f\n",
-                frames[i].name.c_str(), frames[j].name.c_str(),
+                frames[i].name().c_str(), frames[j].name().c_str(),
                 (frames[i].T_w_c.translation() - frames[j].T_w_c.translation()).norm(), p, q);
     any += !answers.by_depth.hypotheses.empty();
     sure += isSure(answers.by_depth);
@@ -140,46 +105,17 @@ void scoreUnrelated(const std::vector<Frame>& frames, ViewBuilder& builder,
       pairs.size(), any, sure, highest, sure_by_segments, highest_by_segments);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  ViewParams view_params;
-  RegistrationParams params;
-  params.prior.rotation_std_deg = 60;
-  params.prior.translation_std = 1.5;
-  std::vector<std::string> folders;
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument.rfind("--", 0) != 0)
-      folders.push_back(argument);
-    else if (!benchmarks::setByArgument(view_params, argument) &&
-             !benchmarks::setByArgument(params, argument)) {
-      std::fprintf(stderr, "score_pairs: unknown parameter %s\n", argv[i]);
-      return 2;
-    }
-  }
-  if (folders.empty()) {
-    std::fprintf(stderr, "usage: score_pairs [--param=value ...] SEQUENCE...\n");
-    return 2;
-  }
-  const std::vector<Frame> frames = readFrames(folders);
-  const std::vector<std::pair<int, int>> pairs =
-      frames.empty() ? std::vector<std::pair<int, int>>{} : choosePairs(frames);
-  if (pairs.empty()) {
-    std::fprintf(stderr,
-                 "score_pairs: no pair of frames with true poses is far enough apart and overlaps enough\n");
-    return 1;
-  }
-
-  ViewBuilder builder({}, view_params);
+void scoreRelated(const std::vector<PosedFrame>& frames, const std::vector<FramePair>& pairs,
+                  ViewBuilder& builder, const RegistrationParams& params) {
   int registered = 0, anywhere = 0, sure = 0, sure_right = 0, segments_sure = 0, segments_right = 0;
   std::vector<double> view_ms, align_ms, translation_errors, rotation_errors;
   std::printf("source      target      distance angle | hyps  rank   error        probability | segments\n");
   for (const auto& [i, j] : pairs) {
-    const Eigen::Isometry3d truth = frames[j].T_w_c.inverse() * frames[i].T_w_c;
+    const Eigen::Isometry3d truth = trueMotion(frames[i], frames[j]);
+    const DepthImage source_image = frames[i].image(kWorkingWidth), target_image = frames[j].image(kWorkingWidth);
     auto start = std::chrono::steady_clock::now();
-    const View scene = builder.build(frames[i].image);
-    const PairRegistration registration(builder.build(frames[j].image), params);
+    const View scene = builder.build(source_image);
+    const PairRegistration registration(builder.build(target_image), params);
     view_ms.push_back(milliseconds(start));
     start = std::chrono::steady_clock::now();
     const Localization answer = registration.align(scene);
@@ -202,7 +138,7 @@ int main(int argc, char** argv) {
     segments_right += isSure(by_segments) && isRight(by_segments);
     if (rank == 1) translation_errors.push_back(first.translation), rotation_errors.push_back(first.rotation);
     std::printf("%-11s %-11s %5.2f m %5.1f | %4zu %5d %6.3f m %6.2f %8.3f%s | %zu %zu  %.1f ms\n",
-                frames[i].name.c_str(), frames[j].name.c_str(), truth.translation().norm(),
+                frames[i].name().c_str(), frames[j].name().c_str(), truth.translation().norm(),
                 rotationAngle(truth.linear()) / kDegree, answer.hypotheses.size(), rank, first.translation,
                 first.rotation / kDegree, answer.hypotheses.empty() ? 0.0 : answer.hypotheses[0].probability,
                 !answer.hypotheses.empty() && answer.hypotheses[0].depth_assisted ? "d" : " ",
@@ -216,5 +152,149 @@ int main(int argc, char** argv) {
       "median error %.3f m %.2f deg; median time per pair: views %.1f ms, registration %.1f ms (max %.1f)\n",
       medianOrZero(translation_errors), medianOrZero(rotation_errors) / kDegree, medianOrZero(view_ms),
       medianOrZero(align_ms), *std::max_element(align_ms.begin(), align_ms.end()));
-  scoreUnrelated(frames, builder, params);
+}
+
+/** What one way to register clouds has said of all pairs. */
+struct CloudScore {
+  int right = 0, converged = 0, converged_right = 0, unrelated_converged = 0;
+  std::vector<double> merits_of_right, ms;
+  double best_wrong = -std::numeric_limits<double>::infinity();
+
+  void add(const CloudAnswer& answer, bool is_right) {
+    right += is_right;
+    converged += answer.converged;
+    converged_right += answer.converged && is_right;
+    if (is_right)
+      merits_of_right.push_back(answer.merit);
+    else if (answer.has_pose)
+      best_wrong = std::max(best_wrong, answer.merit);
+  }
+  void addUnrelated(const CloudAnswer& answer) {
+    unrelated_converged += answer.converged;
+    if (answer.has_pose) best_wrong = std::max(best_wrong, answer.merit);
+  }
+  /** Right answers that say more of themselves than any wrong one. */
+  long toldApart() const {
+    return std::count_if(merits_of_right.begin(), merits_of_right.end(),
+                         [&](double merit) { return merit > best_wrong; });
+  }
+};
+
+void scoreClouds(const std::vector<CloudRegistration>& ways, const std::vector<PosedFrame>& frames,
+                 const std::vector<FramePair>& related, const std::vector<FramePair>& unrelated) {
+  std::printf("of %zu related and %zu unrelated pairs, as clouds of full size:\n", related.size(), unrelated.size());
+  std::printf("%-44s %5s %10s %14s %10s %11s %9s\n", "", "right", "converged", "of these right", "unrelated",
+              "told apart", "ms");
+  for (const CloudRegistration& way : ways) {
+    CloudScore score;
+    const auto align = [&](const FramePair& pair) {
+      const Cloud::Ptr source = organizedCloud(frames[pair.first].image(0)),
+                       target = organizedCloud(frames[pair.second].image(0));
+      const auto start = std::chrono::steady_clock::now();
+      const CloudAnswer answer = way.align(source, target);
+      score.ms.push_back(milliseconds(start));
+      return answer;
+    };
+    for (const FramePair& pair : related) {
+      const CloudAnswer answer = align(pair);
+      const PairError error = errorOf(answer.T, trueMotion(frames[pair.first], frames[pair.second]));
+      score.add(answer, answer.has_pose && error.registered());
+      if (std::getenv("SCORE_PAIRS_EACH"))
+        std::printf("  %-20s %s %s: pose %d converged %d merit %.4f error %.3f m %.1f deg\n", way.name.c_str(),
+                    frames[pair.first].name().c_str(), frames[pair.second].name().c_str(), answer.has_pose,
+                    answer.converged, answer.merit, error.translation, error.rotation / kDegree);
+    }
+    for (const FramePair& pair : unrelated) score.addUnrelated(align(pair));
+    std::printf("%-44s %5d %10d %14d %10d %11ld %9.1f\n", way.name.c_str(), score.right, score.converged,
+                score.converged_right, score.unrelated_converged, score.toldApart(), medianOrZero(score.ms));
+    std::fflush(stdout);
+  }
+}
+
+/** What the command line says. */
+struct Options {
+  ViewParams view;
+  RegistrationParams registration;
+  PairChoice pairs;
+  PeerParams peers;
+  Camera camera;
+  bool clouds = false, with_peers = false;
+  std::vector<std::string> folders, others;
+
+  Options() {
+    registration.prior.rotation_std_deg = 60;
+    registration.prior.translation_std = 1.5;
+  }
+  bool take(const std::string& argument) {
+    const auto valueOf = [&argument](const std::string& name) -> std::optional<std::string> {
+      if (argument.rfind(name + "=", 0) != 0) return std::nullopt;
+      return argument.substr(name.size() + 1);
+    };
+    if (argument == "--clouds") return clouds = true;
+    if (argument == "--peers") return clouds = with_peers = true;
+    if (const auto other = valueOf("--others")) return others.push_back(*other), true;
+    if (const auto name = valueOf("--camera")) {
+      const CameraPreset* preset = findCameraPreset(*name);
+      if (preset) camera = preset->camera();
+      return preset;
+    }
+    if (argument.rfind("--", 0) != 0) return folders.push_back(argument), true;
+    return setByArgument(pairs, argument) || setByArgument(peers, argument) || setByArgument(view, argument) ||
+           setByArgument(registration, argument);
+  }
+};
+
+std::vector<DepthSequence> opened(const std::vector<std::string>& folders) {
+  std::vector<DepthSequence> sequences;
+  for (const std::string& folder : folders) sequences.push_back(DepthSequence::open(folder));
+  return sequences;
+}
+
+/** Completes unrelated pairs by one image of the sequences and one of others, which show another place. */
+void addOthers(std::vector<PosedFrame>& frames, const std::vector<PosedFrame>& others, int count,
+               std::vector<FramePair>& pairs) {
+  std::mt19937 random(1);
+  const std::size_t own = frames.size();
+  frames.insert(frames.end(), others.begin(), others.end());
+  while (!others.empty() && static_cast<int>(pairs.size()) < count) {
+    const std::size_t i = random() % own, j = random() % others.size();
+    pairs.emplace_back(i, own + j);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i)
+    if (!options.take(argv[i])) {
+      std::fprintf(stderr, "score_pairs: unknown parameter %s\n", argv[i]);
+      return 2;
+    }
+  if (options.folders.empty()) {
+    std::fprintf(stderr, "usage: score_pairs [--param=value ...] [--clouds | --peers] SEQUENCE...\n");
+    return 2;
+  }
+  const std::vector<DepthSequence> sequences = opened(options.folders), other_sequences = opened(options.others);
+  std::vector<PosedFrame> frames = posedFrames(sequences);
+  const std::vector<FramePair> related = relatedPairs(frames, options.pairs);
+  if (related.empty()) {
+    std::fprintf(stderr,
+                 "score_pairs: no pair of frames with true poses is far enough apart and overlaps enough\n");
+    return 1;
+  }
+  std::vector<FramePair> unrelated = unrelatedPairs(frames, options.pairs);
+  addOthers(frames, posedFrames(other_sequences), options.pairs.unrelated, unrelated);
+
+  if (options.clouds) {
+    pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
+    std::vector<CloudRegistration> ways = ours(options.camera);
+    if (options.with_peers)
+      for (CloudRegistration& way : peers(options.peers)) ways.push_back(std::move(way));
+    scoreClouds(ways, frames, related, unrelated);
+    return 0;
+  }
+  ViewBuilder builder(options.camera, options.view);
+  scoreRelated(frames, related, builder, options.registration);
+  scoreUnrelated(frames, unrelated, builder, options.registration);
 }

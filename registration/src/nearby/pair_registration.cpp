@@ -61,6 +61,11 @@ struct PairRegistration::Impl {
     if (params.steps.floor_information) of_floor = floorInformation(camera.mounting, params.prior);
   }
 
+  void rank(const View& view, Localization& answer) const {
+    for (Hypothesis& h : answer.hypotheses) h.T_w_c = h.T_m_c.T;
+    ranking.rank(view, answer.hypotheses);
+  }
+
   std::shared_ptr<const View> target;
   RegistrationParams params;
   ViewRegistration registration;
@@ -90,8 +95,16 @@ Localization PairRegistration::align(const View& view, const PoseWithCovariance&
   const Query query(view, prior, answer.camera.sameMounting() ? impl_->of_floor : Matrix6d(Matrix6d::Zero()));
   if (impl_->registration.mayFixPose(query))
     answer.hypotheses = impl_->registration.align(query, *impl_->target, prior, chosen);
-  for (Hypothesis& h : answer.hypotheses) h.T_w_c = h.T_m_c.T;
-  impl_->ranking.rank(view, answer.hypotheses);
+  const std::vector<Hypothesis> by_planes = answer.hypotheses;
+  impl_->rank(view, answer);
+  if (answer.state() != AnswerState::sure) {
+    std::vector<Hypothesis> more = impl_->registration.alignByExtents(query, *impl_->target, prior, chosen);
+    if (!more.empty()) {
+      answer.hypotheses = by_planes;
+      answer.hypotheses.insert(answer.hypotheses.end(), more.begin(), more.end());
+      impl_->rank(view, answer);
+    }
+  }
   impl_->ranking.stateAsShown(view, prior, answer.hypotheses);
   if (answer.hypotheses.empty()) answer.reason = whyNoHypothesis(query, impl_->params.tree);
   return answer;

@@ -2,6 +2,7 @@
 #include "pairs/hypothesis_tree.h"
 
 #include "pairs/cholesky3.h"
+#include "pairs/extent_measurement.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -82,7 +83,7 @@ public:
   Search(const std::vector<Segment>& scene, const std::vector<Segment>& model,
          const std::vector<SegmentPair>& candidates, const PoseWithCovariance& prior,
          const MatchingParams& matching, const EkfParams& ekf, const HypothesisTreeParams& params,
-         const Matrix6d& known)
+         const Matrix6d& known, bool extents)
       : scene_(scene),
         model_(model),
         candidates_(candidates),
@@ -90,7 +91,8 @@ public:
         ekf_(ekf),
         params_(params),
         known_(known),
-        something_known_(!known.isZero()) {
+        something_known_(!known.isZero()),
+        extents_(extents) {
     findCompatible();
     nodes_.push_back({-1, -1, 0, prior, Matrix6d::Zero(), PairSet(words_, ~std::uint64_t{0})});
     for (std::size_t bit = candidates.size(); bit < words_ * 64; ++bit)
@@ -182,6 +184,7 @@ private:
     }
     const bool one_free = leavesOneFree(alone);
     if (one_free) emit(node, alone.translation_axes.col(2), result_.by_pairs.incomplete);
+    if (extents_) keepByExtents(node, isComplete);
     std::vector<PoseNode>& with_known = result_.with_known.complete;
     if (!something_known_ || static_cast<int>(with_known.size()) >= params_.max_hypotheses) return false;
     const PrincipalStd together = observability(node.information + known_);
@@ -190,6 +193,25 @@ private:
     else if (!one_free && leavesOneFree(together))
       emit(node, together.translation_axes.col(2), result_.with_known.incomplete);
     return false;
+  }
+
+  // Pairs have agreed that their segments overlap, which says where the camera is along their planes.
+  template <class IsComplete>
+  void keepByExtents(const Node& node, const IsComplete& isComplete) {
+    if (static_cast<int>(result_.by_extents.size()) >= params_.max_hypotheses) return;
+    Matrix6d information = Matrix6d::Zero();
+    Vector6d gradient = Vector6d::Zero();
+    for (const Node* n = &node; n->parent >= 0; n = &nodes_[n->parent]) {
+      const SegmentPair& pair = candidates_[n->last];
+      const ExtentMeasurement m = measureExtent(scene_[pair.scene], model_[pair.model], node.pose.T);
+      information += informationOf(m);
+      gradient += m.H.transpose() * m.W.ldlt().solve(m.h);
+    }
+    if (!gradient.allFinite() || !isComplete(observability(node.information + known_ + information))) return;
+    Node moved = node;
+    moved.pose.P = symmetricInverse(symmetricInverse(node.pose.P) + information);
+    moved.pose.T = perturbed(node.pose.T, -moved.pose.P * gradient);
+    emit(moved, Eigen::Vector3d::Zero(), result_.by_extents);
   }
 
   // Keeps a pose unless it was found before; of incomplete poses the position along the free direction does
@@ -223,7 +245,7 @@ private:
   const EkfParams& ekf_;
   const HypothesisTreeParams& params_;
   const Matrix6d known_;
-  const bool something_known_;
+  const bool something_known_, extents_;
   std::size_t words_ = 0;
   std::vector<PairSet> compatible_;  // of each pair: the later ones that may stand beside it
   std::vector<Node> nodes_;
@@ -237,9 +259,9 @@ private:
 TreeSearchResult searchHypotheses(const std::vector<Segment>& scene, const std::vector<Segment>& model,
                                   const std::vector<SegmentPair>& candidates, const PoseWithCovariance& prior,
                                   const MatchingParams& matching, const EkfParams& ekf,
-                                  const HypothesisTreeParams& params, const Matrix6d& known) {
+                                  const HypothesisTreeParams& params, const Matrix6d& known, bool extents) {
   if (candidates.empty()) return {};
-  return Search(scene, model, candidates, prior, matching, ekf, params, known).run();
+  return Search(scene, model, candidates, prior, matching, ekf, params, known, extents).run();
 }
 
 }  // namespace facetloc::internal

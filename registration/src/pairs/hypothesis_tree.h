@@ -31,17 +31,19 @@ struct FoundPoses {
 struct TreeSearchResult {
   FoundPoses by_pairs;
   FoundPoses with_known;  ///< what pairs fix only together with what is known without them
+  std::vector<PoseNode> by_extents;  ///< complete only by where the segments of the pairs are in their planes
   int expansions = 0;
 };
 
 /** \brief Searches the index-increasing sequences of candidate pairs in which no segment occurs twice; each
  * set of pairs is visited at most once, the ones of the best-ranked pairs first. Without the limits the
  * search is exhaustive over all gate-consistent sets.
- * \param known information about the pose that needs no pair, such as floorInformation() */
+ * \param known information about the pose that needs no pair, such as floorInformation()
+ * \param extents whether poses that planes leave open are completed by ExtentMeasurement */
 TreeSearchResult searchHypotheses(const std::vector<Segment>& scene, const std::vector<Segment>& model,
                                   const std::vector<SegmentPair>& candidates, const PoseWithCovariance& prior,
                                   const MatchingParams& matching, const EkfParams& ekf,
                                   const HypothesisTreeParams& params,
-                                  const Matrix6d& known = Matrix6d::Zero());
+                                  const Matrix6d& known = Matrix6d::Zero(), bool extents = false);
 
 }  // namespace facetloc::internal

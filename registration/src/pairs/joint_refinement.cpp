@@ -2,6 +2,7 @@
 #include "pairs/joint_refinement.h"
 
 #include "pairs/cholesky3.h"
+#include "pairs/extent_measurement.h"
 #include "pairs/pair_distance.h"
 
 #include <facetloc/features/chi_square.h>
@@ -75,6 +76,13 @@ struct NormalEquations {
     A += weight * m.H.transpose() * WiH;
     g += weight * WiH.transpose() * m.h;
   }
+  void addExtent(const Segment& scene, const Segment& model, const Eigen::Isometry3d& T, double share) {
+    const ExtentMeasurement m = measureExtent(scene, model, T);
+    const Eigen::LLT<Eigen::Matrix2d> W(m.W);
+    if (W.info() != Eigen::Success) return;
+    A += share * m.H.transpose() * W.solve(m.H);
+    g += share * m.H.transpose() * W.solve(m.h);
+  }
   void addConstraint(const TranslationConstraint& c, const Eigen::Isometry3d& T) {
     const double information = 1 / (c.std * c.std);
     A.bottomRightCorner<3, 3>() += information * c.direction * c.direction.transpose();
@@ -87,7 +95,7 @@ struct NormalEquations {
 bool refineJointly(const std::vector<Segment>& scene, const std::vector<Segment>& model,
                    const PoseWithCovariance& prior, const MatchingParams& matching,
                    const std::optional<TranslationConstraint>& constraint, Hypothesis& hypothesis,
-                   const std::vector<SegmentPair>* chosen) {
+                   const std::vector<SegmentPair>* chosen, bool extents) {
   const Eigen::LLT<Matrix6d> prior_factor(prior.P);
   if (prior_factor.info() != Eigen::Success) return false;
   const Matrix6d prior_information = prior_factor.solve(Matrix6d::Identity());
@@ -101,9 +109,11 @@ bool refineJointly(const std::vector<Segment>& scene, const std::vector<Segment>
     for (int i = 0; i < kIterations; ++i) {
       NormalEquations n;
       n.addPrior(prior, prior_information, h.T_m_c.T);
-      for (const SegmentPair& p : pairs)
-        n.addPair(scene[p.scene], model[p.model], h.T_m_c.T,
-                  std::min(1.0, kInformationCap / partners[p.model]));
+      for (const SegmentPair& p : pairs) {
+        const double share = std::min(1.0, kInformationCap / partners[p.model]);
+        n.addPair(scene[p.scene], model[p.model], h.T_m_c.T, share);
+        if (extents) n.addExtent(scene[p.scene], model[p.model], h.T_m_c.T, share);
+      }
       if (constraint) n.addConstraint(*constraint, h.T_m_c.T);
       const Eigen::LDLT<Matrix6d> solver(n.A);
       if (solver.info() != Eigen::Success || !solver.isPositive()) return false;

@@ -20,10 +20,11 @@ struct TranslationConstraint {
 /** \brief Re-estimates a hypothesis from all pairs that agree with it (METHOD 7): the maximum a posteriori
  * pose by Gauss-Newton with Huber weights, independent of any order; pairs are collected twice. Replaces
  * pose, covariance and pairs; false, and no change, if no pair agrees.
- * \param chosen if not null, the only pairs that count */
+ * \param chosen if not null, the only pairs that count \param extents whether the places of the segments in
+ * their planes count, too (ExtentMeasurement) */
 bool refineJointly(const std::vector<Segment>& scene, const std::vector<Segment>& model,
                    const PoseWithCovariance& prior, const MatchingParams& matching,
                    const std::optional<TranslationConstraint>& constraint, Hypothesis& hypothesis,
-                   const std::vector<SegmentPair>* chosen = nullptr);
+                   const std::vector<SegmentPair>* chosen = nullptr, bool extents = false);
 
 }  // namespace facetloc::internal

@@ -56,13 +56,29 @@ std::vector<Hypothesis> ViewRegistration::align(const Query& query, const View& 
   // Pairs alone tell wrong poses from right ones better than together with what holds for all of them.
   std::vector<Hypothesis> hypotheses;
   for (const FoundPoses* poses : {&found.by_pairs, &found.with_known}) {
-    if (hypotheses.empty()) addComplete(query, model, poses->complete, chosen, hypotheses);
+    if (hypotheses.empty()) addComplete(query, model, poses->complete, chosen, false, hypotheses);
   }
   for (const FoundPoses* poses : {&found.by_pairs, &found.with_known}) {
     if (hypotheses.empty() && params_.steps.depth_assistance)
       completeByDepth(query, model, poses->incomplete, chosen, hypotheses);
   }
 
+  for (Hypothesis& h : hypotheses) score_->score(query, model, kFineColumns, h);
+  std::stable_sort(hypotheses.begin(), hypotheses.end(), byScore);
+  return hypotheses;
+}
+
+std::vector<Hypothesis> ViewRegistration::alignByExtents(const Query& query, const View& model,
+                                                         const PoseWithCovariance& start,
+                                                         Chosen chosen) const {
+  const std::vector<Segment>&scene = query.view.segments, &of_model = model.segments;
+  const std::vector<SegmentPair> candidates =
+      chosen ? *chosen : candidatePairs(scene, of_model, start, params_.matching);
+  const TreeSearchResult found =
+      searchHypotheses(scene, of_model, candidates, start, params_.matching, params_.ekf,
+                       limitsFor(query.view, params_.tree), query.known, true);
+  std::vector<Hypothesis> hypotheses;
+  addComplete(query, model, found.by_extents, chosen, true, hypotheses);
   for (Hypothesis& h : hypotheses) score_->score(query, model, kFineColumns, h);
   std::stable_sort(hypotheses.begin(), hypotheses.end(), byScore);
   return hypotheses;
@@ -79,14 +95,15 @@ std::optional<Hypothesis> ViewRegistration::alignFrom(const PoseWithCovariance& 
 }
 
 void ViewRegistration::addComplete(const Query& query, const View& model,
-                                   const std::vector<PoseNode>& complete, Chosen chosen,
+                                   const std::vector<PoseNode>& complete, Chosen chosen, bool extents,
                                    std::vector<Hypothesis>& hypotheses) const {
   for (const PoseNode& node : complete) {
     Hypothesis h;
     h.T_m_c = node.pose;
     h.pairs = node.pairs;
     if (params_.steps.joint_refinement &&
-        !refineJointly(query.view.segments, model.segments, query.prior, params_.matching, {}, h, chosen))
+        !refineJointly(query.view.segments, model.segments, query.prior, params_.matching, {}, h, chosen,
+                       extents))
       continue;
     addDistinct(query, std::move(h), hypotheses);
   }

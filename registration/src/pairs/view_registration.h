@@ -29,6 +29,11 @@ public:
   std::vector<Hypothesis> align(const Query& query, const View& model) const {
     return align(query, model, query.prior);
   }
+  /** \brief Poses that the planes of a view leave open, completed by where their segments are (METHOD 6.6):
+   * coarse, so that they count only where align() has no answer. Without depth assistance. */
+  std::vector<Hypothesis> alignByExtents(const Query& query, const View& model,
+                                         const PoseWithCovariance& start,
+                                         const std::vector<SegmentPair>* chosen = nullptr) const;
   /** \brief The hypothesis next to a start, from all pairs that agree there, without a search; none if no
    * pair does. Its score is as of align(), from fewer pixels. A tenth of the work of align(). */
   std::optional<Hypothesis> alignFrom(const PoseWithCovariance& start, const Query& query,
@@ -37,7 +42,7 @@ public:
 private:
   using Chosen = const std::vector<SegmentPair>*;
   void addComplete(const Query& query, const View& model, const std::vector<PoseNode>& complete,
-                   Chosen chosen, std::vector<Hypothesis>& hypotheses) const;
+                   Chosen chosen, bool extents, std::vector<Hypothesis>& hypotheses) const;
   void addDistinct(const Query& query, Hypothesis&& h, std::vector<Hypothesis>& hypotheses) const;
   void completeByDepth(const Query& query, const View& model, const std::vector<PoseNode>& incomplete,
                        Chosen chosen, std::vector<Hypothesis>& hypotheses) const;

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/pose.h>
+#include <facetloc/features/segment.h>
+
+#include <vector>
+
+namespace facetloc::internal {
+
+/** \brief Where two segments are that overlap, along their common plane (METHOD 3.5): the distance of the
+ * centroids of the parts that either view shows, in the axes x' and y' of the model segment. Small surfaces
+ * fix by it what their planes leave free; large ones hardly say anything. */
+struct ExtentMeasurement {
+  Eigen::Vector2d h;             ///< distance of the centroids [m]
+  Eigen::Matrix<double, 2, 6> H; ///< dh/dw by a left, decoupled perturbation of T_m_c
+  Eigen::Matrix2d W;             ///< variance of h among all positions at which the two overlap [m^2]
+};
+
+/** \brief The measurement at a pose. */
+ExtentMeasurement measureExtent(const Segment& scene, const Segment& model, const Eigen::Isometry3d& T_m_c);
+
+/** \brief H^T W^-1 H; zero where W is singular. */
+Matrix6d informationOf(const ExtentMeasurement& m);
+
+/** \brief What the extents of segments could say at most of a pose from which they are seen: each measured
+ * against itself. */
+Matrix6d informationOfExtents(const std::vector<Segment>& segments);
+
+}  // namespace facetloc::internal
