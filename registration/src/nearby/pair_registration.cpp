@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "nearby/hypothesis_ranking.h"
+#include "nearby/view_alignment.h"
 #include "pairs/mounting_check.h"
 #include "pairs/view_registration.h"
 
@@ -18,11 +19,21 @@ using namespace internal;
 
 namespace {
 
+constexpr double kDoubtOfCoarse = 10;  // against poses that planes alone do not fix [nats]
+constexpr double kLooseRotation = 3 * kDegree, kLooseTranslation = 0.1;  // about a start [rad, m]
+
+Matrix6d aboutStart() {
+  Vector6d std;
+  std << Eigen::Vector3d::Constant(kLooseRotation), Eigen::Vector3d::Constant(kLooseTranslation);
+  return std.cwiseAbs2().asDiagonal();
+}
+
 /** The only view near a hypothesis is the target, whose camera frame is the world. */
 class PairRanking : public HypothesisRanking {
 public:
-  PairRanking(std::shared_ptr<const View> target, const RegistrationParams& params)
-      : HypothesisRanking(params), target_(std::move(target)), params_(params) {}
+  /** \param doubt what the null hypothesis has ahead [nats] */
+  PairRanking(std::shared_ptr<const View> target, const RegistrationParams& params, double doubt)
+      : HypothesisRanking(params), target_(std::move(target)), params_(params), doubt_(doubt) {}
 
 private:
   std::vector<NearbyView> neighbours(const Hypothesis& h) const override {
@@ -35,12 +46,20 @@ private:
   int viewpoints(const std::vector<int>&) const override { return 1; }
   double evidenceWeight() const override { return params_.calibration.pair_probability.evidence_weight; }
   ScoreOdds odds(bool evidence, const std::vector<Hypothesis>&) const override {
-    return oddsOfPair(params_, evidence);
+    ScoreOdds odds = oddsOfPair(params_, evidence);
+    odds.null_score += doubt_;
+    return odds;
   }
 
   std::shared_ptr<const View> target_;
   RegistrationParams params_;
+  double doubt_;
 };
+
+void rankAll(const PairRanking& ranking, const View& view, std::vector<Hypothesis>& hypotheses) {
+  for (Hypothesis& h : hypotheses) h.T_w_c = h.T_m_c.T;
+  ranking.rank(view, hypotheses);
+}
 
 void check(const std::vector<SegmentPair>& pairs, const View& scene, const View& model) {
   for (const SegmentPair& p : pairs)
@@ -56,20 +75,39 @@ struct PairRegistration::Impl {
       : target(std::make_shared<const View>(std::move(the_target))),
         params(checked(the_params)),
         registration(params),
-        ranking(target, params) {
+        ranking(target, params, 0),
+        coarse_ranking(target, params, kDoubtOfCoarse) {
     if (target->camera) camera = *target->camera;
     if (params.steps.floor_information) of_floor = floorInformation(camera.mounting, params.prior);
   }
 
-  void rank(const View& view, Localization& answer) const {
-    for (Hypothesis& h : answer.hypotheses) h.T_w_c = h.T_m_c.T;
-    ranking.rank(view, answer.hypotheses);
+  /** What is looked for where planes alone have no sure answer: poses that they leave open, by where their
+   * segments are, and all of these and the prior itself moved to where planes and pixels fit best. */
+  std::vector<Hypothesis> coarsePoses(const Query& query, const PoseWithCovariance& prior,
+                                      const std::vector<SegmentPair>* chosen) const {
+    std::vector<Hypothesis> poses = registration.alignByExtents(query, *target, prior, chosen);
+    if (chosen || query.view.depth.empty() || target->depth.empty()) return poses;
+    std::vector<PoseWithCovariance> starts{prior};
+    for (const Hypothesis& h : poses) starts.push_back(h.T_m_c);
+    Surroundings surroundings;
+    surroundings.add(0, target, Eigen::Isometry3d::Identity());
+    ViewAlignmentParams alignment = alignmentWithCovariance();
+    alignment.matching = params.matching;
+    for (const PoseWithCovariance& start : starts) {
+      PoseWithCovariance found = alignView(query.view, surroundings, start, alignment).T_w_c;
+      found = alignView(query.view, surroundings, {found.T, aboutStart()}, alignment).T_w_c;
+      std::optional<Hypothesis> h = registration.alignFrom({found.T, aboutStart()}, query, *target);
+      if (!h) continue;
+      h->T_m_c = found;
+      poses.push_back(std::move(*h));
+    }
+    return poses;
   }
 
   std::shared_ptr<const View> target;
   RegistrationParams params;
   ViewRegistration registration;
-  PairRanking ranking;
+  PairRanking ranking, coarse_ranking;
   Camera camera;                         // of the target
   Matrix6d of_floor = Matrix6d::Zero();  // information of the floor about a pose
 };
@@ -96,13 +134,13 @@ Localization PairRegistration::align(const View& view, const PoseWithCovariance&
   if (impl_->registration.mayFixPose(query))
     answer.hypotheses = impl_->registration.align(query, *impl_->target, prior, chosen);
   const std::vector<Hypothesis> by_planes = answer.hypotheses;
-  impl_->rank(view, answer);
+  rankAll(impl_->ranking, view, answer.hypotheses);
   if (answer.state() != AnswerState::sure) {
-    std::vector<Hypothesis> more = impl_->registration.alignByExtents(query, *impl_->target, prior, chosen);
-    if (!more.empty()) {
+    const std::vector<Hypothesis> coarse = impl_->coarsePoses(query, prior, chosen);
+    if (!coarse.empty()) {
       answer.hypotheses = by_planes;
-      answer.hypotheses.insert(answer.hypotheses.end(), more.begin(), more.end());
-      impl_->rank(view, answer);
+      answer.hypotheses.insert(answer.hypotheses.end(), coarse.begin(), coarse.end());
+      rankAll(impl_->coarse_ranking, view, answer.hypotheses);
     }
   }
   impl_->ranking.stateAsShown(view, prior, answer.hypotheses);
