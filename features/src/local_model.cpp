@@ -1,11 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/local_model.h>
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <stdexcept>
 #include <utility>
 
 namespace facetloc {
+
+View viewOfSegments(std::vector<Segment> segments, const DepthNoise& usual) {
+  View view;
+  view.segments = std::move(segments);
+  view.depth.noise = usual;
+  double noise = 0;
+  for (const Segment& s : view.segments) noise = std::max(noise, s.noise);
+  if (noise > 0) view.depth.noise = usual.scaledTo(noise, DepthNoise::kUsualDepth);
+  return view;
+}
 
 LocalModel::LocalModel(std::string model_name, double model_stamp,
                        const std::optional<Eigen::Isometry3d>& pose)

@@ -94,7 +94,7 @@ Moments seenOf(const Polygon& outline, const Plane& plane) {
 
 // The segment of a region with this outline on the plane, everything about the viewpoint.
 std::optional<Segment> segmentOf(const Plane& plane, const Polygon& outline, const Moments& moments,
-                                 double solid_angle, const ImageNoise& noise,
+                                 double solid_angle, const SensorNoise& noise,
                                  const SegmentEstimationParams& params) {
   if (outline.size() < 3 || !(moments.weight > 0)) return std::nullopt;
   const Eigen::Vector3d mean = moments.p / moments.weight;
@@ -107,7 +107,8 @@ std::optional<Segment> segmentOf(const Plane& plane, const Polygon& outline, con
   region.covariance = R * (moments.pp / moments.weight - mean * mean.transpose()) * R.transpose();
   region.rays = R * (region.support / moments.weight * moments.rays) * R.transpose();
   Segment s;
-  if (!(region.support >= 1) || !describe(region, kReference, noise, params, s)) return std::nullopt;
+  const char* why_not = "";
+  if (!(region.support >= 1) || !describe(region, kReference, noise, params, s, why_not)) return std::nullopt;
   s = transformed(s, Eigen::Isometry3d(Eigen::Quaterniond(R.transpose())));
   for (const Eigen::Vector2d& at : outline) {
     const Eigen::Vector2f vertex = (s.R.transpose() * (plane.inSpace(at) - s.t)).head<2>().cast<float>();
@@ -133,7 +134,7 @@ std::optional<Segment> placedAt(const Eigen::Vector3d& viewpoint, std::optional<
 }  // namespace
 
 std::optional<Segment> regionSegment(const Points& points, const Eigen::Vector3d& viewpoint,
-                                     const ImageNoise& noise, const SegmentEstimationParams& params) {
+                                     const SensorNoise& noise, const SegmentEstimationParams& params) {
   if (!viewpoint.allFinite()) return std::nullopt;
   const Points relative = about(viewpoint, points);
   Moments moments;
@@ -154,7 +155,7 @@ std::optional<Segment> regionSegment(const Points& points, const Eigen::Vector3d
 }
 
 std::optional<Segment> regionSegment(const Eigen::Vector4d& coefficients, const Points& outline_points,
-                                     const Eigen::Vector3d& viewpoint, const ImageNoise& noise,
+                                     const Eigen::Vector3d& viewpoint, const SensorNoise& noise,
                                      const SegmentEstimationParams& params) {
   const double offset = -coefficients[3] - coefficients.head<3>().dot(viewpoint);
   const Eigen::Vector3d m = coefficients.head<3>() / offset;

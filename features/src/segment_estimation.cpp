@@ -279,19 +279,21 @@ struct SegmentEstimation::Buffers {
   std::vector<int> label_of, order;
   std::vector<double> share;
 
-  bool makeSegment(Region& r, const Intrinsics& camera, const ImageNoise& noise,
-                   const SegmentEstimationParams& params, double min_support, Segment& s);
+  bool makeSegment(Region& r, const Intrinsics& camera, const SensorNoise& noise,
+                   const SegmentEstimationParams& params, double min_support, Segment& s, const char*& why_not);
 };
 
-bool SegmentEstimation::Buffers::makeSegment(Region& r, const Intrinsics& camera, const ImageNoise& noise,
+bool SegmentEstimation::Buffers::makeSegment(Region& r, const Intrinsics& camera, const SensorNoise& noise,
                                              const SegmentEstimationParams& params, double min_support,
-                                             Segment& s) {
+                                             Segment& s, const char*& why_not) {
+  why_not = "has too few measured pixels on its plane";
   if (r.plane.n < min_support) return false;
   const Eigen::Vector3d mean = r.points.p / r.points.n;
   const PlaneRegion region{r.plane.n, r.plane.fit().plane.toSpace(camera),  // METHOD 5.1
                            mean, r.points.pp / r.points.n - mean * mean.transpose(),
                            rayMoments(r.plane, camera)};
-  if (!describe(region, camera, noise, params, s)) return false;
+  if (!describe(region, camera, noise, params, s, why_not)) return false;
+  why_not = "has no outline";
   pixelHull(r.row_extremes, camera.height, points, hull);
   simplify(hull, ConvexHull::kMaxVertices);
   s.hull = hullInPlane(hull, camera, s, 1 / region.m.norm());
@@ -308,10 +310,12 @@ SegmentEstimation& SegmentEstimation::operator=(const SegmentEstimation& other) 
   return *this;
 }
 
-void SegmentEstimation::estimate(const DepthImage& image, const LabelImage& labels, const ImageNoise& noise,
-                                 std::vector<Segment>& segments, std::vector<int>& kept) {
+void SegmentEstimation::estimate(const DepthImage& image, const LabelImage& labels, const SensorNoise& noise,
+                                 std::vector<Segment>& segments, std::vector<int>& kept,
+                                 std::vector<LeftOutRegion>* left_out) {
   segments.clear();
   kept.clear();
+  if (left_out) left_out->clear();
   if (labels.label.size() != image.depth.size() || labels.width != image.camera.width ||
       labels.height != image.camera.height)
     throw std::invalid_argument("labels and depth image differ in size");
@@ -332,7 +336,11 @@ void SegmentEstimation::estimate(const DepthImage& image, const LabelImage& labe
   b.label_of.clear();
   for (int label = 1; label <= max_label; ++label) {
     Segment s;
-    if (!b.makeSegment(b.regions[label], image.camera, noise, params_, min_support, s)) continue;
+    const char* why_not = "";
+    if (!b.makeSegment(b.regions[label], image.camera, noise, params_, min_support, s, why_not)) {
+      if (left_out) left_out->push_back({label, why_not});
+      continue;
+    }
     b.found.push_back(s);
     b.label_of.push_back(label);
   }
@@ -344,11 +352,11 @@ void SegmentEstimation::estimate(const DepthImage& image, const LabelImage& labe
 }
 
 std::vector<Segment> estimateSegments(const DepthImage& image, const LabelImage& labels,
-                                      const ImageNoise& noise, const SegmentEstimationParams& params,
-                                      std::vector<int>* kept) {
+                                      const SensorNoise& noise, const SegmentEstimationParams& params,
+                                      std::vector<int>* kept, std::vector<LeftOutRegion>* left_out) {
   std::vector<Segment> segments;
   std::vector<int> of_segments;
-  SegmentEstimation(params).estimate(image, labels, noise, segments, of_segments);
+  SegmentEstimation(params).estimate(image, labels, noise, segments, of_segments, left_out);
   if (kept) kept->swap(of_segments);
   return segments;
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/depth_noise.h>
 #include <facetloc/features/segment_frame.h>
 
 #include <algorithm>
@@ -53,6 +54,7 @@ SegmentFrame toSegmentFrame(const Segment& s) {
   f.lambda[0] = static_cast<float>(s.lambda[0]);
   f.lambda[1] = static_cast<float>(s.lambda[1]);
   f.num_points = s.num_points;
+  f.noise = static_cast<float>(s.noise);
   f.hull_size = s.hull.size;
   for (int i = 0; i < s.hull.size; ++i) {
     f.hull[2 * i] = s.hull.vertex[i].x();
@@ -66,6 +68,7 @@ bool toSegment(const SegmentFrame& f, Segment& out) {
     return false;
   if (f.hull_size < 0 || f.hull_size > ConvexHull::kMaxVertices || !finite(f.hull, 2 * f.hull_size))
     return false;
+  if (!(f.noise >= 0 && f.noise <= DepthNoise::kLargestInverseDepthStd)) return false;
   if (f.num_points < 0 || f.lambda[0] < 0 || f.lambda[1] < 0) return false;
   const Eigen::Quaterniond q = f.rotation().cast<double>();
   if (std::abs(q.squaredNorm() - 1) > 1e-3 || !normalFits(f)) return false;
@@ -77,6 +80,7 @@ bool toSegment(const SegmentFrame& f, Segment& out) {
   if (s.Sigma_q.llt().info() != Eigen::Success) return false;
   s.lambda = {f.lambda[0], f.lambda[1]};
   s.num_points = f.num_points;
+  s.noise = f.noise;
   s.hull.size = f.hull_size;
   for (int i = 0; i < f.hull_size; ++i) s.hull.vertex[i] = {f.hull[2 * i], f.hull[2 * i + 1]};
   if (!wellFormed(s.hull)) return false;

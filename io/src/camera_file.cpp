@@ -52,6 +52,7 @@ constexpr Key kKeys[] = {
      false},
     {"depth_std", 0, DepthNoise::kLargestDepthStd, false, false},
     {"depth_std_slope", 0, DepthNoise::kLargestDepthStdSlope, false, false},
+    {"correlation_px", 0, SensorNoise::kLargestCorrelation, false, false},
     {"k1", -kLargestLens, kLargestLens, false, false},
     {"k2", -kLargestLens, kLargestLens, false, false},
     {"k3", -kLargestLens, kLargestLens, false, false},
@@ -83,7 +84,8 @@ constexpr NoiseKey kNoiseKeys[] = {{"inverse_depth_std", &SensorNoise::inverse_d
                                    {"depth_std", &SensorNoise::depth_std},
                                    {"depth_std_slope", &SensorNoise::depth_std_slope},
                                    {"distortion_offset", &SensorNoise::distortion_offset},
-                                   {"distortion_slope", &SensorNoise::distortion_slope}};
+                                   {"distortion_slope", &SensorNoise::distortion_slope},
+                                   {"correlation_px", &SensorNoise::correlation_px}};
 
 /** The keys of a lens, and what they set. */
 struct LensKey {

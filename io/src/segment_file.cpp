@@ -50,6 +50,7 @@ constexpr Field kFields[] = {
     {"sigma_q", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, sigma_q), 6},
     {"lambda", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, lambda), 2},
     {"num_points", pcl::PCLPointField::INT32, offsetof(SegmentFrame, num_points), 1},
+    {"noise", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, noise), 1},
     {"hull_size", pcl::PCLPointField::INT32, offsetof(SegmentFrame, hull_size), 1},
     {"hull", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, hull), 2 * ConvexHull::kMaxVertices},
 };

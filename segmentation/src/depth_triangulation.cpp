@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "depth_triangulation.h"
 
-#include "float_bits.h"
+#include "shared/float_bits.h"
 #include "shared/lanes.h"
 
 #include <algorithm>

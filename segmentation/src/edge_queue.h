@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "float_bits.h"
+#include "shared/float_bits.h"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 #include "relabel.h"
 #include "shared/lanes.h"
 #include "shared/room.h"
-#include "smooth_noise.h"
+#include "shared/image_noise.h"
 
 #include <facetloc/segmentation/plane_segmenter.h>
 
@@ -167,7 +167,7 @@ void PlaneSegmenter::Impl::segment(const DepthImage& image, LabelledPlanes& out)
   out.labels.width = image.camera.width;
   out.labels.height = image.camera.height;
   out.labels.label.assign(image.depth.size(), 0);
-  out.correlation_px = 0;
+  out.correlation_px = noise_.correlation_px;
   out.noise = std::max(SensorNoise::kLeastInverseDepthStd, noise_.ofInverseDepth(usualDepth(image)));
   if (!image.valid()) return;
   if (params_.labels.estimate_noise) estimateNoise(image, out);
@@ -184,12 +184,7 @@ void PlaneSegmenter::Impl::segment(const DepthImage& image, LabelledPlanes& out)
 }
 
 void PlaneSegmenter::Impl::estimateNoise(const DepthImage& image, LabelledPlanes& out) {
-  out.noise = internal::estimateNoise(image, out.noise, scratch_);
-  constexpr double kMuch = 0.5;  // of the noise: less may as well be rough
-  const auto smooth = estimateSmoothNoise(image, scratch_);
-  if (!smooth || smooth->std < kMuch * out.noise) return;
-  out.noise = std::max(out.noise, smooth->std);
-  out.correlation_px = smooth->correlation_px;
+  measureNoise(image, out.noise, out.correlation_px, scratch_);
 }
 
 void PlaneSegmenter::Impl::splitAndMerge() {

@@ -47,7 +47,7 @@ void ViewBuilder::build(const DepthImage& measured, View& view) {
   segment_ms_ = millisecondsSince(start);
 
   const Clock::time_point features_start = Clock::now();
-  ImageNoise noise = camera_->noise;
+  SensorNoise noise = camera_->noise;
   noise.correlation_px = segmentation_.correlation_px;
   static_cast<DepthNoise&>(noise) = noise.scaledTo(segmentation_.noise, usualDepth(image));
   view.camera = camera_;

@@ -72,7 +72,7 @@ TEST(RegionFrame, CovarianceIsThatOfManyMeasurements) {
   std::normal_distribution<double> gauss;
   const Eigen::Matrix3d R = Eigen::AngleAxisd(0.5, Eigen::Vector3d(0.3, 1, 0.1).normalized()).matrix();
   const Eigen::Vector3d centre(0.2, -0.1, 2), n = R.col(2);
-  ImageNoise noise;
+  SensorNoise noise;
   noise.distortion_slope = noise.distortion_offset = 0;
   SegmentEstimationParams exact;
   exact.errors = {0, 0, 0};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "smooth_noise.h"
+#include "shared/image_noise.h"
 
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/testing/random_segments.h>
@@ -104,9 +104,9 @@ TEST(SmoothNoise, MakesPlanesAsUncertainAsTheyAre) {
     LabelImage labels{part.width, part.height, std::vector<std::uint16_t>(image.depth.size(), 1)};
     Camera camera;
     camera.noise.distortion_offset = camera.noise.distortion_slope = 0;
-    ImageNoise noise = camera.noise;
+    SensorNoise noise = camera.noise;
     noise.inverse_depth_std = kStereo;
-    noise.correlation_px = 5.2;
+    noise.correlation_px = 5.2 / std::sqrt(scaledPixels(1, part));
     const auto segments = estimateSegments(image, labels, noise, of_the_fit);
     ASSERT_EQ(segments.size(), 1u);
     const Segment& s = segments[0];
@@ -125,7 +125,7 @@ TEST(SmoothNoise, KeepsNarrowStrips) {
   LabelImage labels{320, 240, std::vector<std::uint16_t>(image.depth.size(), 0)};
   for (int v = 60; v < 180; ++v)
     for (int u = 150; u < 162; ++u) labels.label[static_cast<std::size_t>(v) * 320 + u] = 1;
-  ImageNoise noise;
+  SensorNoise noise;
   noise.inverse_depth_std = 2.5 * kStereo;
   EXPECT_TRUE(estimateSegments(image, labels, noise, {}).empty());
   noise.correlation_px = 12;

@@ -37,7 +37,7 @@ void fields(Archive& archive, ConvexHull& hull) {
 
 template <class Archive>
 void fields(Archive& archive, Segment& s) {
-  archive(s.R, s.t, s.Sigma_q, s.lambda, s.num_points, s.hull);
+  archive(s.R, s.t, s.Sigma_q, s.lambda, s.num_points, s.hull, s.noise);
 }
 
 template <class Archive>

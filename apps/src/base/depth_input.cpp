@@ -66,6 +66,7 @@ Camera DepthInput::camera(const std::optional<CameraFile>& file, const CommandLi
   take("noise.distortion_slope", &SensorNoise::distortion_slope);
   take("noise.depth_std", &SensorNoise::depth_std);
   take("noise.depth_std_slope", &SensorNoise::depth_std_slope);
+  take("noise.correlation_px", &SensorNoise::correlation_px);
   return camera;
 }
 
@@ -81,10 +82,8 @@ DepthSequence openSequence(const std::string& path, const RecordingHints& hints,
 
 View viewOf(const DepthSequence& sequence, std::size_t index, int working_width, ViewBuilder& builder) {
   if (!sequence.ofSegments()) return builder.build(sequence.load(index, working_width));
-  View view;
-  view.segments = sequence.segments(index);
+  View view = viewOfSegments(sequence.segments(index), builder.camera().noise);
   view.camera = std::make_shared<const Camera>(builder.camera());
-  view.depth.noise = view.camera->noise;
   view.intrinsics = view.camera->intrinsics.valid() ? view.camera->intrinsics : kinectIntrinsics();
   view.intrinsics = view.intrinsics.subsampled(subsamplingStep(view.intrinsics, working_width));
   return view;

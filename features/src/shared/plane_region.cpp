@@ -39,25 +39,32 @@ double offsetVariance(const Eigen::Vector3d& normal, const Eigen::Vector3d& cent
   return normal.dot(Sigma_C * normal);
 }
 
+// [px of the image]
+double correlationLength(const SensorNoise& noise, const Intrinsics& camera) {
+  return noise.correlation_px * std::sqrt(scaledPixels(1, camera));
+}
+
 // White noise with which neighbouring pixels would differ as much as with smooth noise. Only this tilts a
 // narrow strip: the rest of their noise its pixels share.
-SensorNoise noiseOfNeighbours(const ImageNoise& noise, double z) {
+SensorNoise noiseOfNeighbours(const SensorNoise& noise, const Intrinsics& camera, double z) {
   SensorNoise white = noise;
-  if (noise.correlation_px > 1)
-    static_cast<DepthNoise&>(white) = noise.scaledTo(noise.ofInverseDepth(z) / noise.correlation_px, z);
+  const double correlation = correlationLength(noise, camera);
+  if (correlation > 1)
+    static_cast<DepthNoise&>(white) = noise.scaledTo(noise.ofInverseDepth(z) / correlation, z);
   return white;
 }
 
 // Pixels that share one error, if noise is smooth: the integral of its correlation.
-double correlatedPixels(const ImageNoise& noise) {
-  return 180 * kDegree * noise.correlation_px * noise.correlation_px;
+double correlatedPixels(const SensorNoise& noise, const Intrinsics& camera) {
+  const double correlation = correlationLength(noise, camera);
+  return 180 * kDegree * correlation * correlation;
 }
 
 // By the plane fit, METHOD 7.3.
 Eigen::Matrix3d uncertaintyOfFit(const PlaneRegion& region, const Segment& s, double rho,
-                                 const Intrinsics& camera, const ImageNoise& noise,
+                                 const Intrinsics& camera, const SensorNoise& noise,
                                  const SegmentEstimationParams& params) {
-  const double correlated = std::max(scaledPixels(kCorrelatedPixels, camera), correlatedPixels(noise));
+  const double correlated = std::max(scaledPixels(kCorrelatedPixels, camera), correlatedPixels(noise, camera));
   const double independent = std::max(kMinIndependent, region.support / correlated);
   const double std = noise.ofInverseDepth(s.t.z()), variance = std * std;
   Eigen::Matrix3d Sigma_m = (region.support / independent) * variance * region.rays.inverse();  // METHOD 7.3
@@ -94,9 +101,10 @@ Eigen::Matrix3d slopeOffsetCovariance(const Eigen::Matrix3d& R, const Eigen::Vec
 
 namespace internal {
 
-bool describe(const PlaneRegion& region, const Intrinsics& camera, const ImageNoise& noise,
-              const SegmentEstimationParams& params, Segment& s) {
+bool describe(const PlaneRegion& region, const Intrinsics& camera, const SensorNoise& noise,
+              const SegmentEstimationParams& params, Segment& s, const char*& why_not) {
   const double length = region.m.norm();
+  why_not = "lies in a plane through the camera";
   if (!(length > 1e-6) || 1.0 / length < kMinPlaneDistance) return false;
   const Eigen::Vector3d n = region.m / length;
   const double rho = 1.0 / length;
@@ -115,16 +123,22 @@ bool describe(const PlaneRegion& region, const Intrinsics& camera, const ImageNo
   const double width = std::sqrt(s.lambda[1]);
   const double nearest =
       s.t.z() - std::max(std::sqrt(s.lambda[0]) * std::abs(s.R(2, 0)), width * std::abs(s.R(2, 1)));
-  if (nearest > params.max_depth || n.dot(s.t.normalized()) < kMinIncidence) return false;
+  why_not = "is farther away than segments may be";
+  if (nearest > params.max_depth) return false;
+  why_not = "is seen edge-on";
+  if (n.dot(s.t.normalized()) < kMinIncidence) return false;
+  why_not = "is too narrow";
   // A strip fixes its slope across only if it is wide compared with the noise, or with what furniture is made
   // of.
   const double noise_width =
-      kWideInNoise * std::sqrt(offsetVariance(n, s.t, camera, noiseOfNeighbours(noise, s.t.z())));
+      kWideInNoise * std::sqrt(offsetVariance(n, s.t, camera, noiseOfNeighbours(noise, camera, s.t.z())));
   if (!(width >= std::min(kMinWidth, noise_width))) return false;
   if (!(width * camera.fx / s.t.z() >= kMinWidthPixels)) return false;
 
+  why_not = "has no uncertainty that could be estimated";
   s.Sigma_q = params.paper_uncertainty ? paperCovariance(n, s.t, s.lambda, camera, 1, noise)
                                        : uncertaintyOfFit(region, s, rho, camera, noise, params);
+  s.noise = noise.ofInverseDepth(DepthNoise::kUsualDepth);
   return s.Sigma_q.allFinite() && s.Sigma_q.llt().info() == Eigen::Success;
 }
 

@@ -16,7 +16,7 @@ struct PlaneRegion {
 };
 
 /** \brief Everything of a segment but its hull (METHOD 7); false if it fails one of the tests of METHOD 8. */
-bool describe(const PlaneRegion& region, const Intrinsics& camera, const ImageNoise& noise,
-              const SegmentEstimationParams& params, Segment& s);
+bool describe(const PlaneRegion& region, const Intrinsics& camera, const SensorNoise& noise,
+              const SegmentEstimationParams& params, Segment& s, const char*& why_not);
 
 }  // namespace facetloc::internal

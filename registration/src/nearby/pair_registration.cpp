@@ -81,6 +81,12 @@ struct PairRegistration::Impl {
     if (params.steps.floor_information) of_floor = floorInformation(camera.mounting, params.prior);
   }
 
+  /** A noisier camera's poses count as complete with larger errors, which are too large for a sure answer. */
+  bool isFixed(const Matrix6d& P) const {
+    return largestRotationStd(P) <= params.tree.complete_rotation_deg * kDegree &&
+           largestTranslationStd(P) <= params.tree.complete_translation;
+  }
+
   /** What is looked for where planes alone have no sure answer: poses that they leave open, by where their
    * segments are, and all of these and the prior itself moved to where planes and pixels fit best. */
   std::vector<Hypothesis> coarsePoses(const Query& query, const PoseWithCovariance& prior,
@@ -144,6 +150,7 @@ Localization PairRegistration::align(const View& view, const PoseWithCovariance&
     }
   }
   impl_->ranking.stateAsShown(view, prior, answer.hypotheses);
+  if (!answer.hypotheses.empty()) answer.fixes_pose = impl_->isFixed(answer.hypotheses.front().T_m_c.P);
   if (answer.hypotheses.empty()) answer.reason = whyNoHypothesis(query, impl_->params.tree);
   return answer;
 }

@@ -19,8 +19,7 @@ using namespace internal;
 
 View EkfRegistration::makeView(const pcl::PointCloud<SegmentFrame>& cloud, const pcl::Indices* indices,
                                std::string& why_empty) {
-  View view;
-  view.segments = rankedSegments(cloud, indices).segments;
+  View view = viewOfSegments(rankedSegments(cloud, indices).segments);
   if (view.segments.empty()) why_empty = "the cloud has no valid segment frame";
   return view;
 }

@@ -42,8 +42,10 @@ Intrinsics kinectIntrinsics();
  * of b). camera_presets.h knows other cameras. */
 struct SensorNoise : DepthNoise {
   static constexpr const char* kTitle = "Noise of the depth camera";
+  static constexpr double kLargestCorrelation = 100;  ///< [px at 320x240]
   double distortion_offset = 0.25 / kKinectGain;
   double distortion_slope = 0.5 / kKinectGain;
+  double correlation_px = 0;  ///< over which pixels share their noise, if it is smooth; 0 = not [px at 320x240]
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -65,6 +67,9 @@ struct SensorNoise : DepthNoise {
     visit("depth_std_slope", p.depth_std_slope, 0.0, kLargestDepthStdSlope,
           "Part of the random error of depth that grows with depth, standard deviation as a share of depth.",
           kForUsers);
+    visit("correlation_px", p.correlation_px, 0.0, kLargestCorrelation,
+          "Distance over which neighbouring pixels share their noise, at least [px at 320 columns]; 0 = as "
+          "each image shows. Images that are smoother are measured to be so.");
   }
   void validate() const { checkRanges(*this); }
 };

@@ -8,6 +8,8 @@
 #include <pcl/types.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -45,13 +47,28 @@ bool areIndicesOf(const pcl::PointCloud<PointT>& cloud, const pcl::Indices& indi
 template <typename PointT>
 DepthImage depthImage(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera);
 
+/** \brief The pixel, row-major, at which a camera at the origin sees a point; nothing for points that were not
+ * measured or lie outside of its image. */
+template <typename PointT>
+std::optional<std::size_t> pixelOf(const PointT& p, const Intrinsics& camera) {
+  if (!std::isfinite(p.x) || !std::isfinite(p.y) || !isMeasured(p.z)) return std::nullopt;
+  const Eigen::Vector2d q = camera.project({p.x, p.y, p.z});
+  if (!(q.x() > -0.5 && q.y() > -0.5 && q.x() < camera.width - 0.5 && q.y() < camera.height - 0.5))
+    return std::nullopt;
+  return static_cast<std::size_t>(std::lround(q.y())) * static_cast<std::size_t>(camera.width) +
+         static_cast<std::size_t>(std::lround(q.x()));
+}
+
 /** \brief The depth image of a PCL class's input, restricted to the indices if there are any. Its camera is
  * the given one; if nothing is set, the camera is recovered from the points. Of a whole cloud, a grid of
  * holes is filled (hole_grid.h): points without coordinates may have depth in the image.
  *
+ * A cloud that is not organized, as after a filter, is seen by the given camera from the origin of its
+ * coordinates: each pixel has the depth of its nearest point (pixelOf()).
+ *
  * \param cloud, indices may be null
- * \param why_not receives a sentence if the result is empty: there is no organized cloud, the indices do not
- * fit it, or the camera is impossible, of another size, not to be had from the points, or does not see them
+ * \param why_not receives a sentence if the result is empty: there is no cloud, or an unorganized one
+ * without a camera or outside of its image, the indices do not fit it, or the camera is impossible, of another size, not to be had from the points, or does not see them
  * where they are */
 template <typename PointT>
 std::optional<DepthImage> depthImageOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,

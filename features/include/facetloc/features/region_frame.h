@@ -30,7 +30,7 @@ namespace facetloc {
  * \return the segment in that frame, its normal away from the viewpoint; nothing for points that span no
  * plane, or fail a test of the parameters (METHOD 8) */
 std::optional<Segment> regionSegment(const std::vector<Eigen::Vector3d>& points,
-                                     const Eigen::Vector3d& viewpoint, const ImageNoise& noise,
+                                     const Eigen::Vector3d& viewpoint, const SensorNoise& noise,
                                      const SegmentEstimationParams& params = {});
 
 /** \brief The segment of a region of which only plane and outline are known: what a camera would measure that
@@ -38,21 +38,21 @@ std::optional<Segment> regionSegment(const std::vector<Eigen::Vector3d>& points,
  * \param outline points on the plane, whose convex hull is the region */
 std::optional<Segment> regionSegment(const Eigen::Vector4d& plane,
                                      const std::vector<Eigen::Vector3d>& outline,
-                                     const Eigen::Vector3d& viewpoint, const ImageNoise& noise,
+                                     const Eigen::Vector3d& viewpoint, const SensorNoise& noise,
                                      const SegmentEstimationParams& params = {});
 
 /** \brief Both in PCL's words: the inliers of a segmenter, which need no coefficients. Indices beyond the
  * cloud do not count. */
 template <typename PointT>
 std::optional<SegmentFrame> regionFrame(const pcl::PointCloud<PointT>& cloud, const pcl::Indices& inliers,
-                                        const Eigen::Vector3f& viewpoint, const ImageNoise& noise,
+                                        const Eigen::Vector3f& viewpoint, const SensorNoise& noise,
                                         const SegmentEstimationParams& params = {});
 /** \brief The coefficients of a segmenter and the points of its hull. Nothing for other than four
  * coefficients. */
 template <typename PointT>
 std::optional<SegmentFrame> regionFrame(const pcl::ModelCoefficients& plane,
                                         const pcl::PointCloud<PointT>& hull, const Eigen::Vector3f& viewpoint,
-                                        const ImageNoise& noise, const SegmentEstimationParams& params = {});
+                                        const SensorNoise& noise, const SegmentEstimationParams& params = {});
 
 }  // namespace facetloc
 

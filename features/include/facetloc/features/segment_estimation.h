@@ -46,12 +46,10 @@ Eigen::Matrix3d paperCovariance(const Eigen::Vector3d& normal, const Eigen::Vect
 Eigen::Matrix3d slopeOffsetCovariance(const Eigen::Matrix3d& R, const Eigen::Vector3d& t, double rho,
                                       const Eigen::Matrix3d& Sigma_m);
 
-/** \brief Errors of the depths of one image: those of the camera, as far as the image does not say more. */
-struct ImageNoise : SensorNoise {
-  double correlation_px = 0;  ///< over which pixels share their noise, if it is smooth; 0 = not [px]
-
-  ImageNoise() = default;
-  ImageNoise(const SensorNoise& camera) : SensorNoise(camera) {}
+/** \brief A region that is no segment. */
+struct LeftOutRegion {
+  int label = 0;
+  const char* reason = "";  ///< such as "is seen edge-on"
 };
 
 /** \brief Estimates the segments of a labelled depth image. Keeps its buffers between images; use one per
@@ -68,9 +66,11 @@ public:
    * already scaledTo() the noise of the image.
    * \param segments receives the segments, sorted by information content (METHOD 9). Labels that fail a
    * test of the parameters are left out; an empty or all-invalid image gives an empty list.
-   * \param kept receives the label of each of them. Throws std::invalid_argument if the sizes differ. */
-  void estimate(const DepthImage& image, const LabelImage& labels, const ImageNoise& noise,
-                std::vector<Segment>& segments, std::vector<int>& kept);
+   * \param kept receives the label of each of them. \param left_out receives, if given, the other labels of the
+   * image and why. Throws std::invalid_argument if the sizes differ. */
+  void estimate(const DepthImage& image, const LabelImage& labels, const SensorNoise& noise,
+                std::vector<Segment>& segments, std::vector<int>& kept,
+                std::vector<LeftOutRegion>* left_out = nullptr);
 
 private:
   struct Buffers;
@@ -80,8 +80,9 @@ private:
 
 /** \brief The same once. \param kept receives, if given, the label of each returned segment. */
 std::vector<Segment> estimateSegments(const DepthImage& image, const LabelImage& labels,
-                                      const ImageNoise& noise, const SegmentEstimationParams& params,
-                                      std::vector<int>* kept = nullptr);
+                                      const SensorNoise& noise, const SegmentEstimationParams& params,
+                                      std::vector<int>* kept = nullptr,
+                                      std::vector<LeftOutRegion>* left_out = nullptr);
 
 /** \brief Order of segments by the share of information that each provides about translation along its normal
  * (METHOD 9, the ranking of the paper's reference [14]); ties by index. */

@@ -19,6 +19,7 @@ namespace facetloc {
  *     camera=azure_kinect                        optional: noise and largest depth of a CameraPreset
  *     inverse_depth_std=0.00142                  optional, see SensorNoise, as are
  *     depth_std=0.001  depth_std_slope=0.001  distortion_offset=0.0007  distortion_slope=0.0014
+ *     correlation_px=4
  *     max_depth=5                                optional: farther pixels count as not measured [m]
  *
  * (several pairs on one line are accepted, as written here). What a key says counts more than the preset. A

@@ -17,7 +17,9 @@ namespace facetloc {
  *     registration.align(aligned);
  *     if (registration.hasConverged()) use(registration.getFinalPose(), registration.getFinalCovariance());
  *
- * Frames alone carry no depth: the dense steps are skipped. Invalid frames (NaN) are left out.
+ * Frames alone carry no depth: the dense steps are skipped. They carry the noise that they were seen with
+ * (SegmentFrame::noise), by which poses of a noisier camera may be less certain; 0 counts as a Kinect's.
+ * Invalid frames (NaN) are left out.
  *
  * As PCL's base promises, setCorrespondenceEstimation() and addCorrespondenceRejector() choose the pairs that
  * the search may use, in place of SegmentMatching with the parameters of the registration. An estimation of

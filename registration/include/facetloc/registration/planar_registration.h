@@ -11,8 +11,8 @@ namespace facetloc {
  * pcl::Registration<PointT, PointT>.
  *
  * Source and target are depth images as organized clouds; they need no overlap guess better than the prior,
- * no normals and no search tree. Indices restrict
- * the source's points. */
+ * no normals and no search tree. Indices restrict the source's points. Clouds that are not organized, as
+ * after a filter, need a camera with intrinsics (setCamera), at the origin of their coordinates. */
 template <typename PointT>
 class PlanarRegistration : public RankedRegistration<PointT> {
 public:
@@ -32,7 +32,8 @@ public:
     this->forgetTarget();
   }
   const Camera& getCamera() const { return camera_; }
-  /** \brief Width that clouds are subsampled to before segmentation [px]; 0 = full size. 320 unless set. */
+  /** \brief Width that clouds are subsampled to before segmentation [px]; 0 = full size. 320 unless set. Larger
+   * clouds that have no sure answer so are registered once more at full size. */
   void setWorkingWidth(int width) {
     working_width_ = width;
     this->forgetTarget();
@@ -41,6 +42,7 @@ public:
 protected:
   View makeView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices,
                 std::string& why_empty) override;
+  std::optional<View> makeFinerView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices) override;
 
 private:
   ViewParams view_params_;

@@ -155,6 +155,12 @@ protected:
   /** \brief The view of the chosen points of a cloud, or without segments and why there are none. */
   virtual View makeView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices,
                         std::string& why_empty) = 0;
+  /** \brief A finer view of the same points, by which they are registered if the usual one leaves no sure answer;
+   * nothing if there is none. */
+  virtual std::optional<View> makeFinerView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices) {
+    static_cast<void>(cloud), static_cast<void>(indices);
+    return std::nullopt;
+  }
   /** \brief Moves one point and turns its normal; points with more than these override it. */
   virtual void transformPoint(const Eigen::Isometry3d& T, PointT& p) const {
     p.getVector3fMap() = (T * p.getVector3fMap().template cast<double>()).template cast<float>();
@@ -172,7 +178,10 @@ protected:
     return std::nullopt;
   }
   /** \brief To be called when the view of the target would come out another. */
-  void forgetTarget() { in_target_.reset(); }
+  void forgetTarget() {
+    in_target_.reset();
+    in_finer_target_.reset();
+  }
   void computeTransformation(PointCloudSource& output, const Matrix4& guess) override;
 
   using Base::converged_;
@@ -193,6 +202,7 @@ private:
   void rememberIndices();
   void applyIndices();
   void readTarget();
+  void lookCloser(const pcl::Indices* indices, const PoseWithCovariance& prior);
   std::optional<std::vector<SegmentPair>> pairsOf(const View& scene, const PoseWithCovariance& guess);
   void warnOfSetters();
 
@@ -202,6 +212,7 @@ private:
   std::optional<Matrix6d> prior_covariance_;
   double min_probability_ = kMinProbability;
   std::shared_ptr<const PairRegistration> in_target_;  // null until the target was read
+  std::shared_ptr<const PairRegistration> in_finer_target_;  // null until it is needed
   std::string target_fault_;
   int unset_iterations_ = this->max_iterations_;
   bool has_warned_ = false;

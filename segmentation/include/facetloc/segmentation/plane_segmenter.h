@@ -17,7 +17,7 @@ struct LabelledPlanes {
   std::vector<PixelPlane> planes;  ///< planes[k - 1] of label k, in inverse depth [1/m]
   std::vector<int> support;        ///< labelled pixels of label k
   double noise = 0;                ///< inverse-depth noise of the image [1/m]; tolerances are multiples of it
-  double correlation_px = 0;       ///< over which pixels share it, if it is smooth; 0 = not [px]
+  double correlation_px = 0;       ///< over which pixels share it, if it is smooth; 0 = not [px at 320x240]
 };
 
 /** \brief Cuts depth images into planar surface segments: split, merge, label, hand over boundary pixels.

@@ -97,7 +97,7 @@ std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, co
     return {};
   };
   if (!cloud || cloud->empty()) return none("no input cloud");
-  if (!isOrganized(*cloud)) return none("the cloud is not organized");
+  if (!isOrganized(*cloud)) return none("the cloud is not organized; set a camera with intrinsics, which sees it from the origin");
   if (indices && !areIndicesOf(*cloud, *indices)) return none("the indices do not fit the cloud");
   const bool is_set = given != Intrinsics();
   if (is_set && !given.valid()) return none("the camera that was set is impossible");
@@ -114,11 +114,46 @@ std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, co
   return camera;
 }
 
+/** \brief What the camera sees of points in any order. */
+template <typename PointT>
+std::optional<DepthImage> seenImage(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices,
+                                    const Intrinsics& camera, std::string& why_not) {
+  DepthImage image;
+  image.camera = camera;
+  image.depth.assign(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height), 0.f);
+  std::size_t seen = 0, finite = 0;
+  const auto add = [&](const PointT& p) {
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return;
+    ++finite;
+    const auto pixel = pixelOf(p, camera);
+    if (!pixel) return;
+    ++seen;
+    float& depth = image.depth[*pixel];
+    if (depth == 0 || p.z < depth) depth = p.z;
+  };
+  if (indices)
+    for (const auto i : *indices) add(cloud[static_cast<std::size_t>(i)]);
+  else
+    for (const PointT& p : cloud) add(p);
+  if (2 * seen < finite) {
+    why_not = "the cloud is not organized, and the camera that was set, at the origin of its coordinates, does "
+              "not see most of its points";
+    return {};
+  }
+  if (!indices) fillHoleGrid(image);
+  return image;
+}
+
 }  // namespace detail
 
 template <typename PointT>
 std::optional<DepthImage> depthImageOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,
                                             const Intrinsics& given, std::string& why_not) {
+  if (cloud && !cloud->empty() && !isOrganized(*cloud) && given.valid()) {
+    if (!indices || areIndicesOf(*cloud, *indices)) return detail::seenImage(*cloud, indices, given, why_not);
+    why_not = "the indices do not fit the cloud";
+    return {};
+  }
   const std::optional<Intrinsics> camera = detail::cameraOfInput(cloud, indices, given, why_not);
   if (!camera) return {};
   DepthImage image = depthImage(*cloud, *camera);

@@ -9,7 +9,7 @@ namespace facetloc {
 
 template <typename PointT>
 std::optional<SegmentFrame> regionFrame(const pcl::PointCloud<PointT>& cloud, const pcl::Indices& inliers,
-                                        const Eigen::Vector3f& viewpoint, const ImageNoise& noise,
+                                        const Eigen::Vector3f& viewpoint, const SensorNoise& noise,
                                         const SegmentEstimationParams& params) {
   std::vector<Eigen::Vector3d> points;
   points.reserve(inliers.size());
@@ -24,7 +24,7 @@ std::optional<SegmentFrame> regionFrame(const pcl::PointCloud<PointT>& cloud, co
 template <typename PointT>
 std::optional<SegmentFrame> regionFrame(const pcl::ModelCoefficients& plane,
                                         const pcl::PointCloud<PointT>& hull, const Eigen::Vector3f& viewpoint,
-                                        const ImageNoise& noise, const SegmentEstimationParams& params) {
+                                        const SensorNoise& noise, const SegmentEstimationParams& params) {
   if (plane.values.size() != 4) return std::nullopt;
   std::vector<Eigen::Vector3d> outline;
   for (const PointT& p : hull) outline.push_back(p.getVector3fMap().template cast<double>());

@@ -15,4 +15,13 @@ View PlanarRegistration<PointT>::makeView(const pcl::PointCloud<PointT>& cloud, 
   return view;
 }
 
+template <typename PointT>
+std::optional<View> PlanarRegistration<PointT>::makeFinerView(const pcl::PointCloud<PointT>& cloud,
+                                                              const pcl::Indices* indices) {
+  std::string why_empty;
+  const auto image = depthImageOfInput(&cloud, indices, camera_.intrinsics, why_empty);
+  if (!image || subsamplingStep(image->camera, working_width_) == 1) return std::nullopt;
+  return ViewBuilder(camera_, view_params_).build(*image);
+}
+
 }  // namespace facetloc

@@ -132,6 +132,25 @@ void RankedRegistration<PointT>::readTarget() {
   in_target_ = std::make_shared<const PairRegistration>(makeView(*target_, nullptr, target_fault_), params_);
 }
 
+// Small surfaces that a finer view shows fit by chance more often: a list that it had to be asked for is less
+// probable to hold the right pose.
+template <typename PointT>
+void RankedRegistration<PointT>::lookCloser(const pcl::Indices* indices, const PoseWithCovariance& prior) {
+  constexpr double kDoubt = 1.6;  // [nats of the probability]
+  if (!in_finer_target_) {
+    std::optional<View> target = makeFinerView(*target_, nullptr);
+    if (!target) return;
+    RegistrationParams params = params_;
+    double& incomplete = params.probability.map_incomplete;
+    incomplete = std::max(incomplete, std::min(0.999, 1 / (1 + std::exp(-params_.probability.priorLogOdds() - kDoubt))));
+    in_finer_target_ = std::make_shared<const PairRegistration>(std::move(*target), params);
+  }
+  const std::optional<View> scene = makeFinerView(*input_, indices);
+  if (!scene) return;
+  Localization closer = in_finer_target_->align(*scene, prior);
+  if (!closer.hypotheses.empty()) answer_ = std::move(closer);
+}
+
 // The distance of a correspondence, between two planes: of a point of one from the other.
 template <typename PointT>
 std::optional<std::vector<SegmentPair>> RankedRegistration<PointT>::pairsOf(const View& scene,
@@ -167,6 +186,7 @@ void RankedRegistration<PointT>::computeTransformation(PointCloudSource& output,
   reset("");
   warnOfSetters();
   std::string source_fault;
+  bool may_look_closer = false;
   readTarget();
   const View scene = makeView(*input_, use_indices_ ? indices_.get() : nullptr, source_fault);
   if (!indices_fit_) source_fault = "the indices do not fit the cloud";
@@ -182,11 +202,14 @@ void RankedRegistration<PointT>::computeTransformation(PointCloudSource& output,
   else if (!source_fault.empty())
     answer_.reason = "source: " + source_fault;
   else if (const std::optional<std::vector<SegmentPair>> pairs = pairsOf(scene, prior); !pairs)
-    answer_ = in_target_->align(scene, prior);
+    answer_ = in_target_->align(scene, prior), may_look_closer = true;
   else if (pairs->empty())
     answer_.reason = "no correspondence of source and target is left";
   else
     answer_ = in_target_->align(scene, prior, &*pairs);
+
+  if (may_look_closer && getState() != AnswerState::sure)
+    lookCloser(use_indices_ ? indices_.get() : nullptr, prior);
 
   const AnswerState state = getState();
   converged_ = state == AnswerState::sure;

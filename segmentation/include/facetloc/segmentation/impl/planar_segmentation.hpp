@@ -11,17 +11,36 @@ namespace facetloc {
 
 template <typename PointT>
 bool PlanarSegmentation<PointT>::compute() {
-  result_ = {};
   status_.clear();
   if (input_) this->initCompute();  // which complains aloud of none
   std::optional<DepthImage> image = depthImageOfInput(
       input_.get(), this->fake_indices_ ? nullptr : indices_.get(), camera_.intrinsics, status_);
-  if (!image) return false;
+  if (!image) {
+    result_ = {};
+    return false;
+  }
   this->deinitCompute();
   dropBeyond(camera_.max_depth, *image);
-  PlaneSegmenter(params_, camera_.noise).segment(*image, result_);
+  if (!segmenter_) segmenter_.emplace(params_, camera_.noise);
+  segmenter_->segment(*image, result_);
   if (result_.planes.empty()) status_ = "no planar segment of the minimum support";
   return true;
+}
+
+/** 0 for points that were not measured, and that a nearer one hides. */
+template <typename PointT>
+int PlanarSegmentation<PointT>::labelOf(std::size_t point) const {
+  const PointT& p = (*input_)[point];
+  if (isOrganized(*input_)) return std::isfinite(p.z) ? result_.labels.label[point] : 0;
+  const auto pixel = pixelOf(p, result_.camera);
+  if (!pixel) return 0;
+  constexpr double kHidden = 0.02;  // of depth
+  const int label = result_.labels.label[*pixel];
+  if (label == 0) return 0;
+  const double u = static_cast<double>(*pixel % static_cast<std::size_t>(result_.camera.width)),
+               v = static_cast<double>(*pixel / static_cast<std::size_t>(result_.camera.width));
+  const double inverse = result_.planes[static_cast<std::size_t>(label) - 1].at(u, v);
+  return std::abs(1 - inverse * p.z) <= kHidden ? label : 0;
 }
 
 template <typename PointT>
@@ -33,9 +52,8 @@ void PlanarSegmentation<PointT>::segment(std::vector<pcl::PointIndices>& segment
     segments[k].header = input_->header;
     segments[k].indices.reserve(result_.support[k]);
   }
-  for (std::size_t i = 0; i < result_.labels.label.size(); ++i)
-    if (const int k = result_.labels.label[i]; k > 0 && std::isfinite((*input_)[i].z))
-      segments[k - 1].indices.push_back(static_cast<int>(i));
+  for (std::size_t i = 0; i < input_->size(); ++i)
+    if (const int k = labelOf(i); k > 0) segments[k - 1].indices.push_back(static_cast<int>(i));
 }
 
 template <typename PointT>
@@ -61,7 +79,7 @@ void PlanarSegmentation<PointT>::segment(Labels& labels) {
   labels.width = input_->width;
   labels.height = input_->height;
   for (std::size_t i = 0; i < labels.size(); ++i)
-    labels[i].label = std::isfinite((*input_)[i].z) ? result_.labels.label[i] : 0;
+    labels[i].label = static_cast<std::uint32_t>(labelOf(i));
 }
 
 }  // namespace facetloc
