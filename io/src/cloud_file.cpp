@@ -11,9 +11,13 @@
 #include <pcl/point_types.h>
 
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <limits>
+#include <optional>
 #include <ostream>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 namespace facetloc {
@@ -52,9 +56,50 @@ void writeEmptyMesh(std::ostream& out) {
 
 }  // namespace
 
-void writeCloud(const std::filesystem::path& path, const DepthImage& image, const Eigen::Isometry3d& T) {
+std::vector<PointColour> readColours(const std::filesystem::path& path, const DepthImage& image) {
+  const PcdHeader header(path);
+  if (header.width() != image.camera.width || header.height() != image.camera.height) return {};
+  const pcl::PCLPointCloud2 raw = readPcd(path, header);
+  const auto offsetOf = [&raw](std::string_view name, std::uint8_t type) -> std::optional<std::size_t> {
+    for (const pcl::PCLPointField& f : raw.fields)
+      if (f.name == name && f.datatype == type && f.offset + sizeof(std::uint32_t) <= raw.point_step)
+        return f.offset;
+    return std::nullopt;
+  };
+  auto packed = offsetOf("rgb", pcl::PCLPointField::FLOAT32);
+  if (!packed) packed = offsetOf("rgb", pcl::PCLPointField::UINT32);
+  if (!packed) packed = offsetOf("rgba", pcl::PCLPointField::UINT32);
+  const auto z = offsetOf("z", pcl::PCLPointField::FLOAT32);
+  if (!packed || !z) return {};
+  std::vector<PointColour> colours;
+  std::size_t same = 0, measured = 0;
+  for (std::size_t i = 0; i < image.depth.size(); ++i) {
+    const std::uint8_t* point = raw.data.data() + i * raw.point_step;
+    std::uint32_t value;
+    float depth;
+    std::memcpy(&value, point + *packed, sizeof value);
+    std::memcpy(&depth, point + *z, sizeof depth);
+    colours.push_back({static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8),
+                       static_cast<std::uint8_t>(value)});
+    measured += image.depth[i] > 0;
+    same += image.depth[i] > 0 && depth == image.depth[i];
+  }
+  if (2 * same < measured) colours.clear();
+  return colours;
+}
+
+void writeCloud(const std::filesystem::path& path, const DepthImage& image, const Eigen::Isometry3d& T,
+                const std::vector<PointColour>& colours) {
   pcl::PCLPointCloud2 fields;
-  pcl::toPCLPointCloud2(pointsOf<pcl::PointXYZ>(image, T), fields);
+  if (colours.empty()) {
+    pcl::toPCLPointCloud2(pointsOf<pcl::PointXYZ>(image, T), fields);
+  } else {
+    if (colours.size() != image.depth.size())
+      throw std::invalid_argument("colours and image differ in size");
+    auto cloud = pointsOf<pcl::PointXYZRGB>(image, T);
+    for (std::size_t i = 0; i < cloud.size(); ++i) setColour(colours[i], cloud[i]);
+    pcl::toPCLPointCloud2(cloud, fields);
+  }
   writePcd(path, fields);
 }
 

@@ -53,6 +53,25 @@ TEST(CloudFile, HasTheMovedPointsOfTheImage) {
     }
 }
 
+TEST(CloudFile, KeepsTheColoursOfAnotherOne) {
+  const TemporaryFolder folder;
+  const DepthImage image = tilted();
+  std::vector<PointColour> colours(image.depth.size());
+  for (std::size_t i = 0; i < colours.size(); ++i) colours[i] = {static_cast<std::uint8_t>(i), 100, 7};
+  writeCloud(folder / "a.pcd", image, Eigen::Isometry3d::Identity(), colours);
+  const std::vector<PointColour> found = readColours(folder / "a.pcd", image);
+  ASSERT_EQ(found.size(), colours.size());
+  EXPECT_EQ(found[9].red, 9);
+  EXPECT_EQ(found[9].green, 100);
+  EXPECT_EQ(found[9].blue, 7);
+  writeCloud(folder / "moved.pcd", image, Eigen::Isometry3d(Eigen::Translation3d(0, 0, 1)), colours);
+  EXPECT_TRUE(readColours(folder / "moved.pcd", image).empty());  // other points than the image's
+  writeCloud(folder / "grey.pcd", image);
+  EXPECT_TRUE(readColours(folder / "grey.pcd", image).empty());
+  colours.pop_back();
+  EXPECT_THROW(writeCloud(folder / "b.pcd", image, Eigen::Isometry3d::Identity(), colours), std::invalid_argument);
+}
+
 TEST(CloudFile, HasLabelsAndTheirColours) {
   const TemporaryFolder folder;
   LabelImage labels{5, 4, std::vector<std::uint16_t>(20, 0)};

@@ -132,5 +132,27 @@ TEST(PlanarRegistration, HasConvergedIfItIsSure) {
   EXPECT_THROW(registration->setMinProbability(1.01), std::invalid_argument);
 }
 
+// What a filter has left has an answer with the camera that saw it.
+TEST(PlanarRegistration, FilteredCloudsAreRegisteredByTheirCamera) {
+  const auto filtered = [](const Eigen::Isometry3d& T_w_c, unsigned seed) {
+    const auto cloud = organizedCloud<pcl::PointXYZ>(test::imageFrom(T_w_c, seed));
+    auto left = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+    for (const pcl::PointXYZ& p : *cloud)
+      if (pcl::isXYZFinite(p)) left->push_back(p);
+    return left;
+  };
+  PlanarRegistration<pcl::PointXYZ> registration;
+  Camera camera;
+  camera.intrinsics = test::smallCamera();
+  registration.setCamera(camera);
+  registration.setInputSource(filtered(test::kNearPose, 2));
+  registration.setInputTarget(filtered(test::kTargetPose, 1));
+  pcl::PointCloud<pcl::PointXYZ> aligned;
+  registration.align(aligned);
+  ASSERT_TRUE(registration.hasConverged()) << registration.getStatus();
+  const Eigen::Isometry3d truth = test::kTargetPose.inverse() * test::kNearPose;
+  EXPECT_LT((registration.getFinalPose().translation() - truth.translation()).norm(), 0.02);
+}
+
 }  // namespace
 }  // namespace facetloc

@@ -221,5 +221,25 @@ TYPED_TEST(PlanarSegmentationTest, SettersSetWhatGettersGet) {
   EXPECT_THAT(this->segmentation->getStatus(), HasSubstr("minimum support"));
 }
 
+// What a filter has left is seen by the camera that is set.
+TYPED_TEST(PlanarSegmentationTest, FilteredCloudsAreSegmentedByTheirCamera) {
+  this->segmentation->setInputCloud(this->cloud);
+  this->segmentationOf().setCamera({test::smallCamera(), {}, {}, {}});
+  this->segmentation->segment(this->segments);
+  const std::size_t organized = this->segments.size();
+  auto filtered = pcl::make_shared<pcl::PointCloud<TypeParam>>();
+  for (const auto& p : *this->cloud)
+    if (std::isfinite(p.z)) filtered->push_back(p);
+  this->segmentation->setInputCloud(filtered);
+  this->segmentation->segment(this->segments);
+  EXPECT_EQ(this->segments.size(), organized) << this->segmentation->getStatus();
+  for (const auto& segment : this->segments)
+    for (const auto i : segment.indices) ASSERT_LT(static_cast<std::size_t>(i), filtered->size());
+  for (auto& p : *filtered) p.x += 100;
+  this->expectNothingFrom(filtered, "does not see most of its points");
+  this->segmentationOf().setCamera({});
+  this->expectNothingFrom(filtered, "set a camera");
+}
+
 }  // namespace
 }  // namespace facetloc

@@ -69,7 +69,10 @@ void RegisterApp::addOptions(CommandLine& line) {
 /** The first pose, sure or not, moves it. */
 void RegisterApp::writeAligned(const DepthSequence& source, const Eigen::Isometry3d& T_target_source) const {
   if (!source.ofSegments()) {
-    writeCloud(aligned_, source.load(0), T_target_source);
+    const DepthImage image = source.load(0);
+    const fs::path& path = source.frames()[0].path;
+    writeCloud(aligned_, image, T_target_source,
+               path.extension() == ".pcd" ? readColours(path, image) : std::vector<PointColour>());
     return;
   }
   std::vector<Segment> moved = source.segments(0);

@@ -31,11 +31,4 @@ Matrix6d informationOf(const ExtentMeasurement& m) {
   return m.H.transpose() * W.solve(m.H);
 }
 
-Matrix6d informationOfExtents(const std::vector<Segment>& segments) {
-  Matrix6d information = Matrix6d::Zero();
-  for (const Segment& s : segments)
-    information += informationOf(measureExtent(s, s, Eigen::Isometry3d::Identity()));
-  return information;
-}
-
 }  // namespace facetloc::internal

@@ -4,8 +4,6 @@
 #include <facetloc/features/pose.h>
 #include <facetloc/features/segment.h>
 
-#include <vector>
-
 namespace facetloc::internal {
 
 /** \brief Where two segments are that overlap, along their common plane (METHOD 3.5): the distance of the
@@ -22,9 +20,5 @@ ExtentMeasurement measureExtent(const Segment& scene, const Segment& model, cons
 
 /** \brief H^T W^-1 H; zero where W is singular. */
 Matrix6d informationOf(const ExtentMeasurement& m);
-
-/** \brief What the extents of segments could say at most of a pose from which they are seen: each measured
- * against itself. */
-Matrix6d informationOfExtents(const std::vector<Segment>& segments);
 
 }  // namespace facetloc::internal

@@ -136,13 +136,15 @@ void RankedRegistration<PointT>::readTarget() {
 // probable to hold the right pose.
 template <typename PointT>
 void RankedRegistration<PointT>::lookCloser(const pcl::Indices* indices, const PoseWithCovariance& prior) {
-  constexpr double kDoubt = 1.6;  // [nats of the probability]
+  constexpr double kDoubt = 2.3;  // odds of ten to one [nats]
   if (!in_finer_target_) {
     std::optional<View> target = makeFinerView(*target_, nullptr);
     if (!target) return;
     RegistrationParams params = params_;
     double& incomplete = params.probability.map_incomplete;
-    incomplete = std::max(incomplete, std::min(0.999, 1 / (1 + std::exp(-params_.probability.priorLogOdds() - kDoubt))));
+    const double odds = std::exp(params_.probability.priorLogOdds() + kDoubt);
+    constexpr double kMost = 0.999;
+    incomplete = std::max(incomplete, std::min(kMost, odds / (1 + odds)));
     in_finer_target_ = std::make_shared<const PairRegistration>(std::move(*target), params);
   }
   const std::optional<View> scene = makeFinerView(*input_, indices);

@@ -52,8 +52,13 @@ void PlanarSegmentation<PointT>::segment(std::vector<pcl::PointIndices>& segment
     segments[k].header = input_->header;
     segments[k].indices.reserve(result_.support[k]);
   }
-  for (std::size_t i = 0; i < input_->size(); ++i)
+  const auto add = [&](std::size_t i) {
     if (const int k = labelOf(i); k > 0) segments[k - 1].indices.push_back(static_cast<int>(i));
+  };
+  if (isOrganized(*input_))
+    for (std::size_t i = 0; i < input_->size(); ++i) add(i);
+  else
+    for (const auto i : *indices_) add(static_cast<std::size_t>(i));
 }
 
 template <typename PointT>
@@ -78,8 +83,11 @@ void PlanarSegmentation<PointT>::segment(Labels& labels) {
   labels.resize(input_->size());
   labels.width = input_->width;
   labels.height = input_->height;
-  for (std::size_t i = 0; i < labels.size(); ++i)
-    labels[i].label = static_cast<std::uint32_t>(labelOf(i));
+  const auto set = [&](std::size_t i) { labels[i].label = static_cast<std::uint32_t>(labelOf(i)); };
+  if (isOrganized(*input_))
+    for (std::size_t i = 0; i < labels.size(); ++i) set(i);
+  else
+    for (const auto i : *indices_) set(static_cast<std::size_t>(i));
 }
 
 }  // namespace facetloc
