@@ -2,7 +2,6 @@
 #include <facetloc/features/local_model.h>
 
 #include <algorithm>
-
 #include <fmt/format.h>
 #include <stdexcept>
 #include <utility>

@@ -280,7 +280,8 @@ struct SegmentEstimation::Buffers {
   std::vector<double> share;
 
   bool makeSegment(Region& r, const Intrinsics& camera, const SensorNoise& noise,
-                   const SegmentEstimationParams& params, double min_support, Segment& s, const char*& why_not);
+                   const SegmentEstimationParams& params, double min_support, Segment& s,
+                   const char*& why_not);
 };
 
 bool SegmentEstimation::Buffers::makeSegment(Region& r, const Intrinsics& camera, const SensorNoise& noise,

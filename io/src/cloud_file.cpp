@@ -94,8 +94,7 @@ void writeCloud(const std::filesystem::path& path, const DepthImage& image, cons
   if (colours.empty()) {
     pcl::toPCLPointCloud2(pointsOf<pcl::PointXYZ>(image, T), fields);
   } else {
-    if (colours.size() != image.depth.size())
-      throw std::invalid_argument("colours and image differ in size");
+    if (colours.size() != image.depth.size()) throw std::invalid_argument("colours and image differ in size");
     auto cloud = pointsOf<pcl::PointXYZRGB>(image, T);
     for (std::size_t i = 0; i < cloud.size(); ++i) setColour(colours[i], cloud[i]);
     pcl::toPCLPointCloud2(cloud, fields);

@@ -4,9 +4,9 @@
 #include "quad_tree.h"
 #include "region_merging.h"
 #include "relabel.h"
+#include "shared/image_noise.h"
 #include "shared/lanes.h"
 #include "shared/room.h"
-#include "shared/image_noise.h"
 
 #include <facetloc/segmentation/plane_segmenter.h>
 

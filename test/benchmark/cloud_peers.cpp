@@ -22,8 +22,8 @@ using Features = pcl::PointCloud<pcl::FPFHSignature33>;
 
 constexpr std::size_t kLeastPoints = 100;
 
-// Proportions to the edge of the voxels, of PCL's tutorials "Robust pose estimation of rigid objects" and "How to
-// use iterative closest point" (pairwise registration).
+// Proportions to the edge of the voxels, of PCL's tutorials "Robust pose estimation of rigid objects" and
+// "How to use iterative closest point" (pairwise registration).
 constexpr double kNormalRadius = 2, kFeatureRadius = 5, kInlierDistance = 2.5, kIcpDistance = 2;
 constexpr double kSampleDistance = 10;  // of "Aligning object templates to a point cloud"
 constexpr int kIcpIterations = 50, kPrerejectiveIterations = 50000, kInitialIterations = 500;
@@ -104,7 +104,8 @@ CloudAnswer refined(const CloudAnswer& coarse, const Described& source, const De
   pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> icp;
   icp.setMaxCorrespondenceDistance(kIcpDistance * params.voxel);
   icp.setMaximumIterations(kIcpIterations);
-  return run(icp, source.cloud, target.cloud, coarse.T.matrix().cast<float>(), kInlierDistance * params.voxel);
+  return run(icp, source.cloud, target.cloud, coarse.T.matrix().cast<float>(),
+             kInlierDistance * params.voxel);
 }
 
 template <class Registration>

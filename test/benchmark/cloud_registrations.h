@@ -22,7 +22,8 @@ struct CloudAnswer {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();  ///< T_target_source
   bool has_pose = false;
   bool converged = false;
-  double merit = 0;  ///< what it says of its quality, more is better: the probability, or the negative fitness
+  double merit =
+      0;  ///< what it says of its quality, more is better: the probability, or the negative fitness
 };
 
 /** \brief A way to register two organized clouds as a depth camera gives them. */
@@ -55,11 +56,11 @@ struct PeerParams {
 /** \brief The points of a depth image as an organized cloud, NaN where nothing is measured. */
 Cloud::Ptr organizedCloud(const DepthImage& image);
 
-/** \brief PlanarRegistration, and PlanarSegmentation, SegmentFrameEstimation and EkfRegistration, with nothing set but the
- * camera. */
+/** \brief PlanarRegistration, and PlanarSegmentation, SegmentFrameEstimation and EkfRegistration, with
+ * nothing set but the camera. */
 std::vector<CloudRegistration> ours(const Camera& camera);
-/** \brief FPFH with SampleConsensusPrerejective and with SampleConsensusInitialAlignment, each refined by ICP; GICP and NDT
- * from the identity. */
+/** \brief FPFH with SampleConsensusPrerejective and with SampleConsensusInitialAlignment, each refined by
+ * ICP; GICP and NDT from the identity. */
 std::vector<CloudRegistration> peers(const PeerParams& params);
 
 }  // namespace facetloc::benchmarks

@@ -4,14 +4,17 @@
 //
 //   score_pairs [--param=value ...] [--clouds | --peers] SEQUENCE...
 //
-// The sequences have ground truth in one common world. Pairs are 0.6-1.7 m and 20-60 deg apart by the true poses and
-// share at least 30 % of their pixels (--min_distance=..., see PairChoice); a fixed seed chooses them. The prior is
-// 60 deg and 1.5 m about the identity. Registered = within 0.3 m and 10 deg of the truth; sure = with a probability of
-// 0.9 or more, by depth and by segments alone. Where the sequences reach that far, unrelated pairs follow, more than
-// 4 m apart and without a pixel in common, of which none should be sure.
+// The sequences have ground truth in one common world. Pairs are 0.6-1.7 m and 20-60 deg apart by the true
+// poses and share at least 30 % of their pixels (--min_distance=..., see PairChoice); a fixed seed chooses
+// them. The prior is 60 deg and 1.5 m about the identity. Registered = within 0.3 m and 10 deg of the truth;
+// sure = with a probability of 0.9 or more, by depth and by segments alone. Where the sequences reach that
+// far, unrelated pairs follow, more than 4 m apart and without a pixel in common, of which none should be
+// sure.
 //
-// --clouds: the same pairs as organized clouds of full size, by the PCL classes with nothing set but --camera=PRESET.
-// --peers: beside PCL's own registrations. --others=SEQUENCE: unrelated pairs are completed by one image of each.
+// --clouds: the same pairs as organized clouds of full size, by the PCL classes with nothing set but
+// --camera=PRESET.
+// --peers: beside PCL's own registrations. --others=SEQUENCE: unrelated pairs are completed by one image of
+// each.
 #include "cloud_registrations.h"
 #include "posed_pairs.h"
 #include "set_parameter.h"
@@ -22,6 +25,8 @@
 #include <facetloc/registration/pair_registration.h>
 #include <facetloc/segmentation/view_builder.h>
 
+#include <pcl/console/print.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -29,7 +34,6 @@
 #include <cstdlib>
 #include <limits>
 #include <optional>
-#include <pcl/console/print.h>
 #include <random>
 
 namespace {
@@ -53,9 +57,7 @@ PairError errorOf(const Eigen::Isometry3d& T, const Eigen::Isometry3d& truth) {
   return {(T.translation() - truth.translation()).norm(),
           rotationAngle(T.linear() * truth.linear().transpose())};
 }
-PairError errorOf(const Hypothesis& h, const Eigen::Isometry3d& truth) {
-  return errorOf(h.T_m_c.T, truth);
-}
+PairError errorOf(const Hypothesis& h, const Eigen::Isometry3d& truth) { return errorOf(h.T_m_c.T, truth); }
 
 double medianOrZero(std::vector<double> values) {
   return values.empty() ? 0 : internal::median(values.begin(), values.end());
@@ -79,7 +81,9 @@ double probabilityOf(const Localization& answer) {
   return answer.hypotheses.empty() ? 0 : answer.hypotheses.front().probability;
 }
 
-View viewOf(const PosedFrame& frame, ViewBuilder& builder) { return builder.build(frame.image(kWorkingWidth)); }
+View viewOf(const PosedFrame& frame, ViewBuilder& builder) {
+  return builder.build(frame.image(kWorkingWidth));
+}
 
 void scoreUnrelated(const std::vector<PosedFrame>& frames, const std::vector<FramePair>& pairs,
                     ViewBuilder& builder, const RegistrationParams& params) {
@@ -87,8 +91,7 @@ void scoreUnrelated(const std::vector<PosedFrame>& frames, const std::vector<Fra
   int sure = 0, sure_by_segments = 0, any = 0;
   double highest = 0, highest_by_segments = 0;
   for (const auto& [i, j] : pairs) {
-    const PairAnswers answers =
-        registerPair(viewOf(frames[i], builder), viewOf(frames[j], builder), params);
+    const PairAnswers answers = registerPair(viewOf(frames[i], builder), viewOf(frames[j], builder), params);
     const double p = probabilityOf(answers.by_depth), q = probabilityOf(answers.by_segments);
     std::printf("%-11s %-11s unrelated, %.2f m apart: probability %.3f, by segments alone %.3f\n",
                 frames[i].name().c_str(), frames[j].name().c_str(),
@@ -112,7 +115,8 @@ void scoreRelated(const std::vector<PosedFrame>& frames, const std::vector<Frame
   std::printf("source      target      distance angle | hyps  rank   error        probability | segments\n");
   for (const auto& [i, j] : pairs) {
     const Eigen::Isometry3d truth = trueMotion(frames[i], frames[j]);
-    const DepthImage source_image = frames[i].image(kWorkingWidth), target_image = frames[j].image(kWorkingWidth);
+    const DepthImage source_image = frames[i].image(kWorkingWidth),
+                     target_image = frames[j].image(kWorkingWidth);
     auto start = std::chrono::steady_clock::now();
     const View scene = builder.build(source_image);
     const PairRegistration registration(builder.build(target_image), params);
@@ -182,7 +186,8 @@ struct CloudScore {
 
 void scoreClouds(const std::vector<CloudRegistration>& ways, const std::vector<PosedFrame>& frames,
                  const std::vector<FramePair>& related, const std::vector<FramePair>& unrelated) {
-  std::printf("of %zu related and %zu unrelated pairs, as clouds of full size:\n", related.size(), unrelated.size());
+  std::printf("of %zu related and %zu unrelated pairs, as clouds of full size:\n", related.size(),
+              unrelated.size());
   std::printf("%-44s %5s %10s %14s %10s %11s %9s\n", "", "right", "converged", "of these right", "unrelated",
               "told apart", "ms");
   for (const CloudRegistration& way : ways) {
@@ -200,9 +205,10 @@ void scoreClouds(const std::vector<CloudRegistration>& ways, const std::vector<P
       const PairError error = errorOf(answer.T, trueMotion(frames[pair.first], frames[pair.second]));
       score.add(answer, answer.has_pose && error.registered());
       if (std::getenv("SCORE_PAIRS_EACH"))
-        std::printf("  %-20s %s %s: pose %d converged %d merit %.4f error %.3f m %.1f deg\n", way.name.c_str(),
-                    frames[pair.first].name().c_str(), frames[pair.second].name().c_str(), answer.has_pose,
-                    answer.converged, answer.merit, error.translation, error.rotation / kDegree);
+        std::printf("  %-20s %s %s: pose %d converged %d merit %.4f error %.3f m %.1f deg\n",
+                    way.name.c_str(), frames[pair.first].name().c_str(), frames[pair.second].name().c_str(),
+                    answer.has_pose, answer.converged, answer.merit, error.translation,
+                    error.rotation / kDegree);
     }
     for (const FramePair& pair : unrelated) score.addUnrelated(align(pair));
     std::printf("%-44s %5d %10d %14d %10d %11ld %9.1f\n", way.name.c_str(), score.right, score.converged,
@@ -239,8 +245,8 @@ struct Options {
       return preset;
     }
     if (argument.rfind("--", 0) != 0) return folders.push_back(argument), true;
-    return setByArgument(pairs, argument) || setByArgument(peers, argument) || setByArgument(view, argument) ||
-           setByArgument(registration, argument);
+    return setByArgument(pairs, argument) || setByArgument(peers, argument) ||
+           setByArgument(view, argument) || setByArgument(registration, argument);
   }
 };
 
@@ -275,7 +281,8 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: score_pairs [--param=value ...] [--clouds | --peers] SEQUENCE...\n");
     return 2;
   }
-  const std::vector<DepthSequence> sequences = opened(options.folders), other_sequences = opened(options.others);
+  const std::vector<DepthSequence> sequences = opened(options.folders),
+                                   other_sequences = opened(options.others);
   std::vector<PosedFrame> frames = posedFrames(sequences);
   const std::vector<FramePair> related = relatedPairs(frames, options.pairs);
   if (related.empty()) {

@@ -170,7 +170,8 @@ TYPED_TEST(SegmentFrameEstimationTest, LabelsThatAreNoSegmentsAreListedWithTheir
     if (l.label) given.insert(l.label);
   const auto& left_out = this->estimation.leftOut();
   EXPECT_EQ(this->frames.size() + left_out.size(), given.size());
-  const auto small = std::find_if(left_out.begin(), left_out.end(), [](const auto& l) { return l.label == 900; });
+  const auto small =
+      std::find_if(left_out.begin(), left_out.end(), [](const auto& l) { return l.label == 900; });
   ASSERT_NE(small, left_out.end());
   EXPECT_THAT(small->reason, HasSubstr("too few"));
   EXPECT_THAT(inWords(left_out, given.size()), HasSubstr("900"));
@@ -182,15 +183,15 @@ TYPED_TEST(SegmentFrameEstimationTest, FilteredCloudsAreSeenFromTheirViewpoint) 
   const pcl::PointCloud<SegmentFrame> organized = this->frames;
   const Eigen::Vector3f moved(0.5f, -1, 2);
   auto filtered = pcl::make_shared<pcl::PointCloud<TypeParam>>();
-  auto labels = pcl::make_shared<pcl::PointCloud<pcl::Label>>();
+  auto left_labels = pcl::make_shared<pcl::PointCloud<pcl::Label>>();
   for (std::size_t i = 0; i < this->cloud->size(); ++i)
     if (auto p = (*this->cloud)[i]; std::isfinite(p.z) && i % 3 == 0) {
       p.getVector3fMap() += moved;
       filtered->push_back(p);
-      labels->push_back((*this->labels)[i]);
+      left_labels->push_back((*this->labels)[i]);
     }
   this->estimation.setInputCloud(filtered);
-  this->estimation.setLabels(labels);
+  this->estimation.setLabels(left_labels);
   this->estimation.setViewpoint(moved);
   this->estimation.compute(this->frames);
   ASSERT_GE(this->frames.size() + 2, organized.size());

@@ -69,7 +69,8 @@ TEST(CloudFile, KeepsTheColoursOfAnotherOne) {
   writeCloud(folder / "grey.pcd", image);
   EXPECT_TRUE(readColours(folder / "grey.pcd", image).empty());
   colours.pop_back();
-  EXPECT_THROW(writeCloud(folder / "b.pcd", image, Eigen::Isometry3d::Identity(), colours), std::invalid_argument);
+  EXPECT_THROW(writeCloud(folder / "b.pcd", image, Eigen::Isometry3d::Identity(), colours),
+               std::invalid_argument);
 }
 
 TEST(CloudFile, HasLabelsAndTheirColours) {

@@ -28,7 +28,7 @@ float median(float* x, std::size_t n) {
 }
 
 constexpr int kRows = 60, kFewRows = 20;  // give the median to a percent; tell smooth noise well enough
-constexpr double kApart = 6;  // [px at 320 columns] most triples of a room lie in one surface
+constexpr double kApart = 6;              // [px at 320 columns] most triples of a room lie in one surface
 constexpr double kSmooth =
     3;                       // times the noise of neighbours; a Kinect has 1.5 to 2.9, a stereo camera 3 to 7
 constexpr double kTrim = 3;  // larger differences are edges [noise of pixels farther apart]
@@ -115,13 +115,15 @@ std::optional<SmoothNoise> estimateSmoothNoise(const DepthImage& image, std::vec
   return SmoothNoise{far / std::sqrt(differenceVariance(2.0 * half, length) / 6), length};
 }
 
-void measureNoise(const DepthImage& image, double& noise, double& correlation_px, std::vector<float>& scratch) {
+void measureNoise(const DepthImage& image, double& noise, double& correlation_px,
+                  std::vector<float>& scratch) {
   noise = estimateNoise(image, noise, scratch);
   constexpr double kMuch = 0.5;  // of the noise: less may as well be rough
   const auto smooth = estimateSmoothNoise(image, scratch);
   if (!smooth || smooth->std < kMuch * noise) return;
   noise = std::max(noise, smooth->std);
-  correlation_px = std::max(correlation_px, smooth->correlation_px / std::sqrt(scaledPixels(1, image.camera)));
+  correlation_px =
+      std::max(correlation_px, smooth->correlation_px / std::sqrt(scaledPixels(1, image.camera)));
 }
 
 }  // namespace internal

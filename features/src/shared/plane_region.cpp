@@ -64,7 +64,8 @@ double correlatedPixels(const SensorNoise& noise, const Intrinsics& camera) {
 Eigen::Matrix3d uncertaintyOfFit(const PlaneRegion& region, const Segment& s, double rho,
                                  const Intrinsics& camera, const SensorNoise& noise,
                                  const SegmentEstimationParams& params) {
-  const double correlated = std::max(scaledPixels(kCorrelatedPixels, camera), correlatedPixels(noise, camera));
+  const double correlated =
+      std::max(scaledPixels(kCorrelatedPixels, camera), correlatedPixels(noise, camera));
   const double independent = std::max(kMinIndependent, region.support / correlated);
   const double std = noise.ofInverseDepth(s.t.z()), variance = std * std;
   Eigen::Matrix3d Sigma_m = (region.support / independent) * variance * region.rays.inverse();  // METHOD 7.3

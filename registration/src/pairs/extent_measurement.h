@@ -6,13 +6,13 @@
 
 namespace facetloc::internal {
 
-/** \brief Where two segments are that overlap, along their common plane (METHOD 3.5): the distance of the
+/** \brief Where two segments are that overlap, along their common plane (METHOD 6.6): the distance of the
  * centroids of the parts that either view shows, in the axes x' and y' of the model segment. Small surfaces
  * fix by it what their planes leave free; large ones hardly say anything. */
 struct ExtentMeasurement {
-  Eigen::Vector2d h;             ///< distance of the centroids [m]
-  Eigen::Matrix<double, 2, 6> H; ///< dh/dw by a left, decoupled perturbation of T_m_c
-  Eigen::Matrix2d W;             ///< variance of h among all positions at which the two overlap [m^2]
+  Eigen::Vector2d h;              ///< distance of the centroids [m]
+  Eigen::Matrix<double, 2, 6> H;  ///< dh/dw by a left, decoupled perturbation of T_m_c
+  Eigen::Matrix2d W;              ///< variance of h among all positions at which the two overlap [m^2]
 };
 
 /** \brief The measurement at a pose. */

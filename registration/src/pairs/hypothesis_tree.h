@@ -30,7 +30,7 @@ struct FoundPoses {
 /** \brief What the search of one local model found. */
 struct TreeSearchResult {
   FoundPoses by_pairs;
-  FoundPoses with_known;  ///< what pairs fix only together with what is known without them
+  FoundPoses with_known;             ///< what pairs fix only together with what is known without them
   std::vector<PoseNode> by_extents;  ///< complete only by where the segments of the pairs are in their planes
   int expansions = 0;
 };

@@ -101,9 +101,8 @@ void ViewRegistration::addComplete(const Query& query, const View& model,
     Hypothesis h;
     h.T_m_c = node.pose;
     h.pairs = node.pairs;
-    if (params_.steps.joint_refinement &&
-        !refineJointly(query.view.segments, model.segments, query.prior, params_.matching, {}, h, chosen,
-                       extents))
+    if (params_.steps.joint_refinement && !refineJointly(query.view.segments, model.segments, query.prior,
+                                                         params_.matching, {}, h, chosen, extents))
       continue;
     addDistinct(query, std::move(h), hypotheses);
   }

@@ -45,7 +45,8 @@ struct SensorNoise : DepthNoise {
   static constexpr double kLargestCorrelation = 100;  ///< [px at 320x240]
   double distortion_offset = 0.25 / kKinectGain;
   double distortion_slope = 0.5 / kKinectGain;
-  double correlation_px = 0;  ///< over which pixels share their noise, if it is smooth; 0 = not [px at 320x240]
+  double correlation_px =
+      0;  ///< over which pixels share their noise, if it is smooth; 0 = not [px at 320x240]
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {

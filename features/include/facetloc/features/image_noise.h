@@ -6,8 +6,8 @@
 
 namespace facetloc {
 
-/** \brief The noise of a depth image: that of its camera, raised to what the image itself shows, also where it
- * is smooth over many pixels (segmentation/METHOD 2.2, 2.3). The camera's for an empty image. */
+/** \brief Noise of a depth image, measured from its second differences, rough or smooth over many pixels
+ * (segmentation/METHOD 2.2, 2.3); at least the noise of its camera, which an empty image has. */
 SensorNoise measuredNoise(const DepthImage& image, const SensorNoise& of_camera);
 
 }  // namespace facetloc

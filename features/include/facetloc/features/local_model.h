@@ -29,8 +29,8 @@ struct View {
   double noise() const { return depth.noise.ofInverseDepth(DepthNoise::kUsualDepth); }
 };
 
-/** \brief A view of segments alone, without depth. It has their noise, the largest if they differ; \param usual
- * noise of those that do not know theirs */
+/** \brief A view of segments alone, without depth. It has their noise, the largest if they differ; \param
+ * usual noise of those that do not know theirs */
 View viewOfSegments(std::vector<Segment> segments, const DepthNoise& usual = {});
 
 /** \brief A pointer to what somebody else keeps. */

@@ -47,8 +47,8 @@ bool areIndicesOf(const pcl::PointCloud<PointT>& cloud, const pcl::Indices& indi
 template <typename PointT>
 DepthImage depthImage(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera);
 
-/** \brief The pixel, row-major, at which a camera at the origin sees a point; nothing for points that were not
- * measured or lie outside of its image. */
+/** \brief The pixel, row-major, at which a camera at the origin sees a point; nothing for points that were
+ * not measured or lie outside of its image. */
 template <typename PointT>
 std::optional<std::size_t> pixelOf(const PointT& p, const Intrinsics& camera) {
   if (!std::isfinite(p.x) || !std::isfinite(p.y) || !isMeasured(p.z)) return std::nullopt;
@@ -68,8 +68,8 @@ std::optional<std::size_t> pixelOf(const PointT& p, const Intrinsics& camera) {
  *
  * \param cloud, indices may be null
  * \param why_not receives a sentence if the result is empty: there is no cloud, or an unorganized one
- * without a camera or outside of its image, the indices do not fit it, or the camera is impossible, of another size, not to be had from the points, or does not see them
- * where they are */
+ * without a camera or outside of its image, the indices do not fit it, or the camera is impossible, of
+ * another size, not to be had from the points, or does not see them where they are */
 template <typename PointT>
 std::optional<DepthImage> depthImageOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,
                                             const Intrinsics& given, std::string& why_not);

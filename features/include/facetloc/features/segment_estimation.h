@@ -66,8 +66,8 @@ public:
    * already scaledTo() the noise of the image.
    * \param segments receives the segments, sorted by information content (METHOD 9). Labels that fail a
    * test of the parameters are left out; an empty or all-invalid image gives an empty list.
-   * \param kept receives the label of each of them. \param left_out receives, if given, the other labels of the
-   * image and why. Throws std::invalid_argument if the sizes differ. */
+   * \param kept receives the label of each of them. \param left_out receives, if given, the other labels of
+   * the image and why. Throws std::invalid_argument if the sizes differ. */
   void estimate(const DepthImage& image, const LabelImage& labels, const SensorNoise& noise,
                 std::vector<Segment>& segments, std::vector<int>& kept,
                 std::vector<LeftOutRegion>* left_out = nullptr);

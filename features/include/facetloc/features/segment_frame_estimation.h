@@ -21,7 +21,8 @@ struct LeftOutLabel {
   std::uint32_t label = 0;
   std::string reason;  ///< such as "is seen edge-on"
 };
-/** \brief "3 of 18 labels are no segments: 2, 7 (is seen edge-on); 11 (is too narrow)"; empty if none is left out. */
+/** \brief "3 of 18 labels are no segments: 2, 7 (is seen edge-on); 11 (is too narrow)"; empty if none is left
+ * out. */
 std::string inWords(const std::vector<LeftOutLabel>& left_out, std::size_t labels);
 
 /** \brief Segment frames of a labelled cloud, in PCL's feature vocabulary.
@@ -32,9 +33,9 @@ std::string inWords(const std::vector<LeftOutLabel>& left_out, std::size_t label
  *     estimation.compute(frames);       // frames[i] is the segment of label estimation.usedLabels()[i]
  *
  * Derived from PCLBase, since pcl::Feature is made for one feature per point. Indices restrict the supporting
- * points. A cloud that is not organized, as after a filter, is seen from setViewpoint() (region_frame.h). Bad data
- * (no cloud, labels of another size) gives an empty output and a sentence in getStatus(). Labels that are too small,
- * too narrow or seen edge-on are left out, and leftOut() lists them. */
+ * points. A cloud that is not organized, as after a filter, is seen from setViewpoint() (region_frame.h). Bad
+ * data (no cloud, labels of another size) gives an empty output and a sentence in getStatus(). Labels that
+ * are too small, too narrow or seen edge-on are left out, and leftOut() lists them. */
 template <typename PointT>
 class SegmentFrameEstimation : public pcl::PCLBase<PointT> {
 public:
@@ -53,8 +54,8 @@ public:
   void setCamera(const Camera& camera) { camera_ = camera; }
   const Camera& getCamera() const { return camera_; }
 
-  /** \brief Where the camera was, in the coordinates of a cloud that is not organized [m]; their origin unless
-   * set. */
+  /** \brief Where the camera was, in the coordinates of a cloud that is not organized [m]; their origin
+   * unless set. */
   void setViewpoint(const Eigen::Vector3f& viewpoint) { viewpoint_ = viewpoint; }
   const Eigen::Vector3f& getViewpoint() const { return viewpoint_; }
 

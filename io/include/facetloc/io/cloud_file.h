@@ -18,13 +18,13 @@ struct PointColour {
   std::uint8_t red = 0, green = 0, blue = 0;
 };
 
-/** \brief The colours of a PCD file, of each pixel of the image that was read from it. Empty if it has none, or
- * if its points are not in the axes and the order of the image. Throws IoError for an unreadable file. */
+/** \brief The colours of a PCD file, of each pixel of the image that was read from it. Empty if it has none,
+ * or if its points are not in the axes and the order of the image. Throws IoError for an unreadable file. */
 std::vector<PointColour> readColours(const std::filesystem::path& path, const DepthImage& image);
 
-/** \brief Writes the points of an image as an organized PCD (x, y, z, and rgb if there are colours), moved to other
- * axes; what was not measured is NaN. \param colours of each pixel, or none. Throws std::invalid_argument if they
- * are not as many as pixels. */
+/** \brief Writes the points of an image as an organized PCD (x, y, z, and rgb if there are colours), moved to
+ * other axes; what was not measured is NaN. \param colours of each pixel, or none. Throws
+ * std::invalid_argument if they are not as many as pixels. */
 void writeCloud(const std::filesystem::path& path, const DepthImage& image,
                 const Eigen::Isometry3d& T = Eigen::Isometry3d::Identity(),
                 const std::vector<PointColour>& colours = {});

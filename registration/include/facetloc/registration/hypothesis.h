@@ -50,9 +50,11 @@ struct Localization {
   std::string reason;                  ///< why there is no hypothesis; empty if there is one
   CameraDifference camera;             ///< what the view's camera has to do with the map's
   bool has_probabilities = true;       ///< false if scores are overlaps, whose probabilities mean nothing
-  bool fixes_pose = true;  ///< false if the first pose is known too roughly to be sure, whatever its probability
+  bool fixes_pose =
+      true;  ///< false if the first pose is known too roughly to be sure, whatever its probability
 
-  /** \brief Sure if the first pose is fixed and its place at least so probable, also against that the map does not hold it. */
+  /** \brief Sure if the first pose is fixed and its place at least so probable, also against that the map
+   * does not hold it. */
   AnswerState state(double min_probability = kMinProbability) const {
     if (hypotheses.empty()) return AnswerState::unknown;
     const bool sure = has_probabilities && fixes_pose && hypotheses.front().probability >= min_probability;

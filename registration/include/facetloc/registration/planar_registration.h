@@ -32,8 +32,8 @@ public:
     this->forgetTarget();
   }
   const Camera& getCamera() const { return camera_; }
-  /** \brief Width that clouds are subsampled to before segmentation [px]; 0 = full size. 320 unless set. Larger
-   * clouds that have no sure answer so are registered once more at full size. */
+  /** \brief Width that clouds are subsampled to before segmentation [px]; 0 = full size. 320 unless set.
+   * Larger clouds that have no sure answer so are registered once more at full size. */
   void setWorkingWidth(int width) {
     working_width_ = width;
     this->forgetTarget();
@@ -42,7 +42,8 @@ public:
 protected:
   View makeView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices,
                 std::string& why_empty) override;
-  std::optional<View> makeFinerView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices) override;
+  std::optional<View> makeFinerView(const pcl::PointCloud<PointT>& cloud,
+                                    const pcl::Indices* indices) override;
 
 private:
   ViewParams view_params_;

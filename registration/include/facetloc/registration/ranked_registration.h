@@ -155,9 +155,10 @@ protected:
   /** \brief The view of the chosen points of a cloud, or without segments and why there are none. */
   virtual View makeView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices,
                         std::string& why_empty) = 0;
-  /** \brief A finer view of the same points, by which they are registered if the usual one leaves no sure answer;
-   * nothing if there is none. */
-  virtual std::optional<View> makeFinerView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices) {
+  /** \brief A finer view of the same points, by which they are registered if the usual one leaves no sure
+   * answer; nothing if there is none. */
+  virtual std::optional<View> makeFinerView(const pcl::PointCloud<PointT>& cloud,
+                                            const pcl::Indices* indices) {
     static_cast<void>(cloud), static_cast<void>(indices);
     return std::nullopt;
   }
@@ -211,7 +212,7 @@ private:
   RegistrationParams params_;
   std::optional<Matrix6d> prior_covariance_;
   double min_probability_ = kMinProbability;
-  std::shared_ptr<const PairRegistration> in_target_;  // null until the target was read
+  std::shared_ptr<const PairRegistration> in_target_;        // null until the target was read
   std::shared_ptr<const PairRegistration> in_finer_target_;  // null until it is needed
   std::string target_fault_;
   int unset_iterations_ = this->max_iterations_;

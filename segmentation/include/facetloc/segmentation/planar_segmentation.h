@@ -20,8 +20,9 @@ namespace facetloc {
  *
  * NaN and zero depth are the normal case. Normals point towards the origin of the coordinates, where the
  * camera must be; the cloud's sensor_origin_ says where that is in the world and does not matter. Indices
- * restrict the points that are looked at to a part of the image; they are no sample. A cloud that is not organized,
- * as after a filter, needs a camera with intrinsics (setCamera). Keeps its buffers from cloud to cloud. */
+ * restrict the points that are looked at to a part of the image; they are no sample. A cloud that is not
+ * organized, as after a filter, needs a camera with intrinsics (setCamera). Keeps its buffers from cloud to
+ * cloud. */
 template <typename PointT>
 class PlanarSegmentation : public pcl::Segmentation<PointT> {
 public:

@@ -97,7 +97,8 @@ std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, co
     return {};
   };
   if (!cloud || cloud->empty()) return none("no input cloud");
-  if (!isOrganized(*cloud)) return none("the cloud is not organized; set a camera with intrinsics, which sees it from the origin");
+  if (!isOrganized(*cloud))
+    return none("the cloud is not organized; set a camera with intrinsics, which sees it from the origin");
   if (indices && !areIndicesOf(*cloud, *indices)) return none("the indices do not fit the cloud");
   const bool is_set = given != Intrinsics();
   if (is_set && !given.valid()) return none("the camera that was set is impossible");
@@ -136,8 +137,9 @@ std::optional<DepthImage> seenImage(const pcl::PointCloud<PointT>& cloud, const 
   else
     for (const PointT& p : cloud) add(p);
   if (2 * seen < finite) {
-    why_not = "the cloud is not organized, and the camera that was set, at the origin of its coordinates, does "
-              "not see most of its points";
+    why_not =
+        "the cloud is not organized, and the camera that was set, at the origin of its coordinates, does "
+        "not see most of its points";
     return {};
   }
   if (!indices) fillHoleGrid(image);

@@ -97,7 +97,8 @@ std::vector<Segment> SegmentFrameEstimation<PointT>::ofRegions(const std::vector
     if (is_large)
       found.push_back(*segment), labels.push_back(given[k]);
     else
-      left_out_.push_back({given[k], segment ? "is too small" : "is no plane of some width, seen from the viewpoint"});
+      left_out_.push_back(
+          {given[k], segment ? "is too small" : "is no plane of some width, seen from the viewpoint"});
   }
   std::vector<Segment> ranked;
   for (const int k : rankByInformation(found)) {
