@@ -6,6 +6,7 @@
 #include "cluttered_room.h"
 #include "depth_triangulation.h"
 #include "disparity_image.h"
+#include "shared/image_noise.h"
 #include "quad_tree.h"
 #include "region_merging.h"
 
