@@ -135,7 +135,7 @@ TEST(PlanarRegistration, HasConvergedIfItIsSure) {
 // What a filter has left has an answer with the camera that saw it.
 TEST(PlanarRegistration, FilteredCloudsAreRegisteredByTheirCamera) {
   const auto filtered = [](const Eigen::Isometry3d& T_w_c, unsigned seed) {
-    const auto cloud = organizedCloud<pcl::PointXYZ>(test::imageFrom(T_w_c, seed));
+    const auto cloud = test::organizedCloud<pcl::PointXYZ>(test::imageFrom(T_w_c, seed));
     auto left = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
     for (const pcl::PointXYZ& p : *cloud)
       if (pcl::isXYZFinite(p)) left->push_back(p);

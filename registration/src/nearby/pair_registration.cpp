@@ -4,6 +4,7 @@
 #include "pairs/mounting_check.h"
 #include "pairs/view_registration.h"
 
+#include <facetloc/features/chi_square.h>
 #include <facetloc/registration/pair_registration.h>
 #include <facetloc/registration/pose_prior.h>
 
@@ -27,6 +28,8 @@ Matrix6d aboutStart() {
   std << Eigen::Vector3d::Constant(kLooseRotation), Eigen::Vector3d::Constant(kLooseTranslation);
   return std.cwiseAbs2().asDiagonal();
 }
+
+constexpr double kGate = chiSquareQuantile(6, 0.999);  // of the prior
 
 /** The only view near a hypothesis is the target, whose camera frame is the world. */
 class PairRanking : public HypothesisRanking {
@@ -102,6 +105,7 @@ struct PairRegistration::Impl {
     for (const PoseWithCovariance& start : starts) {
       PoseWithCovariance found = alignView(query.view, surroundings, start, alignment).T_w_c;
       found = alignView(query.view, surroundings, {found.T, aboutStart()}, alignment).T_w_c;
+      if (!(squaredMahalanobis(prior, found.T) <= kGate)) continue;  // pixels alone lead anywhere
       std::optional<Hypothesis> h = registration.alignFrom({found.T, aboutStart()}, query, *target);
       if (!h) continue;
       h->T_m_c = found;
