@@ -29,6 +29,7 @@ Matrix6d aboutStart() {
   return std.cwiseAbs2().asDiagonal();
 }
 
+constexpr double kLeastAgreeing = 0.5;                 // of the depth pixels that are compared
 constexpr double kGate = chiSquareQuantile(6, 0.999);  // of the prior
 
 /** The only view near a hypothesis is the target, whose camera frame is the world. */
@@ -84,8 +85,11 @@ struct PairRegistration::Impl {
     if (params.steps.floor_information) of_floor = floorInformation(camera.mounting, params.prior);
   }
 
-  /** A noisier camera's poses count as complete with larger errors, which are too large for a sure answer. */
-  bool isFixed(const Matrix6d& P) const {
+  /** A noisier camera's poses count as complete with larger errors, which are too large for a sure answer;
+   * and two views whose pixels mostly disagree do not show the same, however well some planes fit. */
+  bool isFixed(const Hypothesis& h) const {
+    const Matrix6d& P = h.T_m_c.P;
+    if (h.explained.compared > 0 && h.explained.agreeing < kLeastAgreeing) return false;
     return largestRotationStd(P) <= params.tree.complete_rotation_deg * kDegree &&
            largestTranslationStd(P) <= params.tree.complete_translation;
   }
@@ -154,7 +158,7 @@ Localization PairRegistration::align(const View& view, const PoseWithCovariance&
     }
   }
   impl_->ranking.stateAsShown(view, prior, answer.hypotheses);
-  if (!answer.hypotheses.empty()) answer.fixes_pose = impl_->isFixed(answer.hypotheses.front().T_m_c.P);
+  if (!answer.hypotheses.empty()) answer.fixes_pose = impl_->isFixed(answer.hypotheses.front());
   if (answer.hypotheses.empty()) answer.reason = whyNoHypothesis(query, impl_->params.tree);
   return answer;
 }
