@@ -111,6 +111,15 @@ void insertPicture(Connection& db, int model_id, const PackedModel& packed) {
       .run();
 }
 
+void insertGravity(Connection& db, int model_id, const PackedModel& packed) {
+  if (!packed.view.gravity) return;
+  const Gravity& gravity = *packed.view.gravity;
+  describing(db, nameOf(model_id, packed.model.name), [&] { requireSound(gravity); });
+  if (!hasGravity(db)) db.execute(schema::kGravityTable);
+  Statement statement(db, schema::insert(schema::kGravityColumns, "gravity"));
+  (statement << model_id << gravity.down.x() << gravity.down.y() << gravity.down.z() << gravity.std).run();
+}
+
 int insertModel(Connection& db, const PackedModel& packed) {
   const LocalModel& model = packed.model;
   const int id = nextId(db, "model");
@@ -122,6 +131,7 @@ int insertModel(Connection& db, const PackedModel& packed) {
   statement.run();
   insertSegments(db, id, packed);
   insertPicture(db, id, packed);
+  insertGravity(db, id, packed);
   place_index_parts::remove(db);  // it does not know this model
   removeFindings(db);
   return id;

@@ -27,6 +27,7 @@ void MapReader::readAll(Views views) {
   readAmbiguity();
   readModels();
   if (views != Views::leave) readSegments();
+  readGravity();
   readPictures(views);
   readLinks();
 }
@@ -56,6 +57,11 @@ Map readSound(sqlite::Connection& db, bool with_views) {
   reader.requireSound();
   placeByLinks(map);
   return map;
+}
+
+/** Maps that were made before gravity could be measured lack its table. */
+bool hasGravity(sqlite::Connection& db) {
+  return Statement(db, "SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = 'gravity'").step();
 }
 
 /** Calls a function for every row; a bad row is reported with the label that the function has set so far. */
@@ -145,6 +151,16 @@ void MapReader::readSegments() {
                                     found[i]));
 }
 
+void MapReader::readGravity() {
+  if (!hasGravity(db_)) return;
+  forEachRow(schema::select(schema::kGravityColumns, "gravity", "model_id"),
+             [this](Statement& row, std::string& label) {
+               label = "the gravity";
+               View& view = views_[modelOf(row.integer(), label)];
+               view.gravity = map_rows::readGravity(row);
+             });
+}
+
 /** Before anything is unpacked: what all pictures would take, each of two bytes a pixel and as much for each
  * of two extremes, by what the file is large. Pictures of real images pack to a third, ones of blank walls to
  * a hundredth. */
@@ -213,7 +229,9 @@ ViewReader::ViewReader(Connection& db, const DepthNoise& noise)
       usual_noise_(noise),
       of_model_(db, ofModel(schema::kModelColumns, "model", "id")),
       segments_(db, ofModel(schema::kSegmentColumns, "segment", "model_id") + " ORDER BY idx"),
-      picture_(db, ofModel(schema::kPictureColumns, "depth_picture", "model_id")) {}
+      picture_(db, ofModel(schema::kPictureColumns, "depth_picture", "model_id")) {
+  if (hasGravity(db)) gravity_.emplace(db, ofModel(schema::kGravityColumns, "gravity", "model_id"));
+}
 
 PackedView ViewReader::read(int model) {
   PackedView packed;
@@ -235,6 +253,14 @@ PackedView ViewReader::read(int model) {
       view.segments.push_back(readSegment(segment.row()));
     }
     require(of_file.num_segments == static_cast<int>(view.segments.size()), "num_segments is wrong");
+
+    if (gravity_) {
+      const RowsOf gravity(*gravity_, model);
+      if (gravity->step()) {
+        gravity->skip(1);
+        view.gravity = map_rows::readGravity(gravity.row());
+      }
+    }
 
     const RowsOf picture(picture_, model);
     if (!picture->step()) return packed;

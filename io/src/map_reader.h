@@ -20,6 +20,9 @@ namespace facetloc {
 /** \brief "model 3 ('name')" */
 std::string nameOf(int model, const std::string& name);
 
+/** \brief Has a map file the table of gravity? */
+bool hasGravity(sqlite::Connection& db);
+
 /** \brief Reads a map; what is not sound is left out and told. For one reading each: all is of the time of
  * the first look, and who writes to the map waits until the reader is gone. */
 class MapReader {
@@ -48,6 +51,7 @@ private:
   void readAmbiguity();
   void readModels();
   void readSegments();
+  void readGravity();
   void requireMemoryForPictures();
   void readPictures(Views views);
   void readLinks();
@@ -91,6 +95,7 @@ private:
   sqlite::Connection& db_;
   DepthNoise usual_noise_;
   sqlite::Statement of_model_, segments_, picture_;  // of the model that is bound to them
+  std::optional<sqlite::Statement> gravity_;         // the same; nothing in a map without the table
 };
 
 }  // namespace facetloc

@@ -299,9 +299,19 @@ void requirePossibleScore(double score) {
   require(std::abs(score) <= kMost, "its score of wrong places is impossible");
 }
 
+void requireSound(const Gravity& gravity) { require(gravity.valid(), "its gravity is impossible"); }
+
 void requireSound(const MapAmbiguity& ambiguity) {
   requirePossibleScore(ambiguity.score);
   require(ambiguity.views > 0, "its number of views is impossible");
+}
+
+Gravity readGravity(Statement& row) {
+  Gravity gravity;
+  for (int k = 0; k < 3; ++k) gravity.down[k] = row.real();
+  gravity.std = row.real();
+  requireSound(gravity);
+  return gravity;
 }
 
 MapAmbiguity readAmbiguity(Statement& row) {

@@ -22,6 +22,7 @@ void requireSound(const Segment& segment);
 void requireSound(const LocalModel& model, const View& view);
 void requireSound(const Link& link);
 void requireSound(const MapAmbiguity& ambiguity);
+void requireSound(const Gravity& gravity);
 void requirePossibleScore(double score);
 
 sqlite::Statement& operator<<(sqlite::Statement& s, const Intrinsics& camera);
@@ -51,6 +52,7 @@ ModelRow readModel(sqlite::Statement& row);
 Link readLink(sqlite::Statement& row);
 Camera readCamera(sqlite::Statement& row);
 MapAmbiguity readAmbiguity(sqlite::Statement& row);
+Gravity readGravity(sqlite::Statement& row);
 
 /** \brief A depth picture as its row has it. */
 struct PackedPicture {

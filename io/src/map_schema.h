@@ -124,6 +124,17 @@ CREATE TABLE place_index(        -- what PlaceIndex has written, in parts; gone 
 ) STRICT;
 )sql";
 
+/** \brief Made in maps that hold gravity. */
+inline constexpr const char* kGravityTable = R"sql(
+CREATE TABLE gravity(            -- when the image of a model was taken, if it was measured
+  model_id INTEGER PRIMARY KEY REFERENCES model(id) ON DELETE CASCADE,
+  x REAL NOT NULL, y REAL NOT NULL, z REAL NOT NULL,  -- unit vector downwards, in the model's camera frame
+  std REAL NOT NULL CHECK(std > 0),  -- about each of two horizontal axes [rad]
+  CHECK(abs(x * x + y * y + z * z - 1) < 1e-6)
+) STRICT;
+)sql";
+
+/** \brief Tables without which a file is no map. */
 inline constexpr std::array<const char*, 8> kTableNames = {
     "meta", "camera", "ambiguity", "model", "segment", "depth_picture", "link", "place_index"};
 
@@ -156,6 +167,7 @@ inline constexpr const char* kCameraColumns =
     "distortion_slope, max_depth, mount_height, mount_tilt_deg, mount_roll_deg, mount_pan_deg, mount_x, "
     "mount_y, distortion_left, distortion_top, distortion_right, distortion_bottom, distortion";
 inline constexpr const char* kAmbiguityColumns = "id, score, views";
+inline constexpr const char* kGravityColumns = "model_id, x, y, z, std";
 inline constexpr const char* kIndexColumns = "part, crc32, data";
 
 inline std::string select(const std::string& columns, const std::string& table) {

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <fmt/format.h>
 #include <optional>
@@ -23,6 +24,7 @@ namespace fs = std::filesystem;
 constexpr const char* kHypotheses = "hypotheses.csv";
 constexpr const char* kTiming = "timing.csv";
 constexpr const char* kPoses = "poses_tum.txt";
+constexpr const char *kPosesOfPart = "poses_tum.part-", *kPosesEnding = ".txt";
 constexpr const char* kCovariances = "covariances.csv";
 constexpr const char* kStarts = "starts.csv";
 constexpr const char* kParams = "params.ini";
@@ -131,14 +133,41 @@ std::string timingLine(const FrameResult& frame) {
 }
 
 bool isOnTrajectory(const ResultRow& row) {
-  return row.rank == 1 && row.T_w_c && row.part.empty() && row.state == AnswerState::sure;
+  return row.rank == 1 && row.T_w_c && row.state == AnswerState::sure;
 }
 
-std::string poseLines(const FrameResult& frame) {
-  std::string lines;
+/** Lines of poses by the part of the map in whose frame they are; the world's is empty. */
+using PoseLines = std::map<std::string, std::string>;
+
+PoseLines poseLines(const FrameResult& frame) {
+  PoseLines lines;
   for (const ResultRow& row : frame.rows)
-    if (isOnTrajectory(row)) lines += tum::line({frame.stamp, *row.T_w_c});
+    if (isOnTrajectory(row)) lines[row.part] += tum::line({frame.stamp, *row.T_w_c});
   return lines;
+}
+
+/** Parts are named by whoever made the map: what may not be in the name of a file becomes its code. */
+fs::path poseFile(const fs::path& folder, const std::string& part) {
+  if (part.empty()) return folder / kPoses;
+  constexpr std::size_t kLongest = 100;  // characters, which files of all systems may have
+  std::string name;
+  for (const char c : part.substr(0, kLongest)) {
+    const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' || c == '_';
+    name += is_plain ? std::string(1, c) : fmt::format("%{:02x}", static_cast<unsigned char>(c));
+  }
+  return folder / fmt::format("{}{}{}", kPosesOfPart, name, kPosesEnding);
+}
+
+/** Files of an earlier run, of parts that may not come again. */
+void removePosesOfParts(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (entry.is_regular_file() && name.rfind(kPosesOfPart, 0) == 0 &&
+        entry.path().extension() == kPosesEnding)
+      files.push_back(entry.path());
+  }
+  for (const fs::path& file : files) fs::remove(file);
 }
 
 Eigen::Isometry3d readPose(const csv::Table& table, const csv::Row& row, const PoseNames& names) {
@@ -244,14 +273,15 @@ const std::vector<ResultColumn>& resultColumns() {
 
 /** What each file has of one frame or of several. */
 struct ResultsWriter::Text {
-  std::string timing, poses, covariances, hypotheses;
+  std::string timing, covariances, hypotheses;
+  PoseLines poses;
 
   Text() = default;
   explicit Text(const FrameResult& frame)
       : timing(timingLine(frame)),
-        poses(poseLines(frame)),
         covariances(covarianceLine(frame)),
-        hypotheses(hypothesesLines(frame)) {}
+        hypotheses(hypothesesLines(frame)),
+        poses(poseLines(frame)) {}
   explicit Text(const std::vector<FrameResult>& frames) {
     for (const FrameResult& frame : frames) add(Text(frame));
   }
@@ -262,7 +292,8 @@ struct ResultsWriter::Text {
     for (const auto& [name, stamp] : kept) {
       Text& frame = frames[name];
       if (frame.timing.empty() || frame.hypotheses.empty()) continue;
-      if (!frame.poses.empty()) frame.poses = text::decimals(stamp, tum::kStampDecimals) + frame.poses + "\n";
+      for (auto& [part, lines] : frame.poses)
+        lines = text::decimals(stamp, tum::kStampDecimals) + lines + "\n";
       add(frame);
     }
   }
@@ -280,15 +311,16 @@ private:
     for (const csv::Row& row : hypotheses.rows()) {
       Text& frame = frames[hypotheses.string(row, "frame")];
       frame.hypotheses += row.text;
-      if (!isOnTrajectory(readRow(hypotheses, row))) continue;
-      for (const std::string& name : kWorldPose) frame.poses += " " + hypotheses.string(row, name);
+      const ResultRow read = readRow(hypotheses, row);
+      if (!isOnTrajectory(read)) continue;
+      for (const std::string& name : kWorldPose) frame.poses[read.part] += " " + hypotheses.string(row, name);
     }
     return frames;
   }
 
   void add(const Text& other) {
     timing += other.timing;
-    poses += other.poses;
+    for (const auto& [part, lines] : other.poses) poses[part] += lines;
     covariances += other.covariances;
     hypotheses += other.hypotheses;
   }
@@ -305,11 +337,24 @@ ResultsWriter::ResultsWriter(const fs::path& folder, const std::string& params_i
     : ResultsWriter(folder, params_ini, Text(folder, kept)) {}
 
 ResultsWriter::ResultsWriter(const fs::path& folder, const std::string& params_ini, const Text& begin)
-    : timing_(created(folder) / kTiming, kTimingHeader + begin.timing),
-      poses_(folder / kPoses, tum::kHeader + begin.poses),
+    : folder_(created(folder)),
+      timing_(folder / kTiming, kTimingHeader + begin.timing),
       covariances_(folder / kCovariances, covariancesHeader() + begin.covariances),
       hypotheses_(folder / kHypotheses, hypothesesHeader() + begin.hypotheses) {
+  removePosesOfParts(folder);
+  addPoses("", {});  // of the world, even if there are none
+  for (const auto& [part, lines] : begin.poses) addPoses(part, lines);
   writeTextAtomically(folder / kParams, [&](std::ostream& out) { out << params_ini; });
+}
+
+/** To the file of a part, which its first pose makes. */
+void ResultsWriter::addPoses(const std::string& part, const std::string& lines) {
+  const fs::path file = poseFile(folder_, part);
+  const auto known = poses_.find(file.string());
+  if (known != poses_.end())
+    known->second.append(lines);
+  else
+    poses_.try_emplace(file.string(), file, tum::kHeader + lines);
 }
 
 void ResultsWriter::append(const FrameResult& frame) {
@@ -317,7 +362,7 @@ void ResultsWriter::append(const FrameResult& frame) {
   const Text text(frame);
   hypotheses_.append(text.hypotheses);
   covariances_.append(text.covariances);
-  poses_.append(text.poses);
+  for (const auto& [part, lines] : text.poses) addPoses(part, lines);
   timing_.append(text.timing);  // with which the frame counts
 }
 

@@ -79,6 +79,57 @@ TEST(OdometryLine, WithFaultsSaysThem) {
   EXPECT_THAT(faultOf(lineOf(ahead(1), "T_w_b", 1), {}), HasSubstr("mounting"));
 }
 
+std::string faultOfLine(const std::string& line, const std::optional<CameraMounting>& mounting = kMounting) {
+  try {
+    parseRobotLine(line, mounting);
+  } catch (const RobotCommandError& e) {
+    return e.what();
+  }
+  return {};
+}
+
+std::string poseLine(const std::string& inner) { return "{\"pose\":" + inner + "}\n"; }
+
+/** A pose of the camera, and more. */
+std::string poseAt(double x, const std::string& more = "") {
+  std::string line = lineOf(ahead(x), "T_w_c", {});
+  line.erase(line.rfind('}'));
+  return poseLine(line + more + "}");
+}
+
+TEST(RobotLine, SaysWhereTheCameraIs) {
+  const auto start = parseRobotLine(poseAt(2, ",\"part\":\"attic\""), {}).start;
+  ASSERT_TRUE(start);
+  EXPECT_TRUE(start->T_w_c.T.isApprox(ahead(2), 1e-12));
+  EXPECT_EQ(start->part, "attic");
+  EXPECT_NEAR(start->T_w_c.P(0, 0), std::pow(30 * kDegree, 2), 1e-12);
+  EXPECT_NEAR(start->T_w_c.P(5, 5), 1, 1e-12);
+
+  const auto with_covariance =
+      parseRobotLine(poseAt(2, ",\"covariance\":[4,0,0,0,0,0,4,0,0,0,0,4,0,0,1,9,0,0,9,0,9]"), {}).start;
+  EXPECT_EQ(with_covariance->T_w_c.P(0, 0), 4);
+  EXPECT_EQ(with_covariance->T_w_c.P(2, 5), 1);
+  EXPECT_EQ(with_covariance->T_w_c.P(5, 2), 1);
+  EXPECT_EQ(with_covariance->T_w_c.P(5, 5), 9);
+
+  std::string of_base = lineOf(ahead(1), "T_w_b", {});
+  EXPECT_TRUE(
+      parseRobotLine(poseLine(of_base), kMounting).start->T_w_c.T.isApprox(ahead(1) * kMounting.T_b_c()));
+  EXPECT_TRUE(parseRobotLine("{\"relocalize\":true}", {}).relocalize);
+  EXPECT_TRUE(parseRobotLine(lineOf(ahead(1), "T_w_c", {}), {}).odometry);
+}
+
+TEST(RobotLine, ThatCannotBeObeyedSaysWhy) {
+  EXPECT_THAT(faultOfLine(poseLine("5")), HasSubstr("no object"));
+  EXPECT_THAT(faultOfLine(poseLine("{}")), HasSubstr("neither T_w_b nor T_w_c"));
+  EXPECT_THAT(faultOfLine(poseLine(lineOf(ahead(1), "T_w_b", {})), {}), HasSubstr("mounting"));
+  EXPECT_THAT(faultOfLine(poseAt(1, ",\"covariance\":[1,2]")), HasSubstr("21 numbers"));
+  EXPECT_THAT(faultOfLine(poseAt(1, ",\"covariance\":[0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0]")),
+              HasSubstr("positive definite"));
+  EXPECT_THAT(faultOfLine(poseAt(1, ",\"part\":7")), HasSubstr("part"));
+  EXPECT_THAT(faultOfLine("{\"relocalize\":1}"), HasSubstr("neither true nor false"));
+}
+
 class OdometryFiles : public testing::Test {
 protected:
   std::string put(const std::string& content) const {
@@ -112,6 +163,25 @@ TEST_F(OdometryFiles, SayTheFirstFaultOnceAndGoOn) {
   EXPECT_THAT(input.fault(), AllOf(HasSubstr("line 2 is no odometry"), HasSubstr("no JSON object")));
   EXPECT_EQ(input.fault(), "");
   EXPECT_TRUE(at(input, 1.05)->isApprox(ahead(1.5), 1e-9));
+}
+
+TEST_F(OdometryFiles, MayHoldCommandsAndNameEachFaultOfThem) {
+  OdometryInput input(put(lineOf(ahead(1), "T_w_c", 1) + poseAt(3) + poseLine("1") + poseLine("2") +
+                          "{\"relocalize\":true}\n" + poseAt(4) + lineOf(ahead(2), "T_w_c", 1.1)),
+                      {});
+  while (!at(input, 1.1)) std::this_thread::yield();
+  const auto start = input.takeStart();
+  ASSERT_TRUE(start);
+  EXPECT_TRUE(start->start.T_w_c.T.isApprox(ahead(4))) << "the latest";
+  EXPECT_EQ(start->line, 6u);
+  EXPECT_FALSE(input.takeStart()) << "once";
+  EXPECT_TRUE(input.takeRelocalize());
+  EXPECT_FALSE(input.takeRelocalize());
+  input.refuse(*start, "it is in no part");
+  EXPECT_THAT(input.fault(), HasSubstr("line 3"));
+  EXPECT_THAT(input.fault(), HasSubstr("line 4"));
+  EXPECT_THAT(input.fault(), HasSubstr("line 6: it is in no part"));
+  EXPECT_EQ(input.fault(), "");
 }
 
 TEST_F(OdometryFiles, BeginAnewWhereTimeGoesBack) {

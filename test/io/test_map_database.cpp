@@ -28,6 +28,25 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
+TEST_F(MapFile, HoldsTheGravityOfItsImages) {
+  Map map = ExampleMap().map(3);
+  const Gravity gravity = gravityAlong({0.1, 0.9, 0.3}, 2 * kDegree);
+  test::changeView(map, 1, [&](View& view) { view.gravity = gravity; });
+  writeMap(path_, map);
+  for (const Map& read : {readMap(path_), openMap(path_, 0)}) {
+    EXPECT_FALSE(read.view(0)->gravity);
+    ASSERT_TRUE(read.view(1)->gravity);
+    EXPECT_EQ(read.view(1)->gravity->down, gravity.down);
+    EXPECT_EQ(read.view(1)->gravity->std, gravity.std);
+  }
+  EXPECT_THAT(checkMap(path_), IsEmpty());
+  vandalize(path_, "UPDATE gravity SET std = 100");
+  EXPECT_THAT(ioErrorOf([&] { readMap(path_); }), HasSubstr("gravity"));
+
+  test::changeView(map, 1, [](View& view) { view.gravity = Gravity{{0, 0, 0}, 1}; });
+  EXPECT_THAT(ioErrorOf([&] { writeMap(folder_ / "impossible", map); }), HasSubstr("gravity"));
+}
+
 TEST_F(MapFile, RoundTripsExactly) {
   Map map = ExampleMap().map(3);
   map.models[1].T_w_m.reset();

@@ -81,6 +81,35 @@ TEST(Results, OnlyPosesInTheWorldAreATrajectory) {
   EXPECT_EQ(rows[1].part, "");
 }
 
+TEST(Results, EachPartOfTheMapHasATrajectoryOfItsOwn) {
+  const TemporaryFolder folder;
+  auto frames = twoFrames();
+  frames[0].rows[0].part = "../attic, left";
+  frames[1] = frames[0];
+  frames[1].stamp = 2;
+  for (ResultRow& row : frames[1].rows) row.frame = "2", row.part = "1.25";
+  frames[1].timing.frame = "2";
+  writeResults(folder.path(), frames, "");
+  const auto stampsIn = [&](const char* name) {
+    std::vector<double> stamps;
+    const Trajectory read = readTumTrajectory(folder / name);
+    for (const StampedPose& pose : read.poses()) stamps.push_back(pose.stamp);
+    return stamps;
+  };
+  EXPECT_THAT(stampsIn("poses_tum.part-..%2fattic%2c%20left.txt"), testing::ElementsAre(1.5));
+  EXPECT_THAT(stampsIn("poses_tum.part-1.25.txt"), testing::ElementsAre(2));
+  EXPECT_THAT(stampsIn("poses_tum.txt"), testing::IsEmpty());
+
+  ResultsWriter goes_on(folder.path(), "", {{"2", 2}});
+  EXPECT_FALSE(std::filesystem::exists(folder / "poses_tum.part-..%2fattic%2c%20left.txt")) << "not kept";
+  EXPECT_THAT(stampsIn("poses_tum.part-1.25.txt"), testing::ElementsAre(2));
+  frames[1].stamp = 3;
+  for (ResultRow& row : frames[1].rows) row.frame = "3";
+  frames[1].timing.frame = "3";
+  goes_on.append(frames[1]);
+  EXPECT_THAT(stampsIn("poses_tum.part-1.25.txt"), testing::ElementsAre(2, 3));
+}
+
 std::string errorOf(const std::string& content) {
   const TemporaryFolder folder;
   putBytes(folder / "hypotheses.csv", content);

@@ -403,6 +403,29 @@ TEST_F(SequenceInARoom, AWrongStartIsLeft) {
   EXPECT_EQ(answer.state, AnswerState::sure) << answer.reason << " after a second";
 }
 
+TEST_F(SequenceInTwinRooms, AGuessDecidesForASingleView) {
+  const Localizer localizer(map);
+  int sure = 0;
+  for (int i = 0; i < 12; i += 3) {
+    ASSERT_NE(localizer.localize(views[i]).state, AnswerState::sure) << i;
+    const LocalizerAnswer answer = localizer.localize(views[i], startNear(truth[i]));
+    EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
+    sure += answer.state == AnswerState::sure;
+    const LocalizerAnswer again = localizer.localize(views[i], startNear(truth[i]));
+    EXPECT_EQ(again.hypotheses.size(), answer.hypotheses.size()) << "it remembers nothing";
+  }
+  EXPECT_GE(sure, 3);
+}
+
+TEST_F(SequenceInARoom, AWrongGuessIsNoAnswer) {
+  const Localizer localizer(map);
+  for (int i = 0; i < 12; i += 3) {
+    const LocalizerAnswer answer = localizer.localize(views[i], startNear(truth[i + 45]));
+    EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
+  }
+  EXPECT_THROW(localizer.localize(views[0], PoseWithCovariance()), std::invalid_argument);
+}
+
 TEST_F(SequenceInARoom, AStartWithoutSenseIsRefused) {
   Localizer localizer(map);
   EXPECT_THROW(localizer.setPose(PoseWithCovariance()), std::invalid_argument) << "no covariance";

@@ -3,6 +3,7 @@
 
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/map_localization.h>
+#include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
 
@@ -123,6 +124,77 @@ TEST_F(MapLocalizationInARoom, InSequenceModeCloudsAreOneDrive) {
   localization.localize(T);
   const LocalizerAnswer first = Localizer(map).update(localization.getView(), 0);
   EXPECT_EQ(localization.getHypotheses().size(), first.hypotheses.size());
+}
+
+PoseWithCovariance guessNear(const Eigen::Isometry3d& T_w_c) {
+  PoseWithCovariance guess;
+  guess.T = Eigen::Translation3d(0.3, -0.2, 0) * T_w_c;
+  guess.P = Matrix6d::Identity();
+  guess.P.topLeftCorner<3, 3>() *= 30 * kDegree * 30 * kDegree;
+  return guess;
+}
+
+TEST_F(MapLocalizationInARoom, AGuessIsAPriorAndNoResult) {
+  MapLocalization<pcl::PointXYZ> localization;
+  localization.setMap(map);
+  const Eigen::Isometry3d truth = poseAt(70, 0.6);
+  localization.setInputCloud(cloudFrom(truth, 1));
+  PoseWithCovariance pose = guessNear(truth);
+  EXPECT_TRUE(localization.localize(pose, pose)) << localization.getStatus();
+  EXPECT_TRUE(isNear(pose.T, truth, 0.05, 1)) << "by the cloud, not by the guess";
+  EXPECT_EQ(localization.getPart(), "");
+  if (localization.localize(pose, guessNear(poseAt(250, 0.6)))) {
+    EXPECT_TRUE(isNear(pose.T, truth, 0.05, 1));
+  }
+
+  EXPECT_FALSE(localization.localize(pose, PoseWithCovariance()));
+  EXPECT_THAT(localization.getStatus(), HasSubstr("positive definite"));
+  EXPECT_FALSE(localization.localize(pose, guessNear(truth), "attic"));
+  EXPECT_THAT(localization.getStatus(), HasSubstr("no part 'attic'"));
+}
+
+TEST_F(MapLocalizationInARoom, MotionsAreOfTheCameraSinceTheCloudBefore) {
+  MapLocalization<pcl::PointXYZ> localization;
+  localization.setMap(map);
+  localization.setSequenceMode(true);
+  Localizer core(map);
+  const OdometryError error;
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Isometry3d before = poseAt(10 + 20 * (i - 1), 0.6), truth = poseAt(10 + 20 * i, 0.6);
+    const Eigen::Isometry3d between = poseAt(20 * i, 0.6);
+    const Eigen::Isometry3d first = before.inverse() * between, second = between.inverse() * truth;
+    localization.addMotion(first);
+    localization.addMotion(second);
+    const Cloud::Ptr cloud = cloudFrom(truth, static_cast<unsigned>(i));
+    cloud->header.stamp = 1000000 * static_cast<std::uint64_t>(i + 1);
+    localization.setInputCloud(cloud);
+    PoseWithCovariance pose;
+    localization.localize(pose);
+    const LocalizerAnswer answer =
+        core.update(localization.getView(), i + 1,
+                    motionByOdometry(first, {}, error) * motionByOdometry(second, {}, error));
+    EXPECT_EQ(localization.getState(), answer.state) << i;
+    ASSERT_EQ(localization.getHypotheses().size(), answer.hypotheses.size()) << i;
+    EXPECT_TRUE(localization.getAnswer().T_before_now.T.isApprox(answer.T_before_now.T, 1e-12)) << i;
+  }
+}
+
+TEST_F(MapLocalizationInARoom, InAMapWithoutAWorldItKnowsItsPart) {
+  const auto in_part = std::make_shared<Map>(*map);
+  in_part->parts = {"attic"};
+  const Eigen::Isometry3d truth = poseAt(130, 0.6);
+  MapLocalization<pcl::PointXYZ> in_world, localization;
+  in_world.setMap(map);
+  localization.setMap(in_part);
+  PoseWithCovariance pose, there;
+  in_world.setInputCloud(cloudFrom(truth, 2));
+  localization.setInputCloud(cloudFrom(truth, 2));
+  const bool is_sure = in_world.localize(pose);
+  EXPECT_EQ(localization.localize(there), is_sure) << localization.getStatus();
+  EXPECT_EQ(localization.getPart(), "attic");
+  EXPECT_TRUE(there.T.isApprox(pose.T, 1e-12));
+  EXPECT_TRUE(localization.localize(there, guessNear(truth), "attic")) << localization.getStatus();
+  EXPECT_FALSE(localization.localize(there, guessNear(truth))) << "its parts are not the world";
 }
 
 TEST_F(MapLocalizationInARoom, CloudsWithoutStampsFollowEachOther) {

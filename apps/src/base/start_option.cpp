@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/start_option.h"
 
+#include "base/robot_line.h"
 #include "shared/text.h"
 
 #include <cmath>
@@ -35,9 +36,7 @@ std::optional<PoseWithCovariance> startPose(const std::string& near,
   const Eigen::AngleAxisd heading((numbers[3] - mounted.pan_deg) * kDegree, Eigen::Vector3d::UnitZ());
   start.T.linear() = heading.toRotationMatrix() * mounted.T_b_c().linear();
   start.T.translation() << numbers[0], numbers[1], numbers[2];
-  start.P.setZero();
-  start.P.diagonal() << Eigen::Vector3d::Constant(std_rad * std_rad),
-      Eigen::Vector3d::Constant(std_m * std_m);
+  start.P = startCovariance(std_m, std_rad);
   return start;
 }
 

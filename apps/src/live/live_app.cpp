@@ -64,7 +64,7 @@ void LiveApp::addOptions(CommandLine& line) {
   line.addOption("every", run.every, "N", "Write a screenshot of every N-th processed frame.");
   line.addOption("record", run.recording, "FILE.oni", "Record the device's depth images.");
   line.addOption("odometry", run.odometry, "FILE",
-                 "Wheel odometry, as lines of JSON (ROBOT.md); - = standard input.");
+                 "Wheel odometry and starts, as lines of JSON (ROBOT.md); - = standard input.");
   addStartOption(line, run.near);
   line.addOption("max-frames", run.max_frames, "N", "End after so many processed frames; 0 = never.");
   line.addOption("duration", run.duration, "S", "End after so many seconds; 0 = never.");

@@ -266,11 +266,16 @@ void LiveRun::loop() {
   tellWhatIsMissing();
 }
 
-void LiveRun::tick() {
-  if (const std::string fault = odometry_ ? odometry_->fault() : std::string(); !fault.empty()) {
+void LiveRun::tellFaultsOfRobot() {
+  if (!odometry_) return;
+  for (std::string fault = odometry_->fault(); !fault.empty(); fault = odometry_->fault()) {
     status_.clear();
     console_.note(fault);
   }
+}
+
+void LiveRun::tick() {
+  tellFaultsOfRobot();
   if (auto newest = newest_.take({})) {
     shown_ = newest->frame;
     rate_.update(shown_->number);

@@ -65,6 +65,7 @@ private:
   std::string sourceProblem() const;
   void tellWhatIsMissing();
   void loop();
+  void tellFaultsOfRobot();
   void tick();
   void obey(LiveCommand command);
   void drawWindow();

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <fmt/format.h>
+#include <stdexcept>
 #include <utility>
 
 namespace facetloc {
@@ -124,6 +125,23 @@ std::optional<Eigen::Isometry3d> LiveSession::motionSince(const LatestFrame<Live
   return Eigen::Isometry3d(before->inverse() * *T_o_c_);
 }
 
+/** What lines of the robot say of where the camera is now. */
+void LiveSession::obeyRobot() {
+  if (!options_.odometry) return;
+  if (options_.odometry->takeRelocalize()) localizer_->reset();
+  const std::optional<NumberedStart> line = options_.odometry->takeStart();
+  if (!line) return;
+  const std::vector<std::string>& parts = map_->parts;
+  const auto part = std::find(parts.begin(), parts.end(), line->start.part);
+  try {
+    if (part == parts.end() && !(parts.empty() && line->start.part.empty()))
+      throw std::invalid_argument("the map has no part '" + line->start.part + "'");
+    localizer_->setPose(line->start.T_w_c, static_cast<int>(part - parts.begin()));
+  } catch (const std::invalid_argument& e) {
+    options_.odometry->refuse(*line, std::string("its pose cannot be used: ") + e.what());
+  }
+}
+
 void LiveSession::process(const LatestFrame<LiveFrame>::Arrived& arrived) {
   auto result = std::make_shared<LiveResult>();
   result->age_ms = millisecondsSince(arrived.arrival);
@@ -137,6 +155,7 @@ void LiveSession::process(const LatestFrame<LiveFrame>::Arrived& arrived) {
   result->has_odometry = motion.has_value();
   if (localizer_) {
     if (relocalize_.exchange(false)) localizer_->reset();
+    obeyRobot();
     const Clock::time_point begin = Clock::now();
     std::optional<PoseWithCovariance> measured;
     if (motion) measured = motionByOdometry(*motion, builder_.camera().mounting, options_.odometry_error);
@@ -150,6 +169,9 @@ void LiveSession::process(const LatestFrame<LiveFrame>::Arrived& arrived) {
   }
   if (options_.mapping) {
     if (relocalize_.exchange(false)) options_.mapping->interrupt();
+    if (options_.odometry && options_.odometry->takeRelocalize()) options_.mapping->interrupt();
+    if (const auto line = options_.odometry ? options_.odometry->takeStart() : std::nullopt)
+      options_.odometry->refuse(*line, "a pose needs --map");
     const Clock::time_point begin = Clock::now();
     result->mapped = options_.mapping->update(result->image.view, result->image.name, result->stamp, motion);
     result->localize_ms = millisecondsSince(begin);

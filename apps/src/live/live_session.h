@@ -97,6 +97,7 @@ private:
   void process(const LatestFrame<LiveFrame>::Arrived& arrived);
   double increasingStamp(double stamp);
   std::optional<Eigen::Isometry3d> motionSince(const LatestFrame<LiveFrame>::Arrived& arrived);
+  void obeyRobot();
   void end();
 
   const LiveSessionOptions options_;

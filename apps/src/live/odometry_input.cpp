@@ -6,13 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <iterator>
-#include <json/json.h>
-#include <memory>
 #include <poll.h>
 #include <stdexcept>
 #include <unistd.h>
@@ -29,31 +26,8 @@ constexpr int kWakeUp = 100;           // to look whether it is to end [ms]
 constexpr double kLongestStep = 0.5;   // between two lines, in which nobody knows how the robot moved [s]
 constexpr double kKept = 60;           // [s]
 constexpr std::size_t kMostPoses = 100000;
+constexpr std::size_t kMostFaults = 100;  // in the queue
 constexpr std::size_t kLongestLine = 1 << 16;
-
-template <int N>
-Eigen::Matrix<double, N, 1> numbersOf(const Json::Value& pose, const char* key) {
-  const Json::Value& list = pose[key];
-  if (!list.isArray() || list.size() != static_cast<Json::ArrayIndex>(N))
-    throw std::invalid_argument(fmt::format("its {} has not {} numbers", key, N));
-  Eigen::Matrix<double, N, 1> numbers;
-  for (Json::ArrayIndex i = 0; i < list.size(); ++i) {
-    if (!list[i].isNumeric()) throw std::invalid_argument(fmt::format("its {} is not of numbers", key));
-    numbers[static_cast<Eigen::Index>(i)] = list[i].asDouble();
-  }
-  if (!numbers.allFinite()) throw std::invalid_argument(fmt::format("its {} is not finite", key));
-  return numbers;
-}
-
-Eigen::Isometry3d poseOf(const Json::Value& pose) {
-  constexpr double kUnit = 1e-2;  // by which the length of a rounded quaternion may differ
-  if (!pose.isObject()) throw std::invalid_argument("its pose is no object of position and quaternion");
-  const Eigen::Quaterniond q(numbersOf<4>(pose, "quaternion"));
-  if (!(std::abs(q.norm() - 1) < kUnit)) throw std::invalid_argument("its quaternion is no rotation");
-  Eigen::Isometry3d T(q.normalized());
-  T.translation() = numbersOf<3>(pose, "position");
-  return T;
-}
 
 Eigen::Isometry3d between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double share) {
   const Eigen::Quaterniond q_a(a.linear()), q_b(b.linear());
@@ -63,37 +37,6 @@ Eigen::Isometry3d between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b
 }
 
 }  // namespace
-
-OdometryLine parseOdometry(const std::string& line, const std::optional<CameraMounting>& mounting) {
-  Json::CharReaderBuilder builder;
-  Json::CharReaderBuilder::strictMode(&builder.settings_);
-  const std::unique_ptr<Json::CharReader> reader(builder.newCharReader());
-  Json::Value value;
-  std::string errors;
-  bool is_json = false;
-  try {
-    is_json = reader->parse(line.data(), line.data() + line.size(), &value, &errors);
-  } catch (const std::exception&) {  // nested too deeply
-  }
-  if (!is_json || !value.isObject()) throw std::invalid_argument("it is no JSON object");
-  OdometryLine odometry;
-  const Json::Value& stamp = value["stamp"];
-  if (!stamp.isNull()) {
-    if (!stamp.isNumeric() || !std::isfinite(stamp.asDouble()))
-      throw std::invalid_argument("its stamp is no number");
-    odometry.stamp = stamp.asDouble();
-  }
-  if (const Json::Value& camera = value["T_w_c"]; !camera.isNull()) {
-    odometry.T_o_c = poseOf(camera);
-  } else if (const Json::Value& base = value["T_w_b"]; !base.isNull()) {
-    if (!mounting)
-      throw std::invalid_argument("T_w_b needs the mounting of the camera on the robot, in its camera.ini");
-    odometry.T_o_c = poseOf(base) * mounting->T_b_c();
-  } else {
-    throw std::invalid_argument("it has neither T_w_b nor T_w_c");
-  }
-  return odometry;
-}
 
 OdometryInput::OdometryInput(const std::string& file, const std::optional<CameraMounting>& mounting)
     : name_(file == "-" ? "standard input" : file), mounting_(mounting) {
@@ -146,25 +89,55 @@ void OdometryInput::read() {
   arrived_.notify_all();
 }
 
-void OdometryInput::take(const std::string& line) {
+void OdometryInput::take(const std::string& text) {
   const double now = sinceStart(Clock::now());
-  if (line.find_first_not_of(" \t\r") == std::string::npos) return;
+  if (text.find_first_not_of(" \t\r") == std::string::npos) return;
   std::unique_lock lock(mutex_);
   ++lines_;
   lock.unlock();
   try {
-    const OdometryLine odometry = parseOdometry(line, mounting_);
+    RobotLine line = parseRobotLine(text, mounting_);
     lock.lock();
-    add(odometry, now);
-    latest_ = Clock::now();
+    if (line.start) start_line_ = NumberedStart{std::move(*line.start), lines_};
+    if (line.relocalize) {
+      relocalize_ = true;
+      start_line_.reset();  // said before
+    }
+    if (line.odometry) {
+      add(*line.odometry, now);
+      latest_ = Clock::now();
+    }
+  } catch (const RobotCommandError& e) {
+    if (!lock) lock.lock();
+    addFault(fmt::format("{}: line {}: {}", name_, lines_, e.what()));
+    return;
   } catch (const std::exception& e) {
     if (!lock) lock.lock();
-    if (!has_fault_) fault_ = fmt::format("{}: line {} is no odometry: {}", name_, lines_, e.what());
-    has_fault_ = true;
+    if (!std::exchange(has_fault_, true))  // those of thousands of messages have the same cause
+      addFault(fmt::format("{}: line {} is no odometry: {}", name_, lines_, e.what()));
     return;
   }
   lock.unlock();
   arrived_.notify_all();
+}
+
+void OdometryInput::addFault(std::string fault) {
+  if (faults_.size() < kMostFaults) faults_.push_back(std::move(fault));
+}
+
+std::optional<NumberedStart> OdometryInput::takeStart() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(start_line_, std::nullopt);
+}
+
+bool OdometryInput::takeRelocalize() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(relocalize_, false);
+}
+
+void OdometryInput::refuse(const NumberedStart& start, const std::string& cause) {
+  const std::lock_guard lock(mutex_);
+  addFault(fmt::format("{}: line {}: {}", name_, start.line, cause));
 }
 
 void OdometryInput::add(const OdometryLine& line, double now) {
@@ -199,7 +172,10 @@ std::optional<Eigen::Isometry3d> OdometryInput::at(double stamp, Clock::time_poi
 
 std::string OdometryInput::fault() {
   const std::lock_guard lock(mutex_);
-  return std::exchange(fault_, {});
+  if (faults_.empty()) return {};
+  std::string first = std::move(faults_.front());
+  faults_.pop_front();
+  return first;
 }
 
 }  // namespace facetloc

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/robot_line.h"
+
 #include <facetloc/features/camera_model.h>
 
 #include <chrono>
@@ -14,17 +16,13 @@
 
 namespace facetloc {
 
-/** \brief A pose that an odometry tells, in a frame of its own, which may drift. */
-struct OdometryLine {
-  std::optional<double> stamp;  ///< [s]; none = now
-  Eigen::Isometry3d T_o_c = Eigen::Isometry3d::Identity();
+/** \brief A start by the number of its line. */
+struct NumberedStart {
+  StartLine start;
+  std::uint64_t line = 0;
 };
 
-/** \brief Reads a line in the form of the stream (ROBOT.md): T_w_c, or T_w_b with the mounting, and stamp;
- * what else it has does not matter. Throws std::invalid_argument with the cause. */
-OdometryLine parseOdometry(const std::string& line, const std::optional<CameraMounting>& mounting);
-
-/** \brief Wheel odometry that comes line by line while frames do, on a thread of its own.
+/** \brief Wheel odometry and commands that come line by line while frames do, on a thread of its own.
  *
  * A line without a stamp is of the time when it arrives, and stands beside frames by the time of their
  * arrival; one with a stamp by their stamps. The kind of the first line holds for all. */
@@ -41,8 +39,14 @@ public:
   /** \brief T_o_c at the time of a frame, between the lines before and after it; waits a while for the one
    * after. Nothing if the lines do not reach there, or are too far apart. */
   std::optional<Eigen::Isometry3d> at(double stamp, Clock::time_point arrival);
-  /** \brief What was wrong with the first line that could not be read, once; empty if there is nothing new.
-   */
+  /** \brief The latest start that has come since the last call. */
+  std::optional<NumberedStart> takeStart();
+  /** \brief Has a line asked to relocalize since the last call? */
+  bool takeRelocalize();
+  /** \brief Reports what is wrong with a start that could be read. */
+  void refuse(const NumberedStart& start, const std::string& cause);
+  /** \brief What was wrong with the next line that could not be read, each once, of odometry with the first
+   * one only; empty if there is nothing new. */
   std::string fault();
 
 private:
@@ -51,7 +55,8 @@ private:
     Eigen::Isometry3d T_o_c;
   };
   void read();
-  void take(const std::string& line);
+  void take(const std::string& text);
+  void addFault(std::string fault);
   void add(const OdometryLine& line, double now);
   double sinceStart(Clock::time_point time) const;
 
@@ -67,7 +72,9 @@ private:
   Clock::time_point latest_;  // arrival of the last line
   std::optional<bool> is_stamped_;
   std::uint64_t lines_ = 0;
-  std::string fault_;
+  std::optional<NumberedStart> start_line_;
+  bool relocalize_ = false;
+  std::deque<std::string> faults_;
   bool has_fault_ = false, ended_ = false, stops_ = false;
   std::thread thread_;  // the last member: it uses all others
 };

@@ -5,9 +5,17 @@
 
 namespace facetloc {
 
+std::optional<PoseWithCovariance> MeasuredMotion::until(double stamp) {
+  if (!odometry_) return {};
+  const std::optional<Eigen::Isometry3d> now = odometry_(stamp), before = std::exchange(T_o_before_, now);
+  if (!before || !now) return {};
+  return motionByOdometry(before->inverse() * *now, mounting_, error_);
+}
+
 LocalizerAnswer Drive::add(std::size_t index, const View& view, double stamp) {
-  LocalizerAnswer answer = localizer_.update(view, stamp);
-  if (smoothing_) images_.push_back({index, stamp, view, answer});
+  const std::optional<PoseWithCovariance> motion = motion_.until(stamp);
+  LocalizerAnswer answer = localizer_.update(view, stamp, motion);
+  if (smoothing_) images_.push_back({index, stamp, view, motion, answer});
   return answer;
 }
 
@@ -20,7 +28,10 @@ void Drive::smooth(Localizer& backward, const std::function<std::string(std::siz
       .run([&](std::size_t i) { return name(images_[inReverse(i)].index); },
            [&](std::size_t i, int) {
              const Image& image = images_[inReverse(i)];
-             from_here[inReverse(i)] = backward.update(image.view, -image.stamp);
+             std::optional<PoseWithCovariance> motion;  // back from the next image
+             if (i > 0 && images_[inReverse(i - 1)].T_before_now)
+               motion = inverse(*images_[inReverse(i - 1)].T_before_now);
+             from_here[inReverse(i)] = backward.update(image.view, -image.stamp, motion);
            });
   for (std::size_t i = 0; i < n; ++i) {
     const bool is_cut_off = i + 1 == n || images_[i + 1].until_now.began_anew;

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/image_trajectory.h"
 
+#include "base/odometry_file.h"
 #include "base/text.h"
 
 #include <facetloc/io/error.h>
 
 #include <algorithm>
 #include <fmt/core.h>
-#include <memory>
 
 namespace facetloc {
 
 MapImage mapImage(const DepthSequence& sequence, std::size_t index, int working_width,
-                  const std::optional<Eigen::Isometry3d>& T_w_c) {
+                  const std::optional<Eigen::Isometry3d>& T_w_c, const std::optional<Gravity>& gravity) {
   const FrameFile& frame = sequence.frames()[index];
   const auto load = [&sequence, &frame, index, working_width] {
     try {
@@ -23,7 +23,7 @@ MapImage mapImage(const DepthSequence& sequence, std::size_t index, int working_
       throw IoError(frame.path.string(), e.what());
     }
   };
-  return {frame.name, frame.stamp, load, T_w_c};
+  return {frame.name, frame.stamp, load, T_w_c, gravity};
 }
 
 bool canBeReadAgain(const DepthSequence& sequence) {
@@ -44,8 +44,7 @@ std::string inWords(const CameraTrajectory& trajectory) {
 }
 
 void ImageTrajectory::addOptions(CommandLine& line) {
-  line.addOption("odometry", odometry_, "FILE",
-                 "Poses that drift, as of wheels: of the camera, or of its robot if it is mounted.");
+  line.addOption("odometry", odometry_, "FILE", "Poses that drift, as of wheels (ROBOT.md).");
   line.addParams(params_, "mapping");
 }
 
@@ -55,16 +54,7 @@ std::string ImageTrajectory::toIni() const {
 }
 
 PosesByTime ImageTrajectory::odometry(const DepthSequence& sequence, const Camera& camera) const {
-  if (odometry_.empty()) return {};
-  if (!sequence.stamped())
-    throw IoError(odometry_, "the image names are no time stamps: an odometry cannot be matched with them");
-  std::vector<StampedPose> poses = sequence.readOdometry(odometry_).poses();
-  if (poses.empty()) throw IoError(odometry_, "has no poses");
-  if (camera.mounting)
-    for (StampedPose& pose : poses) pose.T_w_c = pose.T_w_c * camera.mounting->T_b_c();
-  return [trajectory = std::make_shared<const Trajectory>(std::move(poses))](double stamp) {
-    return trajectory->interpolated(stamp);
-  };
+  return odometryByTime(odometry_, sequence, camera.mounting);
 }
 
 int ImageTrajectory::report(const MapFindings& findings, const DepthSequence& sequence,

@@ -13,7 +13,8 @@ namespace facetloc {
 
 /** \brief An image of a sequence, for MapMaking and MapSession. The sequence must outlive it. */
 MapImage mapImage(const DepthSequence& sequence, std::size_t index, int working_width,
-                  const std::optional<Eigen::Isometry3d>& T_w_c = {});
+                  const std::optional<Eigen::Isometry3d>& T_w_c = {},
+                  const std::optional<Gravity>& gravity = {});
 
 /** \brief False for images that can be read once, such as pipes. */
 bool canBeReadAgain(const DepthSequence& sequence);

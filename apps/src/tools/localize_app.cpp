@@ -6,6 +6,7 @@
 #include "base/localization_options.h"
 #include "base/localization_report.h"
 #include "base/milliseconds.h"
+#include "base/odometry_file.h"
 #include "base/pose_stream.h"
 #include "base/start_option.h"
 #include "base/text.h"
@@ -86,6 +87,15 @@ LocalizedImage localizeFrame(std::size_t index, const FrameFile& file, const Vie
   return image;
 }
 
+void noteWithoutOdometry(const DepthSequence& sequence, const PosesByTime& odometry, const Console& console) {
+  if (!odometry) return;
+  const auto& frames = sequence.frames();
+  const auto without = std::count_if(frames.begin(), frames.end(),
+                                     [&](const FrameFile& frame) { return !odometry(frame.stamp); });
+  if (without > 0)
+    console.note(counted(static_cast<std::size_t>(without), "image") + " outside the time of the odometry");
+}
+
 FrameResult failedFrame(const FrameFile& file, const std::string& reason) {
   FrameResult result;
   result.stamp = file.stamp;
@@ -102,6 +112,7 @@ struct LocalizeApp::Task {
   DepthSequence sequence;
   std::shared_ptr<const Map> map;
   Camera camera;
+  PosesByTime odometry{};    // of the camera; empty if there is none
   std::string params_ini{};  // what the results depend on beside the images
 
   const std::vector<FrameFile>& frames() const { return sequence.frames(); }
@@ -141,6 +152,8 @@ void LocalizeApp::addOptions(CommandLine& line) {
       "The images are one drive: each is localized by all images up to it, which may decide what one "
       "of them leaves open.");
   addStartOption(line, near_);
+  line.addOption("odometry", odometry_, "FILE", "With --sequence: poses that drift (ROBOT.md).");
+  gravity_.addOptions(line);
   line.addSwitch("smooth", smooth_, "With --sequence: each image is localized by those after it, too.");
   line.addOption(
       "starts", starts_, "N",
@@ -153,6 +166,7 @@ void LocalizeApp::addOptions(CommandLine& line) {
   input_.addOptions(line);
   addLocalizationOptions(line, localization_);
   line.addParams(localizer_, "localizer");
+  line.addParams(odometry_error_, "odometry_error");
 }
 
 /** Of a run of the same images with the same map and parameters, by name. */
@@ -209,7 +223,8 @@ LocalizeApp::ImageBatch::Work LocalizeApp::imageWork(const Task& task, const std
   return {[fileOf](std::size_t i) { return fileOf(i).path.string(); },
           [this, &task, images, locate, builders, fileOf](std::size_t i, int worker) {
             ViewBuilder& builder = (*builders)[worker];
-            const View scene = viewOf(task.sequence, images[i], input_.width, builder);
+            View scene = viewOf(task.sequence, images[i], input_.width, builder);
+            scene.gravity = gravity_.at(fileOf(i).stamp);
             return localizeFrame(i, fileOf(i), scene, builder, locate, *task.map, max_hypotheses_);
           }};
 }
@@ -254,6 +269,10 @@ Localizer LocalizeApp::newLocalizer(const std::shared_ptr<const Map>& map, int t
   return localizer;
 }
 
+MeasuredMotion LocalizeApp::measuredMotion(const Task& task) const {
+  return {task.odometry, task.camera.mounting, odometry_error_};
+}
+
 /** Every so many images are a start. Its drive ends after kMostWay, as far as the camera itself can tell, or
  * with the images. \return the exit code. */
 int LocalizeApp::localizeFromStarts(const Task& task, const Console& console) const {
@@ -265,6 +284,7 @@ int LocalizeApp::localizeFromStarts(const Task& task, const Console& console) co
   seeing.run([&](std::size_t i) { return frames[i].path.string(); },
              [&](std::size_t i, int worker) {
                views[i] = viewOf(task.sequence, i, input_.width, builders[worker]);
+               views[i].gravity = gravity_.at(frames[i].stamp);
              });
   const std::size_t n = (frames.size() + starts_ - 1) / starts_;
   std::vector<std::vector<StartAnswer>> found(n);
@@ -275,9 +295,11 @@ int LocalizeApp::localizeFromStarts(const Task& task, const Console& console) co
             [&](std::size_t k, int worker) {
               Localizer& from_here = drives[worker];
               from_here.reset();
+              MeasuredMotion motion = measuredMotion(task);
               double way = 0;
               for (std::size_t i = k * starts_; i < frames.size() && way < kMostWay; ++i) {
-                const LocalizerAnswer answer = from_here.update(views[i], frames[i].stamp);
+                const LocalizerAnswer answer =
+                    from_here.update(views[i], frames[i].stamp, motion.until(frames[i].stamp));
                 way += answer.T_before_now.T.translation().norm();
                 StartAnswer out{frames[k * starts_].name, frames[i].name, answer.state, 0, {}};
                 if (!answer.hypotheses.empty()) {
@@ -321,8 +343,11 @@ std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& file, const 
          fmt::format("max-hypotheses = {}\nmin-probability = {}\n", max_hypotheses_,
                      text::shortest(min_probability_)) +
          (is_sequence_ ? "sequence = 1\n" : "") + (smooth_ ? "smooth = 1\n" : "") +
-         (near_.empty() ? "" : "near = " + near_ + "\n") + toIni(input_, camera) +
-         localizationIni(localization_) + (is_sequence_ ? "\n" + toIni(localizer_, "localizer") : "");
+         (near_.empty() ? "" : "near = " + near_ + "\n") +
+         (odometry_.empty() ? "" : "odometry = " + odometry_ + "\n") + gravity_.toIni() +
+         toIni(input_, camera) + localizationIni(localization_) +
+         (is_sequence_ ? "\n" + toIni(localizer_, "localizer") : "") +
+         (odometry_.empty() ? "" : "\n" + toIni(odometry_error_, "odometry_error"));
 }
 
 int LocalizeApp::execute(const CommandLine& line, const Console& console) {
@@ -337,6 +362,7 @@ void LocalizeApp::requireSense() const {
   if (starts_ > 0 && !is_sequence_) throw UsageError("--starts goes with --sequence");
   if (smooth_ && !is_sequence_) throw UsageError("--smooth goes with --sequence");
   if (!near_.empty() && !is_sequence_) throw UsageError("--near goes with --sequence");
+  if (!odometry_.empty() && !is_sequence_) throw UsageError("--odometry goes with --sequence");
   startPose(near_, {});
   if (is_sequence_ && resume_)
     throw UsageError("--sequence does not go with --resume: its answers need all images before; run it anew");
@@ -357,12 +383,15 @@ int LocalizeApp::localizeAll(const CommandLine& line, const Console& console, st
   if (!line.given("min-probability")) min_probability_ = minProbabilityOf(*map);
   const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
   noteDifference(camera, *map, console);
-  Task task{std::move(sequence), map, camera};
+  gravity_.read(sequence, console);
+  PosesByTime odometry = odometryByTime(odometry_, sequence, camera.mounting);
+  noteWithoutOdometry(sequence, odometry, console);
+  Task task{std::move(sequence), map, camera, std::move(odometry)};
   std::optional<Drive> drive;
   if (is_sequence_) {
     Localizer localizer = newLocalizer(map, threads());
     if (const auto start = startPose(near_, camera.mounting)) localizer.setPose(*start);
-    drive.emplace(std::move(localizer), smooth_);
+    drive.emplace(std::move(localizer), measuredMotion(task), smooth_);
   }
   const int at_a_time = drive ? 1 : threads();  // a drive has an order
   ImageBatch batch(at_a_time, console, [&](const std::vector<std::size_t>& images, int workers) {

@@ -3,6 +3,7 @@
 
 #include "base/app.h"
 #include "base/depth_input.h"
+#include "base/gravity_option.h"
 #include "base/provenance.h"
 #include "base/shared_batch.h"
 #include "tools/drive.h"
@@ -43,6 +44,7 @@ private:
                 const Console& console) const;
   void smooth(const Task& task, Run& run, const Drive& drive, const Console& console) const;
   Localizer newLocalizer(const std::shared_ptr<const Map>& map, int threads) const;
+  MeasuredMotion measuredMotion(const Task& task) const;
   int localizeFromStarts(const Task& task, const Console& console) const;
   void printSummary(const Run& run, const Map& map, const Console& console) const;
 
@@ -50,6 +52,7 @@ private:
   std::string input_path_;
   std::string folder_;
   std::string near_;
+  std::string odometry_;
   int max_hypotheses_ = 100;
   double min_probability_ = kMinProbability;
   bool resume_ = false;
@@ -58,6 +61,8 @@ private:
   bool smooth_ = false;
   int starts_ = 0;
   DepthInput input_;
+  GravityOption gravity_;
+  OdometryError odometry_error_;
   GlobalLocalizationParams localization_;
   LocalizerParams localizer_;
 };

@@ -3,6 +3,7 @@
 
 #include "base/app.h"
 #include "base/depth_input.h"
+#include "base/gravity_option.h"
 #include "base/shared_batch.h"
 #include "tools/image_trajectory.h"
 
@@ -65,6 +66,7 @@ private:
   bool force_ = false;
   bool without_poses_ = false;
   ImageTrajectory by_images_;
+  GravityOption gravity_;
   DepthInput input_;
   MapBuilderParams builder_;
 };

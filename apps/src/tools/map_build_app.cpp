@@ -97,9 +97,9 @@ private:
 
 MapBuildApp::MapBuildApp()
     : App("facetloc_map build", "SEQUENCE -o MAP.flmap [options]",
-          "Builds a map of local models from one recording. Its camera poses come with the SEQUENCE or from "
-          "--poses, or else are found from the images. Local models are the first image and each later one "
-          "that lies --map.distance or --map.rotation_deg from the latest. mpirun shares the images out.") {}
+          "Builds a map of local models from one recording. Its camera poses are the SEQUENCE's or of "
+          "--poses, or "
+          "else found from the images. Local models are --map.distance or --map.rotation_deg apart.") {}
 
 void MapBuildApp::addOptions(CommandLine& line) {
   line.addArgument("SEQUENCE", sequence_);
@@ -113,6 +113,7 @@ void MapBuildApp::addOptions(CommandLine& line) {
   line.addOption("pose-tolerance", pose_tolerance_, "S",
                  "Largest distance in time of an image and its pose [s].");
   line.addCheck([this] { requireTolerance(pose_tolerance_); });
+  gravity_.addOptions(line);
   line.addOption("every", every_, "N", "Make each N-th image a local model, whatever its pose; 0 = off.");
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
   line.addSwitch("resume", resume_, "Go on with a map that is there already.");
@@ -142,7 +143,8 @@ MapMaking MapBuildApp::makingOf(const DepthSequence& sequence, const Camera& cam
   MapMaking making(camera, params);
   making.setNumberOfThreads(threads());
   for (std::size_t i = 0; i < sequence.frames().size(); ++i)
-    making.add(mapImage(sequence, i, input_.width, given_.at(sequence.frames()[i].stamp, pose_tolerance_)));
+    making.add(mapImage(sequence, i, input_.width, given_.at(sequence.frames()[i].stamp, pose_tolerance_),
+                        gravity_.at(sequence.frames()[i].stamp)));
   if (!given_.empty()) making.setPosesByTime([this](double stamp) { return given_.interpolated(stamp); });
   return making;
 }
@@ -358,6 +360,7 @@ MapBuildApp::Seen MapBuildApp::addModels(const DepthSequence& sequence, const st
             [&](std::size_t i, std::optional<PackedModel>&& built, const std::string&) {
               if (!built) return;
               built->model.T_w_m = missing[i].T_w_m;
+              built->view.gravity = gravity_.at(sequence.frames()[missing[i].image].stamp);
               seen.noise.push_back(built->view.noise());
               if (built->view.segments.empty())
                 ++seen.without_segments;
@@ -374,7 +377,7 @@ int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence,
                        const Console& console) const {
   const std::string parameters = cameraLine(sequence.camera()) +
                                  fmt::format("every = {}\nraw-depth = {:d}\n", every_, raw_depth_) +
-                                 toIni(input_, making.camera()) + toIni(builder_, "map") +
+                                 gravity_.toIni() + toIni(input_, making.camera()) + toIni(builder_, "map") +
                                  (making.findings().trajectory ? by_images_.toIni() : "");
   MapDatabase database = openDatabase(path, sequence, places, parameters, making.camera());
   const Map present = openMap(path);
@@ -416,6 +419,7 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
   if (overwrite_ && resume_) throw UsageError("overwrite and resume exclude each other");
   const DepthSequence sequence = openSequence(sequence_, input_.recording, console);
   const Camera camera = input_.camera(sequence.camera(), line);
+  gravity_.read(sequence, console);
   ModelBatch batch(threads(), console, [this, &sequence, camera](const ModelsOrder& order, int workers) {
     return modelWork(sequence, camera, order, workers);
   });

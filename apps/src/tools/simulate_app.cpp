@@ -10,9 +10,11 @@
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/gravity_record.h>
 #include <facetloc/io/output_lock.h>
 #include <facetloc/io/segment_file.h>
 #include <facetloc/io/trajectory.h>
+#include <facetloc/simulation/simulated_gravity.h>
 
 #include <algorithm>
 #include <cmath>
@@ -94,6 +96,7 @@ struct SimulateApp::Run {
   std::vector<double> stamps{};
   std::vector<Eigen::Isometry3d> odometry{};  // T_o_b; may be empty
   std::vector<Eigen::Isometry3d> reported{};  // poses with errors; may be empty
+  std::vector<StampedGravity> gravity{};      // may be empty
 
   std::string frameName(std::size_t i) const { return text::decimals(stamps[i], 6); }
 };
@@ -117,7 +120,7 @@ SimulateApp::SimulateApp()
           "same from opposite sides), room (one closed room with random boxes, where nothing moves). With "
           "--runs also DIR/drive, the later drive in real time, for trackers; it has no labels. With "
           "--map_poses.* also map/poses.txt, poses with errors, for facetloc_map build --poses. What is "
-          "made must not exist yet. The same seed and options give the same files.") {
+          "made must not exist yet.") {
   drive_.sway_deg = 10;
 }
 
@@ -140,6 +143,7 @@ void SimulateApp::addOptions(CommandLine& line) {
   line.addSwitch("odometry", with_odometry_,
                  "Write odometry.txt: what the wheels tell, poses of the robot's base on the floor (TUM).");
   line.addParams(odometry_, "odometry");
+  line.addOption("gravity", gravity_error_deg_, "DEG", "Write gravity.txt with this error; -1 = no.");
   line.addOption("camera", preset_, "NAME",
                  fmt::format("Camera of the robot, with its errors: {}.", cameraPresetNames()));
   line.addSwitch("shared-errors", shared_errors_,
@@ -246,6 +250,11 @@ SimulateApp::Place SimulateApp::makePlace() const {
     if (with_odometry_)
       runs[i].odometry = simulateOdometry(basePoses(runs[i].poses, drive_.mounting()), odometry_,
                                           drive_.robot, kRunSeeds * seed + i);
+    if (gravity_error_deg_ >= 0) {
+      const std::vector<Gravity> found =
+          simulateGravity(runs[i].poses, gravity_error_deg_ * kDegree, kRunSeeds * seed + i);
+      for (std::size_t k = 0; k < found.size(); ++k) runs[i].gravity.push_back({runs[i].stamps[k], found[k]});
+    }
     place.runs.push_back(std::move(runs[i]));
   }
   return place;
@@ -272,6 +281,7 @@ void SimulateApp::prepareFolder(const Run& run, const CameraFile& camera) const 
   }
   writeTumTrajectory(folder / "groundtruth.txt", stamped(run.stamps, run.poses));
   if (!run.reported.empty()) writeTumTrajectory(folder / "poses.txt", stamped(run.stamps, run.reported));
+  if (!run.gravity.empty()) writeGravity(folder / "gravity.txt", run.gravity);
   if (!run.odometry.empty()) writeTumTrajectory(folder / "odometry.txt", stamped(run.stamps, run.odometry));
 }
 
@@ -300,6 +310,7 @@ void SimulateApp::checkOptions() const {
   if (rounds_ < 1 || rounds_ > kMostRounds) throw UsageError("rounds must lie in [1, 1000]");
   if (!(surface_error_ >= 0 && surface_error_ <= kMostBent))
     throw UsageError("surface-error must lie in [0, 1]");
+  if (!(gravity_error_deg_ <= 90)) throw UsageError("gravity must be at most 90");
   if (!(map_step_ >= 0.01 && map_step_ <= 10)) throw UsageError("map-step must lie in [0.01, 10]");
   if (!(seconds_ * pace_.rate >= 0.5 && seconds_ * pace_.rate <= kMostFrames))
     throw UsageError("drive must be as long as one image at least, and no longer than a million");

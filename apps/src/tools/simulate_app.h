@@ -51,6 +51,7 @@ private:
   double surface_error_ = 0;  // [m]
   MapPoseErrors map_poses_;
   bool with_odometry_ = false;
+  double gravity_error_deg_ = -1;  // negative: no file
   WheelOdometryParams odometry_;
 };
 

@@ -14,24 +14,31 @@ namespace {
 constexpr double kNanoseconds = 1e-9, kMicroseconds = 1e-6, kMilliseconds = 1e-3;
 constexpr int kNone = -1;
 
-/** A name in lower case, and the unit in brackets behind it. */
-struct Name {
-  std::string word, unit;
+/** Of qx qy qz qw; kNone for others. */
+int quaternionPart(const ColumnName& name) {
+  const bool is_quaternion = name.begins("q") || name.has("orient") || name.has("rot") || name.has("quat");
+  const auto part = std::string_view("xyzw").find(name.last());
+  return is_quaternion && part != std::string_view::npos ? static_cast<int>(part) : kNone;
+}
 
-  bool has(const char* part) const { return word.find(part) != std::string::npos; }
-  bool begins(const char* part) const { return word.rfind(part, 0) == 0; }
-  char last() const { return word.empty() ? ' ' : word.back(); }
-};
+/** Of tx ty tz; kNone for others. */
+int positionPart(const ColumnName& name) {
+  const bool is_position =
+      name.word.size() == 1 || name.begins("t") || name.begins("p") || name.has("pos") || name.has("trans");
+  const auto part = std::string_view("xyz").find(name.last());
+  return is_position && part != std::string_view::npos ? static_cast<int>(part) : kNone;
+}
 
-/** The cells between commas, if there are any, or else between blanks; "[ns]" belongs to the cell before. */
-std::vector<Name> namesIn(std::string_view line) {
+}  // namespace
+
+std::vector<ColumnName> columnNames(std::string_view line) {
   const char separator = line.find(',') != std::string_view::npos   ? ','
                          : line.find(';') != std::string_view::npos ? ';'
                                                                     : ' ';
-  std::vector<Name> names;
+  std::vector<ColumnName> names;
   const auto cells = separator == ' ' ? text::words(line) : text::split(line, separator);
   for (const std::string_view cell : cells) {
-    Name name;
+    ColumnName name;
     bool in_brackets = false;
     for (const char c : text::trimmed(cell)) {
       if (c == '[' || c == '(') in_brackets = true;
@@ -48,17 +55,16 @@ std::vector<Name> namesIn(std::string_view line) {
   return names;
 }
 
-bool isStamp(const Name& name) {
-  return name.has("time") || name.has("stamp") || name.word == "t" || name.word == "sec" ||
-         name.word == "secs";
+bool ColumnName::isStamp() const {
+  return has("time") || has("stamp") || word == "t" || word == "sec" || word == "secs";
 }
 
-double unitOf(const Name& name) {
-  const auto says = [&name](const char* unit) {
-    const std::string ending = std::string("_") + unit;
-    const bool ends = name.word.size() > ending.size() &&
-                      name.word.compare(name.word.size() - ending.size(), ending.size(), ending) == 0;
-    return name.unit == unit || ends;
+double ColumnName::seconds() const {
+  const auto says = [this](const char* the_unit) {
+    const std::string ending = std::string("_") + the_unit;
+    const bool ends =
+        word.size() > ending.size() && word.compare(word.size() - ending.size(), ending.size(), ending) == 0;
+    return unit == the_unit || ends;
   };
   if (says("ns") || says("nsec")) return kNanoseconds;
   if (says("us") || says("usec")) return kMicroseconds;
@@ -66,25 +72,8 @@ double unitOf(const Name& name) {
   return says("s") || says("sec") ? 1 : 0;
 }
 
-/** Of qx qy qz qw; kNone for others. */
-int quaternionPart(const Name& name) {
-  const bool is_quaternion = name.begins("q") || name.has("orient") || name.has("rot") || name.has("quat");
-  const auto part = std::string_view("xyzw").find(name.last());
-  return is_quaternion && part != std::string_view::npos ? static_cast<int>(part) : kNone;
-}
-
-/** Of tx ty tz; kNone for others. */
-int positionPart(const Name& name) {
-  const bool is_position =
-      name.word.size() == 1 || name.begins("t") || name.begins("p") || name.has("pos") || name.has("trans");
-  const auto part = std::string_view("xyz").find(name.last());
-  return is_position && part != std::string_view::npos ? static_cast<int>(part) : kNone;
-}
-
-}  // namespace
-
 std::optional<PoseHeader> PoseHeader::of(std::string_view line) {
-  const std::vector<Name> names = namesIn(line);
+  const std::vector<ColumnName> names = columnNames(line);
   PoseHeader header;
   header.width = names.size();
   header.pose.fill(kNone);
@@ -94,8 +83,8 @@ std::optional<PoseHeader> PoseHeader::of(std::string_view line) {
       header.nanoseconds = column;
       continue;
     }
-    if (isStamp(names[i])) {
-      if (header.stamp == kNone) header.stamp = column, header.unit = unitOf(names[i]);
+    if (names[i].isStamp()) {
+      if (header.stamp == kNone) header.stamp = column, header.unit = names[i].seconds();
       continue;
     }
     if (q == kNone && t == kNone) continue;

@@ -218,7 +218,8 @@ void HypothesisRanking::refinePlaces(const View& scene, std::vector<Hypothesis>&
   score(hypotheses);
 }
 
-void HypothesisRanking::stateAsShown(const View& scene, const PoseWithCovariance& prior,
+void HypothesisRanking::stateAsShown(const View& scene,
+                                     const std::function<PoseWithCovariance(int model)>& prior_of,
                                      std::vector<Hypothesis>& hypotheses) const {
   if (scene.depth.empty() || !params_.evidence.enabled || !params_.refinement.enabled) return;
   constexpr double kPossible = 0.01;  // probability
@@ -229,7 +230,7 @@ void HypothesisRanking::stateAsShown(const View& scene, const PoseWithCovariance
     std::vector<PosedPicture> pictures;
     for (const NearbyView& m : models) pictures.push_back({&m.view->depth, m.T_w_m});
     const Eigen::Isometry3d T_w_m = poseOfModel(h);
-    const PoseWithCovariance shown = asShown(T_w_m * h.T_m_c, T_w_m * prior,
+    const PoseWithCovariance shown = asShown(T_w_m * h.T_m_c, T_w_m * prior_of(h.model),
                                              {scene.depth, std::move(pictures), comparison_}, kCoarseColumns);
     h.T_m_c.P = (T_w_m.inverse() * shown).P;
   }

@@ -10,6 +10,7 @@
 #include <facetloc/registration/registration_params.h>
 
 #include <array>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -111,6 +112,12 @@ public:
    * the cost shows (METHOD 12.4). \param prior T_m_c that the hypotheses were found with, positive definite
    */
   void stateAsShown(const View& scene, const PoseWithCovariance& prior,
+                    std::vector<Hypothesis>& hypotheses) const {
+    stateAsShown(
+        scene, [&prior](int) { return prior; }, hypotheses);
+  }
+  /** \brief The same with a prior for each local model. */
+  void stateAsShown(const View& scene, const std::function<PoseWithCovariance(int model)>& prior_of,
                     std::vector<Hypothesis>& hypotheses) const;
 
 protected:

@@ -3,6 +3,7 @@
 
 #include <facetloc/features/camera.h>
 #include <facetloc/features/depth_picture.h>
+#include <facetloc/features/gravity.h>
 #include <facetloc/features/segment.h>
 
 #include <istream>
@@ -21,8 +22,9 @@ struct View {
   Intrinsics intrinsics;  ///< of the working image
   std::shared_ptr<const Camera>
       camera;  ///< by which it was seen; null in a map: the map's; else nothing is known of it
-  std::vector<Segment> segments;  ///< the most useful first, by information content (METHOD 9)
-  DepthPicture depth;             ///< may be empty: dense checks are then skipped
+  std::vector<Segment> segments;     ///< the most useful first, by information content (METHOD 9)
+  DepthPicture depth;                ///< may be empty: dense checks are then skipped
+  std::optional<Gravity> gravity{};  ///< when the image was taken, if it was measured
 
   bool hasPicture() const { return depth.camera.valid(); }
   /** \brief Noise of inverse depth that it was seen with, at the usual depth [1/m]. */

@@ -81,7 +81,8 @@ struct ResultFrame {
   double stamp = 0;
 };
 
-/** \brief Writes a results folder: hypotheses.csv, poses_tum.txt (the sure poses in the world),
+/** \brief Writes a results folder: hypotheses.csv, poses_tum.txt (the sure poses in the world; those
+ * in the frame of another part of the map in poses_tum.part-NAME.txt),
  * covariances.csv (of the poses T_w_c of rank 1, whatever their state), timing.csv (all atomically, frames in
  * the given order) and params.ini. */
 void writeResults(const std::filesystem::path& folder, const std::vector<FrameResult>& frames,
@@ -105,7 +106,11 @@ private:
                            const std::string& params_ini);
   ResultsWriter(const std::filesystem::path& folder, const std::string& params_ini, const Text& begin);
 
-  GrowingFile timing_, poses_, covariances_, hypotheses_;
+  void addPoses(const std::string& part, const std::string& lines);
+
+  std::filesystem::path folder_;
+  GrowingFile timing_, covariances_, hypotheses_;
+  std::map<std::string, GrowingFile> poses_;  // by their files
 };
 /** \brief Is there a hypotheses.csv in it? */
 bool isResultsFolder(const std::filesystem::path& folder);

@@ -54,14 +54,15 @@ const char* stateName(TrackingState state) {
 }
 
 struct Localizer::Impl {
-  Impl(const std::shared_ptr<const Map>& map, const LocalizerParams& the_params,
+  Impl(const std::shared_ptr<const Map>& the_map, const LocalizerParams& the_params,
        const GlobalLocalizationParams& the_localization)
-      : params(checked(the_params)),
+      : map(the_map),
+        params(checked(the_params)),
         localization_params(the_localization),
-        min_probability(minProbabilityOf(*map)),
-        localization(map, the_localization),
-        belief(map, the_localization, params),
-        following(map, the_localization),
+        min_probability(minProbabilityOf(*the_map)),
+        localization(the_map, the_localization),
+        belief(the_map, the_localization, params),
+        following(the_map, the_localization),
         motion(params.odometry) {}
 
   /** What one view has come to so far. */
@@ -93,13 +94,18 @@ struct Localizer::Impl {
   bool isSure(double probability, const Matrix6d& P, int looks) const;
   bool isSureByItself(const Localization& found) const;
   PoseWithCovariance poseOf(const Hypothesis& h) const;
+  void list(const PlaceBelief& of, LocalizerAnswer& out) const;
+  LocalizerAnswer localizeNear(const View& view, const PoseWithCovariance& T_w_c, int part) const;
+  void requirePart(const PoseWithCovariance& T_w_c, int part) const;
   LocalizerAnswer answer(const Step& step);
   void conclude(LocalizerAnswer& answer) const;
   bool isKnown(const LocalizerAnswer& answer) const;
   void track(LocalizerAnswer& answer);
 
+  std::shared_ptr<const Map> map;
   LocalizerParams params;
   GlobalLocalizationParams localization_params;
+  int threads = 1;
   double min_probability;
   GlobalLocalization localization;
   PlaceBelief belief;
@@ -254,9 +260,9 @@ void Localizer::Impl::lookAround(const Step& step) {
   belief.look(step.view, &found);
 }
 
-LocalizerAnswer Localizer::Impl::answer(const Step& step) {
-  LocalizerAnswer out;
-  for (const BelievedPlace& place : belief.places()) {
+// The places of a belief, most probable first.
+void Localizer::Impl::list(const PlaceBelief& of, LocalizerAnswer& out) const {
+  for (const BelievedPlace& place : of.places()) {
     Hypothesis h = place.match;
     h.part = place.part;
     h.T_w_c = place.T_w_c.T;
@@ -265,7 +271,44 @@ LocalizerAnswer Localizer::Impl::answer(const Step& step) {
     out.not_in_map -= place.probability;
     out.hypotheses.push_back(std::move(h));
   }
-  out.looks = belief.looks();
+  out.looks = of.looks();
+}
+
+// A belief of its own, that begins there, takes the view. What was said counts as a look: with the view, they
+// are two that agree.
+LocalizerAnswer Localizer::Impl::localizeNear(const View& view, const PoseWithCovariance& T_w_c,
+                                              int part) const {
+  requireProbabilities(localization_params);
+  requirePart(T_w_c, part);
+  PlaceBelief near(map, localization_params, params);
+  near.setNumberOfThreads(threads);
+  near.suppose(part, T_w_c, params.most_log_odds);
+  const Localization found = localization.localize(view, std::function<bool(int)>());
+  near.look(std::make_shared<const View>(view), &found);
+  LocalizerAnswer out;
+  list(near, out);
+  ++out.looks;
+  out.searched = true;
+  conclude(out);
+  if (out.state == AnswerState::sure) out.reason.clear();
+  if (out.hypotheses.empty() && !found.reason.empty()) out.reason = found.reason;
+  return out;
+}
+
+// Throws unless a camera may be said to be there.
+void Localizer::Impl::requirePart(const PoseWithCovariance& T_w_c, int part) const {
+  const bool is_finite = T_w_c.T.matrix().allFinite() && T_w_c.P.allFinite();
+  if (!is_finite || Eigen::LLT<Matrix6d>(T_w_c.P).info() != Eigen::Success)
+    throw std::invalid_argument("the covariance of a pose must be positive definite, and all numbers finite");
+  const std::vector<LocalModel>& models = localization.map().models;
+  if (std::none_of(models.begin(), models.end(),
+                   [part](const LocalModel& m) { return m.part == part && m.T_w_m; }))
+    throw std::invalid_argument("the map has no such part with poses");
+}
+
+LocalizerAnswer Localizer::Impl::answer(const Step& step) {
+  LocalizerAnswer out;
+  list(belief, out);
   out.searched = step.searched;
   out.began_anew = !step.anew.empty();
   out.T_before_now = step.motion.likeliest();
@@ -348,6 +391,9 @@ LocalizerAnswer Localizer::localize(const View& view) const {
   out.searched = true;
   return out;
 }
+LocalizerAnswer Localizer::localize(const View& view, const PoseWithCovariance& T_w_c, int part) const {
+  return impl_->localizeNear(view, T_w_c, part);
+}
 LocalizerAnswer Localizer::update(View view, double stamp, const std::optional<PoseWithCovariance>& motion) {
   return impl_->update(std::move(view), stamp, motion);
 }
@@ -385,17 +431,12 @@ void Localizer::setMinProbability(double p) {
 const Camera& Localizer::camera() const { return impl_->camera; }
 void Localizer::reset() { impl_->reset(); }
 void Localizer::setPose(const PoseWithCovariance& T_w_c, int part) {
-  const bool is_finite = T_w_c.T.matrix().allFinite() && T_w_c.P.allFinite();
-  if (!is_finite || Eigen::LLT<Matrix6d>(T_w_c.P).info() != Eigen::Success)
-    throw std::invalid_argument("the covariance of a pose must be positive definite, and all numbers finite");
-  const std::vector<LocalModel>& models = impl_->localization.map().models;
-  if (std::none_of(models.begin(), models.end(),
-                   [part](const LocalModel& m) { return m.part == part && m.T_w_m; }))
-    throw std::invalid_argument("the map has no such part with poses");
+  impl_->requirePart(T_w_c, part);
   impl_->reset();
   impl_->belief.suppose(part, T_w_c, impl_->params.most_log_odds);
 }
 void Localizer::setNumberOfThreads(int n) {
+  impl_->threads = n;
   impl_->localization.setNumberOfThreads(n);
   impl_->belief.setNumberOfThreads(n);
 }

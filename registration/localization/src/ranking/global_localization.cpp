@@ -59,8 +59,13 @@ struct GlobalLocalization::Impl {
 
   PoseWithCovariance priorOf(const View& view, const CameraDifference& camera) const;
   Query queryOf(const View& view, const CameraDifference& camera) const;
+  bool isLevelIn(const View& view) const;
+  std::optional<Gravity> gravityOf(const View& view, int model, const View& of_model) const;
   bool mayBeTurned(const Localization& answer) const;
-  void registerWith(const Batch& batch, const Query& query, std::vector<Hypothesis>& hypotheses) const;
+  void registerWith(const Batch& batch, const Query& query, bool keeps_mean,
+                    std::vector<Hypothesis>& hypotheses) const;
+  void stateAsShown(const View& view, const PoseWithCovariance& prior, bool keeps_mean,
+                    std::vector<Hypothesis>& hypotheses) const;
   Localization rank(const Query& query, std::vector<Hypothesis> hypotheses, ComparedAndRefined& known) const;
   Localization localize(const Query& query, const CameraDifference& camera,
                         const std::function<bool(int)>& excluded) const;
@@ -97,7 +102,23 @@ PoseWithCovariance GlobalLocalization::Impl::priorOf(const View& view, const Cam
 }
 
 Query GlobalLocalization::Impl::queryOf(const View& view, const CameraDifference& camera) const {
-  return camera.sameMounting() ? Query(view, on_floor, of_floor) : Query(view, priorOf(view, camera));
+  if (camera.sameMounting()) return Query(view, on_floor, of_floor);
+  const bool is_level = isLevelIn(view);
+  return Query(view, priorOf(view, camera),
+               is_level ? gravityInformation(view.gravity->down, view.gravity->std)
+                        : Matrix6d(Matrix6d::Zero()));
+}
+
+// Is gravity known of the view and in the map?
+bool GlobalLocalization::Impl::isLevelIn(const View& view) const {
+  return view.gravity && !map->models.empty() && gravityOf(view, 0, *map->view(0));
+}
+
+// In the frame of a local model; nothing if it is unknown there, or of the view.
+std::optional<Gravity> GlobalLocalization::Impl::gravityOf(const View& view, int model,
+                                                           const View& of_model) const {
+  if (!view.gravity || !view.gravity->valid()) return {};
+  return shortlist.gravity().of(model, of_model);
 }
 
 // May the view be of a camera turned about its optical axis?
@@ -110,11 +131,19 @@ bool GlobalLocalization::Impl::mayBeTurned(const Localization& answer) const {
 }
 
 // Each model's list is written by its index, so that the answer does not depend on the number of threads.
-void GlobalLocalization::Impl::registerWith(const Batch& batch, const Query& query,
+void GlobalLocalization::Impl::registerWith(const Batch& batch, const Query& query, bool keeps_mean,
                                             std::vector<Hypothesis>& hypotheses) const {
   std::vector<std::vector<Hypothesis>> of_model(batch.size());
   forEachInParallel(static_cast<int>(batch.size()), threads, [&](int i) {
-    of_model[i] = registration.align(query, *map->view(batch[i].model), batch[i].T_m_c);
+    const auto& [model, start, is_aligned] = batch[i];
+    const auto view = map->view(model);
+    const auto gravity = gravityOf(query.view, model, *view);
+    if (!gravity) {
+      of_model[i] = registration.align(query, *view, start);
+      return;
+    }
+    const Query for_model = levelledFor(query, *gravity, keeps_mean);
+    of_model[i] = registration.align(for_model, *view, is_aligned ? start : for_model.prior);
   });
   const auto isAskedAnew = [&batch](const Hypothesis& h) {
     return std::binary_search(batch.begin(), batch.end(), Start{h.model, {}},
@@ -162,7 +191,7 @@ void GlobalLocalization::setNumberOfThreads(int n) { impl_->threads = n; }
 Localization GlobalLocalization::localize(const View& view) const {
   Localization answer = localize(view, std::function<bool(int)>());
   PoseWithCovariance about = prior(view);
-  if (impl_->mayBeTurned(answer)) {
+  if (!impl_->isLevelIn(view) && impl_->mayBeTurned(answer)) {
     const bool shows_floor = showsFloor(view, Eigen::Isometry3d::Identity());
     for (int quarter = 1; quarter < 4; ++quarter) {
       const PoseWithCovariance turned{quarterTurns(quarter), impl_->anywhere.P};
@@ -176,8 +205,18 @@ Localization GlobalLocalization::localize(const View& view) const {
       discountTurned(answer);
     }
   }
-  impl_->ranking.stateAsShown(view, about, answer.hypotheses);
+  impl_->stateAsShown(view, about, answer.camera.sameMounting(), answer.hypotheses);
   return answer;
+}
+
+void GlobalLocalization::Impl::stateAsShown(const View& view, const PoseWithCovariance& prior,
+                                            bool keeps_mean, std::vector<Hypothesis>& hypotheses) const {
+  if (!view.gravity) return ranking.stateAsShown(view, prior, hypotheses);
+  const auto priorOfModel = [&](int model) {
+    const auto of_model = gravityOf(view, model, *map->view(model));
+    return of_model ? correctedByGravity(prior, *of_model, *view.gravity, keeps_mean) : prior;
+  };
+  ranking.stateAsShown(view, priorOfModel, hypotheses);
 }
 
 Localization GlobalLocalization::Impl::localize(const Query& query, const CameraDifference& camera,
@@ -186,7 +225,7 @@ Localization GlobalLocalization::Impl::localize(const Query& query, const Camera
   std::vector<Hypothesis> found;
   ComparedAndRefined known;
   for (const NextBatch& next : shortlist.batches(query, camera.sameMounting(), threads, excluded)) {
-    registerWith(next(bestScore(found)), query, found);
+    registerWith(next(bestScore(found)), query, camera.sameMounting(), found);
     answer = rank(query, found, known);
     if (isSure(answer)) break;
   }
@@ -206,10 +245,10 @@ Localization GlobalLocalization::localize(const View& view, const PoseWithCovari
   if (prior.P.allFinite() && Eigen::LLT<Matrix6d>(prior.P).info() == Eigen::Success) {
     const Query query(view, prior, on_floor ? impl_->of_floor : Matrix6d(Matrix6d::Zero()));
     std::vector<Hypothesis> found;
-    impl_->registerWith(impl_->shortlist.batch(query, on_floor, impl_->threads), query, found);
+    impl_->registerWith(impl_->shortlist.batch(query, on_floor, impl_->threads), query, true, found);
     ComparedAndRefined nothing;
     answer = impl_->rank(query, std::move(found), nothing);
-    impl_->ranking.stateAsShown(view, prior, answer.hypotheses);
+    impl_->stateAsShown(view, prior, true, answer.hypotheses);
   } else {
     answer.reason = "the covariance of the prior is not positive definite";
   }

@@ -80,10 +80,11 @@ PlaneColumns::PlaneColumns(const View& view) {
   }
 }
 
-PlaneOverlay::PlaneOverlay(const View& scene, const PoseWithCovariance& prior)
+PlaneOverlay::PlaneOverlay(const View& scene, const PoseWithCovariance& prior, double tilt_std)
     : scene_(scene),
       rotation_std_(static_cast<float>(std::sqrt(prior.P(0, 0)))),
-      translation_std_(static_cast<float>(std::sqrt(prior.P(3, 3)))) {
+      translation_std_(static_cast<float>(std::sqrt(prior.P(3, 3)))),
+      tilt_std_(static_cast<float>(tilt_std)) {
   for (int i = 0; i < scene_.size; ++i) total_weight_ += scene_.weight[i];
   std::vector<Seed> seeds;
   findTriples(seeds);
@@ -144,13 +145,15 @@ Overlay PlaneOverlay::on(const PlaneColumns& model) const {
 void PlaneOverlay::lay(const Seed& seed, const PlaneColumns& model, Overlay& best) const {
   const float least_cosine = std::cos(std::min(kGate * rotation_std_, static_cast<float>(180 * kDegree)));
   const float reach = kGate * translation_std_;
+  const float most_tilt = tilt_std_ > 0 ? kGate * tilt_std_ : 2.f;  // of the y component of a unit normal
   std::array<std::array<int, PlaneColumns::kMost>, 3> alike;  // planes of the model, for each of the seed
   std::array<int, 3> count{};
   for (int k = 0; k < seed.size; ++k) {
     const Eigen::Vector3f n = scene_.normal(seed.planes[k]);
     const float offset = scene_.offset[seed.planes[k]];
     for (int i = 0; i < model.size; ++i)
-      if (n.dot(model.normal(i)) >= least_cosine && std::abs(model.offset[i] - offset) <= reach)
+      if (n.dot(model.normal(i)) >= least_cosine && std::abs(model.offset[i] - offset) <= reach &&
+          std::abs(model.ny[i] - n.y()) <= most_tilt)
         alike[k][count[k]++] = i;
   }
 
@@ -189,7 +192,9 @@ void PlaneOverlay::judge(const Seed& seed, const std::array<int, 3>& over, const
   const Eigen::Vector3f t = (move(0) * n12 + move(1) * n2.cross(n0) + move2 * line) / n0.dot(n12);
 
   const float angle = std::acos(std::clamp((R.trace() - 1) / 2, -1.f, 1.f)) / rotation_std_;
-  const float distance = angle * angle + t.squaredNorm() / (translation_std_ * translation_std_);
+  const float tilt = tilt_std_ > 0 ? std::hypot(R(0, 1), R(2, 1)) / tilt_std_ : 0;  // of the y axis
+  const float distance =
+      angle * angle + tilt * tilt + t.squaredNorm() / (translation_std_ * translation_std_);
   if (!(distance <= kGate * kGate) || 1 - kPriorWeight * distance <= best.score) return;
   const Eigen::Vector3f free = is_pair ? n2 : Eigen::Vector3f(Eigen::Vector3f::Zero());
   const float score = weightLaid(scene_, model, R, t, free) / total_weight_ - kPriorWeight * distance;

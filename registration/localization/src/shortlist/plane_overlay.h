@@ -46,8 +46,10 @@ struct Overlay {
  * plane of the model, less what it is away from the prior. Never changes; thread-safe. */
 class PlaneOverlay {
 public:
-  /** \param prior of T_m_c, about the identity and alike in all directions */
-  PlaneOverlay(const View& scene, const PoseWithCovariance& prior);
+  /** \param prior of T_m_c, about the identity and alike in all directions
+   * \param tilt_std of two views that are level, with y downwards, how far a pose may tilt one against the
+   * other, standard deviation [rad]; 0 = they are in any attitude */
+  PlaneOverlay(const View& scene, const PoseWithCovariance& prior, double tilt_std = 0);
 
   /** \brief False if no two planes of the scene are far enough from parallel. */
   bool isUseful() const { return !seeds_.empty(); }
@@ -69,6 +71,7 @@ private:
 
   PlaneColumns scene_;
   float rotation_std_, translation_std_;
+  float tilt_std_;  // 0: not level
   float total_weight_ = 0;
   std::vector<Seed> seeds_;
 };

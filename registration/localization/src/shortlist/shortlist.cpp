@@ -4,6 +4,7 @@
 #include "shared/in_parallel.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -11,11 +12,12 @@ namespace facetloc::internal {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::lowest();  // score
+constexpr double kTiltOfPlanes = 2 * kDegree;  // by what planes and the gravity of models are off
 
-/** The segments of a view as its camera would see them at the mean of the prior. */
-View turnedBack(const Query& query) {
+/** The segments of a view in other axes. */
+View turnedView(const View& seen, const Eigen::Isometry3d& T) {
   View view;
-  for (const Segment& s : query.view.segments) view.segments.push_back(transformed(s, query.prior.T));
+  for (const Segment& s : seen.segments) view.segments.push_back(transformed(s, T));
   return view;
 }
 
@@ -32,7 +34,11 @@ NextBatch asItIs(Batch batch) {
 }  // namespace
 
 Shortlist::Shortlist(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params)
-    : map_(std::move(map)), params_(params), registration_(params), start_(params.prior) {
+    : map_(std::move(map)),
+      params_(params),
+      registration_(params),
+      start_(params.prior),
+      gravity_(std::make_shared<const MapGravity>(*map_)) {
   const ShortlistParams& shortlist = params.shortlist;
   start_.translation_std = shortlist.start_translation;
   start_.rotation_std_deg = shortlist.start_rotation_deg;
@@ -43,19 +49,36 @@ Shortlist::Shortlist(std::shared_ptr<const Map> map, const GlobalLocalizationPar
     return;
   if (mounting && PlaceIndex::covers(usual))
     index_ = std::make_shared<PlaceIndex>(PlaceIndex::of(*map_, shortlist, params.prior));
-  planes_ = std::make_shared<Planes>();
+  planes_ = std::make_shared<LazyPlanes>();
+  level_planes_ = std::make_shared<LazyPlanes>();
 }
 
 // For a camera in the hand alone: a large map is opened without its views.
-const std::vector<PlaneColumns>& Shortlist::planes() const {
-  std::call_once(planes_->read, [this] {
-    std::vector<PlaneColumns> of_models;
-    of_models.reserve(map_->models.size());
-    for (std::size_t i = 0; i < map_->models.size(); ++i)
-      of_models.emplace_back(*map_->view(static_cast<int>(i)));
-    planes_->of_models = std::move(of_models);
-  });
-  return planes_->of_models;
+Shortlist::ModelPlanes Shortlist::planesOf(const Map& map, const MapGravity* gravity) {
+  ModelPlanes planes;
+  planes.of_models.reserve(map.models.size());
+  for (std::size_t i = 0; i < map.models.size(); ++i) {
+    const auto view = map.view(static_cast<int>(i));
+    if (!gravity) {
+      planes.of_models.emplace_back(*view);
+      continue;
+    }
+    const auto down = gravity->of(static_cast<int>(i), *view);
+    if (!down) return {};
+    planes.levelling.push_back(levelling(down->down));
+    planes.of_models.emplace_back(turnedView(*view, Eigen::Isometry3d(planes.levelling.back())));
+  }
+  return planes;
+}
+
+const Shortlist::ModelPlanes& Shortlist::planes() const {
+  std::call_once(planes_->read, [this] { planes_->planes = planesOf(*map_, nullptr); });
+  return planes_->planes;
+}
+
+const Shortlist::ModelPlanes& Shortlist::levelPlanes() const {
+  std::call_once(level_planes_->read, [this] { level_planes_->planes = planesOf(*map_, gravity_.get()); });
+  return level_planes_->planes;
 }
 
 std::vector<NextBatch> Shortlist::batches(const Query& query, bool on_floor, int threads,
@@ -94,7 +117,8 @@ Batch Shortlist::batch(const Query& query, bool on_floor, int threads) const {
   if (likeliest.empty()) return allModels(query, {});
   others = examined(query, others, params_.shortlist.size - first, kNothing, threads);
   likeliest.insert(likeliest.end(), others.begin(), others.end());
-  for (Start& start : likeliest) start.T_m_c = query.prior;  // starts are what the map's prior leads to
+  for (Start& start : likeliest)
+    start = {start.model, query.prior, false};  // starts are what the map's prior leads to
   return byModel(std::move(likeliest));
 }
 
@@ -137,11 +161,17 @@ std::vector<NextBatch> Shortlist::overlaid(const Query& query, int threads,
                                            const std::function<bool(int)>& excluded) const {
   Batch all = allModels(query, excluded);
   const bool can_be_sure = registration_.score().inNats() && params_.steps.joint_refinement;
-  // Overlays are near the identity: of a camera that is turned against the map's, as if it were not.
-  const bool is_turned = !query.prior.T.isApprox(Eigen::Isometry3d::Identity());
-  const PlaneOverlay scene(is_turned ? turnedBack(query) : query.view, query.prior);
-  if (!planes_ || !can_be_sure || !scene.isUseful()) return {asItIs(std::move(all))};
-  const std::vector<PlaneColumns>& of_models = planes();
+  if (!planes_ || !can_be_sure) return {asItIs(std::move(all))};
+  // Overlays are near the identity: of a camera that is turned against the map's, as if it were not; where
+  // gravity is known, of two that are level.
+  const bool is_level = query.view.gravity && query.view.gravity->valid() && !levelPlanes().levelling.empty();
+  const bool is_turned = !is_level && !query.prior.T.isApprox(Eigen::Isometry3d::Identity());
+  Eigen::Isometry3d back = is_turned ? query.prior.T : Eigen::Isometry3d::Identity();
+  if (is_level) back.linear() = levelling(query.view.gravity->down);
+  const PlaneOverlay scene(is_level || is_turned ? turnedView(query.view, back) : query.view, query.prior,
+                           is_level ? std::hypot(query.view.gravity->std, kTiltOfPlanes) : 0);
+  if (!scene.isUseful()) return {asItIs(std::move(all))};
+  const ModelPlanes& planes = is_level ? levelPlanes() : this->planes();
 
   const ShortlistParams& p = params_.shortlist;
   constexpr int kBlock = 64;  // models that one thread takes at a time
@@ -149,29 +179,33 @@ std::vector<NextBatch> Shortlist::overlaid(const Query& query, int threads,
   std::vector<Overlay> overlays(all.size());
   forEachInParallel((n + kBlock - 1) / kBlock, threads, [&](int block) {
     for (int i = block * kBlock; i < std::min(n, (block + 1) * kBlock); ++i)
-      overlays[i] = scene.on(of_models[all[i].model]);
+      overlays[i] = scene.on(planes.of_models[all[i].model]);
   });
   std::vector<int> order(all.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return overlays[a].score > overlays[b].score; });
 
-  const auto startOf = [&](const Overlay& overlay) {
-    const Eigen::Isometry3d T(overlay.T_m_c.matrix().cast<double>());
-    return is_turned ? T * query.prior.T : T;
+  const auto startOf = [&](const Overlay& overlay, int model) {
+    Eigen::Isometry3d T(overlay.T_m_c.matrix().cast<double>());
+    if (is_level) T = Eigen::Isometry3d(planes.levelling[model]).inverse() * T;
+    return is_level || is_turned ? T * back : T;
   };
   const auto batchOf = [&](int first, int last, bool about_overlays) {
     Batch batch;
     for (int r = first; r < std::min(n, last); ++r) {
       const Overlay& overlay = overlays[order[r]];
-      batch.push_back(all[order[r]]);
+      Start start = all[order[r]];
       if (about_overlays && overlay.exists() && p.start_translation > 0)
-        batch.back() = {all[order[r]].model, startAt(startOf(overlay), std::nullopt), true};
+        start = {start.model, startAt(startOf(overlay, start.model), std::nullopt), true};
+      batch.push_back(start);
     }
     return batch;
   };
-  std::vector<NextBatch> batches = {asItIs(byModel(batchOf(0, p.overlaid_first, true))),
-                                    asItIs(byModel(batchOf(0, p.first_models, false)))};
+  std::vector<NextBatch> batches;
+  // Level overlays are so few that what they find has no runners-up by which a look-alike would be known.
+  if (!is_level) batches.push_back(asItIs(byModel(batchOf(0, p.overlaid_first, true))));
+  batches.push_back(asItIs(byModel(batchOf(0, p.first_models, false))));
   Batch others = batchOf(p.first_models, p.overlaid_size, true);
   if (!others.empty())
     batches.push_back([this, &query, others = std::move(others), threads](double reached) {

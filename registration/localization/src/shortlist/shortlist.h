@@ -3,6 +3,7 @@
 
 #include "pairs/query.h"
 #include "pairs/view_registration.h"
+#include "shortlist/known_gravity.h"
 #include "shortlist/plane_overlay.h"
 
 #include <facetloc/localization/localization_params.h>
@@ -47,14 +48,26 @@ public:
                                  const std::function<bool(int model)>& excluded = {}) const;
   /** \brief The same for a prior of the caller's: one batch, about this prior. */
   Batch batch(const Query& query, bool on_floor, int threads) const;
+  const MapGravity& gravity() const { return *gravity_; }
 
 private:
   std::vector<Candidate> listed(const Query& query, const std::function<bool(int)>& excluded) const;
   Batch examined(const Query& query, const Batch& aligned, int most, double reached, int threads) const;
   std::vector<NextBatch> overlaid(const Query& query, int threads,
                                   const std::function<bool(int)>& excluded) const;
-  /** Reads the views of all models at the first call. */
-  const std::vector<PlaneColumns>& planes() const;
+  struct ModelPlanes {
+    std::vector<PlaneColumns> of_models;
+    std::vector<Eigen::Matrix3d> levelling;  // of each model's axes; empty where the planes are not levelled
+  };
+  struct LazyPlanes {
+    std::once_flag read;
+    ModelPlanes planes;
+  };
+  static ModelPlanes planesOf(const Map& map, const MapGravity* gravity);
+  /** Read the views of all models at the first call. Levelled ones are empty unless gravity is known in all
+   * models. */
+  const ModelPlanes& planes() const;
+  const ModelPlanes& levelPlanes() const;
   Batch allModels(const Query& query, const std::function<bool(int)>& excluded) const;
   PoseWithCovariance startAt(const Eigen::Isometry3d& T_m_c,
                              const std::optional<CameraMounting>& mounting) const;
@@ -64,11 +77,8 @@ private:
   ViewRegistration registration_;
   PosePriorParams start_;                    // how well a quick alignment tells a pose
   std::shared_ptr<const PlaceIndex> index_;  // null for a small map, and where there is no mounting
-  struct Planes {
-    std::once_flag read;
-    std::vector<PlaneColumns> of_models;
-  };
-  std::shared_ptr<Planes> planes_;  // null in a small map
+  std::shared_ptr<const MapGravity> gravity_;
+  std::shared_ptr<LazyPlanes> planes_, level_planes_;  // null in a small map
 };
 
 }  // namespace facetloc::internal

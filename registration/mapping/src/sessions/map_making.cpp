@@ -2,6 +2,7 @@
 #include "calibration/distortion_calibration.h"
 #include "calibration/map_ambiguity.h"
 #include "sessions/image_run.h"
+#include "trajectory/levelled_trajectory.h"
 #include "trajectory/trajectory_links.h"
 
 #include <facetloc/features/map_parts.h>
@@ -151,6 +152,7 @@ Map MapMaking::Impl::build(const std::vector<MapPlace>& places) {
       return;
     }
     view->camera.reset();  // the map's
+    view->gravity = run.images[i].gravity;
     map.models.push_back(LocalModel{run.images[i].name, run.images[i].stamp, pose(i), std::move(*view)});
     made.push_back(i);
   });
@@ -180,6 +182,8 @@ void MapMaking::findTrajectory() {
   for (const bool again : {false, true}) {
     CameraTrajectory found = m.run.findTrajectory(m.params.trajectory, m.findings);
     if (m.findings.noneRead(m.run.images.size())) return;
+    if (!m.run.camera.mounting)  // else its world is the robot's
+      levelTrajectory([&m](std::size_t i) { return m.run.images[i].gravity; }, found);
     m.parts = found.parts();
     m.findings.trajectory = std::move(found);
     m.calibrated = false;

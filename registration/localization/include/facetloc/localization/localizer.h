@@ -76,6 +76,10 @@ public:
 
   /** \brief Where a view was taken, by itself. Remembers nothing; thread-safe. */
   LocalizerAnswer localize(const View& view) const;
+  /** \brief The same of a view that is about there, as somebody says: a prior that decides among places that
+   * look alike. A view that denies it is believed more. Throws what setPose() throws, and std::logic_error
+   * with score.by_overlap. \param T_w_c in the frame of the part \param part of the map */
+  LocalizerAnswer localize(const View& view, const PoseWithCovariance& T_w_c, int part = 0) const;
 
   /** \brief Takes the next view of a moving camera. Any view and any stamp [s] have an answer. A stamp that
    * goes back starts anew, and so does a view that has nothing in common with the one before, unless an

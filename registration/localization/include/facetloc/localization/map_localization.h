@@ -3,6 +3,7 @@
 
 #include <facetloc/features/organized_cloud.h>
 #include <facetloc/localization/localizer.h>
+#include <facetloc/registration/pose_prior.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <pcl/pcl_base.h>
@@ -57,10 +58,34 @@ public:
   /** \brief Begins a new drive. */
   void reset();
 
+  /** \name What else is known, beside the cloud. */
+  /// @{
+  /** \brief In sequence mode: how the camera has moved since the cloud before, or since the latest call, of
+   * which several add up. One that is not finite makes the motion to the next cloud unknown.
+   * \param T_before_now as an odometry measures it, of the camera; its covariance follows from
+   * setOdometryError() and the mounting of the camera */
+  void addMotion(const Eigen::Isometry3d& T_before_now);
+  /** \brief The same with the covariance of the motion, as PoseWithCovariance has it. */
+  void addMotion(const PoseWithCovariance& T_before_now);
+  /** \brief How well an odometry measures motions. Throws std::invalid_argument for a parameter out of its
+   * range. */
+  void setOdometryError(const OdometryError& error);
+  /** \brief Gravity in the optical frame of the next cloud; nothing where it is unknown. Holds until it is
+   * set anew. */
+  void setGravity(const std::optional<Gravity>& gravity) { gravity_ = gravity; }
+  /// @}
+
   /** \brief Localizes the input cloud. \param pose T_w_c with its covariance, order (phi, t), left and
-   * decoupled: of the first hypothesis, be it sure or not; the identity and zeros if there is none in the
-   * world. \return is it sure? Otherwise getStatus() says why not. Never throws for what a cloud is. */
+   * decoupled: of the first hypothesis, be it sure or not; the identity and zeros if there is none. It is in
+   * the frame of getPart(): where that is not empty, of a part of the map that nothing ties to the world, or
+   * of a map without a world; where the map places no local models, of the first hypothesis' one.
+   * \return is it sure? Otherwise getStatus() says why not. Never throws for what a cloud is. */
   bool localize(PoseWithCovariance& pose);
+  /** \brief The same with a guess, as of pcl::Registration::align(): a prior that decides among places that
+   * look alike, and no result. In sequence mode, the drive begins anew there. \param guess T_w_c in the frame
+   * of the part, with its covariance; positive definite, or getStatus() says so \param part of the map by its
+   * name; empty: the world */
+  bool localize(PoseWithCovariance& pose, const PoseWithCovariance& guess, const std::string& part = {});
   /** \brief The pose alone. */
   bool localize(Eigen::Isometry3d& T_w_c);
 
@@ -72,6 +97,8 @@ public:
   double getProbability() const {
     return answer_.hypotheses.empty() ? 0 : answer_.hypotheses.front().probability;
   }
+  /** \brief Part of the map in whose frame the pose is; empty: the world, or there is no hypothesis. */
+  std::string getPart() const;
   AnswerState getState() const { return answer_.state; }
   /** \brief Why it is not sure; empty if it is. */
   const std::string& getStatus() const { return answer_.reason; }
@@ -87,7 +114,11 @@ private:
   using pcl::PCLBase<PointT>::use_indices_;
 
   bool see(std::string& why_not);
+  Localizer& localizer();
   LocalizerAnswer answer(bool is_image);
+  LocalizerAnswer answerNear(const PoseWithCovariance& guess, const std::string& part, bool is_image);
+  template <typename Answer>
+  bool localizeBy(const Answer& answer, PoseWithCovariance& pose);
   double nextStamp();
 
   std::shared_ptr<const Map> map_;
@@ -104,6 +135,10 @@ private:
   std::optional<ViewBuilder> builder_;
   std::optional<Localizer> localizer_;
   std::optional<double> latest_stamp_;
+  std::optional<PoseWithCovariance> motion_;  // since the cloud before
+  bool is_motion_lost_ = false;
+  std::optional<Gravity> gravity_;
+  OdometryError odometry_error_;
 
   View view_;
   LocalizerAnswer answer_;

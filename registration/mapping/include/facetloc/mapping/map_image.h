@@ -2,6 +2,7 @@
 #pragma once
 
 #include <facetloc/features/depth_image.h>
+#include <facetloc/features/gravity.h>
 
 #include <Eigen/Geometry>
 
@@ -20,6 +21,7 @@ struct MapImage {
    * by any thread, so that no image need stay in memory. An image for which it throws is left out. */
   std::function<DepthImage()> load;
   std::optional<Eigen::Isometry3d> T_w_c{};  ///< pose of the camera, if it is known
+  std::optional<Gravity> gravity{};          ///< in its optical frame, if it was measured
 };
 
 /** \brief Poses of a camera by time [s]; nothing where they are unknown. */

@@ -5,6 +5,7 @@
 
 #include <pcl/impl/pcl_base.hpp>
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -64,6 +65,29 @@ template <typename PointT>
 void MapLocalization<PointT>::reset() {
   localizer_.reset();
   latest_stamp_.reset();
+  motion_.reset();
+  is_motion_lost_ = false;
+}
+
+template <typename PointT>
+void MapLocalization<PointT>::addMotion(const Eigen::Isometry3d& T_before_now) {
+  addMotion(motionByOdometry(T_before_now, camera_.mounting, odometry_error_));
+}
+
+template <typename PointT>
+void MapLocalization<PointT>::addMotion(const PoseWithCovariance& T_before_now) {
+  if (!T_before_now.T.matrix().allFinite() || !T_before_now.P.allFinite()) is_motion_lost_ = true;
+  motion_ = motion_ ? *motion_ * T_before_now : T_before_now;
+}
+
+template <typename PointT>
+void MapLocalization<PointT>::setOdometryError(const OdometryError& error) {
+  odometry_error_ = checked(error);
+}
+
+template <typename PointT>
+std::string MapLocalization<PointT>::getPart() const {
+  return answer_.hypotheses.empty() || !map_ ? std::string() : map_->partOf(answer_.hypotheses.front().model);
 }
 
 /** False, with the reason, for what is no depth image. */
@@ -89,19 +113,49 @@ double MapLocalization<PointT>::nextStamp() {
 }
 
 template <typename PointT>
-LocalizerAnswer MapLocalization<PointT>::answer(bool is_image) {
-  if (!is_image && !is_sequence_) return {};
+Localizer& MapLocalization<PointT>::localizer() {
   if (!localizer_) {
     localizer_.emplace(map_, localizer_params_, params_);
     localizer_->setNumberOfThreads(threads_);
     if (min_probability_) localizer_->setMinProbability(*min_probability_);
   }
-  if (!is_sequence_) return localizer_->localize(view_);
-  return localizer_->update(view_, nextStamp());  // a cloud that is none is a camera that saw nothing
+  return *localizer_;
 }
 
 template <typename PointT>
-bool MapLocalization<PointT>::localize(PoseWithCovariance& pose) {
+LocalizerAnswer MapLocalization<PointT>::answer(bool is_image) {
+  if (!is_image && !is_sequence_) return {};
+  if (!is_sequence_) return localizer().localize(view_);
+  const std::optional<PoseWithCovariance> motion = is_motion_lost_ ? std::nullopt : motion_;
+  motion_.reset();
+  is_motion_lost_ = false;
+  return localizer().update(view_, nextStamp(), motion);  // a cloud that is none is a camera that saw nothing
+}
+
+template <typename PointT>
+LocalizerAnswer MapLocalization<PointT>::answerNear(const PoseWithCovariance& guess, const std::string& part,
+                                                    bool is_image) {
+  if (!is_image && !is_sequence_) return {};
+  LocalizerAnswer refused;
+  const auto found = std::find(map_->parts.begin(), map_->parts.end(), part);
+  if (found == map_->parts.end() && !(map_->parts.empty() && part.empty())) {
+    refused.reason = "the map has no part '" + part + "'";
+    return refused;
+  }
+  const int number = static_cast<int>(found - map_->parts.begin());
+  try {
+    if (!is_sequence_) return localizer().localize(view_, guess, number);
+    localizer().setPose(guess, number);
+  } catch (const std::invalid_argument& e) {
+    refused.reason = std::string("the guess cannot be used: ") + e.what();
+    return refused;
+  }
+  return answer(is_image);
+}
+
+template <typename PointT>
+template <typename Answer>
+bool MapLocalization<PointT>::localizeBy(const Answer& answer, PoseWithCovariance& pose) {
   pose = PoseWithCovariance();
   view_ = View();
   answer_ = {};
@@ -111,21 +165,32 @@ bool MapLocalization<PointT>::localize(PoseWithCovariance& pose) {
   }
   std::string why_not;
   const bool is_image = see(why_not);
+  view_.gravity = gravity_;
   answer_ = answer(is_image);
   if (!is_image) answer_.reason = why_not;
   if (answer_.hypotheses.empty()) return false;
   const Hypothesis& best = answer_.hypotheses.front();
-  if (!best.T_w_c || !map_->partOf(best.model).empty()) {
-    answer_.reason = "the map has no poses in the world: the camera is known in a local model only";
-    return false;
-  }
-  pose = *map_->models[best.model].T_w_m * best.T_m_c;
-  pose.T = *best.T_w_c;
+  const std::optional<Eigen::Isometry3d>& T_w_m = map_->models[best.model].T_w_m;
+  pose = T_w_m ? *T_w_m * best.T_m_c : best.T_m_c;
+  if (best.T_w_c) pose.T = *best.T_w_c;
   if (answer_.state == AnswerState::sure) return true;
   if (answer_.reason.empty())
     answer_.reason = "doubtful: the most probable of " + std::to_string(answer_.hypotheses.size()) +
                      " places has a probability of " + std::to_string(best.probability);
   return false;
+}
+
+template <typename PointT>
+bool MapLocalization<PointT>::localize(PoseWithCovariance& pose) {
+  return localizeBy([this](bool is_image) { return answer(is_image); }, pose);
+}
+
+template <typename PointT>
+bool MapLocalization<PointT>::localize(PoseWithCovariance& pose, const PoseWithCovariance& guess,
+                                       const std::string& part) {
+  // Copies: a caller may give the same pose as guess and result.
+  return localizeBy([this, about = guess, part](bool is_image) { return answerNear(about, part, is_image); },
+                    pose);
 }
 
 template <typename PointT>

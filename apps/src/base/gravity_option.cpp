@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/gravity_option.h"
+
+#include "base/text.h"
+#include "shared/text.h"
+
+#include <facetloc/io/error.h>
+
+#include <cstdlib>
+#include <fmt/core.h>
+
+namespace facetloc {
+namespace {
+
+/** 1 to 3: x, y, z; negative: the other direction. */
+Eigen::Vector3d axisOf(int number) {
+  return (number < 0 ? -1 : 1) * Eigen::Vector3d::Unit(std::abs(number) - 1);
+}
+
+}  // namespace
+
+void GravityOption::addOptions(CommandLine& line) {
+  line.addOption("gravity", file_, "FILE", "Direction that is down, by image (RECORDINGS.md).");
+  line.addParams(params_, "gravity");
+  line.addCheck([this] {
+    if (params_.up == 0) throw UsageError("gravity.up is an axis: 1, 2, 3 or negative");
+  });
+}
+
+void GravityOption::read(const DepthSequence& sequence, const Console& console) {
+  if (file_.empty()) return;
+  if (!sequence.stamped())
+    throw IoError(file_, "the image names are no time stamps: gravity cannot be matched with them");
+  if (holdsGravity(file_)) {
+    record_ = readGravity(file_, params_.std_deg * kDegree);
+  } else {
+    const Trajectory poses = sequence.readPoses(file_);
+    if (poses.empty()) throw IoError(file_, "has no poses at the times of the images");
+    record_ = gravityOf(poses, axisOf(params_.up), params_.std_deg * kDegree);
+  }
+  std::size_t without = 0;
+  for (const FrameFile& frame : sequence.frames()) without += !at(frame.stamp);
+  if (without == sequence.frames().size())
+    throw IoError(file_, "has no gravity at the time of any image: are the times those of one clock?");
+  if (without > 0) console.note(counted(without, "image") + " outside the time of --gravity");
+}
+
+std::optional<Gravity> GravityOption::at(double stamp) const { return record_.at(stamp); }
+
+std::string GravityOption::toIni() const {
+  if (file_.empty()) return {};
+  return fmt::format("gravity = {}\ngravity.std_deg = {}\ngravity.up = {}\n", file_,
+                     text::shortest(params_.std_deg), params_.up);
+}
+
+}  // namespace facetloc
