@@ -100,7 +100,9 @@ DepthPicture DepthPicture::fromStored(const Intrinsics& camera, std::vector<std:
 }
 
 void DepthPicture::deriveExtremes() {
-  std::vector<std::uint16_t> lowest(inverse_depth.size()), highest(inverse_depth.size());
+  // In memory that stays: a running camera needs no new one for its views.
+  static thread_local std::vector<std::uint16_t> lowest, highest;
+  lowest.resize(inverse_depth.size()), highest.resize(inverse_depth.size());
   smallestOf3x3(inverse_depth.data(), camera.width, camera.height, lowest.data());
   largestOf3x3(inverse_depth.data(), camera.width, camera.height, highest.data());
   extremes.resize(inverse_depth.size());

@@ -33,7 +33,7 @@ typename pcl::PointCloud<PointT>::Ptr roomCloud(double heading) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = facetloc::expSO3({0, 0, heading});
   T = T * facetloc::CameraMounting{1.0, 10.0}.T_b_c();
-  const facetloc::DepthImage image = camera.render(facetloc::randomRoom(1, 16), T, 0).depth;
+  const facetloc::DepthImage image = camera.render(facetloc::randomRoom(2, 16), T, 0).depth;
   auto cloud = pcl::make_shared<pcl::PointCloud<PointT>>(image.camera.width, image.camera.height);
   for (int v = 0; v < image.camera.height; ++v)
     for (int u = 0; u < image.camera.width; ++u) {
@@ -80,7 +80,7 @@ int main() {
                     custom = segments<RadarPoint>(roomCloud<RadarPoint>(0.0));
 
   const auto planar = pcl::make_shared<facetloc::PlanarRegistration<pcl::PointXYZ>>();
-  planar->setMinProbability(0.3);  // an empty room may be any other
+  planar->setMinProbability(0.3);  // an empty room may be any other, but this one leaves no motion free
   const pcl::Registration<pcl::PointXYZ, pcl::PointXYZ>::Ptr registration = planar;
   registration->setInputSource(source);
   registration->setInputTarget(target);
