@@ -6,9 +6,9 @@
 #include "cluttered_room.h"
 #include "depth_triangulation.h"
 #include "disparity_image.h"
-#include "shared/image_noise.h"
 #include "quad_tree.h"
 #include "region_merging.h"
+#include "shared/image_noise.h"
 
 #include <facetloc/features/organized_cloud.h>
 #include <facetloc/io/depth_sequence.h>

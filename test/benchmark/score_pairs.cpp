@@ -204,11 +204,6 @@ void scoreClouds(const std::vector<CloudRegistration>& ways, const std::vector<P
       const CloudAnswer answer = align(pair);
       const PairError error = errorOf(answer.T, trueMotion(frames[pair.first], frames[pair.second]));
       score.add(answer, answer.has_pose && error.registered());
-      if (std::getenv("SCORE_PAIRS_EACH"))
-        std::printf("  %-20s %s %s: pose %d converged %d merit %.4f error %.3f m %.1f deg\n",
-                    way.name.c_str(), frames[pair.first].name().c_str(), frames[pair.second].name().c_str(),
-                    answer.has_pose, answer.converged, answer.merit, error.translation,
-                    error.rotation / kDegree);
     }
     for (const FramePair& pair : unrelated) score.addUnrelated(align(pair));
     std::printf("%-44s %5d %10d %14d %10d %11ld %9.1f\n", way.name.c_str(), score.right, score.converged,
