@@ -150,14 +150,11 @@ Localization PairRegistration::align(const View& view, const PoseWithCovariance&
   const std::vector<Hypothesis> by_planes = answer.hypotheses;
   rankAll(impl_->ranking, view, answer.hypotheses);
   if (answer.state() != AnswerState::sure) {
-    std::vector<Hypothesis> all = impl_->coarsePoses(query, prior, chosen);
-    if (!all.empty()) {
-      all.insert(all.begin(), by_planes.begin(), by_planes.end());
-      rankAll(impl_->coarse_ranking, view, all);
-      // What planes have found stands, with its probability, as long as nothing coarse comes before it.
-      const bool is_by_planes = !answer.hypotheses.empty() &&
-                                kSameAnswer.joins(all.front().T_m_c.T, answer.hypotheses.front().T_m_c.T);
-      if (!is_by_planes) answer.hypotheses = std::move(all);
+    const std::vector<Hypothesis> coarse = impl_->coarsePoses(query, prior, chosen);
+    if (!coarse.empty()) {
+      answer.hypotheses = by_planes;
+      answer.hypotheses.insert(answer.hypotheses.end(), coarse.begin(), coarse.end());
+      rankAll(impl_->coarse_ranking, view, answer.hypotheses);
     }
   }
   impl_->ranking.stateAsShown(view, prior, answer.hypotheses);
