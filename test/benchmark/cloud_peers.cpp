@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_registrations.h"
+#include "rigid.h"
 
 #include <pcl/features/fpfh.h>
 #include <pcl/features/normal_3d.h>
@@ -27,14 +28,6 @@ constexpr std::size_t kLeastPoints = 100;
 constexpr double kNormalRadius = 2, kFeatureRadius = 5, kInlierDistance = 2.5, kIcpDistance = 2;
 constexpr double kSampleDistance = 10;  // of "Aligning object templates to a point cloud"
 constexpr int kIcpIterations = 50, kPrerejectiveIterations = 50000, kInitialIterations = 500;
-
-Eigen::Isometry3d rigid(const Eigen::Matrix4f& matrix) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() =
-      Eigen::Quaterniond(matrix.topLeftCorner<3, 3>().cast<double>()).normalized().toRotationMatrix();
-  T.translation() = matrix.topRightCorner<3, 1>().cast<double>();
-  return T;
-}
 
 Cloud::Ptr thinned(const Cloud& cloud, double voxel, double max_depth) {
   const auto measured = pcl::make_shared<Cloud>(), thin = pcl::make_shared<Cloud>();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "gicp_odometry.h"
 
+#include "rigid.h"
+
 #include <pcl/filters/voxel_grid.h>
 #include <pcl/registration/gicp.h>
 
@@ -8,14 +10,6 @@ namespace facetloc::benchmarks {
 namespace {
 
 constexpr std::size_t kLeastPoints = 100;
-
-Eigen::Isometry3d rigid(const Eigen::Matrix4f& matrix) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() =
-      Eigen::Quaterniond(matrix.topLeftCorner<3, 3>().cast<double>()).normalized().toRotationMatrix();
-  T.translation() = matrix.topRightCorner<3, 1>().cast<double>();
-  return T;
-}
 
 }  // namespace
 

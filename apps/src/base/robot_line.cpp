@@ -26,7 +26,7 @@ Eigen::Matrix<double, N, 1> numbersOf(const Json::Value& pose, const char* key) 
 }
 
 Eigen::Isometry3d poseOf(const Json::Value& pose) {
-  constexpr double kUnit = 1e-2;  // by which the length of a rounded quaternion may differ
+  constexpr double kUnit = 1e-2;  // largest error of the length of a rounded quaternion
   if (!pose.isObject()) throw std::invalid_argument("its pose is no object of position and quaternion");
   const Eigen::Quaterniond q(numbersOf<4>(pose, "quaternion"));
   if (!(std::abs(q.norm() - 1) < kUnit)) throw std::invalid_argument("its quaternion is no rotation");

@@ -19,7 +19,7 @@ struct OdometryLine {
 /** \brief Where a robot says that its camera is. */
 struct StartLine {
   PoseWithCovariance T_w_c;
-  std::string part;  ///< of the map, in whose frame the pose is; empty: the world
+  std::string part;  ///< name of the part of the map whose frame the pose is in; empty: the world
 };
 
 /** \brief What a robot says in one line: one of these. */
@@ -41,7 +41,7 @@ public:
  * std::invalid_argument for any other line. */
 RobotLine parseRobotLine(const std::string& line, const std::optional<CameraMounting>& mounting);
 
-/** \brief The same of a line that must be odometry. Throws std::invalid_argument with the cause. */
+/** \brief Reads a line that has to be odometry. Throws std::invalid_argument with the cause. */
 OdometryLine parseOdometry(const std::string& line, const std::optional<CameraMounting>& mounting);
 
 /** \brief Covariance of a start of which no more is known than its standard deviations [m, rad]. */

@@ -51,13 +51,13 @@ private:
 
   const LiveSourceOptions options_;
   const DepthSequence sequence_;
-  int width_ = 0, height_ = 0;  // of the first image
-  mutable std::mutex mutex_;    // of what follows
+  int width_ = 0, height_ = 0;  // size of the first image [px]
+  mutable std::mutex mutex_;    // guards the members below
   std::condition_variable changed_;
   bool stopped_ = false, ended_ = false;
   std::uint64_t asked_ = 1;  // images that were asked for and not delivered
   std::optional<Clock::time_point> due_;
-  double stamp_ = 0;  // of the image that was due then
+  double stamp_ = 0;  // stamp of the image that was due then [s]
   std::string error_;
   std::thread thread_;
 };

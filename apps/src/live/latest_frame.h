@@ -43,8 +43,8 @@ public:
     filled_.notify_one();
   }
 
-  /** \brief Leaves a frame as soon as the one before has been taken: nothing is dropped. A closed mailbox
-   * ignores it, and nobody waits for one. */
+  /** \brief Leaves a frame as soon as the one before has been taken: nothing is dropped. Once the
+   * mailbox is closed, returns at once and drops the frame. */
   void putInTurn(Frame frame) {
     {
       std::unique_lock<std::mutex> lock(mutex_);

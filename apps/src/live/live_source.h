@@ -46,10 +46,10 @@ struct LiveSourceOptions {
    * files.
    */
   std::string camera;
-  std::string topic;         ///< of a bag; empty = RecordingHints::topic
+  std::string topic;         ///< topic of a bag that is played; empty = RecordingHints::topic
   bool repeat = false;       ///< files and recordings begin again at their end
-  bool every_frame = false;  ///< of files: a frame comes when the one before it has been processed
-  double speed = 1;          ///< of files and recordings
+  bool every_frame = false;  ///< a file plays its next frame when the one before it has been processed
+  double speed = 1;          ///< at which files and recordings play, times real time
 };
 
 /** \brief A depth camera, or what stands for one: a recording, or a folder of depth images that is played. */

@@ -89,37 +89,39 @@ std::vector<NextBatch> Shortlist::batches(const Query& query, bool on_floor, int
   if (models.empty() && !on_floor) return overlaid(query, threads, excluded);
   if (models.empty()) return {asItIs(allModels(query, excluded))};
   // Only the joint refinement estimates a pose without where it was looked for.
-  const bool from_starts = params_.steps.joint_refinement;
-  const int first = std::min(params_.shortlist.first_models, params_.shortlist.size);
-  Batch likeliest, others;
-  for (const Candidate& c : models)
-    (c.rank < first ? likeliest : others)
-        .push_back(c.start && from_starts ? Start{c.model, startAt(*c.start, map_->camera.mounting), true}
-                                          : Start{c.model, query.prior});
+  auto [likeliest, others] = startsOf(models, query, params_.steps.joint_refinement);
+  const int most = params_.shortlist.size - static_cast<int>(likeliest.size());
   std::vector<NextBatch> out = {asItIs(byModel(std::move(likeliest)))};
-  const int most = params_.shortlist.size - first;
   if (!others.empty() && most > 0)
-    out.push_back([this, &query, others = std::move(others), most, threads](double reached) {
-      return examined(query, others, most, reached, threads);
+    out.push_back([this, &query, rest = std::move(others), most, threads](double reached) {
+      return examined(query, rest, most, reached, threads);
     });
   return out;
 }
 
 Batch Shortlist::batch(const Query& query, bool on_floor, int threads) const {
   if (!registration_.mayFixPose(query)) return {};
-  const int first = std::min(params_.shortlist.first_models, params_.shortlist.size);
-  Batch likeliest, others;
-  if (index_ && on_floor && PlaceIndex::covers(query.prior))
-    for (const Candidate& c : listed(query, {}))
-      (c.rank < first ? likeliest : others)
-          .push_back(c.start ? Start{c.model, startAt(*c.start, map_->camera.mounting), true}
-                             : Start{c.model, query.prior});
-  if (likeliest.empty()) return allModels(query, {});
-  others = examined(query, others, params_.shortlist.size - first, kNothing, threads);
+  std::vector<Candidate> models;
+  if (index_ && on_floor && PlaceIndex::covers(query.prior)) models = listed(query, {});
+  if (models.empty()) return allModels(query, {});
+  auto [likeliest, others] = startsOf(models, query, true);
+  const int most = params_.shortlist.size - static_cast<int>(likeliest.size());
+  others = examined(query, others, most, kNothing, threads);
   likeliest.insert(likeliest.end(), others.begin(), others.end());
   for (Start& start : likeliest)
     start = {start.model, query.prior, false};  // starts are what the map's prior leads to
   return byModel(std::move(likeliest));
+}
+
+Shortlist::Starts Shortlist::startsOf(const std::vector<Candidate>& models, const Query& query,
+                                      bool from_alignments) const {
+  const int first = std::min(params_.shortlist.first_models, params_.shortlist.size);
+  Starts out;
+  for (const Candidate& c : models)
+    (c.rank < first ? out.likeliest : out.others)
+        .push_back(c.start && from_alignments ? Start{c.model, startAt(*c.start, map_->camera.mounting), true}
+                                              : Start{c.model, query.prior});
+  return out;
 }
 
 std::vector<Candidate> Shortlist::listed(const Query& query, const std::function<bool(int)>& excluded) const {

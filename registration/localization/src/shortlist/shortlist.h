@@ -20,7 +20,7 @@ namespace facetloc::internal {
 struct Start {
   int model = 0;
   PoseWithCovariance T_m_c;
-  bool is_aligned = false;  ///< a quick alignment has laid the view over it there
+  bool is_aligned = false;  ///< T_m_c is where a quick alignment has laid the view over the model
 };
 /** \brief Registered together, before anything is made of their answers; by increasing model. */
 using Batch = std::vector<Start>;
@@ -52,6 +52,11 @@ public:
 
 private:
   std::vector<Candidate> listed(const Query& query, const std::function<bool(int)>& excluded) const;
+  /** The first models, which are registered in any case, and those that are examined before. */
+  struct Starts {
+    Batch likeliest, others;
+  };
+  Starts startsOf(const std::vector<Candidate>& models, const Query& query, bool from_alignments) const;
   Batch examined(const Query& query, const Batch& aligned, int most, double reached, int threads) const;
   std::vector<NextBatch> overlaid(const Query& query, int threads,
                                   const std::function<bool(int)>& excluded) const;

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+
+namespace facetloc::benchmarks {
+
+/** \brief The pose that a registration of PCL answers, whose rotation is rounded. */
+inline Eigen::Isometry3d rigid(const Eigen::Matrix4f& matrix) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() =
+      Eigen::Quaterniond(matrix.topLeftCorner<3, 3>().cast<double>()).normalized().toRotationMatrix();
+  T.translation() = matrix.topRightCorner<3, 1>().cast<double>();
+  return T;
+}
+
+}  // namespace facetloc::benchmarks
