@@ -123,6 +123,9 @@ public:
   bool isTorn() const { return torn_; }
   const std::vector<Row>& rows() const { return rows_; }
 
+  bool has(std::string_view name) const {
+    return std::find(header_.begin(), header_.end(), name) != header_.end();
+  }
   /** \brief The place of a column. */
   std::size_t column(std::string_view name) const {
     const auto found = std::find(header_.begin(), header_.end(), name);

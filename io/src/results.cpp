@@ -46,6 +46,7 @@ bool isFinite(const ResultRow& row) {
       Overloaded{[](double value) { return std::isfinite(value); },
                  [](const Eigen::Isometry3d& T) { return T.matrix().allFinite(); },
                  [](const std::optional<Eigen::Isometry3d>& T) { return !T || T->matrix().allFinite(); },
+                 [](const std::optional<double>& value) { return !value || std::isfinite(*value); },
                  [](const auto&) { return true; }};
   const auto& columns = resultColumns();
   return (!row.P_w_c || row.P_w_c->allFinite()) &&
@@ -75,6 +76,9 @@ std::string cellsOf(const ResultColumn& column, const ResultRow& row) {
       Overloaded{[&](std::string ResultRow::*text) { return text::csvCell(row.*text); },
                  [&](int ResultRow::*count) { return std::to_string(row.*count); },
                  [&](double ResultRow::*number) { return text::significant(row.*number); },
+                 [&](std::optional<double> ResultRow::*number) {
+                   return row.*number ? text::significant(*(row.*number)) : std::string();
+                 },
                  [&](AnswerState ResultRow::*state) { return std::string(toString(row.*state)); },
                  [&](auto pose) { return poseCells(row.*pose); }},
       column.value);
@@ -210,6 +214,10 @@ void readColumn(const csv::Table& table, const csv::Row& row, const ResultColumn
       Overloaded{[&](std::string ResultRow::*text) { into.*text = table.string(row, column.name); },
                  [&](int ResultRow::*count) { into.*count = table.count(row, column.name); },
                  [&](double ResultRow::*number) { into.*number = numberIn(table, row, column); },
+                 [&](std::optional<double> ResultRow::*number) {
+                   if (table.has(column.name) && !text::trimmed(table.string(row, column.name)).empty())
+                     into.*number = numberIn(table, row, column);
+                 },
                  [&](AnswerState ResultRow::*state) { into.*state = stateIn(table, row, column.name); },
                  [&](Eigen::Isometry3d ResultRow::*T) { into.*T = readPose(table, row, poseNames(column)); },
                  [&](std::optional<Eigen::Isometry3d> ResultRow::*T) {
@@ -267,7 +275,8 @@ const std::vector<ResultColumn>& resultColumns() {
       {"sd_trans_m", &R::sd_trans_m, "largest standard deviation of the position", "m", false, 0},
       {"reason", &R::reason, "why there is no pose, or what to know of it", "", true},
       {"state", &R::state, "of the image: sure, doubtful or unknown", "", true},
-      {"part", &R::part, "part of the map in whose frame the poses are; empty: the world"}};
+      {"part", &R::part, "part of the map in whose frame the poses are; empty: the world"},
+      {"not_in_map", &R::not_in_map, "probability that the map lacks the place", "", true, 0, 1}};
   return columns;
 }
 

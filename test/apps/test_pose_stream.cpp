@@ -89,7 +89,7 @@ TEST(PoseStream, SchemaAndDocumentDescribeTheColumns) {
                                     (names.size() > 1 ? " ... `" + names.back() + "`" : "") + " | " +
                                     column.text + unit + " |"));
   }
-  EXPECT_EQ(in_stream, 7u);
+  EXPECT_EQ(in_stream, 8u);
 }
 
 FrameResult frame() {

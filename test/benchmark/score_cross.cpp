@@ -137,7 +137,7 @@ private:
                   const View view = viewOf(sequence, i * every, input_.width, builders[worker]);
                   const LocalizerAnswer answer = localizer.localize(view);
                   found[i] = {of_map.place, recording.place, sequence.frames()[i * every].name};
-                  if (answer.hypotheses.empty() || answer.state == AnswerState::unknown) return;
+                  if (answer.hypotheses.empty()) return;
                   found[i]->probability = answer.hypotheses.front().probability;
                   found[i]->score = answer.hypotheses.front().score;
                 });

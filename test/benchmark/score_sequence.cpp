@@ -92,8 +92,9 @@ private:
                 "%.1f deg; %s\n",
                 start, image, gone, toString(answer.state), right ? ", right" : "",
                 answer.searched ? ", searched" : "", answer.began_anew ? ", carried away" : "",
-                answer.hypotheses.empty() ? 0 : answer.hypotheses.front().probability, answer.not_in_map,
-                answer.hypotheses.size(), 1e3 * error.translation, error.rotation_deg, answer.reason.c_str());
+                answer.hypotheses.empty() ? 0 : answer.hypotheses.front().probability,
+                answer.not_in_map.value_or(1), answer.hypotheses.size(), 1e3 * error.translation,
+                error.rotation_deg, answer.reason.c_str());
   }
 
   Course follow(Localizer& sequence, const PosedRun& seen, std::size_t start) const {

@@ -24,7 +24,7 @@ using testing::HasSubstr;
 
 constexpr const char* kHeader =
     "frame,rank,model,probability,score,m_tx,m_ty,m_tz,m_qx,m_qy,m_qz,m_qw,"
-    "w_tx,w_ty,w_tz,w_qx,w_qy,w_qz,w_qw,sd_rot_deg,sd_trans_m,reason,state,part\n";
+    "w_tx,w_ty,w_tz,w_qx,w_qy,w_qz,w_qw,sd_rot_deg,sd_trans_m,reason,state,part,not_in_map\n";
 
 ResultRow hypothesis(const std::string& frame, int rank) {
   ResultRow row;
@@ -73,10 +73,13 @@ TEST(Results, OnlyPosesInTheWorldAreATrajectory) {
   const TemporaryFolder folder;
   auto frames = twoFrames();
   frames[0].rows[0].part = "attic, left";
+  frames[0].rows[0].not_in_map = 0.125;
   writeResults(folder.path(), frames, "");
   EXPECT_THAT(readTumTrajectory(folder / "poses_tum.txt").poses(), testing::IsEmpty());
   const auto rows = readHypotheses(folder.path());
   EXPECT_EQ(rows[0].part, "attic, left");
+  EXPECT_EQ(rows[0].not_in_map, 0.125);
+  EXPECT_EQ(rows[1].not_in_map, std::nullopt);
   EXPECT_TRUE(rows[0].T_w_c);
   EXPECT_EQ(rows[1].part, "");
 }
@@ -170,9 +173,9 @@ TEST(Results, TheBytesAreThoseOfTheContract) {
   lost.rows[0].reason = "dark, \"very\"";
   writeResults(folder.path(), {frame, lost}, "");
   EXPECT_EQ(bytesOf(folder / "hypotheses.csv"),
-            kHeader +
-                std::string("f,1,m,0.333333333,-12.5,0.333333333,0,1e-09,0,0,0,1,,,,,,,,0.5,0.01,,doubtful,\n"
-                            "g,0,,,,,,,,,,,,,,,,,,,,\"dark, \"\"very\"\"\",unknown,\n"));
+            kHeader + std::string(
+                          "f,1,m,0.333333333,-12.5,0.333333333,0,1e-09,0,0,0,1,,,,,,,,0.5,0.01,,doubtful,,\n"
+                          "g,0,,,,,,,,,,,,,,,,,,,,\"dark, \"\"very\"\"\",unknown,,\n"));
 }
 
 /** Poses that are not sure are not handed to anybody who may drive by them. */
@@ -186,8 +189,20 @@ TEST(Results, DoubtfulPosesAreNoTrajectory) {
   EXPECT_EQ(readCovariances(folder.path()).size(), 1u);
 }
 
+TEST(Results, OlderFoldersLackTheProbabilityOfNoPlace) {
+  std::string header = kHeader;
+  header.erase(header.rfind(",not_in_map"), std::string(",not_in_map").size());
+  const TemporaryFolder folder;
+  putBytes(folder / "hypotheses.csv", header + "f,0,,,,,,,,,,,,,,,,,,,,why,unknown,\n");
+  const std::vector<ResultRow> rows = readHypotheses(folder.path());
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0].not_in_map, std::nullopt);
+  EXPECT_THAT(errorOf(kHeader + std::string("f,0,,,,,,,,,,,,,,,,,,,,why,unknown,,1.5\n")),
+              AllOf(HasSubstr("line 2"), HasSubstr("not_in_map is not between 0 and 1")));
+}
+
 TEST(Results, AWrongStateOrCovarianceIsNamed) {
-  EXPECT_THAT(errorOf(kHeader + std::string("f,0,,,,,,,,,,,,,,,,,,,,why,certain,\n")),
+  EXPECT_THAT(errorOf(kHeader + std::string("f,0,,,,,,,,,,,,,,,,,,,,why,certain,,\n")),
               AllOf(HasSubstr("line 2"), HasSubstr("state")));
   const TemporaryFolder folder;
   writeResults(folder.path(), twoFrames(), "");
@@ -222,32 +237,32 @@ TEST(Results, ColumnsAreFoundByName) {
 
 TEST(Results, NamesTheLineOfAFault) {
   const std::string header = kHeader;
-  const std::string none = "f,0,,,,,,,,,,,,,,,,,,,,why,unknown,\n";
+  const std::string none = "f,0,,,,,,,,,,,,,,,,,,,,why,unknown,,\n";
   EXPECT_EQ(errorOf(header + none), "");
   EXPECT_EQ(errorOf(header), "");
   EXPECT_THAT(errorOf(""), HasSubstr("empty"));
   EXPECT_THAT(errorOf("frame,rank\nf,0\n"), AllOf(HasSubstr("hypotheses.csv"), HasSubstr("'reason'")));
   EXPECT_THAT(errorOf(header + none + "f,0,,,,,\n"), AllOf(HasSubstr("line 3"), HasSubstr("columns")));
-  EXPECT_THAT(errorOf(header + "f,x,,,,,,,,,,,,,,,,,,,,why,unknown,\n"),
+  EXPECT_THAT(errorOf(header + "f,x,,,,,,,,,,,,,,,,,,,,why,unknown,,\n"),
               AllOf(HasSubstr("line 2"), HasSubstr("rank = 'x'")));
-  EXPECT_THAT(errorOf(header + "f,-1,,,,,,,,,,,,,,,,,,,,why,unknown,\n"), HasSubstr("negative"));
-  EXPECT_THAT(errorOf(header + "f,1,m,,,,,,,,,,,,,,,,,,,why,unknown,\n"), HasSubstr("probability"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,2,,,,,,,,1,1,,sure,\n"), HasSubstr("rotation"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1,nan,0,0,0,0,0,0,1,,,,,,,,1,1,,sure,\n"), HasSubstr("finite"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,1,1,,,,,,,1,1,,sure,\n"), HasSubstr("w_ty"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1.5,1,0,0,0,0,0,0,1,,,,,,,,1,1,,sure,\n"),
+  EXPECT_THAT(errorOf(header + "f,-1,,,,,,,,,,,,,,,,,,,,why,unknown,,\n"), HasSubstr("negative"));
+  EXPECT_THAT(errorOf(header + "f,1,m,,,,,,,,,,,,,,,,,,,why,unknown,,\n"), HasSubstr("probability"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,2,,,,,,,,1,1,,sure,,\n"), HasSubstr("rotation"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,nan,0,0,0,0,0,0,1,,,,,,,,1,1,,sure,,\n"), HasSubstr("finite"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,1,1,,,,,,,1,1,,sure,,\n"), HasSubstr("w_ty"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1.5,1,0,0,0,0,0,0,1,,,,,,,,1,1,,sure,,\n"),
               HasSubstr("between 0 and 1"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1,1,9e6,0,0,0,0,0,1,,,,,,,,1,1,,sure,\n"), HasSubstr("1000 km away"));
-  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,1,,,,,,,,1,-1,,sure,\n"), HasSubstr("is negative"));
-  EXPECT_THAT(errorOf(header + "f,0,,,,,,,,,,,,,,,,,,,,\"why,unknown,\n"),
+  EXPECT_THAT(errorOf(header + "f,1,m,1,1,9e6,0,0,0,0,0,1,,,,,,,,1,1,,sure,,\n"), HasSubstr("1000 km away"));
+  EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,1,,,,,,,,1,-1,,sure,,\n"), HasSubstr("is negative"));
+  EXPECT_THAT(errorOf(header + "f,0,,,,,,,,,,,,,,,,,,,,\"why,unknown,,\n"),
               AllOf(HasSubstr("line 2"), HasSubstr("quote")));
-  EXPECT_THAT(errorOf(header + "\"f\"x,0,,,,,,,,,,,,,,,,,,,,why,unknown,\n"), HasSubstr("line 2"));
+  EXPECT_THAT(errorOf(header + "\"f\"x,0,,,,,,,,,,,,,,,,,,,,why,unknown,,\n"), HasSubstr("line 2"));
   EXPECT_NE(ioErrorOf([] { readTiming("no/such/folder"); }), "");
 }
 
 /** As a program leaves it that is killed while it writes. */
 TEST(Results, ATornLastLineIsLeftOutForWhoHearsOfIt) {
-  const std::string row = "f,0,,,,,,,,,,,,,,,,,,,,why,unknown,\n", torn = "g,1,\"a model";
+  const std::string row = "f,0,,,,,,,,,,,,,,,,,,,,why,unknown,,\n", torn = "g,1,\"a model";
   const TemporaryFolder folder;
   std::string remarks;
   const Remark remark = [&](const std::string& text) { remarks += text; };
@@ -268,7 +283,7 @@ TEST(Results, ATornLastLineIsLeftOutForWhoHearsOfIt) {
 }
 
 TEST(Results, LineNumbersCountLinesInsideQuotes) {
-  const std::string two_lines = "f,0,,,,,,,,,,,,,,,,,,,,\"a\nb\",unknown,\n\n";
+  const std::string two_lines = "f,0,,,,,,,,,,,,,,,,,,,,\"a\nb\",unknown,,\n\n";
   EXPECT_THAT(errorOf(kHeader + two_lines + "bad\n"), HasSubstr("line 5"));
 }
 

@@ -106,7 +106,7 @@ TEST_F(LocalizationInARoom, ATurnedCameraIsFound) {
       const Localization answer = localization.localize(viewFrom(test::largeRoom(), T_w_c, 7));
       ASSERT_FALSE(answer.hypotheses.empty()) << side << ", " << quarters;
       EXPECT_THAT(*answer.hypotheses[0].T_w_c, PoseNear(T_w_c, 0.05, 1)) << side << ", " << quarters;
-      EXPECT_NE(answer.state(), AnswerState::unknown) << side << ", " << quarters;
+      EXPECT_GT(answer.hypotheses[0].probability, 0.1) << "one camera of ten is turned";
     }
   }
   EXPECT_GE(sure, 2);

@@ -80,7 +80,7 @@ TEST_F(SequenceInARoom, ACameraThatMovesKnowsWhereItIs) {
   int sure = 0, searched = 0;
   for (int i = 0; i < kViews; ++i) {
     const LocalizerAnswer answer = sequence.update(views[i], i * kFrame);
-    double sum = answer.not_in_map;
+    double sum = answer.not_in_map.value();
     for (const Hypothesis& h : answer.hypotheses) sum += h.probability;
     EXPECT_NEAR(sum, 1, 1e-9);
     EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
@@ -119,7 +119,7 @@ TEST_F(SequenceInARoom, StandingStillSharpensNothing) {
   }
   ASSERT_FALSE(last.hypotheses.empty());
   // Its odometry moves by its noise now and then; a look after next to no motion adds next to nothing.
-  EXPECT_NEAR(last.not_in_map, first.not_in_map, 0.05);
+  EXPECT_NEAR(last.not_in_map.value(), first.not_in_map.value(), 0.05);
 }
 
 TEST_F(SequenceInARoom, CarriedAwayItBeginsAnew) {
@@ -455,7 +455,7 @@ TEST_F(SequenceInTwinRooms, WhatIsSeenLaterTellsOfTheFirstViewToo) {
     const LocalizerAnswer answer = sequence.smoothed(until[i], from[i + 1], until[i + 1].T_before_now);
     EXPECT_EQ(answer.state, AnswerState::sure) << i << ": " << answer.reason;
     EXPECT_TRUE(isNearTo(answer, truth[i], 0.1, 2)) << i;
-    double sum = answer.not_in_map;
+    double sum = answer.not_in_map.value();
     for (const Hypothesis& h : answer.hypotheses) {
       sum += h.probability;
       const Eigen::Isometry3d T_w_c = *map->models[h.model].T_w_m * h.T_m_c.T;

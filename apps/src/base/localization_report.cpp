@@ -44,6 +44,7 @@ std::vector<ResultRow> resultRows(const std::string& frame, const Localization& 
     if (static_cast<int>(rows.size()) == max_hypotheses) break;
     rows.push_back(resultRow(frame, static_cast<int>(rows.size()) + 1, h, map));
     rows.back().state = answer.state(min_probability);
+    rows.back().not_in_map = answer.notInMap();
   }
   return rows;
 }
@@ -71,6 +72,7 @@ ResultRow noHypothesis(const std::string& frame, const std::string& reason) {
   ResultRow row;
   row.frame = frame;
   row.reason = reason;
+  row.not_in_map = 1;
   return row;
 }
 

@@ -57,11 +57,12 @@ std::string toJson(const FrameResult& frame, const std::optional<CameraMounting>
   if (best.T_w_c && mounting) T_w_b = *best.T_w_c * mounting->T_b_c().inverse();
   return fmt::format(
       R"({{"stamp":{},"frame":{},"state":{},"probability":{},"model":{},"part":{},"T_w_c":{},"T_w_b":{},)"
-      R"("covariance":{},"reason":{}}})",
+      R"("covariance":{},"reason":{},"not_in_map":{}}})",
       text::decimals(frame.stamp, kStampDigits), quotedJson(best.frame), quotedJson(toString(best.state)),
       text::significant(best.probability), best.rank > 0 ? quotedJson(best.model) : kNothing,
       quotedJson(best.part), poseJson(best.T_w_c), poseJson(T_w_b),
-      best.P_w_c ? covarianceJson(*best.P_w_c) : kNothing, quotedJson(best.reason));
+      best.P_w_c ? covarianceJson(*best.P_w_c) : kNothing, quotedJson(best.reason),
+      best.not_in_map ? text::significant(*best.not_in_map) : kNothing);
 }
 
 void PoseStream::put(std::size_t index, const FrameResult& frame) {

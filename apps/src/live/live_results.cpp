@@ -33,6 +33,13 @@ public:
       : result_(result), frame_(result.image.name), map_(map), min_probability_(min_probability) {}
 
   ResultRow row() const {
+    ResultRow row = poseRow();
+    if (result_.answer) row.not_in_map = result_.answer->not_in_map;
+    return row;
+  }
+
+private:
+  ResultRow poseRow() const {
     if (!result_.mapped && (!result_.answer || !map_)) return noHypothesis(frame_, "segmented without a map");
     if (!result_.isLocalized())
       return noHypothesis(frame_,
@@ -44,7 +51,6 @@ public:
     return row;
   }
 
-private:
   ResultRow rowOf(const Hypothesis& best, const Map& map) const {
     Localization answer;
     answer.hypotheses = {best};

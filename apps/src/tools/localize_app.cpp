@@ -66,7 +66,7 @@ std::vector<ResultRow> rowsOf(const std::string& frame, const LocalizerAnswer& a
   localization.hypotheses = answer.hypotheses;
   localization.reason = answer.reason;
   auto rows = resultRows(frame, localization, map, max_hypotheses);
-  for (ResultRow& row : rows) row.state = answer.state;
+  for (ResultRow& row : rows) row.state = answer.state, row.not_in_map = answer.not_in_map;
   if (!answer.hypotheses.empty()) addRemark(rows.front(), answer.reason);
   return rows;
 }

@@ -143,7 +143,7 @@ int MapCalibrateApp::ask(const std::shared_ptr<const Map>& map, const CommandLin
               const View view = viewOf(sequence, asked[i].frame, input_.width, builders[worker]);
               const LocalizerAnswer found = localizer.localize(view);
               answers[i] = {0, false};
-              if (found.hypotheses.empty() || found.state == AnswerState::unknown) return;
+              if (found.hypotheses.empty()) return;
               const Hypothesis& best = found.hypotheses.front();
               answers[i] = {best.probability, best.T_w_c && map->partOf(best.model).empty() &&
                                                   is_right_(*best.T_w_c, asked[i].T_w_c)};

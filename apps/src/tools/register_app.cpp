@@ -109,15 +109,17 @@ int RegisterApp::execute(const CommandLine& line, const Console& console) {
   result.timing = {frame.name, builder.segmentMilliseconds(), builder.featuresMilliseconds(), milliseconds,
                    1};
   const AnswerState state = answer.state(min_probability_);
-  if (state != AnswerState::unknown) printPoses(console.out, result.rows);
+  const bool has_pose = !answer.hypotheses.empty();
+  if (has_pose) printPoses(console.out, result.rows);
   console.out << toString(state);
-  if (state == AnswerState::unknown) console.out << ": " << answer.reason;
+  if (state == AnswerState::unknown)
+    console.out << ": " << (has_pose ? "the views more likely show different places" : answer.reason);
   if (state == AnswerState::doubtful) console.out << ": no pose is likely enough to act on it";
   console.out << "\n";
   console.out << fmt::format("{}, {}, registered in {:.1f} ms",
                              counted(scene.segments.size(), "source segment"),
                              counted(registration.target().segments.size(), "target segment"), milliseconds);
-  if (!aligned_.empty() && state == AnswerState::unknown) {
+  if (!aligned_.empty() && !has_pose) {
     console.note(
         fmt::format("there is no pose by which the source could be moved: {} is not written", aligned_));
   } else if (!aligned_.empty()) {

@@ -10,11 +10,20 @@ namespace facetloc {
 enum class AnswerState {
   sure,      ///< the first pose is so probable that one may act on it
   doubtful,  ///< there are poses, but none that one may act on
-  unknown    ///< there is no pose, but a reason
+  unknown    ///< no pose, or the map more likely lacks the place than holds it; there is a reason
 };
 
 /** \brief Probability from which on an answer is sure, unless the user chooses another. */
 constexpr double kMinProbability = 0.9;
+
+/** \brief State of an answer whose best pose has a probability, by the rule above.
+ * \param not_in_map probability that the map lacks the place: 1 minus those of all poses
+ * \param min_probability of a sure pose */
+constexpr AnswerState stateByProbability(double best, double not_in_map, double min_probability) {
+  if (best >= min_probability) return AnswerState::sure;
+  return not_in_map > 0.5 ? AnswerState::unknown : AnswerState::doubtful;
+}
+constexpr const char* kNotInMap = "the map more likely lacks this place than holds it";
 
 /** \brief "sure", "doubtful", "unknown". */
 constexpr const char* toString(AnswerState state) {

@@ -34,6 +34,7 @@ struct ResultRow {
   std::string reason;
   AnswerState state = AnswerState::unknown;
   std::string part;
+  std::optional<double> not_in_map;  ///< empty without probabilities, and in older results
 };
 
 /** \brief A column of hypotheses.csv, or the seven of a pose. What is written, read, sent to another process
@@ -41,7 +42,8 @@ struct ResultRow {
 struct ResultColumn {
   using Value =
       std::variant<std::string ResultRow::*, int ResultRow::*, double ResultRow::*, AnswerState ResultRow::*,
-                   Eigen::Isometry3d ResultRow::*, std::optional<Eigen::Isometry3d> ResultRow::*>;
+                   Eigen::Isometry3d ResultRow::*, std::optional<Eigen::Isometry3d> ResultRow::*,
+                   std::optional<double> ResultRow::*>;
   const char* name;  ///< also of the stream
   Value value;
   const char* text;  ///< what it is, for documents

@@ -5,6 +5,7 @@
 #include <facetloc/features/camera.h>
 #include <facetloc/features/pose.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,18 +48,26 @@ struct Hypothesis {
 /** \brief What localization or registration answers: a ranked list, or why there is none. */
 struct Localization {
   std::vector<Hypothesis> hypotheses;  ///< best first
-  std::string reason;                  ///< why there is no hypothesis; empty if there is one
+  std::string reason;                  ///< Cause of an empty list; else empty.
   CameraDifference camera;             ///< what the view's camera has to do with the map's
   bool has_probabilities = true;       ///< false if scores are overlaps, whose probabilities mean nothing
   bool fixes_pose =
       true;  ///< false if the first pose is known too roughly to be sure, whatever its probability
 
-  /** \brief Sure if the first pose is fixed and its place at least so probable, also against that the map
-   * does not hold it. */
+  /** \brief Probability that the map lacks the place: 1 minus those of all hypotheses. Empty without
+   * probabilities. */
+  std::optional<double> notInMap() const {
+    if (!has_probabilities) return {};
+    double left = 1;
+    for (const Hypothesis& h : hypotheses) left -= h.probability;
+    return std::max(0.0, left);
+  }
+  /** \brief Sure if the first pose is fixed and reaches min_probability; unknown without a hypothesis, and if
+   * the map more likely lacks the place than holds it. */
   AnswerState state(double min_probability = kMinProbability) const {
     if (hypotheses.empty()) return AnswerState::unknown;
-    const bool sure = has_probabilities && fixes_pose && hypotheses.front().probability >= min_probability;
-    return sure ? AnswerState::sure : AnswerState::doubtful;
+    if (!has_probabilities) return AnswerState::doubtful;
+    return stateByProbability(fixes_pose ? hypotheses.front().probability : 0, *notInMap(), min_probability);
   }
 };
 

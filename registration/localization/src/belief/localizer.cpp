@@ -262,15 +262,17 @@ void Localizer::Impl::lookAround(const Step& step) {
 
 // The places of a belief, most probable first.
 void Localizer::Impl::list(const PlaceBelief& of, LocalizerAnswer& out) const {
+  double left = 1;
   for (const BelievedPlace& place : of.places()) {
     Hypothesis h = place.match;
     h.part = place.part;
     h.T_w_c = place.T_w_c.T;
     h.T_m_c = localization.map().models[h.model].T_w_m->inverse() * place.T_w_c;
     h.probability = place.probability;
-    out.not_in_map -= place.probability;
+    left -= place.probability;
     out.hypotheses.push_back(std::move(h));
   }
+  out.not_in_map = std::max(0.0, left);
   out.looks = of.looks();
 }
 
@@ -339,8 +341,10 @@ void Localizer::Impl::conclude(LocalizerAnswer& answer) const {
     answer.state = AnswerState::sure;
     return;
   }
-  answer.state = AnswerState::doubtful;
-  if (!(best.probability >= min_probability))
+  answer.state = stateByProbability(0, *answer.not_in_map, min_probability);
+  if (answer.state == AnswerState::unknown)
+    answer.reason = kNotInMap;
+  else if (!(best.probability >= min_probability))
     answer.reason = "no place is likely enough";
   else if (isFixed(P, params))
     answer.reason = "a likely place waits for another view to confirm it";
@@ -385,9 +389,10 @@ LocalizerAnswer Localizer::localize(const View& view) const {
   Localization found = impl_->localization.localize(view);
   LocalizerAnswer out;
   out.state = found.state(impl_->min_probability);
+  out.not_in_map = found.notInMap();
   out.hypotheses = std::move(found.hypotheses);
-  for (const Hypothesis& h : out.hypotheses) out.not_in_map -= h.probability;
   out.reason = std::move(found.reason);
+  if (out.state == AnswerState::unknown && out.reason.empty()) out.reason = kNotInMap;
   out.searched = true;
   return out;
 }

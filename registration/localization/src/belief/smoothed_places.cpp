@@ -29,7 +29,7 @@ Eigen::Isometry3d modelPose(const Hypothesis& h) { return *h.T_w_c * h.T_m_c.T.i
 
 std::vector<Place> placesOf(const LocalizerAnswer& answer) {
   std::vector<Place> places;
-  const double nowhere = std::max(answer.not_in_map, kNowhereLeft);
+  const double nowhere = std::max(answer.not_in_map.value_or(1), kNowhereLeft);
   for (const Hypothesis& h : answer.hypotheses)
     places.push_back({h, modelPose(h) * h.T_m_c, std::log(std::max(h.probability, kNowhereLeft) / nowhere)});
   return places;
@@ -81,6 +81,7 @@ LocalizerAnswer smoothedPlaces(const LocalizerAnswer& until_now, const Localizer
   for (const Place& place : places) sum += std::exp(place.log_odds);
 
   LocalizerAnswer out;
+  out.not_in_map = 1 / sum;
   out.looks = until_now.looks + from_next.looks - 1;  // views next to each other tell the same
   out.T_before_now = until_now.T_before_now;
   for (Place& place : places) {
@@ -89,7 +90,6 @@ LocalizerAnswer smoothedPlaces(const LocalizerAnswer& until_now, const Localizer
     h.T_w_c = place.T_w_c.T;
     h.T_m_c = T_w_m.inverse() * place.T_w_c;
     h.probability = std::exp(place.log_odds) / sum;
-    out.not_in_map -= h.probability;
     out.hypotheses.push_back(std::move(h));
   }
   return out;

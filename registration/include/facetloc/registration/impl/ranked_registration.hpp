@@ -216,10 +216,11 @@ void RankedRegistration<PointT>::computeTransformation(PointCloudSource& output,
   const AnswerState state = getState();
   converged_ = state == AnswerState::sure;
   if (state == AnswerState::unknown) {
-    status_ = answer_.reason;
+    status_ =
+        answer_.hypotheses.empty() ? answer_.reason : "unknown: the clouds more likely show different places";
     PCL_ERROR("[facetloc::%s::align] %s\n", reg_name_.c_str(), status_.c_str());
-    return;
   }
+  if (answer_.hypotheses.empty()) return;
   if (state == AnswerState::doubtful) {
     status_ = "doubtful: the first pose has a probability of " + std::to_string(getProbability());
     PCL_WARN("[facetloc::%s::align] %s\n", reg_name_.c_str(), status_.c_str());

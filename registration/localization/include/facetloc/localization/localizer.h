@@ -31,7 +31,9 @@ struct LocalizerAnswer {
   AnswerState state = AnswerState::unknown;
   /** \brief Most probable first, with poses of this view in the frames of their parts of the map. */
   std::vector<Hypothesis> hypotheses;
-  double not_in_map = 1;  ///< probability that the map does not hold the place; with all others, 1
+  /** \brief Probability that the map lacks the place: 1 minus those of all hypotheses. Empty with
+   * score.by_overlap, whose scores have no probabilities. */
+  std::optional<double> not_in_map = 1;
   std::string reason;     ///< why it is not sure; empty if it is
   bool searched = false;  ///< the whole map, which takes its time
 
