@@ -392,6 +392,23 @@ TEST_F(SequenceInTwinRooms, AStartDecidesBetweenThem) {
   EXPECT_GE(sure, 15);
 }
 
+TEST_F(SequenceInTwinRooms, AStartDecidesWithoutAHeading) {
+  for (const double wrong_by_deg : {0.0, 100.0, 180.0}) {
+    Localizer localizer(map);
+    PoseWithCovariance start = startNear(truth[0]);
+    start.T.linear() = Eigen::AngleAxisd(wrong_by_deg * kDegree, Eigen::Vector3d::UnitZ()) * start.T.linear();
+    start.P(2, 2) = EIGEN_PI * EIGEN_PI;
+    localizer.setPose(start);
+    int sure = 0;
+    for (int i = 0; i < 20; ++i) {
+      const LocalizerAnswer answer = localizer.update(views[i], i * kFrame);
+      EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i << ", " << wrong_by_deg;
+      sure += answer.state == AnswerState::sure;
+    }
+    EXPECT_GE(sure, 15) << wrong_by_deg;
+  }
+}
+
 TEST_F(SequenceInARoom, AWrongStartIsLeft) {
   Localizer localizer(map);
   localizer.setPose(startNear(truth[45]));
@@ -536,6 +553,25 @@ TEST_F(BeliefInARoom, TheMostProbablePlacesAreKept) {
     ASSERT_EQ(belief.places().size(), most == 3 ? 3u : 5u);
     EXPECT_TRUE(isNear(belief.places().front().T_w_c.T, truth[0], 0.05, 1));
   }
+}
+
+TEST_F(BeliefInARoom, AnOpenHeadingIsAllHeadings) {
+  PlaceBelief belief(map, {}, {});
+  PoseWithCovariance start{truth[0], Matrix6d::Identity()};
+  start.P(2, 2) = 4;
+  start.P(2, 3) = start.P(3, 2) = 0.5;
+  belief.suppose(0, start, 7);
+  PlaceBelief known(map, {}, {});
+  known.suppose(0, {truth[0], 0.01 * Matrix6d::Identity()}, 7);
+  ASSERT_EQ(belief.places().size(), 12u);
+  double sum = 0;
+  for (const BelievedPlace& place : belief.places()) {
+    sum += place.probability;
+    EXPECT_THAT(place.T_w_c.T.translation(), test::MatrixNear(truth[0].translation(), 1e-12));
+    EXPECT_NEAR(std::sqrt(place.T_w_c.P(2, 2)), 15 * kDegree, 1e-9);
+    EXPECT_EQ(Eigen::LLT<Matrix6d>(place.T_w_c.P).info(), Eigen::Success);
+  }
+  EXPECT_NEAR(sum, known.places().front().probability, 1e-9);
 }
 
 TEST_F(BeliefInARoom, PlacesMoveWithTheCamera) {

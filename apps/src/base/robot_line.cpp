@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <json/json.h>
@@ -107,7 +108,9 @@ StartLine startOf(const Json::Value& value, const std::optional<CameraMounting>&
 
 Matrix6d startCovariance(double std_m, double std_rad) {
   Matrix6d P = Matrix6d::Zero();
-  P.diagonal() << Eigen::Vector3d::Constant(std_rad * std_rad), Eigen::Vector3d::Constant(std_m * std_m);
+  constexpr double kMostTilt = 30 * kDegree;  // a camera whose heading is open is upright all the same
+  const double tilt = std::min(std_rad, kMostTilt);
+  P.diagonal() << tilt * tilt, tilt * tilt, std_rad * std_rad, Eigen::Vector3d::Constant(std_m * std_m);
   return P;
 }
 

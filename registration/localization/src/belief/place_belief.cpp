@@ -67,6 +67,23 @@ PoseWithCovariance merged(const PoseWithCovariance& a, double share_of_a, const 
           share_of_a * a.P + share * b.P + share_of_a * share * apart * apart.transpose()};
 }
 
+// The pose, or, if its heading is open, poses of all headings at that position. A Gaussian of such a heading
+// cannot be linearized, and an angle has no wider distribution than the uniform one.
+std::vector<PoseWithCovariance> headingsOf(const PoseWithCovariance& T_w_c) {
+  constexpr double kOpen = 60 * kDegree;  // standard deviation
+  constexpr int kHeadings = 12;
+  if (T_w_c.P(2, 2) < kOpen * kOpen) return {T_w_c};
+  constexpr double kBetween = 2 * EIGEN_PI / kHeadings;
+  PoseWithCovariance one = T_w_c;
+  one.P.row(2) *= kBetween / 2 / std::sqrt(T_w_c.P(2, 2));
+  one.P.col(2) *= kBetween / 2 / std::sqrt(T_w_c.P(2, 2));
+  std::vector<PoseWithCovariance> all(kHeadings, one);
+  for (int k = 0; k < kHeadings; ++k)
+    all[k].T.linear() =
+        Eigen::AngleAxisd(k * kBetween, Eigen::Vector3d::UnitZ()).toRotationMatrix() * T_w_c.T.linear();
+  return all;
+}
+
 double bounded(double log_odds) { return std::clamp(log_odds, -kMostOfOneLook, kMostOfOneLook); }
 
 // What a look adds to a place, beside the place that it likes best. Places that are alike differ by a little
@@ -146,13 +163,16 @@ bool PlaceBelief::isDue() const {
 void PlaceBelief::suppose(int part, const PoseWithCovariance& T_w_c, double log_odds) {
   const std::vector<int> nearest = near_.byPlace(part, T_w_c.T.translation(), 1);
   if (nearest.empty()) return;
-  BelievedPlace place;
-  place.T_w_c = T_w_c;
-  place.part = part;
-  place.log_odds = prior_ + log_odds;
-  place.spread = spreadOf(T_w_c.P);  // as whoever says so knows
-  place.match.model = nearest.front();
-  places_.push_back(std::move(place));
+  const std::vector<PoseWithCovariance> headings = headingsOf(T_w_c);
+  for (const PoseWithCovariance& pose : headings) {
+    BelievedPlace place;
+    place.T_w_c = pose;
+    place.part = part;
+    place.log_odds = prior_ + log_odds - std::log(headings.size());
+    place.spread = spreadOf(pose.P);  // as whoever says so knows
+    place.match.model = nearest.front();
+    places_.push_back(std::move(place));
+  }
   weigh();
 }
 

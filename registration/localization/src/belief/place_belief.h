@@ -58,7 +58,8 @@ public:
                              bool independent = false);
   /** \brief The n local models nearest to each place that is worth asking about. */
   std::vector<int> modelsAround(int n) const;
-  /** \brief Somebody says that the camera is there: adds a place. Nothing happens in a part without poses.
+  /** \brief Somebody says that the camera is there: adds a place, or one for each of 12 headings if the
+   * standard deviation about the z axis of the part exceeds 60 deg. Nothing happens in a part without poses.
    * \param part of the map \param log_odds against any other place [nats] */
   void suppose(int part, const PoseWithCovariance& T_w_c, double log_odds = 0);
   /** \brief The pose of the most probable place, of which there is one, as it follows from the latest view.

@@ -115,7 +115,8 @@ public:
   /** \brief Forgets all views. */
   void reset();
   /** \brief Forgets all views, and takes it that the camera is about there now, at the view that comes next:
-   * where it is put in the morning, or was before a restart. Views that deny it are believed more. Throws
+   * where it is put in the morning, or was before a restart. Views that deny it are believed more. A
+   * standard deviation above 60 deg about the z axis leaves the heading open: all are equally likely. Throws
    * std::invalid_argument for a covariance that is not positive definite, and for a part that is not in the
    * map. \param T_w_c in the frame of the part \param part of the map */
   void setPose(const PoseWithCovariance& T_w_c, int part = 0);
