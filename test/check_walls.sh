@@ -29,6 +29,7 @@ declare -A rooms=(
   [mapping/graph]="graph nearby"
   [mapping/trajectory]="trajectory graph shortlist motion nearby pairs depth"
   [mapping/calibration]="calibration motion nearby depth"
+  [mapping/models]="models sessions calibration"
   [mapping/sessions]="sessions calibration graph trajectory motion nearby depth"
   [io/recordings]="recordings"
   [apps/base]="base"

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/mapping/surface.h>
+
+#include <cstddef>
+#include <memory>
+
+namespace pcl {
+struct PolygonMesh;
+}
+
+namespace facetloc {
+
+namespace internal {
+class RayCaster;
+}
+
+/** \brief The polygons of a mesh, seen from both of their sides.
+ *
+ * The mesh need not be closed, manifold or oriented. Polygons are cut into triangles from their first vertex;
+ * those with an index beyond the vertices, a vertex that is not finite or no area are left out. */
+class MeshSurface : public Surface {
+public:
+  /** \brief \param mesh in metres; its cloud has fields x, y, z of floats. It is not needed afterwards.
+   * Throws std::invalid_argument if nothing of it can be used, or if it lies so far from its origin that
+   * floats do not resolve a millimetre (10 km). */
+  explicit MeshSurface(const pcl::PolygonMesh& mesh);
+  ~MeshSurface() override;
+
+  DepthImage render(const Intrinsics& camera, const Eigen::Isometry3d& T_w_c) const override;
+  Eigen::AlignedBox3d bounds() const override { return bounds_; }
+
+  std::size_t triangles() const { return triangles_; }
+  std::size_t leftOut() const { return left_out_; }  ///< triangles that cannot be used
+
+private:
+  std::unique_ptr<internal::RayCaster> rays_;
+  Eigen::AlignedBox3d bounds_;
+  std::size_t triangles_ = 0, left_out_ = 0;
+};
+
+}  // namespace facetloc

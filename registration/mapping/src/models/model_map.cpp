@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/map_ambiguity.h"
+#include "models/viewpoints.h"
+#include "sessions/image_run.h"
+
+#include <facetloc/mapping/map_making.h>
+#include <facetloc/mapping/model_map.h>
+
+#include <cmath>
+#include <fmt/core.h>
+#include <stdexcept>
+#include <utility>
+
+namespace facetloc {
+
+using namespace internal;
+
+namespace {
+
+/** Where a camera in the hand is held [m], and how it is inclined [deg]. */
+const std::vector<double> kHeightsInHand{1.1, 1.6}, kTiltsInHand{0, 30};
+
+}  // namespace
+
+struct ModelMap::Impl {
+  std::shared_ptr<const Surface> surface;
+  Camera camera;  // of the map
+  ModelMapParams params;
+  ViewParams view;
+  std::optional<std::vector<Eigen::Isometry3d>> viewpoints;
+  std::vector<double> heights;
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  int width = kWorkingWidth;
+  int threads = 1;
+  MapProgressCallback progress;
+  ModelFindings findings;
+
+  Intrinsics intrinsics() const;
+  Camera viewCamera() const;
+  ViewpointSearch search() const;
+  Map build();
+};
+
+Intrinsics ModelMap::Impl::intrinsics() const {
+  const Intrinsics full = camera.intrinsics.valid() ? camera.intrinsics : kinectIntrinsics();
+  return full.subsampled(subsamplingStep(full, width));
+}
+
+/** Rendered images are ideal but for the surface's own error. */
+Camera ModelMap::Impl::viewCamera() const {
+  Camera ideal = camera;
+  ideal.distortion.reset();
+  ideal.noise.depth_std = std::hypot(camera.noise.depth_std, params.surface_std);
+  return ideal;
+}
+
+ViewpointSearch ModelMap::Impl::search() const {
+  ViewpointSearch search;
+  search.surface = surface;
+  search.camera = camera;
+  search.camera.intrinsics = intrinsics();
+  search.heights = !heights.empty()  ? heights
+                   : camera.mounting ? std::vector<double>{camera.mounting->height}
+                                     : kHeightsInHand;
+  search.tilts_deg = camera.mounting ? std::vector<double>{camera.mounting->tilt_deg} : kTiltsInHand;
+  search.T_w_up.linear() = rotationBetween(Eigen::Vector3d::UnitZ(), up);
+  search.threads = threads;
+  search.progress = progress;
+  return search;
+}
+
+/** Local models without an ambiguity. */
+Map ModelMap::Impl::build() {
+  ImageRun run;
+  run.camera = viewCamera();
+  run.view = view;
+  run.threads = threads;
+  run.progress = progress;
+  const Intrinsics k = intrinsics();
+  for (std::size_t i = 0; i < findings.viewpoints.size(); ++i) {
+    const Eigen::Isometry3d& T_w_c = findings.viewpoints[i];
+    run.images.push_back({fmt::format("view-{:05}", i + 1), static_cast<double>(i),
+                          [this, k, &T_w_c] { return surface->render(k, T_w_c); }, T_w_c});
+  }
+  Map map;
+  map.camera = camera;
+  std::vector<Eigen::Isometry3d> used;
+  std::vector<UnreadImage> unread;
+  run.buildViews(run.all(), MapProgress::Stage::models, unread,
+                 [&](std::size_t i, std::optional<View> built) {
+                   if (!built || built->segments.empty()) {
+                     ++findings.without_segments;
+                     return;
+                   }
+                   built->camera.reset();  // the map's
+                   const MapImage& image = run.images[i];
+                   map.models.emplace_back(image.name, image.stamp, image.T_w_c, std::move(*built));
+                   used.push_back(*image.T_w_c);
+                 });
+  findings.viewpoints = std::move(used);
+  return map;
+}
+
+ModelMap::ModelMap(std::shared_ptr<const Surface> surface, const Camera& camera, const ModelMapParams& params,
+                   const ViewParams& view)
+    : impl_(std::make_unique<Impl>()) {
+  if (!surface) throw std::invalid_argument("ModelMap: there is no surface");
+  impl_->surface = std::move(surface);
+  impl_->camera = camera;
+  impl_->params = checked(params);
+  impl_->view = checked(view);
+}
+ModelMap::ModelMap(ModelMap&&) noexcept = default;
+ModelMap& ModelMap::operator=(ModelMap&&) noexcept = default;
+ModelMap::~ModelMap() = default;
+
+void ModelMap::setNumberOfThreads(int n) { impl_->threads = n; }
+void ModelMap::setProgress(MapProgressCallback progress) { impl_->progress = std::move(progress); }
+void ModelMap::setWorkingWidth(int width) { impl_->width = width; }
+void ModelMap::setViewpoints(std::vector<Eigen::Isometry3d> viewpoints) {
+  impl_->viewpoints = std::move(viewpoints);
+}
+void ModelMap::setUp(const Eigen::Vector3d& up) {
+  if (!(up.norm() > 0 && up.allFinite())) throw std::invalid_argument("ModelMap: up is no direction");
+  impl_->up = up.normalized();
+}
+void ModelMap::setHeights(std::vector<double> heights) { impl_->heights = std::move(heights); }
+const ModelFindings& ModelMap::findings() const { return impl_->findings; }
+
+Map ModelMap::finish() {
+  Impl& m = *impl_;
+  m.findings = {};
+  if (m.viewpoints)
+    m.findings.viewpoints = *m.viewpoints;
+  else
+    m.findings.viewpoints = findViewpoints(m.search(), m.params, m.findings);
+  if (m.findings.viewpoints.empty()) {
+    if (m.findings.problem.empty()) m.findings.problem = "there are no viewpoints";
+    return {};
+  }
+  auto map = std::make_shared<Map>(m.build());
+  if (map->models.empty()) {
+    m.findings.problem = "no view of the surface shows a plane";
+    return {};
+  }
+  const MapLookalikes found = findLookalikes(map, m.threads, m.progress);
+  setAmbiguity(found.scores, *map);
+  return std::move(*map);
+}
+
+}  // namespace facetloc
