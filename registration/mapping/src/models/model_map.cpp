@@ -63,6 +63,7 @@ ViewpointSearch ModelMap::Impl::search() const {
                    : camera.mounting ? std::vector<double>{camera.mounting->height}
                                      : kHeightsInHand;
   search.tilts_deg = camera.mounting ? std::vector<double>{camera.mounting->tilt_deg} : kTiltsInHand;
+  search.stands = camera.mounting || !heights.empty();
   search.T_w_up.linear() = rotationBetween(Eigen::Vector3d::UnitZ(), up);
   search.threads = threads;
   search.progress = progress;

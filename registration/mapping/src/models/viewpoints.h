@@ -15,6 +15,7 @@ struct ViewpointSearch {
   Camera camera;                  ///< with the intrinsics of the images that are rendered
   std::vector<double> heights;    ///< above the floor [m]
   std::vector<double> tilts_deg;  ///< of the optical axis below the horizon
+  bool stands = false;            ///< on the floor, as on a robot
   Eigen::Isometry3d T_w_up = Eigen::Isometry3d::Identity();  ///< to the surface's frame from one with z up
   int threads = 1;
   MapProgressCallback progress;

@@ -34,6 +34,7 @@ struct MapProgress {
     loops,       ///< keyframes are compared, in percent
     poses,       ///< images are compared with their poses
     distortion,  ///< images are read for the distortion of their camera
+    viewpoints,  ///< a surface is looked at from where a camera can be
     models,      ///< images become local models
     place,       ///< keyframes are localized in a map
     ambiguity    ///< views of a map are localized in its other places

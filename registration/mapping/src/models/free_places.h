@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/mapping/surface.h>
+
+#include <functional>
+#include <vector>
+
+namespace facetloc::internal {
+
+/** \brief Rays and looks around in a surface, in a frame with z up. Thread-safe. */
+class SpaceProbe {
+public:
+  SpaceProbe(const Surface& surface, const Eigen::Isometry3d& T_w_up) : surface_(surface), T_w_up_(T_w_up) {}
+
+  /** \brief Distance to the surface along a unit vector [m]; infinite where nothing is met. */
+  double along(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) const;
+  /** \brief Heights of all surfaces on a vertical line below a point, the highest first [m]. */
+  std::vector<double> heightsBelow(Eigen::Vector3d from, double lowest) const;
+  /** \brief Calls a function with (unit direction, distance) of rays to all sides; infinite where nothing is
+   * met. */
+  void around(const Eigen::Vector3d& position,
+              const std::function<void(const Eigen::Vector3d&, double)>& take) const;
+  /** \brief Bounds of the surface in the frame with z up. */
+  Eigen::AlignedBox3d bounds() const;
+
+private:
+  const Surface& surface_;
+  Eigen::Isometry3d T_w_up_;
+};
+
+/** \brief Levels that something can stand on [m], the lowest first: horizontal surfaces that many of the
+ * columns show with room above, but those of furniture.
+ * \param columns heights of the surfaces of each, the highest first */
+std::vector<double> floorLevels(const std::vector<std::vector<double>>& columns, double standing_room);
+
+/** \brief Where a camera may be. */
+struct PlaceRules {
+  double step = 0.5;            ///< of the grid of positions [m]
+  double clearance = 0.25;      ///< to all surfaces [m]
+  std::vector<double> heights;  ///< above the floor [m]
+  bool stands = false;          ///< on the floor, as a robot does: not above furniture
+};
+
+/** \brief Positions in a grid from which the surroundings are known, that are free, above a floor, and
+ * connected to at least 2 m^2 of such positions: indoors, in rooms and not in furniture (mapping/METHOD
+ * 16.2). \param inParallel calls its function with 0 ... n - 1 */
+std::vector<Eigen::Vector3d>
+freePlaces(const SpaceProbe& probe, const PlaceRules& rules,
+           const std::function<void(std::size_t n, const std::function<void(std::size_t)>&)>& inParallel);
+
+}  // namespace facetloc::internal

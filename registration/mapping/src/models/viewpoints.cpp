@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/viewpoints.h"
+
+#include "models/free_places.h"
+#include "models/view_cover.h"
+
+#include <facetloc/features/pose.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/core.h>
+#include <map>
+
+namespace facetloc::internal {
+namespace {
+
+using Stage = MapProgress::Stage;
+
+constexpr double kStepsPerSpacing = 2;  // in which candidates lie
+constexpr double kSlackDeg = 1e-6;      // neighbouring headings are just as far apart as the rule says
+
+/** The camera in about 24 columns. */
+Intrinsics smallCamera(const Intrinsics& camera) {
+  constexpr double kColumns = 24;
+  const double factor = kColumns / std::max(camera.width, camera.height);
+  Intrinsics small = camera;
+  small.width = std::max(1, static_cast<int>(std::lround(camera.width * factor)));
+  small.height = std::max(1, static_cast<int>(std::lround(camera.height * factor)));
+  small.fx = camera.fx * small.width / camera.width;
+  small.fy = camera.fy * small.height / camera.height;
+  small.cx = (camera.cx + 0.5) * small.width / camera.width - 0.5;
+  small.cy = (camera.cy + 0.5) * small.height / camera.height - 0.5;
+  return small;
+}
+
+class Candidates {
+public:
+  Candidates(const ViewpointSearch& search, const ModelMapParams& params)
+      : search_(search), params_(params), camera_(smallCamera(search.camera.intrinsics)) {}
+
+  /** Views at these positions, in the frame with z up, in all headings, as far as they show enough. */
+  void look(const std::vector<Eigen::Vector3d>& positions) {
+    const std::size_t headings = headingCount(), tilts = search_.tilts_deg.size();
+    std::vector<SmallView> all(positions.size() * headings * tilts);
+    stage(all.size(), [&](std::size_t i) {
+      const double yaw = 2 * M_PI * static_cast<double>(i % headings) / static_cast<double>(headings);
+      all[i] = viewAt(positions[i / headings / tilts], yaw, search_.tilts_deg[i / headings % tilts]);
+    });
+    for (SmallView& view : all)
+      if (knownShare(view) >= params_.known) views_.push_back(std::move(view));
+  }
+
+  /** For each view the others that it may stand for. */
+  Substitutes substitutes() const {
+    std::map<Cell, std::vector<std::uint32_t>> cells;
+    for (std::size_t i = 0; i < views_.size(); ++i)
+      cells[cellOf(views_[i])].push_back(static_cast<std::uint32_t>(i));
+    Substitutes found;
+    found.of.resize(views_.size());
+    stage(views_.size(), [&](std::size_t i) {
+      const auto compare = [&](std::uint32_t j) {
+        if (i == j ||
+            !isNear(views_[i].T_w_c, views_[j].T_w_c, params_.spacing, params_.turn_deg + kSlackDeg))
+          return;
+        const double shared = sharedPart(views_[j], views_[i], camera_);
+        if (shared > 0) found.of[i].push_back({j, static_cast<float>(shared)});
+      };
+      const Cell middle = cellOf(views_[i]);
+      for (int k = 0; k < 27; ++k)
+        if (const auto cell =
+                cells.find({middle[0] + k % 3 - 1, middle[1] + k / 3 % 3 - 1, middle[2] + k / 9 - 1});
+            cell != cells.end())
+          for (const std::uint32_t j : cell->second) compare(j);
+    });
+    return found;
+  }
+
+  bool empty() const { return views_.empty(); }
+  const Eigen::Isometry3d& pose(std::size_t i) const { return views_[i].T_w_c; }
+
+private:
+  using Cell = std::array<long, 3>;
+
+  /** Views that may stand for each other lie in cells next to each other. */
+  Cell cellOf(const SmallView& view) const {
+    const Eigen::Array3d cell = (view.T_w_c.translation() / params_.spacing).array().floor();
+    return {static_cast<long>(cell.x()), static_cast<long>(cell.y()), static_cast<long>(cell.z())};
+  }
+  std::size_t headingCount() const {
+    return static_cast<std::size_t>(std::ceil(360 / params_.turn_deg - 1e-9));
+  }
+  void stage(std::size_t n, const std::function<void(std::size_t)>& job) const {
+    ParallelStage(Stage::viewpoints, n, search_.threads, search_.progress).run(job);
+  }
+  SmallView viewAt(const Eigen::Vector3d& position, double yaw, double tilt_deg) const {
+    CameraMounting mounting = search_.camera.mounting.value_or(CameraMounting());
+    mounting.tilt_deg = tilt_deg;
+    Eigen::Isometry3d T_up_c = Eigen::Isometry3d::Identity();
+    T_up_c.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * mounting.T_b_c().linear();
+    T_up_c.translation() = position;
+    const Eigen::Isometry3d T_w_c = search_.T_w_up * T_up_c;
+    DepthImage image = search_.surface->render(camera_, T_w_c);
+    dropBeyond(search_.camera.max_depth, image);
+    return {T_w_c, std::move(image.depth)};
+  }
+  static double knownShare(const SmallView& view) {
+    const auto known = std::count_if(view.depth.begin(), view.depth.end(), [](float z) { return z > 0; });
+    return static_cast<double>(known) / static_cast<double>(view.depth.size());
+  }
+
+  const ViewpointSearch& search_;
+  const ModelMapParams& params_;
+  Intrinsics camera_;
+  std::vector<SmallView> views_;
+};
+
+}  // namespace
+
+std::vector<Eigen::Isometry3d> findViewpoints(const ViewpointSearch& search, const ModelMapParams& params,
+                                              ModelFindings& findings) {
+  const SpaceProbe probe(*search.surface, search.T_w_up);
+  PlaceRules rules;
+  rules.step = params.spacing / kStepsPerSpacing;
+  rules.clearance = params.clearance;
+  rules.heights = search.heights;
+  rules.stands = search.stands;
+  const std::vector<Eigen::Vector3d> places =
+      freePlaces(probe, rules, [&](std::size_t n, const std::function<void(std::size_t)>& job) {
+        ParallelStage(Stage::viewpoints, n, search.threads, search.progress).run(job);
+      });
+  findings.places = places.size();
+  if (places.empty()) {
+    findings.problem = "no place was found in it where a camera can be, above a floor and between walls";
+    return {};
+  }
+  Candidates candidates(search, params);
+  candidates.look(places);
+  const Substitutes substitutes = candidates.substitutes();
+  constexpr double kStep = 0.05;
+  std::vector<std::size_t> chosen;
+  for (findings.overlap = params.overlap;; findings.overlap = std::max(0.0, findings.overlap - kStep)) {
+    chosen = coveringViews(substitutes, findings.overlap);
+    if (chosen.size() <= static_cast<std::size_t>(params.most_models) || findings.overlap <= 0) break;
+  }
+  if (chosen.size() > static_cast<std::size_t>(params.most_models)) {
+    findings.problem =
+        fmt::format("{} views would be needed; increase most_models or spacing", chosen.size());
+    return {};
+  }
+  std::vector<Eigen::Isometry3d> viewpoints;
+  for (const std::size_t i : chosen) viewpoints.push_back(candidates.pose(i));
+  return viewpoints;
+}
+
+}  // namespace facetloc::internal
