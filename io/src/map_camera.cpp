@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/camera_presets.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_camera.h>
 #include <facetloc/io/map_database.h>
 
 #include <array>
+#include <fmt/core.h>
 #include <fstream>
 #include <string_view>
 
@@ -30,6 +32,19 @@ CameraFile cameraOfMap(const std::filesystem::path& map, const std::optional<Cam
                   "does not say the intrinsics of its camera, as each of its images has its own; give a "
                   "camera.ini");
   return file;
+}
+
+Camera cameraNamed(const std::string& file_or_name) {
+  std::error_code ignored;
+  if (isMapFile(file_or_name)) return cameraOfMap(file_or_name).camera;
+  if (std::filesystem::exists(file_or_name, ignored)) return readCameraFile(file_or_name).camera;
+  const CameraPreset* preset = findCameraPreset(file_or_name);
+  if (!preset)
+    throw IoError(file_or_name, fmt::format("is neither the file of a camera nor the name of one (known: {})",
+                                            cameraPresetNames()));
+  Camera camera = preset->camera();
+  camera.intrinsics = preset->intrinsics();
+  return camera;
 }
 
 }  // namespace facetloc

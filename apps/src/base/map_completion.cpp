@@ -3,7 +3,9 @@
 
 #include "base/map_watch.h"
 
+#include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
+#include <facetloc/io/output_lock.h>
 #include <facetloc/localization/place_index.h>
 #include <facetloc/mapping/map_making.h>
 
@@ -47,6 +49,16 @@ void completeMounting(const fs::path& path, const Console& console) {
 void completeMap(const fs::path& path, int threads, const Console& console) {
   completePlaceIndex(path);
   completeAmbiguity(path, threads, console);
+}
+
+void writeNewMap(const std::string& path, bool overwrite, int threads, const Console& console,
+                 const std::function<const Map&()>& make) {
+  if (path.empty()) throw UsageError("the map to write is missing: -o OUT.flmap");
+  const OutputLock lock = OutputLock::ofFile(path);
+  if (!overwrite && fs::file_size(path) > 0)
+    throw IoError(path, "exists already; give --overwrite to replace it");
+  writeMap(path, make());
+  completeMap(path, threads, console);
 }
 
 std::vector<std::string> placeIndexFaults(const fs::path& path) try {

@@ -3,7 +3,10 @@
 
 #include "base/app.h"
 
+#include <facetloc/features/local_model.h>
+
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -16,6 +19,11 @@ void completeMounting(const std::filesystem::path& map, const Console& console);
 /** \brief Writes into a map file what it still lacks: the place index of a large map, and its ambiguity.
  * \param threads 0 = all cores. Throws IoError, and Stopped at Ctrl-C. */
 void completeMap(const std::filesystem::path& map, int threads, const Console& console);
+
+/** \brief Writes a map that was not there, with all that it is asked for when it is opened. Throws UsageError
+ * without a path, IoError. \param make is called once it is clear that the map can be written */
+void writeNewMap(const std::string& path, bool overwrite, int threads, const Console& console,
+                 const std::function<const Map&()>& make);
 
 /** \brief The faults of the place index in a map file, in words; empty if it is sound or missing. */
 std::vector<std::string> placeIndexFaults(const std::filesystem::path& map);

@@ -8,6 +8,7 @@
 #include "shared/text.h"
 #include "tools/map_calibrate_app.h"
 #include "tools/map_extend_app.h"
+#include "tools/map_model_app.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/features/sure_threshold.h>
@@ -174,17 +175,6 @@ void noteChosenDistortion(const std::vector<Map>& maps, const std::vector<std::s
                   [&](const Map& map) { return distortionOf(map) != distortionOf(*chosen); }))
     console.note("the maps differ in the distortion that was taken out; the merged one has the one of " +
                  paths[chosen - maps.begin()]);
-}
-
-/** Writes a map that is made of others, with all that it is asked for when it is opened. */
-void writeNewMap(const std::string& path, bool overwrite, int threads, const Console& console,
-                 const std::function<const Map&()>& make) {
-  if (path.empty()) throw UsageError("the map to write is missing: -o OUT.flmap");
-  const OutputLock lock = OutputLock::ofFile(path);
-  if (!overwrite && fs::file_size(path) > 0)
-    throw IoError(path, "exists already; give --overwrite to replace it");
-  writeMap(path, make());
-  completeMap(path, threads, console);
 }
 
 /** Red, green and blue as the normal has x, y and z. */
@@ -379,8 +369,9 @@ Map MapMergeApp::merge(const Console& console) const {
 namespace {
 
 constexpr const char* kMapUsage =
-    "Usage: facetloc_map build|extend|calibrate|info|check|export|import|merge ...\n\n"
+    "Usage: facetloc_map build|from-model|extend|calibrate|info|check|export|import|merge ...\n\n"
     "  build SEQUENCE -o MAP.flmap   make a map of one run of depth images\n"
+    "  from-model MODEL -o MAP.flmap make a map of a scan or mesh of a building\n"
     "  extend MAP.flmap SEQUENCE     bring a map up to date with a later run\n"
     "  calibrate MAP.flmap RECORDING set from when on an answer is sure\n"
     "  info MAP.flmap                say what is in a map\n"
@@ -397,6 +388,7 @@ int runMapTool(const std::vector<std::string>& arguments, Console console) {
   console.tool = "facetloc_map";
   const auto run = [&](App&& app) { return app.run({arguments.begin() + 1, arguments.end()}, console); };
   if (command == "build") return run(MapBuildApp());
+  if (command == "from-model") return run(MapModelApp());
   if (command == "extend") return run(MapExtendApp());
   if (command == "calibrate") return run(MapCalibrateApp());
   if (command == "info") return run(MapInfoApp());

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 namespace facetloc {
 
@@ -17,5 +18,9 @@ bool isMapFile(const std::filesystem::path& path);
  * and its intrinsics where the map has none. Throws IoError for what is no map, and if nothing says the
  * intrinsics. */
 CameraFile cameraOfMap(const std::filesystem::path& map, const std::optional<CameraFile>& stored = {});
+
+/** \brief The camera that a user names where there are no images: by a camera.ini, a map that was made with
+ * it, or the name of a CameraPreset, whose intrinsics are those of a typical device. Throws IoError. */
+Camera cameraNamed(const std::string& file_or_name);
 
 }  // namespace facetloc

@@ -36,17 +36,28 @@ std::vector<double> floorLevels(const std::vector<std::vector<double>>& columns,
 
 /** \brief Where a camera may be. */
 struct PlaceRules {
-  double step = 0.5;            ///< of the grid of positions [m]
-  double clearance = 0.25;      ///< to all surfaces [m]
-  std::vector<double> heights;  ///< above the floor [m]
-  bool stands = false;          ///< on the floor, as a robot does: not above furniture
+  double step = 0.5;                    ///< of the grid of positions [m]
+  double clearance = 0.25;              ///< to all surfaces [m]
+  std::vector<double> heights;          ///< above the floor [m]
+  bool stands = false;                  ///< on the floor, as a robot does: not above furniture
+  std::vector<Eigen::Vector3d> inside;  ///< places of the areas to fill; none = those that are indoors
+  /** Distance by which places may lie beside a surface that is open, such as a scan of one side of a room, of
+   * which neither the floor below nor walls all around are asked for [m]; 0 = the surface is a whole room. */
+  double beside = 0;
 };
+
+/** \brief Positions where a camera may be, and what was left out of them. */
+struct FreePlaces {
+  std::vector<Eigen::Vector3d> positions;
+  std::size_t outdoors = 0;  ///< positions of areas around all others
+};
+
+/** \brief Calls a function with 0 ... n - 1. */
+using ForEach = std::function<void(std::size_t n, const std::function<void(std::size_t)>&)>;
 
 /** \brief Positions in a grid from which the surroundings are known, that are free, above a floor, and
  * connected to at least 2 m^2 of such positions: indoors, in rooms and not in furniture (mapping/METHOD
- * 16.2). \param inParallel calls its function with 0 ... n - 1 */
-std::vector<Eigen::Vector3d>
-freePlaces(const SpaceProbe& probe, const PlaceRules& rules,
-           const std::function<void(std::size_t n, const std::function<void(std::size_t)>&)>& inParallel);
+ * 16.2). */
+FreePlaces freePlaces(const SpaceProbe& probe, const PlaceRules& rules, const ForEach& forEach);
 
 }  // namespace facetloc::internal

@@ -18,7 +18,7 @@ namespace {
 using Corners = std::array<std::uint32_t, 3>;
 
 /** Can these three vertices be seen? */
-bool hasArea(const PointTriples& points, const Corners& corners) {
+bool hasArea(const ModelPoints& points, const Corners& corners) {
   for (const std::uint32_t corner : corners)
     if (corner >= points.size() || !points[corner].allFinite()) return false;
   const Eigen::Vector3f a = points[corners[0]];
@@ -35,10 +35,34 @@ void forEachTriangle(const std::vector<pcl::Vertices>& polygons, const Function&
                        static_cast<std::uint32_t>(polygon.vertices[i])});
 }
 
+/** Is this a sheet as a scan is: open, of triangles that share nearly all of their edges, and agree about
+ * their front? */
+bool isSheet(const std::vector<pcl::Vertices>& polygons, const ModelPoints& points) {
+  constexpr double kInner = 0.9, kOuter = 0.001;  // shares of the edges
+  std::vector<std::uint64_t> edges;               // the smaller vertex, the larger one, and which comes first
+  forEachTriangle(polygons, [&](const Corners& corners) {
+    if (!hasArea(points, corners)) return;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint64_t a = corners[k], b = corners[(k + 1) % 3];
+      edges.push_back(std::min(a, b) << 33 | std::max(a, b) << 1 | (a < b ? 1 : 0));
+    }
+  });
+  std::sort(edges.begin(), edges.end());
+  double inner = 0, outer = 0, all = 0;
+  for (std::size_t first = 0, last; first < edges.size(); first = last) {
+    last = first + 1;
+    while (last < edges.size() && edges[last] >> 1 == edges[first] >> 1) ++last;
+    ++all;
+    outer += last - first == 1;
+    inner += last - first == 2 && edges[first] != edges[first + 1];
+  }
+  return inner >= kInner * all && outer >= kOuter * all;
+}
+
 }  // namespace
 
 MeshSurface::MeshSurface(const pcl::PolygonMesh& mesh) {
-  const PointTriples points(mesh.cloud, kPosition);
+  const ModelPoints points(mesh.cloud);
   forEachTriangle(mesh.polygons, [&](const Corners& corners) {
     if (!hasArea(points, corners)) {
       ++left_out_;
@@ -49,6 +73,7 @@ MeshSurface::MeshSurface(const pcl::PolygonMesh& mesh) {
   });
   if (triangles_ == 0) throw std::invalid_argument("it has no triangle with an area");
   requireResolved(bounds_);
+  is_scan_ = isSheet(mesh.polygons, points);
   rays_ = std::make_unique<RayCaster>();
   rays_->setTriangles(points.size(), triangles_, [&](const RayCaster::Triangles& all) {
     // A vertex that is not finite belongs to no triangle; Embree still reads it.
@@ -65,7 +90,7 @@ MeshSurface::MeshSurface(const pcl::PolygonMesh& mesh) {
 MeshSurface::~MeshSurface() = default;
 
 DepthImage MeshSurface::render(const Intrinsics& camera, const Eigen::Isometry3d& T_w_c) const {
-  return rays_->depth(camera, T_w_c, kNearestMeasured);
+  return rays_->depth(camera, T_w_c, is_scan_);
 }
 
 }  // namespace facetloc

@@ -29,6 +29,7 @@ struct ModelMap::Impl {
   ViewParams view;
   std::optional<std::vector<Eigen::Isometry3d>> viewpoints;
   std::vector<double> heights;
+  std::vector<Eigen::Vector3d> inside;
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   int width = kWorkingWidth;
   int threads = 1;
@@ -63,6 +64,7 @@ ViewpointSearch ModelMap::Impl::search() const {
                    : camera.mounting ? std::vector<double>{camera.mounting->height}
                                      : kHeightsInHand;
   search.tilts_deg = camera.mounting ? std::vector<double>{camera.mounting->tilt_deg} : kTiltsInHand;
+  search.inside = inside;
   search.stands = camera.mounting || !heights.empty();
   search.T_w_up.linear() = rotationBetween(Eigen::Vector3d::UnitZ(), up);
   search.threads = threads;
@@ -125,6 +127,7 @@ void ModelMap::setUp(const Eigen::Vector3d& up) {
   if (!(up.norm() > 0 && up.allFinite())) throw std::invalid_argument("ModelMap: up is no direction");
   impl_->up = up.normalized();
 }
+void ModelMap::setInside(std::vector<Eigen::Vector3d> places) { impl_->inside = std::move(places); }
 void ModelMap::setHeights(std::vector<double> heights) { impl_->heights = std::move(heights); }
 const ModelFindings& ModelMap::findings() const { return impl_->findings; }
 

@@ -18,24 +18,19 @@ const pcl::PCLPointField* fieldOf(const pcl::PCLPointCloud2& cloud, const std::s
 
 }  // namespace
 
-bool PointTriples::areIn(const pcl::PCLPointCloud2& cloud, const std::array<std::string, 3>& names) {
-  for (const std::string& name : names)
-    if (!fieldOf(cloud, name)) return false;
-  return true;
-}
-
-PointTriples::PointTriples(const pcl::PCLPointCloud2& cloud, const std::array<std::string, 3>& names)
+ModelPoints::ModelPoints(const pcl::PCLPointCloud2& cloud)
     : cloud_(cloud), size_(static_cast<std::size_t>(cloud.width) * cloud.height) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    const pcl::PCLPointField* field = fieldOf(cloud, names[k]);
-    if (!field) throw std::invalid_argument(fmt::format("its points have no field {} of floats", names[k]));
+  constexpr std::array<const char*, 3> kNames{"x", "y", "z"};
+  for (std::size_t k = 0; k < kNames.size(); ++k) {
+    const pcl::PCLPointField* field = fieldOf(cloud, kNames[k]);
+    if (!field) throw std::invalid_argument(fmt::format("its points have no field {} of floats", kNames[k]));
     offsets_[k] = field->offset;
   }
-  if (size_ * cloud.point_step > cloud.data.size())
+  if (cloud.data.size() / cloud.point_step < size_)
     throw std::invalid_argument(fmt::format("it has less data than its {} points need", size_));
 }
 
-Eigen::Vector3f PointTriples::operator[](std::size_t i) const {
+Eigen::Vector3f ModelPoints::operator[](std::size_t i) const {
   const std::uint8_t* point = cloud_.data.data() + i * cloud_.point_step;
   Eigen::Vector3f value;
   for (int k = 0; k < 3; ++k)

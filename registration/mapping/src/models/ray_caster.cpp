@@ -11,15 +11,17 @@ namespace {
 
 /** The depth at which a ray, whose direction has the depth 1, meets the scene; 0 if it meets nothing. */
 float depthAlong(RTCScene scene, RTCIntersectContext& context, const Eigen::Vector3f& origin,
-                 const Eigen::Vector3f& direction, float nearest) {
+                 const Eigen::Vector3f& direction, bool fronts_only) {
   RTCRayHit ray;
   ray.ray.org_x = origin.x(), ray.ray.org_y = origin.y(), ray.ray.org_z = origin.z();
   ray.ray.dir_x = direction.x(), ray.ray.dir_y = direction.y(), ray.ray.dir_z = direction.z();
-  ray.ray.tnear = nearest, ray.ray.tfar = std::numeric_limits<float>::infinity();
+  ray.ray.tnear = kNearestMeasured, ray.ray.tfar = std::numeric_limits<float>::infinity();
   ray.ray.time = 0, ray.ray.mask = ~0u, ray.ray.id = 0, ray.ray.flags = 0;
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID, ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(scene, &context, &ray);
-  return ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? 0.0f : ray.ray.tfar;
+  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return 0;
+  const Eigen::Vector3f normal(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z);
+  return fronts_only && normal.dot(direction) > 0 ? 0 : ray.ray.tfar;
 }
 
 }  // namespace
@@ -84,7 +86,8 @@ void RayCaster::setDiscs(std::size_t discs, const std::function<void(const Discs
   commit();
 }
 
-DepthImage RayCaster::depth(const Intrinsics& camera, const Eigen::Isometry3d& T_w_c, float nearest) const {
+DepthImage RayCaster::depth(const Intrinsics& camera, const Eigen::Isometry3d& T_w_c,
+                            bool fronts_only) const {
   DepthImage image{camera, {}};
   if (!camera.valid()) return image;
   image.depth.reserve(static_cast<std::size_t>(camera.width) * camera.height);
@@ -95,7 +98,7 @@ DepthImage RayCaster::depth(const Intrinsics& camera, const Eigen::Isometry3d& T
   for (int v = 0; v < camera.height; ++v)
     for (int u = 0; u < camera.width; ++u) {
       const Eigen::Vector3f direction = (T_w_c.linear() * camera.ray(u, v)).cast<float>();
-      image.depth.push_back(depthAlong(scene_, context, origin, direction, nearest));
+      image.depth.push_back(depthAlong(scene_, context, origin, direction, fronts_only));
     }
   return image;
 }

@@ -35,9 +35,9 @@ public:
   };
   void setDiscs(std::size_t discs, const std::function<void(const Discs&)>& fill);
 
-  /** \brief Depth of the first hit beyond nearest [m] of the ray through each pixel; 0 without one.
-   * Thread-safe. */
-  DepthImage depth(const Intrinsics& camera, const Eigen::Isometry3d& T_w_c, float nearest) const;
+  /** \brief Depth of the first hit of the ray through each pixel; 0 without one. Thread-safe.
+   * \param fronts_only 0, too, where it is the back of a triangle, from which its vertices are clockwise */
+  DepthImage depth(const Intrinsics& camera, const Eigen::Isometry3d& T_w_c, bool fronts_only = false) const;
 
 private:
   void* buffer(RTCBufferType type, RTCFormat format, std::size_t stride, std::size_t items);

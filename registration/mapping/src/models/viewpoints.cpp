@@ -18,6 +18,7 @@ namespace {
 using Stage = MapProgress::Stage;
 
 constexpr double kStepsPerSpacing = 2;  // in which candidates lie
+constexpr double kBeside = 3;           // how far from a scan of a part of a room a camera may be [m]
 constexpr double kSlackDeg = 1e-6;      // neighbouring headings are just as far apart as the rule says
 
 /** The camera in about 24 columns. */
@@ -115,27 +116,41 @@ private:
   std::vector<SmallView> views_;
 };
 
-}  // namespace
-
-std::vector<Eigen::Isometry3d> findViewpoints(const ViewpointSearch& search, const ModelMapParams& params,
-                                              ModelFindings& findings) {
+/** Places in a whole room, or else beside a scan of a part of one. */
+std::vector<Eigen::Vector3d> placesFor(const ViewpointSearch& search, const ModelMapParams& params,
+                                       ModelFindings& findings) {
   const SpaceProbe probe(*search.surface, search.T_w_up);
   PlaceRules rules;
   rules.step = params.spacing / kStepsPerSpacing;
   rules.clearance = params.clearance;
   rules.heights = search.heights;
   rules.stands = search.stands;
-  const std::vector<Eigen::Vector3d> places =
-      freePlaces(probe, rules, [&](std::size_t n, const std::function<void(std::size_t)>& job) {
-        ParallelStage(Stage::viewpoints, n, search.threads, search.progress).run(job);
-      });
-  findings.places = places.size();
-  if (places.empty()) {
-    findings.problem = "no place was found in it where a camera can be, above a floor and between walls";
+  for (const Eigen::Vector3d& place : search.inside) rules.inside.push_back(search.T_w_up.inverse() * place);
+  const ForEach forEach = [&](std::size_t n, const std::function<void(std::size_t)>& job) {
+    ParallelStage(Stage::viewpoints, n, search.threads, search.progress).run(job);
+  };
+  FreePlaces found = freePlaces(probe, rules, forEach);
+  if (found.positions.empty() && rules.inside.empty()) {
+    rules.beside = kBeside;
+    found = freePlaces(probe, rules, forEach);
+    findings.is_open = true;
+  }
+  findings.places = found.positions.size();
+  findings.outdoors = found.outdoors;
+  return found.positions;
+}
+
+}  // namespace
+
+std::vector<Eigen::Isometry3d> findViewpoints(const ViewpointSearch& search, const ModelMapParams& params,
+                                              ModelFindings& findings) {
+  Candidates candidates(search, params);
+  candidates.look(placesFor(search, params, findings));
+  if (candidates.empty()) {
+    findings.problem = findings.places == 0 ? "there is no floor in it with room for a camera above"
+                                            : "no view from above its floor shows enough of it";
     return {};
   }
-  Candidates candidates(search, params);
-  candidates.look(places);
   const Substitutes substitutes = candidates.substitutes();
   constexpr double kStep = 0.05;
   std::vector<std::size_t> chosen;
@@ -144,8 +159,7 @@ std::vector<Eigen::Isometry3d> findViewpoints(const ViewpointSearch& search, con
     if (chosen.size() <= static_cast<std::size_t>(params.most_models) || findings.overlap <= 0) break;
   }
   if (chosen.size() > static_cast<std::size_t>(params.most_models)) {
-    findings.problem =
-        fmt::format("{} views would be needed; increase most_models or spacing", chosen.size());
+    findings.problem = fmt::format("it needs {} views; increase most_models or spacing", chosen.size());
     return {};
   }
   std::vector<Eigen::Isometry3d> viewpoints;

@@ -16,10 +16,13 @@ namespace internal {
 class RayCaster;
 }
 
-/** \brief The polygons of a mesh, seen from both of their sides.
+/** \brief The polygons of a mesh.
  *
- * The mesh need not be closed, manifold or oriented. Polygons are cut into triangles from their first vertex;
- * those with an index beyond the vertices, a vertex that is not finite or no area are left out. */
+ * They are seen from both of their sides, unless the mesh is a scan: open, and of triangles that share nearly
+ * all of their edges and agree about their front, from which their vertices are anticlockwise. What the back
+ * of a scan looks like is unknown, since nobody was there. The mesh need not be closed, manifold or oriented.
+ * Polygons are cut into triangles from their first vertex; those with an index beyond the vertices, a vertex
+ * that is not finite or no area are left out. */
 class MeshSurface : public Surface {
 public:
   /** \brief \param mesh in metres; its cloud has fields x, y, z of floats. It is not needed afterwards.
@@ -32,12 +35,14 @@ public:
   Eigen::AlignedBox3d bounds() const override { return bounds_; }
 
   std::size_t triangles() const { return triangles_; }
+  bool isScan() const { return is_scan_; }           ///< is it seen from the front alone?
   std::size_t leftOut() const { return left_out_; }  ///< triangles that cannot be used
 
 private:
   std::unique_ptr<internal::RayCaster> rays_;
   Eigen::AlignedBox3d bounds_;
   std::size_t triangles_ = 0, left_out_ = 0;
+  bool is_scan_ = false;
 };
 
 }  // namespace facetloc

@@ -52,9 +52,11 @@ struct ModelMapParams {
 struct ModelFindings {
   std::vector<Eigen::Isometry3d> viewpoints;  ///< T_w_c of the local models, in their order
   std::size_t places = 0;                     ///< positions where a camera can be, if they were looked for
-  double overlap = 0;                         ///< with which viewpoints were chosen
-  std::size_t without_segments = 0;           ///< viewpoints that became no local models
-  std::string problem;                        ///< reason for an empty map, in words
+  std::size_t outdoors = 0;                   ///< positions that were left out, in an area around all others
+  bool is_open = false;              ///< the surface is not that of whole rooms: positions are beside it
+  double overlap = 0;                ///< with which viewpoints were chosen
+  std::size_t without_segments = 0;  ///< viewpoints that became no local models
+  std::string problem;               ///< reason for an empty map, in words
 };
 
 /** \brief A surface to a map: depth images rendered from viewpoints become local models.
@@ -84,6 +86,9 @@ public:
   /** \brief The upward direction in the frame of the surface; its z axis unless set. Only where viewpoints
    * are looked for. Throws std::invalid_argument for no direction. */
   void setUp(const Eigen::Vector3d& up);
+  /** \brief Places in the frame of the surface: viewpoints are looked for in the areas that hold one of them.
+   * Unless set, in all areas but one around all others, which is taken for outdoors. */
+  void setInside(std::vector<Eigen::Vector3d> places);
   /** \brief Heights of the optical centre above the floor, instead of the mounting's [m]. */
   void setHeights(std::vector<double> heights);
 

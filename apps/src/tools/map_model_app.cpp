@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/map_model_app.h"
+
+#include "base/map_completion.h"
+#include "base/map_watch.h"
+#include "base/text.h"
+#include "drawing/offscreen_display.h"
+#include "drawing/outputs.h"
+#include "drawing/pictures.h"
+#include "shared/text.h"
+
+#include <facetloc/features/camera_presets.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/map_camera.h>
+#include <facetloc/io/model_file.h>
+#include <facetloc/io/trajectory.h>
+#include <facetloc/mapping/cloud_surface.h>
+#include <facetloc/mapping/mesh_surface.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::pair<const char*, double>, 5> kUnits{
+    {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}}};
+
+/** Metres per unit. Throws UsageError for a word that is no unit. */
+double metresPer(const std::string& unit) {
+  for (const auto& [name, metres] : kUnits)
+    if (unit == name) return metres;
+  throw UsageError("units: '" + unit + "' is none of: m, cm, mm, in, ft");
+}
+
+/** "1,2.5,0"; nothing for other words. */
+std::optional<Eigen::Vector3d> threeNumbers(const std::string& words) {
+  const auto parts = text::split(words, ',');
+  if (parts.size() != 3) return {};
+  Eigen::Vector3d numbers;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto number = text::to<double>(text::trimmed(parts[k]));
+    if (!number || !std::isfinite(*number)) return {};
+    numbers[static_cast<Eigen::Index>(k)] = *number;
+  }
+  return numbers;
+}
+
+/** "-y", or three numbers. Throws UsageError for what is no direction. */
+Eigen::Vector3d directionOf(const std::string& words) {
+  const bool negative = !words.empty() && words[0] == '-';
+  const std::string axis = words.substr(negative ? 1 : 0);
+  if (axis.size() == 1 && axis[0] >= 'x' && axis[0] <= 'z')
+    return (negative ? -1 : 1) * Eigen::Vector3d::Unit(axis[0] - 'x');
+  const auto direction = threeNumbers(words);
+  if (!direction || direction->norm() == 0)
+    throw UsageError("up: '" + words + "' is neither an axis (x, -x, y, ...) nor a direction (0,-1,0.1)");
+  return direction->normalized();
+}
+
+/** "1,2.5,0". Throws UsageError for what is no place. */
+Eigen::Vector3d placeOf(const std::string& words) {
+  const auto place = threeNumbers(words);
+  if (!place) throw UsageError("inside: '" + words + "' is none of x,y,z in metres");
+  return *place;
+}
+
+std::vector<Eigen::Isometry3d> posesIn(const std::string& path, const Console& console) {
+  std::string remark;
+  std::vector<Eigen::Isometry3d> poses;
+  const Trajectory trajectory = readTrajectory(path, &remark);
+  for (const StampedPose& pose : trajectory.poses()) poses.push_back(pose.T_w_c);
+  if (!remark.empty()) console.note(remark);
+  if (poses.empty()) throw IoError(path, "has no poses");
+  return poses;
+}
+
+}  // namespace
+
+MapModelApp::MapModelApp()
+    : App("facetloc_map from-model", "MODEL -o MAP.flmap [options]",
+          "Builds a map of a scan or mesh of a building: MODEL is a .ply, .obj, .stl or .vtp mesh, or a "
+          ".ply, "
+          ".vtp or .pcd cloud. Depth images are rendered from places where the camera can be and become "
+          "local models. The world of the map is the frame of the MODEL, in metres.") {}
+
+void MapModelApp::addOptions(CommandLine& line) {
+  line.addArgument("MODEL", model_);
+  line.addOption("output,o", map_, "MAP.flmap", "The map to write.");
+  line.addOption(
+      "camera", camera_, "FILE|NAME",
+      fmt::format("The camera that is to be localized: a camera.ini, a map made with it, or one of {}.",
+                  cameraPresetNames()));
+  line.addOption(
+      "viewpoints", viewpoints_, "FILE",
+      "Camera poses in the frame of the MODEL, each a local model; instead of looking for places.");
+  line.addOption(
+      "height", height_, "M",
+      "Height of the camera above the floor [m]; 0 = as the mounting in --camera, or in the hand.");
+  line.addOption("units", units_, "UNIT",
+                 "Unit of the MODEL's coordinates: m, cm, mm, in or ft (m unless given).");
+  line.addOption("up", up_, "AXIS",
+                 "Upward direction in the MODEL: x, -x, y, -y, z, -z or x,y,z (z unless given).");
+  line.addOption(
+      "inside", inside_, "X,Y,Z",
+      "A place in the area to fill, in the MODEL's axes [m]; else all areas but one around all others.");
+  line.addOption("plan", plan_, "OUT.png", "Draw the floor map with the viewpoints.");
+  line.addOption("width", width_, "N", "Columns of the rendered images, at least; 0 = 320.");
+  line.addCheck([this] {
+    metresPer(units_);
+    directionOf(up_);
+    if (!inside_.empty()) placeOf(inside_);
+    if (!(height_ >= 0 && height_ < 100)) throw UsageError("height must be from 0 to 100 m");
+    if (width_ < 0 || width_ > 10000) throw UsageError("width must be from 0 to 10000");
+  });
+  line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
+  line.addParams(params_, "model", CommandLine::Shown::in_help);
+  line.addParams(view_);
+}
+
+std::shared_ptr<const Surface> MapModelApp::surface(const Console& console) const try {
+  const pcl::PolygonMesh model = readModel(model_, metresPer(units_));
+  const auto tell = [&console](const auto& surface, const std::string& item, std::size_t used,
+                               const char* why) {
+    const Eigen::Vector3d size = surface->bounds().sizes();
+    console.out << fmt::format("{} of {:.2f} x {:.2f} x {:.2f} m\n", counted(used, item), size.x(), size.y(),
+                               size.z());
+    if (surface->leftOut() > 0)
+      console.note(fmt::format("{} left out: {}", counted(surface->leftOut(), item), why));
+    return surface;
+  };
+  if (!model.polygons.empty()) {
+    const auto mesh = std::make_shared<const MeshSurface>(model);
+    return tell(mesh, "triangle", mesh->triangles(),
+                "without an area, not finite, or with vertices that are not there");
+  }
+  const auto cloud = std::make_shared<const CloudSurface>(model.cloud, threads());
+  tell(cloud, "point", cloud->points(), "not finite, or far from all others");
+  console.out << fmt::format("points are {:.1f} mm apart and {:.1f} mm from the planes of their neighbours\n",
+                             1e3 * cloud->spacing(), 1e3 * cloud->residual());
+  return cloud;
+} catch (const std::invalid_argument& e) {
+  throw IoError(model_, e.what());
+}
+
+ModelMap MapModelApp::making(const Console& console) const {
+  const Camera camera = camera_.empty() ? Camera{} : cameraNamed(camera_);
+  ModelMap making(surface(console), camera, params_, view_);
+  making.setNumberOfThreads(threads());
+  making.setUp(directionOf(up_));
+  if (width_ > 0) making.setWorkingWidth(width_);
+  if (!inside_.empty()) making.setInside({placeOf(inside_)});
+  if (height_ > 0) making.setHeights({height_});
+  if (!viewpoints_.empty()) making.setViewpoints(posesIn(viewpoints_, console));
+  return making;
+}
+
+std::string MapModelApp::parameters(const Camera& camera) const {
+  return fmt::format(
+             "camera = {}\nviewpoints = {}\nheight = {}\nunits = {}\nup = {}\ninside = {}\nwidth = {}\n",
+             camera_, viewpoints_, height_, units_, up_, inside_, width_) +
+         toIni(camera.noise, "noise") + toIni(params_, "model") + toIni(view_);
+}
+
+Map MapModelApp::make(const Console& console) const {
+  ModelMap making = this->making(console);
+  MapWatch watch(console);
+  making.setProgress(watch.callback());
+  Map map = making.finish();
+  const ModelFindings& found = making.findings();
+  if (map.models.empty()) throw IoError(model_, "becomes no map: " + found.problem);
+  if (found.places > 0)
+    console.out << fmt::format("{} where the camera can be\n", counted(found.places, "place"));
+  if (found.is_open)
+    console.note(
+        "it is no whole room: views are taken wherever they show enough of it; --viewpoints, such as the "
+        "poses of the scanner, name better ones, and --up the upward direction");
+  if (found.outdoors > 0)
+    console.note(fmt::format("{} left out, in areas that {}", counted(found.outdoors, "place"),
+                             inside_.empty()
+                                 ? "surround all others and are taken for outdoors; --inside names an "
+                                   "area to fill"
+                                 : "do not hold the place that --inside names"));
+  if (found.places > 0 && found.overlap < params_.overlap)
+    console.note(
+        fmt::format("a local model shows {:.0f} %, not {:.0f} %, of what a camera near it sees: more would "
+                    "be more than {} local models",
+                    100 * found.overlap, 100 * params_.overlap, params_.most_models));
+  if (found.without_segments > 0)
+    console.note(counted(found.without_segments, "view") + " without segments left out");
+  map.meta["software"] = versionText();
+  map.meta["source"] = model_;
+  map.meta["made of"] = "a model";
+  map.meta["parameters"] = parameters(map.camera);
+  return map;
+}
+
+int MapModelApp::execute(const CommandLine&, const Console& console) {
+  std::optional<OffscreenDisplay> display;
+  if (!plan_.empty()) {
+    requireNoneButPicture(plan_);
+    display.emplace();
+  }
+  Map map;
+  writeNewMap(map_, overwrite_, threads(), console, [&]() -> const Map& {
+    map = make(console);
+    return map;
+  });
+  if (!plan_.empty()) drawFloorMap(plan_, map, {});
+  console.out << counted(map.models.size(), "local model") << "; map in " << map_ << "\n";
+  return kOk;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/app.h"
+
+#include <facetloc/mapping/model_map.h>
+
+#include <memory>
+#include <string>
+
+namespace facetloc {
+
+/** \brief facetloc_map from-model: a scan or mesh of a building -> a map. */
+class MapModelApp : public App {
+public:
+  MapModelApp();
+
+private:
+  void addOptions(CommandLine& line) override;
+  int execute(const CommandLine& line, const Console& console) override;
+  std::shared_ptr<const Surface> surface(const Console& console) const;
+  ModelMap making(const Console& console) const;
+  Map make(const Console& console) const;
+  std::string parameters(const Camera& camera) const;
+
+  std::string model_;
+  std::string map_;
+  std::string camera_;
+  std::string viewpoints_;
+  std::string inside_;
+  std::string plan_;
+  std::string units_ = "m";
+  std::string up_ = "z";
+  double height_ = 0;
+  int width_ = 0;
+  bool overwrite_ = false;
+  ModelMapParams params_;
+  ViewParams view_;
+};
+
+}  // namespace facetloc

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/place_grid.h"
+
+#include <facetloc/features/pose.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+
+namespace facetloc::internal {
+namespace {
+
+constexpr double kNothing = std::numeric_limits<double>::infinity();
+constexpr double kFlat = 0.15;         // by which a floor may be uneven [m]
+constexpr double kStandingRoom = 1.5;  // above a floor, somewhere [m]
+constexpr double kWalled = 0.5;        // share of the horizon that is known, indoors
+constexpr double kGrounded = 0.25;     // share of what is below that is known
+
+/** What the rays around a place say of it. */
+class Surroundings {
+public:
+  Surroundings(const PlaceRules& rules, double above_floor) : rules_(rules), above_floor_(above_floor) {}
+
+  void add(const Eigen::Vector3d& direction, double distance) {
+    const bool known = distance < kNothing;
+    nearest_ = std::min(nearest_, distance);
+    if (std::abs(direction.z()) < std::sin(20 * kDegree)) ++level_, known_level_ += known;
+    if (direction.z() > -std::sqrt(0.5)) return;
+    ++below_, known_below_ += known;
+    if (!known || distance * direction.head<2>().norm() > rules_.clearance) return;
+    const double above = above_floor_ + distance * direction.z();  // of what stands there
+    obstacle_ |= above > kFlat;
+    floor_ |= std::abs(above) <= kFlat;
+  }
+  bool isFree() const {
+    if (rules_.beside > 0) return nearest_ >= rules_.clearance;
+    return nearest_ >= rules_.clearance && known_level_ >= kWalled * level_ &&
+           known_below_ >= kGrounded * below_ && (!rules_.stands || (floor_ && !obstacle_));
+  }
+
+private:
+  const PlaceRules& rules_;
+  double above_floor_;
+  double nearest_ = kNothing;
+  int level_ = 0, known_level_ = 0, below_ = 0, known_below_ = 0;
+  bool obstacle_ = false, floor_ = false;
+};
+
+constexpr double kBeside = 1;  // from an area to a place of it [m]
+
+}  // namespace
+
+PlaceGrid::PlaceGrid(const SpaceProbe& probe, const PlaceRules& rules, const ForEach& forEach)
+    : probe_(probe), rules_(rules), bounds_(probe.bounds()) {
+  const Eigen::AlignedBox3d surface = bounds_;
+  const Eigen::Vector3d beside(rules.beside, rules.beside, 0);
+  bounds_.min() -= beside, bounds_.max() += beside;
+  const auto columnsAlong = [&](int axis) {
+    return std::max(1, static_cast<int>(std::ceil(bounds_.sizes()[axis] / rules.step)));
+  };
+  nx_ = columnsAlong(0), ny_ = columnsAlong(1);
+  std::vector<std::vector<double>> heights(columns());
+  forEach(columns(), [&](std::size_t i) {
+    Eigen::Vector3d top = position({static_cast<int>(i) % nx_, static_cast<int>(i) / nx_, -1});
+    top.z() = surface.max().z() + 0.1;
+    heights[i] = probe.heightsBelow(top, surface.min().z() - 0.1);
+  });
+  const double highest = *std::max_element(rules.heights.begin(), rules.heights.end());
+  floors_ = floorLevels(heights, std::max(kStandingRoom, highest + rules.clearance));
+}
+
+Eigen::Vector3d PlaceGrid::position(const Cell& cell) const {
+  const auto [x, y, layer] = cell;
+  Eigen::Vector3d p(bounds_.min().x() + (x + 0.5) * rules_.step, bounds_.min().y() + (y + 0.5) * rules_.step,
+                    0);
+  if (layer >= 0) p.z() = floors_[static_cast<std::size_t>(layer) / rules_.heights.size()] + heightOf(layer);
+  return p;
+}
+
+bool PlaceGrid::isFree(const Cell& cell) const {
+  Surroundings surroundings(rules_, heightOf(cell[2]));
+  probe_.around(position(cell), [&](const Eigen::Vector3d& direction, double distance) {
+    surroundings.add(direction, distance);
+  });
+  return surroundings.isFree();
+}
+
+std::vector<PlaceGrid::Cell> PlaceGrid::freeCells(const ForEach& forEach) const {
+  const auto cellOf = [&](std::size_t i) {
+    const int layer = static_cast<int>(i % static_cast<std::size_t>(layers()));
+    const int column = static_cast<int>(i / static_cast<std::size_t>(layers()));
+    return Cell{column % nx_, column / nx_, layer};
+  };
+  std::vector<std::uint8_t> is_free(columns() * static_cast<std::size_t>(layers()));
+  forEach(is_free.size(), [&](std::size_t i) { is_free[i] = isFree(cellOf(i)); });
+  std::vector<Cell> cells;
+  for (std::size_t i = 0; i < is_free.size(); ++i)
+    if (is_free[i]) cells.push_back(cellOf(i));
+  return cells;
+}
+
+Areas::Areas(const PlaceGrid& grid, const std::vector<PlaceGrid::Cell>& cells, const SpaceProbe& probe)
+    : root_(cells.size()) {
+  std::map<PlaceGrid::Cell, std::size_t> index;
+  for (std::size_t i = 0; i < cells.size(); ++i) index[cells[i]] = i;
+  std::iota(root_.begin(), root_.end(), std::size_t{0});
+  const auto rootOf = [this](std::size_t i) {
+    while (root_[i] != i) i = root_[i] = root_[root_[i]];
+    return i;
+  };
+  for (const auto& [cell, i] : index)
+    for (const std::size_t axis : {0u, 1u}) {
+      PlaceGrid::Cell beside = cell;
+      ++beside[axis];
+      const auto found = index.find(beside);
+      if (found == index.end()) continue;
+      const Eigen::Vector3d from = grid.position(cell), step = grid.position(beside) - from;
+      if (probe.along(from, step.normalized()) > step.norm()) root_[rootOf(found->second)] = rootOf(i);
+    }
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    root_[i] = rootOf(i);
+    Area& area = areas_[root_[i]];
+    const Eigen::Vector2d p = grid.position(cells[i]).head<2>();
+    ++area.cells;
+    area.layer = cells[i][2];
+    area.extent.extend(p);
+    area.places.push_back(p);
+  }
+}
+
+bool Areas::isOutdoors(std::size_t cell) const {
+  bool surrounds = false;
+  for (const auto& [root, other] : areas_) {
+    if (root == root_[cell] || other.layer != area(cell).layer) continue;
+    if (!area(cell).extent.contains(other.extent)) return false;
+    surrounds |= other.cells > 1;
+  }
+  return surrounds;
+}
+
+bool Areas::holdsAny(std::size_t cell, const std::vector<Eigen::Vector3d>& places) const {
+  const std::vector<Eigen::Vector2d>& own = area(cell).places;
+  return std::any_of(places.begin(), places.end(), [&](const Eigen::Vector3d& place) {
+    return std::any_of(own.begin(), own.end(),
+                       [&](const Eigen::Vector2d& p) { return (p - place.head<2>()).norm() <= kBeside; });
+  });
+}
+
+}  // namespace facetloc::internal

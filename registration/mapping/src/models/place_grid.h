@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "models/free_places.h"
+
+#include <array>
+#include <map>
+#include <vector>
+
+namespace facetloc::internal {
+
+/** \brief Positions in columns over a surface, at heights above its floors. */
+class PlaceGrid {
+public:
+  /** \brief Column along x and y, and layer: one for each floor and height. */
+  using Cell = std::array<int, 3>;
+
+  /** \brief \param probe, rules are borrowed */
+  PlaceGrid(const SpaceProbe& probe, const PlaceRules& rules, const ForEach& forEach);
+
+  Eigen::Vector3d position(const Cell& cell) const;
+  /** \brief The positions from which a camera can look, by what is around them alone. */
+  std::vector<Cell> freeCells(const ForEach& forEach) const;
+
+private:
+  std::size_t columns() const { return static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_); }
+  int layers() const { return static_cast<int>(floors_.size() * rules_.heights.size()); }
+  double heightOf(int layer) const {
+    return rules_.heights[static_cast<std::size_t>(layer) % rules_.heights.size()];
+  }
+  bool isFree(const Cell& cell) const;
+
+  const SpaceProbe& probe_;
+  const PlaceRules& rules_;
+  Eigen::AlignedBox3d bounds_;  // of the surface, and what is beside it
+  int nx_, ny_;
+  std::vector<double> floors_;
+};
+
+/** \brief Cells next to each other that see each other are one area. */
+class Areas {
+public:
+  /** \brief \param cells are borrowed */
+  Areas(const PlaceGrid& grid, const std::vector<PlaceGrid::Cell>& cells, const SpaceProbe& probe);
+
+  bool isLarge(std::size_t cell, double least_cells) const {
+    return static_cast<double>(area(cell).cells) >= least_cells;
+  }
+  /** \brief Does its area surround all others of its layer, of which there is one? */
+  bool isOutdoors(std::size_t cell) const;
+  /** \brief Is one of these places in its area, or less than 1 m beside it? */
+  bool holdsAny(std::size_t cell, const std::vector<Eigen::Vector3d>& places) const;
+
+private:
+  struct Area {
+    std::size_t cells = 0;
+    int layer = 0;
+    Eigen::AlignedBox2d extent;
+    std::vector<Eigen::Vector2d> places;
+  };
+  const Area& area(std::size_t cell) const { return areas_.at(root_[cell]); }
+
+  std::vector<std::size_t> root_;  // of each cell, the cell that stands for its area
+  std::map<std::size_t, Area> areas_;
+};
+
+}  // namespace facetloc::internal

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/pose.h>
+#include <facetloc/mapping/cloud_surface.h>
+
+#include <gtest/gtest.h>
+#include <pcl/conversions.h>
+#include <pcl/point_types.h>
+#include <pcl/range_image/range_image_planar.h>
+
+#include <limits>
+#include <random>
+#include <stdexcept>
+
+namespace facetloc {
+namespace {
+
+const Intrinsics kCamera{80, 60, 66, 66, 39.5, 29.5};
+
+using Points = pcl::PointCloud<pcl::PointXYZ>;
+
+pcl::PCLPointCloud2 fieldsOf(const Points& points) {
+  pcl::PCLPointCloud2 fields;
+  pcl::toPCLPointCloud2(points, fields);
+  return fields;
+}
+
+/** A wall at a depth of 2 m, scanned at random places. */
+Points wall(double spacing, double noise) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> across(-2, 2);
+  std::normal_distribution<float> error(0, static_cast<float>(noise > 0 ? noise : 1));
+  Points points;
+  for (int i = 0; i < static_cast<int>(16 / (spacing * spacing)); ++i)
+    points.emplace_back(across(random), across(random), 2 + (noise > 0 ? error(random) : 0.0f));
+  return points;
+}
+
+TEST(CloudSurface, IsAsSmoothAsTheMeanOfItsNeighbours) {
+  constexpr double kNoise = 0.004;
+  const CloudSurface surface(fieldsOf(wall(0.02, kNoise)));
+  EXPECT_NEAR(0.02, surface.spacing(), 0.004);
+  EXPECT_NEAR(kNoise, surface.residual(), 0.2 * kNoise);
+  const DepthImage image = surface.render(kCamera, Eigen::Isometry3d::Identity());
+  double sum = 0, squares = 0;
+  for (const float z : image.depth) {
+    ASSERT_GT(z, 0);
+    sum += z - 2, squares += (z - 2) * (z - 2);
+  }
+  const double n = static_cast<double>(image.depth.size());
+  EXPECT_LT(std::sqrt(squares / n), kNoise / 2);
+  EXPECT_NEAR(0, sum / n, kNoise / 2);  // the nearest of several discs is nearer than their mean
+}
+
+TEST(CloudSurface, LeavesHolesOpenAndInventsNothingNear) {
+  Points points = wall(0.02, 0);
+  Points with_hole;
+  for (const pcl::PointXYZ& p : points)
+    if (std::hypot(p.x, p.y) > 0.3) with_hole.push_back(p);
+  const CloudSurface surface(fieldsOf(with_hole));
+  const DepthImage image = surface.render(kCamera, Eigen::Isometry3d::Identity());
+  for (int v = 0; v < kCamera.height; ++v)
+    for (int u = 0; u < kCamera.width; ++u) {
+      const double r = 2 * kCamera.ray(u, v).head<2>().norm();
+      if (r < 0.25) EXPECT_EQ(0, image.at(u, v)) << u << ", " << v;
+      if (r > 0.35) EXPECT_NEAR(2, image.at(u, v), 1e-4) << u << ", " << v;
+    }
+  Eigen::Isometry3d near = Eigen::Isometry3d::Identity();
+  near.translation() << 1, 0, 1.9;  // points are 0.2 rad apart
+  const DepthImage unknown = surface.render(kCamera, near);
+  EXPECT_EQ(0, *std::max_element(unknown.depth.begin(), unknown.depth.end()));
+}
+
+/** PCL's rendering, a pixel for each point, is the control: of a room with a column. */
+TEST(CloudSurface, AgreesWithRangeImages) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> across(-1, 1), height(0, 2.5f);
+  Points points;
+  for (int i = 0; i < 60000; ++i) {
+    points.emplace_back(3, 3 * across(random), height(random));
+    points.emplace_back(3 * across(random), 3, height(random));
+    points.emplace_back(3 * across(random), 3 * across(random), 0);
+    if (i % 6 == 0) {
+      const float angle = 3.14159f * across(random);
+      points.emplace_back(1.5f + 0.3f * std::cos(angle), 1 + 0.3f * std::sin(angle), height(random));
+    }
+  }
+  const CloudSurface surface(fieldsOf(points));
+  Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();
+  T_w_c.linear() = (Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished() * expSO3({0.2, 0.4, 0});
+  T_w_c.translation() << -1, 0, 1.2;
+  const DepthImage image = surface.render(kCamera, T_w_c);
+  pcl::RangeImagePlanar control;
+  control.createFromPointCloudWithFixedSize(
+      points, kCamera.width, kCamera.height, static_cast<float>(kCamera.cx), static_cast<float>(kCamera.cy),
+      static_cast<float>(kCamera.fx), static_cast<float>(kCamera.fy),
+      T_w_c.cast<float>() * Eigen::Isometry3f::Identity(), pcl::RangeImage::CAMERA_FRAME, 0.0f, 0.0f);
+  int both = 0, same = 0, only_control = 0;
+  for (int v = 0; v < kCamera.height; ++v)
+    for (int u = 0; u < kCamera.width; ++u) {
+      if (!control.isValid(u, v)) continue;
+      const double z = control.getPoint(u, v).range / kCamera.ray(u, v).norm();
+      only_control += image.at(u, v) == 0;
+      if (image.at(u, v) == 0) continue;
+      ++both;
+      same += std::abs(z - image.at(u, v)) < 0.03 * z;  // its pixels are as large as that
+    }
+  EXPECT_GT(both, 0.7 * kCamera.width * kCamera.height);
+  EXPECT_GT(same, 0.97 * both);
+  EXPECT_LT(only_control, 0.01 * both);
+}
+
+TEST(CloudSurface, LeavesOutStrayPoints) {
+  Points points = wall(0.02, 0);
+  const std::size_t on_wall = points.size();
+  points.emplace_back(0, 0, 1);
+  points.emplace_back(std::numeric_limits<float>::quiet_NaN(), 0, 1);
+  const CloudSurface surface(fieldsOf(points));
+  EXPECT_GE(surface.leftOut(), 2u);
+  EXPECT_GT(surface.points(), 0.98 * static_cast<double>(on_wall));
+  EXPECT_NEAR(2, surface.render(kCamera, Eigen::Isometry3d::Identity()).at(40, 30), 1e-4);
+}
+
+TEST(CloudSurface, IsTheSameForAnyNumberOfThreads) {
+  const pcl::PCLPointCloud2 cloud = fieldsOf(wall(0.03, 0.005));
+  const auto render = [&](int threads) {
+    return CloudSurface(cloud, threads).render(kCamera, Eigen::Isometry3d::Identity()).depth;
+  };
+  EXPECT_EQ(render(1), render(4));
+}
+
+TEST(CloudSurface, RefusesWhatIsNoSurface) {
+  EXPECT_THROW(CloudSurface{pcl::PCLPointCloud2()}, std::invalid_argument);
+  Points few;
+  for (int i = 0; i < 11; ++i) few.emplace_back(static_cast<float>(i), 0, 1);
+  EXPECT_THROW(CloudSurface{fieldsOf(few)}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace facetloc

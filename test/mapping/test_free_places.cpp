@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "box_mesh.h"
+#include "models/free_places.h"
+
+#include <facetloc/features/pose.h>
+#include <facetloc/mapping/mesh_surface.h>
+
+#include <gtest/gtest.h>
+
+namespace facetloc::internal {
+namespace {
+
+void inOrder(std::size_t n, const std::function<void(std::size_t)>& job) {
+  for (std::size_t i = 0; i < n; ++i) job(i);
+}
+
+PlaceRules robot() {
+  PlaceRules rules;
+  rules.heights = {0.95};
+  rules.stands = true;
+  return rules;
+}
+
+bool inFirst(const Eigen::Vector3d& p) { return p.x() > 0 && p.x() < 6 && p.y() > 0 && p.y() < 4; }
+bool inSecond(const Eigen::Vector3d& p) { return p.x() > 6.2 && p.x() < 10.2 && p.y() > 0 && p.y() < 4; }
+
+TEST(FreePlaces, FillsRoomsAndNothingElse) {
+  for (const bool ceiling : {true, false}) {
+    const MeshSurface surface(twoRooms(ceiling).mesh());
+    const SpaceProbe probe(surface, Eigen::Isometry3d::Identity());
+    int first = 0, second = 0;
+    for (const Eigen::Vector3d& p : freePlaces(probe, robot(), inOrder)) {
+      EXPECT_NEAR(0.95, p.z(), 1e-3);
+      first += inFirst(p), second += inSecond(p);
+      const bool in_door = p.x() > 5.9 && p.x() < 6.3 && p.y() > 1.5 && p.y() < 2.5;
+      EXPECT_TRUE(inFirst(p) || inSecond(p) || in_door) << p.transpose();
+      // Not on the table, and not in or on the cabinets.
+      EXPECT_FALSE(p.x() > 1 && p.x() < 2.6 && p.y() > 0.6 && p.y() < 1.4) << p.transpose();
+      EXPECT_FALSE(p.x() > 4 && p.x() < 5 && p.y() > 3.4) << p.transpose();
+      EXPECT_FALSE(p.x() > 9 && p.y() < 0.5) << p.transpose();
+    }
+    EXPECT_GT(first, 60);  // of the 96 of 24 m^2
+    EXPECT_GT(second, 40);
+  }
+}
+
+TEST(FreePlaces, OfAHandAreAboveTables) {
+  const MeshSurface surface(twoRooms().mesh());
+  PlaceRules hand;
+  hand.heights = {1.1, 1.6};
+  int above_table = 0;
+  for (const Eigen::Vector3d& p :
+       freePlaces(SpaceProbe(surface, Eigen::Isometry3d::Identity()), hand, inOrder))
+    above_table += p.x() > 1 && p.x() < 2.6 && p.y() > 0.6 && p.y() < 1.4;
+  EXPECT_GT(above_table, 0);
+}
+
+TEST(FreePlaces, FollowTheUpwardDirection) {
+  const MeshSurface upright(twoRooms().mesh());
+  BoxMesh on_side;  // one room, whose x axis is up
+  on_side.add({-0.2f, 0, 0}, {0, 6, 4}).add({2.5f, 0, 0}, {2.7f, 6, 4}).add({0, -0.2f, 0}, {2.5f, 0, 4});
+  on_side.add({0, 6, 0}, {2.5f, 6.2f, 4}).add({0, 0, -0.2f}, {2.5f, 6, 0}).add({0, 0, 4}, {2.5f, 6, 4.2f});
+  const MeshSurface surface(on_side.mesh());
+  Eigen::Isometry3d T_w_up = Eigen::Isometry3d::Identity();
+  T_w_up.linear() = rotationBetween(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX());
+  const auto places = freePlaces(SpaceProbe(surface, T_w_up), robot(), inOrder);
+  EXPECT_GT(places.size(), 60u);
+  for (const Eigen::Vector3d& p : places) EXPECT_NEAR(0.95, (T_w_up * p).x(), 1e-3);
+}
+
+TEST(FreePlaces, AreNoneInAnEmptySpaceOrInFrontOfAWall) {
+  const MeshSurface wall(BoxMesh().add({0, 0, 0}, {5, 0.2f, 2.5f}).mesh());
+  EXPECT_TRUE(freePlaces(SpaceProbe(wall, Eigen::Isometry3d::Identity()), robot(), inOrder).empty());
+}
+
+TEST(FloorLevels, AreThoseOfStoreysNotOfFurniture) {
+  std::vector<std::vector<double>> columns;
+  for (int i = 0; i < 100; ++i) {
+    const double noise = 0.01 * (i % 3);
+    if (i % 3 == 0)  // a table on the ground floor, more often than not
+      columns.push_back({5.4, 2.8 + noise, 2.5, 0.75, 0.7, noise});
+    else
+      columns.push_back({5.4, 2.8 + noise, 2.5, noise});
+  }
+  const std::vector<double> levels = floorLevels(columns, 1.5);
+  ASSERT_EQ(3u, levels.size());  // and the roof
+  EXPECT_NEAR(0.01, levels[0], 0.01);
+  EXPECT_NEAR(2.81, levels[1], 0.01);
+  EXPECT_NEAR(5.4, levels[2], 1e-9);
+}
+
+}  // namespace
+}  // namespace facetloc::internal
