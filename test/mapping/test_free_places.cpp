@@ -29,7 +29,7 @@ TEST(FreePlaces, FillsRoomsAndNothingElse) {
     const MeshSurface surface(twoRooms(ceiling).mesh());
     const SpaceProbe probe(surface, Eigen::Isometry3d::Identity());
     int first = 0, second = 0;
-    for (const Eigen::Vector3d& p : freePlaces(probe, robot(), inOrder)) {
+    for (const Eigen::Vector3d& p : freePlaces(probe, robot(), inOrder).positions) {
       EXPECT_NEAR(0.95, p.z(), 1e-3);
       first += inFirst(p), second += inSecond(p);
       const bool in_door = p.x() > 5.9 && p.x() < 6.3 && p.y() > 1.5 && p.y() < 2.5;
@@ -49,28 +49,53 @@ TEST(FreePlaces, OfAHandAreAboveTables) {
   PlaceRules hand;
   hand.heights = {1.1, 1.6};
   int above_table = 0;
-  for (const Eigen::Vector3d& p :
-       freePlaces(SpaceProbe(surface, Eigen::Isometry3d::Identity()), hand, inOrder))
+  const SpaceProbe probe(surface, Eigen::Isometry3d::Identity());
+  for (const Eigen::Vector3d& p : freePlaces(probe, hand, inOrder).positions)
     above_table += p.x() > 1 && p.x() < 2.6 && p.y() > 0.6 && p.y() < 1.4;
   EXPECT_GT(above_table, 0);
 }
 
 TEST(FreePlaces, FollowTheUpwardDirection) {
-  const MeshSurface upright(twoRooms().mesh());
   BoxMesh on_side;  // one room, whose x axis is up
   on_side.add({-0.2f, 0, 0}, {0, 6, 4}).add({2.5f, 0, 0}, {2.7f, 6, 4}).add({0, -0.2f, 0}, {2.5f, 0, 4});
   on_side.add({0, 6, 0}, {2.5f, 6.2f, 4}).add({0, 0, -0.2f}, {2.5f, 6, 0}).add({0, 0, 4}, {2.5f, 6, 4.2f});
   const MeshSurface surface(on_side.mesh());
   Eigen::Isometry3d T_w_up = Eigen::Isometry3d::Identity();
   T_w_up.linear() = rotationBetween(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX());
-  const auto places = freePlaces(SpaceProbe(surface, T_w_up), robot(), inOrder);
+  const auto places = freePlaces(SpaceProbe(surface, T_w_up), robot(), inOrder).positions;
   EXPECT_GT(places.size(), 60u);
   for (const Eigen::Vector3d& p : places) EXPECT_NEAR(0.95, (T_w_up * p).x(), 1e-3);
 }
 
+/** The rooms in a hall, as simulated buildings stand in one. */
+BoxMesh hall() {
+  BoxMesh mesh = twoRooms();
+  mesh.add({-4, -4, -0.2f}, {14, 8, 0}).add({-4, -4, 2.7f}, {14, 8, 2.9f});
+  mesh.add({-4, -4, 0}, {14, -3.8f, 2.7f}).add({-4, 7.8f, 0}, {14, 8, 2.7f});
+  mesh.add({-4, -4, 0}, {-3.8f, 8, 2.7f}).add({13.8f, -4, 0}, {14, 8, 2.7f});
+  return mesh;
+}
+
+TEST(FreePlaces, AreNotAroundAllOthersUnlessThatIsAskedFor) {
+  const MeshSurface surface(hall().mesh());
+  const SpaceProbe probe(surface, Eigen::Isometry3d::Identity());
+  const FreePlaces found = freePlaces(probe, robot(), inOrder);
+  EXPECT_GT(found.outdoors, 100u);
+  EXPECT_GT(found.positions.size(), 100u);
+  for (const Eigen::Vector3d& p : found.positions)
+    EXPECT_TRUE(p.x() > 0 && p.x() < 10.2 && p.y() > 0 && p.y() < 4) << p.transpose();
+  PlaceRules outside = robot();
+  outside.inside = {{-2, -2, 0}};
+  const FreePlaces around = freePlaces(probe, outside, inOrder);
+  EXPECT_GT(around.positions.size(), 100u);
+  for (const Eigen::Vector3d& p : around.positions)
+    EXPECT_FALSE(p.x() > 0 && p.x() < 10.2 && p.y() > 0 && p.y() < 4) << p.transpose();
+}
+
 TEST(FreePlaces, AreNoneInAnEmptySpaceOrInFrontOfAWall) {
   const MeshSurface wall(BoxMesh().add({0, 0, 0}, {5, 0.2f, 2.5f}).mesh());
-  EXPECT_TRUE(freePlaces(SpaceProbe(wall, Eigen::Isometry3d::Identity()), robot(), inOrder).empty());
+  EXPECT_TRUE(
+      freePlaces(SpaceProbe(wall, Eigen::Isometry3d::Identity()), robot(), inOrder).positions.empty());
 }
 
 TEST(FloorLevels, AreThoseOfStoreysNotOfFurniture) {

@@ -115,7 +115,7 @@ TEST(ModelMap, SaysWhyThereIsNoMap) {
   const auto wall = std::make_shared<const MeshSurface>(BoxMesh().add({0, 0, 0}, {5, 0.2f, 2.5f}).mesh());
   ModelMap outdoors(wall, robotCamera());
   EXPECT_TRUE(outdoors.finish().models.empty());
-  EXPECT_NE(std::string::npos, outdoors.findings().problem.find("no place"));
+  EXPECT_NE(std::string::npos, outdoors.findings().problem.find("floor"));
   EXPECT_THROW(ModelMap(nullptr, Camera{}), std::invalid_argument);
   ModelMapParams params;
   params.overlap = 2;

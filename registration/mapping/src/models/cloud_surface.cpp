@@ -23,9 +23,12 @@ using namespace internal;
 
 namespace {
 
-constexpr int kNeighbours = 12;       // with the point itself
-constexpr double kIsolated = 3;       // times as far from its neighbours as these are from theirs
-constexpr double kNearest = 10;       // times the spacing: neighbours are 0.1 rad apart
+constexpr int kNeighbours = 12;  // with the point itself
+constexpr double kIsolated = 3;  // times as far from its neighbours as these are from theirs
+constexpr double kNearest = 10;  // times the spacing: neighbours are 0.1 rad apart
+// Radius of a disc, times the spacing: of a surface that is sampled at random exp(-pi kRadius^2) is not
+// covered.
+constexpr float kRadius = 1.5f;
 constexpr std::size_t kBlock = 4096;  // points that a thread takes at a time
 
 /** A point as a piece of surface. */
@@ -136,7 +139,7 @@ CloudSurface::CloudSurface(const pcl::PCLPointCloud2& cloud, int threads) {
   rays_ = std::make_unique<RayCaster>();
   rays_->setDiscs(points_, [&](const RayCaster::Discs& all) {
     for (std::size_t i = 0; i < points_; ++i) {
-      Eigen::Map<Eigen::Vector4f>(all.centres + 4 * i) << surfels[i].centre, surfels[i].spacing;
+      Eigen::Map<Eigen::Vector4f>(all.centres + 4 * i) << surfels[i].centre, kRadius * surfels[i].spacing;
       Eigen::Map<Eigen::Vector3f>(all.normals + 3 * i) = surfels[i].normal;
     }
   });

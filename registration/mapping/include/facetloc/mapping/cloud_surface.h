@@ -16,7 +16,8 @@ namespace internal {
 class RayCaster;
 }
 
-/** \brief The points of a scan, each a disc on the plane of its neighbours, as large as they are apart there.
+/** \brief The points of a scan, each a disc on the plane of its neighbours, with a radius of 1.5 times their
+ * distance.
  *
  * Larger holes stay holes. A surface so near that two points are 0.1 rad apart is unknown: what lies between
  * them would be invented. */

@@ -19,7 +19,7 @@ struct ModelMapParams {
   static constexpr const char* kTitle = "Views of a scan, mesh or plan";
   double spacing = 1;
   double turn_deg = 20;
-  double overlap = 0.6;
+  double overlap = 0.7;
   double clearance = 0.25;
   double known = 0.3;
   int most_models = 3000;
@@ -53,10 +53,10 @@ struct ModelFindings {
   std::vector<Eigen::Isometry3d> viewpoints;  ///< T_w_c of the local models, in their order
   std::size_t places = 0;                     ///< positions where a camera can be, if they were looked for
   std::size_t outdoors = 0;                   ///< positions that were left out, in an area around all others
-  bool is_open = false;              ///< the surface is not that of whole rooms: positions are beside it
-  double overlap = 0;                ///< with which viewpoints were chosen
-  std::size_t without_segments = 0;  ///< viewpoints that became no local models
-  std::string problem;               ///< reason for an empty map, in words
+  bool is_open = false;                       ///< the surface shows no whole room: positions are beside it
+  double overlap = 0;                         ///< with which viewpoints were chosen
+  std::size_t without_segments = 0;           ///< viewpoints that became no local models
+  std::string problem;                        ///< reason for an empty map, in words
 };
 
 /** \brief A surface to a map: depth images rendered from viewpoints become local models.

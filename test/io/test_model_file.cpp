@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "facetloc/testing/places.h"
+
+#include <facetloc/io/error.h>
+#include <facetloc/io/model_file.h>
+
+#include <gtest/gtest.h>
+#include <pcl/conversions.h>
+#include <pcl/io/pcd_io.h>
+#include <pcl/point_types.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ModelFile : public testing::Test {
+protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              (std::string("model_file_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path write(const std::string& name, const std::string& content) const {
+    std::ofstream(folder_ / name, std::ios::binary) << content;
+    return folder_ / name;
+  }
+  /** The cause of the error that reading it ends with. */
+  static std::string refusal(const fs::path& path) {
+    try {
+      readModel(path);
+    } catch (const IoError& e) {
+      EXPECT_EQ(path.string(), e.path());
+      return e.cause();
+    }
+    return "";
+  }
+
+  fs::path folder_;
+};
+
+pcl::PointCloud<pcl::PointXYZ> pointsOf(const pcl::PolygonMesh& mesh) {
+  pcl::PointCloud<pcl::PointXYZ> points;
+  pcl::fromPCLPointCloud2(mesh.cloud, points);
+  return points;
+}
+
+/** A roof of two triangles, and what each format makes of it. */
+void expectRoof(const pcl::PolygonMesh& mesh) {
+  const auto points = pointsOf(mesh);
+  ASSERT_EQ(2u, mesh.polygons.size());
+  float area = 0, highest = 0;
+  for (const pcl::Vertices& polygon : mesh.polygons) {
+    ASSERT_EQ(3u, polygon.vertices.size());
+    const auto corner = [&](std::size_t i) {
+      return points.at(static_cast<std::size_t>(polygon.vertices[i])).getVector3fMap();
+    };
+    area += (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm() / 2;
+    for (std::size_t i = 0; i < 3; ++i) highest = std::max(highest, corner(i).z());
+  }
+  EXPECT_NEAR(std::sqrt(2.0), area, 1e-5);
+  EXPECT_FLOAT_EQ(1, highest);
+}
+
+const std::string kPlyHead =
+    "ply\nformat ascii 1.0\ncomment a roof\nelement vertex 4\nproperty float x\nproperty float y\n"
+    "property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n";
+const std::string kPlyData = "0 0 0\n1 0 0\n0 1 1\n1 -1 1\n3 0 1 2\n3 0 3 1\n";
+
+std::string bytesOf(float x, float y, float z) {
+  std::string bytes(12, '\0');
+  const float numbers[] = {x, y, z};
+  std::memcpy(bytes.data(), numbers, sizeof numbers);
+  return bytes;
+}
+
+TEST_F(ModelFile, ReadsMeshes) {
+  expectRoof(readModel(write("a.ply", kPlyHead + kPlyData)));
+  expectRoof(readModel(write("a.obj", "# roof\nv 0 0 0\nv 1 0 0\nv 0 1 1\nv 1 -1 1\nf 1 2 3\nf 1 4 2\n")));
+  std::string stl(84, ' ');
+  const std::uint32_t two = 2;
+  std::memcpy(stl.data() + 80, &two, 4);
+  const std::string zero(2, '\0'), normal = bytesOf(0, 0, 0), a = bytesOf(0, 0, 0), b = bytesOf(1, 0, 0);
+  stl += normal + a + b + bytesOf(0, 1, 1) + zero + normal + a + bytesOf(1, -1, 1) + b + zero;
+  expectRoof(readModel(write("A.STL", stl)));
+  expectRoof(readModel(write(
+      "a.vtp",
+      "<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\"><PolyData><Piece "
+      "NumberOfPoints=\"4\" "
+      "NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"2\"><Points><DataArray "
+      "type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 1 1 -1 "
+      "1</DataArray></Points><Polys>"
+      "<DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2 0 3 1</DataArray><DataArray "
+      "type=\"Int32\" Name=\"offsets\" format=\"ascii\">3 "
+      "6</DataArray></Polys></Piece></PolyData></VTKFile>")));
+}
+
+TEST_F(ModelFile, ReadsClouds) {
+  pcl::PointCloud<pcl::PointXYZI> points;
+  for (int i = 0; i < 20; ++i) {
+    pcl::PointXYZI p;
+    p.x = static_cast<float>(i), p.y = 2, p.z = -1, p.intensity = 7;
+    points.push_back(p);
+  }
+  pcl::io::savePCDFileBinaryCompressed((folder_ / "a.pcd").string(), points);
+  const auto read = pointsOf(readModel(folder_ / "a.pcd"));
+  ASSERT_EQ(20u, read.size());
+  EXPECT_EQ(19, read[19].x);
+  // Doubles, in centimetres.
+  const pcl::PolygonMesh ply = readModel(
+      write(
+          "a.ply",
+          "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\nproperty double z\n"
+          "end_header\n100 200 300\n1 2 3\n"),
+      0.01);
+  EXPECT_TRUE(ply.polygons.empty());
+  ASSERT_EQ(2u, pointsOf(ply).size());
+  EXPECT_FLOAT_EQ(3, pointsOf(ply)[0].z);
+}
+
+TEST_F(ModelFile, RefusesWhatIsNoModel) {
+  EXPECT_NE("", refusal(folder_ / "missing.ply"));
+  EXPECT_EQ("is empty", refusal(write("empty.obj", "")));
+  EXPECT_NE(std::string::npos, refusal(write("a.dwg", "x")).find(".ply, .obj"));
+  EXPECT_NE(std::string::npos, refusal(write("text.ply", "hello")).find("first line"));
+  EXPECT_NE("", refusal(write("text.obj", "hello\n")));
+  EXPECT_NE("", refusal(write("text.stl", "hello\n")));
+  EXPECT_NE("", refusal(write("text.vtp", "<hello/>\n")));
+  EXPECT_NE("", refusal(write("text.pcd", "hello\n")));
+  EXPECT_THROW(readModel(write("a.ply", kPlyHead + kPlyData), 0), std::invalid_argument);
+}
+
+TEST_F(ModelFile, RefusesHeadersThatPromiseMoreThanThereIs) {
+  std::string huge = kPlyHead;
+  huge.replace(huge.find("vertex 4"), 8, "vertex 2000000000");
+  EXPECT_NE(std::string::npos, refusal(write("huge.ply", huge + kPlyData)).find("cut off"));
+  std::string negative = kPlyHead;
+  negative.replace(negative.find("face 2"), 6, "face -2");
+  EXPECT_NE(std::string::npos,
+            refusal(write("negative.ply", negative + kPlyData)).find("number of elements"));
+  std::string typeless = kPlyHead;
+  typeless.replace(typeless.find("float y"), 7, "quaternion y");
+  EXPECT_NE(std::string::npos, refusal(write("type.ply", typeless + kPlyData)).find("type"));
+  EXPECT_NE("", refusal(write("head.ply", kPlyHead.substr(0, 60))));
+  std::string binary = kPlyHead;
+  binary.replace(binary.find("ascii"), 5, "binary_little_endian");
+  EXPECT_NE(std::string::npos, refusal(write("binary.ply", binary + std::string(40, '\0'))).find("cut off"));
+}
+
+/** Whatever is cut off, reading ends with a mesh or with an error. */
+TEST_F(ModelFile, SurvivesFilesThatAreCutOff) {
+  const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 1\nvn 0 0 1\nf 1//1 2//9 -1\nf 1 99 3\nf 0 -7 2\nf 1\n";
+  std::string binary = kPlyHead;
+  binary.replace(binary.find("ascii"), 5, "binary_little_endian");
+  binary += bytesOf(0, 0, 0) + bytesOf(1, 0, 0) + bytesOf(0, 1, 1) + bytesOf(1, -1, 1);
+  binary += std::string("\x03\0\0\0\0\x01\0\0\0\x02\0\0\0\xff\0\0\0\0", 18) + std::string(20, '\x7f');
+  for (const auto& [name, whole] : {std::pair<std::string, std::string>{"cut.ply", kPlyHead + kPlyData},
+                                    {"cut.obj", obj},
+                                    {"binary.ply", binary}})
+    for (std::size_t size = 1; size <= whole.size(); size += 3) {
+      const fs::path path = write(name, whole.substr(0, size));
+      try {
+        readModel(path);
+      } catch (const IoError& e) {
+        EXPECT_FALSE(e.cause().empty());
+      }
+    }
+}
+
+}  // namespace
+}  // namespace facetloc
