@@ -7,6 +7,7 @@
 #include "tools/convert_app.h"
 #include "tools/localize_app.h"
 #include "tools/map_apps.h"
+#include "tools/map_model_app.h"
 #include "tools/register_app.h"
 #include "tools/render_app.h"
 #include "tools/segment_app.h"
@@ -25,14 +26,20 @@ using test::runTool;
 
 /** What each tool says, to --help or --help-all. */
 std::map<std::string, std::string> helpOfAll(const std::string& option) {
-  return {
-      {"evaluate", runTool<EvaluateApp>({option}).out},    {"live", runTool<LiveApp>({option}).out},
-      {"localize", runTool<LocalizeApp>({option}).out},    {"map build", runTool<MapBuildApp>({option}).out},
-      {"map info", runTool<MapInfoApp>({option}).out},     {"map merge", runTool<MapMergeApp>({option}).out},
-      {"register", runTool<RegisterApp>({option}).out},    {"render", runTool<RenderApp>({option}).out},
-      {"segment", runTool<SegmentApp>({option}).out},      {"simulate", runTool<SimulateApp>({option}).out},
-      {"map export", runTool<MapExportApp>({option}).out}, {"check", runTool<CheckApp>({option}).out},
-      {"convert", runTool<ConvertApp>({option}).out}};
+  return {{"evaluate", runTool<EvaluateApp>({option}).out},
+          {"live", runTool<LiveApp>({option}).out},
+          {"localize", runTool<LocalizeApp>({option}).out},
+          {"map build", runTool<MapBuildApp>({option}).out},
+          {"map info", runTool<MapInfoApp>({option}).out},
+          {"map merge", runTool<MapMergeApp>({option}).out},
+          {"register", runTool<RegisterApp>({option}).out},
+          {"render", runTool<RenderApp>({option}).out},
+          {"segment", runTool<SegmentApp>({option}).out},
+          {"simulate", runTool<SimulateApp>({option}).out},
+          {"map export", runTool<MapExportApp>({option}).out},
+          {"check", runTool<CheckApp>({option}).out},
+          {"convert", runTool<ConvertApp>({option}).out},
+          {"map from-model", runTool<MapModelApp>({option}).out}};
 }
 
 TEST(Help, FitsOnAScreen) {

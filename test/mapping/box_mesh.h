@@ -46,7 +46,12 @@ inline BoxMesh twoRooms(bool ceiling = true) {
   BoxMesh mesh;
   mesh.add({-w, -w, -w}, {10.4f, 4 + w, 0});
   if (ceiling) mesh.add({-w, -w, h}, {10.4f, 4 + w, h + w});
-  mesh.add({-w, -w, 0}, {10.4f, 0, h}).add({-w, 4, 0}, {10.4f, 4 + w, h});
+  // With a window.
+  mesh.add({-w, -w, 0}, {7, 0, h})
+      .add({9, -w, 0}, {10.4f, 0, h})
+      .add({7, -w, 0}, {9, 0, 0.8f})
+      .add({7, -w, 2}, {9, 0, h});
+  mesh.add({-w, 4, 0}, {10.4f, 4 + w, h});
   mesh.add({-w, 0, 0}, {0, 4, h}).add({10.2f, 0, 0}, {10.4f, 4, h});
   mesh.add({6, 0, 0}, {6.2f, 1.5f, h}).add({6, 2.5f, 0}, {6.2f, 4, h}).add({6, 1.5f, 2}, {6.2f, 2.5f, h});
   mesh.add({1, 0.6f, 0.7f}, {2.6f, 1.4f, 0.75f})

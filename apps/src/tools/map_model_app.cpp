@@ -99,19 +99,16 @@ void MapModelApp::addOptions(CommandLine& line) {
       "camera", camera_, "FILE|NAME",
       fmt::format("The camera that is to be localized: a camera.ini, a map made with it, or one of {}.",
                   cameraPresetNames()));
-  line.addOption(
-      "viewpoints", viewpoints_, "FILE",
-      "Camera poses in the frame of the MODEL, each a local model; instead of looking for places.");
-  line.addOption(
-      "height", height_, "M",
-      "Height of the camera above the floor [m]; 0 = as the mounting in --camera, or in the hand.");
+  line.addOption("viewpoints", viewpoints_, "FILE",
+                 "Camera poses in the MODEL, each a local model; else places are looked for.");
+  line.addOption("height", height_, "M",
+                 "Height of the camera above the floor [m]; 0 = as mounted, or in the hand.");
   line.addOption("units", units_, "UNIT",
                  "Unit of the MODEL's coordinates: m, cm, mm, in or ft (m unless given).");
   line.addOption("up", up_, "AXIS",
                  "Upward direction in the MODEL: x, -x, y, -y, z, -z or x,y,z (z unless given).");
-  line.addOption(
-      "inside", inside_, "X,Y,Z",
-      "A place in the area to fill, in the MODEL's axes [m]; else all areas but one around all others.");
+  line.addOption("inside", inside_, "X,Y,Z",
+                 "A place in the area to fill [m]; else all areas but one around all others.");
   line.addOption("plan", plan_, "OUT.png", "Draw the floor map with the viewpoints.");
   line.addOption("width", width_, "N", "Columns of the rendered images, at least; 0 = 320.");
   line.addCheck([this] {
@@ -122,7 +119,7 @@ void MapModelApp::addOptions(CommandLine& line) {
     if (width_ < 0 || width_ > 10000) throw UsageError("width must be from 0 to 10000");
   });
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
-  line.addParams(params_, "model", CommandLine::Shown::in_help);
+  line.addParams(params_, "", CommandLine::Shown::in_help);
   line.addParams(view_);
 }
 
@@ -167,7 +164,7 @@ std::string MapModelApp::parameters(const Camera& camera) const {
   return fmt::format(
              "camera = {}\nviewpoints = {}\nheight = {}\nunits = {}\nup = {}\ninside = {}\nwidth = {}\n",
              camera_, viewpoints_, height_, units_, up_, inside_, width_) +
-         toIni(camera.noise, "noise") + toIni(params_, "model") + toIni(view_);
+         toIni(camera.noise, "noise") + toIni(params_) + toIni(view_);
 }
 
 Map MapModelApp::make(const Console& console) const {

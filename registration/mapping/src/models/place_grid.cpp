@@ -48,7 +48,18 @@ private:
   bool obstacle_ = false, floor_ = false;
 };
 
+constexpr double kStep = 0.1;  // that can be taken from one place to the next [m]
 constexpr double kBeside = 1;  // from an area to a place of it [m]
+
+/** Can somebody go from a place to the next one? Also just above what they stand on, which a window sill does
+ * not let through. */
+bool isOpen(const SpaceProbe& probe, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const Eigen::Vector3d step = to - from, down = -Eigen::Vector3d::UnitZ();
+  const double below = std::min(probe.along(from, down), probe.along(to, down));
+  const Eigen::Vector3d low = from + std::max(0.0, below - kStep) * down;
+  return probe.along(from, step.normalized()) > step.norm() &&
+         probe.along(low, step.normalized()) > step.norm();
+}
 
 }  // namespace
 
@@ -116,8 +127,7 @@ Areas::Areas(const PlaceGrid& grid, const std::vector<PlaceGrid::Cell>& cells, c
       ++beside[axis];
       const auto found = index.find(beside);
       if (found == index.end()) continue;
-      const Eigen::Vector3d from = grid.position(cell), step = grid.position(beside) - from;
-      if (probe.along(from, step.normalized()) > step.norm()) root_[rootOf(found->second)] = rootOf(i);
+      if (isOpen(probe, grid.position(cell), grid.position(beside))) root_[rootOf(found->second)] = rootOf(i);
     }
   for (std::size_t i = 0; i < cells.size(); ++i) {
     root_[i] = rootOf(i);

@@ -28,12 +28,11 @@ struct ModelMapParams {
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("spacing", p.spacing, 0.1, 10.0,
-          "Largest distance from a place where a camera can be to a local model that shows the same [m].",
-          kForUsers);
+          "Largest distance from a camera to a local model that shows the same [m].", kForUsers);
     visit("turn_deg", p.turn_deg, 1.0, 90.0,
-          "Largest angle between a camera there and that local model [deg].");
+          "Largest angle between a camera and a local model that shows the same [deg].");
     visit("overlap", p.overlap, 0.0, 1.0,
-          "Minimum share of the surface in the camera's view that the local model shows.");
+          "Minimum share of the surface in a camera's view that a local model shows.");
     visit("clearance", p.clearance, 0.0, 10.0, "Distance that cameras keep from all surfaces [m].",
           kForUsers);
     visit("known", p.known, 0.0, 1.0, "Minimum share of an image in which the surface is known.");
