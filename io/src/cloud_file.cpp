@@ -5,7 +5,6 @@
 #include <facetloc/io/cloud_file.h>
 #include <facetloc/io/error.h>
 
-#include <pcl/PolygonMesh.h>
 #include <pcl/conversions.h>
 #include <pcl/io/ply_io.h>
 #include <pcl/point_types.h>
@@ -139,8 +138,12 @@ void writePolygons(const std::filesystem::path& path, const std::vector<Coloured
     }
     mesh.polygons.push_back(std::move(face));
   }
-  if (vertices.empty()) return writeTextAtomically(path, writeEmptyMesh);
   pcl::toPCLPointCloud2(vertices, mesh.cloud);
+  writeMesh(path, mesh);
+}
+
+void writeMesh(const std::filesystem::path& path, const pcl::PolygonMesh& mesh) {
+  if (mesh.cloud.data.empty()) return writeTextAtomically(path, writeEmptyMesh);
   writeAtomically(path, [&](const std::filesystem::path& temporary) {
     if (pcl::io::savePLYFileBinary(temporary.string(), mesh) != 0)
       throw IoError(path.string(), "cannot be written as PLY");

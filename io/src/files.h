@@ -107,16 +107,22 @@ inline std::string fromUtf16(std::string_view bytes, bool big_endian) {
   return out;
 }
 
+/** \brief All bytes of a file. */
+inline std::string readBytes(const std::filesystem::path& path) {
+  requireFile(path);
+  const FilePtr file = open(path);
+  std::string bytes;
+  std::array<char, 1 << 16> part;
+  while (const std::size_t size = std::fread(part.data(), 1, part.size(), file.get()))
+    bytes.append(part.data(), size);
+  if (std::ferror(file.get())) throw IoError(path.string(), "cannot be read: " + lastError());
+  return bytes;
+}
+
 /** \brief A whole text file as UTF-8, without the byte order mark that some editors put in front; UTF-16 is
  * known by its mark. */
 inline std::string readText(const std::filesystem::path& path) {
-  requireFile(path);
-  const FilePtr file = open(path);
-  std::string text;
-  std::array<char, 1 << 16> part;
-  while (const std::size_t size = std::fread(part.data(), 1, part.size(), file.get()))
-    text.append(part.data(), size);
-  if (std::ferror(file.get())) throw IoError(path.string(), "cannot be read: " + lastError());
+  std::string text = readBytes(path);
   constexpr const char* kByteOrderMark = "\xEF\xBB\xBF";
   if (text.rfind(kByteOrderMark, 0) == 0) text.erase(0, 3);
   const bool little = text.rfind("\xFF\xFE", 0) == 0, big = text.rfind("\xFE\xFF", 0) == 0;

@@ -2,6 +2,7 @@
 // Formats whose pixels are not packed: NPY, PGM and PFM.
 #include "depth_file.h"
 #include "files.h"
+#include "netpbm.h"
 #include "shared/text.h"
 
 #include <facetloc/io/error.h>
@@ -19,15 +20,11 @@ namespace facetloc {
 namespace {
 
 namespace fs = std::filesystem;
+using netpbm::requireBytes;
+using netpbm::requireSize;
 
 std::string bytesOf(const fs::path& path) {
-  files::requireFile(path);
-  const files::FilePtr file = files::open(path);
-  std::string bytes;
-  std::array<char, 1 << 16> part;
-  while (const std::size_t size = std::fread(part.data(), 1, part.size(), file.get()))
-    bytes.append(part.data(), size);
-  if (std::ferror(file.get())) throw IoError(path.string(), "cannot be read: " + files::lastError());
+  std::string bytes = files::readBytes(path);
   if (bytes.empty()) throw IoError(path.string(), "is empty");
   return bytes;
 }
@@ -50,17 +47,6 @@ float halfAt(const char* bytes, bool big_endian) {
   if (exponent == kLargest || bits >> 15) return 0;  // infinite, none, or negative
   if (exponent == 0) return std::ldexp(static_cast<float>(mantissa), 1 - kBias - kMantissa);
   return std::ldexp(static_cast<float>(mantissa | 1 << kMantissa), exponent - kBias - kMantissa);
-}
-
-void requireSize(const fs::path& path, std::uint64_t width, std::uint64_t height) {
-  if (width == 0 || height == 0 || width > kMostPixels || height > kMostPixels ||
-      width * height > kMostPixels)
-    throw IoError(path.string(), fmt::format("claims to be of {}x{} pixels", width, height));
-}
-
-void requireBytes(const fs::path& path, std::size_t there, std::uint64_t needed) {
-  if (there < needed)
-    throw IoError(path.string(), fmt::format("is truncated: {} bytes of depth instead of {}", there, needed));
 }
 
 /** The text behind a key of the header of an NPY file, without blanks. */
@@ -123,13 +109,13 @@ DepthValues readNpy(const fs::path& path) {
   const std::size_t begin = is_short ? kShort : kLong;
   const std::size_t length = is_short ? numberAt<std::uint16_t>(bytes.data() + 8, false)
                                       : numberAt<std::uint32_t>(bytes.data() + 8, false);
-  requireBytes(path, bytes.size(), begin + length);
+  requireBytes(path.string(), bytes.size(), begin + length);
   const NpyHeader header = parseHeader(path, std::string_view(bytes).substr(begin, length));
-  requireSize(path, header.width, header.height);
+  requireSize(path.string(), header.width, header.height);
   const std::size_t n = header.width * header.height, size = static_cast<std::size_t>(header.type[1] - '0');
   const char* data = bytes.data() + begin + length;
   constexpr std::size_t kLargest = 8;
-  requireBytes(path, bytes.size() - begin - length, n * std::min(size, kLargest));
+  requireBytes(path.string(), bytes.size() - begin - length, n * std::min(size, kLargest));
 
   DepthValues values{static_cast<int>(header.width), static_cast<int>(header.height), {}, {}};
   const auto fill = [&](auto& out, auto valueAt) {
@@ -161,68 +147,23 @@ DepthValues readNpy(const fs::path& path) {
   return values;
 }
 
-namespace {
-
-/** The words of a Netpbm header; # starts a comment. */
-class NetpbmHeader {
-public:
-  NetpbmHeader(const fs::path& path, std::string_view bytes) : path_(path), bytes_(bytes) {}
-
-  std::string_view word() {
-    const auto isBlank = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };
-    while (at_ < bytes_.size() && (isBlank(bytes_[at_]) || bytes_[at_] == '#'))
-      if (bytes_[at_++] == '#')
-        while (at_ < bytes_.size() && bytes_[at_] != '\n') ++at_;
-    const std::size_t begin = at_;
-    while (at_ < bytes_.size() && !isBlank(bytes_[at_])) ++at_;
-    if (begin == at_) throw IoError(path_.string(), "is truncated");
-    return bytes_.substr(begin, at_ - begin);
-  }
-  template <typename Number>
-  Number number() {
-    const auto value = text::to<Number>(word());
-    if (!value) throw IoError(path_.string(), "has a corrupt header");
-    return *value;
-  }
-  /** Behind one blank. */
-  std::string_view pixels() const { return bytes_.substr(std::min(at_ + 1, bytes_.size())); }
-
-private:
-  const fs::path& path_;
-  std::string_view bytes_;
-  std::size_t at_ = 0;
-};
-
-}  // namespace
-
 DepthValues readPgm(const fs::path& path) {
-  constexpr unsigned kLeast = 256, kMost = 65535;  // of the largest value of 16 bits
-  const std::string bytes = bytesOf(path);
-  NetpbmHeader header(path, bytes);
-  if (header.word() != "P5") throw IoError(path.string(), "is not a binary PGM file");
-  const auto width = header.number<std::uint32_t>(), height = header.number<std::uint32_t>();
-  const auto largest = header.number<std::uint32_t>();
-  requireSize(path, width, height);
-  if (largest < kLeast || largest > kMost) throw IoError(path.string(), "has 8 bits per pixel, not 16");
-  const std::size_t n = std::size_t(width) * height;
-  const std::string_view pixels = header.pixels();
-  requireBytes(path, pixels.size(), 2 * n);
-  DepthValues values{static_cast<int>(width), static_cast<int>(height), {}, std::vector<std::uint16_t>(n)};
-  for (std::size_t i = 0; i < n; ++i)
-    values.numbers[i] = numberAt<std::uint16_t>(pixels.data() + 2 * i, true);
-  return values;
+  constexpr int kNarrow = 255;  // largest value of 8 bits
+  netpbm::Greymap map = netpbm::parsePgm(path.string(), bytesOf(path));
+  if (map.white <= kNarrow) throw IoError(path.string(), "has 8 bits per pixel, not 16");
+  return {map.image.width, map.image.height, {}, std::move(map.image.data)};
 }
 
 DepthValues readPfm(const fs::path& path) {
-  const std::string bytes = bytesOf(path);
-  NetpbmHeader header(path, bytes);
+  const std::string bytes = bytesOf(path), source = path.string();
+  netpbm::Header header(source, bytes);
   if (header.word() != "Pf") throw IoError(path.string(), "is not a PFM file of one channel");
   const auto width = header.number<std::uint32_t>(), height = header.number<std::uint32_t>();
   const bool big_endian = header.number<double>() > 0;
-  requireSize(path, width, height);
+  requireSize(path.string(), width, height);
   const std::size_t n = std::size_t(width) * height;
   const std::string_view pixels = header.pixels();
-  requireBytes(path, pixels.size(), sizeof(float) * n);
+  requireBytes(path.string(), pixels.size(), sizeof(float) * n);
   DepthValues values{static_cast<int>(width), static_cast<int>(height), std::vector<float>(n), {}};
   for (std::size_t v = 0; v < height; ++v)
     for (std::size_t u = 0; u < width; ++u)

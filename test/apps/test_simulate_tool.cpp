@@ -4,9 +4,11 @@
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/occupancy_grid_file.h>
 #include <facetloc/io/trajectory.h>
 
 #include <gmock/gmock.h>
+#include <pcl/io/ply_io.h>
 
 #include <algorithm>
 
@@ -48,6 +50,20 @@ TEST_F(Tools, SimulateRefusesWhatThereIsNot) {
   EXPECT_EQ(run.code, kUsage);
   for (const char* scene : {"office", "home", "hall", "corridor", "hotel", "boards", "doors", "box", "room"})
     EXPECT_THAT(run.err, HasSubstr(scene));
+}
+
+TEST_F(Tools, SimulateWritesTheBuildingItself) {
+  const ToolRun run = runTool<SimulateApp>(
+      {"home", "--seed", "2", "--model", folder_ / "home.ply", "--grid", folder_ / "plans/home"});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  pcl::PolygonMesh mesh;
+  ASSERT_EQ(pcl::io::loadPLYFile(folder_ / "home.ply", mesh), 0);
+  EXPECT_GT(mesh.polygons.size(), 1000u);
+  const OccupancyGrid grid = readOccupancyGrid(folder_ / "plans/home.yaml");
+  EXPECT_GT(std::count(grid.cells.begin(), grid.cells.end(), OccupancyGrid::kOccupied), 1000);
+  const ToolRun none = runTool<SimulateApp>({"boards", "--grid", folder_ / "boards"});
+  EXPECT_EQ(none.code, kUsage);
+  EXPECT_THAT(none.err, HasSubstr("no walls"));
 }
 
 TEST_F(Tools, SimulateTakesAnotherCamera) {

@@ -8,13 +8,16 @@
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/atomic_file.h>
+#include <facetloc/io/cloud_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/gravity_record.h>
+#include <facetloc/io/occupancy_grid_file.h>
 #include <facetloc/io/output_lock.h>
 #include <facetloc/io/segment_file.h>
 #include <facetloc/io/trajectory.h>
 #include <facetloc/simulation/simulated_gravity.h>
+#include <facetloc/simulation/simulated_model.h>
 
 #include <algorithm>
 #include <cmath>
@@ -109,7 +112,7 @@ struct SimulateApp::Place {
 
 SimulateApp::SimulateApp()
     : App("facetloc_simulate", "SCENE -o DIR [options]",
-          "Makes two depth sequences of a simulated place, taken by a robot with a Kinect-like camera: "
+          "Makes two depth sequences of a simulated place, taken by a robot with a Kinect: "
           "DIR/map and DIR/query, a later drive on another line, after some things have moved, partly "
           "where the first one never was. With camera.ini, groundtruth.txt, the true planes of each pixel "
           "(labels/, 16-bit PNG; planes.csv: their equations) and query/unmapped.txt, the images that show "
@@ -141,16 +144,17 @@ void SimulateApp::addOptions(CommandLine& line) {
   line.addParams(drive_, "drive");
   line.addParams(noise_, "sensor");
   line.addSwitch("odometry", with_odometry_,
-                 "Write odometry.txt: what the wheels tell, poses of the robot's base on the floor (TUM).");
+                 "Write odometry.txt: poses of the robot's base by its wheels (TUM).");
   line.addParams(odometry_, "odometry");
   line.addOption("gravity", gravity_error_deg_, "DEG", "Write gravity.txt with this error; -1 = no.");
-  line.addOption("camera", preset_, "NAME",
-                 fmt::format("Camera of the robot, with its errors: {}.", cameraPresetNames()));
+  line.addOption("camera", preset_, "NAME", fmt::format("Camera with its errors: {}.", cameraPresetNames()));
   line.addSwitch("shared-errors", shared_errors_,
                  "Add errors that many pixels share: smooth ones, blurred or filled-in edges.");
   line.addOption("surface-error", surface_error_, "M",
                  "Bend the surfaces that the mapping run sees, rms displacement [m].");
   line.addParams(map_poses_, "map_poses");
+  line.addOption("model", model_, "FILE", "Write a mesh (PLY) of all that is the same in both runs.");
+  line.addOption("grid", grid_, "NAME", "Write an occupancy grid of the walls: NAME.yaml and NAME.pgm.");
 }
 
 namespace {
@@ -196,7 +200,30 @@ void SimulateApp::setStamps(std::vector<Run>& runs) const {
   }
 }
 
-SimulateApp::Place SimulateApp::makePlace() const {
+SimulatedPlace SimulateApp::makeScenes() const {
+  const auto seed = static_cast<std::uint64_t>(seed_);
+  if (scene_ != kRoom) return simulatedPlace(scene_, seed);
+  constexpr int kBoxes = 16;  // furnished: most views then show planes of three directions
+  SimulatedPlace room;
+  room.mapped = room.later = randomRoom(seed, kBoxes);
+  return room;
+}
+
+/** The building itself, for those who have no drive through it. */
+void SimulateApp::writeModels(const SimulatedPlace& made, const Console& console) const {
+  if (!model_.empty()) {
+    writeMesh(model_, meshOf(lastingParts(made)));
+    console.out << "mesh in " << model_ << "\n";
+  }
+  if (grid_.empty()) return;
+  if (made.walls.empty()) throw UsageError(fmt::format("the scene '{}' has no walls for a --grid", scene_));
+  const fs::path grid = occupancyGridPath(grid_);
+  if (grid.has_parent_path()) createFolders(grid.parent_path());
+  writeOccupancyGrid(grid, floorPlanOf(made));
+  console.out << "floor plan in " << grid.string() << "\n";
+}
+
+SimulateApp::Place SimulateApp::makePlace(SimulatedPlace made) const {
   const auto seed = static_cast<std::uint64_t>(seed_);
   const auto map_frames = static_cast<std::size_t>(frames_ > 0 ? frames_ : map_frames_);
   const auto query_frames = static_cast<std::size_t>(frames_ > 0 ? frames_ : query_frames_);
@@ -206,13 +233,6 @@ SimulateApp::Place SimulateApp::makePlace() const {
   map_drive.sway_deg = rounds_ > 1 ? kSwayInRounds : 0;
 
   Place place;
-  SimulatedPlace made;
-  if (scene_ == kRoom) {
-    constexpr int kBoxes = 16;  // furnished: most views then show planes of three directions
-    made.mapped = made.later = randomRoom(seed, kBoxes);
-  } else {
-    made = simulatedPlace(scene_, seed);
-  }
   made.mapped.bending.std = surface_error_;
   made.mapped.bending.seed = seed;
   place.mapped = std::make_shared<Scene>(std::move(made.mapped));
@@ -298,7 +318,8 @@ void SimulateApp::checkOptions() const {
   scenes.push_back(kRoom);
   if (std::find(scenes.begin(), scenes.end(), scene_) == scenes.end())
     throw UsageError(fmt::format("unknown scene '{}'; there are: {}", scene_, fmt::join(scenes, " ")));
-  if (folder_.empty()) throw UsageError("the folder of the sequences is missing: -o DIR");
+  if (folder_.empty() && model_.empty() && grid_.empty())
+    throw UsageError("the folder of the sequences is missing: -o DIR (or --model FILE, --grid NAME)");
   if (!preset_.empty() && !findCameraPreset(preset_))
     throw UsageError(fmt::format("unknown camera '{}'; there are: {}", preset_, cameraPresetNames()));
   if (seed_ < 0) throw UsageError("seed must not be negative");
@@ -315,14 +336,17 @@ void SimulateApp::checkOptions() const {
   if (!(seconds_ * pace_.rate >= 0.5 && seconds_ * pace_.rate <= kMostFrames))
     throw UsageError("drive must be as long as one image at least, and no longer than a million");
   for (const std::string& run : wantedRuns())
-    if (const fs::path folder = fs::path(folder_) / run; fs::exists(folder))
+    if (const fs::path folder = fs::path(folder_) / run; !folder_.empty() && fs::exists(folder))
       throw IoError(folder.string(), "exists already; remove it or use another folder");
 }
 
 int SimulateApp::execute(const CommandLine& line, const Console& console) {
   if (runs_.empty()) runs_ = line.given("drive") ? "map,query,drive" : "map,query";
   checkOptions();
-  const Place place = makePlace();
+  SimulatedPlace made = makeScenes();
+  writeModels(made, console);
+  if (folder_.empty()) return kOk;
+  const Place place = makePlace(std::move(made));
   const CameraPreset& preset = *findCameraPreset(preset_.empty() ? kUsualCamera : preset_);
   const Intrinsics intrinsics =
       scaled(preset.intrinsics(), line.given("width") ? width_ : preset.intrinsics().width);

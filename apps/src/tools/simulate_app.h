@@ -8,6 +8,7 @@
 #include <facetloc/simulation/simulated_drive.h>
 #include <facetloc/simulation/simulated_map_poses.h>
 #include <facetloc/simulation/simulated_odometry.h>
+#include <facetloc/simulation/simulated_place.h>
 
 #include <string>
 #include <vector>
@@ -26,7 +27,9 @@ private:
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
   void checkOptions() const;
-  Place makePlace() const;
+  SimulatedPlace makeScenes() const;
+  void writeModels(const SimulatedPlace& made, const Console& console) const;
+  Place makePlace(SimulatedPlace made) const;
   void setStamps(std::vector<Run>& runs) const;
   void prepareFolder(const Run& run, const CameraFile& camera) const;
   void writeUnmapped(const Run& query, const std::vector<char>& unmapped) const;
@@ -34,6 +37,7 @@ private:
 
   std::string scene_;
   std::string folder_;
+  std::string model_, grid_;  // files of the building; may be empty
   std::string runs_;
   std::string preset_;  // camera
   int seed_ = 1;

@@ -275,6 +275,11 @@ inline void mirror(SimulatedPlace& place, double width) {
       waypoint.look_deg = -waypoint.look_deg;
     }
   }
+  for (std::vector<PlanOutline>* outlines : {&place.walls, &place.doorways})
+    for (PlanOutline& outline : *outlines) {
+      for (Eigen::Vector2d& corner : outline) corner.x() = width - corner.x();
+      std::reverse(outline.begin(), outline.end());
+    }
   for (Eigen::AlignedBox2d& room : place.unmapped_rooms)
     room = {Eigen::Vector2d(width - room.max().x(), room.min().y()),
             Eigen::Vector2d(width - room.min().x(), room.max().y())};

@@ -69,7 +69,7 @@ void HallFloor::addPilasters(const Spot& corner, double length) {
     const Spot spot = corner.relative(kDepth / 2, -i * length / number);
     const Footprint footprint{spot, kDepth, kWidth};
     if (!plan_.isFree(footprint)) continue;
-    builder_.box(spot, {kDepth, kWidth, ceiling_});
+    builder_.pillar(spot, {kDepth, kWidth, ceiling_});
     plan_.take(footprint);
   }
 }
@@ -132,9 +132,9 @@ void HallFloor::buildColumns() {
       if (!plan_.isFree(footprint)) continue;
       plan_.take(footprint);
       if (round) {
-        builder_.cylinder(spot, kSide / 2, ceiling_);
+        builder_.roundPillar(spot, kSide / 2, ceiling_);
       } else {
-        builder_.box(spot, {kSide, kSide, ceiling_});
+        builder_.pillar(spot, {kSide, kSide, ceiling_});
       }
       if (random_.uniform() < 0.5) builder_.box(spot, {kFoot, kFoot, 0.25});
     }

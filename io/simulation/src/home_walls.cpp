@@ -156,7 +156,7 @@ void HomeFloor::addFrames() {
 void HomeFloor::addShaft(const Vector2d& corner, const Vector2d& inward) {
   const double x = random_.uniform(0.35, 0.6), y = random_.uniform(0.3, 0.5);
   const Spot spot{corner + Vector2d(inward.x() * x / 2, inward.y() * y / 2), 0};
-  builder_.box(spot, {x, y, kCeiling});
+  builder_.pillar(spot, {x, y, kCeiling});
   plan_.take({spot, x, y});
 }
 

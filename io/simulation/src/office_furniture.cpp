@@ -38,7 +38,7 @@ void OfficeFloor::furnishWall(const Side& side) {
 }
 
 void OfficeFloor::pillar(const Spot& spot, double depth) {
-  builder_.box(spot.relative(depth / 2, 0), {depth, random_.uniform(0.3, 0.5), kCeiling});
+  builder_.pillar(spot.relative(depth / 2, 0), {depth, random_.uniform(0.3, 0.5), kCeiling});
 }
 
 void OfficeFloor::noticeBoard(const Spot& spot) {

@@ -15,6 +15,12 @@ Eigen::Vector3d up(double length) { return {0, 0, length}; }
 
 Eigen::Vector3d at(const Eigen::Vector2d& place, double z) { return {place.x(), place.y(), z}; }
 
+PlanOutline outlineOf(const Spot& spot, double along, double across) {
+  const double x = along / 2, y = across / 2;
+  return {spot.relative(-x, -y).place, spot.relative(x, -y).place, spot.relative(x, y).place,
+          spot.relative(-x, y).place};
+}
+
 }  // namespace
 
 Eigen::Isometry3d Spot::pose() const {
@@ -124,6 +130,21 @@ void SceneBuilder::wall(const Eigen::Vector2d& from, const Eigen::Vector2d& to, 
     piece(start, length, 0, height);
   }
 
+  // On a floor plan, only what begins at the floor opens a wall.
+  double solid = 0;
+  const Spot start{from, std::atan2(along.y(), along.x())};
+  const auto solidUpTo = [&](double end) {
+    if (end > solid)
+      place_.walls.push_back(outlineOf(start.relative((solid + end) / 2, 0), end - solid, thickness));
+  };
+  for (const Opening& hole : holes) {
+    if (hole.bottom > kOnFloor) continue;
+    solidUpTo(hole.at - hole.width / 2);
+    place_.doorways.push_back(outlineOf(start.relative(hole.at, 0), hole.width, thickness));
+    solid = hole.at + hole.width / 2;
+  }
+  solidUpTo(length);
+
   const Eigen::Vector3d across = at(left, 0) * thickness / 2;
   for (const Opening& hole : holes) {
     const double middle_z = (hole.bottom + hole.top) / 2;
@@ -138,6 +159,20 @@ void SceneBuilder::wall(const Eigen::Vector2d& from, const Eigen::Vector2d& to, 
   }
   // The ends, which show where a wall stands free.
   for (const Eigen::Vector2d& end : {from, to}) rectangle(at(end, height / 2), across, up(height / 2));
+}
+
+void SceneBuilder::pillar(const Spot& spot, const Eigen::Vector3d& size) {
+  box(spot, size);
+  place_.walls.push_back(outlineOf(spot, size.x(), size.y()));
+}
+
+void SceneBuilder::roundPillar(const Spot& spot, double radius, double height) {
+  constexpr int kSides = 16;  // of its outline
+  cylinder(spot, radius, height);
+  PlanOutline corners;
+  for (int i = 0; i < kSides; ++i)
+    corners.push_back(spot.relative(0, 0, 360 * kDegree * i / kSides).relative(radius, 0).place);
+  place_.walls.push_back(std::move(corners));
 }
 
 void SceneBuilder::doorLeaf(const Eigen::Vector2d& hinge, double direction, double width, double height,

@@ -57,6 +57,9 @@ public:
    * line: its faces (one plane each), and the reveals, lintels and sills of its openings. */
   void wall(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double thickness, double height,
             const std::vector<Opening>& openings = {});
+  /** \brief A box, or a cylinder, that belongs to the building. */
+  void pillar(const Spot& spot, const Eigen::Vector3d& size);
+  void roundPillar(const Spot& spot, double radius, double height);
   /** \brief A door leaf, hinged at a point, its far edge in a direction [rad]. */
   void doorLeaf(const Eigen::Vector2d& hinge, double direction, double width, double height,
                 When when = When::always);

@@ -2,7 +2,7 @@
 #include "recordings/calibration_file.h"
 
 #include "files.h"
-#include "shared/text.h"
+#include "yaml_entries.h"
 
 #include <facetloc/io/error.h>
 
@@ -16,87 +16,11 @@
 namespace facetloc::internal {
 namespace {
 
-/** A key of YAML or JSON, with the numbers and the word behind it, up to the next key. */
-struct Entry {
-  std::string key;  // in lower case, the last part of a.b.c
-  std::vector<double> numbers;
-  std::string word;
-};
-
-/** The keys in their order, whatever is nested in what. */
-class Scanner {
-public:
-  explicit Scanner(std::string_view text) : text_(text) {}
-
-  std::vector<Entry> scan() {
-    while (at_ < text_.size()) {
-      const char c = text_[at_];
-      if (c == '#' || c == '%')
-        skipLine();
-      else if (c == '"' || c == '\'')
-        take(quoted(c));
-      else if (isOfWord(c))
-        take(word());
-      else
-        ++at_;
-    }
-    return entries_;
-  }
-
-private:
-  static bool isOfWord(char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.' || c == '-' || c == '+' ||
-           c == '/' || c == '!';
-  }
-
-  void skipLine() {
-    while (at_ < text_.size() && text_[at_] != '\n') ++at_;
-  }
-  std::string_view quoted(char quote) {
-    const std::size_t begin = ++at_;
-    while (at_ < text_.size() && text_[at_] != quote && text_[at_] != '\n') ++at_;
-    const std::string_view found = text_.substr(begin, at_ - begin);
-    if (at_ < text_.size()) ++at_;
-    return found;
-  }
-  std::string_view word() {
-    const std::size_t begin = at_;
-    while (at_ < text_.size() && isOfWord(text_[at_])) ++at_;
-    return text_.substr(begin, at_ - begin);
-  }
-
-  bool isKey() {
-    std::size_t next = at_;
-    while (next < text_.size() && (text_[next] == ' ' || text_[next] == '\t')) ++next;
-    return next < text_.size() && text_[next] == ':';
-  }
-
-  void take(std::string_view part) {
-    if (isKey()) {
-      Entry entry;
-      for (const char c : part.substr(part.find_last_of("./") + 1))
-        entry.key += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-      entries_.push_back(std::move(entry));
-    } else if (!entries_.empty()) {
-      std::string_view digits = part;
-      if (digits.size() > 1 && digits.back() == '.') digits.remove_suffix(1);  // OpenCV's "0."
-      if (const auto number = text::to<double>(digits))
-        entries_.back().numbers.push_back(*number);
-      else if (part.rfind("!!", 0) != 0)
-        entries_.back().word = part;
-    }
-  }
-
-  std::string_view text_;
-  std::size_t at_ = 0;
-  std::vector<Entry> entries_;
-};
-
 using Names = std::initializer_list<const char*>;
 
 class CalibrationReader {
 public:
-  CalibrationReader(std::vector<Entry> entries, const std::string& source)
+  CalibrationReader(std::vector<YamlEntry> entries, const std::string& source)
       : entries_(std::move(entries)), source_(source) {}
 
   std::optional<Calibration> read() const {
@@ -124,29 +48,29 @@ private:
     return value >= 1 && value <= kLargest && value == std::floor(value) ? static_cast<int>(value) : 0;
   }
 
-  const Entry* find(Names names) const {
+  const YamlEntry* find(Names names) const {
     for (const char* name : names)
-      for (const Entry& entry : entries_)
+      for (const YamlEntry& entry : entries_)
         if (entry.key == name) return &entry;
     return nullptr;
   }
   std::optional<double> number(Names names) const {
-    const Entry* entry = find(names);
+    const YamlEntry* entry = find(names);
     return entry && entry->numbers.size() == 1 ? std::optional(entry->numbers[0]) : std::nullopt;
   }
   std::string word(Names names) const {
-    const Entry* entry = find(names);
+    const YamlEntry* entry = find(names);
     return entry ? entry->word : std::string();
   }
 
   /** Behind the key, or behind the key "data" of the matrix that it is. */
   std::vector<double> list(Names names) const {
-    const Entry* entry = find(names);
+    const YamlEntry* entry = find(names);
     if (!entry) return {};
     if (!entry->numbers.empty()) return entry->numbers;
     constexpr std::ptrdiff_t kParts = 5;  // rows, cols, dt, data
-    const Entry* end = entries_.data() + entries_.size();
-    for (const Entry* next = entry + 1; next < end && next - entry <= kParts; ++next) {
+    const YamlEntry* end = entries_.data() + entries_.size();
+    for (const YamlEntry* next = entry + 1; next < end && next - entry <= kParts; ++next) {
       if (next->key == "data") return next->numbers;
       if (next->key != "rows" && next->key != "cols" && next->key != "dt") return {};
     }
@@ -181,7 +105,7 @@ private:
     return lensOf(model, d);
   }
 
-  std::vector<Entry> entries_;
+  std::vector<YamlEntry> entries_;
   const std::string& source_;
 };
 
@@ -216,7 +140,7 @@ LensDistortion lensOf(const std::string& model, const std::vector<double>& d) {
 }
 
 std::optional<Calibration> parseCalibration(std::string_view text, const std::string& source) {
-  const auto found = CalibrationReader(Scanner(text).scan(), source).read();
+  const auto found = CalibrationReader(yamlEntries(text), source).read();
   if (!found) return {};
   Intrinsics k = found->intrinsics;
   k.width = std::max(k.width, 1), k.height = std::max(k.height, 1);

@@ -4,6 +4,8 @@
 #include <facetloc/features/depth_image.h>
 #include <facetloc/features/segment.h>
 
+#include <pcl/PolygonMesh.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <vector>
@@ -44,5 +46,8 @@ ColouredPolygon polygonOf(const Segment& segment, const PointColour& colour);
 
 /** \brief Writes polygons as a binary PLY mesh; those of fewer than three vertices are left out. */
 void writePolygons(const std::filesystem::path& path, const std::vector<ColouredPolygon>& polygons);
+
+/** \brief Writes a mesh as binary PLY. */
+void writeMesh(const std::filesystem::path& path, const pcl::PolygonMesh& mesh);
 
 }  // namespace facetloc

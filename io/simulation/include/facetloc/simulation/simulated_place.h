@@ -18,6 +18,9 @@ struct Waypoint {
 /** \brief A way that a robot drives again and again: from the last waypoint it goes on to the first. */
 using Route = std::vector<Waypoint>;
 
+/** \brief Convex outline of something solid in the floor plan, counterclockwise [m]. */
+using PlanOutline = std::vector<Eigen::Vector2d>;
+
 /** \brief A whole floor as it is when a robot maps it, and as it is later: some furniture and doors have
  * moved.
  *
@@ -28,6 +31,8 @@ struct SimulatedPlace {
   Route mapping_route;
   Route query_route;                                ///< another line through the same places
   std::vector<Eigen::AlignedBox2d> unmapped_rooms;  ///< on the query route only
+  std::vector<PlanOutline> walls;                   ///< and pillars, as a floor plan shows them
+  std::vector<PlanOutline> doorways;                ///< openings of the walls that begin at the floor
   bool one_way = false;                             ///< the routes end at their last waypoints
 };
 

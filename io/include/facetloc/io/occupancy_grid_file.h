@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/occupancy_grid.h>
+
+#include <filesystem>
+
+namespace facetloc {
+
+/** \brief Reads an occupancy grid as ROS's map_server does: a YAML file with image, resolution and origin,
+ * and with negate, occupied_thresh, free_thresh and mode (trinary, scale or raw) if they differ from 0, 0.65,
+ * 0.196 and trinary; the image, a PGM (P2, P5) or a greyscale PNG, is found beside it. Throws IoError for
+ * files that are missing or damaged, and for values that no grid can have. */
+OccupancyGrid readOccupancyGrid(const std::filesystem::path& yaml);
+
+/** \brief Writes NAME.pgm and NAME.yaml, as ROS's map_saver does; each atomically, the image first. What is
+ * neither free nor occupied becomes unknown. Throws IoError. \param yaml path of the YAML file */
+void writeOccupancyGrid(const std::filesystem::path& yaml, const OccupancyGrid& grid);
+
+/** \brief The YAML file that a name given by a user stands for: itself if it ends in .yaml or .yml, map.yaml
+ * in a folder, NAME.yaml else. */
+std::filesystem::path occupancyGridPath(const std::filesystem::path& name);
+
+}  // namespace facetloc
