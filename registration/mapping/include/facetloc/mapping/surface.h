@@ -20,6 +20,10 @@ public:
 
   /** \brief Bounds of the surface in its frame [m]; empty for an empty surface. */
   virtual Eigen::AlignedBox3d bounds() const = 0;
+
+  /** \brief Whether something else may stand before it, as furniture before the walls of a floor plan: what
+   * is seen there does not contradict the surface. */
+  virtual bool isIncomplete() const { return false; }
 };
 
 }  // namespace facetloc

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/occupancy_grid.h>
+#include <facetloc/features/params.h>
+#include <facetloc/mapping/mesh_surface.h>
+
+#include <pcl/PolygonMesh.h>
+
+namespace facetloc {
+
+/** \brief The third dimension of a floor plan. */
+struct FloorPlanParams {
+  static constexpr const char* kTitle = "Walls of a floor plan";
+  double wall_height = 2.5;
+  double smallest = 0.15;
+  bool floor = true;
+  bool ceiling = false;
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("wall_height", p.wall_height, 0.1, 100.0, "Height of the walls above the floor [m].", kForUsers);
+    visit("smallest", p.smallest, 0.0, 100.0,
+          "Leave out occupied spots of the plan whose extent is less than this [m].", kForUsers);
+    visit("floor", p.floor, false, true, "The floor is a plane, at z = 0 of the plan's frame.");
+    visit("ceiling", p.ceiling, false, true, "The ceiling is a plane, at the height of the walls.",
+          kForUsers);
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** \brief Mesh of the walls of a floor plan, in the world of the grid, its floor at z = 0 [m].
+ *
+ * The outlines of the occupied cells are straightened: each side passes every edge of a cell that it stands
+ * for within half a cell, and there are as few sides as that allows; so that a wall is one plane in its own
+ * direction and no staircase of cells. Floor and ceiling cover the cells that are known. Empty for a plan
+ * without walls. Throws std::invalid_argument for a parameter out of its range. */
+pcl::PolygonMesh extrude(const OccupancyGrid& plan, const FloorPlanParams& params = {});
+
+/** \brief The extruded floor plan as a surface that cameras see, before which furniture may stand. Throws
+ * std::invalid_argument for a plan without walls and for a parameter out of its range. */
+class FloorPlanSurface : public MeshSurface {
+public:
+  explicit FloorPlanSurface(const OccupancyGrid& plan, const FloorPlanParams& params = {});
+  bool isIncomplete() const override { return true; }
+  /** \brief Standard deviation of the place of a wall that cells allow [m]. */
+  double wallStd() const { return wall_std_; }
+
+private:
+  double wall_std_;
+};
+
+}  // namespace facetloc
