@@ -12,10 +12,12 @@
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/features/sure_threshold.h>
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/cloud_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_export.h>
 #include <facetloc/io/map_graph.h>
+#include <facetloc/io/occupancy_grid_file.h>
 #include <facetloc/io/output_lock.h>
 #include <facetloc/mapping/map_merging.h>
 
@@ -235,7 +237,7 @@ int MapCheckApp::execute(const CommandLine&, const Console& console) {
 }
 
 MapExportApp::MapExportApp()
-    : App("facetloc_map export", "MAP.flmap -o DIR | --g2o FILE | --ply FILE",
+    : App("facetloc_map export", "MAP.flmap -o DIR | --g2o FILE | --ply FILE | --grid NAME",
           "Writes a map for other programs: DIR/models/<name>.pcd (SegmentFrame clouds, each in its model's "
           "frame), DIR/poses_tum.txt and DIR/graph.g2o; or the graph alone, whose poses can be brought back "
           "by "
@@ -249,14 +251,32 @@ void MapExportApp::addOptions(CommandLine& line) {
       "ply", polygons_, "FILE",
       "Write the outlines of all segments to this file, in the axes of the world, or of the largest "
       "part of the map, in the colours of their directions.");
+  line.addOption("grid", grid_, "NAME",
+                 "Write a floor plan for a 2-D robot, NAME.yaml and NAME.pgm as ROS's map_server reads them: "
+                 "occupied by upright segments, free by the rays of depth pictures.");
+  line.addParams(grid_params_, "grid", CommandLine::Shown::in_help);
+}
+
+void MapExportApp::writeGrid(const Map& map, const Console& console) const try {
+  const OccupancyGrid grid = gridOf(map, grid_params_);
+  const fs::path path = occupancyGridPath(grid_);
+  if (path.has_parent_path()) createFolders(path.parent_path());
+  writeOccupancyGrid(path, grid);
+  console.print(fmt::format("floor plan of {:.1f} x {:.1f} m in {}\n", grid.width * grid.resolution,
+                            grid.height * grid.resolution, path.string()));
+} catch (const IoError&) {
+  throw;
+} catch (const std::runtime_error& e) {
+  throw IoError(map_, fmt::format("becomes no floor plan: {}", e.what()));
 }
 
 int MapExportApp::execute(const CommandLine&, const Console& console) {
-  if (folder_.empty() && graph_.empty() && polygons_.empty())
-    throw UsageError("the folder of the exported files is missing: -o DIR, --g2o FILE or --ply FILE");
+  if (folder_.empty() && graph_.empty() && polygons_.empty() && grid_.empty())
+    throw UsageError("there is nothing to export: give -o DIR, --g2o FILE, --ply FILE or --grid NAME");
   const Map map = openMap(map_);
   if (!graph_.empty()) writeGraph(graph_, map);
   if (!polygons_.empty()) writePolygons(polygons_, polygonsOf(map, map_));
+  if (!grid_.empty()) writeGrid(map, console);
   if (!folder_.empty()) exportMap(map, folder_);
   console.print(fmt::format("{} exported{}{}{}\n", counted(map.models.size(), "local model"),
                             folder_.empty() ? "" : "; files in " + folder_,

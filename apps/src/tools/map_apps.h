@@ -8,6 +8,7 @@
 #include "tools/image_trajectory.h"
 
 #include <facetloc/io/map_database.h>
+#include <facetloc/mapping/map_grid.h>
 #include <facetloc/mapping/map_making.h>
 
 #include <memory>
@@ -104,7 +105,10 @@ private:
   std::string map_;
   std::string folder_;
   std::string graph_;
+  void writeGrid(const Map& map, const Console& console) const;
   std::string polygons_;
+  std::string grid_;
+  MapGridParams grid_params_;
 };
 
 /** \brief facetloc_map import: a copy of a map with the poses that another program has found. */
