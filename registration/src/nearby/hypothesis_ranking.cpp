@@ -19,9 +19,26 @@ namespace {
 // about their own pixels, moved into the scene.
 struct DepthEvidence {
   DepthAgreement of_scene;
-  int pixels = 0;  // of the scene
+  int pixels = 0;    // of the scene
+  int expected = 0;  // of these, the pixels that could agree
   std::vector<DepthAgreement> of_models;
 };
+
+// What stands before the surfaces of an incomplete map is not in it: it is no agreement, but it does not
+// contradict, and what it hides of them tells nothing. What is seen through them contradicts as ever.
+void dropFurniture(DepthEvidence& found) {
+  found.of_scene.occluded += std::exchange(found.of_scene.contradict, 0);
+  for (DepthAgreement& of_model : found.of_models) of_model.occluded = 0;
+}
+
+int measuredPixels(const DepthPicture& picture, int columns) {
+  const int step = gridStep(picture, columns);
+  int n = 0;
+  for (int v = step / 2; v < picture.camera.height; v += step)
+    for (int u = step / 2; u < picture.camera.width; u += step)
+      n += picture.inverse_depth[static_cast<std::size_t>(v) * picture.camera.width + u] > 0;
+  return n;
+}
 
 double weighed(const DepthEvidence& found, double free_space_share, const EvidenceCalibration& params) {
   const auto tail = [&](double share) { return std::log1p(share / free_space_share); };
@@ -44,8 +61,7 @@ double weighed(const DepthEvidence& found, double free_space_share, const Eviden
     of_models /= tested, hidden /= tested;
   else
     of_models = contradiction({}, untested);
-  const double disagreement =
-      (found.of_scene.judged() - found.of_scene.agree) / std::max(1.0, double(found.pixels));
+  const double disagreement = (found.expected - found.of_scene.agree) / std::max(1.0, double(found.pixels));
   return -params.contradiction_weight * (contradiction(found.of_scene, untested) + of_models) -
          params.occlusion_weight * hidden - params.disagreement_weight * disagreement;
 }
@@ -91,8 +107,9 @@ DepthCalibration refinedErrors(const Calibration& calibration) {
   return depth;
 }
 
-HypothesisRanking::HypothesisRanking(const RegistrationParams& params)
+HypothesisRanking::HypothesisRanking(const RegistrationParams& params, bool incomplete)
     : params_(params),
+      incomplete_(incomplete),
       comparison_(params.calibration.depth),
       refined_comparison_(refinedErrors(params.calibration)) {}
 
@@ -123,9 +140,11 @@ double HypothesisRanking::evidence(const View& scene, const std::vector<NearbyVi
     found.of_models.push_back(comparison.count(depth, scene.depth, T_m_c.inverse(), kCoarseColumns));
   }
   found.of_scene = compareWithAll(scene.depth, T_w_c, pictures, comparison, kFineColumns);
+  if (incomplete_) dropFurniture(found);
   const int step = gridStep(scene.depth, kFineColumns);
   found.pixels = gridPoints(scene.depth.camera.width, step) * gridPoints(scene.depth.camera.height, step);
   h.explained = explanationOf(found, scene, h.pairs);
+  found.expected = incomplete_ ? measuredPixels(scene.depth, kFineColumns) : found.of_scene.judged();
   return weighed(found, params_.calibration.score.free_space_share, params_.calibration.evidence);
 }
 

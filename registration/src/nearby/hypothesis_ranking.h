@@ -121,7 +121,8 @@ public:
                     std::vector<Hypothesis>& hypotheses) const;
 
 protected:
-  explicit HypothesisRanking(const RegistrationParams& params);
+  /** \param incomplete whether the views near a hypothesis lack surfaces (localization/METHOD 11.7) */
+  explicit HypothesisRanking(const RegistrationParams& params, bool incomplete = false);
 
   /** \brief The views near a hypothesis that has T_w_c. */
   virtual std::vector<NearbyView> neighbours(const Hypothesis& h) const = 0;
@@ -147,6 +148,7 @@ private:
   std::size_t hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const;
 
   RegistrationParams params_;
+  bool incomplete_;
   DepthComparison comparison_, refined_comparison_;
 };
 

@@ -5,6 +5,7 @@
 #include "shared/in_parallel.h"
 #include "shortlist/shortlist.h"
 
+#include <facetloc/features/map_surfaces.h>
 #include <facetloc/localization/global_localization.h>
 
 #include <Eigen/Cholesky>
@@ -46,6 +47,16 @@ void discountTurned(Localization& answer) {
   for (Hypothesis& h : answer.hypotheses) h.probability *= kTurned / all;
 }
 
+/** With constants for maps that lack surfaces, if the map does: as likely as not, what a scene shows is not
+ * in them. */
+GlobalLocalizationParams paramsFor(const Map& map, GlobalLocalizationParams params) {
+  constexpr double kEvenOdds = 0.5;
+  if (lacksSurfaces(map))
+    params.calibration.score.match_probability =
+        std::min(kEvenOdds, params.calibration.score.match_probability);
+  return params;
+}
+
 double bestScore(const std::vector<Hypothesis>& found) {
   double best = std::numeric_limits<double>::lowest();
   for (const Hypothesis& h : found) best = std::max(best, h.score);
@@ -83,7 +94,7 @@ struct GlobalLocalization::Impl {
 
 GlobalLocalization::Impl::Impl(std::shared_ptr<const Map> the_map, const GlobalLocalizationParams& the_params)
     : map(std::move(the_map)),
-      params(checked(the_params)),
+      params(paramsFor(*map, checked(the_params))),
       registration(params),
       shortlist(map, params),
       ranking(map, params) {

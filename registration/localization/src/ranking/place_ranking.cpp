@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ranking/place_ranking.h"
 
+#include <facetloc/features/map_surfaces.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -17,7 +19,7 @@ double meanAmbiguity(const ProbabilityCalibration& params, const std::optional<M
 }  // namespace
 
 PlaceRanking::PlaceRanking(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params)
-    : HypothesisRanking(params),
+    : HypothesisRanking(params, lacksSurfaces(*map)),
       map_(std::move(map)),
       params_(params),
       score_(hypothesisScore(params, comparison())),

@@ -3,6 +3,7 @@
 #include "models/viewpoints.h"
 #include "sessions/image_run.h"
 
+#include <facetloc/features/map_surfaces.h>
 #include <facetloc/mapping/map_making.h>
 #include <facetloc/mapping/model_map.h>
 
@@ -87,6 +88,7 @@ Map ModelMap::Impl::build() {
   }
   Map map;
   map.camera = camera;
+  if (surface->isIncomplete()) setLacksSurfaces(map);
   std::vector<Eigen::Isometry3d> used;
   std::vector<UnreadImage> unread;
   run.buildViews(run.all(), MapProgress::Stage::models, unread,

@@ -2,6 +2,7 @@
 #include "sessions/session_place.h"
 
 #include <facetloc/features/map_parts.h>
+#include <facetloc/features/map_surfaces.h>
 #include <facetloc/features/sure_threshold.h>
 #include <facetloc/mapping/map_merging.h>
 
@@ -126,6 +127,7 @@ Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& name
     const std::string prefix = alike > 0 ? fmt::format("{}_{}.", names[i], alike + 1) : names[i] + ".";
     for (const auto& [key, value] : maps[i].meta)
       if (key != kSureKey) merged.meta[prefix + key] = value;
+    if (lacksSurfaces(maps[i])) setLacksSurfaces(merged);  // nothing may object to what one of them lacks
   }
   requireUniqueNames(merged);
   placeByLinks(merged);
