@@ -73,6 +73,8 @@ TEST(FloorPlan, SidesAreWallsAndNotStairs) {
   std::mt19937 engine(7);
   std::uniform_real_distribution<double> angle(-90, 90), size(1.5, 4.5), thick(0.15, 0.4), off(-0.05, 0.05);
   constexpr double kCell = 0.05;
+  double turned = 0;  // of the directions, over the length of a wall [cells]
+  int sides = 0;
   for (int i = 0; i < 200; ++i) {
     const DrawnWall wall{
         {3 + off(engine), 3 + off(engine)}, size(engine), thick(engine), angle(engine) * kDegree};
@@ -85,12 +87,16 @@ TEST(FloorPlan, SidesAreWallsAndNotStairs) {
       const Vector2d a = kCell * corners[k], b = kCell * corners[(k + 1) % corners.size()];
       if ((b - a).norm() < wall.length / 2) continue;
       const Vector2d direction = Eigen::Rotation2Dd(-wall.yaw) * (b - a).normalized();
-      EXPECT_LT(std::abs(direction.y()), kCell / (wall.length - 3 * kCell)) << "half a cell at either end";
+      const double in_cells = std::abs(direction.y()) * wall.length / kCell;
+      EXPECT_LT(in_cells, 1.5) << "half a cell at either end, and a corner that the side has taken along";
+      turned += in_cells, ++sides;
       EXPECT_NEAR(std::abs(wall.own((a + b) / 2).y()), wall.width / 2, kCell / 2) << "on one of its faces";
       along += (b - a).norm();
     }
     EXPECT_NEAR(along, 2 * wall.length, 6 * kCell);
   }
+  EXPECT_EQ(sides, 400);
+  EXPECT_LT(turned / sides, 0.35);
 }
 
 TEST(FloorPlan, StandsInTheWorldOfTheGrid) {

@@ -28,7 +28,7 @@ Scene room() {
   Scene scene;
   std::uint16_t next_id = 1;
   addBoxAt(scene, {0, 0, 0}, {kWidth, kDepth, kHeight}, next_id);
-  addBoxAt(scene, {3.4, 0.02, 0}, {4.4, 0.62, 1.5}, next_id);
+  addBoxAt(scene, {3.4, 0.02, 0}, {4.4, 0.62, 2}, next_id);
   addBoxAt(scene, {1, 0.02, 2.2}, {1.3, 3.98, 2.58}, next_id);  // above the band
   return scene;
 }

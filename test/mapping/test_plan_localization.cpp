@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/map_surfaces.h>
 #include <facetloc/features/so3.h>
-#include <facetloc/localization/localizer.h>
+#include <facetloc/localization/global_localization.h>
 #include <facetloc/mapping/floor_plan.h>
 #include <facetloc/mapping/model_map.h>
 #include <facetloc/segmentation/view_builder.h>

@@ -13,6 +13,7 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_camera.h>
 #include <facetloc/io/model_file.h>
+#include <facetloc/io/occupancy_grid_file.h>
 #include <facetloc/io/trajectory.h>
 #include <facetloc/mapping/cloud_surface.h>
 #include <facetloc/mapping/mesh_surface.h>
@@ -87,9 +88,9 @@ std::vector<Eigen::Isometry3d> posesIn(const std::string& path, const Console& c
 
 MapModelApp::MapModelApp()
     : App("facetloc_map from-model", "MODEL -o MAP.flmap [options]",
-          "Builds a map of a scan or mesh of a building: MODEL is a .ply, .obj, .stl or .vtp mesh, or a "
-          ".ply, "
-          ".vtp or .pcd cloud. Depth images are rendered from places where the camera can be and become "
+          "Builds a map of a scan, mesh or plan of a building: MODEL is a .ply, .obj, .stl or .vtp mesh, a "
+          ".ply, .vtp or .pcd cloud, or the map.yaml of an occupancy grid, whose walls are extruded. Depth "
+          "images are rendered from places where the camera can be and become "
           "local models. The world of the map is the frame of the MODEL, in metres.") {}
 
 void MapModelApp::addOptions(CommandLine& line) {
@@ -109,6 +110,9 @@ void MapModelApp::addOptions(CommandLine& line) {
                  "Upward direction in the MODEL: x, -x, y, -y, z, -z or x,y,z (z unless given).");
   line.addOption("inside", inside_, "X,Y,Z",
                  "A place in the area to fill [m]; else all areas but one around all others.");
+  line.addOption("wall-height", floor_plan_.wall_height, "M",
+                 "Height of the walls of an occupancy grid [m].");
+  line.addSwitch("ceiling", floor_plan_.ceiling, "Add a ceiling to an occupancy grid, as high as its walls.");
   line.addOption("plan", plan_, "OUT.png", "Draw the floor map with the viewpoints.");
   line.addOption("width", width_, "N", "Columns of the rendered images, at least; 0 = 320.");
   line.addCheck([this] {
@@ -118,9 +122,37 @@ void MapModelApp::addOptions(CommandLine& line) {
     if (!(height_ >= 0 && height_ < 100)) throw UsageError("height must be from 0 to 100 m");
     if (width_ < 0 || width_ > 10000) throw UsageError("width must be from 0 to 10000");
   });
+  line.addCheck([this, &line] { checkFloorPlan(line); });
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
   line.addParams(params_, "", CommandLine::Shown::in_help);
   line.addParams(view_);
+}
+
+bool MapModelApp::isFloorPlan() const {
+  const fs::path extension = fs::path(model_).extension();
+  return extension == ".yaml" || extension == ".yml";
+}
+
+void MapModelApp::checkFloorPlan(const CommandLine& line) const {
+  if (!isFloorPlan()) {
+    if (line.given("wall-height") || floor_plan_.ceiling)
+      throw UsageError("wall-height and ceiling are for the map.yaml of an occupancy grid");
+    return;
+  }
+  if (!line.given("wall-height"))
+    throw UsageError("an occupancy grid says nothing of the height of its walls: --wall-height M");
+  if (line.given("units") || line.given("up"))
+    throw UsageError("an occupancy grid is in metres, with z up: units and up are for other models");
+  floor_plan_.validate();
+}
+
+std::shared_ptr<const FloorPlanSurface> MapModelApp::floorPlan(const Console& console) const try {
+  auto surface = std::make_shared<const FloorPlanSurface>(readOccupancyGrid(model_), floor_plan_);
+  const Eigen::Vector3d size = surface->bounds().sizes();
+  console.out << fmt::format("walls on {:.2f} x {:.2f} m, {:.2f} m high\n", size.x(), size.y(), size.z());
+  return surface;
+} catch (const std::invalid_argument& e) {
+  throw IoError(model_, fmt::format("becomes no walls: {}", e.what()));
 }
 
 std::shared_ptr<const Surface> MapModelApp::surface(const Console& console) const try {
@@ -150,7 +182,16 @@ std::shared_ptr<const Surface> MapModelApp::surface(const Console& console) cons
 
 ModelMap MapModelApp::making(const Console& console) const {
   const Camera camera = camera_.empty() ? Camera{} : cameraNamed(camera_);
-  ModelMap making(surface(console), camera, params_, view_);
+  ModelMapParams params = params_;
+  std::shared_ptr<const Surface> surface;
+  if (isFloorPlan()) {
+    const auto plan = floorPlan(console);
+    params.surface_std = std::hypot(params.surface_std, plan->wallStd());
+    surface = plan;
+  } else {
+    surface = this->surface(console);
+  }
+  ModelMap making(surface, camera, params, view_);
   making.setNumberOfThreads(threads());
   making.setUp(directionOf(up_));
   if (width_ > 0) making.setWorkingWidth(width_);
@@ -164,7 +205,8 @@ std::string MapModelApp::parameters(const Camera& camera) const {
   return fmt::format(
              "camera = {}\nviewpoints = {}\nheight = {}\nunits = {}\nup = {}\ninside = {}\nwidth = {}\n",
              camera_, viewpoints_, height_, units_, up_, inside_, width_) +
-         toIni(camera.noise, "noise") + toIni(params_) + toIni(view_);
+         (isFloorPlan() ? toIni(floor_plan_, "floor_plan") : std::string()) + toIni(camera.noise, "noise") +
+         toIni(params_) + toIni(view_);
 }
 
 Map MapModelApp::make(const Console& console) const {
@@ -195,7 +237,7 @@ Map MapModelApp::make(const Console& console) const {
     console.note(counted(found.without_segments, "view") + " without segments left out");
   map.meta["software"] = versionText();
   map.meta["source"] = model_;
-  map.meta["made of"] = "a model";
+  map.meta["made of"] = isFloorPlan() ? "a floor plan" : "a model";
   map.meta["parameters"] = parameters(map.camera);
   return map;
 }

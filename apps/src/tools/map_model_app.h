@@ -3,6 +3,7 @@
 
 #include "base/app.h"
 
+#include <facetloc/mapping/floor_plan.h>
 #include <facetloc/mapping/model_map.h>
 
 #include <memory>
@@ -19,6 +20,9 @@ private:
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
   std::shared_ptr<const Surface> surface(const Console& console) const;
+  bool isFloorPlan() const;
+  void checkFloorPlan(const CommandLine& line) const;
+  std::shared_ptr<const FloorPlanSurface> floorPlan(const Console& console) const;
   ModelMap making(const Console& console) const;
   Map make(const Console& console) const;
   std::string parameters(const Camera& camera) const;
@@ -34,6 +38,7 @@ private:
   double height_ = 0;
   int width_ = 0;
   bool overwrite_ = false;
+  FloorPlanParams floor_plan_;
   ModelMapParams params_;
   ViewParams view_;
 };

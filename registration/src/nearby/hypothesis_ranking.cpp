@@ -31,12 +31,14 @@ void dropFurniture(DepthEvidence& found) {
   for (DepthAgreement& of_model : found.of_models) of_model.occluded = 0;
 }
 
-int measuredPixels(const DepthPicture& picture, int columns) {
+// Up to where pixels are compared.
+int measuredPixels(const DepthPicture& picture, double farthest, int columns) {
   const int step = gridStep(picture, columns);
+  const auto least = static_cast<int>(farthest / DepthPicture::kQuantum);
   int n = 0;
   for (int v = step / 2; v < picture.camera.height; v += step)
     for (int u = step / 2; u < picture.camera.width; u += step)
-      n += picture.inverse_depth[static_cast<std::size_t>(v) * picture.camera.width + u] > 0;
+      n += picture.inverse_depth[static_cast<std::size_t>(v) * picture.camera.width + u] > least;
   return n;
 }
 
@@ -144,7 +146,8 @@ double HypothesisRanking::evidence(const View& scene, const std::vector<NearbyVi
   const int step = gridStep(scene.depth, kFineColumns);
   found.pixels = gridPoints(scene.depth.camera.width, step) * gridPoints(scene.depth.camera.height, step);
   h.explained = explanationOf(found, scene, h.pairs);
-  found.expected = incomplete_ ? measuredPixels(scene.depth, kFineColumns) : found.of_scene.judged();
+  found.expected = incomplete_ ? measuredPixels(scene.depth, comparison.farthest(), kFineColumns)
+                               : found.of_scene.judged();
   return weighed(found, params_.calibration.score.free_space_share, params_.calibration.evidence);
 }
 

@@ -28,7 +28,8 @@ struct MapGridParams {
 /** \brief Occupancy grid of a map, or of its largest part, in the axes of its world, whose z axis is up.
  *
  * A cell is occupied where depth pictures show points of upright segments within the band of heights, free
- * where only rays pass within the band, unknown otherwise. Where both were seen, most views decide. The floor
+ * where only rays pass within the band, at any height, unknown otherwise. Where both were seen, most views
+ * decide. The floor
  * is where the mounting of the map's camera puts it, or the lowest of the large level segments. Throws
  * std::runtime_error with a sentence for a map that has no poses, no depth pictures, no floor or more than 64
  * million cells, and std::invalid_argument for a parameter out of its range. */

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tool_runner.h"
+#include "tools/map_apps.h"
+#include "tools/map_model_app.h"
+#include "tools/simulate_app.h"
+
+#include <facetloc/features/map_surfaces.h>
+#include <facetloc/io/occupancy_grid_file.h>
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+namespace facetloc {
+namespace {
+
+using test::runTool;
+using test::ToolRun;
+using testing::HasSubstr;
+
+class FloorPlanTools : public testing::Test {
+protected:
+  test::TemporaryFolder folder_;
+};
+
+/** A plan becomes a map, and the map a plan. */
+TEST_F(FloorPlanTools, FloorPlansGoBothWays) {
+  const std::string plan = folder_ / "hotel.yaml", map = folder_ / "hotel.flmap";
+  ASSERT_EQ(runTool<SimulateApp>({"hotel", "--grid", folder_ / "hotel"}).code, kOk);
+  std::ofstream(folder_ / "poses.txt") << "0 2.2 0 1 -0.5 0.5 -0.5 0.5\n1 6.6 0 1 -0.5 0.5 -0.5 0.5\n"
+                                          "2 11 0 1 0.5 0.5 -0.5 -0.5\n3 15.4 0 1 0.5 0.5 -0.5 -0.5\n";
+  const ToolRun made =
+      runTool<MapModelApp>({plan, "-o", map, "--wall-height", "2.5", "--viewpoints", folder_ / "poses.txt"});
+  ASSERT_EQ(made.code, kOk) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("2.50 m high"));
+  const Map read = openMap(map);
+  EXPECT_EQ(read.models.size(), 4u);
+  EXPECT_TRUE(lacksSurfaces(read));
+  EXPECT_THAT(runTool<MapInfoApp>({map}).out, HasSubstr("a floor plan"));
+
+  const ToolRun back = runTool<MapExportApp>({map, "--grid", folder_ / "back/", "--grid.resolution", "0.1"});
+  ASSERT_EQ(back.code, kOk) << back.err;
+  const OccupancyGrid grid = readOccupancyGrid(folder_ / "back/map.yaml"), truth = readOccupancyGrid(plan);
+  int walls = 0, wrong = 0;
+  for (int row = 0; row < grid.height; ++row)
+    for (int column = 0; column < grid.width; ++column) {
+      if (!grid.isOccupied(column, row)) continue;
+      const Eigen::Vector2d cell = truth.cellOf(grid.centre(column, row));
+      bool near = false;
+      for (int i = 0; i < 25; ++i)
+        near |=
+            truth.isOccupied(static_cast<int>(cell.x()) + i % 5 - 2, static_cast<int>(cell.y()) + i / 5 - 2);
+      ++walls;
+      wrong += !near;
+    }
+  EXPECT_GT(walls, 100);
+  EXPECT_EQ(wrong, 0) << "of " << walls;
+}
+
+TEST_F(FloorPlanTools, FloorPlansAreAskedForTheirHeight) {
+  ASSERT_EQ(runTool<SimulateApp>({"hotel", "--grid", folder_ / "hotel"}).code, kOk);
+  const std::string plan = folder_ / "hotel.yaml", map = folder_ / "hotel.flmap";
+  const ToolRun without = runTool<MapModelApp>({plan, "-o", map});
+  EXPECT_EQ(without.code, kUsage);
+  EXPECT_THAT(without.err, HasSubstr("--wall-height"));
+  EXPECT_EQ(runTool<MapModelApp>({"scan.ply", "-o", map, "--wall-height", "2"}).code, kUsage);
+  std::ofstream(folder_ / "bad.yaml") << "image: hotel.pgm\nresolution: nan\norigin: [0, 0, 0]\n";
+  const ToolRun bad = runTool<MapModelApp>({folder_ / "bad.yaml", "-o", map, "--wall-height", "2"});
+  EXPECT_EQ(bad.code, kFailed);
+  EXPECT_THAT(bad.err, HasSubstr("resolution"));
+  EXPECT_FALSE(std::filesystem::exists(map));
+}
+
+}  // namespace
+}  // namespace facetloc
