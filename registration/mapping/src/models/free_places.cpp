@@ -114,9 +114,10 @@ FreePlaces freePlaces(const SpaceProbe& probe, const PlaceRules& rules, const Fo
     return found;
   }
   const Areas areas(grid, cells, probe);
+  const double least = kLeastArea / (rules.step * rules.step);  // in cells
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (!areas.isLarge(i, kLeastArea / (rules.step * rules.step))) continue;
-    const bool kept = rules.inside.empty() ? !areas.isOutdoors(i) : areas.holdsAny(i, rules.inside);
+    if (!areas.isLarge(i, least)) continue;
+    const bool kept = rules.inside.empty() ? !areas.isOutdoors(i, least) : areas.holdsAny(i, rules.inside);
     if (kept)
       found.positions.push_back(grid.position(cells[i]));
     else

@@ -140,12 +140,14 @@ Areas::Areas(const PlaceGrid& grid, const std::vector<PlaceGrid::Cell>& cells, c
   }
 }
 
-bool Areas::isOutdoors(std::size_t cell) const {
+bool Areas::isOutdoors(std::size_t cell, double least_cells) const {
   bool surrounds = false;
   for (const auto& [root, other] : areas_) {
-    if (root == root_[cell] || other.layer != area(cell).layer) continue;
+    if (root == root_[cell] || other.layer != area(cell).layer ||
+        static_cast<double>(other.cells) < least_cells)
+      continue;
     if (!area(cell).extent.contains(other.extent)) return false;
-    surrounds |= other.cells > 1;
+    surrounds = true;
   }
   return surrounds;
 }

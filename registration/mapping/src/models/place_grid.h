@@ -46,8 +46,8 @@ public:
   bool isLarge(std::size_t cell, double least_cells) const {
     return static_cast<double>(area(cell).cells) >= least_cells;
   }
-  /** \brief Does its area surround all others of its layer, of which there is one? */
-  bool isOutdoors(std::size_t cell) const;
+  /** \brief Does its area surround all large ones of its layer, of which there is another? */
+  bool isOutdoors(std::size_t cell, double least_cells) const;
   /** \brief Is one of these places in its area, or less than 1 m beside it? */
   bool holdsAny(std::size_t cell, const std::vector<Eigen::Vector3d>& places) const;
 

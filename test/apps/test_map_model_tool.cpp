@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "example_room.h"
+#include "tools/map_apps.h"
+
+#include <facetloc/io/map_database.h>
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using test::runMap;
+using test::Tools;
+using testing::HasSubstr;
+
+/** A room of 5 x 4 x 2.5 m as an OBJ file, in a unit of which a metre has so many, with the y axis up. */
+void writeRoom(const fs::path& path, double per_metre) {
+  std::ofstream out(path);
+  const double size[] = {5, 2.5, 4};
+  for (int i = 0; i < 8; ++i)
+    out << "v " << (i & 1) * size[0] * per_metre << " " << (i >> 1 & 1) * size[1] * per_metre << " "
+        << (i >> 2 & 1) * size[2] * per_metre << "\n";
+  out << "f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n";
+}
+
+TEST_F(Tools, ModelBecomesAMap) {
+  const fs::path model = fs::path(folder_) / "room.obj";
+  writeRoom(model, 1000);
+  const std::string map = (fs::path(folder_) / "room.flmap").string();
+  const auto made = runMap({"from-model", model.string(), "-o", map, "--units", "mm", "--up", "y", "--height",
+                            "1", "--spacing", "2"});
+  ASSERT_EQ(made.code, kOk) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("12 triangles of 5.00 x 2.50 x 4.00 m"));
+  EXPECT_EQ(runMap({"check", map}).code, kOk);
+  EXPECT_THAT(runMap({"info", map}).out, HasSubstr("made of: a model"));
+  const Map read = readMap(map);
+  ASSERT_FALSE(read.models.empty());
+  for (const LocalModel& m : read.models) {
+    EXPECT_NEAR(m.T_w_m->translation().y(), 1, 1e-3);
+    EXPECT_GT(m.T_w_m->translation().x(), 0);
+    EXPECT_LT(m.T_w_m->translation().x(), 5);
+  }
+  EXPECT_THAT(runMap({"from-model", model.string(), "-o", map}).err, HasSubstr("exists already"));
+}
+
+TEST_F(Tools, ModelThatIsNoneLeavesNoMap) {
+  const std::string map = (fs::path(folder_) / "none.flmap").string();
+  const fs::path model = fs::path(folder_) / "sheet.obj";
+  std::ofstream(model) << "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n";
+  EXPECT_THAT(runMap({"from-model", model.string(), "-o", map}).err, HasSubstr("no triangle with an area"));
+  writeRoom(model, 1000);
+  EXPECT_THAT(runMap({"from-model", model.string(), "-o", map, "--units", "km"}).err,
+              HasSubstr("none of: m, cm"));
+  EXPECT_THAT(runMap({"from-model", model.string(), "-o", map, "--up", "1,2"}).err,
+              HasSubstr("neither an axis"));
+  EXPECT_FALSE(fs::exists(map) && fs::file_size(map) > 0);
+}
+
+}  // namespace
+}  // namespace facetloc
