@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "shared/text.h"
 #include "tools/map_calibrate_app.h"
+#include "tools/map_densify_app.h"
 #include "tools/map_extend_app.h"
 #include "tools/map_model_app.h"
 
@@ -389,10 +390,13 @@ Map MapMergeApp::merge(const Console& console) const {
 namespace {
 
 constexpr const char* kMapUsage =
-    "Usage: facetloc_map build|from-model|extend|calibrate|info|check|export|import|merge ...\n\n"
+    "Usage: facetloc_map build|from-model|extend|densify|calibrate|info|check|export|import|merge ...
+
+"
     "  build SEQUENCE -o MAP.flmap   make a map of one run of depth images\n"
     "  from-model MODEL -o MAP.flmap make a map of a scan or mesh of a building\n"
     "  extend MAP.flmap SEQUENCE     bring a map up to date with a later run\n"
+    "  densify MAP.flmap             add views beside the drive, made of its depth pictures\n"
     "  calibrate MAP.flmap RECORDING set from when on an answer is sure\n"
     "  info MAP.flmap                say what is in a map\n"
     "  check MAP.flmap               prove a map sound\n"
@@ -410,6 +414,7 @@ int runMapTool(const std::vector<std::string>& arguments, Console console) {
   if (command == "build") return run(MapBuildApp());
   if (command == "from-model") return run(MapModelApp());
   if (command == "extend") return run(MapExtendApp());
+  if (command == "densify") return run(MapDensifyApp());
   if (command == "calibrate") return run(MapCalibrateApp());
   if (command == "info") return run(MapInfoApp());
   if (command == "check") return run(MapCheckApp());

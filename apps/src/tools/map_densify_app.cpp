@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/map_densify_app.h"
+
+#include "base/depth_input.h"
+#include "base/map_completion.h"
+#include "base/map_watch.h"
+#include "base/text.h"
+
+#include <facetloc/io/error.h>
+#include <facetloc/io/map_database.h>
+#include <facetloc/io/output_lock.h>
+
+#include <filesystem>
+#include <fmt/core.h>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string inWords(const Densification& done, const Map& map) {
+  std::string words = fmt::format("{} rendered from the depth pictures of {}", counted(done.rendered, "view"),
+                                  counted(done.driven, "local model"));
+  if (done.removed > 0) words += fmt::format(", in the place of {} rendered before", done.removed);
+  return words +
+         fmt::format("; {:.2g} % of their pixels, which other pictures look through, left out; map of {}",
+                     100 * done.contradicted_share, counted(map.models.size(), "local model"));
+}
+
+}  // namespace
+
+MapDensifyApp::MapDensifyApp()
+    : App("facetloc_map densify", "MAP.flmap [-o NEW.flmap] [options]",
+          "Adds local models where no image of the map was taken, up to 1 m beside the drive and in other "
+          "directions. They are rendered from the depth pictures of the map, at places that these have seen "
+          "to "
+          "be free; what no picture shows is unknown in them. Views that were rendered before are replaced. "
+          "Run "
+          "it again after 'facetloc_map extend'.") {}
+
+void MapDensifyApp::addOptions(CommandLine& line) {
+  line.addArgument("MAP.flmap", map_);
+  line.addOption("output,o", output_, "NEW.flmap", "The map to write; MAP.flmap itself unless given.");
+  line.addSwitch("overwrite", overwrite_, "Replace a NEW.flmap that is there already.");
+  line.addParams(params_, "densify", CommandLine::Shown::in_help);
+  line.addParams(view_);
+}
+
+int MapDensifyApp::execute(const CommandLine&, const Console& console) {
+  const std::string target = output_.empty() ? map_ : output_;
+  if (!fs::is_regular_file(map_)) throw IoError(map_, "is not there");
+  const OutputLock lock = OutputLock::ofFile(target);
+  if (!output_.empty() && !overwrite_ && fs::file_size(output_) > 0)
+    throw IoError(output_, "exists already; give --overwrite to replace it");
+  Map map = readMap(map_);
+  noteUnfinished(map, map_, console);
+  MapWatch watch(console);
+  const Densification done = densify(map, params_, view_, threads(), watch.callback());
+  if (done.driven == 0)
+    throw IoError(map_,
+                  "has no local model with a pose and a depth picture, of which views could be rendered");
+  replaceMap(target, [&](const fs::path& temporary) {
+    writeMap(temporary, map);
+    completeMap(temporary, threads(), console);
+  });
+  console.out << inWords(done, map) << " in " << target << "\n";
+  return kOk;
+}
+
+}  // namespace facetloc

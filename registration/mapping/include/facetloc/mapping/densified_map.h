@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/features/params.h>
+#include <facetloc/mapping/map_image.h>
+#include <facetloc/segmentation/view_builder.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief Where a map gets views that no image was taken of. */
+struct DensifyParams {
+  static constexpr const char* kTitle = "Views beside the drive";
+  double reach = 1;
+  double spacing = 0.7;
+  double rotation_deg = 20;
+  double known_share = 0.4;
+  double growth = 1.5;
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("reach", p.reach, 0.0, 10.0, "Distance from the drive up to which views are rendered [m].",
+          kForUsers);
+    visit("spacing", p.spacing, 0.05, 10.0,
+          "Distance from the nearest view from which on another is rendered [m].", kForUsers);
+    visit("rotation_deg", p.rotation_deg, 5.0, 180.0,
+          "Rotation from the nearest view from which on another is rendered [deg].", kForUsers);
+    visit("known_share", p.known_share, 0.05, 1.0,
+          "Share of a rendered view's pixels that the map must show.", kForUsers);
+    visit("growth", p.growth, 0.0, 100.0, "Maximum number of rendered views per view of the drive.",
+          kForUsers);
+  }
+  void validate() const { checkRanges(*this); }
+};
+
+/** \brief Key of a map's meta data: the names of its rendered views, one a line. */
+constexpr const char* kRenderedKey = "rendered views";
+
+/** \brief Of each local model: was it rendered by densify()? */
+std::vector<char> renderedViews(const Map& map);
+
+/** \brief What densify() has done. */
+struct Densification {
+  std::size_t driven = 0;    ///< local models with a pose and a depth picture, which the surface is made of
+  std::size_t rendered = 0;  ///< new local models
+  std::size_t removed = 0;   ///< local models of an earlier densify(), which these replace
+  double contradicted_share = 0;  ///< of the pixels of the driven ones: other pictures look through them
+};
+
+/** \brief Adds local models where no image was taken: beside the drive, and in other directions.
+ *
+ * The depth pictures of the map, fused, are a surface (METHOD 14.7), of which views are rendered at places
+ * that the pictures have seen to be free. Those of which enough is known become local models, each with a
+ * link to the view that it was rendered beside. What no picture shows is unknown in them. Views that were
+ * rendered before are removed first. The ambiguity of the map and the threshold of sure answers are unknown
+ * afterwards. Same map, same result, for any number of threads. \param map with its views in memory
+ * (readMap()); throws std::invalid_argument otherwise, and for a parameter out of its range \param threads 0
+ * = all cores */
+Densification densify(Map& map, const DensifyParams& params = {}, const ViewParams& view = {},
+                      int threads = 1, const MapProgressCallback& progress = {});
+
+}  // namespace facetloc

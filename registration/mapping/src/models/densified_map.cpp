@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/fused_surface.h"
+#include "models/places_beside.h"
+#include "sessions/parallel_stage.h"
+
+#include <facetloc/features/map_parts.h>
+#include <facetloc/features/sure_threshold.h>
+#include <facetloc/mapping/densified_map.h>
+#include <facetloc/mapping/map_builder.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+namespace facetloc {
+
+using namespace internal;
+
+namespace {
+
+std::set<std::string> renderedNames(const Map& map) {
+  std::set<std::string> names;
+  const auto found = map.meta.find(kRenderedKey);
+  if (found == map.meta.end()) return names;
+  std::istringstream lines(found->second);
+  for (std::string name; std::getline(lines, name);) names.insert(name);
+  return names;
+}
+
+/** Removes views that were rendered before. \return how many */
+std::size_t removeRendered(Map& map) {
+  const std::vector<char> rendered = renderedViews(map);
+  std::vector<int> index(map.models.size(), -1);
+  std::vector<LocalModel> models;
+  for (std::size_t m = 0; m < map.models.size(); ++m) {
+    if (rendered[m]) continue;
+    index[m] = static_cast<int>(models.size());
+    models.push_back(std::move(map.models[m]));
+  }
+  std::vector<Link> links;
+  for (Link link : map.links) {
+    link.from = index[link.from], link.to = index[link.to];
+    if (link.from >= 0 && link.to >= 0) links.push_back(link);
+  }
+  const std::size_t removed = map.models.size() - models.size();
+  map.models = std::move(models);
+  map.links = std::move(links);
+  map.meta.erase(kRenderedKey);
+  return removed;
+}
+
+/** The images of rendered views are free of distortion. */
+Camera cameraOfRendered(const Map& map) {
+  Camera camera = map.camera;
+  camera.distortion.reset();
+  return camera;
+}
+
+/** Without the digits that its noise leaves meaningless: smooth as a rendered picture is, a file would hold
+ * them at great length. */
+DepthPicture roundedToNoise(const DepthPicture& picture) {
+  constexpr double kStepsPerNoise = 3;
+  const double step = std::floor(picture.noise.ofInverseDepth(DepthNoise::kUsualDepth) /
+                                 (kStepsPerNoise * DepthPicture::kQuantum));
+  if (step < 2) return picture;
+  constexpr double kLargest = std::numeric_limits<std::uint16_t>::max();
+  std::vector<std::uint16_t> rounded = picture.inverse_depth;
+  for (std::uint16_t& rho : rounded)
+    if (rho != 0) rho = static_cast<std::uint16_t>(std::clamp(step * std::round(rho / step), 1.0, kLargest));
+  DepthPicture out = DepthPicture::fromStored(picture.camera, std::move(rounded));
+  out.noise = picture.noise;
+  return out;
+}
+
+/** Adds views to one part of a map. */
+class PartDensifying {
+public:
+  PartDensifying(Map& map, int part, const DensifyParams& params, const ViewParams& view, int threads,
+                 const MapProgressCallback& progress)
+      : map_(map), params_(params), view_params_(view), threads_(threads), progress_(progress) {
+    for (std::size_t i = 0; i < map.models.size(); ++i) {
+      const LocalModel& model = map.models[i];
+      if (model.part != part || !model.T_w_m || !model.hasPicture()) continue;
+      driven_.push_back(static_cast<int>(i));
+      views_.push_back(map.view(static_cast<int>(i)));
+    }
+  }
+
+  void run(Densification& done) {
+    if (driven_.empty()) return;
+    std::vector<PosedPicture> pictures;
+    std::vector<DrivenPose> poses;
+    for (std::size_t i = 0; i < driven_.size(); ++i) {
+      const Eigen::Isometry3d& T_w_m = *map_.models[driven_[i]].T_w_m;
+      pictures.push_back({&views_[i]->depth, T_w_m});
+      poses.push_back({T_w_m, upwardsIn(i)});
+    }
+    const FusedSurface surface(pictures, threads_);
+    done.driven += driven_.size();
+    done.contradicted_share += surface.contradictedShare() * static_cast<double>(driven_.size());
+    const std::vector<PlaceBeside> places = chosen(surface, placesBeside(poses, surface.space(), params_));
+    std::vector<View> rendered(places.size());
+    ParallelStage stage(MapProgress::Stage::models, places.size(), threads_, progress_);
+    stage.run([&](std::size_t i) { rendered[i] = viewAt(surface, places[i]); });
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (!rendered[i].segments.empty()) add(places[i], std::move(rendered[i])), ++done.rendered;
+  }
+
+private:
+  /** Upwards in the frame of a view: by the mounting, by gravity, or as its image is. */
+  Eigen::Vector3d upwardsIn(std::size_t i) const {
+    if (views_[i]->gravity) return -views_[i]->gravity->down;
+    if (map_.camera.mounting)
+      return map_.camera.mounting->T_b_c().linear().transpose() * Eigen::Vector3d::UnitZ();
+    return -Eigen::Vector3d::UnitY();
+  }
+
+  /** The places of which the map shows enough, the best known first, none of them near another one. */
+  std::vector<PlaceBeside> chosen(const FusedSurface& surface, std::vector<PlaceBeside> places) const {
+    constexpr int kCoarse = 4;  // step of the pixels of a first look, 2 in the pictures
+    ParallelStage stage(MapProgress::Stage::place, places.size(), threads_, progress_);
+    stage.run([&](std::size_t i) {
+      const Intrinsics camera = views_[places[i].beside]->intrinsics.subsampled(kCoarse);
+      places[i].known_share = surface.renderWithErrors(camera, places[i].T_w_c, 2).knownShare();
+    });
+    return spreadOut(std::move(places), params_,
+                     static_cast<std::size_t>(params_.growth * static_cast<double>(driven_.size())));
+  }
+
+  View viewAt(const FusedSurface& surface, const PlaceBeside& place) const {
+    const View& beside = *views_[place.beside];
+    const RenderedDepth rendered = surface.renderWithErrors(beside.intrinsics, place.T_w_c);
+    Camera camera = cameraOfRendered(map_);
+    static_cast<DepthNoise&>(camera.noise) = camera.noise.scaledTo(
+        std::max(1.0, rendered.disagreement) * camera.noise.ofInverseDepth(DepthNoise::kUsualDepth),
+        DepthNoise::kUsualDepth);
+    View view = ViewBuilder(camera, view_params_).build(rendered.image);
+    view.depth = roundedToNoise(view.depth);
+    view.camera.reset();  // the map's
+    if (beside.gravity) {
+      const Eigen::Isometry3d& T_w_m = *map_.models[driven_[place.beside]].T_w_m;
+      view.gravity = Gravity{place.T_w_c.linear().transpose() * T_w_m.linear() * beside.gravity->down,
+                             beside.gravity->std};
+    }
+    return view;
+  }
+
+  void add(const PlaceBeside& place, View view) {
+    const int from = driven_[place.beside];
+    const LocalModel& source = map_.models[from];
+    LocalModel model(nameBeside(source.name), source.stamp, place.T_w_c, std::move(view));
+    model.part = source.part;
+    model.by_links = source.by_links;
+    map_.links.push_back(
+        MapBuilder().link(from, static_cast<int>(map_.models.size()), *source.T_w_m, place.T_w_c));
+    map_.meta[kRenderedKey] += model.name + "\n";
+    map_.models.push_back(std::move(model));
+  }
+
+  std::string nameBeside(const std::string& name) {
+    if (names_.empty())
+      for (const LocalModel& model : map_.models) names_.insert(model.name);
+    std::string unique;
+    for (int k = 1; !names_.insert(unique = fmt::format("{}_beside{}", name, k)).second; ++k) {
+    }
+    return unique;
+  }
+
+  Map& map_;
+  DensifyParams params_;
+  ViewParams view_params_;
+  int threads_;
+  const MapProgressCallback& progress_;
+  std::vector<int> driven_;  // indices of local models
+  std::vector<std::shared_ptr<const View>> views_;
+  std::set<std::string> names_;
+};
+
+}  // namespace
+
+std::vector<char> renderedViews(const Map& map) {
+  const std::set<std::string> names = renderedNames(map);
+  std::vector<char> rendered;
+  for (const LocalModel& model : map.models) rendered.push_back(names.count(model.name) > 0);
+  return rendered;
+}
+
+Densification densify(Map& map, const DensifyParams& params, const ViewParams& view, int threads,
+                      const MapProgressCallback& progress) {
+  params.validate();
+  view.validate();
+  if (map.store()) throw std::invalid_argument("a map is densified in memory: read it with readMap()");
+  Densification done;
+  done.removed = removeRendered(map);
+  int parts = 0;
+  for (const LocalModel& model : map.models) parts = std::max(parts, model.part + 1);
+  for (int part = 0; part < parts; ++part)
+    PartDensifying(map, part, params, view, threads, progress).run(done);
+  if (done.driven > 0) done.contradicted_share /= static_cast<double>(done.driven);
+  if (done.rendered + done.removed > 0) {
+    map.ambiguity.reset();
+    map.meta.erase(kSureKey);
+    for (LocalModel& model : map.models) model.lookalike_score.reset();
+  }
+  return done;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/patch_raster.h"
+
+#include "models/fused_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace facetloc::internal {
+namespace {
+
+constexpr float kHalf = 0.6F;     // size of a patch [px of its picture]: neighbours overlap
+constexpr float kNearest = 0.1F;  // [m]
+constexpr float kLargest = 8;     // side of a patch [px of 320]: more would be invented between samples
+constexpr float kOneSurface = 3;  // by which two pictures of a surface differ [std of the difference]
+
+}  // namespace
+
+/** \brief A patch in the image that is drawn. */
+struct PatchRaster::Quad {
+  std::array<Eigen::Vector2f, 4> corner;
+  Eigen::Vector3f plane;  // inverse depth along a ray
+  float error_share;      // standard deviation as a share of inverse depth and plane
+  bool front;
+};
+
+PatchRaster::PatchRaster(const Intrinsics& camera, const Eigen::Isometry3d& T_w_c)
+    : camera_(camera), T_c_w_(T_w_c.inverse()) {}
+
+void PatchRaster::draw(const SurfacePatches& picture, int step) {
+  const Eigen::Isometry3f T = (T_c_w_ * picture.T_w_c).cast<float>();
+  const auto fx = static_cast<float>(picture.camera.fx), fy = static_cast<float>(picture.camera.fy);
+  const auto cx = static_cast<float>(picture.camera.cx), cy = static_cast<float>(picture.camera.cy);
+  const float half = kHalf * static_cast<float>(step);
+  Quad quad;
+  for (int v = step / 2; v < picture.camera.height; v += step)
+    for (int u = step / 2; u < picture.camera.width; u += step) {
+      const SurfacePatches::Patch& patch = picture.at(u, v);
+      if (!patch.known()) continue;
+      const Eigen::Vector3f m(patch.m_x, patch.m_y, patch.m_z);
+      const Eigen::Vector3f turned = T.linear() * m;
+      const float side = 1 + turned.dot(T.translation());
+      if (std::abs(side) < 1e-3F) continue;  // the camera is in the plane
+      quad.plane = turned / side;
+      quad.front = side > 0;
+      bool is_ahead = true;
+      for (int k = 0; k < 4 && is_ahead; ++k) {
+        const float du = k == 0 || k == 3 ? -half : half, dv = k < 2 ? -half : half;
+        const Eigen::Vector3f ray((u + du - cx) / fx, (v + dv - cy) / fy, 1);
+        const float rho = m.dot(ray);
+        const Eigen::Vector3f p =
+            rho > 0 ? Eigen::Vector3f(T * Eigen::Vector3f(ray / rho)) : Eigen::Vector3f::Zero();
+        is_ahead = p.z() > kNearest;
+        if (is_ahead)
+          quad.corner[k] = {static_cast<float>(camera_.fx) * p.x() / p.z() + static_cast<float>(camera_.cx),
+                            static_cast<float>(camera_.fy) * p.y() / p.z() + static_cast<float>(camera_.cy)};
+      }
+      if (!is_ahead) continue;
+      const float rho = m.dot(Eigen::Vector3f((u - cx) / fx, (v - cy) / fy, 1));
+      const auto noise = static_cast<float>(picture.noise.ofInverseDepth(1 / rho));
+      quad.error_share = noise / rho * quad.plane.norm() / m.norm();
+      fill(quad);
+    }
+}
+
+void PatchRaster::fill(const Quad& quad) {
+  Eigen::Array2f least = quad.corner[0], most = quad.corner[0];
+  for (const Eigen::Vector2f& c : quad.corner) least = least.min(c.array()), most = most.max(c.array());
+  const float largest = kLargest * std::max(1.F, static_cast<float>(camera_.width) / 320);
+  if ((most - least).maxCoeff() > largest) return;
+  const int u0 = std::max(0, static_cast<int>(std::ceil(least.x()))),
+            u1 = std::min(camera_.width - 1, static_cast<int>(std::floor(most.x()))),
+            v0 = std::max(0, static_cast<int>(std::ceil(least.y()))),
+            v1 = std::min(camera_.height - 1, static_cast<int>(std::floor(most.y())));
+  for (int v = v0; v <= v1; ++v)
+    for (int u = u0; u <= u1; ++u) {
+      int inside = 0;
+      for (int k = 0; k < 4; ++k) {
+        const Eigen::Vector2f &a = quad.corner[k], &b = quad.corner[(k + 1) % 4];
+        inside += (b.x() - a.x()) * (v - a.y()) - (b.y() - a.y()) * (u - a.x()) >= 0 ? 1 : -1;
+      }
+      if (std::abs(inside) != 4) continue;
+      const float rho = quad.plane.dot(camera_.ray(u, v).cast<float>());
+      if (rho <= 0) continue;
+      fragments_.push_back({static_cast<std::uint32_t>(v * camera_.width + u), rho,
+                            std::max(1e-6F, quad.error_share * rho), quad.front});
+    }
+}
+
+RenderedDepth PatchRaster::resolve() const {
+  RenderedDepth out;
+  out.image.camera = camera_;
+  out.image.depth.assign(static_cast<std::size_t>(camera_.width) * camera_.height, 0);
+  std::vector<std::uint32_t> end(out.image.depth.size() + 1, 0);
+  for (const Fragment& f : fragments_) ++end[f.pixel + 1];
+  for (std::size_t i = 1; i < end.size(); ++i) end[i] += end[i - 1];
+  std::vector<Fragment> sorted(fragments_.size());
+  std::vector<std::uint32_t> next(end.begin(), end.end() - 1);
+  for (const Fragment& f : fragments_) sorted[next[f.pixel]++] = f;
+  double squares = 0, differences = 0;
+  for (std::size_t pixel = 0; pixel < out.image.depth.size(); ++pixel) {
+    const auto first = sorted.begin() + end[pixel], last = sorted.begin() + end[pixel + 1];
+    if (first == last) continue;
+    std::sort(first, last, [](const Fragment& a, const Fragment& b) { return a.rho > b.rho; });
+    double weights = 0, sum = 0, sum_of_squares = 0, front = 0;
+    int n = 0;
+    for (auto f = first; f != last; ++f) {
+      const double apart = first->rho - f->rho, error = std::hypot(first->error, f->error);
+      if (apart > kOneSurface * error) break;
+      const double weight = 1.0 / (double(f->error) * f->error);
+      weights += weight;
+      if (f->front) front += weight;
+      sum += weight * f->rho, sum_of_squares += weight * f->rho * f->rho;
+      ++n;
+    }
+    if (2 * front < weights) continue;  // it is seen from behind
+    const double rho = sum / weights;
+    squares += std::max(0.0, sum_of_squares - rho * sum);
+    differences += n - 1;
+    out.image.depth[pixel] = static_cast<float>(1 / rho);
+  }
+  out.disagreement = differences > 0 ? std::sqrt(squares / differences) : 0;
+  return out;
+}
+
+}  // namespace facetloc::internal
