@@ -7,6 +7,7 @@
 #include "tools/convert_app.h"
 #include "tools/localize_app.h"
 #include "tools/map_apps.h"
+#include "tools/map_densify_app.h"
 #include "tools/map_model_app.h"
 #include "tools/register_app.h"
 #include "tools/render_app.h"
@@ -39,7 +40,8 @@ std::map<std::string, std::string> helpOfAll(const std::string& option) {
           {"map export", runTool<MapExportApp>({option}).out},
           {"check", runTool<CheckApp>({option}).out},
           {"convert", runTool<ConvertApp>({option}).out},
-          {"map from-model", runTool<MapModelApp>({option}).out}};
+          {"map from-model", runTool<MapModelApp>({option}).out},
+          {"map densify", runTool<MapDensifyApp>({option}).out}};
 }
 
 TEST(Help, FitsOnAScreen) {

@@ -20,6 +20,7 @@
 #include <facetloc/io/map_graph.h>
 #include <facetloc/io/occupancy_grid_file.h>
 #include <facetloc/io/output_lock.h>
+#include <facetloc/features/rendered_views.h>
 #include <facetloc/mapping/map_merging.h>
 
 #include <algorithm>
@@ -133,6 +134,9 @@ void printSummary(std::ostream& out, const Map& map) {
   table.add({"  with a pose", std::to_string(with_pose)});
   if (const std::string words = placedByLinks(map); !words.empty()) table.add({"  placed by links", words});
   table.add({"  with a depth picture", std::to_string(with_depth)});
+  const std::vector<char> rendered = renderedViews(map);
+  if (const auto n = std::count(rendered.begin(), rendered.end(), 1); n > 0)
+    table.add({"  rendered beside the drive", std::to_string(n)});
   table.add({"  extent of their poses", extentOf(map)});
   table.add({"  working camera", cameraOf(map)});
   table.add({"links", std::to_string(map.links.size())});
@@ -151,7 +155,7 @@ void printSummary(std::ostream& out, const Map& map) {
 /** Values of several lines, such as parameters, are indented below their key. */
 void printMeta(std::ostream& out, const Map& map) {
   for (const auto& [key, value] : map.meta) {
-    if (key == kImagesKey || key == kSureKey) continue;  // for programs
+    if (key == kImagesKey || key == kSureKey || key == kRenderedKey) continue;  // for programs
     const bool several = value.find('\n') != std::string::npos;
     out << key << (several ? ":" : ": " + value) << "\n";
     if (!several) continue;

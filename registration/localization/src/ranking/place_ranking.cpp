@@ -2,6 +2,7 @@
 #include "ranking/place_ranking.h"
 
 #include <facetloc/features/map_surfaces.h>
+#include <facetloc/features/rendered_views.h>
 
 #include <algorithm>
 #include <utility>
@@ -24,7 +25,8 @@ PlaceRanking::PlaceRanking(std::shared_ptr<const Map> map, const GlobalLocalizat
       params_(params),
       score_(hypothesisScore(params, comparison())),
       alignment_(alignmentWithCovariance()),
-      near_(map_, true) {
+      near_(map_, true),
+      rendered_(renderedViews(*map_)) {
   alignment_.matching = params.matching;
   alignment_.as_shown = true;
 }
@@ -108,11 +110,13 @@ double PlaceRanking::evidenceWeight() const {
   return map_->models.size() == 1 ? params_.calibration.pair_probability.evidence_weight : 1;
 }
 
-// Models of one pose show the same, as where a map has been merged with itself.
+// Models of one pose show the same, as where a map has been merged with itself; rendered ones, what others
+// show.
 int PlaceRanking::viewpoints(const std::vector<int>& models) const {
   std::vector<Eigen::Isometry3d> poses;
   int n = 0;
   for (const int i : models) {
+    if (rendered_[static_cast<std::size_t>(i)]) continue;
     const std::optional<Eigen::Isometry3d>& T_w_m = map_->models[i].T_w_m;
     const auto isThere = [&](const Eigen::Isometry3d& T) { return kSamePlace.joins(T, *T_w_m); };
     if (T_w_m && std::any_of(poses.begin(), poses.end(), isThere)) continue;

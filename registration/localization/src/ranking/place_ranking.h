@@ -45,6 +45,7 @@ private:
   std::unique_ptr<const HypothesisScore> score_;
   ViewAlignmentParams alignment_;
   NearbyModels near_;
+  std::vector<char> rendered_;  // of each local model: it shows nothing that others have not shown
 };
 
 /** \brief Score at which a place that has evidence is as likely as none of the list [nats]:

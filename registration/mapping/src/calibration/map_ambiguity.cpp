@@ -4,6 +4,7 @@
 #include "shared/pose_radius.h"
 
 #include <facetloc/features/pose.h>
+#include <facetloc/features/rendered_views.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,9 +19,11 @@ constexpr std::size_t kMostRegistrations = 400000;  // where every model is regi
 }  // namespace
 
 std::vector<int> viewsToAsk(const Map& map) {
+  const std::vector<char> rendered = renderedViews(map);
   std::vector<int> models;
   for (std::size_t i = 0; i < map.models.size(); ++i)
-    if (map.models[i].T_w_m && map.models[i].hasPicture()) models.push_back(static_cast<int>(i));
+    if (map.models[i].T_w_m && map.models[i].hasPicture() && !rendered[i])
+      models.push_back(static_cast<int>(i));
   const std::size_t most =
       map.camera.mounting ? kMostViews : std::min(kMostViews, kMostRegistrations / (1 + models.size()));
   if (models.size() <= most) return models;

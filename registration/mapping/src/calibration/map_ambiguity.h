@@ -15,7 +15,8 @@
 
 namespace facetloc::internal {
 
-/** \brief The local models whose views are asked for: all with a pose, or some of a large map. */
+/** \brief The local models whose views are asked for: all that were images and have a pose, or some of a
+ * large map. */
 std::vector<int> viewsToAsk(const Map& map);
 
 /** \brief How far the surroundings of a place reach, by whose local models it is found and not mistaken: 3 m,

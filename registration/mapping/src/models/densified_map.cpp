@@ -13,7 +13,6 @@
 #include <fmt/format.h>
 #include <limits>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
 namespace facetloc {
@@ -21,15 +20,6 @@ namespace facetloc {
 using namespace internal;
 
 namespace {
-
-std::set<std::string> renderedNames(const Map& map) {
-  std::set<std::string> names;
-  const auto found = map.meta.find(kRenderedKey);
-  if (found == map.meta.end()) return names;
-  std::istringstream lines(found->second);
-  for (std::string name; std::getline(lines, name);) names.insert(name);
-  return names;
-}
 
 /** Removes views that were rendered before. \return how many */
 std::size_t removeRendered(Map& map) {
@@ -121,11 +111,11 @@ private:
 
   /** The places of which the map shows enough, the best known first, none of them near another one. */
   std::vector<PlaceBeside> chosen(const FusedSurface& surface, std::vector<PlaceBeside> places) const {
-    constexpr int kCoarse = 4;  // step of the pixels of a first look, 2 in the pictures
+    constexpr int kCoarse = 8;  // step of the pixels of a first look; pictures have half as many
     ParallelStage stage(MapProgress::Stage::place, places.size(), threads_, progress_);
     stage.run([&](std::size_t i) {
       const Intrinsics camera = views_[places[i].beside]->intrinsics.subsampled(kCoarse);
-      places[i].known_share = surface.renderWithErrors(camera, places[i].T_w_c, 2).knownShare();
+      places[i].known_share = surface.renderWithErrors(camera, places[i].T_w_c, kCoarse / 2).knownShare();
     });
     return spreadOut(std::move(places), params_,
                      static_cast<std::size_t>(params_.growth * static_cast<double>(driven_.size())));
@@ -181,13 +171,6 @@ private:
 };
 
 }  // namespace
-
-std::vector<char> renderedViews(const Map& map) {
-  const std::set<std::string> names = renderedNames(map);
-  std::vector<char> rendered;
-  for (const LocalModel& model : map.models) rendered.push_back(names.count(model.name) > 0);
-  return rendered;
-}
 
 Densification densify(Map& map, const DensifyParams& params, const ViewParams& view, int threads,
                       const MapProgressCallback& progress) {

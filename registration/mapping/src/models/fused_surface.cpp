@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/fused_surface.h"
 
-#include "models/patch_raster.h"
+#include "depth/depth_consistency.h"
 #include "nearby/view_alignment.h"
 #include "shared/in_parallel.h"
 
@@ -58,11 +58,6 @@ int sharedPixels(const SurfacePatches& picture, const Intrinsics& camera, const 
 }
 
 }  // namespace
-
-double RenderedDepth::knownShare() const {
-  const auto known = std::count_if(image.depth.begin(), image.depth.end(), isMeasured);
-  return image.depth.empty() ? 0 : known / static_cast<double>(image.depth.size());
-}
 
 FusedSurface::FusedSurface(const std::vector<PosedPicture>& pictures, int threads)
     : pictures_(pictures.size()), space_(pictures) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "depth/depth_consistency.h"
+#include "models/patch_raster.h"
 #include "models/seen_space.h"
 #include "models/surface_patches.h"
 
@@ -10,15 +10,6 @@
 #include <vector>
 
 namespace facetloc::internal {
-
-/** \brief A depth image of a surface, and how well it is known. */
-struct RenderedDepth {
-  DepthImage image;
-  /// Root mean square of the differences of several pictures that show a pixel, in their own noise: above 1,
-  /// their poses err, or something that none of them says.
-  double disagreement = 0;
-  double knownShare() const;  ///< of its pixels
-};
 
 /** \brief The surface that the depth pictures of a map show together.
  *

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/patch_raster.h"
 
-#include "models/fused_surface.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,10 +10,15 @@ namespace {
 
 constexpr float kHalf = 0.6F;     // size of a patch [px of its picture]: neighbours overlap
 constexpr float kNearest = 0.1F;  // [m]
-constexpr float kLargest = 8;     // side of a patch [px of 320]: more would be invented between samples
+constexpr float kMagnified = 4;   // how often a pixel may be: more would be invented between samples
 constexpr float kOneSurface = 3;  // by which two pictures of a surface differ [std of the difference]
 
 }  // namespace
+
+double RenderedDepth::knownShare() const {
+  const auto known = std::count_if(image.depth.begin(), image.depth.end(), isMeasured);
+  return image.depth.empty() ? 0 : static_cast<double>(known) / static_cast<double>(image.depth.size());
+}
 
 /** \brief A patch in the image that is drawn. */
 struct PatchRaster::Quad {
@@ -33,6 +36,7 @@ void PatchRaster::draw(const SurfacePatches& picture, int step) {
   const auto fx = static_cast<float>(picture.camera.fx), fy = static_cast<float>(picture.camera.fy);
   const auto cx = static_cast<float>(picture.camera.cx), cy = static_cast<float>(picture.camera.cy);
   const float half = kHalf * static_cast<float>(step);
+  const float largest = kMagnified * 2 * half * static_cast<float>(camera_.fx / picture.camera.fx);
   Quad quad;
   for (int v = step / 2; v < picture.camera.height; v += step)
     for (int u = step / 2; u < picture.camera.width; u += step) {
@@ -60,14 +64,13 @@ void PatchRaster::draw(const SurfacePatches& picture, int step) {
       const float rho = m.dot(Eigen::Vector3f((u - cx) / fx, (v - cy) / fy, 1));
       const auto noise = static_cast<float>(picture.noise.ofInverseDepth(1 / rho));
       quad.error_share = noise / rho * quad.plane.norm() / m.norm();
-      fill(quad);
+      fill(quad, largest);
     }
 }
 
-void PatchRaster::fill(const Quad& quad) {
+void PatchRaster::fill(const Quad& quad, float largest) {
   Eigen::Array2f least = quad.corner[0], most = quad.corner[0];
   for (const Eigen::Vector2f& c : quad.corner) least = least.min(c.array()), most = most.max(c.array());
-  const float largest = kLargest * std::max(1.F, static_cast<float>(camera_.width) / 320);
   if ((most - least).maxCoeff() > largest) return;
   const int u0 = std::max(0, static_cast<int>(std::ceil(least.x()))),
             u1 = std::min(camera_.width - 1, static_cast<int>(std::floor(most.x()))),

@@ -10,7 +10,14 @@
 
 namespace facetloc::internal {
 
-struct RenderedDepth;
+/** \brief A depth image of a surface, and how well it is known. */
+struct RenderedDepth {
+  DepthImage image;
+  /// Root mean square of the differences of several pictures that show a pixel, in their own noise: above 1,
+  /// their poses err, or something that none of them says.
+  double disagreement = 0;
+  double knownShare() const;  ///< of its pixels
+};
 
 /** \brief Draws patches of several pictures into the image of another camera. Each pixel keeps all that is
  * drawn there, until resolve() finds the nearest surface and what is one with it. */
@@ -30,7 +37,7 @@ private:
     bool front;   // the surface is seen from the side that the picture saw
   };
   struct Quad;
-  void fill(const Quad& quad);
+  void fill(const Quad& quad, float largest);
 
   Intrinsics camera_;
   Eigen::Isometry3d T_c_w_;

@@ -3,6 +3,7 @@
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/features/map_surfaces.h>
+#include <facetloc/features/rendered_views.h>
 #include <facetloc/features/sure_threshold.h>
 #include <facetloc/mapping/map_merging.h>
 
@@ -66,8 +67,11 @@ MapAlignment alignmentOf(const std::vector<Map>& maps, std::size_t number, int t
 void appendMap(const Map& map, const std::string& prefix, const std::set<std::string>& ambiguous,
                Map& merged) {
   const int offset = static_cast<int>(merged.models.size());
-  for (LocalModel model : map.models) {
+  const std::vector<char> rendered = renderedViews(map);
+  for (std::size_t i = 0; i < map.models.size(); ++i) {
+    LocalModel model = map.models[i];
     if (ambiguous.count(model.name)) model.name = prefix + "_" + model.name;
+    if (rendered[i]) merged.meta[kRenderedKey] += model.name + "\n";
     merged.models.push_back(std::move(model));
   }
   for (Link link : map.links) {
@@ -126,7 +130,7 @@ Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& name
     const auto alike = std::count(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]);
     const std::string prefix = alike > 0 ? fmt::format("{}_{}.", names[i], alike + 1) : names[i] + ".";
     for (const auto& [key, value] : maps[i].meta)
-      if (key != kSureKey) merged.meta[prefix + key] = value;
+      if (key != kSureKey && key != kRenderedKey) merged.meta[prefix + key] = value;
     if (lacksSurfaces(maps[i])) setLacksSurfaces(merged);  // nothing may object to what one of them lacks
   }
   requireUniqueNames(merged);

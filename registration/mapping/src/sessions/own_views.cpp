@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sessions/parallel_stage.h"
 
+#include <facetloc/features/rendered_views.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/mapping/own_views.h>
@@ -23,9 +24,11 @@ bool isNeighbour(const LocalModel& a, const LocalModel& b) {
 void addOwnViews(const std::shared_ptr<const Map>& map, SureCalibration& calibration,
                  const RightPose& is_right, const GlobalLocalizationParams& params, int threads,
                  const MapProgressCallback& progress) {
+  const std::vector<char> rendered =
+      renderedViews(*map);  // which may show what the image asked for has shown
   std::vector<int> asked;
   for (std::size_t i = 0; i < map->models.size(); ++i)
-    if (map->models[i].T_w_m) asked.push_back(static_cast<int>(i));
+    if (map->models[i].T_w_m && !rendered[i]) asked.push_back(static_cast<int>(i));
   if (asked.empty()) return;
   struct Answer {
     double probability = 0;
@@ -38,8 +41,9 @@ void addOwnViews(const std::shared_ptr<const Map>& map, SureCalibration& calibra
     const LocalModel& model = map->models[asked[i]];
     View view = *map->view(asked[i]);
     if (!view.camera) view.camera = std::make_shared<const Camera>(map->camera);
-    const Localization found = localization.localize(
-        view, [&](int other) { return other == asked[i] || isNeighbour(model, map->models[other]); });
+    const Localization found = localization.localize(view, [&](int other) {
+      return other == asked[i] || rendered[other] || isNeighbour(model, map->models[other]);
+    });
     if (found.hypotheses.empty()) return;
     const Hypothesis& best = found.hypotheses.front();
     answers[i] = {best.probability,

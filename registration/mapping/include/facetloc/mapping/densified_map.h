@@ -3,12 +3,11 @@
 
 #include <facetloc/features/local_model.h>
 #include <facetloc/features/params.h>
+#include <facetloc/features/rendered_views.h>
 #include <facetloc/mapping/map_image.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <cstddef>
-#include <string>
-#include <vector>
 
 namespace facetloc {
 
@@ -36,12 +35,6 @@ struct DensifyParams {
   }
   void validate() const { checkRanges(*this); }
 };
-
-/** \brief Key of a map's meta data: the names of its rendered views, one a line. */
-constexpr const char* kRenderedKey = "rendered views";
-
-/** \brief Of each local model: was it rendered by densify()? */
-std::vector<char> renderedViews(const Map& map);
 
 /** \brief What densify() has done. */
 struct Densification {

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "example_room.h"
+
+#include <facetloc/io/map_database.h>
+#include <facetloc/mapping/densified_map.h>
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using test::runMap;
+using test::Tools;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::vector<std::string> kFew = {"--densify.rotation_deg", "40"};
+
+std::vector<std::string> densifying(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "densify");
+  arguments.insert(arguments.end(), kFew.begin(), kFew.end());
+  return arguments;
+}
+
+TEST_F(Tools, DensifiedMapIsSoundAndSaysSo) {
+  const std::string dense = folder_ / "dense.flmap", again = folder_ / "again.flmap";
+  const auto run = runMap(densifying({map(), "-o", dense}));
+  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("rendered from the depth pictures of"));
+  EXPECT_EQ(runMap({"check", dense}).code, kOk);
+  const Map before = readMap(map()), after = readMap(dense);
+  const std::vector<char> rendered = renderedViews(after);
+  const auto n = static_cast<std::size_t>(std::count(rendered.begin(), rendered.end(), 1));
+  ASSERT_GE(n, 1u);
+  EXPECT_EQ(after.models.size(), before.models.size() + n);
+  EXPECT_TRUE(after.ambiguity) << "it has been asked again";
+  EXPECT_THAT(runMap({"info", dense}).out, HasSubstr("rendered beside the drive  " + std::to_string(n)));
+  EXPECT_THAT(runMap({"info", map()}).out, Not(HasSubstr("rendered beside")));
+
+  ASSERT_EQ(runMap(densifying({dense, "-o", again})).code, kOk);
+  const Map twice = readMap(again);
+  ASSERT_EQ(twice.models.size(), after.models.size());
+  for (std::size_t i = 0; i < twice.models.size(); ++i) EXPECT_EQ(twice.models[i].name, after.models[i].name);
+  EXPECT_TRUE(test::contentOf(again) == test::contentOf(dense)) << "the same bytes";
+}
+
+TEST_F(Tools, DensifyLeavesMapsAloneThatItCannotUse) {
+  const std::string copy = folder_ / "copy.flmap", broken = folder_ / "broken.flmap";
+  EXPECT_THAT(runMap({"densify", folder_ / "none.flmap"}).err, HasSubstr("is not there"));
+  fs::copy_file(map(), copy);
+  EXPECT_THAT(runMap({"densify", map(), "-o", copy}).err, HasSubstr("exists already"));
+  EXPECT_EQ(test::contentOf(copy), test::contentOf(map()));
+  fs::copy_file(firstImage(), broken);
+  const std::string bytes = test::contentOf(broken);
+  EXPECT_EQ(runMap({"densify", broken}).code, kFailed);
+  EXPECT_EQ(test::contentOf(broken), bytes);
+  EXPECT_EQ(runMap({"densify", copy, "--densify.reach", "-1"}).code, kUsage);
+
+  Map unposed = readMap(map());
+  for (LocalModel& model : unposed.models) model.setView(viewOfSegments(unposed.view(0)->segments));
+  writeMap(copy, unposed);
+  const std::string before = test::contentOf(copy);
+  const auto refused = runMap({"densify", copy});
+  EXPECT_EQ(refused.code, kFailed);
+  EXPECT_THAT(refused.err, HasSubstr("no local model with a pose and a depth picture"));
+  EXPECT_EQ(test::contentOf(copy), before);
+}
+
+}  // namespace
+}  // namespace facetloc
