@@ -82,9 +82,11 @@ std::vector<std::size_t> FusedSurface::sourcesFor(const Intrinsics& camera,
                                                   const Eigen::Isometry3d& T_w_c) const {
   const Eigen::Isometry3d T_c_w = T_w_c.inverse();
   std::vector<std::pair<int, std::size_t>> found;
-  for (std::size_t i = 0; i < pictures_.size(); ++i)
+  for (std::size_t i = 0; i < pictures_.size(); ++i) {
+    if (pictures_[i].box.exteriorDistance(T_w_c.translation()) > SeenSpace::kFarthest) continue;
     if (const int shared = sharedPixels(pictures_[i], camera, T_c_w); shared > 0)
       found.emplace_back(-shared, i);
+  }
   std::sort(found.begin(), found.end());
   found.resize(std::min(found.size(), kMostSources));
   std::vector<std::size_t> sources;

@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace facetloc::internal {
 namespace {
 
 constexpr double kCell = 0.1;           // [m], as long as the grid is not too large
+constexpr double kLargestCell = 0.5;    // [m]
 constexpr double kMostCells = 1 << 27;  // one byte each
-constexpr double kFarthest = 10;  // depth beyond which cells of this size mean nothing, for all the noise [m]
 constexpr double kNoises = 3;
 
 /** The nearest that a picture shows around a pixel [m]; 0 if it is unknown. */
@@ -32,7 +33,15 @@ double farthestOf(const DepthPicture& picture) {
   std::uint16_t least = 0;
   for (const std::uint16_t rho : picture.inverse_depth)
     if (rho != 0 && (least == 0 || rho < least)) least = rho;
-  return least == 0 ? 0 : std::min(kFarthest, 1 / (DepthPicture::kQuantum * least));
+  return least == 0 ? 0 : std::min(SeenSpace::kFarthest, 1 / (DepthPicture::kQuantum * least));
+}
+
+/** Throws std::invalid_argument for a space that no grid can hold. */
+double cellFor(const Eigen::Vector3d& size) {
+  for (double cell = kCell; cell < kLargestCell; cell *= 1.1)
+    if (((size / cell).array().ceil() + 3).prod() <= kMostCells) return cell;
+  throw std::invalid_argument(
+      "the places of the map are too far apart for one surface; are all of its poses right?");
 }
 
 }  // namespace
@@ -41,7 +50,7 @@ SeenSpace::SeenSpace(const std::vector<PosedPicture>& pictures) {
   Eigen::AlignedBox3d box;
   for (const PosedPicture& p : pictures) box.extend(boxOf(p, farthestOf(*p.picture)));
   if (box.isEmpty()) return;
-  cell_ = std::max(kCell, std::cbrt(box.volume() / kMostCells));
+  cell_ = cellFor(box.sizes());
   origin_ = box.min().array() - cell_;
   size_ = ((box.sizes() / cell_).array().ceil() + 3).cast<int>();
   cells_.assign(static_cast<std::size_t>(size_.x()) * size_.y() * size_.z(), 0);

@@ -14,6 +14,9 @@ namespace facetloc::internal {
  * the surfaces that it saw. What no picture shows is unknown, however empty it may be. */
 class SeenSpace {
 public:
+  /// Depth beyond which cells of this size mean nothing, for all the noise [m]
+  static constexpr double kFarthest = 10;
+
   /** \brief Thread-safe once it is made. \param pictures not empty ones, which need not outlive it */
   explicit SeenSpace(const std::vector<PosedPicture>& pictures);
 
