@@ -2,11 +2,12 @@
 //
 // Is a probability worth its name where the map does not hold the place?
 //
-//   score_unknown [--radius 3] [--every N] [--csv FILE] [--GROUP.PARAMETER VALUE] PLACE...
+//   score_unknown [--radius 3] [--every N] [--densify] [--csv FILE] [--GROUP.PARAMETER VALUE] PLACE...
 //
 // Each PLACE is a folder with a run map/ and a run query/, as facetloc_simulate makes them, or as recordings
 // have them. Every query is localized twice: in the whole map, and in a map that is made anew without the
-// local models within the radius of where the query was taken.
+// local models within the radius of where the query was taken. With --densify, views beside the drive belong
+// to the whole map, and those within the radius are taken out, too.
 #include "base/app.h"
 #include "base/localization_options.h"
 #include "calibration/map_ambiguity.h"
@@ -14,6 +15,7 @@
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/localization/global_localization.h>
+#include <facetloc/mapping/densified_map.h>
 
 #include <algorithm>
 #include <array>
@@ -53,6 +55,7 @@ template <class Gone>
 Map without(const Map& whole, const Gone& gone) {
   Map map;
   map.camera = whole.camera;
+  map.meta = whole.meta;
   for (std::size_t i = 0; i < whole.models.size(); ++i)
     if (!gone(static_cast<int>(i))) map.models.push_back(whole.models[i]);
   return map;
@@ -221,6 +224,7 @@ private:
     line.addArguments("PLACE", places_);
     line.addOption("radius", radius_, "M", "Distance of the local models that are taken out [m].");
     line.addOption("every", every_, "N", "Localize only every N-th image.");
+    line.addSwitch("densify", densify_, "Add rendered views to the whole map first.");
     line.addOption("csv", csv_, "FILE", "Write one line per answer, with what speaks for it.");
     line.addPresets();
     line.addParams(view_);
@@ -230,6 +234,7 @@ private:
 
   std::vector<Answer> answersIn(MappedPlace& place, const std::string& name) const {
     Map seen = place.see(view_);
+    if (densify_) densify(seen, {}, view_, 0);
     const GlobalLocalization asked(std::make_shared<const Map>(seen), localization_);
     const OwnViews own_views(asked);
     seen.ambiguity = own_views.ambiguityWithout([](int) { return false; });
@@ -291,6 +296,7 @@ private:
   std::vector<std::string> places_;
   double radius_ = 3;
   int every_ = 1;
+  bool densify_ = false;
   std::string csv_;
   ViewParams view_;
   EvaluationParams evaluation_;
