@@ -163,6 +163,14 @@ TEST(DensifiedMap, OfNothingKnownStaysAsItIs) {
   EXPECT_THROW(densify(unposed, wrong), std::invalid_argument);
 }
 
+TEST(DensifiedMap, RefusesPosesThatNoSurfaceHas) {
+  Map far = drivenMap();
+  far.models.back().T_w_m->translation() = Eigen::Vector3d(1e8, 1e8, 0);
+  EXPECT_THROW(densify(far), std::invalid_argument);
+  far.models.back().T_w_m->translation() = Eigen::Vector3d(1e300, -1e300, 1e300);
+  EXPECT_THROW(densify(far), std::invalid_argument);
+}
+
 /** Names in the meta data of a file are only names. */
 TEST(DensifiedMap, StrangeNamesInTheMapMarkNothing) {
   Map map = drivenMap();
