@@ -50,9 +50,12 @@ struct Densification {
  * that the pictures have seen to be free. Those of which enough is known become local models, each with a
  * link to the view that it was rendered beside. What no picture shows is unknown in them. Views that were
  * rendered before are removed first. The ambiguity of the map and the threshold of sure answers are unknown
- * afterwards. Same map, same result, for any number of threads. \param map with its views in memory
- * (readMap()); throws std::invalid_argument otherwise, and for a parameter out of its range \param threads 0
- * = all cores */
+ * afterwards. Same map, same result, for any number of threads.
+ *
+ * Throws std::invalid_argument for a map whose views are not in memory (readMap()), for a parameter out of
+ * its range, and for poses too far apart.
+ *
+ * \param threads 0 = all cores */
 Densification densify(Map& map, const DensifyParams& params = {}, const ViewParams& view = {},
                       int threads = 1, const MapProgressCallback& progress = {});
 
