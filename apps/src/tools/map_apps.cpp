@@ -12,6 +12,7 @@
 #include "tools/map_model_app.h"
 
 #include <facetloc/features/map_parts.h>
+#include <facetloc/features/rendered_views.h>
 #include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/cloud_file.h>
@@ -20,7 +21,6 @@
 #include <facetloc/io/map_graph.h>
 #include <facetloc/io/occupancy_grid_file.h>
 #include <facetloc/io/output_lock.h>
-#include <facetloc/features/rendered_views.h>
 #include <facetloc/mapping/map_merging.h>
 
 #include <algorithm>
