@@ -1,7 +1,7 @@
 # The libraries that read ROS 1 bags, as Debian 12 has them: rosbag_INCLUDE_DIRS, rosbag_LIBRARIES. Debian's files for
 # pkg-config and CMake ask for packages that do not exist there.
 set(headers rosbag/bag.h pluginlib/class_loader.hpp class_loader/class_loader.hpp rcpputils/shared_library.hpp
-            rcutils/shared_library.h ament_index_cpp/get_package_prefix.hpp sensor_msgs/Image.h nav_msgs/Odometry.h tf2_msgs/TFMessage.h)
+            rcutils/shared_library.h ament_index_cpp/get_package_prefix.hpp)
 set(libraries rosbag_storage roscpp_serialization rostime cpp_common)
 
 set(required "")
@@ -24,5 +24,4 @@ list(REMOVE_DUPLICATES rosbag_INCLUDE_DIRS)
 
 include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(rosbag REQUIRED_VARS ${required}
-  REASON_FAILURE_MESSAGE "install librosbag-storage-dev librcpputils-dev libament-index-cpp-dev libsensor-msgs-dev \
-libnav-msgs-dev libtf2-msgs-dev")
+  REASON_FAILURE_MESSAGE "install librosbag-storage-dev librcpputils-dev libament-index-cpp-dev")

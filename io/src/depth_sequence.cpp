@@ -3,9 +3,9 @@
 #include "depth_file.h"
 #include "files.h"
 #include "pcd_points.h"
-#include "recordings/bag.h"
 #include "recordings/image_container.h"
 #include "recordings/image_list.h"
+#include "recordings/message_file.h"
 #include "recordings/recorded_poses.h"
 #include "recordings/sequence_reader.h"
 
@@ -68,11 +68,19 @@ const Trajectory& DepthSequence::groundTruth() const {
   return ground_truth_;
 }
 
+/** Poses that somebody turns into the camera's by its mounting, or by what a user says of them, are those of
+ * the robot. */
+std::string DepthSequence::frameOfPoses(const PoseReading& reading) const {
+  const bool has_mounting = camera_ && camera_->camera.mounting;
+  return container_ && reading.isUsual() && !has_mounting ? container_->frame() : std::string();
+}
+
 Trajectory DepthSequence::readAs(const fs::path& path, const PoseReading& reading,
                                  std::string* remark) const {
   if (remark) remark->clear();
-  if (internal::isBag(path)) return asOfImages(internal::readBagOdometry(path), reading);
-  internal::ReadPoses read = internal::matched(internal::readPoseTable(path), *times_, path);
+  const bool is_container = internal::isContainer(path);
+  internal::ReadPoses read = is_container ? internal::readContainerPoses(path, frameOfPoses(reading))
+                                          : internal::matched(internal::readPoseTable(path), *times_, path);
   if (remark) *remark = std::move(read.remark);
   return asOfImages(read.poses, reading);
 }
@@ -83,6 +91,15 @@ Trajectory DepthSequence::readPoses(const fs::path& path, std::string* remark) c
 
 Trajectory DepthSequence::readOdometry(const fs::path& path, std::string* remark) const {
   return readAs(path, {}, remark);
+}
+
+bool DepthSequence::isOfMessages(const fs::path& path) { return internal::isMessageRecording(path); }
+
+GravityRecord DepthSequence::gravity(double std, std::string* remark) const {
+  internal::ReadGravity read;
+  if (container_ && stamped_) read = container_->gravity(std);
+  if (remark) *remark = std::move(read.remark);
+  return std::move(read.gravity);
 }
 
 std::string DepthSequence::remark() const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
+#include "png_memory.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
@@ -116,14 +117,56 @@ void requireGrey(const Header& h, int min_bits, const std::string& path) {
                                     : h.colour == PNG_COLOR_TYPE_GRAY_ALPHA ? "grey with alpha"
                                                                             : "colour"));
   if (h.bits < min_bits) throw IoError(path, fmt::format("has {} bits per pixel, not {}", h.bits, min_bits));
-  if (std::uint64_t(h.width) * h.height > kMaxPixels)
-    throw IoError(path, fmt::format("claims to be of {}x{} pixels", h.width, h.height));
 }
 
 std::vector<png_bytep> rowPointers(std::vector<png_byte>& bytes, std::size_t height) {
   std::vector<png_bytep> rows(height);
   for (std::size_t y = 0; y < height; ++y) rows[y] = bytes.data() + y * (bytes.size() / height);
   return rows;
+}
+
+/** An image of one or more channels as libpng reads it: rows of bytes, 16-bit values big-endian. */
+struct EncodedPng {
+  Header header;
+  std::vector<png_byte> bytes;
+};
+
+/** \param channelsOf throws for headers of other images */
+template <typename ChannelsOf>
+EncodedPng readPng(const files::FilePtr& file, const std::string& name, const ChannelsOf& channelsOf) {
+  requireSignature(file.get(), name);
+  Codec codec(Codec::Kind::kRead, file.get(), name);
+  EncodedPng png;
+  codec.run(readHeader, &png.header);
+  const Header& h = png.header;
+  const auto channels = static_cast<std::size_t>(channelsOf(h));
+  if (std::uint64_t(h.width) * h.height > kMaxPixels)
+    throw IoError(name, fmt::format("claims to be of {}x{} pixels", h.width, h.height));
+  png.bytes.resize(std::size_t(h.width) * h.height * channels * h.bits / 8);
+  codec.run(readRows, rowPointers(png.bytes, h.height).data());
+  return png;
+}
+
+Raster<std::uint16_t> readGrey(const files::FilePtr& file, const std::string& name, int min_bits) {
+  const EncodedPng png = readPng(file, name, [&](const Header& h) {
+    requireGrey(h, min_bits, name);
+    return 1;
+  });
+  const std::size_t bytes_per_pixel = png.header.bits / 8;
+  Raster<std::uint16_t> image{static_cast<int>(png.header.width), static_cast<int>(png.header.height), 1, {}};
+  image.data.resize(png.bytes.size() / bytes_per_pixel);
+  const std::vector<png_byte>& bytes = png.bytes;
+  for (std::size_t i = 0; i < image.data.size(); ++i)
+    image.data[i] =
+        bytes_per_pixel == 1 ? bytes[i] : static_cast<std::uint16_t>(bytes[2 * i] << 8 | bytes[2 * i + 1]);
+  return image;
+}
+
+files::FilePtr inMemory(const std::uint8_t* data, std::size_t size, const std::string& name) {
+  if (size == 0) throw IoError(name, "is empty");
+  files::FilePtr file(fmemopen(const_cast<std::uint8_t*>(data), size, "rb"));  // which only reads
+  if (!file) throw IoError(name, files::lastError());
+  return file;
 }
 
 /** An image as libpng writes it: rows of bytes, 16-bit values big-endian. */
@@ -183,23 +226,29 @@ std::optional<PngSize> pngSize(const std::filesystem::path& path) {
 
 Raster<std::uint16_t> readGreyPng(const std::filesystem::path& path, int min_bits) {
   files::requireFile(path);
-  const files::FilePtr file = files::open(path);
-  requireSignature(file.get(), path.string());
-  Codec codec(Codec::Kind::kRead, file.get(), path.string());
-  Header header;
-  codec.run(readHeader, &header);
-  requireGrey(header, min_bits, path.string());
+  return readGrey(files::open(path), path.string(), min_bits);
+}
 
-  const std::size_t bytes_per_pixel = header.bits / 8, pixels = std::size_t(header.width) * header.height;
-  std::vector<png_byte> bytes(pixels * bytes_per_pixel);
-  codec.run(readRows, rowPointers(bytes, header.height).data());
+Raster<std::uint16_t> readGreyPng(const std::uint8_t* data, std::size_t size, const std::string& name,
+                                  int min_bits) {
+  return readGrey(inMemory(data, size, name), name, min_bits);
+}
 
-  Raster<std::uint16_t> image{static_cast<int>(header.width), static_cast<int>(header.height), 1, {}};
-  image.data.resize(pixels);
-  for (std::size_t i = 0; i < pixels; ++i)
-    image.data[i] =
-        bytes_per_pixel == 1 ? bytes[i] : static_cast<std::uint16_t>(bytes[2 * i] << 8 | bytes[2 * i + 1]);
-  return image;
+Raster<std::uint8_t> readRgbaPng(const std::uint8_t* data, std::size_t size, const std::string& name) {
+  constexpr int kBits = 8, kChannels = 4;
+  EncodedPng png = readPng(inMemory(data, size, name), name, [&name](const Header& h) {
+    if (h.colour != PNG_COLOR_TYPE_RGB_ALPHA || h.bits != kBits)
+      throw IoError(name, "is not a PNG of 8 bits with red, green, blue and alpha");
+    return kChannels;
+  });
+  return {static_cast<int>(png.header.width), static_cast<int>(png.header.height), kChannels,
+          std::move(png.bytes)};
+}
+
+bool isRgbaPng(const std::uint8_t* data, std::size_t size) {
+  constexpr std::size_t kColour = 25;  // place of the type of colour, in the first chunk
+  return size > kColour && png_sig_cmp(data, 0, kSignatureSize) == 0 &&
+         data[kColour] == PNG_COLOR_TYPE_RGB_ALPHA;
 }
 
 void writePng(const std::filesystem::path& path, const Raster<std::uint16_t>& image) {

@@ -147,12 +147,16 @@ public:
     return values;
   }
   int integer() {
-    if (sqlite3_column_type(get(), cell_) != SQLITE_INTEGER) bad("is not an integer");
-    const sqlite3_int64 value = sqlite3_column_int64(get(), cell_);
-    if (value < std::numeric_limits<int>::min() || value > std::numeric_limits<int>::max())
+    const std::int64_t value = large();
+    if (value < std::numeric_limits<int>::min() || value > std::numeric_limits<int>::max()) {
+      --cell_;
       bad("is out of range");
-    ++cell_;
+    }
     return static_cast<int>(value);
+  }
+  std::int64_t large() {
+    if (sqlite3_column_type(get(), cell_) != SQLITE_INTEGER) bad("is not an integer");
+    return sqlite3_column_int64(get(), cell_++);
   }
   std::string text() {
     if (sqlite3_column_type(get(), cell_) != SQLITE_TEXT) bad("is not a text");

@@ -143,6 +143,12 @@ TEST_F(LiveTool, PlaysEveryFrameOfARecording) {
     ASSERT_TRUE(test::writeBag(images, bag, "uint16"));
     recordings[bag] = 40;
   }
+  for (const char* words : {"db3", "mcap lz4", "db3 split", "rtabmap"}) {
+    const std::string container = words, ending = container == "rtabmap" ? "db" : container.substr(0, 4);
+    const std::string recording = folder_ / ("walk_of_" + std::to_string(recordings.size()) + "." + ending);
+    ASSERT_TRUE(test::writeRecording(images, recording, words)) << words;
+    recordings[recording] = 40;
+  }
   ASSERT_EQ(runLive({"--device", sequence(), "--headless", "--record", oni, "--speed", "0.3"}).code, kOk);
   recordings[oni] = DepthSequence::open(oni).frames().size();
   int number = 0;

@@ -107,6 +107,28 @@ protected:
     return (folder / "walk.bag").string();
   }
 
+  /** As a recording of ROS 2 or RTAB-Map with camera and poses beside it. */
+  std::string recorded(const std::string& source, const std::string& name, const std::string& words) {
+    const fs::path folder = folder_ / name;
+    copyCamera(source, folder);
+    fs::copy_file(fs::path(source) / "groundtruth.txt", folder / "groundtruth.txt");
+    const std::string container = words.substr(0, words.find(' '));
+    const fs::path file = folder / ("walk." + (container == "rtabmap" ? "db" : container));
+    const DepthSequence sequence = DepthSequence::open(source);
+    EXPECT_TRUE(writeRecording(sequence, file, words, sequence.groundTruth())) << words;
+    return file.string();
+  }
+
+  /** The bytes of hypotheses.csv. */
+  std::string localizedIn(const std::string& mapped, const std::string& localized) {
+    const std::string map = folder_ / "layout.flmap", results = folder_ / "results";
+    const ToolRun build = runMap({"build", mapped, "-o", map, "--overwrite", "--map.distance", "0.1"});
+    EXPECT_EQ(build.code, kOk) << build.err;
+    const ToolRun localize = runTool<LocalizeApp>({map, localized, "-o", results});
+    EXPECT_EQ(localize.code, kOk) << localize.err;
+    return contentOf(results + "/hypotheses.csv");
+  }
+
   /** As a camera with a lens stores it: distances along rays. */
   std::string throughALens(const std::string& source, const std::string& name) {
     const fs::path folder = folder_ / name;
@@ -275,6 +297,40 @@ TEST_F(Layouts, ResultsSayWhichFileAFrameIsFrom) {
 TEST_F(Layouts, Bags) {
   if (!hasBags()) GTEST_SKIP() << "no python3-rosbag to write bags with, or a build that reads none";
   expectToWork(bag(map_run(), "a"), bag(query(), "b"));
+}
+
+TEST_F(Layouts, RecordingsOfToday) {
+  expectToWork(recorded(map_run(), "a", "mcap zstd"), recorded(query(), "b", "db3"));
+}
+
+TEST_F(Layouts, RecordingsOfTodayGiveTheBytesOfTheirImages) {
+  const std::string expected = localizedIn(map_run(), query());
+  int n = 0;
+  for (const char* words : {"db3 zstd", "db3 png", "mcap lz4 32FC1", "mcap unchunked rvl", "rtabmap 32FC1"}) {
+    const std::string name = std::to_string(n++);
+    EXPECT_EQ(localizedIn(recorded(map_run(), "a" + name, words), recorded(query(), "b" + name, words)),
+              expected)
+        << words;
+  }
+}
+
+TEST_F(Layouts, AnRtabmapDatabaseNeedsNothingBesideIt) {
+  const std::string a = recorded(map_run(), "a", "rtabmap"), b = recorded(query(), "b", "rtabmap");
+  for (const char* name : {"a", "b"})
+    for (const char* file : {"camera.ini", "groundtruth.txt"}) fs::remove(fs::path(folder_ / name) / file);
+  expectToWork(a, b);
+}
+
+TEST_F(Layouts, TheImuOfARecordingIsTakenForGravity) {
+  const std::string walk = recorded(query(), "a", "mcap imu=camera_imu_optical_frame"),
+                    map = folder_ / "a.flmap";
+  ASSERT_EQ(runMap({"build", map_run(), "-o", map, "--map.distance", "0.1"}).code, kOk);
+  const ToolRun used = runTool<LocalizeApp>({map, walk, "-o", folder_ / "used"});
+  ASSERT_EQ(used.code, kOk) << used.err;
+  EXPECT_THAT(used.err, HasSubstr("gravity is by the accelerometer of /imu"));
+  const ToolRun ignored = runTool<LocalizeApp>({map, walk, "-o", folder_ / "ignored", "--gravity", "none"});
+  ASSERT_EQ(ignored.code, kOk) << ignored.err;
+  EXPECT_THAT(ignored.err, Not(HasSubstr("accelerometer")));
 }
 
 TEST_F(Layouts, TheOdometryOfABagIsTakenForAMap) {

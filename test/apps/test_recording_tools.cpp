@@ -194,6 +194,19 @@ TEST_F(RecordingTools, ConvertWritesTheOdometryOfABag) {
   EXPECT_EQ(DepthSequence::open(folder_ / "out").frames().size(), 12u);
 }
 
+TEST_F(RecordingTools, ConvertWritesWhatTheMessagesOfRos2Tell) {
+  const DepthSequence walk = DepthSequence::open(map_run());
+  ASSERT_TRUE(writeRecording(walk, folder_ / "walk.mcap", "mcap zstd imu=camera_depth_optical_frame",
+                             walk.groundTruth()));
+  const ToolRun run = convert(folder_ / "walk.mcap", "out");
+  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("12 poses in odometry.txt, gravity.txt"));
+  EXPECT_EQ(readTumTrajectory(folder_ / "out/odometry.txt").poses().size(), 12u);
+  const GravityRecord gravity = readGravity(folder_ / "out/gravity.txt", kDegree);
+  ASSERT_EQ(gravity.samples().size(), 12u);
+  EXPECT_LT((gravity.samples()[5].gravity.down - Eigen::Vector3d::UnitY()).norm(), 1e-6);
+}
+
 TEST_F(RecordingTools, ConvertOfWhatIsNoRecordingLeavesNothing) {
   EXPECT_EQ(convert(folder_ / "none", "out").code, kFailed);
   EXPECT_FALSE(fs::exists(folder_ / "out"));

@@ -106,6 +106,56 @@ void makeRecordings(const Seeds& seeds) {
   put("table", false, "16zT", bytesOf<std::uint16_t>({2, 0, 1000, 0}) + "\x5D\xE3");
 }
 
+/** A text behind its size. */
+std::string text(const std::string& words) {
+  return bytesOf<std::uint32_t>({static_cast<std::uint32_t>(words.size())}) + words;
+}
+
+/** A message of ROS 1: an image of 4x2 pixels, by its encoding. */
+std::string imageMessage() {
+  const std::string header = bytesOf<std::uint32_t>({1, 2, 3}) + text("camera");
+  return header + bytesOf<std::uint32_t>({2, 4}) + text("16UC1") + std::string(1, 0) +
+         bytesOf<std::uint32_t>({8}) + text(bytesOf<std::uint16_t>({1, 2, 3, 4, 5, 6, 7, 8}));
+}
+
+std::string record(char opcode, const std::string& content) {
+  return std::string(1, opcode) + bytesOf<std::uint64_t>({content.size()}) + content;
+}
+
+/** An MCAP of messages of ROS 1. \param chunked as one chunk that is not compressed */
+std::string mcap(bool chunked) {
+  const std::string message =
+      bytesOf<std::uint16_t>({1, 0, 0}) + bytesOf<std::uint64_t>({5, 5}) + imageMessage();
+  const std::string records =
+      record(3, bytesOf<std::uint16_t>({1}) + text("sensor_msgs/Image") + text("ros1msg") + text("")) +
+      record(4, bytesOf<std::uint16_t>({1, 1}) + text("/depth") + text("ros1") + text("")) +
+      record(5, message);
+  const std::string chunk = bytesOf<std::uint64_t>({5, 5, records.size()}) + bytesOf<std::uint32_t>({0}) +
+                            text("") + bytesOf<std::uint64_t>({records.size()}) + records;
+  return "\x89MCAP0\r\n" + record(1, text("") + text("")) + (chunked ? record(6, chunk) : records) +
+         record(15, bytesOf<std::uint32_t>({0}));
+}
+
+void makeMessages(const Seeds& seeds) {
+  seeds.put("cdr", "image", "I" + imageMessage());
+  const std::string header = bytesOf<std::uint32_t>({1, 2, 3}) + text("camera");
+  const std::string rvl = bytesOf<std::uint32_t>({5, 1, 0x23C21400});
+  seeds.put("cdr", "compressed",
+            "C" + header + text("32FC1; compressedDepth rvl") + text(bytesOf<float>({0, 10, 1}) + rvl));
+  seeds.put("cdr", "odometry", "O" + header + text("base") + std::string(700, 0));
+  seeds.put("cdr", "info",
+            "K" + header + bytesOf<std::uint32_t>({2, 4}) + text("plumb_bob") + std::string(260, 0));
+  seeds.put("cdr", "tf", "T" + bytesOf<std::uint32_t>({1}) + header + text("base") + std::string(56, 0));
+  seeds.put("rvl", "five", rvl);
+  seeds.put("mcap", "chunk", mcap(true));
+  seeds.put("mcap", "plain", mcap(false));
+  seeds.put("rtabmap", "rvl", "dDEPTHRVL" + rvl);
+  seeds.put("rtabmap", "pose", "p" + bytesOf<float>({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}));
+  seeds.put("rtabmap", "camera",
+            "c" + bytesOf<std::uint32_t>({0, 21, 1, 0, 4, 2, 9, 0, 0, 0, 0}) +
+                bytesOf<double>({5, 0, 2, 0, 5, 1, 0, 0, 1}));
+}
+
 void makeImages(const Seeds& seeds) {
   const DepthImage image = leaningPlane();
   writeDepthPng(seeds("png", "depth.png"), image, 1000);
@@ -178,6 +228,7 @@ int main(int argc, char** argv) {
   const Seeds seeds(argv[1]);
   makeMaps(seeds);
   makeRecordings(seeds);
+  makeMessages(seeds);
   makeImages(seeds);
   makeMessagesAndResults(seeds);
 }

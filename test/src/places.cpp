@@ -16,6 +16,7 @@ const char* const kSupervise = FACETLOC_SOURCE "/apps/examples/supervise.py";
 const char* const kReadStream = FACETLOC_SOURCE "/apps/examples/read_stream.py";
 const char* const kStreamSchema = FACETLOC_SOURCE "/apps/stream.schema.json";
 const char* const kWriteBag = FACETLOC_SOURCE "/test/io/write_bag.py";
+const char* const kWriteRecording = FACETLOC_SOURCE "/test/io/write_recording.py";
 
 std::filesystem::path dataFolder(const std::string& name) {
   const char* set = std::getenv("FACETLOC_DATA");

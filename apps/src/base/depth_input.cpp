@@ -40,6 +40,8 @@ void addRecordingOptions(CommandLine& line, RecordingHints& recording) {
       "camera", recording.camera, "FILE|NAME",
       fmt::format("A camera.ini, a map made with the camera, or, for range and usual intrinsics, one of {}.",
                   cameraPresetNames()));
+  line.addOption("topic", recording.topic, "NAME",
+                 "Topic of the depth images, of a recording of messages with several.");
   line.addOption("depth-scale", recording.depth_scale, "N", "PNG values per metre; 0 = as camera.ini says.");
   addTimeOffset(line, recording.time_offset);
   line.addOption("poses-are", recording.poses_are, "LIST",

@@ -12,6 +12,8 @@
 namespace facetloc {
 namespace {
 
+constexpr const char* kIgnored = "none";  // in the place of a file
+
 /** 1 to 3: x, y, z; negative: the other direction. */
 Eigen::Vector3d axisOf(int number) {
   return (number < 0 ? -1 : 1) * Eigen::Vector3d::Unit(std::abs(number) - 1);
@@ -20,7 +22,8 @@ Eigen::Vector3d axisOf(int number) {
 }  // namespace
 
 void GravityOption::addOptions(CommandLine& line) {
-  line.addOption("gravity", file_, "FILE", "Direction that is down, by image (RECORDINGS.md).");
+  line.addOption("gravity", file_, "FILE",
+                 "Direction that is down, by image (RECORDINGS.md); none = ignore IMU.");
   line.addParams(params_, "gravity");
   line.addCheck([this] {
     if (params_.up == 0) throw UsageError("gravity.up is an axis: 1, 2, 3 or negative");
@@ -28,7 +31,24 @@ void GravityOption::addOptions(CommandLine& line) {
 }
 
 void GravityOption::read(const DepthSequence& sequence, const Console& console) {
-  if (file_.empty()) return;
+  if (file_ == kIgnored) return;
+  if (file_.empty()) {
+    std::string remark;
+    record_ = sequence.gravity(params_.std_deg * kDegree, &remark);
+    if (!remark.empty()) console.note(remark);
+  } else {
+    readFile(sequence);
+  }
+  if (record_.empty()) return;
+  std::size_t without = 0;
+  for (const FrameFile& frame : sequence.frames()) without += !at(frame.stamp);
+  if (without == sequence.frames().size())
+    throw IoError(file_, "has no gravity at the time of any image: are the times those of one clock?");
+  if (without > 0)
+    console.note(counted(without, "image") + " without gravity, which is not known at their times");
+}
+
+void GravityOption::readFile(const DepthSequence& sequence) {
   if (!sequence.stamped())
     throw IoError(file_, "the image names are no time stamps: gravity cannot be matched with them");
   if (holdsGravity(file_)) {
@@ -38,19 +58,15 @@ void GravityOption::read(const DepthSequence& sequence, const Console& console) 
     if (poses.empty()) throw IoError(file_, "has no poses at the times of the images");
     record_ = gravityOf(poses, axisOf(params_.up), params_.std_deg * kDegree);
   }
-  std::size_t without = 0;
-  for (const FrameFile& frame : sequence.frames()) without += !at(frame.stamp);
-  if (without == sequence.frames().size())
-    throw IoError(file_, "has no gravity at the time of any image: are the times those of one clock?");
-  if (without > 0) console.note(counted(without, "image") + " outside the time of --gravity");
 }
 
 std::optional<Gravity> GravityOption::at(double stamp) const { return record_.at(stamp); }
 
 std::string GravityOption::toIni() const {
-  if (file_.empty()) return {};
-  return fmt::format("gravity = {}\ngravity.std_deg = {}\ngravity.up = {}\n", file_,
-                     text::shortest(params_.std_deg), params_.up);
+  if (file_.empty() && record_.empty()) return {};
+  const std::string file = file_.empty() ? "" : fmt::format("gravity = {}\n", file_);
+  return file +
+         fmt::format("gravity.std_deg = {}\ngravity.up = {}\n", text::shortest(params_.std_deg), params_.up);
 }
 
 }  // namespace facetloc

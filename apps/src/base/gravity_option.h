@@ -34,15 +34,17 @@ struct GravityParams {
 class GravityOption {
 public:
   void addOptions(CommandLine& line);
-  /** \brief Reads the file, if one is given, with a remark on images that it has nothing of. Throws IoError.
-   */
+  /** \brief Reads the file, or else the IMU in the recording, with remarks on where gravity is from and on
+   * images that have none. Throws IoError. */
   void read(const DepthSequence& sequence, const Console& console);
-  /** \brief At the time of an image [s]; nothing without a file, or where it has a gap. */
+  /** \brief At the time of an image [s]; nothing without a source, or where it has a gap. */
   std::optional<Gravity> at(double stamp) const;
-  /** \brief As they are recorded beside maps and results; empty without a file. */
+  /** \brief As they are recorded beside maps and results; empty without gravity. */
   std::string toIni() const;
 
 private:
+  void readFile(const DepthSequence& sequence);
+
   std::string file_;
   GravityParams params_;
   GravityRecord record_;

@@ -40,7 +40,7 @@ LiveApp::LiveApp()
     : App("facetloc_live", "[--device DEVICE] [--map MAP.flmap | --build MAP.flmap] [options]",
           "Cuts what a depth camera sees into planar segments; with --map, finds and follows it in a map, "
           "with --build, makes a map while it moves. DEVICE is a camera of OpenNI2 (#1, or a URI), a .scene "
-          "file, or a recording: .oni, ROS bag, folder or list of images. Keys: " +
+          "file, or a recording: .oni, .mcap, .db3, .bag, .db, folder or list of images. Keys: " +
               keysText() + ".") {}
 
 void LiveApp::addOptions(CommandLine& line) {
@@ -72,7 +72,8 @@ void LiveApp::addOptions(CommandLine& line) {
   line.addSwitch("repeat", run.source.repeat, "Play files and recordings again and again.");
   line.addSwitch("every-frame", run.source.every_frame,
                  "Process every frame of a recording: each waits until the one before it is done.");
-  line.addOption("topic", run.source.topic, "NAME", "Topic of the depth images of a bag.");
+  line.addOption("topic", run.source.topic, "NAME",
+                 "Topic of the depth images, of a recording of messages with several.");
   line.addOption("speed", run.source.speed, "X",
                  "Play recordings so many times as fast; 0 = as fast as possible.");
   addMinProbability(line, min_probability_);

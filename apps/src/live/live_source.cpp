@@ -6,6 +6,7 @@
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/features/organized_cloud.h>
+#include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_camera.h>
 #include <facetloc/io/openni_grabber.h>
@@ -113,7 +114,8 @@ bool isPlayed(const LiveSourceOptions& options) {
   const fs::path path = options.device;
   std::error_code ignored;
   if (path.extension() == ".scene" || !fs::exists(path, ignored)) return false;
-  return options.every_frame || (fs::is_regular_file(path, ignored) && path.extension() != ".oni");
+  if (options.every_frame || DepthSequence::isOfMessages(path)) return true;
+  return fs::is_regular_file(path, ignored) && path.extension() != ".oni";
 }
 
 }  // namespace

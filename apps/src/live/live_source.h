@@ -46,7 +46,7 @@ struct LiveSourceOptions {
    * files.
    */
   std::string camera;
-  std::string topic;         ///< topic of a bag that is played; empty = RecordingHints::topic
+  std::string topic;         ///< of messages that are played; empty = RecordingHints::topic
   bool repeat = false;       ///< files and recordings begin again at their end
   bool every_frame = false;  ///< a file plays its next frame when the one before it has been processed
   double speed = 1;          ///< at which files and recordings play, times real time

@@ -118,8 +118,6 @@ void CheckApp::addOptions(CommandLine& line) {
   line.addOption("pose-tolerance", pose_tolerance_, "S",
                  "Largest distance in time of an image and its pose [s].");
   line.addCheck([this] { requireTolerance(pose_tolerance_); });
-  line.addOption("topic", depth_.recording.topic, "NAME",
-                 "The depth images of a bag that has several topics of them.");
   addRecordingOptions(line, depth_.recording);
   depth_.addOptions(line);
 }

@@ -34,7 +34,8 @@ ConvertApp::ConvertApp()
     : App("facetloc_convert", "RECORDING -o FOLDER [options]",
           "Writes a recording of any layout as a folder that every tool reads: depth/<stamp>.png, "
           "camera.ini, "
-          "and, where the recording has them, groundtruth.txt and the odometry.txt of a bag. Images whose "
+          "and, where the recording has them, groundtruth.txt, the odometry.txt and the gravity.txt of its "
+          "messages. Images whose "
           "names "
           "are no times are named by their times.") {}
 
@@ -44,8 +45,6 @@ void ConvertApp::addOptions(CommandLine& line) {
   line.addOption("every", every_, "N", "Take every N-th image.");
   line.addOption("scale", scale_, "N",
                  "PNG values per metre to write; 0 = those of the recording, or 5000 for clouds.");
-  line.addOption("topic", recording_.topic, "NAME",
-                 "The depth images of a bag that has several topics of them.");
   addRecordingOptions(line, recording_);
   line.addCheck([this] {
     if (every_ < 1) throw UsageError("every must be positive");
@@ -96,12 +95,19 @@ void ConvertApp::writePoses(const DepthSequence& sequence, const Console& consol
     console.out << ", " << counted(poses.poses().size(), "pose") << " in " << name;
   };
   if (!sequence.groundTruth().empty()) write("groundtruth.txt", sequence.groundTruth());
-  if (fs::path(input_).extension() != ".bag") return;
+  if (!DepthSequence::isOfMessages(input_)) return;
+  std::string remark;
   try {
-    write("odometry.txt", sequence.readOdometry(input_));
+    write("odometry.txt", sequence.readOdometry(input_, &remark));
+    if (!remark.empty()) console.note(remark);
   } catch (const IoError& e) {
     console.note(e.what());
   }
+  const GravityRecord gravity = sequence.gravity(kDegree, &remark);
+  if (!remark.empty()) console.note(remark);
+  if (gravity.empty()) return;
+  writeGravity(fs::path(folder_) / "gravity.txt", gravity.samples());
+  console.out << ", gravity.txt";
 }
 
 int ConvertApp::execute(const CommandLine&, const Console& console) {

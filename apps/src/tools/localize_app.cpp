@@ -136,7 +136,8 @@ struct LocalizeApp::Run {
 LocalizeApp::LocalizeApp()
     : App("facetloc_localize", "MAP.flmap INPUT -o RESULTS [options]",
           "Finds where depth images were taken. INPUT is a recording: a folder, a list (.txt, .lst) or one "
-          "image of 16-bit PNGs or organized PCDs, an .oni or .bag file, or what facetloc_segment made of "
+          "image of 16-bit PNGs or organized PCDs, an .oni, .mcap, .db3, .bag or .db file, or what "
+          "facetloc_segment made of "
           "it. RESULTS/hypotheses.csv lists the "
           "ranked poses of each image, RESULTS/poses_tum.txt the sure ones; images that cannot be localized "
           "are listed with the reason. Under mpirun, the images are dealt out to its processes.") {}

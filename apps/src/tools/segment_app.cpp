@@ -110,7 +110,8 @@ private:
 SegmentApp::SegmentApp()
     : App("facetloc_segment", "INPUT... -o DIR [options]",
           "Cuts depth images into planar surface segments. INPUT is a recording: a folder, a list (.txt, "
-          ".lst) or one image of 16-bit PNGs or organized PCDs, or an .oni or .bag file. For each image, "
+          ".lst) or one image of 16-bit PNGs or organized PCDs, or an .oni, .mcap, .db3, .bag or .db file. "
+          "For each image, "
           "DIR/<name>.segments.pcd holds its segments. With --noise, only the noise of the camera is "
           "measured. Under mpirun, the images are dealt out to its processes.") {}
 

@@ -25,10 +25,6 @@ constexpr Unread kUnread[] = {
     {".h5", "HDF5 is not read; as NPY it is (h5py and numpy.save)"},
     {".npz", "a .npz holds several arrays; write depth alone: numpy.save('OUT.npy', "
              "numpy.load('IN.npz')['depth'])"},
-    {".db", "a database of RTAB-Map is not read; what rtabmap-export --images --poses_camera writes is"},
-    {".db3", "ROS 2 bags are not read; write depth images of them as PNGs, or a ROS 1 bag (rosbags-convert)"},
-    {".mcap",
-     "ROS 2 bags are not read; write depth images of them as PNGs, or a ROS 1 bag (rosbags-convert)"},
     {".mkv", "recordings of Azure Kinects are not read; Open3D's azure_kinect_mkv_reader writes depth PNGs"},
     {".sens", "ScanNet's .sens is not read; its SensReader exports depth, pose and intrinsic folders"},
     {".klg", "Kintinuous' .klg is not read; write its depth images as PNGs"},
@@ -42,6 +38,8 @@ constexpr Unread kUnread[] = {
     {".jpeg", "JPEG holds no depth: it has 8 bits, and is not exact"},
     {".ply", "PLY clouds are not organized; as organized PCD they are read"},
     {".mp4", "videos hold no depth"},
+    {".zstd", "unpack it first: zstd -d"},
+    {".zst", "unpack it first: zstd -d"},
     {".zip", "unpack it first"},
 };
 

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/image_container.h"
 
-#include "recordings/bag.h"
 #include "recordings/image_list.h"
+#include "recordings/message_file.h"
+#include "recordings/message_recording.h"
+#include "recordings/rtabmap_database.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/oni_file.h>
 
 #include <fmt/format.h>
+#include <system_error>
 
 namespace facetloc::internal {
 namespace {
@@ -20,6 +23,7 @@ public:
 
   std::size_t size() const override { return file_.size(); }
   double stamp(std::size_t index) const override { return file_.stamp(index); }
+  fs::path path(std::size_t) const override { return file_.path(); }
   DepthImage read(std::size_t index) const override { return file_.read(index); }
 
   CameraFile camera() const override {
@@ -42,15 +46,32 @@ private:
   OniFile file_;
 };
 
+bool isRtabmap(const fs::path& path) { return lowerExtension(path) == ".db"; }
+
 }  // namespace
 
-bool isBag(const fs::path& path) { return lowerExtension(path) == ".bag"; }
-
-bool isContainer(const fs::path& path) { return lowerExtension(path) == ".oni" || isBag(path); }
+bool isContainer(const fs::path& path) {
+  std::error_code ignored;
+  const bool is_file = !fs::is_directory(path, ignored);
+  return (is_file && (lowerExtension(path) == ".oni" || isRtabmap(path))) || isMessageRecording(path);
+}
 
 std::shared_ptr<const ImageContainer> openContainer(const fs::path& path, const std::string& topic) {
-  if (isBag(path)) return openBag(path, topic);
+  if (isMessageRecording(path)) return openMessageRecording(path, topic);
+  if (isRtabmap(path)) return openRtabmapDatabase(path);
   return std::make_shared<const OniContainer>(path);
 }
+
+ReadPoses readContainerPoses(const fs::path& path, const std::string& camera_frame) {
+  if (isMessageRecording(path)) return readMessageOdometry(path, camera_frame);
+  const auto container = openContainer(path, "");
+  std::vector<StampedPose> poses;
+  for (std::size_t i = 0; i < container->size(); ++i)
+    if (const auto T_w_c = container->pose(i)) poses.push_back({container->stamp(i), *T_w_c});
+  if (poses.empty()) throw IoError(path.string(), "has no poses");
+  return {Trajectory(std::move(poses)), {}};
+}
+
+std::string containerEndings() { return ".oni, .bag, .db3, .mcap, .db"; }
 
 }  // namespace facetloc::internal

@@ -1,26 +1,39 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "recordings/message_poses.h"
+
 #include <facetloc/features/depth_image.h>
 #include <facetloc/io/camera_file.h>
+
+#include <Eigen/Geometry>
 
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 /** \file
- * Recordings that are one file. Private to io. */
+ * Recordings whose images are not files of their own. Private to io. */
 
 namespace facetloc::internal {
 
-/** \brief One file that has all depth images of a recording. All calls are thread-safe and throw IoError. */
+/** \brief A file, or some, that have all depth images of a recording. All calls are thread-safe and throw
+ * IoError. */
 class ImageContainer {
 public:
   virtual ~ImageContainer() = default;
 
   virtual std::size_t size() const = 0;
-  virtual double stamp(std::size_t index) const = 0;  ///< [s]
+  virtual double stamp(std::size_t index) const = 0;                ///< [s]
+  virtual std::filesystem::path path(std::size_t index) const = 0;  ///< the file that an image is in
+  /** \brief The pose of the camera, if it is stored with the images. */
+  virtual std::optional<Eigen::Isometry3d> pose(std::size_t) const { return {}; }
+  /** \brief The frame of the images, as tf calls it; or empty. */
+  virtual std::string frame() const { return {}; }
+  /** \brief Gravity at the times of the images. \param std [rad] */
+  virtual ReadGravity gravity(double) const { return {}; }
   /** \brief What it says of its camera. */
   virtual CameraFile camera() const = 0;
   /** \brief An image, with the size that it has and whatever intrinsics. */
@@ -29,13 +42,15 @@ public:
   virtual std::string remark() const = 0;
 };
 
-/** \brief Is it one, by its name? */
+/** \brief Is it one, by its name or, of a folder, by what is in it? */
 bool isContainer(const std::filesystem::path& path);
-/** \brief Throws IoError. \param topic of a bag: which of its images (bag.h) */
+/** \brief Throws IoError. \param topic of messages: which of their images (message_recording.h) */
 std::shared_ptr<const ImageContainer> openContainer(const std::filesystem::path& path,
                                                     const std::string& topic);
-
-/** \brief Is it a ROS 1 bag, by its name? */
-bool isBag(const std::filesystem::path& path);
+/** \brief The poses in such a recording: those of its images, or an odometry (message_poses.h). Throws
+ * IoError. \param camera_frame as tf calls it; empty if poses are wanted as they are */
+ReadPoses readContainerPoses(const std::filesystem::path& path, const std::string& camera_frame);
+/** \brief Endings of the names of such recordings: ".oni, .bag, ...". */
+std::string containerEndings();
 
 }  // namespace facetloc::internal

@@ -36,18 +36,17 @@ void requireUniqueNames(const std::vector<FrameFile>& frames, const fs::path& so
 }
 
 /** As of images: their names are their stamps, or their numbers if the stamps do not tell them apart. */
-RecordingLayout layoutOf(const ImageContainer& container, const fs::path& path,
-                         const std::vector<fs::path>& beside) {
+RecordingLayout layoutOf(const ImageContainer& container, const std::vector<fs::path>& beside) {
   std::vector<ListedImage> images;
   bool ascending = true;
   for (std::size_t i = 0; i < container.size(); ++i) {
-    images.push_back({path, container.stamp(i)});
+    images.push_back({container.path(i), container.stamp(i), container.pose(i)});
     ascending = ascending && (i == 0 || images[i].stamp > images[i - 1].stamp);
   }
   if (ascending) return layoutOf(images, beside, {});
   RecordingLayout layout;
   for (std::size_t i = 0; i < images.size(); ++i)
-    layout.frames.push_back({fmt::format("frame_{}", i), path, static_cast<double>(i)});
+    layout.frames.push_back({fmt::format("frame_{}", i), images[i].path, static_cast<double>(i)});
   return layout;
 }
 
@@ -63,8 +62,9 @@ SequenceReader::SequenceReader(const fs::path& path, const RecordingHints& hints
 
 void SequenceReader::listImages() {
   std::error_code ignored;
-  const bool is_folder = fs::is_directory(path_, ignored);
-  asked_ = is_folder ? fs::absolute(path_) : fs::absolute(path_).parent_path();
+  const bool is_container = isContainer(path_);
+  const bool is_folder = fs::is_directory(path_, ignored) && !is_container;
+  asked_ = fs::is_directory(path_, ignored) ? fs::absolute(path_) : fs::absolute(path_).parent_path();
   const fs::path images = is_folder ? folderOfImages(path_) : path_;
   const bool has_depth = is_folder && images != path_;
   beside_ = placesBeside(has_depth ? images : asked_, asked_);
@@ -80,13 +80,14 @@ void SequenceReader::listImages() {
     layout_ = layoutOf({{path_}}, beside_, within_);
   else if (isImageList(path_))
     layout_ = layoutOf(imagesOfList(path_), beside_, {});
-  else if (isContainer(path_))
-    layout_ = layoutOf(*(container_ = openContainer(path_, hints_.topic)), path_, beside_);
+  else if (is_container)
+    layout_ = layoutOf(*(container_ = openContainer(path_, hints_.topic)), beside_);
   else
     throw IoError(path_.string(),
-                  fmt::format("is no sequence: expected a folder, a depth image ({}), an .oni or "
-                              ".bag recording, or a list in a .txt, .lst or .csv file{}{}",
-                              imageEndings(), adviceOnFile(path_).empty() ? "" : "; ", adviceOnFile(path_)));
+                  fmt::format("is no sequence: expected a folder, a depth image ({}), a recording "
+                              "in one file ({}), or a list in a .txt, .lst or .csv file{}{}",
+                              imageEndings(), containerEndings(), adviceOnFile(path_).empty() ? "" : "; ",
+                              adviceOnFile(path_)));
 }
 
 bool SequenceReader::needsCamera() const {

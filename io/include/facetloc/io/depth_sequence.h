@@ -4,6 +4,7 @@
 #include <facetloc/features/depth_image.h>
 #include <facetloc/features/segment.h>
 #include <facetloc/io/camera_file.h>
+#include <facetloc/io/gravity_record.h>
 #include <facetloc/io/pose_reading.h>
 #include <facetloc/io/trajectory.h>
 
@@ -38,7 +39,8 @@ struct RecordingHints {
   std::string camera{};
   double depth_scale = 0;  ///< PNG values per metre; 0: as the recording says
   double time_offset = 0;  ///< added to the time of an image, it is the time of its pose [s]
-  /** Of a bag: the topic of its images; empty = of several, the one called depth that has the most. */
+  /** Of a recording of messages: the topic of its images; empty = of several, the one called depth that has
+   * the most. */
   std::string topic{};
   bool segments = false;  ///< take files of segments, too
   /** How the poses are written, of the recording and of files of poses that are read for it: the words of
@@ -49,8 +51,9 @@ struct RecordingHints {
 /** \brief A sequence of depth images on disk, in the order of their stamps.
  *
  * Accepted: a folder of depth images, which are in it, in its folder depth/, or in the only folder below it
- * that has depth in its name and depth images in it; a single image; an .oni recording; a ROS 1 .bag, if the
- * build has rosbag_storage; a text file (.txt, .lst, .csv) with one path per line, relative to the list, with
+ * that has depth in its name and depth images in it; a single image; an .oni recording; messages of ROS 1 and
+ * ROS 2, .bag (if the build has rosbag_storage), .db3, .mcap or a folder of rosbag2; a .db of RTAB-Map, with
+ * the poses of its graph; a text file (.txt, .lst, .csv) with one path per line, relative to the list, with
  * or without a time stamp before it, and with images of other kinds and poses beside it; # starts a comment
  * line. Images are 16-bit PNG, PGM and TIFF, PCL's PCLZF, NPY arrays (whole numbers by depth_scale, or
  * metres), floating-point TIFF and PFM (metres), and organized PCD. Of images of several kinds in one folder,
@@ -95,7 +98,8 @@ public:
   /** \brief The poses that came with the recording, at the times of its images. Empty if there are none.
    * Throws IoError if there are some that cannot be read. */
   const Trajectory& groundTruth() const;
-  /** \brief Poses in a file, or the odometry of a bag, as poses of this recording's camera, at the times of
+  /** \brief Poses in a file, or those in a recording of messages or RTAB-Map, as poses of this recording's
+   * camera, at the times of
    * its images: with its offset in time, read as RecordingHints::poses_are says, and with the y axis of its
    * camera downwards. Files are of the forms that readTrajectory() knows, and may have no stamps if it is
    * known which pose is whose: they are as many as images, in their order. Throws IoError. \param remark
@@ -104,6 +108,13 @@ public:
   /** \brief The same of an odometry, whose poses are as they are written: of the camera, or of its robot.
    * Throws IoError. */
   Trajectory readOdometry(const std::filesystem::path& path, std::string* remark = nullptr) const;
+  /** \brief Is it a recording of messages, by its name or what is in it? It may have an odometry and an IMU. */
+  static bool isOfMessages(const std::filesystem::path& path);
+  /** \brief Gravity at the times of the images, by an IMU in a recording of messages whose axes are known
+   * beside the camera's; else empty. Throws IoError. \param std of a direction, unless the camera is
+   * accelerated [rad] \param remark receives where it is from, or why it is not used, a sentence without full
+   * stop, or nothing */
+  GravityRecord gravity(double std, std::string* remark = nullptr) const;
   /** \brief How the recording is laid out, in words. */
   const std::string& layout() const { return layout_; }
   /** \brief What its user should know of it, sentences without full stop. */
@@ -128,6 +139,7 @@ private:
   DepthSequence() = default;
   Trajectory asOfImages(const Trajectory& poses, const PoseReading& reading) const;
   Trajectory readAs(const std::filesystem::path& path, const PoseReading& reading, std::string* remark) const;
+  std::string frameOfPoses(const PoseReading& reading) const;
   std::optional<Intrinsics> knownIntrinsics() const;
   internal::CloudImage loadAsStored(std::size_t index) const;
 

@@ -18,29 +18,44 @@ inline bool hasBags() {
   return FACETLOC_READS_BAGS && std::system(kTry) == 0;  // NOLINT(cert-env33-c)
 }
 
-/** \brief Writes a sequence as a bag (write_bag.py tells the kinds). \return did it work? */
-inline bool writeBag(const DepthSequence& sequence, const std::filesystem::path& bag, const std::string& kind,
-                     const Trajectory& odometry = {}) {
+/** \brief Calls a script with a sequence, as write_bag.py and write_recording.py read it. \return did it
+ * work?
+ */
+inline bool writeWith(const char* script, const DepthSequence& sequence, const std::filesystem::path& out,
+                      const std::string& words, const Trajectory& odometry) {
   namespace fs = std::filesystem;
-  const fs::path folder = bag.string() + ".raw";
+  const fs::path folder = out.string() + ".raw";
   fs::create_directories(folder);
   for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
     const DepthImage image = sequence.load(i);
-    std::ofstream out(folder / (sequence.frames()[i].name + ".raw"), std::ios::binary);
+    std::ofstream raw(folder / (sequence.frames()[i].name + ".raw"), std::ios::binary);
     for (const float z : image.depth) {
       const auto value = static_cast<std::uint16_t>(std::lround(1000 * z));
-      out.write(reinterpret_cast<const char*>(&value), sizeof value);
+      raw.write(reinterpret_cast<const char*>(&value), sizeof value);
     }
   }
   const Intrinsics& k = sequence.camera()->camera.intrinsics;
   std::ofstream(folder / "intrinsics.txt")
       << k.width << " " << k.height << " " << k.fx << " " << k.fy << " " << k.cx << " " << k.cy;
   if (!odometry.empty()) writeTumTrajectory(folder / "odometry.txt", odometry.poses());
-  const std::string command = std::string("/usr/bin/python3 ") + kWriteBag + " '" + folder.string() + "' '" +
-                              bag.string() + "' " + kind;
+  const std::string command = std::string("/usr/bin/python3 ") + script + " '" + folder.string() + "' '" +
+                              out.string() + "' " + words;
   const bool done = std::system(command.c_str()) == 0;  // NOLINT(cert-env33-c)
   fs::remove_all(folder);
   return done;
+}
+
+/** \brief Writes a sequence as a bag (write_bag.py tells the kinds). \return did it work? */
+inline bool writeBag(const DepthSequence& sequence, const std::filesystem::path& bag, const std::string& kind,
+                     const Trajectory& odometry = {}) {
+  return writeWith(kWriteBag, sequence, bag, kind, odometry);
+}
+
+/** \brief Writes a sequence as a recording of ROS 2 or RTAB-Map. \param words the container and how it is
+ * written (write_recording.py tells them) \return did it work? */
+inline bool writeRecording(const DepthSequence& sequence, const std::filesystem::path& out,
+                           const std::string& words, const Trajectory& odometry = {}) {
+  return writeWith(kWriteRecording, sequence, out, words, odometry);
 }
 
 }  // namespace facetloc::test

@@ -19,6 +19,7 @@ extern const char* const kSupervise;   ///< the example that keeps a robot local
 extern const char* const kReadStream;  ///< the example that reads the stream of a tool
 extern const char* const kStreamSchema;
 extern const char* const kWriteBag;
+extern const char* const kWriteRecording;
 /// @}
 
 /** \brief A folder of recordings and real images beside the checkout, or below $FACETLOC_DATA; may be absent.

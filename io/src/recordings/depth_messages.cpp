@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "recordings/depth_messages.h"
+
+#include "png_memory.h"
+#include "recordings/rvl.h"
+#include "shared/text.h"
+
+#include <facetloc/io/error.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace facetloc::internal {
+namespace {
+
+constexpr const char* kFloat = "32FC1";
+constexpr const char* kCompressedDepth = "compressedDepth";
+
+bool has(const std::string& text, const char* word) { return text.find(word) != std::string::npos; }
+
+/** Bytes of a pixel; 0 if it is no depth. */
+std::size_t pixelSize(const std::string& encoding) {
+  if (encoding == "16UC1" || encoding == "mono16") return sizeof(std::uint16_t);
+  return encoding == kFloat ? sizeof(float) : 0;
+}
+
+template <typename Value>
+Value valueAt(const std::uint8_t* bytes) {
+  Value value;
+  std::memcpy(&value, bytes, sizeof value);
+  return value;
+}
+
+float measured(float z) { return std::isfinite(z) && z > 0 ? z : 0; }
+
+DepthValues readPngValues(ByteView bytes, const std::string& name) {
+  constexpr int kBits = 16;
+  Raster<std::uint16_t> raster = readGreyPng(bytes.data, bytes.size, name, kBits);
+  return {raster.width, raster.height, {}, std::move(raster.data)};
+}
+
+bool isPngData(ByteView bytes) {
+  constexpr char kBegin[] = "\x89PNG";
+  return bytes.size > 4 && std::memcmp(bytes.data, kBegin, 4) == 0;
+}
+
+}  // namespace
+
+bool isDepth(const ImageMessage& image) { return pixelSize(image.encoding) > 0; }
+
+bool isDepth(const CompressedImageMessage& image) { return has(image.format, kCompressedDepth); }
+
+DepthValues readDepth(const ImageMessage& image, const std::string& name) {
+  constexpr std::uint32_t kLargestSide = 65535;
+  const std::size_t pixel = pixelSize(image.encoding);
+  if (pixel == 0) throw IoError(name, "is of the encoding " + text::quoted(image.encoding));
+  if (image.big_endian) throw IoError(name, "is big-endian");
+  const std::uint32_t width = image.width, height = image.height;
+  if (width == 0 || height == 0 || width > kLargestSide || height > kLargestSide ||
+      image.step < width * pixel || image.data.size < std::size_t(image.step) * height)
+    throw IoError(name, "is corrupt");
+  DepthValues values{static_cast<int>(width), static_cast<int>(height), {}, {}};
+  for (std::uint32_t v = 0; v < height; ++v)
+    for (std::uint32_t u = 0; u < width; ++u) {
+      const std::uint8_t* bytes = image.data.data + std::size_t(v) * image.step + u * pixel;
+      if (pixel == sizeof(float))
+        values.metres.push_back(measured(valueAt<float>(bytes)));
+      else
+        values.numbers.push_back(valueAt<std::uint16_t>(bytes));
+    }
+  return values;
+}
+
+DepthValues readDepth(const CompressedImageMessage& image, const std::string& name) {
+  if (!isDepth(image)) throw IoError(name, "is of the format " + text::quoted(image.format));
+  if (isPngData(image.data)) return readPngValues(image.data, name);  // some writers leave out the head
+  constexpr std::size_t kHead = 12;
+  if (image.data.size <= kHead) throw IoError(name, "is corrupt: it is too short for compressedDepth");
+  const float a = valueAt<float>(image.data.data + 4), b = valueAt<float>(image.data.data + 8);
+  const ByteView code{image.data.data + kHead, image.data.size - kHead};
+  DepthValues values = has(image.format, "rvl") ? readRvl(code, name) : readPngValues(code, name);
+  if (!has(image.format, kFloat)) return values;
+  for (const std::uint16_t v : values.numbers)
+    values.metres.push_back(v > 0 ? measured(a / (static_cast<float>(v) - b)) : 0.f);
+  values.numbers.clear();
+  return values;
+}
+
+DepthImage depthImageOf(DepthValues values, double scale) {
+  constexpr std::uint16_t kNotMeasured = std::numeric_limits<std::uint16_t>::max();
+  DepthImage image;
+  image.camera.width = values.width, image.camera.height = values.height;
+  image.depth = std::move(values.metres);
+  image.depth.reserve(image.depth.size() + values.numbers.size());
+  for (const std::uint16_t value : values.numbers)
+    image.depth.push_back(value == kNotMeasured ? 0 : static_cast<float>(value / scale));
+  return image;
+}
+
+}  // namespace facetloc::internal

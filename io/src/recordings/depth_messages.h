@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "depth_file.h"
+#include "recordings/ros_messages.h"
+
+#include <facetloc/features/depth_image.h>
+
+#include <string>
+
+/** \file
+ * Depth images in messages. Private to io. */
+
+namespace facetloc::internal {
+
+/** \brief Is it depth: 16UC1, mono16 or 32FC1? */
+bool isDepth(const ImageMessage& image);
+/** \brief Is it the format compressedDepth of image_transport? */
+bool isDepth(const CompressedImageMessage& image);
+
+/** \brief The image of such a message. Throws IoError for any other, and for corrupt ones. \param name in
+ * errors */
+DepthValues readDepth(const ImageMessage& image, const std::string& name);
+
+/** \brief The image of compressedDepth: behind 12 bytes, a number and the two parameters a and b of a
+ * quantization, a PNG of 16 bits or an RVL code. Of 32FC1, a value v > 0 is the depth a / (v - b). Throws
+ * IoError. \param name in errors */
+DepthValues readDepth(const CompressedImageMessage& image, const std::string& name);
+
+/** \brief The image of values, with the size that it has and no intrinsics; numbers by the scale [1/m], 0 and
+ * 65535 of which are not measured. */
+DepthImage depthImageOf(DepthValues values, double scale);
+
+}  // namespace facetloc::internal

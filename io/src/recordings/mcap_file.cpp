@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// MCAP, after its public specification (mcap.dev/spec). The file is read from its beginning; the index at its
+// end, which an unfinished file lacks, is not needed and not believed.
+#include "files.h"
+#include "recordings/message_file.h"
+#include "recordings/ros_messages.h"
+#include "recordings/unpack.h"
+
+#include <facetloc/io/error.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fmt/format.h>
+#include <libdeflate.h>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <unistd.h>
+
+namespace facetloc::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kNanosecond = 1e-9;
+constexpr std::uint8_t kMagic[] = {0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
+constexpr std::size_t kRecordHead = 9;    // opcode, size of what follows
+constexpr std::size_t kMessageHead = 22;  // channel, number, two times
+constexpr std::uint64_t kUnchunked = ~std::uint64_t(0);
+
+enum Opcode : std::uint8_t { kInvalid, kHeader, kFooter, kSchema, kChannel, kMessage, kChunk, kDataEnd = 15 };
+
+/** The head of a record. */
+struct Record {
+  std::uint8_t opcode = kInvalid;
+  std::uint64_t size = 0;
+};
+
+Record recordOf(const std::uint8_t* head) {
+  Record record;
+  record.opcode = head[0];
+  std::memcpy(&record.size, head + 1, sizeof record.size);
+  return record;
+}
+
+std::uint32_t crc(ByteView bytes) { return libdeflate_crc32(0, bytes.data, bytes.size); }
+
+/** A chunk of messages. */
+struct ChunkPlace {
+  std::uint64_t begin = 0, packed = 0;  // its records in the file [bytes]
+  std::uint64_t unpacked = 0;           // as it claims [bytes]
+  std::string compression;
+};
+
+class McapFile : public MessageFile {
+public:
+  explicit McapFile(const fs::path& path) : MessageFile(path), file_(files::open(path)) {
+    size_ = fs::file_size(path);
+    std::uint8_t magic[sizeof kMagic];
+    if (size_ < sizeof magic || !readAt(0, magic, sizeof magic) ||
+        std::memcmp(magic, kMagic, sizeof kMagic) != 0)
+      throw IoError(path.string(), "is no MCAP file");
+    scan();
+    if (damaged_ > 0)
+      addFault(fmt::format("{} of its {} chunks {} damaged and left out", damaged_, chunks_.size(),
+                           damaged_ == 1 ? "is" : "are"));
+    if (undeclared_ > 0)
+      addFault(fmt::format("{} of its messages {} of a channel that is not declared", undeclared_,
+                           undeclared_ == 1 ? "is" : "are"));
+    sortEntries();
+  }
+
+  Bytes read(const MessageEntry& entry) const override {
+    if (entry.place != kUnchunked) return readFromChunk(entry);
+    const Record record = recordAt(entry.inner).value_or(Record());
+    if (record.opcode != kMessage || record.size < kMessageHead || record.size > kLargestMessage)
+      throw IoError(path().string(), fmt::format("has a corrupt message at byte {}", entry.inner));
+    Bytes bytes(record.size - kMessageHead);
+    if (!readAt(entry.inner + kRecordHead + kMessageHead, bytes.data(), bytes.size()))
+      throw IoError(path().string(), "cannot be read");
+    return bytes;
+  }
+
+private:
+  Bytes readFromChunk(const MessageEntry& entry) const {
+    constexpr std::size_t kHeads = kRecordHead + kMessageHead;
+    const auto chunk = unpacked(entry.place);
+    const std::size_t left = chunk->size() - std::min<std::size_t>(entry.inner, chunk->size());
+    const Record record = left < kHeads ? Record() : recordOf(chunk->data() + entry.inner);
+    if (record.size < kMessageHead || record.size > left - kRecordHead)
+      throw IoError(path().string(), "has changed since it was opened");
+    const std::uint8_t* data = chunk->data() + entry.inner + kHeads;
+    return {data, data + record.size - kMessageHead};
+  }
+
+  bool readAt(std::uint64_t place, std::uint8_t* to, std::size_t n) const {
+    while (n > 0) {
+      const ssize_t got = pread(fileno(file_.get()), to, n, static_cast<off_t>(place));
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) return false;
+      to += got, place += static_cast<std::uint64_t>(got), n -= static_cast<std::size_t>(got);
+    }
+    return true;
+  }
+
+  /** Nothing where the file ends. */
+  std::optional<Record> recordAt(std::uint64_t place) const {
+    std::uint8_t head[kRecordHead];
+    if (size_ - place < sizeof head || !readAt(place, head, sizeof head)) return {};
+    return recordOf(head);
+  }
+
+  void scan() {
+    std::uint64_t place = sizeof kMagic;
+    while (true) {
+      const auto record = recordAt(place);
+      if (!record || record->opcode == kInvalid)
+        return addFault("was never finished, or is torn: it is read as far as it goes");
+      if (record->opcode == kDataEnd || record->opcode == kFooter) return checkData(place, *record);
+      const std::uint64_t begin = place + kRecordHead, left = size_ - begin;
+      const std::uint64_t size = std::min(record->size, left);
+      try {
+        readRecord(record->opcode, place, size, record->size <= left);
+      } catch (const BadMessage& e) {
+        throw IoError(path().string(), fmt::format("is corrupt at byte {}: it {}", place, e.what()));
+      }
+      if (record->size > left) return addFault("was never finished: it is read as far as it goes");
+      place = begin + size;
+    }
+  }
+
+  /** \param whole is the record as long as it claims to be? */
+  void readRecord(std::uint8_t opcode, std::uint64_t place, std::uint64_t size, bool whole) {
+    const std::uint64_t begin = place + kRecordHead;
+    if (opcode == kChunk) return readChunk(begin, size, whole);
+    if (!whole || (opcode != kSchema && opcode != kChannel && opcode != kMessage)) return;
+    constexpr std::uint64_t kLongestDeclaration = 1 << 24;
+    if (opcode != kMessage && size > kLongestDeclaration) throw BadMessage("claims too much");
+    Bytes bytes(opcode == kMessage ? std::min<std::uint64_t>(size, kMessageHead) : size);
+    if (!readAt(begin, bytes.data(), bytes.size())) throw IoError(path().string(), "cannot be read");
+    has_unchunked_ = has_unchunked_ || opcode == kMessage;
+    note(opcode, {bytes.data(), bytes.size()}, kUnchunked, place);
+  }
+
+  /** Schemas, channels and messages, wherever they are. */
+  void note(std::uint8_t opcode, ByteView bytes, std::uint64_t place, std::uint64_t inner) {
+    MessageReader record(bytes, WireFormat::ros1);  // MCAP's own fields are packed alike
+    if (opcode == kSchema) {
+      const auto id = record.number<std::uint16_t>();
+      if (id != 0) types_[id] = typeWithoutMsg(record.text());
+    } else if (opcode == kChannel) {
+      const auto id = record.number<std::uint16_t>();
+      const std::string type = types_[record.number<std::uint16_t>()], name = record.text();
+      const std::string encoding = record.text();
+      topics_of_channels_[id] = topicOf(name, type,
+                                        encoding == "cdr"    ? WireFormat::cdr
+                                        : encoding == "ros1" ? WireFormat::ros1
+                                                             : WireFormat::other);
+    } else if (opcode == kMessage) {
+      const auto topic = topics_of_channels_.find(record.number<std::uint16_t>());
+      record.skip<std::uint32_t>(1);
+      const auto written = record.number<std::uint64_t>();
+      record.skip<std::uint64_t>(1);
+      if (topic == topics_of_channels_.end())
+        ++undeclared_;
+      else
+        add({topic->second, kNanosecond * static_cast<double>(written), place, inner});
+    }
+  }
+
+  void readChunk(std::uint64_t begin, std::uint64_t size, bool whole) {
+    constexpr std::uint64_t kLongestHead = 1 << 10;
+    Bytes bytes(std::min(size, kLongestHead));
+    if (!readAt(begin, bytes.data(), bytes.size())) throw IoError(path().string(), "cannot be read");
+    MessageReader head({bytes.data(), bytes.size()}, WireFormat::ros1);
+    ChunkPlace chunk;
+    std::uint32_t expected = 0;
+    try {
+      head.skip<std::uint64_t>(2);  // the times of its first and last message
+      chunk.unpacked = head.number<std::uint64_t>();
+      expected = head.number<std::uint32_t>();
+      chunk.compression = head.text();
+      chunk.packed = head.number<std::uint64_t>();
+    } catch (const BadMessage&) {
+      if (whole) throw;
+      return;  // torn within its head
+    }
+    const std::uint64_t used = 8 + 8 + 8 + 4 + 4 + chunk.compression.size() + 8;
+    if (chunk.unpacked > kLargestMessage || (whole && chunk.packed > size - used))
+      throw BadMessage("has a chunk that claims too much");
+    chunk.begin = begin + used;
+    chunk.packed = std::min(chunk.packed, size - used);
+    chunks_.push_back(chunk);
+    const auto unpacked = this->unpacked(chunks_.size() - 1);
+    const bool sound = unpacked->size() == chunk.unpacked &&
+                       (expected == 0 || expected == crc({unpacked->data(), unpacked->size()}));
+    if (whole && !sound)
+      ++damaged_;
+    else
+      readRecordsOf(*unpacked, chunks_.size() - 1);
+  }
+
+  /** \param index of the chunk */
+  void readRecordsOf(const Bytes& records, std::size_t index) {
+    for (std::size_t at = 0; records.size() - at >= kRecordHead;) {
+      const Record record = recordOf(records.data() + at);
+      if (record.size > records.size() - at - kRecordHead) return;  // of a torn chunk
+      note(record.opcode, {records.data() + at + kRecordHead, static_cast<std::size_t>(record.size)}, index,
+           at);
+      at += kRecordHead + static_cast<std::size_t>(record.size);
+    }
+  }
+
+  /** Of messages outside of chunks, the only sum is the one over all. */
+  void checkData(std::uint64_t place, const Record& record) {
+    std::uint32_t expected = 0;
+    if (record.opcode != kDataEnd || record.size < sizeof expected || !has_unchunked_) return;
+    if (!readAt(place + kRecordHead, reinterpret_cast<std::uint8_t*>(&expected), sizeof expected))
+      return addFault("was never finished: it is read as far as it goes");
+    if (expected == 0) return;
+    Bytes part(std::size_t(1) << 20);
+    std::uint32_t sum = 0;
+    for (std::uint64_t at = 0; at < place; at += part.size()) {
+      const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(part.size(), place - at));
+      if (!readAt(at, part.data(), n)) throw IoError(path().string(), "cannot be read");
+      sum = libdeflate_crc32(sum, part.data(), n);
+    }
+    if (sum != expected) addFault("its data do not match its checksum: some are damaged");
+  }
+
+  /** Neighbouring messages are mostly in one chunk: the last few are kept. */
+  std::shared_ptr<const Bytes> unpacked(std::size_t index) const {
+    constexpr std::size_t kKept = 4;
+    {
+      const std::lock_guard lock(mutex_);
+      for (const auto& [kept, bytes] : kept_)
+        if (kept == index) return bytes;
+    }
+    const ChunkPlace& chunk = chunks_.at(index);
+    if (chunk.packed > kLargestMessage) throw IoError(path().string(), "has a chunk that is too large");
+    Bytes packed(chunk.packed);
+    if (!readAt(chunk.begin, packed.data(), packed.size())) throw IoError(path().string(), "cannot be read");
+    auto bytes = std::make_shared<const Bytes>(
+        unpackedChunk({packed.data(), packed.size()}, chunk.compression, chunk.unpacked, path().string()));
+    const std::lock_guard lock(mutex_);
+    kept_.emplace_back(index, bytes);
+    if (kept_.size() > kKept) kept_.erase(kept_.begin());
+    return bytes;
+  }
+
+  files::FilePtr file_;
+  std::uint64_t size_ = 0;
+  bool has_unchunked_ = false;
+  std::map<std::uint16_t, std::string> types_;
+  std::map<std::uint16_t, std::size_t> topics_of_channels_;
+  std::vector<ChunkPlace> chunks_;
+  std::size_t undeclared_ = 0;  // messages
+  std::size_t damaged_ = 0;     // chunks
+  mutable std::mutex mutex_;    // guards what follows
+  mutable std::vector<std::pair<std::size_t, std::shared_ptr<const Bytes>>> kept_;
+};
+
+}  // namespace
+
+std::unique_ptr<const MessageFile> openMcap(const fs::path& path) {
+  return std::make_unique<const McapFile>(path);
+}
+
+}  // namespace facetloc::internal

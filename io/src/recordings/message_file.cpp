@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "recordings/message_file.h"
+
+#include "files.h"
+#include "recordings/image_list.h"
+#include "recordings/ros_messages.h"
+#include "shared/text.h"
+
+#include <facetloc/io/error.h>
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <system_error>
+
+namespace facetloc::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kMetadata = "metadata.yaml";
+
+struct Kind {
+  const char* extension;
+  std::unique_ptr<const MessageFile> (*open)(const fs::path& path);
+};
+constexpr Kind kKinds[] = {{".bag", openRos1Bag}, {".db3", openRosbag2Database}, {".mcap", openMcap}};
+
+const Kind* kindOf(const fs::path& path) {
+  const std::string extension = lowerExtension(path);
+  const auto* kind = std::find_if(std::begin(kKinds), std::end(kKinds),
+                                  [&extension](const Kind& k) { return extension == k.extension; });
+  return kind == std::end(kKinds) ? nullptr : kind;
+}
+
+std::vector<fs::path> filesIn(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (kindOf(entry.path()) && entry.is_regular_file(ignored)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+bool isRosbag2(const fs::path& folder) {
+  std::error_code ignored;
+  const fs::path metadata = folder / kMetadata;
+  return fs::is_regular_file(metadata, ignored) &&
+         files::readText(metadata).find("rosbag2_bagfile_information") != std::string::npos;
+}
+
+/** The names below relative_file_paths; without the folders that some versions put in front. */
+std::vector<fs::path> listedIn(const fs::path& metadata) {
+  const std::string content = files::readText(metadata);
+  std::vector<fs::path> listed;
+  bool within = false;
+  for (std::string_view line : text::lines(content)) {
+    line = text::trimmed(line);
+    if (within && !line.empty() && line.front() == '-') {
+      std::string_view name = text::trimmed(line.substr(1));
+      if (name.size() > 1 && (name.front() == '"' || name.front() == '\''))
+        name = name.substr(1, name.size() - 2);
+      listed.push_back(metadata.parent_path() / fs::path(name).filename());
+    } else {
+      within = line == "relative_file_paths:";
+    }
+  }
+  return listed;
+}
+
+}  // namespace
+
+std::size_t MessageFile::topicOf(const std::string& name, const std::string& type, WireFormat format) {
+  const auto same = std::find_if(topics_.begin(), topics_.end(), [&](const MessageTopic& t) {
+    return t.name == name && t.type == type && t.format == format;
+  });
+  if (same == topics_.end()) {
+    topics_.push_back({name, type, format, 0});
+    known_.push_back(isKnownType(type));
+    return topics_.size() - 1;
+  }
+  return static_cast<std::size_t>(same - topics_.begin());
+}
+
+void MessageFile::add(const MessageEntry& entry) {
+  ++topics_.at(entry.topic).count;
+  if (known_[entry.topic]) entries_.push_back(entry);
+}
+
+void MessageFile::sortEntries() {
+  std::stable_sort(entries_.begin(), entries_.end(),
+                   [](const MessageEntry& a, const MessageEntry& b) { return a.written < b.written; });
+}
+
+void MessageFile::addFault(const std::string& words) { fault_ += (fault_.empty() ? "" : "; ") + words; }
+
+std::unique_ptr<const MessageFile> openMessageFile(const fs::path& path) {
+  files::requireRegularFile(path);
+  if (const Kind* kind = kindOf(path)) return kind->open(path);
+  throw IoError(path.string(), "is no recording of messages, by its name");
+}
+
+bool isMessageRecording(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) return kindOf(path) != nullptr;
+  if (isRosbag2(path)) return true;
+  return !filesIn(path).empty() && imagesOfFolder(folderOfImages(path)).empty();
+}
+
+std::vector<fs::path> messageFilesOf(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) return {path};
+  std::vector<fs::path> listed;
+  if (isRosbag2(path)) listed = listedIn(path / kMetadata);
+  for (const fs::path& file : listed) {
+    if (!kindOf(file))
+      throw IoError(file.string(),
+                    "is listed in metadata.yaml and of a kind that is not read; a file that is "
+                    "compressed as a whole has to be unpacked first: zstd -d");
+    files::requireRegularFile(file);
+  }
+  return listed.empty() ? filesIn(path) : listed;
+}
+
+}  // namespace facetloc::internal

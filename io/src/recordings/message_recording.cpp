@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "recordings/message_recording.h"
+
+#include "recordings/calibration_file.h"
+#include "recordings/depth_messages.h"
+#include "recordings/image_list.h"
+#include "recordings/message_camera.h"
+#include "recordings/message_log.h"
+#include "recordings/message_poses.h"
+#include "shared/text.h"
+
+#include <facetloc/io/error.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+#include <functional>
+#include <tuple>
+
+namespace facetloc::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kCompressedTopic = "/compressedDepth";
+
+std::string lower(std::string s) {
+  for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return s;
+}
+
+/** The topic of the plain images, of which these are. */
+std::string baseOf(const std::string& topic) {
+  return endsWith(topic, kCompressedTopic) ? topic.substr(0, topic.size() - std::strlen(kCompressedTopic))
+                                           : topic;
+}
+
+class MessageRecording : public ImageContainer {
+public:
+  MessageRecording(const fs::path& path, const std::string& topic) : log_(path) {
+    choose(topic);
+    listMessages();
+    camera_ = cameraOfMessages(log_, {baseOf(topic_.name), frame_, width_, height_});
+  }
+
+  std::size_t size() const override { return messages_.size(); }
+  double stamp(std::size_t index) const override { return stamps_.at(index); }
+  fs::path path(std::size_t index) const override { return messages_.at(index).file->path(); }
+  std::string frame() const override { return frame_; }
+
+  CameraFile camera() const override {
+    if (!camera_.file.camera.intrinsics.valid())
+      throw IoError(
+          log_.path().string(),
+          fmt::format("has no camera_info for {}; a camera.ini beside it would say it", topic_.name));
+    return camera_.file;
+  }
+
+  DepthImage read(std::size_t index) const override {
+    const std::string name = fmt::format("{}: image {} of {}", path(index).string(), index, topic_.name);
+    DepthImage image;
+    const auto use = [&](const auto& message) {
+      image = depthImageOf(readDepth(message, name), camera_.file.depth_scale);
+    };
+    if (isPlain())
+      log_.read<ImageMessage>(messages_.at(index), use);
+    else
+      log_.read<CompressedImageMessage>(messages_.at(index), use);
+    return image;
+  }
+
+  std::string remark() const override {
+    std::string words =
+        fmt::format("{}: the depth images are those of {}", log_.path().string(), topic_.name);
+    if (!others_.empty()) words += fmt::format("; --topic takes others: {}", listOf(others_));
+    if (!camera_.remark.empty()) words += "; " + camera_.remark;
+    if (const std::string faults = log_.faults(); !faults.empty()) words += "; " + faults;
+    return words;
+  }
+
+  ReadGravity gravity(double std) const override { return readImuGravity(log_, frame_, stamps_, std); }
+
+private:
+  bool isPlain() const { return topic_.type == ImageMessage::kType; }
+
+  /** Those whose first message is a depth image. */
+  template <typename Message>
+  void addDepthTopics(std::vector<MessageTopic>& depth) const {
+    for (const MessageTopic& topic : log_.topicsOf(Message::kType))
+      log_.readFirst<Message>(topic.name, [&](const Message& message) {
+        if (isDepth(message)) depth.push_back(topic);
+      });
+  }
+
+  void choose(const std::string& wanted) {
+    std::vector<MessageTopic> depth;
+    addDepthTopics<ImageMessage>(depth);
+    addDepthTopics<CompressedImageMessage>(depth);
+    const auto rank = [&](const MessageTopic& t) {
+      const bool is_named = lower(t.name).find("depth") != std::string::npos;
+      const bool is_plain = t.type == ImageMessage::kType;
+      return std::tuple(t.name != wanted, !is_named, -static_cast<std::int64_t>(t.count), !is_plain, t.name);
+    };
+    std::sort(depth.begin(), depth.end(),
+              [&](const MessageTopic& a, const MessageTopic& b) { return rank(a) < rank(b); });
+    if (depth.empty() || (!wanted.empty() && depth.front().name != wanted)) refuse(wanted);
+    topic_ = depth.front();
+    others_.assign(depth.begin() + 1, depth.end());
+  }
+
+  [[noreturn]] void refuse(const std::string& wanted) const {
+    std::vector<MessageTopic> images = log_.topicsOf(ImageMessage::kType);
+    const auto compressed = log_.topicsOf(CompressedImageMessage::kType);
+    images.insert(images.end(), compressed.begin(), compressed.end());
+    std::string words = fmt::format("has no depth images{} (sensor_msgs/Image of 16UC1, mono16 or 32FC1, or "
+                                    "CompressedImage of compressedDepth); its images: {}",
+                                    wanted.empty() ? "" : " in " + wanted, listOf(images));
+    if (images.empty()) words += "; its topics: " + listOf(log_.topics());
+    if (const std::string faults = log_.faults(); !faults.empty()) words += "; " + faults;
+    throw IoError(log_.path().string(), words);
+  }
+
+  /** The time of an image is the one in its header: when it was taken, not when it was written. */
+  void listMessages() {
+    std::vector<double> taken, written;
+    const auto note = [&](const MessageHeader& header) {
+      taken.push_back(header.stamp);
+      if (frame_.empty()) frame_ = header.frame;
+    };
+    messages_ = log_.messages(topic_.name, topic_.type);
+    for (const LoggedMessage& message : messages_) {
+      if (isPlain())
+        log_.read<ImageMessage>(message, [&](const ImageMessage& image) {
+          note(image.header);
+          if (width_ == 0) width_ = image.width, height_ = image.height;
+        });
+      else
+        log_.read<CompressedImageMessage>(message, [&](const auto& image) { note(image.header); });
+      written.push_back(message.entry.written);
+    }
+    if (!isPlain()) findSize();
+    const bool ascending =
+        std::adjacent_find(taken.begin(), taken.end(), std::greater_equal<>()) == taken.end();
+    stamps_ = ascending ? std::move(taken) : std::move(written);
+  }
+
+  /** Of compressed images, only the images themselves have it. */
+  void findSize() try {
+    log_.read<CompressedImageMessage>(messages_.front(), [&](const CompressedImageMessage& message) {
+      const DepthValues first = readDepth(message, log_.path().string());
+      width_ = static_cast<std::uint32_t>(first.width), height_ = static_cast<std::uint32_t>(first.height);
+    });
+  } catch (const IoError&) {  // told to who loads it
+  }
+
+  MessageLog log_;
+  MessageTopic topic_;
+  std::vector<MessageTopic> others_;  // with depth images
+  std::vector<LoggedMessage> messages_;
+  std::vector<double> stamps_;
+  std::string frame_;                     // of the images
+  std::uint32_t width_ = 0, height_ = 0;  // of the images, where the messages say it
+  MessageCamera camera_;
+};
+
+}  // namespace
+
+std::shared_ptr<const ImageContainer> openMessageRecording(const fs::path& path, const std::string& topic) {
+  return std::make_shared<const MessageRecording>(path, topic);
+}
+
+}  // namespace facetloc::internal

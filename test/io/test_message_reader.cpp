@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "recordings/message_reader.h"
+#include "recordings/ros_messages.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace facetloc::internal {
+namespace {
+
+MessageReader readerOf(const Bytes& bytes, WireFormat format) {
+  return {{bytes.data(), bytes.size()}, format};
+}
+
+// By hand after XTypes 7.4.1: numbers begin at multiples of their size, counted behind the encapsulation.
+TEST(MessageReader, NumbersOfCdrAreAligned) {
+  const Bytes little{0, 1, 0, 0, 7, 0, 2, 1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xF0, 0x3F, 5};
+  const Bytes big{0, 0, 0, 0, 7, 0, 1, 2, 9, 0, 0, 0, 0x3F, 0xF0, 0, 0, 0, 0, 0, 0, 5};
+  for (const Bytes& bytes : {little, big}) {
+    MessageReader reader = readerOf(bytes, WireFormat::cdr);
+    EXPECT_EQ(reader.number<std::uint8_t>(), 7);
+    EXPECT_EQ(reader.number<std::uint16_t>(), 0x102);
+    EXPECT_EQ(reader.number<std::uint8_t>(), 9);
+    EXPECT_EQ(reader.number<double>(), 1.0);
+    EXPECT_EQ(reader.number<std::uint8_t>(), 5);
+    EXPECT_TRUE(reader.atEnd());
+    EXPECT_THROW(reader.number<std::uint8_t>(), BadMessage);
+  }
+}
+
+TEST(MessageReader, NumbersOfRos1ArePacked) {
+  const Bytes bytes{7, 2, 1, 3, 0, 0, 0, 'a', 'b', 'c', 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xF0, 0x3F};
+  MessageReader reader = readerOf(bytes, WireFormat::ros1);
+  EXPECT_EQ(reader.number<std::uint8_t>(), 7);
+  EXPECT_EQ(reader.number<std::uint16_t>(), 0x102);
+  EXPECT_EQ(reader.text(), "abc");
+  EXPECT_THAT(reader.reals(), testing::ElementsAre(1.0));
+  EXPECT_TRUE(reader.atEnd());
+}
+
+TEST(MessageReader, TextsOfCdrEndWithAZeroThatIsCountedOrAreEmpty) {
+  const Bytes bytes{0, 1, 0, 0, 3, 0, 0, 0, 'a', 'b', 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0};
+  MessageReader reader = readerOf(bytes, WireFormat::cdr);
+  EXPECT_EQ(reader.text(), "ab");
+  EXPECT_EQ(reader.text(), "");
+  EXPECT_EQ(reader.text(), "");
+}
+
+TEST(MessageReader, OtherRepresentationsAreRefused) {
+  for (const Bytes& bytes :
+       {Bytes{0, 3, 0, 0, 1}, Bytes{0, 7, 0, 0, 1}, Bytes{1, 1, 0, 0, 1}, Bytes{0, 1, 0}, Bytes{}})
+    EXPECT_THROW(readerOf(bytes, WireFormat::cdr), BadMessage);
+  EXPECT_THROW(readerOf({0, 1, 0, 0}, WireFormat::other), BadMessage);
+}
+
+template <typename Message>
+void readAny(const Bytes& bytes, WireFormat format) {
+  try {
+    MessageReader reader = readerOf(bytes, format);
+    Message::read(reader);
+  } catch (const BadMessage&) {
+  }
+}
+
+TEST(MessageReader, AnyBytesAreAMessageOrRefused) {
+  std::mt19937 random(1);
+  for (int n = 0; n < 20000; ++n) {
+    Bytes bytes(random() % 400);
+    for (std::uint8_t& byte : bytes) byte = random() % 3 == 0 ? static_cast<std::uint8_t>(random()) : 0;
+    if (bytes.size() > 1) bytes[0] = 0, bytes[1] = random() % 2;
+    for (const WireFormat format : {WireFormat::ros1, WireFormat::cdr}) {
+      readAny<ImageMessage>(bytes, format);
+      readAny<CompressedImageMessage>(bytes, format);
+      readAny<CameraInfoMessage>(bytes, format);
+      readAny<OdometryMessage>(bytes, format);
+      readAny<TransformsMessage>(bytes, format);
+      readAny<ImuMessage>(bytes, format);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace facetloc::internal

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Recordings of ROS 2, as Python writes them after the specifications.
+
+#include "example_sequence.h"
+#include "temporary_folder.h"
+
+#include <facetloc/testing/example_bag.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include <atomic>
+#include <thread>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using test::bytesOf;
+using test::ExampleSequence;
+using test::ioErrorOf;
+using test::putBytes;
+using test::TemporaryFolder;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+std::vector<StampedPose> path() {
+  std::vector<StampedPose> poses;
+  for (int i = 0; i < 6; ++i) {
+    StampedPose pose;
+    pose.stamp = 1000 + 0.01 * i;
+    pose.T_w_c.translation() << i, 2 * i, 0;
+    pose.T_w_c.linear() = Eigen::AngleAxisd(0.1 * i, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+/** The camera on the robot of write_recording.py. */
+Eigen::Isometry3d opticalOnRobot() {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  T.translation() << 0.2, 0, 0.7;
+  return T;
+}
+
+class MessageRecordings : public testing::Test {
+protected:
+  void SetUp() override {
+    example_.frames = 6;
+    sequence_.emplace(DepthSequence::open(example_.write(folder_ / "sequence")));
+  }
+  /** \param words the container first */
+  fs::path recording(const std::string& words, const Trajectory& odometry = {}) const {
+    const std::string ending = words.rfind("db3", 0) == 0 ? ".db3" : ".mcap";
+    const bool is_folder = words.find("split") != std::string::npos;
+    const fs::path path = folder_ / ("walk" + std::to_string(++count_) + (is_folder ? "" : ending));
+    EXPECT_TRUE(test::writeRecording(*sequence_, path, words, odometry)) << words;
+    return path;
+  }
+  void expectImages(const DepthSequence& read, float tolerance, const std::string& words) const {
+    ASSERT_EQ(read.frames().size(), 6u) << words;
+    EXPECT_TRUE(read.stamped());
+    for (int i = 0; i < 6; ++i) {
+      EXPECT_EQ(read.frames()[i].name, example_.name(i)) << words;
+      const DepthImage image = read.load(i), expected = example_.image(i);
+      EXPECT_EQ(image.camera, expected.camera);
+      ASSERT_EQ(image.depth.size(), expected.depth.size());
+      for (std::size_t p = 0; p < image.depth.size(); ++p)
+        ASSERT_NEAR(image.depth[p], expected.depth[p], tolerance) << words << ", pixel " << p;
+    }
+  }
+
+  TemporaryFolder folder_;
+  ExampleSequence example_;
+  std::optional<DepthSequence> sequence_;
+  mutable int count_ = 0;
+};
+
+TEST_F(MessageRecordings, HaveTheirImagesAtTheTimesTheyWereTakenHoweverTheyAreStored) {
+  for (const char* words : {"db3", "db3 zstd", "db3 split", "db3 32FC1 big", "db3 png", "db3 rvl", "mcap",
+                            "mcap zstd", "mcap lz4", "mcap unchunked", "mcap big", "mcap split lz4",
+                            "mcap 32FC1 unchunked", "mcap png zstd", "mcap rvl lz4"}) {
+    const DepthSequence read = DepthSequence::open(recording(words));
+    EXPECT_THAT(read.remark(), AllOf(HasSubstr("/camera/depth/image_raw"), Not(HasSubstr("finished")),
+                                     Not(HasSubstr("damaged"))))
+        << words;
+    expectImages(read, 0, words);
+  }
+}
+
+TEST_F(MessageRecordings, QuantizedDepthIsReadByItsParameters) {
+  for (const char* words : {"db3 quantized", "mcap quantized rvl"}) {
+    const DepthSequence read = DepthSequence::open(recording(words));
+    constexpr float kStep = 1.5f * 1.5f / 10.1f;  // z^2 / a, of the farthest pixel
+    expectImages(read, kStep, words);
+    EXPECT_NE(read.load(0).depth, example_.image(0).depth) << "it has been quantized";
+  }
+}
+
+TEST_F(MessageRecordings, AreReadByManyThreads) {
+  for (const char* words : {"db3", "mcap lz4"}) {
+    const DepthSequence read = DepthSequence::open(recording(words));
+    std::atomic<int> wrong = 0;
+    std::vector<std::thread> threads;
+    for (int t = 0; t < 4; ++t)
+      threads.emplace_back([&, t] {
+        for (int n = 0; n < 30; ++n) {
+          const int i = (7 * n + t) % 6;
+          wrong += read.load(i).depth != example_.image(i).depth;
+        }
+      });
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(wrong, 0) << words;
+  }
+}
+
+TEST_F(MessageRecordings, OdometryIsOfMessagesOrTf) {
+  for (const char* words : {"db3", "mcap zstd", "mcap tf"}) {
+    const fs::path file = recording(words, Trajectory(path()));
+    const Trajectory read = DepthSequence::open(file).readOdometry(file);
+    ASSERT_EQ(read.poses().size(), 6u) << words;
+    for (const StampedPose& pose : path())
+      EXPECT_TRUE(read.at(pose.stamp, 1e-5)->isApprox(pose.T_w_c, 1e-6)) << words;
+  }
+  const fs::path still = recording("mcap");
+  EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(still).readOdometry(still); }), HasSubstr("no odometry"));
+}
+
+TEST_F(MessageRecordings, OdometryIsTheCamerasWhereTfHasItOnTheRobot) {
+  for (const char* words : {"db3 camera_tf", "mcap tf camera_tf"}) {
+    const fs::path file = recording(words, Trajectory(path()));
+    std::string remark;
+    const Trajectory read = DepthSequence::open(file).readOdometry(file, &remark);
+    EXPECT_THAT(remark, HasSubstr("camera_depth_optical_frame"));
+    for (const StampedPose& pose : path())
+      EXPECT_TRUE(read.at(pose.stamp, 1e-5)->isApprox(pose.T_w_c * opticalOnRobot(), 1e-6)) << words;
+    CameraFile mounted;
+    mounted.camera.intrinsics = example_.camera;
+    mounted.camera.mounting = CameraMounting{0.7, 0, 0, 0, 0.2, 0};
+    writeCameraFile(folder_ / "mounted.ini", mounted);
+    RecordingHints hints;
+    hints.camera = folder_ / "mounted.ini";
+    const Trajectory of_robot = DepthSequence::open(file, hints).readOdometry(file);
+    EXPECT_TRUE(of_robot.at(1000, 1e-5)->isApprox(path()[0].T_w_c, 1e-6))
+        << "whose mounting is known turns poses itself";
+  }
+}
+
+TEST_F(MessageRecordings, GravityIsByAnImuWhoseAxesAreKnown) {
+  const Eigen::Vector3d down = Eigen::Vector3d::UnitY();
+  for (const char* words : {"db3 imu=camera_depth_optical_frame", "mcap imu=camera_imu_optical_frame",
+                            "mcap imu=imu_link imu_tf"}) {
+    const DepthSequence read = DepthSequence::open(recording(words));
+    std::string remark;
+    const GravityRecord gravity = read.gravity(0.01, &remark);
+    EXPECT_THAT(remark, HasSubstr("/imu")) << words;
+    ASSERT_EQ(gravity.samples().size(), 6u) << words;
+    for (const StampedGravity& sample : gravity.samples()) {
+      EXPECT_LT((sample.gravity.down - down).norm(), 1e-6) << words;
+      EXPECT_NEAR(sample.gravity.std, 0.01, 1e-9) << words;
+    }
+  }
+  std::string remark;
+  EXPECT_TRUE(DepthSequence::open(recording("mcap imu=imu_link")).gravity(0.01, &remark).empty());
+  EXPECT_THAT(remark, HasSubstr("nothing says how it is turned"));
+  EXPECT_TRUE(DepthSequence::open(recording("mcap")).gravity(0.01, &remark).empty());
+  EXPECT_EQ(remark, "");
+}
+
+TEST_F(MessageRecordings, ATopicCanBeNamedAndOthersAreListed) {
+  const fs::path file = recording("mcap two_topics");
+  const DepthSequence usual = DepthSequence::open(file);
+  EXPECT_EQ(usual.frames().size(), 6u);
+  EXPECT_THAT(usual.remark(), AllOf(HasSubstr("--topic"), HasSubstr("/other/depth/image (3)")));
+  RecordingHints hints;
+  hints.topic = "/other/depth/image";
+  hints.camera = folder_ / "sequence" / "camera.ini";
+  EXPECT_EQ(DepthSequence::open(file, hints).frames().size(), 3u);
+  hints.topic = "/camera/color/image_raw";
+  EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(file, hints); }),
+              AllOf(HasSubstr("/camera/color/image_raw"), HasSubstr("/camera/depth/image_raw (6)")));
+}
+
+TEST_F(MessageRecordings, TheirCameraIsBesideTheImagesOrOfTheirFrame) {
+  const fs::path without = recording("db3 no_info");
+  EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(without); }), HasSubstr("camera.ini"));
+  for (const char* words : {"db3 other_info", "mcap other_info rvl"}) {
+    const DepthSequence other = DepthSequence::open(recording(words));
+    EXPECT_EQ(other.load(0).camera, example_.camera) << words;
+    EXPECT_THAT(other.remark(), HasSubstr("/info")) << words;
+  }
+}
+
+TEST_F(MessageRecordings, AnMcapThatWasNeverFinishedIsReadAsFarAsItGoes) {
+  for (const char* words : {"mcap", "mcap zstd", "mcap lz4", "mcap unchunked"}) {
+    const std::string bytes = bytesOf(recording(words));
+    std::size_t least = 6;
+    for (const double share : {0.95, 0.7, 0.5}) {
+      const fs::path torn =
+          putBytes(folder_ / "torn.mcap", bytes.substr(0, static_cast<std::size_t>(share * bytes.size())));
+      const DepthSequence read = DepthSequence::open(torn);
+      EXPECT_THAT(read.remark(), HasSubstr("never finished")) << words;
+      EXPECT_LE(read.frames().size(), least) << words;
+      least = read.frames().size();
+      for (std::size_t i = 0; i < least; ++i) EXPECT_EQ(read.load(i).depth, example_.image(i).depth);
+    }
+    EXPECT_GE(least, 2u) << words;
+  }
+}
+
+TEST_F(MessageRecordings, ADamagedChunkIsLeftOut) {
+  std::string bytes = bytesOf(recording("mcap"));
+  const std::size_t late = bytes.size() - bytes.size() / 8;  // channels are declared in the first chunk
+  bytes[late] = static_cast<char>(bytes[late] ^ 0x40);
+  const DepthSequence read = DepthSequence::open(putBytes(folder_ / "damaged.mcap", bytes));
+  EXPECT_THAT(read.remark(), HasSubstr("damaged and left out"));
+  EXPECT_LT(read.frames().size(), 6u);
+  EXPECT_GT(read.frames().size(), 0u);
+  bytes = bytesOf(recording("mcap unchunked"));
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x40);
+  EXPECT_THAT(DepthSequence::open(putBytes(folder_ / "damaged.mcap", bytes)).remark(), HasSubstr("checksum"));
+}
+
+TEST_F(MessageRecordings, WhatCannotBeReadIsAnErrorThatSaysWhy) {
+  for (const char* container : {"db3", "mcap"}) {
+    const std::string bytes = bytesOf(recording(container)), ending = std::string(".") + container;
+    for (const std::string& broken :
+         {std::string(), std::string("nothing"), bytes.substr(0, 13), bytes.substr(0, 600),
+          std::string(5000, '\xff'), std::string(5000, '\0')}) {
+      const fs::path file = putBytes(folder_ / ("broken" + ending), broken);
+      EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(file); }), HasSubstr("broken" + ending));
+    }
+    EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(folder_ / ("none" + ending)); }),
+                HasSubstr("does not exist"));
+  }
+}
+
+/** A record of an MCAP that claims a size. */
+std::string record(char opcode, std::uint64_t size, const std::string& content) {
+  return std::string(1, opcode) + std::string(reinterpret_cast<const char*>(&size), sizeof size) + content;
+}
+
+TEST_F(MessageRecordings, ClaimsOfGigabytesAreNotBelieved) {
+  const std::string magic("\x89MCAP0\r\n");
+  const auto number = [](std::uint64_t n) {
+    return std::string(reinterpret_cast<const char*>(&n), sizeof n);
+  };
+  const std::string times = number(0) + number(0), none(8, '\0');
+  for (const std::string& body : {record(6, ~0ull, times + number(~0ull) + none + number(~0ull)),
+                                  record(6, 40, times + number(1ull << 40) + none + number(8)),
+                                  record(6, 40, times + number(100) + none + number(~0ull)),
+                                  record(4, 1ull << 40, "x"), record(5, ~0ull, "y"),
+                                  record(3, 12,
+                                         std::string("\1\0\xff\xff\xff\xff"
+                                                     "abcdef",
+                                                     12))}) {
+    const fs::path file = putBytes(folder_ / "huge.mcap", magic + body);
+    EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(file); }), HasSubstr("huge.mcap"));
+  }
+}
+
+TEST_F(MessageRecordings, CellsOfADatabaseMayBeAnything) {
+  const auto changed = [this](const char* sql) {
+    const fs::path file = recording("db3");
+    sqlite3* db = nullptr;
+    EXPECT_EQ(sqlite3_open(file.c_str(), &db), SQLITE_OK);
+    EXPECT_EQ(sqlite3_exec(db, sql, nullptr, nullptr, nullptr), SQLITE_OK) << sqlite3_errmsg(db);
+    sqlite3_close(db);
+    return ioErrorOf([&] {
+      const DepthSequence read = DepthSequence::open(file);
+      for (std::size_t i = 0; i < read.frames().size(); ++i) read.load(i);
+    });
+  };
+  EXPECT_EQ(changed("SELECT 1"), "");
+  EXPECT_THAT(changed("UPDATE messages SET data = 'text'"), HasSubstr("no sound recording"));
+  EXPECT_THAT(changed("UPDATE messages SET topic_id = 99 WHERE id = 2"), HasSubstr("not listed"));
+  EXPECT_THAT(changed("UPDATE messages SET timestamp = 'noon'"), HasSubstr("no sound recording"));
+  EXPECT_THAT(changed("UPDATE messages SET data = substr(data, 1, 60)"),
+              HasSubstr("ends before its last field"));
+  EXPECT_THAT(changed("UPDATE messages SET data = CAST(x'00030000' || substr(data, 5) AS BLOB)"),
+              HasSubstr("not encoded as plain CDR"));
+  EXPECT_THAT(changed("UPDATE topics SET serialization_format = 'protobuf'"), HasSubstr("no depth images"));
+  EXPECT_THAT(changed("DROP TABLE topics"), HasSubstr("no recording of rosbag2"));
+}
+
+}  // namespace
+}  // namespace facetloc
