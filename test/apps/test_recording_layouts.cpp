@@ -3,6 +3,7 @@
 
 #include "evaluation/evaluate_app.h"
 #include "example_room.h"
+#include "tools/convert_app.h"
 #include "tools/localize_app.h"
 #include "tools/render_app.h"
 #include "tools/segment_app.h"
@@ -304,12 +305,17 @@ TEST_F(Layouts, RecordingsOfToday) {
 }
 
 TEST_F(Layouts, RecordingsOfTodayGiveTheBytesOfTheirImages) {
-  const std::string expected = localizedIn(map_run(), query());
+  const auto inMillimetres = [this](const std::string& source, const char* name) {
+    std::string folder = folder_ / name;
+    EXPECT_EQ(runTool<ConvertApp>({source, "-o", folder, "--scale", "1000"}).code, kOk);
+    return folder;
+  };
+  const std::string mapped = inMillimetres(map_run(), "map"), later = inMillimetres(query(), "query");
+  const std::string expected = localizedIn(mapped, later);
   int n = 0;
   for (const char* words : {"db3 zstd", "db3 png", "mcap lz4 32FC1", "mcap unchunked rvl", "rtabmap 32FC1"}) {
     const std::string name = std::to_string(n++);
-    EXPECT_EQ(localizedIn(recorded(map_run(), "a" + name, words), recorded(query(), "b" + name, words)),
-              expected)
+    EXPECT_EQ(localizedIn(recorded(mapped, "a" + name, words), recorded(later, "b" + name, words)), expected)
         << words;
   }
 }

@@ -56,7 +56,7 @@ protected:
 };
 
 TEST_F(Bag, HasTheImagesOfTheTopicCalledDepthAtTheTimesTheyWereTaken) {
-  for (const char* kind : {"uint16", "float", "compressed", "realsense"}) {
+  for (const char* kind : {"uint16", "float", "compressed", "compressed_depth", "realsense"}) {
     const DepthSequence read = DepthSequence::open(bag(kind));
     ASSERT_EQ(read.frames().size(), 6u) << kind;
     EXPECT_TRUE(read.stamped());
@@ -78,6 +78,14 @@ TEST_F(Bag, OfRealSenseHasItsNoiseAndUnit) {
   EXPECT_EQ(camera.preset, "realsense_d435");
   EXPECT_EQ(camera.camera.max_depth, 6);
   EXPECT_NEAR(camera.depth_scale, 2000, 0.1);
+}
+
+TEST_F(Bag, GravityIsByItsImu) {
+  std::string remark;
+  const GravityRecord gravity = DepthSequence::open(bag("imu")).gravity(0.01, &remark);
+  EXPECT_THAT(remark, HasSubstr("/imu"));
+  ASSERT_EQ(gravity.samples().size(), 6u);
+  EXPECT_LT((gravity.samples()[2].gravity.down - Eigen::Vector3d::UnitY()).norm(), 1e-9);
 }
 
 TEST_F(Bag, IsReadByManyThreads) {

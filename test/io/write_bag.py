@@ -3,18 +3,20 @@
 """Writes a ROS bag with the library of ROS: write_bag.py FOLDER OUT.bag KIND
 
 FOLDER has intrinsics.txt (width height fx fy cx cy), <stamp>.raw (depth in millimetres, 16 bit) and, if there is an
-odometry, odometry.txt (TUM). KIND: uint16, float, compressed, realsense, colour, big_endian, short, no_camera,
-lens, fisheye.
+odometry, odometry.txt (TUM). KIND: uint16, float, compressed, compressed_depth, realsense, colour, big_endian, short,
+no_camera, lens, fisheye, imu.
 """
 import array
 import pathlib
+import struct
 import sys
+import zlib
 
 import rosbag
 import rospy
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image, Imu
 from std_msgs.msg import Float32
 from tf2_msgs.msg import TFMessage
 
@@ -26,9 +28,24 @@ width, height, fx, fy, cx, cy = map(float, (folder / "intrinsics.txt").read_text
 width, height = int(width), int(height)
 
 
+def png(values):
+    rows = b"".join(b"\0" + struct.pack(f">{width}H", *values[width * v:width * (v + 1)]) for v in range(height))
+
+    def chunk(kind, content):
+        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+    head = struct.pack(">IIBBBBB", width, height, 16, 0, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+
+
 def image(time, values):
+    if kind == "compressed_depth":
+        message = CompressedImage(format="16UC1; compressedDepth", data=struct.pack("<iff", 0, 0, 0) + png(values))
+        message.header.stamp = time
+        return message
     message = Image(width=width, height=height, encoding="16UC1", step=2 * width)
     message.header.stamp = time
+    message.header.frame_id = "depth_optical_frame" if kind == "imu" else ""
     if kind == "float":
         message.encoding, message.step = "32FC1", 4 * width
         values = array.array("f", [v / 1000 if v else float("nan") for v in values])
@@ -47,12 +64,19 @@ def image(time, values):
 
 base = "/device_0/sensor_0/Depth_0" if kind == "realsense" else "/camera/depth"
 images = base + ("/image/data" if kind == "realsense" else "/image_raw")
+if kind == "compressed_depth":
+    images += "/compressedDepth"
 with rosbag.Bag(out, "w", compression="bz2" if kind == "compressed" else "none") as bag:
     files = sorted(folder.glob("*.raw"), key=lambda file: float(file.stem))
     for file in files:
         time = rospy.Time.from_sec(float(file.stem))
         values = array.array("H", file.read_bytes())
         bag.write(images, image(time, values), time + LATENCY)
+        if kind == "imu":  # at rest, held like the camera
+            imu = Imu()
+            imu.header.stamp, imu.header.frame_id = time, "imu_optical_frame"
+            imu.linear_acceleration.y = -9.81
+            bag.write("/imu", imu, time + LATENCY)
         grey = Image(width=1, height=1, encoding="mono8", step=1, data=b"\0")
         bag.write("/camera/color/image_raw", grey, time + LATENCY)
     if kind != "no_camera":

@@ -97,9 +97,8 @@ private:
 
 MapBuildApp::MapBuildApp()
     : App("facetloc_map build", "SEQUENCE -o MAP.flmap [options]",
-          "Builds a map of local models from one recording. Its camera poses are the SEQUENCE's or of "
-          "--poses, or "
-          "else found from the images. Local models are --map.distance or --map.rotation_deg apart.") {}
+          "Builds a map of local models from one recording, by its poses, others (--poses), or those it "
+          "finds.") {}
 
 void MapBuildApp::addOptions(CommandLine& line) {
   line.addArgument("SEQUENCE", sequence_);

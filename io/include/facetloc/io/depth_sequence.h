@@ -108,7 +108,7 @@ public:
   /** \brief The same of an odometry, whose poses are as they are written: of the camera, or of its robot.
    * Throws IoError. */
   Trajectory readOdometry(const std::filesystem::path& path, std::string* remark = nullptr) const;
-  /** \brief Is it a recording of messages, by its name or what is in it? It may have an odometry and an IMU. */
+  /** \brief Is it a recording of messages, which may have an odometry and an IMU? */
   static bool isOfMessages(const std::filesystem::path& path);
   /** \brief Gravity at the times of the images, by an IMU in a recording of messages whose axes are known
    * beside the camera's; else empty. Throws IoError. \param std of a direction, unless the camera is
