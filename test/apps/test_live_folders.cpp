@@ -144,6 +144,7 @@ TEST_F(LiveTool, PlaysEveryFrameOfARecording) {
     recordings[bag] = 40;
   }
   for (const char* words : {"db3", "mcap lz4", "db3 split", "rtabmap"}) {
+    if (!test::hasRecordings()) break;
     const std::string container = words, ending = container == "rtabmap" ? "db" : container.substr(0, 4);
     const std::string recording = folder_ / ("walk_of_" + std::to_string(recordings.size()) + "." + ending);
     ASSERT_TRUE(test::writeRecording(images, recording, words)) << words;

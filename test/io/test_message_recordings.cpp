@@ -49,6 +49,7 @@ Eigen::Isometry3d opticalOnRobot() {
 class MessageRecordings : public testing::Test {
 protected:
   void SetUp() override {
+    if (!test::hasRecordings()) GTEST_SKIP() << "no Python to write recordings with";
     example_.frames = 6;
     sequence_.emplace(DepthSequence::open(example_.write(folder_ / "sequence")));
   }
@@ -192,6 +193,23 @@ TEST_F(MessageRecordings, TheirCameraIsBesideTheImagesOrOfTheirFrame) {
     EXPECT_EQ(other.load(0).camera, example_.camera) << words;
     EXPECT_THAT(other.remark(), HasSubstr("/info")) << words;
   }
+}
+
+TEST_F(MessageRecordings, AFolderOfThemIsWhatItsMetadataList) {
+  const fs::path folder = recording("db3 split");
+  const fs::path second = folder / (folder.filename().string() + "_1.db3");
+  EXPECT_EQ(DepthSequence::open(folder).frames().back().path, second);
+  fs::rename(second, folder / "aside");
+  EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(folder); }),
+              AllOf(HasSubstr("_1.db3"), HasSubstr("exist")));
+  putBytes(folder / "metadata.yaml",
+           "rosbag2_bagfile_information:\n  relative_file_paths:\n    - a.db3.zstd\n");
+  EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(folder); }), HasSubstr("zstd -d"));
+  fs::remove(folder / "metadata.yaml");
+  EXPECT_LT(DepthSequence::open(folder).frames().size(), 6u) << "without a list, all that is there";
+  fs::copy_file(recording("db3"), folder_ / "sequence" / "walk.db3");
+  EXPECT_EQ(DepthSequence::open(folder_ / "sequence").frames()[0].path.extension(), ".png")
+      << "images of a folder go before what lies beside them";
 }
 
 TEST_F(MessageRecordings, AnMcapThatWasNeverFinishedIsReadAsFarAsItGoes) {

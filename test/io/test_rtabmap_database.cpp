@@ -24,6 +24,7 @@ using testing::HasSubstr;
 class RtabmapDatabases : public testing::Test {
 protected:
   void SetUp() override {
+    if (!test::hasRecordings()) GTEST_SKIP() << "no Python to write recordings with";
     example_.frames = 6;
     sequence_.emplace(DepthSequence::open(example_.write(folder_ / "sequence")));
   }

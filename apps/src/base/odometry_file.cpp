@@ -44,8 +44,10 @@ std::vector<StampedPose> readLines(const std::string& file, const std::optional<
 }
 
 std::vector<StampedPose> readPoses(const std::string& file, const DepthSequence& sequence,
-                                   const std::optional<CameraMounting>& mounting) {
-  std::vector<StampedPose> poses = sequence.readOdometry(file).poses();
+                                   const std::optional<CameraMounting>& mounting, const Console& console) {
+  std::string remark;
+  std::vector<StampedPose> poses = sequence.readOdometry(file, &remark).poses();
+  if (!remark.empty()) console.note(remark);
   if (mounting)
     for (StampedPose& pose : poses) pose.T_w_c = pose.T_w_c * mounting->T_b_c();
   return poses;
@@ -54,12 +56,13 @@ std::vector<StampedPose> readPoses(const std::string& file, const DepthSequence&
 }  // namespace
 
 PosesByTime odometryByTime(const std::string& file, const DepthSequence& sequence,
-                           const std::optional<CameraMounting>& mounting) {
+                           const std::optional<CameraMounting>& mounting, const Console& console) {
   if (file.empty()) return {};
   if (!sequence.stamped())
     throw IoError(file, "the image names are no time stamps: an odometry cannot be matched with them");
   const bool is_json = std::filesystem::is_regular_file(file) && holdsJson(file);
-  std::vector<StampedPose> poses = is_json ? readLines(file, mounting) : readPoses(file, sequence, mounting);
+  std::vector<StampedPose> poses =
+      is_json ? readLines(file, mounting) : readPoses(file, sequence, mounting, console);
   if (poses.empty()) throw IoError(file, "has no poses");
   return [trajectory = std::make_shared<const Trajectory>(std::move(poses))](double stamp) {
     return trajectory->interpolated(stamp);

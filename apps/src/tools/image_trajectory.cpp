@@ -53,8 +53,9 @@ std::string ImageTrajectory::toIni() const {
          facetloc::toIni(params_, "mapping");
 }
 
-PosesByTime ImageTrajectory::odometry(const DepthSequence& sequence, const Camera& camera) const {
-  return odometryByTime(odometry_, sequence, camera.mounting);
+PosesByTime ImageTrajectory::odometry(const DepthSequence& sequence, const Camera& camera,
+                                      const Console& console) const {
+  return odometryByTime(odometry_, sequence, camera.mounting, console);
 }
 
 int ImageTrajectory::report(const MapFindings& findings, const DepthSequence& sequence,

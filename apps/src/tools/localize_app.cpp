@@ -385,7 +385,7 @@ int LocalizeApp::localizeAll(const CommandLine& line, const Console& console, st
   const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
   noteDifference(camera, *map, console);
   gravity_.read(sequence, console);
-  PosesByTime odometry = odometryByTime(odometry_, sequence, camera.mounting);
+  PosesByTime odometry = odometryByTime(odometry_, sequence, camera.mounting, console);
   noteWithoutOdometry(sequence, odometry, console);
   Task task{std::move(sequence), map, camera, std::move(odometry)};
   std::optional<Drive> drive;

@@ -153,7 +153,7 @@ int MapBuildApp::findTrajectory(const DepthSequence& sequence, MapMaking& making
                                 const Console& console) const {
   if (!given_.empty() || every_ > 0 || !poses_.empty()) return kOk;
   console.note("no poses are given: the trajectory is found from the images");
-  making.setOdometry(by_images_.odometry(sequence, making.camera()));
+  making.setOdometry(by_images_.odometry(sequence, making.camera(), console));
   making.findTrajectory();
   const int code = by_images_.report(making.findings(), sequence, console);
   noteTrajectory(*making.findings().trajectory, console);

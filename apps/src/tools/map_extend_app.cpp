@@ -122,7 +122,7 @@ MapSession MapExtendApp::sessionIn(const std::shared_ptr<const Map>& map, const 
   }
   if (by_poses && !has_pose)
     throw IoError(sequence_, fmt::format("none of its images has a pose within {:f} s", pose_tolerance_));
-  if (!by_poses) session.setOdometry(by_images_.odometry(sequence, camera));
+  if (!by_poses) session.setOdometry(by_images_.odometry(sequence, camera, console));
   return session;
 }
 

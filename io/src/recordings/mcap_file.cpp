@@ -186,8 +186,12 @@ private:
       return;  // torn within its head
     }
     const std::uint64_t used = 8 + 8 + 8 + 4 + 4 + chunk.compression.size() + 8;
-    if (chunk.unpacked > kLargestMessage || (whole && chunk.packed > size - used))
-      throw BadMessage("has a chunk that claims too much");
+    if (whole && chunk.packed > size - used) throw BadMessage("has a chunk that is longer than its record");
+    if (chunk.unpacked > kLargestMessage)
+      throw IoError(path().string(),
+                    fmt::format("claims a chunk of {} bytes at byte {}, and {} at most are read; "
+                                "mcap compress writes smaller ones",
+                                chunk.unpacked, begin, kLargestMessage));
     chunk.begin = begin + used;
     chunk.packed = std::min(chunk.packed, size - used);
     chunks_.push_back(chunk);
@@ -204,7 +208,7 @@ private:
   void readRecordsOf(const Bytes& records, std::size_t index) {
     for (std::size_t at = 0; records.size() - at >= kRecordHead;) {
       const Record record = recordOf(records.data() + at);
-      if (record.size > records.size() - at - kRecordHead) return;  // of a torn chunk
+      if (record.opcode == kInvalid || record.size > records.size() - at - kRecordHead) return;  // torn
       note(record.opcode, {records.data() + at + kRecordHead, static_cast<std::size_t>(record.size)}, index,
            at);
       at += kRecordHead + static_cast<std::size_t>(record.size);
@@ -228,9 +232,9 @@ private:
     if (sum != expected) addFault("its data do not match its checksum: some are damaged");
   }
 
-  /** Neighbouring messages are mostly in one chunk: the last few are kept. */
+  /** Neighbouring messages are mostly in one chunk: the last few are kept, unless they are large. */
   std::shared_ptr<const Bytes> unpacked(std::size_t index) const {
-    constexpr std::size_t kKept = 4;
+    constexpr std::size_t kKept = 4, kKeptBytes = 1 << 25;
     {
       const std::lock_guard lock(mutex_);
       for (const auto& [kept, bytes] : kept_)
@@ -244,7 +248,12 @@ private:
         unpackedChunk({packed.data(), packed.size()}, chunk.compression, chunk.unpacked, path().string()));
     const std::lock_guard lock(mutex_);
     kept_.emplace_back(index, bytes);
-    if (kept_.size() > kKept) kept_.erase(kept_.begin());
+    std::size_t total = 0;
+    for (const auto& kept : kept_) total += kept.second->size();
+    while (kept_.size() > kKept || (kept_.size() > 1 && total > kKeptBytes)) {
+      total -= kept_.front().second->size();
+      kept_.erase(kept_.begin());
+    }
     return bytes;
   }
 

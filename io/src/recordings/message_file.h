@@ -33,7 +33,7 @@ struct MessageEntry {
 };
 
 /** \brief The largest message, and the largest chunk of messages, that is believed [bytes]. */
-constexpr std::uint64_t kLargestMessage = 1ull << 28;
+constexpr std::uint64_t kLargestMessage = 1ull << 27;
 
 /** \brief A file that is open to be read. */
 class MessageFile {

@@ -18,6 +18,14 @@ inline bool hasBags() {
   return FACETLOC_READS_BAGS && std::system(kTry) == 0;  // NOLINT(cert-env33-c)
 }
 
+/** \brief Can recordings of ROS 2 and RTAB-Map be written here? */
+inline bool hasRecordings() {
+  constexpr const char* kTry =
+      "/usr/bin/python3 -c 'import ctypes, sqlite3, zlib; ctypes.CDLL(\"libzstd.so.1\"); "
+      "ctypes.CDLL(\"liblz4.so.1\")' 2>/dev/null";
+  return std::system(kTry) == 0;  // NOLINT(cert-env33-c)
+}
+
 /** \brief Calls a script with a sequence, as write_bag.py and write_recording.py read it. \return did it
  * work?
  */
