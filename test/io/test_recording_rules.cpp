@@ -306,6 +306,8 @@ TEST_F(Rules, WhereNothingFitsTheMessageSaysWhatIsThere) {
   for (int i = 0; i < 3; ++i) put("rgb/" + std::to_string(i) + ".jpg", "x");
   put("notes.md", "x");
   EXPECT_THAT(errorOf(), AllOf(HasSubstr("no depth images"), HasSubstr("rgb/ (3 .jpg)"), HasSubstr("1 .md")));
+  put("home/home.db", "x");
+  EXPECT_THAT(errorOf("home"), HasSubstr("named itself"));
   put("exr/0.exr", "x");
   EXPECT_THAT(errorOf(), AllOf(HasSubstr("OpenEXR is not read"), HasSubstr("oiiotool")));
   put("walk.db", "x");

@@ -25,6 +25,8 @@ constexpr Unread kUnread[] = {
     {".h5", "HDF5 is not read; as NPY it is (h5py and numpy.save)"},
     {".npz", "a .npz holds several arrays; write depth alone: numpy.save('OUT.npy', "
              "numpy.load('IN.npz')['depth'])"},
+    {".db", "a database of RTAB-Map is read if it is named itself, not its folder"},
+    {".oni", "an .oni recording is read if it is named itself, not its folder"},
     {".mkv", "recordings of Azure Kinects are not read; Open3D's azure_kinect_mkv_reader writes depth PNGs"},
     {".sens", "ScanNet's .sens is not read; its SensReader exports depth, pose and intrinsic folders"},
     {".klg", "Kintinuous' .klg is not read; write its depth images as PNGs"},

@@ -97,7 +97,8 @@ private:
       fail(std::string("is no sound database of RTAB-Map: ") + e.what());
     } catch (const IoError&) {
       if ((db_.lastCode() & 0xFF) != SQLITE_ERROR) throw;
-      fail("is no database of RTAB-Map, or of a version before 0.12: it lacks Node or Data as these are now");
+      fail("is no database of RTAB-Map, or of a version before 0.12: it lacks Node or Data as these are now; "
+           "what rtabmap-export --images --poses_camera writes is read, too");
     }
   }
 
