@@ -4,9 +4,7 @@
 set -euo pipefail
 
 packages=(g++ cmake ninja-build ccache
-          libpcl-dev libboost-program-options-dev libsqlite3-dev libpng-dev libtiff-dev libdeflate-dev liblz4-dev libfmt-dev libceres-dev libembree-dev libopenmpi-dev openmpi-bin
-          librosbag-storage-dev librcpputils-dev libament-index-cpp-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev
-          libpcl-dev libboost-program-options-dev libsqlite3-dev libpng-dev libtiff-dev libdeflate-dev liblz4-dev libzstd-dev libfmt-dev libceres-dev libopenmpi-dev openmpi-bin
+          libpcl-dev libboost-program-options-dev libsqlite3-dev libpng-dev libtiff-dev libdeflate-dev liblz4-dev libzstd-dev libfmt-dev libceres-dev libembree-dev libopenmpi-dev openmpi-bin
           librosbag-storage-dev librcpputils-dev libament-index-cpp-dev
           libgtest-dev libgmock-dev libbenchmark-dev
           xvfb xauth)

@@ -32,6 +32,7 @@ declare -A rooms=(
   [mapping/models]="models sessions calibration nearby depth"
   [mapping/sessions]="sessions calibration graph trajectory motion nearby depth"
   [io/recordings]="recordings"
+  [io/frames]="frames"
   [apps/base]="base"
   [apps/drawing]="drawing base"
   [apps/evaluation]="evaluation drawing base"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "camera_pairs.h"
 #include "files.h"
 #include "shared/text.h"
 
@@ -120,8 +121,13 @@ std::string spaced(std::string_view line) {
 
 class Parser {
 public:
-  explicit Parser(const std::filesystem::path& path) : path_(path.string()) {}
+  explicit Parser(std::string path) : path_(std::move(path)) {}
 
+  Values parse(const std::vector<std::pair<std::string, std::string>>& pairs) {
+    for (const auto& [key, value] : pairs) store(key, value);
+    requireComplete();
+    return values_;
+  }
   Values parse(std::string_view content) {
     for (const std::string_view line : text::lines(content)) {
       ++line_;
@@ -136,7 +142,7 @@ public:
 
 private:
   [[noreturn]] void fail(const std::string& cause) const {
-    throw IoError(path_, fmt::format("line {}: {}", line_, cause));
+    throw IoError(path_, line_ > 0 ? fmt::format("line {}: {}", line_, cause) : cause);
   }
 
   void parseLine(const std::string& line) {
@@ -210,12 +216,8 @@ private:
 /** As the preset says, or if there is none, as it is by default. */
 Camera usualCamera(const CameraPreset* preset) { return preset ? preset->camera() : Camera(); }
 
-}  // namespace
-
-CameraFile readCameraFile(const std::filesystem::path& path) {
-  const std::string content = files::readText(path);
-  Parser parser(path);
-  const Values v = parser.parse(content);
+/** Of values that were parsed. */
+CameraFile cameraOf(const Parser& parser, const Values& v) {
   CameraFile file;
   if (parser.preset()) file.preset = parser.preset()->name;
   Camera& camera = file.camera;
@@ -238,6 +240,24 @@ CameraFile readCameraFile(const std::filesystem::path& path) {
     if (v.count(name)) file.lens.*value = v.at(name);
   file.depth_is = parser.depthKind();
   return file;
+}
+
+}  // namespace
+
+bool internal::isCameraKey(std::string_view key) { return key == kPreset || key == kDepthIs || findKey(key); }
+
+CameraFile internal::cameraOfPairs(const std::vector<std::pair<std::string, std::string>>& pairs,
+                                   const std::string& name) {
+  Parser parser(name);
+  const Values values = parser.parse(pairs);
+  return cameraOf(parser, values);
+}
+
+CameraFile readCameraFile(const std::filesystem::path& path) {
+  const std::string content = files::readText(path);
+  Parser parser(path.string());
+  const Values values = parser.parse(content);
+  return cameraOf(parser, values);
 }
 
 void writeCameraFile(const std::filesystem::path& path, const CameraFile& file) {

@@ -39,8 +39,9 @@ bool isThere(const fs::path& path) {
 LiveApp::LiveApp()
     : App("facetloc_live", "[--device DEVICE] [--map MAP.flmap | --build MAP.flmap] [options]",
           "Cuts what a depth camera sees into planar segments; with --map, finds and follows it in a map, "
-          "with --build, makes a map while it moves. DEVICE is a camera of OpenNI2 (#1, or a URI), a .scene "
-          "file, or a recording: .oni, .mcap, .db3, .bag, .db, folder or list of images. Keys: " +
+           "with --build, makes a map while it moves. DEVICE is a camera of OpenNI2 (#1, or a URI) or of "
+           "Linux (/dev/video2), - for frames of a program (ROBOT.md), a .scene file, or a recording: .oni, "
+           ".mcap, .db3, .bag, .db, folder or list of images. Keys: " +
               keysText() + ".") {}
 
 void LiveApp::addOptions(CommandLine& line) {
@@ -118,6 +119,7 @@ int LiveApp::playOrMap(LiveRunOptions options, const CommandLine& line, const Co
   if (options.odometry != "-") makeAbsolute(options.odometry);
   if (options.odometry != "-" && !options.odometry.empty() && !fs::exists(options.odometry))
     throw IoError(options.odometry, "does not exist");
+  if (options.source.device == "-" && options.odometry == "-") options.odometry.clear();  // one pipe for both
   for (std::string* path : {&options.source.device, &options.source.camera})
     if (fs::exists(*path)) makeAbsolute(*path);
   for (const std::string* folder : {&options.results, &options.screenshots})

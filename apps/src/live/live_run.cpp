@@ -80,13 +80,14 @@ void LiveRun::tellThatItWaits(const std::string& cause) {
 
 /** \return false if the user does not want to wait any more. */
 bool LiveRun::openSource() {
+  if (!pipe_) pipe_ = LiveSource::pipeOf(options_.source);
   while (!stopAsked() && !timeIsUp()) {
     try {
-      source_ = std::make_unique<LiveSource>(options_.source);
+      source_ = std::make_unique<LiveSource>(options_.source, pipe_);
       for (const std::string& remark : source_->remarks()) console_.note(remark);
       return true;
     } catch (const IoError& e) {
-      if (!options_.wait) throw;
+      if (!options_.wait || (pipe_ && (pipe_->hasFailed() || pipe_->atEnd()))) throw;
       if (!begin_) begin_ = Clock::now();  // to wait takes of the time that it has
       tellThatItWaits(e.what());
     }
@@ -136,6 +137,13 @@ void LiveRun::finish() {
   if (mapping_) mapping_->finish();
 }
 
+/** Its lines come as --odometry says, and with the frames that a program sends. */
+void LiveRun::listenToRobot(const std::optional<CameraMounting>& mounting) {
+  if (options_.odometry.empty() && !pipe_) return;
+  odometry_ = std::make_shared<OdometryInput>(options_.odometry, mounting);
+  if (pipe_) pipe_->setLines([lines = odometry_](const std::string& line) { lines->take(line); });
+}
+
 /** Now that the camera is known. */
 void LiveRun::startSession() {
   LiveSessionOptions options = algorithms_.session;
@@ -149,9 +157,8 @@ void LiveRun::startSession() {
   if (!options_.build.empty()) startMapping(options.camera);
   options.mapping = mapping_;
   if (map_) options.start = startPose(options_.near, options.camera.mounting);
-  if (!options_.odometry.empty())
-    options.odometry = odometry_ =
-        std::make_shared<OdometryInput>(options_.odometry, options.camera.mounting);
+  listenToRobot(options.camera.mounting);
+  options.odometry = odometry_;
   if (!options_.results.empty()) {
     const std::string map = map_ ? fmt::format(", map {} of {}", fs::path(options_.map).filename().string(),
                                                counted(map_->models.size(), "local model"))
@@ -207,9 +214,10 @@ bool LiveRun::sourceEnded() const {
 std::string LiveRun::sourceProblem() const {
   if (!source_->connected()) {
     const std::string cause = source_->lastError();
+    if (source_->isPipe()) return cause;
     return fmt::format("{}: the device has gone{}", source_->name(), cause.empty() ? "" : " (" + cause + ")");
   }
-  if (options_.source.every_frame) return {};  // it waits for us
+  if (options_.source.every_frame || (options_.wait && source_->isPipe())) return {};  // one of us waits
   const auto last = session_->mailbox().lastArrival();
   if (Clock::now() - std::max(last.value_or(source_start_), source_start_) <= kStall) return {};
   return fmt::format("{}: no frame for {} s", source_->name(), kStall.count());
@@ -227,7 +235,7 @@ void LiveRun::run() {
       break;
     } catch (const SourceError& e) {
       status_.clear();
-      if (!options_.wait) {
+      if (!options_.wait || source_->isPipe()) {
         closeSource();
         finish();
         throw;

@@ -56,6 +56,7 @@ private:
   void closeSource();
   void pause() const;
   void startSession();
+  void listenToRobot(const std::optional<CameraMounting>& mounting);
   void startMapping(const Camera& camera);
   void finish();
   void receive(const LiveResultPtr& result);
@@ -88,6 +89,7 @@ private:
   Clock::time_point source_start_;
 
   // Frames go from the source to the session, and results from there to the mailboxes.
+  std::shared_ptr<PipeFrames> pipe_;  // standard input, as far as it has been read
   std::unique_ptr<LiveSource> source_;
   std::unique_ptr<OniRecorder> recorder_;
   std::filesystem::path recording_;  // its file

@@ -10,6 +10,7 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_camera.h>
 #include <facetloc/io/openni_grabber.h>
+#include <facetloc/io/v4l2_frames.h>
 
 #include <pcl/io/image_grabber.h>
 
@@ -18,6 +19,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <stdexcept>
+#include <unistd.h>
 
 namespace facetloc {
 namespace {
@@ -27,9 +29,11 @@ using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 using DevicePicture = pcl::io::DepthImage;
 using OnCloud = void(const Cloud::ConstPtr&);
 
-constexpr double kMicrosecond = 1e-6;  // [s]
-constexpr double kMillimetre = 1e-3;   // [m]
-constexpr double kUsualRate = 30;      // [Hz] of files without time stamps
+constexpr double kMicrosecond = 1e-6;           // [s]
+constexpr double kMillimetre = 1e-3;            // [m]
+constexpr double kUsualRate = 30;               // [Hz] of files without time stamps
+constexpr std::chrono::seconds kFirstFrame(3);  // for which is waited to learn what the camera is
+constexpr const char* kPipe = "-";
 
 /** Intrinsics for an image of another size: every step-th pixel, as our subsampling and OpenNI's modes. */
 Intrinsics scaledTo(const Intrinsics& camera, int width, int height) {
@@ -113,9 +117,21 @@ std::optional<Intrinsics> calibrationOf(const OpenNIGrabber& grabber) {
 bool isPlayed(const LiveSourceOptions& options) {
   const fs::path path = options.device;
   std::error_code ignored;
+  if (V4l2Frames::reads(path)) return false;
   if (path.extension() == ".scene" || !fs::exists(path, ignored)) return false;
   if (options.every_frame || DepthSequence::isOfMessages(path)) return true;
   return fs::is_regular_file(path, ignored) && path.extension() != ".oni";
+}
+
+/** What --camera says; of a preset without intrinsics, and nothing for a map. */
+std::optional<CameraFile> givenCamera(const std::string& camera) {
+  if (camera.empty() || isMapFile(camera)) return {};
+  const CameraPreset* preset = fs::exists(camera) ? nullptr : findCameraPreset(camera);
+  if (!preset) return readCameraFile(camera);
+  CameraFile file;
+  file.preset = preset->name;
+  file.camera = preset->camera();
+  return file;
 }
 
 }  // namespace
@@ -127,7 +143,12 @@ FrameStamps countedStamps(double rate) {
 void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camera, const FrameStamps& stamps,
                    const FrameSink& sink) {
   using OnPicture = void(const DevicePicture::Ptr&);
-  if (grabber.providesCallback<OnPicture>()) {
+  if (grabber.providesCallback<FrameGrabber::OnFrame>()) {
+    auto convert = std::make_shared<FrameConverter>();
+    grabber.registerCallback<FrameGrabber::OnFrame>([convert, sink](const DepthFrame::ConstPtr& frame) {
+      sink({frame->stamp, [convert, frame] { return (*convert)(*frame); }, frame->gravity});
+    });
+  } else if (grabber.providesCallback<OnPicture>()) {
     grabber.registerCallback<OnPicture>([camera, sink](const DevicePicture::Ptr& picture) {
       sink({kMicrosecond * static_cast<double>(picture->getTimestamp()),
             [picture, camera] { return toDepthImage(*picture, camera); }});
@@ -146,27 +167,54 @@ void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camer
   }
 }
 
-LiveSource::LiveSource(const LiveSourceOptions& options)
-    : every_frame_(options.every_frame), name_(options.device) {
+std::shared_ptr<PipeFrames> LiveSource::pipeOf(const LiveSourceOptions& options) {
+  if (options.device != kPipe) return {};
+  return std::make_shared<PipeFrames>(STDIN_FILENO, "standard input", givenCamera(options.camera));
+}
+
+LiveSource::LiveSource(const LiveSourceOptions& options, std::shared_ptr<PipeFrames> pipe)
+    : every_frame_(options.every_frame), name_(options.device), pipe_(std::move(pipe)) {
   if (isPlayed(options)) {
     player_ = std::make_unique<FilePlayer>(options);
     camera_ = player_->camera();
     return;
   }
-  const CameraPreset* preset = fs::exists(options.camera) ? nullptr : findCameraPreset(options.camera);
+  const std::optional<CameraFile> given = givenCamera(options.camera);
+  const bool by_name = given && !given->camera.intrinsics.valid();
   const bool of_map = isMapFile(options.camera);
-  if (!options.camera.empty() && !preset && !of_map) camera_ = readCameraFile(options.camera);
-  if (camera_ && !camera_->isPinhole()) lens_camera_ = camera_;
-  if (isPclzfFolder(options.device))
-    openPclzf(options);
-  else
-    openDevice(options);
+  if (pipe_) {
+    openFrames(pipe_);
+  } else if (V4l2Frames::reads(options.device)) {
+    openFrames(std::make_shared<V4l2Frames>(options.device, given.value_or(CameraFile())));
+  } else {
+    if (!by_name) camera_ = given;
+    if (camera_ && !camera_->isPinhole()) lens_camera_ = camera_;
+    if (isPclzfFolder(options.device))
+      openPclzf(options);
+    else
+      openDevice(options);
+    if (by_name) useNoiseOf(given->camera);
+  }
   if (of_map) camera_ = cameraOfMap(options.camera, camera_);
-  if (!preset) return;
+}
+
+void LiveSource::useNoiseOf(const Camera& usual) {
   if (!camera_) camera_.emplace();  // without intrinsics, which frames tell
-  const Camera usual = preset->camera();
   camera_->camera.noise = usual.noise;
   camera_->camera.max_depth = usual.max_depth;
+}
+
+/** Frames of which the camera is known with the first one. */
+void LiveSource::openFrames(std::shared_ptr<FrameSource> frames) {
+  name_ = frames->name();
+  const auto camera = frames->camera(kFirstFrame);
+  if (!camera)
+    throw IoError(name_, frames->atEnd() ? "ended without a frame"
+                                         : fmt::format("no frame for {} s", kFirstFrame.count()));
+  camera_ = *camera;
+  auto grabber = std::make_unique<FrameGrabber>(std::move(frames));
+  frames_ = grabber.get();
+  grabber_ = std::move(grabber);
 }
 
 void LiveSource::openPclzf(const LiveSourceOptions& options) {
@@ -206,7 +254,7 @@ void LiveSource::start(const FrameSink& sink) {
     connectFrames(*grabber_, intrinsics, countedStamps(kUsualRate), corrected(*lens_camera_, sink));
   else
     connectFrames(*grabber_, intrinsics, countedStamps(kUsualRate), sink);
-  if (!device_)
+  if (!device_ && !frames_)
     grabber_->registerCallback<OnCloud>([this](const Cloud::ConstPtr& cloud) {
       ++delivered_;
       unreadable_ += cloud->empty();
@@ -223,9 +271,14 @@ void LiveSource::next() {
     player_->next();
   else if (device_)
     device_->trigger(1);
+  else if (frames_)
+    frames_->trigger(1);
 }
 
-bool LiveSource::isFile() const { return !device_ || device_->isFile(); }
+bool LiveSource::isFile() const {
+  if (frames_) return !frames_->source().isLive();
+  return !device_ || device_->isFile();
+}
 
 std::vector<std::string> LiveSource::remarks() const {
   return player_ ? player_->remarks() : std::vector<std::string>();
@@ -234,14 +287,19 @@ std::vector<std::string> LiveSource::remarks() const {
 bool LiveSource::atEnd() const {
   if (player_) return player_->atEnd();
   if (device_) return device_->isEndOfFile();
+  if (frames_) return frames_->atEnd();
   return !grabber_->isRunning() || (last_ && delivered_ >= *last_);  // one of PCL's grabbers never stops
 }
 
-bool LiveSource::connected() const { return !device_ || device_->isConnected(); }
+bool LiveSource::connected() const {
+  if (frames_) return frames_->lastError().empty();
+  return !device_ || device_->isConnected();
+}
 
 std::string LiveSource::lastError() const {
   if (player_) return player_->lastError();
   if (device_) return device_->lastError();
+  if (frames_) return frames_->lastError();
   return unreadable_ ? fmt::format("{} of the images cannot be read", unreadable_) : "";
 }
 

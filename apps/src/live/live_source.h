@@ -2,7 +2,10 @@
 #pragma once
 
 #include <facetloc/features/depth_image.h>
+#include <facetloc/features/gravity.h>
 #include <facetloc/io/camera_file.h>
+#include <facetloc/io/frame_grabber.h>
+#include <facetloc/io/pipe_frames.h>
 
 #include <pcl/io/grabber.h>
 
@@ -23,6 +26,7 @@ class OpenNIGrabber;
 struct LiveFrame {
   double stamp = 0;                   ///< [s] of the source; may start again when a recording is repeated
   std::function<DepthImage()> image;  ///< converts it; to be called on one thread at a time
+  std::optional<Gravity> gravity{};   ///< if the camera has measured it
 };
 using FrameSink = std::function<void(LiveFrame)>;
 
@@ -41,7 +45,8 @@ void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camer
 
 /** \brief What is played, and how. */
 struct LiveSourceOptions {
-  std::string device;  ///< as OpenNIGrabber, a folder of PCLZF files, or what DepthSequence reads
+  std::string device;  ///< as OpenNIGrabber or V4l2Frames, a folder of PCLZF files, what DepthSequence
+                       ///< reads, or "-": frames on standard input (PipeFrames)
   /** A file of the device, a map that was made with it, or a CameraPreset; empty = what lies beside its
    * files.
    */
@@ -55,8 +60,12 @@ struct LiveSourceOptions {
 /** \brief A depth camera, or what stands for one: a recording, or a folder of depth images that is played. */
 class LiveSource {
 public:
-  /** \brief Opens it. Throws IoError if there is no such device or file, or nothing in it. */
-  explicit LiveSource(const LiveSourceOptions& options);
+  /** \brief Standard input, if it is the device; else null. Throws IoError. */
+  static std::shared_ptr<PipeFrames> pipeOf(const LiveSourceOptions& options);
+
+  /** \brief Opens it. Throws IoError if there is no such device or file, or nothing in it.
+   * \param pipe for the device "-", with what has been read of it already (pipeOf()) */
+  explicit LiveSource(const LiveSourceOptions& options, std::shared_ptr<PipeFrames> pipe = {});
   /** \brief Stops it. */
   ~LiveSource();
   LiveSource(const LiveSource&) = delete;
@@ -77,6 +86,8 @@ public:
   bool atEnd() const;
   /** \brief False when a device has been unplugged. */
   bool connected() const;
+  /** \brief Is it another program that sends frames, whose silence is no fault and whose faults stay? */
+  bool isPipe() const { return pipe_ != nullptr; }
   /** \brief What the driver says of that, or of an image that it could not read; may be empty. */
   std::string lastError() const;
   /** \brief What its user should know of it, sentences without full stop. */
@@ -87,6 +98,8 @@ public:
 private:
   void openDevice(const LiveSourceOptions& options);
   void openPclzf(const LiveSourceOptions& options);
+  void openFrames(std::shared_ptr<FrameSource> frames);
+  void useNoiseOf(const Camera& usual);
 
   const bool every_frame_;
   std::string name_;
@@ -98,6 +111,8 @@ private:
   std::atomic<std::uint64_t> delivered_{0}, unreadable_{0};  // of the files that PCL plays
   std::optional<std::uint64_t> last_;  // number of files, where only counting tells the end
   OpenNIGrabber* device_ = nullptr;    // the same, if it is one
+  FrameGrabber* frames_ = nullptr;     // the same, if it is one
+  std::shared_ptr<PipeFrames> pipe_;   // from where it gets them
 };
 
 }  // namespace facetloc

@@ -39,7 +39,8 @@ Eigen::Isometry3d between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b
 }  // namespace
 
 OdometryInput::OdometryInput(const std::string& file, const std::optional<CameraMounting>& mounting)
-    : name_(file == "-" ? "standard input" : file), mounting_(mounting) {
+    : name_(file.empty() || file == "-" ? "standard input" : file), mounting_(mounting) {
+  if (file.empty()) return;
   closes_ = file != "-";
   file_ = closes_ ? ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC) : STDIN_FILENO;
   if (file_ < 0) throw IoError(file, std::string("cannot be opened: ") + std::strerror(errno));
@@ -52,7 +53,7 @@ OdometryInput::~OdometryInput() {
     stops_ = true;
   }
   arrived_.notify_all();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
   if (closes_) ::close(file_);
 }
 

@@ -30,12 +30,15 @@ class OdometryInput {
 public:
   using Clock = std::chrono::steady_clock;
 
-  /** \param file to read; "-" = standard input. Throws IoError if it cannot be opened. */
+  /** \param file to read; "-" = standard input, empty = none: lines come by take() alone. Throws IoError if
+   * it cannot be opened. */
   OdometryInput(const std::string& file, const std::optional<CameraMounting>& mounting);
   ~OdometryInput();
   OdometryInput(const OdometryInput&) = delete;
   OdometryInput& operator=(const OdometryInput&) = delete;
 
+  /** \brief A line that came another way, with the frames. */
+  void take(const std::string& line);
   /** \brief T_o_c at the time of a frame, between the lines before and after it; waits a while for the one
    * after. Nothing if the lines do not reach there, or are too far apart. */
   std::optional<Eigen::Isometry3d> at(double stamp, Clock::time_point arrival);
@@ -55,7 +58,6 @@ private:
     Eigen::Isometry3d T_o_c;
   };
   void read();
-  void take(const std::string& text);
   void addFault(std::string fault);
   void add(const OdometryLine& line, double now);
   double sinceStart(Clock::time_point time) const;

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <facetloc/features/hole_grid.h>
+#include <facetloc/io/frame_source.h>
+
+#include <algorithm>
+
+namespace facetloc {
+namespace {
+
+constexpr std::uint16_t kNotMeasured = 65535;  // beside 0
+
+}  // namespace
+
+DepthImage FrameConverter::operator()(const DepthFrame& frame) {
+  DepthImage image;
+  image.camera = frame.camera->camera.intrinsics;
+  if (frame.values.size() != static_cast<std::size_t>(image.camera.width) * image.camera.height) return {};
+  image.depth.resize(frame.values.size());
+  std::transform(frame.values.begin(), frame.values.end(), image.depth.begin(), [&](std::uint16_t value) {
+    return value == kNotMeasured ? 0 : static_cast<float>(value / frame.camera->depth_scale);
+  });
+  if (!frame.camera->isPinhole()) image = withoutLens(image, frame.camera);
+  fillHoleGrid(image);
+  return image;
+}
+
+DepthImage FrameConverter::withoutLens(const DepthImage& image,
+                                       const std::shared_ptr<const CameraFile>& camera) {
+  if (camera_ != camera) {
+    camera_ = camera;
+    lens_.emplace(image.camera, camera_->lens, camera_->depth_is);
+  }
+  return (*lens_)(image);
+}
+
+}  // namespace facetloc
