@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "camera_pairs.h"
 #include "files.h"
 #include "shared/text.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/camera_file.h>
+#include <facetloc/io/camera_keys.h>
 #include <facetloc/io/error.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -123,7 +124,7 @@ class Parser {
 public:
   explicit Parser(std::string path) : path_(std::move(path)) {}
 
-  Values parse(const std::vector<std::pair<std::string, std::string>>& pairs) {
+  Values parse(const CameraKeys& pairs) {
     for (const auto& [key, value] : pairs) store(key, value);
     requireComplete();
     return values_;
@@ -242,14 +243,41 @@ CameraFile cameraOf(const Parser& parser, const Values& v) {
   return file;
 }
 
+const std::string* find(const CameraKeys& keys, std::string_view name) {
+  const auto found =
+      std::find_if(keys.begin(), keys.end(), [&](const auto& key) { return key.first == name; });
+  return found == keys.end() ? nullptr : &found->second;
+}
+
+/** Typical intrinsics of the preset that is named, if none are given. */
+void addIntrinsics(CameraKeys& keys, const std::string& name) {
+  if (find(keys, "fx") || find(keys, "fy") || find(keys, "cx") || find(keys, "cy")) return;
+  const std::string* word = find(keys, kPreset);
+  if (!word)
+    throw IoError(name, "nothing is known of the camera: give fx, fy, cx and cy, or the name of a camera");
+  const CameraPreset* preset = findCameraPreset(*word);
+  const std::string *width = find(keys, "width"), *height = find(keys, "height");
+  if (!preset || !width || !height) return;  // which the parser complains of
+  const auto typical =
+      preset->intrinsicsOf(text::to<int>(*width).value_or(0), text::to<int>(*height).value_or(0));
+  if (!typical)
+    throw IoError(name,
+                  fmt::format("a {} has no images of {}x{}: give fx, fy, cx and cy", *word, *width, *height));
+  for (const auto& [key, value] : {std::pair("fx", typical->fx), std::pair("fy", typical->fy),
+                                   std::pair("cx", typical->cx), std::pair("cy", typical->cy)})
+    keys.emplace_back(key, text::shortest(value));
+}
+
 }  // namespace
 
-bool internal::isCameraKey(std::string_view key) { return key == kPreset || key == kDepthIs || findKey(key); }
+bool isCameraKey(std::string_view key) { return key == kPreset || key == kDepthIs || findKey(key); }
 
-CameraFile internal::cameraOfPairs(const std::vector<std::pair<std::string, std::string>>& pairs,
-                                   const std::string& name) {
+CameraFile cameraOfKeys(CameraKeys keys, const std::string& name) {
+  constexpr const char* kMillimetres = "1000";
+  if (!find(keys, "depth_scale")) keys.emplace_back("depth_scale", kMillimetres);
+  addIntrinsics(keys, name);
   Parser parser(name);
-  const Values values = parser.parse(pairs);
+  const Values values = parser.parse(keys);
   return cameraOf(parser, values);
 }
 

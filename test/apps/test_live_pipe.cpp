@@ -82,8 +82,9 @@ TEST_F(LivePipe, WithoutFramesOrCameraSaysSo) {
   const std::string header = "printf '{\"stamp\":0,\"width\":4,\"height\":3}\\n'";
   const ToolRun run = Process(shell(header + " | " + live(""))).wait();
   EXPECT_EQ(run.code, 1);
-  EXPECT_THAT(run.err,
-              HasSubstr("standard input: frame 1: its header cannot be used: it says nothing of the camera"));
+  EXPECT_THAT(
+      run.err,
+      HasSubstr("standard input: frame 1: its header cannot be used: nothing is known of the camera"));
 }
 
 /** Lines of the robot stand among the frames for which they hold. */

@@ -191,7 +191,7 @@ TEST(PipeFrames, ThatAreHostileSayWhy) {
   EXPECT_THAT(of(R"("stamp":0,"width":4.5,"height":3)"), HasSubstr("width of 4.5"));
   EXPECT_THAT(of(R"("stamp":0,"width":1e300,"height":3)"), HasSubstr("impossible"));
   EXPECT_THAT(of(R"("stamp":0,"width":16384,"height":16384)"), HasSubstr("more than any depth camera has"));
-  EXPECT_THAT(of(size), HasSubstr("nothing of the camera"));
+  EXPECT_THAT(of(size), HasSubstr("nothing is known of the camera"));
   EXPECT_THAT(of(size + R"(,"fx":3.5)"), HasSubstr("has no fy"));
   EXPECT_THAT(of(size + R"(,"fx":-1,"fy":1,"cx":1,"cy":1)"), HasSubstr("fx = -1 is impossible"));
   EXPECT_THAT(of(size + R"(,"camera":"no_such")"), HasSubstr("unknown camera 'no_such'"));

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "camera_pairs.h"
 #include "shared/text.h"
 
 #include <facetloc/io/pipe_frames.h>
@@ -83,7 +82,7 @@ std::optional<FrameHeader> parseFrameHeader(const std::string& line) {
   header.stamp = numberOf(json["stamp"], "stamp");
   header.gravity = gravityOf(json);
   for (const std::string& key : json.getMemberNames())
-    if (internal::isCameraKey(key)) header.camera.emplace_back(key, wordOf(json[key], key));
+    if (isCameraKey(key)) header.camera.emplace_back(key, wordOf(json[key], key));
   return header;
 }
 

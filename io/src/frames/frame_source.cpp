@@ -19,18 +19,17 @@ DepthImage FrameConverter::operator()(const DepthFrame& frame) {
   std::transform(frame.values.begin(), frame.values.end(), image.depth.begin(), [&](std::uint16_t value) {
     return value == kNotMeasured ? 0 : static_cast<float>(value / frame.camera->depth_scale);
   });
-  if (!frame.camera->isPinhole()) image = withoutLens(image, frame.camera);
-  fillHoleGrid(image);
-  return image;
+  return (*this)(std::move(image), frame.camera);
 }
 
-DepthImage FrameConverter::withoutLens(const DepthImage& image,
-                                       const std::shared_ptr<const CameraFile>& camera) {
-  if (camera_ != camera) {
+DepthImage FrameConverter::operator()(DepthImage stored, const std::shared_ptr<const CameraFile>& camera) {
+  if (!camera->isPinhole()) {
+    if (camera_ != camera) lens_.emplace(stored.camera, camera->lens, camera->depth_is);
     camera_ = camera;
-    lens_.emplace(image.camera, camera_->lens, camera_->depth_is);
+    stored = (*lens_)(stored);
   }
-  return (*lens_)(image);
+  fillHoleGrid(stored);
+  return stored;
 }
 
 }  // namespace facetloc

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "camera_pairs.h"
 #include "files.h"
 #include "shared/text.h"
 
-#include <facetloc/features/camera_presets.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/pipe_frames.h>
 
@@ -23,13 +21,10 @@ constexpr std::size_t kLongestLine = 1 << 16;  // bytes
 constexpr std::size_t kMostEarlyLines = 1000;
 constexpr std::size_t kMostSkipped = std::size_t(1) << 25;  // bytes, of the largest frame
 constexpr int kPipeSize = 1 << 20;                          // a frame of 640x480 without a change of context
-constexpr const char* kUsualScale = "1000";                 // millimetres
 
-using Pairs = std::vector<std::pair<std::string, std::string>>;
-
-const std::string* find(const Pairs& pairs, const std::string& key) {
-  const auto found = std::find_if(pairs.begin(), pairs.end(), [&](const auto& p) { return p.first == key; });
-  return found == pairs.end() ? nullptr : &found->second;
+const std::string* find(const CameraKeys& keys, const std::string& key) {
+  const auto found = std::find_if(keys.begin(), keys.end(), [&](const auto& p) { return p.first == key; });
+  return found == keys.end() ? nullptr : &found->second;
 }
 
 /** Intrinsics for the n-th pixels of the camera's full image. */
@@ -44,23 +39,6 @@ double depthScaleOf(const std::string& word) {
   const auto scale = text::to<double>(word);
   if (!scale || !(*scale > 0)) throw std::invalid_argument("its depth_scale is not positive");
   return *scale;
-}
-
-/** Typical intrinsics of the preset that is named, where none are given. */
-void addIntrinsics(Pairs& pairs, const FrameHeader& header) {
-  const bool has_some = find(pairs, "fx") || find(pairs, "fy") || find(pairs, "cx") || find(pairs, "cy");
-  const std::string* name = find(pairs, "camera");
-  const CameraPreset* preset = name ? findCameraPreset(*name) : nullptr;
-  if (has_some || (name && !preset)) return;  // which the parser complains of, if it has to
-  const auto typical = preset ? preset->intrinsicsOf(header.width, header.height) : std::nullopt;
-  if (!typical)
-    throw std::invalid_argument(
-        name ? fmt::format("a {} has no images of {}x{} pixels: give fx, fy, cx and cy", *name, header.width,
-                           header.height)
-             : "it says nothing of the camera: give fx, fy, cx and cy, or the name of a camera");
-  for (const auto& [key, value] : {std::pair("fx", typical->fx), std::pair("fy", typical->fy),
-                                   std::pair("cx", typical->cx), std::pair("cy", typical->cy)})
-    pairs.emplace_back(key, text::shortest(value));
 }
 
 std::vector<std::uint16_t> littleEndian(const std::vector<char>& bytes) {
@@ -208,15 +186,14 @@ std::shared_ptr<const CameraFile> PipeFrames::cameraOf(const FrameHeader& header
       camera->depth_scale = depthScaleOf(*scale);
     return camera;
   }
-  Pairs pairs = header.camera;
+  CameraKeys keys = header.camera;
   if (known_ && !known_->preset.empty()) {
-    pairs.erase(std::remove_if(pairs.begin(), pairs.end(), [](const auto& p) { return p.first == "camera"; }),
-                pairs.end());
-    pairs.emplace_back("camera", known_->preset);
+    keys.erase(
+        std::remove_if(keys.begin(), keys.end(), [](const auto& key) { return key.first == "camera"; }),
+        keys.end());
+    keys.emplace_back("camera", known_->preset);
   }
-  if (!find(pairs, "depth_scale")) pairs.emplace_back("depth_scale", kUsualScale);
-  addIntrinsics(pairs, header);
-  return std::make_shared<CameraFile>(internal::cameraOfPairs(pairs, name_));
+  return std::make_shared<CameraFile>(cameraOfKeys(keys, name_));
 } catch (const IoError& e) {
   throw std::invalid_argument(e.cause());
 }

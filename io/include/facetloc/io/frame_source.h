@@ -34,10 +34,10 @@ class FrameConverter {
 public:
   /** \brief An image that is not of its camera's size is empty. */
   DepthImage operator()(const DepthFrame& frame);
+  /** \brief The same for an image in metres, as its camera stores it. */
+  DepthImage operator()(DepthImage stored, const std::shared_ptr<const CameraFile>& camera);
 
 private:
-  DepthImage withoutLens(const DepthImage& image, const std::shared_ptr<const CameraFile>& camera);
-
   std::shared_ptr<const CameraFile> camera_;  // whose lens it is
   std::optional<LensCorrection> lens_;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/io/camera_keys.h>
 #include <facetloc/io/frame_source.h>
 
 #include <cstddef>
@@ -8,7 +9,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace facetloc {
@@ -20,7 +20,7 @@ struct FrameHeader {
   int height = 0;    ///< [px]
   std::optional<Gravity> gravity;
   /** What it says of the camera, by the keys of a camera.ini; values that are numbers as text. */
-  std::vector<std::pair<std::string, std::string>> camera;
+  CameraKeys camera;
 };
 
 /** \brief Reads the header of a frame; nothing for an object with neither width nor height, which is a line
@@ -79,10 +79,10 @@ private:
   std::size_t used_ = 0;                  // of these
   std::size_t skipped_ = 0;               // before the first header
   std::shared_ptr<const CameraFile> camera_;
-  std::vector<std::pair<std::string, std::string>> first_;  // what the first header said of the camera
-  std::shared_ptr<DepthFrame> pending_;                     // whose header has come
-  std::vector<char> pixels_;                                // of it, as they have come
-  std::size_t missing_ = 0;                                 // bytes of these
+  CameraKeys first_;                     // what the first header said of the camera
+  std::shared_ptr<DepthFrame> pending_;  // whose header has come
+  std::vector<char> pixels_;             // of it, as they have come
+  std::size_t missing_ = 0;              // bytes of these
   std::uint64_t frames_ = 0;
   bool ended_ = false, failed_ = false;
 };

@@ -14,7 +14,7 @@ class Z16Buffers;
 }  // namespace internal
 
 /** \brief Frames of a depth camera whose driver is in the Linux kernel: the video device of its depth stream
- * (Z16), such as that of a RealSense, without its SDK. Only the kernel's interface is used, Video4Linux2.
+ * (Z16), for a RealSense without its SDK, say. Only the kernel's interface is used, Video4Linux2.
  *
  * Such a driver knows neither intrinsics nor scale: the camera is given. The path of a file has the frames of
  * that device one after the other, as `v4l2-ctl --stream-mmap --stream-to=FILE` writes them; they are read by
