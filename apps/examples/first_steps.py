@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """First steps in Python: first_steps.py [PICTURE.png]
 
-A made-up office is driven through, its planes are drawn, a map is made of it, and a robot that comes back later is localized. Needs
+A made-up room is driven through, its planes are drawn, a map is made of it, and a robot that comes back later is localized. Needs
 python3-facetloc and python3-matplotlib."""
 import sys
 
@@ -14,7 +14,7 @@ import numpy as np
 import facetloc
 
 # The planes of a depth image.
-drive = facetloc.simulate("office", run="map", seed=1, frames=40)
+drive = facetloc.simulate("room", run="map", seed=5, frames=40)
 planes = facetloc.segment(drive[0].depth, drive.camera)
 print(f"{len(planes.segments)} planes; the largest is {max(s.area for s in planes.segments):.1f} m^2")
 
@@ -22,12 +22,12 @@ print(f"{len(planes.segments)} planes; the largest is {max(s.area for s in plane
 making = facetloc.MapMaking(drive.camera)
 for frame in drive:
     making.add(frame.depth, frame.stamp, T_w_c=frame.T_w_c)
-office = making.finish()
-print(f"a map of {len(office)} local models and {len(office.links)} links")
+room = making.finish()
+print(f"a map of {len(room)} local models and {len(room.links)} links")
 
 # Where it is when it comes back, by single images.
-later = facetloc.simulate("office", run="query", seed=1, frames=15)
-localizer = facetloc.Localizer(office)
+later = facetloc.simulate("room", run="query", seed=5, frames=15)
+localizer = facetloc.Localizer(room)
 answers = [localizer.localize(frame.depth, later.camera) for frame in later]
 for frame, answer in zip(later, answers):
     if answer.sure:
@@ -41,7 +41,7 @@ left.imshow(drive[0].depth, cmap="viridis")
 left.set_title("depth [m]")
 middle.imshow(np.where(planes.labels, planes.labels % 19 + 1, 0), cmap="tab20")
 middle.set_title("planes")
-models = np.array([model.T_w_m[:2, 3] for model in office.models])
+models = np.array([model.T_w_m[:2, 3] for model in room.models])
 right.plot(*models.T, "s", color="0.6", label="local models")
 right.plot(*np.array([frame.T_w_c[:2, 3] for frame in later]).T, "k+", label="true")
 sure = [answer.T_w_c[:2, 3] for answer in answers if answer.sure]

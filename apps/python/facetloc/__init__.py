@@ -1,0 +1,306 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Global localization of a depth camera from planar surface segments.
+
+    import facetloc
+    office = facetloc.Map.open("office.flmap")
+    localizer = facetloc.Localizer(office)
+    walk = facetloc.Recording.open("walk")
+    for frame in walk:
+        answer = localizer.localize(frame.depth, walk.camera)
+        print(answer.state, answer.T_w_c if answer.sure else answer.reason)
+
+Depth images are arrays of (height, width): uint16 by the camera's depth_scale, or float in metres; 0, NaN and infinity are not
+measured. Poses T_a_b are arrays of (4, 4) that map coordinates of frame b into frame a: w world, m local model, c camera (x right,
+y down, z forward), b robot base. Covariances are (6, 6), rotation first: the true pose is (exp(phi) R, t + dt), with phi and dt in
+the axes of frame a [rad, m]. Images are worked on at 320 columns, as the tools do, unless width says otherwise; 0 = full size.
+
+Errors are exceptions with the sentences of the tools: IoError, an OSError, for files and cameras, ValueError for impossible
+arguments. Nothing holds the lock of the interpreter while it computes."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Iterator, List, Optional, Sequence, Tuple
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _facetloc
+from ._facetloc import IoError
+
+__all__ = ["Answer", "Camera", "Frame", "Hypothesis", "IoError", "LocalModel", "Localizer", "Map", "MapMaking", "Recording",
+           "Registration", "Segment", "Segmentation", "Simulation", "register", "segment", "simulate"]
+
+WIDTH = 320  # at which images are worked on [px]
+Array = npt.NDArray[np.float64]
+Camera = _facetloc.Camera
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A planar surface segment in the camera's frame."""
+    R: Array  #: (3, 3): principal axes and, as the last column, the normal, which points away from the camera
+    t: Array  #: (3,): centroid [m]
+    covariance: Array  #: (3, 3) of the tilts about x and y and of the offset [1, 1, m^2]
+    num_points: int  #: pixels of the working image
+    area: float  #: of the hull [m^2]
+    hull: Array  #: (n, 3): corners of the convex hull [m]
+
+    @property
+    def normal(self) -> Array:
+        return self.R[:, 2]
+
+    @property
+    def offset(self) -> float:
+        """Distance of the plane from the camera [m]."""
+        return float(self.normal @ self.t)
+
+
+@dataclass(frozen=True)
+class Segmentation:
+    """The planes of a depth image."""
+    labels: npt.NDArray[np.uint16]  #: of the working image; 0 = none, k = segments[k - 1]
+    segments: List[Segment]  #: the most useful first
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """A pose that the camera may have."""
+    model: str  #: local model, by its name
+    part: str  #: of the map, whose frame is the world; empty: the map's world
+    probability: float  #: that this place is the right one
+    score: float
+    T_m_c: Array  #: in the frame of the local model
+    covariance_m: Array  #: of T_m_c
+    T_w_c: Optional[Array]  #: in the world, if the local model has a pose there
+    covariance: Optional[Array]  #: of T_w_c
+    pairs: int  #: segments that took part in it
+    depth_assisted: bool  #: one translation comes from pixels, not from planes
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Where a camera is. Act on it only if it is sure."""
+    state: str  #: "sure", "doubtful" or "unknown"
+    hypotheses: List[Hypothesis]  #: the most probable first
+    not_in_map: float  #: probability that the map does not hold the place
+    reason: str  #: why it is not sure; empty if it is
+    tracking: str  #: of a moving camera: "searching", "localized", "tracking", "cannot tell", "lost"
+    T_w_c: Optional[Array]  #: the most probable pose in the world
+    covariance: Optional[Array]  #: of it
+
+    @property
+    def sure(self) -> bool:
+        return self.state == "sure"
+
+    @property
+    def probability(self) -> float:
+        """Of the most probable pose."""
+        return self.hypotheses[0].probability if self.hypotheses else 0.0
+
+
+@dataclass(frozen=True)
+class Registration:
+    """The pose of one camera relative to another. Act on it only if it is sure."""
+    state: str  #: "sure", "doubtful" or "unknown"
+    hypotheses: List[Hypothesis]  #: the most probable first; T_w_c is T_target_source
+    reason: str  #: why there is none
+
+    @property
+    def sure(self) -> bool:
+        return self.state == "sure"
+
+    @property
+    def T_target_source(self) -> Optional[Array]:
+        return self.hypotheses[0].T_m_c if self.hypotheses else None
+
+
+@dataclass(frozen=True)
+class LocalModel:
+    """The planes that one image of a map shows, as the map lists them."""
+    name: str
+    stamp: float  #: [s]
+    T_w_m: Optional[Array]  #: in the frame of its part of the map, if it is known
+    part: str
+    segments: int  #: how many
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A depth image of a recording or of a simulated drive."""
+    name: str
+    stamp: float  #: [s]
+    depth: npt.NDArray[np.float32] = field(repr=False)  #: [m]; 0 = not measured
+    T_w_c: Optional[Array] = None  #: its true pose, if it is known
+    labels: Optional[npt.NDArray[np.uint16]] = field(default=None, repr=False)  #: true planes of a simulated image
+
+
+def _answer(values: dict) -> Answer:
+    hypotheses = [Hypothesis(**h) for h in values.pop("hypotheses")]
+    first = hypotheses[0] if hypotheses else None
+    if values["T_w_c"] is None and first is not None:  # of a single image
+        values.update(T_w_c=first.T_w_c, covariance=first.covariance)
+    return Answer(hypotheses=hypotheses, **values)
+
+
+def segment(depth: npt.ArrayLike, camera: Camera, width: int = WIDTH) -> Segmentation:
+    """The planes of a depth image."""
+    labels, segments = _facetloc.segment(np.asarray(depth), camera, width)
+    return Segmentation(labels, [Segment(**s) for s in segments])
+
+
+def register(source: npt.ArrayLike, target: npt.ArrayLike, camera: Camera, target_camera: Optional[Camera] = None,
+             width: int = WIDTH) -> Registration:
+    """The pose of the source's camera in the target's, by their planes; no guess is needed. camera is that of both images unless
+    target_camera is given."""
+    values = _facetloc.register(np.asarray(source), np.asarray(target), camera, target_camera or camera, width)
+    return Registration(values["state"], [Hypothesis(**h) for h in values["hypotheses"]], values["reason"])
+
+
+class Recording(Sequence[Frame]):
+    """Depth images in files, of any layout that the tools read: Recording.open(path)."""
+
+    def __init__(self, recording: _facetloc.Recording):
+        self._recording = recording
+
+    @classmethod
+    def open(cls, path: str, camera: str = "", topic: str = "") -> Recording:
+        """camera: a camera.ini, a map made with the camera, or a preset's name; counts more than what the recording says. topic: of
+        the depth images of a bag."""
+        return cls(_facetloc.Recording(str(path), str(camera), topic))
+
+    @property
+    def camera(self) -> Optional[Camera]:
+        """Of the images as they are read, without the distortion of a lens."""
+        return self._recording.camera
+
+    @property
+    def layout(self) -> str:
+        return self._recording.layout
+
+    @property
+    def remarks(self) -> List[str]:
+        """What to know of it."""
+        return self._recording.remarks
+
+    def __len__(self) -> int:
+        return len(self._recording)
+
+    def __getitem__(self, index):  # reads the image
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        index = range(len(self))[index]
+        recording = self._recording
+        return Frame(recording.name(index), recording.stamp(index), recording.depth(index, 0), recording.truth(index))
+
+
+class Map:
+    """A map of local models: Map.open(path), or what MapMaking.finish() gives."""
+
+    def __init__(self, map_: _facetloc.Map):
+        self._map = map_
+
+    @classmethod
+    def open(cls, path: str) -> Map:
+        return cls(_facetloc.Map.open(str(path)))
+
+    def save(self, path: str) -> None:
+        """Writes it as a whole beside path and renames it then."""
+        self._map.save(str(path))
+
+    def __len__(self) -> int:
+        return len(self._map)
+
+    @property
+    def models(self) -> List[LocalModel]:
+        return [LocalModel(**self._map.model(i)) for i in range(len(self))]
+
+    @property
+    def links(self) -> List[Tuple[int, int, Array]]:
+        """(from, to, T_from_to), by index of the local models."""
+        return self._map.links
+
+    @property
+    def parts(self) -> List[str]:
+        """Names of the parts of which nobody knows how they lie to each other; empty for a map of one."""
+        return self._map.parts
+
+
+class MapMaking:
+    """Makes a map of one run of depth images, with poses or without. Keeps them in memory, 0.3 MB each."""
+
+    def __init__(self, camera: Camera, width: int = WIDTH, threads: int = 1):
+        self._making, self._images = _facetloc.MapMaking(camera, width, threads), 0
+
+    def add(self, depth: npt.ArrayLike, stamp: float, name: str = "", T_w_c: Optional[npt.ArrayLike] = None,
+            gravity: Optional[npt.ArrayLike] = None) -> None:
+        """The next image. Names default to stamps. gravity: downwards, in the camera's axes."""
+        self._making.add(np.asarray(depth), stamp, name or f"{stamp:.6f}", _array(T_w_c), _array(gravity))
+        self._images += 1
+
+    def finish(self) -> Map:
+        """Raises RuntimeError, with the reason, if no map can be made."""
+        return Map(self._making.finish())
+
+    @property
+    def findings(self) -> dict:
+        """What was found beside the map: unread and without_segments (numbers of images), mounting and poses (in words)."""
+        return self._making.findings()
+
+
+class Localizer:
+    """Where a camera is in a map: localize() for an image by itself, update() for the next one of a moving camera."""
+
+    def __init__(self, map: Map, width: int = WIDTH, threads: int = 1, min_probability: Optional[float] = None):
+        """min_probability: of a sure answer; unless given, as the map was calibrated, else 0.9. threads: 0 = all cores; the answer is
+        the same."""
+        self._localizer = _facetloc.Localizer(map._map, width, threads, min_probability)
+
+    def localize(self, depth: npt.ArrayLike, camera: Camera, gravity: Optional[npt.ArrayLike] = None,
+                 near: Optional[npt.ArrayLike] = None, std_m: float = 1, std_deg: float = 30) -> Answer:
+        """By this image alone; near: a pose T_w_c somebody believes in, with its standard deviations."""
+        return _answer(self._localizer.localize(np.asarray(depth), camera, _array(gravity), _array(near), std_m, std_deg))
+
+    def update(self, depth: npt.ArrayLike, camera: Camera, stamp: float, motion: Optional[npt.ArrayLike] = None,
+               motion_covariance: Optional[npt.ArrayLike] = None, gravity: Optional[npt.ArrayLike] = None) -> Answer:
+        """By all images so far. motion: T_before_now of the camera by an odometry, with its covariance."""
+        return _answer(self._localizer.update(np.asarray(depth), camera, stamp, _array(motion), _array(motion_covariance),
+                                              _array(gravity)))
+
+    def set_pose(self, T_w_c: npt.ArrayLike, covariance: Optional[npt.ArrayLike] = None, std_m: float = 1, std_deg: float = 30,
+                 part: str = "") -> None:
+        """The camera is about there at the next image; all images before are forgotten."""
+        self._localizer.set_pose(_array(T_w_c), _array(covariance), std_m, std_deg, part)
+
+    def reset(self) -> None:
+        """Forgets all images."""
+        self._localizer.reset()
+
+
+class Simulation(Sequence[Frame]):
+    """Images of a simulated drive, rendered when they are asked for."""
+
+    def __init__(self, drive: _facetloc.Drive):
+        self._drive = drive
+
+    @property
+    def camera(self) -> Camera:
+        return self._drive.camera
+
+    def __len__(self) -> int:
+        return len(self._drive)
+
+    def __getitem__(self, index):
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        index = range(len(self))[index]
+        return Frame(name=f"{index:06d}", stamp=float(index), **self._drive.frame(index))
+
+
+def simulate(scene: str = "room", run: str = "map", seed: int = 1, frames: int = 30, width: int = WIDTH) -> Simulation:
+    """A robot with a depth camera drives through a made-up place: room, office, home, hall, corridor, hotel, boards, doors or box.
+    run: "map", or "query", later, when things have moved. The same arguments give the same images."""
+    return Simulation(_facetloc.Drive(scene, run, seed, frames, width))
+
+
+def _array(values: Optional[npt.ArrayLike]) -> Optional[Array]:
+    return None if values is None else np.asarray(values, dtype=np.float64)

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bindings.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <stdexcept>
+
+namespace facetloc::python {
+namespace {
+
+template <class Number>
+std::vector<Number> copied(const py::array& array) {
+  const auto dense = py::array_t<Number, py::array::c_style | py::array::forcecast>::ensure(array);
+  if (!dense) throw std::invalid_argument("an array cannot be read");
+  return {dense.data(), dense.data() + dense.size()};
+}
+
+void requireShape(const py::array& array, py::ssize_t rows, py::ssize_t columns, const char* name) {
+  if (array.ndim() == 2 && array.shape(0) == rows && array.shape(1) == columns) return;
+  std::string shape;
+  for (py::ssize_t i = 0; i < array.ndim(); ++i) shape += (i ? ", " : "") + std::to_string(array.shape(i));
+  throw std::invalid_argument(fmt::format("{} has the shape ({}), not ({}, {})", name, shape, rows, columns));
+}
+
+}  // namespace
+
+DepthArray::DepthArray(const py::array& depth, CameraPtr camera) : camera_(std::move(camera)) {
+  if (!camera_) throw std::invalid_argument("the camera is missing");
+  const Intrinsics& k = camera_->camera.intrinsics;
+  requireShape(depth, k.height, k.width, "the depth image");
+  const char kind = depth.dtype().kind();
+  if (kind == 'u' && depth.dtype().itemsize() <= 2) {
+    frame_.camera = camera_;
+    frame_.values = copied<std::uint16_t>(depth);
+  } else if (kind == 'f') {
+    metres_ = {k, copied<float>(depth)};
+    for (float& z : metres_.depth)
+      if (!isMeasured(z)) z = 0;
+  } else {
+    throw std::invalid_argument(
+        "the depth image is of another type than uint16 (by the depth_scale of the camera) or "
+        "float (metres)");
+  }
+}
+
+DepthImage DepthArray::image(int working_width) const {
+  if (working_width < 0) throw std::invalid_argument("width is negative");
+  FrameConverter converter;
+  return workingImage(frame_.camera ? converter(frame_) : converter(metres_, camera_), working_width);
+}
+
+py::array_t<double> toArray(const Eigen::MatrixXd& matrix) {
+  py::array_t<double> array({matrix.rows(), matrix.cols()});
+  auto out = array.mutable_unchecked<2>();
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row)
+    for (Eigen::Index column = 0; column < matrix.cols(); ++column) out(row, column) = matrix(row, column);
+  return array;
+}
+
+py::array_t<double> toArray(const Eigen::Isometry3d& T) { return toArray(Eigen::MatrixXd(T.matrix())); }
+
+py::object toArray(const std::optional<Eigen::Isometry3d>& T) {
+  return T ? py::object(toArray(*T)) : py::none();
+}
+
+py::array_t<double> toVector(const Eigen::Vector3d& vector) { return py::array_t<double>(3, vector.data()); }
+
+Eigen::Isometry3d toPose(const py::array_t<double>& T, const char* name) {
+  constexpr double kRounding = 1e-4;
+  requireShape(T, 4, 4, name);
+  Eigen::Isometry3d pose;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) pose.matrix()(row, column) = T.at(row, column);
+  const Eigen::Matrix3d R = pose.linear();
+  if (!pose.matrix().allFinite() ||
+      !pose.matrix().row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1), kRounding) ||
+      !(R.transpose() * R).isApprox(Eigen::Matrix3d::Identity(), kRounding) || R.determinant() < 0)
+    throw std::invalid_argument(fmt::format("{} is no rigid transform", name));
+  return pose;
+}
+
+PoseWithCovariance toPose(const py::array_t<double>& T, const std::optional<py::array_t<double>>& covariance,
+                          double std_m, double std_deg) {
+  PoseWithCovariance pose{toPose(T, "the pose"), Matrix6d::Zero()};
+  if (!covariance) {
+    const double std_rad = std_deg * kDegree;
+    pose.P.diagonal() << Eigen::Vector3d::Constant(std_rad * std_rad),
+        Eigen::Vector3d::Constant(std_m * std_m);
+    return pose;
+  }
+  requireShape(*covariance, 6, 6, "the covariance");
+  for (int row = 0; row < 6; ++row)
+    for (int column = 0; column < 6; ++column) pose.P(row, column) = covariance->at(row, column);
+  return pose;
+}
+
+std::optional<Gravity> toGravity(const std::optional<py::array_t<double>>& down) {
+  if (!down) return {};
+  if (down->size() != 3 || down->ndim() != 1) throw std::invalid_argument("gravity has not three numbers");
+  return gravityAlong({down->at(0), down->at(1), down->at(2)}, kDegree);
+}
+
+py::dict toDict(const Hypothesis& h, const Map* map) {
+  py::dict out;
+  const bool placed = map && map->models[h.model].T_w_m && h.T_w_c;
+  out["model"] = map ? map->models[h.model].name : std::string();
+  out["part"] = map ? map->partOf(h.model) : std::string();
+  out["probability"] = h.probability;
+  out["score"] = h.score;
+  out["T_m_c"] = toArray(h.T_m_c.T);
+  out["covariance_m"] = toArray(Eigen::MatrixXd(h.T_m_c.P));
+  out["T_w_c"] = map ? toArray(h.T_w_c) : toArray(std::optional(h.T_m_c.T));
+  const Matrix6d P_w = placed ? Matrix6d((*map->models[h.model].T_w_m * h.T_m_c).P) : h.T_m_c.P;
+  out["covariance"] = placed || !map ? py::object(toArray(Eigen::MatrixXd(P_w))) : py::none();
+  out["pairs"] = h.pairs.size();
+  out["depth_assisted"] = h.depth_assisted;
+  return out;
+}
+
+}  // namespace facetloc::python

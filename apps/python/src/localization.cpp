@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bindings.h"
+
+#include <facetloc/features/sure_threshold.h>
+#include <facetloc/io/map_database.h>
+#include <facetloc/localization/localizer.h>
+#include <facetloc/localization/place_index.h>
+#include <facetloc/registration/pair_registration.h>
+#include <facetloc/segmentation/view_builder.h>
+
+#include <algorithm>
+#include <mutex>
+#include <stdexcept>
+
+namespace facetloc::python {
+namespace {
+
+using MapPtr = std::shared_ptr<Map>;
+using OptionalArray = std::optional<py::array_t<double>>;
+
+/** A localizer, its working width, and what makes views; one call at a time. */
+struct LockedLocalizer {
+  LockedLocalizer(MapPtr of_map, int working_width, int threads, const std::optional<double>& min_probability)
+      : map(std::move(of_map)), width(working_width), localizer(map) {
+    localizer.setNumberOfThreads(threads);
+    localizer.setMinProbability(min_probability.value_or(minProbabilityOf(*map)));
+  }
+
+  View viewOf(const DepthArray& depth, const std::optional<Gravity>& gravity) const {
+    View view = ViewBuilder(map->calibrated(depth.camera())).build(depth.image(width));
+    view.gravity = gravity;
+    return view;
+  }
+
+  MapPtr map;
+  int width;
+  Localizer localizer;
+  std::mutex mutex;
+};
+
+py::dict toDict(const LocalizerAnswer& answer, const Map& map) {
+  py::dict out;
+  out["state"] = toString(answer.state);
+  py::list hypotheses;
+  for (const Hypothesis& h : answer.hypotheses) hypotheses.append(python::toDict(h, &map));
+  out["hypotheses"] = hypotheses;
+  out["not_in_map"] = answer.not_in_map;
+  out["reason"] = answer.reason;
+  out["tracking"] = stateName(answer.tracking);
+  out["T_w_c"] = answer.T_w_c ? py::object(toArray(answer.T_w_c->T)) : py::none();
+  out["covariance"] = answer.T_w_c ? py::object(toArray(Eigen::MatrixXd(answer.T_w_c->P))) : py::none();
+  return out;
+}
+
+py::dict localize(LockedLocalizer& self, const py::array& depth, const CameraPtr& camera,
+                  const OptionalArray& gravity, const OptionalArray& near, double std_m, double std_deg) {
+  const DepthArray array(depth, camera);
+  const auto down = toGravity(gravity);
+  const auto guess = near ? std::optional(toPose(*near, {}, std_m, std_deg)) : std::nullopt;
+  LocalizerAnswer answer;
+  {
+    const py::gil_scoped_release others_run;
+    const std::lock_guard lock(self.mutex);
+    const View view = self.viewOf(array, down);
+    answer = guess ? self.localizer.localize(view, *guess) : self.localizer.localize(view);
+  }
+  return toDict(answer, *self.map);
+}
+
+py::dict update(LockedLocalizer& self, const py::array& depth, const CameraPtr& camera, double stamp,
+                const OptionalArray& motion, const OptionalArray& covariance, const OptionalArray& gravity) {
+  const DepthArray array(depth, camera);
+  const auto down = toGravity(gravity);
+  if (motion && !covariance) throw std::invalid_argument("motion has no covariance");
+  const auto moved = motion ? std::optional(toPose(*motion, covariance, 0, 0)) : std::nullopt;
+  LocalizerAnswer answer;
+  {
+    const py::gil_scoped_release others_run;
+    const std::lock_guard lock(self.mutex);
+    answer = self.localizer.update(self.viewOf(array, down), stamp, moved);
+  }
+  return toDict(answer, *self.map);
+}
+
+void setPose(LockedLocalizer& self, const py::array_t<double>& T_w_c, const OptionalArray& covariance,
+             double std_m, double std_deg, const std::string& part) {
+  const PoseWithCovariance pose = toPose(T_w_c, covariance, std_m, std_deg);
+  const std::vector<std::string>& parts = self.map->parts;
+  const auto found = std::find(parts.begin(), parts.end(), part);
+  if (found == parts.end() && !(parts.empty() && part.empty()))
+    throw std::invalid_argument("the map has no part '" + part + "'");
+  const std::lock_guard lock(self.mutex);
+  self.localizer.setPose(pose, static_cast<int>(found - parts.begin()));
+}
+
+py::dict registered(const py::array& source, const py::array& target, const CameraPtr& source_camera,
+                    const CameraPtr& target_camera, int width) {
+  const DepthArray from(source, source_camera), to(target, target_camera);
+  Localization answer;
+  {
+    const py::gil_scoped_release others_run;
+    const PairRegistration registration(ViewBuilder(to.camera()).build(to.image(width)));
+    answer = registration.align(ViewBuilder(from.camera()).build(from.image(width)));
+  }
+  py::dict out;
+  py::list hypotheses;
+  for (const Hypothesis& h : answer.hypotheses) hypotheses.append(python::toDict(h, nullptr));
+  out["state"] = toString(answer.state());
+  out["hypotheses"] = hypotheses;
+  out["reason"] = answer.reason;
+  return out;
+}
+
+py::dict modelOf(const Map& map, std::size_t index) {
+  const LocalModel& model = map.models.at(index);
+  py::dict out;
+  out["name"] = model.name;
+  out["stamp"] = model.stamp;
+  out["T_w_m"] = toArray(model.T_w_m);
+  out["part"] = map.partOf(static_cast<int>(index));
+  out["segments"] = map.view(static_cast<int>(index))->segments.size();
+  return out;
+}
+
+py::list linksOf(const Map& map) {
+  py::list links;
+  for (const Link& link : map.links)
+    links.append(py::make_tuple(link.from, link.to, toArray(link.T_from_to.T)));
+  return links;
+}
+
+}  // namespace
+
+void addLocalization(py::module_& module) {
+  py::class_<Map, MapPtr>(module, "Map")
+      .def_static(
+          "open",
+          [](const std::string& path) {
+            const py::gil_scoped_release others_run;
+            return std::make_shared<Map>(openMap(path));
+          },
+          py::arg("path"))
+      .def(
+          "save",
+          [](const Map& map, const std::string& path) {
+            const py::gil_scoped_release others_run;
+            writeMap(path, map, map.camera.mounting ? placeIndexOf(map) : nullptr);
+          },
+          py::arg("path"))
+      .def("__len__", [](const Map& map) { return map.models.size(); })
+      .def("model", &modelOf, py::arg("index"))
+      .def_property_readonly("links", &linksOf)
+      .def_property_readonly("parts", [](const Map& map) { return map.parts; });
+
+  py::class_<LockedLocalizer>(module, "Localizer")
+      .def(py::init<MapPtr, int, int, const std::optional<double>&>(), py::arg("map"), py::arg("width"),
+           py::arg("threads"), py::arg("min_probability"))
+      .def("localize", &localize, py::arg("depth"), py::arg("camera"), py::arg("gravity"), py::arg("near"),
+           py::arg("std_m"), py::arg("std_deg"))
+      .def("update", &update, py::arg("depth"), py::arg("camera"), py::arg("stamp"), py::arg("motion"),
+           py::arg("motion_covariance"), py::arg("gravity"))
+      .def("set_pose", &setPose, py::arg("T_w_c"), py::arg("covariance"), py::arg("std_m"),
+           py::arg("std_deg"), py::arg("part"))
+      .def("reset", [](LockedLocalizer& self) {
+        const std::lock_guard lock(self.mutex);
+        self.localizer.reset();
+      });
+  module.def("register", &registered, py::arg("source"), py::arg("target"), py::arg("source_camera"),
+             py::arg("target_camera"), py::arg("width"));
+}
+
+}  // namespace facetloc::python

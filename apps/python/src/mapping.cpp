@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bindings.h"
+
+#include <facetloc/mapping/map_making.h>
+#include <facetloc/simulation/simulated_camera.h>
+#include <facetloc/simulation/simulated_drive.h>
+#include <facetloc/simulation/simulated_place.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace facetloc::python {
+namespace {
+
+/** Keeps the images of its run in memory, at their working size. */
+class MapRun {
+public:
+  MapRun(CameraPtr camera, int width, int threads)
+      : camera_(std::move(camera)), width_(width), making_(camera_->camera) {
+    making_.setNumberOfThreads(threads);
+  }
+
+  void add(const py::array& depth, double stamp, const std::string& name,
+           const std::optional<py::array_t<double>>& T_w_c,
+           const std::optional<py::array_t<double>>& gravity) {
+    const DepthArray array(depth, camera_);
+    MapImage image;
+    image.name = name;
+    image.stamp = stamp;
+    if (T_w_c) image.T_w_c = toPose(*T_w_c, "T_w_c");
+    image.gravity = toGravity(gravity);
+    const py::gil_scoped_release others_run;
+    const auto kept = std::make_shared<const DepthImage>(array.image(width_));
+    image.load = [kept] { return *kept; };
+    making_.add(std::move(image));
+  }
+
+  std::shared_ptr<Map> finish() {
+    const py::gil_scoped_release others_run;
+    auto map = std::make_shared<Map>(making_.finish());
+    if (!making_.findings().problem.empty()) throw std::runtime_error(making_.findings().problem);
+    return map;
+  }
+
+  py::dict findings() const {
+    const MapFindings& found = making_.findings();
+    py::dict out;
+    out["unread"] = found.unread.size();
+    out["without_segments"] = found.without_segments;
+    out["mounting"] = found.mounting ? found.mounting->inWords() : std::string();
+    out["poses"] = found.poses && found.poses->isKnown() ? found.poses->as_given.inWords() : std::string();
+    return out;
+  }
+
+private:
+  const CameraPtr camera_;
+  const int width_;
+  MapMaking making_;
+};
+
+/** As facetloc_simulate makes them. */
+constexpr std::uint64_t kRunSeeds = 64;  // seeds per place, for its runs
+constexpr int kBoxes = 16;               // in a room
+
+Intrinsics kinectOf(int width) {
+  const Intrinsics kinect = kinectIntrinsics();
+  const double scale = static_cast<double>(width) / kinect.width;
+  return {width,
+          static_cast<int>(std::lround(kinect.height * scale)),
+          kinect.fx * scale,
+          kinect.fx * scale,
+          (width - 1) / 2.0,
+          (std::lround(kinect.height * scale) - 1) / 2.0};
+}
+
+/** What a robot sees on its way through a place, and from where. */
+struct Drive {
+  Drive(const std::string& place, const std::string& run, std::uint64_t seed, int frames, int width)
+      : camera(kinectOf(width), {}, seed) {
+    if (run != "map" && run != "query")
+      throw std::invalid_argument("the run is neither map nor query: " + run);
+    if (frames < 1 || width < 32)
+      throw std::invalid_argument("frames must be positive and width at least 32");
+    const bool is_map = run == "map";
+    const std::uint64_t run_seed = kRunSeeds * seed + (is_map ? 0 : 1);
+    if (place == "room") {
+      scene = randomRoom(seed, kBoxes);
+      poses = simulateDrive(scene, static_cast<std::size_t>(frames), params, run_seed);
+      return;
+    }
+    SimulatedPlace made = simulatedPlace(place, seed);
+    poses = simulateDrive(is_map ? made.mapping_route : made.query_route, static_cast<std::size_t>(frames),
+                          params, run_seed, {}, made.one_way ? RouteEnd::stop : RouteEnd::go_round);
+    scene = std::move(is_map ? made.mapped : made.later);
+  }
+
+  DriveParams params;
+  SimulatedCamera camera;
+  Scene scene;
+  std::vector<Eigen::Isometry3d> poses;
+};
+
+py::dict frameOf(const Drive& drive, std::size_t index) {
+  SimulatedFrame frame;
+  {
+    const py::gil_scoped_release others_run;
+    frame = drive.camera.render(drive.scene, drive.poses.at(index), index);
+  }
+  const Intrinsics& k = drive.camera.camera();
+  py::array_t<float> depth({k.height, k.width});
+  std::copy(frame.depth.depth.begin(), frame.depth.depth.end(), depth.mutable_data());
+  py::array_t<std::uint16_t> labels({k.height, k.width});
+  std::copy(frame.labels.label.begin(), frame.labels.label.end(), labels.mutable_data());
+  py::dict out;
+  out["depth"] = depth;
+  out["labels"] = labels;
+  out["T_w_c"] = toArray(drive.poses.at(index));
+  return out;
+}
+
+CameraPtr cameraOf(const Drive& drive) {
+  auto file = std::make_shared<CameraFile>();
+  file->camera.intrinsics = drive.camera.camera();
+  file->camera.mounting = drive.params.mounting();
+  return file;
+}
+
+}  // namespace
+
+void addMapping(py::module_& module) {
+  py::class_<MapRun>(module, "MapMaking")
+      .def(py::init<CameraPtr, int, int>(), py::arg("camera").none(false), py::arg("width"),
+           py::arg("threads"))
+      .def("add", &MapRun::add, py::arg("depth"), py::arg("stamp"), py::arg("name"), py::arg("T_w_c"),
+           py::arg("gravity"))
+      .def("finish", &MapRun::finish)
+      .def("findings", &MapRun::findings);
+  py::class_<Drive>(module, "Drive")
+      .def(py::init([](const std::string& place, const std::string& run, std::uint64_t seed, int frames,
+                       int width) {
+             const py::gil_scoped_release others_run;
+             return Drive(place, run, seed, frames, width);
+           }),
+           py::arg("place"), py::arg("run"), py::arg("seed"), py::arg("frames"), py::arg("width"))
+      .def("__len__", [](const Drive& drive) { return drive.poses.size(); })
+      .def("frame", &frameOf, py::arg("index"))
+      .def_property_readonly("camera", &cameraOf);
+}
+
+}  // namespace facetloc::python

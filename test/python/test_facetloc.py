@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""import facetloc: as the tools answer, and as the simulator knows better."""
+import csv
+import os
+import pathlib
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import facetloc
+
+TOOLS = pathlib.Path(os.environ["FACETLOC_TOOLS"])
+EXAMPLES = pathlib.Path(os.environ["FACETLOC_EXAMPLES"])
+
+
+def run(*command):
+    return subprocess.run([str(c) for c in command], check=True, capture_output=True, text=True)
+
+
+@pytest.fixture(scope="session")
+def room(tmp_path_factory):
+    """A simulated room as the tools make it, its map, and what facetloc_localize answers."""
+    folder = tmp_path_factory.mktemp("room")
+    run(TOOLS / "facetloc_simulate", "room", "-o", folder, "--seed", 5, "--frames", 24, "--width", 320)
+    run(TOOLS / "facetloc_map", "build", folder / "map", "-o", folder / "room.flmap")
+    run(TOOLS / "facetloc_localize", folder / "room.flmap", folder / "query", "-o", folder / "results")
+    run(TOOLS / "facetloc_localize", folder / "room.flmap", folder / "query", "-o", folder / "drive", "--sequence")
+    return folder
+
+
+def first_rows(folder):
+    with open(folder / "hypotheses.csv", encoding="utf-8", newline="") as file:
+        return {row["frame"]: row for row in csv.DictReader(file) if int(row["rank"] or 0) <= 1}
+
+
+def agree(answer, row):
+    assert answer.state == row["state"]
+    if answer.state == "unknown":
+        assert answer.reason == row["reason"]
+        return
+    first = answer.hypotheses[0]
+    assert first.model == row["model"]
+    assert f"{first.probability:.9g}" == row["probability"]
+    assert f"{first.score:.9g}" == row["score"]
+    for axis, name in enumerate(("w_tx", "w_ty", "w_tz")):
+        assert f"{first.T_w_c[axis, 3]:.9g}" == row[name]
+        assert abs(first.T_m_c[axis, 3] - float(row["m_" + name[2:]])) < 1e-8
+
+
+def test_localizes_as_the_tool_does(room):
+    recording = facetloc.Recording.open(room / "query")
+    localizer = facetloc.Localizer(facetloc.Map.open(room / "room.flmap"))
+    rows = first_rows(room / "results")
+    assert len(recording) == len(rows) == 24
+    for frame in recording:
+        agree(localizer.localize(frame.depth, recording.camera), rows[frame.name])
+    assert sum(row["state"] == "sure" for row in rows.values()) > 5
+
+
+def test_follows_a_drive_as_the_tool_does(room):
+    recording = facetloc.Recording.open(room / "query")
+    localizer = facetloc.Localizer(facetloc.Map.open(room / "room.flmap"))
+    rows = first_rows(room / "drive")
+    for frame in recording:
+        agree(localizer.update(frame.depth, recording.camera, frame.stamp), rows[frame.name])
+
+
+def test_answers_are_right(room):
+    recording = facetloc.Recording.open(room / "query")
+    localizer = facetloc.Localizer(facetloc.Map.open(room / "room.flmap"))
+    for frame in recording:
+        answer = localizer.localize(frame.depth, recording.camera)
+        if answer.sure:
+            assert np.linalg.norm(answer.T_w_c[:3, 3] - frame.T_w_c[:3, 3]) < 0.2
+            np.linalg.cholesky(answer.covariance)  # positive definite
+            assert answer.covariance.shape == (6, 6)
+
+
+def test_whole_numbers_and_metres_are_the_same_image(room):
+    recording = facetloc.Recording.open(room / "query")
+    depth = recording[0].depth
+    camera = recording.camera
+    whole = np.round(depth * camera.depth_scale).astype(np.uint16)
+    a, b = facetloc.segment(depth, camera), facetloc.segment(whole, camera)
+    assert np.array_equal(a.labels, b.labels)
+    assert len(a.segments) == len(b.segments) > 2
+
+
+def test_segments_are_planes_of_the_scene():
+    drive, of_one, of_all = facetloc.simulate("room", seed=3, frames=6), 0, 0
+    for frame in drive:
+        found = facetloc.segment(frame.depth, drive.camera, width=0)
+        assert found.labels.shape == frame.depth.shape
+        assert found.labels.max() == len(found.segments)
+        for k, segment in enumerate(found.segments, start=1):
+            inside = found.labels == k
+            v, u = np.nonzero(inside)
+            z = frame.depth[inside]
+            c = drive.camera
+            points = np.stack([(u - c.cx) / c.fx * z, (v - c.cy) / c.fy * z, z], axis=1)
+            distance = points @ segment.normal - segment.offset
+            assert np.median(np.abs(distance)) < 0.03
+            truth = frame.labels[inside]
+            of_one, of_all = of_one + np.bincount(truth).max(), of_all + truth.size
+    assert of_all > 0.5 * 6 * 320 * 240
+    assert of_one > 0.95 * of_all, "pixels of a segment are of one plane of the scene"
+
+
+def test_registers_two_images():
+    drive = facetloc.simulate("room", seed=5, frames=6)
+    a, b = drive[0], drive[1]
+    answer = facetloc.register(b.depth, a.depth, drive.camera)
+    truth = np.linalg.inv(a.T_w_c) @ b.T_w_c
+    assert answer.state != "unknown", answer.reason
+    assert np.linalg.norm(answer.T_target_source[:3, 3] - truth[:3, 3]) < 0.1
+
+
+def test_makes_maps_and_saves_them(tmp_path):
+    drive = facetloc.simulate("room", seed=5, frames=24)
+    making = facetloc.MapMaking(drive.camera)
+    for frame in drive:
+        making.add(frame.depth, frame.stamp, T_w_c=frame.T_w_c)
+    made = making.finish()
+    assert len(made) > 3
+    assert any(model.T_w_m is not None for model in made.models)
+    made.save(tmp_path / "own.flmap")
+    assert "sound" in run(TOOLS / "facetloc_map", "check", tmp_path / "own.flmap").stdout
+    again = facetloc.Map.open(tmp_path / "own.flmap")
+    assert [m.name for m in again.models] == [m.name for m in made.models]
+    frame = drive[5]
+    answer = facetloc.Localizer(again).localize(frame.depth, drive.camera)
+    assert answer.sure
+    assert np.linalg.norm(answer.T_w_c[:3, 3] - frame.T_w_c[:3, 3]) < 0.1
+
+
+def test_a_start_decides_and_is_forgotten(room):
+    recording = facetloc.Recording.open(room / "query")
+    localizer = facetloc.Localizer(facetloc.Map.open(room / "room.flmap"))
+    frame = next(f for f in recording if f.T_w_c is not None)
+    localizer.set_pose(frame.T_w_c, std_m=0.1, std_deg=5)
+    answer = localizer.update(frame.depth, recording.camera, frame.stamp)
+    assert np.linalg.norm(answer.T_w_c[:3, 3] - frame.T_w_c[:3, 3]) < 0.3
+    localizer.reset()
+    assert localizer.localize(frame.depth, recording.camera, near=frame.T_w_c).hypotheses
+
+
+def test_errors_are_exceptions_with_the_sentences_of_the_tools(room, tmp_path):
+    with pytest.raises(OSError, match="does not exist"):
+        facetloc.Map.open(tmp_path / "none.flmap")
+    with pytest.raises(facetloc.IoError, match="fx = -1 is impossible"):
+        facetloc.Camera(width=4, height=3, fx=-1, fy=1, cx=1, cy=1)
+    with pytest.raises(facetloc.IoError, match="nothing is known of the camera"):
+        facetloc.Camera(width=4, height=3)
+    with pytest.raises(TypeError, match="a camera has no 'focal'"):
+        facetloc.Camera(focal=3)
+    camera = facetloc.Camera(width=4, height=3, fx=3, fy=3, cx=1, cy=1)
+    with pytest.raises(ValueError, match=r"the shape \(4, 3\), not \(3, 4\)"):
+        facetloc.segment(np.zeros((4, 3)), camera)
+    with pytest.raises(ValueError, match="another type"):
+        facetloc.segment(np.zeros((3, 4), dtype=np.int64), camera)
+    assert not facetloc.segment(np.zeros((3, 4), dtype=np.uint16), camera).segments
+    localizer = facetloc.Localizer(facetloc.Map.open(room / "room.flmap"))
+    with pytest.raises(ValueError, match="no rigid transform"):
+        localizer.set_pose(2 * np.eye(4))
+    with pytest.raises(ValueError, match="no part 'cellar'"):
+        localizer.set_pose(np.eye(4), part="cellar")
+    with pytest.raises(ValueError, match="motion has no covariance"):
+        localizer.update(np.zeros((3, 4)), camera, 0, motion=np.eye(4))
+    with pytest.raises(RuntimeError):
+        facetloc.MapMaking(camera).finish()
+    with pytest.raises(ValueError, match="moon"):
+        facetloc.simulate("moon")
+
+
+def test_others_run_while_it_computes(room):
+    """Counts in another thread, which the lock of the interpreter would stop for as long as a map takes."""
+    recording = facetloc.Recording.open(room / "map")
+    making = facetloc.MapMaking(recording.camera)
+    for frame in recording:
+        making.add(frame.depth, frame.stamp)  # without poses, which takes longer
+    begun, longest, stop = time.monotonic(), [0.0], threading.Event()
+
+    def tick():
+        last = time.monotonic()
+        while not stop.is_set():
+            time.sleep(0.001)
+            now = time.monotonic()
+            longest[0], last = max(longest[0], now - last), now
+    thread = threading.Thread(target=tick)
+    thread.start()
+    making.finish()
+    stop.set()
+    thread.join()
+    assert longest[0] < 0.5 * (time.monotonic() - begun)
+
+
+def test_first_steps(tmp_path):
+    pytest.importorskip("matplotlib")
+    picture = tmp_path / "steps.png"
+    out = run(sys.executable, EXAMPLES / "first_steps.py", picture).stdout
+    assert "local models" in out and ": sure (p " in out
+    assert picture.stat().st_size > 10000
