@@ -150,7 +150,7 @@ def segment(depth: npt.ArrayLike, camera: Camera, width: int = WIDTH) -> Segment
 
 def register(source: npt.ArrayLike, target: npt.ArrayLike, camera: Camera, target_camera: Optional[Camera] = None,
              width: int = WIDTH) -> Registration:
-    """The pose of the source's camera in the target's, by their planes; no guess is needed. camera is that of both images unless
+    """The pose of the source's camera in the target's, by their planes; no guess is needed. camera is of both images unless
     target_camera is given."""
     values = _facetloc.register(np.asarray(source), np.asarray(target), camera, target_camera or camera, width)
     return Registration(values["state"], [Hypothesis(**h) for h in values["hypotheses"]], values["reason"])
