@@ -1,6 +1,6 @@
 # What is installed beside libraries, headers and tools: documents, manual pages, a pkg-config file; and a Debian package of
 # all of it (cpack --config CPackConfig.cmake).
-install(FILES README.md CHANGELOG.md LICENSE apps/RECORDINGS.md apps/ROBOT.md apps/stream.schema.json apps/odometry.schema.json
+install(FILES README.md CHANGELOG.md LICENSE apps/RECORDINGS.md apps/ROBOT.md apps/stream.schema.json apps/odometry.schema.json apps/pose.schema.json apps/frame.schema.json
         features/SENSORS.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 foreach(module features segmentation registration registration/localization registration/mapping)
   install(FILES ${module}/METHOD.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/${module})
