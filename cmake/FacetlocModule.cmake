@@ -45,7 +45,10 @@ function(facetloc_add_module name)
     POSITION_INDEPENDENT_CODE ON DEFINE_SYMBOL "" VERIFY_INTERFACE_HEADER_SETS ON CXX_EXTENSIONS OFF INSTALL_RPATH "$ORIGIN")
   list(TRANSFORM arg_PRECOMPILED_AS PREPEND "REUSE;facetloc_")
   facetloc_precompile(${lib} ${arg_PRECOMPILED_AS})
-  install(TARGETS ${lib} EXPORT facetloc-targets FILE_SET HEADERS)
+  install(TARGETS ${lib} EXPORT facetloc-targets
+          LIBRARY COMPONENT library NAMELINK_COMPONENT dev
+          ARCHIVE COMPONENT dev
+          FILE_SET HEADERS COMPONENT dev)
 endfunction()
 
 add_library(facetloc_warnings INTERFACE)
@@ -59,11 +62,11 @@ function(facetloc_install_package)
   include(CMakePackageConfigHelpers)
   set(FACETLOC_COMPONENTS ${arg_COMPONENTS})
   set(dir ${CMAKE_INSTALL_LIBDIR}/cmake/facetloc)
-  install(EXPORT facetloc-targets NAMESPACE facetloc:: DESTINATION ${dir})
+  install(EXPORT facetloc-targets NAMESPACE facetloc:: DESTINATION ${dir} COMPONENT dev)
   configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/facetloc-config.cmake.in
     ${PROJECT_BINARY_DIR}/facetloc-config.cmake INSTALL_DESTINATION ${dir})
   write_basic_package_version_file(${PROJECT_BINARY_DIR}/facetloc-config-version.cmake
     COMPATIBILITY SameMajorVersion)
   install(FILES ${PROJECT_BINARY_DIR}/facetloc-config.cmake ${PROJECT_BINARY_DIR}/facetloc-config-version.cmake
-          DESTINATION ${dir})
+          DESTINATION ${dir} COMPONENT dev)
 endfunction()

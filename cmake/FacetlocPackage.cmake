@@ -1,11 +1,12 @@
-# What is installed beside libraries, headers and tools: documents, manual pages, a pkg-config file; and a Debian package of
-# all of it (cpack --config CPackConfig.cmake).
-install(FILES README.md CHANGELOG.md LICENSE apps/RECORDINGS.md apps/ROBOT.md apps/stream.schema.json apps/odometry.schema.json apps/pose.schema.json apps/frame.schema.json
-        features/SENSORS.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+# What is installed beside libraries, headers and tools: documents, manual pages, a pkg-config file; and the Debian packages
+# (cpack --config CPackConfig.cmake), one for each component: library, dev, tools, tools-gui, python.
+install(FILES README.md CHANGELOG.md LICENSE apps/RECORDINGS.md apps/ROBOT.md apps/stream.schema.json apps/odometry.schema.json
+              apps/pose.schema.json apps/frame.schema.json features/SENSORS.md
+        DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT dev)
 foreach(module features segmentation registration registration/localization registration/mapping)
-  install(FILES ${module}/METHOD.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/${module})
+  install(FILES ${module}/METHOD.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/${module} COMPONENT dev)
 endforeach()
-install(DIRECTORY apps/examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY apps/examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT dev USE_SOURCE_PERMISSIONS)
 
 # Static libraries need more than a line of flags: they are for CMake.
 if(BUILD_SHARED_LIBS)
@@ -14,13 +15,14 @@ if(BUILD_SHARED_LIBS)
   string(REGEX REPLACE "/$" "" FACETLOC_PREFIX_FROM_PC ${FACETLOC_PREFIX_FROM_PC})
   set(FACETLOC_PC_LIBS "-lfacetloc_mapping -lfacetloc_localization -lfacetloc_registration -lfacetloc_segmentation -lfacetloc_io -lfacetloc_simulation -lfacetloc_features")
   configure_file(${PROJECT_SOURCE_DIR}/cmake/facetloc.pc.in ${PROJECT_BINARY_DIR}/facetloc.pc @ONLY)
-  install(FILES ${PROJECT_BINARY_DIR}/facetloc.pc DESTINATION ${pc_dir})
+  install(FILES ${PROJECT_BINARY_DIR}/facetloc.pc DESTINATION ${pc_dir} COMPONENT dev)
 endif()
 
 # Manual pages say what --help says.
 find_program(HELP2MAN_EXECUTABLE help2man)
 if(FACETLOC_BUILD_APPS AND HELP2MAN_EXECUTABLE)
   set(pages "")
+  set(pages_gui "")
   # facetloc_manual(<tool> <what it does> [<its command>])
   function(facetloc_manual tool what)
     string(JOIN - page ${tool} ${ARGN})
@@ -30,7 +32,11 @@ if(FACETLOC_BUILD_APPS AND HELP2MAN_EXECUTABLE)
       COMMAND ${CMAKE_COMMAND} -E make_directory ${PROJECT_BINARY_DIR}/man
       COMMAND ${HELP2MAN_EXECUTABLE} --no-info --version-string ${PROJECT_VERSION} --name ${what} --output ${file} ${call}
       DEPENDS ${tool} COMMENT "Manual page ${page}(1)" VERBATIM)
-    set(pages ${pages} ${file} PARENT_SCOPE)
+    if(tool IN_LIST FACETLOC_GUI_TOOLS)
+      set(pages_gui ${pages_gui} ${file} PARENT_SCOPE)
+    else()
+      set(pages ${pages} ${file} PARENT_SCOPE)
+    endif()
   endfunction()
   facetloc_manual(facetloc_check "what a recording of a depth camera is")
   facetloc_manual(facetloc_convert "a recording of any layout as a folder")
@@ -51,23 +57,27 @@ if(FACETLOC_BUILD_APPS AND HELP2MAN_EXECUTABLE)
   facetloc_manual(facetloc_simulate "made-up places and depth sequences")
   facetloc_manual(facetloc_render "pictures of images, maps and results")
   facetloc_manual(facetloc_live "segmentation and localization of a depth camera, live")
-  add_custom_target(manuals ALL DEPENDS ${pages})
-  install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+  add_custom_target(manuals ALL DEPENDS ${pages} ${pages_gui})
+  install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tools)
+  install(FILES ${pages_gui} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tools-gui)
 endif()
 
-set(CPACK_GENERATOR DEB)
-set(CPACK_PACKAGE_CONTACT "The facetloc developers <facetloc@example.org>")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
-set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
-set(CPACK_STRIP_FILES ON)
-set(CPACK_VERBATIM_VARIABLES ON)
-set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/features ${PROJECT_BINARY_DIR}/segmentation
-    ${PROJECT_BINARY_DIR}/registration ${PROJECT_BINARY_DIR}/registration/localization ${PROJECT_BINARY_DIR}/registration/mapping
-    ${PROJECT_BINARY_DIR}/io ${PROJECT_BINARY_DIR}/io/simulation)
-set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)  # and with them what makes the linker see new libraries
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "xvfb, xauth")
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libpcl-dev")  # to compile programs with it
-include(CPack)
+# Completion in bash and zsh, of the options that the tools list.
+find_program(BASH_EXECUTABLE bash)
+if(FACETLOC_BUILD_APPS AND BASH_EXECUTABLE)
+  set(completions ${PROJECT_BINARY_DIR}/completions)
+  set(tools facetloc_check facetloc_convert facetloc_segment facetloc_register facetloc_map facetloc_localize facetloc_simulate)
+  list(TRANSFORM tools PREPEND ${completions}/bash/ OUTPUT_VARIABLE of_tools)
+  list(TRANSFORM FACETLOC_GUI_TOOLS PREPEND ${completions}/bash/ OUTPUT_VARIABLE of_gui_tools)
+  add_custom_command(OUTPUT ${of_tools} ${of_gui_tools} ${completions}/zsh/_facetloc
+    COMMAND ${BASH_EXECUTABLE} ${PROJECT_SOURCE_DIR}/cmake/completions.sh $<TARGET_FILE_DIR:facetloc_map> ${completions}
+    DEPENDS ${tools} ${FACETLOC_GUI_TOOLS} ${PROJECT_SOURCE_DIR}/cmake/completions.sh
+    COMMENT "Completion of options" VERBATIM)
+  add_custom_target(completions ALL DEPENDS ${of_tools} ${of_gui_tools} ${completions}/zsh/_facetloc)
+  set(folder ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+  install(FILES ${of_tools} DESTINATION ${folder} COMPONENT tools)
+  install(FILES ${of_gui_tools} DESTINATION ${folder} COMPONENT tools-gui)
+  install(FILES ${completions}/zsh/_facetloc DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT tools)
+endif()
+
+include(FacetlocDebian)

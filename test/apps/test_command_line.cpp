@@ -130,7 +130,8 @@ TEST(CommandLine, TruthValuesMayStandAlone) {
 }
 
 TEST(CommandLine, MisspeltOptionsAreRefused) {
-  expectUsageError(echo({"a", "--angular_treshold", "2"}), "unrecognised option '--angular_treshold'");
+  expectUsageError(echo({"a", "--angular_treshold", "2"}),
+                   "unrecognised option '--angular_treshold'; did you mean '--");
   expectUsageError(echo({"a", "-angular_treshold", "2"}), "unrecognised option '-angular_treshold'");
   expectUsageError(echo({"a", "--angular", "2"}), "unrecognised option '--angular'");  // no guessing
   expectUsageError(echo({"a", "-oops"}), "unrecognised option '-oops'");               // is not -o oops

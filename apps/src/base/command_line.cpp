@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/app.h"
 #include "base/presets.h"
+#include "base/spelling.h"
 #include "shared/text.h"
 
 #include <boost/program_options.hpp>
@@ -70,7 +71,8 @@ struct CommandLine::Declared {
     Shown shown;
     std::unique_ptr<Options> options;
   };
-  Options common{"Options", kHelpWidth}, general{"General", kHelpWidth}, hidden;
+  Options common{"Options", kHelpWidth}, rare{"Rarely needed", kHelpWidth}, general{"General", kHelpWidth},
+      hidden;
   std::vector<Group> groups;  // groups of parameters, in the order of addParams()
   po::positional_options_description positions;
   po::variables_map values;
@@ -91,7 +93,7 @@ CommandLine::CommandLine(std::string tool, std::string synopsis, std::string abo
 }
 CommandLine::~CommandLine() = default;
 
-CommandLine::Options& CommandLine::common() { return declared_->common; }
+CommandLine::Options& CommandLine::common() { return rare_ ? declared_->rare : declared_->common; }
 
 void CommandLine::addGeneralOptions(int& threads, bool& quiet) {
   add(declared_->general, "threads", bound(threads, "N"), "Threads; 0 = all cores.");
@@ -114,7 +116,7 @@ void CommandLine::addArguments(const std::string& name, std::vector<std::string>
 }
 
 void CommandLine::addSwitch(const std::string& name, bool& value, const std::string& help) {
-  add(declared_->common, name, po::bool_switch(&value), help, Needs::Nothing);
+  add(common(), name, po::bool_switch(&value), help, Needs::Nothing);
 }
 
 CommandLine::Semantic* CommandLine::bound(std::string& value, const std::string& value_name) {
@@ -180,6 +182,14 @@ const CommandLine::Option* CommandLine::find(std::string name) const {
   return found == options_.end() ? nullptr : &found->second;
 }
 
+/** Of all options. */
+std::vector<std::string> CommandLine::names() const {
+  std::vector<std::string> names;
+  for (const auto& [key, option] : options_)
+    if (key.size() > 1) names.push_back(option.name);  // else a short one
+  return names;
+}
+
 /** Brings every option into the form --declared-name=value, which leaves nothing for Boost to guess. */
 std::vector<std::string> CommandLine::spelledOut(const std::vector<std::string>& arguments) const {
   std::vector<std::string> out;
@@ -193,7 +203,11 @@ std::vector<std::string> CommandLine::spelledOut(const std::vector<std::string>&
     const auto equals = argument.find('=');
     const std::string given_name = argument.substr(0, equals);
     const Option* option = find(given_name.substr(given_name.compare(0, 2, "--") == 0 ? 2 : 1));
-    if (!option) throw UsageError(fmt::format("unrecognised option '{}'", given_name));
+    if (!option) {
+      const std::string word = given_name.substr(given_name.find_first_not_of('-'));
+      throw UsageError(
+          fmt::format("unrecognised option '{}'{}", given_name, didYouMean(word, names(), "--")));
+    }
 
     std::string spelled = "--" + option->name;
     const bool has_next = i + 1 < arguments.size() && !asksForOption(arguments[i + 1]);
@@ -236,7 +250,8 @@ std::vector<std::string> CommandLine::parametersIn(std::istream& in, const std::
     const std::string name = prefix + trimmed(line.substr(0, equals));
     const Option* option = find(name);
     if (!option && unknown == Unknown::skipped) continue;
-    if (!option || !option->in_files) fail(fmt::format("unknown parameter '{}'", name));
+    if (!option || !option->in_files)
+      fail(fmt::format("unknown parameter '{}'{}", name, didYouMean(name, names())));
     const std::string value = trimmed(line.substr(equals + 1));
     if (value.empty()) fail(name + " has no value");
     if (option->needs != Needs::Nothing)
@@ -268,7 +283,7 @@ void CommandLine::store(const std::vector<std::string>& arguments) {
     if (argument.find("%value%") != std::string::npos)
       throw po::error(fmt::format("'{}' cannot be an argument", argument));
   Options all;
-  all.add(declared_->common).add(declared_->general).add(declared_->hidden);
+  all.add(declared_->common).add(declared_->rare).add(declared_->general).add(declared_->hidden);
   for (const Declared::Group& group : declared_->groups) all.add(*group.options);
   po::store(po::command_line_parser(arguments)
                 .options(all)
@@ -323,6 +338,7 @@ void CommandLine::printHelp(std::ostream& out, bool all) const {
   for (const Declared::Group& group : declared_->groups)
     if (group.shown == Shown::in_help) out << *group.options << "\n";
   out << declared_->general;
+  if (all && !declared_->rare.options().empty()) out << "\n" << declared_->rare;
   for (const bool for_users : {true, false})
     for (const Declared::Group& group : declared_->groups)
       if (all && group.shown == Shown::in_help_all && (group.title == kUsersTitle) == for_users)

@@ -54,6 +54,8 @@ public:
     add(common(), name, bound(value, value_name), help);
   }
   void addSwitch(const std::string& name, bool& value, const std::string& help);
+  /** \brief Options that are added from now on are listed by --help-all alone. */
+  void rareFromHere() { rare_ = true; }
   /** \brief Where the options of a group of parameters are shown. */
   enum class Shown { in_help, in_help_all, nowhere };
   /** \brief One option for each field of a parameter struct (features/params.h), validated after parsing.
@@ -131,6 +133,7 @@ private:
                  const std::function<void(const std::string&)>& assign);
 
   const Option* find(std::string name) const;
+  std::vector<std::string> names() const;
   std::vector<std::string> spelledOut(const std::vector<std::string>& arguments) const;
   enum class Unknown { refused, skipped };
   std::vector<std::string> parametersIn(std::istream& in, const std::string& path, Unknown unknown) const;
@@ -146,6 +149,7 @@ private:
   std::map<std::string, Option> options_;  // by name with underscores only, and by short name
   std::string params_file_;
   std::string preset_;
+  bool rare_ = false;
   struct Declared;  // with Boost, whose headers take longer to compile than most tools
   std::unique_ptr<Declared> declared_;
   std::vector<std::function<void()>> checks_;

@@ -8,6 +8,7 @@
 #include "base/provenance.h"
 #include "base/start_option.h"
 #include "drawing/outputs.h"
+#include "live/live_extension.h"
 #include "live/live_run.h"
 
 #include <facetloc/features/camera_presets.h>
@@ -37,11 +38,11 @@ bool isThere(const fs::path& path) {
 }  // namespace
 
 LiveApp::LiveApp()
-    : App("facetloc_live", "[--device DEVICE] [--map MAP.flmap | --build MAP.flmap] [options]",
+    : App("facetloc_live", "[--device DEVICE] [--map | --extend | --build MAP.flmap] [options]",
           "Cuts what a depth camera sees into planar segments; with --map, finds and follows it in a map, "
-           "with --build, makes a map while it moves. DEVICE is a camera of OpenNI2 (#1, or a URI) or of "
-           "Linux (/dev/video2), - for frames of a program (ROBOT.md), a .scene file, or a recording: .oni, "
-           ".mcap, .db3, .bag, .db, folder or list of images. Keys: " +
+          "with --build, makes a map while it moves. DEVICE is a camera of OpenNI2 (#1, or a URI) or of "
+          "Linux (/dev/video2), - for frames of a program (ROBOT.md), a .scene file, or a recording: .oni, "
+          ".mcap, .db3, .bag, .db, folder or list of images. Keys: " +
               keysText() + ".") {}
 
 void LiveApp::addOptions(CommandLine& line) {
@@ -50,6 +51,8 @@ void LiveApp::addOptions(CommandLine& line) {
   line.addOption("map", run.map, "MAP.flmap", "Localize in this map.");
   line.addOption("build", run.build, "MAP.flmap",
                  "Make this map while running: sound at any time, whole at the end.");
+  line.addOption("extend", run.extend, "MAP.flmap",
+                 "Localize in this map, and bring it up to date with what was seen when the run ends.");
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already, with --build.");
   line.addOption(
       "camera", run.source.camera, "FILE|NAME",
@@ -62,23 +65,26 @@ void LiveApp::addOptions(CommandLine& line) {
   addStreamOption(line, streams_);
   line.addOption("screenshots", run.screenshots, "DIR",
                  "Write pictures to this folder; needs no display if Xvfb is installed.");
-  line.addOption("every", run.every, "N", "Write a screenshot of every N-th processed frame.");
   line.addOption("record", run.recording, "FILE.oni", "Record the device's depth images.");
   line.addOption("odometry", run.odometry, "FILE",
                  "Wheel odometry and starts, as lines of JSON (ROBOT.md); - = standard input.");
   addStartOption(line, run.near);
+  line.addOption("remember", run.remember, "FILE",
+                 "Keep the last sure pose in this file, and begin there after a restart.");
   line.addOption("max-frames", run.max_frames, "N", "End after so many processed frames; 0 = never.");
   line.addOption("duration", run.duration, "S", "End after so many seconds; 0 = never.");
   line.addSwitch("wait", run.wait, "Wait for a device that is not there, or has gone, or sends nothing.");
-  line.addSwitch("repeat", run.source.repeat, "Play files and recordings again and again.");
   line.addSwitch("every-frame", run.source.every_frame,
                  "Process every frame of a recording: each waits until the one before it is done.");
+  addMinProbability(line, min_probability_);
+  input_.addOptions(line);
+  line.rareFromHere();
+  line.addOption("every", run.every, "N", "Write a screenshot of every N-th processed frame.");
+  line.addSwitch("repeat", run.source.repeat, "Play files and recordings again and again.");
   line.addOption("topic", run.source.topic, "NAME",
                  "Topic of the depth images, of a recording of messages with several.");
   line.addOption("speed", run.source.speed, "X",
                  "Play recordings so many times as fast; 0 = as fast as possible.");
-  addMinProbability(line, min_probability_);
-  input_.addOptions(line);
   line.addParams(localizer_, "localizer");
   line.addParams(odometry_error_, "odometry_error");
   addLocalizationOptions(line, localization_);
@@ -87,12 +93,15 @@ void LiveApp::addOptions(CommandLine& line) {
 }
 
 void LiveApp::checkOptions() const {
-  if (!run_.map.empty() && !run_.build.empty()) throw UsageError("map and build exclude each other");
-  if (streams_ && run_.map.empty() && run_.build.empty())
+  if (!run_.map.empty() + !run_.build.empty() + !run_.extend.empty() > 1)
+    throw UsageError("map, extend and build exclude each other");
+  const bool has_map = !run_.map.empty() || !run_.extend.empty();
+  if (streams_ && !has_map && run_.build.empty())
     throw UsageError("stream belongs to --map or --build: without a map there are no poses");
-  if (!run_.odometry.empty() && run_.map.empty() && run_.build.empty())
+  if (!run_.odometry.empty() && !has_map && run_.build.empty())
     throw UsageError("odometry belongs to --map or --build");
-  if (!run_.near.empty() && run_.map.empty()) throw UsageError("near belongs to --map");
+  if (!run_.near.empty() && !has_map) throw UsageError("near belongs to --map");
+  if (!run_.remember.empty() && !has_map) throw UsageError("remember belongs to --map or --extend");
   startPose(run_.near, {});
   if (overwrite_ && run_.build.empty()) throw UsageError("overwrite belongs to --build");
   const std::string& device = run_.source.device;
@@ -113,8 +122,8 @@ int LiveApp::execute(const CommandLine& line, const Console& console) {
 }
 
 int LiveApp::playOrMap(LiveRunOptions options, const CommandLine& line, const Console& console) const {
-  for (std::string* path :
-       {&options.map, &options.build, &options.results, &options.screenshots, &options.recording})
+  for (std::string* path : {&options.map, &options.build, &options.extend, &options.remember,
+                            &options.results, &options.screenshots, &options.recording})
     makeAbsolute(*path);
   if (options.odometry != "-") makeAbsolute(options.odometry);
   if (options.odometry != "-" && !options.odometry.empty() && !fs::exists(options.odometry))
@@ -131,6 +140,7 @@ int LiveApp::playOrMap(LiveRunOptions options, const CommandLine& line, const Co
   if (!options.results.empty()) Provenance::requireNotReplaced(line.paramsFile(), options.results);
   if (fs::exists(options.recording)) throw IoError(options.recording, "exists already");
 
+  if (!options.extend.empty()) return playAndExtend(options, line, console);
   if (options.build.empty()) return play(options, line, console);
   const OutputLock lock = OutputLock::ofFile(options.build);
   const std::string map = options.build;
@@ -150,6 +160,22 @@ int LiveApp::playOrMap(LiveRunOptions options, const CommandLine& line, const Co
     build(map);
   }
   console.print("map in " + map + "\n");
+  return code;
+}
+
+/** Images of a run that was killed are taken up first. */
+int LiveApp::playAndExtend(const LiveRunOptions& options, const CommandLine& line,
+                           const Console& console) const {
+  MapUpdateParams params;
+  params.places = places_;
+  params.trajectory = mapping_;
+  params.view = input_.view;
+  LiveRunOptions in_map = options;
+  in_map.map = options.extend;
+  const OutputLock lock = OutputLock::ofFile(options.extend);
+  takeUpSession(options.extend, params, threads(), console);
+  const int code = play(in_map, line, console);
+  takeUpSession(options.extend, params, threads(), console);
   return code;
 }
 

@@ -19,6 +19,8 @@ struct LiveRunOptions {
   LiveSourceOptions source;
   std::string map;          ///< file; empty = segmentation only
   std::string build;        ///< file of a map to be made; empty = none
+  std::string extend;       ///< the map itself, if it is to be brought up to date; empty = it stays
+  std::string remember;     ///< file of the last sure pose; empty = none
   std::string results;      ///< folder; empty = none
   std::string screenshots;  ///< folder; empty = none
   std::string recording;    ///< file; empty = none
@@ -43,6 +45,7 @@ private:
   int execute(const CommandLine& line, const Console& console) override;
   void checkOptions() const;
   int playOrMap(LiveRunOptions options, const CommandLine& line, const Console& console) const;
+  int playAndExtend(const LiveRunOptions& options, const CommandLine& line, const Console& console) const;
   int play(const LiveRunOptions& options, const CommandLine& line, const Console& console) const;
 
   LiveRunOptions run_;

@@ -137,9 +137,21 @@ void LiveRun::finish() {
   if (mapping_) mapping_->finish();
 }
 
+/** What a run before has left is a start like one of the robot, unless the user knows better. */
+void LiveRun::rememberPose(const std::optional<CameraMounting>& mounting) {
+  if (options_.remember.empty()) return;
+  remembered_ = std::make_unique<RememberedPose>(options_.remember, mounting);
+  if (!options_.near.empty()) return;
+  try {
+    if (const std::string line = remembered_->start(); !line.empty()) odometry_->take(line);
+  } catch (const IoError& e) {
+    console_.note(e.what());
+  }
+}
+
 /** Its lines come as --odometry says, and with the frames that a program sends. */
 void LiveRun::listenToRobot(const std::optional<CameraMounting>& mounting) {
-  if (options_.odometry.empty() && !pipe_) return;
+  if (options_.odometry.empty() && options_.remember.empty() && !pipe_) return;
   odometry_ = std::make_shared<OdometryInput>(options_.odometry, mounting);
   if (pipe_) pipe_->setLines([lines = odometry_](const std::string& line) { lines->take(line); });
 }
@@ -158,6 +170,8 @@ void LiveRun::startSession() {
   options.mapping = mapping_;
   if (map_) options.start = startPose(options_.near, options.camera.mounting);
   listenToRobot(options.camera.mounting);
+  rememberPose(options.camera.mounting);
+  if (!options_.extend.empty()) extension_ = std::make_unique<LiveExtension>(options_.extend, options.camera);
   options.odometry = odometry_;
   if (!options_.results.empty()) {
     const std::string map = map_ ? fmt::format(", map {} of {}", fs::path(options_.map).filename().string(),
@@ -180,9 +194,11 @@ void LiveRun::startSession() {
 
 /** By the processing thread: what must not be lost is written, what may be is left for who has the time. */
 void LiveRun::receive(const LiveResultPtr& result) {
-  if (results_ || stream_) {
+  if (extension_) extension_->put(*result);
+  if (results_ || stream_ || remembered_) {
     const FrameResult row = frameResult(*result, map_.get(), algorithms_.session.min_probability);
     if (results_) results_->append(*result, row);
+    if (remembered_) remembered_->put(row);
     if (stream_) stream_->put(static_cast<std::size_t>(result->number - 1), row);
   }
   newest_.put(result);

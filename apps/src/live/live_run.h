@@ -5,11 +5,13 @@
 #include "base/stop_signal.h"
 #include "drawing/offscreen_display.h"
 #include "live/live_app.h"
+#include "live/live_extension.h"
 #include "live/live_picture.h"
 #include "live/live_results.h"
 #include "live/live_session.h"
 #include "live/live_status.h"
 #include "live/live_window.h"
+#include "live/remembered_pose.h"
 
 #include <facetloc/io/oni_recorder.h>
 
@@ -56,6 +58,7 @@ private:
   void closeSource();
   void pause() const;
   void startSession();
+  void rememberPose(const std::optional<CameraMounting>& mounting);
   void listenToRobot(const std::optional<CameraMounting>& mounting);
   void startMapping(const Camera& camera);
   void finish();
@@ -95,6 +98,8 @@ private:
   std::filesystem::path recording_;  // its file
   std::unique_ptr<LiveResults> results_;
   std::unique_ptr<PoseStream> stream_;
+  std::unique_ptr<RememberedPose> remembered_;
+  std::unique_ptr<LiveExtension> extension_;
   LatestFrame<LiveResultPtr> newest_, to_draw_;
   std::unique_ptr<LiveSession> session_;
 

@@ -1,0 +1,59 @@
+#!/usr/bin/env bash
+# Completion for bash and zsh, of the options that the tools themselves list: completions.sh FOLDER_OF_TOOLS OUT_FOLDER
+# Writes OUT_FOLDER/bash/TOOL for each tool, and OUT_FOLDER/zsh/_facetloc.
+set -euo pipefail
+tools=$1 out=$2
+
+commands_of() { "$1" --help 2>/dev/null | sed -nE '1s/^Usage: [a-z_]+ ([a-z|-]+\|[a-z|-]+) .*/\1/p' | tr '|' ' '; }
+options_of() { "$@" --help-all 2>/dev/null | grep -oE '^ +(-[a-z] \[ )?--[a-z][a-z0-9._-]*' | grep -oE -- '--.*' | sort -u | tr '\n' ' '; }
+
+mkdir -p "$out/bash" "$out/zsh"
+zsh=$out/zsh/_facetloc
+names=$(cd "$tools" && for tool in facetloc_*; do [ -x "$tool" ] && [ -f "$tool" ] && echo "$tool"; done)
+{
+  echo "#compdef $(tr '\n' ' ' <<<"$names")"
+  echo 'local -A options commands'
+} >"$zsh"
+for tool in $names; do
+  has=$(commands_of "$tools/$tool") cases=""
+  if [ -n "$has" ]; then
+    for command in $has; do
+      list=$(options_of "$tools/$tool" "$command")
+      cases+="    $command) options=\"$list\" ;;"$'\n'
+      echo "options[$tool $command]='$list'" >>"$zsh"
+    done
+    echo "commands[$tool]='$has'" >>"$zsh"
+  else
+    list=$(options_of "$tools/$tool")
+    echo "options[$tool]='$list'" >>"$zsh"
+  fi
+  {
+    echo "# Completion of $tool for bash."
+    echo "_$tool() {"
+    echo '  local word=${COMP_WORDS[COMP_CWORD]} options=""'
+    if [ -n "$has" ]; then
+      echo "  if [ \"\$COMP_CWORD\" -eq 1 ]; then COMPREPLY=(\$(compgen -W \"$has --help --version\" -- \"\$word\")); return; fi"
+      printf '  case ${COMP_WORDS[1]} in\n%s  esac\n' "$cases"
+    else
+      echo "  options=\"$list\""
+    fi
+    echo '  case $word in'
+    echo '    -*) COMPREPLY=($(compgen -W "$options" -- "$word")) ;;'
+    echo '    *) COMPREPLY=($(compgen -f -- "$word")) ;;'
+    echo '  esac'
+    echo '}'
+    echo "complete -o filenames -F _$tool $tool"
+  } >"$out/bash/$tool"
+done
+cat >>"$zsh" <<'END'
+local tool=${words[1]:t}
+if (( CURRENT == 2 )) && [[ -n ${commands[$tool]} ]]; then
+  compadd -- ${=commands[$tool]} --help --version
+elif [[ $PREFIX == -* ]]; then
+  local key=$tool
+  [[ -n ${commands[$tool]} ]] && key="$tool ${words[2]}"
+  compadd -- ${=options[$key]}
+else
+  _files
+fi
+END

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a live run leaves to the next one: a map that has grown, and the last sure pose.
+#include "base/robot_line.h"
+#include "live/remembered_pose.h"
+#include "live_tool.h"
+#include "tools/map_apps.h"
+
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/map_database.h>
+#include <facetloc/testing/places.h>
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <json/json.h>
+#include <sstream>
+
+namespace facetloc::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+FrameResult sureAt(double x, AnswerState state = AnswerState::sure) {
+  FrameResult frame;
+  ResultRow row;
+  row.frame = "1";
+  row.rank = 1;
+  row.state = state;
+  row.T_w_c = Eigen::Isometry3d(Eigen::Translation3d(x, 2, 3));
+  row.P_w_c = 1e-6 * Matrix6d::Identity();
+  frame.rows = {row};
+  return frame;
+}
+
+TEST(RememberedPose, IsTheLastSureOne) {
+  TemporaryFolder folder;
+  const std::string file = folder / "last";
+  {
+    RememberedPose pose(file, {});
+    EXPECT_EQ(pose.start(), "");
+    pose.put(sureAt(1));
+    pose.put(sureAt(4));
+    pose.put(sureAt(7, AnswerState::doubtful));
+  }
+  const RobotLine line = parseRobotLine(RememberedPose(file, {}).start(), {});
+  ASSERT_TRUE(line.start);
+  EXPECT_TRUE(line.start->T_w_c.T.isApprox(*sureAt(4).rows[0].T_w_c, 1e-9));
+  EXPECT_TRUE(line.start->T_w_c.P.isApprox(startCovariance(1, 30 * kDegree)))
+      << "it may have been moved since";
+}
+
+TEST(RememberedPose, OfAnotherKindOfFileSaysSo) {
+  TemporaryFolder folder;
+  const std::string file = folder / "last";
+  for (const std::string& text : {std::string("no pose"), std::string("[1]"), std::string("{}"),
+                                  std::string(1 << 20, '{'), std::string(R"({"T_w_c":{"position":[1]}})")}) {
+    std::ofstream(file) << text;
+    EXPECT_THROW(RememberedPose(file, {}).start(), IoError) << text.substr(0, 40);
+  }
+}
+
+class LiveExtensionTool : public LiveTool {
+protected:
+  /** A map of the first images of the sequence. */
+  std::string mapOfBegin(std::size_t images) const {
+    const fs::path part = folder_ / "part";
+    fs::create_directories(part / "depth");
+    const DepthSequence all = DepthSequence::open(sequence());
+    for (std::size_t i = 0; i < images; ++i)
+      fs::copy_file(all.frames()[i].path, part / "depth" / all.frames()[i].path.filename());
+    for (const char* name : {"camera.ini", "groundtruth.txt"})
+      fs::copy_file(fs::path(sequence()) / name, part / name);
+    const std::string made = folder_ / "begin.flmap";
+    const ToolRun build = captured([&](const Console& console) {
+      return runMapTool({"build", part.string(), "-o", made, "--map.distance", "0.2"}, console);
+    });
+    EXPECT_EQ(build.code, kOk) << build.err;
+    return made;
+  }
+  std::vector<std::string> extend(const std::string& map_file, const char* speed) const {
+    return {"--device", sequence(), "--extend", map_file, "--headless", "--every-frame", "--speed", speed};
+  }
+};
+
+TEST_F(LiveExtensionTool, GrowsByWhatTheMapLacks) {
+  const std::string grown = mapOfBegin(16);
+  const std::size_t before = openMap(grown).models.size();
+  const ToolRun run = runLive(extend(grown, "0"));
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out + run.err, HasSubstr("is brought up to date with"));
+  EXPECT_FALSE(fs::exists(grown + ".session"));
+  const Map map = readMap(grown);
+  EXPECT_GT(map.models.size(), before) << run.out << run.err;
+  EXPECT_TRUE(checkMap(grown).empty());
+  const DepthSequence all = DepthSequence::open(sequence());
+  for (const LocalModel& model : map.models) {
+    const auto truth = all.groundTruth().at(model.stamp, 0.001);
+    if (!truth || !model.T_w_m) continue;
+    EXPECT_TRUE(isNear(*truth, *model.T_w_m, 0.05, 1)) << model.name;
+  }
+  // The same again shows nothing new.
+  const ToolRun again = runLive(extend(grown, "0"));
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_LE(openMap(grown).models.size(), map.models.size() + 1) << again.out;
+}
+
+TEST_F(LiveExtensionTool, TakesUpWhatAKilledRunHasSeen) {
+  const std::string grown = mapOfBegin(16);
+  const std::size_t before = openMap(grown).models.size();
+  const fs::path images = grown + ".session/depth";
+  {
+    LiveProcess killed(extend(grown, "0.2"));
+    ASSERT_TRUE(eventually([&] {
+      return fs::exists(images) &&
+             std::distance(fs::directory_iterator(images), fs::directory_iterator()) >= 6;
+    })) << killed.err();
+    killed.signal(SIGKILL);
+    killed.wait();
+  }
+  EXPECT_EQ(openMap(grown).models.size(), before) << "and the map is as it was";
+  ASSERT_TRUE(fs::exists(images));
+  const ToolRun next = runLive(extend(grown, "0"));
+  ASSERT_EQ(next.code, 0) << next.err;
+  const std::string words = next.out + next.err;
+  const auto first = words.find("is brought up to date with");
+  ASSERT_NE(first, std::string::npos) << words;
+  EXPECT_NE(words.find("is brought up to date with", first + 1), std::string::npos) << "both runs";
+  EXPECT_TRUE(checkMap(grown).empty());
+}
+
+TEST_F(LiveExtensionTool, RemembersItsPose) {
+  const std::string file = folder_ / "last.json";
+  const std::vector<std::string> arguments = {"--device",   sequence(),   "--map", map(),
+                                              "--headless", "--remember", file,    "--every-frame",
+                                              "--speed",    "0"};
+  ASSERT_EQ(runLive(arguments).code, 0);
+  Json::Value pose;
+  std::istringstream(contentOf(file)) >> pose;
+  EXPECT_EQ(pose["state"].asString(), "sure");
+  EXPECT_THAT(runLive(arguments).err, Not(HasSubstr("pose")));
+  pose["part"] = "cellar";
+  std::ofstream(file) << pose;
+  EXPECT_THAT(runLive(arguments).err, HasSubstr("the map has no part 'cellar'")) << "so it is begun there";
+  std::ofstream(file) << "torn";
+  const ToolRun run = runLive(arguments);
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.err, HasSubstr("last.json: holds no pose of a run before"));
+}
+
+}  // namespace
+}  // namespace facetloc::test

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/spelling.h"
+
+#include <gtest/gtest.h>
+
+namespace facetloc {
+namespace {
+
+TEST(Spelling, DistanceCountsWhatFingersDo) {
+  EXPECT_EQ(spellingDistance("", ""), 0u);
+  EXPECT_EQ(spellingDistance("map", ""), 3u);
+  EXPECT_EQ(spellingDistance("map", "map"), 0u);
+  EXPECT_EQ(spellingDistance("map", "maps"), 1u);
+  EXPECT_EQ(spellingDistance("mpa", "map"), 1u) << "swapped";
+  EXPECT_EQ(spellingDistance("kitten", "sitting"), 3u);
+  EXPECT_EQ(spellingDistance("sitting", "kitten"), 3u);
+}
+
+TEST(Spelling, TheNearestWordIsNamedIfOneIsNear) {
+  const std::vector<std::string> known = {"device", "map", "every-frame", "ekf.iterations"};
+  EXPECT_EQ(nearestWord("devcie", known), "device");
+  EXPECT_EQ(nearestWord("every_frames", known), "every-frame");
+  EXPECT_EQ(nearestWord("iterations", known), "ekf.iterations");
+  EXPECT_EQ(nearestWord("iteratoins", known), "ekf.iterations");
+  EXPECT_EQ(nearestWord("mop", known), "map");
+  EXPECT_EQ(nearestWord("xyz", known), "");
+  EXPECT_EQ(nearestWord("", known), "");
+  EXPECT_EQ(nearestWord(std::string(100000, 'x'), known), "");
+  EXPECT_EQ(didYouMean("mapp", known, "--"), "; did you mean '--map'?");
+  EXPECT_EQ(didYouMean("nothing_like_it", known), "");
+}
+
+}  // namespace
+}  // namespace facetloc
