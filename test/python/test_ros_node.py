@@ -17,8 +17,9 @@ rospy = pytest.importorskip("rospy", reason="ROS 1 is not installed (python3-ros
 rosbag = pytest.importorskip("rosbag", reason="python3-rosbag is not installed")
 pytest.importorskip("std_srvs.srv", reason="python3-std-srvs is not installed")
 pytest.importorskip("diagnostic_msgs.msg", reason="python3-diagnostic-msgs is not installed")
-if not shutil.which("roscore"):
-    pytest.skip("roscore is not installed (python3-roslaunch)", allow_module_level=True)
+for program, package in (("roscore", "python3-roslaunch"), ("rosbag", "rosbag")):
+    if not shutil.which(program):
+        pytest.skip(f"{program} is not installed ({package})", allow_module_level=True)
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus  # noqa: E402
 from geometry_msgs.msg import PoseWithCovarianceStamped, TransformStamped  # noqa: E402
