@@ -17,7 +17,7 @@ rospy = pytest.importorskip("rospy", reason="ROS 1 is not installed (python3-ros
 rosbag = pytest.importorskip("rosbag", reason="python3-rosbag is not installed")
 pytest.importorskip("std_srvs.srv", reason="python3-std-srvs is not installed")
 pytest.importorskip("diagnostic_msgs.msg", reason="python3-diagnostic-msgs is not installed")
-for program, package in (("roscore", "python3-roslaunch"), ("rosbag", "rosbag")):
+for program, package in (("roscore", "python3-roslaunch"), ("rosbag", "python3-rosbag")):
     if not shutil.which(program):
         pytest.skip(f"{program} is not installed ({package})", allow_module_level=True)
 
