@@ -62,7 +62,7 @@ images in them."
 one, evaluation and rendering."
     DEPENDS library tools RECOMMENDS "xvfb, xauth")
 endif()
-if(FACETLOC_BUILD_PYTHON)
+if(FACETLOC_BUILD_APPS AND FACETLOC_BUILD_PYTHON)
   facetloc_package(python python3-facetloc python "global localization of a depth camera by planes - Python 3"
     "${what}This package has the Python module facetloc."
     DEPENDS library NEEDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy" RECOMMENDS "python3-matplotlib")

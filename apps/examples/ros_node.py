@@ -32,6 +32,7 @@ try:
 except ImportError:
     rospy = None
     import rclpy
+    import rclpy.time
     from rclpy.qos import DurabilityPolicy, QoSProfile
     from std_srvs.srv import Empty
 
