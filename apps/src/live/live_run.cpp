@@ -21,8 +21,7 @@ namespace facetloc {
 namespace {
 
 namespace fs = std::filesystem;
-using std::chrono::milliseconds;
-using std::chrono::seconds;
+using std::chrono::milliseconds, std::chrono::seconds;
 
 constexpr seconds kStall(3);              // without a frame
 constexpr milliseconds kRetry(1000);      // between looks for a device
@@ -138,15 +137,13 @@ void LiveRun::finish() {
 }
 
 /** What a run before has left is a start like one of the robot, unless the user knows better. */
-void LiveRun::rememberPose(const std::optional<CameraMounting>& mounting) {
+void LiveRun::rememberPose(const std::optional<CameraMounting>& mounting) try {
   if (options_.remember.empty()) return;
   remembered_ = std::make_unique<RememberedPose>(options_.remember, mounting);
-  if (!options_.near.empty()) return;
-  try {
-    if (const std::string line = remembered_->start(); !line.empty()) odometry_->take(line);
-  } catch (const IoError& e) {
-    console_.note(e.what());
-  }
+  const std::string line = options_.near.empty() ? remembered_->start() : "";
+  if (!line.empty()) odometry_->take(line);
+} catch (const IoError& e) {
+  console_.note(e.what());
 }
 
 /** Its lines come as --odometry says, and with the frames that a program sends. */
