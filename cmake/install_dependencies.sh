@@ -4,12 +4,10 @@
 set -euo pipefail
 
 packages=(g++ cmake ninja-build ccache
-          libpcl-dev libboost-program-options-dev libsqlite3-dev libpng-dev libtiff-dev libdeflate-dev liblz4-dev libzstd-dev libfmt-dev libceres-dev libembree-dev libopenmpi-dev openmpi-bin
+          libpcl-dev libboost-program-options-dev libsqlite3-dev libpng-dev libtiff-dev libdeflate-dev liblz4-dev libzstd-dev libfmt-dev
+          libjsoncpp-dev libceres-dev libembree-dev libopenmpi-dev openmpi-bin libjs-three
           librosbag-storage-dev librcpputils-dev libament-index-cpp-dev
-          libpcl-dev libboost-program-options-dev libsqlite3-dev libpng-dev libtiff-dev libdeflate-dev liblz4-dev libfmt-dev libceres-dev libopenmpi-dev openmpi-bin
-          libjsoncpp-dev
           python3-dev pybind11-dev python3-numpy python3-pytest python3-matplotlib python3-pil
-          librosbag-storage-dev librcpputils-dev libament-index-cpp-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev
           libgtest-dev libgmock-dev libbenchmark-dev
           xvfb xauth)
 packages+=("$@")  # more packages by name, such as clang-format

@@ -37,7 +37,9 @@ TEST_F(Tools, EvaluateTellsThePlacesOfBothRuns) {
   EXPECT_THAT(run.out,
               AllOf(HasSubstr("all images"), HasSubstr("new"), HasSubstr("covered"), HasSubstr("Solvable:"),
                     HasSubstr("ERRORS BY THE NUMBER OF VISIBLE PLANES"), HasSubstr("TIME PER IMAGE")));
-  EXPECT_THAT(contentOf(folder_ / "results/evaluation/report.html"), HasSubstr("TABLE II."));
+  EXPECT_THAT(contentOf(folder_ / "results/evaluation/report.html"),
+              AllOf(HasSubstr("<title>Localization of results</title>"), HasSubstr("TABLE II."),
+                    HasSubstr("class=\"plan\"")));
   auto again = arguments;
   again.insert(again.end(), {"-o", folder_ / "again"});
   ASSERT_EQ(runTool<EvaluateApp>(again).code, kOk);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluation_report.h"
 #include "evaluation/html_report.h"
+#include "evaluation/verdict.h"
 #include "tool_runner.h"
 
 #include <facetloc/io/error.h>
@@ -13,6 +14,7 @@
 namespace facetloc {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -69,12 +71,21 @@ TEST(Html, APageIsWholeInItself) {
   table.add({"  part", "1"});
   page.table("Counts", table);
   page.picture(folder / "picture.png", "A picture");
+  page.beginFolded("More & more");
+  page.begin("verdict");
+  page.paragraph("inside");
+  page.end();
+  page.end();
+  page.link("map.html", "a map");
   const std::string html = page.str();
   EXPECT_EQ(faultOf(html), "");
   EXPECT_THAT(html, HasSubstr("<title>A &lt;page&gt;</title>"));
   EXPECT_THAT(html, HasSubstr("<th colspan=\"2\">Group</th>"));
   EXPECT_THAT(html, HasSubstr("<td class=\"part\">part</td><td>1</td>"));
   EXPECT_THAT(html, HasSubstr("src=\"data:image/png;base64,Zm9vYmFy\""));
+  EXPECT_THAT(html, HasSubstr("<details><summary>More &amp; more</summary>\n<div class=\"verdict\">"));
+  EXPECT_THAT(html, HasSubstr("<a href=\"map.html\">a map</a>"));
+  EXPECT_THAT(html, HasSubstr("prefers-color-scheme: dark"));
   EXPECT_THAT(html, Not(HasSubstr("<script")));
   EXPECT_THAT(html, Not(HasSubstr("http")));
   EXPECT_THROW(page.picture(folder / "nowhere.png", ""), IoError);
@@ -117,7 +128,7 @@ TEST(EvaluationHtml, HasEveryTableOfTheText) {
   const std::string html = test::contentOf(folder / "report.html");
   EXPECT_EQ(faultOf(html), "");
   EXPECT_THAT(html, Not(HasSubstr("http")));
-  const auto tables = reportTables(report.evaluation, report.summaries, report.timing);
+  const auto tables = reportTables(report.evaluation, report.summaries, report.timing, false);
   EXPECT_EQ(tables.size(), 8u);
   for (const ReportTable& t : tables) {
     EXPECT_THAT(html, HasSubstr("<caption>" + htmlEscaped(t.title) + "</caption>"));
@@ -128,6 +139,45 @@ TEST(EvaluationHtml, HasEveryTableOfTheText) {
                               htmlEscaped(cell.substr(std::min(cell.find_first_not_of(' '), cell.size()))) +
                               "<"));
   }
+}
+
+TEST(EvaluationHtml, ThePapersFiguresStandBesideItsExperimentOnly) {
+  const test::TemporaryFolder folder;
+  EvaluationReport report = exampleReport();
+  writeHtmlReport(folder / "", report, {});
+  EXPECT_THAT(test::contentOf(folder / "report.html"),
+              AllOf(Not(HasSubstr("<th>paper</th>")), Not(HasSubstr("99 % in the paper")),
+                    Not(HasSubstr("TABLE I"))));
+  report.evaluation.frames[0].frame_class = FrameClass::map_image;
+  report.summaries = summarizeSets(report.evaluation);
+  writeHtmlReport(folder / "", report, {});
+  EXPECT_THAT(
+      test::contentOf(folder / "report.html"),
+      AllOf(HasSubstr("<caption>TABLE II."), HasSubstr("<th>paper</th>"), HasSubstr("99 % in the paper")));
+}
+
+TEST(EvaluationHtml, BeginsWithTheVerdict) {
+  const test::TemporaryFolder folder;
+  EvaluationReport report = exampleReport();
+  report.results = "/home/somebody/results <1>/";
+  ReportFigures figures;
+  figures.plan = "<svg></svg>";
+  figures.map_page = true;
+  writeHtmlReport(folder / "", report, figures);
+  const std::string html = test::contentOf(folder / "report.html");
+  EXPECT_EQ(faultOf(html), "");
+  EXPECT_THAT(html, HasSubstr("<title>Localization of results &lt;1&gt;</title>"));
+  EXPECT_THAT(html.substr(0, html.find("<h2>Charts</h2>")), Not(HasSubstr("/home")));
+  const Verdict verdict = verdictOf(report);
+  std::size_t at = 0;
+  for (const std::string& sentence : verdict.sentences) {
+    EXPECT_GT(html.find(htmlEscaped(sentence)), at);
+    at = html.find(htmlEscaped(sentence));
+  }
+  EXPECT_LT(at, html.find("<svg></svg>"));
+  EXPECT_LT(html.find("<svg></svg>"), html.find("<b>50\u00a0%</b>of the images have a sure answer"));
+  EXPECT_LT(html.find("href=\"map.html\""), html.find("<h2>Charts</h2>"));
+  EXPECT_LT(html.find("<h2>Images that miss</h2>"), html.find("<table"));
 }
 
 TEST(EvaluationHtml, NamesTheImagesThatMiss) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -34,6 +36,10 @@ constexpr std::array<Colour, 7> kCurveColours = {{{31, 119, 180},
                                                   {140, 86, 75},
                                                   {227, 119, 194},
                                                   {23, 190, 207}}};
+
+/** \brief A colour by direction, as on pages for browsers: upright surfaces have the hue of where they look,
+ * the more level the greyer. \param normal, up unit vectors in one frame; hues begin anywhere about up */
+Colour directionColour(const Eigen::Vector3d& normal, const Eigen::Vector3d& up);
 
 /** \brief The k-th of the colours that tell segments apart, also for the colour-blind (Okabe and Ito; Tol);
  * they repeat. */

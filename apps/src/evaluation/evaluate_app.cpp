@@ -8,6 +8,7 @@
 #include "evaluation/evaluation_pictures.h"
 #include "evaluation/start_curves.h"
 #include "evaluation/trajectory_report.h"
+#include "evaluation/verdict.h"
 #include "shared/text.h"
 
 #include <facetloc/features/map_parts.h>
@@ -16,6 +17,7 @@
 #include <facetloc/io/map_database.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
 #include <set>
@@ -31,12 +33,13 @@ constexpr const char* kFailureFolder = "failures";
 constexpr const char* kMappingRun = "map";  // of a simulated place
 constexpr const char* kTrajectories = "trajectory.png";
 constexpr const char* kStarts = "starts.png";
+constexpr const char* kMapPage = "map.html";
 
 /** Removes what an earlier evaluation has written and this one perhaps will not. */
 void removeEarlier(const fs::path& folder) {
   for (const char* name :
-       {"report.html", "timing_summary.csv", "fig6.png", "reliability.png", "errors.png", "floor_map.png",
-        kTrajectories, kStarts, "starts_by_images.csv", "starts_by_metres.csv"})
+       {"report.html", kMapPage, "timing_summary.csv", "fig6.png", "reliability.png", "errors.png",
+        "floor_map.png", kTrajectories, kStarts, "starts_by_images.csv", "starts_by_metres.csv"})
     fs::remove(folder / name);
   removeMisses(folder / kFailureFolder);
 }
@@ -50,6 +53,27 @@ void requireSameMap(const std::vector<RunResults>& runs, const Map& map, const s
         throw IoError(path, fmt::format("has no local model {}: the results are of another map", row.model));
 }
 
+/** How the drawn part of a map differs from the true poses of its images, over all of them; nothing for less
+ * than three. */
+std::optional<Alignment> alignmentOf(const Map& map, const TrueModelPoses& true_poses) {
+  std::vector<PosePair> pairs;
+  for (const LocalModel& model : map.models)
+    if (const auto truth = true_poses.find(model.name);
+        truth != true_poses.end() && model.T_w_m && model.part == mainPart(map))
+      pairs.push_back({model.stamp, *model.T_w_m, truth->second});
+  if (pairs.size() < kLeastPairs) return {};
+  Alignment alignment = robustlyAligned(pairs);
+  double squares = 0, squared_angles = 0;
+  for (const PosePair& pair : pairs) {
+    squares += std::pow(distanceAfter(alignment.T_true_estimated, pair), 2);
+    squared_angles += std::pow(angleAfter(alignment.T_true_estimated, pair) / kDegree, 2);
+  }
+  alignment.used = pairs.size();
+  alignment.residual = std::sqrt(squares / static_cast<double>(pairs.size()));
+  alignment.rotation_residual_deg = std::sqrt(squared_angles / static_cast<double>(pairs.size()));
+  return alignment;
+}
+
 }  // namespace
 
 std::vector<ModelPose> modelPosesOf(const Trajectory& run, const MapBuilderParams& params) {
@@ -61,18 +85,20 @@ std::vector<ModelPose> modelPosesOf(const Trajectory& run, const MapBuilderParam
 }
 
 EvaluateApp::EvaluateApp()
-    : App("facetloc_evaluate", "RESULTS|TRAJECTORY GROUNDTRUTH [options]",
+    : App("facetloc_evaluate", "RESULTS|TRAJECTORY [GROUNDTRUTH] [options]",
           "Judges a results folder of facetloc_localize, or a folder of such folders, one per run, by "
           "what is true: camera poses in the TUM format, a recording that has poses, or the "
           "folder of a simulated place. Prints the paper's Tables I and II beside the paper's figures and "
-          "what goes beyond, and writes report.html with tables and charts, and with --map the floor map and "
-          "some failures. Of a TRAJECTORY, a file in the TUM format, it tells the absolute and the relative "
+          "what goes beyond, and writes report.html: a verdict, charts and tables, and with --map the floor "
+          "map and "
+          "some failures; map.html is the map to turn, with all answers. Of a TRAJECTORY, a file in the TUM "
+          "format, it tells the absolute and the relative "
           "errors. What an earlier evaluation left in the folder is replaced or removed. Charts and pictures "
           "need an X display; without one, Xvfb is started if it is installed.") {}
 
 void EvaluateApp::addOptions(CommandLine& line) {
   line.addArgument("RESULTS", results_);
-  line.addArgument("GROUNDTRUTH", truth_);
+  line.addArgument("GROUNDTRUTH", truth_, false);
   line.addOption("output,o", folder_, "DIR", "Folder of the evaluation; RESULTS/evaluation if not given.");
   line.addOption("map", map_, "MAP.flmap", "The map that the images were localized in.");
   line.addOption("map-groundtruth", map_truth_, "FILE",
@@ -161,6 +187,8 @@ EvaluationReport EvaluateApp::reportOf(const Input& input) const {
   if (input.map) requireSameMap(input.runs, *input.map, map_);
   const TrueModelPoses true_models = trueModelPoses(input);
   report.alignment = input.alignment;
+  report.own_frame = input.alignment || (input.map && !hasGivenPose(*input.map));
+  if (report.own_frame && input.map) report.map_alignment = alignmentOf(*input.map, true_models);
   report.evaluation =
       evaluate(input.runs, input.truth, modelPoses(input.map), params_, pose_tolerance_, true_models);
   if (report.evaluation.frames.empty()) throw IoError(truth_, "has no pose for any image of " + results_);
@@ -172,6 +200,16 @@ EvaluationReport EvaluateApp::reportOf(const Input& input) const {
   return report;
 }
 
+void EvaluateApp::addMap(const EvaluationReport& report, const Input& input, ReportFigures& figures) const {
+  MapPage page =
+      pageOfAnswers(*input.map, input.truth, input.runs, report.evaluation, judgesRelatively(report));
+  figures.plan = planOfAnswers(*input.map, report.evaluation, page);
+  page.title = fmt::format("{} in {}", titleOf(results_), fs::path(map_).stem().string());
+  writeMapPage(fs::path(folder_) / kMapPage, *input.map, page);
+  figures.map_page = true;
+}
+
+/** The charts as PNG files, which are in the report anyway, and pictures of images that miss. */
 std::vector<ReportPicture> EvaluateApp::drawPictures(const EvaluationReport& report, const Input& input,
                                                      const Console& console) const {
   const OffscreenDisplay display;
@@ -180,30 +218,32 @@ std::vector<ReportPicture> EvaluateApp::drawPictures(const EvaluationReport& rep
     return {};
   }
   const fs::path folder = folder_;
-  std::vector<ReportPicture> pictures = {
-      {folder / "fig6.png", "Cumulative histograms of the first correct hypotheses, as the paper's Fig. 6."},
-      {folder / "reliability.png", "How often rank 1 is correct, over its probability."}};
-  drawFig6(pictures[0].path, report.summaries, params_);
-  drawReliability(pictures[1].path, newImages(report.summaries));
+  drawFig6(folder / "fig6.png", report.summaries, params_);
+  drawReliability(folder / "reliability.png", newImages(report.summaries));
   const std::vector<FrameEvaluation> frames = framesInQuestion(report.evaluation);
-  if (drawErrors(folder / "errors.png", errorsByVisiblePlanes(frames), errorsByDistance(frames)))
-    pictures.push_back({folder / "errors.png", "Results over what is in view and how far the map is."});
-  if (!input.starts.empty()) {
-    pictures.push_back({folder / kStarts, "How soon a camera that wakes up anywhere on the drive is sure."});
-    drawStartCurves(pictures.back().path, input.starts);
-  }
-  if (!input.map) return pictures;
+  drawErrors(folder / "errors.png", errorsByVisiblePlanes(frames), errorsByDistance(frames));
+  if (!input.starts.empty()) drawStartCurves(folder / kStarts, input.starts);
+  if (!input.map) return {};
+  drawMapOfRuns(folder / "floor_map.png", *input.map, input.truth, report.evaluation);
+  return drawMisses(folder / kFailureFolder, chosenMisses(report.evaluation, kFailures), *input.map,
+                    input.truth, input.runs, console);
+}
 
-  try {
-    pictures.push_back(drawMapOfRuns(folder / "floor_map.png", *input.map, input.truth, report.evaluation));
-    for (ReportPicture& picture :
-         drawMisses(folder / kFailureFolder, chosenMisses(report.evaluation, kFailures), *input.map,
-                    input.truth, input.runs, console))
-      pictures.push_back(std::move(picture));
-  } catch (const std::exception& e) {  // a map without poses is no reason to miss the report
-    console.note(std::string("a picture is missing: ") + e.what());
-  }
-  return pictures;
+ReportFigures EvaluateApp::figuresOf(const EvaluationReport& report, const Input& input,
+                                     const Console& console) const {
+  ReportFigures figures;
+  figures.charts = startPanels(input.starts);
+  // A map without poses, or a build without three.js, is no reason to miss the report.
+  const auto attempt = [&](const auto& draw) {
+    try {
+      draw();
+    } catch (const std::exception& e) {
+      console.note(std::string("a picture is missing: ") + e.what());
+    }
+  };
+  if (input.map) attempt([&] { addMap(report, input, figures); });
+  if (report.isJudged()) attempt([&] { figures.pictures = drawPictures(report, input, console); });
+  return figures;
 }
 
 int EvaluateApp::evaluateTrajectory(const Console& console) const {
@@ -220,30 +260,46 @@ int EvaluateApp::evaluateTrajectory(const Console& console) const {
   createFolders(folder);
   removeEarlier(folder);
   writeReport(folder, report);
-  std::vector<ReportPicture> pictures;
   const OffscreenDisplay display;
-  if (display.available()) {
-    pictures = {
-        {folder / kTrajectories, "The aligned trajectory and the true one, and how far they are apart."}};
-    drawTrajectories(pictures[0].path, report.errors);
-  } else {
+  if (display.available())
+    drawTrajectories(folder / kTrajectories, report.errors);
+  else
     console.note("no pictures: " + display.problem());
-  }
-  writeHtmlReport(folder, report, pictures);
+  writeHtmlReport(folder, report);
   printReport(console.out, report);
   console.out << "\nevaluation in " << folder.string() << "\n";
   return kOk;
 }
 
+/** What the answers say of themselves. */
+int EvaluateApp::reportWithoutTruth(const Input& input, const Console& console) {
+  if (align_ || !map_truth_.empty())
+    throw UsageError("GROUNDTRUTH is missing: --align and --map-groundtruth need it");
+  EvaluationReport report{results_, {}, params_, withoutTruth(input.runs), {}, {}};
+  if (report.evaluation.frames.empty()) throw IoError(results_, "has results of no image");
+  if (input.map) requireSameMap(input.runs, *input.map, map_);
+  for (const RunResults& run : input.runs)
+    report.timing.insert(report.timing.end(), run.timing.begin(), run.timing.end());
+  createFolders(folder_);
+  removeEarlier(folder_);
+  writeHtmlReport(folder_, report, figuresOf(report, input, console));
+  printVerdict(console.out, verdictOf(report));
+  console.out << "\nevaluation in " << folder_ << "\n";
+  return kOk;
+}
+
 int EvaluateApp::execute(const CommandLine&, const Console& console) {
-  if (fs::is_regular_file(results_)) return evaluateTrajectory(console);
-  Input input{readRuns(results_, [&](const std::string& text) { console.note(text); }),
-              PlaceTruth::open(truth_, time_offset_),
-              {}};
+  if (fs::is_regular_file(results_)) {
+    if (truth_.empty()) throw UsageError("GROUNDTRUTH is missing: a trajectory is judged by true poses");
+    return evaluateTrajectory(console);
+  }
+  Input input{readRuns(results_, [&](const std::string& text) { console.note(text); }), {}, {}};
   if (!map_.empty()) input.map = readMap(map_);
+  if (folder_.empty()) folder_ = (fs::path(results_) / "evaluation").string();
+  if (truth_.empty()) return reportWithoutTruth(input, console);
+  input.truth = PlaceTruth::open(truth_, time_offset_);
   if (align_) input.alignment = align(input);
   const EvaluationReport report = reportOf(input);
-  if (folder_.empty()) folder_ = (fs::path(results_) / "evaluation").string();
   createFolders(folder_);
   removeEarlier(folder_);
   writeReport(folder_, report);
@@ -253,9 +309,11 @@ int EvaluateApp::execute(const CommandLine&, const Console& console) {
     input.starts = startCurves(answers, report.evaluation.frames, T_true_estimated, params_);
     writeStartCurves(folder_, input.starts);
   }
-  writeHtmlReport(folder_, report, drawPictures(report, input, console));
+  writeHtmlReport(folder_, report, figuresOf(report, input, console));
   printReport(console.out, report);  // last, for who reads it may stop doing so
   printStartCurves(console.out, input.starts);
+  console.out << "\n";
+  printVerdict(console.out, verdictOf(report));
   console.out << "\nevaluation in " << folder_ << "\n";
   return kOk;
 }

@@ -24,8 +24,11 @@ private:
   int evaluateTrajectory(const Console& console) const;
   void requireWorldPoses(const std::vector<RunResults>& runs, const std::optional<Map>& map) const;
   EvaluationReport reportOf(const Input& input) const;
+  int reportWithoutTruth(const Input& input, const Console& console);
+  void addMap(const EvaluationReport& report, const Input& input, ReportFigures& figures) const;
   std::vector<ReportPicture> drawPictures(const EvaluationReport& report, const Input& input,
                                           const Console& console) const;
+  ReportFigures figuresOf(const EvaluationReport& report, const Input& input, const Console& console) const;
 
   std::string results_;
   std::string truth_;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluation_charts.h"
 
-#include "drawing/charts.h"
-
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
@@ -53,7 +51,7 @@ struct Fig6Panel {
   CumulativeHistogram Summary::*histogram;
   int decimals;
   std::string unit;
-  double paper_bound;  // 0 = the paper does not tell it in words
+  double paper_bound;  // 0 = not known, or not to be shown
 };
 
 Panel drawn(const Fig6Panel& what, const std::vector<Summary>& summaries) {
@@ -74,32 +72,6 @@ Panel drawn(const Fig6Panel& what, const std::vector<Summary>& summaries) {
         mark(panel, what.paper_bound,
              fmt::format("99 % in the paper: {:.{}f}{}", what.paper_bound, what.decimals, what.unit), kGrey));
   return panel;
-}
-
-std::vector<Panel> fig6(const std::vector<Summary>& summaries, const EvaluationParams& params) {
-  Panel position, orientation, index;
-  position.title = "Error in position";
-  position.x_title = "Translation error [mm]";
-  position.x_max = 1000 * params.max_translation;
-  position.place = {0, 0.5f, 0.5f, 0.5f};
-  orientation.title = "Error in orientation";
-  orientation.x_title = "Orientation error [deg]";
-  orientation.x_max = params.max_rotation_deg;
-  orientation.place = {0.5f, 0.5f, 0.5f, 0.5f};
-  index.title = "Index of the first correct hypothesis";
-  index.x_title = "Rank";
-  index.place = {0, 0, 1, 0.5f};
-  const double largest = summaries.front().index_stats.max;
-  index.logarithmic_x = largest > kManyRanks;
-  index.whole_x = !index.logarithmic_x;
-  index.x_min = index.logarithmic_x ? 1 : 0;
-  index.x_max = std::max(largest, 4.0) + 1;
-
-  std::vector<Panel> panels;
-  panels.push_back(drawn({position, &Summary::translation_mm, 0, " mm", 164}, summaries));
-  panels.push_back(drawn({orientation, &Summary::rotation_deg, 1, " deg", 1.9}, summaries));
-  panels.push_back(drawn({index, &Summary::index, 0, "", 0}, summaries));
-  return panels;
 }
 
 /** A dashed line that is there for comparison. */
@@ -237,25 +209,62 @@ void addErrorColumn(const std::string& x_title, const std::vector<ErrorGroup>& g
 
 }  // namespace
 
+std::vector<Panel> fig6Panels(const std::vector<Summary>& summaries, const EvaluationParams& params,
+                              bool beside_paper) {
+  Panel position, orientation, index;
+  position.title = "Error in position";
+  position.x_title = "Translation error [mm]";
+  position.x_max = 1000 * params.max_translation;
+  position.place = {0, 0.5f, 0.5f, 0.5f};
+  orientation.title = "Error in orientation";
+  orientation.x_title = "Orientation error [deg]";
+  orientation.x_max = params.max_rotation_deg;
+  orientation.place = {0.5f, 0.5f, 0.5f, 0.5f};
+  index.title = "Index of the first correct hypothesis";
+  index.x_title = "Rank";
+  index.place = {0, 0, 1, 0.5f};
+  const double largest = summaries.front().index_stats.max;
+  index.logarithmic_x = largest > kManyRanks;
+  index.whole_x = !index.logarithmic_x;
+  index.x_min = index.logarithmic_x ? 1 : 0;
+  index.x_max = std::max(largest, 4.0) + 1;
+
+  std::vector<Panel> panels;
+  panels.push_back(
+      drawn({position, &Summary::translation_mm, 0, " mm", beside_paper ? 164.0 : 0}, summaries));
+  panels.push_back(
+      drawn({orientation, &Summary::rotation_deg, 1, " deg", beside_paper ? 1.9 : 0}, summaries));
+  panels.push_back(drawn({index, &Summary::index, 0, "", 0}, summaries));
+  return panels;
+}
+
 void drawFig6(const std::filesystem::path& path, const std::vector<Summary>& summaries,
               const EvaluationParams& params) {
-  drawCharts(path, 1200, 960, fig6(summaries, params));
+  drawCharts(path, 1200, 960, fig6Panels(summaries, params));
+}
+
+std::vector<Panel> reliabilityPanels(const Summary& summary) {
+  return {reliabilityPanel(summary), countsPanel(summary)};
 }
 
 void drawReliability(const std::filesystem::path& path, const Summary& summary) {
-  drawCharts(path, 720, 900, {reliabilityPanel(summary), countsPanel(summary)});
+  drawCharts(path, 720, 900, reliabilityPanels(summary));
+}
+
+std::vector<Panel> errorPanels(const std::vector<ErrorGroup>& by_planes,
+                               const std::vector<ErrorGroup>& by_distance) {
+  std::vector<Panel> panels;
+  const float width = by_planes.empty() || by_distance.empty() ? 1.f : 0.5f;
+  addErrorColumn(kOfPlanes, by_planes, 0, width, panels);
+  addErrorColumn(kOfDistance, by_distance, 1 - width, width, panels);
+  return panels;
 }
 
 bool drawErrors(const std::filesystem::path& path, const std::vector<ErrorGroup>& by_planes,
                 const std::vector<ErrorGroup>& by_distance) {
   const int columns = (by_planes.empty() ? 0 : 1) + (by_distance.empty() ? 0 : 1);
-  if (columns == 0) return false;
-  std::vector<Panel> panels;
-  const float width = 1.f / static_cast<float>(columns);
-  addErrorColumn(kOfPlanes, by_planes, 0, width, panels);
-  addErrorColumn(kOfDistance, by_distance, 1 - width, width, panels);
-  drawCharts(path, 600 * columns, 960, panels);
-  return true;
+  if (columns > 0) drawCharts(path, 600 * columns, 960, errorPanels(by_planes, by_distance));
+  return columns > 0;
 }
 
 }  // namespace facetloc

@@ -72,6 +72,12 @@ std::vector<FrameEvaluation> framesInQuestion(const Evaluation& evaluation) {
   return frames.empty() ? evaluation.frames : frames;
 }
 
+std::optional<bool> isRight(const FrameEvaluation& frame, bool relative) {
+  if (frame.hypotheses == 0) return {};
+  if (relative) return frame.local_error ? std::optional<bool>(frame.locally_correct) : std::nullopt;
+  return frame.best_error ? std::optional<bool>(frame.first_correct == 1) : std::nullopt;
+}
+
 std::vector<ErrorGroup> errorsByVisiblePlanes(const std::vector<FrameEvaluation>& frames) {
   return grouped(frames, {0, 2, 3, 4, 6, 9, 13, 18, kInfinity}, wholeRange,
                  [](const FrameEvaluation& f) { return f.visible_planes; });

@@ -12,6 +12,10 @@ namespace facetloc {
  */
 std::vector<FrameEvaluation> framesInQuestion(const Evaluation& evaluation);
 
+/** \brief Whether the first pose of an answer is right; nothing if there is none, or its error is not known.
+ * \param relative by the error relative to its local model, else by the one in the world */
+std::optional<bool> isRight(const FrameEvaluation& frame, bool relative);
+
 /** \brief The frames for which a quantity lies in [lowest, highest); summary.name is that range in words. */
 struct ErrorGroup {
   double lowest = 0;

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluation_pictures.h"
 
-#include "base/depth_input.h"
-#include "drawing/pictures.h"
+#include "drawing/svg_plan.h"
+#include "evaluation/answer_page.h"
 #include "evaluation/failures.h"
-
-#include <facetloc/io/depth_sequence.h>
+#include "evaluation/run_images.h"
 
 #include <fmt/format.h>
 #include <map>
 #include <memory>
-#include <utility>
+#include <set>
 
 namespace facetloc {
 namespace {
@@ -50,45 +49,44 @@ std::vector<DrawnMarks> drawnMarks(const Evaluation& evaluation) {
   return marks;
 }
 
-/** The depth images of all runs. Of runs with the same names, the one that is asked for goes first. */
-class Images {
-public:
-  Images(const PlaceTruth& truth, const Map& map) : map_(map) {
-    for (const PlaceTruth::Sequence& s : truth.sequences()) {
-      if (!fs::is_directory(s.folder / "depth")) continue;
-      const auto sequence = std::make_shared<const DepthSequence>(DepthSequence::open(s.folder));
-      for (std::size_t i = 0; i < sequence->frames().size(); ++i)
-        for (const std::string& run : {s.folder.filename().string(), std::string()})
-          places_.emplace(std::make_pair(run, sequence->frames()[i].name), Place{sequence, i});
-    }
-  }
-
-  bool has(const std::string& name) const { return places_.count({"", name}) > 0; }
-
-  SeenImage seen(const std::string& run, const std::string& name) const {
-    const auto found = places_.find({run, name});
-    const Place& place = found == places_.end() ? places_.at({"", name}) : found->second;
-    const DepthInput defaults;
-    const auto& file = place.sequence->camera();
-    ViewBuilder builder(map_.calibrated(file ? file->camera : Camera()), defaults.view);
-    return see(name, place.sequence->load(place.index, defaults.width), builder);
-  }
-
-private:
-  struct Place {
-    std::shared_ptr<const DepthSequence> sequence;
-    std::size_t index;
-  };
-  const Map& map_;
-  std::map<std::pair<std::string, std::string>, Place> places_;  // by run, or "", and name
-};
-
 }  // namespace
 
 ReportPicture drawMapOfRuns(const fs::path& path, const Map& map, const PlaceTruth& truth,
                             const Evaluation& evaluation) {
   drawFloorMap(path, map, drawnRuns(truth), drawnMarks(evaluation));
   return {path, "Segments of all local models in plan view, the runs, and the images that miss."};
+}
+
+std::string planOfAnswers(const Map& map, const Evaluation& evaluation, const MapPage& page) {
+  constexpr Colour kSure = {0, 158, 115}, kDoubtful = {230, 159, 0}, kUnknown = {138, 143, 153},
+                   kWrong = {214, 39, 40};
+  std::vector<DrawnMarks> marks = {{"sure", {}, kSure},
+                                   {"doubtful", {}, kDoubtful},
+                                   {"unknown", {}, kUnknown},
+                                   {"sure and wrong", {}, kWrong}};
+  std::set<std::pair<std::string, std::string>> in_question;
+  for (const FrameEvaluation& f : framesInQuestion(evaluation)) in_question.emplace(f.run, f.name);
+  for (const PageAnswer& answer : page.answers) {
+    if (!in_question.count({answer.run, answer.frame}) || (!answer.truth && answer.places.empty())) continue;
+    marks[answer.wrong                            ? 3
+          : answer.state == AnswerState::sure     ? 0
+          : answer.state == AnswerState::doubtful ? 1
+                                                  : 2]
+        .T_w_c.push_back(answer.truth ? *answer.truth : answer.places.front().T_w_c);
+  }
+  return svgFloorMap(map, {}, marks, "The map from above, and its answers.");
+}
+
+MapPage pageOfAnswers(const Map& map, const PlaceTruth& truth, const std::vector<RunResults>& runs,
+                      const Evaluation& evaluation, bool relative) {
+  MapPage page = answerPage(map, runs, &evaluation, relative);
+  if (!relative && !truth.poses().empty()) page.runs = drawnRuns(truth);
+  const auto images = std::make_shared<const RunImages>(truth, map);
+  page.view = [images, answers = page.answers](std::size_t i) -> std::optional<View> {
+    if (!images->has(answers[i].frame)) return {};
+    return images->seen(answers[i].run, answers[i].frame).view;
+  };
+  return page;
 }
 
 std::vector<Miss> chosenMisses(const Evaluation& evaluation, std::size_t most) {
@@ -120,7 +118,7 @@ void removeMisses(const fs::path& folder) {
 std::vector<ReportPicture> drawMisses(const fs::path& folder, const std::vector<Miss>& misses, const Map& map,
                                       const PlaceTruth& truth, const std::vector<RunResults>& runs,
                                       const Console& console) {
-  const Images images(truth, map);
+  const RunImages images(truth, map);
   Evaluation drawn;
   for (const Miss& miss : misses)
     if (images.has(miss.frame.name)) drawn.frames.push_back(miss.frame);

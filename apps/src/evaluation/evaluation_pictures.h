@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/app.h"
+#include "drawing/map_page.h"
 #include "evaluation/evaluation_report.h"
 
 #include <facetloc/features/local_model.h>
@@ -17,6 +18,15 @@ namespace facetloc {
 /** \brief The map with all runs through it, and where it failed. */
 ReportPicture drawMapOfRuns(const std::filesystem::path& path, const Map& map, const PlaceTruth& truth,
                             const Evaluation& evaluation);
+
+/** \brief The map from above as svgFloorMap(), with the images in question in the colours of their answers:
+ * where they were taken, or else where the answers say. */
+std::string planOfAnswers(const Map& map, const Evaluation& evaluation, const MapPage& page);
+
+/** \brief The answers in their map as answerPage(), with the true poses and, where images are there, their
+ * pictures and matches. Refers to the map. */
+MapPage pageOfAnswers(const Map& map, const PlaceTruth& truth, const std::vector<RunResults>& runs,
+                      const Evaluation& evaluation, bool relative);
 
 /** \brief Misses to be shown, at most that many: equally many of each kind, as far as there are, spread
  * over the run. */

@@ -2,7 +2,6 @@
 #include "evaluation/evaluation_report.h"
 
 #include "base/text.h"
-#include "evaluation/html_report.h"
 #include "evaluation/trajectory_report.h"
 #include "shared/text.h"
 
@@ -159,21 +158,9 @@ void writeReport(const std::filesystem::path& folder, const EvaluationReport& re
   if (!times.empty()) write("timing_summary.csv", [&](std::ostream& out) { writeTimes(out, times); });
 }
 
-void writeHtmlReport(const std::filesystem::path& folder, const EvaluationReport& report,
-                     const std::vector<ReportPicture>& pictures) {
-  HtmlPage page("Evaluation of " + report.results);
-  for (const std::string& line : reportPreface(report)) page.paragraph(line);
-  page.heading("Tables");
-  for (const ReportTable& t : reportTables(report.evaluation, report.summaries, report.timing))
-    page.table(t.title, t.table);
-  if (!pictures.empty()) page.heading("Pictures");
-  for (const ReportPicture& p : pictures) page.picture(p.path, p.caption);
-  page.heading("Images that miss");
-  const std::vector<ReportTable> missing = missTables(report.evaluation);
-  if (missing.empty()) page.paragraph("None.");
-  for (const ReportTable& t : missing)
-    page.table(fmt::format("{} ({})", t.title, t.table.rows().size() - 1), t.table);
-  writeTextAtomically(folder / "report.html", [&](std::ostream& out) { out << page.str(); });
+std::string titleOf(const std::filesystem::path& path) {
+  const auto whole = std::filesystem::absolute(path / "").lexically_normal().parent_path();
+  return whole.filename().string();
 }
 
 }  // namespace facetloc

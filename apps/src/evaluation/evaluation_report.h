@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "drawing/charts.h"
 #include "evaluation/evaluation_tables.h"
 #include "evaluation/trajectory_errors.h"
 
@@ -22,12 +23,17 @@ struct ResultsAlignment {
 /** \brief What facetloc_evaluate has found: one summary per set of frames; the first one is of all. */
 struct EvaluationReport {
   std::string results;
-  std::string truth;
+  std::string truth;  ///< empty: nothing is known to be true
   EvaluationParams params;
   Evaluation evaluation;
   std::vector<Summary> summaries;
   std::vector<TimingRow> timing;  ///< of all runs; may be empty
   std::optional<ResultsAlignment> alignment{};
+  bool own_frame = false;  ///< the map lies in another frame than the truth
+  std::optional<Alignment>
+      map_alignment{};  ///< then: its local models against their true poses, where these are known
+
+  bool isJudged() const { return !truth.empty(); }
 };
 
 /** \brief What was judged and by which rules, in sentences. */
@@ -46,8 +52,19 @@ struct ReportPicture {
   std::filesystem::path path;
   std::string caption;
 };
-/** \brief Writes report.html, atomically: everything in one file. Throws IoError. */
+/** \brief What a report shows that needs the map, the images or a display. */
+struct ReportFigures {
+  std::string plan;                     ///< svgFloorMap() with the answers; may be empty
+  bool map_page = false;                ///< map.html lies beside the report
+  std::vector<Panel> charts;            ///< beside those of every report
+  std::vector<ReportPicture> pictures;  ///< of images that miss
+};
+/** \brief Writes report.html, atomically: the verdict, the map, charts, then tables; everything in one file.
+ * Throws IoError. */
 void writeHtmlReport(const std::filesystem::path& folder, const EvaluationReport& report,
-                     const std::vector<ReportPicture>& pictures);
+                     const ReportFigures& figures);
+
+/** \brief The last part of a path, as a title: where files are says nothing. */
+std::string titleOf(const std::filesystem::path& path);
 
 }  // namespace facetloc

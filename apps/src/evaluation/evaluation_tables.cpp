@@ -175,8 +175,9 @@ std::string ownCell(const Quantity& q, const Summary& s) {
 }
 
 ReportTable quantityTable(const std::string& title, const std::string& name,
-                          const std::vector<Summary>& summaries) {
-  std::vector<std::string> header = {"", "paper"};
+                          const std::vector<Summary>& summaries, bool beside_paper) {
+  std::vector<std::string> header = {""};
+  if (beside_paper) header.push_back("paper");
   for (const Summary& s : summaries) header.push_back(s.name);
   TextTable table(header);
   std::string group;
@@ -184,7 +185,8 @@ ReportTable quantityTable(const std::string& title, const std::string& name,
     if (q.table != name) continue;
     if (q.group == std::string(kLocal) && isOfNothing(q, summaries.front())) continue;
     if (group != q.group) table.add({group = q.group});
-    std::vector<std::string> row = {(group.empty() ? "" : "  ") + std::string(q.name), paperCell(q)};
+    std::vector<std::string> row = {(group.empty() ? "" : "  ") + std::string(q.name)};
+    if (beside_paper) row.push_back(paperCell(q));
     for (const Summary& s : summaries) row.push_back(ownCell(q, s));
     table.add(row);
   }
@@ -292,12 +294,19 @@ const Summary& newImages(const std::vector<Summary>& summaries) {
 }
 
 std::vector<ReportTable> reportTables(const Evaluation& evaluation, const std::vector<Summary>& summaries,
-                                      const std::vector<TimingRow>& timing) {
+                                      const std::vector<TimingRow>& timing, bool beside_paper) {
+  const auto titled = [&](const char* number, const char* title) {
+    return (beside_paper ? number : "") + std::string(title);
+  };
+  const auto table = [&](const std::string& title, const char* name) {
+    return quantityTable(title, name, summaries, beside_paper);
+  };
   std::vector<ReportTable> tables = {
-      quantityTable("TABLE I. GLOBAL LOCALIZATION RESULTS (number of images)", "I", summaries),
-      quantityTable("TABLE II. POSE ERROR AND INDEX OF THE FIRST CORRECT HYPOTHESIS", "II", summaries),
-      quantityTable("STATES OF THE ANSWERS (number of images)", "states", summaries),
-      quantityTable("BEYOND THE PAPER", "beyond", summaries), reliabilityTable(summaries)};
+      table(titled("TABLE I. ", "GLOBAL LOCALIZATION RESULTS (number of images)"), "I"),
+      table(titled("TABLE II. ", "POSE ERROR AND INDEX OF THE FIRST CORRECT HYPOTHESIS"), "II"),
+      table("STATES OF THE ANSWERS (number of images)", "states"),
+      table(beside_paper ? "BEYOND THE PAPER" : "PROBABILITIES AND COVARIANCES", "beyond"),
+      reliabilityTable(summaries)};
   const std::vector<FrameEvaluation> frames = framesInQuestion(evaluation);
   addErrorTable("ERRORS BY THE NUMBER OF VISIBLE PLANES", "planes", errorsByVisiblePlanes(frames), tables);
   addErrorTable("ERRORS BY THE DISTANCE TO THE NEAREST LOCAL MODEL", "distance [m]", errorsByDistance(frames),

@@ -22,10 +22,11 @@ struct ReportTable {
   std::string title;
   TextTable table;
 };
-/** \brief Tables I and II beside the paper's figures, and what goes beyond them. \param timing may be empty.
- */
+/** \brief Tables I and II beside the paper's figures, and what goes beyond them.
+ * \param timing may be empty \param beside_paper else the paper's figures and the numbers of its tables are
+ * left out */
 std::vector<ReportTable> reportTables(const Evaluation& evaluation, const std::vector<Summary>& summaries,
-                                      const std::vector<TimingRow>& timing);
+                                      const std::vector<TimingRow>& timing, bool beside_paper = true);
 /** \brief The frames that miss, and why as far as the data tell; the last column holds words. */
 std::vector<ReportTable> missTables(const Evaluation& evaluation);
 

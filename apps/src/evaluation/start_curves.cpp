@@ -86,8 +86,7 @@ void printStartCurves(std::ostream& out, const std::vector<StartCurve>& curves) 
   }
 }
 
-void drawStartCurves(const std::filesystem::path& path, const std::vector<StartCurve>& curves) {
-  constexpr int kWidth = 1200, kHeight = 500;  // [px]
+std::vector<Panel> startPanels(const std::vector<StartCurve>& curves) {
   std::vector<Panel> panels;
   for (const StartCurve& curve : curves) {
     Panel panel;
@@ -112,7 +111,12 @@ void drawStartCurves(const std::filesystem::path& path, const std::vector<StartC
     panel.place = {static_cast<float>(panels.size()) * width, 0, width, 1};
     panels.push_back(std::move(panel));
   }
-  drawCharts(path, kWidth, kHeight, panels);
+  return panels;
+}
+
+void drawStartCurves(const std::filesystem::path& path, const std::vector<StartCurve>& curves) {
+  constexpr int kWidth = 1200, kHeight = 500;  // [px]
+  drawCharts(path, kWidth, kHeight, startPanels(curves));
 }
 
 }  // namespace facetloc

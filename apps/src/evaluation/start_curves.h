@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "drawing/charts.h"
 #include "evaluation/evaluation.h"
 
 #include <facetloc/io/results.h>
@@ -40,7 +41,9 @@ std::vector<StartCurve> startCurves(const std::vector<StartAnswer>& answers,
 void writeStartCurves(const std::filesystem::path& folder, const std::vector<StartCurve>& curves);
 /** \brief Some points of each. */
 void printStartCurves(std::ostream& out, const std::vector<StartCurve>& curves);
-/** \brief Draws recall and precision of all curves. Needs an X display (OffscreenDisplay). */
+/** \brief Recall and precision of all curves, as charts. */
+std::vector<Panel> startPanels(const std::vector<StartCurve>& curves);
+/** \brief Draws them. Needs an X display (OffscreenDisplay). */
 void drawStartCurves(const std::filesystem::path& path, const std::vector<StartCurve>& curves);
 
 }  // namespace facetloc

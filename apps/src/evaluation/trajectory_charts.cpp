@@ -85,7 +85,7 @@ Panel errorPanel(const std::string& title, const std::string& y_title, const std
 
 }  // namespace
 
-void drawTrajectories(const std::filesystem::path& path, const TrajectoryErrors& errors) {
+std::vector<Panel> trajectoryPanels(const TrajectoryErrors& errors) {
   constexpr double kMillimetres = 1000;
   constexpr float kErrorShare = (1 - kPlanShare) / 2;
   Panel position = errorPanel("Error of the position after alignment", "[mm]", errors.way, errors.translation,
@@ -94,7 +94,11 @@ void drawTrajectories(const std::filesystem::path& path, const TrajectoryErrors&
                                  errors.rotation_deg, 1, kCurveColours[2]);
   position.place = {0, kErrorShare, 1, kErrorShare};
   orientation.place = {0, 0, 1, kErrorShare};
-  drawCharts(path, kWidth, kHeight, {planPanel(errors), position, orientation});
+  return {planPanel(errors), position, orientation};
+}
+
+void drawTrajectories(const std::filesystem::path& path, const TrajectoryErrors& errors) {
+  drawCharts(path, kWidth, kHeight, trajectoryPanels(errors));
 }
 
 }  // namespace facetloc

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/trajectory_report.h"
 
+#include "drawing/svg_charts.h"
 #include "evaluation/html_report.h"
 #include "shared/text.h"
 
@@ -107,14 +108,25 @@ void writeReport(const std::filesystem::path& folder, const TrajectoryReport& re
                       [&](std::ostream& out) { writeSummary(out, report.errors); });
 }
 
-void writeHtmlReport(const std::filesystem::path& folder, const TrajectoryReport& report,
-                     const std::vector<ReportPicture>& pictures) {
-  HtmlPage page("Evaluation of " + report.estimate);
+void writeHtmlReport(const std::filesystem::path& folder, const TrajectoryReport& report) {
+  const TrajectoryErrors& e = report.errors;
+  HtmlPage page("Trajectory " + titleOf(report.estimate));
+  page.begin("verdict");
+  page.paragraph(
+      fmt::format("Over {:.1f} m and {:.0f} s, {} are off by {:.0f} mm and {:.2f}° (RMS, after alignment).",
+                  e.length(), e.duration(), counted(e.pairs.size(), "pose"), kMillimetres * e.absolute.rmse,
+                  e.absolute_rotation_deg.rmse));
+  if (e.length() > 0)
+    page.paragraph(fmt::format("That is {:.2f} % of the distance travelled; the largest error is {:.0f} mm.",
+                               kPercent * e.absolute.rmse / e.length(), kMillimetres * e.absolute.max));
+  page.end();
+  page.begin("charts");
+  for (const Panel& panel : trajectoryPanels(e)) page.insert(svgChart(panel));
+  page.end();
+  for (const ReportTable& t : tables(e)) page.table(t.title, t.table);
+  page.beginFolded("How it was judged");
   for (const std::string& line : preface(report)) page.paragraph(line);
-  page.heading("Tables");
-  for (const ReportTable& t : tables(report.errors)) page.table(t.title, t.table);
-  if (!pictures.empty()) page.heading("Pictures");
-  for (const ReportPicture& p : pictures) page.picture(p.path, p.caption);
+  page.end();
   writeTextAtomically(folder / "report.html", [&](std::ostream& out) { out << page.str(); });
 }
 

@@ -24,9 +24,10 @@ void printReport(std::ostream& out, const TrajectoryReport& report);
 void writeReport(const std::filesystem::path& folder, const TrajectoryReport& report);
 
 /** \brief Writes report.html, atomically: everything in one file. Throws IoError. */
-void writeHtmlReport(const std::filesystem::path& folder, const TrajectoryReport& report,
-                     const std::vector<ReportPicture>& pictures);
+void writeHtmlReport(const std::filesystem::path& folder, const TrajectoryReport& report);
 
+/** \brief Both trajectories from above, and the errors over the way, as charts. */
+std::vector<Panel> trajectoryPanels(const TrajectoryErrors& errors);
 /** \brief Draws both trajectories from above, and the errors over the way. Needs an X display
  * (OffscreenDisplay). Throws IoError. */
 void drawTrajectories(const std::filesystem::path& path, const TrajectoryErrors& errors);

@@ -35,7 +35,9 @@ LiveColours::LiveColours(const LiveResult& result, const Map* map) {
   const auto& segments = result.image.view.segments;
   const Hypothesis* match = result.match();
   if (!map || !match) {
-    for (std::size_t k = 0; k < segments.size(); ++k) of_view.push_back(segmentColour(k));
+    const Eigen::Vector3d up =
+        upInView(result.image.view, map ? map->camera.mounting : std::optional<CameraMounting>());
+    for (const Segment& segment : segments) of_view.push_back(directionColour(segment.normal(), up));
     return;
   }
   const std::shared_ptr<const View> model = map->view(match->model);
@@ -122,10 +124,33 @@ void LiveCloud::lookFromBehind(const std::optional<CameraMounting>& mounting) {
   camera->SetFocalPoint(focus.x(), focus.y(), focus.z());
   camera->SetViewUp(up.x(), up.y(), up.z());
   camera->SetViewAngle(kViewAngle);
-  ground_->ResetCameraClippingRange();
 }
 
-void LiveCloud::show(const LiveResult& result, const LiveColours& colours, const Map* map) {
+/** The segment of a view that a ray through a pixel meets first. */
+std::optional<std::size_t> LiveCloud::segmentAt(const View& view, const Eigen::Vector2d& pixel) {
+  const auto pointAt = [&](double depth) {
+    ground_->SetDisplayPoint(pixel.x(), pixel.y(), depth);
+    ground_->DisplayToWorld();
+    const double* p = ground_->GetWorldPoint();
+    return Eigen::Vector3d(p[0] / p[3], p[1] / p[3], p[2] / p[3]);
+  };
+  const Eigen::Vector3d eye = pointAt(0), ray = pointAt(1) - eye;
+  std::optional<std::size_t> found;
+  double nearest = 1;
+  for (std::size_t k = 0; k < view.segments.size(); ++k) {
+    const Segment& s = view.segments[k];
+    const double share = s.normal().dot(s.t - eye) / s.normal().dot(ray);
+    const Eigen::Vector3d in_plane = s.R.transpose() * (eye + share * ray - s.t);
+    if (!(share > 0) || share >= nearest || !s.hull.contains(in_plane.head<2>().cast<float>())) continue;
+    nearest = share;
+    found = k;
+  }
+  return found;
+}
+
+std::optional<std::size_t> LiveCloud::show(const LiveResult& result, const LiveColours& colours,
+                                           const Map* map, const PanelLook& look,
+                                           const std::optional<Eigen::Vector2d>& pixel) {
   const auto cornersOf = [](const Segment& s, const Eigen::Isometry3d& T) {
     Shapes::Points corners;
     for (const Eigen::Vector2f& v : s.hull)
@@ -156,8 +181,13 @@ void LiveCloud::show(const LiveResult& result, const LiveColours& colours, const
     frames_.line({Eigen::Vector3d::Zero(), base.back()}, kBlack);
   }
   frames_.line(base, kBlack, true);
-  for (Shapes* shapes : {&model_, &unmatched_model_, &outlines_, &frames_}) shapes->show();
   lookFromBehind(map ? map->camera.mounting : std::nullopt);
+  look.applyTo(ground_->GetActiveCamera());
+  const auto picked = pixel ? segmentAt(result.image.view, *pixel) : std::nullopt;
+  if (picked) frames_.line(cornersOf(segments[*picked], Eigen::Isometry3d::Identity()), kBlack, true);
+  for (Shapes* shapes : {&model_, &unmatched_model_, &outlines_, &frames_}) shapes->show();
+  ground_->ResetCameraClippingRange();
+  return picked;
 }
 
 }  // namespace facetloc

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "drawing/vtk_shapes.h"
+#include "live/live_look.h"
 #include "live/live_result.h"
 
 #include <facetloc/features/local_model.h>
@@ -14,8 +15,8 @@
 
 namespace facetloc {
 
-/** \brief The colours of the segments of a view: of what they were matched to in the local model, so that
- * they stay the same from frame to frame; without a pose, one after the other. */
+/** \brief The colours of the segments of a view, which stay the same from frame to frame: of what they were
+ * matched to in the local model; without a pose, of the direction that they look in. */
 struct LiveColours {
   std::vector<Colour> of_view;                  ///< by segment
   std::vector<std::optional<Colour>> of_model;  ///< by segment; nothing = not matched
@@ -33,9 +34,13 @@ public:
   vtkRenderer* ground() { return ground_; }
   vtkRenderer* overlay() { return overlay_; }
 
-  void show(const LiveResult& result, const LiveColours& colours, const Map* map);
+  /** \param pixel of the window, from its lower left corner, whose segment is outlined in black
+   * \return that segment of the view, if there is one */
+  std::optional<std::size_t> show(const LiveResult& result, const LiveColours& colours, const Map* map,
+                                  const PanelLook& look, const std::optional<Eigen::Vector2d>& pixel);
 
 private:
+  std::optional<std::size_t> segmentAt(const View& view, const Eigen::Vector2d& pixel);
   void showPoints(const SeenImage& image, const LiveColours& colours);
   void addFrame(const Segment& segment);
   void lookFromBehind(const std::optional<CameraMounting>& mounting);

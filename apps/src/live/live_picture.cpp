@@ -7,6 +7,7 @@
 #include "drawing/vtk_picture.h"
 #include "live/live_cloud.h"
 #include "live/live_plan.h"
+#include "live/live_words.h"
 #include "shared/text.h"
 
 #include <vtkActor2D.h>
@@ -26,7 +27,7 @@ namespace {
 constexpr int kWidth = 1280, kHeight = 720;                                    // of a screenshot [px]
 constexpr double kHeader = 78, kMargin = 10, kCaption = 24, kFooterLine = 22;  // heights [px]
 constexpr double kLeftShare = 0.56, kWholeShare = 0.56;  // of the cloud; of the whole map in its column
-constexpr Colour kFrame = {190, 190, 190}, kPale = {95, 95, 95};
+constexpr Colour kFrame = {190, 190, 190}, kPale = {95, 95, 95}, kUntold = {140, 140, 140};
 
 /** A text of one line that is set anew for each picture. */
 class Label {
@@ -37,7 +38,7 @@ public:
     property->SetFontFamilyToArial();
     property->SetFontSize(size);
     property->SetBold(bold);
-    property->SetColor(colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0);
+    setColour(colour);
     property->SetVerticalJustificationToCentered();
     renderer->AddActor2D(actor_);
   }
@@ -52,6 +53,9 @@ public:
     actor_->SetVisibility(!words.empty());
   }
   void hide() { actor_->VisibilityOff(); }
+  void setColour(const Colour& colour) {
+    actor_->GetTextProperty()->SetColor(colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0);
+  }
 
 private:
   std::string fitting(std::string words, double room) const {
@@ -99,72 +103,46 @@ private:
 /** The largest box of a picture's shape at the top of another box. */
 Box fitted(const Box& box, const Intrinsics& camera) {
   const double scale = std::min(box.width / camera.width, box.height / camera.height);
-  return {box.left, box.top, std::floor(scale * camera.width), std::floor(scale * camera.height)};
+  return {box.left, box.top, std::max(1.0, std::floor(scale * camera.width)),
+          std::max(1.0, std::floor(scale * camera.height))};
 }
 
-/** Where everything is in a window of a given size [px]. */
+/** Where everything is in a window of a given size [px]. In a small one the map from near gives its place to
+ * the others, and in a narrow one the cloud is above the rest. */
 struct Layout {
   Box cloud, whole, near, image;  // without their captions, which are above
   double footer_top;
 
   Layout(double width, double height, std::size_t footer_lines, bool with_plan) {
+    constexpr double kSmall = 900, kNarrow = 620;  // widths [px]
     footer_top = height - kFooterLine * static_cast<double>(footer_lines);
-    const double top = kHeader + kCaption, bottom = footer_top - kMargin, room = bottom - top - kCaption;
+    const double top = kHeader + kCaption, bottom = std::max(top + 1, footer_top - kMargin);
+    if (width < kNarrow) {
+      stack(width, top, bottom);
+      return;
+    }
+    const double room = bottom - top - kCaption;
     const double upper = std::floor(with_plan ? kWholeShare * room : (room - kMargin) / 2);
     const double column = std::round(with_plan ? kLeftShare * width : width - kMargin - upper * 4 / 3);
     const double column_width = width - kMargin - column;
     cloud = {kMargin, top, column - 2 * kMargin, bottom - top};
     whole = {column, top, column_width, upper};
     const double lower = whole.bottom() + kMargin + kCaption;
-    near = {column, lower, with_plan ? std::round(0.43 * column_width) : 0, bottom - lower};
-    const double left = with_plan ? near.right() + kMargin : column;
+    near = {column, lower, with_plan && width >= kSmall ? std::round(0.43 * column_width) : 0,
+            bottom - lower};
+    const double left = near.width > 0 ? near.right() + kMargin : column;
     image = {left, lower, width - kMargin - left, bottom - lower};
   }
+
+private:
+  void stack(double width, double top, double bottom) {
+    const double inside = width - 2 * kMargin, middle = std::round(top + 0.55 * (bottom - top));
+    cloud = {kMargin, top, inside, std::max(1.0, middle - top)};
+    const double lower = middle + kMargin + kCaption, half = std::round((inside - kMargin) / 2);
+    whole = {kMargin, lower, half, std::max(1.0, bottom - lower)};
+    image = {whole.right() + kMargin, lower, half, whole.height};
+  }
 };
-
-/** "x 1.20  y -3.41  z 0.98 m". */
-std::string positionText(const Eigen::Vector3d& p) {
-  return fmt::format("x {}   y {}   z {} m", text::decimals(p.x(), 2), text::decimals(p.y(), 2),
-                     text::decimals(p.z(), 2));
-}
-
-std::string seenText(const SeenImage& image) {
-  const auto& labels = image.labels.label;
-  const auto labelled = labels.size() - std::count(labels.begin(), labels.end(), 0);
-  const auto measured = std::count_if(image.depth.depth.begin(), image.depth.depth.end(), isMeasured);
-  return fmt::format("{} on {:.0f} % of the measured pixels",
-                     counted(image.view.segments.size(), "planar segment"),
-                     measured ? 100.0 * labelled / measured : 0.0);
-}
-
-/** "± 12 mm, 0.30°": the largest standard deviations over directions. */
-std::string accuracyText(const Matrix6d& P) {
-  return fmt::format("± {:.0f} mm, {:.2f}°", 1000 * largestTranslationStd(P),
-                     largestRotationStd(P) / kDegree);
-}
-
-/** What a position in a part of the map begins with; nothing in the world. */
-std::string partText(const Map& map, int part) {
-  const auto i = static_cast<std::size_t>(part);
-  return i < map.parts.size() && !map.parts[i].empty() ? fmt::format("in part {}:  ", map.parts[i]) : "";
-}
-
-std::string poseText(const LiveResult& result, const Map* map, const LivePlan* plan, std::size_t matched) {
-  if (!map) return seenText(result.image);
-  const Hypothesis* match = result.match();
-  const PoseWithCovariance* pose = result.pose();
-  if (!pose && !match) return "no pose; " + seenText(result.image);
-  const std::string model = match ? map->models.at(match->model).name : "";
-  std::string words =
-      pose ? partText(*map, result.part()) + positionText(pose->T.translation())
-           : fmt::format("in local model {}:  {}", model, positionText(match->T_m_c.T.translation()));
-  if (pose && plan) words += fmt::format("   heading {}°", text::decimals(plan->heading(pose->T), 1));
-  words += "   " + accuracyText(pose ? pose->P : match->T_m_c.P);
-  if (match)
-    words += fmt::format("   {} of {} in local model {}", matched,
-                         counted(result.image.view.segments.size(), "segment"), model);
-  return words;
-}
 
 }  // namespace
 
@@ -172,8 +150,13 @@ class LivePicture::Scene {
 public:
   Scene(vtkRenderWindow* window, std::shared_ptr<const Map> map);
   void show(const LiveResult& result, const std::vector<std::string>& footer);
+  void choose(const Eigen::Vector2d& at);
+  LiveLooks& looks() { return looks_; }
 
 private:
+  void showCloud(const LiveResult& result, const LiveColours& colours, const Layout& layout);
+  void showFooter(const std::vector<std::string>& footer, double top);
+  std::optional<Eigen::Vector2d> chosenPixel() const;
   void place(vtkRenderer* renderer, const Box& box);
   void caption(Label& label, const std::string& words, const Box& box);
   void showHeader(const LiveResult& result, std::size_t matched);
@@ -189,6 +172,9 @@ private:
   vtkNew<vtkRenderer> ground_;     // in pixels, y up
   LiveCloud cloud_;
   std::unique_ptr<LivePlan> plan_;  // if there is a map with poses
+  LiveLooks looks_;
+  std::optional<Eigen::Vector2d> chosen_point_;  // in the cloud's panel, as shares of its size
+  std::optional<int> chosen_model_;
   Shapes decoration_{1};
   Label state_, reason_, pose_, frame_, cloud_caption_, whole_caption_, near_caption_, image_caption_;
   Still image_, depth_;
@@ -223,6 +209,7 @@ void LivePicture::Scene::setMap(std::shared_ptr<const Map> map) {
     window_->RemoveRenderer(plan_->near());
   }
   plan_.reset();
+  chosen_model_.reset();
   if (!map_) return;
   plan_ = std::make_unique<LivePlan>(map_);
   if (plan_->empty()) {
@@ -262,20 +249,75 @@ void LivePicture::Scene::showHeader(const LiveResult& result, std::size_t matche
   frame_.show(number, {width_ - kMargin, line}, width_, height_, Across::right);
   const double left = kMargin + badge + 14;
   reason_.show(result.remark(), {left, line}, width_ - left - number_width - kMargin, height_);
+  pose_.setColour(result.pose() && !result.isLocalized() ? kUntold : kBlack);
   pose_.show(poseText(result, map_.get(), plan_.get(), matched), {kMargin, 60}, width_ - 2 * kMargin,
              height_);
 }
 
 void LivePicture::Scene::showPlan(const LiveResult& result, const Layout& layout) {
-  plan_->show(result, {layout.whole.width, layout.whole.height}, {layout.near.width, layout.near.height});
+  using Panel = LiveLooks::Panel;
   place(plan_->whole(), layout.whole);
   place(plan_->near(), layout.near);
-  addFrame(layout.whole), addFrame(layout.near);
-  caption(whole_caption_, "map from above: " + counted(map_->models.size(), "local model"), layout.whole);
-  const double factor = plan_->magnification();
-  const std::string enlarged = factor > 1 ? fmt::format(", × {:.9g}", factor) : "";
-  const std::string ellipse = "; ellipse: 2 std" + enlarged;
-  caption(near_caption_, "from near" + (result.pose() ? ellipse : ""), layout.near);
+  plan_->near()->SetDraw(layout.near.width > 0);
+  plan_->show(result, {{layout.whole.width, layout.whole.height},
+                       {layout.near.width, layout.near.height},
+                       looks_[Panel::whole],
+                       looks_[Panel::near],
+                       chosen_model_});
+  addFrame(layout.whole);
+  caption(whole_caption_,
+          chosen_model_ ? modelText(*map_, *chosen_model_)
+                        : "map from above: " + counted(map_->models.size(), "local model"),
+          layout.whole);
+  if (layout.near.width <= 0) return near_caption_.hide();
+  addFrame(layout.near);
+  caption(near_caption_,
+          fmt::format("{:.9g} m{}", plan_->nearHeight(), result.pose() ? "; ellipse: 2 std, to scale" : ""),
+          layout.near);
+}
+
+/** A click is where it is: the segment that is there now. */
+std::optional<Eigen::Vector2d> LivePicture::Scene::chosenPixel() const {
+  if (!chosen_point_) return {};
+  const Box& box = looks_.box(LiveLooks::Panel::cloud);
+  return Eigen::Vector2d(box.left + chosen_point_->x() * box.width,
+                         height_ - box.top - chosen_point_->y() * box.height);
+}
+
+void LivePicture::Scene::choose(const Eigen::Vector2d& at) {
+  const auto panel = looks_.panelAt(at);
+  chosen_point_.reset();
+  if (!panel) return chosen_model_.reset();
+  const Box& box = looks_.box(*panel);
+  if (*panel == LiveLooks::Panel::cloud)
+    chosen_point_ = {(at.x() - box.left) / box.width, (at.y() - box.top) / box.height};
+  else if (plan_)
+    chosen_model_ = plan_->modelAt(*panel, {at.x(), height_ - at.y()});
+}
+
+void LivePicture::Scene::showCloud(const LiveResult& result, const LiveColours& colours,
+                                   const Layout& layout) {
+  place(cloud_.ground(), layout.cloud);
+  place(cloud_.overlay(), layout.cloud);
+  const auto chosen =
+      cloud_.show(result, colours, map_.get(), looks_[LiveLooks::Panel::cloud], chosenPixel());
+  addFrame(layout.cloud);
+  caption(cloud_caption_,
+          chosen ? segmentText(result.image.view, *chosen)
+                 : "cloud by segment; axes: x, y, normal; ellipses: 2 std of the normals, × 10" +
+                       std::string(result.match() ? "; thick: local model" : ""),
+          layout.cloud);
+}
+
+void LivePicture::Scene::showFooter(const std::vector<std::string>& footer, double top) {
+  for (std::size_t i = 0; i < std::max(footer.size(), footer_.size()); ++i) {
+    if (i == footer_.size()) footer_.push_back(std::make_unique<Label>(ground_, 15, kPale));
+    if (i < footer.size())
+      footer_[i]->show(footer[i], {kMargin, top + (static_cast<double>(i) + 0.4) * kFooterLine},
+                       width_ - 2 * kMargin, height_);
+    else
+      footer_[i]->hide();
+  }
 }
 
 void LivePicture::Scene::showImage(const LiveResult& result, const Layout& layout) {
@@ -305,27 +347,14 @@ void LivePicture::Scene::show(const LiveResult& result, const std::vector<std::s
   camera->SetClippingRange(0.1, 10);
 
   const Layout layout(width_, height_, footer.size(), plan_ != nullptr);
+  looks_.setBoxes(layout.cloud, plan_ ? layout.whole : Box(), plan_ ? layout.near : Box());
   const LiveColours colours(result, map_.get());
   showHeader(result, colours.matched);
-  place(cloud_.ground(), layout.cloud);
-  place(cloud_.overlay(), layout.cloud);
-  cloud_.show(result, colours, map_.get());
-  addFrame(layout.cloud);
-  caption(cloud_caption_,
-          "cloud by segment; axes: x, y, normal; ellipses: 2 std of the normals, × 10" +
-              std::string(result.match() ? "; thick: local model" : ""),
-          layout.cloud);
+  showCloud(result, colours, layout);
   if (plan_) showPlan(result, layout);
   showImage(result, layout);
   decoration_.show();
-  for (std::size_t i = 0; i < std::max(footer.size(), footer_.size()); ++i) {
-    if (i == footer_.size()) footer_.push_back(std::make_unique<Label>(ground_, 15, kPale));
-    if (i < footer.size())
-      footer_[i]->show(footer[i], {kMargin, layout.footer_top + (static_cast<double>(i) + 0.4) * kFooterLine},
-                       width_ - 2 * kMargin, height_);
-    else
-      footer_[i]->hide();
-  }
+  showFooter(footer, layout.footer_top);
   window_->Render();
 }
 
@@ -337,6 +366,10 @@ LivePicture::~LivePicture() = default;
 void LivePicture::show(const LiveResult& result, const std::vector<std::string>& footer) {
   scene_->show(result, footer);
 }
+
+LiveLooks& LivePicture::looks() { return scene_->looks(); }
+
+void LivePicture::choose(const Eigen::Vector2d& at) { scene_->choose(at); }
 
 struct LiveScreenshot::Window {
   explicit Window(std::shared_ptr<const Map> map) : picture(window, std::move(map)) {

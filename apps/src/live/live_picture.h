@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "live/live_look.h"
 #include "live/live_result.h"
 
 #include <facetloc/features/local_model.h>
@@ -19,7 +20,8 @@ namespace facetloc {
  * On the left the cloud, coloured by segment, seen from behind the camera, with the frames of the most useful
  * segments and the uncertainty of their normals; over it, in the same colours, the segments of the local
  * model that the view was matched to. On the right the map from above with the way so far, the pose and its
- * uncertainty, as a whole and from near; below, the depth image with outlined segments. At the top the state.
+ * uncertainty to scale, as a whole and from near; a pose that is not sure is grey; below, the depth image
+ * with outlined segments. At the top the state.
  *
  * Needs an X display (OffscreenDisplay), and one thread for all of VTK. */
 class LivePicture {
@@ -34,6 +36,13 @@ public:
    * \param footer lines at the bottom, such as times and keys; pictures that are to be the same for the same
    * frame have none. */
   void show(const LiveResult& result, const std::vector<std::string>& footer = {});
+
+  /** \brief How its user looks at the panels, from the next frame on. Places are those of the frame before.
+   */
+  LiveLooks& looks();
+  /** \brief Chooses what is at a place [px from the top left corner]: a segment of the cloud or a local
+   * model, which is marked and described in the caption of its panel; nothing elsewhere. */
+  void choose(const Eigen::Vector2d& at);
 
 private:
   class Scene;

@@ -15,7 +15,8 @@ namespace {
 
 constexpr Colour kWall = {40, 40, 40}, kModel = {213, 94, 0}, kTrail = {31, 119, 180};
 constexpr double kTallest = 1.5;     // a segment of this height or more is drawn darkest [m]
-constexpr double kNearHeight = 3.0;  // of what is seen from near [m]
+constexpr double kNearHeight = 3.0;  // of what is seen from near, at most [m]
+constexpr double kReach = 12;        // of a click [px]
 constexpr double kSigmas = 2;        // of the ellipse
 constexpr double kTurn = 2 * 3.14159265358979323846;
 enum Level {
@@ -41,12 +42,17 @@ Shapes::Points disk(const Eigen::Vector2d& centre, const Eigen::Matrix2d& shape,
   return points;
 }
 
-/** The round enlargement that makes an ellipse of this radius [m] large enough to be seen. */
-double magnificationOf(double radius) {
-  constexpr double kVisible = 0.05 * kNearHeight;
-  for (const double factor : {1.0, 2.0, 5.0, 10.0, 20.0, 50.0})
-    if (factor * radius >= kVisible) return factor;
-  return 100;
+/** A round height that shows an ellipse of this radius as a fifteenth of the panel or more [m]. */
+double nearHeightOf(double radius) {
+  for (const double height : {0.1, 0.2, 0.5, 1.0, 2.0})
+    if (radius <= height / 8) return height;
+  return kNearHeight;
+}
+
+/** A pose that is not sure is grey at once, before the state of the run changes. */
+Colour poseColour(const LiveResult& result) {
+  constexpr Colour kUntold = {140, 140, 140};
+  return result.isLocalized() ? stateColour(result) : kUntold;
 }
 
 }  // namespace
@@ -96,14 +102,38 @@ double LivePlan::heading(const Eigen::Isometry3d& T_w_c) const {
   return std::atan2(ahead.y(), ahead.x()) / kDegree;
 }
 
-void LivePlan::look(Panel& panel, const Eigen::Vector2d& centre, double height) {
+double LivePlan::look(Panel& panel, const Eigen::Vector2d& centre, double height, const PanelLook& look,
+                      const Eigen::Vector2d& size) {
   vtkCamera* camera = panel.renderer->GetActiveCamera();
   camera->ParallelProjectionOn();
   camera->SetParallelScale(height / 2);
   camera->SetPosition(centre.x(), centre.y(), kEye);
   camera->SetFocalPoint(centre.x(), centre.y(), 0);
   camera->SetViewUp(0, 1, 0);
+  look.applyTo(camera);
   camera->SetClippingRange(1, 2.0 * kEye);
+  return 2 * camera->GetParallelScale() / std::max(1.0, size.y());
+}
+
+std::optional<int> LivePlan::modelAt(LiveLooks::Panel which, const Eigen::Vector2d& pixel) {
+  Panel& panel = which == LiveLooks::Panel::near ? near_ : whole_;
+  const auto pointAt = [&](const Eigen::Vector2d& p) {
+    panel.renderer->SetDisplayPoint(p.x(), p.y(), 0);
+    panel.renderer->DisplayToWorld();
+    return Eigen::Vector2d(panel.renderer->GetWorldPoint()[0], panel.renderer->GetWorldPoint()[1]);
+  };
+  const Eigen::Vector2d here = pointAt(pixel);
+  double nearest = (pointAt(pixel + Eigen::Vector2d(kReach, 0)) - here).norm();
+  std::optional<int> found;
+  for (std::size_t i = 0; i < map_->models.size(); ++i) {
+    const LocalModel& model = map_->models[i];
+    if (!model.T_w_m || model.part != part_) continue;
+    const double distance = (plan_.point(model.T_w_m->translation()) - here).norm();
+    if (distance >= nearest) continue;
+    nearest = distance;
+    found = static_cast<int>(i);
+  }
+  return found;
 }
 
 /** Disks where the camera may be. */
@@ -114,33 +144,42 @@ void LivePlan::markPlaces(Panel& panel, const LiveResult& result, double metres_
     if (place.part != part_) continue;
     const Eigen::Vector2d here = plan_.point(place.T_w_c->translation());
     const double radius = std::max(kLeast, kLargest * std::sqrt(place.probability)) * metres_per_pixel;
-    panel.marker.polygon(disk(here, radius * Eigen::Matrix2d::Identity(), kMarkLevel), stateColour(result));
+    panel.marker.polygon(disk(here, radius * Eigen::Matrix2d::Identity(), kMarkLevel), poseColour(result));
     const Eigen::Vector2d ahead = plan_.direction(place.T_w_c->linear().col(2));
     const Eigen::Vector2d tip = here + (radius + kLargest * metres_per_pixel) * ahead;
-    panel.marker.line({at(here, kMarkLevel), at(tip, kMarkLevel)}, stateColour(result));
+    panel.marker.line({at(here, kMarkLevel), at(tip, kMarkLevel)}, poseColour(result));
   }
 }
 
-/** An arrowhead where the camera is, of a size on the screen, and its uncertainty. */
-void LivePlan::mark(Panel& panel, const LiveResult& result, double metres_per_pixel, bool with_ellipse) {
+/** Axes of the ellipse of two standard deviations of the position, to scale [m]. */
+Eigen::Matrix2d LivePlan::ellipseOf(const LiveResult& result) const {
+  const Eigen::Matrix3d P = result.pose()->P.bottomRightCorner<3, 3>();
+  Eigen::Matrix<double, 2, 3> axes;
+  for (int i = 0; i < 3; ++i) axes.col(i) = plan_.direction(Eigen::Vector3d::Unit(i));
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(axes * P * axes.transpose());
+  const Eigen::Vector2d radii = kSigmas * solver.eigenvalues().cwiseMax(0).cwiseSqrt();
+  return solver.eigenvectors() * radii.asDiagonal();
+}
+
+/** An arrowhead where the camera is, of a size on the screen, and its uncertainty; a ring around a local
+ * model that is chosen. */
+void LivePlan::mark(Panel& panel, const LiveResult& result, double metres_per_pixel,
+                    std::optional<int> chosen) {
+  if (chosen && map_->models[*chosen].T_w_m) {
+    const Eigen::Vector2d place = plan_.point(map_->models[*chosen].T_w_m->translation());
+    panel.marker.line(disk(place, kReach * metres_per_pixel * Eigen::Matrix2d::Identity(), kMarkLevel),
+                      kBlack, true);
+  }
   if (!result.pose()) {
     markPlaces(panel, result, metres_per_pixel);
     return panel.marker.show();
   }
   const Eigen::Isometry3d& T = result.pose()->T;
   const Eigen::Vector2d here = plan_.point(T.translation());
-  const Colour colour = stateColour(result);
-  if (with_ellipse) {
-    const Eigen::Matrix3d P = result.pose()->P.bottomRightCorner<3, 3>();
-    Eigen::Matrix<double, 2, 3> axes;
-    for (int i = 0; i < 3; ++i) axes.col(i) = plan_.direction(Eigen::Vector3d::Unit(i));
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(axes * P * axes.transpose());
-    const Eigen::Vector2d radii = kSigmas * solver.eigenvalues().cwiseMax(0).cwiseSqrt();
-    magnification_ = magnificationOf(radii.maxCoeff());
-    const Eigen::Matrix2d shape = magnification_ * (solver.eigenvectors() * radii.asDiagonal());
-    panel.marker.polygon(disk(here, shape, kEllipseLevel), mixed(colour, kWhite, 0.75));
-    panel.marker.line(disk(here, shape, kOutlineLevel), colour, true);
-  }
+  const Colour colour = poseColour(result);
+  const Eigen::Matrix2d shape = ellipseOf(result);
+  panel.marker.polygon(disk(here, shape, kEllipseLevel), mixed(colour, kWhite, 0.75));
+  panel.marker.line(disk(here, shape, kOutlineLevel), colour, true);
   const Eigen::Vector2d ahead = plan_.direction(T.linear().col(2));
   if (ahead.norm() > 0.1) {
     const Eigen::Vector2d x = metres_per_pixel * ahead.normalized(), y(-x.y(), x.x());
@@ -160,8 +199,7 @@ Eigen::Vector2d LivePlan::middleOf(const LiveResult& result) const {
   return extent_.center();
 }
 
-void LivePlan::show(const LiveResult& result, const Eigen::Vector2d& whole_size,
-                    const Eigen::Vector2d& near_size) {
+void LivePlan::show(const LiveResult& result, const Panels& panels) {
   constexpr double kBorder = 1.06;
   if (empty()) return;
   if (result.pose() && result.part() != part_) showPart(result.part());
@@ -173,13 +211,12 @@ void LivePlan::show(const LiveResult& result, const Eigen::Vector2d& whole_size,
     trail_.line(points, kTrail);
   }
   trail_.show();
-  const double aspect = whole_size.x() / whole_size.y();
+  const double aspect = panels.whole_size.x() / panels.whole_size.y();
   const double height = kBorder * std::max(extent.sizes().y(), extent.sizes().x() / aspect);
-  look(whole_, extent.center(), height);
-  mark(whole_, result, height / whole_size.y(), false);
-  look(near_, middleOf(result), kNearHeight);
-  magnification_ = 1;
-  mark(near_, result, kNearHeight / near_size.y(), true);
+  mark(whole_, result, look(whole_, extent.center(), height, panels.whole, panels.whole_size), panels.chosen);
+  near_height_ = result.pose() ? nearHeightOf(ellipseOf(result).colwise().norm().maxCoeff()) : kNearHeight;
+  mark(near_, result, look(near_, middleOf(result), near_height_, panels.near, panels.near_size),
+       panels.chosen);
 }
 
 }  // namespace facetloc

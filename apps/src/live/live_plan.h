@@ -3,6 +3,7 @@
 
 #include "drawing/plan_view.h"
 #include "drawing/vtk_shapes.h"
+#include "live/live_look.h"
 #include "live/live_result.h"
 
 #include <facetloc/features/local_model.h>
@@ -24,10 +25,17 @@ public:
   vtkRenderer* near() { return near_.renderer; }
   bool empty() const { return extent_.isEmpty(); }
 
-  /** \brief \param whole_size, near_size: of the two panels [px]. */
-  void show(const LiveResult& result, const Eigen::Vector2d& whole_size, const Eigen::Vector2d& near_size);
-  /** \brief By how much the ellipse of the pose is enlarged in the panel from near. */
-  double magnification() const { return magnification_; }
+  /** \brief Where both panels are in the window, how its user looks at them, and what is chosen there. */
+  struct Panels {
+    Eigen::Vector2d whole_size, near_size;  ///< [px]; the near panel may have no area
+    PanelLook whole, near;
+    std::optional<int> chosen;  ///< local model that is marked
+  };
+  void show(const LiveResult& result, const Panels& panels);
+  /** \brief Height of what the panel from near shows [m]: the less, the better the pose is known. */
+  double nearHeight() const { return near_height_; }
+  /** \brief The local model that is drawn at a pixel of the window, from its lower left corner. */
+  std::optional<int> modelAt(LiveLooks::Panel panel, const Eigen::Vector2d& pixel);
   /** \brief Heading of the camera in the plan, counter-clockwise from x [deg]. */
   double heading(const Eigen::Isometry3d& T_w_c) const;
 
@@ -38,15 +46,18 @@ private:
   };
   void showPart(int part);
   Eigen::Vector2d middleOf(const LiveResult& result) const;
-  void look(Panel& panel, const Eigen::Vector2d& centre, double height);
-  void mark(Panel& panel, const LiveResult& result, double metres_per_pixel, bool with_ellipse);
+  /** \return metres per pixel. */
+  double look(Panel& panel, const Eigen::Vector2d& centre, double height, const PanelLook& look,
+              const Eigen::Vector2d& size);
+  Eigen::Matrix2d ellipseOf(const LiveResult& result) const;
+  void mark(Panel& panel, const LiveResult& result, double metres_per_pixel, std::optional<int> chosen);
   void markPlaces(Panel& panel, const LiveResult& result, double metres_per_pixel);
 
   std::shared_ptr<const Map> map_;
   int part_;  // that is shown
   PlanView plan_;
   Eigen::AlignedBox2d extent_;
-  double magnification_ = 1;
+  double near_height_ = 1;  // [m]
   Shapes walls_{1.5}, links_{1.2}, trail_{2};
   Panel whole_, near_;
 };

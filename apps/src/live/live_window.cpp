@@ -16,6 +16,9 @@ namespace facetloc {
 namespace {
 
 constexpr int kWidth = 1280, kHeight = 764;  // [px] a screenshot and two lines
+constexpr double kStill = 4;                 // a mouse that moves less while pressed clicks [px]
+constexpr double kZoomStep = 1.2;
+constexpr const char* kResetKey = "v";
 
 struct Key {
   const char* name;
@@ -37,7 +40,10 @@ std::optional<LiveCommand> commandOf(const std::string& key) {
   return {};
 }
 
-std::string keysText() { return "s screenshot,  r record on/off,  p or space pause,  l relocalize,  q quit"; }
+std::string keysText() {
+  return "s screenshot,  r record on/off,  p or space pause,  l relocalize,  q quit;  "
+         "mouse: left turns, right moves, wheel zooms, click tells;  v view as before";
+}
 
 struct LiveWindow::Insides {
   explicit Insides(std::shared_ptr<const Map> map) : picture(window, std::move(map)) {}
@@ -48,12 +54,43 @@ struct LiveWindow::Insides {
       insides.asked.push_back(LiveCommand::quit);
       return;
     }
+    if (event != vtkCommand::KeyPressEvent) return insides.onMouse(event);
     const char* key = insides.interactor->GetKeySym();
+    if (key && std::string(key) == kResetKey) return insides.picture.looks().reset();
     if (const auto command = commandOf(key ? key : "")) insides.asked.push_back(*command);
+  }
+
+  /** Left turns, or moves with shift; the others move; a press that does not move is a click. */
+  void onMouse(unsigned long event) {
+    const int* position = interactor->GetEventPosition();
+    const Eigen::Vector2d at(position[0], window->GetSize()[1] - 1 - position[1]);
+    LiveLooks& looks = picture.looks();
+    if (event == vtkCommand::MouseWheelForwardEvent) return looks.zoom(at, kZoomStep);
+    if (event == vtkCommand::MouseWheelBackwardEvent) return looks.zoom(at, 1 / kZoomStep);
+    if (event == vtkCommand::MouseMoveEvent) {
+      if (!pressed || (!moved && (at - *pressed).norm() < kStill)) return;
+      looks.drag(*pressed, moved ? last : *pressed, at, how);
+      moved = true;
+      last = at;
+      return;
+    }
+    const bool left = event == vtkCommand::LeftButtonPressEvent;
+    if (left || event == vtkCommand::RightButtonPressEvent || event == vtkCommand::MiddleButtonPressEvent) {
+      pressed = last = at;
+      moved = false;
+      how = left && !interactor->GetShiftKey() ? LiveLooks::Drag::turn : LiveLooks::Drag::move;
+      return;
+    }
+    if (pressed && !moved) picture.choose(at);
+    pressed.reset();
   }
 
   vtkNew<vtkRenderWindow> window;
   vtkNew<vtkXRenderWindowInteractor> interactor;
+  std::optional<Eigen::Vector2d> pressed;  // where a button went down; nothing if none is
+  Eigen::Vector2d last = Eigen::Vector2d::Zero();
+  bool moved = false;
+  LiveLooks::Drag how = LiveLooks::Drag::turn;
   LivePicture picture;
   std::vector<LiveCommand> asked;
 };
@@ -70,8 +107,12 @@ LiveWindow::LiveWindow(const std::string& title, std::shared_ptr<const Map> map)
   vtkNew<vtkCallbackCommand> callback;
   callback->SetClientData(insides_.get());
   callback->SetCallback(Insides::onEvent);
-  interactor->AddObserver(vtkCommand::KeyPressEvent, callback);
-  interactor->AddObserver(vtkCommand::ExitEvent, callback);
+  for (const auto event : {vtkCommand::KeyPressEvent, vtkCommand::ExitEvent, vtkCommand::LeftButtonPressEvent,
+                           vtkCommand::LeftButtonReleaseEvent, vtkCommand::MiddleButtonPressEvent,
+                           vtkCommand::MiddleButtonReleaseEvent, vtkCommand::RightButtonPressEvent,
+                           vtkCommand::RightButtonReleaseEvent, vtkCommand::MouseMoveEvent,
+                           vtkCommand::MouseWheelForwardEvent, vtkCommand::MouseWheelBackwardEvent})
+    interactor->AddObserver(event, callback);
   interactor->Initialize();
 }
 
@@ -86,6 +127,17 @@ void LiveWindow::show(const LiveResult& result, const std::vector<std::string>& 
 std::vector<LiveCommand> LiveWindow::commands() {
   insides_->interactor->ProcessEvents();
   return std::exchange(insides_->asked, {});
+}
+
+void LiveWindow::drag(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  const auto send = [&](const Eigen::Vector2d& at, unsigned long event) {
+    const int height = insides_->window->GetSize()[1];
+    insides_->interactor->SetEventPosition(static_cast<int>(at.x()), height - 1 - static_cast<int>(at.y()));
+    insides_->interactor->InvokeEvent(event);
+  };
+  send(from, vtkCommand::LeftButtonPressEvent);
+  send(to, vtkCommand::MouseMoveEvent);
+  send(to, vtkCommand::LeftButtonReleaseEvent);
 }
 
 void LiveWindow::press(const std::string& key) {

@@ -133,7 +133,8 @@ std::vector<std::size_t> imagesOfStrip(const std::vector<DrawnBelief>& beliefs, 
 }
 
 void requirePng(const fs::path& output) {
-  if (output.extension() != ".png") throw UsageError("pictures are PNG files: -o " + output.string());
+  if (output.extension() != ".png")
+    throw UsageError("pictures are PNG files, and pages HTML: -o " + output.string());
 }
 
 DrawnRun runOf(const fs::path& path) {
@@ -147,25 +148,27 @@ DrawnRun runOf(const fs::path& path) {
 
 RenderApp::RenderApp()
     : App("facetloc_render", "INPUT -o OUT [--map MAP.flmap] [options]",
-          "Draws pictures. INPUT is one of these: a depth image (OUT is a PNG file) or a sequence (OUT is "
-          "a folder, or, with --frame, a file): the depth image, its segments outlined, and the dominant "
-          "segments in 3D; with --map, the image beside the local models that it is localized in, "
-          "matched segments in the same colour. A map file *.flmap (OUT is a PNG file): the segments of "
-          "all local models from above, the local models and their links. A results folder of "
-          "facetloc_localize with --map and --sequence (OUT is a folder): each image whose first answer "
-          "is wrong or missing, beside what would be right, and the first six of them in failures.png; with "
-          "--map (OUT is a PNG file): where the camera may have been, image by image, as a film strip. "
-          "Needs an X display; without one, Xvfb is started if it is installed.") {}
+          "Draws pictures, and pages that turn in a browser. INPUT is one of these: a map file *.flmap (OUT "
+          "is "
+          "an HTML page to turn, zoom and click; or a PNG file, the map from above). A results folder of "
+          "facetloc_localize with --map (OUT is an HTML page: the answers in their map, over time; or a PNG "
+          "file: where the camera may have been, image by image; with --sequence, OUT may be a folder: each "
+          "image whose first answer is wrong or missing, beside what would be right). A depth image (OUT is "
+          "a "
+          "PNG file) or a sequence (OUT is a folder, or, with --frame, a file): its segments outlined and in "
+          "3D; with --map, the image beside the local models that it is localized in. PNG files need an X "
+          "display; without one, Xvfb is started if it is installed.") {}
 
 void RenderApp::addOptions(CommandLine& line) {
   line.addArgument("INPUT", input_);
-  line.addOption("output,o", output_, "OUT", "A PNG file, or a folder of them.");
+  line.addOption("output,o", output_, "OUT", "An HTML page, a PNG file, or a folder of these.");
   line.addOption("map", map_, "MAP.flmap", "The map in which images are localized, or results were.");
   line.addOption("frame", frame_, "NAME", "Draw only this image of a sequence.");
   line.addOption("max-hypotheses", max_hypotheses_, "K", "Draw so many answers per image at most.");
   line.addOption("trajectory", trajectory_, "FILE",
                  "Draw this trajectory into a map: a TUM file, or a sequence with groundtruth.txt.");
-  line.addOption("sequence", sequence_, "DIR", "The sequence that results are of, with groundtruth.txt.");
+  line.addOption("sequence", sequence_, "DIR",
+                 "The recording that results are of: its images, and its true poses.");
   line.addOption("most", most_, "N", "Draw so many failures at most, the most confident first.");
   addRecordingOptions(line, depth_.recording);
   depth_.addOptions(line);
@@ -294,6 +297,12 @@ int RenderApp::execute(const CommandLine& line, const Console& console) {
   if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
   if (most_ < 1) throw UsageError("most must be positive");
   if (!fs::exists(input_)) throw IoError(input_, "does not exist");
+  if (fs::path(output_).extension() == ".html") {
+    if (isMap(input_)) return renderMapPage(console);
+    if (!isResultsFolder(input_))
+      throw UsageError("pages are of maps and of results: " + input_ + " is neither");
+    return renderAnswerPage(line, console);
+  }
   const OffscreenDisplay display;
   if (!display.available()) throw std::runtime_error("nothing can be drawn: " + display.problem());
   if (isMap(input_)) return renderMap(console);

@@ -21,6 +21,8 @@ private:
   int execute(const CommandLine& line, const Console& console) override;
 
   int renderMap(const Console& console) const;
+  int renderMapPage(const Console& console) const;
+  int renderAnswerPage(const CommandLine& line, const Console& console) const;
   int renderBeliefs(const Console& console) const;
   int renderImages(const CommandLine& line, const Console& console) const;
   int renderFailures(const CommandLine& line, const Console& console) const;

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/heartbeat.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <fmt/format.h>
+#include <mutex>
+#include <ostream>
+#include <streambuf>
+#include <thread>
+
+namespace facetloc {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+}  // namespace
+
+/** The stream of remarks, and the thread that speaks when nothing comes through it. */
+class Heartbeat::Watch : public std::streambuf {
+public:
+  Watch(const Console& console, std::string what) : console_(console), what_(std::move(what)) {
+    if (!console_.quiet) thread_ = std::thread([this] { watch(); });
+  }
+  ~Watch() override {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      ended_ = true;
+    }
+    end_.notify_one();
+    if (thread_.joinable()) thread_.join();
+    clear();
+  }
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+protected:
+  int_type overflow(int_type c) override {
+    if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
+    const char text = traits_type::to_char_type(c);
+    return xsputn(&text, 1) == 1 ? c : traits_type::eof();
+  }
+  std::streamsize xsputn(const char* text, std::streamsize size) override {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    clear();
+    console_.err.write(text, size).flush();
+    spoke_ = Clock::now();
+    return console_.err ? size : 0;
+  }
+
+private:
+  void watch() {
+    const auto silence = console_.terminal ? std::chrono::seconds(1) : std::chrono::seconds(2);
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (!end_.wait_until(lock, spoke_ + silence, [this] { return ended_; })) {
+      if (Clock::now() < spoke_ + silence) continue;
+      if (console_.terminal)
+        console_.show(fmt::format("{}: {:.0f} s", what_, seconds()));
+      else
+        console_.err << "." << std::flush;
+      spoke_ = Clock::now();
+      beating_ = true;
+    }
+  }
+
+  /** What follows begins on an empty line. */
+  void clear() {
+    if (!beating_) return;
+    if (console_.terminal)
+      console_.show("");
+    else
+      console_.err << "\n";
+    beating_ = false;
+  }
+
+  const Console& console_;
+  const std::string what_;
+  const Clock::time_point start_ = Clock::now();
+  Clock::time_point spoke_ = start_;
+  bool beating_ = false;  // a line of ours is not ended
+  bool ended_ = false;
+  std::mutex mutex_;
+  std::condition_variable end_;
+  std::thread thread_;
+};
+
+Heartbeat::Heartbeat(const Console& console, const std::string& what)
+    : console_(console),
+      watch_(std::make_unique<Watch>(console, what)),
+      err_(std::make_unique<std::ostream>(watch_.get())) {}
+
+Heartbeat::~Heartbeat() = default;
+
+Console Heartbeat::console(std::ostream& out) const {
+  return {out, *err_, console_.terminal, console_.quiet, console_.tool};
+}
+
+double Heartbeat::seconds() const { return watch_->seconds(); }
+
+}  // namespace facetloc

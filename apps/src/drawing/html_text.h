@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace facetloc {
+
+/** \brief Text with &, <, > and quotes as HTML wants them; control characters become spaces. */
+std::string htmlEscaped(std::string_view text);
+/** \brief Base64 (RFC 4648) with padding, on one line. */
+std::string base64(std::string_view bytes);
+
+}  // namespace facetloc

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "drawing/pictures.h"
+
+#include <facetloc/features/answer_state.h>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief A place where an image may have been taken. */
+struct PagePlace {
+  int model = -1;  ///< index of the local model that it was found by; -1 = not known
+  Eigen::Isometry3d T_m_c = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();
+  double probability = 0;
+  double sd_trans_m = 0;  ///< largest standard deviation of the position [m]
+  double sd_rot_deg = 0;  ///< largest standard deviation of the orientation [deg]
+};
+
+/** \brief The answer to an image. */
+struct PageAnswer {
+  std::string run;  ///< may be empty
+  std::string frame;
+  AnswerState state = AnswerState::unknown;
+  bool wrong = false;             ///< sure, and not where the image was taken
+  std::string reason;             ///< why there is no place, or a remark
+  std::vector<PagePlace> places;  ///< most probable first
+  std::optional<Matrix6d> P_w_c;  ///< covariance of the first place
+  std::optional<Eigen::Isometry3d> truth;
+  std::optional<double> error_m, error_deg;  ///< difference of the first place from the truth
+  bool relative = false;                     ///< ... in its local model
+};
+
+/** \brief A map, and what is shown in it. Poses are in the part of the map that is drawn: the world, or else
+ * the largest part. */
+struct MapPage {
+  std::string title;
+  std::vector<DrawnRun> runs;
+  std::vector<PageAnswer> answers;  ///< in the order of time
+  /** \brief The view of an answer's image, to show it and what it was matched to; may be empty, and return
+   * nothing. */
+  std::function<std::optional<View>(std::size_t answer)> view;
+};
+
+/** \brief From how many links on a page hides them until they are asked for. */
+constexpr int kMostLinks = 30;
+
+/** \brief Writes a page for browsers, one file that needs no network, atomically: the segments of all local
+ * models as polygons coloured by direction, the local models, links, runs, and answers with 95 % ellipsoids,
+ * to turn, zoom and click. Names are text there, whatever is in them. Pictures and matches share about 1 MB:
+ * where images are many, pictures are smaller, then fewer; of more than 40 000 segments the largest are
+ * drawn. Throws IoError if no local model of the map has a pose, or the page cannot be written;
+ * std::runtime_error if facetloc was built without three.js. */
+void writeMapPage(const std::filesystem::path& path, const Map& map, const MapPage& page);
+
+}  // namespace facetloc

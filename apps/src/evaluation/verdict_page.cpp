@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drawing/svg_charts.h"
+#include "evaluation/evaluation_charts.h"
+#include "evaluation/html_report.h"
+#include "evaluation/verdict.h"
+
+#include <facetloc/io/atomic_file.h>
+
+#include <fmt/format.h>
+
+namespace facetloc {
+namespace {
+
+std::string figuresOf(const std::vector<KeyFigure>& figures) {
+  std::string html = "<div class=\"figures\">";
+  for (const KeyFigure& figure : figures)
+    html += fmt::format("<div><b>{}</b>{}</div>", htmlEscaped(figure.value), htmlEscaped(figure.words));
+  return html + "</div>\n";
+}
+
+void addVerdict(const Verdict& verdict, const ReportFigures& figures, HtmlPage& page) {
+  page.begin("verdict");
+  for (const std::string& sentence : verdict.sentences) page.paragraph(sentence);
+  page.end();
+  if (!verdict.map.empty()) page.paragraph(verdict.map);
+  page.begin(figures.plan.empty() ? "first alone" : "first");
+  page.insert(figures.plan);
+  page.insert(figuresOf(verdict.figures));
+  page.end();
+  if (figures.map_page) page.link("map.html", "The map to turn and to click, with all answers");
+  page.begin("next");
+  page.paragraph("Next: " + verdict.next);
+  page.end();
+}
+
+void addCharts(const EvaluationReport& report, const ReportFigures& figures, HtmlPage& page) {
+  const std::vector<FrameEvaluation> frames = framesInQuestion(report.evaluation);
+  std::vector<Panel> panels = reliabilityPanels(newImages(report.summaries));
+  for (const auto& more :
+       {figures.charts, errorPanels(errorsByVisiblePlanes(frames), errorsByDistance(frames)),
+        fig6Panels(report.summaries, report.params, isPapersExperiment(report))})
+    panels.insert(panels.end(), more.begin(), more.end());
+  page.heading("Charts");
+  page.begin("charts");
+  for (const Panel& panel : panels) page.insert(svgChart(panel));
+  page.end();
+}
+
+void addMisses(const EvaluationReport& report, const std::vector<ReportPicture>& pictures, HtmlPage& page) {
+  page.heading("Images that miss");
+  const std::vector<ReportTable> missing = missTables(report.evaluation);
+  if (missing.empty()) page.paragraph("None.");
+  page.begin("pictures");
+  for (const ReportPicture& p : pictures) page.picture(p.path, p.caption);
+  page.end();
+  for (const ReportTable& t : missing) {
+    const std::string title = fmt::format("{} ({})", t.title, t.table.rows().size() - 1);
+    page.beginFolded(title);
+    page.table(title, t.table);
+    page.end();
+  }
+}
+
+void addTables(const EvaluationReport& report, HtmlPage& page) {
+  page.heading("Tables");
+  page.beginFolded(isPapersExperiment(report) ? "All figures, beside those of the paper" : "All figures");
+  for (const ReportTable& t :
+       reportTables(report.evaluation, report.summaries, report.timing, isPapersExperiment(report)))
+    page.table(t.title, t.table);
+  page.end();
+  page.beginFolded("How it was judged");
+  for (const std::string& line : reportPreface(report)) page.paragraph(line);
+  page.end();
+}
+
+/** The answers that cannot be acted on, where nothing is known to be true. */
+void addUnsure(const EvaluationReport& report, HtmlPage& page) {
+  TextTable table({"image", "answer", "probability", "reason"});
+  table.setWordsLast();
+  for (const FrameEvaluation& f : report.evaluation.frames)
+    if (f.state != AnswerState::sure)
+      table.add({(f.run.empty() ? "" : f.run + " ") + f.name, toString(f.state),
+                 f.hypotheses ? fmt::format("{:.3f}", f.probability) : "-", f.reason});
+  if (table.rows().size() < 2) return;
+  page.heading("Images without a sure answer");
+  page.beginFolded(counted(table.rows().size() - 1, "image"));
+  page.table("Answers that cannot be acted on", table);
+  page.end();
+}
+
+}  // namespace
+
+void writeHtmlReport(const std::filesystem::path& folder, const EvaluationReport& report,
+                     const ReportFigures& figures) {
+  HtmlPage page("Localization of " + titleOf(report.results));
+  addVerdict(verdictOf(report), figures, page);
+  if (report.isJudged()) {
+    addCharts(report, figures, page);
+    addMisses(report, figures.pictures, page);
+    addTables(report, page);
+  } else {
+    addUnsure(report, page);
+  }
+  writeTextAtomically(folder / "report.html", [&](std::ostream& out) { out << page.str(); });
+}
+
+}  // namespace facetloc

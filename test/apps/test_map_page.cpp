@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "browser.h"
+#include "drawing/html_text.h"
+#include "drawing/map_page.h"
+#include "drawing/map_page_data.h"
+#include "drawing/matched_segments.h"
+#include "drawing/page_files.h"
+#include "drawing/thumbnail.h"
+#include "example_scene.h"
+#include "golden.h"
+
+#include <facetloc/io/error.h>
+
+#include <gmock/gmock.h>
+
+namespace facetloc {
+namespace {
+
+using test::Browser;
+using test::ExampleScene;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+const Eigen::Isometry3d kRight = ExampleScene::pose(0.2, 0.15, -4), kWrong = ExampleScene::pose(1.6, 0.6, 30);
+
+PageAnswer answered(const std::string& name, AnswerState state, const Eigen::Isometry3d& T_w_c,
+                    const Map& map) {
+  PageAnswer answer;
+  answer.frame = name;
+  answer.state = state;
+  answer.places.push_back({0, map.models[0].T_w_m->inverse() * T_w_c, T_w_c, 0.95, 0.02, 0.3});
+  answer.P_w_c = Matrix6d::Identity() * 1e-2;
+  return answer;
+}
+
+/** An image where it was taken, one that is elsewhere, and one that is nowhere. */
+MapPage examplePage(const Map& map) {
+  MapPage page;
+  page.title = "Three images";
+  page.answers = {answered("first", AnswerState::sure, kRight, map),
+                  answered("second", AnswerState::sure, kWrong, map),
+                  {}};
+  page.answers[1].wrong = true;
+  page.answers[1].error_m = 1.47;
+  page.answers[1].error_deg = 34;
+  page.answers[2].frame = "third";
+  page.answers[2].reason = "the view shows no planar segment";
+  page.runs.push_back({"true poses", {kRight, ExampleScene::pose(0.6, 0.2, 0)}});
+  page.view = [](std::size_t i) -> std::optional<View> {
+    if (i > 0) return {};
+    return ExampleScene().see("first", kRight).view;
+  };
+  return page;
+}
+
+/** The page with a script of a visitor at its end; press() clicks on the scene at (x, y) pixels. */
+std::string visited(const std::string& page, const std::string& script) {
+  const std::string html = test::contentOf(page), end = "</body>", path = page + ".visited.html";
+  const std::string press = "function press(at) { for (const type of ['pointerdown', 'pointerup']) "
+                            "document.getElementById('scene').dispatchEvent("
+                            "new PointerEvent(type, {clientX: at[0], clientY: at[1], bubbles: true})); }";
+  const std::size_t at = html.rfind(end);
+  test::writeContent(path, html.substr(0, at) + "<script>" + press + script + "</script>" + html.substr(at));
+  return path;
+}
+
+/** A page in a browser; tests skip without one. */
+class MapInBrowser : public testing::Test {
+protected:
+  void SetUp() override {
+    if (!browser_.available()) GTEST_SKIP() << "no browser: install chromium";
+    try {
+      pageFile("three.js");
+    } catch (const std::runtime_error& e) {
+      GTEST_SKIP() << e.what();
+    }
+  }
+  /** The elements after a visitor's script; nothing may be said on the console. */
+  std::string elements(const std::string& script) {
+    const test::ToolRun run = browser_.elementsOf(visited(path_, script));
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(Browser::consoleOf(run), IsEmpty());
+    return run.out.substr(std::min(run.out.size(), run.out.find("<canvas")),
+                          run.out.find("<script id=\"data\"") - run.out.find("<canvas"));
+  }
+
+  const test::TemporaryFolder folder_;
+  const std::string path_ = folder_ / "page.html";
+  const Map map_ = ExampleScene().map();
+  Browser browser_;
+};
+
+TEST_F(MapInBrowser, DrawsEverything) {
+  writeMapPage(path_, map_, examplePage(map_));
+  const std::string found =
+      elements("document.getElementById('fault').textContent = facetloc.triangles() + ' triangles';");
+  // Two triangles for each of 3 x 7 rectangles, six for each of 2 cameras that are shown, and two balls.
+  EXPECT_THAT(found, HasSubstr(std::to_string(2 * 21 + 6 * 2 + 2 * 2 * 20 * (14 - 1)) + " triangles"));
+  EXPECT_THAT(found, HasSubstr("3 local models, 21 segments, 2 links"));
+  EXPECT_THAT(found, HasSubstr("1 sure and wrong"));
+}
+
+TEST_F(MapInBrowser, AClickAnswers) {
+  writeMapPage(path_, map_, examplePage(map_));
+  const std::size_t matches = matchedSegments(ExampleScene().see("first", kRight).view, *map_.view(0),
+                                              map_.models[0].T_w_m->inverse() * kRight)
+                                  .size();
+  ASSERT_GT(matches, 3u);
+  const std::string first = elements("press(facetloc.answerOnScreen(0));");
+  EXPECT_THAT(first, HasSubstr("<h2>Image first</h2>"));
+  EXPECT_THAT(first, HasSubstr("0.20, 0.15, 1.00 m"));
+  EXPECT_THAT(first, HasSubstr(std::to_string(matches) + " matched segments"));
+  EXPECT_THAT(first, HasSubstr("local model start"));
+  const std::string second = elements("press(facetloc.answerOnScreen(1));");
+  EXPECT_THAT(second, HasSubstr("<h2>Image second</h2>"));
+  EXPECT_THAT(second, HasSubstr("sure, and wrong"));
+  EXPECT_THAT(second, HasSubstr("1.47 m, 34.00°"));
+  EXPECT_THAT(elements("press([2, 300]);"), Not(HasSubstr("<h2>")));
+}
+
+TEST_F(MapInBrowser, TheSliderGoesThroughTime) {
+  writeMapPage(path_, map_, examplePage(map_));
+  const std::string found = elements("const moment = document.getElementById('moment'); moment.value = '2'; "
+                                     "moment.dispatchEvent(new Event('input'));");
+  EXPECT_THAT(found, HasSubstr("<h2>Image third</h2>"));
+  EXPECT_THAT(found, HasSubstr("the view shows no planar segment"));
+  EXPECT_THAT(found, HasSubstr("3/3 third"));
+}
+
+TEST_F(MapInBrowser, NamesAreText) {
+  const std::string hostile =
+      "</script><img src=x onerror=\"document.title='taken'\"><script>document.title='taken'</script>";
+  Map map = map_;
+  map.models[0].name = hostile;
+  MapPage page = examplePage(map);
+  page.title = hostile + "@DATA@";
+  page.answers[0].frame = page.answers[0].reason = page.runs[0].name = hostile;
+  writeMapPage(path_, map, page);
+  const test::ToolRun run = browser_.elementsOf(visited(path_, "press(facetloc.answerOnScreen(0));"));
+  EXPECT_THAT(Browser::consoleOf(run), IsEmpty());
+  EXPECT_THAT(run.out, Not(HasSubstr("<title>taken")));
+  EXPECT_THAT(run.out, HasSubstr("<title>" + htmlEscaped("</script><img").substr(0, 9)));
+  EXPECT_THAT(run.out, HasSubstr("<h2>Image &lt;/script&gt;&lt;img src=x"));
+  EXPECT_THAT(run.out, Not(HasSubstr("<img")));
+}
+
+TEST_F(MapInBrowser, LooksAsItDid) {
+  writeMapPage(path_, map_, examplePage(map_));
+  // Words look otherwise where other fonts are installed.
+  const std::string page = visited(
+      path_,
+      "for (const tag of ['header', 'footer']) document.querySelector(tag).style.visibility = 'hidden';");
+  const test::ToolRun run = browser_.photograph(page, folder_ / "page.png", 480, 360);
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(Browser::consoleOf(run), IsEmpty());
+  test::expectLikeGolden("map_page", test::readRgbPng(folder_ / "page.png"));
+}
+
+TEST(MapPageData, LeavesOutOtherPartsAndSaysSo) {
+  Map map = ExampleScene().map();
+  map.parts = {"", "shed"};
+  map.models[2].part = 1;
+  map.links[1].to = 2;
+  const Json::Value data = mapPageData(map, {}, "page.html");
+  EXPECT_EQ(data["models"].size(), 2u);
+  EXPECT_EQ(data["links"].size(), 1u);
+  EXPECT_EQ(data["left_out"].asString(), "not shown: 1 local model in other parts or without a pose");
+  for (LocalModel& model : map.models) model.T_w_m.reset();
+  EXPECT_THROW(mapPageData(map, {}, "page.html"), IoError);
+}
+
+TEST(MapPageData, PicturesFitHoweverManyImagesThereAre) {
+  const Map map = ExampleScene().map();
+  const View view = ExampleScene().see("x", kRight).view;
+  for (const std::size_t images : {10u, 500u, 4000u}) {
+    MapPage page;
+    page.answers.assign(images, answered("x", AnswerState::sure, kRight, map));
+    page.view = [&](std::size_t) { return std::optional<View>(view); };
+    const Json::Value data = mapPageData(map, page, "page.html");
+    std::size_t bytes = 0, pictures = 0;
+    for (const Json::Value& answer : data["answers"]) {
+      bytes += answer["image"].asString().size() + answer["matches"].toStyledString().size() / 4;
+      pictures += answer.isMember("image");
+    }
+    EXPECT_GT(pictures, std::min<std::size_t>(images - 1, 300)) << images;
+    EXPECT_LT(bytes, std::size_t{2} << 20) << images;
+  }
+}
+
+TEST(Thumbnail, IsAJpegOfTheDepth) {
+  const View view = ExampleScene().see("x", kRight).view;
+  const std::string jpeg = depthThumbnail(view, 160);
+  EXPECT_EQ(jpeg.substr(0, 3), "\xff\xd8\xff");
+  EXPECT_EQ(jpeg.substr(jpeg.size() - 2), "\xff\xd9");
+  EXPECT_LT(depthThumbnail(view, 40).size(), jpeg.size());
+  EXPECT_EQ(depthThumbnail(View(), 160), "");
+}
+
+}  // namespace
+}  // namespace facetloc
