@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/matched_segments.h"
 #include "drawing/offscreen_display.h"
+#include "drawing/vtk_picture.h"
 #include "example_scene.h"
 #include "golden.h"
 #include "live/live_picture.h"
@@ -9,6 +10,8 @@
 #include "tool_runner.h"
 
 #include <gmock/gmock.h>
+#include <vtkNew.h>
+#include <vtkRenderWindow.h>
 
 #include <algorithm>
 
@@ -118,6 +121,119 @@ TEST_F(LivePictureTest, DrawsAMapWithoutPoses) {
   LiveResult result = exampleResult(TrackingState::tracking);
   result.answer->T_w_c.reset();
   EXPECT_GT(pixelsOf(screenshot.draw(result), stateColour(result)), 1000);
+}
+
+/** A picture that somebody looks at, of any size. */
+class WatchedPicture {
+public:
+  WatchedPicture(int width, int height, std::shared_ptr<const Map> map) : picture(window_, std::move(map)) {
+    setOffscreen(window_, width, height);
+  }
+  Raster<std::uint8_t> show(const LiveResult& result) {
+    picture.show(result);
+    return grabbed(window_);
+  }
+
+private:
+  vtkNew<vtkRenderWindow> window_;
+
+public:
+  LivePicture picture;
+};
+
+/** The box of the pixels in which two pictures differ. */
+Eigen::AlignedBox2i changesOf(const Raster<std::uint8_t>& a, const Raster<std::uint8_t>& b) {
+  Eigen::AlignedBox2i box;
+  for (int v = 0; v < a.height; ++v)
+    for (int u = 0; u < a.width; ++u)
+      if (test::pixelDifference(a, u, v, b, u, v) > 0) box.extend(Eigen::Vector2i(u, v));
+  return box;
+}
+
+TEST_F(LivePictureTest, TurnsMovesAndZoomsThePanelUnderTheMouse) {
+  const LiveResult result = exampleResult(TrackingState::tracking);
+  WatchedPicture watched(1280, 720, exampleMap());
+  const Raster<std::uint8_t> before = watched.show(result);
+  LiveLooks& looks = watched.picture.looks();
+  const auto changes = [&] { return changesOf(before, watched.show(result)); };
+  const auto expectIn = [&](LiveLooks::Panel panel) {
+    const Eigen::AlignedBox2i box = changes();
+    ASSERT_FALSE(box.isEmpty());
+    for (const auto corner : {Eigen::AlignedBox2i::BottomLeft, Eigen::AlignedBox2i::TopRight})
+      EXPECT_EQ(looks.panelAt(box.corner(corner).cast<double>()), panel);
+    looks.reset();
+    EXPECT_TRUE(changes().isEmpty());
+  };
+  looks.drag({300, 400}, {300, 400}, {380, 420}, LiveLooks::Drag::turn);
+  expectIn(LiveLooks::Panel::cloud);
+  looks.zoom({300, 400}, 1.5);
+  expectIn(LiveLooks::Panel::cloud);
+  looks.drag({1000, 250}, {1000, 250}, {1040, 270}, LiveLooks::Drag::turn);
+  expectIn(LiveLooks::Panel::whole);
+  looks.zoom({800, 600}, 1.5);
+  expectIn(LiveLooks::Panel::near);
+  looks.zoom({5, 5}, 2);  // the header
+  EXPECT_TRUE(changes().isEmpty());
+}
+
+TEST_F(LivePictureTest, AClickTellsWhatIsThere) {
+  const LiveResult result = exampleResult(TrackingState::tracking);
+  WatchedPicture watched(1280, 720, exampleMap());
+  const Raster<std::uint8_t> before = watched.show(result);
+  const Box cloud = watched.picture.looks().box(LiveLooks::Panel::cloud);
+  watched.picture.choose(cloud.centre());
+  const Eigen::AlignedBox2i changes = changesOf(before, watched.show(result));
+  ASSERT_FALSE(changes.isEmpty());
+  EXPECT_LT(changes.min().y(), cloud.top) << "the caption";
+  EXPECT_GT(changes.max().y(), cloud.top) << "the outline";
+  EXPECT_LT(changes.max().x(), cloud.right() + 1);
+  watched.picture.choose({2, 2});
+  EXPECT_TRUE(changesOf(before, watched.show(result)).isEmpty());
+}
+
+TEST_F(LivePictureTest, PosesThatAreNotSureAreGrey) {
+  constexpr Colour kUntold = {140, 140, 140};
+  LiveScreenshot screenshot(exampleMap());
+  const auto grey = [&](TrackingState state) {
+    return pixelsOf(screenshot.draw(exampleResult(state)), kUntold);
+  };
+  EXPECT_GT(grey(TrackingState::cannot_tell), grey(TrackingState::tracking) + 100)
+      << "of the depth image both";
+}
+
+TEST_F(LivePictureTest, FitsSmallWindows) {
+  const LiveResult result = exampleResult(TrackingState::tracking);
+  for (const auto& [width, height] : {std::pair(800, 480), {480, 640}, {320, 240}, {90, 60}}) {
+    WatchedPicture watched(width, height, exampleMap());
+    const Raster<std::uint8_t> picture = watched.show(result);
+    EXPECT_EQ(picture.width, width);
+    if (height < 400) continue;
+    const Box cloud = watched.picture.looks().box(LiveLooks::Panel::cloud);
+    EXPECT_GT(cloud.width, 0.4 * width);
+    EXPECT_GT(cloud.height, 0.3 * height);
+    EXPECT_GT(watched.picture.looks().box(LiveLooks::Panel::whole).width, 180);
+  }
+}
+
+TEST(LiveLooks, ZoomKeepsThePlaceUnderTheMouse) {
+  LiveLooks looks;
+  looks.setBoxes({0, 0, 400, 200}, {400, 0, 200, 200}, {});
+  const Eigen::Vector2d at(560, 40), centre(500, 100);
+  looks.drag(at, at, {570, 60}, LiveLooks::Drag::move);
+  // What is shown at a place, in heights of the panel from its centre before anything was done.
+  const auto shownAt = [&](const Eigen::Vector2d& pixel) {
+    const PanelLook& look = looks[LiveLooks::Panel::whole];
+    const Eigen::Vector2d offset = (pixel - centre) / 200;
+    return Eigen::Vector2d((Eigen::Vector2d(offset.x(), -offset.y()) - look.shift) / look.zoom);
+  };
+  EXPECT_NEAR((shownAt({570, 60}) - Eigen::Vector2d(0.3, 0.3)).norm(), 0, 1e-12) << "moved with the mouse";
+  const Eigen::Vector2d before = shownAt(at);
+  for (const double factor : {1.2, 3.0, 0.1, 1e9}) {
+    looks.zoom(at, factor);
+    EXPECT_NEAR((shownAt(at) - before).norm(), 0, 1e-9) << factor;
+  }
+  EXPECT_LE(looks[LiveLooks::Panel::whole].zoom, 100);
+  EXPECT_FALSE(looks.panelAt({700, 50}));
 }
 
 TEST_F(LivePictureTest, WindowTellsWhatItsUserWants) {

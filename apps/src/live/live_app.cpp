@@ -42,8 +42,8 @@ LiveApp::LiveApp()
           "Cuts what a depth camera sees into planar segments; with --map, finds and follows it in a map, "
           "with --build, makes a map while it moves. DEVICE is a camera of OpenNI2 (#1, or a URI) or of "
           "Linux (/dev/video2), - for frames of a program (ROBOT.md), a .scene file, or a recording: .oni, "
-          ".mcap, .db3, .bag, .db, folder or list of images. Keys: " +
-              keysText() + ".") {}
+          ".mcap, .db3, .bag, .db, folder or list of images. The last line of the window lists keys and "
+          "what the mouse does.") {}
 
 void LiveApp::addOptions(CommandLine& line) {
   LiveRunOptions& run = run_;
@@ -90,6 +90,8 @@ void LiveApp::addOptions(CommandLine& line) {
   addLocalizationOptions(line, localization_);
   line.addParams(mapping_, "mapping");
   line.addParams(places_, "map");
+  line.addExample("", "the first camera, in a window");
+  line.addExample("--device office.scene --map office.flmap", "a simulated camera in a map");
 }
 
 void LiveApp::checkOptions() const {

@@ -22,7 +22,7 @@ namespace facetloc {
 namespace {
 
 constexpr Colour kNoSegment = {205, 205, 205};  // points that belong to none
-constexpr Colour kNoMatch = {160, 160, 160};    // segments of the view that the local model does not have
+constexpr Colour kNoMatch = {160, 160, 160};    // mixed into what the local model does not have
 constexpr Colour kModelOnly = {120, 120, 120};  // the other way round
 constexpr std::size_t kMostFrames = 10;         // of segments, the most useful first
 constexpr double kAxis = 0.16;                  // [m]
@@ -32,18 +32,15 @@ constexpr double kTurn = 2 * 3.14159265358979323846;
 }  // namespace
 
 LiveColours::LiveColours(const LiveResult& result, const Map* map) {
-  const auto& segments = result.image.view.segments;
-  const Hypothesis* match = result.match();
-  if (!map || !match) {
-    const Eigen::Vector3d up =
-        upInView(result.image.view, map ? map->camera.mounting : std::optional<CameraMounting>());
-    for (const Segment& segment : segments) of_view.push_back(directionColour(segment.normal(), up));
-    return;
-  }
+  const View& seen = result.image.view;
+  const Hypothesis* match = map ? result.match() : nullptr;
+  const Eigen::Vector3d up = upInView(seen, map ? map->camera.mounting : std::optional<CameraMounting>());
+  for (const Segment& segment : seen.segments)
+    of_view.push_back(mixed(directionColour(segment.normal(), up), kNoMatch, match ? 0.5 : 0));
+  if (!match) return;
   const std::shared_ptr<const View> model = map->view(match->model);
-  of_view.assign(segments.size(), kNoMatch);
   of_model.resize(model->segments.size());
-  for (const SegmentPair& pair : matchedSegments(result.image.view, *model, match->T_m_c.T)) {
+  for (const SegmentPair& pair : matchedSegments(seen, *model, match->T_m_c.T)) {
     const Colour colour = segmentColour(static_cast<std::size_t>(pair.model));
     of_view[pair.scene] = colour;
     of_model[pair.model] = colour;

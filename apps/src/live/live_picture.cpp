@@ -6,16 +6,12 @@
 #include "drawing/page.h"
 #include "drawing/vtk_picture.h"
 #include "live/live_cloud.h"
+#include "live/live_label.h"
 #include "live/live_plan.h"
 #include "live/live_words.h"
 #include "shared/text.h"
 
-#include <vtkActor2D.h>
 #include <vtkCamera.h>
-#include <vtkImageData.h>
-#include <vtkImageMapper.h>
-#include <vtkTextActor.h>
-#include <vtkTextProperty.h>
 
 #include <algorithm>
 #include <cmath>
@@ -28,77 +24,6 @@ constexpr int kWidth = 1280, kHeight = 720;                                    /
 constexpr double kHeader = 78, kMargin = 10, kCaption = 24, kFooterLine = 22;  // heights [px]
 constexpr double kLeftShare = 0.56, kWholeShare = 0.56;  // of the cloud; of the whole map in its column
 constexpr Colour kFrame = {190, 190, 190}, kPale = {95, 95, 95}, kUntold = {140, 140, 140};
-
-/** A text of one line that is set anew for each picture. */
-class Label {
-public:
-  Label(vtkRenderer* renderer, int size, const Colour& colour, bool bold = false)
-      : style_{size, bold, colour} {
-    vtkTextProperty* property = actor_->GetTextProperty();
-    property->SetFontFamilyToArial();
-    property->SetFontSize(size);
-    property->SetBold(bold);
-    setColour(colour);
-    property->SetVerticalJustificationToCentered();
-    renderer->AddActor2D(actor_);
-  }
-
-  /** \param at middle of the left (or right) edge, from the top left corner of a window [px]; what is wider
-   * than the room for it is cut. */
-  void show(const std::string& words, const Eigen::Vector2d& at, double room, double window_height,
-            Across across = Across::left) {
-    actor_->GetTextProperty()->SetJustification(static_cast<int>(across));
-    actor_->SetInput(fitting(words, room).c_str());
-    actor_->SetPosition(std::round(at.x()), std::round(window_height - at.y()));
-    actor_->SetVisibility(!words.empty());
-  }
-  void hide() { actor_->VisibilityOff(); }
-  void setColour(const Colour& colour) {
-    actor_->GetTextProperty()->SetColor(colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0);
-  }
-
-private:
-  std::string fitting(std::string words, double room) const {
-    if (words.empty() || textWidth(words, style_) <= room) return words;
-    while (!words.empty() && textWidth(words + "...", style_) > room) words.pop_back();
-    while (!words.empty() && (words.back() & 0xC0) == 0x80) words.pop_back();  // no half characters
-    return words + "...";
-  }
-
-  TextStyle style_;
-  vtkNew<vtkTextActor> actor_;
-};
-
-/** A picture, pixel by pixel. */
-class Still {
-public:
-  explicit Still(vtkRenderer* renderer) {
-    mapper_->SetColorWindow(255);
-    mapper_->SetColorLevel(127.5);
-    actor_->SetMapper(mapper_);
-    actor_->VisibilityOff();  // there is nothing to see yet
-    renderer->AddActor2D(actor_);
-  }
-  void show(const Raster<std::uint8_t>& rgb, const Box& box, double window_height) {
-    const int width = static_cast<int>(box.width), height = static_cast<int>(box.height);
-    const Raster<std::uint8_t> picture = resized(rgb, width, height);
-    vtkNew<vtkImageData> image;
-    image->SetDimensions(width, height, 1);
-    image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
-    const std::size_t row = 3 * static_cast<std::size_t>(width);
-    for (int v = 0; v < height; ++v)
-      std::copy_n(&picture.data[row * v], row,
-                  static_cast<std::uint8_t*>(image->GetScalarPointer(0, height - 1 - v, 0)));
-    mapper_->SetInputData(image);
-    actor_->SetPosition(std::round(box.left), std::round(window_height - box.bottom()));
-    actor_->VisibilityOn();
-  }
-  void hide() { actor_->VisibilityOff(); }
-
-private:
-  vtkNew<vtkImageMapper> mapper_;
-  vtkNew<vtkActor2D> actor_;
-};
 
 /** The largest box of a picture's shape at the top of another box. */
 Box fitted(const Box& box, const Intrinsics& camera) {
@@ -271,9 +196,10 @@ void LivePicture::Scene::showPlan(const LiveResult& result, const Layout& layout
           layout.whole);
   if (layout.near.width <= 0) return near_caption_.hide();
   addFrame(layout.near);
-  caption(near_caption_,
-          fmt::format("{:.9g} m{}", plan_->nearHeight(), result.pose() ? "; ellipse: 2 std, to scale" : ""),
-          layout.near);
+  caption(
+      near_caption_,
+      fmt::format("{:.9g} m high{}", plan_->nearHeight(), result.pose() ? "; ellipse: 2 std, to scale" : ""),
+      layout.near);
 }
 
 /** A click is where it is: the segment that is there now. */

@@ -42,9 +42,9 @@ Shapes::Points disk(const Eigen::Vector2d& centre, const Eigen::Matrix2d& shape,
   return points;
 }
 
-/** A round height that shows an ellipse of this radius as a fifteenth of the panel or more [m]. */
+/** The least round height of which an ellipse of this radius takes a quarter at most [m]. */
 double nearHeightOf(double radius) {
-  for (const double height : {0.1, 0.2, 0.5, 1.0, 2.0})
+  for (const double height : {0.2, 0.5, 1.0, 2.0})
     if (radius <= height / 8) return height;
   return kNearHeight;
 }
