@@ -18,7 +18,7 @@ if(BUILD_SHARED_LIBS)
   install(FILES ${PROJECT_BINARY_DIR}/facetloc.pc DESTINATION ${pc_dir} COMPONENT dev)
 endif()
 
-# Manual pages say what --help says.
+# Manual pages say what --help says, and which exit codes there are.
 find_program(HELP2MAN_EXECUTABLE help2man)
 if(FACETLOC_BUILD_APPS AND HELP2MAN_EXECUTABLE)
   set(pages "")
@@ -31,8 +31,8 @@ if(FACETLOC_BUILD_APPS AND HELP2MAN_EXECUTABLE)
     set(file ${PROJECT_BINARY_DIR}/man/${page}.1)
     add_custom_command(OUTPUT ${file}
       COMMAND ${CMAKE_COMMAND} -E make_directory ${PROJECT_BINARY_DIR}/man
-      COMMAND ${HELP2MAN_EXECUTABLE} --no-info --version-string ${PROJECT_VERSION} --name ${what} --output ${file} ${call}
-      DEPENDS ${tool} COMMENT "Manual page ${page}(1)" VERBATIM)
+      COMMAND ${HELP2MAN_EXECUTABLE} --no-info --include ${PROJECT_SOURCE_DIR}/cmake/manual.h2m --version-string ${PROJECT_VERSION} --name ${what} --output ${file} ${call}
+      DEPENDS ${tool} ${PROJECT_SOURCE_DIR}/cmake/manual.h2m COMMENT "Manual page ${page}(1)" VERBATIM)
     if(tool IN_LIST FACETLOC_GUI_TOOLS)
       set(pages_gui ${pages_gui} ${file} PARENT_SCOPE)
     else()

@@ -7,12 +7,15 @@
 #include "tools/convert_app.h"
 #include "tools/localize_app.h"
 #include "tools/map_apps.h"
+#include "tools/map_calibrate_app.h"
 #include "tools/map_densify_app.h"
+#include "tools/map_extend_app.h"
 #include "tools/map_model_app.h"
 #include "tools/register_app.h"
 #include "tools/render_app.h"
 #include "tools/segment_app.h"
 #include "tools/simulate_app.h"
+#include "tools/try_app.h"
 
 #include <gmock/gmock.h>
 
@@ -39,15 +42,26 @@ std::map<std::string, std::string> helpOfAll(const std::string& option) {
           {"simulate", runTool<SimulateApp>({option}).out},
           {"map export", runTool<MapExportApp>({option}).out},
           {"check", runTool<CheckApp>({option}).out},
-          {"convert", runTool<ConvertApp>({option}).out},
+          {"map check", runTool<MapCheckApp>({option}).out},
+          {"map import", runTool<MapImportApp>({option}).out},
+          {"map extend", runTool<MapExtendApp>({option}).out},
+          {"map calibrate", runTool<MapCalibrateApp>({option}).out},
           {"map from-model", runTool<MapModelApp>({option}).out},
-          {"map densify", runTool<MapDensifyApp>({option}).out}};
+          {"map densify", runTool<MapDensifyApp>({option}).out},
+          {"try", runTool<TryApp>({option}).out},
+          {"convert", runTool<ConvertApp>({option}).out}};
 }
 
 TEST(Help, FitsOnAScreen) {
   for (const auto& [tool, help] : helpOfAll("--help")) {
     EXPECT_LE(std::count(help.begin(), help.end(), '\n'), 40) << tool;
     EXPECT_THAT(help, testing::HasSubstr("--help-all")) << tool;
+    // It ends with two examples, calls of the tool itself.
+    const std::size_t examples = help.find("\nExamples:\n");
+    ASSERT_NE(examples, std::string::npos) << tool;
+    EXPECT_THAT(help.substr(examples),
+                testing::MatchesRegex("\nExamples:\n(  facetloc[^\n]*  # [^\n]+\n){2}"))
+        << tool;
   }
 }
 

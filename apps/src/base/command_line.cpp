@@ -332,17 +332,32 @@ bool CommandLine::given(const std::string& name) const {
   return option && declared_->values.count(option->name) && !declared_->values[option->name].defaulted();
 }
 
+void CommandLine::printExamples(std::ostream& out) const {
+  if (examples_.empty()) return;
+  std::size_t width = 0;
+  for (const auto& [arguments, what] : examples_) width = std::max(width, arguments.size());
+  out << "\nExamples:\n";
+  for (const auto& [arguments, what] : examples_)
+    out << fmt::format("  {} {:{}}  # {}\n", tool_, arguments, width, what);
+}
+
 void CommandLine::printHelp(std::ostream& out, bool all) const {
   out << "Usage: " << tool_ << " " << synopsis_ << "\n\n" << wrapped(about_) << "\n";
   if (!declared_->common.options().empty()) out << declared_->common << "\n";
   for (const Declared::Group& group : declared_->groups)
     if (group.shown == Shown::in_help) out << *group.options << "\n";
-  out << declared_->general;
+  if (all)
+    out << declared_->general;
+  else
+    out << wrapped("Of all tools: -h, --help; --help-all, with the parameters of the algorithms; --version; "
+                   "--params FILE, a file of options; --threads N, 0 = all cores; -q, --quiet: no progress "
+                   "and no remarks.");
   if (all && !declared_->rare.options().empty()) out << "\n" << declared_->rare;
   for (const bool for_users : {true, false})
     for (const Declared::Group& group : declared_->groups)
       if (all && group.shown == Shown::in_help_all && (group.title == kUsersTitle) == for_users)
         out << "\n" << *group.options;
+  printExamples(out);
 }
 
 }  // namespace facetloc

@@ -33,8 +33,8 @@ public:
  * (`--score.by_overlap`, `--score.by_overlap=0`). The `method` of a group of parameters goes by the name of
  * the group, too (`--split quadtree` is `--split.method quadtree`).
  *
- * --help shows what users need, on 40 lines at most; --help-all every parameter: those for users first, those
- * for experts by group. */
+ * --help shows what users need and two examples, on 40 lines at most; --help-all every parameter: those for
+ * users first, those for experts by group. */
 class CommandLine {
 public:
   /** \param tool its name, as in `facetloc_segment`; \param synopsis what follows the name in the usage line;
@@ -74,6 +74,11 @@ public:
    * left out. */
   void addPresets();
 
+  /** \brief A call that --help shows at its end: the arguments, and what they do. */
+  void addExample(const std::string& arguments, const std::string& what) {
+    examples_.push_back({arguments, what});
+  }
+
   /** \brief Called when the options have their values; throws UsageError if they make no sense. */
   void addCheck(const std::function<void()>& check) { checks_.push_back(check); }
 
@@ -92,6 +97,7 @@ public:
   /** \brief The file of --params; empty = none. */
   const std::string& paramsFile() const { return params_file_; }
   void printHelp(std::ostream& out, bool all) const;
+  void printExamples(std::ostream& out) const;
 
 private:
   using Options = boost::program_options::options_description;
@@ -147,6 +153,7 @@ private:
   std::string about_;
   std::vector<Argument> arguments_;
   std::map<std::string, Option> options_;  // by name with underscores only, and by short name
+  std::vector<std::pair<std::string, std::string>> examples_;  // arguments, what they do
   std::string params_file_;
   std::string preset_;
   bool rare_ = false;

@@ -120,6 +120,8 @@ void CheckApp::addOptions(CommandLine& line) {
   line.addCheck([this] { requireTolerance(pose_tolerance_); });
   addRecordingOptions(line, depth_.recording);
   depth_.addOptions(line);
+  line.addExample("walk", "what walk is, and whether it is read rightly");
+  line.addExample("walk --poses poses.csv", "whether these poses fit its images");
 }
 
 void CheckApp::reportImages(const DepthSequence& sequence, const std::vector<ImageReport>& images,

@@ -50,6 +50,8 @@ void ConvertApp::addOptions(CommandLine& line) {
     if (every_ < 1) throw UsageError("every must be positive");
     if (!(scale_ >= 0 && std::isfinite(scale_))) throw UsageError("scale must not be negative");
   });
+  line.addExample("walk.bag -o walk", "a ROS bag as a folder of PNG images");
+  line.addExample("run.oni -o run", "a recording of OpenNI");
 }
 
 /** Clouds without a camera have the intrinsics that the first of them shows. */

@@ -168,6 +168,8 @@ void LocalizeApp::addOptions(CommandLine& line) {
   addLocalizationOptions(line, localization_);
   line.addParams(localizer_, "localizer");
   line.addParams(odometry_error_, "odometry_error");
+  line.addExample("office.flmap walk -o results", "each image by itself");
+  line.addExample("office.flmap walk -o results --sequence", "as one drive");
 }
 
 /** Of a run of the same images with the same map and parameters, by name. */

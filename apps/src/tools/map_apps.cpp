@@ -152,15 +152,20 @@ void printSummary(std::ostream& out, const Map& map) {
   out << table;
 }
 
-/** Values of several lines, such as parameters, are indented below their key. */
-void printMeta(std::ostream& out, const Map& map) {
+/** Values of several lines, such as parameters, are indented below their key, or only counted. */
+void printMeta(std::ostream& out, const Map& map, bool all) {
   for (const auto& [key, value] : map.meta) {
     if (key == kImagesKey || key == kSureKey || key == kRenderedKey) continue;  // for programs
-    const bool several = value.find('\n') != std::string::npos;
-    out << key << (several ? ":" : ": " + value) << "\n";
-    if (!several) continue;
-    std::istringstream lines(value);
-    for (std::string text; std::getline(lines, text);) out << "  " << text << "\n";
+    const auto lines = static_cast<std::size_t>(std::count(value.begin(), value.end(), '\n'));
+    if (lines == 0) {
+      out << key << ": " << value << "\n";
+    } else if (!all) {
+      out << key << ": " << counted(lines, "line") << " (--all)\n";
+    } else {
+      out << key << ":\n";
+      std::istringstream text(value);
+      for (std::string line; std::getline(text, line);) out << "  " << line << "\n";
+    }
   }
 }
 
@@ -214,15 +219,20 @@ std::vector<ColouredPolygon> polygonsOf(const Map& map, const std::string& path)
 }  // namespace
 
 MapInfoApp::MapInfoApp()
-    : App("facetloc_map info", "MAP.flmap", "Says what is in a map and how it was made.") {}
+    : App("facetloc_map info", "MAP.flmap", "Says what is in a map and how it was made, on one screen.") {}
 
-void MapInfoApp::addOptions(CommandLine& line) { line.addArgument("MAP.flmap", map_); }
+void MapInfoApp::addOptions(CommandLine& line) {
+  line.addArgument("MAP.flmap", map_);
+  line.addSwitch("all", all_, "Print the parameters that it was made with, too.");
+  line.addExample("office.flmap", "on one screen");
+  line.addExample("office.flmap --all", "with its parameters");
+}
 
 int MapInfoApp::execute(const CommandLine&, const Console& console) {
   const Map map = openMap(map_);
   printSummary(console.out, map);
   console.out << "\n";
-  printMeta(console.out, map);
+  printMeta(console.out, map, all_);
   console.out << "\nmap: " << map_ << ", " << fs::file_size(map_) / 1024 << " KiB\n";
   return kOk;
 }
@@ -230,7 +240,11 @@ int MapInfoApp::execute(const CommandLine&, const Console& console) {
 MapCheckApp::MapCheckApp()
     : App("facetloc_map check", "MAP.flmap", "Proves a map sound, or lists every fault and exits with 1.") {}
 
-void MapCheckApp::addOptions(CommandLine& line) { line.addArgument("MAP.flmap", map_); }
+void MapCheckApp::addOptions(CommandLine& line) {
+  line.addArgument("MAP.flmap", map_);
+  line.addExample("office.flmap", "sound, or a list of faults");
+  line.addExample("office.flmap --quiet", "for scripts: the exit code says it");
+}
 
 int MapCheckApp::execute(const CommandLine&, const Console& console) {
   std::vector<std::string> faults = checkMap(map_);
@@ -260,6 +274,8 @@ void MapExportApp::addOptions(CommandLine& line) {
                  "Write a floor plan for a 2-D robot, NAME.yaml and NAME.pgm as ROS's map_server reads them: "
                  "occupied by upright segments, free by the rays of depth pictures.");
   line.addParams(grid_params_, "grid", CommandLine::Shown::in_help);
+  line.addExample("office.flmap -o exported", "clouds of segments and trajectory");
+  line.addExample("office.flmap --g2o office.g2o", "for a pose graph optimizer");
 }
 
 void MapExportApp::writeGrid(const Map& map, const Console& console) const try {
@@ -302,6 +318,8 @@ void MapImportApp::addOptions(CommandLine& line) {
   line.addOption("g2o", graph_, "FILE", "The poses.");
   line.addOption("output,o", output_, "OUT.flmap", "The map to write.");
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
+  line.addExample("office.flmap --g2o office.g2o -o moved.flmap", "poses of another program");
+  line.addExample("office.flmap --g2o office.g2o -o office.flmap --overwrite", "in its place");
 }
 
 int MapImportApp::execute(const CommandLine&, const Console& console) {
@@ -335,6 +353,8 @@ void MapMergeApp::addOptions(CommandLine& line) {
                  "Take the poses as they are: the maps share a world frame, even if no place is in two of "
                  "them.");
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
+  line.addExample("east.flmap west.flmap -o house.flmap", "aligned by what they share");
+  line.addExample("a.flmap b.flmap -o c.flmap --same-coordinates", "of one world");
 }
 
 int MapMergeApp::execute(const CommandLine&, const Console& console) {
@@ -396,7 +416,7 @@ namespace {
 constexpr const char* kMapUsage =
     "Usage: facetloc_map build|from-model|extend|densify|calibrate|info|check|export|import|merge ...
 
-"
+    "
     "  build SEQUENCE -o MAP.flmap   make a map of one run of depth images\n"
     "  from-model MODEL -o MAP.flmap make a map of a scan or mesh of a building\n"
     "  extend MAP.flmap SEQUENCE     bring a map up to date with a later run\n"

@@ -81,6 +81,7 @@ private:
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
   std::string map_;
+  bool all_ = false;
 };
 
 /** \brief facetloc_map check: proves a map sound, or lists its faults. */

@@ -124,6 +124,8 @@ void MapBuildApp::addOptions(CommandLine& line) {
   input_.addOptions(line);
   line.addParams(builder_, "map", CommandLine::Shown::in_help);
   by_images_.addOptions(line);
+  line.addExample("walk -o office.flmap", "poses of the recording, or of its images");
+  line.addExample("walk -o office.flmap --without-poses", "of its images");
 }
 
 MapMaking MapBuildApp::makingOf(const DepthSequence& sequence, const Camera& camera, const Console& console) {

@@ -72,6 +72,8 @@ void MapCalibrateApp::addOptions(CommandLine& line) {
   addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
   addLocalizationOptions(line, localization_);
+  line.addExample("office.flmap walk --alpha 0.01", "at most 1 % of the sure answers wrong");
+  line.addExample("office.flmap --alpha 0.05", "by the images of the map itself");
 }
 
 /** Images of known poses, each of another view, none of them a local model. Throws IoError. */

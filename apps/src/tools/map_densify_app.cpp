@@ -44,6 +44,8 @@ void MapDensifyApp::addOptions(CommandLine& line) {
   line.addSwitch("overwrite", overwrite_, "Replace a NEW.flmap that is there already.");
   line.addParams(params_, "densify", CommandLine::Shown::in_help);
   line.addParams(view_);
+  line.addExample("office.flmap -o dense.flmap", "views where no image was taken");
+  line.addExample("office.flmap --densify.growth 0.5", "fewer of them, in the map itself");
 }
 
 int MapDensifyApp::execute(const CommandLine&, const Console& console) {

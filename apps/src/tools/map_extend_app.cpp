@@ -91,6 +91,8 @@ void MapExtendApp::addOptions(CommandLine& line) {
   line.addParams(builder_, "map");
   line.addParams(session_, "session", CommandLine::Shown::in_help);
   by_images_.addOptions(line);
+  line.addExample("office.flmap later -o newer.flmap", "a new map");
+  line.addExample("office.flmap later --changes what.png", "with a picture of what changed");
 }
 
 /** Throws IoError for poses that cannot be matched with the images. */

@@ -64,6 +64,8 @@ void RegisterApp::addOptions(CommandLine& line) {
   addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
   addLocalizationOptions(line, localization_);
+  line.addExample("a.pcd b.pcd", "the pose of the camera of a in b");
+  line.addExample("a.pcd b.pcd --aligned moved.pcd", "a where b is");
 }
 
 /** The first pose, sure or not, moves it. */

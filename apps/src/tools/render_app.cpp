@@ -174,6 +174,8 @@ void RenderApp::addOptions(CommandLine& line) {
   depth_.addOptions(line);
   line.addParams(evaluation_, "evaluation");
   addLocalizationOptions(line, localization_);
+  line.addExample("office.flmap -o map.html", "a map to turn");
+  line.addExample("results --map office.flmap --sequence walk -o answers.html", "answers to click");
 }
 
 int RenderApp::renderMap(const Console& console) const {

@@ -131,6 +131,8 @@ void SegmentApp::addOptions(CommandLine& line) {
   line.addSwitch("resume", resume_, "Skip images whose results are there already.");
   addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
+  line.addExample("image.png -o found --overlay", "one image and its segments");
+  line.addExample("walk -o found --ply", "meshes of the outlines of all images");
 }
 
 std::vector<SegmentApp::Image> SegmentApp::images(const std::vector<DepthSequence>& sequences) const {

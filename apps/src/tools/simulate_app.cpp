@@ -155,6 +155,8 @@ void SimulateApp::addOptions(CommandLine& line) {
   line.addParams(map_poses_, "map_poses");
   line.addOption("model", model_, "FILE", "Write a mesh (PLY) of all that is the same in both runs.");
   line.addOption("grid", grid_, "NAME", "Write an occupancy grid of the walls: NAME.yaml and NAME.pgm.");
+  line.addExample("room -o room", "a room, in seconds");
+  line.addExample("office -o office --seed 1", "the floor of the demo");
 }
 
 namespace {

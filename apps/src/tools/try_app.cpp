@@ -77,6 +77,8 @@ void TryApp::addOptions(CommandLine& line) {
   line.addOption("poses-are", poses_are_, "WORDS", "Convention of the poses, as facetloc_check names it.");
   line.addSwitch("without-poses", without_poses_, "Build the map from the images alone.");
   line.addSwitch("open", open_, "Open the report in a browser.");
+  line.addExample("walk1 walk2", "a map of walk1, walk2 in it");
+  line.addExample("walk1 -o tried --open", "one recording, and the report in a browser");
 }
 
 std::vector<TryApp::Stage> TryApp::stages(const CommandLine& line, const Console& console) const {
