@@ -114,6 +114,8 @@ void EvaluateApp::addOptions(CommandLine& line) {
                  "Distance between local models by --map-groundtruth [m].");
   line.addOption("model-rotation-deg", builder_.rotation_deg, "DEG",
                  "Rotation between local models by --map-groundtruth [deg].");
+  line.addExample("results walk --map office.flmap", "a report with the map");
+  line.addExample("trajectory.txt walk", "errors of a trajectory");
 }
 
 /** What is judged, and by what. */

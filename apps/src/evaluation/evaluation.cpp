@@ -350,26 +350,6 @@ std::vector<RunResults> readRuns(const std::filesystem::path& folder, const Rema
   return runs;
 }
 
-Evaluation withoutTruth(const std::vector<RunResults>& runs) {
-  Evaluation evaluation;
-  for (const RunResults& run : runs)
-    for (const ResultRow& row : run.rows) {
-      auto& frames = evaluation.frames;
-      if (frames.empty() || frames.back().run != run.name || frames.back().name != row.frame) {
-        frames.emplace_back();
-        frames.back().run = run.name;
-        frames.back().name = row.frame;
-        frames.back().state = row.state;
-        frames.back().reason = row.reason;
-      }
-      frames.back().hypotheses += row.rank > 0;
-      if (row.rank != 1) continue;
-      frames.back().probability = row.probability;
-      if (row.T_w_c) frames.back().T_w_c = *row.T_w_c;
-    }
-  return evaluation;
-}
-
 std::vector<PosePair> sureAnswers(const std::vector<RunResults>& runs, const PlaceTruth& truth,
                                   const std::vector<ModelPose>& models, double tolerance) {
   const WorldPoses world_poses(models, {});

@@ -142,9 +142,6 @@ void moveWorld(const Eigen::Isometry3d& T_new_old, std::vector<RunResults>& runs
 Evaluation evaluate(const std::vector<RunResults>& runs, const PlaceTruth& truth,
                     const std::vector<ModelPose>& models, const EvaluationParams& params,
                     double tolerance = 0.02, const TrueModelPoses& true_models = {});
-/** \brief The frames where nothing is known to be true: what answers say of themselves, at the poses that
- * they have. */
-Evaluation withoutTruth(const std::vector<RunResults>& runs);
 /** \brief The same for a single run of which only the poses are known. */
 Evaluation evaluate(const std::vector<ResultRow>& rows, const Trajectory& truth,
                     const std::vector<ModelPose>& models, const EvaluationParams& params,

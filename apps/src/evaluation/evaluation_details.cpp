@@ -72,6 +72,26 @@ std::vector<FrameEvaluation> framesInQuestion(const Evaluation& evaluation) {
   return frames.empty() ? evaluation.frames : frames;
 }
 
+Evaluation withoutTruth(const std::vector<RunResults>& runs) {
+  Evaluation evaluation;
+  for (const RunResults& run : runs)
+    for (const ResultRow& row : run.rows) {
+      auto& frames = evaluation.frames;
+      if (frames.empty() || frames.back().run != run.name || frames.back().name != row.frame) {
+        frames.emplace_back();
+        frames.back().run = run.name;
+        frames.back().name = row.frame;
+        frames.back().state = row.state;
+        frames.back().reason = row.reason;
+      }
+      frames.back().hypotheses += row.rank > 0;
+      if (row.rank != 1) continue;
+      frames.back().probability = row.probability;
+      if (row.T_w_c) frames.back().T_w_c = *row.T_w_c;
+    }
+  return evaluation;
+}
+
 std::optional<bool> isRight(const FrameEvaluation& frame, bool relative) {
   if (frame.hypotheses == 0) return {};
   if (relative) return frame.local_error ? std::optional<bool>(frame.locally_correct) : std::nullopt;

@@ -12,6 +12,10 @@ namespace facetloc {
  */
 std::vector<FrameEvaluation> framesInQuestion(const Evaluation& evaluation);
 
+/** \brief The frames where nothing is known to be true: what answers say of themselves, at the poses that
+ * they have. */
+Evaluation withoutTruth(const std::vector<RunResults>& runs);
+
 /** \brief Whether the first pose of an answer is right; nothing if there is none, or its error is not known.
  * \param relative by the error relative to its local model, else by the one in the world */
 std::optional<bool> isRight(const FrameEvaluation& frame, bool relative);
