@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <tuple>
+
 namespace facetloc {
 namespace {
 
@@ -81,7 +83,7 @@ TEST(Verdict, AdvisesByTheLargestObstacle) {
   f.reason = "the camera is covered";
   EXPECT_THAT(next(f), HasSubstr("Look at the images that miss"));
   EXPECT_THAT(verdictOf(reportOf({f})).sentences[2],
-              HasSubstr("fit no place (mostly: the camera is covered)"));
+              HasSubstr("fits no place (mostly: the camera is covered)"));
 }
 
 TEST(Verdict, OfExtremesIsSaidPlainly) {
@@ -95,6 +97,34 @@ TEST(Verdict, OfExtremesIsSaidPlainly) {
   add(9999, image(AnswerState::sure, 0.1), nearly);
   add(1, image(AnswerState::sure, 1), nearly);
   EXPECT_THAT(verdictOf(reportOf(nearly)).sentences[1], HasSubstr("(99.9\u00a0%)")) << "100 % means all";
+}
+
+TEST(Verdict, WithoutTruthSaysWhatAnswersSayOfThemselves) {
+  RunResults run;
+  for (const auto& [frame, rank, state] : {std::tuple("1", 1, AnswerState::sure),
+                                           {"1", 2, AnswerState::sure},
+                                           {"2", 1, AnswerState::doubtful},
+                                           {"3", 0, AnswerState::unknown}}) {
+    ResultRow row;
+    row.frame = frame;
+    row.rank = rank;
+    row.state = state;
+    row.probability = rank == 1 ? 0.8 : 0.1;
+    if (rank == 0) row.reason = "the view shows no planar segment";
+    run.rows.push_back(row);
+  }
+  EvaluationReport report{"results", "", {}, withoutTruth({run}), {}, {}};
+  ASSERT_EQ(report.evaluation.frames.size(), 3u);
+  EXPECT_EQ(report.evaluation.frames[0].hypotheses, 2);
+  EXPECT_DOUBLE_EQ(report.evaluation.frames[0].probability, 0.8);
+  EXPECT_FALSE(report.isJudged());
+  const Verdict verdict = verdictOf(report);
+  EXPECT_EQ(verdict.sentences[0], "Of 3 images, 1 has a sure answer (33\u00a0%).");
+  EXPECT_THAT(verdict.sentences[1], HasSubstr("not known"));
+  EXPECT_EQ(verdict.sentences[2], "Of the other 2, 1 fits no place (mostly: the view shows no planar "
+                                  "segment), and 1 fits several places, or one that "
+                                  "is not probable enough.");
+  EXPECT_EQ(verdict.figures[2].words, "of the images have a place in the map");
 }
 
 TEST(Verdict, IsRelativeToLocalModelsInAMapOfItsOwn) {

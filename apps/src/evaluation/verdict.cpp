@@ -85,33 +85,38 @@ std::string rightSentence(const Counts& c, const EvaluationParams& p) {
       c.relative ? " of the truth in their local models, since the map lies in a frame of its own" : "");
   const std::size_t wrong = c.judged - c.right;
   if (wrong == 0) return fmt::format("All of these are right, {}.", limits);
-  return fmt::format("{} of these are right ({}), {}; the other {} {} off by {} and {:.1f}° (median).",
-                     c.right, percent(c.right, c.judged), limits, wrong, wrong == 1 ? "is" : "are",
-                     lengthText(median(c.wrong_metres)), median(c.wrong_degrees));
+  const std::string others = wrong == 1 ? "the other one is off" : fmt::format("the other {} are off", wrong);
+  return fmt::format("{} of these {} right ({}), {}; {} by {} and {:.1f}°{}.", c.right,
+                     c.right == 1 ? "is" : "are", percent(c.right, c.judged), limits, others,
+                     lengthText(median(c.wrong_metres)), median(c.wrong_degrees),
+                     wrong == 1 ? "" : " (median)");
 }
 
-std::string obstacleText(Obstacle obstacle, const Counts& c, const EvaluationParams& p) {
+/** What that many images do, from the verb on. */
+std::string obstacleText(Obstacle obstacle, std::size_t n, const Counts& c, const EvaluationParams& p) {
+  const auto verb = [n](const char* one, const char* many) { return std::string(n == 1 ? one : many); };
   switch (obstacle) {
   case Obstacle::not_mapped:
-    return "show places that the map lacks";
+    return verb("shows a place", "show places") + " that the map lacks";
   case Obstacle::not_covered:
-    return fmt::format("were taken more than {:.9g} m or {:.9g}° from every local model", p.covered_distance,
-                       p.covered_rotation_deg);
+    return fmt::format("{} taken more than {:.9g} m or {:.9g}° from every local model", verb("was", "were"),
+                       p.covered_distance, p.covered_rotation_deg);
   case Obstacle::few_planes:
-    return "share too few planes with the map to fix a pose";
+    return verb("shares", "share") + " too few planes with the map to fix a pose";
   case Obstacle::no_place: {
     const auto most = std::max_element(c.reasons.begin(), c.reasons.end(),
                                        [](const auto& a, const auto& b) { return a.second < b.second; });
-    return "fit no place" + (most->first.empty() ? "" : fmt::format(" (mostly: {})", most->first));
+    return verb("fits", "fit") + " no place" +
+           (most->first.empty() ? "" : fmt::format(" (mostly: {})", most->first));
   }
   case Obstacle::undecided:
-    return "fit several places, or one that is not probable enough";
+    return verb("fits", "fit") + " several places, or one that is not probable enough";
   case Obstacle::aliased:
-    return "have the right pose first, but not probable enough: other places look alike";
+    return verb("has", "have") + " the right pose first, but not probable enough: other places look alike";
   case Obstacle::misplaced:
     break;
   }
-  return "fit another place better than the right one";
+  return verb("fits", "fit") + " another place better than the right one";
 }
 
 std::vector<std::pair<Obstacle, std::size_t>> byNumber(const std::map<Obstacle, std::size_t>& obstacles) {
@@ -127,14 +132,14 @@ std::string obstacleSentence(const Counts& c, const EvaluationParams& p) {
   const auto sorted = byNumber(c.obstacles);
   if (sorted.size() == 1)
     return fmt::format("The other {} {}.", others == 1 ? "one" : std::to_string(others),
-                       obstacleText(sorted[0].first, c, p));
+                       obstacleText(sorted[0].first, others, c, p));
   std::string list;
   for (std::size_t i = 0; i < sorted.size(); ++i)
     list += fmt::format("{}{} {}",
                         i == 0                   ? ""
                         : i + 1 == sorted.size() ? ", and "
                                                  : ", ",
-                        sorted[i].second, obstacleText(sorted[i].first, c, p));
+                        sorted[i].second, obstacleText(sorted[i].first, sorted[i].second, c, p));
   return fmt::format("Of the other {}, {}.", others, list);
 }
 
