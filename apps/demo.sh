@@ -31,6 +31,7 @@ cat <<TEXT
 
 Where things are:
   report with all pictures  ${out}/evaluation/report.html
+  map to turn, with answers ${out}/evaluation/map.html
   tables, charts, failures  ${out}/evaluation
   one image, the floor map  ${out}/fig1.png ${out}/map.png
   images of both drives     ${out}/office/{map,query}/depth
