@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/offscreen_display.h"
+#include "drawing/page_files.h"
 #include "example_room.h"
 #include "tools/localize_app.h"
 #include "tools/render_app.h"
@@ -77,6 +78,34 @@ TEST_F(Tools, RenderDrawsABeliefAsItNarrows) {
   EXPECT_THAT(run.out, HasSubstr("of " + std::to_string(kFrames) + " images"));
   EXPECT_TRUE(fs::exists(picture));
   EXPECT_EQ(runTool<RenderApp>({results, "-o", picture}).code, kUsage);
+}
+
+TEST_F(Tools, RenderWritesPagesForBrowsers) {
+  const std::string results = folder_ / "results", page = folder_ / "page.html";
+  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results, "--sequence"}).code, kOk);
+  const auto written = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"-o", page});
+    const ToolRun run = runTool<RenderApp>(arguments);
+    EXPECT_EQ(run.code, kOk) << run.err;
+    return contentOf(page);
+  };
+  try {
+    pageFile("three.js");
+  } catch (const std::runtime_error& e) {
+    EXPECT_THAT(runTool<RenderApp>({map(), "-o", page}).err, HasSubstr("libjs-three"));
+    GTEST_SKIP() << e.what();
+  }
+  EXPECT_THAT(written({map(), "--trajectory", query()}), HasSubstr("\"name\":\"trajectory\""));
+  const std::string alone = written({results, "--map", map()});
+  EXPECT_THAT(alone, HasSubstr("\"state\":\"sure\""));
+  EXPECT_THAT(alone, testing::Not(HasSubstr("\"truth\":")));
+  const std::string whole = written({results, "--map", map(), "--sequence", query()});
+  EXPECT_THAT(whole, HasSubstr("\"truth\":"));
+  EXPECT_THAT(whole, HasSubstr("\"matches\":"));
+  EXPECT_LT(whole.size(), std::size_t{3} << 20);
+  EXPECT_EQ(whole, written({results, "--map", map(), "--sequence", query()})) << "the same bytes";
+  EXPECT_EQ(runTool<RenderApp>({results, "-o", page}).code, kUsage);
+  EXPECT_EQ(runTool<RenderApp>({firstImage(), "-o", page}).code, kUsage);
 }
 
 TEST_F(Tools, RenderSaysWhatIsMissing) {
