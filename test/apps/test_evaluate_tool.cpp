@@ -38,8 +38,8 @@ TEST_F(Tools, EvaluateTellsThePlacesOfBothRuns) {
               AllOf(HasSubstr("all images"), HasSubstr("new"), HasSubstr("covered"), HasSubstr("Solvable:"),
                     HasSubstr("ERRORS BY THE NUMBER OF VISIBLE PLANES"), HasSubstr("TIME PER IMAGE")));
   EXPECT_THAT(contentOf(folder_ / "results/evaluation/report.html"),
-              AllOf(HasSubstr("<title>Localization of results</title>"), HasSubstr("TABLE II."),
-                    HasSubstr("class=\"plan\"")));
+              AllOf(HasSubstr("<title>Localization of " + fs::path(place).filename().string() + "</title>"),
+                    HasSubstr("TABLE II."), HasSubstr("class=\"plan\"")));
   auto again = arguments;
   again.insert(again.end(), {"-o", folder_ / "again"});
   ASSERT_EQ(runTool<EvaluateApp>(again).code, kOk);

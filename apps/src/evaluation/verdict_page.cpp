@@ -92,7 +92,9 @@ void addUnsure(const EvaluationReport& report, HtmlPage& page) {
 
 void writeHtmlReport(const std::filesystem::path& folder, const EvaluationReport& report,
                      const ReportFigures& figures) {
-  HtmlPage page("Localization of " + titleOf(report.results));
+  // A recording says more than a folder that may be called results.
+  const bool of_recording = std::filesystem::is_directory(report.truth);
+  HtmlPage page("Localization of " + titleOf(of_recording ? report.truth : report.results));
   addVerdict(verdictOf(report), figures, page);
   if (report.isJudged()) {
     addCharts(report, figures, page);
