@@ -126,7 +126,7 @@ void MapModelApp::addOptions(CommandLine& line) {
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
   line.addParams(params_, "", CommandLine::Shown::in_help);
   line.addParams(view_);
-  line.addExample("scan.ply -o house.flmap --camera kinect_v1", "a scan, in metres, z up");
+  line.addExample("scan.ply -o house.flmap --camera kinect", "a scan, in metres, z up");
   line.addExample("map.yaml -o plan.flmap --wall-height 2.5", "an occupancy grid");
 }
 
