@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 namespace facetloc::internal {
 namespace {
@@ -112,48 +113,76 @@ std::vector<PlaceGrid::Cell> PlaceGrid::freeCells(const ForEach& forEach) const 
   return cells;
 }
 
-Areas::Areas(const PlaceGrid& grid, const std::vector<PlaceGrid::Cell>& cells, const SpaceProbe& probe)
-    : root_(cells.size()) {
-  std::map<PlaceGrid::Cell, std::size_t> index;
-  for (std::size_t i = 0; i < cells.size(); ++i) index[cells[i]] = i;
-  std::iota(root_.begin(), root_.end(), std::size_t{0});
-  const auto rootOf = [this](std::size_t i) {
-    while (root_[i] != i) i = root_[i] = root_[root_[i]];
+Areas::Parts Areas::partsOf(const PlaceGrid& grid, const std::vector<PlaceGrid::Cell>& cells,
+                            const Edges& edges) {
+  Parts found;
+  found.root.resize(cells.size());
+  std::iota(found.root.begin(), found.root.end(), std::size_t{0});
+  const auto rootOf = [&root = found.root](std::size_t i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
     return i;
   };
-  for (const auto& [cell, i] : index)
-    for (const std::size_t axis : {0u, 1u}) {
-      PlaceGrid::Cell beside = cell;
-      ++beside[axis];
-      const auto found = index.find(beside);
-      if (found == index.end()) continue;
-      if (isOpen(probe, grid.position(cell), grid.position(beside))) root_[rootOf(found->second)] = rootOf(i);
-    }
+  for (const auto& [i, j] : edges) found.root[rootOf(j)] = rootOf(i);
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    root_[i] = rootOf(i);
-    Area& area = areas_[root_[i]];
+    found.root[i] = rootOf(i);
+    Part& part = found.parts[found.root[i]];
     const Eigen::Vector2d p = grid.position(cells[i]).head<2>();
-    ++area.cells;
-    area.layer = cells[i][2];
-    area.extent.extend(p);
-    area.places.push_back(p);
+    ++part.cells;
+    part.layer = cells[i][2];
+    part.extent.extend(p);
+    part.places.push_back(p);
   }
+  return found;
+}
+
+Areas::Areas(const PlaceGrid& grid, const std::vector<PlaceGrid::Cell>& cells, const SpaceProbe& probe) {
+  std::map<PlaceGrid::Cell, std::size_t> index;
+  for (std::size_t i = 0; i < cells.size(); ++i) index[cells[i]] = i;
+  const auto beside = [&](std::size_t i, std::size_t axis, int by) -> std::optional<std::size_t> {
+    PlaceGrid::Cell cell = cells[i];
+    cell[axis] += by;
+    const auto found = index.find(cell);
+    return found == index.end() ? std::nullopt : std::optional(found->second);
+  };
+  std::vector<std::array<bool, 2>> open(cells.size());  // to the next cell along x and y
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    for (const std::size_t axis : {0u, 1u})
+      if (const auto next = beside(i, axis, 1))
+        open[i][axis] = isOpen(probe, grid.position(cells[i]), grid.position(cells[*next]));
+  const auto isWide = [&](std::size_t i, std::size_t axis) {  // a cell more to the left or to the right
+    const std::size_t across = 1 - axis;
+    const auto left = beside(i, across, 1), right = beside(i, across, -1);
+    return (left && open[i][across] && open[*left][axis]) ||
+           (right && open[*right][across] && open[*right][axis]);
+  };
+  Edges all, wide;
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    for (const std::size_t axis : {0u, 1u}) {
+      if (!open[i][axis]) continue;
+      all.push_back({i, *beside(i, axis, 1)});
+      if (isWide(i, axis)) wide.push_back(all.back());
+    }
+  areas_ = partsOf(grid, cells, all);
+  rooms_ = partsOf(grid, cells, wide);
 }
 
 bool Areas::isOutdoors(std::size_t cell, double least_cells) const {
+  const Part& own = rooms_.of(cell);
   bool surrounds = false;
-  for (const auto& [root, other] : areas_) {
-    if (root == root_[cell] || other.layer != area(cell).layer ||
+  for (const auto& [root, other] : rooms_.parts) {
+    if (root == rooms_.root[cell] || other.layer != own.layer ||
         static_cast<double>(other.cells) < least_cells)
       continue;
-    if (!area(cell).extent.contains(other.extent)) return false;
+    const bool within = (other.extent.min().array() > own.extent.min().array()).all() &&
+                        (other.extent.max().array() < own.extent.max().array()).all();
+    if (!within) return false;
     surrounds = true;
   }
   return surrounds;
 }
 
 bool Areas::holdsAny(std::size_t cell, const std::vector<Eigen::Vector3d>& places) const {
-  const std::vector<Eigen::Vector2d>& own = area(cell).places;
+  const std::vector<Eigen::Vector2d>& own = areas_.of(cell).places;
   return std::any_of(places.begin(), places.end(), [&](const Eigen::Vector3d& place) {
     return std::any_of(own.begin(), own.end(),
                        [&](const Eigen::Vector2d& p) { return (p - place.head<2>()).norm() <= kBeside; });

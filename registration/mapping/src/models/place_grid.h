@@ -37,31 +37,39 @@ private:
   std::vector<double> floors_;
 };
 
-/** \brief Cells next to each other that see each other are one area. */
+/** \brief Cells that somebody can go between are one area; without ways as narrow as a door, it falls into
+ * rooms.
+ */
 class Areas {
 public:
   /** \brief \param cells are borrowed */
   Areas(const PlaceGrid& grid, const std::vector<PlaceGrid::Cell>& cells, const SpaceProbe& probe);
 
   bool isLarge(std::size_t cell, double least_cells) const {
-    return static_cast<double>(area(cell).cells) >= least_cells;
+    return static_cast<double>(areas_.of(cell).cells) >= least_cells;
   }
-  /** \brief Does its area surround all large ones of its layer, of which there is another? */
+  /** \brief Does its room surround all large ones of its layer, of which there is another? */
   bool isOutdoors(std::size_t cell, double least_cells) const;
   /** \brief Is one of these places in its area, or less than 1 m beside it? */
   bool holdsAny(std::size_t cell, const std::vector<Eigen::Vector3d>& places) const;
 
 private:
-  struct Area {
+  struct Part {
     std::size_t cells = 0;
     int layer = 0;
     Eigen::AlignedBox2d extent;
     std::vector<Eigen::Vector2d> places;
   };
-  const Area& area(std::size_t cell) const { return areas_.at(root_[cell]); }
+  /** Connected cells. */
+  struct Parts {
+    std::vector<std::size_t> root;  // of each cell, the cell that stands for its part
+    std::map<std::size_t, Part> parts;
+    const Part& of(std::size_t cell) const { return parts.at(root[cell]); }
+  };
+  using Edges = std::vector<std::array<std::size_t, 2>>;
+  static Parts partsOf(const PlaceGrid& grid, const std::vector<PlaceGrid::Cell>& cells, const Edges& edges);
 
-  std::vector<std::size_t> root_;  // of each cell, the cell that stands for its area
-  std::map<std::size_t, Area> areas_;
+  Parts areas_, rooms_;
 };
 
 }  // namespace facetloc::internal
