@@ -28,9 +28,9 @@ void writeRoom(const fs::path& path, double per_metre) {
 }
 
 TEST_F(Tools, ModelBecomesAMap) {
-  const fs::path model = fs::path(folder_) / "room.obj";
+  const fs::path model(folder_ / "room.obj");
   writeRoom(model, 1000);
-  const std::string map = (fs::path(folder_) / "room.flmap").string();
+  const std::string map = folder_ / "room.flmap";
   const auto made = runMap({"from-model", model.string(), "-o", map, "--units", "mm", "--up", "y", "--height",
                             "1", "--spacing", "2"});
   ASSERT_EQ(made.code, kOk) << made.err;
@@ -48,8 +48,8 @@ TEST_F(Tools, ModelBecomesAMap) {
 }
 
 TEST_F(Tools, ModelThatIsNoneLeavesNoMap) {
-  const std::string map = (fs::path(folder_) / "none.flmap").string();
-  const fs::path model = fs::path(folder_) / "sheet.obj";
+  const std::string map = folder_ / "none.flmap";
+  const fs::path model(folder_ / "sheet.obj");
   std::ofstream(model) << "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n";
   EXPECT_THAT(runMap({"from-model", model.string(), "-o", map}).err, HasSubstr("no triangle with an area"));
   writeRoom(model, 1000);

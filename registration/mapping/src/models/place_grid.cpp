@@ -57,7 +57,7 @@ constexpr double kBeside = 1;  // from an area to a place of it [m]
 bool isOpen(const SpaceProbe& probe, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   const Eigen::Vector3d step = to - from, down = -Eigen::Vector3d::UnitZ();
   const double below = std::min(probe.along(from, down), probe.along(to, down));
-  const Eigen::Vector3d low = from + std::max(0.0, below - kStep) * down;
+  const Eigen::Vector3d low = from + (below < kNothing ? std::max(0.0, below - kStep) : 0.0) * down;
   return probe.along(from, step.normalized()) > step.norm() &&
          probe.along(low, step.normalized()) > step.norm();
 }
