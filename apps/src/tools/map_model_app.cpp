@@ -244,15 +244,7 @@ Map MapModelApp::make(const Console& console) const {
   return map;
 }
 
-/** Of a floor plan, unless they are given. */
-void MapModelApp::chooseViews(const CommandLine& line) {
-  const ModelMapParams of_plan = floorPlanViews();
-  if (!line.given("spacing")) params_.spacing = of_plan.spacing;
-  if (!line.given("overlap")) params_.overlap = of_plan.overlap;
-}
-
-int MapModelApp::execute(const CommandLine& line, const Console& console) {
-  if (isFloorPlan()) chooseViews(line);
+int MapModelApp::execute(const CommandLine&, const Console& console) {
   std::optional<OffscreenDisplay> display;
   if (!plan_.empty()) {
     requireNoneButPicture(plan_);

@@ -21,7 +21,6 @@ private:
   int execute(const CommandLine& line, const Console& console) override;
   std::shared_ptr<const Surface> surface(const Console& console) const;
   bool isFloorPlan() const;
-  void chooseViews(const CommandLine& line);
   void checkFloorPlan(const CommandLine& line) const;
   std::shared_ptr<const FloorPlanSurface> floorPlan(const Console& console) const;
   ModelMap making(const Console& console) const;

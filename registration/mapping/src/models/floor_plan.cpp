@@ -117,13 +117,6 @@ pcl::PolygonMesh extrude(const OccupancyGrid& plan, const FloorPlanParams& param
   return mesh.finish();
 }
 
-ModelMapParams floorPlanViews() {
-  ModelMapParams params;
-  params.spacing = 0.7;
-  params.overlap = 0.8;
-  return params;
-}
-
 FloorPlanSurface::FloorPlanSurface(const OccupancyGrid& plan, const FloorPlanParams& params)
     : MeshSurface(extrude(plan, params)), wall_std_(plan.resolution / std::sqrt(12)) {}
 

@@ -4,7 +4,6 @@
 #include <facetloc/features/occupancy_grid.h>
 #include <facetloc/features/params.h>
 #include <facetloc/mapping/mesh_surface.h>
-#include <facetloc/mapping/model_map.h>
 
 #include <pcl/PolygonMesh.h>
 
@@ -37,10 +36,6 @@ struct FloorPlanParams {
  * direction and no staircase of cells. Floor and ceiling cover the cells that are known. Empty for a plan
  * without walls. Throws std::invalid_argument for a parameter out of its range. */
 pcl::PolygonMesh extrude(const OccupancyGrid& plan, const FloorPlanParams& params = {});
-
-/** \brief Parameters of ModelMap for a floor plan: its views show little, so that more of them are needed
- * than of a scan. */
-ModelMapParams floorPlanViews();
 
 /** \brief The extruded floor plan as a surface that cameras see, before which furniture may stand. Throws
  * std::invalid_argument for a plan without walls and for a parameter out of its range. */
