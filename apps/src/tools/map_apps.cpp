@@ -414,9 +414,7 @@ Map MapMergeApp::merge(const Console& console) const {
 namespace {
 
 constexpr const char* kMapUsage =
-    "Usage: facetloc_map build|from-model|extend|densify|calibrate|info|check|export|import|merge ...
-
-    "
+    "Usage: facetloc_map build|from-model|extend|densify|calibrate|info|check|export|import|merge ...\n\n"
     "  build SEQUENCE -o MAP.flmap   make a map of one run of depth images\n"
     "  from-model MODEL -o MAP.flmap make a map of a scan or mesh of a building\n"
     "  extend MAP.flmap SEQUENCE     bring a map up to date with a later run\n"

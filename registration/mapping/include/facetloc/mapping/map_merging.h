@@ -32,8 +32,8 @@ std::vector<MapAlignment> alignMaps(std::vector<Map>& maps, int threads = 1,
 
 /** \brief One map of several that share a world: models in the order of the maps, links kept, and placed by
  * their links, too. Names that occur more than once, and all keys of meta data, get the name of their map in
- * front; if one lacks surfaces, the merged one does. The camera is the first map's, with the first distortion that any map has, and a mounting if all
- * agree on it.
+ * front; if one lacks surfaces, the merged one does. The camera is the first map's, with the first distortion
+ * that any map has, and a mounting if all agree on it.
  * \param names one per map. Throws std::invalid_argument if names of local models still collide. */
 Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& names);
 
