@@ -72,7 +72,8 @@ if(FACETLOC_BUILD_APPS AND BASH_EXECUTABLE)
   set(completions ${PROJECT_BINARY_DIR}/completions)
   set(tools facetloc_check facetloc_convert facetloc_segment facetloc_register facetloc_map facetloc_localize facetloc_simulate)
   list(TRANSFORM tools PREPEND ${completions}/bash/ OUTPUT_VARIABLE of_tools)
-  list(TRANSFORM FACETLOC_GUI_TOOLS PREPEND ${completions}/bash/ OUTPUT_VARIABLE of_gui_tools)
+  list(TRANSFORM FACETLOC_GUI_TOOLS REPLACE facetloc_front facetloc OUTPUT_VARIABLE gui_names)
+  list(TRANSFORM gui_names PREPEND ${completions}/bash/ OUTPUT_VARIABLE of_gui_tools)
   add_custom_command(OUTPUT ${of_tools} ${of_gui_tools} ${completions}/zsh/_facetloc
     COMMAND ${BASH_EXECUTABLE} ${PROJECT_SOURCE_DIR}/cmake/completions.sh $<TARGET_FILE_DIR:facetloc_map> ${completions}
     DEPENDS ${tools} ${FACETLOC_GUI_TOOLS} ${PROJECT_SOURCE_DIR}/cmake/completions.sh

@@ -45,6 +45,17 @@ for tool in $names; do
     echo "complete -o filenames -F _$tool $tool"
   } >"$out/bash/$tool"
 done
+{
+  echo "# Completion of facetloc for bash."
+  echo "_facetloc() {"
+  echo "  if [ \"\$COMP_CWORD\" -eq 1 ]; then"
+  echo "    COMPREPLY=(\$(compgen -W \"$("$tools/facetloc" --help | sed -nE '/^Commands:/,/^$/s/^  ([a-z]+) .*/\1/p' | tr '\n' ' ')--help --version\" -- \"\${COMP_WORDS[1]}\"))"
+  echo '  else'
+  echo '    COMPREPLY=($(compgen -f -- "${COMP_WORDS[COMP_CWORD]}"))'
+  echo '  fi'
+  echo '}'
+  echo "complete -o filenames -F _facetloc facetloc"
+} >"$out/bash/facetloc"
 cat >>"$zsh" <<'END'
 local tool=${words[1]:t}
 if (( CURRENT == 2 )) && [[ -n ${commands[$tool]} ]]; then
