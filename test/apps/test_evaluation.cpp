@@ -423,7 +423,8 @@ TEST(EvaluateApp, PrintsAndWritesTheTables) {
   EXPECT_THAT(test::contentOf(folder / "results/evaluation/fig6.csv"),
               HasSubstr("set,share,translation_mm,orientation_deg,index\nall,0.333333333,10,"));
   EXPECT_EQ(test::runTool<EvaluateApp>({folder / "nowhere", folder / "truth.txt"}).code, kFailed);
-  EXPECT_EQ(test::runTool<EvaluateApp>({folder / "results"}).code, kUsage);
+  EXPECT_EQ(test::runTool<EvaluateApp>({}).code, kUsage);
+  EXPECT_EQ(test::runTool<EvaluateApp>({folder / "results"}).code, kOk) << "without truth";
 }
 
 TEST(EvaluateApp, MapPosesFollowThePapersRule) {

@@ -42,8 +42,8 @@ LiveApp::LiveApp()
           "Cuts what a depth camera sees into planar segments; with --map, finds and follows it in a map, "
           "with --build, makes a map while it moves. DEVICE is a camera of OpenNI2 (#1, or a URI) or of "
           "Linux (/dev/video2), - for frames of a program (ROBOT.md), a .scene file, or a recording: .oni, "
-          ".mcap, .db3, .bag, .db, folder or list of images. The last line of the window lists keys and "
-          "what the mouse does.") {}
+          ".mcap, .db3, .bag, .db, folder or list of images. Keys and mouse: " +
+              keysText() + ".") {}
 
 void LiveApp::addOptions(CommandLine& line) {
   LiveRunOptions& run = run_;
