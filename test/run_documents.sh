@@ -11,15 +11,15 @@ cd "$work"
 facetloc_simulate room -o room --seed 1 --width 320 --frames 60 --quiet >/dev/null
 facetloc_map build room/map -o room.flmap --quiet >/dev/null
 
-# The files that the commands of a document take for granted, in a folder of their own.
+# The files that the commands of a document take for granted, in a folder of their own. README makes its own.
 prepare() {
   mkdir "$1" && cd "$1"
   ln -s "$root/apps" apps
+  [ "$2" = README.md ] && return 0
   ln -s ../room/map walk1
   ln -s ../room/query walk2
   ln -s ../room/query walk
   grep -h '^    {"T_w_b"' "$root/apps/ROBOT.md" > odometry.jsonl
-  [ "$2" = README.md ] && return 0  # it makes its own
   ln -s ../room office1
   ln -s ../room/query drive
   for map in office1 office east west; do cp ../room.flmap $map.flmap; done
@@ -33,7 +33,9 @@ for document in README.md apps/RECORDINGS.md apps/ROBOT.md apps/README.md; do
   while IFS= read -r line; do
     command=$(sed -E 's/^    //; s/  +#.*$//' <<<"$line")
     case $command in
-      *facetloc_live*--device*) command=${command/run.oni/walk1} ;;
+      *facetloc_live*--device*)
+        command=${command/run.oni/walk1}
+        [[ $command == *--headless* ]] || command=${command/facetloc_live/facetloc_live --headless} ;;
       *"facetloc_simulate office"*)
         folder=$(sed -E 's/.* -o ([^ ]*).*/\1/' <<<"$command")
         rm -rf "$folder" results  # the link above, and what commands before have left

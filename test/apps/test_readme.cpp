@@ -102,13 +102,14 @@ class Readme : public Tools {
 protected:
   /** \param change of the images' camera */
   void expectSameAsTheTool(const std::function<void(Camera&)>& change) {
-    fs::copy(map(), folder_ / "office.flmap");
-    fs::copy(query(), folder_ / "walk", fs::copy_options::recursive);
-    CameraFile file = readCameraFile(folder_ / "walk/camera.ini");
+    fs::copy(map(), folder_ / "walk.flmap");
+    fs::create_directory(folder_ / "walk");
+    fs::copy(query(), folder_ / "walk/query", fs::copy_options::recursive);
+    CameraFile file = readCameraFile(folder_ / "walk/query/camera.ini");
     change(file.camera);
-    writeCameraFile(folder_ / "walk/camera.ini", file);
+    writeCameraFile(folder_ / "walk/query/camera.ini", file);
     const ToolRun run =
-        runTool<LocalizeApp>({folder_ / "office.flmap", folder_ / "walk", "-o", folder_ / "results"});
+        runTool<LocalizeApp>({folder_ / "walk.flmap", folder_ / "walk/query", "-o", folder_ / "results"});
     ASSERT_EQ(run.code, kOk) << run.err;
     const std::string by_example = printedIn(folder_ / ".", exampleOfReadme),
                       by_tool = printed(readHypotheses(folder_ / "results"));
@@ -128,7 +129,7 @@ TEST_F(Readme, TheLibraryAnswersAsTheToolForANoisierCamera) {
 }
 
 TEST_F(Readme, ACloudIsFoundInAMap) {
-  fs::copy(map(), folder_ / "office.flmap");
+  fs::copy(map(), folder_ / "walk.flmap");
   const DepthSequence walk = DepthSequence::open(query());
   int sure = 0;
   for (std::size_t i = 0; i < walk.frames().size(); ++i) {

@@ -201,8 +201,8 @@ def test_others_run_while_it_computes(room):
 def test_readme(room, tmp_path, monkeypatch, capsys):
     text = (EXAMPLES / "../../README.md").read_text(encoding="utf-8")
     code = text.split("```python\n")[1].split("```")[0]
-    (tmp_path / "walk").symlink_to(room / "query")
-    (tmp_path / "office.flmap").symlink_to(room / "room.flmap")
+    (tmp_path / "walk").symlink_to(room)
+    (tmp_path / "walk.flmap").symlink_to(room / "room.flmap")
     monkeypatch.chdir(tmp_path)
     exec(compile(code, "README.md", "exec"), {})  # pylint: disable=exec-used
     assert capsys.readouterr().out.strip()
