@@ -1,12 +1,17 @@
 # What is installed beside libraries, headers and tools: documents, manual pages, a pkg-config file; and the Debian packages
 # (cpack --config CPackConfig.cmake), one for each component: library, dev, tools, tools-gui, python.
-install(FILES README.md CHANGELOG.md LICENSE apps/RECORDINGS.md apps/ROBOT.md apps/stream.schema.json apps/odometry.schema.json
-              apps/pose.schema.json apps/frame.schema.json features/SENSORS.md
-        DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT dev)
-foreach(module features segmentation registration registration/localization registration/mapping)
-  install(FILES ${module}/METHOD.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/${module} COMPONENT dev)
+
+# Documents are installed as they lie here, so that the links between them work: DOCDIR/README.md, DOCDIR/apps/ROBOT.md, ...
+file(GLOB_RECURSE documents RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
+     ${PROJECT_SOURCE_DIR}/features/*.md ${PROJECT_SOURCE_DIR}/segmentation/*.md ${PROJECT_SOURCE_DIR}/registration/*.md
+     ${PROJECT_SOURCE_DIR}/io/*.md ${PROJECT_SOURCE_DIR}/apps/*.md ${PROJECT_SOURCE_DIR}/apps/*.schema.json
+     ${PROJECT_SOURCE_DIR}/apps/pictures/*.png ${PROJECT_SOURCE_DIR}/test/*.md)
+list(FILTER documents EXCLUDE REGEX "^apps/examples/")
+foreach(document README.md CHANGELOG.md CONTRIBUTING.md LICENSE Dockerfile apps/presets/paper.ini test/benchmark/large_maps.csv ${documents})
+  get_filename_component(folder ${document} DIRECTORY)
+  install(FILES ${PROJECT_SOURCE_DIR}/${document} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder} COMPONENT dev)
 endforeach()
-install(DIRECTORY apps/examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT dev USE_SOURCE_PERMISSIONS)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/apps/examples DESTINATION ${CMAKE_INSTALL_DOCDIR}/apps COMPONENT dev USE_SOURCE_PERMISSIONS)
 
 # Static libraries need more than a line of flags: they are for CMake.
 if(BUILD_SHARED_LIBS)

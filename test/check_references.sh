@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
-# Checks the references in code and documents: sections of a METHOD.md, files behind Markdown links, and no document that is not here.
+# Checks the references in code and documents: sections of a METHOD.md, files and headings behind Markdown links, and no document
+# that is not here. check_references.sh FOLDER checks the links of the documents in another folder, as in an installation.
 set -euo pipefail
-cd "$(dirname "$0")/.."
+[[ $# -gt 0 ]] || repository=yes
+cd "${1:-$(dirname "$0")/..}"
 
 # What exists, as "MODULE/METHOD NUMBER"; an equation, whose number ends a line, with the number in parentheses.
 targets() {
@@ -41,8 +43,7 @@ references() {
       gsub(/`[^`]*`/, "code", rest)
       for (; !in_code && match(rest, /[^[]\]\([^) ]+/); rest = substr(rest, RSTART + RLENGTH)) {
         path = substr(rest, RSTART + 3, RLENGTH - 3)
-        sub(/#.*/, "", path)
-        if (path != "" && path !~ /^[a-z]+:/) print where "=" path
+        if (path !~ /^[a-z]+:/) print where "=" path
       }
     }
     function look(following) {
@@ -77,20 +78,52 @@ references() {
     END { if (file) look("") }' <(targets) "$@"
 }
 
-tracked=$(git ls-files '*.h' '*.hpp' '*.cpp' '*.md' '*.txt' '*.cmake' '*.sh')
+# The anchors of a document, as GitHub makes them of its headings.
+anchors() {
+  LC_ALL=C awk '
+    /^ *```/ { in_code = !in_code }
+    !in_code && /^#+ / {
+      anchor = tolower($0)
+      sub(/^#+ +/, "", anchor)
+      gsub(/[][!-,.\/:-@\\^`{|}~]/, "", anchor)
+      gsub(/ /, "-", anchor)
+      print anchor (seen[anchor]++ ? "-" seen[anchor] - 1 : "")
+    }' "$1"
+}
+
+# Prints what is wrong with a link: is_dead DOCUMENT LINK.
+is_dead() {
+  local path=${2%%#*} target
+  target=${path:+$(dirname "$1")/$path}
+  target=${target:-$1}
+  if [[ ! -e $target ]]; then
+    echo "no such file"
+  elif [[ $2 == *#* ]] && ! anchors "$target" | grep -qxF -e "${2#*#}"; then
+    echo "no such heading"
+  fi
+}
+
 files=()
 while IFS= read -r file; do
   [[ ! -e $file ]] || files+=("$file")
-done <<< "$tracked"
+done < <(if [[ ${repository-} ]]; then git ls-files '*.h' '*.hpp' '*.cpp' '*.md' '*.txt' '*.cmake' '*.sh'; else find * -name '*.md' | sort; fi)
+[[ ${#files[@]} -gt 0 ]] || { echo "no documents in $PWD" >&2; exit 1; }
 found=$(references "${files[@]}")
 dead=0
+links=0
 while IFS= read -r line; do
   if [[ $line =~ ^([^:=]+)(:[0-9]+)=(.*)$ ]]; then
-    [[ -e $(dirname "${BASH_REMATCH[1]}")/${BASH_REMATCH[3]} ]] && continue
-    line="${BASH_REMATCH[1]}${BASH_REMATCH[2]}: ${BASH_REMATCH[3]}: no such file"
+    document=${BASH_REMATCH[1]} number=${BASH_REMATCH[2]} link=${BASH_REMATCH[3]}
+    links=$((links + 1))
+    fault=$(is_dead "$document" "$link")
+    [[ -n $fault ]] || continue
+    line="$document$number: $link: $fault"
   fi
   [[ -z $line ]] && continue
   echo "$line"
   dead=1
 done <<< "$found"
+twice=$(targets | grep -v '(' | sort | uniq -d)
+[[ -z $twice ]] || { echo "sections that are there twice: $twice"; dead=1; }
+echo "$links links checked" >&2
 exit "$dead"
