@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs the commands of documents as they stand there, on a made-up room: run_documents.sh FOLDER_OF_TOOLS. Where a command asks
-# for a camera, it gets the virtual one, without a window; what makes up whole floors makes a few small images of them.
+# Runs the commands of documents as they stand there, in a simulated room: run_documents.sh FOLDER_OF_TOOLS. Where a command asks
+# for a camera, it gets the virtual one, without a window; what simulates whole floors makes a few small images of them.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 export PATH="$(cd "$1" && pwd):$PATH"
