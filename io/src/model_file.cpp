@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
+#include "obj_file.h"
 #include "pcd_points.h"
 #include "ply_header.h"
 
@@ -7,7 +8,6 @@
 #include <facetloc/io/model_file.h>
 
 #include <pcl/conversions.h>
-#include <pcl/io/obj_io.h>
 #include <pcl/io/ply_io.h>
 #include <pcl/io/vtk_lib_io.h>
 #include <pcl/point_types.h>
@@ -80,13 +80,6 @@ pcl::PolygonMesh readPly(const fs::path& path) {
   pcl::PolygonMesh mesh;
   if (pcl::PLYReader().read(path.string(), mesh) < 0)
     throw IoError(path.string(), "cannot be read as a PLY file: its data are not as its header says");
-  return mesh;
-}
-
-pcl::PolygonMesh readObj(const fs::path& path) {
-  pcl::PolygonMesh mesh;
-  if (pcl::OBJReader().read(path.string(), mesh) < 0)
-    throw IoError(path.string(), "cannot be read as an OBJ file");
   return mesh;
 }
 

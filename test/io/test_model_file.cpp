@@ -104,6 +104,29 @@ TEST_F(ModelFile, ReadsMeshes) {
       "6</DataArray></Polys></Piece></PolyData></VTKFile>")));
 }
 
+TEST_F(ModelFile, ReadsObjFilesAsTheyAreWritten) {
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 1\nv 1 -1 1\n";
+  std::string normals;  // of corners, many more than vertices
+  for (int i = 0; i < 100000; ++i) normals += "vn 0 0 1\n";
+  expectRoof(readModel(write("normals.obj", corners + normals + "f 1//9 2//8 3//7\nf 1//1 4//2 2//3\n")));
+  expectRoof(readModel(write("textured.obj", "mtllib none.mtl\no roof\n" + corners +
+                                                 "vt 0 0\nusemtl a\ns off\nf 1/1 2/1 3/1\nf 1/1 4/1 2/1\n")));
+  expectRoof(readModel(write("back.obj", corners + "f -4 -3 -2\nf -4 -1 -3\n")));
+  expectRoof(
+      readModel(write("lines.obj", "v\t0\t0\t0\r\nv  1 0 0 0.5 0.5 0.5\r\nv 0 1 \\\r\n1\r\nv 1 -1 1 # top\r\n"
+                                   "f 1 2 3\r\nf 1 \\\r\n 4 2")));
+}
+
+TEST_F(ModelFile, NamesTheLineOfAnObjFileThatCannotBeRead) {
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 1\n";
+  EXPECT_EQ("line 4: has a face of fewer than three corners", refusal(write("a.obj", corners + "f 1 2\n")));
+  EXPECT_EQ("line 4: has 'a' as a vertex of a face", refusal(write("b.obj", corners + "f a b c\n")));
+  EXPECT_EQ("line 4: has '0' as a vertex of a face", refusal(write("c.obj", corners + "f 1 0 2\n")));
+  EXPECT_NE("", refusal(write("d.obj", corners + "f 99999999999999999999 2 3\n")));
+  EXPECT_EQ("line 1: has a vertex of fewer than three coordinates", refusal(write("e.obj", "v 1 2\n")));
+  EXPECT_EQ("line 2: has 'x' as a coordinate", refusal(write("f.obj", "v 1 2 3\nv 1 x 3")));
+}
+
 TEST_F(ModelFile, ReadsClouds) {
   pcl::PointCloud<pcl::PointXYZI> points;
   for (int i = 0; i < 20; ++i) {
