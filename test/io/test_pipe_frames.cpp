@@ -186,6 +186,10 @@ TEST(PipeFrames, ThatAreHostileSayWhy) {
   const std::string size = R"("stamp":0,"width":4,"height":3)";
   EXPECT_THAT(of(R"("width":4,"height":3)"), HasSubstr("no stamp"));
   EXPECT_THAT(of(R"("stamp":"now","width":4,"height":3)"), HasSubstr("stamp is no number"));
+  for (const char* stamp : {"1e300", "-1e300", "1732708800000000000"})  // the last one in nanoseconds
+    EXPECT_THAT(of(std::string("\"stamp\":") + stamp + R"(,"width":4,"height":3)"),
+                HasSubstr("impossible: it is a time in seconds"))
+        << stamp;
   EXPECT_THAT(of(R"("stamp":0,"width":4)"), HasSubstr("no height"));
   EXPECT_THAT(of(R"("stamp":0,"width":-4,"height":3)"), HasSubstr("width of -4"));
   EXPECT_THAT(of(R"("stamp":0,"width":4.5,"height":3)"), HasSubstr("width of 4.5"));

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "plausible.h"
 #include "shared/text.h"
 
 #include <facetloc/io/pipe_frames.h>
@@ -80,6 +81,10 @@ std::optional<FrameHeader> parseFrameHeader(const std::string& line) {
                                             header.width, header.height, kMostPixels));
   if (!json.isMember("stamp")) throw std::invalid_argument("it has no stamp");
   header.stamp = numberOf(json["stamp"], "stamp");
+  if (!plausible::isStamp(header.stamp))
+    throw std::invalid_argument(fmt::format("its stamp of {} is impossible: it is a time in seconds up to {}",
+                                            text::shortest(header.stamp),
+                                            text::shortest(plausible::kLatest)));
   header.gravity = gravityOf(json);
   for (const std::string& key : json.getMemberNames())
     if (isCameraKey(key)) header.camera.emplace_back(key, wordOf(json[key], key));
