@@ -80,6 +80,19 @@ TEST(ImuGravity, ATurningCameraIsNotLaggedBehind) {
     EXPECT_LT(error(gravity, t, {-std::sin(rate * t), std::cos(rate * t), 0}), 0.2 * kDegree);
 }
 
+TEST(ImuGravity, BrokenMessagesAreLeftOut) {
+  for (const double broken : {1e300, -1e20, 1e9}) {
+    const auto once = [broken](double t) {
+      return std::abs(t - 2) < 0.008 ? Eigen::Vector3d(broken, 0, broken) : kUp;
+    };
+    const GravityRecord gravity = gravityOf(once, {1, 2, 5, 8});
+    for (const double stamp : {1.0, 2.0, 5.0, 8.0}) {
+      ASSERT_TRUE(gravity.at(stamp)) << broken << " at " << stamp;
+      EXPECT_LT(error(gravity, stamp, Eigen::Vector3d::UnitY()), 1e-6);
+    }
+  }
+}
+
 TEST(ImuGravity, APushMakesItLessSureOrLeavesItOut) {
   const auto pushed = [](double t) {
     const double push = t > 4.4 && t < 5.6 ? 1.0 : t > 7.4 && t < 8.6 ? 4.0 : 0.0;

@@ -86,11 +86,13 @@ TransformsMessage TransformsMessage::read(MessageReader& message) {
 
 ImuMessage ImuMessage::read(MessageReader& message) {
   constexpr double kNotMeasured = -1;  // as the first covariance, by the definition of the message
+  constexpr double kLargest = 1e4;     // [m/s^2] beyond what any accelerometer measures
   ImuMessage imu;
   imu.header = readHeader(message);
   message.skip<double>(4 + 9 + 3 + 9);  // orientation and angular velocity, with covariances
   for (int k = 0; k < 3; ++k) imu.acceleration[k] = message.number<double>();
   imu.has_acceleration = message.number<double>() != kNotMeasured && imu.acceleration.allFinite() &&
+                         imu.acceleration.cwiseAbs().maxCoeff() <= kLargest &&
                          imu.acceleration.squaredNorm() > 0;
   return imu;
 }
