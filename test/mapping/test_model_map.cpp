@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 #include <stdexcept>
 
@@ -110,6 +112,36 @@ TEST(ModelMap, TakesTheViewpointsThatItIsGiven) {
   EXPECT_EQ("view-00002", map.models[0].name);
   EXPECT_EQ(1u, making.findings().without_segments);
   EXPECT_GE(map.view(0)->segments.size(), 3u);
+}
+
+TEST(ModelMap, RefusesViewpointsThatAreNotFinite) {
+  Eigen::Isometry3d nowhere = Eigen::Isometry3d::Identity();
+  nowhere.translation().y() = std::nan("");
+  ModelMap making(rooms(), Camera{});
+  EXPECT_THROW(making.setViewpoints({Eigen::Isometry3d::Identity(), nowhere}), std::invalid_argument);
+  const DepthImage image = rooms()->render(robotCamera().intrinsics, nowhere);
+  EXPECT_TRUE(std::all_of(image.depth.begin(), image.depth.end(), [](float z) { return z == 0; }));
+}
+
+TEST(ModelMap, SaysThatTheUnitMayBeWrong) {
+  BoxMesh millimetres;  // of a room of 6 x 4 m
+  millimetres.add({0, 0, -200}, {6000, 4000, 0}).add({0, 0, 2500}, {6000, 4000, 2700});
+  ModelMap making(std::make_shared<const MeshSurface>(millimetres.mesh()), robotCamera());
+  EXPECT_TRUE(making.finish().models.empty());
+  EXPECT_NE(std::string::npos, making.findings().problem.find("6000 x 4000 m")) << making.findings().problem;
+}
+
+TEST(ModelMap, SaysThatTheSurfaceIsUpsideDown) {
+  ModelMapParams few;
+  few.spacing = 3, few.turn_deg = 60;
+  const auto open = std::make_shared<const MeshSurface>(twoRooms(false).mesh());
+  for (const double up : {1.0, -1.0}) {
+    ModelMap making(open, robotCamera(), few);
+    making.setNumberOfThreads(2);
+    making.setUp(up * Eigen::Vector3d::UnitZ());
+    making.finish();
+    EXPECT_EQ(up < 0, making.findings().upside_down);
+  }
 }
 
 TEST(ModelMap, SaysWhyThereIsNoMap) {

@@ -104,11 +104,27 @@ std::vector<double> floorLevels(const std::vector<std::vector<double>>& columns,
   return levels;
 }
 
+bool isUpsideDown(const std::vector<std::vector<double>>& columns, double lowest, double highest) {
+  constexpr double kRoom = 1.5;         // of free space that somebody can stand in [m]
+  constexpr std::size_t kMuchMore = 2;  // times; a stairwell or a cellar is no proof
+  constexpr double kLeastShare = 0.05;  // of the columns
+  std::size_t without_ceiling = 0, without_floor = 0, known = 0;
+  for (const std::vector<double>& column : columns) {
+    if (column.empty()) continue;
+    ++known;
+    without_ceiling += highest - column.front() >= kRoom;
+    without_floor += column.back() - lowest >= kRoom;
+  }
+  return without_floor > kMuchMore * without_ceiling &&
+         static_cast<double>(without_floor) > kLeastShare * static_cast<double>(known);
+}
+
 FreePlaces freePlaces(const SpaceProbe& probe, const PlaceRules& rules, const ForEach& forEach) {
   if (probe.bounds().isEmpty() || rules.heights.empty()) return {};
   const PlaceGrid grid(probe, rules, forEach);
   const std::vector<PlaceGrid::Cell> cells = grid.freeCells(forEach);
   FreePlaces found;
+  found.upside_down = grid.isUpsideDown();
   if (rules.beside > 0) {
     for (const PlaceGrid::Cell& cell : cells) found.positions.push_back(grid.position(cell));
     return found;

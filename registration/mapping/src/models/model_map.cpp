@@ -123,6 +123,9 @@ void ModelMap::setNumberOfThreads(int n) { impl_->threads = n; }
 void ModelMap::setProgress(MapProgressCallback progress) { impl_->progress = std::move(progress); }
 void ModelMap::setWorkingWidth(int width) { impl_->width = width; }
 void ModelMap::setViewpoints(std::vector<Eigen::Isometry3d> viewpoints) {
+  for (std::size_t i = 0; i < viewpoints.size(); ++i)
+    if (!viewpoints[i].matrix().allFinite())
+      throw std::invalid_argument(fmt::format("ModelMap: viewpoint {} is not finite", i + 1));
   impl_->viewpoints = std::move(viewpoints);
 }
 void ModelMap::setUp(const Eigen::Vector3d& up) {

@@ -21,6 +21,7 @@ public:
   Eigen::Vector3d position(const Cell& cell) const;
   /** \brief The positions from which a camera can look, by what is around them alone. */
   std::vector<Cell> freeCells(const ForEach& forEach) const;
+  bool isUpsideDown() const { return upside_down_; }
 
 private:
   std::size_t columns() const { return static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_); }
@@ -35,6 +36,7 @@ private:
   Eigen::AlignedBox3d bounds_;  // of the surface, and what is beside it
   int nx_, ny_;
   std::vector<double> floors_;
+  bool upside_down_ = false;
 };
 
 /** \brief Cells that somebody can go between are one area; without ways as narrow as a door, it falls into

@@ -90,6 +90,10 @@ DepthImage RayCaster::depth(const Intrinsics& camera, const Eigen::Isometry3d& T
                             bool fronts_only) const {
   DepthImage image{camera, {}};
   if (!camera.valid()) return image;
+  if (!T_w_c.matrix().allFinite()) {  // Embree ends the program for such a ray
+    image.depth.assign(static_cast<std::size_t>(camera.width) * camera.height, 0.f);
+    return image;
+  }
   image.depth.reserve(static_cast<std::size_t>(camera.width) * camera.height);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);

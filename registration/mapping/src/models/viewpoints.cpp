@@ -116,6 +116,18 @@ private:
   std::vector<SmallView> views_;
 };
 
+/** Why no places are looked for on a surface of this extent; empty if they can be. */
+std::string problemOfSize(const Eigen::AlignedBox3d& bounds, double step) {
+  constexpr double kMostColumns = 1e7;  // more than a square kilometre in the usual steps
+  if (bounds.isEmpty()) return {};
+  const Eigen::Vector3d size = bounds.sizes();
+  if (size.x() / step * (size.y() / step) <= kMostColumns) return {};
+  return fmt::format(
+      "it is {:.0f} x {:.0f} m wide, too much to look for viewpoints everywhere; check the unit, "
+      "cut off what is far away, increase spacing, or give viewpoints",
+      size.x(), size.y());
+}
+
 /** Places in a whole room, or else beside a scan of a part of one. */
 std::vector<Eigen::Vector3d> placesFor(const ViewpointSearch& search, const ModelMapParams& params,
                                        ModelFindings& findings) {
@@ -129,6 +141,10 @@ std::vector<Eigen::Vector3d> placesFor(const ViewpointSearch& search, const Mode
   const ForEach forEach = [&](std::size_t n, const std::function<void(std::size_t)>& job) {
     ParallelStage(Stage::viewpoints, n, search.threads, search.progress).run(job);
   };
+  if (const std::string problem = problemOfSize(probe.bounds(), rules.step); !problem.empty()) {
+    findings.problem = problem;
+    return {};
+  }
   FreePlaces found = freePlaces(probe, rules, forEach);
   if (found.positions.empty() && rules.inside.empty()) {
     rules.beside = kBeside;
@@ -137,6 +153,7 @@ std::vector<Eigen::Vector3d> placesFor(const ViewpointSearch& search, const Mode
   }
   findings.places = found.positions.size();
   findings.outdoors = found.outdoors;
+  findings.upside_down = found.upside_down;
   return found.positions;
 }
 
@@ -146,6 +163,7 @@ std::vector<Eigen::Isometry3d> findViewpoints(const ViewpointSearch& search, con
                                               ModelFindings& findings) {
   Candidates candidates(search, params);
   candidates.look(placesFor(search, params, findings));
+  if (!findings.problem.empty()) return {};
   if (candidates.empty()) {
     findings.problem = findings.places == 0 ? "there is no floor in it with room for a camera above"
                                             : "no view from above its floor shows enough of it";

@@ -53,9 +53,12 @@ struct ModelFindings {
   std::size_t places = 0;                     ///< positions where a camera can be, if they were looked for
   std::size_t outdoors = 0;                   ///< positions that were left out, in an area around all others
   bool is_open = false;                       ///< the surface shows no whole room: positions are beside it
-  double overlap = 0;                         ///< with which viewpoints were chosen
-  std::size_t without_segments = 0;           ///< viewpoints that became no local models
-  std::string problem;                        ///< reason for an empty map, in words
+  /** The surface has ceilings without floors below, rather than floors without ceilings above: setUp(). Of a
+   * closed building, nothing tells. */
+  bool upside_down = false;
+  double overlap = 0;                ///< with which viewpoints were chosen
+  std::size_t without_segments = 0;  ///< viewpoints that became no local models
+  std::string problem;               ///< reason for an empty map, in words
 };
 
 /** \brief A surface to a map: depth images rendered from viewpoints become local models.
@@ -80,7 +83,8 @@ public:
   void setProgress(MapProgressCallback progress);
   /** \brief Columns of the rendered images, at least; kWorkingWidth unless set. */
   void setWorkingWidth(int width);
-  /** \brief Takes these viewpoints, T_w_c, each a local model, instead of looking for some. */
+  /** \brief Takes these viewpoints, T_w_c, each a local model, instead of looking for some. Throws
+   * std::invalid_argument for one that is not finite. */
   void setViewpoints(std::vector<Eigen::Isometry3d> viewpoints);
   /** \brief The upward direction in the frame of the surface; its z axis unless set. Only where viewpoints
    * are looked for. Throws std::invalid_argument for no direction. */
