@@ -6,22 +6,20 @@
 #include "cluttered_room.h"
 #include "depth_triangulation.h"
 #include "disparity_image.h"
+#include "pcl_planes.h"
 #include "quad_tree.h"
 #include "region_merging.h"
 #include "shared/image_noise.h"
 
-#include <facetloc/features/organized_cloud.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/segmentation/view_builder.h>
+#include <facetloc/testing/organized_clouds.h>
 
 #include <benchmark/benchmark.h>
-#include <pcl/features/integral_image_normal.h>
-#include <pcl/segmentation/organized_multi_plane_segmentation.h>
 
 #include <cmath>
 #include <cstdlib>
 #include <exception>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -104,42 +102,12 @@ void yardstickMoments(benchmark::State& state) {
 }
 BENCHMARK(yardstickMoments)->Apply(images);
 
-using Cloud = pcl::PointCloud<pcl::PointXYZ>;
-
-Cloud::Ptr cloudOf(const DepthImage& image) {
-  const Cloud::Ptr cloud(new Cloud);
-  for (int v = 0; v < image.camera.height; ++v)
-    for (int u = 0; u < image.camera.width; ++u) {
-      const float z = isMeasured(image.at(u, v)) ? image.at(u, v) : std::numeric_limits<float>::quiet_NaN();
-      const Eigen::Vector3f p = image.camera.ray(u, v).cast<float>() * z;
-      cloud->push_back({p.x(), p.y(), p.z()});
-    }
-  cloud->width = image.camera.width, cloud->height = image.camera.height, cloud->is_dense = false;
-  return cloud;
-}
-
 void yardstickPcl(benchmark::State& state) {
-  std::vector<Cloud::Ptr> clouds;
-  for (const DepthImage& image : prepare(state)) clouds.push_back(cloudOf(image));
+  std::vector<pcl::PointCloud<pcl::PointXYZ>::ConstPtr> clouds;
+  for (const DepthImage& image : prepare(state)) clouds.push_back(test::organizedCloud<pcl::PointXYZ>(image));
   const double min_inliers = 150 * std::pow(static_cast<double>(state.range(0)) / 320, 2);
-  const auto segment = [&](const Cloud::Ptr& cloud) {
-    const pcl::PointCloud<pcl::Normal>::Ptr normals(new pcl::PointCloud<pcl::Normal>);
-    pcl::IntegralImageNormalEstimation<pcl::PointXYZ, pcl::Normal> estimation;
-    estimation.setNormalEstimationMethod(estimation.COVARIANCE_MATRIX);
-    estimation.setMaxDepthChangeFactor(0.02f);
-    estimation.setNormalSmoothingSize(10.0f);
-    estimation.setInputCloud(cloud);
-    estimation.compute(*normals);
-    pcl::OrganizedMultiPlaneSegmentation<pcl::PointXYZ, pcl::Normal, pcl::Label> segmentation;
-    segmentation.setMinInliers(static_cast<unsigned>(min_inliers));
-    segmentation.setAngularThreshold(3 * kDegree);
-    segmentation.setDistanceThreshold(0.02);
-    segmentation.setInputNormals(normals);
-    segmentation.setInputCloud(cloud);
-    std::vector<pcl::PlanarRegion<pcl::PointXYZ>, Eigen::aligned_allocator<pcl::PlanarRegion<pcl::PointXYZ>>>
-        regions;
-    segmentation.segmentAndRefine(regions);
-    return regions.size();
+  const auto segment = [&](const auto& cloud) {
+    return planesByPcl(cloud, static_cast<unsigned>(min_inliers)).maxLabel();
   };
   time(state, clouds, segment, "segments");
 }
