@@ -53,6 +53,11 @@ void MappedPlace::seeQuery(const Map& map, const ViewParams& params) {
   query_.see(map.calibrated(query_.sequence.camera()->camera), params);
 }
 
+void MappedPlace::use(const Map& map, const ViewParams& params) {
+  models_ = modelPosesOf(map);
+  seeQuery(map, params);
+}
+
 bool MappedPlace::covers(const Eigen::Isometry3d& T_w_c, const EvaluationParams& params) const {
   return std::any_of(models_.begin(), models_.end(), [&](const ModelPose& model) {
     const PoseError error = poseError(model.T_w_m, T_w_c);

@@ -50,6 +50,10 @@ public:
   /** \brief Sees the query with the camera of a map that is there already. */
   void seeQuery(const Map& map, const ViewParams& params);
 
+  /** \brief The same, and the local models of that map, which have poses in the world, take the place of
+   * those of the run map/. */
+  void use(const Map& map, const ViewParams& params);
+
   /** \brief Does a local model show what a camera sees from there? */
   bool covers(const Eigen::Isometry3d& T_w_c, const EvaluationParams& params) const;
 

@@ -2,18 +2,22 @@
 //
 // Is a probability worth its name where the map does not hold the place?
 //
-//   score_unknown [--radius 3] [--every N] [--densify] [--csv FILE] [--GROUP.PARAMETER VALUE] PLACE...
+//   score_unknown [--radius 3] [--every N] [--densify | --map FILE] [--csv FILE] [--GROUP.PARAMETER VALUE]
+//   PLACE...
 //
 // Each PLACE is a folder with a run map/ and a run query/, as facetloc_simulate makes them, or as recordings
 // have them. Every query is localized twice: in the whole map, and in a map that is made anew without the
 // local models within the radius of where the query was taken. With --densify, views beside the drive belong
-// to the whole map, and those within the radius are taken out, too.
+// to the whole map, and those within the radius are taken out, too. With --map, a finished map with poses in
+// the world of the query, such as one of a model, takes the place of the run map/.
 #include "base/app.h"
 #include "base/localization_options.h"
 #include "calibration/map_ambiguity.h"
 #include "mapped_place.h"
 
 #include <facetloc/io/atomic_file.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/map_database.h>
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/mapping/densified_map.h>
 
@@ -225,6 +229,8 @@ private:
     line.addOption("radius", radius_, "M", "Distance of the local models that are taken out [m].");
     line.addOption("every", every_, "N", "Localize only every N-th image.");
     line.addSwitch("densify", densify_, "Add rendered views to the whole map first.");
+    line.addOption("map", map_, "FILE",
+                   "Use this map of the only PLACE; its local models count as covering.");
     line.addOption("csv", csv_, "FILE", "Write one line per answer, with what speaks for it.");
     line.addPresets();
     line.addParams(view_);
@@ -232,8 +238,18 @@ private:
     addLocalizationOptions(line, localization_);
   }
 
+  /** A finished one, or the place's own by the paper's rule. */
+  Map mapOfPlace(MappedPlace& place) const {
+    if (map_.empty()) return place.see(view_);
+    Map map = readMap(map_);
+    for (const LocalModel& model : map.models)
+      if (!model.T_w_m) throw IoError(map_, "local model " + model.name + " has no pose in the world");
+    place.use(map, view_);
+    return map;
+  }
+
   std::vector<Answer> answersIn(MappedPlace& place, const std::string& name) const {
-    Map seen = place.see(view_);
+    Map seen = mapOfPlace(place);
     if (densify_) densify(seen, {}, view_, 0);
     const GlobalLocalization asked(std::make_shared<const Map>(seen), localization_);
     const OwnViews own_views(asked);
@@ -279,6 +295,9 @@ private:
 
   int execute(const CommandLine&, const Console&) override {
     if (every_ < 1) throw UsageError("every must be positive");
+    if (!map_.empty() && places_.size() > 1) throw UsageError("--map is of one PLACE");
+    if (!map_.empty() && densify_)
+      throw UsageError("--map and --densify exclude each other: densify the map first");
     printHeader();
     std::vector<Answer> all;
     for (const std::string& name : places_) {
@@ -297,7 +316,7 @@ private:
   double radius_ = 3;
   int every_ = 1;
   bool densify_ = false;
-  std::string csv_;
+  std::string csv_, map_;
   ViewParams view_;
   EvaluationParams evaluation_;
   GlobalLocalizationParams localization_;
