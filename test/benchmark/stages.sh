@@ -1,0 +1,365 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# The stages of all.sh, a function each, in the order of README.md; sourced. Each runs in the folder of the results and prints figures.
+# Uses $build, $apps, $data, $every and $root of all.sh.
+
+bench() { "$build/test/benchmark/$1" "${@:2}"; }
+
+# places SEED KIND...: simulated runs KINDSEED, made once.
+place() {
+  [ ! -d "$1" ] || return 0
+  rm -rf "$1.part"
+  "$apps/facetloc_simulate" "$2" -o "$1.part" "${@:3}" --quiet > /dev/null
+  mv "$1.part" "$1"
+}
+# floors SEED...: sets floors to the office, the home and the hall of each seed; with -e, to the office of the first.
+floors() {
+  local seed kind
+  floors=()
+  for seed in "$@"; do
+    for kind in office home hall; do
+      place "$kind$seed" "$kind" --seed "$seed"
+      floors+=("$kind$seed")
+      [ "$every" -eq 1 ] || return 0
+    done
+  done
+}
+
+has() {
+  [ -d "$data/$1" ] && return 0
+  echo "skipped: no $data/$1"
+  return 1
+}
+
+# mapped RUN [OPTION...]: the map of a run, map/$name.flmap, made once; sets map.
+mapped() {
+  mkdir -p map
+  map=map/$(echo "${1#"$data"/}" "${@:2}" | tr -c 'a-zA-Z0-9.\n' _).flmap
+  [ -e "$map" ] || "$apps/facetloc_map" build "$1" -o "$map" --quiet "${@:2}" > /dev/null
+}
+
+# localized ROWNAME MAP QUERY LIMITS... -- [OPTION...]: a row for each of the limits "METRES DEGREES"; COLUMN and EVALUATE, if set, go to row.
+localized() {
+  local name=$1 from=$2 query=$3 limits=() limit
+  shift 3
+  while [ "$1" != -- ]; do limits+=("$1"); shift; done
+  shift
+  local results
+  results=results/$(echo "$name" | tr -c 'a-zA-Z0-9.\n' _)
+  rm -rf "$results"
+  mkdir -p results
+  "$apps/facetloc_localize" "$from" "$query" -o "$results" --quiet "$@" > /dev/null
+  for limit in "${limits[@]}"; do
+    # Two numbers, which are two arguments.
+    # shellcheck disable=SC2086
+    row "$name" "$results" "$query" "$from" $limit "${COLUMN:-all (new)}" ${EVALUATE:-}
+  done
+}
+
+# ofPlaces LIMITS COLUMN PLACE...: each with its runs map/ and query/, as the tools do it.
+ofPlaces() {
+  local limits=$1 COLUMN=$2 one
+  for one in "${@:3}"; do
+    mapped "$one/map"
+    localized "$one" "$map" "$one/query" "$limits" --
+  done
+}
+
+stage_kitchen() {
+  has redkitchen || return 0
+  local run=$data/redkitchen
+  rowHead
+  mapped "$run/map"
+  localized kitchen "$map" "$run/query" "0.2 2" "0.3 5" "0.05 5" --
+  mapped "$run/map" --split delaunay
+  localized "kitchen by triangles" "$map" "$run/query" "0.2 2" -- --split delaunay
+  mapped "$run/map" --preset paper
+  localized "kitchen, --preset paper" "$map" "$run/query" "0.2 2" "0.3 5" -- --preset paper
+  mapped "$run/map" --without-poses
+  EVALUATE=--align localized "kitchen, map without poses" "$map" "$run/query" "0.3 5" --
+}
+
+# Maps of a mesh and of a cloud of the kitchen, and of meshes of simulated offices.
+stage_models() {
+  local seed
+  rowHead
+  if has redkitchen; then
+    if python3 -c 'import open3d' 2> /dev/null; then
+      [ -e kitchen/cloud.ply ] || python3 "$root/test/benchmark/kitchen_mesh.py" "$data/redkitchen/map" kitchen > /dev/null
+      ofModel mesh kitchen/mesh.ply --up=0,-0.91,-0.41
+      ofModel cloud kitchen/cloud.ply --up=0,-0.91,-0.41
+      ofModel "mesh, viewpoints given" kitchen/mesh.ply --up=0,-0.91,-0.41 --viewpoints kitchen/poses.txt
+    else
+      echo "skipped: the kitchen's mesh needs python3-open3d"
+    fi
+  fi
+  for seed in 1 2 3; do
+    modelled "$seed"
+    COLUMN=solvable localized "office $seed" "$map" "modelled$seed/query" "0.2 2" --
+    [ "$every" -eq 1 ] || break
+  done
+}
+# ofModel NAME MODEL [OPTION...]
+ofModel() {
+  local out
+  out=map/$(echo "$1" | tr -c 'a-zA-Z0-9.\n' _).flmap
+  mkdir -p map
+  [ -e "$out" ] || "$apps/facetloc_map" from-model "$2" -o "$out" --camera "$data/redkitchen/map/camera.ini" --quiet "${@:3}" > /dev/null
+  localized "kitchen, $1" "$out" "$data/redkitchen/query" "0.3 5" --
+}
+# modelled SEED: the office modelledSEED and the map of its mesh; sets map.
+modelled() {
+  place "modelled$1" office --seed "$1" --model "modelled$1.ply"
+  map=map/modelled$1.flmap
+  mkdir -p map
+  [ -e "$map" ] || "$apps/facetloc_map" from-model "modelled$1.ply" -o "$map" --camera "modelled$1/map/camera.ini" --quiet > /dev/null
+}
+
+stage_paper() {
+  local seeds
+  for seeds in "1 2 3" "4 5 6" "13 14 15"; do
+    # shellcheck disable=SC2086
+    floors $seeds
+    bench score_floors --every "$every" "${floors[@]}"
+    [ "$every" -eq 1 ] || break
+  done
+  floors 1 2 3
+  bench score_floors --every "$every" --split delaunay "${floors[@]}"
+  floors 1
+  bench score_floors --every "$every" --map-images "${floors[@]}"
+  bench score_floors --every "$every" --map-images --preset paper "${floors[@]}"
+}
+
+# Places that the map lacks: of drives, of meshes, with rendered views; seed 13 chose nothing.
+stage_unknown() {
+  local n=$((4 * every)) seed
+  floors 13 14 15
+  bench score_unknown --every "$n" "${floors[@]}"
+  floors 1 2 3
+  bench score_unknown --every "$n" "${floors[@]}"
+  for seed in 1 13; do
+    modelled "$seed"
+    echo "map of a mesh, office $seed"
+    bench score_unknown --every "$n" --map "$map" "modelled$seed"
+    mapped "modelled$seed/map"
+    [ -e "map/dense$seed.flmap" ] || "$apps/facetloc_map" densify "$map" -o "map/dense$seed.flmap" --quiet > /dev/null
+    echo "densified map, office $seed"
+    bench score_unknown --every "$n" --map "map/dense$seed.flmap" "modelled$seed"
+    [ "$every" -eq 1 ] || break
+  done
+  has redkitchen || return 0
+  bench score_unknown --every "$every" --radius 1 --evaluation.max_translation 0.3 --evaluation.max_rotation_deg 5 "$data/redkitchen"
+}
+
+stage_cross() {
+  has recordings || return 0
+  local name maps=() runs=()
+  for name in recordings/d435_desk recordings/phone_desk recordings/phone_floor recordings/tum_fr3_cabinet recordings/tum_fr3_structure \
+    recordings/tum_fr3_teddy redkitchen; do
+    [ -d "$data/$name" ] || continue
+    local place=${name##*/} run
+    for run in map query; do
+      mapped "$data/$name/$run" --force
+      maps+=("$place:$map") runs+=("$place:$data/$name/$run")
+    done
+  done
+  bench score_cross --every $((4 * every)) "${maps[@]}" "${runs[@]}"
+}
+
+stage_covariances() {
+  local line name degrees millimetres
+  for line in "redkitchen 1 20" "recordings/tum_fr3_structure 0.6 8" "recordings/tum_fr3_cabinet 0.6 8" "recordings/d435_desk 1.1 14" \
+    "recordings/phone_floor 0.3 5"; do
+    read -r name degrees millimetres <<< "$line"
+    has "$name" || continue
+    bench score_covariance --every "$every" --truth-deg "$degrees" --truth-mm "$millimetres" "$data/$name"
+  done
+  floors 1
+  bench score_covariance --every "$every" "${floors[0]}"
+  place doors1 doors --seed 1
+  place box1 box --seed 1
+  bench score_covariance --every "$every" doors1 box1
+}
+
+# One choice at a time put back to the paper's.
+stage_choices() {
+  floors 1
+  bench score_floors --ablation --every $((6 * every)) "${floors[@]}"
+  has redkitchen || return 0
+  mapped "$data/redkitchen/map"
+  rowHead
+  local choice
+  for choice in "--ekf.iterations 1" "--steps.joint_refinement 0" "--ekf.iterations 1 --steps.joint_refinement 0" "--refinement.enabled 0" \
+    "--evidence.enabled 0 --refinement.enabled 0" "--score.by_overlap 1"; do
+    # shellcheck disable=SC2086
+    localized "$choice" "$map" "$data/redkitchen/query" "0.2 2" -- $choice
+  done
+}
+
+stage_pieces() {
+  local kind tolerance
+  rowHead
+  for kind in home office; do
+    place "${kind}31" "$kind" --seed 31
+    mapped "${kind}31/map"
+    for tolerance in 2.75 1.0 0.7; do
+      localized "$kind, tolerance $tolerance" "$map" "${kind}31/query" "0.2 2" -- --merge.tolerance "$tolerance"
+      localized "$kind, tolerance $tolerance, each piece by itself" "$map" "${kind}31/query" "0.2 2" -- --merge.tolerance "$tolerance" \
+        --calibration.score.coplanar_weight 0
+    done
+    [ "$every" -eq 1 ] || break
+  done
+}
+
+stage_smooth() {
+  local kind
+  rowHead
+  for kind in home office; do
+    place "smooth_$kind" "$kind" --seed 21 --width 320 --sensor.disparity_std 2 --sensor.correlation_px 6
+    ofPlaces "0.2 2" covered "smooth_$kind"
+    [ "$every" -eq 1 ] || break
+  done
+}
+
+stage_stereo() {
+  has recordings/d435_desk || return 0
+  local run=$data/recordings/d435_desk
+  rowHead
+  mapped "$run/map"
+  localized "D435" "$map" "$run/query" "0.3 5" --
+  mapped "$run/map" --split delaunay
+  localized "D435 by triangles" "$map" "$run/query" "0.3 5" -- --split delaunay
+  mapped "$run/map" --camera realsense_d435
+  localized "camera = realsense_d435" "$map" "$run/query" "0.3 5" -- --camera realsense_d435
+}
+
+stage_cameras() {
+  local camera width
+  rowHead
+  for camera in kinect xtion realsense_d435 azure_kinect phone_lidar; do
+    width=320
+    [ "$camera" != phone_lidar ] || width=256
+    place "office_$camera" office --seed 1 --width "$width" --camera "$camera"
+    ofPlaces "0.2 2" covered "office_$camera"
+    [ "$every" -eq 1 ] || break
+  done
+}
+
+# Trajectories without poses.
+stage_trajectories() {
+  local runs=() seed
+  [ ! -d "$data/redkitchen" ] || runs+=("$data/redkitchen/map" "$data/redkitchen/query")
+  for seed in structure teddy; do [ ! -d "$data/recordings/tum_fr3_$seed" ] || runs+=("$data/recordings/tum_fr3_$seed/map"); done
+  floors 1 2 3 13 14
+  [ "$every" -gt 1 ] || runs+=("${floors[@]/%//map}")
+  bench score_mapping "${runs[@]}"
+}
+
+stage_gaps() {
+  local seed
+  floors 1 2
+  for seed in 1 2 3 4; do
+    bench score_mapping --gaps 4 --seed "$seed" "${floors[0]}/map"
+    [ ! -d "$data/redkitchen" ] || bench score_mapping --gaps "$seed" --seed 1 "$data/redkitchen/map" "$data/redkitchen/query"
+    [ "$every" -eq 1 ] || break
+  done
+}
+
+stage_sessions() {
+  floors 1
+  mapped "${floors[0]}/map"
+  [ -e map/extended.flmap ] || { cp "$map" map/extended.part && mv map/extended.part map/extending.flmap &&
+    "$apps/facetloc_map" extend map/extending.flmap "${floors[0]}/query" --quiet > /dev/null && mv map/extending.flmap map/extended.flmap; }
+  bench score_sessions "${floors[0]}" "$map" map/extended.flmap
+}
+
+stage_pairs() {
+  floors 1
+  local floor
+  for floor in "${floors[@]}"; do bench score_pairs "$floor/map"; done
+  has redkitchen || return 0
+  bench score_pairs "$data/redkitchen/map" "$data/redkitchen/query"
+}
+
+# The PCL classes on clouds, and PCL's own registrations.
+stage_peers() {
+  has recordings/d435_desk || return 0
+  has redkitchen || return 0
+  local chosen=(--count=60 --min_distance=0.2 --max_distance=0.8 --min_rotation_deg=0 --max_rotation_deg=30 --min_overlap=0)
+  local desk=$data/recordings/d435_desk/map kitchen=$data/redkitchen/map
+  [ "$every" -eq 1 ] || chosen[0]=--count=10
+  bench score_pairs --clouds "${chosen[@]}" --others="$kitchen" "$desk"
+  bench score_pairs --clouds "${chosen[@]}" --others="$desk" "$kitchen"
+  bench score_pairs --peers "${chosen[@]}" --others="$kitchen" "$desk"
+}
+
+stage_rooms() { bench score_rooms; }
+
+# Metres until a moving camera knows where it is.
+stage_drives() {
+  local kind seed
+  for seed in 1 13; do
+    for kind in office home hall; do
+      place "drive_$kind$seed" "$kind" --seed "$seed" --runs map,drive --drive 60 --width 320
+      bench score_sequence --every "$every" --start "$((60 / every > 0 ? 60 / every : 1))" "drive_$kind$seed"
+      [ "$every" -eq 1 ] || return 0
+    done
+  done
+}
+
+stage_sequences() {
+  local name
+  rowHead
+  for name in redkitchen recordings/tum_fr3_structure recordings/tum_fr3_teddy recordings/tum_fr3_cabinet recordings/d435_desk \
+    recordings/phone_floor; do
+    [ -d "$data/$name" ] || continue
+    mapped "$data/$name/map"
+    localized "$name, by images" "$map" "$data/$name/query" "0.3 5" --
+    localized "$name, as a sequence" "$map" "$data/$name/query" "0.3 5" -- --sequence
+    localized "$name, smoothed" "$map" "$data/$name/query" "0.3 5" -- --sequence --smooth
+  done
+  [ "$every" -eq 1 ] || return 0
+  for name in office1 office13 home14; do
+    place "$name" "${name%%[0-9]*}" --seed "${name##*[a-z]}"
+    mapped "$name/map"
+    localized "$name, by images" "$map" "$name/query" "0.2 2" --
+    localized "$name, as a sequence" "$map" "$name/query" "0.2 2" -- --sequence
+  done
+}
+
+stage_tracking() {
+  local kind
+  for kind in office home hall; do
+    place "tracked_$kind" "$kind" --seed 1 --runs map,drive --drive 40 --width 320
+    bench score_tracking --busy 100 --kidnap 5 "tracked_$kind"
+    [ "$every" -eq 1 ] || break
+  done
+}
+
+stage_segmentation() {
+  bench score_clutter
+  bench score_clutter --width=640
+  has abw || return 0
+  local options
+  for options in "" 0.0007 --split.method=delaunay "0.0007 --split.method=delaunay"; do
+    # shellcheck disable=SC2086
+    bench score_segcomp "$data/abw" $options
+  done
+}
+
+stage_public() {
+  local folders=() name
+  for name in mosd redkitchen recordings/tum_fr3_structure/map; do [ ! -d "$data/$name" ] || folders+=("$data/$name"); done
+  [ ${#folders[@]} -gt 0 ] || { has mosd; return 0; }
+  "$root/test/benchmark/public.sh" -b "$build" -o public "${folders[@]}"
+}
+
+stage_speed() {
+  if [ -d "$data/redkitchen" ]; then "$root/test/benchmark/speed_table.sh" "$build" "$data/redkitchen/query"
+  else "$root/test/benchmark/speed_table.sh" "$build"; fi
+}
+
+stage_large() {
+  local models=1000,2000,5000,10000,20000,100000
+  [ "$every" -eq 1 ] || models=1000
+  bench score_large_maps --floors large --models "$models" --queries $((200 / every > 0 ? 200 / every : 1)) --csv large_maps.csv
+}
