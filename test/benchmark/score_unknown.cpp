@@ -229,8 +229,7 @@ private:
     line.addOption("radius", radius_, "M", "Distance of the local models that are taken out [m].");
     line.addOption("every", every_, "N", "Localize only every N-th image.");
     line.addSwitch("densify", densify_, "Add rendered views to the whole map first.");
-    line.addOption("map", map_, "FILE",
-                   "Use this map of the only PLACE; its local models count as covering.");
+    line.addOption("map", map_, "FILE", "Use this map of the only PLACE instead of one of its run map/.");
     line.addOption("csv", csv_, "FILE", "Write one line per answer, with what speaks for it.");
     line.addPresets();
     line.addParams(view_);
@@ -243,7 +242,9 @@ private:
     if (map_.empty()) return place.see(view_);
     Map map = readMap(map_);
     for (const LocalModel& model : map.models)
-      if (!model.T_w_m) throw IoError(map_, "local model " + model.name + " has no pose in the world");
+      if (!model.T_w_m)
+        throw IoError(map_,
+                      "local model " + model.name + " has no pose in the world; build the map with poses");
     place.use(map, view_);
     return map;
   }
