@@ -5,8 +5,8 @@
 #
 # BUILD: the build folder (build); DATA: the recordings of test/README.md ($FACETLOC_DATA, or ../shared/data); OUT: simulated places,
 # maps, results and OUT/figures/STAGE.txt (figures). -l lists the stages, -e N tries them: every N-th image, one seed, no comparison.
-# All stages take hours on two cores, those of README (kitchen models paper stereo pairs unknown) about one. A stage whose data is not
-# there is skipped. After each stage, percentages of its output that no document has are listed: these differ from the documents.
+# The figures of README are those of kitchen, models, paper, stereo, peers, unknown and sequences; tracking and large take longest.
+# A stage whose data is not there is skipped. After each, percentages of its output that no document has are listed, and its time.
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/../.." && pwd)

@@ -4,7 +4,7 @@
 
 bench() { "$build/test/benchmark/$1" "${@:2}"; }
 
-# places SEED KIND...: simulated runs KINDSEED, made once.
+# place NAME SCENE [OPTION...]: a simulated place, made once.
 place() {
   [ ! -d "$1" ] || return 0
   rm -rf "$1.part"
