@@ -16,6 +16,7 @@ completed() {
 }
 expect() { [ "$1" = "$2" ] || { echo "check_completions: '$1' instead of '$2'" >&2; exit 1; }; }
 
+expect "$(completed facetloc loc)" localize
 expect "$(completed facetloc_map ext)" extend
 expect "$(completed facetloc_map build --map.dis)" --map.distance
 expect "$(completed facetloc_map info --map.dis)" ""
@@ -23,7 +24,7 @@ expect "$(completed facetloc_live walk --dev)" --device
 expect "$(completed facetloc_localize --seq)" "--sequence"
 cd "$root"
 expect "$(completed facetloc_segment LIC)" LICENSE
-for tool in "$work"/bash/*; do
+for tool in "$work"/bash/facetloc_*; do
   [ "$(grep -o -- '--' "$tool" | wc -l)" -gt 10 ] || { echo "check_completions: no options in $tool" >&2; exit 1; }
 done
 if command -v zsh >/dev/null; then zsh -n "$work/zsh/_facetloc"; fi
