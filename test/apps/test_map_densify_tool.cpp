@@ -62,6 +62,7 @@ TEST_F(Tools, DensifyLeavesMapsAloneThatItCannotUse) {
   EXPECT_EQ(runMap({"densify", broken}).code, kFailed);
   EXPECT_EQ(test::contentOf(broken), bytes);
   EXPECT_EQ(runMap({"densify", copy, "--densify.reach", "-1"}).code, kUsage);
+  EXPECT_THAT(runMap({"densify", copy, "--overwrite"}).err, HasSubstr("overwrite belongs to --output"));
 
   Map unposed = readMap(map());
   for (LocalModel& model : unposed.models) {

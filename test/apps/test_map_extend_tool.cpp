@@ -60,6 +60,7 @@ TEST_F(Tools, MapExtendBringsAMapUpToDateOnce) {
   EXPECT_TRUE(twice.meta.count("session 3"));
   EXPECT_EQ(runMap({"extend", map(), query(), "-o", path}).code, kFailed);  // exists
   EXPECT_EQ(runMap({"extend", map(), query(), "-o", path, "--overwrite"}).code, kOk);
+  EXPECT_EQ(runMap({"extend", path, query(), "--overwrite"}).code, kUsage);
 }
 
 TEST_F(Tools, MapExtendFindsASessionInCoordinatesOfItsOwn) {

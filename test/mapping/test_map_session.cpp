@@ -166,5 +166,18 @@ TEST_F(ASessionInARoom, AddsPlacesThatTheMapDoesNotShow) {
   }
 }
 
+TEST(MapSessionNotes, AreNumberedAfterTheFirstSessionOfTheMap) {
+  MapChanges changes;
+  changes.added = {"a"};
+  changes.edited = {"b", "c"};
+  EXPECT_EQ("1 local model added, 0 replaced, 0 retired, 2 without what has moved", changes.inWords());
+  Map map;
+  map.meta["session 3"] = "of another tool";
+  for (const char* words : {"monday", "tuesday"}) noteSession(words, map);
+  EXPECT_EQ("monday", map.meta.at("session 2"));
+  EXPECT_EQ("of another tool", map.meta.at("session 3"));
+  EXPECT_EQ("tuesday", map.meta.at("session 4"));
+}
+
 }  // namespace
 }  // namespace facetloc

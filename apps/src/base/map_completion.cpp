@@ -51,6 +51,13 @@ void completeMap(const fs::path& path, int threads, const Console& console) {
   completeAmbiguity(path, threads, console);
 }
 
+void replaceWholeMap(const fs::path& path, const Map& map, int threads, const Console& console) {
+  replaceMap(path, [&](const fs::path& temporary) {
+    writeMap(temporary, map);
+    completeMap(temporary, threads, console);
+  });
+}
+
 void writeNewMap(const std::string& path, bool overwrite, int threads, const Console& console,
                  const std::function<const Map&()>& make) {
   if (path.empty()) throw UsageError("the map to write is missing: -o OUT.flmap");

@@ -25,6 +25,10 @@ void completeMap(const std::filesystem::path& map, int threads, const Console& c
 void writeNewMap(const std::string& path, bool overwrite, int threads, const Console& console,
                  const std::function<const Map&()>& make);
 
+/** \brief Writes a map in the place of one that was there, which stays as it was until the new one is
+ * complete. Throws IoError, and Stopped at Ctrl-C. */
+void replaceWholeMap(const std::filesystem::path& path, const Map& map, int threads, const Console& console);
+
 /** \brief The faults of the place index in a map file, in words; empty if it is sound or missing. */
 std::vector<std::string> placeIndexFaults(const std::filesystem::path& map);
 

@@ -31,12 +31,6 @@ fs::path setAside(const fs::path& folder) {
     if (const fs::path name = fmt::format("{}-{}", folder.string(), n); !fs::exists(name)) return name;
 }
 
-std::string nextSession(const Map& map) {
-  int n = 2;
-  while (map.meta.count(fmt::format("session {}", n))) ++n;
-  return fmt::format("session {}", n);
-}
-
 /** The map as it is with the images; nothing if they are not found in it. */
 std::optional<Map> extended(const std::shared_ptr<const Map>& map, const DepthSequence& images,
                             const MapUpdateParams& params, int threads, const Console& console) {
@@ -54,12 +48,9 @@ std::optional<Map> extended(const std::shared_ptr<const Map>& map, const DepthSe
   }
   Map changed = *map;
   const MapChanges changes = session.update(changed);
-  const std::string words = fmt::format("{} added, {} replaced, {} retired, {} without what has moved",
-                                        counted(changes.added.size(), "local model"), changes.replaced.size(),
-                                        changes.retired.size(), changes.edited.size());
-  changed.meta[nextSession(*map)] =
-      fmt::format("live: {}; {}", counted(images.frames().size(), "image"), words);
-  console.print(words + "\n");
+  noteSession(fmt::format("live: {}; {}", counted(images.frames().size(), "image"), changes.inWords()),
+              changed);
+  console.print(changes.inWords() + "\n");
   return changed;
 }
 
@@ -110,10 +101,7 @@ void takeUpSession(const fs::path& map_file, const MapUpdateParams& params, int 
         fmt::format("the images are kept in {}: facetloc_map extend takes them, too", aside.string()));
     return;
   }
-  replaceMap(map_file, [&](const fs::path& temporary) {
-    writeMap(temporary, *changed);
-    completeMap(temporary, threads, console);
-  });
+  replaceWholeMap(map_file, *changed, threads, console);
   fs::remove_all(folder);
   console.print(
       fmt::format("map of {} in {}\n", counted(changed->models.size(), "local model"), map_file.string()));

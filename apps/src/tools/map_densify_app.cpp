@@ -49,6 +49,8 @@ void MapDensifyApp::addOptions(CommandLine& line) {
 }
 
 int MapDensifyApp::execute(const CommandLine&, const Console& console) {
+  if (overwrite_ && output_.empty())
+    throw UsageError("overwrite belongs to --output; without that, MAP.flmap itself is replaced");
   const std::string target = output_.empty() ? map_ : output_;
   if (!fs::is_regular_file(map_)) throw IoError(map_, "is not there");
   const OutputLock lock = OutputLock::ofFile(target);
@@ -61,10 +63,7 @@ int MapDensifyApp::execute(const CommandLine&, const Console& console) {
   if (done.driven == 0)
     throw IoError(map_,
                   "has no local model with a pose and a depth picture, of which views could be rendered");
-  replaceMap(target, [&](const fs::path& temporary) {
-    writeMap(temporary, map);
-    completeMap(temporary, threads(), console);
-  });
+  replaceWholeMap(target, map, threads(), console);
   console.out << inWords(done, map) << " in " << target << "\n";
   return kOk;
 }

@@ -49,19 +49,6 @@ void printChanges(std::ostream& out, const MapChanges& changes) {
   line("without what has moved", changes.edited);
 }
 
-std::string summaryOf(const MapChanges& changes) {
-  return fmt::format("{} added, {} replaced, {} retired, {} without what has moved",
-                     counted(changes.added.size(), "local model"), changes.replaced.size(),
-                     changes.retired.size(), changes.edited.size());
-}
-
-/** The key of the meta data of the next session. */
-std::string nextSession(const Map& map) {
-  int n = 2;
-  while (map.meta.count(fmt::format("session {}", n))) ++n;
-  return fmt::format("session {}", n);
-}
-
 }  // namespace
 
 MapExtendApp::MapExtendApp()
@@ -137,14 +124,6 @@ const SessionPlace& MapExtendApp::find(MapSession& session) const {
   return place;
 }
 
-/** With all that belongs to it, before it takes the place of what was there. */
-void MapExtendApp::write(const Map& map, const Console& console) const {
-  replaceMap(output_.empty() ? map_ : output_, [&](const fs::path& temporary) {
-    writeMap(temporary, map);
-    completeMap(temporary, threads(), console);
-  });
-}
-
 void MapExtendApp::writeTrajectory(const MapSession& session) const {
   std::vector<StampedPose> poses;
   for (const TrajectoryPose& pose : session.poses()) poses.push_back({pose.stamp, pose.T_w_c});
@@ -165,6 +144,8 @@ void MapExtendApp::drawChanges(const Map& map, const MapSession& session, const 
 int MapExtendApp::execute(const CommandLine& line, const Console& console) {
   if (without_poses_ && !poses_.empty()) throw UsageError("poses and without-poses exclude each other");
   if (!changes_.empty()) requireNoneButPicture(changes_);
+  if (overwrite_ && output_.empty())
+    throw UsageError("overwrite belongs to --output; without that, MAP.flmap itself is replaced");
   const std::string target = output_.empty() ? map_ : output_;
   if (!fs::is_regular_file(map_)) throw IoError(map_, "is not there");
   const OutputLock lock = OutputLock::ofFile(target);
@@ -190,13 +171,13 @@ int MapExtendApp::execute(const CommandLine& line, const Console& console) {
   Map changed = *map;
   const MapChanges changes = session.update(changed);
   printChanges(console.out, changes);
-  changed.meta[nextSession(*map)] =
-      fmt::format("{}: {}, {}; {}", sequence_, counted(sequence.frames().size(), "image"), summaryOf(changes),
-                  versionText());
-  write(changed, console);
+  noteSession(fmt::format("{}: {}, {}; {}", sequence_, counted(sequence.frames().size(), "image"),
+                          changes.inWords(), versionText()),
+              changed);
+  replaceWholeMap(target, changed, threads(), console);
   if (!trajectory_.empty()) writeTrajectory(session);
   if (!changes_.empty()) drawChanges(changed, session, changes);
-  console.out << summaryOf(changes) << "; map of " << counted(changed.models.size(), "local model") << " in "
+  console.out << changes.inWords() << "; map of " << counted(changed.models.size(), "local model") << " in "
               << target << "\n";
   return code;
 }

@@ -20,7 +20,6 @@ private:
   MapSession sessionIn(const std::shared_ptr<const Map>& map, const DepthSequence& sequence,
                        const Camera& camera, const Console& console) const;
   const SessionPlace& find(MapSession& session) const;
-  void write(const Map& map, const Console& console) const;
   void writeTrajectory(const MapSession& session) const;
   void drawChanges(const Map& map, const MapSession& session, const MapChanges& changes) const;
 

@@ -5,6 +5,7 @@
 
 #include <facetloc/mapping/map_session.h>
 
+#include <fmt/format.h>
 #include <utility>
 
 namespace facetloc {
@@ -16,6 +17,18 @@ namespace {
 constexpr double kKeyShare = 0.5;  // of the distance of local models, for images with given poses
 
 }  // namespace
+
+std::string MapChanges::inWords() const {
+  return fmt::format("{} local model{} added, {} replaced, {} retired, {} without what has moved",
+                     added.size(), added.size() == 1 ? "" : "s", replaced.size(), retired.size(),
+                     edited.size());
+}
+
+void noteSession(const std::string& words, Map& map) {
+  int n = 2;  // the first one made the map
+  while (map.meta.count(fmt::format("session {}", n))) ++n;
+  map.meta[fmt::format("session {}", n)] = words;
+}
 
 struct MapSession::Impl {
   Impl(std::shared_ptr<const Map> the_map, const Camera& camera, const MapUpdateParams& the_params)

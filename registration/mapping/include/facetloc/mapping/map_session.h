@@ -63,8 +63,14 @@ struct MapChanges {
   std::vector<Eigen::Isometry3d> T_w_new, T_w_old,
       T_w_edited;  ///< of local models that have come, have gone, are edited
 
+  /** \brief "2 local models added, 1 replaced, 0 retired, 3 without what has moved". */
+  std::string inWords() const;
   bool any() const { return !(added.empty() && replaced.empty() && retired.empty() && edited.empty()); }
 };
+
+/** \brief Notes a session in the meta data of a map, as "session 2" and so on. \param words what it was, and
+ * what it has changed */
+void noteSession(const std::string& words, Map& map);
 
 /** \brief How a later session is taken up into a map. */
 struct MapUpdateParams {
