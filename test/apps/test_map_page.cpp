@@ -170,6 +170,16 @@ TEST(MapPageData, LeavesOutOtherPartsAndSaysSo) {
   EXPECT_THROW(mapPageData(map, {}, "page.html"), IoError);
 }
 
+TEST(MapPageData, ShowsAnswersOfImagesThatCannotBeRead) {
+  const Map map = ExampleScene().map();
+  MapPage page = examplePage(map);
+  page.view = [](std::size_t) -> std::optional<View> { throw IoError("first.png", "is torn"); };
+  const Json::Value data = mapPageData(map, page, "page.html");
+  ASSERT_EQ(3u, data["answers"].size());
+  EXPECT_FALSE(data["answers"][0].isMember("image"));
+  EXPECT_EQ("sure", data["answers"][0]["state"].asString());
+}
+
 TEST(MapPageData, PicturesFitHoweverManyImagesThereAre) {
   const Map map = ExampleScene().map();
   const View view = ExampleScene().see("x", kRight).view;

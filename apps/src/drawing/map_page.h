@@ -43,7 +43,7 @@ struct MapPage {
   std::vector<DrawnRun> runs;
   std::vector<PageAnswer> answers;  ///< in the order of time
   /** \brief The view of an answer's image, to show it and what it was matched to; may be empty, and return
-   * nothing. */
+   * nothing or throw IoError for an image that cannot be read, which has no picture then. */
   std::function<std::optional<View>(std::size_t answer)> view;
 };
 

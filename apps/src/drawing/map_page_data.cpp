@@ -263,8 +263,13 @@ private:
     data_["answers"].append(value);
   }
 
+  /** An image that cannot be read has an answer, but no picture. */
+  std::optional<View> viewOf(std::size_t i) const try { return page_.view(i); } catch (const IoError&) {
+    return {};
+  }
+
   void addView(std::size_t i, Json::Value& value) const {
-    const std::optional<View> view = page_.view(i);
+    const std::optional<View> view = viewOf(i);
     if (!view) return;
     pictures_.add(*view, value);
     const PageAnswer& answer = page_.answers[i];
