@@ -44,6 +44,7 @@ TEST(Front, ListsWhatThereIs) {
   const ToolRun unknown = front({"fly"});
   EXPECT_EQ(unknown.code, kUsage);
   EXPECT_THAT(unknown.err, AllOf(HasSubstr("unknown command 'fly'"), HasSubstr("Commands:")));
+  EXPECT_THAT(front({"lokalize"}).err, HasSubstr("did you mean 'localize'?"));
 }
 
 TEST(Front, BecomesTheToolThatIsNamed) {

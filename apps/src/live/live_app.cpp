@@ -99,10 +99,10 @@ void LiveApp::checkOptions() const {
     throw UsageError("map, extend and build exclude each other");
   const bool has_map = !run_.map.empty() || !run_.extend.empty();
   if (streams_ && !has_map && run_.build.empty())
-    throw UsageError("stream belongs to --map or --build: without a map there are no poses");
+    throw UsageError("stream belongs to --map, --extend or --build: without a map there are no poses");
   if (!run_.odometry.empty() && !has_map && run_.build.empty())
-    throw UsageError("odometry belongs to --map or --build");
-  if (!run_.near.empty() && !has_map) throw UsageError("near belongs to --map");
+    throw UsageError("odometry belongs to --map, --extend or --build");
+  if (!run_.near.empty() && !has_map) throw UsageError("near belongs to --map or --extend");
   if (!run_.remember.empty() && !has_map) throw UsageError("remember belongs to --map or --extend");
   startPose(run_.near, {});
   if (overwrite_ && run_.build.empty()) throw UsageError("overwrite belongs to --build");

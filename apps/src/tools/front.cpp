@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/front.h"
 
+#include "base/spelling.h"
 #include "tools/try_app.h"
 
 #include <algorithm>
@@ -21,6 +22,12 @@ std::string usage() {
                 "with the argument build.\n\n"
                 "Examples:\n  facetloc try walk1 walk2            # a map of walk1, walk2 in it, a report\n"
                 "  facetloc simulate office -o office  # recordings, if you have none\n";
+}
+
+std::vector<std::string> commandNames() {
+  std::vector<std::string> names;
+  for (const FrontCommand& command : frontCommands()) names.emplace_back(command.name);
+  return names;
 }
 
 /** Returns only if the program cannot be run. */
@@ -63,7 +70,8 @@ int runFront(const std::vector<std::string>& arguments, Console console, const s
   if (command == "try") return TryApp().run(rest, console);
   const auto& all = frontCommands();
   if (std::none_of(all.begin(), all.end(), [&](const FrontCommand& c) { return c.name == command; })) {
-    console.error(fmt::format("unknown command '{}'\n{}", command, usage()));
+    console.error(
+        fmt::format("unknown command '{}'{}\n{}", command, didYouMean(command, commandNames()), usage()));
     return kUsage;
   }
   become(command, rest, tools);
