@@ -47,6 +47,31 @@ TEST_F(Tools, ModelBecomesAMap) {
   EXPECT_THAT(runMap({"from-model", model.string(), "-o", map}).err, HasSubstr("exists already"));
 }
 
+TEST_F(Tools, ModelUpsideDownIsNamed) {
+  const fs::path model(folder_ / "open.obj");
+  std::ofstream(model) << "v 0 0 0\nv 5 0 0\nv 0 0 4\nv 5 0 4\nv 0 2.5 0\nv 5 2.5 0\nv 0 2.5 4\nv 5 2.5 4\n"
+                          "f 1 2 4 3\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n";  // without a ceiling
+  const auto saidOf = [&](const char* up) {
+    const auto made = runMap({"from-model", model.string(), "-o", folder_ / "turned.flmap", "--overwrite",
+                              "--up", up, "--spacing", "2"});
+    return made.out + made.err;
+  };
+  EXPECT_THAT(saidOf("-y"), HasSubstr("ceilings without floors"));
+  EXPECT_THAT(saidOf("y"), testing::Not(HasSubstr("ceilings without floors")));
+}
+
+TEST_F(Tools, ModelOptionsThatViewpointsMakeUselessAreRefused) {
+  const fs::path model(folder_ / "room.obj");
+  writeRoom(model, 1);
+  for (const std::vector<std::string> option :
+       {std::vector<std::string>{"--height", "1"}, {"--up", "y"}, {"--inside", "1,1,1"}}) {
+    const auto refused = runMap({"from-model", model.string(), "-o", folder_ / "no.flmap", "--viewpoints",
+                                 folder_ / "poses.txt", option[0], option[1]});
+    EXPECT_EQ(refused.code, kUsage);
+    EXPECT_THAT(refused.err, HasSubstr("viewpoints names them"));
+  }
+}
+
 TEST_F(Tools, ModelThatIsNoneLeavesNoMap) {
   const std::string map = folder_ / "none.flmap";
   const fs::path model(folder_ / "sheet.obj");

@@ -101,7 +101,7 @@ void MapModelApp::addOptions(CommandLine& line) {
       fmt::format("The camera that is to be localized: a camera.ini, a map made with it, or one of {}.",
                   cameraPresetNames()));
   line.addOption("viewpoints", viewpoints_, "FILE",
-                 "Camera poses in the MODEL, each a local model; else places are looked for.");
+                 "Camera poses in the MODEL [m], each a local model; else places are looked for.");
   line.addOption("height", height_, "M",
                  "Height of the camera above the floor [m]; 0 = as mounted, or in the hand.");
   line.addOption("units", units_, "UNIT",
@@ -121,6 +121,12 @@ void MapModelApp::addOptions(CommandLine& line) {
     if (!inside_.empty()) placeOf(inside_);
     if (!(height_ >= 0 && height_ < 100)) throw UsageError("height must be from 0 to 100 m");
     if (width_ < 0 || width_ > 10000) throw UsageError("width must be from 0 to 10000");
+  });
+  line.addCheck([this, &line] {
+    for (const char* option : {"height", "up", "inside"})
+      if (!viewpoints_.empty() && line.given(option))
+        throw UsageError(std::string(option) +
+                         " is for places that are looked for, and viewpoints names them");
   });
   line.addCheck([this, &line] { checkFloorPlan(line); });
   line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
@@ -217,7 +223,14 @@ Map MapModelApp::make(const Console& console) const {
   making.setProgress(watch.callback());
   Map map = making.finish();
   const ModelFindings& found = making.findings();
-  if (map.models.empty()) throw IoError(model_, "becomes no map: " + found.problem);
+  const std::string turned =
+      found.upside_down ? fmt::format("it has ceilings without floors, as if it were upside down; --up names "
+                                      "the upward direction, which is {} now",
+                                      up_)
+                        : "";
+  if (map.models.empty())
+    throw IoError(model_, "becomes no map: " + found.problem + (turned.empty() ? "" : "; " + turned));
+  if (!turned.empty()) console.note(turned);
   if (found.places > 0)
     console.out << fmt::format("{} where the camera can be\n", counted(found.places, "place"));
   if (found.is_open)
