@@ -137,6 +137,21 @@ def test_makes_maps_and_saves_them(tmp_path):
     assert np.linalg.norm(answer.T_w_c[:3, 3] - frame.T_w_c[:3, 3]) < 0.1
 
 
+def test_several_threads_add_to_one_map():
+    frame = facetloc.simulate("room", seed=5, frames=2)[0]
+    making = facetloc.MapMaking(facetloc.simulate("room", seed=5, frames=2).camera)
+
+    def add(first):
+        for stamp in range(first, 800, 8):
+            making.add(frame.depth, stamp, T_w_c=frame.T_w_c)
+    threads = [threading.Thread(target=add, args=(first,)) for first in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(making.finish()) == 1, "all images are the same"
+
+
 def test_a_start_decides_and_is_forgotten(room):
     recording = facetloc.Recording.open(room / "query")
     localizer = facetloc.Localizer(facetloc.Map.open(room / "room.flmap"))

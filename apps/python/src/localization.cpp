@@ -89,6 +89,7 @@ void setPose(LockedLocalizer& self, const py::array_t<double>& T_w_c, const Opti
   const auto found = std::find(parts.begin(), parts.end(), part);
   if (found == parts.end() && !(parts.empty() && part.empty()))
     throw std::invalid_argument("the map has no part '" + part + "'");
+  const py::gil_scoped_release others_run;  // while another call computes
   const std::lock_guard lock(self.mutex);
   self.localizer.setPose(pose, static_cast<int>(found - parts.begin()));
 }
@@ -162,6 +163,7 @@ void addLocalization(py::module_& module) {
       .def("set_pose", &setPose, py::arg("T_w_c"), py::arg("covariance"), py::arg("std_m"),
            py::arg("std_deg"), py::arg("part"))
       .def("reset", [](LockedLocalizer& self) {
+        const py::gil_scoped_release others_run;
         const std::lock_guard lock(self.mutex);
         self.localizer.reset();
       });

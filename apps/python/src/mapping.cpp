@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <stdexcept>
 
 namespace facetloc::python {
@@ -33,18 +34,20 @@ public:
     const py::gil_scoped_release others_run;
     const auto kept = std::make_shared<const DepthImage>(array.image(width_));
     image.load = [kept] { return *kept; };
+    const std::lock_guard lock(mutex_);
     making_.add(std::move(image));
   }
 
   std::shared_ptr<Map> finish() {
     const py::gil_scoped_release others_run;
+    const std::lock_guard lock(mutex_);
     auto map = std::make_shared<Map>(making_.finish());
     if (!making_.findings().problem.empty()) throw std::runtime_error(making_.findings().problem);
     return map;
   }
 
   py::dict findings() const {
-    const MapFindings& found = making_.findings();
+    const MapFindings found = copiedFindings();
     py::dict out;
     out["unread"] = found.unread.size();
     out["without_segments"] = found.without_segments;
@@ -54,8 +57,15 @@ public:
   }
 
 private:
+  MapFindings copiedFindings() const {
+    const py::gil_scoped_release others_run;
+    const std::lock_guard lock(mutex_);
+    return making_.findings();
+  }
+
   const CameraPtr camera_;
   const int width_;
+  mutable std::mutex mutex_;  // threads of Python run beside each other where it computes
   MapMaking making_;
 };
 
