@@ -63,7 +63,7 @@ TEST_F(Tools, ModelUpsideDownIsNamed) {
 TEST_F(Tools, ModelOptionsThatViewpointsMakeUselessAreRefused) {
   const fs::path model(folder_ / "room.obj");
   writeRoom(model, 1);
-  for (const std::vector<std::string> option :
+  for (const std::vector<std::string>& option :
        {std::vector<std::string>{"--height", "1"}, {"--up", "y"}, {"--inside", "1,1,1"}}) {
     const auto refused = runMap({"from-model", model.string(), "-o", folder_ / "no.flmap", "--viewpoints",
                                  folder_ / "poses.txt", option[0], option[1]});
