@@ -349,7 +349,7 @@ stage_segmentation() {
 stage_public() {
   local folders=() name
   for name in mosd redkitchen recordings/tum_fr3_structure/map; do [ ! -d "$data/$name" ] || folders+=("$data/$name"); done
-  [ ${#folders[@]} -gt 0 ] || { has mosd; return 0; }
+  if [ ${#folders[@]} -eq 0 ]; then has mosd || return 0; fi
   "$root/test/benchmark/public.sh" -b "$build" -o public "${folders[@]}"
 }
 
@@ -361,5 +361,6 @@ stage_speed() {
 stage_large() {
   local models=1000,2000,5000,10000,20000,100000
   [ "$every" -eq 1 ] || models=1000
+  mkdir -p large
   bench score_large_maps --floors large --models "$models" --queries $((200 / every > 0 ? 200 / every : 1)) --csv large_maps.csv
 }
