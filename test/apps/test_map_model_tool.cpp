@@ -51,9 +51,9 @@ TEST_F(Tools, ModelUpsideDownIsNamed) {
   const fs::path model(folder_ / "open.obj");
   std::ofstream(model) << "v 0 0 0\nv 5 0 0\nv 0 0 4\nv 5 0 4\nv 0 2.5 0\nv 5 2.5 0\nv 0 2.5 4\nv 5 2.5 4\n"
                           "f 1 2 4 3\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n";  // without a ceiling
-  const auto saidOf = [&](const char* up) {
+  const auto saidOf = [&](const std::string& up) {
     const auto made = runMap({"from-model", model.string(), "-o", folder_ / "turned.flmap", "--overwrite",
-                              "--up", up, "--spacing", "2"});
+                              "--up=" + up, "--spacing", "2"});
     return made.out + made.err;
   };
   EXPECT_THAT(saidOf("-y"), HasSubstr("ceilings without floors"));

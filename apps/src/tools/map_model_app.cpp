@@ -106,8 +106,9 @@ void MapModelApp::addOptions(CommandLine& line) {
                  "Height of the camera above the floor [m]; 0 = as mounted, or in the hand.");
   line.addOption("units", units_, "UNIT",
                  "Unit of the MODEL's coordinates: m, cm, mm, in or ft (m unless given).");
-  line.addOption("up", up_, "AXIS",
-                 "Upward direction in the MODEL: x, -x, y, -y, z, -z or x,y,z (z unless given).");
+  line.addOption(
+      "up", up_, "AXIS",
+      "Upward direction in the MODEL: x, y, z, or --up=-x, ..., or a vector x,y,z (z unless given).");
   line.addOption("inside", inside_, "X,Y,Z",
                  "A place in the area to fill [m]; else all areas but one around all others.");
   line.addOption("wall-height", floor_plan_.wall_height, "M",
