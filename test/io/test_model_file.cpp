@@ -4,6 +4,7 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/model_file.h>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <pcl/conversions.h>
 #include <pcl/io/pcd_io.h>
@@ -177,6 +178,16 @@ TEST_F(ModelFile, RefusesHeadersThatPromiseMoreThanThereIs) {
   std::string binary = kPlyHead;
   binary.replace(binary.find("ascii"), 5, "binary_little_endian");
   EXPECT_NE(std::string::npos, refusal(write("binary.ply", binary + std::string(40, '\0'))).find("cut off"));
+}
+
+TEST_F(ModelFile, RefusesMoreTrianglesThanBytes) {
+  std::string stl(84 + 50, '\x95');  // as many as 2 509 608 341
+  EXPECT_THAT(refusal(write("many.stl", stl)), testing::HasSubstr("binary STL"));
+  EXPECT_THAT(refusal(write("torn.stl", "solid caf\xe9\nfacet")), testing::HasSubstr("binary STL"));
+  EXPECT_THAT(
+      refusal(write("many.vtp", "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"99999999999\" "
+                                "NumberOfPolys='1'></Piece></PolyData></VTKFile>")),
+      testing::HasSubstr("more points or cells"));
 }
 
 /** Whatever is cut off, reading ends with a mesh or with an error. */

@@ -77,7 +77,7 @@ TEST(MeshSurface, LeavesOutWhatIsNoTriangle) {
 }
 
 TEST(MeshSurface, RefusesWhatCannotBeSeen) {
-  EXPECT_THROW(MeshSurface(pcl::PolygonMesh()), std::invalid_argument);
+  EXPECT_THROW(MeshSurface{pcl::PolygonMesh()}, std::invalid_argument);
   EXPECT_THROW(MeshSurface(meshOf({{0, 0, 1}, {1, 0, 1}, {2, 0, 1}}, {{0, 1, 2}})), std::invalid_argument);
   // In the coordinates of a country.
   EXPECT_THROW(
