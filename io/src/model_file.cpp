@@ -95,8 +95,10 @@ void requireSoundStl(const fs::path& path) {
   std::string begin(kLooked, '\0');
   in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
   begin.resize(static_cast<std::size_t>(in.gcount()));
-  const bool is_text = begin.compare(0, 5, "solid") == 0 &&
-                       std::all_of(begin.begin(), begin.end(), [](char c) { return c > 0; });
+  const bool is_text =
+      begin.compare(0, 5, "solid") == 0 && std::all_of(begin.begin(), begin.end(), [](char c) {
+        return (c >= ' ' && c <= '~') || c == '\t' || c == '\n' || c == '\r';
+      });
   if (is_text) return;
   std::uint32_t triangles = 0;
   if (begin.size() >= kHeader) std::memcpy(&triangles, begin.data() + kHeader - 4, sizeof triangles);

@@ -184,6 +184,9 @@ TEST_F(ModelFile, RefusesMoreTrianglesThanBytes) {
   std::string stl(84 + 50, '\x95');  // as many as 2 509 608 341
   EXPECT_THAT(refusal(write("many.stl", stl)), testing::HasSubstr("binary STL"));
   EXPECT_THAT(refusal(write("torn.stl", "solid caf\xe9\nfacet")), testing::HasSubstr("binary STL"));
+  for (const char control : {'\x16', '\f'})  // by which VTK takes a text for a binary file
+    EXPECT_THAT(refusal(write("control.stl", "solid" + std::string(200, control))),
+                testing::HasSubstr("binary STL"));
   EXPECT_THAT(
       refusal(write("many.vtp", "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"99999999999\" "
                                 "NumberOfPolys='1'></Piece></PolyData></VTKFile>")),
