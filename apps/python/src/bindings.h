@@ -35,7 +35,7 @@ public:
 
 private:
   CameraPtr camera_;
-  DepthFrame frame_;   // of whole numbers
+  DepthFrame frame_;   // Integer depth values.
   DepthImage metres_;  // else
 };
 

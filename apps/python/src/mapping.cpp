@@ -71,7 +71,7 @@ private:
 
 /** As facetloc_simulate makes them. */
 constexpr std::uint64_t kRunSeeds = 64;  // seeds per place, for its runs
-constexpr int kBoxes = 16;               // in a room
+constexpr int kBoxes = 16;               // Boxes in a simulated room.
 
 Intrinsics kinectOf(int width) {
   const Intrinsics kinect = kinectIntrinsics();

@@ -5,7 +5,7 @@
 
 PYBIND11_MODULE(_facetloc, module) {
   using namespace facetloc;
-  // With the same sentences; of Python's own kinds, so that nobody needs to know ours.
+  // Built-in exception types with the messages of the C++ exceptions.
   pybind11::register_exception<IoError>(module, "IoError", PyExc_OSError);
   python::addRecordings(module);
   python::addLocalization(module);

@@ -12,7 +12,7 @@
 namespace facetloc {
 namespace {
 
-constexpr const char* kIgnored = "none";  // in the place of a file
+constexpr const char* kIgnored = "none";  // Instead of a file name: ignores gravity in the recording.
 
 /** 1 to 3: x, y, z; negative: the other direction. */
 Eigen::Vector3d axisOf(int number) {

@@ -39,7 +39,7 @@ std::size_t spellingDistance(const std::string& a, const std::string& b) {
 }
 
 std::string nearestWord(const std::string& word, const std::vector<std::string>& known) {
-  constexpr std::size_t kLongest = 100;  // of a word that somebody has mistyped
+  constexpr std::size_t kLongest = 100;  // Longer words get no suggestion.
   if (word.size() > kLongest) return {};
   std::string nearest;
   std::size_t least = word.size() / kCharactersPerError + 1;

@@ -41,7 +41,7 @@ struct PageAnswer {
 struct MapPage {
   std::string title;
   std::vector<DrawnRun> runs;
-  std::vector<PageAnswer> answers;  ///< in the order of time
+  std::vector<PageAnswer> answers;  ///< Sorted by time.
   /** \brief The view of an answer's image, to show it and what it was matched to; may be empty, and return
    * nothing or throw IoError for an image that cannot be read, which has no picture then. */
   std::function<std::optional<View>(std::size_t answer)> view;

@@ -21,10 +21,10 @@ namespace facetloc {
 namespace {
 
 constexpr std::size_t kMostSegments = 40000;
-constexpr std::size_t kMostPlaces = 20;         // of an answer
+constexpr std::size_t kMostPlaces = 20;         // Poses listed per answer.
 constexpr std::size_t kPictureBytes = 1 << 20;  // that pictures and matches share, about
 constexpr std::size_t kLargePicture = 2900,
-                      kSmallPicture = 1600;  // of one, with its matches, as text [bytes]
+                      kSmallPicture = 1600;  // Size of one encoded picture with its matches [bytes].
 
 Json::Value poseOf(const Eigen::Isometry3d& T) {
   Json::Value value(Json::arrayValue);
@@ -116,8 +116,9 @@ private:
     return left_out;
   }
 
-  std::vector<std::vector<Eigen::Vector3d>> hulls_;  // in the world; the left out are empty
-  std::vector<double> areas_;                        // [m^2]
+  std::vector<std::vector<Eigen::Vector3d>>
+      hulls_;                  // World coordinates; empty for segments that are not drawn.
+  std::vector<double> areas_;  // [m^2]
 };
 
 /** Where a segment is in the image of a view, in permille of its width and height; empty if it reaches behind
@@ -287,7 +288,7 @@ private:
   const Map& map_;
   const MapPage& page_;
   const int part_;
-  std::vector<int> numbers_;  // of the local models on the page; -1 = not drawn
+  std::vector<int> numbers_;  // Indices on the page by local model; -1 = not drawn.
   const Pictures pictures_;
   Json::Value data_;
 };
