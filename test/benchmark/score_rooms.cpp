@@ -15,6 +15,7 @@
 #include <facetloc/localization/global_localization.h>
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/simulation/simulated_camera.h>
+#include <facetloc/simulation/simulated_run.h>
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +31,6 @@ namespace {
 using namespace facetloc;
 
 constexpr int kRooms = 20, kQueriesPerRoom = 10, kPlaces = 3, kHeadings = 24;
-constexpr int kBoxes = 16;
 constexpr int kAttempts = 500;      // to find a sensible query; a small, crowded room may have none
 constexpr double kFreeView = 1.5;   // distance of what the robot looks at [m]: nearer, a wall fills the view
 constexpr double kClearance = 0.6;  // of the robot from walls and boxes [m]
@@ -60,7 +60,7 @@ Eigen::Vector2d floorHalfSize(const Scene& scene, Eigen::Vector2d& centre) {
 class Room {
 public:
   explicit Room(std::uint64_t seed)
-      : scene_(randomRoom(seed, kBoxes)), random_(seed), camera_(kinectIntrinsics(), SimulatedNoise{}, seed) {
+      : scene_(furnishedRoom(seed)), random_(seed), camera_(kinectIntrinsics(), SimulatedNoise{}, seed) {
     half_ = floorHalfSize(scene_, centre_);
   }
 

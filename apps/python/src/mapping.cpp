@@ -3,11 +3,9 @@
 
 #include <facetloc/mapping/map_making.h>
 #include <facetloc/simulation/simulated_camera.h>
-#include <facetloc/simulation/simulated_drive.h>
-#include <facetloc/simulation/simulated_place.h>
+#include <facetloc/simulation/simulated_run.h>
 
 #include <algorithm>
-#include <cmath>
 #include <mutex>
 #include <stdexcept>
 
@@ -69,40 +67,19 @@ private:
   MapMaking making_;
 };
 
-/** As facetloc_simulate makes them. */
-constexpr std::uint64_t kRunSeeds = 64;  // seeds per place, for its runs
-constexpr int kBoxes = 16;               // Boxes in a simulated room.
-
-Intrinsics kinectOf(int width) {
-  const Intrinsics kinect = kinectIntrinsics();
-  const double scale = static_cast<double>(width) / kinect.width;
-  return {width,
-          static_cast<int>(std::lround(kinect.height * scale)),
-          kinect.fx * scale,
-          kinect.fx * scale,
-          (width - 1) / 2.0,
-          (std::lround(kinect.height * scale) - 1) / 2.0};
-}
-
 /** What a robot sees on its way through a place, and from where. */
 struct Drive {
   Drive(const std::string& place, const std::string& run, std::uint64_t seed, int frames, int width)
-      : camera(kinectOf(width), {}, seed) {
+      : camera(centredKinect(width), {}, seed) {
     if (run != "map" && run != "query")
       throw std::invalid_argument("the run is neither map nor query: " + run);
     if (frames < 1 || width < 32)
       throw std::invalid_argument("frames must be positive and width at least 32");
     const bool is_map = run == "map";
-    const std::uint64_t run_seed = kRunSeeds * seed + (is_map ? 0 : 1);
-    if (place == "room") {
-      scene = randomRoom(seed, kBoxes);
-      poses = simulateDrive(scene, static_cast<std::size_t>(frames), params, run_seed);
-      return;
-    }
-    SimulatedPlace made = simulatedPlace(place, seed);
-    poses = simulateDrive(is_map ? made.mapping_route : made.query_route, static_cast<std::size_t>(frames),
-                          params, run_seed, {}, made.one_way ? RouteEnd::stop : RouteEnd::go_round);
-    scene = std::move(is_map ? made.mapped : made.later);
+    SimulatedRun made =
+        simulatedRun(place, seed, is_map ? kMappingRun : kLaterRun, static_cast<std::size_t>(frames), params);
+    scene = std::move(made.scene);
+    poses = std::move(made.poses);
   }
 
   DriveParams params;

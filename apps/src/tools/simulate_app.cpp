@@ -18,6 +18,7 @@
 #include <facetloc/io/trajectory.h>
 #include <facetloc/simulation/simulated_gravity.h>
 #include <facetloc/simulation/simulated_model.h>
+#include <facetloc/simulation/simulated_run.h>
 
 #include <algorithm>
 #include <cmath>
@@ -36,14 +37,13 @@ namespace fs = std::filesystem;
 constexpr double kDepthScale = 5000;  // [1/m]
 constexpr double kBetweenStarts =
     1000;  // [s] of the runs, or a multiple: no two have images of the same stamp
-constexpr std::uint64_t kRunSeeds = 64;  // seeds per place, for its runs
 constexpr std::uint64_t kSeedOfRounds = kRunSeeds - 1;
 constexpr int kMostFrames = 1000000;
 constexpr int kMostRounds = 1000;
 constexpr double kSwayInRounds = 4;  // [deg] of the mapping run, so that it never looks the same way twice
 constexpr double kMostBent = 1;      // [m]
 constexpr const char* kUsualCamera = "kinect";
-constexpr const char *kRoom = "room", *kMap = "map", *kQuery = "query", *kDrive = "drive";
+constexpr const char *kMap = "map", *kQuery = "query", *kDrive = "drive";
 constexpr double kWalls = 0.3;    // [m] thickness that belongs to a room
 constexpr double kInside = 0.95;  // of the pixels, where a room is all that is seen
 constexpr int kGrid = 4;          // [px] between the pixels that are asked
@@ -204,10 +204,9 @@ void SimulateApp::setStamps(std::vector<Run>& runs) const {
 
 SimulatedPlace SimulateApp::makeScenes() const {
   const auto seed = static_cast<std::uint64_t>(seed_);
-  if (scene_ != kRoom) return simulatedPlace(scene_, seed);
-  constexpr int kBoxes = 16;  // furnished: most views then show planes of three directions
+  if (scene_ != kRoomName) return simulatedPlace(scene_, seed);
   SimulatedPlace room;
-  room.mapped = room.later = randomRoom(seed, kBoxes);
+  room.mapped = room.later = furnishedRoom(seed);
   return room;
 }
 
@@ -240,7 +239,7 @@ SimulateApp::Place SimulateApp::makePlace(SimulatedPlace made) const {
   place.mapped = std::make_shared<Scene>(std::move(made.mapped));
   place.later = std::make_shared<Scene>(std::move(made.later));
   place.unmapped_rooms = std::move(made.unmapped_rooms);
-  made.mapping_route = roundsOf(made.mapping_route, rounds_, kRunSeeds * seed + kSeedOfRounds);
+  made.mapping_route = roundsOf(made.mapping_route, rounds_, runSeed(seed, kSeedOfRounds));
   const RouteEnd end = made.one_way ? RouteEnd::stop : RouteEnd::go_round;
 
   // All runs are driven, whatever is wanted: none depends on the others being made. In a room they meet where
@@ -249,7 +248,7 @@ SimulateApp::Place SimulateApp::makePlace(SimulatedPlace made) const {
   const auto drive = [&](const Scene& scene, const Route& route, std::size_t frames,
                          const DriveParams& params, std::uint64_t run,
                          const std::optional<PaceParams>& pace) {
-    const std::uint64_t run_seed = kRunSeeds * seed + run;
+    const std::uint64_t run_seed = runSeed(seed, run);
     if (!route.empty()) return simulateDrive(route, frames, params, run_seed, pace, end);
     std::vector<Eigen::Isometry3d> poses = simulateDrive(scene, frames, params, run_seed, start, pace);
     if (!start) start = poses.front().translation().head<2>();
@@ -271,10 +270,10 @@ SimulateApp::Place SimulateApp::makePlace(SimulatedPlace made) const {
     if (std::find(wanted.begin(), wanted.end(), runs[i].name) == wanted.end()) continue;
     if (with_odometry_)
       runs[i].odometry = simulateOdometry(basePoses(runs[i].poses, drive_.mounting()), odometry_,
-                                          drive_.robot, kRunSeeds * seed + i);
+                                          drive_.robot, runSeed(seed, i));
     if (gravity_error_deg_ >= 0) {
       const std::vector<Gravity> found =
-          simulateGravity(runs[i].poses, gravity_error_deg_ * kDegree, kRunSeeds * seed + i);
+          simulateGravity(runs[i].poses, gravity_error_deg_ * kDegree, runSeed(seed, i));
       for (std::size_t k = 0; k < found.size(); ++k) runs[i].gravity.push_back({runs[i].stamps[k], found[k]});
     }
     place.runs.push_back(std::move(runs[i]));
@@ -317,7 +316,7 @@ void SimulateApp::writeUnmapped(const Run& query, const std::vector<char>& unmap
 
 void SimulateApp::checkOptions() const {
   std::vector<std::string> scenes = simulatedPlaceNames();
-  scenes.push_back(kRoom);
+  scenes.push_back(kRoomName);
   if (std::find(scenes.begin(), scenes.end(), scene_) == scenes.end())
     throw UsageError(fmt::format("unknown scene '{}'; there are: {}", scene_, fmt::join(scenes, " ")));
   if (folder_.empty() && model_.empty() && grid_.empty())
