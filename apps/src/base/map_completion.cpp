@@ -58,12 +58,17 @@ void replaceWholeMap(const fs::path& path, const Map& map, int threads, const Co
   });
 }
 
+OutputLock lockTarget(const fs::path& map, bool may_replace) {
+  OutputLock lock = OutputLock::ofFile(map);
+  if (!may_replace && fs::file_size(map) > 0)
+    throw IoError(map.string(), "exists already; give --overwrite to replace it");
+  return lock;
+}
+
 void writeNewMap(const std::string& path, bool overwrite, int threads, const Console& console,
                  const std::function<const Map&()>& make) {
   if (path.empty()) throw UsageError("the map to write is missing: -o OUT.flmap");
-  const OutputLock lock = OutputLock::ofFile(path);
-  if (!overwrite && fs::file_size(path) > 0)
-    throw IoError(path, "exists already; give --overwrite to replace it");
+  const OutputLock lock = lockTarget(path, overwrite);
   writeMap(path, make());
   completeMap(path, threads, console);
 }

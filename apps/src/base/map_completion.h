@@ -4,6 +4,7 @@
 #include "base/app.h"
 
 #include <facetloc/features/local_model.h>
+#include <facetloc/io/output_lock.h>
 
 #include <filesystem>
 #include <functional>
@@ -24,6 +25,10 @@ void completeMap(const std::filesystem::path& map, int threads, const Console& c
  * without a path, IoError. \param make is called once it is clear that the map can be written */
 void writeNewMap(const std::string& path, bool overwrite, int threads, const Console& console,
                  const std::function<const Map&()>& make);
+
+/** \brief Locks the file that a map is to be written to. Throws IoError if it exists and may not be replaced.
+ */
+OutputLock lockTarget(const std::filesystem::path& map, bool may_replace);
 
 /** \brief Writes a map in the place of one that was there, which stays as it was until the new one is
  * complete. Throws IoError, and Stopped at Ctrl-C. */

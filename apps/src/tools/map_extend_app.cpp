@@ -148,9 +148,7 @@ int MapExtendApp::execute(const CommandLine& line, const Console& console) {
     throw UsageError("overwrite belongs to --output; without that, MAP.flmap itself is replaced");
   const std::string target = output_.empty() ? map_ : output_;
   if (!fs::is_regular_file(map_)) throw IoError(map_, "is not there");
-  const OutputLock lock = OutputLock::ofFile(target);
-  if (!output_.empty() && !overwrite_ && fs::file_size(output_) > 0)
-    throw IoError(output_, "exists already; give --overwrite to replace it");
+  const OutputLock lock = lockTarget(target, output_.empty() || overwrite_);
   const auto map = std::make_shared<const Map>(readMap(map_));
   noteUnfinished(*map, map_, console);
   if (!hasGivenPose(*map)) throw IoError(map_, "cannot be extended: no local model has a pose");
