@@ -25,17 +25,7 @@ using test::TemporaryFolder;
 using testing::AllOf;
 using testing::HasSubstr;
 
-Trajectory odometry() {
-  std::vector<StampedPose> poses;
-  for (int i = 0; i < 5; ++i) {
-    StampedPose pose;
-    pose.stamp = 1000 + 0.01 * i;
-    pose.T_w_c.translation() << i, 2 * i, 0;
-    pose.T_w_c.linear() = Eigen::AngleAxisd(0.1 * i, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    poses.push_back(pose);
-  }
-  return Trajectory(poses);
-}
+Trajectory odometry() { return Trajectory(test::turningPath(5)); }
 
 class Bag : public testing::Test {
 protected:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Recordings of ROS 2, as Python writes them after the specifications.
 
+#include "changed_database.h"
 #include "example_sequence.h"
 #include "temporary_folder.h"
 
@@ -8,7 +9,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sqlite3.h>
 
 #include <atomic>
 #include <thread>
@@ -26,17 +26,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-std::vector<StampedPose> path() {
-  std::vector<StampedPose> poses;
-  for (int i = 0; i < 6; ++i) {
-    StampedPose pose;
-    pose.stamp = 1000 + 0.01 * i;
-    pose.T_w_c.translation() << i, 2 * i, 0;
-    pose.T_w_c.linear() = Eigen::AngleAxisd(0.1 * i, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    poses.push_back(pose);
-  }
-  return poses;
-}
+std::vector<StampedPose> path() { return test::turningPath(6); }
 
 /** The camera on the robot of write_recording.py. */
 Eigen::Isometry3d opticalOnRobot() {
@@ -283,14 +273,7 @@ TEST_F(MessageRecordings, ClaimsOfGigabytesAreNotBelieved) {
 TEST_F(MessageRecordings, CellsOfADatabaseMayBeAnything) {
   const auto changed = [this](const char* sql) {
     const fs::path file = recording("db3");
-    sqlite3* db = nullptr;
-    EXPECT_EQ(sqlite3_open(file.c_str(), &db), SQLITE_OK);
-    EXPECT_EQ(sqlite3_exec(db, sql, nullptr, nullptr, nullptr), SQLITE_OK) << sqlite3_errmsg(db);
-    sqlite3_close(db);
-    return ioErrorOf([&] {
-      const DepthSequence read = DepthSequence::open(file);
-      for (std::size_t i = 0; i < read.frames().size(); ++i) read.load(i);
-    });
+    return test::errorWhenChanged(file, sql);
   };
   EXPECT_EQ(changed("SELECT 1"), "");
   EXPECT_THAT(changed("UPDATE messages SET data = 'text'"), HasSubstr("no sound recording"));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Databases of RTAB-Map, as Python writes them.
 
+#include "changed_database.h"
 #include "example_sequence.h"
 #include "temporary_folder.h"
 
@@ -46,17 +47,7 @@ protected:
     }
     return poses;
   }
-  std::string errorWhenChanged(const char* sql) const {
-    const fs::path file = database("");
-    sqlite3* db = nullptr;
-    EXPECT_EQ(sqlite3_open(file.c_str(), &db), SQLITE_OK);
-    EXPECT_EQ(sqlite3_exec(db, sql, nullptr, nullptr, nullptr), SQLITE_OK) << sqlite3_errmsg(db);
-    sqlite3_close(db);
-    return ioErrorOf([&] {
-      const DepthSequence read = DepthSequence::open(file);
-      for (std::size_t i = 0; i < read.frames().size(); ++i) read.load(i);
-    });
-  }
+  std::string errorWhenChanged(const char* sql) const { return test::errorWhenChanged(database(""), sql); }
 
   TemporaryFolder folder_;
   ExampleSequence example_;

@@ -53,6 +53,19 @@ inline bool writeWith(const char* script, const DepthSequence& sequence, const s
   return done;
 }
 
+/** \brief Poses 0.01 s apart from 1000 s on, along a line and turning about the z axis. */
+inline std::vector<StampedPose> turningPath(int poses) {
+  std::vector<StampedPose> path;
+  for (int i = 0; i < poses; ++i) {
+    StampedPose pose;
+    pose.stamp = 1000 + 0.01 * i;
+    pose.T_w_c.translation() << i, 2 * i, 0;
+    pose.T_w_c.linear() = Eigen::AngleAxisd(0.1 * i, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    path.push_back(pose);
+  }
+  return path;
+}
+
 /** \brief Writes a sequence as a bag (write_bag.py tells the kinds). \return did it work? */
 inline bool writeBag(const DepthSequence& sequence, const std::filesystem::path& bag, const std::string& kind,
                      const Trajectory& odometry = {}) {
