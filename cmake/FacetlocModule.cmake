@@ -27,7 +27,14 @@ function(facetloc_add_module name)
   set(lib facetloc_${name})
   add_library(${lib} ${arg_SOURCES})
   add_library(facetloc::${name} ALIAS ${lib})
-  target_sources(${lib} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${arg_HEADERS})
+  if(CMAKE_VERSION VERSION_GREATER_EQUAL 3.23)
+    target_sources(${lib} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${arg_HEADERS})
+    set(install_headers FILE_SET HEADERS COMPONENT dev)
+  else()
+    target_include_directories(${lib} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
+                                             $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+    install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
+  endif()
   list(TRANSFORM arg_DEPENDS PREPEND facetloc::)
   target_link_libraries(${lib} PUBLIC ${arg_DEPENDS} ${arg_LINK}
                         PRIVATE fmt::fmt ${arg_PRIVATE_LINK} $<BUILD_INTERFACE:facetloc_warnings>)
@@ -48,7 +55,7 @@ function(facetloc_add_module name)
   install(TARGETS ${lib} EXPORT facetloc-targets
           LIBRARY COMPONENT library NAMELINK_COMPONENT dev
           ARCHIVE COMPONENT dev
-          FILE_SET HEADERS COMPONENT dev)
+          ${install_headers})
 endfunction()
 
 add_library(facetloc_warnings INTERFACE)
