@@ -11,8 +11,8 @@ mkdir -p "$out/bash" "$out/zsh"
 zsh=$out/zsh/_facetloc
 names=$(cd "$tools" && for tool in facetloc_*; do [ -x "$tool" ] && [ -f "$tool" ] && echo "$tool"; done)
 {
-  echo "#compdef $(tr '\n' ' ' <<<"$names")"
-  echo 'local -A options commands'
+  echo "#compdef facetloc $(tr '\n' ' ' <<<"$names")"
+  echo 'local -A facetloc_options facetloc_commands'
 } >"$zsh"
 for tool in $names; do
   has=$(commands_of "$tools/$tool") cases=""
@@ -20,12 +20,12 @@ for tool in $names; do
     for command in $has; do
       list=$(options_of "$tools/$tool" "$command")
       cases+="    $command) options=\"$list\" ;;"$'\n'
-      echo "options[$tool $command]='$list'" >>"$zsh"
+      echo "facetloc_options+=('$tool $command' '$list')" >>"$zsh"
     done
-    echo "commands[$tool]='$has'" >>"$zsh"
+    echo "facetloc_commands+=($tool '$has')" >>"$zsh"
   else
     list=$(options_of "$tools/$tool")
-    echo "options[$tool]='$list'" >>"$zsh"
+    echo "facetloc_options+=($tool '$list')" >>"$zsh"
   fi
   {
     echo "# Completion of $tool for bash."
@@ -45,26 +45,39 @@ for tool in $names; do
     echo "complete -o filenames -F _$tool $tool"
   } >"$out/bash/$tool"
 done
+commands=$("$tools/facetloc" --help | sed -nE '/^Commands:/,/^$/s/^  ([a-z]+) .*/\1/p' | tr '\n' ' ')
+cat >"$out/bash/facetloc" <<END
+# Completion of facetloc for bash: the commands, and then the options of the tool behind each.
+_facetloc() {
+  if [ "\$COMP_CWORD" -eq 1 ]; then COMPREPLY=(\$(compgen -W "$commands--help --version" -- "\${COMP_WORDS[1]}")); return; fi
+  local tool=facetloc_\${COMP_WORDS[1]} file=\${BASH_SOURCE[0]%/*}/facetloc_\${COMP_WORDS[1]}
+  if [ -e "\$file" ]; then
+    source "\$file"
+    COMP_WORDS=("\$tool" "\${COMP_WORDS[@]:2}") COMP_CWORD=\$((COMP_CWORD - 1))
+    "_\$tool"
+  else
+    COMPREPLY=(\$(compgen -f -- "\${COMP_WORDS[COMP_CWORD]}"))
+  fi
+}
+complete -o filenames -F _facetloc facetloc
+END
 {
-  echo "# Completion of facetloc for bash."
-  echo "_facetloc() {"
-  echo "  if [ \"\$COMP_CWORD\" -eq 1 ]; then"
-  echo "    COMPREPLY=(\$(compgen -W \"$("$tools/facetloc" --help | sed -nE '/^Commands:/,/^$/s/^  ([a-z]+) .*/\1/p' | tr '\n' ' ')--help --version\" -- \"\${COMP_WORDS[1]}\"))"
-  echo '  else'
-  echo '    COMPREPLY=($(compgen -f -- "${COMP_WORDS[COMP_CWORD]}"))'
-  echo '  fi'
-  echo '}'
-  echo "complete -o filenames -F _facetloc facetloc"
-} >"$out/bash/facetloc"
-cat >>"$zsh" <<'END'
+  echo "facetloc_commands+=(facetloc '$commands')"
+  cat <<'END'
 local tool=${words[1]:t}
-if (( CURRENT == 2 )) && [[ -n ${commands[$tool]} ]]; then
-  compadd -- ${=commands[$tool]} --help --version
+if [[ $tool == facetloc ]] && (( CURRENT > 2 )); then
+  tool=facetloc_${words[2]}
+  shift words
+  (( CURRENT -= 1 ))
+fi
+if (( CURRENT == 2 )) && [[ -n ${facetloc_commands[$tool]} ]]; then
+  compadd -- ${=facetloc_commands[$tool]} --help --version
 elif [[ $PREFIX == -* ]]; then
   local key=$tool
-  [[ -n ${commands[$tool]} ]] && key="$tool ${words[2]}"
-  compadd -- ${=options[$key]}
+  [[ -n ${facetloc_commands[$tool]} ]] && key="$tool ${words[2]}"
+  compadd -- ${=facetloc_options[$key]}
 else
   _files
 fi
 END
+} >>"$zsh"
