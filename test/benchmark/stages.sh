@@ -30,11 +30,19 @@ has() {
   return 1
 }
 
-# mapped RUN [OPTION...]: the map of a run, map/$name.flmap, made once; sets map.
+# madeMap MAP ARGUMENT...: what facetloc_map makes of the arguments, once; a stage that was stopped leaves no half of it.
+madeMap() {
+  [ ! -e "$1" ] || return 0
+  local part=${1%.flmap}.part.flmap
+  mkdir -p "$(dirname "$1")"
+  rm -f "$part"
+  "$apps/facetloc_map" "${@:2}" -o "$part" --quiet > /dev/null
+  mv "$part" "$1"
+}
+# mapped RUN [OPTION...]: the map of a run; sets map.
 mapped() {
-  mkdir -p map
   map=map/$(echo "${1#"$data"/}" "${@:2}" | tr -c 'a-zA-Z0-9.\n' _).flmap
-  [ -e "$map" ] || "$apps/facetloc_map" build "$1" -o "$map" --quiet "${@:2}" > /dev/null
+  madeMap "$map" build "$@"
 }
 
 # localized ROWNAME MAP QUERY LIMITS... -- [OPTION...]: a row for each of the limits "METRES DEGREES"; COLUMN and EVALUATE, if set, go to row.
@@ -102,16 +110,14 @@ stage_models() {
 ofModel() {
   local out
   out=map/$(echo "$1" | tr -c 'a-zA-Z0-9.\n' _).flmap
-  mkdir -p map
-  [ -e "$out" ] || "$apps/facetloc_map" from-model "$2" -o "$out" --camera "$data/redkitchen/map/camera.ini" --quiet "${@:3}" > /dev/null
+  madeMap "$out" from-model "$2" --camera "$data/redkitchen/map/camera.ini" "${@:3}"
   localized "kitchen, $1" "$out" "$data/redkitchen/query" "0.3 5" --
 }
 # modelled SEED: the office modelledSEED and the map of its mesh; sets map.
 modelled() {
   place "modelled$1" office --seed "$1" --model "modelled$1.ply"
   map=map/modelled$1.flmap
-  mkdir -p map
-  [ -e "$map" ] || "$apps/facetloc_map" from-model "modelled$1.ply" -o "$map" --camera "modelled$1/map/camera.ini" --quiet > /dev/null
+  madeMap "$map" from-model "modelled$1.ply" --camera "modelled$1/map/camera.ini"
 }
 
 stage_paper() {
@@ -141,7 +147,7 @@ stage_unknown() {
     echo "map of a mesh, office $seed"
     bench score_unknown --every "$n" --map "$map" "modelled$seed"
     mapped "modelled$seed/map"
-    [ -e "map/dense$seed.flmap" ] || "$apps/facetloc_map" densify "$map" -o "map/dense$seed.flmap" --quiet > /dev/null
+    madeMap "map/dense$seed.flmap" densify "$map"
     echo "densified map, office $seed"
     bench score_unknown --every "$n" --map "map/dense$seed.flmap" "modelled$seed"
     [ "$every" -eq 1 ] || break
