@@ -8,7 +8,7 @@
 namespace facetloc {
 namespace {
 
-constexpr double kMuchNoisier = 1.3;  // a Kinect's images have up to 1.2 times what its specification says
+constexpr double kMuchNoisier = 1.3;  // a Kinect's images have up to 1.2 times its specified noise
 
 }  // namespace
 
@@ -36,7 +36,7 @@ std::vector<std::string> inWords(const CameraDifference& d, const Camera& of_vie
   if (d.mounting == Mounting::other)
     words.push_back(
         fmt::format("the cameras are mounted differently, {}, and in the map {}: the prior is isotropic, "
-                    "about what both mountings say",
+                    "about the difference of both mountings",
                     inWords(*of_view.mounting), inWords(*of_map.mounting)));
   if (d.mounting == Mounting::unknown)
     words.push_back("the mounting of the images' camera is unknown: where they do not show that it is the "

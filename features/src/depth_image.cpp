@@ -29,7 +29,7 @@ using namespace internal;
 
 namespace {
 
-// The first measured pixel of a block, row by row; 0 if there is none.
+// The first measured pixel of a block, row by row; 0 if no pixel is measured.
 float firstMeasured(const DepthImage& image, int u0, int v0, int step) {
   const int u1 = std::min(u0 + step, image.camera.width), v1 = std::min(v0 + step, image.camera.height);
   for (int v = v0; v < v1; ++v)

@@ -19,7 +19,8 @@ bool Gravity::valid() const {
 }
 
 Gravity gravityAlong(const Eigen::Vector3d& vector, double std) {
-  constexpr double kLeastNorm = 1e-3;  // of directions, of g and of m/s^2: free fall has no direction
+  constexpr double kLeastNorm =
+      1e-3;  // least norm of directions, of g and of m/s^2: free fall has no direction
   if (!vector.allFinite()) throw std::invalid_argument("its gravity is not finite");
   const double norm = vector.stableNorm();
   if (!(norm >= kLeastNorm) || !std::isfinite(norm))

@@ -32,7 +32,7 @@ int reachOf(const DepthImage& image, int u, int v) {
 
 /** Between the measured pixels around a hole. */
 float filled(const DepthImage& image, int u, int v, int reach) {
-  constexpr float kOfOneSurface = 0.02f;  // of inverse depth
+  constexpr float kOfOneSurface = 0.02f;  // share of inverse depth
   float nearest = 0, least = 0, most = 0, sum = 0, weights = 0;
   int least_distance = 2 * reach * reach + 1;
   for (int j = v - reach; j <= v + reach; ++j)
@@ -58,12 +58,12 @@ void forEachHole(const DepthImage& image, const Use& use) {
 }  // namespace
 
 int holeGridReach(const DepthImage& image) {
-  constexpr double kLeastHoles = 0.5;  // of the measured pixels; 1.25 finer images have 0.56
+  constexpr double kLeastHoles = 0.5;  // share of the measured pixels; 1.25 finer images have 0.56
   constexpr double kNearlyAll = 0.9;
   if (!image.valid()) return 0;
   const auto measured =
       static_cast<double>(std::count_if(image.depth.begin(), image.depth.end(), isMeasured));
-  std::array<double, kLargestReach + 1> holes{};  // by reach
+  std::array<double, kLargestReach + 1> holes{};  // indexed by reach
   double all = 0;
   if (static_cast<double>(image.depth.size()) - measured < kLeastHoles * measured) return 0;
   forEachHole(image, [&](int, int, int reach) { ++holes[static_cast<std::size_t>(reach)], ++all; });

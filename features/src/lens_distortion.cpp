@@ -10,8 +10,9 @@
 namespace facetloc {
 namespace {
 
-constexpr double kFarthestRay = 10;     // 84 deg from the axis
-constexpr double kOfOneSurface = 0.01;  // of inverse depth: how far three pixels in a row may be off a line
+constexpr double kFarthestRay = 10;  // 84 deg from the axis
+constexpr double kOfOneSurface =
+    0.01;  // share of inverse depth: how far three pixels in a row may be off a line
 
 /** Radial factor. */
 double scaleAt(const LensDistortion& lens, double r2) {

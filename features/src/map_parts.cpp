@@ -11,7 +11,7 @@
 namespace facetloc {
 namespace {
 
-constexpr double kLever = 3;  // to what a depth camera sees [m]
+constexpr double kLever = 3;  // typical distance to the surfaces that a depth camera sees [m]
 constexpr double kUnreached = std::numeric_limits<double>::infinity();
 
 /** The way along a link, in either direction. */
@@ -70,8 +70,8 @@ private:
   using Reached = std::pair<double, std::size_t>;  // cost and model; of equal costs the first in the map
 
   Map& map_;
-  std::vector<std::vector<Way>> ways_;  // from each model
-  std::vector<double> cost_;            // of each model's best path so far
+  std::vector<std::vector<Way>> ways_;  // indexed by the model where they begin
+  std::vector<double> cost_;            // cost of each model's best path so far
   std::priority_queue<Reached, std::vector<Reached>, std::greater<>> next_;
 };
 

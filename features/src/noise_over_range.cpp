@@ -19,7 +19,7 @@ using namespace internal;
 namespace {
 
 constexpr int kTilesAcross = 10, kSmallestTile = 16;  // [px]
-constexpr double kMeasured = 0.9;                     // of a tile's pixels
+constexpr double kMeasured = 0.9;                     // share of a tile's pixels
 constexpr double kMadToStd = 1.4826;
 constexpr double kTrim = 3.5;           // residuals beyond are no noise [standard deviations]
 constexpr double kMostOutliers = 0.02;  // share of the measured pixels
@@ -160,9 +160,9 @@ NoiseSample typicalOf(std::vector<NoiseSample> samples) {
           median(&NoiseSample::correlation_px)};
 }
 
-/** Noise of depth does not fall with depth: where it seems to, the nearer tiles show what is not flat. */
+/** Noise of depth does not fall with depth: where it seems to, the nearer tiles show uneven surfaces. */
 void dropRelief(std::vector<NoiseBin>& bins) {
-  constexpr double kMuch = 1.5;  // times what is farther
+  constexpr double kMuch = 1.5;  // factor on the noise farther away
   double least_behind = std::numeric_limits<double>::infinity();
   for (auto bin = bins.rbegin(); bin != bins.rend(); ++bin) {
     if (bin->depthStd() > kMuch * least_behind) bin->samples = 0;
@@ -209,7 +209,7 @@ double fitParts(const std::vector<NoiseBin>& bins, const std::array<bool, 3>& us
       if (used[k]) A(i, static_cast<Eigen::Index>(k)) = parts[k];
   }
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(rows);
-  const Eigen::Vector3d x = A.completeOrthogonalDecomposition().solve(ones);  // 0 for what is not used
+  const Eigen::Vector3d x = A.completeOrthogonalDecomposition().solve(ones);  // 0 for unused terms
   if (x.minCoeff() < -1e-12) return std::numeric_limits<double>::infinity();
   noise.depth_std = std::max(0.0, x[0]);
   noise.depth_std_slope = std::max(0.0, x[1]);
@@ -221,12 +221,12 @@ double fitParts(const std::vector<NoiseBin>& bins, const std::array<bool, 3>& us
 
 DepthNoise fittedNoise(const std::vector<NoiseBin>& bins) {
   constexpr std::size_t kToTellParts = 3;
-  constexpr double kWorthAPart = 0.75;  // of the squared error remain, or less
+  constexpr double kWorthAPart = 0.75;  // largest share of the squared error that a useful term leaves
   constexpr double kExact = 1e-6;       // per bin: nothing is left to explain
   DepthNoise best;
   double least = fitParts(bins, {false, false, true}, best);
   if (bins.size() < kToTellParts) return best;
-  // Fewer parts first, and z^2 first among them: it is what most cameras have.
+  // Fewer terms first, and z^2 first among them, the term of most cameras.
   constexpr std::array<std::array<bool, 3>, 6> kOthers = {{{true, false, false},
                                                            {false, true, false},
                                                            {true, false, true},

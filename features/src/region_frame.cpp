@@ -42,7 +42,7 @@ struct Plane {
   Eigen::Matrix3d axes;  // columns: two in the plane, its normal
 };
 
-// Outline of what the points show of the plane.
+// Outline of the part of the plane that the points show.
 Polygon outlineOf(const Points& points, const Plane& plane) {
   Polygon in_plane, hull;
   in_plane.reserve(points.size());
@@ -72,7 +72,7 @@ struct Moments {
   }
 };
 
-// What a camera sees of a convex polygon: each piece counts by the solid angle that it takes.
+// Moments of a convex polygon as a camera sees it: each piece counts by the solid angle that it takes.
 Moments seenOf(const Polygon& outline, const Plane& plane) {
   constexpr int kPieces = 12;  // along an edge of each triangle of the fan
   Moments seen;

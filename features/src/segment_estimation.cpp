@@ -47,7 +47,7 @@ struct DepthSums {
   LaneSums z, zu, zv, zz, zzu, zzv, zzuu, zzuv, zzvv;
 };
 
-// First and last column of a region in a row; first > last where there is none.
+// First and last column of a region in a row; first > last in a row without it.
 struct RowExtreme {
   int first, last;
 };
@@ -272,7 +272,7 @@ void rankByInformation(const std::vector<Segment>& segments, std::vector<double>
 struct SegmentEstimation::Buffers {
   std::vector<float> inverse;  // depth
   std::vector<Run> runs;
-  std::vector<Region> regions;  // by label
+  std::vector<Region> regions;  // indexed by label
   std::vector<RowExtreme> row_extremes;
   Polygon points, hull;
   std::vector<Segment> found;

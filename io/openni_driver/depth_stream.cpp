@@ -11,7 +11,7 @@
 namespace facetloc {
 namespace {
 
-constexpr double kBaseline = 7.5;  // of a Kinect, of which the simulation is one [cm]
+constexpr double kBaseline = 7.5;  // baseline of a Kinect, which the driver simulates [cm]
 
 float fieldOfView(int pixels, double focal_length) {
   return static_cast<float>(2 * std::atan(pixels / (2 * focal_length)));

@@ -13,7 +13,7 @@ namespace facetloc {
 /** \brief The depth stream of a virtual camera: one mode, depth in mm. */
 class DepthStream : public oni::driver::StreamBase {
 public:
-  /** \param report what happens to the device: an OniDeviceState. */
+  /** \param report receives changes of the device: an OniDeviceState. */
   DepthStream(std::shared_ptr<Playback> playback, std::function<void(int)> report);
   ~DepthStream() override { stop(); }
 
@@ -32,7 +32,7 @@ private:
   std::function<void(int)> report_;
   OniVideoMode mode_{};
   std::vector<OniDepthPixel> image_;  // the next one
-  int number_ = 0;                    // of the last one delivered
+  int number_ = 0;                    // number of the last one delivered
   std::thread thread_;
 };
 

@@ -30,7 +30,7 @@ public:
   }
   void shutdown() override {}
 
-  /** Claims what looks like one of ours; what is wrong with it, if anything, is said when it is opened. */
+  /** Claims files that look like ours; their faults are reported when they are opened. */
   OniStatus tryDevice(const char* uri) override {
     if (std::strlen(uri) >= ONI_MAX_STR || !isFrameSource(uri)) return ONI_STATUS_ERROR;
     announce(uri);

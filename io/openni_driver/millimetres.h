@@ -10,7 +10,7 @@
 
 namespace facetloc {
 
-/** \brief Depth as OpenNI2 wants it; what does not fit becomes 0. */
+/** \brief Depth in OpenNI2's unit; values out of its range become 0. */
 inline void toMillimetres(const DepthImage& image, std::uint16_t* depth) {
   std::transform(image.depth.begin(), image.depth.end(), depth, [](float z) {
     const float millimetres = std::round(1000.f * z);

@@ -12,7 +12,7 @@
 
 namespace facetloc {
 
-/** \brief Which image comes when: what programs set through the device, and the stream's thread obeys. */
+/** \brief Order and times of the images: set by programs through the device, used by the stream's thread. */
 class Playback {
 public:
   explicit Playback(std::unique_ptr<FrameSource> source) : source_(std::move(source)) {}
@@ -32,8 +32,8 @@ public:
   void start();
   /** \brief Ends a wait. */
   void stop();
-  /** \brief The image to prepare; nothing when stopped. At the end it waits for what changes that, after
-   * telling so once. */
+  /** \brief The image to prepare; nothing when stopped. At the end it calls on_end once, and waits for a
+   * change of that. */
   template <typename OnEnd>
   std::optional<std::size_t> next(const OnEnd& on_end);
   /** \brief Waits until an image is due. False when it is not to be delivered: stopped, or another was
@@ -58,8 +58,8 @@ private:
   int credits_ = 0;
   float speed_ = 1;
   std::size_t position_ = 0;
-  std::optional<Clock::time_point> due_;  // of the last image delivered
-  std::uint64_t stamp_ = 0;               // of that image [us]
+  std::optional<Clock::time_point> due_;  // time of the last image delivered
+  std::uint64_t stamp_ = 0;               // stamp of that image [us]
   std::string error_;
 };
 
@@ -75,7 +75,7 @@ std::optional<std::size_t> Playback::next(const OnEnd& on_end) {
     }
     if (!told_end_) {
       told_end_ = true;
-      lock.unlock();  // what hears of it may stop us
+      lock.unlock();  // the callback may stop us
       on_end();
       lock.lock();
       continue;

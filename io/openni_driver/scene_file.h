@@ -10,15 +10,15 @@
 
 namespace facetloc {
 
-/** \brief A .scene file: what a camera sees that a robot drives through a simulated place.
+/** \brief A .scene file: the camera of a robot that drives through a simulated place.
  *
  *     scene = office    # office, home, hall, or room: one room with random boxes
  *     seed = 1          # as facetloc_simulate: the same place and noise
  *     run = query       # query (later, when things have moved) or map
- *     width = 320       # of the images [px], 4:3
+ *     width = 320       # width of the images [px], 4:3
  *     frames = 1800
  *     jump_at = 900     # the camera is carried away before this image ...
- *     jump = 600        # ... to where it would have been so many images later
+ *     jump = 600        # ... to where it would have been this number of images later
  *
  * and the parameters of facetloc_simulate in the groups drive, pace (rate, speed, turn_rate_deg) and sensor,
  * by their names without the group. All have defaults but scene. One `key = value` per line, # starts a

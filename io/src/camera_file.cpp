@@ -22,8 +22,8 @@ namespace {
 
 constexpr double kPositive = std::numeric_limits<double>::min();
 constexpr double kLargestSide = 65535;  // [px]
-constexpr double kLargest = 1e6;        // of focal lengths and centres [px], generously
-constexpr double kLargestLens = 1e4;    // of coefficients of a lens, generously
+constexpr double kLargest = 1e6;        // bound of focal lengths and centres [px], generously
+constexpr double kLargestLens = 1e4;    // bound of coefficients of a lens, generously
 
 struct Key {
   std::string_view name;
@@ -67,7 +67,7 @@ constexpr Key kKeys[] = {
 constexpr std::string_view kPreset = "camera", kDepthIs = "depth_is";  // the keys whose values are words
 constexpr std::string_view kZ = "z", kDistance = "distance";
 
-/** The keys of a mounting that need not be given with it, and what they set. */
+/** The keys of a mounting that need not be given with it, and their fields. */
 struct MountingKey {
   const char* name;
   double CameraMounting::*value;
@@ -77,7 +77,7 @@ constexpr MountingKey kMountingKeys[] = {{"mount_roll_deg", &CameraMounting::rol
                                          {"mount_x", &CameraMounting::x},
                                          {"mount_y", &CameraMounting::y}};
 
-/** The keys of a camera's noise, and what they set. */
+/** The keys of a camera's noise, and their fields. */
 struct NoiseKey {
   const char* name;
   double SensorNoise::*value;
@@ -89,7 +89,7 @@ constexpr NoiseKey kNoiseKeys[] = {{"inverse_depth_std", &SensorNoise::inverse_d
                                    {"distortion_slope", &SensorNoise::distortion_slope},
                                    {"correlation_px", &SensorNoise::correlation_px}};
 
-/** The keys of a lens, and what they set. */
+/** The keys of a lens, and their fields. */
 struct LensKey {
   const char* name;
   double LensDistortion::*value;
@@ -186,7 +186,7 @@ private:
     depth_kind_ = word == kZ ? DepthKind::z : DepthKind::distance;
   }
 
-  /** What a number that may be left out can be. */
+  /** Valid values of a number that may be left out. */
   static std::string advice(const Key& key) {
     if (key.required) return {};
     return fmt::format(": it must lie in [{}, {}], or the key be left out", text::shortest(key.lowest),
@@ -196,7 +196,7 @@ private:
   void requireComplete() const {
     for (const Key& key : kKeys)
       if (key.required && !values_.count(key.name)) throw IoError(path_, fmt::format("has no {}", key.name));
-    constexpr double kMostOblong = 2;  // of a pixel, whichever way the y axis points
+    constexpr double kMostOblong = 2;  // aspect of a pixel, whichever way the y axis points
     const double fy = values_.at("fy");
     if (fy < 0 && !(-fy <= kMostOblong * values_.at("fx") && -fy >= values_.at("fx") / kMostOblong))
       throw IoError(path_, fmt::format("fy = {} is impossible", text::shortest(fy)));
@@ -214,7 +214,7 @@ private:
   std::optional<DepthKind> depth_kind_;
 };
 
-/** As the preset says, or if there is none, as it is by default. */
+/** The camera of the preset, or without a preset, the default. */
 Camera usualCamera(const CameraPreset* preset) { return preset ? preset->camera() : Camera(); }
 
 /** Of values that were parsed. */

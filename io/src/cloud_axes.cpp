@@ -147,7 +147,7 @@ bool isSmooth(const std::vector<Sample>& samples, const Intrinsics& camera, doub
   return internal::median(std::move(distances)) < tolerance;
 }
 
-/** Up to what a lens makes of it. */
+/** Within the distortion of a lens. */
 bool isLike(const Intrinsics& found, const Intrinsics& given) {
   constexpr double kFocal = 0.25, kCentre = 0.05;  // shares of the focal length and of the width
   return std::abs(found.fx - given.fx) <= kFocal * given.fx &&

@@ -23,7 +23,7 @@ struct FileCloud {
   Eigen::Isometry3d viewpoint = Eigen::Isometry3d::Identity();  ///< as the header says
 };
 
-/** \brief The depth image of a cloud, and what was done to its points: a sentence without full stop, or
+/** \brief The depth image of a cloud, and the changes made to its points: a sentence without full stop, or
  * nothing. */
 struct CloudImage {
   DepthImage image;

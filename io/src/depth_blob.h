@@ -15,7 +15,7 @@
 namespace facetloc::depth_blob {
 
 /** \brief Each value less its left neighbour (0 before the first of a row), modulo 2^16, as 16 bits
- * little-endian, in a zlib stream. Neighbours are alike, so that the differences pack well. */
+ * little-endian, in a zlib stream. Neighbours are similar, so that the differences pack well. */
 inline constexpr const char* kEncoding = "u16le-left-difference-zlib";
 
 template <auto Free>

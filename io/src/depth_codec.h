@@ -15,7 +15,7 @@ namespace facetloc {
  *
  * \param with_table the numbers are indices of a table, which stands in front: its size and its entries.
  * \param size how many numbers there are.
- * \return nothing if the bytes are not the code of so many numbers. */
+ * \return nothing if the bytes are not the code of that number of values. */
 std::vector<std::uint16_t> decodeDepth(const std::vector<std::uint8_t>& bytes, bool with_table,
                                        std::size_t size);
 

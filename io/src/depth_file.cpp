@@ -44,7 +44,7 @@ const Format* formatOf(const fs::path& path) {
   return nullptr;
 }
 
-/** Without what was not measured; millimetres become metres, and depth along the negative z axis, as of
+/** Unmeasured values become 0, millimetres metres, and depth along the negative z axis, as of
  * renderers, positive. */
 void toMetres(std::vector<float>& values) {
   constexpr float kFarthest = 100, kMillimetres = 1000;

@@ -17,8 +17,8 @@ namespace facetloc {
 struct DepthValues {
   int width = 0;
   int height = 0;
-  std::vector<float> metres{};           ///< of floating-point images; or empty
-  std::vector<std::uint16_t> numbers{};  ///< of others, by the depth scale; or empty
+  std::vector<float> metres{};           ///< values of floating-point images; or empty
+  std::vector<std::uint16_t> numbers{};  ///< values of others, by the depth scale; or empty
 };
 
 /** \brief The size of an image that a file may promise at most [px]. */
@@ -28,7 +28,7 @@ constexpr std::uint64_t kMostPixels = 1ull << 26;
 const std::vector<const char*>& depthFileEndings();
 /** \brief Is it one, by its name? */
 bool isDepthFile(const std::filesystem::path& path);
-/** \brief What the head of such a file says of its image; empty if it is no such file. */
+/** \brief The size of an image by the head of its file; empty if it is no such file. */
 std::optional<PngSize> depthFileSize(const std::filesystem::path& path);
 
 /** \brief Reads any of these. Floating-point depth is in metres, or in millimetres if most of it would be

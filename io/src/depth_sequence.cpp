@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint16_t kNotMeasured = 65535;  // of a PNG, beside 0: so 7-Scenes and some drivers have it
+constexpr std::uint16_t kNotMeasured = 65535;  // value of a PNG, beside 0: 7-Scenes and some drivers have it
 
 /** An image of another size was not taken with this camera. */
 void requireSize(const fs::path& path, int width, int height, const Intrinsics& camera) {
@@ -68,8 +68,8 @@ const Trajectory& DepthSequence::groundTruth() const {
   return ground_truth_;
 }
 
-/** Poses that somebody turns into the camera's by its mounting, or by what a user says of them, are those of
- * the robot. */
+/** Poses of the robot are those that the mounting, or a user's statement about them, turns into the
+ * camera's. */
 std::string DepthSequence::frameOfPoses(const PoseReading& reading) const {
   const bool has_mounting = camera_ && camera_->camera.mounting;
   return container_ && reading.isUsual() && !has_mounting ? container_->frame() : std::string();

@@ -17,7 +17,7 @@ constexpr std::size_t kMostImages = 16;
 constexpr std::size_t kValues = 65536;
 constexpr std::uint16_t kNotMeasured = 65535;
 constexpr int kLargestDivisor = 512;
-constexpr double kMultiples = 0.98;          // of the values
+constexpr double kMultiples = 0.98;          // share of the values
 constexpr std::size_t kLeastDifferent = 20;  // values, of which a divisor says something
 
 using Histogram = std::vector<std::size_t>;
@@ -28,7 +28,7 @@ std::uint16_t swapped(std::uint16_t value) {
   return static_cast<std::uint16_t>((value >> 8) | ((value & 0xff) << 8));
 }
 
-/** Of what a histogram counts; 0 of nothing. */
+/** Quantile of the values counted in a histogram; 0 if it is empty. */
 double quantile(const Histogram& histogram, double q) {
   std::size_t all = 0, below = 0;
   for (const std::size_t n : histogram) all += n;
@@ -94,7 +94,7 @@ bool haveSwappedBytes(const DepthValues& values) {
   return values.neighbours >= kLeast && kSmoother * values.neighbours_swapped < values.neighbours;
 }
 
-/** What the largest common divisor says; empty if it is nothing unusual. */
+/** The fault revealed by the largest common divisor; empty if it is usual. */
 std::string divisorFault(const DepthValues& values, double depth_scale) {
   constexpr double kCoarse = 0.0015;  // [m] devices have steps of up to 1 mm
   const int n = values.divisor;
@@ -130,7 +130,7 @@ DepthValues depthValues(const DepthSequence& sequence) {
 
 ValueCheck checkValues(DepthValues values, double depth_scale) {
   constexpr double kFar = 10;                      // [m]
-  constexpr double kManyFar = 0.25;                // of the pixels
+  constexpr double kManyFar = 0.25;                // share of the pixels
   constexpr double kLeastMedian = 0.25;            // [m]
   constexpr double kNoCamera = 0.1, kNoRoom = 30;  // [m] medians of no recording
   constexpr double k8Bits = 256;

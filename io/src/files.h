@@ -56,7 +56,7 @@ inline void requireFolderOf(const std::filesystem::path& path) {
     throw IoError(path.string(), fmt::format("its folder {} does not exist", folder.string()));
 }
 
-/** \brief Where a file would be written: a link stays one, and what it leads to, which may not be there yet,
+/** \brief Where a file would be written: a link is kept, and its target, which may not exist yet,
  * is replaced. */
 inline std::filesystem::path linkedFrom(std::filesystem::path path) {
   constexpr int kMostLinks = 40;  // as the kernel's
@@ -71,7 +71,7 @@ struct Close {
 };
 using FilePtr = std::unique_ptr<std::FILE, Close>;
 
-/** \brief Opens a file to be read. Of a pipe that nobody writes to, that is the end, not a wait for ever. */
+/** \brief Opens a file to be read. A pipe without a writer ends at once instead of blocking. */
 inline FilePtr open(const std::filesystem::path& path) {
   const int number = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   FilePtr file(number < 0 ? nullptr : fdopen(number, "rb"));

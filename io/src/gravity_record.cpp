@@ -26,7 +26,7 @@ constexpr double kStampRounding = 1e-6;  // [s] stamps are written with 6 decima
 constexpr double kWidestGap = 5;         // between samples to interpolate, by the tolerance
 constexpr int kNone = -1;
 
-/** Which columns of a file are what. */
+/** Meaning of the columns of a file. */
 struct Columns {
   std::size_t width = 4;
   int stamp = 0, std_deg = kNone;
@@ -129,7 +129,7 @@ std::optional<Gravity> GravityRecord::at(double stamp, double tolerance) const {
       const double share = (stamp - before.stamp) / (nearest->stamp - before.stamp);
       const Eigen::Vector3d down = (1 - share) * before.gravity.down + share * nearest->gravity.down;
       const double std = std::max(before.gravity.std, nearest->gravity.std);
-      constexpr double kLeast = 0.1;  // of the length of a mean of two directions that are alike
+      constexpr double kLeast = 0.1;  // length of a mean of two similar directions
       if (down.norm() > kLeast) return Gravity{down.normalized(), std};
     }
     if (!nearest || stamp - before.stamp <= nearest->stamp - stamp) nearest = &before;

@@ -20,7 +20,7 @@ namespace facetloc {
 /** \brief Runs a task on such a thread, at once. It must not throw. */
 void runOnLastingThread(std::function<void()> task);
 
-/** \brief Runs a task on such a thread and waits for it; what it throws is thrown here. */
+/** \brief Runs a task on such a thread and waits for it; its exception is thrown here. */
 template <typename Task>
 void callOnLastingThread(const Task& task) {
   const auto done = std::make_shared<std::promise<void>>();  // still told while we go on already

@@ -53,8 +53,8 @@ void requireMap(Connection& db) {
                                          versionText(version), MapDatabase::kMajor));
 }
 
-/** A map consists of tables. A view, a trigger or a generated column in their place would compute, whenever
- * it is looked at, what whoever made the file wants: no map has any. */
+/** A map consists of tables. A view, a trigger or a generated column in their place would compute anything
+ * that the author of the file wants, whenever it is read: no map has any. */
 void requireRealTables(Connection& db) {
   std::vector<std::string> tables;
   Statement entry(db, "SELECT type, name, coalesce(sql, '') AS sql FROM sqlite_master");
@@ -84,7 +84,7 @@ void configureForWriting(Connection& db) {
   db.execute("PRAGMA journal_mode = DELETE; PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON");
 }
 
-/** SQLite notices by itself that pages are missing, but not a part of the last one. */
+/** SQLite notices missing pages, but not a missing part of the last one. */
 void requireWhole(Connection& db, const fs::path& path) {
   const int page_size = pragma(db, "page_size");
   if (page_size <= 0 || fs::file_size(path) % static_cast<std::uintmax_t>(page_size) != 0)

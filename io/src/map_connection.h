@@ -15,7 +15,7 @@ namespace facetloc::map_connection {
 inline constexpr const char* kFormatKey = "format";  ///< meta rows that belong to the file format
 inline constexpr const char* kConventionsKey = "conventions";
 
-/** \brief A new database with empty tables. \param shown what errors speak of */
+/** \brief A new database with empty tables. \param shown its name in errors */
 sqlite::Connection create(const std::filesystem::path& path, const std::filesystem::path& shown);
 sqlite::Connection openForWriting(const std::filesystem::path& path);
 /** \brief Read-only. Only where a killed writer has left half a transaction, that is rolled back first. */

@@ -31,7 +31,7 @@ bool isReserved(const std::string& key) { return key == kFormatKey || key == kCo
 // ---- Writing, inside a transaction of the caller
 // -----------------------------------------------------------------------
 
-/** Runs what may fail, and says which thing it failed for. */
+/** Runs work that may fail, and names the item that it failed for. */
 template <typename Work>
 void describing(const Connection& db, const std::string& thing, const Work& work) {
   try {
@@ -53,7 +53,7 @@ void insertCamera(Connection& db, const Camera& camera) {
   (statement << 0 << camera).run();
 }
 
-/** What was found out about the map as it was. */
+/** Removes findings about the map as it was. */
 void removeFindings(Connection& db) {
   Statement sure(db, "DELETE FROM meta WHERE key = ?");
   (sure << kSureKey).run();
@@ -305,7 +305,7 @@ void replaceMap(const fs::path& asked, const std::function<void(const fs::path& 
   writeAtomically(path, [&](const fs::path& temporary) {
     try {
       write(temporary);
-    } catch (const WriteError& e) {  // nobody knows the temporary file
+    } catch (const WriteError& e) {  // the error must not name the temporary file
       if (e.path() == temporary) throw WriteError(asked.string(), e.why());
       throw;
     }

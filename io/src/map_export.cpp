@@ -37,7 +37,7 @@ std::vector<StampedPose> posesOf(const Map& map) {
 
 void exportMap(const Map& map, const std::filesystem::path& folder) {
   createFolders(folder / "models");
-  if (std::filesystem::exists(folder / kGraph))  // of an earlier export
+  if (std::filesystem::exists(folder / kGraph))  // left by an earlier export
     for (const auto& entry : std::filesystem::directory_iterator(folder / "models"))
       if (entry.path().extension() == ".pcd") std::filesystem::remove(entry.path());
   std::set<std::string> taken;

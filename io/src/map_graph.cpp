@@ -26,7 +26,7 @@ namespace facetloc {
 namespace {
 
 constexpr std::string_view kVertex = "VERTEX_SE3:QUAT", kEdge = "EDGE_SE3:QUAT";
-constexpr double kQuaternionTolerance = 1e-2;  // of |q|^2: g2o writes six digits
+constexpr double kQuaternionTolerance = 1e-2;  // tolerance of |q|^2: g2o writes six digits
 constexpr double kVarianceFloor =
     1e-12;  // [rad^2, m^2] of links that are known exactly: g2o wants finite information
 
@@ -51,7 +51,7 @@ Matrix6d g2oInformation(const PoseWithCovariance& link) {
   return A.transpose() * P.solve(A);
 }
 
-/** What is to be known of the pose of a vertex before it is used. */
+/** Warnings about the pose of a vertex for its user. */
 std::string commentOf(const Map& map, int model) {
   const LocalModel& m = map.models[static_cast<std::size_t>(model)];
   if (!m.T_w_m) return "# the pose of the next vertex is unknown\n";

@@ -161,9 +161,9 @@ void MapReader::readGravity() {
              });
 }
 
-/** Before anything is unpacked: what all pictures would take, each of two bytes a pixel and as much for each
- * of two extremes, by what the file is large. Pictures of real images pack to a third, ones of blank walls to
- * a hundredth. */
+/** Before anything is unpacked: the memory for all pictures, of two bytes a pixel and as much for each
+ * of two extremes, must fit the size of the file. Pictures of real images pack to a third, ones of blank
+ * walls to a hundredth. */
 void MapReader::requireMemoryForPictures() {
   constexpr double kBytesPerPixel = 6, kAlways = 512e6, kMostPacked = 100;
   Statement sum(db_, "SELECT coalesce(sum(1.0 * width * height), 0), coalesce(sum(1.0 * length(data)), 0) "

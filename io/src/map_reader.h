@@ -23,8 +23,8 @@ std::string nameOf(int model, const std::string& name);
 /** \brief Has a map file the table of gravity? */
 bool hasGravity(sqlite::Connection& db);
 
-/** \brief Reads a map; what is not sound is left out and told. For one reading each: all is of the time of
- * the first look, and who writes to the map waits until the reader is gone. */
+/** \brief Reads a map, skips invalid rows and lists them in faults(). For one reading each: reads one
+ * snapshot; writers wait until it is destroyed. */
 class MapReader {
 public:
   explicit MapReader(sqlite::Connection& db) : db_(db), snapshot_(db) {}
@@ -59,7 +59,7 @@ private:
   sqlite::Connection& db_;
   sqlite::Snapshot snapshot_;
   Map map_;
-  std::vector<View> views_;  // of the models
+  std::vector<View> views_;  // views of the models
   std::vector<int> num_segments_;
   std::set<std::pair<int, int>> linked_;
   std::vector<std::string> faults_;
@@ -88,13 +88,13 @@ class ViewReader {
 public:
   /** \param noise of views without a picture */
   ViewReader(sqlite::Connection& db, const DepthNoise& noise);
-  /** \brief Throws IoError if there is none or it is not sound. */
+  /** \brief Throws IoError if it is missing or invalid. */
   PackedView read(int model);
 
 private:
   sqlite::Connection& db_;
   DepthNoise usual_noise_;
-  sqlite::Statement of_model_, segments_, picture_;  // of the model that is bound to them
+  sqlite::Statement of_model_, segments_, picture_;  // statements for the model that is bound to them
   std::optional<sqlite::Statement> gravity_;         // the same; nothing in a map without the table
 };
 

@@ -21,8 +21,8 @@ void require(bool condition, const char* fault) {
 
 namespace {
 
-constexpr double kRotationTolerance = 1e-6;  // of |q|^2 and R^T R
-constexpr int kMaxPictureSide = 4096;        // [px] bounds what a corrupt map can claim
+constexpr double kRotationTolerance = 1e-6;  // tolerance of |q|^2 and R^T R
+constexpr int kMaxPictureSide = 4096;        // [px] limits the claims of a corrupt map
 
 void requireSound(const Intrinsics& camera) {
   require(camera.valid(), "its camera intrinsics are impossible");

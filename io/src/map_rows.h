@@ -6,9 +6,9 @@
 #include <facetloc/features/local_model.h>
 
 /** \file
- * The parts of a map as rows of its file, and what a sound map holds; private to io.
+ * The parts of a map as rows of its file, and their valid values; private to io.
  *
- * Reading and requireSound() throw BadCell, which says what is wrong with the part. */
+ * Reading and requireSound() throw BadCell, which names the fault of the part. */
 
 namespace facetloc::map_rows {
 
@@ -41,7 +41,7 @@ sqlite::Blob hullBlob(const ConvexHull& hull);
 /** \brief A local model as its row has it, without its view. */
 struct ModelRow {
   LocalModel model;
-  Intrinsics intrinsics;  ///< of the view
+  Intrinsics intrinsics;  ///< intrinsics of the view
   int num_segments = 0;
 };
 

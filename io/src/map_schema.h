@@ -45,7 +45,7 @@ CREATE TABLE camera(             -- that the models' images were taken with; one
         (distortion IS NULL) = (distortion_right IS NULL) AND (distortion IS NULL) = (distortion_bottom IS NULL))
 ) STRICT;
 
-CREATE TABLE ambiguity(          -- how much alike the places of the map look; one row or none
+CREATE TABLE ambiguity(          -- how easily the places of the map are confused; one row or none
   id INTEGER PRIMARY KEY CHECK(id = 0),
   score REAL NOT NULL,           -- of wrong places for the map's own views, mean of the highest tenth [nats]
   views INTEGER NOT NULL CHECK(views > 0)  -- that were asked for

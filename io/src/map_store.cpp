@@ -22,7 +22,7 @@ using sqlite::Statement;
 /** Pixels of a usual depth picture, half of 320x240. */
 constexpr std::size_t kUsualPixels = 160 * 120;
 
-/** The views that were asked for last: so many, or fewer if their pictures are larger than usual. */
+/** The views that were requested last, fewer if their pictures are larger than usual. */
 class RecentViews {
 public:
   explicit RecentViews(std::size_t most) : most_pixels_(most * kUsualPixels) {}

@@ -21,7 +21,7 @@ using netpbm::Greymap;
 
 enum class Mode { trinary, scale, raw };
 
-/** What map.yaml says. */
+/** The content of map.yaml. */
 struct Description {
   fs::path image;
   double resolution = 0;

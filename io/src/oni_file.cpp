@@ -26,7 +26,7 @@ constexpr std::uint32_t kMostData = 1u << 28;
 constexpr int kMostPixels = 1 << 24;
 
 enum RecordType : std::uint32_t {
-  kNodeAdded4 = 0x02,  // of versions 1.0.0.4 ...
+  kNodeAdded4 = 0x02,  // found in versions 1.0.0.4 ...
   kIntProperty = 0x03,
   kRealProperty = 0x04,
   kTextProperty = 0x05,

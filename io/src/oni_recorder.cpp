@@ -35,7 +35,8 @@ bool awaitsData(const std::filesystem::path& path) {
          record[1] == kDataBegin;
 }
 
-/** Nobody can put a link in its place; what is left of a recorder that is killed can be read. */
+/** Its name is random, so that no link can be put in its place; the file left by a killed recorder can be
+ * read. */
 std::filesystem::path partOf(const std::filesystem::path& file) {
   return file.parent_path() / fmt::format("{}.part-{}.oni", file.stem().string(), randomDigits());
 }
@@ -47,7 +48,7 @@ bool waitForStart(const std::filesystem::path& path) {
     if (std::chrono::steady_clock::now() > end) return false;
     std::this_thread::sleep_for(1ms);
   }
-  std::this_thread::sleep_for(5ms);  // from the record to the next line of that thread
+  std::this_thread::sleep_for(5ms);  // time from the record to the next line of that thread
   return true;
 }
 

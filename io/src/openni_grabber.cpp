@@ -31,14 +31,14 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-constexpr int kPatience = 10;  // of a wait for a frame, until it looks whether to give up [ms]
+constexpr int kPatience = 10;  // length of a wait for a frame, until it checks whether to give up [ms]
 constexpr int kLastWaits = 5;  // so often, after a recording has ended: its last frame may be on its way
 constexpr auto kPlayerPause = 30ms;  // libOniFile walks its streams without a lock, every 10 ms
 constexpr std::size_t kLongestUri = ONI_MAX_STR - 1;
 
 bool isRecording(const fs::path& path) { return path.extension() == ".oni"; }
 
-/** PCL and OpenNI2 put places in the source and what they tried in front of, and behind, what is the matter.
+/** PCL and OpenNI2 put places in the source and their attempts in front of, and behind, the cause.
  */
 std::string causeOf(const std::string& what) {
   const auto says = [&what](const char* words) { return what.find(words) != std::string::npos; };
@@ -64,7 +64,7 @@ bool meansFile(const std::string& device_id) {
   return !device || path.is_absolute() || isRecording(path) || path.extension() == ".scene";
 }
 
-/** OpenNI2's player crashes or hangs on anything else. */
+/** OpenNI2's player crashes or blocks on any other recording. */
 void requirePlayable(const fs::path& path) {
   const OniFile recording = OniFile::open(path);
   if (!recording.finished())
@@ -74,7 +74,7 @@ void requirePlayable(const fs::path& path) {
   recording.requireSound();
 }
 
-/** The id as the base class shall see it. It takes what exists on disk for a path and all else for a URI,
+/** The id for the base class. That takes an existing file for a path and all else for a URI,
  * says of a missing file that no device is connected, and follows a null pointer if a device has no depth. */
 std::string checkedId(const std::string& device_id) {
   std::error_code ignored;
@@ -105,7 +105,7 @@ public:
         height_(static_cast<unsigned>(frame.getHeight())),
         index_(static_cast<unsigned>(frame.getFrameIndex())),
         stamp_(frame.getTimestamp()) {
-    // The player does not look at what it has decoded.
+    // The player does not check the size of decoded images.
     if (static_cast<std::size_t>(frame.getDataSize()) != getDataSize())
       throw std::runtime_error(fmt::format("frame {} is corrupt: it has {} bytes instead of {}", index_,
                                            frame.getDataSize(), getDataSize()));
@@ -158,7 +158,7 @@ struct OpenNIGrabber::State : openni::OpenNI::DeviceStateChangedListener,
     for (Stream& s : streams)
       if (s.stream.isValid()) s.stream.destroy();
     device.close();
-    // libOniFile does not support this property, but keeps what it is given; only our driver has it.
+    // libOniFile does not support this property, but stores any value; only our driver has it.
     if (is_file && !has_trigger) std::this_thread::sleep_for(kPlayerPause);
   }
   State(const State&) = delete;
@@ -192,7 +192,7 @@ struct OpenNIGrabber::State : openni::OpenNI::DeviceStateChangedListener,
   std::atomic<bool> told_end = false;
   std::atomic<bool> connected = true;
 
-  std::mutex mutex;  // of what follows
+  std::mutex mutex;  // guards the members below
   std::condition_variable changed;
   bool wanted = false;     // shall frames be read?
   bool reading = false;    // does a thread do so?
@@ -291,7 +291,7 @@ void OpenNIGrabber::readFrames() {
   s.changed.notify_all();  // with the lock held: whoever waits may destroy us
 }
 
-/** Reads a frame if there is one; the base class would wait for ever if there is none. */
+/** Reads a frame if one has come; the base class would wait for ever for one. */
 bool OpenNIGrabber::readFrame() {
   std::array<openni::VideoStream*, 3> streams{};
   std::array<State::Stream*, 3> of{};

@@ -8,7 +8,7 @@
 #include <string>
 
 /** \file
- * What our uses of OpenNI2 have in common, private to io. */
+ * The common part of our uses of OpenNI2, private to io. */
 
 namespace facetloc {
 
@@ -19,7 +19,7 @@ inline std::string openniDriverFolder() {
   return (std::filesystem::path(info.dli_fname).parent_path() / "OpenNI2" / "Drivers").string();
 }
 
-/** \brief What OpenNI2 says of the last error on this thread, in one line. */
+/** \brief OpenNI2's message about the last error on this thread, in one line. */
 inline std::string openniError() {
   std::string text = openni::OpenNI::getExtendedError();
   for (char& c : text)

@@ -50,7 +50,7 @@ bool isAt(const struct stat& status, const fs::path& path) {
 }
 
 files::Descriptor locked(const fs::path& path, int flags) {
-  constexpr int kMode = 0666;  // less what the user masks
+  constexpr int kMode = 0666;  // reduced by the user's mask
   for (;;) {
     files::Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | flags, kMode));
     if (!file) throw WriteError(path.string(), files::lastError());

@@ -19,7 +19,7 @@
 
 namespace facetloc {
 
-/** \brief The header of a PCD file, read strictly and held against the size of the file.
+/** \brief The header of a PCD file, read strictly and compared with the size of the file.
  *
  * PCL believes a header: it allocates what POINTS promises and unpacks as far as SIZE and COUNT say. A file
  * that passes here is safe to be given to PCL. */

@@ -96,7 +96,7 @@ PclzfCamera readPclzfCamera(const fs::path& path, int width, int height) {
   bool read = false;
   try {
     read = reader.readParameters(path.string());
-  } catch (const std::exception&) {  // of the parser
+  } catch (const std::exception&) {  // thrown by the parser
   }
   if (!read) throw IoError(path.string(), "no camera parameters can be read");
   const pcl::io::CameraParameters p = reader.getParameters();

@@ -25,7 +25,7 @@ int checksum(const Blob& data) {  // as SQLite's signed integers
   return static_cast<int>(libdeflate_crc32(0, data.data(), data.size()));
 }
 
-/** Collects what is written, and inserts a part whenever there is enough. */
+/** Collects bytes, and inserts a part whenever there is enough. */
 class PartsWriter : public std::streambuf {
 public:
   explicit PartsWriter(Connection& db) : insert_(db, schema::insert(schema::kIndexColumns, kTable)) {}
@@ -104,7 +104,7 @@ class PartsStream : public std::istream {
 public:
   PartsStream(Connection& db, std::mutex& mutex) : std::istream(nullptr), buffer_(db, mutex) {
     rdbuf(&buffer_);
-    exceptions(std::ios::badbit);  // passes on what underflow() throws
+    exceptions(std::ios::badbit);  // passes on the exceptions of underflow()
   }
 
 private:

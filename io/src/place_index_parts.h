@@ -16,15 +16,15 @@
 
 namespace facetloc::place_index_parts {
 
-/** \brief Replaces what is there, within a transaction of the caller. */
+/** \brief Replaces the former index, within a transaction of the caller. */
 void write(sqlite::Connection& db, const std::function<void(std::ostream&)>& writer);
 void remove(sqlite::Connection& db);
 /** \brief 0 if there is no index. */
 int number(sqlite::Connection& db);
-/** \brief Null if there is none. A part that is not what was written throws IoError when it is reached.
- * \param mutex is locked while the database, which must outlive the stream, is read */
+/** \brief Null if the map has none. A part that differs from the one written throws IoError when it is
+ * reached. \param mutex is locked while the database, which must outlive the stream, is read */
 std::unique_ptr<std::istream> open(sqlite::Connection& db, std::mutex& mutex);
-/** \brief What is wrong with it, in words. */
+/** \brief Its faults, in words. */
 std::vector<std::string> faults(sqlite::Connection& db);
 
 }  // namespace facetloc::place_index_parts

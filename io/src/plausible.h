@@ -8,7 +8,7 @@
 #include <cmath>
 
 /** \file
- * What numbers of a file can mean: those that no robot, camera or clock could have made are faults of
+ * Plausible numbers of a file: those that no robot, camera or clock could have made are faults of
  * the file. Private to io. */
 
 namespace facetloc::plausible {

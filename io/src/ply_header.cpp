@@ -41,7 +41,7 @@ std::uint64_t sizeOf(std::string_view type) {
   return 0;
 }
 
-/** The least size of what follows the header. */
+/** The least size of the data after the header. */
 class PlyHeader {
 public:
   explicit PlyHeader(std::string path) : path_(std::move(path)) {}

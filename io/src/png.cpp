@@ -21,7 +21,7 @@ constexpr int kZlibLevel = 2;  // depth and labels shrink hardly more at higher,
 constexpr std::uint64_t kMaxPixels = 1ull << 26;  // a header that promises more is taken for a corrupt one
 constexpr std::size_t kSignatureSize = 8;
 
-/** What libpng said when it gave up. Plain memory, since longjmp runs no destructors. */
+/** The message of libpng when it gave up. Plain memory, since longjmp runs no destructors. */
 struct Complaint {
   char text[128] = "";
 };

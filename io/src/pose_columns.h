@@ -22,7 +22,7 @@ inline PoseColumns toColumns(const Eigen::Isometry3d& T) {
   return {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
 }
 
-/** \brief What is wrong with a pose; nothing if it is sound. \param tolerance of |q|^2, which is 1 */
+/** \brief The fault of a pose; null if it is sound. \param tolerance of |q|^2, which is 1 */
 inline const char* faultOf(const PoseColumns& c, double tolerance) {
   if (!std::all_of(c.begin(), c.end(), [](double x) { return std::isfinite(x); })) return "is not finite";
   if (!plausible::isPosition({c[0], c[1], c[2]})) return "is more than 1000 km away";

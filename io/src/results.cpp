@@ -28,8 +28,8 @@ constexpr const char *kPosesOfPart = "poses_tum.part-", *kPosesEnding = ".txt";
 constexpr const char* kCovariances = "covariances.csv";
 constexpr const char* kStarts = "starts.csv";
 constexpr const char* kParams = "params.ini";
-constexpr double kQuaternionTolerance = 1e-3;  // of |q|^2 as read
-constexpr int kTimeDecimals = 3;               // of milliseconds
+constexpr double kQuaternionTolerance = 1e-3;  // tolerance of |q|^2 as read
+constexpr int kTimeDecimals = 3;               // decimals of milliseconds
 
 using PoseNames = std::array<std::string, 7>;
 const PoseNames kWorldPose = {"w_tx", "w_ty", "w_tz", "w_qx", "w_qy", "w_qz", "w_qw"};
@@ -150,7 +150,7 @@ PoseLines poseLines(const FrameResult& frame) {
   return lines;
 }
 
-/** Parts are named by whoever made the map: what may not be in the name of a file becomes its code. */
+/** Parts have arbitrary names: characters that are invalid in the name of a file become their codes. */
 fs::path poseFile(const fs::path& folder, const std::string& part) {
   if (part.empty()) return folder / kPoses;
   constexpr std::size_t kLongest = 100;  // characters, which files of all systems may have
@@ -273,14 +273,14 @@ const std::vector<ResultColumn>& resultColumns() {
       {"T_w_c", &R::T_w_c, "camera (x right, y down, z forward) in the world, if the map has poses", "m"},
       {"sd_rot_deg", &R::sd_rot_deg, "largest standard deviation of the orientation", "deg", false, 0},
       {"sd_trans_m", &R::sd_trans_m, "largest standard deviation of the position", "m", false, 0},
-      {"reason", &R::reason, "why there is no pose, or what to know of it", "", true},
+      {"reason", &R::reason, "reason of a missing pose, or a remark on it", "", true},
       {"state", &R::state, "of the image: sure, doubtful or unknown", "", true},
       {"part", &R::part, "part of the map in whose frame the poses are; empty: the world"},
       {"not_in_map", &R::not_in_map, "probability that the map lacks the place", "", true, 0, 1}};
   return columns;
 }
 
-/** What each file has of one frame or of several. */
+/** The lines of each file for one frame or for several. */
 struct ResultsWriter::Text {
   std::string timing, covariances, hypotheses;
   PoseLines poses;
@@ -308,7 +308,7 @@ struct ResultsWriter::Text {
   }
 
 private:
-  /** Of each frame; what is on the trajectory lacks its stamp. */
+  /** The lines of each frame; those of the trajectory lack their stamps. */
   static std::map<std::string, Text> readFrames(const fs::path& folder) {
     std::map<std::string, Text> frames;
     const csv::Table timing = tableWithoutTornLine(folder / kTiming);
@@ -351,7 +351,7 @@ ResultsWriter::ResultsWriter(const fs::path& folder, const std::string& params_i
       covariances_(folder / kCovariances, covariancesHeader() + begin.covariances),
       hypotheses_(folder / kHypotheses, hypothesesHeader() + begin.hypotheses) {
   removePosesOfParts(folder);
-  addPoses("", {});  // of the world, even if there are none
+  addPoses("", {});  // poses in the world, even without any
   for (const auto& [part, lines] : begin.poses) addPoses(part, lines);
   writeTextAtomically(folder / kParams, [&](std::ostream& out) { out << params_ini; });
 }

@@ -38,7 +38,7 @@ struct Field {
   std::size_t offset, count;
 };
 
-constexpr std::size_t kFieldBytes = 4;  // of a number, of both types
+constexpr std::size_t kFieldBytes = 4;  // size of a number, of both types
 constexpr Field kFields[] = {
     {"x", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, x), 1},
     {"y", pcl::PCLPointField::FLOAT32, offsetof(SegmentFrame, y), 1},

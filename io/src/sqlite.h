@@ -70,7 +70,7 @@ private:
   std::unique_ptr<sqlite3, Close> db_;
 };
 
-/** \brief A cell does not hold what its column is for. */
+/** \brief A cell does not hold a valid value of its column. */
 class BadCell : public std::runtime_error {
 public:
   using std::runtime_error::runtime_error;

@@ -45,7 +45,7 @@ std::string randomDigits() {
 }
 
 files::Descriptor createNew(const fs::path& path) {
-  constexpr int kMode = 0666;  // less what the user masks
+  constexpr int kMode = 0666;  // reduced by the user's mask
   return files::Descriptor(open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kMode));
 }
 

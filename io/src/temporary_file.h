@@ -8,17 +8,17 @@
 
 namespace facetloc {
 
-/** \brief 16 hexadecimal digits that nobody can guess. */
+/** \brief 16 hexadecimal digits that are impossible to guess. */
 std::string randomDigits();
-/** \brief A new file: what is there already, be it a link, is an error, EEXIST in errno. */
+/** \brief A new file: an existing one, be it a link, is an error, EEXIST in errno. */
 files::Descriptor createNew(const std::filesystem::path& path);
 
 /** \brief A new, empty file beside the one that it will replace, removed at the end of its life unless it was
  * renamed.
  *
- * Its name is random and the file is new (O_EXCL), so that nobody can put a file or a link in its place
+ * Its name is random and the file is new (O_EXCL), so that no file or link can be put in its place
  * beforehand. It is locked for as long as it is open, and the lock dies with its process: a file of a killed
- * program is one that nobody holds. */
+ * program is one that no process holds. */
 class TemporaryFile {
 public:
   /** \brief Throws WriteError, which names the target. */

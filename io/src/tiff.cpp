@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr tmsize_t kMostMemory = 1 << 28;  // of one piece of libtiff's [bytes]
+constexpr tmsize_t kMostMemory = 1 << 28;  // size of one piece of libtiff's [bytes]
 
 /** The last thing that libtiff had to say of a file. */
 int keep(TIFF*, void* complaint, const char*, const char* format, va_list arguments) {
@@ -81,7 +81,7 @@ private:
     return value;
   }
 
-  /** Memory grows with what is read, not with what is promised. */
+  /** Memory grows with the data read, not with the size promised. */
   template <typename T, typename Out>
   void rows(std::vector<Out>& out, std::uint32_t width, std::uint32_t height) {
     const auto line = static_cast<std::size_t>(TIFFScanlineSize64(file_.get()));

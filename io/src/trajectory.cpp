@@ -15,7 +15,7 @@ namespace facetloc {
 namespace {
 
 constexpr double kStampRounding = 1e-6;        // [s] stamps are written with 6 decimals
-constexpr double kQuaternionTolerance = 1e-2;  // of |q|^2: TUM's own files have four decimals
+constexpr double kQuaternionTolerance = 1e-2;  // tolerance of |q|^2: TUM's own files have four decimals
 constexpr double kWidestGap = 5;               // between poses to interpolate, by the tolerance
 constexpr std::size_t kColumns = 8;
 

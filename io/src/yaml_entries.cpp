@@ -10,7 +10,7 @@
 namespace facetloc::internal {
 namespace {
 
-/** The keys in their order, whatever is nested in what. */
+/** The keys in their order, whatever their nesting. */
 class Scanner {
 public:
   explicit Scanner(std::string_view text) : text_(text) {}

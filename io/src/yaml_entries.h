@@ -16,10 +16,10 @@ struct YamlEntry {
   std::string key;  ///< in lower case, the last part of a.b.c
   std::vector<double> numbers;
   std::string word;
-  std::size_t end = 0;  ///< of the key in the text
+  std::size_t end = 0;  ///< place of the key in the text
 };
 
-/** \brief The keys in their order, whatever is nested in what. Total: any text has entries, or none. */
+/** \brief The keys in their order, whatever their nesting. Total: any text has entries, or none. */
 std::vector<YamlEntry> yamlEntries(std::string_view text);
 
 /** \brief All that stands behind a key on its line, such as a file name with blanks: without quotes around it

@@ -11,13 +11,13 @@ namespace facetloc::internal {
 namespace {
 
 constexpr int kPixels = kSmallestCell * kSmallestCell;
-constexpr float kVariance = 1.25f;  // of the columns, or rows, of a cell
+constexpr float kVariance = 1.25f;  // variance of the columns, or rows, of a cell
 constexpr int kTogether = kLanes / kSmallestCell;
 
 // Sums over two neighbouring cells, lane by lane: those of the left one are in the first four lanes.
 struct CellSums {
-  Floats reference;                     // a pixel of the cell
-  Floats x, vx, xx;                     // of x = d - reference, with v counted from the middle of the cell
+  Floats reference;  // a pixel of the cell
+  Floats x, vx, xx;  // sums over x = d - reference, with v counted from the middle of the cell
   std::int32_t is_measured[kTogether];  // all of the cell
 };
 
@@ -53,7 +53,7 @@ FACETLOC_ALWAYS_INLINE void fitMeasured(const CellSums& s, int lane, int u, int 
   m.n = kPixels, m.u = kPixels * mu, m.v = kPixels * mv, m.d = sum;
   m.uu = kPixels * (mu * mu + kVariance), m.uv = kPixels * mu * mv, m.vv = kPixels * (mv * mv + kVariance);
   m.ud = ux + mu * sum, m.vd = vx + mv * sum;
-  m.dd = xx + d0 * (sum + x);  // of (x + d0)^2
+  m.dd = xx + d0 * (sum + x);  // sum of (x + d0)^2
 }
 
 // Any cell, whose first pixel is (u, v).

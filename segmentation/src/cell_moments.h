@@ -12,7 +12,7 @@ constexpr int kSmallestCell = 4;
 
 /** \brief A square of pixels as the fit of a plane sees it. */
 struct Cell {
-  PlaneMoments moments;  ///< of its measured pixels in (u, v, disparity); only if it is flat
+  PlaneMoments moments;  ///< moments of its measured pixels in (u, v, disparity); only if it is flat
   float sse = 0;         ///< sum of squared residuals to its own plane; only if it is flat
   bool flat = false;
 };
@@ -27,7 +27,8 @@ struct CellBounds {
  *
  * Sums over fully measured cells are taken in single precision, relative to a pixel of the cell, which loses
  * nothing where a cell is flat; all else in double precision. The bits are the same on every processor.
- * \param row counts from the top \param cells ceil(width / 4) of them; what is not flat keeps its moments */
+ * \param row counts from the top \param cells ceil(width / 4) of them; cells that are not flat keep their
+ * moments */
 void fitSmallestCells(const DisparityImage& image, int row, const CellBounds& bounds, Cell* cells);
 
 }  // namespace facetloc::internal

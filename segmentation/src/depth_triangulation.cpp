@@ -13,7 +13,8 @@ namespace {
 
 using Vertex = DepthTriangulation::Vertex;
 
-constexpr double kMinFillPixels = 7;  // of so many valid pixels, one behind the middle one is no vertex
+constexpr double kMinFillPixels =
+    7;  // with this number of valid pixels, one behind the middle one is no vertex
 
 std::int64_t orientation(const Vertex& a, const Vertex& b, const Vertex& c) {
   return std::int64_t(b.u - a.u) * (c.v - a.v) - std::int64_t(b.v - a.v) * (c.u - a.u);
@@ -40,7 +41,7 @@ constexpr std::uint64_t keyOf(std::uint64_t deviation_bits, std::int32_t index) 
 constexpr std::int32_t indexOf(std::uint64_t key) { return ~static_cast<std::int32_t>(key); }
 
 // Counts the valid ones of eight pixels and keeps, lane by lane, the bits of their largest deviation from
-// what a plane makes expect; non-negative floats order like integers.
+// the prediction of a plane; non-negative floats order like integers.
 FACETLOC_ALWAYS_INLINE void lookAt(const Floats& d, const Floats& expected, const Ints& is_valid,
                                    Ints& largest, Ints& num_valid) {
   const Ints bits = (Ints)(d - expected) & is_valid & 0x7fffffff;
@@ -54,7 +55,7 @@ FACETLOC_MULTIVERSION ScanResult scanPixels(const DisparityImage& image, Triangl
   const float* const end = begin + image.d.size();
   const float slope = static_cast<float>(plane.a);
   ScanResult r{0, 0, 0, -1};
-  Ints largest{}, in_row{}, valid{};  // by lane: the largest deviation, where the row begins that has it
+  Ints largest{}, in_row{}, valid{};  // lane by lane: the largest deviation, where the row begins that has it
   for (; !rows.done(); rows.next()) {
     const std::int32_t length = rows.last() - rows.first() + 1;
     if (length <= 0) continue;
@@ -104,7 +105,8 @@ std::int32_t mostDeviating(const DisparityImage& image, std::int32_t row, const 
 // Which of the three is x; one of them is.
 int whichIs(std::int32_t x, const std::array<std::int32_t, 3>& of) { return (of[1] == x) + 2 * (of[2] == x); }
 
-// Disparity of the valid pixel nearest to (u, v) in the maximum norm, ties row-major; 0 if there is none.
+// Disparity of the valid pixel nearest to (u, v) in the maximum norm, ties row-major; 0 without a valid
+// pixel.
 float nearestValid(const DisparityImage& image, int u, int v) {
   const int w = image.camera.width, h = image.camera.height;
   for (int r = 0; r < std::max(w, h) + 1; ++r)
@@ -169,7 +171,8 @@ void DepthTriangulation::beginWithCorners() {
 
 // Without it, each of the first vertices would have most of the image scanned again.
 void DepthTriangulation::insertGrid() {
-  constexpr int kStep = 80, kLeastColumns = 4, kMostColumns = 32;  // [px]; as far as so many columns allow
+  constexpr int kStep = 80, kLeastColumns = 4,
+                kMostColumns = 32;  // spacing [px], limited by these numbers of columns
   const int w = image_->camera.width, h = image_->camera.height,
             step = std::clamp(kStep, w / kMostColumns, w / kLeastColumns);
   if (step < 2) return;

@@ -33,7 +33,7 @@ public:
     std::int32_t worst_pixel = -1;  ///< where it is to be refined, or -1; row-major
     std::int32_t num_pixels = 0;    ///< pixels of the triangle; every image pixel has one triangle
     std::int32_t num_valid = 0;
-    std::int32_t round = 0;  ///< in which it last changed
+    std::int32_t round = 0;  ///< round of its last change
   };
 
   explicit DepthTriangulation(const SplitParams& params = {}) : params_(params) {}
@@ -70,7 +70,7 @@ private:
 
   SplitParams params_;
   const DisparityImage* image_ = nullptr;
-  double min_split_ = 0, min_fill_pixels_ = 0;  // of the image [px]
+  double min_split_ = 0, min_fill_pixels_ = 0;  // sizes in the image [px]
   std::vector<Vertex> vertices_;
   std::vector<Triangle> triangles_;
   int round_ = 0;

@@ -66,7 +66,7 @@ private:
 
   struct Waiting {
     Edge edge;
-    std::int32_t next;  // in the same slice; -1 = the last
+    std::int32_t next;  // index in the same slice; -1 = the last
   };
   static std::uint64_t order(const Edge& e) { return bitsOf(e.cost) << 32 | static_cast<std::uint32_t>(e.a); }
   static bool isDearer(const Edge& x, const Edge& y) {
@@ -74,9 +74,9 @@ private:
   }
 
   float slices_per_cost_ = 0;
-  std::array<std::int32_t, kSlices> first_{};  // of each slice, in waiting_
+  std::array<std::int32_t, kSlices> first_{};  // first edge of each slice, in waiting_
   std::vector<Waiting> waiting_;
-  std::vector<Edge> heap_;  // of all slices up to slice_
+  std::vector<Edge> heap_;  // edges of all slices up to slice_
   int slice_ = 0;
 };
 

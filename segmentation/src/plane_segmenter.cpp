@@ -139,10 +139,10 @@ struct PlaneSegmenter::Impl {
   DepthTriangulation triangulation_;  // the one or the other splits
   QuadTree tree_;
   RegionMerging merge_;
-  std::vector<PixelPlane> region_planes_;  // by provisional label, in units of the disparity image
-  std::vector<int> support_;               // of it [px]
+  std::vector<PixelPlane> region_planes_;  // indexed by provisional label, in units of the disparity image
+  std::vector<int> support_;               // support of each [px]
   std::vector<std::uint16_t> label_of_region_, order_;
-  std::vector<std::int32_t> columns_;  // of a row, and room for one more
+  std::vector<std::int32_t> columns_;  // columns of a row, and room for one more
   std::vector<Pixel> front_;
   std::vector<float> scratch_;
 };

@@ -14,14 +14,14 @@ namespace facetloc::internal {
 /** \brief Split of a disparity image into flat squares of 4 to 64 px, whose moments are known (METHOD 4).
  *
  * Moments are summed from the smallest cells upwards: four flat cells that are one plane are a flat cell of
- * twice the side. Leaves are the largest flat cells. They do not overlap; what lies between them belongs to
+ * twice the side. Leaves are the largest flat cells. They do not overlap; pixels between them belong to
  * no leaf. */
 class QuadTree {
 public:
   struct Leaf {
     std::int32_t u = 0, v = 0;  ///< its first pixel
     std::int32_t size = 0;      ///< its side [px]; the image may end before
-    PlaneMoments moments;       ///< of its measured pixels in (u, v, disparity)
+    PlaneMoments moments;       ///< moments of its measured pixels in (u, v, disparity)
   };
 
   /** \param min_fill least share of measured pixels of a smallest cell

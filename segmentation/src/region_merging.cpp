@@ -114,7 +114,7 @@ void RegionMerging::fitInnerCells(const QuadTree& tree) {
 
 void RegionMerging::begin(std::size_t leaves) {
   makeRoom(nodes_, leaves), makeRoom(mark_, leaves), makeRoom(region_of_leaf_, leaves);
-  makeRoom(links_, 6 * leaves);  // in the plane, leaves have fewer than six neighbours on average
+  makeRoom(links_, 6 * leaves);  // leaves in the plane have fewer than six neighbours on average
   queue_.clear(params_.tolerance);
   regions_.clear();
   links_.clear();

@@ -17,7 +17,7 @@ namespace facetloc::internal {
 class RegionMerging {
 public:
   struct Region {
-    PlaneMoments moments;  ///< of its valid pixels in (u, v, disparity)
+    PlaneMoments moments;  ///< moments of its valid pixels in (u, v, disparity)
     PixelPlane plane;
   };
 
@@ -62,11 +62,11 @@ private:
   MergeParams params_;
   std::vector<Node> nodes_;  // one for each leaf, later for each region
   std::vector<Link> links_;
-  std::vector<std::uint32_t> mark_;  // by node: the last contraction that met it
+  std::vector<std::uint32_t> mark_;  // indexed by node: the last contraction that met it
   std::uint32_t contractions_ = 0;
   EdgeQueue queue_;
   std::vector<Region> regions_;
-  std::vector<PlaneMoments> inner_;  // of each region without its border
+  std::vector<PlaneMoments> inner_;  // moments of each region without its border
   std::vector<std::int32_t> region_of_leaf_;
 };
 

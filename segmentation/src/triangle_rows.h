@@ -15,7 +15,7 @@ struct TriangleVertex {
 /** \brief Where an edge that runs downwards crosses the rows, rounded up to the next column.
  *
  * Exact with steps of fixed precision in images up to 16000 px: they are rounded down, in all by less than
- * 2^14 * 2^-31 px, while what is not on a column lies at least 1/16000 px right of one. */
+ * 2^14 * 2^-31 px, while a crossing between columns lies at least 1/16000 px right of one. */
 class EdgeColumns {
 public:
   EdgeColumns() = default;
@@ -41,7 +41,7 @@ class TriangleRows {
 public:
   TriangleRows(const TriangleVertex& a, const TriangleVertex& b, const TriangleVertex& c) {
     const bool b_above_a = b.v < a.v, c_above_a = c.v < a.v, c_above_b = c.v < b.v;
-    std::array<const TriangleVertex*, 3> sorted;  // by rows, without branches
+    std::array<const TriangleVertex*, 3> sorted;  // sorted by row, without branches
     sorted[b_above_a + c_above_a] = &a;
     sorted[!b_above_a + c_above_b] = &b;
     sorted[!c_above_a + !c_above_b] = &c;

@@ -51,7 +51,8 @@ TEST(Camera, MountingsAreTheSameToFiveCentimetresAndFiveDegrees) {
       words(lower, robotCamera()),
       ElementsAre(
           "the cameras are mounted differently, 0.900 m above the floor, 10.0 deg down, and in the map "
-          "1.000 m above the floor, 10.0 deg down: the prior is isotropic, about what both mountings say"));
+          "1.000 m above the floor, 10.0 deg down: the prior is isotropic, about the difference of both "
+          "mountings"));
   hand.mounting.reset();
   EXPECT_EQ(differenceOf(hand, robotCamera()).mounting, Mounting::unknown);
   EXPECT_THAT(words(hand, robotCamera()),

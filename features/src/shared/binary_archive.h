@@ -15,8 +15,8 @@
 #include <vector>
 
 /** \file
- * Values as bytes, every number to the last bit and in the machine's own order. What a type consists
- * of is said once for both directions, by a function in its namespace like the one for Intrinsics. */
+ * Values as bytes, every number to the last bit and in the machine's own order. The content of a type
+ * is listed once for both directions, by a function in its namespace like the one for Intrinsics. */
 
 namespace facetloc::internal {
 
@@ -76,7 +76,7 @@ private:
   std::ostream& out_;
 };
 
-/** \brief Throws std::runtime_error where the bytes end too early; what the stream throws passes. */
+/** \brief Throws std::runtime_error where the bytes end too early; exceptions of the stream pass. */
 class BinaryReader {
 public:
   static constexpr bool kReads = true;

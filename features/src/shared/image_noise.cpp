@@ -70,7 +70,7 @@ double correlationLength(double share, double apart) {
 Differences secondDifferences(const DepthImage& image, int apart, int rows, std::vector<float>& scratch) {
   const int w = image.camera.width, step = std::max(1, image.camera.height / rows);
   scratch.resize(w + static_cast<std::size_t>(w) * (image.camera.height / step + 1));
-  float* const row = scratch.data();  // of inverse depths; behind it the differences
+  float* const row = scratch.data();  // first the inverse depths, then the differences
   float* const differences = row + w;
   float* next = differences;
   for (int v = step / 2; v < image.camera.height; v += step) {
@@ -118,7 +118,7 @@ std::optional<SmoothNoise> estimateSmoothNoise(const DepthImage& image, std::vec
 void measureNoise(const DepthImage& image, double& noise, double& correlation_px,
                   std::vector<float>& scratch) {
   noise = estimateNoise(image, noise, scratch);
-  constexpr double kMuch = 0.5;  // of the noise: less may as well be rough
+  constexpr double kMuch = 0.5;  // share of the noise: less may as well be roughness
   const auto smooth = estimateSmoothNoise(image, scratch);
   if (!smooth || smooth->std < kMuch * noise) return;
   noise = std::max(noise, smooth->std);

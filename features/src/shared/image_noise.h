@@ -15,7 +15,8 @@ struct Differences {
   bool few() const { return size() < 100; }
 };
 
-/** \brief |x(u - apart) - 2 x(u) + x(u + apart)| wherever all three are measured, in about so many rows. */
+/** \brief |x(u - apart) - 2 x(u) + x(u + apart)| wherever all three are measured, in about the given number
+ * of rows. */
 Differences secondDifferences(const DepthImage& image, int apart, int rows, std::vector<float>& scratch);
 
 /** \brief Noise of inverse depth by the median of such differences, as if it was white [1/m]; 0 if they are
@@ -25,9 +26,9 @@ double noiseByDifferences(const DepthImage& image, int apart, int rows, std::vec
 /** \brief Noise of inverse depth, estimated from the image itself [1/m] (segmentation/METHOD 2.2): the median
  * absolute second difference along rows over triples of valid pixels in 60 to 119 rows from all over the
  * image (in all of a lower one), scaled for white noise. Smooth noise, as a stereo camera has it, hardly
- * differs between neighbours: half of what triples of pixels 6 apart (at 320 columns) tell counts too, if it
- * is more, which it is not for a Kinect. Not less than the given one, which it is if there are fewer than 100
- * triples. */
+ * differs between neighbours: half of the estimate from triples of pixels 6 apart (at 320 columns) counts
+ * too, if it is more, which it is not for a Kinect. Not less than the given one, which is returned for fewer
+ * than 100 triples. */
 double estimateNoise(const DepthImage& image, double least = 0);
 /** \brief The same with memory that is kept from image to image. */
 double estimateNoise(const DepthImage& image, double least, std::vector<float>& scratch);
@@ -35,7 +36,7 @@ double estimateNoise(const DepthImage& image, double least, std::vector<float>& 
 /** \brief Noise that neighbouring pixels share, as a stereo camera has it: a wall becomes wavy rather than
  * rough. Its correlation over the distance r is exp(-r^2 / correlation_px^2). */
 struct SmoothNoise {
-  double std;             ///< of inverse depth [1/m]
+  double std;             ///< standard deviation of inverse depth [1/m]
   double correlation_px;  ///< [px of the image]
 };
 
@@ -44,8 +45,8 @@ struct SmoothNoise {
  * Kinect. */
 std::optional<SmoothNoise> estimateSmoothNoise(const DepthImage& image, std::vector<float>& scratch);
 
-/** \brief Both: raises the noise of inverse depth [1/m] and its correlation length [px at 320x240] to what
- * the image shows. */
+/** \brief Both: raises the noise of inverse depth [1/m] and its correlation length [px at 320x240] to the
+ * values that the image shows. */
 void measureNoise(const DepthImage& image, double& noise, double& correlation_px,
                   std::vector<float>& scratch);
 

@@ -129,8 +129,8 @@ bool describe(const PlaneRegion& region, const Intrinsics& camera, const SensorN
   why_not = "is seen edge-on";
   if (n.dot(s.t.normalized()) < kMinIncidence) return false;
   why_not = "is too narrow";
-  // A strip fixes its slope across only if it is wide compared with the noise, or with what furniture is made
-  // of.
+  // A strip fixes its slope across only if it is wide compared with the noise, or with the unevenness of
+  // furniture.
   const double noise_width =
       kWideInNoise * std::sqrt(offsetVariance(n, s.t, camera, noiseOfNeighbours(noise, camera, s.t.z())));
   if (!(width >= std::min(kMinWidth, noise_width))) return false;

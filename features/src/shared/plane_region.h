@@ -5,13 +5,13 @@
 
 namespace facetloc::internal {
 
-/** \brief What a segment is made of: a plane and the moments of the pixels that support it, in the frame of
+/** \brief The data of a segment: a plane and the moments of the pixels that support it, in the frame of
  * the camera. */
 struct PlaneRegion {
   double support = 0;                                    ///< [px of the image]
-  Eigen::Vector3d m = Eigen::Vector3d::Zero();           ///< of the plane m . p = 1 [1/m]
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();        ///< of the points [m]
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of the points [m^2]
+  Eigen::Vector3d m = Eigen::Vector3d::Zero();           ///< coefficients of the plane m . p = 1 [1/m]
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();        ///< mean of the points [m]
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< covariance of the points [m^2]
   Eigen::Matrix3d rays = Eigen::Matrix3d::Zero();        ///< sum of b b^T over the pixels, p = z b
 };
 

@@ -22,7 +22,7 @@ public:
   template <class Surface>
   double depth(const Surface& surface, const Eigen::Vector3d& ray, double z) {
     if (!(bending_.std > 0)) return z;
-    constexpr double kGrazing = 0.1;  // of the cosine, below which a ray would glide along the surface
+    constexpr double kGrazing = 0.1;  // cosine below which a ray would glide along the surface
     const Eigen::Vector3d p = z * ray;
     const double towards = surface.normalAt(p).dot(ray);
     const double moved = bending_.std * waves(surface.label).at(T_w_c_ * p);

@@ -37,7 +37,7 @@ void furnish(SceneBuilder& builder, const Spot& doorway, Random random) {
   addSideboard(builder, doorway.relative(1.2, -side + 0.4, kPi / 2), random, When::always);
 }
 
-/** Of the corridor, beside each door: what tells the doors apart. */
+/** Places things in the corridor beside each door: they distinguish the doors. */
 void placeBesideDoor(SceneBuilder& builder, const Spot& doorway, Random& random) {
   const double left = random.uniform() < 0.5 ? 1 : -1;
   const Spot spot = doorway.relative(-0.25, left * random.uniform(0.9, 1.7), kPi);

@@ -83,7 +83,8 @@ private:
 /** \brief The heights that something takes: bits. */
 enum Height : unsigned { kLow = 1, kHigh = 2, kAllHeights = 3 };
 
-/** \brief What of a floor is taken, and the robot's lanes, which stay free of what is low enough to be hit.
+/** \brief The occupied parts of a floor, and the robot's lanes, which stay free of things low enough to be
+ * hit.
  */
 class FloorPlan {
 public:
@@ -100,7 +101,7 @@ public:
   }
 
 private:
-  static constexpr double kClearance = 0.46;  // of the lanes' middle lines [m]
+  static constexpr double kClearance = 0.46;  // distance from the lanes' middle lines [m]
 
   struct Taken {
     Footprint footprint;
@@ -126,7 +127,7 @@ public:
       : builder_(builder), plan_(plan), random_(random) {}
 
   /** \brief A thing with its back to a wall of a room, its heading off by up to a turn; returns its spot, or
-   * none if there was no room. What is light may have moved. */
+   * none if there was no room. A light thing may have moved. */
   std::optional<Spot> atWall(const Kind& kind, const Eigen::AlignedBox2d& room, bool light = false,
                              double turn_deg = 0) {
     return put(
@@ -160,7 +161,7 @@ public:
 
   /** \brief A spot on the wall for something flat, at a height; none if all walls are covered there. */
   std::optional<Spot> onWall(const Eigen::AlignedBox2d& room, double width, double z) {
-    constexpr double kDepth = 0.1;  // [m] what is nearer to the wall than this hides it
+    constexpr double kDepth = 0.1;  // [m] things nearer to the wall than this hide it
     const Kind flat{nullptr, kDepth, width};
     for (int i = 0; i < kTries; ++i) {
       const Spot spot = drawSpotAtWall(flat, room, 0);
@@ -173,7 +174,7 @@ public:
 
 private:
   static constexpr int kTries = 200;
-  static constexpr double kShareMoved = 0.25;  // of what is light
+  static constexpr double kShareMoved = 0.25;  // share of the light things
   static constexpr double kGap = 0.01;         // between a thing and its wall [m]
 
   static double spotOffset(const Kind& kind) { return kind.depth / 2 + kGap; }

@@ -6,18 +6,18 @@
 namespace facetloc {
 
 // Things that stand about, built of boxes and round bodies. Each is centred on its spot, its front looks
-// along the spot's x axis; sizes vary with the random numbers. What is mapped and later moved is added twice,
-// with the same sizes: pass a copy of the random numbers' state.
+// along the spot's x axis; sizes vary with the random numbers. A thing that is mapped and later moved is
+// added twice, with the same sizes: pass a copy of the random numbers' state.
 
 using AddThing = void(SceneBuilder&, const Spot&, Random&, When);
 
 /** \brief A kind of thing and the floor that it needs: depth along the x axis of its spot, width along y [m].
- * Single things may be smaller; the back of what stands at a wall is always at x = -depth / 2. */
+ * Single things may be smaller; the back of a thing at a wall is always at x = -depth / 2. */
 struct Kind {
   AddThing* add;
   double depth;
   double width;
-  bool tall = false;  ///< hides what hangs on the wall behind it
+  bool tall = false;  ///< hides pictures and boards on the wall behind it
 };
 
 // ---- Offices and homes ----
@@ -101,7 +101,7 @@ constexpr Kind kStepladder{addStepladder, 1.4, 0.6};
 constexpr Kind kLocker{addLocker, 0.5, 1.2, true};
 }  // namespace kind
 
-// ---- What is built in: fitted to the place, which gives its size ----
+// ---- Built-in things: fitted to the place, which gives their size ----
 
 /** \brief A picture or notice board; its back is at the spot, which is on the wall, its foot at the spot's z.
  */
@@ -114,16 +114,16 @@ void addWallShelf(SceneBuilder& builder, const Spot& on_wall, double width, Rand
 /** \brief The folds of a curtain: upright half cylinders along the y axis of the spot. */
 void addCurtain(SceneBuilder& builder, const Spot& on_wall, double width, double height, Random& random,
                 When when = When::always);
-/** \brief A lamp that hangs from the ceiling. */
+/** \brief A lamp below the ceiling. */
 void addPendantLamp(SceneBuilder& builder, const Spot& on_floor, double ceiling, Random& random);
 
-/** \brief A row of racks along the y axis of the spot, its front along x, loaded. Of what lies on the boards
- * a share is taken away, added or pushed aside between the runs. */
+/** \brief A row of racks along the y axis of the spot, its front along x, loaded. A share of the goods on the
+ * boards is taken away, added or pushed aside between the runs. */
 struct RackRow {
   double length = 10.8;         ///< [m]
   double depth = 0.9;           ///< [m]
   double height = 3.6;          ///< [m]
-  double board_distance = 0.7;  ///< of the two runs of boards [m]
+  double board_distance = 0.7;  ///< distance of the two runs of boards [m]
   int bays = 4;
   double moved_share = 0.15;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is built in, fitted to the place.
+// Built-in things, fitted to the place.
 #include "furniture.h"
 #include "furniture_parts.h"
 

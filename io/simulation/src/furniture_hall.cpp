@@ -196,7 +196,7 @@ void addLocker(SceneBuilder& builder, const Spot& spot, Random& random, When whe
 
 namespace {
 
-/** The freight of one bay: what makes the bays of equal racks differ. */
+/** The freight of one bay: the only difference between the bays of equal racks. */
 enum class Freight { cartons, crates, rolls, nothing };
 
 Freight drawFreight(Random& random) {

@@ -31,7 +31,7 @@ void addKitchenUnit(SceneBuilder& builder, const Spot& spot, Random& random, Whe
   const double free = width - 1.5 * kOven;
   builder.box(spot.relative(shelf_x, side * (free / 2 - width / 2), 0, bottom),
               {shelf_depth, free, top - bottom}, when);
-  // A tap, and what stands on the worktop.
+  // A tap, and things on the worktop.
   const double tap = side * random.uniform(-0.8, -0.4);
   builder.cylinder(spot.relative(-depth / 2 + 0.1, tap, 0, kWorktop), 0.018, 0.28, when);
   const double oven_width = random.uniform(0.42, 0.5);

@@ -9,7 +9,7 @@ namespace facetloc {
 
 namespace {
 
-/** What sofas and armchairs have in common: arms, a back that leans, seat cushions. */
+/** The common parts of sofas and armchairs: arms, a back that leans, seat cushions. */
 void addSeat(SceneBuilder& builder, const Spot& spot, double depth, double width, int cushions,
              Random& random, When when) {
   const double arm = random.uniform(0.12, 0.2);

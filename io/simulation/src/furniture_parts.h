@@ -7,7 +7,7 @@
 
 namespace facetloc {
 
-// What furniture is made of, and the small things that stand on it. Lengths in metres; things stand on their
+// Parts of furniture, and small things on it. Lengths in metres; things stand on their
 // spot and look along its x axis: depth is along x, width along y.
 
 constexpr double kBoard = 0.02;                                                 // thickness of boards
@@ -31,16 +31,16 @@ void slab(SceneBuilder& builder, const Spot& spot, double z, double pitch_deg, c
 void legs(SceneBuilder& builder, const Spot& spot, double depth, double width, double height, double side,
           When when);
 
-/** \brief Small things on a board or a table top: boxes, jars, bowls. Those on what stays are used now and
- * then. */
+/** \brief Small things on a board or a table top: boxes, jars, bowls. Those on immovable furniture are used
+ * now and then. */
 void addOddments(SceneBuilder& builder, const Spot& on_top, double depth, double width, int number,
                  Random& random, When when);
 
 /** \brief A screen on its foot; seen along x. */
 void addScreen(SceneBuilder& builder, const Spot& on_top, double width, Random& random, When when);
 
-/** \brief Books along a board, in groups of the same size, with gaps; some lie. Of those on what stays some
- * are taken away. */
+/** \brief Books along a board, in groups of the same size, with gaps; some lie. Of those on immovable
+ * furniture some are taken away. */
 void addBooks(SceneBuilder& builder, const Spot& board, double depth, double width, double height,
               Random& random, When when);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What stands or hangs about in any room, and who.
+// Things that stand or hang about in any room, and people.
 #include "furniture.h"
 #include "furniture_parts.h"
 

@@ -73,7 +73,7 @@ void HallFloor::drawRoutes() {
   };
   const double west = racks_west_ / 2, east = racks_east_ + 1.2;
   const double off = random.uniform(0.1, 0.25),
-               other = -random.uniform(0.1, 0.25);  // of the middle of aisles
+               other = -random.uniform(0.1, 0.25);  // offset from the middle of aisles
   const double loop_east = store_north_door_, loop_south = aisle_2_ - 0.1, loop_north = aisle_3_ + 0.9;
 
   constexpr double kStraight = 0.05;  // aisles are driven along straight lines, nearly

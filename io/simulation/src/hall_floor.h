@@ -12,7 +12,7 @@
 
 namespace facetloc {
 
-/** \brief A store: in the west two aisles between rows of racks, all alike but for what lies on them, and a
+/** \brief A store: in the west two aisles between rows of racks, all equal but for the goods on them, and a
  * third one along a double row; in the east an open area with gates, machines and pallets, and a store room,
  * which is shut when the map is made.
  *
@@ -53,7 +53,7 @@ private:
   void buildGate(const Spot& inside);
   void shutDoor(const Spot& inside);
   /** A wall of the hall, its inner face from corner to corner, inside to the left, with gates, doors, and
-   * pilasters wherever there is none of them. */
+   * pilasters between them. */
   void buildWall(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const std::vector<double>& gates,
                  const std::vector<double>& doors);
   void addPilasters(const Spot& corner, double length);
@@ -66,7 +66,7 @@ private:
   void buildColumns();
   void buildBeams();
 
-  // ---- Racks, and what stands about (hall_furniture.cpp) ----
+  // ---- Racks, and loose things (hall_furniture.cpp) ----
   void buildRack(double y, double yaw, Random& random);
   /** A low rail that guards the end of a row. */
   void addGuard(double x, double y, double width);

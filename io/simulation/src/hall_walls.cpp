@@ -105,7 +105,7 @@ void HallFloor::buildStoreRoom() {
     addDoorFrame(builder_, Spot{{store_north_door_, corner.y()}, turn + kPi / 2}.relative(kInnerWall / 2, 0),
                  kDoorWidth, kDoorHeight);
   }
-  // Its walls, for what is put up outside.
+  // Its walls, for things put up outside.
   const Vector2d middle = store_.center(), size = store_.sizes();
   plan_.take({Spot{{corner.x(), middle.y()}, 0}, kInnerWall, size.y()});
   plan_.take({Spot{{middle.x(), corner.y()}, 0}, size.x(), kInnerWall});

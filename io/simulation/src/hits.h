@@ -13,7 +13,7 @@
 #include <vector>
 
 /** \file
- * What the rays of a camera meet in a scene. */
+ * Intersections of a camera's rays with a scene. */
 
 namespace facetloc {
 
@@ -168,7 +168,7 @@ inline constexpr int kNothing = -1;
 
 inline std::size_t pixelCount(const Intrinsics& camera) { return std::size_t(camera.width) * camera.height; }
 
-/** What every pixel sees: the depth and the number of a surface, first the rectangles, then the bodies. */
+/** The view of every pixel: the depth and the number of a surface, first the rectangles, then the bodies. */
 class Hits {
 public:
   /** \param opaque which pixels are reflected by glass; none if it is empty. */
@@ -183,7 +183,7 @@ public:
     for (const Quadric& quadric : quadrics_) cast(quadric, number++, camera, opaque);
   }
 
-  /** Calls what(surface) with the facet or the quadric of that number. */
+  /** Calls the function with the facet or the quadric of that number. */
   template <class What>
   auto with(int number, What&& what) const {
     const int facets = static_cast<int>(facets_.size());

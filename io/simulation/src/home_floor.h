@@ -13,7 +13,7 @@
 namespace facetloc {
 
 /** \brief A flat: living room and kitchen in the west, a hallway from there to the entrance in the east;
- * south of it two bedrooms, alike on purpose, north of it a study between the kitchen and the bath. The
+ * south of it two bedrooms, equal on purpose, north of it a study between the kitchen and the bath. The
  * study, which has doors to the hallway and to the kitchen, is shut when the map is made. Half of the flats
  * are mirrored.
  *

@@ -68,7 +68,7 @@ void HomeFloor::furnishLivingRoom() {
   const AlignedBox2d& room = living_room_;
   const auto sofa = furnisher_.atWall(kind::kSofa, room, false, 6);
   if (sofa) {
-    constexpr double kFar = 0.85;  // from the middle of the sofa to the middle of the table before it
+    constexpr double kFar = 0.85;  // distance between the middles of the sofa and the table before it
     furnisher_.at(kind::kCoffeeTable, sofa->relative(kFar + 0.1, 0), room, true, 0.1, 15);
   }
   furnisher_.atWall(kind::kTvStand, room);

@@ -18,7 +18,7 @@ constexpr double kWindowTop = 2.2;
 }  // namespace
 
 void HomeFloor::dressWindow(const Spot& inside, const Opening& opening) {
-  constexpr double kReach = 0.3;  // of what must not hide a window
+  constexpr double kReach = 0.3;  // reach of things that must not hide a window
   plan_.take({inside.relative(kReach / 2, 0), kReach, opening.width},
              opening.bottom > 0 ? kHigh : kAllHeights);
   const Spot bar = inside.relative(-kOuterWall / 2, 0, 0, opening.bottom);

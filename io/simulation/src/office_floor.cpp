@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Of the robot's line from what stands beside the lane [m].
+// Distance of the robot's line from things beside the lane [m].
 constexpr double kClearance = 0.42;
 
 }  // namespace
@@ -27,7 +27,7 @@ SimulatedPlace OfficeFloor::build() {
 }
 
 void OfficeFloor::drawSizes() {
-  half_.x() = random_.uniform(6.2, 7.5);  // of the loop, to the middle of the corridor
+  half_.x() = random_.uniform(6.2, 7.5);  // half length of the loop, to the middle of the corridor
   half_.y() = random_.uniform(3.8, 4.6);
   corridor_ = random_.uniform(2.0, 2.4);
   spacing_ = random_.uniform(2.6, 3.2);

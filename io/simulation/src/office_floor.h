@@ -25,9 +25,9 @@ private:
   static constexpr double kQuarter = 90 * kDegree;
   static constexpr double kCeiling = 2.7;
   static constexpr double kWall = 0.14;    // thickness
-  static constexpr double kRecess = 0.22;  // of doors behind the face of the corridor's wall
+  static constexpr double kRecess = 0.22;  // depth of doors behind the face of the corridor's wall
   static constexpr int kRooms = 4;
-  static constexpr double kLane = 0.75;  // half width of what stays free along the middle of a corridor
+  static constexpr double kLane = 0.75;  // half width of the free space along the middle of a corridor
 
   /** One straight side of the loop: its wall seen from the corridor, from its start to its end, inside of the
    * corridor to the left. */
@@ -45,9 +45,9 @@ private:
   /** A room behind a long outer side, two on each: where its door is along the side, and its reach. */
   struct Room {
     double door = 0;
-    double left = 2, right = 2;  // of the door, as seen from the corridor
+    double left = 2, right = 2;  // distances from the door, as seen from the corridor
     double depth = 4;
-    std::vector<Opening> windows;  // in its outer wall, from the left
+    std::vector<Opening> windows;  // openings in its outer wall, from the left
   };
 
   // ---- Sizes, ways, and where things are (office_floor.cpp) ----
@@ -81,7 +81,7 @@ private:
   void buildWall(const Side& side);
   /** A door at the back of its recess: closed, or ajar into the room behind. */
   void hangDoor(const Side& side, const Opening& opening);
-  /** The far wall of what shows through a door that is ajar; it does not reach into other corridors. */
+  /** The far wall of the space that shows through a door ajar; it does not reach into other corridors. */
   void hideBehind(const Side& side, double at);
   /** The rooms outside the long sides: one is mapped, one is entered only later, two are seen in passing. */
   void buildRooms();
@@ -92,7 +92,7 @@ private:
   void buildCeiling();
 
   // ---- Furniture (office_furniture.cpp) ----
-  /** Pillars, cupboards, boards, bins and plants between the doors; what stands out leaves the lane free. */
+  /** Pillars, cupboards, boards, bins and plants between the doors; they leave the lane free. */
   void furnishWall(const Side& side);
   void pillar(const Spot& spot, double depth);
   void noticeBoard(const Spot& spot);

@@ -7,7 +7,7 @@
 namespace facetloc {
 namespace {
 
-constexpr double kShareMoved = 0.2;  // of the things that stand about
+constexpr double kShareMoved = 0.2;  // share of the loose things
 
 }  // namespace
 

@@ -12,7 +12,7 @@ using Eigen::Vector2d;
 
 // Lengths in metres.
 constexpr double kDoorWidth = 0.92, kDoorHeight = 2.05;
-constexpr double kRoomReach = 6;  // of floor and ceiling beyond the corridors
+constexpr double kRoomReach = 6;  // reach of floor and ceiling beyond the corridors
 
 }  // namespace
 

@@ -111,7 +111,7 @@ void SceneBuilder::wall(const Eigen::Vector2d& from, const Eigen::Vector2d& to, 
   std::vector<Opening> holes = openings;
   std::sort(holes.begin(), holes.end(), [](const Opening& a, const Opening& b) { return a.at < b.at; });
 
-  // The two faces: pillars of wall between the holes, and what is above and below each hole.
+  // The two faces: pillars of wall between the holes, and the wall above and below each hole.
   for (const int side : {-1, 1}) {
     std::uint16_t id = 0;
     const auto piece = [&](double start, double end, double bottom, double top) {
@@ -130,7 +130,7 @@ void SceneBuilder::wall(const Eigen::Vector2d& from, const Eigen::Vector2d& to, 
     piece(start, length, 0, height);
   }
 
-  // On a floor plan, only what begins at the floor opens a wall.
+  // On a floor plan, only openings that begin at the floor open a wall.
   double solid = 0;
   const Spot start{from, std::atan2(along.y(), along.x())};
   const auto solidUpTo = [&](double end) {
@@ -167,7 +167,7 @@ void SceneBuilder::pillar(const Spot& spot, const Eigen::Vector3d& size) {
 }
 
 void SceneBuilder::roundPillar(const Spot& spot, double radius, double height) {
-  constexpr int kSides = 16;  // of its outline
+  constexpr int kSides = 16;  // sides of its outline
   cylinder(spot, radius, height);
   PlanOutline corners;
   for (int i = 0; i < kSides; ++i)

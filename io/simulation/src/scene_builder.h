@@ -16,7 +16,7 @@ enum class When { always, mapped, later };
 struct Spot {
   Eigen::Vector2d place;
   double yaw = 0;  ///< [rad]
-  double z = 0;    ///< of its foot [m]
+  double z = 0;    ///< height of its foot [m]
 
   Eigen::Isometry3d pose() const;
   /** \brief A spot given in the frame of this one. */
@@ -32,8 +32,8 @@ struct Opening {
   bool glazed = false;  ///< a pane in the middle of the wall's thickness
 };
 
-/** \brief Puts a simulated place together: every function adds to what is mapped, to what is there later, or
- * to both, and numbers the planes. z is up, the floor is at z = 0, lengths are in metres. */
+/** \brief Puts a simulated place together: every function adds to the scene that is mapped, to the later one,
+ * or to both, and numbers the planes. z is up, the floor is at z = 0, lengths are in metres. */
 class SceneBuilder {
 public:
   explicit SceneBuilder(SimulatedPlace& place) : place_(place) {}

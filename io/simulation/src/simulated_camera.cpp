@@ -21,11 +21,11 @@ SimulatedFrame emptyFrame(const Intrinsics& camera) {
 }
 
 constexpr double kReferenceWidth = 640;  // [px] lengths in SimulatedNoise refer to an image of this width
-constexpr double kBlobSize = 6;          // [px] correlation length of what is lost in patches
+constexpr double kBlobSize = 6;          // [px] correlation length of losses in patches
 constexpr double kPatchSize = 12;        // [px] correlation length of the texture of surfaces
 constexpr double kGlassSeen = 1.3;       // [sigma] blobs above this are seen in a pane: one pixel in ten
-constexpr double kDrawnBack = 0.5;       // of the way beyond the reliable depth is seen
-constexpr double kDarkSpread = 0.35;     // of the range of dark surfaces, per sigma of the blobs
+constexpr double kDrawnBack = 0.5;       // share of the way beyond the reliable depth that is seen
+constexpr double kDarkSpread = 0.35;     // spread of the range of dark surfaces, per sigma of the blobs
 
 enum Purpose : std::uint64_t {
   kDistortion,
@@ -138,7 +138,7 @@ std::vector<bool> patches(double share, const Intrinsics& camera, double size, R
   return inside;
 }
 
-/** Of unit variance, and between two images at random where these are so many images apart. */
+/** Of unit variance, and independent in two images that are `frames` apart. */
 std::vector<double> slowlyChangingField(const Intrinsics& camera, std::uint64_t seed, std::uint64_t frame,
                                         double images) {
   const double at = static_cast<double>(frame) / images, before = std::floor(at);
@@ -198,7 +198,7 @@ SimulatedFrame SimulatedCamera::render(const Scene& scene, const Eigen::Isometry
   return measured(seen, frame_index);
 }
 
-/** What the camera makes out of the scene, before it measures how far away that is. */
+/** The surfaces that the camera perceives in the scene, before it measures their distance. */
 SimulatedCamera::Seen SimulatedCamera::surfacesSeen(const Scene& scene, const Eigen::Isometry3d& T_w_c,
                                                     std::uint64_t frame_index) const {
   const double scale = camera_.width / kReferenceWidth;
@@ -273,7 +273,7 @@ double SimulatedCamera::randomStd(double z) const {
   return of_disparity + noise_.noise_factor * (noise_.depth_std_slope + noise_.depth_std / z) / z;
 }
 
-/** Is enough of the pattern seen? Blobs shift the limits, so that what fails does so in patches. */
+/** Is enough of the pattern seen? Blobs shift the limits, so that failures come in patches. */
 bool SimulatedCamera::reflects(Material material, double z, double cosine, double blob) const {
   const double angle_deg = std::acos(std::min(cosine, 1.0)) / kDegree;
   if (angle_deg > noise_.grazing_dropout_deg + noise_.grazing_spread_deg * blob) return false;

@@ -12,14 +12,14 @@ namespace facetloc {
 namespace {
 
 constexpr double kPi = 180 * kDegree;
-constexpr double kSpacing = 0.1;        // of the points that stand for surfaces [m]
-constexpr double kFloor = 0.05;         // what lies lower is driven over [m]
+constexpr double kSpacing = 0.1;        // spacing of the points that stand for surfaces [m]
+constexpr double kFloor = 0.05;         // lower things are driven over [m]
 constexpr double kShortestDrive = 0.8;  // between two looks around [m]
 constexpr double kDriveStep = 0.01;     // [m]
 constexpr double kTurnStep = 0.5 * kDegree;
 constexpr double kRounding = 1e-9;
 constexpr double kDisplacement =
-    0.1;                      // of waypoints from round to round [m]: the robot still fits through doors
+    0.1;  // displacement of waypoints from round to round [m]: the robot still fits through doors
 constexpr int kTries = 2000;  // to find a free place
 constexpr int kGoals = 10;    // to choose the next one from
 
@@ -66,7 +66,7 @@ private:
       for (const double v : {-r.half_v, r.half_v}) box_.extend(r.centre + u * r.axis_u + v * r.axis_v);
   }
 
-  /** Covers of boxes block at any height, so that nobody starts inside a cupboard; the ceiling does not. */
+  /** Covers of boxes block at any height, so that no route starts inside a cupboard; the ceiling does not. */
   void addObstacle(const Rectangle& r, double robot_height) {
     const bool level = r.axis_u.cross(r.axis_v).normalized().cwiseAbs().z() > 0.9;
     const double ceiling = box_.max().z() - kFloor;
@@ -117,7 +117,7 @@ private:
   std::vector<Eigen::Vector3d> waves_;  // (wave vector, phase)
 };
 
-/** The robot: where it stands and looks, and what its camera has seen. */
+/** The robot: its pose, and the views of its camera. */
 class Robot {
 public:
   Robot(const DriveParams& params, const std::optional<PaceParams>& pace, Random& random, std::size_t frames)

@@ -7,7 +7,7 @@
 namespace facetloc {
 namespace {
 
-constexpr double kRadian = 1;        // of rotation, as way of the camera [m]
+constexpr double kRadian = 1;        // weight of rotation, as path length of the camera [m]
 constexpr double kLongest = 3;       // wavelength, in terms of the shortest
 constexpr std::uint64_t kDrift = 1;  // purpose of the seed
 

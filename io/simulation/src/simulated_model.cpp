@@ -112,7 +112,7 @@ std::vector<Eigen::Vector2d> placesDriven(const SimulatedPlace& place, double st
   return places;
 }
 
-/** Frees what is unknown and can be reached from these places without crossing anything else. */
+/** Frees the unknown cells that can be reached from these places without crossing anything else. */
 void flood(const std::vector<Eigen::Vector2d>& places, OccupancyGrid& grid) {
   std::vector<Eigen::Vector2i> reached;
   const auto reach = [&](const Eigen::Vector2i& cell) {
@@ -153,7 +153,7 @@ pcl::PolygonMesh meshOf(const Scene& scene) {
 }
 
 OccupancyGrid floorPlanOf(const SimulatedPlace& place, double resolution) {
-  constexpr double kMargin = 0.5;  // of unknown cells around the walls [m]
+  constexpr double kMargin = 0.5;  // width of unknown cells around the walls [m]
   if (!(resolution > 0)) throw std::invalid_argument("cells of an occupancy grid need a positive size");
   Eigen::AlignedBox2d bounds;
   for (const PlanOutline& outline : place.walls)

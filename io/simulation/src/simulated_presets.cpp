@@ -19,7 +19,7 @@ DepthNoise noiseOf(std::string_view name) {
   return noise;
 }
 
-/** Neither a pattern nor steps of disparity: what all cameras but a Kinect have in common. */
+/** Neither a pattern nor steps of disparity: the common errors of all cameras but a Kinect. */
 SimulatedNoise plain(const CameraPreset& preset) {
   const DepthNoise of_depth = noiseOf(preset.name);
   SimulatedNoise noise;
@@ -37,7 +37,7 @@ SimulatedNoise stereo(const CameraPreset& preset) {
   noise.correlation_px = 5;  // a wall is wavy: the correlation falls to 1/e over 10 px
   noise.fattening_px = 4;
   noise.untextured = 0.15;
-  noise.projector_baseline = 0.05;  // what the second camera does not see
+  noise.projector_baseline = 0.05;  // hides surfaces from the second camera
   noise.dark_range = 0;
   return noise;
 }
@@ -75,7 +75,7 @@ SimulatedNoise rough(const CameraPreset& preset) {
 }
 
 void addSharedErrors(std::string_view name, SimulatedNoise& noise) {
-  noise.smooth_error = 0.003;  // what a calibration leaves, and the temperature changes
+  noise.smooth_error = 0.003;  // left by a calibration, and due to temperature
   if (name == "realsense_d435") {
     noise.smooth_error = 0.005;
     noise.blur_px = 3;

@@ -27,7 +27,7 @@ void addBox(Scene& scene, const Eigen::Isometry3d& T_w_box, const Eigen::Vector3
 
 namespace {
 
-/** The sizes of a room and of what stands in it [m]. */
+/** The sizes of a room and of the boxes in it [m]. */
 constexpr double kMinRoom = 3, kMaxRoom = 7;
 constexpr double kMinCeiling = 2.4, kMaxCeiling = 3.0;
 constexpr double kMinBoxHeight = 0.3, kMaxBoxHeight = 2.0;
@@ -37,7 +37,7 @@ constexpr double kMaxCupboardHeight = 1.0;
 constexpr double kFreeRadius = 0.8;  // the middle of the room stays free for a camera
 constexpr double kShareOfCupboards = 0.35;
 constexpr double kShareOfTurnedBoxes = 0.5;
-constexpr double kShrink = 0.95;  // of a box that found no place, before the next try
+constexpr double kShrink = 0.95;  // factor on a box that found no place, before the next try
 
 Eigen::Isometry3d boxPose(double x, double y, double z, double yaw) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();

@@ -53,7 +53,7 @@ std::vector<double> inverted(std::vector<double> values) {
   return values;
 }
 
-/** Makes unknown what lies so near to a step of inverse depth. */
+/** Makes pixels near a step of inverse depth unknown. */
 std::vector<double> withoutSilhouettes(const std::vector<double>& inverse, const Intrinsics& camera,
                                        int radius) {
   std::vector<double> out = inverse;

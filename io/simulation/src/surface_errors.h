@@ -6,11 +6,11 @@
 #include <vector>
 
 /** \file
- * Errors of a depth camera that depend on what is seen around a pixel. */
+ * Errors of a depth camera that depend on the surroundings of a pixel. */
 
 namespace facetloc {
 
-/** \brief The surfaces as a stereo camera sees them: nearer ones grow by so many pixels, since its matching
+/** \brief The surfaces as a stereo camera sees them: nearer ones grow by `px` pixels, since its matching
  * window sees them first. */
 std::vector<int> fattened(const Hits& hits, const Intrinsics& camera, double px);
 
@@ -22,8 +22,8 @@ double cornerShare(const Hits& hits, const Intrinsics& camera, int u, int v);
  * weighted by a Gaussian of that standard deviation. Planes stay planes, silhouettes become ramps. */
 std::vector<double> blurred(const std::vector<double>& depth, const Intrinsics& camera, double px);
 
-/** \brief Depths without holes: those of so many pixels beside silhouettes and those not seen are
- * interpolated between the others. Where nothing is seen at all, nothing is made up. */
+/** \brief Depths without holes: pixels within `px` of silhouettes and those not seen are
+ * interpolated between the others. Where nothing is seen at all, nothing is invented. */
 std::vector<double> filledIn(const std::vector<double>& depth, const Intrinsics& camera, double px);
 
 }  // namespace facetloc

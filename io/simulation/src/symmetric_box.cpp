@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kCorners = 8;  // of the way around the box
+constexpr int kCorners = 8;  // corners of the way around the box
 // Sizes [m].
 constexpr double kHalfFloor = 6;
 constexpr double kRadius = 1.8, kOffRadius = 0.25;
@@ -39,7 +39,7 @@ SimulatedPlace symmetricBox(std::uint64_t seed) {
   const double height = random.uniform(0.7, 1.1);
   const Spot middle{{0, 0}, random.uniform(-180, 180) * kDegree};
   builder.box(middle, {length, width, height});
-  // What stands out looks the same after half a turn: a lid, and a ledge on both long sides.
+  // Parts that stand out look the same after half a turn: a lid, and a ledge on both long sides.
   builder.box(middle.relative(0, 0, 0, height), {length / 2, width / 2, random.uniform(0.1, 0.2)});
   const double ledge = random.uniform(0.1, 0.2), ledge_height = random.uniform(0.2, 0.4);
   for (const double side : {-1, 1})

@@ -39,7 +39,7 @@ struct FrameGrabber::State {
   boost::signals2::signal<OnFrame>* frames = nullptr;
   boost::signals2::signal<OnCloud>* clouds = nullptr;
 
-  mutable std::mutex mutex;  // of all below
+  mutable std::mutex mutex;  // guards all members below
   std::condition_variable changed;
   bool stopped = true, ended = false, in_turn = false;
   long asked = 0;

@@ -133,7 +133,7 @@ void PipeFrames::skip(std::size_t bytes) {
   if (skipped_ > kMostSkipped) fail(fmt::format("there is no header in {} bytes", skipped_));
 }
 
-/** A header at the end of what is skipped. */
+/** A header at the end of skipped bytes. */
 std::optional<FrameHeader> PipeFrames::headerAtEnd(const std::string& line) {
   for (std::size_t at = line.find("{\""); at != std::string::npos; at = line.find("{\"", at + 1)) try {
       if (auto header = parseFrameHeader(line.substr(at))) return header;

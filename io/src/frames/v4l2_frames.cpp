@@ -32,7 +32,7 @@ CameraFile fitted(CameraFile camera, const Z16Layout& layout, const std::string&
   const CameraPreset* preset = findCameraPreset(camera.preset);
   const auto typical = preset ? preset->intrinsicsOf(layout.width, layout.height) : std::nullopt;
   if (!typical)
-    throw IoError(name, fmt::format("does not say what its camera is, which sends images of {}x{}: give a "
+    throw IoError(name, fmt::format("does not name its camera, which sends images of {}x{}: give a "
                                     "camera.ini, or the name of a camera that has such images",
                                     layout.width, layout.height));
   k = *typical;

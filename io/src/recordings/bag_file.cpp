@@ -39,7 +39,7 @@ public:
   }
 
 private:
-  /** What the library throws becomes an IoError. */
+  /** Exceptions of the library become IoErrors. */
   template <typename Work>
   auto guarded(const Work& work) const -> decltype(work()) {
     try {

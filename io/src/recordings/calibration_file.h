@@ -15,7 +15,7 @@
 
 namespace facetloc::internal {
 
-/** \brief What a calibration says of a depth camera. */
+/** \brief A calibration of a depth camera. */
 struct Calibration {
   Intrinsics intrinsics;  ///< width and height are 0 where the file does not say them
   LensDistortion lens;

@@ -64,7 +64,7 @@ std::string kindsIn(const fs::path& folder) {
 
 std::string adviceIn(const fs::path& folder) {
   std::error_code ignored;
-  std::map<std::string, std::string> found;  // by advice, so that the first by name counts
+  std::map<std::string, std::string> found;  // keyed by advice, so that the first by name counts
   for (const auto& entry : fs::directory_iterator(folder, ignored))
     if (const std::string advice = adviceOnFile(entry.path()); !advice.empty())
       found.emplace(lowerExtension(entry.path()), advice);

@@ -34,8 +34,8 @@ public:
     std::string parent, child;
     std::vector<StampedPose> poses;  ///< T_parent_child
   };
-  /** \brief The frame whose parent is `odom`, or else the one frame that moves above another. Nothing if
-   * there is none, or several. \param below the frame that it has to be above, or empty */
+  /** \brief The frame whose parent is `odom`, or else the one frame that moves above another. Empty
+   * without one, or with several. \param below the frame that it has to be above, or empty */
   std::optional<Moving> moving(const std::string& below) const;
 
 private:

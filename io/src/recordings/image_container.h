@@ -34,11 +34,11 @@ public:
   virtual std::string frame() const { return {}; }
   /** \brief Gravity at the times of the images. \param std [rad] */
   virtual ReadGravity gravity(double) const { return {}; }
-  /** \brief What it says of its camera. */
+  /** \brief The camera by its own data. */
   virtual CameraFile camera() const = 0;
   /** \brief An image, with the size that it has and whatever intrinsics. */
   virtual DepthImage read(std::size_t index) const = 0;
-  /** \brief What its user should know of it, a sentence without full stop; empty if there is nothing. */
+  /** \brief A remark for the user, a sentence without full stop; may be empty. */
   virtual std::string remark() const = 0;
 };
 

@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kDepth = "depth";  // in the name of an image or of its folder
+constexpr const char* kDepth = "depth";  // part of the name of an image or of its folder
 constexpr const char* kOthers[] = {"conf", "confidence", "color",   "colour", "rgb",  "mask", "label",
                                    "seg",  "normal",     "normals", "ir",     "gray", "grey", "amplitude"};
 

@@ -45,9 +45,9 @@ std::vector<ListedImage> imagesOfFolder(const std::filesystem::path& folder);
  * their names. Throws IoError if there are several. */
 std::filesystem::path folderOfImages(const std::filesystem::path& recording);
 
-/** \brief What is in a folder that has no depth images, and what to do about it. */
+/** \brief The content of a folder without depth images, and advice. */
 std::string foundIn(const std::filesystem::path& folder);
-/** \brief What to do about files of a kind that is not read, by their extension; empty for others. */
+/** \brief Advice on files of an unsupported kind, by their extension; empty for others. */
 std::string adviceOnFile(const std::filesystem::path& path);
 
 /** \brief The images that a text file lists, in its order, each once; # starts a comment line. A line is a

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kHalfWindow = 0.5;        // [s] longer than a step of who carries the camera
 constexpr double kLeastHalfWindow = 0.02;  // [s] at the ends of the recording
-constexpr double kMostExcess = 0.2;        // of the length of gravity
+constexpr double kMostExcess = 0.2;        // share of the length of gravity
 
 /** An accelerometer whose axes are known. */
 struct Imu {
@@ -24,7 +24,7 @@ struct Imu {
   const char* how = "";
 };
 
-/** Nothing if nobody says how it is turned. */
+/** Empty if its orientation is unknown. */
 std::optional<Imu> turned(Imu imu, const std::string& camera_frame, const FrameTree& tree) {
   constexpr const char* kOptical = "optical_frame";
   if (camera_frame.empty()) return {};

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr double kNanosecond = 1e-9;
 constexpr std::uint8_t kMagic[] = {0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
-constexpr std::size_t kRecordHead = 9;    // opcode, size of what follows
+constexpr std::size_t kRecordHead = 9;    // opcode, size of the rest
 constexpr std::size_t kMessageHead = 22;  // channel, number, two times
 constexpr std::uint64_t kUnchunked = ~std::uint64_t(0);
 
@@ -144,7 +144,7 @@ private:
 
   /** Schemas, channels and messages, wherever they are. */
   void note(std::uint8_t opcode, ByteView bytes, std::uint64_t place, std::uint64_t inner) {
-    MessageReader record(bytes, WireFormat::ros1);  // MCAP's own fields are packed alike
+    MessageReader record(bytes, WireFormat::ros1);  // MCAP packs its own fields the same way
     if (opcode == kSchema) {
       const auto id = record.number<std::uint16_t>();
       if (id != 0) types_[id] = typeWithoutMsg(record.text());
@@ -265,7 +265,7 @@ private:
   std::vector<ChunkPlace> chunks_;
   std::size_t undeclared_ = 0;  // messages
   std::size_t damaged_ = 0;     // chunks
-  mutable std::mutex mutex_;    // guards what follows
+  mutable std::mutex mutex_;    // guards the members below
   mutable std::vector<std::pair<std::size_t, std::shared_ptr<const Bytes>>> kept_;
 };
 

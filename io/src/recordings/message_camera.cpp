@@ -53,15 +53,16 @@ void take(const CameraInfoMessage& info, bool called_rectified, MessageCamera& c
   }
 }
 
-/** The topic of another CameraInfo, of the same frame and size; empty if there is none. */
-std::string alikeTopic(const MessageLog& log, const ImagesOfTopic& images) {
+/** The topic of another CameraInfo, of the same frame and size; empty if none fits. */
+std::string matchingTopic(const MessageLog& log, const ImagesOfTopic& images) {
   if (images.frame.empty() || images.width == 0) return {};
   for (const MessageTopic& topic : log.topicsOf(CameraInfoMessage::kType)) {
-    bool alike = false;
+    bool matches = false;
     log.readFirst<CameraInfoMessage>(topic.name, [&](const CameraInfoMessage& info) {
-      alike = info.header.frame == images.frame && info.width == images.width && info.height == images.height;
+      matches =
+          info.header.frame == images.frame && info.width == images.width && info.height == images.height;
     });
-    if (alike) return topic.name;
+    if (matches) return topic.name;
   }
   return {};
 }
@@ -83,10 +84,10 @@ MessageCamera cameraOfMessages(const MessageLog& log, const ImagesOfTopic& image
   const bool called_rectified = lower(topic).find("rect") != std::string::npos;
   const auto use = [&](const CameraInfoMessage& info) { take(info, called_rectified, camera); };
   if (log.readFirst<CameraInfoMessage>(base + "/camera_info", use)) return camera;
-  const std::string alike = alikeTopic(log, images);
-  if (alike.empty()) return camera;
-  log.readFirst<CameraInfoMessage>(alike, use);
-  camera.remark = fmt::format("their camera is by {}, which has their frame and size{}{}", alike,
+  const std::string matching = matchingTopic(log, images);
+  if (matching.empty()) return camera;
+  log.readFirst<CameraInfoMessage>(matching, use);
+  camera.remark = fmt::format("their camera is by {}, which has their frame and size{}{}", matching,
                               camera.remark.empty() ? "" : "; ", camera.remark);
   return camera;
 }

@@ -15,19 +15,19 @@ namespace facetloc::internal {
 
 /** \brief Images whose camera is looked for. */
 struct ImagesOfTopic {
-  std::string topic;                    ///< of the plain images
-  std::string frame;                    ///< of their headers; may be empty
+  std::string topic;                    ///< topic of the plain images
+  std::string frame;                    ///< frame of their headers; may be empty
   std::uint32_t width = 0, height = 0;  ///< [px], or 0 if not known
 };
 
 /** \brief A camera, without intrinsics if no message has them. */
 struct MessageCamera {
   CameraFile file;
-  std::string remark{};  ///< how it was found, and what becomes of its lens; or nothing
+  std::string remark{};  ///< source of the camera, and the treatment of its lens; or nothing
 };
 
 /** \brief By the CameraInfo beside the images, or else by one of the same frame and size. RealSense's own
- * recorder has the unit of depth, too. Throws IoError for corrupt messages. */
+ * recorder also has the unit of depth. Throws IoError for corrupt messages. */
 MessageCamera cameraOfMessages(const MessageLog& log, const ImagesOfTopic& images);
 
 }  // namespace facetloc::internal

@@ -11,7 +11,7 @@
 #include <vector>
 
 /** \file
- * Files of recorded messages: what a bag of ROS 1, a database of rosbag2 and an MCAP have in common. Private
+ * Files of recorded messages: the common parts of a bag of ROS 1, a database of rosbag2 and an MCAP. Private
  * to io. */
 
 namespace facetloc::internal {
@@ -21,7 +21,7 @@ struct MessageTopic {
   std::string name;
   std::string type;  ///< as "sensor_msgs/Image", of ROS 2 as well
   WireFormat format = WireFormat::other;
-  std::size_t count = 0;  ///< of all messages
+  std::size_t count = 0;  ///< number of all messages
 };
 
 /** \brief Where a message is. */
@@ -45,7 +45,7 @@ public:
   /** \brief Messages of the types that are read here (isKnownType), in the order in which they were written.
    */
   const std::vector<MessageEntry>& entries() const { return entries_; }
-  /** \brief What is wrong with the file though it can be read, a clause such as "was never finished"; or
+  /** \brief A fault of a file that can be read, a clause such as "was never finished"; or
    * empty. */
   const std::string& fault() const { return fault_; }
 
@@ -64,7 +64,7 @@ protected:
 private:
   std::filesystem::path path_;
   std::vector<MessageTopic> topics_;
-  std::vector<bool> known_;  // by topic: may its messages be asked for?
+  std::vector<bool> known_;  // indexed by topic: may its messages be requested?
   std::vector<MessageEntry> entries_;
   std::string fault_;
 };

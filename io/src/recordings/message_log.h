@@ -36,7 +36,7 @@ public:
   std::vector<MessageTopic> topicsOf(const std::string& type) const;
   /** \brief Messages of a topic with that name and type, by the time when they were recorded. */
   std::vector<LoggedMessage> messages(const std::string& topic, const std::string& type) const;
-  /** \brief What is wrong with the files though they can be read; empty if nothing is. */
+  /** \brief Faults of files that can be read; empty without faults. */
   std::string faults() const;
 
   /** \brief Calls use(message) with a message of its type. Throws IoError for a corrupt one. */
@@ -67,7 +67,7 @@ public:
 private:
   std::filesystem::path path_;
   std::vector<std::unique_ptr<const MessageFile>> files_;
-  std::vector<MessageTopic> topics_;  // of all files
+  std::vector<MessageTopic> topics_;  // topics of all files
 };
 
 /** \brief "/odom (12), /pose (3)", or "none". */

@@ -24,7 +24,7 @@ FrameTree::Moving odometryOf(const MessageLog& log, const std::string& topic) {
 }  // namespace
 
 StampedPose poseOf(double stamp, const std::array<double, 7>& columns, const std::string& name) {
-  constexpr double kTolerance = 1e-2;  // of |q|^2
+  constexpr double kTolerance = 1e-2;  // tolerance of |q|^2
   const auto T = fromColumns(columns, kTolerance);
   if (!T) throw IoError(name, std::string("has a pose that ") + faultOf(columns, kTolerance));
   return {stamp, *T};

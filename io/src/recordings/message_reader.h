@@ -25,12 +25,12 @@ struct ByteView {
 
 /** \brief How messages are serialized. */
 enum class WireFormat {
-  ros1,   ///< of ROS 1: packed, little-endian
-  cdr,    ///< of ROS 2: XCDR1 of OMG's DDS-XTypes 7.4, behind the 4 bytes that name its byte order
+  ros1,   ///< ROS 1: packed, little-endian
+  cdr,    ///< ROS 2: XCDR1 of OMG's DDS-XTypes 7.4, behind the 4 bytes that name its byte order
   other,  ///< not read here
 };
 
-/** \brief A message that is not what its type says. The text continues "its message ...". */
+/** \brief A message that does not fit its type. The text continues "its message ...". */
 class BadMessage : public std::runtime_error {
 public:
   using std::runtime_error::runtime_error;

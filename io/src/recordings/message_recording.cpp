@@ -158,8 +158,8 @@ private:
   std::vector<MessageTopic> others_;  // with depth images
   std::vector<LoggedMessage> messages_;
   std::vector<double> stamps_;
-  std::string frame_;                     // of the images
-  std::uint32_t width_ = 0, height_ = 0;  // of the images, where the messages say it
+  std::string frame_;                     // frame of the images
+  std::uint32_t width_ = 0, height_ = 0;  // size of the images, where the messages have it
   MessageCamera camera_;
 };
 

@@ -19,7 +19,7 @@ char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned 
 
 /** Seconds since 1970 of 20121214T142255.814212, as if its clock had shown universal time. */
 std::optional<double> secondsOfIsoTime(const std::string& s) {
-  constexpr std::size_t kLength = 15;  // of the whole seconds
+  constexpr std::size_t kLength = 15;  // digits of the whole seconds
   if (s.size() < kLength || s[8] != 'T' || (s.size() > kLength && s[kLength] != '.')) return {};
   for (std::size_t i = 0; i < s.size(); ++i)
     if (i != 8 && i != kLength && !isDigit(s[i])) return {};
@@ -66,8 +66,8 @@ Pieces piecesOf(const std::string& name) {
   return pieces;
 }
 
-/** Which of the numbers of names that are alike otherwise differs from name to name, one with a point rather
- * than another; of a single name the only one. Nothing if the names are not alike, or do not differ by a
+/** Which of the numbers of otherwise equal names differs from name to name, one with a point rather
+ * than another; of a single name the only one. Nothing if the names differ otherwise, or not by a
  * number. */
 std::optional<std::size_t> counting(const std::vector<Pieces>& names) {
   const Pieces& first = names.front();

@@ -12,13 +12,13 @@ namespace facetloc::internal {
 
 /** \brief The numbers by which names differ. */
 struct NameNumbers {
-  std::vector<double> numbers;  ///< in the order of the names
+  std::vector<double> numbers;  ///< sorted as the names
   bool decimal = false;         ///< one is written with a point
   bool padded = false;          ///< one is written with leading zeros
 };
 
 /** \brief The number of each name, which is the name, or a time of PCL's recorders in it, or anywhere in
- * names that are alike otherwise: of several, one that differs from name to name, and has a point if one
+ * names that are otherwise equal: of several, one that differs from name to name, and has a point if one
  * does. Empty if there are no such numbers. */
 std::optional<NameNumbers> numbersInNames(const std::vector<std::string>& names);
 

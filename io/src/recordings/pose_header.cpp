@@ -89,7 +89,7 @@ std::optional<PoseHeader> PoseHeader::of(std::string_view line) {
     }
     if (q == kNone && t == kNone) continue;
     int& place = header.pose[static_cast<std::size_t>(q != kNone ? 3 + q : t)];
-    if (place != kNone) return {};  // of several poses nobody knows which
+    if (place != kNone) return {};  // several poses are ambiguous
     place = column;
   }
   if (std::count(header.pose.begin(), header.pose.end(), kNone) > 0) return {};

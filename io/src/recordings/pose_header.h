@@ -9,7 +9,7 @@
 #include <vector>
 
 /** \file
- * Which columns of a file of poses are what. Private to io. */
+ * Meaning of the columns of a file of poses. Private to io. */
 
 namespace facetloc::internal {
 
@@ -33,7 +33,7 @@ std::vector<ColumnName> columnNames(std::string_view line);
 struct PoseHeader {
   std::size_t width = 0;      ///< number of columns
   int stamp = -1;             ///< -1: none
-  int nanoseconds = -1;       ///< of the part of the stamp below a second; -1: none
+  int nanoseconds = -1;       ///< column with the part of the stamp below a second; -1: none
   double unit = 0;            ///< seconds that a stamp stands for, if the header says it; 0: it does not
   int matrix = -1;            ///< where a matrix begins, row by row; -1: a position and a quaternion instead
   std::array<int, 7> pose{};  ///< tx ty tz qx qy qz qw

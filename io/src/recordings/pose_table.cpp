@@ -22,7 +22,8 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr double kTolerance = 1e-2;  // of |q|^2 and of a rotation matrix: files have as few as four decimals
+constexpr double kTolerance =
+    1e-2;  // tolerance of |q|^2 and of a rotation matrix: files have as few as four decimals
 constexpr double kNoRotation = 1e-9;
 
 /** A line of numbers. */

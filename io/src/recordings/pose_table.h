@@ -27,14 +27,14 @@ struct PoseRow {
 struct PoseTable {
   std::vector<PoseRow> rows;
   bool stamped = true;
-  TimeUnit unit;  ///< of the stamps, by the header of the table or by their size
+  TimeUnit unit;  ///< unit of the stamps, by the header of the table or by their size
 
   std::size_t lost() const;
   std::vector<double> stamps() const;
 };
 
 /** \brief Reads rows of numbers between blanks, commas or semicolons, with decimal points or commas; # and %
- * start comments, and a line of names may come first and tell what the columns are. Without one, rows are
+ * start comments, and a line of names may come first and name the columns. Without one, rows are
  * `tx ty tz qx qy qz qw` or a matrix of 12 or 16 numbers by rows, with or without a stamp in front, as of
  * TUM, KITTI and Replica; of 8 with a number behind or in front, as of RTAB-Map; of 17 as of EuRoC; or
  * matrices of 4x4 one after the other, as of Redwood. Throws IoError with the line. */

@@ -60,7 +60,7 @@ const KnownCamera kKnown[] = {
     {"ICL-NUIM", "", Kind::icl_nuim, {640, 480, 481.2, 480, 319.5, 239.5}, kTumScale, "kinect", true},
 };
 
-/** Of the first depth image that can be read; nothing if there is none. */
+/** Size of the first readable depth image; empty without one. */
 std::optional<PngSize> sizeOfImages(const RecordingLayout& layout) {
   for (const FrameFile& frame : layout.frames)
     if (isDepthFile(frame.path))
@@ -300,7 +300,7 @@ std::string adviceOnCamera(const RecordingLayout& layout, const fs::path& asked)
   const CameraPreset& preset = cameraPresetFor(size.width, size.height);
   const auto of_device = preset.intrinsicsOf(size.width, size.height);
   Intrinsics k = of_device.value_or(kinect);
-  if (!of_device) {  // of no device: with a Kinect's field of view
+  if (!of_device) {  // camera unknown: with a Kinect's field of view
     const double f = kinect.fx * size.width / kinect.width;
     k = {size.width, size.height, f, f, (size.width - 1) / 2.0, (size.height - 1) / 2.0};
   }

@@ -21,9 +21,9 @@ struct RecordedCamera {
   std::string remark{};  ///< where it is from, if not from a camera.ini or the user
 };
 
-/** \brief What the files of a recording say of its camera: camera.ini, else a matrix of intrinsics as 3DMatch
+/** \brief The camera by the files of a recording: camera.ini, else a matrix of intrinsics as 3DMatch
  * and ScanNet have it, the .xml of PCL's recorders, the camera of a phone, or a calibration in YAML or JSON
- * of the size of the images; else, in a public data set's layout, what is known of its camera. Nothing if
+ * of the size of the images; else, in a public data set's layout, the known camera of that data set. Empty if
  * none of these is there. Throws IoError. \param beside folders to look in; \param within those of them that
  * are the recording's own; \param asked the folder of the recording */
 std::optional<RecordedCamera> cameraOf(const RecordingLayout& layout,
@@ -37,7 +37,7 @@ std::optional<RecordedCamera> cameraOf(const RecordingLayout& layout,
 RecordedCamera withPreset(const std::string& name, const std::optional<RecordedCamera>& recorded,
                           const RecordingLayout& layout);
 
-/** \brief What to do about images whose camera nobody knows, with the lines of a camera.ini to paste. */
+/** \brief Advice on images with an unknown camera, with the lines of a camera.ini to paste. */
 std::string adviceOnCamera(const RecordingLayout& layout, const std::filesystem::path& asked);
 
 }  // namespace facetloc::internal

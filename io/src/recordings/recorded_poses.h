@@ -22,7 +22,7 @@ struct PoseFile {
   std::filesystem::path path;
 };
 
-/** \brief Poses, and what there is to say of how they were read: a sentence without full stop, or nothing. */
+/** \brief Poses, and a remark on how they were read: a sentence without full stop, or nothing. */
 struct ReadPoses {
   Trajectory poses{};
   std::string remark{};
@@ -31,8 +31,8 @@ struct ReadPoses {
 /** \brief The times of images, and the numbers that these are from. */
 struct ImageTimes {
   std::vector<double> stamps;   ///< [s], or indices
-  std::vector<double> numbers;  ///< in their names or their list, in the order of the stamps; or empty
-  TimeUnit unit;                ///< of the numbers
+  std::vector<double> numbers;  ///< numbers in their names or their list, sorted by stamp; or empty
+  TimeUnit unit;                ///< unit of the numbers
 };
 
 /** \brief The poses that a recording has with it; none by default. */
@@ -52,17 +52,17 @@ bool haveSameNumbers(const PoseTable& table, const ImageTimes& images);
 
 /** \brief The poses of a file at the times of the images: by their stamps in the unit of the file, or in that
  * of the images' numbers where these are the same; rows without stamps, or of images that are only
- * counted, by their order. Throws IoError where nobody knows which pose is whose. \param path in errors */
+ * counted, by their order. Throws IoError if poses cannot be assigned to images. \param path in errors */
 ReadPoses matched(const PoseTable& table, const ImageTimes& images, const std::filesystem::path& path);
 
 /** \brief The poses of a file at the stamps that it has. Throws IoError if it has none. */
 ReadPoses stampedPoses(const PoseTable& table, const std::filesystem::path& path);
 
 /** \brief Poses as of a camera whose y axis points down, given those of one whose y axis points up: the
- * world is seen as in a mirror, too. */
+ * world is also mirrored. */
 Trajectory mirrored(const Trajectory& poses);
 
-/** \brief Poses whose stamps are later by so many seconds. */
+/** \brief Poses with this time added to their stamps [s]. */
 Trajectory delayed(const Trajectory& poses, double seconds);
 
 /** \brief Poses of the camera's optical frame in the world, from poses in another convention.

@@ -160,7 +160,7 @@ private:
     return true;
   }
 
-  /** The first one by its name; empty if there is none. */
+  /** The first one by its name; empty without one. */
   fs::path iclTrajectory() const {
     for (const fs::path& folder : beside_) {
       std::vector<fs::path> found;

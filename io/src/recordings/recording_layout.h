@@ -18,7 +18,7 @@
 
 namespace facetloc::internal {
 
-/** \brief What the names of a recording's files say of it. */
+/** \brief The content of a recording by the names of its files. */
 struct RecordingLayout {
   enum class Kind {
     plain,         ///< TUM's, where names are stamps, or images in the order of their names
@@ -28,12 +28,12 @@ struct RecordingLayout {
     icl_nuim,      ///< depth/0.png, *.gt.freiburg
   };
   Kind kind = Kind::plain;
-  std::vector<FrameFile> frames;  ///< in the order of their stamps
+  std::vector<FrameFile> frames;  ///< sorted by stamp
   bool stamped = false;           ///< are the stamps times, rather than indices?
-  std::vector<double> numbers;    ///< in the names of the frames, or before these in a list; or empty
-  TimeUnit unit;                  ///< of the numbers
+  std::vector<double> numbers;    ///< numbers in the names of the frames, or before these in a list; or empty
+  TimeUnit unit;                  ///< unit of the numbers
   RecordedPoses poses;
-  std::string remark;  ///< what was taken for granted, a sentence without full stop, or nothing
+  std::string remark;  ///< assumptions made, a sentence without full stop, or nothing
 
   /** \brief "7-Scenes", "images named by their times". */
   std::string inWords() const;
@@ -41,9 +41,9 @@ struct RecordingLayout {
 };
 
 /** \brief Where images have no stamps by their names, those are in a list beside them, or they are numbered,
- * or else the order is all that is known of their times. Images without names of their own that are stamps
+ * or else only their order is known. Images without names of their own that are stamps
  * are named by their stamps, with 6 decimals. Images that are numbered take the stamps of poses beside them
- * that are the same numbers, or as many. Throws IoError for a name that is none among stamps.
+ * that are the same numbers, or as many. Throws IoError for a name without a stamp among stamps.
  * \param beside folders to look for lists and poses in \param within those of them that are the
  * recording's own, where poses may have any name */
 RecordingLayout layoutOf(const std::vector<ListedImage>& images,

@@ -34,7 +34,7 @@ public:
       sqlite::Statement row(db_, fmt::format("SELECT data FROM messages WHERE rowid = {}", entry.place));
       if (!row.step()) throw sqlite::BadCell("a message that was there has gone");
       Bytes data = row.blob();
-      return isZstd({data.data(), data.size()})  // rosbag2's compression of each message by itself
+      return isZstd({data.data(), data.size()})  // rosbag2's separate compression of each message
                  ? unpackZstd({data.data(), data.size()}, kLargestMessage, path().string())
                  : data;
     });

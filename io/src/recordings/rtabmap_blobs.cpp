@@ -66,7 +66,7 @@ RtabmapCamera cameraOf(MessageReader& fields) {
   RtabmapCamera camera;
   Intrinsics& k = camera.intrinsics;
   k.width = fields.number<std::int32_t>(), k.height = fields.number<std::int32_t>();
-  std::array<std::int32_t, 5> sizes;  // of K, D, R, P and the local transform
+  std::array<std::int32_t, 5> sizes;  // sizes of K, D, R, P and the local transform
   for (std::int32_t& size : sizes) size = fields.number<std::int32_t>();
   if ((sizes[0] != 0 && sizes[0] != 9) || sizes[1] < 0 || sizes[2] < 0 || (sizes[3] != 0 && sizes[3] != 12) ||
       (sizes[4] != 0 && sizes[4] != static_cast<std::int32_t>(kPoseNumbers)))
@@ -93,7 +93,7 @@ RtabmapCamera cameraOf(MessageReader& fields) {
 
 RtabmapCamera readRtabmapCamera(ByteView bytes, const std::string& name) {
   try {
-    MessageReader fields(bytes, WireFormat::ros1);  // packed alike
+    MessageReader fields(bytes, WireFormat::ros1);  // packed the same way
     const RtabmapCamera camera = cameraOf(fields);
     if (!fields.atEnd()) throw BadMessage("has several cameras, and facetloc takes one");
     return camera;

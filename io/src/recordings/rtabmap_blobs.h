@@ -19,7 +19,7 @@ namespace facetloc::internal {
 
 /** \brief A camera, and where it is on its robot. */
 struct RtabmapCamera {
-  Intrinsics intrinsics;  ///< of the colour image
+  Intrinsics intrinsics;  ///< intrinsics of the colour image
   Eigen::Isometry3d T_b_c = Eigen::Isometry3d::Identity();
 };
 

@@ -88,7 +88,7 @@ private:
     return {path, SQLITE_OPEN_READONLY};
   }
 
-  /** What SQLite does not know is no database of RTAB-Map. */
+  /** A file that SQLite rejects is no database of RTAB-Map. */
   template <typename Work>
   auto guarded(const Work& work) const -> decltype(work()) {
     try {
@@ -98,7 +98,7 @@ private:
     } catch (const IoError&) {
       if ((db_.lastCode() & 0xFF) != SQLITE_ERROR) throw;
       fail("is no database of RTAB-Map, or of a version before 0.12: it lacks Node or Data as these are now; "
-           "what rtabmap-export --images --poses_camera writes is read, too");
+           "export it with rtabmap-export --images --poses_camera, whose folder can be read");
     }
   }
 

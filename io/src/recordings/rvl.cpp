@@ -12,7 +12,7 @@ class Decoder {
 public:
   explicit Decoder(ByteView code) : code_(code) {}
 
-  /** Stays short if the code is not of so many pixels. */
+  /** Stays short if the code is for fewer pixels. */
   std::vector<std::uint16_t> decode(std::size_t pixels) {
     std::vector<std::uint16_t> out;  // grows with the code, which may claim any size
     int value = 0;

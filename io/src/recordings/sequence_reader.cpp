@@ -159,7 +159,7 @@ DepthSequence SequenceReader::readWith(std::optional<RecordedCamera> camera) con
     ReadPoses poses = layout_.poses.read(*sequence.times_);
     remark(std::move(poses.remark));
     sequence.ground_truth_ = sequence.asOfImages(poses.poses, sequence.poses_are_);
-  } catch (const IoError&) {  // of no matter to those who do not ask for poses
+  } catch (const IoError&) {  // irrelevant unless poses are requested
     sequence.ground_truth_fault_ = std::current_exception();
   }
   return sequence;

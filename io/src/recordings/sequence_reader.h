@@ -14,10 +14,10 @@
 
 namespace facetloc::internal {
 
-/** \brief Finds out what a recording is, whatever its layout. Private to io. */
+/** \brief Finds out the kind of a recording, whatever its layout. Private to io. */
 class SequenceReader {
 public:
-  /** \brief Lists the images. Throws IoError for what is no recording. */
+  /** \brief Lists the images. Throws IoError if it is no recording. */
   SequenceReader(const std::filesystem::path& path, const RecordingHints& hints);
 
   /** \brief Throws IoError if there are no images, and with advice if nothing says which camera took PNGs. */

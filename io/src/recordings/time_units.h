@@ -9,7 +9,7 @@
 
 namespace facetloc::internal {
 
-/** \brief What numbers in the order of images are. */
+/** \brief Meaning of numbers in the order of images. */
 struct TimeUnit {
   double seconds = 1;    ///< that one unit stands for
   bool counted = false;  ///< the numbers count images, and are no times
@@ -18,7 +18,7 @@ struct TimeUnit {
   std::string inWords() const;
 };
 
-constexpr double kFrameRate = 30;  ///< of images that are only counted [Hz]
+constexpr double kFrameRate = 30;  ///< rate of images that are only counted [Hz]
 
 /** \brief The unit of time stamps, by their size and their steps: no clock of seconds shows 1e11, and no
  * camera waits half an hour between two images. Never counted. */

@@ -7,8 +7,8 @@
 #include <string>
 
 /** \file
- * Compressed bytes. What they unpack to is not believed to be of the size that they claim: memory grows with
- * what is there. Private to io. */
+ * Compressed bytes. The size that they claim is not trusted: memory grows with
+ * the unpacked data. Private to io. */
 
 namespace facetloc::internal {
 
@@ -19,7 +19,7 @@ bool isZstd(ByteView packed);
  * `most` bytes. \param name of the file, in errors */
 Bytes unpackZstd(ByteView packed, std::uint64_t most, const std::string& name);
 
-/** \brief Unpacks as much as can be, up to `most` bytes: of what is torn, the bytes in front of the tear.
+/** \brief Unpacks up to `most` bytes: of a torn chunk, the bytes in front of the tear.
  * \param compression of an MCAP chunk: empty, zstd or lz4. Throws IoError for others. */
 Bytes unpackedChunk(ByteView packed, const std::string& compression, std::uint64_t most,
                     const std::string& name);

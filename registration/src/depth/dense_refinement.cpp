@@ -24,7 +24,7 @@ double gradientVariance(const DepthPicture& picture) {
 // Drops the directions in which the gradients tell hardly more than their own noise and the bands of a coarse
 // quantisation would (after Zhang, Kaess, Singh, ICRA 2016), and takes the noise out of the others.
 void dropFeigned(double significance, DepthNormalEquations& n) {
-  constexpr double kRegular = 1e-9;  // of the trace
+  constexpr double kRegular = 1e-9;  // share of the trace
   Matrix6d N = n.noise.selfadjointView<Eigen::Lower>();
   N.diagonal().array() += kRegular * N.trace();
   const Matrix6d A = n.A.selfadjointView<Eigen::Lower>();

@@ -10,8 +10,9 @@ namespace facetloc::internal {
 
 /** \brief How a pose that planes have found is refined by all pixels (METHOD 12). */
 struct DenseRefinementParams {
-  int iterations = 6;            ///< Gauss-Newton steps at most
-  double pixel_error = 1.6;      ///< of a difference of inverse depths [noise std]: sqrt 2 and the distortion
+  int iterations = 6;  ///< Gauss-Newton steps at most
+  double pixel_error =
+      1.6;  ///< error of a difference of inverse depths [noise std]: sqrt 2 and the distortion
   double robust_gate = 3.0;      ///< difference at which a pixel loses its weight [errors]
   double correlated_pixels = 1;  ///< that count as one independent measurement
   double significance = 0;       ///< least information of a direction [the gradients' noise]; 0 = no test
@@ -27,9 +28,9 @@ struct DenseRefinementParams {
  *
  * \param pose T_w_c of the scene, which is updated, and its covariance, which is the prior and stays as it
  *        is
- * \param information if given, what the pixels tell of the pose found, without the prior: the inverse of the
- *        covariance that they alone would give
- * \return false, and no change, if no picture shares pixels with the scene. */
+ * \param information if given, receives the information of the pixels about the pose found, without the
+ * prior: the inverse of the covariance that they alone would give \return false, and no change, if no picture
+ * shares pixels with the scene. */
 bool refineByDepth(const DepthPicture& scene, const std::vector<PosedPicture>& pictures,
                    const DenseRefinementParams& params, PoseWithCovariance& pose,
                    Matrix6d* information = nullptr);

@@ -56,10 +56,10 @@ DepthAgreement DepthComparison::countBoth(const DepthPicture& a, const DepthPict
 
 namespace {
 
-/** What eight pixels show of another picture. */
+/** Eight pixels compared with another picture. */
 struct Judged {
   Ints inside, contradicts, hides;  // the last two also of pixels that are not inside
-  Floats difference, error;         // of inverse depths [1/m]
+  Floats difference, error;         // difference of inverse depths and its error [1/m]
 };
 
 // Judges pixels u, u + step, ... of a row of picture a; the point of inverse depth rho on a ray b is

@@ -18,9 +18,9 @@ namespace facetloc::internal {
 struct DepthAgreement {
   int agree = 0;
   int contradict = 0;     ///< predicted nearer than measured: the other camera looked through it
-  int occluded = 0;       ///< predicted farther: behind what the other camera saw
+  int occluded = 0;       ///< predicted farther: behind the surface that the other camera saw
   double likelihood = 0;  ///< sum of bounded Gaussian log likelihoods of the error [nats]
-  double misfit = 0;      ///< what an exact agreement of each pixel would add to that [nats]
+  double misfit = 0;      ///< drop of the log likelihood from an exact fit of each pixel [nats]
 
   DepthAgreement& operator+=(const DepthAgreement& o) {
     agree += o.agree, contradict += o.contradict, occluded += o.occluded;
@@ -54,8 +54,8 @@ class DepthComparison {
 public:
   explicit DepthComparison(const DepthCalibration& calibration) : calibration_(calibration) {}
 
-  /** \brief Moves every pixel on a grid of so many columns from a into b. Nothing is counted where b is
-   * unknown. */
+  /** \brief Moves every pixel on a grid with this number of columns from a into b. Nothing is counted where b
+   * is unknown. */
   DepthAgreement compare(const DepthPicture& a, const DepthPicture& b, const Eigen::Isometry3d& T_b_a,
                          int columns) const;
   /** \brief Both directions. */
@@ -98,7 +98,7 @@ public:
   struct Geometry {
     TurnedRays rays;
     float t[3];
-    float fx, fy, cx, cy;  // of b, moved by half a pixel
+    float fx, fy, cx, cy;  // intrinsics of b, moved by half a pixel
     int width, height;
     const DepthPicture::Extremes* extremes;
     float farthest, absolute_error, relative_error, squared_error, unit_error, gate;
@@ -114,7 +114,7 @@ private:
 constexpr int kFineColumns = 40;    ///< an 8 px grid at 320x240
 constexpr int kCoarseColumns = 20;  ///< a 16 px grid at 320x240
 
-/** \brief Spacing of a grid of so many columns in a picture. */
+/** \brief Spacing of a grid with this number of columns in a picture. */
 inline int gridStep(const DepthPicture& p, int columns) { return std::max(1, p.camera.width / columns); }
 
 /** \brief Number of the points step / 2, step / 2 + step, ... of a grid in a row or column of that size. */

@@ -10,18 +10,18 @@
 
 namespace facetloc::internal {
 
-/** \brief A point that one depth picture has measured, beside what another picture measured there.
+/** \brief A point that one depth picture has measured, and the measurement of another picture there.
  *
  * Number is double, or Floats for eight points at once. The picture is taken as linear in inverse depth, as
  * it is on planes; its gradient comes from five pixels: centre, left, right, up and down of it. */
 template <typename Number, typename Vector>
 struct DepthDifferenceOf {
-  static constexpr int kReach = 2;         ///< from the centre to the other pixels [px]
+  static constexpr int kReach = 2;         ///< distance between the centre and the other pixels [px]
   static constexpr double kStraight = 12;  ///< errors that the second difference may have
   static constexpr double kNearest = 0.5;  ///< points nearer than this are outside the sensor's range [m]
   static constexpr double kFarthest =
       1 / 8.0;           ///< smallest inverse depth used where poses are estimated [1/m]
-  Number inverse_depth;  ///< of the point in the other picture's camera [1/m]
+  Number inverse_depth;  ///< inverse depth of the point in the other picture's camera [1/m]
   Number x, y;           ///< the ray (b_x, b_y) on which it lies there
   Number residual;       ///< inverse_depth minus the picture's [1/m]
   Vector by_point;       ///< derivative of the residual by the point in that camera's axes [1/m^2]

@@ -13,9 +13,9 @@ namespace {
 
 constexpr int kFewestPixels = 60;                            // on the fine grid
 constexpr std::array<double, 3> kSteps = {0.05, 0.15, 0.3};  // away from the minimum, some pixels [m]
-constexpr double kTellingDrop = 2;                           // of the log likelihood by a step [nats]
-constexpr double kExactStd = 0.005;                          // up to which derivatives are believed [m]
-constexpr double kMetresPerRadian = 2;                       // distance of what a rotation moves
+constexpr double kTellingDrop = 2;      // significant drop of the log likelihood by a step [nats]
+constexpr double kExactStd = 0.005;     // up to which derivatives are believed [m]
+constexpr double kMetresPerRadian = 2;  // typical distance of the points that a rotation moves
 
 // Least drop of the log likelihood by a step to either side [nats].
 double drop(const DepthFit& fit, double here, const Eigen::Isometry3d& T, const Vector6d& step, int columns) {

@@ -36,12 +36,12 @@ constexpr double kIndependentPixels = 240;
 /** \brief Log likelihood of compared pixels relative to an exact fit [nats], where they are enough. */
 std::optional<double> logLikelihood(const DepthAgreement& seen, int columns);
 
-/** \brief Information of a pose without any prior, and the share of it beside what was stated. */
+/** \brief Information of a pose without any prior, and its share of the stated information. */
 struct ShownInformation {
   Matrix6d information, share;
 };
 
-/** \brief What the information of a registered pose is worth by the cost itself (METHOD 12.4). Derivatives of
+/** \brief The information of a registered pose by the cost itself (METHOD 12.4). Derivatives of
  * edges and of noise feign information that the cost does not show some pixels away from its minimum; and
  * where derivatives show none, steps of the surface may. Along each principal motion, except those known to
  * millimetres, the information becomes what the cost shows.

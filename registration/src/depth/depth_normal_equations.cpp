@@ -11,9 +11,9 @@ namespace {
 
 constexpr float kQuantum = static_cast<float>(DepthPicture::kQuantum);
 constexpr auto kFarthest = static_cast<float>(DepthDifference::kFarthest);
-constexpr int kSums = 21;  // of a lower triangle
+constexpr int kSums = 21;  // entries of a lower triangle
 
-/** What compareDepth works on, and where the results go. */
+/** Inputs of compareDepth, and its outputs. */
 struct Comparison {
   TurnedRays in_model, in_world;
   float t[3], to_world[3][3], uncertainty[6][6];
@@ -46,7 +46,7 @@ FACETLOC_ALWAYS_INLINE void byPose(const Floats (&arm)[3], const Floats (&a)[3],
   J[3] = a[0], J[4] = a[1], J[5] = a[2];
 }
 
-// compareDepth for n pixels first, first + step, ... of a row v, and what they add.
+// compareDepth for n pixels first, first + step, ... of a row v, and their sums.
 FACETLOC_MULTIVERSION void addRow(const Comparison& c, const std::uint16_t* row, int v, int first, int step,
                                   int n, Sums& sums) {
   constexpr auto kNearest = static_cast<float>(DepthDifference::kNearest);

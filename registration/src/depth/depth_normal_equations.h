@@ -13,13 +13,14 @@ struct DepthNormalEquations {
   Vector6d g = Vector6d::Zero();
   double weight = 0;                  ///< sum of the robust weights
   bool of_noise = false;              ///< whether noise is wanted
-  Matrix6d noise = Matrix6d::Zero();  ///< what gradients of unit variance add to A by chance; lower triangle
+  Matrix6d noise = Matrix6d::Zero();  ///< expected contribution to A of noise with unit variance of the
+                                      ///< gradients; lower triangle
 
-  /** \brief Adds what a picture, taken at T_w_m, tells.
+  /** \brief Adds the measurements of a picture taken at T_w_m.
    * \param step distance of the scene's pixels that are compared
    * \param uncertainty covariance of T_w_c, by which residuals may be larger than by the error alone
-   * \param error of a difference of inverse depths [1/m]
-   * \param gate so many standard deviations are still believed a little */
+   * \param error standard deviation of a difference of inverse depths [1/m]
+   * \param gate residuals beyond this number of standard deviations have little weight */
   void add(const DepthPicture& scene, int step, const Eigen::Isometry3d& T_w_c, const DepthPicture& picture,
            const Eigen::Isometry3d& T_w_m, const Matrix6d& uncertainty, double error, double gate);
   /** \brief Adds those of one picture. \param of_pixel information of one pixel, by which they are weighed

@@ -16,7 +16,7 @@ namespace facetloc::internal {
 struct TurnedRays {
   float across[3], down[3], origin[3];
 
-  /** \brief What the rays of a row have in common. */
+  /** \brief The common part of the rays of a row. */
   FACETLOC_ALWAYS_INLINE void startRow(int v, float (&start)[3]) const {
     for (int k = 0; k < 3; ++k) start[k] = down[k] * static_cast<float>(v) + origin[k];
   }
@@ -49,7 +49,7 @@ FACETLOC_ALWAYS_INLINE void readPixels(const std::uint16_t* row, int first, int 
 }
 
 /** \brief The pixels that places in a picture lie in, where pixel i covers [i, i + 1). Places that are not
- * inside by a border of so many pixels are no longer used; their pixel is (0, 0). */
+ * inside by a border of that width are no longer used; their pixel is (0, 0). */
 FACETLOC_ALWAYS_INLINE void findPixels(const Floats& x, const Floats& y, int width, int height, int border,
                                        Ints& used, Ints& column, Ints& row) {
   const auto least = static_cast<float>(border), last_x = static_cast<float>(width - border),

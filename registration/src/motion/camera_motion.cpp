@@ -22,7 +22,7 @@ constexpr double kGate = chiSquareQuantile(6, 0.999);
 constexpr std::size_t kMostModes = 4;
 constexpr double kMostDoubt = 4;  // that an odometry can raise: one step of fifty is wrong [nats]
 
-// What two views tell, with what is known beforehand.
+// The motion between two views, combined with the prior.
 PoseWithCovariance withPrior(const PlacedView& placed, const PoseWithCovariance& prior) {
   const Matrix6d of_prior = symmetricInverse(prior.P);
   const Matrix6d P = symmetricInverse(placed.information + of_prior);
@@ -107,7 +107,7 @@ Motion CameraMotion::next(const std::shared_ptr<const View>& view, double dt,
       out.source = given || !before_ ? Motion::Source::guessed : Motion::Source::broken;
     }
   }
-  before_ = shows_anything ? view : nullptr;  // an older one would tell of more than this motion
+  before_ = shows_anything ? view : nullptr;  // an older one would cover more than this motion
   if (!given) return out;
   // The wheels may be right, or somebody carries the robot: the views tell nothing.
   if (out.source == Motion::Source::broken) return Motion::known(*given);

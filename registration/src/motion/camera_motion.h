@@ -19,7 +19,7 @@ struct MotionMode {
 /** \brief The motion of a camera from one image to the next, T_a_b: a = before, b = now. */
 struct Motion {
   enum class Source {
-    seen,     ///< by the images or by a given odometry
+    seen,     ///< measured in the images or by a given odometry
     guessed,  ///< the images show nothing of it: as far as a camera may have moved
     broken    ///< the images deny any motion that a camera makes in that time
   };

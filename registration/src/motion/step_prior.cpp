@@ -9,7 +9,7 @@ namespace facetloc::internal {
 namespace {
 
 constexpr double kWay = 0.4, kTurnDeg = 20;        // [m, deg]
-constexpr double kSpeed = 0.7, kTurnRateDeg = 40;  // of a walk [m/s, deg/s]
+constexpr double kSpeed = 0.7, kTurnRateDeg = 40;  // speeds of a walk [m/s, deg/s]
 constexpr double kShortest = 0.2, kLongest = 3;    // times that a motion is thought to take [s]
 constexpr int kSideways = 4;                       // among the motions of a robot base
 
@@ -21,7 +21,7 @@ Matrix6d stepCovariance(const std::optional<CameraMounting>& mounting, bool slid
   prior.rotation_std_deg = kTurnDeg;
   Matrix6d P = posePrior(mounting, prior);
   if (!mounting || slides) return P;
-  const Vector6d sideways = cameraMotion(*mounting).col(kSideways);  // of the camera, one metre
+  const Vector6d sideways = cameraMotion(*mounting).col(kSideways);  // motion of the camera, one metre
   return P - (kWay * kWay - kSidewaysStd * kSidewaysStd) * sideways * sideways.transpose();
 }
 

@@ -17,10 +17,10 @@ constexpr double kLongStep = 0.2;           // after which a velocity says nothi
 constexpr double kLeastAgreement = 0.7;     // share of the depth pixels that the keyframes must confirm
 constexpr int kKeys = 2;                    // nearest keyframes that a view is aligned with
 constexpr int kKeptKeys = 20;               // latest keyframes that are kept
-constexpr double kSlipSpeed = 0.01;         // of a robot on wheels, sideways and up and down [m/s]
+constexpr double kSlipSpeed = 0.01;         // speed of a robot on wheels, sideways and up and down [m/s]
 constexpr double kTiltRate = 10 * kDegree;  // roll and pitch of a robot on wheels [rad/s]
-constexpr double kSlipTime = 1.0;           // for which wheels slip alike [s]
-constexpr double kSlideChange = 0.2;        // of the speed sideways in a second [m/s]
+constexpr double kSlipTime = 1.0;           // time over which the slip of wheels is correlated [s]
+constexpr double kSlideChange = 0.2;        // change of the speed sideways in a second [m/s]
 constexpr double kSure = 3;                 // standard deviations
 constexpr double kGate = chiSquareQuantile(6, 0.99);
 // Keeps the prior regular when no time has passed.
@@ -106,7 +106,7 @@ PoseWithCovariance ViewOdometry::aligned(const View& view, const Surroundings& a
 void ViewOdometry::rollOn(PoseWithCovariance& T_o_c, double dt) {
   const Eigen::Matrix3d R_c_o = T_o_c_.linear().transpose();
   const Vector6d sideways =
-      camera_motion_->inverse().row(4).transpose();  // of a motion in the last camera's axes
+      camera_motion_->inverse().row(4).transpose();  // row of a motion in the last camera's axes
   Vector6d h;
   h << R_c_o.transpose() * sideways.head<3>(), R_c_o.transpose() * sideways.tail<3>();
   const Eigen::Isometry3d motion = T_o_c_.inverse() * T_o_c.T;
@@ -130,7 +130,7 @@ bool ViewOdometry::slides() const {
   return std::abs(slide_.speed) > kSure * std::sqrt(slide_.variance) + kSlipSpeed;
 }
 
-// What this step adds to the error of where the camera is. Of a posterior P after a prediction P0, the part P
+// Growth of the error of the camera's pose in this step. Of a posterior P after a prediction P0, the part P
 // P0^-1 P comes from the prediction and is new with every view. The other comes from the key views, whose
 // errors stay the same until the camera has moved on to the next ones.
 Matrix6d ViewOdometry::errorOfStep(const Matrix6d& predicted, const PoseWithCovariance& T_o_c) const {
@@ -146,7 +146,7 @@ Matrix6d ViewOdometry::errorOfStep(const Matrix6d& predicted, const PoseWithCova
 // with where the views tell nothing. Who goes straight on will do so; who turns will stop.
 void ViewOdometry::learnVelocity(const PoseWithCovariance& predicted, const PoseWithCovariance& found,
                                  double dt) {
-  constexpr double kNew = 0.25, kTurn = 1.0;  // share of what is new, time constant of turning [s]
+  constexpr double kNew = 0.25, kTurn = 1.0;  // share of the new value, time constant of turning [s]
   const Matrix6d known = Matrix6d::Identity() - found.P * predicted.P.inverse();
   const Vector6d change = known * perturbation(predicted.T, found.T) / dt;
   const Eigen::Matrix3d R_c_o = T_o_c_.linear().transpose();

@@ -12,18 +12,18 @@ namespace facetloc::internal {
 
 /** \brief A motion between two views. */
 struct ViewMotion {
-  /// of the camera: a = the view before, b = this view; the covariance is what the step adds to an error of
+  /// pose of the camera: a = the view before, b = this view; the covariance is the growth of the error of
   /// the pose, not the error of this pair of views alone: errors against a key view last as long as it does
   PoseWithCovariance T_a_b;
   double agreement = 0;  ///< share of the view's depth pixels that the key views confirm; 0 if unknown
-  bool broken = false;   ///< the view contradicts the key views: nobody knows how the camera moved
+  bool broken = false;   ///< the view contradicts the key views: the motion of the camera is unknown
 };
 
 /** \brief Tells from its own latest views how a camera moves. It knows no map: its world is where it began.
  *
  * Each view is aligned with the nearest of some key views, so that the pose does not drift while the camera
- * looks at the same things. The prior is the last velocity. A robot on wheels, which the mounting of a view's
- * camera tells of, stays on its floor and does not slip sideways, unless its views have seen it do so: that
+ * looks at the same things. The prior is the last velocity. A robot on wheels, known from the mounting of a
+ * view's camera, stays on its floor and does not slip sideways, unless its views have seen it do so: that
  * carries it past a bare wall. Any other camera moves as it likes. */
 class ViewOdometry {
 public:
@@ -40,7 +40,7 @@ public:
   ViewMotion add(const View& view, double dt, const std::optional<PoseWithCovariance>& given);
 
 private:
-  struct Slide {  // of a robot on wheels, to the left [m/s]
+  struct Slide {  // side slip of a robot on wheels, to the left [m/s]
     double speed = 0, variance = 0;
   };
   struct Key {
@@ -60,12 +60,13 @@ private:
   ViewOdometryParams params_;
   ViewAlignmentParams alignment_;
   DepthComparison comparison_;
-  std::optional<Matrix6d> camera_motion_;  // of the latest view's camera by a motion of its robot on wheels
-  Matrix6d jolt_ = Matrix6d::Zero();       // covariance of it on another piece of floor
+  std::optional<Matrix6d>
+      camera_motion_;                 // motion of the latest view's camera by that of its robot on wheels
+  Matrix6d jolt_ = Matrix6d::Zero();  // covariance of it on another piece of floor
   std::deque<Key> keys_;
   Eigen::Isometry3d T_o_c_ = Eigen::Isometry3d::Identity();
   Slide slide_;
-  Vector6d velocity_ = Vector6d::Zero();  // in the axes of the last camera [rad/s, m/s]
+  Vector6d velocity_ = Vector6d::Zero();  // velocity in the axes of the last camera [rad/s, m/s]
 };
 
 }  // namespace facetloc::internal

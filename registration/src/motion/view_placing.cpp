@@ -23,17 +23,18 @@ constexpr double kLooseRotation = 3 * kDegree, kLooseTranslation = 0.1;  // abou
 constexpr int kDenseIterations = 10;
 constexpr double kMostDoubt =
     11;  // that a prior can raise: beyond its 99.9 % ellipsoid it may be wrong [nats]
-constexpr double kTellingDrop = 2;      // of what pixels say, beside the place that they like best [nats]
-constexpr double kLeastShare = 0.6;     // of the pixels that the place with most compares
-constexpr double kMetresPerRadian = 2;  // distance of what a rotation moves
-constexpr double kStep = 0.15;          // of a walk along the cost, some pixels [m]
-constexpr double kWalkedStd = 2.5;      // of the prior
+constexpr double kTellingDrop =
+    2;  // significant drop of the pixels' log likelihood below the best place [nats]
+constexpr double kLeastShare = 0.6;     // share of the pixels, relative to the place that compares most
+constexpr double kMetresPerRadian = 2;  // typical distance of the points that a rotation moves
+constexpr double kStep = 0.15;          // step of a walk along the cost, some pixels [m]
+constexpr double kWalkedStd = 2.5;      // range of the walk in standard deviations of the prior
 constexpr double kLongestWalk = 3;      // to either side [m]
 constexpr double kHopeless = 8;         // log likelihood behind the best, of no use as a start [nats]
-constexpr double kImprobable = 7;       // of a mode [nats]
+constexpr double kImprobable = 7;       // drop of the log likelihood of a discarded mode [nats]
 
-// What an alignment has added to its prior. Hardly anything along some motion is nothing: it comes from
-// noise, and many of them would hold the camera where the alignment happened to begin.
+// Information that an alignment has added to its prior. A tiny amount along some motion is set to zero: it
+// comes from noise, and many of them would hold the camera where the alignment happened to begin.
 Matrix6d added(const Matrix6d& posterior, const Matrix6d& prior) {
   constexpr double kTellingStd = 0.3;  // [m]
   Vector6d scale;
@@ -48,21 +49,21 @@ Matrix6d added(const Matrix6d& posterior, const Matrix6d& prior) {
          scale.asDiagonal();
 }
 
-// Along what is known least, so far that the camera moves by some pixels.
+// Step along the least certain motion, so far that the camera moves by some pixels.
 Vector6d freeStep(Matrix6d information) {
-  constexpr double kLeastPart = 0.1;  // of a direction that is a translation
+  constexpr double kLeastPart = 0.1;  // share of the translation in a direction that counts as one
   information.diagonal().array() += 1;
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eig(information);
   const Vector6d free = eig.eigenvectors().col(0);
   return kStep / std::max(kLeastPart, free.tail<3>().norm()) * free;
 }
 
-/** What poses of two views are ranked by: the likelihood of their pixels, which is higher where pixels are
+/** The criteria to rank poses of two views: the likelihood of their pixels, which is higher where pixels are
  * predicted more precisely, or its drop from an exact fit, which is fair to poses that compare other pixels.
  */
 enum class Cost { likelihood, misfit };
 
-/** Two views, and what is known of how they lie. */
+/** Two views, and the prior of their relative pose. */
 class ViewPair {
 public:
   ViewPair(const View& view, const View& other, const PoseWithCovariance& prior,
@@ -118,7 +119,7 @@ public:
     placed->log_likelihood -= doubt(T.T);
     return placed;
   }
-  /** What the planes leave open about a pose, as principal motions with their standard deviations. */
+  /** The motions that the planes leave uncertain, as principal motions with their standard deviations. */
   std::array<Vector6d, 4> openMotions(const Eigen::Isometry3d& T) const;
 
 private:

@@ -14,11 +14,13 @@ namespace facetloc::internal {
 /** \brief A pose of a view relative to another one at which the two agree: a minimum of their cost. */
 struct PlacedView {
   Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< a = the other view, b = this one
-  Matrix6d information = Matrix6d::Zero();  ///< of the two views alone: zero along what they do not tell
-  double agreement = 0;       ///< of the depth pixels that agree or contradict, those that agree
-  double overlap = 0;         ///< share of the depth pixels that agree or contradict
-  double log_likelihood = 0;  ///< of the pixels and the prior, comparable among poses of two views [nats]
-  int judged = 0;             ///< pixels that the two pictures compare
+  Matrix6d information =
+      Matrix6d::Zero();  ///< information of the two views alone: zero along motions that they leave free
+  double agreement = 0;  ///< share of agreeing pixels among those that agree or contradict
+  double overlap = 0;    ///< share of the depth pixels that agree or contradict
+  double log_likelihood =
+      0;           ///< log likelihood of the pixels and the prior, comparable among poses of two views [nats]
+  int judged = 0;  ///< pixels that the two pictures compare
 };
 
 /** \brief Finds the poses of a view relative to another one by several starts and by depth, for an alignment
@@ -34,9 +36,9 @@ public:
   std::optional<PlacedView> place(const View& view, const View& other, const PoseWithCovariance& prior,
                                   bool search) const;
 
-  /** \brief All poses that the views and the prior leave open, the likeliest first: the two look alike one
-   * door farther along a corridor. Beside the starts of place(), the cost is walked along each axis as far as
-   * the prior reaches. The information of a pose is what the cost itself shows, not its derivatives alone
+  /** \brief All poses that the views and the prior leave open, the likeliest first: the next door along a
+   * corridor looks the same. In addition to the starts of place(), the cost is walked along each axis as far
+   * as the prior reaches. The information of a pose is that of the cost itself, not of its derivatives alone
    * (mapping/METHOD 14.4). Empty if the views have too little in common to say anything. */
   std::vector<PlacedView> modes(const View& view, const View& other, const PoseWithCovariance& prior) const;
 

@@ -15,17 +15,18 @@
 namespace facetloc::internal {
 namespace {
 
-// What several models say about one world pose: all together about each pixel of the scene, and one by one
+// Evidence of several models about one world pose: all together about each pixel of the scene, and one by one
 // about their own pixels, moved into the scene.
 struct DepthEvidence {
   DepthAgreement of_scene;
-  int pixels = 0;    // of the scene
-  int expected = 0;  // of these, the pixels that could agree
+  int pixels = 0;    // pixels of the scene
+  int expected = 0;  // pixels among these that could agree
   std::vector<DepthAgreement> of_models;
 };
 
-// What stands before the surfaces of an incomplete map is not in it: it is no agreement, but it does not
-// contradict, and what it hides of them tells nothing. What is seen through them contradicts as ever.
+// An object in front of the surfaces of an incomplete map is not in it: it is no agreement, but it does not
+// contradict, and the surfaces it hides count for nothing. Surfaces seen through the map's contradict as
+// ever.
 void dropFurniture(DepthEvidence& found) {
   found.of_scene.occluded += std::exchange(found.of_scene.contradict, 0);
   for (DepthAgreement& of_model : found.of_models) of_model.occluded = 0;
@@ -161,8 +162,8 @@ void HypothesisRanking::refine(const View& scene, const std::vector<NearbyView>&
   Matrix6d of_pixels;
   if (!refineByDepth(scene.depth, pictures, {}, pose, &of_pixels)) return;
   if (!kSamePlace.joins(*h.T_w_c, pose.T)) return;  // that is no refinement: planes found another place
-  // What a sensor always measures wrongly all its pixels share: while it is left in, they tell no more than
-  // the planes, whose covariance counts with it.
+  // All pixels share the systematic error of a sensor: until it is removed, they have no more information
+  // than the planes, whose covariance counts with it.
   if (scene.camera && scene.camera->distortion) {
     const Matrix6d of_planes = pose.P.ldlt().solve(Matrix6d::Identity());
     pose.P = symmetricInverse(of_planes + of_pixels / params_.calibration.refined_depth.pixels_as_one);
@@ -171,7 +172,7 @@ void HypothesisRanking::refine(const View& scene, const std::vector<NearbyView>&
   h.T_m_c = T_w_m.inverse() * pose;
 }
 
-// How many of the sorted hypotheses, at most so many, are not hopeless beside the best.
+// Number of sorted hypotheses, limited to `most`, with a chance against the best.
 std::size_t HypothesisRanking::hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const {
   if (sorted.empty()) return 0;
   const double least = sorted.front().score + std::log(params_.calibration.evidence.hopeless_odds) / slope;
@@ -258,7 +259,8 @@ void HypothesisRanking::stateAsShown(const View& scene,
   }
 }
 
-// Local models see a place from different sides: several that find it by themselves hardly err alike.
+// Local models see a place from different sides: if several find it independently, their errors hardly
+// coincide.
 void HypothesisRanking::score(std::vector<Hypothesis>& places) const {
   for (Hypothesis& h : places)
     h.score = h.consensus + h.evidence +

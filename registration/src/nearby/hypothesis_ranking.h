@@ -33,7 +33,7 @@ struct ScoreOdds {
   double operator()(double score) const { return slope * (score - null_score); }
 };
 
-/** \brief What pixels have said of a hypothesis. */
+/** \brief The pixels' evidence about a hypothesis. */
 struct PixelVerdict {
   PoseWithCovariance T_m_c;  ///< refined, or as it was
   std::optional<Eigen::Isometry3d> T_w_c;
@@ -42,11 +42,11 @@ struct PixelVerdict {
   bool compared = false;  ///< with any local model
 };
 
-/** \brief What pixels have said of the hypotheses of one scene, so that a list that grows is compared and
+/** \brief The pixels' evidence about the hypotheses of one scene, so that a list that grows is compared and
  * refined anew only where it is new. */
 class PixelVerdicts {
 public:
-  /** \brief The verdict on a hypothesis with T_w_c, which is asked for if there is none yet. \param judge
+  /** \brief The verdict on a hypothesis with T_w_c, computed at the first request. \param judge
    * Hypothesis -> PixelVerdict */
   template <typename Judge>
   const PixelVerdict& of(const Hypothesis& h, Judge&& judge) {
@@ -73,8 +73,8 @@ struct NearbyView {
 };
 
 /** \brief Makes hypotheses one ranked list of places: evidence, merging, refinement, probabilities. Which
- * views are near a hypothesis, and what a score is worth, differ between a map and a pair of views. Never
- * changes; all functions are thread-safe. */
+ * views are near a hypothesis, and how scores become probabilities, differ between a map and a pair of views.
+ * Never changes; all functions are thread-safe. */
 class HypothesisRanking {
 public:
   virtual ~HypothesisRanking() = default;

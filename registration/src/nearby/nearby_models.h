@@ -36,7 +36,7 @@ private:
   std::size_t placesIn(int part) const;
 
   std::shared_ptr<const Map> map_;
-  std::vector<Place> places_;  // by part, and of each by x
+  std::vector<Place> places_;  // sorted by part, then by x
 };
 
 }  // namespace facetloc::internal

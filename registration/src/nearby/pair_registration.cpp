@@ -29,13 +29,13 @@ Matrix6d aboutStart() {
   return std.cwiseAbs2().asDiagonal();
 }
 
-constexpr double kLeastAgreeing = 0.5;                 // of the depth pixels that are compared
-constexpr double kGate = chiSquareQuantile(6, 0.999);  // of the prior
+constexpr double kLeastAgreeing = 0.5;                 // share of the depth pixels that are compared
+constexpr double kGate = chiSquareQuantile(6, 0.999);  // gate of the prior
 
 /** The only view near a hypothesis is the target, whose camera frame is the world. */
 class PairRanking : public HypothesisRanking {
 public:
-  /** \param doubt what the null hypothesis has ahead [nats] */
+  /** \param doubt log odds in favour of the null hypothesis [nats] */
   PairRanking(std::shared_ptr<const View> target, const RegistrationParams& params, double doubt)
       : HypothesisRanking(params), target_(std::move(target)), params_(params), doubt_(doubt) {}
 
@@ -94,7 +94,7 @@ struct PairRegistration::Impl {
            largestTranslationStd(P) <= params.tree.complete_translation;
   }
 
-  /** What is looked for where planes alone have no sure answer: poses that they leave open, by where their
+  /** Candidates where planes alone have no sure answer: poses that they leave open, by where their
    * segments are, and all of these and the prior itself moved to where planes and pixels fit best. */
   std::vector<Hypothesis> coarsePoses(const Query& query, const PoseWithCovariance& prior,
                                       const std::vector<SegmentPair>* chosen) const {
@@ -122,7 +122,7 @@ struct PairRegistration::Impl {
   RegistrationParams params;
   ViewRegistration registration;
   PairRanking ranking, coarse_ranking;
-  Camera camera;                         // of the target
+  Camera camera;                         // camera of the target
   Matrix6d of_floor = Matrix6d::Zero();  // information of the floor about a pose
 };
 

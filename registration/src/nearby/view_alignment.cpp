@@ -59,7 +59,7 @@ DepthAgreement compareWithAll(const DepthPicture& scene, const Eigen::Isometry3d
     if (!other.picture->empty())
       judges.emplace_back(comparison, scene, *other.picture, other.T_w_c.inverse() * T_w_c);
   const int step = gridStep(scene, columns);
-  std::vector<DepthVerdicts> verdicts(judges.size());  // of each picture on a row
+  std::vector<DepthVerdicts> verdicts(judges.size());  // verdicts of each picture on a row
   for (int v = step / 2; v < scene.camera.height; v += step) {
     for (std::size_t k = 0; k < judges.size(); ++k) judges[k].row(v, step, verdicts[k]);
     for (std::size_t i = 0; !verdicts.empty() && i < verdicts.front().size(); ++i) {

@@ -21,9 +21,9 @@ struct Surroundings {
     int view = 0;     ///< index among the views
     int segment = 0;  ///< index in that view
   };
-  std::vector<Segment> segments;                   ///< of all of them, in world axes
-  std::vector<Origin> origins;                     ///< of each segment
-  std::vector<PosedPicture> pictures;              ///< of those that have one
+  std::vector<Segment> segments;                   ///< segments of all views, in world axes
+  std::vector<Origin> origins;                     ///< origin of each segment
+  std::vector<PosedPicture> pictures;              ///< pictures of the views that have one
   std::vector<std::shared_ptr<const View>> views;  ///< whose pictures these are
 
   /** \brief Adds view number `index`, taken at T_w_c. */
@@ -40,7 +40,7 @@ struct ViewAlignmentParams {
 constexpr double kCorrelatedPixels = 200;  ///< depth pixels that count as one independent measurement
 constexpr double kSignificance = 2;        ///< least information of a direction [the gradients' noise]
 
-/** \brief As views are aligned where the covariance counts: neighbouring pixels err alike, and directions
+/** \brief Alignment where the covariance counts: errors of neighbouring pixels are correlated, and directions
  * without significant information are left to the prior (METHOD 12). */
 ViewAlignmentParams alignmentWithCovariance();
 
@@ -52,27 +52,27 @@ struct ViewAlignment {
 };
 
 /** \brief Aligns a view with its surroundings: first all planes that they have in common (refineJointly),
- * then all pixels (refineByDepth), which see what is no plane.
+ * then all pixels (refineByDepth), which also see curved surfaces.
  *
  * \param prior T_w_c and its covariance
  * \return the pose with the covariance of everything; the prior where nothing is in common. */
 ViewAlignment alignView(const View& view, const Surroundings& surroundings, const PoseWithCovariance& prior,
                         const ViewAlignmentParams& params);
 
-/** \brief What several pictures say together of each pixel of one, on a grid of so many columns: contradicted
- * if more of them contradict than agree, else agreed if one agrees. */
+/** \brief Combined verdicts of several pictures on each pixel of one, on a grid with this number of columns:
+ * contradicted if more of them contradict than agree, else agreed if one agrees. */
 DepthAgreement compareWithAll(const DepthPicture& scene, const Eigen::Isometry3d& T_w_c,
                               const std::vector<PosedPicture>& others, const DepthComparison& comparison,
                               int columns);
 
 /** \brief How far apart two cameras can be that have much in common. */
 struct ViewReach {
-  double distance;  ///< of their centres [m]
-  double angle;     ///< of their viewing directions [rad]
+  double distance;  ///< distance of their centres [m]
+  double angle;     ///< angle between their viewing directions [rad]
 };
 constexpr ViewReach kTrackingReach{4, 60 * kDegree};
 
-/** \brief Distance of two cameras by what they see [m]: the distance of their centres, and 1.5 m per radian
+/** \brief Distance of two cameras by their views [m]: the distance of their centres, and 1.5 m per radian
  * between their viewing directions (METHOD 8.4); infinite beyond the reach. */
 double viewDistance(const Eigen::Isometry3d& T_w_a, const Eigen::Isometry3d& T_w_b,
                     const ViewReach& reach = kTrackingReach);

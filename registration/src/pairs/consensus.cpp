@@ -15,7 +15,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kMinSceneCosine = 0.7;            // normals further apart explain nothing
 constexpr double kParallelSpread = 3 * kDegree;    // width of a direction already seen (METHOD 10.2)
-constexpr double kCoplanarSpread = 1.5 * kDegree;  // of the direction of another part of a plane ...
+constexpr double kCoplanarSpread = 1.5 * kDegree;  // spread of the direction of another part of a plane ...
 constexpr double kCoplanarOffset = 0.03;           // ... and of its offset [m]
 constexpr double kHullMargin = 0.05;  // slack of outlines [m], besides twice the position's uncertainty
 constexpr double kMinVisible = 0.05;  // share of visible samples below which a segment says nothing
@@ -47,8 +47,8 @@ double coplanarDensity(const std::vector<Segment>& scene, std::size_t j) {
 }
 
 // Density of a chance plane with normal u, given the directions that the scene has shown already and the
-// density that it is part of a plane that it has shown (METHOD 10.2). Of a wall in pieces, which a noisy
-// camera makes of it, each further one is nearly what chance makes expect, however well it fits.
+// density that it is part of a plane that it has shown (METHOD 10.2). If a noisy camera splits a wall into
+// pieces, each further one is nearly certain by chance, however well it fits.
 double chanceDensity(const Eigen::Vector3d& u, const std::vector<Eigen::Vector3d>& seen, double coplanar,
                      const ScoreCalibration& params) {
   const double uniform = 1 / (2 * kPi);
@@ -85,7 +85,7 @@ struct Explanation {
 }  // namespace
 
 std::vector<Eigen::Vector3d> samplePoints(const Segment& s) {
-  constexpr double kSamples = 24;  // about so many, at least a few
+  constexpr double kSamples = 24;  // approximate number, at least a few
   std::vector<Eigen::Vector3d> points;
   if (s.hull.size < 3) return points;
   Eigen::Vector2f low = s.hull.vertex[0], high = low;
@@ -176,7 +176,7 @@ double freeSpaceTerm(const DepthAgreement& compared, const ScoreCalibration& par
 
 double surfaceMatchingScore(const std::vector<Segment>& scene, const std::vector<Segment>& model,
                             const PoseWithCovariance& T_m_c, const MatchingParams& matching) {
-  const auto upperTail = [](double d2) {  // of chi2(3)
+  const auto upperTail = [](double d2) {  // upper tail of chi2(3)
     return 1 - std::erf(std::sqrt(d2 / 2)) + std::sqrt(2 * d2 / kPi) * std::exp(-d2 / 2);
   };
   double sum = 0;

@@ -22,11 +22,11 @@ std::vector<Eigen::Vector3d> samplePoints(const Segment& segment);
 double logLikelihoodRatio(const Query& query, const View& model, const PoseWithCovariance& T_m_c,
                           const DepthComparison& comparison, const ScoreCalibration& params);
 
-/** \brief What the contradicting pixels among those compared say against a pose: -w ln(1 + c / c_0) [nats], c
- * being their share.
+/** \brief Evidence of contradicting pixels against a pose: -w ln(1 + c / c_0) [nats], where c
+ * is their share among those compared.
  *
  * The term is not linear in c, since pixels do not contradict one by one:
- * what has moved takes a whole region with it. The share of changed pixels in a true view is mostly tiny and
+ * a moved object covers a whole region. The share of changed pixels in a true view is mostly tiny and
  * now and then large, with a tail like a power of c; so is the evidence against the pose. */
 double freeSpaceTerm(const DepthAgreement& compared, const ScoreCalibration& params);
 

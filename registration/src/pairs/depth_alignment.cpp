@@ -19,15 +19,15 @@ std::vector<double> alignDepth(const DepthPicture& scene, const DepthPicture& mo
     return T;
   };
   const int half = std::max(1, static_cast<int>(std::lround(params.range / params.step)));
-  // How many pixels the pictures share depends on the position and says nothing about it; what counts is how
-  // the shared ones agree. Otherwise a bare corridor would be found where the overlap is largest.
+  // The number of shared pixels depends on the position and is no evidence for it; the agreement
+  // of the shared ones counts. Otherwise a bare corridor would be found where the overlap is largest.
   std::vector<DepthAgreement> found;
   int largest = 0;
   for (int i = -half; i <= half; ++i) {
     found.push_back(comparison.countBoth(scene, model, at(centre + i * params.step), kCoarseColumns));
     largest = std::max(largest, found.back().judged());
   }
-  constexpr double kEnoughShared = 0.25;  // of the largest overlap; fewer pixels agree by chance
+  constexpr double kEnoughShared = 0.25;  // share of the largest overlap; fewer pixels agree by chance
   std::vector<double> agreement;
   for (const DepthAgreement& a : found) {
     const double shared = std::max<double>(a.judged(), kEnoughShared * largest);

@@ -9,12 +9,11 @@ namespace facetloc::internal {
 
 /** \brief Search for the last translation by dense depth (METHOD 9). */
 struct DepthAlignmentParams {
-  double range = 1.4;  ///< on both sides of the prior mean [m]
-  double step = 0.1;   ///< of the coarse search [m]: near a wall, pixels a step off do not agree
-  double prominence =
-      12;  ///< by which the best position must exceed the mean [net agreements of the coarse grid]
-  double runner_up = 8;  ///< how far below the best a second maximum may lie
-  double std = 0.03;     ///< uncertainty of the found position [m]
+  double range = 1.4;      ///< on both sides of the prior mean [m]
+  double step = 0.1;       ///< spacing of the coarse search [m]: near a wall, pixels a step off do not agree
+  double prominence = 12;  ///< margin of the best position over the mean [net agreements of the coarse grid]
+  double runner_up = 8;    ///< how far below the best a second maximum may lie
+  double std = 0.03;       ///< uncertainty of the found position [m]
 };
 
 /** \brief Positions along a unit direction at which both depth pictures agree best, best first, at most two;

@@ -30,7 +30,7 @@ struct Linearization {
   PlaneMeasurement m;
   Matrix36d Ht;                     // dh / de = H blkdiag(J_l(e_phi), I)
   Eigen::Matrix<double, 6, 3> PHt;  // P0 Ht^T
-  Cholesky3 S;                      // of Ht P0 Ht^T + W
+  Cholesky3 S;                      // factor of Ht P0 Ht^T + W
   Eigen::Vector3d v;                // -(S)^-1 (h - Ht e), so that the next e is P0 Ht^T v
 
   bool at(const Segment& scene, const Segment& model, const PoseWithCovariance& prior, const Vector6d& e,
@@ -54,7 +54,7 @@ EkfUpdate ekfPoseUpdate(const Segment& scene, const Segment& model, const PoseWi
   Vector6d e = Vector6d::Zero(), step = Vector6d::Zero();
   Linearization lin;
   bool settled = false;
-  double length[2] = {0, 0};  // of the last two steps [rad + m]
+  double length[2] = {0, 0};  // lengths of the last two steps [rad + m]
   for (int i = 0; i < params.iterations && !settled; ++i) {
     e += step;
     if (!lin.at(scene, model, prior, e, params.min_cosine)) return out;

@@ -13,7 +13,7 @@ struct EkfUpdate {
   PoseWithCovariance pose;  ///< posterior
   double cost = 0;          ///< post-fit MAP cost, ~ chi2(3) under a correct pair (METHOD 5.2)
   double gain = 0;          ///< information gain [nats] (METHOD 5.3)
-  Matrix6d information;     ///< H^T W^-1 H at the posterior: what the pair alone tells
+  Matrix6d information;     ///< H^T W^-1 H at the posterior: the information of the pair alone
 };
 
 /** \brief Corrects a pose by one pair of segments: 0 = h(w, q, q') as an implicit measurement, re-linearised

@@ -7,8 +7,8 @@
 namespace facetloc::internal {
 
 /** \brief Where two segments are that overlap, along their common plane (METHOD 6.6): the distance of the
- * centroids of the parts that either view shows, in the axes x' and y' of the model segment. Small surfaces
- * fix by it what their planes leave free; large ones hardly say anything. */
+ * centroids of the parts that either view shows, in the axes x' and y' of the model segment. It fixes
+ * the motions that the planes of small surfaces leave free; for large ones it has little information. */
 struct ExtentMeasurement {
   Eigen::Vector2d h;              ///< distance of the centroids [m]
   Eigen::Matrix<double, 2, 6> H;  ///< dh/dw by a left, decoupled perturbation of T_m_c

@@ -14,11 +14,12 @@
 namespace facetloc::internal {
 namespace {
 
-// What two segments of one image have to do with each other, whatever the pose of the camera.
+// Relation of two segments of one image, whatever the pose of the camera.
 struct Relation {
   double angle = 0;      // between the normals [rad]
   double angle_var = 0;  // its variance
-  double gap = 0;  // from the plane of the one to the centroid of the other, for nearly parallel planes [m]
+  double gap = 0;  // distance between the plane of the one and the centroid of the other, for nearly parallel
+                   // planes [m]
   double gap_var = 0;
 };
 
@@ -247,7 +248,7 @@ private:
   const Matrix6d known_;
   const bool something_known_, extents_;
   std::size_t words_ = 0;
-  std::vector<PairSet> compatible_;  // of each pair: the later ones that may stand beside it
+  std::vector<PairSet> compatible_;  // for each pair the later ones that are compatible with it
   std::vector<Node> nodes_;
   std::priority_queue<std::pair<int, int>>
       queue_;  // (-last pair, -node): best-ranked last pair first, oldest first

@@ -15,7 +15,7 @@ namespace facetloc::internal {
 /** \brief A set of mutually consistent pairs and the pose that they give. */
 struct PoseNode {
   PoseWithCovariance pose;
-  Matrix6d information = Matrix6d::Zero();  ///< of the pairs alone
+  Matrix6d information = Matrix6d::Zero();  ///< information of the pairs alone
   std::vector<SegmentPair> pairs;
   Eigen::Vector3d free_direction =
       Eigen::Vector3d::Zero();  ///< unit vector in model axes, for incomplete nodes
@@ -27,10 +27,10 @@ struct FoundPoses {
   std::vector<PoseNode> incomplete;  ///< exactly one translation is free
 };
 
-/** \brief What the search of one local model found. */
+/** \brief The result of searching one local model. */
 struct TreeSearchResult {
   FoundPoses by_pairs;
-  FoundPoses with_known;             ///< what pairs fix only together with what is known without them
+  FoundPoses with_known;             ///< poses that pairs fix only together with the prior information
   std::vector<PoseNode> by_extents;  ///< complete only by where the segments of the pairs are in their planes
   int expansions = 0;
 };

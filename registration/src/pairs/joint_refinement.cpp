@@ -18,7 +18,7 @@ constexpr int kIterations = 10;                         // Gauss-Newton steps pe
 constexpr double kConverged = 1e-6;                     // norm of a step [rad, m]
 constexpr double kHuber2 = chiSquareQuantile(3, 0.99);  // square of the Huber threshold on d (METHOD 7)
 constexpr double kMinCosine = 0.9;                      // between the normals of a pair at the hypothesis
-constexpr double kInformationCap = 2.0;  // of a model segment, in terms of its most informative pair
+constexpr double kInformationCap = 2.0;  // limit for a model segment, relative to its most informative pair
 
 // For each scene segment the model segment that fits best, if any does.
 std::vector<SegmentPair> collectPairs(const std::vector<Segment>& scene, const std::vector<Segment>& model,

@@ -10,20 +10,21 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr double kSameAngle = 6.5 * kDegree, kSameHeight = 0.08;  // of a robot on an uneven floor [m]
+constexpr double kSameAngle = 6.5 * kDegree,
+                 kSameHeight = 0.08;  // tolerances of a robot on an uneven floor [m]
 constexpr double kLevel =
-    15 * kDegree;  // from it, a plane would be level or upright if the camera stood otherwise
+    15 * kDegree;  // up to this angle, a plane would be level or upright if the camera stood otherwise
 constexpr double kOtherWay = 30 * kDegree;  // between walls that together tell the vertical
-constexpr double kLeastSupport = 300;       // of a wall [px]
+constexpr double kLeastSupport = 300;       // least support of a wall [px]
 
-/** What the planes of a view say of a mounting. */
+/** Evidence of the planes of a view about a mounting. */
 enum class MountingSight { shows, open, contradicts };
 
 Eigen::Vector3d downIn(const CameraMounting& mounting) {
   return -(mounting.T_b_c().linear().transpose() * Eigen::Vector3d::UnitZ());
 }
 
-// As well as a robot stands on its floor; a camera in the hand is hardly ever held so exactly alike.
+// Within the tolerance of a robot on its floor; a camera in the hand is hardly ever held so exactly.
 bool agreesWithGravity(const Gravity& gravity, const CameraMounting& mounting) {
   constexpr double kGate = 3, kOfRobot = 1.5 * kDegree;  // standard deviations; of a robot that leans
   const double angle = std::acos(std::clamp(downIn(mounting).dot(gravity.down), -1.0, 1.0));

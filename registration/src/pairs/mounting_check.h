@@ -5,7 +5,7 @@
 
 namespace facetloc::internal {
 
-/** \brief Does a view show by itself that its camera stands on the floor as mounted: the floor below it, or
+/** \brief Does a view on its own show that its camera stands on the floor as mounted: the floor below it, or
  * something level above the floor, or two walls that are upright; and nothing that is level or upright but
  * for a few degrees? Where gravity was measured, it decides, unless planes contradict the mounting. */
 bool showsMounting(const View& view, const CameraMounting& mounting);

@@ -13,7 +13,7 @@ using namespace internal;
 Matrix6d informationOf(const std::vector<Segment>& segments) {
   Matrix6d information = Matrix6d::Zero();
   for (const Segment& s : segments) {
-    PlaneMeasurement m;  // of the view against itself
+    PlaneMeasurement m;  // the view measured against itself
     Cholesky3 noise;
     if (measurePlane(s, s, Eigen::Isometry3d::Identity(), 0.0, m) && noise.compute(m.W))
       information += m.H.transpose() * noise.solve<6>(m.H);

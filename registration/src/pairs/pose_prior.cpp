@@ -59,7 +59,7 @@ Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePrio
   Sigma += of_floor + Ad * of_floor * Ad.transpose();  // each stands on its own piece of floor
   Sigma(5, 5) += leverVariance(p);
   Matrix6d A = cameraMotion(*mounting);
-  A.bottomRows<3>() -= skew(T_m_c.translation()) * A.topRows<3>();  // of where the camera is
+  A.bottomRows<3>() -= skew(T_m_c.translation()) * A.topRows<3>();  // Jacobian of the camera's position
   return A * Sigma * A.transpose();
 }
 

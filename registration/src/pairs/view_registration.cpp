@@ -11,8 +11,9 @@ namespace {
 
 constexpr int kMostAssisted = 1;  // incomplete poses of a local model that depth may complete
 
-// What a pose needs to be complete, in a view with this noise. No pose is better than the planes it comes
-// from: the limits are those for a Kinect, and for noisier cameras larger in proportion (METHOD 6.3).
+// Limits on the uncertainty of a complete pose, in a view with this noise. No pose is better than the planes
+// it comes from: the limits are those for a Kinect, and for noisier cameras larger in proportion
+// (METHOD 6.3).
 HypothesisTreeParams limitsFor(const View& view, HypothesisTreeParams params) {
   constexpr double kNoisier = 1.3;  // times the specification of a Kinect, whose images have up to 1.25 times
   const double factor = view.noise() / SensorNoise().inverse_depth_std;
@@ -36,7 +37,8 @@ ViewRegistration::ViewRegistration(const ViewRegistrationParams& params)
     : params_(params), comparison_(params.calibration.depth), score_(hypothesisScore(params, comparison_)) {}
 
 bool ViewRegistration::mayFixPose(const Query& query) const {
-  // A model without any error would double the information; as much again for what linearisation neglects.
+  // A model without any error would double the information; as much again for the neglected terms of
+  // linearisation.
   const PrincipalStd most = observability(query.known + 4 * informationOf(query.view.segments));
   const HypothesisTreeParams limits = limitsFor(query.view, params_.tree);
   const double max_rotation = limits.complete_rotation_deg * kDegree,
@@ -53,7 +55,8 @@ std::vector<Hypothesis> ViewRegistration::align(const Query& query, const View& 
       searchHypotheses(scene, of_model, candidates, start, params_.matching, params_.ekf,
                        limitsFor(query.view, params_.tree), query.known);
 
-  // Pairs alone tell wrong poses from right ones better than together with what holds for all of them.
+  // Pairs alone discriminate wrong poses better than together with prior information that holds for all of
+  // them.
   std::vector<Hypothesis> hypotheses;
   for (const FoundPoses* poses : {&found.by_pairs, &found.with_known}) {
     if (hypotheses.empty()) addComplete(query, model, poses->complete, chosen, false, hypotheses);

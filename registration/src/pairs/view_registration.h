@@ -21,9 +21,9 @@ public:
   /** \brief False if the planes of a view tell so little that align() has no answer, whatever the model. */
   bool mayFixPose(const Query& query) const;
 
-  /** \param start about where correspondences are looked for: the query's prior, or what else tells the pose
-   * \param chosen if not null, the only pairs that may correspond, in place of candidatePairs()
-   * \return hypotheses by decreasing score (consensus and free-space term; no world pose, no probability) */
+  /** \param start about where correspondences are looked for: the query's prior, or another estimate of the
+   * pose \param chosen if not null, the only pairs that may correspond, in place of candidatePairs() \return
+   * hypotheses by decreasing score (consensus and free-space term; no world pose, no probability) */
   std::vector<Hypothesis> align(const Query& query, const View& model, const PoseWithCovariance& start,
                                 const std::vector<SegmentPair>* chosen = nullptr) const;
   std::vector<Hypothesis> align(const Query& query, const View& model) const {
@@ -53,7 +53,7 @@ private:
 };
 
 /** \brief Which motions of the camera the segments of a view leave free, in words and camera axes, such as
- * "translation along (1.00, 0.02, 0.00)"; empty if they, with what is known without them, fix all six degrees
+ * "translation along (1.00, 0.02, 0.00)"; empty if they, with the prior information, fix all six degrees
  * of freedom. */
 std::string unconstrainedDirections(const Query& query, const HypothesisTreeParams& params);
 

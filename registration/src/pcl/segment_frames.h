@@ -12,7 +12,7 @@ namespace facetloc::internal {
 /** \brief The valid segments of a cloud in the order that the search needs, and where each came from. */
 struct RankedFrames {
   std::vector<Segment> segments;  ///< sorted by information content
-  std::vector<int> index;         ///< of each segment in the cloud
+  std::vector<int> index;         ///< index of each segment in the cloud
 };
 
 /** \brief Reads the frames of a cloud, or of the given indices only; frames with invalid fields are left out.

@@ -5,7 +5,7 @@
 
 namespace facetloc::internal {
 
-/** \brief Calls a function with 0 .. n - 1 in parallel. What is thrown does not depend on the number of
+/** \brief Calls a function with 0 .. n - 1 in parallel. The exception thrown does not depend on the number of
  * threads, 0 = all cores. */
 void forEachInParallel(int n, int threads, const std::function<void(int)>& function);
 

@@ -14,7 +14,7 @@ PoseWithCovariance fused(const PoseWithCovariance& a, const PoseWithCovariance& 
 PoseWithCovariance intersected(const PoseWithCovariance& a, const PoseWithCovariance& b) {
   constexpr int kSteps = 16;
   const Matrix6d of_a = symmetricInverse(a.P), of_b = symmetricInverse(b.P);
-  double share = 1, most = 0;  // of a; determinant of the information
+  double share = 1, most = 0;  // share of a; determinant of the information
   for (int i = kSteps; i >= 0; --i) {
     const double w = static_cast<double>(i) / kSteps;
     const double information = (w * of_a + (1 - w) * of_b).determinant();

@@ -5,7 +5,7 @@
 
 namespace facetloc::internal {
 
-/** \brief How far apart two poses may be to count as one, in what respect: one of those below. */
+/** \brief How far apart two poses may be to count as one: one of the radii below. */
 struct PoseRadius {
   double distance;   ///< [m]
   double angle_deg;  ///< [deg]
@@ -25,7 +25,7 @@ constexpr PoseRadius kSamePlace{0.15, 2};
 constexpr PoseRadius kSameAnswer{0.3, 5};
 /** \brief Images from there are no second look at a surface (mapping/METHOD 14.6). */
 constexpr PoseRadius kSameLook{0.1, 5};
-/** \brief What lies within is not another place (localization/METHOD 11.5). */
+/** \brief A pose within is not another place (localization/METHOD 11.5). */
 constexpr PoseRadius kSameSurroundings{1, 15};
 
 }  // namespace facetloc::internal

@@ -6,7 +6,7 @@
 
 namespace facetloc {
 
-/** \brief What an answer is worth. One rule for all tools and classes. */
+/** \brief How far an answer can be relied on. One rule for all tools and classes. */
 enum class AnswerState {
   sure,      ///< the first pose is so probable that one may act on it
   doubtful,  ///< there are poses, but none that one may act on

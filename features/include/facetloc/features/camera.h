@@ -13,18 +13,18 @@ namespace facetloc {
 
 /** \brief A depth camera, and all that is known of it: one value, which views and maps carry along. */
 struct Camera {
-  Intrinsics intrinsics;  ///< of its full images; not valid() while each image says its own
-  SensorNoise noise;      ///< by its specification; an image that is noisier says so itself
+  Intrinsics intrinsics;  ///< intrinsics of full images; not valid() while each image has its own
+  SensorNoise noise;      ///< specified noise; an image that is noisier has its own
   std::optional<CameraMounting>
       mounting;  ///< on a robot that drives on a floor; none = in the hand, or unknown
-  std::optional<DepthDistortion> distortion;  ///< what it always measures wrongly: taken out of its images
+  std::optional<DepthDistortion> distortion;  ///< systematic depth errors, removed from its images
   double max_depth = std::numeric_limits<double>::infinity();  ///< farther pixels count as not measured [m]
 };
 
-/** \brief What the camera of a view has to do with the camera that a map was made with. */
+/** \brief How a view's camera differs from the camera of the map. */
 struct CameraDifference {
   enum class Mounting {
-    same,        ///< what the floor says of the pose holds for both
+    same,        ///< the floor's information about the pose holds for both
     other,       ///< both are known, and differ
     unknown,     ///< the map has a mounting, the view's camera has none
     not_in_map,  ///< the map has none
@@ -42,7 +42,7 @@ struct CameraDifference {
 CameraDifference differenceOf(const Camera& of_view, const Camera& of_map, double noise_std = 0);
 
 /** \brief The difference in sentences without full stop, one for each thing that changes an answer; empty for
- * cameras that are alike. */
+ * equal cameras. */
 std::vector<std::string> inWords(const CameraDifference& difference, const Camera& of_view,
                                  const Camera& of_map);
 

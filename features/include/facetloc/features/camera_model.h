@@ -52,8 +52,8 @@ struct SensorNoise : DepthNoise {
   static void describe(Self& p, Visitor&& visit) {
     visit("inverse_depth_std", p.inverse_depth_std, kLeastInverseDepthStd, 1.0,
           "Random error of inverse depth, standard deviation [1/m]: the part of sigma_z that grows with z^2, "
-          "divided by z^2; 0.00142 for a Kinect. Set it for a camera that is noisier and whose noise is "
-          "smooth over many pixels.",
+          "divided by z^2; 0.00142 for a Kinect. Set it for a noisier camera whose noise is smooth over many "
+          "pixels.",
           kForUsers);
     visit("distortion_offset", p.distortion_offset, 0.0, 1.0,
           "Smooth distortion of inverse depth at the image centre, standard deviation [1/m].");
@@ -62,15 +62,14 @@ struct SensorNoise : DepthNoise {
           "deviation "
           "[1/m].");
     visit("depth_std", p.depth_std, 0.0, kLargestDepthStd,
-          "Part of the random error of depth that is the same at all distances, standard deviation [m]; 0 "
-          "for cameras that triangulate, about 0.001 for those that measure the time of flight.",
+          "Random error of depth that is equal at all distances, standard deviation [m]; 0 for cameras that "
+          "triangulate, about 0.001 for time of flight.",
           kForUsers);
     visit("depth_std_slope", p.depth_std_slope, 0.0, kLargestDepthStdSlope,
-          "Part of the random error of depth that grows with depth, standard deviation as a share of depth.",
-          kForUsers);
+          "Random error of depth that grows with depth, standard deviation as a share of depth.", kForUsers);
     visit("correlation_px", p.correlation_px, 0.0, kLargestCorrelation,
-          "Distance over which neighbouring pixels share their noise, at least [px at 320 columns]; 0 = as "
-          "each image shows. Images that are smoother are measured to be so.");
+          "Minimum correlation length of the noise [px at 320 columns]; 0 = by each image. Each image is "
+          "measured, and a smoother one has its own.");
   }
   void validate() const { checkRanges(*this); }
 };
@@ -81,15 +80,15 @@ struct SensorNoise : DepthNoise {
 Eigen::Matrix3d pointCovariance(const Eigen::Vector3d& p, const Intrinsics& camera, double pixel_std,
                                 double inverse_depth_std);
 
-/** \brief How the camera sits on a robot that drives on a floor: unless more is said forward, above the axle
- * and tilted downwards. Height, tilt and roll are what the floor tells of a pose; the rest says where the
+/** \brief How the camera sits on a robot that drives on a floor: unless set otherwise forward, above the axle
+ * and tilted downwards. The floor fixes height, tilt and roll of a pose; the other fields say where the
  * robot is. */
 struct CameraMounting {
-  double height = 0;    ///< of the optical centre above the floor [m]
-  double tilt_deg = 0;  ///< of the optical axis below the horizon [deg]
+  double height = 0;    ///< height of the optical centre above the floor [m]
+  double tilt_deg = 0;  ///< tilt of the optical axis below the horizon [deg]
   double roll_deg = 0;  ///< about the optical axis: positive if the right side of the image is lower [deg]
-  double pan_deg = 0;   ///< of the optical axis to the left of straight ahead [deg]
-  double x = 0, y = 0;  ///< of the optical centre ahead of the base, and to its left [m]
+  double pan_deg = 0;   ///< angle of the optical axis to the left of straight ahead [deg]
+  double x = 0, y = 0;  ///< offset of the optical centre ahead of the base, and to its left [m]
 
   /** \brief T_b_c: camera optical frame in the robot base (x forward, y left, z up, origin on the floor). */
   Eigen::Isometry3d T_b_c() const;

@@ -15,8 +15,8 @@ namespace facetloc {
  * Its noise is not among them: each image is measured for its own noise, and telling it beforehand has found
  * fewer places on recordings of real devices, not more (SENSORS.md). */
 struct CameraPreset {
-  const char* name;   ///< in camera.ini and on command lines, such as "azure_kinect"
-  const char* title;  ///< in words
+  const char* name;   ///< name for camera.ini and command lines, such as "azure_kinect"
+  const char* title;  ///< name for people
   /** Intrinsics of a typical device by mode, the usual mode first: plausible, but no calibration of yours. */
   std::vector<Intrinsics> modes;
   double min_depth;  ///< nearest depth measured [m]
@@ -39,7 +39,7 @@ const std::vector<CameraPreset>& cameraPresets();
  * the default. */
 const CameraPreset& cameraPresetFor(int width, int height);
 
-/** \brief Null if there is none of that name. */
+/** \brief Null for an unknown name. */
 const CameraPreset* findCameraPreset(std::string_view name);
 
 /** \brief "kinect, xtion, ...", for messages. */

@@ -10,11 +10,11 @@
 
 namespace facetloc {
 
-/** \brief What a depth camera measures wrongly, always the same at the same place of its image: a smooth
+/** \brief Systematic error of a depth camera, constant at each place of its image: a smooth
  * field of inverse depth, on a grid over the image with straight lines between the nodes.
  *
- * Cameras that triangulate err alike in disparity, so in inverse depth, at all distances. The field refers to
- * normalised rays, so that it holds for the image at any resolution. */
+ * Cameras that triangulate have equal errors of disparity, so of inverse depth, at all distances. The field
+ * refers to normalised rays, so that it holds for the image at any resolution. */
 class DepthDistortion {
 public:
   static constexpr int kColumns = 9, kRows = 7, kNodes = kColumns * kRows;
@@ -60,12 +60,12 @@ class DepthCorrection {
 public:
   explicit DepthCorrection(const DepthDistortion& distortion) : distortion_(distortion) {}
   /** \brief The image as the camera would have measured it without distortion, valid until the next call; the
-   * image itself if it cannot be of this camera. What the field leaves no depth for is 0. */
+   * image itself if it cannot be of this camera. Pixels for which the field leaves no depth are 0. */
   const DepthImage& operator()(const DepthImage& image);
 
 private:
   DepthDistortion distortion_;
-  std::vector<float> error_;  // of each pixel of the last image's camera [1/m]
+  std::vector<float> error_;  // error of each pixel of the last image's camera [1/m]
   DepthImage corrected_;
 };
 

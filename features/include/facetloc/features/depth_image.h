@@ -22,7 +22,7 @@ struct DepthImage {
 };
 
 constexpr float kNearestMeasured = 1e-3f, kFarthestMeasured = 1e6f;  // [m]
-/** \brief Is this a depth that a camera measured? 0, NaN, infinities and what is nearer than 1 mm are not. */
+/** \brief Is this a depth that a camera measured? 0, NaN, infinities and depths below 1 mm are not. */
 inline bool isMeasured(float z) { return z >= kNearestMeasured && z <= kFarthestMeasured; }
 
 /** \brief The median of the measured depths, of about a thousand pixels spread over the image [m];
@@ -38,8 +38,8 @@ inline double scaledPixels(double pixels_at_320x240, const Intrinsics& camera) {
 }
 
 /** \brief Every step-th pixel of every step-th row. Never averages: that would invent depth at silhouettes.
- * If that lost a fifth of what was measured and more, since the camera leaves out pixels here and there, what
- * was not measured is taken from the first pixel of its step x step block that was. */
+ * If that lost a fifth of the measured pixels or more, since the camera leaves out pixels here and there, an
+ * unmeasured pixel is replaced by the first measured one of its step x step block. */
 DepthImage subsampled(const DepthImage& image, int step);
 
 /** \brief How often the working width goes into the image's, which is a step that keeps at least that width;

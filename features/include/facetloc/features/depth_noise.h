@@ -17,13 +17,13 @@ inline double kinectDepth(double disparity) { return kKinectGain / (kKinectOffse
  *
  *     sigma_z(z) = depth_std + depth_std_slope z + inverse_depth_std z^2
  *
- * The square is what triangulation gives (Kinect, stereo), the rest what the time of flight gives (ToF,
+ * The square is due to triangulation (Kinect, stereo), the rest to the time of flight (ToF,
  * lidar). The default is a Kinect v1. */
 struct DepthNoise {
   static constexpr double kLeastInverseDepthStd = 1e-7;  ///< less counts as this: disparities stay finite
   static constexpr double kLargestInverseDepthStd = 1;   ///< [1/m]
   static constexpr double kLargestDepthStd = 1;          ///< [m]
-  static constexpr double kLargestDepthStdSlope = 0.5;   ///< of depth
+  static constexpr double kLargestDepthStdSlope = 0.5;   ///< [m] per metre of depth
   static constexpr double kUsualDepth = 2;  ///< where one number has to stand for an image or a camera [m]
 
   double inverse_depth_std = 0.5 / kKinectGain;  ///< part that is the same in inverse depth [1/m]
@@ -44,7 +44,7 @@ struct DepthNoise {
     DepthNoise scaled;
     scaled.depth_std = depth_std * factor;
     scaled.depth_std_slope = depth_std_slope * factor;
-    // As what is left: so that the sum is what was asked for, to the last digit.
+    // Computed as the remainder, so that the sum is exactly the one required.
     scaled.inverse_depth_std =
         std::max(kLeastInverseDepthStd, inverse_std - (scaled.depth_std_slope + scaled.depth_std / z) / z);
     return scaled;

@@ -26,7 +26,7 @@ struct DepthPicture {
     bool operator==(const Extremes& o) const { return lowest == o.lowest && highest == o.highest; }
   };
 
-  Intrinsics camera;                         ///< of the picture itself
+  Intrinsics camera;                         ///< intrinsics of the picture itself
   std::vector<std::uint16_t> inverse_depth;  ///< [kQuantum], row-major
   std::vector<Extremes> extremes;            ///< over 3x3 known neighbours; derived
   DepthNoise noise;                          ///< random error of its depths
@@ -50,8 +50,8 @@ struct PosedPicture {
   Eigen::Isometry3d T_w_c;
 };
 
-/** \brief Root mean square of the noise of two pictures, part by part: what differences of their inverse
- * depths are compared with. */
+/** \brief Root mean square of the noise of two pictures, term by term: the standard deviation of differences
+ * of their inverse depths. */
 inline DepthNoise commonNoise(const DepthPicture& a, const DepthPicture& b) {
   const auto common = [&](double DepthNoise::*part) {
     const double of_a = a.noise.*part, of_b = b.noise.*part;

@@ -25,7 +25,7 @@ struct LensDistortion {
   bool isNone() const;
   /** \brief (x', y') of a ray. */
   Eigen::Vector2d distorted(const Eigen::Vector2d& ray) const;
-  /** \brief The ray that is seen at (x', y'); empty if there is none within largestRadius(). */
+  /** \brief The ray that is seen at (x', y'); empty if no ray within largestRadius() is. */
   std::optional<Eigen::Vector2d> undistorted(const Eigen::Vector2d& seen) const;
   /** \brief The r up to which rays farther out are seen farther out, so that the model can be inverted; at
    * most 10. */
@@ -35,7 +35,7 @@ struct LensDistortion {
   bool operator!=(const LensDistortion& o) const { return !(*this == o); }
 };
 
-/** \brief What the pixels of a depth image hold. */
+/** \brief Meaning of the pixels of a depth image. */
 enum class DepthKind {
   z,         ///< the distance from the camera's plane
   distance,  ///< the distance from the camera, along the ray
@@ -59,14 +59,15 @@ public:
 
 private:
   struct Source {
-    std::int32_t pixel = -1;  // of the image; none
-    float du = 0, dv = 0;     // from its centre [px]
+    std::int32_t pixel = -1;  // index in the image; -1 = none
+    float du = 0, dv = 0;     // offset from its centre [px]
   };
   std::vector<float> inverseDepths(const DepthImage& image) const;
 
   Intrinsics camera_;
-  std::vector<Source> sources_;        // of each pixel of the pinhole image; empty: the same pixel
-  std::vector<float> inverse_factor_;  // of each pixel of the image: inverse z by inverse distance; empty: 1
+  std::vector<Source> sources_;  // one for each pixel of the pinhole image; empty: the same pixel
+  std::vector<float>
+      inverse_factor_;  // one for each pixel of the image: inverse z by inverse distance; empty: 1
 };
 
 }  // namespace facetloc

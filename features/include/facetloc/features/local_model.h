@@ -16,12 +16,13 @@
 
 namespace facetloc {
 
-/** \brief What one depth image tells: its segments and its small depth picture, in the camera optical frame.
+/** \brief The content of one depth image: its segments and its small depth picture, in the camera optical
+ * frame.
  */
 struct View {
-  Intrinsics intrinsics;  ///< of the working image
+  Intrinsics intrinsics;  ///< intrinsics of the working image
   std::shared_ptr<const Camera>
-      camera;  ///< by which it was seen; null in a map: the map's; else nothing is known of it
+      camera;  ///< the camera that saw it; null in a map: the map's camera; else an unknown one
   std::vector<Segment> segments;     ///< the most useful first, by information content (METHOD 9)
   DepthPicture depth;                ///< may be empty: dense checks are then skipped
   std::optional<Gravity> gravity{};  ///< when the image was taken, if it was measured
@@ -35,24 +36,24 @@ struct View {
  * usual noise of those that do not know theirs */
 View viewOfSegments(std::vector<Segment> segments, const DepthNoise& usual = {});
 
-/** \brief A pointer to what somebody else keeps. */
+/** \brief A pointer that does not own its object. */
 template <class T>
 std::shared_ptr<const T> borrowed(const T& object) {
   return std::shared_ptr<const T>(std::shared_ptr<const T>(), &object);
 }
 
-/** \brief Where the views of a map are that are too large to be in memory all at once. Thread-safe; all
- * functions throw what reading throws. */
+/** \brief Storage of the views of a map that is too large to be in memory all at once. Thread-safe; all
+ * functions throw the exceptions of reading. */
 class MapStore {
 public:
   virtual ~MapStore() = default;
-  /** \brief What errors call it: the name of its file. */
+  /** \brief Its name in error messages: the name of its file. */
   virtual std::string name() const { return "the map"; }
   /** \brief The view of local model number i. */
   virtual std::shared_ptr<const View> view(int i) const = 0;
   /** \brief Whether that view has a depth picture. */
   virtual bool hasPicture(int i) const { return view(i)->hasPicture(); }
-  /** \brief The map's PlaceIndex as it was written; null if there is none. */
+  /** \brief The map's PlaceIndex as it was written; null if the map has none. */
   virtual std::unique_ptr<std::istream> placeIndex() const { return nullptr; }
 };
 
@@ -94,8 +95,8 @@ struct Link {
   PoseWithCovariance T_from_to;
 };
 
-/** \brief How much alike the places of a map look: what wrong places score when its own views are asked for
- * in the map without their surroundings. */
+/** \brief How easily the places of a map are confused: the scores of wrong places when its own views are
+ * localized in the map without their surroundings. */
 struct MapAmbiguity {
   double score = 0;  ///< mean of the highest tenth [nats]
   int views = 0;     ///< that were asked for, and for which there was another place to be taken for theirs
@@ -103,8 +104,8 @@ struct MapAmbiguity {
 
 /** \brief A map: local models and links between them.
  *
- * It may consist of parts of which nobody knows how they lie to each other. Each has a frame of its own, and
- * poses of different parts have nothing to do with each other. */
+ * It may consist of parts whose relative poses are unknown. Each has a frame of its own, and
+ * poses of different parts cannot be compared. */
 struct Map {
   Camera camera;  ///< that its images were taken with; its distortion is taken out of them
   std::vector<LocalModel> models;
@@ -114,7 +115,7 @@ struct Map {
   std::map<std::string, std::string>
       meta;  ///< how it was made: parameters, software version, conventions in words
 
-  /** \brief The view of local model number i, wherever it is. Throws what reading it throws, and
+  /** \brief The view of local model number i, wherever it is stored. Throws the exceptions of reading it, and
    * std::logic_error if the model has none. */
   std::shared_ptr<const View> view(int i) const;
 

@@ -17,11 +17,11 @@ double uncertaintyOf(const Link& link);
 
 /** \brief Gives all local models of a map a pose, by its links where none was given, and the map its parts.
  *
- * Models with a given pose keep it; they are the world. Along links, over the path whose uncertainties have
- * the least sum, each other model gets its pose from the nearest of them. Models that no path joins with the
- * world are parts of their own, each by what its links join, and with the name of its first model, which
- * stands as the mounting of the map's camera says, over the origin, or has its camera in the origin where no
- * mounting is known. If no pose was given and everything hangs together, that one part is the world.
+ * Models with a given pose keep it; they are the world. Along links, over the path with the
+ * least sum of uncertainties, each other model gets its pose from the nearest of them. Models that no path
+ * joins with the world form parts of their own, each joined by links, and with the name of its first model,
+ * which stands as the mounting of the map's camera says, over the origin, or has its camera in the origin
+ * where no mounting is known. If no pose was given and all models are connected, that one part is the world.
  *
  * Links that lead nowhere or are not finite do not count. Doing it again, after a change of models, links or
  * mounting, begins anew with the given poses. */

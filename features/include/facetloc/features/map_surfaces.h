@@ -9,8 +9,8 @@ namespace facetloc {
  * a floor plan. */
 constexpr const char* kSurfacesKey = "surfaces";
 
-/** \brief Whether a map lacks surfaces: what stands before those that it has, as furniture before a wall,
- * does not contradict it; what is seen through them does (localization/METHOD 11.7). */
+/** \brief Whether a map lacks surfaces: objects in front of its surfaces, as furniture before a wall,
+ * do not contradict it; objects seen through them do (localization/METHOD 11.7). */
 bool lacksSurfaces(const Map& map);
 /** \brief Says so in the meta data of a map. */
 void setLacksSurfaces(Map& map);

@@ -23,13 +23,13 @@ std::vector<NoiseSample> noiseSamples(const DepthImage& image);
 struct NoiseBin {
   double nearest = 0, farthest = 0;  ///< depths that fall into it [m]
   std::size_t samples = 0;
-  NoiseSample typical;  ///< medians of the quieter half; the rest may show what is not quite flat
+  NoiseSample typical;  ///< medians of the quieter half; the rest may show uneven surfaces
 
   double depthStd() const { return typical.inverse_depth_std * typical.depth * typical.depth; }  ///< [m]
 };
 
 /** \brief The samples in bins of half a metre. Left out are bins with few samples, and those in which depth
- * is much noisier than farther away, since they show what is not flat. */
+ * is much noisier than farther away, since they show uneven surfaces. */
 std::vector<NoiseBin> binned(std::vector<NoiseSample> samples);
 
 /** \brief The noise model that fits the bins best in relative terms, with no more parts than it takes. Three

@@ -9,7 +9,7 @@
 
 namespace facetloc {
 
-/** \brief Floor plan of a 2-D robot: what is occupied, free and unknown on a grid of square cells, as in
+/** \brief Floor plan of a 2-D robot: occupied, free and unknown square cells, as in
  * nav_msgs/OccupancyGrid. Row-major; cell (0, 0) is at the origin, columns run along the grid's x axis, rows
  * along its y axis. */
 struct OccupancyGrid {

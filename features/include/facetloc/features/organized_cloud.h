@@ -22,8 +22,8 @@ namespace facetloc {
 template <typename PointT>
 std::optional<Intrinsics> recoverIntrinsics(const pcl::PointCloud<PointT>& cloud);
 
-/** \brief True if the camera sees most points of an organized cloud where they are in it, to some pixels; of
- * a cloud without any, too. */
+/** \brief True if the camera sees most points of an organized cloud where they are in it, within a few
+ * pixels. Also true for a cloud without points. */
 template <typename PointT>
 bool isImageOf(const pcl::PointCloud<PointT>& cloud, const Intrinsics& camera, double tolerance);
 /** \brief Share of the width by which a better calibration moves the pixels of a cloud at most; one that was

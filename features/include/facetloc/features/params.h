@@ -21,7 +21,7 @@ namespace facetloc {
  *
  * and a struct of groups visits these by their names, `visit("ekf", p.ekf)`. A field is known by its path in
  * the struct, `ekf.iterations`. This one list drives validation, command-line options, parameter files, help
- * texts and what is recorded beside maps and results, and its text is the only one of a field; kForUsers
+ * texts and the records beside maps and results, and its text is the only one of a field; kForUsers
  * after it marks a field that users have a reason to set. Fields are bool, int, double or a choice; angles
  * named
  * *_deg are in degrees.
@@ -33,7 +33,7 @@ namespace facetloc {
 enum class Audience { experts, users };
 constexpr Audience kForUsers = Audience::users;  ///< for describe(); a field is for experts unless it says so
 
-/** \brief What is known of a field beside its value and its range. */
+/** \brief Attributes of a field other than its value and its range. */
 struct ParamInfo {
   const std::string& name;  ///< its path, such as "ekf.iterations"
   const char* group;        ///< title of its group

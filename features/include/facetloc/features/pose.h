@@ -65,7 +65,7 @@ double largestStd(const Eigen::Matrix3d& covariance);
 double largestRotationStd(const Matrix6d& P);
 double largestTranslationStd(const Matrix6d& P);
 
-/** \brief How well a pose is known along its principal directions, rotation and translation each by itself;
+/** \brief How well a pose is known along its principal directions, of rotation and of translation separately;
  * in ascending order. */
 struct PrincipalStd {
   Eigen::Vector3d rotation = Eigen::Vector3d::Constant(1e6);       ///< [rad]
@@ -85,9 +85,9 @@ struct PrincipalStd {
 };
 PrincipalStd principalStd(const Matrix6d& P);
 
-/** \brief The motions that are less certain than that [rad, m], in words, such as "rotation about (0.00,
- * 1.00, 0.00), translation along (1.00, 0.02, 0.00)"; empty if there is none. \param R turns axes of frame a
- * into those of the words. */
+/** \brief The motions that are less certain than this [rad, m], in words, such as "rotation about (0.00,
+ * 1.00, 0.00), translation along (1.00, 0.02, 0.00)"; empty if all are certain. \param R turns axes of frame
+ * a into those of the words. */
 std::string freeMotions(const PrincipalStd& known, double max_rotation, double max_translation,
                         const Eigen::Matrix3d& R = Eigen::Matrix3d::Identity());
 

@@ -33,7 +33,7 @@ std::optional<Segment> regionSegment(const std::vector<Eigen::Vector3d>& points,
                                      const Eigen::Vector3d& viewpoint, const SensorNoise& noise,
                                      const SegmentEstimationParams& params = {});
 
-/** \brief The segment of a region of which only plane and outline are known: what a camera would measure that
+/** \brief The segment of a region with known plane and outline, as a camera would measure it that
  * sees all of it. \param plane (a, b, c, d) of a x + b y + c z + d = 0, of any length
  * \param outline points on the plane, whose convex hull is the region */
 std::optional<Segment> regionSegment(const Eigen::Vector4d& plane,

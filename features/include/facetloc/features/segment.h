@@ -36,9 +36,9 @@ struct Segment {
   Eigen::Matrix3d Sigma_q = Eigen::Matrix3d::Zero();  ///< covariance of q [1, 1, m^2]
   Eigen::Vector2d lambda = Eigen::Vector2d::Zero();   ///< Sigma_p = diag(lambda), lambda_1 >= lambda_2 [m^2]
   std::int32_t num_points = 0;                        ///< support [px at the working size]
-  ConvexHull hull;                                    ///< of the supporting points, in S_F
+  ConvexHull hull;                                    ///< hull of the supporting points, in S_F
   double noise =
-      0;  ///< of inverse depth at the usual depth, in the image that showed it; 0 = not known [1/m]
+      0;  ///< noise of inverse depth at the usual depth, in the image that showed it; 0 = unknown [1/m]
 
   auto normal() const { return R.col(2); }
   double offset() const { return R.col(2).dot(t); }  ///< rho: distance of the plane from the origin [m]

@@ -30,8 +30,8 @@ struct EIGEN_ALIGN16 SegmentFrame {
                       0.f, 0.f};  ///< upper triangle of Sigma_q: (sx,sx) (sx,sy) (sx,r) (sy,sy) (sy,r) (r,r)
   float lambda[2] = {0.f, 0.f};   ///< eigenvalues of Sigma_p [m^2]
   std::int32_t num_points = 0;    ///< support [px]
-  float noise = 0.f;           ///< of inverse depth at 2 m, in the image that showed it [1/m]; 0 = not known
-  std::int32_t hull_size = 0;  ///< vertices of the contour
+  float noise = 0.f;  ///< noise of inverse depth at 2 m, in the image that showed it [1/m]; 0 = unknown
+  std::int32_t hull_size = 0;                     ///< vertices of the contour
   float hull[2 * ConvexHull::kMaxVertices] = {};  ///< (x, y) pairs in S_F, counter-clockwise [m]
 
   SegmentFrame() {

@@ -29,7 +29,7 @@ std::string inWords(const std::vector<LeftOutLabel>& left_out, std::size_t label
  *
  *     facetloc::SegmentFrameEstimation<pcl::PointXYZ> estimation;
  *     estimation.setInputCloud(cloud);
- *     estimation.setLabels(labels);     // of PlanarSegmentation, or of any other segmenter
+ *     estimation.setLabels(labels);     // made by PlanarSegmentation, or any other segmenter
  *     estimation.compute(frames);       // frames[i] is the segment of label estimation.usedLabels()[i]
  *
  * Derived from PCLBase, since pcl::Feature is made for one feature per point. Indices restrict the supporting

@@ -11,17 +11,17 @@ namespace facetloc {
 /** \brief Key of a map's meta data: its SureThreshold, as toText() writes it. */
 constexpr const char* kSureKey = "sure";
 
-/** \brief From which probability on answers in a map are sure, with a bound on how many of these are wrong:
- * what SureCalibration has found (localization/METHOD 11.6). Holds for single images like those that it was
+/** \brief Least probability of sure answers in a map, with a bound on the share of wrong ones among them,
+ * as found by SureCalibration (localization/METHOD 11.6). Holds for single images like those that it was
  * found with. */
 struct SureThreshold {
   double min_probability = 1;  ///< in (0, 1]
   double alpha = 0;            ///< largest share of wrong answers among the sure ones, in (0, 1)
   double confidence = 0;       ///< with which alpha holds, in (0, 1)
   int images = 0;              ///< that it was found with, each of another view
-  int sure = 0;                ///< of these, at this threshold
-  int wrong = 0;               ///< of the sure ones
-  std::string source{};        ///< of the images, in words, on one line
+  int sure = 0;                ///< images with a sure answer at this threshold
+  int wrong = 0;               ///< sure answers that are wrong
+  std::string source{};        ///< description of the images, on one line
 
   /** \brief "p >= 0.95: at most 1 % of the sure answers are wrong, with 95 % confidence; 412 of 600 images of
    * walk are sure, 1 of these wrong". */

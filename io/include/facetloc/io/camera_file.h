@@ -22,16 +22,16 @@ namespace facetloc {
  *     correlation_px=4
  *     max_depth=5                                optional: farther pixels count as not measured [m]
  *
- * (several pairs on one line are accepted, as written here). What a key says counts more than the preset. A
+ * (several pairs on one line are accepted, as written here). Keys override the preset. A
  * negative fy, as ICL-NUIM's, says that the y axis of the camera points up in the recording's poses. */
 struct CameraFile {
   Camera camera;              ///< without distortion; noise and mounting as far as they are given
   double depth_scale = 1000;  ///< PNG value per metre
   std::string preset{};       ///< the CameraPreset that is named; empty if none is
   bool y_axis_up =
-      false;              ///< of the camera in its poses; its images have their first row on top all the same
-  LensDistortion lens{};  ///< of the images as they are stored; those that are read are a pinhole camera's
-  DepthKind depth_is = DepthKind::z;  ///< in the images as they are stored
+      false;  ///< direction of the y axis in its poses; its images have their first row on top all the same
+  LensDistortion lens{};  ///< lens of the images as stored; images that are read are a pinhole camera's
+  DepthKind depth_is = DepthKind::z;  ///< meaning of the images as stored
 
   /** \brief Are the images as they are stored those of a pinhole camera? */
   bool isPinhole() const { return lens.isNone() && depth_is == DepthKind::z; }

@@ -25,20 +25,20 @@ struct PointColour {
 std::vector<PointColour> readColours(const std::filesystem::path& path, const DepthImage& image);
 
 /** \brief Writes the points of an image as an organized PCD (x, y, z, and rgb if there are colours), moved to
- * other axes; what was not measured is NaN. \param colours of each pixel, or none. Throws
+ * other axes; unmeasured pixels are NaN. \param colours of each pixel, or none. Throws
  * std::invalid_argument if they are not as many as pixels. */
 void writeCloud(const std::filesystem::path& path, const DepthImage& image,
                 const Eigen::Isometry3d& T = Eigen::Isometry3d::Identity(),
                 const std::vector<PointColour>& colours = {});
 
-/** \brief Writes them as an organized PCD of pcl::PointXYZRGBL. \param colours of label k at k - 1; what has
- * no label, or one beyond them, is grey. Throws std::invalid_argument if the sizes differ. */
+/** \brief Writes them as an organized PCD of pcl::PointXYZRGBL. \param colours of label k at k - 1; a pixel
+ * without a label, or with one beyond them, is grey. Throws std::invalid_argument if the sizes differ. */
 void writeLabelledCloud(const std::filesystem::path& path, const DepthImage& image, const LabelImage& labels,
                         const std::vector<PointColour>& colours);
 
 /** \brief A flat polygon in space, such as the outline of a segment. */
 struct ColouredPolygon {
-  std::vector<Eigen::Vector3d> vertices;  ///< in order [m]
+  std::vector<Eigen::Vector3d> vertices;  ///< sorted around the polygon [m]
   PointColour colour;
 };
 /** \brief The hull of a segment. */

@@ -31,7 +31,7 @@ struct FrameFile {
   double stamp = 0;            ///< [s], or the index if nothing says when the images were taken
 };
 
-/** \brief What a user knows of a recording, where it counts more than what the recording's files say. */
+/** \brief A user's facts about a recording, which override its files. */
 struct RecordingHints {
   /** The file of a camera (camera_file.h), a map that was made with it (map_camera.h) or a CameraPreset's
    * name; empty: as the recording says. Of a preset, noise and largest depth hold; its intrinsics, of a
@@ -70,7 +70,7 @@ struct RecordingHints {
  * (depth/0.png, pose/0.txt), ICL-NUIM (depth/0.png, *.gt.freiburg), PCL's recorders
  * (frame_20121214T142255.814212.pcd and _depth.pclzf), Replica, RTAB-Map's export and Stray Scanner.
  *
- * What facetloc_segment has made of images, NAME.segments.pcd, is a sequence as well for those who ask for
+ * The output of facetloc_segment for images, NAME.segments.pcd, is also a sequence for callers that ask for
  * it (RecordingHints::segments): a file, a folder, or a list of them. In a folder, they alone count then.
  *
  * camera.ini is looked for in the folder, in its parent, and beside the file; so are the matrices of 3DMatch
@@ -103,7 +103,7 @@ public:
    * its images: with its offset in time, read as RecordingHints::poses_are says, and with the y axis of its
    * camera downwards. Files are of the forms that readTrajectory() knows, and may have no stamps if it is
    * known which pose is whose: they are as many as images, in their order. Throws IoError. \param remark
-   * receives what its user should know of them, a sentence without full stop, or nothing */
+   * receives remarks for the user, a sentence without full stop, or nothing */
   Trajectory readPoses(const std::filesystem::path& path, std::string* remark = nullptr) const;
   /** \brief The same of an odometry, whose poses are as they are written: of the camera, or of its robot.
    * Throws IoError. */
@@ -117,7 +117,7 @@ public:
   GravityRecord gravity(double std, std::string* remark = nullptr) const;
   /** \brief How the recording is laid out, in words. */
   const std::string& layout() const { return layout_; }
-  /** \brief What its user should know of it, sentences without full stop. */
+  /** \brief Remarks for the user, sentences without full stop. */
   const std::vector<std::string>& remarks() const { return remarks_; }
   /** \brief The remarks with semicolons between them. */
   std::string remark() const;
@@ -126,7 +126,8 @@ public:
 
   /** \brief Are its frames files of segments? Then it has no images. */
   bool ofSegments() const { return of_segments_; }
-  /** \brief Reads the segments of such a frame. Throws what readSegments() throws, and std::out_of_range. */
+  /** \brief Reads the segments of such a frame. Throws the exceptions of readSegments(), and
+   * std::out_of_range. */
   std::vector<Segment> segments(std::size_t index) const;
 
   /** \brief Reads a frame, subsampled so that at least working_width columns remain (0 = full size).
@@ -162,7 +163,7 @@ private:
  * measured.
  */
 DepthImage readDepthPng(const std::filesystem::path& path, const CameraFile& file);
-/** \brief Writes depth as a 16-bit PNG at the given scale; what does not fit below 65535 becomes 0. */
+/** \brief Writes depth as a 16-bit PNG at the given scale; values above 65534 become 0. */
 void writeDepthPng(const std::filesystem::path& path, const DepthImage& image, double depth_scale);
 /** \brief Reads one organized PCD; intrinsics from the points unless given. Points in other axes are turned
  * to x right, y down, z forward, millimetres become metres, and points on the grid of a lens are sorted into

@@ -12,21 +12,21 @@ namespace facetloc {
 /** \brief Statistics of the raw values of depth PNGs: of pixels that are measured, and of pairs of
  * neighbours. */
 struct DepthValues {
-  std::size_t count = 0;               ///< of measured pixels
+  std::size_t count = 0;               ///< number of measured pixels
   std::size_t different = 0;           ///< number of different values
   int divisor = 1;                     ///< largest number of which 98 % of the values are multiples
   double neighbours = 0;               ///< median difference of neighbouring pixels that differ
   double neighbours_swapped = 0;       ///< the same with the two bytes of each value swapped
-  double median = 0;                   ///< of the values
+  double median = 0;                   ///< median of the values
   std::vector<std::size_t> histogram;  ///< number of pixels by value, 65536 entries; empty without any
 };
 
-/** \brief What raw values say of how they are read. */
+/** \brief Evidence in raw values of how they must be read. */
 struct ValueCheck {
   DepthValues values;
   double median_depth = 0;          ///< [m]
-  double share_beyond_10m = 0;      ///< of the measured pixels
-  std::vector<std::string> faults;  ///< sentences without full stop: what was found, and what to do
+  double share_beyond_10m = 0;      ///< share of the measured pixels
+  std::vector<std::string> faults;  ///< sentences without full stop: the finding and its remedy
   bool impossible = false;          ///< the values cannot be right as they are read
 };
 

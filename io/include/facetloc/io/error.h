@@ -19,7 +19,7 @@ private:
   std::string path_, cause_;
 };
 
-/** \brief An output could not be written: the disk is full, its folder is gone. What comes next would fail in
+/** \brief An output could not be written: the disk is full, its folder is gone. The next write would fail in
  * the same way, so that no work goes on after it. */
 class WriteError : public IoError {
 public:

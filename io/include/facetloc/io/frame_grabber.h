@@ -31,8 +31,8 @@ public:
   ~FrameGrabber() noexcept override;
 
   void start() override;
-  /** \brief When it returns, no callback runs and none will. What the source has read is kept for the next
-   * start. */
+  /** \brief When it returns, no callback runs and none will. Frames that the source has read are kept for the
+   * next start. */
   void stop() override;
   /** \brief Has it been started, and neither stopped, nor ended, nor failed? */
   bool isRunning() const override;
@@ -40,12 +40,13 @@ public:
   /** \brief 0: sources do not say it. */
   float getFramesPerSecond() const override { return 0; }
 
-  /** \brief From the first call on frames are delivered only so far as they are asked for: so many more. A
+  /** \brief From the first call on frames are delivered only as requested: this number more. A
    * source that sends faster waits. */
   void trigger(int frames);
   /** \brief Has the source ended as it should, and the last callback returned? */
   bool atEnd() const;
-  /** \brief What made it stop: a fault of the source, or an exception of a callback; empty if nothing did. */
+  /** \brief The fault that made it stop: of the source, or an exception of a callback; empty without a fault.
+   */
   std::string lastError() const;
   const FrameSource& source() const;
 

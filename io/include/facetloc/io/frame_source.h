@@ -19,7 +19,7 @@ namespace facetloc {
 struct DepthFrame {
   using ConstPtr = std::shared_ptr<const DepthFrame>;
 
-  std::uint64_t number = 0;  ///< in its stream, from 1
+  std::uint64_t number = 0;  ///< position in its stream, counted from 1
   double stamp = 0;          ///< [s], of the clock of whoever sends it
   /** Of the image as it is stored: its size, optics, lens, scale, mounting and noise. Frames share it. */
   std::shared_ptr<const CameraFile> camera;
@@ -54,8 +54,8 @@ public:
   /** \brief The camera of its frames, as soon as that is known; null if that takes longer. No frame is lost.
    * Throws as next(). */
   virtual std::shared_ptr<const CameraFile> camera(Patience patience) = 0;
-  /** \brief The next frame; null if none came in that time, and at the end. What has come of a frame by then
-   * is kept for the next call. Throws IoError, with the number of the frame, for one that is torn or
+  /** \brief The next frame; null if none came in that time, and at the end. The part of a frame received by
+   * then is kept for the next call. Throws IoError, with the number of the frame, for one that is torn or
    * impossible: no frame can be read after it. */
   virtual DepthFrame::ConstPtr next(Patience patience) = 0;
   /** \brief Has it ended as it should? */

@@ -7,7 +7,7 @@
 
 namespace facetloc {
 
-/** \brief A text file that grows while a program runs: what append() was given is in the file when it
+/** \brief A text file that grows while a program runs: text given to append() is in the file when it
  * returns, however the program ends. */
 class GrowingFile {
 public:

@@ -9,13 +9,13 @@
 
 namespace facetloc {
 
-/** \brief Is it a map file, by its first bytes? False for what cannot be read. */
+/** \brief Is it a map file, by its first bytes? False if it cannot be read. */
 bool isMapFile(const std::filesystem::path& path);
 
 /** \brief The camera that a map was made with, for other images of the same camera: intrinsics, noise,
  * largest depth and mounting, without the distortion that the map has found (Map::calibrated() adds it).
  * \param stored how the other images are stored, if that is known: its depth scale, lens and axes are kept,
- * and its intrinsics where the map has none. Throws IoError for what is no map, and if nothing says the
+ * and its intrinsics where the map has none. Throws IoError if it is no map, and if nothing gives the
  * intrinsics. */
 CameraFile cameraOfMap(const std::filesystem::path& map, const std::optional<CameraFile>& stored = {});
 

@@ -45,14 +45,14 @@ public:
   ~MapDatabase();
 
   void setMeta(const std::string& key, const std::string& value);
-  /** \brief All that is known of the camera of the map's images; takes the place of what was set before. */
+  /** \brief All properties of the camera of the map's images; replaces the former ones. */
   void setCamera(const Camera& camera);
   /** \brief It is lost when a model is added. \param lookalike_scores of the local models, by index; none, or
    * as many as there are models, else throws std::invalid_argument */
   void setAmbiguity(const MapAmbiguity& ambiguity,
                     const std::vector<std::optional<double>>& lookalike_scores = {});
-  /** \brief Keeps what PlaceIndex::write() writes, so that it need not be made when the map is opened. It is
-   * lost when a model is added. */
+  /** \brief Keeps the output of PlaceIndex::write(), so that it need not be made when the map is opened. It
+   * is lost when a model is added. */
   void setPlaceIndex(const std::function<void(std::ostream&)>& write);
   /** \brief Adds a local model with its segments, depth picture and given pose in one transaction; returns
    * its index. */
@@ -60,10 +60,9 @@ public:
   int add(const PackedModel& model);
   /** \brief Adds a link between two models that are already there. */
   void add(const Link& link);
-  /** \brief All poses and all links anew, in one transaction, while a map is still moving: what was there
-   * before is gone, and so are ambiguity and place index.
-   * \param T_w_m of each model, by index; nothing where it is unknown. Throws std::invalid_argument if there
-   * are not as many as models. */
+  /** \brief Replaces all poses and all links, in one transaction, while a map is still moving. The former
+   * ones are gone, and so are ambiguity and place index. \param T_w_m of each model, by index; nothing where
+   * it is unknown. Throws std::invalid_argument if there are not as many as models. */
   void setPoses(const std::vector<std::optional<Eigen::Isometry3d>>& T_w_m, const std::vector<Link>& links);
   /** \brief The names of the models so far, by index; lets a build resume. */
   std::vector<std::string> modelNames() const;
@@ -77,9 +76,9 @@ private:
 /** \brief Reads a whole map through a read-only connection. The models are in the order of their index; those
  * without a pose get one by links (placeByLinks()). */
 Map readMap(const std::filesystem::path& path);
-/** \brief Opens a map to localize in it, placed by its links, too. A map of more local models than that keeps
- * their views in its file (Map::store), which stays open, and in memory only those that were asked for last:
- * 0.12 MB each. A fault in such a view throws IoError when it is asked for. */
+/** \brief Opens a map to localize in it; models without a pose are placed by its links. A map of more local
+ * models than that keeps their views in its file (Map::store), which stays open, and in memory only those
+ * that were asked for last: 0.12 MB each. A fault in such a view throws IoError when it is asked for. */
 Map openMap(const std::filesystem::path& path, std::size_t views_in_memory = 400);
 /** \brief Writes a map beside path and renames it in the end: until then, a map that is at path is left as it
  * is. \param write creates it at the path that it gets, and closes it. */

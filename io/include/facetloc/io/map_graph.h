@@ -19,9 +19,9 @@ namespace facetloc {
 void writeGraph(const std::filesystem::path& path, const Map& map);
 
 /** \brief Gives the local models in the world the poses that the vertices of a g2o file have, as given ones;
- * those of other parts of the map are left where they are, since nobody knows how they lie to the world. All
- * other lines of the file are ignored. Throws IoError if a vertex is no local model or its pose is none, if a
- * local model in the world has no vertex or two, and if nothing of the map is in a world. */
+ * those of other parts of the map are left where they are, since their poses in the world are unknown. All
+ * other lines of the file are ignored. Throws IoError if a vertex is no local model or has an invalid pose,
+ * if a local model in the world has no vertex or two, and if nothing of the map is in a world. */
 void readGraphPoses(const std::filesystem::path& path, Map& map);
 
 }  // namespace facetloc

@@ -13,8 +13,8 @@ namespace facetloc {
  * files that are missing or damaged, and for values that no grid can have. */
 OccupancyGrid readOccupancyGrid(const std::filesystem::path& yaml);
 
-/** \brief Writes NAME.pgm and NAME.yaml, as ROS's map_saver does; each atomically, the image first. What is
- * neither free nor occupied becomes unknown. Throws IoError. \param yaml path of the YAML file */
+/** \brief Writes NAME.pgm and NAME.yaml, as ROS's map_saver does; each atomically, the image first. Cells
+ * that are neither free nor occupied become unknown. Throws IoError. \param yaml path of the YAML file */
 void writeOccupancyGrid(const std::filesystem::path& yaml, const OccupancyGrid& grid);
 
 /** \brief The YAML file that a name given by a user stands for: itself if it ends in .yaml or .yml, map.yaml

@@ -10,15 +10,15 @@
 namespace facetloc {
 
 /** \brief The depth frames of an .oni recording (OpenNI 1 and 2), read without OpenNI: each frame once, in
- * any order, from any thread, and never a wait. Colour and infrared streams are passed over.
+ * any order, from any thread, without waiting. Colour and infrared streams are ignored.
  *
  * Frames are as they were recorded, and as OpenNI2 plays them. A recording that is marked as mirrored may
  * show the world as a mirror does. */
 class OniFile {
 public:
-  /** \brief Lists the frames: of a recording whose recorder was killed, as far as they go. Throws IoError for
-   * what is no recording, or a corrupt one, and if it has no depth or depth that is cropped or of an unknown
-   * format. */
+  /** \brief Lists the frames: of a recording whose recorder was killed, up to the tear. Throws IoError for
+   * a file that is no recording, or a corrupt one, and if it has no depth or depth that is cropped or of an
+   * unknown format. */
   static OniFile open(const std::filesystem::path& path);
 
   const std::filesystem::path& path() const { return path_; }
@@ -27,7 +27,8 @@ public:
   bool finished() const { return finished_; }
   /** \brief When a frame was taken, since a time that the device chose [s]. */
   double stamp(std::size_t index) const { return 1e-6 * static_cast<double>(frames_.at(index).stamp); }
-  /** \brief From the field of view, the centre in the middle; its size only, and invalid, if there is none.
+  /** \brief Intrinsics by the field of view, the centre in the middle; invalid but for the size if it is
+   * unknown.
    */
   const Intrinsics& camera() const { return camera_; }
   /** \brief Frames per second, nominal. */
@@ -51,8 +52,8 @@ private:
 
   struct Frame {
     std::uint64_t stamp;   // [us]
-    std::uint64_t offset;  // of its data in the file
-    std::uint32_t size;    // of its data
+    std::uint64_t offset;  // place of its data in the file
+    std::uint32_t size;    // size of its data
   };
   enum class Codec { none, differences, differences_of_table };
 

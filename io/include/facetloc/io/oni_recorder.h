@@ -30,7 +30,7 @@ public:
 
   /** \brief Finishes the file; at most once does anything.
    * \return the number of frames in it; with none there is no file.
-   * Throws IoError if it is not whole, such as when the disk is full; what there was room for is kept. */
+   * Throws IoError if it is not whole, such as when the disk is full; the frames written before are kept. */
   std::size_t stop();
 
 private:

@@ -25,7 +25,7 @@ namespace facetloc {
 class OpenNIGrabber : public pcl::io::OpenNI2Grabber {
 public:
   /** \brief Opens a device.
-   * \param device_id "" (the first device), "#1" (by number), a URI, or the path of what a driver takes for a
+   * \param device_id "" (the first device), "#1" (by number), a URI, or a path that a driver accepts as a
    * device: an .oni recording, all of which is read first, since OpenNI2 crashes on a corrupt one; with our
    * driver a depth sequence folder or a .scene file.
    * \param depth_mode for recordings the default, which is the recorded one.
@@ -52,9 +52,9 @@ public:
    * \param repeat start again at the end, with time stamps that go back.
    * No effect on a camera. Throws IoError if the driver refuses. */
   void setPlayback(double speed, bool repeat);
-  /** \brief Makes our virtual camera deliver so many frames, without regard to time, and after that none
-   * until it is called again: with one call after each frame received, no frame is lost. Throws IoError if
-   * the device is another one. */
+  /** \brief Makes our virtual camera deliver this number of frames, without regard to time, and after that
+   * none until it is called again: with one call after each frame received, no frame is lost. Throws IoError
+   * if the device is another one. */
   void trigger(int frames);
   /** \brief Is it a recording (or a virtual camera), rather than a camera? */
   bool isFile() const;
@@ -63,8 +63,8 @@ public:
   bool isEndOfFile() const;
   /** \brief False when the device has been unplugged or has reported an error; no frame comes then. */
   bool isConnected() const;
-  /** \brief What went wrong last: an exception of a callback, or what the driver says of its device; empty if
-   * nothing did. */
+  /** \brief The last fault: an exception of a callback, or the driver's message about its device; empty
+   * without a fault. */
   std::string lastError() const;
 
   /** \brief Frames per second of the depth stream, nominal. */

@@ -20,7 +20,7 @@ Raster<std::uint16_t> readPclzf(const std::filesystem::path& path);
 
 /** \brief The depth camera of such a recording. */
 struct PclzfCamera {
-  Intrinsics intrinsics;      ///< of the given size
+  Intrinsics intrinsics;      ///< intrinsics of the given size
   double depth_scale = 1000;  ///< values per metre
 };
 

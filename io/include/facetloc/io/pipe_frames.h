@@ -19,30 +19,30 @@ struct FrameHeader {
   int width = 0;     ///< [px]
   int height = 0;    ///< [px]
   std::optional<Gravity> gravity;
-  /** What it says of the camera, by the keys of a camera.ini; values that are numbers as text. */
+  /** Its keys about the camera, as in a camera.ini; numbers as text. */
   CameraKeys camera;
 };
 
 /** \brief Reads the header of a frame; nothing for an object with neither width nor height, which is a line
  * of another kind. Throws std::invalid_argument, with a sentence, for a header that is impossible, and for
- * what is no JSON object. */
+ * text that is no JSON object. */
 std::optional<FrameHeader> parseFrameHeader(const std::string& line);
 
 /** \brief Frames that another program writes to a pipe, a socket or a file: of each frame a line of JSON
  * (FrameHeader) and its width * height depths, 16 bit each, little-endian.
  *
- * The first header says what the camera is: its intrinsics fx, fy, cx, cy, or the name of a CameraPreset,
+ * The first header describes the camera: its intrinsics fx, fy, cx, cy, or the name of a CameraPreset,
  * whose typical ones hold; later ones may leave that out and must not contradict it. Lines without width and
- * height are handed on (setLines()). What comes before the first header, such as the rest of a frame that a
- * program before has begun to read, is skipped. Nothing that a header says is believed before the bytes are
- * there: memory grows with what has come. */
+ * height are handed on (setLines()). Bytes before the first header, such as the rest of a frame that a
+ * program before has begun to read, are skipped. No size in a header is trusted before the bytes are
+ * there: memory grows with the bytes received. */
 class PipeFrames : public FrameSource {
 public:
   /** \brief A line that is no header, in the order in which it came among the frames. */
   using OnLine = std::function<void(const std::string& line)>;
 
-  /** \param file descriptor, which stays open and is not closed \param name as messages call it
-   * \param known of the camera; counts more than what the headers say of it
+  /** \param file descriptor, which stays open and is not closed \param name for messages
+   * \param known of the camera; overrides the headers
    * Throws IoError for a terminal. */
   PipeFrames(int file, std::string name, std::optional<CameraFile> known = {});
 
@@ -74,14 +74,14 @@ private:
   const std::optional<CameraFile> known_;
   OnLine on_line_;
   std::vector<std::string> early_lines_;  // before anybody wanted them
-  std::string text_;                      // of a line that has not ended
+  std::string text_;                      // text of a line that has not ended
   std::vector<char> bytes_;               // read, and not looked at
-  std::size_t used_ = 0;                  // of these
+  std::size_t used_ = 0;                  // part of these that is used
   std::size_t skipped_ = 0;               // before the first header
   std::shared_ptr<const CameraFile> camera_;
-  CameraKeys first_;                     // what the first header said of the camera
+  CameraKeys first_;                     // camera in the first header
   std::shared_ptr<DepthFrame> pending_;  // whose header has come
-  std::vector<char> pixels_;             // of it, as they have come
+  std::vector<char> pixels_;             // part of it received so far
   std::size_t missing_ = 0;              // bytes of these
   std::uint64_t frames_ = 0;
   bool ended_ = false, failed_ = false;

@@ -20,11 +20,11 @@ struct Raster {
 /** \brief Reads a greyscale PNG of 8 or 16 bits, or of 16 bits only. Throws IoError for anything else and for
  * truncated or corrupt files. */
 Raster<std::uint16_t> readGreyPng(const std::filesystem::path& path, int min_bits = 8);
-/** \brief What the head of a PNG says of its image. */
+/** \brief The size of an image by the head of its PNG. */
 struct PngSize {
   int width = 0;
   int height = 0;
-  int bits = 0;  ///< of each channel
+  int bits = 0;  ///< depth of each channel
 };
 /** \brief Nothing if it is no PNG. */
 std::optional<PngSize> pngSize(const std::filesystem::path& path);

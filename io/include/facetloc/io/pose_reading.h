@@ -11,7 +11,7 @@ namespace facetloc {
 struct PoseReading {
   enum class Axes {
     optical,  ///< x right, y down, z forward
-    base,     ///< of the robot, by its mounting if that is known, or else x forward, y left, z up
+    base,     ///< pose of the robot, by its mounting if that is known, or else x forward, y left, z up
     opengl,   ///< x right, y up, z backward, as of ARKit and Blender
   };
   bool w_first = false;  ///< quaternions are in the order w x y z

@@ -37,8 +37,8 @@ struct ResultRow {
   std::optional<double> not_in_map;  ///< empty without probabilities, and in older results
 };
 
-/** \brief A column of hypotheses.csv, or the seven of a pose. What is written, read, sent to another process
- * or streamed, and what documents have to say, follows from it. */
+/** \brief A column of hypotheses.csv, or the seven of a pose. Files, messages between processes,
+ * the stream and the tests of documents follow from it. */
 struct ResultColumn {
   using Value =
       std::variant<std::string ResultRow::*, int ResultRow::*, double ResultRow::*, AnswerState ResultRow::*,
@@ -46,7 +46,7 @@ struct ResultColumn {
                    std::optional<double> ResultRow::*>;
   const char* name;  ///< also of the stream
   Value value;
-  const char* text;  ///< what it is, for documents
+  const char* text;  ///< description for documents
   const char* unit = "";
   bool has_always = false;  ///< else it is empty in a row without a hypothesis
   double least = -std::numeric_limits<double>::infinity();
@@ -112,33 +112,33 @@ private:
 
   std::filesystem::path folder_;
   GrowingFile timing_, covariances_, hypotheses_;
-  std::map<std::string, GrowingFile> poses_;  // by their files
+  std::map<std::string, GrowingFile> poses_;  // keyed by file
 };
 /** \brief Is there a hypotheses.csv in it? */
 bool isResultsFolder(const std::filesystem::path& folder);
-/** \brief Receives what is worth to be said of a file that is read nevertheless. */
+/** \brief Receives remarks on a file that is read nevertheless. */
 using Remark = std::function<void(const std::string&)>;
 /** \brief Reads hypotheses.csv (columns by name). Throws IoError with the line for malformed files and for
  * values that are impossible. \param remark If there is one, a last line that a killed program has left torn
  * is left out, and remarked. */
 std::vector<ResultRow> readHypotheses(const std::filesystem::path& folder, const Remark& remark = {});
-/** \brief Reads covariances.csv, alike, by frame; empty if there is no such file. */
+/** \brief Reads covariances.csv by frame; empty if the file does not exist. */
 std::map<std::string, Matrix6d> readCovariances(const std::filesystem::path& folder,
                                                 const Remark& remark = {});
-/** \brief Reads timing.csv, alike. */
+/** \brief Reads timing.csv; empty if the file does not exist. */
 std::vector<TimingRow> readTiming(const std::filesystem::path& folder, const Remark& remark = {});
 /** \brief The frames that are whole, by name and without their stamps, be it that the program that wrote them
  * was killed. Throws IoError. */
 std::map<std::string, FrameResult> readResults(const std::filesystem::path& folder);
 
-/** \brief One line of RESULTS/starts.csv: what a camera that wakes up at one image of a drive says at a later
- * one.
+/** \brief One line of RESULTS/starts.csv: the answer at one image of a drive to a camera that started at an
+ * earlier one.
  */
 struct StartAnswer {
   std::string start, frame;  ///< names of the images
   AnswerState state = AnswerState::unknown;
-  double probability = 0;                  ///< of the first place
-  std::optional<Eigen::Isometry3d> T_w_c;  ///< empty columns where there is none in the world
+  double probability = 0;                  ///< probability of the first place
+  std::optional<Eigen::Isometry3d> T_w_c;  ///< empty without a pose in the world
 };
 /** \brief Writes starts.csv, atomically. */
 void writeStarts(const std::filesystem::path& folder, const std::vector<StartAnswer>& answers);

@@ -13,12 +13,12 @@ namespace facetloc {
  * file of no points. Throws IoError. */
 void writeSegments(const std::filesystem::path& path, const std::vector<Segment>& segments);
 
-/** \brief What the names of such files end with. */
+/** \brief The end of the names of such files. */
 constexpr const char* kSegmentEnding = ".segments.pcd";
 bool isSegmentFile(const std::filesystem::path& path);
 
-/** \brief The segments of such a file, in its order. Throws IoError for what is no PCD file, has not the
- * fields of SegmentFrame, or holds a frame that is none, and names it.
+/** \brief The segments of such a file, in its order. Throws IoError, which names it, for a file that is no
+ * PCD file, lacks the fields of SegmentFrame, or holds an invalid frame.
  */
 std::vector<Segment> readSegments(const std::filesystem::path& path);
 

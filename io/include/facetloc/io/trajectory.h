@@ -38,11 +38,11 @@ private:
   std::vector<StampedPose> poses_;
 };
 
-/** \brief Reads poses with time stamps in the forms that people have: the TUM format with blanks, commas or
+/** \brief Reads poses with time stamps in common forms: the TUM format with blanks, commas or
  * semicolons between the columns, with a line of names, with a number behind each pose; EuRoC's; a stamp and
  * a matrix of 12 or 16 numbers. Stamps in milliseconds, microseconds or nanoseconds are known by a header or
  * by their size. Lost poses, NaN or a quaternion of zeros, are left out. Throws IoError with the line number.
- * \param remark receives what was taken for granted or left out, or nothing */
+ * \param remark receives assumptions and omissions, or nothing */
 Trajectory readTrajectory(const std::filesystem::path& path, std::string* remark = nullptr);
 
 /** \brief Reads the TUM format as facetloc writes it, strictly: `stamp tx ty tz qx qy qz qw`, # starts a

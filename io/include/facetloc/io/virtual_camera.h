@@ -2,8 +2,8 @@
 #pragma once
 
 /** \file
- * What a program can ask of our OpenNI2 driver beyond the standard (openni::Device::setProperty and
- * getProperty; OpenNIGrabber does it for you). See io/README.md for what the driver serves. */
+ * Requests to our OpenNI2 driver beyond the standard (openni::Device::setProperty and
+ * getProperty; OpenNIGrabber does it for you). See io/README.md for the inputs of the driver. */
 
 namespace facetloc {
 
@@ -18,7 +18,7 @@ constexpr int kVirtualCameraTextSize = 1024;
  * and PCL takes the centre to be the image's. */
 constexpr int kVirtualCameraIntrinsics = 0x7D000003;
 /** \brief Device property, double[6], read: how the camera sits on its robot, the fields of CameraMounting in
- * their order; ONI_STATUS_NOT_IMPLEMENTED where nobody knows them. */
+ * their order; ONI_STATUS_NOT_IMPLEMENTED where they are unknown. */
 constexpr int kVirtualCameraMounting = 0x7D000004;
 
 /** \brief Environment variable: a path that the driver announces as a connected device, for programs that can

@@ -195,7 +195,7 @@ struct SequenceCalibration {
           "Weight of the scores of wrong places for the map's own views in the null score of a known place; "
           "the rest is the least null score.");
     visit("lookalike_share_of_place", p.lookalike_share_of_place, 0.0, 1.0,
-          "Share of the look-alikes of the place itself in these scores; the rest are the most ambiguous "
+          "Weight of wrong matches of the place's own views in these scores; the rest are the most ambiguous "
           "places of the "
           "map.");
   }

@@ -19,37 +19,37 @@ struct SegmentPair {
   double distance = 0;  ///< squared Mahalanobis distance of the planes
 };
 
-/** \brief How much of the view a place explains, by itself and not beside other places. Shares from 0 to 1.
- */
+/** \brief How much of the view a place explains, regardless of other places. Shares from 0 to 1. */
 struct Explanation {
-  double compared = 0;      ///< pixels of the view that local models near the place can say something about
-  double agreeing = 0;      ///< of these: they say the same
-  double contradicted = 0;  ///< of these: they looked through what the view shows
-  double paired = 0;        ///< support of the view's segments that have a partner
+  double compared = 0;  ///< pixels of the view where local models near the place have depth
+  double agreeing = 0;  ///< compared pixels that agree
+  double contradicted =
+      0;              ///< compared pixels that contradict: the model saw through the surfaces of the view
+  double paired = 0;  ///< support of the view's segments that have a partner
 };
 
-/** \brief A pose of the scene camera relative to a local model, with what speaks for it. */
+/** \brief A pose of the scene camera relative to a local model, with its evidence. */
 struct Hypothesis {
   int model = 0;                           ///< index of the local model
-  PoseWithCovariance T_m_c;                ///< w and its covariance
-  std::optional<Eigen::Isometry3d> T_w_c;  ///< in the frame of the part, if the model's pose is known
-  int part = 0;                            ///< of the map, to which the local model belongs
-  std::vector<SegmentPair> pairs;          ///< that took part in the estimate
+  PoseWithCovariance T_m_c;                ///< camera pose in the local model, with covariance
+  std::optional<Eigen::Isometry3d> T_w_c;  ///< pose in the frame of the part, if the model's pose is known
+  int part = 0;                            ///< part of the map to which the local model belongs
+  std::vector<SegmentPair> pairs;          ///< pairs used in the estimate
   std::vector<int> found_by;               ///< local models with a hypothesis of this place, once merged
   bool depth_assisted = false;             ///< one translation comes from dense depth, not from planes
   double consensus = 0;                    ///< sum of the segments' log likelihood ratios; or METHOD 10.5
-  double free_space = 0;                   ///< what the depth of its own local model says against it [nats]
-  double evidence = 0;                     ///< of the nearest local models, which takes the place of that
-  double score = 0;                        ///< what the list is ranked by
-  Explanation explained;                   ///< of the view, where there is evidence of local models
+  double free_space = 0;                   ///< log likelihood of its own local model's depth [nats]
+  double evidence = 0;     ///< depth evidence of nearby local models [nats]; replaces free_space
+  double score = 0;        ///< the list is sorted by it
+  Explanation explained;   ///< shares of the view, with evidence of local models
   double probability = 0;  ///< that this place is the right one; close to a better pose, that one has it all
 };
 
-/** \brief What localization or registration answers: a ranked list, or why there is none. */
+/** \brief The answer of localization or registration: a ranked list, or the reason why it is empty. */
 struct Localization {
   std::vector<Hypothesis> hypotheses;  ///< best first
   std::string reason;                  ///< Cause of an empty list; else empty.
-  CameraDifference camera;             ///< what the view's camera has to do with the map's
+  CameraDifference camera;             ///< how the view's camera differs from the map's
   bool has_probabilities = true;       ///< false if scores are overlaps, whose probabilities mean nothing
   bool fixes_pose =
       true;  ///< false if the first pose is known too roughly to be sure, whatever its probability

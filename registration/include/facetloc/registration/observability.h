@@ -8,11 +8,11 @@
 
 namespace facetloc {
 
-/** \brief What planes tell of the pose from which they are seen, as information about (rotation, translation)
+/** \brief Information of planes about the pose from which they are seen, in the order (rotation, translation)
  * in the camera's axes: each counts as measured twice with the same error. */
 Matrix6d informationOf(const std::vector<Segment>& segments);
 
-/** \brief What measurements alone say of a pose, without its prior: along the principal directions of
+/** \brief Precision of a pose by measurements alone, without its prior: along the principal directions of
  * P_meas = (Lambda + weak prior)^-1. The weak prior of METHOD 6.3, 30 deg and 10 m on every axis, only makes
  * the sum invertible. */
 PrincipalStd observability(const Matrix6d& information);

@@ -37,9 +37,10 @@ struct EkfParams {
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
-    visit("iterations", p.iterations, 1, 100,
-          "Largest number of linearisations of a Kalman update. Up to 8, the last state is taken on trust, "
-          "as in a plain Extended Kalman Filter; with more, a pair that does not settle is refused.");
+    visit(
+        "iterations", p.iterations, 1, 100,
+        "Maximum number of linearisations of a Kalman update. Up to 8, the last state is accepted unchecked, "
+        "as in a plain Extended Kalman Filter; with more, a pair that does not converge is rejected.");
     visit("gate", p.gate, 0.1, 1e6, "Largest post-fit cost of a pair, chi-square of 3 degrees of freedom.");
     visit("min_cosine", p.min_cosine, 0.0, 1.0,
           "Smallest cosine between the normals of a pair at the current pose.");
@@ -98,9 +99,8 @@ struct RegistrationSteps {
   static void describe(Self& p, Visitor&& visit) {
     visit("joint_refinement", p.joint_refinement, false, true,
           "Re-estimate each hypothesis from all pairs that agree with it.");
-    visit(
-        "floor_information", p.floor_information, false, true,
-        "Where planes alone fix no pose, count what the camera's mounting tells of roll, pitch and height.");
+    visit("floor_information", p.floor_information, false, true,
+          "Where planes alone fix no pose, use roll, pitch and height by the camera's mounting.");
     visit("depth_assistance", p.depth_assistance, false, true,
           "Find a translation that the planes leave free by comparing depth pictures.");
   }

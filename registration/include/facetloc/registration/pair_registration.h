@@ -10,10 +10,11 @@
 
 namespace facetloc {
 
-/** \brief Registers views with one other view, the target: a ranked list of poses, or why there is none. The
- * PCL classes are faces of it.
+/** \brief Registers views with one other view, the target: a ranked list of poses, or the reason why it is
+ * empty. The PCL classes are faces of it.
  *
- * Floor information counts where the cameras of both views are mounted alike. Never changes; thread-safe. */
+ * Floor information counts where the cameras of both views have equal mountings. Never changes; thread-safe.
+ */
 class PairRegistration {
 public:
   /** \brief Throws std::invalid_argument for a parameter out of its range. */

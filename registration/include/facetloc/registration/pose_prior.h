@@ -8,7 +8,7 @@
 
 namespace facetloc {
 
-/** \brief What is known of the camera pose relative to a local model before any matching (paper II.B, METHOD
+/** \brief Knowledge of the camera pose relative to a local model before any matching (paper II.B, METHOD
  * 2). */
 struct PosePriorParams {
   static constexpr const char* kTitle = "Prior of the pose relative to a local model";
@@ -42,12 +42,12 @@ Matrix6d cameraMotion(const CameraMounting& mounting);
 
 /** \brief Covariance of T_m_c about an expected pose, order (phi, t) in the model's camera axes, METHOD
  * 2.2: planar motion and uneven floor, under the robot and under the model's robot, seen through the camera
- * mounting; isotropic without one. Contains what tilts of the model's robot do to the height at the distance
- * that the planar motion allows. */
+ * mounting; isotropic without one. Includes the effect of tilts of the model's robot on the height at the
+ * distance that the planar motion allows. */
 Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePriorParams& params = {},
                    const Eigen::Isometry3d& T_m_c = Eigen::Isometry3d::Identity());
 
-/** \brief What the floor alone tells of it about the identity: the information of roll, pitch and height,
+/** \brief Its information about the identity by the floor alone: of roll, pitch and height,
  * none of heading and of the position on the floor; zero without a mounting. */
 Matrix6d floorInformation(const std::optional<CameraMounting>& mounting, const PosePriorParams& params = {});
 

@@ -75,15 +75,16 @@ private:
   mutable bool waiting_ = false;
 };
 
-/** \brief What our registrations share: pcl::Registration outside, a ranked list of hypotheses inside.
+/** \brief The common base of our registrations: pcl::Registration outside, a ranked list of hypotheses
+ * inside.
  *
  * hasConverged() means that the answer is sure: the first pose has the probability setMinProbability(), also
- * against that the two clouds have nothing in common. A doubtful answer has a final transformation too, that
- * of its first pose; it is a guess, and a warning says so. Where there is none, PCL's console shows the
+ * against that the two clouds have nothing in common. A doubtful answer also has a final transformation, that
+ * of its first pose; it is a guess, and a warning says so. Without an answer, PCL's console shows the
  * reason.
  *
- * What PCL's setters do here: setMaxCorrespondenceDistance() drops pairs whose source segment, moved by the
- * guess, has its middle farther from the plane of the target [m]; numbers of iterations, epsilons and
+ * PCL's setters have these effects: setMaxCorrespondenceDistance() drops pairs whose source segment, moved by
+ * the guess, has its middle farther from the plane of the target [m]; numbers of iterations, epsilons and
  * estimators of transformations have nothing to act on, and a warning says so, once per object. The target is
  * read once, by the first align() after it was set, for any number of sources.
  *
@@ -133,13 +134,14 @@ public:
   }
   double getMinProbability() const { return min_probability_; }
 
-  /** \brief All poses of the source in the target, best first; empty if there is none. */
+  /** \brief All poses of the source in the target, best first; may be empty. */
   const std::vector<Hypothesis>& getHypotheses() const { return answer_.hypotheses; }
-  /** \brief T_target_source of the best hypothesis in double precision; identity if there is none. */
+  /** \brief T_target_source of the best hypothesis in double precision; identity without a hypothesis. */
   Eigen::Isometry3d getFinalPose() const;
-  /** \brief Its covariance, order (phi, t), left and decoupled; zero if there is none. */
+  /** \brief Its covariance, order (phi, t), left and decoupled; zero without a hypothesis. */
   Matrix6d getFinalCovariance() const;
-  /** \brief Its probability; 0 if there is none, or if scores are overlaps, which have no probabilities. */
+  /** \brief Its probability; 0 without a hypothesis, or if scores are overlaps, which have no probabilities.
+   */
   double getProbability() const;
   /** \brief Sure, doubtful or unknown. */
   AnswerState getState() const { return answer_.state(min_probability_); }
@@ -156,7 +158,7 @@ protected:
   virtual View makeView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices,
                         std::string& why_empty) = 0;
   /** \brief A finer view of the same points, by which they are registered if the usual one leaves no sure
-   * answer; nothing if there is none. */
+   * answer; empty if not available. */
   virtual std::optional<View> makeFinerView(const pcl::PointCloud<PointT>& cloud,
                                             const pcl::Indices* indices) {
     static_cast<void>(cloud), static_cast<void>(indices);

@@ -9,7 +9,7 @@ namespace {
 /** A robot on a floor: its axes lean against the normal, and it stands above or below. */
 struct Stand {
   Eigen::Vector3d residual;  // (roll, pitch, height) about the floor [rad, rad, m]
-  Eigen::Matrix3d by_floor;  // by (slope along x, slope along y, height at the origin)
+  Eigen::Matrix3d by_floor;  // covariance of (slope along x, slope along y, height at the origin)
 
   Stand(const Eigen::Isometry3d& T_w_b, const Eigen::Isometry3d& T_w_f) {
     const Eigen::Isometry3d T_f_b = T_w_f.inverse() * T_w_b;

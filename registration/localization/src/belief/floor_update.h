@@ -11,7 +11,7 @@ namespace facetloc::internal {
 /** \brief A floor near some place. */
 struct FloorPlane {
   Eigen::Isometry3d T_w_f = Eigen::Isometry3d::Identity();  ///< its frame: z = 0 on the floor, z upwards
-  /// of (slope along x, slope along y, height at the origin) [1, 1, m]
+  /// Covariance of (slope along x, slope along y, height at the origin) [1, 1, m]
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
@@ -25,12 +25,12 @@ struct FloorPlane {
 FloorPlane floorUnder(const std::vector<Eigen::Isometry3d>& T_w_c, const CameraMounting& mounting,
                       const Eigen::Matrix3d& covariance, const Eigen::Vector3d& place);
 
-/** \brief Kalman update of a camera's pose by the floor that its robot stands on, which fixes what a bare
- * wall leaves open: roll, pitch and height.
+/** \brief Kalman update of a camera's pose by the floor that its robot stands on, which fixes the motions
+ * that a bare wall leaves free: roll, pitch and height.
  *
  * \param T_w_c the camera and its covariance
  * \param covariance of (roll, pitch, height) of the robot about that floor, 3x3, regular
- * \param repeated number of updates that tell as much as one, as their errors are alike: >= 1 */
+ * \param repeated number of updates that count as one, as their errors are equal: >= 1 */
 PoseWithCovariance updatedByFloor(const PoseWithCovariance& T_w_c, const CameraMounting& mounting,
                                   const FloorPlane& floor, const Eigen::Matrix3d& covariance,
                                   double repeated = 1);

@@ -65,7 +65,7 @@ struct Localizer::Impl {
         following(the_map, the_localization),
         motion(params.odometry) {}
 
-  /** What one view has come to so far. */
+  /** Intermediate results of one view. */
   struct Step {
     std::shared_ptr<const View> view;
     double now = 0;  // [s]
@@ -76,7 +76,7 @@ struct Localizer::Impl {
     bool searched = false;  // the whole map
     std::string anew;       // why everything has begun anew
     std::string of_search;  // why a search has found nothing
-    bool is_doubted = false, is_contradicted = false;  // by the map, the place that is followed
+    bool is_doubted = false, is_contradicted = false;  // the map contradicts the place that is followed
   };
 
   LocalizerAnswer update(View&& view, double stamp, const std::optional<PoseWithCovariance>& given);
@@ -115,7 +115,7 @@ struct Localizer::Impl {
   bool is_known = false, was_known = false;  // a place: since when it was sure, and ever
   std::optional<double> stamp, contradicted_since;
   double latest_look = -std::numeric_limits<double>::infinity(), next_check = latest_look;  // [s]
-  Camera camera;  // of clouds and images
+  Camera camera;  // camera of clouds and images
   std::optional<ViewBuilder> builder;
 };
 
@@ -196,7 +196,7 @@ void Localizer::Impl::move(Step& step, double dt, const std::optional<PoseWithCo
   const Eigen::Isometry3d T_a_b = step.motion.likeliest().T;
   belief.move(step.motion);
   following.move(T_a_b);
-  // What shares nothing with the views before may be of any place: only the map can tell.
+  // A view that shares nothing with the views before may be of any place: only the map can tell.
   step.alone = step.shows_anything && !(step.motion.agreement > 0);
   if (!isLikely()) return;
   const BelievedPlace& place = belief.places().front();
@@ -250,7 +250,7 @@ void Localizer::Impl::search(Step& step) {
   next_check = step.now + kCheckInterval;
 }
 
-// Asks the view what else it could be near each place.
+// Registers the view near each place, where it may fit better.
 void Localizer::Impl::lookAround(const Step& step) {
   constexpr int kNearModels = 4;
   latest_look = step.now;
@@ -276,8 +276,8 @@ void Localizer::Impl::list(const PlaceBelief& of, LocalizerAnswer& out) const {
   out.looks = of.looks();
 }
 
-// A belief of its own, that begins there, takes the view. What was said counts as a look: with the view, they
-// are two that agree.
+// A belief of its own, that begins there, takes the view. The given pose counts as an observation: with the
+// view, they are two that agree.
 LocalizerAnswer Localizer::Impl::localizeNear(const View& view, const PoseWithCovariance& T_w_c,
                                               int part) const {
   requireProbabilities(localization_params);
@@ -362,7 +362,7 @@ bool Localizer::Impl::isKnown(const LocalizerAnswer& answer) const {
          largestRotationStd(P) <= localization_params.prior.rotation_std_deg * kDegree;
 }
 
-// What a live program shows: a place is known from when it is sure on, as long as it is likely.
+// The state for live programs: a place is known from when it is sure on, as long as it is likely.
 void Localizer::Impl::track(LocalizerAnswer& answer) {
   const bool sure = answer.state == AnswerState::sure;
   const bool was_followed = is_known && !answer.began_anew;

@@ -11,7 +11,7 @@ MapSurroundings::MapSurroundings(std::shared_ptr<const Map> map, const DepthComp
 Surroundings MapSurroundings::around(const View& view, int part, const Eigen::Isometry3d& T_w_c,
                                      int n) const {
   constexpr int kCompared = 3;       // times as many models are compared as are wanted
-  constexpr int kFewestPixels = 15;  // of the coarse grid, that a model must confirm: a twentieth
+  constexpr int kFewestPixels = 15;  // pixels of the coarse grid that a model must confirm: a twentieth
   struct Found {
     int model;
     std::shared_ptr<const View> view;
@@ -38,8 +38,9 @@ Surroundings MapSurroundings::around(const View& view, int part, const Eigen::Is
 
 std::optional<FloorPlane> MapSurroundings::floorNear(int part, const Eigen::Isometry3d& T_w_c, int n,
                                                      const Eigen::Matrix3d& covariance) const {
-  constexpr int kAsked = 3;                     // times as many models are asked as are wanted
-  constexpr double kStep = 0.1, kSlope = 0.05;  // of one floor [m], by the distance
+  constexpr int kAsked = 3;  // times as many models are asked as are wanted
+  constexpr double kStep = 0.1,
+                   kSlope = 0.05;  // tolerance of one floor [m], and its growth with the distance
   if (!map_->camera.mounting || near_.empty()) return {};
   const std::vector<int> near = near_.byPlace(part, T_w_c.translation(), kAsked * n);
   const Eigen::Isometry3d T_c_b = map_->camera.mounting->T_b_c().inverse();

@@ -28,7 +28,7 @@ constexpr double kLeast = 1e-3;       // [m, rad]
 constexpr std::size_t kMostChains = 4;
 constexpr PoseRadius kSharpMotion{0.15, 3};
 constexpr double kMostDoubt = 4;       // that a motion can raise: one of fifty is wrong [nats]
-constexpr double kAlike = 1;           // difference of what places tell that are alike [nats]
+constexpr double kAlike = 1;           // difference of observations that count as equal [nats]
 constexpr double kUnlikely = 1e-3;     // share of a place, of an alternative that is dropped
 constexpr double kChanged = 0.4;       // share of a view that may differ from the map at the right place
 constexpr double kEstablished = 0.99;  // probability of a place that is beyond doubt
@@ -86,9 +86,9 @@ std::vector<PoseWithCovariance> headingsOf(const PoseWithCovariance& T_w_c) {
 
 double bounded(double log_odds) { return std::clamp(log_odds, -kMostOfOneLook, kMostOfOneLook); }
 
-// What a look adds to a place, beside the place that it likes best. Places that are alike differ by a little
-// in the same way from look to look, since the map shows one of them better: that says nothing, however
-// often.
+// Change of the log odds of a place relative to the place that the view favours. Equivalent places differ by
+// a little in the same way from view to view, since the map shows one of them better: that is no evidence,
+// however often.
 double added(double log_odds, double best) {
   return bounded(best) - std::min(2 * kMostOfOneLook, std::max(0.0, best - log_odds - kAlike));
 }
@@ -188,14 +188,14 @@ PoseWithCovariance PlaceBelief::poseOf(const Hypothesis& h) const {
   return *map_->models[h.model].T_w_m * h.T_m_c;
 }
 
-// What a view says of a place that was known before it.
+// Log odds of a place that was known before this view.
 double PlaceBelief::oddsOfKnown(const View& view, const Hypothesis& h) const {
   const ScoreOdds odds = ranking_.oddsOfKnown(ranking_.mayHaveEvidence(view), calibration_.lookalike_weight,
                                               calibration_.lookalike_share_of_place, h);
   return odds(h.score);
 }
 
-// The same of a place that was beyond doubt. What the map does not know, what is hidden from its local models
+// Log odds of a place that was beyond doubt. Surfaces that the map lacks, those hidden from its local models
 // and as much as may have changed since then does not speak against it.
 double PlaceBelief::oddsOfEstablished(const View& view, const Hypothesis& h) const {
   const double odds = oddsOfKnown(view, h);
@@ -207,7 +207,7 @@ double PlaceBelief::oddsOfEstablished(const View& view, const Hypothesis& h) con
 
 // A Gaussian that is wider than the spacing of local models is as many places: their log.
 double PlaceBelief::spreadOf(const Matrix6d& P) {
-  constexpr double kSpacing = 0.5, kSpacingDeg = 15;  // of the paper's maps [m]
+  constexpr double kSpacing = 0.5, kSpacingDeg = 15;  // spacing of the paper's maps [m, deg]
   const PrincipalStd known = principalStd(P);
   double spread = 0;
   for (int k = 0; k < 3; ++k) {
@@ -217,7 +217,8 @@ double PlaceBelief::spreadOf(const Matrix6d& P) {
   return spread;
 }
 
-// What the kept looks say of a place that they were not held against, as far as the motions since are known.
+// Log odds from the kept views of a place that they were not compared with, as far as the motions since are
+// known.
 double PlaceBelief::historyOf(const Hypothesis& place) const {
   double sum = 0;
   for (const Look& look : kept_) {
@@ -235,7 +236,7 @@ double PlaceBelief::historyOf(const Hypothesis& place) const {
   return sum;
 }
 
-// Those that may be a known place stand beside what was seen there; returns the others that are likely
+// Adds the observations of those that may be a known place to it; returns the others that are likely
 // enough.
 std::vector<Hypothesis> PlaceBelief::sortFound(const Localization& found,
                                                std::vector<Candidates>& seen) const {
@@ -269,7 +270,7 @@ std::optional<double> PlaceBelief::look(std::shared_ptr<const View> view, const 
                                   ? 1
                                   : 1 - std::exp(-motionSince(calibration_.independent_distance,
                                                               calibration_.independent_rotation_deg));
-  for (BelievedPlace& place : places_) {  // what a view finds in a wide one is one of many
+  for (BelievedPlace& place : places_) {  // a place found within a wide one is one of many
     const double now = spreadOf(place.T_w_c.P);
     place.log_odds -= std::max(0.0, now - place.spread);
     place.spread = now;

@@ -22,18 +22,18 @@ bool isFixed(const Matrix6d& P, const LocalizerParams& params);
 /** \brief A place where a camera may be. */
 struct BelievedPlace {
   PoseWithCovariance T_w_c;
-  int part = 0;            ///< of the map, in whose frame the pose is
+  int part = 0;            ///< part of the map in whose frame the pose is
   double log_odds = 0;     ///< against that the map does not hold the place [nats]
   double probability = 0;  ///< beside the other places and that
   double spread = 0;       ///< log of as many local models as its Gaussian covers, which its odds know of
   Hypothesis match;        ///< with a local model, as of the latest look; no pairs once the camera has moved
 };
 
-/** \brief What the views of a moving camera together say of where it is: Gaussian places with their odds
+/** \brief The belief by all views of a moving camera: Gaussian places with their odds
  * against that it is nowhere in the map (METHOD 16.6).
  *
- * A place moves with the camera. Each look adds to its log odds what the view says at this very pose, as the
- * ranking of a search weighs it. Views that are close to each other err alike: a look counts by
+ * A place moves with the camera. Each view adds its log odds at this very pose to those of the place, as the
+ * ranking of a search weighs it. Errors of views close to each other are correlated: a look counts by
  * 1 - exp(-motion since the last one / independent motion), so that neither a high frame rate nor standing
  * still sharpens anything. A place that a search brings up is judged by the latest looks too, before it is
  * put beside the others. */
@@ -48,12 +48,12 @@ public:
   void move(const Motion& motion);
   /** \brief Has it moved so far that a look tells something new? True before the first. */
   bool isDue() const;
-  /** \brief Holds a view against all places.
+  /** \brief Compares a view with all places.
    * \param view where the camera is now; it is kept for a while
-   * \param found what a search of the map, or of a part of it, has found for this view; null if there was
-   * none \param independent the view has nothing in common with the ones before, however little the camera
-   * may have moved \return what the view adds to the log odds of the place that was most probable [nats];
-   * nothing if there was none, or the map has nothing near it. */
+   * \param found result of a search of the map, or of a part of it, for this view; null without
+   * a search \param independent the view has nothing in common with the ones before, however little the
+   * camera may have moved \return change of the log odds of the place that was most probable [nats]; nothing
+   * without a place, or if the map has nothing near it. */
   std::optional<double> look(std::shared_ptr<const View> view, const Localization* found,
                              bool independent = false);
   /** \brief The n local models nearest to each place that is worth asking about. */
@@ -76,14 +76,14 @@ public:
 private:
   struct Look {  // that is kept
     std::shared_ptr<const View> view;
-    std::vector<MotionMode> T_c_l;  // from where the camera is now
+    std::vector<MotionMode> T_c_l;  // modes of the motion since, from the present camera
     double weight;
     double best;  // log odds of the place that it liked best
   };
   struct Candidate {  // for where a view was taken, near a believed place
     Hypothesis match;
-    PoseWithCovariance T_w_c;  // by the view and the place
-    double log_odds = 0;       // what the view says of it
+    PoseWithCovariance T_w_c;  // pose by the view and the place
+    double log_odds = 0;       // log odds by the view
   };
   using Candidates = std::vector<Candidate>;
   double motionSince(double distance, double rotation_deg) const;

@@ -13,15 +13,16 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr int kModels = 5;               // nearest local models that a view is aligned with
-constexpr int kDenseIterations = 4;      // of the alignment by all pixels
-constexpr double kCorrelatedViews = 2;   // that count as one independent view: they see the same models alike
+constexpr int kModels = 5;           // nearest local models that a view is aligned with
+constexpr int kDenseIterations = 4;  // iterations of the alignment by all pixels
+constexpr double kCorrelatedViews =
+    2;  // number of views that count as one independent view: they see the same models with the same errors
 constexpr double kFloorLength = 0.7;     // way after which a robot on wheels stands on other unevenness [m]
 constexpr double kLeastAgreement = 0.6;  // share of the depth pixels that the map must confirm
 constexpr double kSureAgreement = 0.85;  // agreement of a place that is beyond doubt
 constexpr double kKnownPixels = 0.1;     // share of them that must be in the map for it to object
 
-// What is hidden from the other camera says nothing.
+// Pixels hidden from the other camera do not count.
 double share(const DepthAgreement& a) {
   return a.agree + a.contradict > 0 ? a.agree / double(a.agree + a.contradict) : 0;
 }

@@ -15,7 +15,7 @@ namespace facetloc::internal {
 struct FollowedPlace {
   ViewAlignment alignment;
   Surroundings surroundings;
-  double agreement = 0;    ///< of the depth pixels, which the map confirms
+  double agreement = 0;    ///< share of the depth pixels that the map confirms
   bool is_judged = false;  ///< the map knows enough of them to object
 
   bool isContradicted() const;
@@ -38,14 +38,14 @@ public:
                              const Eigen::Isometry3d& motion) const;
   /** \brief Aligns a view with the local models around a pose. \param part of the map */
   FollowedPlace at(const View& view, int part, const PoseWithCovariance& T_w_c) const;
-  /** \brief The place is taken: what it was aligned with has been looked at. */
+  /** \brief The place is accepted: the segments it was aligned with count as observed. */
   void accept(const FollowedPlace& place) { looks_.add(place.alignment.pairs, place.surroundings); }
   /** \brief The local model that shares most with the view, with the pairs; nothing if none does. */
   std::optional<Hypothesis> match(const FollowedPlace& place, int part) const;
 
 private:
   MapSurroundings surroundings_;
-  Eigen::Matrix3d floor_covariance_;  // of (roll, pitch, height)
+  Eigen::Matrix3d floor_covariance_;  // covariance of (roll, pitch, height)
   ViewAlignmentParams alignment_;
   DepthComparison comparison_;
   RepeatedLooks looks_;

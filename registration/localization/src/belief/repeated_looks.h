@@ -12,9 +12,9 @@ namespace facetloc::internal {
  *
  * An error of the map is the same in every view: a segment that is wrong must not pull the pose with it, view
  * by view. For a moving camera the error counts as one that is correlated from look to look with
- * rho = exp(-distance / kDistance - rotation / kRotation): of a pose that is measured again and again so,
- * each look tells (1 - rho) / (1 + rho) of what a single one does (the mean of a first-order Gauss-Markov
- * process), which is about one look for each kDistance, whatever the frame rate. */
+ * rho = exp(-distance / kDistance - rotation / kRotation): for a pose that is measured again and again so,
+ * each view has (1 - rho) / (1 + rho) of the information of a single one (the mean of a first-order
+ * Gauss-Markov process), which is about one look for each kDistance, whatever the frame rate. */
 class RepeatedLooks {
 public:
   /** \brief The motion after which a look is as good as new: that between two local models [m, rad]. */

@@ -17,7 +17,7 @@ namespace facetloc::internal {
 namespace {
 
 constexpr double kGate = chiSquareQuantile(6, 0.99);
-constexpr double kNowhereLeft = 1e-9;  // what rounding leaves of the probability of nowhere
+constexpr double kNowhereLeft = 1e-9;  // rounding error of the probability of nowhere
 
 struct Place {
   Hypothesis match;
@@ -41,8 +41,8 @@ bool isSamePlace(const Place& a, const Place& b) {
   return squaredMahalanobis(a.T_w_c, b.T_w_c) < kGate;
 }
 
-// Of a place that is not in a list: it is no likelier than the last of it, nor than a place that nobody has
-// thought of.
+// Log odds of a place that is not in a list: no likelier than the last of it, nor than an unlisted
+// place.
 double oddsOfUnlisted(const std::vector<Place>& list) {
   double least = 0;
   for (const Place& place : list) least = std::min(least, place.log_odds);

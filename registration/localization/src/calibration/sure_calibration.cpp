@@ -14,7 +14,7 @@
 namespace facetloc {
 namespace {
 
-/** Thresholds, and what share of the error each may spend by itself: most of it the one that is used without
+/** Thresholds, and the share of the error that each may spend: most of it the one that is used without
  * a calibration, which then takes the fewest images. */
 struct Level {
   double min_probability, share;
@@ -70,7 +70,8 @@ void SureCalibration::add(double probability, bool right) {
 
 std::vector<SureCalibration::Candidate> SureCalibration::candidates() const {
   std::vector<Candidate> all;
-  double passed_on = 0;  // by the threshold above, once it is accepted: Wiens' fallback procedure
+  double passed_on =
+      0;  // error passed on by the threshold above, once it is accepted: Wiens' fallback procedure
   for (const Level& level : kLevels) {
     Candidate c;
     c.min_probability = level.min_probability;

@@ -38,7 +38,7 @@ bool showsFloor(const View& view, const Eigen::Isometry3d& T_m_c) {
   });
 }
 
-// Of ten cameras about whose mounting nothing is known, one is turned: what that is before the view is seen.
+// Prior odds: one of ten cameras with unknown mounting is turned.
 void discountTurned(Localization& answer) {
   constexpr double kTurned = 0.1;
   double sum = 0;
@@ -47,7 +47,7 @@ void discountTurned(Localization& answer) {
   for (Hypothesis& h : answer.hypotheses) h.probability *= kTurned / all;
 }
 
-/** With constants for maps that lack surfaces, if the map does: as likely as not, what a scene shows is not
+/** With constants for maps that lack surfaces, if the map does: half of the surfaces of a scene may not be
  * in them. */
 GlobalLocalizationParams paramsFor(const Map& map, GlobalLocalizationParams params) {
   constexpr double kEvenOdds = 0.5;
@@ -103,7 +103,7 @@ GlobalLocalization::Impl::Impl(std::shared_ptr<const Map> the_map, const GlobalL
   if (params.steps.floor_information) of_floor = floorInformation(map->camera.mounting, params.prior);
 }
 
-// Of cameras that are mounted differently, about what both mountings say of each other.
+// Prior for cameras with different mountings, about the difference of both.
 PoseWithCovariance GlobalLocalization::Impl::priorOf(const View& view, const CameraDifference& camera) const {
   if (camera.sameMounting()) return on_floor;
   PoseWithCovariance prior = anywhere;

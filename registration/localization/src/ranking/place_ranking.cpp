@@ -10,7 +10,7 @@
 namespace facetloc::internal {
 namespace {
 
-// What wrong places score for the map's own views; of few views, drawn towards the usual.
+// Mean score of wrong places for the map's own views; with few views, drawn towards the usual.
 double meanAmbiguity(const ProbabilityCalibration& params, const std::optional<MapAmbiguity>& ambiguity) {
   constexpr double kViews = 20;  // that the usual ambiguity counts as
   const MapAmbiguity found = ambiguity.value_or(MapAmbiguity());
@@ -35,7 +35,7 @@ bool PlaceRanking::mayHaveEvidence(const View& scene) const {
   return params_.evidence.enabled && !params_.score.by_overlap && !scene.depth.empty() && !near_.empty();
 }
 
-// What looks like a place scores no more than what looks like the places of the map that have most of it.
+// Score of wrong matches around a place: that of the places of the map that have most of it.
 double PlaceRanking::lookalikesOf(const Hypothesis& place, double share_of_place) const {
   const double of_map = meanAmbiguity(params_.calibration.probability, map_->ambiguity);
   std::optional<double> of_place;
@@ -110,8 +110,8 @@ double PlaceRanking::evidenceWeight() const {
   return map_->models.size() == 1 ? params_.calibration.pair_probability.evidence_weight : 1;
 }
 
-// Models of one pose show the same, as where a map has been merged with itself; rendered ones, what others
-// show.
+// Models with equal poses show the same, as where a map has been merged with itself; rendered ones, the
+// surfaces of others.
 int PlaceRanking::viewpoints(const std::vector<int>& models) const {
   std::vector<Eigen::Isometry3d> poses;
   int n = 0;

@@ -26,10 +26,10 @@ public:
   /** \brief Can local models give evidence of where a view was taken: have they, and has it, depth? */
   bool mayHaveEvidence(const View& scene) const;
   ScoreOdds odds(bool evidence, const std::vector<Hypothesis>& sorted) const override;
-  /** \brief Of the score of a place that was known before the view, and is not the best of many therefore.
-   * With evidence, S_0 lies between least_null_score and what look-alikes score, nearer to that by their
-   * weight from 0 to 1; those of the local models around the place have a share from 0 to 1 in it, those of
-   * the whole map the rest (METHOD 16.6). */
+  /** \brief Odds by the score of a place that was known before the view, and therefore is not the best of
+   * many. With evidence, S_0 lies between least_null_score and the score of wrong matches, nearer to that by
+   * their weight from 0 to 1; those of the local models around the place have a share from 0 to 1 in it,
+   * those of the whole map the rest (METHOD 16.6). */
   ScoreOdds oddsOfKnown(bool evidence, double lookalike_weight, double share_of_place,
                         const Hypothesis& place) const;
 
@@ -45,7 +45,7 @@ private:
   std::unique_ptr<const HypothesisScore> score_;
   ViewAlignmentParams alignment_;
   NearbyModels near_;
-  std::vector<char> rendered_;  // of each local model: it shows nothing that others have not shown
+  std::vector<char> rendered_;  // indexed by local model: true if others have shown all of it
 };
 
 /** \brief Score at which a place that has evidence is as likely as none of the list [nats]:
@@ -53,9 +53,9 @@ private:
  *     S_0 = max(least_null_score, null_score + runners_up_weight * mean score of the next best places)
  *           + ambiguity_weight * A + ln(pi / (1 - pi)) / slope.
  *
- * What the next best places score is a sample of what wrong places score for this view. A is what they score
- * for other views of this map, which tells what a place would score that only looks like one which the map
- * lacks; of few views, it is drawn towards the usual. pi: map_incomplete. */
+ * The scores of the next best places are a sample of those of wrong places for this view. A is their mean
+ * for other views of this map, the expected score of a place that only looks like one, while the map
+ * lacks it; of few views, it is drawn towards the usual. pi: map_incomplete. */
 double nullScore(const ProbabilityCalibration& calibration, const ProbabilityParams& prior,
                  const std::optional<MapAmbiguity>& ambiguity, const std::vector<Hypothesis>& sorted);
 

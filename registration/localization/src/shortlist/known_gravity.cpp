@@ -11,7 +11,7 @@ namespace facetloc::internal {
 namespace {
 
 constexpr double kMountedStd = 2 * kDegree;  // tilt of a robot on its floor
-constexpr double kWorldStd = 0.5 * kDegree;  // of a world whose z axis the planes confirm
+constexpr double kWorldStd = 0.5 * kDegree;  // error of a world whose z axis the planes confirm
 
 /** Two axes across a direction, as rows. */
 Eigen::Matrix<double, 2, 3> across(const Eigen::Vector3d& direction) {
@@ -118,7 +118,7 @@ Query levelledFor(const Query& query, const Gravity& of_model, bool keeps_mean) 
   Query out = query;
   const Gravity& of_view = *query.view.gravity;
   out.prior = correctedByGravity(query.prior, of_model, of_view, keeps_mean);
-  if (keeps_mean) return out;  // what is known stays the floor's, or nothing
+  if (keeps_mean) return out;  // the prior stays the floor's, or empty
   out.known = gravityInformation(of_model.down, std::hypot(of_model.std, of_view.std));
   return out;
 }

@@ -28,7 +28,7 @@ constexpr int kTurnGap = 3;                                             // bins 
 constexpr float kTurnStd = 30 * kDegreeF;                               // wide, for the prior is wide
 constexpr float kParallel = 3 * kDegreeF;
 constexpr float kReach = kReachMove;
-constexpr float kCell = 0.2f;  // of the grid of positions [m]
+constexpr float kCell = 0.2f;  // size of a cell of the grid of positions [m]
 constexpr int kCells = static_cast<int>(2 * kReach / kCell) + 1;
 constexpr int kStride = kCells + 2;      // with a border
 constexpr int kPositions = 3;            // for each heading
@@ -88,7 +88,7 @@ FACETLOC_MULTIVERSION Comparison compare(const PointColumns& points, const Eigen
   return found;
 }
 
-// Saturates: what has moved, or who passes by, costs the more the less of it there is.
+// Saturates: a moved object or a passer-by costs more, the less of it is in view.
 constexpr float kMostWorth = 1;
 float worth(const Comparison& found, std::size_t points) {
   constexpr float kFewPoints = 10, kFewJudged = 20, kUnknown = 2;  // a pose that nothing tests is in doubt
@@ -102,12 +102,13 @@ float worth(const Comparison& found, std::size_t points) {
 }  // namespace
 
 PlaceAligner::PlaceAligner(const PlaceSignature& scene)
-    : scene_(scene), scene_walls_(scene.walls), alike_(scene_walls_.size() + 1) {
+    : scene_(scene), scene_walls_(scene.walls), parallel_(scene_walls_.size() + 1) {
   pointsAboveFloor(scene_, scene_points_);
 }
 
 // The numbers of the walls that may be this wall of a model; returns how many.
-FACETLOC_MULTIVERSION int PlaceAligner::findAlike(const WallColumns& walls, const Wall& wall, int* alike) {
+FACETLOC_MULTIVERSION int PlaceAligner::findParallel(const WallColumns& walls, const Wall& wall,
+                                                     int* parallel) {
   constexpr float kLargest = kLargestTurn * kDegreeF;
   int n = 0;
   for (std::size_t i = 0; i < walls.size(); i += kLanes) {
@@ -128,7 +129,8 @@ FACETLOC_MULTIVERSION int PlaceAligner::findAlike(const WallColumns& walls, cons
     std::int32_t fit[kLanes];
     std::memcpy(fit, &fits, sizeof fit);
     for (int k = 0; k < kLanes; ++k) {
-      alike[n] = static_cast<int>(i) + k;  // kept or written over: no branch, for nobody can guess it
+      parallel[n] =
+          static_cast<int>(i) + k;  // kept or written over: no branch, since it would be mispredicted
       n -= fit[k];
     }
   }
@@ -138,9 +140,9 @@ FACETLOC_MULTIVERSION int PlaceAligner::findAlike(const WallColumns& walls, cons
 void PlaceAligner::findPairs(const PlaceSignature& model) {
   pairs_.clear();
   for (const Wall& b : model.walls) {
-    const int n = findAlike(scene_walls_, b, alike_.data());
+    const int n = findParallel(scene_walls_, b, parallel_.data());
     for (int k = 0; k < n; ++k) {
-      const Wall& a = scene_.walls[static_cast<std::size_t>(alike_[k])];
+      const Wall& a = scene_.walls[static_cast<std::size_t>(parallel_[k])];
       Pair p;
       p.turn = wrapped(b.heading - a.heading);
       p.move = b.offset - a.offset;
@@ -211,7 +213,7 @@ void PlaceAligner::findPositions(float turn) {
     vote(p, p.right, kEnd * p.weight);
     vote(p, p.left, kEnd * p.weight);
   }
-  std::array<float, kStride> most;  // of each row
+  std::array<float, kStride> most;  // most votes of each row
   const auto findMost = [&](int first, int last) {
     for (int row = std::max(first, 0); row <= std::min(last, kStride - 1); ++row)
       most[row] = Eigen::Map<const Eigen::Array<float, kStride, 1>>(&grid_[row * kStride]).maxCoeff();
@@ -243,8 +245,9 @@ void PlaceAligner::findPositions(float turn) {
 
 void PlaceAligner::refine(Pose& pose) const {
   constexpr float kGates[] = {0.25f, 0.12f};  // [m]
-  constexpr float kInformation = 400;         // of a wall of weight 1: 1 / kWallStd^2 [1/m^2]
-  constexpr float kPositionInformation = 4;   // of the position found, along what no wall fixes [1/m^2]
+  constexpr float kInformation = 400;         // information of a wall of weight 1: 1 / kWallStd^2 [1/m^2]
+  constexpr float kPositionInformation =
+      4;  // information about the position found, along directions that no wall fixes [1/m^2]
   const auto slideOf = [&](const ParallelPair& p) { return pose.y * p.cosine - pose.x * p.sine; };
   const auto overlap = [&](const ParallelPair& p) {
     const float slide = slideOf(p);

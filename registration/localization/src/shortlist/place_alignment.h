@@ -11,8 +11,8 @@ namespace facetloc::internal {
 /** \brief How one place may be laid over another: a turn about the vertical, then a move on the floor. */
 struct PlaceAlignment {
   float score = std::numeric_limits<float>::lowest();  ///< lowest if nothing can be laid over anything
-  float heading = 0;                                   ///< of the scene's upright frame in the model's [rad]
-  float x = 0, y = 0;                                  ///< of its origin [m]
+  float heading = 0;   ///< heading of the scene's upright frame in the model's [rad]
+  float x = 0, y = 0;  ///< position of its origin [m]
 };
 
 /** \brief A quick look whether two views may show the same place: about a hundredth of the work of a
@@ -39,9 +39,9 @@ private:
     const Wall* scene;
     const Wall* model;
   };
-  /** A pair that agrees with a heading, and what else of it counts there. */
+  /** A pair that agrees with a heading, and its further contributions there. */
   struct ParallelPair : Pair {
-    float cosine, sine;  ///< of the heading of the model's wall
+    float cosine, sine;  ///< direction of the heading of the model's wall
     float walls;         ///< worth of the walls and their edges, in walls
     float right, left;   ///< moves along the wall that lay ends over ends, or NaN [m]
   };
@@ -49,7 +49,7 @@ private:
     float turn, x, y, support;
   };
 
-  static int findAlike(const WallColumns& walls, const Wall& wall, int* alike);
+  static int findParallel(const WallColumns& walls, const Wall& wall, int* parallel);
   void findPairs(const PlaceSignature& model);
   void findTurns();
   void findPositions(float turn);
@@ -58,7 +58,7 @@ private:
   const PlaceSignature& scene_;
   const WallColumns scene_walls_;
   PointColumns scene_points_, model_points_;
-  std::vector<int> alike_;
+  std::vector<int> parallel_;
   std::vector<Pair> pairs_;
   std::vector<ParallelPair> parallel_;
   std::vector<float> turns_, grid_;

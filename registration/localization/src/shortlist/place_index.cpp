@@ -51,7 +51,7 @@ constexpr int kDimensions = 5;
 /** A point in a space where neighbours are about one apart. */
 struct Descriptor {
   std::array<float, kDimensions> at;
-  float heading;  // of what it describes [rad]
+  float heading;  // heading of the wall [rad]
 };
 
 // Kinds are farther from each other than any neighbours.
@@ -60,9 +60,9 @@ constexpr float kKindDistance = 1000;
 
 // How much things differ between two views of one place, standard deviations.
 constexpr float kHeadingStd = 20 * static_cast<float>(kDegree), kPositionStd = 1;  // the prior's [m]
-constexpr float kHeightStd = 0.08f;  // of an upper or lower edge [m]
-constexpr float kRadius = 1.3f;      // of neighbours
-// Worth of votes in outlook, and of both in the score of an alignment.
+constexpr float kHeightStd = 0.08f;  // standard deviation of an upper or lower edge [m]
+constexpr float kRadius = 1.3f;      // search radius of neighbours
+// Weight of votes in outlook, and of both in the score of an alignment.
 constexpr float kVotesWorth = 0.3f, kHopeWorth = 0.1f;
 constexpr float kNotAligned = -100;  // less than any alignment
 
@@ -132,12 +132,12 @@ std::uint32_t checksumOfNames(const Map& map) {
 
 constexpr const char* kFormat = "facetloc place index 1.0";  // changes with signatures
 
-/** What a written index depends on. */
+/** The data that a written index depends on. */
 struct Header {
   std::string format = kFormat;
   std::size_t models = 0;
   std::uint32_t names = 0;
-  Vector6d mounting = Vector6d::Zero();  // of the camera
+  Vector6d mounting = Vector6d::Zero();  // mounting of the camera
   Eigen::Matrix3d floor = Eigen::Matrix3d::Zero();
 
   Header() = default;
@@ -165,10 +165,10 @@ struct PlaceIndex::Impl {
   CameraMounting mounting;
   Header header;
   std::vector<PlaceSignature> places;
-  std::vector<int> owner;       // model of each descriptor
-  std::vector<float> heading;   // of each descriptor
-  std::vector<float> expected;  // of each model: grows with the votes that it gets anyway
-  std::shared_future<std::shared_ptr<const Tree>> tree;  // of the descriptors; none without any
+  std::vector<int> owner;                                // model of each descriptor
+  std::vector<float> heading;                            // heading of each descriptor
+  std::vector<float> expected;                           // expected votes of each model by chance
+  std::shared_future<std::shared_ptr<const Tree>> tree;  // index of the descriptors; null without any
 
   Impl(const Map& map, const ShortlistParams& params, const PosePriorParams& prior);
   void describePlaces();
@@ -218,7 +218,7 @@ PlaceIndex::PlaceIndex(const Map& map, const ShortlistParams& params, const Pose
 
 bool PlaceIndex::covers(const PoseWithCovariance& prior) {
   constexpr double kTurns = 3, kMoves = 2.8;  // standard deviations
-  // The usual prior fits, of a camera high above an uneven floor, whose tilts move it, too.
+  // Suffices for the usual prior of a camera high above an uneven floor, whose tilts also move it.
   constexpr double kTurn = 1.01 * kReachTurnDeg * kDegree, kMove = 1.1 * kReachMove;
   return rotationAngle(prior.T.linear()) + kTurns * largestRotationStd(prior.P) <= kTurn &&
          prior.T.translation().norm() + kMoves * largestTranslationStd(prior.P) <= kMove;

@@ -17,7 +17,7 @@ namespace {
 constexpr float kQuarter = static_cast<float>(90 * kDegree);
 constexpr float kLargestTurn = static_cast<float>(kReachTurnDeg * kDegree);
 constexpr float kTurnPrior = 1.5f;  // worth of a turn by a radian, squared
-constexpr float kStep = 0.05f;      // of moves [m]
+constexpr float kStep = 0.05f;      // spacing of moves [m]
 constexpr int kMoves = 14 * kLanes;
 constexpr float kReach = 0.5f * kStep * kMoves;      // kReachMove, in whole vectors [m]
 constexpr float kMovePrior = 0.4f;                   // worth of a move by a metre, squared
@@ -39,7 +39,7 @@ FACETLOC_ALWAYS_INLINE void read(const std::vector<float>& column, std::int32_t 
   std::memcpy(&values, &column[static_cast<std::size_t>(first)], sizeof values);
 }
 
-// What the best move gets.
+// Votes of the best move.
 FACETLOC_ALWAYS_INLINE float most(Votes& votes) {
   votes.front() = votes.back() = 0;
   Floats best{};
@@ -57,7 +57,7 @@ FACETLOC_ALWAYS_INLINE float most(Votes& votes) {
   return of_lanes;
 }
 
-// What the best moves get if the model's main heading is the scene's plus quarters of a turn.
+// Votes of the best moves if the model's main heading is the scene's plus quarters of a turn.
 FACETLOC_MULTIVERSION float bestMoves(const PlaceSignature& scene, const WallColumns& walls,
                                       const PlaceSignature& model, int quarters) {
   constexpr float kMiddle = kReach / kStep + 1.5f;

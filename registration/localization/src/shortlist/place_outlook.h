@@ -5,14 +5,14 @@
 
 namespace facetloc::internal {
 
-/** \brief How much can be hoped for from laying one place over another (PlaceAligner::align), for a
+/** \brief A quick estimate of the score of laying one place over another (PlaceAligner::align), for a
  * twentieth of its work.
  *
  * Places that are built along two directions at right angles differ by few turns, and once turned by a move
  * along each direction. Every pair of walls that face the same way votes for one move, every pair of ends
  * for one across it: with the weight of the smaller wall, more if upper or lower edges are at one height.
- * What the best moves get, each direction on its own, less what the prior takes for them and for the turn,
- * and level surfaces at one height are the outlook, in proportion to how much the model has. */
+ * The score is the number of votes of the best moves, each direction on its own, less the cost of them and of
+ * the turn by the prior, plus level surfaces at one height, relative to the size of the model. */
 class PlaceOutlook {
 public:
   /** \param scene must outlive the outlook */

@@ -15,12 +15,13 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr double kPlaneStd = 0.3 * kDegree;  // of how horizontal or vertical things are built
+constexpr double kPlaneStd =
+    0.3 * kDegree;  // standard deviation of the slope of horizontal and vertical surfaces
 constexpr double kFirstGate = 7 * kDegree, kGate = 3 * kDegree;  // 3 std of pitch and roll, then of planes
 constexpr double kOblique = 6 * kDegree;  // a plane farther from vertical and horizontal is neither
 constexpr float kQuarter = static_cast<float>(90 * kDegree);
 constexpr double kFloorHeight = 0.05;  // a level surface within this is the floor [m]
-constexpr float kFloorPixels = 0.12f;  // what lies lower may be floor: everybody sees that [m]
+constexpr float kFloorPixels = 0.12f;  // lower pixels may be of the floor, which every view shows [m]
 constexpr double kMargin = 7;          // [px] of the working image: nearer to its border a hull is cut off
 constexpr int kPictureStep = 4, kPointStep = 2;  // pixels of the depth picture, of the coarse picture
 constexpr double kMostMillimetres = 65535;
@@ -28,7 +29,8 @@ constexpr float kFarthestPoint = 7;  // [m]
 
 bool isSound(const Segment& s) { return s.R.allFinite() && s.t.allFinite() && s.Sigma_q.allFinite(); }
 
-constexpr float kFarthest = 1e5f;  // of anything from the camera [m]; what lies farther is no part of a place
+constexpr float kFarthest =
+    1e5f;  // largest distance from the camera [m]; farther points are no part of a place
 
 bool isNear(float x) { return std::abs(x) <= kFarthest; }  // and a number
 
@@ -139,7 +141,7 @@ float mainHeading(const std::vector<Wall>& walls) {
 void sortByHeading(PlaceSignature& place) {
   constexpr auto kAlong = static_cast<float>(8 * kDegree);
   place.main_heading = mainHeading(place.walls);
-  const auto quarters = [&place](const Wall& w) {  // 4 for what faces no main heading
+  const auto quarters = [&place](const Wall& w) {  // 4 for a wall that faces no main heading
     if (std::abs(turnToMainHeading(w.heading, place.main_heading)) > kAlong) return 4;
     return static_cast<int>(std::lround((w.heading - place.main_heading) / kQuarter)) & 3;
   };
@@ -247,7 +249,8 @@ void pointsAboveFloor(const PlaceSignature& place, PointColumns& points) {
     for (int u = kFirst; u < c.width; u += kPointStep) {
       const float d = 0.001f * depth[u];
       const Eigen::Vector3f p = d * (static_cast<float>(u) * across + row);
-      x[n] = p.x(), y[n] = p.y(), z[n] = p.z();  // written over unless it counts: nobody can guess whether
+      x[n] = p.x(), y[n] = p.y(),
+      z[n] = p.z();  // written over unless it counts: no branch, since it would be mispredicted
       n += (d > 0) & (d <= kFarthestPoint) & (p.z() + place.height > kFloorPixels);
     }
   }

@@ -16,11 +16,11 @@ namespace facetloc::internal {
 /** \brief A vertical plane of a view, seen from above.
  *
  * In the upright camera frame: z up, the optical centre above its origin on the floor, x where the camera
- * looks. Of the extent only what is certain to be an end of the surface counts: an end at the image border is
- * none. */
+ * looks. An end counts only if it is certain to be an end of the surface: one at the image border is
+ * not. */
 struct Wall {
-  float heading = 0;           ///< of the normal, which points away from the camera [rad], (-pi, pi]
-  float cosine = 1, sine = 0;  ///< of the heading
+  float heading = 0;           ///< heading of the normal, which points away from the camera [rad], (-pi, pi]
+  float cosine = 1, sine = 0;  ///< direction of the heading
   float offset = 0;            ///< distance of the plane from the origin [m]
   float right = 0, left = 0;   ///< extent along z x normal, right <= left [m]
   float bottom = 0, top = 0;   ///< extent in height above the floor [m]
@@ -55,8 +55,8 @@ struct CoarseDepth {
   std::vector<std::uint16_t> depth;  ///< row-major
 };
 
-/** \brief What is characteristic of the place that a view shows, freed of what the motion of a camera on a
- * floor changes without telling anything: roll, pitch and height.
+/** \brief The characteristic features of the place that a view shows, independent of the uninformative
+ * effects of a camera's motion on a floor: roll, pitch and height.
  *
  * Heading and position on the floor remain unknown; the offsets of parallel walls differ by the same amount
  * from everywhere, and so do heights, angles between walls, and ends of walls from walls across.
@@ -65,7 +65,7 @@ struct CoarseDepth {
  * by side: those from facing[k] to facing[k + 1] face main_heading + k quarters of a turn. */
 struct PlaceSignature {
   Eigen::Matrix3f R_u_c = Eigen::Matrix3f::Identity();  ///< camera axes in the upright frame
-  float height = 0;                                     ///< of the camera above the floor [m]
+  float height = 0;                                     ///< height of the camera above the floor [m]
   float main_heading = 0;                               ///< [rad], within an eighth of a turn of 0
   std::array<std::int32_t, 5> facing{};
   std::vector<Wall> walls;
@@ -88,7 +88,8 @@ bool isSound(const PlaceSignature& place);
  * with NaN, which is like nothing. */
 struct WallColumns {
   explicit WallColumns(const std::vector<Wall>& walls);
-  /** \brief Filled up to whole vectors (lanes.h). From each of so many on, a whole vector can be read. */
+  /** \brief Filled up to whole vectors (lanes.h). From each element before size() on, a whole vector can be
+   * read. */
   std::size_t size() const { return size_; }
 
   std::vector<float> heading, offset, right, left, bottom, top, weight;

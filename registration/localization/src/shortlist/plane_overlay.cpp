@@ -11,18 +11,18 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr int kSeedPlanes = 8;                             // most useful ones of which seeds are made
-constexpr int kSeeds = 4;                                  // that are tried
-constexpr float kLeastVolume = 0.3f;                       // of the normals of three planes that fix a pose
-constexpr float kLeastSine = 0.4f;                         // of the angle between two
+constexpr int kSeedPlanes = 8;        // most useful ones of which seeds are made
+constexpr int kSeeds = 4;             // that are tried
+constexpr float kLeastVolume = 0.3f;  // volume spanned by the normals of three planes that fix a pose
+constexpr float kLeastSine = 0.4f;    // sine of the angle between two
 constexpr float kAngle = static_cast<float>(8 * kDegree);  // between normals of one plane
 constexpr float kGate = 3;                                 // standard deviations of the prior
-constexpr float kPriorWeight = 0.02f;                      // of the squared distance from the prior
+constexpr float kPriorWeight = 0.02f;                      // weight of the squared distance from the prior
 constexpr float kAbsolute = 0.05f, kRelative = 0.02f;      // distance of a centroid from its plane [m], 1
 
 const float kCosine = std::cos(kAngle);
 
-// A right-handed orthonormal frame in which two unit vectors count alike.
+// A right-handed orthonormal frame that is symmetric in two unit vectors.
 Eigen::Matrix3f frameOf(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
   Eigen::Matrix3f F;
   F.col(0) = (a + b).normalized();
@@ -120,7 +120,8 @@ void PlaneOverlay::findPairs(std::vector<Seed>& seeds) const {
     }
 }
 
-// The worthiest, of which no two have more than one plane in common: what one plane spoils, others do not.
+// Keeps the best, of which no two have more than one plane in common: an error of one plane does not spoil
+// all.
 void PlaneOverlay::keepDifferent(std::vector<Seed> seeds) {
   std::stable_sort(seeds.begin(), seeds.end(),
                    [](const Seed& a, const Seed& b) { return a.worth > b.worth; });
@@ -145,8 +146,8 @@ Overlay PlaneOverlay::on(const PlaneColumns& model) const {
 void PlaneOverlay::lay(const Seed& seed, const PlaneColumns& model, Overlay& best) const {
   const float least_cosine = std::cos(std::min(kGate * rotation_std_, static_cast<float>(180 * kDegree)));
   const float reach = kGate * translation_std_;
-  const float most_tilt = tilt_std_ > 0 ? kGate * tilt_std_ : 2.f;  // of the y component of a unit normal
-  std::array<std::array<int, PlaneColumns::kMost>, 3> alike;  // planes of the model, for each of the seed
+  const float most_tilt = tilt_std_ > 0 ? kGate * tilt_std_ : 2.f;  // largest y component of a unit normal
+  std::array<std::array<int, PlaneColumns::kMost>, 3> matching;  // planes of the model, for each of the seed
   std::array<int, 3> count{};
   for (int k = 0; k < seed.size; ++k) {
     const Eigen::Vector3f n = scene_.normal(seed.planes[k]);
@@ -154,7 +155,7 @@ void PlaneOverlay::lay(const Seed& seed, const PlaneColumns& model, Overlay& bes
     for (int i = 0; i < model.size; ++i)
       if (n.dot(model.normal(i)) >= least_cosine && std::abs(model.offset[i] - offset) <= reach &&
           std::abs(model.ny[i] - n.y()) <= most_tilt)
-        alike[k][count[k]++] = i;
+        matching[k][count[k]++] = i;
   }
 
   const Eigen::Vector3f a = scene_.normal(seed.planes[0]), b = scene_.normal(seed.planes[1]);
@@ -163,7 +164,7 @@ void PlaneOverlay::lay(const Seed& seed, const PlaneColumns& model, Overlay& bes
   const float least_trace = 1 + 2 * least_cosine;
   for (int p = 0; p < count[0]; ++p)
     for (int q = 0; q < count[1]; ++q) {
-      const int i = alike[0][p], j = alike[1][q];
+      const int i = matching[0][p], j = matching[1][q];
       const Eigen::Vector3f over_a = model.normal(i), over_b = model.normal(j);
       if (!(std::abs(over_a.dot(over_b) - cosine) <= tolerance)) continue;
       const Eigen::Matrix3f R = frameOf(over_a, over_b) * of_scene;
@@ -174,7 +175,8 @@ void PlaneOverlay::lay(const Seed& seed, const PlaneColumns& model, Overlay& bes
       }
       const Eigen::Vector3f c = R * scene_.normal(seed.planes[2]);
       for (int r = 0; r < count[2]; ++r)
-        if (c.dot(model.normal(alike[2][r])) >= kCosine) judge(seed, {i, j, alike[2][r]}, R, model, best);
+        if (c.dot(model.normal(matching[2][r])) >= kCosine)
+          judge(seed, {i, j, matching[2][r]}, R, model, best);
     }
 }
 
@@ -192,7 +194,7 @@ void PlaneOverlay::judge(const Seed& seed, const std::array<int, 3>& over, const
   const Eigen::Vector3f t = (move(0) * n12 + move(1) * n2.cross(n0) + move2 * line) / n0.dot(n12);
 
   const float angle = std::acos(std::clamp((R.trace() - 1) / 2, -1.f, 1.f)) / rotation_std_;
-  const float tilt = tilt_std_ > 0 ? std::hypot(R(0, 1), R(2, 1)) / tilt_std_ : 0;  // of the y axis
+  const float tilt = tilt_std_ > 0 ? std::hypot(R(0, 1), R(2, 1)) / tilt_std_ : 0;  // tilt of the y axis
   const float distance =
       angle * angle + tilt * tilt + t.squaredNorm() / (translation_std_ * translation_std_);
   if (!(distance <= kGate * kGate) || 1 - kPriorWeight * distance <= best.score) return;

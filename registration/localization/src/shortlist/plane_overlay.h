@@ -42,12 +42,12 @@ struct Overlay {
  *
  * Three planes of the scene whose normals span space, laid over three of the model that meet at the same
  * angles, are a pose; where no three do, two are, with the least move along the line in which they meet. The
- * score of a pose is the share of the scene's planes, by the root of their support, that come to lie on a
- * plane of the model, less what it is away from the prior. Never changes; thread-safe. */
+ * score of a pose is the share of the scene's planes, by the root of their support, that lie on a
+ * plane of the model, less a penalty for its distance from the prior. Never changes; thread-safe. */
 class PlaneOverlay {
 public:
-  /** \param prior of T_m_c, about the identity and alike in all directions
-   * \param tilt_std of two views that are level, with y downwards, how far a pose may tilt one against the
+  /** \param prior of T_m_c, about the identity and equal in all directions
+   * \param tilt_std for two views that are level, with y downwards, how far a pose may tilt one against the
    * other, standard deviation [rad]; 0 = they are in any attitude */
   PlaneOverlay(const View& scene, const PoseWithCovariance& prior, double tilt_std = 0);
 

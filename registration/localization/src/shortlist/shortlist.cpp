@@ -12,7 +12,7 @@ namespace facetloc::internal {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::lowest();  // score
-constexpr double kTiltOfPlanes = 2 * kDegree;  // by what planes and the gravity of models are off
+constexpr double kTiltOfPlanes = 2 * kDegree;  // deviation between planes and the gravity of models
 
 /** The segments of a view in other axes. */
 View turnedView(const View& seen, const Eigen::Isometry3d& T) {
@@ -108,8 +108,7 @@ Batch Shortlist::batch(const Query& query, bool on_floor, int threads) const {
   const int most = params_.shortlist.size - static_cast<int>(likeliest.size());
   others = examined(query, others, most, kNothing, threads);
   likeliest.insert(likeliest.end(), others.begin(), others.end());
-  for (Start& start : likeliest)
-    start = {start.model, query.prior, false};  // starts are what the map's prior leads to
+  for (Start& start : likeliest) start = {start.model, query.prior, false};  // the starts by the map's prior
   return byModel(std::move(likeliest));
 }
 
@@ -205,7 +204,7 @@ std::vector<NextBatch> Shortlist::overlaid(const Query& query, int threads,
     return batch;
   };
   std::vector<NextBatch> batches;
-  // Level overlays are so few that what they find has no runners-up by which a look-alike would be known.
+  // Level overlays are so few that their results have no runners-up that would reveal a wrong match.
   if (!is_level) batches.push_back(asItIs(byModel(batchOf(0, p.overlaid_first, true))));
   batches.push_back(asItIs(byModel(batchOf(0, p.first_models, false))));
   Batch others = batchOf(p.first_models, p.overlaid_size, true);

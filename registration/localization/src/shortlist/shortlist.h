@@ -24,12 +24,12 @@ struct Start {
 };
 /** \brief Registered together, before anything is made of their answers; by increasing model. */
 using Batch = std::vector<Start>;
-/** \brief Makes a batch when it is its turn, by the best score so far of a registration [nats]; lowest if
- * there is none. */
+/** \brief Makes a batch when it is its turn, by the best score so far of a registration [nats]; lowest
+ * without a registration. */
 using NextBatch = std::function<Batch(double reached)>;
 
-/** \brief Knows which local models of a map a view is registered with, in which order, in which batches, and
- * from which starts; nobody else does.
+/** \brief Chooses the local models of a map that a view is registered with, their order, their batches,
+ * and the starts.
  *
  * Where the mounting of the camera is the map's, only the models on the list of a PlaceIndex: the likeliest
  * first, then of the others those that come near the best of them at a closer look. For a camera in any
@@ -41,9 +41,9 @@ public:
   Shortlist(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params);
 
   /** \brief At least one batch, which is empty for a view that fixes no pose. If the answer of one is sure,
-   * the next ones need not be made. A model that comes again is asked anew, in place of what it said. The
-   * query must outlive them. \param on_floor the camera is mounted as the map's, and the query's prior is by
-   * this mounting \param threads 0 = all cores \param excluded models, if any are */
+   * the next ones need not be made. A model that comes again is registered anew, in place of its earlier
+   * answer. The query must outlive them. \param on_floor the camera is mounted as the map's, and the query's
+   * prior is by this mounting \param threads 0 = all cores \param excluded models, if any are */
   std::vector<NextBatch> batches(const Query& query, bool on_floor, int threads,
                                  const std::function<bool(int model)>& excluded = {}) const;
   /** \brief The same for a prior of the caller's: one batch, about this prior. */
@@ -62,7 +62,7 @@ private:
                                   const std::function<bool(int)>& excluded) const;
   struct ModelPlanes {
     std::vector<PlaneColumns> of_models;
-    std::vector<Eigen::Matrix3d> levelling;  // of each model's axes; empty where the planes are not levelled
+    std::vector<Eigen::Matrix3d> levelling;  // axes of each model; empty where the planes are not levelled
   };
   struct LazyPlanes {
     std::once_flag read;

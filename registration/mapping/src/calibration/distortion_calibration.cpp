@@ -21,17 +21,21 @@ using NodeVector = Eigen::Matrix<double, kNodes, 1>;
 using NodeMatrix = Eigen::Matrix<double, kNodes, kNodes>;
 using NodesByMotion = Eigen::Matrix<double, 6, kNodes>;
 
-constexpr double kCorrelationLength = 0.4;  // of the field [normalised ray]: a third of a Kinect's image
-constexpr double kLeastShare = 0.01;        // of the noise, of the field's standard deviation at any node
-constexpr double kRoughness = 1e-4;         // of its variance, not correlated: keeps the prior regular
+constexpr double kCorrelationLength =
+    0.4;  // correlation length of the field [normalised ray]: a third of a Kinect's image
+constexpr double kLeastShare =
+    0.01;  // least standard deviation of the field at any node, as a share of the noise
+constexpr double kRoughness = 1e-4;  // uncorrelated share of its variance: keeps the prior regular
 constexpr ViewReach kReach{2.5, 60 * kDegree};
 constexpr int kPairsPerPicture = 8;
-constexpr int kFewestPixels = 40;    // of a coarse grid that two pictures must have in common
-constexpr double kPixelError = 1.5;  // of a difference of two inverse depths [noise std]: sqrt 2 and a bit
-constexpr double kCorrelatedPixels = 8;  // so many tell as much as one: neighbours err alike
-constexpr double kGate = 3;              // differences beyond so many errors have no weight
+constexpr int kFewestPixels = 40;  // common pixels of two pictures on a coarse grid
+constexpr double kPixelError =
+    1.5;  // error of a difference of two inverse depths [noise std]: sqrt 2 and a bit
+constexpr double kCorrelatedPixels =
+    8;  // number of pixels with the information of one: errors of neighbours are correlated
+constexpr double kGate = 3;  // differences beyond this number of standard deviations have no weight
 constexpr int kIterations = 10;
-constexpr PoseAccuracy kExact{0.01 * kDegree, 0.0003};  // nobody knows them better
+constexpr PoseAccuracy kExact{0.01 * kDegree, 0.0003};  // no poses are known better
 constexpr PoseAccuracy kGoodEnough{0.3 * kDegree, 0.015};
 constexpr double kConverged = 0.01;  // change of the field [its prior's standard deviation]
 
@@ -39,7 +43,7 @@ constexpr double kConverged = 0.01;  // change of the field [its prior's standar
 struct Pair {
   const DepthPicture *a, *b;
   Eigen::Isometry3d T_b_a;
-  Vector6d motion = Vector6d::Zero();  // by which T_b_a was changed so far
+  Vector6d motion = Vector6d::Zero();  // change of T_b_a so far
 };
 
 /** Normal equations of one pair: of the field's nodes, and of the error of T_b_a. */
@@ -95,7 +99,7 @@ private:
   NodeVector prior_std_;
   NodeMatrix prior_information_;
   PoseAccuracy poses_;
-  Vector6d motion_variance_;  // of the difference of two poses
+  Vector6d motion_variance_;  // variance of the difference of two poses
   std::vector<Pair> pairs_;
 };
 

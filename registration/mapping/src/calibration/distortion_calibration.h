@@ -9,14 +9,14 @@
 
 namespace facetloc::internal {
 
-/** \brief Finds the smooth distortion of a depth camera from pictures that it took of one place, from poses
- * that are known about: what it sees at one place of its image, it also sees at another, and the two differ.
+/** \brief Finds the smooth distortion of a depth camera from pictures that it took of one place, with
+ * approximate poses: a surface appears at different places of its image, and the two measurements differ.
  *
  * A pixel of one picture, moved into another, differs there by the distortion of both and by the error of the
  * pictures' poses. All differences of all overlapping pairs together are linear in the nodes of the field and
  * in six numbers per pair, which are eliminated. The field's prior is a Gaussian process whose variance is
- * the distortion that `noise` expects, so that what no pair tells of
- * stays 0; the variance of the poses is found along with their errors (expectation maximization).
+ * the distortion that `noise` expects, so that nodes without measurements
+ * stay 0; the variance of the poses is found along with their errors (expectation maximization).
  *
  * \param pictures of one camera, uncorrected
  * \param noise of that camera: random error and expected distortion

@@ -12,9 +12,9 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr double kLeastShare = 0.01;      // of the image, of a surface that is looked at
-constexpr std::size_t kMostSurfaces = 8;  // of an image
-constexpr double kSamples = 1500;         // of a surface, about
+constexpr double kLeastShare = 0.01;      // least share of the image of an examined surface
+constexpr std::size_t kMostSurfaces = 8;  // surfaces used of an image
+constexpr double kSamples = 1500;         // approximate number of samples of a surface
 
 double rayLength(double x, double y) { return std::sqrt(1 + x * x + y * y); }
 
@@ -101,7 +101,7 @@ struct BendEquations {
   }
 };
 
-/** What of the residuals of one surface a bend explains that a plane does not. */
+/** The part of the residuals of one surface that a bend explains and a plane does not. */
 BendEquations equationsOf(const FlatSurface& s) {
   const auto n = static_cast<Eigen::Index>(s.samples.size());
   Eigen::Matrix<double, Eigen::Dynamic, 3> plane(n, 3), rest(n, 3);  // rest: inverse depth, and both bends

@@ -13,14 +13,15 @@
 namespace facetloc {
 namespace {
 
-constexpr double kSameAngle = 4 * kDegree, kSameHeight = 0.05;  // of one uneven floor in two images [m]
+constexpr double kSameAngle = 4 * kDegree,
+                 kSameHeight = 0.05;           // deviations of one uneven floor between two images [m]
 constexpr double kWide = 3;                    // times that: where a camera in the hand has its floor, too
 constexpr double kMostHeightStd = 0.01;        // over the floor, of a camera on wheels [m]
-constexpr double kSteepest = 60 * kDegree;     // of the camera below or above the horizon
+constexpr double kSteepest = 60 * kDegree;     // largest tilt of the camera below or above the horizon
 constexpr double kLowest = 0.1, kHighest = 3;  // camera [m]
-constexpr double kStraightDeg = 2;             // of the roll of a camera that is meant to be straight
-constexpr double kLeastShare = 0.3;            // of local models that show the floor
-constexpr double kLeastNarrow = 0.75;          // of those that show it about so
+constexpr double kStraightDeg = 2;             // roll of a camera that is meant to be straight
+constexpr double kLeastShare = 0.3;            // share of local models that show the floor
+constexpr double kLeastNarrow = 0.75;          // share of those that show about the same floor
 constexpr int kLeastModels = 10;
 constexpr double kLeastWay = 2;      // [m]
 constexpr std::size_t kSeeds = 500;  // planes that are tried as the floor
@@ -44,9 +45,9 @@ std::vector<Plane> planesBelow(const Map& map) {
   return planes;
 }
 
-/** One plane of each model at most: the most alike. Planes are in the order of their models. \param tolerance
- * times what is the same floor */
-std::vector<Plane> alike(const std::vector<Plane>& planes, const Plane& floor, double tolerance = 1) {
+/** One plane of each model at most: the most similar. Planes are in the order of their models. \param
+ * tolerance factor on the deviations of one floor */
+std::vector<Plane> similar(const std::vector<Plane>& planes, const Plane& floor, double tolerance = 1) {
   const auto difference = [&](const Plane& p) {
     return std::max(std::abs(p.offset - floor.offset) / kSameHeight,
                     p.normal.cross(floor.normal).norm() / std::sin(kSameAngle)) /
@@ -78,7 +79,7 @@ double heightStd(const std::vector<Plane>& planes, double mean) {
 }
 
 bool hasMoved(const Map& map) {
-  std::map<int, Eigen::AlignedBox3d> ways;  // by part
+  std::map<int, Eigen::AlignedBox3d> ways;  // keyed by part
   for (const LocalModel& model : map.models)
     if (model.T_w_m) ways[model.part].extend(model.T_w_m->translation());
   return std::any_of(ways.begin(), ways.end(),
@@ -102,16 +103,16 @@ std::optional<SeenFloor> findFloor(const Map& map) {
   std::vector<Plane> best;
   const std::size_t step = std::max<std::size_t>(1, planes.size() / kSeeds);
   for (std::size_t i = 0; i < planes.size(); i += step)
-    if (std::vector<Plane> found = alike(planes, planes[i]); found.size() > best.size())
+    if (std::vector<Plane> found = similar(planes, planes[i]); found.size() > best.size())
       best = std::move(found);
-  best = alike(planes, meanOf(best));
+  best = similar(planes, meanOf(best));
   const int all = static_cast<int>(map.models.size()), n = static_cast<int>(best.size());
   if (n < kLeastModels || n < kLeastShare * all) return {};
   const Plane floor = meanOf(best);
   const Eigen::Vector3d& down = floor.normal;
   const double std = heightStd(best, floor.offset);
   const bool spreads =
-      n < kLeastNarrow * static_cast<double>(alike(planes, floor, kWide).size()) || std > kMostHeightStd;
+      n < kLeastNarrow * static_cast<double>(similar(planes, floor, kWide).size()) || std > kMostHeightStd;
   return SeenFloor{
       floor.offset, std::asin(down.z()) / kDegree, std::atan2(down.x(), down.y()) / kDegree, std, n, all,
       !spreads};

@@ -14,10 +14,11 @@ namespace {
 
 constexpr std::size_t kLeastSurfaces = 10;
 constexpr double kCertain = 5;           // standard deviations
-constexpr double kLeastExponent = 0.35;  // of rays; real cameras and clutter stay below 0.13
+constexpr double kLeastExponent = 0.35;  // least exponent of rays; real cameras and clutter stay below 0.13
 constexpr double kFlatter = 1.3;         // surfaces that are larger by as much tell one reading from another
 constexpr double kHardlyFlat = 0.03;     // share of the image
-constexpr double kLeastDisplacement = 0.015, kLeastGain = 1.08;  // of a lens worth a word, in the corner
+constexpr double kLeastDisplacement = 0.015,
+                 kLeastGain = 1.08;  // smallest effects of a lens that are reported, in the corner
 
 bool isCertain(double value, double std) { return std::abs(value) > kCertain * std; }
 
@@ -103,7 +104,7 @@ std::string linesFor(const RightAngles& found, const Intrinsics& worked_on, cons
 void checkAngles(const FlatSurfaces& flat, const Intrinsics& worked_on, const Camera& camera,
                  GeometryCheck& check) {
   constexpr double kLeastShare = 0.22, kMoreShare = 1.45;  // 1.28 times as much is found by chance
-  constexpr double kFarShare = 1.32, kFar = 0.1;           // by changes that are large
+  constexpr double kFarShare = 1.32, kFar = 0.1;           // large share of changes, and their size
   constexpr double kLeastFocal = 0.04, kLeastCentre = 0.04;
   constexpr double kSureShare = 0.3, kMuchMoreShare = 3, kMuch = 0.08;  // beyond which nothing else remains
   check.right_angles = rightAngles(flat, worked_on);

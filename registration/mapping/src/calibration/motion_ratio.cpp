@@ -31,8 +31,9 @@ namespace internal {
 namespace {
 
 constexpr std::size_t kEnough = 5;
-constexpr double kOutlier = 3;             // times the median residual
-constexpr double kLeastCorrelation = 0.7;  // of both witnesses: else they do not speak of the same
+constexpr double kOutlier = 3;  // times the median residual
+constexpr double kLeastCorrelation =
+    0.7;  // correlation of both sources of motion: otherwise they measure different motions
 
 struct Products {
   double images = 0, poses = 0, both = 0;
@@ -86,7 +87,7 @@ MotionRatio motionRatio(std::vector<MotionVectors> motions) {
   Products all;
   for (const MotionVectors& m : motions) by_start[m.start] += productsOf(m), all += productsOf(m);
   if (by_start.size() < kEnough || !all.isKnown()) return found;
-  double squares = 0, turn_squares = 0;  // of the jackknife
+  double squares = 0, turn_squares = 0;  // sums of the jackknife
   for (const auto& [start, of_start] : by_start) {
     const Products rest = all - of_start;
     if (!rest.isKnown()) return found;

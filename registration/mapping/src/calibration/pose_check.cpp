@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kEnough = 5;                      // motions
 constexpr std::size_t kEnoughToRefuse = 10;             // fewer come from places that images confuse
-constexpr double kDegrees = 1, kMetres = 0.02;          // what counts as much in a disagreement
+constexpr double kDegrees = 1, kMetres = 0.02;          // equally weighted parts of a disagreement
 constexpr double kFineDegrees = 1, kFineMetres = 0.02;  // poses as good as that have no fault worth a word
 constexpr double kFarDegrees = 3, kFarMetres = 0.04;    // beyond those of usable public recordings
 constexpr double kSenselessDegrees = 5, kSenselessMetres = 0.2;
@@ -37,8 +37,8 @@ struct Reading {
   bool w_first = false, inverse = false;
   Axes axes = Axes::optical;
   Storing storing{};
-  double delay = 0;  // of the pose after its image [s]
-  double scale = 1;  // of translations
+  double delay = 0;  // delay of the pose after its image [s]
+  double scale = 1;  // scale of translations
 };
 
 /** Orientation of the optical axes in others. */
@@ -115,7 +115,7 @@ PoseDisagreement disagreementOf(const std::vector<Pair>& pairs) {
           medianOf(errors, [](const Error& e) { return e.metres; }), pairs.size()};
 }
 
-/** What is left of a disagreement, under one way to read the poses. */
+/** The remaining disagreement under one interpretation of the poses. */
 class Trial {
 public:
   Trial(const std::vector<SeenMotion>& motions, const PosesByTime& poses)
@@ -222,7 +222,8 @@ std::string conventionOf(const Reading& r) {
   return words;
 }
 
-constexpr double kWorthAWord = 0.07;  // of ratios: what a camera always measures wrongly holds motions back
+constexpr double kWorthAWord =
+    0.07;  // deviation of ratios that is reported: systematic depth errors shorten motions
 constexpr double kSenselessRatio = 0.1;
 constexpr double kOtherAxisDeg = 1.5;
 
@@ -314,7 +315,7 @@ PoseCheck internal::checkPoses(const std::vector<SeenMotion>& motions, const Pos
   const Reading best = trial.withBestDelay(trial.withBestScale(trial.bestConvention()));
   const PoseDisagreement mended = disagreementOf(trial.pairs(best));
   const bool explained =
-      !isSenseless(mended);  // of poses that are not those of the images, some reading is best
+      !isSenseless(mended);  // some interpretation always fits best, even for poses of other images
   if (explained) {
     check.cause = inWords(best);
     check.convention = conventionOf(best);

@@ -15,8 +15,8 @@ struct SeenMotion {
   Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< pose of the second camera in the first
 };
 
-/** \brief Compares poses with what images show of the motion between them, and if they disagree, tries what
- * poses suffer from: quaternions in the order w x y z; the inverse; the axes of a robot's body (x forward, z
+/** \brief Compares poses with the motion between images, and if they disagree, tries common faults of
+ * poses: quaternions in the order w x y z; the inverse; the axes of a robot's body (x forward, z
  * up) or of OpenGL (z backward, y up); another clock; another scale, of the poses or of depth; a wrong
  * focal length. A fault is named if without it the disagreement is less than half as large. \param
  * motions of which some may be wrong */

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kLeastAngle = 30 * kDegree;  // between surfaces of a pair
 constexpr double kSharp = 1.5 * kDegree;      // about a right angle
-constexpr double kLeastShare = 0.025;         // of the image, of a surface
+constexpr double kLeastShare = 0.025;         // least share of the image of a surface
 constexpr std::size_t kLeastPairs = 30;
 
 /** Two surfaces of one image. */
@@ -55,7 +55,7 @@ double shareOf(const std::vector<SurfacePair>& pairs, const Change& change) {
   return all > 0 ? sum / all : 0;
 }
 
-/** The share, less a little for what is unusual: many changes make right angles of few pairs. */
+/** The share, less a little for unusual changes: many changes make right angles of few pairs. */
 double worthOf(const std::vector<SurfacePair>& pairs, const Change& c) {
   constexpr double kFocal = 0.5, kOblong = 0.2, kCentre = 0.1, kLittle = 0.01;
   const auto squared = [](double x) { return x * x; };

@@ -8,8 +8,9 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr double kSigmas = 3;      // of the session's errors that are allowed for
-constexpr double kTellingStd = 2;  // of the session between two keyframes, beyond which it says nothing [m]
+constexpr double kSigmas = 3;  // tolerated errors of the session, in standard deviations
+constexpr double kTellingStd =
+    2;  // largest standard deviation of the session between two keyframes that is informative [m]
 constexpr double kTellingRotation = 20 * kDegree;
 
 Agreement compare(const FoundKeyframe& a, const FoundKeyframe& b, const RelativePose& relative,

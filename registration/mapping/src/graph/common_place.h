@@ -12,7 +12,7 @@ namespace facetloc::internal {
 /** \brief A keyframe of a session that was found in a map. */
 struct FoundKeyframe {
   int keyframe = 0;
-  PoseWithCovariance T_w_c;  ///< in the map
+  PoseWithCovariance T_w_c;  ///< pose in the map
 };
 
 /** \brief By how much two found keyframes may be off each other, beyond what the session allows. */
@@ -27,8 +27,8 @@ using RelativePose = std::function<std::optional<PoseWithCovariance>(int a, int 
 /** \brief The largest set of found keyframes in which each two are as far from each other as the session
  * says.
  *
- * Nothing if it is smaller than so many, or if a set that contradicts it is more than half as large: places
- * that look alike confirm each other. Same input, same answer. */
+ * Nothing if it is smaller than `least`, or if a set that contradicts it is more than half as large: places
+ * that look the same confirm each other. Same input, same answer. */
 std::vector<FoundKeyframe> withCommonPlace(const std::vector<FoundKeyframe>& found,
                                            const RelativePose& relative, const PlaceTolerance& tolerance,
                                            std::size_t least);

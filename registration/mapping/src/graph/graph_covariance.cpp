@@ -7,7 +7,8 @@
 namespace facetloc::internal {
 namespace {
 
-// Of what is held, and keeps the normal matrix regular where nothing is known [1 / rad^2, 1 / m^2].
+// Information of fixed nodes, and the least of all others, which keeps the normal matrix regular [1 / rad^2,
+// 1 / m^2].
 constexpr double kHeld = 1e12, kLeast = 1e-8;
 
 }  // namespace

@@ -15,13 +15,13 @@ namespace facetloc::internal {
  * poses and with the robust weights of these. Never changes; thread-safe. */
 class GraphCovariance {
 public:
-  /** \param threads of the computation, 0 = all cores Throws what optimized() throws. */
+  /** \param threads of the computation, 0 = all cores Throws the exceptions of optimized(). */
   explicit GraphCovariance(const PoseGraph& graph, int threads = 1);
 
   /** \brief T_a_b of two nodes with its covariance; nothing if they are in different parts. */
   std::optional<PoseWithCovariance> between(int a, int b) const;
 
-  /** \name What takes as long for one node as for all; computed by the first of these that is called */
+  /** \name Results that take as long for one node as for all; computed by the first of these calls */
   /// @{
   /** \brief Covariance of each node relative to the first of its part. */
   const std::vector<Matrix6d>& ofNodes() const;

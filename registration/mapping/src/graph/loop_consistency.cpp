@@ -14,10 +14,10 @@ namespace facetloc::internal {
 namespace {
 
 constexpr double kEllipsoid = chiSquareQuantile(6, 0.95);
-constexpr double kTellingStd = 0.5;  // of a round trip, beyond which it tells nothing [m]
+constexpr double kTellingStd = 0.5;  // largest standard deviation of an informative round trip [m]
 constexpr double kTellingRotation = 10 * kDegree;
 
-using RelativePoses = std::map<int, std::vector<std::optional<PoseWithCovariance>>>;  // from some nodes
+using RelativePoses = std::map<int, std::vector<std::optional<PoseWithCovariance>>>;  // keyed by node
 
 Agreement compare(const PoseEdge& a, const PoseEdge& b, const RelativePoses& from) {
   const auto &there = from.at(a.to)[b.to], &back = from.at(b.from)[a.from];

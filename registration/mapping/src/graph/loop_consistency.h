@@ -12,7 +12,7 @@ namespace facetloc::internal {
  * to where one was, along what the graph knows between their ends (pairwise consistency after Mangelson et
  * al., ICRA 2018). Loops whose ends are not apart at either side count as one.
  *
- * Of the largest sets in which all agree, those of at least so many are taken, unless what contradicts such a
+ * The largest sets in which all agree and that have at least `least` loops are taken, unless a contradicting
  * set is more than half as large: repeated corridors confirm several answers. \param loops between different
  * nodes \return for each loop whether it is confirmed. Same input, same answer. */
 std::vector<bool> consistentLoops(const std::vector<PoseEdge>& loops, const GraphCovariance& graph, int least,

@@ -6,7 +6,7 @@
 
 namespace facetloc::internal {
 
-/** \brief What two findings say of each other. */
+/** \brief The relation of two findings. */
 enum class Agreement : char { says_nothing, agree, contradict };
 
 /** \brief Findings of which some may be wrong, each compared with each other: right ones agree, and wrong
@@ -21,7 +21,7 @@ public:
   /** \brief Findings that all agree with each other, and those that contradict one of them. */
   struct Largest {
     Set members, against;
-    bool is_clear = false;  ///< what contradicts them does not agree on half as much
+    bool is_clear = false;  ///< a contradicting set is less than half as large
   };
   /** \brief The largest set among some findings that a greedy search from each of them finds. \param size by
    * which sets are compared Same input, same answer. */

@@ -12,16 +12,17 @@ namespace facetloc::internal {
 struct PoseEdge {
   int from = 0, to = 0;          ///< numbers of the nodes
   PoseWithCovariance T_from_to;  ///< positive definite
-  bool may_be_wrong = false;     ///< a closed loop: what contradicts all others has little weight
+  bool may_be_wrong = false;     ///< a closed loop: has little weight if it contradicts all other edges
 };
 
 /** \brief A level floor, z = 0, that robots with cameras stand on. */
 struct LevelFloor {
-  Eigen::Isometry3d T_b_c = Eigen::Isometry3d::Identity();   ///< of the camera on its robot
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (roll, pitch, height) of a robot
+  Eigen::Isometry3d T_b_c = Eigen::Isometry3d::Identity();  ///< pose of the camera on its robot
+  Eigen::Matrix3d covariance =
+      Eigen::Matrix3d::Identity();  ///< covariance of (roll, pitch, height) of a robot
 };
 
-/** \brief Where some cameras were, and what was measured between them. */
+/** \brief Poses of cameras, and the measurements between them. */
 struct PoseGraph {
   std::vector<Eigen::Isometry3d> T_w_n;  ///< a first guess of each node
   std::vector<PoseEdge> edges;
@@ -33,21 +34,21 @@ struct GraphPoses {
   /// T_w_n; the covariance is relative to the first node of its part, which stays where it is; on a floor it
   /// keeps its place and heading there
   std::vector<PoseWithCovariance> nodes;
-  std::vector<int> part;  ///< of each node: the number of the first node that edges lead to
+  std::vector<int> part;  ///< for each node: the number of the first node that edges lead to
   std::vector<double>
       mismatch;  ///< squared Mahalanobis distance of each edge from the poses, of 6 degrees of freedom
   bool converged = false;
 };
 
 /** \brief The number of the first node of its part, for each node: parts have no edge between them. Throws
- * std::invalid_argument if an edge joins what is no node. */
+ * std::invalid_argument if an edge joins an invalid node. */
 std::vector<int> partsOf(const PoseGraph& graph);
 
 /** \brief Least squares over the edges' covariances by Ceres Solver (Agarwal, Mierle et al.), METHOD 14.3.
  *
  * Edges that may be wrong, and the floor, have Cauchy's weight beyond the 95 % ellipsoid. The same graph
  * gives the same poses. \param with_covariances otherwise they are zero Throws std::invalid_argument for an
- * edge that joins what is no node, or one node with itself, or whose covariance is not positive definite. */
+ * edge that joins an invalid node, or one node with itself, or whose covariance is not positive definite. */
 GraphPoses optimized(const PoseGraph& graph, bool with_covariances = true);
 
 }  // namespace facetloc::internal

@@ -86,7 +86,7 @@ public:
   }
 
 private:
-  Eigen::Quaterniond q_;  // of the robot in its camera
+  Eigen::Quaterniond q_;  // rotation of the robot in its camera
   Eigen::Vector3d t_;
   Eigen::Matrix3d whitening_;
 };
@@ -168,7 +168,7 @@ public:
     }
     ceres::CRSMatrix rows;
     problem_->Evaluate(options, nullptr, nullptr, nullptr, &rows);
-    std::vector<int> column;  // of those that are not held
+    std::vector<int> column;  // columns of the nodes that are not fixed
     for (std::size_t i = 0; i < nodes_.size(); ++i)
       if (!problem_->IsParameterBlockConstant(nodes_[i].t.data()))
         for (int k = 0; k < 6; ++k) column.push_back(static_cast<int>(6 * i) + k);

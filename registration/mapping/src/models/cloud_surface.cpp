@@ -34,8 +34,8 @@ constexpr std::size_t kBlock = 4096;  // points that a thread takes at a time
 /** A point as a piece of surface. */
 struct Surfel {
   Eigen::Vector3f centre, normal;
-  float spacing = 0;   // of the points around it [m]
-  float residual = 0;  // of them, from their plane [m]
+  float spacing = 0;   // spacing of the points around it [m]
+  float residual = 0;  // distance of these points from their plane [m]
 };
 
 using Points = pcl::PointCloud<pcl::PointXYZ>;

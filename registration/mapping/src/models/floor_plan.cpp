@@ -15,7 +15,7 @@
 namespace facetloc {
 namespace {
 
-/** Rectangles in the axes of a grid, with what is needed to place them in the world. */
+/** Rectangles in the axes of a grid, with their placement in the world. */
 class PlanMesh {
 public:
   explicit PlanMesh(const OccupancyGrid& plan) : T_w_grid_(plan.T_w_grid()), resolution_(plan.resolution) {}

@@ -14,10 +14,10 @@ namespace facetloc::internal {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::infinity();
-constexpr double kFlat = 0.15;        // by which a floor may be uneven [m]
-constexpr double kStorey = 1.8;       // from a floor to the next one, at least [m]
-constexpr double kLevelShare = 0.25;  // of the columns of the commonest level that a floor has at least
-constexpr double kLeastArea = 2;      // of connected places [m^2]
+constexpr double kFlat = 0.15;        // unevenness of a floor [m]
+constexpr double kStorey = 1.8;       // least distance between two floors [m]
+constexpr double kLevelShare = 0.25;  // least share of a floor in the columns of the commonest level
+constexpr double kLeastArea = 2;      // least area of connected places [m^2]
 
 /** A camera that looks along a direction. */
 Eigen::Isometry3d lookingAlong(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
@@ -75,7 +75,7 @@ Eigen::AlignedBox3d SpaceProbe::bounds() const {
 }
 
 std::vector<double> floorLevels(const std::vector<std::vector<double>>& columns, double standing_room) {
-  std::vector<double> heights;  // of all that has room above
+  std::vector<double> heights;  // heights of all columns with room above
   for (const std::vector<double>& column : columns)
     for (std::size_t i = 0; i < column.size(); ++i)
       if (i == 0 || column[i - 1] - column[i] >= standing_room) heights.push_back(column[i]);
@@ -105,9 +105,9 @@ std::vector<double> floorLevels(const std::vector<std::vector<double>>& columns,
 }
 
 bool isUpsideDown(const std::vector<std::vector<double>>& columns, double lowest, double highest) {
-  constexpr double kRoom = 1.5;         // of free space that somebody can stand in [m]
+  constexpr double kRoom = 1.5;         // height of free space in which a person can stand [m]
   constexpr std::size_t kMuchMore = 2;  // times; a stairwell or a cellar is no proof
-  constexpr double kLeastShare = 0.05;  // of the columns
+  constexpr double kLeastShare = 0.05;  // share of the columns
   std::size_t without_ceiling = 0, without_floor = 0, known = 0;
   for (const std::vector<double>& column : columns) {
     if (column.empty()) continue;
@@ -130,7 +130,7 @@ FreePlaces freePlaces(const SpaceProbe& probe, const PlaceRules& rules, const Fo
     return found;
   }
   const Areas areas(grid, cells, probe);
-  const double least = kLeastArea / (rules.step * rules.step);  // in cells
+  const double least = kLeastArea / (rules.step * rules.step);  // area as a number of cells
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (!areas.isLarge(i, least)) continue;
     const bool kept = rules.inside.empty() ? !areas.isOutdoors(i, least) : areas.holdsAny(i, rules.inside);

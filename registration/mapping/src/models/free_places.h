@@ -41,7 +41,7 @@ bool isUpsideDown(const std::vector<std::vector<double>>& columns, double lowest
 
 /** \brief Where a camera may be. */
 struct PlaceRules {
-  double step = 0.5;                    ///< of the grid of positions [m]
+  double step = 0.5;                    ///< spacing of the grid of positions [m]
   double clearance = 0.25;              ///< to all surfaces [m]
   std::vector<double> heights;          ///< above the floor [m]
   bool stands = false;                  ///< on the floor, as a robot does: not above furniture
@@ -51,7 +51,7 @@ struct PlaceRules {
   double beside = 0;
 };
 
-/** \brief Positions where a camera may be, and what was left out of them. */
+/** \brief Possible positions of a camera, and the number left out. */
 struct FreePlaces {
   std::vector<Eigen::Vector3d> positions;
   std::size_t outdoors = 0;  ///< positions of areas around all others

@@ -12,9 +12,9 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr ViewReach kSameSurfaces{6, 100 * kDegree};  // of pictures that may show the same
+constexpr ViewReach kSameSurfaces{6, 100 * kDegree};  // reach of pictures that may show the same
 constexpr std::size_t kMostSources = 24;              // pictures that an image is rendered of
-constexpr int kSampleStep = 12;                       // of pixels by which these are chosen
+constexpr int kSampleStep = 12;                       // spacing of the pixels by which these are chosen
 
 /** Of each pixel of a picture: do more of the others look through it than agree with it? */
 std::vector<char> contradicted(const std::vector<PosedPicture>& pictures, std::size_t i,

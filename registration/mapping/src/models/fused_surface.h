@@ -13,8 +13,8 @@ namespace facetloc::internal {
 
 /** \brief The surface that the depth pictures of a map show together.
  *
- * A pixel of a picture counts unless more pictures look through it than agree with it: what has moved is left
- * out, what is hidden from the others stays. Where several pictures show a point of a rendered image, it has
+ * A pixel of a picture counts unless more pictures look through it than agree with it: moved objects are left
+ * out, surfaces hidden from the others stay. Where several pictures show a point of a rendered image, it has
  * their mean, each by its own error. A pixel is unknown where the nearest surface is seen from behind, where
  * nothing was seen, and where the way to the surface leads through space that no picture has looked into. */
 class FusedSurface final : public Surface {
@@ -29,7 +29,7 @@ public:
   RenderedDepth renderWithErrors(const Intrinsics& camera, const Eigen::Isometry3d& T_w_c,
                                  int step = 1) const;
   const SeenSpace& space() const { return space_; }
-  double contradictedShare() const { return contradicted_; }  ///< of all pixels: they are left out
+  double contradictedShare() const { return contradicted_; }  ///< share of all pixels that are left out
 
 private:
   std::vector<std::size_t> sourcesFor(const Intrinsics& camera, const Eigen::Isometry3d& T_w_c) const;

@@ -14,12 +14,12 @@
 namespace facetloc {
 namespace {
 
-constexpr double kUpright = 10 * kDegree;  // of a wall from the vertical
-constexpr double kLevel = 10 * kDegree;    // of a floor
+constexpr double kUpright = 10 * kDegree;  // deviation of a wall from the vertical
+constexpr double kLevel = 10 * kDegree;    // deviation of a floor from the horizontal
 constexpr double kMostCells = 1 << 26;
 constexpr int kRays = 2;       // every second pixel of a picture, along rows and columns
 constexpr double kErrors = 3;  // standard deviations that a point may be off its segment, or a ray too long
-constexpr double kOnPlane = 0.02;  // of a segment [m]
+constexpr double kOnPlane = 0.02;  // distance from a segment's plane [m]
 
 /** A level segment, seen from above. */
 struct Level {
@@ -97,7 +97,7 @@ public:
   void hit(const Eigen::Vector2d& p) {
     if (Cell* cell = cellAt(p); cell && cell->last_hit != view_) cell->last_hit = view_, ++cell->hits;
   }
-  /** \brief What a view has seen at all, it has not seen through. All hits of a view come first. */
+  /** \brief Cells that a view has hit were not seen through by it. All hits of a view come first. */
   void pass(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
     const int steps = 1 + static_cast<int>(2 * (to - from).norm() / resolution_);
     for (int i = 0; i <= steps; ++i)

@@ -25,7 +25,7 @@ const std::vector<double> kHeightsInHand{1.1, 1.6}, kTiltsInHand{0, 30};
 
 struct ModelMap::Impl {
   std::shared_ptr<const Surface> surface;
-  Camera camera;  // of the map
+  Camera camera;  // camera of the map
   ModelMapParams params;
   ViewParams view;
   std::optional<std::vector<Eigen::Isometry3d>> viewpoints;

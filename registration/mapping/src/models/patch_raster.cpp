@@ -11,7 +11,7 @@ namespace {
 constexpr float kHalf = 0.6F;     // size of a patch [px of its picture]: neighbours overlap
 constexpr float kNearest = 0.1F;  // [m]
 constexpr float kMagnified = 4;   // how often a pixel may be: more would be invented between samples
-constexpr float kOneSurface = 3;  // by which two pictures of a surface differ [std of the difference]
+constexpr float kOneSurface = 3;  // largest difference of two pictures of one surface [std of the difference]
 
 }  // namespace
 

@@ -16,11 +16,11 @@ struct RenderedDepth {
   /// Root mean square of the differences of several pictures that show a pixel, in their own noise: above 1,
   /// their poses err, or something that none of them says.
   double disagreement = 0;
-  double knownShare() const;  ///< of its pixels
+  double knownShare() const;  ///< share of its pixels
 };
 
-/** \brief Draws patches of several pictures into the image of another camera. Each pixel keeps all that is
- * drawn there, until resolve() finds the nearest surface and what is one with it. */
+/** \brief Draws patches of several pictures into the image of another camera. Each pixel keeps all
+ * values drawn there, until resolve() finds the nearest surface and the values that belong to it. */
 class PatchRaster {
 public:
   PatchRaster(const Intrinsics& camera, const Eigen::Isometry3d& T_w_c);

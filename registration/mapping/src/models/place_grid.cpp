@@ -14,12 +14,12 @@ namespace facetloc::internal {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::infinity();
-constexpr double kFlat = 0.15;         // by which a floor may be uneven [m]
+constexpr double kFlat = 0.15;         // unevenness of a floor [m]
 constexpr double kStandingRoom = 1.5;  // above a floor, somewhere [m]
 constexpr double kWalled = 0.5;        // share of the horizon that is known, indoors
-constexpr double kGrounded = 0.25;     // share of what is below that is known
+constexpr double kGrounded = 0.25;     // known share of the surroundings below
 
-/** What the rays around a place say of it. */
+/** Statistics of the rays around a place. */
 class Surroundings {
 public:
   Surroundings(const PlaceRules& rules, double above_floor) : rules_(rules), above_floor_(above_floor) {}
@@ -31,7 +31,7 @@ public:
     if (direction.z() > -std::sqrt(0.5)) return;
     ++below_, known_below_ += known;
     if (!known || distance * direction.head<2>().norm() > rules_.clearance) return;
-    const double above = above_floor_ + distance * direction.z();  // of what stands there
+    const double above = above_floor_ + distance * direction.z();  // height of the point above the floor
     obstacle_ |= above > kFlat;
     floor_ |= std::abs(above) <= kFlat;
   }
@@ -50,10 +50,10 @@ private:
 };
 
 constexpr double kStep = 0.1;  // that can be taken from one place to the next [m]
-constexpr double kBeside = 1;  // from an area to a place of it [m]
+constexpr double kBeside = 1;  // distance between an area and a place beside it [m]
 
-/** Can somebody go from a place to the next one? Also just above what they stand on, which a window sill does
- * not let through. */
+/** Is the way from a place to the next one free? Also just above the floor, so that a window sill
+ * blocks it. */
 bool isOpen(const SpaceProbe& probe, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   const Eigen::Vector3d step = to - from, down = -Eigen::Vector3d::UnitZ();
   const double below = std::min(probe.along(from, down), probe.along(to, down));

@@ -19,7 +19,7 @@ public:
   PlaceGrid(const SpaceProbe& probe, const PlaceRules& rules, const ForEach& forEach);
 
   Eigen::Vector3d position(const Cell& cell) const;
-  /** \brief The positions from which a camera can look, by what is around them alone. */
+  /** \brief The possible positions of a camera, by their surroundings alone. */
   std::vector<Cell> freeCells(const ForEach& forEach) const;
   bool isUpsideDown() const { return upside_down_; }
 
@@ -33,7 +33,7 @@ private:
 
   const SpaceProbe& probe_;
   const PlaceRules& rules_;
-  Eigen::AlignedBox3d bounds_;  // of the surface, and what is beside it
+  Eigen::AlignedBox3d bounds_;  // box of the surface and its surroundings
   int nx_, ny_;
   std::vector<double> floors_;
   bool upside_down_ = false;
@@ -64,7 +64,7 @@ private:
   };
   /** Connected cells. */
   struct Parts {
-    std::vector<std::size_t> root;  // of each cell, the cell that stands for its part
+    std::vector<std::size_t> root;  // for each cell the representative of its connected part
     std::map<std::size_t, Part> parts;
     const Part& of(std::size_t cell) const { return parts.at(root[cell]); }
   };

@@ -9,7 +9,7 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr double kBody = 0.2;   // radius of what carries the camera [m]
+constexpr double kBody = 0.2;   // radius of the robot or person with the camera [m]
 constexpr int kDirections = 8;  // to the sides of a driven pose
 
 /** Is there room for a camera and what carries it? */

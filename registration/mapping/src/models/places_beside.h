@@ -21,7 +21,7 @@ struct DrivenPose {
 struct PlaceBeside {
   Eigen::Isometry3d T_w_c;
   std::size_t beside = 0;  ///< index of the driven pose that it belongs to
-  double known_share = 0;  ///< of its pixels
+  double known_share = 0;  ///< share of its pixels
 };
 
 /** \brief Poses within reach of a drive that no image of it is near, as high and as inclined as the driven
@@ -29,7 +29,7 @@ struct PlaceBeside {
 std::vector<PlaceBeside> placesBeside(const std::vector<DrivenPose>& drive, const SeenSpace& space,
                                       const DensifyParams& params);
 
-/** \brief Of places those that are known enough, the best known first; what is near one of these is left out.
+/** \brief The places with enough known pixels, the best known first, without those near a better one.
  */
 std::vector<PlaceBeside> spreadOut(std::vector<PlaceBeside> places, const DensifyParams& params,
                                    std::size_t most);

@@ -19,7 +19,7 @@ double nearestAt(const DepthPicture& picture, int u, int v) {
   return highest == 0 ? 0 : 1 / (DepthPicture::kQuantum * highest);
 }
 
-/** What a picture can show, up to a depth, in the world. */
+/** The space that a picture can show, up to a depth, in the world. */
 Eigen::AlignedBox3d boxOf(const PosedPicture& posed, double depth) {
   Eigen::AlignedBox3d box(posed.T_w_c.translation());
   const Intrinsics& camera = posed.picture->camera;
@@ -93,7 +93,7 @@ void SeenSpace::look(const PosedPicture& posed) {
     }
 }
 
-// The camera was there, and what carried it.
+// The camera was there, and its robot or person.
 void SeenSpace::stand(const Eigen::Vector3d& point) {
   const int reach = 2;
   const Eigen::Vector3i middle = ((point - origin_) / cell_).cast<int>();

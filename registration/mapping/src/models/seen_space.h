@@ -10,8 +10,8 @@
 
 namespace facetloc::internal {
 
-/** \brief The space that depth pictures have looked into, as a grid of cells: what lies between a camera and
- * the surfaces that it saw. What no picture shows is unknown, however empty it may be. */
+/** \brief The space that depth pictures have looked into, as a grid of cells: the space between a camera and
+ * the surfaces that it saw. Space that no picture shows is unknown, however empty it may be. */
 class SeenSpace {
 public:
   /// Depth beyond which cells of this size mean nothing, for all the noise [m]

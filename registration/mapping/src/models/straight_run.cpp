@@ -25,7 +25,7 @@ public:
   }
 
 private:
-  /** Keeps what has sign (a x + b - y) <= 0. */
+  /** Keeps the part with sign (a x + b - y) <= 0. */
   void cut(double x, double y, double sign) {
     kept_.clear();
     for (std::size_t i = 0; i < polygon_.size(); ++i) {

@@ -38,7 +38,7 @@ private:
   Moments momentsOf(std::size_t begin, std::size_t end) const;
 
   const std::vector<Eigen::Vector2d>& points_;
-  std::vector<Sums> sums_;  // of all points before
+  std::vector<Sums> sums_;  // sums over all points before
 };
 
 /** \brief End of the longest run of points from begin on that one line passes within half a cell: measured

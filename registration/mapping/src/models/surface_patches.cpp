@@ -10,10 +10,10 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr int kRadius = 2;       // of the neighbourhood of a pixel [px]
+constexpr int kRadius = 2;       // radius of the neighbourhood of a pixel [px]
 constexpr int kFewest = 8;       // pixels of it that must lie on the plane
 constexpr double kSteepest = 6;  // tangent of the angle at which a surface is looked at, 80 deg
-constexpr double kNoises = 3;    // by which a pixel may be off the plane [noise std]
+constexpr double kNoises = 3;    // largest distance of a pixel from the plane [noise std]
 
 /** The neighbourhood of a pixel: inverse depths relative to it. */
 struct Neighbours {

@@ -20,11 +20,11 @@ struct SurfacePatches {
     bool known() const { return m_x != 0 || m_y != 0 || m_z != 0; }
   };
 
-  Intrinsics camera;         ///< of the picture
+  Intrinsics camera;         ///< intrinsics of the picture
   Eigen::Isometry3d T_w_c;   ///< pose of its camera
-  DepthNoise noise;          ///< of its pixels
+  DepthNoise noise;          ///< noise of its pixels
   std::vector<Patch> patch;  ///< row-major
-  Eigen::AlignedBox3d box;   ///< of the patches, in the world
+  Eigen::AlignedBox3d box;   ///< box around the patches, in the world
 
   const Patch& at(int u, int v) const { return patch[static_cast<std::size_t>(v) * camera.width + u]; }
 };

@@ -10,13 +10,13 @@
 
 namespace facetloc::internal {
 
-/** \brief What a camera sees at a pose, in a few pixels. */
+/** \brief The view of a camera at a pose, in a few pixels. */
 struct SmallView {
   Eigen::Isometry3d T_w_c;
   std::vector<float> depth;  ///< [m]; 0 = unknown
 };
 
-/** \brief Share of the known pixels of a view that another one of the same intrinsics shows, too. */
+/** \brief Share of the known pixels of a view that another one of the same intrinsics also shows. */
 double sharedPart(const SmallView& of, const SmallView& in, const Intrinsics& camera);
 
 /** \brief Which views another one may stand for. */
@@ -25,7 +25,7 @@ struct Substitutes {
     std::uint32_t view;
     float shared;  ///< part of that view that the other one shows
   };
-  std::vector<std::vector<Entry>> of;  ///< by the view that stands for those listed
+  std::vector<std::vector<Entry>> of;  ///< grouped by the representative view
 };
 
 /** \brief Few views, such that for each view there is one that shows at least that part of it: the greedy set

@@ -17,7 +17,7 @@ namespace {
 
 using Stage = MapProgress::Stage;
 
-constexpr double kStepsPerSpacing = 2;  // in which candidates lie
+constexpr double kStepsPerSpacing = 2;  // candidates per spacing
 constexpr double kBeside = 3;           // how far from a scan of a part of a room a camera may be [m]
 constexpr double kSlackDeg = 1e-6;      // neighbouring headings are just as far apart as the rule says
 
@@ -124,7 +124,7 @@ std::string problemOfSize(const Eigen::AlignedBox3d& bounds, double step) {
   if (size.x() / step * (size.y() / step) <= kMostColumns) return {};
   return fmt::format(
       "it is {:.0f} x {:.0f} m wide, too much to look for viewpoints everywhere; check the unit, "
-      "cut off what is far away, increase spacing, or give viewpoints",
+      "cut off far surfaces, increase spacing, or give viewpoints",
       size.x(), size.y());
 }
 

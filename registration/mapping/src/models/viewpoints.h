@@ -14,7 +14,7 @@ struct ViewpointSearch {
   std::shared_ptr<const Surface> surface;
   Camera camera;                        ///< with the intrinsics of the images that are rendered
   std::vector<double> heights;          ///< above the floor [m]
-  std::vector<double> tilts_deg;        ///< of the optical axis below the horizon
+  std::vector<double> tilts_deg;        ///< tilts of the optical axis below the horizon
   bool stands = false;                  ///< on the floor, as on a robot
   std::vector<Eigen::Vector3d> inside;  ///< places of the areas to fill, in the surface's frame
   Eigen::Isometry3d T_w_up = Eigen::Isometry3d::Identity();  ///< to the surface's frame from one with z up

@@ -15,7 +15,7 @@ using Stage = MapProgress::Stage;
 
 constexpr std::size_t kImagesPerThread = 16;                  // views built ahead of the one that is taken
 constexpr std::size_t kStarts = 24;                           // images that others are registered with
-constexpr double kLeastTurn = 1 * kDegree, kLeastWay = 0.02;  // of a motion that is worth comparing [m]
+constexpr double kLeastTurn = 1 * kDegree, kLeastWay = 0.02;  // least motion that is compared [m]
 constexpr double kMostTurn = 15 * kDegree, kMostWay = 0.4;    // after which no longer one is tried
 
 /** Motions from keyframe to keyframe, by the images. */

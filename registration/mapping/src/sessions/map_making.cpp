@@ -72,8 +72,8 @@ struct MapMaking::Impl {
   ImageRun run;
   PosesByTime poses_by_time;
   MapFindings findings;
-  std::vector<int> parts;   // of the trajectory, the largest first
-  bool calibrated = false;  // by the poses that are known now
+  std::vector<int> parts;   // parts of the trajectory, the largest first
+  bool calibrated = false;  // uses the final poses
 };
 
 std::optional<Eigen::Isometry3d> MapMaking::Impl::pose(std::size_t image) const {
@@ -219,7 +219,7 @@ void MapMaking::checkPoses() {
 std::vector<MapPlace> MapMaking::places() const {
   const Impl& m = *impl_;
   std::vector<MapPlace> places;
-  std::map<int, MapBuilder> rules;  // of each part
+  std::map<int, MapBuilder> rules;  // rules of each part
   for (std::size_t i = 0; i < m.run.images.size(); ++i) {
     const auto T_w_m = m.pose(i);
     const auto& found = m.findings.trajectory;

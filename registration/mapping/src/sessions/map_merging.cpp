@@ -18,7 +18,7 @@ using namespace internal;
 
 namespace {
 
-constexpr std::size_t kMostViews = 30;  // of a map that are looked for in another one, spread over it
+constexpr std::size_t kMostViews = 30;  // views of a map that are localized in another one, spread over it
 
 bool hasPoses(const Map& map) {
   return std::any_of(map.models.begin(), map.models.end(),
@@ -127,11 +127,12 @@ Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& name
     // One camera's field differs a little from map to map; of two cameras one has to be chosen.
     if (!merged.camera.distortion) merged.camera.distortion = camera.distortion;
     if (!sameMounting(merged.camera.mounting, camera.mounting)) merged.camera.mounting.reset();
-    const auto alike = std::count(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]);
-    const std::string prefix = alike > 0 ? fmt::format("{}_{}.", names[i], alike + 1) : names[i] + ".";
+    const auto same = std::count(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]);
+    const std::string prefix = same > 0 ? fmt::format("{}_{}.", names[i], same + 1) : names[i] + ".";
     for (const auto& [key, value] : maps[i].meta)
       if (key != kSureKey && key != kRenderedKey) merged.meta[prefix + key] = value;
-    if (lacksSurfaces(maps[i])) setLacksSurfaces(merged);  // nothing may object to what one of them lacks
+    if (lacksSurfaces(maps[i]))
+      setLacksSurfaces(merged);  // surfaces that one of them lacks must not count as evidence
   }
   requireUniqueNames(merged);
   placeByLinks(merged);

@@ -14,12 +14,12 @@ using namespace internal;
 
 namespace {
 
-constexpr double kKeyShare = 0.5;  // of the distance of local models, for images with given poses
+constexpr double kKeyShare = 0.5;  // share of the distance of local models, for images with given poses
 
 }  // namespace
 
 std::string MapChanges::inWords() const {
-  return fmt::format("{} local model{} added, {} replaced, {} retired, {} without what has moved",
+  return fmt::format("{} local model{} added, {} replaced, {} retired, {} without moved surfaces",
                      added.size(), added.size() == 1 ? "" : "s", replaced.size(), retired.size(),
                      edited.size());
 }
@@ -50,7 +50,7 @@ struct MapSession::Impl {
   MapUpdateParams params;
   ImageRun run;
   MapFindings findings;
-  std::vector<std::size_t> numbers;  // of each image of the trajectory
+  std::vector<std::size_t> numbers;  // image numbers of the trajectory
   SessionPlace place;
 };
 

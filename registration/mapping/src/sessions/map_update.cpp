@@ -21,16 +21,17 @@ using namespace internal;
 
 namespace {
 
-constexpr ViewReach kKnownReach{1, 30 * kDegree};  // of local models that make a place known [m]
+constexpr ViewReach kKnownReach{1, 30 * kDegree};  // reach of local models that make a place known [m]
 constexpr int kLooks = 2;               // places that must look through a surface before it counts as gone
 constexpr std::size_t kMostLooks = 16;  // nearest images that one local model is judged by
 constexpr double kLoose = 0.1, kLooseRotation = 2 * kDegree;  // errors of an image's place in the map [m]
-constexpr double kTrustedAgreement = 0.6;  // of an image with the map around it, below which it is misplaced
-constexpr double kConvincingAgreement = 0.92;  // of an image whose place nothing else confirms
+constexpr double kTrustedAgreement =
+    0.6;  // agreement of an image with the map around it, below which it is misplaced
+constexpr double kConvincingAgreement = 0.92;  // agreement of an image whose place nothing else confirms
 constexpr int kFewestPixels = 60;              // that two views must have in common
 
-/** Aligned images are off by their noise, and pixels of one surface err alike: many of them together tell
- * smaller differences than one does. */
+/** Aligned images are off by their noise, and errors of one surface are correlated: many pixels together
+ * reveal smaller differences than one does. */
 DepthCalibration narrowComparison() {
   DepthCalibration errors;
   errors.absolute_error /= 2;
@@ -45,7 +46,7 @@ struct Look {
   DepthAgreement seen;
 };
 
-/** What the session says of the local models, which stay as they are. */
+/** The session's evidence about the local models, which stay as they are. */
 class Review {
 public:
   Review(const Map& map, const std::vector<SessionImage>& session, int threads)
@@ -69,7 +70,7 @@ public:
   bool trusts(std::size_t image) const { return trusted_[image]; }
 
 private:
-  /** The nearest images from different places, each aligned with the local model by what the two show. */
+  /** The nearest images from different places, each aligned with the local model by their common surfaces. */
   std::vector<Look> looksAt(int m) const {
     const LocalModel& model = map_.models[m];
     const std::shared_ptr<const View> view = map_.view(m);
@@ -105,7 +106,7 @@ private:
   DepthAgreement agreement(int m, std::size_t image, const Eigen::Isometry3d& T_m_c) const {
     return comparison_.compareBoth(session_[image].view->depth, map_.view(m)->depth, T_m_c, kFineColumns);
   }
-  /** What contradicts most of the map around it is in the wrong place, and tells nothing. */
+  /** An image that contradicts most of the map around it is in the wrong place, and does not count. */
   std::vector<char> trustedImages() const {
     std::vector<DepthAgreement> sums(session_.size());
     for (const auto& of_model : looks_)
@@ -123,7 +124,7 @@ private:
   DepthComparison comparison_, narrow_;
   ViewPlacing placing_;
   std::vector<std::vector<Look>> looks_;
-  std::vector<char> trusted_;  // of each image: it is where it is thought to be
+  std::vector<char> trusted_;  // for each image: its pose is trusted
   std::vector<SurfaceReview> reviews_;
 };
 
@@ -145,7 +146,8 @@ public:
     for (const LocalModel& model : map.models) names_.insert(model.name);
   }
 
-  /** Takes out what is gone; what has lost much is replaced by the image nearest to it, if one is near. */
+  /** Removes models that are gone; one that has lost much is replaced by the image nearest to it, if one is
+   * near. */
   void retire(const Review& review) {
     for (std::size_t i = 0; i < used_.size(); ++i) {
       trusted_[i] = review.trusts(i);
@@ -177,8 +179,8 @@ public:
     }
   }
 
-  /** Images become local models where the map does not show what they show. Where one is already, an image
-   * takes its place, if other images of the session confirm what is new. */
+  /** Images become local models where they show surfaces that the map lacks. Where one is already, an image
+   * takes its place, if other images of the session confirm the new surfaces. */
   void add() {
     for (std::size_t i = 0; i < session_.size(); ++i) {
       if (used_[i] || session_[i].view->segments.empty()) continue;

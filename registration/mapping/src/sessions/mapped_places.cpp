@@ -9,7 +9,7 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr double kNearDistance = 0.35, kNearRotationDeg = 10;  // of a place that is there already [m]
+constexpr double kNearDistance = 0.35, kNearRotationDeg = 10;  // radius of an existing place [m, deg]
 
 Eigen::Isometry3d poseOf(const MappedPlace& place, const TrajectoryEstimation& trajectory) {
   return trajectory.pose(place.keyframe).T * place.T_k_m;

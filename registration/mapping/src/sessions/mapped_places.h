@@ -14,7 +14,7 @@
 
 namespace facetloc::internal {
 
-/** \brief An image that is a local model, as the keyframe knows it that it hangs from. */
+/** \brief An image that is a local model, as known to the keyframe that it is attached to. */
 struct MappedPlace {
   std::string name;
   double stamp = 0;  ///< [s]

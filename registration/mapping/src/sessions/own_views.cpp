@@ -24,8 +24,7 @@ bool isNeighbour(const LocalModel& a, const LocalModel& b) {
 void addOwnViews(const std::shared_ptr<const Map>& map, SureCalibration& calibration,
                  const RightPose& is_right, const GlobalLocalizationParams& params, int threads,
                  const MapProgressCallback& progress) {
-  const std::vector<char> rendered =
-      renderedViews(*map);  // which may show what the image asked for has shown
+  const std::vector<char> rendered = renderedViews(*map);  // they may show the surfaces of the excluded image
   std::vector<int> asked;
   for (std::size_t i = 0; i < map->models.size(); ++i)
     if (map->models[i].T_w_m && !rendered[i]) asked.push_back(static_cast<int>(i));

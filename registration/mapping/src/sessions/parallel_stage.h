@@ -16,8 +16,8 @@ public:
                 const MapProgressCallback& progress);
 
   int threads() const { return threads_; }
-  /** \brief Calls job for the items first, ..., last - 1, each once. Throws what jobs and the callback throw;
-   * the items that were not begun by then are left out. */
+  /** \brief Calls job for the items first, ..., last - 1, each once. Throws the exceptions of jobs and of the
+   * callback; the items that were not begun by then are left out. */
   void run(std::size_t first, std::size_t last, const std::function<void(std::size_t)>& job);
   void run(const std::function<void(std::size_t)>& job) { run(0, progress_.total, job); }
 

@@ -8,11 +8,11 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr double kThick = 0.03;          // of a segment, beyond its pixels' noise [m]
-constexpr double kNoises = 3;            // by which a pixel may be off its segment
-constexpr float kHullMargin = 0.02F;     // [m]
-constexpr int kFewestPixels = 12;        // of a segment that say anything, in the depth picture
-constexpr double kLeastJudged = 0.2;     // share of a segment's pixels that must say anything
+constexpr double kThick = 0.03;       // thickness of a segment, beyond its pixels' noise [m]
+constexpr double kNoises = 3;         // largest distance of a pixel from its segment, in standard deviations
+constexpr float kHullMargin = 0.02F;  // [m]
+constexpr int kFewestPixels = 12;     // known pixels of a segment in the depth picture
+constexpr double kLeastJudged = 0.2;  // share of a segment's pixels that must say anything
 constexpr double kMostOfSegment = 0.25;  // share of these by which it is not the surface that it was
 constexpr int kNone = -1;
 

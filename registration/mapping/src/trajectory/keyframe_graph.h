@@ -7,8 +7,8 @@
 
 namespace facetloc::internal {
 
-/** \brief The graph of keyframes at these poses. All comparisons of one keyframe share its errors: together,
- * they tell what those with the keyframe before and the one after would.
+/** \brief The graph of keyframes at these poses. All comparisons of one keyframe share its errors: together
+ * they have the information of those with the keyframe before and the one after.
  *
  * \param mounting if known, all stand on one floor \param key_distance way between keyframes, by which the
  * unevenness under them is new [m] */

@@ -10,7 +10,7 @@ void levelTrajectory(const std::function<std::optional<Gravity>(std::size_t imag
   const auto partOf = [&](const TrajectoryPose& pose) {
     return trajectory.keyframes[static_cast<std::size_t>(pose.keyframe)].part;
   };
-  std::map<int, Eigen::Vector3d> down;  // of each part, weighted by accuracy
+  std::map<int, Eigen::Vector3d> down;  // direction in each part, weighted by accuracy
   for (std::size_t i = 0; i < trajectory.images.size(); ++i) {
     const TrajectoryPose& pose = trajectory.images[i];
     const auto measured = gravity(i);

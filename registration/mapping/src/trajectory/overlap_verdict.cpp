@@ -13,7 +13,7 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr double kUnknown = 100;  // standard deviation of what two views do not tell [m, rad]
+constexpr double kUnknown = 100;  // standard deviation of motions that two views leave free [m, rad]
 constexpr double kFarEllipsoid = chiSquareQuantile(6, 0.999);
 constexpr PoseRadius kSameTrajectory{0.1, 1};
 

@@ -14,7 +14,7 @@ constexpr double kContradicted = 0.05;
 
 bool isContradicted(const OverlapVerdicts& v) { return v.contradictedShare() > kContradicted; }
 
-// Bonds of a shortest path between two pieces; empty if there is none.
+// Bonds of a shortest path between two pieces; empty if no path joins them.
 std::vector<PiecePair> pathBetween(const PiecePair& ends, const PieceBonds& bonds) {
   std::map<int, int> before{{ends.first, ends.first}};
   std::deque<int> open{ends.first};

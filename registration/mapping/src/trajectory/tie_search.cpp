@@ -10,24 +10,24 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr int kMostAlike = 15;  // earlier keyframes that one is compared with for their likeness
-constexpr int kClose = 10;      // numbers of keyframes that are compared whatever they show
+constexpr int kMostSimilar = 15;  // earlier keyframes that one is compared with for their likeness
+constexpr int kClose = 10;        // numbers of keyframes that are compared whatever they show
 constexpr double kSigmas = 3;
 
-std::vector<int> mostAlike(const std::vector<TieEnd>& keyframes, const std::vector<PlaneColumns>& planes,
-                           int b, const PoseWithCovariance& prior) {
+std::vector<int> mostSimilar(const std::vector<TieEnd>& keyframes, const std::vector<PlaneColumns>& planes,
+                             int b, const PoseWithCovariance& prior) {
   const PlaneOverlay overlay(*keyframes[b].view, prior);
   if (!overlay.isUseful()) return {};
-  std::vector<std::pair<float, int>> alike;
+  std::vector<std::pair<float, int>> similar;
   for (int a = 0; a < b; ++a) {
     if (keyframes[a].part == keyframes[b].part) continue;
     const Overlay laid = overlay.on(planes[a]);
-    if (laid.exists()) alike.emplace_back(-laid.score, a);
+    if (laid.exists()) similar.emplace_back(-laid.score, a);
   }
-  std::sort(alike.begin(), alike.end());
+  std::sort(similar.begin(), similar.end());
   std::vector<int> best;
-  for (std::size_t i = 0; i < std::min<std::size_t>(kMostAlike, alike.size()); ++i)
-    best.push_back(alike[i].second);
+  for (std::size_t i = 0; i < std::min<std::size_t>(kMostSimilar, similar.size()); ++i)
+    best.push_back(similar[i].second);
   return best;
 }
 
@@ -45,7 +45,7 @@ std::vector<std::pair<int, int>> tieCandidates(const std::vector<TieEnd>& keyfra
   forEachInParallel(n - first, threads, [&](int i) {
     std::vector<int>& of_b = partners[i];
     const int b = first + i;
-    of_b = mostAlike(keyframes, planes, b, prior);
+    of_b = mostSimilar(keyframes, planes, b, prior);
     for (int a = std::max(0, b - kClose); a < b; ++a)
       if (keyframes[a].part != keyframes[b].part) of_b.push_back(a);
     std::sort(of_b.begin(), of_b.end());
@@ -80,8 +80,8 @@ std::pair<int, int> TravelBound::nearestInTime(int part_a, int part_b) const {
   return nearest;
 }
 
-// Distance that the camera may have covered between two keyframes: the known displacements of the parts in
-// between, and what its speed allows from one to the next.
+// Largest distance of the camera's motion between two keyframes: the known displacements of the parts in
+// between, and the distance that its speed allows from one to the next.
 double TravelBound::farthest(int first, int last) const {
   double sum = 0;
   int begin = first;

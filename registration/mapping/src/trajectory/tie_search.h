@@ -18,7 +18,7 @@ struct TieEnd {
   int part = 0;
   int run = 0;  ///< number of interruptions before it
   double stamp = 0;
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in the world of its part
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< position in the world of its part
 };
 
 /** \brief Pairs of keyframes of different parts that may show the same place: those close in order, and for

@@ -39,27 +39,29 @@ using Progress = std::function<void(double)>;
 
 constexpr double kFarEllipsoid = chiSquareQuantile(6, 0.999);
 constexpr double kLongStep = 0.2;                     // after which the next image may show another place [s]
-constexpr double kSparse = 0.02, kSparseTurnDeg = 1;  // of a camera that has moved between images [m]
-constexpr double kClearAgreement = 0.9;               // of an image with the keyframes before it
+constexpr double kSparse = 0.02, kSparseTurnDeg = 1;  // least motion of a camera between images [m, deg]
+constexpr double kClearAgreement = 0.9;               // agreement of an image with the keyframes before it
 constexpr double kLoopOverlap = 0.3;                  // share that an uncertain loop must have in common
 constexpr double kReachAngle = 45 * kDegree;  // between the viewing directions of keyframes that are compared
 // Of a relative pose, beyond which a lone loop is not believed [m].
 constexpr double kTrustedStd = 0.3, kTrustedRotation = 5 * kDegree;
 constexpr int kConsistentLoops = 3;  // that must agree before an uncertain one of them is believed
 constexpr int kPasses = 4;           // comparisons of all keyframes, each followed by an optimization
-constexpr double kUncertainStd = 1, kUncertainRotation = 10 * kDegree;  // beyond which rooms look alike [m]
+constexpr double kUncertainStd = 1,
+                 kUncertainRotation = 10 * kDegree;  // beyond which several rooms may fit [m]
 constexpr int kMostUncertain = 15;        // earlier keyframes that one is compared with far from certainty
 constexpr int kLocal = 20;                // keyframes in a row between which no loop is closed
 constexpr double kSameLookOverlap = 0.5;  // share of the pixels of two keyframes that show the same thing
 constexpr int kIndependentTies = 2;       // that must agree before two pieces become one
-constexpr double kMoved = 0.02, kTurned = 0.5;  // of a prior, after which a pair is compared anew [m, deg]
+constexpr double kMoved = 0.02,
+                 kTurned = 0.5;  // change of a prior after which a pair is compared anew [m, deg]
 constexpr int kLooks = 3;  // keyframes of a place that an image is compared with before it becomes another
 constexpr double kSureAgreement = 0.95,
-                 kSureOverlap = 0.7;  // of a lost image with a keyframe that it hangs from
-constexpr double kSureStd = 0.05;     // of its position beside that one [m]
+                 kSureOverlap = 0.7;  // overlap of a lost image with a keyframe that it is attached to
+constexpr double kSureStd = 0.05;     // standard deviation of its position beside that one [m]
 constexpr int kCrowded = 3;           // keyframes of one place, after which it gets no more
 
-/** A small picture of inverse depths, to find those first that look alike. */
+/** A small picture of inverse depths, to find similar keyframes first. */
 constexpr int kThumbColumns = 8, kThumbRows = 6;
 using Thumbnail = std::array<double, kThumbColumns * kThumbRows>;
 
@@ -155,7 +157,7 @@ struct TrajectoryEstimation::Impl {
   struct Image {
     double stamp;
     int keyframe;
-    Eigen::Isometry3d T_k_c;  // from its keyframe
+    Eigen::Isometry3d T_k_c;  // pose in its keyframe
   };
   struct Node {
     std::size_t image;
@@ -163,17 +165,17 @@ struct TrajectoryEstimation::Impl {
     int before;                                 // the keyframe that the way led from
     int piece;                                  // number of the first keyframe that motions led from
     int run;                                    // number of interruptions before it
-    std::optional<Eigen::Isometry3d> T_before;  // in that one, as found with it
+    std::optional<Eigen::Isometry3d> T_before;  // pose in that one, as found with it
   };
   /** From one image to the next. */
   struct Motion {
-    PoseWithCovariance T;    // by what is no comparison with a keyframe
-    Eigen::Isometry3d best;  // by everything
+    PoseWithCovariance T;    // pose by all but comparisons with keyframes
+    Eigen::Isometry3d best;  // pose by all information
     bool known, guessed;
   };
   /** Of an image, beside the latest keyframe. */
   struct Position {
-    PoseWithCovariance by_motion;  // by what is no comparison with that keyframe
+    PoseWithCovariance by_motion;  // motion by all but comparisons with that keyframe
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     bool known = true;                 // nothing has broken since
     bool guessed = false;              // how a camera may move is all that by_motion comes from
@@ -193,11 +195,11 @@ struct TrajectoryEstimation::Impl {
     return std::minmax(nodes[m.from].piece, nodes[m.to].piece);
   }
   double stampOf(int keyframe) const { return images[nodes[keyframe].image].stamp; }
-  bool hang(const std::shared_ptr<const View>& view, const Position& at);
+  bool attach(const std::shared_ptr<const View>& view, const Position& at);
   bool hangFromKnown(const View& view, const Position& at);
   void hangFrom(int keyframe, const PoseWithCovariance& T_k_c);
   std::vector<int> keyframesAround(const Eigen::Isometry3d& T_w_c) const;
-  std::vector<int> keyframesAlike(const View& view) const;
+  std::vector<int> similarKeyframes(const View& view) const;
   void takeKeyframe(const std::shared_ptr<const View>& view, const Position& at);
   void begin(const std::shared_ptr<const View>& view);
   bool slides() const;
@@ -233,9 +235,9 @@ struct TrajectoryEstimation::Impl {
   std::vector<PoseWithCovariance> T_w_k;
   std::vector<int> part;
   std::shared_ptr<const Comparisons> compared = std::make_shared<Comparisons>();
-  Comparisons compared_since;          // what compared does not know of yet
+  Comparisons compared_since;          // not yet included in compared
   Ties ties;                           // keyframes of different pieces, compared anywhere; empty if refused
-  int current = 0;                     // the keyframe that the latest image hangs from
+  int current = 0;                     // the keyframe that the latest image is attached to
   Position since;                      // that keyframe
   std::shared_ptr<const View> latest;  // view
 };
@@ -295,7 +297,7 @@ bool TrajectoryEstimation::Impl::add(View&& moved_view, double stamp,
   if (shows_anything && (is_sparse || seen.broken || seen.agreement < kClearAgreement)) {
     at = place(view, at);
     if (!at.placed && latest && latest != nodes[current].view) {
-      hang(latest, since);
+      attach(latest, since);
       at = place(view, moved(since, step));
     }
     if (!at.follows) {
@@ -313,7 +315,7 @@ bool TrajectoryEstimation::Impl::add(View&& moved_view, double stamp,
   if (!shows_anything || (since.known && isNear(since.T, Eigen::Isometry3d::Identity(), way, turn_deg)))
     return false;
   if (!since.placed) since = place(view, since);
-  return hang(view, Position(since));
+  return attach(view, Position(since));
 }
 
 // Those of the same part where an image is, the nearest first.
@@ -327,12 +329,12 @@ std::vector<int> TrajectoryEstimation::Impl::keyframesAround(const Eigen::Isomet
 }
 
 // All of them; those whose depth pictures look most like the view's come first.
-std::vector<int> TrajectoryEstimation::Impl::keyframesAlike(const View& view) const {
+std::vector<int> TrajectoryEstimation::Impl::similarKeyframes(const View& view) const {
   const Thumbnail of_view = thumbnail(view.depth);
-  std::vector<std::pair<double, int>> alike;
+  std::vector<std::pair<double, int>> similar;
   for (int k = 0; k < static_cast<int>(nodes.size()); ++k)
-    alike.push_back({difference(of_view, thumbnail(nodes[k].view->depth)), k});
-  return inOrder(alike);
+    similar.push_back({difference(of_view, thumbnail(nodes[k].view->depth)), k});
+  return inOrder(similar);
 }
 
 void TrajectoryEstimation::Impl::hangFrom(int keyframe, const PoseWithCovariance& T_k_c) {
@@ -346,7 +348,7 @@ void TrajectoryEstimation::Impl::hangFrom(int keyframe, const PoseWithCovariance
 bool TrajectoryEstimation::Impl::hangFromKnown(const View& view, const Position& at) {
   const Eigen::Isometry3d T_w_c = T_w_k[current].T * at.T;
   const Matrix6d step = stepCovariance(mounting(), true);
-  const std::vector<int> around = at.known ? keyframesAround(T_w_c) : keyframesAlike(view);
+  const std::vector<int> around = at.known ? keyframesAround(T_w_c) : similarKeyframes(view);
   for (int i = 0; i < std::min<int>(kLooks, around.size()); ++i) {
     const int k = around[i];
     PoseWithCovariance prior{Eigen::Isometry3d::Identity(), step};
@@ -376,12 +378,12 @@ bool TrajectoryEstimation::Impl::beginAgain(const std::shared_ptr<const View>& v
   latest = view;
   Position nowhere;
   nowhere.known = false;
-  return hang(view, nowhere);
+  return attach(view, nowhere);
 }
 
-// The latest image becomes a keyframe or, of an endless trajectory, hangs from one that is there.
+// Makes the latest image a keyframe or, in an endless trajectory, attaches it to an existing one.
 // Returns true for a new one.
-bool TrajectoryEstimation::Impl::hang(const std::shared_ptr<const View>& view, const Position& at) {
+bool TrajectoryEstimation::Impl::attach(const std::shared_ptr<const View>& view, const Position& at) {
   if (endless && hangFromKnown(*view, at)) {
     images.back().keyframe = current;
     images.back().T_k_c = since.T;
@@ -478,7 +480,7 @@ std::optional<PlacedView> TrajectoryEstimation::Impl::compare(int a, int b, cons
   return placed;
 }
 
-// Of keyframes of one part. What the trajectory has known is an overlap; what it has not, a loop that others
+// Compares keyframes of one part. A pair known to the trajectory is an overlap; any other a loop that others
 // must confirm.
 std::vector<KeyframeMotion> TrajectoryEstimation::Impl::compareKeyframes(const GraphCovariance& known,
                                                                          int first,
@@ -709,7 +711,7 @@ void TrajectoryEstimation::Impl::improve(const Progress& progress, int asked) {
     std::vector<KeyframeMotion> all = chain;
     all.insert(all.end(), relations.begin(), relations.end());
     const GraphCovariance known(graphOf(all), threads);
-    known.ofNodes();  // by all threads, before each of them asks for some
+    known.ofNodes();  // computed by all threads, before each of them asks for some
     std::vector<KeyframeMotion> found = compareKeyframes(known, first, share(0, 0.5));
     const bool is_last = pass + 1 == kPasses;  // ties are judged by the pass after them
     const std::vector<KeyframeMotion> new_ties =
@@ -758,7 +760,7 @@ void TrajectoryEstimation::Impl::cut(const PiecePair& pieces) {
 void TrajectoryEstimation::Impl::adopt(const Impl& improved) {
   const std::size_t n = improved.nodes.size();
   if (n > nodes.size() || improved.chain.size() > chain.size())
-    throw std::invalid_argument("TrajectoryEstimation: what is to be adopted is no clone of this trajectory");
+    throw std::invalid_argument("TrajectoryEstimation: only a clone of this trajectory can be adopted");
   const auto isLater = [n](const KeyframeMotion& m) { return m.to >= static_cast<int>(n); };
   std::copy(improved.chain.begin(), improved.chain.end(), chain.begin());
   std::vector<KeyframeMotion> all = improved.relations;

@@ -17,7 +17,7 @@ using namespace internal;
 
 namespace {
 
-constexpr double kErrorBesideKeyframe = 0.003;  // of an image relative to its keyframe [m, rad]
+constexpr double kErrorBesideKeyframe = 0.003;  // error of an image relative to its keyframe [m, rad]
 
 /** Index of the local model that is nearest in the order of images to each keyframe, of the same part. */
 std::vector<int> nearestModels(const CameraTrajectory& trajectory, const std::vector<std::size_t>& images) {

@@ -11,11 +11,11 @@ namespace facetloc::internal {
 /** \brief A place on a trajectory, as a keyframe knows it. */
 struct PlaceOnTrajectory {
   int keyframe = 0;
-  Eigen::Isometry3d T_k_c = Eigen::Isometry3d::Identity();  ///< in the frame of that keyframe
+  Eigen::Isometry3d T_k_c = Eigen::Isometry3d::Identity();  ///< pose in the frame of that keyframe
 };
 
 /** \brief Links between pairs of places, given by their indices, that are in one part: motions by the
- * trajectory's poses, covariances what its graph knows of each pair by itself. */
+ * trajectory's poses, covariances by its graph, computed for each pair separately. */
 std::vector<Link> linksBetween(const CameraTrajectory& trajectory,
                                const std::vector<PlaceOnTrajectory>& places,
                                const std::set<std::pair<int, int>>& pairs);

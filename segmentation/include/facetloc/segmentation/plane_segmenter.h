@@ -12,7 +12,7 @@ namespace facetloc {
 
 /** \brief Labels of a depth image and the plane of each label. */
 struct LabelledPlanes {
-  Intrinsics camera;               ///< of the image
+  Intrinsics camera;               ///< intrinsics of the image
   LabelImage labels;               ///< labels count from 1 in the order of decreasing support
   std::vector<PixelPlane> planes;  ///< planes[k - 1] of label k, in inverse depth [1/m]
   std::vector<int> support;        ///< labelled pixels of label k

@@ -13,7 +13,7 @@
 #else
 namespace pcl {
 
-/** \brief The abstract base that PCL lacks: what its segmentation classes share by habit.
+/** \brief The abstract base that PCL lacks: the common interface of its segmentation classes.
  *
  * Input cloud and indices come from PCLBase. Outputs are cleared first; bad data leaves them empty and the
  * reason in getStatus(), never an exception or the answer of the call before. */

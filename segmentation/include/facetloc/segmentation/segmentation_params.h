@@ -11,7 +11,7 @@ enum class SplitMethod { quadtree, delaunay };
 constexpr const char* kNamesOfSplitMethods[] = {"quadtree", "delaunay"};
 constexpr const auto& namesOf(SplitMethod) { return kNamesOfSplitMethods; }
 
-/** \brief Split stage: into what, and when a triangle is flat enough (METHOD 3.2). */
+/** \brief Split stage: its elements, and the limit of flatness (METHOD 3.2). */
 struct SplitParams {
   static constexpr const char* kTitle = "Split of a depth image into flat parts";
   SplitMethod method = SplitMethod::quadtree;
@@ -76,7 +76,7 @@ struct LabelParams {
     visit("min_support", p.min_support, 3.0, 1e6,
           "Number of pixels of the smallest segment [px at 320x240, scaled with the image area].", kForUsers);
     visit("estimate_noise", p.estimate_noise, false, true,
-          "Raise the camera's noise to what each image shows.");
+          "Raise the camera's noise to that measured in each image.");
   }
   void validate() const { checkRanges(*this); }
 };

@@ -47,8 +47,8 @@ public:
    */
   const LabelledPlanes& segmentation() const { return segmentation_; }
   const Camera& camera() const { return *camera_; }
-  double segmentMilliseconds() const { return segment_ms_; }    ///< of the last image
-  double featuresMilliseconds() const { return features_ms_; }  ///< of the last image
+  double segmentMilliseconds() const { return segment_ms_; }    ///< time for the last image
+  double featuresMilliseconds() const { return features_ms_; }  ///< time for the last image
 
 private:
   const DepthImage& prepared(const DepthImage& measured);

@@ -115,7 +115,7 @@ std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, co
   return camera;
 }
 
-/** \brief What the camera sees of points in any order. */
+/** \brief The depth image of points in any order. */
 template <typename PointT>
 std::optional<DepthImage> seenImage(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices,
                                     const Intrinsics& camera, std::string& why_not) {

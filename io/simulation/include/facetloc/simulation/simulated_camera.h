@@ -30,7 +30,7 @@ struct SimulatedNoise {
   /// @{
   double edge_std_px = 0.5;         ///< lateral noise of silhouettes [px]
   double grazing_dropout_deg = 80;  ///< surfaces seen at a larger angle are lost [deg]
-  double grazing_spread_deg = 2;    ///< by how much that angle differs from patch to patch [deg]
+  double grazing_spread_deg = 2;    ///< variation of that angle from patch to patch [deg]
   double dark_range = 3.5;  ///< dark surfaces seen at a right angle are lost farther away [m]; 0 = never
   double projector_baseline = 0.075;  ///< distance of camera and projector, which casts shadows [m]
   double min_depth = 0.5;             ///< nearest depth measured [m]
@@ -41,7 +41,7 @@ struct SimulatedNoise {
   double untextured = 0;         ///< stereo: share of the pixels that cannot be matched, in patches
   double flying_px = 0;          ///< time of flight: width of mixed depths at silhouettes [px at 640x480]
   double multipath = 0;          ///< time of flight: depths in the edge of a corner are too large by this [m]
-  double reliable_depth = 1000;  ///< half of what is farther is lost on the way: depths are too small [m]
+  double reliable_depth = 1000;  ///< half of the way beyond it is lost: depths are too small [m]
   /// @}
 
   template <class Self, class Visitor>

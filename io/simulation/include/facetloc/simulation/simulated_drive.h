@@ -29,8 +29,8 @@ struct DriveParams {
           kForUsers);
     visit("camera_tilt_deg", p.camera_tilt_deg, -90.0, 90.0, "Tilt of the camera downwards [deg].",
           kForUsers);
-    visit("step", p.step, 0.01, 10.0, "Way of the robot after which an image is taken [m].");
-    visit("turn_deg", p.turn_deg, 0.1, 180.0, "Turn of the robot after which an image is taken [deg].");
+    visit("step", p.step, 0.01, 10.0, "Distance of the robot between images [m].");
+    visit("turn_deg", p.turn_deg, 0.1, 180.0, "Turn of the robot between images [deg].");
     visit("sway_deg", p.sway_deg, 0.0, 90.0, "Amplitude of the heading about the line that is driven [deg].");
     visit("sway_length", p.sway_length, 0.1, 1000.0, "Period of the swaying heading along the line [m].");
     visit("clearance", p.clearance, 0.0, 10.0,
@@ -51,14 +51,14 @@ struct PaceParams {
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("rate", p.rate, 0.1, 1000.0,
-          "Images per second: all of the continuous drive, at most of other runs.", kForUsers);
+          "Frame rate of the continuous drive, and upper limit for other runs [Hz].", kForUsers);
     visit("speed", p.speed, 0.01, 10.0, "Speed of the robot straight on [m/s].", kForUsers);
     visit("turn_rate_deg", p.turn_rate_deg, 1.0, 360.0, "Turn rate of the robot on the spot [deg/s].");
   }
   void validate() const { checkRanges(*this); }
 };
 
-/** \brief What a robot does at the last waypoint of its route. */
+/** \brief End of a route, at its last waypoint. */
 enum class RouteEnd { go_round, stop };
 
 /** \brief Camera poses T_w_c of a drive along a route, again and again until there are enough, or to its end
@@ -81,7 +81,7 @@ std::vector<Eigen::Isometry3d> simulateDrive(const Scene& scene, std::size_t fra
                                              const std::optional<Eigen::Vector2d>& start = {},
                                              const std::optional<PaceParams>& pace = {});
 
-/** \brief A route so many times in a row: first as it is, then each time on another line, its waypoints
+/** \brief A route repeated `rounds` times: first as it is, then each time on another line, its waypoints
  * displaced by up to 0.1 m in x and y. Same seed, same displacements. */
 Route roundsOf(const Route& route, int rounds, std::uint64_t seed);
 

@@ -25,7 +25,7 @@ struct MapPoseErrors {
     visit("rotation_std_deg", p.rotation_std_deg, 0.0, 90.0,
           "Error of orientations about each axis, standard deviation [deg].");
     visit("length", p.length, 0.1, 1e4,
-          "Way of the camera over which the errors change; a radian counts as a metre [m].");
+          "Path length of the camera over which the errors change [m]; a radian counts as a metre.");
   }
   void validate() const { checkRanges(*this); }
   bool any() const { return translation_std > 0 || rotation_std_deg > 0; }

@@ -8,11 +8,11 @@
 
 namespace facetloc {
 
-/** \brief The part of a place that is the same in both of its scenes: what moves is in neither position. */
+/** \brief The part of a place that is the same in both of its scenes: without movable things. */
 Scene lastingParts(const SimulatedPlace& place);
 
-/** \brief Mesh of what cameras see of a scene, without its bending: no glass; round bodies have 24 sides.
- * Triangles of float x, y, z [m]. */
+/** \brief Mesh of the visible surfaces of a scene, without their bending: no glass; round bodies have 24
+ * sides. Triangles of float x, y, z [m]. */
 pcl::PolygonMesh meshOf(const Scene& scene);
 
 /** \brief Occupancy grid of the walls of a place as a plan shows them: whole at their windows, open at doors,

@@ -12,7 +12,7 @@ namespace facetloc {
 enum class Material : std::uint8_t {
   matt,
   dark,  ///< reflects so little that patches of it are lost, more of them far away and at grazing angles
-  glass  ///< is seen only in patches; most rays go on to what is behind
+  glass  ///< is seen only in patches; most rays go on to the surface behind
 };
 
 /** \brief A one-coloured rectangle of the simulated world: centre, two unit axes and half sizes [m]; seen
@@ -47,7 +47,7 @@ struct SurfaceBending {
   std::uint64_t seed = 1;  ///< the same seed, the same surfaces
 };
 
-/** \brief What a simulated camera can see; z up, floor at z = 0. */
+/** \brief The surfaces that a simulated camera can see; z up, floor at z = 0. */
 struct Scene {
   std::vector<Rectangle> rectangles;
   std::vector<RoundBody> bodies;

@@ -20,14 +20,15 @@ namespace facetloc {
  *     else use(*answer.hypotheses[0].T_w_c, answer.hypotheses[0].probability);
  *
  * Compares the camera of the view with the map's. On a robot, where the mounting is the map's, the floor
- * tells roll, pitch and height beforehand, and the view is registered with the local models of a shortlist
- * only; otherwise, and where nothing is known of the view's camera, the prior is isotropic and all local
- * models are asked. An index for the shortlist comes with the file of a large map or is made with the object.
+ * gives roll, pitch and height beforehand, and the view is registered with the local models of a shortlist
+ * only; otherwise, and with an unknown camera of the view, the prior is isotropic and all local
+ * models are compared. An index for the shortlist comes with the file of a large map or is made with the
+ * object.
  *
- * Of two mountings that differ, the prior is about what they say of each other, such as half a turn of a
- * camera that hangs upside down. Where one of them is unknown and the best place is improbable, the view is
- * looked for as of a camera turned by 90, 180 and 270 deg about its optical axis, too. A place that is sure
- * so is the answer, with the probability that it has if one camera of ten is turned.
+ * For two known mountings that differ, the prior is about their difference, such as half a turn of a
+ * camera mounted upside down. Where one of them is unknown and the best place is improbable, the view is
+ * also searched for as seen by a camera turned by 90, 180 and 270 deg about its optical axis. A place that is
+ * sure so is the answer, with the probability that it has if one camera of ten is turned.
  *
  * The answer is the same for any number of threads. */
 class GlobalLocalization {
@@ -48,9 +49,9 @@ public:
    * reaches farther than the index. One whose covariance is not positive definite gives a reason. */
   Localization localize(const View& view, const PoseWithCovariance& prior) const;
 
-  /** \brief The same with no local model that is excluded. For who weighs the answers further: covariances
-   * are by the derivatives of planes and pixels alone, not by what the cost shows (registration/METHOD
-   * 12.4). */
+  /** \brief Localizes without the excluded local models. For callers that weigh the answers further:
+   * covariances are by the derivatives of planes and pixels alone, not by the shape of the cost
+   * (registration/METHOD 12.4). */
   Localization localize(const View& view, const std::function<bool(int model)>& excluded) const;
 
   /** \brief Prior of the pose of a view relative to each local model, from the mounting of its camera. */

@@ -14,7 +14,7 @@
 
 namespace facetloc {
 
-/** \brief How a moving camera stands in its map: what live programs show. */
+/** \brief State of a moving camera in its map, for live programs. */
 enum class TrackingState {
   searching,    ///< no place has been sure since the start
   localized,    ///< a place has become sure with this view
@@ -49,8 +49,8 @@ struct LocalizerAnswer {
   /// @}
 };
 
-/** \brief Tells where a camera is in a map: from one view, or from all views of a moving camera so far, where
- * the next ones may decide what one leaves open, such as one of a bare wall.
+/** \brief Localizes a camera in a map: from one view, or from all views of a moving camera so far, where
+ * later views may resolve the ambiguity of one, such as one of a bare wall.
  *
  *     facetloc::Localizer localizer(map);
  *     for (...) {
@@ -60,11 +60,11 @@ struct LocalizerAnswer {
  *
  * Holds a belief: places with covariances and odds, and that the camera is nowhere in the map. It moves with
  * the camera, by the views themselves and by an odometry if there is one, and every view that is new enough
- * is held against each of its places and registered near them, where it may fit better (METHOD 16.6). As long
- * as no place is sure, such views are searched in the whole map. Between them, a place that holds nearly all
- * of the belief is followed by the planes and pixels around it, and a robot by its floor (METHOD 16.2). A
+ * is compared with each of its places and registered near them, where it may fit better (METHOD 16.6). As
+ * long as no place is sure, such views are searched in the whole map. Between them, a place that holds nearly
+ * all of the belief is followed by the planes and pixels around it, and a robot by its floor (METHOD 16.2). A
  * view that is sure on its own, of the first place, makes the answer sure. A view that fixes no pose still
- * tells which places it excludes; views that show the same again tell nothing new. Its size does not grow
+ * excludes places; views that repeat the same add nothing. Its size does not grow
  * with time. Same views, stamps and odometry, same answers, for any number of threads. */
 class Localizer {
 public:
@@ -76,11 +76,11 @@ public:
   Localizer& operator=(Localizer&&) noexcept;
   ~Localizer();
 
-  /** \brief Where a view was taken, by itself. Remembers nothing; thread-safe. */
+  /** \brief The place of a single view. Remembers nothing; thread-safe. */
   LocalizerAnswer localize(const View& view) const;
-  /** \brief The same of a view that is about there, as somebody says: a prior that decides among places that
-   * look alike. A view that denies it is believed more. Throws what setPose() throws, and std::logic_error
-   * with score.by_overlap. \param T_w_c in the frame of the part \param part of the map */
+  /** \brief The place of a single view with a given approximate pose: a prior that decides among places that
+   * look the same. A view that contradicts it is believed more. Throws the exceptions of setPose(), and
+   * std::logic_error with score.by_overlap. \param T_w_c in the frame of the part \param part of the map */
   LocalizerAnswer localize(const View& view, const PoseWithCovariance& T_w_c, int part = 0) const;
 
   /** \brief Takes the next view of a moving camera. Any view and any stamp [s] have an answer. A stamp that
@@ -104,10 +104,10 @@ public:
   /** \brief The same for a depth image with its intrinsics; of several pixels one, to be about 320 wide. */
   LocalizerAnswer update(const DepthImage& image, double stamp,
                          const std::optional<PoseWithCovariance>& motion = {});
-  /** \brief What all views of a drive, later ones too, say of where one of them was taken (METHOD 16.7).
+  /** \brief The place of a view by all views of a drive, later ones included (METHOD 16.7).
    * Neither answer has to come from this object, but from one with its map and parameters.
-   * \param until_now what the views up to this one have said
-   * \param from_next what the next one has said in the reverse order, in which another object takes the views
+   * \param until_now answer by the views up to this one
+   * \param from_next answer by the next one in the reverse order, in which another object takes the views
    * from the last one on, with stamps that are negated
    * \param T_now_next how the camera moves to the next one: its T_before_now in the order of time */
   LocalizerAnswer smoothed(const LocalizerAnswer& until_now, const LocalizerAnswer& from_next,

@@ -20,12 +20,13 @@ namespace facetloc {
  *     facetloc::MapLocalization<pcl::PointXYZRGBA> localization;
  *     localization.setMap(std::make_shared<const facetloc::Map>(facetloc::openMap("office.flmap")));
  *     localization.setInputCloud(cloud);  // NaN is normal
- *     facetloc::PoseWithCovariance pose;  // of the camera in the world
+ *     facetloc::PoseWithCovariance pose;  // the camera in the world
  *     if (localization.localize(pose)) use(pose.T, pose.P);
  *     else std::cout << localization.getStatus();
  *
  * The cloud is in the optical frame of its camera (x right, y down, z forward); indices choose some of its
- * points. In sequence mode the clouds are those of one drive, and each is localized by all before it, too. */
+ * points. In sequence mode the clouds are those of one drive, and each is localized by all earlier ones as
+ * well. */
 template <typename PointT>
 class MapLocalization : public pcl::PCLBase<PointT> {
 public:
@@ -58,7 +59,7 @@ public:
   /** \brief Begins a new drive. */
   void reset();
 
-  /** \name What else is known, beside the cloud. */
+  /** \name Knowledge beside the cloud. */
   /// @{
   /** \brief In sequence mode: how the camera has moved since the cloud before, or since the latest call, of
    * which several add up. One that is not finite makes the motion to the next cloud unknown.
@@ -76,15 +77,15 @@ public:
   /// @}
 
   /** \brief Localizes the input cloud. \param pose T_w_c with its covariance, order (phi, t), left and
-   * decoupled: of the first hypothesis, be it sure or not; the identity and zeros if there is none. It is in
-   * the frame of getPart(): where that is not empty, of a part of the map that nothing ties to the world, or
-   * of a map without a world; where the map places no local models, of the first hypothesis' one.
-   * \return is it sure? Otherwise getStatus() says why not. Never throws for what a cloud is. */
+   * decoupled: of the first hypothesis, be it sure or not; the identity and zeros without a hypothesis. It is
+   * in the frame of getPart(): where that is not empty, of a part of the map that nothing ties to the world,
+   * or of a map without a world; where the map places no local models, of the first hypothesis' one. \return
+   * is it sure? Otherwise getStatus() says why not. Never throws for the content of a cloud. */
   bool localize(PoseWithCovariance& pose);
-  /** \brief The same with a guess, as of pcl::Registration::align(): a prior that decides among places that
-   * look alike, and no result. In sequence mode, the drive begins anew there. \param guess T_w_c in the frame
-   * of the part, with its covariance; positive definite, or getStatus() says so \param part of the map by its
-   * name; empty: the world */
+  /** \brief Localizes with a guess, as in pcl::Registration::align(): a prior that decides among places that
+   * look the same, and no result. In sequence mode, the drive begins anew there. \param guess T_w_c in the
+   * frame of the part, with its covariance; positive definite, or getStatus() says so \param part of the map
+   * by its name; empty: the world */
   bool localize(PoseWithCovariance& pose, const PoseWithCovariance& guess, const std::string& part = {});
   /** \brief The pose alone. */
   bool localize(Eigen::Isometry3d& T_w_c);
@@ -93,7 +94,7 @@ public:
   /// @{
   /** \brief All places where it may be, most probable first. */
   const std::vector<Hypothesis>& getHypotheses() const { return answer_.hypotheses; }
-  /** \brief Of the first one; 0 if there is none. */
+  /** \brief Probability of the first one; 0 without a hypothesis. */
   double getProbability() const {
     return answer_.hypotheses.empty() ? 0 : answer_.hypotheses.front().probability;
   }

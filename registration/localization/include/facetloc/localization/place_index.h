@@ -21,14 +21,14 @@ struct Candidate {
   std::optional<Eigen::Isometry3d> start;
 };
 
-/** \brief Tells which local models of a large map may show the place of a view.
+/** \brief Selects the local models of a large map that may show the place of a view.
  *
  *     facetloc::PlaceIndex index(map);
  *     for (const int model : index.shortlist(view, 150)) ...
  *
  * Upper and lower edges of the walls of all models are descriptors in a FLANN tree, in units of how much they
  * may differ between two views of a place: standard deviations of the pose for where an edge is, of its error
- * for how high. Those of a view vote for the models that have alike ones, by nearness and rarity, and only
+ * for how high. Those of a view vote for the models with similar ones, by nearness and rarity, and only
  * those agreeing on one heading add up. Votes and outlook (PlaceOutlook) tell how much is to be hoped for
  * from each model. Those that give most hope are aligned with the view (PlaceAligner), and come out in the
  * order of that, to which hope adds a little.
@@ -46,9 +46,9 @@ public:
   static PlaceIndex of(const Map& map, const ShortlistParams& params = {}, const PosePriorParams& prior = {});
   /** \brief Writes it for this program on machines of this kind. The same map gives the same bytes. */
   void write(std::ostream& out) const;
-  /** \brief What write() wrote, or nothing if that was for another map or prior, or by another version.
-   * Throws std::runtime_error if the bytes end too early or hold what no index has, and what the stream
-   * throws. */
+  /** \brief The index that write() wrote, or nothing if that was for another map or prior, or by another
+   * version. Throws std::runtime_error if the bytes end too early or hold invalid values, and the exceptions
+   * of the stream. */
   static std::optional<PlaceIndex> read(std::istream& in, const Map& map, const ShortlistParams& params = {},
                                         const PosePriorParams& prior = {});
   PlaceIndex(PlaceIndex&&) noexcept;
@@ -64,7 +64,7 @@ public:
                                     const std::function<bool(int model)>& excluded = {}) const;
   std::size_t models() const;
   std::size_t descriptors() const;
-  std::size_t bytes() const;  ///< of memory, about
+  std::size_t bytes() const;  ///< approximate memory in use
 
 private:
   struct Impl;

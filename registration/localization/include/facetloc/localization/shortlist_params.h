@@ -24,36 +24,34 @@ struct ShortlistParams {
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("size", p.size, 0, 100000000,
-          "Largest number of local models that a view is registered with; 0 registers with all of them, "
-          "which is "
-          "slower and overlooks nothing.",
+          "Maximum number of local models that a view is registered with; 0 registers with all of them, "
+          "which is slower and overlooks nothing.",
           kForUsers);
-    visit("examined_models", p.examined_models, 1, 100000000,
-          "Number of best aligned local models that, where the first ones leave a doubt, are examined by all "
-          "planes.");
+    visit(
+        "examined_models", p.examined_models, 1, 100000000,
+        "Number of best aligned local models that are examined by all planes if the first ones leave doubt.");
     visit("examined_gap", p.examined_gap, 0.0, 1e6,
           "Score below the best examined or registered local model at which one is left out [nats].");
     visit("gap", p.gap, 0.0, 1e6,
-          "Score of its quick alignment below the best at which a local model is left out.");
+          "Score of its coarse alignment below the best at which a local model is left out.");
     visit("exhaustive_up_to", p.exhaustive_up_to, 0, 100000000,
           "Number of local models up to which a view is registered with all of them.");
-    visit(
-        "aligned_models", p.aligned_models, 1, 100000000,
-        "Largest number of local models, chosen by votes and outlook, that a view is aligned with quickly.");
+    visit("aligned_models", p.aligned_models, 1, 100000000,
+          "Maximum number of local models, chosen by votes and prescore, that a view is coarsely aligned "
+          "with.");
     visit("first_models", p.first_models, 1, 100000000,
           "Number of likeliest local models that a view is registered with before any others.");
     visit("sure_probability", p.sure_probability, 0.0, 1.0,
-          "Probability of a place among the likeliest local models at which no others are asked.");
+          "Stop after the first batch if its best place has at least this probability.");
     visit("start_translation", p.start_translation, 0.0, 100.0,
-          "Error of the position that a quick alignment tells, standard deviation [m]; 0 searches about the "
-          "prior.");
+          "Position error of a coarse alignment, standard deviation [m]; 0 searches about the prior.");
     visit("start_rotation_deg", p.start_rotation_deg, 0.01, 180.0,
-          "Error of the heading that a quick alignment tells, standard deviation [deg].");
+          "Heading error of a coarse alignment, standard deviation [deg].");
     visit("overlaid_first", p.overlaid_first, 1, 100000000,
-          "Where the mounting is unknown: number of likeliest local models that are tried about their quick "
-          "alignments alone, before any others.");
+          "With an unknown mounting: number of likeliest local models that are first registered about their "
+          "coarse alignments.");
     visit("overlaid_size", p.overlaid_size, 1, 100000000,
-          "Where the mounting is unknown: largest number of local models that a view is registered with.",
+          "With an unknown mounting: maximum number of local models that a view is registered with.",
           kForUsers);
   }
   void validate() const { checkRanges(*this); }

@@ -31,11 +31,11 @@ struct RightPose {
  * other, not many of one view (independentImages()). */
 class SureCalibration {
 public:
-  /** \brief What the images say about one threshold. */
+  /** \brief The images' statistics of one threshold. */
   struct Candidate {
     double min_probability = 0;
     std::size_t sure = 0, wrong = 0;  ///< images whose answer is sure with it; those of them that are wrong
-    double bound = 1;                 ///< largest share of wrong ones that they leave possible, by themselves
+    double bound = 1;                 ///< upper bound on the share of wrong ones, from these images alone
     double error = 0;                 ///< probability that it may be accepted with although it does not hold
     bool accepted = false;
   };

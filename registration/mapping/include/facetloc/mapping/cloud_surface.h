@@ -19,7 +19,7 @@ class RayCaster;
 /** \brief The points of a scan, each a disc on the plane of its neighbours, with a radius of 1.5 times their
  * distance.
  *
- * Larger holes stay holes. A surface so near that two points are 0.1 rad apart is unknown: what lies between
+ * Larger holes stay holes. A surface so near that two points are 0.1 rad apart is unknown: anything between
  * them would be invented. */
 class CloudSurface : public Surface {
 public:
@@ -39,7 +39,7 @@ public:
   double spacing() const { return spacing_; }        ///< distance of neighbouring points, median [m]
   double residual() const {
     return residual_;
-  }  ///< of points from the planes of their neighbours, median [m]
+  }  ///< median distance of points from the planes of their neighbours [m]
 
 private:
   std::unique_ptr<internal::RayCaster> rays_;

@@ -12,7 +12,7 @@ namespace facetloc {
 struct FoundMounting {
   CameraMounting mounting;
   int models = 0;      ///< local models that show the floor so
-  int all_models = 0;  ///< of so many
+  int all_models = 0;  ///< number of models examined
 
   /** \brief "0.980 m above the floor, 10.0 deg down, by the floor in 140 of 160 local models". */
   std::string inWords() const;
@@ -20,12 +20,12 @@ struct FoundMounting {
 
 /** \brief The floor as a camera sees it. */
 struct SeenFloor {
-  double height = 0;      ///< of the camera above it, mean [m]
-  double tilt_deg = 0;    ///< of the optical axis below the horizon
+  double height = 0;      ///< mean height of the camera above it [m]
+  double tilt_deg = 0;    ///< tilt of the optical axis below the horizon
   double roll_deg = 0;    ///< about the optical axis: positive if the camera's right side is lower
   double height_std = 0;  ///< over the views [m]
   int views = 0;          ///< that show it so
-  int all_views = 0;      ///< of so many
+  int all_views = 0;      ///< number of views examined
   bool steady = false;    ///< as under a robot; the floor below a camera in the hand comes and goes
 
   /** \brief The mounting of a robot's camera that sees it so. A roll of less than 2 deg counts as none. */
@@ -36,9 +36,9 @@ struct SeenFloor {
  * 10, or than 30 %, show one. \param map of which segments are read */
 std::optional<SeenFloor> findFloor(const Map& map);
 
-/** \brief The mounting that the floor tells, where it is the same in most local models although the camera
+/** \brief The mounting found by the floor, where it is the same in most local models although the camera
  * has moved. Nothing for a camera in the hand, whose height and tilt spread, and where the camera has not
- * moved by 2 m, or nobody knows whether it has. A roll of less than 2 deg counts as none. \param map of which
+ * moved by 2 m, or may not have. A roll of less than 2 deg counts as none. \param map of which
  * segments and poses are read */
 std::optional<FoundMounting> findMounting(const Map& map);
 

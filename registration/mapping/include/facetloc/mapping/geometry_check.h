@@ -33,18 +33,18 @@ struct RightAngles {
 
 /** \brief A reason to doubt how depth images are read. */
 struct ReadingFault {
-  std::string words;        ///< what was found, and what to do: a sentence without full stop
+  std::string words;        ///< the finding and its remedy: a sentence without full stop
   bool impossible = false;  ///< the images cannot be right as they are read
 };
 
-/** \brief What depth images alone show of how they are read. */
+/** \brief Evidence in depth images alone of how they must be read. */
 struct GeometryCheck {
   std::size_t images = 0, surfaces = 0;  ///< that were looked at
   SurfaceBend bend;
   std::optional<RightAngles> right_angles;  ///< nothing if there are too few pairs
   std::vector<ReadingFault> faults;         ///< the clearest first
 
-  /** \brief The first fault that makes the images impossible; null if there is none. */
+  /** \brief The first fault that makes the images impossible; null if they are possible. */
   const ReadingFault* impossible() const;
 };
 

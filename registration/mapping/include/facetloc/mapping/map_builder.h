@@ -16,10 +16,10 @@ struct MapBuilderParams {
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
-    visit("distance", p.distance, 0.0, 1e3, "Way from the latest local model to the next one [m].",
+    visit("distance", p.distance, 0.0, 1e3, "Distance from the latest local model to the next one [m].",
           kForUsers);
     visit("rotation_deg", p.rotation_deg, 0.0, 180.0,
-          "Turn from the latest local model to the next one [deg].", kForUsers);
+          "Rotation from the latest local model to the next one [deg].", kForUsers);
     visit("pose_rotation_std_deg", p.pose_rotation_std_deg, 1e-6, 180.0,
           "Accuracy of given orientations, standard deviation [deg].", kForUsers);
     visit("pose_translation_std", p.pose_translation_std, 1e-6, 1e3,

@@ -37,7 +37,7 @@ struct MotionRatio {
 
   /** \brief Is it certainly another one than 1, whoever errs? */
   bool differs() const;
-  /** \brief By what share one witness goes farther than the other at least; 0 unless it differs(). */
+  /** \brief The least share by which one source of motion exceeds the other; 0 unless it differs(). */
   double difference() const;
   /** \brief angle_deg, if it is certainly not 0; else 0. */
   double certainAngleDeg() const;
@@ -49,8 +49,8 @@ struct PoseCheck {
   std::string cause;        ///< the fault of the poses that explains it, in words; else empty
   std::string convention;   ///< that explains it, as io's PoseReading takes it ("wxyz,inverse"); else empty
   PoseDisagreement mended;  ///< without that fault
-  bool wrong_convention = false;  ///< of numbers, axes or units, which is more than an inaccuracy
-  MotionRatio distances, turns;   ///< of the poses as they are given
+  bool wrong_convention = false;  ///< wrong order of numbers, axes or units, which is more than an inaccuracy
+  MotionRatio distances, turns;   ///< ratios for the poses as given
 
   /** \brief A sentence without full stop for each ratio that is certainly not 1. */
   std::vector<std::string> ratiosInWords() const;
@@ -86,14 +86,14 @@ struct UnreadImage {
 
 /** \brief Findings of MapMaking and MapSession beside their map. */
 struct MapFindings {
-  std::optional<CameraTrajectory> trajectory;    ///< from the images, where they had no poses
+  std::optional<CameraTrajectory> trajectory;    ///< estimated from images without poses
   std::size_t without_odometry = 0;              ///< images outside the time of the odometry
   std::optional<GeometryCheck> geometry;         ///< the images themselves, as far as they were checked
   std::optional<PoseCheck> poses;                ///< the given poses, as far as they were checked
   std::optional<PoseCheck> odometry;             ///< the odometry, against the trajectory from the images
   std::optional<DistortionEstimate> distortion;  ///< removed from all images only if it is reliable()
-  std::optional<FoundMounting> mounting;         ///< of a camera whose mounting was unknown
-  std::vector<UnreadImage> unread;               ///< in the order of the images
+  std::optional<FoundMounting> mounting;         ///< mounting found for a camera without one
+  std::vector<UnreadImage> unread;               ///< sorted as the images
   std::size_t without_segments = 0;              ///< selected images that became no local models
   std::string problem;                           ///< reason for an empty map, in words
 

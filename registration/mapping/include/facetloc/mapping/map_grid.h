@@ -7,7 +7,7 @@
 
 namespace facetloc {
 
-/** \brief What of a map stands in the way of a 2-D robot. */
+/** \brief Limits of obstacles for a 2-D robot. */
 struct MapGridParams {
   static constexpr const char* kTitle = "Occupancy grid of a map";
   double resolution = 0.05;
@@ -17,10 +17,8 @@ struct MapGridParams {
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("resolution", p.resolution, 0.005, 1.0, "Side of a cell [m].", kForUsers);
-    visit("lowest", p.lowest, 0.0, 100.0, "Height above the floor from which on surfaces count [m].",
-          kForUsers);
-    visit("highest", p.highest, 0.0, 100.0, "Height above the floor up to which surfaces count [m].",
-          kForUsers);
+    visit("lowest", p.lowest, 0.0, 100.0, "Minimum height of obstacles above the floor [m].", kForUsers);
+    visit("highest", p.highest, 0.0, 100.0, "Maximum height of obstacles above the floor [m].", kForUsers);
   }
   void validate() const { checkRanges(*this); }
 };

@@ -21,7 +21,7 @@ struct MapImage {
    * by any thread, so that no image need stay in memory. An image for which it throws is left out. */
   std::function<DepthImage()> load;
   std::optional<Eigen::Isometry3d> T_w_c{};  ///< pose of the camera, if it is known
-  std::optional<Gravity> gravity{};          ///< in its optical frame, if it was measured
+  std::optional<Gravity> gravity{};          ///< measured direction in its optical frame; empty if unknown
 };
 
 /** \brief Poses of a camera by time [s]; nothing where they are unknown. */

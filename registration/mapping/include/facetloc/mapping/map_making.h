@@ -20,8 +20,8 @@ constexpr const char* kTrajectoryKey = "trajectory";
 /** \brief How a map is made of a run. */
 struct MapMakingParams {
   MapBuilderParams places;   ///< which images become local models
-  MappingParams trajectory;  ///< of a run without poses
-  ViewParams view;           ///< from images to views
+  MappingParams trajectory;  ///< estimation of poses in a run without them
+  ViewParams view;           ///< making of views from images
   int every = 0;             ///< each N-th image becomes a local model, whatever its pose; 0 = by places
   bool distortion = true;    ///< estimate the camera's distortion, and remove it from all images
   bool any_reading = false;  ///< also make a map of images that cannot be right as they are read, and if
@@ -106,7 +106,7 @@ private:
 /** \brief Ambiguity of a map, and the scores of the best wrong places that it is computed from. */
 struct MapLookalikes {
   std::optional<MapAmbiguity> ambiguity;      ///< nothing if no view has another place like its own
-  std::vector<std::optional<double>> scores;  ///< by index of the local models [nats]
+  std::vector<std::optional<double>> scores;  ///< indexed by local model [nats]
 };
 /** \brief Localizes views of a map in it without their surroundings: the ambiguity of a map that was made
  * otherwise (localization/METHOD 11.5). \param threads 0 = all cores */

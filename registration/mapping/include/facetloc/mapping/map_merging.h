@@ -18,7 +18,7 @@ struct MapAlignment {
   /// first map, for a map without poses, and where no map before it has poses.
   std::vector<std::pair<std::size_t, SessionPlace>> tried;
   bool moved = false;                                           ///< false where it agrees as it is
-  Eigen::Isometry3d T_new_old = Eigen::Isometry3d::Identity();  ///< of its world
+  Eigen::Isometry3d T_new_old = Eigen::Isometry3d::Identity();  ///< change of its world
 
   bool isLost() const { return !tried.empty() && !tried.back().second.found(); }
 };
@@ -30,11 +30,11 @@ struct MapAlignment {
 std::vector<MapAlignment> alignMaps(std::vector<Map>& maps, int threads = 1,
                                     const MapProgressCallback& progress = {});
 
-/** \brief One map of several that share a world: models in the order of the maps, links kept, and placed by
- * their links, too. Names that occur more than once, and all keys of meta data, get the name of their map in
- * front; if one lacks surfaces, the merged one does. The camera is the first map's, with the first distortion
- * that any map has, and a mounting if all agree on it.
- * \param names one per map. Throws std::invalid_argument if names of local models still collide. */
+/** \brief One map of several that share a world: models in the order of the maps, links kept, and models
+ * without a pose placed by their links. Names that occur more than once, and all keys of meta data, get the
+ * name of their map in front; if one lacks surfaces, the merged one does. The camera is the first map's, with
+ * the first distortion that any map has, and a mounting if all agree on it. \param names one per map. Throws
+ * std::invalid_argument if names of local models still collide. */
 Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& names);
 
 }  // namespace facetloc

@@ -24,12 +24,11 @@ struct MapSessionParams {
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("min_agreeing", p.min_agreeing, 1, 1000,
-          "Number of sure images that must agree on where a session is in the map.", kForUsers);
+          "Minimum number of sure images that agree on the place of a session in the map.", kForUsers);
     visit("known_share", p.known_share, 0.0, 1.0,
-          "Share of an image's depth pixels that local models must confirm, or it becomes a local model.");
+          "Share of depth pixels confirmed by local models below which an image becomes a local model.");
     visit("changed_share", p.changed_share, 0.0, 1.0,
-          "Share of a local model's depth pixels beyond which it is replaced as a whole if they are gone.",
-          kForUsers);
+          "Share of gone depth pixels above which a local model is replaced as a whole.", kForUsers);
   }
   void validate() const { checkRanges(*this); }
 };
@@ -37,18 +36,18 @@ struct MapSessionParams {
 /** \brief Where something with coordinates of its own is in a map. */
 struct SessionPlace {
   std::size_t asked = 0;     ///< images that were looked for in the map
-  std::size_t sure = 0;      ///< of these, images with a sure answer
-  std::size_t agreeing = 0;  ///< of these, images that agree on one place
-  /// of each keyframe in the map; nothing where it is not known to 0.1 m and 2 deg
+  std::size_t sure = 0;      ///< found keyframes with a sure answer
+  std::size_t agreeing = 0;  ///< sure ones that agree on one place
+  /// pose of each keyframe in the map; empty unless known to 0.1 m and 2 deg
   std::vector<std::optional<Eigen::Isometry3d>> T_w_k;
-  std::vector<bool> confirmed;  ///< of each keyframe: its own sure answer, or a pose that was given, says so
+  std::vector<bool> confirmed;  ///< for each keyframe: confirmed by its own sure answer, or a given pose
 
   bool found() const { return agreeing > 0; }
   /** \brief "12 of 80 images are sure, 9 of them agree". */
   std::string inWords() const;
 };
 
-/** \brief What a session has changed in a map. Local models by their names. */
+/** \brief The changes of a map by a session. Local models by their names. */
 struct MapChanges {
   struct Replacement {
     std::string old_model, new_model;
@@ -59,25 +58,25 @@ struct MapChanges {
   std::vector<std::string> edited;   ///< which have lost surfaces, and stay
   std::size_t seen = 0;              ///< local models that the session has seen again
   std::size_t surfaces = 0;          ///< segments of local models that are gone
-  std::size_t of_surfaces = 0;       ///< of all segments that the session has looked at
+  std::size_t of_surfaces = 0;       ///< number of segments that the session has observed
   std::vector<Eigen::Isometry3d> T_w_new, T_w_old,
-      T_w_edited;  ///< of local models that have come, have gone, are edited
+      T_w_edited;  ///< poses of local models that were added, removed or edited
 
-  /** \brief "2 local models added, 1 replaced, 0 retired, 3 without what has moved". */
+  /** \brief "2 local models added, 1 replaced, 0 retired, 3 without moved surfaces". */
   std::string inWords() const;
   bool any() const { return !(added.empty() && replaced.empty() && retired.empty() && edited.empty()); }
 };
 
-/** \brief Notes a session in the meta data of a map, as "session 2" and so on. \param words what it was, and
- * what it has changed */
+/** \brief Notes a session in the meta data of a map, as "session 2" and so on. \param words its origin and
+ * its changes */
 void noteSession(const std::string& words, Map& map);
 
 /** \brief How a later session is taken up into a map. */
 struct MapUpdateParams {
   MapSessionParams session;
   MapBuilderParams places;   ///< which images become local models, and how accurate given poses are
-  MappingParams trajectory;  ///< of a session without poses
-  ViewParams view;           ///< from images to views
+  MappingParams trajectory;  ///< estimation of poses in a session without them
+  ViewParams view;           ///< making of views from images
 };
 
 /** \brief A later session in a map: finds it there, and brings the map up to date.

@@ -18,7 +18,7 @@ struct MappingParams {
   static void describe(Self& p, Visitor&& visit) {
     visit("odometry", p.odometry);
     visit("odometry_error", p.odometry_error);
-    visit("reach", p.reach, 0.01, 100.0, "Largest distance of two keyframes that are compared [m].");
+    visit("reach", p.reach, 0.01, 100.0, "Maximum distance of two keyframes that are compared [m].");
     visit("neighbours", p.neighbours, 1, 1000,
           "Number of nearest earlier keyframes that each keyframe is compared with.");
   }

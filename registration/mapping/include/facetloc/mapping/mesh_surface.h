@@ -19,8 +19,8 @@ class RayCaster;
 /** \brief The polygons of a mesh.
  *
  * They are seen from both of their sides, unless the mesh is a scan: open, and of triangles that share nearly
- * all of their edges and agree about their front, from which their vertices are anticlockwise. What the back
- * of a scan looks like is unknown, since nobody was there. The mesh need not be closed, manifold or oriented.
+ * all of their edges and agree about their front, from which their vertices are anticlockwise. The back
+ * of a scan is unknown, since no camera saw it. The mesh need not be closed, manifold or oriented.
  * Polygons are cut into triangles from their first vertex; those with an index beyond the vertices, a vertex
  * that is not finite or no area are left out. */
 class MeshSurface : public Surface {

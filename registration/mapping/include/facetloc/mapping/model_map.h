@@ -28,9 +28,9 @@ struct ModelMapParams {
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("spacing", p.spacing, 0.1, 10.0,
-          "Largest distance from a camera to a local model that shows the same [m].", kForUsers);
+          "Maximum distance from a camera to a local model with a similar view [m].", kForUsers);
     visit("turn_deg", p.turn_deg, 1.0, 90.0,
-          "Largest angle between a camera and a local model that shows the same [deg].");
+          "Maximum angle between a camera and a local model with a similar view [deg].");
     visit("overlap", p.overlap, 0.0, 1.0,
           "Minimum share of the surface in a camera's view that a local model shows.");
     visit("clearance", p.clearance, 0.0, 10.0, "Distance that cameras keep from all surfaces [m].",
@@ -97,7 +97,7 @@ public:
 
   /** \brief The map with its ambiguity; empty, with findings().problem, if no view shows segments. Local
    * models are named "view-00001" and so on, in an order that does not depend on the number of threads.
-   * Throws what the callback throws. */
+   * Throws the exceptions of the callback. */
   Map finish();
   const ModelFindings& findings() const;
 

@@ -21,8 +21,8 @@ public:
   /** \brief Bounds of the surface in its frame [m]; empty for an empty surface. */
   virtual Eigen::AlignedBox3d bounds() const = 0;
 
-  /** \brief Whether something else may stand before it, as furniture before the walls of a floor plan: what
-   * is seen there does not contradict the surface. */
+  /** \brief Whether unknown objects may stand before it, as furniture before the walls of a floor plan: they
+   * do not contradict the surface. */
   virtual bool isIncomplete() const { return false; }
 };
 

@@ -30,7 +30,7 @@ struct Keyframe {
 /** \brief A motion between two keyframes by the images or by an odometry. */
 struct KeyframeMotion {
   enum class Source {
-    odometry,  ///< from one to the next
+    odometry,  ///< motion between consecutive images
     overlap,   ///< they show the same, and the trajectory knew that they would
     loop       ///< the trajectory has come back
   };
@@ -57,12 +57,12 @@ struct CameraTrajectory {
   std::vector<TrajectoryPose> images;
   std::vector<Keyframe> keyframes;
   std::vector<KeyframeMotion> motions;  ///< that the poses come from
-  OverlapVerdicts overlaps;             ///< of the keyframes that were compared
+  OverlapVerdicts overlaps;             ///< comparisons of the keyframes
   int cut_bonds = 0;  ///< bonds between parts that were cut since overlaps contradicted them
 
   std::vector<int> parts() const;  ///< numbers of their first keyframes, the largest part first
   int loops() const;               ///< number of motions by which it has come back
-  double length() const;           ///< of the way [m], without the jumps between parts
+  double length() const;           ///< path length [m], without the jumps between parts
 };
 
 /** \brief Finds the trajectory of a depth camera, and nothing else is known: from image to image by
@@ -86,8 +86,8 @@ public:
 
   /** \brief OpenMP threads; 1 by default, 0 = all cores. */
   void setNumberOfThreads(int n);
-  /** \brief For a camera that is on for hours: at a place that has keyframes, the image hangs from one of
-   * them instead of becoming another, also where the camera has been carried to with closed eyes, and of the
+  /** \brief For a camera that is on for hours: at a place that has keyframes, the image is attached to one of
+   * them instead of becoming another, also after the camera was covered and moved, and of the
    * other images only the latest is kept. Off by default; to be
    * called before the first image. */
   void setEndless(bool endless);
@@ -101,7 +101,7 @@ public:
    */
   void interrupt();
   int keyframes() const;
-  /** \brief Number of the keyframe that the latest image hangs from. */
+  /** \brief Number of the keyframe that the latest image is attached to. */
   int latestKeyframe() const;
   /** \brief Number of the first keyframe of the part that a keyframe belongs to. */
   int part(int keyframe) const;
@@ -110,7 +110,7 @@ public:
 
   /** \brief Compares keyframes with earlier ones, closes loops, and optimizes all poses, several times.
    * \param progress if given, is called with the share of the work that is done, from one thread
-   * \param first number of the first keyframe that is compared; what is known of those before stays. */
+   * \param first number of the first keyframe that is compared; results for those before stay. */
   void improve(const std::function<void(double)>& progress = {}, int first = 0);
   /** \brief A copy, to be improved by another thread while images are added here. The views are shared. */
   TrajectoryEstimation clone() const;

@@ -34,7 +34,7 @@ int PlanarSegmentation<PointT>::labelOf(std::size_t point) const {
   if (isOrganized(*input_)) return std::isfinite(p.z) ? result_.labels.label[point] : 0;
   const auto pixel = pixelOf(p, result_.camera);
   if (!pixel) return 0;
-  constexpr double kHidden = 0.02;  // of depth
+  constexpr double kHidden = 0.02;  // share of depth
   const int label = result_.labels.label[*pixel];
   if (label == 0) return 0;
   const double u = static_cast<double>(*pixel % static_cast<std::size_t>(result_.camera.width)),

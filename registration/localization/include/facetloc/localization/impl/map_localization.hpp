@@ -90,7 +90,7 @@ std::string MapLocalization<PointT>::getPart() const {
   return answer_.hypotheses.empty() || !map_ ? std::string() : map_->partOf(answer_.hypotheses.front().model);
 }
 
-/** False, with the reason, for what is no depth image. */
+/** False, with the reason, for a cloud that is no depth image. */
 template <typename PointT>
 bool MapLocalization<PointT>::see(std::string& why_not) {
   const auto image =
@@ -129,7 +129,7 @@ LocalizerAnswer MapLocalization<PointT>::answer(bool is_image) {
   const std::optional<PoseWithCovariance> motion = is_motion_lost_ ? std::nullopt : motion_;
   motion_.reset();
   is_motion_lost_ = false;
-  return localizer().update(view_, nextStamp(), motion);  // a cloud that is none is a camera that saw nothing
+  return localizer().update(view_, nextStamp(), motion);  // an invalid cloud counts as a view of nothing
 }
 
 template <typename PointT>
