@@ -22,7 +22,8 @@ int main(int argc, char** argv) {
   segmentation.segment(*labels);
 
   facetloc::Camera camera;
-  camera.noise.inverse_depth_std = segmentation.getSegmentation().noise;  // of these very points
+  camera.noise.inverse_depth_std =
+      segmentation.getSegmentation().noise;  // the noise measured in these points
   facetloc::SegmentFrameEstimation<pcl::PointXYZ> estimation;
   estimation.setInputCloud(cloud);
   estimation.setLabels(labels);

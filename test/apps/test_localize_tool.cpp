@@ -438,16 +438,16 @@ TEST_F(Tools, LocalizeSaysWhatToLookAtWhereNothingIsSure) {
   writeCameraFile(input + "/camera.ini", file);
   const ToolRun focal = runTool<LocalizeApp>({map(), input, "-o", folder_ / "focal"});
   EXPECT_THAT(focal.out,
-              AllOf(HasSubstr("What to look at:\nDo fx and fy fit"), HasSubstr("12 images: 0 sure")));
+              AllOf(HasSubstr("Check the following:\nDo fx and fy fit"), HasSubstr("12 images: 0 sure")));
 
   file.camera.intrinsics.fx = file.camera.intrinsics.fy = fx;
   file.depth_scale *= 5;
   writeCameraFile(input + "/camera.ini", file);
   const ToolRun scale = runTool<LocalizeApp>({map(), input, "-o", folder_ / "scale"});
   EXPECT_THAT(scale.out,
-              AllOf(HasSubstr("What to look at:\nDoes depth_scale"), HasSubstr("12 images: 0 sure")));
+              AllOf(HasSubstr("Check the following:\nDoes depth_scale"), HasSubstr("12 images: 0 sure")));
   const ToolRun good = runTool<LocalizeApp>({map(), query(), "-o", folder_ / "good"});
-  EXPECT_THAT(good.out, Not(HasSubstr("What to look at")));
+  EXPECT_THAT(good.out, Not(HasSubstr("Check the following")));
 }
 
 }  // namespace

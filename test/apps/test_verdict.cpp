@@ -55,7 +55,7 @@ TEST(Verdict, CountsSureRightAndWhyNot) {
                                   "off by 0.50 m and 0.5° (median).");
   EXPECT_EQ(verdict.sentences[2],
             "Of the other 48, 30 have the right pose first, but not probable enough: other places look "
-            "alike, 13 were taken more "
+            "the same, 13 were taken more "
             "than 1 m or 20° from every local model, and 5 fit another place better than the right one.");
   EXPECT_THAT(verdict.map, IsEmpty());
   EXPECT_THAT(verdict.next, HasSubstr("facetloc_map calibrate"));
@@ -74,14 +74,14 @@ TEST(Verdict, AdvisesByTheLargestObstacle) {
   EXPECT_THAT(next(image(AnswerState::doubtful, 0.01)), HasSubstr("--sequence"));
   EXPECT_THAT(next(image(AnswerState::sure, 0.02)), HasSubstr("ready to be used"));
   FrameEvaluation f = image(AnswerState::doubtful, 3);
-  EXPECT_THAT(next(f), HasSubstr("Look at the images that miss"));
+  EXPECT_THAT(next(f), HasSubstr("Look at the failures below"));
   f.solvable = false;
   EXPECT_THAT(next(f), HasSubstr("three directions"));
   f.covered = false;
   EXPECT_THAT(next(f), HasSubstr("facetloc_map extend"));
   f = image(AnswerState::unknown, 0);
   f.reason = "the camera is covered";
-  EXPECT_THAT(next(f), HasSubstr("Look at the images that miss"));
+  EXPECT_THAT(next(f), HasSubstr("Look at the failures below"));
   EXPECT_THAT(verdictOf(reportOf({f})).sentences[2],
               HasSubstr("fits no place (mostly: the camera is covered)"));
 }

@@ -160,11 +160,11 @@ private:
   void addOptions(CommandLine& line) override {
     line.addArguments("FLOOR", floors_);
     line.addOption("every", every_, "N", "Localize only every N-th image.");
-    line.addSwitch("map-images", map_images_, "Localize the images of the mapping run, too.");
+    line.addSwitch("map-images", map_images_, "Also localize the images of the mapping run.");
     line.addSwitch("ablation", ablation_,
                    "Again and again, with one choice at a time put back to the paper's.");
-    line.addSwitch("raw-depth", raw_depth_, "Leave what the camera always measures wrongly in the images.");
-    line.addOption("max-hypotheses", max_hypotheses_, "K", "Keep so many hypotheses per image at most.");
+    line.addSwitch("raw-depth", raw_depth_, "Do not estimate and remove the depth distortion.");
+    line.addOption("max-hypotheses", max_hypotheses_, "K", "Maximum number of hypotheses per image.");
     line.addPresets();
     line.addParams(view_);
     addLocalizationOptions(line, localization_);

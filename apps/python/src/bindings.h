@@ -15,7 +15,7 @@
 #include <pybind11/stl.h>
 
 /** \file
- * The C++ half of the Python package: what it returns are dictionaries of numbers and arrays, of which
+ * The C++ half of the Python package. It returns dictionaries of numbers and arrays, from which
  * facetloc/__init__.py makes data classes. The lock of the interpreter is held only while arrays are
  * converted. */
 
@@ -46,7 +46,7 @@ py::array_t<double> toArray(const Eigen::MatrixXd& matrix);
 py::array_t<double> toVector(const Eigen::Vector3d& vector);
 /** \brief Throws std::invalid_argument unless it is a rigid transform, (4, 4). */
 Eigen::Isometry3d toPose(const py::array_t<double>& T, const char* name);
-/** \brief With a covariance, (6, 6), or if there is none, of these standard deviations. */
+/** \brief A pose with a covariance, (6, 6), or, if that is empty, with these standard deviations. */
 PoseWithCovariance toPose(const py::array_t<double>& T, const std::optional<py::array_t<double>>& covariance,
                           double std_m, double std_deg);
 std::optional<Gravity> toGravity(const std::optional<py::array_t<double>>& down);

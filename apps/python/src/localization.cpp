@@ -18,7 +18,7 @@ namespace {
 using MapPtr = std::shared_ptr<Map>;
 using OptionalArray = std::optional<py::array_t<double>>;
 
-/** A localizer, its working width, and what makes views; one call at a time. */
+/** A localizer, its working width and its builder of views; one call at a time. */
 struct LockedLocalizer {
   LockedLocalizer(MapPtr of_map, int working_width, int threads, const std::optional<double>& min_probability)
       : map(std::move(of_map)), width(working_width), localizer(map) {

@@ -67,7 +67,7 @@ private:
   MapMaking making_;
 };
 
-/** What a robot sees on its way through a place, and from where. */
+/** The views of a robot on its way through a world, and their poses. */
 struct Drive {
   Drive(const std::string& place, const std::string& run, std::uint64_t seed, int frames, int width)
       : camera(centredKinect(width), {}, seed) {

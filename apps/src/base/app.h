@@ -9,7 +9,7 @@
 
 namespace facetloc {
 
-/** \brief What a tool tells the shell. */
+/** \brief Exit codes of the tools. */
 enum ExitCode { kOk = 0, kFailed = 1, kUsage = 2 };
 
 /** \brief Where a tool writes: results and their place to out, everything else to err. Each text is written
@@ -25,7 +25,7 @@ struct Console {
   void print(const std::string& text) const;
   /** \brief A remark on err, unless quiet. */
   void note(const std::string& text) const;
-  /** \brief "facetloc_x: what" on err, always. */
+  /** \brief Writes "facetloc_x: what" to err, also if quiet. */
   void error(const std::string& what) const;
   /** \brief A line on err in the place of the one that was shown before; empty = none. */
   void show(const std::string& line) const;
@@ -72,7 +72,7 @@ private:
 
 /** \brief The body of a main(): runs the tool on the standard streams. */
 int runApp(App& app, int argc, const char* const* argv);
-/** \brief The standard streams of a program, for its main(). What is printed is printable(), a closed stream
+/** \brief The standard streams of a program, for its main(). Output is made printable(), a closed stream
  * takes everything, and a reader that goes away ends nothing. */
 Console standardConsole();
 

@@ -13,7 +13,7 @@
 
 namespace facetloc {
 
-/** \brief Somebody has pressed Ctrl-C; what() says how far the work has come. */
+/** \brief The user has pressed Ctrl-C; the message says how far the work has come. */
 class Stopped : public std::runtime_error {
 public:
   Stopped(std::size_t done, std::size_t total);
@@ -28,8 +28,8 @@ struct ItemFailure {
 /** \brief Work on many items with several threads, where one bad item stops nothing.
  *
  * Jobs store their results by index, so that the output is the same for any number of threads. Jobs that
- * throw are remembered with their cause, but for WriteError: what cannot be written for one item cannot be
- * for the next. Work that several processes share is a SharedBatch. */
+ * throw are remembered with their cause, but for WriteError: if one item cannot be written, the next one
+ * cannot either. Work that several processes share is a SharedBatch. */
 class Batch {
 public:
   /** \param threads 0 = all cores; \param total how many items there will be in all. */
@@ -53,7 +53,7 @@ public:
 
   /** \brief As many workers as threads, 0 = all cores, but never more than items. */
   static int workersFor(int threads, std::size_t items);
-  /** \brief What becomes of an item. Throws WriteError of its job. */
+  /** \brief Runs the job of an item; its failure, if it throws. Throws WriteError of its job. */
   static ItemFailure failureOf(const Name& name, std::size_t index, const std::function<void()>& job);
   static int report(const std::vector<std::string>& failures, std::size_t total, const Console& console);
 

@@ -14,7 +14,7 @@
 
 namespace facetloc {
 
-/** \brief What was found for an image, and what the image is like. */
+/** \brief The result of an image, and the statistics of its view. */
 using LocalizedImage = std::pair<FrameResult, ViewTraits>;
 /** \brief The images of a recording that become local models, and the distortion of their camera. */
 using ModelsOrder = std::pair<std::vector<std::size_t>, std::optional<DepthDistortion>>;

@@ -270,7 +270,7 @@ std::vector<std::string> CommandLine::readFile(const std::string& path) const {
   return parametersIn(in, path, Unknown::refused);
 }
 
-/** What is stored already stays. */
+/** Values that are stored already are kept. */
 void CommandLine::storeFrom(const std::string& path, const std::vector<std::string>& arguments) try {
   store(arguments);
 } catch (const po::error& e) {
@@ -279,7 +279,8 @@ void CommandLine::storeFrom(const std::string& path, const std::vector<std::stri
 
 void CommandLine::store(const std::vector<std::string>& arguments) {
   using namespace po::command_line_style;
-  for (const std::string& argument : arguments)  // in such a one Boost would replace its value without end
+  for (const std::string& argument :
+       arguments)  // Boost would replace the value of such an argument without end
     if (argument.find("%value%") != std::string::npos)
       throw po::error(fmt::format("'{}' cannot be an argument", argument));
   Options all;
@@ -315,7 +316,7 @@ bool CommandLine::parse(const std::vector<std::string>& arguments, std::ostream&
   throw UsageError("too many arguments");
 } catch (const po::error& e) {
   throw UsageError(e.what());
-} catch (const std::invalid_argument& e) {  // of validate()
+} catch (const std::invalid_argument& e) {  // thrown by validate()
   throw UsageError(e.what());
 }
 
@@ -349,9 +350,9 @@ void CommandLine::printHelp(std::ostream& out, bool all) const {
   if (all)
     out << declared_->general;
   else
-    out << wrapped("Of all tools: -h, --help; --help-all, with the parameters of the algorithms; --version; "
-                   "--params FILE, a file of options; --threads N, 0 = all cores; -q, --quiet: no progress "
-                   "and no remarks.");
+    out << wrapped("Options of all tools: -h, --help; --help-all, with the parameters of the algorithms; "
+                   "--version; --params FILE, a file of options; --threads N, 0 = all cores; -q, --quiet: no "
+                   "progress and no remarks.");
   if (all && !declared_->rare.options().empty()) out << "\n" << declared_->rare;
   for (const bool for_users : {true, false})
     for (const Declared::Group& group : declared_->groups)

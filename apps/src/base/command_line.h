@@ -28,16 +28,16 @@ public:
 /** \brief The options of a tool: Boost.Program_options with the habits of GNU and PCL.
  *
  * `--name value`, `--name=value` and `-name value` are the same, and so are dashes and underscores within a
- * name. What is not an option is refused, never ignored. Options are bound to variables, whose values are the
- * defaults that the help shows. A switch needs no value; a parameter of type bool may have one
- * (`--score.by_overlap`, `--score.by_overlap=0`). The `method` of a group of parameters goes by the name of
- * the group, too (`--split quadtree` is `--split.method quadtree`).
+ * name. An argument that is no option is refused, never ignored. Options are bound to variables, whose values
+ * are the defaults that the help shows. A switch needs no value; a parameter of type bool may have one
+ * (`--score.by_overlap`, `--score.by_overlap=0`). The `method` of a group of parameters can
+ * also go by the name of the group (`--split quadtree` is `--split.method quadtree`).
  *
  * --help shows what users need and two examples, on 40 lines at most; --help-all every parameter: those for
  * users first, those for experts by group. */
 class CommandLine {
 public:
-  /** \param tool its name, as in `facetloc_segment`; \param synopsis what follows the name in the usage line;
+  /** \param tool its name, as in `facetloc_segment`; \param synopsis the rest of the usage line;
    * \param about one paragraph. */
   CommandLine(std::string tool, std::string synopsis, std::string about);
   ~CommandLine();
@@ -70,11 +70,11 @@ public:
         name);
     checks_.push_back([&params, name] { checkRanges(params, name); });
   }
-  /** \brief --preset: a set of parameters that is shipped (presets.h). What this tool does not have of it is
-   * left out. */
+  /** \brief --preset: a set of parameters that is shipped (presets.h). Parameters of it that this tool lacks
+   * are left out. */
   void addPresets();
 
-  /** \brief A call that --help shows at its end: the arguments, and what they do. */
+  /** \brief A call that --help shows at its end: its arguments and its purpose. */
   void addExample(const std::string& arguments, const std::string& what) {
     examples_.push_back({arguments, what});
   }
@@ -152,8 +152,8 @@ private:
   std::string synopsis_;
   std::string about_;
   std::vector<Argument> arguments_;
-  std::map<std::string, Option> options_;  // by name with underscores only, and by short name
-  std::vector<std::pair<std::string, std::string>> examples_;  // arguments, what they do
+  std::map<std::string, Option> options_;  // keys: the name with underscores only, and the short name
+  std::vector<std::pair<std::string, std::string>> examples_;  // arguments, purpose
   std::string params_file_;
   std::string preset_;
   bool rare_ = false;

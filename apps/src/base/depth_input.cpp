@@ -16,8 +16,7 @@
 namespace facetloc {
 
 void DepthInput::addOptions(CommandLine& line) {
-  line.addOption("width", width, "N",
-                 "Working width: images are subsampled to at least so many columns; 0 = full size.");
+  line.addOption("width", width, "N", "Minimum width to which images are subsampled [px]; 0 = full size.");
   line.addCheck([this] {
     constexpr int kLeastWidth = 40;  // [px] below, an image shows no segments
     if (width != 0 && width < kLeastWidth)
@@ -28,8 +27,7 @@ void DepthInput::addOptions(CommandLine& line) {
 }
 
 void addTimeOffset(CommandLine& line, double& seconds) {
-  line.addOption("time-offset", seconds, "S",
-                 "Added to the time of an image, it is the time of its pose [s].");
+  line.addOption("time-offset", seconds, "S", "Offset from image timestamps to pose timestamps [s].");
   line.addCheck([&seconds] {
     if (!std::isfinite(seconds)) throw UsageError("time-offset must be a number");
   });
@@ -38,14 +36,14 @@ void addTimeOffset(CommandLine& line, double& seconds) {
 void addRecordingOptions(CommandLine& line, RecordingHints& recording) {
   line.addOption(
       "camera", recording.camera, "FILE|NAME",
-      fmt::format("A camera.ini, a map made with the camera, or, for range and usual intrinsics, one of {}.",
+      fmt::format("Camera: a camera.ini, a map made with it, or a preset (range and typical intrinsics): {}.",
                   cameraPresetNames()));
   line.addOption("topic", recording.topic, "NAME",
-                 "Topic of the depth images, of a recording of messages with several.");
-  line.addOption("depth-scale", recording.depth_scale, "N", "PNG values per metre; 0 = as camera.ini says.");
+                 "Topic of the depth images, if messages of several were recorded.");
+  line.addOption("depth-scale", recording.depth_scale, "N", "Image values per metre; 0 = by camera.ini.");
   addTimeOffset(line, recording.time_offset);
   line.addOption("poses-are", recording.poses_are, "LIST",
-                 "Convention of the poses: auto, or some of wxyz,inverse,base,opengl.");
+                 "Convention of the poses: auto, or a list of wxyz, inverse, base and opengl.");
   line.addCheck([&recording] {
     try {
       PoseReading::of(recording.poses_are);

@@ -14,7 +14,7 @@
 
 namespace facetloc {
 
-/** \brief How depth images become views: what the tools that read images have in common. */
+/** \brief How depth images become views, for all tools that read images. */
 struct DepthInput {
   int width = 320;  ///< working width [px]; 0 = full size
   SensorNoise noise;
@@ -27,30 +27,30 @@ struct DepthInput {
   Camera camera(const std::optional<CameraFile>& file, const CommandLine& line) const;
 };
 
-/** \brief The options that say what a recording's files do not: of all tools that read recordings. */
+/** \brief The options of all tools that read recordings: facts that the files do not contain. */
 void addRecordingOptions(CommandLine& line, RecordingHints& recording);
 /** \brief One of them, for tools that read poses and no images. */
 void addTimeOffset(CommandLine& line, double& seconds);
 
-/** \brief The images at a path, or with RecordingHints::segments what is known of them, with a remark where
+/** \brief The images at a path, or with RecordingHints::segments their segments, with a remark where
  * there is one. Throws IoError. */
 DepthSequence openSequence(const std::string& path, const RecordingHints& hints, const Console& console);
 
-/** \brief What an image of a sequence shows: built, or, of files of segments, as they say. Such a view has no
- * depth. */
+/** \brief The view of an image of a sequence: built from its depth, or read from its file of segments and
+ * without depth. */
 View viewOf(const DepthSequence& sequence, std::size_t index, int working_width, ViewBuilder& builder);
 
 /** \brief A remark if the build of the map at that path has not ended. */
 void noteUnfinished(const Map& map, const std::string& path, const Console& console);
 
-/** \brief Remarks on what the images' camera has to do with the camera of the map they are localized in. */
+/** \brief Prints how the camera of the images differs from that of the map they are localized in. */
 void noteDifference(const Camera& of_images, const Map& map, const Console& console);
 
 /** \brief A remark if images are much noisier than their camera's specification.
  * \param found noise of inverse depth of each image at the usual depth [1/m], 0 where it is not known */
 void noteNoise(std::vector<double> found, const SensorNoise& specified, const Console& console);
 
-/** \brief "; --poses-are wxyz reads them so" if that is what is wrong with poses, or nothing. */
+/** \brief "; --poses-are wxyz reads them so" if the poses are written in that order, else empty. */
 std::string adviceOnPoses(const PoseCheck& check);
 
 /** \brief Throws UsageError unless images and poses can be matched within this time [s]. */

@@ -23,7 +23,7 @@ Eigen::Vector3d axisOf(int number) {
 
 void GravityOption::addOptions(CommandLine& line) {
   line.addOption("gravity", file_, "FILE",
-                 "Direction that is down, by image (RECORDINGS.md); none = ignore IMU.");
+                 "Downward direction of each image (RECORDINGS.md); none = ignore the IMU.");
   line.addParams(params_, "gravity");
   line.addCheck([this] {
     if (params_.up == 0) throw UsageError("gravity.up is an axis: 1, 2, 3 or negative");

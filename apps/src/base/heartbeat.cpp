@@ -62,7 +62,7 @@ private:
     }
   }
 
-  /** What follows begins on an empty line. */
+  /** Ends the line of dots, so that the next output begins on an empty line. */
   void clear() {
     if (!beating_) return;
     if (console_.terminal)

@@ -8,8 +8,8 @@
 
 namespace facetloc {
 
-/** \brief Shows that work goes on where it says nothing for a second: how long it has taken, in the line of
- * progress on a terminal, else a dot every two seconds. What is written through console() comes whole, on
+/** \brief Shows that work goes on if nothing is printed for a second: the time it has taken, in the line of
+ * progress on a terminal, else a dot every two seconds. Output through console() comes whole, on
  * lines of its own. Nothing if quiet. */
 class Heartbeat {
 public:

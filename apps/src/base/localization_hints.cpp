@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kHardlyAny = 0.1;    // share of sure answers
 constexpr int kEnoughImages = 5;      // to speak of a share
-constexpr std::size_t kModels = 500;  // that tell what the map's images are like
+constexpr std::size_t kModels = 500;  // sampled to learn the typical number of segments
 
 std::vector<double> allOf(const std::vector<ViewTraits>& views, double ViewTraits::*trait) {
   std::vector<double> values;
@@ -72,7 +72,7 @@ std::vector<std::string> whatToLookAt(const StateCounts& counts, const std::vect
       fmt::format("Do fx and fy fit the images? Their field of view is {}.", fov.inWords(0, " deg"));
   const std::string scale =
       fmt::format("Does depth_scale fit the images? Their median depth is {}.", depth.inWords(2, " m"));
-  std::vector<std::string> hints = {"Hardly any image is sure. What to look at:"};
+  std::vector<std::string> hints = {"Hardly any image is sure. Check the following:"};
   if (fov.ratio() > kOtherOptics) hints.push_back(optics);
   if (depth.ratio() > kOtherScale) hints.push_back(scale);
   if (map.parts.size() > 1)

@@ -16,7 +16,7 @@ inline void addLocalizationOptions(CommandLine& line, GlobalLocalizationParams& 
   line.addParams(params.calibration, "calibration", CommandLine::Shown::nowhere);
 }
 
-/** \brief What results record of them: a file of parameters. */
+/** \brief These parameters in the form that results record: a file of parameters. */
 inline std::string localizationIni(const GlobalLocalizationParams& params) {
   return toIni(params) + toIni(params.calibration, "calibration");
 }

@@ -17,7 +17,7 @@ namespace facetloc {
  * already. Says so on console.out. Throws IoError. */
 void completeMounting(const std::filesystem::path& map, const Console& console);
 
-/** \brief Writes into a map file what it still lacks: the place index of a large map, and its ambiguity.
+/** \brief Adds the missing parts of a map file: the place index of a large map, and its ambiguity.
  * \param threads 0 = all cores. Throws IoError, and Stopped at Ctrl-C. */
 void completeMap(const std::filesystem::path& map, int threads, const Console& console);
 

@@ -6,8 +6,8 @@
 #include <string>
 
 /** \file
- * The little that Ranks needs of MPI: message_passing_mpi.cpp, or message_passing_missing.cpp where
- * there is none. Who waits sleeps meanwhile, and leaves the processor to others. */
+ * The part of MPI that Ranks needs: message_passing_mpi.cpp, or message_passing_missing.cpp in builds
+ * without MPI. A process that waits sleeps meanwhile, and leaves the processor to others. */
 
 namespace facetloc::mpi {
 

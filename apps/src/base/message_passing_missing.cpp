@@ -7,7 +7,7 @@ namespace facetloc::mpi {
 
 Place join() { throw std::runtime_error("was built without MPI: start it without mpirun"); }
 
-// Nobody gets here without having joined.
+// Unreachable: without MPI no process can join.
 void leave() {}
 void abort(int) {}
 void send(const std::string&, int) {}

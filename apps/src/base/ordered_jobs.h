@@ -19,15 +19,15 @@ class OrderedJobs {
 public:
   using Job = std::function<void(std::size_t index, int worker)>;
   /** \brief Begins with the first of n jobs. \param ahead how far jobs may run ahead of the one that is
-   * waited for; what they make is kept until then \param stop no job begins once it is raised */
+   * waited for; their results are kept until then \param stop no job begins once it is raised */
   OrderedJobs(int threads, std::size_t n, std::size_t ahead, Job job, const StopSignal& stop);
   /** \brief Waits for the jobs that have begun. */
   ~OrderedJobs();
   OrderedJobs(const OrderedJobs&) = delete;
   OrderedJobs& operator=(const OrderedJobs&) = delete;
 
-  /** \brief Waits for the end of the next job. \return false if it does not begin any more. Throws what any
-   * job has thrown. */
+  /** \brief Waits for the end of the next job. \return false if it does not begin any more. Throws the
+   * exception of any job. */
   bool next();
 
 private:

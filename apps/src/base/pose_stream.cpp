@@ -79,7 +79,7 @@ void PoseStream::put(std::size_t index, const FrameResult& frame) {
 
 void addStreamOption(CommandLine& line, bool& streams) {
   line.addSwitch("stream", streams,
-                 "Answers to standard output, a line of JSON each; all else to standard error.");
+                 "Write each answer to standard output as a line of JSON, all else to standard error.");
 }
 
 Console besideStream(const Console& console) {

@@ -47,7 +47,7 @@ void Progress::step() {
   shown_ = now;
   const double seconds = std::chrono::duration<double>(now - start_).count();
   console_.show(progressLine(done_, total_, seconds));
-  if (done_ == total_) clear();  // what follows begins on an empty line
+  if (done_ == total_) clear();  // the next output begins on an empty line
 }
 
 }  // namespace facetloc

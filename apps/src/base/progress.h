@@ -13,7 +13,7 @@ namespace facetloc {
 /** \brief "  37/250   12.3/s   17 s left" */
 std::string progressLine(std::size_t done, std::size_t total, double seconds);
 
-/** \brief One line on a terminal that says how far the work is; nothing where nobody watches. Thread-safe. */
+/** \brief One line on a terminal with the share of work done; nothing without a terminal. Thread-safe. */
 class Progress {
 public:
   Progress(const Console& console, std::size_t total);

@@ -11,11 +11,12 @@
 #include <vector>
 
 /** \file
- * What results were made of, so that --resume does not mix those of different inputs. */
+ * The inputs of results, so that --resume does not mix those of different inputs. */
 
 namespace facetloc {
 
-/** \brief The sizes of image files [bytes], by their names: what tells them from others of the same names. */
+/** \brief The sizes of image files [bytes], by their names; they distinguish recordings whose files have the
+ * same names. */
 using ImageSizes = std::map<std::string, std::uintmax_t>;
 /** \brief The key in a map's meta of the sizes of the images that it was built of. */
 constexpr const char* kImagesKey = "images";
@@ -36,18 +37,18 @@ std::string cameraLine(const std::optional<CameraFile>& file);
 /** \brief CRC-32 of a file, in hexadecimal digits. Throws IoError. */
 std::string checksum(const std::filesystem::path& file);
 
-/** \brief What the results in a folder are made of and how: its params.ini and images.txt. */
+/** \brief The inputs and parameters of the results in a folder: its params.ini and images.txt. */
 struct Provenance {
   std::string params_ini;
   ImageSizes images;
 
-  /** \brief Nothing if there is none. Throws IoError. */
+  /** \brief Empty if the folder has none. Throws IoError. */
   static std::optional<Provenance> read(const std::filesystem::path& folder);
   void write(const std::filesystem::path& folder) const;
   /** \brief Throws UsageError if write() would replace an input file. */
   static void requireNotReplaced(const std::filesystem::path& input, const std::filesystem::path& folder);
-  /** \brief Throws IoError, which names the folder, unless results of these images, made as this says, are
-   * what they would be if they were made now. Other images may have changed. */
+  /** \brief Throws IoError, which names the folder, if results of these images, made as this says, would
+   * come out differently now. Other images may have changed. */
   void requireSame(const Provenance& now, const std::vector<std::string>& done,
                    const std::string& folder) const;
 };

@@ -13,12 +13,12 @@
 namespace facetloc {
 namespace {
 
-constexpr char kMessage = 'm', kFailure = 'f', kEnd = 'e';  // begin what is sent to the first
+constexpr char kMessage = 'm', kFailure = 'f', kEnd = 'e';  // first byte of a message to rank 0
 
 Ranks g_here;
 int g_to_hear = 2;  // messages of the first that a rank has not heard yet: see SharedBatch
 
-/** By what mpirun and srun leave in the environment: Open MPI, PMIx; MPICH and its kin. */
+/** Tested by the variables that mpirun and srun set: Open MPI, PMIx; MPICH and its kin. */
 bool startedByMpirun() {
   const auto has = [](const char* name) { return std::getenv(name) != nullptr; };
   return has("OMPI_COMM_WORLD_SIZE") || has("PMIX_RANK") || has("PMI_RANK");

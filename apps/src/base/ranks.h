@@ -38,7 +38,7 @@ public:
   static void join();
   /** \brief The good end: waits for the others. */
   void leave() const;
-  /** \brief Ends the whole job with this exit code; returns only if there is none. */
+  /** \brief Ends the whole job with this exit code; returns only if there is no job. */
   void abort(int code) const;
   /** \brief On any rank but the first: hands over to that one why this one fails, which ends the job. */
   [[noreturn]] void fail(int code, const std::string& what) const;

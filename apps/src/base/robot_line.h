@@ -22,7 +22,7 @@ struct StartLine {
   std::string part;  ///< name of the part of the map whose frame the pose is in; empty: the world
 };
 
-/** \brief What a robot says in one line: one of these. */
+/** \brief The content of one line from a robot: one of these. */
 struct RobotLine {
   std::optional<OdometryLine> odometry;
   std::optional<StartLine> start;
@@ -37,7 +37,7 @@ public:
 
 /** \brief Reads a line in the form of the stream (ROBOT.md): an odometry, T_w_c, or T_w_b with the mounting,
  * and stamp; {"pose": {...}} with a pose in the map, as a line of the stream has it; or {"relocalize": true}.
- * What else it has does not matter. Throws RobotCommandError with the cause for the last two, and
+ * Other members do not matter. Throws RobotCommandError with the cause for the last two, and
  * std::invalid_argument for any other line. */
 RobotLine parseRobotLine(const std::string& line, const std::optional<CameraMounting>& mounting);
 

@@ -14,12 +14,12 @@
 namespace facetloc {
 
 /** \brief Work on many items that the processes of an mpirun job share, each with several threads; without
- * mpirun, it is all done by the one process that there is. What is handed out is the same for any number of
+ * mpirun, one process does it all. The items handed out are the same for any number of
  * processes and threads.
  *
  * Items are dealt out like cards, one to each process in turn: the images of a sequence cost about the same,
  * the more so the closer they are. All processes make the same SharedBatch; the first one decides on the
- * order and receives the results, item by item, the others only help:
+ * the more so the closer they are. All processes make the same SharedBatch; the first one decides on the
  *
  *     SharedBatch<Order, Result> batch(threads(), console, start);
  *     if (batch.helped()) return kOk;
@@ -30,14 +30,14 @@ namespace facetloc {
 template <class Order, class Result>
 class SharedBatch {
 public:
-  /** \brief What is done with an item, by name for messages. */
+  /** \brief The work on an item, and the item's name for messages. */
   struct Work {
     Batch::Name name;
     std::function<Result(std::size_t item, int worker)> job;
   };
   /** \brief Called in each process when the order is known; 0 <= worker < workers. */
   using Start = std::function<Work(const Order& order, int workers)>;
-  /** \brief Receives what became of an item: its result, or nothing and the reason. */
+  /** \brief Receives the outcome of an item: its result, or nothing and the reason. */
   using Take =
       std::function<void(std::size_t item, std::optional<Result>&& result, const std::string& reason)>;
 
@@ -45,8 +45,8 @@ public:
   SharedBatch(int threads, const Console& console, Start start)
       : threads_(threads), console_(console), start_(std::move(start)) {}
 
-  /** \brief Does this process's share of what the first one runs, unless it is the first one. \return true if
-   * so: nothing is left to do here. Throws as run(). */
+  /** \brief Does this process's share of the batch that the first one runs, unless it is the first one.
+   * \return true if so: nothing is left to do here. Throws as run(). */
   bool helped() const {
     const Ranks& ranks = Ranks::here();
     if (ranks.isFirst()) return false;

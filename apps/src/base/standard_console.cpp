@@ -17,7 +17,7 @@
 namespace facetloc {
 namespace {
 
-/** Where the reader has gone away, what is written is not missed. */
+/** Output to a reader that has gone away is dropped. */
 bool writeAll(int stream, const char* text, std::size_t size) {
   for (std::size_t done = 0; done < size;) {
     const ssize_t written = ::write(stream, text + done, size - done);
@@ -65,8 +65,8 @@ private:
   std::array<char, 1 << 16> buffer_;
 };
 
-/** The next file that is opened would take the number of a closed stream, and what is printed would come into
- * it. */
+/** Without this, the next file to be opened would take the number of a closed stream, and receive the output.
+ */
 void openClosedStreams() {
   while (true) {
     const int number = open("/dev/null", O_RDWR);
@@ -80,7 +80,7 @@ void openClosedStreams() {
 Console standardConsole() {
   openClosedStreams();
   std::signal(SIGPIPE, SIG_IGN);
-  // What PCL has to say about a bad file comes as an exception, once.
+  // PCL's messages about a bad file come as an exception, once.
   if (!std::getenv("PCL_VERBOSITY_LEVEL")) pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
   static PrintableOutput output;
   static DirectOutput errors;

@@ -11,7 +11,7 @@
 namespace facetloc {
 
 void addStartOption(CommandLine& line, std::string& text) {
-  line.addOption("near", text, "X,Y,Z,YAW", "The camera begins about there [m, deg] (ROBOT.md).");
+  line.addOption("near", text, "X,Y,Z,YAW", "Approximate initial pose [m, deg] (ROBOT.md).");
 }
 
 std::optional<PoseWithCovariance> startPose(const std::string& near,

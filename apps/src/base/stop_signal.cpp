@@ -10,7 +10,7 @@ std::atomic<bool> g_raised{false};  // looked at by all threads
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
 int g_objects = 0;
 
-/** Either signal: what comes next, of whichever kind, has its usual effect. */
+/** Handles either signal once: the next one, of whichever kind, has its usual effect. */
 void raiseFlag(int) {
   g_raised = true;
   std::signal(SIGINT, SIG_DFL);

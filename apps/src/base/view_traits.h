@@ -5,7 +5,7 @@ namespace facetloc {
 
 struct View;
 
-/** \brief What tells a wrong map, camera or scale, of one image; 0 where it is not known. */
+/** \brief Statistics of one image that reveal a wrong map, camera or scale; 0 if unknown. */
 struct ViewTraits {
   double noise = 0;  ///< standard deviation of inverse depth, found in the image [1/m]
   double fov = 0;    ///< horizontal field of view [deg]

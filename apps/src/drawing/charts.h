@@ -12,7 +12,7 @@ namespace facetloc {
 
 /** \brief A line through points in a chart. */
 struct Curve {
-  std::string label;  ///< in the legend; none if empty
+  std::string label;  ///< entry of the legend; none if empty
   std::vector<double> x;
   std::vector<double> y;
   Colour colour = kCurveColours[0];

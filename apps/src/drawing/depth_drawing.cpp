@@ -89,7 +89,7 @@ private:
 
 /** Takes away the grain: a pixel gets the label that most of its surroundings have. */
 LabelImage smoothed(const LabelImage& labels) {
-  constexpr int kMost = 5;  // of the 3x3 pixels
+  constexpr int kMost = 5;  // pixels of a block of 3x3
   LabelImage out = labels;
   for (int v = 1; v + 1 < labels.height; ++v)
     for (int u = 1; u + 1 < labels.width; ++u) {
@@ -97,7 +97,7 @@ LabelImage smoothed(const LabelImage& labels) {
       for (int i = 0; i < 9; ++i)
         around[i] = labels.label[static_cast<std::size_t>(v + i / 3 - 1) * labels.width + u + i % 3 - 1];
       std::sort(around.begin(), around.end());
-      const std::uint16_t middle = around[4];  // what at least five have is there
+      const std::uint16_t middle = around[4];  // kept if at least five of the nine pixels are known
       if (std::count(around.begin(), around.end(), middle) >= kMost)
         out.label[static_cast<std::size_t>(v) * labels.width + u] = middle;
     }

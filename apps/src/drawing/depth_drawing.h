@@ -17,7 +17,7 @@ namespace facetloc {
 struct GreyScale {
   std::uint8_t darkest = 50;
   std::uint8_t brightest = 255;
-  std::uint8_t unknown = 0;  ///< of what was not measured
+  std::uint8_t unknown = 0;  ///< grey of pixels without a measurement
 };
 
 /** \brief An RGB picture of a depth image, of its size. */

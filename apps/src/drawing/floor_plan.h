@@ -12,7 +12,7 @@
 
 namespace facetloc {
 
-/** \brief What a part of a map is from above. */
+/** \brief A part of a map seen from above. */
 struct FloorPlan {
   PlanView view;
   std::vector<PlanLine> walls;            ///< upright segments
@@ -46,7 +46,7 @@ private:
   Box box_;
 };
 
-/** \brief What is smaller is drawn as if it were as large as that [m]. */
+/** \brief Smaller plans are drawn as if they were this large [m]. */
 constexpr double kLeastExtent = 0.5;
 /** \brief Of a plan that is to fill a box. */
 double pixelsPerMetreFor(const Eigen::AlignedBox2d& extent, double width, double height);

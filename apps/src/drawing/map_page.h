@@ -36,13 +36,13 @@ struct PageAnswer {
   bool relative = false;                     ///< ... in its local model
 };
 
-/** \brief A map, and what is shown in it. Poses are in the part of the map that is drawn: the world, or else
- * the largest part. */
+/** \brief A map, and the answers and paths shown in it. Poses are in the part of the map that is drawn: the
+ * world, or else the largest part. */
 struct MapPage {
   std::string title;
   std::vector<DrawnRun> runs;
   std::vector<PageAnswer> answers;  ///< Sorted by time.
-  /** \brief The view of an answer's image, to show it and what it was matched to; may be empty, and return
+  /** \brief The view of an answer's image, to show it and its matched local model; may be empty, and return
    * nothing or throw IoError for an image that cannot be read, which has no picture then. */
   std::function<std::optional<View>(std::size_t answer)> view;
 };

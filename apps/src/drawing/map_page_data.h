@@ -7,8 +7,8 @@
 
 namespace facetloc {
 
-/** \brief What apps/pages/map.js draws. Throws IoError, with the name of the page that was to be, if no local
- * model of the map has a pose. */
+/** \brief The data for apps/pages/map.js. Throws IoError, with the name of the page that was to be, if no
+ * local model of the map has a pose. */
 Json::Value mapPageData(const Map& map, const MapPage& page, const std::filesystem::path& path);
 
 }  // namespace facetloc

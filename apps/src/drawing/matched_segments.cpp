@@ -21,7 +21,7 @@ std::vector<SegmentPair> matchedSegments(const View& scene, const View& model,
   MatchingParams all;
   all.max_segments = static_cast<int>(std::max(scene.segments.size(), model.segments.size()));
 
-  std::map<int, SegmentPair> best;  // by scene segment
+  std::map<int, SegmentPair> best;  // keyed by scene segment
   for (const SegmentPair& pair : candidatePairs(scene.segments, model.segments, pose, all)) {
     const auto [found, is_new] = best.emplace(pair.scene, pair);
     if (!is_new && pair.distance < found->second.distance) found->second = pair;

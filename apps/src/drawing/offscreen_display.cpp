@@ -19,7 +19,7 @@ constexpr int kPatience = 10000;  // [ms] for Xvfb to come up
 /** In the child: becomes Xvfb, which writes the number of its display to a pipe. */
 [[noreturn]] void becomeServer(int pipe_end, const char* pipe_name) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);  // it does not outlive us, however we end
-  setsid();                          // and is not killed by a Ctrl-C that ends us in peace
+  setsid();                          // a Ctrl-C that ends the tool cleanly does not kill it
   const int nowhere = open("/dev/null", O_RDWR);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, stream);
   fcntl(pipe_end, F_SETFD, 0);

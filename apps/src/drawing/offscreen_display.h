@@ -23,7 +23,7 @@ public:
   OffscreenDisplay& operator=(const OffscreenDisplay&) = delete;
 
   bool available() const { return problem_.empty(); }
-  /** \brief Why there is none, and what to do about it. */
+  /** \brief Why no display is available, and the remedy. */
   const std::string& problem() const { return problem_; }
 
 private:

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 /** \file
- * What the tools write never takes the place of what was measured. */
+ * Outputs of the tools never replace a recording. */
 
 namespace facetloc {
 

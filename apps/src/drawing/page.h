@@ -45,7 +45,7 @@ double textWidth(const std::string& text, const TextStyle& style);
 
 /** \brief A white page of lines, text, pictures and 3D scenes, x to the right and y down [px].
  *
- * What is drawn later covers what was drawn before; 3D scenes cover all else. Everything is rendered three
+ * Later items cover earlier ones; 3D scenes cover all else. Everything is rendered three
  * times as large and averaged: smooth edges without the help of the graphics driver. Needs a display. */
 class Page {
 public:

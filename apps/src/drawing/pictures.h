@@ -15,11 +15,11 @@ namespace facetloc {
 
 class ViewBuilder;
 
-// Pictures of what the tools found, PNG, written atomically; all need an X display (OffscreenDisplay). They
+// Pictures of results, PNG, written atomically; all need an X display (OffscreenDisplay). They
 // throw IoError for a file that cannot be written, std::invalid_argument for an image without pixels or with
 // labels of another size. The same input gives the same picture.
 
-/** \brief A depth image and what was made of it. */
+/** \brief A depth image and its segments. */
 struct SeenImage {
   std::string name;
   DepthImage depth;   ///< at the working size
@@ -59,13 +59,13 @@ void drawFloorMap(const std::filesystem::path& path, const Map& map, const std::
 struct DrawnPlace {
   Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();
   double probability = 0;
-  double std = 0;  ///< of the position, in its least certain direction [m]
+  double std = 0;  ///< standard deviation of the position in its least certain direction [m]
 };
-/** \brief What is believed of where one image was taken. */
+/** \brief The belief about the place of one image. */
 struct DrawnBelief {
   std::string frame;               ///< name of the image
   std::string title;               ///< such as "image 12: doubtful"
-  std::vector<DrawnPlace> places;  ///< of the part of the map that is drawn, most probable first
+  std::vector<DrawnPlace> places;  ///< places in the part of the map that is drawn, most probable first
   bool sure = false;
   std::optional<Eigen::Isometry3d> truth;
 };
@@ -75,7 +75,7 @@ struct DrawnBelief {
  * IoError if no local model of the map has a pose, std::invalid_argument without images. */
 void drawBeliefs(const std::filesystem::path& path, const Map& map, const std::vector<DrawnBelief>& beliefs);
 
-/** \brief An answer that is to be drawn, and what is true, where it is known. */
+/** \brief An answer to draw, and the truth, where it is known. */
 struct DrawnMatch {
   int model = 0;  ///< index of the local model; -1 = there is no answer, only the query is drawn
   Eigen::Isometry3d T_m_c = Eigen::Isometry3d::Identity();

@@ -11,7 +11,7 @@
 namespace facetloc {
 namespace {
 
-constexpr double kWidest = 1500, kHighest = 1100;  // of all plans together [px]
+constexpr double kWidest = 1500, kHighest = 1100;  // size of all plans together [px]
 constexpr double kMargin = 20, kTitle = 26, kBar = 10;
 constexpr Colour kSure = {44, 160, 44}, kDoubtful = {255, 127, 14}, kNowhere = {200, 200, 200};
 
@@ -51,7 +51,7 @@ Eigen::AlignedBox2d extentOf(const FloorPlan& plan, const std::vector<DrawnBelie
   return extent;
 }
 
-/** Shares of the probability, side by side; what is left is that the map does not hold the place. */
+/** Shares of the probability, side by side; the rest is the probability that the map lacks the place. */
 void drawBar(Page& page, const Box& box, const DrawnBelief& belief, const Colour& colour) {
   const auto rectangle = [&](double from, double to, const Colour& fill) {
     const double left = box.left + from * box.width, right = box.left + to * box.width;

@@ -12,11 +12,11 @@
 namespace facetloc {
 namespace {
 
-constexpr double kWidest = 1500, kHighest = 1100;  // of the plan [px]
+constexpr double kWidest = 1500, kHighest = 1100;  // size of the plan [px]
 constexpr double kNarrowest = 640;                 // leaves room for the legend [px]
 constexpr double kMargin = 24;                     // around everything [px]
 constexpr double kLegendRow = 26;                  // [px]
-constexpr double kSample = 30;                     // width of what stands before a word of the legend [px]
+constexpr double kSample = 30;                     // width of the sample before a word of the legend [px]
 constexpr Colour kModel = {213, 94, 0}, kLink = {230, 159, 0};
 
 Eigen::AlignedBox2d extentOf(const FloorPlan& plan, const std::vector<DrawnRun>& runs,
@@ -62,7 +62,7 @@ void drawPlan(Page& page, const PlanScale& scale, const FloorPlan& plan, const s
       drawCross(page, scale(plan.view.point(T.translation())), mark.colour);
 }
 
-/** A sample, drawn at the middle of its left edge, and what it stands for. */
+/** A sample, drawn at the middle of its left edge, and its meaning. */
 struct LegendEntry {
   std::function<void(Page&, const Eigen::Vector2d&)> sample;
   std::string words;
@@ -100,7 +100,7 @@ std::vector<LegendEntry> legendOf(const FloorPlan& plan, const std::vector<Drawn
 
 struct PlacedEntry {
   LegendEntry entry;
-  Eigen::Vector2d at;  // from the legend's top left corner
+  Eigen::Vector2d at;  // offset from the legend's top left corner
 };
 
 /** In rows of at most the given width. \return the height of all rows in rows_height. */

@@ -21,7 +21,7 @@ constexpr Colour kUnmatched = {130, 130, 130};
 
 /** The matches of one answer, numbered from 0 by model segment, in the order of the query's segments. */
 struct Numbering {
-  std::vector<int> of_query;  // by segment; -1 = unmatched
+  std::vector<int> of_query;  // indexed by segment; -1 = unmatched
   std::vector<int> of_model;
   int size = 0;
 
@@ -38,7 +38,7 @@ struct Numbering {
 struct Side {
   DepthImage depth;
   LabelImage labels;
-  const std::vector<int>& numbers;  // by segment
+  const std::vector<int>& numbers;  // indexed by segment
 };
 
 Raster<std::uint8_t> paintedSide(const Side& side) {

@@ -10,7 +10,7 @@ namespace facetloc {
 namespace {
 
 constexpr double kWorldTilt = 20 * kDegree;  // a world whose z axis is nearer to the vertical has z up
-constexpr double kLean = 15 * kDegree;       // of an upright segment
+constexpr double kLean = 15 * kDegree;       // largest lean of an upright segment
 
 struct WeightedNormal {
   Eigen::Vector3d normal;

@@ -11,11 +11,11 @@ namespace facetloc {
  * about across the image's vertical. */
 Eigen::Vector3d upInView(const View& view, const std::optional<CameraMounting>& mounting);
 
-/** \brief Which way is up in the frame of a part of a map: z where that is about right, else what its views
- * say. Models without a pose do not count. */
+/** \brief The upward direction in the frame of a part of a map: z if that is about right, else the direction
+ * that its views show. Models without a pose do not count. */
 Eigen::Vector3d upInPart(const Map& map, int part);
 
-/** \brief What a segment is from above. */
+/** \brief A segment seen from above. */
 struct PlanLine {
   Eigen::Vector2d from, to;  ///< [m]
   double height = 0;         ///< vertical extent of the segment [m]

@@ -16,7 +16,7 @@
 namespace facetloc {
 namespace {
 
-constexpr double kViewAngle = 35 * kDegree;  // of the eye, vertical
+constexpr double kViewAngle = 35 * kDegree;  // vertical field of view of the eye
 
 vtkNew<vtkPoints> toPoints(const std::vector<Eigen::Vector3d>& polygon) {
   vtkNew<vtkPoints> points;
@@ -120,7 +120,7 @@ void SegmentScene::addLine(const Polygon& points, bool closed, const Colour& col
 }
 
 void SegmentScene::lookAlong(const Eigen::Vector3d& direction, const Eigen::Vector3d& up) {
-  constexpr double kBorder = 0.96;  // of the picture is used
+  constexpr double kBorder = 0.96;  // share of the picture that is used
   if (content_.empty()) return;
   Eigen::Matrix3d R;  // rows: the eye's axes, right, up, away
   R.row(2) = direction.normalized();

@@ -7,11 +7,11 @@ class vtkRenderWindow;
 
 namespace facetloc {
 
-/** \brief Makes a window one that nobody sees and that renders the same everywhere. [px] */
+/** \brief Makes a window invisible, and its rendering the same everywhere. [px] */
 void setOffscreen(vtkRenderWindow* window, int width, int height);
-/** \brief What a window shows, RGB. */
+/** \brief The content of a window, RGB. */
 Raster<std::uint8_t> grabbed(vtkRenderWindow* window);
-/** \brief Renders a window and returns what is in it, RGB. */
+/** \brief Renders a window and returns its content, RGB. */
 Raster<std::uint8_t> rendered(vtkRenderWindow* window);
 
 }  // namespace facetloc

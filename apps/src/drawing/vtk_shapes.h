@@ -13,7 +13,7 @@
 
 namespace facetloc {
 
-/** \brief Many lines and polygons, each of its colour, drawn in one go: what a picture needs that changes
+/** \brief Many lines and polygons, each of its colour, drawn in one go, for pictures that change
  * many times a second. Opaque, without shading. */
 class Shapes {
 public:
@@ -25,7 +25,7 @@ public:
 
   void line(const Points& points, const Colour& colour, bool closed = false);
   void polygon(const Points& convex, const Colour& colour);
-  /** \brief What was added since the last time takes the place of what was there. */
+  /** \brief Replaces the shapes shown by those added since the last time. */
   void show();
 
 private:

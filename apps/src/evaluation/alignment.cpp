@@ -15,7 +15,7 @@
 namespace facetloc {
 namespace {
 
-constexpr double kOnALine = 0.05;  // standard deviation of positions across a line that is none [m]
+constexpr double kOnALine = 0.05;  // largest standard deviation of positions across their line [m]
 constexpr double kLever = 0.1;     // weight of orientations beside positions on a line [m]
 constexpr double kFarthest = 3;    // times the median distance
 constexpr double kExact = 1e-6;    // [m] closer pairs agree, whatever the median is

@@ -30,12 +30,12 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kFailures = 6;  // that are drawn
 constexpr const char* kFailureFolder = "failures";
-constexpr const char* kMappingRun = "map";  // of a simulated place
+constexpr const char* kMappingRun = "map";  // folder of a simulated place
 constexpr const char* kTrajectories = "trajectory.png";
 constexpr const char* kStarts = "starts.png";
 constexpr const char* kMapPage = "map.html";
 
-/** Removes what an earlier evaluation has written and this one perhaps will not. */
+/** Removes the output of an earlier evaluation that this one may not replace. */
 void removeEarlier(const fs::path& folder) {
   for (const char* name :
        {"report.html", kMapPage, "timing_summary.csv", "fig6.png", "reliability.png", "errors.png",
@@ -86,15 +86,13 @@ std::vector<ModelPose> modelPosesOf(const Trajectory& run, const MapBuilderParam
 
 EvaluateApp::EvaluateApp()
     : App("facetloc_evaluate", "RESULTS|TRAJECTORY [GROUNDTRUTH] [options]",
-          "Judges a results folder of facetloc_localize, or a folder of such folders, one per run, by "
-          "what is true: camera poses in the TUM format, a recording that has poses, or the "
-          "folder of a simulated place. Prints the paper's Tables I and II beside the paper's figures and "
-          "what goes beyond, and writes report.html: a verdict, charts and tables, and with --map the floor "
-          "map and "
-          "some failures; map.html is the map to turn, with all answers. Of a TRAJECTORY, a file in the TUM "
-          "format, it tells the absolute and the relative "
-          "errors. What an earlier evaluation left in the folder is replaced or removed. Charts and pictures "
-          "need an X display; without one, Xvfb is started if it is installed.") {}
+          "Compares RESULTS of facetloc_localize with the truth. RESULTS is a folder, or a folder of such "
+          "folders, one per run. GROUNDTRUTH is a file of poses in the TUM format, a recording with poses, "
+          "or the folder of a simulated place. Prints tables and writes report.html: a verdict, charts and "
+          "tables, and with --map the floor map and some failures. map.html shows all answers in the map, to "
+          "turn in a browser. For a TRAJECTORY, a file in the TUM format, prints its absolute and relative "
+          "errors. Replaces an earlier evaluation in the same folder. Charts and pictures need an X display; "
+          "without one, Xvfb is started if installed.") {}
 
 void EvaluateApp::addOptions(CommandLine& line) {
   line.addArgument("RESULTS", results_);
@@ -102,29 +100,28 @@ void EvaluateApp::addOptions(CommandLine& line) {
   line.addOption("output,o", folder_, "DIR", "Folder of the evaluation; RESULTS/evaluation if not given.");
   line.addOption("map", map_, "MAP.flmap", "The map that the images were localized in.");
   line.addOption("map-groundtruth", map_truth_, "FILE",
-                 "True poses of the map's images, of which a map's own poses may differ.");
+                 "True poses of the map's images, if those in the map may differ.");
   line.addSwitch("align", align_,
-                 "Bring the results to the truth's frame first, by the motion that sure answers agree on.");
-  line.addOption("pose-tolerance", pose_tolerance_, "S",
-                 "Largest distance in time of an image and its pose [s].");
+                 "First align the results with the truth, by the rigid motion that most sure answers share.");
+  line.addOption("pose-tolerance", pose_tolerance_, "S", "Maximum time between an image and its pose [s].");
   line.addCheck([this] { requireTolerance(pose_tolerance_); });
   addTimeOffset(line, time_offset_);
   line.addParams(params_, "evaluation", CommandLine::Shown::in_help);
   line.addOption("model-distance", builder_.distance, "M",
-                 "Distance between local models by --map-groundtruth [m].");
+                 "Distance between local models along --map-groundtruth [m].");
   line.addOption("model-rotation-deg", builder_.rotation_deg, "DEG",
-                 "Rotation between local models by --map-groundtruth [deg].");
+                 "Rotation between local models along --map-groundtruth [deg].");
   line.addExample("results walk --map office.flmap", "a report with the map");
   line.addExample("trajectory.txt walk", "errors of a trajectory");
 }
 
-/** What is judged, and by what. */
+/** The results to be judged, and the truth. */
 struct EvaluateApp::Input {
   std::vector<RunResults> runs;
   PlaceTruth truth;
   std::optional<Map> map;
   std::optional<ResultsAlignment> alignment{};
-  std::vector<StartCurve> starts{};  // of a drive, if it was localized from several
+  std::vector<StartCurve> starts{};  // answers after each of several starts of a drive
 };
 
 std::vector<ModelPose> EvaluateApp::modelPoses(const std::optional<Map>& map) const {
@@ -273,7 +270,7 @@ int EvaluateApp::evaluateTrajectory(const Console& console) const {
   return kOk;
 }
 
-/** What the answers say of themselves. */
+/** Reports the answers alone. */
 int EvaluateApp::reportWithoutTruth(const Input& input, const Console& console) {
   if (align_ || !map_truth_.empty())
     throw UsageError("GROUNDTRUTH is missing: --align and --map-groundtruth need it");

@@ -62,7 +62,7 @@ double angleDeg(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   return rotationAngle(a.linear() * b.linear().transpose()) / kDegree;
 }
 
-/** Nothing for a covariance that is none. */
+/** Empty for an invalid covariance. */
 std::optional<double> neesOf(const Vector6d& error, const Matrix6d& P) {
   const Eigen::LLT<Matrix6d> factor(P);
   if (factor.info() != Eigen::Success) return {};
@@ -88,12 +88,12 @@ private:
   std::map<std::string, Eigen::Isometry3d> pose_of_;
 };
 
-/** What is true of the run that these are the results of. */
+/** The truth of one run of results. */
 PlaceTruth truthOf(const RunResults& run, const PlaceTruth& truth) {
   return truth.of(run.folder.empty() ? run.name : run.folder);
 }
 
-/** Judges frames against what is true and the map. */
+/** Compares frames with the truth and the map. */
 class Judge {
 public:
   Judge(const PlaceTruth& truth, const std::vector<ModelPose>& models, const EvaluationParams& params,
@@ -168,7 +168,7 @@ private:
     e.locally_correct = isCorrect(*e.local_error);
   }
 
-  /** The nearest local model, in units of what counts as covered. Returns the covering ones. */
+  /** The nearest local model, by the limits of "covered". Returns the covering ones. */
   std::vector<std::size_t> locate(const ImageSizes& images, FrameEvaluation& e) const {
     const auto found = images.find(e.name);
     const std::uintmax_t size = found == images.end() ? 0 : found->second;
@@ -280,7 +280,7 @@ void addRecall(const std::vector<FrameEvaluation>& frames, Summary& summary) {
 }  // namespace
 
 PoseError poseError(const Eigen::Isometry3d& T_w_c, const Eigen::Isometry3d& T_w_c_true) {
-  const Eigen::Matrix3d R = T_w_c.linear() * T_w_c_true.linear().transpose();  // in world axes
+  const Eigen::Matrix3d R = T_w_c.linear() * T_w_c_true.linear().transpose();  // rotation in world axes
   PoseError error;
   error.translation = (T_w_c.translation() - T_w_c_true.translation()).norm();
   error.rotation_deg = rotationAngle(R) / kDegree;
@@ -439,7 +439,7 @@ Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& f
     summary.none += frame.hypotheses == 0;
     summary.wrong += frame.hypotheses > 0 && frame.first_correct == 0;
     summary.best_correct += frame.first_correct == 1;
-    const bool judged = frame.best_error || frame.hypotheses == 0;  // else nobody knows where it is
+    const bool judged = frame.best_error || frame.hypotheses == 0;  // otherwise the true pose is unknown
     const bool sure = judged && frame.state == AnswerState::sure;
     const bool doubtful = judged && frame.state == AnswerState::doubtful;
     summary.sure += sure;

@@ -27,7 +27,7 @@ constexpr double kSolvableRotationDeg = 3;  ///< largest standard deviation of t
 
 /** \brief When a hypothesis is correct, and which images a map can be expected to localize. */
 struct EvaluationParams {
-  static constexpr const char* kTitle = "What counts as correct, covered and solvable";
+  static constexpr const char* kTitle = "Limits of correct, covered and solvable";
   double max_translation = 0.2;
   double max_rotation_deg = 2;
   double covered_distance = 1.0;
@@ -36,13 +36,14 @@ struct EvaluationParams {
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("max_translation", p.max_translation, 0.0, 1e6,
-          "Largest position error of a correct hypothesis [m].", kForUsers);
+          "Maximum position error of a correct hypothesis [m].", kForUsers);
     visit("max_rotation_deg", p.max_rotation_deg, 0.0, 180.0,
-          "Largest orientation error of a correct hypothesis [deg].", kForUsers);
+          "Maximum orientation error of a correct hypothesis [deg].", kForUsers);
     visit("covered_distance", p.covered_distance, 0.0, 1e6,
-          "Largest distance of a local model that covers an image [m].");
-    visit("covered_rotation_deg", p.covered_rotation_deg, 0.0, 180.0,
-          "Largest angle to a local model that covers an image [deg].");
+          "An image is covered by the map if a local model is within this distance of its true pose [m].");
+    visit(
+        "covered_rotation_deg", p.covered_rotation_deg, 0.0, 180.0,
+        "An image is covered by the map if a local model is also within this angle of its true pose [deg].");
   }
   void validate() const { checkRanges(*this); }
 };
@@ -60,7 +61,7 @@ struct ModelPose {
   std::string name;  ///< may be empty
   double stamp = 0;  ///< [s]
   Eigen::Isometry3d T_w_m = Eigen::Isometry3d::Identity();
-  std::uintmax_t image_size = 0;  ///< of its image's file [bytes]; 0 if it is not known
+  std::uintmax_t image_size = 0;  ///< size of its image's file [bytes]; 0 if unknown
 };
 /** \brief Of those local models of a map that have a pose. */
 std::vector<ModelPose> modelPosesOf(const Map& map);
@@ -78,7 +79,7 @@ struct NearestModel {
   double angle_deg = 0;
 };
 
-/** \brief What became of one image. */
+/** \brief The evaluation of one image. */
 struct FrameEvaluation {
   std::string run;  ///< may be empty
   std::string name;
@@ -86,20 +87,21 @@ struct FrameEvaluation {
   Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();  ///< the true pose
   FrameClass frame_class = FrameClass::unknown;
   bool unmapped = false;         ///< the map has nothing there; then neither covered nor solvable
-  bool covered = false;          ///< by a local model
-  std::optional<bool> solvable;  ///< by true planes shared with a covering local model, where they are known
+  bool covered = false;          ///< a local model is close enough to the true pose
+  std::optional<bool> solvable;  ///< shares enough true planes with a covering local model; empty if unknown
   std::optional<int> visible_planes;  ///< true planes in view, where they are known
   int hypotheses = 0;
   int first_correct = 0;  ///< rank of the first correct hypothesis; 0 = none is
   PoseError first_correct_error;
   AnswerState state = AnswerState::unknown;
-  double probability = 0;               ///< of rank 1
-  std::optional<PoseError> best_error;  ///< of rank 1; none if nobody knows where in the world that is
+  double probability = 0;               ///< probability of rank 1
+  std::optional<PoseError> best_error;  ///< error of rank 1; empty if its true pose is unknown
   std::optional<double> nees;  ///< e^T P^-1 e of rank 1, if it is correct and its covariance is known
-  std::optional<PoseError> local_error;  ///< of rank 1 relative to its local model, whose true pose is known
-  bool locally_correct = false;          ///< is that one within the limits?
-  int closest = 0;          ///< rank of the hypothesis with the least error; 0 = there is none with a pose
-  PoseError closest_error;  ///< in units of what counts as correct
+  std::optional<PoseError>
+      local_error;               ///< error of rank 1 relative to its local model, whose true pose is known
+  bool locally_correct = false;  ///< is that one within the limits?
+  int closest = 0;          ///< rank of the hypothesis with the least error; 0 = no hypothesis has a pose
+  PoseError closest_error;  ///< its error, as multiples of the limits of "correct"
   std::optional<NearestModel> nearest;
   std::string reason;  ///< why there is no hypothesis
 };
@@ -114,10 +116,11 @@ struct Evaluation {
 struct RunResults {
   std::string name;  ///< may be empty
   std::vector<ResultRow> rows;
-  std::vector<TimingRow> timing;                  ///< may be empty
-  std::string folder{};                           ///< named after the run whose truth is meant; may be empty
-  ImageSizes images{};                            ///< that were localized; may be empty
-  std::map<std::string, Matrix6d> covariances{};  ///< of world poses of rank 1, by image; may be empty
+  std::vector<TimingRow> timing;  ///< may be empty
+  std::string folder{};           ///< named after the run whose truth is meant; may be empty
+  ImageSizes images{};            ///< that were localized; may be empty
+  std::map<std::string, Matrix6d>
+      covariances{};  ///< covariances of the world poses of rank 1, keyed by image; may be empty
 };
 /** \brief Reads a results folder, or a folder of results folders, one per run; these are named by their
  * folders and in the order of their names. Throws IoError. */
@@ -195,15 +198,16 @@ struct Summary {
   double recall = 0;     ///< share of all frames whose rank 1 is correct and more probable than that
   double brier = 0;      ///< mean squared difference of the probability of rank 1 and its truth
   std::size_t sure = 0, doubtful = 0, unknown = 0;     ///< as the results say of themselves
-  std::size_t sure_correct = 0, doubtful_correct = 0;  ///< of these: rank 1 is
+  std::size_t sure_correct = 0, doubtful_correct = 0;  ///< covered frames whose rank 1 is
   std::size_t unsure = 0;  ///< no hypothesis, or rank 1 with a probability below kUnsure
   std::vector<ReliabilityBin> reliability;
-  double largest_deviation = 0;  ///< of a bin with at least kReliableCount images
+  double largest_deviation = 0;  ///< largest deviation among bins with at least kReliableCount images
   std::size_t local = 0;         ///< sure answers whose error relative to the local model is known
   std::size_t local_correct = 0;
   Statistics local_translation_stats, local_rotation_stats;  ///< [mm], [deg]
   double local_translation_median = 0;                       ///< [mm]
-  std::vector<double> nees;  ///< of correct poses of rank 1 with a covariance; 6 on average if that is right
+  std::vector<double>
+      nees;  ///< NEES of correct poses of rank 1 with a covariance; 6 on average if consistent
 };
 Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames);
 /** \brief Of the frames that are chosen. */

@@ -11,7 +11,7 @@ namespace {
 constexpr Colour kGrey = {110, 110, 110};
 constexpr const char* kOfPlanes = "True planes in view";
 constexpr const char* kOfDistance = "Distance to the nearest local model [m]";
-constexpr double kManyRanks = 30;  // from here on the axis of ranks is logarithmic
+constexpr double kManyRanks = 30;  // more ranks than this have a logarithmic axis
 
 /** A histogram as a staircase from the axis to the edge of the chart. */
 Curve staircase(const Summary& summary, const CumulativeHistogram& histogram, const Panel& panel,
@@ -144,7 +144,7 @@ Panel countsPanel(const Summary& summary) {
 }
 
 double shareOf(std::size_t n, const Summary& s) {
-  return static_cast<double>(n) / static_cast<double>(s.total);  // of a group, which has images
+  return static_cast<double>(n) / static_cast<double>(s.total);  // share of a group, which has images
 }
 
 /** One figure of each group, at the mean of the quantity in it. */

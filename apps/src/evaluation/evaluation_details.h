@@ -12,11 +12,11 @@ namespace facetloc {
  */
 std::vector<FrameEvaluation> framesInQuestion(const Evaluation& evaluation);
 
-/** \brief The frames where nothing is known to be true: what answers say of themselves, at the poses that
- * they have. */
+/** \brief The frames of results without truth: the answers' own numbers, at their
+ * poses. */
 Evaluation withoutTruth(const std::vector<RunResults>& runs);
 
-/** \brief Whether the first pose of an answer is right; nothing if there is none, or its error is not known.
+/** \brief Whether the first pose of an answer is right; empty without a pose or a known error.
  * \param relative by the error relative to its local model, else by the one in the world */
 std::optional<bool> isRight(const FrameEvaluation& frame, bool relative);
 
@@ -24,7 +24,7 @@ std::optional<bool> isRight(const FrameEvaluation& frame, bool relative);
 struct ErrorGroup {
   double lowest = 0;
   double highest = 0;  ///< infinite in the last group
-  double mean = 0;     ///< of the quantity
+  double mean = 0;     ///< mean of the quantity
   Summary summary;
 };
 /** \brief Frames by the number of true planes in view, without empty groups. Left out: frames of which it is
@@ -46,7 +46,7 @@ struct StageTime {
  * left out. */
 std::vector<StageTime> stageTimes(const std::vector<TimingRow>& rows);
 
-/** \brief In which way an answer was not what one wishes, the worst first. */
+/** \brief Kinds of unsatisfactory answers, the worst first. */
 enum class MissKind {
   confident_wrong,  ///< sure, and rank 1 is wrong
   sure_of_nothing,  ///< the map has nothing there, yet rank 1 has a probability of at least kUnsure

@@ -100,7 +100,7 @@ std::vector<Miss> chosenMisses(const Evaluation& evaluation, std::size_t most) {
       if (total < most && shares[kind] < of_kind.size()) ++shares[kind], ++total, any = true;
   }
   std::vector<Miss> chosen;
-  for (const auto& [kind, of_kind] : by_kind)  // far apart: neighbours in a run look alike
+  for (const auto& [kind, of_kind] : by_kind)  // spread out: neighbours in a run look the same
     for (std::size_t i = 0; i < shares[kind]; ++i)
       chosen.push_back(of_kind[i * of_kind.size() / shares[kind]]);
   return chosen;

@@ -132,7 +132,7 @@ std::vector<std::string> reportPreface(const EvaluationReport& report) {
   const auto isNowhere = [](const auto& f) { return f.hypotheses > 0 && !f.best_error; };
   if (const auto n = std::count_if(frames.begin(), frames.end(), isNowhere))
     lines.push_back(fmt::format(
-        "Rank 1 is in a local model without a pose: {}; what is said of probabilities leaves them out.",
+        "Rank 1 is in a local model without a pose: {}; the statistics of probabilities leave them out.",
         counted(static_cast<std::size_t>(n), "image")));
   if (const std::size_t n = report.evaluation.without_truth.size())
     lines.push_back(fmt::format("Left out, without a true pose: {}.", counted(n, "image")));

@@ -17,17 +17,17 @@ namespace facetloc {
 struct ResultsAlignment {
   Alignment motion;
   std::size_t answers = 0;  ///< sure ones with a true pose
-  ErrorMoments errors;      ///< of the positions of all of them, after it [m]
+  ErrorMoments errors;      ///< position errors of all pairs after the alignment [m]
 };
 
-/** \brief What facetloc_evaluate has found: one summary per set of frames; the first one is of all. */
+/** \brief The findings of facetloc_evaluate: one summary per set of frames; the first one is of all. */
 struct EvaluationReport {
   std::string results;
   std::string truth;  ///< empty: nothing is known to be true
   EvaluationParams params;
   Evaluation evaluation;
   std::vector<Summary> summaries;
-  std::vector<TimingRow> timing;  ///< of all runs; may be empty
+  std::vector<TimingRow> timing;  ///< timing of all runs; may be empty
   std::optional<ResultsAlignment> alignment{};
   bool own_frame = false;  ///< the map lies in another frame than the truth
   std::optional<Alignment>
@@ -36,7 +36,7 @@ struct EvaluationReport {
   bool isJudged() const { return !truth.empty(); }
 };
 
-/** \brief What was judged and by which rules, in sentences. */
+/** \brief The results judged and the rules applied, in sentences. */
 std::vector<std::string> reportPreface(const EvaluationReport& report);
 
 /** \brief The preface and the tables. */
@@ -47,17 +47,17 @@ void printReport(std::ostream& out, const EvaluationReport& report);
  * nothing but the answers. */
 void writeReport(const std::filesystem::path& folder, const EvaluationReport& report);
 
-/** \brief A picture file and what it shows. */
+/** \brief A picture file and its caption. */
 struct ReportPicture {
   std::filesystem::path path;
   std::string caption;
 };
-/** \brief What a report shows that needs the map, the images or a display. */
+/** \brief The parts of a report that need the map, the images or a display. */
 struct ReportFigures {
   std::string plan;                     ///< svgFloorMap() with the answers; may be empty
   bool map_page = false;                ///< map.html lies beside the report
   std::vector<Panel> charts;            ///< beside those of every report
-  std::vector<ReportPicture> pictures;  ///< of images that miss
+  std::vector<ReportPicture> pictures;  ///< pictures of images with a wrong or missing answer
 };
 /** \brief Writes report.html, atomically: the verdict, the map, charts, then tables; everything in one file.
  * Throws IoError. */

@@ -17,7 +17,7 @@ constexpr const char* kNew = "new";
 constexpr const char* kLocal = "Sure answers relative to their local models";
 constexpr const char* kNees = "NEES of correct poses of rank 1 (right: 6)";
 
-/** One line of a table: what it is, the paper's figure if there is one, and ours for each set of frames. */
+/** One row of a table: its name, the paper's figure if known, and ours for each set of frames. */
 struct Quantity {
   const char* table;
   const char* group;  // printed above the first quantity of a group; may be empty
@@ -321,7 +321,7 @@ std::vector<ReportTable> missTables(const Evaluation& evaluation) {
     if (tables.empty() || tables.back().title != toString(miss.kind)) {
       tables.push_back({toString(miss.kind),
                         TextTable({"image", "planes", "solvable", "nearest local model", "probability",
-                                   "error of rank 1", "closest answer", "why there is none"})});
+                                   "error of rank 1", "closest answer", "why no pose"})});
       tables.back().table.setWordsLast();
     }
     addMiss(miss.frame, tables.back().table);

@@ -17,12 +17,12 @@ std::vector<Summary> summarizeSets(const Evaluation& evaluation);
 /** \brief The summary of the new images; of all where it is not known which are new. */
 const Summary& newImages(const std::vector<Summary>& summaries);
 
-/** \brief A table for people, in text and HTML alike. */
+/** \brief A table for people, in text and in HTML. */
 struct ReportTable {
   std::string title;
   TextTable table;
 };
-/** \brief Tables I and II beside the paper's figures, and what goes beyond them.
+/** \brief Tables I and II beside the paper's figures, and further ones.
  * \param timing may be empty \param beside_paper else the paper's figures and the numbers of its tables are
  * left out */
 std::vector<ReportTable> reportTables(const Evaluation& evaluation, const std::vector<Summary>& summaries,
@@ -30,7 +30,7 @@ std::vector<ReportTable> reportTables(const Evaluation& evaluation, const std::v
 /** \brief The frames that miss, and why as far as the data tell; the last column holds words. */
 std::vector<ReportTable> missTables(const Evaluation& evaluation);
 
-/** \brief Tables I and II and what goes beyond them as CSV, one column per summary. */
+/** \brief Tables I and II and further ones as CSV, one column per summary. */
 void writeTables(std::ostream& out, const std::vector<Summary>& summaries);
 
 }  // namespace facetloc

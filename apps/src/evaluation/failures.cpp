@@ -47,7 +47,7 @@ int indexIn(const std::map<std::string, int>& indices, const std::string& name) 
 std::vector<Failure> findFailures(const Evaluation& evaluation, const std::vector<RunResults>& runs,
                                   const Map& map) {
   const std::map<std::string, int> indices = indicesOf(map);
-  std::map<std::pair<std::string, std::string>, const ResultRow*> first;  // by run and frame
+  std::map<std::pair<std::string, std::string>, const ResultRow*> first;  // keyed by run and frame
   for (const RunResults& run : runs)
     for (const ResultRow& row : run.rows)
       if (row.rank == 1) first[{run.name, row.frame}] = &row;

@@ -16,7 +16,7 @@ struct Failure {
   std::string run;  ///< may be empty
   std::string frame;
   std::string what;                 ///< such as "0.83 m and 12.10° off, probability 0.93"
-  double probability = 0;           ///< of rank 1; 0 if there is none
+  double probability = 0;           ///< probability of rank 1; 0 without an answer
   std::vector<DrawnMatch> answers;  ///< rank 1, then the true pose in the nearest local model
 };
 

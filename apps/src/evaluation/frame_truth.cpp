@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kUnitTolerance = 1e-6;  // of |n|
+constexpr double kUnitTolerance = 1e-6;  // largest deviation of |n| from 1
 constexpr const char* kPlanes = "planes.csv";
 constexpr const char* kPlanesHeader = "plane,nx,ny,nz,d";
 constexpr const char* kUnmapped = "unmapped.txt";

@@ -33,8 +33,8 @@ struct WorldPlane {
   double offset = 0;                                  ///< d [m]
 };
 
-/** \brief Reads planes.csv: `plane,nx,ny,nz,d`, one plane per line. Throws IoError with the line for what is
- * malformed, an id below 1 or twice, or a normal that is no unit vector. */
+/** \brief Reads planes.csv: `plane,nx,ny,nz,d`, one plane per line. Throws IoError with the line for
+ * malformed text, an id below 1 or twice, or a normal that is no unit vector. */
 std::map<int, WorldPlane> readPlanes(const std::filesystem::path& path);
 
 /** \brief Writes such a file, atomically. Throws IoError. */
@@ -45,7 +45,8 @@ void writePlanes(const std::filesystem::path& path, const std::map<int, WorldPla
 DepthImage exactDepth(const LabelImage& labels, const Intrinsics& camera,
                       const std::map<int, WorldPlane>& planes, const Eigen::Isometry3d& T_w_c);
 
-/** \brief What is true of the frames of a simulated sequence: the planes in view, and where no map reaches.
+/** \brief The truth about the frames of a simulated sequence: the planes in view, and the frames outside of
+ * the map.
  *
  * Read from its folder: camera.ini, labels/NAME.png (the plane id of each pixel), planes.csv and, if it is
  * there, unmapped.txt (the names of frames taken where the map has nothing, one per line, # starts a
@@ -84,11 +85,11 @@ public:
    * simulated place, which has sequences map, query and drive. Throws IoError.
    * \param time_offset added to the time of an image, it is the time of its pose [s] */
   static PlaceTruth open(const std::filesystem::path& path, double time_offset = 0);
-  /** \brief What is true of one run: of the sequence in the folder of this name, or of all if there is none.
-   * Throws IoError if their stamps overlap then: a frame could be of either. */
+  /** \brief The truth of one run: of the sequence in the folder of this name, or of all without such a
+   * folder. Throws IoError if their stamps overlap then: a frame could be of either. */
   PlaceTruth of(const std::string& run) const;
 
-  const Trajectory& poses() const { return poses_; }  ///< of all runs
+  const Trajectory& poses() const { return poses_; }  ///< poses of all runs
   /** \brief Was a frame taken where the map has nothing? */
   bool unmapped(const std::string& name) const;
   /** \brief The true segments of a frame of any run; nothing if its labels are not there. */

@@ -25,8 +25,8 @@ public:
   void table(const std::string& caption, const TextTable& table);
   /** \brief A PNG file, embedded. Throws IoError if it cannot be read. */
   void picture(const std::filesystem::path& png, const std::string& caption);
-  /** \brief What follows, up to end(), is in an element with a class, or folded below a title until it is
-   * opened. */
+  /** \brief Puts the following, up to end(), into an element with a class, or folds it below a title until it
+   * is opened. */
   void begin(const std::string& css_class);
   void beginFolded(const std::string& title);
   void end();

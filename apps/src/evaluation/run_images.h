@@ -30,7 +30,7 @@ private:
     std::size_t index;
   };
   const Map& map_;
-  std::map<std::pair<std::string, std::string>, Place> places_;  // by run, or "", and name
+  std::map<std::pair<std::string, std::string>, Place> places_;  // keyed by run, or "", and name
 };
 
 }  // namespace facetloc

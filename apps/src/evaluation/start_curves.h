@@ -13,13 +13,13 @@
 
 namespace facetloc {
 
-/** \brief How many starts of a drive know where they are after so many images or metres. */
+/** \brief The share of starts of a drive with a sure answer after N images or metres. */
 struct StartCurve {
   struct Point {
     double x = 0;    ///< since the start: images, or the true way [m]
     int starts = 0;  ///< that came so far
     int sure = 0;
-    int right = 0;  ///< of the sure ones
+    int right = 0;  ///< sure answers that are right
 
     double recall() const { return starts > 0 ? right / double(starts) : 0; }
     double precision() const { return sure > 0 ? right / double(sure) : 1; }

@@ -10,9 +10,9 @@ namespace facetloc {
 namespace {
 
 constexpr int kWidth = 1200, kHeight = 1400;  // [px]
-constexpr float kPlanShare = 0.6f;            // of the height
+constexpr float kPlanShare = 0.6f;            // share of the height
 constexpr int kAround = 110;                  // axes, titles and margins of a chart [px]
-constexpr double kMargin = 1.1;               // of what is drawn
+constexpr double kMargin = 1.1;               // factor on the extent drawn
 constexpr double kSmallestPlan = 0.1;         // [m]
 constexpr double kSmallestError = 1e-3;       // [mm], [deg]
 constexpr Colour kTruth = {110, 110, 110};

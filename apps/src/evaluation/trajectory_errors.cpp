@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kRelativeTime = 1;     // [s]
 constexpr double kRelativeWay = 1;      // [m]
-constexpr double kRelativeShare = 0.1;  // of the whole way
-constexpr double kLongest = 2;          // of such an interval: longer ones bridge a gap
+constexpr double kRelativeShare = 0.1;  // share of the whole distance
+constexpr double kLongest = 2;          // longest interval, as a multiple of that: longer ones bridge a gap
 constexpr double kRounding = 1e-9;
 
 void requireDifferentStamps(const Trajectory& trajectory, const std::string& name) {

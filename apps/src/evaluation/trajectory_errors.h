@@ -26,7 +26,7 @@ constexpr const char *kOverSecond = "1 s", *kOverMetre = "1 m", *kOverTenth = "1
 struct RelativeErrors {
   std::string over;           ///< kOverSecond, kOverMetre or kOverTenth
   std::size_t intervals = 0;  ///< one begins at every pose that has another so far on, and not twice as far
-  double mean_way = 0;        ///< of them [m]
+  double mean_way = 0;        ///< mean distance of the intervals [m]
   ErrorMoments translation;   ///< [m]
   ErrorMoments rotation_deg;
 
@@ -39,13 +39,13 @@ struct RelativeErrors {
 /** \brief How wrong a trajectory is (Sturm, Engelhard, Endres, Burgard, Cremers, A Benchmark for the
  * Evaluation of RGB-D SLAM Systems, 2012). */
 struct TrajectoryErrors {
-  std::vector<PosePair> pairs;       ///< in the order of their stamps, the estimated poses aligned
+  std::vector<PosePair> pairs;       ///< sorted by stamp, the estimated poses aligned
   std::vector<double> way;           ///< true way up to each pair [m]
   std::vector<double> translation;   ///< absolute error of each pair after alignment [m]
   std::vector<double> rotation_deg;  ///< error of the orientation at each stamp
-  Alignment alignment;               ///< of all pairs
+  Alignment alignment;               ///< alignment of all pairs
   std::size_t without_truth = 0;     ///< estimated poses
-  ErrorMoments absolute;             ///< of the positions [m]; its rmse is the absolute trajectory error
+  ErrorMoments absolute;             ///< position errors [m]; its rmse is the absolute trajectory error
   ErrorMoments absolute_rotation_deg;
   std::vector<RelativeErrors> relative;  ///< those over a way only if there is one
 

@@ -13,7 +13,7 @@
 namespace facetloc {
 namespace {
 
-constexpr double kMillimetres = 1000;  // of a metre
+constexpr double kMillimetres = 1000;  // millimetres in a metre
 constexpr double kPercent = 100;
 
 std::vector<std::string> preface(const TrajectoryReport& report) {

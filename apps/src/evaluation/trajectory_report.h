@@ -11,7 +11,7 @@
 
 namespace facetloc {
 
-/** \brief What became of a trajectory that was compared with the true one. */
+/** \brief The comparison of a trajectory with the true one. */
 struct TrajectoryReport {
   std::string estimate;
   std::string truth;

@@ -28,13 +28,13 @@ std::string lengthText(double metres) {
   return metres < 0.1 ? fmt::format("{:.0f} mm", 1000 * metres) : fmt::format("{:.2f} m", metres);
 }
 
-/** What the verdict is about, counted. */
+/** The counts behind the verdict. */
 struct Counts {
   std::vector<FrameEvaluation> frames;
   bool relative = false;
   std::size_t sure = 0, judged = 0, right = 0, first_right = 0, places = 0;
-  std::vector<double> metres, degrees;              // of sure answers that are right
-  std::vector<double> wrong_metres, wrong_degrees;  // of those that are wrong
+  std::vector<double> metres, degrees;              // errors of sure answers that are right
+  std::vector<double> wrong_metres, wrong_degrees;  // errors of sure answers that are wrong
   std::map<Obstacle, std::size_t> obstacles;
   std::map<std::string, std::size_t> reasons;  // why there is no place
 };
@@ -92,7 +92,7 @@ std::string rightSentence(const Counts& c, const EvaluationParams& p) {
                      wrong == 1 ? "" : " (median)");
 }
 
-/** What that many images do, from the verb on. */
+/** The share of images with an obstacle, from the verb on. */
 std::string obstacleText(Obstacle obstacle, std::size_t n, const Counts& c, const EvaluationParams& p) {
   const auto verb = [n](const char* one, const char* many) { return std::string(n == 1 ? one : many); };
   switch (obstacle) {
@@ -112,7 +112,7 @@ std::string obstacleText(Obstacle obstacle, std::size_t n, const Counts& c, cons
   case Obstacle::undecided:
     return verb("fits", "fit") + " several places, or one that is not probable enough";
   case Obstacle::aliased:
-    return verb("has", "have") + " the right pose first, but not probable enough: other places look alike";
+    return verb("has", "have") + " the right pose first, but not probable enough: other places look the same";
   case Obstacle::misplaced:
     break;
   }
@@ -164,15 +164,13 @@ std::string nextStep(const Counts& c) {
            "facetloc_localize --sequence.";
   case Obstacle::no_place:
   case Obstacle::misplaced:
-    return "Look at the images that miss, below; if furniture has moved, bring the map up to date: "
-           "facetloc_map extend.";
+    return "Look at the failures below; if furniture has moved, update the map: facetloc_map extend.";
   case Obstacle::undecided:
   case Obstacle::aliased:
     break;
   }
-  return "Localize the whole drive instead of single images, which tells places apart that look alike: "
-         "facetloc_localize "
-         "--sequence.";
+  return "Localize the whole drive instead of single images, which distinguishes places that look the same: "
+         "facetloc_localize --sequence.";
 }
 
 /** How good sure answers are; or how far the others got, as far as that is known. */

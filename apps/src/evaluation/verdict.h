@@ -8,7 +8,7 @@
 
 namespace facetloc {
 
-/** \brief A number that is worth its place on the first screen, and what it is. */
+/** \brief A number of the first screen, and its name. */
 struct KeyFigure {
   std::string value;
   std::string words;
@@ -19,7 +19,7 @@ struct Verdict {
   std::vector<std::string>
       sentences;                   ///< how many are sure; how many of these are right; why the others are not
   std::string map;                 ///< how a map in a frame of its own differs from the truth; may be empty
-  std::string next;                ///< what to do about it
+  std::string next;                ///< the next step
   std::vector<KeyFigure> figures;  ///< four
 };
 Verdict verdictOf(const EvaluationReport& report);

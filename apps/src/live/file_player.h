@@ -30,7 +30,7 @@ public:
   void start(const FrameSink& sink);
   /** \brief When it returns, the sink is not called any more. */
   void stop();
-  /** \brief With LiveSourceOptions::every_frame: the sink gets the next image, too. */
+  /** \brief With LiveSourceOptions::every_frame: also gives the next image to the sink. */
   void next();
 
   const std::optional<CameraFile>& camera() const { return sequence_.camera(); }

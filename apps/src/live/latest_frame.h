@@ -25,7 +25,7 @@ public:
   };
   struct Counts {
     std::uint64_t received = 0;  ///< all that came before it was closed
-    std::uint64_t dropped = 0;   ///< of these, those that nobody took
+    std::uint64_t dropped = 0;   ///< received frames that no one took
     bool waiting = false;        ///< there is one that can still be taken
   };
 
@@ -38,7 +38,7 @@ public:
       ++counts_.received;
       counts_.dropped += frame_.has_value();
       last_arrival_ = arrived->arrival;
-      frame_.swap(arrived);  // what was there goes when the lock is gone
+      frame_.swap(arrived);  // the replaced frame is destroyed after the lock is released
     }
     filled_.notify_one();
   }
@@ -77,7 +77,7 @@ public:
     const std::lock_guard<std::mutex> lock(mutex_);
     return closed_;
   }
-  /** \brief Throws away what is there, as dropped. */
+  /** \brief Discards the waiting frame, which counts as dropped. */
   void clear() {
     std::optional<Arrived> gone;
     {

@@ -39,52 +39,51 @@ bool isThere(const fs::path& path) {
 
 LiveApp::LiveApp()
     : App("facetloc_live", "[--device DEVICE] [--map | --extend | --build MAP.flmap] [options]",
-          "Cuts what a depth camera sees into planar segments; with --map, finds and follows it in a map, "
-          "with --build, makes a map while it moves. DEVICE is a camera of OpenNI2 (#1, or a URI) or of "
-          "Linux (/dev/video2), - for frames of a program (ROBOT.md), a .scene file, or a recording: .oni, "
-          ".mcap, .db3, .bag, .db, folder or list of images. Keys and mouse: " +
+          "Segments live depth images into planes. With --map, finds the camera in a map and follows it; "
+          "with --build, makes a map while the camera moves. DEVICE is a camera of OpenNI2 (#1, or a URI) or "
+          "of Linux (/dev/video2), - for frames of a program (ROBOT.md), a .scene file, or a recording: "
+          ".oni, .mcap, .db3, .bag, .db, a folder or list of images. Keys and mouse: " +
               keysText() + ".") {}
 
 void LiveApp::addOptions(CommandLine& line) {
   LiveRunOptions& run = run_;
-  line.addOption("device", run.source.device, "DEVICE", "Where frames come from; default: the first camera.");
+  line.addOption("device", run.source.device, "DEVICE",
+                 "Source of the depth images; the first camera unless given.");
   line.addOption("map", run.map, "MAP.flmap", "Localize in this map.");
   line.addOption("build", run.build, "MAP.flmap",
-                 "Make this map while running: sound at any time, whole at the end.");
+                 "Make this map while running. The file is valid at any time, complete at the end.");
   line.addOption("extend", run.extend, "MAP.flmap",
-                 "Localize in this map, and bring it up to date with what was seen when the run ends.");
-  line.addSwitch("overwrite", overwrite_, "Replace a map that is there already, with --build.");
-  line.addOption(
-      "camera", run.source.camera, "FILE|NAME",
-      fmt::format(
-          "A camera.ini, a map made with the camera, or one of {}; else as the recording or device says.",
-          cameraPresetNames()));
-  line.addSwitch("headless", run.headless, "No window.");
+                 "Localize in this map, and update it with the run's images at the end.");
+  line.addSwitch("overwrite", overwrite_, "With --build: replace an existing map.");
+  line.addOption("camera", run.source.camera, "FILE|NAME",
+                 fmt::format("Camera: a camera.ini, a map made with it, or a preset: {}. By the recording or "
+                             "device unless given.",
+                             cameraPresetNames()));
+  line.addSwitch("headless", run.headless, "Run without a window.");
   line.addOption("results", run.results, "DIR",
                  "Write poses, states and times to this folder while running.");
   addStreamOption(line, streams_);
   line.addOption("screenshots", run.screenshots, "DIR",
-                 "Write pictures to this folder; needs no display if Xvfb is installed.");
+                 "Write screenshots to this folder; without a display, Xvfb must be installed.");
   line.addOption("record", run.recording, "FILE.oni", "Record the device's depth images.");
   line.addOption("odometry", run.odometry, "FILE",
-                 "Wheel odometry and starts, as lines of JSON (ROBOT.md); - = standard input.");
+                 "Read wheel odometry and initial poses, as lines of JSON (ROBOT.md); - = standard input.");
   addStartOption(line, run.near);
   line.addOption("remember", run.remember, "FILE",
-                 "Keep the last sure pose in this file, and begin there after a restart.");
-  line.addOption("max-frames", run.max_frames, "N", "End after so many processed frames; 0 = never.");
-  line.addOption("duration", run.duration, "S", "End after so many seconds; 0 = never.");
-  line.addSwitch("wait", run.wait, "Wait for a device that is not there, or has gone, or sends nothing.");
+                 "Keep the last sure pose in this file, and start from it next time.");
+  line.addOption("max-frames", run.max_frames, "N", "Stop after N processed frames; 0 = never.");
+  line.addOption("duration", run.duration, "S", "Stop after this time [s]; 0 = never.");
+  line.addSwitch("wait", run.wait, "Wait for a device that is missing, was unplugged, or sends nothing.");
   line.addSwitch("every-frame", run.source.every_frame,
-                 "Process every frame of a recording: each waits until the one before it is done.");
+                 "Process every frame of a recording, at the speed of processing.");
   addMinProbability(line, min_probability_);
   input_.addOptions(line);
   line.rareFromHere();
   line.addOption("every", run.every, "N", "Write a screenshot of every N-th processed frame.");
-  line.addSwitch("repeat", run.source.repeat, "Play files and recordings again and again.");
+  line.addSwitch("repeat", run.source.repeat, "Play recordings in a loop.");
   line.addOption("topic", run.source.topic, "NAME",
-                 "Topic of the depth images, of a recording of messages with several.");
-  line.addOption("speed", run.source.speed, "X",
-                 "Play recordings so many times as fast; 0 = as fast as possible.");
+                 "Topic of the depth images, if messages of several were recorded.");
+  line.addOption("speed", run.source.speed, "X", "Playback speed factor; 0 = as fast as possible.");
   line.addParams(localizer_, "localizer");
   line.addParams(odometry_error_, "odometry_error");
   addLocalizationOptions(line, localization_);
@@ -155,7 +154,7 @@ int LiveApp::playOrMap(LiveRunOptions options, const CommandLine& line, const Co
     completeMap(path, threads(), console);
   };
   if (overwrite_ && isThere(map)) {
-    openMap(map);  // what is no map stays
+    openMap(map);  // throws for a file that is no map, which is left alone
     replaceMap(map, build);
   } else {
     if (isThere(map)) throw IoError(map, "exists already; --overwrite replaces it");

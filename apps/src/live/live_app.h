@@ -14,7 +14,7 @@
 
 namespace facetloc {
 
-/** \brief What a live run is asked to do. */
+/** \brief The options of a live run. */
 struct LiveRunOptions {
   LiveSourceOptions source;
   std::string map;          ///< file; empty = segmentation only
@@ -34,7 +34,7 @@ struct LiveRunOptions {
   std::ostream* stream = nullptr;  ///< answers go here, as lines of JSON (PoseStream); null = nowhere
 };
 
-/** \brief facetloc_live: segmentation of what a depth camera sees now, localization in a map, or a map of it.
+/** \brief facetloc_live: segmentation of live depth images, localization in a map, or a map made of them.
  */
 class LiveApp : public App {
 public:

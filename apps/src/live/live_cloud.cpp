@@ -22,11 +22,11 @@ namespace facetloc {
 namespace {
 
 constexpr Colour kNoSegment = {205, 205, 205};  // points that belong to none
-constexpr Colour kNoMatch = {160, 160, 160};    // mixed into what the local model does not have
+constexpr Colour kNoMatch = {160, 160, 160};    // mixed into segments without a match in the local model
 constexpr Colour kModelOnly = {120, 120, 120};  // the other way round
-constexpr std::size_t kMostFrames = 10;         // of segments, the most useful first
+constexpr std::size_t kMostFrames = 10;         // segment frames drawn, the most useful first
 constexpr double kAxis = 0.16;                  // [m]
-constexpr double kMagnification = 10;           // of 2 standard deviations of a normal
+constexpr double kMagnification = 10;           // factor on 2 standard deviations of a normal
 constexpr double kTurn = 2 * 3.14159265358979323846;
 
 }  // namespace

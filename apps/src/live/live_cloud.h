@@ -15,11 +15,11 @@
 
 namespace facetloc {
 
-/** \brief The colours of the segments of a view, which stay the same from frame to frame: of what they were
- * matched to in the local model; without a pose, of the direction that they look in. */
+/** \brief The colours of the segments of a view, stable from frame to frame: the colour of the
+ * matched segment of the local model; without a pose, one by the direction of the normal. */
 struct LiveColours {
-  std::vector<Colour> of_view;                  ///< by segment
-  std::vector<std::optional<Colour>> of_model;  ///< by segment; nothing = not matched
+  std::vector<Colour> of_view;                  ///< indexed by segment
+  std::vector<std::optional<Colour>> of_model;  ///< indexed by segment; empty = not matched
   std::size_t matched = 0;                      ///< segments of the view
 
   LiveColours(const LiveResult& result, const Map* map);
@@ -30,7 +30,7 @@ struct LiveColours {
 class LiveCloud {
 public:
   LiveCloud();
-  /** \brief The cloud, and what is drawn over it whatever is in front. Both share their camera. */
+  /** \brief The cloud, and an overlay always in front of it. Both share their camera. */
   vtkRenderer* ground() { return ground_; }
   vtkRenderer* overlay() { return overlay_; }
 

@@ -18,9 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kStep = 0.15, kTurnDeg = 8;  // of the camera between images that are kept [m, deg]
-constexpr double kDepthScale = 4000;          // up to 16 m, in steps finer than any camera's noise
-constexpr std::size_t kMostKept = 20000;      // images, which take 1 GB
+constexpr double kStep = 0.15,
+                 kTurnDeg = 8;            // least motion of the camera between images that are kept [m, deg]
+constexpr double kDepthScale = 4000;      // up to 16 m, in steps finer than any camera's noise
+constexpr std::size_t kMostKept = 20000;  // images, which take 1 GB
 constexpr const char* kCameraFile = "camera.ini";
 
 fs::path imagesOf(const fs::path& folder) { return folder / "depth"; }
@@ -84,7 +85,7 @@ void takeUpSession(const fs::path& map_file, const MapUpdateParams& params, int 
                    const Console& console) {
   const fs::path folder = LiveExtension::folderOf(map_file);
   if (!fs::exists(folder)) return;
-  if (!fs::exists(folder / kCameraFile) || fs::is_empty(imagesOf(folder))) {  // of a run that saw nothing
+  if (!fs::exists(folder / kCameraFile) || fs::is_empty(imagesOf(folder))) {  // a run without images
     fs::remove_all(folder);
     return;
   }

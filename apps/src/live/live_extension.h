@@ -36,8 +36,8 @@ private:
 };
 
 /** \brief Brings a map up to date with the images of a run in it, if there are any, and removes them. Images
- * that are not found in the map leave it as it is and stay, in a folder that is named. Says what has become
- * of them. Throws IoError for a map that cannot be read or written. */
+ * that are not found in the map leave it as it is and stay, in a folder that is named. Prints the outcome.
+ * Throws IoError for a map that cannot be read or written. */
 void takeUpSession(const std::filesystem::path& map, const MapUpdateParams& params, int threads,
                    const Console& console);
 

@@ -32,7 +32,7 @@ public:
     renderer->AddActor2D(actor_);
   }
 
-  /** \param at middle of the left (or right) edge, from the top left corner of a window [px]; what is wider
+  /** \param at middle of the left (or right) edge, from the top left corner of a window [px]; text wider
    * than the room for it is cut. */
   void show(const std::string& words, const Eigen::Vector2d& at, double room, double window_height,
             Across across = Across::left) {

@@ -14,17 +14,17 @@ namespace facetloc {
 
 /** \brief How somebody looks at a panel, beside how it shows itself. */
 struct PanelLook {
-  double yaw_deg = 0, pitch_deg = 0;  ///< about what is in the middle; of scenes in 3D
+  double yaw_deg = 0, pitch_deg = 0;  ///< turn of a 3D scene about the centre of the view
   double zoom = 1;                    ///< 2 = twice as large
   Eigen::Vector2d shift =
-      Eigen::Vector2d::Zero();  ///< of what is shown, right and up, in heights of the panel
+      Eigen::Vector2d::Zero();  ///< shift of the content, right and up, in heights of the panel
 
   /** \brief Turns, moves and nears a camera of VTK that looks at the middle of a panel. */
   void applyTo(vtkCamera* camera) const;
 };
 
-/** \brief What a mouse does to the panels of a live picture. Places are in pixels from the top left corner of
- * the window. */
+/** \brief Effects of the mouse on the panels of a live picture. Places are in pixels from the top left corner
+ * of the window. */
 class LiveLooks {
 public:
   enum class Panel { cloud, whole, near };
@@ -36,7 +36,8 @@ public:
   const Box& box(Panel panel) const { return boxes_[static_cast<int>(panel)]; }
   const PanelLook& operator[](Panel panel) const { return looks_[static_cast<int>(panel)]; }
 
-  /** \brief Turns the cloud, or moves what is in the panel where the drag began. Maps do not turn, they move.
+  /** \brief Turns the cloud, or moves the content of the panel where the drag began. Maps do not turn, they
+   * move.
    */
   void drag(const Eigen::Vector2d& begin, const Eigen::Vector2d& from, const Eigen::Vector2d& to, Drag how);
   /** \brief Zooms about a place, which stays where it is. */

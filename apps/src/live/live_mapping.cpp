@@ -15,9 +15,9 @@
 namespace facetloc {
 namespace {
 
-constexpr int kBackgroundPriority = 10;        // as of nice: images go first
-constexpr double kStep = 0.05;                 // of the way: less is noise [m]
-constexpr double kMoved = 0.05;                // of keyframes, after which the trail is drawn anew [m]
+constexpr int kBackgroundPriority = 10;  // as of nice: images go first
+constexpr double kStep = 0.05;           // smallest step that counts as motion: less is noise [m]
+constexpr double kMoved = 0.05;          // motion of keyframes after which the trajectory is drawn anew [m]
 constexpr std::chrono::seconds kLeastRest(1);  // between improvements
 
 }  // namespace
@@ -139,7 +139,7 @@ void LiveMapping::work() {
   }
 }
 
-/** First what would be lost if somebody killed the program now. */
+/** Begins with the data that would be lost if the program were killed now. */
 void LiveMapping::carryOut(Job& job) {
   const std::size_t first_new = static_cast<std::size_t>(job.map.size()) - job.models.size();
   const auto T_w_m = job.map.poses();

@@ -25,12 +25,12 @@ struct LiveMappingOptions {
   Camera camera;
   MappingParams trajectory;
   MapBuilderParams places;
-  std::string parameters;  ///< in the map's meta
+  std::string parameters;  ///< parameters recorded in the map's meta
 };
 
 /** \brief How far a map has come that is being made. */
 struct LiveMapState {
-  std::optional<PoseWithCovariance> T_w_c;  ///< of the camera in it; nothing where nothing leads to its place
+  std::optional<PoseWithCovariance> T_w_c;  ///< pose of the camera in the part; empty while unknown
   double way = 0;                           ///< [m]
   int keyframes = 0, loops = 0;
   std::shared_ptr<const Map> map;  ///< as it is now, without depth pictures; never null
@@ -44,24 +44,24 @@ struct LiveMapState {
  * of low priority, closes loops and writes local models and their poses to the file. Images never wait for
  * the background.
  *
- * The file is sound at any time; it says that it is under way until finish() returns. What grows with time is
- * nothing; with new rooms grow keyframes (0.2 MB each) and local models. */
+ * The file is sound at any time; it says that it is under way until finish() returns. Memory does not grow
+ * with time; with new rooms grow keyframes (0.2 MB each) and local models. */
 class LiveMapping {
 public:
   /** \brief Creates the file. Throws IoError. */
   explicit LiveMapping(const LiveMappingOptions& options);
-  /** \brief Ends what is under way. What finish() would do is left out. */
+  /** \brief Ends the work under way, and leaves out finish(). */
   ~LiveMapping();
   LiveMapping(const LiveMapping&) = delete;
   LiveMapping& operator=(const LiveMapping&) = delete;
 
-  /** \brief The next image, its name, and if an odometry tells it, the motion of the camera since the image
-   * before. Throws what went wrong in the background. */
+  /** \brief The next image, its name, and, with odometry, the motion of the camera since the image
+   * before. Throws any exception of the background thread. */
   LiveMapState update(const View& view, const std::string& name, double stamp,
                       const std::optional<Eigen::Isometry3d>& motion = {});
   /** \brief The next image may show any other place. */
   void interrupt() { map_.interrupt(); }
-  /** \brief Writes what is not written yet, with the best poses; the file is whole then. A map without local
+  /** \brief Writes the rest, with the best poses; the file is whole then. A map without local
    * models is removed. Throws IoError. */
   void finish();
   /** \brief After the latest image, or after finish(). */
@@ -73,7 +73,7 @@ private:
     LocalModel model;
     View view;
   };
-  /** What is to be done in the background, and what has come of it. */
+  /** Work for the background, and its result. */
   struct Job {
     GrowingMap map;
     std::vector<SeenModel> models;  // new ones
@@ -94,7 +94,7 @@ private:
   GrowingMap map_;
   std::vector<SeenModel> unwritten_;
   LiveTrail trail_;
-  std::optional<Eigen::Vector3d> last_place_;  // of the way
+  std::optional<Eigen::Vector3d> last_place_;  // last position on the way
   LiveMapState state_;
   Clock::time_point improved_ = Clock::now(), next_improvement_ = improved_;
 

@@ -20,9 +20,10 @@
 namespace facetloc {
 namespace {
 
-constexpr int kWidth = 1280, kHeight = 720;                                    // of a screenshot [px]
+constexpr int kWidth = 1280, kHeight = 720;                                    // size of a screenshot [px]
 constexpr double kHeader = 78, kMargin = 10, kCaption = 24, kFooterLine = 22;  // heights [px]
-constexpr double kLeftShare = 0.56, kWholeShare = 0.56;  // of the cloud; of the whole map in its column
+constexpr double kLeftShare = 0.56,
+                 kWholeShare = 0.56;  // width of the cloud; height of the whole map in its column
 constexpr Colour kFrame = {190, 190, 190}, kPale = {95, 95, 95}, kUntold = {140, 140, 140};
 
 /** The largest box of a picture's shape at the top of another box. */
@@ -94,11 +95,11 @@ private:
   vtkRenderWindow* window_;
   std::shared_ptr<const Map> map_;
   double width_ = 0, height_ = 0;  // [px]
-  vtkNew<vtkRenderer> ground_;     // in pixels, y up
+  vtkNew<vtkRenderer> ground_;     // coordinates in pixels, y up
   LiveCloud cloud_;
   std::unique_ptr<LivePlan> plan_;  // if there is a map with poses
   LiveLooks looks_;
-  std::optional<Eigen::Vector2d> chosen_point_;  // in the cloud's panel, as shares of its size
+  std::optional<Eigen::Vector2d> chosen_point_;  // place in the cloud's panel, as shares of its size
   std::optional<int> chosen_model_;
   Shapes decoration_{1};
   Label state_, reason_, pose_, frame_, cloud_caption_, whole_caption_, near_caption_, image_caption_;

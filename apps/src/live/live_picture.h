@@ -15,11 +15,11 @@ class vtkRenderWindow;
 
 namespace facetloc {
 
-/** \brief The picture of a live run, for a window on the screen and for files alike.
+/** \brief The picture of a live run, for a window on the screen and for files.
  *
  * On the left the cloud, coloured by segment, seen from behind the camera, with the frames of the most useful
  * segments and the uncertainty of their normals; over it, in the same colours, the segments of the local
- * model that the view was matched to. On the right the map from above with the way so far, the pose and its
+ * model that the view was matched to. On the right the map from above with the path, the pose and its
  * uncertainty to scale, as a whole and from near; a pose that is not sure is grey; below, the depth image
  * with outlined segments. At the top the state.
  *
@@ -40,7 +40,7 @@ public:
   /** \brief How its user looks at the panels, from the next frame on. Places are those of the frame before.
    */
   LiveLooks& looks();
-  /** \brief Chooses what is at a place [px from the top left corner]: a segment of the cloud or a local
+  /** \brief Chooses the item at a place [px from the top left corner]: a segment of the cloud or a local
    * model, which is marked and described in the caption of its panel; nothing elsewhere. */
   void choose(const Eigen::Vector2d& at);
 

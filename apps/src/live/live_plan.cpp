@@ -15,9 +15,9 @@ namespace {
 
 constexpr Colour kWall = {40, 40, 40}, kModel = {213, 94, 0}, kTrail = {31, 119, 180};
 constexpr double kTallest = 1.5;     // a segment of this height or more is drawn darkest [m]
-constexpr double kNearHeight = 3.0;  // of what is seen from near, at most [m]
-constexpr double kReach = 12;        // of a click [px]
-constexpr double kSigmas = 2;        // of the ellipse
+constexpr double kNearHeight = 3.0;  // largest height of the close-up [m]
+constexpr double kReach = 12;        // largest distance of a click from its target [px]
+constexpr double kSigmas = 2;        // size of the ellipse in standard deviations
 constexpr double kTurn = 2 * 3.14159265358979323846;
 enum Level {
   kGround,
@@ -28,7 +28,7 @@ enum Level {
   kOutlineLevel,
   kMarkLevel,
   kEye = 100
-};  // what covers what
+};  // drawing order
 
 Eigen::Vector3d at(const Eigen::Vector2d& p, Level level) { return {p.x(), p.y(), double(level)}; }
 

@@ -25,14 +25,15 @@ public:
   vtkRenderer* near() { return near_.renderer; }
   bool empty() const { return extent_.isEmpty(); }
 
-  /** \brief Where both panels are in the window, how its user looks at them, and what is chosen there. */
+  /** \brief The places of both panels in the window, the user's zoom and shift of them, and the chosen item.
+   */
   struct Panels {
     Eigen::Vector2d whole_size, near_size;  ///< [px]; the near panel may have no area
     PanelLook whole, near;
     std::optional<int> chosen;  ///< local model that is marked
   };
   void show(const LiveResult& result, const Panels& panels);
-  /** \brief Height of what the panel from near shows [m]: the less, the better the pose is known. */
+  /** \brief Height of the close-up [m]: the less, the better the pose is known. */
   double nearHeight() const { return near_height_; }
   /** \brief The local model that is drawn at a pixel of the window, from its lower left corner. */
   std::optional<int> modelAt(LiveLooks::Panel panel, const Eigen::Vector2d& pixel);

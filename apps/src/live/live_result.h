@@ -15,9 +15,9 @@
 
 namespace facetloc {
 
-/** \brief One processed frame of a live run: what is drawn and written. */
+/** \brief One processed frame of a live run: the data that are drawn and written. */
 struct LiveResult {
-  std::uint64_t number = 0;               ///< of processed frames, from 1
+  std::uint64_t number = 0;               ///< counts processed frames, from 1
   double stamp = 0;                       ///< [s]; increases from frame to frame
   SeenImage image;                        ///< at the working size; its name is the stamp
   std::optional<LocalizerAnswer> answer;  ///< nothing if there is no map
@@ -26,15 +26,15 @@ struct LiveResult {
   bool has_odometry = false;              ///< that has measured how the camera moved since the frame before
 
   double segment_ms = 0, features_ms = 0, localize_ms = 0;
-  double age_ms = 0;           ///< from the frame's arrival to the begin of its processing
+  double age_ms = 0;           ///< time between the frame's arrival and the begin of its processing
   std::uint64_t received = 0;  ///< frames of the source so far
-  std::uint64_t dropped = 0;   ///< of these, those that were not processed
+  std::uint64_t dropped = 0;   ///< received frames that were not processed
 
   /** \brief "tracking", "cannot tell", ...; "mapping"; "segmenting" without a map. */
   std::string state() const;
   /** \brief Why there is no pose, or no certain one. */
   std::string reason() const;
-  /** \brief The reason; if there is none, how far the map has come that is being made. */
+  /** \brief The reason; if empty, the progress of the map that is being made. */
   std::string remark() const;
   /** \brief Its local model and the pose relative to it, if there is one. */
   const Hypothesis* match() const;

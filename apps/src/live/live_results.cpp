@@ -13,7 +13,7 @@
 namespace facetloc {
 namespace {
 
-/** Of the models of the main part with a pose; nothing if there is none. */
+/** The nearest model with a pose in the main part; empty without such a model. */
 std::optional<int> nearestModel(const Map& map, const Eigen::Vector3d& place) {
   std::optional<int> nearest;
   double least = std::numeric_limits<double>::infinity();

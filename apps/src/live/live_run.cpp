@@ -26,9 +26,9 @@ using std::chrono::milliseconds, std::chrono::seconds;
 constexpr seconds kStall(3);              // without a frame
 constexpr milliseconds kRetry(1000);      // between looks for a device
 constexpr milliseconds kTick(20);         // between looks whether something has happened
-constexpr milliseconds kLastFrames(250);  // after the end of a file, for what is still under way
+constexpr milliseconds kLastFrames(250);  // wait after the end of a file for frames still under way
 
-/** The source itself is at fault, not what was made of its frames: waiting may help. */
+/** A fault of the source, not of the processing of its frames: waiting may help. */
 class SourceError : public std::runtime_error {
 public:
   using std::runtime_error::runtime_error;
@@ -128,7 +128,7 @@ void LiveRun::startMapping(const Camera& camera) {
   mapping_ = std::make_shared<LiveMapping>(options);
 }
 
-/** What is left to do when no frame comes any more. */
+/** Finishes the run when no frame comes any more. */
 void LiveRun::finish() {
   if (!session_) return;
   session_->finish([this] { drawScreenshots(); });
@@ -136,7 +136,7 @@ void LiveRun::finish() {
   if (mapping_) mapping_->finish();
 }
 
-/** What a run before has left is a start like one of the robot, unless the user knows better. */
+/** The pose remembered from an earlier run is a start like one of the robot, unless the user gives one. */
 void LiveRun::rememberPose(const std::optional<CameraMounting>& mounting) try {
   if (options_.remember.empty()) return;
   remembered_ = std::make_unique<RememberedPose>(options_.remember, mounting);
@@ -189,7 +189,8 @@ void LiveRun::startSession() {
       std::make_unique<LiveSession>(options, map_, [this](const LiveResultPtr& result) { receive(result); });
 }
 
-/** By the processing thread: what must not be lost is written, what may be is left for who has the time. */
+/** Called by the processing thread: writes what must not be lost, leaves the rest to a thread that has time.
+ */
 void LiveRun::receive(const LiveResultPtr& result) {
   if (extension_) extension_->put(*result);
   if (results_ || stream_ || remembered_) {
@@ -279,7 +280,8 @@ void LiveRun::loop() {
     if (!problem.empty()) throw SourceError(problem);
     if (recorder_ && !recorder_->hasRoom()) {
       stopRecording();
-      throw IoError(recording_.string(), "the disk is full: what there was room for is recorded");
+      throw IoError(recording_.string(),
+                    "the disk is full: the recording ends here, the images before are kept");
     }
     tick();
     std::this_thread::sleep_for(kTick);

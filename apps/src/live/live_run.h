@@ -25,7 +25,7 @@
 
 namespace facetloc {
 
-/** \brief What a live run needs to know of the algorithms, for a camera that is not known yet. */
+/** \brief The parameters of a live run's algorithms, for a camera that is not known yet. */
 struct LiveAlgorithms {
   std::function<Camera(const std::optional<CameraFile>&)> camera;
   LiveSessionOptions session;             // but for its camera, its map, and the one that it makes
@@ -44,9 +44,9 @@ public:
   LiveRun(const LiveRun&) = delete;
   LiveRun& operator=(const LiveRun&) = delete;
 
-  /** \brief Until there is nothing more to do. Throws what went wrong, after all was written. */
+  /** \brief Runs until the end. Throws the first exception of any thread, after all was written. */
   void run();
-  /** \brief What came of it, on one line. */
+  /** \brief The outcome on one line. */
   std::string summary() const;
 
 private:
@@ -108,7 +108,7 @@ private:
   LiveResultPtr shown_;
   std::unique_ptr<LiveWindow> window_;
   std::unique_ptr<LiveScreenshot> screenshot_;
-  Clock::time_point next_draw_;  // of the window
+  Clock::time_point next_draw_;  // next time to draw the window
   std::size_t screenshots_ = 0;
 };
 

@@ -68,7 +68,7 @@ void LiveSession::end() {
 
 void LiveSession::letGo(const std::function<void()>& meanwhile) {
   mailbox_.clear();
-  // What the present round has taken is gone when the next one begins.
+  // A frame taken in the present round is done when the next one begins.
   for (const std::uint64_t round = rounds_; !done_ && rounds_ == round; std::this_thread::sleep_for(kNap))
     if (meanwhile) meanwhile();
 }
@@ -125,7 +125,7 @@ std::optional<Eigen::Isometry3d> LiveSession::motionSince(const LatestFrame<Live
   return Eigen::Isometry3d(before->inverse() * *T_o_c_);
 }
 
-/** What lines of the robot say of where the camera is now. */
+/** Applies the robot's lines about the present pose of the camera. */
 void LiveSession::obeyRobot() {
   if (!options_.odometry) return;
   if (options_.odometry->takeRelocalize()) localizer_->reset();

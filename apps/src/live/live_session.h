@@ -34,21 +34,21 @@ struct LiveSessionOptions {
   std::optional<PoseWithCovariance> start;   ///< where the camera is when it begins, as far as that is known
   GlobalLocalizationParams localization;
   std::shared_ptr<LiveMapping> mapping;     ///< if a map is to be made
-  std::shared_ptr<OdometryInput> odometry;  ///< of the robot, if it tells one
-  int threads = 0;                          ///< of global localization; 0 = all cores
-  std::uint64_t max_frames = 0;             ///< ends after so many processed frames; 0 = never
-  double oldest_frame_ms = 100;             ///< age above which a frame is dropped when its turn comes
-  bool every_frame = false;                 ///< none is dropped: the next one comes when this one is done
+  std::shared_ptr<OdometryInput> odometry;  ///< odometry of the robot; null without one
+  int threads = 0;                          ///< threads of global localization; 0 = all cores
+  std::uint64_t max_frames = 0;  ///< number of processed frames after which the run ends; 0 = never
+  double oldest_frame_ms = 100;  ///< age above which a frame is dropped when its turn comes
+  bool every_frame = false;      ///< none is dropped: the next one comes when this one is done
 };
 
-/** \brief What a live run came to. */
+/** \brief The outcome of a live run. */
 struct LiveSummary {
   std::uint64_t received = 0, processed = 0;
   std::map<std::string, std::uint64_t> states;  ///< processed frames by state
   std::uint64_t with_odometry = 0;              ///< processed frames whose motion an odometry has measured
   double processing_ms = 0;                     ///< sum over the processed frames
   double oldest_ms = 0;                         ///< largest age of a frame when its processing began
-  double seconds = 0;                           ///< from the first frame to the last one
+  double seconds = 0;                           ///< time between the first frame and the last one
 
   std::uint64_t dropped() const { return received - processed; }
   /** \brief Several sentences on one line. */
@@ -58,7 +58,7 @@ struct LiveSummary {
 /** \brief The processing thread of a live run: takes the newest frame, segments it, and follows the camera in
  * the map, or makes one.
  *
- * A frame that has grown old when its turn comes is dropped: what is shown is what is. */
+ * A frame that has grown old when its turn comes is dropped: the picture shows the present. */
 class LiveSession {
 public:
   using OnResult = std::function<void(const LiveResultPtr&)>;
@@ -75,7 +75,7 @@ public:
   LatestFrame<LiveFrame>& mailbox() { return mailbox_; }
 
   /** \brief When it returns, no frame is held any more that came before: their source can be destroyed.
-   * \param meanwhile is called while it waits: for what the processing thread may be waiting for. */
+   * \param meanwhile is called while it waits, for callbacks that the processing thread may wait for. */
   void letGo(const std::function<void()>& meanwhile = {});
 
   /** \brief While paused, frames are received and dropped. */
@@ -86,7 +86,7 @@ public:
 
   /** \brief Has the thread ended: enough frames, or an exception? */
   bool done() const { return done_; }
-  /** \brief Takes no more frames, processes the one that is there, ends the thread, and throws what it threw.
+  /** \brief Takes no more frames, processes the waiting one, ends the thread, and rethrows its exception.
    * \param meanwhile as letGo()'s */
   void finish(const std::function<void()>& meanwhile = {});
   LiveSummary summary() const;
@@ -108,12 +108,12 @@ private:
   std::unique_ptr<Localizer> localizer_;
   LiveTrail trail_;
   double last_stamp_ = 0, stamp_offset_ = 0;
-  std::optional<Eigen::Isometry3d> T_o_c_;                  // of the last frame, by odometry
+  std::optional<Eigen::Isometry3d> T_o_c_;                  // pose of the last frame in the odometry
   LatestFrame<LiveFrame>::Clock::time_point first_, last_;  // arrivals of processed frames
 
   std::atomic<std::uint64_t> rounds_{0};
   std::atomic<bool> paused_{false}, relocalize_{false}, abandoned_{false}, done_{false};
-  mutable std::mutex mutex_;  // of the summary and the error
+  mutable std::mutex mutex_;  // guards the summary and the error
   LiveSummary summary_;
   std::exception_ptr error_;
   std::thread thread_;  // the last member: it uses all others

@@ -32,7 +32,7 @@ using OnCloud = void(const Cloud::ConstPtr&);
 constexpr double kMicrosecond = 1e-6;           // [s]
 constexpr double kMillimetre = 1e-3;            // [m]
 constexpr double kUsualRate = 30;               // [Hz] of files without time stamps
-constexpr std::chrono::seconds kFirstFrame(3);  // for which is waited to learn what the camera is
+constexpr std::chrono::seconds kFirstFrame(3);  // longest wait for a frame, whose size reveals the camera
 constexpr const char* kPipe = "-";
 
 /** Intrinsics for an image of another size: every step-th pixel, as our subsampling and OpenNI's modes. */
@@ -43,7 +43,7 @@ Intrinsics scaledTo(const Intrinsics& camera, int width, int height) {
   return camera.subsampled(camera.width / width);
 }
 
-/** What PCL makes of the device's field of view: square pixels, the centre in the middle. */
+/** PCL's intrinsics of the device's field of view: square pixels, the centre in the middle. */
 Intrinsics nominalCamera(const DevicePicture& picture) {
   const double f = picture.getFocalLength();
   const int w = static_cast<int>(picture.getWidth()), h = static_cast<int>(picture.getHeight());
@@ -56,7 +56,7 @@ DepthImage toDepthImage(const DevicePicture& picture, const std::optional<Intrin
   if (camera) image.camera = scaledTo(*camera, image.camera.width, image.camera.height);
   const std::size_t n = static_cast<std::size_t>(picture.getWidth()) * picture.getHeight();
   std::vector<unsigned short> raw(n);
-  if (picture.getMetaData()->getDataSize() != n * sizeof raw[0])  // PCL copies what there is
+  if (picture.getMetaData()->getDataSize() != n * sizeof raw[0])  // PCL copies as many bytes as there are
     throw std::runtime_error("a depth image of the source is corrupt");
   picture.fillDepthImageRaw(picture.getWidth(), picture.getHeight(), raw.data());
   const auto unknown = static_cast<unsigned short>(picture.getNoSampleValue());
@@ -68,7 +68,7 @@ DepthImage toDepthImage(const DevicePicture& picture, const std::optional<Intrin
   return image;
 }
 
-/** Clouds -> depth images. The camera of a stream does not change: what its points tell is kept. */
+/** Clouds -> depth images. The camera of a stream does not change: its estimate from the points is kept. */
 class CloudConverter {
 public:
   explicit CloudConverter(const std::optional<Intrinsics>& camera) : given_(camera) {}
@@ -104,7 +104,7 @@ FrameSink corrected(const CameraFile& camera, const FrameSink& sink) {
   };
 }
 
-/** What our virtual camera, or a program, told the grabber; nothing for a device as it is. */
+/** The calibration set in the grabber by our virtual camera, or a program; empty for other devices. */
 std::optional<Intrinsics> calibrationOf(const OpenNIGrabber& grabber) {
   const auto mode = grabber.getDevice()->getDepthVideoMode();
   Intrinsics k{mode.x_resolution_, mode.y_resolution_, 0, 0, 0, 0};
@@ -123,7 +123,7 @@ bool isPlayed(const LiveSourceOptions& options) {
   return fs::is_regular_file(path, ignored) && path.extension() != ".oni";
 }
 
-/** What --camera says; of a preset without intrinsics, and nothing for a map. */
+/** The camera given by --camera; without intrinsics for such a preset, empty for a map. */
 std::optional<CameraFile> givenCamera(const std::string& camera) {
   if (camera.empty() || isMapFile(camera)) return {};
   const CameraPreset* preset = fs::exists(camera) ? nullptr : findCameraPreset(camera);
@@ -157,7 +157,7 @@ void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camer
     auto convert = std::make_shared<CloudConverter>(camera);
     auto count = std::make_shared<std::uint64_t>(0);
     grabber.registerCallback<OnCloud>([=](const Cloud::ConstPtr& cloud) {
-      if (cloud->empty()) return;  // of a file that PCL could not read
+      if (cloud->empty()) return;  // PCL could not read the file
       const std::uint64_t n = (*count)++, stamp = cloud->header.stamp;
       sink({stamp ? kMicrosecond * static_cast<double>(stamp) : stamps(n),
             [convert, cloud] { return (*convert)(*cloud); }});

@@ -22,7 +22,7 @@ namespace facetloc {
 class FilePlayer;
 class OpenNIGrabber;
 
-/** \brief A frame of a camera that nobody has looked at: a pointer to what the grabber delivered. */
+/** \brief A frame of a camera, unprocessed: a pointer to the image or cloud of the grabber. */
 struct LiveFrame {
   double stamp = 0;                   ///< [s] of the source; may start again when a recording is repeated
   std::function<DepthImage()> image;  ///< converts it; to be called on one thread at a time
@@ -38,33 +38,33 @@ FrameStamps countedStamps(double rate);
 /** \brief Makes a grabber hand its frames to a sink: depth images if it has them (they cost nothing), else
  * clouds of PointXYZ. The sink is called by a thread of the grabber and must not wait. To be called before
  * start().
- * \param camera intrinsics of the full image, which go before what the frames themselves tell.
+ * \param camera intrinsics of the full image, which go before those of the frames.
  * Throws std::runtime_error for a grabber that has neither. */
 void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camera, const FrameStamps& stamps,
                    const FrameSink& sink);
 
-/** \brief What is played, and how. */
+/** \brief The device or recording to play, and how. */
 struct LiveSourceOptions {
-  std::string device;  ///< as OpenNIGrabber or V4l2Frames, a folder of PCLZF files, what DepthSequence
+  std::string device;  ///< as OpenNIGrabber or V4l2Frames, a folder of PCLZF files, a path that DepthSequence
                        ///< reads, or "-": frames on standard input (PipeFrames)
-  /** A file of the device, a map that was made with it, or a CameraPreset; empty = what lies beside its
+  /** A file of the device, a map that was made with it, or a CameraPreset; empty = the camera.ini beside its
    * files.
    */
   std::string camera;
-  std::string topic;         ///< of messages that are played; empty = RecordingHints::topic
+  std::string topic;         ///< topic of the messages to play; empty = RecordingHints::topic
   bool repeat = false;       ///< files and recordings begin again at their end
   bool every_frame = false;  ///< a file plays its next frame when the one before it has been processed
   double speed = 1;          ///< at which files and recordings play, times real time
 };
 
-/** \brief A depth camera, or what stands for one: a recording, or a folder of depth images that is played. */
+/** \brief A depth camera, or its substitute: a recording, or a folder of depth images that is played. */
 class LiveSource {
 public:
   /** \brief Standard input, if it is the device; else null. Throws IoError. */
   static std::shared_ptr<PipeFrames> pipeOf(const LiveSourceOptions& options);
 
   /** \brief Opens it. Throws IoError if there is no such device or file, or nothing in it.
-   * \param pipe for the device "-", with what has been read of it already (pipeOf()) */
+   * \param pipe for the device "-", with the part of it that is already read (pipeOf()) */
   explicit LiveSource(const LiveSourceOptions& options, std::shared_ptr<PipeFrames> pipe = {});
   /** \brief Stops it. */
   ~LiveSource();
@@ -88,9 +88,9 @@ public:
   bool connected() const;
   /** \brief Is it another program that sends frames, whose silence is no fault and whose faults stay? */
   bool isPipe() const { return pipe_ != nullptr; }
-  /** \brief What the driver says of that, or of an image that it could not read; may be empty. */
+  /** \brief The driver's message about that, or about an image that it could not read; may be empty. */
   std::string lastError() const;
-  /** \brief What its user should know of it, sentences without full stop. */
+  /** \brief Remarks for the user, sentences without full stop. */
   std::vector<std::string> remarks() const;
   /** \brief The device of OpenNI2; nothing for files that are played without it. */
   const OpenNIGrabber* device() const { return device_; }
@@ -108,11 +108,11 @@ private:
   std::optional<Intrinsics> calibration_;  // without a camera file
   std::unique_ptr<FilePlayer> player_;
   std::unique_ptr<pcl::Grabber> grabber_;                    // null if there is a player
-  std::atomic<std::uint64_t> delivered_{0}, unreadable_{0};  // of the files that PCL plays
+  std::atomic<std::uint64_t> delivered_{0}, unreadable_{0};  // counts of the files that PCL plays
   std::optional<std::uint64_t> last_;  // number of files, where only counting tells the end
   OpenNIGrabber* device_ = nullptr;    // the same, if it is one
   FrameGrabber* frames_ = nullptr;     // the same, if it is one
-  std::shared_ptr<PipeFrames> pipe_;   // from where it gets them
+  std::shared_ptr<PipeFrames> pipe_;   // its frames come through this pipe
 };
 
 }  // namespace facetloc

@@ -11,7 +11,7 @@ namespace facetloc {
 
 /** \brief "tracking" and why, or how far a map has come, in words for one line. */
 std::string stateText(const LiveResult& result);
-/** \brief Stage times, age and drops of a frame, at so many frames per second. */
+/** \brief Stage times, age and drops of a frame, and the frame rate [Hz]. */
 std::string timesText(const LiveResult& result, double rate);
 
 /** \brief Processed frames per second, over the last second or so. */
@@ -29,7 +29,7 @@ private:
   bool started_ = false;
 };
 
-/** \brief One line on a terminal that tells the state of a live run; nothing where nobody watches. */
+/** \brief One line on a terminal with the state of a live run; nothing without a terminal. */
 class LiveStatus {
 public:
   explicit LiveStatus(const Console& console)

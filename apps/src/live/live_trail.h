@@ -16,7 +16,7 @@ public:
   /** \brief The camera is here now [m]. A new line begins after an interruption, and where it jumps; all
    * begins anew in another part of the map, whose frame has nothing to do with the one before. */
   void add(const Eigen::Vector3d& position, int part = 0);
-  /** \brief Nobody knows where the camera is. */
+  /** \brief Interrupts the line: the place of the camera is unknown. */
   void interrupt() { interrupted_ = true; }
 
   const std::vector<Line>& lines() const { return lines_; }

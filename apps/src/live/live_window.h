@@ -10,11 +10,11 @@
 
 namespace facetloc {
 
-/** \brief What the user of a live window can ask for. */
+/** \brief Commands of the user of a live window. */
 enum class LiveCommand { screenshot, record, pause, relocalize, quit };
 /** \brief The command of a key, as X names keys; nothing for the others. */
 std::optional<LiveCommand> commandOf(const std::string& key);
-/** \brief All keys and what they do, on one line. */
+/** \brief All keys and their commands, on one line. */
 std::string keysText();
 
 /** \brief A window on the screen that shows a live run. Needs an X display; one thread for all of VTK. */
@@ -27,7 +27,7 @@ public:
 
   /** \brief Draws a frame as LivePicture does. \param footer lines at the bottom, above the keys. */
   void show(const LiveResult& result, const std::vector<std::string>& footer);
-  /** \brief Looks what the user did, without waiting. \return what was asked for since the last time. */
+  /** \brief The commands of the user since the last call, without waiting. */
   std::vector<LiveCommand> commands();
   /** \brief As if the user had pressed a key. */
   void press(const std::string& key);

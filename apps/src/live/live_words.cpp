@@ -32,7 +32,7 @@ std::string accuracyText(const Matrix6d& P) {
                      largestRotationStd(P) / kDegree);
 }
 
-/** What a position in a part of the map begins with; nothing in the world. */
+/** The prefix of a position in a part of the map; empty in the world. */
 std::string partText(const Map& map, int part) {
   const auto i = static_cast<std::size_t>(part);
   return i < map.parts.size() && !map.parts[i].empty() ? fmt::format("in part {}:  ", map.parts[i]) : "";

@@ -8,8 +8,8 @@
 
 namespace facetloc {
 
-/** \brief Where the camera is and how exactly, or what it sees, on one line. \param map, plan may be null
- * \param matched segments of the view that the local model has */
+/** \brief Where the camera is and how exactly, or the segments that it sees, on one line. \param map, plan
+ * may be null \param matched segments of the view that the local model has */
 std::string poseText(const LiveResult& result, const Map* map, const LivePlan* plan, std::size_t matched);
 
 /** \brief A segment of the view: its number, size, distance, and how exactly its plane is known. */

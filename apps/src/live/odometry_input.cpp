@@ -23,10 +23,10 @@ using std::chrono::milliseconds;
 constexpr milliseconds kSilence(500);  // after which no line is waited for
 constexpr milliseconds kPatience(50);  // with a line that is as late as a frame's own way through a driver
 constexpr int kWakeUp = 100;           // to look whether it is to end [ms]
-constexpr double kLongestStep = 0.5;   // between two lines, in which nobody knows how the robot moved [s]
+constexpr double kLongestStep = 0.5;   // longest gap between two lines that is bridged [s]
 constexpr double kKept = 60;           // [s]
 constexpr std::size_t kMostPoses = 100000;
-constexpr std::size_t kMostFaults = 100;  // in the queue
+constexpr std::size_t kMostFaults = 100;  // capacity of the queue
 constexpr std::size_t kLongestLine = 1 << 16;
 
 Eigen::Isometry3d between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double share) {
@@ -81,7 +81,7 @@ void OdometryInput::read() {
       take(text.substr(begin, end - begin));
     text.erase(0, begin);
     if (!more && !text.empty()) take(text);
-    if (text.size() > kLongestLine) text.clear();  // what is left of it is no line either
+    if (text.size() > kLongestLine) text.clear();  // the rest of the line is invalid as well
   }
   {
     const std::lock_guard lock(mutex_);

@@ -46,10 +46,10 @@ public:
   std::optional<NumberedStart> takeStart();
   /** \brief Has a line asked to relocalize since the last call? */
   bool takeRelocalize();
-  /** \brief Reports what is wrong with a start that could be read. */
+  /** \brief Reports the fault of a start that could be read. */
   void refuse(const NumberedStart& start, const std::string& cause);
-  /** \brief What was wrong with the next line that could not be read, each once, of odometry with the first
-   * one only; empty if there is nothing new. */
+  /** \brief The fault of the next line that could not be read, each once, of odometry only the first
+   * one; empty if there is nothing new. */
   std::string fault();
 
 private:
@@ -68,9 +68,9 @@ private:
   int file_ = -1;
   bool closes_ = false;  // it is ours
 
-  std::mutex mutex_;  // of all below
+  std::mutex mutex_;  // guards all members below
   std::condition_variable arrived_;
-  std::deque<Pose> poses_;    // in the order of their times
+  std::deque<Pose> poses_;    // sorted by time
   Clock::time_point latest_;  // arrival of the last line
   std::optional<bool> is_stamped_;
   std::uint64_t lines_ = 0;

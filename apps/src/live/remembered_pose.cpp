@@ -49,7 +49,7 @@ RememberedPose::RememberedPose(std::filesystem::path file, const std::optional<C
 
 RememberedPose::~RememberedPose() try {
   write();
-} catch (const std::exception&) {  // what could be written was
+} catch (const std::exception&) {  // as much as possible was written
 }
 
 std::string RememberedPose::start() const {

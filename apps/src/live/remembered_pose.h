@@ -16,7 +16,7 @@ namespace facetloc {
 class RememberedPose {
 public:
   explicit RememberedPose(std::filesystem::path file, const std::optional<CameraMounting>& mounting);
-  /** \brief Writes what is not written yet, as far as that is possible. */
+  /** \brief Writes the rest, as far as that is possible. */
   ~RememberedPose();
   RememberedPose(const RememberedPose&) = delete;
   RememberedPose& operator=(const RememberedPose&) = delete;

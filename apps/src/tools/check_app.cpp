@@ -83,9 +83,9 @@ bool hasDrivenOnFloor(const Trajectory& poses, const SeenFloor& floor) {
 
 struct CheckApp::ImageReport {
   bool is_read = false;
-  Intrinsics camera;         // of the whole image
+  Intrinsics camera;         // camera of the whole image
   double measured = 0;       // share of its pixels
-  std::vector<float> depth;  // of some of them
+  std::vector<float> depth;  // sampled pixels
   std::vector<NoiseSample> noise;
   View view;
 };
@@ -105,22 +105,19 @@ struct CheckApp::Findings {
 
 CheckApp::CheckApp()
     : App("facetloc_check", "RECORDING [options]",
-          "Says what a recording is: its layout and times, its camera and how noisy it is over range, how "
-          "much of "
-          "the images is measured, its poses and whether they are those of the images, the floor and how the "
-          "camera is mounted above it, and what facetloc_map build will make of it. Up to 200 images are "
-          "read, "
-          "evenly spread. Writes nothing.") {}
+          "Checks a recording and how it is read: layout, times, camera, noise over range, share of measured "
+          "pixels, agreement of poses and images, the camera's mounting above the floor, and the map to "
+          "expect of facetloc_map build. Reads up to 200 images, evenly spread. Writes no files. Exits with "
+          "1 if the recording cannot be right as it is read.") {}
 
 void CheckApp::addOptions(CommandLine& line) {
   line.addArgument("RECORDING", input_);
-  line.addOption("poses", poses_, "FILE", "Explain these poses instead of those of the RECORDING.");
-  line.addOption("pose-tolerance", pose_tolerance_, "S",
-                 "Largest distance in time of an image and its pose [s].");
+  line.addOption("poses", poses_, "FILE", "Check these poses instead of those of the RECORDING.");
+  line.addOption("pose-tolerance", pose_tolerance_, "S", "Maximum time between an image and its pose [s].");
   line.addCheck([this] { requireTolerance(pose_tolerance_); });
   addRecordingOptions(line, depth_.recording);
   depth_.addOptions(line);
-  line.addExample("walk", "what walk is, and whether it is read rightly");
+  line.addExample("walk", "the content of walk, and faults");
   line.addExample("walk --poses poses.csv", "whether these poses fit its images");
 }
 
@@ -180,7 +177,7 @@ void CheckApp::reportImages(const DepthSequence& sequence, const std::vector<Ima
         "most of the image is not measured: the scene is too far or too dark for the camera, or 0 is "
         "not its only mark for that");
   line(console, "planes", fmt::format("{:.1f} segments in an image", segments));
-  if (segments < kFewSegments) findings.add("the images show few planes: such places look alike");
+  if (segments < kFewSegments) findings.add("the images show few planes: such places are easily confused");
 }
 
 void CheckApp::reportCamera(const DepthSequence& sequence, const std::vector<ImageReport>& images,

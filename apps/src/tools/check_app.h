@@ -11,15 +11,15 @@
 
 namespace facetloc {
 
-/** \brief facetloc_check: what a recording is, and what to expect of it. */
+/** \brief facetloc_check: the content of a recording, and the results to expect of it. */
 class CheckApp : public App {
 public:
   CheckApp();
 
 private:
-  /** What one image shows. */
+  /** Findings about one image. */
   struct ImageReport;
-  /** What is wrong or missing. */
+  /** Faults and missing items. */
   struct Findings;
 
   void addOptions(CommandLine& line) override;

@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kFineScale = 5000;      // of clouds: TUM's, 0.2 mm
-constexpr double kLargestValue = 65534;  // of a PNG; 65535 is not measured
+constexpr double kFineScale = 5000;      // scale of images converted from clouds: TUM's, 0.2 mm
+constexpr double kLargestValue = 65534;  // largest value of a PNG; 65535 is not measured
 
 std::size_t countBeyond(const DepthImage& image, double farthest) {
   std::size_t n = 0;
@@ -32,19 +32,15 @@ std::size_t countBeyond(const DepthImage& image, double farthest) {
 
 ConvertApp::ConvertApp()
     : App("facetloc_convert", "RECORDING -o FOLDER [options]",
-          "Writes a recording of any layout as a folder that every tool reads: depth/<stamp>.png, "
-          "camera.ini, "
-          "and, where the recording has them, groundtruth.txt, the odometry.txt and the gravity.txt of its "
-          "messages. Images whose "
-          "names "
-          "are no times are named by their times.") {}
+          "Converts a recording of any layout to a folder that every tool reads: depth/<stamp>.png, "
+          "camera.ini, and, where available, groundtruth.txt, odometry.txt and gravity.txt. Images are named "
+          "by their timestamps [s].") {}
 
 void ConvertApp::addOptions(CommandLine& line) {
   line.addArgument("RECORDING", input_);
-  line.addOption("output,o", folder_, "FOLDER", "Where to write; a new or an empty folder.");
-  line.addOption("every", every_, "N", "Take every N-th image.");
-  line.addOption("scale", scale_, "N",
-                 "PNG values per metre to write; 0 = those of the recording, or 5000 for clouds.");
+  line.addOption("output,o", folder_, "FOLDER", "Output folder, new or empty.");
+  line.addOption("every", every_, "N", "Convert every N-th image only.");
+  line.addOption("scale", scale_, "N", "PNG values per metre; 0 = as in the recording, or 5000 for clouds.");
   addRecordingOptions(line, recording_);
   line.addCheck([this] {
     if (every_ < 1) throw UsageError("every must be positive");

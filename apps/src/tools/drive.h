@@ -20,7 +20,7 @@ class MeasuredMotion {
 public:
   /** \brief Nothing is measured. */
   MeasuredMotion() = default;
-  /** \param odometry T_o_c by time; empty if there is none */
+  /** \param odometry T_o_c by time; empty without odometry */
   MeasuredMotion(PosesByTime odometry, const std::optional<CameraMounting>& mounting,
                  const OdometryError& error)
       : odometry_(std::move(odometry)), mounting_(mounting), error_(error) {}
@@ -38,16 +38,16 @@ private:
 /** \brief Images of one drive, which are localized by each other, in their order. */
 class Drive {
 public:
-  /** \param smoothing the images are kept, since what comes later is to tell of them too. */
+  /** \param smoothing the images are kept, since later ones refine their poses. */
   Drive(Localizer localizer, MeasuredMotion motion, bool smoothing)
       : localizer_(std::move(localizer)), motion_(std::move(motion)), smoothing_(smoothing) {}
 
-  /** \brief What the images up to this one say. */
+  /** \brief The answer by all images up to this one. */
   LocalizerAnswer add(std::size_t index, const View& view, double stamp);
 
   /** \brief Receives the answer for an image. */
   using Take = std::function<void(std::size_t index, const LocalizerAnswer& answer)>;
-  /** \brief What all of its images say of each of them.
+  /** \brief The answers to each of its images by all of them.
    * \param backward with the same map and parameters, has seen nothing yet
    * \param name of an image, for messages; throws Stopped at Ctrl-C */
   void smooth(Localizer& backward, const std::function<std::string(std::size_t index)>& name,
@@ -58,7 +58,7 @@ private:
     std::size_t index;
     double stamp;
     View view;
-    std::optional<PoseWithCovariance> T_before_now;  // by odometry
+    std::optional<PoseWithCovariance> T_before_now;  // motion by odometry
     LocalizerAnswer until_now;
   };
 

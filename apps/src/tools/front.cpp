@@ -14,8 +14,8 @@ namespace facetloc {
 namespace {
 
 std::string usage() {
-  std::string text =
-      "Usage: facetloc COMMAND ...\n\nWhere a depth camera is, from the planes that it sees.\n\nCommands:\n";
+  std::string text = "Usage: facetloc COMMAND ...\n\nFinds where a depth camera is, from the planes that it "
+                     "sees.\n\nCommands:\n";
   for (const FrontCommand& command : frontCommands())
     text += fmt::format("  {:10} {}\n", command.name, command.what);
   return text + "\n'facetloc COMMAND --help' says more; 'facetloc map build' is the program facetloc_map "
@@ -47,17 +47,17 @@ void become(const std::string& command, const std::vector<std::string>& argument
 
 const std::vector<FrontCommand>& frontCommands() {
   static const std::vector<FrontCommand> commands = {
-      {"try", "from a recording to a report: check, map, localization, evaluation"},
-      {"check", "what a recording is, and whether it is read rightly"},
-      {"map", "builds maps, extends, merges, checks and exports them"},
-      {"localize", "where depth images were taken in a map"},
-      {"evaluate", "a report on results, by what is true"},
-      {"render", "maps and results in a browser, and as pictures"},
-      {"live", "a depth camera: segments, its pose, a map while it moves"},
-      {"segment", "depth images to planar segments"},
-      {"register", "the pose of one depth image relative to another"},
-      {"convert", "a recording of any layout to a folder of PNG images"},
-      {"simulate", "recordings of simulated places, with the truth"}};
+      {"try", "go from a recording to a report: check, map, localization, evaluation"},
+      {"check", "check a recording and how it is read"},
+      {"map", "build, extend, merge, check and export maps"},
+      {"localize", "find where depth images were taken in a map"},
+      {"evaluate", "compare results with the truth, in a report"},
+      {"render", "draw maps and results, for a browser or as pictures"},
+      {"live", "segment and localize a live depth camera, or make a map with it"},
+      {"segment", "segment depth images into planes"},
+      {"register", "find the pose of one depth image relative to another"},
+      {"convert", "convert a recording of any layout to a folder of PNG images"},
+      {"simulate", "make recordings of simulated places, with the truth"}};
   return commands;
 }
 

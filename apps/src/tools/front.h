@@ -9,7 +9,7 @@
 
 namespace facetloc {
 
-/** \brief A tool by the name that follows `facetloc`, and what it does. */
+/** \brief The name of a tool after `facetloc`, and its purpose. */
 struct FrontCommand {
   std::string name;
   std::string what;

@@ -44,7 +44,8 @@ std::string inWords(const CameraTrajectory& trajectory) {
 }
 
 void ImageTrajectory::addOptions(CommandLine& line) {
-  line.addOption("odometry", odometry_, "FILE", "Poses that drift, as of wheels (ROBOT.md).");
+  line.addOption("odometry", odometry_, "FILE",
+                 "Odometry: poses that drift, such as those of wheels (ROBOT.md).");
   line.addParams(params_, "mapping");
 }
 

@@ -33,7 +33,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-/** What is found for an image. */
+/** Localizes an image. */
 using Locate = std::function<LocalizerAnswer(std::size_t index, const View& view, double stamp)>;
 
 Locate eachByItself(const std::shared_ptr<const Localizer>& localizer) {
@@ -112,8 +112,8 @@ struct LocalizeApp::Task {
   DepthSequence sequence;
   std::shared_ptr<const Map> map;
   Camera camera;
-  PosesByTime odometry{};    // of the camera; empty if there is none
-  std::string params_ini{};  // what the results depend on beside the images
+  PosesByTime odometry{};    // odometry of the camera; may be empty
+  std::string params_ini{};  // parameters that the results depend on
 
   const std::vector<FrameFile>& frames() const { return sequence.frames(); }
   std::vector<ResultFrame> resultFrames() const {
@@ -135,40 +135,37 @@ struct LocalizeApp::Run {
 
 LocalizeApp::LocalizeApp()
     : App("facetloc_localize", "MAP.flmap INPUT -o RESULTS [options]",
-          "Finds where depth images were taken. INPUT is a recording: a folder, a list (.txt, .lst) or one "
-          "image of 16-bit PNGs or organized PCDs, an .oni, .mcap, .db3, .bag or .db file, or what "
-          "facetloc_segment made of "
-          "it. RESULTS/hypotheses.csv lists the "
-          "ranked poses of each image, RESULTS/poses_tum.txt the sure ones; images that cannot be localized "
-          "are listed with the reason. Under mpirun, the images are dealt out to its processes.") {}
+          "Finds where depth images were taken in a map. INPUT is a recording: a folder, a list (.txt, .lst) "
+          "or one image of 16-bit PNGs or organized PCDs, an .oni, .mcap, .db3, .bag or .db file, or output "
+          "of facetloc_segment. RESULTS/hypotheses.csv lists the ranked poses of each image, "
+          "RESULTS/poses_tum.txt the sure ones. Images that cannot be localized are listed with the reason. "
+          "Under mpirun, its processes share the images.") {}
 
 void LocalizeApp::addOptions(CommandLine& line) {
   line.addArgument("MAP.flmap", map_);
   line.addArgument("INPUT", input_path_);
   line.addOption("output,o", folder_, "RESULTS", "Folder of the results.");
-  line.addOption("max-hypotheses", max_hypotheses_, "K", "Keep so many hypotheses per image at most.");
+  line.addOption("max-hypotheses", max_hypotheses_, "K", "Maximum number of hypotheses per image.");
   addMinProbability(line, min_probability_);
   line.addSwitch(
       "sequence", is_sequence_,
-      "The images are one drive: each is localized by all images up to it, which may decide what one "
-      "of them leaves open.");
+      "Treat the images as one drive: localize each by all images up to it, which resolves ambiguities.");
   addStartOption(line, near_);
-  line.addOption("odometry", odometry_, "FILE", "With --sequence: poses that drift (ROBOT.md).");
+  line.addOption("odometry", odometry_, "FILE", "With --sequence: odometry, poses that drift (ROBOT.md).");
   gravity_.addOptions(line);
-  line.addSwitch("smooth", smooth_, "With --sequence: each image is localized by those after it, too.");
+  line.addSwitch("smooth", smooth_, "With --sequence: localize each image also by the images after it.");
   line.addOption(
       "starts", starts_, "N",
-      "With --sequence, also from every N-th image as if the camera woke up there: starts.csv, of which "
-      "facetloc_evaluate draws how soon it knows where it is.");
+      "With --sequence: also start at every N-th image and record the answers after it in starts.csv.");
   addStreamOption(line, streams_);
-  line.addSwitch("resume", resume_, "Skip images that an earlier, perhaps interrupted run has done.");
+  line.addSwitch("resume", resume_, "Skip images done by an earlier run, even if it was interrupted.");
   line.addPresets();
   addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
   addLocalizationOptions(line, localization_);
   line.addParams(localizer_, "localizer");
   line.addParams(odometry_error_, "odometry_error");
-  line.addExample("office.flmap walk -o results", "each image by itself");
+  line.addExample("office.flmap walk -o results", "each image on its own");
   line.addExample("office.flmap walk -o results --sequence", "as one drive");
 }
 
@@ -185,8 +182,8 @@ std::map<std::string, FrameResult> LocalizeApp::earlierResults(const Provenance&
   return earlier;
 }
 
-/** Begins a run, or goes on with an earlier one. What is in the folder is left alone if all is done already
- * and there is nothing else. */
+/** Begins a run, or goes on with an earlier one. The folder is left alone if all is done already
+ * and nothing else is in it. */
 LocalizeApp::Run LocalizeApp::begin(const Task& task) const {
   for (const FrameFile& frame : task.frames()) requireOtherFolder(folder_, frame.path.parent_path());
   const Provenance provenance{task.params_ini, imageSizes(task.sequence)};
@@ -276,7 +273,7 @@ MeasuredMotion LocalizeApp::measuredMotion(const Task& task) const {
   return {task.odometry, task.camera.mounting, odometry_error_};
 }
 
-/** Every so many images are a start. Its drive ends after kMostWay, as far as the camera itself can tell, or
+/** Every N-th image is a start. Its drive ends after kMostWay, as far as the camera can tell, or
  * with the images. \return the exit code. */
 int LocalizeApp::localizeFromStarts(const Task& task, const Console& console) const {
   constexpr double kMostWay = 10;  // [m]
@@ -337,7 +334,7 @@ void LocalizeApp::printSummary(const Run& run, const Map& map, const Console& co
                             milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)), folder_));
 }
 
-/** What the results depend on beside the images. */
+/** The parameters that the results depend on. */
 std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& file, const Camera& camera,
                                    const Map& map) const {
   return fmt::format("# {}, map {} of {}, checksum {}\n", versionText(), fs::path(map_).filename().string(),

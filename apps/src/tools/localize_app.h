@@ -26,7 +26,7 @@ public:
 private:
   using ImageBatch = SharedBatch<std::vector<std::size_t>, LocalizedImage>;
   struct Task;  // the images and the map
-  struct Run;   // what is done of it
+  struct Run;   // work on it
   /** Hands out the answer to a frame as soon as it is final. */
   using Publish = std::function<void(std::size_t frame, const FrameResult& result)>;
 

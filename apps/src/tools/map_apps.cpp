@@ -121,7 +121,7 @@ void printSummary(std::ostream& out, const Map& map) {
   std::vector<double> segments, areas, noise;
   std::size_t with_pose = 0, with_depth = 0;
   for (std::size_t i = 0; i < map.models.size(); ++i) {
-    const auto view = map.view(static_cast<int>(i));  // of a large map, one at a time
+    const auto view = map.view(static_cast<int>(i));  // a large map loads its views one at a time
     segments.push_back(static_cast<double>(view->segments.size()));
     with_pose += map.models[i].givenPose().has_value();
     with_depth += view->hasPicture();
@@ -219,11 +219,12 @@ std::vector<ColouredPolygon> polygonsOf(const Map& map, const std::string& path)
 }  // namespace
 
 MapInfoApp::MapInfoApp()
-    : App("facetloc_map info", "MAP.flmap", "Says what is in a map and how it was made, on one screen.") {}
+    : App("facetloc_map info", "MAP.flmap",
+          "Prints the content of a map and how it was made, on one screen.") {}
 
 void MapInfoApp::addOptions(CommandLine& line) {
   line.addArgument("MAP.flmap", map_);
-  line.addSwitch("all", all_, "Print the parameters that it was made with, too.");
+  line.addSwitch("all", all_, "Also print the parameters it was made with.");
   line.addExample("office.flmap", "on one screen");
   line.addExample("office.flmap --all", "with its parameters");
 }
@@ -238,12 +239,13 @@ int MapInfoApp::execute(const CommandLine&, const Console& console) {
 }
 
 MapCheckApp::MapCheckApp()
-    : App("facetloc_map check", "MAP.flmap", "Proves a map sound, or lists every fault and exits with 1.") {}
+    : App("facetloc_map check", "MAP.flmap",
+          "Checks every value in a map file. Lists all faults and exits with 1 if it is invalid.") {}
 
 void MapCheckApp::addOptions(CommandLine& line) {
   line.addArgument("MAP.flmap", map_);
-  line.addExample("office.flmap", "sound, or a list of faults");
-  line.addExample("office.flmap --quiet", "for scripts: the exit code says it");
+  line.addExample("office.flmap", "valid, or a list of faults");
+  line.addExample("office.flmap --quiet", "for scripts: the exit code is the result");
 }
 
 int MapCheckApp::execute(const CommandLine&, const Console& console) {
@@ -257,22 +259,20 @@ int MapCheckApp::execute(const CommandLine&, const Console& console) {
 
 MapExportApp::MapExportApp()
     : App("facetloc_map export", "MAP.flmap -o DIR | --g2o FILE | --ply FILE | --grid NAME",
-          "Writes a map for other programs: DIR/models/<name>.pcd (SegmentFrame clouds, each in its model's "
-          "frame), DIR/poses_tum.txt and DIR/graph.g2o; or the graph alone, whose poses can be brought back "
-          "by "
-          "'facetloc_map import' once a program has optimized them.") {}
+          "Exports a map for other programs. DIR gets models/<name>.pcd (SegmentFrame clouds, each in its "
+          "model's frame), poses_tum.txt and graph.g2o. After another program has optimized the graph, "
+          "'facetloc_map import' reads its poses back.") {}
 
 void MapExportApp::addOptions(CommandLine& line) {
   line.addArgument("MAP.flmap", map_);
   line.addOption("output,o", folder_, "DIR", "Folder of the exported files.");
-  line.addOption("g2o", graph_, "FILE", "Write local models and links to this file, in g2o's format.");
-  line.addOption(
-      "ply", polygons_, "FILE",
-      "Write the outlines of all segments to this file, in the axes of the world, or of the largest "
-      "part of the map, in the colours of their directions.");
+  line.addOption("g2o", graph_, "FILE", "Write local models and links in g2o's format.");
+  line.addOption("ply", polygons_, "FILE",
+                 "Write the outlines of all segments, coloured by direction. Coordinates are in the world, "
+                 "or in the largest part of a map without one.");
   line.addOption("grid", grid_, "NAME",
-                 "Write a floor plan for a 2-D robot, NAME.yaml and NAME.pgm as ROS's map_server reads them: "
-                 "occupied by upright segments, free by the rays of depth pictures.");
+                 "Write an occupancy grid for a 2-D robot, NAME.yaml and NAME.pgm for ROS's map_server. "
+                 "Upright segments are occupied, space that the images have seen is free.");
   line.addParams(grid_params_, "grid", CommandLine::Shown::in_help);
   line.addExample("office.flmap -o exported", "clouds of segments and trajectory");
   line.addExample("office.flmap --g2o office.g2o", "for a pose graph optimizer");
@@ -308,16 +308,15 @@ int MapExportApp::execute(const CommandLine&, const Console& console) {
 
 MapImportApp::MapImportApp()
     : App("facetloc_map import", "MAP.flmap --g2o FILE -o OUT.flmap",
-          "Copies a map, with the poses of its local models that a g2o file has (VERTEX_SE3:QUAT, numbered "
-          "as "
-          "'facetloc_map export --g2o' numbers them). Links stay as they are. Parts that no link joins with "
-          "the world keep their own frames.") {}
+          "Copies a map with new poses of its local models from a g2o file (VERTEX_SE3:QUAT, numbered as by "
+          "'facetloc_map export --g2o'). Links are kept. Parts without a link to the world keep their own "
+          "frames.") {}
 
 void MapImportApp::addOptions(CommandLine& line) {
   line.addArgument("MAP.flmap", map_);
-  line.addOption("g2o", graph_, "FILE", "The poses.");
+  line.addOption("g2o", graph_, "FILE", "Poses of the local models.");
   line.addOption("output,o", output_, "OUT.flmap", "The map to write.");
-  line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
+  line.addSwitch("overwrite", overwrite_, "Replace an existing map.");
   line.addExample("office.flmap --g2o office.g2o -o moved.flmap", "poses of another program");
   line.addExample("office.flmap --g2o office.g2o -o office.flmap --overwrite", "in its place");
 }
@@ -341,20 +340,19 @@ int MapImportApp::execute(const CommandLine&, const Console& console) {
 
 MapMergeApp::MapMergeApp()
     : App("facetloc_map merge", "A.flmap B.flmap ... -o OUT.flmap",
-          "Puts the local models and links of several maps into one. Each map is moved to where its views "
-          "are found in those before it; maps that share a world frame already stay where they are. With "
-          "--same-coordinates, such as for the floors of a house, nothing is looked for. Names that occur "
-          "more than once get the stem of their map in front.") {}
+          "Merges the local models and links of several maps. Each map is aligned with the earlier ones by "
+          "localizing its views in them; maps in the same world frame stay where they are. With "
+          "--same-coordinates, as for the floors of a house, nothing is aligned. Names that occur more than "
+          "once are prefixed by the name of their map.") {}
 
 void MapMergeApp::addOptions(CommandLine& line) {
   line.addArguments("MAPS", maps_);
   line.addOption("output,o", output_, "OUT.flmap", "The map to write.");
   line.addSwitch("same-coordinates", same_coordinates_,
-                 "Take the poses as they are: the maps share a world frame, even if no place is in two of "
-                 "them.");
-  line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
+                 "Keep all poses: the maps share a world frame, even without a common place.");
+  line.addSwitch("overwrite", overwrite_, "Replace an existing map.");
   line.addExample("east.flmap west.flmap -o house.flmap", "aligned by what they share");
-  line.addExample("a.flmap b.flmap -o c.flmap --same-coordinates", "of one world");
+  line.addExample("a.flmap b.flmap -o c.flmap --same-coordinates", "in one world frame");
 }
 
 int MapMergeApp::execute(const CommandLine&, const Console& console) {
@@ -414,18 +412,15 @@ Map MapMergeApp::merge(const Console& console) const {
 namespace {
 
 constexpr const char* kMapUsage =
-    "Usage: facetloc_map build|from-model|extend|densify|calibrate|info|check|export|import|merge ...\n\n"
-    "  build SEQUENCE -o MAP.flmap   make a map of one run of depth images\n"
-    "  from-model MODEL -o MAP.flmap make a map of a scan or mesh of a building\n"
-    "  extend MAP.flmap SEQUENCE     bring a map up to date with a later run\n"
-    "  densify MAP.flmap             add views beside the drive, made of its depth pictures\n"
-    "  calibrate MAP.flmap RECORDING set from when on an answer is sure\n"
-    "  info MAP.flmap                say what is in a map\n"
-    "  check MAP.flmap               prove a map sound\n"
-    "  export MAP.flmap -o DIR       write PCD, TUM and g2o files\n"
-    "  import MAP.flmap -o OUT.flmap take poses from a g2o file\n"
-    "  merge MAPS -o OUT.flmap       put several maps into one\n\n"
-    "'facetloc_map build --help' and so on tell the options.\n";
+    "Usage: facetloc_map build|from-model|extend|densify|calibrate|info|check|export|import|merge ...\n\n  "
+    "build SEQUENCE -o MAP.flmap   build a map from a recording\n  from-model MODEL -o MAP.flmap build a map "
+    "from a scan, mesh or plan of a building\n  extend MAP.flmap SEQUENCE     update a map with a later "
+    "recording\n  densify MAP.flmap             add rendered views beside the drive\n  calibrate MAP.flmap "
+    "RECORDING find the minimum probability of sure answers\n  info MAP.flmap                print the "
+    "content of a map\n  check MAP.flmap               check every value in a map file\n  export MAP.flmap "
+    "-o DIR       write PCD, TUM and g2o files\n  import MAP.flmap -o OUT.flmap read new poses from a g2o "
+    "file\n  merge MAPS -o OUT.flmap       merge several maps into one\n\n'facetloc_map build --help' and so "
+    "on show the options.\n";
 
 }  // namespace
 

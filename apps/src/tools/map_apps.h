@@ -21,7 +21,7 @@ public:
   MapBuildApp();
 
 private:
-  struct Seen;  // what the images of local models were like
+  struct Seen;  // statistics of the images of local models
   class Writer;
   using ModelBatch = SharedBatch<ModelsOrder, PackedModel>;
 
@@ -72,7 +72,7 @@ private:
   MapBuilderParams builder_;
 };
 
-/** \brief facetloc_map info: what is in a map, for people. */
+/** \brief facetloc_map info: the content of a map, for people. */
 class MapInfoApp : public App {
 public:
   MapInfoApp();

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kParametersKey = "parameters";
-constexpr double kSamePose = 1e-9;  // [m], and of the entries of a rotation: what a file may round
+constexpr double kSamePose = 1e-9;  // rounding of a file [m], and of the entries of a rotation
 
 bool samePose(const std::optional<Eigen::Isometry3d>& a, const std::optional<Eigen::Isometry3d>& b) {
   if (!a || !b) return !a && !b;
@@ -38,18 +38,18 @@ bool isThere(const fs::path& path) {
 // Of a build that came to nothing.
 void removeWithoutModels(const fs::path& path) try {
   if (openMap(path).models.empty()) fs::remove(path);
-} catch (const std::exception&) {  // what ended the build is reported
+} catch (const std::exception&) {  // the error that ended the build is reported
 }
 
 }  // namespace
 
-/** What the images of local models were like. */
+/** Statistics of the images of local models. */
 struct MapBuildApp::Seen {
   std::vector<double> noise;  // inverse-depth noise by image [1/m]
   std::size_t without_segments = 0;
 };
 
-/** Adds what is not there already: local models in order, and links. */
+/** Adds the missing local models, in order, and links. */
 class MapBuildApp::Writer {
 public:
   Writer(MapDatabase database, const Map& present) : database_(std::move(database)) {
@@ -97,35 +97,33 @@ private:
 
 MapBuildApp::MapBuildApp()
     : App("facetloc_map build", "SEQUENCE -o MAP.flmap [options]",
-          "Builds a map of local models from one recording, by its poses, others (--poses), or those it "
-          "finds.") {}
+          "Builds a map from a recording: local models, the planar segments of chosen images, and links "
+          "between them. Poses come from the recording, from --poses, or from the images.") {}
 
 void MapBuildApp::addOptions(CommandLine& line) {
   line.addArgument("SEQUENCE", sequence_);
   line.addOption("output,o", map_, "MAP.flmap", "The map to write.");
   line.addOption("poses", poses_, "FILE",
-                 "Camera poses: stamp tx ty tz qx qy qz qw, or as RECORDINGS.md says.");
+                 "Camera poses: stamp tx ty tz qx qy qz qw, or another format of RECORDINGS.md.");
   line.addSwitch("without-poses", without_poses_,
-                 "Find the trajectory from the images, even if the SEQUENCE has poses.");
+                 "Estimate the trajectory from the images, even if the SEQUENCE has poses.");
   line.addOption("trajectory", trajectory_, "OUT.txt",
-                 "Write the pose of each image that the map was made with, in the TUM format.");
-  line.addOption("pose-tolerance", pose_tolerance_, "S",
-                 "Largest distance in time of an image and its pose [s].");
+                 "Write the pose of each image used, in the TUM format.");
+  line.addOption("pose-tolerance", pose_tolerance_, "S", "Maximum time between an image and its pose [s].");
   line.addCheck([this] { requireTolerance(pose_tolerance_); });
   gravity_.addOptions(line);
   line.addOption("every", every_, "N", "Make each N-th image a local model, whatever its pose; 0 = off.");
-  line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
-  line.addSwitch("resume", resume_, "Go on with a map that is there already.");
-  line.addSwitch("raw-depth", raw_depth_,
-                 "Leave in what the camera always measures wrongly at the same place of its image.");
-  line.addSwitch("force", force_, "Build the map even if images or poses cannot be right.");
+  line.addSwitch("overwrite", overwrite_, "Replace an existing map.");
+  line.addSwitch("resume", resume_, "Continue an existing map.");
+  line.addSwitch("raw-depth", raw_depth_, "Do not estimate and remove the depth distortion of the camera.");
+  line.addSwitch("force", force_, "Build the map even if images or poses are found to be wrong.");
   line.addPresets();
   addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
   line.addParams(builder_, "map", CommandLine::Shown::in_help);
   by_images_.addOptions(line);
-  line.addExample("walk -o office.flmap", "poses of the recording, or of its images");
-  line.addExample("walk -o office.flmap --without-poses", "of its images");
+  line.addExample("walk -o office.flmap", "by the recording's poses, or by its images");
+  line.addExample("walk -o office.flmap --without-poses", "by its images alone");
 }
 
 MapMaking MapBuildApp::makingOf(const DepthSequence& sequence, const Camera& camera, const Console& console) {
@@ -188,7 +186,7 @@ void MapBuildApp::noteDistortion(const MapFindings& findings, const Console& con
     return;
   }
   console.note(fmt::format(
-      "the distortion of the camera is left in: the poses are too far from what the images show ({:.2f} deg, "
+      "the distortion of the camera is not removed: the poses disagree too much with the images ({:.2f} deg, "
       "{:.0f} mm) to find it",
       found->poses.rotation_std / kDegree, 1e3 * found->poses.translation_std));
 }
@@ -201,7 +199,7 @@ void MapBuildApp::writeTrajectory(const DepthSequence& sequence, const MapMaking
   writeTumTrajectory(trajectory_, poses);
 }
 
-/** Says what is wrong with how the images are read. Throws IoError if they cannot be right. */
+/** Reports faults of the reading of images. Throws IoError if they cannot be right. */
 void MapBuildApp::checkReading(const DepthSequence& sequence, MapMaking& making,
                                const Console& console) const {
   const auto tell = [&](const std::string& fault, bool impossible) {
@@ -219,8 +217,8 @@ void MapBuildApp::checkReading(const DepthSequence& sequence, MapMaking& making,
   for (const ReadingFault& fault : making.findings().geometry->faults) tell(fault.words, fault.impossible);
 }
 
-/** Says how far the poses are from what the images show, and what is wrong with them. \return the
- * disagreement in words, empty if nothing is known of it. Throws IoError if no map can be made of such poses.
+/** Reports how much the poses disagree with the images, and likely causes. \return the
+ * disagreement in words, empty if unknown. Throws IoError if no map can be made of such poses.
  */
 std::string MapBuildApp::checkPoses(const DepthSequence& sequence, MapMaking& making,
                                     const Console& console) const {
@@ -267,7 +265,7 @@ void MapBuildApp::noteWithoutPose(const DepthSequence& sequence, const MapMaking
         fmt::format("{} without a pose within {:.9g} s", counted(without, "image"), pose_tolerance_));
 }
 
-/** Poses that fit few images and cannot be checked may be those of other images, by a clock that is none. */
+/** Poses that fit few images and cannot be checked may be those of other images, by an invalid clock. */
 void MapBuildApp::requireMostPosed(const DepthSequence& sequence, const MapMaking& making) const {
   if (given_.empty() || force_ || !disagreement_.empty()) return;
   const std::size_t all = sequence.frames().size();
@@ -442,7 +440,7 @@ int MapBuildApp::execute(const CommandLine& line, const Console& console) {
     code = std::max(code, build(path, sequence, places, making, batch, console));
   };
   if (overwrite_ && isThere(map_)) {
-    openMap(map_);  // what is no map stays
+    openMap(map_);  // throws for a file that is no map, which is left alone
     replaceMap(map_, buildAt);
     return code;
   }

@@ -42,26 +42,23 @@ void printCandidates(std::ostream& out, const SureCalibration& calibration) {
 
 MapCalibrateApp::MapCalibrateApp()
     : App("facetloc_map calibrate", "MAP.flmap [RECORDING] [--alpha A] [options]",
-          "Sets the probability from which on an answer in the map is sure: the lowest one for which images "
-          "whose poses are known show, with the confidence given, that at most a share A of the sure answers "
-          "is wrong. The images are those of the RECORDING, whose poses are in the coordinates of the map, "
-          "or "
-          "else the map's own, each in the map without itself. The threshold is kept in the map: "
-          "facetloc_localize and facetloc_live use it unless --min-probability is given. Where the images "
-          "are not enough, the map stays as it is.") {}
+          "Finds the minimum probability of sure answers in a map. It is the lowest one at which at most a "
+          "share A of the sure answers is wrong, with the given confidence. It is found on images with known "
+          "poses: those of the RECORDING, in the coordinates of the map, or the map's own, each localized "
+          "without itself. The map keeps the result, and facetloc_localize and facetloc_live use it unless "
+          "--min-probability is given. If the images do not suffice, the map is not changed.") {}
 
 void MapCalibrateApp::addOptions(CommandLine& line) {
   line.addArguments("MAP.flmap [RECORDING]", inputs_);
-  line.addOption("alpha", alpha_, "A", "Largest share of wrong answers among the sure ones.");
-  line.addOption("confidence", confidence_, "C", "Confidence with which that share is not exceeded.");
+  line.addOption("alpha", alpha_, "A", "Maximum share of wrong answers among the sure ones.");
+  line.addOption("confidence", confidence_, "C", "Confidence that this share is not exceeded.");
   line.addOption("max-translation", is_right_.max_translation, "M",
-                 "Largest position error of a right pose [m].");
+                 "Maximum position error of a right pose [m].");
   line.addOption("max-rotation-deg", is_right_.max_rotation_deg, "DEG",
-                 "Largest orientation error of a right pose.");
+                 "Maximum orientation error of a right pose [deg].");
   line.addOption("poses", poses_, "FILE",
-                 "Camera poses in the coordinates of the map; else as the RECORDING says.");
-  line.addOption("pose-tolerance", pose_tolerance_, "S",
-                 "Largest distance in time of an image and its pose [s].");
+                 "Camera poses in the coordinates of the map; those of the RECORDING unless given.");
+  line.addOption("pose-tolerance", pose_tolerance_, "S", "Maximum time between an image and its pose [s].");
   line.addCheck([this] {
     requireTolerance(pose_tolerance_);
     requireShare("alpha", alpha_);
@@ -155,7 +152,7 @@ int MapCalibrateApp::ask(const std::shared_ptr<const Map>& map, const CommandLin
   return batch.report();
 }
 
-/** Says what is missing. */
+/** Throws with the missing data named. */
 void MapCalibrateApp::refuse(const SureCalibration& calibration) const {
   const std::string images = inputs_.size() > 1 ? inputs_[1] : inputs_[0];
   const std::vector<SureCalibration::Candidate> all = calibration.candidates();

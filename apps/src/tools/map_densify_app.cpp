@@ -32,16 +32,14 @@ std::string inWords(const Densification& done, const Map& map) {
 MapDensifyApp::MapDensifyApp()
     : App("facetloc_map densify", "MAP.flmap [-o NEW.flmap] [options]",
           "Adds local models where no image of the map was taken, up to 1 m beside the drive and in other "
-          "directions. They are rendered from the depth pictures of the map, at places that these have seen "
-          "to "
-          "be free; what no picture shows is unknown in them. Views that were rendered before are replaced. "
-          "Run "
-          "it again after 'facetloc_map extend'.") {}
+          "directions. They are rendered from the depth of the map's images, at places that these show to be "
+          "free. Surfaces that no image shows are unknown. Views of an earlier run are replaced. Run it "
+          "again after 'facetloc_map extend'.") {}
 
 void MapDensifyApp::addOptions(CommandLine& line) {
   line.addArgument("MAP.flmap", map_);
   line.addOption("output,o", output_, "NEW.flmap", "The map to write; MAP.flmap itself unless given.");
-  line.addSwitch("overwrite", overwrite_, "Replace a NEW.flmap that is there already.");
+  line.addSwitch("overwrite", overwrite_, "Replace an existing NEW.flmap.");
   line.addParams(params_, "densify", CommandLine::Shown::in_help);
   line.addParams(view_);
   line.addExample("office.flmap -o dense.flmap", "views where no image was taken");

@@ -33,7 +33,7 @@ std::string named(const std::vector<std::string>& names) {
   return words;
 }
 
-/** What has changed, a line for each kind of change. */
+/** The changes, a line for each kind. */
 void printChanges(std::ostream& out, const MapChanges& changes) {
   out << counted(changes.seen, "local model") << " seen again, of whose "
       << counted(changes.of_surfaces, "surface") << " " << changes.surfaces << " are gone\n";
@@ -46,40 +46,39 @@ void printChanges(std::ostream& out, const MapChanges& changes) {
   line("new local models", changes.added);
   line("replaced", replaced);
   line("retired", changes.retired);
-  line("without what has moved", changes.edited);
+  line("without moved surfaces", changes.edited);
 }
 
 }  // namespace
 
 MapExtendApp::MapExtendApp()
     : App("facetloc_map extend", "MAP.flmap SEQUENCE [-o NEW.flmap] [options]",
-          "Brings a map up to date with a later session: finds the session in the map, takes out surfaces "
-          "that it has looked through, replaces local models that have lost much, and adds places that the "
-          "map does not show. The trajectory comes from groundtruth.txt of the SEQUENCE or from --poses, in "
-          "whatever coordinates, or else from the depth images themselves. A session that is not found "
-          "leaves the map as it is.") {}
+          "Updates a map with a later session. Finds the session in the map, removes surfaces that its "
+          "images look through, replaces local models that have lost much, and adds new places. The "
+          "trajectory comes from the SEQUENCE's poses or from --poses, in any coordinates, or else from the "
+          "images. If the session is not found in the map, the map is not changed.") {}
 
 void MapExtendApp::addOptions(CommandLine& line) {
   line.addArgument("MAP.flmap", map_);
   line.addArgument("SEQUENCE", sequence_);
   line.addOption("output,o", output_, "NEW.flmap", "The map to write; MAP.flmap itself unless given.");
-  line.addOption("poses", poses_, "FILE", "Camera poses in the TUM format: stamp tx ty tz qx qy qz qw.");
-  line.addOption("pose-tolerance", pose_tolerance_, "S",
-                 "Largest distance in time of an image and its pose [s].");
+  line.addOption("poses", poses_, "FILE",
+                 "Camera poses: stamp tx ty tz qx qy qz qw, or another format of RECORDINGS.md.");
+  line.addOption("pose-tolerance", pose_tolerance_, "S", "Maximum time between an image and its pose [s].");
   line.addCheck([this] { requireTolerance(pose_tolerance_); });
   line.addSwitch("without-poses", without_poses_,
-                 "Find the trajectory from the images, even if the SEQUENCE has poses.");
+                 "Estimate the trajectory from the images, even if the SEQUENCE has poses.");
   line.addOption("trajectory", trajectory_, "OUT.txt",
                  "Write the poses of the session in the map, in the TUM format.");
-  line.addOption("changes", changes_, "OUT.png", "Draw the floor map with what has changed.");
-  line.addSwitch("overwrite", overwrite_, "Replace a NEW.flmap that is there already.");
+  line.addOption("changes", changes_, "OUT.png", "Draw the floor map with the changes.");
+  line.addSwitch("overwrite", overwrite_, "Replace an existing NEW.flmap.");
   addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
   line.addParams(builder_, "map");
   line.addParams(session_, "session", CommandLine::Shown::in_help);
   by_images_.addOptions(line);
   line.addExample("office.flmap later -o newer.flmap", "a new map");
-  line.addExample("office.flmap later --changes what.png", "with a picture of what changed");
+  line.addExample("office.flmap later --changes changes.png", "with a picture of the changes");
 }
 
 /** Throws IoError for poses that cannot be matched with the images. */
@@ -137,7 +136,7 @@ void MapExtendApp::drawChanges(const Map& map, const MapSession& session, const 
   for (const TrajectoryPose& pose : session.poses()) run.T_w_c.push_back(pose.T_w_c);
   drawFloorMap(changes_, map, {run},
                {{"new local models", changes.T_w_new, kNew},
-                {"without what has moved", changes.T_w_edited, kEdited},
+                {"without moved surfaces", changes.T_w_edited, kEdited},
                 {"retired", changes.T_w_old, kRed}});
 }
 

@@ -55,7 +55,7 @@ std::optional<Eigen::Vector3d> threeNumbers(const std::string& words) {
   return numbers;
 }
 
-/** "-y", or three numbers. Throws UsageError for what is no direction. */
+/** "-y", or three numbers. Throws UsageError for anything else. */
 Eigen::Vector3d directionOf(const std::string& words) {
   const bool negative = !words.empty() && words[0] == '-';
   const std::string axis = words.substr(negative ? 1 : 0);
@@ -67,7 +67,7 @@ Eigen::Vector3d directionOf(const std::string& words) {
   return direction->normalized();
 }
 
-/** "1,2.5,0". Throws UsageError for what is no place. */
+/** "1,2.5,0". Throws UsageError for anything else. */
 Eigen::Vector3d placeOf(const std::string& words) {
   const auto place = threeNumbers(words);
   if (!place) throw UsageError("inside: '" + words + "' is none of x,y,z in metres");
@@ -88,34 +88,35 @@ std::vector<Eigen::Isometry3d> posesIn(const std::string& path, const Console& c
 
 MapModelApp::MapModelApp()
     : App("facetloc_map from-model", "MODEL -o MAP.flmap [options]",
-          "Builds a map of a scan, mesh or plan of a building: MODEL is a .ply, .obj, .stl or .vtp mesh, a "
+          "Builds a map from a scan, mesh or plan of a building. MODEL is a .ply, .obj, .stl or .vtp mesh, a "
           ".ply, .vtp or .pcd cloud, or the map.yaml of an occupancy grid, whose walls are extruded. Depth "
-          "images are rendered from places where the camera can be and become "
-          "local models. The world of the map is the frame of the MODEL, in metres.") {}
+          "images are rendered where a camera can be, and become local models. The world of the map is the "
+          "frame of the MODEL, in metres.") {}
 
 void MapModelApp::addOptions(CommandLine& line) {
   line.addArgument("MODEL", model_);
   line.addOption("output,o", map_, "MAP.flmap", "The map to write.");
   line.addOption(
       "camera", camera_, "FILE|NAME",
-      fmt::format("The camera that is to be localized: a camera.ini, a map made with it, or one of {}.",
+      fmt::format("Camera to be localized later: a camera.ini, a map made with it, or a preset: {}.",
                   cameraPresetNames()));
-  line.addOption("viewpoints", viewpoints_, "FILE",
-                 "Camera poses in the MODEL [m], each a local model; else places are looked for.");
+  line.addOption(
+      "viewpoints", viewpoints_, "FILE",
+      "Camera poses in the MODEL [m], one for each local model; found automatically unless given.");
   line.addOption("height", height_, "M",
-                 "Height of the camera above the floor [m]; 0 = as mounted, or in the hand.");
+                 "Height of the camera above the floor [m]; 0 = as mounted, or hand-held.");
   line.addOption("units", units_, "UNIT",
-                 "Unit of the MODEL's coordinates: m, cm, mm, in or ft (m unless given).");
+                 "Unit of the MODEL's coordinates: m, cm, mm, in or ft; m unless given.");
   line.addOption(
       "up", up_, "AXIS",
-      "Upward direction in the MODEL: x, y, z, or --up=-x, ..., or a vector x,y,z (z unless given).");
+      "Upward direction in the MODEL: x, y, z, or --up=-x, ..., or a vector x,y,z; z unless given.");
   line.addOption("inside", inside_, "X,Y,Z",
-                 "A place in the area to fill [m]; else all areas but one around all others.");
+                 "A place in the area to fill [m]; all but the one around all others unless given.");
   line.addOption("wall-height", floor_plan_.wall_height, "M",
                  "Height of the walls of an occupancy grid [m].");
   line.addSwitch("ceiling", floor_plan_.ceiling, "Add a ceiling to an occupancy grid, as high as its walls.");
   line.addOption("plan", plan_, "OUT.png", "Draw the floor map with the viewpoints.");
-  line.addOption("width", width_, "N", "Columns of the rendered images, at least; 0 = 320.");
+  line.addOption("width", width_, "N", "Minimum width of the rendered images [px]; 0 = 320.");
   line.addCheck([this] {
     metresPer(units_);
     directionOf(up_);
@@ -130,7 +131,7 @@ void MapModelApp::addOptions(CommandLine& line) {
                          " is for places that are looked for, and viewpoints names them");
   });
   line.addCheck([this, &line] { checkFloorPlan(line); });
-  line.addSwitch("overwrite", overwrite_, "Replace a map that is there already.");
+  line.addSwitch("overwrite", overwrite_, "Replace an existing map.");
   line.addParams(params_, "", CommandLine::Shown::in_help);
   line.addParams(view_);
   line.addExample("scan.ply -o house.flmap --camera kinect", "a scan, in metres, z up");

@@ -26,7 +26,7 @@ DepthSequence openImage(const std::string& path, const RecordingHints& hints, co
   return sequence;
 }
 
-/** What results say of the target: its name and its camera, whose frame is the world. */
+/** The target as results name it: its name and its camera, whose frame is the world. */
 Map targetMap(const FrameFile& frame, const View& view) {
   Map map;
   if (view.camera) map.camera = *view.camera;
@@ -38,18 +38,12 @@ Map targetMap(const FrameFile& frame, const View& view) {
 
 RegisterApp::RegisterApp()
     : App("facetloc_register", "SOURCE TARGET [-o DIR] [options]",
-          "Registers two depth images by their planar segments and prints the ranked poses of the SOURCE "
-          "camera in the "
-          "TARGET camera (x right, y down, z forward). SOURCE and TARGET are 16-bit PNG files with a "
-          "camera.ini beside "
-          "them or in the folder above, organized PCD files, or files *.segments.pcd of facetloc_segment. "
-          "The "
-          "prior is the identity, with the spread "
-          "of "
-          "--prior.rotation_std_deg and --prior.translation_std; it is a robot's on a floor if both "
-          "camera.ini "
-          "files tell "
-          "the same mounting of the camera.") {}
+          "Registers two depth images by their planar segments. Prints the ranked poses of the SOURCE camera "
+          "in the TARGET camera (x right, y down, z forward). SOURCE and TARGET are 16-bit PNG files with a "
+          "camera.ini beside them or in the folder above, organized PCD files, or files *.segments.pcd of "
+          "facetloc_segment. The prior is the identity, with the spread of --prior.rotation_std_deg and "
+          "--prior.translation_std. If both camera.ini files have the same mounting, it is that of a robot "
+          "on a floor.") {}
 
 void RegisterApp::addOptions(CommandLine& line) {
   line.addArgument("SOURCE", source_);
@@ -57,15 +51,15 @@ void RegisterApp::addOptions(CommandLine& line) {
   line.addOption("output,o", folder_, "DIR",
                  "Also write a results folder: hypotheses.csv, poses_tum.txt, ...");
   line.addOption("aligned", aligned_, "FILE.pcd",
-                 "Also write the points of the source, or its segments, in the TARGET camera's axes.");
-  line.addOption("max-hypotheses", max_hypotheses_, "K", "List so many poses at most.");
+                 "Also write the points or segments of the SOURCE in the TARGET camera's axes.");
+  line.addOption("max-hypotheses", max_hypotheses_, "K", "Maximum number of poses.");
   addMinProbability(line, min_probability_);
   line.addPresets();
   addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
   addLocalizationOptions(line, localization_);
   line.addExample("a.pcd b.pcd", "the pose of the camera of a in b");
-  line.addExample("a.pcd b.pcd --aligned moved.pcd", "a where b is");
+  line.addExample("a.pcd b.pcd --aligned moved.pcd", "a in the frame of b");
 }
 
 /** The first pose, sure or not, moves it. */

@@ -96,7 +96,7 @@ private:
   int max_hypotheses_ = 1;
 };
 
-/** \brief What is believed of each image of a results folder, in their order. */
+/** \brief The belief about each image of a results folder, in their order. */
 std::vector<DrawnBelief> beliefsOf(const fs::path& results) {
   std::vector<DrawnBelief> beliefs;
   std::string frame;
@@ -148,34 +148,32 @@ DrawnRun runOf(const fs::path& path) {
 
 RenderApp::RenderApp()
     : App("facetloc_render", "INPUT -o OUT [--map MAP.flmap] [options]",
-          "Draws pictures, and pages that turn in a browser. INPUT is one of these: a map file *.flmap (OUT "
-          "is "
-          "an HTML page to turn, zoom and click; or a PNG file, the map from above). A results folder of "
-          "facetloc_localize with --map (OUT is an HTML page: the answers in their map, over time; or a PNG "
-          "file: where the camera may have been, image by image; with --sequence, OUT may be a folder: each "
-          "image whose first answer is wrong or missing, beside what would be right). A depth image (OUT is "
-          "a "
-          "PNG file) or a sequence (OUT is a folder, or, with --frame, a file): its segments outlined and in "
-          "3D; with --map, the image beside the local models that it is localized in. PNG files need an X "
-          "display; without one, Xvfb is started if it is installed.") {}
+          "Draws pictures, and 3D pages for a browser. INPUT is one of: (1) A map *.flmap: OUT is an HTML "
+          "page to turn, zoom and click, or a PNG file, the map from above. (2) A results folder of "
+          "facetloc_localize with --map: OUT is an HTML page, the answers in their map over time, or a PNG "
+          "file, the possible places of each image. With --sequence, OUT may be a folder: the failures "
+          "beside the true poses. (3) A depth image (OUT is a PNG file) or a recording (OUT is a folder, or, "
+          "with --frame, a file): its segments outlined and in 3D; with --map, beside the matched local "
+          "models. PNG files need an X display; without one, Xvfb is started if installed.") {}
 
 void RenderApp::addOptions(CommandLine& line) {
   line.addArgument("INPUT", input_);
-  line.addOption("output,o", output_, "OUT", "An HTML page, a PNG file, or a folder of these.");
-  line.addOption("map", map_, "MAP.flmap", "The map in which images are localized, or results were.");
+  line.addOption("output,o", output_, "OUT", "An HTML page, a PNG file, or a folder of PNG files.");
+  line.addOption("map", map_, "MAP.flmap", "The map to localize the images in, or the map of the results.");
   line.addOption("frame", frame_, "NAME", "Draw only this image of a sequence.");
-  line.addOption("max-hypotheses", max_hypotheses_, "K", "Draw so many answers per image at most.");
+  line.addOption("max-hypotheses", max_hypotheses_, "K", "Maximum number of answers drawn per image.");
   line.addOption("trajectory", trajectory_, "FILE",
-                 "Draw this trajectory into a map: a TUM file, or a sequence with groundtruth.txt.");
+                 "Draw this trajectory into a map: a TUM file, or a recording with poses.");
   line.addOption("sequence", sequence_, "DIR",
-                 "The recording that results are of: its images, and its true poses.");
-  line.addOption("most", most_, "N", "Draw so many failures at most, the most confident first.");
+                 "The recording of the results: its images, and its true poses.");
+  line.addOption("most", most_, "N", "Maximum number of failures drawn, the most confident first.");
   addRecordingOptions(line, depth_.recording);
   depth_.addOptions(line);
   line.addParams(evaluation_, "evaluation");
   addLocalizationOptions(line, localization_);
-  line.addExample("office.flmap -o map.html", "a map to turn");
-  line.addExample("results --map office.flmap --sequence walk -o answers.html", "answers to click");
+  line.addExample("office.flmap -o map.html", "a map, to turn in a browser");
+  line.addExample("results --map office.flmap --sequence walk -o answers.html",
+                  "answers, each with its match at a click");
 }
 
 int RenderApp::renderMap(const Console& console) const {
@@ -258,7 +256,7 @@ int RenderApp::renderFailures(const CommandLine& line, const Console& console) c
   const DepthSequence sequence = openSequence(sequence_, depth_.recording, console);
   const Map map = readMap(map_);
   const std::vector<ModelPose> models = modelPosesOf(map);
-  if (models.empty()) throw IoError(map_, "has no poses of local models: what is true cannot be drawn");
+  if (models.empty()) throw IoError(map_, "has no poses of local models: the truth cannot be drawn");
   const std::vector<RunResults> runs = readRuns(input_);
   const Evaluation evaluation = evaluate(runs, PlaceTruth::open(sequence_), models, evaluation_);
   if (evaluation.frames.empty()) throw IoError(sequence_, "has no pose for any image of " + input_);
@@ -270,7 +268,7 @@ int RenderApp::renderFailures(const CommandLine& line, const Console& console) c
   const fs::path sheet_path = pathOf("failures");
   requireNoneButPicture(sheet_path);
   for (std::size_t i = 0; i < drawn; ++i) requireNoneButPicture(pathOf(failures[i].frame));
-  fs::remove(sheet_path);  // of an earlier run; there may be nothing to draw now
+  fs::remove(sheet_path);  // left by an earlier run; there may be no failure now
 
   ViewBuilder builder(map.calibrated(depth_.camera(sequence.camera(), line)), depth_.view);
   std::vector<Raster<std::uint8_t>> sheet(std::min(drawn, kOnSheet));

@@ -49,7 +49,7 @@ std::vector<ColouredPolygon> polygonsOf(const View& view) {
   return polygons;
 }
 
-/** What tells the images of one input from those of another: the sequence's folder. */
+/** The name that distinguishes the images of one input from those of another: the sequence's folder. */
 std::string labelOf(const std::string& input) {
   fs::path path = fs::absolute(input).lexically_normal();
   if (!path.has_filename()) path = path.parent_path();  // a trailing slash
@@ -62,8 +62,8 @@ std::string labelOf(const std::string& input) {
 
 struct SegmentApp::Image {
   const DepthSequence* sequence;
-  std::size_t index;  // in its sequence
-  std::string name;   // of its output files
+  std::size_t index;  // index within its sequence
+  std::string name;   // base of the names of its output files
 
   const FrameFile& file() const { return sequence->frames()[index]; }
 };
@@ -104,16 +104,15 @@ private:
   const SegmentApp& app_;
   const CommandLine& line_;
   std::optional<ViewBuilder> builder_;
-  const DepthSequence* sequence_ = nullptr;  // of the last image
+  const DepthSequence* sequence_ = nullptr;  // sequence of the last image
 };
 
 SegmentApp::SegmentApp()
     : App("facetloc_segment", "INPUT... -o DIR [options]",
-          "Cuts depth images into planar surface segments. INPUT is a recording: a folder, a list (.txt, "
-          ".lst) or one image of 16-bit PNGs or organized PCDs, or an .oni, .mcap, .db3, .bag or .db file. "
-          "For each image, "
-          "DIR/<name>.segments.pcd holds its segments. With --noise, only the noise of the camera is "
-          "measured. Under mpirun, the images are dealt out to its processes.") {}
+          "Segments depth images into planar surfaces. INPUT is a recording: a folder, a list (.txt, .lst) "
+          "or one image of 16-bit PNGs or organized PCDs, or an .oni, .mcap, .db3, .bag or .db file. For "
+          "each image, DIR/<name>.segments.pcd holds its segments. Under mpirun, its processes share the "
+          "images.") {}
 
 void SegmentApp::addOptions(CommandLine& line) {
   line.addArguments("INPUT", inputs_);
@@ -126,9 +125,8 @@ void SegmentApp::addOptions(CommandLine& line) {
                  "Also write <name>_cloud.pcd: the points, coloured and labelled by their segments.");
   line.addSwitch("ply", ply_, "Also write <name>.ply: the outlines of the segments, for mesh viewers.");
   line.addSwitch("noise", measures_noise_,
-                 "Write no segments, but print the noise of the images over their depths, and what to set in "
-                 "camera.ini.");
-  line.addSwitch("resume", resume_, "Skip images whose results are there already.");
+                 "Measure the noise of the images over depth instead, and print values for camera.ini.");
+  line.addSwitch("resume", resume_, "Skip images done by an earlier run, even if it was interrupted.");
   addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
   line.addExample("image.png -o found --overlay", "one image and its segments");
@@ -173,7 +171,7 @@ bool SegmentApp::done(const Image& image) const {
   });
 }
 
-/** What the results depend on. */
+/** The inputs and parameters of the results. */
 Provenance SegmentApp::provenance(const std::vector<Image>& images, const CommandLine& line) const {
   Provenance provenance{fmt::format("# {}\n", versionText()), {}};
   const DepthSequence* sequence = nullptr;
@@ -186,7 +184,7 @@ Provenance SegmentApp::provenance(const std::vector<Image>& images, const Comman
   return provenance;
 }
 
-/** What an image, or one that there was in an earlier run, has left in the folder, if it has. */
+/** Removes the files of an image, or of one of an earlier run, from the folder. */
 void SegmentApp::removeResultsOf(const std::string& name) const {
   if (!fs::exists(fs::path(folder_) / (name + kSegmentEnding))) return;  // another tool's images
   for (const Output& output : outputs()) fs::remove(fs::path(folder_) / (name + output.ending));
@@ -210,7 +208,7 @@ std::vector<std::size_t> SegmentApp::prepare(const std::vector<Image>& images,
       todo.push_back(i);
   }
   if (resume_ && before) before->requireSame(provenance, finished, folder_);
-  // What is left of other images, or was made with other parameters, would be taken for results of this run.
+  // Files of other images, or made with other parameters, would be taken for results of this run.
   const std::set<std::string> kept(finished.begin(), finished.end());
   for (const auto& [name, size] : before ? before->images : ImageSizes())
     if (!kept.count(name)) removeResultsOf(name);
@@ -220,7 +218,7 @@ std::vector<std::size_t> SegmentApp::prepare(const std::vector<Image>& images,
 }
 
 int SegmentApp::measureNoise(const CommandLine& line, const Console& console) const {
-  constexpr std::size_t kMostImages = 200;  // of an input, evenly spread
+  constexpr std::size_t kMostImages = 200;  // images sampled evenly from an input
   std::vector<DepthSequence> sequences;
   for (const std::string& input : inputs_)
     sequences.push_back(openSequence(input, input_.recording, console));

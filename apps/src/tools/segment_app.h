@@ -25,7 +25,7 @@ private:
   std::vector<Image> images(const std::vector<DepthSequence>& sequences) const;
   std::filesystem::path segmentsOf(const Image& image) const;
   bool done(const Image& image) const;
-  struct Output;  // of an image
+  struct Output;  // results of an image
   std::vector<Output> outputs() const;
   void removeResultsOf(const std::string& name) const;
   Provenance provenance(const std::vector<Image>& images, const CommandLine& line) const;

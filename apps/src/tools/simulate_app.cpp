@@ -45,7 +45,7 @@ constexpr double kMostBent = 1;      // [m]
 constexpr const char* kUsualCamera = "kinect";
 constexpr const char *kMap = "map", *kQuery = "query", *kDrive = "drive";
 constexpr double kWalls = 0.3;    // [m] thickness that belongs to a room
-constexpr double kInside = 0.95;  // of the pixels, where a room is all that is seen
+constexpr double kInside = 0.95;  // share of the pixels in a view of nothing but the room
 constexpr int kGrid = 4;          // [px] between the pixels that are asked
 
 /** Does an image show the inside of one of these rooms and hardly anything else? */
@@ -112,18 +112,15 @@ struct SimulateApp::Place {
 
 SimulateApp::SimulateApp()
     : App("facetloc_simulate", "SCENE -o DIR [options]",
-          "Makes two depth sequences of a simulated place, taken by a robot with a Kinect: "
-          "DIR/map and DIR/query, a later drive on another line, after some things have moved, partly "
-          "where the first one never was. With camera.ini, groundtruth.txt, the true planes of each pixel "
-          "(labels/, 16-bit PNG; planes.csv: their equations) and query/unmapped.txt, the images that show "
-          "only a room that the first drive never entered. SCENE is one of: office (a loop of corridors "
-          "and some rooms), home (a flat), hall (shelves and columns), corridor (40 m, bare, driven along "
-          "once), hotel (12 rooms that are equal inside), boards (flat boards on a bare floor, for "
-          "--drive.camera_tilt_deg 60), doors (a corridor with equal doors), box (a cabinet that looks the "
-          "same from opposite sides), room (one closed room with random boxes, where nothing moves). With "
-          "--runs also DIR/drive, the later drive in real time, for trackers; it has no labels. With "
-          "--map_poses.* also map/poses.txt, poses with errors, for facetloc_map build --poses. What is "
-          "made must not exist yet.") {
+          "Simulates a robot with a Kinect in a place. DIR/map is its first drive; DIR/query a later one on "
+          "another line, after some things have moved, partly in new places. Each has camera.ini, "
+          "groundtruth.txt and the true plane of each pixel (labels/, planes.csv). query/unmapped.txt lists "
+          "images of a room that the first drive never entered. SCENE is one of: office (corridors and "
+          "rooms), home (a flat), hall (shelves and columns), corridor (40 m, bare), hotel (12 equal rooms), "
+          "boards (flat boards on a bare floor, for --drive.camera_tilt_deg 60), doors (a corridor with "
+          "equal doors), box (a cabinet that looks the same from opposite sides), room (random boxes, "
+          "nothing moves). With --runs drive also DIR/drive, the later drive in real time, without labels. "
+          "With --map_poses.* also map/poses.txt, poses with errors. The output must not exist yet.") {
   drive_.sway_deg = 10;
 }
 
@@ -131,29 +128,32 @@ void SimulateApp::addOptions(CommandLine& line) {
   line.addArgument("SCENE", scene_);
   line.addOption("output,o", folder_, "DIR", "Folder of the sequences.");
   line.addOption("seed", seed_, "N", "Seed of the place, the drives and the noise.");
-  line.addOption("width", width_, "N", "Width of the images [px]; the camera's unless given.");
-  line.addOption("frames", frames_, "N", "Images of each run; 0 = as --map-frames and --query-frames say.");
-  line.addOption("map-frames", map_frames_, "N", "Images of the mapping run.");
-  line.addOption("query-frames", query_frames_, "N", "Images of the later run.");
-  line.addOption("runs", runs_, "RUN,...", "Runs that are made, of map,query,drive; map,query unless given.");
-  line.addOption("drive", seconds_, "S", "Make a continuous drive of this length [s].");
+  line.addOption("width", width_, "N", "Width of the images [px]; that of the camera unless given.");
+  line.addOption("frames", frames_, "N",
+                 "Number of images of each run; 0 = by --map-frames and --query-frames.");
+  line.addOption("map-frames", map_frames_, "N", "Number of images of the mapping run.");
+  line.addOption("query-frames", query_frames_, "N", "Number of images of the later run.");
+  line.addOption("runs", runs_, "RUN,...", "Runs to make, of map, query and drive; map,query unless given.");
+  line.addOption("drive", seconds_, "S", "Duration of the continuous drive [s].");
   line.addParams(pace_, "pace");
   line.addOption("rounds", rounds_, "N",
-                 "Mapping run N times as long, each further time through its route on another line.");
-  line.addOption("map-step", map_step_, "M", "Way after which the mapping run takes an image [m].");
+                 "Repeat the route of the mapping run N times, each time on another line.");
+  line.addOption("map-step", map_step_, "M", "Distance between images of the mapping run [m].");
   line.addParams(drive_, "drive");
   line.addParams(noise_, "sensor");
   line.addSwitch("odometry", with_odometry_,
-                 "Write odometry.txt: poses of the robot's base by its wheels (TUM).");
+                 "Write odometry.txt: poses of the robot's base by its wheels, in the TUM format.");
   line.addParams(odometry_, "odometry");
-  line.addOption("gravity", gravity_error_deg_, "DEG", "Write gravity.txt with this error; -1 = no.");
-  line.addOption("camera", preset_, "NAME", fmt::format("Camera with its errors: {}.", cameraPresetNames()));
+  line.addOption("gravity", gravity_error_deg_, "DEG",
+                 "Write gravity.txt with this error [deg]; -1 = do not write it.");
+  line.addOption("camera", preset_, "NAME",
+                 fmt::format("Simulated camera, with its errors: {}.", cameraPresetNames()));
   line.addSwitch("shared-errors", shared_errors_,
-                 "Add errors that many pixels share: smooth ones, blurred or filled-in edges.");
+                 "Add correlated errors: smooth ones, blurred or filled-in edges.");
   line.addOption("surface-error", surface_error_, "M",
-                 "Bend the surfaces that the mapping run sees, rms displacement [m].");
+                 "Bend the surfaces of the mapping run, rms displacement [m].");
   line.addParams(map_poses_, "map_poses");
-  line.addOption("model", model_, "FILE", "Write a mesh (PLY) of all that is the same in both runs.");
+  line.addOption("model", model_, "FILE", "Write a PLY mesh of all surfaces that are the same in both runs.");
   line.addOption("grid", grid_, "NAME", "Write an occupancy grid of the walls: NAME.yaml and NAME.pgm.");
   line.addExample("room -o room", "a room, in seconds");
   line.addExample("office -o office --seed 1", "the floor of the demo");
@@ -194,7 +194,7 @@ void SimulateApp::setStamps(std::vector<Run>& runs) const {
   double start = 0;
   for (Run& run : runs) {
     run.stamps = drivingTimes(basePoses(run.poses, drive_.mounting()), pace_);
-    if (run.name == kDrive)  // by the clock
+    if (run.name == kDrive)  // sampled by the clock
       for (std::size_t i = 0; i < run.stamps.size(); ++i) run.stamps[i] = static_cast<double>(i) / pace_.rate;
     const double length = run.stamps.empty() ? 0 : run.stamps.back();
     for (double& stamp : run.stamps) stamp += start;

@@ -15,7 +15,7 @@
 
 namespace facetloc {
 
-/** \brief facetloc_simulate: depth sequences of a made-up place, with the truth. */
+/** \brief facetloc_simulate: depth sequences of a simulated place, with the truth. */
 class SimulateApp : public App {
 public:
   SimulateApp();
@@ -45,9 +45,9 @@ private:
   int frames_ = 0;
   int map_frames_ = 444;    // the paper's
   int query_frames_ = 348;  // the paper's
-  int rounds_ = 1;          // of the mapping run
+  int rounds_ = 1;          // rounds of the mapping run
   double map_step_ = 0.25;
-  double seconds_ = 60;  // of the continuous drive
+  double seconds_ = 60;  // duration of the continuous drive
   PaceParams pace_;
   DriveParams drive_;
   SimulatedNoise noise_;

@@ -46,36 +46,35 @@ void openInBrowser(const std::string& page, const Console& console) {
 
 }  // namespace
 
-/** One of the tools, and what it is to do. */
+/** One of the tools, and its arguments. */
 struct TryApp::Stage {
   std::string name;
   std::string what;
   std::function<std::unique_ptr<App>()> tool;
   std::vector<std::string> arguments;
-  std::string text_file;  // where what it prints is kept
+  std::string text_file;  // receives the tool's output
   std::string advice;     // if it fails
 };
 
 TryApp::TryApp()
     : App("facetloc try", "RECORDING [LATER] [-o DIR]",
-          "From a recording to a report in one command: checks how the RECORDING is read, builds a map of "
-          "it, localizes the images "
-          "of a LATER recording of the same place in that map (without one, those of the RECORDING itself, "
-          "which is easier), and "
-          "judges the answers by the LATER recording's poses, as far as it has some. DIR/report.html shows "
-          "the result; map, results "
-          "and what each tool printed are beside it.") {}
+          "Goes from a recording to a report in one command. Checks how the RECORDING is read, builds a map "
+          "of it, and localizes the images of a LATER recording of the same place in that map. Without "
+          "LATER, it localizes the RECORDING itself, which is easier. Evaluates the answers by the LATER "
+          "recording's poses, if available. DIR/report.html shows the result, beside the map, the results "
+          "and the output of each tool.") {}
 
 void TryApp::addOptions(CommandLine& line) {
   line.addArgument("RECORDING", recording_);
   line.addArgument("LATER", later_, false);
   line.addOption("output,o", folder_, "DIR",
-                 "Folder of the report; RECORDING's name with .try if not given.");
+                 "Folder of the report; RECORDING's name with .try unless given.");
   line.addOption("camera", camera_, "FILE|NAME",
                  "The camera of both recordings: camera.ini, a map or a preset.");
-  line.addOption("depth-scale", depth_scale_, "N", "Values of the depth images per metre.");
-  line.addOption("poses-are", poses_are_, "WORDS", "Convention of the poses, as facetloc_check names it.");
-  line.addSwitch("without-poses", without_poses_, "Build the map from the images alone.");
+  line.addOption("depth-scale", depth_scale_, "N", "Image values per metre.");
+  line.addOption("poses-are", poses_are_, "WORDS", "Convention of the poses, as named by facetloc_check.");
+  line.addSwitch("without-poses", without_poses_,
+                 "Estimate the trajectory from the images, even if the RECORDING has poses.");
   line.addSwitch("open", open_, "Open the report in a browser.");
   line.addExample("walk1 walk2", "a map of walk1, walk2 in it");
   line.addExample("walk1 -o tried --open", "one recording, and the report in a browser");
@@ -112,7 +111,7 @@ std::vector<TryApp::Stage> TryApp::stages(const CommandLine& line, const Console
       {"localize", "where the images were taken", [] { return std::make_unique<LocalizeApp>(); }, localize,
        "localize.txt", ""},
       {"evaluate",
-       query.groundTruth().empty() ? "no true poses: what the answers say of themselves"
+       query.groundTruth().empty() ? "no true poses: statistics of the answers alone"
                                    : "the answers and the truth",
        [] { return std::make_unique<EvaluateApp>(); }, evaluate, "evaluate.txt", ""}};
 }
