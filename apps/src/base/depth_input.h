@@ -43,7 +43,7 @@ View viewOf(const DepthSequence& sequence, std::size_t index, int working_width,
 /** \brief A remark if the build of the map at that path has not ended. */
 void noteUnfinished(const Map& map, const std::string& path, const Console& console);
 
-/** \brief Prints how the camera of the images differs from that of the map they are localized in. */
+/** \brief Prints how the camera of the images differs from the map's. */
 void noteDifference(const Camera& of_images, const Map& map, const Console& console);
 
 /** \brief A remark if images are much noisier than their camera's specification.

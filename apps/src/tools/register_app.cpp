@@ -42,7 +42,7 @@ RegisterApp::RegisterApp()
           "in the TARGET camera (x right, y down, z forward). SOURCE and TARGET are 16-bit PNG files with a "
           "camera.ini beside them or in the folder above, organized PCD files, or files *.segments.pcd of "
           "facetloc_segment. The prior is the identity, with the spread of --prior.rotation_std_deg and "
-          "--prior.translation_std. If both camera.ini files have the same mounting, it is that of a robot "
+          "--prior.translation_std. If both camera.ini files have the same mounting, the prior is a robot's "
           "on a floor.") {}
 
 void RegisterApp::addOptions(CommandLine& line) {

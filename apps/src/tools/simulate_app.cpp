@@ -128,7 +128,7 @@ void SimulateApp::addOptions(CommandLine& line) {
   line.addArgument("SCENE", scene_);
   line.addOption("output,o", folder_, "DIR", "Folder of the sequences.");
   line.addOption("seed", seed_, "N", "Seed of the place, the drives and the noise.");
-  line.addOption("width", width_, "N", "Width of the images [px]; that of the camera unless given.");
+  line.addOption("width", width_, "N", "Width of the images [px]; the camera's unless given.");
   line.addOption("frames", frames_, "N",
                  "Number of images of each run; 0 = by --map-frames and --query-frames.");
   line.addOption("map-frames", map_frames_, "N", "Number of images of the mapping run.");

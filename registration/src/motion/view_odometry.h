@@ -61,7 +61,7 @@ private:
   ViewAlignmentParams alignment_;
   DepthComparison comparison_;
   std::optional<Matrix6d>
-      camera_motion_;                 // motion of the latest view's camera by that of its robot on wheels
+      camera_motion_;                 // motion of the latest camera per motion of its robot on wheels
   Matrix6d jolt_ = Matrix6d::Zero();  // covariance of it on another piece of floor
   std::deque<Key> keys_;
   Eigen::Isometry3d T_o_c_ = Eigen::Isometry3d::Identity();

@@ -35,7 +35,7 @@ bool PlaceRanking::mayHaveEvidence(const View& scene) const {
   return params_.evidence.enabled && !params_.score.by_overlap && !scene.depth.empty() && !near_.empty();
 }
 
-// Score of wrong matches around a place: that of the places of the map that have most of it.
+// Score of wrong matches: the map's, moved by a share towards the highest of the models around the place.
 double PlaceRanking::lookalikesOf(const Hypothesis& place, double share_of_place) const {
   const double of_map = meanAmbiguity(params_.calibration.probability, map_->ambiguity);
   std::optional<double> of_place;

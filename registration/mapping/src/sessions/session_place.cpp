@@ -29,7 +29,7 @@ constexpr double kFarEllipsoid = chiSquareQuantile(6, 0.999);
 // Of a keyframe in the map, beyond which nothing is concluded from it [m].
 constexpr double kCertainRotation = 2 * kDegree, kCertainTranslation = 0.1;
 
-// Tolerance for two images that agree on a place, beyond that of the trajectory.
+// Tolerance for two images that agree on a place, beyond the trajectory's errors.
 constexpr PlaceTolerance kTolerance{kSameAnswer.distance, kDegree* kSameAnswer.angle_deg};
 
 /** The sure answers of all keyframes. */

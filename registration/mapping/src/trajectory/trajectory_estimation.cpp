@@ -58,7 +58,7 @@ constexpr double kMoved = 0.02,
 constexpr int kLooks = 3;  // keyframes of a place that an image is compared with before it becomes another
 constexpr double kSureAgreement = 0.95,
                  kSureOverlap = 0.7;  // overlap of a lost image with a keyframe that it is attached to
-constexpr double kSureStd = 0.05;     // standard deviation of its position beside that one [m]
+constexpr double kSureStd = 0.05;     // standard deviation of its position relative to that keyframe [m]
 constexpr int kCrowded = 3;           // keyframes of one place, after which it gets no more
 
 /** A small picture of inverse depths, to find similar keyframes first. */
