@@ -25,8 +25,8 @@ View seenFrom(const Eigen::Isometry3d& T_w_b, unsigned seed) {
 
 TEST(PlaceAligner, FindsTheMotionBetweenTwoViews) {
   const Eigen::Isometry3d T_w_m = robot(2, 2.5, 0.1), T_w_s = robot(2.4, 2.2, -0.15);
-  const PlaceSignature model = placeSignature(seenFrom(T_w_m, 1), kMounting),
-                       scene = placeSignature(seenFrom(T_w_s, 2), kMounting);
+  const PlaceDescriptor model = placeSignature(seenFrom(T_w_m, 1), kMounting),
+                        scene = placeSignature(seenFrom(T_w_s, 2), kMounting);
   const PlaceAlignment found = PlaceAligner(scene).align(model);
   const Eigen::Isometry3d T_m_s = T_w_m.inverse() * T_w_s;
   EXPECT_NEAR(found.x, T_m_s.translation().x(), 0.1);
@@ -40,24 +40,24 @@ TEST(PlaceAligner, StillFindsItWithHalfOfTheSegments) {
   halved.segments.clear();
   for (std::size_t i = 0; i < other_half.segments.size(); i += 2)
     halved.segments.push_back(other_half.segments[i]);
-  const PlaceSignature model = placeSignature(seenFrom(T_w_m, 1), kMounting),
-                       elsewhere = placeSignature(seenFrom(robot(4, 1.5, 2.4), 3), kMounting),
-                       scene = placeSignature(halved, kMounting);
+  const PlaceDescriptor model = placeSignature(seenFrom(T_w_m, 1), kMounting),
+                        elsewhere = placeSignature(seenFrom(robot(4, 1.5, 2.4), 3), kMounting),
+                        scene = placeSignature(halved, kMounting);
   PlaceAligner aligner(scene);
   EXPECT_GT(aligner.align(model).score, aligner.align(elsewhere).score);
 }
 
 TEST(PlaceAligner, NothingFitsNothing) {
-  const PlaceSignature place = placeSignature(seenFrom(robot(2, 2.5, 0), 1), kMounting), nothing;
+  const PlaceDescriptor place = placeSignature(seenFrom(robot(2, 2.5, 0), 1), kMounting), nothing;
   EXPECT_EQ(PlaceAligner(nothing).align(place).score, PlaceAlignment{}.score);
   EXPECT_EQ(PlaceAligner(place).align(nothing).score, PlaceAlignment{}.score);
 }
 
 TEST(PlaceAligner, WithoutDepthTheWallsAloneAreLaidOverEachOther) {
   const Eigen::Isometry3d T_w_m = robot(2, 2.5, 0.1), T_w_s = robot(2.4, 2.2, -0.15);
-  const PlaceSignature model = placeSignature(seenFrom(T_w_m, 1), kMounting),
-                       scene = placeSignature(seenFrom(T_w_s, 2), kMounting);
-  PlaceSignature flat_model = model, flat_scene = scene;
+  const PlaceDescriptor model = placeSignature(seenFrom(T_w_m, 1), kMounting),
+                        scene = placeSignature(seenFrom(T_w_s, 2), kMounting);
+  PlaceDescriptor flat_model = model, flat_scene = scene;
   flat_model.picture = flat_scene.picture = {};
   const float score = PlaceAligner(scene).align(model).score;
   for (const PlaceAlignment& found :
@@ -69,8 +69,8 @@ TEST(PlaceAligner, WithoutDepthTheWallsAloneAreLaidOverEachOther) {
 }
 
 TEST(PlaceAligner, DepthThatContradictsCosts) {
-  const PlaceSignature scene = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting);
-  PlaceSignature model = placeSignature(seenFrom(robot(2, 2.5, 0.1), 1), kMounting);
+  const PlaceDescriptor scene = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting);
+  PlaceDescriptor model = placeSignature(seenFrom(robot(2, 2.5, 0.1), 1), kMounting);
   PlaceAligner aligner(scene);
   const float score = aligner.align(model).score;
   for (std::uint16_t& mm : model.picture.depth) mm /= 2;
@@ -78,10 +78,10 @@ TEST(PlaceAligner, DepthThatContradictsCosts) {
 }
 
 TEST(PlaceAligner, WhatScoresEnoughIsFoundWhateverIsOfNoUse) {
-  const PlaceSignature scene = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting);
+  const PlaceDescriptor scene = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting);
   PlaceAligner aligner(scene);
   for (int i = 0; i < 12; ++i) {
-    const PlaceSignature model =
+    const PlaceDescriptor model =
         placeSignature(seenFrom(robot(2 + 0.1 * i, 2.5 - 0.05 * i, 0.2 * i), 10u + unsigned(i)), kMounting);
     const PlaceAlignment whole = aligner.align(model);
     for (const float below : {0.001f, 0.3f, 1.f, 3.f}) {
@@ -97,9 +97,9 @@ TEST(PlaceAligner, WhatScoresEnoughIsFoundWhateverIsOfNoUse) {
 }
 
 TEST(PlaceAligner, BuffersDoNotChangeTheAnswer) {
-  const PlaceSignature a = placeSignature(seenFrom(robot(2, 2.5, 0.1), 1), kMounting),
-                       b = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting),
-                       c = placeSignature(seenFrom(robot(4, 1.5, 2.4), 3), kMounting);
+  const PlaceDescriptor a = placeSignature(seenFrom(robot(2, 2.5, 0.1), 1), kMounting),
+                        b = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting),
+                        c = placeSignature(seenFrom(robot(4, 1.5, 2.4), 3), kMounting);
   PlaceAligner used(b);
   used.align(c);
   EXPECT_EQ(used.align(a).score, PlaceAligner(b).align(a).score);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "place_index_rooms.h"
-#include "shortlist/place_signature.h"
+#include "shortlist/place_descriptor.h"
 
 #include <facetloc/localization/place_index.h>
 

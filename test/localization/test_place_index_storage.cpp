@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A place index that is written and read, and maps whose views are elsewhere.
 #include "place_index_rooms.h"
-#include "shortlist/place_signature.h"
+#include "shortlist/place_descriptor.h"
 #include "shortlist/shortlist.h"
 
 #include <facetloc/localization/global_localization.h>
@@ -150,7 +150,7 @@ TEST_F(PlaceIndexOfRooms, BytesThatTellOfMoreWallsThanThereAreAreRefused) {
 
 TEST_F(PlaceIndexOfRooms, NumbersThatNoPlaceHasAreRefused) {
   const std::string bytes = written(PlaceIndex(*map, few()));
-  const PlaceSignature place = placeSignature(*map->view(0), kMounting);
+  const PlaceDescriptor place = placeSignature(*map->view(0), kMounting);
   ASSERT_FALSE(place.walls.empty());
   const Wall& wall = place.walls.front();
   const std::array<float, 4> numbers{wall.heading, wall.cosine, wall.sine, wall.offset};

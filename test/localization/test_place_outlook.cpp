@@ -17,7 +17,7 @@ namespace {
 
 constexpr CameraMounting kMounting{1.0, 10.0};
 
-PlaceSignature seenFrom(double x, double y, double heading, unsigned seed) {
+PlaceDescriptor seenFrom(double x, double y, double heading, unsigned seed) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = expSO3({0, 0, heading});
   T.translation() << x, y, 0;
@@ -25,8 +25,8 @@ PlaceSignature seenFrom(double x, double y, double heading, unsigned seed) {
 }
 
 // Views of the room all around, some of them from one place.
-std::vector<PlaceSignature> somePlaces() {
-  std::vector<PlaceSignature> places;
+std::vector<PlaceDescriptor> somePlaces() {
+  std::vector<PlaceDescriptor> places;
   for (unsigned i = 0; i < 12; ++i)
     places.push_back(seenFrom(1.8 + 0.2 * (i % 5), 2.1 + 0.15 * (i % 4), 0.7 * i, 10 + i));
   return places;
@@ -35,8 +35,8 @@ std::vector<PlaceSignature> somePlaces() {
 int quarters(float turn) { return static_cast<int>(std::lround(turn / (90 * kDegree))); }
 
 // The same in the plainest way: all turns, all pairs of walls, all moves.
-double outlookByHand(const PlaceSignature& scene, const PlaceSignature& model) {
-  const auto facesMain = [](const PlaceSignature& place, const Wall& w) {
+double outlookByHand(const PlaceDescriptor& scene, const PlaceDescriptor& model) {
+  const auto facesMain = [](const PlaceDescriptor& place, const Wall& w) {
     const double turn = std::remainder(w.heading - place.main_heading, 90 * kDegree);
     return std::abs(turn) <= 8 * kDegree;
   };
@@ -90,16 +90,16 @@ double outlookByHand(const PlaceSignature& scene, const PlaceSignature& model) {
 }
 
 TEST(PlaceOutlook, IsWhatAllTurnsPairsAndMovesGive) {
-  const std::vector<PlaceSignature> places = somePlaces();
-  for (const PlaceSignature& scene : places) {
+  const std::vector<PlaceDescriptor> places = somePlaces();
+  for (const PlaceDescriptor& scene : places) {
     const PlaceOutlook outlook(scene);
-    for (const PlaceSignature& model : places)
+    for (const PlaceDescriptor& model : places)
       EXPECT_NEAR(outlook.of(model), outlookByHand(scene, model), 1e-3);
   }
 }
 
 TEST(PlaceOutlook, IsBestForAPlaceThatIsNear) {
-  const PlaceSignature scene = seenFrom(2.2, 2.3, 0.2, 1), near = seenFrom(2, 2.5, 0.1, 2);
+  const PlaceDescriptor scene = seenFrom(2.2, 2.3, 0.2, 1), near = seenFrom(2, 2.5, 0.1, 2);
   const PlaceOutlook outlook(scene);
   EXPECT_GT(outlook.of(scene), outlook.of(near));
   for (const double heading : {1.3, 2.4, -1.5, -2.5})
@@ -107,7 +107,7 @@ TEST(PlaceOutlook, IsBestForAPlaceThatIsNear) {
 }
 
 TEST(PlaceOutlook, IsStillBestWithHalfOfTheWalls) {
-  PlaceSignature scene = seenFrom(2.2, 2.3, 0.2, 1);
+  PlaceDescriptor scene = seenFrom(2.2, 2.3, 0.2, 1);
   for (int k = 0; k < 4; ++k) {
     const auto first = scene.walls.begin() + scene.facing[k];
     const int half = (scene.facing[k + 1] - scene.facing[k]) / 2;
@@ -119,14 +119,14 @@ TEST(PlaceOutlook, IsStillBestWithHalfOfTheWalls) {
 }
 
 TEST(PlaceOutlook, NothingHasNone) {
-  const PlaceSignature place = seenFrom(2, 2.5, 0, 1), nothing;
+  const PlaceDescriptor place = seenFrom(2, 2.5, 0, 1), nothing;
   EXPECT_EQ(PlaceOutlook(nothing).of(place), 0);
   EXPECT_EQ(PlaceOutlook(place).of(nothing), 0);
 }
 
 TEST(PlaceOutlook, ManyWallsThatFaceOneWayAreAllCompared) {
   // More than fit into a vector; each at its own height, so that it fits only itself.
-  PlaceSignature stairs;
+  PlaceDescriptor stairs;
   for (int i = 0; i < 20; ++i) {
     Wall w;
     w.offset = 1 + 0.3f * static_cast<float>(i);

@@ -101,7 +101,7 @@ float worth(const Comparison& found, std::size_t points) {
 
 }  // namespace
 
-PlaceAligner::PlaceAligner(const PlaceSignature& scene)
+PlaceAligner::PlaceAligner(const PlaceDescriptor& scene)
     : scene_(scene), scene_walls_(scene.walls), parallel_(scene_walls_.size() + 1) {
   pointsAboveFloor(scene_, scene_points_);
 }
@@ -137,7 +137,7 @@ FACETLOC_MULTIVERSION int PlaceAligner::findParallel(const WallColumns& walls, c
   return n;
 }
 
-void PlaceAligner::findPairs(const PlaceSignature& model) {
+void PlaceAligner::findPairs(const PlaceDescriptor& model) {
   pairs_.clear();
   for (const Wall& b : model.walls) {
     const int n = findParallel(scene_walls_, b, parallel_.data());
@@ -284,7 +284,7 @@ void PlaceAligner::refine(Pose& pose) const {
   pose.support = support;
 }
 
-PlaceAlignment PlaceAligner::align(const PlaceSignature& model, float least) {
+PlaceAlignment PlaceAligner::align(const PlaceDescriptor& model, float least) {
   constexpr float kSupport = 0.4f;                          // worth of the walls, by their square root
   constexpr float kTurnPrior = 0.01f, kMovePrior = 0.005f;  // [1], [1/m^2]
   findPairs(model);

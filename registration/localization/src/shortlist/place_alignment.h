@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "shortlist/place_signature.h"
+#include "shortlist/place_descriptor.h"
 
 #include <limits>
 #include <vector>
@@ -21,13 +21,13 @@ struct PlaceAlignment {
  * Pairs of walls vote for a heading, then for a position: a pair leaves a line of positions, as long as both
  * walls overlap there, and ends of walls that fit leave a point. The best positions are made exact by least
  * squares and compared in depth, each view's coarse picture in the other's. Keeps its buffers; one per
- * thread. The same signatures give the same answer. */
+ * thread. The same descriptors give the same answer. */
 class PlaceAligner {
 public:
   /** \param scene must outlive the aligner */
-  explicit PlaceAligner(const PlaceSignature& scene);
+  explicit PlaceAligner(const PlaceDescriptor& scene);
   /** \param least score that is of use: a model that scores less is known to do so, and nothing else of it */
-  PlaceAlignment align(const PlaceSignature& model, float least = std::numeric_limits<float>::lowest());
+  PlaceAlignment align(const PlaceDescriptor& model, float least = std::numeric_limits<float>::lowest());
 
 private:
   /** Two walls that may be one. */
@@ -50,12 +50,12 @@ private:
   };
 
   static int findParallel(const WallColumns& walls, const Wall& wall, int* parallel);
-  void findPairs(const PlaceSignature& model);
+  void findPairs(const PlaceDescriptor& model);
   void findTurns();
   void findPositions(float turn);
   void refine(Pose& pose) const;
 
-  const PlaceSignature& scene_;
+  const PlaceDescriptor& scene_;
   const WallColumns scene_walls_;
   PointColumns scene_points_, model_points_;
   std::vector<int> parallel_;

@@ -33,7 +33,7 @@ void fields(Archive& archive, LevelSurface& s) {
   archive(s.height, s.from_below, s.x, s.y);
 }
 template <class Archive>
-void fields(Archive& archive, PlaceSignature& p) {
+void fields(Archive& archive, PlaceDescriptor& p) {
   archive(p.R_u_c, p.height, p.main_heading, p.walls, p.surfaces, p.picture.camera, p.picture.depth);
   for (std::int32_t& first : p.facing) archive(first);
 }
@@ -66,7 +66,7 @@ constexpr float kRadius = 1.3f;      // search radius of neighbours
 constexpr float kVotesWorth = 0.3f, kHopeWorth = 0.1f;
 constexpr float kNotAligned = -100;  // less than any alignment
 
-std::vector<Descriptor> describe(const PlaceSignature& place) {
+std::vector<Descriptor> describe(const PlaceDescriptor& place) {
   constexpr float kBaseboard = 0.15f;  // [m]
   std::vector<Descriptor> all;
   for (const Wall& w : place.walls) {
@@ -110,8 +110,8 @@ void prefetch(const std::vector<T>& values) {
 }
 
 // T_m_c of an alignment.
-Eigen::Isometry3d cameraPose(const PlaceAlignment& a, const PlaceSignature& scene,
-                             const PlaceSignature& model) {
+Eigen::Isometry3d cameraPose(const PlaceAlignment& a, const PlaceDescriptor& scene,
+                             const PlaceDescriptor& model) {
   const Eigen::Matrix3f turn = Eigen::AngleAxisf(a.heading, Eigen::Vector3f::UnitZ()).toRotationMatrix();
   const Eigen::Matrix3f to_camera = model.R_u_c.transpose();
   Eigen::Isometry3d T_m_c = Eigen::Isometry3d::Identity();
@@ -130,7 +130,7 @@ std::uint32_t checksumOfNames(const Map& map) {
   return sum.checksum();
 }
 
-constexpr const char* kFormat = "facetloc place index 1.0";  // changes with signatures
+constexpr const char* kFormat = "facetloc place index 1.0";  // changes with descriptors
 
 /** The data that a written index depends on. */
 struct Header {
@@ -164,7 +164,7 @@ struct PlaceIndex::Impl {
   PosePriorParams prior;
   CameraMounting mounting;
   Header header;
-  std::vector<PlaceSignature> places;
+  std::vector<PlaceDescriptor> places;
   std::vector<int> owner;                                // model of each descriptor
   std::vector<float> heading;                            // heading of each descriptor
   std::vector<float> expected;                           // expected votes of each model by chance
@@ -172,8 +172,8 @@ struct PlaceIndex::Impl {
 
   Impl(const Map& map, const ShortlistParams& params, const PosePriorParams& prior);
   void describePlaces();
-  std::vector<float> hopes(const PlaceSignature& scene) const;
-  std::vector<float> votes(const PlaceSignature& scene) const;
+  std::vector<float> hopes(const PlaceDescriptor& scene) const;
+  std::vector<float> votes(const PlaceDescriptor& scene) const;
 };
 
 PlaceIndex::Impl::Impl(const Map& map, const ShortlistParams& index_params, const PosePriorParams& pose_prior)
@@ -264,19 +264,19 @@ PlaceIndex& PlaceIndex::operator=(PlaceIndex&&) noexcept = default;
 PlaceIndex::~PlaceIndex() = default;
 
 // How much can be hoped for from each model before it is aligned.
-std::vector<float> PlaceIndex::Impl::hopes(const PlaceSignature& scene) const {
+std::vector<float> PlaceIndex::Impl::hopes(const PlaceDescriptor& scene) const {
   std::vector<float> hope = votes(scene);
   const PlaceOutlook outlook(scene);
   constexpr std::size_t kAhead = 4;
   for (std::size_t m = 0; m < places.size(); ++m) {
-    const PlaceSignature& ahead = places[std::min(m + kAhead, places.size() - 1)];
+    const PlaceDescriptor& ahead = places[std::min(m + kAhead, places.size() - 1)];
     prefetch(ahead.walls), prefetch(ahead.surfaces);
     hope[m] = kVotesWorth * hope[m] + outlook.of(places[m]);
   }
   return hope;
 }
 
-std::vector<float> PlaceIndex::Impl::votes(const PlaceSignature& scene) const {
+std::vector<float> PlaceIndex::Impl::votes(const PlaceDescriptor& scene) const {
   std::vector<Descriptor> asked = describe(scene);
   std::vector<float> total(places.size(), 0);
   if (!tree.valid() || asked.empty()) return total;
@@ -327,8 +327,8 @@ std::vector<int> PlaceIndex::shortlist(const View& view, int n) const {
 std::vector<Candidate> PlaceIndex::candidates(const View& view, int n,
                                               const std::function<bool(int)>& excluded) const {
   const ShortlistParams& params = impl_->params;
-  const std::vector<PlaceSignature>& places = impl_->places;
-  const PlaceSignature scene = placeSignature(view, impl_->mounting, impl_->prior);
+  const std::vector<PlaceDescriptor>& places = impl_->places;
+  const PlaceDescriptor scene = placeSignature(view, impl_->mounting, impl_->prior);
   if (n <= 0 || (scene.walls.empty() && scene.surfaces.empty())) return {};
 
   const std::vector<float> hope = impl_->hopes(scene);
@@ -345,7 +345,7 @@ std::vector<Candidate> PlaceIndex::candidates(const View& view, int n,
   float best = kNotAligned;
   for (std::size_t i = 0; i < models.size(); ++i) {
     const int m = models[i];
-    const PlaceSignature& ahead = places[models[std::min(i + 1, models.size() - 1)]];
+    const PlaceDescriptor& ahead = places[models[std::min(i + 1, models.size() - 1)]];
     prefetch(ahead.walls), prefetch(ahead.picture.depth);
     found[m] = aligner.align(places[m], best - gap - kHopeWorth * hope[m]);
     score[m] = std::max(found[m].score, kNotAligned) + kHopeWorth * hope[m];
@@ -369,7 +369,7 @@ std::size_t PlaceIndex::descriptors() const { return impl_->owner.size(); }
 
 std::size_t PlaceIndex::bytes() const {
   std::size_t sum = sizeof *impl_;
-  for (const PlaceSignature& p : impl_->places)
+  for (const PlaceDescriptor& p : impl_->places)
     sum += sizeof p + p.walls.capacity() * sizeof(Wall) + p.surfaces.capacity() * sizeof(LevelSurface) +
            p.picture.depth.capacity() * sizeof(std::uint16_t);
   sum += impl_->owner.capacity() * sizeof(int) +

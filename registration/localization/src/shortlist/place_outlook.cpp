@@ -58,8 +58,8 @@ FACETLOC_ALWAYS_INLINE float most(Votes& votes) {
 }
 
 // Votes of the best moves if the model's main heading is the scene's plus quarters of a turn.
-FACETLOC_MULTIVERSION float bestMoves(const PlaceSignature& scene, const WallColumns& walls,
-                                      const PlaceSignature& model, int quarters) {
+FACETLOC_MULTIVERSION float bestMoves(const PlaceDescriptor& scene, const WallColumns& walls,
+                                      const PlaceDescriptor& model, int quarters) {
   constexpr float kMiddle = kReach / kStep + 1.5f;
   const Floats none{};
   Votes votes[2] = {};
@@ -105,9 +105,9 @@ FACETLOC_MULTIVERSION float bestMoves(const PlaceSignature& scene, const WallCol
 
 }  // namespace
 
-PlaceOutlook::PlaceOutlook(const PlaceSignature& scene) : scene_(scene), walls_(scene.walls) {}
+PlaceOutlook::PlaceOutlook(const PlaceDescriptor& scene) : scene_(scene), walls_(scene.walls) {}
 
-float PlaceOutlook::of(const PlaceSignature& model) const {
+float PlaceOutlook::of(const PlaceDescriptor& model) const {
   float best = 0;
   const float least_turn = model.main_heading - scene_.main_heading;
   for (int quarters = -2; quarters < 2; ++quarters) {

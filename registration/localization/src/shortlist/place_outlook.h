@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "shortlist/place_signature.h"
+#include "shortlist/place_descriptor.h"
 
 namespace facetloc::internal {
 
@@ -16,12 +16,12 @@ namespace facetloc::internal {
 class PlaceOutlook {
 public:
   /** \param scene must outlive the outlook */
-  explicit PlaceOutlook(const PlaceSignature& scene);
+  explicit PlaceOutlook(const PlaceDescriptor& scene);
   /** \brief Not negative; tells models of one scene apart. Thread-safe. */
-  float of(const PlaceSignature& model) const;
+  float of(const PlaceDescriptor& model) const;
 
 private:
-  const PlaceSignature& scene_;
+  const PlaceDescriptor& scene_;
   const WallColumns walls_;
 };
 

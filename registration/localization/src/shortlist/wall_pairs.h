@@ -2,7 +2,7 @@
 #pragma once
 
 #include "shared/lanes.h"
-#include "shortlist/place_signature.h"
+#include "shortlist/place_descriptor.h"
 
 namespace facetloc::internal {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shortlist/place_signature.h"
+#include "shortlist/place_descriptor.h"
 
 #include "depth/depth_consistency.h"
 #include "shared/lanes.h"
@@ -138,7 +138,7 @@ float mainHeading(const std::vector<Wall>& walls) {
   return heading;
 }
 
-void sortByHeading(PlaceSignature& place) {
+void sortByHeading(PlaceDescriptor& place) {
   constexpr auto kAlong = static_cast<float>(8 * kDegree);
   place.main_heading = mainHeading(place.walls);
   const auto quarters = [&place](const Wall& w) {  // 4 for a wall that faces no main heading
@@ -173,15 +173,15 @@ CoarseDepth coarseDepth(const DepthPicture& picture) {
 
 }  // namespace
 
-PlaceSignature placeSignature(const View& view, const CameraMounting& mounting,
-                              const PosePriorParams& prior) {
+PlaceDescriptor placeSignature(const View& view, const CameraMounting& mounting,
+                               const PosePriorParams& prior) {
   const Eigen::Isometry3d T_b_c = mounting.T_b_c();
   std::vector<Segment> sound;
   std::copy_if(view.segments.begin(), view.segments.end(), std::back_inserter(sound),
                [](const Segment& s) { return isSound(s); });
   const Eigen::Matrix3d R = upright(sound, T_b_c.linear(), prior);
   const double height = heightAboveFloor(sound, R, mounting.height);
-  PlaceSignature out;
+  PlaceDescriptor out;
   out.R_u_c = R.cast<float>();
   out.height = static_cast<float>(height);
   for (const Segment& s : sound) {
@@ -201,7 +201,7 @@ PlaceSignature placeSignature(const View& view, const CameraMounting& mounting,
   return out;
 }
 
-bool isSound(const PlaceSignature& p) {
+bool isSound(const PlaceDescriptor& p) {
   constexpr float kRounding = 1e-3f;
   constexpr int kLargestPicture = 1024;  // side [px]
   const Intrinsics& camera = p.picture.camera;
@@ -233,7 +233,7 @@ WallColumns::WallColumns(const std::vector<Wall>& walls)
   seen_bottom = column(&Wall::seenBottom), seen_top = column(&Wall::seenTop);
 }
 
-void pointsAboveFloor(const PlaceSignature& place, PointColumns& points) {
+void pointsAboveFloor(const PlaceDescriptor& place, PointColumns& points) {
   const Intrinsics& c = place.picture.camera;
   const auto fx = static_cast<float>(c.fx), fy = static_cast<float>(c.fy), cx = static_cast<float>(c.cx),
              cy = static_cast<float>(c.cy);

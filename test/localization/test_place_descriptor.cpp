@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shortlist/place_signature.h"
+#include "shortlist/place_descriptor.h"
 
 #include <facetloc/testing/synthetic_views.h>
 
@@ -25,7 +25,7 @@ Eigen::Isometry3d robotCamera(double x, double y, double heading, double roll = 
 }
 
 // The wall whose normal has that heading in the world, the farthest of them.
-const Wall* wallFacing(const PlaceSignature& place, double robot_heading, double world_heading) {
+const Wall* wallFacing(const PlaceDescriptor& place, double robot_heading, double world_heading) {
   const Wall* farthest = nullptr;
   for (const Wall& w : place.walls) {
     if (std::abs(std::remainder(w.heading + robot_heading - world_heading, 360 * kDegree)) > 3 * kDegree)
@@ -35,10 +35,10 @@ const Wall* wallFacing(const PlaceSignature& place, double robot_heading, double
   return farthest;
 }
 
-TEST(PlaceSignature, WallsLieWhereTheRoomHasThem) {
+TEST(PlaceDescriptor, WallsLieWhereTheRoomHasThem) {
   // The room's wall x = 6 is seen from x = 2: at 4 m, whatever the heading.
   for (const double heading : {-0.3, 0.0, 0.3}) {
-    const PlaceSignature place =
+    const PlaceDescriptor place =
         placeSignature(viewFrom(test::largeRoom(), robotCamera(2, 2.5, heading), 1), kMounting);
     const Wall* wall = wallFacing(place, heading, 0);
     ASSERT_NE(wall, nullptr) << heading;
@@ -51,9 +51,9 @@ TEST(PlaceSignature, WallsLieWhereTheRoomHasThem) {
   }
 }
 
-TEST(PlaceSignature, WallsThatFaceAMainHeadingComeFirst) {
+TEST(PlaceDescriptor, WallsThatFaceAMainHeadingComeFirst) {
   for (const double heading : {-2.0, -0.7, 0.1, 0.6, 0.9, 2.5}) {
-    const PlaceSignature place =
+    const PlaceDescriptor place =
         placeSignature(viewFrom(test::largeRoom(), robotCamera(2, 2.5, heading), 1), kMounting);
     // The room's walls are along its axes.
     EXPECT_NEAR(std::remainder(place.main_heading + heading, 90 * kDegree), 0, 1 * kDegree) << heading;
@@ -91,10 +91,10 @@ TEST(WallColumns, EndsThatAreNotSeenAreNone) {
   EXPECT_TRUE(std::isnan(columns.offset.back()));
 }
 
-TEST(PlaceSignature, AnUnevenFloorChangesLittle) {
+TEST(PlaceDescriptor, AnUnevenFloorChangesLittle) {
   const double roll = 1 * kDegree, pitch = 2 * kDegree;
   const Eigen::Isometry3d tilted = robotCamera(2, 2.5, 0.1, roll, pitch);
-  const PlaceSignature place = placeSignature(viewFrom(test::largeRoom(), tilted, 2), kMounting);
+  const PlaceDescriptor place = placeSignature(viewFrom(test::largeRoom(), tilted, 2), kMounting);
   const Wall* wall = wallFacing(place, 0.1, 0);
   ASSERT_NE(wall, nullptr);
   EXPECT_NEAR(wall->offset, 6 - tilted.translation().x(), 0.05);
@@ -104,11 +104,11 @@ TEST(PlaceSignature, AnUnevenFloorChangesLittle) {
   EXPECT_LT(std::acos(std::min(1.0, up.dot(truth))), 0.6 * kDegree);
 }
 
-TEST(PlaceSignature, LevelSurfacesHaveTheHeightOfTheFurniture) {
+TEST(PlaceDescriptor, LevelSurfacesHaveTheHeightOfTheFurniture) {
   // The low box in the corner, 0.5 m high, from two places.
   for (const double distance : {0.9, 1.2}) {
     const View view = viewFrom(test::largeRoom(), robotCamera(0.7 + distance, 1.3, 180 * kDegree), 3);
-    const PlaceSignature place = placeSignature(view, kMounting);
+    const PlaceDescriptor place = placeSignature(view, kMounting);
     EXPECT_TRUE(std::any_of(place.surfaces.begin(), place.surfaces.end(), [](const LevelSurface& s) {
       return !s.from_below && std::abs(s.height - 0.5) < 0.03;
     })) << distance;
@@ -116,9 +116,9 @@ TEST(PlaceSignature, LevelSurfacesHaveTheHeightOfTheFurniture) {
   }
 }
 
-TEST(PlaceSignature, PointsLieAboveTheFloorAndInTheRoom) {
+TEST(PlaceDescriptor, PointsLieAboveTheFloorAndInTheRoom) {
   const Eigen::Isometry3d T_w_c = robotCamera(2, 2.5, 0.2);
-  const PlaceSignature place = placeSignature(viewFrom(test::largeRoom(), T_w_c, 4), kMounting);
+  const PlaceDescriptor place = placeSignature(viewFrom(test::largeRoom(), T_w_c, 4), kMounting);
   PointColumns points;
   pointsAboveFloor(place, points);
   ASSERT_GT(points.size(), 20u);
@@ -132,18 +132,18 @@ TEST(PlaceSignature, PointsLieAboveTheFloorAndInTheRoom) {
   }
 }
 
-TEST(PlaceSignature, BadSegmentsAreLeftOut) {
+TEST(PlaceDescriptor, BadSegmentsAreLeftOut) {
   View view = viewFrom(test::largeRoom(), robotCamera(2, 2.5, 0), 5);
-  const PlaceSignature sound = placeSignature(view, kMounting);
+  const PlaceDescriptor sound = placeSignature(view, kMounting);
   Segment bad = view.segments.front();
   bad.t.x() = std::numeric_limits<double>::quiet_NaN();
   view.segments.push_back(bad);
-  const PlaceSignature place = placeSignature(view, kMounting);
+  const PlaceDescriptor place = placeSignature(view, kMounting);
   EXPECT_EQ(place.walls.size(), sound.walls.size());
   EXPECT_EQ(place.R_u_c, sound.R_u_c);
   EXPECT_EQ(place.height, sound.height);
 
-  const PlaceSignature nothing = placeSignature(View{}, kMounting);
+  const PlaceDescriptor nothing = placeSignature(View{}, kMounting);
   EXPECT_TRUE(nothing.walls.empty());
   EXPECT_TRUE(nothing.surfaces.empty());
   PointColumns points;
@@ -152,8 +152,8 @@ TEST(PlaceSignature, BadSegmentsAreLeftOut) {
   EXPECT_EQ(points.size(), 0u);
 }
 
-TEST(PlaceSignature, APictureWithoutPixelsHasNoSize) {
-  PlaceSignature place = placeSignature(viewFrom(test::largeRoom(), robotCamera(2, 2.5, 0), 6), kMounting);
+TEST(PlaceDescriptor, APictureWithoutPixelsHasNoSize) {
+  PlaceDescriptor place = placeSignature(viewFrom(test::largeRoom(), robotCamera(2, 2.5, 0), 6), kMounting);
   EXPECT_TRUE(isSound(place));
   place.picture.depth.clear();
   EXPECT_FALSE(isSound(place));

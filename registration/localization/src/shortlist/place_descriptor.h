@@ -63,7 +63,7 @@ struct CoarseDepth {
  *
  * Most places are built along two directions at right angles. Walls facing a main heading come first, side
  * by side: those from facing[k] to facing[k + 1] face main_heading + k quarters of a turn. */
-struct PlaceSignature {
+struct PlaceDescriptor {
   Eigen::Matrix3f R_u_c = Eigen::Matrix3f::Identity();  ///< camera axes in the upright frame
   float height = 0;                                     ///< height of the camera above the floor [m]
   float main_heading = 0;                               ///< [rad], within an eighth of a turn of 0
@@ -78,11 +78,11 @@ struct PlaceSignature {
  * Roll and pitch are estimated from the planes that are nearly horizontal or vertical, with the floor's
  * unevenness as prior; the height from the floor where it is seen. Segments that are not finite are left
  * out; a view without any gives an empty signature. */
-PlaceSignature placeSignature(const View& view, const CameraMounting& mounting,
-                              const PosePriorParams& prior = {});
+PlaceDescriptor placeSignature(const View& view, const CameraMounting& mounting,
+                               const PosePriorParams& prior = {});
 
 /** \brief Can it be the signature of a view? One that is read from elsewhere may hold any numbers. */
-bool isSound(const PlaceSignature& place);
+bool isSound(const PlaceDescriptor& place);
 
 /** \brief Walls, property by property, for many of them at once are compared. Filled up beyond the last one
  * with NaN, which is like nothing. */
@@ -108,6 +108,6 @@ struct PointColumns {
 };
 
 /** \brief Some pixels of the picture, without the floor, relative to the camera in upright axes. */
-void pointsAboveFloor(const PlaceSignature& place, PointColumns& points);
+void pointsAboveFloor(const PlaceDescriptor& place, PointColumns& points);
 
 }  // namespace facetloc::internal
