@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shared/binary_archive.h"
 #include "shortlist/place_alignment.h"
-#include "shortlist/place_outlook.h"
 #include "shortlist/place_reach.h"
+#include "shortlist/prescore.h"
 
 #include <facetloc/features/pose.h>
 #include <facetloc/localization/place_index.h>
@@ -62,8 +62,8 @@ constexpr float kKindDistance = 1000;
 constexpr float kHeadingStd = 20 * static_cast<float>(kDegree), kPositionStd = 1;  // the prior's [m]
 constexpr float kHeightStd = 0.08f;  // standard deviation of an upper or lower edge [m]
 constexpr float kRadius = 1.3f;      // search radius of neighbours
-// Weight of votes in outlook, and of both in the score of an alignment.
-constexpr float kVotesWorth = 0.3f, kHopeWorth = 0.1f;
+// Weight of votes in the prescore, and of both in the score of an alignment.
+constexpr float kVotesWeight = 0.3f, kHopeWorth = 0.1f;
 constexpr float kNotAligned = -100;  // less than any alignment
 
 std::vector<Descriptor> describe(const PlaceDescriptor& place) {
@@ -266,12 +266,12 @@ PlaceIndex::~PlaceIndex() = default;
 // How much can be hoped for from each model before it is aligned.
 std::vector<float> PlaceIndex::Impl::hopes(const PlaceDescriptor& scene) const {
   std::vector<float> hope = votes(scene);
-  const PlaceOutlook outlook(scene);
+  const Prescore outlook(scene);
   constexpr std::size_t kAhead = 4;
   for (std::size_t m = 0; m < places.size(); ++m) {
     const PlaceDescriptor& ahead = places[std::min(m + kAhead, places.size() - 1)];
     prefetch(ahead.walls), prefetch(ahead.surfaces);
-    hope[m] = kVotesWorth * hope[m] + outlook.of(places[m]);
+    prescore[m] = kVotesWeight * prescore[m] + outlook.of(places[m]);
   }
   return hope;
 }
@@ -347,8 +347,8 @@ std::vector<Candidate> PlaceIndex::candidates(const View& view, int n,
     const int m = models[i];
     const PlaceDescriptor& ahead = places[models[std::min(i + 1, models.size() - 1)]];
     prefetch(ahead.walls), prefetch(ahead.picture.depth);
-    found[m] = aligner.align(places[m], best - gap - kHopeWorth * hope[m]);
-    score[m] = std::max(found[m].score, kNotAligned) + kHopeWorth * hope[m];
+    found[m] = aligner.align(places[m], best - gap - kHopeWorth * prescore[m]);
+    score[m] = std::max(found[m].score, kNotAligned) + kHopeWorth * prescore[m];
     best = std::max(best, score[m]);
   }
   keepBest(score, n, models);

@@ -29,7 +29,7 @@ struct Candidate {
  * Upper and lower edges of the walls of all models are descriptors in a FLANN tree, in units of how much they
  * may differ between two views of a place: standard deviations of the pose for where an edge is, of its error
  * for how high. Those of a view vote for the models with similar ones, by nearness and rarity, and only
- * those agreeing on one heading add up. Votes and outlook (PlaceOutlook) tell how much is to be hoped for
+ * those agreeing on one heading add up. Votes and outlook (Prescore) tell how much is to be hoped for
  * from each model. Those that give most hope are aligned with the view (PlaceAligner), and come out in the
  * order of that, to which hope adds a little.
  *

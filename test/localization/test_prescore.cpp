@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shortlist/place_outlook.h"
+#include "shortlist/prescore.h"
 
 #include <facetloc/testing/synthetic_views.h>
 
@@ -89,24 +89,24 @@ double outlookByHand(const PlaceDescriptor& scene, const PlaceDescriptor& model)
   return best / std::pow(total, 0.6);
 }
 
-TEST(PlaceOutlook, IsWhatAllTurnsPairsAndMovesGive) {
+TEST(Prescore, IsWhatAllTurnsPairsAndMovesGive) {
   const std::vector<PlaceDescriptor> places = somePlaces();
   for (const PlaceDescriptor& scene : places) {
-    const PlaceOutlook outlook(scene);
+    const Prescore outlook(scene);
     for (const PlaceDescriptor& model : places)
       EXPECT_NEAR(outlook.of(model), outlookByHand(scene, model), 1e-3);
   }
 }
 
-TEST(PlaceOutlook, IsBestForAPlaceThatIsNear) {
+TEST(Prescore, IsBestForAPlaceThatIsNear) {
   const PlaceDescriptor scene = seenFrom(2.2, 2.3, 0.2, 1), near = seenFrom(2, 2.5, 0.1, 2);
-  const PlaceOutlook outlook(scene);
+  const Prescore outlook(scene);
   EXPECT_GT(outlook.of(scene), outlook.of(near));
   for (const double heading : {1.3, 2.4, -1.5, -2.5})
     EXPECT_GT(outlook.of(near), 1.5f * outlook.of(seenFrom(4, 1.5, heading, 3))) << heading;
 }
 
-TEST(PlaceOutlook, IsStillBestWithHalfOfTheWalls) {
+TEST(Prescore, IsStillBestWithHalfOfTheWalls) {
   PlaceDescriptor scene = seenFrom(2.2, 2.3, 0.2, 1);
   for (int k = 0; k < 4; ++k) {
     const auto first = scene.walls.begin() + scene.facing[k];
@@ -114,17 +114,17 @@ TEST(PlaceOutlook, IsStillBestWithHalfOfTheWalls) {
     scene.walls.erase(first, first + half);
     for (int later = k + 1; later < 5; ++later) scene.facing[later] -= half;
   }
-  const PlaceOutlook outlook(scene);
+  const Prescore outlook(scene);
   EXPECT_GT(outlook.of(seenFrom(2, 2.5, 0.1, 2)), outlook.of(seenFrom(4, 1.5, 2.4, 3)));
 }
 
-TEST(PlaceOutlook, NothingHasNone) {
+TEST(Prescore, NothingHasNone) {
   const PlaceDescriptor place = seenFrom(2, 2.5, 0, 1), nothing;
-  EXPECT_EQ(PlaceOutlook(nothing).of(place), 0);
-  EXPECT_EQ(PlaceOutlook(place).of(nothing), 0);
+  EXPECT_EQ(Prescore(nothing).of(place), 0);
+  EXPECT_EQ(Prescore(place).of(nothing), 0);
 }
 
-TEST(PlaceOutlook, ManyWallsThatFaceOneWayAreAllCompared) {
+TEST(Prescore, ManyWallsThatFaceOneWayAreAllCompared) {
   // More than fit into a vector; each at its own height, so that it fits only itself.
   PlaceDescriptor stairs;
   for (int i = 0; i < 20; ++i) {
@@ -136,8 +136,8 @@ TEST(PlaceOutlook, ManyWallsThatFaceOneWayAreAllCompared) {
     stairs.walls.push_back(w);
   }
   stairs.facing = {0, 20, 20, 20, 20};
-  EXPECT_NEAR(PlaceOutlook(stairs).of(stairs), 10 / std::pow(2 + 10, 0.6), 1e-4);
-  EXPECT_NEAR(PlaceOutlook(stairs).of(stairs), outlookByHand(stairs, stairs), 1e-4);
+  EXPECT_NEAR(Prescore(stairs).of(stairs), 10 / std::pow(2 + 10, 0.6), 1e-4);
+  EXPECT_NEAR(Prescore(stairs).of(stairs), outlookByHand(stairs, stairs), 1e-4);
 }
 
 }  // namespace

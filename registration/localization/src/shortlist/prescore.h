@@ -13,10 +13,10 @@ namespace facetloc::internal {
  * for one across it: with the weight of the smaller wall, more if upper or lower edges are at one height.
  * The score is the number of votes of the best moves, each direction on its own, less the cost of them and of
  * the turn by the prior, plus level surfaces at one height, relative to the size of the model. */
-class PlaceOutlook {
+class Prescore {
 public:
   /** \param scene must outlive the outlook */
-  explicit PlaceOutlook(const PlaceDescriptor& scene);
+  explicit Prescore(const PlaceDescriptor& scene);
   /** \brief Not negative; tells models of one scene apart. Thread-safe. */
   float of(const PlaceDescriptor& model) const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shortlist/place_outlook.h"
+#include "shortlist/prescore.h"
 
 #include "shared/lanes.h"
 #include "shortlist/place_reach.h"
@@ -105,9 +105,9 @@ FACETLOC_MULTIVERSION float bestMoves(const PlaceDescriptor& scene, const WallCo
 
 }  // namespace
 
-PlaceOutlook::PlaceOutlook(const PlaceDescriptor& scene) : scene_(scene), walls_(scene.walls) {}
+Prescore::Prescore(const PlaceDescriptor& scene) : scene_(scene), walls_(scene.walls) {}
 
-float PlaceOutlook::of(const PlaceDescriptor& model) const {
+float Prescore::of(const PlaceDescriptor& model) const {
   float best = 0;
   const float least_turn = model.main_heading - scene_.main_heading;
   for (int quarters = -2; quarters < 2; ++quarters) {
