@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shared/binary_archive.h"
-#include "shortlist/place_alignment.h"
+#include "shortlist/coarse_aligner.h"
 #include "shortlist/place_reach.h"
 #include "shortlist/prescore.h"
 
@@ -338,7 +338,7 @@ std::vector<Candidate> PlaceIndex::candidates(const View& view, int n,
   if (models.empty()) return {};
   keepBest(hope, std::max(n, params.aligned_models), models);
 
-  PlaceAligner aligner(scene);
+  CoarseAligner aligner(scene);
   std::vector<PlaceAlignment> found(places.size());
   std::vector<float> score(places.size());
   const auto gap = static_cast<float>(params.gap);

@@ -5,7 +5,7 @@
 
 namespace facetloc::internal {
 
-/** \brief A quick estimate of the score of laying one place over another (PlaceAligner::align), for a
+/** \brief A quick estimate of the score of laying one place over another (CoarseAligner::align), for a
  * twentieth of its work.
  *
  * Places that are built along two directions at right angles differ by few turns, and once turned by a move

@@ -30,7 +30,7 @@ struct Candidate {
  * may differ between two views of a place: standard deviations of the pose for where an edge is, of its error
  * for how high. Those of a view vote for the models with similar ones, by nearness and rarity, and only
  * those agreeing on one heading add up. Votes and outlook (Prescore) tell how much is to be hoped for
- * from each model. Those that give most hope are aligned with the view (PlaceAligner), and come out in the
+ * from each model. Those that give most hope are aligned with the view (CoarseAligner), and come out in the
  * order of that, to which hope adds a little.
  *
  * Needs a map whose camera mounting is known. Never changes; all functions are thread-safe. The same map

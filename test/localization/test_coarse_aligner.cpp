@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shortlist/place_alignment.h"
+#include "shortlist/coarse_aligner.h"
 
 #include <facetloc/testing/synthetic_views.h>
 
@@ -23,18 +23,18 @@ View seenFrom(const Eigen::Isometry3d& T_w_b, unsigned seed) {
   return viewFrom(test::largeRoom(), T_w_b * kMounting.T_b_c(), seed);
 }
 
-TEST(PlaceAligner, FindsTheMotionBetweenTwoViews) {
+TEST(CoarseAligner, FindsTheMotionBetweenTwoViews) {
   const Eigen::Isometry3d T_w_m = robot(2, 2.5, 0.1), T_w_s = robot(2.4, 2.2, -0.15);
   const PlaceDescriptor model = placeSignature(seenFrom(T_w_m, 1), kMounting),
                         scene = placeSignature(seenFrom(T_w_s, 2), kMounting);
-  const PlaceAlignment found = PlaceAligner(scene).align(model);
+  const PlaceAlignment found = CoarseAligner(scene).align(model);
   const Eigen::Isometry3d T_m_s = T_w_m.inverse() * T_w_s;
   EXPECT_NEAR(found.x, T_m_s.translation().x(), 0.1);
   EXPECT_NEAR(found.y, T_m_s.translation().y(), 0.1);
   EXPECT_NEAR(found.heading, -0.25, 1.5 * kDegree);
 }
 
-TEST(PlaceAligner, StillFindsItWithHalfOfTheSegments) {
+TEST(CoarseAligner, StillFindsItWithHalfOfTheSegments) {
   const Eigen::Isometry3d T_w_m = robot(2, 2.5, 0.1), T_w_s = robot(2.3, 2.4, 0.0);
   View halved = seenFrom(T_w_s, 2), other_half = halved;
   halved.segments.clear();
@@ -43,43 +43,43 @@ TEST(PlaceAligner, StillFindsItWithHalfOfTheSegments) {
   const PlaceDescriptor model = placeSignature(seenFrom(T_w_m, 1), kMounting),
                         elsewhere = placeSignature(seenFrom(robot(4, 1.5, 2.4), 3), kMounting),
                         scene = placeSignature(halved, kMounting);
-  PlaceAligner aligner(scene);
+  CoarseAligner aligner(scene);
   EXPECT_GT(aligner.align(model).score, aligner.align(elsewhere).score);
 }
 
-TEST(PlaceAligner, NothingFitsNothing) {
+TEST(CoarseAligner, NothingFitsNothing) {
   const PlaceDescriptor place = placeSignature(seenFrom(robot(2, 2.5, 0), 1), kMounting), nothing;
-  EXPECT_EQ(PlaceAligner(nothing).align(place).score, PlaceAlignment{}.score);
-  EXPECT_EQ(PlaceAligner(place).align(nothing).score, PlaceAlignment{}.score);
+  EXPECT_EQ(CoarseAligner(nothing).align(place).score, PlaceAlignment{}.score);
+  EXPECT_EQ(CoarseAligner(place).align(nothing).score, PlaceAlignment{}.score);
 }
 
-TEST(PlaceAligner, WithoutDepthTheWallsAloneAreLaidOverEachOther) {
+TEST(CoarseAligner, WithoutDepthTheWallsAloneAreLaidOverEachOther) {
   const Eigen::Isometry3d T_w_m = robot(2, 2.5, 0.1), T_w_s = robot(2.4, 2.2, -0.15);
   const PlaceDescriptor model = placeSignature(seenFrom(T_w_m, 1), kMounting),
                         scene = placeSignature(seenFrom(T_w_s, 2), kMounting);
   PlaceDescriptor flat_model = model, flat_scene = scene;
   flat_model.picture = flat_scene.picture = {};
-  const float score = PlaceAligner(scene).align(model).score;
+  const float score = CoarseAligner(scene).align(model).score;
   for (const PlaceAlignment& found :
-       {PlaceAligner(scene).align(flat_model), PlaceAligner(flat_scene).align(model),
-        PlaceAligner(flat_scene).align(flat_model)}) {
+       {CoarseAligner(scene).align(flat_model), CoarseAligner(flat_scene).align(model),
+        CoarseAligner(flat_scene).align(flat_model)}) {
     EXPECT_NEAR(found.heading, -0.25, 1.5 * kDegree);
     EXPECT_LT(found.score, score);
   }
 }
 
-TEST(PlaceAligner, DepthThatContradictsCosts) {
+TEST(CoarseAligner, DepthThatContradictsCosts) {
   const PlaceDescriptor scene = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting);
   PlaceDescriptor model = placeSignature(seenFrom(robot(2, 2.5, 0.1), 1), kMounting);
-  PlaceAligner aligner(scene);
+  CoarseAligner aligner(scene);
   const float score = aligner.align(model).score;
   for (std::uint16_t& mm : model.picture.depth) mm /= 2;
   EXPECT_LT(aligner.align(model).score, score - 0.3f);
 }
 
-TEST(PlaceAligner, WhatScoresEnoughIsFoundWhateverIsOfNoUse) {
+TEST(CoarseAligner, WhatScoresEnoughIsFoundWhateverIsOfNoUse) {
   const PlaceDescriptor scene = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting);
-  PlaceAligner aligner(scene);
+  CoarseAligner aligner(scene);
   for (int i = 0; i < 12; ++i) {
     const PlaceDescriptor model =
         placeSignature(seenFrom(robot(2 + 0.1 * i, 2.5 - 0.05 * i, 0.2 * i), 10u + unsigned(i)), kMounting);
@@ -96,13 +96,13 @@ TEST(PlaceAligner, WhatScoresEnoughIsFoundWhateverIsOfNoUse) {
   }
 }
 
-TEST(PlaceAligner, BuffersDoNotChangeTheAnswer) {
+TEST(CoarseAligner, BuffersDoNotChangeTheAnswer) {
   const PlaceDescriptor a = placeSignature(seenFrom(robot(2, 2.5, 0.1), 1), kMounting),
                         b = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting),
                         c = placeSignature(seenFrom(robot(4, 1.5, 2.4), 3), kMounting);
-  PlaceAligner used(b);
+  CoarseAligner used(b);
   used.align(c);
-  EXPECT_EQ(used.align(a).score, PlaceAligner(b).align(a).score);
+  EXPECT_EQ(used.align(a).score, CoarseAligner(b).align(a).score);
 }
 
 }  // namespace

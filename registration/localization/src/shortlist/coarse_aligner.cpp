@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shortlist/place_alignment.h"
+#include "shortlist/coarse_aligner.h"
 
 #include "depth/moved_pixels.h"
 #include "shared/lanes.h"
@@ -101,14 +101,14 @@ float worth(const Comparison& found, std::size_t points) {
 
 }  // namespace
 
-PlaceAligner::PlaceAligner(const PlaceDescriptor& scene)
+CoarseAligner::CoarseAligner(const PlaceDescriptor& scene)
     : scene_(scene), scene_walls_(scene.walls), parallel_(scene_walls_.size() + 1) {
   pointsAboveFloor(scene_, scene_points_);
 }
 
 // The numbers of the walls that may be this wall of a model; returns how many.
-FACETLOC_MULTIVERSION int PlaceAligner::findParallel(const WallColumns& walls, const Wall& wall,
-                                                     int* parallel) {
+FACETLOC_MULTIVERSION int CoarseAligner::findParallel(const WallColumns& walls, const Wall& wall,
+                                                      int* parallel) {
   constexpr float kLargest = kLargestTurn * kDegreeF;
   int n = 0;
   for (std::size_t i = 0; i < walls.size(); i += kLanes) {
@@ -137,7 +137,7 @@ FACETLOC_MULTIVERSION int PlaceAligner::findParallel(const WallColumns& walls, c
   return n;
 }
 
-void PlaceAligner::findPairs(const PlaceDescriptor& model) {
+void CoarseAligner::findPairs(const PlaceDescriptor& model) {
   pairs_.clear();
   for (const Wall& b : model.walls) {
     const int n = findParallel(scene_walls_, b, parallel_.data());
@@ -155,7 +155,7 @@ void PlaceAligner::findPairs(const PlaceDescriptor& model) {
   }
 }
 
-void PlaceAligner::findTurns() {
+void CoarseAligner::findTurns() {
   float votes[kTurnLanes + 2] = {};  // with a border
   for (const Pair& p : pairs_) {
     const float at = (p.turn / kDegreeF + kLargestTurn) / kTurnStep + 1;
@@ -181,7 +181,7 @@ void PlaceAligner::findTurns() {
   }
 }
 
-void PlaceAligner::findPositions(float turn) {
+void CoarseAligner::findPositions(float turn) {
   grid_.assign(static_cast<std::size_t>(kStride) * kStride, 0);
   parallel_.clear();
   const auto vote = [this](const ParallelPair& p, float slide, float weight) {
@@ -243,7 +243,7 @@ void PlaceAligner::findPositions(float turn) {
   }
 }
 
-void PlaceAligner::refine(Pose& pose) const {
+void CoarseAligner::refine(Pose& pose) const {
   constexpr float kGates[] = {0.25f, 0.12f};  // [m]
   constexpr float kInformation = 400;         // information of a wall of weight 1: 1 / kWallStd^2 [1/m^2]
   constexpr float kPositionInformation =
@@ -284,7 +284,7 @@ void PlaceAligner::refine(Pose& pose) const {
   pose.support = support;
 }
 
-PlaceAlignment PlaceAligner::align(const PlaceDescriptor& model, float least) {
+PlaceAlignment CoarseAligner::align(const PlaceDescriptor& model, float least) {
   constexpr float kSupport = 0.4f;                          // worth of the walls, by their square root
   constexpr float kTurnPrior = 0.01f, kMovePrior = 0.005f;  // [1], [1/m^2]
   findPairs(model);

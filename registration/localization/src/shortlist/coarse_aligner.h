@@ -22,10 +22,10 @@ struct PlaceAlignment {
  * walls overlap there, and ends of walls that fit leave a point. The best positions are made exact by least
  * squares and compared in depth, each view's coarse picture in the other's. Keeps its buffers; one per
  * thread. The same descriptors give the same answer. */
-class PlaceAligner {
+class CoarseAligner {
 public:
   /** \param scene must outlive the aligner */
-  explicit PlaceAligner(const PlaceDescriptor& scene);
+  explicit CoarseAligner(const PlaceDescriptor& scene);
   /** \param least score that is of use: a model that scores less is known to do so, and nothing else of it */
   PlaceAlignment align(const PlaceDescriptor& model, float least = std::numeric_limits<float>::lowest());
 
