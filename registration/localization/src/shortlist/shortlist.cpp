@@ -169,8 +169,9 @@ std::vector<NextBatch> Shortlist::overlaid(const Query& query, int threads,
   const bool is_turned = !is_level && !query.prior.T.isApprox(Eigen::Isometry3d::Identity());
   Eigen::Isometry3d back = is_turned ? query.prior.T : Eigen::Isometry3d::Identity();
   if (is_level) back.linear() = levelling(query.view.gravity->down);
-  const PlaneOverlay scene(is_level || is_turned ? turnedView(query.view, back) : query.view, query.prior,
-                           is_level ? std::hypot(query.view.gravity->std, kTiltOfPlanes) : 0);
+  const PlaneTripletMatcher scene(is_level || is_turned ? turnedView(query.view, back) : query.view,
+                                  query.prior,
+                                  is_level ? std::hypot(query.view.gravity->std, kTiltOfPlanes) : 0);
   if (!scene.isUseful()) return {asItIs(std::move(all))};
   const ModelPlanes& planes = is_level ? levelPlanes() : this->planes();
 

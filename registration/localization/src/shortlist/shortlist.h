@@ -4,7 +4,7 @@
 #include "pairs/query.h"
 #include "pairs/view_registration.h"
 #include "shortlist/known_gravity.h"
-#include "shortlist/plane_overlay.h"
+#include "shortlist/plane_triplet_matcher.h"
 
 #include <facetloc/localization/localization_params.h>
 #include <facetloc/localization/place_index.h>
@@ -33,9 +33,9 @@ using NextBatch = std::function<Batch(double reached)>;
  *
  * Where the mounting of the camera is the map's, only the models on the list of a PlaceIndex: the likeliest
  * first, then of the others those that come near the best of them at a closer look. For a camera in any
- * attitude, models in the order of a PlaneOverlay: the very likeliest about that alone, then anywhere, then
- * of many others those that come near. All models at once if the map is small or the prior not the usual one.
- * Never changes; thread-safe. */
+ * attitude, models in the order of a PlaneTripletMatcher: the very likeliest about that alone, then anywhere,
+ * then of many others those that come near. All models at once if the map is small or the prior not the usual
+ * one. Never changes; thread-safe. */
 class Shortlist {
 public:
   Shortlist(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params);

@@ -2,7 +2,7 @@
 #include "trajectory/tie_search.h"
 
 #include "shared/in_parallel.h"
-#include "shortlist/plane_overlay.h"
+#include "shortlist/plane_triplet_matcher.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@ constexpr double kSigmas = 3;
 
 std::vector<int> mostSimilar(const std::vector<TieEnd>& keyframes, const std::vector<PlaneColumns>& planes,
                              int b, const PoseWithCovariance& prior) {
-  const PlaneOverlay overlay(*keyframes[b].view, prior);
+  const PlaneTripletMatcher overlay(*keyframes[b].view, prior);
   if (!overlay.isUseful()) return {};
   std::vector<std::pair<float, int>> similar;
   for (int a = 0; a < b; ++a) {

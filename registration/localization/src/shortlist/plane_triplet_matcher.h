@@ -44,12 +44,12 @@ struct Overlay {
  * angles, are a pose; where no three do, two are, with the least move along the line in which they meet. The
  * score of a pose is the share of the scene's planes, by the root of their support, that lie on a
  * plane of the model, less a penalty for its distance from the prior. Never changes; thread-safe. */
-class PlaneOverlay {
+class PlaneTripletMatcher {
 public:
   /** \param prior of T_m_c, about the identity and equal in all directions
    * \param tilt_std for two views that are level, with y downwards, how far a pose may tilt one against the
    * other, standard deviation [rad]; 0 = they are in any attitude */
-  PlaneOverlay(const View& scene, const PoseWithCovariance& prior, double tilt_std = 0);
+  PlaneTripletMatcher(const View& scene, const PoseWithCovariance& prior, double tilt_std = 0);
 
   /** \brief False if no two planes of the scene are far enough from parallel. */
   bool isUseful() const { return !seeds_.empty(); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shortlist/plane_overlay.h"
+#include "shortlist/plane_triplet_matcher.h"
 
 #include "shared/lanes.h"
 
@@ -80,7 +80,7 @@ PlaneColumns::PlaneColumns(const View& view) {
   }
 }
 
-PlaneOverlay::PlaneOverlay(const View& scene, const PoseWithCovariance& prior, double tilt_std)
+PlaneTripletMatcher::PlaneTripletMatcher(const View& scene, const PoseWithCovariance& prior, double tilt_std)
     : scene_(scene),
       rotation_std_(static_cast<float>(std::sqrt(prior.P(0, 0)))),
       translation_std_(static_cast<float>(std::sqrt(prior.P(3, 3)))),
@@ -92,7 +92,7 @@ PlaneOverlay::PlaneOverlay(const View& scene, const PoseWithCovariance& prior, d
   keepDifferent(std::move(seeds));
 }
 
-void PlaneOverlay::findTriples(std::vector<Seed>& seeds) const {
+void PlaneTripletMatcher::findTriples(std::vector<Seed>& seeds) const {
   const int n = std::min(scene_.size, kSeedPlanes);
   const auto cosine = [this](int a, int b) { return std::abs(scene_.normal(a).dot(scene_.normal(b))); };
   for (int i = 0; i < n; ++i)
@@ -110,7 +110,7 @@ void PlaneOverlay::findTriples(std::vector<Seed>& seeds) const {
       }
 }
 
-void PlaneOverlay::findPairs(std::vector<Seed>& seeds) const {
+void PlaneTripletMatcher::findPairs(std::vector<Seed>& seeds) const {
   const int n = std::min(scene_.size, kSeedPlanes);
   for (int i = 0; i < n; ++i)
     for (int j = i + 1; j < n; ++j) {
@@ -122,7 +122,7 @@ void PlaneOverlay::findPairs(std::vector<Seed>& seeds) const {
 
 // Keeps the best, of which no two have more than one plane in common: an error of one plane does not spoil
 // all.
-void PlaneOverlay::keepDifferent(std::vector<Seed> seeds) {
+void PlaneTripletMatcher::keepDifferent(std::vector<Seed> seeds) {
   std::stable_sort(seeds.begin(), seeds.end(),
                    [](const Seed& a, const Seed& b) { return a.worth > b.worth; });
   const auto isLike = [](const Seed& a, const Seed& b) {
@@ -137,13 +137,13 @@ void PlaneOverlay::keepDifferent(std::vector<Seed> seeds) {
   }
 }
 
-Overlay PlaneOverlay::on(const PlaneColumns& model) const {
+Overlay PlaneTripletMatcher::on(const PlaneColumns& model) const {
   Overlay best;
   for (const Seed& seed : seeds_) lay(seed, model, best);
   return best;
 }
 
-void PlaneOverlay::lay(const Seed& seed, const PlaneColumns& model, Overlay& best) const {
+void PlaneTripletMatcher::lay(const Seed& seed, const PlaneColumns& model, Overlay& best) const {
   const float least_cosine = std::cos(std::min(kGate * rotation_std_, static_cast<float>(180 * kDegree)));
   const float reach = kGate * translation_std_;
   const float most_tilt = tilt_std_ > 0 ? kGate * tilt_std_ : 2.f;  // largest y component of a unit normal
@@ -181,8 +181,8 @@ void PlaneOverlay::lay(const Seed& seed, const PlaneColumns& model, Overlay& bes
 }
 
 // The centroids of the seed come to lie in the planes that it is laid over.
-void PlaneOverlay::judge(const Seed& seed, const std::array<int, 3>& over, const Eigen::Matrix3f& R,
-                         const PlaneColumns& model, Overlay& best) const {
+void PlaneTripletMatcher::judge(const Seed& seed, const std::array<int, 3>& over, const Eigen::Matrix3f& R,
+                                const PlaneColumns& model, Overlay& best) const {
   const auto move = [&](int k) {
     return model.offset[over[k]] - model.normal(over[k]).dot(R * scene_.centroid(seed.planes[k]));
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shortlist/plane_overlay.h"
+#include "shortlist/plane_triplet_matcher.h"
 
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/pose_matchers.h>
@@ -24,7 +24,7 @@ PoseWithCovariance anywhere() {
 }
 
 Overlay overlayOf(const View& scene, const View& model) {
-  return PlaneOverlay(scene, anywhere()).on(PlaneColumns(model));
+  return PlaneTripletMatcher(scene, anywhere()).on(PlaneColumns(model));
 }
 
 // A camera in the hand of somebody in the room, who holds it any way up.
@@ -75,7 +75,7 @@ double distanceFromPrior(const Eigen::Isometry3d& T) {
   return angle * angle + T.translation().squaredNorm();
 }
 
-TEST(PlaneOverlay, FindsTheMotionBetweenTwoViewsInAnyAttitude) {
+TEST(PlaneTripletMatcher, FindsTheMotionBetweenTwoViewsInAnyAttitude) {
   Hand hand(7);
   int views = 0, found = 0;
   for (unsigned i = 0; i < 60; ++i) {
@@ -91,14 +91,14 @@ TEST(PlaneOverlay, FindsTheMotionBetweenTwoViewsInAnyAttitude) {
   EXPECT_GE(found, 0.75 * views);  // others are laid over a place that looks alike
 }
 
-TEST(PlaneOverlay, TheScoreIsTheShareOfThePlanesThatItLaysOnOthers) {
+TEST(PlaneTripletMatcher, TheScoreIsTheShareOfThePlanesThatItLaysOnOthers) {
   Hand hand(8);
   int compared = 0;
   for (unsigned i = 0; i < 20; ++i) {
     const Eigen::Isometry3d T_w_m = hand.somewhere(), T_m_c = hand.motion();
     const View model = viewFrom(test::largeRoom(), T_w_m, 2 * i),
                scene = viewFrom(test::largeRoom(), T_w_m * T_m_c, 2 * i + 1);
-    const PlaneOverlay planes(scene, anywhere());
+    const PlaneTripletMatcher planes(scene, anywhere());
     const Overlay overlay = planes.on(PlaneColumns(model));
     if (!overlay.exists() || scene.segments.size() < 4 || scene.segments.size() > 24 ||
         model.segments.size() > 24)
@@ -112,13 +112,13 @@ TEST(PlaneOverlay, TheScoreIsTheShareOfThePlanesThatItLaysOnOthers) {
   EXPECT_GT(compared, 10);
 }
 
-TEST(PlaneOverlay, TheSamePlaceScoresMoreThanAnother) {
+TEST(PlaneTripletMatcher, TheSamePlaceScoresMoreThanAnother) {
   Hand hand(9);
   int better = 0;
   const Scene other = test::largeRoom() + box({2.4, 1, 0}, {3.2, 1.8, 1.2}) + box({0, 3.2, 0}, {1.4, 4, 2.2});
   for (unsigned i = 0; i < 40; ++i) {
     const Eigen::Isometry3d T_w_m = hand.somewhere(), T_w_c = T_w_m * hand.motion();
-    const PlaneOverlay scene(viewFrom(test::largeRoom(), T_w_c, 3 * i), anywhere());
+    const PlaneTripletMatcher scene(viewFrom(test::largeRoom(), T_w_c, 3 * i), anywhere());
     const float here = scene.on(PlaneColumns(viewFrom(test::largeRoom(), T_w_m, 3 * i + 1))).score,
                 there = scene.on(PlaneColumns(viewFrom(other, hand.somewhere(), 3 * i + 2))).score;
     better += here > there;
@@ -141,7 +141,7 @@ View viewOf(std::vector<Segment> segments) {
   return view;
 }
 
-TEST(PlaneOverlay, TwoPlanesAreLaidWithTheLeastMoveAlongTheirLine) {
+TEST(PlaneTripletMatcher, TwoPlanesAreLaidWithTheLeastMoveAlongTheirLine) {
   const View model = viewOf({plane({1, 0, 1}, {0.5, 0, 2}), plane({-1, 0, 1}, {-0.5, 0, 2})});
   Eigen::Isometry3d T_m_c = Eigen::Isometry3d::Identity();
   T_m_c.translation() << 0.3, 0, -0.2;
@@ -156,14 +156,14 @@ TEST(PlaneOverlay, TwoPlanesAreLaidWithTheLeastMoveAlongTheirLine) {
   EXPECT_GT(overlayOf(scene, model).score, 0.9);
 }
 
-TEST(PlaneOverlay, ParallelPlanesTellNothing) {
+TEST(PlaneTripletMatcher, ParallelPlanesTellNothing) {
   const View parallel = viewOf({plane({0, 0, 1}, {0, 0, 2}), plane({0, 0.1, 1}, {1, 0, 3})});
-  EXPECT_FALSE(PlaneOverlay(parallel, anywhere()).isUseful());
-  EXPECT_FALSE(PlaneOverlay(View{}, anywhere()).isUseful());
+  EXPECT_FALSE(PlaneTripletMatcher(parallel, anywhere()).isUseful());
+  EXPECT_FALSE(PlaneTripletMatcher(View{}, anywhere()).isUseful());
   EXPECT_FALSE(overlayOf(parallel, parallel).exists());
 }
 
-TEST(PlaneOverlay, AMirroredPlaceIsAnother) {
+TEST(PlaneTripletMatcher, AMirroredPlaceIsAnother) {
   const std::vector<Segment> corner = {plane({0, 0, 1}, {0, 0, 2}), plane({1, 0, 0.3}, {0.8, 0, 2}),
                                        plane({0.5, 0.8, 0.6}, {0, 0.7, 2})};
   std::vector<Segment> mirrored = corner;
@@ -176,7 +176,7 @@ TEST(PlaneOverlay, AMirroredPlaceIsAnother) {
   EXPECT_FALSE(overlayOf(viewOf(corner), viewOf(mirrored)).score > 0.9);
 }
 
-TEST(PlaneOverlay, WhatIsNotFiniteIsLeftOutAndWhatIsTooMuchToo) {
+TEST(PlaneTripletMatcher, WhatIsNotFiniteIsLeftOutAndWhatIsTooMuchToo) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<Segment> segments = {plane({1, 0, 1}, {nan, 0, 2}), plane({1, 0, 1}, {0.5, 0, 2})};
   segments[1].lambda.x() = -1;
