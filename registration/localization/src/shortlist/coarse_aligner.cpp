@@ -56,7 +56,7 @@ struct Comparison {
 
 // Points seen from elsewhere against a picture: x_c = R x + t.
 FACETLOC_MULTIVERSION Comparison compare(const PointColumns& points, const Eigen::Matrix3f& R,
-                                         const Eigen::Vector3f& t, const CoarseDepth& picture) {
+                                         const Eigen::Vector3f& t, const DepthThumbnail& picture) {
   constexpr float kAbsolute = 0.04f, kRelative = 0.02f, kNearest = 0.3f;  // [m], 1, [m]
   const Intrinsics& c = picture.camera;
   const auto fx = static_cast<float>(c.fx), fy = static_cast<float>(c.fy),

@@ -152,8 +152,8 @@ void sortByHeading(PlaceDescriptor& place) {
         place.walls.begin(), place.walls.end(), [&](const Wall& w) { return quarters(w) < k; }));
 }
 
-CoarseDepth coarseDepth(const DepthPicture& picture) {
-  CoarseDepth coarse;
+DepthThumbnail depthThumbnail(const DepthPicture& picture) {
+  DepthThumbnail coarse;
   const Intrinsics& c = picture.camera;
   if (picture.empty() || c.width < kPictureStep || c.height < kPictureStep) return coarse;
   constexpr int kFirst = kPictureStep / 2;
@@ -197,7 +197,7 @@ PlaceDescriptor placeSignature(const View& view, const CameraMounting& mounting,
     }
   }
   sortByHeading(out);
-  out.picture = coarseDepth(view.depth);
+  out.picture = depthThumbnail(view.depth);
   return out;
 }
 

@@ -50,7 +50,7 @@ struct LevelSurface {
 };
 
 /** \brief A coarse depth image [mm], 0 = unknown. */
-struct CoarseDepth {
+struct DepthThumbnail {
   Intrinsics camera;
   std::vector<std::uint16_t> depth;  ///< row-major
 };
@@ -70,7 +70,7 @@ struct PlaceDescriptor {
   std::array<std::int32_t, 5> facing{};
   std::vector<Wall> walls;
   std::vector<LevelSurface> surfaces;
-  CoarseDepth picture;  ///< empty if the view has no depth
+  DepthThumbnail picture;  ///< empty if the view has no depth
 };
 
 /** \brief The signature of a view whose camera is mounted so.
