@@ -172,7 +172,7 @@ struct PlaceIndex::Impl {
 
   Impl(const Map& map, const ShortlistParams& params, const PosePriorParams& prior);
   void describePlaces();
-  std::vector<float> hopes(const PlaceDescriptor& scene) const;
+  std::vector<float> prescores(const PlaceDescriptor& scene) const;
   std::vector<float> votes(const PlaceDescriptor& scene) const;
 };
 
@@ -263,17 +263,17 @@ PlaceIndex::PlaceIndex(PlaceIndex&&) noexcept = default;
 PlaceIndex& PlaceIndex::operator=(PlaceIndex&&) noexcept = default;
 PlaceIndex::~PlaceIndex() = default;
 
-// How much can be hoped for from each model before it is aligned.
-std::vector<float> PlaceIndex::Impl::hopes(const PlaceDescriptor& scene) const {
-  std::vector<float> hope = votes(scene);
-  const Prescore outlook(scene);
+// The prescore of each model, before it is aligned.
+std::vector<float> PlaceIndex::Impl::prescores(const PlaceDescriptor& scene) const {
+  std::vector<float> score = votes(scene);
+  const Prescore prescore(scene);
   constexpr std::size_t kAhead = 4;
   for (std::size_t m = 0; m < places.size(); ++m) {
     const PlaceDescriptor& ahead = places[std::min(m + kAhead, places.size() - 1)];
     prefetch(ahead.walls), prefetch(ahead.surfaces);
-    prescore[m] = kVotesWeight * prescore[m] + outlook.of(places[m]);
+    score[m] = kVotesWeight * score[m] + prescore.of(places[m]);
   }
-  return hope;
+  return score;
 }
 
 std::vector<float> PlaceIndex::Impl::votes(const PlaceDescriptor& scene) const {
@@ -331,12 +331,12 @@ std::vector<Candidate> PlaceIndex::candidates(const View& view, int n,
   const PlaceDescriptor scene = placeSignature(view, impl_->mounting, impl_->prior);
   if (n <= 0 || (scene.walls.empty() && scene.surfaces.empty())) return {};
 
-  const std::vector<float> hope = impl_->hopes(scene);
+  const std::vector<float> prescore = impl_->prescores(scene);
   std::vector<int> models(places.size());
   std::iota(models.begin(), models.end(), 0);
   if (excluded) models.erase(std::remove_if(models.begin(), models.end(), excluded), models.end());
   if (models.empty()) return {};
-  keepBest(hope, std::max(n, params.aligned_models), models);
+  keepBest(prescore, std::max(n, params.aligned_models), models);
 
   CoarseAligner aligner(scene);
   std::vector<PlaceAlignment> found(places.size());

@@ -15,7 +15,7 @@ namespace facetloc::internal {
  * the turn by the prior, plus level surfaces at one height, relative to the size of the model. */
 class Prescore {
 public:
-  /** \param scene must outlive the outlook */
+  /** \param scene must outlive the object */
   explicit Prescore(const PlaceDescriptor& scene);
   /** \brief Not negative; tells models of one scene apart. Thread-safe. */
   float of(const PlaceDescriptor& model) const;

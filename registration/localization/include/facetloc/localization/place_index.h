@@ -29,9 +29,8 @@ struct Candidate {
  * Upper and lower edges of the walls of all models are descriptors in a FLANN tree, in units of how much they
  * may differ between two views of a place: standard deviations of the pose for where an edge is, of its error
  * for how high. Those of a view vote for the models with similar ones, by nearness and rarity, and only
- * those agreeing on one heading add up. Votes and outlook (Prescore) tell how much is to be hoped for
- * from each model. Those that give most hope are aligned with the view (CoarseAligner), and come out in the
- * order of that, to which hope adds a little.
+ * those agreeing on one heading add up. Votes and the Prescore rank all models. The best of them are aligned
+ * with the view (CoarseAligner), and come out in the order of its score, to which the prescore adds a little.
  *
  * Needs a map whose camera mounting is known. Never changes; all functions are thread-safe. The same map
  * gives the same answers. */
@@ -55,7 +54,7 @@ public:
   PlaceIndex& operator=(PlaceIndex&&) noexcept;
   ~PlaceIndex();
 
-  /** \brief The at most n models most like the view that are not hopeless beside the best, the likeliest
+  /** \brief The at most n models most similar to the view and not far worse than the best, the likeliest
    * first; ties by index. Empty for a view without a wall and without a level surface. */
   std::vector<int> shortlist(const View& view, int n) const;
   /** \brief The same with the poses of the quick alignment, without the models that are excluded, if any are.
