@@ -25,8 +25,8 @@ View seenFrom(const Eigen::Isometry3d& T_w_b, unsigned seed) {
 
 TEST(CoarseAligner, FindsTheMotionBetweenTwoViews) {
   const Eigen::Isometry3d T_w_m = robot(2, 2.5, 0.1), T_w_s = robot(2.4, 2.2, -0.15);
-  const PlaceDescriptor model = placeSignature(seenFrom(T_w_m, 1), kMounting),
-                        scene = placeSignature(seenFrom(T_w_s, 2), kMounting);
+  const PlaceDescriptor model = placeDescriptor(seenFrom(T_w_m, 1), kMounting),
+                        scene = placeDescriptor(seenFrom(T_w_s, 2), kMounting);
   const PlaceAlignment found = CoarseAligner(scene).align(model);
   const Eigen::Isometry3d T_m_s = T_w_m.inverse() * T_w_s;
   EXPECT_NEAR(found.x, T_m_s.translation().x(), 0.1);
@@ -40,23 +40,23 @@ TEST(CoarseAligner, StillFindsItWithHalfOfTheSegments) {
   halved.segments.clear();
   for (std::size_t i = 0; i < other_half.segments.size(); i += 2)
     halved.segments.push_back(other_half.segments[i]);
-  const PlaceDescriptor model = placeSignature(seenFrom(T_w_m, 1), kMounting),
-                        elsewhere = placeSignature(seenFrom(robot(4, 1.5, 2.4), 3), kMounting),
-                        scene = placeSignature(halved, kMounting);
+  const PlaceDescriptor model = placeDescriptor(seenFrom(T_w_m, 1), kMounting),
+                        elsewhere = placeDescriptor(seenFrom(robot(4, 1.5, 2.4), 3), kMounting),
+                        scene = placeDescriptor(halved, kMounting);
   CoarseAligner aligner(scene);
   EXPECT_GT(aligner.align(model).score, aligner.align(elsewhere).score);
 }
 
 TEST(CoarseAligner, NothingFitsNothing) {
-  const PlaceDescriptor place = placeSignature(seenFrom(robot(2, 2.5, 0), 1), kMounting), nothing;
+  const PlaceDescriptor place = placeDescriptor(seenFrom(robot(2, 2.5, 0), 1), kMounting), nothing;
   EXPECT_EQ(CoarseAligner(nothing).align(place).score, PlaceAlignment{}.score);
   EXPECT_EQ(CoarseAligner(place).align(nothing).score, PlaceAlignment{}.score);
 }
 
 TEST(CoarseAligner, WithoutDepthTheWallsAloneAreLaidOverEachOther) {
   const Eigen::Isometry3d T_w_m = robot(2, 2.5, 0.1), T_w_s = robot(2.4, 2.2, -0.15);
-  const PlaceDescriptor model = placeSignature(seenFrom(T_w_m, 1), kMounting),
-                        scene = placeSignature(seenFrom(T_w_s, 2), kMounting);
+  const PlaceDescriptor model = placeDescriptor(seenFrom(T_w_m, 1), kMounting),
+                        scene = placeDescriptor(seenFrom(T_w_s, 2), kMounting);
   PlaceDescriptor flat_model = model, flat_scene = scene;
   flat_model.picture = flat_scene.picture = {};
   const float score = CoarseAligner(scene).align(model).score;
@@ -69,8 +69,8 @@ TEST(CoarseAligner, WithoutDepthTheWallsAloneAreLaidOverEachOther) {
 }
 
 TEST(CoarseAligner, DepthThatContradictsCosts) {
-  const PlaceDescriptor scene = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting);
-  PlaceDescriptor model = placeSignature(seenFrom(robot(2, 2.5, 0.1), 1), kMounting);
+  const PlaceDescriptor scene = placeDescriptor(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting);
+  PlaceDescriptor model = placeDescriptor(seenFrom(robot(2, 2.5, 0.1), 1), kMounting);
   CoarseAligner aligner(scene);
   const float score = aligner.align(model).score;
   for (std::uint16_t& mm : model.picture.depth) mm /= 2;
@@ -78,11 +78,11 @@ TEST(CoarseAligner, DepthThatContradictsCosts) {
 }
 
 TEST(CoarseAligner, WhatScoresEnoughIsFoundWhateverIsOfNoUse) {
-  const PlaceDescriptor scene = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting);
+  const PlaceDescriptor scene = placeDescriptor(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting);
   CoarseAligner aligner(scene);
   for (int i = 0; i < 12; ++i) {
     const PlaceDescriptor model =
-        placeSignature(seenFrom(robot(2 + 0.1 * i, 2.5 - 0.05 * i, 0.2 * i), 10u + unsigned(i)), kMounting);
+        placeDescriptor(seenFrom(robot(2 + 0.1 * i, 2.5 - 0.05 * i, 0.2 * i), 10u + unsigned(i)), kMounting);
     const PlaceAlignment whole = aligner.align(model);
     for (const float below : {0.001f, 0.3f, 1.f, 3.f}) {
       const PlaceAlignment found = aligner.align(model, whole.score - below);
@@ -97,9 +97,9 @@ TEST(CoarseAligner, WhatScoresEnoughIsFoundWhateverIsOfNoUse) {
 }
 
 TEST(CoarseAligner, BuffersDoNotChangeTheAnswer) {
-  const PlaceDescriptor a = placeSignature(seenFrom(robot(2, 2.5, 0.1), 1), kMounting),
-                        b = placeSignature(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting),
-                        c = placeSignature(seenFrom(robot(4, 1.5, 2.4), 3), kMounting);
+  const PlaceDescriptor a = placeDescriptor(seenFrom(robot(2, 2.5, 0.1), 1), kMounting),
+                        b = placeDescriptor(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting),
+                        c = placeDescriptor(seenFrom(robot(4, 1.5, 2.4), 3), kMounting);
   CoarseAligner used(b);
   used.align(c);
   EXPECT_EQ(used.align(a).score, CoarseAligner(b).align(a).score);

@@ -39,7 +39,7 @@ TEST(PlaceDescriptor, WallsLieWhereTheRoomHasThem) {
   // The room's wall x = 6 is seen from x = 2: at 4 m, whatever the heading.
   for (const double heading : {-0.3, 0.0, 0.3}) {
     const PlaceDescriptor place =
-        placeSignature(viewFrom(test::largeRoom(), robotCamera(2, 2.5, heading), 1), kMounting);
+        placeDescriptor(viewFrom(test::largeRoom(), robotCamera(2, 2.5, heading), 1), kMounting);
     const Wall* wall = wallFacing(place, heading, 0);
     ASSERT_NE(wall, nullptr) << heading;
     EXPECT_NEAR(wall->offset, 4, 0.05) << heading;
@@ -54,7 +54,7 @@ TEST(PlaceDescriptor, WallsLieWhereTheRoomHasThem) {
 TEST(PlaceDescriptor, WallsThatFaceAMainHeadingComeFirst) {
   for (const double heading : {-2.0, -0.7, 0.1, 0.6, 0.9, 2.5}) {
     const PlaceDescriptor place =
-        placeSignature(viewFrom(test::largeRoom(), robotCamera(2, 2.5, heading), 1), kMounting);
+        placeDescriptor(viewFrom(test::largeRoom(), robotCamera(2, 2.5, heading), 1), kMounting);
     // The room's walls are along its axes.
     EXPECT_NEAR(std::remainder(place.main_heading + heading, 90 * kDegree), 0, 1 * kDegree) << heading;
     EXPECT_LE(std::abs(place.main_heading), 45 * kDegree + 1e-6) << heading;
@@ -94,7 +94,7 @@ TEST(WallColumns, EndsThatAreNotSeenAreNone) {
 TEST(PlaceDescriptor, AnUnevenFloorChangesLittle) {
   const double roll = 1 * kDegree, pitch = 2 * kDegree;
   const Eigen::Isometry3d tilted = robotCamera(2, 2.5, 0.1, roll, pitch);
-  const PlaceDescriptor place = placeSignature(viewFrom(test::largeRoom(), tilted, 2), kMounting);
+  const PlaceDescriptor place = placeDescriptor(viewFrom(test::largeRoom(), tilted, 2), kMounting);
   const Wall* wall = wallFacing(place, 0.1, 0);
   ASSERT_NE(wall, nullptr);
   EXPECT_NEAR(wall->offset, 6 - tilted.translation().x(), 0.05);
@@ -108,7 +108,7 @@ TEST(PlaceDescriptor, LevelSurfacesHaveTheHeightOfTheFurniture) {
   // The low box in the corner, 0.5 m high, from two places.
   for (const double distance : {0.9, 1.2}) {
     const View view = viewFrom(test::largeRoom(), robotCamera(0.7 + distance, 1.3, 180 * kDegree), 3);
-    const PlaceDescriptor place = placeSignature(view, kMounting);
+    const PlaceDescriptor place = placeDescriptor(view, kMounting);
     EXPECT_TRUE(std::any_of(place.surfaces.begin(), place.surfaces.end(), [](const LevelSurface& s) {
       return !s.from_below && std::abs(s.height - 0.5) < 0.03;
     })) << distance;
@@ -118,7 +118,7 @@ TEST(PlaceDescriptor, LevelSurfacesHaveTheHeightOfTheFurniture) {
 
 TEST(PlaceDescriptor, PointsLieAboveTheFloorAndInTheRoom) {
   const Eigen::Isometry3d T_w_c = robotCamera(2, 2.5, 0.2);
-  const PlaceDescriptor place = placeSignature(viewFrom(test::largeRoom(), T_w_c, 4), kMounting);
+  const PlaceDescriptor place = placeDescriptor(viewFrom(test::largeRoom(), T_w_c, 4), kMounting);
   PointColumns points;
   pointsAboveFloor(place, points);
   ASSERT_GT(points.size(), 20u);
@@ -134,16 +134,16 @@ TEST(PlaceDescriptor, PointsLieAboveTheFloorAndInTheRoom) {
 
 TEST(PlaceDescriptor, BadSegmentsAreLeftOut) {
   View view = viewFrom(test::largeRoom(), robotCamera(2, 2.5, 0), 5);
-  const PlaceDescriptor sound = placeSignature(view, kMounting);
+  const PlaceDescriptor sound = placeDescriptor(view, kMounting);
   Segment bad = view.segments.front();
   bad.t.x() = std::numeric_limits<double>::quiet_NaN();
   view.segments.push_back(bad);
-  const PlaceDescriptor place = placeSignature(view, kMounting);
+  const PlaceDescriptor place = placeDescriptor(view, kMounting);
   EXPECT_EQ(place.walls.size(), sound.walls.size());
   EXPECT_EQ(place.R_u_c, sound.R_u_c);
   EXPECT_EQ(place.height, sound.height);
 
-  const PlaceDescriptor nothing = placeSignature(View{}, kMounting);
+  const PlaceDescriptor nothing = placeDescriptor(View{}, kMounting);
   EXPECT_TRUE(nothing.walls.empty());
   EXPECT_TRUE(nothing.surfaces.empty());
   PointColumns points;
@@ -153,7 +153,7 @@ TEST(PlaceDescriptor, BadSegmentsAreLeftOut) {
 }
 
 TEST(PlaceDescriptor, APictureWithoutPixelsHasNoSize) {
-  PlaceDescriptor place = placeSignature(viewFrom(test::largeRoom(), robotCamera(2, 2.5, 0), 6), kMounting);
+  PlaceDescriptor place = placeDescriptor(viewFrom(test::largeRoom(), robotCamera(2, 2.5, 0), 6), kMounting);
   EXPECT_TRUE(isSound(place));
   place.picture.depth.clear();
   EXPECT_FALSE(isSound(place));

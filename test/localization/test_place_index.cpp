@@ -142,7 +142,7 @@ TEST_F(PlaceIndexOfRooms, WithoutWallsTheModelsThatShareLevelSurfacesComeFirst) 
   for (int i = 0; i < 6; ++i) {
     const Eigen::Isometry3d T_w_m = robotCamera(2, 2, 0);
     const View view = facing(viewFrom(withTable(i), T_w_m, unsigned(i)), isLevel);
-    ASSERT_GE(placeSignature(view, kMounting).surfaces.size(), 1u) << i;
+    ASSERT_GE(placeDescriptor(view, kMounting).surfaces.size(), 1u) << i;
     tables.models.emplace_back(std::to_string(i), 0, T_w_m, view);
   }
   const PlaceIndex index(tables);

@@ -135,7 +135,7 @@ TEST_F(PlaceIndexOfRooms, OfAnotherFormatIsNotRead) {
 
 TEST_F(PlaceIndexOfRooms, BytesThatTellOfMoreWallsThanThereAreAreRefused) {
   std::string bytes = written(PlaceIndex(*map, few()));
-  std::array<std::int32_t, 5> facing = placeSignature(*map->view(0), kMounting).facing;
+  std::array<std::int32_t, 5> facing = placeDescriptor(*map->view(0), kMounting).facing;
   const auto asBytes = [&facing] {
     return std::string(reinterpret_cast<const char*>(facing.data()), sizeof facing);
   };
@@ -150,7 +150,7 @@ TEST_F(PlaceIndexOfRooms, BytesThatTellOfMoreWallsThanThereAreAreRefused) {
 
 TEST_F(PlaceIndexOfRooms, NumbersThatNoPlaceHasAreRefused) {
   const std::string bytes = written(PlaceIndex(*map, few()));
-  const PlaceDescriptor place = placeSignature(*map->view(0), kMounting);
+  const PlaceDescriptor place = placeDescriptor(*map->view(0), kMounting);
   ASSERT_FALSE(place.walls.empty());
   const Wall& wall = place.walls.front();
   const std::array<float, 4> numbers{wall.heading, wall.cosine, wall.sine, wall.offset};
@@ -168,7 +168,7 @@ TEST_F(PlaceIndexOfRooms, NumbersThatNoPlaceHasAreRefused) {
 
 TEST_F(PlaceIndexOfRooms, BytesOfATornPictureAreRefused) {
   std::string bytes = written(PlaceIndex(*map, few()));
-  const Intrinsics camera = placeSignature(*map->view(0), kMounting).picture.camera;
+  const Intrinsics camera = placeDescriptor(*map->view(0), kMounting).picture.camera;
   const std::string size(reinterpret_cast<const char*>(&camera), 2 * sizeof camera.width);
   const std::size_t at = bytes.find(size);
   ASSERT_NE(at, std::string::npos);

@@ -21,7 +21,7 @@ PlaceDescriptor seenFrom(double x, double y, double heading, unsigned seed) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = expSO3({0, 0, heading});
   T.translation() << x, y, 0;
-  return placeSignature(viewFrom(test::largeRoom(), T * kMounting.T_b_c(), seed), kMounting);
+  return placeDescriptor(viewFrom(test::largeRoom(), T * kMounting.T_b_c(), seed), kMounting);
 }
 
 // Views of the room all around, some of them from one place.

@@ -173,7 +173,7 @@ DepthThumbnail depthThumbnail(const DepthPicture& picture) {
 
 }  // namespace
 
-PlaceDescriptor placeSignature(const View& view, const CameraMounting& mounting,
+PlaceDescriptor placeDescriptor(const View& view, const CameraMounting& mounting,
                                const PosePriorParams& prior) {
   const Eigen::Isometry3d T_b_c = mounting.T_b_c();
   std::vector<Segment> sound;

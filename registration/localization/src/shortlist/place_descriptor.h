@@ -78,7 +78,7 @@ struct PlaceDescriptor {
  * Roll and pitch are estimated from the planes that are nearly horizontal or vertical, with the floor's
  * unevenness as prior; the height from the floor where it is seen. Segments that are not finite are left
  * out; a view without any gives an empty signature. */
-PlaceDescriptor placeSignature(const View& view, const CameraMounting& mounting,
+PlaceDescriptor placeDescriptor(const View& view, const CameraMounting& mounting,
                                const PosePriorParams& prior = {});
 
 /** \brief Can it be the signature of a view? One that is read from elsewhere may hold any numbers. */

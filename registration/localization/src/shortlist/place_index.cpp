@@ -63,7 +63,7 @@ constexpr float kHeadingStd = 20 * static_cast<float>(kDegree), kPositionStd = 1
 constexpr float kHeightStd = 0.08f;  // standard deviation of an upper or lower edge [m]
 constexpr float kRadius = 1.3f;      // search radius of neighbours
 // Weight of votes in the prescore, and of both in the score of an alignment.
-constexpr float kVotesWeight = 0.3f, kHopeWorth = 0.1f;
+constexpr float kVotesWeight = 0.3f, kPrescoreWeight = 0.1f;
 constexpr float kNotAligned = -100;  // less than any alignment
 
 std::vector<Descriptor> describe(const PlaceDescriptor& place) {
@@ -211,7 +211,7 @@ PlaceIndex::PlaceIndex(const Map& map, const ShortlistParams& params, const Pose
   auto impl = std::make_unique<Impl>(map, params, prior);
   const int n = static_cast<int>(map.models.size());
   for (int m = 0; m < n; ++m)
-    impl->places.push_back(placeSignature(*map.view(m), impl->mounting, impl->prior));
+    impl->places.push_back(placeDescriptor(*map.view(m), impl->mounting, impl->prior));
   impl->describePlaces();
   impl_ = std::move(impl);
 }
@@ -328,7 +328,7 @@ std::vector<Candidate> PlaceIndex::candidates(const View& view, int n,
                                               const std::function<bool(int)>& excluded) const {
   const ShortlistParams& params = impl_->params;
   const std::vector<PlaceDescriptor>& places = impl_->places;
-  const PlaceDescriptor scene = placeSignature(view, impl_->mounting, impl_->prior);
+  const PlaceDescriptor scene = placeDescriptor(view, impl_->mounting, impl_->prior);
   if (n <= 0 || (scene.walls.empty() && scene.surfaces.empty())) return {};
 
   const std::vector<float> prescore = impl_->prescores(scene);
@@ -347,8 +347,8 @@ std::vector<Candidate> PlaceIndex::candidates(const View& view, int n,
     const int m = models[i];
     const PlaceDescriptor& ahead = places[models[std::min(i + 1, models.size() - 1)]];
     prefetch(ahead.walls), prefetch(ahead.picture.depth);
-    found[m] = aligner.align(places[m], best - gap - kHopeWorth * prescore[m]);
-    score[m] = std::max(found[m].score, kNotAligned) + kHopeWorth * prescore[m];
+    found[m] = aligner.align(places[m], best - gap - kPrescoreWeight * prescore[m]);
+    score[m] = std::max(found[m].score, kNotAligned) + kPrescoreWeight * prescore[m];
     best = std::max(best, score[m]);
   }
   keepBest(score, n, models);
