@@ -122,21 +122,21 @@ TEST(DepthConsistency, JudgeSaysWhatCompareCounts) {
   EXPECT_EQ(comparison().countBoth(a, b, T, kFineColumns).judged(),
             comparison().compareBoth(a, b, T, kFineColumns).judged());
   const DepthComparison compared = comparison();
-  const DepthJudge judge(compared, a, b, T);
+  const DepthComparator judge(compared, a, b, T);
   DepthAgreement sum;
   const int step = gridStep(a, kFineColumns);
   for (int v = step / 2; v < a.camera.height; v += step)
     for (int u = step / 2; u < a.camera.width; u += step) switch (judge(u, v)) {
-      case DepthVerdict::agree:
+      case DepthLabel::agree:
         ++sum.agree;
         break;
-      case DepthVerdict::contradict:
+      case DepthLabel::contradict:
         ++sum.contradict;
         break;
-      case DepthVerdict::occluded:
+      case DepthLabel::occluded:
         ++sum.occluded;
         break;
-      case DepthVerdict::outside:
+      case DepthLabel::outside:
         break;
       }
   EXPECT_GT(want.contradict, 0);

@@ -24,7 +24,7 @@ DepthAgreement DepthComparison::compare(const DepthPicture& a, const DepthPictur
                                         const Eigen::Isometry3d& T_b_a, int columns) const {
   DepthAgreement sum;
   if (a.empty() || b.empty()) return sum;
-  const DepthJudge judge(*this, a, b, T_b_a);
+  const DepthComparator judge(*this, a, b, T_b_a);
   const int step = gridStep(a, columns);
   for (int v = step / 2; v < a.camera.height; v += step) judge.add(v, step, sum);
   return sum;
@@ -41,7 +41,7 @@ DepthAgreement DepthComparison::count(const DepthPicture& a, const DepthPicture&
                                       const Eigen::Isometry3d& T_b_a, int columns) const {
   DepthAgreement sum;
   if (a.empty() || b.empty()) return sum;
-  const DepthJudge judge(*this, a, b, T_b_a);
+  const DepthComparator judge(*this, a, b, T_b_a);
   const int step = gridStep(a, columns);
   for (int v = step / 2; v < a.camera.height; v += step) judge.count(v, step, sum);
   return sum;
@@ -64,7 +64,7 @@ struct Judged {
 
 // Judges pixels u, u + step, ... of a row of picture a; the point of inverse depth rho on a ray b is
 // (R b + t rho) / rho, so that everything stays in inverse depth.
-FACETLOC_ALWAYS_INLINE void judgeEight(const DepthJudge::Geometry& g, const float (&start)[3],
+FACETLOC_ALWAYS_INLINE void judgeEight(const DepthComparator::Geometry& g, const float (&start)[3],
                                        const std::uint16_t* row, int u, int step, int n, int i, Judged& out) {
   Floats column, rho, p[3];
   readPixels(row, u, step, n, i, column, rho);
@@ -104,16 +104,16 @@ struct Counts {
   }
 };
 
-FACETLOC_MULTIVERSION void judgePixels(const DepthJudge::Geometry& g, const std::uint16_t* row, int v, int u,
-                                       int step, int n, DepthVerdict* out) {
+FACETLOC_MULTIVERSION void judgePixels(const DepthComparator::Geometry& g, const std::uint16_t* row, int v,
+                                       int u, int step, int n, DepthLabel* out) {
   float start[3];
   g.rays.startRow(v, start);
   for (int i = 0; i < n; i += kLanes) {
     Judged judged;
     judgeEight(g, start, row, u, step, n, i, judged);
-    constexpr Ints kAgree = Ints{} + int(DepthVerdict::agree),
-                   kContradict = Ints{} + int(DepthVerdict::contradict),
-                   kOcclude = Ints{} + int(DepthVerdict::occluded);
+    constexpr Ints kAgree = Ints{} + int(DepthLabel::agree),
+                   kContradict = Ints{} + int(DepthLabel::contradict),
+                   kOcclude = Ints{} + int(DepthLabel::occluded);
     const Ints verdict = judged.inside & (judged.contradicts ? kContradict
                                           : judged.hides     ? kOcclude
                                                              : kAgree);
@@ -122,8 +122,8 @@ FACETLOC_MULTIVERSION void judgePixels(const DepthJudge::Geometry& g, const std:
   }
 }
 
-FACETLOC_MULTIVERSION void countPixels(const DepthJudge::Geometry& g, const std::uint16_t* row, int v, int u,
-                                       int step, int n, DepthAgreement& total) {
+FACETLOC_MULTIVERSION void countPixels(const DepthComparator::Geometry& g, const std::uint16_t* row, int v,
+                                       int u, int step, int n, DepthAgreement& total) {
   float start[3];
   g.rays.startRow(v, start);
   Counts counts;
@@ -135,8 +135,8 @@ FACETLOC_MULTIVERSION void countPixels(const DepthJudge::Geometry& g, const std:
   counts.addTo(total);
 }
 
-FACETLOC_MULTIVERSION void addPixels(const DepthJudge::Geometry& g, const std::uint16_t* row, int v, int u,
-                                     int step, int n, DepthAgreement& total) {
+FACETLOC_MULTIVERSION void addPixels(const DepthComparator::Geometry& g, const std::uint16_t* row, int v,
+                                     int u, int step, int n, DepthAgreement& total) {
   float start[3];
   g.rays.startRow(v, start);
   Counts counts;
@@ -171,8 +171,8 @@ FACETLOC_MULTIVERSION void addPixels(const DepthJudge::Geometry& g, const std::u
 
 }  // namespace
 
-DepthJudge::DepthJudge(const DepthComparison& comparison, const DepthPicture& a, const DepthPicture& b,
-                       const Eigen::Isometry3d& T_b_a)
+DepthComparator::DepthComparator(const DepthComparison& comparison, const DepthPicture& a,
+                                 const DepthPicture& b, const Eigen::Isometry3d& T_b_a)
     : a_(a) {
   g_.rays = raysOf(a.camera, T_b_a.linear());
   for (int k = 0; k < 3; ++k) g_.t[k] = static_cast<float>(T_b_a.translation()[k]);
@@ -190,25 +190,25 @@ DepthJudge::DepthJudge(const DepthComparison& comparison, const DepthPicture& a,
   g_.gate = static_cast<float>(errors.gate);
 }
 
-const std::uint16_t* DepthJudge::pixels(int v) const {
+const std::uint16_t* DepthComparator::pixels(int v) const {
   return a_.inverse_depth.data() + static_cast<std::size_t>(v) * a_.camera.width;
 }
 
-void DepthJudge::row(int v, int step, DepthVerdicts& out) const {
+void DepthComparator::row(int v, int step, DepthLabels& out) const {
   out.resize(gridPoints(a_.camera.width, step));
   judgePixels(g_, pixels(v), v, step / 2, step, static_cast<int>(out.size()), out.data());
 }
 
-void DepthJudge::count(int v, int step, DepthAgreement& sum) const {
+void DepthComparator::count(int v, int step, DepthAgreement& sum) const {
   countPixels(g_, pixels(v), v, step / 2, step, gridPoints(a_.camera.width, step), sum);
 }
 
-void DepthJudge::add(int v, int step, DepthAgreement& sum) const {
+void DepthComparator::add(int v, int step, DepthAgreement& sum) const {
   addPixels(g_, pixels(v), v, step / 2, step, gridPoints(a_.camera.width, step), sum);
 }
 
-DepthVerdict DepthJudge::operator()(int u, int v) const {
-  DepthVerdict verdict;
+DepthLabel DepthComparator::operator()(int u, int v) const {
+  DepthLabel verdict;
   judgePixels(g_, pixels(v), v, u, 1, 1, &verdict);
   return verdict;
 }

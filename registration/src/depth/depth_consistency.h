@@ -31,8 +31,8 @@ struct DepthAgreement {
   int net() const { return agree - 5 * contradict; }  ///< METHOD 9
 };
 
-enum class DepthVerdict : signed char { outside, agree, contradict, occluded };
-using DepthVerdicts = std::vector<DepthVerdict>;
+enum class DepthLabel : signed char { outside, agree, contradict, occluded };
+using DepthLabels = std::vector<DepthLabel>;
 
 /** \brief By how much two inverse depths may differ. */
 struct DepthErrors {
@@ -81,14 +81,14 @@ private:
 };
 
 /** \brief The verdicts of picture b on the pixels of picture a, seen from T_b_a. Both must outlive it. */
-class DepthJudge {
+class DepthComparator {
 public:
-  DepthJudge(const DepthComparison& comparison, const DepthPicture& a, const DepthPicture& b,
-             const Eigen::Isometry3d& T_b_a);
+  DepthComparator(const DepthComparison& comparison, const DepthPicture& a, const DepthPicture& b,
+                  const Eigen::Isometry3d& T_b_a);
 
-  DepthVerdict operator()(int u, int v) const;
+  DepthLabel operator()(int u, int v) const;
   /** \brief Of the pixels step / 2, step / 2 + step, ... of row v. */
-  void row(int v, int step, DepthVerdicts& out) const;
+  void row(int v, int step, DepthLabels& out) const;
   /** \brief Counts the verdicts on these pixels. */
   void count(int v, int step, DepthAgreement& sum) const;
   /** \brief The same, and adds the bounded log likelihoods of their errors and the misfit. */

@@ -54,20 +54,20 @@ DepthAgreement compareWithAll(const DepthPicture& scene, const Eigen::Isometry3d
                               int columns) {
   DepthAgreement sum;
   if (scene.empty()) return sum;
-  std::vector<DepthJudge> judges;
+  std::vector<DepthComparator> judges;
   for (const PosedPicture& other : others)
     if (!other.picture->empty())
       judges.emplace_back(comparison, scene, *other.picture, other.T_w_c.inverse() * T_w_c);
   const int step = gridStep(scene, columns);
-  std::vector<DepthVerdicts> verdicts(judges.size());  // verdicts of each picture on a row
+  std::vector<DepthLabels> verdicts(judges.size());  // verdicts of each picture on a row
   for (int v = step / 2; v < scene.camera.height; v += step) {
     for (std::size_t k = 0; k < judges.size(); ++k) judges[k].row(v, step, verdicts[k]);
     for (std::size_t i = 0; !verdicts.empty() && i < verdicts.front().size(); ++i) {
       int agree = 0, contradict = 0, judged = 0;
-      for (const DepthVerdicts& of_picture : verdicts) {
-        judged += of_picture[i] != DepthVerdict::outside;
-        agree += of_picture[i] == DepthVerdict::agree;
-        contradict += of_picture[i] == DepthVerdict::contradict;
+      for (const DepthLabels& of_picture : verdicts) {
+        judged += of_picture[i] != DepthLabel::outside;
+        agree += of_picture[i] == DepthLabel::agree;
+        contradict += of_picture[i] == DepthLabel::contradict;
       }
       if (judged == 0) continue;
       ++(contradict > agree ? sum.contradict : agree > 0 ? sum.agree : sum.occluded);

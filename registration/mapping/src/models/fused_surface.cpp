@@ -22,16 +22,15 @@ std::vector<char> contradicted(const std::vector<PosedPicture>& pictures, std::s
   const PosedPicture& own = pictures[i];
   const auto width = static_cast<std::size_t>(own.picture->camera.width);
   std::vector<int> votes(own.picture->inverse_depth.size(), 0);
-  DepthVerdicts verdicts;
+  DepthLabels verdicts;
   for (std::size_t k = 0; k < pictures.size(); ++k) {
     if (k == i || !std::isfinite(viewDistance(own.T_w_c, pictures[k].T_w_c, kSameSurfaces))) continue;
-    const DepthJudge judge(comparison, *own.picture, *pictures[k].picture,
-                           pictures[k].T_w_c.inverse() * own.T_w_c);
+    const DepthComparator judge(comparison, *own.picture, *pictures[k].picture,
+                                pictures[k].T_w_c.inverse() * own.T_w_c);
     for (int v = 0; v < own.picture->camera.height; ++v) {
       judge.row(v, 1, verdicts);
       for (std::size_t u = 0; u < width; ++u)
-        votes[v * width + u] +=
-            (verdicts[u] == DepthVerdict::contradict) - (verdicts[u] == DepthVerdict::agree);
+        votes[v * width + u] += (verdicts[u] == DepthLabel::contradict) - (verdicts[u] == DepthLabel::agree);
     }
   }
   std::vector<char> out(votes.size());

@@ -54,15 +54,15 @@ SurfaceReview reviewSurfaces(const View& model, const std::vector<PosedPicture>&
   if (picture.empty()) return review;
   const auto width = static_cast<std::size_t>(picture.camera.width);
   std::vector<int> through(review.gone.size(), 0), agree(review.gone.size(), 0);
-  DepthVerdicts verdicts;
+  DepthLabels verdicts;
   for (const PosedPicture& other : others) {
     if (other.picture->empty()) continue;
-    const DepthJudge judge(comparison, picture, *other.picture, other.T_w_c.inverse());
+    const DepthComparator judge(comparison, picture, *other.picture, other.T_w_c.inverse());
     for (int v = 0; v < picture.camera.height; ++v) {
       judge.row(v, 1, verdicts);
       for (std::size_t u = 0; u < width; ++u) {
-        through[v * width + u] += verdicts[u] == DepthVerdict::contradict;
-        agree[v * width + u] += verdicts[u] == DepthVerdict::agree;
+        through[v * width + u] += verdicts[u] == DepthLabel::contradict;
+        agree[v * width + u] += verdicts[u] == DepthLabel::agree;
       }
     }
   }
