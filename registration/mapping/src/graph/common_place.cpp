@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "graph/common_place.h"
 
-#include "graph/mutual_agreement.h"
+#include "graph/consistency_graph.h"
 
 #include <algorithm>
 
@@ -31,10 +31,10 @@ std::vector<FoundKeyframe> withCommonPlace(const std::vector<FoundKeyframe>& fou
                                            const RelativePose& relative, const PlaceTolerance& tolerance,
                                            std::size_t least) {
   const int n = static_cast<int>(found.size());
-  const MutualAgreement agreement(
+  const ConsistencyGraph agreement(
       n, [&](int i, int j) { return compare(found[i], found[j], relative, tolerance); });
-  MutualAgreement::Largest largest = agreement.largest(
-      allOf(n), [](const MutualAgreement::Set& set) { return static_cast<int>(set.size()); });
+  ConsistencyGraph::Largest largest = agreement.largest(
+      allOf(n), [](const ConsistencyGraph::Set& set) { return static_cast<int>(set.size()); });
   if (largest.members.empty() || largest.members.size() < least || !largest.is_clear) return {};
   std::sort(largest.members.begin(), largest.members.end());
   std::vector<FoundKeyframe> out;

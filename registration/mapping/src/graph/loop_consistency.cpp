@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "graph/loop_consistency.h"
 
-#include "graph/mutual_agreement.h"
+#include "graph/consistency_graph.h"
 
 #include <facetloc/features/chi_square.h>
 
@@ -38,20 +38,20 @@ std::vector<bool> consistentLoops(const std::vector<PoseEdge>& loops, const Grap
     for (const int node : {loop.from, loop.to})
       if (!from.count(node)) from.emplace(node, graph.relativeTo(node));
   const int n = static_cast<int>(loops.size());
-  const MutualAgreement agreement(n, [&](int i, int j) { return compare(loops[i], loops[j], from); });
-  const auto witnesses = [&](const MutualAgreement::Set& set) {
+  const ConsistencyGraph agreement(n, [&](int i, int j) { return compare(loops[i], loops[j], from); });
+  const auto witnesses = [&](const ConsistencyGraph::Set& set) {
     std::vector<std::pair<int, int>> ties;
     for (const int i : set) ties.emplace_back(loops[i].from, loops[i].to);
     return independentTies(ties, apart);
   };
 
   std::vector<bool> confirmed(loops.size(), false);
-  MutualAgreement::Set left = allOf(n);
+  ConsistencyGraph::Set left = allOf(n);
   for (;;) {
-    const MutualAgreement::Largest largest = agreement.largest(left, witnesses);
+    const ConsistencyGraph::Largest largest = agreement.largest(left, witnesses);
     if (largest.members.empty() || witnesses(largest.members) < least) return confirmed;
     for (const int i : largest.members) confirmed[i] = largest.is_clear;
-    for (const MutualAgreement::Set* done : {&largest.members, &largest.against})
+    for (const ConsistencyGraph::Set* done : {&largest.members, &largest.against})
       for (const int i : *done) left.erase(std::find(left.begin(), left.end(), i));
   }
 }

@@ -11,12 +11,12 @@ enum class Agreement : char { says_nothing, agree, contradict };
 
 /** \brief Findings of which some may be wrong, each compared with each other: right ones agree, and wrong
  * ones seldom do (pairwise consistency after Mangelson et al., ICRA 2018). */
-class MutualAgreement {
+class ConsistencyGraph {
 public:
   using Set = std::vector<int>;  ///< numbers of findings
   using Size = std::function<int(const Set&)>;
 
-  MutualAgreement(int n, const std::function<Agreement(int i, int j)>& compare);
+  ConsistencyGraph(int n, const std::function<Agreement(int i, int j)>& compare);
 
   /** \brief Findings that all agree with each other, and those that contradict one of them. */
   struct Largest {
@@ -34,6 +34,6 @@ private:
 };
 
 /** \brief 0, 1, ..., n - 1 */
-MutualAgreement::Set allOf(int n);
+ConsistencyGraph::Set allOf(int n);
 
 }  // namespace facetloc::internal

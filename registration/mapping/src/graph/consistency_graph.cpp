@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "graph/mutual_agreement.h"
+#include "graph/consistency_graph.h"
 
 #include <algorithm>
 #include <numeric>
 
 namespace facetloc::internal {
 
-MutualAgreement::MutualAgreement(int n, const std::function<Agreement(int i, int j)>& compare)
+ConsistencyGraph::ConsistencyGraph(int n, const std::function<Agreement(int i, int j)>& compare)
     : verdicts_(n, std::vector<Agreement>(n, Agreement::says_nothing)) {
   for (int i = 0; i < n; ++i)
     for (int j = i + 1; j < n; ++j) verdicts_[i][j] = verdicts_[j][i] = compare(i, j);
 }
 
-MutualAgreement::Set MutualAgreement::largestSet(const Set& among, const Size& size) const {
+ConsistencyGraph::Set ConsistencyGraph::largestSet(const Set& among, const Size& size) const {
   Set best;
   for (const int first : among) {
     Set set{first};
@@ -25,7 +25,7 @@ MutualAgreement::Set MutualAgreement::largestSet(const Set& among, const Size& s
   return best;
 }
 
-MutualAgreement::Largest MutualAgreement::largest(const Set& among, const Size& size) const {
+ConsistencyGraph::Largest ConsistencyGraph::largest(const Set& among, const Size& size) const {
   Largest out;
   out.members = largestSet(among, size);
   for (const int i : among) {
@@ -38,8 +38,8 @@ MutualAgreement::Largest MutualAgreement::largest(const Set& among, const Size& 
   return out;
 }
 
-MutualAgreement::Set allOf(int n) {
-  MutualAgreement::Set all(n);
+ConsistencyGraph::Set allOf(int n) {
+  ConsistencyGraph::Set all(n);
   std::iota(all.begin(), all.end(), 0);
   return all;
 }
