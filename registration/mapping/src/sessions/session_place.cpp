@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sessions/session_place.h"
 
-#include "graph/common_place.h"
+#include "graph/consensus_alignment.h"
 #include "graph/graph_covariance.h"
 #include "sessions/parallel_stage.h"
 #include "shared/in_parallel.h"
@@ -149,7 +149,7 @@ SessionPlace internal::placeInMap(const GlobalLocalization& localization, const 
   const auto least = static_cast<std::size_t>(params.min_agreeing);
   for (const int part : trajectory.parts()) {
     std::vector<FoundKeyframe> left = ofPart(found, trajectory, part);
-    const std::vector<FoundKeyframe> main = withCommonPlace(left, relative, kTolerance, least);
+    const std::vector<FoundKeyframe> main = consensusAlignment(left, relative, kTolerance, least);
     if (main.empty()) continue;
     place.agreeing += main.size();
     const Eigen::Isometry3d T_w_s = middlePlace(main, trajectory.keyframes);
@@ -157,7 +157,7 @@ SessionPlace internal::placeInMap(const GlobalLocalization& localization, const 
       if (trajectory.keyframes[k].part == part) graph.T_w_n[k + 1] = T_w_s * graph.T_w_n[k + 1];
     // Stretches beyond a break of the trajectory agree among themselves.
     for (std::vector<FoundKeyframe> set = main; !set.empty();
-         set = withCommonPlace(left, relative, kTolerance, least)) {
+         set = consensusAlignment(left, relative, kTolerance, least)) {
       for (const FoundKeyframe& f : set) graph.edges.push_back({0, f.keyframe + 1, f.T_w_c, true});
       left = without(left, set);
     }
@@ -192,7 +192,7 @@ SessionPlace internal::placeRigidly(const GlobalLocalization& localization,
     return builder.link(a, b, trajectory.keyframes[a].T_w_c.T, trajectory.keyframes[b].T_w_c.T).T_from_to;
   };
   const std::vector<FoundKeyframe> set =
-      withCommonPlace(found, relative, kTolerance, static_cast<std::size_t>(params.min_agreeing));
+      consensusAlignment(found, relative, kTolerance, static_cast<std::size_t>(params.min_agreeing));
   if (set.empty()) return place;
   place.agreeing = set.size();
   place.confirmed.assign(trajectory.keyframes.size(), true);

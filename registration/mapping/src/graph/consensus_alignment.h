@@ -29,8 +29,8 @@ using RelativePose = std::function<std::optional<PoseWithCovariance>(int a, int 
  *
  * Nothing if it is smaller than `least`, or if a set that contradicts it is more than half as large: places
  * that look the same confirm each other. Same input, same answer. */
-std::vector<FoundKeyframe> withCommonPlace(const std::vector<FoundKeyframe>& found,
-                                           const RelativePose& relative, const PlaceTolerance& tolerance,
-                                           std::size_t least);
+std::vector<FoundKeyframe> consensusAlignment(const std::vector<FoundKeyframe>& found,
+                                              const RelativePose& relative, const PlaceTolerance& tolerance,
+                                              std::size_t least);
 
 }  // namespace facetloc::internal

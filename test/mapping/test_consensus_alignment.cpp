@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "graph/common_place.h"
+#include "graph/consensus_alignment.h"
 
 #include <facetloc/testing/synthetic_depth.h>
 
@@ -20,9 +20,9 @@ Eigen::Isometry3d at(double x, double y, double heading_deg) {
 }
 
 /** A session of a few keyframes, and where it is in the map. */
-class CommonPlace : public testing::Test {
+class ConsensusAlignment : public testing::Test {
 protected:
-  CommonPlace() {
+  ConsensusAlignment() {
     for (int k = 0; k < 8; ++k) session_.push_back(at(0.6 * k, 0.1 * k * k, 10 * k));
   }
   FoundKeyframe right(int k) const { return {k, {T_w_s_ * session_[k], Matrix6d::Zero()}}; }
@@ -36,7 +36,7 @@ protected:
       return std::optional(T);
     };
     std::vector<int> keyframes;
-    for (const FoundKeyframe& f : withCommonPlace(found, relative, kTolerance, least))
+    for (const FoundKeyframe& f : consensusAlignment(found, relative, kTolerance, least))
       keyframes.push_back(f.keyframe);
     return keyframes;
   }
@@ -46,18 +46,18 @@ protected:
   double std_ = 1e-3;  // of a step [m, rad]
 };
 
-TEST_F(CommonPlace, LeavesOutAnswersThatAgreeWithNoOther) {
+TEST_F(ConsensusAlignment, LeavesOutAnswersThatAgreeWithNoOther) {
   EXPECT_EQ(agreeing({right(0), wrong(1, at(4, 0, 0)), right(3), wrong(5, at(0, 0, 20)), right(6), right(7)}),
             (std::vector<int>{0, 3, 6, 7}));
 }
 
-TEST_F(CommonPlace, IsNotBelievedFromTooFewAnswers) {
+TEST_F(ConsensusAlignment, IsNotBelievedFromTooFewAnswers) {
   EXPECT_TRUE(agreeing({}).empty());
   EXPECT_TRUE(agreeing({right(0), right(4)}).empty());
   EXPECT_EQ(agreeing({right(0), right(4)}, 2).size(), 2u);
 }
 
-TEST_F(CommonPlace, IsUnclearWherePlacesLookAlike) {
+TEST_F(ConsensusAlignment, IsUnclearWherePlacesLookAlike) {
   const Eigen::Isometry3d next_corridor = at(5, 0, 0);
   EXPECT_TRUE(
       agreeing({right(0), right(1), right(2), wrong(4, next_corridor), wrong(5, next_corridor)}).empty());
@@ -66,7 +66,7 @@ TEST_F(CommonPlace, IsUnclearWherePlacesLookAlike) {
       (std::vector<int>{0, 1, 2, 3}));
 }
 
-TEST_F(CommonPlace, AllowsForTheErrorsOfTheSession) {
+TEST_F(ConsensusAlignment, AllowsForTheErrorsOfTheSession) {
   const Eigen::Isometry3d drift = at(0.5, 0, 0) * at(0, 0, 0).inverse();
   const std::vector<FoundKeyframe> found = {right(0), right(1), wrong(6, drift), wrong(7, drift)};
   EXPECT_TRUE(agreeing(found).empty());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "graph/common_place.h"
+#include "graph/consensus_alignment.h"
 
 #include "graph/consistency_graph.h"
 
@@ -27,9 +27,9 @@ Agreement compare(const FoundKeyframe& a, const FoundKeyframe& b, const Relative
 
 }  // namespace
 
-std::vector<FoundKeyframe> withCommonPlace(const std::vector<FoundKeyframe>& found,
-                                           const RelativePose& relative, const PlaceTolerance& tolerance,
-                                           std::size_t least) {
+std::vector<FoundKeyframe> consensusAlignment(const std::vector<FoundKeyframe>& found,
+                                              const RelativePose& relative, const PlaceTolerance& tolerance,
+                                              std::size_t least) {
   const int n = static_cast<int>(found.size());
   const ConsistencyGraph agreement(
       n, [&](int i, int j) { return compare(found[i], found[j], relative, tolerance); });
