@@ -94,7 +94,7 @@ public:
     std::priority_queue<Score> highest;
     for (std::size_t i = 0; i < models_.size(); ++i) {
       if (gone(models_[i]) || !wrong_[i]) continue;
-      const auto& by = wrong_[i]->found_by;
+      const auto& by = wrong_[i]->supporting_models;
       highest.push({wrong_[i]->score, i, std::none_of(by.begin(), by.end(), gone)});
     }
     const std::size_t views = highest.size();
@@ -199,7 +199,7 @@ void writeCsv(const fs::path& path, const std::vector<Answer>& answers) {
   writeTextAtomically(path, [&](std::ostream& out) {
     out << "place,frame,emptied,covered,right,segments,probability,score,consensus,evidence,compared,"
            "agreeing,"
-           "contradicted,paired,pairs,found_by,second,third,fourth,ambiguity,asked\n";
+           "contradicted,paired,pairs,supporting_models,second,third,fourth,ambiguity,asked\n";
     for (const Answer& a : answers) {
       const auto& h = a.localization.hypotheses;
       if (h.empty()) continue;
@@ -208,7 +208,7 @@ void writeCsv(const fs::path& path, const std::vector<Answer>& answers) {
       out << a.place << ',' << a.frame << ',' << a.emptied << ',' << a.covered << ',' << a.right << ','
           << a.segments << ',' << best.probability << ',' << best.score << ',' << best.consensus << ','
           << best.evidence << ',' << e.compared << ',' << e.agreeing << ',' << e.contradicted << ','
-          << e.paired << ',' << best.pairs.size() << ',' << best.found_by.size();
+          << e.paired << ',' << best.pairs.size() << ',' << best.supporting_models.size();
       for (std::size_t i = 1; i < 4; ++i) out << ',' << (i < h.size() ? h[i].score : best.score - 100);
       const MapAmbiguity of_map = a.ambiguity.value_or(MapAmbiguity());
       out << ',' << of_map.score << ',' << of_map.views << '\n';

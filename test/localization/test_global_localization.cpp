@@ -132,7 +132,7 @@ TEST_F(LocalizationInARoom, ModelsThatAreExcludedFindNothing) {
   const Localization answer = localization.localize(*map->view(3), [](int model) { return model % 2 == 1; });
   ASSERT_FALSE(answer.hypotheses.empty());
   for (const Hypothesis& h : answer.hypotheses)
-    for (const int model : h.found_by) EXPECT_EQ(model % 2, 0);
+    for (const int model : h.supporting_models) EXPECT_EQ(model % 2, 0);
   EXPECT_TRUE(localization.localize(*map->view(3), [](int) { return true; }).hypotheses.empty());
 }
 
@@ -266,7 +266,7 @@ TEST_F(LocalizationInARoom, TheListIsSortedMergedAndItsProbabilitiesLeaveRoomFor
     const Hypothesis& h = answer.hypotheses[i];
     sum += h.probability;
     EXPECT_THAT(*h.T_w_c, PoseNear(*map->models[h.model].T_w_m * h.T_m_c.T, 1e-12, 1e-9));
-    const double support = EvidenceCalibration().support_weight * std::log(h.found_by.size());
+    const double support = EvidenceCalibration().support_weight * std::log(h.supporting_models.size());
     EXPECT_NEAR(h.score, h.consensus + h.evidence + support, 1e-9);
     for (std::size_t k = 0; k < i; ++k) {
       EXPECT_LE(h.score, answer.hypotheses[k].score);

@@ -103,7 +103,7 @@ protected:
       EXPECT_EQ(best.part, in->models[best.model].part);
       EXPECT_TRUE(best.T_w_c->isApprox(*in->models[best.model].T_w_m * best.T_m_c.T, 1e-9));
       EXPECT_NE(best.evidence, 0);
-      for (const int model : best.found_by) EXPECT_EQ(in->models[model].part, best.part);
+      for (const int model : best.supporting_models) EXPECT_EQ(in->models[model].part, best.part);
     }
     return count;
   }

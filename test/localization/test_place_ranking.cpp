@@ -165,13 +165,13 @@ TEST(RankPlaces, APlaceTellsWhichModelsHaveFoundIt) {
                             hypothesis(20, pose(0), 7), hypothesis(25, pose(3), 4)};
   mergePlaces({}, h);
   ASSERT_EQ(h.size(), 2u);
-  EXPECT_THAT(h[0].found_by, testing::ElementsAre(2, 7));  // each once
-  EXPECT_THAT(h[1].found_by, testing::ElementsAre(4));
+  EXPECT_THAT(h[0].supporting_models, testing::ElementsAre(2, 7));  // each once
+  EXPECT_THAT(h[1].supporting_models, testing::ElementsAre(4));
   h.push_back(hypothesis(5, pose(0.1), 4));
   h.push_back(hypothesis(40, pose(0.05), 9));
   mergePlaces({}, h);
   ASSERT_EQ(h.size(), 2u);
-  EXPECT_THAT(h[0].found_by, testing::ElementsAre(2, 4, 7, 9));
+  EXPECT_THAT(h[0].supporting_models, testing::ElementsAre(2, 4, 7, 9));
 }
 
 TEST(RankPlaces, WithoutWorldPosesNothingIsMerged) {
@@ -483,7 +483,7 @@ TEST_F(Evidence, ModelsOfOnePoseFindAPlaceOnce) {
   params.refinement.enabled = false;
   ranking().rank(scene, h);
   ASSERT_EQ(h.size(), 1u);
-  EXPECT_EQ(h[0].found_by.size(), 4u);
+  EXPECT_EQ(h[0].supporting_models.size(), 4u);
   EXPECT_NEAR(h[0].score - h[0].consensus - h[0].evidence,
               params.calibration.evidence.support_weight * std::log(2), 1e-9);
 }

@@ -263,8 +263,9 @@ void HypothesisRanking::stateAsShown(const View& scene,
 // coincide.
 void HypothesisRanking::score(std::vector<Hypothesis>& places) const {
   for (Hypothesis& h : places)
-    h.score = h.consensus + h.evidence +
-              params_.calibration.evidence.support_weight * std::log(std::max(1, viewpoints(h.found_by)));
+    h.score =
+        h.consensus + h.evidence +
+        params_.calibration.evidence.support_weight * std::log(std::max(1, viewpoints(h.supporting_models)));
   sortByScore(places);
 }
 
@@ -273,7 +274,7 @@ void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypothese
   if (!params.enabled) return;
   std::vector<Hypothesis> places;
   for (Hypothesis& h : hypotheses) {
-    if (h.found_by.empty()) h.found_by = {h.model};
+    if (h.supporting_models.empty()) h.supporting_models = {h.model};
     const auto known =
         std::find_if(places.begin(), places.end(), [&](const Hypothesis& p) { return samePlace(p, h); });
     if (known == places.end()) {
@@ -281,9 +282,9 @@ void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypothese
       continue;
     }
     std::vector<int> models;
-    std::set_union(known->found_by.begin(), known->found_by.end(), h.found_by.begin(), h.found_by.end(),
-                   std::back_inserter(models));
-    known->found_by.swap(models);
+    std::set_union(known->supporting_models.begin(), known->supporting_models.end(),
+                   h.supporting_models.begin(), h.supporting_models.end(), std::back_inserter(models));
+    known->supporting_models.swap(models);
   }
   hypotheses.swap(places);
 }

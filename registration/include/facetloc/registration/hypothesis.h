@@ -35,7 +35,7 @@ struct Hypothesis {
   std::optional<Eigen::Isometry3d> T_w_c;  ///< pose in the frame of the part, if the model's pose is known
   int part = 0;                            ///< part of the map to which the local model belongs
   std::vector<SegmentPair> pairs;          ///< pairs used in the estimate
-  std::vector<int> found_by;               ///< local models with a hypothesis of this place, once merged
+  std::vector<int> supporting_models;      ///< local models with a hypothesis of this place, once merged
   bool depth_assisted = false;             ///< one translation comes from dense depth, not from planes
   double consensus = 0;                    ///< sum of the segments' log likelihood ratios; or METHOD 10.5
   double free_space = 0;                   ///< log likelihood of its own local model's depth [nats]

@@ -88,7 +88,7 @@ std::optional<Hypothesis> PlaceRanking::at(const Query& query, int part,
     const Surroundings::Origin& origin = surroundings.origins[pair.model];
     if (origin.view == best->model) best->pairs.push_back({pair.scene, origin.segment, pair.distance});
   }
-  best->found_by = {best->model};
+  best->supporting_models = {best->model};
   if (mayHaveEvidence(query.view)) best->evidence = evidence(query.view, around, *best, refinedComparison());
   best->score = best->consensus + evidenceWeight() * best->evidence;
   return best;
