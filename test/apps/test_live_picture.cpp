@@ -34,7 +34,7 @@ LiveResult exampleResult(TrackingState state) {
   LocalizerAnswer answer;
   answer.tracking = state;
   if (state == TrackingState::localized || state == TrackingState::tracking) answer.state = AnswerState::sure;
-  if (state == TrackingState::cannot_tell) answer.reason = "nothing in view fixes translation along x";
+  if (state == TrackingState::degenerate) answer.reason = "nothing in view fixes translation along x";
   if (state != TrackingState::searching && state != TrackingState::lost) {
     answer.T_w_c.emplace();
     answer.T_w_c->T = kPose;
@@ -74,7 +74,7 @@ TEST_F(LivePictureTest, ShowsTheState) {
   LiveScreenshot screenshot(exampleMap());
   for (const TrackingState state :
        {TrackingState::searching, TrackingState::localized, TrackingState::tracking,
-        TrackingState::cannot_tell, TrackingState::lost}) {
+        TrackingState::degenerate, TrackingState::lost}) {
     const LiveResult result = exampleResult(state);
     const Raster<std::uint8_t> picture = screenshot.draw(result);
     EXPECT_EQ(picture.width, 1280);
@@ -197,7 +197,7 @@ TEST_F(LivePictureTest, PosesThatAreNotSureAreGrey) {
   const auto grey = [&](TrackingState state) {
     return pixelsOf(screenshot.draw(exampleResult(state)), kUntold);
   };
-  EXPECT_GT(grey(TrackingState::cannot_tell), grey(TrackingState::tracking) + 100)
+  EXPECT_GT(grey(TrackingState::degenerate), grey(TrackingState::tracking) + 100)
       << "of the depth image both";
 }
 
@@ -261,7 +261,7 @@ TEST(LiveResults, GiveAPoseWhereItIsCertain) {
   EXPECT_TRUE(readHypotheses(path).empty()) << "there from the begin";
   for (const TrackingState state :
        {TrackingState::searching, TrackingState::localized, TrackingState::tracking,
-        TrackingState::cannot_tell, TrackingState::lost}) {
+        TrackingState::degenerate, TrackingState::lost}) {
     const LiveResult result = exampleResult(state);
     results.append(result, frameResult(result, exampleMap().get(), kMinProbability));
   }

@@ -37,7 +37,7 @@ TEST(LiveStatus, TellsStateAndPlaceOnATerminal) {
   EXPECT_THAT(err.str(), AllOf(HasSubstr("tracking"), HasSubstr("1.23 -2.00 0.50 m"), HasSubstr("30.0/s"),
                                HasSubstr("3 of 12 dropped")));
   err.str("");
-  status.show(trackedResult(TrackingState::cannot_tell, "free: x"), 30);
+  status.show(trackedResult(TrackingState::degenerate, "free: x"), 30);
   EXPECT_THAT(err.str(), AllOf(HasSubstr("cannot tell: free: x"), Not(HasSubstr("1.23"))));
   err.str("");
   status.clear();

@@ -247,7 +247,7 @@ TEST_F(FilmOfARoom, EmptyViewsAreBridgedForAWhile) {
   for (int i = 0; i < 4; ++i, ++next_) {
     const LocalizerAnswer pose = localizer.update(empty, next_ * kFrame);
     if (i > 1) {  // until then it knows well enough how it moves
-      EXPECT_EQ(pose.tracking, TrackingState::cannot_tell);
+      EXPECT_EQ(pose.tracking, TrackingState::degenerate);
       EXPECT_THAT(pose.reason, HasSubstr("no planar segment"));
     }
     ASSERT_TRUE(pose.T_w_c);
@@ -485,7 +485,7 @@ TEST_F(FilmOfACorridor, ItCannotTellHowFarItHasGone) {
     EXPECT_LT(e.head<3>().norm(), 1 * kDegree) << i;
     EXPECT_LT(std::hypot(e[3], e[5]), 0.03) << i;
     EXPECT_LT(std::abs(e[4]), 4 * std::sqrt(pose.T_w_c->P(4, 4))) << i;
-    if (pose.tracking != TrackingState::cannot_tell || i < kTurned) continue;
+    if (pose.tracking != TrackingState::degenerate || i < kTurned) continue;
     ++told;
     EXPECT_THAT(pose.reason, HasSubstr("translation along"));
     EXPECT_THAT(pose.reason, testing::Not(HasSubstr("rotation")));

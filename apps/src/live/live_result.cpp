@@ -46,7 +46,7 @@ Colour stateColour(const LiveResult& result) {
     return {20, 100, 180};
   case TrackingState::tracking:
     return {20, 130, 60};
-  case TrackingState::cannot_tell:
+  case TrackingState::degenerate:
     return {185, 100, 0};
   case TrackingState::lost:
     return {190, 35, 35};

@@ -45,7 +45,7 @@ const char* stateName(TrackingState state) {
     return "localized";
   case TrackingState::tracking:
     return "tracking";
-  case TrackingState::cannot_tell:
+  case TrackingState::degenerate:
     return "cannot tell";
   case TrackingState::lost:
     return "lost";
@@ -371,7 +371,7 @@ void Localizer::Impl::track(LocalizerAnswer& answer) {
   if (sure)
     answer.tracking = was_followed ? TrackingState::tracking : TrackingState::localized;
   else if (is_known)
-    answer.tracking = TrackingState::cannot_tell;
+    answer.tracking = TrackingState::degenerate;
   else
     answer.tracking = was_known ? TrackingState::lost : TrackingState::searching;
   if (is_known) answer.T_w_c = poseOf(answer.hypotheses.front());

@@ -16,11 +16,11 @@ namespace facetloc {
 
 /** \brief State of a moving camera in its map, for live programs. */
 enum class TrackingState {
-  searching,    ///< no place has been sure since the start
-  localized,    ///< a place has become sure with this view
-  tracking,     ///< the place is sure as it was before
-  cannot_tell,  ///< the place is known, but not sure with this view; the reason tells why
-  lost          ///< there was a sure place, and no place is likely any more
+  searching,   ///< no place has been sure since the start
+  localized,   ///< a place has become sure with this view
+  tracking,    ///< the place is sure as it was before
+  degenerate,  ///< the place is known, but not sure with this view; the reason tells why
+  lost         ///< there was a sure place, and no place is likely any more
 };
 
 /** \brief "searching", "localized", "tracking", "cannot tell", "lost". */
