@@ -509,7 +509,7 @@ protected:
 TEST_F(BeliefInARoom, ALookCountsByTheMotionSinceTheLast) {
   PlaceBelief belief(map, {}, {});
   EXPECT_TRUE(belief.isDue());
-  belief.suppose(0, {truth[0], 1e-4 * Matrix6d::Identity()});
+  belief.inject(0, {truth[0], 1e-4 * Matrix6d::Identity()});
   belief.look(view(0), nullptr);
   ASSERT_EQ(belief.places().size(), 1u);
   const double first = logOdds(belief);
@@ -548,7 +548,7 @@ TEST_F(BeliefInARoom, TheMostProbablePlacesAreKept) {
   for (const int most : {12, 3}) {
     params.max_places = most;
     PlaceBelief belief(map, {}, params);
-    for (const int i : {50, 40, 30, 15, 0}) belief.suppose(0, {truth[i], 1e-4 * Matrix6d::Identity()});
+    for (const int i : {50, 40, 30, 15, 0}) belief.inject(0, {truth[i], 1e-4 * Matrix6d::Identity()});
     belief.look(view(0), nullptr);
     ASSERT_EQ(belief.places().size(), most == 3 ? 3u : 5u);
     EXPECT_TRUE(isNear(belief.places().front().T_w_c.T, truth[0], 0.05, 1));
@@ -560,9 +560,9 @@ TEST_F(BeliefInARoom, AnOpenHeadingIsAllHeadings) {
   PoseWithCovariance start{truth[0], Matrix6d::Identity()};
   start.P(2, 2) = 4;
   start.P(2, 3) = start.P(3, 2) = 0.5;
-  belief.suppose(0, start, 7);
+  belief.inject(0, start, 7);
   PlaceBelief known(map, {}, {});
-  known.suppose(0, {truth[0], 0.01 * Matrix6d::Identity()}, 7);
+  known.inject(0, {truth[0], 0.01 * Matrix6d::Identity()}, 7);
   ASSERT_EQ(belief.places().size(), 12u);
   double sum = 0;
   for (const BelievedPlace& place : belief.places()) {
@@ -578,7 +578,7 @@ TEST_F(BeliefInARoom, PlacesMoveWithTheCamera) {
   PlaceBelief belief(map, {}, {});
   PoseWithCovariance place{truth[0], 1e-4 * Matrix6d::Identity()};
   place.P(0, 4) = place.P(4, 0) = 2e-5;
-  belief.suppose(0, place);
+  belief.inject(0, place);
   PoseWithCovariance motion{truth[0].inverse() * truth[3], 1e-5 * Matrix6d::Identity()};
   belief.move(Motion::known(motion));
   const PoseWithCovariance expected = place * motion;
@@ -588,7 +588,7 @@ TEST_F(BeliefInARoom, PlacesMoveWithTheCamera) {
 
 TEST_F(BeliefInARoom, AMotionOfTwoAnswersMakesTwoPlaces) {
   PlaceBelief belief(map, {}, {});
-  belief.suppose(0, {truth[0], 1e-4 * Matrix6d::Identity()});
+  belief.inject(0, {truth[0], 1e-4 * Matrix6d::Identity()});
   const Matrix6d P = 1e-5 * Matrix6d::Identity();
   Motion motion = Motion::known({truth[0].inverse() * truth[3], P});
   motion.modes = {{{truth[0].inverse() * truth[40], P}, 0.6}, {{truth[0].inverse() * truth[3], P}, 0.4}};
@@ -610,7 +610,7 @@ TEST_F(BeliefInARoom, TheViewIsAskedNearAPlaceThatIsWrong) {
   PoseWithCovariance wrong{off, 1e-4 * Matrix6d::Identity()};
   wrong.P.diagonal().tail<3>().setConstant(0.04);
   wrong.P.diagonal().head<3>().setConstant(0.01);
-  belief.suppose(0, wrong);
+  belief.inject(0, wrong);
   const Localization found = GlobalLocalization(map).localize(views[0]);
   belief.look(view(0), &found);
   ASSERT_FALSE(belief.places().empty());

@@ -284,7 +284,7 @@ LocalizerAnswer Localizer::Impl::localizeNear(const View& view, const PoseWithCo
   requirePart(T_w_c, part);
   PlaceBelief near(map, localization_params, params);
   near.setNumberOfThreads(threads);
-  near.suppose(part, T_w_c, params.most_log_odds);
+  near.inject(part, T_w_c, params.most_log_odds);
   const Localization found = localization.localize(view, std::function<bool(int)>());
   near.look(std::make_shared<const View>(view), &found);
   LocalizerAnswer out;
@@ -438,7 +438,7 @@ void Localizer::reset() { impl_->reset(); }
 void Localizer::setPose(const PoseWithCovariance& T_w_c, int part) {
   impl_->requirePart(T_w_c, part);
   impl_->reset();
-  impl_->belief.suppose(part, T_w_c, impl_->params.most_log_odds);
+  impl_->belief.inject(part, T_w_c, impl_->params.most_log_odds);
 }
 void Localizer::setNumberOfThreads(int n) {
   impl_->threads = n;

@@ -160,7 +160,7 @@ bool PlaceBelief::isDue() const {
   return looks_ == 0 || motionSince(params_.look_distance, params_.look_rotation_deg) >= 1;
 }
 
-void PlaceBelief::suppose(int part, const PoseWithCovariance& T_w_c, double log_odds) {
+void PlaceBelief::inject(int part, const PoseWithCovariance& T_w_c, double log_odds) {
   const std::vector<int> nearest = near_.byPlace(part, T_w_c.T.translation(), 1);
   if (nearest.empty()) return;
   const std::vector<PoseWithCovariance> headings = headingsOf(T_w_c);

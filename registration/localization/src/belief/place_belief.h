@@ -61,7 +61,7 @@ public:
   /** \brief Somebody says that the camera is there: adds a place, or one for each of 12 headings if the
    * standard deviation about the z axis of the part exceeds 60 deg. Nothing happens in a part without poses.
    * \param part of the map \param log_odds against any other place [nats] */
-  void suppose(int part, const PoseWithCovariance& T_w_c, double log_odds = 0);
+  void inject(int part, const PoseWithCovariance& T_w_c, double log_odds = 0);
   /** \brief The pose of the most probable place, of which there is one, as it follows from the latest view.
    * \param match the local model that shares most with the view; without one it stays */
   void correct(const PoseWithCovariance& T_w_c, const std::optional<Hypothesis>& match = {});
