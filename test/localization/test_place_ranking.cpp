@@ -214,7 +214,7 @@ protected:
     view.depth = DepthPicture::fromDepth(image);
     return view;
   }
-  PlaceRanking ranking() const { return PlaceRanking(borrowed(map), params); }
+  PlaceRanking ranking() const { return PlaceRanking(unowned(map), params); }
   bool add(std::vector<Hypothesis>& h) const {
     PixelVerdicts nothing;
     return ranking().addEvidence(scene, h, nothing);

@@ -45,7 +45,7 @@ auto isWithinItsError(const Eigen::Isometry3d& truth, const Matrix6d& P) {
 class AlignmentOfAView : public testing::Test {
 protected:
   AlignmentOfAView() {
-    for (int i = 0; i < 2; ++i) around.add(i, borrowed(others[i]), poses[i]);
+    for (int i = 0; i < 2; ++i) around.add(i, unowned(others[i]), poses[i]);
   }
   const std::vector<Eigen::Isometry3d> poses = {lookingAlong({2.4, 1.5, 1.2}, {0.9, 1, -0.3}),
                                                 lookingAlong({2.9, 1.3, 1.2}, {0.7, 1, -0.3})};
@@ -105,7 +105,7 @@ TEST(AlignmentInACorridor, LeavesFreeWhatIsFree) {
   const View of_other = viewFrom(test::endlessCorridor(), other, 1, 6),
              view = viewFrom(test::endlessCorridor(), truth, 2, 6);
   Surroundings around;
-  around.add(0, borrowed(of_other), other);
+  around.add(0, unowned(of_other), other);
   PoseWithCovariance prior{truth, priorCovariance(1, 0.05)};
   prior.T.translation() += Eigen::Vector3d(0.03, 0.04, -0.02);
   ViewAlignmentParams params = usual();

@@ -307,7 +307,7 @@ protected:
     map.models[0].T_w_m.reset();  // hypotheses as they are, without evidence
     GlobalLocalizationParams params;
     params.steps.floor_information = on_floor;
-    return GlobalLocalization(borrowed(map), params)
+    return GlobalLocalization(unowned(map), params)
         .localize(mounted(viewOf(scene, along), kOnRobot))
         .hypotheses;
   }

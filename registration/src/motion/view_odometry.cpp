@@ -187,7 +187,7 @@ Surroundings ViewOdometry::around(const Eigen::Isometry3d& T_o_c) const {
   if (static_cast<int>(near.size()) > kKeys) near.resize(kKeys);
   Surroundings out;
   for (const auto& [distance, i] : near)
-    if (std::isfinite(distance)) out.add(i, borrowed(keys_[i].view), keys_[i].T_o_k);
+    if (std::isfinite(distance)) out.add(i, unowned(keys_[i].view), keys_[i].T_o_k);
   return out;
 }
 

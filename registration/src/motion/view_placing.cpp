@@ -73,7 +73,7 @@ public:
         alignment_(alignment),
         cost_(cost),
         fit_(view.depth, {{&other.depth, Eigen::Isometry3d::Identity()}}, comparison) {
-    surroundings_.add(0, borrowed(other), Eigen::Isometry3d::Identity());
+    surroundings_.add(0, unowned(other), Eigen::Isometry3d::Identity());
     Vector6d loose;
     loose << Eigen::Vector3d::Constant(kLooseRotation), Eigen::Vector3d::Constant(kLooseTranslation);
     about_start_ = loose.cwiseAbs2().asDiagonal();

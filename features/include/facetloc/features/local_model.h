@@ -38,7 +38,7 @@ View viewOfSegments(std::vector<Segment> segments, const DepthNoise& usual = {})
 
 /** \brief A pointer that does not own its object. */
 template <class T>
-std::shared_ptr<const T> borrowed(const T& object) {
+std::shared_ptr<const T> unowned(const T& object) {
   return std::shared_ptr<const T>(std::shared_ptr<const T>(), &object);
 }
 

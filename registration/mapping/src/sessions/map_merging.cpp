@@ -52,7 +52,7 @@ MapAlignment alignmentOf(const std::vector<Map>& maps, std::size_t number, int t
   const CameraTrajectory views = someViews(maps[number]);
   for (std::size_t k = 0; k < number; ++k) {
     if (!hasPoses(maps[k])) continue;
-    const GlobalLocalization localization(borrowed(maps[k]));
+    const GlobalLocalization localization(unowned(maps[k]));
     const SessionPlace place =
         placeRigidly(localization, views, MapBuilderParams(), MapSessionParams(), threads, progress);
     alignment.tried.emplace_back(k, place);
