@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
-#include "lasting_threads.h"
 #include "openni_handle.h"
+#include "persistent_threads.h"
 #include "temporary_file.h"
 
 #include <facetloc/io/error.h>
@@ -73,7 +73,7 @@ OniRecorder::OniRecorder(const std::string& device_uri, const std::filesystem::p
     : file_(std::filesystem::absolute(file)), part_(partOf(file_)) {
   files::requireFolderOf(file_);
   if (!createNew(part_)) throw WriteError(file_.string(), files::lastError());  // OpenNI2 would not say why
-  callOnLastingThread([&] {
+  callOnPersistentThread([&] {
     try {
       recording_ = std::make_unique<Recording>();
       start(device_uri);
@@ -119,7 +119,7 @@ OniRecorder::~OniRecorder() noexcept {
 
 std::size_t OniRecorder::stop() {
   if (!recording_) return frames_;
-  callOnLastingThread([this] { recording_.reset(); });  // which waits until all is written
+  callOnPersistentThread([this] { recording_.reset(); });  // which waits until all is written
   std::uint64_t bytes = 0;
   try {
     const OniFile whole = OniFile::open(part_);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lasting_threads.h"
 #include "openni_handle.h"
+#include "persistent_threads.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/oni_file.h>
@@ -135,7 +135,7 @@ private:
 }  // namespace
 
 /** A second handle on the device, with streams of its own. Those of the base class are never started: each
- * calls back on a thread that ends with it, which OpenNI2 does not survive (lasting_threads.h). */
+ * calls back on a thread that ends with it, which OpenNI2 does not survive (persistent_threads.h). */
 struct OpenNIGrabber::State : openni::OpenNI::DeviceStateChangedListener,
                               openni::OpenNI::DeviceDisconnectedListener {
   struct Stream {
@@ -238,8 +238,8 @@ void OpenNIGrabber::start() {
   const std::lock_guard lock(s.mutex);
   if (s.ended) return;
   if (!s.reading) {
-    callOnLastingThread([this] { startStreams(); });
-    runOnLastingThread([this] { readFrames(); });
+    callOnPersistentThread([this] { startStreams(); });
+    runOnPersistentThread([this] { readFrames(); });
     s.reading = true;
   }
   s.wanted = true;
@@ -339,7 +339,7 @@ void OpenNIGrabber::readDepth(openni::VideoStream& stream) {
 
 void OpenNIGrabber::setPlayback(double speed, bool repeat) {
   if (!isFile()) return;
-  callOnLastingThread([&] {
+  callOnPersistentThread([&] {
     openni::PlaybackControl* playback = state_->device.getPlaybackControl();
     if (!playback || playback->setRepeatEnabled(repeat) != openni::STATUS_OK ||
         playback->setSpeed(static_cast<float>(speed)) != openni::STATUS_OK)
@@ -348,7 +348,7 @@ void OpenNIGrabber::setPlayback(double speed, bool repeat) {
 }
 
 void OpenNIGrabber::trigger(int frames) {
-  callOnLastingThread([&] {
+  callOnPersistentThread([&] {
     if (!state_->has_trigger ||
         state_->device.setProperty(kVirtualCameraTrigger, frames) != openni::STATUS_OK)
       throw IoError(state_->uri, "cannot be triggered: it is no virtual camera");
@@ -375,7 +375,7 @@ float OpenNIGrabber::getFramesPerSecond() const { return state_->rate; }
 std::string OpenNIGrabber::lastError() const {
   std::array<char, kVirtualCameraTextSize> text{};
   if (state_->has_trigger)
-    callOnLastingThread([&] {
+    callOnPersistentThread([&] {
       int size = static_cast<int>(text.size());
       state_->device.getProperty(kVirtualCameraError, text.data(), &size);
     });

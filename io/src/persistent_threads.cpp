@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lasting_threads.h"
+#include "persistent_threads.h"
 
 #include <condition_variable>
 #include <deque>
@@ -47,7 +47,7 @@ private:
 
 }  // namespace
 
-void runOnLastingThread(std::function<void()> task) {
+void runOnPersistentThread(std::function<void()> task) {
   static Pool& pool = *new Pool;  // never destroyed: its threads outlive main()
   pool.run(std::move(task));
 }

@@ -18,14 +18,14 @@
 namespace facetloc {
 
 /** \brief Runs a task on such a thread, at once. It must not throw. */
-void runOnLastingThread(std::function<void()> task);
+void runOnPersistentThread(std::function<void()> task);
 
 /** \brief Runs a task on such a thread and waits for it; its exception is thrown here. */
 template <typename Task>
-void callOnLastingThread(const Task& task) {
+void callOnPersistentThread(const Task& task) {
   const auto done = std::make_shared<std::promise<void>>();  // still told while we go on already
   std::future<void> result = done->get_future();
-  runOnLastingThread([&task, done] {
+  runOnPersistentThread([&task, done] {
     try {
       task();
       done->set_value();
