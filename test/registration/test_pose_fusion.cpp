@@ -47,14 +47,14 @@ TEST(PoseFusion, WhatTwoSourcesHaveInCommonIsNotCountedTwice) {
     PoseWithCovariance a, b;
     a.P = common + of_a, b.P = common + of_b;
     b.T = perturbed(a.T, 1e-4 * test::gaussian<6>(rng, Matrix6d::Identity()));
-    const PoseWithCovariance both = intersected(a, b);
+    const PoseWithCovariance both = covarianceIntersection(a, b);
     // What the estimate W a + (1 - W) b really errs by.
     const Vector6d offset = perturbation(a.T, b.T);
     Matrix6d W;
     for (int k = 0; k < 6; ++k) {
       PoseWithCovariance moved = b;
       moved.T = perturbed(a.T, 1e-4 * Vector6d::Unit(k));
-      W.col(k) = 1e4 * perturbation(a.T, intersected(a, moved).T);
+      W.col(k) = 1e4 * perturbation(a.T, covarianceIntersection(a, moved).T);
     }
     const Matrix6d rest = Matrix6d::Identity() - W;
     EXPECT_TRUE(isAtLeast(both.P, common + rest * of_a * rest.transpose() + W * of_b * W.transpose()));
@@ -63,7 +63,8 @@ TEST(PoseFusion, WhatTwoSourcesHaveInCommonIsNotCountedTwice) {
   }
   PoseWithCovariance a;
   a.P = randomCovariance(rng, 1e-4);
-  EXPECT_THAT(intersected(a, a).P, test::MatrixNear(a.P, 1e-12)) << "the same once more tells nothing";
+  EXPECT_THAT(covarianceIntersection(a, a).P, test::MatrixNear(a.P, 1e-12))
+      << "the same once more tells nothing";
 }
 
 TEST(PoseFusion, APartOfWhatWasAddedIsAPartOfItsInformation) {
@@ -71,11 +72,11 @@ TEST(PoseFusion, APartOfWhatWasAddedIsAPartOfItsInformation) {
   const Matrix6d prior = randomCovariance(rng, 1e-2);
   const Matrix6d measured = randomCovariance(rng, 1e-3);
   const Matrix6d posterior = (prior.inverse() + measured.inverse()).inverse();
-  EXPECT_THAT(discounted(prior, posterior, 0), test::MatrixNear(prior, 1e-9));
-  EXPECT_THAT(discounted(prior, posterior, 1), test::MatrixNear(posterior, 1e-9));
+  EXPECT_THAT(temper(prior, posterior, 0), test::MatrixNear(prior, 1e-9));
+  EXPECT_THAT(temper(prior, posterior, 1), test::MatrixNear(posterior, 1e-9));
   // A measurement that errs so that it tells a quarter has four times the covariance.
   const Matrix6d quarter = (prior.inverse() + (4 * measured).inverse()).inverse();
-  EXPECT_THAT(discounted(prior, posterior, 0.25), test::MatrixNear(quarter, 1e-9));
+  EXPECT_THAT(temper(prior, posterior, 0.25), test::MatrixNear(quarter, 1e-9));
 }
 
 }  // namespace

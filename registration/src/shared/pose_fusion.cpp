@@ -11,7 +11,7 @@ PoseWithCovariance fused(const PoseWithCovariance& a, const PoseWithCovariance& 
   return {perturbed(a.T, gain * perturbation(a.T, b.T)), 0.5 * (P + P.transpose())};
 }
 
-PoseWithCovariance intersected(const PoseWithCovariance& a, const PoseWithCovariance& b) {
+PoseWithCovariance covarianceIntersection(const PoseWithCovariance& a, const PoseWithCovariance& b) {
   constexpr int kSteps = 16;
   const Matrix6d of_a = symmetricInverse(a.P), of_b = symmetricInverse(b.P);
   double share = 1, most = 0;  // share of a; determinant of the information
@@ -24,7 +24,7 @@ PoseWithCovariance intersected(const PoseWithCovariance& a, const PoseWithCovari
   return {perturbed(a.T, (1 - share) * P * of_b * perturbation(a.T, b.T)), P};
 }
 
-Matrix6d discounted(const Matrix6d& prior, const Matrix6d& posterior, double part) {
+Matrix6d temper(const Matrix6d& prior, const Matrix6d& posterior, double part) {
   const Matrix6d before = prior.ldlt().solve(Matrix6d::Identity());
   const Matrix6d after = posterior.ldlt().solve(Matrix6d::Identity());
   return symmetricInverse(before + part * (after - before));

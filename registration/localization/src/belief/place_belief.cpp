@@ -254,7 +254,7 @@ std::vector<Hypothesis> PlaceBelief::sortFound(const Localization& found,
       return kSameMotion.joins(*other.match.T_w_c, *h.T_w_c);
     });
     if (same != there.end() && h.score <= same->match.score) continue;
-    Candidate candidate{h, intersected(known->T_w_c, poseOf(h))};
+    Candidate candidate{h, covarianceIntersection(known->T_w_c, poseOf(h))};
     if (same == there.end())
       there.push_back(std::move(candidate));
     else
@@ -281,7 +281,7 @@ std::optional<double> PlaceBelief::look(std::shared_ptr<const View> view, const 
     const auto there = ranking_.at(query, places_[i].part, places_[i].T_w_c);
     if (!there) return;
     PoseWithCovariance T_w_c = poseOf(*there);
-    T_w_c.P = discounted(places_[i].T_w_c.P, T_w_c.P, independence);
+    T_w_c.P = temper(places_[i].T_w_c.P, T_w_c.P, independence);
     seen[i].push_back({*there, T_w_c});
   });
   std::vector<Hypothesis> fresh;

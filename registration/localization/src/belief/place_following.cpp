@@ -65,7 +65,7 @@ FollowedPlace PlaceFollowing::at(const View& view, int part, const PoseWithCovar
   out.surroundings = surroundings_.around(view, part, T_w_c.T, kModels);
   looks_.discount(out.surroundings);
   out.alignment = alignView(view, out.surroundings, T_w_c, alignment_);
-  out.alignment.T_w_c.P = discounted(T_w_c.P, out.alignment.T_w_c.P, 1 / kCorrelatedViews);
+  out.alignment.T_w_c.P = temper(T_w_c.P, out.alignment.T_w_c.P, 1 / kCorrelatedViews);
   if (view.depth.empty()) return out;
   const DepthAgreement of_map =
       compareWithAll(view.depth, out.alignment.T_w_c.T, out.surroundings.pictures, comparison_, kFineColumns);

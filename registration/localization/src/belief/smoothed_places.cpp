@@ -68,7 +68,7 @@ LocalizerAnswer smoothedPlaces(const LocalizerAnswer& until_now, const Localizer
     place.log_odds += (is_known ? later[i].log_odds : unlisted_later) - prior;
     if (!is_known) continue;
     is_taken[i] = 1;
-    place.T_w_c = intersected(place.T_w_c, later[i].T_w_c);
+    place.T_w_c = covarianceIntersection(place.T_w_c, later[i].T_w_c);
   }
   for (std::size_t i = 0; i < later.size(); ++i) {
     if (is_taken[i]) continue;
