@@ -3,7 +3,7 @@
 
 #include "motion/view_placing.h"
 #include "nearby/view_alignment.h"
-#include "sessions/seen_through.h"
+#include "sessions/free_space_violations.h"
 #include "shared/in_parallel.h"
 #include "shared/pose_radius.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sessions/seen_through.h"
+#include "sessions/free_space_violations.h"
 
 #include <algorithm>
 #include <cmath>

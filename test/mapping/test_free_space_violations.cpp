@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sessions/seen_through.h"
+#include "sessions/free_space_violations.h"
 
 #include <facetloc/testing/synthetic_views.h>
 
@@ -22,7 +22,7 @@ const std::vector<Eigen::Isometry3d> kLater = {lookingAlong({2.7, 1.1, 1.2}, {0.
                                                lookingAlong({3, 0.7, 1.2}, {0, 1, -0.15})};
 
 /** A local model of the room with the chest, and what later views of another room say of it. */
-class SeenThrough : public testing::Test {
+class FreeSpaceViolations : public testing::Test {
 protected:
   SurfaceReview review(const std::vector<test::Scene>& later, int looks = 2) {
     std::vector<PosedPicture> others;
@@ -47,7 +47,7 @@ protected:
   std::vector<View> views_;
 };
 
-TEST_F(SeenThrough, WhatHasGoneIsTakenOutAndNothingElse) {
+TEST_F(FreeSpaceViolations, WhatHasGoneIsTakenOutAndNothingElse) {
   ASSERT_GE(ofChest(model_), 1);
   const SurfaceReview gone = review({kRoom, kRoom, kRoom});
   EXPECT_EQ(static_cast<long>(gone.gone_segments.size()), ofChest(model_));
@@ -68,20 +68,20 @@ TEST_F(SeenThrough, WhatHasGoneIsTakenOutAndNothingElse) {
   EXPECT_EQ(left.depth.noise.inverse_depth_std, model_.depth.noise.inverse_depth_std);
 }
 
-TEST_F(SeenThrough, WhatIsStillThereStays) {
+TEST_F(FreeSpaceViolations, WhatIsStillThereStays) {
   const SurfaceReview same = review({kRoom + kChest, kRoom + kChest, kRoom + kChest});
   EXPECT_TRUE(same.gone_segments.empty());
   EXPECT_LT(same.goneShare(), 0.01);
   EXPECT_GT(same.judged_segments, 2);
 }
 
-TEST_F(SeenThrough, OneLookIsNotEnough) {
+TEST_F(FreeSpaceViolations, OneLookIsNotEnough) {
   EXPECT_TRUE(review({kRoom}).gone_segments.empty());
   EXPECT_TRUE(review({kRoom, kRoom + kChest, kRoom + kChest}).gone_segments.empty());
   EXPECT_FALSE(review({kRoom}, 1).gone_segments.empty());
 }
 
-TEST_F(SeenThrough, WhoPassesByHidesAndTakesNothingAway) {
+TEST_F(FreeSpaceViolations, WhoPassesByHidesAndTakesNothingAway) {
   const test::Scene person = test::box({2.6, 2.4, 0}, {3.2, 2.8, 1.8});
   const SurfaceReview hidden =
       review({kRoom + kChest + person, kRoom + kChest + person, kRoom + kChest + person});
@@ -89,7 +89,7 @@ TEST_F(SeenThrough, WhoPassesByHidesAndTakesNothingAway) {
   EXPECT_LT(hidden.goneShare(), 0.01);
 }
 
-TEST_F(SeenThrough, ViewsThatSayNothingChangeNothing) {
+TEST_F(FreeSpaceViolations, ViewsThatSayNothingChangeNothing) {
   EXPECT_EQ(review({}).judged, 0);
   View bare = model_;
   bare.depth = {};
