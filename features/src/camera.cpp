@@ -30,14 +30,14 @@ CameraDifference differenceOf(const Camera& of_view, const Camera& of_map, doubl
   return d;
 }
 
-std::vector<std::string> inWords(const CameraDifference& d, const Camera& of_view, const Camera& of_map) {
+std::vector<std::string> toString(const CameraDifference& d, const Camera& of_view, const Camera& of_map) {
   using Mounting = CameraDifference::Mounting;
   std::vector<std::string> words;
   if (d.mounting == Mounting::other)
     words.push_back(
         fmt::format("the cameras are mounted differently, {}, and in the map {}: the prior is isotropic, "
                     "about the difference of both mountings",
-                    inWords(*of_view.mounting), inWords(*of_map.mounting)));
+                    toString(*of_view.mounting), toString(*of_map.mounting)));
   if (d.mounting == Mounting::unknown)
     words.push_back("the mounting of the images' camera is unknown: where they do not show that it is the "
                     "map's, the prior is "
@@ -53,7 +53,7 @@ std::vector<std::string> inWords(const CameraDifference& d, const Camera& of_vie
   return words;
 }
 
-std::string inWords(const CameraMounting& mounting) {
+std::string toString(const CameraMounting& mounting) {
   std::string words =
       fmt::format("{:.3f} m above the floor, {:.1f} deg down", mounting.height, mounting.tilt_deg);
   const auto add = [&words](double value, int digits, const char* unit) {

@@ -6,7 +6,7 @@
 
 namespace facetloc {
 
-std::string inWords(const std::vector<LeftOutLabel>& left_out, std::size_t labels) {
+std::string toString(const std::vector<LeftOutLabel>& left_out, std::size_t labels) {
   if (left_out.empty()) return {};
   std::map<std::string, std::string> of_reason;
   for (const LeftOutLabel& l : left_out) {

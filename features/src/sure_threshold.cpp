@@ -38,7 +38,7 @@ void requirePossible(const SureThreshold& t) {
 
 }  // namespace
 
-std::string SureThreshold::inWords() const {
+std::string SureThreshold::toString() const {
   return fmt::format(
       "p >= {}: at most {} % of the sure answers are wrong, with {} % confidence; {} of {} images of {} are "
       "sure, {} of these wrong",

@@ -91,7 +91,7 @@ Turn bestTurn(const std::vector<Sample>& samples, double height) {
 }
 
 /** "x right, y up, z backward": where the axes of the file point. */
-std::string inWords(const Eigen::Matrix3d& axes) {
+std::string toString(const Eigen::Matrix3d& axes) {
   constexpr const char* kPositive[] = {"right", "down", "forward"};
   constexpr const char* kNegative[] = {"left", "up", "backward"};
   std::string words;
@@ -211,7 +211,7 @@ std::optional<CloudImage> imageInBestAxes(const Cloud& points, const std::option
   std::string remark;
   if (!turn.axes.isIdentity())
     remark = fmt::format("the axes of the clouds are {}: they are turned to x right, y down, z forward",
-                         inWords(turn.axes));
+                         toString(turn.axes));
   if (turn.rows_from_below)
     remark +=
         std::string(remark.empty() ? "" : "; ") + "the rows of the clouds are stored from the bottom up";

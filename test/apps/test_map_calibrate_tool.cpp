@@ -42,7 +42,7 @@ TEST_F(Tools, MapIsCalibratedByARecording) {
   EXPECT_EQ(threshold->alpha, 0.4);
   EXPECT_LE(threshold->images, test::kFrames);
   EXPECT_THAT(threshold->source, HasSubstr("query"));
-  EXPECT_THAT(runMap({"info", copy}).out, HasSubstr(threshold->inWords()));
+  EXPECT_THAT(runMap({"info", copy}).out, HasSubstr(threshold->toString()));
   EXPECT_EQ(runMap({"check", copy}).code, kOk);
 
   const auto own = runMap({"calibrate", copy, "--alpha", "0.5", "--confidence", "0.1"});

@@ -28,7 +28,7 @@ Camera calibratedCamera() {
 }
 
 std::vector<std::string> words(const Camera& of_view, const Camera& of_map, double noise_std = 0) {
-  return inWords(differenceOf(of_view, of_map, noise_std), of_view, of_map);
+  return toString(differenceOf(of_view, of_map, noise_std), of_view, of_map);
 }
 
 TEST(Camera, CamerasThatAreAlikeNeedNoWords) {

@@ -168,8 +168,8 @@ TYPED_TEST(SegmentFrameEstimationTest, LabelsThatAreNoSegmentsAreListedWithTheir
       std::find_if(left_out.begin(), left_out.end(), [](const auto& l) { return l.label == 900; });
   ASSERT_NE(small, left_out.end());
   EXPECT_THAT(small->reason, HasSubstr("too few"));
-  EXPECT_THAT(inWords(left_out, given.size()), HasSubstr("900"));
-  EXPECT_EQ(inWords({}, 5), "");
+  EXPECT_THAT(toString(left_out, given.size()), HasSubstr("900"));
+  EXPECT_EQ(toString({}, 5), "");
 }
 
 TYPED_TEST(SegmentFrameEstimationTest, FilteredCloudsAreSeenFromTheirViewpoint) {

@@ -38,7 +38,8 @@ TEST(SureThreshold, IsKeptInTheMetaDataOfAMap) {
   EXPECT_EQ(read->wrong, 1);
   EXPECT_EQ(read->source, "walks from here to there");
   EXPECT_EQ(minProbabilityOf(map), 0.998);
-  EXPECT_THAT(read->inWords(), HasSubstr("p >= 0.998: at most 1 % of the sure answers are wrong, with 95 %"));
+  EXPECT_THAT(read->toString(),
+              HasSubstr("p >= 0.998: at most 1 % of the sure answers are wrong, with 95 %"));
 }
 
 TEST(SureThreshold, NothingInAFileIsTrusted) {

@@ -47,7 +47,7 @@ TEST(FoundMounting, IsThatOfARobotOnAnUnevenFloor) {
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->mounting.height, 0.98, 0.01);
   EXPECT_NEAR(found->mounting.tilt_deg, 10, 1);
-  EXPECT_THAT(found->inWords(), testing::HasSubstr("of 40 local models"));
+  EXPECT_THAT(found->toString(), testing::HasSubstr("of 40 local models"));
 }
 
 TEST(FoundMounting, IsFoundWhereTheViewsAreNotInMemory) {

@@ -170,7 +170,7 @@ TEST(MapSessionNotes, AreNumberedAfterTheFirstSessionOfTheMap) {
   MapChanges changes;
   changes.added = {"a"};
   changes.edited = {"b", "c"};
-  EXPECT_EQ("1 local model added, 0 replaced, 0 retired, 2 without moved surfaces", changes.inWords());
+  EXPECT_EQ("1 local model added, 0 replaced, 0 retired, 2 without moved surfaces", changes.toString());
   Map map;
   map.meta["session 3"] = "of another tool";
   for (const char* words : {"monday", "tuesday"}) noteSession(words, map);

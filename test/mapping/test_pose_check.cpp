@@ -61,7 +61,7 @@ TEST(PoseCheck, TruePosesAreFine) {
   EXPECT_TRUE(found.isKnown());
   EXPECT_FALSE(found.isBeyondSense());
   EXPECT_EQ(found.as_given.motions, 40u);
-  EXPECT_THAT(found.as_given.inWords(), HasSubstr("median of 40 motions"));
+  EXPECT_THAT(found.as_given.toString(), HasSubstr("median of 40 motions"));
 }
 
 TEST(PoseCheck, NoisyPosesAreNoWrongOnes) {

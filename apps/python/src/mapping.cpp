@@ -49,8 +49,8 @@ public:
     py::dict out;
     out["unread"] = found.unread.size();
     out["without_segments"] = found.without_segments;
-    out["mounting"] = found.mounting ? found.mounting->inWords() : std::string();
-    out["poses"] = found.poses && found.poses->isKnown() ? found.poses->as_given.inWords() : std::string();
+    out["mounting"] = found.mounting ? found.mounting->toString() : std::string();
+    out["poses"] = found.poses && found.poses->isKnown() ? found.poses->as_given.toString() : std::string();
     return out;
   }
 

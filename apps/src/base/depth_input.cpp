@@ -98,7 +98,7 @@ void noteUnfinished(const Map& map, const std::string& path, const Console& cons
 }
 
 void noteDifference(const Camera& of_images, const Map& map, const Console& console) {
-  for (const std::string& words : inWords(differenceOf(of_images, map.camera), of_images, map.camera))
+  for (const std::string& words : toString(differenceOf(of_images, map.camera), of_images, map.camera))
     console.note(words);
 }
 

@@ -36,7 +36,7 @@ struct Comparison {
 
   bool isKnown() const { return of_images > 0 && of_map > 0; }
   double ratio() const { return isKnown() ? std::max(of_images / of_map, of_map / of_images) : 1; }
-  std::string inWords(int decimals, const std::string& unit) const {
+  std::string toString(int decimals, const std::string& unit) const {
     return fmt::format("{0:.{3}f}{2}, the map's images have {1:.{3}f}{2}", of_images, of_map, unit, decimals);
   }
 
@@ -69,9 +69,9 @@ std::vector<std::string> whatToLookAt(const StateCounts& counts, const std::vect
   const std::vector<ViewTraits> models = traitsOf(map);
   const Comparison fov(views, models, &ViewTraits::fov), depth(views, models, &ViewTraits::depth);
   const std::string optics =
-      fmt::format("Do fx and fy fit the images? Their field of view is {}.", fov.inWords(0, " deg"));
+      fmt::format("Do fx and fy fit the images? Their field of view is {}.", fov.toString(0, " deg"));
   const std::string scale =
-      fmt::format("Does depth_scale fit the images? Their median depth is {}.", depth.inWords(2, " m"));
+      fmt::format("Does depth_scale fit the images? Their median depth is {}.", depth.toString(2, " m"));
   std::vector<std::string> hints = {"Hardly any image is sure. Check the following:"};
   if (fov.ratio() > kOtherOptics) hints.push_back(optics);
   if (depth.ratio() > kOtherScale) hints.push_back(scale);

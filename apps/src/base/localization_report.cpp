@@ -62,7 +62,7 @@ void StateCounts::add(AnswerState state) {
   ++(state == AnswerState::sure ? sure : state == AnswerState::doubtful ? doubtful : unknown);
 }
 
-std::string inWords(const StateCounts& counts) {
+std::string toString(const StateCounts& counts) {
   return fmt::format("{}: {} sure, {} doubtful, {} unknown",
                      counted(static_cast<std::size_t>(counts.all()), "image"), counts.sure, counts.doubtful,
                      counts.unknown);

@@ -32,7 +32,7 @@ struct StateCounts {
   int all() const { return sure + doubtful + unknown; }
 };
 /** \brief "235 images: 221 sure, 9 doubtful, 5 unknown". */
-std::string inWords(const StateCounts& counts);
+std::string toString(const StateCounts& counts);
 
 /** \brief The ranked poses as a table for people. */
 void printPoses(std::ostream& out, const std::vector<ResultRow>& rows);

@@ -43,7 +43,7 @@ void completeMounting(const fs::path& path, const Console& console) {
   Camera camera = map.camera;
   camera.mounting = found->mounting;
   MapDatabase::open(path).setCamera(camera);
-  console.out << "the camera is mounted " << found->inWords() << "\n";
+  console.out << "the camera is mounted " << found->toString() << "\n";
 }
 
 void completeMap(const fs::path& path, int threads, const Console& console) {

@@ -44,14 +44,14 @@ std::optional<Map> extended(const std::shared_ptr<const Map>& map, const DepthSe
   const SessionPlace& place = session.find();
   if (!place.found()) {
     console.error(
-        fmt::format("today's images are not found in the map, which stays as it is: {}", place.inWords()));
+        fmt::format("today's images are not found in the map, which stays as it is: {}", place.toString()));
     return {};
   }
   Map changed = *map;
   const MapChanges changes = session.update(changed);
-  noteSession(fmt::format("live: {}; {}", counted(images.frames().size(), "image"), changes.inWords()),
+  noteSession(fmt::format("live: {}; {}", counted(images.frames().size(), "image"), changes.toString()),
               changed);
-  console.print(changes.inWords() + "\n");
+  console.print(changes.toString() + "\n");
   return changed;
 }
 

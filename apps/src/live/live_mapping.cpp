@@ -22,7 +22,7 @@ constexpr std::chrono::seconds kLeastRest(1);  // between improvements
 
 }  // namespace
 
-std::string LiveMapState::inWords() const {
+std::string LiveMapState::toString() const {
   return fmt::format("{:.1f} m, {}, {}, {}", way, counted(static_cast<std::size_t>(keyframes), "keyframe"),
                      counted(static_cast<std::size_t>(loops), "loop"),
                      counted(map->models.size(), "local model"));

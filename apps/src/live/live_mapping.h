@@ -37,7 +37,7 @@ struct LiveMapState {
   LiveTrail trail;                 ///< where the camera was
 
   /** \brief "34 m, 120 keyframes, 3 loops, 40 local models". */
-  std::string inWords() const;
+  std::string toString() const;
 };
 
 /** \brief Makes a map while a camera moves: follows it image by image, and in the background, on one thread

@@ -14,7 +14,7 @@ std::string LiveResult::reason() const {
 
 std::string LiveResult::remark() const {
   const std::string why = reason();
-  return why.empty() && mapped ? mapped->inWords() : why;
+  return why.empty() && mapped ? mapped->toString() : why;
 }
 
 // Where no local model shows anything of the view, the place is carried on.

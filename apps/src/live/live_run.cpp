@@ -389,7 +389,7 @@ void LiveRun::stopRecording() {
 std::string LiveRun::summary() const {
   if (!session_) return "no device, no frames";
   std::string words = session_->summary().text();
-  if (mapping_) words += "; mapped " + mapping_->state().inWords();
+  if (mapping_) words += "; mapped " + mapping_->state().toString();
   if (!options_.results.empty()) words += "; results in " + options_.results;
   if (!options_.screenshots.empty())
     words += fmt::format("; {} in {}", counted(screenshots_, "screenshot"), options_.screenshots);

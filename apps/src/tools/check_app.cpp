@@ -50,7 +50,7 @@ void line(const Console& console, const std::string& title, const std::string& w
               << "\n";
 }
 
-std::string inWords(const Intrinsics& k) {
+std::string toString(const Intrinsics& k) {
   const auto angle = [](double size, double f) { return 2 * std::atan(size / 2 / f) / kDegree; };
   return fmt::format("{}x{}, fx {:.5g}, fy {:.5g}, cx {:.5g}, cy {:.5g}; field of view {:.0f} x {:.0f} deg",
                      k.width, k.height, k.fx, k.fy, k.cx, k.cy, angle(k.width, k.fx), angle(k.height, k.fy));
@@ -184,7 +184,7 @@ void CheckApp::reportCamera(const DepthSequence& sequence, const std::vector<Ima
                             const Console& console) const {
   const auto first =
       std::find_if(images.begin(), images.end(), [](const ImageReport& i) { return i.is_read; });
-  line(console, "camera", inWords(first->camera));
+  line(console, "camera", toString(first->camera));
   const auto& file = sequence.camera();
   if (!file) return line(console, "", "by the points of the clouds");
   const bool is_png = sequence.frames().front().path.extension() == ".png";
@@ -193,7 +193,7 @@ void CheckApp::reportCamera(const DepthSequence& sequence, const std::vector<Ima
   const auto add = [&words](const std::string& more) { words += (words.empty() ? "" : ", ") + more; };
   if (!file->preset.empty()) add(std::string("a ") + file->preset);
   if (std::isfinite(camera.max_depth)) add("measures up to " + metres(camera.max_depth));
-  if (camera.mounting) add("mounted " + facetloc::inWords(*camera.mounting));
+  if (camera.mounting) add("mounted " + facetloc::toString(*camera.mounting));
   if (!words.empty()) line(console, "", words);
 }
 
@@ -299,7 +299,7 @@ void CheckApp::reportPoses(const DepthSequence& sequence, MapMaking& making, con
   if (canBeReadAgain(sequence)) making.checkPoses();
   const PoseCheck check = making.findings().poses.value_or(PoseCheck());
   if (check.isKnown()) {
-    line(console, "", "they disagree with the motions that the images show by " + check.as_given.inWords());
+    line(console, "", "they disagree with the motions that the images show by " + check.as_given.toString());
     for (const std::string& words : check.ratiosInWords()) line(console, "", words);
     if (!check.cause.empty()) findings.doubt(check.cause + adviceOnPoses(check), false);
     if (check.isBeyondSense())

@@ -36,7 +36,7 @@ int reportUnread(const MapFindings& findings, const Console& console) {
   return findings.unread.empty() ? kOk : kFailed;
 }
 
-std::string inWords(const CameraTrajectory& trajectory) {
+std::string toString(const CameraTrajectory& trajectory) {
   return fmt::format("way {:.1f} m, {}, {} with places seen before, {}", trajectory.length(),
                      counted(trajectory.keyframes.size(), "keyframe"),
                      counted(static_cast<std::size_t>(trajectory.loops()), "comparison"),
@@ -68,7 +68,7 @@ int ImageTrajectory::report(const MapFindings& findings, const DepthSequence& se
     console.note(counted(findings.without_odometry, "image") + " outside the time of the odometry");
   if (!findings.odometry || !findings.odometry->isKnown()) return code;
   const PoseCheck& check = *findings.odometry;
-  console.note(fmt::format("odometry and images disagree by {}{}", check.as_given.inWords(),
+  console.note(fmt::format("odometry and images disagree by {}{}", check.as_given.toString(),
                            check.cause.empty() ? "" : "; " + check.cause));
   if (check.wrong_convention) throw IoError(odometry_, "is not of these images as it stands; " + check.cause);
   return code;

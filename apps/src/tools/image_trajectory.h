@@ -44,6 +44,6 @@ private:
 };
 
 /** \brief "way 12.3 m, 44 keyframes, 5 loops closed, 1 piece". */
-std::string inWords(const CameraTrajectory& trajectory);
+std::string toString(const CameraTrajectory& trajectory);
 
 }  // namespace facetloc

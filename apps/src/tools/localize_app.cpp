@@ -329,8 +329,8 @@ void LocalizeApp::printSummary(const Run& run, const Map& map, const Console& co
   }
   std::string words;
   for (const std::string& hint : whatToLookAt(states, run.views, map)) words += hint + "\n";
-  console.print(fmt::format("{}{}{}; {:.1f} ms per image and thread; results in {}\n", words, inWords(states),
-                            is_sequence_ ? firstSure(run.results) : "",
+  console.print(fmt::format("{}{}{}; {:.1f} ms per image and thread; results in {}\n", words,
+                            toString(states), is_sequence_ ? firstSure(run.results) : "",
                             milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)), folder_));
 }
 

@@ -90,7 +90,7 @@ std::string ambiguityOf(const Map& map) {
 
 std::string sureOf(const Map& map) {
   const auto threshold = sureThresholdOf(map);
-  return threshold ? threshold->inWords()
+  return threshold ? threshold->toString()
                    : fmt::format("p >= {}, not calibrated", text::shortest(minProbabilityOf(map)));
 }
 
@@ -144,7 +144,7 @@ void printSummary(std::ostream& out, const Map& map) {
   table.add({"segments", std::to_string(areas.size())});
   table.add({"  per model", meanMinMax(segments, 1)});
   table.add({"  area of the hull [m2]", meanMinMax(areas, 3)});
-  table.add({"camera mounting", map.camera.mounting ? inWords(*map.camera.mounting) : "unknown"});
+  table.add({"camera mounting", map.camera.mounting ? toString(*map.camera.mounting) : "unknown"});
   table.add({"noise of inverse depth", noiseOf(map, noise)});
   table.add({"wrong places score", ambiguityOf(map)});
   table.add({"sure from", sureOf(map)});
@@ -169,7 +169,7 @@ void printMeta(std::ostream& out, const Map& map, bool all) {
   }
 }
 
-std::string inWords(const Eigen::Isometry3d& T) {
+std::string toString(const Eigen::Isometry3d& T) {
   return fmt::format("{:.2f} m and {:.1f} deg", T.translation().norm(), rotationAngle(T.linear()) / kDegree);
 }
 
@@ -376,15 +376,15 @@ void MapMergeApp::align(std::vector<Map>& maps, const Console& console) const {
     if (alignment.isLost()) {
       std::string tried;
       for (const auto& [k, place] : alignment.tried)
-        tried += fmt::format("; in {}, {}", maps_[k], place.inWords());
+        tried += fmt::format("; in {}, {}", maps_[k], place.toString());
       throw IoError(maps_[i],
                     fmt::format("is not found in the maps before it{}; --same-coordinates merges maps "
                                 "that share a world frame as they are",
                                 tried));
     }
     const auto& [k, place] = alignment.tried.back();
-    console.out << fmt::format("{} is found in {} ({}) and {}\n", maps_[i], maps_[k], place.inWords(),
-                               alignment.moved ? "moves by " + inWords(alignment.T_new_old)
+    console.out << fmt::format("{} is found in {} ({}) and {}\n", maps_[i], maps_[k], place.toString(),
+                               alignment.moved ? "moves by " + toString(alignment.T_new_old)
                                                : "stays where it is");
   }
 }

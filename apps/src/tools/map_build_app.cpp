@@ -161,7 +161,7 @@ int MapBuildApp::findTrajectory(const DepthSequence& sequence, MapMaking& making
 }
 
 void MapBuildApp::noteTrajectory(const CameraTrajectory& trajectory, const Console& console) const {
-  console.out << "trajectory: " << inWords(trajectory) << "; " << trajectory.overlaps.inWords() << "\n";
+  console.out << "trajectory: " << toString(trajectory) << "; " << trajectory.overlaps.toString() << "\n";
   if (trajectory.cut_bonds > 0)
     console.note(
         fmt::format("{} between pieces of the trajectory taken out, which overlapping images contradict",
@@ -227,7 +227,7 @@ std::string MapBuildApp::checkPoses(const DepthSequence& sequence, MapMaking& ma
   const PoseCheck& check = *making.findings().poses;
   if (!check.isKnown()) return {};
   if (!check.cause.empty()) {
-    const std::string mended = check.mended.inWords(), as_given = check.as_given.inWords();
+    const std::string mended = check.mended.toString(), as_given = check.as_given.toString();
     console.note(fmt::format("the poses disagree with the images by {}; {}{}", as_given, check.cause,
                              mended == as_given ? "" : "; so read, they disagree by " + mended) +
                  adviceOnPoses(check));
@@ -237,9 +237,9 @@ std::string MapBuildApp::checkPoses(const DepthSequence& sequence, MapMaking& ma
         poses_.empty() ? sequence_ : poses_,
         fmt::format("its poses are not those of its images: they disagree by {}{}; --force builds the map "
                     "nevertheless",
-                    check.as_given.inWords(),
+                    check.as_given.toString(),
                     check.cause.empty() ? "; look at fx, fy and depth_scale of camera.ini, too" : ""));
-  return check.as_given.inWords();
+  return check.as_given.toString();
 }
 
 /** Throws IoError if there are none. */
@@ -388,7 +388,7 @@ int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence,
   }
   if (making.camera().distortion && present.models.empty()) database.setCamera(making.camera());
   if (const auto& found = making.findings().trajectory)
-    database.setMeta(kTrajectoryKey, found->overlaps.inWords());
+    database.setMeta(kTrajectoryKey, found->overlaps.toString());
   Writer writer(std::move(database), present);
   const Seen seen = addModels(sequence, places, making.camera(), batch, writer);
 

@@ -193,7 +193,7 @@ int MapCalibrateApp::execute(const CommandLine& line, const Console& console) {
       inputs_.size() > 1 ? fs::path(inputs_[1]).lexically_normal().string() : "the map itself");
   if (!threshold) refuse(calibration);
   MapDatabase::open(path).setMeta(kSureKey, toText(*threshold));
-  console.out << fmt::format("sure from {}\n", threshold->inWords());
+  console.out << fmt::format("sure from {}\n", threshold->toString());
   return code;
 }
 

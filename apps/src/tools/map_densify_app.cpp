@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string inWords(const Densification& done, const Map& map) {
+std::string toString(const Densification& done, const Map& map) {
   std::string words = fmt::format("{} rendered from the depth pictures of {}", counted(done.rendered, "view"),
                                   counted(done.driven, "local model"));
   if (done.removed > 0) words += fmt::format(", in the place of {} rendered before", done.removed);
@@ -60,7 +60,7 @@ int MapDensifyApp::execute(const CommandLine&, const Console& console) {
     throw IoError(map_,
                   "has no local model with a pose and a depth picture, of which views could be rendered");
   replaceWholeMap(target, map, threads(), console);
-  console.out << inWords(done, map) << " in " << target << "\n";
+  console.out << toString(done, map) << " in " << target << "\n";
   return kOk;
 }
 

@@ -119,7 +119,7 @@ const SessionPlace& MapExtendApp::find(MapSession& session) const {
   const SessionPlace& place = session.find();
   if (!place.found())
     throw IoError(sequence_, fmt::format("is not found in {}, which stays as it is: {}, {} must", map_,
-                                         place.inWords(), session_.min_agreeing));
+                                         place.toString(), session_.min_agreeing));
   return place;
 }
 
@@ -161,7 +161,7 @@ int MapExtendApp::execute(const CommandLine& line, const Console& console) {
   session.findTrajectory();
   const int code = by_images_.report(session.findings(), sequence, console);
   const SessionPlace& place = find(session);
-  console.out << "the session is found in the map: " << place.inWords() << "\n";
+  console.out << "the session is found in the map: " << place.toString() << "\n";
   const std::size_t lost = place.T_w_k.size() - session.placed();
   if (lost > 0) console.note(counted(lost, "keyframe") + " left out, whose place in the map is not certain");
 
@@ -169,12 +169,12 @@ int MapExtendApp::execute(const CommandLine& line, const Console& console) {
   const MapChanges changes = session.update(changed);
   printChanges(console.out, changes);
   noteSession(fmt::format("{}: {}, {}; {}", sequence_, counted(sequence.frames().size(), "image"),
-                          changes.inWords(), versionText()),
+                          changes.toString(), versionText()),
               changed);
   replaceWholeMap(target, changed, threads(), console);
   if (!trajectory_.empty()) writeTrajectory(session);
   if (!changes_.empty()) drawChanges(changed, session, changes);
-  console.out << changes.inWords() << "; map of " << counted(changed.models.size(), "local model") << " in "
+  console.out << changes.toString() << "; map of " << counted(changed.models.size(), "local model") << " in "
               << target << "\n";
   return code;
 }

@@ -68,7 +68,7 @@ std::optional<PngSize> sizeOfImages(const RecordingLayout& layout) {
   return {};
 }
 
-std::string inWords(const PngSize& size) { return fmt::format("{}x{}", size.width, size.height); }
+std::string toString(const PngSize& size) { return fmt::format("{}x{}", size.width, size.height); }
 
 std::vector<double> numbersOf(const std::string& content, const fs::path& path) {
   std::vector<double> numbers;
@@ -147,7 +147,7 @@ RecordedCamera presetCamera(const CameraPreset& preset, const std::optional<Reco
     throw IoError(layout.frames.front().path.string(),
                   fmt::format("is of {} pixels, but the intrinsics of {} are known for {} and images of the "
                               "same shape only: write a camera.ini with the calibration",
-                              inWords(*size), preset.name, modesOf(preset)));
+                              toString(*size), preset.name, modesOf(preset)));
   return {fileOf(*intrinsics, kMillimetres, preset),
           std::string("there is no calibration: the intrinsics are taken to be those of a typical ") +
               preset.name};

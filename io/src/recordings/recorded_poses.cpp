@@ -158,7 +158,7 @@ ReadPoses stampedPoses(const PoseTable& table, const fs::path& path) {
     throw IoError(path.string(), "has poses without time stamps, which belong to the images of a recording");
   ReadPoses read{posesAt(table, [&](std::size_t i) { return table.rows[i].stamp * table.unit.seconds; }), {}};
   if (table.unit.seconds != 1 && !table.unit.counted)
-    say(read.remark, fmt::format("{}: its stamps are taken to be {}", path.string(), table.unit.inWords()));
+    say(read.remark, fmt::format("{}: its stamps are taken to be {}", path.string(), table.unit.toString()));
   say(read.remark, lostPoses(table, path));
   return read;
 }

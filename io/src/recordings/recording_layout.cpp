@@ -102,7 +102,7 @@ private:
         setStamp(frame, seconds);
     }
     if (layout_.unit.seconds != 1 && !layout_.unit.counted)
-      layout_.remark = fmt::format("the stamps of the images are taken to be {}", layout_.unit.inWords());
+      layout_.remark = fmt::format("the stamps of the images are taken to be {}", layout_.unit.toString());
   }
 
   /** Numbers all frames, and finds the file that may have the pose of each. */
@@ -266,7 +266,7 @@ private:
 
 }  // namespace
 
-std::string RecordingLayout::inWords() const {
+std::string RecordingLayout::toString() const {
   switch (kind) {
   case Kind::listed:
     return "images with their times in a list";

@@ -36,7 +36,7 @@ struct RecordingLayout {
   std::string remark;  ///< assumptions made, a sentence without full stop, or nothing
 
   /** \brief "7-Scenes", "images named by their times". */
-  std::string inWords() const;
+  std::string toString() const;
   ImageTimes times() const;
 };
 

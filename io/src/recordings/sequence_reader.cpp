@@ -140,7 +140,7 @@ DepthSequence SequenceReader::readWith(std::optional<RecordedCamera> camera) con
   sequence.times_ = std::make_shared<const ImageTimes>(layout_.times());
   sequence.layout_ =
       container_ ? "a recording in " + std::string(fs::is_directory(path_) ? "several files" : "one file")
-                 : layout_.inWords();
+                 : layout_.toString();
   sequence.time_offset_ = hints_.time_offset;
   sequence.poses_are_ = PoseReading::of(hints_.poses_are);
   const auto remark = [&sequence](std::string words) {

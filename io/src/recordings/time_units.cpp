@@ -44,7 +44,7 @@ bool jitter(const std::vector<double>& steps) {
 
 }  // namespace
 
-std::string TimeUnit::inWords() const {
+std::string TimeUnit::toString() const {
   if (counted) return "numbers";
   if (seconds == kNanoseconds) return "nanoseconds";
   if (seconds == kMicroseconds) return "microseconds";

@@ -15,7 +15,7 @@ struct TimeUnit {
   bool counted = false;  ///< the numbers count images, and are no times
 
   /** \brief "nanoseconds". */
-  std::string inWords() const;
+  std::string toString() const;
 };
 
 constexpr double kFrameRate = 30;  ///< rate of images that are only counted [Hz]

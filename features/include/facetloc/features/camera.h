@@ -43,10 +43,10 @@ CameraDifference differenceOf(const Camera& of_view, const Camera& of_map, doubl
 
 /** \brief The difference in sentences without full stop, one for each thing that changes an answer; empty for
  * equal cameras. */
-std::vector<std::string> inWords(const CameraDifference& difference, const Camera& of_view,
-                                 const Camera& of_map);
+std::vector<std::string> toString(const CameraDifference& difference, const Camera& of_view,
+                                  const Camera& of_map);
 
 /** \brief "0.980 m above the floor, 10.0 deg down". */
-std::string inWords(const CameraMounting& mounting);
+std::string toString(const CameraMounting& mounting);
 
 }  // namespace facetloc

@@ -23,7 +23,7 @@ struct LeftOutLabel {
 };
 /** \brief "3 of 18 labels are no segments: 2, 7 (is seen edge-on); 11 (is too narrow)"; empty if none is left
  * out. */
-std::string inWords(const std::vector<LeftOutLabel>& left_out, std::size_t labels);
+std::string toString(const std::vector<LeftOutLabel>& left_out, std::size_t labels);
 
 /** \brief Segment frames of a labelled cloud, in PCL's feature vocabulary.
  *

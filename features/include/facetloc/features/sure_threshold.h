@@ -25,7 +25,7 @@ struct SureThreshold {
 
   /** \brief "p >= 0.95: at most 1 % of the sure answers are wrong, with 95 % confidence; 412 of 600 images of
    * walk are sure, 1 of these wrong". */
-  std::string inWords() const;
+  std::string toString() const;
 };
 
 /** \brief For the meta data of a map: one line. */

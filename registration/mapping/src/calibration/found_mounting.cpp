@@ -88,8 +88,8 @@ bool hasMoved(const Map& map) {
 
 }  // namespace
 
-std::string FoundMounting::inWords() const {
-  return fmt::format("{}, by the floor in {} of {} local models", facetloc::inWords(mounting), models,
+std::string FoundMounting::toString() const {
+  return fmt::format("{}, by the floor in {} of {} local models", facetloc::toString(mounting), models,
                      all_models);
 }
 

@@ -181,7 +181,7 @@ private:
   const PosesByTime& poses_;
 };
 
-std::string inWords(const Reading& r) {
+std::string toString(const Reading& r) {
   std::vector<std::string> faults;
   if (r.w_first) faults.emplace_back("their quaternions are in the order w x y z, where x y z w is expected");
   if (r.inverse)
@@ -282,7 +282,7 @@ bool isSenseless(const PoseDisagreement& d) {
 
 }  // namespace
 
-std::string PoseDisagreement::inWords() const {
+std::string PoseDisagreement::toString() const {
   return fmt::format("{:.2f} deg, {:.0f} mm, median of {} motions", rotation_deg, 1e3 * translation, motions);
 }
 
@@ -317,7 +317,7 @@ PoseCheck internal::checkPoses(const std::vector<SeenMotion>& motions, const Pos
   const bool explained =
       !isSenseless(mended);  // some interpretation always fits best, even for poses of other images
   if (explained) {
-    check.cause = inWords(best);
+    check.cause = toString(best);
     check.convention = conventionOf(best);
     check.wrong_convention = best.w_first || best.inverse || best.axes != Axes::optical ||
                              !best.storing.isUsual() ||

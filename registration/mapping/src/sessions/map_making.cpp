@@ -133,7 +133,7 @@ bool MapMaking::Impl::canBeMade() {
            fault && !params.any_reading)
     findings.problem = fault->words;
   else if (!params.any_reading && findings.poses && findings.poses->isBeyondSense())
-    findings.problem = fmt::format("poses and images disagree by {}{}", findings.poses->as_given.inWords(),
+    findings.problem = fmt::format("poses and images disagree by {}{}", findings.poses->as_given.toString(),
                                    findings.poses->cause.empty() ? "" : "; " + findings.poses->cause);
   return findings.problem.empty();
 }
@@ -258,7 +258,7 @@ Map MapMaking::finish() {
   auto map = std::make_shared<Map>(m.build(places()));
   if (map->models.empty()) return {};
   map->camera = m.run.camera;
-  if (m.findings.trajectory) map->meta[kTrajectoryKey] = m.findings.trajectory->overlaps.inWords();
+  if (m.findings.trajectory) map->meta[kTrajectoryKey] = m.findings.trajectory->overlaps.toString();
   placeByLinks(*map);
   if (!map->camera.mounting) m.findings.mounting = findMounting(*map);
   if (m.findings.mounting) {

@@ -18,7 +18,7 @@ constexpr double kKeyShare = 0.5;  // share of the distance of local models, for
 
 }  // namespace
 
-std::string MapChanges::inWords() const {
+std::string MapChanges::toString() const {
   return fmt::format("{} local model{} added, {} replaced, {} retired, {} without moved surfaces",
                      added.size(), added.size() == 1 ? "" : "s", replaced.size(), retired.size(),
                      edited.size());

@@ -113,7 +113,7 @@ std::vector<FoundKeyframe> ofPart(const std::vector<FoundKeyframe>& found, const
 
 }  // namespace
 
-std::string SessionPlace::inWords() const {
+std::string SessionPlace::toString() const {
   return fmt::format("{} of {} {} sure, {} of them agree", sure, asked,
                      asked == 1 ? "image is" : "images are", agreeing);
 }

@@ -780,7 +780,7 @@ void TrajectoryEstimation::Impl::adopt(const Impl& improved) {
   }
 }
 
-std::string OverlapVerdicts::inWords() const {
+std::string OverlapVerdicts::toString() const {
   return fmt::format("{:.1f} % of {} overlaps of images contradict it by more than 1 deg or 0.1 m",
                      100 * contradictedShare(), judged());
 }

@@ -41,7 +41,7 @@ void SegmentFrameEstimation<PointT>::compute(PointCloudOut& output) {
   output.sensor_orientation_ = input_->sensor_orientation_;
   if (!output.empty()) return;
   status_ = "no label has the support of a segment";
-  if (!left_out_.empty()) status_ += ": " + inWords(left_out_, given.size());
+  if (!left_out_.empty()) status_ += ": " + toString(left_out_, given.size());
 }
 
 /** The labels in their order, which breaks ties. */

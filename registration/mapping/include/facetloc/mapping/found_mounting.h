@@ -15,7 +15,7 @@ struct FoundMounting {
   int all_models = 0;  ///< number of models examined
 
   /** \brief "0.980 m above the floor, 10.0 deg down, by the floor in 140 of 160 local models". */
-  std::string inWords() const;
+  std::string toString() const;
 };
 
 /** \brief The floor as a camera sees it. */

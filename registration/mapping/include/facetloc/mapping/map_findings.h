@@ -23,7 +23,7 @@ struct PoseDisagreement {
   std::size_t motions = 0;  ///< motions whose poses are known
 
   /** \brief "0.78 deg, 18 mm, median of 61 motions". */
-  std::string inWords() const;
+  std::string toString() const;
 };
 
 /** \brief Length of motions by images, relative to those by poses. */

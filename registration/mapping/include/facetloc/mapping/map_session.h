@@ -44,7 +44,7 @@ struct SessionPlace {
 
   bool found() const { return agreeing > 0; }
   /** \brief "12 of 80 images are sure, 9 of them agree". */
-  std::string inWords() const;
+  std::string toString() const;
 };
 
 /** \brief The changes of a map by a session. Local models by their names. */
@@ -63,7 +63,7 @@ struct MapChanges {
       T_w_edited;  ///< poses of local models that were added, removed or edited
 
   /** \brief "2 local models added, 1 replaced, 0 retired, 3 without moved surfaces". */
-  std::string inWords() const;
+  std::string toString() const;
   bool any() const { return !(added.empty() && replaced.empty() && retired.empty() && edited.empty()); }
 };
 

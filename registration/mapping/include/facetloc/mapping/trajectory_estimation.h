@@ -49,7 +49,7 @@ struct OverlapVerdicts {
   int judged() const { return confirmed + contradicted; }
   double contradictedShare() const { return judged() > 0 ? double(contradicted) / judged() : 0; }
   /** \brief "1.4 % of 624 overlaps of images contradict it by more than 1 deg or 0.1 m". */
-  std::string inWords() const;
+  std::string toString() const;
 };
 
 /** \brief Where a camera has been. Parts that nothing ties together have worlds of their own. */
