@@ -11,13 +11,13 @@
 
 namespace facetloc::mpi {
 
-struct Place {
+struct ProcessId {
   int rank;
   int size;
   int ranks_here;  ///< on this machine
 };
 
-Place join();
+ProcessId join();
 void leave();
 void abort(int code);
 /** \brief Begins to send, and waits only if much is on its way already. */

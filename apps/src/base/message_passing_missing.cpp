@@ -5,7 +5,7 @@
 
 namespace facetloc::mpi {
 
-Place join() { throw std::runtime_error("was built without MPI: start it without mpirun"); }
+ProcessId join() { throw std::runtime_error("was built without MPI: start it without mpirun"); }
 
 // Unreachable: without MPI no process can join.
 void leave() {}

@@ -55,11 +55,11 @@ void waitForSent(std::size_t most) {
 
 }  // namespace
 
-Place join() {
+ProcessId join() {
   int provided = MPI_THREAD_SINGLE;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
   if (provided < MPI_THREAD_FUNNELED) throw std::runtime_error("this MPI knows no threads");
-  Place place{};
+  ProcessId place{};
   MPI_Comm_rank(MPI_COMM_WORLD, &place.rank);
   MPI_Comm_size(MPI_COMM_WORLD, &place.size);
   MPI_Comm here;

@@ -40,7 +40,7 @@ const Ranks& Ranks::here() { return g_here; }
 
 void Ranks::join() {
   if (!startedByMpirun()) return;
-  const mpi::Place place = mpi::join();
+  const mpi::ProcessId place = mpi::join();
   g_here.rank_ = place.rank;
   g_here.size_ = place.size;
   g_here.threads_ = threadsFor(place.ranks_here);
