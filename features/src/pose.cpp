@@ -23,7 +23,7 @@ std::string directionText(const Eigen::Vector3d& v) {
 
 }  // namespace
 
-Matrix6d turned(const Eigen::Matrix3d& R, const Matrix6d& P) {
+Matrix6d rotateCovariance(const Eigen::Matrix3d& R, const Matrix6d& P) {
   Matrix6d out;
   for (const int row : {0, 3})
     for (const int column : {0, 3})
@@ -32,7 +32,7 @@ Matrix6d turned(const Eigen::Matrix3d& R, const Matrix6d& P) {
 }
 
 PoseWithCovariance operator*(const Eigen::Isometry3d& T_a_b, const PoseWithCovariance& T_b_c) {
-  return {T_a_b * T_b_c.T, turned(T_a_b.linear(), T_b_c.P)};
+  return {T_a_b * T_b_c.T, rotateCovariance(T_a_b.linear(), T_b_c.P)};
 }
 
 bool isNear(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double translation, double rotation_deg) {
@@ -68,14 +68,14 @@ PoseWithCovariance operator*(const PoseWithCovariance& T_a_b, const PoseWithCova
   const Eigen::Matrix3d R = T_a_b.T.linear();
   Matrix6d F = Matrix6d::Identity();
   F.bottomLeftCorner<3, 3>() = -skew(R * T_b_c.T.translation());
-  return {T_a_b.T * T_b_c.T, F * T_a_b.P * F.transpose() + turned(R, T_b_c.P)};
+  return {T_a_b.T * T_b_c.T, F * T_a_b.P * F.transpose() + rotateCovariance(R, T_b_c.P)};
 }
 
 // To first order: d phi' = -R^T d phi, d t' = -R^T (d t + [t]x d phi).
 PoseWithCovariance inverse(const PoseWithCovariance& T_a_b) {
   Matrix6d F = Matrix6d::Identity();
   F.bottomLeftCorner<3, 3>() = skew(T_a_b.T.translation());
-  return {T_a_b.T.inverse(), turned(T_a_b.T.linear().transpose(), F * T_a_b.P * F.transpose())};
+  return {T_a_b.T.inverse(), rotateCovariance(T_a_b.T.linear().transpose(), F * T_a_b.P * F.transpose())};
 }
 
 Matrix6d adjoint(const Eigen::Isometry3d& T_a_b) {

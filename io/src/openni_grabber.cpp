@@ -273,7 +273,7 @@ void OpenNIGrabber::stopStreams() {
     if (std::exchange(s.started, false)) s.stream.stop();
 }
 
-/** On a lasting thread, until it is stopped, or the recording has ended and its last frame has come. */
+/** On a persistent thread, until it is stopped, or the recording has ended and its last frame has come. */
 void OpenNIGrabber::readFrames() {
   State& s = *state_;
   int waits = 0;

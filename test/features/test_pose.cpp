@@ -176,13 +176,13 @@ TEST(Pose, PrincipalDirectionsAreThoseOfTheBlocks) {
   const Eigen::Matrix3d R = test::randomPose(rng, 3, 5).linear();
   Matrix6d P = Matrix6d::Zero();
   P.diagonal() << 1e-4, 4e-4, 9e-4, 0.01, 0.04, 0.25;
-  const PrincipalStd known = principalStd(turned(R, P));
+  const PrincipalStd known = principalStd(rotateCovariance(R, P));
   EXPECT_LT((known.rotation - Eigen::Vector3d(0.01, 0.02, 0.03)).norm(), 1e-9);
   EXPECT_LT((known.translation - Eigen::Vector3d(0.1, 0.2, 0.5)).norm(), 1e-9);
   EXPECT_NEAR(std::abs(known.rotation_axes.col(2).dot(R.col(2))), 1, 1e-9);
   EXPECT_NEAR(std::abs(known.translation_axes.col(0).dot(R.col(0))), 1, 1e-9);
-  EXPECT_NEAR(largestRotationStd(turned(R, P)), 0.03, 1e-9);
-  EXPECT_NEAR(largestTranslationStd(turned(R, P)), 0.5, 1e-9);
+  EXPECT_NEAR(largestRotationStd(rotateCovariance(R, P)), 0.03, 1e-9);
+  EXPECT_NEAR(largestTranslationStd(rotateCovariance(R, P)), 0.5, 1e-9);
   EXPECT_TRUE(known.within(0.031, 0.51));
   EXPECT_FALSE(known.within(0.029, 0.51));
   EXPECT_TRUE(known.oneTranslationFree(0.031, 0.3));

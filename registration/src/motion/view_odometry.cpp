@@ -90,7 +90,7 @@ PoseWithCovariance ViewOdometry::aligned(const View& view, const Surroundings& a
                                          const PoseWithCovariance& predicted) const {
   if (!camera_motion_) return alignView(view, around_us, predicted, alignment_).T_w_c;
   PoseWithCovariance jolted = predicted;
-  jolted.P += turned(T_o_c_.linear(), jolt_);
+  jolted.P += rotateCovariance(T_o_c_.linear(), jolt_);
   const PoseWithCovariance seen = alignView(view, around_us, jolted, alignment_).T_w_c;
   const Matrix6d of_jolted = symmetricInverse(jolted.P), of_prediction = symmetricInverse(predicted.P);
   const Matrix6d of_views = symmetricInverse(seen.P) - of_jolted;

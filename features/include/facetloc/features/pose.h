@@ -40,7 +40,7 @@ double squaredMahalanobis(const PoseWithCovariance& a, const PoseWithCovariance&
 
 /** \brief Covariance of a left, decoupled perturbation in axes that are turned: R maps the old ones into the
  * new ones. */
-Matrix6d turned(const Eigen::Matrix3d& R, const Matrix6d& P);
+Matrix6d rotateCovariance(const Eigen::Matrix3d& R, const Matrix6d& P);
 
 /** \brief The pose of c in a, where T_a_b is exact. */
 PoseWithCovariance operator*(const Eigen::Isometry3d& T_a_b, const PoseWithCovariance& T_b_c);

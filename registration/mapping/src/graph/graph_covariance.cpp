@@ -59,7 +59,7 @@ PoseWithCovariance GraphCovariance::relative(int a, int b, const Matrix6d& P_aa,
   const Matrix6d cross = P_ba * by_a.transpose();
   Matrix6d P = P_bb + cross + cross.transpose() + by_a * P_aa * by_a.transpose();
   if (a == b) P.setZero();
-  return {T_w_a.inverse() * T_w_b, turned(T_w_a.linear().transpose(), P)};
+  return {T_w_a.inverse() * T_w_b, rotateCovariance(T_w_a.linear().transpose(), P)};
 }
 
 std::optional<PoseWithCovariance> GraphCovariance::between(int a, int b) const {
