@@ -62,18 +62,18 @@ void removeFindings(Connection& db) {
 }
 
 void insertAmbiguity(Connection& db, const MapAmbiguity& ambiguity,
-                     const std::vector<std::optional<double>>& lookalike_scores) {
+                     const std::vector<std::optional<double>>& alias_scores) {
   describing(db, "the ambiguity", [&] {
     requireSound(ambiguity);
-    for (const std::optional<double>& score : lookalike_scores)
+    for (const std::optional<double>& score : alias_scores)
       if (score) requirePossibleScore(*score);
   });
   removeFindings(db);
   Statement statement(db, schema::insert(schema::kAmbiguityColumns, "ambiguity"));
   (statement << 0 << ambiguity.score << ambiguity.views).run();
   Statement of_model(db, "UPDATE model SET lookalike_score = ? WHERE id = ?");
-  for (std::size_t i = 0; i < lookalike_scores.size(); ++i)
-    (of_model << lookalike_scores[i] << static_cast<int>(i)).run();
+  for (std::size_t i = 0; i < alias_scores.size(); ++i)
+    (of_model << alias_scores[i] << static_cast<int>(i)).run();
 }
 
 int nextId(Connection& db, const std::string& table) {
@@ -235,11 +235,11 @@ void MapDatabase::setCamera(const Camera& camera) {
 }
 
 void MapDatabase::setAmbiguity(const MapAmbiguity& ambiguity,
-                               const std::vector<std::optional<double>>& lookalike_scores) {
+                               const std::vector<std::optional<double>>& alias_scores) {
   Transaction transaction(impl_->db);
-  if (!lookalike_scores.empty() && nextId(impl_->db, "model") != static_cast<int>(lookalike_scores.size()))
+  if (!alias_scores.empty() && nextId(impl_->db, "model") != static_cast<int>(alias_scores.size()))
     throw std::invalid_argument("MapDatabase: there must be as many scores as local models");
-  insertAmbiguity(impl_->db, ambiguity, lookalike_scores);
+  insertAmbiguity(impl_->db, ambiguity, alias_scores);
   transaction.commit();
 }
 
@@ -323,9 +323,9 @@ void writeMap(const fs::path& path, const Map& map, const std::function<void(std
       insertModel(db, map.models[i], *map.view(static_cast<int>(i)));
     for (const Link& link : map.links) insertLink(db, link);
     if (map.ambiguity) {
-      std::vector<std::optional<double>> lookalike_scores;
-      for (const LocalModel& model : map.models) lookalike_scores.push_back(model.lookalike_score);
-      insertAmbiguity(db, *map.ambiguity, lookalike_scores);
+      std::vector<std::optional<double>> alias_scores;
+      for (const LocalModel& model : map.models) alias_scores.push_back(model.alias_score);
+      insertAmbiguity(db, *map.ambiguity, alias_scores);
     }
     for (const auto& [key, value] : map.meta)
       if (!isReserved(key)) insertMeta(db, key, value);

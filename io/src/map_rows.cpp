@@ -60,7 +60,7 @@ void requireSound(const LocalModel& model) {
   require(!model.name.empty(), "it has no name");
   require(std::isfinite(model.stamp) && plausible::isStamp(model.stamp), "its stamp is impossible");
   if (model.T_w_m) requireSound(*model.T_w_m);
-  if (model.lookalike_score) requirePossibleScore(*model.lookalike_score);
+  if (model.alias_score) requirePossibleScore(*model.alias_score);
 }
 
 Eigen::Isometry3d readPose(Statement& row) {
@@ -273,7 +273,7 @@ ModelRow readModel(Statement& row) {
     read.model.T_w_m = readPose(row);
   read.intrinsics = readIntrinsics(row);
   read.num_segments = row.integer();
-  read.model.lookalike_score = row.realOrNull();
+  read.model.alias_score = row.realOrNull();
   requireSound(read.model);
   return read;
 }

@@ -81,7 +81,7 @@ void expectSameAmbiguity(const Map& a, const Map& b) {
   EXPECT_NEAR(a.ambiguity->score, b.ambiguity->score, kRounding);
   ASSERT_EQ(a.models.size(), b.models.size());
   for (std::size_t i = 0; i < a.models.size(); ++i) {
-    const auto &of_a = a.models[i].lookalike_score, &of_b = b.models[i].lookalike_score;
+    const auto &of_a = a.models[i].alias_score, &of_b = b.models[i].alias_score;
     ASSERT_EQ(of_a.has_value(), of_b.has_value()) << i;
     EXPECT_NEAR(of_a.value_or(0), of_b.value_or(0), kRounding) << i;
   }

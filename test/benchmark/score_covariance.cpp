@@ -283,8 +283,7 @@ private:
     Map map = map_.empty() ? place.see(view_) : readMap(map_);
     if (map_.empty())
       internal::setAmbiguity(
-          internal::lookalikeScores(GlobalLocalization(std::make_shared<const Map>(map), localization_)),
-          map);
+          internal::aliasScores(GlobalLocalization(std::make_shared<const Map>(map), localization_)), map);
     else
       place.seeQuery(map, view_);
     return map;

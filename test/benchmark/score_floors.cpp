@@ -83,7 +83,7 @@ RunResults localized(const char* name, const SeenRun& run, const GlobalLocalizat
 /** \param with_map_images the images of the mapping run are localized, too */
 Evaluation evaluate(MappedPlace& floor, const Variant& variant, bool with_map_images, int max_hypotheses) {
   Map seen = floor.see(variant.view, variant.calibrated);
-  setAmbiguity(lookalikeScores(GlobalLocalization(std::make_shared<const Map>(seen), variant.localization)),
+  setAmbiguity(aliasScores(GlobalLocalization(std::make_shared<const Map>(seen), variant.localization)),
                seen);
   const auto map = std::make_shared<const Map>(std::move(seen));
   GlobalLocalization localization(map, variant.localization);

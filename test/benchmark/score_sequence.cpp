@@ -207,7 +207,7 @@ private:
       MappedPlace place(name, static_cast<std::size_t>(every_), run_);
       Map map = place.see(view_);
       const PosedRun seen = place.posedQuery(evaluation_);
-      setAmbiguity(lookalikeScores(GlobalLocalization(std::make_shared<const Map>(map), localization_)), map);
+      setAmbiguity(aliasScores(GlobalLocalization(std::make_shared<const Map>(map), localization_)), map);
       const std::vector<Course> courses = coursesOf(std::make_shared<const Map>(std::move(map)), seen);
       print(fs::path(name).filename().string(), courses);
       all.insert(all.end(), courses.begin(), courses.end());

@@ -131,17 +131,17 @@ TEST_F(MapFile, TheAmbiguityRoundTripsUntilAModelIsAdded) {
     ASSERT_TRUE(read.ambiguity);
     EXPECT_EQ(read.ambiguity->score, -12.5);
     EXPECT_EQ(read.ambiguity->views, 142);
-    EXPECT_EQ(read.models[0].lookalike_score, 3.5);
-    EXPECT_FALSE(read.models[1].lookalike_score);
-    EXPECT_EQ(read.models[2].lookalike_score, -7.0);
+    EXPECT_EQ(read.models[0].alias_score, 3.5);
+    EXPECT_FALSE(read.models[1].alias_score);
+    EXPECT_EQ(read.models[2].alias_score, -7.0);
   }
   const Map map = readMap(path_);
   writeMap(path_, map);
   EXPECT_TRUE(readMap(path_).ambiguity);
-  EXPECT_EQ(readMap(path_).models[2].lookalike_score, -7.0);
+  EXPECT_EQ(readMap(path_).models[2].alias_score, -7.0);
   MapDatabase::open(path_).add(ExampleMap(9).model("more"), ExampleMap(9).view());
   EXPECT_FALSE(readMap(path_).ambiguity);
-  EXPECT_FALSE(readMap(path_).models[2].lookalike_score);
+  EXPECT_FALSE(readMap(path_).models[2].alias_score);
   EXPECT_THAT(checkMap(path_), IsEmpty());
 }
 

@@ -155,17 +155,17 @@ TEST_F(LocalizationInARoom, AMapOfTwinsKnowsThatItIsAmbiguous) {
     EXPECT_THAT(*wrong->T_w_c, PoseNear(away * *map->models[i].T_w_m, 0.02, 0.5));
     EXPECT_GT(wrong->score, 0);
   }
-  EXPECT_FALSE(ambiguityOf(LookalikeScores()));
+  EXPECT_FALSE(ambiguityOf(AliasScores()));
 }
 
 TEST(MapAmbiguity, IsTheMeanOfTheHighestTenth) {
-  LookalikeScores scores = {{}, {}};                             // nothing of two models
+  AliasScores scores = {{}, {}};                                 // nothing of two models
   for (int i = 0; i < 40; ++i) scores.push_back((i * 17) % 40);  // 0 ... 39 in another order
   const auto found = ambiguityOf(scores);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->views, 40);
   EXPECT_DOUBLE_EQ(found->score, 37.5);
-  EXPECT_DOUBLE_EQ(ambiguityOf(LookalikeScores{-3})->score, -3);
+  EXPECT_DOUBLE_EQ(ambiguityOf(AliasScores{-3})->score, -3);
 }
 
 TEST_F(LocalizationInARoom, AModelThatCannotBeReadIsAnErrorForAnyNumberOfThreads) {

@@ -249,14 +249,14 @@ TEST_F(Evidence, APlaceThatLooksLikeNoOtherIsBelievedSooner) {
     return ranking().oddsOfKnown(true, weight, share, here).null_score;
   };
   EXPECT_DOUBLE_EQ(nullScoreWith(0.8, 0.5), 0.2 * -10 + 0.8 * 20) << "nobody has asked about this place";
-  map.models[0].lookalike_score = 4;
-  map.models[2].lookalike_score = 8;
+  map.models[0].alias_score = 4;
+  map.models[2].alias_score = 8;
   EXPECT_DOUBLE_EQ(nullScoreWith(0.8, 0.5), 0.2 * -10 + 0.8 * 14);
   EXPECT_DOUBLE_EQ(nullScoreWith(0.8, 0), 0.2 * -10 + 0.8 * 20);
   EXPECT_DOUBLE_EQ(nullScoreWith(1, 1), 8);
-  for (LocalModel& model : map.models) model.lookalike_score = -50;
+  for (LocalModel& model : map.models) model.alias_score = -50;
   EXPECT_DOUBLE_EQ(nullScoreWith(1, 1), -10) << "no less than any wrong place scores";
-  map.models[1].lookalike_score = 90;
+  map.models[1].alias_score = 90;
   EXPECT_DOUBLE_EQ(nullScoreWith(1, 1), 20) << "no more than the map's";
   map.models[1].T_w_m->translation().x() += 100;
   EXPECT_DOUBLE_EQ(nullScoreWith(1, 1), -10) << "what is far away is not this place";

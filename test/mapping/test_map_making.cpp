@@ -93,7 +93,7 @@ TEST(MapMaking, IsTheSameForAnyNumberOfThreads) {
   ASSERT_EQ(a.models.size(), b.models.size());
   for (std::size_t i = 0; i < a.models.size(); ++i) {
     EXPECT_EQ(a.models[i].T_w_m->matrix(), b.models[i].T_w_m->matrix()) << i;
-    EXPECT_EQ(a.models[i].lookalike_score, b.models[i].lookalike_score) << i;
+    EXPECT_EQ(a.models[i].alias_score, b.models[i].alias_score) << i;
   }
 }
 

@@ -29,7 +29,7 @@ void completeAmbiguity(const fs::path& path, int threads, const Console& console
   const auto map = std::make_shared<const Map>(openMap(path));
   if (map->ambiguity) return;
   MapWatch watch(console);
-  const MapLookalikes found = findLookalikes(map, threads, watch.callback());
+  const MapAliases found = findAliases(map, threads, watch.callback());
   if (found.ambiguity) MapDatabase::open(path).setAmbiguity(*found.ambiguity, found.scores);
 }
 

@@ -70,7 +70,7 @@ struct LocalModel {
   int part = 0;                            ///< index of the part of the map
   /** \brief Score of the best wrong place for its view [nats], if the map was asked and has one
    * (localization/METHOD 11.5). */
-  std::optional<double> lookalike_score{};
+  std::optional<double> alias_score{};
   bool by_links = false;  ///< T_w_m follows from the map's links (placeByLinks()), and was not given
 
   /** \brief Replaces its view by one in memory. */

@@ -47,10 +47,10 @@ public:
   void setMeta(const std::string& key, const std::string& value);
   /** \brief All properties of the camera of the map's images; replaces the former ones. */
   void setCamera(const Camera& camera);
-  /** \brief It is lost when a model is added. \param lookalike_scores of the local models, by index; none, or
+  /** \brief It is lost when a model is added. \param alias_scores of the local models, by index; none, or
    * as many as there are models, else throws std::invalid_argument */
   void setAmbiguity(const MapAmbiguity& ambiguity,
-                    const std::vector<std::optional<double>>& lookalike_scores = {});
+                    const std::vector<std::optional<double>>& alias_scores = {});
   /** \brief Keeps the output of PlaceIndex::write(), so that it need not be made when the map is opened. It
    * is lost when a model is added. */
   void setPlaceIndex(const std::function<void(std::ostream&)>& write);

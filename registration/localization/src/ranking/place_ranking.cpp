@@ -36,11 +36,11 @@ bool PlaceRanking::mayHaveEvidence(const View& scene) const {
 }
 
 // Score of wrong matches: the map's, moved by a share towards the highest of the models around the place.
-double PlaceRanking::lookalikesOf(const Hypothesis& place, double share_of_place) const {
+double PlaceRanking::aliasScoreOf(const Hypothesis& place, double share_of_place) const {
   const double of_map = meanAmbiguity(params_.calibration.probability, map_->ambiguity);
   std::optional<double> of_place;
   for (const int i : near_.bySight(place.part, *place.T_w_c, kEvidenceReach, params_.evidence.models))
-    if (const auto& score = map_->models[i].lookalike_score)
+    if (const auto& score = map_->models[i].alias_score)
       of_place =
           std::max({*score, of_place.value_or(*score), params_.calibration.probability.least_null_score});
   return of_place ? std::min(of_map, of_map + share_of_place * (*of_place - of_map)) : of_map;
@@ -52,7 +52,7 @@ ScoreOdds PlaceRanking::oddsOfKnown(bool evidence, double lookalike_weight, doub
   const ProbabilityCalibration& p = params_.calibration.probability;
   const double prior = params_.probability.priorLogOdds();
   return {p.slope, (1 - lookalike_weight) * p.least_null_score +
-                       lookalike_weight * lookalikesOf(place, share_of_place) + prior / p.slope};
+                       lookalike_weight * aliasScoreOf(place, share_of_place) + prior / p.slope};
 }
 
 ScoreOdds PlaceRanking::odds(bool evidence, const std::vector<Hypothesis>& sorted) const {

@@ -38,7 +38,7 @@ private:
   Eigen::Isometry3d poseOfModel(const Hypothesis& h) const override;
   int viewpoints(const std::vector<int>& models) const override;
   double evidenceWeight() const override;
-  double lookalikesOf(const Hypothesis& place, double share_of_place) const;
+  double aliasScoreOf(const Hypothesis& place, double share_of_place) const;
 
   std::shared_ptr<const Map> map_;
   GlobalLocalizationParams params_;

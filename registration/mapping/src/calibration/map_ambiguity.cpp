@@ -59,14 +59,14 @@ std::optional<Hypothesis> wrongPlace(const GlobalLocalization& localization, int
   return {};
 }
 
-LookalikeScores lookalikeScores(const GlobalLocalization& localization) {
-  LookalikeScores scores(localization.map().models.size());
+AliasScores aliasScores(const GlobalLocalization& localization) {
+  AliasScores scores(localization.map().models.size());
   for (const int model : viewsToAsk(localization.map()))
     if (const auto wrong = wrongPlace(localization, model)) scores[model] = wrong->score;
   return scores;
 }
 
-std::optional<MapAmbiguity> ambiguityOf(const LookalikeScores& scores) {
+std::optional<MapAmbiguity> ambiguityOf(const AliasScores& scores) {
   std::vector<double> found;
   for (const std::optional<double>& score : scores)
     if (score) found.push_back(*score);
@@ -78,9 +78,9 @@ std::optional<MapAmbiguity> ambiguityOf(const LookalikeScores& scores) {
                       static_cast<int>(found.size())};
 }
 
-void setAmbiguity(const LookalikeScores& scores, Map& map) {
+void setAmbiguity(const AliasScores& scores, Map& map) {
   map.ambiguity = ambiguityOf(scores);
-  for (std::size_t i = 0; i < map.models.size(); ++i) map.models[i].lookalike_score = scores[i];
+  for (std::size_t i = 0; i < map.models.size(); ++i) map.models[i].alias_score = scores[i];
 }
 
 }  // namespace facetloc::internal

@@ -31,14 +31,14 @@ std::optional<Hypothesis> wrongPlace(const GlobalLocalization& localization, int
 
 /** \brief Of each local model the score of the best wrong place; nothing where none was asked for or found.
  */
-using LookalikeScores = std::vector<std::optional<double>>;
+using AliasScores = std::vector<std::optional<double>>;
 /** \brief The whole map is asked. */
-LookalikeScores lookalikeScores(const GlobalLocalization& localization);
+AliasScores aliasScores(const GlobalLocalization& localization);
 
 /** \brief The mean of the highest tenth; nothing of no scores. */
-std::optional<MapAmbiguity> ambiguityOf(const LookalikeScores& scores);
+std::optional<MapAmbiguity> ambiguityOf(const AliasScores& scores);
 
 /** \brief Puts them, and the ambiguity, into a map. */
-void setAmbiguity(const LookalikeScores& scores, Map& map);
+void setAmbiguity(const AliasScores& scores, Map& map);
 
 }  // namespace facetloc::internal

@@ -187,7 +187,7 @@ Densification densify(Map& map, const DensifyParams& params, const ViewParams& v
   if (done.rendered + done.removed > 0) {
     map.ambiguity.reset();
     map.meta.erase(kSureKey);
-    for (LocalModel& model : map.models) model.lookalike_score.reset();
+    for (LocalModel& model : map.models) model.alias_score.reset();
   }
   return done;
 }

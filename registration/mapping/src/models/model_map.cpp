@@ -152,7 +152,7 @@ Map ModelMap::finish() {
     m.findings.problem = "no view of the surface shows a plane";
     return {};
   }
-  const MapLookalikes found = findLookalikes(map, m.threads, m.progress);
+  const MapAliases found = findAliases(map, m.threads, m.progress);
   setAmbiguity(found.scores, *map);
   return std::move(*map);
 }

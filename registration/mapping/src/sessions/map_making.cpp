@@ -265,14 +265,14 @@ Map MapMaking::finish() {
     map->camera.mounting = m.findings.mounting->mounting;
     placeByLinks(*map);
   }
-  const MapLookalikes found = findLookalikes(map, m.run.threads, m.run.progress);
+  const MapAliases found = findAliases(map, m.run.threads, m.run.progress);
   setAmbiguity(found.scores, *map);
   return std::move(*map);
 }
 
-MapLookalikes findLookalikes(const std::shared_ptr<const Map>& map, int threads,
-                             const MapProgressCallback& progress) {
-  MapLookalikes found{{}, LookalikeScores(map->models.size())};
+MapAliases findAliases(const std::shared_ptr<const Map>& map, int threads,
+                       const MapProgressCallback& progress) {
+  MapAliases found{{}, AliasScores(map->models.size())};
   const std::vector<int> models = viewsToAsk(*map);
   if (models.empty()) return found;
   const GlobalLocalization localization(map);

@@ -104,13 +104,13 @@ private:
 };
 
 /** \brief Ambiguity of a map, and the scores of the best wrong places that it is computed from. */
-struct MapLookalikes {
+struct MapAliases {
   std::optional<MapAmbiguity> ambiguity;      ///< nothing if no view has another place like its own
   std::vector<std::optional<double>> scores;  ///< indexed by local model [nats]
 };
 /** \brief Localizes views of a map in it without their surroundings: the ambiguity of a map that was made
  * otherwise (localization/METHOD 11.5). \param threads 0 = all cores */
-MapLookalikes findLookalikes(const std::shared_ptr<const Map>& map, int threads = 1,
-                             const MapProgressCallback& progress = {});
+MapAliases findAliases(const std::shared_ptr<const Map>& map, int threads = 1,
+                       const MapProgressCallback& progress = {});
 
 }  // namespace facetloc
