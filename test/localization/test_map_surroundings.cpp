@@ -32,9 +32,9 @@ protected:
     map->models.back().T_w_m.reset();  // nobody knows where
   }
   MapSurroundings surroundings() const { return MapSurroundings(map, DepthComparison({})); }
-  static std::vector<int> viewsOf(const Surroundings& found) {
+  static std::vector<int> viewsOf(const LocalMap& found) {
     std::vector<int> views;
-    for (const Surroundings::Origin& o : found.origins)
+    for (const LocalMap::Origin& o : found.origins)
       if (views.empty() || views.back() != o.view) views.push_back(o.view);
     return views;
   }
@@ -47,7 +47,7 @@ protected:
 TEST_F(SurroundingsOfAPose, AreTheNearestModels) {
   const MapSurroundings all = surroundings();
   EXPECT_TRUE(all.anyPose());
-  const Surroundings found = all.around(view, 0, pose, 5);
+  const LocalMap found = all.around(view, 0, pose, 5);
   EXPECT_THAT(viewsOf(found), ElementsAre(0, 1));
   EXPECT_EQ(found.pictures.size(), 2u);
   EXPECT_THAT(viewsOf(all.around(view, 0, pose, 1)), ElementsAre(0));
@@ -58,7 +58,7 @@ TEST_F(SurroundingsOfAPose, AreTheNearestModels) {
 
 TEST_F(SurroundingsOfAPose, WithoutDepthAreTheNearest) {
   test::changeViews(*map, [](View& changed) { changed.depth = {}; });
-  const Surroundings found = surroundings().around(view, 0, pose, 1);
+  const LocalMap found = surroundings().around(view, 0, pose, 1);
   EXPECT_THAT(viewsOf(found), ElementsAre(0));
   EXPECT_TRUE(found.pictures.empty());
 }
@@ -66,14 +66,14 @@ TEST_F(SurroundingsOfAPose, WithoutDepthAreTheNearest) {
 TEST_F(SurroundingsOfAPose, AModelBehindAWallGivesNoPicture) {
   // The same pose, but what that model saw is nearer than all that the view sees.
   map->models[0].setView(viewFrom(test::box({2.5, 2, 0}, {3.9, 3, 2.5}), *map->models[0].T_w_m, 5));
-  const Surroundings found = surroundings().around(view, 0, pose, 5);
+  const LocalMap found = surroundings().around(view, 0, pose, 5);
   ASSERT_EQ(found.pictures.size(), 1u);
   EXPECT_EQ(found.pictures[0].picture, &map->view(1)->depth);
   EXPECT_EQ(viewsOf(found).front(), 1);
 }
 
 TEST_F(SurroundingsOfAPose, HaveTheirSegmentsInTheWorld) {
-  const Surroundings found = surroundings().around(view, 0, pose, 5);
+  const LocalMap found = surroundings().around(view, 0, pose, 5);
   ASSERT_EQ(found.segments.size(), map->view(0)->segments.size() + map->view(1)->segments.size());
   ASSERT_EQ(found.origins.size(), found.segments.size());
   for (std::size_t i = 0; i < found.segments.size(); ++i) {

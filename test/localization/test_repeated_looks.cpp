@@ -16,14 +16,14 @@ namespace {
 
 const Eigen::Isometry3d kStill = Eigen::Isometry3d::Identity();
 
-Surroundings twoModels() {
+LocalMap twoModels() {
   test::Rng rng(3);
   const auto viewOfTwo = [&rng] {
     auto view = std::make_shared<View>();
     view->segments = {test::randomSegment(rng), test::randomSegment(rng)};
     return view;
   };
-  Surroundings surroundings;
+  LocalMap surroundings;
   surroundings.add(4, viewOfTwo(), kStill);
   surroundings.add(9, viewOfTwo(), kStill);
   return surroundings;
@@ -31,8 +31,8 @@ Surroundings twoModels() {
 
 /** How many times as large the covariance of a segment is. */
 double factor(const RepeatedLooks& looks, int segment) {
-  const Surroundings before = twoModels();
-  Surroundings after = before;
+  const LocalMap before = twoModels();
+  LocalMap after = before;
   looks.discount(after);
   return after.segments[segment].Sigma_q(0, 0) / before.segments[segment].Sigma_q(0, 0);
 }

@@ -51,7 +51,7 @@ protected:
                                                 lookingAlong({2.9, 1.3, 1.2}, {0.7, 1, -0.3})};
   const std::vector<View> others = {viewFrom(largeRoom(), poses[0], 10), viewFrom(largeRoom(), poses[1], 11)};
   const Eigen::Isometry3d truth = lookingAlong({2.6, 1.7, 1.25}, {0.8, 1, -0.25});
-  Surroundings around;
+  LocalMap around;
 };
 
 TEST_F(AlignmentOfAView, FindsTheTruthAndDoesNotBoast) {
@@ -104,7 +104,7 @@ TEST(AlignmentInACorridor, LeavesFreeWhatIsFree) {
                           truth = lookingAlong({0.1, 0, 1.2}, {0.05, 1, -0.15});
   const View of_other = viewFrom(test::endlessCorridor(), other, 1, 6),
              view = viewFrom(test::endlessCorridor(), truth, 2, 6);
-  Surroundings around;
+  LocalMap around;
   around.add(0, unowned(of_other), other);
   PoseWithCovariance prior{truth, priorCovariance(1, 0.05)};
   prior.T.translation() += Eigen::Vector3d(0.03, 0.04, -0.02);

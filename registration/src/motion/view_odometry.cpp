@@ -57,7 +57,7 @@ ViewMotion ViewOdometry::add(const View& view, double dt, const std::optional<Po
   const PoseWithCovariance predicted = given ? PoseWithCovariance(T_o_c_ * *given) : predict(dt);
   PoseWithCovariance T_o_c = predicted;
   if (!keys_.empty()) {
-    const Surroundings around_us = around(predicted.T);
+    const LocalMap around_us = around(predicted.T);
     T_o_c = aligned(view, around_us, predicted);
     const DepthAgreement found =
         compareWithAll(view.depth, T_o_c.T, around_us.pictures, comparison_, kFineColumns);
@@ -86,7 +86,7 @@ ViewMotion ViewOdometry::add(const View& view, double dt, const std::optional<Po
 }
 
 // A robot on wheels tilts slowly, but for a jolt: where the views deny the prediction, they are believed.
-PoseWithCovariance ViewOdometry::aligned(const View& view, const Surroundings& around_us,
+PoseWithCovariance ViewOdometry::aligned(const View& view, const LocalMap& around_us,
                                          const PoseWithCovariance& predicted) const {
   if (!camera_motion_) return alignView(view, around_us, predicted, alignment_).T_w_c;
   PoseWithCovariance jolted = predicted;
@@ -179,13 +179,13 @@ PoseWithCovariance ViewOdometry::predict(double dt) const {
   return T_o_c_ * PoseWithCovariance{perturbed(Eigen::Isometry3d::Identity(), motion), P};
 }
 
-Surroundings ViewOdometry::around(const Eigen::Isometry3d& T_o_c) const {
+LocalMap ViewOdometry::around(const Eigen::Isometry3d& T_o_c) const {
   std::vector<std::pair<double, int>> near;
   for (std::size_t i = 0; i < keys_.size(); ++i)
     near.emplace_back(viewDistance(keys_[i].T_o_k, T_o_c), static_cast<int>(i));
   std::sort(near.begin(), near.end());
   if (static_cast<int>(near.size()) > kKeys) near.resize(kKeys);
-  Surroundings out;
+  LocalMap out;
   for (const auto& [distance, i] : near)
     if (std::isfinite(distance)) out.add(i, unowned(keys_[i].view), keys_[i].T_o_k);
   return out;

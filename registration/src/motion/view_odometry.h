@@ -48,8 +48,8 @@ private:
     Eigen::Isometry3d T_o_k;
   };
   PoseWithCovariance predict(double dt) const;
-  Surroundings around(const Eigen::Isometry3d& T_o_c) const;
-  PoseWithCovariance aligned(const View& view, const Surroundings& around_us,
+  LocalMap around(const Eigen::Isometry3d& T_o_c) const;
+  PoseWithCovariance aligned(const View& view, const LocalMap& around_us,
                              const PoseWithCovariance& predicted) const;
   void learnVelocity(const PoseWithCovariance& predicted, const PoseWithCovariance& found, double dt);
   Matrix6d errorOfStep(const Matrix6d& predicted, const PoseWithCovariance& T_o_c) const;
@@ -60,9 +60,8 @@ private:
   ViewOdometryParams params_;
   ViewAlignmentParams alignment_;
   DepthComparison comparison_;
-  std::optional<Matrix6d>
-      camera_motion_;                 // motion of the latest camera per motion of its robot on wheels
-  Matrix6d jolt_ = Matrix6d::Zero();  // covariance of it on another piece of floor
+  std::optional<Matrix6d> camera_motion_;  // motion of the latest camera per motion of its robot on wheels
+  Matrix6d jolt_ = Matrix6d::Zero();       // covariance of it on another piece of floor
   std::deque<Key> keys_;
   Eigen::Isometry3d T_o_c_ = Eigen::Isometry3d::Identity();
   Slide slide_;

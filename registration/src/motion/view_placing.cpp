@@ -128,7 +128,7 @@ private:
   const ViewAlignmentParams& alignment_;
   Cost cost_;
   DepthFit fit_;
-  Surroundings surroundings_;
+  LocalMap surroundings_;
   Matrix6d about_start_;
   Eigen::LDLT<Matrix6d> prior_factor_;
 };

@@ -102,7 +102,7 @@ struct PairRegistration::Impl {
     if (chosen || query.view.depth.empty() || target->depth.empty()) return poses;
     std::vector<PoseWithCovariance> starts{prior};
     for (const Hypothesis& h : poses) starts.push_back(h.T_m_c);
-    Surroundings surroundings;
+    LocalMap surroundings;
     surroundings.add(0, target, Eigen::Isometry3d::Identity());
     ViewAlignmentParams alignment = alignmentWithCovariance();
     alignment.matching = params.matching;

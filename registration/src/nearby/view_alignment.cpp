@@ -11,7 +11,7 @@
 
 namespace facetloc::internal {
 
-void Surroundings::add(int index, std::shared_ptr<const View> view, const Eigen::Isometry3d& T_w_c) {
+void LocalMap::add(int index, std::shared_ptr<const View> view, const Eigen::Isometry3d& T_w_c) {
   for (std::size_t i = 0; i < view->segments.size(); ++i) {
     segments.push_back(transformed(view->segments[i], T_w_c));
     origins.push_back({index, static_cast<int>(i)});
@@ -27,7 +27,7 @@ ViewAlignmentParams alignmentWithCovariance() {
   return params;
 }
 
-ViewAlignment alignView(const View& view, const Surroundings& surroundings, const PoseWithCovariance& prior,
+ViewAlignment alignView(const View& view, const LocalMap& surroundings, const PoseWithCovariance& prior,
                         const ViewAlignmentParams& params) {
   ViewAlignment out;
   out.T_w_c = prior;

@@ -15,7 +15,7 @@ namespace facetloc::internal {
 
 /** \brief The views of one place, as one: a view shares some planes with one of them and some with another.
  */
-struct Surroundings {
+struct LocalMap {
   /** \brief Where a segment comes from. */
   struct Origin {
     int view = 0;     ///< index among the views
@@ -56,7 +56,7 @@ struct ViewAlignment {
  *
  * \param prior T_w_c and its covariance
  * \return the pose with the covariance of everything; the prior where nothing is in common. */
-ViewAlignment alignView(const View& view, const Surroundings& surroundings, const PoseWithCovariance& prior,
+ViewAlignment alignView(const View& view, const LocalMap& surroundings, const PoseWithCovariance& prior,
                         const ViewAlignmentParams& params);
 
 /** \brief Combined verdicts of several pictures on each pixel of one, on a grid with this number of columns:

@@ -8,8 +8,7 @@ namespace facetloc::internal {
 MapSurroundings::MapSurroundings(std::shared_ptr<const Map> map, const DepthComparison& comparison)
     : map_(std::move(map)), comparison_(comparison), near_(map_) {}
 
-Surroundings MapSurroundings::around(const View& view, int part, const Eigen::Isometry3d& T_w_c,
-                                     int n) const {
+LocalMap MapSurroundings::around(const View& view, int part, const Eigen::Isometry3d& T_w_c, int n) const {
   constexpr int kCompared = 3;       // times as many models are compared as are wanted
   constexpr int kFewestPixels = 15;  // pixels of the coarse grid that a model must confirm: a twentieth
   struct Found {
@@ -23,7 +22,7 @@ Surroundings MapSurroundings::around(const View& view, int part, const Eigen::Is
     const int pixels = comparison_.count(view.depth, found.view->depth, T_m_c, kCoarseColumns).agree;
     (pixels >= kFewestPixels ? confirming : silent).push_back(std::move(found));
   }
-  Surroundings out;
+  LocalMap out;
   const auto add = [&](const std::vector<Found>& models, bool with_picture) {
     for (const Found& found : models) {
       if (static_cast<int>(out.views.size()) >= n) return;

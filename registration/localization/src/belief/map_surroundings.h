@@ -22,7 +22,7 @@ public:
    * taken about at T_w_c, nearest first; if they are fewer, then the nearest others. Indices are those in the
    * map. A model that confirms next to nothing, because it is behind a wall, gives its planes but no picture.
    */
-  Surroundings around(const View& view, int part, const Eigen::Isometry3d& T_w_c, int n) const;
+  LocalMap around(const View& view, int part, const Eigen::Isometry3d& T_w_c, int n) const;
   /** \brief The floor under a camera and the n models next to it (floorUnder()). Models on another storey or
    * step do not count, since their robots stand higher or lower; nothing without any other, or without a
    * known camera mounting. */

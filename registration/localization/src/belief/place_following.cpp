@@ -79,7 +79,7 @@ FollowedPlace PlaceFollowing::at(const View& view, int part, const PoseWithCovar
 std::optional<Hypothesis> PlaceFollowing::match(const FollowedPlace& place, int part) const {
   std::map<int, std::vector<SegmentPair>> of_model;
   for (const SegmentPair& p : place.alignment.pairs) {
-    const Surroundings::Origin& origin = place.surroundings.origins[p.model];
+    const LocalMap::Origin& origin = place.surroundings.origins[p.model];
     of_model[origin.view].push_back({p.scene, origin.segment, p.distance});
   }
   if (of_model.empty()) return {};

@@ -14,7 +14,7 @@ namespace facetloc::internal {
 /** \brief A view at a place of the map that was known before. */
 struct FollowedPlace {
   ViewAlignment alignment;
-  Surroundings surroundings;
+  LocalMap surroundings;
   double agreement = 0;    ///< share of the depth pixels that the map confirms
   bool is_judged = false;  ///< the map knows enough of them to object
 

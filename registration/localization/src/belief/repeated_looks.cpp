@@ -7,10 +7,10 @@
 
 namespace facetloc::internal {
 
-void RepeatedLooks::discount(Surroundings& surroundings) const {
+void RepeatedLooks::discount(LocalMap& surroundings) const {
   constexpr double kMost = 0.9999;  // correlation: keeps covariances finite while the camera stands
   for (std::size_t i = 0; i < surroundings.segments.size(); ++i) {
-    const Surroundings::Origin& origin = surroundings.origins[i];
+    const LocalMap::Origin& origin = surroundings.origins[i];
     const auto found = correlation_.find({origin.view, origin.segment});
     if (found == correlation_.end()) continue;
     const double rho = std::min(found->second, kMost);
@@ -18,9 +18,9 @@ void RepeatedLooks::discount(Surroundings& surroundings) const {
   }
 }
 
-void RepeatedLooks::add(const std::vector<SegmentPair>& pairs, const Surroundings& surroundings) {
+void RepeatedLooks::add(const std::vector<SegmentPair>& pairs, const LocalMap& surroundings) {
   for (const SegmentPair& p : pairs) {
-    const Surroundings::Origin& origin = surroundings.origins[p.model];
+    const LocalMap::Origin& origin = surroundings.origins[p.model];
     correlation_[{origin.view, origin.segment}] = 1;
   }
 }

@@ -21,9 +21,9 @@ public:
   static constexpr double kDistance = 0.5, kRotation = 15 * kDegree;
 
   /** \brief Enlarges Sigma_q of the segments that were looked at already. */
-  void discount(Surroundings& surroundings) const;
+  void discount(LocalMap& surroundings) const;
   /** \brief A view was aligned with these. */
-  void add(const std::vector<SegmentPair>& pairs, const Surroundings& surroundings);
+  void add(const std::vector<SegmentPair>& pairs, const LocalMap& surroundings);
   /** \brief The camera has moved on. */
   void move(const Eigen::Isometry3d& T_a_b);
   void clear() { correlation_.clear(); }

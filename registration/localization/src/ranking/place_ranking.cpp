@@ -69,7 +69,7 @@ std::optional<Hypothesis> PlaceRanking::at(const Query& query, int part,
   h.T_w_c = T_w_c.T;
   const std::vector<int> models = near_.bySight(part, T_w_c.T, kEvidenceReach, params_.evidence.models);
   if (models.empty()) return {};
-  Surroundings surroundings;
+  LocalMap surroundings;
   std::vector<NearbyView> around;
   for (const int i : models) {
     around.push_back({map_->view(i), *map_->models[i].T_w_m});
@@ -85,7 +85,7 @@ std::optional<Hypothesis> PlaceRanking::at(const Query& query, int part,
     if (!best || h.consensus > best->consensus) best = h;
   }
   for (const SegmentPair& pair : aligned.pairs) {
-    const Surroundings::Origin& origin = surroundings.origins[pair.model];
+    const LocalMap::Origin& origin = surroundings.origins[pair.model];
     if (origin.view == best->model) best->pairs.push_back({pair.scene, origin.segment, pair.distance});
   }
   best->supporting_models = {best->model};
