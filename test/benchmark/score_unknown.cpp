@@ -204,7 +204,7 @@ void writeCsv(const fs::path& path, const std::vector<Answer>& answers) {
       const auto& h = a.localization.hypotheses;
       if (h.empty()) continue;
       const Hypothesis& best = h.front();
-      const Explanation& e = best.explained;
+      const Coverage& e = best.coverage;
       out << a.place << ',' << a.frame << ',' << a.emptied << ',' << a.covered << ',' << a.right << ','
           << a.segments << ',' << best.probability << ',' << best.score << ',' << best.consensus << ','
           << best.evidence << ',' << e.compared << ',' << e.agreeing << ',' << e.contradicted << ','

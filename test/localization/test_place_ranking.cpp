@@ -337,7 +337,7 @@ TEST_F(Evidence, AListThatGrowsIsRankedAsOneThatComesAtOnce) {
       EXPECT_EQ(grown[i].T_m_c.P, at_once[i].T_m_c.P);
       EXPECT_EQ(grown[i].score, at_once[i].score);
       EXPECT_EQ(grown[i].probability, at_once[i].probability);
-      EXPECT_EQ(grown[i].explained.agreeing, at_once[i].explained.agreeing);
+      EXPECT_EQ(grown[i].coverage.agreeing, at_once[i].coverage.agreeing);
     }
   }
 }

@@ -69,8 +69,7 @@ double weighed(const DepthEvidence& found, double free_space_share, const Eviden
          params.occlusion_weight * hidden - params.disagreement_weight * disagreement;
 }
 
-Explanation explanationOf(const DepthEvidence& found, const View& scene,
-                          const std::vector<SegmentPair>& pairs) {
+Coverage coverageOf(const DepthEvidence& found, const View& scene, const std::vector<SegmentPair>& pairs) {
   const auto share = [](double part, double of) { return of > 0 ? part / of : 0; };
   const DepthAgreement& a = found.of_scene;
   std::vector<char> has_partner(scene.segments.size(), 0);
@@ -146,7 +145,7 @@ double HypothesisRanking::evidence(const View& scene, const std::vector<NearbyVi
   if (incomplete_) dropFurniture(found);
   const int step = gridStep(scene.depth, kFineColumns);
   found.pixels = gridPoints(scene.depth.camera.width, step) * gridPoints(scene.depth.camera.height, step);
-  h.explained = explanationOf(found, scene, h.pairs);
+  h.coverage = coverageOf(found, scene, h.pairs);
   found.expected = incomplete_ ? measuredPixels(scene.depth, comparison.farthest(), kFineColumns)
                                : found.of_scene.judged();
   return weighed(found, params_.calibration.score.free_space_share, params_.calibration.evidence);
@@ -186,7 +185,7 @@ PixelVerdict HypothesisRanking::verdict(const View& scene, Hypothesis h, bool re
   const std::vector<NearbyView> models = neighbours(h);
   if (refined) refine(scene, models, h);
   const double evidence_here = evidence(scene, models, h, refined ? refined_comparison_ : comparison_);
-  return {h.T_m_c, h.T_w_c, evidence_here, h.explained, !models.empty()};
+  return {h.T_m_c, h.T_w_c, evidence_here, h.coverage, !models.empty()};
 }
 
 bool HypothesisRanking::addEvidence(const View& scene, std::vector<Hypothesis>& hypotheses,
@@ -203,7 +202,7 @@ bool HypothesisRanking::addEvidence(const View& scene, std::vector<Hypothesis>& 
     if (!h.T_w_c) continue;
     const PixelVerdict& said =
         known.of(h, [&](const Hypothesis& judged) { return verdict(scene, judged, false); });
-    h.explained = said.explained;
+    h.coverage = said.coverage;
     found[i] = said.evidence;
     any = any || said.compared;
     least = std::min(least, found[i]);
@@ -227,7 +226,7 @@ void HypothesisRanking::refinePlaces(const View& scene, std::vector<Hypothesis>&
     const PixelVerdict& said =
         known.of(h, [&](const Hypothesis& judged) { return verdict(scene, judged, true); });
     h.T_m_c = said.T_m_c, h.T_w_c = said.T_w_c;
-    h.explained = said.explained;
+    h.coverage = said.coverage;
     h.evidence = said.evidence;
     least = std::min(least, h.evidence);
   }

@@ -38,7 +38,7 @@ struct PixelVerdict {
   PoseWithCovariance T_m_c;  ///< refined, or as it was
   std::optional<Eigen::Isometry3d> T_w_c;
   double evidence = 0;  ///< [nats]
-  Explanation explained;
+  Coverage coverage;
   bool compared = false;  ///< with any local model
 };
 
@@ -135,7 +135,7 @@ protected:
   /** \brief Odds of the scores of a sorted list. */
   virtual ScoreOdds odds(bool evidence, const std::vector<Hypothesis>& sorted) const = 0;
 
-  /** \brief Evidence of views for a hypothesis [nats]; also sets h.explained. */
+  /** \brief Evidence of views for a hypothesis [nats]; also sets h.coverage. */
   double evidence(const View& scene, const std::vector<NearbyView>& neighbours, Hypothesis& h,
                   const DepthComparison& comparison) const;
   const DepthComparison& comparison() const { return comparison_; }

@@ -89,7 +89,7 @@ struct PairRegistration::Impl {
    * and two views whose pixels mostly disagree do not show the same, however well some planes fit. */
   bool isFixed(const Hypothesis& h) const {
     const Matrix6d& P = h.T_m_c.P;
-    if (h.explained.compared > 0 && h.explained.agreeing < kLeastAgreeing) return false;
+    if (h.coverage.compared > 0 && h.coverage.agreeing < kLeastAgreeing) return false;
     return largestRotationStd(P) <= params.tree.complete_rotation_deg * kDegree &&
            largestTranslationStd(P) <= params.tree.complete_translation;
   }

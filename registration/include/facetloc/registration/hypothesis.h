@@ -20,7 +20,7 @@ struct SegmentPair {
 };
 
 /** \brief How much of the view a place explains, regardless of other places. Shares from 0 to 1. */
-struct Explanation {
+struct Coverage {
   double compared = 0;  ///< pixels of the view where local models near the place have depth
   double agreeing = 0;  ///< compared pixels that agree
   double contradicted =
@@ -41,7 +41,7 @@ struct Hypothesis {
   double free_space = 0;                   ///< log likelihood of its own local model's depth [nats]
   double evidence = 0;     ///< depth evidence of nearby local models [nats]; replaces free_space
   double score = 0;        ///< the list is sorted by it
-  Explanation explained;   ///< shares of the view, with evidence of local models
+  Coverage coverage;       ///< shares of the view, with evidence of local models
   double probability = 0;  ///< that this place is the right one; close to a better pose, that one has it all
 };
 

@@ -200,7 +200,7 @@ double PlaceBelief::oddsOfKnown(const View& view, const Hypothesis& h) const {
 double PlaceBelief::oddsOfEstablished(const View& view, const Hypothesis& h) const {
   const double odds = oddsOfKnown(view, h);
   if (odds >= 0 || !ranking_.mayHaveEvidence(view)) return odds;
-  const Explanation& known = h.explained;
+  const Coverage& known = h.coverage;
   return known.compared * std::max(0.0, known.contradicted - kChanged / (1 - kChanged) * known.agreeing) *
          odds;
 }
