@@ -15,12 +15,12 @@ constexpr int kSideways = 4;                       // among the motions of a rob
 
 }  // namespace
 
-Matrix6d stepCovariance(const std::optional<CameraMounting>& mounting, bool slides) {
+Matrix6d stepCovariance(const std::optional<CameraMounting>& mounting, bool slips) {
   PosePriorParams prior;
   prior.translation_std = kWay;
   prior.rotation_std_deg = kTurnDeg;
   Matrix6d P = posePrior(mounting, prior);
-  if (!mounting || slides) return P;
+  if (!mounting || slips) return P;
   const Vector6d sideways = cameraMotion(*mounting).col(kSideways);  // motion of the camera, one metre
   return P - (kWay * kWay - kSidewaysStd * kSidewaysStd) * sideways * sideways.transpose();
 }

@@ -20,7 +20,7 @@ constexpr int kKeptKeys = 20;               // latest keyframes that are kept
 constexpr double kSlipSpeed = 0.01;         // speed of a robot on wheels, sideways and up and down [m/s]
 constexpr double kTiltRate = 10 * kDegree;  // roll and pitch of a robot on wheels [rad/s]
 constexpr double kSlipTime = 1.0;           // time over which the slip of wheels is correlated [s]
-constexpr double kSlideChange = 0.2;        // change of the speed sideways in a second [m/s]
+constexpr double kSideSlipChange = 0.2;     // change of the speed sideways in a second [m/s]
 constexpr double kSure = 3;                 // standard deviations
 constexpr double kGate = chiSquareQuantile(6, 0.99);
 // Keeps the prior regular when no time has passed.
@@ -44,7 +44,7 @@ void ViewOdometry::reset() {
   keys_.clear();
   T_o_c_.setIdentity();
   velocity_.setZero();
-  slide_ = {};
+  side_slip_ = {};
 }
 
 ViewMotion ViewOdometry::add(const View& view, double dt, const std::optional<PoseWithCovariance>& given) {
@@ -70,14 +70,14 @@ ViewMotion ViewOdometry::add(const View& view, double dt, const std::optional<Po
     T_o_c = predicted;
     keys_.clear();
     velocity_.setZero();
-    slide_ = {};
+    side_slip_ = {};
     if (given) out.broken = false;
   }
   const bool moves = !out.broken && dt > 0 && dt < kLongStep;
   if (moves) learnVelocity(predicted, T_o_c, dt);
   if (!out.broken) T_o_c.P = errorOfStep(predicted.P, T_o_c);
   if (!moves && dt > 0) velocity_.setZero();
-  if (camera_motion_ && moves) rollOn(T_o_c, dt);
+  if (camera_motion_ && moves) applyNonholonomic(T_o_c, dt);
 
   out.T_a_b = T_o_c_.inverse() * T_o_c;
   T_o_c_ = T_o_c.T;
@@ -102,8 +102,8 @@ PoseWithCovariance ViewOdometry::aligned(const View& view, const LocalMap& aroun
 }
 
 // Kalman update of the pose after a motion by wheels that do not slip sideways, seen through the mounting. A
-// robot that has been seen to slide is believed.
-void ViewOdometry::rollOn(PoseWithCovariance& T_o_c, double dt) {
+// robot that has been seen to slip sideways is believed.
+void ViewOdometry::applyNonholonomic(PoseWithCovariance& T_o_c, double dt) {
   const Eigen::Matrix3d R_c_o = T_o_c_.linear().transpose();
   const Vector6d sideways =
       camera_motion_->inverse().row(4).transpose();  // row of a motion in the last camera's axes
@@ -113,11 +113,11 @@ void ViewOdometry::rollOn(PoseWithCovariance& T_o_c, double dt) {
   const double shift = sideways.dot(perturbation(Eigen::Isometry3d::Identity(), motion));
   const double variance = h.dot(T_o_c.P * h);
 
-  slide_.variance += kSlideChange * kSlideChange * dt;
-  const double weight = slide_.variance / (slide_.variance + variance / (dt * dt));
-  slide_.speed += weight * (shift / dt - slide_.speed);
-  slide_.variance *= 1 - weight;
-  if (slides()) return;
+  side_slip_.variance += kSideSlipChange * kSideSlipChange * dt;
+  const double weight = side_slip_.variance / (side_slip_.variance + variance / (dt * dt));
+  side_slip_.speed += weight * (shift / dt - side_slip_.speed);
+  side_slip_.variance *= 1 - weight;
+  if (slips()) return;
 
   const double slip = kSlipSpeed * std::sqrt(dt * kSlipTime) + kLeastTranslation;
   const Vector6d gain = T_o_c.P * h / (variance + slip * slip);
@@ -126,12 +126,12 @@ void ViewOdometry::rollOn(PoseWithCovariance& T_o_c, double dt) {
   T_o_c.P = left * T_o_c.P * left.transpose() + slip * slip * gain * gain.transpose();
 }
 
-bool ViewOdometry::slides() const {
-  return std::abs(slide_.speed) > kSure * std::sqrt(slide_.variance) + kSlipSpeed;
+bool ViewOdometry::slips() const {
+  return std::abs(side_slip_.speed) > kSure * std::sqrt(side_slip_.variance) + kSlipSpeed;
 }
 
 // Growth of the error of the camera's pose in this step. Of a posterior P after a prediction P0, the part P
-// P0^-1 P comes from the prediction and is new with every view. The other comes from the key views, whose
+// P0^-1 P comes from the prediction and is new with every view. The other comes from the keyframes, whose
 // errors stay the same until the camera has moved on to the next ones.
 Matrix6d ViewOdometry::errorOfStep(const Matrix6d& predicted, const PoseWithCovariance& T_o_c) const {
   const Eigen::Isometry3d step = T_o_c_.inverse() * T_o_c.T;
@@ -168,7 +168,7 @@ PoseWithCovariance ViewOdometry::predict(double dt) const {
   if (camera_motion_) {
     const Matrix6d& A = *camera_motion_;
     Vector6d base = A.partialPivLu().solve(motion);
-    if (!slides()) base[4] = 0;
+    if (!slips()) base[4] = 0;
     motion = A * base;
     std[0] = std[1] = kTiltRate * dt;
     std[5] = kSlipSpeed * std::sqrt(dt * kSlipTime);

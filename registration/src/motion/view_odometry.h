@@ -13,15 +13,15 @@ namespace facetloc::internal {
 /** \brief A motion between two views. */
 struct ViewMotion {
   /// pose of the camera: a = the view before, b = this view; the covariance is the growth of the error of
-  /// the pose, not the error of this pair of views alone: errors against a key view last as long as it does
+  /// the pose, not the error of this pair of views alone: errors against a keyframe last as long as it does
   PoseWithCovariance T_a_b;
-  double agreement = 0;  ///< share of the view's depth pixels that the key views confirm; 0 if unknown
-  bool broken = false;   ///< the view contradicts the key views: the motion of the camera is unknown
+  double agreement = 0;  ///< share of the view's depth pixels that the keyframes confirm; 0 if unknown
+  bool broken = false;   ///< the view contradicts the keyframes: the motion of the camera is unknown
 };
 
 /** \brief Tells from its own latest views how a camera moves. It knows no map: its world is where it began.
  *
- * Each view is aligned with the nearest of some key views, so that the pose does not drift while the camera
+ * Each view is aligned with the nearest of some keyframes, so that the pose does not drift while the camera
  * looks at the same things. The prior is the last velocity. A robot on wheels, known from the mounting of a
  * view's camera, stays on its floor and does not slip sideways, unless its views have seen it do so: that
  * carries it past a bare wall. Any other camera moves as it likes. */
@@ -40,7 +40,7 @@ public:
   ViewMotion add(const View& view, double dt, const std::optional<PoseWithCovariance>& given);
 
 private:
-  struct Slide {  // side slip of a robot on wheels, to the left [m/s]
+  struct SideSlip {  // side slip of a robot on wheels, to the left [m/s]
     double speed = 0, variance = 0;
   };
   struct Key {
@@ -53,8 +53,8 @@ private:
                              const PoseWithCovariance& predicted) const;
   void learnVelocity(const PoseWithCovariance& predicted, const PoseWithCovariance& found, double dt);
   Matrix6d errorOfStep(const Matrix6d& predicted, const PoseWithCovariance& T_o_c) const;
-  bool slides() const;
-  void rollOn(PoseWithCovariance& T_o_c, double dt);
+  bool slips() const;
+  void applyNonholonomic(PoseWithCovariance& T_o_c, double dt);
   void takeKey(const View& view);
 
   ViewOdometryParams params_;
@@ -64,7 +64,7 @@ private:
   Matrix6d jolt_ = Matrix6d::Zero();       // covariance of it on another piece of floor
   std::deque<Key> keys_;
   Eigen::Isometry3d T_o_c_ = Eigen::Isometry3d::Identity();
-  Slide slide_;
+  SideSlip side_slip_;
   Vector6d velocity_ = Vector6d::Zero();  // velocity in the axes of the last camera [rad/s, m/s]
 };
 

@@ -134,7 +134,7 @@ public:
           to.t.data());
     }
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      if (graph.floor) stand(nodes_[i], *graph.floor);
+      if (graph.floor) applyFloor(nodes_[i], *graph.floor);
       if (part[i] == static_cast<int>(i)) hold(nodes_[i]);
     }
   }
@@ -186,7 +186,7 @@ public:
   }
 
 private:
-  void stand(Parameters& p, const LevelFloor& floor) {
+  void applyFloor(Parameters& p, const LevelFloor& floor) {
     problem_->AddResidualBlock(new ceres::AutoDiffCostFunction<Standing, 3, 4, 3>(new Standing(floor)),
                                &floor_loss_, p.q.coeffs().data(), p.t.data());
   }
