@@ -111,9 +111,9 @@ TEST_F(PlaceIndexOfRooms, CandidatesTellAboutWhereTheViewIsInThem) {
   for (unsigned i = 0; i < 12; ++i) {
     const double heading = 30 * kDegree * i + 0.1;
     const Eigen::Isometry3d truth = robotCamera(2.3, 2.2, heading);
-    const std::vector<Candidate> found = index.candidates(query(0, heading, 400 + i), 4);
+    const std::vector<ShortlistedModel> found = index.candidates(query(0, heading, 400 + i), 4);
     ASSERT_FALSE(found.empty());
-    for (const Candidate& c : found) {
+    for (const ShortlistedModel& c : found) {
       if (c.model >= kViews) continue;  // of another room
       ASSERT_TRUE(c.start);
       EXPECT_TRUE(c.start->linear().isUnitary(1e-9));
@@ -129,7 +129,8 @@ TEST_F(PlaceIndexOfRooms, CandidatesTellAboutWhereTheViewIsInThem) {
 TEST_F(PlaceIndexOfRooms, WithoutStartsEveryCandidateIsSearchedEverywhere) {
   ShortlistParams params = few();
   params.start_translation = 0;
-  for (const Candidate& c : PlaceIndex(*map, params).candidates(query(1, 0.4, 77), 10)) EXPECT_FALSE(c.start);
+  for (const ShortlistedModel& c : PlaceIndex(*map, params).candidates(query(1, 0.4, 77), 10))
+    EXPECT_FALSE(c.start);
 }
 
 TEST_F(PlaceIndexOfRooms, WithoutWallsTheModelsThatShareLevelSurfacesComeFirst) {

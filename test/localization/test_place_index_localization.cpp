@@ -112,7 +112,7 @@ TEST_F(PlaceIndexOfRooms, TheShortlistIsOfTheBestAlignedAndOfThoseWithWhosePlane
     std::vector<int> expected;
     std::vector<std::pair<double, int>> others;  // the highest score first
     std::map<int, PoseWithCovariance> start;
-    for (const Candidate& c : index.candidates(view, kAligned)) {
+    for (const ShortlistedModel& c : index.candidates(view, kAligned)) {
       ASSERT_TRUE(c.start);
       start[c.model] = {*c.start, posePrior(kMounting, about_start, *c.start)};
       if (c.rank < kFirst) {

@@ -174,7 +174,7 @@ DepthThumbnail depthThumbnail(const DepthPicture& picture) {
 }  // namespace
 
 PlaceDescriptor placeDescriptor(const View& view, const CameraMounting& mounting,
-                               const PosePriorParams& prior) {
+                                const PosePriorParams& prior) {
   const Eigen::Isometry3d T_b_c = mounting.T_b_c();
   std::vector<Segment> sound;
   std::copy_if(view.segments.begin(), view.segments.end(), std::back_inserter(sound),

@@ -79,7 +79,7 @@ struct PlaceDescriptor {
  * unevenness as prior; the height from the floor where it is seen. Segments that are not finite are left
  * out; a view without any gives an empty signature. */
 PlaceDescriptor placeDescriptor(const View& view, const CameraMounting& mounting,
-                               const PosePriorParams& prior = {});
+                                const PosePriorParams& prior = {});
 
 /** \brief Can it be the signature of a view? One that is read from elsewhere may hold any numbers. */
 bool isSound(const PlaceDescriptor& place);

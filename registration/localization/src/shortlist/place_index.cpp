@@ -320,12 +320,12 @@ std::vector<float> PlaceIndex::Impl::votes(const PlaceDescriptor& scene) const {
 
 std::vector<int> PlaceIndex::shortlist(const View& view, int n) const {
   std::vector<int> models;
-  for (const Candidate& candidate : candidates(view, n)) models.push_back(candidate.model);
+  for (const ShortlistedModel& candidate : candidates(view, n)) models.push_back(candidate.model);
   return models;
 }
 
-std::vector<Candidate> PlaceIndex::candidates(const View& view, int n,
-                                              const std::function<bool(int)>& excluded) const {
+std::vector<ShortlistedModel> PlaceIndex::candidates(const View& view, int n,
+                                                     const std::function<bool(int)>& excluded) const {
   const ShortlistParams& params = impl_->params;
   const std::vector<PlaceDescriptor>& places = impl_->places;
   const PlaceDescriptor scene = placeDescriptor(view, impl_->mounting, impl_->prior);
@@ -353,10 +353,10 @@ std::vector<Candidate> PlaceIndex::candidates(const View& view, int n,
   }
   keepBest(score, n, models);
 
-  std::vector<Candidate> candidates;
+  std::vector<ShortlistedModel> candidates;
   for (const int m : models) {
     if (score[m] < score[models.front()] - gap) break;
-    Candidate candidate{m, static_cast<int>(candidates.size()), {}};
+    ShortlistedModel candidate{m, static_cast<int>(candidates.size()), {}};
     if (params.start_translation > 0 && found[m].score > PlaceAlignment{}.score)
       candidate.start = cameraPose(found[m], scene, places[m]);
     candidates.push_back(candidate);

@@ -84,7 +84,7 @@ const Shortlist::ModelPlanes& Shortlist::levelPlanes() const {
 std::vector<NextBatch> Shortlist::batches(const Query& query, bool on_floor, int threads,
                                           const std::function<bool(int)>& excluded) const {
   if (!registration_.mayFixPose(query)) return {asItIs({})};
-  std::vector<Candidate> models;
+  std::vector<ShortlistedModel> models;
   if (index_ && on_floor) models = listed(query, excluded);
   if (models.empty() && !on_floor) return overlaid(query, threads, excluded);
   if (models.empty()) return {asItIs(allModels(query, excluded))};
@@ -101,7 +101,7 @@ std::vector<NextBatch> Shortlist::batches(const Query& query, bool on_floor, int
 
 Batch Shortlist::batch(const Query& query, bool on_floor, int threads) const {
   if (!registration_.mayFixPose(query)) return {};
-  std::vector<Candidate> models;
+  std::vector<ShortlistedModel> models;
   if (index_ && on_floor && PlaceIndex::covers(query.prior)) models = listed(query, {});
   if (models.empty()) return allModels(query, {});
   auto [likeliest, others] = startsOf(models, query, true);
@@ -112,18 +112,19 @@ Batch Shortlist::batch(const Query& query, bool on_floor, int threads) const {
   return byModel(std::move(likeliest));
 }
 
-Shortlist::Starts Shortlist::startsOf(const std::vector<Candidate>& models, const Query& query,
+Shortlist::Starts Shortlist::startsOf(const std::vector<ShortlistedModel>& models, const Query& query,
                                       bool from_alignments) const {
   const int first = std::min(params_.shortlist.first_models, params_.shortlist.size);
   Starts out;
-  for (const Candidate& c : models)
+  for (const ShortlistedModel& c : models)
     (c.rank < first ? out.likeliest : out.others)
         .push_back(c.start && from_alignments ? Start{c.model, startAt(*c.start, map_->camera.mounting), true}
                                               : Start{c.model, query.prior});
   return out;
 }
 
-std::vector<Candidate> Shortlist::listed(const Query& query, const std::function<bool(int)>& excluded) const {
+std::vector<ShortlistedModel> Shortlist::listed(const Query& query,
+                                                const std::function<bool(int)>& excluded) const {
   const ShortlistParams& p = params_.shortlist;
   return index_->candidates(query.view, std::max(p.examined_models, p.size), excluded);
 }

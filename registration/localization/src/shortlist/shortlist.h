@@ -51,12 +51,13 @@ public:
   const MapGravity& gravity() const { return *gravity_; }
 
 private:
-  std::vector<Candidate> listed(const Query& query, const std::function<bool(int)>& excluded) const;
+  std::vector<ShortlistedModel> listed(const Query& query, const std::function<bool(int)>& excluded) const;
   /** The first models, which are registered in any case, and those that are examined before. */
   struct Starts {
     Batch likeliest, others;
   };
-  Starts startsOf(const std::vector<Candidate>& models, const Query& query, bool from_alignments) const;
+  Starts startsOf(const std::vector<ShortlistedModel>& models, const Query& query,
+                  bool from_alignments) const;
   Batch examined(const Query& query, const Batch& aligned, int most, double reached, int threads) const;
   std::vector<NextBatch> overlaid(const Query& query, int threads,
                                   const std::function<bool(int)>& excluded) const;

@@ -14,7 +14,7 @@
 namespace facetloc {
 
 /** \brief A local model that may show the place of a view. */
-struct Candidate {
+struct ShortlistedModel {
   int model = 0;
   int rank = 0;  ///< 0 = the likeliest
   /// T_m_c by a quick alignment; none: anywhere that the prior allows
@@ -59,7 +59,7 @@ public:
   std::vector<int> shortlist(const View& view, int n) const;
   /** \brief The same with the poses of the quick alignment, without the models that are excluded, if any are.
    */
-  std::vector<Candidate> candidates(const View& view, int n,
+  std::vector<ShortlistedModel> candidates(const View& view, int n,
                                     const std::function<bool(int model)>& excluded = {}) const;
   std::size_t models() const;
   std::size_t descriptors() const;
