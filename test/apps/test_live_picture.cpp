@@ -49,7 +49,7 @@ LiveResult exampleResult(TrackingState state) {
     answer.hypotheses = {match};
   }
   result.answer = answer;
-  for (int i = 0; i < 5; ++i) result.trail.add({0.05 * i, 0.03 * i, 1});
+  for (int i = 0; i < 5; ++i) result.trajectory.add({0.05 * i, 0.03 * i, 1});
   return result;
 }
 

@@ -185,7 +185,7 @@ TEST_F(LiveSessionTest, FindsAndFollowsTheCamera) {
   }
   EXPECT_GE(localized, 10);
   EXPECT_EQ(results.back()->state(), "tracking");
-  EXPECT_FALSE(results.back()->trail.lines().empty());
+  EXPECT_FALSE(results.back()->trajectory.lines().empty());
   EXPECT_THAT(session.summary().text(), HasSubstr("tracking"));
 }
 

@@ -65,16 +65,16 @@ void LiveMapping::follow(const View& view, const std::string& name, double stamp
   state_.keyframes = map_.keyframes();
   state_.T_w_c = map_.latest();
   if (!state_.T_w_c) {
-    trail_.interrupt();
+    trajectory_.interrupt();
     last_place_.reset();
   } else {
     const Eigen::Vector3d place = state_.T_w_c->T.translation();
-    trail_.add(place);
+    trajectory_.add(place);
     const double step = last_place_ ? (place - *last_place_).norm() : 0;
     if (step >= kStep) state_.way += step;
     if (step >= kStep || !last_place_) last_place_ = place;
   }
-  state_.trail = trail_;
+  state_.trajectory = trajectory_;
 }
 
 /** Of the background, if it has finished something. */
@@ -93,9 +93,9 @@ void LiveMapping::takeResult() {
   const Clock::time_point now = Clock::now();
   next_improvement_ = now + std::max<Clock::duration>(kLeastRest, now - improved_);
   if (moved < kMoved) return;
-  trail_ = {};
-  for (const Eigen::Vector3d& place : map_.trail()) trail_.add(place);
-  trail_.interrupt();
+  trajectory_ = {};
+  for (const Eigen::Vector3d& place : map_.trajectory()) trajectory_.add(place);
+  trajectory_.interrupt();
   last_place_.reset();
 }
 

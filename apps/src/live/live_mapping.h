@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "live/live_trail.h"
+#include "live/live_trajectory.h"
 
 #include <facetloc/io/map_database.h>
 #include <facetloc/mapping/growing_map.h>
@@ -34,7 +34,7 @@ struct LiveMapState {
   double way = 0;                           ///< [m]
   int keyframes = 0, loops = 0;
   std::shared_ptr<const Map> map;  ///< as it is now, without depth pictures; never null
-  LiveTrail trail;                 ///< where the camera was
+  LiveTrajectory trajectory;       ///< where the camera was
 
   /** \brief "34 m, 120 keyframes, 3 loops, 40 local models". */
   std::string toString() const;
@@ -93,7 +93,7 @@ private:
   const Camera camera_;
   GrowingMap map_;
   std::vector<SeenModel> unwritten_;
-  LiveTrail trail_;
+  LiveTrajectory trajectory_;
   std::optional<Eigen::Vector3d> last_place_;  // last position on the way
   LiveMapState state_;
   Clock::time_point improved_ = Clock::now(), next_improvement_ = improved_;

@@ -13,7 +13,7 @@
 namespace facetloc {
 namespace {
 
-constexpr Colour kWall = {40, 40, 40}, kModel = {213, 94, 0}, kTrail = {31, 119, 180};
+constexpr Colour kWall = {40, 40, 40}, kModel = {213, 94, 0}, kTrajectory = {31, 119, 180};
 constexpr double kTallest = 1.5;     // a segment of this height or more is drawn darkest [m]
 constexpr double kNearHeight = 3.0;  // largest height of the close-up [m]
 constexpr double kReach = 12;        // largest distance of a click from its target [px]
@@ -24,7 +24,7 @@ enum Level {
   kLinkLevel,
   kModelLevel,
   kEllipseLevel,
-  kTrailLevel,
+  kTrajectoryLevel,
   kOutlineLevel,
   kMarkLevel,
   kEye = 100
@@ -63,7 +63,7 @@ LivePlan::LivePlan(std::shared_ptr<const Map> map)
   for (Panel* panel : {&whole_, &near_}) {
     panel->renderer->SetBackground(1, 1, 1);
     panel->renderer->UseFXAAOn();
-    for (Shapes* shapes : {&walls_, &links_, &trail_, &panel->marker})
+    for (Shapes* shapes : {&walls_, &links_, &trajectory_, &panel->marker})
       panel->renderer->AddActor(shapes->actor());
   }
 }
@@ -195,7 +195,7 @@ void LivePlan::mark(Panel& panel, const LiveResult& result, double metres_per_pi
 /** Where the camera is, or was last. */
 Eigen::Vector2d LivePlan::middleOf(const LiveResult& result) const {
   if (result.pose()) return plan_.point(result.pose()->T.translation());
-  if (!result.trail.lines().empty()) return plan_.point(result.trail.lines().back().back());
+  if (!result.trajectory.lines().empty()) return plan_.point(result.trajectory.lines().back().back());
   return extent_.center();
 }
 
@@ -204,13 +204,13 @@ void LivePlan::show(const LiveResult& result, const Panels& panels) {
   if (empty()) return;
   if (result.pose() && result.part() != part_) showPart(result.part());
   Eigen::AlignedBox2d extent = extent_;
-  for (const LiveTrail::Line& line : result.trail.lines()) {
+  for (const LiveTrajectory::Line& line : result.trajectory.lines()) {
     Shapes::Points points;
-    for (const Eigen::Vector3d& p : line) points.push_back(at(plan_.point(p), kTrailLevel));
+    for (const Eigen::Vector3d& p : line) points.push_back(at(plan_.point(p), kTrajectoryLevel));
     for (const Eigen::Vector3d& p : points) extent.extend(Eigen::Vector2d(p.head<2>()));
-    trail_.line(points, kTrail);
+    trajectory_.line(points, kTrajectory);
   }
-  trail_.show();
+  trajectory_.show();
   const double aspect = panels.whole_size.x() / panels.whole_size.y();
   const double height = kBorder * std::max(extent.sizes().y(), extent.sizes().x() / aspect);
   mark(whole_, result, look(whole_, extent.center(), height, panels.whole, panels.whole_size), panels.chosen);

@@ -59,7 +59,7 @@ private:
   PlanView plan_;
   Eigen::AlignedBox2d extent_;
   double near_height_ = 1;  // [m]
-  Shapes walls_{1.5}, links_{1.2}, trail_{2};
+  Shapes walls_{1.5}, links_{1.2}, trajectory_{2};
   Panel whole_, near_;
 };
 

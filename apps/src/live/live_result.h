@@ -4,7 +4,7 @@
 #include "drawing/colours.h"
 #include "drawing/pictures.h"
 #include "live/live_mapping.h"
-#include "live/live_trail.h"
+#include "live/live_trajectory.h"
 
 #include <facetloc/localization/localizer.h>
 
@@ -22,7 +22,7 @@ struct LiveResult {
   SeenImage image;                        ///< at the working size; its name is the stamp
   std::optional<LocalizerAnswer> answer;  ///< nothing if there is no map
   std::optional<LiveMapState> mapped;     ///< if a map is being made
-  LiveTrail trail;                        ///< where the camera was in the world so far
+  LiveTrajectory trajectory;              ///< where the camera was in the world so far
   bool has_odometry = false;              ///< that has measured how the camera moved since the frame before
 
   double segment_ms = 0, features_ms = 0, localize_ms = 0;

@@ -163,10 +163,10 @@ void LiveSession::process(const LatestFrame<LiveFrame>::Arrived& arrived) {
     result->answer = localizer_->update(result->image.view, result->stamp, measured);
     result->localize_ms = millisecondsSince(begin);
     if (result->isLocalized() && result->pose())
-      trail_.add(result->pose()->T.translation(), result->part());
+      trajectory_.add(result->pose()->T.translation(), result->part());
     else
-      trail_.interrupt();
-    result->trail = trail_;
+      trajectory_.interrupt();
+    result->trajectory = trajectory_;
   }
   if (options_.mapping) {
     if (relocalize_.exchange(false)) options_.mapping->interrupt();
@@ -176,7 +176,7 @@ void LiveSession::process(const LatestFrame<LiveFrame>::Arrived& arrived) {
     const Clock::time_point begin = Clock::now();
     result->mapped = options_.mapping->update(result->image.view, result->image.name, result->stamp, motion);
     result->localize_ms = millisecondsSince(begin);
-    result->trail = result->mapped->trail;
+    result->trajectory = result->mapped->trajectory;
   }
   const auto counts = mailbox_.counts();
   {

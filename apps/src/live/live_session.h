@@ -106,7 +106,7 @@ private:
   LatestFrame<LiveFrame> mailbox_;
   ViewBuilder builder_;
   std::unique_ptr<Localizer> localizer_;
-  LiveTrail trail_;
+  LiveTrajectory trajectory_;
   double last_stamp_ = 0, stamp_offset_ = 0;
   std::optional<Eigen::Isometry3d> T_o_c_;                  // pose of the last frame in the odometry
   LatestFrame<LiveFrame>::Clock::time_point first_, last_;  // arrivals of processed frames

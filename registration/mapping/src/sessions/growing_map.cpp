@@ -51,12 +51,12 @@ int GrowingMap::size() const { return static_cast<int>(impl_->places.places().si
 int GrowingMap::keyframes() const { return impl_->trajectory.keyframes(); }
 int GrowingMap::loops() const { return impl_->loops; }
 
-std::vector<Eigen::Vector3d> GrowingMap::trail() const {
-  std::vector<Eigen::Vector3d> trail;
+std::vector<Eigen::Vector3d> GrowingMap::trajectory() const {
+  std::vector<Eigen::Vector3d> trajectory;
   for (int k = 0; k < keyframes(); ++k)
     if (impl_->trajectory.part(k) == impl_->main_part)
-      trail.emplace_back(impl_->trajectory.pose(k).T.translation());
-  return trail;
+      trajectory.emplace_back(impl_->trajectory.pose(k).T.translation());
+  return trajectory;
 }
 
 bool GrowingMap::canBeImproved() const { return impl_->compared < keyframes(); }

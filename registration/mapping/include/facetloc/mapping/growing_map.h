@@ -44,7 +44,7 @@ public:
   int keyframes() const;
   int loops() const;  ///< number of loops closed so far
   /** \brief Positions of the camera at the keyframes of the largest part, in their order. */
-  std::vector<Eigen::Vector3d> trail() const;
+  std::vector<Eigen::Vector3d> trajectory() const;
 
   /** \brief Are there keyframes that improve() has not compared? */
   bool canBeImproved() const;

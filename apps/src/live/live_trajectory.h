@@ -9,7 +9,7 @@ namespace facetloc {
 
 /** \brief Where the camera has been, as lines that may be drawn for hours: no more points than needed, and
  * coarser ones the longer it gets. */
-class LiveTrail {
+class LiveTrajectory {
 public:
   using Line = std::vector<Eigen::Vector3d>;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "live/live_trail.h"
+#include "live/live_trajectory.h"
 
 namespace facetloc {
 namespace {
@@ -9,9 +9,9 @@ constexpr std::size_t kMostPoints = 2000;
 
 }  // namespace
 
-void LiveTrail::add(const Eigen::Vector3d& position, int part) {
+void LiveTrajectory::add(const Eigen::Vector3d& position, int part) {
   if (part != part_) {
-    *this = LiveTrail();
+    *this = LiveTrajectory();
     part_ = part;
   }
   const bool jump = !lines_.empty() && (position - lines_.back().back()).norm() > kJump + spacing_;
@@ -27,7 +27,7 @@ void LiveTrail::add(const Eigen::Vector3d& position, int part) {
 }
 
 /** Every other point of each line, and its last one. */
-void LiveTrail::thin() {
+void LiveTrajectory::thin() {
   points_ = 0;
   spacing_ *= 2;
   for (Line& line : lines_) {
