@@ -102,13 +102,13 @@ float worth(const Comparison& found, std::size_t points) {
 }  // namespace
 
 CoarseAligner::CoarseAligner(const PlaceDescriptor& scene)
-    : scene_(scene), scene_walls_(scene.walls), parallel_(scene_walls_.size() + 1) {
+    : scene_(scene), scene_walls_(scene.walls), matching_(scene_walls_.size() + 1) {
   pointsAboveFloor(scene_, scene_points_);
 }
 
 // The numbers of the walls that may be this wall of a model; returns how many.
-FACETLOC_MULTIVERSION int CoarseAligner::findParallel(const WallColumns& walls, const Wall& wall,
-                                                      int* parallel) {
+FACETLOC_MULTIVERSION int CoarseAligner::findMatching(const WallColumns& walls, const Wall& wall,
+                                                      int* matching) {
   constexpr float kLargest = kLargestTurn * kDegreeF;
   int n = 0;
   for (std::size_t i = 0; i < walls.size(); i += kLanes) {
@@ -129,7 +129,7 @@ FACETLOC_MULTIVERSION int CoarseAligner::findParallel(const WallColumns& walls, 
     std::int32_t fit[kLanes];
     std::memcpy(fit, &fits, sizeof fit);
     for (int k = 0; k < kLanes; ++k) {
-      parallel[n] =
+      matching[n] =
           static_cast<int>(i) + k;  // kept or written over: no branch, since it would be mispredicted
       n -= fit[k];
     }
@@ -140,9 +140,9 @@ FACETLOC_MULTIVERSION int CoarseAligner::findParallel(const WallColumns& walls, 
 void CoarseAligner::findPairs(const PlaceDescriptor& model) {
   pairs_.clear();
   for (const Wall& b : model.walls) {
-    const int n = findParallel(scene_walls_, b, parallel_.data());
+    const int n = findMatching(scene_walls_, b, matching_.data());
     for (int k = 0; k < n; ++k) {
-      const Wall& a = scene_.walls[static_cast<std::size_t>(parallel_[k])];
+      const Wall& a = scene_.walls[static_cast<std::size_t>(matching_[k])];
       Pair p;
       p.turn = wrapped(b.heading - a.heading);
       p.move = b.offset - a.offset;

@@ -49,7 +49,7 @@ private:
     float turn, x, y, support;
   };
 
-  static int findParallel(const WallColumns& walls, const Wall& wall, int* parallel);
+  static int findMatching(const WallColumns& walls, const Wall& wall, int* matching);
   void findPairs(const PlaceDescriptor& model);
   void findTurns();
   void findPositions(float turn);
@@ -58,7 +58,7 @@ private:
   const PlaceDescriptor& scene_;
   const WallColumns scene_walls_;
   PointColumns scene_points_, model_points_;
-  std::vector<int> parallel_;
+  std::vector<int> matching_;
   std::vector<Pair> pairs_;
   std::vector<ParallelPair> parallel_;
   std::vector<float> turns_, grid_;
