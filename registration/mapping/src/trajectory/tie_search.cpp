@@ -4,23 +4,66 @@
 #include "shared/in_parallel.h"
 #include "shortlist/plane_triplet_matcher.h"
 
+#include <facetloc/localization/place_index.h>
+
 #include <algorithm>
 #include <cmath>
 
 namespace facetloc::internal {
 namespace {
 
-constexpr int kMostSimilar = 15;  // earlier keyframes that one is compared with for their likeness
-constexpr int kClose = 10;        // numbers of keyframes that are compared whatever they show
+constexpr int kMostSimilar = 15;    // earlier keyframes that one is compared with for their likeness
+constexpr int kClose = 10;          // numbers of keyframes that are compared whatever they show
+constexpr int kIndexed = 100;       // earlier keyframes by the index whose planes are overlaid
+constexpr int kIndexAligned = 300;  // those that the index aligns with a view
+constexpr int kChunk = 64;          // keyframes between two reports of progress
 constexpr double kSigmas = 3;
 
+/** Lists the earlier keyframes of other parts whose planes are overlaid with a keyframe's: all, or the most
+ * similar ones by an index. */
+class EarlierKeyframes {
+public:
+  EarlierKeyframes(const std::vector<TieEnd>& keyframes, int first, const TieSearch& search)
+      : keyframes_(keyframes) {
+    const auto n = static_cast<long long>(keyframes.size());
+    if (search.mounting && (n - first) * (n + first) / 2 > search.exhaustive_up_to)
+      makeIndex(*search.mounting);
+  }
+
+  std::vector<int> of(int b) const {
+    const auto isExcluded = [&](int a) { return a >= b || keyframes_[a].part == keyframes_[b].part; };
+    std::vector<int> earlier;
+    if (index_) {
+      for (const ShortlistedModel& found : index_->candidates(*keyframes_[b].view, kIndexed, isExcluded))
+        earlier.push_back(found.model);
+      std::sort(earlier.begin(), earlier.end());
+      return earlier;
+    }
+    for (int a = 0; a < b; ++a)
+      if (!isExcluded(a)) earlier.push_back(a);
+    return earlier;
+  }
+
+private:
+  void makeIndex(const CameraMounting& mounting) {
+    Map map;
+    map.camera.mounting = mounting;
+    for (const TieEnd& k : keyframes_) map.models.emplace_back().setView(k.view);
+    ShortlistParams params;
+    params.aligned_models = kIndexAligned;
+    index_.emplace(map, params);
+  }
+
+  const std::vector<TieEnd>& keyframes_;
+  std::optional<PlaceIndex> index_;
+};
+
 std::vector<int> mostSimilar(const std::vector<TieEnd>& keyframes, const std::vector<PlaneColumns>& planes,
-                             int b, const PoseWithCovariance& prior) {
+                             const EarlierKeyframes& earlier, int b, const PoseWithCovariance& prior) {
   const PlaneTripletMatcher overlay(*keyframes[b].view, prior);
   if (!overlay.isUseful()) return {};
   std::vector<std::pair<float, int>> similar;
-  for (int a = 0; a < b; ++a) {
-    if (keyframes[a].part == keyframes[b].part) continue;
+  for (const int a : earlier.of(b)) {
     const Overlay laid = overlay.on(planes[a]);
     if (laid.exists()) similar.emplace_back(-laid.score, a);
   }
@@ -34,23 +77,30 @@ std::vector<int> mostSimilar(const std::vector<TieEnd>& keyframes, const std::ve
 }  // namespace
 
 std::vector<std::pair<int, int>> tieCandidates(const std::vector<TieEnd>& keyframes, int first,
-                                               const PoseWithCovariance& prior, int threads) {
+                                               const TieSearch& search) {
   const int n = static_cast<int>(keyframes.size());
   const int part = keyframes.empty() ? 0 : keyframes.front().part;
   if (std::all_of(keyframes.begin(), keyframes.end(), [part](const TieEnd& k) { return k.part == part; }))
     return {};
+  if (search.progress) search.progress(0);
   std::vector<PlaneColumns> planes;
   for (const TieEnd& k : keyframes) planes.emplace_back(*k.view);
+  const EarlierKeyframes earlier(keyframes, first, search);
   std::vector<std::vector<int>> partners(n - first);
-  forEachInParallel(n - first, threads, [&](int i) {
+  const auto findPartners = [&](int i) {
     std::vector<int>& of_b = partners[i];
     const int b = first + i;
-    of_b = mostSimilar(keyframes, planes, b, prior);
+    of_b = mostSimilar(keyframes, planes, earlier, b, search.prior);
     for (int a = std::max(0, b - kClose); a < b; ++a)
       if (keyframes[a].part != keyframes[b].part) of_b.push_back(a);
     std::sort(of_b.begin(), of_b.end());
     of_b.erase(std::unique(of_b.begin(), of_b.end()), of_b.end());
-  });
+  };
+  for (int begin = 0; begin < n - first; begin += kChunk) {
+    if (search.progress) search.progress(double(begin) / (n - first));
+    forEachInParallel(std::min(kChunk, n - first - begin), search.threads,
+                      [&](int i) { findPartners(begin + i); });
+  }
   std::vector<std::pair<int, int>> pairs;
   for (int i = 0; i < n - first; ++i)
     for (const int a : partners[i]) pairs.emplace_back(a, first + i);

@@ -6,7 +6,9 @@
 
 #include <facetloc/features/local_model.h>
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -21,13 +23,22 @@ struct TieEnd {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< position in the world of its part
 };
 
+/** \brief How pairs of keyframes are searched for. */
+struct TieSearch {
+  PoseWithCovariance prior;                ///< relative pose of a pair, about the identity
+  std::optional<CameraMounting> mounting;  ///< with it, a PlaceIndex bounds the search
+  int threads = 1;                         ///< 0 = all cores
+  std::function<void(double)> progress{};  ///< receives the share of the work that is done; may be empty
+  long long exhaustive_up_to = 200'000;    ///< pairs up to which all are compared, without an index
+};
+
 /** \brief Pairs of keyframes of different parts that may show the same place: those close in order, and for
- * each keyframe the earlier ones whose planes overlay best (localization/METHOD 13.7).
+ * each keyframe the earlier ones whose planes overlay best (localization/METHOD 13.7). Of many keyframes with
+ * a known mounting, only the most similar ones by a PlaceIndex are overlaid.
  *
- * \param first number of the first keyframe that pairs are formed with \param prior of the relative pose,
- * about the identity */
+ * \param first number of the first keyframe that pairs are formed with */
 std::vector<std::pair<int, int>> tieCandidates(const std::vector<TieEnd>& keyframes, int first,
-                                               const PoseWithCovariance& prior, int threads);
+                                               const TieSearch& search);
 
 /** \brief Bound on ties by the distance that the camera may have covered between two parts. */
 class TravelBound {

@@ -196,8 +196,8 @@ struct TrajectoryEstimation::Impl {
   }
   double stampOf(int keyframe) const { return images[nodes[keyframe].image].stamp; }
   bool attach(const std::shared_ptr<const View>& view, const Position& at);
-  bool hangFromKnown(const View& view, const Position& at);
-  void hangFrom(int keyframe, const PoseWithCovariance& T_k_c);
+  bool attachToKnown(const View& view, const Position& at);
+  void attachTo(int keyframe, const PoseWithCovariance& T_k_c);
   std::vector<int> keyframesAround(const Eigen::Isometry3d& T_w_c) const;
   std::vector<int> similarKeyframes(const View& view) const;
   void takeKeyframe(const std::shared_ptr<const View>& view, const Position& at);
@@ -337,7 +337,7 @@ std::vector<int> TrajectoryEstimation::Impl::similarKeyframes(const View& view) 
   return inOrder(similar);
 }
 
-void TrajectoryEstimation::Impl::hangFrom(int keyframe, const PoseWithCovariance& T_k_c) {
+void TrajectoryEstimation::Impl::attachTo(int keyframe, const PoseWithCovariance& T_k_c) {
   current = keyframe;
   since = {};
   since.T = T_k_c.T;
@@ -345,7 +345,7 @@ void TrajectoryEstimation::Impl::hangFrom(int keyframe, const PoseWithCovariance
 }
 
 // Finds a keyframe of its place that shows the same, or any of a crowded place.
-bool TrajectoryEstimation::Impl::hangFromKnown(const View& view, const Position& at) {
+bool TrajectoryEstimation::Impl::attachToKnown(const View& view, const Position& at) {
   const Eigen::Isometry3d T_w_c = T_w_k[current].T * at.T;
   const Matrix6d step = stepCovariance(mounting(), true);
   const std::vector<int> around = at.known ? keyframesAround(T_w_c) : similarKeyframes(view);
@@ -358,14 +358,14 @@ bool TrajectoryEstimation::Impl::hangFromKnown(const View& view, const Position&
         placed->overlap < (at.known ? kLoopOverlap : kSureOverlap) ||
         (!at.known && largestTranslationStd(measured(*placed).P) > kSureStd))
       continue;
-    hangFrom(
+    attachTo(
         k, {placed->T_a_b, withSharedErrors(symmetricInverse(placed->information + symmetricInverse(step)))});
     since.placed = placed;
     return true;
   }
   if (!at.known || around.size() < kCrowded) return false;
   const int k = around.front();
-  hangFrom(k, {T_w_k[k].T.inverse() * T_w_c, guessedStep().P});
+  attachTo(k, {T_w_k[k].T.inverse() * T_w_c, guessedStep().P});
   return true;
 }
 
@@ -384,7 +384,7 @@ bool TrajectoryEstimation::Impl::beginAgain(const std::shared_ptr<const View>& v
 // Makes the latest image a keyframe or, in an endless trajectory, attaches it to an existing one.
 // Returns true for a new one.
 bool TrajectoryEstimation::Impl::attach(const std::shared_ptr<const View>& view, const Position& at) {
-  if (endless && hangFromKnown(*view, at)) {
+  if (endless && attachToKnown(*view, at)) {
     images.back().keyframe = current;
     images.back().T_k_c = since.T;
     return false;
@@ -579,9 +579,13 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::tieParts(const GraphCova
   for (std::size_t k = 0; k < nodes.size(); ++k)
     keyframes.push_back(
         {nodes[k].view, part[k], nodes[k].run, images[nodes[k].image].stamp, T_w_k[k].T.translation()});
-  const PoseWithCovariance in_any_attitude{Eigen::Isometry3d::Identity(), posePrior({})};
-  const std::vector<std::pair<int, int>> pairs = tieCandidates(keyframes, first, in_any_attitude, threads);
-  compareTies(pairs, progress);
+  const auto share = [&progress](double begin, double end) -> Progress {
+    if (!progress) return {};
+    return [&progress, begin, end](double done) { progress(begin + done * (end - begin)); };
+  };
+  const TieSearch search{{Eigen::Isometry3d::Identity(), posePrior({})}, mounting(), threads, share(0, 0.5)};
+  const std::vector<std::pair<int, int>> pairs = tieCandidates(keyframes, first, search);
+  compareTies(pairs, share(0.5, 1));
   const TravelBound bound(keyframes, speed, known);
   std::vector<PoseEdge> found;
   for (const auto& pair : pairs) {

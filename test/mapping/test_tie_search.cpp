@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "trajectory/tie_search.h"
+
+#include <facetloc/features/so3.h>
+#include <facetloc/registration/pose_prior.h>
+#include <facetloc/testing/synthetic_views.h>
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+namespace facetloc::internal {
+namespace {
+
+constexpr CameraMounting kMounting{1.0, 10.0};
+
+Eigen::Isometry3d robotCamera(double x, double y, double heading) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = expSO3({0, 0, heading});
+  T.translation() << x, y, 0;
+  return T * kMounting.T_b_c();
+}
+
+/** Two rounds of a robot in a room, as two parts that nothing ties: view i of the second one is taken near
+ * view i of the first one. */
+class TwoRounds : public testing::Test {
+protected:
+  static constexpr int kViews = 48;
+
+  static void SetUpTestSuite() {
+    keyframes_ = new std::vector<TieEnd>;
+    for (int round = 0; round < 2; ++round)
+      for (int i = 0; i < kViews; ++i) {
+        const double heading = (i * 15 + 2 * round) * kDegree, x = i < kViews / 2 ? 2 : 3.8;
+        const View view =
+            test::viewFrom(test::largeRoom(), robotCamera(x + 0.05 * round, 2.4, heading), 100 * round + i);
+        keyframes_->push_back({std::make_shared<const View>(test::mounted(view, kMounting)), round, round});
+      }
+  }
+  static void TearDownTestSuite() {
+    delete keyframes_;
+    keyframes_ = nullptr;
+  }
+
+  static TieSearch search(long long exhaustive_up_to) {
+    TieSearch out{{Eigen::Isometry3d::Identity(), posePrior({})}, kMounting, 2};
+    out.exhaustive_up_to = exhaustive_up_to;
+    return out;
+  }
+  /** How many views of the second round are paired with their neighbours in the first one. */
+  static int found(const std::vector<std::pair<int, int>>& pairs) {
+    int n = 0;
+    for (int i = 0; i < kViews; ++i) n += std::count(pairs.begin(), pairs.end(), std::pair(i, kViews + i));
+    return n;
+  }
+
+  static std::vector<TieEnd>* keyframes_;
+};
+
+std::vector<TieEnd>* TwoRounds::keyframes_ = nullptr;
+
+TEST_F(TwoRounds, ViewsOfOnePlaceArePaired) {
+  const auto pairs = tieCandidates(*keyframes_, 0, search(1'000'000));
+  EXPECT_GE(found(pairs), 0.8 * kViews);
+  for (const auto& [a, b] : pairs) EXPECT_NE((*keyframes_)[a].part, (*keyframes_)[b].part);
+}
+
+TEST_F(TwoRounds, AnIndexFindsThemAsWell) {
+  const int all = found(tieCandidates(*keyframes_, 0, search(1'000'000)));
+  EXPECT_GE(found(tieCandidates(*keyframes_, 0, search(0))), all - 3);
+}
+
+TEST_F(TwoRounds, EachHasABoundedNumberOfPartners) {
+  for (const long long exhaustive_up_to : {0, 1'000'000}) {
+    std::vector<int> partners(2 * kViews);
+    for (const auto& [a, b] : tieCandidates(*keyframes_, 0, search(exhaustive_up_to))) ++partners[b];
+    EXPECT_LE(*std::max_element(partners.begin(), partners.end()), 25);
+  }
+}
+
+TEST_F(TwoRounds, OnlyTheLatestKeyframesAreSearchedForIfAsked) {
+  for (const auto& [a, b] : tieCandidates(*keyframes_, 2 * kViews - 5, search(0)))
+    EXPECT_GE(b, 2 * kViews - 5);
+}
+
+TEST_F(TwoRounds, ProgressIsReportedOnTheWay) {
+  TieSearch reporting = search(1'000'000);
+  std::vector<double> reports;
+  reporting.progress = [&](double share) { reports.push_back(share); };
+  const auto pairs = tieCandidates(*keyframes_, 0, reporting);
+  ASSERT_GE(reports.size(), 3u);  // at the begin, and after each chunk of keyframes
+  EXPECT_TRUE(std::is_sorted(reports.begin(), reports.end()));
+  EXPECT_EQ(reports.front(), 0);
+  EXPECT_GT(reports.back(), 0.5);
+  EXPECT_LT(reports.back(), 1);
+  EXPECT_EQ(pairs, tieCandidates(*keyframes_, 0, search(1'000'000))) << "the same without reports";
+}
+
+TEST(TieSearch, OnePartHasNoTies) {
+  const std::vector<TieEnd> one(3, {std::make_shared<const View>(), 7, 0});
+  EXPECT_TRUE(tieCandidates(one, 0, TieSearch{}).empty());
+  EXPECT_TRUE(tieCandidates({}, 0, TieSearch{}).empty());
+}
+
+}  // namespace
+}  // namespace facetloc::internal
