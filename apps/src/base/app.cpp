@@ -2,6 +2,7 @@
 #include "base/app.h"
 
 #include "base/batch.h"
+#include "base/heartbeat.h"
 #include "base/ranks.h"
 #include "base/text.h"
 
@@ -69,6 +70,14 @@ int App::runInJob(const std::vector<std::string>& arguments, Console& console) {
   return kOk;
 }
 
+/** A person at a terminal sees after a second that work goes on, whatever it is. */
+int App::executeWatched(const CommandLine& line, const Console& console) {
+  if (!console.terminal || console.quiet || console.watched || showsWork())
+    return executeUntilStopped(line, console);
+  const Heartbeat heartbeat(console, name_);
+  return executeUntilStopped(line, heartbeat.console());
+}
+
 /** Ctrl-C in a tool that can go on: the message says how. */
 int App::executeUntilStopped(const CommandLine& line, const Console& console) try {
   return execute(line, console);
@@ -86,7 +95,7 @@ int App::parseAndExecute(const std::vector<std::string>& arguments, Console& con
     if (Ranks::here().size() > 1 && !dealsOut())
       throw UsageError("works in one process like this: start it without mpirun");
     console.quiet = console.quiet || !Ranks::here().isFirst();
-    code = executeUntilStopped(line, console);
+    code = executeWatched(line, console);
   }
   console.out.flush();
   if (!console.out) throw std::runtime_error("the output cannot be written");

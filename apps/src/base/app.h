@@ -20,12 +20,13 @@ struct Console {
   bool terminal = false;  ///< err is watched by a person, so that a progress line makes sense
   bool quiet = false;     ///< no progress and no remarks
   std::string tool;
+  bool watched = false;  ///< a Heartbeat shows that work goes on
 
   /** \brief Results on out. */
   void print(const std::string& text) const;
   /** \brief A remark on err, unless quiet. */
   void note(const std::string& text) const;
-  /** \brief Writes "facetloc_x: what" to err, also if quiet. */
+  /** \brief Writes "facetloc_x: MESSAGE" to err, also if quiet. */
   void error(const std::string& what) const;
   /** \brief A line on err in the place of the one that was shown before; empty = none. */
   void show(const std::string& line) const;
@@ -55,6 +56,8 @@ protected:
    * together?
    */
   virtual bool dealsOut() const { return false; }
+  /** \brief Does the tool itself show that work goes on? Otherwise a Heartbeat does, on a terminal. */
+  virtual bool showsWork() const { return false; }
 
   /** \brief As given, or else this process's share of the machine; 0 = all cores. */
   int threads() const;
@@ -62,6 +65,7 @@ protected:
 private:
   int runInJob(const std::vector<std::string>& arguments, Console& console);
   int parseAndExecute(const std::vector<std::string>& arguments, Console& console);
+  int executeWatched(const CommandLine& line, const Console& console);
   int executeUntilStopped(const CommandLine& line, const Console& console);
 
   std::string name_;

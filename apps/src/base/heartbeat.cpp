@@ -16,13 +16,13 @@ using Clock = std::chrono::steady_clock;
 
 }  // namespace
 
-/** The stream of remarks, and the thread that speaks when nothing comes through it. */
-class Heartbeat::Watch : public std::streambuf {
+/** The thread that speaks when nothing is printed. */
+class Heartbeat::Watch {
 public:
   Watch(const Console& console, std::string what) : console_(console), what_(std::move(what)) {
     if (!console_.quiet) thread_ = std::thread([this] { watch(); });
   }
-  ~Watch() override {
+  ~Watch() {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       ended_ = true;
@@ -32,19 +32,13 @@ public:
     clear();
   }
   double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-
-protected:
-  int_type overflow(int_type c) override {
-    if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
-    const char text = traits_type::to_char_type(c);
-    return xsputn(&text, 1) == 1 ? c : traits_type::eof();
-  }
-  std::streamsize xsputn(const char* text, std::streamsize size) override {
+  /** Writes text for the work. \return false if the stream fails. */
+  bool write(std::ostream& stream, const char* text, std::streamsize size) {
     const std::lock_guard<std::mutex> lock(mutex_);
     clear();
-    console_.err.write(text, size).flush();
+    stream.write(text, size).flush();
     spoke_ = Clock::now();
-    return console_.err ? size : 0;
+    return static_cast<bool>(stream);
   }
 
 private:
@@ -83,16 +77,41 @@ private:
   std::thread thread_;
 };
 
+/** Hands text of the work to a stream of the console. */
+class Heartbeat::Relay : public std::streambuf {
+public:
+  Relay(Watch& watch, std::ostream& stream) : watch_(watch), stream_(stream) {}
+
+protected:
+  int_type overflow(int_type c) override {
+    if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
+    const char text = traits_type::to_char_type(c);
+    return xsputn(&text, 1) == 1 ? c : traits_type::eof();
+  }
+  std::streamsize xsputn(const char* text, std::streamsize size) override {
+    return watch_.write(stream_, text, size) ? size : 0;
+  }
+
+private:
+  Watch& watch_;
+  std::ostream& stream_;
+};
+
 Heartbeat::Heartbeat(const Console& console, const std::string& what)
     : console_(console),
       watch_(std::make_unique<Watch>(console, what)),
-      err_(std::make_unique<std::ostream>(watch_.get())) {}
+      out_relay_(std::make_unique<Relay>(*watch_, console.out)),
+      err_relay_(std::make_unique<Relay>(*watch_, console.err)),
+      out_(std::make_unique<std::ostream>(out_relay_.get())),
+      err_(std::make_unique<std::ostream>(err_relay_.get())) {}
 
 Heartbeat::~Heartbeat() = default;
 
 Console Heartbeat::console(std::ostream& out) const {
-  return {out, *err_, console_.terminal, console_.quiet, console_.tool};
+  return {out, *err_, console_.terminal, console_.quiet, console_.tool, true};
 }
+
+Console Heartbeat::console() const { return console(*out_); }
 
 double Heartbeat::seconds() const { return watch_->seconds(); }
 

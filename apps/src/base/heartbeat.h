@@ -18,15 +18,19 @@ public:
   Heartbeat(const Heartbeat&) = delete;
   Heartbeat& operator=(const Heartbeat&) = delete;
 
-  /** \brief For the work: remarks and progress are seen here. Results go to a stream of the work's own. */
+  /** \brief For work whose results go to a stream of its own, which does not count as output here. */
   Console console(std::ostream& out) const;
+  /** \brief For work that prints to the console given. */
+  Console console() const;
   double seconds() const;
 
 private:
   class Watch;
+  class Relay;
   const Console& console_;
   std::unique_ptr<Watch> watch_;
-  std::unique_ptr<std::ostream> err_;
+  std::unique_ptr<Relay> out_relay_, err_relay_;
+  std::unique_ptr<std::ostream> out_, err_;
 };
 
 }  // namespace facetloc

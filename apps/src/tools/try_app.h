@@ -19,6 +19,7 @@ private:
 
   void addOptions(CommandLine& line) override;
   int execute(const CommandLine& line, const Console& console) override;
+  bool showsWork() const override { return true; }  // stage by stage
   std::vector<Stage> stages(const CommandLine& line, const Console& console) const;
   void runStage(const Stage& stage, std::size_t number, std::size_t of, const Console& console) const;
   std::string in(const std::string& name) const { return (std::filesystem::path(folder_) / name).string(); }
