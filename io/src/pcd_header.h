@@ -21,8 +21,8 @@ namespace facetloc {
 
 /** \brief The header of a PCD file, read strictly and compared with the size of the file.
  *
- * PCL believes a header: it allocates what POINTS promises and unpacks as far as SIZE and COUNT say. A file
- * that passes here is safe to be given to PCL. */
+ * PCL believes a header: it allocates as many points as POINTS promises and unpacks as far as SIZE and COUNT
+ * say. A file that passes here is safe to be given to PCL. */
 class PcdHeader {
 public:
   /** \brief Throws IoError for anything that is not a sound PCD file of the promised length, or has no point,
@@ -82,7 +82,7 @@ private:
     fail("is not a PCD file, or is truncated: its header has no DATA line");
   }
 
-  /** PCL goes on to read a header behind DATA, as long as what is there looks like one. */
+  /** PCL goes on to read a header behind DATA, as long as the next line looks like one. */
   void requireNoMoreHeader(std::istream& in) const {
     in.seekg(static_cast<std::streamoff>(data_offset_));
     while (in >> std::ws && in.peek() == '#') in.ignore(std::numeric_limits<std::streamsize>::max(), '\n');

@@ -13,7 +13,7 @@ namespace facetloc::internal {
 
 /** \brief A key with the numbers and the word behind it, up to the next key. */
 struct YamlEntry {
-  std::string key;  ///< in lower case, the last part of a.b.c
+  std::string key;  ///< lower case, the last part of a.b.c
   std::vector<double> numbers;
   std::string word;
   std::size_t end = 0;  ///< place of the key in the text

@@ -33,8 +33,8 @@ public:
  * (`--score.by_overlap`, `--score.by_overlap=0`). The `method` of a group of parameters can
  * also go by the name of the group (`--split quadtree` is `--split.method quadtree`).
  *
- * --help shows what users need and two examples, on 40 lines at most; --help-all every parameter: those for
- * users first, those for experts by group. */
+ * --help shows the common options and two examples, on 40 lines at most; --help-all every parameter: those
+ * for users first, those for experts by group. */
 class CommandLine {
 public:
   /** \param tool its name, as in `facetloc_segment`; \param synopsis the rest of the usage line;

@@ -19,7 +19,7 @@ namespace facetloc {
  *
  * Items are dealt out like cards, one to each process in turn: the images of a sequence cost about the same,
  * the more so the closer they are. All processes make the same SharedBatch; the first one decides on the
- * the more so the closer they are. All processes make the same SharedBatch; the first one decides on the
+ * order and receives the results, item by item, the others only help:
  *
  *     SharedBatch<Order, Result> batch(threads(), console, start);
  *     if (batch.helped()) return kOk;

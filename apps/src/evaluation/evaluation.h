@@ -188,11 +188,12 @@ constexpr std::size_t kReliableCount = 20;  ///< images from which on the share 
 struct Summary {
   std::string name;
   std::size_t total = 0;
-  std::size_t none = 0;                                                  ///< no hypothesis
-  std::size_t wrong = 0;                                                 ///< no correct hypothesis
-  std::size_t correct = 0;                                               ///< at least one
-  std::size_t best_correct = 0;                                          ///< rank 1 is
-  CumulativeHistogram translation_mm, rotation_deg, heading_deg, index;  ///< of the first correct hypotheses
+  std::size_t none = 0;          ///< no hypothesis
+  std::size_t wrong = 0;         ///< no correct hypothesis
+  std::size_t correct = 0;       ///< at least one
+  std::size_t best_correct = 0;  ///< rank 1 is
+  CumulativeHistogram translation_mm, rotation_deg, heading_deg,
+      index;  ///< errors and ranks of first correct hypotheses
   Statistics translation_stats, rotation_stats, heading_stats, index_stats;
   double threshold = 0;  ///< the largest probability of a wrong rank 1
   double recall = 0;     ///< share of all frames whose rank 1 is correct and more probable than that

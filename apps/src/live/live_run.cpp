@@ -189,7 +189,8 @@ void LiveRun::startSession() {
       std::make_unique<LiveSession>(options, map_, [this](const LiveResultPtr& result) { receive(result); });
 }
 
-/** Called by the processing thread: writes what must not be lost, leaves the rest to a thread that has time.
+/** Called by the processing thread: writes data that must not be lost, leaves the rest to a thread that has
+ * time.
  */
 void LiveRun::receive(const LiveResultPtr& result) {
   if (extension_) extension_->put(*result);

@@ -21,10 +21,10 @@ class MessageLog;
 /** \brief A pose of a message. Throws IoError. \param columns tx ty tz qx qy qz qw \param name of the file */
 StampedPose poseOf(double stamp, const std::array<double, 7>& columns, const std::string& name);
 
-/** \brief The odometry of a recording: nav_msgs/Odometry, or else what tf has of the frame odom, or of the
- * only frame that moves above the camera. Throws IoError without one.
- * \param camera_frame the frame of the depth images; where tf has it fixed below the frame that moves, the
- * poses are the camera's, and else those of that frame, as of the robot's base. Empty: they are the latter */
+/** \brief The odometry of a recording: nav_msgs/Odometry, or else the poses of the frame odom in tf, or of
+ * the only frame that moves above the camera. Throws IoError without one. \param camera_frame the frame of
+ * the depth images; where tf has it fixed below the frame that moves, the poses are the camera's, and else
+ * those of that frame, as of the robot's base. Empty: they are the latter */
 ReadPoses readMessageOdometry(const std::filesystem::path& path, const std::string& camera_frame);
 
 /** \brief Gravity, and a remark on its source: a sentence without full stop, or nothing. */

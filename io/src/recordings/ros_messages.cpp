@@ -86,7 +86,7 @@ TransformsMessage TransformsMessage::read(MessageReader& message) {
 
 ImuMessage ImuMessage::read(MessageReader& message) {
   constexpr double kNotMeasured = -1;  // as the first covariance, by the definition of the message
-  constexpr double kLargest = 1e4;     // [m/s^2] beyond what any accelerometer measures
+  constexpr double kLargest = 1e4;     // [m/s^2] beyond the range of any accelerometer
   ImuMessage imu;
   imu.header = readHeader(message);
   message.skip<double>(4 + 9 + 3 + 9);  // orientation and angular velocity, with covariances

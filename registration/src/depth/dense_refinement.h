@@ -23,8 +23,8 @@ struct DenseRefinementParams {
  * estimate being the prior.
  *
  * A plane has an inverse depth that is linear in the pixel, so that a difference of inverse depths divided by
- * the noise is the same measurement everywhere in the image. A pixel may at first differ by what the prior's
- * covariance predicts, and in the end by the sensor's error alone.
+ * the noise is the same measurement everywhere in the image. A pixel may at first differ as far as the
+ * prior's covariance predicts, and in the end by the sensor's error alone.
  *
  * \param pose T_w_c of the scene, which is updated, and its covariance, which is the prior and stays as it
  *        is

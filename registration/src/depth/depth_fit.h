@@ -44,7 +44,7 @@ struct ShownInformation {
 /** \brief The information of a registered pose by the cost itself (METHOD 12.4). Derivatives of
  * edges and of noise feign information that the cost does not show some pixels away from its minimum; and
  * where derivatives show none, steps of the surface may. Along each principal motion, except those known to
- * millimetres, the information becomes what the cost shows.
+ * millimetres, the information becomes the one of the cost.
  * \param stated information of the pose T_w_c, without any prior; all of it if nothing can be compared */
 ShownInformation shownInformation(const Matrix6d& stated, const Eigen::Isometry3d& T_w_c, const DepthFit& fit,
                                   int columns);

@@ -37,8 +37,8 @@ struct Motion {
 /** \brief Finds how a camera moves from image to image, at any frame rate.
  *
  * Images in quick succession are followed by ViewOdometry. Others, and those that it cannot follow, are
- * placed relative to the image before (ViewPlacing), within what a camera may move in that time or about the
- * motion of a given odometry; such a motion may have several answers. */
+ * placed relative to the image before (ViewPlacing), within the largest motion of a camera in that time or
+ * about the motion of a given odometry; such a motion may have several answers. */
 class CameraMotion {
 public:
   explicit CameraMotion(const ViewOdometryParams& params);

@@ -22,7 +22,7 @@ namespace facetloc::internal {
 /** \brief How depth is compared at a pose that all pixels have refined. */
 DepthCalibration refinedErrors(const Calibration& calibration);
 
-/** \brief Reach of the views that may show what a scene shows. */
+/** \brief Reach of the views that may show the surfaces of a scene. */
 constexpr ViewReach kEvidenceReach{2.5, 50 * kDegree};
 
 /** \brief From a score to log odds against the null hypothesis: the list lacks the place of the view. */

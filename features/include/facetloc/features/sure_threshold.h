@@ -15,7 +15,7 @@ constexpr const char* kSureKey = "sure";
  * as found by SureCalibration (localization/METHOD 11.6). Holds for single images like those that it was
  * found with. */
 struct SureThreshold {
-  double min_probability = 1;  ///< in (0, 1]
+  double min_probability = 1;  ///< range (0, 1]
   double alpha = 0;            ///< largest share of wrong answers among the sure ones, in (0, 1)
   double confidence = 0;       ///< with which alpha holds, in (0, 1)
   int images = 0;              ///< that it was found with, each of another view

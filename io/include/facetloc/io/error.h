@@ -6,7 +6,7 @@
 
 namespace facetloc {
 
-/** \brief A file or folder could not be read or written; what() names it and the cause. */
+/** \brief A file or folder could not be read or written; the message names it and the cause. */
 class IoError : public std::runtime_error {
 public:
   IoError(const std::string& path, const std::string& cause)

@@ -85,7 +85,7 @@ Map openMap(const std::filesystem::path& path, std::size_t views_in_memory = 400
 void replaceMap(const std::filesystem::path& path,
                 const std::function<void(const std::filesystem::path& temporary)>& write);
 /** \brief Writes a whole map, atomically; of the poses those that were given.
- * \param place_index if not empty, writes what MapDatabase::setPlaceIndex() keeps */
+ * \param place_index if not empty, writes the index for MapDatabase::setPlaceIndex() */
 void writeMap(const std::filesystem::path& path, const Map& map,
               const std::function<void(std::ostream&)>& place_index = {});
 /** \brief Every fault found in a map file, in words; empty for a sound one. Throws only if the file cannot be

@@ -196,7 +196,7 @@ double PlaceBelief::oddsOfKnown(const View& view, const Hypothesis& h) const {
 }
 
 // Log odds of a place that was beyond doubt. Surfaces that the map lacks, those hidden from its local models
-// and as much as may have changed since then does not speak against it.
+// and as much as may have changed since then do not count against it.
 double PlaceBelief::oddsOfEstablished(const View& view, const Hypothesis& h) const {
   const double odds = oddsOfKnown(view, h);
   if (odds >= 0 || !ranking_.mayHaveEvidence(view)) return odds;

@@ -158,7 +158,8 @@ Batch Shortlist::examined(const Query& query, const Batch& aligned, int most, do
 }
 
 // About where they are laid over the view, models cost little, but overlays are not exact: a pose beside one
-// is lost. What is sure there is right; else the likeliest are asked once more, about the prior.
+// is lost. A sure place among them is right; otherwise the likeliest models are registered once more, about
+// the prior.
 std::vector<NextBatch> Shortlist::overlaid(const Query& query, int threads,
                                            const std::function<bool(int)>& excluded) const {
   Batch all = allModels(query, excluded);

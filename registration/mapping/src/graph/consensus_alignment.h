@@ -15,7 +15,7 @@ struct FoundKeyframe {
   PoseWithCovariance T_w_c;  ///< pose in the map
 };
 
-/** \brief By how much two found keyframes may be off each other, beyond what the session allows. */
+/** \brief Tolerance for the distance of two found keyframes, beyond the errors of the session. */
 struct PlaceTolerance {
   double distance = 0;  ///< [m]
   double rotation = 0;  ///< [rad]

@@ -9,7 +9,7 @@
 namespace facetloc::internal {
 
 /** \brief Which of some uncertain loops confirm each other: going there by one and back by another must lead
- * to where one was, along what the graph knows between their ends (pairwise consistency after Mangelson et
+ * to where one was, along the paths of the graph between their ends (pairwise consistency after Mangelson et
  * al., ICRA 2018). Loops whose ends are not apart at either side count as one.
  *
  * The largest sets in which all agree and that have at least `least` loops are taken, unless a contradicting

@@ -136,7 +136,7 @@ struct PlacedView {
   Eigen::Isometry3d T_w_m;
   double lowest, highest;  // band of heights in the world
 
-  /** Calls what(point in the camera's frame) for each ray that has a depth. */
+  /** Calls the function with the point, in the camera's frame, of each ray that has a depth. */
   template <class What>
   void forEachPoint(const What& what) const {
     const Intrinsics& k = view.depth.camera;

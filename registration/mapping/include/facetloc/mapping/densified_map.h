@@ -47,9 +47,9 @@ struct Densification {
  *
  * The depth pictures of the map, fused, are a surface (METHOD 14.7), of which views are rendered at places
  * that the pictures have seen to be free. Those of which enough is known become local models, each with a
- * link to the view that it was rendered beside. What no picture shows is unknown in them. Views that were
- * link to the view that it was rendered beside. Surfaces that no picture shows are unknown in them. Views
- * that were afterwards. Same map, same result, for any number of threads.
+ * link to the view that it was rendered beside. Surfaces that no picture shows are unknown in them. Views of
+ * an earlier call are removed first. The ambiguity of the map and the threshold of sure answers are unknown
+ * afterwards. Same map, same result, for any number of threads.
  *
  * Throws std::invalid_argument for a map whose views are not in memory (readMap()), for a parameter out of
  * its range, and for poses too far apart.
