@@ -51,7 +51,7 @@ TEST(Alignment, HasTheResidualOfSymmetricErrors) {
   EXPECT_NEAR(a.residual, 0.03, 1e-12);
 }
 
-TEST(Alignment, OnALineTheOrientationsTellTheRoll) {
+TEST(Alignment, OrientationsFixTheRollOfPositionsOnALine) {
   std::vector<PosePair> pairs;
   for (int i = 0; i < 10; ++i) {
     const Eigen::Isometry3d truth = pose({0.5 * i, 0, 0}, {0.2, 0.1 * i, 0});
@@ -63,7 +63,7 @@ TEST(Alignment, OnALineTheOrientationsTellTheRoll) {
   EXPECT_TRUE(aligned(pairs).T_true_estimated.isApprox(kMotion, 1e-9));
 }
 
-TEST(RobustAlignment, LeavesOutWhatIsWrong) {
+TEST(RobustAlignment, RejectsOutliers) {
   std::vector<PosePair> pairs = spiral(40);
   for (std::size_t i = 0; i < pairs.size(); i += 5)  // every fifth
     pairs[i].estimated = pose({5. + double(i), -3, 2}, {0, 0, 0}) * pairs[i].estimated;
@@ -101,7 +101,7 @@ double rotationErrorDeg(const Alignment& a) {
   return rotationAngle(a.T_true_estimated.linear() * kMotion.linear().transpose()) / kDegree;
 }
 
-TEST(RobustAlignment, OrientationsTellTheRotationWherePositionsAreNear) {
+TEST(RobustAlignment, OrientationsFixTheRotationOfClosePositions) {
   const int n = 200;
   const double position_std = 0.1, rotation_std = 1 * kDegree;
   const std::vector<PosePair> pairs = room(n, position_std, rotation_std);
@@ -114,7 +114,7 @@ TEST(RobustAlignment, OrientationsTellTheRotationWherePositionsAreNear) {
   EXPECT_NEAR(whole.rotation_residual_deg, std::sqrt(3.), 0.2);
 }
 
-TEST(RobustAlignment, AWrongOrientationIsLeftOutToo) {
+TEST(RobustAlignment, AWrongOrientationIsRejected) {
   std::vector<PosePair> pairs = spiral(40);
   for (std::size_t i = 0; i < pairs.size(); i += 5) pairs[i].estimated.rotate(expSO3({0, 1, 0}));
   const Alignment a = robustlyAligned(pairs);

@@ -206,7 +206,7 @@ TEST_P(SharedBatchTest, HandsOutAllThatIsDoneAtCtrlC) {
 INSTANTIATE_TEST_SUITE_P(Threads, SharedBatchTest, testing::Values(0, 1, 2, 5));
 INSTANTIATE_TEST_SUITE_P(Threads, BatchTest, testing::Values(0, 1, 2, 5));
 
-TEST(Progress, LineTellsRateAndTimeLeft) {
+TEST(Progress, LineHasRateAndTimeLeft) {
   EXPECT_EQ(progressLine(0, 250, 0), "  0/250");
   EXPECT_EQ(progressLine(37, 250, 3.7), " 37/250  10.0/s  22 s left");
   EXPECT_EQ(progressLine(10, 10000, 10), "   10/10000  1.0/s  2.8 h left");

@@ -154,7 +154,7 @@ TEST(CommandLine, AChoiceGoesByName) {
   expectUsageError(runTool<WayApp>({"--way"}), "value of option '--way' is missing");
 }
 
-TEST(CommandLine, PresetsYieldToWhatIsGiven) {
+TEST(CommandLine, OptionsOverridePresets) {
   expectUsageError(echo({"a", "--preset", "nobody"}), "unknown preset 'nobody'; there are: paper");
   EXPECT_EQ(echo({"a", "--preset", "paper"}).out,
             "1  1000 0 2.5 6 0 1 0 0 0");  // what it does not have is left out
@@ -228,7 +228,7 @@ TEST_F(ParamsFile, MayBeginWithAByteOrderMark) {
   EXPECT_EQ(echoWith("\xEF\xBB\xBFmatching.max_pairs = 9\n").out, "1  100 0 2.5 9 0 1 0 0 0");
 }
 
-TEST_F(ParamsFile, TakesWhatToIniWrites) {
+TEST_F(ParamsFile, ReadsTheOutputOfToIni) {
   ExampleParams params;
   params.angular_threshold = 1.0 / 4;
   params.robust = false;

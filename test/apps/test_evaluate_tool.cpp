@@ -24,7 +24,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-TEST_F(Tools, EvaluateTellsThePlacesOfBothRuns) {
+TEST_F(Tools, EvaluateDistinguishesThePlacesOfBothRuns) {
   const std::string place = fs::path(map_run()).parent_path().string();
   for (const char* run : {"map", "query"})
     ASSERT_EQ(
@@ -138,7 +138,7 @@ TEST_F(Tools, EvaluateJudgesATrajectory) {
   EXPECT_THAT(runTool<EvaluateApp>({estimate, truth}).err, HasSubstr("line 1"));
 }
 
-TEST_F(Tools, EvaluateSaysWhatIsWrongWithItsInput) {
+TEST_F(Tools, EvaluateNamesFaultsOfItsInput) {
   const std::string results = folder_ / "results";
   ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
   ASSERT_EQ(runMap({"build", query(), "-o", folder_ / "other.flmap"}).code, kOk);

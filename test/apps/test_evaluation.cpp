@@ -93,7 +93,7 @@ TEST(Evaluation, JudgesEachFrame) {
   EXPECT_EQ(evaluation.frames[1].nearest->name, "1.0");
 }
 
-TEST(Evaluation, TheMapTellsWorldPosesThatTheResultsLack) {
+TEST(Evaluation, MissingWorldPosesComeFromTheMap) {
   ResultRow row = hypothesis("1.0", 1, 0.9, pose(0));
   row.T_w_c.reset();
   row.model = "m";
@@ -123,7 +123,7 @@ TEST(Evaluation, JudgesAnswersRelativeToTheirLocalModels) {
   EXPECT_FALSE(evaluate({run}, truth, {}, {}, 0.02, {{"other", pose(2)}}).frames[0].local_error);
 }
 
-TEST(Evaluation, ATrueModelPoseTellsWhereAnAnswerIs) {
+TEST(Evaluation, ATrueModelPoseLocatesAnAnswer) {
   ResultRow row = hypothesis("1.0", 1, 0.95, pose(0));
   row.T_w_c.reset();
   row.model = "m";
@@ -144,7 +144,7 @@ TEST(Evaluation, AlignsBySureAnswersOnly) {
   EXPECT_TRUE(pairs[0].truth.isApprox(pose(0)));
 }
 
-TEST(Evaluation, InAnotherWorldErrorsAndCovariancesAreTheSame) {
+TEST(Evaluation, ErrorsAndCovariancesAreTheSameInAnotherWorld) {
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
   motion.linear() = expSO3({0.5, -1, 2});
   motion.translation() << 3, 4, 5;
@@ -194,7 +194,7 @@ TEST(Evaluation, AFirstAnswerThatIsNowhereInTheWorldIsNotJudged) {
   EXPECT_THAT(contentOf(folder / "evaluation.txt"), HasSubstr("in a local model without a pose: 1 image;"));
 }
 
-TEST(Evaluation, ErrorsOfNothingAreNoNumbers) {
+TEST(Evaluation, ErrorsWithoutAnswersAreNaN) {
   const Evaluation evaluation =
       evaluate({hypothesis("1.0", 1, 0.9, pose(5))}, Trajectory({{1, pose(0)}}), {}, {});
   TemporaryFolder folder;

@@ -65,7 +65,7 @@ TEST(ErrorGroups, ByDistance) {
   EXPECT_THAT(errorsByDistance({frame("no map")}), IsEmpty());
 }
 
-TEST(StageTimes, OfAHandfulOfImages) {
+TEST(StageTimes, PercentilesOfFewImages) {
   std::vector<TimingRow> rows;
   for (int i = 1; i <= 100; ++i) rows.push_back({std::to_string(i), 1.0 * i, 2, 10, 5});
   const auto times = stageTimes(rows);

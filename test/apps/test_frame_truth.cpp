@@ -119,13 +119,13 @@ TEST(SharedPlanes, ACorridorDoesNot) {
   EXPECT_FALSE(sharedPlanesSuffice({}, corridor, kPositionStd, kRotationStd));
 }
 
-TEST(SharedPlanes, WhatHasMovedIsNotShared) {
+TEST(SharedPlanes, MovedPlanesAreNotShared) {
   const TrueSegments now = segmentsSeen({kFloor, kLeft, kMovedBack});
   EXPECT_TRUE(sharedPlanesSuffice(now, now, kPositionStd, kRotationStd));
   EXPECT_FALSE(sharedPlanesSuffice(now, segmentsSeen({kFloor, kLeft, kBack}), kPositionStd, kRotationStd));
 }
 
-TEST(RenderedTruth, ReadsWhatIsInTheFolder) {
+TEST(RenderedTruth, ReadsItsFolder) {
   const test::TemporaryFolder folder;
   const fs::path run = folder / "run";
   writeSequence(run, "7.500000", {kFloor, kBack, kLeft}, displaced());
@@ -154,7 +154,7 @@ TEST(RenderedTruth, ReadsWhatIsInTheFolder) {
   EXPECT_FALSE(RenderedTruth::open(run));
 }
 
-TEST(RenderedTruth, SaysWhatIsWrongWithItsFiles) {
+TEST(RenderedTruth, NamesFaultsOfItsFiles) {
   const test::TemporaryFolder folder;
   const fs::path path = folder / "planes.csv";
   const auto complaint = [&](const std::string& content) {
@@ -206,7 +206,7 @@ TEST_F(Place, TheTruthsOfBothRunsAreOne) {
   EXPECT_THROW(PlaceTruth::open(test::TemporaryFolder() / "."), IoError);
 }
 
-TEST_F(Place, RunsAtTheSameTimeAreToldApartByName) {
+TEST_F(Place, RunsAtTheSameTimeAreDistinguishedByName) {
   std::filesystem::remove_all(folder_ / "query");
   writeSequence(folder_ / "query", "1.000000", {kFloor, kBack}, displaced());
   const PlaceTruth truth = PlaceTruth::open(place());
@@ -241,7 +241,7 @@ TEST_F(Place, AQueryThatIsNotCoveredIsNot) {
   EXPECT_EQ(f.solvable, false);
 }
 
-TEST_F(Place, WithoutTheMapsPlanesNobodyKnows) {
+TEST_F(Place, SolvabilityIsUnknownWithoutTheMapsPlanes) {
   EXPECT_EQ(query(PlaceTruth::open(folder_ / "query")).solvable, std::nullopt);
   const FrameEvaluation f = query(PlaceTruth::open(folder_ / "query/groundtruth.txt"));
   EXPECT_TRUE(f.covered);

@@ -30,7 +30,7 @@ ToolRun front(const std::vector<std::string>& arguments) {
   return captured([&](const Console& console) { return runFront(arguments, console, kTools); });
 }
 
-TEST(Front, ListsWhatThereIs) {
+TEST(Front, ListsAllCommands) {
   const ToolRun run = front({});
   EXPECT_EQ(run.code, kOk);
   for (const FrontCommand& command : frontCommands()) {

@@ -76,7 +76,7 @@ TEST(Help, EachOptionIsUnderstoodAlone) {
 }
 
 /** What a preset sets that no tool has would be left out without a word. */
-TEST(Help, PresetsSetWhatThereIs) {
+TEST(Help, PresetsSetExistingParameters) {
   std::string all;
   for (const auto& [tool, help] : helpOfAll("--help-all")) all += help;
   for (const std::string& preset : presetNames()) {

@@ -141,7 +141,7 @@ TEST(EvaluationHtml, HasEveryTableOfTheText) {
   }
 }
 
-TEST(EvaluationHtml, ThePapersFiguresStandBesideItsExperimentOnly) {
+TEST(EvaluationHtml, ThePapersFiguresAppearWithItsExperimentOnly) {
   const test::TemporaryFolder folder;
   EvaluationReport report = exampleReport();
   writeHtmlReport(folder / "", report, {});

@@ -48,7 +48,7 @@ TEST(LatestFrame, WakesWhoWaits) {
   EXPECT_EQ(arrived->frame, 7);
 }
 
-TEST(LatestFrame, ClosedStillGivesWhatIsThereAndTakesNoMore) {
+TEST(LatestFrame, ClosedStillGivesItsFrameAndTakesNoMore) {
   LatestFrame<int> box;
   box.put(1);
   box.close();
@@ -119,7 +119,7 @@ TEST(LatestFrame, EveryFrameIsTakenOrDropped) {
   EXPECT_EQ(taken + box.counts().dropped, static_cast<std::uint64_t>(kFrames));
 }
 
-TEST(LatestFrame, InTurnNothingIsDropped) {
+TEST(LatestFrame, NothingIsDroppedInTurn) {
   LatestFrame<int> mailbox;
   constexpr int kFrames = 200;
   std::thread writer([&] {

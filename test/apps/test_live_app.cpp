@@ -185,7 +185,7 @@ TEST_F(LiveTool, TakesItsOwnParameters) {
   EXPECT_EQ(again.code, kOk) << again.err;
 }
 
-TEST_F(LiveTool, RecordsWhatItSees) {
+TEST_F(LiveTool, RecordsItsImages) {
   const std::string file = folder_ / "run.oni";
   const ToolRun run = runLive({"--device", sequence(), "--headless", "--record", file});
   EXPECT_EQ(run.code, kOk) << run.err;
@@ -215,7 +215,7 @@ TEST_F(LiveTool, OverwritesNoInputs) {
   }
 }
 
-TEST_F(LiveTool, SaysWhatIsWrongWithFiles) {
+TEST_F(LiveTool, NamesFaultsOfFiles) {
   const ToolRun map_run = runLive({"--device", sequence(), "--map", folder_ / "no.flmap", "--headless"});
   EXPECT_EQ(map_run.code, kFailed);
   EXPECT_THAT(map_run.err, HasSubstr("no.flmap"));
@@ -228,14 +228,14 @@ TEST_F(LiveTool, SaysWhatIsWrongWithFiles) {
   EXPECT_THAT(empty.err, HasSubstr("empty"));
 }
 
-TEST(LiveApp, RefusesWhatMakesNoSense) {
+TEST(LiveApp, RefusesSenselessOptions) {
   for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
            {"--every", "0"}, {"--max-frames", "-1"}, {"--duration", "-1"}, {"--speed", "-2"}, {"--foo"}}) {
     EXPECT_EQ(runTool<LiveApp>(arguments).code, kUsage) << arguments.front();
   }
 }
 
-TEST(LiveApp, HelpTellsTheKeys) {
+TEST(LiveApp, HelpListsTheKeys) {
   const ToolRun run = runTool<LiveApp>({"--help"});
   EXPECT_EQ(run.code, kOk);
   for (const char* key : {"screenshot", "record", "pause", "relocalize", "quit"})

@@ -39,7 +39,7 @@ TEST_F(LiveTool, SaysThatADeviceIsMissing) {
   EXPECT_THAT(relative.err, HasSubstr("runs/mistyped: does not exist"));
 }
 
-TEST_F(LiveTool, WaitsForADeviceUntilToldToStop) {
+TEST_F(LiveTool, WaitsForADeviceUntilStopped) {
   LiveProcess process({"--device", folder_ / "later.oni", "--headless", "--wait"});
   ASSERT_TRUE(eventually([&] { return process.err().find("waiting for it") != std::string::npos; }));
   std::this_thread::sleep_for(2500ms);  // it looks again, and says nothing
@@ -49,7 +49,7 @@ TEST_F(LiveTool, WaitsForADeviceUntilToldToStop) {
   EXPECT_EQ(run.err.find("waiting"), run.err.rfind("waiting")) << run.err;
 }
 
-TEST_F(LiveTool, WaitsForADeviceForSoManySecondsOnly) {
+TEST_F(LiveTool, WaitsForADeviceForALimitedTime) {
   const auto start = Clock::now();
   const ToolRun run =
       runLive({"--device", folder_ / "never.oni", "--headless", "--wait", "--duration", "1.5"});

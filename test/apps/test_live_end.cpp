@@ -25,7 +25,7 @@ using test::runLive;
 using test::ToolRun;
 using testing::HasSubstr;
 
-TEST_F(LiveTool, EndsAfterSoManyFrames) {
+TEST_F(LiveTool, EndsAfterTheGivenFrames) {
   const std::string results = folder_ / "results";
   const ToolRun run =
       runLive({"--device", sequence(), "--headless", "--results", results, "--max-frames", "5", "--repeat"});
@@ -33,7 +33,7 @@ TEST_F(LiveTool, EndsAfterSoManyFrames) {
   EXPECT_EQ(readHypotheses(results).size(), 5u);
 }
 
-TEST_F(LiveTool, EndsAfterSoManySeconds) {
+TEST_F(LiveTool, EndsAfterTheGivenTime) {
   const auto start = Clock::now();
   const ToolRun run = runLive({"--device", sequence(), "--headless", "--duration", "0.5", "--repeat"});
   EXPECT_EQ(run.code, kOk) << run.err;

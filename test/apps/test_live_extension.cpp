@@ -54,7 +54,7 @@ TEST(RememberedPose, IsTheLastSureOne) {
       << "it may have been moved since";
 }
 
-TEST(RememberedPose, OfAnotherKindOfFileSaysSo) {
+TEST(RememberedPose, AnotherKindOfFileIsNamed) {
   TemporaryFolder folder;
   const std::string file = folder / "last";
   for (const std::string& text : {std::string("no pose"), std::string("[1]"), std::string("{}"),
@@ -87,7 +87,7 @@ protected:
   }
 };
 
-TEST_F(LiveExtensionTool, GrowsByWhatTheMapLacks) {
+TEST_F(LiveExtensionTool, AddsPlacesThatTheMapLacks) {
   const std::string grown = mapOfBegin(16);
   const std::size_t before = openMap(grown).models.size();
   const ToolRun run = runLive(extend(grown, "0"));
@@ -109,7 +109,7 @@ TEST_F(LiveExtensionTool, GrowsByWhatTheMapLacks) {
   EXPECT_LE(openMap(grown).models.size(), map.models.size() + 1) << again.out;
 }
 
-TEST_F(LiveExtensionTool, TakesUpWhatAKilledRunHasSeen) {
+TEST_F(LiveExtensionTool, TakesUpTheImagesOfAKilledRun) {
   const std::string grown = mapOfBegin(16);
   const std::size_t before = openMap(grown).models.size();
   const fs::path images = grown + ".session/depth";

@@ -176,7 +176,7 @@ TEST_F(LivePictureTest, TurnsMovesAndZoomsThePanelUnderTheMouse) {
   EXPECT_TRUE(changes().isEmpty());
 }
 
-TEST_F(LivePictureTest, AClickTellsWhatIsThere) {
+TEST_F(LivePictureTest, AClickDescribesTheItem) {
   const LiveResult result = exampleResult(TrackingState::tracking);
   WatchedPicture watched(1280, 720, exampleMap());
   const Raster<std::uint8_t> before = watched.show(result);
@@ -236,7 +236,7 @@ TEST(LiveLooks, ZoomKeepsThePlaceUnderTheMouse) {
   EXPECT_FALSE(looks.panelAt({700, 50}));
 }
 
-TEST_F(LivePictureTest, WindowTellsWhatItsUserWants) {
+TEST_F(LivePictureTest, WindowReportsItsUsersCommands) {
   LiveWindow window("test", exampleMap());
   window.show(exampleResult(TrackingState::tracking), {"30.0 frames/s"});
   EXPECT_THAT(window.commands(), IsEmpty());

@@ -61,7 +61,7 @@ TEST_F(LivePipe, MakesAMap) {
   EXPECT_TRUE(fs::exists(made));
 }
 
-TEST_F(LivePipe, ATornFrameEndsWithItsNumberAndKeepsWhatWas) {
+TEST_F(LivePipe, ATornFrameEndsWithItsNumberAndKeepsEarlierOnes) {
   const std::string results = folder_ / "results", bytes = folder_ / "bytes";
   ASSERT_EQ(Process(shell(replay(sequence(), "0") + " > " + bytes)).wait().code, 0);
   fs::resize_file(bytes, fs::file_size(bytes) - 1000);

@@ -283,14 +283,14 @@ TEST_F(LiveSessionTest, TimeGoesOnWhenARecordingIsRepeated) {
   EXPECT_NE(results[0]->image.name, results[2]->image.name);
 }
 
-TEST_F(LiveSessionTest, WhatASinkThrowsComesOut) {
+TEST_F(LiveSessionTest, ExceptionsOfSinksAreRethrown) {
   LiveSession session(options_, nullptr, [](const LiveResultPtr&) { throw std::runtime_error("disk full"); });
   session.mailbox().put(frameOf(imageAt(0), 1));
   EXPECT_TRUE(eventually([&] { return session.done(); }));
   EXPECT_THROW(session.finish(), std::runtime_error);
 }
 
-TEST_F(LiveSessionTest, WhatAFrameThrowsComesOut) {
+TEST_F(LiveSessionTest, ExceptionsOfFramesAreRethrown) {
   LiveSession session(options_, nullptr, answers_.sink());
   session.mailbox().put({1, []() -> DepthImage { throw std::runtime_error("not organized"); }});
   EXPECT_THROW(session.finish(), std::runtime_error);

@@ -29,7 +29,7 @@ LiveResult trackedResult(TrackingState state, const std::string& reason) {
   return result;
 }
 
-TEST(LiveStatus, TellsStateAndPlaceOnATerminal) {
+TEST(LiveStatus, ShowsStateAndPlaceOnATerminal) {
   std::ostringstream out, err;
   const Console console{out, err, true, false, {}};
   LiveStatus status(console);
@@ -46,7 +46,7 @@ TEST(LiveStatus, TellsStateAndPlaceOnATerminal) {
   EXPECT_THAT(out.str(), IsEmpty());
 }
 
-TEST(LiveStatus, IsSilentWhereNobodyWatches) {
+TEST(LiveStatus, IsSilentWithoutATerminal) {
   std::ostringstream out, err;
   for (const Console& console : {Console{out, err, false, false, {}}, Console{out, err, true, true, {}}}) {
     LiveStatus status(console);
@@ -55,7 +55,7 @@ TEST(LiveStatus, IsSilentWhereNobodyWatches) {
   EXPECT_THAT(err.str(), IsEmpty());
 }
 
-TEST(LiveStatus, TellsTimes) {
+TEST(LiveStatus, ShowsTimes) {
   LiveResult result = trackedResult(TrackingState::tracking, "");
   result.segment_ms = 5.14;
   result.localize_ms = 9.06;

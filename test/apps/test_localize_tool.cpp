@@ -86,7 +86,7 @@ TEST_F(Tools, ParametersOfResultsCanBeUsedAgain) {
   EXPECT_EQ(contentOf(folder_ / "a/hypotheses.csv"), contentOf(folder_ / "b/hypotheses.csv"));
 }
 
-TEST_F(Tools, ThePapersMethodFindsPlacesToo) {
+TEST_F(Tools, ThePapersMethodFindsPlaces) {
   const std::string map = folder_ / "paper.flmap", results = folder_ / "paper";
   ASSERT_EQ(runMap({"build", map_run(), "-o", map, "--preset", "paper"}).code, kOk);
   ASSERT_EQ(runTool<LocalizeApp>({map, query(), "-o", results, "--preset", "paper"}).code, kOk);
@@ -122,7 +122,7 @@ TEST_F(Tools, ADriveIsLocalizedAsOne) {
       << "a drive begins as sure as its first image";
 }
 
-TEST_F(Tools, ADriveIsLocalizedByItsLaterImagesToo) {
+TEST_F(Tools, ADriveIsAlsoLocalizedByItsLaterImages) {
   const auto run = [&](const std::string& name, const std::vector<std::string>& more) {
     std::vector<std::string> words = {map(), map_run(), "-o", folder_ / name, "--sequence"};
     words.insert(words.end(), more.begin(), more.end());
@@ -349,7 +349,7 @@ TEST_F(Tools, OtherParametersBeginAnew) {
   EXPECT_THAT(contentOf(results + "/params.ini"), HasSubstr("min_support = 99"));
 }
 
-TEST_F(Tools, LocalizeSaysWhatIsMissing) {
+TEST_F(Tools, LocalizeNamesMissingInputs) {
   EXPECT_EQ(runTool<LocalizeApp>({map(), query()}).code, kUsage);
   EXPECT_EQ(runTool<LocalizeApp>({folder_ / "nowhere.flmap", query(), "-o", folder_ / "x"}).code, kFailed);
   const ToolRun run = runTool<LocalizeApp>({map(), folder_ / "nowhere", "-o", folder_ / "x"});
@@ -357,7 +357,7 @@ TEST_F(Tools, LocalizeSaysWhatIsMissing) {
   EXPECT_EQ(run.err, "facetloc_localize: " + (folder_ / "nowhere") + ": does not exist\n");
 }
 
-TEST_F(Tools, SmoothNoiseIsFoundAndToldOf) {
+TEST_F(Tools, SmoothNoiseIsFoundAndReported) {
   const std::string room = folder_ / "room";
   const ToolRun simulate = runTool<SimulateApp>(
       {"room", "-o", room, "--seed", "5", "--frames", std::to_string(kFrames), "--width", "320",
@@ -399,7 +399,7 @@ TEST_F(Tools, AMountingOfAnotherHeightIsNotThatOfTheMap) {
   EXPECT_THAT(pair.err, HasSubstr("mounted differently"));
 }
 
-TEST_F(Tools, LocalizeTellsSureAnswersFromOthers) {
+TEST_F(Tools, LocalizeDistinguishesSureAnswers) {
   const auto count = [&](const std::string& results, AnswerState state) {
     int n = 0;
     for (const ResultRow& row : readHypotheses(results)) n += row.rank <= 1 && row.state == state;
@@ -429,7 +429,7 @@ TEST_F(Tools, LocalizeIsNeverSureByOverlap) {
   EXPECT_THAT(run.out, HasSubstr("12 images: 0 sure"));
 }
 
-TEST_F(Tools, LocalizeSaysWhatToLookAtWhereNothingIsSure) {
+TEST_F(Tools, LocalizeAdvisesWhereNothingIsSure) {
   const std::string input = folder_ / "input";
   fs::copy(query(), input, fs::copy_options::recursive);
   CameraFile file = readCameraFile(input + "/camera.ini");

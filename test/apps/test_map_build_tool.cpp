@@ -31,7 +31,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-TEST_F(Tools, MapBuildTakesOutWhatTheCameraAlwaysMeasuresWrongly) {
+TEST_F(Tools, MapBuildRemovesTheDepthDistortion) {
   constexpr double kStrength = 3;  // [DU]: a bad camera
   ASSERT_EQ(runTool<SimulateApp>({"room", "-o", folder_ / "", "--seed", "8", "--map-frames", "60",
                                   "--query-frames", "20", "--width", "320", "--drive.turn_deg", "8",
@@ -98,7 +98,7 @@ TEST_F(Tools, MapBuildTakesAnEmptyFileForNone) {
   }
 }
 
-TEST_F(Tools, AMapWhoseBuildWasInterruptedIsToldFromAWholeOne) {
+TEST_F(Tools, AnInterruptedMapIsDistinguishedFromAWholeOne) {
   const std::string path = folder_ / "m.flmap";
   const std::vector<std::string> build = {"build", map_run(), "-o", path, "--every", "3", "--resume"};
   const auto told = [&](const ToolRun& run) {
@@ -169,7 +169,7 @@ TEST_F(Tools, MapBuildReportsABadImage) {
   EXPECT_EQ(readMap(path).models.size(), 12u);
 }
 
-TEST_F(Tools, MapBuildFindsTheTrajectoryByItself) {
+TEST_F(Tools, MapBuildEstimatesTheTrajectory) {
   const std::string input = folder_ / "input", path = folder_ / "m.flmap", found = folder_ / "found.txt";
   fs::copy(map_run(), input, fs::copy_options::recursive);
   fs::remove(input + "/groundtruth.txt");
@@ -218,7 +218,7 @@ TEST_F(Tools, MapBuildUsesAnOdometryThatDrifts) {
               HasSubstr("none.txt"));
 }
 
-TEST_F(Tools, MapBuildKnowsThatWheelsDoNotTellHowARobotLeans) {
+TEST_F(Tools, MapBuildAllowsForTheUnknownLeanOfARobotOnWheels) {
   ASSERT_EQ(runTool<SimulateApp>({"room", "-o", folder_ / "", "--seed", "8", "--map-frames", "120",
                                   "--query-frames", "2", "--width", "320", "--odometry"})
                 .code,
@@ -284,7 +284,7 @@ TEST_F(Tools, MapBuildMatchesNoPosesWithNamesWithoutNumbers) {
   EXPECT_THAT(run.err, HasSubstr("is no time stamp"));
 }
 
-TEST_F(Tools, WhatIsNoMapIsNotReplacedByOne) {
+TEST_F(Tools, AFileThatIsNoMapIsNotReplaced) {
   const std::string truth = folder_ / "truth.txt";
   fs::copy_file(query() + "/groundtruth.txt", truth);
   const std::string before = contentOf(truth);

@@ -70,7 +70,7 @@ TEST_F(Tools, CalibrateWarnsOfTheRecordingThatTheMapIsMadeOf) {
   EXPECT_THAT(runMap({"calibrate", copy, query()}).err, Not(HasSubstr("left out")));
 }
 
-TEST_F(Tools, CalibrateRefusesWhatMakesNoSense) {
+TEST_F(Tools, CalibrateRefusesSenselessOptions) {
   for (const std::vector<std::string>& arguments :
        std::vector<std::vector<std::string>>{{"calibrate", map(), query(), "--alpha", "0"},
                                              {"calibrate", map(), query(), "--alpha", "1"},

@@ -88,7 +88,7 @@ TEST_F(Tools, MapExtendRefusesASessionOfAnotherPlaceAndLeavesTheMap) {
   EXPECT_EQ(contentOf(path), content);
 }
 
-TEST_F(Tools, MapExtendRefusesWhatMakesNoSense) {
+TEST_F(Tools, MapExtendRefusesSenselessOptions) {
   const std::string missing = folder_ / "missing.flmap", path = folder_ / "m.flmap";
   EXPECT_EQ(runMap({"extend", missing, query()}).code, kFailed);
   EXPECT_FALSE(fs::exists(missing));

@@ -72,7 +72,7 @@ TEST_F(Tools, ModelOptionsThatViewpointsMakeUselessAreRefused) {
   }
 }
 
-TEST_F(Tools, ModelThatIsNoneLeavesNoMap) {
+TEST_F(Tools, AnInvalidModelLeavesNoMap) {
   const std::string map = folder_ / "none.flmap";
   const fs::path model(folder_ / "sheet.obj");
   std::ofstream(model) << "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n";

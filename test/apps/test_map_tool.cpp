@@ -100,7 +100,7 @@ TEST_F(Tools, MapTakesThePosesOfAGraph) {
   EXPECT_EQ(runMap({"export", map()}).code, kUsage);
 }
 
-TEST_F(Tools, MapInfoTellsThePartsOfATopologicalMap) {
+TEST_F(Tools, MapInfoListsThePartsOfATopologicalMap) {
   Map bare = readMap(map());
   const auto models = std::to_string(bare.models.size());
   for (LocalModel& model : bare.models) model.T_w_m.reset();

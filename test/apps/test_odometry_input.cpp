@@ -142,7 +142,7 @@ protected:
   TemporaryFolder folder_;
 };
 
-TEST_F(OdometryFiles, TellPosesBetweenTheirStamps) {
+TEST_F(OdometryFiles, InterpolatePosesBetweenTheirStamps) {
   OdometryInput input(put(lineOf(ahead(1), "T_w_c", 10) + "\n" + lineOf(ahead(2, 0.2), "T_w_c", 10.2) +
                           lineOf(ahead(9), "T_w_c", 11)),
                       {});

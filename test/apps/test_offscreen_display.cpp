@@ -36,7 +36,7 @@ TEST(OffscreenDisplay, LeavesTheEnvironmentAsItWas) {
   EXPECT_STREQ(std::getenv("DISPLAY"), ":9999");
 }
 
-TEST(OffscreenDisplay, SaysWhyThereIsNone) {
+TEST(OffscreenDisplay, NamesTheCauseOfFailure) {
   const Environment display("DISPLAY", nullptr), path("PATH", "/nonexistent");
   const OffscreenDisplay offscreen;
   EXPECT_FALSE(offscreen.available());

@@ -94,7 +94,7 @@ TEST(MatchedSegments, AreFewAtAWrongPose) {
   EXPECT_TRUE(matchedSegments(View(), *map.view(0), wrong).empty());
 }
 
-TEST(Failures, AreWhatIsWrongOrMissing) {
+TEST(Failures, AreWrongOrMissingAnswers) {
   const Map map = ExampleScene().map();
   Evaluation evaluation;
   const auto add = [&](const std::string& name, int hypotheses, int first_correct,
@@ -137,7 +137,7 @@ TEST(Failures, AreWhatIsWrongOrMissing) {
   EXPECT_THROW(findFailures(evaluation, runs, map), std::runtime_error);
 }
 
-TEST(Failures, OfRunsWithTheSameNamesAreToldApart) {
+TEST(Failures, OfRunsWithTheSameNamesAreDistinguished) {
   const Map map = ExampleScene().map();
   Evaluation evaluation;
   std::vector<RunResults> runs;

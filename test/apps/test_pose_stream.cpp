@@ -129,7 +129,7 @@ TEST(PoseStream, ALineIsJsonOfTheSchema) {
   EXPECT_EQ(answer["covariance"][20].asDouble(), 55);
 }
 
-TEST(PoseStream, WhatIsNotKnownIsNull) {
+TEST(PoseStream, UnknownValuesAreNull) {
   FrameResult result = frame();
   EXPECT_TRUE(parsed(toJson(result, {}))["T_w_b"].isNull()) << "nobody knows the mounting";
   ResultRow row;
@@ -193,7 +193,7 @@ TEST_F(StreamOfImages, LocalizeWritesEachImageAndNothingElse) {
   }
 }
 
-TEST_F(StreamOfImages, WhatAnEarlierRunHasDoneIsStreamedToo) {
+TEST_F(StreamOfImages, AnswersOfAnEarlierRunAreAlsoStreamed) {
   const std::vector<std::string> arguments = {map(), query(), "-o", folder_ / "results", "--stream"};
   const ToolRun once = runTool<LocalizeApp>(arguments);
   std::vector<std::string> again = arguments;

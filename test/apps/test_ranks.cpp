@@ -216,7 +216,7 @@ TEST_P(NumberOfRanks, PosesByTheShortlistOfALargeMapAreTheSame) {
   }
 }
 
-TEST_P(NumberOfRanks, ABadImageIsToldOnceAndDoneLater) {
+TEST_P(NumberOfRanks, ABadImageIsReportedOnceAndDoneLater) {
   const std::string bad = folder_ / filesOf(query() + "/depth")[6].filename().string();
   test::writeContent(bad, "no PNG at all");
   const std::string input = listWith(6, bad);
@@ -276,7 +276,7 @@ TEST_F(RanksTest, ARankThatIsKilledEndsTheJobAndLosesNothingThatWasWritten) {
   expectSameFiles(results, RanksTest::results());
 }
 
-TEST_F(RanksTest, AnErrorOfAllIsToldOnceAndEndsTheJob) {
+TEST_F(RanksTest, AnErrorOfAllIsReportedOnceAndEndsTheJob) {
   const ToolRun run = runRanks(3, {kLocalizeTool, folder_ / "no.flmap", query(), "-o", folder_ / "x"});
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("facetloc_localize: " + (folder_ / "no.flmap") + ": does not exist"));

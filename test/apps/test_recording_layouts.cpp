@@ -251,11 +251,11 @@ TEST_F(Layouts, DepthAlignedToAFinerImageShowsItsPlanesAtAnyWidth) {
   for (const char* width : {"320", "0"}) EXPECT_GE(segmentsOf(sparse, width), 0.8 * dense) << width;
 }
 
-TEST_F(Layouts, NumberedImagesBesideAsManyPoses) {
+TEST_F(Layouts, NumberedImagesWithAsManyPoses) {
   expectToWork(numbered(map_run(), "a", 1000), numbered(query(), "b", 1000));
 }
 
-TEST_F(Layouts, NumberedImagesBesideMorePosesMakeNoMap) {
+TEST_F(Layouts, NumberedImagesWithMorePosesMakeNoMap) {
   const ToolRun run = runMap({"build", numbered(map_run(), "a", 8), "-o", folder_ / "a.flmap"});
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("which pose is whose is not known"));
@@ -322,7 +322,7 @@ TEST_F(Layouts, RecordingsOfTodayGiveTheBytesOfTheirImages) {
   }
 }
 
-TEST_F(Layouts, AnRtabmapDatabaseNeedsNothingBesideIt) {
+TEST_F(Layouts, AnRtabmapDatabaseNeedsNoOtherFile) {
   if (!hasRecordings()) GTEST_SKIP() << "no Python to write recordings with";
   const std::string a = recorded(map_run(), "a", "rtabmap"), b = recorded(query(), "b", "rtabmap");
   for (const char* name : {"a", "b"})

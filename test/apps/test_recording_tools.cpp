@@ -39,7 +39,7 @@ protected:
   }
 };
 
-TEST_F(RecordingTools, CheckSaysWhatARecordingIs) {
+TEST_F(RecordingTools, CheckDescribesARecording) {
   const ToolRun run = check(map_run());
   EXPECT_EQ(run.code, kOk) << run.err;
   EXPECT_THAT(run.out,
@@ -194,7 +194,7 @@ TEST_F(RecordingTools, ConvertWritesTheOdometryOfABag) {
   EXPECT_EQ(DepthSequence::open(folder_ / "out").frames().size(), 12u);
 }
 
-TEST_F(RecordingTools, ConvertWritesWhatTheMessagesOfRos2Tell) {
+TEST_F(RecordingTools, ConvertWritesThePosesAndGravityOfRos2Messages) {
   if (!hasRecordings()) GTEST_SKIP() << "no Python to write recordings with";
   const DepthSequence walk = DepthSequence::open(map_run());
   ASSERT_TRUE(writeRecording(walk, folder_ / "walk.mcap", "mcap zstd imu=camera_depth_optical_frame",
@@ -208,7 +208,7 @@ TEST_F(RecordingTools, ConvertWritesWhatTheMessagesOfRos2Tell) {
   EXPECT_LT((gravity.samples()[5].gravity.down - Eigen::Vector3d::UnitY()).norm(), 1e-6);
 }
 
-TEST_F(RecordingTools, ConvertOfWhatIsNoRecordingLeavesNothing) {
+TEST_F(RecordingTools, ConvertOfAnInvalidRecordingLeavesNothing) {
   EXPECT_EQ(convert(folder_ / "none", "out").code, kFailed);
   EXPECT_FALSE(fs::exists(folder_ / "out"));
   EXPECT_EQ(runTool<ConvertApp>({map_run()}).code, kUsage);

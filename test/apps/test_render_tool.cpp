@@ -21,7 +21,7 @@ using test::ToolRun;
 using test::Tools;
 using testing::HasSubstr;
 
-TEST_F(Tools, RenderDrawsWhatItIsGiven) {
+TEST_F(Tools, RenderDrawsEachKindOfInput) {
   if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
   const auto draws = [&](std::vector<std::string> arguments, const std::string& output) {
     arguments.insert(arguments.end(), {"-o", output});
@@ -108,7 +108,7 @@ TEST_F(Tools, RenderWritesPagesForBrowsers) {
   EXPECT_EQ(runTool<RenderApp>({firstImage(), "-o", page}).code, kUsage);
 }
 
-TEST_F(Tools, RenderSaysWhatIsMissing) {
+TEST_F(Tools, RenderNamesMissingInputs) {
   if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
   EXPECT_EQ(runTool<RenderApp>({firstImage()}).code, kUsage);
   EXPECT_EQ(runTool<RenderApp>({firstImage(), "-o", firstImage()}).code, kUsage);

@@ -223,7 +223,7 @@ TEST_F(Tools, SegmentsOfAnEmptyImageAreAValidFile) {
   EXPECT_TRUE(cloud.empty());
 }
 
-TEST_F(Tools, SegmentTellsImagesOfTheSameNameApart) {
+TEST_F(Tools, SegmentDistinguishesImagesOfTheSameName) {
   for (const char* run : {"map", "query"}) {
     fs::create_directories(folder_ / run + "/depth");
     fs::copy_file(query() + "/camera.ini", folder_ / run + "/camera.ini");

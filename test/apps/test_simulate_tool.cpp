@@ -45,7 +45,7 @@ TEST_F(Tools, SimulateIsReproducible) {
   }
 }
 
-TEST_F(Tools, SimulateRefusesWhatThereIsNot) {
+TEST_F(Tools, SimulateRefusesUnknownNames) {
   const ToolRun run = runTool<SimulateApp>({"palace", "-o", folder_ / "x"});
   EXPECT_EQ(run.code, kUsage);
   for (const char* scene : {"office", "home", "hall", "corridor", "hotel", "boards", "doors", "box", "room"})
@@ -196,7 +196,7 @@ TEST_F(Tools, SimulateGoesRoundMoreThanOnce) {
   }
 }
 
-TEST_F(Tools, SimulateWritesWhatTheWheelsTell) {
+TEST_F(Tools, SimulateWritesTheWheelOdometry) {
   const auto simulate = [&](const std::string& folder, const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {"office", "--frames",      "30", "--width", "40",
                                           "-o",     folder_ / folder};

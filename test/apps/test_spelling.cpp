@@ -6,7 +6,7 @@
 namespace facetloc {
 namespace {
 
-TEST(Spelling, DistanceCountsWhatFingersDo) {
+TEST(Spelling, DistanceCountsTypingErrors) {
   EXPECT_EQ(spellingDistance("", ""), 0u);
   EXPECT_EQ(spellingDistance("map", ""), 3u);
   EXPECT_EQ(spellingDistance("map", "map"), 0u);

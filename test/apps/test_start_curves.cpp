@@ -56,7 +56,7 @@ TEST(StartCurves, AreOfImagesWhoseTruePosesAreKnown) {
   EXPECT_TRUE(startCurves({}, {frame("b", 0.5)}, Eigen::Isometry3d::Identity(), {})[0].points.empty());
 }
 
-TEST(StartCurves, OfAWorldOfTheirOwnAreBroughtToTheTrueOne) {
+TEST(StartCurves, OfAnotherWorldAreAlignedWithTheTrueOne) {
   const auto curves = startCurves({answer("a", "a", AnswerState::sure, 5)}, {frame("a", 2)}, at(-3), {});
   EXPECT_EQ(curves[0].points.at(0).right, 1);
 }

@@ -31,7 +31,7 @@ TEST(StartPose, IsMountedAsTheCamera) {
   EXPECT_NEAR(largestTranslationStd(start->P), 0.3, 1e-9);
 }
 
-TEST(StartPose, RefusesWhatIsNone) {
+TEST(StartPose, RefusesInvalidText) {
   EXPECT_FALSE(startPose("", {}));
   for (const char* text : {"1", "1,2,3", "1,2,3,4,5,6,7", "a,2,3,4", "1,2,3,nan", "1,2,3,4,0", "1,2,3,4,-1",
                            "1,2,3,4,1,0", "1,2,3,4,1,181", "1,2,3,4,1e200", "1,2,,4", "1;2;3;4"})

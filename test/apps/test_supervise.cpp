@@ -149,7 +149,7 @@ TEST_F(LiveTool, IsSupervisedForADay) {
   EXPECT_GE(late["go"], 15) << run.out;
 }
 
-TEST_F(LiveTool, TheSupervisorGivesUpWhatCannotRun) {
+TEST_F(LiveTool, TheSupervisorGivesUpARunThatCannotStart) {
   setenv("FACETLOC_LIVE", kLiveTool, 1);
   const std::vector<std::string> command = {"/usr/bin/env", "python3", kSupervise, map(), "--no-such-option"};
   EXPECT_EQ(Process(command).wait().code, kUsage);

@@ -81,7 +81,7 @@ TEST(TrajectoryErrors, AWrongScaleIsAShareOfTheWay) {
   EXPECT_EQ(over(e, "1 m").intervals, 101u - 10);
 }
 
-TEST(TrajectoryErrors, ASteadyTurnIsSoManyDegreesPerMetre) {
+TEST(TrajectoryErrors, ASteadyTurnIsAConstantRotationPerMetre) {
   const double turn = 0.1 * kDegree;  // per step of 0.1 m
   const TrajectoryErrors e = trajectoryErrors(straight(50, turn), straight(50));
   EXPECT_NEAR(over(e, "1 m").rotationPerMetre(), 1, 1e-6);
@@ -139,7 +139,7 @@ std::string complaint(const Trajectory& estimate, const Trajectory& truth) {
   return "";
 }
 
-TEST(TrajectoryErrors, SayWhatIsWrong) {
+TEST(TrajectoryErrors, NameTheFault) {
   std::vector<StampedPose> later = straight(10).poses(), twice = later;
   for (StampedPose& p : later) p.stamp += 1000;
   twice[4].stamp = twice[5].stamp;

@@ -110,7 +110,7 @@ TEST_F(TwoWriters, CtrlCSaysHowToGoOn) {
   EXPECT_EQ(readResults(results).size(), test::kFrames - 1u);
 }
 
-TEST_F(TwoWriters, APipeThatNobodyWritesToIsRefusedAndNotWaitedFor) {
+TEST_F(TwoWriters, APipeWithoutAWriterIsRefusedWithoutWaiting) {
   const std::string pipe = folder_ / "a.flmap";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   EXPECT_THAT(Process({kMapTool, "check", pipe}).wait().err, HasSubstr("is a pipe, not a file"));

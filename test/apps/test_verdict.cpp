@@ -86,7 +86,7 @@ TEST(Verdict, AdvisesByTheLargestObstacle) {
               HasSubstr("fits no place (mostly: the camera is covered)"));
 }
 
-TEST(Verdict, OfExtremesIsSaidPlainly) {
+TEST(Verdict, OfExtremesIsPlain) {
   EXPECT_EQ(verdictOf(reportOf({image(AnswerState::sure, 0.1)})).sentences,
             (std::vector<std::string>{"Of 1 image, 1 has a sure answer (100\u00a0%).",
                                       "All of these are right, within 0.2 m and 2°.",
@@ -99,7 +99,7 @@ TEST(Verdict, OfExtremesIsSaidPlainly) {
   EXPECT_THAT(verdictOf(reportOf(nearly)).sentences[1], HasSubstr("(99.9\u00a0%)")) << "100 % means all";
 }
 
-TEST(Verdict, WithoutTruthSaysWhatAnswersSayOfThemselves) {
+TEST(Verdict, WithoutTruthCountsTheAnswers) {
   RunResults run;
   for (const auto& [frame, rank, state] : {std::tuple("1", 1, AnswerState::sure),
                                            {"1", 2, AnswerState::sure},

@@ -101,7 +101,7 @@ TEST(CovarianceStatistics, StatedTooSmallIsSeenAlongItsAxis) {
   EXPECT_NEAR(s.ratio(Axis::strongest, 0.5), 0.674, 0.02);
 }
 
-TEST(CovarianceStatistics, LeavesOutWhatIsNoCovariance) {
+TEST(CovarianceStatistics, LeavesOutInvalidCovariances) {
   CovarianceStatistics s;
   EXPECT_EQ(s.meanNees(), 0);
   EXPECT_EQ(s.inside95(), 0);

@@ -55,7 +55,7 @@ Example exampleOf(const std::string& bytes) {
   return e;
 }
 
-TEST(BinaryArchive, ReadsWhatWasWritten) {
+TEST(BinaryArchive, ReadsItsOutput) {
   const Example e = example(), again = exampleOf(bytesOf(e));
   EXPECT_EQ(again.name, e.name);
   EXPECT_EQ(again.value, e.value);
@@ -83,7 +83,7 @@ TEST(BinaryArchive, BytesThatAreNeitherTrueNorFalseThrow) {
   EXPECT_THROW(exampleOf(bytes + std::string(100, '\0')), std::runtime_error);
 }
 
-TEST(BinaryArchive, NoMemoryIsTakenForWhatIsNotThere) {
+TEST(BinaryArchive, NoMemoryIsTakenForMissingBytes) {
   std::string bytes(sizeof(std::size_t), '\x7f');  // claims an endless name
   EXPECT_THROW(exampleOf(bytes + "short"), std::runtime_error);
 }

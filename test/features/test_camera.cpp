@@ -31,7 +31,7 @@ std::vector<std::string> words(const Camera& of_view, const Camera& of_map, doub
   return toString(differenceOf(of_view, of_map, noise_std), of_view, of_map);
 }
 
-TEST(Camera, CamerasThatAreAlikeNeedNoWords) {
+TEST(Camera, EqualCamerasNeedNoRemark) {
   const CameraDifference d = differenceOf(robotCamera(), robotCamera());
   EXPECT_TRUE(d.sameMounting());
   EXPECT_TRUE(d.same_optics);
@@ -89,7 +89,7 @@ TEST(Camera, AMapLendsItsDistortionToACameraOfItsOptics) {
   EXPECT_EQ(map.calibrated(known).distortion->values()[0], 0.001);
 }
 
-TEST(Camera, ANoisierImageIsToldOf) {
+TEST(Camera, ANoisierImageIsReported) {
   const double kinect = SensorNoise().inverse_depth_std;
   EXPECT_THAT(words(robotCamera(), robotCamera(), 1.2 * kinect), IsEmpty());
   EXPECT_THAT(words(robotCamera(), robotCamera(), 4 * kinect), ElementsAre(HasSubstr("4.0 times as noisy")));

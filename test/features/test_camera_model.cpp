@@ -31,7 +31,7 @@ TEST(CameraModel, DisparityAndDepthAreInverse) {
   EXPECT_GT(kinectDisparity(2.0), kinectDisparity(1.0));
 }
 
-TEST(CameraModel, OneDisparityUnitIsWhatTheMethodTables) {
+TEST(CameraModel, OneDisparityUnitMatchesTheTableOfTheMethod) {
   const double millimetres[] = {2.8, 11.4, 25.6, 45.6, 71.2};
   for (int z = 1; z <= 5; ++z) {
     const double d = kinectDisparity(z);
@@ -166,7 +166,7 @@ TEST(CameraMounting, RollLowersTheRightSideOfTheImage) {
   EXPECT_NEAR((T.linear() * Eigen::Vector3d::UnitX()).z(), -0.5, 1e-12);
 }
 
-TEST(CameraMounting, TheFloorTellsTiltAndRollWhateverThePan) {
+TEST(CameraMounting, TheFloorFixesTiltAndRollForAnyPan) {
   for (const double pan : {0.0, 40.0, -170.0}) {
     CameraMounting mounting{1, 25};
     mounting.roll_deg = -12, mounting.pan_deg = pan, mounting.x = 1;

@@ -83,7 +83,7 @@ TEST(CameraPresets, AreFoundByTheSizeOfTheirImages) {
   EXPECT_EQ(name(333, 100), "kinect");
 }
 
-TEST(CameraPresets, OfOtherNamesThereAreNone) {
+TEST(CameraPresets, UnknownNamesHaveNone) {
   for (const char* name : {"", "Kinect", "kinect ", "kinect2"})
     EXPECT_EQ(findCameraPreset(name), nullptr) << name;
 }

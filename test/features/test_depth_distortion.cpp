@@ -75,7 +75,7 @@ TEST(DepthDistortion, FitsTheCameraAtAnyResolution) {
   EXPECT_FALSE(d.fits({}));
 }
 
-TEST(DepthCorrection, GivesBackWhatWouldHaveBeenMeasured) {
+TEST(DepthCorrection, GivesBackTheUndistortedImage) {
   const DepthDistortion d = example(smallCamera());
   DepthCorrection correct(d);
   for (const int step : {1, 2, 1}) {

@@ -62,7 +62,7 @@ TEST(DepthPicture, LowestAndHighestAreThoseOfTheKnownNeighbours) {
   }
 }
 
-TEST(DepthPicture, WhatIsNotADepthIsUnknown) {
+TEST(DepthPicture, InvalidDepthsAreUnknown) {
   DepthImage image;
   image.camera = {12, 2, 10, 10, 6, 1};
   image.depth.assign(24, 0.f);
@@ -89,7 +89,7 @@ TEST(DepthPicture, StoredValuesComeBackAsTheyWere) {
   EXPECT_TRUE(again.extremes == p.extremes);
 }
 
-TEST(DepthPicture, OfNothingIsEmptyAndOfTheWrongSizeRefused) {
+TEST(DepthPicture, IsEmptyWithoutDepthAndRefusesTheWrongSize) {
   EXPECT_TRUE(DepthPicture::fromDepth({}).empty());
   const Intrinsics camera{4, 3, 10, 10, 2, 1};
   EXPECT_THROW(DepthPicture::fromStored(camera, std::vector<std::uint16_t>(11)), std::invalid_argument);

@@ -100,7 +100,7 @@ TEST(LensCorrection, NeverMixesTheDepthsOfTwoSidesOfAnEdge) {
   EXPECT_NEAR(image.at(80, 72), 1, 1e-3);
 }
 
-TEST(LensCorrection, WhatIsNotMeasuredStaysSo) {
+TEST(LensCorrection, UnmeasuredPixelsStayUnmeasured) {
   DepthImage stored = storedImage(wideLens(), DepthKind::z, planeAt);
   for (int u = 60; u < 70; ++u)
     for (int v = 60; v < 70; ++v)
@@ -117,7 +117,7 @@ TEST(LensCorrection, RefusesCamerasAndImagesThatCannotBe) {
   EXPECT_TRUE(correction({{2, 1, 1, 1, 0, 0}, {1, 1}}).empty());
 }
 
-TEST(LensCorrection, OfALensWithoutSenseThereIsNothingToSee) {
+TEST(LensCorrection, AnInvalidLensSeesNothing) {
   LensDistortion lens;
   lens.k4 = -1e4;
   const DepthImage image = LensCorrection(kCamera, lens, DepthKind::distance)(

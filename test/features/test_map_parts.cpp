@@ -95,7 +95,7 @@ TEST(MapParts, PosesAreThoseOfTheBestOfAllPaths) {
   EXPECT_GT(placed, 60);
 }
 
-TEST(MapParts, WhatHangsTogetherIsOneWorld) {
+TEST(MapParts, ConnectedModelsAreOneWorld) {
   Rng rng(4);
   const auto poses = randomPoses(rng, 4);
   Map map = mapOfModels(4);
@@ -111,7 +111,7 @@ TEST(MapParts, WhatHangsTogetherIsOneWorld) {
   }
 }
 
-TEST(MapParts, WhatDoesNotHangTogetherIsInPartsWithNames) {
+TEST(MapParts, UnconnectedModelsAreInNamedParts) {
   Rng rng(5);
   const auto poses = randomPoses(rng, 6);
   Map map = mapOfModels(6);
@@ -156,7 +156,7 @@ TEST(MapParts, GivenPosesStayAndAreTheWorld) {
   for (int i = 0; i < 6; ++i) EXPECT_THAT(*map.models[i].T_w_m, PoseNear(poses[i], 1e-9, 1e-6));
 }
 
-TEST(MapParts, LinksThatAreNoneDoNotCount) {
+TEST(MapParts, InvalidLinksDoNotCount) {
   Map map = mapOfModels(3);
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const Eigen::Isometry3d T = Eigen::Isometry3d::Identity();

@@ -59,7 +59,7 @@ TEST(NoiseOverRange, OfTriangulationHasOnePart) {
   EXPECT_NEAR(fitted.inverse_depth_std, DepthNoise().inverse_depth_std, 0.1 * DepthNoise().inverse_depth_std);
 }
 
-TEST(NoiseOverRange, OfFewDistancesIsTakenForTriangulation) {
+TEST(NoiseOverRange, OfFewDistancesIsAssumedToBeTriangulation) {
   std::vector<NoiseSample> samples = noiseSamples(noisy(wallAt(1.25), 0.002, 1));
   const auto bins = binned(samples);
   ASSERT_EQ(bins.size(), 1u);
@@ -68,7 +68,7 @@ TEST(NoiseOverRange, OfFewDistancesIsTakenForTriangulation) {
 }
 
 // The correlation of white noise that was smoothed by a Gaussian of s falls to 1/e over 2 s.
-TEST(NoiseOverRange, TellsTheCorrelationLength) {
+TEST(NoiseOverRange, MeasuresTheCorrelationLength) {
   for (const double smoothing : {1.0, 1.5, 2.0}) {
     const auto bins = binned(noiseSamples(smoothlyNoisy(wallAt(1.25), 0.003, smoothing, 5)));
     ASSERT_EQ(bins.size(), 1u);

@@ -85,7 +85,7 @@ TEST(RecoverIntrinsics, AllColumnsAreLookedAt) {
   EXPECT_FALSE(recoverIntrinsics(cloud));  // organized, but by no camera
 }
 
-TEST(RecoverIntrinsics, WhatIsNotAnImageHasNone) {
+TEST(RecoverIntrinsics, CloudsThatAreNoImageHaveNone) {
   Cloud cloud = *organizedCloud<pcl::PointXYZ>(roomImage(test::tinyCamera()));
   cloud.width *= cloud.height;
   cloud.height = 1;

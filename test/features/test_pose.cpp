@@ -80,7 +80,7 @@ TEST(Pose, MahalanobisDistanceIsChiSquare) {
   EXPECT_NEAR(sum / kTrials, 6, 0.1);  // standard deviation of the mean: 0.024
 }
 
-TEST(Pose, APoseToldInAnotherFrameHasThePerturbationOfThatFrame) {
+TEST(Pose, APoseInAnotherFrameHasThePerturbationOfThatFrame) {
   Rng rng(9);
   for (int i = 0; i < 20; ++i) {
     const Eigen::Isometry3d T_a_b = test::randomPose(rng, 3, 5), T_b_c = test::randomPose(rng, 3, 5);
@@ -189,7 +189,7 @@ TEST(Pose, PrincipalDirectionsAreThoseOfTheBlocks) {
   EXPECT_FALSE(known.oneTranslationFree(0.031, 0.15));  // two are
 }
 
-TEST(Pose, FreeMotionsAreToldInWordsWithoutSigns) {
+TEST(Pose, FreeMotionsAreWordedWithoutSigns) {
   Matrix6d P = Matrix6d::Zero();
   P.diagonal() << 1, 1e-6, 1e-6, 1e-6, 4, 1e-6;
   EXPECT_EQ(freeMotions(principalStd(P), 0.1, 0.1),

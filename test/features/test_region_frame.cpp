@@ -98,7 +98,7 @@ TEST(RegionFrame, CovarianceIsThatOfManyMeasurements) {
   EXPECT_NEAR(s.num_points, pixels, 0.05 * pixels);
 }
 
-TEST(RegionFrame, OutlineAndPlaneSayWhatAllPointsSay) {
+TEST(RegionFrame, OutlineAndPlaneGiveTheSameAsAllPoints) {
   Rng rng(4);
   for (int trial = 0; trial < 50; ++trial) {
     const Eigen::Isometry3d T = test::randomPose(rng, 0.3, 1);
@@ -158,7 +158,7 @@ TEST(RegionFrame, ThinnedCloudsAreAsUncertain) {
   EXPECT_LT((diagonalOf(*thin) - diagonalOf(*dense)).norm(), 0.05 * diagonalOf(*dense).norm());
 }
 
-TEST(RegionFrame, SaysNothingOfWhatIsNoPlane) {
+TEST(RegionFrame, RejectsPointsOffAPlane) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(),
                    kInf = std::numeric_limits<double>::infinity();
   const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();

@@ -38,7 +38,7 @@ TEST(ConvexHull, AreaDoesNotDependOnThePlaceOfTheOrigin) {
   EXPECT_NEAR(hull.area(), area, 1e-5);
 }
 
-TEST(ConvexHull, ContainsWhatLiesInsideAndNotWhatLiesOutside) {
+TEST(ConvexHull, ContainsPointsInsideOnly) {
   const ConvexHull hull = rectangleHull(1, 0.5);
   Rng rng(1);
   for (int i = 0; i < 2000; ++i) {

@@ -159,7 +159,7 @@ TEST(SegmentFrame, FieldsThatAreNotFiniteAreRefused) {
   EXPECT_EQ(out.num_points, before.num_points);
 }
 
-TEST(SegmentFrame, WhatIsNotARotationOrACovarianceIsRefused) {
+TEST(SegmentFrame, InvalidRotationsAndCovariancesAreRefused) {
   const SegmentFrame good = toSegmentFrame(randomSegments(1)[0]);
   Segment out;
   SegmentFrame f = good;

@@ -47,7 +47,7 @@ TEST(AtomicFile, AFailedWriterLeavesTheOlderFileAndNoTemporaryOne) {
 }
 
 /** In a folder that others write to, a link may lead to any file of the user. */
-TEST(AtomicFile, ALinkIsReplacedAndWhatItLeadsToIsLeftAlone) {
+TEST(AtomicFile, ALinkIsReplacedAndItsTargetIsLeftAlone) {
   const TemporaryFolder folder;
   putBytes(folder / "precious", "old");
   for (const char* name : {"a", "b"}) {
@@ -62,7 +62,7 @@ TEST(AtomicFile, ALinkIsReplacedAndWhatItLeadsToIsLeftAlone) {
   }
 }
 
-TEST(AtomicFile, WhatStandsUnderAnyGuessableNameIsLeftAlone) {
+TEST(AtomicFile, FilesWithGuessableNamesAreLeftAlone) {
   const TemporaryFolder folder;
   putBytes(folder / "precious", "old");
   const std::vector<std::string> guesses = {"a.txt.tmp", "a.txt~", ".a.txt.tmp", "a.txt.part"};

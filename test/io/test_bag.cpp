@@ -104,7 +104,7 @@ TEST_F(Bag, OdometryIsOfMessagesOrTf) {
   }
 }
 
-TEST_F(Bag, ACameraFileBesideItIsBelieved) {
+TEST_F(Bag, ACameraFileNextToItCounts) {
   const fs::path path = bag("no_camera");
   EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(path); }), HasSubstr("camera.ini"));
   writeTumTrajectory(folder_ / "groundtruth.txt", odometry().poses());
@@ -138,7 +138,7 @@ TEST_F(Bag, ATopicCanBeNamed) {
               AllOf(HasSubstr("/camera/color/image_raw"), HasSubstr("/camera/depth/image_raw (6)")));
 }
 
-TEST_F(Bag, WhatCannotBeReadIsAnErrorThatSaysWhy) {
+TEST_F(Bag, UnreadableFilesAreAnErrorWithTheCause) {
   EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(bag("colour")); }),
               AllOf(HasSubstr("no depth images"), HasSubstr("/camera/color/image_raw")));
   for (const char* kind : {"big_endian", "short"}) {

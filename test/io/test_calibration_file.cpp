@@ -75,7 +75,7 @@ TEST(CalibrationFile, OfOrbSlamOpen3dAndOthers) {
                {640, 480, 500, 501, 320, 240});
 }
 
-TEST(CalibrationFile, OtherTextsAreNone) {
+TEST(CalibrationFile, OtherTextsAreNoCalibration) {
   EXPECT_FALSE(parseCalibration("", "c"));
   EXPECT_FALSE(parseCalibration("a: 1\nb: [1, 2, 3]\n", "c"));
   EXPECT_FALSE(parseCalibration("fx: 0\nfy: 1\ncx: 1\ncy: 1\n", "c"));
@@ -83,7 +83,7 @@ TEST(CalibrationFile, OtherTextsAreNone) {
   EXPECT_FALSE(parseCalibration("camera_matrix:\n  data: [1, 2, 3]\n", "c"));
 }
 
-TEST(CalibrationFile, LensesOfOtherModelsAreRefusedUnlessTheyAreNone) {
+TEST(CalibrationFile, LensesOfOtherModelsAreRefusedUnlessTheyAreZero) {
   EXPECT_TRUE(lensOf("equidistant", {0, 0, 0, 0}).isNone());
   EXPECT_TRUE(lensOf("", {}).isNone());
   EXPECT_THROW(lensOf("equidistant", {1, 0, 0, 0}), std::invalid_argument);

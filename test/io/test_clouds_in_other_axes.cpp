@@ -77,7 +77,7 @@ TEST_F(OtherAxes, AreTurned) {
   }
 }
 
-TEST_F(OtherAxes, OfACameraThatIsKnownAreTurnedToo) {
+TEST_F(OtherAxes, OfAKnownCameraAreAlsoTurned) {
   CameraFile file;
   file.camera.intrinsics = kCamera;
   writeCameraFile(folder_ / "camera.ini", file);

@@ -137,7 +137,7 @@ TEST_F(DepthFormats, DepthAlongTheNegativeAxisIsTurned) {
               ElementsAre(0, 1, 1.5f, 2, 2.5f, 0));
 }
 
-TEST_F(DepthFormats, WhatIsNotOneDepthImageIsNamed) {
+TEST_F(DepthFormats, FilesThatAreNotOneDepthImageAreNamed) {
   EXPECT_THAT(errorOf("a.npy", npy("<u2", "5, 2, 3", bytes(kNumbers))),
               AllOf(HasSubstr("a.npy"), HasSubstr("5, 2, 3")));
   EXPECT_THAT(errorOf("a.npy", npy("|u1", "2, 3", "abcdef")), HasSubstr("u1"));

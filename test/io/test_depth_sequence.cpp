@@ -128,7 +128,7 @@ TEST_F(Sequence, NamesWithoutNumbersAreOrderedLexicographically) {
   EXPECT_FALSE(sequence.stamped());
 }
 
-TEST_F(Sequence, CameraAndTruthAreFoundInTheParentToo) {
+TEST_F(Sequence, CameraAndTruthAreAlsoFoundInTheParent) {
   putPng("depth/1.png");
   putPng("single/2.png");
   putCamera();
@@ -142,7 +142,7 @@ TEST_F(Sequence, CameraAndTruthAreFoundInTheParentToo) {
   }
 }
 
-TEST_F(Sequence, CameraAndTruthAreFoundBesideALink) {
+TEST_F(Sequence, CameraAndTruthAreFoundNextToALink) {
   putPng("elsewhere/1.0.png");
   fs::create_directories(folder_ / "walk");
   fs::create_directory_symlink(folder_ / "elsewhere", folder_ / "walk/depth");
@@ -280,7 +280,7 @@ TEST(DepthPng, TheLargestNumberIsNotMeasured) {
   EXPECT_THAT(readDepthPng(folder / "a.png", file).depth, ElementsAre(0, 65.534f, 0));
 }
 
-TEST(DepthPng, WhatDoesNotFitSixteenBitsBecomesZero) {
+TEST(DepthPng, ValuesBeyondSixteenBitsBecomeZero) {
   const TemporaryFolder folder;
   const Intrinsics camera{5, 1, 1, 1, 0, 0};
   const float inf = std::numeric_limits<float>::infinity();
@@ -307,7 +307,7 @@ TEST_F(Sequence, PcdsNeedNoCameraFile) {
   }
 }
 
-TEST_F(Sequence, ACameraFileBesidePcdsIsBelieved) {
+TEST_F(Sequence, ACameraFileNextToPcdsCounts) {
   putPcd("1.pcd");
   putCamera();
   EXPECT_EQ(DepthSequence::open(folder_.path()).load(0).camera, kCamera);
@@ -351,7 +351,7 @@ TEST_F(Pcd, DoublesAreRead) {
   EXPECT_THAT(read.depth, ElementsAre(2, 2, 2, 2, 0, 2.5f));
 }
 
-TEST_F(Pcd, FaultsAreToldWithTheFile) {
+TEST_F(Pcd, FaultsNameTheFile) {
   EXPECT_EQ(errorOf(asciiPcd()), "");
   EXPECT_THAT(errorOf(""), AllOf(HasSubstr("a.pcd"), HasSubstr("empty")));
   EXPECT_THAT(errorOf("a text\n"), HasSubstr("not a PCD"));

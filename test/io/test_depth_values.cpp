@@ -64,7 +64,7 @@ TEST(DepthValues, NameAScaleThatNoCameraHas) {
               ElementsAre(HasSubstr("nearer than depth cameras")));
 }
 
-TEST(DepthValues, OfOtherFormatsNothingIsKnown) {
+TEST(DepthValues, OtherFormatsAreUnknown) {
   const ValueCheck found = checkValues({}, 1000);
   EXPECT_THAT(found.faults, IsEmpty());
   EXPECT_FALSE(found.impossible);

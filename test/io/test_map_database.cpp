@@ -280,7 +280,7 @@ TEST_F(MapFile, IsTheSameWhetherBuiltStepByStepOrAtOnce) {
   EXPECT_THAT(checkMap(path_), IsEmpty());
 }
 
-TEST_F(MapFile, IsTheSameWhoeverPacksItsModels) {
+TEST_F(MapFile, IsTheSameForAnyPackingThread) {
   View flat = ExampleMap().view();
   flat.depth = {};
   const auto other = folder_ / "b.flmap";

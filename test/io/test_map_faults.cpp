@@ -43,7 +43,7 @@ TEST_F(MapFile, TheTablesThemselvesRefuseNonsense) {
   EXPECT_THAT(checkMap(path_), IsEmpty());
 }
 
-TEST_F(MapFile, FaultsAreToldInWords) {
+TEST_F(MapFile, FaultsAreDescribedInWords) {
   const std::pair<const char*, const char*> cases[] = {
       {"UPDATE segment SET var_sx = -1 WHERE model_id = 1 AND idx = 2", "segment 2 of model 1: its Sigma_q"},
       {"UPDATE segment SET cov_sx_sy = 5 WHERE model_id = 1 AND idx = 2",
@@ -100,7 +100,7 @@ TEST_F(MapFile, FaultsAreToldInWords) {
   }
 }
 
-TEST_F(MapFile, WhatIsNoTableIsRefused) {
+TEST_F(MapFile, ViewsInPlaceOfTablesAreRefused) {
   const std::pair<const char*, const char*> cases[] = {
       {"ALTER TABLE meta RENAME TO m; CREATE VIEW meta AS SELECT key, value FROM m", "it holds a view, meta"},
       {"CREATE TRIGGER more AFTER INSERT ON model BEGIN DELETE FROM link; END", "it holds a trigger, more"},
@@ -137,7 +137,7 @@ TEST_F(MapFile, PicturesThatTakeMoreMemoryThanTheFileExplainsAreRefused) {
   EXPECT_TRUE(openMap(path_).store()) << "views of so many pixels stay in the file";
 }
 
-TEST_F(MapFile, CheckTellsEveryFault) {
+TEST_F(MapFile, CheckListsEveryFault) {
   writeExample();
   vandalize(path_, "UPDATE segment SET var_sx = -1 WHERE idx = 0; UPDATE link SET qw = 7 WHERE id = 0");
   const auto faults = checkMap(path_);

@@ -57,7 +57,7 @@ TEST_F(MapGraph, PosesComeBackAsGivenOnes) {
   }
 }
 
-TEST_F(MapGraph, WhatIsWrittenBehindAVertexIsIgnored) {
+TEST_F(MapGraph, ExtraColumnsOfAVertexAreIgnored) {
   Map map = ExampleMap().map(2);
   const std::string graph = "# words\nFIX 0\nVERTEX_SE3:QUAT 1 1 2 3 0 0 0 1\r\n\n"
                             "VERTEX_SE3:QUAT 0 4 5 6 0 0 1 0 # more\nEDGE_SE3:QUAT 0 1 nonsense\n";
@@ -67,7 +67,7 @@ TEST_F(MapGraph, WhatIsWrittenBehindAVertexIsIgnored) {
   EXPECT_EQ(map.models[0].T_w_m->translation(), Eigen::Vector3d(4, 5, 6));
 }
 
-TEST_F(MapGraph, FaultsAreToldWithTheirLine) {
+TEST_F(MapGraph, FaultsNameTheirLine) {
   const std::string first = "VERTEX_SE3:QUAT 0 1 2 3 0 0 0 1\n";
   EXPECT_THAT(faultOf(first), AllOf(HasSubstr("no vertex"), HasSubstr("frame 1")));
   EXPECT_THAT(faultOf(first + first), AllOf(HasSubstr("line 2"), HasSubstr("already")));

@@ -71,7 +71,7 @@ TEST_F(PlaceIndexInAMapFile, IsNotReplacedByOneThatCannotBeWritten) {
   EXPECT_TRUE(read() == bytes_);
 }
 
-TEST_F(PlaceIndexInAMapFile, ACorruptOneIsToldInWords) {
+TEST_F(PlaceIndexInAMapFile, ACorruptOneIsDescribedInWords) {
   sql(path_, "UPDATE place_index SET data = zeroblob(100) WHERE part = 1");
   EXPECT_THAT(checkMap(path_), Contains(HasSubstr("the place index: part 1 is corrupt")));
   EXPECT_THAT(ioErrorOf([this] { read(); }), HasSubstr("its place index: part 1 is corrupt"));

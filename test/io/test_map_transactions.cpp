@@ -136,7 +136,7 @@ TEST_F(MapFile, AnUnfinishedTransactionIsRolledBack) {
   EXPECT_EQ(readMap(killed).models.size(), 3u);
 }
 
-TEST_F(MapFile, AReaderSeesTheMapOfOneTimeWhoeverWrites) {
+TEST_F(MapFile, AReaderSeesOneSnapshotDespiteWriters) {
   writeExample(3);
   std::atomic<bool> done = false;
   std::thread writer([&] {

@@ -85,7 +85,7 @@ TEST_F(MapFile, ViewsCanBeAskedForByManyThreads) {
   EXPECT_THAT(different, testing::Each(0));
 }
 
-TEST_F(MapFile, AViewThatIsNotSoundIsToldWhenItIsAskedFor) {
+TEST_F(MapFile, AnInvalidViewIsReportedWhenItIsRequested) {
   writeExample(3);
   vandalize(path_, "UPDATE depth_picture SET data = x'00' WHERE model_id = 1");
   vandalize(path_, "DELETE FROM segment WHERE model_id = 2 AND idx = 1");

@@ -175,7 +175,7 @@ TEST_F(MessageRecordings, ATopicCanBeNamedAndOthersAreListed) {
               AllOf(HasSubstr("/camera/color/image_raw"), HasSubstr("/camera/depth/image_raw (6)")));
 }
 
-TEST_F(MessageRecordings, TheirCameraIsBesideTheImagesOrOfTheirFrame) {
+TEST_F(MessageRecordings, TheirCameraIsNextToTheImagesOrOfTheirFrame) {
   const fs::path without = recording("db3 no_info");
   EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(without); }), HasSubstr("camera.ini"));
   for (const char* words : {"db3 other_info", "mcap other_info rvl"}) {
@@ -185,7 +185,7 @@ TEST_F(MessageRecordings, TheirCameraIsBesideTheImagesOrOfTheirFrame) {
   }
 }
 
-TEST_F(MessageRecordings, AFolderOfThemIsWhatItsMetadataList) {
+TEST_F(MessageRecordings, AFolderOfThemHasTheFilesOfItsMetadata) {
   const fs::path folder = recording("db3 split");
   const fs::path second = folder / (folder.filename().string() + "_1.db3");
   EXPECT_EQ(DepthSequence::open(folder).frames().back().path, second);
@@ -232,7 +232,7 @@ TEST_F(MessageRecordings, ADamagedChunkIsLeftOut) {
   EXPECT_THAT(DepthSequence::open(putBytes(folder_ / "damaged.mcap", bytes)).remark(), HasSubstr("checksum"));
 }
 
-TEST_F(MessageRecordings, WhatCannotBeReadIsAnErrorThatSaysWhy) {
+TEST_F(MessageRecordings, UnreadableFilesAreAnErrorWithTheCause) {
   for (const char* container : {"db3", "mcap"}) {
     const std::string bytes = bytesOf(recording(container)), ending = std::string(".") + container;
     for (const std::string& broken :

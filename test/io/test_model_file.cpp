@@ -151,7 +151,7 @@ TEST_F(ModelFile, ReadsClouds) {
   EXPECT_FLOAT_EQ(3, pointsOf(ply)[0].z);
 }
 
-TEST_F(ModelFile, RefusesWhatIsNoModel) {
+TEST_F(ModelFile, RefusesFilesThatAreNoModel) {
   EXPECT_NE("", refusal(folder_ / "missing.ply"));
   EXPECT_EQ("is empty", refusal(write("empty.obj", "")));
   EXPECT_NE(std::string::npos, refusal(write("a.dwg", "x")).find(".ply, .obj"));

@@ -99,7 +99,7 @@ TEST_F(OccupancyGridFiles, ReadBackAsTheyWereWritten) {
   EXPECT_EQ(again.resolution, grid.resolution);
 }
 
-TEST_F(OccupancyGridFiles, SayWhatIsWrongWithThem) {
+TEST_F(OccupancyGridFiles, NameTheirFaults) {
   put("two.pgm", kTwoRows);
   const auto without = [](const std::string& key) {
     std::string yaml = kUsual;

@@ -90,7 +90,7 @@ TEST_F(OniFiles, HaveDepthAndTimesAndTheCameraOfTheirFieldOfView) {
   }
 }
 
-TEST_F(OniFiles, AreReadInTheUnitThatTheyTell) {
+TEST_F(OniFiles, AreReadInTheirStatedUnit) {
   auto writer = start();
   const OniFile oni = OniFile::open(
       file(writer.property(5, "oniPixelFormat", 101).property(5, "xnMirror", 1).frame(5, 0, kImage).end()));
@@ -108,7 +108,7 @@ TEST_F(OniFiles, OfDifferencesAreDecoded) {
   EXPECT_THAT(oni.readRaw(0), testing::ElementsAre(1000, 1001, 1000, 1000, 1035, 1035, 1035, 0x1234, 0x1234));
 }
 
-TEST_F(OniFiles, ThatAreWrongSayWhatIsWrong) {
+TEST_F(OniFiles, WithFaultsNameThem) {
   EXPECT_THAT(errorOf("nothing"), AllOf(HasSubstr("a.oni"), HasSubstr("no .oni recording")));
   EXPECT_THAT(errorOf(std::string(1000, 'x')), HasSubstr("no .oni recording"));
   EXPECT_THAT(errorOf(""), HasSubstr("no .oni recording"));

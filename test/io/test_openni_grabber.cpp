@@ -210,7 +210,7 @@ TEST_F(Grabber, IsStoppedByItsOwnCallback) {
   }
 }
 
-TEST_F(Grabber, SurvivesWhatCallbacksThrow) {
+TEST_F(Grabber, SurvivesExceptionsOfCallbacks) {
   const Watchdog watchdog;
   std::atomic<int> calls = 0;
   OpenNIGrabber grabber(source());

@@ -89,7 +89,7 @@ TEST(OutputLock, AFileThatStaysEmptyIsRemoved) {
   EXPECT_EQ(bytesOf(folder / "a"), "x");
 }
 
-TEST(OutputLock, LocksWhatALinkLeadsToAndNoPipe) {
+TEST(OutputLock, LocksTheTargetOfALinkAndNoPipe) {
   const TemporaryFolder folder;
   std::filesystem::create_symlink("there", folder / "link");
   {
@@ -101,7 +101,7 @@ TEST(OutputLock, LocksWhatALinkLeadsToAndNoPipe) {
   EXPECT_THAT(ioErrorOf([&] { OutputLock::ofFile(folder / "pipe"); }), HasSubstr("not a regular file"));
 }
 
-TEST(OutputLock, ClearsAwayWhatKilledProgramsLeftAndNothingElse) {
+TEST(OutputLock, RemovesFilesOfKilledProgramsOnly) {
   const TemporaryFolder folder;
   const auto leave = [&] {
     auto* file = new TemporaryFile(folder / "a.txt");  // it is not removed: the process is killed

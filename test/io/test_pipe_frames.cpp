@@ -295,7 +295,7 @@ TEST(FrameGrabber, WaitsUntilFramesAreAskedForAndGoesOnAfterAStop) {
   EXPECT_TRUE(reaches(3)) << "the part that had come before is not lost";
 }
 
-TEST(FrameGrabber, TellsWhatWasTorn) {
+TEST(FrameGrabber, ReportsATornFrame) {
   Pipe pipe;
   FrameGrabber grabber(std::make_shared<PipeFrames>(pipe.out(), "the pipe"));
   grabber.start();

@@ -82,7 +82,7 @@ TEST(Png, SameImageSameBytes) {
   EXPECT_EQ(bytesOf(folder / "a.png"), bytesOf(folder / "b.png"));
 }
 
-TEST(Png, RefusesWhatIsNotGrey) {
+TEST(Png, RefusesColours) {
   const TemporaryFolder folder;
   writePng(folder / "rgb.png", Raster<std::uint8_t>{1, 2, 3, {1, 2, 3, 4, 5, 6}});
   EXPECT_THAT(ioErrorOf([&] { readGreyPng(folder / "rgb.png"); }),
@@ -93,7 +93,7 @@ TEST(Png, RefusesWhatIsNotGrey) {
   EXPECT_THAT(errorOf(kMillionSquared), HasSubstr("1000000x1000000"));
 }
 
-TEST(Png, RefusesWhatIsNoPng) {
+TEST(Png, RefusesOtherFiles) {
   EXPECT_THAT(errorOf(""), HasSubstr("empty"));
   EXPECT_THAT(errorOf("short"), HasSubstr("not a PNG"));
   EXPECT_THAT(errorOf("a text file that is longer than a signature"), HasSubstr("not a PNG"));
@@ -144,7 +144,7 @@ TEST(Png, AFullDiskIsAnError) {
   EXPECT_EQ(folder.count(), 0);
 }
 
-TEST(Png, TellsTheBitsOfItsChannels) {
+TEST(Png, KnowsTheBitsOfItsChannels) {
   const TemporaryFolder folder;
   writePng(folder / "depth.png", Raster<std::uint16_t>{2, 1, 1, {1, 2}});
   writePng(folder / "picture.png", Raster<std::uint8_t>{1, 1, 3, {1, 2, 3}});

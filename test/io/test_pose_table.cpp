@@ -226,7 +226,7 @@ TEST(PoseTable, Utf16IsRead) {
   }
 }
 
-TEST(PoseTable, ATrajectoryHasStampsAndSaysWhatWasDone) {
+TEST(PoseTable, ATrajectoryHasStampsAndARemarkOnConversions) {
   const TemporaryFolder folder;
   putBytes(folder / "rows.txt", table([](int i) { return joined(matrixOf(i, 3)); }));
   EXPECT_THAT(ioErrorOf([&] { readTrajectory(folder / "rows.txt"); }), HasSubstr("without time stamps"));
@@ -274,7 +274,7 @@ TEST(MatchedPoses, CountedImagesTakeStampsThatAreTheirNumbers) {
   EXPECT_TRUE(read.poses.at(3 / kFrameRate)->isApprox(poseOf(3), 1e-6));
 }
 
-TEST(MatchedPoses, CountedImagesBesideTimesAreRefusedUnlessTheyAreAsMany) {
+TEST(MatchedPoses, CountedImagesWithTimesAreRefusedUnlessTheyAreAsMany) {
   const PoseTable rows = parsePoseTable(
       table([](int i) { return text::decimals(0.1 * i, 3) + " " + joined(columnsOf(i)); }), "p");
   EXPECT_THAT(ioErrorOf([&] { matched(rows, counted(4), "p"); }), HasSubstr("numbers and no times"));

@@ -158,7 +158,7 @@ TEST_F(Rules, CountedImagesWithoutPosesAreAThirtiethApart) {
   EXPECT_THAT(open().remark(), HasSubstr("1/30 s apart"));
 }
 
-TEST_F(Rules, CountedImagesBesideAsManyTimesTakeTheseInTheirOrder) {
+TEST_F(Rules, CountedImagesWithAsManyTimesTakeTheseInTheirOrder) {
   put("camera.ini", kCamera);
   for (const int n : {0, 1, 2, 3}) putDepth("depth/00000" + std::to_string(n) + ".png");
   const auto pose = [](double stamp, int x) {
@@ -173,7 +173,7 @@ TEST_F(Rules, CountedImagesBesideAsManyTimesTakeTheseInTheirOrder) {
   EXPECT_THAT(ioErrorOf([&] { open().groundTruth(); }), HasSubstr("which pose is whose is not known"));
 }
 
-TEST_F(Rules, CountedImagesBesideTheirNumbersKeepThese) {
+TEST_F(Rules, CountedImagesWithTheirNumbersKeepThese) {
   put("camera.ini", kCamera);
   for (const int n : {10, 11, 12}) putDepth("depth/" + std::to_string(n) + ".png");
   put("groundtruth.txt", "10 0 0 0 0 0 0 1\n11 1 0 0 0 0 0 1\n12 2 0 0 0 0 0 1\n13 3 0 0 0 0 0 1\n");
@@ -181,7 +181,7 @@ TEST_F(Rules, CountedImagesBesideTheirNumbersKeepThese) {
   EXPECT_EQ(open().groundTruth().at(11)->translation().x(), 1);
 }
 
-TEST_F(Rules, AListBesideCountedImagesSaysTheirTimes) {
+TEST_F(Rules, AListNextToCountedImagesHasTheirTimes) {
   put("camera.ini", kCamera);
   putDepth("depth/1.png", 1000), putDepth("depth/2.png", 2000);
   put("depth.txt", "5.25 depth/2.png\n5.5 depth/1.png\n");
@@ -296,13 +296,13 @@ TEST_F(Rules, AnotherPhonesScan) {
   EXPECT_EQ(open().frames().size(), 1u);
 }
 
-TEST_F(Rules, ACalibrationOfOtherImagesIsNone) {
+TEST_F(Rules, ACalibrationOfOtherImagesIsIgnored) {
   putDepth("depth/1.5.png");
   put("camera.json", "{\"fx\": 1600, \"fy\": 1600, \"cx\": 960, \"cy\": 720}");
   EXPECT_THAT(errorOf(), HasSubstr("camera.ini"));
 }
 
-TEST_F(Rules, WhereNothingFitsTheMessageSaysWhatIsThere) {
+TEST_F(Rules, WithoutAMatchTheMessageListsTheContent) {
   for (int i = 0; i < 3; ++i) put("rgb/" + std::to_string(i) + ".jpg", "x");
   put("notes.md", "x");
   EXPECT_THAT(errorOf(), AllOf(HasSubstr("no depth images"), HasSubstr("rgb/ (3 .jpg)"), HasSubstr("1 .md")));

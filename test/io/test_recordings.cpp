@@ -193,7 +193,7 @@ TEST_F(Recordings, TumAsDownloaded) {
   EXPECT_THAT(sequence.remark(), HasSubstr("freiburg3"));
 }
 
-TEST_F(Recordings, AListBesideImagesSaysWhenTheyWereTaken) {
+TEST_F(Recordings, AListNextToImagesHasTheirTimes) {
   for (const char* name : {"a", "b", "c"}) putDepth("depth/" + std::string(name) + ".png", *name - 'a', 5000);
   put("camera.ini", "width=640 height=480 fx=525 fy=525 cx=319.5 cy=239.5 depth_scale=5000");
   put("associations.txt", "7.5 rgb/x.png 7.25 depth/b.png\n5 depth/a.png 5.01 rgb/y.png\n");

@@ -102,7 +102,7 @@ TEST_F(RtabmapDatabases, OfColourWithMorePixelsHaveTheCameraOfTheirDepth) {
   EXPECT_DOUBLE_EQ(camera.cy, example_.camera.cy / 2);
 }
 
-TEST_F(RtabmapDatabases, WhatCannotBeReadIsAnErrorThatSaysWhy) {
+TEST_F(RtabmapDatabases, UnreadableFilesAreAnErrorWithTheCause) {
   EXPECT_EQ(errorWhenChanged("SELECT 1"), "");
   EXPECT_THAT(errorWhenChanged("DROP TABLE Node"), HasSubstr("is no database of RTAB-Map"));
   EXPECT_THAT(errorWhenChanged("UPDATE Data SET depth = NULL"), HasSubstr("no depth images"));

@@ -31,7 +31,7 @@ TEST(Rvl, RunsAndDifferencesAreThoseOfThePaper) {
   EXPECT_THAT(read(code(2, 3, {0, 0, 0, 0x60})).numbers, ElementsAre(0, 0, 0, 0, 0, 0)) << "zeros alone";
 }
 
-TEST(Rvl, WhatIsNoCodeOfSoManyPixelsIsRefused) {
+TEST(Rvl, CodesOfAnotherNumberOfPixelsAreRefused) {
   const Bytes sound = code(5, 1, {0x00, 0x14, 0xC2, 0x23});
   for (std::size_t size = 0; size < sound.size(); ++size)
     EXPECT_THAT(ioErrorOf([&] {

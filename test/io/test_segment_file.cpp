@@ -29,7 +29,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-TEST(WritingSegments, AFullDiskIsToldWithTheFileThatIsWritten) {
+TEST(WritingSegments, AFullDiskIsReportedWithTheOutputFile) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "a.segments.pcd";
   const auto segments = test::ExampleMap().view().segments;

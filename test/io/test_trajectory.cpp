@@ -73,13 +73,13 @@ TEST(Trajectory, WritesExactlyEightColumns) {
   EXPECT_EQ(bytesOf(folder / "poses.txt"), "# timestamp tx ty tz qx qy qz qw\n0.500000 0 1 2 0 0 0 1\n");
 }
 
-TEST(Trajectory, RefusesToWriteWhatIsNotFinite) {
+TEST(Trajectory, RefusesToWriteNonFiniteNumbers) {
   const TemporaryFolder folder;
   EXPECT_THROW(writeTumTrajectory(folder / "poses.txt", {poseAt(NAN)}), std::invalid_argument);
   EXPECT_EQ(folder.count(), 0);
 }
 
-TEST(Trajectory, InAGapThePoseNearestWithinTheToleranceCounts) {
+TEST(Trajectory, TheNearestPoseWithinTheToleranceCountsInAGap) {
   const Trajectory trajectory(
       {poseAt(2, kUpright, {2, 0, 0}), poseAt(1, kUpright, {1, 0, 0}), poseAt(1.1, kUpright, {1.1, 0, 0})});
   constexpr double kShort = 0.019;  // of which five are less than the gap of 0.1 s

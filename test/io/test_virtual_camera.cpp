@@ -112,7 +112,7 @@ TEST_F(VirtualCamera, PlaysInRealTimeOnce) {
   EXPECT_FALSE(grabber.isRunning());
 }
 
-TEST_F(VirtualCamera, RepeatsAndHastensWhenTold) {
+TEST_F(VirtualCamera, RepeatsAndSpeedsUpOnRequest) {
   const Watchdog watchdog;
   test::ExampleSequence sequence;
   sequence.frames = 10;
@@ -177,7 +177,7 @@ TEST_F(VirtualCamera, SurvivesTheLossOfItsFolder) {
   EXPECT_THAT(cause(folder), AllOf(HasSubstr(folder), HasSubstr("does not exist")));
 }
 
-TEST_F(VirtualCamera, TellsOpenNI2ItsFieldsOfView) {
+TEST_F(VirtualCamera, ReportsItsFieldsOfViewToOpenNI2) {
   const Watchdog watchdog;
   const test::ExampleSequence example;
   const std::string folder = sequence(example);
@@ -222,7 +222,7 @@ TEST_F(VirtualCamera, DrivesThroughSimulatedPlaces) {
   }
 }
 
-TEST_F(VirtualCamera, TellsHowItsCameraIsMountedWhereThatIsKnown) {
+TEST_F(VirtualCamera, ReportsAKnownMountingOfItsCamera) {
   const Watchdog watchdog;
   const OpenNIGrabber driven(
       scene("scene = room\nframes = 3\ncamera_height = 1.2\ncamera_tilt_deg = 7\n", "a.scene"));
@@ -260,7 +260,7 @@ TEST_F(VirtualCamera, JumpsWhenTheSceneSaysSo) {
   EXPECT_GT(difference(some[5], all[5]), some[5].depth.size() / 4);
 }
 
-TEST_F(VirtualCamera, SaysWhatIsWrongWithAScene) {
+TEST_F(VirtualCamera, NamesFaultsOfAScene) {
   EXPECT_THAT(cause(scene("")), AllOf(HasSubstr("a.scene"), HasSubstr("has no scene")));
   EXPECT_THAT(cause(scene("# x\nscene = moon\n")),
               AllOf(HasSubstr("line 2"), HasSubstr("unknown scene 'moon'"), HasSubstr("office")));
@@ -351,7 +351,7 @@ private:
   bool mounted_ = false;
 };
 
-TEST_F(VirtualCamera, KeepsWhatADiskHasRoomForAndSaysThatItIsFull) {
+TEST_F(VirtualCamera, KeepsTheFramesWrittenAndReportsAFullDisk) {
   const Watchdog watchdog;
   const SmallDisk disk(folder_ / "disk", "32k");
   if (!disk.mounted()) GTEST_SKIP() << "no right to mount a disk";

@@ -77,7 +77,7 @@ TEST(CoarseAligner, DepthThatContradictsCosts) {
   EXPECT_LT(aligner.align(model).score, score - 0.3f);
 }
 
-TEST(CoarseAligner, WhatScoresEnoughIsFoundWhateverIsOfNoUse) {
+TEST(CoarseAligner, GoodScoresAreFoundDespiteSkippedCandidates) {
   const PlaceDescriptor scene = placeDescriptor(seenFrom(robot(2.4, 2.2, -0.15), 2), kMounting);
   CoarseAligner aligner(scene);
   for (int i = 0; i < 12; ++i) {

@@ -40,7 +40,7 @@ Eigen::Vector3d ofTheRobot(const Eigen::Isometry3d& T_w_c) {
 
 const Eigen::Matrix3d kCovariance = floorCovariance({});
 
-TEST(FloorUpdate, OneRobotTellsItsFloor) {
+TEST(FloorUpdate, OneRobotFixesItsFloor) {
   const FloorPlane floor =
       floorUnder({standing({1, 2, 0.3}, {0, 0, 1})}, kMounting, kCovariance, {1, 2, 1.5});
   EXPECT_THAT(floor.T_w_f.linear().col(2), MatrixNear(Eigen::Vector3d(0, 0, 1), 1e-12));
@@ -50,7 +50,7 @@ TEST(FloorUpdate, OneRobotTellsItsFloor) {
   EXPECT_NEAR(slopes(floor.covariance), slopes(kCovariance), 1e-9);
 }
 
-TEST(FloorUpdate, RobotsThatAreTiltedTellASlopeByWhereTheyStand) {
+TEST(FloorUpdate, TiltedRobotsFixASlopeByTheirPositions) {
   // On a floor that rises by 2 cm a metre, each tilted by another bump of its own.
   Rng rng(5);
   std::vector<Eigen::Isometry3d> cameras;
@@ -68,7 +68,7 @@ TEST(FloorUpdate, RobotsThatAreTiltedTellASlopeByWhereTheyStand) {
   EXPECT_NEAR(normal.dot(floor.T_w_f.translation()), 0, 0.003);
 }
 
-TEST(FloorUpdate, TheFloorsErrorsAreWhatItsCovarianceSays) {
+TEST(FloorUpdate, TheFloorsErrorsMatchItsCovariance) {
   Rng rng(6);
   const Eigen::LLT<Eigen::Matrix3d> bump(kCovariance);
   double sum = 0;

@@ -324,7 +324,7 @@ TEST_F(LocalizationInARoom, TheAnswerDoesNotDependOnThreadsOrRepetition) {
   }
 }
 
-TEST_F(LocalizationInARoom, WithoutDepthPicturesOrWorldPosesTheSegmentsStillTell) {
+TEST_F(LocalizationInARoom, SegmentsSufficeWithoutDepthPicturesOrWorldPoses) {
   auto bare = std::make_shared<Map>(*map);
   for (LocalModel& m : bare->models) m.T_w_m.reset();
   test::changeViews(*bare, [](View& view) { view.depth = {}; });

@@ -268,7 +268,7 @@ TEST_F(SequenceInARoom, AnOdometryCarriesItThroughTheDark) {
   EXPECT_TRUE(isNearTo(answer, truth[39], 0.1, 2));
 }
 
-TEST_F(SequenceInARoom, WhatTheMapDoesNotHoldIsNotFound) {
+TEST_F(SequenceInARoom, AMissingPlaceIsNotFound) {
   Localizer sequence(map);
   for (int i = 0; i < 20; ++i) {
     const double a = 0.06 * i;
@@ -351,7 +351,7 @@ protected:
   std::vector<View> views;
 };
 
-TEST_F(SequenceInTwinRooms, OnlyWhatTellsThemApartDecides) {
+TEST_F(SequenceInTwinRooms, OnlyTheirDifferenceDecides) {
   Localizer sequence(map);
   int sure_before = 0;
   LocalizerAnswer answer;
@@ -461,7 +461,7 @@ TEST_F(SequenceInARoom, AStartIsKnownBeforeAnythingIsSeen) {
   EXPECT_NE(answer.state, AnswerState::sure);
 }
 
-TEST_F(SequenceInTwinRooms, WhatIsSeenLaterTellsOfTheFirstViewToo) {
+TEST_F(SequenceInTwinRooms, LaterViewsAlsoLocateTheFirstOne) {
   Localizer sequence(map), backward(map);
   std::vector<LocalizerAnswer> until(kViews), from(kViews);
   for (int i = 0; i < kViews; ++i) until[i] = sequence.update(views[i], i * kFrame);

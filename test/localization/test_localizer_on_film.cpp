@@ -365,7 +365,7 @@ TEST_F(FilmOfARoom, AnOdometryThatKnowsNothingOfAKidnappingIsNotBelieved) {
   EXPECT_GE(found, 60);
 }
 
-TEST_F(FilmOfARoom, AnOdometryOfNoNumbersIsNone) {
+TEST_F(FilmOfARoom, AnOdometryOfNaNsIsIgnored) {
   Localizer localizer = started();
   PoseWithCovariance nan = byWheels(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
   nan.T.translation().x() = std::numeric_limits<double>::quiet_NaN();
@@ -454,7 +454,7 @@ protected:
   }
 };
 
-TEST_F(FilmOfACorridor, ItCannotTellHowFarItHasGone) {
+TEST_F(FilmOfACorridor, ThePositionAlongItIsDegenerate) {
   std::vector<Eigen::Isometry3d> poses, models;
   const auto at = [](double y) { return lookingAlong({0.05, y, 1.2}, {0.03, 1, -0.12}); };
   const auto turned = [](double degrees) {

@@ -133,7 +133,7 @@ TEST_F(MapInParts, ViewsInAFileGiveTheAnswersOfThoseInMemory) {
     test::expectSame(in_file.localize(queries[i].view), in_memory.localize(queries[i].view));
 }
 
-TEST_F(MapInParts, EachPartIsLocalizedInByItself) {
+TEST_F(MapInParts, EachPartIsLocalizedInSeparately) {
   const auto parts = withoutPoses({13, 26});
   EXPECT_THAT(parts->parts, ElementsAre("place 0", "place 14", "place 27"));
   const Count found = countSure(parts);

@@ -97,7 +97,7 @@ TEST_F(MapLocalizationInARoom, AnswersAsTheCoreDoes) {
   }
 }
 
-TEST_F(MapLocalizationInARoom, InSequenceModeCloudsAreOneDrive) {
+TEST_F(MapLocalizationInARoom, CloudsAreOneDriveInSequenceMode) {
   MapLocalization<pcl::PointXYZ> localization;
   localization.setMap(map);
   localization.setSequenceMode(true);
@@ -179,7 +179,7 @@ TEST_F(MapLocalizationInARoom, MotionsAreOfTheCameraSinceTheCloudBefore) {
   }
 }
 
-TEST_F(MapLocalizationInARoom, InAMapWithoutAWorldItKnowsItsPart) {
+TEST_F(MapLocalizationInARoom, ItKnowsItsPartInAMapWithoutAWorld) {
   const auto in_part = std::make_shared<Map>(*map);
   in_part->parts = {"attic"};
   const Eigen::Isometry3d truth = poseAt(130, 0.6);
@@ -229,7 +229,7 @@ TEST_F(MapLocalizationInARoom, IndicesChooseThePoints) {
   EXPECT_THAT(localization.getStatus(), HasSubstr("indices"));
 }
 
-TEST_F(MapLocalizationInARoom, WhatCannotBeLocalizedSaysWhyAndLeavesNoStaleAnswer) {
+TEST_F(MapLocalizationInARoom, AFailureHasAReasonAndLeavesNoStaleAnswer) {
   MapLocalization<pcl::PointXYZ> localization;
   Eigen::Isometry3d T = poseAt(1, 1);
   EXPECT_FALSE(localization.localize(T));
@@ -260,7 +260,7 @@ TEST_F(MapLocalizationInARoom, WhatCannotBeLocalizedSaysWhyAndLeavesNoStaleAnswe
   EXPECT_THROW(localization.setMinProbability(1.1), std::invalid_argument);
 }
 
-TEST_F(MapLocalizationInARoom, WhatIsSetCountsFromTheNextCloudOn) {
+TEST_F(MapLocalizationInARoom, SettersCountFromTheNextCloudOn) {
   MapLocalization<pcl::PointXYZ> localization;
   localization.setMap(map);
   localization.setInputCloud(cloudFrom(poseAt(10, 0.6), 0));

@@ -72,7 +72,7 @@ TEST(PlaceDescriptor, WallsThatFaceAMainHeadingComeFirst) {
   }
 }
 
-TEST(WallColumns, EndsThatAreNotSeenAreNone) {
+TEST(WallColumns, UnseenEndsAreInfinite) {
   Wall w;
   w.offset = 3, w.right = -1, w.left = 2, w.bottom = 0.5f, w.top = 1.5f, w.weight = 0.8f;
   w.left_end = w.top_end = true;

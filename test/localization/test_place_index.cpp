@@ -105,7 +105,7 @@ TEST_F(PlaceIndexOfRooms, HopelessModelsAreLeftOut) {
   EXPECT_TRUE(std::equal(some.begin(), some.end(), all.begin()));  // the same order, cut short
 }
 
-TEST_F(PlaceIndexOfRooms, CandidatesTellAboutWhereTheViewIsInThem) {
+TEST_F(PlaceIndexOfRooms, CandidatesHaveApproximatePoses) {
   const PlaceIndex index(*map, few());
   int near = 0, all = 0;
   for (unsigned i = 0; i < 12; ++i) {

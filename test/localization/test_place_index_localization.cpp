@@ -227,7 +227,7 @@ std::vector<int> askedFor(const View& view, const std::shared_ptr<const Map>& ma
   return store->asked;
 }
 
-TEST_F(PlaceIndexOfRooms, WhatTheLikeliestModelsShowBeyondDoubtIsNotSearchedForInTheOthers) {
+TEST_F(PlaceIndexOfRooms, ASureAnswerOfTheLikeliestModelsStopsTheSearch) {
   GlobalLocalizationParams params;
   params.shortlist.exhaustive_up_to = 0;
   params.shortlist.gap = params.shortlist.examined_gap = 1e6;
@@ -249,7 +249,7 @@ TEST_F(PlaceIndexOfRooms, WhatTheLikeliestModelsShowBeyondDoubtIsNotSearchedForI
   EXPECT_EQ(registered, modelsOf(batches[1]));
 }
 
-TEST_F(PlaceIndexOfRooms, AProbabilityByOverlapScoresLeavesNobodyUnasked) {
+TEST_F(PlaceIndexOfRooms, OverlapScoresStopNoSearch) {
   GlobalLocalizationParams params;
   params.shortlist.exhaustive_up_to = 0;
   params.shortlist.gap = 1e6;
@@ -394,7 +394,7 @@ TEST_F(PlaceIndexOfRooms, ACameraInTheHandIsLookedForInAllModelsOfAMapInItsFile)
   }
 }
 
-TEST_F(PlaceIndexOfRooms, WhoIsAskedAnewSaysNothingTwice) {
+TEST_F(PlaceIndexOfRooms, AModelRegisteredAnewCountsOnce) {
   auto in_the_hand = std::make_shared<Map>(*map);
   in_the_hand->camera.mounting.reset();
   GlobalLocalizationParams params;

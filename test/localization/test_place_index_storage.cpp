@@ -133,7 +133,7 @@ TEST_F(PlaceIndexOfRooms, OfAnotherFormatIsNotRead) {
   EXPECT_FALSE(PlaceIndex::read(in, *map));
 }
 
-TEST_F(PlaceIndexOfRooms, BytesThatTellOfMoreWallsThanThereAreAreRefused) {
+TEST_F(PlaceIndexOfRooms, BytesThatClaimTooManyWallsAreRefused) {
   std::string bytes = written(PlaceIndex(*map, few()));
   std::array<std::int32_t, 5> facing = placeDescriptor(*map->view(0), kMounting).facing;
   const auto asBytes = [&facing] {

@@ -111,7 +111,7 @@ TEST(RankPlaces, TheHigherTheRunnersUpScoreTheLikelierIsNoPlaceOfTheList) {
   EXPECT_EQ(null(h), -15) << "the best of hopeless ones is hopeless too";
 }
 
-TEST(RankPlaces, TheMoreAlikeThePlacesOfAMapTheLikelierItLacksTheRightOne) {
+TEST(RankPlaces, AmbiguousMapsMoreLikelyLackTheRightPlace) {
   ProbabilityCalibration params;
   params.least_null_score = -15, params.ambiguity_weight = 0.5, params.usual_ambiguity = 10;
   EXPECT_DOUBLE_EQ(nullScore(params, kEven, {}, {}), -15 + 0.5 * 10);
@@ -160,7 +160,7 @@ TEST(RankPlaces, HypothesesOfOnePlaceBecomeTheBestOfThem) {
   EXPECT_EQ(h.size(), 2u);
 }
 
-TEST(RankPlaces, APlaceTellsWhichModelsHaveFoundIt) {
+TEST(RankPlaces, APlaceListsItsSupportingModels) {
   std::vector<Hypothesis> h{hypothesis(10, pose(0), 7), hypothesis(30, pose(0.1), 2),
                             hypothesis(20, pose(0), 7), hypothesis(25, pose(3), 4)};
   mergePlaces({}, h);
@@ -262,7 +262,7 @@ TEST_F(Evidence, APlaceThatLooksLikeNoOtherIsBelievedSooner) {
   EXPECT_DOUBLE_EQ(nullScoreWith(1, 1), -10) << "what is far away is not this place";
 }
 
-TEST_F(Evidence, TakesThePlaceOfWhatTheirOwnModelSays) {
+TEST_F(Evidence, ReplacesTheEvidenceOfTheirOwnModel) {
   std::vector<Hypothesis> h{hypothesis(20, truth)};
   h[0].free_space = -7;
   h[0].score = h[0].consensus + h[0].free_space;
@@ -270,7 +270,7 @@ TEST_F(Evidence, TakesThePlaceOfWhatTheirOwnModelSays) {
   EXPECT_DOUBLE_EQ(h[0].score, 20 + h[0].evidence);
 }
 
-TEST_F(Evidence, OfSomethingThatMovedIsBounded) {
+TEST_F(Evidence, OfAMovedObjectIsBounded) {
   // A board at half the distance of all that is seen through a quarter of the image: it was not there before.
   const auto evidenceFor = [&](const Eigen::Isometry3d& pose) {
     std::vector<Hypothesis> h{hypothesis(0, pose)};
@@ -295,7 +295,7 @@ TEST_F(Evidence, OfSomethingThatMovedIsBounded) {
   EXPECT_LT(evidenceFor(wrong), after) << "elsewhere more than that contradicts";
 }
 
-TEST_F(Evidence, WeighsWhatAllNearModelsSay) {
+TEST_F(Evidence, WeighsTheEvidenceOfAllNearModels) {
   std::vector<Hypothesis> h{hypothesis(0, truth)}, doubled = h;
   ASSERT_TRUE(add(h));
   params.calibration.evidence.contradiction_weight *= 2;
@@ -371,7 +371,7 @@ TEST_F(Evidence, HopelessHypothesesGetTheLeastOfTheOthers) {
   EXPECT_EQ(h[2].evidence, h[1].evidence);
 }
 
-TEST_F(Evidence, OfAPerfectViewIsThatOfItsUntestedPixels) {
+TEST_F(Evidence, OfAPerfectViewComesFromItsUntestedPixels) {
   // Closed form: no pixel contradicts, is hidden or disagrees; what is left is the share that came untested.
   map.models.resize(1);
   map.models[0].setView(scene);
@@ -488,7 +488,7 @@ TEST_F(Evidence, ModelsOfOnePoseFindAPlaceOnce) {
               params.calibration.evidence.support_weight * std::log(2), 1e-9);
 }
 
-TEST_F(Evidence, OfAHypothesisThatIsNowhereIsNoMerit) {
+TEST_F(Evidence, OfAHypothesisWithoutModelsIsZero) {
   Eigen::Isometry3d wrong = truth;
   wrong.translation().x() += 0.6;
   std::vector<Hypothesis> h{hypothesis(22, truth), hypothesis(21.5, wrong), hypothesis(21)};

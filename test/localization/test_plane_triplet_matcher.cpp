@@ -156,7 +156,7 @@ TEST(PlaneTripletMatcher, TwoPlanesAreLaidWithTheLeastMoveAlongTheirLine) {
   EXPECT_GT(overlayOf(scene, model).score, 0.9);
 }
 
-TEST(PlaneTripletMatcher, ParallelPlanesTellNothing) {
+TEST(PlaneTripletMatcher, ParallelPlanesAreUseless) {
   const View parallel = viewOf({plane({0, 0, 1}, {0, 0, 2}), plane({0, 0.1, 1}, {1, 0, 3})});
   EXPECT_FALSE(PlaneTripletMatcher(parallel, anywhere()).isUseful());
   EXPECT_FALSE(PlaneTripletMatcher(View{}, anywhere()).isUseful());
@@ -176,7 +176,7 @@ TEST(PlaneTripletMatcher, AMirroredPlaceIsAnother) {
   EXPECT_FALSE(overlayOf(viewOf(corner), viewOf(mirrored)).score > 0.9);
 }
 
-TEST(PlaneTripletMatcher, WhatIsNotFiniteIsLeftOutAndWhatIsTooMuchToo) {
+TEST(PlaneTripletMatcher, NonFiniteAndExcessPlanesAreLeftOut) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<Segment> segments = {plane({1, 0, 1}, {nan, 0, 2}), plane({1, 0, 1}, {0.5, 0, 2})};
   segments[1].lambda.x() = -1;

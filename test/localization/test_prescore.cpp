@@ -89,7 +89,7 @@ double outlookByHand(const PlaceDescriptor& scene, const PlaceDescriptor& model)
   return best / std::pow(total, 0.6);
 }
 
-TEST(Prescore, IsWhatAllTurnsPairsAndMovesGive) {
+TEST(Prescore, EqualsTheMaximumOverAllTurnsPairsAndMoves) {
   const std::vector<PlaceDescriptor> places = somePlaces();
   for (const PlaceDescriptor& scene : places) {
     const Prescore outlook(scene);

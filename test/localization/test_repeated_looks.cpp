@@ -44,7 +44,7 @@ TEST(RepeatedLooks, TheFirstOneCountsInFull) {
   EXPECT_GT(factor(looks, 2), 1);
 }
 
-TEST(RepeatedLooks, TellWhatMeasurementsWithACorrelatedErrorDo) {
+TEST(RepeatedLooks, HaveTheInformationOfCorrelatedMeasurements) {
   // The mean of n measurements whose errors have the correlation rho^|i - k|, by their whole covariance.
   for (const double way : {0.01, 0.1, 0.4}) {
     RepeatedLooks looks;
@@ -61,7 +61,7 @@ TEST(RepeatedLooks, TellWhatMeasurementsWithACorrelatedErrorDo) {
   }
 }
 
-TEST(RepeatedLooks, TellNothingNewWhileTheCameraStands) {
+TEST(RepeatedLooks, AddNoInformationWhileTheCameraStands) {
   RepeatedLooks looks;
   looks.add({{0, 0, 0}}, twoModels());
   looks.move(kStill);

@@ -168,7 +168,7 @@ TEST(SureCalibration, UpperLimitIsClopperAndPearsons) {
   EXPECT_THROW(upperLimitOfShare(8, 7, 0.95), std::invalid_argument);
 }
 
-TEST(SureCalibration, RefusesWhatIsNoShare) {
+TEST(SureCalibration, RefusesInvalidShares) {
   for (const double share : {0.0, 1.0, -1.0, std::nan("")}) {
     EXPECT_THROW(SureCalibration(share, 0.95), std::invalid_argument) << share;
     EXPECT_THROW(SureCalibration(0.01, share), std::invalid_argument) << share;

@@ -132,7 +132,7 @@ TEST(CloudSurface, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(render(1), render(4));
 }
 
-TEST(CloudSurface, RefusesWhatIsNoSurface) {
+TEST(CloudSurface, RefusesInvalidClouds) {
   EXPECT_THROW(CloudSurface{pcl::PCLPointCloud2()}, std::invalid_argument);
   Points few;
   for (int i = 0; i < 11; ++i) few.emplace_back(static_cast<float>(i), 0, 1);

@@ -57,7 +57,7 @@ TEST_F(ConsensusAlignment, IsNotBelievedFromTooFewAnswers) {
   EXPECT_EQ(agreeing({right(0), right(4)}, 2).size(), 2u);
 }
 
-TEST_F(ConsensusAlignment, IsUnclearWherePlacesLookAlike) {
+TEST_F(ConsensusAlignment, IsUnclearWherePlacesLookTheSame) {
   const Eigen::Isometry3d next_corridor = at(5, 0, 0);
   EXPECT_TRUE(
       agreeing({right(0), right(1), right(2), wrong(4, next_corridor), wrong(5, next_corridor)}).empty());

@@ -150,7 +150,7 @@ TEST(DensifiedMap, AgainAndWithMoreThreadsIsTheSame) {
   }
 }
 
-TEST(DensifiedMap, OfNothingKnownStaysAsItIs) {
+TEST(DensifiedMap, WithoutKnownSpaceStaysAsItIs) {
   Map empty;
   EXPECT_EQ(densify(empty).rendered, 0u);
   Map unposed = drivenMap();

@@ -105,7 +105,7 @@ TEST_F(DistortionCalibration, FindsItThoughThePosesAreRough) {
   EXPECT_LT(errorOf(found->distortion, 1), 0.25 / kKinectGain);
 }
 
-TEST_F(DistortionCalibration, TellsHowGoodThePosesAre) {
+TEST_F(DistortionCalibration, EstimatesTheAccuracyOfThePoses) {
   see(1);
   EXPECT_LT(calibrateDistortion(pictures_, kNoise, kRough)->poses.rotation_std, 0.1 * kDegree);
   const PoseAccuracy bad{1 * kDegree, 0.03};
@@ -130,7 +130,7 @@ TEST_F(DistortionCalibration, HoldsAtAnyResolution) {
   EXPECT_TRUE(found->distortion.fits(smallCamera()));
 }
 
-TEST_F(DistortionCalibration, PicturesWithNothingInCommonTellNothing) {
+TEST_F(DistortionCalibration, PicturesWithoutOverlapGiveNoEstimate) {
   see(1);
   EXPECT_FALSE(calibrateDistortion({pictures_[0]}, kNoise, kExact));
   EXPECT_FALSE(calibrateDistortion({pictures_[0], pictures_[9]}, kNoise, kExact));  // turned by 180 deg

@@ -37,7 +37,7 @@ OccupancyGrid drawn(const std::vector<DrawnWall>& walls, int size, double resolu
   return grid;
 }
 
-TEST(FloorPlan, OutlinesHaveWhatIsOccupiedOnTheLeft) {
+TEST(FloorPlan, OutlinesHaveOccupiedCellsOnTheLeft) {
   OccupancyGrid grid = OccupancyGrid::filled(5, 4, 1, {0, 0}, OccupancyGrid::kFree);
   for (const auto& [column, row] :
        {std::pair<int, int>{1, 1}, {2, 1}, {3, 2}})  // the last two touch at a corner

@@ -85,7 +85,7 @@ TEST(FoundMounting, ARollIsPartOfIt) {
   EXPECT_EQ(findMounting(drive({0.98, 10}, 0.004, 1.5, 10))->mounting.roll_deg, 0) << "what is hardly any";
 }
 
-TEST(SeenFloor, IsOfARolledCameraInTheHandToo) {
+TEST(SeenFloor, IsAlsoFoundForARolledCameraInTheHand) {
   Map map = drive({1.3, 20}, 0.02, 1, 0);
   constexpr double kRoll = 5;  // the camera's right side is lower
   const Eigen::Matrix3d R = Eigen::AngleAxisd(-kRoll * kDegree, Eigen::Vector3d::UnitZ()).toRotationMatrix();

@@ -47,7 +47,7 @@ protected:
   std::vector<View> views_;
 };
 
-TEST_F(FreeSpaceViolations, WhatHasGoneIsTakenOutAndNothingElse) {
+TEST_F(FreeSpaceViolations, GoneSurfacesAreRemovedAndNothingElse) {
   ASSERT_GE(ofChest(model_), 1);
   const SurfaceReview gone = review({kRoom, kRoom, kRoom});
   EXPECT_EQ(static_cast<long>(gone.gone_segments.size()), ofChest(model_));
@@ -68,7 +68,7 @@ TEST_F(FreeSpaceViolations, WhatHasGoneIsTakenOutAndNothingElse) {
   EXPECT_EQ(left.depth.noise.inverse_depth_std, model_.depth.noise.inverse_depth_std);
 }
 
-TEST_F(FreeSpaceViolations, WhatIsStillThereStays) {
+TEST_F(FreeSpaceViolations, UnchangedSurfacesStay) {
   const SurfaceReview same = review({kRoom + kChest, kRoom + kChest, kRoom + kChest});
   EXPECT_TRUE(same.gone_segments.empty());
   EXPECT_LT(same.goneShare(), 0.01);
@@ -81,7 +81,7 @@ TEST_F(FreeSpaceViolations, OneLookIsNotEnough) {
   EXPECT_FALSE(review({kRoom}, 1).gone_segments.empty());
 }
 
-TEST_F(FreeSpaceViolations, WhoPassesByHidesAndTakesNothingAway) {
+TEST_F(FreeSpaceViolations, APasserByHidesAndRemovesNothing) {
   const test::Scene person = test::box({2.6, 2.4, 0}, {3.2, 2.8, 1.8});
   const SurfaceReview hidden =
       review({kRoom + kChest + person, kRoom + kChest + person, kRoom + kChest + person});

@@ -75,7 +75,7 @@ Comparison compare(const FusedSurface& surface, const Scene& scene, const Eigen:
   return {surface.render(test::smallCamera(), T_w_c), truth};
 }
 
-TEST(FusedSurface, ShowsFromElsewhereWhatIsThere) {
+TEST(FusedSurface, ShowsItsSurfacesFromElsewhere) {
   const FusedSurface surface(driveThrough(kRoom + kPillar).all(), 1);
   for (const auto& T :
        {lookingAlong({1.2, 1.9, 1.2}, {1, 0.1, -0.2}), lookingAlong({0.9, 1.1, 1.2}, {1, 0.5, -0.25}),
@@ -89,7 +89,7 @@ TEST(FusedSurface, ShowsFromElsewhereWhatIsThere) {
   }
 }
 
-TEST(FusedSurface, WhatNobodySawIsUnknown) {
+TEST(FusedSurface, UnseenSpaceIsUnknown) {
   const FusedSurface surface(driveThrough(kRoom + kPillar).all(), 1);
   const auto known = [&](const Eigen::Isometry3d& T) {
     return surface.renderWithErrors(test::smallCamera(), T).knownShare();
@@ -102,7 +102,7 @@ TEST(FusedSurface, WhatNobodySawIsUnknown) {
 }
 
 /** The far side of a cupboard is nobody's surface: behind it, the wall must not be seen through it. */
-TEST(FusedSurface, WhatWasSeenFromTheFrontHidesFromBehindAndFromTheSide) {
+TEST(FusedSurface, SurfacesSeenFromTheFrontHideFromBehindAndFromTheSide) {
   const Scene cupboard = box({2.5, 3.0, 0}, {3.5, 3.6, 2.0});
   Pictures front;
   for (const double x : {2.6, 3.0, 3.4}) {
@@ -116,7 +116,7 @@ TEST(FusedSurface, WhatWasSeenFromTheFrontHidesFromBehindAndFromTheSide) {
   EXPECT_LT(side.off, 0.05 * side.known);
 }
 
-TEST(FusedSurface, LeavesOutWhatHasMoved) {
+TEST(FusedSurface, LeavesOutMovedObjects) {
   const Scene person = box({2.6, 1.0, 0}, {3.0, 1.6, 1.8});
   Pictures drive = driveThrough(kRoom);
   drive.add(kRoom + person, lookingAlong({0.8, 1.4, 1.2}, {1, 0, -0.2}));

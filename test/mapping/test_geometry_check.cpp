@@ -56,7 +56,7 @@ std::string faultOf(const std::vector<DepthImage>& images) {
   return check.faults.empty() ? std::string() : check.faults.front().words;
 }
 
-TEST(GeometryCheck, FindsNoFaultWithWhatIsRight) {
+TEST(GeometryCheck, FindsNoFaultInCorrectImages) {
   const GeometryCheck check = checkGeometry(imagesOfARoom(), {});
   EXPECT_THAT(check.faults, IsEmpty());
   EXPECT_EQ(check.impossible(), nullptr);

@@ -55,7 +55,7 @@ TEST(GraphCovariance, AlongAChainItIsThatOfTheProductOfItsMotions) {
   EXPECT_THAT(known.relativeTo(2)[0]->P, MatrixNear(expected.P, 1e-5 * expected.P.norm()));
 }
 
-TEST(GraphCovariance, TwoMotionsTellTwiceAsMuch) {
+TEST(GraphCovariance, TwoMotionsHaveTwiceTheInformation) {
   PoseGraph graph = chain();
   graph.edges.push_back(graph.edges[1]);
   const GraphCovariance known(graph);
@@ -72,7 +72,7 @@ TEST(GraphCovariance, OtherPartsAreNowhere) {
   EXPECT_FALSE(relative[3]);
 }
 
-TEST(GraphCovariance, AFloorTellsRollPitchAndHeight) {
+TEST(GraphCovariance, AFloorFixesRollPitchAndHeight) {
   const CameraMounting mounting{1.1, 15};
   PoseGraph graph;
   graph.T_w_n = {mounting.T_b_c(), mounting.T_b_c()};
@@ -92,7 +92,7 @@ TEST(GraphCovariance, AFloorTellsRollPitchAndHeight) {
   EXPECT_GT(P(3, 3), 0.5);
 }
 
-TEST(GraphCovariance, OfOnePairIsThatOfThePairAmongAll) {
+TEST(GraphCovariance, OfOnePairIsTheSameAsAmongAll) {
   const GraphCovariance known(chain());
   for (int a = 0; a < 4; ++a)
     for (int b = 0; b < 4; ++b) {

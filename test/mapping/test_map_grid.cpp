@@ -113,7 +113,7 @@ TEST(MapGrid, ResolutionAndBandAreChosen) {
   EXPECT_THROW(gridOf(roundLook(true), params), std::invalid_argument);
 }
 
-TEST(MapGrid, SaysWhyThereIsNone) {
+TEST(MapGrid, NamesTheCauseOfFailure) {
   const auto errorOf = [](const Map& map) {
     try {
       gridOf(map);

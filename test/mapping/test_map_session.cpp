@@ -110,7 +110,7 @@ TEST_F(ASessionInARoom, ChangesNothingWhereNothingHasChanged) {
   EXPECT_LE(map.models.size(), 1.3 * kModels);
 }
 
-TEST_F(ASessionInARoom, TakesOutWhatHasGone) {
+TEST_F(ASessionInARoom, RemovesGoneSurfaces) {
   Map map = mapOfRoom();
   const std::vector<SessionImage> session = sessionOf(test::largeRoom());
   const MapChanges changes = updateMap(map, session, {}, {}, 2);

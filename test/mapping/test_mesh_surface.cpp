@@ -66,7 +66,7 @@ TEST(MeshSurface, LeavesHolesOpen) {
   for (int u = 0; u < kCamera.width; ++u) EXPECT_EQ(u < 40 ? 2.0f : 0.0f, image.at(u, 30)) << u;
 }
 
-TEST(MeshSurface, LeavesOutWhatIsNoTriangle) {
+TEST(MeshSurface, LeavesOutInvalidTriangles) {
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   const std::vector<Eigen::Vector3f> vertices{{-5, -5, 2}, {5, -5, 2}, {0, 5, 2}, {kNaN, 0, 1}, {0, 0, 2}};
   const MeshSurface wall(
@@ -76,7 +76,7 @@ TEST(MeshSurface, LeavesOutWhatIsNoTriangle) {
   EXPECT_EQ(2.0f, wall.render(kCamera, Eigen::Isometry3d::Identity()).at(40, 30));
 }
 
-TEST(MeshSurface, RefusesWhatCannotBeSeen) {
+TEST(MeshSurface, RefusesMeshesWithoutSurface) {
   EXPECT_THROW(MeshSurface{pcl::PolygonMesh()}, std::invalid_argument);
   EXPECT_THROW(MeshSurface(meshOf({{0, 0, 1}, {1, 0, 1}, {2, 0, 1}}, {{0, 1, 2}})), std::invalid_argument);
   // In the coordinates of a country.

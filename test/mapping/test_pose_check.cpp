@@ -164,7 +164,7 @@ TEST(MotionRatio, IsKnownWithItsDeviation) {
   EXPECT_TRUE(right.ratiosInWords().empty());
 }
 
-TEST(MotionRatio, OfMotionsInTheNoiseIsNoFault) {
+TEST(MotionRatio, OfMotionsBelowTheNoiseIsNoFault) {
   std::mt19937 random(4);
   std::normal_distribution<double> normal;
   const PoseCheck found = check([&](double t) {  // errors as large as a motion

@@ -119,7 +119,7 @@ TEST_F(Round, PartsWithoutAnEdgeBetweenThemStayWhereTheyBegin) {
   EXPECT_GT(found.nodes[7].P(0, 0), 0);
 }
 
-TEST(PoseGraph, RefusesWhatIsNoEdge) {
+TEST(PoseGraph, RefusesInvalidEdges) {
   PoseGraph g;
   EXPECT_TRUE(optimized(g).nodes.empty());
   g.T_w_n.assign(2, Eigen::Isometry3d::Identity());

@@ -60,7 +60,7 @@ TEST(TrajectoryImprovement, AnImprovedCloneIsAsGoodAsBeingImproved) {
   expectSame(live, direct);
 }
 
-TEST(TrajectoryImprovement, WhatIsAddedWhileACloneIsImprovedMovesWithTheKeyframeBeforeIt) {
+TEST(TrajectoryImprovement, ImagesAddedWhileACloneIsImprovedMoveWithTheKeyframeBefore) {
   TrajectoryEstimation live;
   drive(live, 0, 20);
   TrajectoryEstimation clone = live.clone();
@@ -90,7 +90,7 @@ TEST(TrajectoryImprovement, WhatIsAddedWhileACloneIsImprovedMovesWithTheKeyframe
         << i;
 }
 
-TEST(TrajectoryImprovement, RefusesToAdoptWhatIsNoClone) {
+TEST(TrajectoryImprovement, RefusesToAdoptAnotherTrajectory) {
   TrajectoryEstimation longer, other;
   drive(longer, 0, 8);
   EXPECT_THROW(other.adopt(longer), std::invalid_argument);

@@ -51,7 +51,7 @@ Motion motionBetween(const std::shared_ptr<const View>& a, const std::shared_ptr
   return camera.next(b, dt, given);
 }
 
-TEST(CameraMotion, InARoomThereIsOneAnswer) {
+TEST(CameraMotion, ARoomHasOneAnswer) {
   const Eigen::Isometry3d a = lookingAlong({2.5, 2, 1.2}, {1, 0.6, -0.25}),
                           b = lookingAlong({2.9, 2.2, 1.2}, {0.9, 0.95, -0.25});
   const Motion motion = motionBetween(inRoom(a, 1), inRoom(b, 2), 1);

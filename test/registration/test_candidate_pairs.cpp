@@ -169,7 +169,7 @@ TEST(CandidatePairs, OfNothingAreNone) {
   EXPECT_TRUE(candidatePairs(some, {}, paperPrior()).empty());
 }
 
-TEST(CandidatePairs, NumbersThatAreNoneMatchNothing) {
+TEST(CandidatePairs, NaNsMatchNothing) {
   Rng rng(8);
   std::vector<Segment> some = randomSegments(rng, 3);
   std::vector<Segment> bad = some;

@@ -38,7 +38,7 @@ TEST(Cholesky3, AgreesWithTheInverse) {
   }
 }
 
-TEST(Cholesky3, RefusesWhatIsNotPositiveDefinite) {
+TEST(Cholesky3, RefusesMatricesThatAreNotPositiveDefinite) {
   Cholesky3 cholesky;
   EXPECT_FALSE(cholesky.compute(Eigen::Matrix3d::Zero()));
   EXPECT_FALSE(cholesky.compute(-Eigen::Matrix3d::Identity()));

@@ -74,7 +74,7 @@ TEST(SamplePoints, SpreadEvenlyOverTheOutline) {
   }
 }
 
-TEST(SamplePoints, OfATinyOutlineIsItsCentroidAndOfNoneNothing) {
+TEST(SamplePoints, OfATinyOutlineAreItsCentroidAndOfAnEmptyOneNothing) {
   Segment s = rectangle({0, 0, 2}, {0, 0, 1}, 1, 1);
   s.hull.size = 0;
   EXPECT_TRUE(samplePoints(s).empty());
@@ -107,7 +107,7 @@ TEST(LogLikelihoodRatio, IsTheSumOverIndependentDirections) {
   EXPECT_GE(llr(walls, walls), sum);
 }
 
-TEST(LogLikelihoodRatio, LosesWhatARemovedSegmentContributed) {
+TEST(LogLikelihoodRatio, LosesTheContributionOfARemovedSegment) {
   const std::vector<Segment> walls = threeWalls();
   const double all = llr(walls, walls);
   for (std::size_t j = 0; j < walls.size(); ++j) {

@@ -137,7 +137,7 @@ TEST_F(DenseRefinement, LeavesTheCovarianceAsItIs) {
   EXPECT_EQ(pose.P, before);
 }
 
-TEST_F(DenseRefinement, IsNotMisledByWhatHasMoved) {
+TEST_F(DenseRefinement, IsNotMisledByMovedObjects) {
   // A board that no picture saw covers a quarter of the scene.
   const test::Scene changed = test::largeRoom() + test::box({1.2, 2.6, 0}, {2.3, 2.9, 2.5});
   scene = pictureOf(changed, truth, 1);
@@ -162,7 +162,7 @@ TEST_F(DenseRefinement, KeepsThePriorWhereThePixelsSayNothing) {
   EXPECT_NEAR(off.z(), -0.03, 0.01);
 }
 
-TEST_F(DenseRefinement, TellsHowMuchThePixelsTell) {
+TEST_F(DenseRefinement, GivesTheInformationOfThePixels) {
   // Errors of white noise in the scene's pixels: of variance 1 + 1/5 instead of pixel_error^2, as the model's
   // pixels are averaged and the same each time.
   constexpr int kTrials = 40;

@@ -108,7 +108,7 @@ TEST(DepthConsistency, TwoViewsOfARoomAgreeAtTheTruePoseOnly) {
     }
 }
 
-TEST(DepthConsistency, JudgeSaysWhatCompareCounts) {
+TEST(DepthConsistency, LabelsAddUpToTheCountsOfCompare) {
   const Eigen::Isometry3d A = lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2}),
                           B = lookingAlong({1.4, 0.8, 1.3}, {0.2, 1, -0.1});
   const DepthPicture a = roomFrom(A), b = roomFrom(B);
@@ -194,7 +194,7 @@ TEST(DepthConsistency, ExactAgreementIsLikelierThanContradictionWhateverTheError
     }
 }
 
-TEST(DepthConsistency, WhatIsUnknownFarOrOutOfViewIsNotCounted) {
+TEST(DepthConsistency, UnknownFarAndOutsidePixelsAreNotCounted) {
   const auto total = [](const DepthAgreement& a) { return a.agree + a.contradict + a.occluded; };
   DepthImage blank = render({}, smallCamera()).image;
   EXPECT_EQ(total(comparison().compare(wallAt(2), DepthPicture::fromDepth(blank), kHere, kFineColumns)), 0);

@@ -80,7 +80,7 @@ TEST(ShownInformation, FeignedOnesAlongACorridorGo) {
   EXPECT_GT(sideways.dot(shown.share * sideways), 0.5);
 }
 
-TEST(ShownInformation, WhatTheCostShowsStays) {
+TEST(ShownInformation, InformationShownByTheCostStays) {
   const Pair pair(largeRoom(), lookingAlong({2.5, 2, 1.2}, {1, 0.6, -0.25}),
                   lookingAlong({2.7, 2.1, 1.2}, {0.95, 0.75, -0.25}));
   const Matrix6d stated = 2500 * Matrix6d::Identity();  // 2 cm, 1.1 deg

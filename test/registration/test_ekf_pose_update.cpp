@@ -267,7 +267,7 @@ TEST(EkfPoseUpdate, FewLinearisationsAreTakenOnTrust) {
   EXPECT_GT(unsettled, 50) << "a third step would have been small anyway";
 }
 
-TEST(EkfPoseUpdate, TheGateDecidesOnWhatIsTakenOnTrust) {
+TEST(EkfPoseUpdate, TheGateDecidesOnUncheckedStates) {
   Rng rng(22);
   const PoseWithCovariance prior = paperPrior();
   EkfParams two;
@@ -504,7 +504,7 @@ TEST(EkfPoseUpdate, ThreeExactPairsGiveThePose) {
   EXPECT_GE(found, 95);
 }
 
-TEST(EkfPoseUpdate, WhatDoesNotFitIsRefused) {
+TEST(EkfPoseUpdate, MismatchedPairsAreRefused) {
   Rng rng(13);
   const PoseWithCovariance prior = narrowPrior(rng);
   const Segment surface = test::randomSegment(rng);
@@ -521,7 +521,7 @@ TEST(EkfPoseUpdate, WhatDoesNotFitIsRefused) {
   EXPECT_FALSE(ekfPoseUpdate(scene, other, prior).accepted);  // seen from the other side
 }
 
-TEST(EkfPoseUpdate, NumbersThatAreNoneAreRefused) {
+TEST(EkfPoseUpdate, NaNsAreRefused) {
   Rng rng(14);
   const PoseWithCovariance prior = narrowPrior(rng);
   const Segment surface = test::randomSegment(rng);

@@ -122,7 +122,7 @@ struct BruteForce {
   int updates = 0;  // nodes that the tree has to expand
 };
 
-TEST(HypothesisTree, WithoutLimitsFindsWhatBruteForceOverAllSubsetsFinds) {
+TEST(HypothesisTree, WithoutLimitsEqualsBruteForceOverAllSubsets) {
   std::size_t hypotheses = 0;
   for (unsigned seed = 1; seed <= 8; ++seed)
     for (const double min_gain : {0.0, 0.5}) {
@@ -247,7 +247,7 @@ TEST(HypothesisTree, OneFreeTranslationIsReportedWithItsDirection) {
   }
 }
 
-TEST(HypothesisTree, WhatIsKnownWithoutPairsNeedsNone) {
+TEST(HypothesisTree, APriorThatFixesAPoseNeedsNoPairs) {
   // Two walls of a corner; roll, pitch and height are known.
   const std::vector<Segment> corner{rectangle({0, 0, 3}, {0, 0, -1}, 2, 0.8),
                                     rectangle({1, 0, 2}, {-1, 0, 0}, 2, 0.9)};

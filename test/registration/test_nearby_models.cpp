@@ -70,7 +70,7 @@ TEST(NearbyModels, AreThoseOfBruteForce) {
   }
 }
 
-TEST(NearbyModels, AreNoneWhereThereAreNone) {
+TEST(NearbyModels, OfAnEmptyMapAreEmpty) {
   const NearbyModels none(std::make_shared<Map>());
   EXPECT_TRUE(none.empty());
   EXPECT_TRUE(none.byPlace(0, {0, 0, 0}, 5).empty());

@@ -21,7 +21,7 @@ Camera cameraOf(const Intrinsics& intrinsics) {
   return camera;
 }
 
-TEST(PlanarRegistration, ACameraThatCannotBeIsToldAsSuch) {
+TEST(PlanarRegistration, AnImpossibleCameraIsReported) {
   PlanarRegistration<pcl::PointXYZ> registration;
   registration.setInputSource(PlanarCase<pcl::PointXYZ>::cloudFrom(kTargetPose, 1));
   registration.setInputTarget(PlanarCase<pcl::PointXYZ>::cloudFrom(kTargetPose, 2));
@@ -32,7 +32,7 @@ TEST(PlanarRegistration, ACameraThatCannotBeIsToldAsSuch) {
   EXPECT_EQ(registration.getStatus(), "target: the camera that was set is impossible");
 }
 
-TEST(PlanarRegistration, IndicesOutsideTheCloudAreToldNotUsed) {
+TEST(PlanarRegistration, IndicesOutsideTheCloudAreReportedAndIgnored) {
   struct Opened : PlanarRegistration<pcl::PointXYZ> {
     using PlanarRegistration::makeView;
   };

@@ -36,7 +36,7 @@ TEST(PoseFusion, TwoSourcesAreWeighedByTheirInformation) {
   }
 }
 
-TEST(PoseFusion, WhatTwoSourcesHaveInCommonIsNotCountedTwice) {
+TEST(PoseFusion, CommonInformationOfTwoSourcesIsNotCountedTwice) {
   test::Rng rng(5);
   const auto isAtLeast = [](const Matrix6d& P, const Matrix6d& least) {
     return Eigen::SelfAdjointEigenSolver<Matrix6d>(P - least).eigenvalues().minCoeff() >= -1e-15;
@@ -67,7 +67,7 @@ TEST(PoseFusion, WhatTwoSourcesHaveInCommonIsNotCountedTwice) {
       << "the same once more tells nothing";
 }
 
-TEST(PoseFusion, APartOfWhatWasAddedIsAPartOfItsInformation) {
+TEST(PoseFusion, APartOfAnUpdateHasAPartOfItsInformation) {
   test::Rng rng(4);
   const Matrix6d prior = randomCovariance(rng, 1e-2);
   const Matrix6d measured = randomCovariance(rng, 1e-3);

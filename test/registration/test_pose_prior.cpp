@@ -27,7 +27,7 @@ TEST(PosePrior, WithoutAMountingIsIsotropic) {
   EXPECT_THAT(P, MatrixNear(Matrix6d(variance.asDiagonal()), 1e-15));
 }
 
-TEST(PosePrior, OfAnOdometryGrowsWithTheWay) {
+TEST(PosePrior, OfAnOdometryGrowsWithTheDistance) {
   Eigen::Isometry3d motion(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()));
   motion.translation() << 0, 0, 0.4;
   const OdometryError error{0.03, 2, 0.001, 0.1};
@@ -98,7 +98,7 @@ TEST(PosePrior, FloorCovarianceIsThatOfThreeWheels) {
               MatrixNear(Eigen::Matrix3d::Zero().eval(), 0.02));
 }
 
-TEST(PosePrior, IsWhatTheFloorTellsAndTheRangeOfHeadingAndPlace) {
+TEST(PosePrior, IsTheFloorsInformationAndTheRangeOfHeadingAndPlace) {
   const CameraMounting mounting{1.2, 20};
   PosePriorParams p;
   p.rotation_std_deg = 5;

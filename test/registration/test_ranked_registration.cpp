@@ -260,7 +260,7 @@ TYPED_TEST(OurRegistration, SettersWithoutEffectAreSaidOnce) {
   EXPECT_EQ(timesSaid(), std::pair(false, false));
 }
 
-TEST(PlanarRegistration, ACopyAnswersAlike) {
+TEST(PlanarRegistration, ACopyAnswersTheSame) {
   using Case = PlanarCase<pcl::PointXYZ>;
   PlanarRegistration<pcl::PointXYZ> registration;
   registration.setInputTarget(Case::cloudFrom(test::kTargetPose, 1));

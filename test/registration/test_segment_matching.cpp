@@ -137,7 +137,7 @@ TEST_F(SegmentMatchingTest, ACloneMatchesLikeItsOriginal) {
   EXPECT_EQ(determine(), want);
 }
 
-TEST_F(SegmentMatchingTest, SettersSetWhatGettersGet) {
+TEST_F(SegmentMatchingTest, GettersReturnTheValuesSet) {
   MatchingParams params;
   params.max_segments = 3;
   auto& m = dynamic_cast<SegmentMatching&>(*matching);

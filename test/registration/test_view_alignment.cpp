@@ -99,7 +99,7 @@ TEST_F(AlignmentOfAView, WithoutAnythingInCommonIsThePrior) {
   }
 }
 
-TEST(AlignmentInACorridor, LeavesFreeWhatIsFree) {
+TEST(AlignmentInACorridor, LeavesFreeMotionsFree) {
   const Eigen::Isometry3d other = lookingAlong({0, -0.2, 1.2}, {0, 1, -0.15}),
                           truth = lookingAlong({0.1, 0, 1.2}, {0.05, 1, -0.15});
   const View of_other = viewFrom(test::endlessCorridor(), other, 1, 6),

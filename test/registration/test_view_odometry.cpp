@@ -68,7 +68,7 @@ TEST(ViewOdometry, NoticesAJumpAndGoesOnFromThere) {
   EXPECT_THAT(next.T_a_b.T, PoseNear(onCircle(22).inverse() * onCircle(23), 0.02, 0.5));
 }
 
-TEST(ViewOdometry, WhereViewsTellNothingItGoesOnAsBeforeAndSaysSo) {
+TEST(ViewOdometry, WithUninformativeViewsItKeepsItsVelocityAndSaysSo) {
   // Along a corridor with one cupboard, past it.
   const test::Scene corridor = test::endlessCorridor() + test::box({0.4, 1.5, 0}, {0.9, 2.0, 1.5});
   const auto at = [](int i) { return lookingAlong({0, 0.5 * kStep * i, 1.2}, {0.05, 1, -0.2}); };

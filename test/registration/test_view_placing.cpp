@@ -42,7 +42,7 @@ TEST(ViewPlacing, WhereNothingIsInCommonNothingAgrees) {
   EXPECT_TRUE(!found || found->agreement < 0.8 || found->overlap < 0.2);
 }
 
-TEST(ViewPlacing, AlongACorridorTwoViewsTellNothing) {
+TEST(ViewPlacing, TwoViewsAlongACorridorAreDegenerate) {
   const auto at = [](double y) { return lookingAlong({0, y, 1.2}, {0, 1, -0.2}); };
   const View a = viewFrom(test::endlessCorridor(), at(0), 1, 5),
              b = viewFrom(test::endlessCorridor(), at(0.2), 2, 5);
@@ -72,7 +72,7 @@ TEST(StepPrior, ARobotHardlyMovesSidewaysUnlessItSlides) {
   EXPECT_EQ(stepCovariance({}, false), stepCovariance({}, true)) << "in the hand";
 }
 
-TEST(StepPrior, TellsHowFarSidewaysARobotHasBeen) {
+TEST(StepPrior, MeasuresTheSidewaysShiftOfARobot) {
   const CameraMounting mounting{1, 20};
   Eigen::Isometry3d base = Eigen::Isometry3d::Identity();
   base.translation() << 0.3, 0.07, 0;

@@ -95,7 +95,7 @@ TEST_F(TwoViewsOfARoom, NextToAStartThePoseIsThatOfTheSearch) {
   EXPECT_FALSE(from((Vector6d() << 0, 3, 0, 0, 0, -30).finished()));
 }
 
-TEST_F(TwoViewsOfARoom, FromAboutTheRightPoseTheAnswerIsTheSameAndLessIsTried) {
+TEST_F(TwoViewsOfARoom, StartingNearTheTruthGivesTheSameAnswerWithFewerTrials) {
   const PoseWithCovariance prior = isotropicPrior();
   const std::vector<Hypothesis> everywhere = align();
   ASSERT_FALSE(everywhere.empty());
@@ -245,7 +245,7 @@ protected:
   }
 };
 
-TEST_F(Corridor, DepthTellsThePositionThatThePlanesLeaveOpen) {
+TEST_F(Corridor, DepthFixesThePositionThatThePlanesLeaveFree) {
   const test::Scene scene = test::endlessCorridor() + test::box({0.4, 3, 0}, {0.9, 3.4, 1.2});
   for (const double ahead : {-0.4, 0.0, 0.35, 0.8}) {
     const std::vector<Hypothesis> h = align(scene, ahead);
@@ -260,7 +260,7 @@ TEST_F(Corridor, DepthTellsThePositionThatThePlanesLeaveOpen) {
   EXPECT_TRUE(align(scene, 0.35, params).empty());
 }
 
-TEST_F(Corridor, WithoutReliefAlongItNoPositionIsMadeUp) {
+TEST_F(Corridor, WithoutReliefAlongItNoPositionIsInvented) {
   for (const double ahead : {0.0, 0.3, -0.6})
     EXPECT_TRUE(align(test::endlessCorridor(), ahead).empty()) << ahead;
 }
@@ -320,7 +320,7 @@ protected:
   const test::Scene wall = test::box({-20, 1.5, -10}, {20, 2, 10});
 };
 
-TEST_F(RobotBeforeAWall, IsFoundByWhatIsNoPartOfIt) {
+TEST_F(RobotBeforeAWall, IsFoundByOtherSurfaces) {
   const test::Scene scene = test::box({-20, 1.5, -10}, {-0.3, 2, 10}) +  // a door in a recess
                             test::box({0.6, 1.5, -10}, {20, 2, 10}) +
                             test::box({-0.3, 1.8, -10}, {0.6, 2, 10});
@@ -338,7 +338,7 @@ TEST_F(RobotBeforeAWall, IsFoundByWhatIsNoPartOfIt) {
   }
 }
 
-TEST_F(RobotBeforeAWall, IsNotToldAPlaceAlongABareOne) {
+TEST_F(RobotBeforeAWall, HasNoPositionAlongABareOne) {
   for (const double along : {-0.25, 0.1, 0.3}) {
     EXPECT_TRUE(align(wall, along, true).empty());
     EXPECT_TRUE(localize(wall, along, true).empty());
@@ -389,7 +389,7 @@ TEST_F(TwoViewsOfARoom, MayFixAPoseWhereItDoes) {
   EXPECT_FALSE(registration.mayFixPose(Query(one)));
 }
 
-TEST(UnconstrainedDirections, OfARoomCornerAreNone) {
+TEST(UnconstrainedDirections, OfARoomCornerAreEmpty) {
   EXPECT_EQ(freeDirections({rectangle({0, 1, 3}, {0, 1, 0}, 1, 0.8), rectangle({1, 0, 3}, {1, 0, 0}, 1, 0.9),
                             rectangle({0, 0, 4}, {0, 0, 1}, 0.8, 0.8)}),
             "");
@@ -416,7 +416,7 @@ TEST(UnconstrainedDirections, OfASingleWallAreTwoTranslationsAndTheTurnAboutItsN
   EXPECT_THAT(text, Not(HasSubstr("-0.00")));
 }
 
-TEST(UnconstrainedDirections, OfAWallBeforeARobotIsTheWayAlongIt) {
+TEST(UnconstrainedDirections, OfAWallBeforeARobotIsTheTranslationAlongIt) {
   const std::vector<Segment> wall{rectangle({0, 0, 3}, {0, 0, -1}, 1, 0.8)};
   EXPECT_EQ(freeDirections(wall, floorInformation(CameraMounting{1, 0})),
             "translation along (1.00, 0.00, 0.00)");

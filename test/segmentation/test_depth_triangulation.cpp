@@ -199,7 +199,7 @@ TEST_P(EveryImage, NothingIsLeftToRefine) {
   }
 }
 
-TEST_P(EveryImage, VerticesAreDistinctValidPixelsBesideTheCorners) {
+TEST_P(EveryImage, VerticesAreDistinctValidPixelsOrCorners) {
   std::set<std::pair<int, int>> seen;
   for (std::size_t i = 0; i < split.vertices().size(); ++i) {
     const Vertex& p = vertex(static_cast<int>(i));
@@ -346,7 +346,7 @@ TEST(DepthTriangulation, VertexLimitIsKept) {
   EXPECT_EQ(split.vertices().size(), 50u);
 }
 
-TEST(DepthTriangulation, TheGridKeepsTheVertexLimitToo) {
+TEST(DepthTriangulation, TheGridAlsoKeepsTheVertexLimit) {
   SplitParams params;
   for (const int limit : {4, 10}) {
     params.max_vertices = limit;

@@ -54,7 +54,7 @@ TEST(DisparityImage, IsInverseDepthInItsUnit) {
   }
 }
 
-TEST(DisparityImage, ReplacesWhatItHeldBefore) {
+TEST(DisparityImage, ReplacesItsFormerContent) {
   DisparityImage d;
   toDisparity(wall(), 1, d);
   toDisparity({}, 1, d);
@@ -68,7 +68,7 @@ TEST(EstimateNoise, IsThatOfWhiteNoiseWithinATenth) {
 }
 
 // Neighbours at a distance d are correlated by exp(-d^2 / 4 s^2) if s is the smoothing.
-TEST(EstimateNoise, OfSmoothNoiseIsHalfThatOfPixelsApart) {
+TEST(EstimateNoise, OfSmoothNoiseIsHalfTheNoiseOfPixelsApart) {
   constexpr double kStd = 0.006, kApart = 6;
   const auto correlated = [](double distance, double smoothing) {
     return std::exp(-distance * distance / (4 * smoothing * smoothing));
@@ -90,7 +90,7 @@ TEST(EstimateNoise, OfSmoothNoiseIsHalfThatOfPixelsApart) {
 }
 
 // What a Kinect rounds, and what has edges and holes, is not taken for smooth noise.
-TEST(EstimateNoise, OfAKinectIsThatOfNeighbours) {
+TEST(EstimateNoise, OfAKinectComesFromNeighbours) {
   for (const double sigma : {0.1, 0.3, 0.5, 0.7}) {
     DepthImage image =
         render(test::furnishedRoom(), smallCamera(), test::lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2})).image;

@@ -204,7 +204,7 @@ TYPED_TEST(PlanarSegmentationTest, IndicesAreRespected) {
   EXPECT_NE(this->segmentation->getStatus(), "");
 }
 
-TYPED_TEST(PlanarSegmentationTest, SettersSetWhatGettersGet) {
+TYPED_TEST(PlanarSegmentationTest, GettersReturnTheValuesSet) {
   PlanarSegmentation<TypeParam>& s = this->segmentationOf();
   s.setMinInliers(777);
   EXPECT_EQ(s.getMinInliers(), 777u);

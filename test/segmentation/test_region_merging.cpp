@@ -266,7 +266,7 @@ TEST(RegionMerging, RegionsOfCellsAreSumsAndNoNeighboursCouldStillMerge) {
 }
 
 // A ridge within a column of cells, which are flat all the same; the planes beside it are exact.
-TEST(RegionMerging, CellsAcrossAnEdgeDoNotTiltThePlanesBesideIt) {
+TEST(RegionMerging, CellsAcrossAnEdgeDoNotTiltItsPlanes) {
   DisparityImage image = blankDisparity(64, 64);
   for (int v = 0; v < 64; ++v)
     for (int u = 0; u < 64; ++u)

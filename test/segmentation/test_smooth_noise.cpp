@@ -61,7 +61,7 @@ TEST(SmoothNoise, IsNotThatOfAKinect) {
     }
 }
 
-TEST(SmoothNoise, OfNothingIsNone) {
+TEST(SmoothNoise, WithoutPixelsIsZero) {
   EXPECT_FALSE(found({}));
   DepthImage empty = wall();
   std::fill(empty.depth.begin(), empty.depth.end(), 0.f);

@@ -72,7 +72,7 @@ TEST_P(AmbiguousPlaces, BoardsAreInSightOfACameraThatLooksDown) {
   EXPECT_GT(with_boards, images / 2);
 }
 
-TEST_P(AmbiguousPlaces, DoorsAreAllAlike) {
+TEST_P(AmbiguousPlaces, DoorsAreAllEqual) {
   const SimulatedPlace doors = place("doors");
   constexpr double kSpacing = 1.8;
   int equal = 0;

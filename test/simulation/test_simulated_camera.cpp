@@ -104,7 +104,7 @@ TEST(SimulatedCamera, TheNearerSurfaceHidesTheFarther) {
   }
 }
 
-TEST(SimulatedCamera, WhatIsBehindTheCameraIsNotSeen) {
+TEST(SimulatedCamera, SurfacesBehindTheCameraAreNotSeen) {
   const auto frame = SimulatedCamera(kCamera, noNoise(), 1)
                          .renderExact(sceneOf({wallAt(-2)}), Eigen::Isometry3d::Identity());
   EXPECT_EQ(*std::max_element(frame.depth.depth.begin(), frame.depth.depth.end()), 0.f);
@@ -379,7 +379,7 @@ TEST(SimulatedCamera, TheProjectorCastsAShadowAsWideAsTheParallax) {
     EXPECT_GT(frame.depth.at(u, 20), 0) << "nothing is in the way there";
 }
 
-TEST(SimulatedCamera, GlassIsSeenInPatchesAndElseWhatIsBehind) {
+TEST(SimulatedCamera, GlassIsSeenInPatchesAndTheRestShowsTheBackground) {
   Rectangle pane = wallAt(2, 2);
   pane.material = Material::glass;
   const auto frame = SimulatedCamera(kCamera, noNoise(), 1)

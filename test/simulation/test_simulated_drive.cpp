@@ -115,7 +115,7 @@ TEST_P(SimulatedDrive, InTimeTheTiltOfAnUnevenFloorIsSmooth) {
 
 INSTANTIATE_TEST_SUITE_P(Rooms, SimulatedDrive, testing::Range(1, 6));
 
-TEST(SimulatedRoute, InTimeItIsDrivenAsInSteps) {
+TEST(SimulatedRoute, DrivenInTimeItIsTheSameAsInSteps) {
   const Route square = {{{0, 0}, 90}, {{2, 0}, 0}, {{2, 2}, 0}, {{0, 2}, 0}};
   DriveParams even;
   even.robot.floor_std = 0;
@@ -129,7 +129,7 @@ TEST(SimulatedRoute, InTimeItIsDrivenAsInSteps) {
   EXPECT_LT((poses[0].translation() - poses[30 * 24].translation()).norm(), 0.05);
 }
 
-TEST(SimulatedRoute, InTimeWheelsDoNotSlipSideways) {
+TEST(SimulatedRoute, WheelsDoNotSlipSidewaysInTime) {
   DriveParams swaying;
   swaying.robot.floor_std = 0;
   swaying.sway_deg = 10;
@@ -193,7 +193,7 @@ TEST(SimulatedRoute, StepsTakeTheTimeOfTheirWayOrTurn) {
   EXPECT_TRUE(drivingTimes({}).empty());
 }
 
-TEST(SimulatedDriveErrors, ARoomWithoutSpaceIsTold) {
+TEST(SimulatedDriveErrors, ARoomWithoutSpaceIsReported) {
   DriveParams params;
   params.clearance = 10;
   EXPECT_THROW(simulateDrive(randomRoom(1), 10, params, 1), std::runtime_error);

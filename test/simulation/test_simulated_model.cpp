@@ -45,7 +45,7 @@ private:
 };
 
 /** What a camera sees of the scene, rays in the mesh meet, too; but for round things, which have edges. */
-TEST(SimulatedModel, ShowsWhatTheCameraSees) {
+TEST(SimulatedModel, ShowsTheSurfacesOfTheCamera) {
   const SimulatedPlace place = simulatedPlace("office", 4);
   Scene scene = lastingParts(place);
   scene.bodies.clear();

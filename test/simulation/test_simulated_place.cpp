@@ -278,7 +278,7 @@ TEST_P(SimulatedPlaces, OneRoomIsOnTheSecondWayOnly) {
   }
 }
 
-TEST_P(SimulatedPlaces, OneCycleIsAboutWhatTheRunsHaveImagesFor) {
+TEST_P(SimulatedPlaces, OneCycleFitsTheImagesOfTheRuns) {
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     SCOPED_TRACE(seed);
     const SimulatedPlace p = place(seed);

@@ -101,7 +101,7 @@ TEST(SimulatedPresets, NoiseOfStereoIsSmooth) {
   EXPECT_NEAR(products / squares, std::exp(-0.16), 0.05);
 }
 
-TEST(SimulatedCamera, StereoFattensWhatIsNear) {
+TEST(SimulatedCamera, StereoFattensNearSurfaces) {
   SimulatedNoise noise = noErrors();
   noise.fattening_px = 8;  // 4 at this size
   const std::vector<Rectangle> scene = {wallAt(3), wallAt(1, 0.2, 2)};
@@ -114,7 +114,7 @@ TEST(SimulatedCamera, StereoFattensWhatIsNear) {
   EXPECT_EQ(widthOf(fat), widthOf(exact) + 2 * 4);
 }
 
-TEST(SimulatedCamera, StereoMissesWhatHasNoTexture) {
+TEST(SimulatedCamera, StereoMissesSurfacesWithoutTexture) {
   SimulatedNoise noise = noErrors();
   noise.untextured = 0.3;
   const DepthImage image = seen(noise, {wallAt(2)});
@@ -166,7 +166,7 @@ TEST(SimulatedCamera, MultipathMovesTheInsideOfACornerAway) {
   EXPECT_NEAR(step.at(110, 120), 1, 1e-5);
 }
 
-TEST(SimulatedCamera, BeyondWhatIsReliableDepthsAreTooSmall) {
+TEST(SimulatedCamera, DepthsBeyondTheReliableRangeAreTooSmall) {
   SimulatedNoise noise = noErrors();
   noise.reliable_depth = 5;
   EXPECT_NEAR(seen(noise, {wallAt(4.9)}).at(160, 120), 4.9, 1e-4);

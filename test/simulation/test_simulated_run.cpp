@@ -22,7 +22,7 @@ TEST(SimulatedRun, DrivesTheRouteOfItsRun) {
   EXPECT_EQ(later.scene.rectangles.size(), office.later.rectangles.size());
 }
 
-TEST(SimulatedRun, EndsWhereAOneWayRouteEndsUnlessToldOtherwise) {
+TEST(SimulatedRun, EndsWhereAOneWayRouteEndsUnlessItReturns) {
   const std::size_t frames = 1000;
   EXPECT_LT(simulatedRun("corridor", 1, kMappingRun, frames, {}).poses.size(), frames);
   EXPECT_EQ(simulatedRun("corridor", 1, kMappingRun, frames, {}, {}, RouteEnd::go_round).poses.size(),

@@ -34,7 +34,7 @@ inline Scene endlessCorridor() {
   return faces;
 }
 
-/** \brief A room of 6 x 5 x 2.5 m with furniture all around, no two parts of it alike. */
+/** \brief A room of 6 x 5 x 2.5 m with furniture all around, without equal parts. */
 inline Scene largeRoom() {
   return box({0, 0, 0}, {6, 5, 2.5}) + box({4.2, 3.1, 0}, {5.3, 4.4, 0.8}) +
          box({0, 3.2, 0}, {0.5, 4.5, 1.6}) + box({2.4, 4.5, 0}, {3.3, 5, 1.9}) +
