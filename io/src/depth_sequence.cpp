@@ -33,10 +33,9 @@ constexpr std::uint16_t kNotMeasured = 65535;  // value of a PNG, beside 0: 7-Sc
 /** An image of another size was not taken with this camera. */
 void requireSize(const fs::path& path, int width, int height, const Intrinsics& camera) {
   if (width == camera.width && height == camera.height) return;
-  throw IoError(path.string(),
-                fmt::format("is of {}x{} pixels, but the camera of {}x{}: width and height in camera.ini, "
-                            "with the rest of the calibration, have to be the images'",
-                            width, height, camera.width, camera.height));
+  throw IoError(path.string(), fmt::format("is of {}x{} pixels, but the camera of {}x{}: the calibration in "
+                                           "camera.ini must be for images of this size",
+                                           width, height, camera.width, camera.height));
 }
 
 DepthImage depthOf(const fs::path& path, const CameraFile& file);
@@ -226,10 +225,9 @@ internal::CloudImage internal::imageOfPcd(const fs::path& path, const std::optio
     requireSize(path, static_cast<int>(cloud.points.width), static_cast<int>(cloud.points.height), *camera);
   if (auto found = imageOf(cloud, camera)) return std::move(*found);
   if (camera) throw IoError(path.string(), "its points are not where the camera of the camera.ini sees them");
-  throw IoError(
-      path.string(),
-      "has too few points to recover the intrinsics from, which a camera.ini would tell, or none of a "
-      "pinhole camera at the origin, whatever its axes are (x right, y down, z forward is expected)");
+  throw IoError(path.string(),
+                "does not reveal its intrinsics: it has too few points, or they are not those of a pinhole "
+                "camera at the origin (x right, y down, z forward); give a camera.ini");
 }
 
 DepthImage readDepthPcd(const std::filesystem::path& path, const std::optional<Intrinsics>& camera) {

@@ -45,7 +45,7 @@ inline void requireReplaceable(const std::filesystem::path& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
-    throw IoError(path.string(), "is there already and not a regular file");
+    throw IoError(path.string(), "exists already and is not a regular file");
 }
 
 /** \brief Throws IoError unless a file can be created at path as far as folders are concerned. */

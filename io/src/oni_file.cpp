@@ -229,7 +229,7 @@ private:
     if (!depth_) fail(truncated + "has no depth stream");
     if (out_.frames_.empty()) fail(truncated + "has no depth frames");
     Intrinsics& camera = out_.camera_;
-    if (camera.width < 1) fail("does not tell the size of its depth frames");
+    if (camera.width < 1) fail("does not state the size of its depth frames");
     constexpr double kWidest = 3;  // [rad]
     const bool has_view = horizontal_ > 0 && horizontal_ < kWidest && vertical_ > 0 && vertical_ < kWidest;
     if (!has_view) return;

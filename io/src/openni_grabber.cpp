@@ -69,7 +69,7 @@ void requirePlayable(const fs::path& path) {
   const OniFile recording = OniFile::open(path);
   if (!recording.finished())
     throw IoError(path.string(), fmt::format("was never finished, and OpenNI2 does not play it; "
-                                             "the tools for batches read its {} frames",
+                                             "facetloc_localize and the other tools read its {} frames",
                                              recording.size()));
   recording.requireSound();
 }
@@ -223,7 +223,7 @@ OpenNIGrabber::OpenNIGrabber(const std::string& device_id, Mode depth_mode) try
     state_->mounting =
         CameraMounting{mounting[0], mounting[1], mounting[2], mounting[3], mounting[4], mounting[5]};
   if (!std::isfinite(focalLength()) || !(focalLength() > 0))
-    throw IoError(nameOf(device_id), "its driver tells no field of view");
+    throw IoError(nameOf(device_id), "its driver reports no field of view");
   setPlayback(1, false);
 } catch (const IoError&) {
   throw;

@@ -189,7 +189,7 @@ bool allEmpty(const csv::Table& table, const csv::Row& row, const PoseNames& nam
 
 AnswerState stateIn(const csv::Table& table, const csv::Row& row, const std::string& name) {
   const auto state = answerStateOf(table.string(row, name));
-  if (!state) table.fail(row, name + " is none of sure, doubtful, unknown");
+  if (!state) table.fail(row, name + " is not one of sure, doubtful, unknown");
   return *state;
 }
 

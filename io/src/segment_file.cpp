@@ -62,7 +62,7 @@ void readField(const Field& field, const pcl::PCLPointCloud2& raw, const std::st
                                   [&field](const pcl::PCLPointField& f) { return f.name == field.name; });
   if (found == raw.fields.end())
     throw IoError(path, std::string("has no field ") + field.name +
-                            ": it holds no segments, which facetloc_segment writes");
+                            ": it is not a file of segments of facetloc_segment");
   const std::size_t bytes = field.count * kFieldBytes;
   if (found->datatype != field.type || found->count != field.count || found->offset + bytes > raw.point_step)
     throw IoError(path, fmt::format("has a field {} of another type than segments have", field.name));

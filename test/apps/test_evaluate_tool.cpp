@@ -160,7 +160,7 @@ TEST_F(Tools, EvaluateNamesFaultsOfItsInput) {
   test::writeContent(results + "/hypotheses.csv", header);
   run = runTool<EvaluateApp>({results, query()});
   EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("has results of no image"));
+  EXPECT_THAT(run.err, HasSubstr("contains no results of any image"));
   EXPECT_EQ(runTool<EvaluateApp>({folder_ / "nowhere", query()}).code, kFailed);
 }
 

@@ -149,7 +149,7 @@ TEST_F(LiveExtensionTool, RemembersItsPose) {
   std::ofstream(file) << "torn";
   const ToolRun run = runLive(arguments);
   EXPECT_EQ(run.code, 0);
-  EXPECT_THAT(run.err, HasSubstr("last.json: holds no pose of a run before"));
+  EXPECT_THAT(run.err, HasSubstr("last.json: holds no pose of an earlier run"));
 }
 
 }  // namespace

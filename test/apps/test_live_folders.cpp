@@ -221,7 +221,7 @@ TEST_F(LiveTool, TakesTheCameraOfAMap) {
   const ToolRun run = runLive({"--device", bare, "--camera", map(), "--map", map(), "--headless", "--results",
                                results, "--every-frame"});
   EXPECT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("taken to be millimetres"));
+  EXPECT_THAT(run.err, HasSubstr("assumed to be millimetres"));
   EXPECT_THAT(lastLine(run.out), HasSubstr("tracking"));
   // Of a device, whose own camera it replaces.
   const std::vector<std::string> of_device = {"--device", sequence(),   "--camera",     map(), "--map",

@@ -258,7 +258,7 @@ TEST_F(Layouts, NumberedImagesWithAsManyPoses) {
 TEST_F(Layouts, NumberedImagesWithMorePosesMakeNoMap) {
   const ToolRun run = runMap({"build", numbered(map_run(), "a", 8), "-o", folder_ / "a.flmap"});
   EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("which pose is whose is not known"));
+  EXPECT_THAT(run.err, HasSubstr("they cannot be assigned to each other"));
   EXPECT_FALSE(fs::exists(folder_ / "a.flmap"));
 }
 

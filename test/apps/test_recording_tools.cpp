@@ -60,7 +60,7 @@ TEST_F(RecordingTools, CheckFindsTheMountingByTheFloor) {
   EXPECT_THAT(check(input).out, Not(HasSubstr("mount_height=")));
   file.camera.mounting->height = 0.5;
   writeCameraFile(input + "/camera.ini", file);
-  EXPECT_THAT(check(input).out, HasSubstr("not mounted as it is said to be"));
+  EXPECT_THAT(check(input).out, HasSubstr("not mounted as camera.ini says"));
   file.camera.mounting.reset();
   writeCameraFile(input + "/camera.ini", file);
   const ToolRun run = check(input);

@@ -95,7 +95,7 @@ TEST_F(Tools, FilesOfSegmentsAreLocalized) {
   }
   const ToolRun build = test::runMap({"build", folder_ / "found", "-o", folder_ / "x.flmap"});
   EXPECT_EQ(build.code, kFailed);
-  EXPECT_THAT(build.err, HasSubstr("the depth images are needed"));
+  EXPECT_THAT(build.err, HasSubstr("this tool needs the depth images"));
 }
 
 TEST_F(Tools, SegmentSplitsInEitherWay) {

@@ -264,7 +264,8 @@ TEST(MatchedPoses, TheNumberOfAnImageIsTheIndexOfItsRow) {
   const ReadPoses read = matched(rows, images, "p");
   EXPECT_TRUE(read.poses.at(images.stamps[1])->isApprox(poseOf(2), 1e-6));
   images.numbers = {0, 2, 5};
-  EXPECT_THAT(ioErrorOf([&] { matched(rows, images, "p"); }), HasSubstr("which pose is whose is not known"));
+  EXPECT_THAT(ioErrorOf([&] { matched(rows, images, "p"); }),
+              HasSubstr("they cannot be assigned to each other"));
 }
 
 TEST(MatchedPoses, CountedImagesTakeStampsThatAreTheirNumbers) {

@@ -170,7 +170,7 @@ TEST_F(Rules, CountedImagesWithAsManyTimesTakeTheseInTheirOrder) {
   EXPECT_EQ(sequence.groundTruth().at(0.34)->translation().x(), 3);
   EXPECT_THAT(sequence.remark(), HasSubstr("in their order"));
   put("groundtruth.txt", pose(0, 0) + pose(0.11, 1) + pose(0.22, 2) + pose(0.34, 3) + pose(0.44, 4));
-  EXPECT_THAT(ioErrorOf([&] { open().groundTruth(); }), HasSubstr("which pose is whose is not known"));
+  EXPECT_THAT(ioErrorOf([&] { open().groundTruth(); }), HasSubstr("they cannot be assigned to each other"));
 }
 
 TEST_F(Rules, CountedImagesWithTheirNumbersKeepThese) {

@@ -44,8 +44,7 @@ void GravityOption::read(const DepthSequence& sequence, const Console& console) 
   for (const FrameFile& frame : sequence.frames()) without += !at(frame.stamp);
   if (without == sequence.frames().size())
     throw IoError(file_, "has no gravity at the time of any image: are the times those of one clock?");
-  if (without > 0)
-    console.note(counted(without, "image") + " without gravity, which is not known at their times");
+  if (without > 0) console.note(counted(without, "image") + " without gravity at their times");
 }
 
 void GravityOption::readFile(const DepthSequence& sequence) {

@@ -58,7 +58,7 @@ void waitForSent(std::size_t most) {
 ProcessId join() {
   int provided = MPI_THREAD_SINGLE;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
-  if (provided < MPI_THREAD_FUNNELED) throw std::runtime_error("this MPI knows no threads");
+  if (provided < MPI_THREAD_FUNNELED) throw std::runtime_error("this MPI library does not support threads");
   ProcessId place{};
   MPI_Comm_rank(MPI_COMM_WORLD, &place.rank);
   MPI_Comm_size(MPI_COMM_WORLD, &place.size);

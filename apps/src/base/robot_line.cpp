@@ -16,10 +16,10 @@ template <int N>
 Eigen::Matrix<double, N, 1> numbersOf(const Json::Value& pose, const char* key) {
   const Json::Value& list = pose[key];
   if (!list.isArray() || list.size() != static_cast<Json::ArrayIndex>(N))
-    throw std::invalid_argument(fmt::format("its {} has not {} numbers", key, N));
+    throw std::invalid_argument(fmt::format("its {} must have {} numbers", key, N));
   Eigen::Matrix<double, N, 1> numbers;
   for (Json::ArrayIndex i = 0; i < list.size(); ++i) {
-    if (!list[i].isNumeric()) throw std::invalid_argument(fmt::format("its {} is not of numbers", key));
+    if (!list[i].isNumeric()) throw std::invalid_argument(fmt::format("its {} must consist of numbers", key));
     numbers[static_cast<Eigen::Index>(i)] = list[i].asDouble();
   }
   if (!numbers.allFinite()) throw std::invalid_argument(fmt::format("its {} is not finite", key));
@@ -28,7 +28,8 @@ Eigen::Matrix<double, N, 1> numbersOf(const Json::Value& pose, const char* key) 
 
 Eigen::Isometry3d poseOf(const Json::Value& pose) {
   constexpr double kUnit = 1e-2;  // largest error of the length of a rounded quaternion
-  if (!pose.isObject()) throw std::invalid_argument("its pose is no object of position and quaternion");
+  if (!pose.isObject())
+    throw std::invalid_argument("its pose must be an object with position and quaternion");
   const Eigen::Quaterniond q(numbersOf<4>(pose, "quaternion"));
   if (!(std::abs(q.norm() - 1) < kUnit)) throw std::invalid_argument("its quaternion is no rotation");
   Eigen::Isometry3d T(q.normalized());
@@ -67,7 +68,7 @@ OdometryLine odometryOf(const Json::Value& value, const std::optional<CameraMoun
   const Json::Value& stamp = value["stamp"];
   if (!stamp.isNull()) {
     if (!stamp.isNumeric() || !std::isfinite(stamp.asDouble()))
-      throw std::invalid_argument("its stamp is no number");
+      throw std::invalid_argument("its stamp must be a number");
     odometry.stamp = stamp.asDouble();
   }
   const auto T_o_c = cameraPoseOf(value, mounting);
@@ -90,7 +91,7 @@ Matrix6d covarianceOf(const Json::Value& value) {
 
 StartLine startOf(const Json::Value& value, const std::optional<CameraMounting>& mounting) {
   constexpr double kUsualStd = 1, kUsualStdDeg = 30;  // as of --near
-  if (!value.isObject()) throw std::invalid_argument("it is no object with T_w_c or T_w_b");
+  if (!value.isObject()) throw std::invalid_argument("it must be an object with T_w_c or T_w_b");
   const auto T_w_c = cameraPoseOf(value, mounting);
   if (!T_w_c) throw std::invalid_argument("it has neither T_w_b nor T_w_c");
   StartLine start;
@@ -98,7 +99,7 @@ StartLine startOf(const Json::Value& value, const std::optional<CameraMounting>&
   start.T_w_c.P =
       value["covariance"].isNull() ? startCovariance(kUsualStd, kUsualStdDeg * kDegree) : covarianceOf(value);
   if (const Json::Value& part = value["part"]; !part.isNull()) {
-    if (!part.isString()) throw std::invalid_argument("its part is no text");
+    if (!part.isString()) throw std::invalid_argument("its part must be a string");
     start.part = part.asString();
   }
   return start;

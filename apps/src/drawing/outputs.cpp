@@ -23,7 +23,7 @@ void requireNoneButPicture(const fs::path& path) {
   if (!fs::exists(path)) return;
   const auto size = pngSize(path);
   if (!size || size->bits != kPictureBits)
-    throw UsageError(fmt::format("the picture would overwrite {}, which is none", path.string()));
+    throw UsageError(fmt::format("the picture would overwrite {}, which is not a picture", path.string()));
 }
 
 }  // namespace facetloc

@@ -182,7 +182,7 @@ void EvaluateApp::requireWorldPoses(const std::vector<RunResults>& runs,
 EvaluationReport EvaluateApp::reportOf(const Input& input) const {
   EvaluationReport report{results_, truth_, params_, {}, {}, {}};
   if (std::all_of(input.runs.begin(), input.runs.end(), [](const RunResults& r) { return r.rows.empty(); }))
-    throw IoError(results_, "has results of no image");
+    throw IoError(results_, "contains no results of any image");
   if (input.map) requireSameMap(input.runs, *input.map, map_);
   const TrueModelPoses true_models = trueModelPoses(input);
   report.alignment = input.alignment;
@@ -275,7 +275,7 @@ int EvaluateApp::reportWithoutTruth(const Input& input, const Console& console) 
   if (align_ || !map_truth_.empty())
     throw UsageError("GROUNDTRUTH is missing: --align and --map-groundtruth need it");
   EvaluationReport report{results_, {}, params_, withoutTruth(input.runs), {}, {}};
-  if (report.evaluation.frames.empty()) throw IoError(results_, "has results of no image");
+  if (report.evaluation.frames.empty()) throw IoError(results_, "contains no results of any image");
   if (input.map) requireSameMap(input.runs, *input.map, map_);
   for (const RunResults& run : input.runs)
     report.timing.insert(report.timing.end(), run.timing.begin(), run.timing.end());

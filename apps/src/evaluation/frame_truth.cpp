@@ -106,7 +106,7 @@ std::map<int, WorldPlane> readPlanes(const fs::path& path) {
     const WorldPlane plane{{n[1], n[2], n[3]}, n[4]};
     if (n[0] < 1 || n[0] > 65535 || n[0] != std::floor(n[0])) fail("the id must lie in [1, 65535]");
     if (std::abs(plane.normal.norm() - 1) > kUnitTolerance) fail("the normal is no unit vector");
-    if (!planes.emplace(static_cast<int>(n[0]), plane).second) fail("this id was there before");
+    if (!planes.emplace(static_cast<int>(n[0]), plane).second) fail("this id occurs twice");
   }
   return planes;
 }
@@ -156,7 +156,7 @@ TrueSegments RenderedTruth::segments(const std::string& name, const Eigen::Isome
   const fs::path path = labels_ / (name + ".png");
   const Raster<std::uint16_t> image = readGreyPng(path, 16);
   if (image.width != camera_.width || image.height != camera_.height)
-    throw IoError(path.string(), "is not of the size that camera.ini tells");
+    throw IoError(path.string(), "its size is not the one in camera.ini");
   const int step = subsamplingStep(camera_, kWorkingWidth);
   const LabelImage labels = subsampledLabels(image, step);
   try {

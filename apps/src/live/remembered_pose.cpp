@@ -34,7 +34,7 @@ std::string poseLine(const std::string& text) {
   Json::Value line, pose;
   std::string ignored;
   if (!reader->parse(text.data(), text.data() + text.size(), &line, &ignored) || !line.isObject())
-    throw std::invalid_argument("it is no line of the stream");
+    throw std::invalid_argument("it must be a line of the stream");
   pose["pose"]["T_w_c"] = line["T_w_c"];
   pose["pose"]["part"] = line["part"];
   Json::StreamWriterBuilder writer;
@@ -59,7 +59,7 @@ std::string RememberedPose::start() const {
     parseRobotLine(line, mounting_);
     return line;
   } catch (const std::exception& e) {
-    throw IoError(file_.string(), std::string("holds no pose of a run before: ") + e.what());
+    throw IoError(file_.string(), std::string("holds no pose of an earlier run: ") + e.what());
   }
 }
 

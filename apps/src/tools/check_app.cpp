@@ -137,8 +137,8 @@ void CheckApp::reportImages(const DepthSequence& sequence, const std::vector<Ima
           "between some images there are more than {:.2g} s: without poses, a trajectory may break there",
           kLongGap));
   } else if (!sequence.stamped()) {
-    findings.add("the images have no times: no poses can be matched with them; names that are times in "
-                 "seconds, or a depth.txt, would give them some");
+    findings.add("the images have no times, so that poses cannot be matched with them; name them by their "
+                 "times in seconds, or add a depth.txt");
   }
   std::vector<float> depth;
   double measured = 0, segments = 0;
@@ -248,7 +248,7 @@ void CheckApp::reportFloor(std::vector<ImageReport>& images, const Camera& camer
       fmt::format("mount_height={:.3f} mount_tilt_deg={}", found.height, text::decimals(found.tilt_deg, 1));
   if (found.roll_deg != 0) lines += fmt::format(" mount_roll_deg={:.1f}", found.roll_deg);
   if (camera.mounting && !camera.mounting->agreesWith(found))
-    findings.add("the camera is not mounted as it is said to be: the floor says " + lines);
+    findings.add("the camera is not mounted as camera.ini says: the floor shows " + lines);
   else if (!camera.mounting && hasDrivenOnFloor(poses, *floor))
     findings.add("the camera seems to be mounted on a robot, which helps much; for camera.ini: " + lines);
 }

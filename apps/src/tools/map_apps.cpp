@@ -288,7 +288,7 @@ void MapExportApp::writeGrid(const Map& map, const Console& console) const try {
 } catch (const IoError&) {
   throw;
 } catch (const std::runtime_error& e) {
-  throw IoError(map_, fmt::format("becomes no floor plan: {}", e.what()));
+  throw IoError(map_, fmt::format("cannot be made into a floor plan: {}", e.what()));
 }
 
 int MapExportApp::execute(const CommandLine&, const Console& console) {

@@ -171,7 +171,7 @@ void MapBuildApp::noteTrajectory(const CameraTrajectory& trajectory, const Conso
   std::size_t outside = 0;
   for (const TrajectoryPose& pose : trajectory.images)
     outside += trajectory.keyframes[pose.keyframe].part != parts.front();
-  console.note(fmt::format("the images do not hang together: {} in {} that nothing ties to the largest one; "
+  console.note(fmt::format("the images are not all connected: {} in {} that nothing ties to the largest one; "
                            "their local models have no pose in its world",
                            counted(outside, "image"), counted(parts.size() - 1, "piece")));
 }

@@ -80,7 +80,7 @@ std::vector<MapCalibrateApp::Asked> MapCalibrateApp::askedOf(const DepthSequence
   const Trajectory poses = poses_.empty() ? sequence.groundTruth() : sequence.readPoses(poses_, &remark);
   if (!remark.empty()) console.note(remark);
   if (poses.empty())
-    throw IoError(inputs_[1], "has no poses, which tell right answers from wrong ones; --poses gives them");
+    throw IoError(inputs_[1], "has no poses to distinguish right answers from wrong ones; give --poses");
   if (!sequence.stamped())
     throw IoError(inputs_[1], "its image names are no time stamps: poses cannot be matched");
   std::set<std::pair<std::string, double>> in_map;
@@ -108,7 +108,7 @@ std::vector<MapCalibrateApp::Asked> MapCalibrateApp::askedOf(const DepthSequence
                                           left_out > 0 ? "other " : "", pose_tolerance_));
   for (const std::size_t i : independentImages(T_w_c)) asked.push_back(posed[i]);
   if (asked.size() < posed.size())
-    console.note(fmt::format("{} of {} are asked: the others show the same as the one before", asked.size(),
+    console.note(fmt::format("{} of {} are used: the others show the same as the one before", asked.size(),
                              counted(posed.size(), "image")));
   return asked;
 }

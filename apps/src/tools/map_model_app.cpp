@@ -39,7 +39,7 @@ constexpr std::array<std::pair<const char*, double>, 5> kUnits{
 double metresPer(const std::string& unit) {
   for (const auto& [name, metres] : kUnits)
     if (unit == name) return metres;
-  throw UsageError("units: '" + unit + "' is none of: m, cm, mm, in, ft");
+  throw UsageError("units: '" + unit + "' is not one of m, cm, mm, in, ft");
 }
 
 /** "1,2.5,0"; nothing for other words. */
@@ -70,7 +70,7 @@ Eigen::Vector3d directionOf(const std::string& words) {
 /** "1,2.5,0". Throws UsageError for anything else. */
 Eigen::Vector3d placeOf(const std::string& words) {
   const auto place = threeNumbers(words);
-  if (!place) throw UsageError("inside: '" + words + "' is none of x,y,z in metres");
+  if (!place) throw UsageError("inside: '" + words + "' is not of the form x,y,z in metres");
   return *place;
 }
 
@@ -162,7 +162,7 @@ std::shared_ptr<const FloorPlanSurface> MapModelApp::floorPlan(const Console& co
   console.out << fmt::format("walls on {:.2f} x {:.2f} m, {:.2f} m high\n", size.x(), size.y(), size.z());
   return surface;
 } catch (const std::invalid_argument& e) {
-  throw IoError(model_, fmt::format("becomes no walls: {}", e.what()));
+  throw IoError(model_, fmt::format("cannot be made into walls: {}", e.what()));
 }
 
 std::shared_ptr<const Surface> MapModelApp::surface(const Console& console) const try {
@@ -231,7 +231,8 @@ Map MapModelApp::make(const Console& console) const {
                                       up_)
                         : "";
   if (map.models.empty())
-    throw IoError(model_, "becomes no map: " + found.problem + (turned.empty() ? "" : "; " + turned));
+    throw IoError(model_,
+                  "cannot be made into a map: " + found.problem + (turned.empty() ? "" : "; " + turned));
   if (!turned.empty()) console.note(turned);
   if (found.places > 0)
     console.out << fmt::format("{} where the camera can be\n", counted(found.places, "place"));

@@ -116,8 +116,7 @@ int RegisterApp::execute(const CommandLine& line, const Console& console) {
                              counted(scene.segments.size(), "source segment"),
                              counted(registration.target().segments.size(), "target segment"), milliseconds);
   if (!aligned_.empty() && !has_pose) {
-    console.note(
-        fmt::format("there is no pose by which the source could be moved: {} is not written", aligned_));
+    console.note(fmt::format("no pose was found to move the source by: {} is not written", aligned_));
   } else if (!aligned_.empty()) {
     writeAligned(source, answer.hypotheses.front().T_m_c.T);
     console.out << "; aligned source in " << aligned_;

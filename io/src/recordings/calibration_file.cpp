@@ -120,10 +120,10 @@ LensDistortion lensOf(const std::string& model, const std::vector<double>& d) {
   const auto has = [&name](const char* part) { return name.find(part) != std::string::npos; };
   if (has("equi") || has("fish") || has("fov") || has("omni") || has("kannala") || has("thin") ||
       has("inverse"))
-    throw std::invalid_argument(fmt::format(
-        "its lens is of the model {}, which is not read: undistort the images, or calibrate them with the "
-        "model of OpenCV (plumb_bob or rational_polynomial)",
-        model));
+    throw std::invalid_argument(
+        fmt::format("its lens is of the model {}, which is not supported: undistort the images, or calibrate "
+                    "them with the model of OpenCV (plumb_bob or rational_polynomial)",
+                    model));
   const bool known = d.size() == kPlain || d.size() == kThird || d.size() >= kRational;
   const bool more =
       d.size() > kRational && std::any_of(d.begin() + kRational, d.end(), [](double c) { return c != 0; });

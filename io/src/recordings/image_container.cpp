@@ -29,7 +29,7 @@ public:
   CameraFile camera() const override {
     if (!file_.camera().valid())
       throw IoError(file_.path().string(),
-                    "does not tell the field of view of its camera; a camera.ini beside it would");
+                    "does not contain the field of view of its camera; put a camera.ini beside it");
     CameraFile camera;
     camera.camera.intrinsics = file_.camera();
     camera.depth_scale = 1000 / file_.millimetres();

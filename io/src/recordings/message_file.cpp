@@ -96,7 +96,8 @@ void MessageFile::addFault(const std::string& words) { fault_ += (fault_.empty()
 std::unique_ptr<const MessageFile> openMessageFile(const fs::path& path) {
   files::requireRegularFile(path);
   if (const Kind* kind = kindOf(path)) return kind->open(path);
-  throw IoError(path.string(), "is no recording of messages, by its name");
+  throw IoError(path.string(),
+                "is not a recording of messages: its name ends with none of .bag, .db3 and .mcap");
 }
 
 bool isMessageRecording(const fs::path& path) {

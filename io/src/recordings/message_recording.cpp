@@ -50,9 +50,8 @@ public:
 
   CameraFile camera() const override {
     if (!camera_.file.camera.intrinsics.valid())
-      throw IoError(
-          log_.path().string(),
-          fmt::format("has no camera_info for {}; a camera.ini beside it would say it", topic_.name));
+      throw IoError(log_.path().string(),
+                    fmt::format("has no camera_info for {}; put a camera.ini beside it", topic_.name));
     return camera_.file;
   }
 

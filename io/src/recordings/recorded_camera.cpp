@@ -87,9 +87,10 @@ Intrinsics readMatrix(const fs::path& path, const PngSize& size) {
   const std::vector<double> m = numbersIn(path);
   const std::size_t columns = m.size() == 9 ? 3 : 4;
   if (m.size() != columns * columns)
-    throw IoError(path.string(), fmt::format("has {} numbers, no matrix of 3x3 or 4x4", m.size()));
+    throw IoError(path.string(),
+                  fmt::format("has {} numbers, which are not a matrix of 3x3 or 4x4", m.size()));
   const Intrinsics intrinsics{size.width, size.height, m[0], m[columns + 1], m[2], m[columns + 2]};
-  if (!intrinsics.valid()) throw IoError(path.string(), "its matrix is of no camera");
+  if (!intrinsics.valid()) throw IoError(path.string(), "its matrix is not a camera matrix");
   return intrinsics;
 }
 
@@ -222,7 +223,8 @@ RecordedCamera phoneCamera(const Intrinsics& colour, const PngSize& size, const 
   const auto centre = [scale](double c) { return (c + 0.5) * scale - 0.5; };
   const Intrinsics k{size.width,        size.height,       scale * colour.fx,
                      scale * colour.fy, centre(colour.cx), centre(colour.cy)};
-  if (!k.valid() || !isCentred(k, size)) throw IoError(file.string(), "its camera is not of these images");
+  if (!k.valid() || !isCentred(k, size))
+    throw IoError(file.string(), "its camera has images of another size");
   return {
       fileOf(k, kMillimetres, *findCameraPreset("phone_lidar")),
       fmt::format("there is no camera.ini: the intrinsics are those of {} for colour images of {} columns, "

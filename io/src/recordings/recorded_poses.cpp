@@ -179,9 +179,8 @@ ReadPoses matched(const PoseTable& table, const ImageTimes& images, const fs::pa
   else
     throw IoError(
         path.string(),
-        fmt::format("has {} poses{}, but there are {} images{}: which pose is whose is not known; a "
-                    "list of the images with their times (depth.txt: stamp and name of file) would "
-                    "say it",
+        fmt::format("has {} poses{}, but there are {} images{}: they cannot be assigned to each other; add a "
+                    "list of the images with their times (depth.txt: stamp and file name)",
                     table.rows.size(),
                     !table.stamped         ? " without time stamps"
                     : areRowNumbers(table) ? ", which are numbered and have no times"

@@ -32,7 +32,7 @@ public:
     return guarded([&] {
       const std::lock_guard lock(mutex_);
       sqlite::Statement row(db_, fmt::format("SELECT data FROM messages WHERE rowid = {}", entry.place));
-      if (!row.step()) throw sqlite::BadCell("a message that was there has gone");
+      if (!row.step()) throw sqlite::BadCell("a message has been deleted since the file was opened");
       Bytes data = row.blob();
       return isZstd({data.data(), data.size()})  // rosbag2's separate compression of each message
                  ? unpackZstd({data.data(), data.size()}, kLargestMessage, path().string())

@@ -163,7 +163,7 @@ private:
     const sqlite::Blob depth = guarded([&] {
       const std::lock_guard lock(mutex_);
       sqlite::Statement row(db_, fmt::format("SELECT depth FROM Data WHERE id = {}", node.id));
-      if (!row.step()) throw sqlite::BadCell("an image that was there has gone");
+      if (!row.step()) throw sqlite::BadCell("an image has been deleted since the file was opened");
       return row.blob();
     });
     return readRtabmapDepth(viewOf(depth), fmt::format("{}: node {}", path_.string(), node.id));

@@ -115,11 +115,10 @@ std::optional<RecordedCamera> SequenceReader::camera() const {
     camera = cameraOf(layout_, beside_, within_, asked_);
   if (!camera && container_) camera = RecordedCamera{container_->camera()};
   if (of_map) {
-    const std::string remark =
-        camera || hints_.depth_scale > 0 || !needsCamera()
-            ? ""
-            : "nothing says the unit of its depth, which is taken to be millimetres; a depth_scale in a "
-              "camera.ini beside it says otherwise";
+    const std::string remark = camera || hints_.depth_scale > 0 || !needsCamera()
+                                   ? ""
+                                   : "the unit of its depth is unknown and assumed to be millimetres; "
+                                     "otherwise set depth_scale in a camera.ini beside it";
     camera = RecordedCamera{cameraOfMap(hints_.camera, camera ? std::optional(camera->file) : std::nullopt),
                             remark};
   }
@@ -173,13 +172,11 @@ DepthSequence SequenceReader::read() const {
                                               is_folder ? "; " + foundIn(path_) : ""));
   }
   if (hints_.depth_scale > 0 && !needsCamera())
-    throw IoError(path_.string(), "has no PNG images, whose values a depth scale would explain");
+    throw IoError(path_.string(), "has no PNG images, so that a depth scale does not apply");
   const bool of_segments = hasSegments();
   if (of_segments && !hints_.segments)
-    throw IoError(
-        path_.string(),
-        "holds segments, which facetloc_localize, facetloc_register and facetloc_render take; here, "
-        "the depth images are needed that they were found in");
+    throw IoError(path_.string(), "holds segments, for facetloc_localize, facetloc_register and "
+                                  "facetloc_render; this tool needs the depth images");
   DepthSequence sequence = readWith(camera());
   sequence.of_segments_ = of_segments;
   if (!sequence.camera() && needsCamera()) throw IoError(path_.string(), adviceOnCamera(layout_, asked_));
