@@ -29,7 +29,7 @@ modules=(features segmentation registration io apps test cmake README.md CHANGEL
 documents=(README.md CHANGELOG.md CONTRIBUTING.md apps/*.md apps/examples/README.md {features,segmentation,registration,io}/README.md registration/*/README.md)
 files=(--include='*.h' --include='*.hpp' --include='*.cpp' --include='*.md' --include='*.py' --include='*.ini' --include='CMakeLists.txt' --exclude=test_help.cpp)
 
-code=(--include='*.h' --include='*.hpp' --include='*.cpp' features segmentation registration io apps)
+code=(--include='*.h' --include='*.hpp' --include='*.cpp' features segmentation registration io apps test)
 
 found=0
 grep -rnP "$words" "${files[@]}" "${modules[@]}" && found=1

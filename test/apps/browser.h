@@ -25,7 +25,7 @@ public:
 
   /** \brief The page's elements as they are a few seconds of its time after loading. */
   ToolRun elementsOf(const std::string& page) const { return run({"--dump-dom"}, page); }
-  /** \brief Writes what the page looks like to a PNG file. */
+  /** \brief Writes a picture of the page to a PNG file. */
   ToolRun photograph(const std::string& page, const std::string& png, int width, int height) const {
     return run(
         {"--screenshot=" + png, "--window-size=" + std::to_string(width) + "," + std::to_string(height)},

@@ -13,7 +13,7 @@ class Keyboard {
 public:
   Keyboard() : display_(XOpenDisplay(nullptr)) {}
 
-  /** \brief A key, in the first window whose name begins so. \return false if there is none yet. */
+  /** \brief Presses a key in the first window whose name begins so. \return false without such a window. */
   bool press(KeySym key, const std::string& name) const {
     if (!display_) return false;
     const Window window = windowNamed(name, DefaultRootWindow(display_.get()));

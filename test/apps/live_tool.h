@@ -27,10 +27,10 @@ ToolRun runLive(const std::vector<std::string>& arguments);
 
 std::vector<std::string> linesOf(const std::string& path);
 
-/** \brief What is in a folder, sorted. */
+/** \brief The names in a folder, sorted. */
 std::vector<std::string> namesIn(const std::string& folder);
 
-/** \brief What must hold of a results folder, be it of a run that ended or of one that was killed. */
+/** \brief Invariants of a results folder, be it of a run that ended or of one that was killed. */
 void expectWholeResults(const std::string& folder, std::size_t least_frames);
 
 /** \brief One simulated room and its map for all tests of the live tool (defined in test_live_app.cpp). */

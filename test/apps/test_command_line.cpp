@@ -69,7 +69,7 @@ struct ShownParams {
   }
 };
 
-/** Prints what it was given. */
+/** Prints its options. */
 class EchoApp : public App {
 public:
   EchoApp() : App("facetloc_echo", "INPUT... -o DIR", "Repeats its options.") {}
@@ -155,9 +155,9 @@ TEST(CommandLine, AChoiceGoesByName) {
 }
 
 TEST(CommandLine, OptionsOverridePresets) {
-  expectUsageError(echo({"a", "--preset", "nobody"}), "unknown preset 'nobody'; there are: paper");
+  expectUsageError(echo({"a", "--preset", "unheard_of"}), "unknown preset 'unheard_of'; there are: paper");
   EXPECT_EQ(echo({"a", "--preset", "paper"}).out,
-            "1  1000 0 2.5 6 0 1 0 0 0");  // what it does not have is left out
+            "1  1000 0 2.5 6 0 1 0 0 0");  // parameters that it lacks are left out
   EXPECT_EQ(echo({"a", "--preset", "paper", "--max-hypotheses", "7"}).out, "1  7 0 2.5 6 0 1 0 0 0");
 }
 

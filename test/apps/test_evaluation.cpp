@@ -105,7 +105,7 @@ TEST(Evaluation, MissingWorldPosesComeFromTheMap) {
 }
 
 TEST(Evaluation, JudgesAnswersRelativeToTheirLocalModels) {
-  ResultRow row = hypothesis("1.0", 1, 0.95, pose(7));  // of a map that has drifted away
+  ResultRow row = hypothesis("1.0", 1, 0.95, pose(7));  // result in a map that has drifted away
   row.model = "m";
   row.T_m_c = pose(0.13, 1);
   const RunResults run{"", {row}, {}};
@@ -171,7 +171,8 @@ TEST(Evaluation, AnImageOfTheMapIsOneThoughItsPoseThereIsNotTheTrueOne) {
   };
   EXPECT_EQ(classOf(0, "1.0", 1, 0), FrameClass::map_image);
   EXPECT_EQ(classOf(0.3, "1.0", 1, 4711), FrameClass::map_image);
-  EXPECT_EQ(classOf(0.3, "1.0", 1, 4712), FrameClass::new_image);  // of another run with the same stamps
+  EXPECT_EQ(classOf(0.3, "1.0", 1, 4712),
+            FrameClass::new_image);  // an image of another run with the same stamps
   EXPECT_EQ(classOf(0.3, "x", 7, 4711), FrameClass::new_image);
 }
 
@@ -229,7 +230,7 @@ TEST(Summary, CountsAndStatistics) {
   EXPECT_EQ(s.wrong, 1u);
   EXPECT_EQ(s.correct, 3u);
   EXPECT_EQ(s.best_correct, 2u);
-  EXPECT_NEAR(s.translation_stats.mean, 30, 1e-9);  // of 30, 50, 10 mm
+  EXPECT_NEAR(s.translation_stats.mean, 30, 1e-9);  // mean of 30, 50, 10 mm
   EXPECT_NEAR(s.translation_stats.std, 20, 1e-9);
   EXPECT_NEAR(s.translation_stats.max, 50, 1e-9);
   EXPECT_NEAR(s.rotation_stats.max, 1.0, 1e-9);
@@ -328,7 +329,7 @@ TEST(Evaluation, TheMappingRunHasNoNewImages) {
   std::vector<std::string> classes;
   for (const FrameEvaluation& f : evaluation.frames) classes.push_back(f.run + " " + toString(f.frame_class));
   EXPECT_THAT(classes, ElementsAre("map map", "map mapping run", "query new", "query new", "query new"));
-  // Alone, the mapping run is judged as before: what is no local model is new.
+  // Alone, the mapping run is judged as before: images that are no local model are new.
   const Evaluation alone =
       evaluate({exampleRuns().front()}, PlaceTruth(exampleRunsTruth()), {{"1.0", 1, pose(0)}}, {});
   EXPECT_EQ(alone.frames[1].frame_class, FrameClass::new_image);

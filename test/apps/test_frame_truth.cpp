@@ -32,7 +32,7 @@ const std::map<int, WorldPlane> kPlanes = {{kFloor, {Eigen::Vector3d::UnitY(), 1
                                            {kRight, {Eigen::Vector3d::UnitX(), 1.0}},
                                            {kMovedBack, {Eigen::Vector3d::UnitZ(), 3.5}}};
 
-/** What a camera sees of the planes of these ids: the nearest one in front of it. */
+/** The planes with these ids as a camera sees them: the nearest one in front of it. */
 LabelImage seen(const std::vector<int>& ids, const Eigen::Isometry3d& T_w_c,
                 const Intrinsics& camera = kCamera) {
   LabelImage labels{camera.width, camera.height, {}};

@@ -12,7 +12,7 @@ namespace {
 
 using testing::ContainsRegex;
 
-/** What is on standard error after work that says something, then nothing for a while, then something. */
+/** Standard error of work that prints, then is silent for a while, then prints again. */
 std::string said(bool terminal, bool quiet, std::chrono::milliseconds silence) {
   std::ostringstream out, err;
   const Console console{out, err, terminal, quiet, "tool"};

@@ -28,7 +28,7 @@ namespace {
 
 using test::runTool;
 
-/** What each tool says, to --help or --help-all. */
+/** The output of each tool for --help or --help-all. */
 std::map<std::string, std::string> helpOfAll(const std::string& option) {
   return {{"evaluate", runTool<EvaluateApp>({option}).out},
           {"live", runTool<LiveApp>({option}).out},
@@ -75,7 +75,7 @@ TEST(Help, EachOptionIsUnderstoodAlone) {
           << tool;
 }
 
-/** What a preset sets that no tool has would be left out without a word. */
+/** A preset's parameter that no tool has would be left out silently. */
 TEST(Help, PresetsSetExistingParameters) {
   std::string all;
   for (const auto& [tool, help] : helpOfAll("--help-all")) all += help;

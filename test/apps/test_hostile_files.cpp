@@ -50,7 +50,7 @@ void expectRefused(const std::vector<std::string>& command, const std::string& f
   EXPECT_LT(peakOfChildren(), kMostMemory);
 }
 
-/** Against the CHECKs of the tables, too. */
+/** Also against the CHECKs of the tables. */
 void execute(const fs::path& path, const std::string& sql) {
   sqlite3* db = nullptr;
   ASSERT_EQ(sqlite3_open(path.c_str(), &db), SQLITE_OK);

@@ -58,7 +58,7 @@ TEST(LatestFrame, ClosedStillGivesItsFrameAndTakesNoMore) {
   const auto arrived = box.take(60s);
   ASSERT_TRUE(arrived);
   EXPECT_EQ(arrived->frame, 1);
-  EXPECT_FALSE(box.take(60s)) << "nobody waits for what will never come";
+  EXPECT_FALSE(box.take(60s)) << "a frame that will never come is not waited for";
 }
 
 TEST(LatestFrame, CloseWakesWhoWaits) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How a run of the live tool ends, and what is left of it.
+// The end of a run of the live tool, and its files.
 #include "live_tool.h"
 
 #include <facetloc/io/results.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a live run leaves to the next one: a map that has grown, and the last sure pose.
+// Effects of a live run on the next one: a map that has grown, and the last sure pose.
 #include "base/robot_line.h"
 #include "live/remembered_pose.h"
 #include "live_tool.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Maps that the live tool makes while it runs, and what is left of one whose maker is killed.
+// Maps that the live tool makes while it runs, and the file left by a killed one.
 #include "live_tool.h"
 #include "tools/map_apps.h"
 

@@ -220,7 +220,7 @@ TEST(LiveLooks, ZoomKeepsThePlaceUnderTheMouse) {
   looks.setBoxes({0, 0, 400, 200}, {400, 0, 200, 200}, {});
   const Eigen::Vector2d at(560, 40), centre(500, 100);
   looks.drag(at, at, {570, 60}, LiveLooks::Drag::move);
-  // What is shown at a place, in heights of the panel from its centre before anything was done.
+  // The place shown at a pixel, in heights of the panel from its centre before any change.
   const auto shownAt = [&](const Eigen::Vector2d& pixel) {
     const PanelLook& look = looks[LiveLooks::Panel::whole];
     const Eigen::Vector2d offset = (pixel - centre) / 200;

@@ -23,7 +23,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Key;
 
-/** A pcl::Grabber that delivers what a test hands to it. */
+/** A pcl::Grabber that delivers the frames of a test. */
 class FakeGrabber : public pcl::Grabber {
 public:
   explicit FakeGrabber(bool has_clouds = true) {
@@ -79,7 +79,7 @@ Cloud::Ptr cloudOf(const DepthImage& image, double stamp) {
   return cloud;
 }
 
-/** What a session answers, in the order of its answers. */
+/** The answers of a session, in their order. */
 class Answers {
 public:
   LiveSession::OnResult sink() {
@@ -345,7 +345,7 @@ TEST(ConnectFrames, TheGivenCameraGoesFirst) {
   EXPECT_THROW(last.image(), std::runtime_error) << "a calibration of another camera";
 }
 
-/** PCL would copy what there is, past the end of the image or not up to it. */
+/** PCL would copy the wrong number of bytes. */
 TEST(ConnectFrames, ImagesOfAWrongLengthAreRefused) {
   FakeCamera camera;
   LiveFrame last;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the live tool shows, the keys that it obeys, and the pictures that it makes.
+// The window of the live tool, its keys, and its pictures.
 #include "base/text.h"
 #include "drawing/offscreen_display.h"
 #include "keyboard.h"  // the last one, because of the macros of X
@@ -36,7 +36,7 @@ using testing::Not;
 
 TEST_F(LiveTool, TheSameFrameGivesTheSamePicture) {
   if (!OffscreenDisplay().available()) GTEST_SKIP() << OffscreenDisplay().problem();
-  std::map<std::string, std::string> pictures;  // by name
+  std::map<std::string, std::string> pictures;  // keyed by name
   int compared = 0;
   for (const char* run_name : {"first", "second"}) {
     const std::string shots = folder_ / run_name;
@@ -119,7 +119,7 @@ TEST_F(LiveTool, MakesNoScreenshotsButThoseOfTheKey) {
   const ToolRun run = runWithKeys(sequence(), folder_ / "", [](const test::Process& process) {
     ASSERT_TRUE(
         eventually([&] { return press(XK_s) && process.err().find("screenshot") != std::string::npos; }));
-    std::this_thread::sleep_for(1s);  // of frames that nobody wants a picture of
+    std::this_thread::sleep_for(1s);  // frames without a picture
   });
   EXPECT_EQ(run.code, kOk) << run.err;
   EXPECT_THAT(namesIn(folder_ / ""), AllOf(Not(IsEmpty()), Each(HasSubstr("live_"))));

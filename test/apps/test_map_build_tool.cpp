@@ -203,7 +203,7 @@ TEST_F(Tools, MapBuildUsesAnOdometryThatDrifts) {
   Eigen::Isometry3d drift = Eigen::Isometry3d::Identity();
   for (StampedPose& pose : poses) {
     drift.linear() = expSO3({0, 0, 0.1 * kDegree}) * drift.linear();
-    pose.T_w_c = drift * pose.T_w_c * mounting.T_b_c().inverse();  // of the robot
+    pose.T_w_c = drift * pose.T_w_c * mounting.T_b_c().inverse();  // pose of the robot
   }
   writeTumTrajectory(odometry, poses);
   const ToolRun run =

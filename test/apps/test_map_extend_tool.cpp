@@ -22,7 +22,7 @@ using test::ToolRun;
 using test::Tools;
 using testing::HasSubstr;
 
-/** A room that is none of the map's. */
+/** A room that is not in the map. */
 std::string otherRoom(const std::string& folder) {
   EXPECT_EQ(
       runTool<SimulateApp>({"room", "-o", folder, "--seed", "9", "--frames", "12", "--width", "320"}).code,

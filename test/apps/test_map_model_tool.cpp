@@ -17,7 +17,7 @@ using test::runMap;
 using test::Tools;
 using testing::HasSubstr;
 
-/** A room of 5 x 4 x 2.5 m as an OBJ file, in a unit of which a metre has so many, with the y axis up. */
+/** A room of 5 x 4 x 2.5 m as an OBJ file, in units of 1 / per_metre m, with the y axis up. */
 void writeRoom(const fs::path& path, double per_metre) {
   std::ofstream out(path);
   const double size[] = {5, 2.5, 4};

@@ -34,17 +34,17 @@ TEST_F(Tools, MapMergeAndExport) {
   EXPECT_EQ(runMap({"merge", map(), "-o", merged}).code, kFailed);  // exists
   EXPECT_EQ(runMap({"merge", map(), map(), "-o", folder_ / "x.flmap"}).code, kFailed);
 
-  const std::string alike = folder_ / "other/map.flmap";
+  const std::string other = folder_ / "other/map.flmap";
   fs::create_directories(folder_ / "other");
-  ASSERT_EQ(runMap({"build", query(), "-o", alike, "--every", "6"}).code, kOk);
-  ASSERT_EQ(runMap({"merge", map(), alike, "-o", folder_ / "both.flmap", "--same-coordinates"}).code, kOk);
+  ASSERT_EQ(runMap({"build", query(), "-o", other, "--every", "6"}).code, kOk);
+  ASSERT_EQ(runMap({"merge", map(), other, "-o", folder_ / "both.flmap", "--same-coordinates"}).code, kOk);
   const Map of_both = readMap(folder_ / "both.flmap");
   EXPECT_NE(of_both.meta.at("map.source"), of_both.meta.at("map_2.source"));
 
   ASSERT_EQ(runMap({"export", map(), "-o", folder_ / "export"}).code, kOk);
   const auto exported = [this] { return filesOf(folder_ / "export/models").size(); };
   const std::size_t models = exported();
-  ASSERT_EQ(runMap({"export", alike, "-o", folder_ / "export"}).code, kOk);
+  ASSERT_EQ(runMap({"export", other, "-o", folder_ / "export"}).code, kOk);
   EXPECT_EQ(exported(), 2u);
   EXPECT_GT(models, 2u);
   EXPECT_TRUE(fs::exists(folder_ / "export/graph.g2o"));

@@ -27,7 +27,7 @@ private:
 };
 
 TEST(OffscreenDisplay, LeavesTheEnvironmentAsItWas) {
-  const Environment display("DISPLAY", ":9999");  // nobody there
+  const Environment display("DISPLAY", ":9999");  // no server there
   {
     const OffscreenDisplay offscreen;
     if (!offscreen.available()) GTEST_SKIP() << offscreen.problem();

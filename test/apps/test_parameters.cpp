@@ -56,8 +56,8 @@ Parameters allParameters() {
                       WheelOdometryParams{});
 }
 
-// A parameter is what somebody has a reason to set. What was fitted together is the calibration, what nothing
-// sets a constant.
+// A parameter is a value that somebody has a reason to set. Values fitted together are the calibration, all
+// others constants.
 TEST(Parameters, AreAFew) {
   const Parameters all = allParameters();
   std::size_t for_users = 0;

@@ -73,7 +73,7 @@ void expectBySchema(const Json::Value& answer) {
   }
 }
 
-/** The schema and the document say of each column of results what the columns say of themselves. */
+/** The schema and the document describe each column of results by the column's own text. */
 TEST(PoseStream, SchemaAndDocumentDescribeTheColumns) {
   const Json::Value schema = parsed(contentOf(kStreamSchema))["properties"];
   const std::string document = contentOf(fs::path(kStreamSchema).parent_path() / "RECORDINGS.md");
@@ -131,7 +131,7 @@ TEST(PoseStream, ALineIsJsonOfTheSchema) {
 
 TEST(PoseStream, UnknownValuesAreNull) {
   FrameResult result = frame();
-  EXPECT_TRUE(parsed(toJson(result, {}))["T_w_b"].isNull()) << "nobody knows the mounting";
+  EXPECT_TRUE(parsed(toJson(result, {}))["T_w_b"].isNull()) << "the mounting is unknown";
   ResultRow row;
   row.frame = "1.0";
   row.reason = "nothing agrees";
@@ -224,7 +224,7 @@ TEST_F(StreamOfACamera, NeedsAMap) {
   EXPECT_EQ(runLive({"--device", sequence(), "--stream", "--headless"}).code, kUsage);
 }
 
-/** What a reader that publishes by datagrams sends, to a port of ours. */
+/** Receives the output of a reader that publishes by datagrams, on a port of ours. */
 class Datagrams {
 public:
   Datagrams() : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
@@ -240,7 +240,7 @@ public:
   }
   ~Datagrams() { close(socket_); }
   int port() const { return port_; }
-  /** The next one; empty if there is none for a second. */
+  /** The next one; empty after a second without one. */
   std::string next() const {
     std::string bytes(4096, '\0');
     const ssize_t size = recv(socket_, bytes.data(), bytes.size(), 0);

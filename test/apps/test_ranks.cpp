@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tools under mpirun, as a user runs them: what several processes write is what one writes.
+// The tools under mpirun, as a user runs them: several processes write the same as one.
 #include "base/ranks.h"
 #include "process.h"
 #include "tools/localize_app.h"
@@ -47,7 +47,7 @@ TEST(Ranks, AProcessOfItsOwnIsTheFirstAndOnlyOne) {
   EXPECT_EQ(ranks.threads(), 0);
   EXPECT_EQ(ranks.share(5), 5u);
   for (std::size_t i = 0; i < 5; ++i) EXPECT_TRUE(ranks.owns(i));
-  ranks.tell("to nobody");
+  ranks.tell("to no rank");
   ranks.waitForOthers();
   ranks.leave();
   ranks.abort(1);
@@ -55,7 +55,7 @@ TEST(Ranks, AProcessOfItsOwnIsTheFirstAndOnlyOne) {
 
 /** \param command a tool and its arguments */
 std::vector<std::string> mpirun(int ranks, const std::vector<std::string>& command) {
-  // What Open MPI refuses otherwise: to run as root, and more ranks than cores. One run that ends removes the
+  // Open MPI refuses to run as root, and more ranks than cores, unless asked. One run that ends removes the
   // folder of sessions in which another one begins, unless each process has a folder of its own.
   static const TemporaryFolder sessions;
   std::vector<std::string> all = {"/usr/bin/env",
@@ -114,7 +114,7 @@ std::size_t imagesIn(const std::string& results) {
   return n;
 }
 
-/** One simulated room for all tests of this file, and what a single process makes of it. */
+/** One simulated room for all tests of this file, and the results of a single process. */
 class RanksTest : public testing::TestWithParam<int> {
 protected:
   static void SetUpTestSuite() {
@@ -202,7 +202,7 @@ TEST_P(NumberOfRanks, PosesAreTheSame) {
 }
 
 TEST_P(NumberOfRanks, PosesByTheShortlistOfALargeMapAreTheSame) {
-  for (const std::string aligned : {"3000", "6"}) {  // of more models than that, it is chosen by examination
+  for (const std::string aligned : {"3000", "6"}) {  // more models than this are chosen by examination
     const auto command = [&](const std::string& name) {
       std::vector<std::string> words = {kLocalizeTool, map(), query(), "-o", folder_ / (name + aligned)};
       words.insert(words.end(), {"--shortlist.exhaustive_up_to", "1", "--shortlist.size", "3"});
@@ -255,7 +255,7 @@ private:
 /** One image is a pipe in which its rank waits. */
 TEST_F(RanksTest, ARankThatIsKilledEndsTheJobAndLosesNothingThatWasWritten) {
   const auto images = filesOf(query() + "/depth");
-  const std::string pipe = folder_ / images[7].filename().string();  // of the second rank
+  const std::string pipe = folder_ / images[7].filename().string();  // image of the second rank
   const SlowPipe waiting(pipe);
   const std::string input = listWith(7, pipe);
   const std::string results = folder_ / "results";
@@ -300,7 +300,8 @@ TEST_F(RanksTest, AnErrorOfOneRankEndsTheJob) {
 TEST_F(RanksTest, AModelThatCannotBeReadFailsTheImagesAndNoMore) {
   Map large = readMap(map());
   const std::size_t models = large.models.size();
-  for (std::size_t i = models; i < 410; ++i) {  // so many stay in the file until they are asked for
+  for (std::size_t i = models; i < 410;
+       ++i) {  // more models than this stay in the file until they are requested
     large.models.push_back(large.models[i % models]);
     large.models.back().name += "/" + std::to_string(i);
   }

@@ -76,7 +76,7 @@ void makeMapOfWalk(){
 #include "example_make_map.inc"
 }
 
-/** What an example prints in a folder. */
+/** The output of an example in a folder. */
 std::string printedIn(const std::string& folder, const std::function<void()>& example) {
   const fs::path before = fs::current_path();
   std::ostringstream out;
@@ -88,7 +88,7 @@ std::string printedIn(const std::string& folder, const std::function<void()>& ex
   return out.str();
 }
 
-/** What the results of the tool look like when they are printed so. */
+/** The results of the tool in the format of the example. */
 std::string printed(const std::vector<ResultRow>& rows) {
   std::ostringstream out;
   for (const ResultRow& row : rows) {

@@ -65,7 +65,7 @@ protected:
       char base[32];
       std::snprintf(base, sizeof base, "frame-%06zu", i);
       fs::copy_file(sequence.frames()[i].path, folder / (std::string(base) + ".depth.png"));
-      writeContent(folder / (std::string(base) + ".color.png"), "a picture that nobody reads");
+      writeContent(folder / (std::string(base) + ".color.png"), "a picture that is not read");
       std::ostringstream matrix;
       matrix.precision(12);
       matrix << sequence.groundTruth().at(sequence.frames()[i].stamp)->matrix();

@@ -151,7 +151,7 @@ TEST_F(RecordingTools, ConvertKeepsImagesCameraAndPoses) {
   }
   EXPECT_EQ(after.camera()->camera.intrinsics, before.camera()->camera.intrinsics);
   EXPECT_EQ(after.groundTruth().poses().size(), before.groundTruth().poses().size());
-  // What is there is not touched.
+  // An existing folder is not touched.
   const ToolRun again = convert(query(), "out");
   EXPECT_EQ(again.code, kFailed);
   EXPECT_THAT(again.err, HasSubstr("exists already"));

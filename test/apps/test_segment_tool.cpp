@@ -157,7 +157,7 @@ TEST_F(Tools, SegmentReportsABadImageAndDoesTheOthers) {
   EXPECT_THAT(run.err, HasSubstr("1 of 12 items failed"));
   EXPECT_EQ(filesOf(folder_ / "out").size(), 14u);  // and params.ini, images.txt and inputs.csv
 
-  // What is there is not touched, what is missing is done.
+  // Existing results are not touched, missing ones are made.
   const fs::path first = filesOf(folder_ / "out").front();
   const auto old = fs::file_time_type::clock::now() - std::chrono::hours(24);
   fs::last_write_time(first, old);

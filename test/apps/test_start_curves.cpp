@@ -35,7 +35,7 @@ TEST(StartCurves, CountEveryStartAsFarAsItGoes) {
   EXPECT_EQ(images[2].starts, 1);
   EXPECT_DOUBLE_EQ(images[2].recall(), 0);
   EXPECT_DOUBLE_EQ(images[2].precision(), 0);
-  const auto& metres = curves[1].points;  // of the first image that is so far on
+  const auto& metres = curves[1].points;  // point of the first image that is so far on
   ASSERT_EQ(metres.size(), 5u);
   EXPECT_DOUBLE_EQ(metres[4].x, 1);
   EXPECT_EQ(metres[2].starts, 2);

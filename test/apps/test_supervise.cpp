@@ -54,7 +54,7 @@ std::vector<Command> commandsOf(const std::string& out) {
   return commands;
 }
 
-/** What the robot sees, image by image, and where it is, as far as that is in its map. */
+/** The views of the robot, image by image, and its poses, as far as they are in its map. */
 class Day {
 public:
   Day(const fs::path& folder, const DepthSequence& camera) : folder_(folder) {
@@ -131,7 +131,7 @@ TEST_F(LiveTool, IsSupervisedForADay) {
   const Eigen::Matrix2d R = Eigen::Rotation2Dd(-std::atan2(axis.y(), axis.x())).toRotationMatrix();
   std::map<std::string, int> early, dark_or_other, late;
   for (const Command& c : commandsOf(run.out)) {
-    const double settled = 1.5;  // [s] after what has changed
+    const double settled = 1.5;  // [s] after the latest change
     if (c.stamp < dark) ++early[c.word];
     if (c.stamp > dark + settled && c.stamp < back - 0.05) ++dark_or_other[c.word];
     if (c.stamp > back - 0.05) ++late[c.word];

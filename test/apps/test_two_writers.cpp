@@ -122,7 +122,7 @@ TEST_F(TwoWriters, APipeWithoutAWriterIsRefusedWithoutWaiting) {
   EXPECT_THAT(run.err, HasSubstr("1.png: is empty"));
 }
 
-/** What is printed would come into the first file that is opened. */
+/** Output would go to the first file that is opened. */
 TEST_F(TwoWriters, AClosedOrDesertedOutputEndsNothing) {
   const std::string info = std::string(kMapTool) + " info " + map();
   EXPECT_EQ(shell(info + " >&-").code, kOk);

@@ -14,7 +14,7 @@
 
 namespace facetloc::test {
 
-/** \brief What a run of a tool came to. */
+/** \brief The outcome of a run of a tool. */
 struct ToolRun {
   int code = 0;
   std::string out;

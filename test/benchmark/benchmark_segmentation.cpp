@@ -68,8 +68,8 @@ std::vector<DisparityImage> disparitiesOf(const std::vector<DepthImage>& images)
   return disparities;
 }
 
-// Times a function of each input in turn, which the images are or have been made into. What the function
-// returns is counted under a name, as a mean.
+// Times a function of each input in turn, which the images are or have been made into. Its result
+// is counted under a name, as a mean.
 template <class Input, class Function>
 void time(benchmark::State& state, const std::vector<Input>& inputs, const Function& function,
           const std::string& counted = "") {

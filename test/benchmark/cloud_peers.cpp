@@ -26,7 +26,7 @@ constexpr std::size_t kLeastPoints = 100;
 // Proportions to the edge of the voxels, of PCL's tutorials "Robust pose estimation of rigid objects" and
 // "How to use iterative closest point" (pairwise registration).
 constexpr double kNormalRadius = 2, kFeatureRadius = 5, kInlierDistance = 2.5, kIcpDistance = 2;
-constexpr double kSampleDistance = 10;  // of "Aligning object templates to a point cloud"
+constexpr double kSampleDistance = 10;  // as in "Aligning object templates to a point cloud"
 constexpr int kIcpIterations = 50, kPrerejectiveIterations = 50000, kInitialIterations = 500;
 
 Cloud::Ptr thinned(const Cloud& cloud, double voxel, double max_depth) {

@@ -17,13 +17,12 @@ namespace facetloc::benchmarks {
 
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
-/** \brief What a registration of two clouds says. */
+/** \brief The answer of a registration of two clouds. */
 struct CloudAnswer {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();  ///< T_target_source
   bool has_pose = false;
   bool converged = false;
-  double merit =
-      0;  ///< what it says of its quality, more is better: the probability, or the negative fitness
+  double merit = 0;  ///< its quality, more is better: the probability, or the negative fitness
 };
 
 /** \brief A way to register two organized clouds as a depth camera gives them. */

@@ -10,7 +10,7 @@
 namespace facetloc::benchmarks {
 
 constexpr std::uint64_t kSeed = 7;
-constexpr int kBoxes = 90;  // of a cluttered room
+constexpr int kBoxes = 90;  // boxes in a cluttered room
 
 inline Eigen::Isometry3d cameraPose(double x, double y, double heading) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();

@@ -12,7 +12,7 @@ namespace facetloc::benchmarks {
 /** \brief Share of a's measured pixels that b sees, too, by the true pose of a in the frame of b. */
 inline double overlap(const DepthImage& a, const DepthImage& b, const Eigen::Isometry3d& T_b_a) {
   constexpr int kStep = 8;
-  constexpr double kSameDepth = 0.05;  // of the depth
+  constexpr double kSameDepth = 0.05;  // share of the depth
   int valid = 0, shared = 0;
   for (int v = kStep / 2; v < a.camera.height; v += kStep)
     for (int u = kStep / 2; u < a.camera.width; u += kStep) {

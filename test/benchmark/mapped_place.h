@@ -31,7 +31,7 @@ struct PosedRun {
   std::vector<View> views;
   std::vector<double> stamps;            ///< [s]
   std::vector<Eigen::Isometry3d> truth;  ///< T_w_c
-  std::vector<char> covered;             ///< by a local model
+  std::vector<char> covered;             ///< near a local model
 };
 
 /** \brief A folder with the runs map/ and query/: the one makes the map, by the paper's rule, the other asks.

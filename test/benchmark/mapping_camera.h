@@ -11,7 +11,7 @@
 
 namespace facetloc::benchmarks {
 
-/** \brief What the camera that made a map always measures wrongly; the map's views are uncorrected. */
+/** \brief The distortion of the camera that made a map; the map's views are uncorrected. */
 inline std::optional<DepthDistortion> distortionOf(const Map& map) {
   std::vector<PosedPicture> pictures;
   for (std::size_t i = 0; i < map.models.size(); ++i)

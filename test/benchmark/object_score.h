@@ -20,11 +20,11 @@ struct ObjectScore {
 
   std::size_t images = 0;
   std::size_t segments = 0;        ///< that count
-  std::size_t across = 0;          ///< of these, with less than kOneObject on one object
+  std::size_t across = 0;          ///< segments with less than kOneObject on one object
   std::size_t segment_pixels = 0;  ///< labelled pixels of the segments that count
-  std::size_t main_pixels = 0;     ///< of these, on the segment's main object
+  std::size_t main_pixels = 0;     ///< pixels on the segment's main object
   std::size_t object_pixels = 0;   ///< pixels with depth on objects, without the table
-  std::size_t covered_pixels = 0;  ///< of these, in any segment
+  std::size_t covered_pixels = 0;  ///< pixels in any segment
 
   ObjectScore& operator+=(const ObjectScore& other);
 };

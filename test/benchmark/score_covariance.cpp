@@ -49,12 +49,12 @@ using benchmarks::PosedRun;
 constexpr std::array<std::pair<double, double>, 4> kDistances = {
     {{0, 0.3}, {0.3, 0.6}, {0.6, 1}, {1, 1.7}}};           // between two views [m]
 constexpr double kMostTurned = 45 * kDegree;               // between two views
-constexpr double kLeastOverlap = 0.3;                      // of two views
+constexpr double kLeastOverlap = 0.3;                      // overlap of two views
 constexpr double kPairRotation = 60, kPairDistance = 1.5;  // prior of a pair [deg], [m]
 constexpr int kPairAttempts = 50000;
 constexpr std::uint32_t kSeed = 1;
 
-/** What a kind of localization says of one image. */
+/** The answer of one kind of localization for one image. */
 struct Answer {
   std::optional<PoseWithCovariance> pose;
   bool sure = false;
@@ -247,7 +247,7 @@ private:
     return {found.hypotheses.front().T_m_c, found.state() == AnswerState::sure};
   }
 
-  /** From each image to the one so many later; sure if the views have seen the motion. */
+  /** From each image to the one `gap` later; sure if the views have seen the motion. */
   Tally motions(const PosedRun& run, std::size_t gap) const {
     Tally tally{"", "motion", std::to_string(gap)};
     internal::CameraMotion motion(localizer_.odometry);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The paper's experiment on simulated floors, pooled, and what each choice of ours is worth in it.
+// The paper's experiment on simulated floors, pooled, and the effect of each choice of ours in it.
 //
 //   facetloc_simulate office -o office1 --seed 1; ...
 //   score_floors [--ablation] [--every N] [--map-images] [--preset paper] [--GROUP.PARAMETER VALUE] FLOOR...
@@ -146,7 +146,7 @@ void printTable(const Evaluation& evaluation) {
       all.rotation_stats.mean, all.index_stats.mean);
 }
 
-/** Options as the tools have them, of algorithms and presets, too. */
+/** Options as the tools have them, including algorithms and presets. */
 class ScoreFloorsApp : public App {
 public:
   ScoreFloorsApp()

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// What the shortlist costs and saves in large maps of simulated floors.
+// Costs and savings of the shortlist in large maps of simulated floors.
 //
 //   score_large_maps --floors DIR [--models N,N,...] [--queries N] [--exhaustive N] [--csv FILE]
 //                    [--plot FILE.png] [--first-seed N] [--set shortlist.PARAMETER VALUE]
@@ -12,8 +12,8 @@
 //
 // A query is answerable if registering it with some local model near the truth gives a pose within 0.2 m and
 // 2 deg of it. Recall of a list: the share of the answerable queries for which it holds such a model. It is
-// told of the best aligned models, by their number, and of the shortlist.
-// --exhaustive localizes so many of the queries with the shortlist and with all models, and counts whose
+// reported for the best aligned models, by their number, and for the shortlist.
+// --exhaustive localizes N of the queries with the shortlist and with all models, and counts whose
 // answers have a right place among their first ones, and whose first place is right or wrong at which
 // probability.
 #include "drawing/charts.h"
@@ -59,7 +59,7 @@ using internal::ViewRegistration;
 const std::vector<std::string> kScenes = {"office", "home", "hall", "corridor", "hotel"};
 constexpr double kFloorDistance = 1000;  // [m]
 constexpr double kRightTranslation = 0.2, kRightRotation = 2 * kDegree;
-constexpr double kNear = 3, kNearRotation = 45 * kDegree;  // of models that may show the same
+constexpr double kNear = 3, kNearRotation = 45 * kDegree;  // models that may show the same
 constexpr int kLengths[] = {1, 10, 20, 40, 50, 75, 100, 150, 200, 300, 500, 1000};
 
 struct Options {
@@ -218,10 +218,10 @@ void findWhoShows(const Map& map, const GlobalLocalizationParams& params, std::v
 
 constexpr std::size_t kNoRank = std::numeric_limits<std::size_t>::max();
 
-/** What an answer to a query is worth. */
+/** The quality of an answer to a query. */
 struct Grade {
-  std::size_t rank;    // of the first right place; kNoRank if none is right
-  double probability;  // of the first place
+  std::size_t rank;    // rank of the first right place; kNoRank if none is right
+  double probability;  // probability of the first place
 };
 
 Grade grade(const Localization& answer, const Question& q) {
@@ -305,12 +305,12 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
   findWhoShows(*map, all, queries);
 
   ShortlistParams whole = options.shortlist;
-  whole.gap = 1e6;  // hopeless models too: the curve tells what they are worth
+  whole.gap = 1e6;  // keeps hopeless models: the curve shows their value
   const PlaceIndex index = PlaceIndex::of(*map, whole);
 
-  // Not longer than what is aligned anyway, so that it takes the time of a shortlist of any length.
+  // Not longer than the number of aligned models, so that it takes the time of a shortlist of any length.
   const int longest = std::min(kLengths[std::size(kLengths) - 1], options.shortlist.aligned_models);
-  std::vector<int> ranks;  // of the first model that shows the place
+  std::vector<int> ranks;  // rank of the first model that shows the place
   auto start = std::clock();
   for (const Question& q : queries) {
     const std::vector<int> list = index.shortlist(q.view, longest);

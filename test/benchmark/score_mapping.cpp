@@ -8,7 +8,7 @@
 //
 // Each RECORDING is a depth sequence with groundtruth.txt, such as office1/map. The yardstick is generalized
 // ICP from image to image. With -o, DIR/NAME.txt are the trajectories, for facetloc_evaluate. With --gaps,
-// the pieces of recordings from which some seconds are missing, each aligned by itself.
+// the pieces of recordings from which some seconds are missing, each aligned separately.
 #include "base/app.h"
 #include "evaluation/alignment.h"
 #include "evaluation/trajectory_errors.h"
@@ -68,7 +68,7 @@ Frames outsideGaps(const DepthSequence& sequence, int n, unsigned seed) {
   return kept;
 }
 
-/** A trajectory that was found, and at what expense. */
+/** An estimated trajectory, and its cost. */
 struct Found {
   std::vector<StampedPose> poses;
   int breaks = 0;

@@ -158,7 +158,7 @@ void scoreRelated(const std::vector<PosedFrame>& frames, const std::vector<Frame
       medianOrZero(align_ms), *std::max_element(align_ms.begin(), align_ms.end()));
 }
 
-/** What one way to register clouds has said of all pairs. */
+/** The results of one way to register clouds for all pairs. */
 struct CloudScore {
   int right = 0, converged = 0, converged_right = 0, unrelated_converged = 0;
   std::vector<double> merits_of_right, ms;
@@ -212,7 +212,7 @@ void scoreClouds(const std::vector<CloudRegistration>& ways, const std::vector<P
   }
 }
 
-/** What the command line says. */
+/** The command line. */
 struct Options {
   ViewParams view;
   RegistrationParams registration;

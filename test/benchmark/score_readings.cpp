@@ -7,8 +7,8 @@
 //
 // Each RECORDING is a folder with depth/*.png, camera.ini and groundtruth.txt, read rightly. About fifty
 // copies of it are made, each wrong in one way, and shown to facetloc_check: refused if it fails, named if it
-// notes what it does not note of the recording itself, else silent. A note of the recording itself is
-// printed, too, as far as it doubts how the recording is read.
+// has a note that it lacks for the recording itself, else silent. A note on the recording itself is
+// also printed, as far as it doubts how the recording is read.
 #include "tools/check_app.h"
 
 #include <facetloc/io/depth_sequence.h>
@@ -140,7 +140,7 @@ WrongReading scale(double factor) {
 WrongReading lens(double k1) {
   return {fmt::format("lens of k1 = {}", k1), [=](Recording& r) {
             const Intrinsics k = intrinsics(r);
-            move(r, [=](int u, int v) {  // a pixel of the distorted image shows what lies at its true ray
+            move(r, [=](int u, int v) {  // a pixel of the distorted image shows the point on its true ray
               const Eigen::Vector2d distorted = k.ray(u, v).head<2>();
               Eigen::Vector2d ray = distorted;
               for (int i = 0; i < 20; ++i) ray = distorted / (1 + k1 * ray.squaredNorm());

@@ -32,8 +32,8 @@ using namespace facetloc;
 
 constexpr int kRooms = 20, kQueriesPerRoom = 10, kPlaces = 3, kHeadings = 24;
 constexpr int kAttempts = 500;      // to find a sensible query; a small, crowded room may have none
-constexpr double kFreeView = 1.5;   // distance of what the robot looks at [m]: nearer, a wall fills the view
-constexpr double kClearance = 0.6;  // of the robot from walls and boxes [m]
+constexpr double kFreeView = 1.5;   // distance of the surfaces in view [m]: nearer, a wall fills the view
+constexpr double kClearance = 0.6;  // distance of the robot from walls and boxes [m]
 constexpr CameraMounting kMounting{1.0, 10.0};
 
 constexpr double kCoveredDistance = 1.0, kCoveredRotation = 20 * kDegree;

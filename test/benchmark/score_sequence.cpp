@@ -8,7 +8,7 @@
 //
 // Each PLACE is a folder with a run map/, which makes the map by the paper's rule, and another run, of which
 // every N-th image (--every) is seen and every N-th of those (--start) is a start: the camera wakes up there
-// and drives on. Printed is, after so many metres where the map shows something, within 1 m and 20 deg of a
+// and drives on. Printed is, after N metres where the map shows something, within 1 m and 20 deg of a
 // local model, how many are sure and how many of these are right. With --unknown each start has a map of its
 // own, without the local models within 3 m of its way.
 #include "base/app.h"
@@ -39,7 +39,7 @@ using benchmarks::PosedRun;
 
 constexpr std::array<double, 7> kMetres = {0, 0.5, 1, 2, 3, 4, 5};
 
-/** What became of one start. */
+/** The outcome of one start. */
 struct Course {
   bool whole = false;  // it has gone all the way
   std::array<AnswerState, kMetres.size()> state{};

@@ -25,15 +25,15 @@ namespace {
 namespace fs = std::filesystem;
 using namespace facetloc;
 
-constexpr int kWidth = 320;           // of the images [px]
-constexpr double kThick = 0.03;       // of a segment [m]
-constexpr double kBehind = 0.05;      // by which a measured surface is behind a segment that is not there [m]
+constexpr int kWidth = 320;           // width of the images [px]
+constexpr double kThick = 0.03;       // thickness of a segment [m]
+constexpr double kBehind = 0.05;      // distance of a measured surface behind a segment that is gone [m]
 constexpr double kSameNormal = 0.97;  // cosine between a segment's normal and its true plane's
-constexpr double kOfPlane = 0.1;      // of a segment from its true plane [m]
-constexpr double kNearest = 0.3, kReach = 6;  // of an image [m]
+constexpr double kOfPlane = 0.1;      // distance of a segment from its true plane [m]
+constexpr double kNearest = 0.3, kReach = 6;  // distance of an image [m]
 constexpr int kLooks = 2;
-constexpr int kSpacing = 2;               // of the pixels of a segment that are looked at [px]
-constexpr std::size_t kFewestPoints = 8;  // of a true plane in a segment
+constexpr int kSpacing = 2;               // spacing of the examined pixels of a segment [px]
+constexpr std::size_t kFewestPoints = 8;  // points of a true plane in a segment
 
 /** The true planes of a run: normal and distance from the origin. */
 std::map<int, Eigen::Vector4d> planesOf(const fs::path& run) {
@@ -50,10 +50,10 @@ std::map<int, Eigen::Vector4d> planesOf(const fs::path& run) {
   return planes;
 }
 
-/** What a segment is of. */
+/** The truth about a segment. */
 struct Truth {
   int plane = 0;                        // that most of its pixels show; 0 = none
-  std::vector<Eigen::Vector3d> points;  // of some of these pixels, in the camera's frame
+  std::vector<Eigen::Vector3d> points;  // some of these pixels, in the camera's frame
 };
 
 Truth truthOf(const Segment& segment, const DepthImage& image, const Raster<std::uint16_t>& labels) {
@@ -141,7 +141,7 @@ void score(const fs::path& place, const fs::path& before_path, const fs::path& a
       const Truth truth = truthOf(s, image, labels);
       const auto plane = planes.find(truth.plane);
       if (plane == planes.end()) continue;
-      // What is no plane, such as a bin, has no label, and what is behind it has another place.
+      // A surface that is no plane, such as a bin, has no label, and the surface behind it has another place.
       const Eigen::Vector3d n = plane->second.head<3>();
       if (std::abs(n.dot(model.T_w_m->linear() * s.normal())) < kSameNormal ||
           std::abs(n.dot(*model.T_w_m * s.t) - plane->second[3]) > kOfPlane)
@@ -153,7 +153,7 @@ void score(const fs::path& place, const fs::path& before_path, const fs::path& a
                            std::any_of(segments_kept.begin(), segments_kept.end(), [&](const Segment& k) {
                              return (k.t - s.t).norm() < 1e-6 && k.num_points == s.num_points;
                            });
-      // What a new view replaces is gone, unless it has not moved, which the new view shows, too.
+      // Surfaces replaced by a new view are gone, unless they have not moved, which the new view also shows.
       const bool is_replaced = found == kept.end();
       const bool is_gone = &count == &moved ? !is_kept : !is_kept && !is_replaced;
       const bool through = isLookedThrough(points, looks);

@@ -7,8 +7,8 @@
 //
 // For each floor a map is built of its run map/ by the paper's rule, and its run drive/ is tracked in it. A
 // view that is searched in the whole map takes --busy ms (300), and tracking one takes --step ms (40, with
-// segmentation): what comes in the meantime is dropped, as in a live run. With --kidnap it is tracked once
-// more, jumping by half of its length every so many seconds; the time until it is found again counts from
+// segmentation): images in the meantime are dropped, as in a live run. With --kidnap it is tracked once
+// more, jumping by half of its length every SECONDS; the time until it is found again counts from
 // the jump, and once more only where a local model shows the place, within 1 m and 20 deg. --frames prints
 // every frame.
 #include "mapping_camera.h"
@@ -69,7 +69,7 @@ struct Floor {
   std::vector<double> stamps;
   std::vector<Eigen::Isometry3d> truth;
   std::vector<View> views;
-  std::vector<char> covered;  // by a local model
+  std::vector<char> covered;  // near a local model
 
   explicit Floor(const fs::path& folder) {
     const DepthSequence mapping = DepthSequence::open(folder / "map"),

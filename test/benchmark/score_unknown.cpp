@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Is a probability worth its name where the map does not hold the place?
+// Is a probability a frequency where the map lacks the place?
 //
 //   score_unknown [--radius 3] [--every N] [--densify | --map FILE] [--csv FILE] [--GROUP.PARAMETER VALUE]
 //   PLACE...
@@ -8,7 +8,7 @@
 // Each PLACE is a folder with a run map/ and a run query/, as facetloc_simulate makes them, or as recordings
 // have them. Every query is localized twice: in the whole map, and in a map that is made anew without the
 // local models within the radius of where the query was taken. With --densify, views beside the drive belong
-// to the whole map, and those within the radius are taken out, too. With --map, a finished map with poses in
+// to the whole map, and those within the radius are also taken out. With --map, a finished map with poses in
 // the world of the query, such as one of a model, takes the place of the run map/.
 #include "base/app.h"
 #include "base/localization_options.h"
@@ -40,14 +40,14 @@ using namespace facetloc;
 using namespace facetloc::internal;
 using benchmarks::MappedPlace;
 
-/** What became of one query in one map. */
+/** The outcome of one query in one map. */
 struct Answer {
   std::string place, frame;
   bool emptied = false;  ///< the map has no local model near the query
   bool covered = false;  ///< the whole map has one
   bool right = false;
-  int segments = 0;                       ///< of the view
-  std::optional<MapAmbiguity> ambiguity;  ///< of the map
+  int segments = 0;                       ///< segments of the view
+  std::optional<MapAmbiguity> ambiguity;  ///< ambiguity of the map
   Localization localization;
 
   double probability() const {
@@ -230,7 +230,7 @@ private:
     line.addOption("every", every_, "N", "Localize only every N-th image.");
     line.addSwitch("densify", densify_, "Add rendered views to the whole map first.");
     line.addOption("map", map_, "FILE", "Use this map of the only PLACE instead of one of its run map/.");
-    line.addOption("csv", csv_, "FILE", "Write one line per answer, with what speaks for it.");
+    line.addOption("csv", csv_, "FILE", "Write one line per answer, with its evidence.");
     line.addPresets();
     line.addParams(view_);
     line.addParams(evaluation_, "evaluation");

@@ -9,8 +9,8 @@
 
 namespace facetloc::benchmarks {
 
-/** \brief Sets the parameter of that path, such as "ekf.iterations", to what a text says; false if there is
- * none. \param group of a struct of fields */
+/** \brief Sets the parameter of that path, such as "ekf.iterations", to the value in a text; false if it does
+ * not exist. \param group of a struct of fields */
 template <class Params>
 bool setParameter(Params& params, const std::string& name, const std::string& value,
                   const std::string& group = {}) {

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 // Those of facetloc_simulate.
 constexpr std::size_t kMapFrames = 444, kQueryFrames = 348;
 constexpr double kMapStep = 0.25;     // [m]
-constexpr double kSwayDeg = 10;       // of the later run
+constexpr double kSwayDeg = 10;       // sway of the later run
 constexpr double kQueryStart = 1000;  // [s]
 constexpr std::uint64_t kRunSeeds = 64;
 

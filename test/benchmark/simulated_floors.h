@@ -18,7 +18,7 @@ struct SimulatedFloor {
   Map query;  ///< the views of the later run, T_w_m = T_w_c, the truth
 };
 
-/** \brief One view of the later run in so many is taken: 348 images make 20 queries. */
+/** \brief One view in N of the later run is taken: 348 images make 20 queries. */
 constexpr int kQueryStep = 17;
 
 /** \brief The floor of that kind (office, home, hall) and seed, rendered and segmented.

@@ -8,7 +8,7 @@
 namespace facetloc::benchmarks {
 namespace {
 
-constexpr int kWidth = 100, kHeight = 40;  // of images whose left half is the table, and right half an object
+constexpr int kWidth = 100, kHeight = 40;  // images whose left half is the table, and right half an object
 
 struct LabelledImage {
   DepthImage depth;

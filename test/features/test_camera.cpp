@@ -20,7 +20,7 @@ Camera robotCamera() {
   return camera;
 }
 
-/** What a map knows of the same camera. */
+/** The same camera as a map knows it. */
 Camera calibratedCamera() {
   Camera camera = robotCamera();
   camera.distortion.emplace(DepthDistortion::extentOf(camera.intrinsics));
@@ -81,7 +81,7 @@ TEST(Camera, AMapLendsItsDistortionToACameraOfItsOptics) {
   other.intrinsics.fx *= 1.3;
   EXPECT_FALSE(map.calibrated(other).distortion);
   EXPECT_FALSE(Map().calibrated(robotCamera()).distortion);
-  // What is known better stays.
+  // Better known values stay.
   DepthDistortion::Values values{};
   values[0] = 0.001;
   Camera known = robotCamera();

@@ -21,7 +21,7 @@ LensDistortion wideLens() {
   return lens;
 }
 
-/** What the camera with the lens stores of a scene, by the depth along each ray. */
+/** A scene as the camera with the lens stores it, by the depth along each ray. */
 template <typename DepthOf>
 DepthImage storedImage(const LensDistortion& lens, DepthKind kind, DepthOf depthOf) {
   DepthImage image{kCamera, {}};

@@ -46,7 +46,7 @@ std::vector<Eigen::Isometry3d> randomPoses(Rng& rng, int n) {
 
 struct Path {
   double cost = std::numeric_limits<double>::infinity();
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();  // of its end
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();  // pose of its end
 };
 
 /** Follows every path without loops that leads from a model to another one. */

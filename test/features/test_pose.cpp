@@ -154,10 +154,11 @@ TEST(Pose, TheAdjointMovesTwistsToAnotherFrame) {
   const Eigen::Isometry3d T_a_b = test::randomPose(rng, 3, 5);
   const double dt = 1e-7;
   const Eigen::Vector3d omega = test::gaussian<3>(rng), v = test::gaussian<3>(rng);
-  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();  // of frame b in its own axes
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();  // motion of frame b in its own axes
   motion.linear() = expSO3(dt * omega);
   motion.translation() = dt * v;
-  const Eigen::Isometry3d same = T_a_b * motion * T_a_b.inverse();  // in the axes of a, at its origin
+  const Eigen::Isometry3d same =
+      T_a_b * motion * T_a_b.inverse();  // the same in the axes of a, at its origin
   Vector6d twist, expected;
   twist << omega, v;
   expected << logSO3(same.linear()) / dt, same.translation() / dt;

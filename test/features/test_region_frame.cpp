@@ -105,7 +105,7 @@ TEST(RegionFrame, OutlineAndPlaneGiveTheSameAsAllPoints) {
     const Eigen::Matrix3d R = T.linear();
     const Eigen::Vector3d centre = Eigen::Vector3d(0, 0, 2.5) + T.translation(), n = R.col(2);
     const double width = 0.4, height = 0.25;
-    pcl::ModelCoefficients plane;  // of another length and sign
+    pcl::ModelCoefficients plane;  // another length and sign
     for (const double v : {n.x(), n.y(), n.z(), -n.dot(centre)})
       plane.values.push_back(static_cast<float>(-3 * v));
     pcl::PointCloud<pcl::PointXYZ> corners;

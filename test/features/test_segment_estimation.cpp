@@ -131,7 +131,7 @@ TEST(SegmentEstimation, ARaggedRegionKeepsAtMostTheVerticesThatTheOutlineHolds) 
   ASSERT_EQ(segments.size(), 1u);
   EXPECT_EQ(segments[0].hull.size, ConvexHull::kMaxVertices);
   const double area =
-      EIGEN_PI * 4 * std::sqrt(segments[0].lambda[0] * segments[0].lambda[1]);  // of an ellipse
+      EIGEN_PI * 4 * std::sqrt(segments[0].lambda[0] * segments[0].lambda[1]);  // area of an ellipse
   EXPECT_NEAR(segments[0].area(), area, 0.03 * area);
 }
 

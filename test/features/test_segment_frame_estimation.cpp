@@ -130,7 +130,7 @@ TYPED_TEST(SegmentFrameEstimationTest, IndicesRestrictTheSupport) {
   this->expectEmpty("no label");
 }
 
-// PCL's segmenters give such labels, and the largest number to what belongs to no region.
+// PCL's segmenters give such labels, and the largest number to points without a region.
 TYPED_TEST(SegmentFrameEstimationTest, LabelsMayBeAnyNumbers) {
   this->estimation.compute(this->frames);
   const auto before = this->frames;

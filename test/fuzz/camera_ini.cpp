@@ -24,6 +24,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                     again.camera.noise.depth_std_slope == read->camera.noise.depth_std_slope &&
                     again.camera.max_depth == read->camera.max_depth && again.preset == read->preset &&
                     again.camera.mounting.has_value() == read->camera.mounting.has_value(),
-                "a camera is not what was written");
+                "a camera differs from the one written");
   return 0;
 }

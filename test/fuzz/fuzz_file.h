@@ -12,7 +12,7 @@
 #include <string_view>
 
 /** \file
- * What the fuzz targets have in common: input as a file, and what of an answer is no finding. */
+ * The common part of the fuzz targets: input as a file, and answers that are no finding. */
 
 namespace facetloc::fuzz {
 
@@ -38,7 +38,7 @@ public:
   }
 
   const std::filesystem::path& path() const { return path_; }
-  /** \brief Nothing that an earlier input has left may change what becomes of the next one. */
+  /** \brief Removes the files of an earlier input, so that they cannot change the result of the next one. */
   void clear() const {
     for (const auto& entry : std::filesystem::directory_iterator(path_))
       std::filesystem::remove_all(entry.path());
@@ -55,8 +55,8 @@ private:
   std::filesystem::path path_;
 };
 
-/** \brief Calls what may refuse its input with one of these exceptions; any other is a finding, as it ends
- * the program. \return false if it was refused. */
+/** \brief Calls a function that may refuse its input with one of these exceptions; any other is a finding, as
+ * it ends the program. \return false if it was refused. */
 template <class... Refusals, class Call>
 bool accepts(const Call& call) {
   try {

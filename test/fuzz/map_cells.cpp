@@ -78,7 +78,7 @@ void bindValue(sqlite3_stmt* statement, FuzzedDataProvider& input) {
   }
 }
 
-/** What SQLite refuses, such as a text among numbers, stays as it was. */
+/** A value that SQLite refuses, such as a text among numbers, leaves the cell as it was. */
 void replaceCell(sqlite3* db, FuzzedDataProvider& input) {
   static const std::vector<std::string> updates = updatesOf(db);
   const std::string& sql = updates[input.ConsumeIntegralInRange<std::size_t>(0, updates.size() - 1)];

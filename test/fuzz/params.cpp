@@ -41,6 +41,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::Parameters read, again;
   if (!fuzz::accepts<UsageError>([&] { read.read(path); })) return 0;
   again.read(folder.put("params.ini", read.ini()));
-  fuzz::require(again.ini() == read.ini(), "parameters are not what was written");
+  fuzz::require(again.ini() == read.ini(), "parameters differ from those written");
   return 0;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A folder of one of PCL's compressed images: the text of its camera, a zero, and the image. PCL has to
-// survive what is let through to it.
+// survive any accepted input.
 #include "fuzz_file.h"
 #include "live/pclzf_folder.h"
 

@@ -16,6 +16,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::ostringstream out;
   index->write(out);
   std::istringstream again(out.str());
-  fuzz::require(PlaceIndex::read(again, map).has_value(), "what it has written is not read");
+  fuzz::require(PlaceIndex::read(again, map).has_value(), "its own output is not read");
   return 0;
 }

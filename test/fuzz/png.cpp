@@ -35,7 +35,7 @@ extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, st
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most,
                                                unsigned seed) {
   size = LLVMFuzzerMutate(data, size, most);
-  constexpr unsigned kLeftTorn = 16;  // one of so many
+  constexpr unsigned kLeftTorn = 16;  // one of 16
   if (seed % kLeftTorn) repairChecksums(data, size);
   return size;
 }

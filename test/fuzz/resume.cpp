@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bytes as what --resume goes on with: the tables of an interrupted run, one after the other with a zero byte
-// between them, and of what it was made. Frames that are kept are the same when they are kept again.
+// Bytes as the files that --resume reads: the tables of an interrupted run, one after the other with a zero
+// byte between them, and its provenance. Frames that are kept are the same when they are kept again.
 #include "base/provenance.h"
 #include "fuzz_file.h"
 
@@ -41,7 +41,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::accepts<IoError>([&] {
     const auto before = Provenance::read(folder.path());
     before->requireSame(*before, {"0", "1"}, folder.path().string());
-    fuzz::require(imageSizes(toText(before->images)) == before->images, "images are not what was written");
+    fuzz::require(imageSizes(toText(before->images)) == before->images, "images differ from those written");
   });
   for (const char* table : kTables) {
     const std::size_t end = std::min(left.find('\0'), left.size());
@@ -50,7 +50,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   fuzz::accepts<IoError>([&] {
     const std::string once = rewritten(folder.path());
-    fuzz::require(rewritten(folder.path()) == once, "results are not what was written");
+    fuzz::require(rewritten(folder.path()) == once, "results differ from those written");
   });
   return 0;
 }

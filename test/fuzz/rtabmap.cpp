@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A letter that names a cell of a database of RTAB-Map, and bytes as what is in it.
+// A letter that names a cell of a database of RTAB-Map, and bytes as its content.
 #include "fuzz_file.h"
 #include "recordings/rtabmap_blobs.h"
 

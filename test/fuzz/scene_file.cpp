@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bytes as a .scene file. What is quickly made of it is made, too, and an image of it seen.
+// Bytes as a .scene file. A place that is quickly made is also made, and one image of it.
 #include "scene_file.h"
 
 #include "fuzz_file.h"

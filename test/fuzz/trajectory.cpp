@@ -15,7 +15,7 @@ void requireWritable(const Trajectory& poses, const fuzz::Folder& folder) {
   const auto path = folder.path() / "written.txt";
   writeTumTrajectory(path, poses.poses());
   fuzz::require(readTumTrajectory(path).poses().size() == poses.poses().size(),
-                "a trajectory is not what was written");
+                "a trajectory differs from the one written");
 }
 
 /** Of images that are numbered, and of images with times. */

@@ -13,7 +13,7 @@
 
 namespace facetloc::test {
 
-/** \brief Made-up depth images that all differ, with holes; depth in whole millimetres. */
+/** \brief Synthetic depth images that all differ, with holes; depth in whole millimetres. */
 struct ExampleSequence {
   int frames = 20;
   double rate = 100;          ///< [Hz]

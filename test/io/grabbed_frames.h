@@ -22,7 +22,7 @@ struct GrabbedFrame {
   std::vector<std::uint16_t> depth;
 };
 
-/** \brief Collects what a grabber delivers. To be made before start(). */
+/** \brief Collects the frames of a grabber. To be made before start(). */
 class GrabbedFrames {
 public:
   explicit GrabbedFrames(OpenNIGrabber& grabber) : grabber_(grabber) {

@@ -15,7 +15,7 @@
 
 namespace facetloc::test {
 
-/** \brief Does to a map file what another program might. */
+/** \brief Changes a map file as another program might. */
 inline void sql(const std::filesystem::path& path, const std::string& statement) {
   sqlite3* db = nullptr;
   ASSERT_EQ(sqlite3_open(path.c_str(), &db), SQLITE_OK);

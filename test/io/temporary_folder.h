@@ -49,7 +49,7 @@ inline std::filesystem::path putBytes(const std::filesystem::path& path, const s
   return path;
 }
 
-/** \brief What the IoError of a call says; empty if there was none. Any other exception fails the test. */
+/** \brief The message of the IoError of a call; empty without one. Any other exception fails the test. */
 template <typename Call>
 std::string ioErrorOf(const Call& call) {
   try {

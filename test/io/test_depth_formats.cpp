@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Depth in formats other than PNG: the same depth comes out of each; what is broken is an error with its
-// file.
+// Depth in formats other than PNG: the same depth comes out of each; a broken file is an error with its
+// name.
 #include "depth_file.h"
 #include "temporary_folder.h"
 

@@ -27,7 +27,7 @@ std::string record(char opcode, const std::string& content) {
   return opcode + raw(static_cast<std::uint64_t>(content.size())) + content;
 }
 
-/** Ten seconds of an IMU. \param acceleration what it measures at a time [m/s^2] */
+/** Ten seconds of an IMU. \param acceleration its measurement at a time [m/s^2] */
 std::string mcapOf(const std::function<Eigen::Vector3d(double)>& acceleration) {
   std::string file = "\x89MCAP0\r\n" + record(1, text("") + text(""));
   file += record(3, raw<std::uint16_t>(1) + text("sensor_msgs/Imu") + text("ros1msg") + text(""));

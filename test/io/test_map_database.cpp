@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is written to a map file, and read again.
+// Writing a map file, and reading it again.
 #include "map_file.h"
 
 #include <gmock/gmock.h>

@@ -134,7 +134,7 @@ TEST_F(MapFile, PicturesThatTakeMoreMemoryThanTheFileExplainsAreRefused) {
   writeMap(path_, map);
   EXPECT_THAT(readError(), HasSubstr("its depth pictures would take 603 MB of memory"));
   EXPECT_THAT(checkMap(path_), Contains(HasSubstr("MB of memory")));
-  EXPECT_TRUE(openMap(path_).store()) << "views of so many pixels stay in the file";
+  EXPECT_TRUE(openMap(path_).store()) << "views of more pixels stay in the file";
 }
 
 TEST_F(MapFile, CheckListsEveryFault) {

@@ -27,8 +27,7 @@ protected:
   void SetUp() override {
     writeExample(3);
     std::mt19937 engine(3);
-    for (int i = 0; i < 2500000; ++i)
-      bytes_.push_back(static_cast<char>(engine()));  // of more than two parts
+    for (int i = 0; i < 2500000; ++i) bytes_.push_back(static_cast<char>(engine()));  // more than two parts
     write();
   }
   void write() {

@@ -71,7 +71,7 @@ public:
     close(ends[1]);
     told_ = ends[0];
   }
-  /** \brief Kills the child and returns how many models it has reported; -1 if it ended by itself. */
+  /** \brief Kills the child and returns how many models it has reported; -1 if it ended on its own. */
   int kill() {
     ::kill(child_, SIGKILL);
     int status = 0;

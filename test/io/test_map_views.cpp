@@ -62,7 +62,7 @@ TEST_F(MapFile, ViewsThatWereAskedForLastStayInMemory) {
   const auto first = opened.view(0);
   opened.view(1);
   EXPECT_EQ(opened.view(0), first);
-  opened.view(2);  // in place of 1
+  opened.view(2);  // replaces 1
   EXPECT_EQ(opened.view(0), first);
   opened.view(1), opened.view(2);
   EXPECT_NE(opened.view(0), first);

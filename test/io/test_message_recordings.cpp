@@ -199,7 +199,7 @@ TEST_F(MessageRecordings, AFolderOfThemHasTheFilesOfItsMetadata) {
   EXPECT_LT(DepthSequence::open(folder).frames().size(), 6u) << "without a list, all that is there";
   fs::copy_file(recording("db3"), folder_ / "sequence" / "walk.db3");
   EXPECT_EQ(DepthSequence::open(folder_ / "sequence").frames()[0].path.extension(), ".png")
-      << "images of a folder go before what lies beside them";
+      << "images of a folder go before other files in it";
 }
 
 TEST_F(MessageRecordings, AnMcapThatWasNeverFinishedIsReadAsFarAsItGoes) {

@@ -55,7 +55,7 @@ pcl::PointCloud<pcl::PointXYZ> pointsOf(const pcl::PolygonMesh& mesh) {
   return points;
 }
 
-/** A roof of two triangles, and what each format makes of it. */
+/** A roof of two triangles, as each format stores it. */
 void expectRoof(const pcl::PolygonMesh& mesh) {
   const auto points = pointsOf(mesh);
   ASSERT_EQ(2u, mesh.polygons.size());
@@ -107,7 +107,7 @@ TEST_F(ModelFile, ReadsMeshes) {
 
 TEST_F(ModelFile, ReadsObjFilesAsTheyAreWritten) {
   const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 1\nv 1 -1 1\n";
-  std::string normals;  // of corners, many more than vertices
+  std::string normals;  // normals of corners, many more than vertices
   for (int i = 0; i < 100000; ++i) normals += "vn 0 0 1\n";
   expectRoof(readModel(write("normals.obj", corners + normals + "f 1//9 2//8 3//7\nf 1//1 4//2 2//3\n")));
   expectRoof(readModel(write("textured.obj", "mtllib none.mtl\no roof\n" + corners +
@@ -184,7 +184,7 @@ TEST_F(ModelFile, RefusesMoreTrianglesThanBytes) {
   std::string stl(84 + 50, '\x95');  // as many as 2 509 608 341
   EXPECT_THAT(refusal(write("many.stl", stl)), testing::HasSubstr("binary STL"));
   EXPECT_THAT(refusal(write("torn.stl", "solid caf\xe9\nfacet")), testing::HasSubstr("binary STL"));
-  for (const char control : {'\x16', '\f'})  // by which VTK takes a text for a binary file
+  for (const char control : {'\x16', '\f'})  // VTK takes such a text for a binary file
     EXPECT_THAT(refusal(write("control.stl", "solid" + std::string(200, control))),
                 testing::HasSubstr("binary STL"));
   EXPECT_THAT(

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Recordings as batch input: real ones where they are there, and what is wrong with bad ones.
+// Recordings as batch input: real ones where they are there, and the faults of bad ones.
 #include "example_sequence.h"
 #include "grabbed_frames.h"
 #include "oni_writer.h"
@@ -165,7 +165,7 @@ TEST_F(OniFiles, AreSequences) {
   file.camera.noise.inverse_depth_std = 0.01;
   writeCameraFile(folder_ / "camera.ini", file);
   sequence = DepthSequence::open(path);
-  EXPECT_EQ(sequence.load(0).camera, file.camera.intrinsics);  // what is known better goes first
+  EXPECT_EQ(sequence.load(0).camera, file.camera.intrinsics);  // the better known camera goes first
   EXPECT_EQ(sequence.camera()->camera.noise.inverse_depth_std, 0.01);
 }
 
@@ -225,7 +225,7 @@ TEST_P(Recordings, HaveAllFramesTheSameEachTimeInAnyOrder) {
   }
 }
 
-/** OpenNI2's own player is the judge of what is in a recording. */
+/** OpenNI2's own player is the judge of the content of a recording. */
 TEST_P(Recordings, ArePlayedByOpenNI2WithTheSameDepth) {
   const test::Watchdog watchdog;
   const OniFile oni = OniFile::open(path_);
@@ -233,7 +233,7 @@ TEST_P(Recordings, ArePlayedByOpenNI2WithTheSameDepth) {
   EXPECT_TRUE(grabber.isFile());
   EXPECT_NEAR(grabber.focalLength(), oni.camera().fx, 1e-3);
   EXPECT_EQ(grabber.getFramesPerSecond(), oni.rate());
-  grabber.setPlayback(0.5, false);  // of which a busy machine loses few
+  grabber.setPlayback(0.5, false);  // speed at which a busy machine loses few frames
   const test::GrabbedFrames grabbed(grabber);
   grabber.start();
   ASSERT_TRUE(test::waitUntil([&] { return grabber.isEndOfFile(); }));

@@ -29,7 +29,7 @@ using testing::AllOf;
 using testing::AnyOf;
 using testing::HasSubstr;
 
-/** What the process holds. */
+/** The resources of the process. */
 struct Holdings {
   long files = 0, threads = 0, memory_kb = 0;
 
@@ -115,7 +115,7 @@ TEST_F(Grabber, ReopensRecordingsAsWell) {
 TEST_F(Grabber, RefusesRecordingsWithCorruptFrames) {
   const auto recording = test::dataFolder("oni") / "redkitchen_60_frames_depth_only.oni";
   if (!fs::exists(recording)) GTEST_SKIP() << "no data at " << recording << "; see FACETLOC_DATA";
-  constexpr std::size_t kDifferences = 111914;  // of the first frame
+  constexpr std::size_t kDifferences = 111914;  // differences in the first frame
   std::string bytes = test::bytesOf(recording);
   bytes[kDifferences] = '\xFE';  // thirty more pixels of the same depth
   const auto path = test::putBytes(folder_ / "corrupt.oni", bytes).string();
@@ -171,7 +171,7 @@ TEST_F(Grabber, StopWaitsForTheCallbackOfAnotherThread) {
   }
 }
 
-/** OpenNI2 by itself reads the memory of threads that have called it and have ended; the C library gives it
+/** OpenNI2 on its own reads the memory of threads that have called it and have ended; the C library gives it
  * back when some of them have. */
 TEST_F(Grabber, IsUsedByThreadsThatComeAndGo) {
   const Watchdog watchdog;

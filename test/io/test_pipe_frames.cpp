@@ -121,7 +121,7 @@ TEST(PipeFrames, MayComeByteByByte) {
   const auto frame = source.next(kSoon);
   ASSERT_TRUE(frame);
   for (int i = 0; i < 12; ++i) EXPECT_EQ(frame->values[i], 500 + 257 * i);
-  EXPECT_FALSE(source.next(kAtOnce)) << "and nobody waits for ever";
+  EXPECT_FALSE(source.next(kAtOnce)) << "and there is no endless wait";
   EXPECT_FALSE(source.atEnd());
 }
 
@@ -207,7 +207,7 @@ TEST(PipeFrames, ThatAreHostileSayWhy) {
               HasSubstr("frame 2: its header cannot be used: its fx is 9"));
 }
 
-/** What a header says is not believed before the bytes are there. */
+/** No size in a header is believed before the bytes are there. */
 TEST(PipeFrames, ThatAreAnnouncedTakeNoMemory) {
   Pipe pipe;
   const auto peak = [] {
@@ -267,7 +267,7 @@ TEST(FrameGrabber, DeliversFramesAndClouds) {
   ASSERT_EQ(clouds.size(), 2u);
   EXPECT_EQ(clouds[1]->header.stamp, 2000000u);
   EXPECT_TRUE(std::isnan((*clouds[0])(0, 0).z)) << "0 is not measured";
-  const pcl::PointXYZ& p = (*clouds[1])(2, 1);  // of depth 1 + 6 * 0.257
+  const pcl::PointXYZ& p = (*clouds[1])(2, 1);  // depth 1 + 6 * 0.257
   EXPECT_FLOAT_EQ(p.z, 2.542f);
   EXPECT_FLOAT_EQ(p.x, 2.542f * 0.5f / 3.5f);
   EXPECT_FLOAT_EQ(p.y, 0.f);

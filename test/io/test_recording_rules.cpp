@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Recordings whose folders and names nobody told us of: what is found, what is taken for granted, what is
-// refused.
+// Recordings with unknown folders and names: files found, assumptions made, and
+// refusals.
 #include "shared/text.h"
 #include "temporary_folder.h"
 

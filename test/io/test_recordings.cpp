@@ -25,7 +25,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr int kWidth = 640, kHeight = 480;
-constexpr double kPeriod = 1 / 30.0;  // of recordings that number their images [s]
+constexpr double kPeriod = 1 / 30.0;  // period of recordings that number their images [s]
 
 /** A depth of its own for each image [mm]. */
 int millimetres(int number) { return 1000 + 10 * number; }

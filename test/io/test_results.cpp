@@ -277,7 +277,7 @@ TEST(Results, ATornLastLineIsLeftOutForWhoHearsOfIt) {
   putBytes(folder / "hypotheses.csv", kHeader + torn + "\n" + row);
   EXPECT_NE(ioErrorOf([&] { readHypotheses(folder.path(), remark); }), "") << "it is not the last line";
   putBytes(folder / "hypotheses.csv", kHeader + row + row.substr(0, row.size() - 1));
-  EXPECT_EQ(readHypotheses(folder.path(), remark).size(), 1u) << "who knows what else it was to say";
+  EXPECT_EQ(readHypotheses(folder.path(), remark).size(), 1u) << "the rest of it is unknown";
   EXPECT_THAT(remarks, HasSubstr("torn"));
   EXPECT_EQ(readHypotheses(folder.path()).size(), 2u);
 }
@@ -354,7 +354,7 @@ TEST(ResultsWriter, GoesOnWithWhatIsWhole) {
     const char *begin = before ? "one" : "none", *end = before ? "whole" : "one";
     for (const char* torn : kFiles)
       for (std::size_t size = sizeOf(begin, torn); size < sizeOf(end, torn); size += 5) {
-        bool is_written = true;  // of the files in their order, those before the torn one
+        bool is_written = true;  // for the files in their order, those before the torn one
         for (const char* file : kFiles) {
           const std::string content = bytesOf(folder / (is_written ? end : begin) / file);
           putBytes(folder / "run" / file, file == torn ? content.substr(0, size) : content);
@@ -404,7 +404,7 @@ TEST(GrowingFile, SaysThatTheDiskIsFull) {
     GrowingFile file(folder / "b", "header\n");
     EXPECT_THROW(file.append("a long line\n"), WriteError);
   }
-  EXPECT_EQ(bytesOf(folder / "b"), "header\na l") << "what there was room for";
+  EXPECT_EQ(bytesOf(folder / "b"), "header\na l") << "as much as the disk has room for";
 }
 
 TEST(Results, WritingIsChecked) {

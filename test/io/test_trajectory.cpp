@@ -48,7 +48,7 @@ TEST(Trajectory, BetweenTwoPosesTheMotionIsEven) {
   EXPECT_FALSE(poses.interpolated(0.999));
   EXPECT_FALSE(poses.interpolated(2.001));
   EXPECT_FALSE(Trajectory().interpolated(1));
-  const Trajectory twice({poseAt(1), poseAt(1, kUpright), poseAt(2)});  // of one stamp
+  const Trajectory twice({poseAt(1), poseAt(1, kUpright), poseAt(2)});  // two poses of one stamp
   EXPECT_TRUE(twice.interpolated(1.5)->matrix().allFinite());
 }
 
@@ -82,7 +82,7 @@ TEST(Trajectory, RefusesToWriteNonFiniteNumbers) {
 TEST(Trajectory, TheNearestPoseWithinTheToleranceCountsInAGap) {
   const Trajectory trajectory(
       {poseAt(2, kUpright, {2, 0, 0}), poseAt(1, kUpright, {1, 0, 0}), poseAt(1.1, kUpright, {1.1, 0, 0})});
-  constexpr double kShort = 0.019;  // of which five are less than the gap of 0.1 s
+  constexpr double kShort = 0.019;  // five of these are less than the gap of 0.1 s
   EXPECT_EQ(trajectory.at(1.01, kShort)->translation().x(), 1);
   EXPECT_EQ(trajectory.at(1.09, kShort)->translation().x(), 1.1);
   EXPECT_EQ(trajectory.at(1.019, kShort)->translation().x(), 1) << "the tolerance is meant in decimals";

@@ -36,7 +36,7 @@ inline View facing(View view, const std::function<bool(const Eigen::Vector3d&)>&
   return view;
 }
 
-/** \brief What global localization asks a shortlist for, of a view that is mounted so. */
+/** \brief The query of global localization to a shortlist, for a view that is mounted so. */
 inline internal::Query onFloor(const View& view, const PosePriorParams& params = {}) {
   PoseWithCovariance prior;
   prior.P = posePrior(kMounting, params);

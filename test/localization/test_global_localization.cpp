@@ -328,7 +328,7 @@ TEST_F(LocalizationInARoom, SegmentsSufficeWithoutDepthPicturesOrWorldPoses) {
   auto bare = std::make_shared<Map>(*map);
   for (LocalModel& m : bare->models) m.T_w_m.reset();
   test::changeViews(*bare, [](View& view) { view.depth = {}; });
-  View scene = *map->view(1);  // its planes fix the pose by themselves
+  View scene = *map->view(1);  // its planes alone fix the pose
   scene.depth = {};
   const Localization answer = GlobalLocalization(bare).localize(scene);
   ASSERT_FALSE(answer.hypotheses.empty());

@@ -166,7 +166,7 @@ TEST_F(SequenceInARoom, PairsAreOfTheViewThatHasThem) {
   int with_pairs = 0;
   for (int i = 0; i < 30; ++i) {
     const LocalizerAnswer answer =
-        sequence.update(views[i / 3], i * kFrame);  // of three the first one is a look
+        sequence.update(views[i / 3], i * kFrame);  // one of three counts as an observation
     for (const Hypothesis& h : answer.hypotheses) {
       with_pairs += !h.pairs.empty();
       const std::shared_ptr<const View> model = map->view(h.model);
@@ -319,7 +319,7 @@ TEST_F(SequenceInARoom, ACloudThatIsNoImageSaysSo) {
   EXPECT_THAT(answer.reason, HasSubstr("organized"));
 }
 
-/** Two rooms, 20 m apart, alike but for a cupboard that one of them has behind. */
+/** Two rooms, 20 m apart, equal but for a cupboard that one of them has behind. */
 class SequenceInTwinRooms : public testing::Test {
 protected:
   static constexpr int kViews = 50;
@@ -482,7 +482,7 @@ TEST_F(SequenceInTwinRooms, LaterViewsAlsoLocateTheFirstOne) {
     squares += (answer.hypotheses.front().T_w_c->translation() - truth[i].translation()).squaredNorm();
     variances += answer.hypotheses.front().T_m_c.P.bottomRightCorner<3, 3>().trace();
   }
-  EXPECT_LT(squares, 3 * variances) << "what both directions have seen is not counted twice";
+  EXPECT_LT(squares, 3 * variances) << "views of both directions are not counted twice";
 }
 
 TEST_F(SequenceInTwinRooms, TwoDirectionsOfOneViewAreOneView) {
@@ -517,7 +517,7 @@ TEST_F(BeliefInARoom, ALookCountsByTheMotionSinceTheLast) {
   EXPECT_FALSE(belief.isDue());
   belief.look(view(0), nullptr);
   EXPECT_DOUBLE_EQ(logOdds(belief), first) << "it has not moved";
-  PoseWithCovariance there_and_back;  // of half the independent distance
+  PoseWithCovariance there_and_back;  // half the independent distance
   there_and_back.T.translation().x() = SequenceCalibration{}.independent_distance / 4;
   belief.move(Motion::known(there_and_back));
   there_and_back.T = there_and_back.T.inverse();

@@ -105,7 +105,7 @@ TEST_F(FilmOfARoom, TheStoreyAboveIsNotTheFloor) {
   auto two_storeys = std::make_shared<Map>(*map);
   const CameraMounting mounting{1.2, tiltOf(onCircle(0, 0.6, 1.2))};
   two_storeys->camera.mounting = mounting;
-  for (LocalModel m : map->models) {  // of another room
+  for (LocalModel m : map->models) {  // models of another room
     m.setView(viewFrom(test::furnishedRoom(), lookingAlong({2, 1.5, 1.2}, m.T_w_m->linear().col(2)),
                        static_cast<unsigned>(two_storeys->models.size())));
     m.T_w_m->translation().z() += 3;
@@ -149,7 +149,8 @@ TEST_F(FilmOfARoom, FollowsTheCameraAndKnowsItsError) {
   }
   EXPECT_LT(translation, 0.015);
   EXPECT_LT(nees, 9);  // 6 if all errors were independent; no overconfidence but by models in common
-  // White noise errs less than assumed by what is allowed for errors that neighbours share, and no less.
+  // White noise errs less than assumed, since common errors of neighbours are allowed for, and no less than
+  // that.
   constexpr double kCorrelatedViews = 2;  // mapping/METHOD 15
   const double caution = internal::kCorrelatedPixels * kCorrelatedViews *
                          std::pow(internal::DenseRefinementParams{}.pixel_error, 2);
@@ -284,7 +285,7 @@ TEST_F(FilmOfARoom, ARobotThatGoesSidewaysIsBelieved) {
   Localizer localizer(floor);
   for (int i = 0; i < kViews; ++i) {
     const LocalizerAnswer pose = localizer.update(mounted(drive->views[i], mounting), i * kFrame);
-    // Three planes leave a direction open for thirty views on end; there it knows what it does not know.
+    // Three planes leave a direction open for thirty views on end; there it knows its uncertainty.
     const bool is_open = pose.T_w_c && largestTranslationStd(pose.T_w_c->P) > 0.05;
     EXPECT_TRUE(i == 0 || (is_open && isWithinItsError(*pose.T_w_c, drive->truth[i])) ||
                 isGood(pose, drive->truth[i]))
@@ -462,9 +463,9 @@ TEST_F(FilmOfACorridor, ThePositionAlongItIsDegenerate) {
     return lookingAlong({0.05, 2.5, 1.2}, {std::sin(a), -std::cos(a), -0.12});
   };
   constexpr std::size_t kTurned = 76;        // views; in the middle of the turn a side wall fills the picture
-  for (std::size_t i = 0; i < kTurned; ++i)  // from the wall to the open end, 72 deg/s
+  for (std::size_t i = 0; i < kTurned; ++i)  // turn between the wall and the open end, 72 deg/s
     poses.push_back(turned(2.4 * static_cast<double>(i)));
-  // Then to and fro, as the motion model assumes: nothing in view could tell of a steady motion either.
+  // Then to and fro, as the motion model assumes: no view could reveal a steady motion either.
   Rng rng(4);
   std::normal_distribution<double> step(0, ViewOdometryParams{}.speed_change * kFrame);
   double y = 2.5;

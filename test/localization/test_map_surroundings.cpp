@@ -29,7 +29,7 @@ protected:
     map->models.push_back(modelAt(lookingAlong({3.5, 2.5, 1.2}, {1, 0.1, -0.2}), 2));
     map->models.push_back(modelAt(lookingAlong({3, 2.5, 1.2}, {-1, 0, -0.2}), 3));  // the other way
     map->models.push_back(modelAt(lookingAlong({3, 2.5, 1.2}, {1, 0, -0.2}), 4));
-    map->models.back().T_w_m.reset();  // nobody knows where
+    map->models.back().T_w_m.reset();  // its pose is unknown
   }
   MapSurroundings surroundings() const { return MapSurroundings(map, DepthComparison({})); }
   static std::vector<int> viewsOf(const LocalMap& found) {
@@ -64,7 +64,7 @@ TEST_F(SurroundingsOfAPose, WithoutDepthAreTheNearest) {
 }
 
 TEST_F(SurroundingsOfAPose, AModelBehindAWallGivesNoPicture) {
-  // The same pose, but what that model saw is nearer than all that the view sees.
+  // The same pose, but the surfaces of that model are nearer than all that the view sees.
   map->models[0].setView(viewFrom(test::box({2.5, 2, 0}, {3.9, 3, 2.5}), *map->models[0].T_w_m, 5));
   const LocalMap found = surroundings().around(view, 0, pose, 5);
   ASSERT_EQ(found.pictures.size(), 1u);

@@ -48,7 +48,7 @@ TEST_F(PlaceIndexOfRooms, EveryModelLeadsItsOwnList) {
   EXPECT_EQ(index.models(), map->models.size());
   EXPECT_GT(index.descriptors(), map->models.size());
   EXPECT_GT(index.bytes(), 0u);
-  // Most views are alike in all rooms, but for the noise.
+  // Most views are equal in all rooms, but for the noise.
   int near_front = 0;
   for (std::size_t i = 0; i < map->models.size(); ++i) {
     const std::vector<int> list = index.shortlist(viewOf(i), kRooms);
@@ -114,7 +114,7 @@ TEST_F(PlaceIndexOfRooms, CandidatesHaveApproximatePoses) {
     const std::vector<ShortlistedModel> found = index.candidates(query(0, heading, 400 + i), 4);
     ASSERT_FALSE(found.empty());
     for (const ShortlistedModel& c : found) {
-      if (c.model >= kViews) continue;  // of another room
+      if (c.model >= kViews) continue;  // model of another room
       ASSERT_TRUE(c.start);
       EXPECT_TRUE(c.start->linear().isUnitary(1e-9));
       const Vector6d e = perturbation(*c.start, map->models[c.model].T_w_m->inverse() * truth);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What global localization asks a place index for.
+// Queries of global localization to a place index.
 #include "pairs/view_registration.h"
 #include "place_index_rooms.h"
 #include "shortlist/shortlist.h"
@@ -97,7 +97,7 @@ TEST_F(PlaceIndexOfRooms, TheShortlistIsOfTheBestAlignedAndOfThoseWithWhosePlane
   params.shortlist.examined_models = kAligned;
   params.shortlist.first_models = kFirst;
   params.shortlist.examined_gap = 1e6;
-  std::vector<Shortlist> shortlists;  // of one model, of two, ...: each has one more of those below it
+  std::vector<Shortlist> shortlists;  // with one model, with two, ...: each has one more of those below it
   for (params.shortlist.size = 1; params.shortlist.size <= kListed; ++params.shortlist.size)
     shortlists.emplace_back(map, params);
   params.shortlist.size = kListed;
@@ -144,7 +144,7 @@ TEST_F(PlaceIndexOfRooms, TheShortlistIsOfTheBestAlignedAndOfThoseWithWhosePlane
     GlobalLocalizationParams close = params;
     close.shortlist.examined_gap = 0.5 * (others[1].first + others[2].first) - others[0].first;
     EXPECT_EQ(modelsFor(view, Shortlist(map, close), threads).size(), std::size_t{kFirst + 2}) << i;
-    // Beside what has been registered, none of them.
+    // None of the models that were registered already.
     const Query query = onFloor(view);
     const Shortlist shortlist(map, close);
     EXPECT_TRUE(shortlist.batches(query, true, threads).back()(1e6).empty()) << i;
@@ -192,7 +192,7 @@ TEST_F(PlaceIndexOfRooms, WithoutJointRefinementAnAlignmentIsNoMeasurementEither
   GlobalLocalizationParams params;
   params.shortlist.exhaustive_up_to = 0;
   params.steps.joint_refinement = false;
-  params.shortlist.size = 1000;  // of all models, in whatever order
+  params.shortlist.size = 1000;  // list of all models, in whatever order
   params.shortlist.gap = 1e6;
   const View view = query(1, 0.4, 77);
   const Localization with_starts = GlobalLocalization(map, params).localize(view);
@@ -222,7 +222,7 @@ std::vector<int> askedFor(const View& view, const std::shared_ptr<const Map>& ma
   auto stored = std::make_shared<Map>(*map);
   stored->setStore(store);
   const GlobalLocalization localization(stored, params);
-  store->asked.clear();  // of the index
+  store->asked.clear();  // queries of the index
   EXPECT_FALSE(localization.localize(view).hypotheses.empty());
   return store->asked;
 }
@@ -404,7 +404,7 @@ TEST_F(PlaceIndexOfRooms, AModelRegisteredAnewCountsOnce) {
   params.shortlist.sure_probability = 1;  // so that all batches are asked
   params.shortlist.examined_gap = 1e6;
   const GlobalLocalization by_batches(in_the_hand, params);
-  int compared = 0, alike = 0;
+  int compared = 0, equal = 0;
   for (unsigned i = 0; i < 8; ++i) {
     View view = query(int(i % kRooms), 0.7 * i, 700 + i);
     view.camera = nullptr;
@@ -412,14 +412,14 @@ TEST_F(PlaceIndexOfRooms, AModelRegisteredAnewCountsOnce) {
     if (whole.hypotheses.empty()) continue;
     ++compared;
     ASSERT_FALSE(brief.hypotheses.empty());
-    alike += isNear(*brief.hypotheses[0].T_w_c, *whole.hypotheses[0].T_w_c, 0.05, 1);
+    equal += isNear(*brief.hypotheses[0].T_w_c, *whole.hypotheses[0].T_w_c, 0.05, 1);
     for (std::size_t a = 0; a < brief.hypotheses.size(); ++a)
       for (std::size_t b = 0; b < a; ++b)
         EXPECT_FALSE(brief.hypotheses[a].model == brief.hypotheses[b].model &&
                      isNear(brief.hypotheses[a].T_m_c.T, brief.hypotheses[b].T_m_c.T, 1e-3, 0.01));
   }
   EXPECT_GT(compared, 4);
-  EXPECT_GE(alike, compared - 1);
+  EXPECT_GE(equal, compared - 1);
 }
 
 TEST_F(PlaceIndexOfRooms, OnlyForACameraThatIsMountedAsTheMapsTheFloorAndTheListHold) {

@@ -81,7 +81,7 @@ TEST_F(PlaceIndexOfRooms, IsTheSameAfterItWasWrittenAndRead) {
 }
 
 TEST_F(PlaceIndexOfRooms, IsWrittenAndReadWithoutTemporaryFiles) {
-  GTEST_FLAG_SET(death_test_style, "fast");  // in this process as it is
+  GTEST_FLAG_SET(death_test_style, "fast");  // runs in this process as it is
   const PlaceIndex index(*map);
   const auto writeAndRead = [&] {
     const rlimit nothing{0, 0};

@@ -120,7 +120,7 @@ TEST(RankPlaces, AmbiguousMapsMoreLikelyLackTheRightPlace) {
   EXPECT_NEAR(nullScore(params, kEven, MapAmbiguity{40, 1000000}, {}), -15 + 0.5 * 40, 1e-3);
 }
 
-/** Prior odds of the map holding the place or not are the odds of the answer, all else alike. */
+/** Prior odds of the map holding the place or not are the odds of the answer, all else equal. */
 TEST(RankPlaces, AMapThatIsKnownToBeCompleteIsBelievedMore) {
   const ProbabilityCalibration params;
   const auto odds = [&](double incomplete) {
@@ -248,7 +248,7 @@ TEST_F(Evidence, APlaceThatLooksLikeNoOtherIsBelievedSooner) {
   const auto nullScoreWith = [&](double weight, double share) {
     return ranking().oddsOfKnown(true, weight, share, here).null_score;
   };
-  EXPECT_DOUBLE_EQ(nullScoreWith(0.8, 0.5), 0.2 * -10 + 0.8 * 20) << "nobody has asked about this place";
+  EXPECT_DOUBLE_EQ(nullScoreWith(0.8, 0.5), 0.2 * -10 + 0.8 * 20) << "this place has no scores";
   map.models[0].alias_score = 4;
   map.models[2].alias_score = 8;
   EXPECT_DOUBLE_EQ(nullScoreWith(0.8, 0.5), 0.2 * -10 + 0.8 * 14);
@@ -259,7 +259,7 @@ TEST_F(Evidence, APlaceThatLooksLikeNoOtherIsBelievedSooner) {
   map.models[1].alias_score = 90;
   EXPECT_DOUBLE_EQ(nullScoreWith(1, 1), 20) << "no more than the map's";
   map.models[1].T_w_m->translation().x() += 100;
-  EXPECT_DOUBLE_EQ(nullScoreWith(1, 1), -10) << "what is far away is not this place";
+  EXPECT_DOUBLE_EQ(nullScoreWith(1, 1), -10) << "far models do not belong to this place";
 }
 
 TEST_F(Evidence, ReplacesTheEvidenceOfTheirOwnModel) {
@@ -372,7 +372,7 @@ TEST_F(Evidence, HopelessHypothesesGetTheLeastOfTheOthers) {
 }
 
 TEST_F(Evidence, OfAPerfectViewComesFromItsUntestedPixels) {
-  // Closed form: no pixel contradicts, is hidden or disagrees; what is left is the share that came untested.
+  // Closed form: no pixel contradicts, is hidden or disagrees; the rest is the share that came untested.
   map.models.resize(1);
   map.models[0].setView(scene);
   map.models[0].T_w_m = truth;

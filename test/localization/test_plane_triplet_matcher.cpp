@@ -88,7 +88,7 @@ TEST(PlaneTripletMatcher, FindsTheMotionBetweenTwoViewsInAnyAttitude) {
     found += isNear(Eigen::Isometry3d(overlay.T_m_c.matrix().cast<double>()), T_m_c, 0.15, 4);
   }
   EXPECT_GT(views, 30);
-  EXPECT_GE(found, 0.75 * views);  // others are laid over a place that looks alike
+  EXPECT_GE(found, 0.75 * views);  // others are laid over a place that looks the same
 }
 
 TEST(PlaneTripletMatcher, TheScoreIsTheShareOfThePlanesThatItLaysOnOthers) {
@@ -123,7 +123,7 @@ TEST(PlaneTripletMatcher, TheSamePlaceScoresMoreThanAnother) {
                 there = scene.on(PlaneColumns(viewFrom(other, hand.somewhere(), 3 * i + 2))).score;
     better += here > there;
   }
-  EXPECT_GE(better, 30);  // of 40; some views show a bare corner
+  EXPECT_GE(better, 30);  // 40 views in all; some show a bare corner
 }
 
 Segment plane(const Eigen::Vector3d& normal, const Eigen::Vector3d& centroid) {

@@ -45,7 +45,7 @@ double outlookByHand(const PlaceDescriptor& scene, const PlaceDescriptor& model)
     const double turn =
         std::remainder(model.main_heading - scene.main_heading + q * 90 * kDegree, 360 * kDegree);
     if (std::abs(turn) > 60 * kDegree) continue;
-    std::map<long, double> votes[2];  // by the move in twentieths of a metre, along x and along y
+    std::map<long, double> votes[2];  // keyed by the move in twentieths of a metre, along x and along y
     for (const Wall& m : model.walls)
       for (const Wall& s : scene.walls) {
         if (!facesMain(model, m) || !facesMain(scene, s)) continue;

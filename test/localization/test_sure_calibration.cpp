@@ -74,7 +74,7 @@ double shareBroken(const KnownLocalizer& localizer, std::size_t images, double a
   return static_cast<double>(broken) / kTrials;
 }
 
-constexpr double kThreeStd = 0.017;  // of a share of 5 % of 1500 trials
+constexpr double kThreeStd = 0.017;  // three standard deviations of a share of 5 % of 1500 trials
 
 TEST(SureCalibration, BoundHoldsForProbabilitiesThatAreRight) {
   const KnownLocalizer honest{mostlySure, [](double p) { return 1 - p; }};
@@ -126,7 +126,7 @@ TEST(SureCalibration, ThresholdFallsAsImagesGrowMore) {
 TEST(SureCalibration, SaysHowManyImagesAreNeeded) {
   SureCalibration calibration(0.01, 0.95);
   EXPECT_FALSE(calibration.threshold());
-  EXPECT_FALSE(calibration.imagesNeeded()) << "of no images, nobody knows how many of them are sure";
+  EXPECT_FALSE(calibration.imagesNeeded()) << "without images, the share of sure ones is unknown";
   for (int i = 0; i < 100; ++i) calibration.add(i % 2 ? 0.99999 : 0, true);
   ASSERT_FALSE(calibration.threshold());
   const auto needed = calibration.imagesNeeded();

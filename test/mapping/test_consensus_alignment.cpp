@@ -43,7 +43,7 @@ protected:
 
   std::vector<Eigen::Isometry3d> session_;
   Eigen::Isometry3d T_w_s_ = at(12, -3, 130);
-  double std_ = 1e-3;  // of a step [m, rad]
+  double std_ = 1e-3;  // standard deviation of a step [m, rad]
 };
 
 TEST_F(ConsensusAlignment, LeavesOutAnswersThatAgreeWithNoOther) {

@@ -188,7 +188,7 @@ TEST(DensifiedMap, MergedMapsKnowTheirRenderedViews) {
   EXPECT_EQ(renderedIn(merged), 2 * rendered);
 }
 
-/** A rendered view shows what the image that is asked for has shown: it would confirm it. */
+/** A rendered view shows the surfaces of the image that is localized: it would confirm it. */
 TEST(DensifiedMap, OwnViewsAreAskedWithoutRenderedOnes) {
   const Map driven = drivenMap();
   Map dense = driven;

@@ -73,7 +73,7 @@ TEST(FloorPlan, SidesAreWallsAndNotStairs) {
   std::mt19937 engine(7);
   std::uniform_real_distribution<double> angle(-90, 90), size(1.5, 4.5), thick(0.15, 0.4), off(-0.05, 0.05);
   constexpr double kCell = 0.05;
-  double turned = 0;  // of the directions, over the length of a wall [cells]
+  double turned = 0;  // change of the directions, over the length of a wall [cells]
   int sides = 0;
   for (int i = 0; i < 200; ++i) {
     const DrawnWall wall{
@@ -137,7 +137,7 @@ TEST(FloorPlan, HasFloorAndCeilingWhereThePlanIsKnown) {
   };
   EXPECT_NEAR(depthDown(4, 1, false), 1, 1e-5);
   EXPECT_NEAR(depthDown(4, 1, true), 1.5, 1e-5);
-  EXPECT_EQ(depthDown(4, 2, false), 0) << "no floor is made up";
+  EXPECT_EQ(depthDown(4, 2, false), 0) << "no floor is invented";
   params.floor = params.ceiling = false;
   EXPECT_EQ(depthDown(4, 1, false), 0);
 }

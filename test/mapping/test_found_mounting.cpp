@@ -82,7 +82,7 @@ TEST(FoundMounting, ARollIsPartOfIt) {
   EXPECT_NEAR(found->mounting.height, 0.98, 0.01);
   EXPECT_NEAR(found->mounting.tilt_deg, 10, 1);
   EXPECT_NEAR(found->mounting.roll_deg, -15, 1);
-  EXPECT_EQ(findMounting(drive({0.98, 10}, 0.004, 1.5, 10))->mounting.roll_deg, 0) << "what is hardly any";
+  EXPECT_EQ(findMounting(drive({0.98, 10}, 0.004, 1.5, 10))->mounting.roll_deg, 0) << "a tiny roll is none";
 }
 
 TEST(SeenFloor, IsAlsoFoundForARolledCameraInTheHand) {

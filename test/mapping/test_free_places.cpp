@@ -43,7 +43,7 @@ TEST(FreePlaces, FillsRoomsAndNothingElse) {
       EXPECT_FALSE(p.x() > 4 && p.x() < 5 && p.y() > 3.4) << p.transpose();
       EXPECT_FALSE(p.x() > 9 && p.y() < 0.5) << p.transpose();
     }
-    EXPECT_GT(first, 60);  // of the 96 of 24 m^2
+    EXPECT_GT(first, 60);  // 96 places on 24 m^2 at most
     EXPECT_GT(second, 40);
   }
 }
@@ -118,7 +118,7 @@ TEST(FloorLevels, AreThoseOfStoreysNotOfFurniture) {
   EXPECT_NEAR(5.4, levels[2], 1e-9);
 }
 
-/** Heights above the ceiling of what was measured above the floor. */
+/** Heights above the ceiling of points measured above the floor. */
 std::vector<std::vector<double>> turned(const std::vector<std::vector<double>>& columns, double height) {
   std::vector<std::vector<double>> upside_down;
   for (std::vector<double> column : columns) {

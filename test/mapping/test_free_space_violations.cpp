@@ -15,13 +15,13 @@ using test::lookingAlong;
 using test::viewFrom;
 
 const test::Scene kRoom = test::box({0, 0, 0}, {6, 5, 2.5});
-const test::Scene kChest = test::box({2.4, 3.6, 0}, {3.6, 4.4, 1.0});  // its front is what is seen
+const test::Scene kChest = test::box({2.4, 3.6, 0}, {3.6, 4.4, 1.0});  // its front is in view
 const Eigen::Isometry3d kModel = lookingAlong({3, 1.2, 1.2}, {0, 1, -0.2});
 const std::vector<Eigen::Isometry3d> kLater = {lookingAlong({2.7, 1.1, 1.2}, {0.05, 1, -0.2}),
                                                lookingAlong({3.3, 1.3, 1.2}, {-0.1, 1, -0.2}),
                                                lookingAlong({3, 0.7, 1.2}, {0, 1, -0.15})};
 
-/** A local model of the room with the chest, and what later views of another room say of it. */
+/** A local model of the room with the chest, and its review by later views of another room. */
 class FreeSpaceViolations : public testing::Test {
 protected:
   SurfaceReview review(const std::vector<test::Scene>& later, int looks = 2) {
@@ -56,7 +56,7 @@ TEST_F(FreeSpaceViolations, GoneSurfacesAreRemovedAndNothingElse) {
   const View left = withoutGone(model_, gone);
   EXPECT_EQ(left.segments.size(), model_.segments.size() - gone.gone_segments.size());
   EXPECT_EQ(ofChest(left), 0);
-  // The picture without it says nothing there, and what it says elsewhere is what it said.
+  // The picture without it is unknown there, and unchanged elsewhere.
   int erased = 0;
   for (std::size_t i = 0; i < left.depth.inverse_depth.size(); ++i) {
     erased += left.depth.inverse_depth[i] == 0 && model_.depth.inverse_depth[i] != 0;

@@ -21,7 +21,7 @@ using test::Scene;
 const Scene kRoom = box({0, 0, 0}, {6, 5, 2.5});
 const Scene kPillar = box({3.2, 2.2, 0}, {3.8, 2.8, 2.5});
 
-/** What several cameras see of scenes, one each. */
+/** The pictures of several cameras, each of its own scene. */
 class Pictures {
 public:
   void add(const Scene& scene, const Eigen::Isometry3d& T_w_c) {
@@ -101,7 +101,7 @@ TEST(FusedSurface, UnseenSpaceIsUnknown) {
   EXPECT_TRUE(surface.bounds().contains(Eigen::Vector3d(4, 2, 1)));
 }
 
-/** The far side of a cupboard is nobody's surface: behind it, the wall must not be seen through it. */
+/** The far side of a cupboard is unseen: behind it, the wall must not be seen through it. */
 TEST(FusedSurface, SurfacesSeenFromTheFrontHideFromBehindAndFromTheSide) {
   const Scene cupboard = box({2.5, 3.0, 0}, {3.5, 3.6, 2.0});
   Pictures front;

@@ -84,7 +84,7 @@ TEST(GraphCovariance, AFloorFixesRollPitchAndHeight) {
   const Eigen::Matrix3d C = floorCovariance({});
   graph.floor = LevelFloor{mounting.T_b_c(), C};
   const Matrix6d P = GraphCovariance(graph).ofNodes()[1];
-  // The camera is turned by what its robot is, and stands straight above it.
+  // The camera is turned as much as its robot, and stands straight above it.
   EXPECT_NEAR(P(0, 0), C(0, 0), 0.02 * C(0, 0));
   EXPECT_NEAR(P(1, 1), C(1, 1), 0.02 * C(1, 1));
   EXPECT_NEAR(P(5, 5), C(2, 2), 0.02 * C(2, 2));

@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 using testing::HasSubstr;
 
 constexpr double kWidth = 5, kDepth = 4,
-                 kHeight = 2.6;  // of a room with a cupboard and a beam under its ceiling
+                 kHeight = 2.6;  // height of a room with a cupboard and a beam under its ceiling
 constexpr double kEye = 1;
 
 void addBoxAt(Scene& scene, const Vector3d& low, const Vector3d& high, std::uint16_t& next_id) {
@@ -89,7 +89,7 @@ TEST(MapGrid, IsThePlanOfTheRoom) {
         EXPECT_FALSE(grid.isFree(column, row) && truth == Truth::outside)
             << grid.centre(column, row).transpose();
       }
-    // Of 18 m of walls in cells of 5 cm, most are seen; of 19.4 m2 of floor, too.
+    // Most of 18 m of walls in cells of 5 cm, and of 19.4 m2 of floor, are seen.
     EXPECT_GT(occupied, 240);
     EXPECT_GT(free * 0.0025, 17);
   }

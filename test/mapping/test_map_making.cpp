@@ -231,7 +231,7 @@ TEST(GrowingMap, HasEachPlaceOnce) {
     const View view = test::viewFrom(test::largeRoom(), onCircle(kStep * i), static_cast<unsigned>(i));
     return map.add(view, "image" + std::to_string(i), 0.2 * i);
   };
-  std::vector<int> numbers;  // of the images that are local models
+  std::vector<int> numbers;  // numbers of the images that are local models
   for (int i = 0; i < kImages; ++i)
     if (add(i)) numbers.push_back(i);
   const int places = map.size();

@@ -124,7 +124,7 @@ TEST(ModelMap, RefusesViewpointsThatAreNotFinite) {
 }
 
 TEST(ModelMap, SaysThatTheUnitMayBeWrong) {
-  BoxMesh millimetres;  // of a room of 6 x 4 m
+  BoxMesh millimetres;  // a room of 6 x 4 m
   millimetres.add({0, 0, -200}, {6000, 4000, 0}).add({0, 0, 2500}, {6000, 4000, 2700});
   ModelMap making(std::make_shared<const MeshSurface>(millimetres.mesh()), robotCamera());
   EXPECT_TRUE(making.finish().models.empty());

@@ -25,7 +25,7 @@ struct Wall {
   Vector2d low, high;
 };
 
-/** A room with a niche and a wing, no two sides alike. */
+/** A room with a niche and a wing, without equal sides. */
 const std::vector<Wall>& walls() {
   static const std::vector<Wall> all = {{{-kThick, -kThick}, {6 + kThick, 0}},
                                         {{6, 0}, {6 + kThick, 3}},
@@ -47,7 +47,7 @@ void addBoxAt(Scene& scene, const Vector3d& low, const Vector3d& high, std::uint
   addBox(scene, T, (high - low) / 2, next_id);
 }
 
-/** The building and what no plan shows: cupboards before its walls, a table, a shelf. */
+/** The building with things that no plan shows: cupboards before its walls, a table, a shelf. */
 Scene furnished() {
   Scene scene;
   std::uint16_t next_id = 1;

@@ -23,7 +23,7 @@ Eigen::Isometry3d trueCamera(double t) {
   return T;
 }
 
-/** What the images show, a little wrong; one in ten is a wrong place. */
+/** The motions between images, a little wrong; one in ten is of a wrong place. */
 std::vector<SeenMotion> seenMotions(double scale = 1) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
@@ -81,7 +81,8 @@ TEST(PoseCheck, NamesAWrongConvention) {
   const auto wFirst = [](double t) {
     Eigen::Isometry3d T = trueCamera(t);
     const Eigen::Quaterniond q(T.linear());
-    T.linear() = Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix();  // of the columns w x y z
+    T.linear() =
+        Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix();  // quaternion in the order w x y z
     return T;
   };
   const auto ofAxes = [](const Eigen::Matrix3d& optical_in_axes) {

@@ -111,7 +111,7 @@ TEST_F(Round, AWrongLoopThatMayBeWrongBendsLittle) {
 
 TEST_F(Round, PartsWithoutAnEdgeBetweenThemStayWhereTheyBegin) {
   PoseGraph g = graph(4, false);
-  g.edges.erase(g.edges.begin() + 5);  // from 5 to 6
+  g.edges.erase(g.edges.begin() + 5);  // edge between 5 and 6
   const GraphPoses found = optimized(g);
   for (int i = 0; i < 16; ++i) EXPECT_EQ(found.part[i], i < 6 ? 0 : 6);
   EXPECT_EQ(found.nodes[6].P, Matrix6d(Matrix6d::Zero()));

@@ -253,7 +253,7 @@ TEST(TrajectoryEstimation, AnyStampsAndEmptyViewsHaveAnAnswer) {
   estimation.improve();
   const CameraTrajectory found = estimation.trajectory();
   EXPECT_EQ(found.images.size(), 7u);
-  EXPECT_LE(found.parts().size(), 2u) << "what shows nothing may break the chain, once";
+  EXPECT_LE(found.parts().size(), 2u) << "an empty view may break the chain, once";
   EXPECT_THROW(TrajectoryEstimation([] {
                  MappingParams p;
                  p.reach = -1;
@@ -281,7 +281,7 @@ TEST(TrajectoryEstimation, AGivenOdometryCarriesACameraAlongACorridor) {
     return (t.images.back().T_w_c.translation() - t.images.front().T_w_c.translation()).norm();
   };
   EXPECT_NEAR(gone(with), way, 0.05 * way);
-  // Without it, nobody knows, and the covariance says so.
+  // Without it, the pose is unknown, and the covariance says so.
   const Matrix6d P = without.keyframes.back().T_w_c.P;
   EXPECT_GT(largestTranslationStd(P), 0.2 * way);
   EXPECT_LT(largestTranslationStd(with.keyframes.back().T_w_c.P), 0.3 * largestTranslationStd(P));

@@ -51,8 +51,8 @@ TEST(CoveringViews, CoverAllWithFew) {
 }
 
 TEST(SharedPart, IsTheShareOfThePixelsThatBothSee) {
-  // Cameras that look at a wall at a depth of 2 m, the second one to the right by half of what an image
-  // shows.
+  // Cameras that look at a wall at a depth of 2 m, the second one to the right by half of the width of an
+  // image there.
   const Intrinsics camera{40, 30, 40, 40, 19.5, 14.5};
   const auto seen = [&](double x, double z) {
     SmallView view{Eigen::Isometry3d::Identity(), std::vector<float>(40 * 30, 2.0f - static_cast<float>(z))};
@@ -61,7 +61,7 @@ TEST(SharedPart, IsTheShareOfThePixelsThatBothSee) {
   };
   EXPECT_DOUBLE_EQ(1, sharedPart(seen(0, 0), seen(0, 0), camera));
   EXPECT_NEAR(0.5, sharedPart(seen(0, 0), seen(1, 0), camera), 0.05);
-  EXPECT_NEAR(0.25, sharedPart(seen(0, 0), seen(0, 1), camera), 0.05);  // from half as far
+  EXPECT_NEAR(0.25, sharedPart(seen(0, 0), seen(0, 1), camera), 0.05);  // seen at half the distance
   EXPECT_NEAR(1, sharedPart(seen(0, 1), seen(0, 0), camera), 0.05);
   SmallView hidden = seen(0, 0);
   hidden.depth.assign(hidden.depth.size(), 1.0f);  // something stands in front of the wall

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the tests of every pcl::Registration of ours share.
+// The common part of the tests of our pcl::Registration classes.
 #pragma once
 
 #include <facetloc/registration/ekf_registration.h>

@@ -38,7 +38,7 @@ std::vector<Segment> randomSegments(Rng& rng, int n) {
   return segments;
 }
 
-// What another camera sees of the same surfaces: other parts of them, in another order.
+// The same surfaces seen by another camera: other parts of them, in another order.
 std::vector<Segment> seenFrom(const std::vector<Segment>& model, const Eigen::Isometry3d& T_m_c, Rng& rng) {
   std::vector<Segment> scene;
   for (auto it = model.rbegin(); it != model.rend(); ++it) {

@@ -23,7 +23,7 @@ using test::smallCamera;
 
 const double kPi = std::acos(-1.0);
 const double kNewDirection =
-    -std::log(1 - ScoreCalibration{}.parallel_weight);  // what a new direction gains at most
+    -std::log(1 - ScoreCalibration{}.parallel_weight);  // largest gain of a new direction
 
 PoseWithCovariance accuratePose() {
   PoseWithCovariance pose;

@@ -105,7 +105,7 @@ TEST_F(DenseRefinement, AStepIsThatOfAllPixelsOneByOne) {
   const double error = params.pixel_error * kNoise, of_pixel = 1 / (error * error * params.correlated_pixels);
   std::mt19937 rng(6);
   std::normal_distribution<double> normal;
-  // In single precision a pixel on the border of what is compared may fall to the other side: one of a
+  // In single precision a pixel on the border of the compared area may fall to the other side: one of a
   // thousand.
   int exact = 0;
   for (int trial = 0; trial < 10; ++trial) {
@@ -196,7 +196,7 @@ TEST_F(DenseRefinement, ABareWallFeignsNoInformation) {
     EXPECT_LT(P(3, 3), 1e-3 * prior.P(3, 3));  // across, the walls tell
     return std::sqrt(P(4, 4));
   };
-  EXPECT_LT(stdAlong(0), 0.02);  // what the noise of the gradients feigns
+  EXPECT_LT(stdAlong(0), 0.02);  // feigned by the noise of the gradients
   EXPECT_GT(stdAlong(4), 0.045);
   for (const double less : {0.01, 0.5}) EXPECT_EQ(stdAlong(less), stdAlong(1));  // never less than nothing
 }

@@ -27,7 +27,7 @@ std::vector<double> align(const Scene& scene, double true_shift, double start = 
   const Eigen::Isometry3d T_w_m = lookingAlong({0, 0, 1.2}, {0, 1, -0.15});
   const Eigen::Vector3d along = T_w_m.linear().transpose() * Eigen::Vector3d::UnitY();
   Eigen::Isometry3d T_m_c = Eigen::Isometry3d::Identity();
-  T_m_c.translation() = start * along;  // what the planes left open
+  T_m_c.translation() = start * along;  // the direction that the planes leave open
   return alignDepth(seenAt(scene, true_shift, 1), seenAt(scene, 0, 2), T_m_c, along, 0, DepthComparison({}));
 }
 

@@ -68,7 +68,7 @@ std::array<Segment, 3> corner(Rng& rng) {
   return model;
 }
 
-// What the camera at T_m_c measures of a true surface: another part of it, with an error drawn from Sigma_q.
+// A true surface as the camera at T_m_c measures it: another part of it, with an error drawn from Sigma_q.
 Segment seen(const Segment& truth, const Eigen::Isometry3d& T_m_c, const Eigen::Matrix3d& Sigma_q, Rng& rng) {
   Segment part = test::anotherPart(rng, truth, 0.3);
   part.Sigma_q = Sigma_q;
@@ -204,7 +204,7 @@ public:
     cost_ = e.dot(prior_.P.inverse() * e) + left_.dot(W_.inverse() * left_);
     return posterior;
   }
-  double cost() const { return cost_; }  // by the last linearisation
+  double cost() const { return cost_; }  // cost at the last linearisation
 
 private:
   Eigen::Vector3d residual(const Vector6d& e, const Eigen::Vector3d& q, const Eigen::Vector3d& q_model) {
@@ -405,7 +405,7 @@ TEST_F(RandomUpdates, PosesMoveWithTheFrameOfTheCamera) {
   Rng rng(9);
   forEach(200, [&rng](const Segment& scene, const Segment& model, const PoseWithCovariance& prior,
                       const EkfUpdate& u) {
-    // Turned axes of the camera: exact. (A moved origin changes what "Gaussian in (phi, t)" means.)
+    // Turned axes of the camera: exact. (A moved origin changes the meaning of "Gaussian in (phi, t)".)
     Eigen::Isometry3d Y = Eigen::Isometry3d::Identity();
     Y.linear() = test::randomRotation(rng);
     const EkfUpdate moved =

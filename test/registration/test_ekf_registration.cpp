@@ -157,7 +157,7 @@ TEST_F(ChosenCorrespondences, EstimationsOfPclGetTheSourceWhereTheGuessPutsIt) {
   for (const auto& pair : pairsOfTheAnswer()) EXPECT_TRUE(chosen.count(pair));
 }
 
-// What an estimation may never do to us: name frames that are not there.
+// An estimation must never name frames that do not exist.
 TEST_F(ChosenCorrespondences, PairsBeyondTheCloudsDoNotCount) {
   struct Wild : pcl::registration::CorrespondenceEstimationBase<SegmentFrame, SegmentFrame> {
     void determineCorrespondences(pcl::Correspondences& c, double) override {

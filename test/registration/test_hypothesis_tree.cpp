@@ -77,7 +77,7 @@ HypothesisTreeParams exhaustive() {
   return p;
 }
 
-// Every set of up to max_pairs candidates by itself, replayed in the order of the list. A set is a node of
+// Every set of up to max_pairs candidates, replayed separately in the order of the list. A set is a node of
 // the tree if no segment occurs twice and every one of its beginnings is a node that is not complete; it is
 // emitted if it is complete itself. No queue, no siblings, no shared state.
 struct BruteForce {
@@ -353,8 +353,8 @@ TEST(Observability, IsTheSpreadOfTheInverseForRealInformation) {
     EXPECT_NEAR(free.norm(), 1, 1e-6);
     EXPECT_GT(free.dot(P.bottomRightCorner<3, 3>() * free), 0.98 * translation.eigenvalues()[2]);
   }
-  // Where a decision is made, the closed form is exact enough; of what is free, nobody needs more than the
-  // size.
+  // Where a decision is made, the closed form is exact enough; of free motions, only the size
+  // matters.
   EXPECT_LT(worst_below_a_metre, 1e-3);
   EXPECT_LT(worst, 0.2);
 }

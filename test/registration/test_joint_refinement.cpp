@@ -26,7 +26,7 @@ using test::rectangle;
 using test::Rng;
 using test::uniform;
 
-// A room of six surfaces around a local model, and what a camera at a pose of the prior sees of them.
+// A room of six surfaces around a local model, and its view from a pose of the prior.
 struct Room {
   explicit Room(Rng& rng, double noise = 1) {
     prior.P = posePrior(CameraMounting{0.98, 10});
@@ -43,7 +43,7 @@ struct Room {
             transformed(disturbed(part, noise * gaussian<3>(rng, part.Sigma_q)), truth.inverse()));
       }
   }
-  // The first three independent directions in a sequence of Kalman updates: what the tree would emit.
+  // The first three independent directions in a sequence of Kalman updates, as the tree would emit them.
   bool sequential(Hypothesis& h) const {
     PoseWithCovariance pose = prior;
     for (const int k : {0, 2, 4}) {

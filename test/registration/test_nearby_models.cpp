@@ -13,7 +13,7 @@ namespace facetloc {
 using namespace internal;
 namespace {
 
-// Cameras all over a building, many of them in the same places; some nobody knows where.
+// Cameras all over a building, many of them in the same places; some with an unknown pose.
 std::shared_ptr<const Map> building() {
   std::mt19937 engine(7);
   std::uniform_real_distribution<double> place(-15, 15), turn(-3, 3);

@@ -98,7 +98,7 @@ TEST(PlanarRegistration, WorkingWidthIsAChoice) {
   }
 }
 
-/** Through a base pointer nobody sees getStatus(). */
+/** A base pointer has no getStatus(). */
 TEST(PlanarRegistration, HasConvergedIfItIsSure) {
   using Case = PlanarCase<pcl::PointXYZ>;
   const auto registration = pcl::make_shared<PlanarRegistration<pcl::PointXYZ>>();
@@ -132,7 +132,7 @@ TEST(PlanarRegistration, HasConvergedIfItIsSure) {
   EXPECT_THROW(registration->setMinProbability(1.01), std::invalid_argument);
 }
 
-// What a filter has left has an answer with the camera that saw it.
+// A filtered cloud has an answer with the camera that saw it.
 TEST(PlanarRegistration, FilteredCloudsAreRegisteredByTheirCamera) {
   const auto filtered = [](const Eigen::Isometry3d& T_w_c, unsigned seed) {
     const auto cloud = test::organizedCloud<pcl::PointXYZ>(test::imageFrom(T_w_c, seed));

@@ -48,7 +48,7 @@ TEST(PoseFusion, CommonInformationOfTwoSourcesIsNotCountedTwice) {
     a.P = common + of_a, b.P = common + of_b;
     b.T = perturbed(a.T, 1e-4 * test::gaussian<6>(rng, Matrix6d::Identity()));
     const PoseWithCovariance both = covarianceIntersection(a, b);
-    // What the estimate W a + (1 - W) b really errs by.
+    // The true error of the estimate W a + (1 - W) b.
     const Vector6d offset = perturbation(a.T, b.T);
     Matrix6d W;
     for (int k = 0; k < 6; ++k) {

@@ -33,20 +33,20 @@ TEST(PosePrior, OfAnOdometryGrowsWithTheDistance) {
   const OdometryError error{0.03, 2, 0.001, 0.1};
   const PoseWithCovariance free = motionByOdometry(motion, {}, error);
   EXPECT_EQ(free.T.matrix(), motion.matrix());
-  // 3 % of the way, alike over 10 m; 2 deg per root of a metre, of which 0.5 rad are 0.1 m.
+  // 3 % of the distance, correlated over 10 m; 2 deg per root of a metre, of which 0.5 rad are 0.1 m.
   EXPECT_NEAR(largestTranslationStd(free.P), 0.03 * std::sqrt(0.4 * 10) + 0.001, 1e-9);
   EXPECT_NEAR(largestRotationStd(free.P), (2 * std::sqrt(0.5) + 0.1) * kDegree, 1e-9);
-  // Many steps add up to what one long one has.
+  // Many steps add up to the variance of one long one.
   double variance = 0;
   Eigen::Isometry3d step = Eigen::Isometry3d::Identity();
   step.translation().z() = 0.1;
   for (int i = 0; i < 100; ++i)
     variance += std::pow(largestTranslationStd(motionByOdometry(step, {}, {0.03, 2, 0, 0.01}).P), 2);
   EXPECT_NEAR(std::sqrt(variance), 0.03 * 10, 1e-9);
-  // A robot's wheels roll in the plane of the floor: across it, only what the floor's unevenness does counts.
+  // A robot's wheels roll in the plane of the floor: across it, only the floor's unevenness counts.
   step.translation().z() = 1;
-  const Matrix6d P = motionByOdometry(step, CameraMounting{1, 0}, error).P;  // of a level camera: y is down
-  const double along = 0.03 * std::sqrt(10) + 0.001;  // and what the floor does to a camera 1 m above it
+  const Matrix6d P = motionByOdometry(step, CameraMounting{1, 0}, error).P;  // a level camera: y is down
+  const double along = 0.03 * std::sqrt(10) + 0.001;  // and the effect of the floor on a camera 1 m above it
   EXPECT_GT(std::sqrt(P(5, 5)), along);
   EXPECT_LT(std::sqrt(P(5, 5)), 1.2 * along);
   EXPECT_LT(P(4, 4), 0.25 * P(5, 5));
@@ -105,7 +105,7 @@ TEST(PosePrior, IsTheFloorsInformationAndTheRangeOfHeadingAndPlace) {
   p.translation_std = 0.2;
   const Matrix6d A = cameraMotion(mounting);
   const Matrix6d rest = posePrior(mounting, p).inverse() - floorInformation(mounting, p);
-  Vector6d want = Vector6d::Zero();  // of the base: heading, then the place
+  Vector6d want = Vector6d::Zero();  // pose of the base: heading, then the place
   want[2] = 1 / std::pow(5 * kDegree, 2);
   want[3] = want[4] = 25;
   EXPECT_THAT(Matrix6d(A.transpose() * rest * A), MatrixNear(Matrix6d(want.asDiagonal()), 1e-6));
@@ -154,7 +154,7 @@ private:
   Rng rng_;
 };
 
-// Far away, what tilts of the model's robot do to the height is larger than what the floor does to it.
+// Far away, the effect of tilts of the model's robot on the height is larger than the floor's.
 TEST(PosePrior, PropagatesTheFloorThroughTheMounting) {
   PosePriorParams p;
   p.rotation_std_deg = 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What every pcl::Registration of ours promises beyond that, tested through pointers to PCL's base class.
+// Promises of our pcl::Registration classes beyond PCL's, tested through pointers to PCL's base class.
 #include "registration_cases.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What every pcl::Registration promises, tested through pointers to PCL's base class. PCL's own ICP runs
+// Promises of every pcl::Registration, tested through pointers to PCL's base class. PCL's own ICP runs
 // along as a control.
 
 #if defined(__GNUC__) && !defined(__clang__)

@@ -47,7 +47,7 @@ protected:
     return list;
   }
   std::vector<Pair> determine(double max_distance = std::numeric_limits<double>::max()) {
-    pcl::Correspondences out(3);  // what was in it before does not matter
+    pcl::Correspondences out(3);  // its former content does not matter
     matching->determineCorrespondences(out, max_distance);
     return listOf(out);
   }

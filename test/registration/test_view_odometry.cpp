@@ -98,7 +98,7 @@ TEST(ViewOdometry, ARobotOnWheelsKnowsThatItDoesNotSlipAlongABareWall) {
     const double a = kPi / 2 * std::clamp((i - kDriving) / double(kTurning), 0.0, 1.0);
     return lookingAlong({0, 0.5 * kStep * std::min(i, kDriving), 1.2}, {std::sin(a), std::cos(a), 0});
   };
-  double std[2] = {0, 0};  // of a step along the wall: as it likes, on wheels [m]
+  double std[2] = {0, 0};  // standard deviation of a step along the wall: free, on wheels [m]
   for (const bool on_wheels : {false, true}) {
     ViewOdometry camera = odometry();
     Eigen::Isometry3d way = at(0);
@@ -116,7 +116,7 @@ TEST(ViewOdometry, ARobotOnWheelsKnowsThatItDoesNotSlipAlongABareWall) {
   EXPECT_LT(std[1], 0.6 * std[0]);
 }
 
-// Variance of the way [m^2] through a part of the circle, or without moving, by so many views.
+// Variance of the distance [m^2] through a part of the circle, or without moving, by this number of views.
 double varianceOfWay(int views, double degrees) {
   ViewOdometry camera = odometry();
   double sum = 0;
@@ -135,7 +135,7 @@ TEST(ViewOdometry, ErrorsAgainstAKeyViewAddUpByTheWayNotByTheNumberOfViews) {
   const double few = varianceOfWay(16, 40), many = varianceOfWay(48, 40), standing = varianceOfWay(48, 0);
   EXPECT_LT(many, 1.5 * few);
   EXPECT_GT(many, 0.5 * few);
-  EXPECT_LT(standing, 0.7 * many);  // what is left comes from the prediction, which knows of no standing
+  EXPECT_LT(standing, 0.7 * many);  // the rest comes from the prediction, which assumes motion
 }
 
 TEST(ViewOdometry, ResetForgetsEverything) {

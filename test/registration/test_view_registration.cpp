@@ -108,7 +108,7 @@ TEST_F(TwoViewsOfARoom, StartingNearTheTruthGivesTheSameAnswerWithFewerTrials) {
   const std::vector<Hypothesis> near = from(perturbed(truth, off));
   ASSERT_FALSE(near.empty());
   EXPECT_THAT(near[0].T_m_c.T, PoseNear(everywhere[0].T_m_c.T, 1e-3, 0.05));
-  // The start is no measurement: all that is known of the pose is what the pairs tell.
+  // The start is no measurement: all information about the pose comes from the pairs.
   EXPECT_NEAR(near[0].T_m_c.P.trace(), everywhere[0].T_m_c.P.trace(), 0.1 * everywhere[0].T_m_c.P.trace());
   EXPECT_LE(near.size(), everywhere.size());
   Eigen::Isometry3d away = truth;
@@ -232,7 +232,7 @@ protected:
                model = wallsOnly(viewFrom(scene, modelPose(), 1, 12), modelPose());
     return ViewRegistration(params).align(Query(view, isotropicPrior()), model);
   }
-  // Floor, ceiling and the long walls; what else there is shows in the depth picture alone.
+  // Floor, ceiling and the long walls; all else shows in the depth picture alone.
   static View wallsOnly(View view, const Eigen::Isometry3d& T_w_c) {
     const auto isOther = [&](const Segment& s) {
       const Eigen::Vector3d centroid = T_w_c * s.t;
@@ -288,7 +288,7 @@ protected:
   static Eigen::Isometry3d poseAt(double along, double turn) {
     return lookingAlong({along, 0, kHeight}, {turn, 1, 0});
   }
-  // The wall fills both views. What is no part of it shows in the depth pictures alone.
+  // The wall fills both views. Everything else shows in the depth pictures alone.
   static View modelOf(const test::Scene& scene) { return wallOnly(viewFrom(scene, poseAt(0, 0), 1)); }
   static View viewOf(const test::Scene& scene, double along) {
     return wallOnly(viewFrom(scene, poseAt(along, 0.05), 2));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Counts the allocations of this program and of the libraries that it uses; operator new asks malloc, too.
+// Counts the allocations of this program and of the libraries that it uses, since operator new also calls
+// malloc.
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_depth.h>
@@ -54,7 +55,7 @@ int posix_memalign(void** out, std::size_t alignment, std::size_t size) noexcept
 namespace facetloc {
 namespace {
 
-// What a camera that pans through a furnished room sees, with new noise in each image.
+// The images of a camera that pans through a furnished room, with new noise in each image.
 std::vector<DepthImage> pan(const Intrinsics& camera, int images, unsigned seed) {
   std::vector<DepthImage> out;
   for (int i = 0; i < images; ++i) {

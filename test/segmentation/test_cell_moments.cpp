@@ -63,7 +63,7 @@ std::vector<DisparityImage> images() {
   for (const auto& [width, height] : {std::pair{32, 16}, {29, 14}, {31, 13}, {7, 5}, {3, 2}, {1, 1}}) {
     Rng rng(++seed);
     for (const double share : {1.0, 0.95, 0.6}) {
-      DisparityImage image = blankDisparity(width, height);  // in steps whose sums are exact
+      DisparityImage image = blankDisparity(width, height);  // steps whose sums are exact
       for (float& d : image.d)
         if (uniform(rng, 0, 1) < share)
           d = static_cast<float>(std::round(uniform(rng, 400, 420) * 1024) / 1024);

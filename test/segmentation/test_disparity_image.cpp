@@ -89,14 +89,14 @@ TEST(EstimateNoise, OfSmoothNoiseIsHalfTheNoiseOfPixelsApart) {
   }
 }
 
-// What a Kinect rounds, and what has edges and holes, is not taken for smooth noise.
+// The rounding of a Kinect, and edges and holes, are not taken for smooth noise.
 TEST(EstimateNoise, OfAKinectComesFromNeighbours) {
   for (const double sigma : {0.1, 0.3, 0.5, 0.7}) {
     DepthImage image =
         render(test::furnishedRoom(), smallCamera(), test::lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2})).image;
     image = test::rounded(noisy(image, sigma / kKinectGain, 1));
     const double least = SensorNoise{}.inverse_depth_std;
-    constexpr int kRowsLookedAt = 4;  // every so many
+    constexpr int kRowsLookedAt = 4;  // one row in this number
     EXPECT_NEAR(estimateNoise(image, least), std::max(least, noiseOfNeighbours(image, kRowsLookedAt)),
                 1e-5 * least)
         << sigma;
@@ -137,7 +137,7 @@ TEST(EstimateNoise, DoesNotMindEdgesAndHoles) {
 
 TEST(EstimateNoise, OfTooFewPixelsIsUnknown) {
   EXPECT_EQ(estimateNoise({}), 0);
-  constexpr int kLookedAt = 2;  // of every four rows this one
+  constexpr int kLookedAt = 2;  // this row of every four
   const DepthImage whole = noisy(wall(), SensorNoise{}.inverse_depth_std, 1);
   DepthImage image = whole;
   const auto keep = [&](int pixels) {  // which make two triples of neighbours less

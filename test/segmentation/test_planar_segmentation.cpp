@@ -221,7 +221,7 @@ TYPED_TEST(PlanarSegmentationTest, GettersReturnTheValuesSet) {
   EXPECT_THAT(this->segmentation->getStatus(), HasSubstr("minimum support"));
 }
 
-// What a filter has left is seen by the camera that is set.
+// A filtered cloud is seen by the camera that is set.
 TYPED_TEST(PlanarSegmentationTest, FilteredCloudsAreSegmentedByTheirCamera) {
   this->segmentation->setInputCloud(this->cloud);
   this->segmentationOf().setCamera({test::smallCamera(), {}, {}, {}});

@@ -121,7 +121,7 @@ TEST_P(EverySplit, PlanesAreThoseOfTheRoom) {
   }
 }
 
-// A wall with a step of so many disparity units along a vertical line.
+// A wall with a step of this number of disparity units along a vertical line.
 DepthImage steppedWall(double step, int at) {
   DepthImage image;
   image.camera = smallCamera();
@@ -150,8 +150,8 @@ TEST_P(EverySplit, AStepOfOneDisparityUnitDoesNot) {
   }
 }
 
-// Pixels whose label stands for another face than the true one although no other face is within so many
-// pixels.
+// Pixels with the label of another face than the true one although no other face is within this distance
+// in pixels.
 int errorsInside(const LabelImage& labels, const LabelImage& truth, int distance) {
   std::vector<std::vector<int>> meets(labels.maxLabel() + 1, std::vector<int>(truth.maxLabel() + 1, 0));
   for (std::size_t i = 0; i < labels.label.size(); ++i) ++meets[labels.label[i]][truth.label[i]];

@@ -79,7 +79,7 @@ TEST(QuadTree, MomentsOfALeafAreTheSumOverItsPixels) {
 TEST(QuadTree, APlaneIsLargestCells) {
   QuadTree tree;
   tree.compute(planeOf(640, 448, 0.5f, -0.25f, 700));
-  EXPECT_EQ(tree.leaves().size(), 70u);  // of 64 px
+  EXPECT_EQ(tree.leaves().size(), 70u);  // leaves of 64 px
   for (const QuadTree::Leaf& leaf : tree.leaves()) EXPECT_EQ(leaf.size, 64);
   // Where the image ends before the larger ones, smaller ones go on, down to cells that are cut off.
   tree.compute(planeOf(66, 64, 0.5f, -0.25f, 700));
@@ -104,7 +104,8 @@ TEST(QuadTree, PartsThatAreTwoPlanesAreNotJoined) {
   for (const float step : {2.f, 10.f}) {
     DisparityImage image = planeOf(8, 8, 0, 0, 400);
     for (int v = 0; v < 8; ++v) std::fill_n(image.d.begin() + v * 8 + 4, 4, 400.f + step);
-    const double rms = step / 4;  // of both halves to their plane, to which they are parallel no more
+    const double rms =
+        step / 4;  // residual of both halves to their plane, to which they are parallel no more
     QuadTree tree(0.5, 1.01 * rms);
     tree.compute(image);
     EXPECT_EQ(tree.leaves().size(), 4u) << "their displacement is twice that";

@@ -119,7 +119,7 @@ TEST(SmoothNoise, MakesPlanesAsUncertainAsTheyAre) {
   EXPECT_GT(sum / images, 3 * 0.3);
 }
 
-// Noise that neighbours share tilts a strip no more than it tilts what is around it.
+// Noise that neighbours share tilts a strip no more than its surroundings.
 TEST(SmoothNoise, KeepsNarrowStrips) {
   DepthImage image = wall();
   LabelImage labels{320, 240, std::vector<std::uint16_t>(image.depth.size(), 0)};

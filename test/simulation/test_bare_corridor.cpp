@@ -14,7 +14,7 @@ namespace facetloc {
 namespace {
 
 constexpr double kLength = 40;   // [m]
-constexpr double kMaxDepth = 8;  // of the camera [m]
+constexpr double kMaxDepth = 8;  // range of the camera [m]
 constexpr std::size_t kMany = 1000;
 
 DriveParams mappingDrive() {

@@ -44,7 +44,8 @@ private:
   pcl::PointCloud<pcl::PointXYZ> points_;
 };
 
-/** What a camera sees of the scene, rays in the mesh meet, too; but for round things, which have edges. */
+/** Rays in the mesh meet the surfaces that a camera sees in the scene; but for round things, which have
+ * edges. */
 TEST(SimulatedModel, ShowsTheSurfacesOfTheCamera) {
   const SimulatedPlace place = simulatedPlace("office", 4);
   Scene scene = lastingParts(place);
@@ -84,7 +85,7 @@ TEST(SimulatedModel, HasNothingThatMoves) {
 
 class FloorPlans : public testing::TestWithParam<std::string> {};
 
-/** What stands from the floor to above every door, and is no shelf, is occupied in the plan. */
+/** A thing that reaches from the floor to above every door, and is no shelf, is occupied in the plan. */
 TEST_P(FloorPlans, AreTheWallsOfTheScene) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const SimulatedPlace place = simulatedPlace(GetParam(), seed);

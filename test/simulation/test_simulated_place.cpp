@@ -89,7 +89,7 @@ double distance(const Stretch& a, const Stretch& b) {
   return std::min({distance(a.from, b), distance(a.to, b), distance(b.from, a), distance(b.to, a)});
 }
 
-/** What of a convex polygon is at one side of a height. */
+/** The part of a convex polygon at one side of a height. */
 std::vector<Vector3d> clipped(const std::vector<Vector3d>& polygon, double z, double side) {
   std::vector<Vector3d> out;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -179,7 +179,7 @@ TEST_P(SimulatedPlaces, RectanglesAreWellFormed) {
         ASSERT_NEAR(r.axis_v.norm(), 1, 1e-9);
         ASSERT_NEAR(r.axis_u.dot(r.axis_v), 0, 1e-9);
         ASSERT_GT(std::min(r.half_u, r.half_v), 0);
-        ASSERT_NE(r.plane_id, 0) << "label of what is no plane";
+        ASSERT_NE(r.plane_id, 0) << "label of a surface that is no plane";
       }
       for (const RoundBody& body : scene->bodies) {
         ASSERT_GT(body.half_size.minCoeff(), 0);
@@ -305,7 +305,7 @@ TEST_P(SimulatedPlaces, AreClosed) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     SCOPED_TRACE(seed);
     SimulatedPlace p = place(seed);
-    for (auto& r : p.later.rectangles) r.material = Material::matt;  // what is behind windows does not count
+    for (auto& r : p.later.rectangles) r.material = Material::matt;  // surfaces behind windows do not count
     for (const Waypoint& waypoint : p.query_route) {
       for (const double yaw_deg : {0, 90, 180, 270}) {
         const auto frame = camera.renderExact(p.later, standing(waypoint.place, yaw_deg * kDegree));

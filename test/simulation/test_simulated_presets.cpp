@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// What each simulated camera gets wrong, as statistics of its images.
+// The errors of each simulated camera, as statistics of its images.
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/simulation/simulated_camera.h>
 
@@ -27,7 +27,7 @@ Rectangle wallAt(double z, double half = 100, std::uint16_t id = 1) {
 
 Scene sceneOf(const std::vector<Rectangle>& rectangles) { return {rectangles, {}}; }
 
-/** Nothing but what the test asks for. */
+/** No error but those that the test sets. */
 SimulatedNoise noErrors() {
   SimulatedNoise noise;
   noise.disparity_std = noise.distortion = noise.quantization = noise.edge_std_px = noise.random_dropout = 0;
@@ -252,7 +252,7 @@ TEST(SharedErrors, FillingLeavesNoHoleAndInterpolatesEdges) {
   const std::vector<Rectangle> step = {wallAt(3), wallAt(1, 0.2, 2)};
   const DepthImage image = seen(noise, step);
   EXPECT_EQ(measuredShare(image), 1);
-  const double edge = kCamera.cx + 0.2 * kCamera.fx;  // of the near wall
+  const double edge = kCamera.cx + 0.2 * kCamera.fx;  // edge of the near wall
   EXPECT_GT(image.at(static_cast<int>(edge) - 1, 120), 1.05);
   EXPECT_LT(image.at(static_cast<int>(edge) + 2, 120), 2.9);
   SimulatedNoise without_holes = noise;

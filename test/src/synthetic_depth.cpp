@@ -39,7 +39,7 @@ Rendering render(const Scene& scene, const Intrinsics& camera, const Eigen::Isom
   out.labels = {camera.width, camera.height, std::vector<std::uint16_t>(out.image.depth.size(), 0)};
   const Eigen::Vector3d origin = T_w_c.translation();
   std::vector<Eigen::Vector3d> normals;
-  std::vector<double> offsets;  // of the faces from the camera
+  std::vector<double> offsets;  // offsets of the faces from the camera
   for (const Face& f : scene) {
     normals.push_back(f.x.cross(f.y));
     offsets.push_back(normals.back().dot(f.centre - origin));
@@ -76,7 +76,7 @@ DepthImage smoothlyNoisy(DepthImage image, double inverse_depth_std, double smoo
             reach = static_cast<int>(std::ceil(3 * smoothing));
   std::vector<double> weights;
   for (int i = -reach; i <= reach; ++i) weights.push_back(std::exp(-0.5 * i * i / (smoothing * smoothing)));
-  double power = 0;  // of the weights of one direction
+  double power = 0;  // sum of squares of the weights of one direction
   for (const double weight : weights) power += weight * weight;
   std::mt19937 rng(seed);
   std::normal_distribution<double> white(0, inverse_depth_std / power);

@@ -9,7 +9,7 @@
 
 namespace facetloc::test {
 
-/** \name What the matchers do, compiled once for all types of matrices. */
+/** \name Implementations of the matchers, compiled once for all types of matrices. */
 /// @{
 using AnyMatrix = Eigen::Ref<const Eigen::MatrixXd>;
 using Listener = testing::MatchResultListener;
