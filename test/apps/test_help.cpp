@@ -75,6 +75,16 @@ TEST(Help, EachOptionIsUnderstoodAlone) {
           << tool;
 }
 
+TEST(Help, UnitsOfScoresAreExplained) {
+  int explained = 0;
+  for (const auto& [tool, help] : helpOfAll("--help-all")) {
+    const bool has_nats = help.find("[nats]") != std::string::npos;
+    EXPECT_EQ(help.find("in nats: each nat multiplies") != std::string::npos, has_nats) << tool;
+    explained += has_nats;
+  }
+  EXPECT_GT(explained, 0);
+}
+
 /** A preset's parameter that no tool has would be left out silently. */
 TEST(Help, PresetsSetExistingParameters) {
   std::string all;

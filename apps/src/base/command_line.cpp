@@ -174,7 +174,7 @@ void CommandLine::addChoice(Options& group, const std::string& name, const std::
 
 void CommandLine::addPresets() {
   addOption("preset", preset_, "NAME",
-            fmt::format("Parameters that are shipped as a set: {}.", fmt::join(presetNames(), ", ")));
+            fmt::format("Predefined set of parameters: {}.", fmt::join(presetNames(), ", ")));
 }
 
 const CommandLine::Option* CommandLine::find(std::string name) const {
@@ -342,6 +342,9 @@ void CommandLine::printExamples(std::ostream& out) const {
     out << fmt::format("  {} {:{}}  # {}\n", tool_, arguments, width, what);
 }
 
+constexpr const char* kNats =
+    "Scores and evidence are logarithms of odds in nats: each nat multiplies the odds by 2.7.";
+
 void CommandLine::printHelp(std::ostream& out, bool all) const {
   out << "Usage: " << tool_ << " " << synopsis_ << "\n\n" << wrapped(about_) << "\n";
   if (!declared_->common.options().empty()) out << declared_->common << "\n";
@@ -354,10 +357,13 @@ void CommandLine::printHelp(std::ostream& out, bool all) const {
                    "--version; --params FILE, a file of options; --threads N, 0 = all cores; -q, --quiet: no "
                    "progress and no remarks.");
   if (all && !declared_->rare.options().empty()) out << "\n" << declared_->rare;
+  std::ostringstream parameters;
   for (const bool for_users : {true, false})
     for (const Declared::Group& group : declared_->groups)
       if (all && group.shown == Shown::in_help_all && (group.title == kUsersTitle) == for_users)
-        out << "\n" << *group.options;
+        parameters << "\n" << *group.options;
+  out << parameters.str();
+  if (parameters.str().find("[nats]") != std::string::npos) out << "\n" << wrapped(kNats);
   printExamples(out);
 }
 

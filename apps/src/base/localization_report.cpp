@@ -51,7 +51,7 @@ std::vector<ResultRow> resultRows(const std::string& frame, const Localization& 
 
 void addMinProbability(CommandLine& line, double& min_probability) {
   line.addOption("min-probability", min_probability, "P",
-                 "Minimum probability of a sure answer; the map's calibration unless given.");
+                 "Minimum probability of a sure answer. A calibrated map has its own default.");
   line.addCheck([&min_probability] {
     if (!(min_probability > 0 && min_probability <= 1))
       throw UsageError("min-probability must be above 0 and at most 1");

@@ -97,7 +97,7 @@ EvaluateApp::EvaluateApp()
 void EvaluateApp::addOptions(CommandLine& line) {
   line.addArgument("RESULTS", results_);
   line.addArgument("GROUNDTRUTH", truth_, false);
-  line.addOption("output,o", folder_, "DIR", "Folder of the evaluation; RESULTS/evaluation if not given.");
+  line.addOption("output,o", folder_, "DIR", "Folder of the evaluation; RESULTS/evaluation unless given.");
   line.addOption("map", map_, "MAP.flmap", "The map that the images were localized in.");
   line.addOption("map-groundtruth", map_truth_, "FILE",
                  "True poses of the map's images, if those in the map may differ.");
