@@ -4,15 +4,24 @@
 namespace facetloc {
 namespace {
 
+constexpr const char* kFixed = "fixed";
 constexpr const char* kIncomplete = "incomplete";
 
 }  // namespace
 
-bool lacksSurfaces(const Map& map) {
+MapSurfaces surfacesOf(const Map& map) {
   const auto found = map.meta.find(kSurfacesKey);
-  return found != map.meta.end() && found->second == kIncomplete;
+  if (found == map.meta.end()) return MapSurfaces::seen;
+  return found->second == kFixed        ? MapSurfaces::fixed
+         : found->second == kIncomplete ? MapSurfaces::incomplete
+                                        : MapSurfaces::seen;
 }
 
-void setLacksSurfaces(Map& map) { map.meta[kSurfacesKey] = kIncomplete; }
+void setSurfaces(MapSurfaces surfaces, Map& map) {
+  if (surfaces == MapSurfaces::seen)
+    map.meta.erase(kSurfacesKey);
+  else
+    map.meta[kSurfacesKey] = surfaces == MapSurfaces::fixed ? kFixed : kIncomplete;
+}
 
 }  // namespace facetloc

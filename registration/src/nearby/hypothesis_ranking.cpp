@@ -43,7 +43,18 @@ int measuredPixels(const DepthPicture& picture, double farthest, int columns) {
   return n;
 }
 
-double weighed(const DepthEvidence& found, double free_space_share, const EvidenceCalibration& params) {
+// What the pixels of local models weigh, of what the scene's do. Fixed surfaces do not move away, so that one
+// that was looked through tells more; things that are put before them hide them anywhere.
+struct ModelWeights {
+  double looked_through = 1, hidden = 1;
+};
+
+ModelWeights weightsOf(MapSurfaces surfaces) {
+  return surfaces == MapSurfaces::fixed ? ModelWeights{2, 0} : ModelWeights();
+}
+
+double weighed(const DepthEvidence& found, double free_space_share, const EvidenceCalibration& params,
+               const ModelWeights& weights) {
   const auto tail = [&](double share) { return std::log1p(share / free_space_share); };
   const double untested = params.untested_pixels * found.pixels;
   const auto contradiction = [&](const DepthAgreement& a, double untested_here) {
@@ -65,8 +76,9 @@ double weighed(const DepthEvidence& found, double free_space_share, const Eviden
   else
     of_models = contradiction({}, untested);
   const double disagreement = (found.expected - found.of_scene.agree) / std::max(1.0, double(found.pixels));
-  return -params.contradiction_weight * (contradiction(found.of_scene, untested) + of_models) -
-         params.occlusion_weight * hidden - params.disagreement_weight * disagreement;
+  return -params.contradiction_weight *
+             (contradiction(found.of_scene, untested) + weights.looked_through * of_models) -
+         weights.hidden * params.occlusion_weight * hidden - params.disagreement_weight * disagreement;
 }
 
 Coverage coverageOf(const DepthEvidence& found, const View& scene, const std::vector<SegmentPair>& pairs) {
@@ -109,9 +121,9 @@ DepthCalibration refinedErrors(const Calibration& calibration) {
   return depth;
 }
 
-HypothesisRanking::HypothesisRanking(const RegistrationParams& params, bool incomplete)
+HypothesisRanking::HypothesisRanking(const RegistrationParams& params, MapSurfaces surfaces)
     : params_(params),
-      incomplete_(incomplete),
+      surfaces_(surfaces),
       comparison_(params.calibration.depth),
       refined_comparison_(refinedErrors(params.calibration)) {}
 
@@ -142,13 +154,15 @@ double HypothesisRanking::evidence(const View& scene, const std::vector<NearbyVi
     found.of_models.push_back(comparison.count(depth, scene.depth, T_m_c.inverse(), kCoarseColumns));
   }
   found.of_scene = compareWithAll(scene.depth, T_w_c, pictures, comparison, kFineColumns);
-  if (incomplete_) dropFurniture(found);
+  const bool incomplete = surfaces_ == MapSurfaces::incomplete;
+  if (incomplete) dropFurniture(found);
   const int step = gridStep(scene.depth, kFineColumns);
   found.pixels = gridPoints(scene.depth.camera.width, step) * gridPoints(scene.depth.camera.height, step);
   h.coverage = coverageOf(found, scene, h.pairs);
-  found.expected = incomplete_ ? measuredPixels(scene.depth, comparison.farthest(), kFineColumns)
-                               : found.of_scene.judged();
-  return weighed(found, params_.calibration.score.free_space_share, params_.calibration.evidence);
+  found.expected =
+      incomplete ? measuredPixels(scene.depth, comparison.farthest(), kFineColumns) : found.of_scene.judged();
+  return weighed(found, params_.calibration.score.free_space_share, params_.calibration.evidence,
+                 weightsOf(surfaces_));
 }
 
 // Moves a hypothesis, within its place, to where the pixels of these models fit best.

@@ -6,6 +6,7 @@
 #include "shared/pose_radius.h"
 
 #include <facetloc/features/local_model.h>
+#include <facetloc/features/map_surfaces.h>
 #include <facetloc/registration/hypothesis.h>
 #include <facetloc/registration/registration_params.h>
 
@@ -121,8 +122,8 @@ public:
                     std::vector<Hypothesis>& hypotheses) const;
 
 protected:
-  /** \param incomplete whether the views near a hypothesis lack surfaces (localization/METHOD 11.7) */
-  explicit HypothesisRanking(const RegistrationParams& params, bool incomplete = false);
+  /** \param surfaces what the views near a hypothesis show (localization/METHOD 11.7) */
+  explicit HypothesisRanking(const RegistrationParams& params, MapSurfaces surfaces = MapSurfaces::seen);
 
   /** \brief The views near a hypothesis that has T_w_c. */
   virtual std::vector<NearbyView> neighbours(const Hypothesis& h) const = 0;
@@ -148,7 +149,7 @@ private:
   std::size_t hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const;
 
   RegistrationParams params_;
-  bool incomplete_;
+  MapSurfaces surfaces_;
   DepthComparison comparison_, refined_comparison_;
 };
 

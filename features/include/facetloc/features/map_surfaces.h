@@ -5,14 +5,26 @@
 
 namespace facetloc {
 
-/** \brief Key of a map's meta data: "incomplete" for a map of a part of the surfaces only, as of the walls of
- * a floor plan. */
+/** \brief Key of a map's meta data: "fixed" or "incomplete", as MapSurfaces; without it, surfaces were seen.
+ */
 constexpr const char* kSurfacesKey = "surfaces";
+
+/** \brief The surfaces that a map holds (localization/METHOD 11.7). */
+enum class MapSurfaces {
+  seen,        ///< by a camera or scanner: all that was there, some of which people move
+  fixed,       ///< of a drawn model: what stays; people put other things before it
+  incomplete,  ///< a part of what stays, as the walls of a floor plan: furniture stands before them
+};
+
+/** \brief What a map holds. */
+MapSurfaces surfacesOf(const Map& map);
+/** \brief Says so in the meta data of a map. */
+void setSurfaces(MapSurfaces surfaces, Map& map);
 
 /** \brief Whether a map lacks surfaces: objects in front of its surfaces, as furniture before a wall,
  * do not contradict it; objects seen through them do (localization/METHOD 11.7). */
-bool lacksSurfaces(const Map& map);
+inline bool lacksSurfaces(const Map& map) { return surfacesOf(map) == MapSurfaces::incomplete; }
 /** \brief Says so in the meta data of a map. */
-void setLacksSurfaces(Map& map);
+inline void setLacksSurfaces(Map& map) { setSurfaces(MapSurfaces::incomplete, map); }
 
 }  // namespace facetloc

@@ -20,7 +20,7 @@ double meanAmbiguity(const ProbabilityCalibration& params, const std::optional<M
 }  // namespace
 
 PlaceRanking::PlaceRanking(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params)
-    : HypothesisRanking(params, lacksSurfaces(*map)),
+    : HypothesisRanking(params, surfacesOf(*map)),
       map_(std::move(map)),
       params_(params),
       score_(hypothesisScore(params, comparison())),

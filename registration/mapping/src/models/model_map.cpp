@@ -18,6 +18,11 @@ using namespace internal;
 
 namespace {
 
+MapSurfaces surfacesOf(const Surface& surface) {
+  if (surface.isIncomplete()) return MapSurfaces::incomplete;
+  return surface.isDrawn() ? MapSurfaces::fixed : MapSurfaces::seen;
+}
+
 /** Where a camera in the hand is held [m], and how it is inclined [deg]. */
 const std::vector<double> kHeightsInHand{1.1, 1.6}, kTiltsInHand{0, 30};
 
@@ -88,7 +93,7 @@ Map ModelMap::Impl::build() {
   }
   Map map;
   map.camera = camera;
-  if (surface->isIncomplete()) setLacksSurfaces(map);
+  setSurfaces(surfacesOf(*surface), map);
   std::vector<Eigen::Isometry3d> used;
   std::vector<UnreadImage> unread;
   run.buildViews(run.all(), MapProgress::Stage::models, unread,

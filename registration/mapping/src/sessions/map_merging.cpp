@@ -101,6 +101,13 @@ void requireUniqueNames(const Map& map) {
           "two local models would be named {}; rename the maps so that their names differ", model.name));
 }
 
+/** Nothing may object to what one of the maps lacks; and all of them have to be of what stays. */
+MapSurfaces surfacesOfAll(const std::vector<Map>& maps) {
+  if (std::any_of(maps.begin(), maps.end(), lacksSurfaces)) return MapSurfaces::incomplete;
+  const auto isFixed = [](const Map& map) { return surfacesOf(map) == MapSurfaces::fixed; };
+  return std::all_of(maps.begin(), maps.end(), isFixed) ? MapSurfaces::fixed : MapSurfaces::seen;
+}
+
 }  // namespace
 
 std::vector<MapAlignment> alignMaps(std::vector<Map>& maps, int threads,
@@ -131,9 +138,8 @@ Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& name
     const std::string prefix = same > 0 ? fmt::format("{}_{}.", names[i], same + 1) : names[i] + ".";
     for (const auto& [key, value] : maps[i].meta)
       if (key != kSureKey && key != kRenderedKey) merged.meta[prefix + key] = value;
-    if (lacksSurfaces(maps[i]))
-      setLacksSurfaces(merged);  // surfaces that one of them lacks must not count as evidence
   }
+  setSurfaces(surfacesOfAll(maps), merged);
   requireUniqueNames(merged);
   placeByLinks(merged);
   return merged;

@@ -7,6 +7,7 @@
 #include "shared/in_parallel.h"
 #include "shared/pose_radius.h"
 
+#include <facetloc/features/map_surfaces.h>
 #include <facetloc/features/sure_threshold.h>
 
 #include <algorithm>
@@ -225,6 +226,8 @@ public:
     if (changes_.any()) {
       map_.ambiguity.reset();
       map_.meta.erase(kSureKey);
+      // An image shows what was there when it was taken, which need not stay.
+      if (surfacesOf(map_) == MapSurfaces::fixed) setSurfaces(MapSurfaces::seen, map_);
     }
     return std::move(changes_);
   }

@@ -33,6 +33,7 @@ public:
 
   DepthImage render(const Intrinsics& camera, const Eigen::Isometry3d& T_w_c) const override;
   Eigen::AlignedBox3d bounds() const override { return bounds_; }
+  bool isDrawn() const override { return !is_scan_; }
 
   std::size_t triangles() const { return triangles_; }
   bool isScan() const { return is_scan_; }           ///< is it seen from the front alone?

@@ -24,6 +24,9 @@ public:
   /** \brief Whether unknown objects may stand before it, as furniture before the walls of a floor plan: they
    * do not contradict the surface. */
   virtual bool isIncomplete() const { return false; }
+
+  /** \brief Whether it was drawn, and not seen: it holds what stays, and not what people move. */
+  virtual bool isDrawn() const { return false; }
 };
 
 }  // namespace facetloc
