@@ -9,8 +9,8 @@
 #include <limits>
 
 /** \file
- * What the figures of the METHOD documents show, computed by the library on simulated views. Numbers are
- * rounded, so that figures do not change with the last digit of a result. */
+ * The contents of the figures of the METHOD documents, computed by the library on simulated views. Numbers
+ * are rounded, so that figures do not change with the last digit of a result. */
 namespace facetloc::figures {
 
 Json::Value pipelineFacts();  ///< One image in a map of a room: segments, pairs, ranked poses

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Prints what a figure shows, as JSON: figure_data NAME
+// Prints the data of a figure as JSON: figure_data NAME
 #include "facts.h"
 
 #include <exception>

@@ -32,7 +32,7 @@ test::Scene corner(bool with_cupboard) {
   return with_cupboard ? room + test::box({1.35, 7.5, 0}, {2.6, 8, 2.4}) : room;
 }
 
-/** Walks all sets of candidates, whose updates the search would make, too. */
+/** Walks all sets of candidates, whose updates the search would also make. */
 class Walk {
 public:
   Walk(const View& scene, const View& model, Pairs candidates, const TreeSearchResult& found)

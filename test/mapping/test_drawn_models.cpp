@@ -18,7 +18,7 @@
 namespace facetloc {
 namespace {
 
-constexpr float kApart = 10;  // from one room to the other [m]
+constexpr float kApart = 10;  // distance between the rooms [m]
 
 Camera robotCamera() {
   Camera camera;
@@ -38,7 +38,7 @@ void addRoom(float x, BoxMesh& mesh) {
       .add({x + 3.2f, 2.9f, 0}, {x + 4, 4, 0.75f});
 }
 
-/** Two rooms that are alike, but for a wardrobe that is built into the second one. */
+/** Two equal rooms, except for a wardrobe built into the second one. */
 BoxMesh building() {
   BoxMesh mesh;
   addRoom(0, mesh);

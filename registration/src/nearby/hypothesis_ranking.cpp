@@ -43,8 +43,8 @@ int measuredPixels(const DepthPicture& picture, double farthest, int columns) {
   return n;
 }
 
-// What the pixels of local models weigh, of what the scene's do. Fixed surfaces do not move away, so that one
-// that was looked through tells more; things that are put before them hide them anywhere.
+// Weights of the pixels of local models, relative to those of the scene. Fixed surfaces do not move away:
+// free space through one contradicts a pose more, and objects may hide them anywhere.
 struct ModelWeights {
   double looked_through = 1, hidden = 1;
 };

@@ -122,7 +122,7 @@ public:
                     std::vector<Hypothesis>& hypotheses) const;
 
 protected:
-  /** \param surfaces what the views near a hypothesis show (localization/METHOD 11.7) */
+  /** \param surfaces the kind of surfaces in views near a hypothesis (localization/METHOD 11.7) */
   explicit HypothesisRanking(const RegistrationParams& params, MapSurfaces surfaces = MapSurfaces::seen);
 
   /** \brief The views near a hypothesis that has T_w_c. */

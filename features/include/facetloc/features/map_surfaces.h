@@ -11,12 +11,13 @@ constexpr const char* kSurfacesKey = "surfaces";
 
 /** \brief The surfaces that a map holds (localization/METHOD 11.7). */
 enum class MapSurfaces {
-  seen,        ///< by a camera or scanner: all that was there, some of which people move
-  fixed,       ///< of a drawn model: what stays; people put other things before it
-  incomplete,  ///< a part of what stays, as the walls of a floor plan: furniture stands before them
+  seen,        ///< as a camera or scanner saw them: all surfaces of a day, some of which people move
+  fixed,       ///< as drawn: the surfaces that stay; people put other things before them
+  incomplete,  ///< a part of the surfaces that stay, as the walls of a floor plan; furniture stands before
+               ///< them
 };
 
-/** \brief What a map holds. */
+/** \brief The kind of surfaces in a map. */
 MapSurfaces surfacesOf(const Map& map);
 /** \brief Says so in the meta data of a map. */
 void setSurfaces(MapSurfaces surfaces, Map& map);

@@ -101,7 +101,7 @@ void requireUniqueNames(const Map& map) {
           "two local models would be named {}; rename the maps so that their names differ", model.name));
 }
 
-/** Nothing may object to what one of the maps lacks; and all of them have to be of what stays. */
+/** A surface that one of the maps lacks contradicts nothing; surfaces are fixed if those of all maps are. */
 MapSurfaces surfacesOfAll(const std::vector<Map>& maps) {
   if (std::any_of(maps.begin(), maps.end(), lacksSurfaces)) return MapSurfaces::incomplete;
   const auto isFixed = [](const Map& map) { return surfacesOf(map) == MapSurfaces::fixed; };

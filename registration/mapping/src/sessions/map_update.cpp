@@ -226,7 +226,7 @@ public:
     if (changes_.any()) {
       map_.ambiguity.reset();
       map_.meta.erase(kSureKey);
-      // An image shows what was there when it was taken, which need not stay.
+      // Objects in an image need not stay.
       if (surfacesOf(map_) == MapSurfaces::fixed) setSurfaces(MapSurfaces::seen, map_);
     }
     return std::move(changes_);

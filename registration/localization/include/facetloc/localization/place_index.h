@@ -60,7 +60,7 @@ public:
   /** \brief The same with the poses of the quick alignment, without the models that are excluded, if any are.
    */
   std::vector<ShortlistedModel> candidates(const View& view, int n,
-                                    const std::function<bool(int model)>& excluded = {}) const;
+                                           const std::function<bool(int model)>& excluded = {}) const;
   std::size_t models() const;
   std::size_t descriptors() const;
   std::size_t bytes() const;  ///< approximate memory in use

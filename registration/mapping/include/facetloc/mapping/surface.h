@@ -25,7 +25,7 @@ public:
    * do not contradict the surface. */
   virtual bool isIncomplete() const { return false; }
 
-  /** \brief Whether it was drawn, and not seen: it holds what stays, and not what people move. */
+  /** \brief Whether it was drawn, not seen: it holds surfaces that stay, without objects that people move. */
   virtual bool isDrawn() const { return false; }
 };
 
