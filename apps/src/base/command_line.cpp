@@ -20,6 +20,8 @@ namespace facetloc {
 namespace {
 
 constexpr unsigned kHelpWidth = 110;
+constexpr const char* kNats =
+    "Scores and evidence are logarithms of odds in nats: each nat multiplies the odds by 2.7.";
 constexpr const char* kUsersTitle = "For users";  // heading of those that --help does not list
 
 std::string underscored(std::string name) {
@@ -341,9 +343,6 @@ void CommandLine::printExamples(std::ostream& out) const {
   for (const auto& [arguments, what] : examples_)
     out << fmt::format("  {} {:{}}  # {}\n", tool_, arguments, width, what);
 }
-
-constexpr const char* kNats =
-    "Scores and evidence are logarithms of odds in nats: each nat multiplies the odds by 2.7.";
 
 void CommandLine::printHelp(std::ostream& out, bool all) const {
   out << "Usage: " << tool_ << " " << synopsis_ << "\n\n" << wrapped(about_) << "\n";
