@@ -29,7 +29,8 @@ struct TieSearch {
   std::optional<CameraMounting> mounting;  ///< with it, a PlaceIndex bounds the search
   int threads = 1;                         ///< 0 = all cores
   std::function<void(double)> progress{};  ///< receives the share of the work that is done; may be empty
-  long long exhaustive_up_to = 200'000;    ///< pairs up to which all are compared, without an index
+  /// pairs up to which all are compared: an index costs as much as 6000 comparisons for each keyframe
+  long long exhaustive_up_to = 20'000'000;
 };
 
 /** \brief Pairs of keyframes of different parts that may show the same place: those close in order, and for
