@@ -80,7 +80,7 @@ const Map& mapOfBuilding() {
  * found there. */
 int foundIn(const Map& map) {
   const MeshSurface furnished(building().add({1.05f, 3.5f, 0}, {1.65f, 4, 2.1f}).mesh());
-  const GlobalLocalization localization(borrowed(map));
+  const GlobalLocalization localization(unowned(map));
   ViewBuilder builder(robotCamera());
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0, DepthNoise().inverse_depth_std);
