@@ -13,14 +13,15 @@ namespace {
 
 using namespace internal;
 
-/** Verdicts of all pixels of the fine grid, row by row: "a", "c", "o", or "." where nothing is compared. */
-Json::Value verdictRows(const DepthJudge& judge, const DepthPicture& a) {
+/** Labels of all pixels of the fine grid, row by row: "a", "c", "o", or "." where nothing is compared. */
+Json::Value labelRows(const DepthComparator& comparator, const DepthPicture& a) {
   constexpr const char kLetters[] = ".aco";
   Json::Value lines(Json::arrayValue);
   const int step = gridStep(a, kFineColumns);
   for (int v = step / 2; v < a.camera.height; v += step) {
     std::string line;
-    for (int u = step / 2; u < a.camera.width; u += step) line += kLetters[static_cast<int>(judge(u, v))];
+    for (int u = step / 2; u < a.camera.width; u += step)
+      line += kLetters[static_cast<int>(comparator(u, v))];
     lines.append(line);
   }
   return lines;
@@ -28,17 +29,18 @@ Json::Value verdictRows(const DepthJudge& judge, const DepthPicture& a) {
 
 /** The surface that a picture shows at the height of its level camera, seen from above: x, y and the pixel.
  */
-Json::Value slice(const DepthPicture& picture, const Eigen::Isometry3d& T_w_c, const DepthJudge* judge) {
+Json::Value slice(const DepthPicture& picture, const Eigen::Isometry3d& T_w_c,
+                  const DepthComparator* comparator) {
   constexpr const char* kLetters[] = {".", "a", "c", "o"};
   Json::Value points(Json::arrayValue);
   const int v = static_cast<int>(std::lround(picture.camera.cy));
-  for (int u = 2; u < picture.camera.width; u += judge ? 3 : 1) {
+  for (int u = 2; u < picture.camera.width; u += comparator ? 3 : 1) {
     const double inverse = picture.inverse_depth[static_cast<std::size_t>(v * picture.camera.width + u)] *
                            DepthPicture::kQuantum;
     if (inverse <= 0) continue;
     const Eigen::Vector3d p = T_w_c * (picture.camera.ray(u, v) / inverse);
     Json::Value point = numbers(Eigen::Vector2d(p.head<2>()), 3);
-    if (judge) point.append(kLetters[static_cast<int>((*judge)(u, v))]);
+    if (comparator) point.append(kLetters[static_cast<int>((*comparator)(u, v))]);
     points.append(point);
   }
   return points;
@@ -48,11 +50,11 @@ Json::Value judged(const View& a, const View& b, const Eigen::Isometry3d& T_w_a,
                    const Eigen::Isometry3d& T_w_b) {
   const DepthComparison comparison{DepthCalibration{}};
   const Eigen::Isometry3d T_b_a = T_w_b.inverse() * T_w_a;
-  const DepthJudge judge(comparison, a.depth, b.depth, T_b_a);
+  const DepthComparator comparator(comparison, a.depth, b.depth, T_b_a);
   const DepthAgreement sum = comparison.count(a.depth, b.depth, T_b_a, kFineColumns);
   Json::Value out;
-  out["rows"] = verdictRows(judge, a.depth);
-  out["slice"] = slice(a.depth, T_w_a, &judge);
+  out["rows"] = labelRows(comparator, a.depth);
+  out["slice"] = slice(a.depth, T_w_a, &comparator);
   out["camera"] = numbers(Eigen::Vector2d(T_w_a.translation().head<2>()), 3);
   out["axis"] = numbers(Eigen::Vector2d(T_w_a.linear().col(2).head<2>()), 3);
   out["agree"] = sum.agree, out["contradict"] = sum.contradict, out["occluded"] = sum.occluded;
