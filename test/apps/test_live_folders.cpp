@@ -27,9 +27,10 @@ using testing::HasSubstr;
 
 TEST_F(LiveTool, PlaysAFolderOfClouds) {
   const std::string clouds = writeClouds(10), results = folder_ / "results";
-  const ToolRun run = runLive({"--device", clouds, "--map", map(), "--headless", "--results", results});
+  const ToolRun run =
+      runLive({"--device", clouds, "--map", map(), "--headless", "--results", results, "--every-frame"});
   EXPECT_EQ(run.code, kOk) << run.err;
-  expectWholeResults(results, 5);
+  expectWholeResults(results, 10);
   EXPECT_EQ(readHypotheses(results).front().frame, DepthSequence::open(sequence()).frames()[0].name);
 }
 

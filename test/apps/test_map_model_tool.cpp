@@ -79,7 +79,7 @@ TEST_F(Tools, AnInvalidModelLeavesNoMap) {
   EXPECT_THAT(runMap({"from-model", model.string(), "-o", map}).err, HasSubstr("no triangle with an area"));
   writeRoom(model, 1000);
   EXPECT_THAT(runMap({"from-model", model.string(), "-o", map, "--units", "km"}).err,
-              HasSubstr("none of: m, cm"));
+              HasSubstr("is not one of m, cm"));
   EXPECT_THAT(runMap({"from-model", model.string(), "-o", map, "--up", "1,2"}).err,
               HasSubstr("neither an axis"));
   EXPECT_FALSE(fs::exists(map) && fs::file_size(map) > 0);
