@@ -196,7 +196,7 @@ TEST(CommandLine, HelpAndVersion) {
                     HasSubstr("--shown.size NUMBER (=1)"), HasSubstr("--params"), HasSubstr("--help-all"),
                     Not(HasSubstr("angular_threshold"))));
   const ToolRun all = echo({"--help-all"});
-  const std::size_t same = help.out.find("Of all tools:");
+  const std::size_t same = help.out.find("Options of all tools:");
   EXPECT_EQ(all.out.substr(0, same), help.out.substr(0, same));  // and more
   EXPECT_THAT(all.out.substr(same), AllOf(HasSubstr("-h [ --help ]"), HasSubstr("--params FILE"),
                                           HasSubstr("Matching of examples:"),
