@@ -6,7 +6,7 @@ file(GLOB_RECURSE documents RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
      ${PROJECT_SOURCE_DIR}/features/*.md ${PROJECT_SOURCE_DIR}/segmentation/*.md ${PROJECT_SOURCE_DIR}/registration/*.md
      ${PROJECT_SOURCE_DIR}/io/*.md ${PROJECT_SOURCE_DIR}/apps/*.md ${PROJECT_SOURCE_DIR}/apps/*.schema.json
      ${PROJECT_SOURCE_DIR}/apps/pictures/*.png ${PROJECT_SOURCE_DIR}/test/*.md
-     ${PROJECT_SOURCE_DIR}/features/pictures/*.svg ${PROJECT_SOURCE_DIR}/registration/*.svg)
+     ${PROJECT_SOURCE_DIR}/features/pictures/*.svg ${PROJECT_SOURCE_DIR}/segmentation/pictures/*.svg ${PROJECT_SOURCE_DIR}/registration/*.svg)
 list(FILTER documents EXCLUDE REGEX "^apps/examples/")
 foreach(document README.md CHANGELOG.md CONTRIBUTING.md LICENSE Dockerfile apps/presets/paper.ini test/benchmark/large_maps.csv ${documents})
   get_filename_component(folder ${document} DIRECTORY)

@@ -13,7 +13,7 @@ import figures
 from belief import belief_facts
 
 PLACES = {
-    "pipeline": "registration", "segment": "features", "tree": "registration", "verdicts": "registration",
+    "pipeline": "registration", "split": "segmentation", "segment": "features", "tree": "registration", "verdicts": "registration",
     "direction": "registration", "belief": "registration/localization",
 }
 

@@ -14,6 +14,7 @@
 namespace facetloc::figures {
 
 Json::Value pipelineFacts();  ///< One image in a map of a room: segments, pairs, ranked poses
+Json::Value splitFacts();     ///< The squares of a split, and the segments that they become
 Json::Value segmentFacts();   ///< A segment frame, its covariance, and the planes that 60 cameras see
 Json::Value treeFacts();      ///< All sets of pairs of a corner of three planes
 Json::Value verdictFacts();  ///< Pixels that agree, contradict or are occluded at a right and at a wrong pose

@@ -42,14 +42,12 @@ Json::Value outlines(const View& view) {
 
 int main(int argc, char** argv) {
   using namespace facetloc::figures;
-  const std::map<std::string, std::function<Json::Value()>> facts{{"pipeline", pipelineFacts},
-                                                                  {"segment", segmentFacts},
-                                                                  {"tree", treeFacts},
-                                                                  {"verdicts", verdictFacts},
-                                                                  {"direction", directionFacts}};
+  const std::map<std::string, std::function<Json::Value()>> facts{
+      {"pipeline", pipelineFacts}, {"split", splitFacts},      {"segment", segmentFacts},
+      {"tree", treeFacts},         {"verdicts", verdictFacts}, {"direction", directionFacts}};
   const auto chosen = facts.find(argc == 2 ? argv[1] : "");
   if (chosen == facts.end()) {
-    std::cerr << "usage: figure_data pipeline|segment|tree|verdicts|direction\n";
+    std::cerr << "usage: figure_data pipeline|split|segment|tree|verdicts|direction\n";
     return 2;
   }
   try {

@@ -80,6 +80,25 @@ def plan(figure, facts, box):
     figure.text(x + width - 8 - scale, y + height - 17, "2 m", 10, "middle", halo=True)
 
 
+def split(facts):
+    figure = Figure(760, 250)
+    boxes = [(10, 34, 236, 177), (262, 34, 236, 177), (514, 34, 236, 177)]
+    for (x, y, width, height), title in zip(boxes, ("1  depth image", "2  flat squares of 4 to 64 px", "3  merged and labelled")):
+        figure.text(x, y - 12, title, 13, bold=True)
+        figure.rectangle(x, y, width, height, "#f4f4f4", PALE, 1)
+    figure.depth([row[::2] for row in facts["depth"][::2]], *boxes[0])
+    x, y, width, height = boxes[1]
+    corners = lambda u, v: (x + min(u, 320) * width / 320, y + min(v, 240) * height / 240)
+    for size, colour in ((4, RED), (8, ORANGE), (16, GREEN), (32, SKY), (64, BLUE)):
+        squares = [corners(u, v) + corners(u + size, v + size) for u, v, s in facts["leaves"] if s == size]
+        figure.squares(squares, colour)
+    palette = ["#ffffff"] + (SURFACES + ["#888888", "#004d73", "#a06f00", "#006b4f", "#8a4f6f", "#2f7ea8", "#8f3f00"])[:14]
+    colours = [bytes.fromhex(colour[1:]) for colour in palette]
+    figure.raster([[1 + (label - 1) % (len(colours) - 1) if label else 0 for label in row] for row in facts["labels"]], colours, *boxes[2])
+    figure.text(10, 234, f"{len(facts['leaves'])} squares, the smallest red, the largest blue; what is not flat belongs to none. {facts['segments']} segments.", 11)
+    return figure, "A simulated depth image, its quad-tree, and its segments"
+
+
 def segment(facts):
     figure = Figure(760, 350)
     box = (10, 40, 320, 240)

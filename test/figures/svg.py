@@ -12,8 +12,9 @@ SURFACES = [BLUE, ORANGE, GREEN, PINK, SKY, RED, YELLOW]
 
 
 def number(value):
-    text = f"{value:.1f}"
-    return (text[:-2] if text.endswith(".0") else text).replace("-0", "0") if abs(value) < 0.05 else text.removesuffix(".0")
+    """With one decimal, where it is not 0."""
+    text = f"{value:.1f}".removesuffix(".0")
+    return "0" if text == "-0" else text
 
 
 def points(path):
@@ -46,6 +47,11 @@ class Figure:
         self.add("polygon", points=points(path), fill=fill, stroke=stroke, stroke_width=width,
                  fill_opacity=opacity and f"{opacity:.2f}")
 
+    def squares(self, boxes, fill):
+        """Rectangles with thin white borders, as one shape."""
+        path = "".join(f"M{number(x0)} {number(y0)}H{number(x1)}V{number(y1)}H{number(x0)}z" for x0, y0, x1, y1 in boxes)
+        self.add("path", d=path, fill=fill, stroke="#ffffff", stroke_width=0.4)
+
     def circle(self, x, y, radius, fill=BLACK, stroke=None, width=None):
         self.add("circle", cx=x, cy=y, r=radius, fill=fill, stroke=stroke, stroke_width=width)
 
@@ -67,14 +73,17 @@ class Figure:
         """A depth image [cm] in 16 greys, near is bright; not measured is black."""
         known = sorted(value for row in rows for value in row if value)
         near, far = known[len(known) // 50], known[-len(known) // 50]
-        lines = b""
-        for row in rows:
-            greys = [0 if not value else 15 - round(12 * min(1, max(0, (value - near) / (far - near)))) for value in row]
-            lines += b"\0" + bytes(a << 4 | b for a, b in zip(greys[::2], greys[1::2]))
+        grey = lambda value: 15 - round(12 * min(1, max(0, (value - near) / (far - near)))) if value else 0
+        self.raster([[grey(value) for value in row] for row in rows], [bytes([17 * k] * 3) for k in range(16)], x, y, width, height)
+
+    def raster(self, rows, palette, x, y, width, height):
+        """An image of up to 16 colours, given by their bytes."""
+        lines = b"".join(b"\0" + bytes(a << 4 | b for a, b in zip(row[::2], row[1::2])) for row in rows)
 
         def chunk(kind, data):
             return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-        png = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", len(rows[0]), len(rows), 4, 0, 0, 0, 0))
+        png = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", len(rows[0]), len(rows), 4, 3, 0, 0, 0))
+        png += chunk(b"PLTE", b"".join(palette))
         png += chunk(b"IDAT", zlib.compress(lines, 0)) + chunk(b"IEND", b"")  # stored: the same by any zlib
         self.add("image", x=x, y=y, width=width, height=height, preserveAspectRatio="none",
                  href="data:image/png;base64," + base64.b64encode(png).decode())

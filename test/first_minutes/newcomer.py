@@ -6,6 +6,7 @@ import html.parser
 import math
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -67,8 +68,18 @@ class Newcomer:
         return found
 
     def page(self, name):
-        """The visible text of a page, which needs no other file and no network."""
+        """The visible text of a page, which needs no other file and no network, and opens in a browser without an error."""
         text = (self.folder / name).read_text(encoding="utf-8")
+        browser = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+        if browser:
+            command = [browser, "--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--dump-dom",
+                       "--virtual-time-budget=4000", "--enable-logging=stderr", "--v=0", f"--user-data-dir={self.folder}/browser",
+                       f"file://{self.folder / name}"]
+            opened = subprocess.run(command, check=False, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            errors = [line for line in opened.stderr.splitlines() if "CONSOLE" in line]
+            check(opened.returncode == 0 and len(opened.stdout) > 100 and not errors, f"{name} opens in a browser: {errors or 'no error'}")
+        else:
+            print("left out, without a browser: opening", name)
         reader = _Page()
         reader.feed(text)
         reader.close()
