@@ -61,13 +61,13 @@ private:
     const double overlap = overlapDistance(F, model, pose);
     const bool accepted = update.accepted && (pairs.empty() || overlap <= MatchingParams{}.overlap_gate);
     pairs.push_back(pair);
-    const PrincipalStd std = principalStd(update.pose.P);
+    const PrincipalStd known = principalStd(update.pose.P);
     Json::Value out;
     out["scene"] = pair.scene, out["model"] = pair.model;
     out["accepted"] = accepted, out["overlap"] = rounded(overlap, 1);
     out["cost"] = rounded(update.cost, 2), out["gain"] = rounded(update.gain, 2);
-    out["rotation_deg"] = rounded(std.rotation[2] * 180 / M_PI, 2),
-    out["translation"] = rounded(std.translation[2], 3);
+    out["rotation_deg"] = rounded(known.rotation[2] * 180 / M_PI, 2),
+    out["translation"] = rounded(known.translation[2], 3);
     out["complete"] = complete_.count(setOf(pairs)) > 0;
     const bool goes_on = accepted && !out["complete"].asBool();
     out["children"] = goes_on ? below(update.pose, pairs, i + 1) : Json::Value(Json::arrayValue);
