@@ -55,6 +55,19 @@ TEST(MessageReader, OtherRepresentationsAreRefused) {
   EXPECT_THROW(readerOf({0, 1, 0, 0}, WireFormat::other), BadMessage);
 }
 
+TEST(MessageReader, Xcdr2IsNamedWithWhatToDo) {
+  for (std::uint8_t kind = 0; kind < 14; ++kind) {
+    std::string complaint;
+    try {
+      readerOf({0, kind, 0, 0, 1}, WireFormat::cdr);
+    } catch (const BadMessage& e) {
+      complaint = e.what();
+    }
+    EXPECT_EQ(complaint.empty(), kind <= 1) << complaint;
+    EXPECT_EQ(complaint.find("ros2 bag play") != std::string::npos, kind >= 6 && kind <= 11) << complaint;
+  }
+}
+
 template <typename Message>
 void readAny(const Bytes& bytes, WireFormat format) {
   try {

@@ -120,6 +120,21 @@ TEST_F(MessageRecordings, OdometryIsOfMessagesOrTf) {
   EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(still).readOdometry(still); }), HasSubstr("no odometry"));
 }
 
+TEST_F(MessageRecordings, CorruptMessagesOfOdometryAreLeftOut) {
+  for (const auto& [words, remarks] :
+       {std::pair<const char*, std::vector<std::string>>{"mcap tf torn", {"2 of 8 messages of /tf left out"}},
+        {"db3 torn", {"1 of 7 messages of /odom left out", "2 of 2 messages of /tf left out"}}}) {
+    const fs::path file = recording(words, Trajectory(path()));
+    std::string remark;
+    const Trajectory read = DepthSequence::open(file).readOdometry(file, &remark);
+    for (const std::string& text : remarks) EXPECT_THAT(remark, HasSubstr(text));
+    EXPECT_THAT(remark, HasSubstr("ends before its last field"));
+    ASSERT_EQ(read.poses().size(), 6u) << words;
+    for (const StampedPose& pose : path())
+      EXPECT_TRUE(read.at(pose.stamp, 1e-5)->isApprox(pose.T_w_c, 1e-6)) << words;
+  }
+}
+
 TEST_F(MessageRecordings, OdometryIsTheCamerasWhereTfHasItOnTheRobot) {
   for (const char* words : {"db3 camera_tf", "mcap tf camera_tf"}) {
     const fs::path file = recording(words, Trajectory(path()));

@@ -13,6 +13,7 @@ missing. CONTAINER is db3, mcap or rtabmap. Words, of all of which the last one 
     big                              CDR is big-endian
     split                            OUT is a folder of rosbag2 with two files
     tf                               odometry is in /tf, and not in /odom
+    torn                             two more messages of tf, and one of the odometry, are none
     imu=FRAME imu_tf                 an IMU at rest in this frame, which tf has turned beside the camera
     camera_tf                        tf has the camera on the robot
     no_info other_info               no CameraInfo; one of another name with the frame of the images
@@ -81,6 +82,10 @@ class Cdr:
     def header(self, stamp, frame):
         seconds = math.floor(stamp + 5e-10)
         return self.put("i", seconds).put("I", max(0, round((stamp - seconds) * 1e9))).text(frame)
+
+    def cut(self):
+        self.body = self.body[:-9]
+        return self
 
     def bytes(self):
         return (b"\0\0\0\0" if ORDER == ">" else b"\0\1\0\0") + self.body
@@ -220,6 +225,12 @@ def all_messages():
         if n == 0 and "camera_tf" in words:
             add(stamp, "/tf_static", "tf2_msgs/msg/TFMessage", transforms((stamp, BASE, CAMERA, OPTICAL)))
     for stamp, pose in odometry():
+        if "torn" in words and stamp == 1000:
+            good = [5.0, 0, 0, 0, 0, 0, 1]  # in one message with what has no rotation
+            add(stamp, "/tf", "tf2_msgs/msg/TFMessage", transforms((stamp, "odom", BASE, good), (stamp, "odom", "x", [0.0] * 7)))
+            add(stamp, "/tf", "tf2_msgs/msg/TFMessage", transforms((stamp, "odom", BASE, pose)).cut())
+            if "tf" not in words:
+                add(stamp, "/odom", "nav_msgs/msg/Odometry", odometry_message(stamp, pose).cut())
         if "tf" in words:
             add(stamp, "/tf", "tf2_msgs/msg/TFMessage", transforms((stamp, "odom", BASE, pose)))
         else:

@@ -14,12 +14,19 @@ constexpr const char* kOdometryFrame = "odom";
 }  // namespace
 
 FrameTree::FrameTree(const MessageLog& log) {
-  for (const MessageTopic& topic : log.topicsOf(TransformsMessage::kType))
-    log.readAll<TransformsMessage>(topic.name, [&](const TransformsMessage& message) {
-      for (const TransformMessage& t : message.transforms)
-        transforms_[{t.header.frame, t.child_frame}].push_back(
-            poseOf(t.header.stamp, t.pose, log.path().string()));
-    });
+  for (const MessageTopic& topic : log.topicsOf(TransformsMessage::kType)) {
+    const std::string fault =
+        log.readSound<TransformsMessage>(topic.name, [&](const TransformsMessage& message) {
+          std::vector<StampedPose> poses;
+          for (const TransformMessage& t : message.transforms)
+            poses.push_back(poseOf(t.header.stamp, t.pose, log.path().string()));
+          for (std::size_t i = 0; i < poses.size(); ++i) {
+            const TransformMessage& t = message.transforms[i];
+            transforms_[{t.header.frame, t.child_frame}].push_back(poses[i]);
+          }
+        });
+    addSentence(fault, faults_);
+  }
 }
 
 bool FrameTree::isFixed(const Edge& edge) const {

@@ -22,8 +22,10 @@ namespace facetloc::internal {
  * publishes them. */
 class FrameTree {
 public:
-  /** \brief Reads all transforms. Throws IoError for corrupt messages. */
+  /** \brief Reads all transforms, but for those of corrupt messages. */
   explicit FrameTree(const MessageLog& log);
+  /** \brief What was left out; empty if nothing was. */
+  const std::string& faults() const { return faults_; }
 
   /** \brief T_a_b, by fixed transforms alone; the identity if they are one frame. Nothing if they are not
    * connected. */
@@ -42,6 +44,7 @@ private:
   using Edge = std::pair<std::string, std::string>;  // parent, child
   bool isFixed(const Edge& edge) const;
   std::map<Edge, std::vector<StampedPose>> transforms_;
+  std::string faults_;
 };
 
 }  // namespace facetloc::internal

@@ -122,8 +122,10 @@ ReadGravity readImuGravity(const MessageLog& log, const std::string& camera_fram
   if (samples.empty())
     return {{},
             fmt::format("{}: {} has no gravity at the time of any image", log.path().string(), best->topic)};
-  return {GravityRecord(std::move(samples)), fmt::format("{}: gravity is by the accelerometer of {}, {}",
-                                                         log.path().string(), best->topic, best->how)};
+  std::string remark = fmt::format("{}: gravity is by the accelerometer of {}, {}", log.path().string(),
+                                   best->topic, best->how);
+  addSentence(tree.faults(), remark);
+  return {GravityRecord(std::move(samples)), std::move(remark)};
 }
 
 }  // namespace facetloc::internal

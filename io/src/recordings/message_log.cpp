@@ -48,8 +48,12 @@ std::string MessageLog::faults() const {
   std::string words;
   for (const auto& file : files_)
     if (!file->fault().empty())
-      words += fmt::format("{}{}: {}", words.empty() ? "" : "; ", file->path().string(), file->fault());
+      addSentence(fmt::format("{}: {}", file->path().string(), file->fault()), words);
   return words;
+}
+
+void addSentence(const std::string& sentence, std::string& sentences) {
+  if (!sentence.empty()) sentences += (sentences.empty() ? "" : "; ") + sentence;
 }
 
 std::string listOf(const std::vector<MessageTopic>& topics) {

@@ -56,6 +56,22 @@ public:
   void readAll(const std::string& topic, const Use& use) const {
     for (const LoggedMessage& logged : messages(topic, Message::kType)) read<Message>(logged, use);
   }
+  /** \brief As readAll(), but one that cannot be read, or used, is left out. \return what there is to say of
+   * that: a sentence without full stop, or nothing. \param use may throw IoError, and has done nothing then
+   */
+  template <typename Message, typename Use>
+  std::string readSound(const std::string& topic, const Use& use) const {
+    const std::vector<LoggedMessage> all = messages(topic, Message::kType);
+    std::size_t left_out = 0;
+    std::string why;
+    for (const LoggedMessage& logged : all) try {
+        read<Message>(logged, use);
+      } catch (const IoError& e) {
+        if (left_out++ == 0) why = e.what();
+      }
+    if (left_out == 0) return {};
+    return fmt::format("{} of {} messages of {} left out, such as {}", left_out, all.size(), topic, why);
+  }
   /** \brief The first message of a topic, if there is one. \return was there? */
   template <typename Message, typename Use>
   bool readFirst(const std::string& topic, const Use& use) const {
@@ -69,6 +85,9 @@ private:
   std::vector<std::unique_ptr<const MessageFile>> files_;
   std::vector<MessageTopic> topics_;  // topics of all files
 };
+
+/** \brief Adds a sentence, behind a semicolon, unless it is empty. */
+void addSentence(const std::string& sentence, std::string& sentences);
 
 /** \brief "/odom (12), /pose (3)", or "none". */
 std::string listOf(const std::vector<MessageTopic>& topics);

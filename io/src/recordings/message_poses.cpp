@@ -11,13 +11,14 @@
 namespace facetloc::internal {
 namespace {
 
-/** Of one topic; of several the first by its name, as they are sorted. */
-FrameTree::Moving odometryOf(const MessageLog& log, const std::string& topic) {
+/** Of one topic. \param remark what is left out is added */
+FrameTree::Moving odometryOf(const MessageLog& log, const std::string& topic, std::string& remark) {
   FrameTree::Moving moving;
-  log.readAll<OdometryMessage>(topic, [&](const OdometryMessage& message) {
-    moving.parent = message.header.frame, moving.child = message.child_frame;
+  const std::string fault = log.readSound<OdometryMessage>(topic, [&](const OdometryMessage& message) {
     moving.poses.push_back(poseOf(message.header.stamp, message.pose, log.path().string()));
+    moving.parent = message.header.frame, moving.child = message.child_frame;
   });
+  addSentence(fault, remark);
   return moving;
 }
 
@@ -37,20 +38,24 @@ ReadPoses readMessageOdometry(const std::filesystem::path& path, const std::stri
   std::optional<FrameTree::Moving> moving;
   ReadPoses read;
   if (!topics.empty()) {
-    moving = odometryOf(log, topics.front().name);
+    moving = odometryOf(log, topics.front().name, read.remark);  // they are sorted by their names
     if (topics.size() > 1)
-      read.remark = fmt::format("{}: the odometry is from {}, the first of {}", path.string(),
-                                topics.front().name, listOf(topics));
+      addSentence(fmt::format("{}: the odometry is from {}, the first of {}", path.string(),
+                              topics.front().name, listOf(topics)),
+                  read.remark);
   } else {
     moving = tree.moving(camera_frame);
   }
+  addSentence(tree.faults(), read.remark);
   if (!moving || moving->poses.empty())
     throw IoError(path.string(),
-                  "has no odometry: no message nav_msgs/Odometry, and no transform of odom in /tf");
+                  "has no odometry: no message nav_msgs/Odometry, and no transform of odom in /tf" +
+                      (read.remark.empty() ? "" : "; " + read.remark));
   if (const auto T = camera_frame.empty() ? std::nullopt : tree.fixed(moving->child, camera_frame)) {
     for (StampedPose& pose : moving->poses) pose.T_w_c = pose.T_w_c * *T;
-    read.remark += fmt::format("{}{}: by tf, poses of {} are those of the camera, {}",
-                               read.remark.empty() ? "" : "; ", path.string(), moving->child, camera_frame);
+    addSentence(fmt::format("{}: by tf, poses of {} are those of the camera, {}", path.string(),
+                            moving->child, camera_frame),
+                read.remark);
   }
   read.poses = Trajectory(std::move(moving->poses));
   return read;

@@ -5,6 +5,13 @@
 
 namespace facetloc::internal {
 
+namespace {
+
+/** CDR2, D_CDR2 and PL_CDR2 of OMG's DDS-XTypes 7.6.3.1.2, of both byte orders. */
+bool isXcdr2(const std::uint8_t* kind) { return kind[0] == 0 && kind[1] >= 6 && kind[1] <= 11; }
+
+}  // namespace
+
 MessageReader::MessageReader(ByteView bytes, WireFormat format)
     : data_(bytes.data), size_(bytes.size), format_(format) {
   if (format == WireFormat::other) throw BadMessage("is of an encoding that is not read");
@@ -13,8 +20,12 @@ MessageReader::MessageReader(ByteView bytes, WireFormat format)
   constexpr int kBigEndian = 0, kLittleEndian = 1;
   const std::uint8_t* kind = take(kEncapsulation);
   if (kind[0] != 0 || kind[1] > kLittleEndian)
-    throw BadMessage(
-        fmt::format("is not encoded as plain CDR but by representation 0x{:02x}{:02x}", kind[0], kind[1]));
+    throw BadMessage(fmt::format(
+        "is not encoded as plain CDR (XCDR1) but by representation 0x{:02x}{:02x}{}", kind[0], kind[1],
+        isXcdr2(kind)
+            ? ", XCDR2: play it (ros2 bag play), and record it by a middleware that writes XCDR1, which "
+              "is the default of rmw_fastrtps_cpp"
+            : ""));
   swapped_ = kind[1] == kBigEndian;
   data_ += kEncapsulation, size_ -= kEncapsulation, next_ = 0;  // alignment counts from here
 }
