@@ -37,21 +37,58 @@ FrameResult sureAt(double x, AnswerState state = AnswerState::sure) {
   return frame;
 }
 
+/** Local models in a row, 1 m apart. */
+std::shared_ptr<Map> rowOfModels(int n, double y = 2) {
+  auto map = std::make_shared<Map>();
+  for (int i = 0; i < n; ++i)
+    map->models.emplace_back(std::to_string(i), i, Eigen::Isometry3d(Eigen::Translation3d(i, y, 3)));
+  return map;
+}
+
 TEST(RememberedPose, IsTheLastSureOne) {
   TemporaryFolder folder;
+  const auto map = rowOfModels(10);
   const std::string file = folder / "last";
   {
-    RememberedPose pose(file, {});
+    RememberedPose pose(file, map, {});
     EXPECT_EQ(pose.start(), "");
     pose.put(sureAt(1));
     pose.put(sureAt(4));
     pose.put(sureAt(7, AnswerState::doubtful));
   }
-  const RobotLine line = parseRobotLine(RememberedPose(file, {}).start(), {});
+  const RobotLine line = parseRobotLine(RememberedPose(file, map, {}).start(), {});
   ASSERT_TRUE(line.start);
   EXPECT_TRUE(line.start->T_w_c.T.isApprox(*sureAt(4).rows[0].T_w_c, 1e-9));
   EXPECT_TRUE(line.start->T_w_c.P.isApprox(startCovariance(1, 30 * kDegree)))
       << "it may have been moved since";
+}
+
+TEST(RememberedPose, IsOfOneMapAlone) {
+  TemporaryFolder folder;
+  const std::string file = folder / "last";
+  const auto map = rowOfModels(100);
+  RememberedPose(file, map, {}).put(sureAt(40));
+  const auto refusal = [&](const std::shared_ptr<const Map>& other) -> std::string {
+    try {
+      return RememberedPose(file, other, {}).start().empty() ? "no pose" : "";
+    } catch (const IoError& e) {
+      return e.cause();
+    }
+  };
+  EXPECT_EQ("", refusal(map));
+  EXPECT_THAT(refusal(rowOfModels(100, 3)), HasSubstr("another map")) << "of the same names";
+  EXPECT_THAT(refusal(rowOfModels(10)), HasSubstr("another map"));
+  EXPECT_THAT(refusal(std::make_shared<Map>()), HasSubstr("another map"));
+  auto extended = std::make_shared<Map>(*map);
+  for (std::size_t i = 36; i < 42; ++i) extended->models[i].name += " of today";
+  EXPECT_EQ("", refusal(extended)) << "a few have been replaced";
+  Json::Value line;
+  std::istringstream(contentOf(file)) >> line;
+  for (const Json::Value& near : {Json::Value(), Json::Value(7), Json::Value(Json::objectValue)}) {
+    line["near"] = near;
+    std::ofstream(file) << line;
+    EXPECT_THAT(refusal(map), HasSubstr("another map"));
+  }
 }
 
 TEST(RememberedPose, AnotherKindOfFileIsNamed) {
@@ -60,7 +97,7 @@ TEST(RememberedPose, AnotherKindOfFileIsNamed) {
   for (const std::string& text : {std::string("no pose"), std::string("[1]"), std::string("{}"),
                                   std::string(1 << 20, '{'), std::string(R"({"T_w_c":{"position":[1]}})")}) {
     std::ofstream(file) << text;
-    EXPECT_THROW(RememberedPose(file, {}).start(), IoError) << text.substr(0, 40);
+    EXPECT_THROW(RememberedPose(file, rowOfModels(1), {}).start(), IoError) << text.substr(0, 40);
   }
 }
 

@@ -10,7 +10,7 @@
 #include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/openni_grabber.h>
+#include <facetloc/openni/openni_grabber.h>
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -139,7 +139,7 @@ void LiveRun::finish() {
 /** The pose remembered from an earlier run is a start like one of the robot, unless the user gives one. */
 void LiveRun::rememberPose(const std::optional<CameraMounting>& mounting) try {
   if (options_.remember.empty()) return;
-  remembered_ = std::make_unique<RememberedPose>(options_.remember, mounting);
+  remembered_ = std::make_unique<RememberedPose>(options_.remember, map_, mounting);
   const std::string line = options_.near.empty() ? remembered_->start() : "";
   if (!line.empty()) odometry_->take(line);
 } catch (const IoError& e) {
