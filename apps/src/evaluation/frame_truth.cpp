@@ -168,6 +168,15 @@ TrueSegments RenderedTruth::segments(const std::string& name, const Eigen::Isome
 
 namespace {
 
+/** Such as a bag, in the place of a trajectory. */
+bool hasImages(const fs::path& file) {
+  try {
+    return !DepthSequence::open(file).frames().empty();
+  } catch (const IoError&) {
+    return false;
+  }
+}
+
 PlaceTruth::Sequence openSequence(const fs::path& folder, double time_offset) {
   const Trajectory poses = DepthSequence::readTruth(folder, time_offset);
   if (poses.empty())
@@ -188,8 +197,13 @@ bool overlap(const Trajectory& a, const Trajectory& b) {
 }  // namespace
 
 PlaceTruth PlaceTruth::open(const fs::path& path, double time_offset) {
-  if (!fs::is_directory(path)) return PlaceTruth(DepthSequence::readTruth(path, time_offset));
   PlaceTruth truth;
+  if (!fs::is_directory(path)) {
+    const Trajectory poses = DepthSequence::readTruth(path, time_offset);
+    if (!hasImages(path)) return PlaceTruth(poses);
+    truth.add({path, poses, {}, {}});
+    return truth;
+  }
   for (const char* run : {"map", "query", "drive"})
     if (!fs::exists(path / kPoses) && fs::exists(path / run / kPoses))
       truth.add(openSequence(path / run, time_offset));

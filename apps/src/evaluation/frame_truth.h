@@ -70,9 +70,9 @@ private:
 /** \brief All that is known to be true of one or several runs through a place. */
 class PlaceTruth {
 public:
-  /** \brief A run that has a folder. */
+  /** \brief A run whose images are there. */
   struct Sequence {
-    std::filesystem::path folder;
+    std::filesystem::path folder;  ///< or file
     Trajectory poses;
     std::optional<RenderedTruth> rendered;
     std::set<std::string> unmapped;

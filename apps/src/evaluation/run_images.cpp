@@ -3,12 +3,26 @@
 
 #include "base/depth_input.h"
 
+#include <facetloc/io/error.h>
+
 namespace facetloc {
+namespace {
+
+/** Null if there are poses alone: a report does without pictures then. */
+std::shared_ptr<const DepthSequence> imagesIn(const std::filesystem::path& recording) {
+  try {
+    return std::make_shared<const DepthSequence>(DepthSequence::open(recording));
+  } catch (const IoError&) {
+    return nullptr;
+  }
+}
+
+}  // namespace
 
 RunImages::RunImages(const PlaceTruth& truth, const Map& map) : map_(map) {
   for (const PlaceTruth::Sequence& s : truth.sequences()) {
-    if (!std::filesystem::is_directory(s.folder / "depth")) continue;
-    const auto sequence = std::make_shared<const DepthSequence>(DepthSequence::open(s.folder));
+    const auto sequence = imagesIn(s.folder);
+    if (!sequence) continue;
     for (std::size_t i = 0; i < sequence->frames().size(); ++i)
       for (const std::string& run : {s.folder.filename().string(), std::string()})
         places_.emplace(std::make_pair(run, sequence->frames()[i].name), Place{sequence, i});
