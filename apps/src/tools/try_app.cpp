@@ -34,6 +34,33 @@ std::string lastLine(const std::string& text) {
   return last;
 }
 
+/** The folder of a recording, which is one or is in one. */
+fs::path folderOf(const std::string& recording) {
+  const fs::path path = fs::canonical(recording);
+  return fs::is_directory(path) ? path : path.parent_path();
+}
+
+bool isWithin(const fs::path& folder, const fs::path& parent) {
+  const fs::path from = fs::weakly_canonical(folder).lexically_relative(parent);
+  return !from.empty() && *from.begin() != "..";
+}
+
+/** In the working folder, unless that is the recording: beside it then. */
+std::string reportOf(const std::string& recording) {
+  const std::string name = titleOf(recording) + ".try";
+  const bool among_images = fs::is_directory(recording) && isWithin(fs::current_path(), folderOf(recording));
+  return among_images ? (folderOf(recording).parent_path() / name).string() : name;
+}
+
+/** Throws UsageError if a report would come among the files of a recording. */
+void requireOutside(const fs::path& report, const std::string& recording) {
+  const bool is_new = !fs::exists(report) || fs::is_empty(report) || fs::exists(report / "report.html");
+  const bool is_recording = fs::exists(report) && fs::equivalent(report, folderOf(recording));
+  if (fs::is_directory(recording) && (is_recording || (!is_new && isWithin(report, folderOf(recording)))))
+    throw UsageError(fmt::format(
+        "the report would come among the files of the recording {}; -o names another folder", recording));
+}
+
 /** In the browser of the desktop, beside this program. */
 void openInBrowser(const std::string& page, const Console& console) {
   const pid_t child = fork();
@@ -68,7 +95,7 @@ void TryApp::addOptions(CommandLine& line) {
   line.addArgument("RECORDING", recording_);
   line.addArgument("LATER", later_, false);
   line.addOption("output,o", folder_, "DIR",
-                 "Folder of the report; RECORDING's name with .try unless given.");
+                 "Folder of the report; RECORDING's name with .try, in the working folder, unless given.");
   line.addOption("camera", camera_, "FILE|NAME",
                  "The camera of both recordings: camera.ini, a map or a preset.");
   line.addOption("depth-scale", depth_scale_, "N", "Image values per metre.");
@@ -138,9 +165,11 @@ void TryApp::runStage(const Stage& stage, std::size_t number, std::size_t of, co
 }
 
 int TryApp::execute(const CommandLine& line, const Console& console) {
-  if (folder_.empty()) folder_ = titleOf(recording_) + ".try";
   for (const std::string& recording : {recording_, later_})
     if (!recording.empty() && !fs::exists(recording)) throw IoError(recording, "does not exist");
+  if (folder_.empty()) folder_ = reportOf(recording_);
+  for (const std::string& recording : {recording_, later_})
+    if (!recording.empty()) requireOutside(folder_, recording);
   const std::vector<Stage> all = stages(line, console);
   createFolders(folder_);
   if (later_.empty())
